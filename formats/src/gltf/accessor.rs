@@ -1,0 +1,236 @@
+//! Accessors, checked before the crate's readers see them.
+
+use ::gltf::accessor::{Item, Iter};
+use ::gltf::json::Index;
+use ::gltf::json::accessor::{Accessor, ComponentType, Type, sparse::Sparse};
+use ::gltf::json::buffer::View;
+use ::gltf::json::validation::Checked::Valid;
+
+use super::Gear;
+use crate::source::EXPORT_AGAIN;
+use crate::{Error, Place, Result};
+
+/// An accessor without a view is all zeros, at no cost to the file: only so many.
+const MOST_ZEROS: u64 = 1 << 20;
+
+/// The positions in accessor `index`, as `f64`.
+pub(super) fn positions(gear: &mut Gear<'_>, index: usize) -> Result<Vec<[f64; 3]>> {
+    let (json, kind) = check(gear, index, Type::Vec3)?;
+    let normalized = json.normalized;
+    match kind {
+        ComponentType::F32 => points(gear, index, |v: f32| f64::from(v)),
+        ComponentType::I8 => points(gear, index, scaled::<i8>(normalized, i8::MAX.into())),
+        ComponentType::U8 => points(gear, index, scaled::<u8>(normalized, u8::MAX.into())),
+        ComponentType::I16 => points(gear, index, scaled::<i16>(normalized, i16::MAX.into())),
+        ComponentType::U16 => points(gear, index, scaled::<u16>(normalized, u16::MAX.into())),
+        ComponentType::U32 => Err(bad(gear, index, "holds positions of an unknown type")),
+    }
+}
+
+/// A quantized coordinate; if `normalized`, `most` stands for 1.
+fn scaled<T: Into<f64>>(normalized: bool, most: f64) -> impl Fn(T) -> f64 {
+    move |v| {
+        if normalized {
+            (v.into() / most).max(-1.0)
+        } else {
+            v.into()
+        }
+    }
+}
+
+fn points<T: Item + Copy>(
+    gear: &Gear<'_>,
+    index: usize,
+    number: impl Fn(T) -> f64,
+) -> Result<Vec<[f64; 3]>> {
+    items::<[T; 3], _>(gear, index, |xyz| xyz.map(&number))
+}
+
+/// The vertex numbers in accessor `index`.
+pub(super) fn indices(gear: &mut Gear<'_>, index: usize) -> Result<Vec<u32>> {
+    match check(gear, index, Type::Scalar)?.1 {
+        ComponentType::U8 => items::<u8, _>(gear, index, u32::from),
+        ComponentType::U16 => items::<u16, _>(gear, index, u32::from),
+        ComponentType::U32 => items::<u32, _>(gear, index, |i| i),
+        _ => Err(bad(
+            gear,
+            index,
+            "holds vertex numbers that are not unsigned integers",
+        )),
+    }
+}
+
+/// The items of a checked accessor, through the crate.
+fn items<T: Item, U>(gear: &Gear<'_>, index: usize, f: impl Fn(T) -> U) -> Result<Vec<U>> {
+    let lost = || bad(gear, index, "cannot be read");
+    let accessor = gear.document.accessors().nth(index).ok_or_else(lost)?;
+    let count = accessor.count();
+    if count == 0 {
+        // The crate subtracts one from the count.
+        return Ok(Vec::new());
+    }
+    let buffers = &gear.buffers;
+    let items = Iter::<T>::new(accessor, |b| buffers.get(b.index())).ok_or_else(lost)?;
+    let items: Vec<U> = items.map(f).collect();
+    if items.len() == count {
+        Ok(items)
+    } else {
+        Err(lost())
+    }
+}
+
+/// Checks everything about accessor `index` that the crate would trust.
+fn check<'a>(
+    gear: &mut Gear<'a>,
+    index: usize,
+    shape: Type,
+) -> Result<(&'a Accessor, ComponentType)> {
+    let root = gear.document.as_json();
+    let Some(json) = root.accessors.get(index) else {
+        return Err(bad(gear, index, "does not exist"));
+    };
+    let (Valid(found), Valid(kind)) = (json.type_, &json.component_type) else {
+        return Err(bad(gear, index, "is of an unknown type"));
+    };
+    if found != shape {
+        return Err(bad(gear, index, "has items of the wrong shape"));
+    }
+    let kind = kind.0;
+    let size = (kind.size() * shape.multiplicity()) as u64;
+    let offset = json.byte_offset.unwrap_or_default().0;
+    if let Some(view) = json.buffer_view {
+        check_span(
+            gear,
+            index,
+            view,
+            Span {
+                offset,
+                count: json.count.0,
+                size,
+            },
+        )?;
+    } else if json.sparse.is_none() {
+        return Err(match gear.compression {
+            Some(name) => super::compressed(gear.buffers.path, name),
+            None => bad(gear, index, "has no data"),
+        });
+    } else if json.count.0 > MOST_ZEROS {
+        return Err(bad(
+            gear,
+            index,
+            "has more than a million items out of nothing",
+        ));
+    }
+    if let Some(sparse) = &json.sparse {
+        check_sparse(gear, index, sparse, json.count.0, size)?;
+    }
+    Ok((json, kind))
+}
+
+/// `count` items of `size` bytes, from `offset` in their view on.
+struct Span {
+    offset: u64,
+    count: u64,
+    size: u64,
+}
+
+/// Checks that the span is in its view, and the view in its buffer, which is
+/// loaded. Returns the view and its stride.
+fn check_span<'a>(
+    gear: &mut Gear<'a>,
+    index: usize,
+    view: Index<View>,
+    span: Span,
+) -> Result<(&'a View, u64)> {
+    let root = gear.document.as_json();
+    let Some(json) = root.buffer_views.get(view.value()) else {
+        return Err(bad(gear, index, "is in a buffer view that does not exist"));
+    };
+    let length = gear.buffers.load(json.buffer.value(), gear.compression)?;
+    let start = json.byte_offset.unwrap_or_default().0;
+    if start
+        .checked_add(json.byte_length.0)
+        .is_none_or(|end| end > length)
+    {
+        let error = Error::new(
+            gear.buffers.path,
+            "has a buffer view beyond its buffer",
+            EXPORT_AGAIN,
+        );
+        return Err(error.at(Place::Element("bufferView", view.value() as u64)));
+    }
+    let stride = json.byte_stride.map_or(0, |s| s.0 as u64);
+    // Zero is the same as none, to the crate too.
+    let stride = if stride == 0 { span.size } else { stride };
+    if stride < span.size {
+        return Err(bad(gear, index, "has items that overlap"));
+    }
+    let last = span.count.saturating_sub(1).checked_mul(stride);
+    let end = last.and_then(|n| n.checked_add(span.offset)?.checked_add(span.size));
+    if span.count > 0 && end.is_none_or(|end| end > json.byte_length.0) {
+        return Err(bad(gear, index, "reaches beyond its buffer view"));
+    }
+    Ok((json, stride))
+}
+
+/// Checks the replacements of a sparse accessor of `total` items. The crate
+/// would ignore those that are out of order.
+fn check_sparse(
+    gear: &mut Gear<'_>,
+    index: usize,
+    sparse: &Sparse,
+    total: u64,
+    size: u64,
+) -> Result<()> {
+    let count = sparse.count.0;
+    let Valid(kind) = &sparse.indices.component_type else {
+        return Err(bad(
+            gear,
+            index,
+            "is sparse, with indices of an unknown type",
+        ));
+    };
+    if count == 0 || count > total {
+        return Err(bad(gear, index, "is sparse, with a wrong count"));
+    }
+    let values = Span {
+        offset: sparse.values.byte_offset.0,
+        count,
+        size,
+    };
+    check_span(gear, index, sparse.values.buffer_view, values)?;
+    let (offset, size) = (sparse.indices.byte_offset.0, kind.0.size() as u64);
+    let span = Span {
+        offset,
+        count,
+        size,
+    };
+    let (view, stride) = check_span(gear, index, sparse.indices.buffer_view, span)?;
+    let start = view.byte_offset.unwrap_or_default().0 + offset;
+    let bytes = gear.buffers.get(view.buffer.value()).unwrap_or_default();
+    let mut least = 0;
+    for i in 0..count {
+        // In range: the span has been checked.
+        let at = (start + i * stride) as usize;
+        let item = bytes.get(at..at + size as usize).unwrap_or_default();
+        let target = item
+            .iter()
+            .rev()
+            .fold(0, |n, &byte| n << 8 | u64::from(byte));
+        if target < least || target >= total {
+            return Err(bad(
+                gear,
+                index,
+                "is sparse, with indices out of order or range",
+            ));
+        }
+        least = target + 1;
+    }
+    Ok(())
+}
+
+fn bad(gear: &Gear<'_>, index: usize, what: &str) -> Error {
+    let what = format!("has an accessor that {what}");
+    let error = Error::new(gear.buffers.path, what, EXPORT_AGAIN);
+    error.at(Place::Element("accessor", index as u64))
+}

@@ -1,0 +1,75 @@
+//! Start and global sections (IGES 5.3, clauses 2.2.4.2 and 2.2.4.3).
+
+use std::io;
+
+use super::Options;
+use super::parameters::Parameters;
+use crate::brep::Brep;
+use crate::time_stamp;
+
+const WIDTH: usize = 72;
+
+/// Writes what people read; the number of lines.
+pub(super) fn start(out: &mut dyn io::Write) -> io::Result<usize> {
+    writeln!(out, "{:WIDTH$}S{:7}", "Trimmed B-spline surfaces in millimetres", 1)?;
+    Ok(1)
+}
+
+/// Writes the 26 global parameters; the number of lines.
+pub(super) fn write(
+    brep: &Brep,
+    options: &Options,
+    reach: f64,
+    out: &mut dyn io::Write,
+) -> io::Result<usize> {
+    let mut number = 0;
+    let mut finish_line = |line: &str| {
+        number += 1;
+        writeln!(out, "{line:WIDTH$}G{number:7}")
+    };
+    let mut p = Parameters::new(WIDTH, &mut finish_line);
+    sender(&mut p, brep, options)?;
+    model(&mut p, &time(&options.time_stamp), brep.uncertainty_mm, reach)?;
+    p.end()?;
+    Ok(number)
+}
+
+/// Parameters 1 to 12: delimiters, names, and what numbers the sender has.
+fn sender(p: &mut Parameters<'_>, brep: &Brep, options: &Options) -> io::Result<()> {
+    p.text(",")?;
+    p.text(";")?;
+    p.text(&brep.name)?;
+    p.text(&options.file_name)?;
+    p.text(&options.originating_system)?;
+    p.text(concat!("scan2step-formats ", env!("CARGO_PKG_VERSION")))?;
+    // Bits of an integer; largest power of ten and digits of single and of
+    // double precision.
+    for limit in [32, 38, 6, 308, 15] {
+        p.add(limit)?;
+    }
+    p.text(&brep.name)
+}
+
+/// Parameters 13 to 26: scale, units, time, resolution, size, version.
+fn model(p: &mut Parameters<'_>, time: &str, resolution: f64, reach: f64) -> io::Result<()> {
+    p.real(1.0)?;
+    p.add(2)?; // millimetres
+    p.text("MM")?;
+    p.add(1)?; // one line weight …
+    p.real(0.1)?; // … and its width
+    p.text(time)?;
+    p.real(resolution)?;
+    p.real(reach)?;
+    p.text("")?; // author
+    p.text("")?; // organisation
+    p.add(11)?; // version 5.3
+    p.add(0)?; // no drafting standard
+    p.text(time)?; // last modified
+    p.text("") // no application protocol
+}
+
+/// A time stamp as IGES spells it: `19700101.000000`.
+fn time(time_stamp: &str) -> String {
+    let [year, month, day, hour, minute, second] = time_stamp::fields(time_stamp);
+    format!("{year:04}{month:02}{day:02}.{hour:02}{minute:02}{second:02}")
+}

@@ -1,0 +1,29 @@
+//! The files at scan2step's two ends: readers of scans and writers of CAD.
+//!
+//! Readers deliver what a file says, and no more: a [`Soup`] of polygons with
+//! its declared unit, unwelded and unrepaired. Writers take a [`Brep`]: one or
+//! more trimmed B-spline faces with a pcurve for every use of an edge. The
+//! crate knows nothing of what happens between the two.
+
+pub mod brep;
+mod error;
+mod gltf;
+pub mod iges;
+mod limits;
+mod number;
+mod obj;
+mod ply;
+pub mod read;
+pub mod soup;
+mod source;
+pub mod step;
+mod stl;
+mod time_stamp;
+mod token;
+mod topology;
+mod unzip;
+
+pub use brep::{Brep, PCurve, TrimmedFace};
+pub use error::{Error, Place, Result};
+pub use read::{Format, read_scan};
+pub use soup::{LengthUnit, Soup};

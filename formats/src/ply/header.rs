@@ -1,0 +1,213 @@
+//! The header, read with bounds and checked before anything trusts it.
+
+use ply_rs::ply::{ElementDef, Encoding, PropertyDef, PropertyType, ScalarType};
+
+use crate::source::{EXPORT_AGAIN, Source};
+use crate::token::excerpt;
+use crate::{Error, Result};
+
+/// Bounds far above any real header, so that a hostile one costs nothing.
+const MAX_LINES: u64 = 10_000;
+const MAX_LINE: usize = 1 << 16;
+
+/// What the header announces.
+pub(super) struct Header {
+    pub(super) encoding: Encoding,
+    pub(super) elements: Vec<Element>,
+}
+
+/// An announced element: a table with named columns.
+pub(super) struct Element {
+    pub(super) name: String,
+    pub(super) count: u64,
+    pub(super) properties: Vec<(String, PropertyType)>,
+}
+
+impl Element {
+    /// The type of the property called `name`.
+    pub(super) fn property(&self, name: &str) -> Option<&PropertyType> {
+        self.properties
+            .iter()
+            .find(|(n, _)| n == name)
+            .map(|(_, t)| t)
+    }
+
+    /// The name of the list that holds a face's corners.
+    pub(super) fn index_list(&self) -> Option<&'static str> {
+        let is_list = |name: &&str| matches!(self.property(name), Some(PropertyType::List(..)));
+        ["vertex_indices", "vertex_index"].into_iter().find(is_list)
+    }
+
+    /// The bytes of a binary row, if it has no list.
+    pub(super) fn size(&self) -> Option<u64> {
+        self.properties
+            .iter()
+            .map(|(_, kind)| match kind {
+                PropertyType::Scalar(s) => Some(bytes(s)),
+                PropertyType::List(..) => None,
+            })
+            .sum()
+    }
+
+    /// The element as ply-rs shall see it: unwanted columns of a binary body
+    /// renamed, so that nobody takes them for wanted ones; in ascii, where
+    /// `ascii` leaves them out, gone, and coordinates read as doubles whatever
+    /// the header calls them, since the digits are there.
+    pub(super) fn definition(&self, code: Encoding, wanted: impl Fn(&str) -> bool) -> ElementDef {
+        let ascii = code == Encoding::Ascii;
+        let mut def = ElementDef::new(self.name.clone());
+        for (i, (name, kind)) in self.properties.iter().enumerate() {
+            let keep = wanted(name);
+            if ascii && !keep {
+                continue;
+            }
+            let kind = match kind {
+                PropertyType::Scalar(_) if ascii => PropertyType::Scalar(ScalarType::Double),
+                other => other.clone(),
+            };
+            let name = if keep { name.clone() } else { i.to_string() };
+            def.properties
+                .insert(name.clone(), PropertyDef::new(name, kind));
+        }
+        def
+    }
+}
+
+fn bytes(scalar: &ScalarType) -> u64 {
+    match scalar {
+        ScalarType::Char | ScalarType::UChar => 1,
+        ScalarType::Short | ScalarType::UShort => 2,
+        ScalarType::Int | ScalarType::UInt | ScalarType::Float => 4,
+        ScalarType::Double => 8,
+    }
+}
+
+/// Reads up to and with `end_header`, and not a byte further.
+pub(super) fn read(source: &mut Source) -> Result<Header> {
+    let mut encoding = None;
+    let mut elements = Vec::new();
+    let mut line = Vec::new();
+    while next_line(source, &mut line)? {
+        // Only comments may hold other text than ASCII, and they are skipped.
+        let text = String::from_utf8_lossy(&line);
+        let mut words = text.split_ascii_whitespace();
+        match words.next() {
+            None | Some("comment" | "obj_info") => {}
+            Some("ply") if source.line == 1 => {}
+            Some("format") if encoding.is_none() => {
+                encoding = Some(format(source, words.next())?);
+            }
+            Some("element") => elements.push(element(source, words, &elements)?),
+            Some("property") => property(source, words, elements.last_mut())?,
+            Some("end_header") => {
+                let encoding = encoding.ok_or_else(|| bad(source, "no format line"))?;
+                return Ok(Header { encoding, elements });
+            }
+            Some(_) => {
+                let what = format!("the unknown header line \u{201c}{}\u{201d}", excerpt(&line));
+                return Err(bad(source, &what));
+            }
+        }
+    }
+    Err(bad(source, "no end_header line"))
+}
+
+fn next_line(source: &mut Source, line: &mut Vec<u8>) -> Result<bool> {
+    let more = source.next_line(line)?;
+    if source.line > MAX_LINES || line.len() > MAX_LINE {
+        return Err(bad(source, "an endless header"));
+    }
+    Ok(more)
+}
+
+fn bad(source: &Source, what: &str) -> Error {
+    source.error(format!("has {what}"), EXPORT_AGAIN)
+}
+
+fn format(source: &Source, word: Option<&str>) -> Result<Encoding> {
+    match word {
+        Some("ascii") => Ok(Encoding::Ascii),
+        Some("binary_little_endian") => Ok(Encoding::BinaryLittleEndian),
+        Some("binary_big_endian") => Ok(Encoding::BinaryBigEndian),
+        _ => Err(bad(source, "an unknown format line")),
+    }
+}
+
+fn element<'a>(
+    source: &Source,
+    mut words: impl Iterator<Item = &'a str>,
+    before: &[Element],
+) -> Result<Element> {
+    let name = words.next().unwrap_or_default().to_owned();
+    let count = words.next().and_then(|word| word.parse().ok());
+    let (Some(count), None) = (count, words.next()) else {
+        return Err(bad(source, "an element line without name and count"));
+    };
+    if before.iter().any(|e| e.name == name) {
+        return Err(bad(source, &format!("two elements called {name}")));
+    }
+    Ok(Element {
+        name,
+        count,
+        properties: Vec::new(),
+    })
+}
+
+fn property<'a>(
+    source: &Source,
+    mut words: impl Iterator<Item = &'a str>,
+    element: Option<&mut Element>,
+) -> Result<()> {
+    let Some(element) = element else {
+        return Err(bad(source, "a property before the first element"));
+    };
+    let kind = match words.next() {
+        Some("list") => {
+            let count = integer(source, words.next())?;
+            PropertyType::List(count, scalar(source, words.next())?)
+        }
+        word => PropertyType::Scalar(scalar(source, word)?),
+    };
+    let (Some(name), None) = (words.next(), words.next()) else {
+        return Err(bad(source, "a property line without a name"));
+    };
+    if element.property(name).is_some() {
+        return Err(bad(source, &format!("two properties called {name}")));
+    }
+    let corners = matches!(name, "vertex_indices" | "vertex_index");
+    if let (true, PropertyType::List(_, ScalarType::Float | ScalarType::Double)) = (corners, &kind)
+    {
+        return Err(bad(source, "vertex numbers that are not integers"));
+    }
+    element.properties.push((name.to_owned(), kind));
+    Ok(())
+}
+
+fn integer(source: &Source, word: Option<&str>) -> Result<ScalarType> {
+    match scalar(source, word)? {
+        ScalarType::Float | ScalarType::Double => {
+            Err(bad(source, "a list whose length is not an integer"))
+        }
+        integer => Ok(integer),
+    }
+}
+
+fn scalar(source: &Source, word: Option<&str>) -> Result<ScalarType> {
+    match word.unwrap_or_default() {
+        "char" | "int8" => Ok(ScalarType::Char),
+        "uchar" | "uint8" => Ok(ScalarType::UChar),
+        "short" | "int16" => Ok(ScalarType::Short),
+        "ushort" | "uint16" => Ok(ScalarType::UShort),
+        "int" | "int32" => Ok(ScalarType::Int),
+        "uint" | "uint32" => Ok(ScalarType::UInt),
+        "float" | "float32" => Ok(ScalarType::Float),
+        "double" | "float64" => Ok(ScalarType::Double),
+        other => {
+            let what = format!(
+                "a property of unknown type \u{201c}{}\u{201d}",
+                excerpt(other.as_bytes())
+            );
+            Err(bad(source, &what))
+        }
+    }
+}

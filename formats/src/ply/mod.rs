@@ -1,0 +1,283 @@
+//! PLY: our own header and token reader around ply-rs.
+//!
+//! ply-rs reads the values, binary and ascii. It cannot have the header,
+//! whose lines it does not bound, whose duplicates it merges and whose Latin-1
+//! comments it refuses; nor the raw ascii body (see `ascii`).
+
+mod ascii;
+mod header;
+mod rows;
+
+use std::io::{self, Read};
+
+use ply_rs::parser::{ParseError, Parser};
+use ply_rs::ply::{ElementDef, Encoding, PropertyAccess, PropertyType};
+
+use self::ascii::AsciiRows;
+use self::header::{Element, Header};
+use self::rows::{Corners, Ignored, Position};
+use crate::limits::check_room;
+use crate::source::{EXPORT_AGAIN, Source};
+use crate::{Error, Place, Result, Soup};
+
+pub(crate) fn read(mut source: Source) -> Result<Soup> {
+    let header = header::read(&mut source)?;
+    let mut body = Body {
+        source,
+        encoding: header.encoding,
+        ascii: AsciiRows::default(),
+    };
+    let mut soup = Soup::default();
+    for element in &header.elements {
+        match element.name.as_str() {
+            "vertex" => read_points(&mut body, element, &mut soup)?,
+            "face" => read_faces(&mut body, element, &mut soup)?,
+            "tristrips" => read_strips(&mut body, element, &mut soup)?,
+            _ => skip(&mut body, element)?,
+        }
+    }
+    check_end(&mut body)?;
+    check_indices(&body, &header, &soup)?;
+    Ok(soup)
+}
+
+/// What comes after the header.
+struct Body {
+    source: Source,
+    encoding: Encoding,
+    ascii: AsciiRows,
+}
+
+fn read_points(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()> {
+    if element.count == 0 {
+        return Ok(());
+    }
+    for axis in ["x", "y", "z"] {
+        let scalar = |t: &PropertyType| matches!(t, PropertyType::Scalar(_));
+        if !element.property(axis).is_some_and(scalar) {
+            let what = format!("has vertices without {axis}");
+            return Err(Error::new(&body.source.path, what, EXPORT_AGAIN));
+        }
+    }
+    let wanted = |name: &str| matches!(name, "x" | "y" | "z");
+    each_row(body, element, wanted, |source, _, row: Position| {
+        check_room(&source.path, soup, 1, 0)?;
+        soup.points.push(row.xyz);
+        Ok(())
+    })
+}
+
+fn read_faces(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()> {
+    let list = match element.index_list() {
+        Some(list) => list,
+        None if element.count == 0 => return Ok(()),
+        None => return Err(no_list(body, element)),
+    };
+    each_row(
+        body,
+        element,
+        |name| name == list,
+        |source, i, row: Corners| {
+            check_room(&source.path, soup, 0, row.len() as u64)?;
+            // Points and lines among the faces bound no surface.
+            if row.len() >= 3 {
+                let corners = row.indices().collect::<Option<Vec<u32>>>();
+                soup.polygons
+                    .push(corners.ok_or_else(|| bad_index(source, i))?);
+            }
+            Ok(())
+        },
+    )
+}
+
+/// Triangle strips, as Stanford's archive has them: one long list in which -1
+/// starts a new strip.
+fn read_strips(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()> {
+    let list = match element.index_list() {
+        Some(list) => list,
+        None if element.count == 0 => return Ok(()),
+        None => return Err(no_list(body, element)),
+    };
+    each_row(
+        body,
+        element,
+        |name| name == list,
+        |source, _, row: Corners| {
+            check_room(&source.path, soup, 0, 3 * row.len() as u64)?;
+            let mut strip = Strip::default();
+            for index in row.indices() {
+                strip.push(index, soup);
+            }
+            Ok(())
+        },
+    )
+}
+
+/// The last two corners of a triangle strip, and how many there were.
+#[derive(Default)]
+struct Strip {
+    last: [u32; 2],
+    seen: u64,
+}
+
+impl Strip {
+    fn push(&mut self, index: Option<u32>, soup: &mut Soup) {
+        let Some(c) = index else {
+            self.seen = 0;
+            return;
+        };
+        let [a, b] = self.last;
+        if self.seen >= 2 && self.seen.is_multiple_of(2) {
+            soup.polygons.push([a, b, c]);
+        } else if self.seen >= 2 {
+            soup.polygons.push([b, a, c]);
+        }
+        self.last = [b, c];
+        self.seen += 1;
+    }
+}
+
+fn skip(body: &mut Body, element: &Element) -> Result<()> {
+    // ply-rs would make as many empty rows as the header claims.
+    if element.properties.is_empty() {
+        return Ok(());
+    }
+    if let (Some(size), false) = (element.size(), body.encoding == Encoding::Ascii) {
+        let wanted = element.count.saturating_mul(size);
+        let copied = io::copy(&mut (&mut body.source.stream).take(wanted), &mut io::sink());
+        let copied = copied.map_err(|e| body.source.io_error(&e))?;
+        return if copied == wanted {
+            Ok(())
+        } else {
+            Err(cut(body, element, copied / size))
+        };
+    }
+    each_row(body, element, |_| false, |_, _, _: Ignored| Ok(()))
+}
+
+/// Reads the rows of `element` through ply-rs and hands each to `each`.
+fn each_row<E: PropertyAccess>(
+    body: &mut Body,
+    element: &Element,
+    wanted: impl Fn(&str) -> bool,
+    mut each: impl FnMut(&Source, u64, E) -> Result<()>,
+) -> Result<()> {
+    let parser = Parser::<E>::new();
+    let def = element.definition(body.encoding, &wanted);
+    for i in 0..element.count {
+        let row = read_row(&parser, body, element, &def, &wanted);
+        let row = row.map_err(|failure| failure.at(body, element, i))?;
+        each(&body.source, i, row)?;
+    }
+    Ok(())
+}
+
+/// Why a row cannot be read.
+enum Failure {
+    Ours(Error),
+    Theirs(ParseError),
+    End,
+}
+
+impl Failure {
+    fn at(self, body: &Body, element: &Element, row: u64) -> Error {
+        match self {
+            Failure::Ours(error) => error,
+            Failure::End => cut(body, element, row),
+            Failure::Theirs(e) if e.kind() == io::ErrorKind::UnexpectedEof => {
+                cut(body, element, row)
+            }
+            Failure::Theirs(_) if body.encoding == Encoding::Ascii => {
+                body.ascii.unreadable(&body.source, &element.name)
+            }
+            Failure::Theirs(e) => {
+                let what = format!("has a damaged row {row} of element {}: {e}", element.name);
+                Error::new(&body.source.path, what, EXPORT_AGAIN)
+            }
+        }
+    }
+}
+
+fn read_row<E: PropertyAccess>(
+    parser: &Parser<E>,
+    body: &mut Body,
+    element: &Element,
+    def: &ElementDef,
+    wanted: impl Fn(&str) -> bool,
+) -> std::result::Result<E, Failure> {
+    let stream = &mut body.source.stream;
+    let row = match body.encoding {
+        Encoding::BinaryLittleEndian => parser.read_little_endian_element(stream, def),
+        Encoding::BinaryBigEndian => parser.read_big_endian_element(stream, def),
+        Encoding::Ascii => {
+            let text = body.ascii.next(&mut body.source, element, wanted);
+            let text = text.map_err(Failure::Ours)?.ok_or(Failure::End)?;
+            parser.read_ascii_element(text, def)
+        }
+    };
+    row.map_err(Failure::Theirs)
+}
+
+/// The error that the file ends before the header's count is reached.
+fn cut(body: &Body, element: &Element, row: u64) -> Error {
+    let (name, count) = (&element.name, element.count);
+    let what = format!("ends after {row} of the {count} rows of element {name}");
+    let error = Error::new(&body.source.path, what, EXPORT_AGAIN);
+    match name.as_str() {
+        "vertex" => error.at(Place::Vertex(row)),
+        "face" => error.at(Place::Face(row)),
+        _ => error,
+    }
+}
+
+/// A header that promises less than the file has would lose faces silently.
+fn check_end(body: &mut Body) -> Result<()> {
+    let source = &mut body.source;
+    let mut rest = [0; 4096];
+    let surplus = |byte: &u8| !byte.is_ascii_whitespace() && !matches!(byte, 0 | 0x1a);
+    loop {
+        let n = source
+            .stream
+            .read(&mut rest)
+            .map_err(|e| source.io_error(&e))?;
+        if rest[..n].iter().any(surplus) {
+            let help = "The header's counts do not match the content: export the scan again.";
+            return Err(source.error("has more data than its header announces", help));
+        }
+        if n == 0 {
+            return Ok(());
+        }
+    }
+}
+
+/// ply-rs checks no index; and faces may come before the vertices.
+fn check_indices(body: &Body, header: &Header, soup: &Soup) -> Result<()> {
+    let points = soup.points.len();
+    for (i, polygon) in soup.polygons.iter().enumerate() {
+        if let Some(&index) = polygon.iter().find(|&&c| c as usize >= points) {
+            let what = format!("has a face with vertex {index}, but only {points} vertices");
+            let error = Error::new(&body.source.path, what, EXPORT_AGAIN);
+            // Where faces were left out or strips unrolled the count is not the file's.
+            let counted = header
+                .elements
+                .iter()
+                .any(|e| e.name == "face" && e.count == soup.polygons.len() as u64);
+            return Err(if counted {
+                error.at(Place::Face(i as u64))
+            } else {
+                error
+            });
+        }
+    }
+    Ok(())
+}
+
+fn no_list(body: &Body, element: &Element) -> Error {
+    let what = format!("has element {} without a list vertex_indices", element.name);
+    Error::new(&body.source.path, what, EXPORT_AGAIN)
+}
+
+fn bad_index(source: &Source, face: u64) -> Error {
+    let what = "has a face with a negative vertex number";
+    Error::new(&source.path, what, EXPORT_AGAIN).at(Place::Face(face))
+}

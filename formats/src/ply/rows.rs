@@ -1,0 +1,105 @@
+//! The rows that ply-rs fills.
+
+use ply_rs::ply::{BeginList, PropertyAccess, PropertyAccessResult};
+
+/// A vertex: its position.
+pub(super) struct Position {
+    pub(super) xyz: [f64; 3],
+}
+
+impl Position {
+    fn set(&mut self, name: &str, value: f64) -> PropertyAccessResult {
+        match name {
+            "x" => self.xyz[0] = value,
+            "y" => self.xyz[1] = value,
+            "z" => self.xyz[2] = value,
+            _ => return PropertyAccessResult::Ignored,
+        }
+        PropertyAccessResult::Set
+    }
+}
+
+macro_rules! coordinates {
+    ($($setter:ident: $scalar:ty),*) => {
+        $(fn $setter(&mut self, name: &str, value: $scalar) -> PropertyAccessResult {
+            self.set(name, f64::from(value))
+        })*
+    };
+}
+
+impl PropertyAccess for Position {
+    fn new() -> Self {
+        Position { xyz: [0.0; 3] }
+    }
+
+    coordinates!(set_char: i8, set_uchar: u8, set_short: i16, set_ushort: u16,
+        set_int: i32, set_uint: u32, set_float: f32, set_double: f64);
+}
+
+/// A face or strip: its list of vertex numbers. Those of type `int`, which
+/// nearly all files have, are parsed in place.
+pub(super) struct Corners {
+    ints: Vec<i32>,
+    others: Vec<i64>,
+}
+
+impl Corners {
+    pub(super) fn len(&self) -> usize {
+        self.ints.len() + self.others.len()
+    }
+
+    /// The vertex numbers; `None` for negative ones.
+    pub(super) fn indices(&self) -> impl Iterator<Item = Option<u32>> {
+        let all = self
+            .ints
+            .iter()
+            .map(|&i| i64::from(i))
+            .chain(self.others.iter().copied());
+        all.map(|i| u32::try_from(i).ok())
+    }
+}
+
+fn holds_corners(name: &str) -> bool {
+    // Unwanted lists were renamed in the definition.
+    matches!(name, "vertex_indices" | "vertex_index")
+}
+
+macro_rules! corner_lists {
+    ($($setter:ident: $scalar:ty),*) => {
+        $(fn $setter(&mut self, name: &str, value: Vec<$scalar>) -> PropertyAccessResult {
+            if !holds_corners(name) {
+                return PropertyAccessResult::Ignored;
+            }
+            self.others = value.into_iter().map(i64::from).collect();
+            PropertyAccessResult::Set
+        })*
+    };
+}
+
+impl PropertyAccess for Corners {
+    fn new() -> Self {
+        Corners {
+            ints: Vec::new(),
+            others: Vec::new(),
+        }
+    }
+
+    fn begin_list_int(&mut self, name: &str, _len: usize) -> BeginList<'_, i32> {
+        match holds_corners(name) {
+            true => BeginList::Fill(&mut self.ints),
+            false => BeginList::UseSetter,
+        }
+    }
+
+    corner_lists!(set_list_char: i8, set_list_uchar: u8, set_list_short: i16,
+        set_list_ushort: u16, set_list_uint: u32);
+}
+
+/// A row of an element that nobody needs.
+pub(super) struct Ignored;
+
+impl PropertyAccess for Ignored {
+    fn new() -> Self {
+        Ignored
+    }
+}

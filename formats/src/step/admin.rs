@@ -1,0 +1,64 @@
+//! The persons, dates, approvals and security classification that AP203
+//! (ISO 10303-203, clause 5.2) demands of every product version.
+
+use std::io;
+
+use super::part21::{Id, Part21, add};
+use crate::number::StepReal;
+use crate::time_stamp;
+
+/// What is administered.
+pub(super) struct Parts {
+    pub product: Id,
+    pub version: Id,
+    pub definition: Id,
+}
+
+/// Writes the administrative data; nobody has approved a scan, and they say so.
+pub(super) fn write(file: &mut Part21<'_>, parts: &Parts, time_stamp: &str) -> io::Result<()> {
+    let Parts { product, version, definition } = *parts;
+    let level = add!(file, "SECURITY_CLASSIFICATION_LEVEL('unclassified')")?;
+    let secrecy = add!(file, "SECURITY_CLASSIFICATION('','',{level})")?;
+    add!(file, "CC_DESIGN_SECURITY_CLASSIFICATION({secrecy},({version}))")?;
+
+    let someone = someone(file)?;
+    for (role, items) in [
+        ("creator", format!("{version},{definition}")),
+        ("design_supplier", format!("{version}")),
+        ("design_owner", format!("{product}")),
+        ("classification_officer", format!("{secrecy}")),
+    ] {
+        let role = add!(file, "PERSON_AND_ORGANIZATION_ROLE('{role}')")?;
+        let kind = "CC_DESIGN_PERSON_AND_ORGANIZATION_ASSIGNMENT";
+        add!(file, "{kind}({someone},{role},({items}))")?;
+    }
+
+    let moment = moment(file, time_stamp)?;
+    for (role, item) in [("creation_date", definition), ("classification_date", secrecy)] {
+        let role = add!(file, "DATE_TIME_ROLE('{role}')")?;
+        add!(file, "CC_DESIGN_DATE_AND_TIME_ASSIGNMENT({moment},{role},({item}))")?;
+    }
+    let status = add!(file, "APPROVAL_STATUS('not_yet_approved')")?;
+    let approval = add!(file, "APPROVAL({status},'')")?;
+    add!(file, "APPROVAL_DATE_TIME({moment},{approval})")?;
+    let role = add!(file, "APPROVAL_ROLE('')")?;
+    add!(file, "APPROVAL_PERSON_ORGANIZATION({someone},{approval},{role})")?;
+    add!(file, "CC_DESIGN_APPROVAL({approval},({version},{definition},{secrecy}))")?;
+    Ok(())
+}
+
+/// A person and an organisation: the entities must be, what they say is open.
+fn someone(file: &mut Part21<'_>) -> io::Result<Id> {
+    let person = add!(file, "PERSON('','unknown',$,$,$,$)")?;
+    let organization = add!(file, "ORGANIZATION('','unknown','')")?;
+    add!(file, "PERSON_AND_ORGANIZATION({person},{organization})")
+}
+
+fn moment(file: &mut Part21<'_>, time_stamp: &str) -> io::Result<Id> {
+    let [year, month, day, hour, minute, second] = time_stamp::fields(time_stamp);
+    let date = add!(file, "CALENDAR_DATE({year},{day},{month})")?;
+    let zone = add!(file, "COORDINATED_UNIVERSAL_TIME_OFFSET(0,$,.AHEAD.)")?;
+    let second = StepReal(f64::from(second));
+    let time = add!(file, "LOCAL_TIME({hour},{minute},{second},{zone})")?;
+    add!(file, "DATE_AND_TIME({date},{time})")
+}

@@ -1,0 +1,190 @@
+//! The exchange structure of ISO 10303-21: header, numbered entities, strings.
+
+use std::fmt::{self, Write as _};
+use std::io;
+
+use crate::number::StepReal;
+
+/// The name of an entity instance, `#12`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Id(u64);
+
+impl fmt::Display for Id {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "#{}", self.0)
+    }
+}
+
+/// What the header section says (ISO 10303-21, clause 8).
+pub(super) struct Header<'a> {
+    pub name: &'a str,
+    pub time_stamp: &'a str,
+    pub originating_system: &'a str,
+    pub schema: &'a str,
+}
+
+/// A file in the making: every entity is written as it is numbered.
+pub(super) struct Part21<'a> {
+    out: &'a mut dyn io::Write,
+    last: u64,
+}
+
+impl<'a> Part21<'a> {
+    pub(super) fn begin(out: &'a mut dyn io::Write, header: &Header<'_>) -> io::Result<Self> {
+        let preprocessor = concat!("scan2step-formats ", env!("CARGO_PKG_VERSION"));
+        write!(
+            out,
+            "ISO-10303-21;\nHEADER;\n\
+             FILE_DESCRIPTION(('Trimmed B-spline surfaces'),'2;1');\n\
+             FILE_NAME({},{},(''),(''),\n'{preprocessor}',{},'');\n\
+             FILE_SCHEMA(({}));\nENDSEC;\nDATA;\n",
+            Text(header.name),
+            Text(header.time_stamp),
+            Text(header.originating_system),
+            Text(header.schema),
+        )?;
+        Ok(Part21 { out, last: 0 })
+    }
+
+    /// Writes one entity and returns its name.
+    pub(super) fn add(&mut self, body: fmt::Arguments<'_>) -> io::Result<Id> {
+        self.last += 1;
+        writeln!(self.out, "#{}={body};", self.last)?;
+        Ok(Id(self.last))
+    }
+
+    pub(super) fn end(self) -> io::Result<()> {
+        self.out.write_all(b"ENDSEC;\nEND-ISO-10303-21;\n")?;
+        self.out.flush() // a buffer that is dropped keeps its errors to itself
+    }
+}
+
+/// `add!(file, "ENTITY({})", x)`: [`Part21::add`] with a format string.
+macro_rules! add {
+    ($file:expr, $($body:tt)+) => { $file.add(format_args!($($body)+)) };
+}
+pub(super) use add;
+
+/// A string in apostrophes, escaped (ISO 10303-21, clause 6.4.3).
+pub(super) struct Text<'a>(pub &'a str);
+
+impl fmt::Display for Text<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_char('\'')?;
+        let mut open = Alphabet::Basic;
+        for c in self.0.chars() {
+            let alphabet = Alphabet::of(c);
+            if alphabet != open {
+                f.write_str(open.close())?;
+                f.write_str(alphabet.open())?;
+                open = alphabet;
+            }
+            match (alphabet, c) {
+                (Alphabet::Basic, '\'') => f.write_str("''")?,
+                (Alphabet::Basic, '\\') => f.write_str("\\\\")?,
+                (Alphabet::Basic, _) => f.write_char(c)?,
+                (Alphabet::Two, _) => write!(f, "{:04X}", u32::from(c))?,
+                (Alphabet::Four, _) => write!(f, "{:08X}", u32::from(c))?,
+            }
+        }
+        f.write_str(open.close())?;
+        f.write_char('\'')
+    }
+}
+
+/// How many bytes a character takes inside a string, and its escapes.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Alphabet {
+    Basic,
+    Two,
+    Four,
+}
+
+impl Alphabet {
+    fn of(c: char) -> Self {
+        match c {
+            ' '..='~' => Alphabet::Basic,
+            '\0'..='\u{FFFF}' => Alphabet::Two,
+            _ => Alphabet::Four,
+        }
+    }
+
+    fn open(self) -> &'static str {
+        match self {
+            Alphabet::Basic => "",
+            Alphabet::Two => "\\X2\\",
+            Alphabet::Four => "\\X4\\",
+        }
+    }
+
+    fn close(self) -> &'static str {
+        if self == Alphabet::Basic { "" } else { "\\X0\\" }
+    }
+}
+
+/// A parenthesised list, broken into lines that people can read.
+pub(super) struct List<I>(pub I);
+
+impl<I, T> fmt::Display for List<I>
+where
+    I: Clone + IntoIterator<Item = T>,
+    T: fmt::Display,
+{
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        const A_LINE: usize = 10;
+        f.write_char('(')?;
+        for (i, item) in self.0.clone().into_iter().enumerate() {
+            match i {
+                0 => {}
+                i if i % A_LINE == 0 => f.write_str(",\n")?,
+                _ => f.write_char(',')?,
+            }
+            write!(f, "{item}")?;
+        }
+        f.write_char(')')
+    }
+}
+
+/// A list of reals.
+pub(super) fn reals(values: &[f64]) -> List<impl Clone + IntoIterator<Item = StepReal>> {
+    List(values.iter().map(|&x| StepReal(x)))
+}
+
+/// The names of `count` entities written in a row, the first being `first`.
+#[derive(Clone, Copy)]
+pub(super) struct Run {
+    pub first: Id,
+    pub count: usize,
+}
+
+impl Run {
+    pub(super) fn list(self) -> List<impl Clone + IntoIterator<Item = Id>> {
+        let first = self.first.0;
+        List((0..self.count as u64).map(move |i| Id(first + i)))
+    }
+
+    /// The `i`-th of the runs into which this one falls, `count` names each.
+    pub(super) fn part(self, i: usize, count: usize) -> Run {
+        Run { first: Id(self.first.0 + (i * count) as u64), count }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn strings_are_escaped() {
+        let text = |s| Text(s).to_string();
+        assert_eq!(text("a'b\\c"), r"'a''b\\c'");
+        assert_eq!(text("Größe"), r"'Gr\X2\00F600DF\X0\e'");
+        assert_eq!(text("é😀"), r"'\X2\00E9\X0\\X4\0001F600\X0\'");
+        assert_eq!(text("a\nb"), r"'a\X2\000A\X0\b'");
+    }
+
+    #[test]
+    fn long_lists_break() {
+        let list = List(0..12).to_string();
+        assert_eq!(list, "(0,1,2,3,4,5,6,7,8,9,\n10,11)");
+    }
+}

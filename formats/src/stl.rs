@@ -1,0 +1,196 @@
+//! STL, ascii and binary.
+//!
+//! Our own reader: stl_io 0.11 ends at the first of several solids, takes a
+//! binary file that begins with "solid" for text, and refuses upper case.
+
+use std::io::{ErrorKind, Read};
+
+use crate::limits::check_room;
+use crate::source::{EXPORT_AGAIN, Source};
+use crate::token::{excerpt, number_help, plain_number};
+use crate::{Error, Place, Result, Soup};
+
+/// A binary file's free text, and the triangle count after it.
+const HEADER: usize = 80;
+const PREFIX: usize = HEADER + 4;
+
+/// A normal, three corners and an attribute.
+const RECORD: usize = 50;
+
+/// Whether `head` begins an ascii file. A binary one may begin with "solid"
+/// too, but it has a zero byte at the latest in its triangle count.
+pub(crate) fn is_ascii(head: &[u8]) -> bool {
+    let head = head
+        .strip_prefix(b"\xef\xbb\xbf")
+        .unwrap_or(head)
+        .trim_ascii_start();
+    let solid = head
+        .get(..5)
+        .is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
+    solid && head.get(5).is_none_or(u8::is_ascii_whitespace) && !head.contains(&0)
+}
+
+/// Whether a file of `len` bytes that begins with `head` has just the length
+/// that its triangle count asks for. (There is no other mark.)
+pub(crate) fn is_binary(head: &[u8], len: Option<u64>) -> bool {
+    let Some(count) = head.get(HEADER..PREFIX) else {
+        return false;
+    };
+    let count = count
+        .iter()
+        .rev()
+        .fold(0, |n, &byte| n << 8 | u64::from(byte));
+    count > 0 && len == Some(PREFIX as u64 + count * RECORD as u64)
+}
+
+pub(crate) fn read(source: Source) -> Result<Soup> {
+    if is_ascii(&source.head) {
+        Ascii::new(source).read()
+    } else {
+        read_binary(source)
+    }
+}
+
+fn read_binary(mut source: Source) -> Result<Soup> {
+    let mut prefix = [0; PREFIX];
+    if let Err(e) = source.stream.read_exact(&mut prefix) {
+        return Err(match e.kind() {
+            ErrorKind::UnexpectedEof => Error::new(&source.path, "is no STL file", EXPORT_AGAIN),
+            _ => source.io_error(&e),
+        });
+    }
+    let [.., a, b, c, d] = prefix;
+    let count = u32::from_le_bytes([a, b, c, d]);
+    let mut soup = Soup::default();
+    let mut record = [0; RECORD];
+    for i in 0..count {
+        if let Err(e) = source.stream.read_exact(&mut record) {
+            return Err(match e.kind() {
+                ErrorKind::UnexpectedEof => cut(&source, i, count),
+                _ => source.io_error(&e),
+            });
+        }
+        check_room(&source.path, &soup, 3, 3)?;
+        let first = soup.points.len() as u32;
+        soup.points
+            .extend([12, 24, 36].map(|at| corner(&record, at)));
+        soup.polygons.push(first..first + 3);
+    }
+    // What follows is left alone: some exporters append text or a colour.
+    Ok(soup)
+}
+
+fn cut(source: &Source, triangle: u32, count: u32) -> Error {
+    let what = format!("ends after {triangle} of its {count} triangles");
+    Error::new(&source.path, what, EXPORT_AGAIN).at(Place::Face(u64::from(triangle)))
+}
+
+fn corner(record: &[u8; RECORD], at: usize) -> [f64; 3] {
+    [0, 4, 8].map(|axis| {
+        let i = at + axis;
+        let bytes = [record[i], record[i + 1], record[i + 2], record[i + 3]];
+        f64::from(f32::from_le_bytes(bytes))
+    })
+}
+
+/// The ascii reader. It goes by words, not by lines: `vertex` and `endloop`
+/// carry the mesh, and the other words only have to be there.
+struct Ascii {
+    source: Source,
+    soup: Soup,
+    /// The first corner of the facet at hand.
+    first: usize,
+    in_facet: bool,
+    in_solid: bool,
+}
+
+impl Ascii {
+    fn new(source: Source) -> Ascii {
+        Ascii {
+            source,
+            soup: Soup::default(),
+            first: 0,
+            in_facet: false,
+            in_solid: false,
+        }
+    }
+
+    fn read(mut self) -> Result<Soup> {
+        let mut line = Vec::new();
+        while self.source.next_line(&mut line)? {
+            self.read_line(&String::from_utf8_lossy(&line))?;
+        }
+        if self.in_facet || self.in_solid {
+            let help =
+                "Export it again; if all facets are there, append a line \u{201c}endsolid\u{201d}.";
+            return Err(self.source.error("ends without endsolid", help));
+        }
+        Ok(self.soup)
+    }
+
+    fn read_line(&mut self, line: &str) -> Result<()> {
+        let mut words = line.trim_start_matches('\u{feff}').split_ascii_whitespace();
+        while let Some(word) = words.next() {
+            match word.to_ascii_lowercase().as_str() {
+                // The rest of these lines is a name, of any words.
+                "solid" => return self.set_solid(true, line),
+                "endsolid" => return self.set_solid(false, line),
+                "facet" => self.set_facet(true, line)?,
+                "endfacet" => self.set_facet(false, line)?,
+                // The normal is wrong as often as not: the corners tell it.
+                "normal" => drop(words.by_ref().take(3).count()),
+                "outer" | "loop" => {}
+                "vertex" => self.vertex(words.by_ref().take(3), line)?,
+                "endloop" => self.end_loop(line)?,
+                _ => return Err(self.unreadable(line)),
+            }
+        }
+        Ok(())
+    }
+
+    fn set_solid(&mut self, on: bool, line: &str) -> Result<()> {
+        if self.in_facet || self.in_solid == on {
+            return Err(self.unreadable(line));
+        }
+        self.in_solid = on;
+        Ok(())
+    }
+
+    fn set_facet(&mut self, on: bool, line: &str) -> Result<()> {
+        if self.in_facet == on || self.first != self.soup.points.len() {
+            return Err(self.unreadable(line));
+        }
+        self.in_facet = on;
+        Ok(())
+    }
+
+    fn vertex<'a>(&mut self, words: impl Iterator<Item = &'a str>, line: &str) -> Result<()> {
+        check_room(&self.source.path, &self.soup, 1, 1)?;
+        let xyz = words
+            .map(|w| plain_number(w).parse().ok())
+            .collect::<Option<Vec<f64>>>();
+        let xyz = xyz.and_then(|xyz| <[f64; 3]>::try_from(xyz).ok());
+        let (Some(xyz), true) = (xyz, self.in_facet) else {
+            return Err(self.unreadable(line));
+        };
+        self.soup.points.push(xyz);
+        Ok(())
+    }
+
+    fn end_loop(&mut self, line: &str) -> Result<()> {
+        let end = self.soup.points.len();
+        if end < self.first + 3 {
+            return Err(self.unreadable(line));
+        }
+        // In range: `check_room` has looked at every corner.
+        self.soup.polygons.push(self.first as u32..end as u32);
+        self.first = end;
+        Ok(())
+    }
+
+    fn unreadable(&self, line: &str) -> Error {
+        let text = excerpt(line.as_bytes());
+        let what = format!("is no sound STL text at \u{201c}{text}\u{201d}");
+        self.source.error(what, number_help(&text))
+    }
+}

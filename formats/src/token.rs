@@ -1,0 +1,83 @@
+//! Numbers as mesh exporters spell them.
+
+use std::borrow::Cow;
+
+/// `token` in a spelling that both Rust and ply-rs read: digits on both sides
+/// of the point, and NaN or infinity in any dialect as a number too large for
+/// a double, which is read as an infinity. (ply-rs knows no `nan`, and to the
+/// pipeline every non-finite point is the same: no point.) What is no number
+/// comes back as it is.
+pub(crate) fn plain_number(token: &str) -> Cow<'_, str> {
+    let digits = token.trim_start_matches(['+', '-']);
+    let starts = digits.as_bytes().first().copied().unwrap_or(0);
+    if starts.is_ascii_alphabetic() || digits.contains('#') {
+        return non_finite(token, digits);
+    }
+    let open = digits.ends_with('.') || digits.contains(".e") || digits.contains(".E");
+    if starts != b'.' && !open {
+        return Cow::Borrowed(token);
+    }
+    let sign = &token[..token.len() - digits.len()];
+    let zero = if starts == b'.' { "0" } else { "" };
+    let (mantissa, exponent) = digits.split_at(digits.find(['e', 'E']).unwrap_or(digits.len()));
+    let tail = if mantissa.ends_with('.') { "0" } else { "" };
+    Cow::Owned(format!("{sign}{zero}{mantissa}{tail}{exponent}"))
+}
+
+fn non_finite<'a>(token: &'a str, digits: &str) -> Cow<'a, str> {
+    let word = digits.to_ascii_lowercase();
+    // "1.#QNAN" and its like are Microsoft's.
+    let known = ["nan", "inf", "1.#ind", "1.#inf", "1.#qnan", "1.#snan"];
+    match known.iter().any(|k| word.starts_with(k)) {
+        true if token.starts_with('-') => Cow::Borrowed("-1e999"),
+        true => Cow::Borrowed("1e999"),
+        false => Cow::Borrowed(token),
+    }
+}
+
+/// What to advise about text that should be a number.
+pub(crate) fn number_help(text: &str) -> &'static str {
+    if text.contains(',') {
+        "Export again with decimal points instead of decimal commas."
+    } else {
+        crate::source::EXPORT_AGAIN
+    }
+}
+
+/// The beginning of `text`, short and printable, to show in an error.
+pub(crate) fn excerpt(text: &[u8]) -> String {
+    let text = String::from_utf8_lossy(&text[..text.len().min(160)]).into_owned();
+    let clean: String = text
+        .trim()
+        .chars()
+        .map(|c| if c.is_control() { ' ' } else { c })
+        .collect();
+    if clean.chars().count() <= 40 {
+        return clean;
+    }
+    clean.chars().take(39).chain(['…']).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::plain_number;
+
+    #[test]
+    fn numbers_get_digits_on_both_sides() {
+        for (from, to) in [
+            (".5", "0.5"),
+            ("-.5", "-0.5"),
+            ("5.", "5.0"),
+            ("+5.e-3", "+5.0e-3"),
+            (".e", "0.0e"),
+            ("1e5", "1e5"),
+            ("-nan(0x8)", "-1e999"),
+            ("1.#QNAN", "1e999"),
+            ("Infinity", "1e999"),
+            ("five", "five"),
+            ("", ""),
+        ] {
+            assert_eq!(plain_number(from), to);
+        }
+    }
+}

@@ -1,0 +1,152 @@
+//! OBJ: what it may contain, and what is refused.
+
+use formats::Place;
+
+use crate::support::{polygons, refusal, soup};
+
+const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+
+fn square(faces: &str) -> String {
+    SQUARE.to_owned() + faces
+}
+
+#[test]
+fn points_stay_in_the_order_of_the_file() {
+    let points: String = (0..1000).map(|i| format!("v {i} 0.5 -{i}\n")).collect();
+    let soup = soup("order.obj", points + "f 700 3 9\nf 4 1000 700 2 1\n");
+    assert_eq!(soup.points.len(), 1000);
+    for (i, point) in soup.points.iter().enumerate() {
+        assert_eq!(*point, [i as f64, 0.5, -(i as f64)]);
+    }
+    assert_eq!(polygons(&soup), [vec![699, 2, 8], vec![3, 999, 699, 1, 0]]);
+    assert_eq!(soup.unit, None);
+}
+
+#[test]
+fn polygons_of_any_size_survive() {
+    let ring: String = (1..=300).map(|i| format!(" {i}")).collect();
+    let points: String = (0..300).map(|i| format!("v {i} 0 0\n")).collect();
+    for count in [3, 4, 5, 255, 256, 257, 258, 300] {
+        let text: String = points
+            .lines()
+            .take(count)
+            .map(|l| format!("{l}\n"))
+            .collect();
+        let face: String = ring
+            .split(' ')
+            .skip(1)
+            .take(count)
+            .map(|i| format!(" {i}"))
+            .collect();
+        let soup = soup("ring.obj", format!("{text}f{face}\n"));
+        assert_eq!(polygons(&soup), [(0..count as u32).collect::<Vec<_>>()]);
+    }
+}
+
+#[test]
+fn negative_numbers_count_back() {
+    let text = "v 0 0 0\nv 1 0 0\nv 1 1 0\nf -3 -2 -1\nv 0 1 0\nf -4//1 -2//2 -1/5/-9\n";
+    assert_eq!(polygons(&soup("back.obj", text)), [[0, 1, 2], [0, 2, 3]]);
+}
+
+#[test]
+fn faces_may_come_before_their_vertices() {
+    let text = "f 1 2 3\n".to_owned() + SQUARE;
+    assert_eq!(polygons(&soup("before.obj", text)), [[0, 1, 2]]);
+}
+
+#[test]
+fn groups_and_materials_split_nothing() {
+    let text = "mtllib no such file.mtl\no a\ng a b\nusemtl red\nv 0 0 0\nv 1 0 0\nv 1 1 0\n\
+                vt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\ng\no b\nusemtl\ns 1\nv 0 1 0\n\
+                f 1/999/999 3 4\nl 1 2\np 1\n";
+    let soup = soup("groups.obj", text);
+    assert_eq!(soup.points.len(), 4);
+    assert_eq!(polygons(&soup), [[0, 1, 2], [0, 2, 3]]);
+}
+
+#[test]
+fn weights_and_colours_are_left_out() {
+    let text = "v 0 0 0 0\nv 1 0 0 2.0\nv 1 1 0 1 0 0\nv 0 1 0 1 nan 0 1\nf 1 2 3 4\n";
+    let expected = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]];
+    assert_eq!(soup("weights.obj", text).points, expected);
+}
+
+#[test]
+fn loose_text_is_read() {
+    let text = "# head\n".to_owned() + &square("f 1 2 3\nf 1 3 4\n");
+    let loose = [
+        text.replace('\n', "\r\n"),
+        text.replace('\n', "\r"),
+        text.trim_end().to_owned(),
+        "\u{feff}".to_owned() + &square("f 1 2 3\nf 1 3 4"),
+        text.replace("v ", "  v\t ").replace("f ", "\tf  "),
+        text.replace("f 1 2 3", "f 1 \\\n 2 \\\r\n3"),
+        text.replace("1 1 0", "1. 1.0e0 .0 # a corner"),
+    ];
+    for (i, text) in loose.into_iter().enumerate() {
+        let soup = soup("loose.obj", &text);
+        assert_eq!(soup.points[2], [1., 1., 0.], "{i}: {text}");
+        assert_eq!(polygons(&soup), [[0, 1, 2], [0, 2, 3]], "{i}");
+    }
+    let latin = text
+        .replace("# head", "# M~ller\no B~r\nusemtl Gr~n")
+        .into_bytes();
+    let latin: Vec<u8> = latin
+        .into_iter()
+        .map(|b| if b == b'~' { 0xfc } else { b })
+        .collect();
+    assert_eq!(soup("latin.obj", latin).points.len(), 4);
+}
+
+#[test]
+fn points_without_a_number_are_kept() {
+    let text = "v nan 0 0\nv 1.#IND 0 0\nv -inf 0 0\nv 1 1 1\nf 1 2 3\n";
+    let soup = soup("nan.obj", text);
+    assert!(soup.points[..3].iter().all(|p| !p[0].is_finite()));
+    assert_eq!(soup.points[3], [1.; 3]);
+}
+
+#[test]
+fn small_faces_are_left_out_but_not_at_a_cut() {
+    let soup = soup("small.obj", square("f 1\nf 1 2\nf\nf 1 2 3\nf 3 4\n"));
+    assert_eq!(polygons(&soup), [[0, 1, 2]]);
+    let error = refusal("cut.obj", square("f 1 2 3\nf 3 4"), "middle of a face");
+    assert_eq!(error.place, Some(Place::Line(6)));
+}
+
+#[test]
+fn bad_vertex_numbers_are_refused_by_line() {
+    for (face, word) in [
+        ("f 1 2 5", "vertex 5, but only 4"),
+        ("f 1 2 0", "counts from 1"),
+        ("f 1 2 -5", "only 4 vertices before"),
+        ("f 1 2 9223372036854775807", "only 4"),
+        ("f 1 2 9223372036854775808", "unreadable corner"),
+        ("f 1 2 -9223372036854775808", "only 4"),
+        ("f 1 2 x", "unreadable corner"),
+        ("f 1 2 //3", "unreadable corner"),
+    ] {
+        let error = refusal(
+            "range.obj",
+            square(&format!("f 1 2 3\n{face}\nf 2 3 4\n")),
+            word,
+        );
+        assert_eq!(error.place, Some(Place::Line(6)), "{face}");
+    }
+}
+
+#[test]
+fn bad_vertices_are_refused_by_line() {
+    for (vertex, word) in [
+        ("v 1 2", "fewer than three"),
+        ("v", "fewer than three"),
+        ("v 1 2 three", "unreadable vertex"),
+        ("v 3.1+e2 0 0", "unreadable vertex"),
+    ] {
+        let error = refusal("bad.obj", square(&format!("{vertex}\nf 1 2 3\n")), word);
+        assert_eq!(error.place, Some(Place::Line(5)), "{vertex}");
+    }
+    let comma = refusal("comma.obj", square("v 1,5 0,5 2,0\n"), "unreadable vertex");
+    assert!(comma.help.contains("decimal points"));
+}

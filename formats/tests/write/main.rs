@@ -1,0 +1,71 @@
+//! What the STEP and IGES writers write.
+
+mod iges;
+mod model;
+mod step;
+
+use std::fs;
+use std::path::PathBuf;
+
+use formats::Brep;
+use formats::iges::{self as iges_format, Form};
+use formats::step::{self as step_format, Schema};
+use truck_modeling::{Curve, ParametricCurve, ParametricSurface, Surface};
+
+fn step_file(brep: &Brep, schema: Schema) -> String {
+    let options = step_format::Options { schema, ..Default::default() };
+    let mut out = Vec::new();
+    step_format::write(brep, &options, &mut out).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
+fn iges_file(brep: &Brep, form: Form) -> String {
+    let options = iges_format::Options { form, file_name: "bump.igs".into(), ..Default::default() };
+    let mut out = Vec::new();
+    iges_format::write(brep, &options, &mut out).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
+/// The model keeps its promise: else the tests below would test nothing.
+#[test]
+fn edges_lie_on_the_surface() {
+    for trimmed in model::two_faces("").faces {
+        let Surface::BSplineSurface(surface) = trimmed.face.surface() else { panic!() };
+        for (wire, pcurves) in trimmed.face.boundaries().iter().zip(&trimmed.pcurves) {
+            for (edge, pcurve) in wire.iter().zip(pcurves) {
+                let Curve::BSplineCurve(curve) = edge.curve() else { panic!() };
+                for t in (0..=20).map(|i| f64::from(i) / 20.0) {
+                    let (p, uv) = (curve.subs(t), pcurve.subs(t));
+                    let q = surface.subs(uv.x, uv.y);
+                    assert!((p.x - q.x).hypot(p.y - q.y).hypot(p.z - q.z) < 1e-10);
+                }
+            }
+        }
+    }
+}
+
+/// Writes every kind of file into the directory `SCAN2STEP_WRITE_TO`, where
+/// the checks in tests/roundtrip can read them; does nothing without it.
+#[test]
+fn example_files() {
+    let Some(directory) = std::env::var_os("SCAN2STEP_WRITE_TO").map(PathBuf::from) else {
+        return;
+    };
+    for (stem, brep) in [
+        ("sheet", model::one_face("Größe 'A' 😀")),
+        ("pair", model::two_faces("pair")),
+        ("inverted", model::inverted("inverted")),
+        ("flipped", model::flipped_hole("flipped")),
+    ] {
+        for (end, schema) in [
+            ("ap203.step", Schema::Ap203),
+            ("ap214.step", Schema::Ap214),
+            ("ap242.step", Schema::Ap242),
+        ] {
+            fs::write(directory.join(format!("{stem}-{end}")), step_file(&brep, schema)).unwrap();
+        }
+        for (end, form) in [("144.igs", Form::Trimmed), ("514.igs", Form::Brep)] {
+            fs::write(directory.join(format!("{stem}-{end}")), iges_file(&brep, form)).unwrap();
+        }
+    }
+}

@@ -1,0 +1,147 @@
+//! Knots and fit, again and again until the tolerance holds.
+//!
+//! The paper takes κ and a depth from the user. Here they follow from the
+//! tolerance: κ starts as a share of it (κ bounds a mean, the tolerance a
+//! maximum) and is halved, and the depth raised once κ alone adds no knot.
+
+use crate::deviation::{Deviation, Face};
+use crate::error::{Error, Result};
+use crate::spline::{KnotVector, Samples, Surface};
+use crate::{Options, fit, knots};
+
+/// What the user says about knots.
+#[derive(Debug, Clone)]
+pub struct KnotOptions {
+    /// κ in mm; `None`: from the tolerance.
+    pub kappa: Option<f64>,
+    /// Recursion bound; `None`: from the number of points.
+    pub depth: Option<u32>,
+    /// A uniform net that overrides both.
+    pub net: Option<[usize; 2]>,
+    /// Control points at the most.
+    pub max_net: usize,
+}
+
+impl Default for KnotOptions {
+    fn default() -> Self {
+        KnotOptions { kappa: None, depth: None, net: None, max_net: 250_000 }
+    }
+}
+
+/// What the fit must reach.
+pub struct Goal {
+    /// In mm.
+    pub tolerance: f64,
+    /// Whether the user named it.
+    pub named: bool,
+    /// Share of points that may exceed it.
+    pub outliers: f64,
+}
+
+/// How knots and fit turned out.
+#[derive(Debug, Clone)]
+pub struct Adapted {
+    /// The last fit.
+    pub fit: fit::Report,
+    /// The last placement of knots; `None` with a net of the user's.
+    pub knots: Option<knots::Report>,
+    /// κ of the last placement, in mm.
+    pub kappa: f64,
+    /// Fits made.
+    pub rounds: usize,
+}
+
+/// κ to begin with, as a share of the tolerance.
+const KAPPA_SHARE: f64 = 0.5;
+
+/// Measured points a control point at the least, where the user named no
+/// tolerance: more control points would follow the noise.
+const POINTS_A_CONTROL_POINT: usize = 4;
+
+/// Without a named tolerance, a round that does not bring the worst point this
+/// much nearer is the last.
+const WORTHWHILE: f64 = 0.9;
+
+/// Fits a surface to the samples; the first `measured` of them were measured.
+pub fn fit(
+    samples: &Samples,
+    measured: usize,
+    options: &Options,
+    goal: &Goal,
+) -> Result<(Surface, Adapted)> {
+    let asked = &options.knots;
+    if let Some([m, n]) = asked.net {
+        check_net(m, n, asked.max_net)?;
+        let (surface, fit) =
+            fit::fit(samples, [KnotVector::uniform(3, m), KnotVector::uniform(3, n)], options.method)?;
+        return Ok((surface, Adapted { fit, knots: None, kappa: 0.0, rounds: 1 }));
+    }
+    let mut place = knots::Options {
+        kappa: asked.kappa.unwrap_or(KAPPA_SHARE * goal.tolerance),
+        depth: asked.depth.unwrap_or_else(|| deepest(measured)),
+    };
+    let mut best: Option<(f64, Surface, Adapted)> = None;
+    let mut last: Option<[KnotVector; 2]> = None;
+    for rounds in 1..=MAX_ROUNDS {
+        let (found, report) = knots::place(samples, &place);
+        let finest = found.iter().all(|k| k.functions() >= (1 << place.depth) + 3);
+        let again = last.as_ref() == Some(&found);
+        if !again {
+            let [m, n] = found.each_ref().map(KnotVector::functions);
+            let too_many = !goal.named && m * n * POINTS_A_CONTROL_POINT > measured;
+            if best.is_some() && (too_many || m * n > asked.max_net) {
+                break;
+            }
+            check_net(m, n, asked.max_net)?;
+            last = Some(found.clone());
+            let (surface, fit) = fit::fit(samples, found, options.method)?;
+            let worst = worst(&deviation(&surface, samples, measured), goal.outliers);
+            let least = best.as_ref().map_or(f64::INFINITY, |b| b.0);
+            let gained = worst < WORTHWHILE * least;
+            if worst < least {
+                let knots = Some(report);
+                best = Some((worst, surface, Adapted { fit, knots, kappa: place.kappa, rounds }));
+            }
+            if worst <= goal.tolerance || !(goal.named || gained) {
+                break;
+            }
+        }
+        if asked.kappa.is_some() || finest {
+            break;
+        }
+        place.kappa *= 0.5;
+    }
+    best.map(|(_, surface, adapted)| (surface, adapted)).ok_or(Error::Singular("fit"))
+}
+
+/// κ can be halved this often before it is far below any scan's resolution.
+const MAX_ROUNDS: usize = 24;
+
+/// The depth at which a region would have about four points.
+fn deepest(measured: usize) -> u32 {
+    ((measured as f64 / 4.0).sqrt().log2().floor() as u32).clamp(2, 10)
+}
+
+fn check_net(m: usize, n: usize, most: usize) -> Result<()> {
+    if m < 4 || n < 4 {
+        return Err(Error::Net(format!("a bicubic net has at least 4 × 4 control points, not {m} × {n}")));
+    }
+    if m.saturating_mul(n) > most {
+        return Err(Error::Net(format!("a net of {m} × {n} control points exceeds the bound of {most}")));
+    }
+    Ok(())
+}
+
+fn deviation(surface: &Surface, samples: &Samples, measured: usize) -> Deviation {
+    let face = Face::new(surface, std::iter::empty());
+    face.deviation(&samples.points[..measured], &samples.uv[..measured])
+}
+
+/// The largest distance once the allowed share of outliers is set aside.
+fn worst(off: &Deviation, outliers: f64) -> f64 {
+    let mut sorted = off.distances.clone();
+    sorted.sort_by(f64::total_cmp);
+    let spared = (outliers * sorted.len() as f64) as usize;
+    let last = sorted.len().saturating_sub(1 + spared);
+    sorted.get(last).copied().unwrap_or(0.0)
+}

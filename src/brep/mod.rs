@@ -1,0 +1,111 @@
+//! The boundary representation: the fitted surface as a truck face, its four
+//! sides as exact iso-curves, a wire of edges for every hole.
+//!
+//! Only here, at the border to the writers, do our curves and surfaces become
+//! truck's.
+
+use formats::{Brep, PCurve, TrimmedFace};
+use nalgebra::Vector2;
+use truck_modeling as truck;
+
+use crate::error::{Error, Result};
+use crate::spline::{Curve, KnotVector, Surface};
+
+/// A loop of edges, each with its pcurve and the direction in which the loop
+/// uses it.
+struct Loop {
+    edges: Vec<(Curve<3>, Curve<2>, bool)>,
+}
+
+/// The B-rep of one trimmed face.
+///
+/// `holes` are the inner loops, clockwise in (u, v): arcs in the parameter
+/// plane with the edges they trace.
+pub fn build<'a>(
+    surface: &Surface,
+    holes: impl Iterator<Item = (&'a [Curve<2>], &'a [Curve<3>])>,
+    name: &str,
+    uncertainty_mm: f64,
+) -> Result<Brep> {
+    let outer = Loop { edges: outer_edges(surface) };
+    let inner = holes.map(|(pcurves, edges)| Loop {
+        edges: edges.iter().zip(pcurves).map(|(e, c)| (e.clone(), c.clone(), true)).collect(),
+    });
+    let (mut wires, mut pcurves) = (Vec::new(), Vec::new());
+    for ring in std::iter::once(outer).chain(inner) {
+        wires.push(wire(&ring)?);
+        pcurves.push(ring.edges.iter().map(|(_, c, _)| pcurve(c)).collect());
+    }
+    let face = truck::Face::try_new(wires, truck::Surface::BSplineSurface(truck_surface(surface)))
+        .map_err(|e| Error::Brep(e.to_string()))?;
+    let face = TrimmedFace { face, pcurves };
+    Ok(Brep { name: name.to_owned(), faces: vec![face], uncertainty_mm })
+}
+
+/// The four sides of the patch, counter-clockwise from (0, 0): exact
+/// iso-curves, with lines of the parameter plane as pcurves.
+pub fn outer_edges(surface: &Surface) -> Vec<(Curve<3>, Curve<2>, bool)> {
+    let [nu, nv] = surface.shape();
+    let along_u = |j: usize| {
+        let control = (0..nu).map(|i| surface.control(i, j)).collect();
+        Curve::new(surface.u.clone(), control)
+    };
+    let along_v = |i: usize| {
+        let control = (0..nv).map(|j| surface.control(i, j)).collect();
+        Curve::new(surface.v.clone(), control)
+    };
+    let ((u0, u1), (v0, v1)) = (surface.u.range(), surface.v.range());
+    let line = |a: Vector2<f64>, b: Vector2<f64>, (from, to): (f64, f64)| {
+        Curve::new(KnotVector::clamped(1, &[from, to], 1), vec![a, b])
+    };
+    let corner = Vector2::new;
+    vec![
+        (along_u(0), line(corner(u0, v0), corner(u1, v0), (u0, u1)), true),
+        (along_v(nu - 1), line(corner(u1, v0), corner(u1, v1), (v0, v1)), true),
+        (along_u(nv - 1), line(corner(u0, v1), corner(u1, v1), (u0, u1)), false),
+        (along_v(0), line(corner(u0, v0), corner(u0, v1), (v0, v1)), false),
+    ]
+}
+
+/// A closed wire; neighbouring edges share their vertex.
+fn wire(ring: &Loop) -> Result<truck::Wire> {
+    let start = |(edge, _, forward): &(Curve<3>, Curve<2>, bool)| {
+        let end = if *forward { edge.control.first() } else { edge.control.last() };
+        end.copied().unwrap_or_default()
+    };
+    let n = ring.edges.len();
+    let vertices: Vec<truck::Vertex> =
+        ring.edges.iter().map(|e| truck::Vertex::new(point(&start(e)))).collect();
+    let mut wire = truck::Wire::new();
+    for (k, (edge, _, forward)) in ring.edges.iter().enumerate() {
+        let (from, to) = (&vertices[k], &vertices[(k + 1) % n]);
+        let curve = truck::Curve::BSplineCurve(truck::BSplineCurve::new(
+            knots(&edge.knots),
+            edge.control.iter().map(point).collect(),
+        ));
+        let (front, back) = if *forward { (from, to) } else { (to, from) };
+        let built = truck::Edge::try_new(front, back, curve)
+            .map_err(|e| Error::Brep(format!("edge {k}: {e}")))?;
+        wire.push_back(if *forward { built } else { built.inverse() });
+    }
+    Ok(wire)
+}
+
+fn truck_surface(surface: &Surface) -> truck::BSplineSurface<truck::Point3> {
+    let rows = surface.net.chunks(surface.v.functions());
+    let net = rows.map(|row| row.iter().map(point).collect()).collect();
+    truck::BSplineSurface::new((knots(&surface.u), knots(&surface.v)), net)
+}
+
+fn pcurve(c: &Curve<2>) -> PCurve {
+    let control = c.control.iter().map(|p| truck::Point2::new(p.x, p.y)).collect();
+    truck::BSplineCurve::new(knots(&c.knots), control)
+}
+
+fn knots(k: &KnotVector) -> truck::KnotVec {
+    truck::KnotVec::from(k.knots().to_vec())
+}
+
+fn point(p: &crate::geometry::Vector) -> truck::Point3 {
+    truck::Point3::new(p.x, p.y, p.z)
+}

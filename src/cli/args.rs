@@ -1,0 +1,263 @@
+//! The arguments, as clap reads them.
+
+use std::io::IsTerminal;
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+
+use super::places::{Corners, Places};
+use formats::LengthUnit;
+
+/// Turns 3D scans with holes into trimmed B-spline faces in STEP and IGES.
+#[derive(Debug, Parser)]
+#[command(version, about, max_term_width = 100)]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Convert one scan to one or more CAD files.
+    ///
+    /// The scan is a triangle mesh: .ply, .obj, .gltf, .glb or .stl, each also
+    /// gzipped. The output's format is its extension's.
+    Convert(Box<Convert>),
+}
+
+/// Options of `convert`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  scan2step convert fender.ply fender.step\n  \
+    scan2step convert relief.obj relief.stp relief.igs --units in --tolerance 0.05\n\n\
+    Exit codes: 0 all that was asked holds, 1 failed (nothing written), 2 usage,\n\
+    3 files written but a named tolerance is not met.")]
+pub struct Convert {
+    /// The scan.
+    pub scan: PathBuf,
+    /// CAD files to write: .step, .stp, .igs or .iges.
+    #[arg(required = true, value_name = "OUT", value_parser = cad_file)]
+    pub out: Vec<CadFile>,
+
+    /// Unit of the scan's numbers [default: metres for glTF, else mm]
+    #[arg(long, value_name = "UNIT")]
+    pub units: Option<Unit>,
+    /// Farthest that a point of the smoothed scan may be from the face, in mm
+    /// [default: from the noise of the scan]
+    #[arg(long, value_name = "LEN", value_parser = positive)]
+    pub tolerance: Option<f64>,
+    /// Percentage of points that may exceed the tolerance
+    #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage)]
+    pub outliers: f64,
+    /// Corners of the domain: four vertex indices of the scan (V0,V1,V2,V3),
+    /// or four points in the scan's numbers (x,y,z;x,y,z;…) [default: found]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub corners: Option<Places>,
+    /// Where smoothing keeps a corner of the boundary: auto, none, or places as
+    /// in --corners
+    #[arg(long, value_name = "LIST|auto|none", default_value = "auto", allow_hyphen_values = true)]
+    pub boundary_corners: Corners,
+    /// Support of the smoothing, in mm, or auto, or off
+    #[arg(long, value_name = "LEN|auto|off", default_value = "auto", value_parser = support)]
+    pub smooth: scan2step::smooth::Support,
+    /// How to fit
+    #[arg(long, value_enum, default_value_t = Fit::Refined)]
+    pub fit: Fit,
+    /// Mean distance, in mm, above which a region gets more knots [default:
+    /// from the tolerance]
+    #[arg(long, value_name = "LEN", value_parser = positive)]
+    pub kappa: Option<f64>,
+    /// Halvings of the domain at the most [default: from the number of points]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=20))]
+    pub depth: Option<u32>,
+    /// A uniform control net, as 13x13; overrides --kappa and --depth
+    #[arg(long, value_name = "MxN", value_parser = net)]
+    pub net: Option<[usize; 2]>,
+    /// Control points of the face at the most
+    #[arg(long, value_name = "N", default_value_t = 250_000)]
+    pub max_net: usize,
+    /// Leave holes filled whose rim is shorter than this, in mm; cut out the
+    /// others
+    #[arg(long, value_name = "LEN", value_parser = positive, conflicts_with = "keep_fills")]
+    pub fill_only_holes_below: Option<f64>,
+    /// Leave all holes filled
+    #[arg(long)]
+    pub keep_fills: bool,
+    /// Which piece of the scan: largest, all, or a number (0 is the largest)
+    #[arg(long, value_name = "largest|all|N", default_value = "largest", value_parser = component)]
+    pub component: Component,
+    /// STEP schema
+    #[arg(long, value_enum, default_value_t = Schema::Ap242)]
+    pub schema: Schema,
+    /// IGES form: trimmed surfaces (144) or a shell (514)
+    #[arg(long, value_enum, default_value_t = Iges::Trimmed)]
+    pub iges: Iges,
+    /// Write a report (.json); can be given more than once
+    #[arg(long, value_name = "FILE", value_parser = report_file)]
+    pub report: Vec<PathBuf>,
+    /// Write each stage's mesh into this folder
+    #[arg(long, value_name = "DIR")]
+    pub stages: Option<PathBuf>,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Say nothing but errors
+    #[arg(long, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Colours in messages
+    #[arg(long, value_enum, default_value_t = Colour::Auto)]
+    pub color: Colour,
+    /// Say more
+    #[arg(short, long)]
+    pub verbose: bool,
+}
+
+/// A unit on the command line.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Unit {
+    Mm,
+    Cm,
+    M,
+    In,
+}
+
+impl From<Unit> for LengthUnit {
+    fn from(unit: Unit) -> Self {
+        match unit {
+            Unit::Mm => LengthUnit::Millimetre,
+            Unit::Cm => LengthUnit::Centimetre,
+            Unit::M => LengthUnit::Metre,
+            Unit::In => LengthUnit::Inch,
+        }
+    }
+}
+
+/// A fitting method on the command line.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Fit {
+    /// Blended local fits (Tekumalla & Cohen)
+    Blend,
+    /// The blended fit, refined to the least-squares optimum
+    Refined,
+    /// Sparse global least squares
+    Global,
+}
+
+/// Which pieces of a scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Component {
+    Largest,
+    All,
+    Number(usize),
+}
+
+/// A STEP schema on the command line.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Schema {
+    Ap203,
+    Ap214,
+    Ap242,
+}
+
+/// An IGES form on the command line.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Iges {
+    Trimmed,
+    Brep,
+}
+
+/// When to colour.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Colour {
+    Auto,
+    Always,
+    Never,
+}
+
+impl Colour {
+    /// Whether standard error gets colours.
+    pub fn is_on(self) -> bool {
+        match self {
+            Colour::Auto => {
+                std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()
+            }
+            Colour::Always => true,
+            Colour::Never => false,
+        }
+    }
+}
+
+/// A CAD file to write.
+#[derive(Debug, Clone)]
+pub struct CadFile {
+    pub path: PathBuf,
+    pub kind: CadKind,
+}
+
+/// Its format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum CadKind {
+    Step,
+    Iges,
+}
+
+fn extension(path: &str) -> String {
+    let extension = PathBuf::from(path).extension().map(|e| e.to_string_lossy().to_lowercase());
+    extension.unwrap_or_default()
+}
+
+fn cad_file(path: &str) -> Result<CadFile, String> {
+    let kind = match extension(path).as_str() {
+        "step" | "stp" => CadKind::Step,
+        "igs" | "iges" => CadKind::Iges,
+        _ => return Err("not .step, .stp, .igs or .iges".into()),
+    };
+    Ok(CadFile { path: path.into(), kind })
+}
+
+fn report_file(path: &str) -> Result<PathBuf, String> {
+    match extension(path).as_str() {
+        "json" => Ok(path.into()),
+        _ => Err("not .json, the only report format so far".into()),
+    }
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    text.trim().parse().map_err(|_| "not a number".to_string())
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    let x = number(text)?;
+    if x > 0.0 && x.is_finite() { Ok(x) } else { Err("not a length above 0".into()) }
+}
+
+fn percentage(text: &str) -> Result<f64, String> {
+    let x = number(text)?;
+    if (0.0..100.0).contains(&x) { Ok(x) } else { Err("not a percentage from 0 to below 100".into()) }
+}
+
+fn support(text: &str) -> Result<scan2step::smooth::Support, String> {
+    use scan2step::smooth::Support;
+    match text {
+        "auto" => Ok(Support::Auto),
+        "off" => Ok(Support::Off),
+        length => positive(length).map(Support::Fixed),
+    }
+}
+
+fn component(text: &str) -> Result<Component, String> {
+    match text {
+        "largest" => Ok(Component::Largest),
+        "all" => Ok(Component::All),
+        n => n.parse().map(Component::Number).map_err(|_| "not largest, all or a number".into()),
+    }
+}
+
+fn net(text: &str) -> Result<[usize; 2], String> {
+    let (m, n) = text.split_once(['x', 'X', '×']).ok_or("not of the form 13x13")?;
+    let side = |s: &str| {
+        let n: usize = s.trim().parse().map_err(|_| "not of the form 13x13".to_string())?;
+        if n < 4 { Err("a bicubic net has at least 4x4 control points".to_string()) } else { Ok(n) }
+    };
+    Ok([side(m)?, side(n)?])
+}

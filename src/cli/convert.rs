@@ -1,0 +1,285 @@
+//! `scan2step convert`: one scan to one or more files.
+
+use std::io::Write;
+use std::path::Path;
+use std::time::{Duration, SystemTime};
+
+use formats::{LengthUnit, Soup, iges, step};
+use scan2step::{Conversion, Cut, KnotOptions, Options, Stage, fit, mesh, parameterize, smooth};
+
+use super::args::{CadFile, CadKind, Component, Convert, Fit, Iges, Schema};
+use super::output::{self, Pending};
+use super::places::Corners;
+use super::progress::Progress;
+use super::report;
+use super::stages::Stages;
+use super::{Failure, Outcome};
+
+/// Reads, converts, writes.
+pub fn run(args: &Convert) -> Result<Outcome, Failure> {
+    if let Some(n) = args.threads {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(n.into()).build_global();
+        pool.map_err(|e| failure(args, &e.to_string(), "name fewer --threads"))?;
+    }
+    check_outputs(args)?;
+    let mut progress = Progress::new(args.quiet, args.verbose);
+    let mut stages = args.stages.as_deref().map(Stages::new).transpose()?;
+    let soup = formats::read_scan(&args.scan)?;
+    progress.ended("read");
+    let (unit, assumed) = unit(args, &soup);
+    if assumed {
+        progress.say("units: the file does not say; assuming mm (--units to change)");
+    }
+    let options = options(args, &soup, unit)?;
+    let mut watch = |stage: Stage| -> scan2step::Result<()> {
+        progress.ended(name(&stage));
+        Ok(stages.as_mut().map_or(Ok(()), |s| s.write(&stage))?)
+    };
+    let conversion =
+        scan2step::convert(&soup, &options, &mut watch).map_err(|e| stopped(args, &e))?;
+    drop(soup);
+    let files = write_cad(args, &conversion)?;
+    progress.ended("write");
+    describe(&progress, args, &conversion);
+    let outputs = args.out.iter().map(|f| f.path.as_path()).zip(&files).collect();
+    let context = report::Context {
+        scan: &args.scan,
+        unit: unit.symbol(),
+        unit_assumed: assumed,
+        tolerance_named: args.tolerance.is_some(),
+        outliers_pct: args.outliers,
+        outputs,
+        progress: &progress,
+    };
+    let value = report::json(&conversion, &context);
+    let text = |out: &mut dyn Write| {
+        serde_json::to_writer_pretty(&mut *out, &value)?;
+        writeln!(out)
+    };
+    let mut pending = stages.map_or(Vec::new(), |s| s.pending);
+    for path in &args.report {
+        pending.push(output::write(path, text)?);
+    }
+    // Every file is complete by now; putting them in place comes last.
+    pending.into_iter().chain(files).try_for_each(Pending::publish)?;
+    Ok(verdict(args, &conversion))
+}
+
+/// Two outputs at one place, or one over the scan, would destroy each other.
+fn check_outputs(args: &Convert) -> Result<(), Failure> {
+    let real = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    let scan = real(&args.scan);
+    let mut seen = Vec::new();
+    for path in args.out.iter().map(|f| &f.path).chain(&args.report) {
+        let place = real(path);
+        if place == scan || seen.contains(&place) {
+            let error = format!("{}: is named twice", path.display());
+            return Err(Failure { error, help: "give every output a name of its own".into() });
+        }
+        seen.push(place);
+    }
+    Ok(())
+}
+
+fn failure(args: &Convert, what: &str, help: &str) -> Failure {
+    Failure { error: format!("{}: {what}", args.scan.display()), help: help.into() }
+}
+
+fn stopped(args: &Convert, error: &scan2step::Error) -> Failure {
+    match error {
+        // It names its own file.
+        scan2step::Error::File(e) => Failure { error: e.to_string(), help: e.help.clone() },
+        e => failure(args, &e.to_string(), &e.help()),
+    }
+}
+
+fn unit(args: &Convert, soup: &Soup) -> (LengthUnit, bool) {
+    match (args.units, soup.unit) {
+        (Some(unit), _) => (unit.into(), false),
+        (None, Some(unit)) => (unit, false),
+        (None, None) => (LengthUnit::Millimetre, true),
+    }
+}
+
+fn options(args: &Convert, soup: &Soup, unit: LengthUnit) -> Result<Options, Failure> {
+    let resolve = |places: &super::places::Places| {
+        places
+            .resolve(soup, unit.in_mm())
+            .map_err(|e| failure(args, &e, "count vertices as the file does, from 0"))
+    };
+    let corners = args.corners.as_ref().map(resolve).transpose()?;
+    let corners = corners.map(|c| {
+        <[_; 4]>::try_from(c)
+            .map_err(|_| failure(args, "--corners: not four corners", "name exactly four"))
+    });
+    let boundary_corners = match &args.boundary_corners {
+        Corners::Auto => smooth::Corners::Auto,
+        Corners::None => smooth::Corners::None,
+        Corners::At(places) => smooth::Corners::At(resolve(places)?),
+    };
+    let component = match args.component {
+        Component::Largest => mesh::Choice::Largest,
+        Component::Number(n) => mesh::Choice::Number(n),
+        Component::All => {
+            let help = "convert the pieces one by one: --component 0, 1, …";
+            return Err(failure(args, "--component all is not supported yet", help));
+        }
+    };
+    let cut = match (args.keep_fills, args.fill_only_holes_below) {
+        (true, _) => Cut::None,
+        (false, Some(length)) => Cut::FromLength(length),
+        (false, None) => Cut::All,
+    };
+    Ok(Options {
+        name: part_name(&args.scan),
+        unit_mm: unit.in_mm(),
+        component,
+        smooth: smooth::Options { support: args.smooth, corners: boundary_corners },
+        parameterize: parameterize::Options { corners: corners.transpose()? },
+        knots: KnotOptions {
+            kappa: args.kappa,
+            depth: args.depth,
+            net: args.net,
+            max_net: args.max_net,
+        },
+        method: match args.fit {
+            Fit::Blend => fit::Method::Blend,
+            Fit::Refined => fit::Method::Refined,
+            Fit::Global => fit::Method::Global,
+        },
+        tolerance: args.tolerance,
+        outliers: args.outliers / 100.0,
+        cut,
+        ..Options::default()
+    })
+}
+
+/// The file's name without its folder and extensions.
+fn part_name(scan: &Path) -> String {
+    let stem = |p: &Path| p.file_stem().map(|s| s.to_string_lossy().into_owned());
+    let zipped = scan.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
+    let first = stem(scan).unwrap_or_default();
+    if zipped { stem(Path::new(&first)).unwrap_or(first) } else { first }
+}
+
+fn name(stage: &Stage) -> &'static str {
+    match stage {
+        Stage::Mesh(_) => "mesh",
+        Stage::Smooth(_) => "smooth",
+        Stage::Fill(_) => "fill",
+        Stage::Parameterize(_) => "parameterize",
+        Stage::Fit(_) => "fit",
+        Stage::Trim(..) => "trim",
+        Stage::Brep => "brep",
+        Stage::Deviation => "deviation",
+    }
+}
+
+fn write_cad(args: &Convert, conversion: &Conversion) -> Result<Vec<Pending>, Failure> {
+    let stamp = time_stamp();
+    let mut files = Vec::new();
+    for CadFile { path, kind } in &args.out {
+        let content = |out: &mut dyn Write| match kind {
+            CadKind::Step => {
+                step::write(&conversion.brep, &step_options(args, &stamp), out)
+            }
+            CadKind::Iges => {
+                iges::write(&conversion.brep, &iges_options(args, &stamp, path), out)
+            }
+        };
+        files.push(output::write(path, content)?);
+    }
+    Ok(files)
+}
+
+/// SOURCE_DATE_EPOCH, or the epoch itself: the same input gives the same bytes.
+fn time_stamp() -> String {
+    let seconds = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|s| s.parse().ok());
+    // Past the year 9999 there is no such time stamp.
+    let seconds = seconds.filter(|s| *s < 253_402_300_800_u64).unwrap_or(0);
+    let time = SystemTime::UNIX_EPOCH + Duration::from_secs(seconds);
+    humantime::format_rfc3339_seconds(time).to_string().trim_end_matches('Z').to_string()
+}
+
+fn system() -> String {
+    format!("scan2step {}", env!("CARGO_PKG_VERSION"))
+}
+
+fn step_options(args: &Convert, stamp: &str) -> step::Options {
+    step::Options {
+        schema: match args.schema {
+            Schema::Ap203 => step::Schema::Ap203,
+            Schema::Ap214 => step::Schema::Ap214,
+            Schema::Ap242 => step::Schema::Ap242,
+        },
+        time_stamp: stamp.to_owned(),
+        originating_system: system(),
+    }
+}
+
+fn iges_options(args: &Convert, stamp: &str, path: &Path) -> iges::Options {
+    let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned());
+    iges::Options {
+        form: match args.iges {
+            Iges::Trimmed => iges::Form::Trimmed,
+            Iges::Brep => iges::Form::Brep,
+        },
+        time_stamp: stamp.to_owned(),
+        file_name: file_name.unwrap_or_default(),
+        originating_system: system(),
+    }
+}
+
+fn describe(progress: &Progress, args: &Convert, c: &Conversion) {
+    if c.input.left_out > 0 {
+        progress.say(&format!(
+            "component: 1 of {}, {} triangles; left out {} triangles in the others",
+            c.input.components, c.input.triangles, c.input.left_out
+        ));
+    }
+    for (kind, count) in &c.input.repairs {
+        progress.say(&format!("repaired: {count} {}", kind.replace('_', " ")));
+    }
+    if args.tolerance.is_none() {
+        progress.say(&format!(
+            "tolerance: {:.4} mm, from a noise of {:.4} mm (--tolerance to change)",
+            c.tolerance, c.smooth.noise
+        ));
+    }
+    let [m, n] = c.surface.shape();
+    let files: Vec<_> = args.out.iter().map(|f| f.path.display().to_string()).collect();
+    progress.say(&format!(
+        "{m} × {n} control points, rms {:.4} mm, max {:.4} mm, {} cut out → {}",
+        c.fit_deviation.rms,
+        c.fit_deviation.max,
+        plural(c.loops.len(), "hole"),
+        files.join(", ")
+    ));
+}
+
+fn plural(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}
+
+/// Says it where a tolerance that the user named is not met.
+fn verdict(args: &Convert, c: &Conversion) -> Outcome {
+    if c.tolerance_met(args.outliers / 100.0) {
+        return Outcome::Done;
+    }
+    let [x, y, z] = c.fit_deviation.max_at;
+    let what = format!(
+        "{} of {} points are farther than {} mm from the face; the worst, {:.4} mm, at ({x:.3}, {y:.3}, {z:.3})",
+        c.fit_deviation.beyond(c.tolerance),
+        c.fit_deviation.distances.len(),
+        c.tolerance,
+        c.fit_deviation.max,
+    );
+    if args.tolerance.is_some() {
+        eprintln!("tolerance not met: {what}");
+        return Outcome::Missed;
+    }
+    if !args.quiet {
+        eprintln!("note: {what}");
+    }
+    Outcome::Done
+}

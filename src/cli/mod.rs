@@ -1,0 +1,51 @@
+//! `scan2step convert SCAN OUT...`
+
+mod args;
+mod convert;
+mod output;
+mod places;
+mod progress;
+mod report;
+mod stages;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+/// What a run says at its end.
+enum Outcome {
+    /// All that was asked holds.
+    Done,
+    /// Files were written, but a tolerance that the user named is not met.
+    Missed,
+}
+
+/// A run that failed: what is wrong, and what to do.
+struct Failure {
+    error: String,
+    help: String,
+}
+
+impl From<formats::Error> for Failure {
+    fn from(e: formats::Error) -> Self {
+        Failure { error: e.to_string(), help: e.help }
+    }
+}
+
+/// Parses the arguments, runs the command, reports what is wrong.
+pub fn run() -> ExitCode {
+    let args = args::Cli::parse();
+    let args::Command::Convert(convert) = args.command;
+    let colour = convert.color.is_on();
+    match convert::run(&convert) {
+        Ok(Outcome::Done) => ExitCode::SUCCESS,
+        Ok(Outcome::Missed) => ExitCode::from(3),
+        Err(failure) => {
+            let (red, blue, plain) =
+                if colour { ("\x1b[1;31m", "\x1b[1;36m", "\x1b[0m") } else { ("", "", "") };
+            eprintln!("{red}error{plain}: {}", failure.error);
+            eprintln!("{blue}help{plain}: {}", failure.help);
+            ExitCode::FAILURE
+        }
+    }
+}

@@ -1,0 +1,137 @@
+//! `--report FILE.json`: the run in figures. Lengths are mm.
+
+use std::path::Path;
+
+use scan2step::{Conversion, deviation::Deviation, fill::Method, fit};
+use serde_json::{Value, json};
+
+use super::output::Pending;
+use super::progress::{Progress, peak_rss_mb};
+
+/// What the report says besides the conversion.
+pub struct Context<'a> {
+    pub scan: &'a Path,
+    pub unit: &'static str,
+    pub unit_assumed: bool,
+    pub tolerance_named: bool,
+    pub outliers_pct: f64,
+    pub outputs: Vec<(&'a Path, &'a Pending)>,
+    pub progress: &'a Progress,
+}
+
+/// The report's object.
+pub fn json(c: &Conversion, context: &Context) -> Value {
+    json!({
+        "scan2step": env!("CARGO_PKG_VERSION"),
+        "input": input(c, context),
+        "noise_mm": c.smooth.noise,
+        "tolerance_mm": c.tolerance,
+        "tolerance_named": context.tolerance_named,
+        "tolerance_met": c.tolerance_met(context.outliers_pct / 100.0),
+        "outliers_pct": context.outliers_pct,
+        "stages": context.progress.stages.iter().map(|s| json!({
+            "name": s.name, "seconds": s.seconds, "peak_rss_mb": s.peak_rss_mb,
+        })).collect::<Vec<_>>(),
+        "smooth": {
+            "h_mm": c.smooth.h,
+            "moved_rms_mm": c.smooth.moved_rms,
+            "moved_max_mm": c.smooth.moved_max,
+            "corners": c.smooth.corners.len(),
+        },
+        "fill": { "holes": holes(c) },
+        "parameterize": {
+            "flipped": c.parameterize.flipped,
+            "split_edges": c.parameterize.split_edges,
+            "stretch_l2": c.parameterize.stretch.l2,
+            "stretch_max": c.parameterize.stretch.max,
+            "aspect": c.parameterize.stretch.aspect,
+        },
+        "fit": fit_report(c),
+        "deviation": deviation(&c.deviation),
+        "trim": trim(c),
+        "outputs": context.outputs.iter().map(|(path, pending)| json!({
+            "file": path.display().to_string(), "bytes": pending.bytes, "sha256": pending.sha256,
+        })).collect::<Vec<_>>(),
+        "seconds": context.progress.seconds(),
+        "peak_rss_mb": peak_rss_mb(),
+    })
+}
+
+fn input(c: &Conversion, context: &Context) -> Value {
+    json!({
+        "file": context.scan.display().to_string(),
+        "units": context.unit,
+        "units_assumed": context.unit_assumed,
+        "vertices": c.input.vertices,
+        "triangles": c.input.triangles,
+        "components": c.input.components,
+        "boundary_loops": c.input.boundary_loops,
+        "repairs": c.input.repairs,
+    })
+}
+
+fn holes(c: &Conversion) -> Vec<Value> {
+    let each = c.fill.holes.iter().zip(&c.trimmed);
+    each.map(|(hole, trimmed)| {
+        json!({
+            "rim_vertices": hole.rim_vertices,
+            "rim_length_mm": hole.rim_length,
+            "added_vertices": hole.added_vertices,
+            "added_triangles": hole.added_triangles,
+            "trimmed": trimmed,
+            "method": match hole.method {
+                Method::Front => "front",
+                Method::WideEars => "wide ears",
+                Method::Fan => "fan",
+            },
+        })
+    })
+    .collect()
+}
+
+fn fit_report(c: &Conversion) -> Value {
+    let [m, n] = c.surface.shape();
+    let d = &c.fit_deviation;
+    let within = d.distances.len() - d.beyond(c.tolerance);
+    json!({
+        "method": match c.fit.fit.method {
+            fit::Method::Blend => "blend",
+            fit::Method::Refined => "refined",
+            fit::Method::Global => "global",
+        },
+        "degree": [c.surface.u.degree(), c.surface.v.degree()],
+        "net": [m, n],
+        "knots_u": c.surface.u.knots().len(),
+        "knots_v": c.surface.v.knots().len(),
+        "rms_mm": d.rms,
+        "p95_mm": d.p95,
+        "max_mm": d.max,
+        "max_at": d.max_at,
+        "within_pct": 100.0 * within as f64 / d.distances.len().max(1) as f64,
+        "mean_parametric_mm": c.fit.fit.mean_error,
+        "kappa_mm": c.fit.kappa,
+        "rounds": c.fit.rounds,
+        "steps": c.fit.fit.steps,
+    })
+}
+
+fn deviation(d: &Deviation) -> Value {
+    json!({
+        "rms_mm": d.rms, "p95_mm": d.p95, "p99_mm": d.p99, "max_mm": d.max, "max_at": d.max_at,
+    })
+}
+
+fn trim(c: &Conversion) -> Vec<Value> {
+    let (control_points, max_from_rim) = c.outer;
+    let outer = json!({
+        "loop": 0, "outer": true, "control_points": control_points,
+        "max_off_surface_mm": 0.0, "max_from_rim_mm": max_from_rim,
+    });
+    let inner = c.trim.iter().enumerate().map(|(i, l)| {
+        json!({
+            "loop": i + 1, "outer": false, "hole": l.hole, "control_points": l.control_points,
+            "max_off_surface_mm": l.max_off_surface, "max_from_rim_mm": l.max_from_rim,
+        })
+    });
+    std::iter::once(outer).chain(inner).collect()
+}

@@ -1,0 +1,136 @@
+//! `--stages DIR`: what each stage made, for looking at and measuring.
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use scan2step::geometry::{Uv, VertexId};
+use scan2step::mesh::{FaceOrigin, Mesh, Patch};
+use scan2step::spline::{KnotVector, Surface};
+use scan2step::{Stage, trim::TrimLoop};
+use serde_json::json;
+
+use super::output::{self, Pending};
+
+/// Writes the stages' files; they are published with the run's other files.
+pub struct Stages {
+    folder: PathBuf,
+    pub pending: Vec<Pending>,
+}
+
+impl Stages {
+    /// Stages go to `folder`, which is made if it does not exist.
+    pub fn new(folder: &Path) -> Result<Self, formats::Error> {
+        std::fs::create_dir_all(folder).map_err(|e| {
+            let help = "name a folder that can be made and written to";
+            formats::Error::new(folder, format!("cannot be made: {e}"), help)
+        })?;
+        Ok(Stages { folder: folder.to_owned(), pending: Vec::new() })
+    }
+
+    /// Writes what a stage made, if it has a file.
+    pub fn write(&mut self, stage: &Stage) -> Result<(), formats::Error> {
+        match stage {
+            Stage::Mesh(disk) => self.put("1-mesh.ply", |out| mesh(out, &disk.mesh)),
+            Stage::Smooth(disk) => self.put("2-smooth.ply", |out| mesh(out, &disk.mesh)),
+            Stage::Fill(p) => self.put("3-filled.ply", |out| patch(out, p, None)),
+            Stage::Parameterize(map) => {
+                self.put("4-parameterized.ply", |out| patch(out, &map.patch, Some(&map.uv)))
+            }
+            Stage::Trim(face, loops) => self.put("5-surface.json", |out| surface(out, face, loops)),
+            Stage::Fit(_) | Stage::Brep | Stage::Deviation => Ok(()),
+        }
+    }
+
+    fn put(
+        &mut self,
+        name: &str,
+        content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+    ) -> Result<(), formats::Error> {
+        self.pending.push(output::write(&self.folder.join(name), content)?);
+        Ok(())
+    }
+}
+
+fn header(out: &mut dyn Write, vertex: (usize, &[&str]), face: (usize, &[&str])) -> io::Result<()> {
+    writeln!(out, "ply\nformat binary_little_endian 1.0\ncomment scan2step, millimetres")?;
+    writeln!(out, "element vertex {}", vertex.0)?;
+    for property in ["double x", "double y", "double z"].iter().chain(vertex.1) {
+        writeln!(out, "property {property}")?;
+    }
+    writeln!(out, "element face {}", face.0)?;
+    for property in ["list uchar int vertex_indices"].iter().chain(face.1) {
+        writeln!(out, "property {property}")?;
+    }
+    writeln!(out, "end_header")
+}
+
+fn doubles(out: &mut dyn Write, numbers: &[f64]) -> io::Result<()> {
+    numbers.iter().try_for_each(|x| out.write_all(&x.to_le_bytes()))
+}
+
+fn triangle(out: &mut dyn Write, t: &[VertexId; 3]) -> io::Result<()> {
+    out.write_all(&[3])?;
+    t.iter().try_for_each(|v| out.write_all(&(v.0 as i32).to_le_bytes()))
+}
+
+fn mesh(out: &mut dyn Write, mesh: &Mesh) -> io::Result<()> {
+    header(out, (mesh.points.len(), &[]), (mesh.triangles.len(), &[]))?;
+    mesh.points.iter().try_for_each(|p| doubles(out, p.coords.as_slice()))?;
+    mesh.triangles.iter().try_for_each(|t| triangle(out, t))
+}
+
+fn patch(out: &mut dyn Write, patch: &Patch, uv: Option<&[Uv]>) -> io::Result<()> {
+    let mesh = &patch.mesh;
+    let with_uv = ["uchar origin", "double u", "double v"];
+    let properties = if uv.is_some() { &with_uv[..] } else { &with_uv[..1] };
+    header(out, (mesh.points.len(), properties), (mesh.triangles.len(), &["int hole"]))?;
+    for (i, p) in mesh.points.iter().enumerate() {
+        doubles(out, p.coords.as_slice())?;
+        out.write_all(&[u8::from(!patch.is_measured(VertexId::from(i)))])?;
+        if let Some(uv) = uv {
+            doubles(out, uv[i].coords.as_slice())?;
+        }
+    }
+    for (t, origin) in mesh.triangles.iter().zip(&patch.origin) {
+        triangle(out, t)?;
+        let hole = match origin {
+            FaceOrigin::Measured => -1,
+            FaceOrigin::Hole(hole) => *hole as i32,
+        };
+        out.write_all(&hole.to_le_bytes())?;
+    }
+    Ok(())
+}
+
+fn knots(k: &KnotVector) -> serde_json::Value {
+    json!(k.knots())
+}
+
+fn surface(out: &mut dyn Write, surface: &Surface, loops: &[TrimLoop]) -> io::Result<()> {
+    let nv = surface.v.functions();
+    let net: Vec<Vec<[f64; 3]>> =
+        surface.net.chunks(nv).map(|row| row.iter().map(|p| (*p).into()).collect()).collect();
+    let trim_loops: Vec<_> = loops
+        .iter()
+        .map(|l| {
+            let pcurves: Vec<_> = l
+                .pcurves
+                .iter()
+                .map(|c| {
+                    let points: Vec<[f64; 2]> = c.control.iter().map(|p| (*p).into()).collect();
+                    json!({ "degree": c.knots.degree(), "knots": knots(&c.knots), "points": points })
+                })
+                .collect();
+            json!({ "hole": l.hole, "pcurves": pcurves })
+        })
+        .collect();
+    let whole = json!({
+        "degree": [surface.u.degree(), surface.v.degree()],
+        "knots_u": knots(&surface.u),
+        "knots_v": knots(&surface.v),
+        "net": net,
+        "trim_loops": trim_loops,
+    });
+    serde_json::to_writer(&mut *out, &whole)?;
+    writeln!(out)
+}

@@ -1,0 +1,114 @@
+//! Why a scan could not become a face, and what to do about it.
+
+use crate::geometry::Point;
+
+/// A result of the pipeline.
+pub type Result<T> = std::result::Result<T, Error>;
+
+/// What stops a conversion. [`Error::help`] says what the user can do.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// A file could not be read or written.
+    #[error(transparent)]
+    File(#[from] formats::Error),
+    /// No triangle is left once unusable ones are dropped.
+    #[error("no usable triangle: {0}")]
+    Empty(String),
+    /// The asked-for component does not exist.
+    #[error("there is no component {asked}; the scan has {count}")]
+    Component {
+        /// The component asked for, counted from 0, largest first.
+        asked: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// The component has one side only.
+    #[error("the surface is one-sided (a Möbius strip is in it) and cannot be oriented")]
+    NotOrientable,
+    /// The component is not a disk with holes.
+    #[error("the surface is not a disk with holes: genus {genus}, {}", boundaries(*loops))]
+    NotADisk {
+        /// Handles.
+        genus: usize,
+        /// Boundary loops.
+        loops: usize,
+    },
+    /// The corners that the user gave cannot be the corners of the patch.
+    #[error("corners: {0}")]
+    Corners(String),
+    /// The parameterization has inverted triangles that mending did not remove.
+    #[error("the parameterization folds: {count} triangles inverted, one near {}", mm(at))]
+    Folded {
+        /// How many triangles are inverted.
+        count: usize,
+        /// Corner of one of them.
+        at: Point,
+    },
+    /// A linear system could not be solved.
+    #[error("{0}: the linear system is singular")]
+    Singular(&'static str),
+    /// The net that was asked for is out of bounds.
+    #[error("{0}")]
+    Net(String),
+    /// A trim loop crosses itself, another one or the edge of the patch.
+    #[error("the trim loop of hole {hole} {fault}, near {}", mm(at))]
+    Trim {
+        /// The hole, counted from 0 in the report's order.
+        hole: usize,
+        /// What is wrong with the loop.
+        fault: String,
+        /// A point of the rim.
+        at: Point,
+    },
+    /// The boundary representation breaks one of its own rules.
+    #[error("boundary representation: {0}")]
+    Brep(String),
+    /// An option has a value that makes no sense.
+    #[error("{0}")]
+    Option(String),
+}
+
+impl Error {
+    /// One sentence that says what the user can do.
+    pub fn help(&self) -> String {
+        match self {
+            Error::File(e) => e.help.clone(),
+            Error::Empty(_) => {
+                "check the export: the scan must be a triangle mesh with finite coordinates".into()
+            }
+            Error::Component { count, .. } => {
+                format!("choose --component 0 to {}, or largest", count.saturating_sub(1))
+            }
+            Error::NotOrientable => "cut the strip open, or choose another --component".into(),
+            Error::NotADisk { loops: 0, .. } => {
+                "cut the closed surface open along a seam, and convert the pieces one by one".into()
+            }
+            Error::NotADisk { .. } => {
+                "cut the handles open so that one sheet is left, or choose another --component".into()
+            }
+            Error::Corners(_) => {
+                "give four different vertices of the outer boundary with --corners, or leave the option out".into()
+            }
+            Error::Folded { .. } => "repair or remesh the scan around that place".into(),
+            Error::Singular(_) => "remesh the scan: it has degenerate triangles".into(),
+            Error::Net(_) => "name a smaller --net, or a larger --max-net".into(),
+            Error::Trim { .. } => {
+                "keep that hole filled (--fill-only-holes-below, --keep-fills), or name a smaller --tolerance".into()
+            }
+            Error::Brep(_) => "please report this scan as a bug".into(),
+            Error::Option(_) => "see scan2step convert --help".into(),
+        }
+    }
+}
+
+fn boundaries(loops: usize) -> String {
+    match loops {
+        0 => "closed, no boundary".into(),
+        1 => "one boundary loop".into(),
+        n => format!("{n} boundary loops"),
+    }
+}
+
+fn mm(p: &Point) -> String {
+    format!("({:.3}, {:.3}, {:.3}) mm", p.x, p.y, p.z)
+}

@@ -1,0 +1,126 @@
+//! Fitting a bicubic B-spline surface to points with parameters.
+//!
+//! Three ways, over the same knots: blended local fits (Tekumalla & Cohen
+//! 2005, section 3.5), the global least-squares fit by a sparse direct solver,
+//! and the same least-squares problem solved by conjugate gradients that start
+//! from the blended fit.
+
+mod blend;
+mod cells;
+mod fairing;
+mod normal;
+mod refine;
+
+use crate::error::{Error, Result};
+use crate::spline::{KnotVector, Samples, Surface};
+
+/// How to fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Method {
+    /// The paper's blended local fits.
+    Blend,
+    /// From the blended fit to the least-squares optimum.
+    #[default]
+    Refined,
+    /// Sparse global least squares.
+    Global,
+}
+
+/// How the fit went.
+#[derive(Debug, Clone, Copy)]
+pub struct Report {
+    /// The method used.
+    pub method: Method,
+    /// Steps of conjugate gradients (0 for the other methods).
+    pub steps: usize,
+    /// Mean distance, in mm, between a sample and the surface at the sample's
+    /// parameter.
+    pub mean_error: f64,
+}
+
+/// Fits a surface over the given knot vectors, both cubic.
+pub fn fit(samples: &Samples, knots: [KnotVector; 2], method: Method) -> Result<(Surface, Report)> {
+    if samples.is_empty() {
+        return Err(Error::Empty("there is nothing to fit".into()));
+    }
+    let [u, v] = knots;
+    let cells = cells::Cells::new(samples, &u, &v);
+    let (net, steps) = match method {
+        Method::Blend => (blend::fit(samples, &cells), 0),
+        Method::Global => (normal::Equations::new(samples, &cells).solve_directly()?, 0),
+        Method::Refined => {
+            let start = blend::fit(samples, &cells);
+            refine::solve(&normal::Equations::new(samples, &cells), start)
+        }
+    };
+    let surface = Surface::new(u, v, net);
+    let off = samples.uv.iter().zip(&samples.points).map(|(&at, p)| (surface.point(at) - p).norm());
+    let mean_error = off.sum::<f64>() / samples.len() as f64;
+    Ok((surface, Report { method, steps, mean_error }))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Point, Uv};
+
+    fn wavy() -> Samples {
+        let at = |i: usize| (i as f64 + 0.5) / 60.0;
+        let mut s = Samples::default();
+        for (u, v) in (0..3600).map(|i| (at(i / 60), at(i % 60))) {
+            s.points.push(Point::new(100.0 * u, 80.0 * v, 4.0 * (6.0 * u).sin() * (5.0 * v).cos()));
+            s.uv.push(Uv::new(u, v));
+            s.weights.push(1.0);
+        }
+        s
+    }
+
+    fn uneven(n: usize) -> KnotVector {
+        let breaks: Vec<f64> = (0..=n).map(|i| (i as f64 / n as f64).powf(1.4)).collect();
+        KnotVector::clamped(3, &breaks, 1)
+    }
+
+    #[test]
+    fn every_method_reproduces_a_spline_of_its_space() {
+        let mut s = wavy();
+        let knots = [uneven(5), uneven(7)];
+        let (truth, _) = fit(&s, knots.clone(), Method::Global).unwrap();
+        s.points = s.uv.iter().map(|&at| truth.point(at)).collect();
+        for (method, limit) in [(Method::Global, 1e-5), (Method::Refined, 1e-5)] {
+            let (_, report) = fit(&s, knots.clone(), method).unwrap();
+            assert!(report.mean_error < limit, "{report:?}");
+        }
+        // One pass of blending reproduces a bicubic polynomial, not a spline.
+        s.points = s.uv.iter().map(|&a| Point::new(a.x, a.y, a.x.powi(3) * a.y.powi(2))).collect();
+        let (_, report) = fit(&s, knots, Method::Blend).unwrap();
+        assert!(report.mean_error < 1e-7, "{report:?}");
+    }
+
+    #[test]
+    fn refined_is_the_global_optimum() {
+        let s = wavy();
+        let error = |m| fit(&s, [uneven(9), uneven(9)], m).unwrap().1.mean_error;
+        let (blend, refined, global) =
+            (error(Method::Blend), error(Method::Refined), error(Method::Global));
+        assert!((refined / global - 1.0).abs() < 1e-3, "{refined} {global}");
+        assert!(blend >= global, "{blend} {global}");
+    }
+
+    #[test]
+    fn cells_without_points_are_bridged() {
+        let s = wavy();
+        let mut sparse = Samples::default();
+        for i in 0..s.len() {
+            if (s.uv[i] - Uv::new(0.5, 0.5)).norm() > 0.25 {
+                sparse.points.push(s.points[i]);
+                sparse.uv.push(s.uv[i]);
+                sparse.weights.push(1.0);
+            }
+        }
+        for method in [Method::Blend, Method::Refined, Method::Global] {
+            let (surface, _) = fit(&sparse, [uneven(12), uneven(12)], method).unwrap();
+            let p = surface.point(Uv::new(0.5, 0.5));
+            assert!((p - Point::new(50.0, 40.0, 0.0)).norm() < 12.0, "{method:?}: {p}");
+        }
+    }
+}

@@ -1,0 +1,56 @@
+//! The types that keep a point in space, a point in the parameter plane and
+//! an index apart.
+
+/// A point in space, in mm.
+pub type Point = nalgebra::Point3<f64>;
+/// A direction or displacement in space, in mm.
+pub type Vector = nalgebra::Vector3<f64>;
+/// A point of the parameter plane, in [0, 1]² on a patch.
+pub type Uv = nalgebra::Point2<f64>;
+/// A displacement in the parameter plane.
+pub type UvVector = nalgebra::Vector2<f64>;
+
+/// The index of a vertex of a mesh.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct VertexId(pub u32);
+
+impl VertexId {
+    /// The index as one into a slice of per-vertex values.
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+impl From<usize> for VertexId {
+    fn from(i: usize) -> Self {
+        VertexId(i as u32)
+    }
+}
+
+/// Twice the signed area of the triangle `a b c`, its sign exact (Shewchuk's
+/// adaptive predicate): positive where the corners run counter-clockwise.
+pub fn orient2d(a: Uv, b: Uv, c: Uv) -> f64 {
+    let coord = |p: Uv| robust::Coord { x: p.x, y: p.y };
+    robust::orient2d(coord(a), coord(b), coord(c))
+}
+
+/// Whether the segments `a b` and `c d` cross at an inner point of both.
+pub fn segments_cross(a: Uv, b: Uv, c: Uv, d: Uv) -> bool {
+    let side = |p: Uv, q: Uv, r: Uv| orient2d(p, q, r);
+    side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
+}
+
+/// Any unit vector perpendicular to the unit vector `n`, and the one that
+/// completes the two to a right-handed frame (x, y, n).
+pub fn plane_axes(n: Vector) -> (Vector, Vector) {
+    let helper = if n.x.abs() < 0.6 { Vector::x() } else { Vector::y() };
+    let x = n.cross(&helper).normalize();
+    (x, n.cross(&x))
+}
+
+/// The distance from `p` to the segment `a b`.
+pub fn segment_distance(p: Point, a: Point, b: Point) -> f64 {
+    let along = b - a;
+    let t = (p - a).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
+    (p - (a + along * t.clamp(0.0, 1.0))).norm()
+}

@@ -1,0 +1,191 @@
+//! Knot placement by hierarchical subdivision (Tekumalla & Cohen 2005, section
+//! 3.4): a region of the domain is halved in u and v until a bicubic
+//! polynomial fits its points with a mean error of at most κ, or a depth is
+//! reached. The sides of all regions, carried across the domain, are the
+//! knots.
+
+use std::collections::BTreeSet;
+
+use nalgebra::{Matrix3xX, SMatrix, SVector};
+
+use crate::geometry::{Uv, Vector};
+use crate::spline::{KnotVector, Samples};
+
+/// Where to stop dividing.
+#[derive(Debug, Clone, Copy)]
+pub struct Options {
+    /// The paper's κ: mean Euclidean distance, in mm, of a region's points
+    /// from its polynomial, below which it is not divided.
+    pub kappa: f64,
+    /// Halvings at the most. 0 leaves one region.
+    pub depth: u32,
+}
+
+/// What was placed.
+#[derive(Debug, Clone, Default)]
+pub struct Report {
+    /// Regions that were not divided further.
+    pub regions: usize,
+    /// Those among them that are not within κ.
+    pub above_kappa: usize,
+    /// The deepest division made.
+    pub depth: u32,
+}
+
+/// Regions with fewer points than this are not divided: a bicubic polynomial
+/// has 16 coefficients and would pass through them.
+const FEWEST: usize = 32;
+
+/// The knot vectors in u and v over [0, 1], bicubic.
+pub fn place(samples: &Samples, options: &Options) -> ([KnotVector; 2], Report) {
+    let mut points: Vec<(Uv, Vector)> =
+        samples.uv.iter().zip(&samples.points).map(|(&uv, p)| (uv, p.coords)).collect();
+    let root = Region { low: Uv::origin(), size: 1.0, depth: 0 };
+    let found = divide(&mut points, root, options);
+    let report =
+        Report { regions: found.regions, above_kappa: found.above_kappa, depth: found.depth };
+    let knots = found.cuts.map(|cuts| {
+        let unit = (1u64 << MAX_DEPTH) as f64;
+        let inner = cuts.iter().map(|&c| c as f64 / unit);
+        let breaks: Vec<f64> =
+            std::iter::once(0.0).chain(inner).chain(std::iter::once(1.0)).collect();
+        KnotVector::clamped(3, &breaks, 1)
+    });
+    (knots, report)
+}
+
+/// Depth at which cuts would no longer be exact binary fractions.
+const MAX_DEPTH: u32 = 40;
+
+struct Region {
+    low: Uv,
+    size: f64,
+    depth: u32,
+}
+
+/// Cuts in u and v in units of 2^−MAX_DEPTH, and counts.
+#[derive(Default)]
+struct Found {
+    cuts: [BTreeSet<u64>; 2],
+    regions: usize,
+    above_kappa: usize,
+    depth: u32,
+}
+
+fn divide(points: &mut [(Uv, Vector)], region: Region, options: &Options) -> Found {
+    let fits = mean_error(points, &region) <= options.kappa;
+    let depth = options.depth.min(MAX_DEPTH - 1);
+    if fits || region.depth >= depth || points.len() < FEWEST {
+        let above_kappa = usize::from(!fits);
+        return Found { regions: 1, above_kappa, depth: region.depth, ..Found::default() };
+    }
+    let half = 0.5 * region.size;
+    let middle = region.low + nalgebra::Vector2::repeat(half);
+    let (left, right) = split(points, |uv| uv.x < middle.x);
+    let (a, b) = split(left, |uv| uv.y < middle.y);
+    let (c, d) = split(right, |uv| uv.y < middle.y);
+    let child = |x: f64, y: f64| Region { low: Uv::new(x, y), size: half, depth: region.depth + 1 };
+    let low = region.low;
+    let both = |p: &mut [_], q: &mut [_], x: f64| {
+        let (r, s) = (child(x, low.y), child(x, middle.y));
+        rayon::join(|| divide(p, r, options), || divide(q, s, options))
+    };
+    let ((a, b), (c, d)) = rayon::join(|| both(a, b, low.x), || both(c, d, middle.x));
+    let mut all = Found::default();
+    for part in [a, b, c, d] {
+        all.regions += part.regions;
+        all.above_kappa += part.above_kappa;
+        all.depth = all.depth.max(part.depth);
+        for (cuts, more) in all.cuts.iter_mut().zip(part.cuts) {
+            cuts.extend(more);
+        }
+    }
+    let unit = (1u64 << MAX_DEPTH) as f64;
+    all.cuts[0].insert((middle.x * unit) as u64);
+    all.cuts[1].insert((middle.y * unit) as u64);
+    all
+}
+
+/// Moves the points for which `first` holds to the front, the order within
+/// both parts kept, so that sums over them are the same in every run.
+fn split(
+    points: &mut [(Uv, Vector)],
+    first: impl Fn(Uv) -> bool,
+) -> (&mut [(Uv, Vector)], &mut [(Uv, Vector)]) {
+    let count = points.iter().filter(|p| first(p.0)).count();
+    points.sort_by_key(|p| !first(p.0));
+    points.split_at_mut(count)
+}
+
+/// Mean distance of the points from their bicubic least-squares polynomial.
+fn mean_error(points: &[(Uv, Vector)], region: &Region) -> f64 {
+    if points.is_empty() {
+        return 0.0;
+    }
+    let basis = |uv: Uv| {
+        let [u, v] = [uv.x - region.low.x, uv.y - region.low.y].map(|t| legendre(t / region.size));
+        SVector::<f64, 16>::from_fn(|i, _| u[i / 4] * v[i % 4])
+    };
+    let mut gram = SMatrix::<f64, 16, 16>::zeros();
+    let mut right = SMatrix::<f64, 16, 3>::zeros();
+    for (uv, p) in points {
+        let b = basis(*uv);
+        gram.ger(1.0, &b, &b, 1.0);
+        right.ger(1.0, &b, p, 1.0);
+    }
+    // Where points do not determine all coefficients the smallest will do.
+    gram += SMatrix::<f64, 16, 16>::identity() * (1e-10 * gram.trace());
+    let Some(factor) = gram.cholesky() else { return f64::INFINITY };
+    let c: Matrix3xX<f64> = Matrix3xX::from_columns(
+        &factor.solve(&right).row_iter().map(|r| r.transpose()).collect::<Vec<_>>(),
+    );
+    let off = |(uv, p): &(Uv, Vector)| (&c * basis(*uv) - p).norm();
+    points.iter().map(off).sum::<f64>() / points.len() as f64
+}
+
+/// Legendre polynomials of degree 0 to 3 over [0, 1].
+fn legendre(t: f64) -> [f64; 4] {
+    let x = 2.0 * t - 1.0;
+    [1.0, x, 1.5 * x * x - 0.5, (2.5 * x * x - 1.5) * x]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+
+    fn sheet(z: impl Fn(f64, f64) -> f64) -> Samples {
+        let at = |i: usize| (i as f64 + 0.5) / 60.0;
+        let mut s = Samples::default();
+        for (u, v) in (0..3600).map(|i| (at(i / 60), at(i % 60))) {
+            s.points.push(Point::new(100.0 * u, 100.0 * v, z(u, v)));
+            s.uv.push(Uv::new(u, v));
+            s.weights.push(1.0);
+        }
+        s
+    }
+
+    #[test]
+    fn a_bicubic_needs_no_knot() {
+        let s = sheet(|u, v| 40.0 * u * u * u * v * v * v - 20.0 * u * v);
+        let ([u, v], report) = place(&s, &Options { kappa: 1e-6, depth: 5 });
+        assert_eq!((u.functions(), v.functions(), report.regions), (4, 4, 1));
+    }
+
+    #[test]
+    fn knots_gather_where_the_detail_is() {
+        let s = sheet(|u, v| 5.0 * (-((u - 0.1).powi(2) + (v - 0.1).powi(2)) * 400.0).exp());
+        let ([u, _], report) = place(&s, &Options { kappa: 0.02, depth: 4 });
+        let fine = u.breaks().iter().filter(|&&b| b < 0.5).count();
+        let coarse = u.breaks().iter().filter(|&&b| b > 0.5).count();
+        assert!(fine > 2 * coarse, "{:?}", u.breaks());
+        assert!(report.depth >= 3);
+    }
+
+    #[test]
+    fn a_smaller_kappa_places_no_fewer_knots() {
+        let s = sheet(|u, v| 3.0 * (9.0 * u).sin() * (7.0 * v).cos());
+        let count = |kappa| place(&s, &Options { kappa, depth: 4 }).1.regions;
+        assert!(count(1.0) < count(0.01));
+    }
+}

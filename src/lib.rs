@@ -1,0 +1,304 @@
+//! scan2step turns what a 3D scanner delivers into what CAD works with: a
+//! noisy triangle mesh with holes becomes one trimmed tensor-product B-spline
+//! face, smooth where the object is smooth, with every region that the scanner
+//! missed cut out by a trim loop.
+//!
+//! [`convert`] is the whole program: whoever reads it has read how the stages
+//! follow each other. The method is that of L. S. Tekumalla and E. Cohen,
+//! "Reverse Engineering Point Clouds to Obtain Tensor Product B-Spline
+//! Surfaces by Blending Local Fits" (2005), cited here by section. Lengths are
+//! millimetres throughout.
+
+#![deny(missing_docs)]
+
+mod adapt;
+pub mod brep;
+pub mod deviation;
+pub mod error;
+pub mod fill;
+pub mod fit;
+pub mod geometry;
+pub mod knots;
+pub mod mesh;
+pub mod parameterize;
+pub mod smooth;
+pub mod spline;
+pub mod trim;
+
+pub use adapt::{Adapted, KnotOptions};
+pub use error::{Error, Result};
+
+use formats::{Brep, Soup};
+use mesh::{Disk, Patch, Repairs};
+use parameterize::Parameterized;
+use spline::{Samples, Surface};
+
+/// Everything that a user may choose.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// The part's name in the CAD file.
+    pub name: String,
+    /// Length of the scan's unit, in mm.
+    pub unit_mm: f64,
+    /// Which piece of the scan.
+    pub component: mesh::Choice,
+    /// How to smooth.
+    pub smooth: smooth::Options,
+    /// How to fill.
+    pub fill: fill::Options,
+    /// How to parameterize.
+    pub parameterize: parameterize::Options,
+    /// Where knots go.
+    pub knots: KnotOptions,
+    /// How to fit.
+    pub method: fit::Method,
+    /// The farthest that a smoothed point may be from the face, in mm.
+    /// `None`: from the noise of the scan.
+    pub tolerance: Option<f64>,
+    /// Share of points, 0 to 1, that may exceed the tolerance.
+    pub outliers: f64,
+    /// Which holes are cut out of the face.
+    pub cut: Cut,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options {
+            name: "scan".into(),
+            unit_mm: 1.0,
+            component: mesh::Choice::default(),
+            smooth: smooth::Options::default(),
+            fill: fill::Options::default(),
+            parameterize: parameterize::Options::default(),
+            knots: KnotOptions::default(),
+            method: fit::Method::default(),
+            tolerance: None,
+            outliers: 0.0,
+            cut: Cut::default(),
+        }
+    }
+}
+
+/// Which of the scan's holes are cut out of the face.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Cut {
+    /// Every hole.
+    #[default]
+    All,
+    /// Holes whose rim is at least this long, in mm.
+    FromLength(f64),
+    /// None: all stay filled.
+    None,
+}
+
+/// A stage that has just ended, with what it made.
+#[derive(Debug)]
+pub enum Stage<'a> {
+    /// The cleaned mesh.
+    Mesh(&'a Disk),
+    /// The smoothed mesh.
+    Smooth(&'a Disk),
+    /// The mesh with its holes filled.
+    Fill(&'a Patch),
+    /// The filled mesh with parameters.
+    Parameterize(&'a Parameterized),
+    /// The fitted surface.
+    Fit(&'a Surface),
+    /// The loops of the holes.
+    Trim(&'a Surface, &'a [trim::TrimLoop]),
+    /// The boundary representation.
+    Brep,
+    /// The deviation.
+    Deviation,
+}
+
+/// What came in.
+#[derive(Debug, Clone)]
+pub struct InputReport {
+    /// Vertices of the chosen component.
+    pub vertices: usize,
+    /// Triangles of the chosen component.
+    pub triangles: usize,
+    /// Components of the scan.
+    pub components: usize,
+    /// Triangles in the components left out.
+    pub left_out: usize,
+    /// Boundary loops of the chosen component.
+    pub boundary_loops: usize,
+    /// What was repaired: kind and count.
+    pub repairs: Repairs,
+}
+
+/// A converted scan.
+#[derive(Debug)]
+pub struct Conversion {
+    /// What the writers take.
+    pub brep: Brep,
+    /// The fitted surface.
+    pub surface: Surface,
+    /// The holes cut out.
+    pub loops: Vec<trim::TrimLoop>,
+    /// What came in.
+    pub input: InputReport,
+    /// What smoothing did.
+    pub smooth: smooth::Report,
+    /// What was filled.
+    pub fill: fill::Report,
+    /// Which of the filled holes were cut out.
+    pub trimmed: Vec<bool>,
+    /// How good the map is.
+    pub parameterize: parameterize::Report,
+    /// Knots and fit.
+    pub fit: Adapted,
+    /// The tolerance that holds, in mm.
+    pub tolerance: f64,
+    /// Deviation of the smoothed points from the trimmed face; the tolerance
+    /// is held against it.
+    pub fit_deviation: deviation::Deviation,
+    /// Deviation of the points as they were measured.
+    pub deviation: deviation::Deviation,
+    /// The outer boundary: control points of its four edges, and the farthest,
+    /// in mm, that a smoothed boundary vertex is from them.
+    pub outer: (usize, f64),
+    /// The loops of the holes.
+    pub trim: Vec<trim::LoopReport>,
+}
+
+impl Conversion {
+    /// Whether all but the share `outliers` of the smoothed points are within
+    /// the tolerance.
+    pub fn tolerance_met(&self, outliers: f64) -> bool {
+        let beyond = self.fit_deviation.beyond(self.tolerance);
+        beyond as f64 <= outliers * self.fit_deviation.distances.len() as f64
+    }
+}
+
+/// Weight in the fit of a point that was not measured.
+const FILLED_WEIGHT: f64 = 0.1;
+
+/// Without a named tolerance it is the noise, but not below this share of the
+/// scan's diagonal.
+const LEAST_TOLERANCE: f64 = 1e-4;
+
+/// Trim curves keep to the rims within this share of the tolerance.
+const TRIM_SHARE: f64 = 0.5;
+
+/// Converts a scan: readers → **mesh → smooth → fill → parameterize → knots →
+/// fit → trim → brep** → writers. `watch` is shown what each stage made.
+pub fn convert(
+    soup: &Soup,
+    options: &Options,
+    watch: &mut dyn FnMut(Stage) -> Result<()>,
+) -> Result<Conversion> {
+    // Sparse factorizations sum in an order that depends on the threads; the
+    // same bytes on any number of them matter more.
+    faer::set_global_parallelism(faer::Par::Seq);
+    let (measured, input) = read_mesh(soup, options)?;
+    watch(Stage::Mesh(&measured))?;
+
+    let (smoothed, smooth) = smooth::smooth(&measured, &options.smooth);
+    watch(Stage::Smooth(&smoothed))?;
+    let tolerance =
+        options.tolerance.unwrap_or(smooth.noise.max(LEAST_TOLERANCE * measured.mesh.diagonal()));
+
+    let fill_options = fill::Options { support: smooth.h, ..options.fill.clone() };
+    let (patch, fill) = fill::fill(smoothed, &fill_options);
+    watch(Stage::Fill(&patch))?;
+
+    let (map, parameterize) = parameterize::parameterize(patch, &options.parameterize)?;
+    watch(Stage::Parameterize(&map))?;
+
+    let samples = samples(&map);
+    let goal = adapt::Goal { tolerance, named: options.tolerance.is_some(), outliers: options.outliers };
+    let measured_count = map.patch.measured;
+    let (surface, fit) = adapt::fit(&samples, measured_count, options, &goal)?;
+    watch(Stage::Fit(&surface))?;
+
+    let trimmed: Vec<bool> = fill.holes.iter().map(|h| options.cut.cuts(h.rim_length)).collect();
+    let rims = rims(&map, &trimmed);
+    let trim_options = trim::Options { tolerance: TRIM_SHARE * tolerance };
+    let (loops, trim) = trim::trim(&surface, &rims, &trim_options)?;
+    watch(Stage::Trim(&surface, &loops))?;
+
+    let holes = loops.iter().map(|l| (l.pcurves.as_slice(), l.edges.as_slice()));
+    let brep = brep::build(&surface, holes, &options.name, trim::EDGE_ACCURACY)?;
+    watch(Stage::Brep)?;
+
+    let face = deviation::Face::new(&surface, loops.iter().map(|l| l.pcurves.as_slice()));
+    let starts = &map.uv[..measured_count];
+    let fit_deviation = face.deviation(&map.patch.mesh.points[..measured_count], starts);
+    let deviation = face.deviation(&measured.mesh.points, starts);
+    watch(Stage::Deviation)?;
+
+    Ok(Conversion {
+        outer: outer_boundary(&surface, &map),
+        brep,
+        surface,
+        loops,
+        input,
+        smooth,
+        fill,
+        trimmed,
+        parameterize,
+        fit,
+        tolerance,
+        fit_deviation,
+        deviation,
+        trim,
+    })
+}
+
+/// Soup → mesh → disk with holes.
+fn read_mesh(soup: &Soup, options: &Options) -> Result<(Disk, InputReport)> {
+    let build = mesh::from_soup(soup, options.unit_mm)?;
+    let mut repairs = build.repairs.clone();
+    let chosen = mesh::choose(build, options.component)?;
+    repairs.extend(chosen.repairs);
+    let disk = Disk::new(chosen.mesh)?;
+    let input = InputReport {
+        vertices: disk.mesh.points.len(),
+        triangles: disk.mesh.triangles.len(),
+        components: chosen.components,
+        left_out: chosen.left_out,
+        boundary_loops: 1 + disk.holes.len(),
+        repairs,
+    };
+    Ok((disk, input))
+}
+
+fn samples(map: &Parameterized) -> Samples {
+    let weight = |i: usize| if i < map.patch.measured { 1.0 } else { FILLED_WEIGHT };
+    Samples {
+        points: map.patch.mesh.points.clone(),
+        uv: map.uv.clone(),
+        weights: (0..map.uv.len()).map(weight).collect(),
+    }
+}
+
+impl Cut {
+    fn cuts(self, rim_length: f64) -> bool {
+        match self {
+            Cut::All => true,
+            Cut::FromLength(least) => rim_length >= least,
+            Cut::None => false,
+        }
+    }
+}
+
+fn rims(map: &Parameterized, trimmed: &[bool]) -> Vec<trim::Rim> {
+    let holes = map.patch.rims.iter().enumerate().filter(|(hole, _)| trimmed[*hole]);
+    holes
+        .map(|(hole, rim)| trim::Rim {
+            hole,
+            points: rim.iter().map(|&v| map.patch.mesh.point(v)).collect(),
+            uv: rim.iter().map(|v| map.uv[v.index()]).collect(),
+        })
+        .collect()
+}
+
+fn outer_boundary(surface: &Surface, map: &Parameterized) -> (usize, f64) {
+    let edges: Vec<_> = brep::outer_edges(surface).into_iter().map(|(edge, _, _)| edge).collect();
+    let points: Vec<_> = map.patch.outer.iter().map(|&v| map.patch.mesh.point(v)).collect();
+    let control = edges.iter().map(|e| e.control.len()).sum();
+    (control, trim::distance_to_edges(&points, &edges))
+}

@@ -1,0 +1,71 @@
+//! Boundary loops, and lengths along them.
+
+use std::collections::HashMap;
+
+use super::{EdgeMap, Mesh};
+use crate::geometry::{Point, Vector, VertexId};
+
+/// A closed loop of boundary vertices, in the direction in which the
+/// triangles run along it: the surface lies to the left.
+pub type Loop = Vec<VertexId>;
+
+/// The boundary loops of a mesh, each begun at its lowest vertex, ordered by
+/// that vertex. Every vertex must have at most one boundary side leaving it
+/// (the builder opens those that have more).
+pub fn boundary_loops(mesh: &Mesh, edges: &EdgeMap) -> Vec<Loop> {
+    let mut next: HashMap<VertexId, VertexId> = HashMap::new();
+    let mut starts = Vec::new();
+    for side in edges.open_sides() {
+        let t = mesh.triangles[side / 3];
+        next.insert(t[side % 3], t[(side % 3 + 1) % 3]);
+        starts.push(t[side % 3]);
+    }
+    starts.sort_unstable();
+    let mut loops = Vec::new();
+    for start in starts {
+        let mut ring = Vec::new();
+        let mut v = start;
+        while let Some(w) = next.remove(&v) {
+            ring.push(v);
+            v = w;
+        }
+        if !ring.is_empty() {
+            loops.push(ring);
+        }
+    }
+    loops
+}
+
+/// The length of a closed loop, in mm.
+pub fn length(mesh: &Mesh, ring: &[VertexId]) -> f64 {
+    sides(mesh, ring).sum()
+}
+
+/// The lengths of the loop's edges: from each vertex to the next one.
+pub fn sides<'a>(mesh: &'a Mesh, ring: &'a [VertexId]) -> impl Iterator<Item = f64> + 'a {
+    let nexts = ring.iter().cycle().skip(1);
+    ring.iter().zip(nexts).map(|(&a, &b)| (mesh.point(b) - mesh.point(a)).norm())
+}
+
+/// The directions in which a closed loop comes to point `i` and leaves it,
+/// each the mean over an arm of length `window` mm along the loop, so that
+/// noise and stair steps much shorter than that do not count.
+pub fn arms(points: &[Point], i: usize, window: f64) -> [Vector; 2] {
+    [-arm(points, i, window, points.len() - 1), arm(points, i, window, 1)]
+}
+
+/// The sum of the displacements from point `i` to those within `window`.
+fn arm(points: &[Point], i: usize, window: f64, step: usize) -> Vector {
+    let n = points.len();
+    let (mut sum, mut length, mut j) = (Vector::zeros(), 0.0, i);
+    for _ in 1..n {
+        let next = (j + step) % n;
+        length += (points[next] - points[j]).norm();
+        j = next;
+        sum += points[j] - points[i];
+        if length >= window {
+            break;
+        }
+    }
+    sum
+}

@@ -1,0 +1,84 @@
+//! Triangle meshes: from a soup of polygons to an oriented, edge-manifold
+//! mesh, and from that to a disk with holes.
+
+pub mod boundary;
+mod build;
+mod components;
+mod disk;
+pub mod mls;
+mod neighbours;
+mod patch;
+mod topology;
+
+pub use build::{Build, Repairs, from_soup};
+pub use components::{Choice, choose};
+pub use disk::Disk;
+pub use neighbours::Neighbours;
+pub use patch::{FaceOrigin, Patch};
+pub use topology::{EdgeMap, Rings};
+
+use crate::geometry::{Point, Vector, VertexId};
+
+/// An oriented triangle mesh: no edge has more than two triangles, and two
+/// triangles run along their common edge in opposite directions.
+#[derive(Debug, Clone, Default)]
+pub struct Mesh {
+    /// Positions, in mm.
+    pub points: Vec<Point>,
+    /// Corners of the triangles, counter-clockwise seen from outside.
+    pub triangles: Vec<[VertexId; 3]>,
+}
+
+impl Mesh {
+    /// The position of a vertex.
+    pub fn point(&self, v: VertexId) -> Point {
+        self.points[v.index()]
+    }
+
+    /// The positions of a triangle's corners.
+    pub fn corners(&self, t: [VertexId; 3]) -> [Point; 3] {
+        t.map(|v| self.point(v))
+    }
+
+    /// Twice the triangle's area times its unit normal.
+    pub fn area_vector(&self, t: [VertexId; 3]) -> Vector {
+        let [a, b, c] = self.corners(t);
+        (b - a).cross(&(c - a))
+    }
+
+    /// Unit normals of the vertices, each the area-weighted mean of its
+    /// triangles' (zero where those cancel).
+    pub fn vertex_normals(&self) -> Vec<Vector> {
+        let mut normals = vec![Vector::zeros(); self.points.len()];
+        for &t in &self.triangles {
+            let n = self.area_vector(t);
+            for v in t {
+                normals[v.index()] += n;
+            }
+        }
+        for n in &mut normals {
+            *n = n.try_normalize(0.0).unwrap_or_else(Vector::zeros);
+        }
+        normals
+    }
+
+    /// The mean length of the triangles' edges, in mm (inner edges count twice).
+    pub fn mean_edge(&self) -> f64 {
+        let sides = |t: &[VertexId; 3]| {
+            let [a, b, c] = self.corners(*t);
+            (b - a).norm() + (c - b).norm() + (a - c).norm()
+        };
+        self.triangles.iter().map(sides).sum::<f64>() / (3 * self.triangles.len()).max(1) as f64
+    }
+
+    /// The length of the diagonal of the bounding box, in mm.
+    pub fn diagonal(&self) -> f64 {
+        let Some(&first) = self.points.first() else { return 0.0 };
+        let (mut low, mut high) = (first, first);
+        for p in &self.points {
+            low = low.inf(p);
+            high = high.sup(p);
+        }
+        (high - low).norm()
+    }
+}

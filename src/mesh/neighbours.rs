@@ -1,0 +1,54 @@
+//! Neighbourhoods in space, by kiddo's k-d tree.
+
+use kiddo::{ImmutableKdTree, SquaredEuclidean};
+use nalgebra::Rotation3;
+
+use crate::geometry::{Point, Vector};
+
+/// Finds the points of a fixed cloud that lie within a radius.
+pub struct Neighbours {
+    tree: ImmutableKdTree<f64, 3>,
+    turn: Rotation3<f64>,
+}
+
+impl std::fmt::Debug for Neighbours {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "Neighbours({} points)", self.tree.size())
+    }
+}
+
+impl Neighbours {
+    /// Builds the tree. The points must be finite and at least one.
+    ///
+    /// Scans repeat coordinates (a gridded range map has columns of equal x),
+    /// which makes the tree's splits degenerate and its build slow; so the
+    /// points are turned by a rotation about no special axis first.
+    pub fn new(points: &[Point]) -> Self {
+        let turn = Rotation3::new(Vector::new(0.61, -0.37, 0.83));
+        let turned: Vec<[f64; 3]> = points.iter().map(|p| (turn * p).coords.into()).collect();
+        let tree = ImmutableKdTree::new_from_slice(&turned)
+            .expect("a tree of finite points builds, however many coincide");
+        Neighbours { tree, turn }
+    }
+
+    /// Puts the indices of the points within `radius` of `at` into `found`,
+    /// ascending, so that sums over them do not depend on the tree's shape.
+    pub fn within(&self, at: Point, radius: f64, found: &mut Vec<u32>) {
+        let centre: [f64; 3] = (self.turn * at).coords.into();
+        found.clear();
+        let hits = self
+            .tree
+            .query(&centre)
+            .within::<SquaredEuclidean<f64>>(radius * radius)
+            .unsorted()
+            .execute();
+        found.extend(hits.into_iter().map(|hit| hit.item));
+        found.sort_unstable();
+    }
+
+    /// The index of the point nearest to `at`.
+    pub fn nearest(&self, at: Point) -> usize {
+        let centre: [f64; 3] = (self.turn * at).coords.into();
+        self.tree.query(&centre).nearest_one::<SquaredEuclidean<f64>>().execute().item as usize
+    }
+}

@@ -1,0 +1,48 @@
+//! A disk whose holes are filled, with the memory of what was measured.
+
+use super::boundary::{self, Loop};
+use super::{EdgeMap, Mesh};
+use crate::geometry::VertexId;
+
+/// Where a triangle comes from.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum FaceOrigin {
+    /// The scanner saw it.
+    Measured,
+    /// It fills the hole of that number.
+    Hole(u32),
+}
+
+/// A disk without holes. Its first `measured` vertices are the scan's, in the
+/// scan's order; those after them were added.
+#[derive(Debug, Clone)]
+pub struct Patch {
+    /// The triangles and points.
+    pub mesh: Mesh,
+    /// How many of the vertices were measured.
+    pub measured: usize,
+    /// Where each triangle comes from.
+    pub origin: Vec<FaceOrigin>,
+    /// The boundary, the surface to its left.
+    pub outer: Loop,
+    /// The rims of the measured holes, the measured surface to their left.
+    pub rims: Vec<Loop>,
+}
+
+impl Patch {
+    /// Whether a vertex was measured.
+    pub fn is_measured(&self, v: VertexId) -> bool {
+        v.index() < self.measured
+    }
+
+    /// Whether the mesh is edge-manifold with Euler characteristic 1 and the
+    /// one boundary loop that it should have. For checks in debug builds.
+    pub fn is_disk(&self) -> bool {
+        let edges = EdgeMap::new(&self.mesh);
+        let open = edges.open_sides().count();
+        let edge_count = (3 * self.mesh.triangles.len() + open) / 2;
+        let euler = (self.mesh.points.len() + self.mesh.triangles.len()) as i64 - edge_count as i64;
+        let loops = boundary::boundary_loops(&self.mesh, &edges);
+        euler == 1 && loops.len() == 1 && open == self.outer.len()
+    }
+}

@@ -1,0 +1,78 @@
+//! Inner edges that join two places of one side of the square would be mapped
+//! onto that side, and everything beyond them with it. Each gets a vertex in
+//! its middle.
+
+use std::collections::HashMap;
+
+use crate::geometry::VertexId;
+use crate::mesh::{EdgeMap, Patch};
+
+type Edge = (VertexId, VertexId);
+
+fn edge(a: VertexId, b: VertexId) -> Edge {
+    (a.min(b), a.max(b))
+}
+
+/// Splits the dividing edges, given the corners' positions in the outer loop;
+/// returns how many there were.
+pub fn split_dividing_edges(patch: &mut Patch, corners: &[usize; 4]) -> usize {
+    let middles = dividing_edges(patch, corners);
+    if middles.is_empty() {
+        return 0;
+    }
+    let old = std::mem::take(&mut patch.mesh.triangles);
+    let origins = std::mem::take(&mut patch.origin);
+    for (t, origin) in old.into_iter().zip(origins) {
+        for piece in divided(t, &middles) {
+            patch.mesh.triangles.push(piece);
+            patch.origin.push(origin);
+        }
+    }
+    middles.len()
+}
+
+/// The dividing edges and their new vertices, which are added to the mesh.
+fn dividing_edges(patch: &mut Patch, corners: &[usize; 4]) -> HashMap<Edge, VertexId> {
+    let n = patch.outer.len();
+    let mut sides = vec![0u8; patch.mesh.points.len()];
+    for k in 0..4 {
+        let end = if k < 3 { corners[k + 1] } else { n };
+        for i in corners[k]..=end {
+            sides[patch.outer[i % n].index()] |= 1 << k;
+        }
+    }
+    let glue = EdgeMap::new(&patch.mesh);
+    let mut middles = HashMap::new();
+    for side in 0..3 * patch.mesh.triangles.len() {
+        let t = patch.mesh.triangles[side / 3];
+        let (a, b) = (t[side % 3], t[(side % 3 + 1) % 3]);
+        if sides[a.index()] & sides[b.index()] == 0 || glue.across(side).is_none() {
+            continue;
+        }
+        middles.entry(edge(a, b)).or_insert_with(|| {
+            let middle = nalgebra::center(&patch.mesh.point(a), &patch.mesh.point(b));
+            patch.mesh.points.push(middle);
+            VertexId::from(patch.mesh.points.len() - 1)
+        });
+    }
+    middles
+}
+
+/// The triangles that a triangle becomes when some of its sides are halved.
+fn divided(t: [VertexId; 3], middles: &HashMap<Edge, VertexId>) -> Vec<[VertexId; 3]> {
+    let middle = |k: usize| middles.get(&edge(t[k % 3], t[(k + 1) % 3])).copied();
+    let halved = (0..3).filter(|&k| middle(k).is_some()).count();
+    // Begin at a side for which the cases below read alike: the only halved
+    // one, or the first of two that follow each other.
+    let start = (0..3).find(|&k| middle(k).is_some() && (halved != 2 || middle(k + 1).is_some()));
+    let s = start.unwrap_or(0);
+    let (a, b, c) = (t[s], t[(s + 1) % 3], t[(s + 2) % 3]);
+    match (middle(s), middle(s + 1), middle(s + 2)) {
+        (Some(ab), None, _) => vec![[a, ab, c], [ab, b, c]],
+        (Some(ab), Some(bc), None) => vec![[ab, b, bc], [a, ab, bc], [a, bc, c]],
+        (Some(ab), Some(bc), Some(ca)) => {
+            vec![[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+        }
+        (None, _, _) => vec![t],
+    }
+}

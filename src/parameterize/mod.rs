@@ -1,0 +1,114 @@
+//! Parameterization (Tekumalla & Cohen 2005, section 3.3): the boundary goes
+//! to the unit square by chord length, the inside follows by mean value
+//! coordinates (Floater 2003).
+//!
+//! Such a map has no inverted triangle as long as no inner edge joins two
+//! boundary vertices of one side; those that do are split first.
+
+mod corners;
+mod mend;
+mod solve;
+mod stretch;
+mod weights;
+
+use crate::error::{Error, Result};
+use crate::geometry::{Point, Uv, orient2d};
+use crate::mesh::{Patch, boundary};
+
+pub use stretch::Stretch;
+
+/// How to parameterize.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// Points next to which the four corners of the domain lie, in any
+    /// direction around; the first becomes (0, 0). `None`: found.
+    pub corners: Option<[Point; 4]>,
+}
+
+/// How good the map is.
+#[derive(Debug, Clone, Default)]
+pub struct Report {
+    /// Inverted triangles, by an exact predicate.
+    pub flipped: usize,
+    /// Vertices put on edges that joined two places of one side.
+    pub split_edges: usize,
+    /// How the measured triangles are stretched.
+    pub stretch: Stretch,
+}
+
+/// A patch with a parameter point for every vertex.
+#[derive(Debug, Clone)]
+pub struct Parameterized {
+    /// The patch, with the vertices that mending added.
+    pub patch: Patch,
+    /// Parameter points in [0, 1]², one a vertex.
+    pub uv: Vec<Uv>,
+}
+
+/// Maps a patch to the unit square.
+pub fn parameterize(patch: Patch, options: &Options) -> Result<(Parameterized, Report)> {
+    let mut patch = patch;
+    let corners = match &options.corners {
+        Some(points) => corners::given(&patch, points)?,
+        None => corners::find(&patch)?,
+    };
+    patch.outer.rotate_left(corners[0]);
+    let sides = corners.map(|c| c - corners[0]);
+    let split_edges = mend::split_dividing_edges(&mut patch, &sides);
+    let rim = square(&patch, &sides);
+    let mut weights = weights::mean_value(&patch.mesh);
+    let mut uv = solve::convex_combination(&patch, &weights, &rim)?;
+    for _ in 0..MENDING_ROUNDS {
+        let bad = inverted(&patch, &uv);
+        if bad.is_empty() {
+            break;
+        }
+        weights.even_out(&patch.mesh, &bad);
+        uv = solve::convex_combination(&patch, &weights, &rim)?;
+    }
+    let bad = inverted(&patch, &uv);
+    if let Some(&first) = bad.first() {
+        let at = patch.mesh.point(patch.mesh.triangles[first][0]);
+        return Err(Error::Folded { count: bad.len(), at });
+    }
+    let stretch = stretch::measure(&patch, &uv);
+    Ok((Parameterized { patch, uv }, Report { flipped: bad.len(), split_edges, stretch }))
+}
+
+/// How often weights around inverted triangles are evened out. Mean value
+/// weights of needles span so many magnitudes that the solution loses its
+/// digits there.
+const MENDING_ROUNDS: usize = 8;
+
+fn inverted(patch: &Patch, uv: &[Uv]) -> Vec<usize> {
+    let flipped = |&t: &usize| {
+        let [a, b, c] = patch.mesh.triangles[t].map(|v| uv[v.index()]);
+        orient2d(a, b, c) <= 0.0
+    };
+    (0..patch.mesh.triangles.len()).filter(flipped).collect()
+}
+
+/// Parameter points of the boundary loop, whose corners stand at the positions
+/// `sides` (the first at 0): each side by chord length on a side of the square,
+/// counter-clockwise from (0, 0).
+fn square(patch: &Patch, sides: &[usize; 4]) -> Vec<Uv> {
+    let n = patch.outer.len();
+    let lengths: Vec<f64> = boundary::sides(&patch.mesh, &patch.outer).collect();
+    let mut rim = Vec::with_capacity(n);
+    for k in 0..4 {
+        let end = if k < 3 { sides[k + 1] } else { n };
+        let total: f64 = lengths[sides[k]..end].iter().sum();
+        let mut walked = 0.0;
+        for &length in &lengths[sides[k]..end] {
+            let t = walked / total;
+            rim.push(match k {
+                0 => Uv::new(t, 0.0),
+                1 => Uv::new(1.0, t),
+                2 => Uv::new(1.0 - t, 1.0),
+                _ => Uv::new(0.0, 1.0 - t),
+            });
+            walked += length;
+        }
+    }
+    rim
+}

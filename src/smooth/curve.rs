@@ -1,0 +1,293 @@
+//! The boundary step: each point of a loop onto its MLS curve (section 3.1).
+//!
+//! The reference line through q, the foot of r, along u minimises
+//! Σ ‖(pᵢ − q) − ⟨pᵢ − q, u⟩ u‖² θ(‖pᵢ − q‖) over q and u, non-linear since
+//! the weights move with q. Over that line the parametric quadratic
+//! (u, v(u), w(u)) is fitted; its value at u = 0 is the projection. Only points
+//! of the same piece of the loop, between two corners, take part; the corners
+//! stay where they are.
+
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+
+use crate::geometry::{Point, Vector, plane_axes};
+
+/// Supports tried, in mean edge lengths of the loop.
+const TRIED: [f64; 6] = [2.0, 3.0, 4.5, 6.5, 9.5, 14.0];
+
+/// Beyond this many h the weight is below 0.7% and the point is left out.
+const REACH: f64 = 2.25;
+
+/// Loops with fewer points than this are left alone.
+const FEWEST: usize = 8;
+
+/// A run of points between two corners, or a whole loop.
+struct Piece {
+    points: Vec<Point>,
+    closed: bool,
+}
+
+/// The smoothed points of a closed loop that keeps the corners at the given
+/// positions. The curve's support is at least the surface's, `h`; larger ones
+/// are taken where they predict left-out points better.
+pub fn smooth_loop(points: &[Point], corners: &[usize], h: f64) -> Vec<Point> {
+    let n = points.len();
+    if n < FEWEST {
+        return points.to_vec();
+    }
+    let mut out = points.to_vec();
+    if corners.is_empty() {
+        let piece = Piece { points: points.to_vec(), closed: true };
+        return piece.smooth(h);
+    }
+    for (k, &first) in corners.iter().enumerate() {
+        let last = corners[(k + 1) % corners.len()];
+        let count = (last + n - first - 1) % n + 2;
+        let index = |i: usize| (first + i) % n;
+        let piece = Piece { points: (0..count).map(|i| points[index(i)]).collect(), closed: false };
+        for (i, p) in piece.smooth(h).into_iter().enumerate().take(count - 1).skip(1) {
+            out[index(i)] = p;
+        }
+    }
+    out
+}
+
+impl Piece {
+    fn smooth(&self, least: f64) -> Vec<Point> {
+        if self.points.len() < FEWEST {
+            return self.points.clone();
+        }
+        let h = self.support(least);
+        let project = |i: usize| self.project(i, h).map_or(self.points[i], |(p, _)| p);
+        (0..self.points.len()).map(project).collect()
+    }
+
+    /// By leave-one-out cross-validation, as for the surface.
+    fn support(&self, least: f64) -> f64 {
+        let n = self.points.len();
+        let length: f64 = (1..n).map(|i| (self.points[i] - self.points[i - 1]).norm()).sum();
+        let spacing = length / (n - 1) as f64;
+        let score = |h: f64| -> f64 {
+            let left_out = |i: usize| {
+                let (p, leverage) = self.project(i, h)?;
+                Some((p - self.points[i]).norm_squared() / (1.0 - leverage).max(1e-2).powi(2))
+            };
+            let all: Vec<f64> = (0..n).filter_map(left_out).collect();
+            all.iter().sum::<f64>() / all.len().max(1) as f64
+        };
+        let longest = length / 6.0;
+        let tried = TRIED.iter().map(|k| k * spacing).filter(|&h| h > least && h < longest);
+        std::iter::once(least.min(longest).max(TRIED[0] * spacing))
+            .chain(tried)
+            .map(|h| (h, score(h)))
+            .min_by(|x, y| x.1.total_cmp(&y.1))
+            .map_or(least, |best| best.0)
+    }
+
+    /// The projection of point `i` and its leverage.
+    fn project(&self, i: usize, h: f64) -> Option<(Point, f64)> {
+        let around = self.around(i, h);
+        let r = self.points[i];
+        let line = reference_line(r, &around, h)?;
+        quadratic(&line, &around, h)
+    }
+
+    /// The points within reach along the piece.
+    fn around(&self, i: usize, h: f64) -> Vec<Point> {
+        let n = self.points.len();
+        let mut around = vec![self.points[i]];
+        for step in [1, n - 1] {
+            let (mut j, mut length) = (i, 0.0);
+            for _ in 0..(n - 1) / 2 {
+                let next = (j + step) % n;
+                let over_the_end = next.abs_diff(j) != 1;
+                length += (self.points[next] - self.points[j]).norm();
+                if (over_the_end && !self.closed) || length > REACH * h {
+                    break;
+                }
+                around.push(self.points[next]);
+                j = next;
+            }
+        }
+        around
+    }
+}
+
+/// A line with a frame (u, e1, e2).
+struct Line {
+    origin: Point,
+    along: Vector,
+}
+
+/// Value, half gradient and Gauss–Newton matrices of the line's energy. The
+/// unknowns are, for each of the two directions across the line, the shift of
+/// q and the tilt of u.
+struct Energy {
+    value: f64,
+    gradient: [Vector2<f64>; 2],
+    matrix: Matrix2<f64>,
+}
+
+fn energy(r: Point, q: Point, u: Vector, around: &[Point], h: f64) -> Energy {
+    let (e1, e2) = plane_axes(u);
+    let inverse = 1.0 / (h * h);
+    let shift = q - r;
+    let mut e =
+        Energy { value: 0.0, gradient: [Vector2::zeros(); 2], matrix: Matrix2::zeros() };
+    let mut pull_along = 0.0;
+    for p in around {
+        let d = p - q;
+        let s = d.dot(&u);
+        let across = Vector2::new(d.dot(&e1), d.dot(&e2));
+        let far = across.norm_squared();
+        let weight = (-d.norm_squared() * inverse).exp();
+        e.value += weight * far;
+        // The parts with `inverse` are those of the moving weights.
+        let moving = weight * far * inverse;
+        pull_along += moving * s;
+        for k in 0..2 {
+            e.gradient[k].x += (moving - weight) * across[k];
+            e.gradient[k].y -= weight * s * across[k];
+        }
+        e.matrix += weight * Matrix2::new(1.0, s, s, s * s);
+    }
+    // Tilting u by δ moves q, which stays on the plane through r across u, by
+    // −⟨q − r, δ⟩ u.
+    for (k, axis) in [e1, e2].iter().enumerate() {
+        e.gradient[k].y -= shift.dot(axis) * pull_along;
+    }
+    e
+}
+
+fn reference_line(r: Point, around: &[Point], h: f64) -> Option<Line> {
+    if around.len() < 4 {
+        return None;
+    }
+    let mut u = principal_direction(r, around, h);
+    let mut q = r;
+    let mut at = energy(r, q, u, around, h);
+    for _ in 0..20 {
+        let damped = at.matrix + Matrix2::identity() * (1e-12 * at.matrix.trace());
+        let factor = damped.cholesky()?;
+        let steps = at.gradient.map(|g| -factor.solve(&g));
+        let (e1, e2) = plane_axes(u);
+        let mut share = 1.0;
+        let accepted = loop {
+            let tilt = share * (steps[0].y * e1 + steps[1].y * e2);
+            let u2 = (u + tilt).normalize();
+            let moved = q - r + share * (steps[0].x * e1 + steps[1].x * e2);
+            let limited = moved.cap_magnitude(h);
+            let q2 = r + (limited - limited.dot(&u2) * u2);
+            let next = energy(r, q2, u2, around, h);
+            if next.value <= at.value {
+                break Some((q2, u2, next));
+            }
+            share *= 0.5;
+            if share < 1e-3 {
+                break None;
+            }
+        };
+        let Some((q2, u2, next)) = accepted else { break };
+        let still = (q2 - q).norm() < 1e-5 * h && (u2 - u).norm() < 1e-5;
+        (q, u, at) = (q2, u2, next);
+        if still {
+            break;
+        }
+    }
+    Some(Line { origin: q, along: u })
+}
+
+fn principal_direction(r: Point, around: &[Point], h: f64) -> Vector {
+    let weight = |p: &Point| (-(p - r).norm_squared() / (h * h)).exp();
+    let total: f64 = around.iter().map(weight).sum();
+    let mean = around.iter().fold(Vector::zeros(), |sum, p| sum + weight(p) * (p - r)) / total;
+    let mut spread = Matrix3::zeros();
+    for p in around {
+        let d = p - r - mean;
+        spread += weight(p) * d * d.transpose();
+    }
+    let eigen = spread.symmetric_eigen();
+    let largest = eigen.eigenvalues.imax();
+    eigen.eigenvectors.column(largest).into_owned()
+}
+
+/// The value at u = 0 of the weighted quadratics v(u) and w(u), and its
+/// leverage for a point at the origin.
+fn quadratic(line: &Line, around: &[Point], h: f64) -> Option<(Point, f64)> {
+    let (e1, e2) = plane_axes(line.along);
+    let mut gram = Matrix3::zeros();
+    let mut right = [Vector3::zeros(); 2];
+    for p in around {
+        let d = (p - line.origin) / h;
+        let u = d.dot(&line.along);
+        let basis = Vector3::new(1.0, u, u * u);
+        let weight = (-d.norm_squared()).exp();
+        gram += weight * basis * basis.transpose();
+        right[0] += weight * d.dot(&e1) * basis;
+        right[1] += weight * d.dot(&e2) * basis;
+    }
+    gram += Matrix3::identity() * (1e-10 * gram.trace());
+    let factor = gram.cholesky()?;
+    let across = right.map(|b| factor.solve(&b).x * h);
+    let leverage = factor.solve(&Vector3::x()).x;
+    Some((line.origin + across[0] * e1 + across[1] * e2, leverage))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A deterministic stand-in for noise: mean 0, about ±1.
+    fn jitter(i: usize) -> f64 {
+        ((i * 7919 % 104_729) as f64 * 0.618_034).fract() * 2.0 - 1.0
+    }
+
+    fn noisy_circle(n: usize, noise: f64) -> Vec<Point> {
+        (0..n)
+            .map(|i| {
+                let a = std::f64::consts::TAU * i as f64 / n as f64;
+                let r = 10.0 + noise * jitter(i);
+                Point::new(r * a.cos(), r * a.sin(), noise * jitter(i + 50_000))
+            })
+            .collect()
+    }
+
+    fn rms_from_circle(points: &[Point]) -> f64 {
+        let off = |p: &Point| (p.x.hypot(p.y) - 10.0).hypot(p.z).powi(2);
+        (points.iter().map(off).sum::<f64>() / points.len() as f64).sqrt()
+    }
+
+    #[test]
+    fn a_noisy_circle_becomes_round() {
+        let raw = noisy_circle(200, 0.3);
+        let smooth = smooth_loop(&raw, &[], 0.8);
+        assert!(rms_from_circle(&smooth) < 0.35 * rms_from_circle(&raw));
+    }
+
+    #[test]
+    fn a_clean_circle_keeps_its_size() {
+        let smooth = smooth_loop(&noisy_circle(200, 0.0), &[], 0.8);
+        assert!(rms_from_circle(&smooth) < 1e-3);
+    }
+
+    #[test]
+    fn corners_stay_and_sides_become_straight() {
+        let side = |i: usize| (i % 50) as f64 / 5.0;
+        let square: Vec<Point> = (0..200)
+            .map(|i| {
+                let (s, off) = (side(i), 0.1 * jitter(i) * f64::from(i % 50 != 0));
+                match i / 50 {
+                    0 => Point::new(s, off, 0.0),
+                    1 => Point::new(10.0 + off, s, 0.0),
+                    2 => Point::new(10.0 - s, 10.0 + off, 0.0),
+                    _ => Point::new(off, 10.0 - s, 0.0),
+                }
+            })
+            .collect();
+        let smooth = smooth_loop(&square, &[0, 50, 100, 150], 0.6);
+        for corner in [0, 50, 100, 150] {
+            assert_eq!(smooth[corner], square[corner]);
+        }
+        let rms = |points: &[Point]| points[1..50].iter().map(|p| p.y * p.y).sum::<f64>().sqrt();
+        assert!(rms(&smooth) < 0.5 * rms(&square));
+    }
+}

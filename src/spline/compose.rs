@@ -1,0 +1,188 @@
+//! The curve in space that a parameter curve traces on a surface.
+
+use nalgebra::{SVector, Vector3};
+
+use super::{Curve, KnotVector, Surface};
+use crate::geometry::{Uv, Vector};
+
+/// The pieces may be halved this often.
+const MAX_HALVINGS: usize = 24;
+
+/// The 3D curve C with |C(t) − S(c(t))| ≤ `eps` mm for the pcurve `c`, at the
+/// same parameter: a quintic with triple knots, so C².
+///
+/// Between the pcurve's knots and the places where it crosses a knot line of
+/// the surface S∘c is a polynomial (of degree up to 18), so there a Hermite
+/// quintic (position, two derivatives at both ends) converges with the sixth
+/// power of the piece's length; pieces are halved until samples agree within
+/// `eps` / 4. On an importer that checks only a few points a coarser curve
+/// would claim more than it keeps.
+pub fn curve_on_surface(surface: &Surface, c: &Curve<2>, eps: f64) -> Curve<3> {
+    let breaks = smooth_breaks(surface, c);
+    let mut knots = vec![breaks[0]];
+    let mut pieces = Vec::new();
+    for span in breaks.windows(2) {
+        refine(surface, c, span[0], span[1], 0.25 * eps, MAX_HALVINGS, &mut knots, &mut pieces);
+    }
+    assemble(&knots, &pieces)
+}
+
+/// The pcurve's knots and its crossings of the surface's knot lines.
+fn smooth_breaks(surface: &Surface, c: &Curve<2>) -> Vec<f64> {
+    let own = c.knots.breaks();
+    let mut all = own.clone();
+    for (axis, lines) in [surface.u.breaks(), surface.v.breaks()].iter().enumerate() {
+        for &line in &lines[1..lines.len() - 1] {
+            for span in own.windows(2) {
+                crossings(c, axis, line, span[0], span[1], &mut all);
+            }
+        }
+    }
+    all.sort_by(f64::total_cmp);
+    let (first, last) = c.knots.range();
+    let least = 1e-9 * (last - first);
+    // Knots of the pcurve are kept exactly; a crossing next to one is not
+    // needed. The ends stay the ends.
+    let mut breaks: Vec<f64> = Vec::with_capacity(all.len());
+    for t in all {
+        if breaks.last().is_none_or(|&b| t - b > least) {
+            breaks.push(t);
+        }
+    }
+    if let Some(end) = breaks.last_mut() {
+        *end = last;
+    }
+    breaks
+}
+
+/// Parameters in (a, b) at which coordinate `axis` of one polynomial piece is
+/// `level`: the piece is cut at the extremes of the coordinate (roots of a
+/// polynomial of at most degree 4, found between samples) and each monotone
+/// part bisected.
+fn crossings(c: &Curve<2>, axis: usize, level: f64, a: f64, b: f64, found: &mut Vec<f64>) {
+    const SAMPLES: usize = 16;
+    let f = |t: f64| c.point(t)[axis] - level;
+    let at = |i: usize| a + (b - a) * i as f64 / SAMPLES as f64;
+    let mut before = f(a);
+    for i in 1..=SAMPLES {
+        let after = f(at(i));
+        if before * after < 0.0 {
+            let (mut low, mut high) = (at(i - 1), at(i));
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                if f(middle) * before > 0.0 { low = middle } else { high = middle }
+            }
+            found.push(0.5 * (low + high));
+        }
+        before = after;
+    }
+}
+
+/// Position and two derivatives of S∘c at `t`, by the chain rule.
+fn composed(surface: &Surface, c: &Curve<2>, t: f64) -> [Vector; 3] {
+    let [p, d, dd] = c.derivatives(t);
+    let j = surface.jet(Uv::from(p));
+    let first = j.su * d.x + j.sv * d.y;
+    let bend = j.suu * (d.x * d.x) + j.suv * (2.0 * d.x * d.y) + j.svv * (d.y * d.y);
+    [j.s.coords, first, bend + j.su * dd.x + j.sv * dd.y]
+}
+
+/// The Bézier points of the quintic with the given ends over a length of `w`.
+fn hermite(a: &[Vector; 3], b: &[Vector; 3], w: f64) -> [Vector; 6] {
+    let (first, second) = (w / 5.0, w * w / 20.0);
+    [
+        a[0],
+        a[0] + a[1] * first,
+        a[0] + a[1] * (2.0 * first) + a[2] * second,
+        b[0] - b[1] * (2.0 * first) + b[2] * second,
+        b[0] - b[1] * first,
+        b[0],
+    ]
+}
+
+fn bezier(points: &[Vector; 6], s: f64) -> Vector {
+    let mut p = *points;
+    for level in (1..6).rev() {
+        for i in 0..level {
+            p[i] = p[i] * (1.0 - s) + p[i + 1] * s;
+        }
+    }
+    p[0]
+}
+
+#[allow(clippy::too_many_arguments)]
+fn refine(
+    surface: &Surface,
+    c: &Curve<2>,
+    a: f64,
+    b: f64,
+    eps: f64,
+    halvings: usize,
+    knots: &mut Vec<f64>,
+    pieces: &mut Vec<[Vector; 6]>,
+) {
+    let quintic = hermite(&composed(surface, c, a), &composed(surface, c, b), b - a);
+    let off = |i: usize| {
+        let s = i as f64 / 12.0;
+        let exact = surface.point(Uv::from(c.point(a + s * (b - a)))).coords;
+        (bezier(&quintic, s) - exact).norm()
+    };
+    if halvings == 0 || (1..12).all(|i| off(i) <= eps) {
+        knots.push(b);
+        pieces.push(quintic);
+        return;
+    }
+    let middle = 0.5 * (a + b);
+    refine(surface, c, a, middle, eps, halvings - 1, knots, pieces);
+    refine(surface, c, middle, b, eps, halvings - 1, knots, pieces);
+}
+
+/// One B-spline with triple inner knots from Hermite pieces: control point i
+/// is the blossom of a piece at five consecutive knots.
+fn assemble(breaks: &[f64], pieces: &[[Vector; 6]]) -> Curve<3> {
+    let knots = KnotVector::clamped(5, breaks, 3);
+    let control: Vec<Vector3<f64>> = (0..knots.functions())
+        .map(|i| {
+            // Piece whose start or inside the five knots lie around.
+            let piece = (i / 3).saturating_sub(usize::from(i % 3 == 0 && i > 0)).min(pieces.len() - 1);
+            let (a, b) = (breaks[piece], breaks[piece + 1]);
+            let local = KnotVector::clamped(5, &[a, b], 1);
+            let arguments = &knots.knots()[i + 1..=i + 5];
+            let control: [SVector<f64, 3>; 6] = pieces[piece];
+            local.blossom(5, &control, arguments)
+        })
+        .collect();
+    Curve::new(knots, control)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_curve_stays_on_the_surface() {
+        let u = KnotVector::clamped(3, &[0.0, 0.2, 0.35, 0.7, 1.0], 1);
+        let v = KnotVector::uniform(3, 9);
+        let net = (0..u.functions() * v.functions()).map(|n| {
+            let (i, j) = (n / v.functions(), n % v.functions());
+            let z = ((i * 5 + j * 3) % 7) as f64;
+            Vector::new(100.0 * u.greville(i), 100.0 * v.greville(j), z)
+        });
+        let net = net.collect();
+        let surface = Surface::new(u, v, net);
+        let knots = KnotVector::new(3, (0..16).map(|i| f64::from(i) / 8.0 - 0.375).collect());
+        let ring = |i: i32| std::f64::consts::TAU * f64::from(i) / 8.0;
+        let control =
+            (0..12).map(|i| SVector::from([0.5 + 0.3 * ring(i).cos(), 0.5 + 0.25 * ring(i).sin()]));
+        let c = Curve::<2>::new(knots, control.collect()).part(0.1, 0.8);
+        let curve = curve_on_surface(&surface, &c, 1e-7);
+        let mut worst: f64 = 0.0;
+        for i in 0..=5000 {
+            let t = 0.1 + 0.7 * f64::from(i) / 5000.0;
+            let exact = surface.point(Uv::from(c.point(t))).coords;
+            worst = worst.max((curve.point(t) - exact).norm());
+        }
+        assert!(worst < 1e-7, "{worst:e} mm off, {} poles", curve.control.len());
+        assert!(curve.control.len() < 250, "{} poles", curve.control.len());
+    }
+}

@@ -1,0 +1,120 @@
+//! Foot points: where on a surface a point in space is nearest.
+
+use nalgebra::{Matrix2, Vector2};
+
+use super::Surface;
+use crate::geometry::{Point, Uv};
+
+/// The parameter of a local minimum of the distance from `p` to the surface,
+/// reached downhill from `start` inside the domain, and that distance in mm.
+///
+/// Newton's method on ½‖S(u,v) − p‖²; where the Hessian is not positive it is
+/// replaced by the Gauss–Newton matrix, and a step that does not come nearer is
+/// halved. A parameter that sits on the domain's edge and wants out is held
+/// there. The result is never farther than `start`'s own point; steps end
+/// below 1e-10 of the domain.
+pub fn foot_point(surface: &Surface, p: Point, start: Uv) -> (Uv, f64) {
+    let mut at = surface.clamp(start);
+    let mut jet = surface.jet(at);
+    let mut distance = (jet.s - p).norm_squared();
+    for _ in 0..30 {
+        let r = jet.s - p;
+        let gradient = Vector2::new(r.dot(&jet.su), r.dot(&jet.sv));
+        let metric = Matrix2::new(
+            jet.su.norm_squared(),
+            jet.su.dot(&jet.sv),
+            jet.su.dot(&jet.sv),
+            jet.sv.norm_squared(),
+        );
+        let bend = Matrix2::new(r.dot(&jet.suu), r.dot(&jet.suv), r.dot(&jet.suv), r.dot(&jet.svv));
+        let free = free_axes(surface, at, gradient);
+        let Some(step) = descent(metric + bend, metric, gradient, free) else { break };
+        let mut share = 1.0;
+        let nearer = loop {
+            let next = surface.clamp(at + share * step);
+            let there = surface.jet(next);
+            let d = (there.s - p).norm_squared();
+            if d < distance {
+                break Some((next, there, d));
+            }
+            share *= 0.5;
+            if share < 1e-3 {
+                break None;
+            }
+        };
+        let Some((next, there, d)) = nearer else { break };
+        let moved = (next - at).amax();
+        (at, jet, distance) = (next, there, d);
+        if moved < 1e-10 {
+            break;
+        }
+    }
+    (at, distance.sqrt())
+}
+
+/// Which parameters may move: not one at an edge that the descent leads out of.
+fn free_axes(surface: &Surface, at: Uv, gradient: Vector2<f64>) -> [bool; 2] {
+    let held = |x: f64, g: f64, (low, high): (f64, f64)| {
+        (x <= low && g > 0.0) || (x >= high && g < 0.0)
+    };
+    [
+        !held(at.x, gradient.x, surface.u.range()),
+        !held(at.y, gradient.y, surface.v.range()),
+    ]
+}
+
+fn descent(
+    hessian: Matrix2<f64>,
+    metric: Matrix2<f64>,
+    g: Vector2<f64>,
+    free: [bool; 2],
+) -> Option<Vector2<f64>> {
+    let along = |k: usize| {
+        let curvature = if hessian[(k, k)] > 0.0 { hessian[(k, k)] } else { metric[(k, k)] };
+        (curvature > 0.0).then(|| -g[k] / curvature)
+    };
+    match free {
+        [true, true] => {
+            let factor = hessian.cholesky().or_else(|| metric.cholesky());
+            factor.map(|f| -f.solve(&g))
+        }
+        [true, false] => along(0).map(|d| Vector2::new(d, 0.0)),
+        [false, true] => along(1).map(|d| Vector2::new(0.0, d)),
+        [false, false] => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Vector;
+    use crate::spline::KnotVector;
+
+    fn bump() -> Surface {
+        let k = KnotVector::uniform(3, 8);
+        let height = |i: usize, j: usize| ((i * 3 + j * 5) % 7) as f64;
+        let net = (0..64).map(|n| {
+            let (i, j) = (n / 8, n % 8);
+            Vector::new(100.0 * k.greville(i), 100.0 * k.greville(j), height(i, j))
+        });
+        Surface::new(k.clone(), k.clone(), net.collect())
+    }
+
+    #[test]
+    fn a_point_off_the_surface_falls_back_along_the_normal() {
+        let s = bump();
+        for (u, v) in [(0.5, 0.5), (0.13, 0.92), (0.0, 0.3), (1.0, 1.0)] {
+            let jet = s.jet(Uv::new(u, v));
+            let n = jet.su.cross(&jet.sv).normalize();
+            let (at, d) = foot_point(&s, jet.s + 0.4 * n, Uv::new(u + 0.03, v - 0.02));
+            assert!((at - Uv::new(u, v)).norm() < 1e-7 && (d - 0.4).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn a_point_beyond_the_edge_has_its_foot_on_the_edge() {
+        let (at, _) = foot_point(&bump(), Point::new(-20.0, 50.0, 3.0), Uv::new(0.3, 0.3));
+        assert_eq!(at.x, 0.0);
+        assert!((at.y - 0.5).abs() < 0.1);
+    }
+}

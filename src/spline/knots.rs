@@ -1,0 +1,223 @@
+//! Knot vectors and their basis functions.
+
+use nalgebra::SVector;
+
+/// Room for the basis functions of degrees up to 5.
+const ROOM: usize = 6;
+
+/// A non-decreasing sequence of knots and a degree of at most 5.
+#[derive(Debug, Clone, PartialEq)]
+pub struct KnotVector {
+    degree: usize,
+    knots: Vec<f64>,
+}
+
+/// The basis functions that are not zero on one knot span, and their first two
+/// derivatives. Function `j` belongs to control point `first + j`.
+#[derive(Debug, Clone, Copy)]
+pub struct Basis {
+    /// The control point of the first function.
+    pub first: usize,
+    /// `derivative[k][j]`: k-th derivative of function j.
+    pub derivative: [[f64; ROOM]; 3],
+}
+
+impl KnotVector {
+    /// A knot vector of any kind; `knots` must not decrease and hold at least
+    /// 2 (degree + 1) numbers.
+    pub fn new(degree: usize, knots: Vec<f64>) -> Self {
+        assert!(degree < ROOM && knots.len() >= 2 * (degree + 1), "degree {degree}");
+        assert!(knots.windows(2).all(|w| w[0] <= w[1]), "knots must not decrease");
+        KnotVector { degree, knots }
+    }
+
+    /// The clamped ("open") knot vector over increasing breakpoints, the inner
+    /// ones of multiplicity `inner`: n spans of single knots make n + degree
+    /// basis functions.
+    pub fn clamped(degree: usize, breaks: &[f64], inner: usize) -> Self {
+        assert!(breaks.len() >= 2, "a knot vector has at least one span");
+        let mut knots = vec![breaks[0]; degree + 1];
+        for &b in &breaks[1..breaks.len() - 1] {
+            knots.extend(std::iter::repeat_n(b, inner));
+        }
+        knots.extend(vec![breaks[breaks.len() - 1]; degree + 1]);
+        KnotVector::new(degree, knots)
+    }
+
+    /// The clamped knot vector of `control_points` functions over [0, 1] with
+    /// spans of equal length.
+    pub fn uniform(degree: usize, control_points: usize) -> Self {
+        let spans = control_points - degree;
+        let breaks: Vec<f64> = (0..=spans).map(|i| i as f64 / spans as f64).collect();
+        KnotVector::clamped(degree, &breaks, 1)
+    }
+
+    /// The degree.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// All knots.
+    pub fn knots(&self) -> &[f64] {
+        &self.knots
+    }
+
+    /// How many basis functions, and so control points, there are.
+    pub fn functions(&self) -> usize {
+        self.knots.len() - self.degree - 1
+    }
+
+    /// The parameter range on which the basis is complete.
+    pub fn range(&self) -> (f64, f64) {
+        (self.knots[self.degree], self.knots[self.functions()])
+    }
+
+    /// The distinct knots inside the range, its ends included.
+    pub fn breaks(&self) -> Vec<f64> {
+        let mut breaks = self.knots[self.degree..=self.functions()].to_vec();
+        breaks.dedup();
+        breaks
+    }
+
+    /// The number i of the non-empty knot span [tᵢ, tᵢ₊₁) that holds `t`; the
+    /// last one also holds its end, and the outer ones what lies beyond.
+    pub fn span(&self, t: f64) -> usize {
+        let inner = &self.knots[self.degree + 1..self.functions()];
+        let mut i = self.degree + inner.partition_point(|&k| k <= t);
+        while self.knots[i] == self.knots[i + 1] && i > self.degree {
+            i -= 1;
+        }
+        i
+    }
+
+    /// The basis functions at `t` (NURBS Book, A2.2 and A2.3).
+    pub fn basis(&self, t: f64) -> Basis {
+        self.basis_in(self.span(t), t)
+    }
+
+    /// The polynomials that the basis functions are on span `span`, at any
+    /// `t`: outside the span they are continued.
+    pub fn basis_in(&self, span: usize, t: f64) -> Basis {
+        let p = self.degree;
+        let k = &self.knots;
+        // table[d]: the d + 1 functions of degree d on the span.
+        let mut table = [[0.0; ROOM]; ROOM];
+        table[0][0] = 1.0;
+        for d in 1..=p {
+            for r in 0..d {
+                let (low, high) = (k[span + r + 1 - d], k[span + r + 1]);
+                let part = table[d - 1][r] / (high - low);
+                table[d][r] += (high - t) * part;
+                table[d][r + 1] += (t - low) * part;
+            }
+        }
+        let mut derivative = [[0.0; ROOM]; 3];
+        derivative[0] = table[p];
+        for (order, row) in derivative.iter_mut().enumerate().skip(1).take(p) {
+            *row = table[p - order];
+            for d in p - order + 1..=p {
+                *row = self.differentiated(span, d, row);
+            }
+        }
+        Basis { first: span - p, derivative }
+    }
+
+    /// From coefficients over the functions of degree d − 1 on a span to those
+    /// of the derivative of the functions of degree d (NURBS Book, eq. 2.7).
+    fn differentiated(&self, span: usize, d: usize, lower: &[f64; ROOM]) -> [f64; ROOM] {
+        let mut upper = [0.0; ROOM];
+        for r in 0..d {
+            let width = self.knots[span + r + 1] - self.knots[span + r + 1 - d];
+            let part = d as f64 * lower[r] / width;
+            upper[r] -= part;
+            upper[r + 1] += part;
+        }
+        upper
+    }
+
+    /// Where control point `i` stands for the identity: the mean of the knots
+    /// that its function straddles (Greville abscissa).
+    pub fn greville(&self, i: usize) -> f64 {
+        self.knots[i + 1..=i + self.degree].iter().sum::<f64>() / self.degree as f64
+    }
+
+    /// The blossom of the spline's polynomial on `span`, at `degree`
+    /// arguments, from its control points (de Boor's algorithm with a
+    /// parameter of its own on every level).
+    pub fn blossom<const D: usize>(
+        &self,
+        span: usize,
+        control: &[SVector<f64, D>],
+        arguments: &[f64],
+    ) -> SVector<f64, D> {
+        let p = self.degree;
+        let mut d = [SVector::<f64, D>::zeros(); ROOM];
+        d[..=p].copy_from_slice(&control[span - p..=span]);
+        for (level, &t) in (1..=p).zip(arguments) {
+            for j in (level..=p).rev() {
+                let low = self.knots[span - p + j];
+                let high = self.knots[span + 1 + j - level];
+                let a = (t - low) / (high - low);
+                d[j] = d[j - 1] * (1.0 - a) + d[j] * a;
+            }
+        }
+        d[p]
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn uneven() -> KnotVector {
+        KnotVector::clamped(3, &[0.0, 0.1, 0.25, 0.7, 1.0], 1)
+    }
+
+    #[test]
+    fn basis_functions_sum_to_one_also_beyond_their_span() {
+        let k = uneven();
+        for span in 3..7 {
+            for t in [-0.2, 0.0, 0.3, 0.99, 1.4] {
+                let b = k.basis_in(span, t);
+                let sum = |order: usize| b.derivative[order].iter().sum::<f64>();
+                assert!((sum(0) - 1.0).abs() < 1e-9);
+                assert!(sum(1).abs() < 1e-7 && sum(2).abs() < 1e-6);
+            }
+        }
+    }
+
+    #[test]
+    fn derivatives_are_those_of_finite_differences() {
+        let k = uneven();
+        let e = 1e-5;
+        for t in [0.05, 0.2, 0.4, 0.9] {
+            let [before, here, after] = [t - e, t, t + e].map(|t| k.basis(t).derivative);
+            for j in 0..4 {
+                let first = (after[0][j] - before[0][j]) / (2.0 * e);
+                let second = (after[1][j] - before[1][j]) / (2.0 * e);
+                assert!((first - here[1][j]).abs() < 1e-5);
+                assert!((second - here[2][j]).abs() < 1e-4);
+            }
+        }
+    }
+
+    #[test]
+    fn the_ends_belong_to_the_outer_spans() {
+        let k = uneven();
+        assert_eq!([k.span(0.0), k.span(0.1), k.span(1.0), k.span(2.0)], [3, 4, 6, 6]);
+        assert_eq!(k.breaks(), [0.0, 0.1, 0.25, 0.7, 1.0]);
+        assert_eq!((k.greville(0), k.greville(k.functions() - 1)), (0.0, 1.0));
+    }
+
+    #[test]
+    fn the_blossom_on_the_diagonal_is_the_spline() {
+        let k = uneven();
+        let control: Vec<SVector<f64, 1>> = (0..7).map(|i| SVector::from([f64::from(i * i)])).collect();
+        for t in [0.03, 0.2, 0.5, 0.8] {
+            let b = k.basis(t);
+            let value: f64 = (0..4).map(|j| b.derivative[0][j] * control[b.first + j].x).sum();
+            let blossom = k.blossom(k.span(t), &control, &[t, t, t]);
+            assert!((blossom.x - value).abs() < 1e-12);
+        }
+    }
+}

@@ -1,0 +1,17 @@
+//! B-spline curves and surfaces: evaluation, foot points, and curves on
+//! surfaces. Notation and algorithms follow Piegl & Tiller, "The NURBS Book"
+//! (1997), chapters 2 to 5.
+
+mod compose;
+mod curve;
+mod foot;
+mod knots;
+mod samples;
+mod surface;
+
+pub use compose::curve_on_surface;
+pub use curve::Curve;
+pub use foot::foot_point;
+pub use knots::{Basis, KnotVector};
+pub use samples::Samples;
+pub use surface::{Jet, Surface};

@@ -1,0 +1,93 @@
+//! Loops in the parameter plane that must not cross.
+
+use super::closed::ClosedCubic;
+use crate::geometry::{Uv, segments_cross};
+
+/// Chords a knot span.
+const CHORDS: usize = 8;
+
+/// How near a loop may come to the edge of the patch: importers refuse a
+/// pcurve that leaves the domain, by however little.
+const MARGIN: f64 = 1e-7;
+
+/// A loop as a polygon with its bounding box.
+#[derive(Debug, Clone)]
+pub struct Outline {
+    polygon: Vec<Uv>,
+    low: Uv,
+    high: Uv,
+}
+
+impl Outline {
+    /// The chords of a closed curve.
+    pub fn new(curve: &ClosedCubic) -> Self {
+        let unrolled = curve.unrolled();
+        let spans = unrolled.knots.breaks().len() - 1;
+        let count = CHORDS * spans;
+        let polygon: Vec<Uv> =
+            (0..count).map(|i| Uv::from(unrolled.point(i as f64 / count as f64))).collect();
+        let (mut low, mut high) = (polygon[0], polygon[0]);
+        for p in &polygon {
+            (low, high) = (low.inf(p), high.sup(p));
+        }
+        Outline { polygon, low, high }
+    }
+
+    /// What is wrong with the loop, if anything is: it leaves the domain, runs
+    /// the wrong way round, crosses itself or one of `others`.
+    pub fn fault(&self, others: &[Outline]) -> Option<String> {
+        if self.low.coords.min() < MARGIN || self.high.coords.max() > 1.0 - MARGIN {
+            return Some("leaves the patch".into());
+        }
+        if self.crosses_itself() {
+            return Some("crosses itself".into());
+        }
+        if self.area() >= 0.0 {
+            return Some("runs the wrong way round".into());
+        }
+        let clash = others.iter().any(|o| self.crosses(o) || self.encloses(o) || o.encloses(self));
+        clash.then(|| "runs into another hole's".into())
+    }
+
+    fn sides(&self) -> impl Iterator<Item = (Uv, Uv)> + '_ {
+        let nexts = self.polygon.iter().cycle().skip(1);
+        self.polygon.iter().copied().zip(nexts.copied())
+    }
+
+    /// Signed area, positive counter-clockwise.
+    fn area(&self) -> f64 {
+        0.5 * self.sides().map(|(a, b)| a.x * b.y - b.x * a.y).sum::<f64>()
+    }
+
+    fn crosses_itself(&self) -> bool {
+        let sides: Vec<(Uv, Uv)> = self.sides().collect();
+        let mut order: Vec<usize> = (0..sides.len()).collect();
+        let left = |i: usize| sides[i].0.x.min(sides[i].1.x);
+        let right = |i: usize| sides[i].0.x.max(sides[i].1.x);
+        order.sort_by(|&i, &j| left(i).total_cmp(&left(j)));
+        // Only chords whose ranges of u overlap can cross.
+        order.iter().enumerate().any(|(k, &i)| {
+            order[k + 1..].iter().take_while(|&&j| left(j) <= right(i)).any(|&j| {
+                segments_cross(sides[i].0, sides[i].1, sides[j].0, sides[j].1)
+            })
+        })
+    }
+
+    fn crosses(&self, other: &Outline) -> bool {
+        let apart = self.low.x > other.high.x
+            || other.low.x > self.high.x
+            || self.low.y > other.high.y
+            || other.low.y > self.high.y;
+        !apart
+            && self.sides().any(|(a, b)| other.sides().any(|(c, d)| segments_cross(a, b, c, d)))
+    }
+
+    /// Whether the other loop begins inside this one.
+    fn encloses(&self, other: &Outline) -> bool {
+        let p = other.polygon[0];
+        let over = |(a, b): &(Uv, Uv)| {
+            (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
+        };
+        self.sides().filter(over).count() % 2 == 1
+    }
+}
