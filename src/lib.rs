@@ -254,7 +254,10 @@ fn read_mesh(soup: &Soup, options: &Options) -> Result<(Disk, InputReport)> {
     let mut repairs = build.repairs.clone();
     let chosen = mesh::choose(build, options.component)?;
     repairs.extend(chosen.repairs);
-    let disk = Disk::new(chosen.mesh)?;
+    let (disk, trimmed) = mesh::trim_hanging(Disk::new(chosen.mesh)?)?;
+    if trimmed > 0 {
+        repairs.insert("rim_triangles_trimmed", trimmed);
+    }
     let input = InputReport {
         vertices: disk.mesh.points.len(),
         triangles: disk.mesh.triangles.len(),

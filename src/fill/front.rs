@@ -51,6 +51,13 @@ pub fn fill_hole(
     front.fill
 }
 
+/// A new point is at least this far from every other, in mean rim edges.
+const APART: f64 = 0.55;
+
+/// And this far from the front edge that it is joined to: flatter triangles
+/// are left to ears.
+const LOWEST: f64 = 0.4;
+
 struct Front<'a> {
     mesh: &'a Mesh,
     rings: &'a Rings,
@@ -206,7 +213,7 @@ impl<'a> Front<'a> {
         let before = self.fill.points.len();
         for (p, normal) in candidates {
             if self.fill.points.len() < self.most_points {
-                self.try_point(p, normal);
+                self.try_point(p, normal, &support);
             }
         }
         self.fill.points.len() - before
@@ -243,16 +250,21 @@ impl<'a> Front<'a> {
         Some(near.map_or((flat, normal), |f| (f.point, f.normal)))
     }
 
-    /// Joins `p` to the nearest front edge, if it keeps its distance from the
-    /// rest of the front and the triangle crosses nothing.
-    fn try_point(&mut self, p: Point, normal: Vector) {
+    /// Joins `p` to the nearest front edge, if it keeps its distance from all
+    /// other points (a front that has turned around would grow back over the
+    /// measured surface) and the triangle crosses nothing.
+    fn try_point(&mut self, p: Point, normal: Vector, support: &Cloud) {
+        let crowded = |v: &VertexId| (self.point(*v) - p).norm() < APART * self.a;
+        if support.nearest_distance(p) < APART * self.a || self.ring.iter().any(crowded) {
+            return;
+        }
         let n = self.ring.len();
         let ends = |i: usize| (self.point(self.ring[i]), self.point(self.ring[(i + 1) % n]));
         let distance = |i: usize| segment_distance(p, ends(i).0, ends(i).1);
         let nearest = (0..n).map(|i| (i, distance(i))).min_by(|x, y| x.1.total_cmp(&y.1));
         let Some((i, d)) = nearest else { return };
         let (e1, e2) = ends(i);
-        if d < 0.4 * self.a || self.ring.iter().any(|&v| (self.point(v) - p).norm() < 0.6 * self.a) {
+        if d < LOWEST * self.a {
             return;
         }
         let corners = [e2, e1, p];

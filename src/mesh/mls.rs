@@ -82,6 +82,11 @@ impl Cloud {
         reference_plane(r, normal, &scratch.around, h)
     }
 
+    /// The distance from `p` to the nearest point of the cloud.
+    pub fn nearest_distance(&self, p: Point) -> f64 {
+        (self.points[self.near.nearest(p)] - p).norm()
+    }
+
     /// The points within `radius` of any of `places`, ascending.
     pub fn around(&self, places: impl Iterator<Item = Point>, radius: f64) -> Vec<VertexId> {
         let mut found = Vec::new();

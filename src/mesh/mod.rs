@@ -8,6 +8,7 @@ mod disk;
 pub mod mls;
 mod neighbours;
 mod patch;
+mod rims;
 mod topology;
 
 pub use build::{Build, Repairs, from_soup};
@@ -15,6 +16,7 @@ pub use components::{Choice, choose};
 pub use disk::Disk;
 pub use neighbours::Neighbours;
 pub use patch::{FaceOrigin, Patch};
+pub use rims::trim_hanging;
 pub use topology::{EdgeMap, Rings};
 
 use crate::geometry::{Point, Vector, VertexId};

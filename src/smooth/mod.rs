@@ -1,11 +1,13 @@
 //! Smoothing (Tekumalla & Cohen 2005, section 3.1): every point is projected
 //! onto the MLS surface of its neighbourhood; then every boundary loop is
-//! projected onto its MLS curve, corners kept, and laid back on the surface.
+//! projected onto its MLS curve, corners kept, and laid back on the surface;
+//! last, triangles that the moves have folded are turned back.
 
 mod corners;
 mod curve;
 mod support;
 mod surface;
+mod unfold;
 
 use crate::geometry::{Point, VertexId};
 use crate::mesh::mls::{Cloud, Scratch};
@@ -72,6 +74,7 @@ pub fn smooth(disk: &Disk, options: &Options) -> (Disk, Report) {
     }
     report.h = tried.h;
     out.mesh.points = surface::project_all(&disk.mesh, &cloud, tried.h);
+    let projected = out.mesh.points.clone();
     for ring in disk.loops() {
         let kept = match &options.corners {
             Corners::Auto => corners::find(&out.mesh, ring, 2.0 * tried.h),
@@ -83,6 +86,7 @@ pub fn smooth(disk: &Disk, options: &Options) -> (Disk, Report) {
         let smooth = curve::smooth_loop(&line, &kept, tried.h);
         lay_back(&cloud, ring, &smooth, tried.h, &mut out.mesh.points);
     }
+    unfold::unfold(&mut out, &cloud, &projected, tried.h);
     let moves = out.mesh.points.iter().zip(&disk.mesh.points).map(|(p, q)| (p - q).norm());
     report.moved_max = moves.clone().fold(0.0, f64::max);
     let squares: f64 = moves.map(|m| m * m).sum();

@@ -14,6 +14,7 @@ everybody does and with healing off; "valid_unhealed", "oriented_loops" and
 import argparse
 import json
 import os
+import re
 import sys
 
 # OpenCASCADE prints to stdout; keep the real one for the answer.
@@ -212,8 +213,6 @@ def entities(reader, path):
 
 def decoded(name):
     """Part 21's escapes of characters beyond ASCII, where they are still there."""
-    import re
-
     def characters(match):
         width = 4 if match[1] == "2" else 8
         digits = match[2]

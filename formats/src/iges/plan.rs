@@ -148,3 +148,19 @@ fn label(name: &str) -> String {
     let text = ascii(name);
     text.chars().filter(|c| c.is_ascii_alphanumeric() || *c == '_').take(8).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reversed_curve_keeps_its_range_to_the_last_bit() {
+        let knots = vec![0.1, 0.1, 0.3, 0.3000000001, 0.7, 0.7];
+        let curve = BSplineCurve::new_unchecked(KnotVec::from(knots), vec![1, 2, 3, 4]);
+        let reversed = along(&curve, false);
+        assert_eq!(reversed.control_points(), &[4, 3, 2, 1]);
+        let knots: &[f64] = reversed.knot_vec();
+        assert_eq!((knots[..2].to_vec(), knots[4..].to_vec()), (vec![0.1; 2], vec![0.7; 2]));
+        assert!((knots[3] - 0.5).abs() < 1e-15 && knots[2] < knots[3]);
+    }
+}

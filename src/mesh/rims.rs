@@ -1,0 +1,100 @@
+//! Ragged rims: triangles that hang on the rest by one side.
+//!
+//! Scanners leave them where they cut off, as teeth of noise. On a boundary
+//! that is smoothed into a curve their tips would be drawn back through their
+//! own bases, so they go first.
+
+use std::collections::HashSet;
+
+use super::{Disk, Mesh, Rings};
+use crate::error::Result;
+use crate::geometry::VertexId;
+
+/// A triangle at the outer boundary whose tip has at least this angle may be a
+/// corner of the object and stays.
+const CORNER: f64 = 75.0 * std::f64::consts::PI / 180.0;
+
+/// A tooth of several triangles is taken back this far.
+const ROUNDS: usize = 3;
+
+/// The disk without hanging triangles, and how many there were.
+pub fn trim_hanging(mut disk: Disk) -> Result<(Disk, usize)> {
+    let mut trimmed = 0;
+    for _ in 0..ROUNDS {
+        let doomed = hanging(&disk);
+        if doomed.is_empty() || 2 * doomed.len() > disk.mesh.triangles.len() {
+            break;
+        }
+        trimmed += doomed.len();
+        disk = Disk::new(without(disk.mesh, &doomed))?;
+    }
+    Ok((disk, trimmed))
+}
+
+/// Triangles with a tip that no other triangle has.
+fn hanging(disk: &Disk) -> HashSet<u32> {
+    let rings = Rings::new(&disk.mesh);
+    let mut doomed = HashSet::new();
+    let loops = std::iter::once((&disk.outer, true)).chain(disk.holes.iter().map(|h| (h, false)));
+    for (ring, outer) in loops {
+        // Two hanging triangles may share a base's end, but a ring of three or
+        // fewer would vanish.
+        for (i, &tip) in ring.iter().enumerate().filter(|_| ring.len() > 4) {
+            let before = ring[(i + ring.len() - 1) % ring.len()];
+            let after = ring[(i + 1) % ring.len()];
+            if let [t] = rings.triangles(tip)
+                && !(outer && angle(&disk.mesh, before, tip, after) >= CORNER)
+            {
+                doomed.insert(*t);
+            }
+        }
+    }
+    doomed
+}
+
+fn angle(mesh: &Mesh, a: VertexId, tip: VertexId, b: VertexId) -> f64 {
+    (mesh.point(a) - mesh.point(tip)).angle(&(mesh.point(b) - mesh.point(tip)))
+}
+
+/// The mesh without some triangles, and without the vertices that only they
+/// had.
+fn without(mesh: Mesh, doomed: &HashSet<u32>) -> Mesh {
+    let kept = |i: &usize| !doomed.contains(&(*i as u32));
+    let triangles: Vec<_> =
+        (0..mesh.triangles.len()).filter(kept).map(|i| mesh.triangles[i]).collect();
+    let mut number = vec![None; mesh.points.len()];
+    triangles.iter().flatten().for_each(|v| number[v.index()] = Some(VertexId(0)));
+    let mut points = Vec::with_capacity(mesh.points.len());
+    for (n, p) in number.iter_mut().zip(mesh.points) {
+        if n.is_some() {
+            *n = Some(VertexId::from(points.len()));
+            points.push(p);
+        }
+    }
+    let renumbered = |t: [VertexId; 3]| t.map(|v| number[v.index()].unwrap_or(v));
+    Mesh { points, triangles: triangles.into_iter().map(renumbered).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+
+    #[test]
+    fn a_tooth_goes_and_the_corners_stay() {
+        let mut mesh = Mesh::default();
+        for i in 0..25 {
+            mesh.points.push(Point::new(f64::from(i % 5), f64::from(i / 5), 0.0));
+        }
+        let v = VertexId;
+        for i in (0..20).filter(|i| i % 5 < 4) {
+            mesh.triangles.push([v(i), v(i + 1), v(i + 6)]);
+            mesh.triangles.push([v(i), v(i + 6), v(i + 5)]);
+        }
+        let clean = mesh.triangles.len();
+        mesh.points.push(Point::new(2.5, -1.0, 0.0));
+        mesh.triangles.push([v(3), v(2), v(25)]);
+        let (disk, trimmed) = trim_hanging(Disk::new(mesh).unwrap()).unwrap();
+        assert_eq!((trimmed, disk.mesh.triangles.len(), disk.mesh.points.len()), (1, clean, 25));
+    }
+}
