@@ -72,8 +72,11 @@ pub fn fit(
     let asked = &options.knots;
     if let Some([m, n]) = asked.net {
         check_net(m, n, asked.max_net)?;
-        let (surface, fit) =
-            fit::fit(samples, [KnotVector::uniform(3, m), KnotVector::uniform(3, n)], options.method)?;
+        let (surface, fit) = fit::fit(
+            samples,
+            [KnotVector::uniform(3, m), KnotVector::uniform(3, n)],
+            options.method,
+        )?;
         return Ok((surface, Adapted { fit, knots: None, kappa: 0.0, rounds: 1 }));
     }
     let mut place = knots::Options {
@@ -124,10 +127,14 @@ fn deepest(measured: usize) -> u32 {
 
 fn check_net(m: usize, n: usize, most: usize) -> Result<()> {
     if m < 4 || n < 4 {
-        return Err(Error::Net(format!("a bicubic net has at least 4 × 4 control points, not {m} × {n}")));
+        return Err(Error::Net(format!(
+            "a bicubic net has at least 4 × 4 control points, not {m} × {n}"
+        )));
     }
     if m.saturating_mul(n) > most {
-        return Err(Error::Net(format!("a net of {m} × {n} control points exceeds the bound of {most}")));
+        return Err(Error::Net(format!(
+            "a net of {m} × {n} control points exceeds the bound of {most}"
+        )));
     }
     Ok(())
 }

@@ -136,10 +136,13 @@ mod tests {
     #[test]
     fn over_a_hole_the_distance_is_to_its_rim() {
         let k = KnotVector::uniform(3, 5);
-        let net = (0..25).map(|n| Vector::new(10.0 * k.greville(n / 5), 10.0 * k.greville(n % 5), 0.0));
+        let net =
+            (0..25).map(|n| Vector::new(10.0 * k.greville(n / 5), 10.0 * k.greville(n % 5), 0.0));
         let surface = Surface::new(k.clone(), k.clone(), net.collect());
-        let corner = [(0.4, 0.4), (0.4, 0.6), (0.6, 0.6), (0.6, 0.4)].map(|(u, v)| Vector2::new(u, v));
-        let arcs: Vec<Curve<2>> = (0..4).map(|i| Curve::line(corner[i], corner[(i + 1) % 4])).collect();
+        let corner =
+            [(0.4, 0.4), (0.4, 0.6), (0.6, 0.6), (0.6, 0.4)].map(|(u, v)| Vector2::new(u, v));
+        let arcs: Vec<Curve<2>> =
+            (0..4).map(|i| Curve::line(corner[i], corner[(i + 1) % 4])).collect();
         let face = Face::new(&surface, std::iter::once(arcs.as_slice()));
         let d = |x: f64, y: f64, z: f64| face.distance(Point::new(x, y, z), Uv::new(0.5, 0.5));
         assert!((d(5.0, 4.5, 0.0) - 0.5).abs() < 1e-12);

@@ -36,6 +36,14 @@ pub enum Error {
     /// The corners that the user gave cannot be the corners of the patch.
     #[error("corners: {0}")]
     Corners(String),
+    /// A hole could not be filled.
+    #[error("hole {hole} cannot be filled, near {}", mm(at))]
+    Fill {
+        /// The hole, counted from 0 in the report's order.
+        hole: usize,
+        /// A point of its rim.
+        at: Point,
+    },
     /// The parameterization has inverted triangles that mending did not remove.
     #[error("the parameterization folds: {count} triangles inverted, one near {}", mm(at))]
     Folded {
@@ -89,6 +97,7 @@ impl Error {
             Error::Corners(_) => {
                 "give four different vertices of the outer boundary with --corners, or leave the option out".into()
             }
+            Error::Fill { .. } => "repair or remesh the scan around that hole".into(),
             Error::Folded { .. } => "repair or remesh the scan around that place".into(),
             Error::Singular(_) => "remesh the scan: it has degenerate triangles".into(),
             Error::Net(_) => "name a smaller --net, or a larger --max-net".into(),

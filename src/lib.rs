@@ -202,14 +202,15 @@ pub fn convert(
         options.tolerance.unwrap_or(smooth.noise.max(LEAST_TOLERANCE * measured.mesh.diagonal()));
 
     let fill_options = fill::Options { support: smooth.h, ..options.fill.clone() };
-    let (patch, fill) = fill::fill(smoothed, &fill_options);
+    let (patch, fill) = fill::fill(smoothed, &fill_options)?;
     watch(Stage::Fill(&patch))?;
 
     let (map, parameterize) = parameterize::parameterize(patch, &options.parameterize)?;
     watch(Stage::Parameterize(&map))?;
 
     let samples = samples(&map);
-    let goal = adapt::Goal { tolerance, named: options.tolerance.is_some(), outliers: options.outliers };
+    let goal =
+        adapt::Goal { tolerance, named: options.tolerance.is_some(), outliers: options.outliers };
     let measured_count = map.patch.measured;
     let (surface, fit) = adapt::fit(&samples, measured_count, options, &goal)?;
     watch(Stage::Fit(&surface))?;

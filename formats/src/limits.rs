@@ -12,9 +12,5 @@ pub(crate) fn check_room(path: &Path, soup: &Soup, points: u64, corners: u64) ->
         return Ok(());
     }
     let help = "Decimate the scan or cut it into parts.";
-    Err(Error::new(
-        path,
-        "has more than four billion points or corners",
-        help,
-    ))
+    Err(Error::new(path, "has more than four billion points or corners", help))
 }

@@ -65,11 +65,7 @@ const READABLE: &str = "Convert it to PLY, OBJ, glTF (GLB) or STL, for example w
 fn recognise(source: &Source) -> Result<Format> {
     let head = source.head.as_slice();
     if head.is_empty() {
-        return Err(Error::new(
-            &source.path,
-            "is empty",
-            "Copy or export the scan again.",
-        ));
+        return Err(Error::new(&source.path, "is empty", "Copy or export the scan again."));
     }
     if let Some(format) = by_content(source) {
         return Ok(format);
@@ -128,8 +124,5 @@ fn foreign(head: &[u8]) -> Option<&'static str> {
         (b"ISO-10303-21", "a STEP file, not a scan"),
         (b"\xff\xfe", "UTF-16 text"),
     ];
-    known
-        .iter()
-        .find(|(magic, _)| head.starts_with(magic))
-        .map(|(_, name)| *name)
+    known.iter().find(|(magic, _)| head.starts_with(magic)).map(|(_, name)| *name)
 }

@@ -40,20 +40,12 @@ impl Source {
     pub(crate) fn open(path: &Path) -> Result<Source> {
         let cannot = |e: io::Error| {
             let what = format!("cannot be opened: {e}");
-            Error::new(
-                path,
-                what,
-                "Check the path and the permissions of the file.",
-            )
+            Error::new(path, what, "Check the path and the permissions of the file.")
         };
         let mut file = File::open(path).map_err(cannot)?;
         let meta = file.metadata().map_err(cannot)?;
         if meta.is_dir() {
-            return Err(Error::new(
-                path,
-                "is a folder",
-                "Name the scan file itself.",
-            ));
+            return Err(Error::new(path, "is a folder", "Name the scan file itself."));
         }
         let head = take_head(&mut file).map_err(cannot)?;
         if !head.starts_with(&[0x1f, 0x8b]) {
@@ -69,15 +61,7 @@ impl Source {
         let eol = line_end(&head);
         let all: Box<dyn Read> = Box::new(Cursor::new(head.clone()).chain(rest));
         let stream = BufReader::with_capacity(64 << 10, all);
-        Source {
-            path: path.to_path_buf(),
-            head,
-            len,
-            stream,
-            line: 0,
-            ended_line: true,
-            eol,
-        }
+        Source { path: path.to_path_buf(), head, len, stream, line: 0, ended_line: true, eol }
     }
 
     /// Puts the next line into `line`, without its end; `false` after the last.
@@ -102,20 +86,12 @@ impl Source {
     /// An error at the last line delivered, if there was one.
     pub(crate) fn error(&self, what: impl Into<String>, help: impl Into<String>) -> Error {
         let error = Error::new(&self.path, what, help);
-        if self.line > 0 {
-            error.at(Place::Line(self.line))
-        } else {
-            error
-        }
+        if self.line > 0 { error.at(Place::Line(self.line)) } else { error }
     }
 
     /// The error that reading itself failed: a bad disk, a cut gzip stream.
     pub(crate) fn io_error(&self, e: &io::Error) -> Error {
-        Error::new(
-            &self.path,
-            format!("cannot be read to its end: {e}"),
-            EXPORT_AGAIN,
-        )
+        Error::new(&self.path, format!("cannot be read to its end: {e}"), EXPORT_AGAIN)
     }
 }
 

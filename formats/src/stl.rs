@@ -20,13 +20,8 @@ const RECORD: usize = 50;
 /// Whether `head` begins an ascii file. A binary one may begin with "solid"
 /// too, but it has a zero byte at the latest in its triangle count.
 pub(crate) fn is_ascii(head: &[u8]) -> bool {
-    let head = head
-        .strip_prefix(b"\xef\xbb\xbf")
-        .unwrap_or(head)
-        .trim_ascii_start();
-    let solid = head
-        .get(..5)
-        .is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
+    let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
+    let solid = head.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     solid && head.get(5).is_none_or(u8::is_ascii_whitespace) && !head.contains(&0)
 }
 
@@ -36,19 +31,12 @@ pub(crate) fn is_binary(head: &[u8], len: Option<u64>) -> bool {
     let Some(count) = head.get(HEADER..PREFIX) else {
         return false;
     };
-    let count = count
-        .iter()
-        .rev()
-        .fold(0, |n, &byte| n << 8 | u64::from(byte));
+    let count = count.iter().rev().fold(0, |n, &byte| n << 8 | u64::from(byte));
     count > 0 && len == Some(PREFIX as u64 + count * RECORD as u64)
 }
 
 pub(crate) fn read(source: Source) -> Result<Soup> {
-    if is_ascii(&source.head) {
-        Ascii::new(source).read()
-    } else {
-        read_binary(source)
-    }
+    if is_ascii(&source.head) { Ascii::new(source).read() } else { read_binary(source) }
 }
 
 fn read_binary(mut source: Source) -> Result<Soup> {
@@ -72,8 +60,7 @@ fn read_binary(mut source: Source) -> Result<Soup> {
         }
         check_room(&source.path, &soup, 3, 3)?;
         let first = soup.points.len() as u32;
-        soup.points
-            .extend([12, 24, 36].map(|at| corner(&record, at)));
+        soup.points.extend([12, 24, 36].map(|at| corner(&record, at)));
         soup.polygons.push(first..first + 3);
     }
     // What follows is left alone: some exporters append text or a colour.
@@ -106,13 +93,7 @@ struct Ascii {
 
 impl Ascii {
     fn new(source: Source) -> Ascii {
-        Ascii {
-            source,
-            soup: Soup::default(),
-            first: 0,
-            in_facet: false,
-            in_solid: false,
-        }
+        Ascii { source, soup: Soup::default(), first: 0, in_facet: false, in_solid: false }
     }
 
     fn read(mut self) -> Result<Soup> {
@@ -166,9 +147,7 @@ impl Ascii {
 
     fn vertex<'a>(&mut self, words: impl Iterator<Item = &'a str>, line: &str) -> Result<()> {
         check_room(&self.source.path, &self.soup, 1, 1)?;
-        let xyz = words
-            .map(|w| plain_number(w).parse().ok())
-            .collect::<Option<Vec<f64>>>();
+        let xyz = words.map(|w| plain_number(w).parse().ok()).collect::<Option<Vec<f64>>>();
         let xyz = xyz.and_then(|xyz| <[f64; 3]>::try_from(xyz).ok());
         let (Some(xyz), true) = (xyz, self.in_facet) else {
             return Err(self.unreadable(line));

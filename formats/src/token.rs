@@ -47,11 +47,7 @@ pub(crate) fn number_help(text: &str) -> &'static str {
 /// The beginning of `text`, short and printable, to show in an error.
 pub(crate) fn excerpt(text: &[u8]) -> String {
     let text = String::from_utf8_lossy(&text[..text.len().min(160)]).into_owned();
-    let clean: String = text
-        .trim()
-        .chars()
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
+    let clean: String = text.trim().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
     if clean.chars().count() <= 40 {
         return clean;
     }

@@ -18,10 +18,7 @@ pub(crate) struct Unzip<R> {
 
 impl<R: Read> Unzip<R> {
     pub(crate) fn new(zipped: R) -> Self {
-        let zip = MultiGzDecoder::new(Counted {
-            inner: zipped,
-            bytes: 0,
-        });
+        let zip = MultiGzDecoder::new(Counted { inner: zipped, bytes: 0 });
         Unzip { zip, unzipped: 0 }
     }
 }
@@ -31,9 +28,7 @@ impl<R: Read> Read for Unzip<R> {
         let n = self.zip.read(into)?;
         self.unzipped += n as u64;
         if self.unzipped > FREE.max(MOST_GROWTH * self.zip.get_ref().bytes) {
-            return Err(io::Error::other(
-                "it unzips to more than 200 times its size",
-            ));
+            return Err(io::Error::other("it unzips to more than 200 times its size"));
         }
         Ok(n)
     }

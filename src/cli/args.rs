@@ -233,7 +233,11 @@ fn positive(text: &str) -> Result<f64, String> {
 
 fn percentage(text: &str) -> Result<f64, String> {
     let x = number(text)?;
-    if (0.0..100.0).contains(&x) { Ok(x) } else { Err("not a percentage from 0 to below 100".into()) }
+    if (0.0..100.0).contains(&x) {
+        Ok(x)
+    } else {
+        Err("not a percentage from 0 to below 100".into())
+    }
 }
 
 fn support(text: &str) -> Result<scan2step::smooth::Support, String> {

@@ -180,12 +180,8 @@ fn write_cad(args: &Convert, conversion: &Conversion) -> Result<Vec<Pending>, Fa
     let mut files = Vec::new();
     for CadFile { path, kind } in &args.out {
         let content = |out: &mut dyn Write| match kind {
-            CadKind::Step => {
-                step::write(&conversion.brep, &step_options(args, &stamp), out)
-            }
-            CadKind::Iges => {
-                iges::write(&conversion.brep, &iges_options(args, &stamp, path), out)
-            }
+            CadKind::Step => step::write(&conversion.brep, &step_options(args, &stamp), out),
+            CadKind::Iges => iges::write(&conversion.brep, &iges_options(args, &stamp, path), out),
         };
         files.push(output::write(path, content)?);
     }

@@ -29,9 +29,8 @@ impl FromStr for Places {
         if text.contains(';') || text.contains('.') {
             return text.split(';').map(point).collect::<Result<_, _>>().map(Places::Points);
         }
-        let index = |s: &str| {
-            s.trim().parse().map_err(|_| format!("'{s}' is not the index of a vertex"))
-        };
+        let index =
+            |s: &str| s.trim().parse().map_err(|_| format!("'{s}' is not the index of a vertex"));
         text.split(',').map(index).collect::<Result<_, _>>().map(Places::Vertices)
     }
 }

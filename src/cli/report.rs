@@ -82,7 +82,7 @@ fn holes(c: &Conversion) -> Vec<Value> {
             "method": match hole.method {
                 Method::Front => "front",
                 Method::WideEars => "wide ears",
-                Method::Fan => "fan",
+                Method::Membrane => "membrane",
             },
         })
     })

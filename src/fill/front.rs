@@ -6,15 +6,16 @@
 //! adds the triangle b a p.
 //!
 //! What the paper leaves open: where a round neither closes an ear nor places
-//! a point, the ear with the smallest angle is closed although it is wider
-//! than φ; where no ear may be closed, a fan around the centre of what is left
-//! ends it. Both keep the mesh a manifold: no edge is made twice. The number of
-//! points is bounded, and every ear shortens the front, so it ends.
+//! a point, the narrowest ear that crosses nothing is closed although it is
+//! wider than φ. Where there is none, or fronts that extrapolate a wide hole
+//! miss each other and grow, the fill is given up for a membrane. The mesh
+//! stays a manifold: no edge is made twice. The number of points is bounded,
+//! and every ear shortens the front, so it ends.
 
 use std::collections::HashSet;
 
 use super::plane::LocalPlane;
-use super::{Method, Options};
+use super::{Method, Options, membrane};
 use crate::geometry::{Point, Vector, VertexId, segment_distance};
 use crate::mesh::mls::{Cloud, Scratch};
 use crate::mesh::{Mesh, Rings, boundary};
@@ -27,28 +28,38 @@ pub struct Fill {
     pub method: Method,
 }
 
-/// Closes the hole with rim `rim`.
+/// Closes the hole with rim `rim`; `None` if even a membrane cannot.
 pub fn fill_hole(
     mesh: &Mesh,
     rings: &Rings,
     cloud: &Cloud,
     rim: &[VertexId],
     options: &Options,
-) -> Fill {
+) -> Option<Fill> {
     let mut front = Front::new(mesh, rings, cloud, rim, options);
+    let mut forced = 0;
     while front.ring.len() > 3 {
         let closed = front.close_ears(options.ear_angle);
         if front.ring.len() <= 3 {
             break;
         }
-        if front.place_points() == 0 && closed == 0 && !front.close_narrowest_ear() {
-            front.fan();
-            return front.fill;
+        if front.is_growing(rim.len()) {
+            return front.membrane(rim);
         }
+        if front.place_points() > 0 || closed > 0 {
+            continue;
+        }
+        forced += 1;
+        if forced > 8 + rim.len() / 4 || !front.close_narrowest_ear() {
+            return front.membrane(rim);
+        }
+    }
+    if front.ring.len() < 3 {
+        return None;
     }
     let last = [front.ring[2], front.ring[1], front.ring[0]];
     front.fill.triangles.push(last);
-    front.fill
+    Some(front.fill)
 }
 
 /// A new point is at least this far from every other, in mean rim edges.
@@ -88,11 +99,10 @@ impl<'a> Front<'a> {
         let length = boundary::length(mesh, rim);
         let a = length / rim.len() as f64;
         let h = options.support.max(2.5 * a);
-        // A disk of the rim's length has length² / 4π of area; a surface in
-        // it that bulges has more. Past eight times the triangles of that no
-        // more points are placed.
+        // A disk of the rim's length has length² / 4π of area, and a point for
+        // every √3/2 a² of it; a surface in it that bulges has more.
         let disk = length * length / (4.0 * std::f64::consts::PI);
-        let most_points = 100 + (8.0 * disk / (a * a)) as usize;
+        let most_points = 32 + (3.0 * disk / (a * a)) as usize;
         let fill = Fill { points: Vec::new(), triangles: Vec::new(), method: Method::Front };
         let context = cloud.around(rim.iter().map(|&v| mesh.point(v)), 3.0 * h);
         Front {
@@ -143,7 +153,9 @@ impl<'a> Front<'a> {
         let n = self.ring.len();
         let pairs = (0..n).map(|i| (self.ring[i], self.ring[(i + 1) % n]));
         pairs
-            .filter(|&(v, w)| self.normal(v).dot(&normal) > 0.0 || self.normal(w).dot(&normal) > 0.0)
+            .filter(|&(v, w)| {
+                self.normal(v).dot(&normal) > 0.0 || self.normal(w).dot(&normal) > 0.0
+            })
             .map(|(v, w)| (self.point(v), self.point(w)))
             .filter(|&(p, q)| segment_distance(centre, p, q) < radius)
             .collect()
@@ -282,31 +294,34 @@ impl<'a> Front<'a> {
         self.ring.insert(i + 1, new);
     }
 
-    /// Closes the narrowest ear that may be closed, else the narrowest that at
-    /// least makes no edge twice; says whether there was one.
+    /// Whether the front is not closing in: it has used up its points, or is a
+    /// good deal longer than the rim.
+    fn is_growing(&self, rim: usize) -> bool {
+        self.fill.points.len() >= self.most_points || self.ring.len() > rim + rim / 3 + 16
+    }
+
+    /// Closes the narrowest ear that may be closed; says whether there was one.
     fn close_narrowest_ear(&mut self) -> bool {
         self.fill.method = Method::WideEars;
+        let angles: Vec<f64> = (0..self.ring.len()).map(|i| self.angle(i)).collect();
         let mut order: Vec<usize> = (0..self.ring.len()).collect();
-        let angles: Vec<f64> = order.iter().map(|&i| self.angle(i)).collect();
         order.sort_by(|&i, &j| angles[i].total_cmp(&angles[j]));
-        let free = order.iter().find(|&&i| self.may_close(i));
-        let simple = |i: &&usize| {
-            let [a, _, c] = self.ear(**i);
-            !self.joined(a, c)
-        };
-        let Some(&i) = free.or_else(|| order.iter().find(simple)) else { return false };
+        let Some(&i) = order.iter().find(|&&i| self.may_close(i)) else { return false };
         self.close(i);
         true
     }
 
-    fn fan(&mut self) {
-        self.fill.method = Method::Fan;
-        let n = self.ring.len();
-        let sum = self.ring.iter().fold(Vector::zeros(), |s, &v| s + self.point(v).coords);
-        let centre = VertexId::from(self.mesh.points.len() + self.fill.points.len());
-        self.fill.points.push(Point::from(sum / n as f64));
-        for i in 0..n {
-            self.fill.triangles.push([self.ring[(i + 1) % n], self.ring[i], centre]);
-        }
+    /// Gives up the front for a membrane over the whole hole.
+    fn membrane(&self, rim: &[VertexId]) -> Option<Fill> {
+        // The hole lies to the right of its rim.
+        let ring: Vec<_> = rim.iter().rev().map(|&v| (v, self.mesh.point(v))).collect();
+        let joined = |v, w| self.rings.neighbours(self.mesh, v).any(|x| x == w);
+        let membrane = membrane::span(&ring, joined)?;
+        let first = self.mesh.points.len();
+        let vertex = |i: usize| {
+            i.checked_sub(ring.len()).map_or_else(|| ring[i].0, |k| VertexId::from(first + k))
+        };
+        let triangles = membrane.triangles.into_iter().map(|t| t.map(vertex)).collect();
+        Some(Fill { points: membrane.points, triangles, method: Method::Membrane })
     }
 }

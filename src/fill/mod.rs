@@ -4,10 +4,13 @@
 //! do not depend on each other's order.
 
 mod front;
+mod membrane;
 mod plane;
 
 use rayon::prelude::*;
 
+use crate::error::{Error, Result};
+use crate::mesh::boundary::Loop;
 use crate::mesh::mls::Cloud;
 use crate::mesh::{Disk, FaceOrigin, Patch, Rings, boundary};
 
@@ -35,9 +38,8 @@ pub enum Method {
     Front,
     /// The front came to a halt, and ears wider than φ were closed for it.
     WideEars,
-    /// What was left had no ear that could be closed and was closed by a fan
-    /// around its centre.
-    Fan,
+    /// The front could not close it; a membrane does.
+    Membrane,
 }
 
 /// One filled hole.
@@ -63,14 +65,15 @@ pub struct Report {
 }
 
 /// Fills all holes of a disk.
-pub fn fill(disk: Disk, options: &Options) -> (Patch, Report) {
+pub fn fill(disk: Disk, options: &Options) -> Result<(Patch, Report)> {
     let cloud = Cloud::of(&disk.mesh);
     let rings = Rings::new(&disk.mesh);
-    let fills: Vec<front::Fill> = disk
-        .holes
-        .par_iter()
-        .map(|rim| front::fill_hole(&disk.mesh, &rings, &cloud, rim, options))
-        .collect();
+    let fill = |(hole, rim): (usize, &Loop)| {
+        front::fill_hole(&disk.mesh, &rings, &cloud, rim, options)
+            .ok_or_else(|| Error::Fill { hole, at: disk.mesh.point(rim[0]) })
+    };
+    let fills: Vec<front::Fill> =
+        disk.holes.par_iter().enumerate().map(fill).collect::<Result<_>>()?;
     let measured = disk.mesh.points.len();
     let mut mesh = disk.mesh;
     let mut origin = vec![FaceOrigin::Measured; mesh.triangles.len()];
@@ -95,5 +98,5 @@ pub fn fill(disk: Disk, options: &Options) -> (Patch, Report) {
     }
     let patch = Patch { mesh, measured, origin, outer: disk.outer, rims: disk.holes };
     debug_assert!(patch.is_disk(), "filling leaves a disk");
-    (patch, report)
+    Ok((patch, report))
 }

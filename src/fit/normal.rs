@@ -99,9 +99,11 @@ impl Equations {
         let mut triplets = Vec::with_capacity(25 * n);
         for at in 0..n {
             let lower = self.couplings(at).filter(|&(_, other)| other <= at);
-            triplets.extend(lower.map(|(entry, other)| {
-                Triplet::new(at as u32, other as u32, self.rows[at][entry])
-            }));
+            triplets.extend(
+                lower.map(|(entry, other)| {
+                    Triplet::new(at as u32, other as u32, self.rows[at][entry])
+                }),
+            );
         }
         let singular = Error::Singular("fit");
         let Ok(matrix) = SparseColMat::<u32, f64>::try_new_from_triplets(n, n, &triplets) else {

@@ -215,9 +215,8 @@ impl Build {
         let area = |t: usize| self.mesh.area_vector(self.mesh.triangles[t]).norm();
         let mut doomed = HashSet::new();
         for triangles in users.values().filter(|u| u.len() > 1) {
-            let smallest = triangles.iter().min_by(|&&x, &&y| {
-                area(x).total_cmp(&area(y)).then(x.cmp(&y))
-            });
+            let smallest =
+                triangles.iter().min_by(|&&x, &&y| area(x).total_cmp(&area(y)).then(x.cmp(&y)));
             doomed.extend(smallest.copied());
         }
         self.drop_triangles(&doomed);

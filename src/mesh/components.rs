@@ -37,9 +37,8 @@ pub fn choose(build: Build, choice: Choice) -> Result<Chosen> {
         Choice::Largest => 0,
         Choice::Number(n) => n,
     };
-    let piece = pieces
-        .get(wanted)
-        .ok_or(Error::Component { asked: wanted, count: pieces.len() })?;
+    let piece =
+        pieces.get(wanted).ok_or(Error::Component { asked: wanted, count: pieces.len() })?;
     if build.twisted.iter().any(|t| piece.binary_search(t).is_ok()) {
         return Err(Error::NotOrientable);
     }

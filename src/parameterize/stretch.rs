@@ -30,8 +30,8 @@ pub fn measure(patch: &Patch, uv: &[Uv]) -> Stretch {
         let sv = ((r - p) * d.x - (q - p) * e.x) / twice;
         (0.5 * patch.mesh.area_vector(corners).norm(), 0.5 * twice, su, sv)
     };
-    let measured = (0..patch.mesh.triangles.len())
-        .filter(|&t| patch.origin[t] == FaceOrigin::Measured);
+    let measured =
+        (0..patch.mesh.triangles.len()).filter(|&t| patch.origin[t] == FaceOrigin::Measured);
     let all: Vec<(f64, f64, Vector, Vector)> = measured.map(derivatives).collect();
     let sum = |f: &dyn Fn(&(f64, f64, Vector, Vector)) -> f64| all.iter().map(f).sum::<f64>();
     let (area, flat) = (sum(&|t| t.0), sum(&|t| t.1));

@@ -131,8 +131,7 @@ fn energy(r: Point, q: Point, u: Vector, around: &[Point], h: f64) -> Energy {
     let (e1, e2) = plane_axes(u);
     let inverse = 1.0 / (h * h);
     let shift = q - r;
-    let mut e =
-        Energy { value: 0.0, gradient: [Vector2::zeros(); 2], matrix: Matrix2::zeros() };
+    let mut e = Energy { value: 0.0, gradient: [Vector2::zeros(); 2], matrix: Matrix2::zeros() };
     let mut pull_along = 0.0;
     for p in around {
         let d = p - q;

@@ -144,7 +144,8 @@ fn assemble(breaks: &[f64], pieces: &[[Vector; 6]]) -> Curve<3> {
     let control: Vec<Vector3<f64>> = (0..knots.functions())
         .map(|i| {
             // Piece whose start or inside the five knots lie around.
-            let piece = (i / 3).saturating_sub(usize::from(i % 3 == 0 && i > 0)).min(pieces.len() - 1);
+            let piece =
+                (i / 3).saturating_sub(usize::from(i % 3 == 0 && i > 0)).min(pieces.len() - 1);
             let (a, b) = (breaks[piece], breaks[piece + 1]);
             let local = KnotVector::clamped(5, &[a, b], 1);
             let arguments = &knots.knots()[i + 1..=i + 5];

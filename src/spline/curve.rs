@@ -29,9 +29,8 @@ impl<const D: usize> Curve<D> {
     pub fn derivatives(&self, t: f64) -> [SVector<f64, D>; 3] {
         let b = self.knots.basis(t);
         let control = &self.control[b.first..=b.first + self.knots.degree()];
-        b.derivative.map(|row| {
-            row.iter().zip(control).fold(SVector::zeros(), |sum, (&c, p)| sum + p * c)
-        })
+        b.derivative
+            .map(|row| row.iter().zip(control).fold(SVector::zeros(), |sum, (&c, p)| sum + p * c))
     }
 
     /// The point at `t`.

@@ -54,13 +54,9 @@ pub fn foot_point(surface: &Surface, p: Point, start: Uv) -> (Uv, f64) {
 
 /// Which parameters may move: not one at an edge that the descent leads out of.
 fn free_axes(surface: &Surface, at: Uv, gradient: Vector2<f64>) -> [bool; 2] {
-    let held = |x: f64, g: f64, (low, high): (f64, f64)| {
-        (x <= low && g > 0.0) || (x >= high && g < 0.0)
-    };
-    [
-        !held(at.x, gradient.x, surface.u.range()),
-        !held(at.y, gradient.y, surface.v.range()),
-    ]
+    let held =
+        |x: f64, g: f64, (low, high): (f64, f64)| (x <= low && g > 0.0) || (x >= high && g < 0.0);
+    [!held(at.x, gradient.x, surface.u.range()), !held(at.y, gradient.y, surface.v.range())]
 }
 
 fn descent(

@@ -212,7 +212,8 @@ mod tests {
     #[test]
     fn the_blossom_on_the_diagonal_is_the_spline() {
         let k = uneven();
-        let control: Vec<SVector<f64, 1>> = (0..7).map(|i| SVector::from([f64::from(i * i)])).collect();
+        let control: Vec<SVector<f64, 1>> =
+            (0..7).map(|i| SVector::from([f64::from(i * i)])).collect();
         for t in [0.03, 0.2, 0.5, 0.8] {
             let b = k.basis(t);
             let value: f64 = (0..4).map(|j| b.derivative[0][j] * control[b.first + j].x).sum();

@@ -73,10 +73,8 @@ impl Surface {
         for i in 0..=self.u.degree() {
             let start = (bu.first + i) * self.v.functions() + bv.first;
             let row = &self.net[start..=start + self.v.degree()];
-            let inner = row
-                .iter()
-                .zip(&bv.derivative[l])
-                .fold(Vector::zeros(), |sum, (p, &c)| sum + p * c);
+            let inner =
+                row.iter().zip(&bv.derivative[l]).fold(Vector::zeros(), |sum, (p, &c)| sum + p * c);
             total += bu.derivative[k][i] * inner;
         }
         total

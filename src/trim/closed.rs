@@ -133,7 +133,8 @@ mod tests {
 
     fn plate() -> Surface {
         let k = KnotVector::uniform(3, 6);
-        let net = (0..36).map(|n| Vector::new(200.0 * k.greville(n / 6), 50.0 * k.greville(n % 6), 0.0));
+        let net =
+            (0..36).map(|n| Vector::new(200.0 * k.greville(n / 6), 50.0 * k.greville(n % 6), 0.0));
         Surface::new(k.clone(), k.clone(), net.collect())
     }
 

@@ -67,9 +67,10 @@ impl Outline {
         order.sort_by(|&i, &j| left(i).total_cmp(&left(j)));
         // Only chords whose ranges of u overlap can cross.
         order.iter().enumerate().any(|(k, &i)| {
-            order[k + 1..].iter().take_while(|&&j| left(j) <= right(i)).any(|&j| {
-                segments_cross(sides[i].0, sides[i].1, sides[j].0, sides[j].1)
-            })
+            order[k + 1..]
+                .iter()
+                .take_while(|&&j| left(j) <= right(i))
+                .any(|&j| segments_cross(sides[i].0, sides[i].1, sides[j].0, sides[j].1))
         })
     }
 
@@ -78,8 +79,7 @@ impl Outline {
             || other.low.x > self.high.x
             || self.low.y > other.high.y
             || other.low.y > self.high.y;
-        !apart
-            && self.sides().any(|(a, b)| other.sides().any(|(c, d)| segments_cross(a, b, c, d)))
+        !apart && self.sides().any(|(a, b)| other.sides().any(|(c, d)| segments_cross(a, b, c, d)))
     }
 
     /// Whether the other loop begins inside this one.

@@ -30,11 +30,7 @@ pub(super) fn positions(gear: &mut Gear<'_>, index: usize) -> Result<Vec<[f64; 3
 /// A quantized coordinate; if `normalized`, `most` stands for 1.
 fn scaled<T: Into<f64>>(normalized: bool, most: f64) -> impl Fn(T) -> f64 {
     move |v| {
-        if normalized {
-            (v.into() / most).max(-1.0)
-        } else {
-            v.into()
-        }
+        if normalized { (v.into() / most).max(-1.0) } else { v.into() }
     }
 }
 
@@ -52,11 +48,7 @@ pub(super) fn indices(gear: &mut Gear<'_>, index: usize) -> Result<Vec<u32>> {
         ComponentType::U8 => items::<u8, _>(gear, index, u32::from),
         ComponentType::U16 => items::<u16, _>(gear, index, u32::from),
         ComponentType::U32 => items::<u32, _>(gear, index, |i| i),
-        _ => Err(bad(
-            gear,
-            index,
-            "holds vertex numbers that are not unsigned integers",
-        )),
+        _ => Err(bad(gear, index, "holds vertex numbers that are not unsigned integers")),
     }
 }
 
@@ -72,11 +64,7 @@ fn items<T: Item, U>(gear: &Gear<'_>, index: usize, f: impl Fn(T) -> U) -> Resul
     let buffers = &gear.buffers;
     let items = Iter::<T>::new(accessor, |b| buffers.get(b.index())).ok_or_else(lost)?;
     let items: Vec<U> = items.map(f).collect();
-    if items.len() == count {
-        Ok(items)
-    } else {
-        Err(lost())
-    }
+    if items.len() == count { Ok(items) } else { Err(lost()) }
 }
 
 /// Checks everything about accessor `index` that the crate would trust.
@@ -99,27 +87,14 @@ fn check<'a>(
     let size = (kind.size() * shape.multiplicity()) as u64;
     let offset = json.byte_offset.unwrap_or_default().0;
     if let Some(view) = json.buffer_view {
-        check_span(
-            gear,
-            index,
-            view,
-            Span {
-                offset,
-                count: json.count.0,
-                size,
-            },
-        )?;
+        check_span(gear, index, view, Span { offset, count: json.count.0, size })?;
     } else if json.sparse.is_none() {
         return Err(match gear.compression {
             Some(name) => super::compressed(gear.buffers.path, name),
             None => bad(gear, index, "has no data"),
         });
     } else if json.count.0 > MOST_ZEROS {
-        return Err(bad(
-            gear,
-            index,
-            "has more than a million items out of nothing",
-        ));
+        return Err(bad(gear, index, "has more than a million items out of nothing"));
     }
     if let Some(sparse) = &json.sparse {
         check_sparse(gear, index, sparse, json.count.0, size)?;
@@ -148,15 +123,9 @@ fn check_span<'a>(
     };
     let length = gear.buffers.load(json.buffer.value(), gear.compression)?;
     let start = json.byte_offset.unwrap_or_default().0;
-    if start
-        .checked_add(json.byte_length.0)
-        .is_none_or(|end| end > length)
-    {
-        let error = Error::new(
-            gear.buffers.path,
-            "has a buffer view beyond its buffer",
-            EXPORT_AGAIN,
-        );
+    if start.checked_add(json.byte_length.0).is_none_or(|end| end > length) {
+        let error =
+            Error::new(gear.buffers.path, "has a buffer view beyond its buffer", EXPORT_AGAIN);
         return Err(error.at(Place::Element("bufferView", view.value() as u64)));
     }
     let stride = json.byte_stride.map_or(0, |s| s.0 as u64);
@@ -184,27 +153,15 @@ fn check_sparse(
 ) -> Result<()> {
     let count = sparse.count.0;
     let Valid(kind) = &sparse.indices.component_type else {
-        return Err(bad(
-            gear,
-            index,
-            "is sparse, with indices of an unknown type",
-        ));
+        return Err(bad(gear, index, "is sparse, with indices of an unknown type"));
     };
     if count == 0 || count > total {
         return Err(bad(gear, index, "is sparse, with a wrong count"));
     }
-    let values = Span {
-        offset: sparse.values.byte_offset.0,
-        count,
-        size,
-    };
+    let values = Span { offset: sparse.values.byte_offset.0, count, size };
     check_span(gear, index, sparse.values.buffer_view, values)?;
     let (offset, size) = (sparse.indices.byte_offset.0, kind.0.size() as u64);
-    let span = Span {
-        offset,
-        count,
-        size,
-    };
+    let span = Span { offset, count, size };
     let (view, stride) = check_span(gear, index, sparse.indices.buffer_view, span)?;
     let start = view.byte_offset.unwrap_or_default().0 + offset;
     let bytes = gear.buffers.get(view.buffer.value()).unwrap_or_default();
@@ -213,16 +170,9 @@ fn check_sparse(
         // In range: the span has been checked.
         let at = (start + i * stride) as usize;
         let item = bytes.get(at..at + size as usize).unwrap_or_default();
-        let target = item
-            .iter()
-            .rev()
-            .fold(0, |n, &byte| n << 8 | u64::from(byte));
+        let target = item.iter().rev().fold(0, |n, &byte| n << 8 | u64::from(byte));
         if target < least || target >= total {
-            return Err(bad(
-                gear,
-                index,
-                "is sparse, with indices out of order or range",
-            ));
+            return Err(bad(gear, index, "is sparse, with indices out of order or range"));
         }
         least = target + 1;
     }

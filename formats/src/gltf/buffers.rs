@@ -32,13 +32,7 @@ pub(super) struct Buffers<'a> {
 impl<'a> Buffers<'a> {
     pub(super) fn new(path: &'a Path, json: &'a [json::Buffer], blob: Option<Vec<u8>>) -> Self {
         let loaded = json.iter().map(|_| None).collect();
-        Buffers {
-            path,
-            declared: json,
-            loaded,
-            blob,
-            bytes: 0,
-        }
+        Buffers { path, declared: json, loaded, blob, bytes: 0 }
     }
 
     /// The content of a buffer that `load` has loaded.
@@ -73,9 +67,7 @@ impl<'a> Buffers<'a> {
     }
 
     fn fetch(&self, index: usize, uri: &str, length: u64) -> Result<Vec<u8>> {
-        let data = uri
-            .get(..5)
-            .filter(|scheme| scheme.eq_ignore_ascii_case("data:"));
+        let data = uri.get(..5).filter(|scheme| scheme.eq_ignore_ascii_case("data:"));
         if data.is_some() {
             let decoded = decode_data(&uri[5..]);
             return decoded.ok_or_else(|| self.error(index, "is no sound data URI", EXPORT_AGAIN));
@@ -90,17 +82,10 @@ impl<'a> Buffers<'a> {
     fn read_file(&self, index: usize, relative: &Path, length: u64) -> Result<Vec<u8>> {
         let missing = |e: std::io::Error| {
             let what = format!("is in {}, which cannot be read ({e})", relative.display());
-            self.error(
-                index,
-                &what,
-                "Put the file beside the glTF file, or export one GLB.",
-            )
+            self.error(index, &what, "Put the file beside the glTF file, or export one GLB.")
         };
         let folder = self.path.parent().filter(|p| !p.as_os_str().is_empty());
-        let folder = folder
-            .unwrap_or(Path::new("."))
-            .canonicalize()
-            .map_err(missing)?;
+        let folder = folder.unwrap_or(Path::new(".")).canonicalize().map_err(missing)?;
         let file = folder.join(relative).canonicalize().map_err(missing)?;
         // A link could lead out although the URI does not.
         if !file.starts_with(&folder) {
@@ -110,22 +95,13 @@ impl<'a> Buffers<'a> {
             return Err(self.error(index, "is in something that is no file", EXPORT_AGAIN));
         }
         let mut bytes = Vec::new();
-        File::open(&file)
-            .and_then(|f| f.take(length).read_to_end(&mut bytes))
-            .map_err(missing)?;
+        File::open(&file).and_then(|f| f.take(length).read_to_end(&mut bytes)).map_err(missing)?;
         Ok(bytes)
     }
 
     fn outside(&self, index: usize, uri: &str) -> Error {
-        let what = format!(
-            "is outside of the file's folder: {}",
-            excerpt(uri.as_bytes())
-        );
-        self.error(
-            index,
-            &what,
-            "Put its file beside the glTF file, or export one GLB.",
-        )
+        let what = format!("is outside of the file's folder: {}", excerpt(uri.as_bytes()));
+        self.error(index, &what, "Put its file beside the glTF file, or export one GLB.")
     }
 
     fn error(&self, index: usize, what: &str, help: &str) -> Error {
@@ -152,7 +128,5 @@ fn decode_data(text: &str) -> Option<Vec<u8>> {
     }
     let padding = DecodePaddingMode::Indifferent;
     let config = GeneralPurposeConfig::new().with_decode_padding_mode(padding);
-    GeneralPurpose::new(&STANDARD, config)
-        .decode(data.trim_ascii())
-        .ok()
+    GeneralPurpose::new(&STANDARD, config).decode(data.trim_ascii()).ok()
 }

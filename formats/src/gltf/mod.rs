@@ -22,11 +22,8 @@ use crate::token::excerpt;
 use crate::{Error, LengthUnit, Result, Soup};
 
 /// Compressions of geometry: what needs them cannot be read.
-const COMPRESSIONS: [&str; 3] = [
-    "KHR_draco_mesh_compression",
-    "EXT_meshopt_compression",
-    "KHR_meshopt_compression",
-];
+const COMPRESSIONS: [&str; 3] =
+    ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 
 /// Extensions that a file may require without the geometry changing.
 const HARMLESS: [&str; 7] = [
@@ -56,15 +53,8 @@ pub(crate) fn read(mut source: Source) -> Result<Soup> {
     let root = document.as_json();
     let compression = refuse_extensions(&source, root)?;
     let buffers = Buffers::new(&source.path, &root.buffers, blob);
-    let mut gear = Gear {
-        document: &document,
-        buffers,
-        compression,
-    };
-    let mut soup = Soup {
-        unit: Some(LengthUnit::Metre),
-        ..Soup::default()
-    };
+    let mut gear = Gear { document: &document, buffers, compression };
+    let mut soup = Soup { unit: Some(LengthUnit::Metre), ..Soup::default() };
     scene::read(&mut gear, &mut soup)?;
     if soup.polygons.is_empty() {
         let help = "Export the meshes with faces, as nodes of the file's default scene.";
@@ -80,9 +70,7 @@ fn read_bytes(source: &mut Source) -> Result<Vec<u8>> {
         _ => u32::MAX,
     };
     let mut bytes = Vec::new();
-    let read = (&mut source.stream)
-        .take(u64::from(length))
-        .read_to_end(&mut bytes);
+    let read = (&mut source.stream).take(u64::from(length)).read_to_end(&mut bytes);
     read.map_err(|e| source.io_error(&e))?;
     if is_glb(&source.head) && (bytes.len() as u64) < u64::from(length) {
         let what = format!("ends after {} of its {length} bytes", bytes.len());
@@ -135,9 +123,5 @@ fn refuse_extensions<'a>(source: &Source, root: &'a json::Root) -> Result<Option
 fn compressed(path: &Path, name: &str) -> Error {
     let help = "Decompress it first (for example: gltf-transform copy in.glb out.glb), or \
                 export it without compression.";
-    Error::new(
-        path,
-        format!("is compressed with {name}, which is not supported"),
-        help,
-    )
+    Error::new(path, format!("is compressed with {name}, which is not supported"), help)
 }

@@ -25,17 +25,9 @@ pub(super) fn read(
     soup: &mut Soup,
 ) -> Result<()> {
     let Valid(mode) = primitive.mode else {
-        return Err(bad(
-            gear,
-            "mesh",
-            mesh,
-            "consists of an unknown kind of primitive",
-        ));
+        return Err(bad(gear, "mesh", mesh, "consists of an unknown kind of primitive"));
     };
-    if !matches!(
-        mode,
-        Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan
-    ) {
+    if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
         return Ok(());
     }
     let Some(positions) = primitive.attributes.get(&Valid(Semantic::Positions)) else {
@@ -58,8 +50,7 @@ pub(super) fn read(
     }
     check_budget(gear, soup, points.len(), corners.len())?;
     let first = soup.points.len() as u32;
-    soup.points
-        .extend(points.into_iter().map(|point| place.apply(point)));
+    soup.points.extend(points.into_iter().map(|point| place.apply(point)));
     let flip = place.mirrors();
     for i in 0..corners.triangles(mode) {
         let [a, b, c] = mode_corners(mode, i).map(|at| first + corners.get(at));
@@ -123,9 +114,5 @@ fn check_budget(gear: &Gear<'_>, soup: &Soup, points: usize, corners: usize) -> 
         return Ok(());
     }
     let help = "Its nodes repeat their meshes excessively: export the scan alone.";
-    Err(Error::new(
-        gear.buffers.path,
-        "expands to far more than it holds",
-        help,
-    ))
+    Err(Error::new(gear.buffers.path, "expands to far more than it holds", help))
 }

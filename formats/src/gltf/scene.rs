@@ -13,24 +13,14 @@ pub(super) fn read(gear: &mut Gear<'_>, soup: &mut Soup) -> Result<()> {
     let mut seen = vec![false; root.nodes.len()];
     // A stack, not recursion: the tree may be as deep as the file likes.
     let mut open: Vec<(usize, Affine)> = Vec::new();
-    open.extend(
-        roots(gear)?
-            .into_iter()
-            .rev()
-            .map(|node| (node, Affine::IDENTITY)),
-    );
+    open.extend(roots(gear)?.into_iter().rev().map(|node| (node, Affine::IDENTITY)));
     while let Some((index, outer)) = open.pop() {
         let Some(node) = root.nodes.get(index) else {
             return Err(bad(gear, "node", index, "does not exist"));
         };
         // Every node has one parent: this ends, cycles or not.
         if std::mem::replace(&mut seen[index], true) {
-            return Err(bad(
-                gear,
-                "node",
-                index,
-                "is in the scene twice or below itself",
-            ));
+            return Err(bad(gear, "node", index, "is in the scene twice or below itself"));
         }
         let place = outer.after(&Affine::of(node));
         if !place.is_finite() {
@@ -58,11 +48,7 @@ fn roots(gear: &Gear<'_>) -> Result<Vec<usize>> {
 
 fn parentless(root: &Root) -> Vec<usize> {
     let mut free = vec![true; root.nodes.len()];
-    for child in root
-        .nodes
-        .iter()
-        .flat_map(|node| node.children.iter().flatten())
-    {
+    for child in root.nodes.iter().flat_map(|node| node.children.iter().flatten()) {
         if let Some(free) = free.get_mut(child.value()) {
             *free = false;
         }
@@ -81,10 +67,6 @@ fn read_mesh(gear: &mut Gear<'_>, index: usize, place: &Affine, soup: &mut Soup)
 }
 
 pub(super) fn bad(gear: &Gear<'_>, kind: &'static str, index: usize, what: &str) -> Error {
-    let error = Error::new(
-        gear.buffers.path,
-        format!("has a {kind} that {what}"),
-        EXPORT_AGAIN,
-    );
+    let error = Error::new(gear.buffers.path, format!("has a {kind} that {what}"), EXPORT_AGAIN);
     error.at(Place::Element(kind, index as u64))
 }

@@ -18,21 +18,9 @@ impl Affine {
         let [x, y, z, w] = node.rotation.unwrap_or_default().0.map(f64::from);
         let scale = node.scale.unwrap_or([1.0; 3]).map(f64::from);
         let mut columns = [
-            [
-                1.0 - 2.0 * (y * y + z * z),
-                2.0 * (x * y + z * w),
-                2.0 * (x * z - y * w),
-            ],
-            [
-                2.0 * (x * y - z * w),
-                1.0 - 2.0 * (x * x + z * z),
-                2.0 * (y * z + x * w),
-            ],
-            [
-                2.0 * (x * z + y * w),
-                2.0 * (y * z - x * w),
-                1.0 - 2.0 * (x * x + y * y),
-            ],
+            [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)],
+            [2.0 * (x * y - z * w), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z + x * w)],
+            [2.0 * (x * z + y * w), 2.0 * (y * z - x * w), 1.0 - 2.0 * (x * x + y * y)],
             node.translation.unwrap_or_default().map(f64::from),
         ];
         for (column, s) in columns.iter_mut().zip(scale) {
@@ -59,11 +47,8 @@ impl Affine {
     /// Whether it turns right hands into left ones.
     pub(super) fn mirrors(&self) -> bool {
         let [a, b, c, _] = self.0;
-        let cross = [
-            b[1] * c[2] - b[2] * c[1],
-            b[2] * c[0] - b[0] * c[2],
-            b[0] * c[1] - b[1] * c[0],
-        ];
+        let cross =
+            [b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0]];
         a[0] * cross[0] + a[1] * cross[1] + a[2] * cross[2] < 0.0
     }
 

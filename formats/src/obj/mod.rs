@@ -16,18 +16,14 @@ use crate::{Error, Result, Soup};
 
 /// Whether `head` has a line that only an OBJ file has.
 pub(crate) fn is_obj(head: &[u8]) -> bool {
-    head.split(|b| matches!(b, b'\r' | b'\n'))
-        .take(500)
-        .any(|line| {
-            let mut words = line
-                .split(u8::is_ascii_whitespace)
-                .filter(|w| !w.is_empty());
-            match words.next() {
-                Some(b"v") => words.take(3).filter(|w| is_number(w)).count() == 3,
-                Some(b"mtllib" | b"usemtl") => words.next().is_some(),
-                _ => false,
-            }
-        })
+    head.split(|b| matches!(b, b'\r' | b'\n')).take(500).any(|line| {
+        let mut words = line.split(u8::is_ascii_whitespace).filter(|w| !w.is_empty());
+        match words.next() {
+            Some(b"v") => words.take(3).filter(|w| is_number(w)).count() == 3,
+            Some(b"mtllib" | b"usemtl") => words.next().is_some(),
+            _ => false,
+        }
+    })
 }
 
 fn is_number(word: &[u8]) -> bool {
@@ -66,15 +62,8 @@ fn refusal(statements: &Statements, e: LoadError) -> Error {
 /// The soup of `mesh`, numbered as the file is, which has `count` vertices.
 /// `None` if tobj lost one.
 fn restore(mesh: Mesh, count: usize) -> Option<Soup> {
-    let numbers: Vec<u32> = mesh
-        .vertex_color
-        .chunks_exact(3)
-        .map(|c| c[0] as u32)
-        .collect();
-    let mut soup = Soup {
-        points: vec![[f64::NAN; 3]; count],
-        ..Soup::default()
-    };
+    let numbers: Vec<u32> = mesh.vertex_color.chunks_exact(3).map(|c| c[0] as u32).collect();
+    let mut soup = Soup { points: vec![[f64::NAN; 3]; count], ..Soup::default() };
     if numbers.len() != count || mesh.positions.len() != 3 * count {
         return None;
     }
@@ -87,9 +76,7 @@ fn restore(mesh: Mesh, count: usize) -> Option<Soup> {
     while !rest.is_empty() {
         let size = sizes.next().map_or(3, |&n| n as usize);
         let (face, after) = rest.split_at_checked(size)?;
-        let corners = face
-            .iter()
-            .map(|&local| numbers.get(local as usize).copied());
+        let corners = face.iter().map(|&local| numbers.get(local as usize).copied());
         soup.polygons.push(corners.collect::<Option<Vec<u32>>>()?);
         rest = after;
     }

@@ -140,8 +140,7 @@ impl Statements {
             self.clean.extend_from_slice(plain_number(word).as_bytes());
             self.clean.push(b' ');
         }
-        self.clean
-            .extend_from_slice(format!("{} 0 0\n", self.vertices).as_bytes());
+        self.clean.extend_from_slice(format!("{} 0 0\n", self.vertices).as_bytes());
         self.vertices += 1;
         self.check_count(self.vertices)
     }
@@ -149,10 +148,7 @@ impl Statements {
     fn face(&mut self, text: &[u8]) -> Result<()> {
         let mut corners = 0;
         self.clean.push(b'f');
-        for word in text
-            .split(u8::is_ascii_whitespace)
-            .filter(|word| !word.is_empty())
-        {
+        for word in text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty()) {
             self.corner(word)?;
             corners += 1;
         }
@@ -170,22 +166,14 @@ impl Statements {
         let number = word.split(|&b| b == b'/').next().unwrap_or(word);
         self.clean.push(b' ');
         self.clean.extend_from_slice(number);
-        let Some(n) = std::str::from_utf8(number)
-            .ok()
-            .and_then(|n| n.parse::<i64>().ok())
-        else {
+        let Some(n) = std::str::from_utf8(number).ok().and_then(|n| n.parse::<i64>().ok()) else {
             // tobj would take an empty one for "none".
             let text = excerpt(word);
             let what = format!("has a face with the unreadable corner \u{201c}{text}\u{201d}");
             return Err(self.source.error(what, EXPORT_AGAIN));
         };
         if n == 0 || n < 0 && n.unsigned_abs() > self.vertices {
-            return Err(out_of_range(
-                &self.source,
-                self.source.line,
-                n,
-                self.vertices,
-            ));
+            return Err(out_of_range(&self.source, self.source.line, n, self.vertices));
         }
         // A face may come before its vertices: this is for the end.
         self.greatest = self.greatest.max((n, self.source.line));
@@ -196,9 +184,7 @@ impl Statements {
     /// but a last line without its end may be half a triangle.
     fn check_small_face(&self) -> Result<()> {
         if !self.source.ended_line {
-            return Err(self
-                .source
-                .error("ends in the middle of a face", EXPORT_AGAIN));
+            return Err(self.source.error("ends in the middle of a face", EXPORT_AGAIN));
         }
         Ok(())
     }
@@ -217,9 +203,7 @@ impl Statements {
             return Ok(());
         }
         let help = "Decimate the scan or cut it into parts.";
-        Err(self
-            .source
-            .error("has more than four billion points or corners", help))
+        Err(self.source.error("has more than four billion points or corners", help))
     }
 
     fn list(&mut self, first: u64) {
@@ -227,8 +211,7 @@ impl Statements {
         if first < end {
             self.clean.push(b'f');
             for number in first + 1..=end {
-                self.clean
-                    .extend_from_slice(format!(" {number}").as_bytes());
+                self.clean.extend_from_slice(format!(" {number}").as_bytes());
             }
             self.clean.push(b'\n');
         }

@@ -36,9 +36,7 @@ impl AsciiRows {
             if matches!(kind, PropertyType::Scalar(_)) {
                 continue;
             }
-            let length = std::str::from_utf8(token)
-                .ok()
-                .and_then(|t| t.parse::<u64>().ok());
+            let length = std::str::from_utf8(token).ok().and_then(|t| t.parse::<u64>().ok());
             let Some(length) = length else {
                 return Err(self.unreadable(source, &element.name));
             };
@@ -48,10 +46,7 @@ impl AsciiRows {
                 }
             }
         }
-        if self.line[self.used..]
-            .iter()
-            .any(|b| !b.is_ascii_whitespace())
-        {
+        if self.line[self.used..].iter().any(|b| !b.is_ascii_whitespace()) {
             let what = format!("has more values in a row than its {} has", element.name);
             return Err(source.error(what, EXPORT_AGAIN));
         }
@@ -62,10 +57,7 @@ impl AsciiRows {
     pub(super) fn unreadable(&self, source: &Source, element: &str) -> Error {
         let text = excerpt(&self.line);
         let help = number_help(&text);
-        source.error(
-            format!("has an unreadable {element} \u{201c}{text}\u{201d}"),
-            help,
-        )
+        source.error(format!("has an unreadable {element} \u{201c}{text}\u{201d}"), help)
     }
 
     /// The next token, from the next lines if this one is used up. If it is
@@ -83,8 +75,7 @@ impl AsciiRows {
         self.used = end;
         let token = &self.line[start..end];
         if keep {
-            self.row
-                .push_str(&plain_number(&String::from_utf8_lossy(token)));
+            self.row.push_str(&plain_number(&String::from_utf8_lossy(token)));
             self.row.push(' ');
         }
         Ok(Some(token))

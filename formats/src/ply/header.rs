@@ -26,10 +26,7 @@ pub(super) struct Element {
 impl Element {
     /// The type of the property called `name`.
     pub(super) fn property(&self, name: &str) -> Option<&PropertyType> {
-        self.properties
-            .iter()
-            .find(|(n, _)| n == name)
-            .map(|(_, t)| t)
+        self.properties.iter().find(|(n, _)| n == name).map(|(_, t)| t)
     }
 
     /// The name of the list that holds a face's corners.
@@ -66,8 +63,7 @@ impl Element {
                 other => other.clone(),
             };
             let name = if keep { name.clone() } else { i.to_string() };
-            def.properties
-                .insert(name.clone(), PropertyDef::new(name, kind));
+            def.properties.insert(name.clone(), PropertyDef::new(name, kind));
         }
         def
     }
@@ -146,11 +142,7 @@ fn element<'a>(
     if before.iter().any(|e| e.name == name) {
         return Err(bad(source, &format!("two elements called {name}")));
     }
-    Ok(Element {
-        name,
-        count,
-        properties: Vec::new(),
-    })
+    Ok(Element { name, count, properties: Vec::new() })
 }
 
 fn property<'a>(
@@ -203,10 +195,8 @@ fn scalar(source: &Source, word: Option<&str>) -> Result<ScalarType> {
         "float" | "float32" => Ok(ScalarType::Float),
         "double" | "float64" => Ok(ScalarType::Double),
         other => {
-            let what = format!(
-                "a property of unknown type \u{201c}{}\u{201d}",
-                excerpt(other.as_bytes())
-            );
+            let what =
+                format!("a property of unknown type \u{201c}{}\u{201d}", excerpt(other.as_bytes()));
             Err(bad(source, &what))
         }
     }

@@ -22,11 +22,7 @@ use crate::{Error, Place, Result, Soup};
 
 pub(crate) fn read(mut source: Source) -> Result<Soup> {
     let header = header::read(&mut source)?;
-    let mut body = Body {
-        source,
-        encoding: header.encoding,
-        ascii: AsciiRows::default(),
-    };
+    let mut body = Body { source, encoding: header.encoding, ascii: AsciiRows::default() };
     let mut soup = Soup::default();
     for element in &header.elements {
         match element.name.as_str() {
@@ -82,8 +78,7 @@ fn read_faces(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()>
             // Points and lines among the faces bound no surface.
             if row.len() >= 3 {
                 let corners = row.indices().collect::<Option<Vec<u32>>>();
-                soup.polygons
-                    .push(corners.ok_or_else(|| bad_index(source, i))?);
+                soup.polygons.push(corners.ok_or_else(|| bad_index(source, i))?);
             }
             Ok(())
         },
@@ -146,11 +141,7 @@ fn skip(body: &mut Body, element: &Element) -> Result<()> {
         let wanted = element.count.saturating_mul(size);
         let copied = io::copy(&mut (&mut body.source.stream).take(wanted), &mut io::sink());
         let copied = copied.map_err(|e| body.source.io_error(&e))?;
-        return if copied == wanted {
-            Ok(())
-        } else {
-            Err(cut(body, element, copied / size))
-        };
+        return if copied == wanted { Ok(()) } else { Err(cut(body, element, copied / size)) };
     }
     each_row(body, element, |_| false, |_, _, _: Ignored| Ok(()))
 }
@@ -236,10 +227,7 @@ fn check_end(body: &mut Body) -> Result<()> {
     let mut rest = [0; 4096];
     let surplus = |byte: &u8| !byte.is_ascii_whitespace() && !matches!(byte, 0 | 0x1a);
     loop {
-        let n = source
-            .stream
-            .read(&mut rest)
-            .map_err(|e| source.io_error(&e))?;
+        let n = source.stream.read(&mut rest).map_err(|e| source.io_error(&e))?;
         if rest[..n].iter().any(surplus) {
             let help = "The header's counts do not match the content: export the scan again.";
             return Err(source.error("has more data than its header announces", help));
@@ -262,11 +250,7 @@ fn check_indices(body: &Body, header: &Header, soup: &Soup) -> Result<()> {
                 .elements
                 .iter()
                 .any(|e| e.name == "face" && e.count == soup.polygons.len() as u64);
-            return Err(if counted {
-                error.at(Place::Face(i as u64))
-            } else {
-                error
-            });
+            return Err(if counted { error.at(Place::Face(i as u64)) } else { error });
         }
     }
     Ok(())

@@ -50,11 +50,7 @@ impl Corners {
 
     /// The vertex numbers; `None` for negative ones.
     pub(super) fn indices(&self) -> impl Iterator<Item = Option<u32>> {
-        let all = self
-            .ints
-            .iter()
-            .map(|&i| i64::from(i))
-            .chain(self.others.iter().copied());
+        let all = self.ints.iter().map(|&i| i64::from(i)).chain(self.others.iter().copied());
         all.map(|i| u32::try_from(i).ok())
     }
 }
@@ -78,10 +74,7 @@ macro_rules! corner_lists {
 
 impl PropertyAccess for Corners {
     fn new() -> Self {
-        Corners {
-            ints: Vec::new(),
-            others: Vec::new(),
-        }
+        Corners { ints: Vec::new(), others: Vec::new() }
     }
 
     fn begin_list_int(&mut self, name: &str, _len: usize) -> BeginList<'_, i32> {

@@ -13,10 +13,7 @@ const REFUSED: [(&str, &str); 8] = [
     ("D/ply_int_coords.ply", "no faces"),
     ("D/ply_list_element_points.ply", "no faces"),
     ("D/points-prim.obj", "no faces"),
-    (
-        "D/gltf_mode_points/Mesh_PrimitiveMode_00.gltf",
-        "no triangles",
-    ),
+    ("D/gltf_mode_points/Mesh_PrimitiveMode_00.gltf", "no triangles"),
     ("D/gltf_duck_draco/Duck.gltf", "Draco"),
     ("D/gltf_meshopt.glb", "meshopt"),
     ("D/diamond_with_bool.ply", "a type that PLY does not have"),
@@ -52,12 +49,7 @@ fn index(folder: &Path) -> Vec<Scan> {
     let text = fs::read_to_string(folder.join("INDEX.tsv")).expect("the index is readable");
     let mut lines = text.lines();
     let titles: Vec<&str> = lines.next().unwrap_or_default().split('\t').collect();
-    let column = |title| {
-        titles
-            .iter()
-            .position(|t| *t == title)
-            .expect("a column of the index")
-    };
+    let column = |title| titles.iter().position(|t| *t == title).expect("a column of the index");
     let [class, path, vertices, faces, bad] =
         ["class", "path", "vertices", "faces", "bad_index_faces"].map(column);
     let row = |line: &str| {
@@ -104,9 +96,7 @@ fn judge_broken(scan: &Scan, read: &Result<Soup>) -> Option<String> {
 fn compare(soup: &Soup, expected: Option<(usize, usize)>) -> Option<String> {
     let found = (soup.points.len(), triangles(soup));
     let expected = expected.filter(|&counts| counts != found)?;
-    Some(format!(
-        "{found:?} vertices and triangles, not {expected:?}"
-    ))
+    Some(format!("{found:?} vertices and triangles, not {expected:?}"))
 }
 
 #[test]

@@ -20,11 +20,7 @@ fn content_goes_before_extension() {
 fn extension_decides_where_content_is_silent() {
     let comments = "# comment\n".repeat(2000);
     assert_eq!(soup("late.obj", format!("{comments}{OBJ}")).points.len(), 3);
-    refusal(
-        "late.txt",
-        format!("{comments}{OBJ}"),
-        "no known mesh format",
-    );
+    refusal("late.txt", format!("{comments}{OBJ}"), "no known mesh format");
     assert_eq!(
         Format::of(&case("A.OBJ.GZ", gzip(comments.as_bytes())).path).ok(),
         Some(Format::Obj)
@@ -46,11 +42,7 @@ fn gzip_is_unwrapped_by_content() {
 fn damaged_gzip_is_refused() {
     let long = OBJ.replace("# a", &"# a very long comment, 0123456789\n".repeat(4000));
     let zip = gzip(long.as_bytes());
-    refusal(
-        "cut.obj.gz",
-        &zip[..zip.len() - 9],
-        "cannot be read to its end",
-    );
+    refusal("cut.obj.gz", &zip[..zip.len() - 9], "cannot be read to its end");
     refusal("cut.obj.gz", &zip[..5], "unzipped");
     refusal("twice.obj.gz", gzip(&gzip(OBJ.as_bytes())), "twice");
 }
@@ -74,11 +66,7 @@ fn what_is_no_mesh_is_refused_by_name() {
     refusal("words.txt", "Hello", "no known mesh format");
     refusal("cloud.pcd", "# .PCD v0.7\nVERSION 0.7\n", "PCD");
     refusal("model.3mf", b"PK\x03\x04\0\0", "ZIP");
-    refusal(
-        "points.obj",
-        "v 0 0 0\nv 1 0 0\nv 0 1 0\n",
-        "has points but no faces",
-    );
+    refusal("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "has points but no faces");
     refusal("empty.obj", "# nothing\n", "neither points nor faces");
 }
 

@@ -56,16 +56,11 @@ fn survives(name: &str, good: &[u8]) {
         damage(&mut file, &mut random);
         fs::write(&case.path, &file).expect("written");
         let read = catch_unwind(|| read_scan(&case.path));
-        let Ok(read) = read else {
-            panic!("round {round} panics: {file:?}")
-        };
+        let Ok(read) = read else { panic!("round {round} panics: {file:?}") };
         if let Ok(soup) = read {
             let count = soup.points.len();
             let in_range = |p: &[u32]| p.len() >= 3 && p.iter().all(|&c| (c as usize) < count);
-            assert!(
-                soup.polygons.iter().all(in_range),
-                "round {round}: {file:?}"
-            );
+            assert!(soup.polygons.iter().all(in_range), "round {round}: {file:?}");
         }
     }
 }
@@ -79,10 +74,7 @@ const PLY: &str = "element camera 1\nproperty float f\nproperty list uchar short
 fn ascii_ply() {
     let body =
         "0.5 2 7 8\n0 0 0\n1 0 .5\n1. 1 nan\n0 1 1e3\n9 3 0 1 2\n9 4 0 1 2 3\n5 0 1 2 -1 3\n";
-    survives(
-        "a.ply",
-        format!("ply\nformat ascii 1.0\n{PLY}{body}").as_bytes(),
-    );
+    survives("a.ply", format!("ply\nformat ascii 1.0\n{PLY}{body}").as_bytes());
 }
 
 #[test]
@@ -97,9 +89,7 @@ fn binary_ply() {
         file.extend([9, 3]);
         face.iter().for_each(|i| file.extend(i.to_le_bytes()));
     }
-    [4, 0, 1, 2, 3i32]
-        .iter()
-        .for_each(|i| file.extend(i.to_le_bytes()));
+    [4, 0, 1, 2, 3i32].iter().for_each(|i| file.extend(i.to_le_bytes()));
     survives("b.ply", &file);
 }
 
@@ -148,9 +138,7 @@ fn buffer() -> Vec<u8> {
     let mut bytes = vec![0; 48];
     bytes[15] = 0x41;
     bytes[31] = 0x41;
-    [0u16, 1, 2, 0, 2, 3]
-        .iter()
-        .for_each(|i| bytes.extend(i.to_le_bytes()));
+    [0u16, 1, 2, 0, 2, 3].iter().for_each(|i| bytes.extend(i.to_le_bytes()));
     bytes.extend([2, 0, 0, 0]);
     bytes
 }

@@ -27,17 +27,8 @@ fn polygons_of_any_size_survive() {
     let ring: String = (1..=300).map(|i| format!(" {i}")).collect();
     let points: String = (0..300).map(|i| format!("v {i} 0 0\n")).collect();
     for count in [3, 4, 5, 255, 256, 257, 258, 300] {
-        let text: String = points
-            .lines()
-            .take(count)
-            .map(|l| format!("{l}\n"))
-            .collect();
-        let face: String = ring
-            .split(' ')
-            .skip(1)
-            .take(count)
-            .map(|i| format!(" {i}"))
-            .collect();
+        let text: String = points.lines().take(count).map(|l| format!("{l}\n")).collect();
+        let face: String = ring.split(' ').skip(1).take(count).map(|i| format!(" {i}")).collect();
         let soup = soup("ring.obj", format!("{text}f{face}\n"));
         assert_eq!(polygons(&soup), [(0..count as u32).collect::<Vec<_>>()]);
     }
@@ -89,13 +80,8 @@ fn loose_text_is_read() {
         assert_eq!(soup.points[2], [1., 1., 0.], "{i}: {text}");
         assert_eq!(polygons(&soup), [[0, 1, 2], [0, 2, 3]], "{i}");
     }
-    let latin = text
-        .replace("# head", "# M~ller\no B~r\nusemtl Gr~n")
-        .into_bytes();
-    let latin: Vec<u8> = latin
-        .into_iter()
-        .map(|b| if b == b'~' { 0xfc } else { b })
-        .collect();
+    let latin = text.replace("# head", "# M~ller\no B~r\nusemtl Gr~n").into_bytes();
+    let latin: Vec<u8> = latin.into_iter().map(|b| if b == b'~' { 0xfc } else { b }).collect();
     assert_eq!(soup("latin.obj", latin).points.len(), 4);
 }
 
@@ -127,11 +113,7 @@ fn bad_vertex_numbers_are_refused_by_line() {
         ("f 1 2 x", "unreadable corner"),
         ("f 1 2 //3", "unreadable corner"),
     ] {
-        let error = refusal(
-            "range.obj",
-            square(&format!("f 1 2 3\n{face}\nf 2 3 4\n")),
-            word,
-        );
+        let error = refusal("range.obj", square(&format!("f 1 2 3\n{face}\nf 2 3 4\n")), word);
         assert_eq!(error.place, Some(Place::Line(6)), "{face}");
     }
 }

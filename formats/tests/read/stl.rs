@@ -18,10 +18,7 @@ fn binary(header: &str, count: u32, triangles: usize) -> Vec<u8> {
     file.extend(count.to_le_bytes());
     for _ in 0..triangles {
         file.extend([0; 12]);
-        CORNERS
-            .as_flattened()
-            .iter()
-            .for_each(|v| file.extend((*v as f32).to_le_bytes()));
+        CORNERS.as_flattened().iter().for_each(|v| file.extend((*v as f32).to_le_bytes()));
         file.extend([0; 2]);
     }
     file
@@ -93,10 +90,7 @@ fn cut_files_are_refused() {
     let start = text.find('\n').expect("a line") + 1;
     for cut in start..end + 8 {
         let error = refusal("cut.stl", &text[..cut], "");
-        assert!(
-            matches!(error.place, Some(Place::Line(_))),
-            "{cut}: {error}"
-        );
+        assert!(matches!(error.place, Some(Place::Line(_))), "{cut}: {error}");
     }
 }
 
@@ -114,9 +108,6 @@ fn unsound_text_is_refused() {
     ];
     for (from, to) in swaps {
         let error = refusal("bad.stl", ascii(TRIANGLE).replacen(from, to, 1), "");
-        assert!(
-            matches!(error.place, Some(Place::Line(_))),
-            "{from}: {error}"
-        );
+        assert!(matches!(error.place, Some(Place::Line(_))), "{from}: {error}");
     }
 }

@@ -17,10 +17,7 @@ pub fn case(name: &str, content: impl AsRef<[u8]>) -> Case {
     let folder = tempfile::tempdir().expect("a folder for the test");
     let path = folder.path().join(name);
     fs::write(&path, content).expect("a file for the test");
-    Case {
-        _folder: folder,
-        path,
-    }
+    Case { _folder: folder, path }
 }
 
 pub fn read(name: &str, content: impl AsRef<[u8]>) -> Result<Soup> {

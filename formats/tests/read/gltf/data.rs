@@ -56,10 +56,7 @@ fn indices_of_every_width() {
             &[
                 (r#""byteLength": 60"#, &format!(r#""byteLength": {total}"#)),
                 (r#""byteLength": 12"#, &format!(r#""byteLength": {length}"#)),
-                (
-                    r#""componentType": 5123"#,
-                    &format!(r#""componentType": {kind}"#),
-                ),
+                (r#""componentType": 5123"#, &format!(r#""componentType": {kind}"#)),
             ],
             &bytes,
         );
@@ -71,18 +68,13 @@ fn indices_of_every_width() {
 fn interleaved_positions() {
     let mut bytes = Vec::new();
     for point in SQUARE {
-        point
-            .iter()
-            .for_each(|v| bytes.extend((*v as f32).to_le_bytes()));
+        point.iter().for_each(|v| bytes.extend((*v as f32).to_le_bytes()));
         bytes.extend([0xff; 4]);
     }
     // The last item needs no padding.
     bytes.truncate(60);
     let swaps = [
-        (
-            r#""byteLength": 48"#,
-            r#""byteLength": 60, "byteStride": 16"#,
-        ),
+        (r#""byteLength": 48"#, r#""byteLength": 60, "byteStride": 16"#),
         (r#", "indices": 1"#, ""),
     ];
     assert_eq!(good(&swaps, &bytes).points, SQUARE);
@@ -105,14 +97,8 @@ fn quantized_positions() {
         bytes[24..24 + width].copy_from_slice(&i32::to_le_bytes(one)[..width]);
         let kind = format!(r#""componentType": {kind}, "normalized": {normalized}"#);
         let swaps = [
-            (
-                r#""scene": 0"#,
-                r#""extensionsRequired": ["KHR_mesh_quantization"], "scene": 0"#,
-            ),
-            (
-                r#""byteLength": 48"#,
-                r#""byteLength": 48, "byteStride": 12"#,
-            ),
+            (r#""scene": 0"#, r#""extensionsRequired": ["KHR_mesh_quantization"], "scene": 0"#),
+            (r#""byteLength": 48"#, r#""byteLength": 48, "byteStride": 12"#),
             (r#""componentType": 5126"#, kind.as_str()),
         ];
         let points = good(&swaps, &bytes).points;
@@ -126,10 +112,7 @@ fn sparse(base: &str, index: u8, count: u64) -> String {
     let point = [0, 0, 0, 0x41, 0, 0, 0x80, 0x3f, 0, 0, 0, 0];
     let uri = data_uri(&[&[index, 0, 0, 0][..], &point].concat());
     json(&[
-        (
-            r#""bufferView": 0, "componentType""#,
-            &format!(r#"{base} "componentType""#),
-        ),
+        (r#""bufferView": 0, "componentType""#, &format!(r#"{base} "componentType""#)),
         (
             r#""type": "VEC3""#,
             &format!(
@@ -143,10 +126,7 @@ fn sparse(base: &str, index: u8, count: u64) -> String {
             r#""byteLength": 12}, {"buffer": 1, "byteLength": 1},
             {"buffer": 1, "byteOffset": 4, "byteLength": 12}"#,
         ),
-        (
-            r#"square.bin"}"#,
-            &format!(r#"square.bin"}}, {{"byteLength": 16, "uri": "{uri}"}}"#),
-        ),
+        (r#"square.bin"}"#, &format!(r#"square.bin"}}, {{"byteLength": 16, "uri": "{uri}"}}"#)),
     ])
 }
 
@@ -154,10 +134,7 @@ fn sparse(base: &str, index: u8, count: u64) -> String {
 fn sparse_positions() {
     let read = |text: &str| read_scan(&with_buffer(text, &square_bytes()).path);
     let moved = read(&sparse(r#""bufferView": 0,"#, 2, 1)).expect("readable");
-    assert_eq!(
-        moved.points,
-        [SQUARE[0], SQUARE[1], [8., 1., 0.], SQUARE[3]]
-    );
+    assert_eq!(moved.points, [SQUARE[0], SQUARE[1], [8., 1., 0.], SQUARE[3]]);
     let zeros = read(&sparse("", 2, 1)).expect("readable");
     assert_eq!(zeros.points, [[0.; 3], [0.; 3], [8., 1., 0.], [0.; 3]]);
     refused(read(&sparse("", 4, 1)), "out of order or range");

@@ -15,13 +15,8 @@ const SQUARE: [[f64; 3]; 4] = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1.
 /// The positions of the square as floats, then 0 1 2 0 2 3 as shorts.
 fn square_bytes() -> Vec<u8> {
     let mut bytes = Vec::new();
-    SQUARE
-        .as_flattened()
-        .iter()
-        .for_each(|v| bytes.extend((*v as f32).to_le_bytes()));
-    [0u16, 1, 2, 0, 2, 3]
-        .iter()
-        .for_each(|i| bytes.extend(i.to_le_bytes()));
+    SQUARE.as_flattened().iter().for_each(|v| bytes.extend((*v as f32).to_le_bytes()));
+    [0u16, 1, 2, 0, 2, 3].iter().for_each(|i| bytes.extend(i.to_le_bytes()));
     bytes
 }
 
@@ -64,11 +59,7 @@ fn good(swaps: &[(&str, &str)], bytes: &[u8]) -> Soup {
 
 #[track_caller]
 fn bad(swaps: &[(&str, &str)], word: &str) -> Option<Place> {
-    refused(
-        read_scan(&with_buffer(&json(swaps), &square_bytes()).path),
-        word,
-    )
-    .place
+    refused(read_scan(&with_buffer(&json(swaps), &square_bytes()).path), word).place
 }
 
 fn glb(json: &str, chunk: &[u8]) -> Vec<u8> {

@@ -48,27 +48,12 @@ fn compression_is_refused_by_name() {
         // If it is not required there may be plain data too, or not.
         let plain = good(&[(r#""scene": 0"#, &used)], &square_bytes());
         assert_eq!(plain.points, SQUARE);
-        bad(
-            &[(r#""scene": 0"#, &used), (r#""bufferView": 0, "#, "")],
-            name,
-        );
-        bad(
-            &[
-                (r#""scene": 0"#, &used),
-                (r#", "uri": "a%20b/square.bin""#, ""),
-            ],
-            name,
-        );
+        bad(&[(r#""scene": 0"#, &used), (r#""bufferView": 0, "#, "")], name);
+        bad(&[(r#""scene": 0"#, &used), (r#", "uri": "a%20b/square.bin""#, "")], name);
     }
     let other = |name| format!(r#""extensionsRequired": ["{name}"], "scene": 0"#);
-    bad(
-        &[(r#""scene": 0"#, &other("EXT_mesh_gpu_instancing"))],
-        "EXT_mesh_gpu_instancing",
-    );
-    good(
-        &[(r#""scene": 0"#, &other("KHR_texture_basisu"))],
-        &square_bytes(),
-    );
+    bad(&[(r#""scene": 0"#, &other("EXT_mesh_gpu_instancing"))], "EXT_mesh_gpu_instancing");
+    good(&[(r#""scene": 0"#, &other("KHR_texture_basisu"))], &square_bytes());
 }
 
 #[test]
@@ -78,171 +63,36 @@ fn what_does_not_fit_is_refused() {
     let buffer = |i| Some(Place::Element("buffer", i));
     let huge = "18446744073709551615";
     let cases: &[(&str, &str, &str, Option<Place>)] = &[
-        (
-            r#""count": 4"#,
-            r#""count": 5"#,
-            "beyond its buffer view",
-            accessor(0),
-        ),
-        (
-            r#""count": 4"#,
-            r#""count": 3"#,
-            "vertex 3, but only 3",
-            accessor(1),
-        ),
-        (
-            r#""count": 4"#,
-            r#""count": 0"#,
-            "vertex 0, but only 0",
-            accessor(1),
-        ),
-        (
-            r#""count": 6"#,
-            r#""count": 7"#,
-            "beyond its buffer view",
-            accessor(1),
-        ),
-        (
-            r#""count": 4"#,
-            "\"count\": 18446744073709551615",
-            "beyond",
-            accessor(0),
-        ),
+        (r#""count": 4"#, r#""count": 5"#, "beyond its buffer view", accessor(0)),
+        (r#""count": 4"#, r#""count": 3"#, "vertex 3, but only 3", accessor(1)),
+        (r#""count": 4"#, r#""count": 0"#, "vertex 0, but only 0", accessor(1)),
+        (r#""count": 6"#, r#""count": 7"#, "beyond its buffer view", accessor(1)),
+        (r#""count": 4"#, "\"count\": 18446744073709551615", "beyond", accessor(0)),
         (r#""count": 6"#, r#""count": 0"#, "no triangles", None),
-        (
-            r#""byteLength": 48"#,
-            r#""byteLength": 61"#,
-            "beyond its buffer",
-            view(0),
-        ),
-        (
-            r#""byteOffset": 48"#,
-            r#""byteOffset": 49"#,
-            "beyond its buffer",
-            view(1),
-        ),
-        (
-            "48, \"byteLength\": 12",
-            "18446744073709551615, \"byteLength\": 12",
-            "beyond",
-            view(1),
-        ),
-        (
-            r#""byteLength": 60"#,
-            r#""byteLength": 61"#,
-            "holds 60 of 61",
-            buffer(0),
-        ),
+        (r#""byteLength": 48"#, r#""byteLength": 61"#, "beyond its buffer", view(0)),
+        (r#""byteOffset": 48"#, r#""byteOffset": 49"#, "beyond its buffer", view(1)),
+        ("48, \"byteLength\": 12", "18446744073709551615, \"byteLength\": 12", "beyond", view(1)),
+        (r#""byteLength": 60"#, r#""byteLength": 61"#, "holds 60 of 61", buffer(0)),
         ("60", huge, "exceed 8 GiB", buffer(0)),
-        (
-            r#""buffer": 0"#,
-            r#""buffer": 1"#,
-            "buffer that does not exist",
-            buffer(1),
-        ),
-        (
-            r#""bufferView": 0"#,
-            r#""bufferView": 2"#,
-            "does not exist",
-            accessor(0),
-        ),
+        (r#""buffer": 0"#, r#""buffer": 1"#, "buffer that does not exist", buffer(1)),
+        (r#""bufferView": 0"#, r#""bufferView": 2"#, "does not exist", accessor(0)),
         (r#""bufferView": 0, "#, "", "has no data", accessor(0)),
-        (
-            r#""bufferView": 0"#,
-            r#""bufferView": 0, "byteOffset": 4"#,
-            "beyond",
-            accessor(0),
-        ),
-        (
-            r#""POSITION": 0"#,
-            r#""POSITION": 7"#,
-            "does not exist",
-            accessor(7),
-        ),
-        (
-            r#""indices": 1"#,
-            r#""indices": 7"#,
-            "does not exist",
-            accessor(7),
-        ),
-        (
-            r#""indices": 1"#,
-            r#""indices": 0"#,
-            "wrong shape",
-            accessor(0),
-        ),
-        (
-            r#""POSITION": 0"#,
-            r#""POSITION": 1"#,
-            "wrong shape",
-            accessor(1),
-        ),
-        (
-            r#""componentType": 5126"#,
-            r#""componentType": 5125"#,
-            "unknown type",
-            accessor(0),
-        ),
-        (
-            r#""componentType": 5126"#,
-            r#""componentType": 1"#,
-            "unknown type",
-            accessor(0),
-        ),
-        (
-            r#""componentType": 5123"#,
-            r#""componentType": 5122"#,
-            "unsigned",
-            accessor(1),
-        ),
-        (
-            r#""componentType": 5123"#,
-            r#""componentType": 5126"#,
-            "beyond",
-            accessor(1),
-        ),
-        (
-            r#""type": "VEC3""#,
-            r#""type": "VEC9""#,
-            "unknown type",
-            accessor(0),
-        ),
-        (
-            "\"byteLength\": 48",
-            "\"byteLength\": 48, \"byteStride\": 8",
-            "overlap",
-            accessor(0),
-        ),
-        (
-            r#""mesh": 0"#,
-            r#""mesh": 1"#,
-            "mesh that",
-            Some(Place::Element("mesh", 1)),
-        ),
-        (
-            r#""nodes": [0]"#,
-            r#""nodes": [1]"#,
-            "node that",
-            Some(Place::Element("node", 1)),
-        ),
-        (
-            r#""scene": 0"#,
-            r#""scene": 1"#,
-            "scene that",
-            Some(Place::Element("scene", 1)),
-        ),
-        (
-            r#""mesh": 0"#,
-            r#""mesh": 0, "scale": [1e39, 1, 1]"#,
-            "",
-            None,
-        ),
-        (
-            r#""version": "2.0""#,
-            r#""version": "1.0""#,
-            "version 1.0",
-            None,
-        ),
+        (r#""bufferView": 0"#, r#""bufferView": 0, "byteOffset": 4"#, "beyond", accessor(0)),
+        (r#""POSITION": 0"#, r#""POSITION": 7"#, "does not exist", accessor(7)),
+        (r#""indices": 1"#, r#""indices": 7"#, "does not exist", accessor(7)),
+        (r#""indices": 1"#, r#""indices": 0"#, "wrong shape", accessor(0)),
+        (r#""POSITION": 0"#, r#""POSITION": 1"#, "wrong shape", accessor(1)),
+        (r#""componentType": 5126"#, r#""componentType": 5125"#, "unknown type", accessor(0)),
+        (r#""componentType": 5126"#, r#""componentType": 1"#, "unknown type", accessor(0)),
+        (r#""componentType": 5123"#, r#""componentType": 5122"#, "unsigned", accessor(1)),
+        (r#""componentType": 5123"#, r#""componentType": 5126"#, "beyond", accessor(1)),
+        (r#""type": "VEC3""#, r#""type": "VEC9""#, "unknown type", accessor(0)),
+        ("\"byteLength\": 48", "\"byteLength\": 48, \"byteStride\": 8", "overlap", accessor(0)),
+        (r#""mesh": 0"#, r#""mesh": 1"#, "mesh that", Some(Place::Element("mesh", 1))),
+        (r#""nodes": [0]"#, r#""nodes": [1]"#, "node that", Some(Place::Element("node", 1))),
+        (r#""scene": 0"#, r#""scene": 1"#, "scene that", Some(Place::Element("scene", 1))),
+        (r#""mesh": 0"#, r#""mesh": 0, "scale": [1e39, 1, 1]"#, "", None),
+        (r#""version": "2.0""#, r#""version": "1.0""#, "version 1.0", None),
         (r#""asset""#, r#""assets""#, "no sound glTF", None),
         (r#""scenes": ["#, r#""scenes": ]"#, "no sound glTF", None),
     ];
@@ -258,14 +108,8 @@ fn small_files_do_not_expand_without_bound() {
     let nodes = r#"{"mesh": 0},"#.repeat(300);
     let list: Vec<String> = (0..300).map(|i| i.to_string()).collect();
     let swaps = [
-        (
-            r#""nodes": [0]"#,
-            format!(r#""nodes": [{}]"#, list.join(",")),
-        ),
-        (
-            r#"[{"mesh": 0}]"#,
-            format!("[{}]", nodes.trim_end_matches(',')),
-        ),
+        (r#""nodes": [0]"#, format!(r#""nodes": [{}]"#, list.join(","))),
+        (r#"[{"mesh": 0}]"#, format!("[{}]", nodes.trim_end_matches(','))),
         (r#""byteLength": 60"#, r#""byteLength": 960000"#.into()),
         (r#""byteLength": 48"#, r#""byteLength": 960000"#.into()),
         (r#""count": 4"#, r#""count": 80000"#.into()),
@@ -293,10 +137,7 @@ fn damaged_glb_is_refused() {
     let mut file = good.clone();
     file[12..16].copy_from_slice(&u32::MAX.to_le_bytes());
     refusal("chunk.glb", file, "length");
-    assert_eq!(
-        soup("long.glb", [&good[..], b"more"].concat()).points,
-        SQUARE
-    );
+    assert_eq!(soup("long.glb", [&good[..], b"more"].concat()).points, SQUARE);
     refusal(
         "blob.glb",
         glb(&json(&[(r#", "uri": "a%20b/square.bin""#, "")]), &[0; 56]),

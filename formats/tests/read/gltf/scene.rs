@@ -52,14 +52,7 @@ fn nodes_inherit_and_meshes_repeat() {
     assert_eq!(soup.points.len(), 12);
     assert_eq!(soup.points[5], [4., 0., 0.]);
     assert_eq!(soup.points[9], [-2., 0., 0.]);
-    let faces = [
-        [0, 1, 2],
-        [0, 2, 3],
-        [4, 5, 6],
-        [4, 6, 7],
-        [8, 10, 9],
-        [8, 11, 10],
-    ];
+    let faces = [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7], [8, 10, 9], [8, 11, 10]];
     assert_eq!(polygons(&soup), faces);
 }
 
@@ -68,45 +61,30 @@ fn several_primitives() {
     let two = r#""primitives": [{"attributes": {"POSITION": 0}, "indices": 1},
         {"attributes": {"POSITION": 0}, "mode": 0}, {"attributes": {}},"#;
     let soup = good(&[(r#""primitives": ["#, two)], &square_bytes());
-    assert_eq!(
-        polygons(&soup),
-        [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]
-    );
+    assert_eq!(polygons(&soup), [[0, 1, 2], [0, 2, 3], [4, 5, 6], [4, 6, 7]]);
 }
 
 #[test]
 fn only_the_default_scene_is_read() {
     let scenes = [
         (r#""scene": 0, "scenes": [{"nodes": [0]}]"#, 4),
-        (
-            r#""scene": 1, "scenes": [{"nodes": []}, {"nodes": [0, 1]}]"#,
-            8,
-        ),
+        (r#""scene": 1, "scenes": [{"nodes": []}, {"nodes": [0, 1]}]"#, 8),
         (r#""scenes": [{"nodes": [1]}, {"nodes": [0]}]"#, 4),
         (r#""extras": {}"#, 8),
     ];
     for (scene, points) in scenes {
         let swaps = [
             (r#""scene": 0, "scenes": [{"nodes": [0]}]"#, scene),
-            (
-                r#"[{"mesh": 0}]"#,
-                r#"[{"mesh": 0}, {"children": [2]}, {"mesh": 0}]"#,
-            ),
+            (r#"[{"mesh": 0}]"#, r#"[{"mesh": 0}, {"children": [2]}, {"mesh": 0}]"#),
         ];
-        assert_eq!(
-            good(&swaps, &square_bytes()).points.len(),
-            points,
-            "{scene}"
-        );
+        assert_eq!(good(&swaps, &square_bytes()).points.len(), points, "{scene}");
     }
 }
 
 #[test]
 fn deep_and_cyclic_trees_end() {
     let count = 50_000;
-    let chain: String = (1..count)
-        .map(|i| format!(r#"{{"children": [{i}]}},"#))
-        .collect();
+    let chain: String = (1..count).map(|i| format!(r#"{{"children": [{i}]}},"#)).collect();
     let nodes = format!(r#""nodes": [{chain}{{"mesh": 0}}]"#);
     let soup = good(&[(r#""nodes": [{"mesh": 0}]"#, &nodes)], &square_bytes());
     assert_eq!(soup.points, SQUARE);

@@ -81,11 +81,7 @@ fn every_scalar_type_makes_coordinates_and_corners() {
         let index = if i < 6 { bytes } else { types_ushort };
         file.extend([3, 0, 1, 2].into_iter().flat_map(index));
         let soup = soup("types.ply", file);
-        assert_eq!(
-            soup.points,
-            [[0., 0., 9.], [7., 0., 9.], [0., 5., 9.]],
-            "{kind}"
-        );
+        assert_eq!(soup.points, [[0., 0., 9.], [7., 0., 9.], [0., 5., 9.]], "{kind}");
         assert_eq!(polygons(&soup), [[0, 1, 2]]);
     }
 }
@@ -117,9 +113,7 @@ fn other_elements_and_properties_are_passed_over() {
         file.extend(0.5f32.to_le_bytes());
     }
     for point in SQUARE {
-        point
-            .iter()
-            .for_each(|v| file.extend((*v as f32).to_le_bytes()));
+        point.iter().for_each(|v| file.extend((*v as f32).to_le_bytes()));
         file.push(9);
     }
     file.extend(5i32.to_le_bytes());
@@ -131,10 +125,8 @@ fn other_elements_and_properties_are_passed_over() {
 
 #[test]
 fn strips_become_triangles_of_one_winding() {
-    let elements = format!(
-        "element vertex 4\n{XYZ}element tristrips 1\n{}",
-        LIST.replace("uchar", "int")
-    );
+    let elements =
+        format!("element vertex 4\n{XYZ}element tristrips 1\n{}", LIST.replace("uchar", "int"));
     let text = header("ascii", &elements) + POINTS + "9 0 1 3 2 -1 -1 2 1 0\n";
     let strips = polygons(&soup("strips.ply", text));
     assert_eq!(strips, [[0, 1, 3], [3, 1, 2], [2, 1, 0]]);
@@ -148,8 +140,7 @@ fn loose_ascii_is_read() {
         text.replace('\n', "\r"),
         text.replace("0 0 0\n", "\n  .0 0. \t -.0e0\n\n"),
         text.replace("1 0 0\n", "1\n0\n0\n"),
-        text.replace("property", "\t property  ")
-            .replace("end_header", "end_header "),
+        text.replace("property", "\t property  ").replace("end_header", "end_header "),
         text.trim_end().to_owned(),
         text.clone() + "\n\n \n",
         text.replace("ply\n", "ply\nobj_info by hand\ncomment\n"),
@@ -160,24 +151,13 @@ fn loose_ascii_is_read() {
         assert_eq!(polygons(&soup), [[0, 1, 2], [0, 2, 3]]);
     }
     let latin = text.replace("ply\n", "ply\ncomment M~ller\n").into_bytes();
-    let latin: Vec<u8> = latin
-        .into_iter()
-        .map(|b| if b == b'~' { 0xfc } else { b })
-        .collect();
+    let latin: Vec<u8> = latin.into_iter().map(|b| if b == b'~' { 0xfc } else { b }).collect();
     assert_eq!(soup("latin.ply", latin).points, SQUARE);
 }
 
 #[test]
 fn points_without_a_number_are_kept() {
-    let words = [
-        "nan",
-        "-NaN",
-        "inf",
-        "-Infinity",
-        "1.#QNAN",
-        "-nan(ind)",
-        "1e400",
-    ];
+    let words = ["nan", "-NaN", "inf", "-Infinity", "1.#QNAN", "-nan(ind)", "1e400"];
     for word in words {
         let text = ascii("3 0 1 2\n").replace("0 1 0\n", &format!("0 {word} 0\n"));
         let soup = soup("nan.ply", text);
