@@ -56,7 +56,7 @@ const KAPPA_SHARE: f64 = 0.5;
 
 /// Measured points a control point at the least, where the user named no
 /// tolerance: more control points would follow the noise.
-const POINTS_A_CONTROL_POINT: usize = 4;
+const POINTS_A_CONTROL_POINT: usize = 2;
 
 /// Without a named tolerance, a round that does not bring the worst point this
 /// much nearer is the last.

@@ -38,7 +38,7 @@ const FEWEST: usize = 32;
 
 /// The knot vectors in u and v over [0, 1], bicubic.
 pub fn place(samples: &Samples, options: &Options) -> ([KnotVector; 2], Report) {
-    let mut points: Vec<(Uv, Vector)> =
+    let mut points: Vec<Sample> =
         samples.uv.iter().zip(&samples.points).map(|(&uv, p)| (uv, p.coords)).collect();
     let root = Region { low: Uv::origin(), size: 1.0, depth: 0 };
     let found = divide(&mut points, root, options);
@@ -57,6 +57,9 @@ pub fn place(samples: &Samples, options: &Options) -> ([KnotVector; 2], Report) 
 /// Depth at which cuts would no longer be exact binary fractions.
 const MAX_DEPTH: u32 = 40;
 
+/// A point with its parameter point.
+type Sample = (Uv, Vector);
+
 struct Region {
     low: Uv,
     size: f64,
@@ -72,7 +75,7 @@ struct Found {
     depth: u32,
 }
 
-fn divide(points: &mut [(Uv, Vector)], region: Region, options: &Options) -> Found {
+fn divide(points: &mut [Sample], region: Region, options: &Options) -> Found {
     let fits = mean_error(points, &region) <= options.kappa;
     let depth = options.depth.min(MAX_DEPTH - 1);
     if fits || region.depth >= depth || points.len() < FEWEST {
@@ -108,17 +111,14 @@ fn divide(points: &mut [(Uv, Vector)], region: Region, options: &Options) -> Fou
 
 /// Moves the points for which `first` holds to the front, the order within
 /// both parts kept, so that sums over them are the same in every run.
-fn split(
-    points: &mut [(Uv, Vector)],
-    first: impl Fn(Uv) -> bool,
-) -> (&mut [(Uv, Vector)], &mut [(Uv, Vector)]) {
+fn split(points: &mut [Sample], first: impl Fn(Uv) -> bool) -> (&mut [Sample], &mut [Sample]) {
     let count = points.iter().filter(|p| first(p.0)).count();
     points.sort_by_key(|p| !first(p.0));
     points.split_at_mut(count)
 }
 
 /// Mean distance of the points from their bicubic least-squares polynomial.
-fn mean_error(points: &[(Uv, Vector)], region: &Region) -> f64 {
+fn mean_error(points: &[Sample], region: &Region) -> f64 {
     if points.is_empty() {
         return 0.0;
     }
@@ -139,7 +139,7 @@ fn mean_error(points: &[(Uv, Vector)], region: &Region) -> f64 {
     let c: Matrix3xX<f64> = Matrix3xX::from_columns(
         &factor.solve(&right).row_iter().map(|r| r.transpose()).collect::<Vec<_>>(),
     );
-    let off = |(uv, p): &(Uv, Vector)| (&c * basis(*uv) - p).norm();
+    let off = |(uv, p): &Sample| (&c * basis(*uv) - p).norm();
     points.iter().map(off).sum::<f64>() / points.len() as f64
 }
 

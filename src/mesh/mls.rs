@@ -253,7 +253,7 @@ impl Local {
         let row = factor.solve(&SVector::<f64, N>::from_fn(|i, _| f64::from(i == 0)));
         let share = |&[x, y, _, w]: &[f64; 4]| w * Self::monomials::<N>(x, y).dot(&row);
         let variance: f64 = self.points.iter().map(|p| share(p).powi(2)).sum();
-        if !(variance <= 1.0) {
+        if variance.is_nan() || variance > 1.0 {
             return None;
         }
         let normal = plane.normal - c[1] * self.frame.0 - c[2] * self.frame.1;

@@ -17,9 +17,11 @@ pub struct Stretch {
     pub aspect: f64,
 }
 
+/// Of one triangle: area in space, area in the plane, ∂S/∂u, ∂S/∂v.
+type Derivatives = (f64, f64, Vector, Vector);
+
 /// Measures the stretch.
 pub fn measure(patch: &Patch, uv: &[Uv]) -> Stretch {
-    // Per triangle: area in space, area in the plane, ∂S/∂u, ∂S/∂v.
     let derivatives = |t: usize| {
         let corners = patch.mesh.triangles[t];
         let [p, q, r] = patch.mesh.corners(corners);
@@ -32,15 +34,15 @@ pub fn measure(patch: &Patch, uv: &[Uv]) -> Stretch {
     };
     let measured =
         (0..patch.mesh.triangles.len()).filter(|&t| patch.origin[t] == FaceOrigin::Measured);
-    let all: Vec<(f64, f64, Vector, Vector)> = measured.map(derivatives).collect();
-    let sum = |f: &dyn Fn(&(f64, f64, Vector, Vector)) -> f64| all.iter().map(f).sum::<f64>();
+    let all: Vec<Derivatives> = measured.map(derivatives).collect();
+    let sum = |f: &dyn Fn(&Derivatives) -> f64| all.iter().map(f).sum::<f64>();
     let (area, flat) = (sum(&|t| t.0), sum(&|t| t.1));
     let (along_u, along_v) =
         (sum(&|t| t.0 * t.2.norm_squared()), sum(&|t| t.0 * t.3.norm_squared()));
     // Of the rectangles w × 1/w the best has w⁴ = along_u / along_v.
     let w = (along_u / along_v).powf(0.25);
     let scale = (flat / area).sqrt();
-    let largest = |t: &(f64, f64, Vector, Vector)| {
+    let largest = |t: &Derivatives| {
         let (su, sv) = (t.2 / w, t.3 * w);
         let (a, b, c) = (su.norm_squared(), su.dot(&sv), sv.norm_squared());
         (0.5 * (a + c + ((a - c).powi(2) + 4.0 * b * b).sqrt())).sqrt()

@@ -1,0 +1,143 @@
+//! Where to look from, chosen from the data.
+
+use nalgebra::SymmetricEigen;
+use scan2step::geometry::{Point, Vector, plane_axes};
+use scan2step::mesh::Mesh;
+
+/// An orthographic camera.
+#[derive(Debug, Clone)]
+pub struct Camera {
+    view: View,
+    /// Pixels for a millimetre.
+    scale: f64,
+    /// What stands in the middle of the picture, in camera coordinates.
+    middle: Vector,
+    size: [usize; 2],
+}
+
+/// A right-handed frame: to the right, up, and towards the eye.
+#[derive(Debug, Clone, Copy)]
+struct View {
+    right: Vector,
+    up: Vector,
+    eye: Vector,
+}
+
+/// Angle between the direction of view and the mean normal. Seen straight on,
+/// relief is flat; seen from far aside, it hides itself.
+const TILT: f64 = 0.48;
+
+/// The direction of the tilt: sideways share of it, the rest downwards.
+const SIDEWAYS: f64 = 0.45;
+
+/// Share of the picture's shorter side that stays free on every side.
+const MARGIN: f64 = 0.05;
+
+/// How much of the picture's scale an upright view is worth.
+const UPRIGHT_BONUS: f64 = 0.2;
+
+/// Points that the choice of the view looks at.
+const PROBES: usize = 3000;
+
+impl Camera {
+    /// A camera that faces the mesh and has `extent` in a picture of `size`
+    /// pixels.
+    pub fn facing(mesh: &Mesh, extent: impl Iterator<Item = Point>, size: [usize; 2]) -> Camera {
+        let view = best_view(mesh, size);
+        let (low, high) = view.bounds(extent);
+        Camera { view, scale: scale(high - low, size), middle: 0.5 * (low + high), size }
+    }
+
+    /// A vector in camera coordinates: x to the right, y up, z towards the eye.
+    pub fn turn(&self, v: &Vector) -> Vector {
+        self.view.turn(v)
+    }
+
+    /// Where a point is in the picture: x to the right, y down, depth away from
+    /// the eye, all in pixels.
+    pub fn project(&self, p: &Point) -> Vector {
+        let at = self.scale * (self.turn(&p.coords) - self.middle);
+        let [width, height] = self.size.map(|n| 0.5 * n as f64);
+        Vector::new(width + at.x, height - at.y, -at.z)
+    }
+}
+
+impl View {
+    fn turn(&self, v: &Vector) -> Vector {
+        Vector::new(v.dot(&self.right), v.dot(&self.up), v.dot(&self.eye))
+    }
+
+    fn bounds(&self, points: impl Iterator<Item = Point>) -> (Vector, Vector) {
+        let start = (Vector::repeat(f64::INFINITY), Vector::repeat(f64::NEG_INFINITY));
+        points
+            .map(|p| self.turn(&p.coords))
+            .fold(start, |(low, high), p| (low.inf(&p), high.sup(&p)))
+    }
+
+    /// The view onto a plane of normal `n` in which its direction `north`
+    /// points upwards.
+    fn onto(n: Vector, north: Vector) -> View {
+        let east = north.cross(&n);
+        let aside = (SIDEWAYS * east - (1.0 - SIDEWAYS) * north).normalize();
+        let eye = TILT.cos() * n + TILT.sin() * aside;
+        let right = north.cross(&eye).normalize();
+        View { right, up: eye.cross(&right), eye }
+    }
+}
+
+/// Pixels for a millimetre at which a box fits the picture.
+fn scale(extent: Vector, size: [usize; 2]) -> f64 {
+    let [width, height] = size.map(|n| n as f64);
+    let margin = 2.0 * MARGIN * width.min(height);
+    let fit = ((width - margin) / extent.x).min((height - margin) / extent.y);
+    if fit.is_finite() { fit } else { 1.0 }
+}
+
+/// Of all turns of the picture about the mean normal, the one that shows the
+/// mesh largest, with a bonus for one in which up is up.
+fn best_view(mesh: &Mesh, size: [usize; 2]) -> View {
+    let n = facing_normal(mesh);
+    let upright = upright(n);
+    let step = mesh.points.len().div_ceil(PROBES).max(1);
+    let probes: Vec<Point> = mesh.points.iter().copied().step_by(step).collect();
+    let (x, y) = plane_axes(n);
+    let mut best = (f64::NEG_INFINITY, View::onto(n, y));
+    for degree in 0..360 {
+        let angle = f64::from(degree).to_radians();
+        let north = angle.cos() * x + angle.sin() * y;
+        let view = View::onto(n, north);
+        let (low, high) = view.bounds(probes.iter().copied());
+        let score = scale(high - low, size) * (1.0 + UPRIGHT_BONUS * north.dot(&upright));
+        if score > best.0 {
+            best = (score, view);
+        }
+    }
+    best.1
+}
+
+/// The mean normal; for a mesh that closes so far that its normals cancel, the
+/// direction in which it extends least.
+fn facing_normal(mesh: &Mesh) -> Vector {
+    let areas = mesh.triangles.iter().map(|&t| mesh.area_vector(t));
+    let (sum, total) =
+        areas.fold((Vector::zeros(), 0.0), |(sum, total), a| (sum + a, total + a.norm()));
+    if sum.norm() > 0.1 * total {
+        return sum.normalize();
+    }
+    let count = mesh.points.len().max(1) as f64;
+    let mean = mesh.points.iter().fold(Vector::zeros(), |sum, p| sum + p.coords) / count;
+    let spread = mesh.points.iter().map(|p| p.coords - mean).map(|d| d * d.transpose()).sum();
+    let axes = SymmetricEigen::<f64, nalgebra::Const<3>>::new(spread);
+    let least = axes.eigenvalues.imin();
+    axes.eigenvectors.column(least).into()
+}
+
+/// The direction that most likely is up in a view along `n`: y, as most scans
+/// have it; for one along y, z or its opposite.
+fn upright(n: Vector) -> Vector {
+    match n.y {
+        y if y > 0.8 => -Vector::z(),
+        y if y < -0.8 => Vector::z(),
+        _ => Vector::y(),
+    }
+}

@@ -1,0 +1,125 @@
+//! The trimmed face, without and with its control net.
+
+use rayon::prelude::*;
+use scan2step::geometry::{Point, Uv, Vector};
+
+use crate::camera::Camera;
+use crate::canvas::{Canvas, shows_front};
+use crate::colour::{INK, lacquer, linear, srgb};
+use crate::image::Image;
+use crate::lines::{Lines, Pen};
+use crate::occlusion;
+use crate::scene::Scene;
+use crate::trimmed::CutOut;
+
+/// Cells of the tessellation in u and in v.
+const CELLS: usize = 640;
+
+const EDGE: Pen = Pen { width: 1.9, seen: 1.0, hidden: 0.0 };
+
+/// The face with its edges.
+pub fn picture(scene: &Scene, camera: &Camera, size: [usize; 2]) -> Image {
+    let mut canvas = Canvas::new(size);
+    draw(&mut canvas, scene, camera);
+    canvas.image()
+}
+
+/// The face with its edges under its control net.
+pub fn picture_with_net(scene: &Scene, camera: &Camera, size: [usize; 2]) -> Image {
+    let mut canvas = Canvas::new(size);
+    draw(&mut canvas, scene, camera);
+    net(&canvas, scene, camera).ink(&mut canvas, linear(srgb(0xb3261e)));
+    canvas.image()
+}
+
+fn draw(canvas: &mut Canvas, scene: &Scene, camera: &Camera) {
+    sheet(canvas, scene, camera);
+    occlusion::darken(canvas);
+    edges(canvas, scene, camera).ink(canvas, linear(INK));
+}
+
+/// A corner of the tessellation.
+struct Corner {
+    uv: Uv,
+    at: Vector,
+    normal: Vector,
+}
+
+fn sheet(canvas: &mut Canvas, scene: &Scene, camera: &Camera) {
+    let cut = CutOut::new(&scene.loops(), scene.surface().v.range());
+    let corners = tessellation(scene, camera);
+    let material = lacquer();
+    for i in 0..CELLS {
+        for j in 0..CELLS {
+            let at = |di: usize, dj: usize| &corners[(i + di) * (CELLS + 1) + j + dj];
+            for t in [[at(0, 0), at(1, 0), at(1, 1)], [at(0, 0), at(1, 1), at(0, 1)]] {
+                let places = t.map(|c| c.at);
+                let front = shows_front(places);
+                canvas.triangle(places, |w| {
+                    // Left out where the loop says, not where triangles end.
+                    if cut.contains(Uv::from(blend(w, t.map(|c| c.uv.coords)))) {
+                        return None;
+                    }
+                    let normal = blend(w, t.map(|c| c.normal));
+                    let normal = normal.try_normalize(0.0).unwrap_or_else(Vector::z);
+                    Some(material.lit(normal, front))
+                });
+            }
+        }
+    }
+}
+
+fn tessellation(scene: &Scene, camera: &Camera) -> Vec<Corner> {
+    let surface = scene.surface();
+    let along = |(from, to): (f64, f64), i: usize| from + (to - from) * i as f64 / CELLS as f64;
+    let corner = |n: usize| {
+        let (i, j) = (n / (CELLS + 1), n % (CELLS + 1));
+        let uv = Uv::new(along(surface.u.range(), i), along(surface.v.range(), j));
+        let jet = surface.jet(uv);
+        let normal = jet.su.cross(&jet.sv).try_normalize(0.0).unwrap_or_else(Vector::zeros);
+        Corner { uv, at: camera.project(&jet.s), normal: camera.turn(&normal) }
+    };
+    (0..(CELLS + 1) * (CELLS + 1)).into_par_iter().map(corner).collect()
+}
+
+fn blend<const D: usize>(
+    w: [f64; 3],
+    of: [nalgebra::SVector<f64, D>; 3],
+) -> nalgebra::SVector<f64, D> {
+    of[0] * w[0] + of[1] * w[1] + of[2] * w[2]
+}
+
+/// The four sides of the patch and the trim curves.
+fn edges(canvas: &Canvas, scene: &Scene, camera: &Camera) -> Lines {
+    let mut lines = Lines::over(canvas);
+    for edge in scene.edges() {
+        lines.polyline(canvas, edge.iter().map(|p| camera.project(p)), EDGE);
+    }
+    for outline in scene.loops() {
+        let closed = outline.iter().chain(outline.first());
+        let on_face = closed.map(|&uv| camera.project(&scene.surface().point(uv)));
+        lines.polyline(canvas, on_face, EDGE);
+    }
+    lines
+}
+
+/// The control net, faint behind the face.
+fn net(canvas: &Canvas, scene: &Scene, camera: &Camera) -> Lines {
+    let surface = scene.surface();
+    let [m, n] = surface.shape();
+    let at = |i: usize, j: usize| camera.project(&Point::from(surface.control(i, j)));
+    // Of a net of hundreds of rows, full lines would leave nothing to be seen.
+    let width = (60.0 / m.max(n) as f64).clamp(0.35, 1.2);
+    let pen = Pen { width, seen: 0.9, hidden: 0.18 };
+    let mut lines = Lines::over(canvas);
+    for i in 0..m {
+        lines.polyline(canvas, (0..n).map(|j| at(i, j)), pen);
+    }
+    for j in 0..n {
+        lines.polyline(canvas, (0..m).map(|i| at(i, j)), pen);
+    }
+    for k in 0..m * n {
+        lines.point(canvas, at(k / n, k % n), Pen { width: 3.2 * width, ..pen });
+    }
+    lines
+}

@@ -1,0 +1,70 @@
+//! Makes a PNG that shows a scan beside the CAD face that it becomes.
+//!
+//! `cargo run --release --example picture -- SCAN OUT.png [--size WxH]
+//! [--mode pair|deviation|net|uv]`
+
+mod args;
+mod camera;
+mod canvas;
+mod colour;
+mod deviation;
+mod face;
+mod font;
+mod image;
+mod lines;
+mod occlusion;
+mod parameters;
+mod scan;
+mod scene;
+mod trimmed;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use args::{Args, Mode};
+use camera::Camera;
+use image::Image;
+use scene::Scene;
+
+fn main() -> ExitCode {
+    // Prints the usage and exits with 2 where the arguments are wrong.
+    let args = Args::parse();
+    match run(&args) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
+    let scene = Scene::of(&args.scan)?;
+    let size = args.size();
+    let picture = match args.mode {
+        Mode::Pair => pair(&scene, size),
+        Mode::Deviation => deviation::picture(&scene, size),
+        Mode::Net => net(&scene, size),
+        Mode::Uv => parameters::picture(&scene, size),
+    };
+    picture.save(&args.out)?;
+    Ok(())
+}
+
+/// The scan at the left, the face at the right.
+fn pair(scene: &Scene, [width, height]: [usize; 2]) -> Image {
+    // Both halves have one size, so that one camera serves both.
+    let half = [width / 2, height];
+    let camera = Camera::facing(&scene.measured.mesh, scene.extent(), half);
+    let left = scan::picture(scene, &camera, half);
+    let right = face::picture(scene, &camera, half);
+    left.beside(Image::blank([width % 2, height], colour::BACKGROUND)).beside(right)
+}
+
+/// The face under its control net.
+fn net(scene: &Scene, size: [usize; 2]) -> Image {
+    let net = scene.conversion.surface.net.iter().map(|&p| p.into());
+    let camera = Camera::facing(&scene.measured.mesh, scene.extent().chain(net), size);
+    face::picture_with_net(scene, &camera, size)
+}

@@ -1,0 +1,81 @@
+//! What there is to show: a conversion, with the meshes of its stages.
+
+use std::path::Path;
+
+use scan2step::geometry::{Point, Uv};
+use scan2step::mesh::Disk;
+use scan2step::parameterize::Parameterized;
+use scan2step::spline::{Curve, Surface};
+use scan2step::{Conversion, Options, Stage, brep, convert};
+
+/// A converted scan.
+pub struct Scene {
+    /// The cleaned mesh, as measured.
+    pub measured: Disk,
+    /// The filled mesh with its parameter points.
+    pub map: Parameterized,
+    /// The face and how good it is.
+    pub conversion: Conversion,
+}
+
+impl Scene {
+    /// Reads and converts a scan.
+    pub fn of(path: &Path) -> Result<Scene, Box<dyn std::error::Error>> {
+        let soup = formats::read_scan(path)?;
+        let unit_mm = soup.unit.map_or(1.0, |unit| unit.in_mm());
+        let options = Options { unit_mm, ..Options::default() };
+        let (mut measured, mut map) = (None, None);
+        let conversion = convert(&soup, &options, &mut |stage| {
+            match stage {
+                Stage::Mesh(disk) => measured = Some(disk.clone()),
+                Stage::Parameterize(parameterized) => map = Some(parameterized.clone()),
+                _ => {}
+            }
+            Ok(())
+        })?;
+        let measured = measured.ok_or("the conversion showed no mesh")?;
+        let map = map.ok_or("the conversion showed no parameterization")?;
+        Ok(Scene { measured, map, conversion })
+    }
+
+    /// The fitted surface.
+    pub fn surface(&self) -> &Surface {
+        &self.conversion.surface
+    }
+
+    /// Points that have to be in the picture: the scan's and the face's edges.
+    pub fn extent(&self) -> impl Iterator<Item = Point> {
+        self.measured.mesh.points.iter().copied().chain(self.edges().into_iter().flatten())
+    }
+
+    /// The four sides of the patch, as polylines.
+    pub fn edges(&self) -> Vec<Vec<Point>> {
+        let edges = brep::outer_edges(self.surface());
+        edges
+            .iter()
+            .map(|(edge, _, _)| polyline(edge).into_iter().map(Point::from).collect())
+            .collect()
+    }
+
+    /// The trim loops in the parameter plane, as closed polylines.
+    pub fn loops(&self) -> Vec<Vec<Uv>> {
+        let outline =
+            |arcs: &[Curve<2>]| arcs.iter().flat_map(polyline).map(Uv::from).collect::<Vec<_>>();
+        self.conversion.loops.iter().map(|l| outline(&l.pcurves)).collect()
+    }
+}
+
+/// Chords for a knot span: enough to look smooth at any size of picture.
+const CHORDS: u32 = 16;
+
+/// Points along a curve, both ends included.
+fn polyline<const D: usize>(curve: &Curve<D>) -> Vec<nalgebra::SVector<f64, D>> {
+    let breaks = curve.knots.breaks();
+    let mut line = Vec::with_capacity(CHORDS as usize * breaks.len());
+    for span in breaks.windows(2) {
+        let at = |i: u32| span[0] + (span[1] - span[0]) * f64::from(i) / f64::from(CHORDS);
+        line.extend((0..CHORDS).map(|i| curve.point(at(i))));
+    }
+    line.extend(breaks.last().map(|&t| curve.point(t)));
+    line
+}

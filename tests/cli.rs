@@ -1,0 +1,265 @@
+//! The program from outside: files, reports, exit codes, messages.
+
+mod common;
+
+use common::{arg, convert, converted, fixture, json, number, points};
+use std::path::Path;
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+fn files(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    let name = |e: std::io::Result<std::fs::DirEntry>| {
+        e.expect("an entry").file_name().to_string_lossy().into_owned()
+    };
+    let mut names: Vec<String> = entries.map(name).collect();
+    names.sort();
+    names
+}
+
+#[test]
+fn stages_and_report_are_as_the_contract_has_them() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let (scan, step, igs) = (fixture("relief.ply"), path("a.step"), path("a.igs"));
+    let (report, stages) = (path("a.json"), path("stages"));
+    converted(&[
+        arg(&scan),
+        arg(&step),
+        arg(&igs),
+        "--report",
+        arg(&report),
+        "--stages",
+        arg(&stages),
+    ]);
+    assert_eq!(
+        files(&stages),
+        ["1-mesh.ply", "2-smooth.ply", "3-filled.ply", "4-parameterized.ply", "5-surface.json"]
+    );
+    let counts: Vec<usize> = ["1-mesh", "2-smooth", "3-filled", "4-parameterized"]
+        .map(|s| points(&stages.join(format!("{s}.ply"))).len())
+        .into();
+    assert!(counts[0] == counts[1] && counts[1] < counts[2] && counts[2] <= counts[3]);
+    let r = json(&report);
+    for key in [
+        "/noise_mm",
+        "/tolerance_mm",
+        "/outliers_pct",
+        "/smooth/h_mm",
+        "/smooth/moved_rms_mm",
+        "/smooth/moved_max_mm",
+        "/fill/holes/0/rim_vertices",
+        "/fill/holes/0/rim_length_mm",
+        "/fill/holes/0/added_vertices",
+        "/fill/holes/0/added_triangles",
+        "/parameterize/flipped",
+        "/parameterize/stretch_l2",
+        "/parameterize/stretch_max",
+        "/fit/degree/0",
+        "/fit/net/1",
+        "/fit/knots_u",
+        "/fit/knots_v",
+        "/fit/rms_mm",
+        "/fit/p95_mm",
+        "/fit/max_mm",
+        "/fit/max_at/2",
+        "/fit/within_pct",
+        "/deviation/rms_mm",
+        "/deviation/p95_mm",
+        "/deviation/p99_mm",
+        "/deviation/max_mm",
+        "/deviation/max_at/0",
+        "/trim/1/control_points",
+        "/trim/1/max_off_surface_mm",
+        "/trim/1/max_from_rim_mm",
+        "/outputs/0/bytes",
+        "/stages/0/seconds",
+        "/stages/0/peak_rss_mb",
+        "/seconds",
+        "/peak_rss_mb",
+        "/input/vertices",
+        "/input/triangles",
+        "/input/components",
+        "/input/boundary_loops",
+    ] {
+        assert!(number(&r, key).is_finite(), "{key}");
+    }
+    assert_eq!(r["input"]["units"], "mm");
+    assert_eq!(r["input"]["units_assumed"], true);
+    assert_eq!(r["tolerance_named"], false);
+    assert_eq!(r["input"]["boundary_loops"], 3);
+    assert_eq!(r["parameterize"]["flipped"], 0);
+    assert_eq!(r["fill"]["holes"][0]["trimmed"], true);
+    let surface = json(&stages.join("5-surface.json"));
+    let rows = surface["net"].as_array().map(Vec::len);
+    assert_eq!(rows.map(|n| n as f64), Some(number(&r, "/fit/net/0")));
+    assert_eq!(surface["trim_loops"].as_array().map(Vec::len), Some(2));
+    assert_eq!(
+        files(folder.path()),
+        ["a.igs", "a.json", "a.step", "stages"],
+        "nothing is left over"
+    );
+}
+
+#[test]
+fn the_same_input_gives_the_same_bytes() {
+    let (one, two) = (folder(), folder());
+    let scan = fixture("relief.ply");
+    for (folder, threads) in [(&one, "1"), (&two, "3")] {
+        let out = ["a.step", "a.igs"].map(|n| folder.path().join(n));
+        converted(&[arg(&scan), arg(&out[0]), arg(&out[1]), "--threads", threads]);
+    }
+    for name in ["a.step", "a.igs"] {
+        let read = |f: &tempfile::TempDir| std::fs::read(f.path().join(name)).expect("a file");
+        assert!(read(&one) == read(&two), "{name} differs");
+    }
+}
+
+#[test]
+fn a_named_tolerance_that_is_missed_is_exit_3() {
+    let folder = folder();
+    let step = folder.path().join("a.step");
+    let scan = fixture("relief.ply");
+    let missed = convert(&[arg(&scan), arg(&step), "--tolerance", "0.000001", "--max-net", "400"]);
+    let said = String::from_utf8_lossy(&missed.stderr);
+    assert_eq!(missed.status.code(), Some(3), "{said}");
+    assert!(said.contains("tolerance not met") && said.contains("the worst"), "{said}");
+    assert!(step.exists(), "the file is written all the same");
+    let met = convert(&[arg(&scan), arg(&step), "--tolerance", "2"]);
+    assert_eq!(met.status.code(), Some(0));
+}
+
+#[test]
+fn a_failed_run_leaves_what_was_there() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    std::fs::write(path("a.step"), "precious").expect("a file");
+    std::fs::write(path("bad.ply"), "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n")
+        .expect("a file");
+    let output = convert(&[arg(&path("bad.ply")), arg(&path("a.step"))]);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    let lines: Vec<&str> = said.lines().collect();
+    assert!(lines[0].starts_with("error: ") && lines[0].contains("bad.ply"), "{said}");
+    assert!(lines[1].starts_with("help: "), "{said}");
+    assert_eq!(std::fs::read_to_string(path("a.step")).expect("a file"), "precious");
+    assert_eq!(files(folder.path()), ["a.step", "bad.ply"]);
+}
+
+#[test]
+fn what_is_not_a_disk_is_refused_by_name() {
+    let folder = folder();
+    let scan = folder.path().join("tetrahedron.obj");
+    let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
+    std::fs::write(&scan, text).expect("a file");
+    let output = convert(&[arg(&scan), arg(&folder.path().join("a.step"))]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said.contains("closed, no boundary") && said.contains("genus 0"), "{said}");
+}
+
+#[test]
+fn usage_errors_are_exit_2() {
+    let scan = fixture("relief.ply");
+    for args in [
+        &["--nonsense"][..],
+        &[arg(&scan)],
+        &[arg(&scan), "out.dxf"],
+        &[arg(&scan), "out.step", "--tolerance", "-1"],
+        &[arg(&scan), "out.step", "--tolerance", "nan"],
+        &[arg(&scan), "out.step", "--net", "3x9"],
+        &[arg(&scan), "out.step", "--corners", "a,b"],
+        &[arg(&scan), "out.step", "--report", "out.html"],
+    ] {
+        assert_eq!(convert(args).status.code(), Some(2), "{args:?}");
+    }
+}
+
+#[test]
+fn the_scan_is_never_overwritten() {
+    let folder = folder();
+    let step = folder.path().join("a.step");
+    let scan = fixture("relief.ply");
+    std::fs::copy(&scan, &step).expect("a copy");
+    let output = convert(&[arg(&step), arg(&step)]);
+    assert_eq!(output.status.code(), Some(1));
+    let [kept, original] = [&step, &scan].map(|p| std::fs::read(p).expect("a file"));
+    assert!(kept == original);
+}
+
+#[test]
+fn units_scale_the_part() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let scan = fixture("relief.ply");
+    let width = |units: &str| {
+        let report = path("r.json");
+        converted(&[
+            arg(&scan),
+            arg(&path("a.step")),
+            "--units",
+            units,
+            "--net",
+            "9x9",
+            "--report",
+            arg(&report),
+        ]);
+        number(&json(&report), "/fill/holes/0/rim_length_mm")
+    };
+    assert!((width("in") / width("mm") - 25.4).abs() < 1e-6);
+}
+
+#[test]
+fn corners_and_nets_are_the_users() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let scan = fixture("relief.ply");
+    let corners = "50,-40,0;50,40,0;-50,40,0;-50,-40,0";
+    converted(&[
+        arg(&scan),
+        arg(&path("a.step")),
+        "--corners",
+        corners,
+        "--net",
+        "9x7",
+        "--fit",
+        "global",
+        "--stages",
+        arg(&path("s")),
+    ]);
+    let surface = json(&path("s").join("5-surface.json"));
+    let first = [0, 1].map(|axis| number(&surface, &format!("/net/0/0/{axis}")));
+    assert!((first[0] - 50.0).abs() < 1.0 && (first[1] + 40.0).abs() < 1.0, "{first:?}");
+    assert_eq!(surface["net"].as_array().map(Vec::len), Some(9));
+    assert_eq!(surface["net"][0].as_array().map(Vec::len), Some(7));
+}
+
+#[test]
+fn holes_can_stay_filled() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let scan = fixture("relief.ply");
+    let run = |options: &[&str]| {
+        let (step, report) = (path("a.step"), path("r.json"));
+        let mut args = vec![arg(&scan), arg(&step), "--report", arg(&report)];
+        args.extend(options);
+        converted(&args);
+        json(&report)
+    };
+    let cut = |r: &serde_json::Value| r["trim"].as_array().map(Vec::len).expect("a list") - 1;
+    let all = run(&[]);
+    assert_eq!((cut(&all), cut(&run(&["--keep-fills"]))), (2, 0));
+    let lengths = [0, 1].map(|h| number(&all, &format!("/fill/holes/{h}/rim_length_mm")));
+    let between = (0.5 * (lengths[0] + lengths[1])).to_string();
+    assert_eq!(cut(&run(&["--fill-only-holes-below", &between])), 1);
+}
+
+#[test]
+fn silence_is_kept() {
+    let folder = folder();
+    let step = folder.path().join("a.step");
+    let said = converted(&[arg(&fixture("relief.ply")), arg(&step), "--quiet"]);
+    assert_eq!(said, "");
+}

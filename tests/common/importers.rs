@@ -1,0 +1,53 @@
+//! OpenCASCADE and FreeCAD, each in a process of its own.
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use serde_json::Value;
+
+use super::root;
+
+/// What OpenCASCADE finds in a file; with `points`, also their distances.
+pub fn opencascade(file: &Path, points: Option<&[[f64; 3]]>) -> Value {
+    let python = root().join("target/occ/bin/python");
+    assert!(
+        python.exists(),
+        "OpenCASCADE is absent. Install it with:\n  \
+         python3 -m venv target/occ && target/occ/bin/pip install -r tests/roundtrip/requirements.txt"
+    );
+    let mut command = Command::new(python);
+    command.arg(script("check_occ.py")).arg(file);
+    let list = tempfile::NamedTempFile::new().expect("a temporary file");
+    if let Some(points) = points {
+        let lines = points.iter().map(|[x, y, z]| format!("{x:?} {y:?} {z:?}\n"));
+        std::fs::write(list.path(), lines.collect::<String>()).expect("a temporary file");
+        command.arg("--points").arg(list.path());
+    }
+    run(command)
+}
+
+/// What FreeCAD finds in a file.
+pub fn freecad(file: &Path) -> Value {
+    let library = Path::new("/usr/lib/freecad-python3/lib");
+    let set = std::env::var_os("FREECAD_LIB").map(PathBuf::from);
+    assert!(
+        set.is_some() || library.exists(),
+        "FreeCAD is absent. Install it with:\n  \
+         sudo apt-get install -y --no-install-recommends freecad-python3"
+    );
+    let mut command = Command::new("/usr/bin/python3");
+    command.arg(script("check_freecad.py")).arg(file);
+    run(command)
+}
+
+fn script(name: &str) -> PathBuf {
+    root().join("tests/roundtrip").join(name)
+}
+
+fn run(mut command: Command) -> Value {
+    let output = command.output().expect("the importer runs");
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{command:?}: {said}");
+    let text = String::from_utf8_lossy(&output.stdout);
+    serde_json::from_str(&text).unwrap_or_else(|e| panic!("{command:?}: {e} in {text}; {said}"))
+}

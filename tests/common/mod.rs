@@ -1,0 +1,69 @@
+//! What the tests share: virtual scans, the program, the importers.
+//!
+//! Not every test uses every part.
+#![allow(dead_code)]
+
+pub mod importers;
+pub mod virtual_scan;
+
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+use serde_json::Value;
+
+/// The project's folder.
+pub fn root() -> &'static Path {
+    Path::new(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// A file of `fixtures/`.
+pub fn fixture(name: &str) -> PathBuf {
+    root().join("fixtures").join(name)
+}
+
+/// Runs `scan2step convert` with the given arguments.
+pub fn convert(args: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_scan2step"));
+    command.arg("convert").args(args).env_remove("SOURCE_DATE_EPOCH");
+    command.output().expect("the program runs")
+}
+
+/// The same, which must succeed; returns what it said.
+pub fn converted(args: &[&str]) -> String {
+    let output = convert(args);
+    let said = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success(), "convert {args:?}: {said}");
+    said
+}
+
+/// A path as an argument.
+pub fn arg(path: &Path) -> &str {
+    path.to_str().expect("test paths are Unicode")
+}
+
+/// A JSON file.
+pub fn json(path: &Path) -> Value {
+    let text = std::fs::read_to_string(path).expect("the report was written");
+    serde_json::from_str(&text).expect("the report is JSON")
+}
+
+/// A number of a JSON value, by pointer.
+pub fn number(value: &Value, pointer: &str) -> f64 {
+    let found = value.pointer(pointer).and_then(Value::as_f64);
+    found.unwrap_or_else(|| panic!("no number at {pointer} in {value}"))
+}
+
+/// The points of a PLY file.
+pub fn points(path: &Path) -> Vec<[f64; 3]> {
+    formats::read_scan(path).expect("the stage is a readable PLY").points
+}
+
+/// The scans that are not part of the project, where they are to be had.
+pub fn shared(path: &str) -> Option<PathBuf> {
+    let found = root().join("../shared").join(path);
+    if !found.exists() {
+        eprintln!("NOT TESTED: {} is absent; it is not part of the project", found.display());
+        return None;
+    }
+    Some(found)
+}

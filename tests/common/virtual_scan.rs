@@ -1,0 +1,244 @@
+//! Virtual scans: what a scanner would have seen of a known true surface.
+//!
+//! A grid over the parameter square, jittered, with Gaussian noise in space,
+//! and holes where vertices are missing. Everything is deterministic, so the
+//! fixtures that `cargo run --example make_fixtures` writes are always the same.
+
+use std::io::{self, Write};
+
+/// A true surface over [0, 1]².
+pub type Truth = fn(f64, f64) -> [f64; 3];
+
+/// A region of the parameter square that the scanner missed: a star around a
+/// centre with a mean radius, an amplitude and a number of arms.
+#[derive(Debug, Clone, Copy)]
+pub struct Star {
+    pub centre: [f64; 2],
+    pub radius: f64,
+    pub arms: f64,
+}
+
+impl Star {
+    fn holds(&self, u: f64, v: f64) -> bool {
+        let (x, y) = (u - self.centre[0], v - self.centre[1]);
+        x.hypot(y) < self.radius * (1.0 + 0.25 * (self.arms * y.atan2(x) + 0.7).cos())
+    }
+}
+
+/// A scan and what is true of it.
+#[derive(Debug, Clone)]
+pub struct VirtualScan {
+    pub truth: Truth,
+    pub holes: Vec<Star>,
+    /// Measured points, in mm.
+    pub points: Vec<[f64; 3]>,
+    /// Where in the parameter square each was measured.
+    pub uv: Vec<[f64; 2]>,
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// A relief of 100 × 80 mm: a dome, a ridge, waves in one corner.
+pub fn relief(u: f64, v: f64) -> [f64; 3] {
+    let (x, y) = (100.0 * (u - 0.5), 80.0 * (v - 0.5));
+    let dome = 18.0 * (-(x * x + y * y) / 1800.0).exp();
+    let ridge = 4.0 * (-((x - 18.0) / 7.0).powi(2) - ((y + 6.0) / 18.0).powi(2)).exp();
+    let waves =
+        0.8 * (x / 3.0).sin() * (-((x + 28.0) / 14.0).powi(2) - ((y - 18.0) / 12.0).powi(2)).exp();
+    [x, y, dome + ridge + waves]
+}
+
+/// Three quarters of a rippled barrel: it overhangs, so no projection to a
+/// plane is one-to-one.
+pub fn rolled_sheet(u: f64, v: f64) -> [f64; 3] {
+    let (angle, y) = (1.5 * std::f64::consts::PI * (u - 0.5), 90.0 * (v - 0.5));
+    let radius = 30.0 + 4.0 * (y / 20.0).cos() + 1.2 * (4.0 * angle).sin() * (y / 12.0).cos();
+    [radius * angle.sin(), y, radius * angle.cos()]
+}
+
+/// The wavy sheet of 100 × 100 mm with a bump on which the paper's figures are
+/// compared.
+pub fn sheet(u: f64, v: f64) -> [f64; 3] {
+    let (x, y) = (100.0 * u, 100.0 * v);
+    let bump = 5.0 * (-((x - 60.0).powi(2) + (y - 40.0).powi(2)) / 200.0).exp();
+    [x, y, 8.0 * (x / 15.0).sin() * (y / 18.0).cos() + bump]
+}
+
+/// The fixture `relief.ply`: noise of 0.06 mm, two holes.
+pub fn relief_scan() -> VirtualScan {
+    let holes = vec![
+        Star { centre: [0.33, 0.35], radius: 0.10, arms: 3.0 },
+        Star { centre: [0.68, 0.7], radius: 0.07, arms: 5.0 },
+    ];
+    VirtualScan::new(relief, [70, 60], 0.06, holes, 1)
+}
+
+/// The fixture `rolled_sheet.obj`: noise of 0.05 mm, one hole.
+pub fn rolled_scan() -> VirtualScan {
+    let holes = vec![Star { centre: [0.45, 0.55], radius: 0.10, arms: 4.0 }];
+    VirtualScan::new(rolled_sheet, [80, 60], 0.05, holes, 2)
+}
+
+/// The paper's run: 8,100 points less a hole, noise of 0.15 mm, hence a rough
+/// boundary.
+pub fn paper_scan() -> VirtualScan {
+    let holes = vec![Star { centre: [0.35, 0.62], radius: 0.10, arms: 5.0 }];
+    VirtualScan::new(sheet, [90, 90], 0.15, holes, 3)
+}
+
+impl VirtualScan {
+    /// Samples `truth` on an `n` × `m` grid.
+    pub fn new(truth: Truth, [n, m]: [usize; 2], noise: f64, holes: Vec<Star>, seed: u64) -> Self {
+        let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
+        let mut all = Vec::with_capacity(n * m);
+        for i in 0..n {
+            for j in 0..m {
+                let mut jitter = |k: usize, count: usize| {
+                    let inside = k > 0 && k + 1 < count;
+                    let shift = 0.4 * (random.uniform() - 0.5) * f64::from(u8::from(inside));
+                    (k as f64 + shift) / (count - 1) as f64
+                };
+                let (u, v) = (jitter(i, n), jitter(j, m));
+                let point = truth(u, v).map(|x| x + noise * random.normal());
+                all.push(([u, v], point));
+            }
+        }
+        let gone = |k: usize| holes.iter().any(|h| h.holds(all[k].0[0], all[k].0[1]));
+        let mut triangles = Vec::new();
+        for k in (0..n - 1).flat_map(|i| (0..m - 1).map(move |j| i * m + j)) {
+            let (a, b, c, d) = (k, k + m, k + m + 1, k + 1);
+            let halves = if random.uniform() < 0.5 {
+                [[a, b, c], [a, c, d]]
+            } else {
+                [[a, b, d], [b, c, d]]
+            };
+            triangles.extend(halves.into_iter().filter(|t| !t.iter().any(|&x| gone(x))));
+        }
+        let mut scan = VirtualScan { truth, holes, points: vec![], uv: vec![], triangles: vec![] };
+        let mut number = vec![None; n * m];
+        for t in triangles {
+            let mut corner = |x: usize| {
+                *number[x].get_or_insert_with(|| {
+                    scan.uv.push(all[x].0);
+                    scan.points.push(all[x].1);
+                    scan.points.len() as u32 - 1
+                })
+            };
+            let t = t.map(&mut corner);
+            scan.triangles.push(t);
+        }
+        scan
+    }
+
+    /// The area of the measured triangles with their corners where they truly
+    /// are, in mm².
+    pub fn true_area(&self) -> f64 {
+        let place = |v: u32| {
+            let [u, w] = self.uv[v as usize];
+            nalgebra::Point3::from((self.truth)(u, w))
+        };
+        let area = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(place);
+            0.5 * (b - a).cross(&(c - a)).norm()
+        };
+        self.triangles.iter().map(area).sum()
+    }
+
+    /// Points of the true surface well away from the holes and the edge.
+    pub fn true_points(&self, n: usize) -> Vec<[f64; 3]> {
+        let at = |i: usize| 0.02 + 0.96 * i as f64 / (n - 1) as f64;
+        let grid = (0..n * n).map(|k| (at(k / n), at(k % n)));
+        let far = |&(u, v): &(f64, f64)| {
+            let wider = |h: &Star| Star { radius: 1.25 * h.radius, ..*h };
+            !self.holes.iter().any(|h| wider(h).holds(u, v))
+        };
+        grid.filter(far).map(|(u, v)| (self.truth)(u, v)).collect()
+    }
+
+    /// Root mean square distance of points from the true surface, in mm: from
+    /// the nearest of a grid of samples, by Newton steps in (u, v).
+    pub fn rms(&self, points: impl Iterator<Item = [f64; 3]>) -> f64 {
+        const GRID: usize = 100;
+        let step = 1.0 / GRID as f64;
+        let uv = |k: usize| ((k / (GRID + 1)) as f64 * step, (k % (GRID + 1)) as f64 * step);
+        let grid: Vec<_> = (0..(GRID + 1) * (GRID + 1))
+            .map(|k| (uv(k), nalgebra::Point3::from((self.truth)(uv(k).0, uv(k).1))))
+            .collect();
+        let (mut sum, mut count) = (0.0, 0);
+        for p in points {
+            let p = nalgebra::Point3::from(p);
+            let squared = |s: &nalgebra::Point3<f64>| (s - p).norm_squared();
+            let nearest = grid.iter().min_by(|a, b| squared(&a.1).total_cmp(&squared(&b.1)));
+            sum += self.distance(p, nearest.expect("a grid has points").0).powi(2);
+            count += 1;
+        }
+        (sum / f64::from(count.max(1))).sqrt()
+    }
+
+    /// The distance of a point from the true surface near (u, v), in mm.
+    fn distance(&self, p: nalgebra::Point3<f64>, (mut u, mut v): (f64, f64)) -> f64 {
+        let at = |u: f64, v: f64| nalgebra::Point3::from((self.truth)(u, v));
+        let mut best = (at(u, v) - p).norm();
+        let e = 1e-6;
+        for _ in 0..8 {
+            let r = p - at(u, v);
+            let su = (at(u + e, v) - at(u - e, v)) / (2.0 * e);
+            let sv = (at(u, v + e) - at(u, v - e)) / (2.0 * e);
+            let gram = nalgebra::Matrix2::new(su.dot(&su), su.dot(&sv), su.dot(&sv), sv.dot(&sv));
+            let right = nalgebra::Vector2::new(su.dot(&r), sv.dot(&r));
+            let Some(d) = gram.lu().solve(&right) else { break };
+            u = (u + d.x).clamp(0.0, 1.0);
+            v = (v + d.y).clamp(0.0, 1.0);
+            best = best.min((at(u, v) - p).norm());
+        }
+        best
+    }
+
+    /// Writes a binary PLY of floats.
+    pub fn write_ply(&self, out: &mut dyn Write) -> io::Result<()> {
+        writeln!(out, "ply\nformat binary_little_endian 1.0\ncomment virtual scan, millimetres")?;
+        writeln!(out, "element vertex {}", self.points.len())?;
+        writeln!(out, "property float x\nproperty float y\nproperty float z")?;
+        writeln!(out, "element face {}", self.triangles.len())?;
+        writeln!(out, "property list uchar int vertex_indices\nend_header")?;
+        for x in self.points.iter().flatten() {
+            out.write_all(&(*x as f32).to_le_bytes())?;
+        }
+        for t in &self.triangles {
+            out.write_all(&[3])?;
+            for v in t {
+                out.write_all(&v.to_le_bytes())?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes an OBJ.
+    pub fn write_obj(&self, out: &mut dyn Write) -> io::Result<()> {
+        writeln!(out, "# virtual scan, millimetres")?;
+        for [x, y, z] in &self.points {
+            writeln!(out, "v {x:.4} {y:.4} {z:.4}")?;
+        }
+        for [a, b, c] in &self.triangles {
+            writeln!(out, "f {} {} {}", a + 1, b + 1, c + 1)?;
+        }
+        Ok(())
+    }
+}
+
+/// A small generator (xorshift64*), the same on every machine.
+struct Random(u64);
+
+impl Random {
+    fn uniform(&mut self) -> f64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Standard normal, by Box and Muller.
+    fn normal(&mut self) -> f64 {
+        let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
+        radius * (std::f64::consts::TAU * self.uniform()).cos()
+    }
+}

@@ -1,0 +1,52 @@
+//! Real scans, where they are to be had: they are not part of the project.
+
+mod common;
+
+use common::importers::{freecad, opencascade};
+use common::{arg, convert, converted, json, number, shared};
+
+/// Scans of class A that differ in kind: a shell, a car's body with openings,
+/// a bust's flank from a range scanner, a wavy sheet, a roof.
+const CONVERTED: [(&str, usize); 5] = [
+    ("scallop_shell.obj.gz", 0),
+    ("car_beetle.obj.gz", 10),
+    ("bunny_flank.obj.gz", 3),
+    ("stl_wavy_sheet.stl.gz", 0),
+    ("roof_inspired.obj", 0),
+];
+
+#[test]
+fn real_scans_become_faces_that_cad_opens() {
+    for (name, holes) in CONVERTED {
+        let Some(scan) = shared(&format!("scans/A/{name}")) else { return };
+        let folder = tempfile::tempdir().expect("a temporary folder");
+        let [step, report] = ["a.step", "a.json"].map(|n| folder.path().join(n));
+        converted(&[arg(&scan), arg(&step), "--report", arg(&report)]);
+        let found = opencascade(&step, None);
+        for key in ["valid", "valid_unhealed", "argument_check", "oriented_loops"] {
+            assert_eq!(found[key], true, "{name}: {key} in {found}");
+        }
+        assert_eq!(found["wires_inner"], holes, "{name}: {found}");
+        assert_eq!(freecad(&step)["valid"], true, "{name}");
+        let r = json(&report);
+        assert_eq!(r["parameterize"]["flipped"], 0, "{name}");
+        println!("{name}: rms {} mm", number(&r, "/fit/rms_mm"));
+    }
+}
+
+#[test]
+fn whole_models_are_refused_with_a_reason() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let step = folder.path().join("a.step");
+    for (name, reason) in [
+        ("armadillo.obj.gz", "genus 0, closed, no boundary"),
+        ("rocker_arm.obj.gz", "genus 1, closed, no boundary"),
+        ("fertility.ply", "genus 4, closed, no boundary"),
+    ] {
+        let Some(scan) = shared(&format!("scans/B/{name}")) else { return };
+        let output = convert(&[arg(&scan), arg(&step)]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{name}: {said}");
+        assert!(said.contains(reason), "{name}: {said}");
+    }
+}
