@@ -58,8 +58,8 @@ const KAPPA_SHARE: f64 = 0.5;
 /// tolerance: more control points would follow the noise.
 const POINTS_A_CONTROL_POINT: usize = 2;
 
-/// Without a named tolerance, a round that does not bring the worst point this
-/// much nearer is the last.
+/// Without a named tolerance, a round that does not bring the number of points
+/// beyond it down to this share is the last.
 const WORTHWHILE: f64 = 0.9;
 
 /// Fits a surface to the samples; the first `measured` of them were measured.
@@ -83,7 +83,7 @@ pub fn fit(
         kappa: asked.kappa.unwrap_or(KAPPA_SHARE * goal.tolerance),
         depth: asked.depth.unwrap_or_else(|| deepest(measured)),
     };
-    let mut best: Option<(f64, Surface, Adapted)> = None;
+    let mut best: Option<(Misses, Surface, Adapted)> = None;
     let mut last: Option<[KnotVector; 2]> = None;
     for rounds in 1..=MAX_ROUNDS {
         let (found, report) = knots::place(samples, &place);
@@ -98,14 +98,14 @@ pub fn fit(
             check_net(m, n, asked.max_net)?;
             last = Some(found.clone());
             let (surface, fit) = fit::fit(samples, found, options.method)?;
-            let worst = worst(&deviation(&surface, samples, measured), goal.outliers);
-            let least = best.as_ref().map_or(f64::INFINITY, |b| b.0);
-            let gained = worst < WORTHWHILE * least;
-            if worst < least {
-                let knots = Some(report);
-                best = Some((worst, surface, Adapted { fit, knots, kappa: place.kappa, rounds }));
+            let misses = Misses::count(&deviation(&surface, samples, measured), goal);
+            let least = best.as_ref().map_or(f64::INFINITY, |b| b.0.beyond as f64);
+            let gained = misses.beyond as f64 <= WORTHWHILE * least;
+            if best.as_ref().is_none_or(|b| misses < b.0) {
+                let adapted = Adapted { fit, knots: Some(report), kappa: place.kappa, rounds };
+                best = Some((misses, surface, adapted));
             }
-            if worst <= goal.tolerance || !(goal.named || gained) {
+            if misses.beyond <= misses.spared || !(goal.named || gained) {
                 break;
             }
         }
@@ -120,9 +120,9 @@ pub fn fit(
 /// κ can be halved this often before it is far below any scan's resolution.
 const MAX_ROUNDS: usize = 24;
 
-/// The depth at which a region would have about four points.
+/// The depth at which a region of an even scan has one to four points.
 fn deepest(measured: usize) -> u32 {
-    ((measured as f64 / 4.0).sqrt().log2().floor() as u32).clamp(2, 10)
+    ((measured as f64 / 4.0).sqrt().log2().ceil() as u32).clamp(2, 12)
 }
 
 fn check_net(m: usize, n: usize, most: usize) -> Result<()> {
@@ -144,11 +144,19 @@ fn deviation(surface: &Surface, samples: &Samples, measured: usize) -> Deviation
     face.deviation(&samples.points[..measured], &samples.uv[..measured])
 }
 
-/// The largest distance once the allowed share of outliers is set aside.
-fn worst(off: &Deviation, outliers: f64) -> f64 {
-    let mut sorted = off.distances.clone();
-    sorted.sort_by(f64::total_cmp);
-    let spared = (outliers * sorted.len() as f64) as usize;
-    let last = sorted.len().saturating_sub(1 + spared);
-    sorted.get(last).copied().unwrap_or(0.0)
+/// How far a fit is from its goal: first by the number of points that miss the
+/// tolerance, then by the worst of them.
+#[derive(Debug, Clone, Copy, PartialEq, PartialOrd)]
+struct Misses {
+    beyond: usize,
+    worst: f64,
+    /// How many points may miss it.
+    spared: usize,
+}
+
+impl Misses {
+    fn count(off: &Deviation, goal: &Goal) -> Self {
+        let spared = (goal.outliers * off.distances.len() as f64) as usize;
+        Misses { beyond: off.beyond(goal.tolerance), worst: off.max, spared }
+    }
 }

@@ -124,7 +124,7 @@ fn holes_are_filled_near_the_truth_and_remembered() {
 
 #[test]
 fn parameters_are_an_embedding_into_the_square() {
-    for (name, scan, _, run) in RUNS.iter() {
+    for (name, _, _, run) in RUNS.iter() {
         let uv = &run.map.uv;
         assert!(uv.iter().all(|p| (0.0..=1.0).contains(&p.x) && (0.0..=1.0).contains(&p.y)));
         for t in &run.map.patch.mesh.triangles {

@@ -23,12 +23,13 @@ struct View {
     eye: Vector,
 }
 
-/// Angle between the direction of view and the mean normal. Seen straight on,
-/// relief is flat; seen from far aside, it hides itself.
-const TILT: f64 = 0.48;
+/// Angle between the direction of view and the mean normal of a flat sheet.
+/// Seen straight on, relief is flat; seen from far aside, it hides itself.
+const TILT: f64 = 0.47;
 
-/// The direction of the tilt: sideways share of it, the rest downwards.
-const SIDEWAYS: f64 = 0.45;
+/// What the angle grows by for a sheet that curls around the eye: straight on,
+/// only the crown of a bust would be seen.
+const CURLED_TILT: f64 = 0.5;
 
 /// Share of the picture's shorter side that stays free on every side.
 const MARGIN: f64 = 0.05;
@@ -74,14 +75,34 @@ impl View {
             .fold(start, |(low, high), p| (low.inf(&p), high.sup(&p)))
     }
 
-    /// The view onto a plane of normal `n` in which its direction `north`
+    /// The view from the direction `facing` in which its direction `north`
     /// points upwards.
-    fn onto(n: Vector, north: Vector) -> View {
-        let east = north.cross(&n);
-        let aside = (SIDEWAYS * east - (1.0 - SIDEWAYS) * north).normalize();
-        let eye = TILT.cos() * n + TILT.sin() * aside;
+    fn onto(facing: &Facing, north: Vector) -> View {
+        let n = facing.normal;
+        let west = n.cross(&north);
+        let aside = (facing.sideways * west - (1.0 - facing.sideways) * north).normalize();
+        let eye = facing.tilt.cos() * n + facing.tilt.sin() * aside;
         let right = north.cross(&eye).normalize();
         View { right, up: eye.cross(&right), eye }
+    }
+}
+
+/// From where a mesh is looked at, but for the turn of the picture.
+struct Facing {
+    normal: Vector,
+    tilt: f64,
+    /// Which share of the tilt is sideways; the rest is downwards.
+    sideways: f64,
+}
+
+impl Facing {
+    fn new(mesh: &Mesh) -> Facing {
+        let (normal, flatness) = mean_normal(mesh);
+        let tilt = TILT + CURLED_TILT * (1.0 - flatness).powi(2);
+        // What stands is best seen in three-quarter view, what lies from the
+        // front; nearest to lying is what faces up.
+        let sideways = 0.7 - 0.45 * normal.y.abs();
+        Facing { normal, tilt, sideways }
     }
 }
 
@@ -93,43 +114,62 @@ fn scale(extent: Vector, size: [usize; 2]) -> f64 {
     if fit.is_finite() { fit } else { 1.0 }
 }
 
-/// Of all turns of the picture about the mean normal, the one that shows the
-/// mesh largest, with a bonus for one in which up is up.
+/// The view that shows the mesh largest, with a bonus for one in which up is
+/// up. Sides of its smallest rectangle, or axes of the scan's coordinates,
+/// stand vertical in it: a diagonal view would fit more, but look fallen over.
 fn best_view(mesh: &Mesh, size: [usize; 2]) -> View {
-    let n = facing_normal(mesh);
-    let upright = upright(n);
+    let facing = Facing::new(mesh);
     let step = mesh.points.len().div_ceil(PROBES).max(1);
     let probes: Vec<Point> = mesh.points.iter().copied().step_by(step).collect();
-    let (x, y) = plane_axes(n);
-    let mut best = (f64::NEG_INFINITY, View::onto(n, y));
-    for degree in 0..360 {
-        let angle = f64::from(degree).to_radians();
-        let north = angle.cos() * x + angle.sin() * y;
-        let view = View::onto(n, north);
-        let (low, high) = view.bounds(probes.iter().copied());
-        let score = scale(high - low, size) * (1.0 + UPRIGHT_BONUS * north.dot(&upright));
-        if score > best.0 {
-            best = (score, view);
+    let upright = upright(facing.normal);
+    let world = upright - upright.dot(&facing.normal) * facing.normal;
+    let mut best = (f64::NEG_INFINITY, View::onto(&facing, world.normalize()));
+    for side in [world.normalize(), rectangle_side(&probes, facing.normal)] {
+        let across = facing.normal.cross(&side);
+        for north in [side, across, -side, -across] {
+            let view = View::onto(&facing, north);
+            let (low, high) = view.bounds(probes.iter().copied());
+            let score = scale(high - low, size) * (1.0 + UPRIGHT_BONUS * north.dot(&upright));
+            if score > best.0 {
+                best = (score, view);
+            }
         }
     }
     best.1
 }
 
-/// The mean normal; for a mesh that closes so far that its normals cancel, the
-/// direction in which it extends least.
-fn facing_normal(mesh: &Mesh) -> Vector {
+/// Direction of a side of the smallest rectangle around the points, seen along
+/// `n`, to a degree.
+fn rectangle_side(points: &[Point], n: Vector) -> Vector {
+    let (x, y) = plane_axes(n);
+    let mut best = (f64::INFINITY, y);
+    for degree in 0..90 {
+        let angle = f64::from(degree).to_radians();
+        let up = angle.cos() * x + angle.sin() * y;
+        let (low, high) = View { right: up.cross(&n), up, eye: n }.bounds(points.iter().copied());
+        let area = (high.x - low.x) * (high.y - low.y);
+        if area < best.0 {
+            best = (area, up);
+        }
+    }
+    best.1
+}
+
+/// The mean normal and, from 0 to 1, how much the normals agree. For a mesh
+/// that closes so far that they cancel, the direction in which it extends least.
+fn mean_normal(mesh: &Mesh) -> (Vector, f64) {
     let areas = mesh.triangles.iter().map(|&t| mesh.area_vector(t));
     let (sum, total) =
         areas.fold((Vector::zeros(), 0.0), |(sum, total), a| (sum + a, total + a.norm()));
     if sum.norm() > 0.1 * total {
-        return sum.normalize();
+        return (sum.normalize(), sum.norm() / total);
     }
     let count = mesh.points.len().max(1) as f64;
     let mean = mesh.points.iter().fold(Vector::zeros(), |sum, p| sum + p.coords) / count;
     let spread = mesh.points.iter().map(|p| p.coords - mean).map(|d| d * d.transpose()).sum();
     let axes = SymmetricEigen::<f64, nalgebra::Const<3>>::new(spread);
     let least = axes.eigenvalues.imin();
-    axes.eigenvectors.column(least).into()
+    (axes.eigenvectors.column(least).into(), 0.0)
 }
 
 /// The direction that most likely is up in a view along `n`: y, as most scans

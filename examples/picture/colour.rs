@@ -54,10 +54,13 @@ fn key() -> Vector {
 }
 
 /// Light on a white sheet of normal `n`: a key light from the upper left, a
-/// weaker one from the right, and some from everywhere.
+/// weaker one from the right, and some from the eye.
 pub fn brightness(n: &Vector) -> f64 {
     let side = Vector::new(0.85, -0.1, 0.5).normalize();
-    0.1 + 0.95 * n.dot(&key()).max(0.0) + 0.22 * n.dot(&side).max(0.0) + 0.1 * n.z.max(0.0)
+    // Light that wraps around: Lambert's ends in a line that looks like a
+    // crease of the surface.
+    let wrapped = (0.5 + 0.5 * n.dot(&key())).powf(2.6);
+    0.04 + 1.3 * wrapped + 0.16 * n.dot(&side).max(0.0) + 0.1 * n.z.max(0.0)
 }
 
 /// From sRGB to linear light.

@@ -6,6 +6,7 @@ use crate::camera::Camera;
 use crate::colour::{BACKGROUND, INK, Rgb, brightness, encoded, linear, mix, srgb};
 use crate::font;
 use crate::image::Image;
+use crate::lines::Pen;
 use crate::scan;
 use crate::scene::Scene;
 
@@ -16,16 +17,21 @@ pub fn picture(scene: &Scene, [width, height]: [usize; 2]) -> Image {
     let camera = Camera::facing(&scene.measured.mesh, scene.extent(), size);
     let mesh = &scene.measured.mesh;
     let distance = |v: VertexId| scene.conversion.deviation.distances[v.index()];
-    let scan = scan::draw(scene, &camera, size, |number, w, normal, front| {
+    let mut scan = scan::draw(scene, &camera, size, |number, w, normal, front| {
         let [a, b, c] = mesh.triangles[number].map(distance);
         let d = w[0] * a + w[1] * b + w[2] * c;
-        let n = if front { normal } else { -normal };
+        let (n, light) = if front { (normal, 1.0) } else { (-normal, BACK) };
         // Much shade would change the colours that the bar explains.
-        let shade = (0.72 + 0.28 * brightness(&n)) as f32;
+        let shade = (light * (0.6 + 0.4 * brightness(&n))) as f32;
         scale(d / legend.end).map(|c| c * shade)
     });
-    scan.beside(legend.image())
+    // One sheet behind another has the same colours.
+    scan::rims(&scan, scene, &camera, Pen::solid(1.3)).ink(&mut scan, linear(INK));
+    scan.image().beside(legend.image())
 }
+
+/// Light on the inner side.
+const BACK: f64 = 0.6;
 
 /// The scale viridis: colours that the colour-blind tell apart too, their
 /// lightness growing evenly.

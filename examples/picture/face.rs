@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use scan2step::geometry::{Point, Uv, Vector};
 
 use crate::camera::Camera;
-use crate::canvas::{Canvas, shows_front};
+use crate::canvas::{Canvas, SAMPLES, shows_front};
 use crate::colour::{INK, lacquer, linear, srgb};
 use crate::image::Image;
 use crate::lines::{Lines, Pen};
@@ -15,7 +15,12 @@ use crate::trimmed::CutOut;
 /// Cells of the tessellation in u and in v.
 const CELLS: usize = 640;
 
-const EDGE: Pen = Pen { width: 1.9, seen: 1.0, hidden: 0.0 };
+const EDGE: Pen = Pen::solid(2.1);
+
+/// How far, as a share of the picture's height, the net may be behind the face
+/// and still be drawn as if it were in front: it keeps near the face, on both
+/// sides, and would come out in tatters.
+const SUNK: f64 = 0.04;
 
 /// The face with its edges.
 pub fn picture(scene: &Scene, camera: &Camera, size: [usize; 2]) -> Image {
@@ -109,8 +114,9 @@ fn net(canvas: &Canvas, scene: &Scene, camera: &Camera) -> Lines {
     let [m, n] = surface.shape();
     let at = |i: usize, j: usize| camera.project(&Point::from(surface.control(i, j)));
     // Of a net of hundreds of rows, full lines would leave nothing to be seen.
-    let width = (60.0 / m.max(n) as f64).clamp(0.35, 1.2);
-    let pen = Pen { width, seen: 0.9, hidden: 0.18 };
+    let width = (80.0 / m.max(n) as f64).clamp(0.4, 1.5);
+    let sunk = SUNK * (canvas.height / SAMPLES) as f64;
+    let pen = Pen { width, seen: 0.95, hidden: 0.12, sunk };
     let mut lines = Lines::over(canvas);
     for i in 0..m {
         lines.polyline(canvas, (0..n).map(|j| at(i, j)), pen);
@@ -119,7 +125,7 @@ fn net(canvas: &Canvas, scene: &Scene, camera: &Camera) -> Lines {
         lines.polyline(canvas, (0..m).map(|i| at(i, j)), pen);
     }
     for k in 0..m * n {
-        lines.point(canvas, at(k / n, k % n), Pen { width: 3.2 * width, ..pen });
+        lines.point(canvas, at(k / n, k % n), Pen { width: 3.0 * width, ..pen });
     }
     lines
 }

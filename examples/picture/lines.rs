@@ -22,11 +22,22 @@ pub struct Pen {
     pub seen: f32,
     /// Opacity behind a sheet.
     pub hidden: f32,
+    /// How far, in pixels, the line may be behind a sheet and is still seen.
+    pub sunk: f64,
 }
 
-/// How far, in samples, a line that lies on a sheet may be behind it: the
-/// sheet is drawn as flat triangles.
-const TOLERANCE: f32 = 2.0;
+impl Pen {
+    /// An opaque pen for lines that lie on a sheet. The sheet is drawn as flat
+    /// triangles, so that lines may be a little behind it.
+    pub const fn solid(width: f64) -> Pen {
+        Pen { width, seen: 1.0, hidden: 0.0, sunk: 0.7 }
+    }
+
+    /// A pen for the plane, where nothing hides anything.
+    pub const fn flat(width: f64, opacity: f32) -> Pen {
+        Pen { width, seen: opacity, hidden: opacity, sunk: 0.0 }
+    }
+}
 
 /// Samples around a point of a line of which the farthest decides whether it
 /// is seen: on a steep sheet depth changes much from one to the next.
@@ -48,18 +59,14 @@ impl Lines {
             let step = pair[1] - pair[0];
             let count = step.xy().norm().ceil().max(1.0);
             for i in 0..=count as usize {
-                let at = pair[0] + step * (i as f64 / count);
-                let opacity = if self.is_seen(canvas, at) { pen.seen } else { pen.hidden };
-                self.dot(at, 0.5 * pen.width * SAMPLES as f64, opacity);
+                self.dot(canvas, pair[0] + step * (i as f64 / count), pen);
             }
         }
     }
 
     /// Draws a dot, in pixels and depth, of a pen's width.
     pub fn point(&mut self, canvas: &Canvas, at: Vector, pen: Pen) {
-        let at = at * SAMPLES as f64;
-        let opacity = if self.is_seen(canvas, at) { pen.seen } else { pen.hidden };
-        self.dot(at, 0.5 * pen.width * SAMPLES as f64, opacity);
+        self.dot(canvas, at * SAMPLES as f64, pen);
     }
 
     /// Puts the lines onto the canvas.
@@ -72,7 +79,7 @@ impl Lines {
         }
     }
 
-    fn is_seen(&self, canvas: &Canvas, at: Vector) -> bool {
+    fn is_seen(&self, canvas: &Canvas, at: Vector, sunk: f64) -> bool {
         let near = |x: f64, end: usize| {
             let first = (x.floor().max(0.0) as usize).saturating_sub(AROUND);
             first.min(end)..(first + 2 * AROUND + 1).min(end)
@@ -83,22 +90,27 @@ impl Lines {
                 farthest = farthest.max(canvas.depth[y * self.width + x]);
             }
         }
-        at.z as f32 <= farthest + TOLERANCE
+        at.z - sunk <= f64::from(farthest)
     }
 
-    fn dot(&mut self, at: Vector, radius: f64, opacity: f32) {
+    /// A dot, in samples and depth.
+    fn dot(&mut self, canvas: &Canvas, at: Vector, pen: Pen) {
+        let seen = self.is_seen(canvas, at, pen.sunk * SAMPLES as f64);
+        let opacity = if seen { pen.seen } else { pen.hidden };
+        let radius = 0.5 * pen.width * SAMPLES as f64;
         let span = |x: f64, end: usize| {
-            let low = (x - radius - 0.5).ceil().max(0.0);
-            low as usize
-                ..(x + radius + 0.5).floor().clamp(low, end.max(low as usize) as f64) as usize
+            let low = (x - radius - 1.0).floor().max(0.0) as usize;
+            let high = (x + radius + 1.0).ceil().max(0.0) as usize;
+            low.min(end)..high.min(end)
         };
         for y in span(at.y, self.height) {
             for x in span(at.x, self.width) {
-                let (dx, dy) = (x as f64 + 0.5 - at.x, y as f64 + 0.5 - at.y);
-                if dx * dx + dy * dy <= radius * radius && x < self.width && y < self.height {
-                    let cover = &mut self.cover[y * self.width + x];
-                    *cover = cover.max(opacity);
-                }
+                let off = (x as f64 + 0.5 - at.x).hypot(y as f64 + 0.5 - at.y);
+                // A soft rim: a thin line keeps its weight wherever it falls
+                // between the samples.
+                let share = (radius + 0.5 - off).clamp(0.0, 1.0) as f32;
+                let cover = &mut self.cover[y * self.width + x];
+                *cover = cover.max(share * opacity);
             }
         }
     }

@@ -69,8 +69,7 @@ fn triangles(canvas: &mut Canvas, scene: &Scene, plane: &Plane) {
 fn sides(canvas: &Canvas, scene: &Scene, plane: &Plane) -> Lines {
     let mesh = &scene.map.patch.mesh;
     let mean = plane.side / (0.5 * mesh.triangles.len() as f64).sqrt();
-    let opacity = (0.06 * mean).clamp(0.12, 0.45) as f32;
-    let pen = Pen { width: 0.4, seen: opacity, hidden: opacity };
+    let pen = Pen::flat(0.5, (0.07 * mean).clamp(0.15, 0.5) as f32);
     let mut lines = Lines::over(canvas);
     for t in &mesh.triangles {
         let [a, b, c] = t.map(|v| plane.place(scene.map.uv[v.index()]));
@@ -83,8 +82,8 @@ fn knot_lines(canvas: &Canvas, scene: &Scene, plane: &Plane) -> Lines {
     let surface = scene.surface();
     let ((u0, u1), (v0, v1)) = (surface.u.range(), surface.v.range());
     let spans = surface.u.breaks().len().max(surface.v.breaks().len());
-    let width = (0.12 * plane.side / spans as f64).clamp(0.4, 1.1);
-    let pen = Pen { width, seen: 0.75, hidden: 0.75 };
+    let width = (0.12 * plane.side / spans as f64).clamp(0.4, 1.2);
+    let pen = Pen::flat(width, 0.85);
     let mut lines = Lines::over(canvas);
     for u in surface.u.breaks() {
         lines.polyline(
@@ -105,7 +104,7 @@ fn knot_lines(canvas: &Canvas, scene: &Scene, plane: &Plane) -> Lines {
 
 /// The trim loops and the domain's sides.
 fn loops(canvas: &Canvas, scene: &Scene, plane: &Plane) -> Lines {
-    let pen = Pen { width: 2.2, seen: 1.0, hidden: 1.0 };
+    let pen = Pen::flat(2.2, 1.0);
     let mut lines = Lines::over(canvas);
     for outline in scene.loops() {
         let closed = outline.iter().chain(outline.first());

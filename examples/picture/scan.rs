@@ -6,13 +6,14 @@ use crate::camera::Camera;
 use crate::canvas::{Canvas, shows_front};
 use crate::colour::{Rgb, plaster};
 use crate::image::Image;
+use crate::lines::{Lines, Pen};
 use crate::occlusion;
 use crate::scene::Scene;
 
 /// The scan in plaster, every triangle flat so that noise shows.
 pub fn picture(scene: &Scene, camera: &Camera, size: [usize; 2]) -> Image {
     let material = plaster();
-    draw(scene, camera, size, |_, _, normal, front| material.lit(normal, front))
+    draw(scene, camera, size, |_, _, normal, front| material.lit(normal, front)).image()
 }
 
 /// Draws the scan. `paint` has a triangle's number, the barycentric
@@ -23,7 +24,7 @@ pub fn draw(
     camera: &Camera,
     size: [usize; 2],
     paint: impl Fn(usize, [f64; 3], Vector, bool) -> Rgb,
-) -> Image {
+) -> Canvas {
     let mesh = &scene.measured.mesh;
     let mut canvas = Canvas::new(size);
     for (number, &t) in mesh.triangles.iter().enumerate() {
@@ -33,5 +34,16 @@ pub fn draw(
         canvas.triangle(places, |w| Some(paint(number, w, normal, front)));
     }
     occlusion::darken(&mut canvas);
-    canvas.image()
+    canvas
+}
+
+/// The mesh's boundary loops.
+pub fn rims(canvas: &Canvas, scene: &Scene, camera: &Camera, pen: Pen) -> Lines {
+    let mut lines = Lines::over(canvas);
+    for rim in scene.measured.loops() {
+        let closed = rim.iter().chain(rim.first());
+        let places = closed.map(|&v| camera.project(&scene.measured.mesh.point(v)));
+        lines.polyline(canvas, places, pen);
+    }
+    lines
 }

@@ -69,3 +69,28 @@ fn arm(points: &[Point], i: usize, window: f64, step: usize) -> Vector {
     }
     sum
 }
+
+/// The tip of the corner near point `i` of a closed loop: of the points within
+/// half a window, the one that sticks out farthest between the two arms. The
+/// turn alone is nearly the same for a tip's neighbours.
+pub fn tip(points: &[Point], i: usize, window: f64) -> usize {
+    let [before, after] = arms(points, i, window).map(|d| d.try_normalize(0.0).unwrap_or(d));
+    let outward = before - after;
+    let n = points.len();
+    let mut best = i;
+    for step in [1, n - 1] {
+        let (mut j, mut length) = (i, 0.0);
+        for _ in 0..n / 2 {
+            let next = (j + step) % n;
+            length += (points[next] - points[j]).norm();
+            if length > 0.5 * window {
+                break;
+            }
+            j = next;
+            if (points[j] - points[best]).dot(&outward) > 0.0 {
+                best = j;
+            }
+        }
+    }
+    best
+}

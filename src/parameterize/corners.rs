@@ -62,10 +62,10 @@ pub fn find(patch: &Patch) -> Result<[usize; 4]> {
         .ok_or_else(|| Error::Corners("the outer boundary has fewer than four vertices".into()))
 }
 
-/// Lower is better: a right angle costs nothing, a straight or concave place
+/// Lower is better: a right angle or a sharper one costs nothing, a straight or concave place
 /// one, and opposite sides of unequal length the logarithm of their ratio.
 fn cost(four: [&Candidate; 4]) -> f64 {
-    let missing: f64 = four.iter().map(|c| (1.0 - c.turn).abs().min(1.5)).sum();
+    let missing: f64 = four.iter().map(|c| (1.0 - c.turn).clamp(0.0, 1.5)).sum();
     let side = |k: usize| (four[(k + 1) % 4].at - four[k].at).rem_euclid(1.0).max(1e-9);
     let uneven = |k: usize| (side(k) / side(k + 2)).ln().abs();
     missing + 0.5 * (uneven(0) + uneven(1))
@@ -89,9 +89,16 @@ fn candidates(patch: &Patch) -> Vec<Candidate> {
         all.push(Candidate { position: i, at: walked / total, turn });
         walked += length;
     }
-    let mut chosen = peaks(&all, window / total);
+    let mut chosen = Vec::new();
+    for i in peaks(&all, window / total) {
+        let tip = boundary::tip(&points, i, window);
+        all[tip].turn = all[i].turn;
+        chosen.push(tip);
+    }
     let step = n.div_ceil(EVEN).max(1);
-    chosen.extend((0..n).step_by(step));
+    let far = |i: &usize| chosen.iter().all(|&j| apart(&all, *i, j) > window / total);
+    let even: Vec<usize> = (0..n).step_by(step).filter(far).collect();
+    chosen.extend(even);
     chosen.sort_unstable();
     chosen.dedup();
     let chosen: std::collections::HashSet<usize> = chosen.into_iter().collect();
@@ -104,14 +111,16 @@ fn peaks(all: &[Candidate], window: f64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..all.len()).filter(|&i| all[i].turn > 0.2).collect();
     order.sort_by(|&i, &j| all[j].turn.total_cmp(&all[i].turn).then(i.cmp(&j)));
     let mut kept: Vec<usize> = Vec::new();
-    let apart = |i: usize, j: usize| {
-        let d = (all[i].at - all[j].at).abs();
-        d.min(1.0 - d) > window
-    };
     for i in order {
-        if kept.len() < TURNS && kept.iter().all(|&j| apart(i, j)) {
+        if kept.len() < TURNS && kept.iter().all(|&j| apart(all, i, j) > window) {
             kept.push(i);
         }
     }
     kept
+}
+
+/// How far two boundary vertices are from each other, as a share of the loop.
+fn apart(all: &[Candidate], i: usize, j: usize) -> f64 {
+    let d = (all[i].at - all[j].at).abs();
+    d.min(1.0 - d)
 }

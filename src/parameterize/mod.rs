@@ -56,16 +56,7 @@ pub fn parameterize(patch: Patch, options: &Options) -> Result<(Parameterized, R
     let sides = corners.map(|c| c - corners[0]);
     let split_edges = mend::split_dividing_edges(&mut patch, &sides);
     let rim = square(&patch, &sides);
-    let mut weights = weights::mean_value(&patch.mesh);
-    let mut uv = solve::convex_combination(&patch, &weights, &rim)?;
-    for _ in 0..MENDING_ROUNDS {
-        let bad = inverted(&patch, &uv);
-        if bad.is_empty() {
-            break;
-        }
-        weights.even_out(&patch.mesh, &bad);
-        uv = solve::convex_combination(&patch, &weights, &rim)?;
-    }
+    let uv = embed(&patch, &rim)?;
     let bad = inverted(&patch, &uv);
     if let Some(&first) = bad.first() {
         let at = patch.mesh.point(patch.mesh.triangles[first][0]);
@@ -75,10 +66,45 @@ pub fn parameterize(patch: Patch, options: &Options) -> Result<(Parameterized, R
     Ok((Parameterized { patch, uv }, Report { flipped: bad.len(), split_edges, stretch }))
 }
 
-/// How often weights around inverted triangles are evened out. Mean value
-/// weights of needles span so many magnitudes that the solution loses its
-/// digits there.
-const MENDING_ROUNDS: usize = 8;
+/// The mean value map; then, since a fixed square crushes what sticks out of
+/// the patch (down to where double precision loses it), maps with weights
+/// evened out by the stretch (Yoshizawa, Belyaev, Seidel, "A fast and simple
+/// stretch-minimizing mesh parameterization", 2004), as long as each gains.
+fn embed(patch: &Patch, rim: &[Uv]) -> Result<Vec<Uv>> {
+    let mut weights = weights::mean_value(&patch.mesh);
+    let mut best: Option<(usize, f64, Vec<Uv>)> = None;
+    let mut idle = 0;
+    for _ in 0..ROUNDS {
+        let uv = solve::convex_combination(patch, &weights, rim)?;
+        let folds = inverted(patch, &uv).len();
+        let l2 = stretch::measure(patch, &uv).l2;
+        weights.even_stretch(patch, &stretch::of_vertices(patch, &uv));
+        let gained = best.as_ref().is_none_or(|(least_folds, least, _)| {
+            folds < *least_folds || (folds == *least_folds && l2 < WORTHWHILE * least)
+        });
+        idle = if gained { 0 } else { idle + 1 };
+        if gained {
+            best = Some((folds, l2, uv));
+        }
+        if idle > PATIENCE || (idle > 0 && l2 < CRUSHED) {
+            break;
+        }
+    }
+    best.map(|(_, _, uv)| uv).ok_or(Error::Singular("parameterization"))
+}
+
+/// Maps made at the most.
+const ROUNDS: usize = 24;
+
+/// A round gains if it lowers the stretch to this share.
+const WORTHWHILE: f64 = 0.99;
+
+/// A map that stretches more is crushed somewhere, and the figure hangs on a
+/// few triangles; there a round that does not gain need not be the last.
+const CRUSHED: f64 = 4.0;
+
+/// How many such rounds may follow each other.
+const PATIENCE: usize = 5;
 
 fn inverted(patch: &Patch, uv: &[Uv]) -> Vec<usize> {
     let flipped = |&t: &usize| {

@@ -1,8 +1,6 @@
 //! Mean value coordinates (Floater, "Mean value coordinates", 2003).
 
-use std::collections::HashSet;
-
-use crate::mesh::Mesh;
+use crate::mesh::{Mesh, Patch};
 
 /// Weights of the six directed edges of every triangle: `pairs[t][k]` holds
 /// what triangle t adds to the weight of its corner k+1, and of its corner
@@ -31,14 +29,14 @@ pub fn mean_value(mesh: &Mesh) -> Weights {
 }
 
 impl Weights {
-    /// Makes the weights uniform in the triangles given and around their
-    /// vertices, where they do not determine the map in double precision.
-    pub fn even_out(&mut self, mesh: &Mesh, triangles: &[usize]) {
-        let around: HashSet<_> = triangles.iter().flat_map(|&t| mesh.triangles[t]).collect();
-        for (t, corners) in mesh.triangles.iter().enumerate() {
-            for (k, corner) in corners.iter().enumerate() {
-                if around.contains(corner) {
-                    self.pairs[t][k] = [1.0, 1.0];
+    /// Divides the weight of every neighbour by the square root of the stretch
+    /// there (the damped form), so that stretched regions draw their
+    /// surroundings less and widen.
+    pub fn even_stretch(&mut self, patch: &Patch, stretch: &[f64]) {
+        for (t, pairs) in patch.mesh.triangles.iter().zip(&mut self.pairs) {
+            for k in 0..3 {
+                for (j, weight) in pairs[k].iter_mut().enumerate() {
+                    *weight /= stretch[t[(k + 1 + j) % 3].index()].sqrt();
                 }
             }
         }

@@ -20,7 +20,11 @@ pub fn find(mesh: &Mesh, ring: &[VertexId], window: f64) -> Vec<usize> {
         return Vec::new();
     }
     let turns: Vec<f64> = (0..n).map(|i| turn(&points, i, window)).collect();
-    (0..n).filter(|&i| turns[i] > TURN && is_peak(&points, &turns, i, window)).collect()
+    let peaks = (0..n).filter(|&i| turns[i] > TURN && is_peak(&points, &turns, i, window));
+    let mut tips: Vec<usize> = peaks.map(|i| boundary::tip(&points, i, window)).collect();
+    tips.sort_unstable();
+    tips.dedup();
+    tips
 }
 
 /// The angle between the arms' directions.

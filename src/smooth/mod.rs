@@ -7,9 +7,10 @@ mod corners;
 mod curve;
 mod support;
 mod surface;
+mod uncross;
 mod unfold;
 
-use crate::geometry::{Point, VertexId};
+use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::mls::{Cloud, Scratch};
 use crate::mesh::{Disk, boundary};
 
@@ -83,7 +84,9 @@ pub fn smooth(disk: &Disk, options: &Options) -> (Disk, Report) {
         };
         report.corners.extend(kept.iter().map(|&i| ring[i]));
         let line: Vec<Point> = ring.iter().map(|&v| out.mesh.point(v)).collect();
-        let smooth = curve::smooth_loop(&line, &kept, tried.h);
+        let mut smooth = curve::smooth_loop(&line, &kept, tried.h);
+        let normals: Vec<Vector> = ring.iter().map(|v| cloud.normal(v.index())).collect();
+        uncross::uncross(&mut smooth, &line, &normals);
         lay_back(&cloud, ring, &smooth, tried.h, &mut out.mesh.points);
     }
     unfold::unfold(&mut out, &cloud, &projected, tried.h);

@@ -1,0 +1,85 @@
+//! A boundary loop that smoothing has drawn across itself, at a slot narrower
+//! than the support, is taken back there.
+
+use crate::geometry::{Point, Uv, Vector, plane_axes, segments_cross};
+
+/// Rounds at the most; each takes back half of what is left.
+const ROUNDS: usize = 12;
+
+/// Vertices on each side of a crossing that go back with it.
+const AROUND: usize = 4;
+
+/// Moves the points of `smooth` around each crossing back towards `before`,
+/// the loop as it was, until it does not cross itself. `normals` are the
+/// surface's at the points.
+pub fn uncross(smooth: &mut [Point], before: &[Point], normals: &[Vector]) {
+    let n = smooth.len();
+    for _ in 0..ROUNDS {
+        let mut back = vec![false; n];
+        for i in crossed(smooth, normals) {
+            (0..=2 * AROUND + 1).for_each(|k| back[(i + n + k - AROUND) % n] = true);
+        }
+        if !back.contains(&true) {
+            return;
+        }
+        for i in (0..n).filter(|&i| back[i]) {
+            smooth[i] = nalgebra::center(&smooth[i], &before[i]);
+        }
+    }
+}
+
+/// The edges, by their first vertex, that cross another one, seen along the
+/// normal.
+fn crossed(points: &[Point], normals: &[Vector]) -> Vec<usize> {
+    let n = points.len();
+    let longest = (0..n).map(|i| (points[(i + 1) % n] - points[i]).norm()).fold(0.0, f64::max);
+    let mut order: Vec<usize> = (0..n).collect();
+    order.sort_by(|&i, &j| points[i].x.total_cmp(&points[j].x));
+    let mut found = Vec::new();
+    for (k, &i) in order.iter().enumerate() {
+        // Edges whose first vertices are farther apart cannot meet.
+        let near =
+            order[k + 1..].iter().take_while(|&&j| points[j].x - points[i].x < 2.0 * longest);
+        for &j in near.filter(|&&j| (points[j] - points[i]).norm() < 2.0 * longest) {
+            if cross(points, normals, i, j) {
+                found.extend([i, j]);
+            }
+        }
+    }
+    found
+}
+
+fn cross(points: &[Point], normals: &[Vector], i: usize, j: usize) -> bool {
+    let n = points.len();
+    if (i + 1) % n == j || (j + 1) % n == i || normals[i].dot(&normals[j]) <= 0.0 {
+        return false;
+    }
+    let (x, y) = plane_axes((normals[i] + normals[j]).normalize());
+    let flat = |k: usize| {
+        let d = points[k % n] - points[i];
+        Uv::new(d.dot(&x), d.dot(&y))
+    };
+    segments_cross(flat(i), flat(i + 1), flat(j), flat(j + 1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_slot_that_was_drawn_shut_opens_again() {
+        let p = |x: f64, y: f64| Point::new(x, y, 0.0);
+        // A square with a slot from the right; then the slot's banks swapped.
+        let slot = [(10., 5.2), (8., 5.2), (6., 5.2), (6., 4.8), (8., 4.8), (10., 4.8)];
+        let outside = [(10., 0.), (5., 0.), (0., 0.), (0., 5.), (0., 10.), (5., 10.), (10., 10.)];
+        let before: Vec<Point> = slot.iter().chain(&outside).map(|&(x, y)| p(x, y)).collect();
+        let normals = vec![Vector::z(); before.len()];
+        assert!(crossed(&before, &normals).is_empty());
+        let mut smooth = before.clone();
+        smooth[1].y = 4.7;
+        smooth[4].y = 5.3;
+        assert!(!crossed(&smooth, &normals).is_empty());
+        uncross(&mut smooth, &before, &normals);
+        assert!(crossed(&smooth, &normals).is_empty());
+    }
+}
