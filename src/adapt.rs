@@ -1,8 +1,10 @@
 //! Knots and fit, again and again until the tolerance holds.
 //!
-//! The paper takes κ and a depth from the user. Here they follow from the
-//! tolerance: κ starts as a share of it (κ bounds a mean, the tolerance a
-//! maximum) and is halved, and the depth raised once κ alone adds no knot.
+//! The paper takes κ and a depth from the user, and places knots once. Here κ
+//! follows from the tolerance (κ bounds a mean, the tolerance a maximum), and
+//! where the fitted surface still misses points the knot spans that hold them
+//! are halved: a region that a polynomial of its own fits need not be one that
+//! a spline, bound to its neighbours, can follow.
 
 use crate::deviation::{Deviation, Face};
 use crate::error::{Error, Result};
@@ -43,15 +45,15 @@ pub struct Goal {
 pub struct Adapted {
     /// The last fit.
     pub fit: fit::Report,
-    /// The last placement of knots; `None` with a net of the user's.
+    /// The placement of knots by κ; `None` with a net of the user's.
     pub knots: Option<knots::Report>,
-    /// κ of the last placement, in mm.
+    /// κ, in mm.
     pub kappa: f64,
     /// Fits made.
     pub rounds: usize,
 }
 
-/// κ to begin with, as a share of the tolerance.
+/// κ as a share of the tolerance.
 const KAPPA_SHARE: f64 = 0.5;
 
 /// Measured points a control point at the least, where the user named no
@@ -59,8 +61,11 @@ const KAPPA_SHARE: f64 = 0.5;
 const POINTS_A_CONTROL_POINT: usize = 2;
 
 /// Without a named tolerance, a round that does not bring the number of points
-/// beyond it down to this share is the last.
+/// beyond it down to this share is idle, and more than a few end it.
 const WORTHWHILE: f64 = 0.9;
+
+/// Idle rounds that may follow each other: a round may add a few knots only.
+const PATIENCE: usize = 2;
 
 /// Fits a surface to the samples; the first `measured` of them were measured.
 pub fn fit(
@@ -79,46 +84,43 @@ pub fn fit(
         )?;
         return Ok((surface, Adapted { fit, knots: None, kappa: 0.0, rounds: 1 }));
     }
-    let mut place = knots::Options {
+    let place = knots::Options {
         kappa: asked.kappa.unwrap_or(KAPPA_SHARE * goal.tolerance),
         depth: asked.depth.unwrap_or_else(|| deepest(measured)),
     };
+    let (mut knots, report) = knots::place(samples, &place);
     let mut best: Option<(Misses, Surface, Adapted)> = None;
-    let mut last: Option<[KnotVector; 2]> = None;
-    for rounds in 1..=MAX_ROUNDS {
-        let (found, report) = knots::place(samples, &place);
-        let finest = found.iter().all(|k| k.functions() >= (1 << place.depth) + 3);
-        let again = last.as_ref() == Some(&found);
-        if !again {
-            let [m, n] = found.each_ref().map(KnotVector::functions);
-            let too_many = !goal.named && m * n * POINTS_A_CONTROL_POINT > measured;
-            if best.is_some() && (too_many || m * n > asked.max_net) {
-                break;
-            }
-            check_net(m, n, asked.max_net)?;
-            last = Some(found.clone());
-            let (surface, fit) = fit::fit(samples, found, options.method)?;
-            let misses = Misses::count(&deviation(&surface, samples, measured), goal);
-            let least = best.as_ref().map_or(f64::INFINITY, |b| b.0.beyond as f64);
-            let gained = misses.beyond as f64 <= WORTHWHILE * least;
-            if best.as_ref().is_none_or(|b| misses < b.0) {
-                let adapted = Adapted { fit, knots: Some(report), kappa: place.kappa, rounds };
-                best = Some((misses, surface, adapted));
-            }
-            if misses.beyond <= misses.spared || !(goal.named || gained) {
-                break;
-            }
-        }
-        if asked.kappa.is_some() || finest {
+    let mut idle = 0;
+    for rounds in 1.. {
+        let [m, n] = knots.each_ref().map(KnotVector::functions);
+        let too_many = !goal.named && m * n * POINTS_A_CONTROL_POINT > measured;
+        if best.is_some() && (too_many || m * n > asked.max_net) {
             break;
         }
-        place.kappa *= 0.5;
+        check_net(m, n, asked.max_net)?;
+        let (surface, fit) = fit::fit(samples, knots.clone(), options.method)?;
+        let off = deviation(&surface, samples, measured);
+        let misses = Misses::count(&off, goal);
+        let least = best.as_ref().map_or(f64::INFINITY, |b| b.0.beyond as f64);
+        idle = if misses.beyond as f64 <= WORTHWHILE * least { 0 } else { idle + 1 };
+        if best.as_ref().is_none_or(|b| misses < b.0) {
+            let knots = Some(report.clone());
+            best = Some((misses, surface, Adapted { fit, knots, kappa: place.kappa, rounds }));
+        }
+        let given_up = !goal.named && idle > PATIENCE;
+        if misses.beyond <= misses.spared || given_up || asked.kappa.is_some() {
+            break;
+        }
+        let missed = |i: &usize| off.distances[*i] > goal.tolerance;
+        let finer =
+            knots::halve(&knots, (0..measured).filter(missed).map(|i| samples.uv[i]), place.depth);
+        if finer == knots {
+            break;
+        }
+        knots = finer;
     }
     best.map(|(_, surface, adapted)| (surface, adapted)).ok_or(Error::Singular("fit"))
 }
-
-/// κ can be halved this often before it is far below any scan's resolution.
-const MAX_ROUNDS: usize = 24;
 
 /// The depth at which a region of an even scan has one to four points.
 fn deepest(measured: usize) -> u32 {

@@ -35,7 +35,7 @@ const CURLED_TILT: f64 = 0.5;
 const MARGIN: f64 = 0.05;
 
 /// How much of the picture's scale an upright view is worth.
-const UPRIGHT_BONUS: f64 = 0.2;
+const UPRIGHT_BONUS: f64 = 0.35;
 
 /// Points that the choice of the view looks at.
 const PROBES: usize = 3000;

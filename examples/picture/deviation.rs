@@ -31,7 +31,7 @@ pub fn picture(scene: &Scene, [width, height]: [usize; 2]) -> Image {
 }
 
 /// Light on the inner side.
-const BACK: f64 = 0.6;
+const BACK: f64 = 0.5;
 
 /// The scale viridis: colours that the colour-blind tell apart too, their
 /// lightness growing evenly.

@@ -10,13 +10,15 @@ use crate::colour::{Rgb, mix};
 pub struct Lines {
     width: usize,
     height: usize,
+    /// Samples for a unit of a pen's width.
+    unit: f64,
     cover: Vec<f32>,
 }
 
 /// How to draw a line.
 #[derive(Debug, Clone, Copy)]
 pub struct Pen {
-    /// Width in pixels.
+    /// Width in pixels; in a picture beyond the usual size, in proportion.
     pub width: f64,
     /// Opacity where nothing is in front.
     pub seen: f32,
@@ -39,6 +41,10 @@ impl Pen {
     }
 }
 
+/// Pixels along the shorter side of a picture that shows lines as wide as their
+/// pens.
+const USUAL_SIDE: f64 = 1000.0;
+
 /// Samples around a point of a line of which the farthest decides whether it
 /// is seen: on a steep sheet depth changes much from one to the next.
 const AROUND: usize = 2;
@@ -47,7 +53,9 @@ impl Lines {
     /// No lines yet.
     pub fn over(canvas: &Canvas) -> Lines {
         let (width, height) = (canvas.width, canvas.height);
-        Lines { width, height, cover: vec![0.0; width * height] }
+        let pixels = (width.min(height) / SAMPLES) as f64;
+        let unit = SAMPLES as f64 * (pixels / USUAL_SIDE).max(1.0);
+        Lines { width, height, unit, cover: vec![0.0; width * height] }
     }
 
     /// Draws a polyline, in pixels and depth. What is seen is decided at its
@@ -97,7 +105,7 @@ impl Lines {
     fn dot(&mut self, canvas: &Canvas, at: Vector, pen: Pen) {
         let seen = self.is_seen(canvas, at, pen.sunk * SAMPLES as f64);
         let opacity = if seen { pen.seen } else { pen.hidden };
-        let radius = 0.5 * pen.width * SAMPLES as f64;
+        let radius = 0.5 * pen.width * self.unit;
         let span = |x: f64, end: usize| {
             let low = (x - radius - 1.0).floor().max(0.0) as usize;
             let high = (x + radius + 1.0).ceil().max(0.0) as usize;
