@@ -71,9 +71,6 @@ pub enum Error {
     /// The boundary representation breaks one of its own rules.
     #[error("boundary representation: {0}")]
     Brep(String),
-    /// An option has a value that makes no sense.
-    #[error("{0}")]
-    Option(String),
 }
 
 impl Error {
@@ -105,7 +102,6 @@ impl Error {
                 "keep that hole filled (--fill-only-holes-below, --keep-fills), or name a smaller --tolerance".into()
             }
             Error::Brep(_) => "please report this scan as a bug".into(),
-            Error::Option(_) => "see scan2step convert --help".into(),
         }
     }
 }

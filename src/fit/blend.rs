@@ -141,7 +141,9 @@ impl Sums {
 
     /// The coefficients that the points determine, and for the rest of the
     /// space those of the points' plane: a spline over the Greville abscissae
-    /// reproduces it.
+    /// reproduces it. The plane's pull vanishes with the points' number; few
+    /// points determine the continued polynomials so badly that they would
+    /// throw the control points far off.
     fn solve(&self, cells: &Cells, p: usize, q: usize) -> Coefficients {
         let damp = SMatrix::<f64, 3, 3>::identity() * (1e-12 * self.plane_gram.trace());
         let plane = (self.plane_gram + damp).cholesky().map(|f| f.solve(&self.plane_right));
@@ -150,7 +152,9 @@ impl Sums {
             let (u, v) = (cells.u.greville(p + k / 4), cells.v.greville(q + k % 4));
             plane[(0, axis)] + plane[(1, axis)] * u + plane[(2, axis)] * v
         });
-        let weak = 1e-9 * self.gram.trace() / 16.0;
+        let count = self.plane_gram[(0, 0)];
+        let pull = 1e-9 + 1e-2 * (8.0 / count.max(1.0)).powi(6);
+        let weak = pull * self.gram.trace() / 16.0;
         let gram = self.gram + Gram::identity() * weak;
         let factor = gram.cholesky();
         factor.map_or(prior, |f| f.solve(&(self.right + prior * weak)))

@@ -1,8 +1,8 @@
 //! A fairing term for what the samples leave open: thin-plate energy
 //! ∫ |S_xx|² + 2 |S_xy|² + |S_yy|² over the patch laid flat, in mm.
 //!
-//! Its weight is such that only detail far below a cell's size would feel it
-//! where there are samples.
+//! In cells with samples its weight is such that only detail far below a
+//! cell's size would feel it; in cells with few or none it is stronger.
 
 use super::cells::Cells;
 use super::normal::{Equations, REACH};
@@ -10,6 +10,9 @@ use crate::spline::{KnotVector, Samples};
 
 /// The term damps detail of this share of a mean cell's diameter by half.
 const SHARE: f64 = 0.01;
+
+/// Cells with fewer samples than this feel it more and more.
+const FEW: f64 = 8.0;
 
 /// Adds the term to the matrix.
 pub fn add(equations: &mut Equations, samples: &Samples, cells: &Cells) {
@@ -19,14 +22,20 @@ pub fn add(equations: &mut Equations, samples: &Samples, cells: &Cells) {
     let density = total / (lu * lv);
     let diameter = (lu / across as f64).hypot(lv / down as f64);
     let weight = density * (SHARE * diameter).powi(4) * lu * lv;
-    let (u, v) = (Products::new(cells.u, lu), Products::new(cells.v, lv));
+    let u: Vec<Products> = (0..across).map(|p| Products::new(cells.u, p + 3, lu)).collect();
+    let v: Vec<Products> = (0..down).map(|q| Products::new(cells.v, q + 3, lv)).collect();
     let nv = equations.shape[1];
-    for (at, row) in equations.rows.iter_mut().enumerate() {
-        let (i, j) = (at / nv, at % nv);
-        for (entry, value) in row.iter_mut().enumerate() {
-            let [mu, mv] = [(&u, i, entry / REACH), (&v, j, entry % REACH)]
-                .map(|(products, i, d)| [0, 1, 2].map(|k| products.of[k][i][d]));
-            *value += weight * (mu[2] * mv[0] + 2.0 * mu[1] * mv[1] + mu[0] * mv[2]);
+    for (p, q) in (0..across).flat_map(|p| (0..down).map(move |q| (p, q))) {
+        let count = cells.samples(p, q).len() as f64;
+        let here = weight * (1.0 + (FEW / (1.0 + count)).powi(4));
+        for k in 0..16 {
+            let row = &mut equations.rows[(p + k / 4) * nv + q + k % 4];
+            for l in 0..16 {
+                let [mu, mv] = [(&u[p], k / 4, l / 4), (&v[q], k % 4, l % 4)]
+                    .map(|(products, i, j)| [0, 1, 2].map(|order| products.of[order][i][j]));
+                let entry = (l / 4 + 3 - k / 4) * REACH + l % 4 + 3 - k % 4;
+                row[entry] += here * (mu[2] * mv[0] + 2.0 * mu[1] * mv[1] + mu[0] * mv[2]);
+            }
         }
     }
 }
@@ -50,27 +59,24 @@ fn extent(samples: &Samples) -> [f64; 2] {
     [0, 1].map(|k| slopes.map_or(size, |s| s.row(k).norm()).max(size).max(f64::MIN_POSITIVE))
 }
 
-/// Integrals of products of derivatives of order 0, 1, 2 of basis functions
-/// along one parameter, over a length of `length`: `of[k][i][d + 3]` for
-/// functions i and i + d.
+/// Integrals over one knot span of products of derivatives of order 0, 1, 2 of
+/// its four basis functions, along one parameter of length `length`.
 struct Products {
-    of: [Vec<[f64; REACH]>; 3],
+    of: [[[f64; 4]; 4]; 3],
 }
 
 impl Products {
-    fn new(knots: &KnotVector, length: f64) -> Self {
-        let mut of = [(); 3].map(|()| vec![[0.0; REACH]; knots.functions()]);
-        for span in knots.breaks().windows(2) {
-            for (node, share) in gauss4() {
-                let (width, t) = (span[1] - span[0], span[0] + node * (span[1] - span[0]));
-                let b = knots.basis(t);
-                for (k, table) in of.iter_mut().enumerate() {
-                    let scale = share * width / length.powi(2 * k as i32);
-                    let d = &b.derivative[k];
-                    for i in 0..4 {
-                        for j in 0..4 {
-                            table[b.first + i][j + 3 - i] += scale * d[i] * d[j];
-                        }
+    fn new(knots: &KnotVector, span: usize, length: f64) -> Self {
+        let (a, b) = (knots.knots()[span], knots.knots()[span + 1]);
+        let mut of = [[[0.0; 4]; 4]; 3];
+        for (node, share) in gauss4() {
+            let basis = knots.basis_in(span, a + node * (b - a));
+            for (order, table) in of.iter_mut().enumerate() {
+                let scale = share * (b - a) / length.powi(2 * order as i32);
+                let d = &basis.derivative[order];
+                for i in 0..4 {
+                    for j in 0..4 {
+                        table[i][j] += scale * d[i] * d[j];
                     }
                 }
             }
