@@ -29,7 +29,7 @@ pub use adapt::{Adapted, KnotOptions};
 pub use error::{Error, Result};
 
 use formats::{Brep, Soup};
-use mesh::{Disk, Patch, Repairs};
+use mesh::{Components, Disk, Patch, Repairs};
 use parameterize::Parameterized;
 use spline::{Samples, Surface};
 
@@ -183,17 +183,27 @@ const LEAST_TOLERANCE: f64 = 1e-4;
 /// Trim curves keep to the rims within this share of the tolerance.
 const TRIM_SHARE: f64 = 0.5;
 
-/// Converts a scan: readers → **mesh → smooth → fill → parameterize → knots →
-/// fit → trim → brep** → writers. `watch` is shown what each stage made.
+/// Converts one component of a scan. `watch` is shown what each stage made.
 pub fn convert(
     soup: &Soup,
+    options: &Options,
+    watch: &mut dyn FnMut(Stage) -> Result<()>,
+) -> Result<Conversion> {
+    let scan = Components::new(mesh::from_soup(soup, options.unit_mm)?);
+    convert_component(&scan, options, watch)
+}
+
+/// Converts one component of a mesh: readers → **mesh → smooth → fill →
+/// parameterize → knots → fit → trim → brep** → writers.
+pub fn convert_component(
+    scan: &Components,
     options: &Options,
     watch: &mut dyn FnMut(Stage) -> Result<()>,
 ) -> Result<Conversion> {
     // Sparse factorizations sum in an order that depends on the threads; the
     // same bytes on any number of them matter more.
     faer::set_global_parallelism(faer::Par::Seq);
-    let (measured, input) = read_mesh(soup, options)?;
+    let (measured, input) = disk(scan, options)?;
     watch(Stage::Mesh(&measured))?;
 
     let (smoothed, smooth) = smooth::smooth(&measured, &options.smooth);
@@ -249,11 +259,10 @@ pub fn convert(
     })
 }
 
-/// Soup → mesh → disk with holes.
-fn read_mesh(soup: &Soup, options: &Options) -> Result<(Disk, InputReport)> {
-    let build = mesh::from_soup(soup, options.unit_mm)?;
-    let mut repairs = build.repairs.clone();
-    let chosen = mesh::choose(build, options.component)?;
+/// Mesh → disk with holes.
+fn disk(scan: &Components, options: &Options) -> Result<(Disk, InputReport)> {
+    let chosen = scan.take(options.component)?;
+    let mut repairs = scan.repairs().clone();
     repairs.extend(chosen.repairs);
     let (disk, trimmed) = mesh::trim_hanging(Disk::new(chosen.mesh)?)?;
     if trimmed > 0 {
@@ -262,7 +271,7 @@ fn read_mesh(soup: &Soup, options: &Options) -> Result<(Disk, InputReport)> {
     let input = InputReport {
         vertices: disk.mesh.points.len(),
         triangles: disk.mesh.triangles.len(),
-        components: chosen.components,
+        components: scan.count(),
         left_out: chosen.left_out,
         boundary_loops: 1 + disk.holes.len(),
         repairs,

@@ -256,6 +256,54 @@ fn holes_can_stay_filled() {
     assert_eq!(cut(&run(&["--fill-only-holes-below", &between])), 1);
 }
 
+/// The relief twice, 200 mm apart, and a speck of dust.
+fn two_sheets_and_dust(folder: &Path) -> std::path::PathBuf {
+    let scan = common::virtual_scan::relief_scan();
+    let mut text = String::new();
+    for shift in [0.0, 200.0] {
+        for [x, y, z] in &scan.points {
+            text += &format!("v {} {y} {z}\n", x + shift);
+        }
+    }
+    for first in [1, 1 + scan.points.len() as u32] {
+        for t in &scan.triangles {
+            let [a, b, c] = t.map(|v| v + first);
+            text += &format!("f {a} {b} {c}\n");
+        }
+    }
+    text += "v 500 0 0\nv 501 0 0\nv 501 1 0\nf -3 -2 -1\n";
+    let path = folder.join("two.obj");
+    std::fs::write(&path, text).expect("a file");
+    path
+}
+
+#[test]
+fn every_component_becomes_a_face_when_asked() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let (scan, step, report) = (two_sheets_and_dust(folder.path()), path("a.step"), path("a.json"));
+    let said = converted(&[arg(&scan), arg(&step)]);
+    assert!(said.contains("1 of 3"), "{said}");
+    let said = converted(&[
+        arg(&scan),
+        arg(&step),
+        "--component",
+        "all",
+        "--report",
+        arg(&report),
+        "--stages",
+        arg(&path("stages")),
+    ]);
+    assert!(said.contains("2 of 3"), "{said}");
+    let text = std::fs::read_to_string(&step).expect("a file");
+    assert_eq!(text.matches("ADVANCED_FACE").count(), 2);
+    assert_eq!(text.matches("OPEN_SHELL").count(), 2);
+    assert_eq!(json(&report)["components"].as_array().map(Vec::len), Some(2));
+    assert_eq!(files(&path("stages")), ["component-0", "component-1"]);
+    let missing = convert(&[arg(&scan), arg(&step), "--component", "3"]);
+    assert_eq!(missing.status.code(), Some(1));
+}
+
 #[test]
 fn silence_is_kept() {
     let folder = folder();

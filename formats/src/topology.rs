@@ -62,6 +62,19 @@ impl<'a> Topology<'a> {
         Ok(index.topology)
     }
 
+    /// The faces in groups that hang together by edges: one shell each.
+    pub(crate) fn shells(&self) -> Vec<Vec<usize>> {
+        let mut shell: Vec<usize> = (0..self.faces.len()).collect();
+        for edge in &self.edges {
+            for pair in edge.uses.windows(2) {
+                let (a, b) = (shell[pair[0].0], shell[pair[1].0]);
+                shell.iter_mut().filter(|s| **s == a.max(b)).for_each(|s| *s = a.min(b));
+            }
+        }
+        let members = |first: usize| (first..shell.len()).filter(|&f| shell[f] == first).collect();
+        (0..shell.len()).filter(|&f| shell[f] == f).map(members).collect()
+    }
+
     /// The largest absolute coordinate of vertices and surface poles.
     pub(crate) fn reach(&self) -> f64 {
         let poles = self.faces.iter().flat_map(|f| f.surface.control_points().iter().flatten());

@@ -4,7 +4,8 @@ use std::io::Write;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-use formats::{LengthUnit, Soup, iges, step};
+use formats::{Brep, LengthUnit, Soup, iges, step};
+use scan2step::mesh::Components;
 use scan2step::{Conversion, Cut, KnotOptions, Options, Stage, fit, mesh, parameterize, smooth};
 
 use super::args::{CadFile, CadKind, Component, Convert, Fit, Iges, Schema};
@@ -31,16 +32,27 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
         progress.say("units: the file does not say; assuming mm (--units to change)");
     }
     let options = options(args, &soup, unit)?;
-    let mut watch = |stage: Stage| -> scan2step::Result<()> {
-        progress.ended(name(&stage));
-        Ok(stages.as_mut().map_or(Ok(()), |s| s.write(&stage))?)
-    };
-    let conversion =
-        scan2step::convert(&soup, &options, &mut watch).map_err(|e| stopped(args, &e))?;
+    let scan =
+        Components::new(mesh::from_soup(&soup, options.unit_mm).map_err(|e| stopped(args, &e))?);
+    let chosen = chosen(args, &scan, &progress)?;
+    let mut conversions = Vec::with_capacity(chosen.len());
+    for &component in &chosen {
+        if let (Some(s), Some(root), true) = (&mut stages, &args.stages, chosen.len() > 1) {
+            s.component(root, conversions.len())?;
+        }
+        let mut watch = |stage: Stage| -> scan2step::Result<()> {
+            progress.ended(name(&stage));
+            Ok(stages.as_mut().map_or(Ok(()), |s| s.write(&stage))?)
+        };
+        let options = Options { component, ..options.clone() };
+        let converted = scan2step::convert_component(&scan, &options, &mut watch);
+        conversions.push(converted.map_err(|e| stopped(args, &e))?);
+    }
+    drop(scan);
     drop(soup);
-    let files = write_cad(args, &conversion)?;
+    let files = write_cad(args, &conversions)?;
     progress.ended("write");
-    describe(&progress, args, &conversion);
+    conversions.iter().for_each(|c| describe(&progress, args, c));
     let outputs = args.out.iter().map(|f| f.path.as_path()).zip(&files).collect();
     let context = report::Context {
         scan: &args.scan,
@@ -51,7 +63,7 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
         outputs,
         progress: &progress,
     };
-    let value = report::json(&conversion, &context);
+    let value = report::json(&conversions, &context);
     let text = |out: &mut dyn Write| {
         serde_json::to_writer_pretty(&mut *out, &value)?;
         writeln!(out)
@@ -62,7 +74,36 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     }
     // Every file is complete by now; putting them in place comes last.
     pending.into_iter().chain(files).try_for_each(Pending::publish)?;
-    Ok(verdict(args, &conversion))
+    Ok(conversions.iter().fold(Outcome::Done, |all, c| all.and(verdict(args, c))))
+}
+
+/// Pieces of a scan with fewer triangles are dust.
+const DUST: usize = 64;
+
+/// The components to convert.
+fn chosen(
+    args: &Convert,
+    scan: &Components,
+    progress: &Progress,
+) -> Result<Vec<mesh::Choice>, Failure> {
+    match args.component {
+        Component::Largest => Ok(vec![mesh::Choice::Largest]),
+        Component::Number(n) => Ok(vec![mesh::Choice::Number(n)]),
+        Component::All => {
+            let count = scan.sizes().take_while(|&size| size >= DUST).count();
+            if count == 0 {
+                let what = format!("no component has {DUST} triangles");
+                return Err(failure(args, &what, "choose one with --component 0"));
+            }
+            if count < scan.count() {
+                progress.say(&format!(
+                    "component: {count} of {}; left out those with fewer than {DUST} triangles",
+                    scan.count()
+                ));
+            }
+            Ok((0..count).map(mesh::Choice::Number).collect())
+        }
+    }
 }
 
 /// Two outputs at one place, or one over the scan, would destroy each other.
@@ -117,14 +158,6 @@ fn options(args: &Convert, soup: &Soup, unit: LengthUnit) -> Result<Options, Fai
         Corners::None => smooth::Corners::None,
         Corners::At(places) => smooth::Corners::At(resolve(places)?),
     };
-    let component = match args.component {
-        Component::Largest => mesh::Choice::Largest,
-        Component::Number(n) => mesh::Choice::Number(n),
-        Component::All => {
-            let help = "convert the pieces one by one: --component 0, 1, …";
-            return Err(failure(args, "--component all is not supported yet", help));
-        }
-    };
     let cut = match (args.keep_fills, args.fill_only_holes_below) {
         (true, _) => Cut::None,
         (false, Some(length)) => Cut::FromLength(length),
@@ -133,7 +166,6 @@ fn options(args: &Convert, soup: &Soup, unit: LengthUnit) -> Result<Options, Fai
     Ok(Options {
         name: part_name(&args.scan),
         unit_mm: unit.in_mm(),
-        component,
         smooth: smooth::Options { support: args.smooth, corners: boundary_corners },
         parameterize: parameterize::Options { corners: corners.transpose()? },
         knots: KnotOptions {
@@ -175,13 +207,18 @@ fn name(stage: &Stage) -> &'static str {
     }
 }
 
-fn write_cad(args: &Convert, conversion: &Conversion) -> Result<Vec<Pending>, Failure> {
+fn write_cad(args: &Convert, conversions: &[Conversion]) -> Result<Vec<Pending>, Failure> {
     let stamp = time_stamp();
+    let brep = Brep {
+        name: part_name(&args.scan),
+        faces: conversions.iter().flat_map(|c| c.brep.faces.iter().cloned()).collect(),
+        uncertainty_mm: conversions.iter().map(|c| c.brep.uncertainty_mm).fold(0.0, f64::max),
+    };
     let mut files = Vec::new();
     for CadFile { path, kind } in &args.out {
         let content = |out: &mut dyn Write| match kind {
-            CadKind::Step => step::write(&conversion.brep, &step_options(args, &stamp), out),
-            CadKind::Iges => iges::write(&conversion.brep, &iges_options(args, &stamp, path), out),
+            CadKind::Step => step::write(&brep, &step_options(args, &stamp), out),
+            CadKind::Iges => iges::write(&brep, &iges_options(args, &stamp, path), out),
         };
         files.push(output::write(path, content)?);
     }
@@ -227,7 +264,7 @@ fn iges_options(args: &Convert, stamp: &str, path: &Path) -> iges::Options {
 }
 
 fn describe(progress: &Progress, args: &Convert, c: &Conversion) {
-    if c.input.left_out > 0 {
+    if c.input.left_out > 0 && args.component != Component::All {
         progress.say(&format!(
             "component: 1 of {}, {} triangles; left out {} triangles in the others",
             c.input.components, c.input.triangles, c.input.left_out

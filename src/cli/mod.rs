@@ -20,6 +20,13 @@ enum Outcome {
     Missed,
 }
 
+impl Outcome {
+    /// Both hold, or one is missed.
+    fn and(self, other: Outcome) -> Outcome {
+        if matches!(self, Outcome::Missed) { self } else { other }
+    }
+}
+
 /// A run that failed: what is wrong, and what to do.
 struct Failure {
     error: String,

@@ -19,19 +19,38 @@ pub struct Context<'a> {
     pub progress: &'a Progress,
 }
 
-/// The report's object.
-pub fn json(c: &Conversion, context: &Context) -> Value {
-    json!({
+/// The report's object. It speaks of the first component; where there are
+/// more, `components` has what differs for each.
+pub fn json(conversions: &[Conversion], context: &Context) -> Value {
+    let mut report = json!({
         "scan2step": env!("CARGO_PKG_VERSION"),
-        "input": input(c, context),
-        "noise_mm": c.smooth.noise,
-        "tolerance_mm": c.tolerance,
         "tolerance_named": context.tolerance_named,
-        "tolerance_met": c.tolerance_met(context.outliers_pct / 100.0),
         "outliers_pct": context.outliers_pct,
         "stages": context.progress.stages.iter().map(|s| json!({
             "name": s.name, "seconds": s.seconds, "peak_rss_mb": s.peak_rss_mb,
         })).collect::<Vec<_>>(),
+        "outputs": context.outputs.iter().map(|(path, pending)| json!({
+            "file": path.display().to_string(), "bytes": pending.bytes, "sha256": pending.sha256,
+        })).collect::<Vec<_>>(),
+        "seconds": context.progress.seconds(),
+        "peak_rss_mb": peak_rss_mb(),
+    });
+    let each: Vec<Value> = conversions.iter().map(|c| of_component(c, context)).collect();
+    if let (Some(report), Some(Value::Object(first))) = (report.as_object_mut(), each.first()) {
+        report.extend(first.clone());
+        if each.len() > 1 {
+            report.insert("components".into(), each.into());
+        }
+    }
+    report
+}
+
+fn of_component(c: &Conversion, context: &Context) -> Value {
+    json!({
+        "input": input(c, context),
+        "noise_mm": c.smooth.noise,
+        "tolerance_mm": c.tolerance,
+        "tolerance_met": c.tolerance_met(context.outliers_pct / 100.0),
         "smooth": {
             "h_mm": c.smooth.h,
             "moved_rms_mm": c.smooth.moved_rms,
@@ -49,11 +68,6 @@ pub fn json(c: &Conversion, context: &Context) -> Value {
         "fit": fit_report(c),
         "deviation": deviation(&c.deviation),
         "trim": trim(c),
-        "outputs": context.outputs.iter().map(|(path, pending)| json!({
-            "file": path.display().to_string(), "bytes": pending.bytes, "sha256": pending.sha256,
-        })).collect::<Vec<_>>(),
-        "seconds": context.progress.seconds(),
-        "peak_rss_mb": peak_rss_mb(),
     })
 }
 

@@ -27,6 +27,13 @@ impl Stages {
         Ok(Stages { folder: folder.to_owned(), pending: Vec::new() })
     }
 
+    /// The stages of one of several components go into a folder of its own.
+    pub fn component(&mut self, root: &Path, number: usize) -> Result<(), formats::Error> {
+        let of_component = Stages::new(&root.join(format!("component-{number}")))?;
+        self.folder = of_component.folder;
+        Ok(())
+    }
+
     /// Writes what a stage made, if it has a file.
     pub fn write(&mut self, stage: &Stage) -> Result<(), formats::Error> {
         match stage {

@@ -239,29 +239,19 @@ impl Build {
             self.twisted.iter().filter(|t| !doomed.contains(t)).map(|&t| before(t)).collect();
     }
 
+    /// The component, or part of one, that the triangles given make.
+    pub(super) fn part(&self, triangles: &[usize]) -> Build {
+        let (mesh, old) = self.mesh.part(triangles.iter().copied());
+        let place = old.into_iter().map(|v| self.place[v]).collect();
+        Build { mesh, place, twisted: Vec::new(), repairs: Repairs::new() }
+    }
+
     /// Drops vertices without a triangle; the others keep their order.
-    pub(super) fn drop_unused_vertices(&mut self) -> usize {
-        let mut number = vec![u32::MAX; self.mesh.points.len()];
-        for v in self.mesh.triangles.iter().flatten() {
-            number[v.index()] = 0;
-        }
-        let mut kept = 0;
-        for (old, n) in number.iter_mut().enumerate() {
-            if *n == 0 {
-                *n = kept as u32;
-                self.mesh.points[kept] = self.mesh.points[old];
-                self.place[kept] = self.place[old];
-                kept += 1;
-            }
-        }
-        let unused = number.len() - kept;
-        self.mesh.points.truncate(kept);
-        self.place.truncate(kept);
-        for v in self.mesh.triangles.iter_mut().flatten() {
-            *v = VertexId(number[v.index()]);
-        }
-        count(&mut self.repairs, "unused_vertices", unused);
-        unused
+    fn drop_unused_vertices(&mut self) {
+        let (mesh, old) = self.mesh.part(0..self.mesh.triangles.len());
+        count(&mut self.repairs, "unused_vertices", self.place.len() - old.len());
+        self.place = old.into_iter().map(|v| self.place[v]).collect();
+        self.mesh = mesh;
     }
 }
 

@@ -16,42 +16,68 @@ pub enum Choice {
     Number(usize),
 }
 
-/// What [`choose`] found.
+/// A scan's mesh and the pieces it falls into.
 #[derive(Debug)]
-pub struct Chosen {
-    /// The component by itself.
+pub struct Components {
+    build: Build,
+    /// Triangles of each, ascending; the largest component first.
+    pieces: Vec<Vec<usize>>,
+}
+
+/// One component by itself.
+#[derive(Debug)]
+pub struct Component {
+    /// Its mesh.
     pub mesh: Mesh,
-    /// How many components the scan has.
-    pub components: usize,
     /// Triangles in the components that are left out.
     pub left_out: usize,
     /// Faces dropped because they hung on the rest by a vertex only.
     pub repairs: Repairs,
 }
 
-/// Takes one component out of the mesh, and trims what hangs on it by a
-/// vertex only (bow-ties): of the fans at one place the largest stays.
-pub fn choose(build: Build, choice: Choice) -> Result<Chosen> {
-    let pieces = pieces(&build.mesh);
-    let wanted = match choice {
-        Choice::Largest => 0,
-        Choice::Number(n) => n,
-    };
-    let piece =
-        pieces.get(wanted).ok_or(Error::Component { asked: wanted, count: pieces.len() })?;
-    if build.twisted.iter().any(|t| piece.binary_search(t).is_ok()) {
-        return Err(Error::NotOrientable);
+impl Components {
+    /// Finds the components.
+    pub fn new(build: Build) -> Self {
+        let pieces = pieces(&build.mesh);
+        Components { build, pieces }
     }
-    let left_out = build.mesh.triangles.len() - piece.len();
-    let mut kept = build;
-    keep(&mut kept, piece);
-    let before = kept.mesh.triangles.len();
-    while trim_bow_ties(&mut kept) {}
-    let mut repairs = Repairs::new();
-    if before > kept.mesh.triangles.len() {
-        repairs.insert("faces_dropped_at_bow_ties", before - kept.mesh.triangles.len());
+
+    /// How many there are.
+    pub fn count(&self) -> usize {
+        self.pieces.len()
     }
-    Ok(Chosen { mesh: kept.mesh, components: pieces.len(), left_out, repairs })
+
+    /// How many triangles each has, the most first.
+    pub fn sizes(&self) -> impl Iterator<Item = usize> + '_ {
+        self.pieces.iter().map(Vec::len)
+    }
+
+    /// What was repaired in the scan.
+    pub fn repairs(&self) -> &Repairs {
+        &self.build.repairs
+    }
+
+    /// Takes one component, and trims what hangs on it by a vertex only
+    /// (bow-ties): of the fans at one place the largest stays.
+    pub fn take(&self, choice: Choice) -> Result<Component> {
+        let asked = match choice {
+            Choice::Largest => 0,
+            Choice::Number(n) => n,
+        };
+        let piece =
+            self.pieces.get(asked).ok_or(Error::Component { asked, count: self.count() })?;
+        if self.build.twisted.iter().any(|t| piece.binary_search(t).is_ok()) {
+            return Err(Error::NotOrientable);
+        }
+        let mut kept = self.build.part(piece);
+        while trim_bow_ties(&mut kept) {}
+        let mut repairs = Repairs::new();
+        if piece.len() > kept.mesh.triangles.len() {
+            repairs.insert("faces_dropped_at_bow_ties", piece.len() - kept.mesh.triangles.len());
+        }
+        let left_out = self.build.mesh.triangles.len() - piece.len();
+        Ok(Component { mesh: kept.mesh, left_out, repairs })
+    }
 }
 
 /// The triangles of each component, ascending; the largest component first.
@@ -79,12 +105,6 @@ fn pieces(mesh: &Mesh) -> Vec<Vec<usize>> {
     }
     pieces.sort_by_key(|p| (std::cmp::Reverse(p.len()), p[0]));
     pieces
-}
-
-fn keep(build: &mut Build, piece: &[usize]) {
-    build.mesh.triangles = piece.iter().map(|&t| build.mesh.triangles[t]).collect();
-    build.twisted.clear();
-    build.drop_unused_vertices();
 }
 
 /// One round; says whether anything was dropped.
@@ -116,6 +136,6 @@ fn trim_bow_ties(build: &mut Build) -> bool {
     build.drop_triangles(&doomed);
     build.open_fans();
     let largest = pieces(&build.mesh).swap_remove(0);
-    keep(build, &largest);
+    *build = build.part(&largest);
     true
 }

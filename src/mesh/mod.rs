@@ -12,7 +12,7 @@ mod rims;
 mod topology;
 
 pub use build::{Build, Repairs, from_soup};
-pub use components::{Choice, choose};
+pub use components::{Choice, Component, Components};
 pub use disk::Disk;
 pub use neighbours::Neighbours;
 pub use patch::{FaceOrigin, Patch};
@@ -82,5 +82,19 @@ impl Mesh {
             high = high.sup(p);
         }
         (high - low).norm()
+    }
+
+    /// The triangles with the given numbers, by themselves: the vertices that
+    /// they have, in their old order, and for each the number it had.
+    pub fn part(&self, triangles: impl Iterator<Item = usize>) -> (Mesh, Vec<usize>) {
+        let triangles: Vec<_> = triangles.map(|t| self.triangles[t]).collect();
+        let mut used = vec![false; self.points.len()];
+        triangles.iter().flatten().for_each(|v| used[v.index()] = true);
+        let old: Vec<usize> = (0..used.len()).filter(|&v| used[v]).collect();
+        let mut number = vec![VertexId(0); used.len()];
+        old.iter().enumerate().for_each(|(new, &v)| number[v] = VertexId::from(new));
+        let points = old.iter().map(|&v| self.points[v]).collect();
+        let triangles = triangles.into_iter().map(|t| t.map(|v| number[v.index()])).collect();
+        (Mesh { points, triangles }, old)
     }
 }

@@ -26,7 +26,8 @@ pub fn trim_hanging(mut disk: Disk) -> Result<(Disk, usize)> {
             break;
         }
         trimmed += doomed.len();
-        disk = Disk::new(without(disk.mesh, &doomed))?;
+        let kept = (0..disk.mesh.triangles.len()).filter(|&t| !doomed.contains(&(t as u32)));
+        disk = Disk::new(disk.mesh.part(kept).0)?;
     }
     Ok((disk, trimmed))
 }
@@ -54,25 +55,6 @@ fn hanging(disk: &Disk) -> HashSet<u32> {
 
 fn angle(mesh: &Mesh, a: VertexId, tip: VertexId, b: VertexId) -> f64 {
     (mesh.point(a) - mesh.point(tip)).angle(&(mesh.point(b) - mesh.point(tip)))
-}
-
-/// The mesh without some triangles, and without the vertices that only they
-/// had.
-fn without(mesh: Mesh, doomed: &HashSet<u32>) -> Mesh {
-    let kept = |i: &usize| !doomed.contains(&(*i as u32));
-    let triangles: Vec<_> =
-        (0..mesh.triangles.len()).filter(kept).map(|i| mesh.triangles[i]).collect();
-    let mut number = vec![None; mesh.points.len()];
-    triangles.iter().flatten().for_each(|v| number[v.index()] = Some(VertexId(0)));
-    let mut points = Vec::with_capacity(mesh.points.len());
-    for (n, p) in number.iter_mut().zip(mesh.points) {
-        if n.is_some() {
-            *n = Some(VertexId::from(points.len()));
-            points.push(p);
-        }
-    }
-    let renumbered = |t: [VertexId; 3]| t.map(|v| number[v.index()].unwrap_or(v));
-    Mesh { points, triangles: triangles.into_iter().map(renumbered).collect() }
 }
 
 #[cfg(test)]

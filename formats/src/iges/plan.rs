@@ -31,7 +31,8 @@ pub(super) fn trimmed<'a>(topology: &'a Topology<'a>, name: &'a str) -> Vec<Enti
     plan.entities
 }
 
-/// Faces as an open shell (514) over shared edges.
+/// Faces as open shells (514) over shared edges, one for every group of faces
+/// that hang together, in a group (402) where there are several.
 pub(super) fn shell<'a>(topology: &'a Topology<'a>, name: &'a str) -> Vec<Entity<'a>> {
     let mut plan = Plan::new(name);
     let edges = plan.edge_list(topology);
@@ -40,7 +41,16 @@ pub(super) fn shell<'a>(topology: &'a Topology<'a>, name: &'a str) -> Vec<Entity
         let face = plan.shell_face(data, edges);
         faces.push((plan.add(Status::Part, face), data.forward));
     }
-    plan.named(Status::Independent, Body::Shell(faces));
+    let shells = topology.shells();
+    let alone = shells.len() == 1;
+    let mut members = Vec::with_capacity(shells.len());
+    for shell in shells {
+        let shell = Body::Shell(shell.into_iter().map(|f| faces[f]).collect());
+        members.push(plan.named(if alone { Status::Independent } else { Status::Member }, shell));
+    }
+    if !alone {
+        plan.named(Status::Independent, Body::Group(members));
+    }
     plan.entities
 }
 

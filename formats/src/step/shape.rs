@@ -22,9 +22,9 @@ pub(super) fn write(
         "(GEOMETRIC_REPRESENTATION_CONTEXT(2)\nPARAMETRIC_REPRESENTATION_CONTEXT()\n\
          REPRESENTATION_CONTEXT('2D SPACE',''))"
     )?;
-    let shell = shell(file, topology, plane)?;
+    let shells = shells(file, topology, plane)?;
     let name = Text(&brep.name);
-    let model = add!(file, "SHELL_BASED_SURFACE_MODEL({name},({shell}))")?;
+    let model = add!(file, "SHELL_BASED_SURFACE_MODEL({name},{})", List(&shells))?;
     let origin = origin(file)?;
     let shape =
         add!(file, "MANIFOLD_SURFACE_SHAPE_REPRESENTATION({name},({model},{origin}),{space})")?;
@@ -58,7 +58,9 @@ fn origin(file: &mut Part21<'_>) -> io::Result<Id> {
     add!(file, "AXIS2_PLACEMENT_3D('',{point},{z},{x})")
 }
 
-fn shell(file: &mut Part21<'_>, topology: &Topology<'_>, plane: Id) -> io::Result<Id> {
+/// An `OPEN_SHELL` for every group of faces that hang together: one whose faces
+/// do not is invalid.
+fn shells(file: &mut Part21<'_>, topology: &Topology<'_>, plane: Id) -> io::Result<Vec<Id>> {
     let mut surfaces = Vec::with_capacity(topology.faces.len());
     for face in &topology.faces {
         surfaces.push(geometry::surface(file, &face.surface)?);
@@ -68,7 +70,12 @@ fn shell(file: &mut Part21<'_>, topology: &Topology<'_>, plane: Id) -> io::Resul
     for (data, surface) in topology.faces.iter().zip(&surfaces) {
         faces.push(face(file, data, *surface, &edges)?);
     }
-    add!(file, "OPEN_SHELL('',{})", List(&faces))
+    let mut shells = Vec::new();
+    for members in topology.shells() {
+        let members: Vec<Id> = members.into_iter().map(|f| faces[f]).collect();
+        shells.push(add!(file, "OPEN_SHELL('',{})", List(&members))?);
+    }
+    Ok(shells)
 }
 
 /// An `EDGE_CURVE` for every edge, between `VERTEX_POINT`s that edges share.
