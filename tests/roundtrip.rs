@@ -61,6 +61,10 @@ fn check_freecad(path: &Path, expected: &Expected) {
     is("wires_inner", expected.scan.holes.len().into());
     is("valid", true.into());
     is("check", Value::Null);
+    // What people do next: cut the face with a box, offset it, extrude it.
+    is("boolean_ok", true.into());
+    is("offset_ok", true.into());
+    is("extrude_ok", true.into());
     check_size(&found, expected);
 }
 
