@@ -58,7 +58,7 @@ const KAPPA_SHARE: f64 = 0.5;
 
 /// Measured points a control point at the least, where the user named no
 /// tolerance: more control points would follow the noise.
-const POINTS_A_CONTROL_POINT: usize = 2;
+const POINTS_A_CONTROL_POINT: usize = 4;
 
 /// Without a named tolerance, a round that does not bring the number of points
 /// beyond it down to this share is idle, and more than a few end it.

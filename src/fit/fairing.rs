@@ -9,10 +9,10 @@ use super::normal::{Equations, REACH};
 use crate::spline::{KnotVector, Samples};
 
 /// The term damps detail of this share of a mean cell's diameter by half.
-const SHARE: f64 = 0.01;
+const SHARE: f64 = 0.02;
 
 /// Cells with fewer samples than this feel it more and more.
-const FEW: f64 = 8.0;
+const FEW: f64 = 16.0;
 
 /// Adds the term to the matrix.
 pub fn add(equations: &mut Equations, samples: &Samples, cells: &Cells) {
