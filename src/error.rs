@@ -36,6 +36,9 @@ pub enum Error {
     /// The corners that the user gave cannot be the corners of the patch.
     #[error("corners: {0}")]
     Corners(String),
+    /// The outer boundary has too few vertices to be the four sides of a patch.
+    #[error("the outer boundary has {0} vertices, too few for a face with four sides")]
+    TooSmall(usize),
     /// A hole could not be filled.
     #[error("hole {hole} cannot be filled, near {}", mm(at))]
     Fill {
@@ -94,6 +97,7 @@ impl Error {
             Error::Corners(_) => {
                 "give four different vertices of the outer boundary with --corners, or leave the option out".into()
             }
+            Error::TooSmall(_) => "scan it finer, or choose another --component".into(),
             Error::Fill { .. } => "repair or remesh the scan around that hole".into(),
             Error::Folded { .. } => "repair or remesh the scan around that place".into(),
             Error::Singular(_) => "remesh the scan: it has degenerate triangles".into(),

@@ -161,6 +161,20 @@ fn what_is_not_a_disk_is_refused_by_name() {
 }
 
 #[test]
+fn the_smallest_scan_is_a_square() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let square = "v 0 0 0\nv 9 0 0\nv 9 9 0\nv 0 9 0\nf 1 2 3\nf 1 3 4\n";
+    std::fs::write(path("square.obj"), square).expect("a file");
+    converted(&[arg(&path("square.obj")), arg(&path("a.step"))]);
+    std::fs::write(path("triangle.obj"), &square[..square.len() - 8]).expect("a file");
+    let output = convert(&[arg(&path("triangle.obj")), arg(&path("a.step"))]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(said.contains("too few for a face with four sides"), "{said}");
+}
+
+#[test]
 fn usage_errors_are_exit_2() {
     let scan = fixture("relief.ply");
     for args in [

@@ -58,8 +58,7 @@ pub fn find(patch: &Patch) -> Result<[usize; 4]> {
             }
         }
     }
-    best.map(|(_, four)| four)
-        .ok_or_else(|| Error::Corners("the outer boundary has fewer than four vertices".into()))
+    best.map(|(_, four)| four).ok_or(Error::TooSmall(patch.outer.len()))
 }
 
 /// Lower is better: a right angle or a sharper one costs nothing, a straight or concave place
@@ -99,6 +98,10 @@ fn candidates(patch: &Patch) -> Vec<Candidate> {
     let far = |i: &usize| chosen.iter().all(|&j| apart(&all, *i, j) > window / total);
     let even: Vec<usize> = (0..n).step_by(step).filter(far).collect();
     chosen.extend(even);
+    if chosen.len() < 4 {
+        // So few vertices that windows overlap: take as many as there are.
+        chosen.extend((0..n).step_by(step));
+    }
     chosen.sort_unstable();
     chosen.dedup();
     let chosen: std::collections::HashSet<usize> = chosen.into_iter().collect();
