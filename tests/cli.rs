@@ -204,6 +204,18 @@ fn the_scan_is_never_overwritten() {
 }
 
 #[test]
+fn an_impossible_place_is_said_at_once() {
+    let folder = folder();
+    let nowhere = folder.path().join("nowhere/a.step");
+    for place in [arg(&nowhere), "no/such/folder.step"] {
+        let output = convert(&["no-such-scan.ply", place]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1));
+        assert!(said.starts_with(&format!("error: {place}: cannot be written there")), "{said}");
+    }
+}
+
+#[test]
 fn units_scale_the_part() {
     let folder = folder();
     let path = |name: &str| folder.path().join(name);

@@ -106,7 +106,8 @@ fn chosen(
     }
 }
 
-/// Two outputs at one place, or one over the scan, would destroy each other.
+/// Two outputs at one place, or one over the scan, would destroy each other; and
+/// a folder that is not there is better said before the work than after.
 fn check_outputs(args: &Convert) -> Result<(), Failure> {
     let real = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let scan = real(&args.scan);
@@ -116,6 +117,11 @@ fn check_outputs(args: &Convert) -> Result<(), Failure> {
         if place == scan || seen.contains(&place) {
             let error = format!("{}: is named twice", path.display());
             return Err(Failure { error, help: "give every output a name of its own".into() });
+        }
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+        if folder.is_some_and(|f| !f.is_dir()) || path.is_dir() {
+            let error = format!("{}: cannot be written there", path.display());
+            return Err(Failure { error, help: "name a file in a folder that exists".into() });
         }
         seen.push(place);
     }

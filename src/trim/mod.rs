@@ -133,7 +133,7 @@ fn rim_curve(
 /// Even numbers of control points to try, up to two for every vertex of the
 /// rim: that many follow a tooth of one vertex.
 fn control_counts(vertices: usize) -> impl Iterator<Item = usize> {
-    let most = (2 * vertices).max(8);
+    let most = (6 * vertices).max(8);
     std::iter::successors(Some(6usize), |n| Some((n * 3 / 2).next_multiple_of(2)))
         .take_while(move |&n| n <= most)
 }
