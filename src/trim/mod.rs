@@ -130,8 +130,8 @@ fn rim_curve(
     Err(Error::Trim { hole: rim.hole, fault, at: rim.points[0] })
 }
 
-/// Even numbers of control points to try, up to two for every vertex of the
-/// rim: that many follow a tooth of one vertex.
+/// Even numbers of control points to try, up to six for every vertex of the
+/// rim: that many follow teeth of single vertices.
 fn control_counts(vertices: usize) -> impl Iterator<Item = usize> {
     let most = (6 * vertices).max(8);
     std::iter::successors(Some(6usize), |n| Some((n * 3 / 2).next_multiple_of(2)))
