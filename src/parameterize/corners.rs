@@ -40,9 +40,9 @@ struct Candidate {
 }
 
 /// The four positions whose turns are nearest to right angles and whose
-/// opposite sides are most equal in length.
-pub fn find(patch: &Patch) -> Result<[usize; 4]> {
-    let candidates = candidates(patch);
+/// opposite sides are most equal in length, the `wanted` ones among them.
+pub fn find(patch: &Patch, wanted: &[usize]) -> Result<[usize; 4]> {
+    let candidates = candidates(patch, wanted);
     let n = candidates.len();
     let mut best: Option<(f64, [usize; 4])> = None;
     for a in 0..n {
@@ -50,9 +50,11 @@ pub fn find(patch: &Patch) -> Result<[usize; 4]> {
             for c in b + 1..n {
                 for d in c + 1..n {
                     let four = [a, b, c, d].map(|i| &candidates[i]);
+                    let positions = four.map(|f| f.position);
                     let cost = cost(four);
-                    if best.is_none_or(|(least, _)| cost < least) {
-                        best = Some((cost, four.map(|f| f.position)));
+                    let better = best.is_none_or(|(least, _)| cost < least);
+                    if better && wanted.iter().all(|w| positions.contains(w)) {
+                        best = Some((cost, positions));
                     }
                 }
             }
@@ -70,7 +72,7 @@ fn cost(four: [&Candidate; 4]) -> f64 {
     missing + 0.5 * (uneven(0) + uneven(1))
 }
 
-fn candidates(patch: &Patch) -> Vec<Candidate> {
+fn candidates(patch: &Patch, wanted: &[usize]) -> Vec<Candidate> {
     let ring = &patch.outer;
     let n = ring.len();
     let points: Vec<Point> = ring.iter().map(|&v| patch.mesh.point(v)).collect();
@@ -88,7 +90,7 @@ fn candidates(patch: &Patch) -> Vec<Candidate> {
         all.push(Candidate { position: i, at: walked / total, turn });
         walked += length;
     }
-    let mut chosen = Vec::new();
+    let mut chosen = wanted.to_vec();
     for i in peaks(&all, window / total) {
         let tip = boundary::tip(&points, i, window);
         all[tip].turn = all[i].turn;

@@ -12,7 +12,7 @@ mod stretch;
 mod weights;
 
 use crate::error::{Error, Result};
-use crate::geometry::{Point, Uv, orient2d};
+use crate::geometry::{Point, Uv, VertexId, orient2d};
 use crate::mesh::{Patch, boundary};
 
 pub use stretch::Stretch;
@@ -46,12 +46,48 @@ pub struct Parameterized {
 }
 
 /// Maps a patch to the unit square.
+///
+/// A tongue of the patch that lies on one side of the square all around, and
+/// hangs on by a narrow neck, is crushed onto that side beyond what double
+/// precision holds. Where corners are not given, such a place gets one.
 pub fn parameterize(patch: Patch, options: &Options) -> Result<(Parameterized, Report)> {
-    let mut patch = patch;
-    let corners = match &options.corners {
-        Some(points) => corners::given(&patch, points)?,
-        None => corners::find(&patch)?,
-    };
+    if let Some(points) = &options.corners {
+        let corners = corners::given(&patch, points)?;
+        return map(patch, corners).map_err(|folds| folds.error);
+    }
+    let mut wanted = Vec::new();
+    loop {
+        let corners = corners::find(&patch, &wanted)?;
+        match map(patch.clone(), corners) {
+            Ok(mapped) => return Ok(mapped),
+            Err(Folds { error, tongue }) => {
+                let place = tongue.and_then(|v| patch.outer.iter().position(|&w| w == v));
+                match place.filter(|place| wanted.len() < 3 && !corners.contains(place)) {
+                    Some(place) => wanted.push(place),
+                    None => return Err(error),
+                }
+            }
+        }
+    }
+}
+
+/// A map that folds, and the boundary vertex in the midst of where it does.
+struct Folds {
+    error: Error,
+    tongue: Option<VertexId>,
+}
+
+impl From<Error> for Folds {
+    fn from(error: Error) -> Self {
+        Folds { error, tongue: None }
+    }
+}
+
+/// Maps the patch with the given positions of the outer loop as corners.
+fn map(
+    mut patch: Patch,
+    corners: [usize; 4],
+) -> std::result::Result<(Parameterized, Report), Folds> {
     patch.outer.rotate_left(corners[0]);
     let sides = corners.map(|c| c - corners[0]);
     let split_edges = mend::split_dividing_edges(&mut patch, &sides);
@@ -60,10 +96,22 @@ pub fn parameterize(patch: Patch, options: &Options) -> Result<(Parameterized, R
     let bad = inverted(&patch, &uv);
     if let Some(&first) = bad.first() {
         let at = patch.mesh.point(patch.mesh.triangles[first][0]);
-        return Err(Error::Folded { count: bad.len(), at });
+        let error = Error::Folded { count: bad.len(), at };
+        return Err(Folds { error, tongue: tongue(&patch, &uv, &rim, &bad) });
     }
     let stretch = stretch::measure(&patch, &uv);
     Ok((Parameterized { patch, uv }, Report { flipped: bad.len(), split_edges, stretch }))
+}
+
+/// The boundary vertex nearest, in the plane, to the middle of the inverted
+/// triangles.
+fn tongue(patch: &Patch, uv: &[Uv], rim: &[Uv], bad: &[usize]) -> Option<VertexId> {
+    let corners = bad.iter().flat_map(|&t| patch.mesh.triangles[t]);
+    let sum = corners.fold(Uv::origin(), |sum, v| sum + uv[v.index()].coords);
+    let middle = sum / (3 * bad.len()) as f64;
+    let distance = |i: &usize| (rim[*i] - middle).norm_squared();
+    let nearest = (0..rim.len()).min_by(|i, j| distance(i).total_cmp(&distance(j)));
+    nearest.map(|i| patch.outer[i])
 }
 
 /// The mean value map; then, since a fixed square crushes what sticks out of
