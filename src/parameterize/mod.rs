@@ -48,70 +48,86 @@ pub struct Parameterized {
 /// Maps a patch to the unit square.
 ///
 /// A tongue of the patch that lies on one side of the square all around, and
-/// hangs on by a narrow neck, is crushed onto that side beyond what double
-/// precision holds. Where corners are not given, such a place gets one.
+/// hangs on by a narrow neck, is crushed onto that side, down to beyond what
+/// double precision holds. Where corners are not given, such a place gets one,
+/// and of the maps that come of it the one that stretches least is taken.
 pub fn parameterize(patch: Patch, options: &Options) -> Result<(Parameterized, Report)> {
     if let Some(points) = &options.corners {
         let corners = corners::given(&patch, points)?;
-        return map(patch, corners).map_err(|folds| folds.error);
+        let attempt = map(patch, corners)?;
+        return attempt.verified();
     }
     let mut wanted = Vec::new();
+    let mut best: Option<Attempt> = None;
     loop {
         let corners = corners::find(&patch, &wanted)?;
-        match map(patch.clone(), corners) {
-            Ok(mapped) => return Ok(mapped),
-            Err(Folds { error, tongue }) => {
-                let place = tongue.and_then(|v| patch.outer.iter().position(|&w| w == v));
-                match place.filter(|place| wanted.len() < 3 && !corners.contains(place)) {
-                    Some(place) => wanted.push(place),
-                    None => return Err(error),
-                }
-            }
+        let attempt = map(patch.clone(), corners)?;
+        let place = attempt.tongue.and_then(|v| patch.outer.iter().position(|&w| w == v));
+        if best.as_ref().is_none_or(|b| attempt.badness() < b.badness()) {
+            best = Some(attempt);
+        }
+        match place.filter(|place| wanted.len() < MORE_CORNERS && !corners.contains(place)) {
+            Some(place) => wanted.push(place),
+            None => break,
         }
     }
+    best.ok_or(Error::Singular("parameterization"))?.verified()
 }
 
-/// A map that folds, and the boundary vertex in the midst of where it does.
-struct Folds {
-    error: Error,
+/// Corners that are put on tongues at the most: one of the four stays free.
+const MORE_CORNERS: usize = 3;
+
+/// A map, which may fold, and a boundary vertex in the midst of where it folds
+/// or is crushed, if it is.
+struct Attempt {
+    map: Parameterized,
+    report: Report,
+    folded: Vec<usize>,
     tongue: Option<VertexId>,
 }
 
-impl From<Error> for Folds {
-    fn from(error: Error) -> Self {
-        Folds { error, tongue: None }
+impl Attempt {
+    /// First the number of inverted triangles, then the stretch.
+    fn badness(&self) -> (usize, f64) {
+        (self.folded.len(), self.report.stretch.l2)
+    }
+
+    /// The map, if no triangle of it is inverted.
+    fn verified(self) -> Result<(Parameterized, Report)> {
+        let Some(&first) = self.folded.first() else { return Ok((self.map, self.report)) };
+        let mesh = &self.map.patch.mesh;
+        let at = mesh.point(mesh.triangles[first][0]);
+        Err(Error::Folded { count: self.folded.len(), at })
     }
 }
 
 /// Maps the patch with the given positions of the outer loop as corners.
-fn map(
-    mut patch: Patch,
-    corners: [usize; 4],
-) -> std::result::Result<(Parameterized, Report), Folds> {
+fn map(mut patch: Patch, corners: [usize; 4]) -> Result<Attempt> {
     patch.outer.rotate_left(corners[0]);
     let sides = corners.map(|c| c - corners[0]);
     let split_edges = mend::split_dividing_edges(&mut patch, &sides);
     let rim = square(&patch, &sides);
     let uv = embed(&patch, &rim)?;
-    let bad = inverted(&patch, &uv);
-    if let Some(&first) = bad.first() {
-        let at = patch.mesh.point(patch.mesh.triangles[first][0]);
-        let error = Error::Folded { count: bad.len(), at };
-        return Err(Folds { error, tongue: tongue(&patch, &uv, &rim, &bad) });
-    }
+    let folded = inverted(&patch, &uv);
     let stretch = stretch::measure(&patch, &uv);
-    Ok((Parameterized { patch, uv }, Report { flipped: bad.len(), split_edges, stretch }))
+    let bad = match &folded[..] {
+        [] if stretch.l2 > CRUSHED => stretch::worst(&patch, &uv).into_iter().collect(),
+        folded => folded.to_vec(),
+    };
+    let tongue = tongue(&patch, &uv, &rim, &bad);
+    let report = Report { flipped: folded.len(), split_edges, stretch };
+    Ok(Attempt { map: Parameterized { patch, uv }, report, folded, tongue })
 }
 
-/// The boundary vertex nearest, in the plane, to the middle of the inverted
-/// triangles.
+/// The boundary vertex nearest, in the plane, to the middle of the triangles;
+/// none if there are none.
 fn tongue(patch: &Patch, uv: &[Uv], rim: &[Uv], bad: &[usize]) -> Option<VertexId> {
     let corners = bad.iter().flat_map(|&t| patch.mesh.triangles[t]);
     let sum = corners.fold(Uv::origin(), |sum, v| sum + uv[v.index()].coords);
-    let middle = sum / (3 * bad.len()) as f64;
+    let middle = sum / (3 * bad.len().max(1)) as f64;
     let distance = |i: &usize| (rim[*i] - middle).norm_squared();
     let nearest = (0..rim.len()).min_by(|i, j| distance(i).total_cmp(&distance(j)));
-    nearest.map(|i| patch.outer[i])
+    nearest.filter(|_| !bad.is_empty()).map(|i| patch.outer[i])
 }
 
 /// The mean value map; then, since a fixed square crushes what sticks out of

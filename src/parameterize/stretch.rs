@@ -66,6 +66,17 @@ fn sums(all: &[Derivatives]) -> [f64; 3] {
     all.iter().fold([0.0; 3], add)
 }
 
+/// The measured triangle that adds most to the stretch.
+pub fn worst(patch: &Patch, uv: &[Uv]) -> Option<usize> {
+    let share = |t: &usize| {
+        let (area, _, su, sv) = derivatives(patch, uv, *t);
+        area * (su.norm_squared() + sv.norm_squared())
+    };
+    let measured =
+        (0..patch.mesh.triangles.len()).filter(|&t| patch.origin[t] == FaceOrigin::Measured);
+    measured.max_by(|i, j| share(i).total_cmp(&share(j)))
+}
+
 /// Measures the stretch.
 pub fn measure(patch: &Patch, uv: &[Uv]) -> Stretch {
     let measured =
