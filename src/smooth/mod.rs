@@ -14,8 +14,6 @@ use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::mls::{Cloud, Scratch};
 use crate::mesh::{Disk, boundary};
 
-pub use corners::find as find_corners;
-
 /// How to smooth.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
