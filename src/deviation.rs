@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use crate::geometry::{Point, Uv, segment_distance};
+use crate::geometry::{Point, Uv, ray_crosses, segment_distance};
 use crate::spline::{Curve, Surface, foot_point};
 
 /// A surface and the holes cut out of it.
@@ -85,10 +85,7 @@ impl Hole {
             return false;
         }
         let n = self.outline.len();
-        let over = |i: &usize| {
-            let (a, b) = (self.outline[*i], self.outline[(i + 1) % n]);
-            (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
-        };
+        let over = |i: &usize| ray_crosses(p, (self.outline[*i], self.outline[(i + 1) % n]));
         (0..n).filter(over).count() % 2 == 1
     }
 

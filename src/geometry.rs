@@ -54,3 +54,9 @@ pub fn segment_distance(p: Point, a: Point, b: Point) -> f64 {
     let t = (p - a).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
     (p - (a + along * t.clamp(0.0, 1.0))).norm()
 }
+
+/// Whether the ray from `p` towards growing u crosses the side `a b` of a
+/// polygon. A point is inside where an odd number of sides is crossed.
+pub fn ray_crosses(p: Uv, (a, b): (Uv, Uv)) -> bool {
+    (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
+}

@@ -1,6 +1,6 @@
 //! Which parameter points are cut out of the face.
 
-use scan2step::geometry::Uv;
+use scan2step::geometry::{Uv, ray_crosses};
 
 /// The inside of the trim loops, with its sides sorted into rows of v so that
 /// a test looks at a few only.
@@ -29,9 +29,7 @@ impl CutOut {
     /// Whether a point is inside: whether a ray from it crosses the loops an
     /// odd number of times.
     pub fn contains(&self, p: Uv) -> bool {
-        let over = |[a, b]: &&[Uv; 2]| {
-            (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
-        };
+        let over = |[a, b]: &&[Uv; 2]| ray_crosses(p, (*a, *b));
         self.rows[self.row(p.y)].iter().filter(over).count() % 2 == 1
     }
 

@@ -13,7 +13,7 @@ use super::{Mesh, Neighbours, Rings};
 use crate::geometry::{Point, Vector, VertexId, plane_axes};
 
 /// Beyond this many h the weight is below 0.7% and the point is left out.
-const REACH: f64 = 2.25;
+pub const REACH: f64 = 2.25;
 
 /// Points with normals, ready for projections onto the surface they sample.
 #[derive(Debug)]

@@ -66,22 +66,22 @@ fn sums(all: &[Derivatives]) -> [f64; 3] {
     all.iter().fold([0.0; 3], add)
 }
 
+fn measured(patch: &Patch) -> impl Iterator<Item = usize> + '_ {
+    (0..patch.mesh.triangles.len()).filter(|&t| patch.origin[t] == FaceOrigin::Measured)
+}
+
 /// The measured triangle that adds most to the stretch.
 pub fn worst(patch: &Patch, uv: &[Uv]) -> Option<usize> {
     let share = |t: &usize| {
         let (area, _, su, sv) = derivatives(patch, uv, *t);
         area * (su.norm_squared() + sv.norm_squared())
     };
-    let measured =
-        (0..patch.mesh.triangles.len()).filter(|&t| patch.origin[t] == FaceOrigin::Measured);
-    measured.max_by(|i, j| share(i).total_cmp(&share(j)))
+    measured(patch).max_by(|i, j| share(i).total_cmp(&share(j)))
 }
 
 /// Measures the stretch.
 pub fn measure(patch: &Patch, uv: &[Uv]) -> Stretch {
-    let measured =
-        (0..patch.mesh.triangles.len()).filter(|&t| patch.origin[t] == FaceOrigin::Measured);
-    let all: Vec<Derivatives> = measured.map(|t| derivatives(patch, uv, t)).collect();
+    let all: Vec<Derivatives> = measured(patch).map(|t| derivatives(patch, uv, t)).collect();
     let [area, along_u, along_v] = sums(&all);
     let flat: f64 = all.iter().map(|t| t.1).sum();
     // Of the rectangles w × 1/w the best has w⁴ = along_u / along_v.

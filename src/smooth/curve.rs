@@ -10,13 +10,11 @@
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 use crate::geometry::{Point, Vector, plane_axes};
+use crate::mesh::mls::REACH;
 
 /// Supports tried, in mean edge lengths of the loop. Longer ones would predict
 /// the stair steps of a rim still better, but take its shape with them.
 const TRIED: [f64; 4] = [2.0, 3.0, 4.5, 6.5];
-
-/// Beyond this many h the weight is below 0.7% and the point is left out.
-const REACH: f64 = 2.25;
 
 /// Loops with fewer points than this are left alone.
 const FEWEST: usize = 8;

@@ -1,7 +1,7 @@
 //! Loops in the parameter plane that must not cross.
 
 use super::closed::ClosedCubic;
-use crate::geometry::{Uv, segments_cross};
+use crate::geometry::{Uv, ray_crosses, segments_cross};
 
 /// Chords a knot span.
 const CHORDS: usize = 8;
@@ -85,9 +85,6 @@ impl Outline {
     /// Whether the other loop begins inside this one.
     fn encloses(&self, other: &Outline) -> bool {
         let p = other.polygon[0];
-        let over = |(a, b): &(Uv, Uv)| {
-            (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
-        };
-        self.sides().filter(over).count() % 2 == 1
+        self.sides().filter(|&side| ray_crosses(p, side)).count() % 2 == 1
     }
 }
