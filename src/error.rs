@@ -26,7 +26,7 @@ pub enum Error {
     #[error("the surface is one-sided (a Möbius strip is in it) and cannot be oriented")]
     NotOrientable,
     /// The component is not a disk with holes.
-    #[error("the surface is not a disk with holes: genus {genus}, {}", boundaries(*loops))]
+    #[error("the surface is {}", kind(*genus, *loops))]
     NotADisk {
         /// Handles.
         genus: usize,
@@ -110,11 +110,11 @@ impl Error {
     }
 }
 
-fn boundaries(loops: usize) -> String {
+fn kind(genus: usize, loops: usize) -> String {
     match loops {
-        0 => "closed, no boundary".into(),
-        1 => "one boundary loop".into(),
-        n => format!("{n} boundary loops"),
+        0 => format!("closed, genus {genus}, no boundary, and not a disk with holes"),
+        1 => format!("not a disk with holes: genus {genus}, one boundary loop"),
+        n => format!("not a disk with holes: genus {genus}, {n} boundary loops"),
     }
 }
 

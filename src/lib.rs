@@ -18,6 +18,7 @@ pub mod error;
 pub mod fill;
 pub mod fit;
 pub mod geometry;
+mod input;
 pub mod knots;
 pub mod mesh;
 pub mod parameterize;
@@ -27,9 +28,10 @@ pub mod trim;
 
 pub use adapt::{Adapted, KnotOptions};
 pub use error::{Error, Result};
+pub use input::{InputReport, Inspection, inspect};
 
 use formats::{Brep, Soup};
-use mesh::{Components, Disk, Patch, Repairs};
+use mesh::{Components, Disk, Patch};
 use parameterize::Parameterized;
 use spline::{Samples, Surface};
 
@@ -42,6 +44,8 @@ pub struct Options {
     pub unit_mm: f64,
     /// Which piece of the scan.
     pub component: mesh::Choice,
+    /// Which of its boundary loops is the outer one; the others are holes.
+    pub outer: mesh::Outer,
     /// How to smooth.
     pub smooth: smooth::Options,
     /// How to fill.
@@ -67,6 +71,7 @@ impl Default for Options {
             name: "scan".into(),
             unit_mm: 1.0,
             component: mesh::Choice::default(),
+            outer: mesh::Outer::default(),
             smooth: smooth::Options::default(),
             fill: fill::Options::default(),
             parameterize: parameterize::Options::default(),
@@ -110,23 +115,6 @@ pub enum Stage<'a> {
     Brep,
     /// The deviation.
     Deviation,
-}
-
-/// What came in.
-#[derive(Debug, Clone)]
-pub struct InputReport {
-    /// Vertices of the chosen component.
-    pub vertices: usize,
-    /// Triangles of the chosen component.
-    pub triangles: usize,
-    /// Components of the scan.
-    pub components: usize,
-    /// Triangles in the components left out.
-    pub left_out: usize,
-    /// Boundary loops of the chosen component.
-    pub boundary_loops: usize,
-    /// What was repaired: kind and count.
-    pub repairs: Repairs,
 }
 
 /// A converted scan.
@@ -203,7 +191,7 @@ pub fn convert_component(
     // Sparse factorizations sum in an order that depends on the threads; the
     // same bytes on any number of them matter more.
     faer::set_global_parallelism(faer::Par::Seq);
-    let (measured, input) = disk(scan, options)?;
+    let (measured, input) = input::disk(scan, options)?;
     watch(Stage::Mesh(&measured))?;
 
     let (smoothed, smooth) = smooth::smooth(&measured, &options.smooth);
@@ -257,26 +245,6 @@ pub fn convert_component(
         deviation,
         trim,
     })
-}
-
-/// Mesh → disk with holes.
-fn disk(scan: &Components, options: &Options) -> Result<(Disk, InputReport)> {
-    let chosen = scan.take(options.component)?;
-    let mut repairs = scan.repairs().clone();
-    repairs.extend(chosen.repairs);
-    let (disk, trimmed) = mesh::trim_hanging(Disk::new(chosen.mesh)?)?;
-    if trimmed > 0 {
-        repairs.insert("rim_triangles_trimmed", trimmed);
-    }
-    let input = InputReport {
-        vertices: disk.mesh.points.len(),
-        triangles: disk.mesh.triangles.len(),
-        components: scan.count(),
-        left_out: chosen.left_out,
-        boundary_loops: 1 + disk.holes.len(),
-        repairs,
-    };
-    Ok((disk, input))
 }
 
 fn samples(map: &Parameterized) -> Samples {

@@ -42,9 +42,9 @@ fn whole_models_are_refused_with_a_reason() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let step = folder.path().join("a.step");
     for (name, reason) in [
-        ("armadillo.obj.gz", "genus 0, closed, no boundary"),
-        ("rocker_arm.obj.gz", "genus 1, closed, no boundary"),
-        ("fertility.ply", "genus 4, closed, no boundary"),
+        ("armadillo.obj.gz", "closed, genus 0, no boundary"),
+        ("rocker_arm.obj.gz", "closed, genus 1, no boundary"),
+        ("fertility.ply", "closed, genus 4, no boundary"),
     ] {
         let Some(scan) = shared(&format!("scans/B/{name}")) else { return };
         let output = convert(&[arg(&scan), arg(&step)]);

@@ -37,6 +37,11 @@ impl Polygons {
         self.corners.len()
     }
 
+    /// How many triangles the polygons make, each cut into a fan.
+    pub fn triangle_count(&self) -> usize {
+        self.corners.len() - 2 * self.ends.len()
+    }
+
     /// Whether there is no polygon.
     pub fn is_empty(&self) -> bool {
         self.ends.is_empty()

@@ -24,6 +24,42 @@ pub enum Command {
     /// The scan is a triangle mesh: .ply, .obj, .gltf, .glb or .stl, each also
     /// gzipped. The output's format is its extension's.
     Convert(Box<Convert>),
+    /// Say what a scan is: counts, units, components, boundary loops, genus,
+    /// noise, and what had to be repaired.
+    Inspect(Inspect),
+}
+
+/// What to look at, of a scan.
+#[derive(Debug, Args)]
+pub struct Piece {
+    /// The scan.
+    pub scan: PathBuf,
+    /// Unit of the scan's numbers [default: metres for glTF, else mm]
+    #[arg(long, value_name = "UNIT")]
+    pub units: Option<Unit>,
+    /// A place on the boundary loop that is the outer one: a vertex index or a
+    /// point, as in --corners of convert [default: the longest loop]
+    #[arg(long, value_name = "V|x,y,z", allow_hyphen_values = true)]
+    pub outer: Option<Places>,
+}
+
+/// Options of `inspect`.
+#[derive(Debug, Args)]
+pub struct Inspect {
+    #[command(flatten)]
+    pub piece: Piece,
+    /// Which piece of the scan: largest, or a number (0 is the largest)
+    #[arg(long, value_name = "largest|N", default_value = "largest", value_parser = one_component)]
+    pub component: scan2step::mesh::Choice,
+    /// Print one JSON object; lengths are mm
+    #[arg(long)]
+    pub json: bool,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Colours in messages
+    #[arg(long, value_enum, default_value_t = Colour::Auto)]
+    pub color: Colour,
 }
 
 /// Options of `convert`.
@@ -33,15 +69,12 @@ pub enum Command {
     Exit codes: 0 all that was asked holds, 1 failed (nothing written), 2 usage,\n\
     3 files written but a named tolerance is not met.")]
 pub struct Convert {
-    /// The scan.
-    pub scan: PathBuf,
+    #[command(flatten)]
+    pub piece: Piece,
     /// CAD files to write: .step, .stp, .igs or .iges.
     #[arg(required = true, value_name = "OUT", value_parser = cad_file)]
     pub out: Vec<CadFile>,
 
-    /// Unit of the scan's numbers [default: metres for glTF, else mm]
-    #[arg(long, value_name = "UNIT")]
-    pub units: Option<Unit>,
     /// Farthest that a point of the smoothed scan may be from the face, in mm
     /// [default: from the noise of the scan]
     #[arg(long, value_name = "LEN", value_parser = positive)]
@@ -254,6 +287,15 @@ fn component(text: &str) -> Result<Component, String> {
         "largest" => Ok(Component::Largest),
         "all" => Ok(Component::All),
         n => n.parse().map(Component::Number).map_err(|_| "not largest, all or a number".into()),
+    }
+}
+
+fn one_component(text: &str) -> Result<scan2step::mesh::Choice, String> {
+    use scan2step::mesh::Choice;
+    match component(text) {
+        Ok(Component::Largest) => Ok(Choice::Largest),
+        Ok(Component::Number(n)) => Ok(Choice::Number(n)),
+        _ => Err("not largest or a number".into()),
     }
 }
 

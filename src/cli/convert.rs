@@ -4,11 +4,12 @@ use std::io::Write;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-use formats::{Brep, LengthUnit, Soup, iges, step};
+use formats::{Brep, iges, step};
 use scan2step::mesh::Components;
 use scan2step::{Conversion, Cut, KnotOptions, Options, Stage, fit, mesh, parameterize, smooth};
 
 use super::args::{CadFile, CadKind, Component, Convert, Fit, Iges, Schema};
+use super::input::{self, Scan};
 use super::output::{self, Pending};
 use super::places::Corners;
 use super::progress::Progress;
@@ -18,23 +19,20 @@ use super::{Failure, Outcome};
 
 /// Reads, converts, writes.
 pub fn run(args: &Convert) -> Result<Outcome, Failure> {
-    if let Some(n) = args.threads {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(n.into()).build_global();
-        pool.map_err(|e| failure(args, &e.to_string(), "name fewer --threads"))?;
-    }
+    input::use_threads(args.threads)?;
     check_outputs(args)?;
     let mut progress = Progress::new(args.quiet, args.verbose);
     let mut stages = args.stages.as_deref().map(Stages::new).transpose()?;
-    let soup = formats::read_scan(&args.scan)?;
+    let scan = Scan::read(&args.piece)?;
     progress.ended("read");
-    let (unit, assumed) = unit(args, &soup);
-    if assumed {
+    if scan.unit_assumed {
         progress.say("units: the file does not say; assuming mm (--units to change)");
     }
-    let options = options(args, &soup, unit)?;
-    let scan =
-        Components::new(mesh::from_soup(&soup, options.unit_mm).map_err(|e| stopped(args, &e))?);
-    let chosen = chosen(args, &scan, &progress)?;
+    let options = options(args, &scan)?;
+    let (scan, components) = scan.components()?;
+    let repaired = components.repairs().clone();
+    repaired.iter().for_each(|repair| say_repaired(&progress, repair));
+    let chosen = chosen(args, &components, &progress)?;
     let mut conversions = Vec::with_capacity(chosen.len());
     for &component in &chosen {
         if let (Some(s), Some(root), true) = (&mut stages, &args.stages, chosen.len() > 1) {
@@ -45,19 +43,20 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
             Ok(stages.as_mut().map_or(Ok(()), |s| s.write(&stage))?)
         };
         let options = Options { component, ..options.clone() };
-        let converted = scan2step::convert_component(&scan, &options, &mut watch);
-        conversions.push(converted.map_err(|e| stopped(args, &e))?);
+        let converted = scan2step::convert_component(&components, &options, &mut watch);
+        conversions.push(converted.map_err(|e| input::stopped(&args.piece.scan, &e))?);
     }
-    drop(scan);
-    drop(soup);
+    drop(components);
     let files = write_cad(args, &conversions)?;
     progress.ended("write");
-    conversions.iter().for_each(|c| describe(&progress, args, c));
+    for c in &conversions {
+        let at_rims = c.input.repairs.iter().filter(|(kind, _)| !repaired.contains_key(*kind));
+        at_rims.for_each(|repair| say_repaired(&progress, repair));
+        describe(&progress, args, c);
+    }
     let outputs = args.out.iter().map(|f| f.path.as_path()).zip(&files).collect();
     let context = report::Context {
-        scan: &args.scan,
-        unit: unit.symbol(),
-        unit_assumed: assumed,
+        scan: &scan,
         tolerance_named: args.tolerance.is_some(),
         outliers_pct: args.outliers,
         outputs,
@@ -77,9 +76,6 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     Ok(conversions.iter().fold(Outcome::Done, |all, c| all.and(verdict(args, c))))
 }
 
-/// Pieces of a scan with fewer triangles are dust.
-const DUST: usize = 64;
-
 /// The components to convert.
 fn chosen(
     args: &Convert,
@@ -90,16 +86,9 @@ fn chosen(
         Component::Largest => Ok(vec![mesh::Choice::Largest]),
         Component::Number(n) => Ok(vec![mesh::Choice::Number(n)]),
         Component::All => {
-            let count = scan.sizes().take_while(|&size| size >= DUST).count();
-            if count == 0 {
-                let what = format!("no component has {DUST} triangles");
-                return Err(failure(args, &what, "choose one with --component 0"));
-            }
+            let count = scan.sizeable();
             if count < scan.count() {
-                progress.say(&format!(
-                    "component: {count} of {}; left out those with fewer than {DUST} triangles",
-                    scan.count()
-                ));
+                progress.say(&format!("component: {count} of {}; the rest is dust", scan.count()));
             }
             Ok((0..count).map(mesh::Choice::Number).collect())
         }
@@ -110,7 +99,7 @@ fn chosen(
 /// a folder that is not there is better said before the work than after.
 fn check_outputs(args: &Convert) -> Result<(), Failure> {
     let real = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let scan = real(&args.scan);
+    let scan = real(&args.piece.scan);
     let mut seen = Vec::new();
     for path in args.out.iter().map(|f| &f.path).chain(&args.report) {
         let place = real(path);
@@ -129,36 +118,22 @@ fn check_outputs(args: &Convert) -> Result<(), Failure> {
 }
 
 fn failure(args: &Convert, what: &str, help: &str) -> Failure {
-    Failure { error: format!("{}: {what}", args.scan.display()), help: help.into() }
+    Failure { error: format!("{}: {what}", args.piece.scan.display()), help: help.into() }
 }
 
-fn stopped(args: &Convert, error: &scan2step::Error) -> Failure {
-    match error {
-        // It names its own file.
-        scan2step::Error::File(e) => Failure { error: e.to_string(), help: e.help.clone() },
-        e => failure(args, &e.to_string(), &e.help()),
-    }
-}
-
-fn unit(args: &Convert, soup: &Soup) -> (LengthUnit, bool) {
-    match (args.units, soup.unit) {
-        (Some(unit), _) => (unit.into(), false),
-        (None, Some(unit)) => (unit, false),
-        (None, None) => (LengthUnit::Millimetre, true),
-    }
-}
-
-fn options(args: &Convert, soup: &Soup, unit: LengthUnit) -> Result<Options, Failure> {
-    let resolve = |places: &super::places::Places| {
-        places
-            .resolve(soup, unit.in_mm())
-            .map_err(|e| failure(args, &e, "count vertices as the file does, from 0"))
-    };
+fn options(args: &Convert, scan: &Scan) -> Result<Options, Failure> {
+    let resolve = |places: &super::places::Places| scan.resolve(places);
     let corners = args.corners.as_ref().map(resolve).transpose()?;
     let corners = corners.map(|c| {
         <[_; 4]>::try_from(c)
             .map_err(|_| failure(args, "--corners: not four corners", "name exactly four"))
     });
+    let corners = corners.transpose()?;
+    // The loop that has the corners is the outer one, unless another is named.
+    let outer = match (scan.outer(&args.piece)?, corners) {
+        (mesh::Outer::Longest, Some([first, ..])) => mesh::Outer::Near(first),
+        (outer, _) => outer,
+    };
     let boundary_corners = match &args.boundary_corners {
         Corners::Auto => smooth::Corners::Auto,
         Corners::None => smooth::Corners::None,
@@ -170,10 +145,11 @@ fn options(args: &Convert, soup: &Soup, unit: LengthUnit) -> Result<Options, Fai
         (false, None) => Cut::All,
     };
     Ok(Options {
-        name: part_name(&args.scan),
-        unit_mm: unit.in_mm(),
+        name: part_name(&args.piece.scan),
+        unit_mm: scan.unit.in_mm(),
+        outer,
         smooth: smooth::Options { support: args.smooth, corners: boundary_corners },
-        parameterize: parameterize::Options { corners: corners.transpose()? },
+        parameterize: parameterize::Options { corners },
         knots: KnotOptions {
             kappa: args.kappa,
             depth: args.depth,
@@ -216,7 +192,7 @@ fn name(stage: &Stage) -> &'static str {
 fn write_cad(args: &Convert, conversions: &[Conversion]) -> Result<Vec<Pending>, Failure> {
     let stamp = time_stamp();
     let brep = Brep {
-        name: part_name(&args.scan),
+        name: part_name(&args.piece.scan),
         faces: conversions.iter().flat_map(|c| c.brep.faces.iter().cloned()).collect(),
         uncertainty_mm: conversions.iter().map(|c| c.brep.uncertainty_mm).fold(0.0, f64::max),
     };
@@ -269,15 +245,16 @@ fn iges_options(args: &Convert, stamp: &str, path: &Path) -> iges::Options {
     }
 }
 
+fn say_repaired(progress: &Progress, (kind, count): (&&str, &usize)) {
+    progress.say(&format!("repaired: {count} {}", kind.replace('_', " ")));
+}
+
 fn describe(progress: &Progress, args: &Convert, c: &Conversion) {
     if c.input.left_out > 0 && args.component != Component::All {
         progress.say(&format!(
             "component: 1 of {}, {} triangles; left out {} triangles in the others",
             c.input.components, c.input.triangles, c.input.left_out
         ));
-    }
-    for (kind, count) in &c.input.repairs {
-        progress.say(&format!("repaired: {count} {}", kind.replace('_', " ")));
     }
     if args.tolerance.is_none() {
         progress.say(&format!(

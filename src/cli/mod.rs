@@ -1,7 +1,9 @@
-//! `scan2step convert SCAN OUT...`
+//! The commands of scan2step.
 
 mod args;
 mod convert;
+mod input;
+mod inspect;
 mod output;
 mod places;
 mod progress;
@@ -42,14 +44,16 @@ impl From<formats::Error> for Failure {
 /// Parses the arguments, runs the command, reports what is wrong.
 pub fn run() -> ExitCode {
     let args = args::Cli::parse();
-    let args::Command::Convert(convert) = args.command;
-    let colour = convert.color.is_on();
-    match convert::run(&convert) {
+    let (colour, done) = match &args.command {
+        args::Command::Convert(args) => (args.color, convert::run(args)),
+        args::Command::Inspect(args) => (args.color, inspect::run(args)),
+    };
+    match done {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Missed) => ExitCode::from(3),
         Err(failure) => {
             let (red, blue, plain) =
-                if colour { ("\x1b[1;31m", "\x1b[1;36m", "\x1b[0m") } else { ("", "", "") };
+                if colour.is_on() { ("\x1b[1;31m", "\x1b[1;36m", "\x1b[0m") } else { ("", "", "") };
             eprintln!("{red}error{plain}: {}", failure.error);
             eprintln!("{blue}help{plain}: {}", failure.help);
             ExitCode::FAILURE

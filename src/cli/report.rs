@@ -2,17 +2,16 @@
 
 use std::path::Path;
 
-use scan2step::{Conversion, deviation::Deviation, fill::Method, fit};
+use scan2step::{Conversion, InputReport, deviation::Deviation, fill::Method, fit};
 use serde_json::{Value, json};
 
+use super::input::Scan;
 use super::output::Pending;
 use super::progress::{Progress, peak_rss_mb};
 
 /// What the report says besides the conversion.
 pub struct Context<'a> {
-    pub scan: &'a Path,
-    pub unit: &'static str,
-    pub unit_assumed: bool,
+    pub scan: &'a Scan,
     pub tolerance_named: bool,
     pub outliers_pct: f64,
     pub outputs: Vec<(&'a Path, &'a Pending)>,
@@ -47,7 +46,7 @@ pub fn json(conversions: &[Conversion], context: &Context) -> Value {
 
 fn of_component(c: &Conversion, context: &Context) -> Value {
     json!({
-        "input": input(c, context),
+        "input": input(&c.input, context.scan),
         "noise_mm": c.smooth.noise,
         "tolerance_mm": c.tolerance,
         "tolerance_met": c.tolerance_met(context.outliers_pct / 100.0),
@@ -71,16 +70,19 @@ fn of_component(c: &Conversion, context: &Context) -> Value {
     })
 }
 
-fn input(c: &Conversion, context: &Context) -> Value {
+/// The `input` object, of `convert` and of `inspect`.
+pub fn input(input: &InputReport, scan: &Scan) -> Value {
     json!({
-        "file": context.scan.display().to_string(),
-        "units": context.unit,
-        "units_assumed": context.unit_assumed,
-        "vertices": c.input.vertices,
-        "triangles": c.input.triangles,
-        "components": c.input.components,
-        "boundary_loops": c.input.boundary_loops,
-        "repairs": c.input.repairs,
+        "file": scan.path.display().to_string(),
+        "units": scan.unit.symbol(),
+        "units_assumed": scan.unit_assumed,
+        "file_vertices": scan.counts[0],
+        "file_triangles": scan.counts[1],
+        "vertices": input.vertices,
+        "triangles": input.triangles,
+        "components": input.components,
+        "boundary_loops": input.boundary_loops,
+        "repairs": input.repairs,
     })
 }
 

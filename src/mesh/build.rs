@@ -1,25 +1,27 @@
 //! From a soup of polygons to an oriented, edge-manifold mesh.
 //!
 //! Steps, each counted in [`Repairs`]: vertices that are not finite go, with
-//! their faces; vertices at the same place become one; polygons are fanned;
-//! degenerate and duplicate triangles go; orientation is made consistent over
-//! every component; edges with more than two triangles and vertices with more
-//! than one fan are opened.
+//! their faces; vertices at the same place become one; polygons are cut into
+//! triangles; degenerate and duplicate triangles go; orientation is made
+//! consistent over every component; edges with more than two triangles and
+//! vertices with more than one fan are opened; spikes are taken off and
+//! triangles without area flipped away.
 
-use std::collections::{BTreeMap, HashMap, HashSet, VecDeque};
+use std::collections::{BTreeMap, HashSet};
 
 use formats::Soup;
 
-use super::{EdgeMap, Mesh};
+use super::topology::Buckets;
+use super::{EdgeMap, Mesh, caps, polygons, spikes, weld};
 use crate::error::{Error, Result};
-use crate::geometry::{Point, VertexId};
+use crate::geometry::VertexId;
 
 /// What was repaired: kind and count. Kinds that did not occur are absent.
 pub type Repairs = BTreeMap<&'static str, usize>;
 
 /// A mesh made from a soup. Every component is edge-manifold, every vertex has
 /// one fan of triangles, and the orientation is consistent except across the
-/// sides listed in `twisted`.
+/// sides of the triangles listed in `twisted`.
 #[derive(Debug)]
 pub struct Build {
     /// All components.
@@ -31,137 +33,131 @@ pub struct Build {
     pub twisted: Vec<usize>,
     /// What was repaired.
     pub repairs: Repairs,
+    /// Who borders on whom in `mesh`.
+    pub(super) edges: EdgeMap,
 }
 
 /// Builds the mesh; `mm` is the length of the soup's unit in mm.
 pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
     let mut repairs = Repairs::new();
-    let (points, welded) = weld(soup, mm, &mut repairs);
-    let mut triangles = fan(soup, &welded, &mut repairs);
-    drop_useless(&points, &mut triangles, &mut repairs);
-    if triangles.is_empty() {
-        return Err(Error::Empty("every face is degenerate or has a non-finite vertex".into()));
+    let welded = weld::weld(soup, mm, &mut repairs);
+    let mut triangles = polygons::triangulate(soup, &welded, &mut repairs);
+    drop_degenerate(&mut triangles, &mut repairs);
+    drop_duplicates(welded.points.len(), &mut triangles, &mut repairs);
+    let place = (0..welded.points.len() as u32).collect();
+    let mut build = Build::new(Mesh { points: welded.points, triangles }, place);
+    build.repairs = repairs;
+    build.make_manifold();
+    while spikes::drop(&mut build) {
+        build.make_manifold();
     }
-    let place = (0..points.len() as u32).collect();
-    let mut build = Build { mesh: Mesh { points, triangles }, place, twisted: Vec::new(), repairs };
-    build.orient();
-    build.open_fans();
-    while build.drop_overfull_edges() {
-        build.open_fans();
+    if caps::flip(&mut build) {
+        build.make_manifold();
     }
     build.drop_unused_vertices();
+    if build.mesh.triangles.is_empty() {
+        return Err(Error::Empty("every face is degenerate or has a non-finite vertex".into()));
+    }
     Ok(build)
 }
 
-fn count(repairs: &mut Repairs, kind: &'static str, n: usize) {
+/// Counts a repair that happened.
+pub(super) fn count(repairs: &mut Repairs, kind: &'static str, n: usize) {
     if n > 0 {
         *repairs.entry(kind).or_default() += n;
     }
 }
 
-/// Unique finite points in mm and, for each point of the soup, its number
-/// among them (`u32::MAX`: not finite).
-fn weld(soup: &Soup, mm: f64, repairs: &mut Repairs) -> (Vec<Point>, Vec<u32>) {
-    let mut seen: HashMap<[u64; 3], u32> = HashMap::with_capacity(soup.points.len());
-    let mut points = Vec::new();
-    let mut not_finite = 0;
-    let mut number = |p: &[f64; 3]| {
-        let scaled = p.map(|x| x * mm);
-        if !scaled.iter().all(|x| x.is_finite()) {
-            not_finite += 1;
-            return u32::MAX;
-        }
-        // Adding zero makes -0 and +0 the same place.
-        *seen.entry(scaled.map(|x| (x + 0.0).to_bits())).or_insert_with(|| {
-            points.push(Point::from(scaled));
-            points.len() as u32 - 1
-        })
-    };
-    let welded: Vec<u32> = soup.points.iter().map(&mut number).collect();
-    count(repairs, "non_finite_vertices", not_finite);
-    count(repairs, "welded_vertices", soup.points.len() - not_finite - points.len());
-    (points, welded)
-}
-
-fn fan(soup: &Soup, welded: &[u32], repairs: &mut Repairs) -> Vec<[VertexId; 3]> {
-    let mut triangles = Vec::with_capacity(soup.polygons.len());
-    let (mut lost, mut fanned) = (0, 0);
-    for polygon in soup.polygons.iter() {
-        let corner = |k: usize| welded[polygon[k] as usize];
-        if (0..polygon.len()).any(|k| corner(k) == u32::MAX) {
-            lost += 1;
-            continue;
-        }
-        fanned += usize::from(polygon.len() > 3);
-        for k in 2..polygon.len() {
-            triangles.push([corner(0), corner(k - 1), corner(k)].map(VertexId));
-        }
-    }
-    count(repairs, "faces_with_non_finite_vertices", lost);
-    count(repairs, "polygons_triangulated", fanned);
-    triangles
-}
-
-/// Drops triangles that repeat a vertex and those that repeat a triangle.
-fn drop_useless(points: &[Point], triangles: &mut Vec<[VertexId; 3]>, repairs: &mut Repairs) {
+/// Drops triangles that repeat a vertex.
+fn drop_degenerate(triangles: &mut Vec<[VertexId; 3]>, repairs: &mut Repairs) {
     let before = triangles.len();
     triangles.retain(|&[a, b, c]| a != b && b != c && c != a);
-    let degenerate = before - triangles.len();
-    let mut seen = HashSet::with_capacity(triangles.len());
+    count(repairs, "degenerate_faces", before - triangles.len());
+}
+
+/// Drops triangles that repeat an earlier one, in whichever orientation.
+fn drop_duplicates(points: usize, triangles: &mut Vec<[VertexId; 3]>, repairs: &mut Repairs) {
+    let sorted = |t: u32| {
+        let mut corners = triangles[t as usize];
+        corners.sort_unstable();
+        corners
+    };
+    let buckets = Buckets::new(points, triangles.len(), |t| sorted(t)[0].0);
+    let mut doomed = vec![false; triangles.len()];
+    let mut bucket = Vec::new();
+    for v in 0..points {
+        bucket.clear();
+        bucket.extend(buckets.of(v).iter().map(|&t| (sorted(t), t)));
+        bucket.sort_unstable();
+        for pair in bucket.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
+            doomed[pair[1].1 as usize] = true;
+        }
+    }
     let before = triangles.len();
-    triangles.retain(|t| {
-        let mut key = *t;
-        key.sort_unstable();
-        seen.insert(key)
-    });
-    count(repairs, "degenerate_faces", degenerate);
+    let mut at = doomed.iter();
+    triangles.retain(|_| at.next() == Some(&false));
     count(repairs, "duplicate_faces", before - triangles.len());
-    debug_assert!(triangles.iter().flatten().all(|v| v.index() < points.len()));
 }
 
 impl Build {
+    /// A mesh that nothing has been done to yet.
+    pub(super) fn new(mesh: Mesh, place: Vec<u32>) -> Self {
+        let edges = EdgeMap::new(&mesh);
+        Build { mesh, place, twisted: Vec::new(), repairs: Repairs::new(), edges }
+    }
+
+    /// Orients, and opens what is not manifold, until all is.
+    pub(super) fn make_manifold(&mut self) {
+        self.edges = EdgeMap::new(&self.mesh);
+        count(&mut self.repairs, "opened_edges", self.edges.overfull().len());
+        loop {
+            self.orient();
+            if !(self.open_fans() || self.drop_at_overfull_edges()) {
+                return;
+            }
+            self.edges = EdgeMap::new(&self.mesh);
+        }
+    }
+
     /// Walks over every component and turns triangles to agree with the first
     /// one; the larger part of a component keeps its orientation.
     fn orient(&mut self) {
-        let glue = EdgeMap::unoriented(&self.mesh);
         let n = self.mesh.triangles.len();
         let mut turned: Vec<Option<bool>> = vec![None; n];
         let mut twisted = HashSet::new();
+        let mut flips: Vec<usize> = Vec::new();
+        let mut members = Vec::new();
         for first in 0..n {
             if turned[first].is_some() {
                 continue;
             }
-            let mut members = Vec::new();
-            let mut queue = VecDeque::from([first]);
+            members.clear();
+            members.push(first);
             turned[first] = Some(false);
-            while let Some(t) = queue.pop_front() {
-                members.push(t);
+            let mut done = 0;
+            while let Some(&t) = members.get(done) {
+                done += 1;
                 for side in 3 * t..3 * t + 3 {
-                    let Some(other) = glue.across(side) else { continue };
+                    let Some(other) = self.edges.across(side) else { continue };
                     let same_way = self.from(side) == self.from(other);
-                    let wanted = turned[t].map(|f| f ^ same_way);
+                    let wanted = turned[t].map(|turn| turn ^ same_way);
                     if turned[other / 3].is_none() {
                         turned[other / 3] = wanted;
-                        queue.push_back(other / 3);
+                        members.push(other / 3);
                     } else if turned[other / 3] != wanted {
                         twisted.insert(t);
                     }
                 }
             }
-            let flips = members.iter().filter(|&&t| turned[t] == Some(true)).count();
-            let keep = flips * 2 <= members.len();
-            for &t in &members {
-                turned[t] = turned[t].map(|f| f == keep);
-            }
+            let turns = members.iter().filter(|&&t| turned[t] == Some(true)).count();
+            let fewer = turns * 2 <= members.len();
+            flips.extend(members.iter().filter(|&&t| turned[t] == Some(fewer)));
         }
-        let mut flipped = 0;
-        for (t, turn) in self.mesh.triangles.iter_mut().zip(&turned) {
-            if *turn == Some(true) {
-                t.swap(1, 2);
-                flipped += 1;
-            }
+        for &t in &flips {
+            self.mesh.triangles[t].swap(1, 2);
+            self.edges.turn_over(t);
         }
-        count(&mut self.repairs, "flipped_faces", flipped);
+        count(&mut self.repairs, "flipped_faces", flips.len());
         self.twisted = twisted.into_iter().collect();
         self.twisted.sort_unstable();
     }
@@ -170,26 +166,34 @@ impl Build {
         self.mesh.triangles[side / 3][side % 3]
     }
 
-    /// Gives every fan of triangles around a vertex a vertex of its own.
-    pub(super) fn open_fans(&mut self) {
-        let glue = EdgeMap::new(&self.mesh);
+    /// Gives every fan of triangles around a vertex a vertex of its own; says
+    /// whether any vertex had more than one.
+    pub(super) fn open_fans(&mut self) -> bool {
+        let next = |s: usize| s / 3 * 3 + (s % 3 + 1) % 3;
         let mut fans = Fans::new(3 * self.mesh.triangles.len());
         for side in 0..3 * self.mesh.triangles.len() {
-            if let Some(other) = glue.across(side) {
-                let next = |s: usize| s / 3 * 3 + (s % 3 + 1) % 3;
+            let Some(other) = self.edges.across(side).filter(|&other| side < other) else {
+                continue;
+            };
+            // Across a twisted side both triangles run the same way.
+            if self.from(side) == self.from(other) {
+                fans.join(side, other);
+                fans.join(next(side), next(other));
+            } else {
                 fans.join(side, next(other));
                 fans.join(next(side), other);
             }
         }
+        // The fan that keeps each vertex, and the vertices of the others.
         let mut owner: Vec<u32> = vec![u32::MAX; self.mesh.points.len()];
-        let mut copies: HashMap<usize, VertexId> = HashMap::new();
+        let mut copies = BTreeMap::new();
         for corner in 0..3 * self.mesh.triangles.len() {
             let v = self.from(corner);
-            let fan = fans.find(corner);
+            let fan = fans.find(corner) as u32;
             if owner[v.index()] == u32::MAX {
-                owner[v.index()] = fan as u32;
+                owner[v.index()] = fan;
             }
-            if owner[v.index()] != fan as u32 {
+            if owner[v.index()] != fan {
                 let copy = *copies.entry(fan).or_insert_with(|| {
                     self.mesh.points.push(self.mesh.points[v.index()]);
                     self.place.push(self.place[v.index()]);
@@ -199,59 +203,59 @@ impl Build {
             }
         }
         count(&mut self.repairs, "opened_vertices", copies.len());
+        !copies.is_empty()
     }
 
-    /// Drops, from every edge that still has too many triangles or two that
-    /// run along it in the same direction, the smallest one; says whether it
-    /// dropped any.
-    fn drop_overfull_edges(&mut self) -> bool {
-        let mut users: HashMap<(VertexId, VertexId), Vec<usize>> = HashMap::new();
-        let glue = EdgeMap::new(&self.mesh);
-        for side in glue.open_sides() {
-            let t = self.mesh.triangles[side / 3];
-            let (a, b) = (t[side % 3], t[(side % 3 + 1) % 3]);
-            users.entry((a.min(b), a.max(b))).or_default().push(side / 3);
-        }
+    /// Drops the smallest triangle of every edge that has too many though its
+    /// vertices have one fan each. Of those that run along the edge in the
+    /// direction in which most do, so that the last two run in opposite ones.
+    /// Says whether it dropped any.
+    fn drop_at_overfull_edges(&mut self) -> bool {
         let area = |t: usize| self.mesh.area_vector(self.mesh.triangles[t]).norm();
         let mut doomed = HashSet::new();
-        for triangles in users.values().filter(|u| u.len() > 1) {
-            let smallest =
-                triangles.iter().min_by(|&&x, &&y| area(x).total_cmp(&area(y)).then(x.cmp(&y)));
-            doomed.extend(smallest.copied());
+        for sides in self.edges.overfull() {
+            let low = sides.iter().map(|&side| self.from(side as usize)).min();
+            let (with, against): (Vec<usize>, Vec<usize>) =
+                sides.iter().map(|&s| s as usize).partition(|&s| Some(self.from(s)) == low);
+            let most = if with.len() >= against.len() { with } else { against };
+            let smallest = most
+                .iter()
+                .map(|side| side / 3)
+                .min_by(|&x, &y| area(x).total_cmp(&area(y)).then(x.cmp(&y)));
+            doomed.extend(smallest);
         }
         self.drop_triangles(&doomed);
         count(&mut self.repairs, "faces_dropped_at_non_manifold_edges", doomed.len());
         !doomed.is_empty()
     }
 
-    /// Drops the triangles with the given numbers.
+    /// Drops the triangles with the given numbers. The edge map is out of date
+    /// after it.
     pub(super) fn drop_triangles(&mut self, doomed: &HashSet<usize>) {
-        if doomed.is_empty() {
-            return;
-        }
         let mut t = 0;
         self.mesh.triangles.retain(|_| {
             t += 1;
             !doomed.contains(&(t - 1))
         });
-        let before = |t: usize| t - doomed.iter().filter(|&&d| d < t).count();
-        self.twisted =
-            self.twisted.iter().filter(|t| !doomed.contains(t)).map(|&t| before(t)).collect();
     }
 
     /// The component, or part of one, that the triangles given make.
     pub(super) fn part(&self, triangles: &[usize]) -> Build {
         let (mesh, old) = self.mesh.part(triangles.iter().copied());
-        let place = old.into_iter().map(|v| self.place[v]).collect();
-        Build { mesh, place, twisted: Vec::new(), repairs: Repairs::new() }
+        Build::new(mesh, old.into_iter().map(|v| self.place[v]).collect())
     }
 
     /// Drops vertices without a triangle; the others keep their order.
     fn drop_unused_vertices(&mut self) {
-        let (mesh, old) = self.mesh.part(0..self.mesh.triangles.len());
-        count(&mut self.repairs, "unused_vertices", self.place.len() - old.len());
-        self.place = old.into_iter().map(|v| self.place[v]).collect();
-        self.mesh = mesh;
+        let mut used = vec![false; self.mesh.points.len()];
+        self.mesh.triangles.iter().flatten().for_each(|v| used[v.index()] = true);
+        let unused = used.iter().filter(|used| !**used).count();
+        count(&mut self.repairs, "unused_vertices", unused);
+        if unused > 0 {
+            let (mesh, old) = self.mesh.part(0..self.mesh.triangles.len());
+            self.place = old.into_iter().map(|v| self.place[v]).collect();
+            self.mesh = mesh;
+        }
     }
 }
 
@@ -280,6 +284,7 @@ impl Fans {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Point;
 
     fn soup(points: &[[f64; 3]], polygons: &[&[u32]]) -> Soup {
         let mut soup = Soup { points: points.to_vec(), ..Soup::default() };
@@ -314,15 +319,15 @@ mod tests {
     fn an_edge_with_three_triangles_is_opened() {
         let points = [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.], [0., -1., 0.], [0., 0., 1.]];
         let b = from_soup(&soup(&points, &[&[0, 1, 2], &[1, 0, 3], &[0, 1, 4]]), 1.0).unwrap();
-        let glue = EdgeMap::new(&b.mesh);
-        assert_eq!(glue.open_sides().count(), 3 * b.mesh.triangles.len());
+        assert_eq!(b.edges.open_sides().count(), 3 * b.mesh.triangles.len());
+        assert_eq!(b.repairs["opened_edges"], 1);
     }
 
     #[test]
     fn a_flipped_triangle_is_turned() {
         let b = from_soup(&soup(&SQUARE, &[&[0, 1, 2], &[0, 3, 2]]), 1.0).unwrap();
         assert_eq!(b.repairs["flipped_faces"], 1);
-        assert_eq!(EdgeMap::new(&b.mesh).open_sides().count(), 4);
+        assert_eq!(b.edges.open_sides().count(), 4);
     }
 
     #[test]

@@ -2,8 +2,11 @@
 
 use std::collections::HashSet;
 
-use super::build::{Build, Repairs};
-use super::{EdgeMap, Mesh};
+use super::boundary::{self, Loop};
+use super::build::{Build, Repairs, count};
+use super::disk::Outer;
+use super::kind::Topology;
+use super::{Disk, EdgeMap, Mesh, rims};
 use crate::error::{Error, Result};
 
 /// Which component of the scan becomes the face.
@@ -22,24 +25,32 @@ pub struct Components {
     build: Build,
     /// Triangles of each, ascending; the largest component first.
     pieces: Vec<Vec<usize>>,
+    dust: usize,
 }
+
+/// A component with fewer triangles than this, and than this share of the
+/// largest one's, is dust.
+const DUST: (usize, f64) = (64, 0.01);
 
 /// One component by itself.
 #[derive(Debug)]
 pub struct Component {
-    /// Its mesh.
-    pub mesh: Mesh,
+    build: Build,
+    /// What kind of surface it is.
+    pub topology: Topology,
     /// Triangles in the components that are left out.
     pub left_out: usize,
-    /// Faces dropped because they hung on the rest by a vertex only.
-    pub repairs: Repairs,
 }
 
 impl Components {
     /// Finds the components.
-    pub fn new(build: Build) -> Self {
-        let pieces = pieces(&build.mesh);
-        Components { build, pieces }
+    pub fn new(mut build: Build) -> Self {
+        let pieces = pieces(&build);
+        let largest = pieces.first().map_or(0, Vec::len);
+        let is_dust = |n: usize| n < DUST.0 && (n as f64) < DUST.1 * largest as f64;
+        let dust = pieces.iter().filter(|piece| is_dust(piece.len())).count();
+        count(&mut build.repairs, "dust_components", dust);
+        Components { build, pieces, dust }
     }
 
     /// How many there are.
@@ -47,9 +58,9 @@ impl Components {
         self.pieces.len()
     }
 
-    /// How many triangles each has, the most first.
-    pub fn sizes(&self) -> impl Iterator<Item = usize> + '_ {
-        self.pieces.iter().map(Vec::len)
+    /// How many there are besides dust. Dust comes last.
+    pub fn sizeable(&self) -> usize {
+        self.pieces.len() - self.dust
     }
 
     /// What was repaired in the scan.
@@ -57,8 +68,7 @@ impl Components {
         &self.build.repairs
     }
 
-    /// Takes one component, and trims what hangs on it by a vertex only
-    /// (bow-ties): of the fans at one place the largest stays.
+    /// Takes one component.
     pub fn take(&self, choice: Choice) -> Result<Component> {
         let asked = match choice {
             Choice::Largest => 0,
@@ -66,35 +76,54 @@ impl Components {
         };
         let piece =
             self.pieces.get(asked).ok_or(Error::Component { asked, count: self.count() })?;
-        if self.build.twisted.iter().any(|t| piece.binary_search(t).is_ok()) {
-            return Err(Error::NotOrientable);
-        }
-        let mut kept = self.build.part(piece);
-        while trim_bow_ties(&mut kept) {}
-        let mut repairs = Repairs::new();
-        if piece.len() > kept.mesh.triangles.len() {
-            repairs.insert("faces_dropped_at_bow_ties", piece.len() - kept.mesh.triangles.len());
-        }
+        let build = self.build.part(piece);
+        let twisted = self.build.twisted.iter().any(|t| piece.binary_search(t).is_ok());
+        let topology = Topology::new(&build.mesh, &build.edges, !twisted);
         let left_out = self.build.mesh.triangles.len() - piece.len();
-        Ok(Component { mesh: kept.mesh, left_out, repairs })
+        Ok(Component { build, topology, left_out })
+    }
+}
+
+impl Component {
+    /// Its triangles and points.
+    pub fn mesh(&self) -> &Mesh {
+        &self.build.mesh
+    }
+
+    /// The boundary loops of a two-sided component.
+    pub fn loops(&self) -> Vec<Loop> {
+        boundary::boundary_loops(&self.build.mesh, &self.build.edges)
+    }
+
+    /// The component as a disk with holes, cleaned at its rims: of the fans
+    /// that meet at one place (a bow-tie) the largest stays, and triangles that
+    /// hang on by one side go. What was dropped is added to `repairs`.
+    pub fn into_disk(self, outer: Outer, repairs: &mut Repairs) -> Result<Disk> {
+        let mut kept = self.build;
+        self.topology.check_disk()?;
+        let before = kept.mesh.triangles.len();
+        while trim_bow_ties(&mut kept) {}
+        count(repairs, "faces_dropped_at_bow_ties", before - kept.mesh.triangles.len());
+        let (disk, hanging) = rims::trim_hanging(Disk::new(kept.mesh, outer)?, outer)?;
+        count(repairs, "rim_triangles_trimmed", hanging);
+        Ok(disk)
     }
 }
 
 /// The triangles of each component, ascending; the largest component first.
-fn pieces(mesh: &Mesh) -> Vec<Vec<usize>> {
-    let glue = EdgeMap::new(mesh);
-    let mut seen = vec![false; mesh.triangles.len()];
+fn pieces(build: &Build) -> Vec<Vec<usize>> {
+    let n = build.mesh.triangles.len();
+    let mut seen = vec![false; n];
     let mut pieces: Vec<Vec<usize>> = Vec::new();
-    for first in 0..mesh.triangles.len() {
+    for first in 0..n {
         if std::mem::replace(&mut seen[first], true) {
             continue;
         }
         let mut piece = vec![first];
         let mut done = 0;
-        while done < piece.len() {
-            let t = piece[done];
+        while let Some(&t) = piece.get(done) {
             done += 1;
-            for other in (3 * t..3 * t + 3).filter_map(|side| glue.across(side)) {
+            for other in (3 * t..3 * t + 3).filter_map(|side| build.edges.across(side)) {
                 if !std::mem::replace(&mut seen[other / 3], true) {
                     piece.push(other / 3);
                 }
@@ -134,8 +163,11 @@ fn trim_bow_ties(build: &mut Build) -> bool {
         return false;
     }
     build.drop_triangles(&doomed);
-    build.open_fans();
-    let largest = pieces(&build.mesh).swap_remove(0);
+    build.edges = EdgeMap::new(&build.mesh);
+    while build.open_fans() {
+        build.edges = EdgeMap::new(&build.mesh);
+    }
+    let largest = pieces(build).swap_remove(0);
     *build = build.part(&largest);
     true
 }

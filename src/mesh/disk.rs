@@ -1,15 +1,27 @@
 //! A mesh known to be a disk with holes.
 
 use super::boundary::{self, Loop};
+use super::kind::Topology;
 use super::{EdgeMap, Mesh};
-use crate::error::{Error, Result};
+use crate::error::Result;
+use crate::geometry::Point;
+
+/// Which boundary loop is the outer one.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Outer {
+    /// The longest.
+    #[default]
+    Longest,
+    /// The one with the vertex nearest to this point.
+    Near(Point),
+}
 
 /// An oriented mesh of genus 0 with at least one boundary loop.
 #[derive(Debug, Clone)]
 pub struct Disk {
     /// The triangles and points.
     pub mesh: Mesh,
-    /// The longest boundary loop, the surface to its left.
+    /// The outer boundary loop, the surface to its left.
     pub outer: Loop,
     /// The rims of the holes, the surface to their left, in the order of
     /// their lowest vertices.
@@ -17,19 +29,13 @@ pub struct Disk {
 }
 
 impl Disk {
-    /// Checks the topology of a connected mesh by its Euler characteristic.
-    pub fn new(mesh: Mesh) -> Result<Self> {
+    /// Checks the topology of a connected, oriented mesh by its Euler
+    /// characteristic.
+    pub fn new(mesh: Mesh, outer: Outer) -> Result<Self> {
         let edges = EdgeMap::new(&mesh);
+        Topology::new(&mesh, &edges, true).check_disk()?;
         let mut loops = boundary::boundary_loops(&mesh, &edges);
-        let open = edges.open_sides().count();
-        let edge_count = (3 * mesh.triangles.len() + open) / 2;
-        let euler = (mesh.points.len() + mesh.triangles.len()) as i64 - edge_count as i64;
-        let genus = (2 - loops.len() as i64 - euler).max(0) as usize / 2;
-        if genus > 0 || loops.is_empty() {
-            return Err(Error::NotADisk { genus, loops: loops.len() });
-        }
-        let longest = longest(&mesh, &loops);
-        let outer = loops.remove(longest);
+        let outer = loops.remove(outer.among(&mesh, &loops));
         Ok(Disk { mesh, outer, holes: loops })
     }
 
@@ -39,13 +45,18 @@ impl Disk {
     }
 }
 
-fn longest(mesh: &Mesh, loops: &[Loop]) -> usize {
-    let mut best = (0, f64::NEG_INFINITY);
-    for (i, ring) in loops.iter().enumerate() {
-        let length = boundary::length(mesh, ring);
-        if length > best.1 {
-            best = (i, length);
-        }
+impl Outer {
+    /// The position of the outer loop among all.
+    pub fn among(self, mesh: &Mesh, loops: &[Loop]) -> usize {
+        let badness = |ring: &Loop| match self {
+            Outer::Longest => -boundary::length(mesh, ring),
+            Outer::Near(p) => {
+                let distances = ring.iter().map(|&v| (mesh.point(v) - p).norm_squared());
+                distances.fold(f64::INFINITY, f64::min)
+            }
+        };
+        let badnesses: Vec<f64> = loops.iter().map(badness).collect();
+        let best = (0..loops.len()).min_by(|&i, &j| badnesses[i].total_cmp(&badnesses[j]));
+        best.unwrap_or(0)
     }
-    best.0
 }

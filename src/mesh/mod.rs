@@ -3,20 +3,25 @@
 
 pub mod boundary;
 mod build;
+mod caps;
 mod components;
 mod disk;
+mod kind;
 pub mod mls;
 mod neighbours;
 mod patch;
+mod polygons;
 mod rims;
+mod spikes;
 mod topology;
+mod weld;
 
 pub use build::{Build, Repairs, from_soup};
 pub use components::{Choice, Component, Components};
-pub use disk::Disk;
+pub use disk::{Disk, Outer};
+pub use kind::Topology;
 pub use neighbours::Neighbours;
 pub use patch::{FaceOrigin, Patch};
-pub use rims::trim_hanging;
 pub use topology::{EdgeMap, Rings};
 
 use crate::geometry::{Point, Vector, VertexId};
@@ -73,14 +78,15 @@ impl Mesh {
         self.triangles.iter().map(sides).sum::<f64>() / (3 * self.triangles.len()).max(1) as f64
     }
 
+    /// The lowest and the highest coordinates; the origin of an empty mesh.
+    pub fn bounds(&self) -> [Point; 2] {
+        let first = self.points.first().copied().unwrap_or_else(Point::origin);
+        self.points.iter().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)])
+    }
+
     /// The length of the diagonal of the bounding box, in mm.
     pub fn diagonal(&self) -> f64 {
-        let Some(&first) = self.points.first() else { return 0.0 };
-        let (mut low, mut high) = (first, first);
-        for p in &self.points {
-            low = low.inf(p);
-            high = high.sup(p);
-        }
+        let [low, high] = self.bounds();
         (high - low).norm()
     }
 

@@ -35,7 +35,7 @@ impl Patch {
         v.index() < self.measured
     }
 
-    /// Whether the mesh is edge-manifold with Euler characteristic 1 and the
+    /// Whether the mesh is edge-manifold and oriented, with Euler characteristic 1 and the
     /// one boundary loop that it should have. For checks in debug builds.
     pub fn is_disk(&self) -> bool {
         let edges = EdgeMap::new(&self.mesh);
@@ -43,6 +43,6 @@ impl Patch {
         let edge_count = (3 * self.mesh.triangles.len() + open) / 2;
         let euler = (self.mesh.points.len() + self.mesh.triangles.len()) as i64 - edge_count as i64;
         let loops = boundary::boundary_loops(&self.mesh, &edges);
-        euler == 1 && loops.len() == 1 && open == self.outer.len()
+        euler == 1 && loops.len() == 1 && open == self.outer.len() && edges.is_oriented(&self.mesh)
     }
 }

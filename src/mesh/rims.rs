@@ -6,7 +6,7 @@
 
 use std::collections::HashSet;
 
-use super::{Disk, Mesh, Rings};
+use super::{Disk, Mesh, Outer, Rings};
 use crate::error::Result;
 use crate::geometry::VertexId;
 
@@ -18,7 +18,7 @@ const CORNER: f64 = 75.0 * std::f64::consts::PI / 180.0;
 const ROUNDS: usize = 3;
 
 /// The disk without hanging triangles, and how many there were.
-pub fn trim_hanging(mut disk: Disk) -> Result<(Disk, usize)> {
+pub(super) fn trim_hanging(mut disk: Disk, outer: Outer) -> Result<(Disk, usize)> {
     let mut trimmed = 0;
     for _ in 0..ROUNDS {
         let doomed = hanging(&disk);
@@ -27,7 +27,7 @@ pub fn trim_hanging(mut disk: Disk) -> Result<(Disk, usize)> {
         }
         trimmed += doomed.len();
         let kept = (0..disk.mesh.triangles.len()).filter(|&t| !doomed.contains(&(t as u32)));
-        disk = Disk::new(disk.mesh.part(kept).0)?;
+        disk = Disk::new(disk.mesh.part(kept).0, outer)?;
     }
     Ok((disk, trimmed))
 }
@@ -76,7 +76,8 @@ mod tests {
         let clean = mesh.triangles.len();
         mesh.points.push(Point::new(2.5, -1.0, 0.0));
         mesh.triangles.push([v(3), v(2), v(25)]);
-        let (disk, trimmed) = trim_hanging(Disk::new(mesh).unwrap()).unwrap();
+        let (disk, trimmed) =
+            trim_hanging(Disk::new(mesh, Outer::Longest).unwrap(), Outer::Longest).unwrap();
         assert_eq!((trimmed, disk.mesh.triangles.len(), disk.mesh.points.len()), (1, clean, 25));
     }
 }

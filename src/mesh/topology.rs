@@ -10,44 +10,43 @@ use crate::geometry::VertexId;
 #[derive(Debug)]
 pub struct EdgeMap {
     glued: Vec<u32>,
+    overfull: Vec<Vec<u32>>,
 }
 
 const OPEN: u32 = u32::MAX;
 
 impl EdgeMap {
-    /// Glues every two sides that join the same two vertices in opposite
-    /// directions, where no third side does.
+    /// Glues every two sides that join the same two vertices, in whichever
+    /// direction, where no third side does.
     pub fn new(mesh: &Mesh) -> Self {
-        let mut map = Self::unoriented(mesh);
-        let from = |side: usize| mesh.triangles[side / 3][side % 3];
-        for side in 0..map.glued.len() {
-            if let Some(other) = map.across(side).filter(|&other| from(side) == from(other)) {
-                map.glued[other] = OPEN;
-                map.glued[side] = OPEN;
-            }
+        let ends = |side: u32| {
+            let (t, k) = (side as usize / 3, side as usize % 3);
+            let (a, b) = (mesh.triangles[t][k].0, mesh.triangles[t][(k + 1) % 3].0);
+            (a.min(b), a.max(b))
+        };
+        let count = 3 * mesh.triangles.len();
+        let mut map = EdgeMap { glued: vec![OPEN; count], overfull: Vec::new() };
+        let by_lower = Buckets::new(mesh.points.len(), count, |side| ends(side).0);
+        let mut bucket = Vec::new();
+        for v in 0..mesh.points.len() {
+            bucket.clear();
+            bucket.extend(by_lower.of(v).iter().map(|&side| (ends(side).1, side)));
+            bucket.sort_unstable();
+            bucket.chunk_by(|x, y| x.0 == y.0).for_each(|same| map.glue(same));
         }
         map
     }
 
-    /// Glues every two sides that join the same two vertices in any direction,
-    /// where no third side does.
-    pub(super) fn unoriented(mesh: &Mesh) -> Self {
-        let mut sides: Vec<(u32, u32, u32)> = Vec::with_capacity(3 * mesh.triangles.len());
-        for (t, corners) in mesh.triangles.iter().enumerate() {
-            for k in 0..3 {
-                let (a, b) = (corners[k].0, corners[(k + 1) % 3].0);
-                sides.push((a.min(b), a.max(b), (3 * t + k) as u32));
+    /// Glues the sides of one edge, given as (upper vertex, side).
+    fn glue(&mut self, same: &[(u32, u32)]) {
+        match *same {
+            [_] => {}
+            [(_, x), (_, y)] => {
+                self.glued[x as usize] = y;
+                self.glued[y as usize] = x;
             }
+            _ => self.overfull.push(same.iter().map(|&(_, side)| side).collect()),
         }
-        sides.sort_unstable();
-        let mut glued = vec![OPEN; sides.len()];
-        for same in sides.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
-            if let [(_, _, x), (_, _, y)] = *same {
-                glued[x as usize] = y;
-                glued[y as usize] = x;
-            }
-        }
-        EdgeMap { glued }
     }
 
     /// The side that `side` is glued to, unless it lies on the boundary.
@@ -60,40 +59,85 @@ impl EdgeMap {
     pub fn open_sides(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.glued.len()).filter(|&s| self.glued[s] == OPEN)
     }
+
+    /// Whether glued sides run in opposite directions, everywhere.
+    pub(super) fn is_oriented(&self, mesh: &Mesh) -> bool {
+        let from = |side: usize| mesh.triangles[side / 3][side % 3];
+        (0..self.glued.len()).all(|s| self.across(s).is_none_or(|other| from(s) != from(other)))
+    }
+
+    /// The sides of each edge that more than two triangles share. None of them
+    /// is glued.
+    pub(super) fn overfull(&self) -> &[Vec<u32>] {
+        &self.overfull
+    }
+
+    /// Follows the swap of triangle `t`'s corners 1 and 2, which turns it over.
+    pub(super) fn turn_over(&mut self, t: usize) {
+        self.glued.swap(3 * t, 3 * t + 2);
+        for side in [3 * t, 3 * t + 2] {
+            if let Some(other) = self.across(side) {
+                self.glued[other] = side as u32;
+            }
+        }
+        for side in self.overfull.iter_mut().flatten().filter(|s| **s as usize / 3 == t) {
+            *side = 3 * t as u32 + 2 - *side % 3;
+        }
+    }
 }
 
-/// For each vertex its neighbours along edges, and its triangles.
+/// Numbers sorted into buckets, ascending in each.
 #[derive(Debug)]
-pub struct Rings {
+pub(super) struct Buckets {
     starts: Vec<u32>,
-    triangles: Vec<u32>,
+    members: Vec<u32>,
 }
 
-impl Rings {
-    /// Lists the triangles of every vertex, in ascending order.
-    pub fn new(mesh: &Mesh) -> Self {
-        let mut starts = vec![0u32; mesh.points.len() + 1];
-        for v in mesh.triangles.iter().flatten() {
-            starts[v.index() + 1] += 1;
+impl Buckets {
+    /// Puts each of the numbers below `count` into the bucket that `bucket`
+    /// names, of `buckets`.
+    pub(super) fn new(buckets: usize, count: usize, bucket: impl Fn(u32) -> u32) -> Self {
+        let mut starts = vec![0u32; buckets + 1];
+        for i in 0..count as u32 {
+            starts[bucket(i) as usize + 1] += 1;
         }
         for i in 1..starts.len() {
             starts[i] += starts[i - 1];
         }
         let mut next = starts.clone();
-        let mut triangles = vec![0; 3 * mesh.triangles.len()];
-        for (t, corners) in mesh.triangles.iter().enumerate() {
-            for v in corners {
-                triangles[next[v.index()] as usize] = t as u32;
-                next[v.index()] += 1;
-            }
+        let mut members = vec![0; count];
+        for i in 0..count as u32 {
+            let slot = &mut next[bucket(i) as usize];
+            members[*slot as usize] = i;
+            *slot += 1;
         }
-        Rings { starts, triangles }
+        Buckets { starts, members }
+    }
+
+    /// The numbers in a bucket.
+    pub(super) fn of(&self, bucket: usize) -> &[u32] {
+        &self.members[self.starts[bucket] as usize..self.starts[bucket + 1] as usize]
+    }
+}
+
+/// For each vertex its neighbours along edges, and its triangles.
+#[derive(Debug)]
+pub struct Rings {
+    corners: Buckets,
+}
+
+impl Rings {
+    /// Lists the triangles of every vertex, in ascending order.
+    pub fn new(mesh: &Mesh) -> Self {
+        let vertex = |corner: u32| mesh.triangles[corner as usize / 3][corner as usize % 3].0;
+        let mut corners = Buckets::new(mesh.points.len(), 3 * mesh.triangles.len(), vertex);
+        corners.members.iter_mut().for_each(|corner| *corner /= 3);
+        Rings { corners }
     }
 
     /// The triangles around a vertex.
     pub fn triangles(&self, v: VertexId) -> &[u32] {
-        let i = v.index();
-        &self.triangles[self.starts[i] as usize..self.starts[i + 1] as usize]
+        self.corners.of(v.index())
     }
 
     /// The vertices that share a triangle with `v`, each as often as it does.

@@ -12,7 +12,7 @@ mod unfold;
 
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::mls::{Cloud, Scratch};
-use crate::mesh::{Disk, boundary};
+use crate::mesh::{Disk, Mesh, boundary};
 
 /// How to smooth.
 #[derive(Debug, Clone, Default)]
@@ -60,6 +60,11 @@ pub struct Report {
     pub moved_max: f64,
     /// Corners kept, over all loops.
     pub corners: Vec<VertexId>,
+}
+
+/// The noise of a scan: the standard deviation of its points along the normal.
+pub fn noise(mesh: &Mesh) -> f64 {
+    support::choose(mesh, &Cloud::of(mesh), Support::Off).noise
 }
 
 /// Smooths a disk. Its topology stays as it is.

@@ -28,7 +28,21 @@ pub fn convert(args: &[&str]) -> Output {
     command.output().expect("the program runs")
 }
 
-/// The same, which must succeed; returns what it said.
+/// Runs `scan2step inspect` with the given arguments.
+pub fn inspect(args: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_scan2step"));
+    command.arg("inspect").args(args).output().expect("the program runs")
+}
+
+/// What it says of a scan as JSON.
+pub fn inspected(scan: &Path) -> Value {
+    let output = inspect(&[arg(scan), "--json"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "inspect {}: {said}", scan.display());
+    serde_json::from_slice(&output.stdout).expect("it prints JSON")
+}
+
+/// `convert`, which must succeed; returns what it said.
 pub fn converted(args: &[&str]) -> String {
     let output = convert(args);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();

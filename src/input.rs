@@ -1,0 +1,84 @@
+//! What came in: the chosen component of a scan, looked at and made a disk.
+
+use crate::mesh::{Choice, Component, Components, Disk, Outer, Repairs, Topology, boundary};
+use crate::{Options, Result, smooth};
+
+/// What came in.
+#[derive(Debug, Clone)]
+pub struct InputReport {
+    /// Vertices of the chosen component.
+    pub vertices: usize,
+    /// Triangles of the chosen component.
+    pub triangles: usize,
+    /// Components of the scan.
+    pub components: usize,
+    /// Triangles in the components left out.
+    pub left_out: usize,
+    /// Boundary loops of the chosen component.
+    pub boundary_loops: usize,
+    /// What was repaired: kind and count.
+    pub repairs: Repairs,
+}
+
+/// What a component of a scan is. Lengths are mm.
+#[derive(Debug, Clone)]
+pub struct Inspection {
+    /// Its counts, and what was repaired. Where the component is a disk, with
+    /// what a conversion would take off its rims.
+    pub input: InputReport,
+    /// What kind of surface it is.
+    pub topology: Topology,
+    /// The length of each boundary loop and its number of vertices. Of a
+    /// one-sided surface none are listed.
+    pub loops: Vec<(f64, usize)>,
+    /// Which of the loops is the outer one; `None` if there is none.
+    pub outer: Option<usize>,
+    /// The lowest and the highest coordinates.
+    pub bounds: [[f64; 3]; 2],
+    /// Standard deviation of the noise along the normal.
+    pub noise: f64,
+}
+
+impl InputReport {
+    fn new(scan: &Components, chosen: &Component) -> Self {
+        InputReport {
+            vertices: chosen.mesh().points.len(),
+            triangles: chosen.mesh().triangles.len(),
+            components: scan.count(),
+            left_out: chosen.left_out,
+            boundary_loops: chosen.topology.loops,
+            repairs: scan.repairs().clone(),
+        }
+    }
+}
+
+/// Mesh → disk with holes.
+pub(crate) fn disk(scan: &Components, options: &Options) -> Result<(Disk, InputReport)> {
+    let chosen = scan.take(options.component)?;
+    let mut input = InputReport::new(scan, &chosen);
+    let disk = chosen.into_disk(options.outer, &mut input.repairs)?;
+    Ok((disk, input))
+}
+
+/// Looks at one component of a scan, of whatever topology it is.
+///
+/// # Errors
+/// There is no such component.
+pub fn inspect(scan: &Components, component: Choice, outer: Outer) -> Result<Inspection> {
+    let chosen = scan.take(component)?;
+    let mut input = InputReport::new(scan, &chosen);
+    let mesh = chosen.mesh();
+    let rings = if chosen.topology.orientable { chosen.loops() } else { Vec::new() };
+    let inspection = Inspection {
+        topology: chosen.topology.clone(),
+        loops: rings.iter().map(|ring| (boundary::length(mesh, ring), ring.len())).collect(),
+        outer: (!rings.is_empty()).then(|| outer.among(mesh, &rings)),
+        bounds: mesh.bounds().map(|p| p.coords.into()),
+        noise: smooth::noise(mesh),
+        input: input.clone(),
+    };
+    if inspection.topology.is_disk() {
+        chosen.into_disk(outer, &mut input.repairs)?;
+    }
+    Ok(Inspection { input, ..inspection })
+}

@@ -1,0 +1,128 @@
+//! Triangles without area whose corners are three different vertices on one
+//! line ("caps"). Dropping one would leave a slit; flipping its longest side
+//! gives two triangles that have the vertex on that side for a corner.
+
+use std::collections::HashSet;
+
+use super::build::{Build, count};
+use super::{EdgeMap, Mesh, Rings};
+use crate::geometry::VertexId;
+
+/// A triangle is flat when its height is less than this share of its longest
+/// side: far below what single precision resolves.
+const FLAT: f64 = 1e-9;
+
+/// Flips caps away, or drops those whose longest side is on the boundary; a cap
+/// that can do neither stays. Says whether it changed anything.
+pub(super) fn flip(build: &mut Build) -> bool {
+    let mut gone = 0;
+    loop {
+        let flat: Vec<Option<usize>> =
+            build.mesh.triangles.iter().map(|&t| longest_if_flat(&build.mesh, t)).collect();
+        if flat.iter().all(Option::is_none) {
+            break;
+        }
+        let changed = round(build, &flat);
+        if changed == 0 {
+            break;
+        }
+        gone += changed;
+        build.edges = EdgeMap::new(&build.mesh);
+    }
+    count(&mut build.repairs, "degenerate_faces", gone);
+    gone > 0
+}
+
+/// Deals with caps of which no two share a triangle or a neighbour. Every one
+/// that it counts is a flat triangle fewer.
+fn round(build: &mut Build, flat: &[Option<usize>]) -> usize {
+    let rings = Rings::new(&build.mesh);
+    let mut touched = HashSet::new();
+    let mut doomed = HashSet::new();
+    let mut flipped = 0;
+    for (t, k) in flat.iter().enumerate().filter_map(|(t, k)| k.map(|k| (t, k))) {
+        let corners = build.mesh.triangles[t];
+        let [p, q, r] = [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
+        let Some(other) = build.edges.across(3 * t + k) else {
+            if touched.insert(t) {
+                doomed.insert(t);
+            }
+            continue;
+        };
+        let (o, j) = (other / 3, other % 3);
+        let facing = build.mesh.triangles[o];
+        let d = facing[(j + 2) % 3];
+        let sound = flat[o].is_none() && facing[j] == q && d != r;
+        let news = sound && !rings.neighbours(&build.mesh, r).any(|v| v == d);
+        let apart = [t, o]
+            .iter()
+            .chain(&around(build, t))
+            .chain(&around(build, o))
+            .all(|t| !touched.contains(t));
+        if news && apart {
+            build.mesh.triangles[t] = [p, d, r];
+            build.mesh.triangles[o] = [q, r, d];
+            touched.extend([t, o]);
+            flipped += 1;
+        }
+    }
+    build.drop_triangles(&doomed);
+    doomed.len() + flipped
+}
+
+/// The triangles that share a side with `t`.
+fn around(build: &Build, t: usize) -> Vec<usize> {
+    (3 * t..3 * t + 3).filter_map(|side| build.edges.across(side)).map(|side| side / 3).collect()
+}
+
+/// The side that the cap's third corner lies on, if the triangle is one.
+/// (Where that corner is as good as one of the ends, a flip gains nothing.)
+fn longest_if_flat(mesh: &Mesh, t: [VertexId; 3]) -> Option<usize> {
+    let [a, b, c] = mesh.corners(t);
+    let squares = [(b - a).norm_squared(), (c - b).norm_squared(), (a - c).norm_squared()];
+    let long = squares[0].max(squares[1]).max(squares[2]);
+    let short = squares[0].min(squares[1]).min(squares[2]);
+    let is_flat = (b - a).cross(&(c - a)).norm_squared() <= (FLAT * long).powi(2);
+    (is_flat && short > 1e-12 * long).then(|| squares.iter().position(|&s| s == long))?
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+
+    /// A square whose lower side has a vertex in its middle, that only a flat
+    /// triangle joins to the rest.
+    fn square_with_cap(outside: bool) -> Build {
+        let mut points = vec![[0., 0., 0.], [2., 0., 0.], [2., 2., 0.], [0., 2., 0.], [1., 0., 0.]];
+        let mut triangles = vec![[0, 1, 2], [0, 2, 3], [1, 0, 4]];
+        if outside {
+            points.push([1., -1., 0.]);
+            triangles.extend([[0, 5, 4], [4, 5, 1]]);
+        }
+        let place = (0..points.len() as u32).collect();
+        let points = points.into_iter().map(Point::from).collect();
+        let triangles = triangles.into_iter().map(|t| t.map(VertexId)).collect();
+        Build::new(Mesh { points, triangles }, place)
+    }
+
+    #[test]
+    fn an_inner_cap_is_flipped() {
+        let mut build = square_with_cap(true);
+        let before = build.mesh.triangles.len();
+        assert!(flip(&mut build));
+        assert_eq!(build.mesh.triangles.len(), before);
+        assert_eq!(build.edges.open_sides().count(), 5);
+        assert!(build.mesh.triangles.iter().all(|&t| build.mesh.area_vector(t).z > 0.1));
+    }
+
+    #[test]
+    fn a_cap_on_the_boundary_goes() {
+        let mut build = square_with_cap(false);
+        let flat: Vec<_> =
+            build.mesh.triangles.iter().map(|&t| longest_if_flat(&build.mesh, t)).collect();
+        assert_eq!(flat, [None, None, Some(0)]);
+        assert!(flip(&mut build));
+        assert!(build.mesh.triangles.iter().all(|&t| build.mesh.area_vector(t).z > 0.1));
+    }
+}

@@ -1,0 +1,57 @@
+//! The topology of the collected scans, where they are to be had, against their
+//! index.
+
+mod common;
+
+use std::collections::HashMap;
+
+use common::shared;
+use scan2step::mesh::{self, Choice, Components};
+
+/// A row of the index, by its column's name.
+type Row = HashMap<String, String>;
+
+fn index(text: &str) -> Vec<Row> {
+    let mut lines = text.lines();
+    let names: Vec<&str> = lines.next().unwrap_or_default().split('\t').collect();
+    let row = |line: &str| {
+        let cells = line.split('\t').map(str::to_owned);
+        names.iter().map(|n| (*n).to_owned()).zip(cells).collect()
+    };
+    lines.map(row).collect()
+}
+
+/// Whether the index counts what we count: it leaves duplicate and degenerate
+/// faces in, and cuts at an edge with three faces though one of them may go.
+fn comparable(row: &Row) -> bool {
+    let none = ["nonmanifold_edges", "degenerate_faces", "duplicate_faces"];
+    let orderly = none.iter().all(|name| row[*name] == "0");
+    // Fans it does not know.
+    orderly && !row["largest_genus"].is_empty()
+}
+
+#[test]
+fn topology_is_as_indexed() {
+    let Some(list) = shared("scans/INDEX.tsv") else { return };
+    let folder = list.parent().expect("it lies in a folder");
+    let rows = index(&std::fs::read_to_string(&list).expect("the index is readable"));
+    let mut wrong = Vec::new();
+    let mut compared = 0;
+    for row in rows.iter().filter(|row| comparable(row)) {
+        let path = folder.join(&row["path"]);
+        let Ok(soup) = formats::read_scan(&path) else { continue };
+        let Ok(build) = mesh::from_soup(&soup, 1.0) else { continue };
+        let scan = Components::new(build);
+        let largest = scan.take(Choice::Largest).expect("there is one");
+        let found = [scan.count() as f64, largest.topology.loops as f64, largest.topology.genus()];
+        let number = |name: &str| row[name].parse::<f64>().expect("a number");
+        let expected = ["components", "largest_loops", "largest_genus"].map(number);
+        compared += 1;
+        if found != expected {
+            wrong.push(format!("{}: {found:?}, not {expected:?}", row["path"]));
+        }
+    }
+    println!("{compared} scans compared");
+    assert!(compared > 100, "only {compared} compared");
+    assert!(wrong.is_empty(), "components, loops and genus:\n{}", wrong.join("\n"));
+}
