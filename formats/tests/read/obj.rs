@@ -125,10 +125,62 @@ fn bad_vertices_are_refused_by_line() {
         ("v", "fewer than three"),
         ("v 1 2 three", "unreadable vertex"),
         ("v 3.1+e2 0 0", "unreadable vertex"),
+        ("v . 0 0", "unreadable vertex"),
     ] {
         let error = refusal("bad.obj", square(&format!("{vertex}\nf 1 2 3\n")), word);
         assert_eq!(error.place, Some(Place::Line(5)), "{vertex}");
     }
     let comma = refusal("comma.obj", square("v 1,5 0,5 2,0\n"), "unreadable vertex");
     assert!(comma.help.contains("decimal points"));
+}
+
+/// Vertices for more than one batch of those that tobj gets at a time.
+fn many() -> String {
+    (0..10_000).map(|i| format!("v {i} 0 .5\n")).collect()
+}
+
+#[test]
+fn many_vertices_keep_order_and_lines() {
+    let read = soup("many.obj", "f 9999 2 10000\n".to_owned() + &many() + "f -1 -10000 -2\n");
+    assert!(read.points.iter().enumerate().all(|(i, p)| *p == [i as f64, 0.0, 0.5]));
+    assert_eq!(read.points.len(), 10_000);
+    assert_eq!(polygons(&read), [[9998, 1, 9999], [9999, 0, 9998]]);
+    for bad in [1, 4096, 4097, 8192, 9000, 10_000] {
+        let many = many();
+        let mut lines: Vec<&str> = many.lines().collect();
+        lines[bad - 1] = "v 1 2 -";
+        let error = refusal("many.obj", lines.join("\n"), "\u{201c}v 1 2 -\u{201d}");
+        assert_eq!(error.place, Some(Place::Line(bad as u64)));
+    }
+}
+
+#[test]
+fn the_first_of_two_errors_is_told() {
+    for second in ["f 1 2 x", "f 1 2 0", "v 1 2", "v 1 2 4-", "f 1 2"] {
+        let text = square(&format!("\nv 1 2 3-\nf 1 2 3\n{second}"));
+        let error = refusal("two.obj", text, "v 1 2 3-");
+        assert_eq!(error.place, Some(Place::Line(6)), "{second}");
+    }
+    let error = refusal("two.obj", square("f 1 2 9\nf 1 2 x\n"), "corner \u{201c}x");
+    assert_eq!(error.place, Some(Place::Line(6)));
+}
+
+#[test]
+fn only_ascii_white_space_parts_numbers() {
+    for space in ['\u{b}', '\u{85}', '\u{a0}', '\u{2003}'] {
+        let text = square(&format!("v 1{space}2 3 4\nf 1 2 3\n"));
+        let error = refusal("space.obj", text, "unreadable vertex");
+        assert_eq!(error.place, Some(Place::Line(5)), "{space:?}");
+        let text = square(&format!("v 1 {space}2 3{space} 4\nf 1 2 3\n"));
+        assert_eq!(soup("space.obj", text).points[4], [1., 2., 3.], "{space:?}");
+    }
+}
+
+#[test]
+fn numbers_may_have_any_length() {
+    let digits = "0".repeat(3 << 20);
+    let text = format!("v 1 2 3\nv 1.{digits} {digits}2 3\nv 1 2 3.{digits}1\nf 1 2 3\n");
+    assert_eq!(soup("long.obj", text).points, [[1., 2., 3.]; 3]);
+    let error = refusal("long.obj", format!("v 1 2 3\nv 1 {digits}x 3\n"), "\u{201c}v 1 000");
+    assert_eq!(error.place, Some(Place::Line(2)));
 }
