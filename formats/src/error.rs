@@ -32,7 +32,7 @@ pub enum Place {
     Vertex(u64),
     /// Face as the file counts them, from 0.
     Face(u64),
-    /// An element of a glTF file: its kind ("accessor", "node") and index.
+    /// Another element: its kind ("accessor", "node") and index, from 0.
     Element(&'static str, u64),
 }
 

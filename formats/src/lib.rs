@@ -6,6 +6,7 @@
 //! crate knows nothing of what happens between the two.
 
 pub mod brep;
+mod damage;
 mod error;
 mod gltf;
 pub mod iges;
@@ -25,5 +26,5 @@ mod unzip;
 
 pub use brep::{Brep, PCurve, TrimmedFace};
 pub use error::{Error, Place, Result};
-pub use read::{Format, read_scan};
+pub use read::{Format, read_scan, read_scan_from};
 pub use soup::{LengthUnit, Soup};

@@ -1,9 +1,10 @@
 //! Reading a scan of whichever format.
 
+use std::io::Read;
 use std::path::Path;
 
 use crate::source::Source;
-use crate::{Error, Result, Soup, gltf, obj, ply, stl};
+use crate::{Error, Result, Soup, damage, gltf, obj, ply, stl};
 
 /// A mesh format that [`read_scan`] reads, plain or gzipped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -41,13 +42,50 @@ impl Format {
 /// supported, or has no polygons. Memory grows with what the file really
 /// holds, whatever it claims.
 pub fn read_scan(path: &Path) -> Result<Soup> {
-    let source = Source::open(path)?;
-    let soup = match recognise(&source)? {
+    read(Source::open(path)?)
+}
+
+/// Reads a mesh as [`read_scan`] does, but from memory or any other stream.
+/// Bytes in memory come as a [`Cursor`](std::io::Cursor) that owns them.
+///
+/// `name` is what errors call the file, and by its extension a content is
+/// recognised that does not tell its format itself. A binary STL never does
+/// here: it is known by its length, and a stream has none. No file of that
+/// name is touched.
+///
+/// `folder` is where a glTF file may have its buffers. With `None` it may not
+/// refer to any file, which is right for content whose origin is not trusted.
+///
+/// ```
+/// let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+/// let content = std::io::Cursor::new(text);
+/// let soup = formats::read_scan_from("upload.obj".as_ref(), content, None)?;
+/// assert_eq!((soup.points.len(), soup.polygons.len()), (3, 1));
+/// # Ok::<(), formats::Error>(())
+/// ```
+///
+/// # Errors
+/// Those of [`read_scan`]; and a glTF file needs a buffer in another file
+/// although `folder` is `None`.
+pub fn read_scan_from(
+    name: &Path,
+    content: impl Read + 'static,
+    folder: Option<&Path>,
+) -> Result<Soup> {
+    read(Source::new(name, content, None, folder)?)
+}
+
+fn read(source: Source) -> Result<Soup> {
+    let path = source.path.clone();
+    let head = source.head.clone();
+    let format = recognise(&source)?;
+    let soup = match format {
         Format::Ply => ply::read(source),
         Format::Obj => obj::read(source),
         Format::Gltf | Format::Glb => gltf::read(source),
         Format::Stl => stl::read(source),
-    }?;
+    };
+    let soup = soup.map_err(|e| damage::explain(e, format, &head))?;
     if !soup.polygons.is_empty() {
         return Ok(soup);
     }
@@ -61,6 +99,7 @@ pub fn read_scan(path: &Path) -> Result<Soup> {
 }
 
 const READABLE: &str = "Convert it to PLY, OBJ, glTF (GLB) or STL, for example with MeshLab.";
+const UTF_8: &str = "Save it as plain text (ASCII or UTF-8), or export it as binary PLY.";
 
 fn recognise(source: &Source) -> Result<Format> {
     let head = source.head.as_slice();
@@ -70,8 +109,12 @@ fn recognise(source: &Source) -> Result<Format> {
     if let Some(format) = by_content(source) {
         return Ok(format);
     }
-    if let Some(foreign) = foreign(head) {
-        return Err(Error::new(&source.path, format!("is {foreign}"), READABLE));
+    if let Some((foreign, help)) = foreign(head) {
+        return Err(Error::new(&source.path, format!("is {foreign}"), help));
+    }
+    // Last, for any text may have a line that looks like a vertex.
+    if obj::is_obj(after_mark(head)) {
+        return Ok(Format::Obj);
     }
     let unknown = || Error::new(&source.path, "is of no known mesh format", READABLE);
     by_extension(&source.path).ok_or_else(unknown)
@@ -79,20 +122,25 @@ fn recognise(source: &Source) -> Result<Format> {
 
 fn by_content(source: &Source) -> Option<Format> {
     let head = source.head.as_slice();
-    if head.starts_with(b"ply") && head.get(3).is_some_and(u8::is_ascii_whitespace) {
-        return Some(Format::Ply);
+    // First, for it may begin with any word.
+    if stl::is_binary(head, source.len) || stl::is_ascii(head) {
+        return Some(Format::Stl);
     }
     if head.starts_with(b"glTF") {
         return Some(Format::Glb);
     }
-    if stl::is_ascii(head) || stl::is_binary(head, source.len) {
-        return Some(Format::Stl);
+    let text = after_mark(head);
+    if ply::is_ply(text) {
+        return Some(Format::Ply);
     }
-    let text = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head);
-    if text.iter().find(|b| !b.is_ascii_whitespace()) == Some(&b'{') {
-        return Some(Format::Gltf);
-    }
-    obj::is_obj(text).then_some(Format::Obj)
+    let begins = text.iter().find(|b| !b.is_ascii_whitespace());
+    // In UTF-16 a NUL comes next.
+    (begins == Some(&b'{') && !text.contains(&0)).then_some(Format::Gltf)
+}
+
+/// `head` without the byte order mark that editors put before text.
+fn after_mark(head: &[u8]) -> &[u8] {
+    head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head)
 }
 
 fn by_extension(path: &Path) -> Option<Format> {
@@ -108,9 +156,10 @@ fn by_extension(path: &Path) -> Option<Format> {
     }
 }
 
-/// What the file is, if it is something that is often mistaken for a mesh.
-fn foreign(head: &[u8]) -> Option<&'static str> {
-    let known: [(&[u8], &str); 12] = [
+/// What the file is, if it is something that is often mistaken for a mesh, and
+/// what to do about it.
+fn foreign(head: &[u8]) -> Option<(&'static str, &'static str)> {
+    let known: [(&[u8], &str); 11] = [
         (b"PK\x03\x04", "a ZIP archive (perhaps 3MF)"),
         (b"\x1f\x8b", "gzipped twice"),
         (b"BZh", "packed with bzip2"),
@@ -122,7 +171,34 @@ fn foreign(head: &[u8]) -> Option<&'static str> {
         (b"ASTM-E57", "an E57 point cloud"),
         (b"LASF", "a LAS point cloud"),
         (b"ISO-10303-21", "a STEP file, not a scan"),
-        (b"\xff\xfe", "UTF-16 text"),
     ];
-    known.iter().find(|(magic, _)| head.starts_with(magic)).map(|(_, name)| *name)
+    if let Some((_, name)) = known.iter().find(|(magic, _)| head.starts_with(magic)) {
+        return Some((name, READABLE));
+    }
+    if is_utf_16(head) {
+        return Some(("UTF-16 text", UTF_8));
+    }
+    // Gzip's second byte is no UTF-8.
+    if head.starts_with(b"\x1f\xef\xbf\xbd") {
+        return Some(("gzipped, but its bytes were converted to text", damage::SEND_AS_BINARY));
+    }
+    if head.starts_with(b"version https://git-lfs.github.com/spec/") {
+        let help = "Fetch the file itself with \u{201c}git lfs pull\u{201d}.";
+        return Some(("a git-lfs pointer, not the file itself", help));
+    }
+    let text = after_mark(head).trim_ascii_start();
+    let begins =
+        |w: &str| text.get(..w.len()).is_some_and(|t| t.eq_ignore_ascii_case(w.as_bytes()));
+    let help = "Download the file itself: this is a page about it, or about an error.";
+    (begins("<!doctype html") || begins("<html")).then_some(("a web page (HTML)", help))
+}
+
+/// Whether it begins with UTF-16's mark, or with ASCII in two bytes a letter.
+fn is_utf_16(head: &[u8]) -> bool {
+    let pairs = head[..head.len().min(64)].as_chunks::<2>().0;
+    let is_ascii = |byte: u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();
+    let wide = |high: usize| pairs.iter().all(|p| p[high] == 0 && is_ascii(p[1 - high]));
+    head.starts_with(b"\xff\xfe")
+        || head.starts_with(b"\xfe\xff")
+        || pairs.len() >= 4 && (wide(0) || wide(1))
 }

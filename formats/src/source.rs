@@ -22,6 +22,8 @@ pub(crate) const EXPORT_AGAIN: &str =
 pub(crate) struct Source {
     /// The path as the user named it, for errors.
     pub(crate) path: PathBuf,
+    /// Where the files are that this one refers to, if it may refer to any.
+    pub(crate) folder: Option<PathBuf>,
     /// The first bytes, which `stream` delivers as well.
     pub(crate) head: Vec<u8>,
     /// The length of the content if the file is not gzipped.
@@ -33,38 +35,68 @@ pub(crate) struct Source {
     /// Whether that line had an end.
     pub(crate) ended_line: bool,
     eol: u8,
+    pieces: Pieces,
+}
+
+/// A line with ends of the other kind within: `used` bytes of it are delivered.
+#[derive(Default)]
+struct Pieces {
+    line: Vec<u8>,
+    used: usize,
+    ended: bool,
 }
 
 impl Source {
-    /// Opens `path`, unzipping it if its first bytes are gzip's.
+    /// Opens the file at `path`, which may refer to files beside it.
     pub(crate) fn open(path: &Path) -> Result<Source> {
         let cannot = |e: io::Error| {
             let what = format!("cannot be opened: {e}");
             Error::new(path, what, "Check the path and the permissions of the file.")
         };
-        let mut file = File::open(path).map_err(cannot)?;
+        let file = File::open(path).map_err(cannot)?;
         let meta = file.metadata().map_err(cannot)?;
         if meta.is_dir() {
             return Err(Error::new(path, "is a folder", "Name the scan file itself."));
         }
-        let head = take_head(&mut file).map_err(cannot)?;
-        if !head.starts_with(&[0x1f, 0x8b]) {
-            return Ok(Source::new(path, head, Some(meta.len()), Box::new(file)));
-        }
-        let mut zip = Unzip::new(Cursor::new(head).chain(file));
-        let head = take_head(&mut zip)
-            .map_err(|e| Error::new(path, format!("cannot be unzipped: {e}"), EXPORT_AGAIN))?;
-        Ok(Source::new(path, head, None, Box::new(zip)))
+        let folder = path.parent().filter(|p| !p.as_os_str().is_empty());
+        Source::new(path, file, Some(meta.len()), folder.or(Some(Path::new("."))))
     }
 
-    fn new(path: &Path, head: Vec<u8>, len: Option<u64>, rest: Box<dyn Read>) -> Source {
-        let eol = line_end(&head);
-        let all: Box<dyn Read> = Box::new(Cursor::new(head.clone()).chain(rest));
-        let stream = BufReader::with_capacity(64 << 10, all);
-        Source { path: path.to_path_buf(), head, len, stream, line: 0, ended_line: true, eol }
+    /// A source of `content`, of `len` bytes if that is known, which is
+    /// unzipped if its first bytes are gzip's.
+    pub(crate) fn new(
+        path: &Path,
+        mut content: impl Read + 'static,
+        len: Option<u64>,
+        folder: Option<&Path>,
+    ) -> Result<Source> {
+        let cannot = |what: &str, e: io::Error| {
+            Error::new(path, format!("cannot be {what}: {e}"), EXPORT_AGAIN)
+        };
+        let zipped = take_head(&mut content).map_err(|e| cannot("read", e))?;
+        let whole = Cursor::new(zipped.clone()).chain(content);
+        let (head, len, stream): (_, _, Box<dyn Read>) = if zipped.starts_with(&[0x1f, 0x8b]) {
+            let mut zip = Unzip::new(whole);
+            let head = take_head(&mut zip).map_err(|e| cannot("unzipped", e))?;
+            (head.clone(), None, Box::new(Cursor::new(head).chain(zip)))
+        } else {
+            (zipped, len, Box::new(whole))
+        };
+        Ok(Source {
+            path: path.to_path_buf(),
+            folder: folder.map(Path::to_path_buf),
+            eol: line_end(&head),
+            head,
+            len,
+            stream: BufReader::with_capacity(64 << 10, stream),
+            line: 0,
+            ended_line: true,
+            pieces: Pieces::default(),
+        })
     }
 
     /// Puts the next line into `line`, without its end; `false` after the last.
+    /// A byte order mark before the first one is left out.
     pub(crate) fn next_line(&mut self, line: &mut Vec<u8>) -> Result<bool> {
         line.clear();
         let read = (&mut self.stream).take(MAX_LINE).read_until(self.eol, line);
@@ -80,7 +112,41 @@ impl Source {
                 line.pop();
             }
         }
+        if self.line == 1 && line.starts_with(b"\xef\xbb\xbf") {
+            line.drain(..3);
+        }
         Ok(read > 0)
+    }
+
+    /// The same for files that are text to their end: a line may end in `\n`,
+    /// `\r\n` or `\r`, whatever the first one ends in.
+    pub(crate) fn next_text_line(&mut self, line: &mut Vec<u8>) -> Result<bool> {
+        if self.pieces.used < self.pieces.line.len() {
+            self.line += 1;
+            self.next_piece(line);
+            return Ok(true);
+        }
+        let more = self.next_line(line)?;
+        let other = if self.eol == b'\n' { b'\r' } else { b'\n' };
+        if self.eol == b'\r' && line.first() == Some(&other) {
+            // The second half of the `\r\n` that ended the line before.
+            line.remove(0);
+        }
+        if line.contains(&other) {
+            std::mem::swap(line, &mut self.pieces.line);
+            (self.pieces.used, self.pieces.ended) = (0, self.ended_line);
+            self.next_piece(line);
+        }
+        Ok(more)
+    }
+
+    fn next_piece(&mut self, line: &mut Vec<u8>) {
+        let rest = &self.pieces.line[self.pieces.used..];
+        let end = rest.iter().position(|b| matches!(b, b'\r' | b'\n'));
+        line.clear();
+        line.extend_from_slice(&rest[..end.unwrap_or(rest.len())]);
+        self.pieces.used += line.len() + usize::from(end.is_some());
+        self.ended_line = end.is_some() || self.pieces.ended;
     }
 
     /// An error at the last line delivered, if there was one.

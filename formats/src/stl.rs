@@ -5,6 +5,7 @@
 
 use std::io::{ErrorKind, Read};
 
+use crate::damage::{SEND_AS_BINARY, TextTrace};
 use crate::limits::check_room;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
@@ -16,6 +17,9 @@ const PREFIX: usize = HEADER + 4;
 
 /// A normal, three corners and an attribute.
 const RECORD: usize = 50;
+
+/// What follows the records is not looked through beyond this.
+const MOST_SURPLUS: u64 = 64 << 20;
 
 /// Whether `head` begins an ascii file. A binary one may begin with "solid"
 /// too, but it has a zero byte at the latest in its triangle count.
@@ -35,8 +39,18 @@ pub(crate) fn is_binary(head: &[u8], len: Option<u64>) -> bool {
     count > 0 && len == Some(PREFIX as u64 + count * RECORD as u64)
 }
 
+/// Whether `head` is text, whatever it says: a binary file has zeros in its
+/// count, and text lines may begin otherwise than with "solid".
+fn is_text(head: &[u8]) -> bool {
+    let is_control = |b: &u8| b.is_ascii_control() && !b.is_ascii_whitespace() && *b != 0x1a;
+    is_ascii(head) || !head.iter().any(is_control)
+}
+
 pub(crate) fn read(source: Source) -> Result<Soup> {
-    if is_ascii(&source.head) { Ascii::new(source).read() } else { read_binary(source) }
+    if is_binary(&source.head, source.len) || !is_text(&source.head) {
+        return read_binary(source);
+    }
+    Ascii::new(source).read()
 }
 
 fn read_binary(mut source: Source) -> Result<Soup> {
@@ -50,6 +64,7 @@ fn read_binary(mut source: Source) -> Result<Soup> {
     let [.., a, b, c, d] = prefix;
     let count = u32::from_le_bytes([a, b, c, d]);
     let mut soup = Soup::default();
+    let mut trace = TextTrace::new();
     let mut record = [0; RECORD];
     for i in 0..count {
         if let Err(e) = source.stream.read_exact(&mut record) {
@@ -58,13 +73,75 @@ fn read_binary(mut source: Source) -> Result<Soup> {
                 _ => source.io_error(&e),
             });
         }
+        trace.push(&record);
         check_room(&source.path, &soup, 3, 3)?;
         let first = soup.points.len() as u32;
         soup.points.extend([12, 24, 36].map(|at| corner(&record, at)));
         soup.polygons.push(first..first + 3);
     }
-    // What follows is left alone: some exporters append text or a colour.
+    check_surplus(&mut source, count, trace)?;
     Ok(soup)
+}
+
+/// Checks what follows the records. Padding, text, and a few bytes (a colour)
+/// are left alone. Whole records must not get lost, nor a second file that was
+/// appended to the first; and a file with bytes too many is no longer what it
+/// was if they came in by a conversion to text.
+fn check_surplus(source: &mut Source, count: u32, mut trace: TextTrace) -> Result<()> {
+    let letters = trace.letters();
+    let tail = Tail::read(source, &mut trace)?;
+    let damage = (tail.length > 0).then(|| trace.of_surplus(tail.length, letters)).flatten();
+    if let Some(damage) = damage {
+        let what =
+            format!("is {} bytes longer than its {count} triangles, for {damage}", tail.length);
+        return Err(Error::new(&source.path, what, SEND_AS_BINARY));
+    }
+    if tail.is_zero || tail.is_text || tail.length < RECORD as u64 {
+        return Ok(());
+    }
+    let end = PREFIX as u64 + u64::from(count) * RECORD as u64;
+    let length = source.len.map_or(0, |len| len.saturating_sub(end)).max(tail.length);
+    Err(surplus(source, count, length))
+}
+
+/// What follows the records.
+struct Tail {
+    length: u64,
+    is_zero: bool,
+    is_text: bool,
+}
+
+impl Tail {
+    fn read(source: &mut Source, trace: &mut TextTrace) -> Result<Tail> {
+        let mut tail = Tail { length: 0, is_zero: true, is_text: true };
+        let mut buffer = [0; 4096];
+        while tail.length < MOST_SURPLUS {
+            let n = source.stream.read(&mut buffer).map_err(|e| source.io_error(&e))?;
+            let bytes = &buffer[..n];
+            if bytes.is_empty() {
+                break;
+            }
+            trace.push(bytes);
+            tail.length += n as u64;
+            tail.is_zero &= bytes.iter().all(|&b| b == 0);
+            tail.is_text &= is_text(bytes);
+        }
+        Ok(tail)
+    }
+}
+
+/// The error that so many bytes follow the last of `count` triangles.
+fn surplus(source: &Source, count: u32, length: u64) -> Error {
+    let (more, rest) = (length / RECORD as u64, length % RECORD as u64);
+    let what = match rest {
+        0 => format!(
+            "announces {count} triangles, but has {} by its length",
+            u64::from(count) + more
+        ),
+        _ => format!("has {length} bytes after the {count} triangles that it announces"),
+    };
+    let help = "Its triangle count is wrong, or it is several files in one: export it again.";
+    Error::new(&source.path, what, help).at(Place::Byte(HEADER as u64))
 }
 
 fn cut(source: &Source, triangle: u32, count: u32) -> Error {
@@ -98,7 +175,7 @@ impl Ascii {
 
     fn read(mut self) -> Result<Soup> {
         let mut line = Vec::new();
-        while self.source.next_line(&mut line)? {
+        while self.source.next_text_line(&mut line)? {
             self.read_line(&String::from_utf8_lossy(&line))?;
         }
         if self.in_facet || self.in_solid {

@@ -20,6 +20,10 @@ pub(crate) fn plain_number(token: &str) -> Cow<'_, str> {
     let sign = &token[..token.len() - digits.len()];
     let zero = if starts == b'.' { "0" } else { "" };
     let (mantissa, exponent) = digits.split_at(digits.find(['e', 'E']).unwrap_or(digits.len()));
+    // A point alone is no zero.
+    if !mantissa.contains(|c: char| c.is_ascii_digit()) {
+        return Cow::Borrowed(token);
+    }
     let tail = if mantissa.ends_with('.') { "0" } else { "" };
     Cow::Owned(format!("{sign}{zero}{mantissa}{tail}{exponent}"))
 }
@@ -65,7 +69,10 @@ mod tests {
             ("-.5", "-0.5"),
             ("5.", "5.0"),
             ("+5.e-3", "+5.0e-3"),
-            (".e", "0.0e"),
+            (".5e", "0.5e"),
+            (".", "."),
+            ("-.", "-."),
+            (".e5", ".e5"),
             ("1e5", "1e5"),
             ("-nan(0x8)", "-1e999"),
             ("1.#QNAN", "1e999"),

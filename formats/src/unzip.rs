@@ -4,11 +4,12 @@ use std::io::{self, Read};
 
 use flate2::read::MultiGzDecoder;
 
-/// Scans shrink to a half or, at best, a twentieth; bombs to a thousandth.
-const MOST_GROWTH: u64 = 200;
+/// Scans shrink to a half or, as ascii STL of a regular grid, to a fiftieth;
+/// bombs to a thousandth.
+const MOST_GROWTH: u64 = 100;
 
 /// So much may come out in any case.
-const FREE: u64 = 256 << 20;
+const FREE: u64 = 4 << 20;
 
 /// Unzips a stream of one or more gzip members.
 pub(crate) struct Unzip<R> {
@@ -28,7 +29,7 @@ impl<R: Read> Read for Unzip<R> {
         let n = self.zip.read(into)?;
         self.unzipped += n as u64;
         if self.unzipped > FREE.max(MOST_GROWTH * self.zip.get_ref().bytes) {
-            return Err(io::Error::other("it unzips to more than 200 times its size"));
+            return Err(io::Error::other("it unzips to more than 100 times its size"));
         }
         Ok(n)
     }

@@ -11,7 +11,7 @@ use crate::source::EXPORT_AGAIN;
 use crate::{Error, Place, Result};
 
 /// An accessor without a view is all zeros, at no cost to the file: only so many.
-const MOST_ZEROS: u64 = 1 << 20;
+const MOST_ZEROS: u64 = 250_000;
 
 /// The positions in accessor `index`, as `f64`.
 pub(super) fn positions(gear: &mut Gear<'_>, index: usize) -> Result<Vec<[f64; 3]>> {
@@ -42,13 +42,26 @@ fn points<T: Item + Copy>(
     items::<[T; 3], _>(gear, index, |xyz| xyz.map(&number))
 }
 
+/// How many items accessor `index` says that it has.
+pub(super) fn count(gear: &Gear<'_>, index: usize) -> Option<u64> {
+    gear.document.as_json().accessors.get(index).map(|json| json.count.0)
+}
+
 /// The vertex numbers in accessor `index`.
 pub(super) fn indices(gear: &mut Gear<'_>, index: usize) -> Result<Vec<u32>> {
+    use ComponentType::{F32, I8, I16};
+    // Before the rest, which may not fit for this reason alone.
+    if let Some(json) = gear.document.as_json().accessors.get(index)
+        && let (Valid(Type::Scalar), Valid(kind)) = (json.type_, &json.component_type)
+        && matches!(kind.0, F32 | I8 | I16)
+    {
+        return Err(bad(gear, index, "holds vertex numbers that are not unsigned integers"));
+    }
     match check(gear, index, Type::Scalar)?.1 {
         ComponentType::U8 => items::<u8, _>(gear, index, u32::from),
         ComponentType::U16 => items::<u16, _>(gear, index, u32::from),
         ComponentType::U32 => items::<u32, _>(gear, index, |i| i),
-        _ => Err(bad(gear, index, "holds vertex numbers that are not unsigned integers")),
+        I8 | I16 | F32 => Err(bad(gear, index, "cannot be read")),
     }
 }
 
@@ -94,7 +107,7 @@ fn check<'a>(
             None => bad(gear, index, "has no data"),
         });
     } else if json.count.0 > MOST_ZEROS {
-        return Err(bad(gear, index, "has more than a million items out of nothing"));
+        return Err(bad(gear, index, "has more than 250,000 items out of nothing"));
     }
     if let Some(sparse) = &json.sparse {
         check_sparse(gear, index, sparse, json.count.0, size)?;

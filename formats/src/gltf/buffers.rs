@@ -1,8 +1,10 @@
 //! The bytes that a glTF file refers to.
 
+use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::Read;
+use std::io::{self, Read};
 use std::path::{Path, PathBuf};
+use std::rc::Rc;
 
 use ::gltf::json;
 use base64::Engine;
@@ -10,34 +12,48 @@ use base64::alphabet::STANDARD;
 use base64::engine::{DecodePaddingMode, GeneralPurpose, GeneralPurposeConfig};
 use percent_encoding::percent_decode_str;
 
-use crate::source::EXPORT_AGAIN;
+use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::excerpt;
 use crate::{Error, Place, Result};
 
-/// Many buffers may name one file: together they hold no more than this.
+/// All buffers together hold no more than this.
 const MOST_BYTES: u64 = 8 << 30;
 
 /// The buffers of a file, each loaded when it is first needed: what only
 /// textures or animations use need not be there.
 pub(super) struct Buffers<'a> {
     pub(super) path: &'a Path,
+    /// Where buffers may be that are files; a stream has no such place.
+    folder: Option<&'a Path>,
     declared: &'a [json::Buffer],
-    loaded: Vec<Option<Vec<u8>>>,
+    loaded: Vec<Option<Loaded>>,
+    /// What files hold: many buffers may name one, but it is held once.
+    files: BTreeMap<PathBuf, Rc<Vec<u8>>>,
     /// The binary chunk of a GLB: buffer 0, unless that has a URI.
     blob: Option<Vec<u8>>,
     /// How many bytes are loaded.
     pub(super) bytes: u64,
 }
 
+/// A buffer: the first `length` of some bytes, for a GLB's chunk is padded,
+/// and nothing may reach into the padding.
+struct Loaded {
+    bytes: Rc<Vec<u8>>,
+    length: usize,
+}
+
 impl<'a> Buffers<'a> {
-    pub(super) fn new(path: &'a Path, json: &'a [json::Buffer], blob: Option<Vec<u8>>) -> Self {
+    pub(super) fn new(source: &'a Source, json: &'a [json::Buffer], blob: Option<Vec<u8>>) -> Self {
         let loaded = json.iter().map(|_| None).collect();
-        Buffers { path, declared: json, loaded, blob, bytes: 0 }
+        let folder = source.folder.as_deref();
+        let files = BTreeMap::new();
+        Buffers { path: &source.path, folder, declared: json, loaded, files, blob, bytes: 0 }
     }
 
     /// The content of a buffer that `load` has loaded.
     pub(super) fn get(&self, index: usize) -> Option<&[u8]> {
-        self.loaded.get(index)?.as_deref()
+        let loaded = self.loaded.get(index)?.as_ref()?;
+        loaded.bytes.get(..loaded.length)
     }
 
     /// Loads a buffer and returns its length.
@@ -48,44 +64,60 @@ impl<'a> Buffers<'a> {
         let Some(json) = self.declared.get(index) else {
             return Err(self.error(index, "does not exist", EXPORT_AGAIN));
         };
-        let mut bytes = match (&json.uri, compression) {
+        let bytes = match (&json.uri, compression) {
             (Some(uri), _) => self.fetch(index, uri, json.byte_length.0)?,
-            (None, _) if index == 0 && self.blob.is_some() => self.blob.take().unwrap_or_default(),
+            (None, _) if index == 0 && self.blob.is_some() => {
+                let blob = self.blob.take().unwrap_or_default();
+                self.hold(blob)
+            }
             (None, Some(name)) => return Err(super::compressed(self.path, name)),
             (None, None) => return Err(self.error(index, "has no data", EXPORT_AGAIN)),
         };
-        // A GLB's chunk is padded, and nothing may reach into the padding.
-        bytes.truncate(usize::try_from(json.byte_length.0).unwrap_or(usize::MAX));
-        let length = bytes.len() as u64;
-        if length < json.byte_length.0 {
-            let what = format!("holds {length} of {} bytes", json.byte_length.0);
+        let length = json.byte_length.0;
+        if length > bytes.len() as u64 {
+            let what = format!("holds {} of {length} bytes", bytes.len());
             return Err(self.error(index, &what, EXPORT_AGAIN));
         }
-        self.bytes += length;
-        self.loaded[index] = Some(bytes);
+        self.loaded[index] = Some(Loaded { bytes, length: length as usize });
         Ok(length)
     }
 
-    fn fetch(&self, index: usize, uri: &str, length: u64) -> Result<Vec<u8>> {
+    fn hold(&mut self, bytes: Vec<u8>) -> Rc<Vec<u8>> {
+        self.bytes += bytes.len() as u64;
+        Rc::new(bytes)
+    }
+
+    fn fetch(&mut self, index: usize, uri: &str, length: u64) -> Result<Rc<Vec<u8>>> {
         let data = uri.get(..5).filter(|scheme| scheme.eq_ignore_ascii_case("data:"));
         if data.is_some() {
-            let decoded = decode_data(&uri[5..]);
-            return decoded.ok_or_else(|| self.error(index, "is no sound data URI", EXPORT_AGAIN));
+            let unsound = || self.error(index, "is no sound data URI", EXPORT_AGAIN);
+            let decoded = decode_data(&uri[5..]).ok_or_else(unsound)?;
+            return Ok(self.hold(decoded));
         }
         let relative = relative(uri).ok_or_else(|| self.outside(index, uri))?;
         if self.bytes.saturating_add(length) > MOST_BYTES {
             return Err(self.error(index, "makes the file exceed 8 GiB", EXPORT_AGAIN));
         }
-        self.read_file(index, &relative, length)
+        let file = self.locate(index, &relative)?;
+        if let Some(bytes) = self.files.get(&file) {
+            return Ok(bytes.clone());
+        }
+        let bytes = self.read_file(&file).map_err(|e| self.missing(index, &relative, &e))?;
+        let bytes = self.hold(bytes);
+        self.files.insert(file, bytes.clone());
+        Ok(bytes)
     }
 
-    fn read_file(&self, index: usize, relative: &Path, length: u64) -> Result<Vec<u8>> {
-        let missing = |e: std::io::Error| {
-            let what = format!("is in {}, which cannot be read ({e})", relative.display());
-            self.error(index, &what, "Put the file beside the glTF file, or export one GLB.")
+    /// The file at `relative`, if it is one and in the folder.
+    fn locate(&self, index: usize, relative: &Path) -> Result<PathBuf> {
+        let Some(folder) = self.folder else {
+            let name = excerpt(relative.to_string_lossy().as_bytes());
+            let what =
+                format!("is in another file ({name}), but of this one only a stream is here");
+            return Err(self.error(index, &what, "Read it from its folder, or export one GLB."));
         };
-        let folder = self.path.parent().filter(|p| !p.as_os_str().is_empty());
-        let folder = folder.unwrap_or(Path::new(".")).canonicalize().map_err(missing)?;
+        let missing = |e| self.missing(index, relative, &e);
+        let folder = folder.canonicalize().map_err(missing)?;
         let file = folder.join(relative).canonicalize().map_err(missing)?;
         // A link could lead out although the URI does not.
         if !file.starts_with(&folder) {
@@ -94,9 +126,22 @@ impl<'a> Buffers<'a> {
         if !file.is_file() {
             return Err(self.error(index, "is in something that is no file", EXPORT_AGAIN));
         }
+        Ok(file)
+    }
+
+    /// As much of `file` as any buffer wants.
+    fn read_file(&self, file: &Path) -> io::Result<Vec<u8>> {
+        let wanted = self.declared.iter().map(|json| json.byte_length.0).max().unwrap_or(0);
+        let wanted = wanted.min(MOST_BYTES.saturating_sub(self.bytes));
         let mut bytes = Vec::new();
-        File::open(&file).and_then(|f| f.take(length).read_to_end(&mut bytes)).map_err(missing)?;
+        File::open(file)?.take(wanted).read_to_end(&mut bytes)?;
         Ok(bytes)
+    }
+
+    fn missing(&self, index: usize, relative: &Path, e: &io::Error) -> Error {
+        let name = excerpt(relative.to_string_lossy().as_bytes());
+        let what = format!("is in {name}, which cannot be read ({e})");
+        self.error(index, &what, "Put the file beside the glTF file, or export one GLB.")
     }
 
     fn outside(&self, index: usize, uri: &str) -> Error {

@@ -7,17 +7,22 @@
 
 mod accessor;
 mod buffers;
+mod fault;
+mod glb;
+mod graph;
 mod primitive;
 mod scene;
+mod text;
 mod transform;
 
 use std::io::Read;
 use std::path::Path;
 
-use ::gltf::{Document, Gltf, json};
+use ::gltf::{Document, json};
 
 use self::buffers::Buffers;
-use crate::source::{EXPORT_AGAIN, Source};
+use self::text::Scenes;
+use crate::source::Source;
 use crate::token::excerpt;
 use crate::{Error, LengthUnit, Result, Soup};
 
@@ -39,67 +44,44 @@ const HARMLESS: [&str; 7] = [
 /// The parts of the crate's document that the readers share.
 struct Gear<'a> {
     document: &'a Document,
+    scenes: Scenes,
     buffers: Buffers<'a>,
     /// Of one that is used, if any: it explains data that is not there.
     compression: Option<&'a str>,
 }
 
 pub(crate) fn read(mut source: Source) -> Result<Soup> {
-    let Gltf { document, blob } = {
-        // Only for now: the crate copies the binary chunk.
-        let bytes = read_bytes(&mut source)?;
-        parse(&source, &bytes)?
+    let (text, blob) = match glb::is_glb(&source.head) {
+        true => glb::read(&mut source)?,
+        false => (read_text(&mut source)?, None),
     };
+    let (root, scenes) = text::parse(&source, text)?;
+    // Without the crate's validation: it would refuse quantized positions,
+    // and much that does not concern the mesh.
+    let document = Document::from_json_without_validation(root);
     let root = document.as_json();
     let compression = refuse_extensions(&source, root)?;
-    let buffers = Buffers::new(&source.path, &root.buffers, blob);
-    let mut gear = Gear { document: &document, buffers, compression };
+    let buffers = Buffers::new(&source, &root.buffers, blob);
+    let mut gear = Gear { document: &document, scenes, buffers, compression };
     let mut soup = Soup { unit: Some(LengthUnit::Metre), ..Soup::default() };
-    scene::read(&mut gear, &mut soup)?;
+    let placed = scene::read(&mut gear, &mut soup)?;
     if soup.polygons.is_empty() {
-        let help = "Export the meshes with faces, as nodes of the file's default scene.";
-        return Err(source.error("has no triangles in its default scene", help));
+        return Err(fault::explain(&mut gear, placed));
     }
     Ok(soup)
 }
 
-/// The whole file; of a GLB just as much as its header says.
-fn read_bytes(source: &mut Source) -> Result<Vec<u8>> {
-    let length = match source.head.get(8..12) {
-        Some(&[a, b, c, d]) if is_glb(&source.head) => u32::from_le_bytes([a, b, c, d]),
-        _ => u32::MAX,
-    };
-    let mut bytes = Vec::new();
-    let read = (&mut source.stream).take(u64::from(length)).read_to_end(&mut bytes);
+/// A file that is all JSON, which is no longer than a GLB can be.
+fn read_text(source: &mut Source) -> Result<Vec<u8>> {
+    let mut text = Vec::new();
+    let read = (&mut source.stream).take(u64::from(u32::MAX)).read_to_end(&mut text);
     read.map_err(|e| source.io_error(&e))?;
-    if is_glb(&source.head) && (bytes.len() as u64) < u64::from(length) {
-        let what = format!("ends after {} of its {length} bytes", bytes.len());
-        return Err(source.error(what, EXPORT_AGAIN));
-    }
-    Ok(bytes)
+    Ok(text)
 }
 
-fn is_glb(head: &[u8]) -> bool {
-    head.starts_with(b"glTF")
-}
-
-fn parse(source: &Source, bytes: &[u8]) -> Result<Gltf> {
-    // The crate subtracts a GLB's header from its length without a look.
-    if is_glb(bytes) && bytes.len() < 20 {
-        return Err(source.error("is no complete GLB file", EXPORT_AGAIN));
-    }
-    let text = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-    // Without the crate's validation: it would refuse quantized positions,
-    // and much that does not concern the mesh.
-    let parsed = Gltf::from_slice_without_validation(text);
-    let gltf = parsed
-        .map_err(|e| source.error(format!("is no sound glTF 2.0 file: {e}"), EXPORT_AGAIN))?;
-    let version = &gltf.as_json().asset.version;
-    if version.starts_with("2.") {
-        return Ok(gltf);
-    }
+fn wrong_version(source: &Source, version: &str) -> Error {
     let what = format!("is of glTF version {}", excerpt(version.as_bytes()));
-    Err(source.error(what, "Export it as glTF 2.0."))
+    source.error(what, "Export it as glTF 2.0.")
 }
 
 /// Refuses what changes the geometry in ways that are not read here. Returns

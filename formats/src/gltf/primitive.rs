@@ -10,10 +10,10 @@ use crate::limits::check_room;
 use crate::source::EXPORT_AGAIN;
 use crate::{Error, Place, Result, Soup};
 
-/// A small file can place one mesh many times. So many points and corners it
-/// may have whatever its size; more only in proportion.
-const FREE: u64 = 16 << 20;
-const PER_BYTE: u64 = 8;
+/// A small file can place one mesh many times. So many bytes the soup may
+/// take whatever the file's size; more only in proportion.
+const FREE: u64 = 24 << 20;
+const PER_BYTE: u64 = 16;
 
 /// Appends the triangles of `primitive`, a part of mesh `mesh`, at `place`.
 /// Points and lines are none.
@@ -24,31 +24,10 @@ pub(super) fn read(
     place: &Affine,
     soup: &mut Soup,
 ) -> Result<()> {
-    let Valid(mode) = primitive.mode else {
-        return Err(bad(gear, "mesh", mesh, "consists of an unknown kind of primitive"));
-    };
-    if !matches!(mode, Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan) {
+    let Some(Triangles { mode, corners, points }) = load(gear, mesh, primitive)? else {
         return Ok(());
-    }
-    let Some(positions) = primitive.attributes.get(&Valid(Semantic::Positions)) else {
-        // The specification leaves the meaning of this to extensions.
-        return match gear.compression {
-            Some(name) => Err(super::compressed(gear.buffers.path, name)),
-            None => Ok(()),
-        };
     };
-    let points = accessor::positions(gear, positions.value())?;
-    let corners = match primitive.indices {
-        Some(indices) => Corners::Listed(accessor::indices(gear, indices.value())?),
-        None => Corners::All(points.len()),
-    };
-    if let (Some(at), Some(index)) = (primitive.indices, corners.beyond(points.len())) {
-        let count = points.len();
-        let what = format!("has a triangle with vertex {index}, but only {count} vertices");
-        let error = Error::new(gear.buffers.path, what, EXPORT_AGAIN);
-        return Err(error.at(Place::Element("accessor", at.value() as u64)));
-    }
-    check_budget(gear, soup, points.len(), corners.len())?;
+    check_budget(gear, soup, points.len(), corners.triangles(mode))?;
     let first = soup.points.len() as u32;
     soup.points.extend(points.into_iter().map(|point| place.apply(point)));
     let flip = place.mirrors();
@@ -57,6 +36,65 @@ pub(super) fn read(
         soup.polygons.push(if flip { [a, c, b] } else { [a, b, c] });
     }
     Ok(())
+}
+
+/// Checks `primitive` as `read` does, and returns how many bytes it would take.
+pub(super) fn size(gear: &mut Gear<'_>, mesh: usize, primitive: &Primitive) -> Result<u64> {
+    if let Some(Triangles { mode, corners, points }) = load(gear, mesh, primitive)? {
+        return Ok(bytes(points.len() as u64, corners.triangles(mode) as u64));
+    }
+    // Whatever it is, the numbers should be there.
+    let indices = primitive.indices.map(|at| accessor::indices(gear, at.value()));
+    Ok(indices.transpose()?.map_or(0, |list| 4 * list.len() as u64))
+}
+
+/// Whether `primitive` has faces, or should have.
+pub(super) fn is_of_triangles(primitive: &Primitive) -> bool {
+    matches!(primitive.mode, Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan))
+}
+
+/// What a primitive consists of.
+struct Triangles {
+    mode: Mode,
+    corners: Corners,
+    points: Vec<[f64; 3]>,
+}
+
+fn load(gear: &mut Gear<'_>, mesh: usize, primitive: &Primitive) -> Result<Option<Triangles>> {
+    let Valid(mode) = primitive.mode else {
+        return Err(bad(gear, "mesh", mesh, "consists of an unknown kind of primitive"));
+    };
+    if !is_of_triangles(primitive) {
+        return Ok(None);
+    }
+    let Some(positions) = primitive.attributes.get(&Valid(Semantic::Positions)) else {
+        // The specification leaves the meaning of this to extensions.
+        return match gear.compression {
+            Some(name) => Err(super::compressed(gear.buffers.path, name)),
+            None => Ok(None),
+        };
+    };
+    let positions = positions.value();
+    let listed = match primitive.indices {
+        Some(indices) => Some(listed(gear, indices.value(), positions)?),
+        None => None,
+    };
+    let points = accessor::positions(gear, positions)?;
+    let corners = listed.map_or(Corners::All(points.len()), Corners::Listed);
+    Ok(Some(Triangles { mode, corners, points }))
+}
+
+/// The vertex numbers in accessor `indices`, checked against how many
+/// `positions` there are.
+fn listed(gear: &mut Gear<'_>, indices: usize, positions: usize) -> Result<Vec<u32>> {
+    let list = accessor::indices(gear, indices)?;
+    let Some(count) = accessor::count(gear, positions) else { return Ok(list) };
+    if let Some(index) = list.iter().find(|&&i| u64::from(i) >= count) {
+        let what = format!("has a triangle with vertex {index}, but only {count} vertices");
+        let error = Error::new(gear.buffers.path, what, EXPORT_AGAIN);
+        return Err(error.at(Place::Element("accessor", indices as u64)));
+    }
+    Ok(list)
 }
 
 /// Which corners the `i`-th triangle has, in the specification's order.
@@ -89,14 +127,6 @@ impl Corners {
         }
     }
 
-    /// The first number that none of `count` vertices has.
-    fn beyond(&self, count: usize) -> Option<u32> {
-        match self {
-            Corners::Listed(list) => list.iter().copied().find(|&i| i as usize >= count),
-            Corners::All(_) => None,
-        }
-    }
-
     fn triangles(&self, mode: Mode) -> usize {
         match mode {
             Mode::Triangles => self.len() / 3,
@@ -105,12 +135,22 @@ impl Corners {
     }
 }
 
-fn check_budget(gear: &Gear<'_>, soup: &Soup, points: usize, corners: usize) -> Result<()> {
-    // A strip has three corners for each number.
-    let (points, corners) = (points as u64, 3 * corners as u64);
-    check_room(gear.buffers.path, soup, points, corners)?;
-    let total = (soup.points.len() + soup.polygons.corner_count()) as u64 + points + corners;
-    if total <= FREE.max(PER_BYTE * gear.buffers.bytes) {
+/// The bytes of so many points and triangles in a soup.
+fn bytes(points: u64, triangles: u64) -> u64 {
+    24 * points + 16 * triangles
+}
+
+/// How many bytes the soup may take.
+pub(super) fn budget(gear: &Gear<'_>) -> u64 {
+    FREE.max(PER_BYTE * gear.buffers.bytes)
+}
+
+fn check_budget(gear: &Gear<'_>, soup: &Soup, points: usize, triangles: usize) -> Result<()> {
+    let (points, triangles) = (points as u64, triangles as u64);
+    check_room(gear.buffers.path, soup, points, 3 * triangles)?;
+    let points = soup.points.len() as u64 + points;
+    let triangles = soup.polygons.len() as u64 + triangles;
+    if bytes(points, triangles) <= budget(gear) {
         return Ok(());
     }
     let help = "Its nodes repeat their meshes excessively: export the scan alone.";

@@ -1,14 +1,13 @@
 //! The nodes of the scene, and the meshes that they place.
 
-use ::gltf::json::Root;
-
 use super::transform::Affine;
-use super::{Gear, primitive};
+use super::{Gear, graph, primitive};
 use crate::source::EXPORT_AGAIN;
 use crate::{Error, Place, Result, Soup};
 
-/// Reads the default scene into `soup`.
-pub(super) fn read(gear: &mut Gear<'_>, soup: &mut Soup) -> Result<()> {
+/// Reads the default scene into `soup`; whether it places any mesh.
+pub(super) fn read(gear: &mut Gear<'_>, soup: &mut Soup) -> Result<bool> {
+    let mut placed = false;
     let root = gear.document.as_json();
     let mut seen = vec![false; root.nodes.len()];
     // A stack, not recursion: the tree may be as deep as the file likes.
@@ -18,9 +17,9 @@ pub(super) fn read(gear: &mut Gear<'_>, soup: &mut Soup) -> Result<()> {
         let Some(node) = root.nodes.get(index) else {
             return Err(bad(gear, "node", index, "does not exist"));
         };
-        // Every node has one parent: this ends, cycles or not.
+        // Every node once: a scene may still list one, and one above it.
         if std::mem::replace(&mut seen[index], true) {
-            return Err(bad(gear, "node", index, "is in the scene twice or below itself"));
+            return Err(bad(gear, "node", index, "is in the scene twice"));
         }
         let place = outer.after(&Affine::of(node));
         if !place.is_finite() {
@@ -28,32 +27,27 @@ pub(super) fn read(gear: &mut Gear<'_>, soup: &mut Soup) -> Result<()> {
         }
         if let Some(mesh) = node.mesh {
             read_mesh(gear, mesh.value(), &place, soup)?;
+            placed = true;
         }
         let children = node.children.iter().flatten().rev();
         open.extend(children.map(|child| (child.value(), place)));
     }
-    Ok(())
+    Ok(placed)
 }
 
 /// The roots of the default scene, of the first, or of all the nodes.
 fn roots(gear: &Gear<'_>) -> Result<Vec<usize>> {
-    let root = gear.document.as_json();
-    let scene = root.scene.map_or(0, |scene| scene.value());
-    match root.scenes.get(scene) {
-        Some(scene) => Ok(scene.nodes.iter().map(|node| node.value()).collect()),
-        None if root.scene.is_some() => Err(bad(gear, "scene", scene, "does not exist")),
-        None => Ok(parentless(root)),
-    }
-}
-
-fn parentless(root: &Root) -> Vec<usize> {
-    let mut free = vec![true; root.nodes.len()];
-    for child in root.nodes.iter().flat_map(|node| node.children.iter().flatten()) {
-        if let Some(free) = free.get_mut(child.value()) {
-            *free = false;
+    let parents = graph::parents(gear)?;
+    let chosen = gear.document.as_json().scene.map(|scene| scene.value());
+    let scene = chosen.unwrap_or(0);
+    match gear.scenes.get(scene) {
+        // What is too great for this does not exist either.
+        Some(nodes) => {
+            Ok(nodes.iter().map(|&i| usize::try_from(i).unwrap_or(usize::MAX)).collect())
         }
+        None if chosen.is_some() => Err(bad(gear, "scene", scene, "does not exist")),
+        None => Ok((0..parents.len()).filter(|&node| parents[node].is_none()).collect()),
     }
-    (0..free.len()).filter(|&node| free[node]).collect()
 }
 
 fn read_mesh(gear: &mut Gear<'_>, index: usize, place: &Affine, soup: &mut Soup) -> Result<()> {

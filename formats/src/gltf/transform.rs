@@ -15,7 +15,7 @@ impl Affine {
         if let Some(m) = node.matrix {
             return Affine([0, 4, 8, 12].map(|c| [m[c], m[c + 1], m[c + 2]].map(f64::from)));
         }
-        let [x, y, z, w] = node.rotation.unwrap_or_default().0.map(f64::from);
+        let [x, y, z, w] = unit(node.rotation.unwrap_or_default().0.map(f64::from));
         let scale = node.scale.unwrap_or([1.0; 3]).map(f64::from);
         let mut columns = [
             [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y + z * w), 2.0 * (x * z - y * w)],
@@ -55,4 +55,12 @@ impl Affine {
     pub(super) fn is_finite(&self) -> bool {
         self.0.iter().flatten().all(|v| v.is_finite())
     }
+}
+
+/// The quaternion `q` at unit length, for exporters round it, or forget to
+/// scale it, and the matrix made of it would shear. One of zeros turns nothing:
+/// that is what its matrix says, and what viewers show.
+fn unit(q: [f64; 4]) -> [f64; 4] {
+    let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
+    if length == 0.0 { q } else { q.map(|v| v / length) }
 }

@@ -32,35 +32,53 @@ impl Statements {
     }
 
     pub(super) fn current(&self) -> Statement<'_> {
-        let ends = |rest: &[u8]| rest.first().is_none_or(u8::is_ascii_whitespace);
-        match self.text.trim_ascii_start() {
-            [b'v', rest @ ..] if ends(rest) => Statement::Vertex(rest),
-            // `fo`: a face, before version 3.0.
-            [b'f', b'o', rest @ ..] | [b'f', rest @ ..] if ends(rest) => Statement::Face(rest),
-            _ => Statement::Other,
-        }
+        statement(&self.text)
     }
 
-    /// Reads a line and those that continue it; `false` after the last.
+    /// Reads a line and, of a vertex or a face, those that continue it;
+    /// `false` after the last. After other lines the next one stands for
+    /// itself: a name or a path may well end in a backslash, and the vertex
+    /// after it would be lost.
     pub(super) fn advance(&mut self) -> Result<bool> {
-        let more = self.source.next_line(&mut self.text)?;
-        if self.source.line == 1 && self.text.starts_with(b"\xef\xbb\xbf") {
-            self.text.drain(..3);
+        let more = self.source.next_text_line(&mut self.text)?;
+        let Some(mut end) = continued(&self.text) else { return Ok(more) };
+        if matches!(self.current(), Statement::Other) {
+            return Ok(more);
         }
         let mut line = Vec::new();
-        while self.text.last() == Some(&b'\\') {
-            self.text.pop();
-            if !self.source.next_line(&mut line)? {
-                break;
+        loop {
+            self.text.truncate(end);
+            if !self.source.next_text_line(&mut line)? {
+                return Ok(more);
             }
             self.text.push(b' ');
+            let start = self.text.len();
             self.text.extend_from_slice(&line);
             if self.text.len() > MAX_STATEMENT {
                 return Err(self.source.error("has an endless statement", EXPORT_AGAIN));
             }
+            let Some(length) = continued(&line) else { return Ok(more) };
+            end = start + length;
         }
-        Ok(more)
     }
+}
+
+fn statement(text: &[u8]) -> Statement<'_> {
+    let ends = |rest: &[u8]| rest.first().is_none_or(u8::is_ascii_whitespace);
+    match text.trim_ascii_start() {
+        [b'v', rest @ ..] if ends(rest) => Statement::Vertex(rest),
+        // `fo`: a face, before version 3.0.
+        [b'f', b'o', rest @ ..] | [b'f', rest @ ..] if ends(rest) => Statement::Face(rest),
+        _ => Statement::Other,
+    }
+}
+
+/// The length of `line` without the backslash at its end, if it has one:
+/// editors leave blanks after it. A comment ends with its line.
+fn continued(line: &[u8]) -> Option<usize> {
+    let rest = line.trim_ascii_end().strip_suffix(b"\\")?;
+    let comment = line.split(u8::is_ascii_whitespace).any(|word| word.starts_with(b"#"));
+    (!comment).then_some(rest.len())
 }
 
 /// The words of `text` up to a comment. (`1.#IND`, a NaN, begins none.)

@@ -20,6 +20,14 @@ use crate::limits::check_room;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::{Error, Place, Result, Soup};
 
+/// Whether `head` begins a PLY file: with a line of this one word. (The free
+/// text of a binary STL may begin with it too, but goes on.)
+pub(crate) fn is_ply(head: &[u8]) -> bool {
+    let Some(rest) = head.strip_prefix(b"ply") else { return false };
+    let end = rest.iter().position(|b| matches!(b, b'\r' | b'\n'));
+    end.is_some_and(|end| rest[..end].trim_ascii().is_empty())
+}
+
 pub(crate) fn read(mut source: Source) -> Result<Soup> {
     let header = header::read(&mut source)?;
     let mut body = Body { source, encoding: header.encoding, ascii: AsciiRows::default() };
@@ -77,8 +85,10 @@ fn read_faces(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()>
             check_room(&source.path, soup, 0, row.len() as u64)?;
             // Points and lines among the faces bound no surface.
             if row.len() >= 3 {
-                let corners = row.indices().collect::<Option<Vec<u32>>>();
-                soup.polygons.push(corners.ok_or_else(|| bad_index(source, i))?);
+                let corners = row.indices().map(|c| vertex(c).ok_or(c));
+                let corners = corners.collect::<std::result::Result<Vec<u32>, i64>>();
+                let place = Place::Face(i);
+                soup.polygons.push(corners.map_err(|c| negative(source, "face", c, place))?);
             }
             Ok(())
         },
@@ -97,11 +107,18 @@ fn read_strips(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()
         body,
         element,
         |name| name == list,
-        |source, _, row: Corners| {
+        |source, i, row: Corners| {
             check_room(&source.path, soup, 0, 3 * row.len() as u64)?;
             let mut strip = Strip::default();
             for index in row.indices() {
-                strip.push(index, soup);
+                match vertex(index) {
+                    Some(corner) => strip.push(corner, soup),
+                    None if index == -1 => strip.seen = 0,
+                    None => {
+                        let place = Place::Element("row of tristrips", i);
+                        return Err(negative(source, "strip", index, place));
+                    }
+                }
             }
             Ok(())
         },
@@ -116,11 +133,7 @@ struct Strip {
 }
 
 impl Strip {
-    fn push(&mut self, index: Option<u32>, soup: &mut Soup) {
-        let Some(c) = index else {
-            self.seen = 0;
-            return;
-        };
+    fn push(&mut self, c: u32, soup: &mut Soup) {
         let [a, b] = self.last;
         if self.seen >= 2 && self.seen.is_multiple_of(2) {
             soup.polygons.push([a, b, c]);
@@ -261,7 +274,11 @@ fn no_list(body: &Body, element: &Element) -> Error {
     Error::new(&body.source.path, what, EXPORT_AGAIN)
 }
 
-fn bad_index(source: &Source, face: u64) -> Error {
-    let what = "has a face with a negative vertex number";
-    Error::new(&source.path, what, EXPORT_AGAIN).at(Place::Face(face))
+fn vertex(index: i64) -> Option<u32> {
+    u32::try_from(index).ok()
+}
+
+fn negative(source: &Source, of: &str, index: i64, place: Place) -> Error {
+    let what = format!("has a {of} with the negative vertex number {index}");
+    Error::new(&source.path, what, EXPORT_AGAIN).at(place)
 }

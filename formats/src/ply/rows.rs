@@ -37,21 +37,21 @@ impl PropertyAccess for Position {
 }
 
 /// A face or strip: its list of vertex numbers. Those of type `int`, which
-/// nearly all files have, are parsed in place.
+/// nearly all files have, are parsed in place; `uint` alone needs more.
 pub(super) struct Corners {
     ints: Vec<i32>,
-    others: Vec<i64>,
+    uints: Vec<u32>,
 }
 
 impl Corners {
     pub(super) fn len(&self) -> usize {
-        self.ints.len() + self.others.len()
+        self.ints.len() + self.uints.len()
     }
 
-    /// The vertex numbers; `None` for negative ones.
-    pub(super) fn indices(&self) -> impl Iterator<Item = Option<u32>> {
-        let all = self.ints.iter().map(|&i| i64::from(i)).chain(self.others.iter().copied());
-        all.map(|i| u32::try_from(i).ok())
+    /// The vertex numbers, which may be negative.
+    pub(super) fn indices(&self) -> impl Iterator<Item = i64> {
+        let ints = self.ints.iter().map(|&i| i64::from(i));
+        ints.chain(self.uints.iter().map(|&i| i64::from(i)))
     }
 }
 
@@ -66,7 +66,7 @@ macro_rules! corner_lists {
             if !holds_corners(name) {
                 return PropertyAccessResult::Ignored;
             }
-            self.others = value.into_iter().map(i64::from).collect();
+            self.ints = value.into_iter().map(i32::from).collect();
             PropertyAccessResult::Set
         })*
     };
@@ -74,7 +74,7 @@ macro_rules! corner_lists {
 
 impl PropertyAccess for Corners {
     fn new() -> Self {
-        Corners { ints: Vec::new(), others: Vec::new() }
+        Corners { ints: Vec::new(), uints: Vec::new() }
     }
 
     fn begin_list_int(&mut self, name: &str, _len: usize) -> BeginList<'_, i32> {
@@ -85,7 +85,15 @@ impl PropertyAccess for Corners {
     }
 
     corner_lists!(set_list_char: i8, set_list_uchar: u8, set_list_short: i16,
-        set_list_ushort: u16, set_list_uint: u32);
+        set_list_ushort: u16);
+
+    fn set_list_uint(&mut self, name: &str, value: Vec<u32>) -> PropertyAccessResult {
+        if !holds_corners(name) {
+            return PropertyAccessResult::Ignored;
+        }
+        self.uints = value;
+        PropertyAccessResult::Set
+    }
 }
 
 /// A row of an element that nobody needs.

@@ -2,10 +2,15 @@
 //! the collected scans; and random damage.
 
 mod corpus;
+mod damage;
 mod general;
 mod gltf;
 mod mutations;
 mod obj;
+mod obj_odd;
 mod ply;
+mod recognised;
+mod seeds;
 mod stl;
+mod stream;
 mod support;

@@ -1,11 +1,12 @@
 //! Files to read, and what to expect of them.
 
 use std::fs;
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use formats::{Error, Result, Soup, read_scan};
 use tempfile::TempDir;
+
+pub use crate::seeds::gzip;
 
 /// A folder with one file.
 pub struct Case {
@@ -51,12 +52,6 @@ pub fn polygons(soup: &Soup) -> Vec<Vec<u32>> {
 /// The triangles after fan triangulation.
 pub fn triangles(soup: &Soup) -> usize {
     soup.polygons.iter().map(|p| p.len() - 2).sum()
-}
-
-pub fn gzip(content: &[u8]) -> Vec<u8> {
-    let mut zip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
-    zip.write_all(content).expect("zipped");
-    zip.finish().expect("zipped")
 }
 
 /// The folder of collected scans, if this checkout has it beside it.

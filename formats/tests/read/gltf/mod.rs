@@ -1,8 +1,13 @@
 //! glTF and GLB: what they may contain, and what is refused.
 
+mod accessors;
 mod data;
+mod glb;
+mod nothing;
+mod placed;
 mod refused;
 mod scene;
+mod uris;
 
 use std::fs;
 

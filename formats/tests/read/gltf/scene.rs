@@ -92,9 +92,11 @@ fn deep_and_cyclic_trees_end() {
     for nodes in [
         r#""nodes": [{"mesh": 0, "children": [0]}]"#,
         r#""nodes": [{"children": [1]}, {"children": [0], "mesh": 0}]"#,
-        r#""nodes": [{"children": [1, 1]}, {"mesh": 0}]"#,
     ] {
         let place = bad(&[(one, nodes)], "below itself");
         assert!(matches!(place, Some(Place::Element("node", _))));
     }
+    let nodes = r#""nodes": [{"children": [1, 1]}, {"mesh": 0}]"#;
+    let place = bad(&[(one, nodes)], "twice, below node 0 and below node 0");
+    assert_eq!(place, Some(Place::Element("node", 1)));
 }

@@ -1,6 +1,9 @@
 //! PLY: what it may contain; and helpers for what is refused.
 
+mod body;
+mod head;
 mod refused;
+mod types;
 
 use crate::support::{polygons, soup};
 

@@ -1,0 +1,148 @@
+//! The JSON, made such that the crate reads it.
+//!
+//! The crate demands what the specification does not: that a scene has a list
+//! of nodes, an animation a node, a texture an image. Of most of it a mesh
+//! needs nothing, so that the crate gets to see none of it. What remains stays
+//! where it is in the text, for errors name its line.
+
+use std::ops::Range;
+
+use ::gltf::json::{self, Root, deserialize};
+use serde::Deserialize;
+use serde_json::value::RawValue;
+
+use super::glb::is_glb;
+use super::wrong_version;
+use crate::source::{EXPORT_AGAIN, Source};
+use crate::{Error, Result};
+
+/// An object takes two bytes in the file (`{}`), and 300 as a node in memory.
+const MOST_OBJECTS: usize = 1 << 17;
+
+/// The root nodes of each scene.
+pub(super) type Scenes = Vec<Vec<u64>>;
+
+/// What is looked at here. Nothing of it is copied.
+#[derive(Deserialize)]
+struct Parts<'a> {
+    #[serde(borrow)]
+    asset: Option<&'a RawValue>,
+    scenes: Option<&'a RawValue>,
+    nodes: Option<&'a RawValue>,
+    meshes: Option<&'a RawValue>,
+    accessors: Option<&'a RawValue>,
+    animations: Option<&'a RawValue>,
+    cameras: Option<&'a RawValue>,
+    images: Option<&'a RawValue>,
+    materials: Option<&'a RawValue>,
+    samplers: Option<&'a RawValue>,
+    skins: Option<&'a RawValue>,
+    textures: Option<&'a RawValue>,
+}
+
+#[derive(Deserialize)]
+struct Asset {
+    version: String,
+}
+
+#[derive(Deserialize)]
+struct Scene {
+    #[serde(default)]
+    nodes: Vec<u64>,
+}
+
+/// Parses `text`; the scenes are not in the root.
+pub(super) fn parse(source: &Source, mut text: Vec<u8>) -> Result<(Root, Scenes)> {
+    if text.starts_with(b"\xef\xbb\xbf") {
+        text[..3].fill(b' ');
+    }
+    if !is_glb(&source.head) && text.trim_ascii_start().first() != Some(&b'{') {
+        let what = "it begins neither with \u{201c}glTF\u{201d}, as a GLB file does, nor with \
+                    \u{201c}{\u{201d}";
+        return Err(unsound(source, what));
+    }
+    let scenes = prepare(source, &mut text)?;
+    if objects(&text) > MOST_OBJECTS {
+        let what = format!("has a scene of more than {MOST_OBJECTS} objects");
+        return Err(source.error(what, "Export the scan alone, as one mesh."));
+    }
+    let root: Root = deserialize::from_slice(&text).map_err(|e| unsound(source, e))?;
+    check_version(source, &root.asset.version)?;
+    let scenes = scenes.unwrap_or_else(|| {
+        let nodes = |scene: &json::Scene| scene.nodes.iter().map(|n| n.value() as u64).collect();
+        root.scenes.iter().map(nodes).collect()
+    });
+    Ok((root, scenes))
+}
+
+/// How many objects there may be. A brace in a name counts too, which does no
+/// harm.
+fn objects(text: &[u8]) -> usize {
+    text.iter().filter(|&&byte| byte == b'{').count()
+}
+
+/// Takes out what the crate need not see. `None` if that cannot be found: then
+/// the crate says why.
+fn prepare(source: &Source, text: &mut [u8]) -> Result<Option<Scenes>> {
+    let Ok(parts) = serde_json::from_slice::<Parts>(text) else { return Ok(None) };
+    check_asset(source, &parts)?;
+    let scenes = parts.scenes.map_or(Some(Vec::new()), read_scenes);
+    let unneeded = [
+        parts.animations,
+        parts.cameras,
+        parts.images,
+        parts.materials,
+        parts.samplers,
+        parts.skins,
+        parts.textures,
+        parts.scenes.filter(|_| scenes.is_some()),
+    ];
+    let spans = unneeded.map(|part| part.map(|part| span(text, part)));
+    for span in spans.into_iter().flatten() {
+        empty(&mut text[span]);
+    }
+    Ok(scenes)
+}
+
+fn read_scenes(part: &RawValue) -> Option<Scenes> {
+    if objects(part.get().as_bytes()) > MOST_OBJECTS {
+        return None;
+    }
+    let scenes: Vec<Scene> = serde_json::from_str(part.get()).ok()?;
+    Some(scenes.into_iter().map(|scene| scene.nodes).collect())
+}
+
+/// Where `part` is in `text`, of which it is a part.
+fn span(text: &[u8], part: &RawValue) -> Range<usize> {
+    let start = part.get().as_ptr().addr() - text.as_ptr().addr();
+    start..start + part.get().len()
+}
+
+/// Makes an array an empty one of as many lines.
+fn empty(array: &mut [u8]) {
+    if let [b'[', inner @ .., b']'] = array {
+        inner.iter_mut().filter(|b| !matches!(b, b'\r' | b'\n')).for_each(|b| *b = b' ');
+    }
+}
+
+/// Checks the version, before the crate says what else is other than in 2.0.
+fn check_asset(source: &Source, parts: &Parts) -> Result<()> {
+    let asset = parts.asset.and_then(|asset| serde_json::from_str::<Asset>(asset.get()).ok());
+    if let Some(asset) = asset {
+        return check_version(source, &asset.version);
+    }
+    // Version 1 had objects where there are arrays now, and need not be named.
+    let lists = [parts.nodes, parts.meshes, parts.accessors, parts.scenes];
+    if lists.into_iter().flatten().any(|list| list.get().starts_with('{')) {
+        return check_version(source, "1.0");
+    }
+    Ok(())
+}
+
+fn check_version(source: &Source, version: &str) -> Result<()> {
+    if version.starts_with("2.") { Ok(()) } else { Err(wrong_version(source, version)) }
+}
+
+fn unsound(source: &Source, why: impl std::fmt::Display) -> Error {
+    source.error(format!("is no sound glTF 2.0 file: {why}"), EXPORT_AGAIN)
+}

@@ -1,0 +1,119 @@
+//! Memory grows with what a file holds, never with what it claims.
+
+mod bombs;
+mod dense;
+mod lies;
+mod peak;
+#[path = "../read/seeds.rs"]
+#[allow(dead_code)]
+mod seeds;
+#[path = "../read/support.rs"]
+#[allow(dead_code)]
+mod support;
+
+use std::fs;
+use std::path::Path;
+
+use formats::read_scan;
+
+/// Bytes that reading may take: so many for each byte of the file, and so
+/// many in any case.
+const PER_BYTE: usize = 16;
+const FREE: usize = 64 << 20;
+
+/// Files that take less are not told of.
+const WORTH_TELLING: usize = 8 << 20;
+
+/// Reads files and keeps what broke the bound.
+#[derive(Default)]
+struct Judge {
+    guilty: Vec<String>,
+    worst: (usize, String),
+}
+
+impl Judge {
+    fn judge(&mut self, title: &str, path: &Path) {
+        let size = fs::metadata(path).expect("a file").len() as usize;
+        let (peak, read) = peak::of(|| read_scan(path).map(drop));
+        let outcome = read.err().map_or("read".to_owned(), |e| e.what);
+        let line = format!("{peak:>10} bytes for {size:>8}: {title} ({outcome})");
+        if peak > WORTH_TELLING {
+            eprintln!("{line}");
+        }
+        if peak > PER_BYTE * size + FREE {
+            self.guilty.push(line.clone());
+        }
+        if peak > self.worst.0 {
+            self.worst = (peak, line);
+        }
+    }
+
+    fn judge_made(&mut self, name: &str, title: &str, content: impl AsRef<[u8]>) {
+        self.judge(title, &support::case(name, content).path);
+    }
+}
+
+/// What the files have in common, and the function that judges them.
+type Group = (&'static str, fn(&mut Judge));
+
+/// One test, for the allocator counts what all threads do.
+#[test]
+fn memory_grows_with_the_bytes_read() {
+    let groups: [Group; 6] = [
+        ("lies", lies::judge),
+        ("bombs", bombs::judge),
+        ("dense files", dense::judge),
+        ("seeds", judge_seeds),
+        ("old crashes", judge_crashes),
+        ("collected scans", judge_scans),
+    ];
+    let mut guilty = Vec::new();
+    for (group, judge_all) in groups {
+        let mut judge = Judge::default();
+        judge_all(&mut judge);
+        eprintln!("worst of {group}: {}", judge.worst.1);
+        guilty.append(&mut judge.guilty);
+    }
+    assert!(guilty.is_empty(), "\n{}", guilty.join("\n"));
+}
+
+/// The seeds, and those with their digits made great ones.
+fn judge_seeds(judge: &mut Judge) {
+    for (name, content) in seeds::all() {
+        judge.judge_made(name, name, &content);
+        for at in 0..content.len() {
+            let mut file = content.clone();
+            match content[at].is_ascii_digit() {
+                true => drop(file.splice(at..=at, *b"4000000000")),
+                false => file[at] = 0xff,
+            }
+            judge.judge_made(name, &format!("{name}, byte {at} changed"), file);
+        }
+    }
+}
+
+fn judge_crashes(judge: &mut Judge) {
+    judge_folder(judge, &Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/read/crashes"));
+}
+
+/// The broken and odd ones of the collected scans.
+fn judge_scans(judge: &mut Judge) {
+    let Some(folder) = support::scans() else {
+        eprintln!("SKIPPED: the collected scans (../../shared/scans) are not there");
+        return;
+    };
+    judge_folder(judge, &folder.join("D"));
+    judge_folder(judge, &folder.join("E"));
+}
+
+/// The files in `folder` and below.
+fn judge_folder(judge: &mut Judge, folder: &Path) {
+    for entry in fs::read_dir(folder).expect("a folder") {
+        let path = entry.expect("an entry").path();
+        if path.is_dir() {
+            judge_folder(judge, &path);
+        } else {
+            judge.judge(&path.file_name().expect("a name").to_string_lossy(), &path);
+        }
+    }
+}

@@ -1,0 +1,71 @@
+//! Reading from memory and other streams.
+
+use std::io::{self, Cursor, Read};
+use std::path::Path;
+
+use formats::{Result, Soup, read_scan, read_scan_from};
+
+use crate::seeds;
+use crate::support::{case, polygons, refused};
+
+fn from(name: &str, content: impl AsRef<[u8]>, folder: Option<&Path>) -> Result<Soup> {
+    read_scan_from(Path::new(name), Cursor::new(content.as_ref().to_vec()), folder)
+}
+
+#[test]
+fn a_stream_reads_as_its_file_does() {
+    for (name, content) in seeds::all() {
+        let soup = from(name, &content, None).unwrap_or_else(|e| panic!("{e}"));
+        let file = read_scan(&case(name, &content).path).unwrap_or_else(|e| panic!("{e}"));
+        // As text, for there are points that are no numbers.
+        assert_eq!(format!("{soup:?}"), format!("{file:?}"));
+    }
+}
+
+#[test]
+fn a_stream_need_not_exist_under_its_name() {
+    let obj = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    let soup = from("/no/such/folder/scan", seeds::gzip(obj.as_bytes()), None);
+    assert_eq!(polygons(&soup.unwrap_or_else(|e| panic!("{e}"))), [[0, 1, 2]]);
+    let error = refused(from("no/such.obj", &obj[..20], None), "coordinates");
+    assert_eq!(error.file, Path::new("no/such.obj"));
+    refused(from("nothing.obj", "", None), "is empty");
+}
+
+const GLTF: &str = r#"{"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}],
+    "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
+    "buffers": [{"byteLength": 36, "uri": "zeros.bin"}],
+    "bufferViews": [{"buffer": 0, "byteLength": 36}],
+    "accessors": [{"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3"}]}"#;
+
+#[test]
+fn a_stream_refers_to_files_only_if_told_where() {
+    let buffer = case("zeros.bin", [0; 36]);
+    let folder = buffer.path.parent().expect("a folder");
+    assert_eq!(from("scan.gltf", GLTF, Some(folder)).expect("readable").points.len(), 3);
+    // The name alone opens nothing.
+    let name = folder.join("scan.gltf").to_string_lossy().into_owned();
+    refused(from(&name, GLTF, None), "zeros.bin");
+    let outside = GLTF.replace("zeros.bin", "../zeros.bin");
+    refused(from("scan.gltf", outside, Some(folder)), "outside of the file's folder");
+}
+
+struct Broken;
+
+impl Read for Broken {
+    fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
+        Err(io::Error::other("the line is dead"))
+    }
+}
+
+#[test]
+fn a_broken_stream_is_told() {
+    refused(read_scan_from(Path::new("scan.obj"), Broken, None), "the line is dead");
+    let begun = Cursor::new(b"v 0 0 0\n".repeat(2000)).chain(Broken);
+    refused(read_scan_from(Path::new("scan.obj"), begun, None), "the line is dead");
+}
+
+#[test]
+fn an_endless_stream_is_refused() {
+    refused(read_scan_from(Path::new("scan.obj"), io::repeat(b' '), None), "64 MiB");
+}
