@@ -7,6 +7,8 @@
 //! fitted over that plane with weights θ(‖pᵢ − q‖). The projection of r is the
 //! polynomial's value at q. θ(x) = exp(−x²/h²).
 
+use std::ops::AddAssign;
+
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::{Mesh, Neighbours, Rings};
@@ -30,18 +32,58 @@ pub struct Projection {
     pub point: Point,
     /// The local polynomial's unit normal there.
     pub normal: Vector,
-    /// How much the projection follows its own point, if that is one of the
-    /// cloud: ∂(foot)/∂(point), 0 to 1.
-    pub leverage: f64,
-    /// The variance of the foot where the points' variance is 1.
-    pub variance: f64,
+}
+
+/// A point that takes part in a fit, or several that are taken as one.
+#[derive(Debug, Clone, Copy)]
+pub struct Sample {
+    /// Where it is; of several the mean.
+    pub at: Point,
+    /// How many points it stands for.
+    pub weight: f64,
+    /// The covariance of these, xx, yy, zz, xy, yz, zx, by which a fit to their
+    /// mean stays as exact as one to each of them.
+    pub spread: [f32; 6],
+}
+
+impl From<Point> for Sample {
+    fn from(at: Point) -> Self {
+        Sample { at, weight: 1.0, spread: [0.0; 6] }
+    }
+}
+
+impl Sample {
+    /// Several samples as one. Where none has any weight it is at the first's
+    /// place.
+    pub fn merged(samples: impl Iterator<Item = Sample> + Clone) -> Sample {
+        let first = samples.clone().next().map_or(Point::origin(), |s| s.at);
+        let (mut weight, mut sum, mut squares) = (0.0, Vector::zeros(), Matrix3::zeros());
+        for s in samples.filter(|s| s.weight > 0.0) {
+            let d = s.at - first;
+            weight += s.weight;
+            sum += s.weight * d;
+            squares += s.weight * (s.covariance() + d * d.transpose());
+        }
+        if weight == 0.0 {
+            return Sample { at: first, weight, spread: [0.0; 6] };
+        }
+        let mean = sum / weight;
+        let c = squares / weight - mean * mean.transpose();
+        let spread = [c.m11, c.m22, c.m33, c.m12, c.m23, c.m31].map(|x| x as f32);
+        Sample { at: first + mean, weight, spread }
+    }
+
+    fn covariance(&self) -> Matrix3<f64> {
+        let [xx, yy, zz, xy, yz, zx] = self.spread.map(f64::from);
+        Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz)
+    }
 }
 
 /// Room for the neighbourhood of one projection, kept between calls.
 #[derive(Debug, Default)]
 pub struct Scratch {
     found: Vec<u32>,
-    around: Vec<Point>,
+    around: Vec<Sample>,
 }
 
 impl Cloud {
@@ -73,7 +115,9 @@ impl Cloud {
     ) -> Option<Projection> {
         self.gather(r, normal, h, scratch);
         let plane = reference_plane(r, normal, &scratch.around, h)?;
-        polynomial(&plane, &scratch.around, h)
+        let polynomial = Polynomial::fit(&plane, &scratch.around, h)?;
+        let (point, normal) = polynomial.at(plane.origin);
+        Some(Projection { point, normal })
     }
 
     /// The reference plane at `r` alone.
@@ -105,7 +149,7 @@ impl Cloud {
         let same_sheet = |&&i: &&u32| self.normals[i as usize].dot(&normal) > 0.0;
         scratch.around.clear();
         let found = scratch.found.iter().filter(same_sheet);
-        scratch.around.extend(found.map(|&i| self.points[i as usize]));
+        scratch.around.extend(found.map(|&i| Sample::from(self.points[i as usize])));
     }
 }
 
@@ -142,15 +186,15 @@ struct Energy {
     matrix: Matrix3<f64>,
 }
 
-fn energy(r: Point, n: Vector, t: f64, around: &[Point], h: f64) -> Energy {
+fn energy(r: Point, n: Vector, t: f64, around: &[Sample], h: f64) -> Energy {
     let (x, y) = plane_axes(n);
     let inverse = 1.0 / (h * h);
     let mut e = Energy { value: 0.0, gradient: Vector3::zeros(), matrix: Matrix3::zeros() };
     for p in around {
-        let d = p - r;
+        let d = p.at - r;
         let height = d.dot(&n);
         let s = height - t;
-        let weight = (-(d.norm_squared() - 2.0 * t * height + t * t) * inverse).exp();
+        let weight = p.weight * (-(d.norm_squared() - 2.0 * t * height + t * t) * inverse).exp();
         let side = Vector3::new(-1.0, d.dot(&x), d.dot(&y));
         // The second terms are those of the moving weights.
         let by_t = s - s * s * s * inverse;
@@ -162,11 +206,15 @@ fn energy(r: Point, n: Vector, t: f64, around: &[Point], h: f64) -> Energy {
     e
 }
 
+/// The plane is settled when a step moves it by less than this share of h, and
+/// turns it by less than this.
+const SETTLED: f64 = 1e-3;
+
 /// The plane of the non-linear minimisation, by Gauss–Newton with the exact
 /// gradient from (n, t) = (`normal`, 0), each step shortened until the energy
 /// falls. The energy also falls towards infinity, where the weights vanish, so
 /// t stays within h.
-pub fn reference_plane(r: Point, normal: Vector, around: &[Point], h: f64) -> Option<Plane> {
+pub fn reference_plane(r: Point, normal: Vector, around: &[Sample], h: f64) -> Option<Plane> {
     if around.len() < 3 || normal.norm_squared() < 0.5 {
         return None;
     }
@@ -190,7 +238,7 @@ pub fn reference_plane(r: Point, normal: Vector, around: &[Point], h: f64) -> Op
             }
         };
         let Some((n2, t2, next)) = accepted else { break };
-        let still = (t2 - t).abs() < 1e-5 * h && (n2 - n).norm() < 1e-5;
+        let still = (t2 - t).abs() < SETTLED * h && (n2 - n).norm() < SETTLED;
         (n, t, at) = (n2, t2, next);
         if still {
             break;
@@ -199,71 +247,175 @@ pub fn reference_plane(r: Point, normal: Vector, around: &[Point], h: f64) -> Op
     Some(Plane { origin: r + t * n, normal: n })
 }
 
-/// The polynomial of highest degree that the points determine: bi-quadratic,
-/// else quadratic, else linear. One is determined when its value at the origin
-/// is steadier than a single point.
-fn polynomial(plane: &Plane, around: &[Point], h: f64) -> Option<Projection> {
-    let local = Local::new(plane, around, h);
-    local.fit::<9>(plane).or_else(|| local.fit::<6>(plane)).or_else(|| local.fit::<3>(plane))
-}
-
-/// Weighted points in the plane's frame, in units of h.
-struct Local {
-    frame: (Vector, Vector),
-    points: Vec<[f64; 4]>,
+/// A bi-quadratic polynomial over a plane, around its origin.
+#[derive(Debug, Clone, Copy)]
+pub struct Polynomial {
+    plane: Plane,
+    axes: (Vector, Vector),
+    /// Of the monomials in units of h, in their order.
+    coefficients: [f64; ALL],
     h: f64,
+    /// The variance of its value at the origin, where the points' variance is 1.
+    pub variance: f64,
+    /// The mean square of the points' distances from it along the normal, as
+    /// free of the fit's own freedom as of the weights: an estimate of the
+    /// noise's variance.
+    pub scatter: f64,
 }
 
-impl Local {
-    fn new(plane: &Plane, around: &[Point], h: f64) -> Self {
-        let frame = plane_axes(plane.normal);
-        let local = |p: &Point| {
-            let d = (p - plane.origin) / h;
-            let weight = (-d.norm_squared()).exp();
-            [d.dot(&frame.0), d.dot(&frame.1), d.dot(&plane.normal), weight]
+/// The number of monomials up to the fourth degree.
+const ALL: usize = 15;
+
+/// The monomials, as means over a sample's points: the first 3 are linear, the
+/// first 6 quadratic, the first 10 cubic, all 15 quartic. `spread` is the
+/// covariance xx, xy, yy; moments of higher order are a normal distribution's.
+fn monomials(x: f64, y: f64, [xx, xy, yy]: [f64; 3]) -> [f64; ALL] {
+    let (x2, y2) = (x * x, y * y);
+    [
+        1.0,
+        x,
+        y,
+        x2 + xx,
+        x * y + xy,
+        y2 + yy,
+        x * (x2 + 3.0 * xx),
+        x2 * y + xx * y + 2.0 * x * xy,
+        x * y2 + yy * x + 2.0 * y * xy,
+        y * (y2 + 3.0 * yy),
+        x2 * (x2 + 6.0 * xx) + 3.0 * xx * xx,
+        x2 * x * y + 3.0 * (x2 * xy + x * y * xx + xx * xy),
+        x2 * y2 + xx * y2 + yy * x2 + 4.0 * x * y * xy + xx * yy + 2.0 * xy * xy,
+        x * y2 * y + 3.0 * (y2 * xy + x * y * yy + yy * xy),
+        y2 * (y2 + 6.0 * yy) + 3.0 * yy * yy,
+    ]
+}
+
+impl Polynomial {
+    /// The polynomial of highest degree that the points determine:
+    /// bi-quadratic, else quadratic, else linear. One is determined when its
+    /// value at the origin is steadier than a single point. Where the points lie
+    /// to one side, as at a boundary, the bi-quadratic terms would swing freely.
+    pub fn fit(plane: &Plane, around: &[Sample], h: f64) -> Option<Polynomial> {
+        let (e1, e2) = plane_axes(plane.normal);
+        let row = |p: &Sample| {
+            let d = (p.at - plane.origin) / h;
+            let weight = p.weight * (-d.norm_squared()).exp();
+            let spread = p.covariance() / (h * h);
+            let (s1, s2) = (spread * e1, spread * e2);
+            let spread = [s1.dot(&e1), s1.dot(&e2), s2.dot(&e2)];
+            let row = monomials(d.dot(&e1), d.dot(&e2), spread);
+            Row { monomials: row, height: d.dot(&plane.normal), weight, count: p.weight }
         };
-        Local { frame, points: around.iter().map(local).collect(), h }
+        let rows: Vec<Row> = around.iter().map(row).collect();
+        let full = if is_one_sided(&rows) { None } else { solve::<15>(&rows) };
+        let fitted = full
+            .or_else(|| solve::<10>(&rows))
+            .or_else(|| solve::<6>(&rows))
+            .or_else(|| solve::<3>(&rows));
+        let (coefficients, variance, scatter) = fitted?;
+        let scatter = scatter * h * h;
+        Some(Polynomial { plane: *plane, axes: (e1, e2), coefficients, h, variance, scatter })
     }
 
-    /// The monomials: the first 3 are linear, the first 6 quadratic, all 9
-    /// bi-quadratic.
-    fn monomials<const N: usize>(x: f64, y: f64) -> SVector<f64, N> {
-        let all = [1.0, x, y, x * x, x * y, y * y, x * x * y, x * y * y, x * x * y * y];
-        SVector::from_fn(|i, _| all[i])
+    /// The point of the polynomial that lies off `p` along the plane's normal,
+    /// and the unit normal there.
+    pub fn at(&self, p: Point) -> (Point, Vector) {
+        let n = self.plane.normal;
+        let (e1, e2) = self.axes;
+        let d = (p - self.plane.origin) / self.h;
+        let (x, y) = (d.dot(&e1), d.dot(&e2));
+        let c = &self.coefficients;
+        let row = monomials(x, y, [0.0; 3]);
+        let height: f64 = row.iter().zip(c).map(|(m, c)| m * c).sum();
+        let (x2, xy, y2) = (x * x, x * y, y * y);
+        let by_x = [
+            1.0,
+            2.0 * x,
+            y,
+            3.0 * x2,
+            2.0 * xy,
+            y2,
+            4.0 * x * x2,
+            3.0 * x * xy,
+            2.0 * x * y2,
+            y * y2,
+        ];
+        let by_y = [
+            1.0,
+            x,
+            2.0 * y,
+            x2,
+            2.0 * xy,
+            3.0 * y2,
+            x * x2,
+            2.0 * x2 * y,
+            3.0 * xy * y,
+            4.0 * y * y2,
+        ];
+        let sum = |terms: [f64; 10], which: [usize; 10]| -> f64 {
+            terms.iter().zip(which).map(|(t, k)| t * c[k]).sum()
+        };
+        let dx = sum(by_x, [1, 3, 4, 6, 7, 8, 10, 11, 12, 13]);
+        let dy = sum(by_y, [2, 4, 5, 7, 8, 9, 11, 12, 13, 14]);
+        let foot = p + self.h * (height - d.dot(&n)) * n;
+        (foot, (n - dx * e1 - dy * e2).normalize())
     }
+}
 
-    fn fit<const N: usize>(&self, plane: &Plane) -> Option<Projection>
-    where
-        nalgebra::Const<N>: nalgebra::DimName,
-    {
-        if self.points.len() < N {
-            return None;
-        }
-        let mut gram = SMatrix::<f64, N, N>::zeros();
-        let mut right = SVector::<f64, N>::zeros();
-        for &[x, y, f, w] in &self.points {
-            let b = Self::monomials::<N>(x, y);
-            gram.ger(w, &b, &b, 1.0);
-            right.axpy(w * f, &b, 1.0);
-        }
-        let damp = 1e-10 * gram.trace();
-        gram += SMatrix::<f64, N, N>::identity() * damp;
-        let factor = gram.cholesky()?;
-        let c = factor.solve(&right);
-        let row = factor.solve(&SVector::<f64, N>::from_fn(|i, _| f64::from(i == 0)));
-        let share = |&[x, y, _, w]: &[f64; 4]| w * Self::monomials::<N>(x, y).dot(&row);
-        let variance: f64 = self.points.iter().map(|p| share(p).powi(2)).sum();
-        if variance.is_nan() || variance > 1.0 {
-            return None;
-        }
-        let normal = plane.normal - c[1] * self.frame.0 - c[2] * self.frame.1;
-        Some(Projection {
-            point: plane.origin + self.h * c[0] * plane.normal,
-            normal: normal.normalize(),
-            leverage: row[0],
-            variance,
-        })
+/// A sample in the plane's frame, in units of h.
+struct Row {
+    monomials: [f64; ALL],
+    height: f64,
+    weight: f64,
+    count: f64,
+}
+
+/// Whether the points' mean is farther from the origin than a fifth of h.
+fn is_one_sided(rows: &[Row]) -> bool {
+    let sum = |k: usize| rows.iter().map(|row| row.weight * row.monomials[k]).sum::<f64>();
+    sum(1).hypot(sum(2)) > 0.2 * sum(0)
+}
+
+/// The weighted least-squares fit of the first N monomials: coefficients,
+/// variance, scatter.
+fn solve<const N: usize>(rows: &[Row]) -> Option<([f64; ALL], f64, f64)>
+where
+    nalgebra::Const<N>: nalgebra::DimName,
+{
+    if rows.len() < N {
+        return None;
     }
+    let mut gram = SMatrix::<f64, N, N>::zeros();
+    // With the weights squared: what the noise of the points makes of the right.
+    let mut noise = SMatrix::<f64, N, N>::zeros();
+    let mut right = SVector::<f64, N>::zeros();
+    let (mut squares, mut total) = (0.0, 0.0);
+    for row in rows {
+        let b = SVector::<f64, N>::from_fn(|i, _| row.monomials[i]);
+        let weighted = row.weight * b;
+        let share = row.weight / row.count;
+        for j in 0..N {
+            let column = b[j] * weighted;
+            gram.column_mut(j).add_assign(&column);
+            noise.column_mut(j).axpy(share, &column, 1.0);
+        }
+        right.axpy(row.height, &weighted, 1.0);
+        squares += row.weight * row.height * row.height;
+        total += share;
+    }
+    let damp = 1e-10 * gram.trace();
+    gram += SMatrix::<f64, N, N>::identity() * damp;
+    let factor = gram.cholesky()?;
+    let c = factor.solve(&right);
+    let at_origin = factor.solve(&SVector::<f64, N>::from_fn(|i, _| f64::from(i == 0)));
+    let variance = at_origin.dot(&(noise * at_origin));
+    if variance.is_nan() || variance > 1.0 {
+        return None;
+    }
+    // Σ w r² has the expectation σ² (Σ w/count − tr(G⁻¹ N)).
+    let freedom = total - factor.solve(&noise).trace();
+    let scatter = (squares - c.dot(&right)).max(0.0) / freedom.max(1e-3 * total);
+    Some((std::array::from_fn(|i| if i < N { c[i] } else { 0.0 }), variance, scatter))
 }
 
 #[cfg(test)]

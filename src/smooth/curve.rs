@@ -4,90 +4,160 @@
 //! Σ ‖(pᵢ − q) − ⟨pᵢ − q, u⟩ u‖² θ(‖pᵢ − q‖) over q and u, non-linear since
 //! the weights move with q. Over that line the parametric quadratic
 //! (u, v(u), w(u)) is fitted; its value at u = 0 is the projection. Only points
-//! of the same piece of the loop, between two corners, take part; the corners
-//! stay where they are.
+//! of the same piece of the loop, between two corners, take part.
+//!
+//! The loop lies on the surface already. So a point moves in the surface only,
+//! across the loop, and no farther than noise explains: the rim of a clean scan
+//! stays as it is.
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 use crate::geometry::{Point, Vector, plane_axes};
 use crate::mesh::mls::REACH;
 
-/// Supports tried, in mean edge lengths of the loop. Longer ones would predict
-/// the stair steps of a rim still better, but take its shape with them.
-const TRIED: [f64; 4] = [2.0, 3.0, 4.5, 6.5];
+/// Supports tried, in mean edge lengths of the loop.
+const TRIED: [f64; 7] = [2.0, 3.0, 4.5, 6.5, 9.5, 14.0, 20.0];
 
 /// Loops with fewer points than this are left alone.
 const FEWEST: usize = 8;
 
+/// A point moves by so many standard deviations of the noise at the most. (The
+/// stair steps of a rim, which a coarse mesh makes of a line, are no noise, but
+/// are taken for it as far as that.)
+const FARTHEST: f64 = 5.0;
+
+/// A loop of points on a surface.
+pub struct Rim<'a> {
+    /// The points, in order.
+    pub points: &'a [Point],
+    /// The surface's unit normals there.
+    pub normals: &'a [Vector],
+    /// The standard deviation of the noise, in mm.
+    pub noise: f64,
+}
+
 /// A run of points between two corners, or a whole loop.
 struct Piece {
     points: Vec<Point>,
+    normals: Vec<Vector>,
     closed: bool,
 }
 
 /// The smoothed points of a closed loop that keeps the corners at the given
-/// positions. The curve's support is at least the surface's, `h`; larger ones
-/// are taken where they predict left-out points better.
-pub fn smooth_loop(points: &[Point], corners: &[usize], h: f64) -> Vec<Point> {
-    let n = points.len();
+/// positions: each piece is smoothed by itself, its ends fixed; then the corners
+/// go where the pieces meet. The support is the one that predicts left-out points
+/// best.
+pub fn smooth_loop(rim: &Rim, corners: &[usize]) -> Vec<Point> {
+    let n = rim.points.len();
     if n < FEWEST {
-        return points.to_vec();
+        return rim.points.to_vec();
     }
-    let mut out = points.to_vec();
     if corners.is_empty() {
-        let piece = Piece { points: points.to_vec(), closed: true };
-        return piece.smooth(h);
+        return rim.piece(0, n, true).smooth(FARTHEST * rim.noise);
     }
+    let mut out = rim.points.to_vec();
     for (k, &first) in corners.iter().enumerate() {
         let last = corners[(k + 1) % corners.len()];
         let count = (last + n - first - 1) % n + 2;
-        let index = |i: usize| (first + i) % n;
-        let piece = Piece { points: (0..count).map(|i| points[index(i)]).collect(), closed: false };
-        for (i, p) in piece.smooth(h).into_iter().enumerate().take(count - 1).skip(1) {
-            out[index(i)] = p;
+        let smooth = rim.piece(first, count, false).smooth(FARTHEST * rim.noise);
+        for (i, p) in smooth.into_iter().enumerate().take(count - 1).skip(1) {
+            out[(first + i) % n] = p;
         }
+    }
+    for &corner in corners {
+        out[corner] = rim.meeting(&out, corner).unwrap_or(out[corner]);
     }
     out
 }
 
+/// The sides of a corner are taken for straight over this many edges.
+const STRAIGHT: usize = 4;
+
+impl Rim<'_> {
+    /// Where the smoothed sides of a corner meet: a better place for it than its
+    /// own, unless that is farther off than noise explains.
+    fn meeting(&self, smooth: &[Point], corner: usize) -> Option<Point> {
+        let n = smooth.len();
+        let normal = self.normals[corner];
+        let (x, y) = plane_axes(normal);
+        let raw = self.points[corner];
+        let flat = |k: usize| {
+            let d = smooth[k % n] - raw;
+            Vector2::new(d.dot(&x), d.dot(&y))
+        };
+        let side = |near: usize, far: usize| (flat(near), (flat(near) - flat(far)).normalize());
+        let (p, u) = side(corner + n - 1, corner + n - 1 - STRAIGHT);
+        let (q, v) = side(corner + 1, corner + 1 + STRAIGHT);
+        // p + s u = q + t v; sides that hardly turn meet nowhere near.
+        let turn = u.perp(&v);
+        let met = p + (q - p).perp(&v) / turn * u;
+        let near = met.norm() <= FARTHEST * self.noise && turn.abs() > 0.3;
+        (near && n > 4 * STRAIGHT).then(|| raw + met.x * x + met.y * y)
+    }
+
+    fn piece(&self, first: usize, count: usize, closed: bool) -> Piece {
+        let n = self.points.len();
+        let indices = || (0..count).map(|i| (first + i) % n);
+        Piece {
+            points: indices().map(|i| self.points[i]).collect(),
+            normals: indices().map(|i| self.normals[i]).collect(),
+            closed,
+        }
+    }
+}
+
+/// How far the projection moves a point across the loop in the surface.
+struct Move {
+    across: Vector,
+    by: f64,
+    leverage: f64,
+}
+
 impl Piece {
-    fn smooth(&self, least: f64) -> Vec<Point> {
+    fn smooth(&self, farthest: f64) -> Vec<Point> {
         if self.points.len() < FEWEST {
             return self.points.clone();
         }
-        let h = self.support(least);
-        let project = |i: usize| self.project(i, h).map_or(self.points[i], |(p, _)| p);
+        let h = self.support();
+        let project = |i: usize| {
+            let moved = self.project(i, h).map(|m| m.by.clamp(-farthest, farthest) * m.across);
+            self.points[i] + moved.unwrap_or_else(Vector::zeros)
+        };
         (0..self.points.len()).map(project).collect()
     }
 
-    /// By leave-one-out cross-validation, as for the surface.
-    fn support(&self, least: f64) -> f64 {
+    /// By leave-one-out cross-validation: the longest that is no worse than the
+    /// best one by more than the standard error of their difference.
+    fn support(&self) -> f64 {
         let n = self.points.len();
         let length: f64 = (1..n).map(|i| (self.points[i] - self.points[i - 1]).norm()).sum();
         let spacing = length / (n - 1) as f64;
-        let score = |h: f64| -> f64 {
-            let left_out = |i: usize| {
-                let (p, leverage) = self.project(i, h)?;
-                Some((p - self.points[i]).norm_squared() / (1.0 - leverage).max(1e-2).powi(2))
-            };
-            let all: Vec<f64> = (0..n).filter_map(left_out).collect();
-            all.iter().sum::<f64>() / all.len().max(1) as f64
+        let left_out = |i: usize, h: f64| {
+            let m = self.project(i, h)?;
+            Some((m.by / (1.0 - m.leverage).max(0.1)).powi(2))
         };
-        let longest = length / 6.0;
-        let tried = TRIED.iter().map(|k| k * spacing).filter(|&h| h > least && h < longest);
-        std::iter::once(least.min(longest).max(TRIED[0] * spacing))
-            .chain(tried)
-            .map(|h| (h, score(h)))
-            .min_by(|x, y| x.1.total_cmp(&y.1))
-            .map_or(least, |best| best.0)
+        let squares = |h: f64| (0..n).map(|i| left_out(i, h).unwrap_or(0.0)).collect::<Vec<f64>>();
+        let tried = TRIED.iter().map(|k| k * spacing).filter(|&h| h < length / 6.0);
+        let tried: Vec<(f64, Vec<f64>)> = tried.map(|h| (h, squares(h))).collect();
+        let sum = |squares: &[f64]| squares.iter().sum::<f64>();
+        let best = tried.iter().min_by(|x, y| sum(&x.1).total_cmp(&sum(&y.1)));
+        let Some((_, best)) = best else { return TRIED[0] * spacing };
+        let as_good = tried.iter().rfind(|(_, squares)| {
+            let worse: Vec<f64> = squares.iter().zip(best).map(|(x, y)| x - y).collect();
+            let mean = sum(&worse) / n as f64;
+            let variance = worse.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / n as f64;
+            mean <= (variance / n as f64).sqrt()
+        });
+        as_good.map_or(TRIED[0] * spacing, |(h, _)| *h)
     }
 
-    /// The projection of point `i` and its leverage.
-    fn project(&self, i: usize, h: f64) -> Option<(Point, f64)> {
+    fn project(&self, i: usize, h: f64) -> Option<Move> {
         let around = self.around(i, h);
         let r = self.points[i];
         let line = reference_line(r, &around, h)?;
-        quadratic(&line, &around, h)
+        let (point, leverage) = quadratic(&line, &around, h)?;
+        let across = self.normals[i].cross(&line.along).try_normalize(1e-6)?;
+        Some(Move { across, by: (point - r).dot(&across), leverage })
     }
 
     /// The points within reach along the piece.
@@ -244,9 +314,14 @@ mod tests {
             .map(|i| {
                 let a = std::f64::consts::TAU * i as f64 / n as f64;
                 let r = 10.0 + noise * jitter(i);
-                Point::new(r * a.cos(), r * a.sin(), noise * jitter(i + 50_000))
+                Point::new(r * a.cos(), r * a.sin(), 0.0)
             })
             .collect()
+    }
+
+    fn smooth(points: &[Point], corners: &[usize], noise: f64) -> Vec<Point> {
+        let normals = vec![Vector::z(); points.len()];
+        smooth_loop(&Rim { points, normals: &normals, noise }, corners)
     }
 
     fn rms_from_circle(points: &[Point]) -> f64 {
@@ -257,18 +332,22 @@ mod tests {
     #[test]
     fn a_noisy_circle_becomes_round() {
         let raw = noisy_circle(200, 0.3);
-        let smooth = smooth_loop(&raw, &[], 0.8);
-        assert!(rms_from_circle(&smooth) < 0.35 * rms_from_circle(&raw));
+        assert!(rms_from_circle(&smooth(&raw, &[], 0.17)) < 0.35 * rms_from_circle(&raw));
     }
 
     #[test]
     fn a_clean_circle_keeps_its_size() {
-        let smooth = smooth_loop(&noisy_circle(200, 0.0), &[], 0.8);
-        assert!(rms_from_circle(&smooth) < 1e-3);
+        assert!(rms_from_circle(&smooth(&noisy_circle(200, 0.0), &[], 0.17)) < 1e-3);
     }
 
     #[test]
-    fn corners_stay_and_sides_become_straight() {
+    fn nothing_moves_without_noise() {
+        let raw = noisy_circle(200, 0.3);
+        assert_eq!(smooth(&raw, &[], 0.0), raw);
+    }
+
+    #[test]
+    fn corners_stay_sharp_and_sides_become_straight() {
         let side = |i: usize| (i % 50) as f64 / 5.0;
         let square: Vec<Point> = (0..200)
             .map(|i| {
@@ -281,9 +360,9 @@ mod tests {
                 }
             })
             .collect();
-        let smooth = smooth_loop(&square, &[0, 50, 100, 150], 0.6);
+        let smooth = smooth(&square, &[0, 50, 100, 150], 0.06);
         for corner in [0, 50, 100, 150] {
-            assert_eq!(smooth[corner], square[corner]);
+            assert!((smooth[corner] - square[corner]).norm() < 0.06);
         }
         let rms = |points: &[Point]| points[1..50].iter().map(|p| p.y * p.y).sum::<f64>().sqrt();
         assert!(rms(&smooth) < 0.5 * rms(&square));

@@ -3,16 +3,19 @@
 //! projected onto its MLS curve, corners kept, and laid back on the surface;
 //! last, triangles that the moves have folded are turned back.
 
+mod clusters;
 mod corners;
 mod curve;
+mod levels;
 mod support;
 mod surface;
 mod uncross;
 mod unfold;
 
 use crate::geometry::{Point, Vector, VertexId};
-use crate::mesh::mls::{Cloud, Scratch};
-use crate::mesh::{Disk, Mesh, boundary};
+use crate::mesh::{Disk, Mesh, Rings, boundary};
+use levels::Level;
+use surface::Surface;
 
 /// How to smooth.
 #[derive(Debug, Clone, Default)]
@@ -50,10 +53,13 @@ pub enum Corners {
 /// What smoothing did. Lengths are mm.
 #[derive(Debug, Clone, Default)]
 pub struct Report {
-    /// The support; 0 with smoothing off.
+    /// The support, where it changes over the scan its median; 0 with smoothing
+    /// off.
     pub h: f64,
     /// Standard deviation of the scan's noise along the normal.
     pub noise: f64,
+    /// Points that no surface explains, which were left out of all fits.
+    pub outliers: usize,
     /// Root mean square of how far the points were moved.
     pub moved_rms: f64,
     /// How far the farthest was moved.
@@ -64,50 +70,76 @@ pub struct Report {
 
 /// The noise of a scan: the standard deviation of its points along the normal.
 pub fn noise(mesh: &Mesh) -> f64 {
-    support::choose(mesh, &Cloud::of(mesh), Support::Off).noise
+    let levels = levels::levels(mesh, &Rings::new(mesh), &vec![false; mesh.points.len()]);
+    root_mean_square(support::choose(mesh, &levels).noise.iter().map(|&s| f64::from(s)))
 }
 
 /// Smooths a disk. Its topology stays as it is.
 pub fn smooth(disk: &Disk, options: &Options) -> (Disk, Report) {
-    let cloud = Cloud::of(&disk.mesh);
-    let tried = support::choose(&disk.mesh, &cloud, options.support);
-    let mut report = Report { noise: tried.noise, ..Report::default() };
+    let found = find(&disk.mesh, options.support);
+    let mut report = Report { noise: found.noise, outliers: found.outliers, ..Report::default() };
     let mut out = disk.clone();
     if options.support == Support::Off {
         return (out, report);
     }
-    report.h = tried.h;
-    out.mesh.points = surface::project_all(&disk.mesh, &cloud, tried.h);
+    report.h = found.h;
+    let surface = found.surface;
+    out.mesh.points = surface.project_all(&disk.mesh);
     let projected = out.mesh.points.clone();
     for ring in disk.loops() {
         let kept = match &options.corners {
-            Corners::Auto => corners::find(&out.mesh, ring, 2.0 * tried.h),
+            Corners::Auto => corners::find(&out.mesh, ring, 2.0 * found.h),
             Corners::None => Vec::new(),
             Corners::At(points) => nearest_positions(disk, ring, points),
         };
         report.corners.extend(kept.iter().map(|&i| ring[i]));
         let line: Vec<Point> = ring.iter().map(|&v| out.mesh.point(v)).collect();
-        let mut smooth = curve::smooth_loop(&line, &kept, tried.h);
-        let normals: Vec<Vector> = ring.iter().map(|v| cloud.normal(v.index())).collect();
+        let normals: Vec<Vector> = ring.iter().map(|&v| surface.normal(v, &disk.mesh)).collect();
+        let rim = curve::Rim { points: &line, normals: &normals, noise: found.noise };
+        let mut smooth = curve::smooth_loop(&rim, &kept);
         uncross::uncross(&mut smooth, &line, &normals);
-        lay_back(&cloud, ring, &smooth, tried.h, &mut out.mesh.points);
+        for (&v, &p) in ring.iter().zip(&smooth) {
+            // The curve's projection may have left the surface.
+            out.mesh.points[v.index()] = surface.project(v, p).map_or(p, |foot| foot.point);
+        }
     }
-    unfold::unfold(&mut out, &cloud, &projected, tried.h);
-    let moves = out.mesh.points.iter().zip(&disk.mesh.points).map(|(p, q)| (p - q).norm());
-    report.moved_max = moves.clone().fold(0.0, f64::max);
-    let squares: f64 = moves.map(|m| m * m).sum();
-    report.moved_rms = (squares / disk.mesh.points.len() as f64).sqrt();
+    unfold::unfold(&mut out, &surface, &projected);
+    let moved = || out.mesh.points.iter().zip(&disk.mesh.points).map(|(p, q)| (p - q).norm());
+    report.moved_max = moved().fold(0.0, f64::max);
+    report.moved_rms = root_mean_square(moved());
     (out, report)
 }
 
-/// Puts the smoothed loop back onto the MLS surface, off which the curve's
-/// projection may have moved it.
-fn lay_back(cloud: &Cloud, ring: &[VertexId], smooth: &[Point], h: f64, points: &mut [Point]) {
-    let mut scratch = Scratch::default();
-    for (v, &p) in ring.iter().zip(smooth) {
-        let foot = cloud.project(p, cloud.normal(v.index()), h, &mut scratch);
-        points[v.index()] = foot.map_or(p, |f| f.point);
-    }
+/// What the scan's own figures say.
+struct Found {
+    surface: Surface,
+    h: f64,
+    noise: f64,
+    outliers: usize,
+}
+
+fn find(mesh: &Mesh, asked: Support) -> Found {
+    let rings = Rings::new(mesh);
+    let left_out = vec![false; mesh.points.len()];
+    let levels = levels::levels(mesh, &rings, &left_out);
+    let choice = support::choose(mesh, &levels);
+    let noise = root_mean_square(choice.noise.iter().map(|&s| f64::from(s)));
+    let surface = match asked {
+        Support::Fixed(h) => {
+            let level = Level::fixed(mesh, &rings, &left_out, h);
+            Surface::new(levels[0].grain.clone(), vec![level], vec![0.0; mesh.points.len()])
+        }
+        _ => Surface::new(levels[0].grain.clone(), levels, choice.place),
+    };
+    let mut supports: Vec<f64> = (0..mesh.points.len()).map(|v| surface.support(v)).collect();
+    let middle = supports.len() / 2;
+    let h = *supports.select_nth_unstable_by(middle, f64::total_cmp).1;
+    Found { surface, h, noise, outliers: 0 }
+}
+
+fn root_mean_square(values: impl ExactSizeIterator<Item = f64>) -> f64 {
+    let n = values.len().max(1) as f64;
+    (values.map(|x| x * x).sum::<f64>() / n).sqrt()
 }
 
 /// The positions in `ring` of the user's corners: each goes to the loop that

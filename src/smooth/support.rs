@@ -1,75 +1,185 @@
 //! The support h, and the noise, from the scan itself.
 //!
-//! Small h leaves noise, large h flattens. Leave-one-out cross-validation
-//! weighs the two: a point's distance from the surface that its neighbours
-//! alone define is, for a projection that is linear in the heights with
-//! leverage a, (distance moved) / (1 − a). The h that predicts left-out points
-//! best over a sample of the scan wins. With residuals r, leverages a and
-//! variance factors s the noise is σ² = mean r² / mean(1 − 2 a + s).
+//! Small h leaves noise, large h flattens. At a sample of places the surface is
+//! estimated with every support. A wider one is biased by as much as it differs
+//! from narrower ones beyond what their noise explains (Goldenshluger and
+//! Lepski, "Bandwidth selection in kernel density estimation", Annals of
+//! Statistics 2011); bias and noise together, averaged over places side by side,
+//! are least at the support that is taken. It changes over the scan as slowly as
+//! the samples stand apart.
 
 use rayon::prelude::*;
 
-use super::Support;
+use super::clusters::Gathering;
+use super::levels::Level;
+use crate::geometry::VertexId;
 use crate::mesh::Mesh;
-use crate::mesh::mls::{Cloud, Scratch};
 
-/// Points that take part in the cross-validation, at the most.
-const SAMPLE: usize = 3000;
+/// Places that are looked at, at least, and the vertices for each of them, at
+/// the most.
+const PLACES: usize = 2000;
+const VERTICES: usize = 100;
 
-/// The supports tried, in mean edge lengths.
-const TRIED: [f64; 9] = [1.25, 1.6, 2.0, 2.5, 3.2, 4.0, 5.0, 6.3, 8.0];
+/// The residuals at the second level give the noise, since it has a good number
+/// of points. Where they are this many times those at the first one, it is the
+/// shape that they show, and the first one has to do.
+const SHAPE: f64 = 2.0;
 
-/// Share of the largest residuals that are set aside as outliers.
-const OUTLIERS: f64 = 0.01;
+/// What noise explains is overrated by this much, since it fluctuates.
+const CAUTION: f64 = 1.3;
 
-/// A support and the noise that the scan shows under it, in mm.
+/// A wider support that differs from the one before it by more than this many
+/// standard deviations need not be followed by still wider ones.
+const CLEAR: f64 = 8.0;
+
+/// What was found.
 pub struct Choice {
-    pub h: f64,
-    pub noise: f64,
+    /// For each vertex the level to take; between two, both.
+    pub place: Vec<f32>,
+    /// For each vertex the standard deviation of the noise around, in mm.
+    pub noise: Vec<f32>,
 }
 
+/// The estimates at one place, with each support as far as they were tried: the
+/// surface's height, and its variance where the points' is 1.
 struct Trial {
-    h: f64,
-    left_out: f64,
-    noise: f64,
+    heights: Vec<(f64, f64)>,
+    /// Mean squares of the residuals at the two levels that show the noise.
+    scatter: [f64; 2],
 }
 
-/// The support asked for, or the one found, with the scan's noise.
-pub fn choose(mesh: &Mesh, cloud: &Cloud, asked: Support) -> Choice {
-    let spacing = mesh.mean_edge();
-    let best = TRIED
-        .iter()
-        .filter_map(|k| trial(mesh, cloud, k * spacing))
-        .min_by(|x, y| x.left_out.total_cmp(&y.left_out));
-    let noise = best.as_ref().map_or(0.0, |b| b.noise);
-    let h = match asked {
-        Support::Fixed(h) => h,
-        Support::Auto => best.map_or(TRIED[0] * spacing, |b| b.h),
-        Support::Off => 0.0,
+/// Chooses the support for every vertex.
+pub fn choose(mesh: &Mesh, levels: &[Level]) -> Choice {
+    let sampling = sampling(mesh.points.len(), levels);
+    let places = first_vertices(sampling);
+    let look = |room: &mut Gathering, &v: &u32| trial(mesh, levels, VertexId(v), room);
+    let trials: Vec<Trial> =
+        places.par_iter().with_min_len(PLACES / 4).map_init(Gathering::default, look).collect();
+    let windows: Vec<Vec<u32>> = (0..places.len()).map(|i| window(sampling, i)).collect();
+    let noise: Vec<f64> = windows.iter().map(|w| noise(&trials, w)).collect();
+    let best = windows.iter().zip(&noise).map(|(w, &variance)| best(&trials, w, variance));
+    let best: Vec<f64> = best.collect();
+    let mean = |values: &[f64], w: &[u32]| {
+        w.iter().map(|&i| values[i as usize]).sum::<f64>() / w.len() as f64
     };
-    Choice { h, noise }
+    let best: Vec<f64> = windows.iter().map(|w| mean(&best, w)).collect();
+    let spread = |values: &[f64]| -> Vec<f32> {
+        (0..mesh.points.len())
+            .into_par_iter()
+            .map(|v| blended(sampling, values, VertexId::from(v), mesh) as f32)
+            .collect()
+    };
+    let deviation: Vec<f64> = noise.iter().map(|variance| variance.sqrt()).collect();
+    Choice { place: spread(&best), noise: spread(&deviation) }
 }
 
-fn trial(mesh: &Mesh, cloud: &Cloud, h: f64) -> Option<Trial> {
-    let stride = mesh.points.len().div_ceil(SAMPLE).max(1);
-    let sample: Vec<usize> = (0..mesh.points.len()).step_by(stride).collect();
-    let residual = |scratch: &mut Scratch, &i: &usize| {
-        let p = mesh.points[i];
-        let foot = cloud.project(p, cloud.normal(i), h, scratch)?;
-        let freedom = 1.0 - 2.0 * foot.leverage + foot.variance;
-        let left_out = (p - foot.point).norm() / (1.0 - foot.leverage).max(1e-3);
-        (foot.leverage < 0.95).then_some((left_out, (p - foot.point).norm(), freedom))
-    };
-    let mut found: Vec<(f64, f64, f64)> =
-        sample.par_iter().map_init(Scratch::default, residual).flatten().collect();
-    if found.len() * 2 < sample.len() {
-        return None;
+/// The level whose clusters are about as many as places are wanted.
+fn sampling(vertices: usize, levels: &[Level]) -> &Level {
+    let wanted = PLACES.max(vertices / VERTICES);
+    let enough = levels.iter().rev().find(|level| level.grain.samples.len() >= wanted);
+    enough.unwrap_or(&levels[0])
+}
+
+/// The first vertex of each cluster.
+fn first_vertices(level: &Level) -> Vec<u32> {
+    let mut first = vec![u32::MAX; level.grain.samples.len()];
+    for (v, &c) in level.cluster.iter().enumerate() {
+        first[c as usize] = first[c as usize].min(v as u32);
     }
-    found.sort_by(|x, y| x.0.total_cmp(&y.0));
-    found.truncate((found.len() as f64 * (1.0 - OUTLIERS)).ceil() as usize);
-    let n = found.len() as f64;
-    let left_out = found.iter().map(|f| f.0 * f.0).sum::<f64>() / n;
-    let squares: f64 = found.iter().map(|f| f.1 * f.1).sum();
-    let freedom: f64 = found.iter().map(|f| f.2).sum();
-    Some(Trial { h, left_out, noise: (squares / freedom.max(1e-9)).sqrt() })
+    first
+}
+
+/// The places beside the `i`-th, and beside these.
+fn window(level: &Level, i: usize) -> Vec<u32> {
+    let mut window: Vec<u32> = level.grain.near(i).to_vec();
+    window.extend(level.grain.near(i).iter().flat_map(|&j| level.grain.near(j as usize)));
+    window.push(i as u32);
+    window.sort_unstable();
+    window.dedup();
+    window
+}
+
+fn trial(mesh: &Mesh, levels: &[Level], v: VertexId, room: &mut Gathering) -> Trial {
+    let (p, normal) = (mesh.point(v), levels[0].grain.normals[v.index()]);
+    let mut trial = Trial { heights: Vec::new(), scatter: [f64::NAN; 2] };
+    for (k, level) in levels.iter().enumerate() {
+        let Some(fit) = level.fit(level.cluster[v.index()] as usize, room) else {
+            // Too few points; wider ones may have enough.
+            trial.heights.push((0.0, f64::INFINITY));
+            continue;
+        };
+        if let Some(scatter) = trial.scatter.get_mut(k) {
+            *scatter = fit.scatter;
+        }
+        let height = (fit.at(p).0 - p).dot(&normal);
+        let last = trial.heights.last().copied();
+        trial.heights.push((height, fit.variance));
+        let explained = |variance: f64| CLEAR * (trial.scatter[1] * variance).sqrt();
+        if k > 1 && last.is_some_and(|(h, v)| (height - h).abs() > explained(v)) {
+            break;
+        }
+    }
+    trial
+}
+
+/// The variance of the noise over a window.
+fn noise(trials: &[Trial], window: &[u32]) -> f64 {
+    let median = |k: usize| {
+        let all = window.iter().map(|&i| trials[i as usize].scatter[k]);
+        let mut all: Vec<f64> = all.filter(|scatter| scatter.is_finite()).collect();
+        all.sort_by(f64::total_cmp);
+        all.get(all.len() / 2).copied()
+    };
+    match [median(0), median(1)] {
+        [Some(first), Some(second)] if second > SHAPE * first => first,
+        [first, second] => second.or(first).unwrap_or(0.0),
+    }
+}
+
+/// The level of least risk over a window, refined between levels.
+fn best(trials: &[Trial], window: &[u32], variance: f64) -> f64 {
+    let deepest = window.iter().map(|&i| trials[i as usize].heights.len()).min().unwrap_or(0);
+    let mean = |f: &dyn Fn(&Trial) -> f64| {
+        window.iter().map(|&i| f(&trials[i as usize])).sum::<f64>() / window.len() as f64
+    };
+    let noise: Vec<f64> = (0..deepest).map(|k| variance * mean(&|t| t.heights[k].1)).collect();
+    let bias = |k: usize| {
+        let beyond = |i: usize| {
+            let square = mean(&|t| (t.heights[k].0 - t.heights[i].0).powi(2));
+            square - CAUTION * (noise[i] - noise[k]).max(0.0)
+        };
+        (0..k).filter(|&i| noise[i].is_finite()).map(beyond).fold(0.0, f64::max)
+    };
+    let risks: Vec<f64> = (0..deepest).map(|k| noise[k] + bias(k)).collect();
+    let finite = (0..deepest).filter(|&k| risks[k].is_finite());
+    let least = finite.min_by(|&i, &j| risks[i].total_cmp(&risks[j])).unwrap_or(0);
+    least as f64 + vertex_of_parabola(&risks, least)
+}
+
+/// Where, between −½ and ½, the parabola through the logarithms of three risks
+/// around the least is lowest.
+fn vertex_of_parabola(risks: &[f64], least: usize) -> f64 {
+    let Some(before) = least.checked_sub(1).and_then(|k| risks.get(k)) else { return 0.0 };
+    let Some(after) = risks.get(least + 1) else { return 0.0 };
+    let [a, b, c] = [before, &risks[least], after].map(|r| r.max(f64::MIN_POSITIVE).ln());
+    let curvature = a - 2.0 * b + c;
+    if curvature > 1e-9 && curvature.is_finite() {
+        (0.5 * (a - c) / curvature).clamp(-0.5, 0.5)
+    } else {
+        0.0
+    }
+}
+
+/// A value of the places, between them by nearness.
+fn blended(sampling: &Level, values: &[f64], v: VertexId, mesh: &Mesh) -> f64 {
+    let own = sampling.cluster[v.index()] as usize;
+    let p = mesh.point(v);
+    let (mut weight, mut sum) = (1e-12, 1e-12 * values[own]);
+    let beside = sampling.grain.near(own).iter().map(|&c| c as usize);
+    for c in std::iter::once(own).chain(beside) {
+        let w = sampling.weight(c, p);
+        weight += w;
+        sum += w * values[c];
+    }
+    sum / weight
 }

@@ -1,17 +1,156 @@
-//! The surface step: each point onto its MLS surface.
+//! The surface step: each point onto the MLS surface of its neighbourhood.
+//!
+//! One polynomial is fitted around each cluster of points; a point is projected
+//! onto those of its own cluster and the ones beside it, and the feet are
+//! blended by nearness. Where the support changes over the scan, the feet of two
+//! levels are blended.
+
+use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use crate::geometry::Point;
+use super::clusters::{Gathering, Grain};
+use super::levels::Level;
+use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::Mesh;
-use crate::mesh::mls::{Cloud, Scratch};
+use crate::mesh::mls::Polynomial;
 
-/// The projections of all vertices, with support `h`. A vertex with too few
-/// neighbours stays where it is.
-pub fn project_all(mesh: &Mesh, cloud: &Cloud, h: f64) -> Vec<Point> {
-    let project = |scratch: &mut Scratch, i: usize| {
-        let p = mesh.points[i];
-        cloud.project(p, cloud.normal(i), h, scratch).map_or(p, |foot| foot.point)
-    };
-    (0..mesh.points.len()).into_par_iter().map_init(Scratch::default, project).collect()
+/// Each job has room for a neighbourhood of its own, which is worth this many
+/// fits.
+const FITS_A_JOB: usize = 2048;
+
+/// The surface that a scan's points lie on.
+pub struct Surface {
+    levels: Vec<Level>,
+    /// The scan's vertices.
+    finest: Arc<Grain>,
+    /// For each vertex the level it takes; between two it takes both.
+    place: Vec<f32>,
+    fits: Vec<Fits>,
+}
+
+/// The polynomials of those clusters of a level that are needed.
+struct Fits {
+    /// For each cluster the number of its polynomial, or [`NONE`].
+    number: Vec<u32>,
+    all: Vec<Polynomial>,
+}
+
+const NONE: u32 = u32::MAX;
+
+/// The foot of a projection, and the surface's unit normal there.
+#[derive(Clone, Copy)]
+pub struct Foot {
+    pub point: Point,
+    pub normal: Vector,
+}
+
+impl Surface {
+    /// Fits what the vertices need, each at the level `place` of its own.
+    pub fn new(finest: Arc<Grain>, levels: Vec<Level>, place: Vec<f32>) -> Self {
+        let fits = levels.iter().enumerate().map(|(k, level)| Fits::new(level, k, &place));
+        let fits = fits.collect();
+        Surface { levels, finest, place, fits }
+    }
+
+    /// The feet of all vertices. A vertex with too few neighbours stays where it
+    /// is.
+    pub fn project_all(&self, mesh: &Mesh) -> Vec<Point> {
+        let foot = |(v, &p): (usize, &Point)| {
+            self.project(VertexId::from(v), p).map_or(p, |foot| foot.point)
+        };
+        mesh.points.par_iter().enumerate().map(foot).collect()
+    }
+
+    /// The support at a vertex, in mm.
+    pub fn support(&self, v: usize) -> f64 {
+        let (k, share) = self.split(v);
+        let above = self.levels.get(k + 1).map_or(1.0, |above| above.h / self.levels[k].h);
+        self.levels[k].h * above.powf(share)
+    }
+
+    /// The normal of the scan at a vertex, averaged over the points around.
+    pub fn scan_normal(&self, v: VertexId) -> Vector {
+        self.finest.normals[v.index()]
+    }
+
+    /// The surface's normal at the foot of a vertex of the scan.
+    pub fn normal(&self, v: VertexId, scan: &Mesh) -> Vector {
+        self.project(v, scan.point(v)).map_or(self.scan_normal(v), |foot| foot.normal)
+    }
+
+    /// Projects `p`, which lies near vertex `v`. `None` where too few points
+    /// are near.
+    pub fn project(&self, v: VertexId, p: Point) -> Option<Foot> {
+        let (k, share) = self.split(v.index());
+        let low = self.project_on(k, v, p);
+        if share == 0.0 {
+            return low;
+        }
+        match (low, self.project_on(k + 1, v, p)) {
+            (Some(low), Some(high)) => Some(Foot {
+                point: low.point + share * (high.point - low.point),
+                normal: (low.normal + share * (high.normal - low.normal)).normalize(),
+            }),
+            (low, high) => low.or(high),
+        }
+    }
+
+    /// A vertex's level, and its share of the next one.
+    fn split(&self, v: usize) -> (usize, f64) {
+        let place = f64::from(self.place[v]);
+        (place as usize, place.fract())
+    }
+
+    fn project_on(&self, k: usize, v: VertexId, p: Point) -> Option<Foot> {
+        let level = &self.levels[k];
+        let own = level.cluster[v.index()] as usize;
+        let (mut weight, mut point, mut normal) = (0.0, Vector::zeros(), Vector::zeros());
+        let beside = level.grain.near(own).iter().map(|&c| c as usize);
+        for c in std::iter::once(own).chain(beside) {
+            let w = level.weight(c, p);
+            if let Some(fit) = self.fits[k].get(c).filter(|_| w > 1e-6) {
+                let (foot, n) = fit.at(p);
+                weight += w;
+                point += w * (foot - p);
+                normal += w * n;
+            }
+        }
+        (weight > 0.0).then(|| Foot { point: p + point / weight, normal: normal.normalize() })
+    }
+}
+
+impl Fits {
+    fn new(level: &Level, k: usize, place: &[f32]) -> Self {
+        let needed = needed(level, k, place);
+        let fit = |room: &mut Gathering, &c: &u32| level.fit(c as usize, room);
+        let fits = needed.par_iter().with_min_len(FITS_A_JOB).map_init(Gathering::default, fit);
+        let fits: Vec<Option<Polynomial>> = fits.collect();
+        let mut number = vec![NONE; level.grain.samples.len()];
+        let mut all = Vec::with_capacity(needed.len());
+        for (&c, fit) in needed.iter().zip(fits) {
+            if let Some(fit) = fit {
+                number[c as usize] = all.len() as u32;
+                all.push(fit);
+            }
+        }
+        Fits { number, all }
+    }
+
+    fn get(&self, c: usize) -> Option<&Polynomial> {
+        self.all.get(self.number[c] as usize)
+    }
+}
+
+/// The clusters of level `k` that hold, or stand beside, a vertex that takes it.
+fn needed(level: &Level, k: usize, place: &[f32]) -> Vec<u32> {
+    let mut needed = vec![false; level.grain.samples.len()];
+    for (&c, &place) in level.cluster.iter().zip(place) {
+        needed[c as usize] |= (place - k as f32).abs() < 1.0;
+    }
+    let held: Vec<usize> = (0..needed.len()).filter(|&c| needed[c]).collect();
+    for c in held {
+        level.grain.near(c).iter().for_each(|&beside| needed[beside as usize] = true);
+    }
+    (0..needed.len() as u32).filter(|&c| needed[c as usize]).collect()
 }

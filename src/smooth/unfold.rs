@@ -3,8 +3,8 @@
 //! come to lie upside down. They are turned back by sliding their vertices
 //! along the surface, which itself stays where it is.
 
+use super::surface::Surface;
 use crate::geometry::{Point, Vector, VertexId};
-use crate::mesh::mls::{Cloud, Scratch};
 use crate::mesh::{Disk, Rings};
 
 /// Rounds of sliding at the most.
@@ -17,13 +17,13 @@ const PATIENCE: usize = 6;
 /// their neighbours; boundary vertices go half of the way back to `projected`,
 /// where the surface step put them, if the triangle has no inner vertex or
 /// sliding does not help.
-pub fn unfold(disk: &mut Disk, cloud: &Cloud, projected: &[Point], h: f64) {
+pub fn unfold(disk: &mut Disk, surface: &Surface, projected: &[Point]) {
     let rings = Rings::new(&disk.mesh);
     let mut on_boundary = vec![false; projected.len()];
     disk.loops().flatten().for_each(|v| on_boundary[v.index()] = true);
     let inner = |v: &VertexId| !on_boundary[v.index()];
     for round in 0..ROUNDS {
-        let folded = folded(disk, cloud);
+        let folded = folded(disk, surface);
         if folded.is_empty() {
             return;
         }
@@ -41,7 +41,7 @@ pub fn unfold(disk: &mut Disk, cloud: &Cloud, projected: &[Point], h: f64) {
             let p = &mut disk.mesh.points[v.index()];
             *p = nalgebra::center(p, &projected[v.index()]);
         }
-        slide_all(disk, cloud, &rings, &unique(slide), h);
+        slide_all(disk, surface, &rings, &unique(slide));
     }
 }
 
@@ -52,20 +52,19 @@ fn unique(mut vertices: Vec<VertexId>) -> Vec<VertexId> {
 }
 
 /// Triangles that look away from the surface's side at their corners.
-fn folded(disk: &Disk, cloud: &Cloud) -> Vec<[VertexId; 3]> {
-    let up = |t: &[VertexId; 3]| t.iter().map(|v| cloud.normal(v.index())).sum::<Vector>();
+fn folded(disk: &Disk, surface: &Surface) -> Vec<[VertexId; 3]> {
+    let up = |t: &[VertexId; 3]| t.iter().map(|v| surface.scan_normal(*v)).sum::<Vector>();
     let folded = |t: &&[VertexId; 3]| disk.mesh.area_vector(**t).dot(&up(t)) <= 0.0;
     disk.mesh.triangles.iter().filter(folded).copied().collect()
 }
 
 /// Moves the vertices half of the way to the middle of their neighbours, and
 /// back onto the surface.
-fn slide_all(disk: &mut Disk, cloud: &Cloud, rings: &Rings, vertices: &[VertexId], h: f64) {
-    let mut scratch = Scratch::default();
+fn slide_all(disk: &mut Disk, surface: &Surface, rings: &Rings, vertices: &[VertexId]) {
     let targets: Vec<Point> = vertices
         .iter()
         .map(|&v| {
-            let (p, n) = (disk.mesh.point(v), cloud.normal(v.index()));
+            let (p, n) = (disk.mesh.point(v), surface.scan_normal(v));
             let (mut sum, mut count) = (Vector::zeros(), 0.0);
             for w in rings.neighbours(&disk.mesh, v) {
                 sum += disk.mesh.point(w) - p;
@@ -73,7 +72,7 @@ fn slide_all(disk: &mut Disk, cloud: &Cloud, rings: &Rings, vertices: &[VertexId
             }
             let step = 0.5 * sum / count;
             let target = p + (step - step.dot(&n) * n);
-            cloud.project(target, n, h, &mut scratch).map_or(target, |foot| foot.point)
+            surface.project(v, target).map_or(target, |foot| foot.point)
         })
         .collect();
     for (v, p) in vertices.iter().zip(targets) {

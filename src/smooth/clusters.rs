@@ -1,0 +1,163 @@
+//! A scan at several grains: its vertices, and coarser and coarser clusters of
+//! them that grow along the mesh's edges.
+//!
+//! A fit with a wide support takes clusters for points, each with its number of
+//! points, their mean and their covariance: it costs as much as one with a
+//! narrow support, and is as exact (see [`Sample`]). Neighbourhoods follow the
+//! mesh, so that none reaches through a wall or over a gap to another sheet.
+
+use crate::geometry::{Vector, VertexId};
+use crate::mesh::mls::{REACH, Sample, steady_normals};
+use crate::mesh::{Mesh, Rings};
+
+/// One grain.
+pub struct Grain {
+    /// The clusters.
+    pub samples: Vec<Sample>,
+    /// Their mean unit normals.
+    pub normals: Vec<Vector>,
+    /// Which clusters share an edge: those of cluster i stand at
+    /// `starts[i]..starts[i + 1]`.
+    starts: Vec<u32>,
+    near: Vec<u32>,
+}
+
+/// Room for the gathering of one neighbourhood, kept between calls.
+#[derive(Default)]
+pub struct Gathering {
+    stamp: u32,
+    seen: Vec<u32>,
+    found: Vec<u32>,
+    /// The samples around.
+    pub around: Vec<Sample>,
+}
+
+const FREE: u32 = u32::MAX;
+
+impl Grain {
+    /// The vertices themselves. Those that `left_out` lists count for nothing.
+    pub fn finest(mesh: &Mesh, rings: &Rings, left_out: &[bool]) -> Self {
+        let mut samples: Vec<Sample> = mesh.points.iter().map(|&p| p.into()).collect();
+        for (sample, _) in samples.iter_mut().zip(left_out).filter(|(_, out)| **out) {
+            sample.weight = 0.0;
+        }
+        let around = |v: usize, near: &mut Vec<u32>| {
+            near.extend(rings.neighbours(mesh, VertexId::from(v)).map(|w| w.0));
+        };
+        let (starts, near) = adjacency(mesh.points.len(), around);
+        Grain { samples, normals: steady_normals(mesh), starts, near }
+    }
+
+    /// Clusters of those of this grain that lie within `radius` of the first
+    /// of them, and for each of this grain the number of its cluster.
+    pub fn coarser(&self, radius: f64) -> (Grain, Vec<u32>) {
+        let mut cluster = vec![FREE; self.samples.len()];
+        let mut members: Vec<u32> = Vec::with_capacity(self.samples.len());
+        let mut ends = Vec::new();
+        for seed in 0..self.samples.len() {
+            if cluster[seed] == FREE {
+                self.grow(seed, radius, ends.len() as u32, &mut cluster, &mut members);
+                ends.push(members.len());
+            }
+        }
+        let starts = std::iter::once(0).chain(ends.iter().copied());
+        let of: Vec<&[u32]> = starts.zip(&ends).map(|(a, &b)| &members[a..b]).collect();
+        let samples =
+            of.iter().map(|m| Sample::merged(m.iter().map(|&i| self.samples[i as usize])));
+        let normal = |m: &&[u32]| {
+            let each =
+                m.iter().map(|&i| self.samples[i as usize].weight * self.normals[i as usize]);
+            let sum: Vector = each.sum();
+            sum.try_normalize(1e-12).unwrap_or(self.normals[m[0] as usize])
+        };
+        let around = |c: usize, near: &mut Vec<u32>| {
+            near.extend(
+                of[c].iter().flat_map(|&i| self.near(i as usize)).map(|&j| cluster[j as usize]),
+            );
+        };
+        let (starts, near) = adjacency(of.len(), around);
+        let grain = Grain {
+            samples: samples.collect(),
+            normals: of.iter().map(normal).collect(),
+            starts,
+            near,
+        };
+        (grain, cluster)
+    }
+
+    fn grow(
+        &self,
+        seed: usize,
+        radius: f64,
+        number: u32,
+        cluster: &mut [u32],
+        members: &mut Vec<u32>,
+    ) {
+        let mut done = members.len();
+        members.push(seed as u32);
+        cluster[seed] = number;
+        while let Some(&i) = members.get(done) {
+            done += 1;
+            for &j in self.near(i as usize) {
+                let j = j as usize;
+                let close = (self.samples[j].at - self.samples[seed].at).norm() <= radius;
+                if cluster[j] == FREE && close && self.normals[j].dot(&self.normals[seed]) > 0.0 {
+                    cluster[j] = number;
+                    members.push(j as u32);
+                }
+            }
+        }
+    }
+
+    /// The clusters that share an edge with the `i`-th.
+    pub fn near(&self, i: usize) -> &[u32] {
+        &self.near[self.starts[i] as usize..self.starts[i + 1] as usize]
+    }
+
+    /// Gathers the samples within reach of cluster `c`'s place that are reached
+    /// from it over others of them. Those whose normal looks the other way lie
+    /// on another sheet and bar the way.
+    pub fn gather(&self, c: usize, h: f64, room: &mut Gathering) {
+        let (at, normal) = (self.samples[c].at, self.normals[c]);
+        let reach = (REACH * h).powi(2);
+        room.seen.resize(self.samples.len(), 0);
+        room.stamp += 1;
+        room.found.clear();
+        room.found.push(c as u32);
+        room.seen[c] = room.stamp;
+        let mut done = 0;
+        while let Some(&i) = room.found.get(done) {
+            done += 1;
+            for &j in self.near(i as usize) {
+                let k = j as usize;
+                if room.seen[k] != room.stamp {
+                    room.seen[k] = room.stamp;
+                    let close = (self.samples[k].at - at).norm_squared() <= reach;
+                    if close && self.normals[k].dot(&normal) > 0.0 {
+                        room.found.push(j);
+                    }
+                }
+            }
+        }
+        room.around.clear();
+        let samples = room.found.iter().map(|&i| self.samples[i as usize]);
+        room.around.extend(samples.filter(|s| s.weight > 0.0));
+    }
+}
+
+/// For each of `count` things those that `around` lists, but itself, each once.
+fn adjacency(count: usize, around: impl Fn(usize, &mut Vec<u32>)) -> (Vec<u32>, Vec<u32>) {
+    let mut starts = Vec::with_capacity(count + 1);
+    let mut near = Vec::new();
+    let mut some = Vec::new();
+    starts.push(0);
+    for i in 0..count {
+        some.clear();
+        around(i, &mut some);
+        some.sort_unstable();
+        some.dedup();
+        near.extend(some.iter().filter(|&&j| j as usize != i));
+        starts.push(near.len() as u32);
+    }
+    (starts, near)
+}

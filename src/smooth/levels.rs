@@ -1,0 +1,83 @@
+//! The supports that are tried, each with the grain that serves it.
+
+use std::sync::Arc;
+
+use super::clusters::{Gathering, Grain};
+use crate::geometry::Point;
+use crate::mesh::mls::{Polynomial, reference_plane};
+use crate::mesh::{Mesh, Rings};
+
+/// The shortest support, in mean edge lengths: below it a quadratic has too few
+/// points.
+const SHORTEST: f64 = 1.25;
+
+/// Each support is this many times the one before it.
+const RATIO: f64 = 1.5;
+
+/// The longest support, as a share of the scan's diagonal.
+const LONGEST: f64 = 0.1;
+
+/// Clusters have this radius, in supports.
+const RADIUS: f64 = 0.3;
+
+/// A support and its grain.
+pub struct Level {
+    /// The support h, in mm.
+    pub h: f64,
+    /// The clusters that fits take for points.
+    pub grain: Arc<Grain>,
+    /// The cluster of each vertex.
+    pub cluster: Arc<Vec<u32>>,
+}
+
+/// The levels for a mesh, from the shortest support to the longest.
+pub fn levels(mesh: &Mesh, rings: &Rings, left_out: &[bool]) -> Vec<Level> {
+    let shortest = SHORTEST * mesh.mean_edge();
+    let longest = (LONGEST * mesh.diagonal()).max(shortest);
+    let mut levels = vec![Level::finest(mesh, rings, left_out, shortest)];
+    while let Some(last) = levels.last().filter(|last| last.h * RATIO <= longest) {
+        levels.push(last.next(last.h * RATIO, mesh.mean_edge()));
+    }
+    levels
+}
+
+impl Level {
+    /// The vertices as they are, for support `h`.
+    fn finest(mesh: &Mesh, rings: &Rings, left_out: &[bool], h: f64) -> Level {
+        let cluster = (0..mesh.points.len() as u32).collect();
+        Level {
+            h,
+            grain: Arc::new(Grain::finest(mesh, rings, left_out)),
+            cluster: Arc::new(cluster),
+        }
+    }
+
+    /// A level for support `h` alone.
+    pub fn fixed(mesh: &Mesh, rings: &Rings, left_out: &[bool], h: f64) -> Level {
+        Level::finest(mesh, rings, left_out, h).next(h, mesh.mean_edge())
+    }
+
+    /// A coarser level, of the same grain where a coarser one would be no other.
+    fn next(&self, h: f64, edge: f64) -> Level {
+        if RADIUS * h < edge {
+            return Level { h, grain: self.grain.clone(), cluster: self.cluster.clone() };
+        }
+        let (grain, of) = self.grain.coarser(RADIUS * h);
+        let cluster = self.cluster.iter().map(|&c| of[c as usize]).collect();
+        Level { h, grain: Arc::new(grain), cluster: Arc::new(cluster) }
+    }
+
+    /// The polynomial around the place of cluster `c`.
+    pub fn fit(&self, c: usize, room: &mut Gathering) -> Option<Polynomial> {
+        self.grain.gather(c, self.h, room);
+        let (at, normal) = (self.grain.samples[c].at, self.grain.normals[c]);
+        let plane = reference_plane(at, normal, &room.around, self.h)?;
+        Polynomial::fit(&plane, &room.around, self.h)
+    }
+
+    /// The weight of cluster `c`'s polynomial at `p`.
+    pub fn weight(&self, c: usize, p: Point) -> f64 {
+        let radius = RADIUS * self.h;
+        (-(self.grain.samples[c].at - p).norm_squared() / (radius * radius)).exp()
+    }
+}
