@@ -256,6 +256,10 @@ fn describe(progress: &Progress, args: &Convert, c: &Conversion) {
             c.input.components, c.input.triangles, c.input.left_out
         ));
     }
+    if c.smooth.outliers > 0 {
+        progress
+            .say(&format!("smooth: {} left out of the fits", plural(c.smooth.outliers, "outlier")));
+    }
     if args.tolerance.is_none() {
         progress.say(&format!(
             "tolerance: {:.4} mm, from a noise of {:.4} mm (--tolerance to change)",

@@ -55,6 +55,7 @@ fn of_component(c: &Conversion, context: &Context) -> Value {
             "moved_rms_mm": c.smooth.moved_rms,
             "moved_max_mm": c.smooth.moved_max,
             "corners": c.smooth.corners.len(),
+            "outliers": c.smooth.outliers,
         },
         "fill": { "holes": holes(c) },
         "parameterize": {

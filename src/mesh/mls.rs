@@ -7,8 +7,6 @@
 //! fitted over that plane with weights θ(‖pᵢ − q‖). The projection of r is the
 //! polynomial's value at q. θ(x) = exp(−x²/h²).
 
-use std::ops::AddAssign;
-
 use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
 
 use super::{Mesh, Neighbours, Rings};
@@ -247,7 +245,7 @@ pub fn reference_plane(r: Point, normal: Vector, around: &[Sample], h: f64) -> O
     Some(Plane { origin: r + t * n, normal: n })
 }
 
-/// A bi-quadratic polynomial over a plane, around its origin.
+/// A polynomial over a plane, around its origin.
 #[derive(Debug, Clone, Copy)]
 pub struct Polynomial {
     plane: Plane,
@@ -257,10 +255,6 @@ pub struct Polynomial {
     h: f64,
     /// The variance of its value at the origin, where the points' variance is 1.
     pub variance: f64,
-    /// The mean square of the points' distances from it along the normal, as
-    /// free of the fit's own freedom as of the weights: an estimate of the
-    /// noise's variance.
-    pub scatter: f64,
 }
 
 /// The number of monomials up to the fourth degree.
@@ -291,30 +285,37 @@ fn monomials(x: f64, y: f64, [xx, xy, yy]: [f64; 3]) -> [f64; ALL] {
 }
 
 impl Polynomial {
-    /// The polynomial of highest degree that the points determine:
-    /// bi-quadratic, else quadratic, else linear. One is determined when its
+    /// The polynomial of highest degree that the points determine: of total
+    /// degree four, which has the bi-quadratic ones among it, else three, two or
+    /// one. One is determined when its
     /// value at the origin is steadier than a single point. Where the points lie
-    /// to one side, as at a boundary, the bi-quadratic terms would swing freely.
+    /// to one side, as at a boundary, the fourth degree would swing freely.
     pub fn fit(plane: &Plane, around: &[Sample], h: f64) -> Option<Polynomial> {
-        let (e1, e2) = plane_axes(plane.normal);
-        let row = |p: &Sample| {
-            let d = (p.at - plane.origin) / h;
-            let weight = p.weight * (-d.norm_squared()).exp();
-            let spread = p.covariance() / (h * h);
-            let (s1, s2) = (spread * e1, spread * e2);
-            let spread = [s1.dot(&e1), s1.dot(&e2), s2.dot(&e2)];
-            let row = monomials(d.dot(&e1), d.dot(&e2), spread);
-            Row { monomials: row, height: d.dot(&plane.normal), weight, count: p.weight }
-        };
-        let rows: Vec<Row> = around.iter().map(row).collect();
-        let full = if is_one_sided(&rows) { None } else { solve::<15>(&rows) };
-        let fitted = full
-            .or_else(|| solve::<10>(&rows))
-            .or_else(|| solve::<6>(&rows))
-            .or_else(|| solve::<3>(&rows));
-        let (coefficients, variance, scatter) = fitted?;
-        let scatter = scatter * h * h;
-        Some(Polynomial { plane: *plane, axes: (e1, e2), coefficients, h, variance, scatter })
+        Some(Self::fitted(plane, around, h, false)?.0)
+    }
+
+    /// The same with its scatter: the mean square of the points' distances from
+    /// it along the normal, as free of the fit's own freedom as of the weights.
+    /// It estimates the noise's variance.
+    pub fn fit_with_scatter(plane: &Plane, around: &[Sample], h: f64) -> Option<(Polynomial, f64)> {
+        Self::fitted(plane, around, h, true)
+    }
+
+    fn fitted(
+        plane: &Plane,
+        around: &[Sample],
+        h: f64,
+        with_scatter: bool,
+    ) -> Option<(Polynomial, f64)> {
+        let axes = plane_axes(plane.normal);
+        let rows: Vec<Row> = around.iter().map(|p| Row::new(p, plane, axes, h)).collect();
+        let full = if is_one_sided(&rows) { None } else { solve::<15>(&rows, with_scatter) };
+        let (coefficients, variance, scatter) = full
+            .or_else(|| solve::<10>(&rows, with_scatter))
+            .or_else(|| solve::<6>(&rows, with_scatter))
+            .or_else(|| solve::<3>(&rows, with_scatter))?;
+        let polynomial = Polynomial { plane: *plane, axes, coefficients, h, variance };
+        Some((polynomial, scatter * h * h))
     }
 
     /// The point of the polynomial that lies off `p` along the plane's normal,
@@ -370,51 +371,73 @@ struct Row {
     count: f64,
 }
 
+impl Row {
+    fn new(p: &Sample, plane: &Plane, (e1, e2): (Vector, Vector), h: f64) -> Self {
+        let d = (p.at - plane.origin) / h;
+        let spread = p.covariance() / (h * h);
+        let (s1, s2) = (spread * e1, spread * e2);
+        let spread = [s1.dot(&e1), s1.dot(&e2), s2.dot(&e2)];
+        Row {
+            monomials: monomials(d.dot(&e1), d.dot(&e2), spread),
+            height: d.dot(&plane.normal),
+            weight: p.weight * (-d.norm_squared()).exp(),
+            count: p.weight,
+        }
+    }
+}
+
 /// Whether the points' mean is farther from the origin than a fifth of h.
 fn is_one_sided(rows: &[Row]) -> bool {
     let sum = |k: usize| rows.iter().map(|row| row.weight * row.monomials[k]).sum::<f64>();
     sum(1).hypot(sum(2)) > 0.2 * sum(0)
 }
 
-/// The weighted least-squares fit of the first N monomials: coefficients,
-/// variance, scatter.
-fn solve<const N: usize>(rows: &[Row]) -> Option<([f64; ALL], f64, f64)>
+/// A fit: its coefficients, its variance at the origin, and its scatter in units
+/// of h, if that is wanted.
+type Fitted = ([f64; ALL], f64, f64);
+
+/// The weighted least-squares fit of the first N monomials.
+fn solve<const N: usize>(rows: &[Row], with_scatter: bool) -> Option<Fitted>
 where
     nalgebra::Const<N>: nalgebra::DimName,
 {
     if rows.len() < N {
         return None;
     }
+    let first = |row: &Row| SVector::<f64, N>::from_fn(|i, _| row.monomials[i]);
     let mut gram = SMatrix::<f64, N, N>::zeros();
-    // With the weights squared: what the noise of the points makes of the right.
-    let mut noise = SMatrix::<f64, N, N>::zeros();
     let mut right = SVector::<f64, N>::zeros();
-    let (mut squares, mut total) = (0.0, 0.0);
     for row in rows {
-        let b = SVector::<f64, N>::from_fn(|i, _| row.monomials[i]);
+        let b = first(row);
         let weighted = row.weight * b;
-        let share = row.weight / row.count;
         for j in 0..N {
-            let column = b[j] * weighted;
-            gram.column_mut(j).add_assign(&column);
-            noise.column_mut(j).axpy(share, &column, 1.0);
+            gram.column_mut(j).axpy(b[j], &weighted, 1.0);
         }
         right.axpy(row.height, &weighted, 1.0);
-        squares += row.weight * row.height * row.height;
-        total += share;
     }
     let damp = 1e-10 * gram.trace();
     gram += SMatrix::<f64, N, N>::identity() * damp;
     let factor = gram.cholesky()?;
     let c = factor.solve(&right);
     let at_origin = factor.solve(&SVector::<f64, N>::from_fn(|i, _| f64::from(i == 0)));
-    let variance = at_origin.dot(&(noise * at_origin));
+    // A mean of several points has less noise by their number.
+    let noise = |row: &Row| row.weight * row.weight / row.count;
+    let variance: f64 = rows.iter().map(|r| noise(r) * first(r).dot(&at_origin).powi(2)).sum();
     if variance.is_nan() || variance > 1.0 {
         return None;
     }
-    // Σ w r² has the expectation σ² (Σ w/count − tr(G⁻¹ N)).
-    let freedom = total - factor.solve(&noise).trace();
-    let scatter = (squares - c.dot(&right)).max(0.0) / freedom.max(1e-3 * total);
+    let mut scatter = f64::NAN;
+    if with_scatter {
+        // Σ w r² has the expectation σ² (Σ w/count − Σ w²/count bᵀ G⁻¹ b).
+        let square = |r: &Row| r.weight * (r.height - first(r).dot(&c)).powi(2);
+        let free = |r: &Row| {
+            let b = first(r);
+            r.weight / r.count - noise(r) * b.dot(&factor.solve(&b))
+        };
+        let total: f64 = rows.iter().map(|r| r.weight / r.count).sum();
+        let freedom: f64 = rows.iter().map(free).sum();
+        scatter = rows.iter().map(square).sum::<f64>() / freedom.max(1e-3 * total);
+    }
     Some((std::array::from_fn(|i| if i < N { c[i] } else { 0.0 }), variance, scatter))
 }
 

@@ -32,6 +32,12 @@ pub struct Gathering {
     pub around: Vec<Sample>,
 }
 
+/// How many of `count` fits one job should do, since each job has to make room
+/// for a neighbourhood first.
+pub fn a_share(count: usize) -> usize {
+    count.div_ceil(4 * rayon::current_num_threads())
+}
+
 const FREE: u32 = u32::MAX;
 
 impl Grain {

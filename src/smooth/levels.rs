@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::clusters::{Gathering, Grain};
 use crate::geometry::Point;
-use crate::mesh::mls::{Polynomial, reference_plane};
+use crate::mesh::mls::{Plane, Polynomial, reference_plane};
 use crate::mesh::{Mesh, Rings};
 
 /// The shortest support, in mean edge lengths: below it a quadratic has too few
@@ -21,6 +21,7 @@ const LONGEST: f64 = 0.1;
 const RADIUS: f64 = 0.3;
 
 /// A support and its grain.
+#[derive(Clone)]
 pub struct Level {
     /// The support h, in mm.
     pub h: f64,
@@ -69,10 +70,19 @@ impl Level {
 
     /// The polynomial around the place of cluster `c`.
     pub fn fit(&self, c: usize, room: &mut Gathering) -> Option<Polynomial> {
+        Polynomial::fit(&self.plane(c, room)?, &room.around, self.h)
+    }
+
+    /// The same, and the variance of the noise that it shows.
+    pub fn fit_with_scatter(&self, c: usize, room: &mut Gathering) -> Option<(Polynomial, f64)> {
+        Polynomial::fit_with_scatter(&self.plane(c, room)?, &room.around, self.h)
+    }
+
+    /// The reference plane of cluster `c`; its neighbourhood is left in `room`.
+    fn plane(&self, c: usize, room: &mut Gathering) -> Option<Plane> {
         self.grain.gather(c, self.h, room);
         let (at, normal) = (self.grain.samples[c].at, self.grain.normals[c]);
-        let plane = reference_plane(at, normal, &room.around, self.h)?;
-        Polynomial::fit(&plane, &room.around, self.h)
+        reference_plane(at, normal, &room.around, self.h)
     }
 
     /// The weight of cluster `c`'s polynomial at `p`.

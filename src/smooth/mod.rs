@@ -7,6 +7,7 @@ mod clusters;
 mod corners;
 mod curve;
 mod levels;
+mod outliers;
 mod support;
 mod surface;
 mod uncross;
@@ -84,8 +85,8 @@ pub fn smooth(disk: &Disk, options: &Options) -> (Disk, Report) {
     }
     report.h = found.h;
     let surface = found.surface;
-    out.mesh.points = surface.project_all(&disk.mesh);
-    let projected = out.mesh.points.clone();
+    let (projected, normals) = surface.feet(&disk.mesh);
+    out.mesh.points.clone_from(&projected);
     for ring in disk.loops() {
         let kept = match &options.corners {
             Corners::Auto => corners::find(&out.mesh, ring, 2.0 * found.h),
@@ -94,7 +95,7 @@ pub fn smooth(disk: &Disk, options: &Options) -> (Disk, Report) {
         };
         report.corners.extend(kept.iter().map(|&i| ring[i]));
         let line: Vec<Point> = ring.iter().map(|&v| out.mesh.point(v)).collect();
-        let normals: Vec<Vector> = ring.iter().map(|&v| surface.normal(v, &disk.mesh)).collect();
+        let normals: Vec<Vector> = ring.iter().map(|&v| normals[v.index()]).collect();
         let rim = curve::Rim { points: &line, normals: &normals, noise: found.noise };
         let mut smooth = curve::smooth_loop(&rim, &kept);
         uncross::uncross(&mut smooth, &line, &normals);
@@ -103,12 +104,16 @@ pub fn smooth(disk: &Disk, options: &Options) -> (Disk, Report) {
             out.mesh.points[v.index()] = surface.project(v, p).map_or(p, |foot| foot.point);
         }
     }
-    unfold::unfold(&mut out, &surface, &projected);
+    let upright = unfold::Upright { projected, normals, corners: &report.corners };
+    unfold::unfold(&mut out, &surface, upright);
     let moved = || out.mesh.points.iter().zip(&disk.mesh.points).map(|(p, q)| (p - q).norm());
     report.moved_max = moved().fold(0.0, f64::max);
     report.moved_rms = root_mean_square(moved());
     (out, report)
 }
+
+/// How often outliers are looked for at the most.
+const OUTLIER_ROUNDS: usize = 3;
 
 /// What the scan's own figures say.
 struct Found {
@@ -120,21 +125,35 @@ struct Found {
 
 fn find(mesh: &Mesh, asked: Support) -> Found {
     let rings = Rings::new(mesh);
-    let left_out = vec![false; mesh.points.len()];
-    let levels = levels::levels(mesh, &rings, &left_out);
-    let choice = support::choose(mesh, &levels);
-    let noise = root_mean_square(choice.noise.iter().map(|&s| f64::from(s)));
+    let mut left_out = vec![false; mesh.points.len()];
+    let mut levels = levels::levels(mesh, &rings, &left_out);
+    let mut choice = support::choose(mesh, &levels);
+    // Outliers disturb the choice by which they are found.
+    for _ in 0..OUTLIER_ROUNDS {
+        if !outliers::add(mesh, &rings, &levels, &choice, &mut left_out) {
+            break;
+        }
+        levels = levels::levels(mesh, &rings, &left_out);
+        choice = support::choose(mesh, &levels);
+    }
+    let finest = levels[0].grain.clone();
     let surface = match asked {
         Support::Fixed(h) => {
             let level = Level::fixed(mesh, &rings, &left_out, h);
-            Surface::new(levels[0].grain.clone(), vec![level], vec![0.0; mesh.points.len()])
+            Surface::new(finest, vec![level], vec![0.0; mesh.points.len()])
         }
-        _ => Surface::new(levels[0].grain.clone(), levels, choice.place),
+        _ => Surface::new(finest, levels, choice.place),
     };
-    let mut supports: Vec<f64> = (0..mesh.points.len()).map(|v| surface.support(v)).collect();
-    let middle = supports.len() / 2;
-    let h = *supports.select_nth_unstable_by(middle, f64::total_cmp).1;
-    Found { surface, h, noise, outliers: 0 }
+    let supports = (0..mesh.points.len()).map(|v| surface.support(v));
+    let h = median(supports.collect());
+    let noise = root_mean_square(choice.noise.iter().map(|&s| f64::from(s)));
+    let outliers = left_out.iter().filter(|out| **out).count();
+    Found { surface, h, noise, outliers }
+}
+
+fn median(mut values: Vec<f64>) -> f64 {
+    let middle = values.len() / 2;
+    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 fn root_mean_square(values: impl ExactSizeIterator<Item = f64>) -> f64 {

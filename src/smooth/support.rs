@@ -10,7 +10,7 @@
 
 use rayon::prelude::*;
 
-use super::clusters::Gathering;
+use super::clusters::{Gathering, a_share};
 use super::levels::Level;
 use crate::geometry::VertexId;
 use crate::mesh::Mesh;
@@ -18,7 +18,7 @@ use crate::mesh::Mesh;
 /// Places that are looked at, at least, and the vertices for each of them, at
 /// the most.
 const PLACES: usize = 2000;
-const VERTICES: usize = 100;
+const VERTICES: usize = 200;
 
 /// The residuals at the second level give the noise, since it has a good number
 /// of points. Where they are this many times those at the first one, it is the
@@ -53,8 +53,11 @@ pub fn choose(mesh: &Mesh, levels: &[Level]) -> Choice {
     let sampling = sampling(mesh.points.len(), levels);
     let places = first_vertices(sampling);
     let look = |room: &mut Gathering, &v: &u32| trial(mesh, levels, VertexId(v), room);
-    let trials: Vec<Trial> =
-        places.par_iter().with_min_len(PLACES / 4).map_init(Gathering::default, look).collect();
+    let trials: Vec<Trial> = places
+        .par_iter()
+        .with_min_len(a_share(places.len()))
+        .map_init(Gathering::default, look)
+        .collect();
     let windows: Vec<Vec<u32>> = (0..places.len()).map(|i| window(sampling, i)).collect();
     let noise: Vec<f64> = windows.iter().map(|w| noise(&trials, w)).collect();
     let best = windows.iter().zip(&noise).map(|(w, &variance)| best(&trials, w, variance));
@@ -103,14 +106,19 @@ fn trial(mesh: &Mesh, levels: &[Level], v: VertexId, room: &mut Gathering) -> Tr
     let (p, normal) = (mesh.point(v), levels[0].grain.normals[v.index()]);
     let mut trial = Trial { heights: Vec::new(), scatter: [f64::NAN; 2] };
     for (k, level) in levels.iter().enumerate() {
-        let Some(fit) = level.fit(level.cluster[v.index()] as usize, room) else {
+        let cluster = level.cluster[v.index()] as usize;
+        let fitted = match trial.scatter.get_mut(k) {
+            Some(place) => level.fit_with_scatter(cluster, room).map(|(fit, scatter)| {
+                *place = scatter;
+                fit
+            }),
+            None => level.fit(cluster, room),
+        };
+        let Some(fit) = fitted else {
             // Too few points; wider ones may have enough.
             trial.heights.push((0.0, f64::INFINITY));
             continue;
         };
-        if let Some(scatter) = trial.scatter.get_mut(k) {
-            *scatter = fit.scatter;
-        }
         let height = (fit.at(p).0 - p).dot(&normal);
         let last = trial.heights.last().copied();
         trial.heights.push((height, fit.variance));

@@ -9,15 +9,11 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::clusters::{Gathering, Grain};
+use super::clusters::{Gathering, Grain, a_share};
 use super::levels::Level;
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::Mesh;
 use crate::mesh::mls::Polynomial;
-
-/// Each job has room for a neighbourhood of its own, which is worth this many
-/// fits.
-const FITS_A_JOB: usize = 2048;
 
 /// The surface that a scan's points lie on.
 pub struct Surface {
@@ -55,11 +51,12 @@ impl Surface {
 
     /// The feet of all vertices. A vertex with too few neighbours stays where it
     /// is.
-    pub fn project_all(&self, mesh: &Mesh) -> Vec<Point> {
+    pub fn feet(&self, mesh: &Mesh) -> (Vec<Point>, Vec<Vector>) {
         let foot = |(v, &p): (usize, &Point)| {
-            self.project(VertexId::from(v), p).map_or(p, |foot| foot.point)
+            let v = VertexId::from(v);
+            self.project(v, p).map_or((p, self.scan_normal(v)), |foot| (foot.point, foot.normal))
         };
-        mesh.points.par_iter().enumerate().map(foot).collect()
+        mesh.points.par_iter().enumerate().map(foot).unzip()
     }
 
     /// The support at a vertex, in mm.
@@ -70,13 +67,8 @@ impl Surface {
     }
 
     /// The normal of the scan at a vertex, averaged over the points around.
-    pub fn scan_normal(&self, v: VertexId) -> Vector {
+    fn scan_normal(&self, v: VertexId) -> Vector {
         self.finest.normals[v.index()]
-    }
-
-    /// The surface's normal at the foot of a vertex of the scan.
-    pub fn normal(&self, v: VertexId, scan: &Mesh) -> Vector {
-        self.project(v, scan.point(v)).map_or(self.scan_normal(v), |foot| foot.normal)
     }
 
     /// Projects `p`, which lies near vertex `v`. `None` where too few points
@@ -124,7 +116,8 @@ impl Fits {
     fn new(level: &Level, k: usize, place: &[f32]) -> Self {
         let needed = needed(level, k, place);
         let fit = |room: &mut Gathering, &c: &u32| level.fit(c as usize, room);
-        let fits = needed.par_iter().with_min_len(FITS_A_JOB).map_init(Gathering::default, fit);
+        let fits =
+            needed.par_iter().with_min_len(a_share(needed.len())).map_init(Gathering::default, fit);
         let fits: Vec<Option<Polynomial>> = fits.collect();
         let mut number = vec![NONE; level.grain.samples.len()];
         let mut all = Vec::with_capacity(needed.len());

@@ -3,45 +3,70 @@
 //! come to lie upside down. They are turned back by sliding their vertices
 //! along the surface, which itself stays where it is.
 
+use rayon::prelude::*;
+
 use super::surface::Surface;
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::{Disk, Rings};
 
 /// Rounds of sliding at the most.
-const ROUNDS: usize = 30;
+const ROUNDS: usize = 60;
 
 /// Rounds after which boundary vertices have to give way too.
-const PATIENCE: usize = 6;
+const PATIENCE: usize = 8;
 
-/// Turns folded triangles back. Inner vertices slide towards the middle of
-/// their neighbours; boundary vertices go half of the way back to `projected`,
-/// where the surface step put them, if the triangle has no inner vertex or
-/// sliding does not help.
-pub fn unfold(disk: &mut Disk, surface: &Surface, projected: &[Point]) {
-    let rings = Rings::new(&disk.mesh);
-    let mut on_boundary = vec![false; projected.len()];
-    disk.loops().flatten().for_each(|v| on_boundary[v.index()] = true);
-    let inner = |v: &VertexId| !on_boundary[v.index()];
+/// A triangle that was folded is let go when it is at least as upright as one
+/// whose height is a twentieth of its side.
+const UPRIGHT: f64 = 0.05;
+
+/// What of a disk slides.
+struct Sliding<'a> {
+    surface: &'a Surface,
+    rings: Rings,
+    /// For each vertex its neighbours on its boundary loop, if it is on one.
+    beside: Vec<Option<[VertexId; 2]>>,
+    /// The surface's normals at the vertices.
+    normals: Vec<Vector>,
+}
+
+/// What unfolding goes by.
+pub struct Upright<'a> {
+    /// Where the surface step put the vertices.
+    pub projected: Vec<Point>,
+    /// The surface's unit normals there.
+    pub normals: Vec<Vector>,
+    /// Vertices that stay.
+    pub corners: &'a [VertexId],
+}
+
+/// Turns folded triangles back. Inner vertices slide towards the middle of their
+/// neighbours, and boundary vertices along their loop; where that does not help,
+/// boundary vertices go half of the way back to where the surface step put them.
+pub fn unfold(disk: &mut Disk, surface: &Surface, by: Upright) {
+    let projected = by.projected;
+    let mut sliding = Sliding::new(disk, surface, by.normals, by.corners);
+    let mut folded: Vec<u32> = (0..disk.mesh.triangles.len() as u32)
+        .into_par_iter()
+        .filter(|&t| sliding.uprightness(disk, t) <= 0.0)
+        .collect();
     for round in 0..ROUNDS {
-        let folded = folded(disk, surface);
         if folded.is_empty() {
             return;
         }
-        let mut slide: Vec<VertexId> = Vec::new();
-        let mut retreat: Vec<VertexId> = Vec::new();
-        for t in folded {
-            if round >= PATIENCE || !t.iter().any(inner) {
-                retreat.extend(t.iter().filter(|v| !inner(v)));
+        let corners = || folded.iter().flat_map(|&t| disk.mesh.triangles[t as usize]);
+        let around = corners().flat_map(|v| sliding.rings.neighbours(&disk.mesh, v));
+        let inner = |v: &VertexId| sliding.beside[v.index()].is_none();
+        let boundary: Vec<VertexId> = corners().filter(|v| !inner(v)).collect();
+        let inner: Vec<VertexId> = corners().chain(around).filter(inner).collect();
+        if round >= PATIENCE {
+            for &v in &unique(boundary.clone()) {
+                let p = &mut disk.mesh.points[v.index()];
+                *p = nalgebra::center(p, &projected[v.index()]);
             }
-            slide.extend(t.iter().filter(|v| inner(v)));
-            let around = t.iter().flat_map(|&v| rings.neighbours(&disk.mesh, v));
-            slide.extend(around.filter(inner));
         }
-        for v in unique(retreat) {
-            let p = &mut disk.mesh.points[v.index()];
-            *p = nalgebra::center(p, &projected[v.index()]);
-        }
-        slide_all(disk, surface, &rings, &unique(slide));
+        let moving = unique(inner.into_iter().chain(boundary).collect());
+        sliding.slide(disk, &moving);
+        folded = sliding.still_folded(disk, folded, &moving);
     }
 }
 
@@ -51,31 +76,64 @@ fn unique(mut vertices: Vec<VertexId>) -> Vec<VertexId> {
     vertices
 }
 
-/// Triangles that look away from the surface's side at their corners.
-fn folded(disk: &Disk, surface: &Surface) -> Vec<[VertexId; 3]> {
-    let up = |t: &[VertexId; 3]| t.iter().map(|v| surface.scan_normal(*v)).sum::<Vector>();
-    let folded = |t: &&[VertexId; 3]| disk.mesh.area_vector(**t).dot(&up(t)) <= 0.0;
-    disk.mesh.triangles.iter().filter(folded).copied().collect()
-}
+impl<'a> Sliding<'a> {
+    fn new(disk: &Disk, surface: &'a Surface, normals: Vec<Vector>, corners: &[VertexId]) -> Self {
+        let mut beside = vec![None; disk.mesh.points.len()];
+        for ring in disk.loops() {
+            let n = ring.len();
+            for (i, v) in ring.iter().enumerate() {
+                beside[v.index()] = Some([ring[(i + n - 1) % n], ring[(i + 1) % n]]);
+            }
+        }
+        // A corner stays between itself and itself.
+        corners.iter().for_each(|&v| beside[v.index()] = Some([v, v]));
+        Sliding { surface, rings: Rings::new(&disk.mesh), beside, normals }
+    }
 
-/// Moves the vertices half of the way to the middle of their neighbours, and
-/// back onto the surface.
-fn slide_all(disk: &mut Disk, surface: &Surface, rings: &Rings, vertices: &[VertexId]) {
-    let targets: Vec<Point> = vertices
-        .iter()
-        .map(|&v| {
-            let (p, n) = (disk.mesh.point(v), surface.scan_normal(v));
+    /// How far a triangle is from being folded: its area seen along the
+    /// surface's normal, as a share of its sides' squares.
+    fn uprightness(&self, disk: &Disk, t: u32) -> f64 {
+        let t = disk.mesh.triangles[t as usize];
+        let up: Vector = t.iter().map(|v| self.normals[v.index()]).sum();
+        let [a, b, c] = disk.mesh.corners(t);
+        let squares = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
+        disk.mesh.area_vector(t).dot(&up) / (up.norm() * squares).max(f64::MIN_POSITIVE)
+    }
+
+    /// Of the triangles that were folded those that are not upright yet, and
+    /// of those around the vertices that moved the ones that are folded now.
+    fn still_folded(&self, disk: &Disk, folded: Vec<u32>, moved: &[VertexId]) -> Vec<u32> {
+        let lying = folded.into_iter().filter(|&t| self.uprightness(disk, t) < UPRIGHT);
+        let around = moved.iter().flat_map(|&v| self.rings.triangles(v)).copied();
+        let fresh = around.filter(|&t| self.uprightness(disk, t) <= 0.0);
+        let mut all: Vec<u32> = lying.chain(fresh).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    /// Moves the vertices half of the way to the middle of their neighbours, and
+    /// back onto the surface.
+    fn slide(&mut self, disk: &mut Disk, vertices: &[VertexId]) {
+        let target = |&v: &VertexId| {
+            let (p, n) = (disk.mesh.point(v), self.normals[v.index()]);
             let (mut sum, mut count) = (Vector::zeros(), 0.0);
-            for w in rings.neighbours(&disk.mesh, v) {
+            let mut add = |w: VertexId| {
                 sum += disk.mesh.point(w) - p;
                 count += 1.0;
+            };
+            match self.beside[v.index()] {
+                Some(beside) => beside.into_iter().for_each(&mut add),
+                None => self.rings.neighbours(&disk.mesh, v).for_each(&mut add),
             }
             let step = 0.5 * sum / count;
             let target = p + (step - step.dot(&n) * n);
-            surface.project(v, target).map_or(target, |foot| foot.point)
-        })
-        .collect();
-    for (v, p) in vertices.iter().zip(targets) {
-        disk.mesh.points[v.index()] = p;
+            self.surface.project(v, target).map_or((target, n), |foot| (foot.point, foot.normal))
+        };
+        let targets: Vec<(Point, Vector)> = vertices.par_iter().map(target).collect();
+        for (v, (p, n)) in vertices.iter().zip(targets) {
+            disk.mesh.points[v.index()] = p;
+            self.normals[v.index()] = n;
+        }
     }
 }
