@@ -64,9 +64,10 @@ pub(crate) fn disk(scan: &Components, options: &Options) -> Result<(Disk, InputR
 ///
 /// # Errors
 /// There is no such component.
-pub fn inspect(scan: &Components, component: Choice, outer: Outer) -> Result<Inspection> {
+pub fn inspect(scan: Components, component: Choice, outer: Outer) -> Result<Inspection> {
     let chosen = scan.take(component)?;
-    let mut input = InputReport::new(scan, &chosen);
+    let mut input = InputReport::new(&scan, &chosen);
+    drop(scan);
     let mesh = chosen.mesh();
     let rings = if chosen.topology.orientable { chosen.loops() } else { Vec::new() };
     let inspection = Inspection {

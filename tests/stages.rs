@@ -5,7 +5,7 @@ mod common;
 use common::virtual_scan::{VirtualScan, paper_scan, relief_scan, rolled_scan, sheet};
 use formats::Soup;
 use scan2step::geometry::Uv;
-use scan2step::mesh::{Disk, FaceOrigin, Patch};
+use scan2step::mesh::{FaceOrigin, Patch};
 use scan2step::parameterize::Parameterized;
 use scan2step::spline::{KnotVector, Samples};
 use scan2step::{Conversion, Options, Stage, convert, fit};
@@ -13,8 +13,6 @@ use std::sync::LazyLock;
 
 /// What the stages made of a scan.
 struct Run {
-    mesh: Disk,
-    smooth: Disk,
     filled: Patch,
     map: Parameterized,
     conversion: Conversion,
@@ -27,11 +25,9 @@ fn soup(scan: &VirtualScan) -> Soup {
 }
 
 fn run(scan: &VirtualScan, options: &Options) -> Run {
-    let (mut mesh, mut smooth, mut filled, mut map) = (None, None, None, None);
+    let (mut filled, mut map) = (None, None);
     let conversion = convert(&soup(scan), options, &mut |stage| {
         match stage {
-            Stage::Mesh(disk) => mesh = Some(disk.clone()),
-            Stage::Smooth(disk) => smooth = Some(disk.clone()),
             Stage::Fill(patch) => filled = Some(patch.clone()),
             Stage::Parameterize(m) => map = Some(m.clone()),
             _ => {}
@@ -40,8 +36,6 @@ fn run(scan: &VirtualScan, options: &Options) -> Run {
     })
     .expect("a virtual scan converts");
     Run {
-        mesh: mesh.expect("a mesh"),
-        smooth: smooth.expect("a smoothed mesh"),
         filled: filled.expect("a filled mesh"),
         map: map.expect("parameters"),
         conversion,
@@ -69,40 +63,6 @@ fn rms<'a>(
     points: impl Iterator<Item = &'a scan2step::geometry::Point>,
 ) -> f64 {
     scan.rms(points.map(|p| p.coords.into()))
-}
-
-#[test]
-fn smoothing_finds_the_surface_under_the_noise() {
-    for (name, scan, noise, run) in RUNS.iter() {
-        let (raw, smooth) =
-            (rms(scan, run.mesh.mesh.points.iter()), rms(scan, run.smooth.mesh.points.iter()));
-        println!("{name}: rms to the truth, raw {raw:.4}, smoothed {smooth:.4} mm");
-        assert!(smooth < 0.5 * raw, "{name}: {raw} → {smooth}");
-        let found = run.conversion.smooth.noise;
-        assert!((found / noise - 1.0).abs() < 0.2, "{name}: noise {found}, truly {noise}");
-    }
-}
-
-#[test]
-fn smoothing_clears_the_boundary_too() {
-    for (name, scan, _, run) in RUNS.iter() {
-        let boundary = |disk: &Disk| {
-            let all: Vec<_> = disk.loops().flatten().map(|&v| disk.mesh.point(v)).collect();
-            rms(scan, all.iter())
-        };
-        let (raw, smooth) = (boundary(&run.mesh), boundary(&run.smooth));
-        println!("{name}: boundary's rms to the truth, raw {raw:.4}, smoothed {smooth:.4} mm");
-        assert!(smooth < 0.75 * raw, "{name}: {raw} → {smooth}");
-    }
-}
-
-#[test]
-fn a_clean_scan_is_left_alone() {
-    let clean = VirtualScan::new(sheet, [60, 60], 0.0, Vec::new(), 5);
-    let run = run(&clean, &Options::default());
-    assert!(run.conversion.smooth.noise < 0.01, "{:?}", run.conversion.smooth);
-    let after = rms(&clean, run.smooth.mesh.points.iter());
-    assert!(after < 0.01, "{after}");
 }
 
 #[test]

@@ -15,7 +15,7 @@ pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
     let scan = Scan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;
     let (scan, components) = scan.components()?;
-    let found = scan2step::inspect(&components, args.component, outer);
+    let found = scan2step::inspect(components, args.component, outer);
     let found = found.map_err(|e| input::stopped(&scan.path, &e))?;
     let text =
         if args.json { format!("{:#}\n", as_json(&scan, &found)) } else { as_text(&scan, &found) };
