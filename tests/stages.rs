@@ -35,11 +35,7 @@ fn run(scan: &VirtualScan, options: &Options) -> Run {
         Ok(())
     })
     .expect("a virtual scan converts");
-    Run {
-        filled: filled.expect("a filled mesh"),
-        map: map.expect("parameters"),
-        conversion,
-    }
+    Run { filled: filled.expect("a filled mesh"), map: map.expect("parameters"), conversion }
 }
 
 /// The three scans, each converted once: name, scan, noise in mm, stages.

@@ -33,11 +33,12 @@ pub struct Level {
 
 /// The levels for a mesh, from the shortest support to the longest.
 pub fn levels(mesh: &Mesh, rings: &Rings, left_out: &[bool]) -> Vec<Level> {
-    let shortest = SHORTEST * mesh.mean_edge();
+    let edge = mesh.mean_edge();
+    let shortest = SHORTEST * edge;
     let longest = (LONGEST * mesh.diagonal()).max(shortest);
     let mut levels = vec![Level::finest(mesh, rings, left_out, shortest)];
     while let Some(last) = levels.last().filter(|last| last.h * RATIO <= longest) {
-        levels.push(last.next(last.h * RATIO, mesh.mean_edge()));
+        levels.push(last.next(last.h * RATIO, edge));
     }
     levels
 }

@@ -7,6 +7,7 @@ mod clusters;
 mod corners;
 mod curve;
 mod levels;
+mod line;
 mod outliers;
 mod support;
 mod surface;
@@ -30,7 +31,7 @@ pub struct Options {
 /// The support of the MLS weights θ(x) = exp(−x²/h²).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Support {
-    /// Found by leave-one-out cross-validation on the scan.
+    /// Found on the scan: it follows the noise and the curvature.
     #[default]
     Auto,
     /// h in mm.
@@ -71,32 +72,36 @@ pub struct Report {
 
 /// The noise of a scan: the standard deviation of its points along the normal.
 pub fn noise(mesh: &Mesh) -> f64 {
-    let levels = levels::levels(mesh, &Rings::new(mesh), &vec![false; mesh.points.len()]);
-    root_mean_square(support::choose(mesh, &levels).noise.iter().map(|&s| f64::from(s)))
+    Examined::new(mesh).noise()
 }
 
 /// Smooths a disk. Its topology stays as it is.
 pub fn smooth(disk: &Disk, options: &Options) -> (Disk, Report) {
-    let found = find(&disk.mesh, options.support);
-    let mut report = Report { noise: found.noise, outliers: found.outliers, ..Report::default() };
+    let examined = Examined::new(&disk.mesh);
+    let mut report = Report {
+        noise: examined.noise(),
+        outliers: examined.left_out.iter().filter(|out| **out).count(),
+        ..Report::default()
+    };
     let mut out = disk.clone();
-    if options.support == Support::Off {
-        return (out, report);
-    }
-    report.h = found.h;
-    let surface = found.surface;
+    let surface = match options.support {
+        Support::Auto => examined.surface(),
+        Support::Fixed(h) => examined.surface_of(&disk.mesh, h),
+        Support::Off => return (out, report),
+    };
+    report.h = surface.median_support();
     let (projected, normals) = surface.feet(&disk.mesh);
     out.mesh.points.clone_from(&projected);
     for ring in disk.loops() {
         let kept = match &options.corners {
-            Corners::Auto => corners::find(&out.mesh, ring, 2.0 * found.h),
+            Corners::Auto => corners::find(&out.mesh, ring, 2.0 * report.h),
             Corners::None => Vec::new(),
             Corners::At(points) => nearest_positions(disk, ring, points),
         };
         report.corners.extend(kept.iter().map(|&i| ring[i]));
         let line: Vec<Point> = ring.iter().map(|&v| out.mesh.point(v)).collect();
         let normals: Vec<Vector> = ring.iter().map(|&v| normals[v.index()]).collect();
-        let rim = curve::Rim { points: &line, normals: &normals, noise: found.noise };
+        let rim = curve::Rim { points: &line, normals: &normals, noise: report.noise };
         let mut smooth = curve::smooth_loop(&rim, &kept);
         uncross::uncross(&mut smooth, &line, &normals);
         for (&v, &p) in ring.iter().zip(&smooth) {
@@ -115,40 +120,47 @@ pub fn smooth(disk: &Disk, options: &Options) -> (Disk, Report) {
 /// How often outliers are looked for at the most.
 const OUTLIER_ROUNDS: usize = 3;
 
-/// What the scan's own figures say.
-struct Found {
-    surface: Surface,
-    h: f64,
-    noise: f64,
-    outliers: usize,
+/// A scan whose supports, noise and outliers are known.
+struct Examined {
+    rings: Rings,
+    levels: Vec<Level>,
+    choice: support::Choice,
+    /// Which vertices are outliers.
+    left_out: Vec<bool>,
 }
 
-fn find(mesh: &Mesh, asked: Support) -> Found {
-    let rings = Rings::new(mesh);
-    let mut left_out = vec![false; mesh.points.len()];
-    let mut levels = levels::levels(mesh, &rings, &left_out);
-    let mut choice = support::choose(mesh, &levels);
-    // Outliers disturb the choice by which they are found.
-    for _ in 0..OUTLIER_ROUNDS {
-        if !outliers::add(mesh, &rings, &levels, &choice, &mut left_out) {
-            break;
+impl Examined {
+    fn new(mesh: &Mesh) -> Self {
+        let rings = Rings::new(mesh);
+        let mut left_out = vec![false; mesh.points.len()];
+        let mut levels = levels::levels(mesh, &rings, &left_out);
+        let mut choice = support::choose(mesh, &levels);
+        // Outliers disturb the choice by which they are found.
+        for _ in 0..OUTLIER_ROUNDS {
+            if !outliers::add(mesh, &rings, &levels, &choice, &mut left_out) {
+                break;
+            }
+            levels = levels::levels(mesh, &rings, &left_out);
+            choice = support::choose(mesh, &levels);
         }
-        levels = levels::levels(mesh, &rings, &left_out);
-        choice = support::choose(mesh, &levels);
+        Examined { rings, levels, choice, left_out }
     }
-    let finest = levels[0].grain.clone();
-    let surface = match asked {
-        Support::Fixed(h) => {
-            let level = Level::fixed(mesh, &rings, &left_out, h);
-            Surface::new(finest, vec![level], vec![0.0; mesh.points.len()])
-        }
-        _ => Surface::new(finest, levels, choice.place),
-    };
-    let supports = (0..mesh.points.len()).map(|v| surface.support(v));
-    let h = median(supports.collect());
-    let noise = root_mean_square(choice.noise.iter().map(|&s| f64::from(s)));
-    let outliers = left_out.iter().filter(|out| **out).count();
-    Found { surface, h, noise, outliers }
+
+    fn noise(&self) -> f64 {
+        root_mean_square(self.choice.noise.iter().map(|&s| f64::from(s)))
+    }
+
+    /// The surface under the supports that were found.
+    fn surface(self) -> Surface {
+        Surface::new(self.levels[0].grain.clone(), self.levels, self.choice.place)
+    }
+
+    /// The surface under one support.
+    fn surface_of(self, mesh: &Mesh, h: f64) -> Surface {
+        let level = Level::fixed(mesh, &self.rings, &self.left_out, h);
+        let places = vec![0.0; mesh.points.len()];
+        Surface::new(self.levels[0].grain.clone(), vec![level], places)
+    }
 }
 
 fn median(mut values: Vec<f64>) -> f64 {

@@ -11,6 +11,7 @@ use rayon::prelude::*;
 
 use super::clusters::{Gathering, Grain, a_share};
 use super::levels::Level;
+use super::median;
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::Mesh;
 use crate::mesh::mls::Polynomial;
@@ -59,9 +60,13 @@ impl Surface {
         mesh.points.par_iter().enumerate().map(foot).unzip()
     }
 
-    /// The support at a vertex, in mm.
-    pub fn support(&self, v: usize) -> f64 {
-        let (k, share) = self.split(v);
+    /// The median of the vertices' supports, in mm.
+    pub fn median_support(&self) -> f64 {
+        median(self.place.iter().map(|&place| self.support(place)).collect())
+    }
+
+    fn support(&self, place: f32) -> f64 {
+        let (k, share) = split(place);
         let above = self.levels.get(k + 1).map_or(1.0, |above| above.h / self.levels[k].h);
         self.levels[k].h * above.powf(share)
     }
@@ -74,7 +79,7 @@ impl Surface {
     /// Projects `p`, which lies near vertex `v`. `None` where too few points
     /// are near.
     pub fn project(&self, v: VertexId, p: Point) -> Option<Foot> {
-        let (k, share) = self.split(v.index());
+        let (k, share) = split(self.place[v.index()]);
         let low = self.project_on(k, v, p);
         if share == 0.0 {
             return low;
@@ -86,12 +91,6 @@ impl Surface {
             }),
             (low, high) => low.or(high),
         }
-    }
-
-    /// A vertex's level, and its share of the next one.
-    fn split(&self, v: usize) -> (usize, f64) {
-        let place = f64::from(self.place[v]);
-        (place as usize, place.fract())
     }
 
     fn project_on(&self, k: usize, v: VertexId, p: Point) -> Option<Foot> {
@@ -110,6 +109,11 @@ impl Surface {
         }
         (weight > 0.0).then(|| Foot { point: p + point / weight, normal: normal.normalize() })
     }
+}
+
+/// A level, and the share of the next one.
+fn split(place: f32) -> (usize, f64) {
+    (place as usize, f64::from(place.fract()))
 }
 
 impl Fits {

@@ -1,0 +1,233 @@
+//! Moving least squares: what surface the points around a place lie on
+//! (Tekumalla & Cohen 2005, "MLS Projection Procedure").
+//!
+//! Two steps. The reference plane through q = r + t n minimises
+//! Σ ⟨n, pᵢ − r − t n⟩² θ(‖pᵢ − r − t n‖) over n and t, a non-linear problem
+//! since the weights move with the plane; then a polynomial (the paper's is
+//! bi-quadratic, this one has all terms up to the fourth degree) is
+//! fitted over that plane with weights θ(‖pᵢ − q‖). The projection of r is the
+//! polynomial's value at q. θ(x) = exp(−x²/h²).
+
+mod plane;
+mod polynomial;
+
+pub use plane::{Plane, reference_plane};
+pub use polynomial::Polynomial;
+
+use nalgebra::Matrix3;
+
+use super::{Mesh, Neighbours, Rings};
+use crate::geometry::{Point, Vector, VertexId};
+
+/// Beyond this many h the weight is below 0.7% and the point is left out.
+pub const REACH: f64 = 2.25;
+
+/// Points with normals, ready for projections onto the surface they sample.
+#[derive(Debug)]
+pub struct Cloud {
+    points: Vec<Point>,
+    normals: Vec<Vector>,
+    near: Neighbours,
+}
+
+/// The foot of a projection.
+#[derive(Debug, Clone, Copy)]
+pub struct Projection {
+    /// The point on the local polynomial.
+    pub point: Point,
+    /// The local polynomial's unit normal there.
+    pub normal: Vector,
+}
+
+/// A point that takes part in a fit, or several that are taken as one.
+#[derive(Debug, Clone, Copy)]
+pub struct Sample {
+    /// Where it is; of several the mean.
+    pub at: Point,
+    /// How many points it stands for.
+    pub weight: f64,
+    /// The covariance of these, xx, yy, zz, xy, yz, zx, by which a fit to their
+    /// mean stays as exact as one to each of them.
+    pub spread: [f32; 6],
+}
+
+impl From<Point> for Sample {
+    fn from(at: Point) -> Self {
+        Sample { at, weight: 1.0, spread: [0.0; 6] }
+    }
+}
+
+impl Sample {
+    /// Several samples as one. Where none has any weight it is at the first's
+    /// place.
+    pub fn merged(samples: impl Iterator<Item = Sample> + Clone) -> Sample {
+        let first = samples.clone().next().map_or(Point::origin(), |s| s.at);
+        let (mut weight, mut sum, mut squares) = (0.0, Vector::zeros(), Matrix3::zeros());
+        for s in samples.filter(|s| s.weight > 0.0) {
+            let d = s.at - first;
+            weight += s.weight;
+            sum += s.weight * d;
+            squares += s.weight * (s.covariance() + d * d.transpose());
+        }
+        if weight == 0.0 {
+            return Sample { at: first, weight, spread: [0.0; 6] };
+        }
+        let mean = sum / weight;
+        let c = squares / weight - mean * mean.transpose();
+        let spread = [c.m11, c.m22, c.m33, c.m12, c.m23, c.m31].map(|x| x as f32);
+        Sample { at: first + mean, weight, spread }
+    }
+
+    fn covariance(&self) -> Matrix3<f64> {
+        let [xx, yy, zz, xy, yz, zx] = self.spread.map(f64::from);
+        Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz)
+    }
+}
+
+/// Room for the neighbourhood of one projection, kept between calls.
+#[derive(Debug, Default)]
+pub struct Scratch {
+    found: Vec<u32>,
+    around: Vec<Sample>,
+}
+
+impl Cloud {
+    /// A cloud of points with (roughly) known unit normals.
+    pub fn new(points: Vec<Point>, normals: Vec<Vector>) -> Self {
+        let near = Neighbours::new(&points);
+        Cloud { points, normals, near }
+    }
+
+    /// The cloud of a mesh's vertices.
+    pub fn of(mesh: &Mesh) -> Self {
+        Cloud::new(mesh.points.clone(), steady_normals(mesh))
+    }
+
+    /// The unit normal of the cloud's `i`-th point.
+    pub fn normal(&self, i: usize) -> Vector {
+        self.normals[i]
+    }
+
+    /// Projects `r` along about `normal` with support `h`. Points whose normal
+    /// looks the other way lie on another sheet and are left out. `None` where
+    /// too few points are near.
+    pub fn project(
+        &self,
+        r: Point,
+        normal: Vector,
+        h: f64,
+        scratch: &mut Scratch,
+    ) -> Option<Projection> {
+        self.gather(r, normal, h, scratch);
+        let plane = reference_plane(r, normal, &scratch.around, h)?;
+        let polynomial = Polynomial::fit(&plane, &scratch.around, h)?;
+        let (point, normal) = polynomial.at(plane.origin);
+        Some(Projection { point, normal })
+    }
+
+    /// The reference plane at `r` alone.
+    pub fn plane(&self, r: Point, normal: Vector, h: f64, scratch: &mut Scratch) -> Option<Plane> {
+        self.gather(r, normal, h, scratch);
+        reference_plane(r, normal, &scratch.around, h)
+    }
+
+    /// The distance from `p` to the nearest point of the cloud.
+    pub fn nearest_distance(&self, p: Point) -> f64 {
+        (self.points[self.near.nearest(p)] - p).norm()
+    }
+
+    /// The points within `radius` of any of `places`, ascending.
+    pub fn around(&self, places: impl Iterator<Item = Point>, radius: f64) -> Vec<VertexId> {
+        let mut found = Vec::new();
+        let mut all: Vec<u32> = Vec::new();
+        for place in places {
+            self.near.within(place, radius, &mut found);
+            all.extend(&found);
+        }
+        all.sort_unstable();
+        all.dedup();
+        all.into_iter().map(VertexId).collect()
+    }
+
+    fn gather(&self, r: Point, normal: Vector, h: f64, scratch: &mut Scratch) {
+        self.near.within(r, REACH * h, &mut scratch.found);
+        let same_sheet = |&&i: &&u32| self.normals[i as usize].dot(&normal) > 0.0;
+        scratch.around.clear();
+        let found = scratch.found.iter().filter(same_sheet);
+        scratch.around.extend(found.map(|&i| Sample::from(self.points[i as usize])));
+    }
+}
+
+/// Vertex normals, averaged over two rings so that noise near the point
+/// spacing does not turn them around.
+pub fn steady_normals(mesh: &Mesh) -> Vec<Vector> {
+    let rings = Rings::new(mesh);
+    let mut normals = mesh.vertex_normals();
+    for _ in 0..2 {
+        let mean = |i: usize| {
+            let around = rings.neighbours(mesh, VertexId::from(i)).map(|v| normals[v.index()]);
+            let sum = around.fold(normals[i], |sum, n| sum + n);
+            sum.try_normalize(1e-12).unwrap_or(normals[i])
+        };
+        normals = (0..normals.len()).map(mean).collect();
+    }
+    normals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::plane::energy;
+    use super::*;
+    use crate::geometry::plane_axes;
+
+    /// A grid of points on z = f(x, y), 21 × 21 over [-1, 1]².
+    fn sheet(f: impl Fn(f64, f64) -> f64) -> Cloud {
+        let at = |i: i32| f64::from(i) / 10.0;
+        let grid = (-10..=10).flat_map(|i| (-10..=10).map(move |j| (at(i), at(j))));
+        let points: Vec<Point> = grid.map(|(x, y)| Point::new(x, y, f(x, y))).collect();
+        let normals = vec![Vector::z(); points.len()];
+        Cloud::new(points, normals)
+    }
+
+    #[test]
+    fn a_quadric_in_its_own_frame_is_reproduced() {
+        let cloud = sheet(|x, y| 0.3 * x * x - 0.2 * y * y);
+        let r = Point::new(0.0, 0.0, 0.02);
+        let foot = cloud.project(r, Vector::z(), 0.3, &mut Scratch::default()).unwrap();
+        assert!(foot.point.coords.norm() < 1e-6, "{foot:?}");
+        assert!((foot.normal - Vector::z()).norm() < 1e-6);
+    }
+
+    #[test]
+    fn the_plane_is_a_stationary_point_of_the_energy() {
+        let cloud = sheet(|x, y| 0.3 * (2.0 * x).sin() + 0.2 * x * y);
+        let r = Point::new(0.2, -0.1, 0.15);
+        let mut scratch = Scratch::default();
+        let h = 0.35;
+        let plane = cloud.plane(r, Vector::z(), h, &mut scratch).unwrap();
+        let t = (plane.origin - r).dot(&plane.normal);
+        let (x, y) = plane_axes(plane.normal);
+        let value = |dt: f64, a: f64, b: f64| {
+            let n = (plane.normal + a * x + b * y).normalize();
+            energy(r, n, t + dt, &scratch.around, h).value
+        };
+        let least = value(0.0, 0.0, 0.0);
+        for step in [1e-3, -1e-3] {
+            assert!(least <= value(step, 0.0, 0.0) + 1e-12);
+            assert!(least <= value(0.0, step, 0.0) + 1e-12);
+            assert!(least <= value(0.0, 0.0, step) + 1e-12);
+        }
+    }
+
+    #[test]
+    fn the_other_side_of_a_thin_wall_is_not_seen() {
+        let mut points = sheet(|_, _| 0.0).points;
+        let mut normals = vec![Vector::z(); points.len()];
+        points.extend(sheet(|_, _| -0.05).points);
+        normals.extend(vec![-Vector::z(); points.len() - normals.len()]);
+        let cloud = Cloud::new(points, normals);
+        let r = Point::new(0.1, 0.1, 0.01);
+        let foot = cloud.project(r, Vector::z(), 0.3, &mut Scratch::default()).unwrap();
+        assert!(foot.point.z.abs() < 1e-9);
+    }
+}

@@ -1,0 +1,84 @@
+//! The reference plane of an MLS projection.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::Sample;
+use crate::geometry::{Point, Vector, plane_axes};
+
+/// A plane with a frame.
+#[derive(Debug, Clone, Copy)]
+pub struct Plane {
+    /// The foot of r on the plane.
+    pub origin: Point,
+    /// Unit normal.
+    pub normal: Vector,
+}
+
+/// Value, half gradient and Gauss–Newton matrix of the plane's energy in the
+/// unknowns (t, tilt towards x, tilt towards y).
+pub(super) struct Energy {
+    pub(super) value: f64,
+    gradient: Vector3<f64>,
+    matrix: Matrix3<f64>,
+}
+
+pub(super) fn energy(r: Point, n: Vector, t: f64, around: &[Sample], h: f64) -> Energy {
+    let (x, y) = plane_axes(n);
+    let inverse = 1.0 / (h * h);
+    let mut e = Energy { value: 0.0, gradient: Vector3::zeros(), matrix: Matrix3::zeros() };
+    for p in around {
+        let d = p.at - r;
+        let height = d.dot(&n);
+        let s = height - t;
+        let weight = p.weight * (-(d.norm_squared() - 2.0 * t * height + t * t) * inverse).exp();
+        let side = Vector3::new(-1.0, d.dot(&x), d.dot(&y));
+        // The second terms are those of the moving weights.
+        let by_t = s - s * s * s * inverse;
+        let by_tilt = s + s * s * t * inverse;
+        e.value += weight * s * s;
+        e.gradient += weight * Vector3::new(-by_t, by_tilt * side.y, by_tilt * side.z);
+        e.matrix += weight * side * side.transpose();
+    }
+    e
+}
+
+/// The plane is settled when a step moves it by less than this share of h, and
+/// turns it by less than this.
+const SETTLED: f64 = 1e-3;
+
+/// The plane of the non-linear minimisation, by Gauss–Newton with the exact
+/// gradient from (n, t) = (`normal`, 0), each step shortened until the energy
+/// falls. The energy also falls towards infinity, where the weights vanish, so
+/// t stays within h.
+pub fn reference_plane(r: Point, normal: Vector, around: &[Sample], h: f64) -> Option<Plane> {
+    if around.len() < 3 || normal.norm_squared() < 0.5 {
+        return None;
+    }
+    let (mut n, mut t) = (normal, 0.0);
+    let mut at = energy(r, n, t, around, h);
+    for _ in 0..20 {
+        let damped = at.matrix + Matrix3::identity() * (1e-12 * at.matrix.trace());
+        let step = -damped.cholesky()?.solve(&at.gradient);
+        let (x, y) = plane_axes(n);
+        let mut share = 1.0;
+        let accepted = loop {
+            let t2 = (t + share * step.x).clamp(-h, h);
+            let n2 = (n + share * (step.y * x + step.z * y)).normalize();
+            let next = energy(r, n2, t2, around, h);
+            if next.value <= at.value {
+                break Some((n2, t2, next));
+            }
+            share *= 0.5;
+            if share < 1e-3 {
+                break None;
+            }
+        };
+        let Some((n2, t2, next)) = accepted else { break };
+        let still = (t2 - t).abs() < SETTLED * h && (n2 - n).norm() < SETTLED;
+        (n, t, at) = (n2, t2, next);
+        if still {
+            break;
+        }
+    }
+    Some(Plane { origin: r + t * n, normal: n })
+}

@@ -1,0 +1,202 @@
+//! The polynomial over a reference plane.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::{Plane, Sample};
+use crate::geometry::{Point, Vector, plane_axes};
+
+/// A polynomial over a plane, around its origin.
+#[derive(Debug, Clone, Copy)]
+pub struct Polynomial {
+    plane: Plane,
+    axes: (Vector, Vector),
+    /// Of the monomials in units of h, in their order.
+    coefficients: [f64; ALL],
+    h: f64,
+    /// The variance of its value at the origin, where the points' variance is 1.
+    pub variance: f64,
+}
+
+/// The number of monomials up to the fourth degree.
+const ALL: usize = 15;
+
+/// The monomials, as means over a sample's points: the first 3 are linear, the
+/// first 6 quadratic, the first 10 cubic, all 15 quartic. `spread` is the
+/// covariance xx, xy, yy; moments of higher order are a normal distribution's.
+fn monomials(x: f64, y: f64, [xx, xy, yy]: [f64; 3]) -> [f64; ALL] {
+    let (x2, y2) = (x * x, y * y);
+    [
+        1.0,
+        x,
+        y,
+        x2 + xx,
+        x * y + xy,
+        y2 + yy,
+        x * (x2 + 3.0 * xx),
+        x2 * y + xx * y + 2.0 * x * xy,
+        x * y2 + yy * x + 2.0 * y * xy,
+        y * (y2 + 3.0 * yy),
+        x2 * (x2 + 6.0 * xx) + 3.0 * xx * xx,
+        x2 * x * y + 3.0 * (x2 * xy + x * y * xx + xx * xy),
+        x2 * y2 + xx * y2 + yy * x2 + 4.0 * x * y * xy + xx * yy + 2.0 * xy * xy,
+        x * y2 * y + 3.0 * (y2 * xy + x * y * yy + yy * xy),
+        y2 * (y2 + 6.0 * yy) + 3.0 * yy * yy,
+    ]
+}
+
+impl Polynomial {
+    /// The polynomial of highest degree that the points determine: of total
+    /// degree four, which has the bi-quadratic ones among it, else three, two or
+    /// one. One is determined when its
+    /// value at the origin is steadier than a single point. Where the points lie
+    /// to one side, as at a boundary, the fourth degree would swing freely.
+    pub fn fit(plane: &Plane, around: &[Sample], h: f64) -> Option<Polynomial> {
+        Some(Self::fitted(plane, around, h, false)?.0)
+    }
+
+    /// The same with its scatter: the mean square of the points' distances from
+    /// it along the normal, as free of the fit's own freedom as of the weights.
+    /// It estimates the noise's variance.
+    pub fn fit_with_scatter(plane: &Plane, around: &[Sample], h: f64) -> Option<(Polynomial, f64)> {
+        Self::fitted(plane, around, h, true)
+    }
+
+    fn fitted(
+        plane: &Plane,
+        around: &[Sample],
+        h: f64,
+        with_scatter: bool,
+    ) -> Option<(Polynomial, f64)> {
+        let axes = plane_axes(plane.normal);
+        let rows: Vec<Row> = around.iter().map(|p| Row::new(p, plane, axes, h)).collect();
+        let full = if is_one_sided(&rows) { None } else { solve::<15>(&rows, with_scatter) };
+        let (coefficients, variance, scatter) = full
+            .or_else(|| solve::<10>(&rows, with_scatter))
+            .or_else(|| solve::<6>(&rows, with_scatter))
+            .or_else(|| solve::<3>(&rows, with_scatter))?;
+        let polynomial = Polynomial { plane: *plane, axes, coefficients, h, variance };
+        Some((polynomial, scatter * h * h))
+    }
+
+    /// The point of the polynomial that lies off `p` along the plane's normal,
+    /// and the unit normal there.
+    pub fn at(&self, p: Point) -> (Point, Vector) {
+        let n = self.plane.normal;
+        let (e1, e2) = self.axes;
+        let d = (p - self.plane.origin) / self.h;
+        let (x, y) = (d.dot(&e1), d.dot(&e2));
+        let c = &self.coefficients;
+        let row = monomials(x, y, [0.0; 3]);
+        let height: f64 = row.iter().zip(c).map(|(m, c)| m * c).sum();
+        let (x2, xy, y2) = (x * x, x * y, y * y);
+        let by_x = [
+            1.0,
+            2.0 * x,
+            y,
+            3.0 * x2,
+            2.0 * xy,
+            y2,
+            4.0 * x * x2,
+            3.0 * x * xy,
+            2.0 * x * y2,
+            y * y2,
+        ];
+        let by_y = [
+            1.0,
+            x,
+            2.0 * y,
+            x2,
+            2.0 * xy,
+            3.0 * y2,
+            x * x2,
+            2.0 * x2 * y,
+            3.0 * xy * y,
+            4.0 * y * y2,
+        ];
+        let sum = |terms: [f64; 10], which: [usize; 10]| -> f64 {
+            terms.iter().zip(which).map(|(t, k)| t * c[k]).sum()
+        };
+        let dx = sum(by_x, [1, 3, 4, 6, 7, 8, 10, 11, 12, 13]);
+        let dy = sum(by_y, [2, 4, 5, 7, 8, 9, 11, 12, 13, 14]);
+        let foot = p + self.h * (height - d.dot(&n)) * n;
+        (foot, (n - dx * e1 - dy * e2).normalize())
+    }
+}
+
+/// A sample in the plane's frame, in units of h.
+struct Row {
+    monomials: [f64; ALL],
+    height: f64,
+    weight: f64,
+    count: f64,
+}
+
+impl Row {
+    fn new(p: &Sample, plane: &Plane, (e1, e2): (Vector, Vector), h: f64) -> Self {
+        let d = (p.at - plane.origin) / h;
+        let spread = p.covariance() / (h * h);
+        let (s1, s2) = (spread * e1, spread * e2);
+        let spread = [s1.dot(&e1), s1.dot(&e2), s2.dot(&e2)];
+        Row {
+            monomials: monomials(d.dot(&e1), d.dot(&e2), spread),
+            height: d.dot(&plane.normal),
+            weight: p.weight * (-d.norm_squared()).exp(),
+            count: p.weight,
+        }
+    }
+}
+
+/// Whether the points' mean is farther from the origin than a fifth of h.
+fn is_one_sided(rows: &[Row]) -> bool {
+    let sum = |k: usize| rows.iter().map(|row| row.weight * row.monomials[k]).sum::<f64>();
+    sum(1).hypot(sum(2)) > 0.2 * sum(0)
+}
+
+/// A fit: its coefficients, its variance at the origin, and its scatter in units
+/// of h, if that is wanted.
+type Fitted = ([f64; ALL], f64, f64);
+
+/// The weighted least-squares fit of the first N monomials.
+fn solve<const N: usize>(rows: &[Row], with_scatter: bool) -> Option<Fitted>
+where
+    nalgebra::Const<N>: nalgebra::DimName,
+{
+    if rows.len() < N {
+        return None;
+    }
+    let first = |row: &Row| SVector::<f64, N>::from_fn(|i, _| row.monomials[i]);
+    let mut gram = SMatrix::<f64, N, N>::zeros();
+    let mut right = SVector::<f64, N>::zeros();
+    for row in rows {
+        let b = first(row);
+        let weighted = row.weight * b;
+        for j in 0..N {
+            gram.column_mut(j).axpy(b[j], &weighted, 1.0);
+        }
+        right.axpy(row.height, &weighted, 1.0);
+    }
+    let damp = 1e-10 * gram.trace();
+    gram += SMatrix::<f64, N, N>::identity() * damp;
+    let factor = gram.cholesky()?;
+    let c = factor.solve(&right);
+    let at_origin = factor.solve(&SVector::<f64, N>::from_fn(|i, _| f64::from(i == 0)));
+    // A mean of several points has less noise by their number.
+    let noise = |row: &Row| row.weight * row.weight / row.count;
+    let variance: f64 = rows.iter().map(|r| noise(r) * first(r).dot(&at_origin).powi(2)).sum();
+    if variance.is_nan() || variance > 1.0 {
+        return None;
+    }
+    let mut scatter = f64::NAN;
+    if with_scatter {
+        // Σ w r² has the expectation σ² (Σ w/count − Σ w²/count bᵀ G⁻¹ b).
+        let square = |r: &Row| r.weight * (r.height - first(r).dot(&c)).powi(2);
+        let free = |r: &Row| {
+            let b = first(r);
+            r.weight / r.count - noise(r) * b.dot(&factor.solve(&b))
+        };
+        let total: f64 = rows.iter().map(|r| r.weight / r.count).sum();
+        let freedom: f64 = rows.iter().map(free).sum();
+        scatter = rows.iter().map(square).sum::<f64>() / freedom.max(1e-3 * total);
+    }
+    Some((std::array::from_fn(|i| if i < N { c[i] } else { 0.0 }), variance, scatter))
+}

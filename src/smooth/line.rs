@@ -1,0 +1,128 @@
+//! The reference line of an MLS curve and the quadratic over it (section 3.1).
+
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+
+use crate::geometry::{Point, Vector, plane_axes};
+
+/// A line through the points around a place.
+pub struct Line {
+    /// A point of it.
+    pub origin: Point,
+    /// Its unit direction.
+    pub along: Vector,
+}
+
+/// Value, half gradient and Gauss–Newton matrices of the line's energy. The
+/// unknowns are, for each of the two directions across the line, the shift of
+/// q and the tilt of u.
+struct Energy {
+    value: f64,
+    gradient: [Vector2<f64>; 2],
+    matrix: Matrix2<f64>,
+}
+
+fn energy(r: Point, q: Point, u: Vector, around: &[Point], h: f64) -> Energy {
+    let (e1, e2) = plane_axes(u);
+    let inverse = 1.0 / (h * h);
+    let shift = q - r;
+    let mut e = Energy { value: 0.0, gradient: [Vector2::zeros(); 2], matrix: Matrix2::zeros() };
+    let mut pull_along = 0.0;
+    for p in around {
+        let d = p - q;
+        let s = d.dot(&u);
+        let across = Vector2::new(d.dot(&e1), d.dot(&e2));
+        let far = across.norm_squared();
+        let weight = (-d.norm_squared() * inverse).exp();
+        e.value += weight * far;
+        // The parts with `inverse` are those of the moving weights.
+        let moving = weight * far * inverse;
+        pull_along += moving * s;
+        for k in 0..2 {
+            e.gradient[k].x += (moving - weight) * across[k];
+            e.gradient[k].y -= weight * s * across[k];
+        }
+        e.matrix += weight * Matrix2::new(1.0, s, s, s * s);
+    }
+    // Tilting u by δ moves q, which stays on the plane through r across u, by
+    // −⟨q − r, δ⟩ u.
+    for (k, axis) in [e1, e2].iter().enumerate() {
+        e.gradient[k].y -= shift.dot(axis) * pull_along;
+    }
+    e
+}
+
+/// The line of the non-linear minimisation, by Gauss–Newton with the exact
+/// gradient, each step shortened until the energy falls.
+pub fn reference_line(r: Point, around: &[Point], h: f64) -> Option<Line> {
+    if around.len() < 4 {
+        return None;
+    }
+    let mut u = principal_direction(r, around, h);
+    let mut q = r;
+    let mut at = energy(r, q, u, around, h);
+    for _ in 0..20 {
+        let damped = at.matrix + Matrix2::identity() * (1e-12 * at.matrix.trace());
+        let factor = damped.cholesky()?;
+        let steps = at.gradient.map(|g| -factor.solve(&g));
+        let (e1, e2) = plane_axes(u);
+        let mut share = 1.0;
+        let accepted = loop {
+            let tilt = share * (steps[0].y * e1 + steps[1].y * e2);
+            let u2 = (u + tilt).normalize();
+            let moved = q - r + share * (steps[0].x * e1 + steps[1].x * e2);
+            let limited = moved.cap_magnitude(h);
+            let q2 = r + (limited - limited.dot(&u2) * u2);
+            let next = energy(r, q2, u2, around, h);
+            if next.value <= at.value {
+                break Some((q2, u2, next));
+            }
+            share *= 0.5;
+            if share < 1e-3 {
+                break None;
+            }
+        };
+        let Some((q2, u2, next)) = accepted else { break };
+        let still = (q2 - q).norm() < 1e-5 * h && (u2 - u).norm() < 1e-5;
+        (q, u, at) = (q2, u2, next);
+        if still {
+            break;
+        }
+    }
+    Some(Line { origin: q, along: u })
+}
+
+fn principal_direction(r: Point, around: &[Point], h: f64) -> Vector {
+    let weight = |p: &Point| (-(p - r).norm_squared() / (h * h)).exp();
+    let total: f64 = around.iter().map(weight).sum();
+    let mean = around.iter().fold(Vector::zeros(), |sum, p| sum + weight(p) * (p - r)) / total;
+    let mut spread = Matrix3::zeros();
+    for p in around {
+        let d = p - r - mean;
+        spread += weight(p) * d * d.transpose();
+    }
+    let eigen = spread.symmetric_eigen();
+    let largest = eigen.eigenvalues.imax();
+    eigen.eigenvectors.column(largest).into_owned()
+}
+
+/// The value at u = 0 of the weighted quadratics v(u) and w(u), and its
+/// leverage for a point at the origin.
+pub fn quadratic(line: &Line, around: &[Point], h: f64) -> Option<(Point, f64)> {
+    let (e1, e2) = plane_axes(line.along);
+    let mut gram = Matrix3::zeros();
+    let mut right = [Vector3::zeros(); 2];
+    for p in around {
+        let d = (p - line.origin) / h;
+        let u = d.dot(&line.along);
+        let basis = Vector3::new(1.0, u, u * u);
+        let weight = (-d.norm_squared()).exp();
+        gram += weight * basis * basis.transpose();
+        right[0] += weight * d.dot(&e1) * basis;
+        right[1] += weight * d.dot(&e2) * basis;
+    }
+    gram += Matrix3::identity() * (1e-10 * gram.trace());
+    let factor = gram.cholesky()?;
+    let across = right.map(|b| factor.solve(&b).x * h);
+    let leverage = factor.solve(&Vector3::x()).x;
+    Some((line.origin + across[0] * e1 + across[1] * e2, leverage))
+}
