@@ -7,7 +7,7 @@ MeshLab (pymeshlab).
 
 Prints Markdown tables. The scan, of a million points and two million triangles,
 is written to FOLDER (target/peers if not given) the first time. PROGRAM is an
-examples/measure_read that is built already. Needs Linux.
+examples/measure that is built already. Needs Linux.
 
 Every task runs in a process of its own, N times (3 if not given), and each
 figure is the least of its runs. CPU seconds are user and system time of all
@@ -68,10 +68,10 @@ def scans(folder):
 
 
 def build():
-    cargo = ["cargo", "build", "--release", "--example", "measure_read", "--message-format", "json"]
+    cargo = ["cargo", "build", "--release", "--example", "measure", "--message-format", "json"]
     done = subprocess.run(cargo, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)
     built = [json.loads(line) for line in done.stdout.splitlines()]
-    ours = [b for b in built if b.get("target", {}).get("name") == "measure_read"]
+    ours = [b for b in built if b.get("target", {}).get("name") == "measure"]
     return ours[0]["executable"]
 
 

@@ -1,0 +1,148 @@
+//! Measures the stages up to smoothing: `benches/peers/read.py` and
+//! `benches/smoothing.py` set the figures beside those of other programs and
+//! beside the truth.
+//!
+//! cargo run --release --example measure -- FILE [--mesh | --smooth OUT.ply]
+//!
+//! Prints one line of JSON. `--smooth` writes the smoothed mesh, and beside it
+//! `OUT.loops.json`, its boundary loops. Needs Linux: times are CPU seconds of all
+//! threads and the peak is the process's, both from /proc.
+
+use std::error::Error;
+use std::fs;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use scan2step::mesh::{self, Choice, Components, Disk, EdgeMap, Outer};
+use scan2step::smooth;
+use serde_json::{Map, json};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let args: Vec<&str> = args.iter().map(String::as_str).collect();
+    let steps = Steps { cpu_s: Map::new(), begun: cpu_s()? };
+    match args[..] {
+        // What the process costs without any work.
+        [] => println!("{}", json!({ "peak_rss_mb": rounded(peak_rss_mb()?) })),
+        [file] => read(file, steps)?,
+        [file, "--mesh"] => mesh(file, steps)?,
+        [file, "--smooth", out] => smooth(file, out, steps)?,
+        _ => return Err("FILE [--mesh | --smooth OUT.ply]".into()),
+    }
+    Ok(())
+}
+
+fn read(file: &str, mut steps: Steps) -> Result<(), Box<dyn Error>> {
+    let soup = formats::read_scan(Path::new(file))?;
+    steps.end("read")?;
+    let (vertices, triangles) = (soup.points.len(), soup.polygons.len());
+    steps.print(json!({ "task": "read", "vertices": vertices, "triangles": triangles }))
+}
+
+fn mesh(file: &str, mut steps: Steps) -> Result<(), Box<dyn Error>> {
+    let soup = formats::read_scan(Path::new(file))?;
+    steps.end("read")?;
+    let build = mesh::from_soup(&soup, 1.0)?;
+    drop(soup);
+    steps.end("mesh")?;
+    let (vertices, triangles) = (build.mesh.points.len(), build.mesh.triangles.len());
+    let loops = mesh::boundary::boundary_loops(&build.mesh, &EdgeMap::new(&build.mesh)).len();
+    steps.end("loops")?;
+    let components = Components::new(build);
+    steps.end("components")?;
+    steps.print(json!({
+        "task": "mesh", "vertices": vertices, "triangles": triangles,
+        "components": components.count(), "loops": loops, "manifold": true,
+        "repairs": components.repairs(),
+    }))
+}
+
+fn smooth(file: &str, out: &str, mut steps: Steps) -> Result<(), Box<dyn Error>> {
+    let soup = formats::read_scan(Path::new(file))?;
+    let scan = Components::new(mesh::from_soup(&soup, 1.0)?);
+    drop(soup);
+    let mut repairs = scan.repairs().clone();
+    let disk = scan.take(Choice::Largest)?.into_disk(Outer::Longest, &mut repairs)?;
+    drop(scan);
+    steps.end("mesh")?;
+    let (smoothed, report) = smooth::smooth(&disk, &smooth::Options::default());
+    steps.end("smooth")?;
+    write_ply(&smoothed, out)?;
+    let loops: Vec<Vec<u32>> =
+        smoothed.loops().map(|ring| ring.iter().map(|v| v.0).collect()).collect();
+    fs::write(Path::new(out).with_extension("loops.json"), json!(loops).to_string())?;
+    steps.print(json!({
+        "task": "smooth", "vertices": disk.mesh.points.len(), "h_mm": report.h,
+        "noise_mm": report.noise, "moved_rms_mm": report.moved_rms,
+        "outliers": report.outliers, "repairs": repairs,
+    }))
+}
+
+/// Binary PLY: doubles and ints.
+fn write_ply(disk: &Disk, out: &str) -> Result<(), Box<dyn Error>> {
+    let mut file = BufWriter::new(fs::File::create(out)?);
+    let (points, triangles) = (&disk.mesh.points, &disk.mesh.triangles);
+    write!(
+        file,
+        "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\n\
+         property double y\nproperty double z\nelement face {}\n\
+         property list uchar int vertex_indices\nend_header\n",
+        points.len(),
+        triangles.len()
+    )?;
+    for x in points.iter().flat_map(|p| p.iter()) {
+        file.write_all(&x.to_le_bytes())?;
+    }
+    for t in triangles {
+        file.write_all(&[3])?;
+        for v in t {
+            file.write_all(&v.0.to_le_bytes())?;
+        }
+    }
+    Ok(file.flush()?)
+}
+
+/// What each step took, in CPU seconds.
+struct Steps {
+    cpu_s: Map<String, serde_json::Value>,
+    begun: f64,
+}
+
+impl Steps {
+    fn end(&mut self, step: &str) -> Result<(), Box<dyn Error>> {
+        let now = cpu_s()?;
+        self.cpu_s.insert(step.into(), rounded(now - self.begun));
+        self.begun = now;
+        Ok(())
+    }
+
+    fn print(mut self, mut told: serde_json::Value) -> Result<(), Box<dyn Error>> {
+        let total = self.cpu_s.values().filter_map(serde_json::Value::as_f64).sum();
+        self.cpu_s.insert("total".into(), rounded(total));
+        told["cpu_s"] = self.cpu_s.into();
+        told["peak_rss_mb"] = rounded(peak_rss_mb()?);
+        println!("{told}");
+        Ok(())
+    }
+}
+
+fn rounded(x: f64) -> serde_json::Value {
+    json!((x * 1e3).round() / 1e3)
+}
+
+/// CPU seconds of all threads so far.
+fn cpu_s() -> Result<f64, Box<dyn Error>> {
+    let mut ns = 0.0;
+    for task in fs::read_dir("/proc/self/task")? {
+        let stat = fs::read_to_string(task?.path().join("schedstat"))?;
+        ns += stat.split(' ').next().unwrap_or_default().parse::<f64>()?;
+    }
+    Ok(ns / 1e9)
+}
+
+/// The process's peak resident memory so far, in MB (10⁶ bytes).
+fn peak_rss_mb() -> Result<f64, Box<dyn Error>> {
+    let status = fs::read_to_string("/proc/self/status")?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:")).ok_or("no VmHWM")?;
+    Ok(line.trim().trim_end_matches("kB").trim().parse::<f64>()? * 1024.0 / 1e6)
+}
