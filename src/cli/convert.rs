@@ -12,7 +12,7 @@ use super::args::{CadFile, CadKind, Component, Convert, Fit, Iges, Schema};
 use super::input::{self, Scan};
 use super::output::{self, Pending};
 use super::places::Corners;
-use super::progress::Progress;
+use super::progress::{Progress, mm};
 use super::report;
 use super::stages::Stages;
 use super::{Failure, Outcome};
@@ -262,16 +262,17 @@ fn describe(progress: &Progress, args: &Convert, c: &Conversion) {
     }
     if args.tolerance.is_none() {
         progress.say(&format!(
-            "tolerance: {:.4} mm, from a noise of {:.4} mm (--tolerance to change)",
-            c.tolerance, c.smooth.noise
+            "tolerance: {}, from a noise of {} (--tolerance to change)",
+            mm(c.tolerance),
+            mm(c.smooth.noise)
         ));
     }
     let [m, n] = c.surface.shape();
     let files: Vec<_> = args.out.iter().map(|f| f.path.display().to_string()).collect();
     progress.say(&format!(
-        "{m} × {n} control points, rms {:.4} mm, max {:.4} mm, {} cut out → {}",
-        c.fit_deviation.rms,
-        c.fit_deviation.max,
+        "{m} × {n} control points, rms {}, max {}, {} cut out → {}",
+        mm(c.fit_deviation.rms),
+        mm(c.fit_deviation.max),
         plural(c.loops.len(), "hole"),
         files.join(", ")
     ));
@@ -288,11 +289,11 @@ fn verdict(args: &Convert, c: &Conversion) -> Outcome {
     }
     let [x, y, z] = c.fit_deviation.max_at;
     let what = format!(
-        "{} of {} points are farther than {} mm from the face; the worst, {:.4} mm, at ({x:.3}, {y:.3}, {z:.3})",
+        "{} of {} points are farther than {} from the face; the worst, {}, at ({x:.3}, {y:.3}, {z:.3})",
         c.fit_deviation.beyond(c.tolerance),
         c.fit_deviation.distances.len(),
-        c.tolerance,
-        c.fit_deviation.max,
+        mm(c.tolerance),
+        mm(c.fit_deviation.max),
     );
     if args.tolerance.is_some() {
         eprintln!("tolerance not met: {what}");

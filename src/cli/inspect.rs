@@ -7,6 +7,7 @@ use serde_json::{Value, json};
 
 use super::args::Inspect;
 use super::input::{self, Scan};
+use super::progress::mm;
 use super::{Failure, Outcome, report};
 
 /// Reads, repairs, looks, prints.
@@ -62,7 +63,7 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
         format!("  surface     {}", kind(found)),
     ];
     lines.extend(loops(found));
-    lines.push(format!("  noise       {:.4} mm", found.noise));
+    lines.push(format!("  noise       {}", mm(found.noise)));
     for (kind, count) in &input.repairs {
         lines.push(format!("  repaired    {count} {}", kind.replace('_', " ")));
     }
@@ -87,7 +88,7 @@ fn loops(found: &Inspection) -> Vec<String> {
         found.loops.iter().enumerate().partition(|(i, _)| found.outer == Some(*i));
     holes.sort_by(|x, y| y.1.0.total_cmp(&x.1.0));
     let line = |what: &str, (length, vertices): &(f64, usize)| {
-        format!("  {what:<11} {length:.4} mm, {vertices} vertices")
+        format!("  {what:<11} {}, {vertices} vertices", mm(*length))
     };
     let mut lines: Vec<String> = outer.iter().map(|(_, l)| line("outer loop", l)).collect();
     lines.extend(holes.iter().take(LISTED).map(|(_, l)| line("hole", l)));
