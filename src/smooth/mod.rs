@@ -71,15 +71,17 @@ pub struct Report {
 }
 
 /// The noise of a scan: the standard deviation of its points along the normal.
+/// [`smooth`] finds the same where the scan has no outliers; here they count.
 pub fn noise(mesh: &Mesh) -> f64 {
-    Examined::new(mesh).noise()
+    let levels = levels::levels(mesh, &Rings::new(mesh), &vec![false; mesh.points.len()]);
+    support::choose(mesh, &levels).noise()
 }
 
 /// Smooths a disk. Its topology stays as it is.
 pub fn smooth(disk: &Disk, options: &Options) -> (Disk, Report) {
     let examined = Examined::new(&disk.mesh);
     let mut report = Report {
-        noise: examined.noise(),
+        noise: examined.choice.noise(),
         outliers: examined.left_out.iter().filter(|out| **out).count(),
         ..Report::default()
     };
@@ -144,10 +146,6 @@ impl Examined {
             choice = support::choose(mesh, &levels);
         }
         Examined { rings, levels, choice, left_out }
-    }
-
-    fn noise(&self) -> f64 {
-        root_mean_square(self.choice.noise.iter().map(|&s| f64::from(s)))
     }
 
     /// The surface under the supports that were found.

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 
 use super::clusters::{Gathering, a_share};
 use super::levels::Level;
+use super::root_mean_square;
 use crate::geometry::VertexId;
 use crate::mesh::Mesh;
 
@@ -38,6 +39,13 @@ pub struct Choice {
     pub place: Vec<f32>,
     /// For each vertex the standard deviation of the noise around, in mm.
     pub noise: Vec<f32>,
+}
+
+impl Choice {
+    /// The standard deviation of the noise over the whole scan, in mm.
+    pub fn noise(&self) -> f64 {
+        root_mean_square(self.noise.iter().map(|&deviation| f64::from(deviation)))
+    }
 }
 
 /// The estimates at one place, with each support as far as they were tried: the

@@ -16,6 +16,9 @@ use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::Mesh;
 use crate::mesh::mls::Polynomial;
 
+/// The place of a vertex that the surface need not reach.
+pub const NOWHERE: f32 = f32::INFINITY;
+
 /// The surface that a scan's points lie on.
 pub struct Surface {
     levels: Vec<Level>,
