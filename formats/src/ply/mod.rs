@@ -85,10 +85,14 @@ fn read_faces(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()>
             check_room(&source.path, soup, 0, row.len() as u64)?;
             // Points and lines among the faces bound no surface.
             if row.len() >= 3 {
-                let corners = row.indices().map(|c| vertex(c).ok_or(c));
-                let corners = corners.collect::<std::result::Result<Vec<u32>, i64>>();
-                let place = Place::Face(i);
-                soup.polygons.push(corners.map_err(|c| negative(source, "face", c, place))?);
+                if let Some(c) = row.indices().find(|&c| vertex(c).is_none()) {
+                    return Err(negative(source, "face", c, Place::Face(i)));
+                }
+                match row.triangle() {
+                    // Nearly every face there is.
+                    Some(triangle) => soup.polygons.push(triangle),
+                    None => soup.polygons.push(row.indices().filter_map(vertex)),
+                }
             }
             Ok(())
         },

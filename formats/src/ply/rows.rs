@@ -48,6 +48,12 @@ impl Corners {
         self.ints.len() + self.uints.len()
     }
 
+    /// The vertex numbers of a triangle, if they are not negative.
+    pub(super) fn triangle(&self) -> Option<[u32; 3]> {
+        let &[a, b, c] = self.ints.as_slice() else { return None };
+        Some([a.try_into().ok()?, b.try_into().ok()?, c.try_into().ok()?])
+    }
+
     /// The vertex numbers, which may be negative.
     pub(super) fn indices(&self) -> impl Iterator<Item = i64> {
         let ints = self.ints.iter().map(|&i| i64::from(i));
