@@ -25,7 +25,7 @@ const FEWEST: usize = 8;
 /// A point moves by so many standard deviations of the noise at the most. (The
 /// stair steps of a rim, which a coarse mesh makes of a line, are no noise, but
 /// are taken for it as far as that.)
-const FARTHEST: f64 = 5.0;
+const FARTHEST: f64 = 10.0;
 
 /// A loop of points on a surface.
 pub struct Rim<'a> {
@@ -54,7 +54,9 @@ pub fn smooth_loop(rim: &Rim, corners: &[usize]) -> Vec<Point> {
         return rim.points.to_vec();
     }
     if corners.is_empty() {
-        return rim.piece(0, n, true).smooth(FARTHEST * rim.noise);
+        let mut out = rim.piece(0, n, true).smooth(FARTHEST * rim.noise);
+        rim.even_out(&mut out, corners);
+        return out;
     }
     let mut out = rim.points.to_vec();
     for (k, &first) in corners.iter().enumerate() {
@@ -68,13 +70,38 @@ pub fn smooth_loop(rim: &Rim, corners: &[usize]) -> Vec<Point> {
     for &corner in corners {
         out[corner] = rim.meeting(&out, corner).unwrap_or(out[corner]);
     }
+    rim.even_out(&mut out, corners);
     out
 }
+
+/// Rounds in which the points are spread along the loop, and how far each may
+/// go, in standard deviations of the noise.
+const SPREADING: (usize, f64) = (12, 5.0);
 
 /// The sides of a corner are taken for straight over this many edges.
 const STRAIGHT: usize = 4;
 
 impl Rim<'_> {
+    /// Spreads the points along the loop where noise has crowded them: each
+    /// goes half of the way to the middle of its neighbours, along the line
+    /// through these, but no farther than noise explains.
+    fn even_out(&self, points: &mut [Point], corners: &[usize]) {
+        let n = points.len();
+        let farthest = SPREADING.1 * self.noise;
+        let mut moved = vec![0.0; n];
+        for _ in 0..SPREADING.0 {
+            let before = points.to_vec();
+            for i in (0..n).filter(|i| !corners.contains(i)) {
+                let (a, b) = (before[(i + n - 1) % n], before[(i + 1) % n]);
+                let Some(along) = (b - a).try_normalize(0.0) else { continue };
+                let wanted = 0.5 * (nalgebra::center(&a, &b) - before[i]).dot(&along);
+                let step = (moved[i] + wanted).clamp(-farthest, farthest) - moved[i];
+                moved[i] += step;
+                points[i] += step * along;
+            }
+        }
+    }
+
     /// Where the smoothed sides of a corner meet: a better place for it than its
     /// own, unless that is farther off than noise explains.
     fn meeting(&self, smooth: &[Point], corner: usize) -> Option<Point> {
