@@ -25,7 +25,7 @@ const FEWEST: usize = 8;
 /// A point moves by so many standard deviations of the noise at the most. (The
 /// stair steps of a rim, which a coarse mesh makes of a line, are no noise, but
 /// are taken for it as far as that.)
-const FARTHEST: f64 = 10.0;
+const FARTHEST: f64 = 5.0;
 
 /// A loop of points on a surface.
 pub struct Rim<'a> {
@@ -76,7 +76,7 @@ pub fn smooth_loop(rim: &Rim, corners: &[usize]) -> Vec<Point> {
 
 /// Rounds in which the points are spread along the loop, and how far each may
 /// go, in standard deviations of the noise.
-const SPREADING: (usize, f64) = (12, 5.0);
+const SPREADING: (usize, f64) = (12, 2.5);
 
 /// The sides of a corner are taken for straight over this many edges.
 const STRAIGHT: usize = 4;
