@@ -48,6 +48,12 @@ pub fn plane_axes(n: Vector) -> (Vector, Vector) {
     (x, n.cross(&x))
 }
 
+/// The lowest and the highest coordinates of some points; the origin of none.
+pub fn bounds(mut points: impl Iterator<Item = Point>) -> [Point; 2] {
+    let first = points.next().unwrap_or_else(Point::origin);
+    points.fold([first; 2], |[low, high], p| [low.inf(&p), high.sup(&p)])
+}
+
 /// The distance from `p` to the segment `a b`.
 pub fn segment_distance(p: Point, a: Point, b: Point) -> f64 {
     let along = b - a;

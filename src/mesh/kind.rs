@@ -1,9 +1,8 @@
 //! What kind of surface a component is.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
-use super::boundary::{self, Loop};
-use super::{EdgeMap, Mesh};
+use super::{EdgeMap, Mesh, boundary};
 use crate::error::{Error, Result};
 
 /// The topology of a connected surface.
@@ -56,26 +55,19 @@ impl Topology {
 
 /// Counts loops whose sides need not all run the same way.
 fn unoriented_loops(mesh: &Mesh, edges: &EdgeMap) -> usize {
-    let mut next: HashMap<u32, Vec<u32>> = HashMap::new();
+    let mut next: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for side in edges.open_sides() {
         let t = mesh.triangles[side / 3];
         let (a, b) = (t[side % 3].0, t[(side % 3 + 1) % 3].0);
         next.entry(a).or_default().push(b);
         next.entry(b).or_default().push(a);
     }
-    let mut starts: Loop = next.keys().map(|&v| crate::geometry::VertexId(v)).collect();
-    starts.sort_unstable();
     let mut loops = 0;
-    for start in starts {
-        let mut front = vec![start.0];
-        let mut fresh = false;
+    while let Some((_, mut front)) = next.pop_first() {
+        loops += 1;
         while let Some(v) = front.pop() {
-            if let Some(ends) = next.remove(&v) {
-                fresh = true;
-                front.extend(ends);
-            }
+            front.extend(next.remove(&v).into_iter().flatten());
         }
-        loops += usize::from(fresh);
     }
     loops
 }

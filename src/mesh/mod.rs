@@ -24,7 +24,7 @@ pub use neighbours::Neighbours;
 pub use patch::{FaceOrigin, Patch};
 pub use topology::{EdgeMap, Rings};
 
-use crate::geometry::{Point, Vector, VertexId};
+use crate::geometry::{Point, Vector, VertexId, bounds};
 
 /// An oriented triangle mesh: no edge has more than two triangles, and two
 /// triangles run along their common edge in opposite directions.
@@ -80,8 +80,7 @@ impl Mesh {
 
     /// The lowest and the highest coordinates; the origin of an empty mesh.
     pub fn bounds(&self) -> [Point; 2] {
-        let first = self.points.first().copied().unwrap_or_else(Point::origin);
-        self.points.iter().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)])
+        bounds(self.points.iter().copied())
     }
 
     /// The length of the diagonal of the bounding box, in mm.

@@ -1,7 +1,7 @@
 //! A disk whose holes are filled, with the memory of what was measured.
 
-use super::boundary::{self, Loop};
-use super::{EdgeMap, Mesh};
+use super::boundary::Loop;
+use super::{EdgeMap, Mesh, Topology};
 use crate::geometry::VertexId;
 
 /// Where a triangle comes from.
@@ -39,10 +39,10 @@ impl Patch {
     /// one boundary loop that it should have. For checks in debug builds.
     pub fn is_disk(&self) -> bool {
         let edges = EdgeMap::new(&self.mesh);
-        let open = edges.open_sides().count();
-        let edge_count = (3 * self.mesh.triangles.len() + open) / 2;
-        let euler = (self.mesh.points.len() + self.mesh.triangles.len()) as i64 - edge_count as i64;
-        let loops = boundary::boundary_loops(&self.mesh, &edges);
-        euler == 1 && loops.len() == 1 && open == self.outer.len() && edges.is_oriented(&self.mesh)
+        let topology = Topology::new(&self.mesh, &edges, true);
+        topology.euler == 1
+            && topology.loops == 1
+            && edges.open_sides().count() == self.outer.len()
+            && edges.is_oriented(&self.mesh)
     }
 }

@@ -4,7 +4,7 @@ use std::collections::{BTreeSet, HashMap, HashSet};
 
 use super::build::{Build, count};
 use super::{Mesh, Rings, polygons};
-use crate::geometry::{Point, Vector, VertexId};
+use crate::geometry::{Point, Vector, VertexId, bounds};
 
 /// A vertex is a spike when its distance from all its neighbours is more than
 /// this many times their extent. The tip of a needle that is real has neighbours
@@ -121,11 +121,7 @@ fn is_spike(mesh: &Mesh, rings: &Rings, v: VertexId) -> bool {
 
 /// The diagonal of the box around some vertices.
 fn extent(mesh: &Mesh, vertices: &[VertexId]) -> f64 {
-    let first = mesh.point(vertices[0]);
-    let grow = |(low, high): (Point, Point), v: &VertexId| {
-        (low.inf(&mesh.point(*v)), high.sup(&mesh.point(*v)))
-    };
-    let (low, high) = vertices.iter().fold((first, first), grow);
+    let [low, high] = bounds(vertices.iter().map(|&v| mesh.point(v)));
     (high - low).norm()
 }
 

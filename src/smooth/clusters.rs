@@ -51,7 +51,7 @@ impl Grain {
             near.extend(rings.neighbours(mesh, VertexId::from(v)).map(|w| w.0));
         };
         let (starts, near) = adjacency(mesh.points.len(), around);
-        Grain { samples, normals: steady_normals(mesh), starts, near }
+        Grain { samples, normals: steady_normals(mesh, rings), starts, near }
     }
 
     /// Clusters of those of this grain that lie within `radius` of the first

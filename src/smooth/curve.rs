@@ -53,16 +53,15 @@ pub fn smooth_loop(rim: &Rim, corners: &[usize]) -> Vec<Point> {
     if n < FEWEST {
         return rim.points.to_vec();
     }
-    if corners.is_empty() {
-        let mut out = rim.piece(0, n, true).smooth(FARTHEST * rim.noise);
-        rim.even_out(&mut out, corners);
-        return out;
-    }
-    let mut out = rim.points.to_vec();
+    let farthest = FARTHEST * rim.noise;
+    let mut out = match corners {
+        [] => rim.piece(0, n, true).smooth(farthest),
+        _ => rim.points.to_vec(),
+    };
     for (k, &first) in corners.iter().enumerate() {
         let last = corners[(k + 1) % corners.len()];
         let count = (last + n - first - 1) % n + 2;
-        let smooth = rim.piece(first, count, false).smooth(FARTHEST * rim.noise);
+        let smooth = rim.piece(first, count, false).smooth(farthest);
         for (i, p) in smooth.into_iter().enumerate().take(count - 1).skip(1) {
             out[(first + i) % n] = p;
         }

@@ -54,13 +54,9 @@ impl Level {
         }
     }
 
-    /// A level for support `h` alone.
-    pub fn fixed(mesh: &Mesh, rings: &Rings, left_out: &[bool], h: f64) -> Level {
-        Level::finest(mesh, rings, left_out, h).next(h, mesh.mean_edge())
-    }
-
-    /// A coarser level, of the same grain where a coarser one would be no other.
-    fn next(&self, h: f64, edge: f64) -> Level {
+    /// The level for support `h`, of the same grain where a coarser one would be no
+    /// other. `edge` is the mesh's mean edge.
+    pub fn next(&self, h: f64, edge: f64) -> Level {
         if RADIUS * h < edge {
             return Level { h, grain: self.grain.clone(), cluster: self.cluster.clone() };
         }

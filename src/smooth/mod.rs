@@ -124,7 +124,6 @@ const OUTLIER_ROUNDS: usize = 3;
 
 /// A scan whose supports, noise and outliers are known.
 struct Examined {
-    rings: Rings,
     levels: Vec<Level>,
     choice: support::Choice,
     /// Which vertices are outliers.
@@ -145,7 +144,7 @@ impl Examined {
             levels = levels::levels(mesh, &rings, &left_out);
             choice = support::choose(mesh, &levels);
         }
-        Examined { rings, levels, choice, left_out }
+        Examined { levels, choice, left_out }
     }
 
     /// The surface under the supports that were found.
@@ -155,9 +154,9 @@ impl Examined {
 
     /// The surface under one support.
     fn surface_of(self, mesh: &Mesh, h: f64) -> Surface {
-        let level = Level::fixed(mesh, &self.rings, &self.left_out, h);
-        let places = vec![0.0; mesh.points.len()];
-        Surface::new(self.levels[0].grain.clone(), vec![level], places)
+        let finest = &self.levels[0];
+        let level = finest.next(h, mesh.mean_edge());
+        Surface::new(finest.grain.clone(), vec![level], vec![0.0; mesh.points.len()])
     }
 }
 

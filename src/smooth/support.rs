@@ -142,9 +142,8 @@ fn trial(mesh: &Mesh, levels: &[Level], v: VertexId, room: &mut Gathering) -> Tr
 fn noise(trials: &[Trial], window: &[u32]) -> f64 {
     let median = |k: usize| {
         let all = window.iter().map(|&i| trials[i as usize].scatter[k]);
-        let mut all: Vec<f64> = all.filter(|scatter| scatter.is_finite()).collect();
-        all.sort_by(f64::total_cmp);
-        all.get(all.len() / 2).copied()
+        let all: Vec<f64> = all.filter(|scatter| scatter.is_finite()).collect();
+        (!all.is_empty()).then(|| super::median(all))
     };
     match [median(0), median(1)] {
         [Some(first), Some(second)] if second > SHAPE * first => first,

@@ -14,7 +14,7 @@ use super::levels::Level;
 use super::median;
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::Mesh;
-use crate::mesh::mls::Polynomial;
+use crate::mesh::mls::{Polynomial, Projection};
 
 /// The place of a vertex that the surface need not reach.
 pub const NOWHERE: f32 = f32::INFINITY;
@@ -37,13 +37,6 @@ struct Fits {
 }
 
 const NONE: u32 = u32::MAX;
-
-/// The foot of a projection, and the surface's unit normal there.
-#[derive(Clone, Copy)]
-pub struct Foot {
-    pub point: Point,
-    pub normal: Vector,
-}
 
 impl Surface {
     /// Fits what the vertices need, each at the level `place` of its own.
@@ -81,14 +74,14 @@ impl Surface {
 
     /// Projects `p`, which lies near vertex `v`. `None` where too few points
     /// are near.
-    pub fn project(&self, v: VertexId, p: Point) -> Option<Foot> {
+    pub fn project(&self, v: VertexId, p: Point) -> Option<Projection> {
         let (k, share) = split(self.place[v.index()]);
         let low = self.project_on(k, v, p);
         if share == 0.0 {
             return low;
         }
         match (low, self.project_on(k + 1, v, p)) {
-            (Some(low), Some(high)) => Some(Foot {
+            (Some(low), Some(high)) => Some(Projection {
                 point: low.point + share * (high.point - low.point),
                 normal: (low.normal + share * (high.normal - low.normal)).normalize(),
             }),
@@ -96,7 +89,7 @@ impl Surface {
         }
     }
 
-    fn project_on(&self, k: usize, v: VertexId, p: Point) -> Option<Foot> {
+    fn project_on(&self, k: usize, v: VertexId, p: Point) -> Option<Projection> {
         let level = &self.levels[k];
         let own = level.cluster[v.index()] as usize;
         let (mut weight, mut point, mut normal) = (0.0, Vector::zeros(), Vector::zeros());
@@ -110,7 +103,7 @@ impl Surface {
                 normal += w * n;
             }
         }
-        (weight > 0.0).then(|| Foot { point: p + point / weight, normal: normal.normalize() })
+        (weight > 0.0).then(|| Projection { point: p + point / weight, normal: normal.normalize() })
     }
 }
 

@@ -100,7 +100,7 @@ impl Cloud {
 
     /// The cloud of a mesh's vertices.
     pub fn of(mesh: &Mesh) -> Self {
-        Cloud::new(mesh.points.clone(), steady_normals(mesh))
+        Cloud::new(mesh.points.clone(), steady_normals(mesh, &Rings::new(mesh)))
     }
 
     /// The unit normal of the cloud's `i`-th point.
@@ -160,8 +160,7 @@ impl Cloud {
 
 /// Vertex normals, averaged over two rings so that noise near the point
 /// spacing does not turn them around.
-pub fn steady_normals(mesh: &Mesh) -> Vec<Vector> {
-    let rings = Rings::new(mesh);
+pub fn steady_normals(mesh: &Mesh, rings: &Rings) -> Vec<Vector> {
     let mut normals = mesh.vertex_normals();
     for _ in 0..2 {
         let mean = |i: usize| {

@@ -47,6 +47,17 @@ fn json(swaps: &[(&str, &str)]) -> String {
     text
 }
 
+/// A triangle without indices, its three points in the buffer at `uri`.
+fn one_triangle(uri: &str) -> String {
+    json(&[
+        ("a%20b/square.bin", uri),
+        (r#""byteLength": 60"#, r#""byteLength": 36"#),
+        (r#""byteLength": 48"#, r#""byteLength": 36"#),
+        (r#""count": 4"#, r#""count": 3"#),
+        (r#", "indices": 1"#, ""),
+    ])
+}
+
 /// A glTF file with its buffer beside it.
 fn with_buffer(json: &str, bytes: &[u8]) -> Case {
     let case = case("square.gltf", json);
