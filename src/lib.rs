@@ -199,8 +199,9 @@ pub fn convert_component(
     let tolerance =
         options.tolerance.unwrap_or(smooth.noise.max(LEAST_TOLERANCE * measured.mesh.diagonal()));
 
-    let fill_options = fill::Options { support: smooth.h, ..options.fill.clone() };
-    let (patch, fill) = fill::fill(smoothed, &fill_options)?;
+    let fill_options =
+        fill::Options { support: smooth.h, noise: smooth.noise, ..options.fill.clone() };
+    let (patch, fill) = fill::fill(smoothed, &measured.mesh.points, &fill_options)?;
     watch(Stage::Fill(&patch))?;
 
     let (map, parameterize) = parameterize::parameterize(patch, &options.parameterize)?;

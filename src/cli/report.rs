@@ -99,6 +99,7 @@ fn holes(c: &Conversion) -> Vec<Value> {
             "method": match hole.method {
                 Method::Front => "front",
                 Method::WideEars => "wide ears",
+                Method::Led => "led front",
                 Method::Membrane => "membrane",
             },
         })

@@ -1,242 +1,336 @@
-//! The front of one hole.
+//! The advancing front of one hole.
 //!
 //! A front edge runs in the direction of the surface's triangle on its left;
 //! the hole is to its right. Closing the ear a b c adds the triangle c b a and
 //! puts the edge a c in place of a b and b c; a new point p at the edge a b
-//! adds the triangle b a p.
+//! adds the triangle b a p. What the paper leaves open:
 //!
-//! What the paper leaves open: where a round neither closes an ear nor places
-//! a point, the narrowest ear that crosses nothing is closed although it is
-//! wider than φ. Where there is none, or fronts that extrapolate a wide hole
-//! miss each other and grow, the fill is given up for a membrane. The mesh
-//! stays a manifold: no edge is made twice. The number of points is bounded,
-//! and every ear shortens the front, so it ends.
+//! - Islands in the hole are bridged to its rim first, by the shortest path,
+//!   which then is an edge of the front on both sides.
+//! - A new point that comes near another part of the front is not placed; the
+//!   edge is joined to the front's vertex there instead, and the front splits
+//!   in two.
+//! - Where a round does neither, the narrowest ear that crosses nothing is
+//!   closed although it is wider than φ; without one, the ring of the front is
+//!   left to a membrane.
+//!
+//! The mesh stays a manifold: no edge is made twice. The number of points is
+//! bounded and every other step shortens a ring, so it ends.
 
-use std::collections::HashSet;
+use std::cmp::Reverse;
+use std::collections::{BinaryHeap, HashSet};
 
 use super::plane::LocalPlane;
+use super::ring::Rings;
+use super::size::Sizes;
 use super::{Method, Options, membrane};
 use crate::geometry::{Point, Vector, VertexId, segment_distance};
-use crate::mesh::mls::{Cloud, Scratch};
-use crate::mesh::{Mesh, Rings, boundary};
+use crate::mesh::mls::{self, Cloud, Sample};
+use crate::mesh::{self, Mesh};
+
+/// What the fronts of all holes look at.
+pub struct Surroundings<'a> {
+    pub mesh: &'a Mesh,
+    pub rings: &'a mesh::Rings,
+    pub cloud: &'a Cloud,
+}
 
 /// The triangles and points that close a hole. New vertices are numbered from
 /// the mesh's vertex count on.
+#[derive(Clone)]
 pub struct Fill {
     pub points: Vec<Point>,
     pub triangles: Vec<[VertexId; 3]>,
-    pub method: Method,
+    /// Ears closed although they were wider than φ.
+    pub wide_ears: usize,
+    /// Rings that were left to a membrane.
+    pub membranes: usize,
 }
 
-/// Closes the hole with rim `rim`; `None` if even a membrane cannot.
-pub fn fill_hole(
-    mesh: &Mesh,
-    rings: &Rings,
-    cloud: &Cloud,
-    rim: &[VertexId],
-    options: &Options,
-) -> Option<Fill> {
-    let mut front = Front::new(mesh, rings, cloud, rim, options);
-    let mut forced = 0;
-    while front.ring.len() > 3 {
-        let closed = front.close_ears(options.ear_angle);
-        if front.ring.len() <= 3 {
-            break;
-        }
-        if front.is_growing(rim.len()) {
-            return front.membrane(rim);
-        }
-        if front.place_points() > 0 || closed > 0 {
-            continue;
-        }
-        forced += 1;
-        if forced > 8 + rim.len() / 4 || !front.close_narrowest_ear() {
-            return front.membrane(rim);
+impl Fill {
+    /// The least regular way that some of it was closed in.
+    pub fn method(&self) -> Method {
+        match (self.membranes, self.wide_ears) {
+            (0, 0) => Method::Front,
+            (0, _) => Method::WideEars,
+            _ => Method::Membrane,
         }
     }
-    if front.ring.len() < 3 {
-        return None;
+}
+
+/// Where a place lies on a surface that is known already, and its unit normal.
+pub type Guide<'a> = &'a dyn Fn(Point) -> Option<(Point, Vector)>;
+
+/// A hole, and what is around it.
+#[derive(Clone, Copy)]
+pub struct Hole<'a> {
+    pub around: &'a Surroundings<'a>,
+    /// The outer rim, then those of islands.
+    pub rims: &'a [&'a [VertexId]],
+    pub sizes: &'a Sizes,
+}
+
+/// Closes a hole by the front. New points are found by MLS, or with a `guide`
+/// by that. `None` where the front went astray: it grew without closing in.
+pub fn advance(hole: Hole, options: &Options, guide: Option<Guide>) -> Option<Fill> {
+    let mut front = Front::new(hole, options, guide);
+    front.bridge_islands(hole.rims);
+    while front.rings.len() > 0 {
+        let before = (front.rings.len(), front.fill.points.len());
+        front.close_ears(options.ear_angle);
+        if front.is_growing() {
+            return None;
+        }
+        front.advance();
+        if before == (front.rings.len(), front.fill.points.len()) {
+            front.close_widest_gap()?;
+        }
     }
-    let last = [front.ring[2], front.ring[1], front.ring[0]];
-    front.fill.triangles.push(last);
     Some(front.fill)
 }
 
-/// A new point is at least this far from every other, in mean rim edges.
+/// Closes a hole by a membrane alone; `None` where the numbers forbid it.
+pub fn span(hole: Hole, options: &Options) -> Option<Fill> {
+    let mut front = Front::new(hole, options, None);
+    front.bridge_islands(hole.rims);
+    front.span(0)?;
+    Some(front.fill)
+}
+
+/// A new point is at least this far from every other, in edge lengths wanted
+/// there.
 const APART: f64 = 0.55;
 
 /// And this far from the front edge that it is joined to: flatter triangles
 /// are left to ears.
 const LOWEST: f64 = 0.4;
 
+/// A front vertex this near to where a point would be placed takes its part.
+const MEETING: f64 = 0.75;
+
+/// The sine of the least angle of a triangle that joins the front to itself.
+const SHARPEST: f64 = 0.3;
+
 struct Front<'a> {
-    mesh: &'a Mesh,
-    rings: &'a Rings,
-    cloud: &'a Cloud,
-    /// Measured vertices near the hole.
-    context: Vec<VertexId>,
-    /// The front, in the direction of the rim.
-    ring: Vec<VertexId>,
+    around: &'a Surroundings<'a>,
+    sizes: &'a Sizes,
+    guide: Option<Guide<'a>>,
+    rings: Rings,
+    /// The new vertices, as of the last round, for neighbourhoods.
+    placed: Option<Cloud>,
     /// Normals of the new vertices.
     normals: Vec<Vector>,
     /// Edges made here, lower vertex first.
     edges: HashSet<(VertexId, VertexId)>,
     fill: Fill,
-    /// Mean edge length of the rim: a in the paper.
-    a: f64,
-    h: f64,
+    support: f64,
+    rim: usize,
     most_points: usize,
 }
 
 impl<'a> Front<'a> {
     fn new(
-        mesh: &'a Mesh,
-        rings: &'a Rings,
-        cloud: &'a Cloud,
-        rim: &[VertexId],
+        Hole { around, rims, sizes }: Hole<'a>,
         options: &Options,
+        guide: Option<Guide<'a>>,
     ) -> Self {
-        let length = boundary::length(mesh, rim);
-        let a = length / rim.len() as f64;
-        let h = options.support.max(2.5 * a);
-        // A disk of the rim's length has length² / 4π of area, and a point for
-        // every √3/2 a² of it; a surface in it that bulges has more.
-        let disk = length * length / (4.0 * std::f64::consts::PI);
-        let most_points = 32 + (3.0 * disk / (a * a)) as usize;
-        let fill = Fill { points: Vec::new(), triangles: Vec::new(), method: Method::Front };
-        let context = cloud.around(rim.iter().map(|&v| mesh.point(v)), 3.0 * h);
+        let rim: usize = rims.iter().map(|r| r.len()).sum();
+        // About what edges that grow from the rim leave room for in a disk, and
+        // as much again.
+        let most_points = 64 + 12 * rim + rim * rim / 128;
+        let located = |v: &VertexId| (*v, around.mesh.point(*v));
+        let loops: Vec<Vec<_>> = rims.iter().map(|r| r.iter().map(located).collect()).collect();
         Front {
-            mesh,
-            rings,
-            cloud,
-            context,
-            ring: rim.to_vec(),
+            around,
+            sizes,
+            guide,
+            rings: Rings::new(&loops, 1.5 * sizes.mean),
+            placed: None,
             normals: Vec::new(),
             edges: HashSet::new(),
-            fill,
-            a,
-            h,
+            fill: Fill { points: vec![], triangles: vec![], wide_ears: 0, membranes: 0 },
+            support: options.support,
+            rim,
             most_points,
         }
     }
 
-    fn point(&self, v: VertexId) -> Point {
-        match v.index().checked_sub(self.mesh.points.len()) {
-            None => self.mesh.point(v),
-            Some(i) => self.fill.points[i],
-        }
-    }
-
     fn normal(&self, v: VertexId) -> Vector {
-        match v.index().checked_sub(self.mesh.points.len()) {
-            None => self.cloud.normal(v.index()),
+        match v.index().checked_sub(self.around.mesh.points.len()) {
+            None => self.around.cloud.normal(v.index()),
             Some(i) => self.normals[i],
         }
     }
 
-    /// The ring's vertices before, at and after position `i`.
-    fn ear(&self, i: usize) -> [VertexId; 3] {
-        let n = self.ring.len();
-        [self.ring[(i + n - 1) % n], self.ring[i], self.ring[(i + 1) % n]]
+    fn plane(&self, node: usize) -> LocalPlane {
+        LocalPlane::new(self.rings.at(node), self.normal(self.rings.vertex(node)))
     }
 
-    /// The hole's angle at position `i`, in the plane across the normal there.
-    fn angle(&self, i: usize) -> f64 {
-        let [a, b, c] = self.ear(i);
-        let plane = LocalPlane::new(self.point(b), self.normal(b));
-        plane.angle(self.point(a), self.point(b), self.point(c))
+    /// The nodes before, at and after `node`.
+    fn ear(&self, node: usize) -> [usize; 3] {
+        [self.rings.before(node), node, self.rings.after(node)]
+    }
+
+    /// The hole's angle at a node, in the plane across the normal there.
+    fn angle(&self, node: usize) -> f64 {
+        let [a, b, c] = self.ear(node).map(|n| self.rings.at(n));
+        self.plane(node).angle(a, b, c)
     }
 
     /// The front's edges that may come within `radius` of `centre` and face
     /// the same way.
     fn edges_near(&self, centre: Point, normal: Vector, radius: f64) -> Vec<(Point, Point)> {
-        let n = self.ring.len();
-        let pairs = (0..n).map(|i| (self.ring[i], self.ring[(i + 1) % n]));
-        pairs
-            .filter(|&(v, w)| {
-                self.normal(v).dot(&normal) > 0.0 || self.normal(w).dot(&normal) > 0.0
-            })
-            .map(|(v, w)| (self.point(v), self.point(w)))
+        let facing = |node: usize| self.normal(self.rings.vertex(node)).dot(&normal) > 0.0;
+        let near = self.rings.near(centre, radius).into_iter();
+        near.filter(|&node| facing(node) || facing(self.rings.after(node)))
+            .map(|node| self.rings.edge(node))
             .filter(|&(p, q)| segment_distance(centre, p, q) < radius)
             .collect()
     }
 
-    /// Whether the mesh, or the fill so far, already joins two vertices.
+    /// Whether two vertices are one, or joined by the mesh or the fill so far.
     fn joined(&self, v: VertexId, w: VertexId) -> bool {
-        let measured = v.index().max(w.index()) < self.mesh.points.len();
-        self.edges.contains(&(v.min(w), v.max(w)))
-            || (measured && self.rings.neighbours(self.mesh, v).any(|x| x == w))
+        let Surroundings { mesh, rings, .. } = self.around;
+        let measured = v.index().max(w.index()) < mesh.points.len();
+        v == w
+            || self.edges.contains(&(v.min(w), v.max(w)))
+            || (measured && rings.neighbours(mesh, v).any(|x| x == w))
     }
 
-    /// Whether the ear at position `i` may be closed.
-    fn may_close(&self, i: usize) -> bool {
-        let [a, b, c] = self.ear(i);
+    /// Adds a triangle and remembers its edges.
+    fn add(&mut self, t: [VertexId; 3]) {
+        self.fill.triangles.push(t);
+        for (v, w) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
+            self.edges.insert((v.min(w), v.max(w)));
+        }
+    }
+
+    fn add_point(&mut self, p: Point, normal: Vector) -> VertexId {
+        let new = VertexId::from(self.around.mesh.points.len() + self.fill.points.len());
+        self.fill.points.push(p);
+        self.normals.push(normal);
+        new
+    }
+
+    /// Joins every island to the rim or to an island that is joined already.
+    fn bridge_islands(&mut self, rims: &[&[VertexId]]) {
+        let starts: Vec<usize> =
+            rims.iter().scan(0, |end, r| Some(std::mem::replace(end, *end + r.len()))).collect();
+        let nodes = |ring: usize| starts[ring]..starts[ring] + rims[ring].len();
+        let mut joined: Vec<usize> = nodes(0).collect();
+        let mut left: Vec<usize> = (1..rims.len()).collect();
+        while !left.is_empty() {
+            let pairs = left.iter().flat_map(|&ring| {
+                let to = nodes(ring);
+                joined.iter().flat_map(move |&from| to.clone().map(move |to| (from, to, ring)))
+            });
+            let distance =
+                |from: usize, to: usize| (self.rings.at(to) - self.rings.at(from)).norm();
+            let Some((from, to, ring)) =
+                pairs.min_by(|x, y| distance(x.0, x.1).total_cmp(&distance(y.0, y.1)))
+            else {
+                return;
+            };
+            self.bridge(from, to);
+            joined.extend(nodes(ring));
+            left.retain(|&r| r != ring);
+        }
+    }
+
+    /// Bridges two rings by a straight path with vertices at the edge length
+    /// wanted.
+    fn bridge(&mut self, from: usize, to: usize) {
+        let ends =
+            [from, to].map(|node| (self.rings.at(node), self.normal(self.rings.vertex(node))));
+        let [(p, n), (q, m)] = ends;
+        let size = self.sizes.at(nalgebra::center(&p, &q)).max(0.1 * self.sizes.mean);
+        let steps = (((q - p).norm() / size).round() as usize).clamp(1, self.most_points.max(2));
+        let mut path = Vec::new();
+        for k in 1..steps {
+            let share = k as f64 / steps as f64;
+            let normal = n.lerp(&m, share).try_normalize(1e-6).unwrap_or(n);
+            let at = p + share * (q - p);
+            path.push((self.add_point(at, normal), at));
+        }
+        let ends = [self.rings.vertex(from), self.rings.vertex(to)];
+        let chain: Vec<VertexId> =
+            [ends[0]].into_iter().chain(path.iter().map(|p| p.0)).chain([ends[1]]).collect();
+        self.edges.extend(chain.windows(2).map(|e| (e[0].min(e[1]), e[0].max(e[1]))));
+        self.rings.bridge(from, to, &path);
+    }
+
+    /// Whether the ear at a node may be closed.
+    fn may_close(&self, node: usize) -> bool {
+        let ear = self.ear(node);
+        let [a, _, c] = ear.map(|n| self.rings.vertex(n));
         if self.joined(a, c) {
             return false;
         }
-        let corners = [c, b, a].map(|v| self.point(v));
-        let longest = (corners[0] - corners[1]).norm().max((corners[2] - corners[1]).norm());
-        let normal = self.normal(b);
-        let near = self.edges_near(corners[1], normal, 2.0 * longest);
-        LocalPlane::new(corners[1], normal).is_free(corners, &near)
+        let [a, b, c] = ear.map(|n| self.rings.at(n));
+        let longest = (a - b).norm().max((c - b).norm());
+        let normal = self.normal(self.rings.vertex(node));
+        let near = self.edges_near(b, normal, 2.0 * longest);
+        LocalPlane::new(b, normal).is_free([c, b, a], &near)
     }
 
-    fn close(&mut self, i: usize) {
-        let [a, b, c] = self.ear(i);
-        self.fill.triangles.push([c, b, a]);
-        self.edges.insert((a.min(c), a.max(c)));
-        self.ring.remove(i);
+    /// Closes an ear; returns the nodes whose angle it changed.
+    fn close(&mut self, node: usize) -> Vec<usize> {
+        let [a, b, c] = self.ear(node);
+        let [u, v, w] = [a, b, c].map(|n| self.rings.vertex(n));
+        self.add([w, v, u]);
+        self.rings.cut(b);
+        if self.close_triangle(a) { vec![] } else { vec![a, c] }
     }
 
-    /// Closes ears below `angle`, the narrowest first, until none is left;
-    /// returns how many.
-    fn close_ears(&mut self, angle: f64) -> usize {
-        let mut angles: Vec<f64> = (0..self.ring.len()).map(|i| self.angle(i)).collect();
-        let mut barred = vec![false; self.ring.len()];
-        let mut closed = 0;
-        while self.ring.len() > 3 {
-            let open = (0..angles.len()).filter(|&i| !barred[i] && angles[i] < angle);
-            let Some(i) = open.min_by(|&i, &j| angles[i].total_cmp(&angles[j])) else { break };
-            if !self.may_close(i) {
-                barred[i] = true;
+    /// Fills the ring of a node if it is a triangle.
+    fn close_triangle(&mut self, node: usize) -> bool {
+        let is_triangle = self.rings.is_triangle(node);
+        if is_triangle {
+            let [a, b, c] = self.ear(node).map(|n| self.rings.vertex(n));
+            self.add([c, b, a]);
+            self.rings.drop_ring(node);
+        }
+        is_triangle
+    }
+
+    /// Closes ears below `angle`, the narrowest first, until none is left.
+    fn close_ears(&mut self, angle: f64) {
+        let mut order: BinaryHeap<Reverse<Ear>> =
+            self.rings.all().map(|node| Reverse(Ear { angle: self.angle(node), node })).collect();
+        while let Some(Reverse(ear)) = order.pop() {
+            let node = ear.node;
+            if ear.angle >= angle {
+                break;
+            }
+            // Angles that have changed since were entered anew.
+            if !self.rings.is_alive(node) || self.angle(node) != ear.angle {
                 continue;
             }
-            self.close(i);
-            angles.remove(i);
-            barred.remove(i);
-            closed += 1;
-            let n = self.ring.len();
-            for j in [(i + n - 1) % n, i % n] {
-                angles[j] = self.angle(j);
-                barred[j] = false;
+            if self.close_triangle(node) || !self.may_close(node) {
+                continue;
+            }
+            for changed in self.close(node) {
+                order.push(Reverse(Ear { angle: self.angle(changed), node: changed }));
             }
         }
-        closed
     }
 
-    /// One candidate an edge; returns how many became vertices.
-    fn place_points(&mut self) -> usize {
-        let support = self.local_cloud();
-        let mut scratch = Scratch::default();
-        let n = self.ring.len();
-        let edges: Vec<_> = (0..n).map(|i| (self.ring[i], self.ring[(i + 1) % n])).collect();
-        let candidates: Vec<_> =
-            edges.iter().filter_map(|&e| self.candidate(e, &support, &mut scratch)).collect();
-        let before = self.fill.points.len();
-        for (p, normal) in candidates {
-            if self.fill.points.len() < self.most_points {
-                self.try_point(p, normal, &support);
+    /// One candidate an edge: it becomes a vertex, or the front meets itself
+    /// there, or neither.
+    fn advance(&mut self) {
+        let new = self.fill.points.clone();
+        self.placed = (!new.is_empty()).then(|| Cloud::new(new, self.normals.clone()));
+        let mut around = Vec::new();
+        let edges: Vec<_> = self.rings.all().map(|n| (n, self.rings.after(n))).collect();
+        let candidates: Vec<_> = edges
+            .into_iter()
+            .filter_map(|edge| Some((edge, self.candidate(edge, &mut around)?)))
+            .collect();
+        for (edge, (p, normal)) in candidates {
+            if self.fill.points.len() < self.most_points && !self.meet(edge, p, normal) {
+                self.try_point(p, normal);
             }
         }
-        self.fill.points.len() - before
-    }
-
-    /// The measured points around the hole and the new ones.
-    fn local_cloud(&self) -> Cloud {
-        let measured = self.context.iter().map(|&v| (self.mesh.point(v), self.normal(v)));
-        let new = self.fill.points.iter().copied().zip(self.normals.iter().copied());
-        let (points, normals) = measured.chain(new).unzip();
-        Cloud::new(points, normals)
     }
 
     /// The point at d(e) = √(4a² − e²) / 2 from the edge on the bisector in the
@@ -245,83 +339,198 @@ impl<'a> Front<'a> {
     /// stays on the plane.
     fn candidate(
         &self,
-        (v, w): (VertexId, VertexId),
-        support: &Cloud,
-        scratch: &mut Scratch,
+        (v, w): (usize, usize),
+        around: &mut Vec<Sample>,
     ) -> Option<(Point, Vector)> {
-        let (p, q) = (self.point(v), self.point(w));
-        let guess = (self.normal(v) + self.normal(w)).try_normalize(1e-6)?;
+        let (p, q) = (self.rings.at(v), self.rings.at(w));
+        let [n, m] = [v, w].map(|node| self.normal(self.rings.vertex(node)));
+        let guess = (n + m).try_normalize(1e-6)?;
         let middle = nalgebra::center(&p, &q);
-        let normal = support.plane(middle, guess, self.h, scratch).map_or(guess, |f| f.normal);
+        let a = self.sizes.at(middle);
+        let h = (2.5 * a.max((q - p).norm())).max(self.support.min(5.0 * a));
+        self.gather(middle, guess, h, around);
+        let normal = mls::reference_plane(middle, guess, around, h).map_or(guess, |f| f.normal);
         let into = (q - p).cross(&normal).try_normalize(1e-12)?;
-        let side = (q - p).norm().min(3f64.sqrt() * self.a);
-        let distance = 0.5 * (4.0 * self.a * self.a - side * side).sqrt();
+        let side = (q - p).norm().min(3f64.sqrt() * a);
+        let distance = 0.5 * (4.0 * a * a - side * side).sqrt();
         let flat = middle + distance * into;
-        let foot = support.project(flat, normal, self.h, scratch);
+        if let Some(guide) = self.guide {
+            return guide(flat);
+        }
+        self.gather(flat, normal, h, around);
+        let foot = mls::project(flat, normal, around, h);
         let near = foot.filter(|f| (f.point - flat).norm() < distance);
         Some(near.map_or((flat, normal), |f| (f.point, f.normal)))
+    }
+
+    /// The measured and the new points around a place. Deep in a hole, where
+    /// edges are long, no more of the fine measured ones than next to the rim.
+    fn gather(&self, at: Point, normal: Vector, h: f64, around: &mut Vec<Sample>) {
+        let radius = mls::REACH * h;
+        let beyond_rim = self.sizes.depth(at) + 4.0 * self.sizes.mean;
+        around.clear();
+        self.around.cloud.gather(at, normal, radius.min(beyond_rim.max(h)), around);
+        if let Some(placed) = &self.placed {
+            placed.gather(at, normal, radius, around);
+        }
+    }
+
+    /// Where a front vertex is near `p`, the candidate of `edge`, joins the
+    /// edge to it; says whether it did.
+    fn meet(&mut self, (v, w): (usize, usize), p: Point, normal: Vector) -> bool {
+        if !self.rings.is_alive(v) || self.rings.after(v) != w {
+            return false;
+        }
+        let reach = MEETING * self.sizes.at(p);
+        let own = [v, w, self.rings.before(v), self.rings.after(w)];
+        let near = self.rings.near(p, reach).into_iter();
+        let distance = |node: usize| (self.rings.at(node) - p).norm();
+        let nearest = near
+            .filter(|node| !own.contains(node) && distance(*node) < reach)
+            .min_by(|x, y| distance(*x).total_cmp(&distance(*y)));
+        nearest.is_some_and(|apex| self.may_join(v, apex, normal) && self.join(v, apex))
+    }
+
+    /// Whether the edge that leaves `node` may be joined to the vertex of
+    /// `apex`.
+    fn may_join(&self, node: usize, apex: usize, normal: Vector) -> bool {
+        let w = self.rings.after(node);
+        let [v, x, y] = [node, w, apex].map(|n| self.rings.vertex(n));
+        if self.joined(v, y) || self.joined(x, y) || self.normal(y).dot(&normal) <= 0.0 {
+            return false;
+        }
+        let corners = [w, node, apex].map(|n| self.rings.at(n));
+        let [a, b, c] = corners;
+        let sides = [b - a, c - b, a - c].map(|d| d.norm());
+        let area = (b - a).cross(&(c - a)).norm();
+        let sharp = |k: usize| area < SHARPEST * sides[k] * sides[(k + 1) % 3];
+        if (0..3).any(sharp) {
+            return false;
+        }
+        let reach = (c - a).norm().max((c - b).norm());
+        let near = self.edges_near(c, normal, 2.0 * reach);
+        let plane = LocalPlane::new(c, normal);
+        // The apex sees the edge through its own gap.
+        let [before, after] = [self.rings.before(apex), self.rings.after(apex)];
+        let [before, after] = [before, after].map(|n| self.rings.at(n));
+        let gap = plane.angle(before, c, after);
+        let between = |p: Point| plane.angle(before, c, p) < gap;
+        plane.is_free(corners, &near) && between(a) && between(b)
+    }
+
+    fn join(&mut self, node: usize, apex: usize) -> bool {
+        let w = self.rings.after(node);
+        self.add([w, node, apex].map(|n| self.rings.vertex(n)));
+        self.rings.pinch(node, apex);
+        self.close_triangle(node);
+        if self.rings.is_alive(w) {
+            self.close_triangle(w);
+        }
+        true
     }
 
     /// Joins `p` to the nearest front edge, if it keeps its distance from all
     /// other points (a front that has turned around would grow back over the
     /// measured surface) and the triangle crosses nothing.
-    fn try_point(&mut self, p: Point, normal: Vector, support: &Cloud) {
-        let crowded = |v: &VertexId| (self.point(*v) - p).norm() < APART * self.a;
-        if support.nearest_distance(p) < APART * self.a || self.ring.iter().any(crowded) {
+    fn try_point(&mut self, p: Point, normal: Vector) {
+        let size = self.sizes.at(p);
+        let near = self.rings.near(p, 2.0 * size);
+        let crowded = |node: &usize| (self.rings.at(*node) - p).norm() < APART * size;
+        if self.around.cloud.nearest_distance(p) < APART * size || near.iter().any(crowded) {
             return;
         }
-        let n = self.ring.len();
-        let ends = |i: usize| (self.point(self.ring[i]), self.point(self.ring[(i + 1) % n]));
-        let distance = |i: usize| segment_distance(p, ends(i).0, ends(i).1);
-        let nearest = (0..n).map(|i| (i, distance(i))).min_by(|x, y| x.1.total_cmp(&y.1));
-        let Some((i, d)) = nearest else { return };
-        let (e1, e2) = ends(i);
-        if d < LOWEST * self.a {
+        let distance = |node: usize| {
+            let (a, b) = self.rings.edge(node);
+            segment_distance(p, a, b)
+        };
+        let nearest = near.iter().map(|&node| (node, distance(node)));
+        let nearest = nearest.min_by(|x, y| x.1.total_cmp(&y.1));
+        let Some((node, _)) = nearest.filter(|n| n.1 >= LOWEST * size) else { return };
+        let (a, b) = self.rings.edge(node);
+        let reach = (a - p).norm().max((b - p).norm());
+        let edges = self.edges_near(p, normal, 2.0 * reach);
+        if !LocalPlane::new(p, normal).is_free([b, a, p], &edges) {
             return;
         }
-        let corners = [e2, e1, p];
-        let reach = (e1 - p).norm().max((e2 - p).norm());
-        let near = self.edges_near(p, normal, 2.0 * reach);
-        if !LocalPlane::new(p, normal).is_free(corners, &near) {
-            return;
-        }
-        let new = VertexId::from(self.mesh.points.len() + self.fill.points.len());
-        let (v, w) = (self.ring[i], self.ring[(i + 1) % n]);
-        self.fill.points.push(p);
-        self.normals.push(normal);
-        self.fill.triangles.push([w, v, new]);
-        self.edges.extend([(v, new), (w, new)]);
-        self.ring.insert(i + 1, new);
+        let new = self.add_point(p, normal);
+        let ends = [node, self.rings.after(node)].map(|n| self.rings.vertex(n));
+        self.add([ends[1], ends[0], new]);
+        self.rings.insert(node, new, p);
     }
 
     /// Whether the front is not closing in: it has used up its points, or is a
     /// good deal longer than the rim.
-    fn is_growing(&self, rim: usize) -> bool {
-        self.fill.points.len() >= self.most_points || self.ring.len() > rim + rim / 3 + 16
+    fn is_growing(&self) -> bool {
+        self.fill.points.len() >= self.most_points
+            || self.rings.len() > self.rim + self.rim / 3 + 16
     }
 
-    /// Closes the narrowest ear that may be closed; says whether there was one.
-    fn close_narrowest_ear(&mut self) -> bool {
-        self.fill.method = Method::WideEars;
-        let angles: Vec<f64> = (0..self.ring.len()).map(|i| self.angle(i)).collect();
-        let mut order: Vec<usize> = (0..self.ring.len()).collect();
-        order.sort_by(|&i, &j| angles[i].total_cmp(&angles[j]));
-        let Some(&i) = order.iter().find(|&&i| self.may_close(i)) else { return false };
-        self.close(i);
-        true
+    /// For a front that has come to a halt: closes the narrowest ear that may
+    /// be closed, or else leaves a ring to a membrane.
+    fn close_widest_gap(&mut self) -> Option<()> {
+        let angles = self.rings.all().map(|node| (self.angle(node), node));
+        let mut order: Vec<_> = angles.filter(|a| a.0 < std::f64::consts::PI).collect();
+        order.sort_by(|x, y| x.0.total_cmp(&y.0));
+        let narrowest = order.into_iter().find(|&(_, node)| self.may_close(node));
+        match narrowest {
+            Some((_, node)) => {
+                self.close(node);
+                self.fill.wide_ears += 1;
+                Some(())
+            }
+            None => {
+                let node = self.rings.all().next();
+                self.span(node?)
+            }
+        }
     }
 
-    /// Gives up the front for a membrane over the whole hole.
-    fn membrane(&self, rim: &[VertexId]) -> Option<Fill> {
+    /// Closes the ring of a node by a membrane.
+    fn span(&mut self, node: usize) -> Option<()> {
+        if self.close_triangle(node) {
+            return Some(());
+        }
         // The hole lies to the right of its rim.
-        let ring: Vec<_> = rim.iter().rev().map(|&v| (v, self.mesh.point(v))).collect();
-        let joined = |v, w| self.rings.neighbours(self.mesh, v).any(|x| x == w);
-        let membrane = membrane::span(&ring, joined)?;
-        let first = self.mesh.points.len();
-        let vertex = |i: usize| {
-            i.checked_sub(ring.len()).map_or_else(|| ring[i].0, |k| VertexId::from(first + k))
-        };
-        let triangles = membrane.triangles.into_iter().map(|t| t.map(vertex)).collect();
-        Some(Fill { points: membrane.points, triangles, method: Method::Membrane })
+        let nodes = self.rings.ring(node);
+        let ring: Vec<_> =
+            nodes.iter().rev().map(|&n| (self.rings.vertex(n), self.rings.at(n))).collect();
+        let membrane = membrane::span(&ring, |v, w| self.joined(v, w))?;
+        let mean = nodes.iter().map(|&n| self.normal(self.rings.vertex(n))).sum::<Vector>();
+        let normal = mean.try_normalize(1e-12).unwrap_or(Vector::z());
+        let first: Vec<_> = ring.iter().map(|r| r.0).collect();
+        let new: Vec<_> = membrane.points.into_iter().map(|p| self.add_point(p, normal)).collect();
+        let vertices = [first, new].concat();
+        for t in membrane.triangles {
+            self.add(t.map(|i| vertices[i]));
+        }
+        self.rings.drop_ring(node);
+        self.fill.membranes += 1;
+        Some(())
     }
 }
+
+/// An ear in the order of its angle.
+struct Ear {
+    angle: f64,
+    node: usize,
+}
+
+impl Ord for Ear {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.angle.total_cmp(&other.angle).then(self.node.cmp(&other.node))
+    }
+}
+
+impl PartialOrd for Ear {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Ear {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other).is_eq()
+    }
+}
+
+impl Eq for Ear {}

@@ -3,13 +3,24 @@
 //! Each hole is filled by itself from the measured points around it, so holes
 //! do not depend on each other's order.
 
+mod band;
+mod cholesky;
+mod develop;
+mod fair;
 mod front;
 mod membrane;
 mod plane;
+mod ring;
+mod sheet;
+mod size;
+mod smoothing_spline;
 
+use band::Measured;
 use rayon::prelude::*;
+use size::Sizes;
 
 use crate::error::{Error, Result};
+use crate::geometry::{Point, VertexId};
 use crate::mesh::boundary::Loop;
 use crate::mesh::mls::Cloud;
 use crate::mesh::{Disk, FaceOrigin, Patch, Rings, boundary};
@@ -23,11 +34,13 @@ pub struct Options {
     /// The support h of the MLS approximations at the least, in mm; a rim with
     /// longer edges takes 2.5 of its mean edge.
     pub support: f64,
+    /// The standard deviation of the measured points' noise, in mm.
+    pub noise: f64,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { ear_angle: 5.0 * std::f64::consts::PI / 9.0, support: 0.0 }
+        Options { ear_angle: 5.0 * std::f64::consts::PI / 9.0, support: 0.0, noise: 0.0 }
     }
 }
 
@@ -38,6 +51,9 @@ pub enum Method {
     Front,
     /// The front came to a halt, and ears wider than φ were closed for it.
     WideEars,
+    /// The front went astray, and was led over the surface that the points
+    /// around the hole make likely.
+    Led,
     /// The front could not close it; a membrane does.
     Membrane,
 }
@@ -64,27 +80,30 @@ pub struct Report {
     pub holes: Vec<Hole>,
 }
 
-/// Fills all holes of a disk.
-pub fn fill(disk: Disk, options: &Options) -> Result<(Patch, Report)> {
+/// Fills all holes of a disk. `measured` are its points as the scanner gave
+/// them, before smoothing.
+pub fn fill(disk: Disk, measured: &[Point], options: &Options) -> Result<(Patch, Report)> {
     let cloud = Cloud::of(&disk.mesh);
     let rings = Rings::new(&disk.mesh);
+    let around = front::Surroundings { mesh: &disk.mesh, rings: &rings, cloud: &cloud };
+    let measured = Measured { points: measured, noise: options.noise };
     let fill = |(hole, rim): (usize, &Loop)| {
-        front::fill_hole(&disk.mesh, &rings, &cloud, rim, options)
+        close(&around, &measured, &[rim], options)
             .ok_or_else(|| Error::Fill { hole, at: disk.mesh.point(rim[0]) })
     };
-    let fills: Vec<front::Fill> =
+    let fills: Vec<(front::Fill, Method)> =
         disk.holes.par_iter().enumerate().map(fill).collect::<Result<_>>()?;
     let measured = disk.mesh.points.len();
     let mut mesh = disk.mesh;
     let mut origin = vec![FaceOrigin::Measured; mesh.triangles.len()];
     let mut report = Report::default();
-    for (number, (fill, rim)) in fills.into_iter().zip(&disk.holes).enumerate() {
+    for (number, ((fill, method), rim)) in fills.into_iter().zip(&disk.holes).enumerate() {
         report.holes.push(Hole {
             rim_vertices: rim.len(),
             rim_length: boundary::length(&mesh, rim),
             added_vertices: fill.points.len(),
             added_triangles: fill.triangles.len(),
-            method: fill.method,
+            method,
         });
         let shift = (mesh.points.len() - measured) as u32;
         origin.extend(fill.triangles.iter().map(|_| FaceOrigin::Hole(number as u32)));
@@ -99,4 +118,41 @@ pub fn fill(disk: Disk, options: &Options) -> Result<(Patch, Report)> {
     let patch = Patch { mesh, measured, origin, outer: disk.outer, rims: disk.holes };
     debug_assert!(patch.is_disk(), "filling leaves a disk");
     Ok((patch, report))
+}
+
+/// Closes one hole. The front's fill is shaped by the points around it; where
+/// the front went astray it is led over the surface that these make likely.
+fn close(
+    around: &front::Surroundings,
+    measured: &Measured,
+    rims: &[&[VertexId]],
+    options: &Options,
+) -> Option<(front::Fill, Method)> {
+    let points = |rim: &&[VertexId]| rim.iter().map(|&v| around.mesh.point(v)).collect();
+    let sizes = Sizes::new(&rims.iter().map(points).collect::<Vec<_>>());
+    let hole = front::Hole { around, rims, sizes: &sizes };
+    let built = front::advance(hole, options, None);
+    if let Some(fill) = built.as_ref().filter(|f| f.points.is_empty() && f.membranes == 0) {
+        return Some((fill.clone(), fill.method()));
+    }
+    let shaper = fair::Shaper::new(hole, measured);
+    if let Some((shaper, view)) = shaper.as_ref().and_then(|s| Some((s, s.view()?))) {
+        if let Some(fill) = built.as_ref().and_then(|fill| shaper.over_plane(fill, &view)) {
+            let method = fill.method();
+            return Some((fill, method));
+        }
+        let guide = |p: Point| view.under(p, 1e-3 * sizes.mean);
+        let led = front::advance(hole, options, Some(&guide));
+        if let Some(fill) = led.and_then(|fill| shaper.over_plane(&fill, &view)) {
+            return Some((fill, Method::Led));
+        }
+    }
+    let whole = built.filter(|fill| fill.membranes == 0);
+    if let Some(fill) = shaper.as_ref().zip(whole).and_then(|(s, fill)| s.developed(&fill)) {
+        let method = fill.method();
+        return Some((fill, method));
+    }
+    let membrane = front::span(hole, options)?;
+    let shaped = shaper.and_then(|s| s.developed(&membrane));
+    Some((shaped.unwrap_or(membrane), Method::Membrane))
 }

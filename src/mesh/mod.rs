@@ -9,6 +9,7 @@ mod disk;
 mod kind;
 pub mod mls;
 mod neighbours;
+pub mod outline;
 mod patch;
 mod polygons;
 mod rims;

@@ -8,10 +8,9 @@
 //! itself bounds nothing, and is fanned for want of better.
 
 use formats::Soup;
-use spade::handles::FixedVertexHandle;
-use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
 
 use super::build::{Repairs, count};
+use super::outline;
 use super::weld::{NOWHERE, Welded};
 use crate::geometry::{Point, Uv, Vector, VertexId, orient2d};
 
@@ -49,7 +48,7 @@ pub(super) fn cut_up(points: &[Point], polygon: &[u32], into: &mut Vec<[VertexId
     let fan = |k| [0, k - 1, k];
     let (triangles, sound) = match is_convex(&flat) {
         true => ((2..polygon.len()).map(fan).collect(), true),
-        false => match delaunay(&flat) {
+        false => match outline::triangulate(&[&flat], &[]) {
             Some(inside) => (inside, true),
             None => ((2..polygon.len()).map(fan).collect::<Vec<_>>(), false),
         },
@@ -84,78 +83,6 @@ fn is_convex(flat: &[Uv]) -> bool {
     // Seen from its first corner a star that turns left only goes back and forth.
     let fanned = (2..n).all(|k| orient2d(flat[0], flat[k - 1], flat[k]) > 0.0);
     fanned && (0..n).all(left)
-}
-
-type Plane = ConstrainedDelaunayTriangulation<Point2<f64>>;
-
-/// The triangles inside the polygon, as positions in it; `None` if two of its
-/// sides cross, or if it has no inside.
-fn delaunay(flat: &[Uv]) -> Option<Vec<[usize; 3]>> {
-    let mut plane = Plane::new();
-    // For each vertex of the triangulation a corner at its place.
-    let mut corner = Vec::new();
-    let mut vertices = Vec::with_capacity(flat.len());
-    for (k, p) in flat.iter().enumerate() {
-        let vertex = plane.insert(Point2::new(p.x, p.y)).ok()?;
-        if vertex.index() == corner.len() {
-            corner.push(k);
-        }
-        vertices.push(vertex);
-    }
-    let sides = || vertices.iter().zip(vertices.iter().cycle().skip(1)).filter(|(a, b)| a != b);
-    for (&a, &b) in sides() {
-        if !plane.can_add_constraint(a, b) {
-            return None;
-        }
-        plane.add_constraint(a, b);
-    }
-    let mut odd = vec![false; plane.num_undirected_edges()];
-    for (&a, &b) in sides() {
-        mark(&plane, a, b, &mut odd)?;
-    }
-    let inside = inside(&plane, &odd).into_iter();
-    let triangles: Vec<_> = inside.map(|t| t.map(|vertex| corner[vertex.index()])).collect();
-    (!triangles.is_empty()).then_some(triangles)
-}
-
-/// Toggles the edges on the side from `a` to `b`: several where other corners
-/// lie on it.
-fn mark(plane: &Plane, a: FixedVertexHandle, b: FixedVertexHandle, odd: &mut [bool]) -> Option<()> {
-    let at = |p: Point2<f64>| Uv::new(p.x, p.y);
-    let goal = at(plane.vertex(b).position());
-    let mut vertex = plane.vertex(a);
-    while vertex.fix() != b {
-        let here = at(vertex.position());
-        let ahead = |p: Uv| orient2d(here, p, goal) == 0.0 && (p - here).dot(&(goal - here)) > 0.0;
-        let edge = vertex.out_edges().find(|e| ahead(at(e.to().position())))?;
-        odd[edge.as_undirected().fix().index()] ^= true;
-        vertex = edge.to();
-    }
-    Some(())
-}
-
-/// The faces that are reached from outside over an odd number of odd edges.
-fn inside(plane: &Plane, odd: &[bool]) -> Vec<[FixedVertexHandle; 3]> {
-    let mut is_inside: Vec<Option<bool>> = vec![None; plane.num_all_faces()];
-    is_inside[plane.outer_face().fix().index()] = Some(false);
-    let mut edges: Vec<_> = plane.convex_hull().map(|edge| (edge, false)).collect();
-    let mut faces = Vec::new();
-    while let Some((edge, from_inside)) = edges.pop() {
-        let face = edge.rev().face();
-        if is_inside[face.fix().index()].is_some() {
-            continue;
-        }
-        let within = from_inside ^ odd[edge.as_undirected().fix().index()];
-        is_inside[face.fix().index()] = Some(within);
-        let Some(face) = face.as_inner() else { continue };
-        edges.extend(face.adjacent_edges().map(|edge| (edge, within)));
-        if within {
-            faces.push(face);
-        }
-    }
-    // In an order that does not depend on the walk.
-    faces.sort_unstable_by_key(|face| face.fix().index());
-    faces.iter().map(|face| face.vertices().map(|v| v.fix())).collect()
 }
 
 #[cfg(test)]

@@ -84,13 +84,6 @@ impl Sample {
     }
 }
 
-/// Room for the neighbourhood of one projection, kept between calls.
-#[derive(Debug, Default)]
-pub struct Scratch {
-    found: Vec<u32>,
-    around: Vec<Sample>,
-}
-
 impl Cloud {
     /// A cloud of points with (roughly) known unit normals.
     pub fn new(points: Vec<Point>, normals: Vec<Vector>) -> Self {
@@ -108,54 +101,27 @@ impl Cloud {
         self.normals[i]
     }
 
-    /// Projects `r` along about `normal` with support `h`. Points whose normal
-    /// looks the other way lie on another sheet and are left out. `None` where
-    /// too few points are near.
-    pub fn project(
-        &self,
-        r: Point,
-        normal: Vector,
-        h: f64,
-        scratch: &mut Scratch,
-    ) -> Option<Projection> {
-        self.gather(r, normal, h, scratch);
-        let plane = reference_plane(r, normal, &scratch.around, h)?;
-        let polynomial = Polynomial::fit(&plane, &scratch.around, h)?;
-        let (point, normal) = polynomial.at(plane.origin);
-        Some(Projection { point, normal })
-    }
-
-    /// The reference plane at `r` alone.
-    pub fn plane(&self, r: Point, normal: Vector, h: f64, scratch: &mut Scratch) -> Option<Plane> {
-        self.gather(r, normal, h, scratch);
-        reference_plane(r, normal, &scratch.around, h)
-    }
-
     /// The distance from `p` to the nearest point of the cloud.
     pub fn nearest_distance(&self, p: Point) -> f64 {
         (self.points[self.near.nearest(p)] - p).norm()
     }
 
-    /// The points within `radius` of any of `places`, ascending.
-    pub fn around(&self, places: impl Iterator<Item = Point>, radius: f64) -> Vec<VertexId> {
+    /// Adds the points within `radius` of `r` to `around`. Those whose normal
+    /// looks the other way lie on another sheet and are left out.
+    pub fn gather(&self, r: Point, normal: Vector, radius: f64, around: &mut Vec<Sample>) {
         let mut found = Vec::new();
-        let mut all: Vec<u32> = Vec::new();
-        for place in places {
-            self.near.within(place, radius, &mut found);
-            all.extend(&found);
-        }
-        all.sort_unstable();
-        all.dedup();
-        all.into_iter().map(VertexId).collect()
+        self.near.within(r, radius, &mut found);
+        let same_sheet = found.iter().filter(|&&i| self.normals[i as usize].dot(&normal) > 0.0);
+        around.extend(same_sheet.map(|&i| Sample::from(self.points[i as usize])));
     }
+}
 
-    fn gather(&self, r: Point, normal: Vector, h: f64, scratch: &mut Scratch) {
-        self.near.within(r, REACH * h, &mut scratch.found);
-        let same_sheet = |&&i: &&u32| self.normals[i as usize].dot(&normal) > 0.0;
-        scratch.around.clear();
-        let found = scratch.found.iter().filter(same_sheet);
-        scratch.around.extend(found.map(|&i| Sample::from(self.points[i as usize])));
-    }
+/// Projects `r` along about `normal` on the surface of the points `around` it,
+/// with support `h`. `None` where they are too few.
+pub fn project(r: Point, normal: Vector, around: &[Sample], h: f64) -> Option<Projection> {
+    let plane = reference_plane(r, normal, around, h)?;
+    let (point, normal) = Polynomial::fit(&plane, around, h)?.at(plane.origin);
+    Some(Projection { point, normal })
 }
 
 /// Vertex normals, averaged over two rings so that noise near the point
@@ -188,11 +154,17 @@ mod tests {
         Cloud::new(points, normals)
     }
 
+    fn near(cloud: &Cloud, r: Point, h: f64) -> Vec<Sample> {
+        let mut around = Vec::new();
+        cloud.gather(r, Vector::z(), REACH * h, &mut around);
+        around
+    }
+
     #[test]
     fn a_quadric_in_its_own_frame_is_reproduced() {
         let cloud = sheet(|x, y| 0.3 * x * x - 0.2 * y * y);
         let r = Point::new(0.0, 0.0, 0.02);
-        let foot = cloud.project(r, Vector::z(), 0.3, &mut Scratch::default()).unwrap();
+        let foot = project(r, Vector::z(), &near(&cloud, r, 0.3), 0.3).unwrap();
         assert!(foot.point.coords.norm() < 1e-6, "{foot:?}");
         assert!((foot.normal - Vector::z()).norm() < 1e-6);
     }
@@ -201,14 +173,14 @@ mod tests {
     fn the_plane_is_a_stationary_point_of_the_energy() {
         let cloud = sheet(|x, y| 0.3 * (2.0 * x).sin() + 0.2 * x * y);
         let r = Point::new(0.2, -0.1, 0.15);
-        let mut scratch = Scratch::default();
         let h = 0.35;
-        let plane = cloud.plane(r, Vector::z(), h, &mut scratch).unwrap();
+        let around = near(&cloud, r, h);
+        let plane = reference_plane(r, Vector::z(), &around, h).unwrap();
         let t = (plane.origin - r).dot(&plane.normal);
         let (x, y) = plane_axes(plane.normal);
         let value = |dt: f64, a: f64, b: f64| {
             let n = (plane.normal + a * x + b * y).normalize();
-            energy(r, n, t + dt, &scratch.around, h).value
+            energy(r, n, t + dt, &around, h).value
         };
         let least = value(0.0, 0.0, 0.0);
         for step in [1e-3, -1e-3] {
@@ -226,7 +198,7 @@ mod tests {
         normals.extend(vec![-Vector::z(); points.len() - normals.len()]);
         let cloud = Cloud::new(points, normals);
         let r = Point::new(0.1, 0.1, 0.01);
-        let foot = cloud.project(r, Vector::z(), 0.3, &mut Scratch::default()).unwrap();
+        let foot = project(r, Vector::z(), &near(&cloud, r, 0.3), 0.3).unwrap();
         assert!(foot.point.z.abs() < 1e-9);
     }
 }

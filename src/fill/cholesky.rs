@@ -1,0 +1,105 @@
+//! Cholesky factors of matrices with one and the same pattern, with their
+//! determinants.
+
+use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::cholesky::{
+    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    factorize_symbolic_cholesky, supernodal::SupernodalLltRef,
+};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
+use faer::{Conj, Mat, Par, Side};
+
+/// The pattern of a symmetric matrix's lower triangle, analysed, and room for
+/// the work.
+pub struct Pattern {
+    pattern: SymbolicSparseColMat<usize>,
+    symbolic: SymbolicCholesky<usize>,
+    room: MemBuffer,
+    factor: Vec<f64>,
+}
+
+impl Pattern {
+    /// `columns` holds for each column the rows of its entries at and below
+    /// the diagonal, ascending. `None` if there is no memory for it.
+    pub fn new(columns: &[Vec<usize>]) -> Option<Self> {
+        let n = columns.len();
+        let mut starts = vec![0];
+        starts.extend(columns.iter().scan(0, |end, c| {
+            *end += c.len();
+            Some(*end)
+        }));
+        let rows = columns.concat();
+        let pattern = SymbolicSparseColMat::new_checked(n, n, starts, None, rows);
+        // Supernodal throughout: its factor shows the diagonal.
+        let params = CholeskySymbolicParams {
+            supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
+            ..Default::default()
+        };
+        let order = SymmetricOrdering::Amd;
+        let symbolic =
+            factorize_symbolic_cholesky(pattern.as_ref(), Side::Lower, order, params).ok()?;
+        let factoring = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let solving = symbolic.solve_in_place_scratch::<f64>(3, Par::Seq);
+        let room = MemBuffer::try_new(factoring.or(solving)).ok()?;
+        let factor = vec![0.0; symbolic.len_val()];
+        Some(Pattern { pattern, symbolic, room, factor })
+    }
+
+    /// The logarithm of the determinant of the matrix with these entries, in
+    /// the pattern's order; `right` (three columns at most) is replaced by the
+    /// solution. `None` if the matrix is not positive definite.
+    pub fn solve(&mut self, values: &[f64], right: Option<&mut Mat<f64>>) -> Option<f64> {
+        let matrix = SparseColMatRef::new(self.pattern.as_ref(), values);
+        let stack = MemStack::new(&mut self.room);
+        let regular = Default::default();
+        let llt = self
+            .symbolic
+            .factorize_numeric_llt(
+                &mut self.factor,
+                matrix,
+                Side::Lower,
+                regular,
+                Par::Seq,
+                stack,
+                Default::default(),
+            )
+            .ok()?;
+        if let Some(right) = right {
+            llt.solve_in_place_with_conj(Conj::No, right.as_mut(), Par::Seq, stack);
+        }
+        Some(log_determinant(&self.symbolic, &self.factor))
+    }
+}
+
+fn log_determinant(symbolic: &SymbolicCholesky<usize>, factor: &[f64]) -> f64 {
+    let SymbolicCholeskyRaw::Supernodal(nodes) = symbolic.raw() else {
+        unreachable!("the pattern asks for supernodes");
+    };
+    let factor = SupernodalLltRef::new(nodes, factor);
+    let blocks = (0..nodes.n_supernodes()).map(|s| factor.supernode(s).val());
+    2.0 * blocks.flat_map(|b| (0..b.ncols()).map(move |k| b[(k, k)].ln())).sum::<f64>()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_determinant_and_the_solution_of_a_chain_are_known() {
+        // Second differences with fixed ends: determinant n + 1.
+        let n = 50;
+        let columns: Vec<Vec<usize>> = (0..n).map(|j| (j..n.min(j + 2)).collect()).collect();
+        let values: Vec<f64> = columns
+            .iter()
+            .flat_map(|c| c.iter().map(|&i| if i == c[0] { 2.0 } else { -1.0 }))
+            .collect();
+        let mut pattern = Pattern::new(&columns).unwrap();
+        let mut x = Mat::from_fn(n, 1, |i, _| if i == 0 { 1.0 } else { 0.0 });
+        let log = pattern.solve(&values, Some(&mut x)).unwrap();
+        assert!((log - 51f64.ln()).abs() < 1e-10);
+        assert!((x[(0, 0)] - 50.0 / 51.0).abs() < 1e-12);
+        let negative: Vec<f64> = values.iter().map(|v| -v).collect();
+        assert!(pattern.solve(&negative, None).is_none());
+    }
+}

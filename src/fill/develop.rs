@@ -1,0 +1,185 @@
+//! A chart for holes that cannot be seen whole from one side: the fill and the
+//! band around it laid out in the plane, as rigidly as possible (Liu, Zhang,
+//! Xu, Gotsman & Gortler 2008, "A local/global approach to mesh
+//! parameterization"), from Tutte's embedding.
+
+use std::collections::HashMap;
+
+use faer::Mat;
+use faer::prelude::Solve;
+use faer::sparse::linalg::solvers::Llt;
+use faer::sparse::{SparseColMat, Triplet};
+use nalgebra::Vector2;
+
+use crate::geometry::{Point, Uv};
+
+/// Steps that turn each triangle and then move all.
+const STEPS: usize = 30;
+
+/// Lays a connected surface with a boundary out in the plane, from `start` if
+/// it is given. Lengths stay about what they are; triangles may turn over
+/// where the surface is far from developable. `None` if the surface has no
+/// boundary, or numbers that forbid it.
+pub fn develop(
+    points: &[Point],
+    triangles: &[[usize; 3]],
+    start: Option<Vec<Uv>>,
+) -> Option<Vec<Uv>> {
+    let mut uv = start.or_else(|| embed(points, triangles))?;
+    let flat: Vec<[Vector2<f64>; 3]> =
+        triangles.iter().map(|t| flatten(t.map(|v| points[v]))).collect();
+    let weights: Vec<[f64; 3]> =
+        triangles.iter().map(|t| cotangents(t.map(|v| points[v]))).collect();
+    let factor = laplacian(points.len(), triangles, &weights)?;
+    for _ in 0..STEPS {
+        let mut right = Mat::<f64>::zeros(points.len(), 2);
+        for ((t, x), w) in triangles.iter().zip(&flat).zip(&weights) {
+            let turn = rotation(t.map(|v| uv[v]), x, w);
+            for k in 0..3 {
+                let (i, j) = (t[k], t[(k + 1) % 3]);
+                let side = w[k] * (turn * (x[k] - x[(k + 1) % 3]));
+                for axis in 0..2 {
+                    right[(i, axis)] += side[axis];
+                    right[(j, axis)] -= side[axis];
+                }
+            }
+        }
+        factor.solve_in_place(&mut right);
+        uv = (0..points.len()).map(|i| Uv::new(right[(i, 0)], right[(i, 1)])).collect();
+    }
+    uv.iter().all(|p| p.x.is_finite() && p.y.is_finite()).then_some(uv)
+}
+
+/// A triangle in its own plane, its first corner at the origin.
+fn flatten([a, b, c]: [Point; 3]) -> [Vector2<f64>; 3] {
+    let (side, other) = (b - a, c - a);
+    let length = side.norm().max(f64::MIN_POSITIVE);
+    let along = other.dot(&side) / length;
+    let height = side.cross(&other).norm() / length;
+    [Vector2::zeros(), Vector2::new(length, 0.0), Vector2::new(along, height)]
+}
+
+/// Half the cotangents of the angles opposite to the sides 0 1, 1 2, 2 0. None
+/// so small or large that slivers would rule or come loose.
+fn cotangents(corners: [Point; 3]) -> [f64; 3] {
+    [0, 1, 2].map(|k| {
+        let apex = corners[(k + 2) % 3];
+        let (x, y) = (corners[k] - apex, corners[(k + 1) % 3] - apex);
+        let cotangent = x.dot(&y) / x.cross(&y).norm().max(f64::MIN_POSITIVE);
+        0.5 * cotangent.clamp(0.05, 20.0)
+    })
+}
+
+/// The rotation that brings a flattened triangle nearest to its image.
+fn rotation(
+    image: [Uv; 3],
+    flat: &[Vector2<f64>; 3],
+    weights: &[f64; 3],
+) -> nalgebra::Rotation2<f64> {
+    let (mut cosine, mut sine) = (0.0, 0.0);
+    for k in 0..3 {
+        let (u, x) = (image[k] - image[(k + 1) % 3], flat[k] - flat[(k + 1) % 3]);
+        cosine += weights[k] * x.dot(&u);
+        sine += weights[k] * x.perp(&u);
+    }
+    nalgebra::Rotation2::new(sine.atan2(cosine))
+}
+
+/// The factor of Σ w (uᵢ − uⱼ)², with the first vertex held lightly.
+fn laplacian(n: usize, triangles: &[[usize; 3]], weights: &[[f64; 3]]) -> Option<Llt<usize, f64>> {
+    let mut entries = vec![Triplet::new(0, 0, 1e-3)];
+    for (t, w) in triangles.iter().zip(weights) {
+        for k in 0..3 {
+            let (i, j) = (t[k], t[(k + 1) % 3]);
+            entries.extend([Triplet::new(i, i, w[k]), Triplet::new(j, j, w[k])]);
+            entries.push(Triplet::new(i.max(j), i.min(j), -w[k]));
+        }
+    }
+    let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &entries).ok()?;
+    matrix.sp_cholesky(faer::Side::Lower).ok()
+}
+
+/// Tutte's embedding: the longest boundary on a circle of the surface's area,
+/// every other vertex the mean of its neighbours.
+fn embed(points: &[Point], triangles: &[[usize; 3]]) -> Option<Vec<Uv>> {
+    let boundary = longest_boundary(points, triangles)?;
+    let area: f64 = triangles
+        .iter()
+        .map(|t| 0.5 * (points[t[1]] - points[t[0]]).cross(&(points[t[2]] - points[t[0]])).norm())
+        .sum();
+    let radius = (area / std::f64::consts::PI).sqrt();
+    let side = |i: usize| (points[boundary[(i + 1) % boundary.len()]] - points[boundary[i]]).norm();
+    let total: f64 = (0..boundary.len()).map(side).sum();
+    let mut uv = vec![None; points.len()];
+    let mut walked = 0.0;
+    for (i, &v) in boundary.iter().enumerate() {
+        let angle = std::f64::consts::TAU * walked / total;
+        uv[v] = Some(Uv::new(radius * angle.cos(), radius * angle.sin()));
+        walked += side(i);
+    }
+    let number: HashMap<usize, usize> =
+        (0..points.len()).filter(|&v| uv[v].is_none()).enumerate().map(|(k, v)| (v, k)).collect();
+    let n = number.len();
+    let (mut entries, mut right) = (Vec::new(), Mat::<f64>::zeros(n, 2));
+    for (i, j) in triangles.iter().flat_map(|t| (0..6).map(|k| (t[k % 3], t[(k + 1 + k / 3) % 3])))
+    {
+        let Some(&row) = number.get(&i) else { continue };
+        entries.push(Triplet::new(row, row, 1.0));
+        match uv[j] {
+            Some(q) => (0..2).for_each(|axis| right[(row, axis)] += q[axis]),
+            None => entries.push(Triplet::new(row, number[&j], -1.0)),
+        }
+    }
+    let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &entries).ok()?;
+    let x = matrix.sp_cholesky(faer::Side::Lower).ok()?.solve(&right);
+    let inner = |v: usize| number.get(&v).map(|&k| Uv::new(x[(k, 0)], x[(k, 1)]));
+    (0..points.len()).map(|v| uv[v].or_else(|| inner(v))).collect()
+}
+
+fn longest_boundary(points: &[Point], triangles: &[[usize; 3]]) -> Option<Vec<usize>> {
+    let sides = || triangles.iter().flat_map(|t| (0..3).map(|k| (t[k], t[(k + 1) % 3])));
+    let all: std::collections::HashSet<_> = sides().collect();
+    let open: Vec<_> = sides().filter(|&(a, b)| !all.contains(&(b, a))).collect();
+    let mut next: HashMap<usize, usize> = open.iter().copied().collect();
+    let mut longest: Option<(f64, Vec<usize>)> = None;
+    for (start, _) in open {
+        let (mut ring, mut length, mut v) = (Vec::new(), 0.0, start);
+        while let Some(w) = next.remove(&v) {
+            length += (points[w] - points[v]).norm();
+            ring.push(v);
+            v = w;
+        }
+        // A boundary that visits a vertex twice ends there; the rest follows.
+        if v == start && ring.len() > 2 && longest.as_ref().is_none_or(|l| length > l.0) {
+            longest = Some((length, ring));
+        }
+    }
+    Some(longest?.1)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_rolled_sheet_is_unrolled() {
+        let (n, m) = (40, 12);
+        let at = |i: usize, j: usize| {
+            let angle = 5.0 * i as f64 / (n - 1) as f64;
+            Point::new(10.0 * angle.sin(), j as f64, 10.0 * angle.cos())
+        };
+        let points: Vec<Point> = (0..n * m).map(|k| at(k / m, k % m)).collect();
+        let cells = (0..n - 1).flat_map(|i| (0..m - 1).map(move |j| i * m + j));
+        let triangles: Vec<[usize; 3]> =
+            cells.flat_map(|k| [[k, k + m, k + m + 1], [k, k + m + 1, k + 1]]).collect();
+        let uv = develop(&points, &triangles, None).unwrap();
+        for t in &triangles {
+            for k in 0..3 {
+                let (i, j) = (t[k], t[(k + 1) % 3]);
+                let ratio = (uv[i] - uv[j]).norm() / (points[i] - points[j]).norm();
+                assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
+            }
+        }
+        assert!(((uv[0] - uv[(n - 1) * m]).norm() - 50.0).abs() < 1.0);
+    }
+}
