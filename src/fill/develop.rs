@@ -19,7 +19,7 @@ const STEPS: usize = 30;
 /// Lays a connected surface with a boundary out in the plane, from `start` if
 /// it is given. Lengths stay about what they are; triangles may turn over
 /// where the surface is far from developable. `None` if the surface has no
-/// boundary, or numbers that forbid it.
+/// boundary, or numbers that forbid it. Points without triangles end up anywhere.
 pub fn develop(
     points: &[Point],
     triangles: &[[usize; 3]],
@@ -85,9 +85,9 @@ fn rotation(
     nalgebra::Rotation2::new(sine.atan2(cosine))
 }
 
-/// The factor of Σ w (uᵢ − uⱼ)², with the first vertex held lightly.
+/// The factor of Σ w (uᵢ − uⱼ)², all vertices held lightly.
 fn laplacian(n: usize, triangles: &[[usize; 3]], weights: &[[f64; 3]]) -> Option<Llt<usize, f64>> {
-    let mut entries = vec![Triplet::new(0, 0, 1e-3)];
+    let mut entries: Vec<_> = (0..n).map(|i| Triplet::new(i, i, 1e-9)).collect();
     for (t, w) in triangles.iter().zip(weights) {
         for k in 0..3 {
             let (i, j) = (t[k], t[(k + 1) % 3]);
@@ -120,7 +120,8 @@ fn embed(points: &[Point], triangles: &[[usize; 3]]) -> Option<Vec<Uv>> {
     let number: HashMap<usize, usize> =
         (0..points.len()).filter(|&v| uv[v].is_none()).enumerate().map(|(k, v)| (v, k)).collect();
     let n = number.len();
-    let (mut entries, mut right) = (Vec::new(), Mat::<f64>::zeros(n, 2));
+    let mut entries: Vec<_> = (0..n).map(|i| Triplet::new(i, i, 1e-9)).collect();
+    let mut right = Mat::<f64>::zeros(n, 2);
     for (i, j) in triangles.iter().flat_map(|t| (0..6).map(|k| (t[k % 3], t[(k + 1 + k / 3) % 3])))
     {
         let Some(&row) = number.get(&i) else { continue };

@@ -7,7 +7,7 @@ use std::collections::HashMap;
 
 use super::band::{self, Measured};
 use super::develop::develop;
-use super::front::{Fill, Hole, Surroundings};
+use super::front::{Fill, Hole, Lead, Surroundings};
 use super::plane::LocalPlane;
 use super::sheet::Sheet;
 use super::size::Sizes;
@@ -82,14 +82,18 @@ impl<'a> Shaper<'a> {
             let sides = |o: &Vec<Uv>| crossings(o, p);
             outlines.iter().map(sides).sum::<usize>() % 2 == 1
         };
-        let spline = SmoothingSpline::fit(&points, inside, self.cell(area))?;
+        let spline = SmoothingSpline::fit(&points, inside, self.cell(area), self.narrowest())?;
         Some(View { plane, spline, outlines })
     }
 
     /// The width of the spline's cells for a hole of some area.
     fn cell(&self, area: f64) -> f64 {
         let cell = half_width(area, self.perimeter) / ACROSS_HOLE;
-        cell.min(self.width / ACROSS_BAND).max(NARROWEST * self.hole.sizes.mean)
+        cell.min(self.width / ACROSS_BAND).max(self.narrowest())
+    }
+
+    fn narrowest(&self) -> f64 {
+        NARROWEST * self.hole.sizes.mean
     }
 
     /// Shapes a fill as a height over the view's plane. `None` if it cannot be
@@ -118,10 +122,12 @@ impl<'a> Shaper<'a> {
                 let p = self.measured.point(v, self.hole.around.mesh.point(v));
                 (uv[place], [p.x, p.y, p.z])
             };
-            let points: Vec<_> = self.band.iter().zip(&outside.places).map(point).collect();
+            let known = self.band.iter().zip(&outside.places);
+            let points: Vec<_> =
+                known.filter(|known| outside.is_laid_out(*known.1)).map(point).collect();
             let cell = self.cell(sheet.area());
             let covered = sheet.covered(cell);
-            let spline = SmoothingSpline::fit(&points, covered, cell)?;
+            let spline = SmoothingSpline::fit(&points, covered, cell, self.narrowest())?;
             self.settle(&mut sheet, |uv| Some(Point::from(spline.at(uv)?)));
             let outer = &uv[uv.len() - outside.points.len()..];
             start = Some([sheet.uv.as_slice(), outer].concat());
@@ -196,6 +202,11 @@ impl View {
         Some(self.plane.lift(uv, self.spline.at(uv)?[0]))
     }
 
+    /// To lead a front by.
+    pub fn lead<'a>(&self, surface: &'a dyn Fn(Point) -> Option<(Point, Vector)>) -> Lead<'a> {
+        Lead { plane: self.plane, surface }
+    }
+
     /// The point above or below a place, and the unit normal there.
     pub fn under(&self, p: Point, step: f64) -> Option<(Point, Vector)> {
         let uv = self.plane.flat(p);
@@ -244,6 +255,8 @@ struct Outside {
     triangles: Vec<[usize; 3]>,
     /// Of each of the band's vertices.
     places: Vec<usize>,
+    /// Places that have triangles.
+    laid_out: Vec<bool>,
 }
 
 impl Outside {
@@ -266,14 +279,21 @@ impl Outside {
             band.iter().flat_map(|&v| around.rings.triangles(v).iter().copied()).collect();
         numbers.sort_unstable();
         numbers.dedup();
-        let triangles = numbers
+        let triangles: Vec<[usize; 3]> = numbers
             .into_iter()
             .filter_map(|t| {
                 let [a, b, c] = around.mesh.triangles[t as usize].map(|v| number.get(&v).copied());
                 Some([a?, b?, c?])
             })
             .collect();
-        Outside { points, triangles, places }
+        let mut laid_out = vec![false; first + points.len()];
+        triangles.iter().flatten().for_each(|&v| laid_out[v] = true);
+        Outside { points, triangles, places, laid_out }
+    }
+
+    /// Whether a place has triangles by which it has been laid out.
+    fn is_laid_out(&self, place: usize) -> bool {
+        self.laid_out[place]
     }
 }
 

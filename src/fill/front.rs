@@ -58,8 +58,12 @@ impl Fill {
     }
 }
 
-/// Where a place lies on a surface that is known already, and its unit normal.
-pub type Guide<'a> = &'a dyn Fn(Point) -> Option<(Point, Vector)>;
+/// By which a front is led: a plane in which the hole does not overlap, and the
+/// surface over it, by the point next to a place and the unit normal there.
+pub struct Lead<'a> {
+    pub plane: LocalPlane,
+    pub surface: &'a dyn Fn(Point) -> Option<(Point, Vector)>,
+}
 
 /// A hole, and what is around it.
 #[derive(Clone, Copy)]
@@ -70,15 +74,17 @@ pub struct Hole<'a> {
     pub sizes: &'a Sizes,
 }
 
-/// Closes a hole by the front. New points are found by MLS, or with a `guide`
-/// by that. `None` where the front went astray: it grew without closing in.
-pub fn advance(hole: Hole, options: &Options, guide: Option<Guide>) -> Option<Fill> {
-    let mut front = Front::new(hole, options, guide);
+/// Closes a hole by the front. It advances by MLS, and looks for crossings in
+/// local planes, or does both by a `lead`, which cannot fail but where the rims
+/// cross. `None` where the front went astray: it grew without closing in.
+pub fn advance(hole: Hole, options: &Options, lead: Option<Lead>) -> Option<Fill> {
+    let is_led = lead.is_some();
+    let mut front = Front::new(hole, options, lead);
     front.bridge_islands(hole.rims);
     while front.rings.len() > 0 {
         let before = (front.rings.len(), front.fill.points.len());
         front.close_ears(options.ear_angle);
-        if front.is_growing() {
+        if !is_led && front.is_growing() {
             return None;
         }
         front.advance();
@@ -114,7 +120,7 @@ const SHARPEST: f64 = 0.3;
 struct Front<'a> {
     around: &'a Surroundings<'a>,
     sizes: &'a Sizes,
-    guide: Option<Guide<'a>>,
+    lead: Option<Lead<'a>>,
     rings: Rings,
     /// The new vertices, as of the last round, for neighbourhoods.
     placed: Option<Cloud>,
@@ -132,7 +138,7 @@ impl<'a> Front<'a> {
     fn new(
         Hole { around, rims, sizes }: Hole<'a>,
         options: &Options,
-        guide: Option<Guide<'a>>,
+        lead: Option<Lead<'a>>,
     ) -> Self {
         let rim: usize = rims.iter().map(|r| r.len()).sum();
         // About what edges that grow from the rim leave room for in a disk, and
@@ -143,7 +149,7 @@ impl<'a> Front<'a> {
         Front {
             around,
             sizes,
-            guide,
+            lead,
             rings: Rings::new(&loops, 1.5 * sizes.mean),
             placed: None,
             normals: Vec::new(),
@@ -162,8 +168,9 @@ impl<'a> Front<'a> {
         }
     }
 
-    fn plane(&self, node: usize) -> LocalPlane {
-        LocalPlane::new(self.rings.at(node), self.normal(self.rings.vertex(node)))
+    /// The plane in which to look for crossings around a place.
+    fn plane(&self, at: Point, normal: Vector) -> LocalPlane {
+        self.lead.as_ref().map_or_else(|| LocalPlane::new(at, normal), |lead| lead.plane)
     }
 
     /// The nodes before, at and after `node`.
@@ -174,13 +181,15 @@ impl<'a> Front<'a> {
     /// The hole's angle at a node, in the plane across the normal there.
     fn angle(&self, node: usize) -> f64 {
         let [a, b, c] = self.ear(node).map(|n| self.rings.at(n));
-        self.plane(node).angle(a, b, c)
+        self.plane(b, self.normal(self.rings.vertex(node))).angle(a, b, c)
     }
 
     /// The front's edges that may come within `radius` of `centre` and face
     /// the same way.
     fn edges_near(&self, centre: Point, normal: Vector, radius: f64) -> Vec<(Point, Point)> {
-        let facing = |node: usize| self.normal(self.rings.vertex(node)).dot(&normal) > 0.0;
+        let facing = |node: usize| {
+            self.lead.is_some() || self.normal(self.rings.vertex(node)).dot(&normal) > 0.0
+        };
         let near = self.rings.near(centre, radius).into_iter();
         near.filter(|&node| facing(node) || facing(self.rings.after(node)))
             .map(|node| self.rings.edge(node))
@@ -270,7 +279,7 @@ impl<'a> Front<'a> {
         let longest = (a - b).norm().max((c - b).norm());
         let normal = self.normal(self.rings.vertex(node));
         let near = self.edges_near(b, normal, 2.0 * longest);
-        LocalPlane::new(b, normal).is_free([c, b, a], &near)
+        self.plane(b, normal).is_free([c, b, a], &near)
     }
 
     /// Closes an ear; returns the nodes whose angle it changed.
@@ -354,8 +363,8 @@ impl<'a> Front<'a> {
         let side = (q - p).norm().min(3f64.sqrt() * a);
         let distance = 0.5 * (4.0 * a * a - side * side).sqrt();
         let flat = middle + distance * into;
-        if let Some(guide) = self.guide {
-            return guide(flat);
+        if let Some(lead) = &self.lead {
+            return (lead.surface)(flat);
         }
         self.gather(flat, normal, h, around);
         let foot = mls::project(flat, normal, around, h);
@@ -409,7 +418,7 @@ impl<'a> Front<'a> {
         }
         let reach = (c - a).norm().max((c - b).norm());
         let near = self.edges_near(c, normal, 2.0 * reach);
-        let plane = LocalPlane::new(c, normal);
+        let plane = self.plane(c, normal);
         // The apex sees the edge through its own gap.
         let [before, after] = [self.rings.before(apex), self.rings.after(apex)];
         let [before, after] = [before, after].map(|n| self.rings.at(n));
@@ -449,7 +458,7 @@ impl<'a> Front<'a> {
         let (a, b) = self.rings.edge(node);
         let reach = (a - p).norm().max((b - p).norm());
         let edges = self.edges_near(p, normal, 2.0 * reach);
-        if !LocalPlane::new(p, normal).is_free([b, a, p], &edges) {
+        if !self.plane(p, normal).is_free([b, a, p], &edges) {
             return;
         }
         let new = self.add_point(p, normal);

@@ -141,8 +141,8 @@ fn close(
             let method = fill.method();
             return Some((fill, method));
         }
-        let guide = |p: Point| view.under(p, 1e-3 * sizes.mean);
-        let led = front::advance(hole, options, Some(&guide));
+        let surface = |p: Point| view.under(p, 1e-3 * sizes.mean);
+        let led = front::advance(hole, options, Some(view.lead(&surface)));
         if let Some(fill) = led.and_then(|fill| shaper.over_plane(&fill, &view)) {
             return Some((fill, Method::Led));
         }

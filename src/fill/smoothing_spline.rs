@@ -1,10 +1,11 @@
 //! The surface that the points around a hole make likely: a smoothing spline
 //! over a chart.
 //!
-//! It minimises Σ |f(uᵢ) − pᵢ|² + λ₃ J₃(f) + λ₄ J₄(f), where Jₘ is the integral
-//! over the chart of the squared m-th derivatives (the thin-plate energies of
-//! third and fourth order, which leave quadrics, and cubics, alone). How stiff
-//! it is, is not set but found: λ₃ and λ₄ are those of greatest restricted
+//! It minimises Σ |f(uᵢ) − pᵢ|² + λ₂ J₂(f) + λ₄ J₄(f), where Jₘ is the integral
+//! over the chart of the squared m-th derivatives: the thin-plate energies of
+//! second order, which holds wide holes flat, and of fourth, by which the
+//! curvature goes on across them. How stiff
+//! it is, is not set but found: λ₂ and λ₄ are those of greatest restricted
 //! likelihood (REML; Wahba 1985, "A comparison of GCV and GML for choosing the
 //! smoothing parameter", and Patterson & Thompson 1971), which takes f for a
 //! random function and the deviations for independent. On clean points it
@@ -28,6 +29,13 @@ const ON_CELL: usize = ON_INTERVAL * ON_INTERVAL;
 /// The widest grid, in cells.
 const MOST_CELLS: f64 = 4e6;
 
+/// A grid of more functions than this is not made finer.
+const MOST_FUNCTIONS: usize = 4000;
+
+/// An energy of at least this exponent smooths over what a grid's cells cannot
+/// show.
+const FREE_OF_GRID: i32 = -8;
+
 /// A smoothing spline with `D` components.
 pub struct SmoothingSpline<const D: usize> {
     grid: Grid,
@@ -37,23 +45,28 @@ pub struct SmoothingSpline<const D: usize> {
 
 impl<const D: usize> SmoothingSpline<D> {
     /// Fits `points` on a grid of about `cell` wide cells, which reaches
-    /// over them and where `also` says; narrower ones, where the points bend
-    /// more than such a grid can. `None` where the points are too few.
+    /// over them and where `also` says. The grid shall not be what smooths: it
+    /// is made finer, down to `narrowest` cells, until the energies do. `None`
+    /// where the points are too few.
     pub fn fit(
         points: &[(Uv, [f64; D])],
         also: impl Fn(Uv) -> bool,
         mut cell: f64,
+        narrowest: f64,
     ) -> Option<Self> {
-        for last in [false, false, true] {
+        let mut start = Exponents(0, 2);
+        loop {
             let grid = Grid::new(points, &also, cell)?;
-            let most_likely = Equations::new(&grid, points)?.most_likely()?;
-            let (coefficients, loosest) = most_likely;
-            if last || !loosest {
+            let (coefficients, stiffness) = Equations::new(&grid, points)?.most_likely(start)?;
+            let finer = (0.5 * cell).max(narrowest);
+            let is_free = stiffness.0.max(stiffness.1) >= FREE_OF_GRID;
+            if is_free || finer > 0.99 * cell || 4 * grid.count > MOST_FUNCTIONS {
                 return Some(SmoothingSpline { grid, coefficients });
             }
-            cell *= 0.5;
+            // The same stiffness, on a grid of half the width.
+            start = Exponents(stiffness.0 + 2, stiffness.1 + 5);
+            cell = finer;
         }
-        None
     }
 
     /// The value at `uv`; `None` outside of the grid.
@@ -226,11 +239,21 @@ fn cell_energy(m: usize) -> [[f64; ON_CELL]; ON_CELL] {
     energy
 }
 
+/// Of λ₂ and λ₄, where all forms have the same trace: powers of √10.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+struct Exponents(i32, i32);
+
+impl Exponents {
+    fn weights(self) -> [f64; 2] {
+        [self.0, self.1].map(|e| 10f64.powf(0.5 * f64::from(e)))
+    }
+}
+
 /// The normal equations and the energies, entry by entry of one pattern.
 struct Equations<const D: usize> {
     pattern: Pattern,
     points: Vec<f64>,
-    third: Vec<f64>,
+    second: Vec<f64>,
     fourth: Vec<f64>,
     diagonal: Vec<usize>,
     right: Mat<f64>,
@@ -238,10 +261,10 @@ struct Equations<const D: usize> {
     freedom: f64,
 }
 
-/// Dimension of the functions without energy: quadratics in two variables.
-const FREE: usize = 6;
+/// Dimension of the functions without energy: linear ones in two variables.
+const FREE: usize = 3;
 
-/// The grid of exponents that is searched: halves from here …
+/// The exponents that are searched, from here …
 const LOWEST: i32 = -18;
 /// … to here.
 const HIGHEST: i32 = 12;
@@ -249,7 +272,7 @@ const HIGHEST: i32 = 12;
 impl<const D: usize> Equations<D> {
     fn new(grid: &Grid, points: &[(Uv, [f64; D])]) -> Option<Self> {
         let n = grid.count;
-        if points.len() <= 2 * FREE {
+        if points.len() <= 4 * FREE {
             return None;
         }
         let columns = columns(grid);
@@ -269,7 +292,7 @@ impl<const D: usize> Equations<D> {
         let mut equations = Equations {
             pattern: Pattern::new(&columns)?,
             points: vec![0.0; entries],
-            third: vec![0.0; entries],
+            second: vec![0.0; entries],
             fourth: vec![0.0; entries],
             diagonal: starts.clone(),
             right: Mat::zeros(n, D),
@@ -292,13 +315,13 @@ impl<const D: usize> Equations<D> {
             }
             equations.squares += value.iter().map(|y| y * y).sum::<f64>();
         }
-        let (third, fourth) = (cell_energy(3), cell_energy(4));
+        let (second, fourth) = (cell_energy(2), cell_energy(4));
         for (functions, sum) in grid.on_cells.iter().zip(&sums) {
             for (p, &i) in functions.iter().enumerate() {
                 for (q, &j) in functions.iter().enumerate().filter(|(_, j)| **j <= i) {
                     let at = slot(i as usize, j as usize);
                     equations.points[at] += sum[p][q];
-                    equations.third[at] += third[p][q];
+                    equations.second[at] += second[p][q];
                     equations.fourth[at] += fourth[p][q];
                 }
             }
@@ -315,27 +338,25 @@ impl<const D: usize> Equations<D> {
         let by = n / trace(&self.points);
         self.squares *= by;
         self.right *= faer::Scale(by);
-        for form in [&mut self.points, &mut self.third, &mut self.fourth] {
+        for form in [&mut self.points, &mut self.second, &mut self.fourth] {
             let by = n / trace(form);
             form.iter_mut().for_each(|x| *x *= by);
         }
     }
 
-    /// A pattern search over the exponents of λ₃ and λ₄.
-    /// The coefficients, and whether both came out as small as they can.
-    fn most_likely(mut self) -> Option<(Vec<[f64; D]>, bool)> {
+    /// A pattern search for the exponents of λ₂ and λ₄, and the coefficients
+    /// there.
+    fn most_likely(mut self, start: Exponents) -> Option<(Vec<[f64; D]>, Exponents)> {
         let mut known = HashMap::new();
-        let mut best = (0, 2);
+        let mut best = Exponents(start.0.min(HIGHEST), start.1.min(HIGHEST));
         let mut likelihood = self.likelihood(best, &mut known);
         let mut step = 4;
         while step > 0 {
             let around = [(step, 0), (-step, 0), (0, step), (0, -step)];
-            let next = around
-                .map(|(x, y)| (best.0 + x, best.1 + y))
-                .into_iter()
-                .filter(|(x, y)| (LOWEST..=HIGHEST).contains(x) && (LOWEST..=HIGHEST).contains(y));
-            let tried: Vec<_> =
-                next.map(|place| (self.likelihood(place, &mut known), place)).collect();
+            let next = around.map(|(x, y)| Exponents(best.0 + x, best.1 + y));
+            let within = |e: &Exponents| [e.0, e.1].iter().all(|x| (LOWEST..=HIGHEST).contains(x));
+            let tried = next.into_iter().filter(within);
+            let tried: Vec<_> = tried.map(|e| (self.likelihood(e, &mut known), e)).collect();
             match tried.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
                 Some((value, place)) if value > likelihood => (likelihood, best) = (value, place),
                 _ => step /= 2,
@@ -343,12 +364,12 @@ impl<const D: usize> Equations<D> {
         }
         let (_, x, _) = self.solve(best)?;
         let coefficients = (0..x.nrows()).map(|i| std::array::from_fn(|d| x[(i, d)])).collect();
-        Some((coefficients, best.0.max(best.1) <= LOWEST + 4))
+        Some((coefficients, best))
     }
 
     /// Twice the restricted log-likelihood, but for a constant; −∞ where it
     /// cannot be had.
-    fn likelihood(&mut self, place: (i32, i32), known: &mut HashMap<(i32, i32), f64>) -> f64 {
+    fn likelihood(&mut self, place: Exponents, known: &mut HashMap<Exponents, f64>) -> f64 {
         if let Some(value) = known.get(&place) {
             return *value;
         }
@@ -357,7 +378,7 @@ impl<const D: usize> Equations<D> {
         value
     }
 
-    fn evaluate(&mut self, place: (i32, i32)) -> Option<f64> {
+    fn evaluate(&mut self, place: Exponents) -> Option<f64> {
         let (log, _, squares) = self.solve(place)?;
         let prior = self.log_energy(place)?;
         Some(D as f64 * (prior - log) - self.freedom * squares.ln())
@@ -365,7 +386,7 @@ impl<const D: usize> Equations<D> {
 
     /// The logarithm of the determinant, the solution, and the penalised sum
     /// of squares.
-    fn solve(&mut self, place: (i32, i32)) -> Option<(f64, Mat<f64>, f64)> {
+    fn solve(&mut self, place: Exponents) -> Option<(f64, Mat<f64>, f64)> {
         let mut values = self.energy(place, 1e-13);
         values.iter_mut().zip(&self.points).for_each(|(v, p)| *v += p);
         let mut x = self.right.clone();
@@ -377,11 +398,11 @@ impl<const D: usize> Equations<D> {
         Some((log, x, (self.squares - explained).max(1e-15 * self.squares)))
     }
 
-    /// λ₃ J₃ + λ₄ J₄, and a little on the diagonal.
-    fn energy(&self, (third, fourth): (i32, i32), diagonal: f64) -> Vec<f64> {
-        let [a, b] = [third, fourth].map(|e| 10f64.powf(0.5 * f64::from(e)));
+    /// λ₂ J₂ + λ₄ J₄, and a little on the diagonal.
+    fn energy(&self, place: Exponents, diagonal: f64) -> Vec<f64> {
+        let [a, b] = place.weights();
         let mut sum: Vec<f64> =
-            self.third.iter().zip(&self.fourth).map(|(x, y)| a * x + b * y).collect();
+            self.second.iter().zip(&self.fourth).map(|(x, y)| a * x + b * y).collect();
         self.diagonal.iter().for_each(|&d| sum[d] += diagonal * (1.0 + a + b));
         sum
     }
@@ -389,10 +410,10 @@ impl<const D: usize> Equations<D> {
     /// The logarithm of the determinant of the energy on what is not free: with
     /// ε on the diagonal it is that of the whole, less that of ε's on the free
     /// functions.
-    fn log_energy(&mut self, place: (i32, i32)) -> Option<f64> {
+    fn log_energy(&mut self, place: Exponents) -> Option<f64> {
         const EPSILON: f64 = 1e-11;
         let values = self.energy(place, EPSILON);
-        let [a, b] = [place.0, place.1].map(|e| 10f64.powf(0.5 * f64::from(e)));
+        let [a, b] = place.weights();
         let free = FREE as f64 * (EPSILON * (1.0 + a + b)).ln();
         Some(self.pattern.solve(&values, None)? - free)
     }
@@ -448,7 +469,7 @@ mod tests {
     #[test]
     fn a_clean_surface_goes_on_over_the_hole() {
         let f = |x: f64, y: f64| (1.3 * x).sin() * (0.8 * y).cos();
-        let spline = SmoothingSpline::fit(&ring(f), |p| p.coords.norm() < 1.0, 0.3).unwrap();
+        let spline = SmoothingSpline::fit(&ring(f), |p| p.coords.norm() < 1.0, 0.3, 0.1).unwrap();
         for p in inside() {
             let [z] = spline.at(p).unwrap();
             assert!((z - f(p.x, p.y)).abs() < 2e-3, "{p} {z} {}", f(p.x, p.y));
@@ -468,7 +489,7 @@ mod tests {
         let f = |x: f64, y: f64| 0.3 * x * x - 0.2 * x * y;
         let mut points = ring(f);
         points.iter_mut().for_each(|p| p.1[0] += noise());
-        let spline = SmoothingSpline::fit(&points, |p| p.coords.norm() < 1.0, 0.3).unwrap();
+        let spline = SmoothingSpline::fit(&points, |p| p.coords.norm() < 1.0, 0.3, 0.1).unwrap();
         let squares = points.iter().map(|(p, z)| (spline.at(*p).unwrap()[0] - z[0]).powi(2));
         let deviation = (squares.sum::<f64>() / points.len() as f64).sqrt();
         assert!((deviation - 0.05).abs() < 0.005, "{deviation}");
