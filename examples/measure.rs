@@ -62,7 +62,7 @@ fn smooth(file: &str, out: &str, mut steps: Steps) -> Result<(), Box<dyn Error>>
     let scan = Components::new(mesh::from_soup(&soup, 1.0)?);
     drop(soup);
     let mut repairs = scan.repairs().clone();
-    let disk = scan.take(Choice::Largest)?.into_disk(Outer::Longest, &mut repairs)?;
+    let disk = scan.take(Choice::Largest)?.into_disk(Outer::Auto, &mut repairs)?;
     drop(scan);
     steps.end("mesh")?;
     let (smoothed, report) = smooth::smooth(&disk, &smooth::Options::default());

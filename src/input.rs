@@ -73,7 +73,7 @@ pub fn inspect(scan: Components, component: Choice, outer: Outer) -> Result<Insp
     let inspection = Inspection {
         topology: chosen.topology.clone(),
         loops: rings.iter().map(|ring| (boundary::length(mesh, ring), ring.len())).collect(),
-        outer: (!rings.is_empty()).then(|| outer.among(mesh, &rings)),
+        outer: (!rings.is_empty()).then(|| chosen.outer(outer, &rings)),
         bounds: mesh.bounds().map(|p| p.coords.into()),
         noise: smooth::noise(mesh),
         input: input.clone(),

@@ -15,7 +15,7 @@ fn disk(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Disk {
     triangles.iter().for_each(|t| soup.polygons.push(*t));
     let scan = Components::new(mesh::from_soup(&soup, 1.0).expect("a sound mesh"));
     let largest = scan.take(Choice::Largest).expect("there is one");
-    largest.into_disk(Outer::Longest, &mut Repairs::new()).expect("a disk")
+    largest.into_disk(Outer::Auto, &mut Repairs::new()).expect("a disk")
 }
 
 /// A scan, smoothed, and where its vertices truly are.

@@ -38,7 +38,7 @@ pub struct Piece {
     #[arg(long, value_name = "UNIT")]
     pub units: Option<Unit>,
     /// A place on the boundary loop that is the outer one: a vertex index or a
-    /// point, as in --corners of convert [default: the longest loop]
+    /// point, as in --corners of convert [default: the longest loop that does not run around a hole]
     #[arg(long, value_name = "V|x,y,z", allow_hyphen_values = true)]
     pub outer: Option<Places>,
 }

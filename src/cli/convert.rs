@@ -131,7 +131,7 @@ fn options(args: &Convert, scan: &Scan) -> Result<Options, Failure> {
     let corners = corners.transpose()?;
     // The loop that has the corners is the outer one, unless another is named.
     let outer = match (scan.outer(&args.piece)?, corners) {
-        (mesh::Outer::Longest, Some([first, ..])) => mesh::Outer::Near(first),
+        (mesh::Outer::Auto, Some([first, ..])) => mesh::Outer::Near(first),
         (outer, _) => outer,
     };
     let boundary_corners = match &args.boundary_corners {

@@ -44,7 +44,7 @@ impl Scan {
 
     /// The outer loop that the user named.
     pub fn outer(&self, piece: &Piece) -> Result<Outer, Failure> {
-        let Some(places) = &piece.outer else { return Ok(Outer::Longest) };
+        let Some(places) = &piece.outer else { return Ok(Outer::Auto) };
         match self.resolve(places)?[..] {
             [place] => Ok(Outer::Near(place)),
             _ => Err(Failure {

@@ -95,6 +95,11 @@ impl Component {
         boundary::boundary_loops(&self.build.mesh, &self.build.edges)
     }
 
+    /// Which of them is the outer one.
+    pub fn outer(&self, outer: Outer, loops: &[Loop]) -> usize {
+        outer.among(&self.build.mesh, &self.build.edges, loops)
+    }
+
     /// The component as a disk with holes, cleaned at its rims: of the fans
     /// that meet at one place (a bow-tie) the largest stays, and triangles that
     /// hang on by one side go. What was dropped is added to `repairs`.

@@ -1,17 +1,20 @@
 //! A mesh known to be a disk with holes.
 
+use std::collections::HashMap;
+
 use super::boundary::{self, Loop};
 use super::kind::Topology;
 use super::{EdgeMap, Mesh};
 use crate::error::Result;
-use crate::geometry::Point;
+use crate::geometry::{Point, Vector, VertexId};
 
 /// Which boundary loop is the outer one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Outer {
-    /// The longest.
+    /// The longest of those that run around their surface. A hole's rim runs
+    /// around the hole, however long its ragged shape makes it.
     #[default]
-    Longest,
+    Auto,
     /// The one with the vertex nearest to this point.
     Near(Point),
 }
@@ -35,7 +38,7 @@ impl Disk {
         let edges = EdgeMap::new(&mesh);
         Topology::new(&mesh, &edges, true).check_disk()?;
         let mut loops = boundary::boundary_loops(&mesh, &edges);
-        let outer = loops.remove(outer.among(&mesh, &loops));
+        let outer = loops.remove(outer.among(&mesh, &edges, &loops));
         Ok(Disk { mesh, outer, holes: loops })
     }
 
@@ -47,16 +50,84 @@ impl Disk {
 
 impl Outer {
     /// The position of the outer loop among all.
-    pub fn among(self, mesh: &Mesh, loops: &[Loop]) -> usize {
-        let badness = |ring: &Loop| match self {
-            Outer::Longest => -boundary::length(mesh, ring),
+    pub fn among(self, mesh: &Mesh, edges: &EdgeMap, loops: &[Loop]) -> usize {
+        let rank: Vec<(i32, f64)> = match self {
+            Outer::Auto => {
+                let sides = open_side_normals(mesh, edges);
+                let rank = |ring: &Loop| (turn(mesh, &sides, ring), boundary::length(mesh, ring));
+                loops.iter().map(rank).collect()
+            }
             Outer::Near(p) => {
-                let distances = ring.iter().map(|&v| (mesh.point(v) - p).norm_squared());
-                distances.fold(f64::INFINITY, f64::min)
+                let distance = |v: &VertexId| (mesh.point(*v) - p).norm();
+                let nearest = |ring: &Loop| ring.iter().map(distance).fold(f64::MAX, f64::min);
+                loops.iter().map(|ring| (0, -nearest(ring))).collect()
             }
         };
-        let badnesses: Vec<f64> = loops.iter().map(badness).collect();
-        let best = (0..loops.len()).min_by(|&i, &j| badnesses[i].total_cmp(&badnesses[j]));
-        best.unwrap_or(0)
+        let order = |i: usize, j: usize| {
+            rank[i].0.cmp(&rank[j].0).then(rank[i].1.total_cmp(&rank[j].1)).then(j.cmp(&i))
+        };
+        (0..loops.len()).max_by(|&i, &j| order(i, j)).unwrap_or(0)
+    }
+}
+
+/// A loop turns one way or the other only if its vector area has this share of
+/// the normals beside it.
+const CLEAR: f64 = 0.3;
+
+/// 1 if a loop runs around the surface beside it, counter-clockwise seen from
+/// outside, −1 if around a hole in it, 0 where that cannot be told: around a
+/// sleeve.
+fn turn(mesh: &Mesh, normals: &HashMap<VertexId, Vector>, ring: &Loop) -> i32 {
+    let at = |i: usize| mesh.point(ring[i % ring.len()]) - mesh.point(ring[0]);
+    let area: Vector = (1..ring.len()).map(|i| at(i).cross(&at(i + 1))).sum();
+    let side = |i: usize| (at(i + 1) - at(i)).norm();
+    let beside = |(i, v): (usize, &VertexId)| side(i) * normals.get(v).copied().unwrap_or_default();
+    let normal: Vector = ring.iter().enumerate().map(beside).sum();
+    let share = area.dot(&normal) / (area.norm() * boundary::length(mesh, ring));
+    i32::from(share > CLEAR) - i32::from(share < -CLEAR)
+}
+
+/// The unit normal of the triangle at each boundary edge, by the vertex that
+/// the edge leaves.
+fn open_side_normals(mesh: &Mesh, edges: &EdgeMap) -> HashMap<VertexId, Vector> {
+    let normal = |side: usize| {
+        let t = mesh.triangles[side / 3];
+        (t[side % 3], mesh.area_vector(t).try_normalize(0.0).unwrap_or_default())
+    };
+    edges.open_sides().map(normal).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square of 20 × 20 cells with a comb cut out of it, whose rim is longer
+    /// than the square's.
+    fn combed() -> Mesh {
+        let n = 21;
+        let is_cut = |i: usize, j: usize| {
+            let tooth = (3..17).contains(&i) && (4..17).contains(&j) && i % 2 == 1;
+            tooth || ((3..17).contains(&i) && j == 3)
+        };
+        let cells = (0..20).flat_map(|i| (0..20).map(move |j| (i, j)));
+        let triangles = cells.filter(|&(i, j)| !is_cut(i, j)).flat_map(|(i, j)| {
+            let k = i * n + j;
+            [[k, k + n, k + n + 1], [k, k + n + 1, k + 1]].map(|t| t.map(VertexId::from))
+        });
+        let at = |k: usize| Point::new((k / n) as f64, (k % n) as f64, 0.0);
+        Mesh { points: (0..n * n).map(at).collect(), triangles: triangles.collect() }
+    }
+
+    #[test]
+    fn a_ragged_hole_is_not_the_outside() {
+        let mesh = combed();
+        let edges = EdgeMap::new(&mesh);
+        let loops = boundary::boundary_loops(&mesh, &edges);
+        let lengths: Vec<f64> = loops.iter().map(|l| boundary::length(&mesh, l)).collect();
+        let outer = Outer::Auto.among(&mesh, &edges, &loops);
+        assert_eq!(lengths[outer], 80.0);
+        assert!(lengths.iter().any(|&l| l > 80.0));
+        let inner = Outer::Near(Point::new(5.0, 5.0, 0.0)).among(&mesh, &edges, &loops);
+        assert_ne!(inner, outer);
     }
 }

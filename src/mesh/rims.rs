@@ -77,7 +77,7 @@ mod tests {
         mesh.points.push(Point::new(2.5, -1.0, 0.0));
         mesh.triangles.push([v(3), v(2), v(25)]);
         let (disk, trimmed) =
-            trim_hanging(Disk::new(mesh, Outer::Longest).unwrap(), Outer::Longest).unwrap();
+            trim_hanging(Disk::new(mesh, Outer::Auto).unwrap(), Outer::Auto).unwrap();
         assert_eq!((trimmed, disk.mesh.triangles.len(), disk.mesh.points.len()), (1, clean, 25));
     }
 }
