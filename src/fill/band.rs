@@ -28,7 +28,7 @@ pub fn band(Hole { around, rims, sizes }: Hole, width: f64) -> Vec<VertexId> {
 /// to be seen, which for a hole of half width `radius` is about as far again,
 /// but less for wide holes, whose long rims have points enough.
 pub fn width(radius: f64, edge: f64) -> f64 {
-    (radius * radius.min(12.0 * edge)).sqrt().max(6.0 * edge)
+    (0.8 * (radius * radius.min(12.0 * edge)).sqrt()).max(6.0 * edge)
 }
 
 /// The points as they were measured, if smoothing has not moved them much

@@ -22,7 +22,7 @@ const ACROSS_HOLE: f64 = 3.5;
 const ACROSS_BAND: f64 = 3.0;
 
 /// Nor are they narrower than this many edges.
-const NARROWEST: f64 = 1.5;
+const NARROWEST: f64 = 2.0;
 
 /// The steepest slope, as the cosine of its angle, of a surface that is seen as
 /// a height …

@@ -18,14 +18,16 @@
 //! bounded and every other step shortens a ring, so it ends.
 
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashSet};
+use std::collections::BinaryHeap;
+
+use foldhash::{HashSet, HashSetExt};
 
 use super::plane::LocalPlane;
 use super::ring::Rings;
 use super::size::Sizes;
 use super::{Method, Options, membrane};
 use crate::geometry::{Point, Vector, VertexId, segment_distance};
-use crate::mesh::mls::{self, Cloud, Sample};
+use crate::mesh::mls::{self, Cloud, Polynomial, Sample};
 use crate::mesh::{self, Mesh};
 
 /// What the fronts of all holes look at.
@@ -82,14 +84,14 @@ pub fn advance(hole: Hole, options: &Options, lead: Option<Lead>) -> Option<Fill
     let mut front = Front::new(hole, options, lead);
     front.bridge_islands(hole.rims);
     while front.rings.len() > 0 {
-        let before = (front.rings.len(), front.fill.points.len());
+        let before = front.fill.triangles.len();
         front.close_ears(options.ear_angle);
         if !is_led && front.is_growing() {
             return None;
         }
         front.advance();
-        if before == (front.rings.len(), front.fill.points.len()) {
-            front.close_widest_gap()?;
+        if before == front.fill.triangles.len() {
+            front.close_wide_ears(options.ear_angle)?;
         }
     }
     Some(front.fill)
@@ -113,6 +115,10 @@ const LOWEST: f64 = 0.4;
 
 /// A front vertex this near to where a point would be placed takes its part.
 const MEETING: f64 = 0.75;
+
+/// The support of the MLS approximations, in edge lengths: enough for a plane
+/// and its bends in the half disk that lies beside a rim.
+const SUPPORT: f64 = 2.0;
 
 /// The sine of the least angle of a triangle that joins the front to itself.
 const SHARPEST: f64 = 0.3;
@@ -150,7 +156,7 @@ impl<'a> Front<'a> {
             around,
             sizes,
             lead,
-            rings: Rings::new(&loops, 1.5 * sizes.mean),
+            rings: Rings::new(&loops, 3.0 * sizes.mean),
             placed: None,
             normals: Vec::new(),
             edges: HashSet::new(),
@@ -302,8 +308,10 @@ impl<'a> Front<'a> {
         is_triangle
     }
 
-    /// Closes ears below `angle`, the narrowest first, until none is left.
-    fn close_ears(&mut self, angle: f64) {
+    /// Closes ears below `angle`, the narrowest first, until none is left;
+    /// returns how many.
+    fn close_ears(&mut self, angle: f64) -> usize {
+        let before = self.fill.triangles.len();
         let mut order: BinaryHeap<Reverse<Ear>> =
             self.rings.all().map(|node| Reverse(Ear { angle: self.angle(node), node })).collect();
         while let Some(Reverse(ear)) = order.pop() {
@@ -322,6 +330,7 @@ impl<'a> Front<'a> {
                 order.push(Reverse(Ear { angle: self.angle(changed), node: changed }));
             }
         }
+        self.fill.triangles.len() - before
     }
 
     /// One candidate an edge: it becomes a vertex, or the front meets itself
@@ -343,9 +352,9 @@ impl<'a> Front<'a> {
     }
 
     /// The point at d(e) = √(4a² − e²) / 2 from the edge on the bisector in the
-    /// MLS plane at its midpoint, projected by a local MLS approximation. One
-    /// that the approximation throws farther than its distance from the edge
-    /// stays on the plane.
+    /// MLS plane at its midpoint, then on the local MLS approximation over that
+    /// plane. One that the approximation throws farther than its distance from
+    /// the edge stays on the plane.
     fn candidate(
         &self,
         (v, w): (usize, usize),
@@ -356,9 +365,14 @@ impl<'a> Front<'a> {
         let guess = (n + m).try_normalize(1e-6)?;
         let middle = nalgebra::center(&p, &q);
         let a = self.sizes.at(middle);
-        let h = (2.5 * a.max((q - p).norm())).max(self.support.min(5.0 * a));
-        self.gather(middle, guess, h, around);
-        let normal = mls::reference_plane(middle, guess, around, h).map_or(guess, |f| f.normal);
+        let h = (SUPPORT * a.max((q - p).norm())).max(self.support.min(2.0 * SUPPORT * a));
+        let plane = if self.lead.is_some() {
+            None
+        } else {
+            self.gather(middle, guess, h, around);
+            mls::reference_plane(middle, guess, around, h)
+        };
+        let normal = plane.map_or(guess, |f| f.normal);
         let into = (q - p).cross(&normal).try_normalize(1e-12)?;
         let side = (q - p).norm().min(3f64.sqrt() * a);
         let distance = 0.5 * (4.0 * a * a - side * side).sqrt();
@@ -366,10 +380,9 @@ impl<'a> Front<'a> {
         if let Some(lead) = &self.lead {
             return (lead.surface)(flat);
         }
-        self.gather(flat, normal, h, around);
-        let foot = mls::project(flat, normal, around, h);
-        let near = foot.filter(|f| (f.point - flat).norm() < distance);
-        Some(near.map_or((flat, normal), |f| (f.point, f.normal)))
+        let foot = plane.and_then(|plane| Polynomial::fit(&plane, around, h));
+        let foot = foot.map(|polynomial| polynomial.at(flat));
+        Some(foot.filter(|f| (f.0 - flat).norm() < distance).unwrap_or((flat, normal)))
     }
 
     /// The measured and the new points around a place. Deep in a hole, where
@@ -474,24 +487,20 @@ impl<'a> Front<'a> {
             || self.rings.len() > self.rim + self.rim / 3 + 16
     }
 
-    /// For a front that has come to a halt: closes the narrowest ear that may
-    /// be closed, or else leaves a ring to a membrane.
-    fn close_widest_gap(&mut self) -> Option<()> {
-        let angles = self.rings.all().map(|node| (self.angle(node), node));
-        let mut order: Vec<_> = angles.filter(|a| a.0 < std::f64::consts::PI).collect();
-        order.sort_by(|x, y| x.0.total_cmp(&y.0));
-        let narrowest = order.into_iter().find(|&(_, node)| self.may_close(node));
-        match narrowest {
-            Some((_, node)) => {
-                self.close(node);
-                self.fill.wide_ears += 1;
-                Some(())
-            }
-            None => {
-                let node = self.rings.all().next();
-                self.span(node?)
+    /// For a front that has come to a halt: raises φ until an ear can be closed,
+    /// or else leaves a ring to a membrane.
+    fn close_wide_ears(&mut self, angle: f64) -> Option<()> {
+        const STEPS: i32 = 6;
+        for step in 1..=STEPS {
+            let share = f64::from(step) / f64::from(STEPS);
+            let closed = self.close_ears(angle + share * (std::f64::consts::PI - angle));
+            self.fill.wide_ears += closed;
+            if closed > 0 {
+                return Some(());
             }
         }
+        let node = self.rings.all().next();
+        self.span(node?)
     }
 
     /// Closes the ring of a node by a membrane.

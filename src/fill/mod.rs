@@ -65,6 +65,8 @@ pub struct Hole {
     pub rim_vertices: usize,
     /// Length of the rim, in mm.
     pub rim_length: f64,
+    /// Islands in it.
+    pub islands: usize,
     /// Vertices added.
     pub added_vertices: usize,
     /// Triangles added.
@@ -87,8 +89,12 @@ pub fn fill(disk: Disk, measured: &[Point], options: &Options) -> Result<(Patch,
     let rings = Rings::new(&disk.mesh);
     let around = front::Surroundings { mesh: &disk.mesh, rings: &rings, cloud: &cloud };
     let measured = Measured { points: measured, noise: options.noise };
+    let islands = |hole: usize| disk.islands.iter().filter(move |island| island.hole == hole);
     let fill = |(hole, rim): (usize, &Loop)| {
-        close(&around, &measured, &[rim], options)
+        let rims: Vec<&[VertexId]> = std::iter::once(rim.as_slice())
+            .chain(islands(hole).map(|island| island.rim.as_slice()))
+            .collect();
+        close(&around, &measured, &rims, options)
             .ok_or_else(|| Error::Fill { hole, at: disk.mesh.point(rim[0]) })
     };
     let fills: Vec<(front::Fill, Method)> =
@@ -101,6 +107,7 @@ pub fn fill(disk: Disk, measured: &[Point], options: &Options) -> Result<(Patch,
         report.holes.push(Hole {
             rim_vertices: rim.len(),
             rim_length: boundary::length(&mesh, rim),
+            islands: disk.islands.iter().filter(|island| island.hole == number).count(),
             added_vertices: fill.points.len(),
             added_triangles: fill.triangles.len(),
             method,
@@ -115,7 +122,8 @@ pub fn fill(disk: Disk, measured: &[Point], options: &Options) -> Result<(Patch,
         }));
         mesh.points.extend(fill.points);
     }
-    let patch = Patch { mesh, measured, origin, outer: disk.outer, rims: disk.holes };
+    let Disk { outer, holes: rims, islands, .. } = disk;
+    let patch = Patch { mesh, measured, origin, outer, rims, islands };
     debug_assert!(patch.is_disk(), "filling leaves a disk");
     Ok((patch, report))
 }

@@ -4,7 +4,7 @@
 //! A vertex may stand in several nodes, one for each gap around it that is
 //! still open.
 
-use std::collections::HashMap;
+use foldhash::{HashMap, HashMapExt};
 
 use crate::geometry::{Point, VertexId};
 

@@ -2,7 +2,7 @@
 //! flips towards Delaunay's, measured in space, and by moves within the
 //! surface. Neither turns a triangle over in the chart.
 
-use std::collections::HashMap;
+use foldhash::{HashMap, HashSet, HashSetExt};
 
 use crate::geometry::{Point, Uv, orient2d};
 
@@ -40,7 +40,7 @@ impl Sheet {
     /// length.
     pub fn covered(&self, within: f64) -> impl Fn(Uv) -> bool + use<> {
         let key = move |p: Uv| [p.x, p.y].map(|x| (x / within).floor() as i64);
-        let mut cells = std::collections::HashSet::new();
+        let mut cells = HashSet::new();
         for t in &self.triangles {
             let [a, b, c] = t.map(|v| self.uv[v].coords);
             let longest = [b - a, c - b, a - c].map(|d| d.norm()).into_iter().fold(0.0, f64::max);

@@ -14,7 +14,7 @@
 //! f is a quartic tensor-product B-spline on a uniform grid, only as wide as
 //! the points and the hole.
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 use faer::Mat;
 
@@ -31,6 +31,12 @@ const MOST_CELLS: f64 = 4e6;
 
 /// A grid of more functions than this is not made finer.
 const MOST_FUNCTIONS: usize = 4000;
+
+/// A grid of more functions than this is judged by a sample …
+const SAMPLE: usize = 700;
+
+/// … of square blocks, so many cells wide.
+const BLOCK: usize = 12;
 
 /// An energy of at least this exponent smooths over what a grid's cells cannot
 /// show.
@@ -57,10 +63,15 @@ impl<const D: usize> SmoothingSpline<D> {
         let mut start = Exponents(0, 2);
         loop {
             let grid = Grid::new(points, &also, cell)?;
-            let (coefficients, stiffness) = Equations::new(&grid, points)?.most_likely(start)?;
+            let mut equations = Equations::new(&grid, points)?;
+            let stiffness = match grid.sample() {
+                Some(part) => Equations::new(&part, points)?.most_likely(start)?,
+                None => equations.most_likely(start)?,
+            };
             let finer = (0.5 * cell).max(narrowest);
             let is_free = stiffness.0.max(stiffness.1) >= FREE_OF_GRID;
             if is_free || finer > 0.99 * cell || 4 * grid.count > MOST_FUNCTIONS {
+                let coefficients = equations.coefficients(stiffness)?;
                 return Some(SmoothingSpline { grid, coefficients });
             }
             // The same stiffness, on a grid of half the width.
@@ -150,6 +161,50 @@ impl Grid {
             self.on_cells.push(std::array::from_fn(&mut number));
         }
         self.count = numbers.len();
+    }
+
+    /// Of a large grid some blocks, spread over it, from which to tell how stiff
+    /// the whole shall be.
+    fn sample(&self) -> Option<Grid> {
+        if self.count <= SAMPLE {
+            return None;
+        }
+        let block = |at: usize| (at / self.height / BLOCK, at % self.height / BLOCK);
+        let mut blocks: BTreeMap<(usize, usize), usize> = BTreeMap::new();
+        let live = |at: &usize| self.cells[*at].is_some();
+        for at in (0..self.cells.len()).filter(live) {
+            *blocks.entry(block(at)).or_default() += 1;
+        }
+        let average = self.on_cells.len() / blocks.len();
+        blocks.retain(|_, cells| 2 * *cells >= average);
+        // A block of cells has about twice as many functions.
+        let step = (2 * self.on_cells.len()).div_ceil(SAMPLE).min(blocks.len());
+        let chosen: HashSet<_> = blocks.into_keys().skip(step / 2).step_by(step).collect();
+        let own = |at: usize| live(&at) && chosen.contains(&block(at));
+        let mut part =
+            Grid { cells: vec![None; self.cells.len()], on_cells: Vec::new(), count: 0, ..*self };
+        part.number(&(0..self.cells.len()).map(own).collect::<Vec<_>>());
+        Some(part)
+    }
+
+    /// Into how many parts without a common function the grid falls.
+    fn parts(&self) -> usize {
+        let mut root: Vec<u32> = (0..self.count as u32).collect();
+        fn find(root: &mut [u32], mut i: u32) -> u32 {
+            while root[i as usize] != i {
+                root[i as usize] = root[root[i as usize] as usize];
+                i = root[i as usize];
+            }
+            i
+        }
+        for functions in &self.on_cells {
+            let first = find(&mut root, functions[0]);
+            for &f in functions {
+                let other = find(&mut root, f);
+                root[other as usize] = first;
+            }
+        }
+        (0..self.count).filter(|&i| root[i] == i as u32).count()
     }
 
     /// The cell of a place, and the place in it from 0 to 1.
@@ -258,10 +313,12 @@ struct Equations<const D: usize> {
     diagonal: Vec<usize>,
     right: Mat<f64>,
     squares: f64,
+    /// Dimension of the functions without energy.
+    free: f64,
     freedom: f64,
 }
 
-/// Dimension of the functions without energy: linear ones in two variables.
+/// Dimension of the functions without energy on a part: linear ones.
 const FREE: usize = 3;
 
 /// The exponents that are searched, from here …
@@ -272,7 +329,10 @@ const HIGHEST: i32 = 12;
 impl<const D: usize> Equations<D> {
     fn new(grid: &Grid, points: &[(Uv, [f64; D])]) -> Option<Self> {
         let n = grid.count;
-        if points.len() <= 4 * FREE {
+        let free = FREE * grid.parts();
+        let inside = |p: &&(Uv, [f64; D])| grid.cell_of(p.0).is_some();
+        let count = points.iter().filter(inside).count();
+        if count <= 4 * free {
             return None;
         }
         let columns = columns(grid);
@@ -297,11 +357,12 @@ impl<const D: usize> Equations<D> {
             diagonal: starts.clone(),
             right: Mat::zeros(n, D),
             squares: 0.0,
-            freedom: (points.len() - FREE) as f64 * D as f64,
+            free: free as f64,
+            freedom: (count - free) as f64 * D as f64,
         };
         let mut sums = vec![[[0.0; ON_CELL]; ON_CELL]; grid.on_cells.len()];
         for (uv, value) in points {
-            let (cell, _) = grid.cell_of(*uv)?;
+            let Some((cell, _)) = grid.cell_of(*uv) else { continue };
             let (functions, b) = grid.functions(*uv)?;
             for (row, x) in sums[cell].iter_mut().zip(b) {
                 for (entry, y) in row.iter_mut().zip(b) {
@@ -344,14 +405,16 @@ impl<const D: usize> Equations<D> {
         }
     }
 
-    /// A pattern search for the exponents of λ₂ and λ₄, and the coefficients
-    /// there.
-    fn most_likely(mut self, start: Exponents) -> Option<(Vec<[f64; D]>, Exponents)> {
+    /// A pattern search for the exponents of λ₂ and λ₄. `None` where there is
+    /// no solution for any.
+    fn most_likely(&mut self, start: Exponents) -> Option<Exponents> {
         let mut known = HashMap::new();
         let mut best = Exponents(start.0.min(HIGHEST), start.1.min(HIGHEST));
         let mut likelihood = self.likelihood(best, &mut known);
         let mut step = 4;
-        while step > 0 {
+        // To a decade: the length over which the spline smooths is known to a
+        // third by then.
+        while step > 1 {
             let around = [(step, 0), (-step, 0), (0, step), (0, -step)];
             let next = around.map(|(x, y)| Exponents(best.0 + x, best.1 + y));
             let within = |e: &Exponents| [e.0, e.1].iter().all(|x| (LOWEST..=HIGHEST).contains(x));
@@ -362,9 +425,12 @@ impl<const D: usize> Equations<D> {
                 _ => step /= 2,
             }
         }
-        let (_, x, _) = self.solve(best)?;
-        let coefficients = (0..x.nrows()).map(|i| std::array::from_fn(|d| x[(i, d)])).collect();
-        Some((coefficients, best))
+        (likelihood > f64::NEG_INFINITY).then_some(best)
+    }
+
+    fn coefficients(&mut self, stiffness: Exponents) -> Option<Vec<[f64; D]>> {
+        let (_, x, _) = self.solve(stiffness)?;
+        Some((0..x.nrows()).map(|i| std::array::from_fn(|d| x[(i, d)])).collect())
     }
 
     /// Twice the restricted log-likelihood, but for a constant; −∞ where it
@@ -414,7 +480,7 @@ impl<const D: usize> Equations<D> {
         const EPSILON: f64 = 1e-11;
         let values = self.energy(place, EPSILON);
         let [a, b] = place.weights();
-        let free = FREE as f64 * (EPSILON * (1.0 + a + b)).ln();
+        let free = self.free * (EPSILON * (1.0 + a + b)).ln();
         Some(self.pattern.solve(&values, None)? - free)
     }
 }

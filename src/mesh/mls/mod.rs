@@ -116,14 +116,6 @@ impl Cloud {
     }
 }
 
-/// Projects `r` along about `normal` on the surface of the points `around` it,
-/// with support `h`. `None` where they are too few.
-pub fn project(r: Point, normal: Vector, around: &[Sample], h: f64) -> Option<Projection> {
-    let plane = reference_plane(r, normal, around, h)?;
-    let (point, normal) = Polynomial::fit(&plane, around, h)?.at(plane.origin);
-    Some(Projection { point, normal })
-}
-
 /// Vertex normals, averaged over two rings so that noise near the point
 /// spacing does not turn them around.
 pub fn steady_normals(mesh: &Mesh, rings: &Rings) -> Vec<Vector> {
@@ -154,6 +146,12 @@ mod tests {
         Cloud::new(points, normals)
     }
 
+    fn project(around: &[Sample], r: Point, h: f64) -> Projection {
+        let plane = reference_plane(r, Vector::z(), around, h).unwrap();
+        let (point, normal) = Polynomial::fit(&plane, around, h).unwrap().at(plane.origin);
+        Projection { point, normal }
+    }
+
     fn near(cloud: &Cloud, r: Point, h: f64) -> Vec<Sample> {
         let mut around = Vec::new();
         cloud.gather(r, Vector::z(), REACH * h, &mut around);
@@ -164,7 +162,7 @@ mod tests {
     fn a_quadric_in_its_own_frame_is_reproduced() {
         let cloud = sheet(|x, y| 0.3 * x * x - 0.2 * y * y);
         let r = Point::new(0.0, 0.0, 0.02);
-        let foot = project(r, Vector::z(), &near(&cloud, r, 0.3), 0.3).unwrap();
+        let foot = project(&near(&cloud, r, 0.3), r, 0.3);
         assert!(foot.point.coords.norm() < 1e-6, "{foot:?}");
         assert!((foot.normal - Vector::z()).norm() < 1e-6);
     }
@@ -198,7 +196,7 @@ mod tests {
         normals.extend(vec![-Vector::z(); points.len() - normals.len()]);
         let cloud = Cloud::new(points, normals);
         let r = Point::new(0.1, 0.1, 0.01);
-        let foot = project(r, Vector::z(), &near(&cloud, r, 0.3), 0.3).unwrap();
+        let foot = project(&near(&cloud, r, 0.3), r, 0.3);
         assert!(foot.point.z.abs() < 1e-9);
     }
 }
