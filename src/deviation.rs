@@ -1,24 +1,31 @@
 //! How far points are from the trimmed face: Euclidean distances to foot
-//! points, to the trim curve where the foot falls into a hole.
+//! points, to the trim curve where the foot falls into a hole. Islands in a hole
+//! are faces, too.
 
 use rayon::prelude::*;
 
-use crate::geometry::{Point, Uv, ray_crosses, segment_distance};
+use crate::geometry::{Point, Uv, is_inside, segment_distance, uv_bounds};
 use crate::spline::{Curve, Surface, foot_point};
 
-/// A surface and the holes cut out of it.
+/// A surface and the holes cut out of it, and the islands left in them, and so
+/// on.
 #[derive(Debug)]
 pub struct Face<'a> {
     surface: &'a Surface,
-    holes: Vec<Hole>,
+    rings: Vec<Ring>,
 }
 
+/// A trim loop. Between an odd number of them and an even one the surface ends.
 #[derive(Debug)]
-struct Hole {
+struct Ring {
     outline: Vec<Uv>,
     rim: Vec<Point>,
     low: Uv,
     high: Uv,
+    /// How many loops run around it.
+    depth: usize,
+    /// Which lie within it.
+    inner: Vec<usize>,
 }
 
 /// Distances in mm, over a set of points.
@@ -42,18 +49,29 @@ pub struct Deviation {
 const CHORDS: usize = 16;
 
 impl<'a> Face<'a> {
-    /// The face of a surface without the holes whose loops are given.
+    /// The face of a surface without the holes whose loops are given, but with
+    /// the islands whose loops are given.
     pub fn new<'b>(surface: &'a Surface, loops: impl Iterator<Item = &'b [Curve<2>]>) -> Self {
-        let holes = loops.map(|arcs| Hole::new(surface, arcs)).collect();
-        Face { surface, holes }
+        let mut rings: Vec<Ring> = loops.map(|arcs| Ring::new(surface, arcs)).collect();
+        for i in 0..rings.len() {
+            let within = |j: &usize| *j != i && rings[i].contains(rings[*j].outline[0]);
+            let inner: Vec<usize> = (0..rings.len()).filter(within).collect();
+            inner.iter().for_each(|&j| rings[j].depth += 1);
+            rings[i].inner = inner;
+        }
+        Face { surface, rings }
     }
 
     /// The distance of `p`, searched from the parameter point `start`.
     pub fn distance(&self, p: Point, start: Uv) -> f64 {
         let (at, distance) = foot_point(self.surface, p, start);
-        match self.holes.iter().find(|hole| hole.contains(at)) {
-            Some(hole) => hole.distance(p),
-            None => distance,
+        let around: Vec<&Ring> = self.rings.iter().filter(|ring| ring.contains(at)).collect();
+        match around.iter().max_by_key(|ring| ring.depth) {
+            Some(hole) if around.len() % 2 == 1 => {
+                let islands = hole.inner.iter().map(|&i| self.rings[i].distance(p));
+                islands.fold(hole.distance(p), f64::min)
+            }
+            _ => distance,
         }
     }
 
@@ -65,7 +83,7 @@ impl<'a> Face<'a> {
     }
 }
 
-impl Hole {
+impl Ring {
     fn new(surface: &Surface, arcs: &[Curve<2>]) -> Self {
         let mut outline = Vec::new();
         for arc in arcs {
@@ -75,18 +93,15 @@ impl Hole {
             outline.extend((0..count).map(|i| Uv::from(arc.point(at(i)))));
         }
         let rim = outline.iter().map(|&uv| surface.point(uv)).collect();
-        let low = outline.iter().fold(outline[0], |low, p| low.inf(p));
-        let high = outline.iter().fold(outline[0], |high, p| high.sup(p));
-        Hole { outline, rim, low, high }
+        let [low, high] = uv_bounds(&outline);
+        Ring { outline, rim, low, high, depth: 0, inner: Vec::new() }
     }
 
     fn contains(&self, p: Uv) -> bool {
         if p.x < self.low.x || p.x > self.high.x || p.y < self.low.y || p.y > self.high.y {
             return false;
         }
-        let n = self.outline.len();
-        let over = |i: &usize| ray_crosses(p, (self.outline[*i], self.outline[(i + 1) % n]));
-        (0..n).filter(over).count() % 2 == 1
+        is_inside(p, &self.outline)
     }
 
     fn distance(&self, p: Point) -> f64 {
@@ -130,20 +145,42 @@ mod tests {
     use crate::spline::KnotVector;
     use nalgebra::Vector2;
 
-    #[test]
-    fn over_a_hole_the_distance_is_to_its_rim() {
+    /// A plate of 10 × 10 mm.
+    fn plate() -> Surface {
         let k = KnotVector::uniform(3, 5);
         let net =
             (0..25).map(|n| Vector::new(10.0 * k.greville(n / 5), 10.0 * k.greville(n % 5), 0.0));
-        let surface = Surface::new(k.clone(), k.clone(), net.collect());
+        Surface::new(k.clone(), k.clone(), net.collect())
+    }
+
+    /// A square loop around the middle.
+    fn square(r: f64) -> Vec<Curve<2>> {
         let corner =
-            [(0.4, 0.4), (0.4, 0.6), (0.6, 0.6), (0.6, 0.4)].map(|(u, v)| Vector2::new(u, v));
-        let arcs: Vec<Curve<2>> =
-            (0..4).map(|i| Curve::line(corner[i], corner[(i + 1) % 4])).collect();
+            [(-r, -r), (-r, r), (r, r), (r, -r)].map(|(u, v)| Vector2::new(0.5 + u, 0.5 + v));
+        (0..4).map(|i| Curve::line(corner[i], corner[(i + 1) % 4])).collect()
+    }
+
+    #[test]
+    fn over_a_hole_the_distance_is_to_its_rim() {
+        let surface = plate();
+        let arcs = square(0.1);
         let face = Face::new(&surface, std::iter::once(arcs.as_slice()));
         let d = |x: f64, y: f64, z: f64| face.distance(Point::new(x, y, z), Uv::new(0.5, 0.5));
         assert!((d(5.0, 4.5, 0.0) - 0.5).abs() < 1e-12);
         assert!((d(2.0, 5.0, 0.25) - 0.25).abs() < 1e-12);
         assert!((d(-3.0, 5.0, 4.0) - 5.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_island_is_a_face_and_a_hole_in_it_is_not() {
+        let surface = plate();
+        let loops = [square(0.1), square(0.4), square(0.3)];
+        let face = Face::new(&surface, loops.iter().map(Vec::as_slice));
+        let d = |x: f64, z: f64| face.distance(Point::new(x, 5.0, z), Uv::new(0.5, 0.5));
+        assert!((d(9.5, 0.5) - 0.5).abs() < 1e-12);
+        assert!((d(8.9, 0.0) - 0.1).abs() < 1e-12, "in the hole, near its rim");
+        assert!((d(8.1, 0.0) - 0.1).abs() < 1e-12, "in the hole, near the island");
+        assert!((d(7.5, 0.5) - 0.5).abs() < 1e-12, "on the island");
+        assert!((d(5.8, 0.0) - 0.2).abs() < 1e-12, "in the island's hole");
     }
 }

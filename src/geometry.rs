@@ -66,3 +66,16 @@ pub fn segment_distance(p: Point, a: Point, b: Point) -> f64 {
 pub fn ray_crosses(p: Uv, (a, b): (Uv, Uv)) -> bool {
     (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
 }
+
+/// Whether a point is inside a closed polygon.
+pub fn is_inside(p: Uv, polygon: &[Uv]) -> bool {
+    let nexts = polygon.iter().cycle().skip(1);
+    polygon.iter().zip(nexts).filter(|&(&a, &b)| ray_crosses(p, (a, b))).count() % 2 == 1
+}
+
+/// The lowest and the highest coordinates of some points of the parameter
+/// plane; the origin of none.
+pub fn uv_bounds(points: &[Uv]) -> [Uv; 2] {
+    let first = points.first().copied().unwrap_or_else(Uv::origin);
+    points.iter().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)])
+}

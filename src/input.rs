@@ -12,6 +12,10 @@ pub struct InputReport {
     pub triangles: usize,
     /// Components of the scan.
     pub components: usize,
+    /// Other components that lie in its holes, and in theirs, and come with it.
+    pub islands: usize,
+    /// Triangles of these, cleaned.
+    pub island_triangles: usize,
     /// Triangles in the components left out.
     pub left_out: usize,
     /// Boundary loops of the chosen component.
@@ -45,10 +49,20 @@ impl InputReport {
             vertices: chosen.mesh().points.len(),
             triangles: chosen.mesh().triangles.len(),
             components: scan.count(),
+            islands: 0,
+            island_triangles: 0,
             left_out: chosen.left_out,
             boundary_loops: chosen.topology.loops,
             repairs: scan.repairs().clone(),
         }
+    }
+
+    /// Counts the islands of the disk that was made of the component; `sizes`
+    /// are the triangles of each of the scan's components.
+    fn count_islands(&mut self, disk: &Disk, sizes: &[usize]) {
+        self.islands = disk.islands.len();
+        self.island_triangles = disk.islands.iter().map(|i| i.triangles).sum();
+        self.left_out -= disk.islands.iter().map(|i| sizes[i.component]).sum::<usize>();
     }
 }
 
@@ -57,6 +71,7 @@ pub(crate) fn disk(scan: &Components, options: &Options) -> Result<(Disk, InputR
     let chosen = scan.take(options.component)?;
     let mut input = InputReport::new(scan, &chosen);
     let disk = chosen.into_disk(options.outer, &mut input.repairs)?;
+    input.count_islands(&disk, &scan.sizes());
     Ok((disk, input))
 }
 
@@ -67,6 +82,7 @@ pub(crate) fn disk(scan: &Components, options: &Options) -> Result<(Disk, InputR
 pub fn inspect(scan: Components, component: Choice, outer: Outer) -> Result<Inspection> {
     let chosen = scan.take(component)?;
     let mut input = InputReport::new(&scan, &chosen);
+    let sizes = scan.sizes();
     drop(scan);
     let mesh = chosen.mesh();
     let rings = if chosen.topology.orientable { chosen.loops() } else { Vec::new() };
@@ -79,7 +95,8 @@ pub fn inspect(scan: Components, component: Choice, outer: Outer) -> Result<Insp
         input: input.clone(),
     };
     if inspection.topology.is_disk() {
-        chosen.into_disk(outer, &mut input.repairs)?;
+        let disk = chosen.into_disk(outer, &mut input.repairs)?;
+        input.count_islands(&disk, &sizes);
     }
     Ok(Inspection { input, ..inspection })
 }

@@ -1,7 +1,8 @@
 //! scan2step turns what a 3D scanner delivers into what CAD works with: a
 //! noisy triangle mesh with holes becomes one trimmed tensor-product B-spline
 //! face, smooth where the object is smooth, with every region that the scanner
-//! missed cut out by a trim loop.
+//! missed cut out by a trim loop. What it saw in the middle of such a region, an
+//! island, becomes a face on the same surface.
 //!
 //! [`convert`] is the whole program: whoever reads it has read how the stages
 //! follow each other. The method is that of L. S. Tekumalla and E. Cohen,
@@ -13,6 +14,7 @@
 
 mod adapt;
 pub mod brep;
+mod cut;
 pub mod deviation;
 pub mod error;
 pub mod fill;
@@ -27,6 +29,7 @@ pub mod spline;
 pub mod trim;
 
 pub use adapt::{Adapted, KnotOptions};
+pub use cut::Cut;
 pub use error::{Error, Result};
 pub use input::{InputReport, Inspection, inspect};
 
@@ -84,18 +87,6 @@ impl Default for Options {
     }
 }
 
-/// Which of the scan's holes are cut out of the face.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub enum Cut {
-    /// Every hole.
-    #[default]
-    All,
-    /// Holes whose rim is at least this long, in mm.
-    FromLength(f64),
-    /// None: all stay filled.
-    None,
-}
-
 /// A stage that has just ended, with what it made.
 #[derive(Debug)]
 pub enum Stage<'a> {
@@ -109,7 +100,7 @@ pub enum Stage<'a> {
     Parameterize(&'a Parameterized),
     /// The fitted surface.
     Fit(&'a Surface),
-    /// The loops of the holes.
+    /// The loops of the holes and of the islands in them.
     Trim(&'a Surface, &'a [trim::TrimLoop]),
     /// The boundary representation.
     Brep,
@@ -124,7 +115,7 @@ pub struct Conversion {
     pub brep: Brep,
     /// The fitted surface.
     pub surface: Surface,
-    /// The holes cut out.
+    /// The loops of the holes cut out and of the islands in them.
     pub loops: Vec<trim::TrimLoop>,
     /// What came in.
     pub input: InputReport,
@@ -148,7 +139,7 @@ pub struct Conversion {
     /// The outer boundary: control points of its four edges, and the farthest,
     /// in mm, that a smoothed boundary vertex is from them.
     pub outer: (usize, f64),
-    /// The loops of the holes.
+    /// How the loops turned out.
     pub trim: Vec<trim::LoopReport>,
 }
 
@@ -215,13 +206,13 @@ pub fn convert_component(
     watch(Stage::Fit(&surface))?;
 
     let trimmed: Vec<bool> = fill.holes.iter().map(|h| options.cut.cuts(h.rim_length)).collect();
-    let rims = rims(&map, &trimmed);
+    let rims = cut::rims(&map, &trimmed);
     let trim_options = trim::Options { tolerance: TRIM_SHARE * tolerance };
     let (loops, trim) = trim::trim(&surface, &rims, &trim_options)?;
     watch(Stage::Trim(&surface, &loops))?;
 
-    let holes = loops.iter().map(|l| (l.pcurves.as_slice(), l.edges.as_slice()));
-    let brep = brep::build(&surface, holes, &options.name, trim::EDGE_ACCURACY)?;
+    let faces = cut::faces(&loops);
+    let brep = brep::build(&surface, &faces, &options.name, trim::EDGE_ACCURACY)?;
     watch(Stage::Brep)?;
 
     let face = deviation::Face::new(&surface, loops.iter().map(|l| l.pcurves.as_slice()));
@@ -255,27 +246,6 @@ fn samples(map: &Parameterized) -> Samples {
         uv: map.uv.clone(),
         weights: (0..map.uv.len()).map(weight).collect(),
     }
-}
-
-impl Cut {
-    fn cuts(self, rim_length: f64) -> bool {
-        match self {
-            Cut::All => true,
-            Cut::FromLength(least) => rim_length >= least,
-            Cut::None => false,
-        }
-    }
-}
-
-fn rims(map: &Parameterized, trimmed: &[bool]) -> Vec<trim::Rim> {
-    let holes = map.patch.rims.iter().enumerate().filter(|(hole, _)| trimmed[*hole]);
-    holes
-        .map(|(hole, rim)| trim::Rim {
-            hole,
-            points: rim.iter().map(|&v| map.patch.mesh.point(v)).collect(),
-            uv: rim.iter().map(|v| map.uv[v.index()]).collect(),
-        })
-        .collect()
 }
 
 fn outer_boundary(surface: &Surface, map: &Parameterized) -> (usize, f64) {

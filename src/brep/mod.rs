@@ -1,5 +1,6 @@
 //! The boundary representation: the fitted surface as a truck face, its four
-//! sides as exact iso-curves, a wire of edges for every hole.
+//! sides as exact iso-curves, a wire of edges for every hole; and another face
+//! for every island in a hole.
 //!
 //! Only here, at the border to the writers, do our curves and surfaces become
 //! truck's.
@@ -17,29 +18,53 @@ struct Loop {
     edges: Vec<(Curve<3>, Curve<2>, bool)>,
 }
 
-/// The B-rep of one trimmed face.
-///
-/// `holes` are the inner loops, clockwise in (u, v): arcs in the parameter
-/// plane with the edges they trace.
-pub fn build<'a>(
-    surface: &Surface,
-    holes: impl Iterator<Item = (&'a [Curve<2>], &'a [Curve<3>])>,
-    name: &str,
-    uncertainty_mm: f64,
-) -> Result<Brep> {
-    let outer = Loop { edges: outer_edges(surface) };
-    let inner = holes.map(|(pcurves, edges)| Loop {
-        edges: edges.iter().zip(pcurves).map(|(e, c)| (e.clone(), c.clone(), true)).collect(),
-    });
+/// A closed loop: its arcs in the parameter plane and the edges they trace.
+pub type Arcs<'a> = (&'a [Curve<2>], &'a [Curve<3>]);
+
+/// What bounds one face of the surface.
+#[derive(Debug, Clone, Default)]
+pub struct Bounds<'a> {
+    /// The outer loop, counter-clockwise in (u, v); `None`: the surface's sides.
+    pub outer: Option<Arcs<'a>>,
+    /// The inner loops, clockwise in (u, v).
+    pub inner: Vec<Arcs<'a>>,
+}
+
+/// The B-rep of faces that lie on one surface.
+pub fn build(surface: &Surface, faces: &[Bounds], name: &str, uncertainty_mm: f64) -> Result<Brep> {
+    let on_surface = truck_surface(surface);
+    let build = |bounds: &Bounds| {
+        let outer = match bounds.outer {
+            Some(arcs) => Loop::new(arcs),
+            None => Loop { edges: outer_edges(surface) },
+        };
+        let inner = bounds.inner.iter().map(|&arcs| Loop::new(arcs));
+        face(&on_surface, std::iter::once(outer).chain(inner))
+    };
+    let faces = faces.iter().map(build).collect::<Result<_>>()?;
+    Ok(Brep { name: name.to_owned(), faces, uncertainty_mm })
+}
+
+impl Loop {
+    /// A loop that runs along all of its arcs.
+    fn new((pcurves, edges): Arcs) -> Self {
+        let along = |(e, c): (&Curve<3>, &Curve<2>)| (e.clone(), c.clone(), true);
+        Loop { edges: edges.iter().zip(pcurves).map(along).collect() }
+    }
+}
+
+fn face(
+    surface: &truck::BSplineSurface<truck::Point3>,
+    loops: impl Iterator<Item = Loop>,
+) -> Result<TrimmedFace> {
     let (mut wires, mut pcurves) = (Vec::new(), Vec::new());
-    for ring in std::iter::once(outer).chain(inner) {
+    for ring in loops {
         wires.push(wire(&ring)?);
         pcurves.push(ring.edges.iter().map(|(_, c, _)| pcurve(c)).collect());
     }
-    let face = truck::Face::try_new(wires, truck::Surface::BSplineSurface(truck_surface(surface)))
-        .map_err(|e| Error::Brep(e.to_string()))?;
-    let face = TrimmedFace { face, pcurves };
-    Ok(Brep { name: name.to_owned(), faces: vec![face], uncertainty_mm })
+    let surface = truck::Surface::BSplineSurface(surface.clone());
+    let face = truck::Face::try_new(wires, surface).map_err(|e| Error::Brep(e.to_string()))?;
+    Ok(TrimmedFace { face, pcurves })
 }
 
 /// The four sides of the patch, counter-clockwise from (0, 0): exact

@@ -32,7 +32,7 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     let (scan, components) = scan.components()?;
     let repaired = components.repairs().clone();
     repaired.iter().for_each(|repair| say_repaired(&progress, repair));
-    let chosen = chosen(args, &components, &progress)?;
+    let chosen = chosen(args, &components, options.outer, &progress);
     let mut conversions = Vec::with_capacity(chosen.len());
     for &component in &chosen {
         if let (Some(s), Some(root), true) = (&mut stages, &args.stages, chosen.len() > 1) {
@@ -80,17 +80,25 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
 fn chosen(
     args: &Convert,
     scan: &Components,
+    outer: mesh::Outer,
     progress: &Progress,
-) -> Result<Vec<mesh::Choice>, Failure> {
+) -> Vec<mesh::Choice> {
     match args.component {
-        Component::Largest => Ok(vec![mesh::Choice::Largest]),
-        Component::Number(n) => Ok(vec![mesh::Choice::Number(n)]),
+        Component::Largest => vec![mesh::Choice::Largest],
+        Component::Number(n) => vec![mesh::Choice::Number(n)],
         Component::All => {
-            let count = scan.sizeable();
-            if count < scan.count() {
-                progress.say(&format!("component: {count} of {}; the rest is dust", scan.count()));
+            let chosen = scan.without_islands(outer);
+            if chosen.len() < scan.count() {
+                let rest = match scan.sizeable() - chosen.len() {
+                    0 => "the rest is dust",
+                    _ if scan.sizeable() == scan.count() => {
+                        "the rest are islands in holes of these"
+                    }
+                    _ => "the rest is dust, and islands in holes of these",
+                };
+                progress.say(&format!("component: {} of {}; {rest}", chosen.len(), scan.count()));
             }
-            Ok((0..count).map(mesh::Choice::Number).collect())
+            chosen.into_iter().map(mesh::Choice::Number).collect()
         }
     }
 }
@@ -256,6 +264,10 @@ fn describe(progress: &Progress, args: &Convert, c: &Conversion) {
             c.input.components, c.input.triangles, c.input.left_out
         ));
     }
+    if c.input.islands > 0 {
+        let triangles = c.input.island_triangles;
+        progress.say(&format!("islands: {} kept, {triangles} triangles", c.input.islands));
+    }
     if c.smooth.outliers > 0 {
         progress
             .say(&format!("smooth: {} left out of the fits", plural(c.smooth.outliers, "outlier")));
@@ -273,7 +285,7 @@ fn describe(progress: &Progress, args: &Convert, c: &Conversion) {
         "{m} × {n} control points, rms {}, max {}, {} cut out → {}",
         mm(c.fit_deviation.rms),
         mm(c.fit_deviation.max),
-        plural(c.loops.len(), "hole"),
+        plural(c.loops.iter().filter(|l| l.island.is_none()).count(), "hole"),
         files.join(", ")
     ));
 }

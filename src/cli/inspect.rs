@@ -63,6 +63,10 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
         format!("  surface     {}", kind(found)),
     ];
     lines.extend(loops(found));
+    if input.islands > 0 {
+        let (count, triangles) = (input.islands, input.island_triangles);
+        lines.push(format!("  islands     {count} in its holes, {triangles} triangles"));
+    }
     lines.push(format!("  noise       {}", mm(found.noise)));
     for (kind, count) in &input.repairs {
         lines.push(format!("  repaired    {count} {}", kind.replace('_', " ")));

@@ -82,6 +82,8 @@ pub fn input(input: &InputReport, scan: &Scan) -> Value {
         "vertices": input.vertices,
         "triangles": input.triangles,
         "components": input.components,
+        "islands": input.islands,
+        "island_triangles": input.island_triangles,
         "boundary_loops": input.boundary_loops,
         "repairs": input.repairs,
     })
@@ -93,6 +95,7 @@ fn holes(c: &Conversion) -> Vec<Value> {
         json!({
             "rim_vertices": hole.rim_vertices,
             "rim_length_mm": hole.rim_length,
+            "islands": hole.islands,
             "added_vertices": hole.added_vertices,
             "added_triangles": hole.added_triangles,
             "trimmed": trimmed,
@@ -145,11 +148,13 @@ fn trim(c: &Conversion) -> Vec<Value> {
         "loop": 0, "outer": true, "control_points": control_points,
         "max_off_surface_mm": 0.0, "max_from_rim_mm": max_from_rim,
     });
-    let inner = c.trim.iter().enumerate().map(|(i, l)| {
+    // An island is a face of its own, with an outer loop.
+    let others = c.trim.iter().enumerate().map(|(i, l)| {
         json!({
-            "loop": i + 1, "outer": false, "hole": l.hole, "control_points": l.control_points,
-            "max_off_surface_mm": l.max_off_surface, "max_from_rim_mm": l.max_from_rim,
+            "loop": i + 1, "outer": l.island.is_some(), "hole": l.hole, "island": l.island,
+            "control_points": l.control_points, "max_off_surface_mm": l.max_off_surface,
+            "max_from_rim_mm": l.max_from_rim,
         })
     });
-    std::iter::once(outer).chain(inner).collect()
+    std::iter::once(outer).chain(others).collect()
 }

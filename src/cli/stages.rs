@@ -128,7 +128,7 @@ fn surface(out: &mut dyn Write, surface: &Surface, loops: &[TrimLoop]) -> io::Re
                     json!({ "degree": c.knots.degree(), "knots": knots(&c.knots), "points": points })
                 })
                 .collect();
-            json!({ "hole": l.hole, "pcurves": pcurves })
+            json!({ "hole": l.hole, "island": l.island, "within": l.within, "pcurves": pcurves })
         })
         .collect();
     let whole = json!({

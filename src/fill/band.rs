@@ -6,8 +6,13 @@ use super::front::Hole;
 use crate::geometry::{Point, VertexId};
 
 /// The vertices that a walk over the mesh from the rims reaches without going
-/// farther from them than `width`, in the walk's order.
-pub fn band(Hole { around, rims, sizes }: Hole, width: f64) -> Vec<VertexId> {
+/// farther from them than `width`, or over vertices that are not `wanted`, in
+/// the walk's order.
+pub fn band(
+    Hole { around, rims, sizes }: Hole,
+    width: f64,
+    wanted: impl Fn(VertexId) -> bool,
+) -> Vec<VertexId> {
     let mut seen: std::collections::HashSet<VertexId> =
         rims.iter().copied().flatten().copied().collect();
     let mut queue: VecDeque<VertexId> = rims.iter().copied().flatten().copied().collect();
@@ -15,7 +20,7 @@ pub fn band(Hole { around, rims, sizes }: Hole, width: f64) -> Vec<VertexId> {
     while let Some(v) = queue.pop_front() {
         band.push(v);
         for w in around.rings.neighbours(around.mesh, v) {
-            if !seen.contains(&w) && sizes.depth(around.mesh.point(w)) <= width {
+            if !seen.contains(&w) && wanted(w) && sizes.depth(around.mesh.point(w)) <= width {
                 seen.insert(w);
                 queue.push_back(w);
             }

@@ -12,8 +12,8 @@ use super::plane::LocalPlane;
 use super::sheet::Sheet;
 use super::size::Sizes;
 use super::smoothing_spline::SmoothingSpline;
-use crate::geometry::{Point, Uv, Vector, VertexId, ray_crosses};
-use crate::mesh::{Mesh, boundary, outline};
+use crate::geometry::{Point, Uv, Vector, VertexId, is_inside};
+use crate::mesh::{boundary, outline};
 
 /// Cells of the spline across a hole's half width: enough for its bends …
 const ACROSS_HOLE: f64 = 3.5;
@@ -28,18 +28,26 @@ const NARROWEST: f64 = 2.0;
 /// a height …
 const STEEPEST: f64 = 0.4;
 
-/// … and how many of its points may be steeper.
-const STEEP_SHARE: f64 = 0.02;
+/// … and how many of the points around may be steeper.
+const HIDDEN_SHARE: f64 = 0.02;
 
 /// A developed fill changes its own chart; after so many rounds it has settled.
 const ROUNDS: usize = 4;
+
+/// How much of what is around a hole must be seen from one side.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Seen {
+    /// All but a few points.
+    All,
+    /// What is seen from there; the rest does not count.
+    Part,
+}
 
 /// A hole and the points from which its fill takes its shape.
 pub struct Shaper<'a> {
     hole: Hole<'a>,
     measured: &'a Measured<'a>,
     rim: Vec<VertexId>,
-    band: Vec<VertexId>,
     /// Perpendicular to the hole as a whole.
     normal: Vector,
     perimeter: f64,
@@ -52,19 +60,23 @@ impl<'a> Shaper<'a> {
         let mesh = hole.around.mesh;
         let perimeter = hole.rims.iter().map(|r| boundary::length(mesh, r)).sum::<f64>();
         // The hole is to the right of its rims.
-        let area: Vector = hole.rims.iter().map(|rim| -area_within(mesh, rim)).sum();
+        let area: Vector = hole.rims.iter().map(|rim| -boundary::area(mesh, rim)).sum();
         let normal = area.try_normalize(0.0)?;
         let width = band::width(half_width(area.norm(), perimeter), hole.sizes.mean);
-        let band = band::band(hole, width);
-        Some(Shaper { hole, measured, rim: hole.rims.concat(), band, normal, perimeter, width })
+        Some(Shaper { hole, measured, rim: hole.rims.concat(), normal, perimeter, width })
     }
 
-    /// How the hole looks from where it can be seen whole, if there is such a
-    /// side.
-    pub fn view(&self) -> Option<View> {
+    /// How the hole looks from where it can be seen best. `None` if not all
+    /// around it can be seen from there, unless only a part is `asked` for.
+    pub fn view(&self, asked: Seen) -> Option<View> {
         let around = self.hole.around;
-        let steep = |v: &&VertexId| around.cloud.normal(v.index()).dot(&self.normal) < STEEPEST;
-        if self.band.iter().filter(steep).count() as f64 > STEEP_SHARE * self.band.len() as f64 {
+        let facing = |v: VertexId| around.cloud.normal(v.index()).dot(&self.normal) >= STEEPEST;
+        let band = match asked {
+            Seen::All => band::band(self.hole, self.width, |_| true),
+            Seen::Part => band::band(self.hole, self.width, facing),
+        };
+        let hidden = band.iter().filter(|v| !facing(**v)).count();
+        if asked == Seen::All && hidden as f64 > HIDDEN_SHARE * band.len() as f64 {
             return None;
         }
         let centre = self.rim.iter().map(|&v| around.mesh.point(v).coords).sum::<Vector>();
@@ -76,12 +88,9 @@ impl<'a> Shaper<'a> {
             let p = self.measured.point(v, around.mesh.point(v));
             (plane.flat(p), [plane.height(p)])
         };
-        let points: Vec<_> = self.band.iter().map(height).collect();
+        let points: Vec<_> = band.iter().map(height).collect();
         let area = outlines.iter().map(|o| outline_area(o)).sum::<f64>().abs();
-        let inside = |p: Uv| {
-            let sides = |o: &Vec<Uv>| crossings(o, p);
-            outlines.iter().map(sides).sum::<usize>() % 2 == 1
-        };
+        let inside = |p: Uv| outlines.iter().filter(|o| is_inside(p, o)).count() % 2 == 1;
         let spline = SmoothingSpline::fit(&points, inside, self.cell(area), self.narrowest())?;
         Some(View { plane, spline, outlines })
     }
@@ -111,7 +120,8 @@ impl<'a> Shaper<'a> {
     /// Shapes a fill over its own layout in the plane, by turns.
     pub fn developed(&self, fill: &Fill) -> Option<Fill> {
         let mut sheet = self.sheet(fill);
-        let outside = Outside::new(self.hole.around, &self.rim, &self.band, sheet.points.len());
+        let band = band::band(self.hole, self.width, |_| true);
+        let outside = Outside::new(self.hole.around, &self.rim, &band, sheet.points.len());
         let mut start = None;
         for _ in 0..ROUNDS {
             let points = [sheet.points.as_slice(), &outside.points].concat();
@@ -122,7 +132,7 @@ impl<'a> Shaper<'a> {
                 let p = self.measured.point(v, self.hole.around.mesh.point(v));
                 (uv[place], [p.x, p.y, p.z])
             };
-            let known = self.band.iter().zip(&outside.places);
+            let known = band.iter().zip(&outside.places);
             let points: Vec<_> =
                 known.filter(|known| outside.is_laid_out(*known.1)).map(point).collect();
             let cell = self.cell(sheet.area());
@@ -227,21 +237,9 @@ impl View {
     }
 }
 
-/// The vector area of a closed polygon.
-fn area_within(mesh: &Mesh, rim: &[VertexId]) -> Vector {
-    let at = |i: usize| mesh.point(rim[i % rim.len()]) - mesh.point(rim[0]);
-    0.5 * (1..rim.len()).map(|i| at(i).cross(&at(i + 1))).sum::<Vector>()
-}
-
 fn outline_area(outline: &[Uv]) -> f64 {
     let at = |i: usize| outline[i % outline.len()] - outline[0];
     0.5 * (1..outline.len()).map(|i| at(i).perp(&at(i + 1))).sum::<f64>()
-}
-
-/// How often a ray from `p` crosses a closed outline.
-fn crossings(outline: &[Uv], p: Uv) -> usize {
-    let nexts = outline.iter().cycle().skip(1);
-    outline.iter().zip(nexts).filter(|&(&a, &b)| ray_crosses(p, (a, b))).count()
 }
 
 /// Half the width of a hole: of a round one the radius, of a slit its width.

@@ -25,7 +25,7 @@ use foldhash::{HashSet, HashSetExt};
 use super::plane::LocalPlane;
 use super::ring::Rings;
 use super::size::Sizes;
-use super::{Method, Options, membrane};
+use super::{Options, membrane};
 use crate::geometry::{Point, Vector, VertexId, segment_distance};
 use crate::mesh::mls::{self, Cloud, Polynomial, Sample};
 use crate::mesh::{self, Mesh};
@@ -47,17 +47,6 @@ pub struct Fill {
     pub wide_ears: usize,
     /// Rings that were left to a membrane.
     pub membranes: usize,
-}
-
-impl Fill {
-    /// The least regular way that some of it was closed in.
-    pub fn method(&self) -> Method {
-        match (self.membranes, self.wide_ears) {
-            (0, 0) => Method::Front,
-            (0, _) => Method::WideEars,
-            _ => Method::Membrane,
-        }
-    }
 }
 
 /// By which a front is led: a plane in which the hole does not overlap, and the
@@ -83,6 +72,7 @@ pub fn advance(hole: Hole, options: &Options, lead: Option<Lead>) -> Option<Fill
     let is_led = lead.is_some();
     let mut front = Front::new(hole, options, lead);
     front.bridge_islands(hole.rims);
+    front.close_triangle(0);
     while front.rings.len() > 0 {
         let before = front.fill.triangles.len();
         front.close_ears(options.ear_angle);
@@ -134,6 +124,9 @@ struct Front<'a> {
     normals: Vec<Vector>,
     /// Edges made here, lower vertex first.
     edges: HashSet<(VertexId, VertexId)>,
+    /// The sides of the triangles made here, each in its direction.
+    #[cfg(debug_assertions)]
+    sides: HashSet<(VertexId, VertexId)>,
     fill: Fill,
     support: f64,
     rim: usize,
@@ -160,6 +153,8 @@ impl<'a> Front<'a> {
             placed: None,
             normals: Vec::new(),
             edges: HashSet::new(),
+            #[cfg(debug_assertions)]
+            sides: HashSet::new(),
             fill: Fill { points: vec![], triangles: vec![], wide_ears: 0, membranes: 0 },
             support: options.support,
             rim,
@@ -217,6 +212,8 @@ impl<'a> Front<'a> {
         self.fill.triangles.push(t);
         for (v, w) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])] {
             self.edges.insert((v.min(w), v.max(w)));
+            #[cfg(debug_assertions)]
+            assert!(self.sides.insert((v, w)), "an edge has one triangle on each side");
         }
     }
 
@@ -552,3 +549,77 @@ impl PartialEq for Ear {
 }
 
 impl Eq for Ear {}
+
+#[cfg(test)]
+mod tests {
+    use std::collections::HashMap;
+
+    use super::*;
+    use crate::mesh::EdgeMap;
+
+    /// A bumpy square of n × n cells, without those that `is_cut`.
+    fn sheet(n: usize, is_cut: impl Fn(usize, usize) -> bool) -> Mesh {
+        let cells = (0..n).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let triangles = cells.filter(|&(i, j)| !is_cut(i, j)).flat_map(|(i, j)| {
+            let k = i * (n + 1) + j;
+            [[k, k + n + 1, k + n + 2], [k, k + n + 2, k + 1]].map(|t| t.map(VertexId::from))
+        });
+        let triangles: Vec<_> = triangles.collect();
+        let at = |k: usize| {
+            let (x, y) = ((k / (n + 1)) as f64, (k % (n + 1)) as f64);
+            Point::new(x, y, (0.3 * x).sin() * (0.2 * y).cos())
+        };
+        let all = Mesh { points: (0..(n + 1) * (n + 1)).map(at).collect(), triangles };
+        all.part(0..all.triangles.len()).0
+    }
+
+    /// Fills the hole between all loops but the longest, and counts triangles
+    /// by directed side over mesh and fill.
+    fn filled(mesh: &Mesh) -> (Fill, usize) {
+        let edges = EdgeMap::new(mesh);
+        let mut loops = mesh::boundary::boundary_loops(mesh, &edges);
+        loops.sort_by_key(|l| Reverse(l.len()));
+        let rims: Vec<&[VertexId]> = loops[1..].iter().map(Vec::as_slice).collect();
+        let points = |r: &&[VertexId]| r.iter().map(|&v| mesh.point(v)).collect::<Vec<_>>();
+        let sizes = Sizes::new(&rims.iter().map(points).collect::<Vec<_>>());
+        let (rings, cloud) = (mesh::Rings::new(mesh), Cloud::of(mesh));
+        let around = Surroundings { mesh, rings: &rings, cloud: &cloud };
+        let hole = Hole { around: &around, rims: &rims, sizes: &sizes };
+        let fill = advance(hole, &Options::default(), None).expect("the front closes");
+        let mut sides: HashMap<(VertexId, VertexId), usize> = HashMap::new();
+        for t in mesh.triangles.iter().chain(&fill.triangles) {
+            (0..3).for_each(|k| *sides.entry((t[k], t[(k + 1) % 3])).or_default() += 1);
+        }
+        assert!(sides.values().all(|&n| n == 1), "a side of two triangles");
+        let open = sides.keys().filter(|s| !sides.contains_key(&(s.1, s.0))).count();
+        (fill, open)
+    }
+
+    #[test]
+    fn a_slit_makes_the_front_split() {
+        let mesh = sheet(24, |i, j| (2..22).contains(&i) && (10..13).contains(&j));
+        let (fill, open) = filled(&mesh);
+        assert_eq!((open, fill.membranes), (4 * 24, 0));
+        assert_eq!(fill.triangles.len(), 2 * fill.points.len() + 46 - 2);
+    }
+
+    #[test]
+    fn an_island_is_bridged() {
+        let mesh = sheet(24, |i, j| {
+            let inside = |low, high| (low..high).contains(&i) && (low..high).contains(&j);
+            inside(5, 19) && !inside(9, 15)
+        });
+        let (fill, open) = filled(&mesh);
+        assert_eq!((open, fill.membranes), (4 * 24, 0));
+        // An annulus: no more triangles than corners in all.
+        assert_eq!(fill.triangles.len(), 2 * fill.points.len() + 4 * 14 + 4 * 6);
+    }
+
+    #[test]
+    fn a_hole_of_one_triangle_takes_no_point() {
+        let mut mesh = sheet(6, |_, _| false);
+        mesh.triangles.remove(31);
+        let (fill, open) = filled(&mesh);
+        assert_eq!((open, fill.triangles.len(), fill.points.len()), (24, 1, 0));
+    }
+}

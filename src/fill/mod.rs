@@ -16,6 +16,8 @@ mod size;
 mod smoothing_spline;
 
 use band::Measured;
+use fair::Seen;
+use front::Fill;
 use rayon::prelude::*;
 use size::Sizes;
 
@@ -97,7 +99,7 @@ pub fn fill(disk: Disk, measured: &[Point], options: &Options) -> Result<(Patch,
         close(&around, &measured, &rims, options)
             .ok_or_else(|| Error::Fill { hole, at: disk.mesh.point(rim[0]) })
     };
-    let fills: Vec<(front::Fill, Method)> =
+    let fills: Vec<(Fill, Method)> =
         disk.holes.par_iter().enumerate().map(fill).collect::<Result<_>>()?;
     let measured = disk.mesh.points.len();
     let mut mesh = disk.mesh;
@@ -128,39 +130,45 @@ pub fn fill(disk: Disk, measured: &[Point], options: &Options) -> Result<(Patch,
     Ok((patch, report))
 }
 
-/// Closes one hole. The front's fill is shaped by the points around it; where
-/// the front went astray it is led over the surface that these make likely.
+/// Closes one hole. The front's fill is shaped by the points around it, as a
+/// height if all of these can be seen from one side, or over a layout in the
+/// plane. Where the front went astray, or overlaps itself, it is led over the
+/// surface that the points make likely; what cannot be seen is left to a
+/// membrane.
 fn close(
     around: &front::Surroundings,
     measured: &Measured,
     rims: &[&[VertexId]],
     options: &Options,
-) -> Option<(front::Fill, Method)> {
+) -> Option<(Fill, Method)> {
     let points = |rim: &&[VertexId]| rim.iter().map(|&v| around.mesh.point(v)).collect();
     let sizes = Sizes::new(&rims.iter().map(points).collect::<Vec<_>>());
     let hole = front::Hole { around, rims, sizes: &sizes };
-    let built = front::advance(hole, options, None);
-    if let Some(fill) = built.as_ref().filter(|f| f.points.is_empty() && f.membranes == 0) {
-        return Some((fill.clone(), fill.method()));
+    let built = front::advance(hole, options, None).filter(|fill| fill.membranes == 0);
+    let method = |fill: Fill| {
+        let method = if fill.wide_ears == 0 { Method::Front } else { Method::WideEars };
+        (fill, method)
+    };
+    if let Some(fill) = built.as_ref().filter(|fill| fill.points.is_empty()) {
+        return Some(method(fill.clone()));
     }
     let shaper = fair::Shaper::new(hole, measured);
-    if let Some((shaper, view)) = shaper.as_ref().and_then(|s| Some((s, s.view()?))) {
-        if let Some(fill) = built.as_ref().and_then(|fill| shaper.over_plane(fill, &view)) {
-            let method = fill.method();
-            return Some((fill, method));
-        }
-        let surface = |p: Point| view.under(p, 1e-3 * sizes.mean);
-        let led = front::advance(hole, options, Some(view.lead(&surface)));
-        if let Some(fill) = led.and_then(|fill| shaper.over_plane(&fill, &view)) {
-            return Some((fill, Method::Led));
-        }
-    }
-    let whole = built.filter(|fill| fill.membranes == 0);
-    if let Some(fill) = shaper.as_ref().zip(whole).and_then(|(s, fill)| s.developed(&fill)) {
-        let method = fill.method();
-        return Some((fill, method));
-    }
-    let membrane = front::span(hole, options)?;
-    let shaped = shaper.and_then(|s| s.developed(&membrane));
-    Some((shaped.unwrap_or(membrane), Method::Membrane))
+    let over_plane = |seen: Seen| {
+        let shaper = shaper.as_ref()?;
+        let view = shaper.view(seen)?;
+        let shaped = built.as_ref().and_then(|fill| shaper.over_plane(fill, &view));
+        shaped.map(method).or_else(|| {
+            let surface = |p: Point| view.under(p, 1e-3 * sizes.mean);
+            let led = front::advance(hole, options, Some(view.lead(&surface)))?;
+            Some((shaper.over_plane(&led, &view)?, Method::Led))
+        })
+    };
+    let developed = |fill: &Fill| shaper.as_ref()?.developed(fill);
+    over_plane(Seen::All)
+        .or_else(|| built.as_ref().and_then(developed).map(method))
+        .or_else(|| over_plane(Seen::Part))
+        .or_else(|| {
+            let membrane = front::span(hole, options)?;
+            Some((developed(&membrane).unwrap_or(membrane), Method::Membrane))
+        })
 }

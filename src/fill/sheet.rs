@@ -144,8 +144,8 @@ impl Sheet {
         for (number, t) in self.triangles.iter().enumerate() {
             t.iter().for_each(|&v| around[v].push(number));
         }
-        for v in self.fixed..self.uv.len() {
-            self.centre(v, &around[v], &surface);
+        for (v, around) in around.iter().enumerate().skip(self.fixed) {
+            self.centre(v, around, &surface);
         }
     }
 
@@ -158,7 +158,7 @@ impl Sheet {
             sum += area * t.map(|v| self.uv[v].coords).iter().sum::<nalgebra::Vector2<f64>>() / 3.0;
             total += area;
         }
-        if !(total > 0.0) {
+        if total == 0.0 {
             return;
         }
         let old = (self.uv[v], self.points[v]);
@@ -177,5 +177,58 @@ impl Sheet {
             }
         }
         (self.uv[v], self.points[v]) = old;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Slivers over a square: a fan from one corner to points on the diagonal's
+    /// far side.
+    fn fan() -> Sheet {
+        let outline = (0..20).map(|i| {
+            let angle = std::f64::consts::TAU * f64::from(i) / 20.0;
+            Uv::new(angle.cos(), angle.sin())
+        });
+        let inner = (0..30).map(|i| Uv::new(0.8 - 0.001 * f64::from(i), 0.01 * f64::from(i)));
+        let uv: Vec<Uv> = outline.chain(inner).collect();
+        let outline = uv[..20].to_vec();
+        let triangles = crate::mesh::outline::triangulate(&[&outline], &uv[20..]).unwrap();
+        let points = uv.iter().map(|p| Point::new(p.x, p.y, 0.0)).collect();
+        Sheet { uv, points, fixed: 20, triangles }
+    }
+
+    fn least_angle(sheet: &Sheet) -> f64 {
+        let cotangents = |t: &[usize; 3]| {
+            (0..3)
+                .map(|k| sheet.cotangent(t[k], t[(k + 1) % 3], t[(k + 2) % 3]))
+                .fold(0.0, f64::max)
+        };
+        let widest = sheet.triangles.iter().map(cotangents).fold(0.0, f64::max);
+        (1.0 / widest).atan().to_degrees()
+    }
+
+    #[test]
+    fn slivers_become_good_triangles() {
+        let mut sheet = fan();
+        let before = least_angle(&sheet);
+        let (count, points) = (sheet.triangles.len(), sheet.points.len());
+        for _ in 0..10 {
+            sheet.improve(|uv| Some(Point::new(uv.x, uv.y, 0.0)), |_, _| false);
+        }
+        assert!(before < 2.0 && least_angle(&sheet) > 15.0, "{before} {}", least_angle(&sheet));
+        assert_eq!((sheet.turned(), sheet.triangles.len(), sheet.points.len()), (0, count, points));
+        let area: f64 = sheet.area();
+        assert!((area - 10.0 * (std::f64::consts::TAU / 20.0).sin()).abs() < 1e-12);
+    }
+
+    #[test]
+    fn vertices_joined_elsewhere_are_not_joined_again() {
+        let mut sheet = fan();
+        let sides = |s: &Sheet| s.sides().keys().filter(|e| e.0.max(e.1) < 20).count();
+        let before = sides(&sheet);
+        sheet.improve(|uv| Some(Point::new(uv.x, uv.y, 0.0)), |_, _| true);
+        assert!(sides(&sheet) <= before);
     }
 }

@@ -41,6 +41,13 @@ pub fn length(mesh: &Mesh, ring: &[VertexId]) -> f64 {
     sides(mesh, ring).sum()
 }
 
+/// The vector area of a closed loop, in mm²: along the normal of a surface whose
+/// boundary it is, which lies to its left.
+pub fn area(mesh: &Mesh, ring: &[VertexId]) -> Vector {
+    let at = |i: usize| mesh.point(ring[i % ring.len()]) - mesh.point(ring[0]);
+    0.5 * (1..ring.len()).map(|i| at(i).cross(&at(i + 1))).sum::<Vector>()
+}
+
 /// The lengths of the loop's edges: from each vertex to the next one.
 pub fn sides<'a>(mesh: &'a Mesh, ring: &'a [VertexId]) -> impl Iterator<Item = f64> + 'a {
     let nexts = ring.iter().cycle().skip(1);

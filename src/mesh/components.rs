@@ -5,9 +5,11 @@ use std::collections::HashSet;
 use super::boundary::{self, Loop};
 use super::build::{Build, Repairs, count};
 use super::disk::Outer;
+use super::islands::{self, Candidate};
 use super::kind::Topology;
 use super::{Disk, EdgeMap, Mesh, rims};
 use crate::error::{Error, Result};
+use crate::geometry::{Vector, VertexId};
 
 /// Which component of the scan becomes the face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -38,8 +40,10 @@ pub struct Component {
     build: Build,
     /// What kind of surface it is.
     pub topology: Topology,
-    /// Triangles in the components that are left out.
+    /// Triangles in all other components.
     pub left_out: usize,
+    /// Those that may be islands in its holes, the largest first.
+    others: Vec<Candidate>,
 }
 
 impl Components {
@@ -63,6 +67,30 @@ impl Components {
         self.pieces.len() - self.dust
     }
 
+    /// How many triangles each has.
+    pub fn sizes(&self) -> Vec<usize> {
+        self.pieces.iter().map(Vec::len).collect()
+    }
+
+    /// The components besides dust that are no island of another one.
+    pub fn without_islands(&self, outer: Outer) -> Vec<usize> {
+        let mut found = HashSet::new();
+        for n in 0..self.sizeable() {
+            // The islands of an island are those of the piece around it.
+            if !found.contains(&n) {
+                found.extend(self.islands_of(n, outer));
+            }
+        }
+        (0..self.sizeable()).filter(|n| !found.contains(n)).collect()
+    }
+
+    /// The components that are islands of one.
+    fn islands_of(&self, component: usize, outer: Outer) -> Vec<usize> {
+        let taken = self.take(Choice::Number(component)).ok().filter(|c| !c.others.is_empty());
+        let disk = taken.and_then(|c| c.into_disk(outer, &mut Repairs::new()).ok());
+        disk.map_or(Vec::new(), |d| d.islands.iter().map(|island| island.component).collect())
+    }
+
     /// What was repaired in the scan.
     pub fn repairs(&self) -> &Repairs {
         &self.build.repairs
@@ -77,10 +105,34 @@ impl Components {
         let piece =
             self.pieces.get(asked).ok_or(Error::Component { asked, count: self.count() })?;
         let build = self.build.part(piece);
-        let twisted = self.build.twisted.iter().any(|t| piece.binary_search(t).is_ok());
-        let topology = Topology::new(&build.mesh, &build.edges, !twisted);
+        let topology = Topology::new(&build.mesh, &build.edges, !self.is_twisted(asked));
         let left_out = self.build.mesh.triangles.len() - piece.len();
-        Ok(Component { build, topology, left_out })
+        let others = match topology.check_disk() {
+            Ok(()) if topology.loops > 1 => self.candidates(asked, &build.mesh),
+            _ => Vec::new(),
+        };
+        Ok(Component { build, topology, left_out, others })
+    }
+
+    /// Whether a component has one side only.
+    fn is_twisted(&self, component: usize) -> bool {
+        let piece = &self.pieces[component];
+        self.build.twisted.iter().any(|t| piece.binary_search(t).is_ok())
+    }
+
+    /// The two-sided components besides dust that begin near another one.
+    fn candidates(&self, chosen: usize, mesh: &Mesh) -> Vec<Candidate> {
+        let [low, high] = mesh.bounds();
+        let margin = Vector::repeat(0.5 * mesh.diagonal());
+        let (low, high) = (low - margin, high + margin);
+        let is_near = |t: usize| {
+            let p = self.build.mesh.point(self.build.mesh.triangles[t][0]);
+            p.inf(&low) == low && p.sup(&high) == high
+        };
+        (0..self.sizeable())
+            .filter(|&n| n != chosen && is_near(self.pieces[n][0]) && !self.is_twisted(n))
+            .map(|n| Candidate { component: n, build: small_part(&self.build, &self.pieces[n]) })
+            .collect()
     }
 }
 
@@ -102,17 +154,51 @@ impl Component {
 
     /// The component as a disk with holes, cleaned at its rims: of the fans
     /// that meet at one place (a bow-tie) the largest stays, and triangles that
-    /// hang on by one side go. What was dropped is added to `repairs`.
+    /// hang on by one side go. Other components that lie in its holes come with
+    /// it as islands. What was dropped is added to `repairs`.
     pub fn into_disk(self, outer: Outer, repairs: &mut Repairs) -> Result<Disk> {
-        let mut kept = self.build;
         self.topology.check_disk()?;
-        let before = kept.mesh.triangles.len();
-        while trim_bow_ties(&mut kept) {}
-        count(repairs, "faces_dropped_at_bow_ties", before - kept.mesh.triangles.len());
-        let (disk, hanging) = rims::trim_hanging(Disk::new(kept.mesh, outer)?, outer)?;
-        count(repairs, "rim_triangles_trimmed", hanging);
+        let mut taken = HashSet::new();
+        let mut disk = clean(self.build, outer, &mut taken, repairs)?;
+        islands::add(&mut disk, self.others, &mut taken, repairs);
         Ok(disk)
     }
+}
+
+/// A disk of a component, cleaned at its rims: what touches another piece, at a
+/// place that is `taken`, goes too. The places on its boundary are taken then.
+pub(super) fn clean(
+    mut build: Build,
+    outer: Outer,
+    taken: &mut HashSet<u32>,
+    repairs: &mut Repairs,
+) -> Result<Disk> {
+    let before = build.mesh.triangles.len();
+    while trim_bow_ties(&mut build, taken) {}
+    count(repairs, "faces_dropped_at_bow_ties", before - build.mesh.triangles.len());
+    if build.place.iter().any(|place| taken.contains(place)) {
+        return Err(Error::Empty("every triangle touches another piece".into()));
+    }
+    let boundary = build.edges.open_sides().map(|side| build.mesh.triangles[side / 3][side % 3]);
+    taken.extend(boundary.map(|v| build.place[v.index()]));
+    let (disk, hanging) = rims::trim_hanging(Disk::new(build.mesh, outer)?, outer)?;
+    count(repairs, "rim_triangles_trimmed", hanging);
+    Ok(disk)
+}
+
+/// A component by itself, as [`Build::part`] makes it, in a time that does not
+/// depend on the size of the rest.
+fn small_part(build: &Build, triangles: &[usize]) -> Build {
+    let corners = triangles.iter().map(|&t| build.mesh.triangles[t]);
+    let mut old: Vec<VertexId> = corners.clone().flatten().collect();
+    old.sort_unstable();
+    old.dedup();
+    let number = |v: VertexId| VertexId::from(old.partition_point(|&w| w < v));
+    let mesh = Mesh {
+        points: old.iter().map(|&v| build.mesh.point(v)).collect(),
+        triangles: corners.map(|t| t.map(number)).collect(),
+    };
+    Build::new(mesh, old.iter().map(|v| build.place[v.index()]).collect())
 }
 
 /// The triangles of each component, ascending; the largest component first.
@@ -141,8 +227,9 @@ fn pieces(build: &Build) -> Vec<Vec<usize>> {
     pieces
 }
 
-/// One round; says whether anything was dropped.
-fn trim_bow_ties(build: &mut Build) -> bool {
+/// One round; says whether anything was dropped. At a place that another piece
+/// has taken no fan stays.
+fn trim_bow_ties(build: &mut Build, taken: &HashSet<u32>) -> bool {
     let mut fan_size = vec![0u32; build.mesh.points.len()];
     for v in build.mesh.triangles.iter().flatten() {
         fan_size[v.index()] += 1;
@@ -155,7 +242,7 @@ fn trim_bow_ties(build: &mut Build) -> bool {
             *incumbent = v;
         }
     }
-    let loses = |v: usize| best[&build.place[v]] != v;
+    let loses = |v: usize| best[&build.place[v]] != v || taken.contains(&build.place[v]);
     let doomed: HashSet<usize> = build
         .mesh
         .triangles

@@ -1,6 +1,7 @@
-//! A mesh known to be a disk with holes.
+//! A mesh known to be a disk with holes, in which may be islands.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use super::boundary::{self, Loop};
 use super::kind::Topology;
@@ -19,16 +20,34 @@ pub enum Outer {
     Near(Point),
 }
 
-/// An oriented mesh of genus 0 with at least one boundary loop.
+/// An oriented mesh of genus 0 with at least one boundary loop, and the islands
+/// in its holes: pieces of genus 0 themselves.
 #[derive(Debug, Clone)]
 pub struct Disk {
-    /// The triangles and points.
+    /// The triangles and points: those of the disk, then of each island.
     pub mesh: Mesh,
     /// The outer boundary loop, the surface to its left.
     pub outer: Loop,
     /// The rims of the holes, the surface to their left, in the order of
-    /// their lowest vertices.
+    /// their lowest vertices: those of the disk, then of each island.
     pub holes: Vec<Loop>,
+    /// The islands, in the order in which `mesh` has them.
+    pub islands: Vec<Island>,
+}
+
+/// A piece of the surface by itself, in a hole of another one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Island {
+    /// Which component of the scan it is, the largest being 0.
+    pub component: usize,
+    /// The hole that it lies in: a position among the disk's holes.
+    pub hole: usize,
+    /// Its outer boundary loop, the surface to its left.
+    pub rim: Loop,
+    /// Its own holes: positions among the disk's.
+    pub holes: Range<usize>,
+    /// How many triangles it has.
+    pub triangles: usize,
 }
 
 impl Disk {
@@ -39,12 +58,27 @@ impl Disk {
         Topology::new(&mesh, &edges, true).check_disk()?;
         let mut loops = boundary::boundary_loops(&mesh, &edges);
         let outer = loops.remove(outer.among(&mesh, &edges, &loops));
-        Ok(Disk { mesh, outer, holes: loops })
+        Ok(Disk { mesh, outer, holes: loops, islands: Vec::new() })
     }
 
-    /// All loops, the outer one first.
+    /// All loops: the outer one, the rims of the holes and those of the islands.
     pub fn loops(&self) -> impl Iterator<Item = &Loop> {
-        std::iter::once(&self.outer).chain(&self.holes)
+        let islands = self.islands.iter().map(|island| &island.rim);
+        std::iter::once(&self.outer).chain(&self.holes).chain(islands)
+    }
+
+    /// Puts another disk into a hole of this one or of its islands.
+    pub(super) fn add_island(&mut self, component: usize, hole: usize, island: Disk) {
+        let first = self.mesh.points.len() as u32;
+        let shifted = |ring: Loop| ring.into_iter().map(|v| VertexId(v.0 + first)).collect();
+        let holes = self.holes.len()..self.holes.len() + island.holes.len();
+        let triangles = island.mesh.triangles.len();
+        let rim = shifted(island.outer);
+        self.holes.extend(island.holes.into_iter().map(shifted));
+        self.islands.push(Island { component, hole, rim, holes, triangles });
+        self.mesh.points.extend(island.mesh.points);
+        let moved = island.mesh.triangles.into_iter().map(|t| t.map(|v| VertexId(v.0 + first)));
+        self.mesh.triangles.extend(moved);
     }
 }
 
@@ -77,19 +111,17 @@ const CLEAR: f64 = 0.3;
 /// 1 if a loop runs around the surface beside it, counter-clockwise seen from
 /// outside, −1 if around a hole in it, 0 where that cannot be told: around a
 /// sleeve.
-fn turn(mesh: &Mesh, normals: &HashMap<VertexId, Vector>, ring: &Loop) -> i32 {
-    let at = |i: usize| mesh.point(ring[i % ring.len()]) - mesh.point(ring[0]);
-    let area: Vector = (1..ring.len()).map(|i| at(i).cross(&at(i + 1))).sum();
-    let side = |i: usize| (at(i + 1) - at(i)).norm();
-    let beside = |(i, v): (usize, &VertexId)| side(i) * normals.get(v).copied().unwrap_or_default();
-    let normal: Vector = ring.iter().enumerate().map(beside).sum();
+pub(super) fn turn(mesh: &Mesh, normals: &HashMap<VertexId, Vector>, ring: &Loop) -> i32 {
+    let beside = |(v, side): (&VertexId, f64)| side * normals.get(v).copied().unwrap_or_default();
+    let normal: Vector = ring.iter().zip(boundary::sides(mesh, ring)).map(beside).sum();
+    let area = boundary::area(mesh, ring);
     let share = area.dot(&normal) / (area.norm() * boundary::length(mesh, ring));
     i32::from(share > CLEAR) - i32::from(share < -CLEAR)
 }
 
 /// The unit normal of the triangle at each boundary edge, by the vertex that
 /// the edge leaves.
-fn open_side_normals(mesh: &Mesh, edges: &EdgeMap) -> HashMap<VertexId, Vector> {
+pub(super) fn open_side_normals(mesh: &Mesh, edges: &EdgeMap) -> HashMap<VertexId, Vector> {
     let normal = |side: usize| {
         let t = mesh.triangles[side / 3];
         (t[side % 3], mesh.area_vector(t).try_normalize(0.0).unwrap_or_default())

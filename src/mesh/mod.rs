@@ -6,6 +6,7 @@ mod build;
 mod caps;
 mod components;
 mod disk;
+mod islands;
 mod kind;
 pub mod mls;
 mod neighbours;
@@ -19,7 +20,7 @@ mod weld;
 
 pub use build::{Build, Repairs, from_soup};
 pub use components::{Choice, Component, Components};
-pub use disk::{Disk, Outer};
+pub use disk::{Disk, Island, Outer};
 pub use kind::Topology;
 pub use neighbours::Neighbours;
 pub use patch::{FaceOrigin, Patch};

@@ -1,6 +1,9 @@
 //! A disk whose holes are filled, with the memory of what was measured.
 
+use std::ops::Range;
+
 use super::boundary::Loop;
+use super::disk::Island;
 use super::{EdgeMap, Mesh, Topology};
 use crate::geometry::VertexId;
 
@@ -27,12 +30,19 @@ pub struct Patch {
     pub outer: Loop,
     /// The rims of the measured holes, the measured surface to their left.
     pub rims: Vec<Loop>,
+    /// The measured islands in them; the fill joins each to the rest.
+    pub islands: Vec<Island>,
 }
 
 impl Patch {
     /// Whether a vertex was measured.
     pub fn is_measured(&self, v: VertexId) -> bool {
         v.index() < self.measured
+    }
+
+    /// The holes that are not in an island: positions among `rims`.
+    pub fn own_holes(&self) -> Range<usize> {
+        0..self.islands.first().map_or(self.rims.len(), |island| island.holes.start)
     }
 
     /// Whether the mesh is edge-manifold and oriented, with Euler characteristic 1 and the

@@ -1,7 +1,7 @@
 //! Loops in the parameter plane that must not cross.
 
 use super::closed::ClosedCubic;
-use crate::geometry::{Uv, ray_crosses, segments_cross};
+use crate::geometry::{Uv, is_inside, segments_cross, uv_bounds};
 
 /// Chords a knot span.
 const CHORDS: usize = 8;
@@ -26,27 +26,36 @@ impl Outline {
         let count = CHORDS * spans;
         let polygon: Vec<Uv> =
             (0..count).map(|i| Uv::from(unrolled.point(i as f64 / count as f64))).collect();
-        let (mut low, mut high) = (polygon[0], polygon[0]);
-        for p in &polygon {
-            (low, high) = (low.inf(p), high.sup(p));
-        }
+        Outline::of(polygon)
+    }
+
+    fn of(polygon: Vec<Uv>) -> Self {
+        let [low, high] = uv_bounds(&polygon);
         Outline { polygon, low, high }
     }
 
     /// What is wrong with the loop, if anything is: it leaves the domain, runs
-    /// the wrong way round, crosses itself or one of `others`.
-    pub fn fault(&self, others: &[Outline]) -> Option<String> {
+    /// the wrong way round, crosses itself or one of `others`, or does not lie
+    /// within just those of them that are `around` it.
+    pub fn fault(&self, others: &[Outline], around: &[usize]) -> Option<String> {
         if self.low.coords.min() < MARGIN || self.high.coords.max() > 1.0 - MARGIN {
             return Some("leaves the patch".into());
         }
         if self.crosses_itself() {
             return Some("crosses itself".into());
         }
-        if self.area() >= 0.0 {
+        // Clockwise around a hole, counter-clockwise around an island in one, and
+        // so on.
+        let clockwise = around.len().is_multiple_of(2);
+        if self.area() == 0.0 || (self.area() < 0.0) != clockwise {
             return Some("runs the wrong way round".into());
         }
-        let clash = others.iter().any(|o| self.crosses(o) || self.encloses(o) || o.encloses(self));
-        clash.then(|| "runs into another hole's".into())
+        let clash = |(i, other): (usize, &Outline)| {
+            self.crosses(other)
+                || self.encloses(other)
+                || other.encloses(self) != around.contains(&i)
+        };
+        others.iter().enumerate().any(clash).then(|| "runs into another one".into())
     }
 
     fn sides(&self) -> impl Iterator<Item = (Uv, Uv)> + '_ {
@@ -84,7 +93,35 @@ impl Outline {
 
     /// Whether the other loop begins inside this one.
     fn encloses(&self, other: &Outline) -> bool {
-        let p = other.polygon[0];
-        self.sides().filter(|&side| ray_crosses(p, side)).count() % 2 == 1
+        is_inside(other.polygon[0], &self.polygon)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A clockwise square, or one that runs the other way.
+    fn square(u: f64, r: f64, clockwise: bool) -> Outline {
+        let mut corners = [(-r, -r), (-r, r), (r, r), (r, -r)];
+        if !clockwise {
+            corners.reverse();
+        }
+        Outline::of(corners.map(|(x, y)| Uv::new(u + x, 0.5 + y)).to_vec())
+    }
+
+    #[test]
+    fn islands_run_the_other_way_within_their_holes() {
+        let others = [square(0.3, 0.2, true), square(0.8, 0.1, true)];
+        let fault = |u: f64, r: f64, clockwise, around: &[usize]| {
+            square(u, r, clockwise).fault(&others, around)
+        };
+        assert_eq!(fault(0.3, 0.1, false, &[0]), None);
+        assert!(fault(0.3, 0.1, true, &[0]).is_some(), "clockwise");
+        assert!(fault(0.6, 0.02, false, &[0]).is_some(), "in no hole");
+        assert!(fault(0.8, 0.02, false, &[0]).is_some(), "in another one");
+        assert!(fault(0.45, 0.1, false, &[0]).is_some(), "across a rim");
+        assert!(fault(0.3, 0.1, true, &[]).is_some(), "a hole in a hole");
+        assert_eq!(fault(0.6, 0.02, true, &[]), None);
     }
 }

@@ -1,5 +1,5 @@
-//! Trimming: every hole's rim as a closed curve in (u, v) and as an edge in
-//! space that lies on the surface.
+//! Trimming: every hole's rim, and every island's, as a closed curve in (u, v)
+//! and as an edge in space that lies on the surface.
 //!
 //! The paper only says that the surface over a hole is trimmed away. Here the
 //! rim's vertices are projected onto the fitted surface and a closed cubic
@@ -24,24 +24,36 @@ pub struct Options {
     pub tolerance: f64,
 }
 
-/// A hole's rim: vertices in order, the measured surface to their left, with
-/// the parameter points that the parameterization gave them.
+/// The rim of a hole, or of an island in one: vertices in order, the measured
+/// surface to their left, with the parameter points that the parameterization
+/// gave them.
 #[derive(Debug, Clone)]
 pub struct Rim {
     /// The hole's number.
     pub hole: usize,
+    /// The number of the island in the hole; `None`: the rim is the hole's.
+    pub island: Option<usize>,
+    /// The position, among all rims, of the next one around this one: of an
+    /// island its hole's, of a hole that of the island that it is in, if any.
+    /// It comes before this one.
+    pub within: Option<usize>,
     /// Its vertices.
     pub points: Vec<Point>,
     /// Their parameter points.
     pub uv: Vec<Uv>,
 }
 
-/// A hole cut out: the arcs of its loop, clockwise in (u, v), each with the
-/// edge that it traces on the surface at the same parameter.
+/// A hole cut out, or an island in it: the arcs of its loop, around a hole
+/// clockwise in (u, v), around an island counter-clockwise, each with the edge
+/// that it traces on the surface at the same parameter.
 #[derive(Debug, Clone)]
 pub struct TrimLoop {
     /// The hole's number.
     pub hole: usize,
+    /// The island's number; `None`: the loop is the hole's.
+    pub island: Option<usize>,
+    /// The position, among all loops, of the next one around this one.
+    pub within: Option<usize>,
     /// The arcs in the parameter plane.
     pub pcurves: Vec<Curve<2>>,
     /// The edges in space.
@@ -53,6 +65,8 @@ pub struct TrimLoop {
 pub struct LoopReport {
     /// The hole's number.
     pub hole: usize,
+    /// The island's number, if the loop is one's.
+    pub island: Option<usize>,
     /// Control points of the pcurves.
     pub control_points: usize,
     /// The farthest that an edge is from S(pcurve(t)).
@@ -65,7 +79,7 @@ pub struct LoopReport {
 /// the two agree, and Boolean operations fail where they do not.
 pub const EDGE_ACCURACY: f64 = 1e-7;
 
-/// The trim loops of the given holes.
+/// The trim loops of the given rims.
 pub fn trim(
     surface: &Surface,
     rims: &[Rim],
@@ -75,20 +89,28 @@ pub fn trim(
     let mut loops = Vec::with_capacity(rims.len());
     let mut reports = Vec::with_capacity(rims.len());
     for rim in rims {
-        let (curve, outline) = rim_curve(surface, rim, &outlines, options)?;
+        let around = around(rims, rim);
+        let (curve, outline) = rim_curve(surface, rim, (&outlines, &around), options)?;
         outlines.push(outline);
         let pcurves = curve.arcs();
         let edges: Vec<Curve<3>> =
             pcurves.iter().map(|c| curve_on_surface(surface, c, EDGE_ACCURACY)).collect();
         reports.push(LoopReport {
             hole: rim.hole,
+            island: rim.island,
             control_points: pcurves.iter().map(|c| c.control.len()).sum(),
             max_off_surface: off_surface(surface, &pcurves, &edges),
             max_from_rim: distance_to_edges(&rim.points, &edges),
         });
-        loops.push(TrimLoop { hole: rim.hole, pcurves, edges });
+        let Rim { hole, island, within, .. } = *rim;
+        loops.push(TrimLoop { hole, island, within, pcurves, edges });
     }
     Ok((loops, reports))
+}
+
+/// The positions of all rims that run around one.
+fn around(rims: &[Rim], rim: &Rim) -> Vec<usize> {
+    std::iter::successors(rim.within, |&i| rims[i].within).collect()
 }
 
 /// The closed curve with the fewest control points that is near the rim and
@@ -101,7 +123,7 @@ pub fn trim(
 fn rim_curve(
     surface: &Surface,
     rim: &Rim,
-    others: &[Outline],
+    (others, around): (&[Outline], &[usize]),
     options: &Options,
 ) -> Result<(ClosedCubic, Outline)> {
     let feet: Vec<Uv> =
@@ -112,7 +134,7 @@ fn rim_curve(
         for n in control_counts(rim.points.len()) {
             let Some(curve) = ClosedCubic::fit(surface, &rim.points, uv, n) else { continue };
             let outline = Outline::new(&curve);
-            match outline.fault(others) {
+            match outline.fault(others, around) {
                 Some(f) => fault = f,
                 None => {
                     let far = curve.distance(surface, &rim.points);
@@ -127,7 +149,8 @@ fn rim_curve(
             return Ok(best);
         }
     }
-    Err(Error::Trim { hole: rim.hole, fault, at: rim.points[0] })
+    let which = if rim.island.is_some() { "around an island " } else { "" };
+    Err(Error::Trim { hole: rim.hole, fault: format!("{which}{fault}"), at: rim.points[0] })
 }
 
 /// Even numbers of control points to try, up to six for every vertex of the

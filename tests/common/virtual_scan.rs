@@ -10,7 +10,8 @@ use std::io::{self, Write};
 pub type Truth = fn(f64, f64) -> [f64; 3];
 
 /// A region of the parameter square that the scanner missed: a star around a
-/// centre with a mean radius, an amplitude and a number of arms.
+/// centre with a mean radius, an amplitude and a number of arms. A star in a star
+/// is an island.
 #[derive(Debug, Clone, Copy)]
 pub struct Star {
     pub centre: [f64; 2],
@@ -85,6 +86,16 @@ pub fn paper_scan() -> VirtualScan {
     VirtualScan::new(sheet, [90, 90], 0.15, holes, 3)
 }
 
+/// The relief with a wide hole, in it an island, and in that a hole.
+pub fn island_scan() -> VirtualScan {
+    let holes = vec![
+        Star { centre: [0.48, 0.5], radius: 0.26, arms: 3.0 },
+        Star { centre: [0.5, 0.48], radius: 0.14, arms: 4.0 },
+        Star { centre: [0.52, 0.47], radius: 0.05, arms: 2.0 },
+    ];
+    VirtualScan::new(relief, [80, 70], 0.05, holes, 5)
+}
+
 impl VirtualScan {
     /// Samples `truth` on an `n` × `m` grid.
     pub fn new(truth: Truth, [n, m]: [usize; 2], noise: f64, holes: Vec<Star>, seed: u64) -> Self {
@@ -102,7 +113,8 @@ impl VirtualScan {
                 all.push(([u, v], point));
             }
         }
-        let gone = |k: usize| holes.iter().any(|h| h.holds(all[k].0[0], all[k].0[1]));
+        let gone =
+            |k: usize| holes.iter().filter(|h| h.holds(all[k].0[0], all[k].0[1])).count() % 2 == 1;
         let mut triangles = Vec::new();
         for k in (0..n - 1).flat_map(|i| (0..m - 1).map(move |j| i * m + j)) {
             let (a, b, c, d) = (k, k + m, k + m + 1, k + 1);
@@ -143,13 +155,27 @@ impl VirtualScan {
         self.triangles.iter().map(area).sum()
     }
 
+    /// How many faces the scan makes, and how many inner loops they have.
+    pub fn faces_and_inner_loops(&self) -> (usize, usize) {
+        let around = |star: &Star| {
+            let [u, v] = star.centre;
+            let wider = |h: &&Star| h.radius > star.radius && h.holds(u, v);
+            self.holes.iter().filter(wider).count()
+        };
+        let islands = self.holes.iter().filter(|star| around(star) % 2 == 1).count();
+        (1 + islands, self.holes.len() - islands)
+    }
+
     /// Points of the true surface well away from the holes and the edge.
     pub fn true_points(&self, n: usize) -> Vec<[f64; 3]> {
         let at = |i: usize| 0.02 + 0.96 * i as f64 / (n - 1) as f64;
         let grid = (0..n * n).map(|k| (at(k / n), at(k % n)));
         let far = |&(u, v): &(f64, f64)| {
-            let wider = |h: &Star| Star { radius: 1.25 * h.radius, ..*h };
-            !self.holes.iter().any(|h| wider(h).holds(u, v))
+            let times = |share: f64| {
+                let scaled = |h: &&Star| Star { radius: share * h.radius, ..**h }.holds(u, v);
+                self.holes.iter().filter(scaled).count()
+            };
+            times(1.25) == times(0.8) && times(1.0) % 2 == 0
         };
         grid.filter(far).map(|(u, v)| (self.truth)(u, v)).collect()
     }

@@ -125,9 +125,11 @@ def cut(shape):
 
 
 def offset(shape):
-    """A shell of constant thickness over the face."""
+    """A shell of constant thickness over each face. OpenCASCADE offsets shells
+    and faces, but no compound of them."""
     size = shape.BoundBox.DiagonalLength
-    return sound(shape.makeOffsetShape(0.005 * size, 1e-3, fill=True))
+    sheets = shape.Shells or shape.Faces if shape.ShapeType == "Compound" else [shape]
+    return all(sound(s.makeOffsetShape(0.005 * size, 1e-3, fill=True)) for s in sheets)
 
 
 def extrude(shape):

@@ -1,0 +1,90 @@
+//! What is cut out of the surface, and the faces that this leaves.
+
+use std::ops::Range;
+
+use crate::brep::{Arcs, Bounds};
+use crate::mesh::Patch;
+use crate::parameterize::Parameterized;
+use crate::trim::{Rim, TrimLoop};
+
+/// Which of the scan's holes are cut out of the face.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub enum Cut {
+    /// Every hole.
+    #[default]
+    All,
+    /// Holes whose rim is at least this long, in mm.
+    FromLength(f64),
+    /// None: all stay filled.
+    None,
+}
+
+impl Cut {
+    pub(crate) fn cuts(self, rim_length: f64) -> bool {
+        match self {
+            Cut::All => true,
+            Cut::FromLength(least) => rim_length >= least,
+            Cut::None => false,
+        }
+    }
+}
+
+/// The rims of the holes that are `trimmed`, and of the islands in these. An
+/// island in a hole that stays filled is part of the face around the hole.
+pub(crate) fn rims(map: &Parameterized, trimmed: &[bool]) -> Vec<Rim> {
+    let mut cutter = Cutter { map, trimmed, rims: Vec::new() };
+    cutter.piece(map.patch.own_holes(), None);
+    cutter.rims
+}
+
+struct Cutter<'a> {
+    map: &'a Parameterized,
+    trimmed: &'a [bool],
+    rims: Vec<Rim>,
+}
+
+impl Cutter<'_> {
+    /// Goes through the holes of a piece of the scan that is part of the face
+    /// `within` a rim, and into the islands in them.
+    fn piece(&mut self, holes: Range<usize>, within: Option<usize>) {
+        for hole in holes {
+            let cut = self.trimmed[hole].then(|| self.add(hole, None, within));
+            let patch: &Patch = &self.map.patch;
+            for (number, island) in patch.islands.iter().enumerate() {
+                if island.hole == hole {
+                    let own = cut.map(|cut| self.add(hole, Some(number), Some(cut)));
+                    self.piece(island.holes.clone(), own.or(within));
+                }
+            }
+        }
+    }
+
+    /// Adds a rim; returns its position.
+    fn add(&mut self, hole: usize, island: Option<usize>, within: Option<usize>) -> usize {
+        let Parameterized { patch, uv, .. } = self.map;
+        let rim = island.map_or(&patch.rims[hole], |number| &patch.islands[number].rim);
+        self.rims.push(Rim {
+            hole,
+            island,
+            within,
+            points: rim.iter().map(|&v| patch.mesh.point(v)).collect(),
+            uv: rim.iter().map(|v| uv[v.index()]).collect(),
+        });
+        self.rims.len() - 1
+    }
+}
+
+/// The faces that the loops bound: that of the surface's sides first, then each
+/// island's.
+pub(crate) fn faces(loops: &[TrimLoop]) -> Vec<Bounds<'_>> {
+    let face = |outer: Option<usize>| {
+        let inner = loops.iter().filter(|l| l.island.is_none() && l.within == outer);
+        Bounds { outer: outer.map(|i| arcs(&loops[i])), inner: inner.map(arcs).collect() }
+    };
+    let islands = (0..loops.len()).filter(|&i| loops[i].island.is_some());
+    std::iter::once(None).chain(islands.map(Some)).map(face).collect()
+}
+
+fn arcs(ring: &TrimLoop) -> Arcs<'_> {
+    (&ring.pcurves, &ring.edges)
+}

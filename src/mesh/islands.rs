@@ -1,0 +1,233 @@
+//! Islands: components that lie in a hole of another one. A scanner often sees
+//! a patch in the middle of what it missed.
+//!
+//! A hole is looked at along its normal. A component lies in it that its rim
+//! runs around there, at about the height of the rim, and that looks the same
+//! way, or would if it were turned over.
+
+use std::collections::{HashMap, HashSet};
+
+use super::boundary::{self, Loop};
+use super::build::{Build, Repairs, count};
+use super::components::clean;
+use super::disk::{self, Disk, Outer};
+use super::{EdgeMap, Mesh};
+use crate::geometry::{Point, Uv, Vector, is_inside, plane_axes, uv_bounds};
+
+/// A component that may be an island.
+#[derive(Debug)]
+pub(super) struct Candidate {
+    /// Its number, the largest component being 0.
+    pub component: usize,
+    /// Its triangles and points.
+    pub build: Build,
+}
+
+/// Share of an island's vertices that must lie in its hole. Seen along one
+/// normal, a hole in a curved surface may not look quite as wide as it is.
+const ALMOST_ALL: f64 = 0.95;
+
+/// So many of a component's vertices are looked at, or a few more.
+const SAMPLE: usize = 1000;
+
+/// The least cosine of the angle between the normals of an island, as a whole,
+/// and of its hole. Both may be curved.
+const ALIKE: f64 = 0.2;
+
+/// Puts those candidates into the disk's holes, and into the holes of its
+/// islands, that lie there. Where two overlap, the first one stays. The places
+/// on their boundaries become `taken`.
+pub(super) fn add(
+    disk: &mut Disk,
+    candidates: Vec<Candidate>,
+    taken: &mut HashSet<u32>,
+    repairs: &mut Repairs,
+) {
+    if candidates.is_empty() {
+        return;
+    }
+    let own = windows(disk);
+    let mut islands: Vec<Piece> = Vec::new();
+    for Candidate { component, mut build } in candidates {
+        let Some(window) = narrowest(&own, &build.mesh) else { continue };
+        let mut done = Repairs::new();
+        if window.likeness(&build.mesh) < 0.0 {
+            turn_over(&mut build);
+            count(&mut done, "flipped_faces", build.mesh.triangles.len());
+        }
+        let Ok(island) = clean(build, Outer::Auto, taken, &mut done) else { continue };
+        // What lies in another hole may well be behind it.
+        let mut beside = islands.iter().filter(|other| other.hole == window.hole);
+        if !beside.any(|other| overlap(window, &other.disk, &island)) {
+            done.into_iter().for_each(|(kind, n)| count(repairs, kind, n));
+            let windows = windows(&island);
+            islands.push(Piece { component, hole: window.hole, disk: island, windows });
+        }
+    }
+    settle(disk, &own, islands);
+}
+
+/// A candidate that lies in a hole of the disk.
+struct Piece {
+    component: usize,
+    hole: usize,
+    disk: Disk,
+    windows: Vec<Window>,
+}
+
+/// Puts each island into the narrowest hole that it lies in: one of the disk's
+/// own, or of an island that is there already.
+fn settle(disk: &mut Disk, own: &[Window], islands: Vec<Piece>) {
+    let parent = |island: &Piece| {
+        let of_main = own.iter().map(|w| (None, w));
+        let of_islands =
+            islands.iter().flat_map(|i| i.windows.iter().map(|w| (Some(i.component), w)));
+        let holding = of_main.chain(of_islands).filter(|(_, w)| w.holds(&island.disk.mesh));
+        let narrowest = holding.min_by(|x, y| x.1.area.total_cmp(&y.1.area));
+        narrowest.map(|(around, window)| (around, window.hole))
+    };
+    let parents: Vec<_> = islands.iter().map(parent).collect();
+    let mut left: Vec<_> =
+        islands.into_iter().zip(parents).filter_map(|(i, p)| Some((i, p?))).collect();
+    // Where the holes of the disk and of each island begin among the disk's.
+    let mut first = HashMap::from([(None, 0)]);
+    loop {
+        let (ready, rest): (Vec<_>, Vec<_>) =
+            left.into_iter().partition(|(_, (around, _))| first.contains_key(around));
+        if ready.is_empty() {
+            return;
+        }
+        for (island, (around, hole)) in ready {
+            let hole = first[&around] + hole;
+            first.insert(Some(island.component), disk.holes.len());
+            disk.add_island(island.component, hole, island.disk);
+        }
+        left = rest;
+    }
+}
+
+/// A hole, seen along its normal.
+struct Window {
+    /// Its position among the holes of its piece.
+    hole: usize,
+    view: View,
+    outline: Vec<Uv>,
+    low: Uv,
+    high: Uv,
+    /// The lowest and the highest that an island may lie.
+    heights: [f64; 2],
+    area: f64,
+}
+
+/// The holes of a piece; those left out that have no side to them, or that are
+/// around it.
+fn windows(piece: &Disk) -> Vec<Window> {
+    if piece.holes.is_empty() {
+        return Vec::new();
+    }
+    let normals = disk::open_side_normals(&piece.mesh, &EdgeMap::new(&piece.mesh));
+    let rims = piece.holes.iter().enumerate();
+    rims.filter(|(_, rim)| disk::turn(&piece.mesh, &normals, rim) <= 0)
+        .filter_map(|(hole, rim)| Window::new(&piece.mesh, hole, rim))
+        .collect()
+}
+
+/// The narrowest of the holes in which a mesh lies.
+fn narrowest<'a>(holes: &'a [Window], mesh: &Mesh) -> Option<&'a Window> {
+    holes.iter().filter(|w| w.holds(mesh)).min_by(|x, y| x.area.total_cmp(&y.area))
+}
+
+impl Window {
+    fn new(mesh: &Mesh, hole: usize, rim: &Loop) -> Option<Self> {
+        // The hole is to the right of its rim.
+        let area = -boundary::area(mesh, rim);
+        let view = View::new(mesh.point(rim[0]), area.try_normalize(0.0)?);
+        let outline = view.outline(mesh, rim);
+        let [low, high] = uv_bounds(&outline);
+        let half_width = 2.0 * area.norm() / boundary::length(mesh, rim);
+        let heights = || rim.iter().map(|&v| view.height(mesh.point(v)));
+        let heights = [
+            heights().fold(f64::INFINITY, f64::min) - half_width,
+            heights().fold(f64::NEG_INFINITY, f64::max) + half_width,
+        ];
+        Some(Window { hole, view, outline, low, high, heights, area: area.norm() })
+    }
+
+    /// Whether almost all of a mesh lies in the hole and about as high as its
+    /// rim, and looks along its normal or against it.
+    fn holds(&self, mesh: &Mesh) -> bool {
+        let sample: Vec<Point> = sample(mesh).collect();
+        let mut may_miss = ((1.0 - ALMOST_ALL) * sample.len() as f64) as usize;
+        for p in sample {
+            if !self.has(p) {
+                let Some(left) = may_miss.checked_sub(1) else { return false };
+                may_miss = left;
+            }
+        }
+        self.likeness(mesh).abs() > ALIKE
+    }
+
+    fn has(&self, p: Point) -> bool {
+        let (uv, height) = (self.view.flat(p), self.view.height(p));
+        let boxed = self.low.inf(&uv) == self.low && self.high.sup(&uv) == self.high;
+        boxed
+            && (self.heights[0]..=self.heights[1]).contains(&height)
+            && is_inside(uv, &self.outline)
+    }
+
+    /// The cosine of the angle between the normals of the hole and of a mesh.
+    fn likeness(&self, mesh: &Mesh) -> f64 {
+        let area: Vector = mesh.triangles.iter().map(|&t| mesh.area_vector(t)).sum();
+        area.try_normalize(0.0).map_or(0.0, |normal| normal.dot(&self.view.normal))
+    }
+}
+
+/// Whether one of two islands covers a vertex of the other, seen through a hole.
+fn overlap(window: &Window, one: &Disk, other: &Disk) -> bool {
+    let covers = |piece: &Disk, mesh: &Mesh| {
+        let outlines: Vec<Vec<Uv>> =
+            piece.loops().map(|ring| window.view.outline(&piece.mesh, ring)).collect();
+        let around = |uv: Uv| outlines.iter().filter(|o| is_inside(uv, o)).count();
+        sample(mesh).any(|p| around(window.view.flat(p)) % 2 == 1)
+    };
+    covers(one, &other.mesh) || covers(other, &one.mesh)
+}
+
+/// A direction to look along, and the plane across it.
+struct View {
+    origin: Point,
+    x: Vector,
+    y: Vector,
+    normal: Vector,
+}
+
+impl View {
+    fn new(origin: Point, normal: Vector) -> Self {
+        let (x, y) = plane_axes(normal);
+        View { origin, x, y, normal }
+    }
+
+    fn flat(&self, p: Point) -> Uv {
+        let d = p - self.origin;
+        Uv::new(d.dot(&self.x), d.dot(&self.y))
+    }
+
+    fn height(&self, p: Point) -> f64 {
+        (p - self.origin).dot(&self.normal)
+    }
+
+    fn outline(&self, mesh: &Mesh, ring: &Loop) -> Vec<Uv> {
+        ring.iter().map(|&v| self.flat(mesh.point(v))).collect()
+    }
+}
+
+/// Some of the vertices, spread evenly over their numbers.
+fn sample(mesh: &Mesh) -> impl Iterator<Item = Point> + '_ {
+    mesh.points.iter().copied().step_by((mesh.points.len() / SAMPLE).max(1))
+}
+
+/// Turns all triangles over.
+fn turn_over(build: &mut Build) {
+    build.mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
+    build.edges = EdgeMap::new(&build.mesh);
+}
