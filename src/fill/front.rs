@@ -65,12 +65,19 @@ pub struct Hole<'a> {
     pub sizes: &'a Sizes,
 }
 
-/// Closes a hole by the front. It advances by MLS, and looks for crossings in
-/// local planes, or does both by a `lead`, which cannot fail but where the rims
-/// cross. `None` where the front went astray: it grew without closing in.
-pub fn advance(hole: Hole, options: &Options, lead: Option<Lead>) -> Option<Fill> {
-    let is_led = lead.is_some();
-    let mut front = Front::new(hole, options, lead);
+/// How a front advances.
+pub enum Way<'a> {
+    /// By MLS, with a support in edge lengths; crossings are looked for in local
+    /// planes.
+    Mls(f64),
+    /// By a lead, which cannot fail but where the rims cross.
+    Led(Lead<'a>),
+}
+
+/// Closes a hole by the front. `None` where the front went astray: it grew without closing in.
+pub fn advance(hole: Hole, options: &Options, way: Way) -> Option<Fill> {
+    let is_led = matches!(way, Way::Led(_));
+    let mut front = Front::new(hole, options, way);
     front.bridge_islands(hole.rims);
     front.close_triangle(0);
     while front.rings.len() > 0 {
@@ -89,7 +96,7 @@ pub fn advance(hole: Hole, options: &Options, lead: Option<Lead>) -> Option<Fill
 
 /// Closes a hole by a membrane alone; `None` where the numbers forbid it.
 pub fn span(hole: Hole, options: &Options) -> Option<Fill> {
-    let mut front = Front::new(hole, options, None);
+    let mut front = Front::new(hole, options, Way::Mls(SUPPORTS[0]));
     front.bridge_islands(hole.rims);
     front.span(0)?;
     Some(front.fill)
@@ -106,9 +113,10 @@ const LOWEST: f64 = 0.4;
 /// A front vertex this near to where a point would be placed takes its part.
 const MEETING: f64 = 0.75;
 
-/// The support of the MLS approximations, in edge lengths: enough for a plane
-/// and its bends in the half disk that lies beside a rim.
-const SUPPORT: f64 = 2.0;
+/// Supports of the MLS approximations, in edge lengths: the first is enough for
+/// a plane and its bends in the half disk that lies beside a rim; a front that
+/// it leads astray, on rough rims, tries again with the second.
+pub const SUPPORTS: [f64; 2] = [2.0, 3.0];
 
 /// The sine of the least angle of a triangle that joins the front to itself.
 const SHARPEST: f64 = 0.3;
@@ -116,7 +124,7 @@ const SHARPEST: f64 = 0.3;
 struct Front<'a> {
     around: &'a Surroundings<'a>,
     sizes: &'a Sizes,
-    lead: Option<Lead<'a>>,
+    way: Way<'a>,
     rings: Rings,
     /// The new vertices, as of the last round, for neighbourhoods.
     placed: Option<Cloud>,
@@ -134,11 +142,7 @@ struct Front<'a> {
 }
 
 impl<'a> Front<'a> {
-    fn new(
-        Hole { around, rims, sizes }: Hole<'a>,
-        options: &Options,
-        lead: Option<Lead<'a>>,
-    ) -> Self {
+    fn new(Hole { around, rims, sizes }: Hole<'a>, options: &Options, way: Way<'a>) -> Self {
         let rim: usize = rims.iter().map(|r| r.len()).sum();
         // About what edges that grow from the rim leave room for in a disk, and
         // as much again.
@@ -148,7 +152,7 @@ impl<'a> Front<'a> {
         Front {
             around,
             sizes,
-            lead,
+            way,
             rings: Rings::new(&loops, 3.0 * sizes.mean),
             placed: None,
             normals: Vec::new(),
@@ -171,7 +175,10 @@ impl<'a> Front<'a> {
 
     /// The plane in which to look for crossings around a place.
     fn plane(&self, at: Point, normal: Vector) -> LocalPlane {
-        self.lead.as_ref().map_or_else(|| LocalPlane::new(at, normal), |lead| lead.plane)
+        match &self.way {
+            Way::Mls(_) => LocalPlane::new(at, normal),
+            Way::Led(lead) => lead.plane,
+        }
     }
 
     /// The nodes before, at and after `node`.
@@ -189,7 +196,8 @@ impl<'a> Front<'a> {
     /// the same way.
     fn edges_near(&self, centre: Point, normal: Vector, radius: f64) -> Vec<(Point, Point)> {
         let facing = |node: usize| {
-            self.lead.is_some() || self.normal(self.rings.vertex(node)).dot(&normal) > 0.0
+            matches!(self.way, Way::Led(_))
+                || self.normal(self.rings.vertex(node)).dot(&normal) > 0.0
         };
         let near = self.rings.near(centre, radius).into_iter();
         near.filter(|&node| facing(node) || facing(self.rings.after(node)))
@@ -362,19 +370,21 @@ impl<'a> Front<'a> {
         let guess = (n + m).try_normalize(1e-6)?;
         let middle = nalgebra::center(&p, &q);
         let a = self.sizes.at(middle);
-        let h = (SUPPORT * a.max((q - p).norm())).max(self.support.min(2.0 * SUPPORT * a));
-        let plane = if self.lead.is_some() {
-            None
-        } else {
+        let support = match self.way {
+            Way::Mls(support) => Some(support),
+            Way::Led(_) => None,
+        };
+        let h = support.map_or(0.0, |s| (s * a.max((q - p).norm())).max(self.support.min(4.0 * a)));
+        let plane = support.and_then(|_| {
             self.gather(middle, guess, h, around);
             mls::reference_plane(middle, guess, around, h)
-        };
+        });
         let normal = plane.map_or(guess, |f| f.normal);
         let into = (q - p).cross(&normal).try_normalize(1e-12)?;
         let side = (q - p).norm().min(3f64.sqrt() * a);
         let distance = 0.5 * (4.0 * a * a - side * side).sqrt();
         let flat = middle + distance * into;
-        if let Some(lead) = &self.lead {
+        if let Way::Led(lead) = &self.way {
             return (lead.surface)(flat);
         }
         let foot = plane.and_then(|plane| Polynomial::fit(&plane, around, h));
@@ -585,7 +595,8 @@ mod tests {
         let (rings, cloud) = (mesh::Rings::new(mesh), Cloud::of(mesh));
         let around = Surroundings { mesh, rings: &rings, cloud: &cloud };
         let hole = Hole { around: &around, rims: &rims, sizes: &sizes };
-        let fill = advance(hole, &Options::default(), None).expect("the front closes");
+        let fill =
+            advance(hole, &Options::default(), Way::Mls(SUPPORTS[0])).expect("the front closes");
         let mut sides: HashMap<(VertexId, VertexId), usize> = HashMap::new();
         for t in mesh.triangles.iter().chain(&fill.triangles) {
             (0..3).for_each(|k| *sides.entry((t[k], t[(k + 1) % 3])).or_default() += 1);

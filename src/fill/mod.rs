@@ -17,7 +17,7 @@ mod smoothing_spline;
 
 use band::Measured;
 use fair::Seen;
-use front::Fill;
+use front::{Fill, SUPPORTS, Way};
 use rayon::prelude::*;
 use size::Sizes;
 
@@ -144,7 +144,8 @@ fn close(
     let points = |rim: &&[VertexId]| rim.iter().map(|&v| around.mesh.point(v)).collect();
     let sizes = Sizes::new(&rims.iter().map(points).collect::<Vec<_>>());
     let hole = front::Hole { around, rims, sizes: &sizes };
-    let built = front::advance(hole, options, None).filter(|fill| fill.membranes == 0);
+    let mut built = SUPPORTS.iter().filter_map(|&s| front::advance(hole, options, Way::Mls(s)));
+    let built = built.find(|fill| fill.membranes == 0);
     let method = |fill: Fill| {
         let method = if fill.wide_ears == 0 { Method::Front } else { Method::WideEars };
         (fill, method)
@@ -159,7 +160,7 @@ fn close(
         let shaped = built.as_ref().and_then(|fill| shaper.over_plane(fill, &view));
         shaped.map(method).or_else(|| {
             let surface = |p: Point| view.under(p, 1e-3 * sizes.mean);
-            let led = front::advance(hole, options, Some(view.lead(&surface)))?;
+            let led = front::advance(hole, options, Way::Led(view.lead(&surface)))?;
             Some((shaper.over_plane(&led, &view)?, Method::Led))
         })
     };
