@@ -1,0 +1,141 @@
+//! Filling: whatever the holes, the result is a disk whose fills lie inside
+//! their rims; and it lies near the true surface.
+
+mod common;
+
+use std::collections::{HashMap, HashSet};
+
+use common::virtual_scan::{Star, VirtualScan, paper_scan, rolled_sheet, sheet};
+use formats::Soup;
+use scan2step::fill::{self, Method};
+use scan2step::mesh::{self, Choice, Components, Disk, FaceOrigin, Outer, Patch, Repairs};
+use scan2step::smooth::{self, Support};
+
+/// Numbers that look random and are always the same.
+struct Random(u64);
+
+impl Random {
+    fn below(&mut self, n: usize) -> usize {
+        self.0 =
+            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 33) as usize % n
+    }
+
+    fn share(&mut self) -> f64 {
+        self.below(1 << 20) as f64 / f64::from(1 << 20)
+    }
+}
+
+fn disk(soup: &Soup) -> Disk {
+    let scan = Components::new(mesh::from_soup(soup, 1.0).unwrap());
+    scan.take(Choice::Largest).unwrap().into_disk(Outer::Auto, &mut Repairs::new()).unwrap()
+}
+
+/// A bumpy square of 40 × 40 cells, its points shaken by `noise` cells, with a
+/// dozen random walks cut out of it.
+fn moth_eaten(random: &mut Random, noise: f64) -> Soup {
+    let n = 40;
+    let mut cut = HashSet::new();
+    for _ in 0..12 {
+        let mut at = [3 + random.below(n - 6), 3 + random.below(n - 6)];
+        for _ in 0..random.below(80) {
+            cut.insert(at);
+            let (axis, step) = (random.below(2), random.below(2));
+            at[axis] = (at[axis] + 2 * step).saturating_sub(1).clamp(2, n - 3);
+        }
+    }
+    let mut soup = Soup::default();
+    for (i, j) in (0..=n).flat_map(|i| (0..=n).map(move |j| (i, j))) {
+        let mut shaken = |x: usize| x as f64 + noise * (random.share() - 0.5);
+        let (x, y) = (shaken(i), shaken(j));
+        soup.points.push([x, y, 3.0 * (0.2 * x).sin() * (0.15 * y).cos() + noise * random.share()]);
+    }
+    for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+        let k = (i * (n + 1) + j) as u32;
+        let m = n as u32 + 1;
+        if !cut.contains(&[i, j]) {
+            soup.polygons.push([k, k + m, k + m + 1]);
+            soup.polygons.push([k, k + m + 1, k + 1]);
+        }
+    }
+    soup
+}
+
+/// Each hole's fill has the hole's rim for its boundary, and that of its
+/// islands, and inside the fill every side two triangles.
+fn check(patch: &Patch, report: &fill::Report) {
+    assert!(patch.is_disk());
+    for (number, hole) in report.holes.iter().enumerate() {
+        let of_hole = FaceOrigin::Hole(number as u32);
+        let numbered = patch.mesh.triangles.iter().zip(&patch.origin);
+        let own: Vec<_> = numbered.filter(|(_, o)| **o == of_hole).map(|(t, _)| *t).collect();
+        assert_eq!(own.len(), hole.added_triangles);
+        let sides: HashSet<_> =
+            own.iter().flat_map(|t| (0..3).map(move |k| (t[k], t[(k + 1) % 3]))).collect();
+        assert_eq!(sides.len(), 3 * own.len(), "no side twice");
+        let open = sides.iter().filter(|s| !sides.contains(&(s.1, s.0)));
+        let open: HashMap<_, _> = open.copied().collect();
+        let rim = &patch.rims[number];
+        for (k, &v) in rim.iter().enumerate() {
+            assert_eq!(open.get(&rim[(k + 1) % rim.len()]), Some(&v), "the fill meets its rim");
+        }
+        let islands = patch.islands.iter().filter(|i| i.hole == number);
+        let islands = islands.map(|i| i.rim.len()).sum::<usize>();
+        assert_eq!(open.len(), rim.len() + islands);
+    }
+}
+
+#[test]
+fn random_holes_are_filled_to_a_disk() {
+    let mut random = Random(1);
+    let mut holes = 0;
+    for round in 0..40 {
+        let soup = moth_eaten(&mut random, [0.0, 0.3, 0.8, 1.5][round % 4]);
+        let disk = disk(&soup);
+        let points = disk.mesh.points.clone();
+        let (patch, report) = fill::fill(disk, &points, &fill::Options::default()).unwrap();
+        check(&patch, &report);
+        holes += report.holes.len();
+    }
+    assert!(holes > 200, "{holes}");
+}
+
+/// Fills a virtual scan, smoothed before or not; the rms distance of what was
+/// added to the true surface.
+fn rms_of_fill(scan: &VirtualScan, support: Support) -> (f64, fill::Report) {
+    let mut soup = Soup { points: scan.points.clone(), ..Soup::default() };
+    scan.triangles.iter().for_each(|t| soup.polygons.push(*t));
+    let measured = disk(&soup);
+    let options = smooth::Options { support, ..Default::default() };
+    let (smoothed, smooth) = smooth::smooth(&measured, &options);
+    let options =
+        fill::Options { support: smooth.h, noise: smooth.noise, ..fill::Options::default() };
+    let (patch, report) = fill::fill(smoothed, &measured.mesh.points, &options).unwrap();
+    check(&patch, &report);
+    (scan.rms(patch.mesh.points[patch.measured..].iter().map(|p| p.coords.into())), report)
+}
+
+#[test]
+fn a_clean_hole_is_filled_as_if_it_were_measured() {
+    let hole = Star { centre: [0.35, 0.62], radius: 0.1, arms: 5.0 };
+    let scan = VirtualScan::new(sheet, [90, 90], 0.0, vec![hole], 1);
+    let (rms, report) = rms_of_fill(&scan, Support::Off);
+    assert!(rms < 0.002, "{rms}");
+    assert_eq!(report.holes[0].method, Method::Front);
+}
+
+#[test]
+fn a_noisy_hole_is_filled_within_a_third_of_the_noise() {
+    let scan = paper_scan();
+    let (rms, _) = rms_of_fill(&scan, Support::Auto);
+    assert!(rms < 0.05, "{rms} mm at a noise of 0.15 mm");
+}
+
+#[test]
+fn a_hole_around_a_barrel_follows_the_barrel() {
+    let hole = Star { centre: [0.5, 0.5], radius: 0.25, arms: 3.0 };
+    let scan = VirtualScan::new(rolled_sheet, [120, 80], 0.0, vec![hole], 1);
+    let (rms, _) = rms_of_fill(&scan, Support::Off);
+    // A membrane would cut the corner by more than 10 mm.
+    assert!(rms < 1.0, "{rms}");
+}
