@@ -1,0 +1,171 @@
+//! New points: a candidate an edge, which becomes a vertex, or shows where the
+//! front meets itself.
+
+use super::{Front, Way};
+use crate::geometry::{Point, Vector, segment_distance};
+use crate::mesh::mls::{self, Cloud, Polynomial, Sample};
+
+/// A new point is at least this far from every other, in edge lengths wanted
+/// there.
+const APART: f64 = 0.55;
+
+/// And this far from the front edge that it is joined to: flatter triangles
+/// are left to ears.
+const LOWEST: f64 = 0.4;
+
+/// A front vertex this near to where a point would be placed takes its part.
+const MEETING: f64 = 0.75;
+
+/// The sine of the least angle of a triangle that joins the front to itself.
+const SHARPEST: f64 = 0.3;
+
+impl Front<'_> {
+    /// One candidate an edge: it becomes a vertex, or the front meets itself
+    /// there, or neither.
+    pub(super) fn advance(&mut self) {
+        let new = self.fill.points.clone();
+        self.placed = (!new.is_empty()).then(|| Cloud::new(new, self.normals.clone()));
+        let mut around = Vec::new();
+        let edges: Vec<_> = self.rings.all().map(|n| (n, self.rings.after(n))).collect();
+        let candidates: Vec<_> = edges
+            .into_iter()
+            .filter_map(|edge| Some((edge, self.candidate(edge, &mut around)?)))
+            .collect();
+        for (edge, (p, normal)) in candidates {
+            if self.fill.points.len() < self.most_points && !self.meet(edge, p, normal) {
+                self.try_point(p, normal);
+            }
+        }
+    }
+
+    /// The point at d(e) = √(4a² − e²) / 2 from the edge on the bisector in the
+    /// MLS plane at its midpoint, then on the local MLS approximation over that
+    /// plane. One that the approximation throws farther than its distance from
+    /// the edge stays on the plane.
+    fn candidate(
+        &self,
+        (v, w): (usize, usize),
+        around: &mut Vec<Sample>,
+    ) -> Option<(Point, Vector)> {
+        let (p, q) = (self.rings.at(v), self.rings.at(w));
+        let [n, m] = [v, w].map(|node| self.normal(self.rings.vertex(node)));
+        let guess = (n + m).try_normalize(1e-6)?;
+        let middle = nalgebra::center(&p, &q);
+        let a = self.sizes.at(middle);
+        let support = match self.way {
+            Way::Mls(support) => Some(support),
+            Way::Led(_) => None,
+        };
+        let h = support.map_or(0.0, |s| (s * a.max((q - p).norm())).max(self.support.min(4.0 * a)));
+        let plane = support.and_then(|_| {
+            self.gather(middle, guess, h, around);
+            mls::reference_plane(middle, guess, around, h)
+        });
+        let normal = plane.map_or(guess, |f| f.normal);
+        let into = (q - p).cross(&normal).try_normalize(1e-12)?;
+        let side = (q - p).norm().min(3f64.sqrt() * a);
+        let distance = 0.5 * (4.0 * a * a - side * side).sqrt();
+        let flat = middle + distance * into;
+        if let Way::Led(lead) = &self.way {
+            return (lead.surface)(flat);
+        }
+        let foot = plane.and_then(|plane| Polynomial::fit(&plane, around, h));
+        let foot = foot.map(|polynomial| polynomial.at(flat));
+        Some(foot.filter(|f| (f.0 - flat).norm() < distance).unwrap_or((flat, normal)))
+    }
+
+    /// The measured and the new points around a place. Deep in a hole, where
+    /// edges are long, no more of the fine measured ones than next to the rim.
+    fn gather(&self, at: Point, normal: Vector, h: f64, around: &mut Vec<Sample>) {
+        let radius = mls::REACH * h;
+        let beyond_rim = self.sizes.depth(at) + 4.0 * self.sizes.mean;
+        around.clear();
+        self.around.cloud.gather(at, normal, radius.min(beyond_rim.max(h)), around);
+        if let Some(placed) = &self.placed {
+            placed.gather(at, normal, radius, around);
+        }
+    }
+
+    /// Where a front vertex is near `p`, the candidate of `edge`, joins the
+    /// edge to it; says whether it did.
+    fn meet(&mut self, (v, w): (usize, usize), p: Point, normal: Vector) -> bool {
+        if !self.rings.is_alive(v) || self.rings.after(v) != w {
+            return false;
+        }
+        let reach = MEETING * self.sizes.at(p);
+        let own = [v, w, self.rings.before(v), self.rings.after(w)];
+        let near = self.rings.near(p, reach).into_iter();
+        let distance = |node: usize| (self.rings.at(node) - p).norm();
+        let nearest = near
+            .filter(|node| !own.contains(node) && distance(*node) < reach)
+            .min_by(|x, y| distance(*x).total_cmp(&distance(*y)));
+        let apex = nearest.filter(|&apex| self.may_join(v, apex, normal));
+        apex.inspect(|&apex| self.join(v, apex)).is_some()
+    }
+
+    /// Whether the edge that leaves `node` may be joined to the vertex of
+    /// `apex`.
+    fn may_join(&self, node: usize, apex: usize, normal: Vector) -> bool {
+        let w = self.rings.after(node);
+        let [v, x, y] = [node, w, apex].map(|n| self.rings.vertex(n));
+        if self.joined(v, y) || self.joined(x, y) || self.normal(y).dot(&normal) <= 0.0 {
+            return false;
+        }
+        let corners = [w, node, apex].map(|n| self.rings.at(n));
+        let [a, b, c] = corners;
+        let sides = [b - a, c - b, a - c].map(|d| d.norm());
+        let area = (b - a).cross(&(c - a)).norm();
+        let sharp = |k: usize| area < SHARPEST * sides[k] * sides[(k + 1) % 3];
+        if (0..3).any(sharp) {
+            return false;
+        }
+        let reach = (c - a).norm().max((c - b).norm());
+        let near = self.edges_near(c, normal, 2.0 * reach);
+        let plane = self.plane(c, normal);
+        // The apex sees the edge through its own gap.
+        let [before, after] = [self.rings.before(apex), self.rings.after(apex)];
+        let [before, after] = [before, after].map(|n| self.rings.at(n));
+        let gap = plane.angle(before, c, after);
+        let between = |p: Point| plane.angle(before, c, p) < gap;
+        plane.is_free(corners, &near) && between(a) && between(b)
+    }
+
+    fn join(&mut self, node: usize, apex: usize) {
+        let w = self.rings.after(node);
+        self.add([w, node, apex].map(|n| self.rings.vertex(n)));
+        self.rings.pinch(node, apex);
+        self.close_triangle(node);
+        if self.rings.is_alive(w) {
+            self.close_triangle(w);
+        }
+    }
+
+    /// Joins `p` to the nearest front edge, if it keeps its distance from all
+    /// other points (a front that has turned around would grow back over the
+    /// measured surface) and the triangle crosses nothing.
+    fn try_point(&mut self, p: Point, normal: Vector) {
+        let size = self.sizes.at(p);
+        let near = self.rings.near(p, 2.0 * size);
+        let crowded = |node: &usize| (self.rings.at(*node) - p).norm() < APART * size;
+        if self.around.cloud.nearest_distance(p) < APART * size || near.iter().any(crowded) {
+            return;
+        }
+        let distance = |node: usize| {
+            let (a, b) = self.rings.edge(node);
+            segment_distance(p, a, b)
+        };
+        let nearest = near.iter().map(|&node| (node, distance(node)));
+        let nearest = nearest.min_by(|x, y| x.1.total_cmp(&y.1));
+        let Some((node, _)) = nearest.filter(|n| n.1 >= LOWEST * size) else { return };
+        let (a, b) = self.rings.edge(node);
+        let reach = (a - p).norm().max((b - p).norm());
+        let edges = self.edges_near(p, normal, 2.0 * reach);
+        if !self.plane(p, normal).is_free([b, a, p], &edges) {
+            return;
+        }
+        let new = self.add_point(p, normal);
+        let ends = [node, self.rings.after(node)].map(|n| self.rings.vertex(n));
+        self.add([ends[1], ends[0], new]);
+        self.rings.insert(node, new, p);
+    }
+}

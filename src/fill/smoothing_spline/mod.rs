@@ -1,0 +1,130 @@
+//! The surface that the points around a hole make likely: a smoothing spline
+//! over a chart.
+//!
+//! It minimises Σ |f(uᵢ) − pᵢ|² + λ₂ J₂(f) + λ₄ J₄(f), where Jₘ is the integral
+//! over the chart of the squared m-th derivatives: the thin-plate energies of
+//! second order, which holds wide holes flat, and of fourth, by which the
+//! curvature goes on across them. How stiff
+//! it is, is not set but found: λ₂ and λ₄ are those of greatest restricted
+//! likelihood (REML; Wahba 1985, "A comparison of GCV and GML for choosing the
+//! smoothing parameter", and Patterson & Thompson 1971), which takes f for a
+//! random function and the deviations for independent. On clean points it
+//! interpolates, on noisy ones it averages over as many as the shape allows.
+//!
+//! f is a quartic tensor-product B-spline on a uniform grid, only as wide as
+//! the points and the hole.
+
+mod grid;
+mod likelihood;
+
+use crate::geometry::Uv;
+use grid::Grid;
+use likelihood::{Equations, Exponents};
+
+/// A grid of more functions than this is not made finer.
+const MOST_FUNCTIONS: usize = 4000;
+
+/// An energy of at least this exponent smooths over what a grid's cells cannot
+/// show.
+const FREE_OF_GRID: i32 = -8;
+
+/// A smoothing spline with `D` components.
+pub struct SmoothingSpline<const D: usize> {
+    grid: Grid,
+    /// Coefficients of the grid's functions.
+    coefficients: Vec<[f64; D]>,
+}
+
+impl<const D: usize> SmoothingSpline<D> {
+    /// Fits `points` on a grid of about `cell` wide cells, which reaches
+    /// over them and where `also` says. The grid shall not be what smooths: it
+    /// is made finer, down to `narrowest` cells, until the energies do. `None`
+    /// where the points are too few.
+    pub fn fit(
+        points: &[(Uv, [f64; D])],
+        also: impl Fn(Uv) -> bool,
+        mut cell: f64,
+        narrowest: f64,
+    ) -> Option<Self> {
+        let mut start = Exponents(0, 2);
+        loop {
+            let grid = Grid::new(points, &also, cell)?;
+            let mut equations = Equations::new(&grid, points)?;
+            let stiffness = match grid.sample() {
+                Some(part) => Equations::new(&part, points)?.most_likely(start)?,
+                None => equations.most_likely(start)?,
+            };
+            let finer = (0.5 * cell).max(narrowest);
+            let is_free = stiffness.0.max(stiffness.1) >= FREE_OF_GRID;
+            if is_free || finer > 0.99 * cell || 4 * grid.count > MOST_FUNCTIONS {
+                let coefficients = equations.coefficients(stiffness)?;
+                return Some(SmoothingSpline { grid, coefficients });
+            }
+            // The same stiffness, on a grid of half the width.
+            start = Exponents(stiffness.0 + 2, stiffness.1 + 5);
+            cell = finer;
+        }
+    }
+
+    /// The value at `uv`; `None` outside of the grid.
+    pub fn at(&self, uv: Uv) -> Option<[f64; D]> {
+        let (functions, values) = self.grid.functions(uv)?;
+        let mut sum = [0.0; D];
+        for (f, value) in functions.iter().zip(values) {
+            for (s, c) in sum.iter_mut().zip(self.coefficients[*f as usize]) {
+                *s += value * c;
+            }
+        }
+        Some(sum)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn ring(f: impl Fn(f64, f64) -> f64) -> Vec<(Uv, [f64; 1])> {
+        let grid = (-40..=40).flat_map(|i| (-40..=40).map(move |j| (i, j)));
+        let places = grid.map(|(i, j)| Uv::new(f64::from(i) / 20.0, f64::from(j) / 20.0));
+        places.filter(|p| p.coords.norm() > 1.0).map(|p| (p, [f(p.x, p.y)])).collect()
+    }
+
+    fn inside() -> Vec<Uv> {
+        let angle = |k: i32| 0.1 * f64::from(k);
+        let at = |k: i32| Uv::new(angle(k).cos(), angle(k).sin()) * (0.016 * f64::from(k));
+        (0..60).map(at).collect()
+    }
+
+    #[test]
+    fn a_clean_surface_goes_on_over_the_hole() {
+        let f = |x: f64, y: f64| (1.3 * x).sin() * (0.8 * y).cos();
+        let spline = SmoothingSpline::fit(&ring(f), |p| p.coords.norm() < 1.0, 0.3, 0.1).unwrap();
+        for p in inside() {
+            let [z] = spline.at(p).unwrap();
+            assert!((z - f(p.x, p.y)).abs() < 2e-3, "{p} {z} {}", f(p.x, p.y));
+        }
+    }
+
+    #[test]
+    fn noise_is_known_for_what_it_is() {
+        let mut state = 7u64;
+        let mut noise = || {
+            let uniform = (0..12).map(|_| {
+                state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+                (state >> 33) as f64 / (1u64 << 31) as f64
+            });
+            0.05 * (uniform.sum::<f64>() - 6.0)
+        };
+        let f = |x: f64, y: f64| 0.3 * x * x - 0.2 * x * y;
+        let mut points = ring(f);
+        points.iter_mut().for_each(|p| p.1[0] += noise());
+        let spline = SmoothingSpline::fit(&points, |p| p.coords.norm() < 1.0, 0.3, 0.1).unwrap();
+        let squares = points.iter().map(|(p, z)| (spline.at(*p).unwrap()[0] - z[0]).powi(2));
+        let deviation = (squares.sum::<f64>() / points.len() as f64).sqrt();
+        assert!((deviation - 0.05).abs() < 0.005, "{deviation}");
+        for p in inside() {
+            let [z] = spline.at(p).unwrap();
+            assert!((z - f(p.x, p.y)).abs() < 0.03, "{p} {z} {}", f(p.x, p.y));
+        }
+    }
+}
