@@ -319,7 +319,8 @@ fn the_user_may_name_the_outer_loop_and_the_piece() {
         let loops = found["loops"].as_array().expect("a list").clone();
         loops.iter().filter(|l| l["outer"] == true).map(length).sum::<f64>()
     };
-    assert!(outer_length(&[]) > 60.0);
+    assert_eq!(outer_length(&[]), 48.0);
+    assert!(outer_length(&["--outer", "1.0,1.0,0.0"]) > 60.0);
     assert_eq!(outer_length(&["--outer", &(first - 1).to_string()]), 48.0);
     assert_eq!(outer_length(&["--outer", "-0.5,0.0,0.0"]), 48.0);
     assert_eq!(outer_length(&["--component", "1"]), 16.0);
