@@ -48,6 +48,42 @@ pub fn plane_axes(n: Vector) -> (Vector, Vector) {
     (x, n.cross(&x))
 }
 
+/// A plane with axes: the local parameter plane of a neighbourhood, or the one
+/// across the direction in which a hole is looked at. Points are projected along
+/// its normal.
+#[derive(Debug, Clone, Copy)]
+pub struct LocalPlane {
+    origin: Point,
+    x: Vector,
+    y: Vector,
+    /// Unit normal.
+    pub normal: Vector,
+}
+
+impl LocalPlane {
+    /// The plane through `origin` with unit normal `normal`.
+    pub fn new(origin: Point, normal: Vector) -> Self {
+        let (x, y) = plane_axes(normal);
+        LocalPlane { origin, x, y, normal }
+    }
+
+    /// The projection of `p`.
+    pub fn flat(&self, p: Point) -> Uv {
+        let d = p - self.origin;
+        Uv::new(d.dot(&self.x), d.dot(&self.y))
+    }
+
+    /// How far `p` is above the plane.
+    pub fn height(&self, p: Point) -> f64 {
+        (p - self.origin).dot(&self.normal)
+    }
+
+    /// The point above `uv` at a height.
+    pub fn lift(&self, uv: Uv, height: f64) -> Point {
+        self.origin + uv.x * self.x + uv.y * self.y + height * self.normal
+    }
+}
+
 /// The lowest and the highest coordinates of some points; the origin of none.
 pub fn bounds(mut points: impl Iterator<Item = Point>) -> [Point; 2] {
     let first = points.next().unwrap_or_else(Point::origin);

@@ -8,11 +8,10 @@ use std::collections::HashMap;
 use super::band::{self, Measured};
 use super::develop::develop;
 use super::front::{Fill, Hole, Lead, Surroundings};
-use super::plane::LocalPlane;
 use super::sheet::Sheet;
 use super::size::Sizes;
 use super::smoothing_spline::SmoothingSpline;
-use crate::geometry::{Point, Uv, Vector, VertexId, is_inside};
+use crate::geometry::{LocalPlane, Point, Uv, Vector, VertexId, is_inside};
 use crate::mesh::{boundary, outline};
 
 /// Cells of the spline across a hole's half width: enough for its bends …
@@ -48,6 +47,8 @@ pub struct Shaper<'a> {
     hole: Hole<'a>,
     measured: &'a Measured<'a>,
     rim: Vec<VertexId>,
+    /// The vertices around, all of them.
+    band: Vec<VertexId>,
     /// Perpendicular to the hole as a whole.
     normal: Vector,
     perimeter: f64,
@@ -63,7 +64,8 @@ impl<'a> Shaper<'a> {
         let area: Vector = hole.rims.iter().map(|rim| -boundary::area(mesh, rim)).sum();
         let normal = area.try_normalize(0.0)?;
         let width = band::width(half_width(area.norm(), perimeter), hole.sizes.mean);
-        Some(Shaper { hole, measured, rim: hole.rims.concat(), normal, perimeter, width })
+        let (rim, band) = (hole.rims.concat(), band::band(hole, width, |_| true));
+        Some(Shaper { hole, measured, rim, band, normal, perimeter, width })
     }
 
     /// How the hole looks from where it can be seen best. `None` if not all
@@ -71,14 +73,12 @@ impl<'a> Shaper<'a> {
     pub fn view(&self, asked: Seen) -> Option<View> {
         let around = self.hole.around;
         let facing = |v: VertexId| around.cloud.normal(v.index()).dot(&self.normal) >= STEEPEST;
+        let hidden = || self.band.iter().filter(|v| !facing(**v)).count() as f64;
         let band = match asked {
-            Seen::All => band::band(self.hole, self.width, |_| true),
+            Seen::All if hidden() > HIDDEN_SHARE * self.band.len() as f64 => return None,
+            Seen::All => self.band.clone(),
             Seen::Part => band::band(self.hole, self.width, facing),
         };
-        let hidden = band.iter().filter(|v| !facing(**v)).count();
-        if asked == Seen::All && hidden as f64 > HIDDEN_SHARE * band.len() as f64 {
-            return None;
-        }
         let centre = self.rim.iter().map(|&v| around.mesh.point(v).coords).sum::<Vector>();
         let plane = LocalPlane::new(Point::from(centre / self.rim.len() as f64), self.normal);
         let flat =
@@ -120,8 +120,7 @@ impl<'a> Shaper<'a> {
     /// Shapes a fill over its own layout in the plane, by turns.
     pub fn developed(&self, fill: &Fill) -> Option<Fill> {
         let mut sheet = self.sheet(fill);
-        let band = band::band(self.hole, self.width, |_| true);
-        let outside = Outside::new(self.hole.around, &self.rim, &band, sheet.points.len());
+        let outside = Outside::new(self.hole.around, &self.rim, &self.band, sheet.points.len());
         let mut start = None;
         for _ in 0..ROUNDS {
             let points = [sheet.points.as_slice(), &outside.points].concat();
@@ -132,7 +131,7 @@ impl<'a> Shaper<'a> {
                 let p = self.measured.point(v, self.hole.around.mesh.point(v));
                 (uv[place], [p.x, p.y, p.z])
             };
-            let known = band.iter().zip(&outside.places);
+            let known = self.band.iter().zip(&outside.places);
             let points: Vec<_> =
                 known.filter(|known| outside.is_laid_out(*known.1)).map(point).collect();
             let cell = self.cell(sheet.area());
@@ -177,9 +176,7 @@ impl<'a> Shaper<'a> {
     }
 
     fn joined(&self, v: usize, w: usize) -> bool {
-        let Surroundings { mesh, rings, .. } = self.hole.around;
-        let rim = &self.rim;
-        v.max(w) < rim.len() && rings.neighbours(mesh, rim[v]).any(|x| x == rim[w])
+        v.max(w) < self.rim.len() && self.hole.around.joined(self.rim[v], self.rim[w])
     }
 
     /// Places the fill on a surface over its chart, and improves it there.

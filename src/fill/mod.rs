@@ -33,8 +33,8 @@ pub struct Options {
     /// Ears of the front with a smaller angle than this are closed, in
     /// radians. The paper's φ: 5π/9.
     pub ear_angle: f64,
-    /// The support h of the MLS approximations at the least, in mm; a rim with
-    /// longer edges takes 2.5 of its mean edge.
+    /// The support h of the MLS approximations at the least, in mm, but no more
+    /// than four edges; two or three edges are taken where that is more.
     pub support: f64,
     /// The standard deviation of the measured points' noise, in mm.
     pub noise: f64,
@@ -109,7 +109,7 @@ pub fn fill(disk: Disk, measured: &[Point], options: &Options) -> Result<(Patch,
         report.holes.push(Hole {
             rim_vertices: rim.len(),
             rim_length: boundary::length(&mesh, rim),
-            islands: disk.islands.iter().filter(|island| island.hole == number).count(),
+            islands: islands(number).count(),
             added_vertices: fill.points.len(),
             added_triangles: fill.triangles.len(),
             method,

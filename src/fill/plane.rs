@@ -1,40 +1,8 @@
-//! A parameter plane: the local one in which the front checks for crossings, and
-//! the chart of a hole that can be seen whole from one side.
+//! The checks that the front makes in a parameter plane.
 
-use crate::geometry::{Point, Uv, Vector, orient2d, plane_axes, segments_cross};
-
-/// A plane with axes; points are projected along its normal.
-#[derive(Debug, Clone, Copy)]
-pub struct LocalPlane {
-    origin: Point,
-    x: Vector,
-    y: Vector,
-    normal: Vector,
-}
+use crate::geometry::{LocalPlane, Point, Uv, orient2d, segments_cross};
 
 impl LocalPlane {
-    /// The plane through `origin` with unit normal `normal`.
-    pub fn new(origin: Point, normal: Vector) -> Self {
-        let (x, y) = plane_axes(normal);
-        LocalPlane { origin, x, y, normal }
-    }
-
-    /// The projection of `p`.
-    pub fn flat(&self, p: Point) -> Uv {
-        let d = p - self.origin;
-        Uv::new(d.dot(&self.x), d.dot(&self.y))
-    }
-
-    /// How far `p` is above the plane.
-    pub fn height(&self, p: Point) -> f64 {
-        (p - self.origin).dot(&self.normal)
-    }
-
-    /// The point above `uv` at a height.
-    pub fn lift(&self, uv: Uv, height: f64) -> Point {
-        self.origin + uv.x * self.x + uv.y * self.y + height * self.normal
-    }
-
     /// The angle, counter-clockwise from `from − at` to `to − at`, in [0, 2π).
     pub fn angle(&self, from: Point, at: Point, to: Point) -> f64 {
         let at = self.flat(at);

@@ -12,7 +12,7 @@ use super::build::{Build, Repairs, count};
 use super::components::clean;
 use super::disk::{self, Disk, Outer};
 use super::{EdgeMap, Mesh};
-use crate::geometry::{Point, Uv, Vector, is_inside, plane_axes, uv_bounds};
+use crate::geometry::{LocalPlane, Point, Uv, Vector, is_inside, uv_bounds};
 
 /// A component that may be an island.
 #[derive(Debug)]
@@ -110,7 +110,7 @@ fn settle(disk: &mut Disk, own: &[Window], islands: Vec<Piece>) {
 struct Window {
     /// Its position among the holes of its piece.
     hole: usize,
-    view: View,
+    view: LocalPlane,
     outline: Vec<Uv>,
     low: Uv,
     high: Uv,
@@ -141,8 +141,8 @@ impl Window {
     fn new(mesh: &Mesh, hole: usize, rim: &Loop) -> Option<Self> {
         // The hole is to the right of its rim.
         let area = -boundary::area(mesh, rim);
-        let view = View::new(mesh.point(rim[0]), area.try_normalize(0.0)?);
-        let outline = view.outline(mesh, rim);
+        let view = LocalPlane::new(mesh.point(rim[0]), area.try_normalize(0.0)?);
+        let outline = outline(&view, mesh, rim);
         let [low, high] = uv_bounds(&outline);
         let half_width = 2.0 * area.norm() / boundary::length(mesh, rim);
         let heights = || rim.iter().map(|&v| view.height(mesh.point(v)));
@@ -186,39 +186,16 @@ impl Window {
 fn overlap(window: &Window, one: &Disk, other: &Disk) -> bool {
     let covers = |piece: &Disk, mesh: &Mesh| {
         let outlines: Vec<Vec<Uv>> =
-            piece.loops().map(|ring| window.view.outline(&piece.mesh, ring)).collect();
+            piece.loops().map(|ring| outline(&window.view, &piece.mesh, ring)).collect();
         let around = |uv: Uv| outlines.iter().filter(|o| is_inside(uv, o)).count();
         sample(mesh).any(|p| around(window.view.flat(p)) % 2 == 1)
     };
     covers(one, &other.mesh) || covers(other, &one.mesh)
 }
 
-/// A direction to look along, and the plane across it.
-struct View {
-    origin: Point,
-    x: Vector,
-    y: Vector,
-    normal: Vector,
-}
-
-impl View {
-    fn new(origin: Point, normal: Vector) -> Self {
-        let (x, y) = plane_axes(normal);
-        View { origin, x, y, normal }
-    }
-
-    fn flat(&self, p: Point) -> Uv {
-        let d = p - self.origin;
-        Uv::new(d.dot(&self.x), d.dot(&self.y))
-    }
-
-    fn height(&self, p: Point) -> f64 {
-        (p - self.origin).dot(&self.normal)
-    }
-
-    fn outline(&self, mesh: &Mesh, ring: &Loop) -> Vec<Uv> {
-        ring.iter().map(|&v| self.flat(mesh.point(v))).collect()
-    }
+/// A loop seen in a plane.
+fn outline(view: &LocalPlane, mesh: &Mesh, ring: &Loop) -> Vec<Uv> {
+    ring.iter().map(|&v| view.flat(mesh.point(v))).collect()
 }
 
 /// Some of the vertices, spread evenly over their numbers.

@@ -10,9 +10,8 @@
 //! - A new point that comes near another part of the front is not placed; the
 //!   edge is joined to the front's vertex there instead, and the front splits
 //!   in two.
-//! - Where a round does neither, the narrowest ear that crosses nothing is
-//!   closed although it is wider than φ; without one, the ring of the front is
-//!   left to a membrane.
+//! - Where a round does neither, φ is raised until an ear that crosses nothing
+//!   is closed; without one, the ring of the front is left to a membrane.
 //!
 //! The mesh stays a manifold: no edge is made twice. The number of points is
 //! bounded and every other step shortens a ring, so it ends.
@@ -25,10 +24,9 @@ mod points;
 use foldhash::{HashSet, HashSetExt};
 
 use super::Options;
-use super::plane::LocalPlane;
 use super::ring::Rings;
 use super::size::Sizes;
-use crate::geometry::{Point, Vector, VertexId, segment_distance};
+use crate::geometry::{LocalPlane, Point, Vector, VertexId, segment_distance};
 use crate::mesh::mls::Cloud;
 use crate::mesh::{self, Mesh};
 
@@ -37,6 +35,14 @@ pub struct Surroundings<'a> {
     pub mesh: &'a Mesh,
     pub rings: &'a mesh::Rings,
     pub cloud: &'a Cloud,
+}
+
+impl Surroundings<'_> {
+    /// Whether the mesh joins two vertices; new ones it does not.
+    pub fn joined(&self, v: VertexId, w: VertexId) -> bool {
+        let measured = v.index().max(w.index()) < self.mesh.points.len();
+        measured && self.rings.neighbours(self.mesh, v).any(|x| x == w)
+    }
 }
 
 /// The triangles and points that close a hole. New vertices are numbered from
@@ -185,11 +191,7 @@ impl<'a> Front<'a> {
 
     /// Whether two vertices are one, or joined by the mesh or the fill so far.
     fn joined(&self, v: VertexId, w: VertexId) -> bool {
-        let Surroundings { mesh, rings, .. } = self.around;
-        let measured = v.index().max(w.index()) < mesh.points.len();
-        v == w
-            || self.edges.contains(&(v.min(w), v.max(w)))
-            || (measured && rings.neighbours(mesh, v).any(|x| x == w))
+        v == w || self.edges.contains(&(v.min(w), v.max(w))) || self.around.joined(v, w)
     }
 
     /// Adds a triangle and remembers its edges.

@@ -147,13 +147,15 @@ impl Grid {
 
     /// The functions that do not vanish at a place, and their values.
     pub fn functions(&self, uv: Uv) -> Option<(&[u32; ON_CELL], [f64; ON_CELL])> {
-        let (cell, [s, t]) = self.cell_of(uv)?;
-        let (a, b) = (basis(s, DEGREE), basis(t, DEGREE));
-        Some((
-            &self.on_cells[cell],
-            std::array::from_fn(|k| a[k / ON_INTERVAL] * b[k % ON_INTERVAL]),
-        ))
+        let (cell, place) = self.cell_of(uv)?;
+        Some((&self.on_cells[cell], values(place)))
     }
+}
+
+/// The values of a cell's functions at a place in it.
+pub fn values([s, t]: [f64; 2]) -> [f64; ON_CELL] {
+    let (a, b) = (basis(s, DEGREE), basis(t, DEGREE));
+    std::array::from_fn(|k| a[k / ON_INTERVAL] * b[k % ON_INTERVAL])
 }
 
 /// The uniform B-splines of a degree on [0, 1], the one that ends there first.

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use faer::Mat;
 
-use super::grid::{Grid, ON_CELL, cell_energy};
+use super::grid::{Grid, ON_CELL, cell_energy, values};
 use crate::fill::cholesky::Pattern;
 use crate::geometry::Uv;
 
@@ -44,9 +44,9 @@ impl<const D: usize> Equations<D> {
     pub fn new(grid: &Grid, points: &[(Uv, [f64; D])]) -> Option<Self> {
         let n = grid.count;
         let free = FREE * grid.parts();
-        let inside = |p: &&(Uv, [f64; D])| grid.cell_of(p.0).is_some();
-        let count = points.iter().filter(inside).count();
-        if count <= 4 * free {
+        let placed = points.iter().filter_map(|(uv, value)| Some((grid.cell_of(*uv)?, value)));
+        let placed: Vec<_> = placed.collect();
+        if placed.len() <= 4 * free {
             return None;
         }
         let columns = columns(grid);
@@ -72,12 +72,11 @@ impl<const D: usize> Equations<D> {
             right: Mat::zeros(n, D),
             squares: 0.0,
             free: free as f64,
-            freedom: (count - free) as f64 * D as f64,
+            freedom: (placed.len() - free) as f64 * D as f64,
         };
         let mut sums = vec![[[0.0; ON_CELL]; ON_CELL]; grid.on_cells.len()];
-        for (uv, value) in points {
-            let Some((cell, _)) = grid.cell_of(*uv) else { continue };
-            let (functions, b) = grid.functions(*uv)?;
+        for ((cell, place), value) in placed {
+            let (functions, b) = (&grid.on_cells[cell], values(place));
             for (row, x) in sums[cell].iter_mut().zip(b) {
                 for (entry, y) in row.iter_mut().zip(b) {
                     *entry += x * y;

@@ -49,14 +49,15 @@ impl<const D: usize> SmoothingSpline<D> {
         let mut start = Exponents(0, 2);
         loop {
             let grid = Grid::new(points, &also, cell)?;
-            let mut equations = Equations::new(&grid, points)?;
-            let stiffness = match grid.sample() {
-                Some(part) => Equations::new(&part, points)?.most_likely(start)?,
-                None => equations.most_likely(start)?,
-            };
+            let sample = grid.sample();
+            let mut equations = Equations::new(sample.as_ref().unwrap_or(&grid), points)?;
+            let stiffness = equations.most_likely(start)?;
             let finer = (0.5 * cell).max(narrowest);
             let is_free = stiffness.0.max(stiffness.1) >= FREE_OF_GRID;
             if is_free || finer > 0.99 * cell || 4 * grid.count > MOST_FUNCTIONS {
+                if sample.is_some() {
+                    equations = Equations::new(&grid, points)?;
+                }
                 let coefficients = equations.coefficients(stiffness)?;
                 return Some(SmoothingSpline { grid, coefficients });
             }
