@@ -25,9 +25,7 @@ pub fn given(patch: &Patch, points: &[Point; 4]) -> Result<[usize; 4]> {
     }
     let first = sorted.iter().position(|&i| i == found[0]).unwrap_or(0);
     sorted.rotate_left(first);
-    // `square` walks the loop from the first corner on.
-    let n = patch.outer.len();
-    Ok(sorted.map(|i| if i < found[0] { i + n } else { i }))
+    Ok(sorted)
 }
 
 /// A boundary vertex that may become a corner.
@@ -39,28 +37,29 @@ struct Candidate {
     turn: f64,
 }
 
-/// The four positions whose turns are nearest to right angles and whose
-/// opposite sides are most equal in length, the `wanted` ones among them.
-pub fn find(patch: &Patch, wanted: &[usize]) -> Result<[usize; 4]> {
-    let candidates = candidates(patch, wanted);
+/// Sets of four corners that are tried at the most.
+const SETS: usize = 8;
+
+/// Sets of four positions, the best first: those whose turns are nearest to
+/// right angles and whose opposite sides are most equal in length.
+pub fn likely(patch: &Patch) -> Result<Vec<[usize; 4]>> {
+    let candidates = candidates(patch);
     let n = candidates.len();
-    let mut best: Option<(f64, [usize; 4])> = None;
+    let mut rated: Vec<(f64, [usize; 4])> = Vec::new();
     for a in 0..n {
         for b in a + 1..n {
             for c in b + 1..n {
                 for d in c + 1..n {
                     let four = [a, b, c, d].map(|i| &candidates[i]);
-                    let positions = four.map(|f| f.position);
-                    let cost = cost(four);
-                    let better = best.is_none_or(|(least, _)| cost < least);
-                    if better && wanted.iter().all(|w| positions.contains(w)) {
-                        best = Some((cost, positions));
-                    }
+                    rated.push((cost(four), four.map(|f| f.position)));
                 }
             }
         }
     }
-    best.map(|(_, four)| four).ok_or(Error::TooSmall(patch.outer.len()))
+    rated.sort_by(|a, b| a.0.total_cmp(&b.0));
+    rated.truncate(SETS);
+    let sets: Vec<_> = rated.into_iter().map(|(_, four)| four).collect();
+    if sets.is_empty() { Err(Error::TooSmall(patch.outer.len())) } else { Ok(sets) }
 }
 
 /// Lower is better: a right angle or a sharper one costs nothing, a straight or concave place
@@ -72,7 +71,7 @@ fn cost(four: [&Candidate; 4]) -> f64 {
     missing + 0.5 * (uneven(0) + uneven(1))
 }
 
-fn candidates(patch: &Patch, wanted: &[usize]) -> Vec<Candidate> {
+fn candidates(patch: &Patch) -> Vec<Candidate> {
     let ring = &patch.outer;
     let n = ring.len();
     let points: Vec<Point> = ring.iter().map(|&v| patch.mesh.point(v)).collect();
@@ -90,7 +89,7 @@ fn candidates(patch: &Patch, wanted: &[usize]) -> Vec<Candidate> {
         all.push(Candidate { position: i, at: walked / total, turn });
         walked += length;
     }
-    let mut chosen = wanted.to_vec();
+    let mut chosen = Vec::new();
     for i in peaks(&all, window / total) {
         let tip = boundary::tip(&points, i, window);
         all[tip].turn = all[i].turn;

@@ -1,73 +1,70 @@
-//! The linear system: every inner vertex is the weighted mean of its
-//! neighbours.
+//! Mean value coordinates (Floater, "Mean value coordinates", 2003): every
+//! inner vertex is the weighted mean of its neighbours.
 
 use faer::prelude::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 
-use super::weights::Weights;
+use super::stars::Stars;
 use crate::error::{Error, Result};
-use crate::geometry::Uv;
-use crate::mesh::Patch;
+use crate::geometry::{Point, Uv};
 
-/// Solves for the inner vertices, given the outer loop's parameter points.
-/// Sparse LU, since mean value weights are not symmetric.
-pub fn convex_combination(patch: &Patch, weights: &Weights, rim: &[Uv]) -> Result<Vec<Uv>> {
-    const INNER: Uv = Uv::new(f64::NAN, f64::NAN);
-    let mut uv = vec![INNER; patch.mesh.points.len()];
-    for (v, &at) in patch.outer.iter().zip(rim) {
-        uv[v.index()] = at;
-    }
-    let mut unknown = vec![u32::MAX; uv.len()];
-    let inner: Vec<usize> = (0..uv.len()).filter(|&v| uv[v].x.is_nan()).collect();
-    for (i, &v) in inner.iter().enumerate() {
-        unknown[v] = i as u32;
-    }
-    if inner.is_empty() {
-        return Ok(uv);
-    }
-    let totals = totals(patch, weights);
-    let mut triplets = Vec::with_capacity(7 * inner.len());
-    triplets.extend((0..inner.len() as u32).map(|i| Triplet::new(i, i, 1.0)));
-    let mut right = faer::Mat::<f64>::zeros(inner.len(), 2);
-    for (t, pairs) in patch.mesh.triangles.iter().zip(&weights.pairs) {
-        for k in 0..3 {
-            let row = unknown[t[k].index()];
-            if row == u32::MAX {
-                continue;
-            }
-            for (j, w) in pairs[k].iter().enumerate() {
-                let other = t[(k + 1 + j) % 3].index();
-                let share = w / totals[t[k].index()];
-                if unknown[other] == u32::MAX {
-                    right[(row as usize, 0)] += share * uv[other].x;
-                    right[(row as usize, 1)] += share * uv[other].y;
-                } else {
-                    triplets.push(Triplet::new(row, unknown[other], -share));
-                }
-            }
-        }
-    }
-    let n = inner.len();
-    let singular = |_| Error::Singular("parameterization");
-    let matrix = SparseColMat::<u32, f64>::try_new_from_triplets(n, n, &triplets)
-        .map_err(|_| Error::Singular("parameterization"))?;
-    drop(triplets);
-    let solution = matrix.sp_lu().map_err(singular)?.solve(&right);
-    for (i, &v) in inner.iter().enumerate() {
-        uv[v] = Uv::new(solution[(i, 0)], solution[(i, 1)]);
-    }
-    if uv.iter().any(|p| !(p.x.is_finite() && p.y.is_finite())) {
-        return Err(Error::Singular("parameterization"));
-    }
-    Ok(uv)
+/// The weights of the neighbours `ring`, all around the point `p`:
+/// (tan(α/2) + tan(β/2)) / ‖q − p‖ with the angles at p on both sides of the
+/// edge to q. All are positive, so the map is a convex combination.
+pub fn shares(p: Point, ring: &[u32], points: &[Point]) -> Vec<(u32, f64)> {
+    let n = ring.len();
+    let away: Vec<_> = ring.iter().map(|&w| points[w as usize] - p).collect();
+    let longest = away.iter().map(|d| d.norm()).fold(f64::MIN_POSITIVE, f64::max);
+    let length = |i: usize| away[i % n].norm().max(SHORTEST * longest);
+    // tan(α/2) = sin α / (1 + cos α), bounded where a needle's angle comes near
+    // a half turn, and from below where it vanishes.
+    let tangent = |i: usize| {
+        let (d, e) = (away[i % n], away[(i + 1) % n]);
+        let product = length(i) * length(i + 1);
+        (d.cross(&e).norm() / (product + d.dot(&e)).max(1e-8 * product)).max(1e-8)
+    };
+    let share = |i: usize| (tangent(i) + tangent(i + n - 1)) / length(i);
+    ring.iter().enumerate().map(|(i, &w)| (w, share(i))).collect()
 }
 
-fn totals(patch: &Patch, weights: &Weights) -> Vec<f64> {
-    let mut totals = vec![0.0; patch.mesh.points.len()];
-    for (t, pairs) in patch.mesh.triangles.iter().zip(&weights.pairs) {
-        for k in 0..3 {
-            totals[t[k].index()] += pairs[k][0] + pairs[k][1];
+/// Edges count as if they were this share of the star's longest at least.
+const SHORTEST: f64 = 1e-6;
+
+/// Moves the `inner` vertices to where each is the mean of its neighbours, with
+/// all others held. Sparse LU, since mean value weights are not symmetric.
+pub fn mean_value(points: &[Point], stars: &Stars, inner: &[u32], at: &mut [Uv]) -> Result<()> {
+    let singular = || Error::Singular("parameterization");
+    let n = inner.len();
+    if n == 0 {
+        return Ok(());
+    }
+    let mut unknown = vec![u32::MAX; points.len()];
+    inner.iter().enumerate().for_each(|(i, &v)| unknown[v as usize] = i as u32);
+    let mut triplets = Vec::with_capacity(7 * n);
+    let mut right = faer::Mat::<f64>::zeros(n, 2);
+    for (i, &v) in inner.iter().enumerate() {
+        let shares = shares(points[v as usize], stars.ring(v), points);
+        let total: f64 = shares.iter().map(|s| s.1).sum();
+        triplets.push(Triplet::new(i as u32, i as u32, 1.0));
+        for (w, share) in shares {
+            let share = share / total;
+            match unknown[w as usize] {
+                u32::MAX => {
+                    right[(i, 0)] += share * at[w as usize].x;
+                    right[(i, 1)] += share * at[w as usize].y;
+                }
+                column => triplets.push(Triplet::new(i as u32, column, -share)),
+            }
         }
     }
-    totals
+    let matrix = SparseColMat::<u32, f64>::try_new_from_triplets(n, n, &triplets);
+    let matrix = matrix.map_err(|_| singular())?;
+    drop(triplets);
+    let solution = matrix.sp_lu().map_err(|_| singular())?.solve(&right);
+    for (i, &v) in inner.iter().enumerate() {
+        at[v as usize] = Uv::new(solution[(i, 0)], solution[(i, 1)]);
+    }
+    let finite = |p: &Uv| p.x.is_finite() && p.y.is_finite();
+    let all = inner.iter().all(|&v| finite(&at[v as usize]));
+    if all { Ok(()) } else { Err(singular()) }
 }

@@ -1,7 +1,7 @@
 //! How a map stretches (Sander, Snyder, Gortler, Hoppe, "Texture mapping
 //! progressive meshes", 2001).
 
-use crate::geometry::{Uv, Vector};
+use crate::geometry::{Point, Uv, Vector};
 use crate::mesh::{FaceOrigin, Patch};
 
 /// Stretch of the map from the parameter plane to the measured triangles,
@@ -26,64 +26,71 @@ const FLATTEST: f64 = 1e-14;
 
 fn derivatives(patch: &Patch, uv: &[Uv], t: usize) -> Derivatives {
     let corners = patch.mesh.triangles[t];
-    let [p, q, r] = patch.mesh.corners(corners);
-    let [a, b, c] = corners.map(|v| uv[v.index()]);
+    let at = corners.map(|v| uv[v.index()]);
+    flat_derivatives(patch.mesh.corners(corners), at, FLATTEST / uv.len() as f64)
+}
+
+/// The same from the corners' places; twice the area in the plane is no less
+/// than `least`.
+fn flat_derivatives([p, q, r]: [Point; 3], [a, b, c]: [Uv; 3], least: f64) -> Derivatives {
     let (d, e) = (b - a, c - a);
-    let twice = (d.x * e.y - d.y * e.x).max(FLATTEST / uv.len() as f64);
+    let twice = (d.x * e.y - d.y * e.x).max(least);
     let su = ((q - p) * e.y - (r - p) * d.y) / twice;
     let sv = ((r - p) * d.x - (q - p) * e.x) / twice;
-    (0.5 * patch.mesh.area_vector(corners).norm(), 0.5 * twice, su, sv)
+    (0.5 * (q - p).cross(&(r - p)).norm(), 0.5 * twice, su, sv)
 }
 
-/// The stretch around each vertex, over all triangles, its mean 1 or so.
-pub fn of_vertices(patch: &Patch, uv: &[Uv]) -> Vec<f64> {
-    let all: Vec<Derivatives> =
-        (0..patch.mesh.triangles.len()).map(|t| derivatives(patch, uv, t)).collect();
-    let [area, along_u, along_v] = sums(&all);
-    let w = (along_u / along_v).powf(0.25);
-    let (mut squares, mut areas) = (vec![0.0; uv.len()], vec![0.0; uv.len()]);
-    for (d, t) in all.iter().zip(&patch.mesh.triangles) {
-        let square = 0.5 * (d.2.norm_squared() / (w * w) + d.3.norm_squared() * w * w);
-        for v in t {
-            squares[v.index()] += d.0 * square;
-            areas[v.index()] += d.0;
-        }
-    }
-    let mean = 1.0 / area.sqrt();
-    squares.iter().zip(&areas).map(|(s, a)| (s / a).sqrt() * mean).map(limited).collect()
+/// By how much the parameter plane should widen, its area kept, for the least
+/// stretch.
+pub fn best_width(points: &[Point], at: &[Uv], triangles: impl Iterator<Item = [u32; 3]>) -> f64 {
+    let [_, _, along_x, along_y] = sums(derivatives_of(points, at, triangles));
+    (along_x / along_y).powf(0.25)
 }
 
-/// One round changes a weight by a few orders of magnitude at the most.
-fn limited(stretch: f64) -> f64 {
-    if stretch.is_finite() { stretch.clamp(1e-4, 1e4) } else { 1.0 }
+/// The L² stretch of a map, on the rectangle that stretches least.
+pub fn of(points: &[Point], at: &[Uv], triangles: impl Iterator<Item = [u32; 3]>) -> f64 {
+    let [area, flat, along_x, along_y] = sums(derivatives_of(points, at, triangles));
+    (flat * (along_x * along_y).sqrt()).sqrt() / area
 }
 
-/// Area, and its integrals of |∂S/∂u|² and |∂S/∂v|².
-fn sums(all: &[Derivatives]) -> [f64; 3] {
-    let add = |[a, u, v]: [f64; 3], t: &Derivatives| {
-        [a + t.0, u + t.0 * t.2.norm_squared(), v + t.0 * t.3.norm_squared()]
+/// The area of a surface.
+pub fn area(points: &[Point], triangles: impl Iterator<Item = [u32; 3]>) -> f64 {
+    triangles
+        .map(|t| {
+            let [p, q, r] = t.map(|v| points[v as usize]);
+            0.5 * (q - p).cross(&(r - p)).norm()
+        })
+        .sum()
+}
+
+fn derivatives_of(
+    points: &[Point],
+    at: &[Uv],
+    triangles: impl Iterator<Item = [u32; 3]>,
+) -> impl Iterator<Item = Derivatives> {
+    triangles.map(|t| {
+        let at = t.map(|v| at[v as usize]);
+        flat_derivatives(t.map(|v| points[v as usize]), at, f64::MIN_POSITIVE)
+    })
+}
+
+/// Area in space and in the plane, and the integrals of |∂S/∂u|² and |∂S/∂v|²
+/// over the former.
+fn sums(all: impl Iterator<Item = Derivatives>) -> [f64; 4] {
+    let add = |[a, f, u, v]: [f64; 4], t: Derivatives| {
+        [a + t.0, f + t.1, u + t.0 * t.2.norm_squared(), v + t.0 * t.3.norm_squared()]
     };
-    all.iter().fold([0.0; 3], add)
+    all.fold([0.0; 4], add)
 }
 
 fn measured(patch: &Patch) -> impl Iterator<Item = usize> + '_ {
     (0..patch.mesh.triangles.len()).filter(|&t| patch.origin[t] == FaceOrigin::Measured)
 }
 
-/// The measured triangle that adds most to the stretch.
-pub fn worst(patch: &Patch, uv: &[Uv]) -> Option<usize> {
-    let share = |t: &usize| {
-        let (area, _, su, sv) = derivatives(patch, uv, *t);
-        area * (su.norm_squared() + sv.norm_squared())
-    };
-    measured(patch).max_by(|i, j| share(i).total_cmp(&share(j)))
-}
-
 /// Measures the stretch.
 pub fn measure(patch: &Patch, uv: &[Uv]) -> Stretch {
     let all: Vec<Derivatives> = measured(patch).map(|t| derivatives(patch, uv, t)).collect();
-    let [area, along_u, along_v] = sums(&all);
-    let flat: f64 = all.iter().map(|t| t.1).sum();
+    let [area, flat, along_u, along_v] = sums(all.iter().copied());
     // Of the rectangles w × 1/w the best has w⁴ = along_u / along_v.
     let w = (along_u / along_v).powf(0.25);
     let scale = (flat / area).sqrt();

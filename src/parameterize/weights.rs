@@ -1,44 +1,103 @@
-//! Mean value coordinates (Floater, "Mean value coordinates", 2003).
+//! How much the surface counts, place by place: where it is curved sharply for
+//! its size a spline needs more knots, and the map should leave room for them.
 
-use crate::mesh::{Mesh, Patch};
+use rayon::prelude::*;
 
-/// Weights of the six directed edges of every triangle: `pairs[t][k]` holds
-/// what triangle t adds to the weight of its corner k+1, and of its corner
-/// k+2, in the equation of its corner k. The weight of an edge is the sum over
-/// its two triangles.
+use super::hierarchy::{self, Hierarchy};
+use super::stars::Removal;
+use crate::geometry::{Point, Vector};
+
+/// Weights of vertices, as means over the surface that each stands for.
+#[derive(Debug, Clone)]
 pub struct Weights {
-    pub pairs: Vec<[[f64; 2]; 3]>,
+    /// The weight around each vertex.
+    pub of: Vec<f64>,
+    /// How much surface each stands for, in any unit.
+    mass: Vec<f64>,
 }
 
-/// w(i→j) = (tan(α/2) + tan(β/2)) / ‖j − i‖ with the angles at i on both sides
-/// of the edge. All are positive, so the map is a convex combination.
-pub fn mean_value(mesh: &Mesh) -> Weights {
-    let least = 1e-9 * mesh.mean_edge();
-    let of = |t: &[crate::geometry::VertexId; 3]| {
-        let p = mesh.corners(*t);
-        [0, 1, 2].map(|k| {
-            let (d, e) = (p[(k + 1) % 3] - p[k], p[(k + 2) % 3] - p[k]);
-            let (dl, el) = (d.norm().max(least), e.norm().max(least));
-            // tan(α/2) = sin α / (1 + cos α); bounded where a needle's angle
-            // comes near a half turn, and from below where it vanishes.
-            let tan = d.cross(&e).norm() / (dl * el + d.dot(&e)).max(1e-8 * dl * el);
-            [tan.max(1e-8) / dl, tan.max(1e-8) / el]
-        })
-    };
-    Weights { pairs: mesh.triangles.iter().map(of).collect() }
-}
+/// A place whose radius of curvature is this share of the square root of the
+/// area counts twice as much as a flat one,
+const TIGHT: f64 = 1.0 / 32.0;
+
+/// but only if it is so many times as curved as the surface is in the mean: a
+/// rough surface has no places of its own.
+const UNUSUAL: f64 = 4.0;
+
+/// No place counts more.
+const MOST: f64 = 15.0;
+
+/// Times that the curvature is averaged over the neighbours.
+const ROUNDS: usize = 3;
 
 impl Weights {
-    /// Divides the weight of every neighbour by the square root of the stretch
-    /// there (the damped form), so that stretched regions draw their
-    /// surroundings less and widen.
-    pub fn even_stretch(&mut self, patch: &Patch, stretch: &[f64]) {
-        for (t, pairs) in patch.mesh.triangles.iter().zip(&mut self.pairs) {
-            for k in 0..3 {
-                for (j, weight) in pairs[k].iter_mut().enumerate() {
-                    *weight /= stretch[t[(k + 1 + j) % 3].index()].sqrt();
-                }
-            }
+    /// All places count alike.
+    pub fn even(count: usize) -> Self {
+        Weights { of: vec![1.0; count], mass: vec![1.0; count] }
+    }
+
+    /// By the curvature of the mesh that is left in a hierarchy; `area` is the
+    /// surface's, in mm².
+    pub fn by_curvature(points: &[Point], hierarchy: &Hierarchy, area: f64) -> Self {
+        let mut weights = Weights::even(points.len());
+        let (stars, left) = (&hierarchy.stars, &hierarchy.left);
+        let mut normals = vec![Vector::zeros(); points.len()];
+        let found: Vec<Vector> =
+            left.par_iter().map(|&v| hierarchy::normal(points, stars, v)).collect();
+        left.iter().zip(found).for_each(|(&v, normal)| normals[v as usize] = normal);
+        let bend = |&v: &u32| {
+            let turn = |&w: &u32| {
+                let away = (points[w as usize] - points[v as usize]).norm_squared();
+                let turn = (normals[w as usize] - normals[v as usize]).norm_squared();
+                turn / away.max(f64::MIN_POSITIVE)
+            };
+            let ring = stars.ring(v);
+            (ring.iter().map(turn).sum::<f64>() / ring.len().max(1) as f64).sqrt()
+        };
+        let bends: Vec<f64> = left.par_iter().map(bend).collect();
+        let mean = bends.iter().sum::<f64>() / bends.len().max(1) as f64;
+        let tight = (1.0 / (TIGHT * area.sqrt())).max(UNUSUAL * mean);
+        let of = bends.iter().map(|bend| 1.0 + (bend / tight).powi(3).min(MOST - 1.0));
+        left.iter().zip(of).for_each(|(&v, weight)| weights.of[v as usize] = weight);
+        for _ in 0..ROUNDS {
+            let mean = |&v: &u32| {
+                let ring = stars.ring(v);
+                let sum: f64 = ring.iter().map(|&w| weights.of[w as usize]).sum();
+                0.5 * (weights.of[v as usize] + sum / ring.len().max(1) as f64)
+            };
+            let of: Vec<f64> = left.par_iter().map(mean).collect();
+            left.iter().zip(of).for_each(|(&v, weight)| weights.of[v as usize] = weight);
         }
+        weights
+    }
+
+    /// Those of the vertices `left`, numbered by their order.
+    pub fn renumbered(&self, left: &[u32]) -> Self {
+        let of = left.iter().map(|&v| self.of[v as usize]).collect();
+        Weights { of, mass: left.iter().map(|&v| self.mass[v as usize]).collect() }
+    }
+
+    /// The apex of a removed vertex' fan stands for it too.
+    pub fn lump(&mut self, removal: &Removal) {
+        self.shift(removal, 1.0);
+    }
+
+    /// The vertex stands for itself again.
+    pub fn unlump(&mut self, removal: &Removal) {
+        self.shift(removal, -1.0);
+    }
+
+    fn shift(&mut self, removal: &Removal, sign: f64) {
+        let (apex, v) = (removal.fan().0 as usize, removal.vertex as usize);
+        let mass = self.mass[apex] + sign * self.mass[v];
+        let whole = self.of[apex] * self.mass[apex] + sign * self.of[v] * self.mass[v];
+        (self.of[apex], self.mass[apex]) = ((whole / mass).clamp(1.0, MOST), mass);
+    }
+
+    /// A vertex that was not there when the curvature was taken weighs what its
+    /// ring does.
+    pub fn follow(&mut self, removal: &Removal) {
+        let sum: f64 = removal.ring.iter().map(|&w| self.of[w as usize]).sum();
+        self.of[removal.vertex as usize] = sum / removal.ring.len().max(1) as f64;
     }
 }

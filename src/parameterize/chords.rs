@@ -1,6 +1,6 @@
-//! Inner edges that join two places of one side of the square would be mapped
-//! onto that side, and everything beyond them with it. Each gets a vertex in
-//! its middle.
+//! Chords, inner edges that join two boundary vertices, get a vertex in their
+//! middle each: one whose ends are on one side of the rectangle would be mapped
+//! onto that side, and everything beyond it too.
 
 use std::collections::HashMap;
 
@@ -13,10 +13,9 @@ fn edge(a: VertexId, b: VertexId) -> Edge {
     (a.min(b), a.max(b))
 }
 
-/// Splits the dividing edges, given the corners' positions in the outer loop;
-/// returns how many there were.
-pub fn split_dividing_edges(patch: &mut Patch, corners: &[usize; 4]) -> usize {
-    let middles = dividing_edges(patch, corners);
+/// Splits the chords; returns how many there were.
+pub fn split_chords(patch: &mut Patch) -> usize {
+    let middles = chords(patch);
     if middles.is_empty() {
         return 0;
     }
@@ -31,22 +30,16 @@ pub fn split_dividing_edges(patch: &mut Patch, corners: &[usize; 4]) -> usize {
     middles.len()
 }
 
-/// The dividing edges and their new vertices, which are added to the mesh.
-fn dividing_edges(patch: &mut Patch, corners: &[usize; 4]) -> HashMap<Edge, VertexId> {
-    let n = patch.outer.len();
-    let mut sides = vec![0u8; patch.mesh.points.len()];
-    for k in 0..4 {
-        let end = if k < 3 { corners[k + 1] } else { n };
-        for i in corners[k]..=end {
-            sides[patch.outer[i % n].index()] |= 1 << k;
-        }
-    }
+/// The chords and their new vertices, which are added to the mesh.
+fn chords(patch: &mut Patch) -> HashMap<Edge, VertexId> {
+    let mut outer = vec![false; patch.mesh.points.len()];
+    patch.outer.iter().for_each(|v| outer[v.index()] = true);
     let glue = EdgeMap::new(&patch.mesh);
     let mut middles = HashMap::new();
     for side in 0..3 * patch.mesh.triangles.len() {
         let t = patch.mesh.triangles[side / 3];
         let (a, b) = (t[side % 3], t[(side % 3 + 1) % 3]);
-        if sides[a.index()] & sides[b.index()] == 0 || glue.across(side).is_none() {
+        if !(outer[a.index()] && outer[b.index()]) || glue.across(side).is_none() {
             continue;
         }
         middles.entry(edge(a, b)).or_insert_with(|| {

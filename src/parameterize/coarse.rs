@@ -1,0 +1,91 @@
+//! Corners, and a first map, on a coarse version of the patch.
+
+use super::hierarchy::Hierarchy;
+use super::layout::{Layout, triangles};
+use super::rectangle::Rectangle;
+use super::stars::Stars;
+use super::stretch;
+use super::weights::Weights;
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::geometry::{Point, Uv, orient2d};
+
+/// A coarse version of the patch, its vertices numbered anew.
+pub struct Coarse {
+    points: Vec<Point>,
+    stars: Stars,
+    outer: Vec<u32>,
+    weights: Weights,
+}
+
+/// A map of the coarse version.
+pub struct First {
+    /// Which of the sets of corners it has.
+    pub set: usize,
+    /// Width and height of the rectangle, in mm.
+    pub size: [f64; 2],
+    /// The vertices' places in it, in the order of those left.
+    pub at: Vec<Uv>,
+    stretch: f64,
+}
+
+/// The map that stretches least of those whose corners are one of the `sets`,
+/// on the mesh that is left in a hierarchy. `outer` is its finest boundary.
+pub fn least_stretched(
+    points: &[Point],
+    outer: &[u32],
+    hierarchy: &Hierarchy,
+    weights: &Weights,
+    sets: &[[u32; 4]],
+) -> Result<First> {
+    let mut number = vec![u32::MAX; points.len()];
+    hierarchy.left.iter().enumerate().for_each(|(i, &v)| number[v as usize] = i as u32);
+    let outer = outer.iter().map(|&v| number[v as usize]).filter(|&v| v != u32::MAX);
+    let coarse = Coarse {
+        points: hierarchy.left.iter().map(|&v| points[v as usize]).collect(),
+        stars: hierarchy.stars.renumbered(&hierarchy.left, &number),
+        outer: outer.collect(),
+        weights: weights.renumbered(&hierarchy.left),
+    };
+    let renumbered = |set: &[u32; 4]| set.map(|v| number[v as usize]);
+    let maps: Vec<First> = sets
+        .par_iter()
+        .enumerate()
+        .filter_map(|(i, set)| coarse.map(i, &renumbered(set)).ok())
+        .collect();
+    let least = maps.into_iter().min_by(|a, b| a.stretch.total_cmp(&b.stretch));
+    least.ok_or(Error::Singular("parameterization"))
+}
+
+impl Coarse {
+    /// The map with the given vertices as corners.
+    fn map(&self, set: usize, corners: &[u32; 4]) -> Result<First> {
+        let mut hierarchy = Hierarchy::new(self.stars.clone());
+        let mut kept = vec![false; self.points.len()];
+        corners.iter().for_each(|&v| kept[v as usize] = true);
+        let area = stretch::area(&self.points, triangles(&self.stars, &hierarchy.left));
+        let mut weights = self.weights.clone();
+        hierarchy.coarsen(&self.points, &kept, 0, |removal| weights.lump(removal));
+        let left = |v: &u32| !hierarchy.stars.ring(*v).is_empty();
+        let few: Vec<u32> = self.outer.iter().copied().filter(left).collect();
+        let rectangle = Rectangle::new(&few, corners);
+        let mut at = vec![Uv::origin(); self.points.len()];
+        let size = rectangle.lay(&self.points, area, &mut at);
+        let freedom = Rectangle::new(&self.outer, corners).freedom(at.len());
+        let (points, weighed) = (&self.points, self.points.len());
+        let mut layout = Layout { points, weights, weighed, freedom, size, at };
+        layout.solve(&hierarchy)?;
+        let turned = |t: &[u32; 3]| {
+            let [a, b, c] = t.map(|v| layout.at[v as usize]);
+            orient2d(a, b, c) <= 0.0
+        };
+        if let Some(t) = triangles(&hierarchy.stars, &hierarchy.left).find(turned) {
+            return Err(Error::Folded { count: 1, at: self.points[t[0] as usize] });
+        }
+        layout.refine(&mut hierarchy);
+        let all = triangles(&hierarchy.stars, &hierarchy.left);
+        let stretch = stretch::of(&self.points, &layout.at, all);
+        Ok(First { set, size: layout.size, at: layout.at, stretch })
+    }
+}

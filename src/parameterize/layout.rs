@@ -1,0 +1,204 @@
+//! A map to a rectangle, from the coarsest mesh to the finest.
+//!
+//! A vertex that comes back finds a place among its neighbours where no triangle
+//! turns over: the fan that stood for it can be seen whole from near its apex.
+//! So no map on the way is folded, however far parts of the surface stick out.
+
+use super::hierarchy::Hierarchy;
+use super::relax::{self, Freedom, Surface};
+use super::stars::{Removal, Stars};
+use super::weights::Weights;
+use super::{solve, stretch};
+use crate::error::Result;
+use crate::geometry::{Point, Uv, UvVector, orient2d};
+
+/// A rectangle as large as the surface, whose boundary the boundary goes to.
+pub struct Layout<'a> {
+    /// Points in space, one a vertex.
+    pub points: &'a [Point],
+    /// How much the surface around each vertex counts.
+    pub weights: Weights,
+    /// Vertices that were left when the weights were found: with more of them
+    /// the new ones weigh what their neighbours do.
+    pub weighed: usize,
+    /// How each vertex may move.
+    pub freedom: Vec<Freedom>,
+    /// Width and height of the rectangle, in mm.
+    pub size: [f64; 2],
+    /// Places of the vertices, in mm from the lower left corner.
+    pub at: Vec<Uv>,
+}
+
+impl Layout<'_> {
+    /// Maps what is left of the mesh by mean value coordinates; the boundary
+    /// vertices are where they should be.
+    pub fn solve(&mut self, hierarchy: &Hierarchy) -> Result<()> {
+        let inner = |v: &u32| self.freedom[*v as usize] == Freedom::Full;
+        let inner: Vec<u32> = hierarchy.left.iter().copied().filter(inner).collect();
+        solve::mean_value(self.points, &hierarchy.stars, &inner, &mut self.at)
+    }
+
+    /// Puts all vertices back and moves them to where they stretch least.
+    pub fn refine(&mut self, hierarchy: &mut Hierarchy) {
+        let mut relaxed = 0;
+        loop {
+            let n = hierarchy.left.len();
+            let (growth, sweeps) =
+                EFFORT.iter().find(|e| n <= e.0).map_or((2.0, 4), |e| (e.1, e.2));
+            if n as f64 >= growth * relaxed as f64 {
+                self.relax(hierarchy, sweeps);
+                relaxed = n;
+            }
+            let mut back = Vec::new();
+            if !hierarchy.refine(|removal| {
+                self.at[removal.vertex as usize] = self.place(removal);
+                if n < self.weighed {
+                    self.weights.unlump(removal);
+                } else {
+                    self.weights.follow(removal);
+                }
+                back.push(removal.vertex);
+            }) {
+                break;
+            }
+            self.chase(&hierarchy.stars, back, n);
+        }
+        self.relax(hierarchy, LAST_SWEEPS);
+    }
+
+    /// Moves the given vertices, and then whatever went far and its neighbours,
+    /// until nothing does or as many moves as vertices are made.
+    fn chase(&mut self, stars: &Stars, mut vertices: Vec<u32>, count: usize) {
+        let mut moves = 0;
+        while !vertices.is_empty() && moves < CHASE * count {
+            moves += vertices.len();
+            let groups = relax::groups(stars, &vertices);
+            let far = self.sweep(stars, &groups, ROUND);
+            vertices = far
+                .iter()
+                .flat_map(|&v| stars.ring(v).iter().copied())
+                .chain(far.iter().copied())
+                .collect();
+            vertices.sort_unstable();
+            vertices.dedup();
+        }
+    }
+
+    fn sweep(&mut self, stars: &Stars, groups: &[Vec<u32>], round: f64) -> Vec<u32> {
+        let (points, weights, freedom) = (self.points, &self.weights.of, &self.freedom);
+        let surface = Surface { points, weights, freedom, round };
+        relax::sweep(&surface, stars, groups, &mut self.at)
+    }
+
+    fn relax(&mut self, hierarchy: &Hierarchy, sweeps: usize) {
+        let groups = relax::groups(&hierarchy.stars, &hierarchy.left);
+        let round = if hierarchy.left.len() < FEW { ROUND_OF_FEW } else { ROUND };
+        let mut far = Vec::new();
+        for _ in 0..sweeps {
+            far = self.sweep(&hierarchy.stars, &groups, round);
+        }
+        self.chase(&hierarchy.stars, far, hierarchy.left.len());
+        self.turn_to_best_aspect(hierarchy);
+    }
+
+    /// Widens the rectangle, its area kept, to where the map stretches least.
+    fn turn_to_best_aspect(&mut self, hierarchy: &Hierarchy) {
+        let triangles = triangles(&hierarchy.stars, &hierarchy.left);
+        let w = stretch::best_width(self.points, &self.at, triangles);
+        if !(w.is_finite() && w > 0.0) {
+            return;
+        }
+        for &v in &hierarchy.left {
+            let at = &mut self.at[v as usize];
+            *at = Uv::new(at.x * w, at.y / w);
+        }
+        self.size = [self.size[0] * w, self.size[1] / w];
+    }
+
+    /// Where a vertex that comes back may stand.
+    fn place(&self, removal: &Removal) -> Uv {
+        let (apex, path) = removal.fan();
+        let corner = self.at[apex as usize];
+        let inner = self.freedom[removal.vertex as usize] == Freedom::Full;
+        let ring: Vec<Uv> = removal.ring.iter().map(|&w| self.at[w as usize]).collect();
+        let mut sides: Vec<(Uv, Uv)> = ring.windows(2).map(|w| (w[0], w[1])).collect();
+        if inner {
+            sides.push((ring[ring.len() - 1], ring[0]));
+        }
+        let sees_all = |q: Uv| sides.iter().all(|&(a, b)| orient2d(q, a, b) > 0.0);
+        let wish = self.mean_place(removal, inner);
+        if sees_all(wish) {
+            return wish;
+        }
+        let ends = [path[0], path[path.len() - 1]].map(|w| self.at[w as usize] - corner);
+        let towards = if inner { bisector(ends) } else { wish - corner };
+        let mut q = corner + towards;
+        for _ in 0..MOST_HALVINGS {
+            if sees_all(q) {
+                break;
+            }
+            q = nalgebra::center(&q, &corner);
+        }
+        q
+    }
+
+    /// The mean value place among the ring; on a side the place by chord length.
+    fn mean_place(&self, removal: &Removal, inner: bool) -> Uv {
+        let p = self.points[removal.vertex as usize];
+        let shares: Vec<(u32, f64)> = if inner {
+            solve::shares(p, &removal.ring, self.points)
+        } else {
+            let ends = [removal.ring[0], removal.ring[removal.ring.len() - 1]];
+            let far = ends.map(|w| (self.points[w as usize] - p).norm().max(f64::MIN_POSITIVE));
+            vec![(ends[0], 1.0 / far[0]), (ends[1], 1.0 / far[1])]
+        };
+        let total: f64 = shares.iter().map(|s| s.1).sum();
+        let sum = shares.iter().map(|&(w, share)| share * self.at[w as usize].coords);
+        let mut place = Uv::from(sum.sum::<UvVector>() / total);
+        // On its side to the last bit.
+        match self.freedom[removal.vertex as usize] {
+            Freedom::AlongX => place.y = self.at[removal.ring[0] as usize].y,
+            Freedom::AlongY => place.x = self.at[removal.ring[0] as usize].x,
+            _ => (),
+        }
+        place
+    }
+}
+
+/// While there are no more vertices than the first number, sweeps are made
+/// whenever there are so many times more as at the last ones, and so many.
+const EFFORT: [(usize, f64, usize); 3] = [(500, 1.0, 40), (5_000, 1.3, 20), (50_000, 1.6, 10)];
+
+/// Sweeps over the whole mesh.
+const LAST_SWEEPS: usize = 6;
+
+/// The share of the energy's convex term.
+const ROUND: f64 = 0.1;
+
+/// The same on a coarse mesh, whose triangles reach around bends and come out
+/// stretched one way more than the surface does.
+const ROUND_OF_FEW: f64 = 0.25;
+
+/// A mesh of fewer vertices is coarse.
+const FEW: usize = 5_000;
+
+/// Moves of single vertices that follow each other, for each vertex of a mesh
+/// at the most.
+const CHASE: usize = 2;
+
+/// A vertex comes back no nearer to the apex than this power of a half.
+const MOST_HALVINGS: usize = 60;
+
+/// The bisector of the angle from the first direction counter-clockwise to the
+/// second, no longer than these.
+fn bisector([a, b]: [UvVector; 2]) -> UvVector {
+    let angle = a.perp(&b).atan2(a.dot(&b)).rem_euclid(std::f64::consts::TAU);
+    let turned = nalgebra::Rotation2::new(0.5 * angle) * a;
+    turned * (0.5 * a.norm().min(b.norm()) / a.norm().max(f64::MIN_POSITIVE))
+}
+
+/// The triangles among the vertices that are left.
+pub fn triangles<'a>(stars: &'a Stars, left: &'a [u32]) -> impl Iterator<Item = [u32; 3]> + 'a {
+    let first = |v: u32| stars.sides(v).filter(move |s| v < s.0 && v < s.1);
+    left.iter().flat_map(move |&v| first(v).map(move |(a, b)| [v, a, b]))
+}

@@ -1,0 +1,204 @@
+//! A disk as the stars of its vertices, that can lose a vertex and get it back.
+
+use crate::geometry::VertexId;
+use crate::mesh::{Patch, Rings};
+
+/// For every vertex its neighbours in counter-clockwise order: all around an
+/// inner vertex, from the next to the former boundary vertex on the boundary.
+/// Two neighbours that follow each other make a triangle with the vertex.
+#[derive(Debug, Clone)]
+pub struct Stars {
+    rings: Vec<Vec<u32>>,
+    boundary: Vec<bool>,
+}
+
+/// A vertex taken out, whose triangles were replaced by a fan from one of its
+/// neighbours.
+#[derive(Debug, Clone)]
+pub struct Removal {
+    /// The vertex.
+    pub vertex: u32,
+    /// Its ring. An inner vertex's begins with the fan's apex, a boundary
+    /// vertex's begins or ends with it.
+    pub ring: Vec<u32>,
+    /// Whether the apex comes last.
+    pub last: bool,
+}
+
+impl Removal {
+    /// The apex of the fan, and the path that it looks at, counter-clockwise.
+    pub fn fan(&self) -> (u32, &[u32]) {
+        match &self.ring[..] {
+            [path @ .., apex] if self.last => (*apex, path),
+            [apex, path @ ..] => (*apex, path),
+            [] => (self.vertex, &[]),
+        }
+    }
+}
+
+impl Stars {
+    /// The stars of a patch.
+    pub fn new(patch: &Patch) -> Self {
+        let corners = Rings::new(&patch.mesh);
+        let mut boundary = vec![false; patch.mesh.points.len()];
+        patch.outer.iter().for_each(|v| boundary[v.index()] = true);
+        let ring = |v: usize| {
+            let v = VertexId::from(v);
+            let side = |t: &u32| {
+                let t = patch.mesh.triangles[*t as usize];
+                let k = t.iter().position(|&w| w == v).unwrap_or(0);
+                (t[(k + 1) % 3].0, t[(k + 2) % 3].0)
+            };
+            chained(corners.triangles(v).iter().map(side).collect())
+        };
+        Stars { rings: (0..boundary.len()).map(ring).collect(), boundary }
+    }
+
+    /// The stars of the vertices `left`, with these numbers.
+    pub fn renumbered(&self, left: &[u32], number: &[u32]) -> Self {
+        let ring = |v: &u32| self.ring(*v).iter().map(|&w| number[w as usize]).collect();
+        Stars {
+            rings: left.iter().map(ring).collect(),
+            boundary: left.iter().map(|&v| self.on_boundary(v)).collect(),
+        }
+    }
+
+    /// How many vertices there are, those taken out included.
+    pub fn len(&self) -> usize {
+        self.rings.len()
+    }
+
+    /// The neighbours of a vertex; none of one that was taken out.
+    pub fn ring(&self, v: u32) -> &[u32] {
+        &self.rings[v as usize]
+    }
+
+    /// Whether a vertex is on the boundary.
+    pub fn on_boundary(&self, v: u32) -> bool {
+        self.boundary[v as usize]
+    }
+
+    /// The other two corners of each triangle around a vertex.
+    pub fn sides(&self, v: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
+        let ring = self.ring(v);
+        let closing = if self.on_boundary(v) { None } else { ring.last().zip(ring.first()) };
+        let pairs = ring.windows(2).map(|w| (w[0], w[1]));
+        pairs.chain(closing.map(|(&a, &b)| (a, b)))
+    }
+
+    /// What taking out `v` would be, with its `k`-th neighbour as the apex; none
+    /// if that would join vertices that are joined already, or join two of the
+    /// boundary across the inside.
+    pub fn removal(&self, v: u32, k: usize) -> Option<Removal> {
+        let mut ring = self.ring(v).to_vec();
+        let apex = ring[k];
+        let last = self.on_boundary(v) && k + 1 == ring.len();
+        match self.on_boundary(v) {
+            true if ring.len() < 3 || !(k == 0 || last) => return None,
+            true => (),
+            false => ring.rotate_left(k),
+        }
+        let removal = Removal { vertex: v, ring, last };
+        let (_, path) = removal.fan();
+        // The ends of the path are the apex' neighbours through v's triangles.
+        let closing = self.on_boundary(v);
+        let new = if last { &path[..path.len() - 1] } else { &path[1..] };
+        let new = if closing { new } else { &new[..new.len() - 1] };
+        let over = if last { 0 } else { new.len().wrapping_sub(1) };
+        let free = |(i, w): (usize, &u32)| {
+            let along = closing && i == over;
+            !self.ring(apex).contains(w)
+                && (along || !(self.on_boundary(apex) && self.on_boundary(*w)))
+        };
+        new.iter().enumerate().all(free).then_some(removal)
+    }
+
+    /// Takes a vertex out.
+    pub fn remove(&mut self, removal: &Removal) {
+        let v = removal.vertex;
+        let (apex, path) = removal.fan();
+        let (apex, n) = (apex as usize, path.len());
+        let inner = !self.boundary[v as usize];
+        let at = position(&self.rings[apex], v);
+        // The end of the path that is the apex' neighbour already stays.
+        let new = match (inner, removal.last) {
+            (true, _) => &path[1..n - 1],
+            (false, false) => &path[1..],
+            (false, true) => &path[..n - 1],
+        };
+        self.rings[apex].splice(at..at + 1, new.iter().copied());
+        for (i, &w) in path.iter().enumerate() {
+            let ring = &mut self.rings[w as usize];
+            let at = position(ring, v);
+            let joined = (i == 0 && !removal.last) || (i + 1 == n && (inner || removal.last));
+            if joined {
+                ring.remove(at);
+            } else {
+                ring[at] = apex as u32;
+            }
+        }
+        self.rings[v as usize] = Vec::new();
+    }
+
+    /// Undoes the last removal that was not undone.
+    pub fn restore(&mut self, removal: &Removal) {
+        let v = removal.vertex;
+        let (apex, path) = removal.fan();
+        let n = path.len();
+        let inner = !self.boundary[v as usize];
+        let ring = &mut self.rings[apex as usize];
+        match (inner, removal.last) {
+            (true, _) => {
+                let first = position(ring, path[0]);
+                if !self.boundary[apex as usize] {
+                    ring.rotate_left(first);
+                }
+                let first = position(ring, path[0]);
+                ring.splice(first + 1..first + n - 1, [v]);
+            }
+            (false, false) => {
+                let first = position(ring, path[0]);
+                ring.splice(first + 1.., [v]);
+            }
+            (false, true) => {
+                ring.splice(..n - 1, [v]);
+            }
+        }
+        for (i, &w) in path.iter().enumerate() {
+            let ring = &mut self.rings[w as usize];
+            let at = position(ring, apex);
+            if i == 0 && !removal.last {
+                ring.insert(at, v);
+            } else if i + 1 == n && (inner || removal.last) {
+                ring.insert(at + 1, v);
+            } else {
+                ring[at] = v;
+            }
+        }
+        self.rings[v as usize] = removal.ring.clone();
+    }
+}
+
+fn position(ring: &[u32], v: u32) -> usize {
+    ring.iter().position(|&w| w == v).unwrap_or(0)
+}
+
+/// Sides of a star's triangles, put one after the other.
+fn chained(mut sides: Vec<(u32, u32)>) -> Vec<u32> {
+    let first = sides.iter().position(|s| sides.iter().all(|t| t.1 != s.0)).unwrap_or(0);
+    if sides.is_empty() {
+        return Vec::new();
+    }
+    sides.swap(0, first);
+    for i in 1..sides.len() {
+        if let Some(next) = (i..sides.len()).find(|&j| sides[j].0 == sides[i - 1].1) {
+            sides.swap(i, next);
+        }
+    }
+    let mut ring: Vec<u32> = sides.iter().map(|s| s.0).collect();
+    let last = sides[sides.len() - 1].1;
+    if last != ring[0] {
+        ring.push(last);
+    }
+    ring
+}
