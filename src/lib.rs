@@ -127,6 +127,8 @@ pub struct Conversion {
     pub trimmed: Vec<bool>,
     /// How good the map is.
     pub parameterize: parameterize::Report,
+    /// Where it leaves too little room for the tolerance.
+    pub crushed: Option<parameterize::Crushed>,
     /// Knots and fit.
     pub fit: Adapted,
     /// The tolerance that holds, in mm.
@@ -196,6 +198,7 @@ pub fn convert_component(
     watch(Stage::Fill(&patch))?;
 
     let (map, parameterize) = parameterize::parameterize(patch, &options.parameterize)?;
+    let crushed = parameterize::crushed(&map, tolerance, options.knots.max_net);
     watch(Stage::Parameterize(&map))?;
 
     let samples = samples(&map);
@@ -231,6 +234,7 @@ pub fn convert_component(
         fill,
         trimmed,
         parameterize,
+        crushed,
         fit,
         tolerance,
         fit_deviation,

@@ -5,26 +5,12 @@ mod common;
 
 use std::collections::{HashMap, HashSet};
 
+use common::random::Random;
 use common::virtual_scan::{Star, VirtualScan, paper_scan, rolled_sheet, sheet};
 use formats::Soup;
 use scan2step::fill::{self, Method};
 use scan2step::mesh::{self, Choice, Components, Disk, FaceOrigin, Outer, Patch, Repairs};
 use scan2step::smooth::{self, Support};
-
-/// Numbers that look random and are always the same.
-struct Random(u64);
-
-impl Random {
-    fn below(&mut self, n: usize) -> usize {
-        self.0 =
-            self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 33) as usize % n
-    }
-
-    fn share(&mut self) -> f64 {
-        self.below(1 << 20) as f64 / f64::from(1 << 20)
-    }
-}
 
 fn disk(soup: &Soup) -> Disk {
     let scan = Components::new(mesh::from_soup(soup, 1.0).unwrap());

@@ -279,6 +279,13 @@ fn describe(progress: &Progress, args: &Convert, c: &Conversion) {
             mm(c.smooth.noise)
         ));
     }
+    if let Some(crushed) = c.crushed {
+        let (points, at) = (crushed.points, crushed.at);
+        progress.say(&format!(
+            "the map crushes what sticks out: {points} points near ({:.3}, {:.3}, {:.3}) are closer than the knots of any affordable net; cut the scan there and convert the pieces, or raise --tolerance or --max-net",
+            at.x, at.y, at.z
+        ));
+    }
     let [m, n] = c.surface.shape();
     let files: Vec<_> = args.out.iter().map(|f| f.path.display().to_string()).collect();
     progress.say(&format!(

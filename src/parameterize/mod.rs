@@ -10,6 +10,7 @@
 mod chords;
 mod coarse;
 mod corners;
+mod crushed;
 mod hierarchy;
 mod layout;
 mod rectangle;
@@ -29,6 +30,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, orient2d};
 use crate::mesh::Patch;
 
+pub use crushed::{Crushed, crushed};
 pub use stretch::Stretch;
 
 /// How to parameterize.

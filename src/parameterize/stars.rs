@@ -202,3 +202,80 @@ fn chained(mut sides: Vec<(u32, u32)>) -> Vec<u32> {
     }
     ring
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+    use crate::mesh::{FaceOrigin, Mesh};
+
+    /// A grid of n × n vertices.
+    fn grid(n: u32) -> Patch {
+        let points = (0..n * n).map(|i| Point::new(f64::from(i / n), f64::from(i % n), 0.0));
+        let quads = (0..n - 1).flat_map(|i| (0..n - 1).map(move |j| i * n + j));
+        let halves = quads.flat_map(|a| [[a, a + n, a + n + 1], [a, a + n + 1, a + 1]]);
+        let triangles: Vec<_> = halves.map(|t| t.map(VertexId)).collect();
+        let side = |k: u32| {
+            (0..n - 1)
+                .map(move |i| [i * n, (n - 1) * n + i, n * n - 1 - i * n, n - 1 - i][k as usize])
+        };
+        Patch {
+            measured: (n * n) as usize,
+            origin: vec![FaceOrigin::Measured; triangles.len()],
+            outer: (0..4).flat_map(side).map(VertexId).collect(),
+            rims: Vec::new(),
+            islands: Vec::new(),
+            mesh: Mesh { points: points.collect(), triangles },
+        }
+    }
+
+    /// Neighbours see each other, and those that follow each other around a
+    /// vertex are neighbours.
+    fn check(stars: &Stars) {
+        for v in 0..stars.len() as u32 {
+            assert!(stars.ring(v).iter().all(|&w| stars.ring(w).contains(&v)), "{v}");
+            assert!(stars.sides(v).all(|(a, b)| stars.sides(a).any(|side| side == (b, v))), "{v}");
+        }
+    }
+
+    /// The rings, each turned so that the smallest comes first.
+    fn turned(stars: &Stars) -> Vec<Vec<u32>> {
+        let turn = |v: u32| {
+            let mut ring = stars.ring(v).to_vec();
+            let least = (0..ring.len()).min_by_key(|&i| ring[i]).unwrap_or(0);
+            if !stars.on_boundary(v) {
+                ring.rotate_left(least);
+            }
+            ring
+        };
+        (0..stars.len() as u32).map(turn).collect()
+    }
+
+    #[test]
+    fn what_is_taken_out_can_be_put_back() {
+        let patch = grid(7);
+        let mut stars = Stars::new(&patch);
+        let before = turned(&stars);
+        let corners = [0, 6, 42, 48];
+        let mut removals = Vec::new();
+        // Inner vertices towards every neighbour, boundary vertices both ways.
+        for round in 0..4 {
+            for v in (0..49).map(|v| v * 11 % 49).filter(|v| !corners.contains(v)) {
+                let ways = stars.ring(v).len();
+                let removal =
+                    (0..ways).find_map(|k| stars.removal(v, (k + round + v as usize) % ways));
+                if let Some(removal) = removal {
+                    stars.remove(&removal);
+                    check(&stars);
+                    removals.push(removal);
+                }
+            }
+        }
+        assert!(removals.len() >= 40, "{}", removals.len());
+        for removal in removals.iter().rev() {
+            stars.restore(removal);
+            check(&stars);
+        }
+        assert_eq!(turned(&stars), before);
+    }
+}

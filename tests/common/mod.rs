@@ -4,6 +4,7 @@
 #![allow(dead_code)]
 
 pub mod importers;
+pub mod random;
 pub mod virtual_scan;
 
 use std::path::{Path, PathBuf};
