@@ -32,6 +32,10 @@ pub enum Place {
     Vertex(u64),
     /// Face as the file counts them, from 0.
     Face(u64),
+    /// Entity of a STEP file, by its number.
+    Entity(u64),
+    /// Entity of an IGES file, by the line of its directory entry.
+    DirectoryEntry(u64),
     /// Another element: its kind ("accessor", "node") and index, from 0.
     Element(&'static str, u64),
 }
@@ -43,6 +47,8 @@ impl fmt::Display for Place {
             Place::Byte(n) => write!(f, "byte {n}"),
             Place::Vertex(n) => write!(f, "vertex {n}"),
             Place::Face(n) => write!(f, "face {n}"),
+            Place::Entity(n) => write!(f, "#{n}"),
+            Place::DirectoryEntry(n) => write!(f, "directory entry {n}"),
             Place::Element(kind, n) => write!(f, "{kind} {n}"),
         }
     }

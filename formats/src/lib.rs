@@ -6,6 +6,7 @@
 //! crate knows nothing of what happens between the two.
 
 pub mod brep;
+pub mod cad;
 mod damage;
 mod error;
 mod gltf;

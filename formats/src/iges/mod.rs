@@ -5,6 +5,7 @@ mod entity;
 mod global;
 mod parameters;
 mod plan;
+pub(crate) mod read;
 mod section;
 
 use std::io;

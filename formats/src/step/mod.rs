@@ -4,6 +4,7 @@ mod admin;
 mod geometry;
 mod part21;
 mod product;
+pub(crate) mod read;
 mod shape;
 
 use std::io;

@@ -1,0 +1,104 @@
+//! Turning, moving and scaling: a file's unit, and where it puts things.
+
+use std::sync::Arc;
+
+use super::model::{CadCurve, CadSurface, CurveShape};
+
+/// x ↦ scale · (turn x + shift): `turn` keeps lengths, but may mirror.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct Affine {
+    pub(crate) turn: [[f64; 3]; 3],
+    pub(crate) shift: [f64; 3],
+    pub(crate) scale: f64,
+}
+
+impl Affine {
+    /// Scales alone.
+    pub(crate) fn scaling(scale: f64) -> Self {
+        let turn = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        Affine { turn, shift: [0.0; 3], scale }
+    }
+
+    /// First `inner` (its scale left out), then this.
+    pub(crate) fn after(&self, inner: &Affine) -> Affine {
+        let row = |i: usize| {
+            [0, 1, 2].map(|j| (0..3).map(|k| self.turn[i][k] * inner.turn[k][j]).sum::<f64>())
+        };
+        let shift = [0, 1, 2].map(|i| dot(self.turn[i], inner.shift) + self.shift[i]);
+        Affine { turn: [row(0), row(1), row(2)], shift, scale: self.scale }
+    }
+
+    pub(crate) fn point(&self, p: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|i| self.scale * (dot(self.turn[i], p) + self.shift[i]))
+    }
+
+    pub(crate) fn vector(&self, d: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|i| self.scale * dot(self.turn[i], d))
+    }
+
+    pub(crate) fn curve(&self, curve: CadCurve<3>) -> CadCurve<3> {
+        let shape = match curve.shape {
+            CurveShape::Line { origin, direction } => {
+                CurveShape::Line { origin: self.point(origin), direction: self.vector(direction) }
+            }
+            CurveShape::Ellipse { centre, x, y } => CurveShape::Ellipse {
+                centre: self.point(centre),
+                x: self.vector(x),
+                y: self.vector(y),
+            },
+            CurveShape::Spline(mut spline) => {
+                spline.poles.iter_mut().for_each(|p| *p = self.point(*p));
+                CurveShape::Spline(spline)
+            }
+        };
+        CadCurve { shape, range: curve.range }
+    }
+
+    pub(crate) fn surface(&self, surface: CadSurface) -> CadSurface {
+        match surface {
+            CadSurface::Spline(mut spline) => {
+                spline.poles.iter_mut().for_each(|p| *p = self.point(*p));
+                CadSurface::Spline(spline)
+            }
+            CadSurface::Plane { origin, x, y } => CadSurface::Plane {
+                origin: self.point(origin),
+                x: self.vector(x),
+                y: self.vector(y),
+            },
+            CadSurface::Cylinder { origin, x, y, z } => CadSurface::Cylinder {
+                origin: self.point(origin),
+                x: self.vector(x),
+                y: self.vector(y),
+                z: self.vector(z),
+            },
+            CadSurface::Extrusion { curve, vector } => {
+                CadSurface::Extrusion { curve: self.curve(curve), vector: self.vector(vector) }
+            }
+            CadSurface::Offset { base, distance } => {
+                let mirrored = if self.determinant() < 0.0 { -1.0 } else { 1.0 };
+                CadSurface::Offset {
+                    base: Arc::new(self.surface(Arc::unwrap_or_clone(base))),
+                    distance: distance * self.scale * mirrored,
+                }
+            }
+        }
+    }
+
+    fn determinant(&self) -> f64 {
+        dot(self.turn[0], cross(self.turn[1], self.turn[2]))
+    }
+}
+
+pub(crate) fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+/// `a` at the length 1; `None` where it has none.
+pub(crate) fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
+    let length = dot(a, a).sqrt();
+    (length.is_finite() && length > 0.0).then(|| a.map(|x| x / length))
+}

@@ -1,0 +1,215 @@
+//! Trimmed surfaces (144) and the faces of shells (514).
+
+use std::collections::HashMap;
+
+use super::deck::Deck;
+use super::geometry::Geometry;
+use super::parameters::Parameters;
+use crate::Result;
+use crate::cad::affine::Affine;
+use crate::cad::{CadEdge, CadFace};
+
+/// Reads faces.
+pub(super) struct Faces<'d> {
+    deck: &'d Deck<'d>,
+    geometry: Geometry<'d>,
+    edge_lists: HashMap<i64, Vec<Edge>>,
+    vertex_lists: HashMap<i64, Vec<[f64; 3]>>,
+}
+
+/// An edge of an edge list (504).
+#[derive(Clone, Copy)]
+struct Edge {
+    curve: i64,
+    ends: [[f64; 3]; 2],
+}
+
+impl<'d> Faces<'d> {
+    pub(super) fn new(deck: &'d Deck<'d>) -> Self {
+        Faces {
+            deck,
+            geometry: Geometry::new(deck),
+            edge_lists: HashMap::new(),
+            vertex_lists: HashMap::new(),
+        }
+    }
+
+    /// Where an entity is put.
+    pub(super) fn place(&self, pointer: i64, outer: &Affine) -> Result<Affine> {
+        self.geometry.place(pointer, outer)
+    }
+
+    /// 128 and its like by itself: a face as large as the surface.
+    pub(super) fn whole(&mut self, pointer: i64, unit: &Affine) -> Result<CadFace> {
+        let surface = self.geometry.surface(pointer, unit)?;
+        Ok(CadFace { entity: name(pointer), surface, natural: true, loops: Vec::new() })
+    }
+
+    /// 144.
+    pub(super) fn trimmed(&mut self, pointer: i64, unit: &Affine) -> Result<CadFace> {
+        let place = self.geometry.place(pointer, unit)?;
+        let mut p = self.deck.parameters(pointer)?;
+        let surface = p.integer()?;
+        let (outer, inner) = (p.integer()?, p.count()?);
+        let first = p.integer()?;
+        let mut loops = Vec::new();
+        if outer != 0 {
+            loops.push(self.on_surface(first, &place)?);
+        }
+        for inner in p.several(inner, Parameters::integer)? {
+            loops.push(self.on_surface(inner, &place)?);
+        }
+        let surface = self.geometry.surface(surface, &place)?;
+        Ok(CadFace { entity: name(pointer), surface, natural: outer == 0, loops })
+    }
+
+    /// 142: a loop, as pcurves or as curves in space, or as both where they
+    /// come in equal pieces.
+    fn on_surface(&mut self, pointer: i64, outer: &Affine) -> Result<Vec<CadEdge>> {
+        let found = self.deck.entry(pointer)?.kind;
+        if found != 142 {
+            let what = format!("is of type {found} where a curve on a surface (142) is due");
+            return Err(self.deck.error(pointer, what));
+        }
+        let mut p = self.deck.parameters(pointer)?;
+        p.skip(2);
+        let (flat, space) = (p.integer()?, p.integer()?);
+        let place = self.geometry.place(pointer, outer)?;
+        let curves = if space == 0 { Vec::new() } else { self.geometry.curves(space, &place)? };
+        let pcurves = if flat == 0 { Vec::new() } else { self.geometry.pcurves(flat)? };
+        let edge = |curve, pcurves| CadEdge {
+            curve,
+            ends: None,
+            forward: true,
+            pcurves,
+            pcurve_forward: true,
+        };
+        if curves.len() == pcurves.len() {
+            let both = curves.into_iter().zip(pcurves);
+            return Ok(both.map(|(curve, pcurve)| edge(Some(curve), vec![pcurve])).collect());
+        }
+        if pcurves.is_empty() {
+            return Ok(curves.into_iter().map(|curve| edge(Some(curve), Vec::new())).collect());
+        }
+        Ok(pcurves.into_iter().map(|pcurve| edge(None, vec![pcurve])).collect())
+    }
+
+    /// 186: the shells of a solid.
+    pub(super) fn shells(&self, pointer: i64) -> Result<Vec<i64>> {
+        let mut p = self.deck.parameters(pointer)?;
+        let mut shells = vec![p.integer()?];
+        p.skip(1);
+        let voids = p.count()?;
+        shells.extend(p.several(voids, |p| p.integer().inspect(|_| p.skip(1)))?);
+        Ok(shells)
+    }
+
+    /// 514.
+    pub(super) fn shell(&mut self, pointer: i64, outer: &Affine) -> Result<Vec<CadFace>> {
+        let place = self.geometry.place(pointer, outer)?;
+        let mut p = self.deck.parameters(pointer)?;
+        let count = p.count()?;
+        let faces = p.several(count, |p| p.integer().inspect(|_| p.skip(1)))?;
+        faces.into_iter().map(|face| self.face(face, &place)).collect()
+    }
+
+    /// 510.
+    fn face(&mut self, pointer: i64, outer: &Affine) -> Result<CadFace> {
+        let found = self.deck.entry(pointer)?.kind;
+        if found != 510 {
+            let what = format!("is of type {found} where a face (510) is due");
+            return Err(self.deck.error(pointer, what));
+        }
+        let place = self.geometry.place(pointer, outer)?;
+        let mut p = self.deck.parameters(pointer)?;
+        let surface = p.integer()?;
+        let count = p.count()?;
+        p.skip(1);
+        let loops = p.several(count, Parameters::integer)?;
+        let loops = loops.into_iter().map(|l| self.edge_loop(l, &place)).collect::<Result<_>>()?;
+        let surface = self.geometry.surface(surface, &place)?;
+        Ok(CadFace { entity: name(pointer), surface, natural: count == 0, loops })
+    }
+
+    /// 508.
+    fn edge_loop(&mut self, pointer: i64, place: &Affine) -> Result<Vec<CadEdge>> {
+        let mut p = self.deck.parameters(pointer)?;
+        let count = p.count()?;
+        let uses = p.several(count, |p| {
+            let (vertex, list, index) = (p.integer()?, p.integer()?, p.count()?);
+            let forward = p.integer()? != 0;
+            let count = p.count()?;
+            let pcurves = p.several(count, |p| {
+                p.skip(1);
+                p.integer()
+            })?;
+            Ok((vertex, list, index, forward, pcurves))
+        })?;
+        let mut edges = Vec::with_capacity(uses.len());
+        for (vertex, list, index, forward, pcurves) in uses {
+            if vertex == 1 {
+                continue; // a pole
+            }
+            let Edge { curve, ends } = self.edge(list, index)?;
+            let curves = self.geometry.curves(curve, place)?;
+            let [curve] = &curves[..] else {
+                return Err(self.deck.unread(curve, "is an edge of several curves"));
+            };
+            let pcurves = match pcurves[..] {
+                [pcurve] => self.geometry.pcurves(pcurve)?,
+                _ => Vec::new(),
+            };
+            edges.push(CadEdge {
+                curve: Some(curve.clone()),
+                ends: Some(ends.map(|end| place.point(end))),
+                forward,
+                // One in pieces is found anew.
+                pcurves: if pcurves.len() == 1 { pcurves } else { Vec::new() },
+                // They run along the loop, whichever way the edge runs.
+                pcurve_forward: true,
+            });
+        }
+        Ok(edges)
+    }
+
+    /// An edge of an edge list (504), counted from 1.
+    fn edge(&mut self, list: i64, index: usize) -> Result<Edge> {
+        if !self.edge_lists.contains_key(&list) {
+            let edges = self.edge_list(list)?;
+            self.edge_lists.insert(list, edges);
+        }
+        self.nth(list, &self.edge_lists[&list], index, "edge")
+    }
+
+    fn nth<T: Copy>(&self, list: i64, items: &[T], index: usize, what: &str) -> Result<T> {
+        let item = index.checked_sub(1).and_then(|i| items.get(i)).copied();
+        item.ok_or_else(|| self.deck.error(list, format!("has no {what} {index}")))
+    }
+
+    fn edge_list(&mut self, pointer: i64) -> Result<Vec<Edge>> {
+        let mut p = self.deck.parameters(pointer)?;
+        let count = p.count()?;
+        let rows = p.several(count, |p| {
+            Ok((p.integer()?, [(p.integer()?, p.count()?), (p.integer()?, p.count()?)]))
+        })?;
+        let mut edges = Vec::with_capacity(rows.len());
+        for (curve, [start, end]) in rows {
+            edges.push(Edge { curve, ends: [self.vertex(start)?, self.vertex(end)?] });
+        }
+        Ok(edges)
+    }
+
+    /// A vertex of a vertex list (502), counted from 1.
+    fn vertex(&mut self, (list, index): (i64, usize)) -> Result<[f64; 3]> {
+        if !self.vertex_lists.contains_key(&list) {
+            let mut p = self.deck.parameters(list)?;
+            let count = p.count()?;
+            self.vertex_lists.insert(list, p.several(count, Parameters::point)?);
+        }
+        self.nth(list, &self.vertex_lists[&list], index, "vertex")
+    }
+}
+
+fn name(pointer: i64) -> String {
+    format!("directory entry {pointer}")
+}

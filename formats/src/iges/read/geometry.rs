@@ -1,0 +1,346 @@
+//! Curves and surfaces, in millimetres.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::deck::Deck;
+use super::parameters::Parameters;
+use crate::Result;
+use crate::cad::affine::{Affine, cross, dot, unit};
+use crate::cad::spline::MAX_DEGREE;
+use crate::cad::{CadCurve, CadSurface, CurveShape, SplineCurve, SplineKnots, SplineSurface};
+
+/// Entities are made of others at most this deep.
+const MAX_DEPTH: usize = 8;
+
+/// Reads geometry; a surface that is used twice is read once.
+pub(super) struct Geometry<'d> {
+    pub(super) deck: &'d Deck<'d>,
+    surfaces: HashMap<i64, (Affine, Arc<CadSurface>)>,
+}
+
+impl<'d> Geometry<'d> {
+    pub(super) fn new(deck: &'d Deck<'d>) -> Self {
+        Geometry { deck, surfaces: HashMap::new() }
+    }
+
+    /// Where an entity is put by its matrices, and then by `outer`.
+    pub(super) fn place(&self, pointer: i64, outer: &Affine) -> Result<Affine> {
+        let mut place = *outer;
+        let mut matrices = Vec::new();
+        let mut next = self.deck.entry(pointer)?.matrix;
+        while next != 0 {
+            if matrices.len() == MAX_DEPTH {
+                return Err(self.deck.error(next, "is a matrix upon matrices without end"));
+            }
+            matrices.push(self.matrix(next)?);
+            next = self.deck.entry(next)?.matrix;
+        }
+        // The entity's own matrix comes first, then that matrix's.
+        matrices.iter().rev().for_each(|matrix| place = place.after(matrix));
+        Ok(place)
+    }
+
+    fn matrix(&self, pointer: i64) -> Result<Affine> {
+        let mut p = self.of_kind(pointer, 124, "a matrix")?;
+        let mut matrix = Affine::scaling(1.0);
+        for i in 0..3 {
+            matrix.turn[i] = p.point()?;
+            matrix.shift[i] = p.real()?;
+        }
+        let product = |i: usize, j: usize| dot(matrix.turn[i], matrix.turn[j]);
+        let off = |i: usize, j: usize| (product(i, j) - f64::from(u8::from(i == j))).abs() > 1e-6;
+        if (0..9).any(|k| off(k / 3, k % 3)) {
+            return Err(self.deck.unread(pointer, "is a matrix that does not keep lengths"));
+        }
+        Ok(matrix)
+    }
+
+    fn of_kind(&self, pointer: i64, kind: i64, name: &str) -> Result<Parameters<'d>> {
+        let found = self.deck.entry(pointer)?.kind;
+        if found == kind {
+            return self.deck.parameters(pointer);
+        }
+        Err(self.deck.error(pointer, format!("is of type {found} where {name} ({kind}) is due")))
+    }
+
+    /// The curves in space that an entity is made of, in order.
+    pub(super) fn curves(&self, pointer: i64, outer: &Affine) -> Result<Vec<Arc<CadCurve<3>>>> {
+        let curves = self.pieces(pointer, Some(outer), 0)?;
+        Ok(curves.into_iter().map(Arc::new).collect())
+    }
+
+    /// The curves in a parameter plane that an entity is made of, in order.
+    pub(super) fn pcurves(&self, pointer: i64) -> Result<Vec<Arc<CadCurve<2>>>> {
+        let curves = self.pieces(pointer, None, 0)?;
+        Ok(curves.into_iter().map(|curve| Arc::new(flat(curve))).collect())
+    }
+
+    fn pieces(
+        &self,
+        pointer: i64,
+        outer: Option<&Affine>,
+        depth: usize,
+    ) -> Result<Vec<CadCurve<3>>> {
+        let place = outer.map(|outer| self.place(pointer, outer)).transpose()?;
+        if self.deck.entry(pointer)?.kind != 102 {
+            let curve = self.curve(pointer)?;
+            return Ok(vec![match place {
+                Some(place) => place.curve(curve),
+                None => curve,
+            }]);
+        }
+        if depth == MAX_DEPTH {
+            return Err(self.deck.error(pointer, "is a curve of curves without end"));
+        }
+        let mut p = self.deck.parameters(pointer)?;
+        let count = p.count()?;
+        let mut all = Vec::new();
+        for part in p.several(count, Parameters::integer)? {
+            all.extend(self.pieces(part, place.as_ref(), depth + 1)?);
+        }
+        Ok(all)
+    }
+
+    /// One curve, where it is defined.
+    fn curve(&self, pointer: i64) -> Result<CadCurve<3>> {
+        let entry = self.deck.entry(pointer)?;
+        let mut p = self.deck.parameters(pointer)?;
+        match entry.kind {
+            100 => arc(&mut p),
+            106 if matches!(entry.form, 11..=13 | 63) => {
+                let kind = p.integer()?;
+                let count = p.count()?;
+                let level = if kind == 1 { p.real()? } else { 0.0 };
+                let points = p.several(count, |p| match kind {
+                    1 => Ok([p.real()?, p.real()?, level]),
+                    2 => p.point(),
+                    // With a vector at every point.
+                    _ => p.point().inspect(|_| p.skip(3)),
+                })?;
+                let spline = SplineCurve::polyline(points);
+                let spline = spline.map_err(|e| self.deck.error(pointer, e))?;
+                Ok(CadCurve { shape: CurveShape::Spline(spline), range: None })
+            }
+            110 if entry.form == 0 => {
+                let (origin, end) = (p.point()?, p.point()?);
+                let direction = [0, 1, 2].map(|i| end[i] - origin[i]);
+                let shape = CurveShape::Line { origin, direction };
+                Ok(CadCurve { shape, range: Some((0.0, 1.0)) })
+            }
+            126 => self.spline(pointer, p),
+            kind => {
+                let form = entry.form;
+                let what = format!("is a curve of a type not read: {kind} form {form}");
+                Err(self.deck.unread(pointer, what))
+            }
+        }
+    }
+
+    fn spline(&self, pointer: i64, mut p: Parameters) -> Result<CadCurve<3>> {
+        let (count, degree) = (self.poles(pointer, &mut p)?, self.degree(pointer, &mut p)?);
+        p.skip(4);
+        let knots = p.several(count + degree + 1, Parameters::real)?;
+        let weights = p.several(count, Parameters::real)?;
+        let poles = p.several(count, Parameters::point)?;
+        let range = (p.real()?, p.real()?);
+        let spline = SplineCurve::new(degree, knots, poles, Some(weights));
+        let spline = spline.map_err(|e| self.deck.error(pointer, e))?;
+        let range = (range.0 < range.1).then_some(range);
+        Ok(CadCurve { shape: CurveShape::Spline(spline), range })
+    }
+
+    /// A number of poles, given as the last one's index.
+    fn poles(&self, pointer: i64, p: &mut Parameters) -> Result<usize> {
+        let last = p.count()?;
+        let count = last.checked_add(1).filter(|n| *n < usize::MAX / 4);
+        count.ok_or_else(|| self.deck.error(pointer, "has too many poles"))
+    }
+
+    fn degree(&self, pointer: i64, p: &mut Parameters) -> Result<usize> {
+        let degree = p.count()?;
+        if degree <= MAX_DEGREE {
+            return Ok(degree);
+        }
+        Err(self.deck.error(pointer, format!("degree {degree}")))
+    }
+
+    pub(super) fn surface(&mut self, pointer: i64, outer: &Affine) -> Result<Arc<CadSurface>> {
+        let place = self.place(pointer, outer)?;
+        match self.surfaces.get(&pointer) {
+            Some((known, surface)) if *known == place => return Ok(surface.clone()),
+            _ => {}
+        }
+        let surface = Arc::new(place.surface(self.plain_surface(pointer, 0)?));
+        self.surfaces.insert(pointer, (place, surface.clone()));
+        Ok(surface)
+    }
+
+    /// One surface, where it is defined.
+    fn plain_surface(&self, pointer: i64, depth: usize) -> Result<CadSurface> {
+        let entry = self.deck.entry(pointer)?;
+        let mut p = self.deck.parameters(pointer)?;
+        match entry.kind {
+            122 => self.tabulated(pointer, p),
+            128 => self.spline_surface(pointer, p),
+            140 if depth < MAX_DEPTH => {
+                let (towards, distance) = (p.point()?, p.real()?);
+                let base = p.integer()?;
+                let base = self.plain_surface(base, depth + 1)?;
+                let turned = corner_normal(&base).is_some_and(|n| dot(n, towards) < 0.0);
+                let distance = if turned { -distance } else { distance };
+                Ok(CadSurface::Offset { base: Arc::new(base), distance })
+            }
+            190 => {
+                let (origin, [x, y, _]) = self.frame(pointer, &mut p, 0)?;
+                Ok(CadSurface::Plane { origin, x, y })
+            }
+            192 => {
+                let (origin, [x, y, z]) = self.frame(pointer, &mut p, 1)?;
+                // The radius stands between axis and reference direction.
+                let radius = self.cylinder_radius(pointer)?;
+                let [x, y] = [x, y].map(|axis| axis.map(|e| radius * e));
+                Ok(CadSurface::Cylinder { origin, x, y, z })
+            }
+            kind => {
+                let what = format!("is a surface of a type not read: {kind}");
+                Err(self.deck.unread(pointer, what))
+            }
+        }
+    }
+
+    fn cylinder_radius(&self, pointer: i64) -> Result<f64> {
+        let mut p = self.deck.parameters(pointer)?;
+        p.skip(2);
+        p.real()
+    }
+
+    /// Origin and axes of a plane or cylinder: point, direction of z, `between`
+    /// other parameters, direction towards x.
+    fn frame(
+        &self,
+        pointer: i64,
+        p: &mut Parameters,
+        between: usize,
+    ) -> Result<([f64; 3], [[f64; 3]; 3])> {
+        let (origin, z) = (p.integer()?, p.integer()?);
+        p.skip(between);
+        let towards = p.integer()?;
+        let origin = self.of_kind(origin, 116, "a point")?.point()?;
+        let bad = || self.deck.error(pointer, "has no proper axes");
+        let z = unit(self.of_kind(z, 123, "a direction")?.point()?).ok_or_else(bad)?;
+        let towards = match towards {
+            // Unparametrized: any will do.
+            0 if z[0].abs() < 0.9 => [1.0, 0.0, 0.0],
+            0 => [0.0, 1.0, 0.0],
+            towards => self.of_kind(towards, 123, "a direction")?.point()?,
+        };
+        let along = dot(towards, z);
+        let x = unit([0, 1, 2].map(|i| towards[i] - along * z[i])).ok_or_else(bad)?;
+        Ok((origin, [x, cross(z, x), z]))
+    }
+
+    /// A tabulated cylinder: a curve over [0, 1] moved to a point that its own
+    /// start goes to.
+    fn tabulated(&self, pointer: i64, mut p: Parameters) -> Result<CadSurface> {
+        let (directrix, end) = (p.integer()?, p.point()?);
+        let place = self.place(directrix, &Affine::scaling(1.0))?;
+        let curve = place.curve(self.curve(directrix)?);
+        let (start, curve) = match curve.shape {
+            CurveShape::Line { origin, .. } => (origin, curve),
+            CurveShape::Spline(spline) => (spline.poles[0], over_unit(spline)),
+            CurveShape::Ellipse { centre, x, y } => {
+                let t = curve.range.map_or(0.0, |r| r.0);
+                let point = |i: usize| centre[i] + t.cos() * x[i] + t.sin() * y[i];
+                ([0, 1, 2].map(point), curve)
+            }
+        };
+        let vector = [0, 1, 2].map(|i| end[i] - start[i]);
+        if unit(vector).is_none() {
+            return Err(self.deck.error(pointer, "is a cylinder without a height"));
+        }
+        Ok(CadSurface::Extrusion { curve, vector })
+    }
+
+    fn spline_surface(&self, pointer: i64, mut p: Parameters) -> Result<CadSurface> {
+        let (m, n) = (self.poles(pointer, &mut p)?, self.poles(pointer, &mut p)?);
+        let (du, dv) = (self.degree(pointer, &mut p)?, self.degree(pointer, &mut p)?);
+        p.skip(5);
+        let u = p.several(m + du + 1, Parameters::real)?;
+        let v = p.several(n + dv + 1, Parameters::real)?;
+        let count = m.checked_mul(n).unwrap_or(usize::MAX);
+        let weights = p.several(count, Parameters::real)?;
+        let poles = p.several(count, Parameters::point)?;
+        let build = || {
+            let (u, v) = (SplineKnots::new(du, u, m)?, SplineKnots::new(dv, v, n)?);
+            SplineSurface::new(u, v, turned(&poles, m, n), Some(turned(&weights, m, n)))
+        };
+        build().map(CadSurface::Spline).map_err(|e| self.deck.error(pointer, e))
+    }
+}
+
+/// A net whose index of u runs fastest, with that of v running fastest.
+fn turned<T: Copy>(net: &[T], m: usize, n: usize) -> Vec<T> {
+    (0..m * n).map(|k| net[k / n + m * (k % n)]).collect()
+}
+
+/// A circular arc, counter-clockwise (clause 4.3).
+fn arc(p: &mut Parameters) -> Result<CadCurve<3>> {
+    let level = p.real()?;
+    let mut point = || Ok([p.real()?, p.real()?]);
+    let (centre, start, end): ([f64; 2], [f64; 2], [f64; 2]) = (point()?, point()?, point()?);
+    let angle = |q: [f64; 2]| (q[1] - centre[1]).atan2(q[0] - centre[0]);
+    let radius = (start[0] - centre[0]).hypot(start[1] - centre[1]);
+    let (from, mut to) = (angle(start), angle(end));
+    if to <= from {
+        to += std::f64::consts::TAU;
+    }
+    let shape = CurveShape::Ellipse {
+        centre: [centre[0], centre[1], level],
+        x: [radius, 0.0, 0.0],
+        y: [0.0, radius, 0.0],
+    };
+    Ok(CadCurve { shape, range: Some((from, to)) })
+}
+
+/// A curve without its z.
+fn flat(curve: CadCurve<3>) -> CadCurve<2> {
+    let cut = |p: [f64; 3]| [p[0], p[1]];
+    let shape = match curve.shape {
+        CurveShape::Line { origin, direction } => {
+            CurveShape::Line { origin: cut(origin), direction: cut(direction) }
+        }
+        CurveShape::Ellipse { centre, x, y } => {
+            CurveShape::Ellipse { centre: cut(centre), x: cut(x), y: cut(y) }
+        }
+        CurveShape::Spline(SplineCurve { knots, poles, weights }) => {
+            let poles = poles.into_iter().map(cut).collect();
+            CurveShape::Spline(SplineCurve { knots, poles, weights })
+        }
+    };
+    CadCurve { shape, range: curve.range }
+}
+
+/// The same curve with its parameters over [0, 1].
+fn over_unit(mut spline: SplineCurve<3>) -> CadCurve<3> {
+    let (a, b) = spline.knots.range();
+    spline.knots.knots.iter_mut().for_each(|t| *t = (*t - a) / (b - a));
+    CadCurve { shape: CurveShape::Spline(spline), range: None }
+}
+
+/// The normal at the start of the parameters, of any length.
+fn corner_normal(surface: &CadSurface) -> Option<[f64; 3]> {
+    let difference = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| b[i] - a[i]);
+    match surface {
+        CadSurface::Spline(spline) => {
+            let n = spline.v.poles();
+            let poles = &spline.poles;
+            let (su, sv) = (difference(poles[0], poles[n]), difference(poles[0], poles[1]));
+            Some(cross(su, sv))
+        }
+        CadSurface::Plane { x, y, .. } => Some(cross(*x, *y)),
+        CadSurface::Cylinder { x, .. } => Some(*x),
+        CadSurface::Offset { base, .. } => corner_normal(base),
+        CadSurface::Extrusion { .. } => None,
+    }
+}

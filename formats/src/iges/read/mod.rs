@@ -1,0 +1,90 @@
+//! Reads IGES files: trimmed surfaces, and the faces of shells.
+
+mod deck;
+mod faces;
+mod geometry;
+mod parameters;
+
+use std::path::Path;
+
+use crate::Result;
+use crate::cad::CadModel;
+use crate::cad::affine::Affine;
+use deck::Deck;
+pub(crate) use deck::is_iges;
+use faces::Faces;
+
+/// Reads every face that is shown in `bytes`, the content of the file at `path`.
+pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
+    let deck = Deck::new(path, bytes)?;
+    let (name, unit_mm) = global(&deck)?;
+    let unit = Affine::scaling(unit_mm);
+    let mut model = CadModel { name, faces: Vec::new() };
+    let mut faces = Faces::new(&deck);
+    let entries = || (1..).step_by(2).zip(&deck.directory).filter(|(_, e)| e.visible);
+    let mut in_solids = Vec::new();
+    for (pointer, entry) in entries() {
+        match entry.kind {
+            144 => model.faces.push(faces.trimmed(pointer, &unit)?),
+            186 => in_solids.extend(faces.shells(pointer)?),
+            143 | 408 => {
+                let what = format!("is of a type not read: {}", entry.kind);
+                return Err(deck.unread(pointer, what));
+            }
+            _ => {}
+        }
+    }
+    for (pointer, entry) in entries() {
+        match entry.kind {
+            // A solid's matrix puts its shells.
+            514 if !in_solids.contains(&pointer) => {
+                model.faces.extend(faces.shell(pointer, &unit)?);
+            }
+            186 => {
+                let place = faces.place(pointer, &unit)?;
+                for shell in faces.shells(pointer)? {
+                    model.faces.extend(faces.shell(shell, &place)?);
+                }
+            }
+            114 | 118 | 120 | 122 | 128 | 140 if entry.independent => {
+                model.faces.push(faces.whole(pointer, &unit)?);
+            }
+            _ => {}
+        }
+    }
+    Ok(model)
+}
+
+/// The name of what is in the file, and its unit in mm.
+fn global(deck: &Deck) -> Result<(String, f64)> {
+    let mut p = deck.global()?;
+    let name = p.string();
+    p.skip(9);
+    let scale = p.real()?;
+    let flag = p.integer()?;
+    let named = p.string().to_ascii_uppercase();
+    let known = UNITS.iter().find(|(number, name, _)| match flag {
+        3 => *name == named,
+        0 => *number == 1, // inches, if nothing is said
+        flag => *number == flag,
+    });
+    let Some((.., mm)) = known else {
+        return Err(deck.error(0, format!("is in a unit that is not known: {flag} {named}")));
+    };
+    // Lengths in the file are `scale` times the thing's own.
+    Ok((name, if scale > 0.0 { mm / scale } else { *mm }))
+}
+
+/// Number, name and length in mm (IGES 5.3, clause 2.2.4.3.14).
+const UNITS: [(i64, &str, f64); 10] = [
+    (1, "IN", 25.4),
+    (1, "INCH", 25.4),
+    (2, "MM", 1.0),
+    (4, "FT", 304.8),
+    (5, "MI", 1_609_344.0),
+    (6, "M", 1000.0),
+    (7, "KM", 1e6),
+    (8, "MIL", 0.0254),
+    (9, "UM", 1e-3),
+    (10, "CM", 10.0),
+];

@@ -1,0 +1,300 @@
+//! Points, curves and surfaces (ISO 10303-42, clause 4), in the file's unit.
+
+use std::collections::HashMap;
+use std::sync::Arc;
+
+use super::attributes::Attributes;
+use super::exchange::Exchange;
+use crate::Result;
+use crate::cad::affine::{cross, dot, unit};
+use crate::cad::spline::MAX_DEGREE;
+use crate::cad::{CadCurve, CadSurface, CurveShape, SplineCurve, SplineKnots, SplineSurface};
+
+/// A curve is made of curves, or a surface of surfaces, at most this deep.
+const MAX_DEPTH: usize = 8;
+
+/// Reads geometry; a surface or a curve that is used twice is read once.
+pub(super) struct Geometry<'f, 'a> {
+    pub(super) file: &'f Exchange<'a>,
+    surfaces: HashMap<u64, Arc<CadSurface>>,
+}
+
+/// The x, y and z axes of a placement, and its origin.
+struct Frame {
+    origin: [f64; 3],
+    axes: [[f64; 3]; 3],
+}
+
+impl<'f, 'a> Geometry<'f, 'a> {
+    pub(super) fn new(file: &'f Exchange<'a>) -> Self {
+        Geometry { file, surfaces: HashMap::new() }
+    }
+
+    pub(super) fn point<const D: usize>(&self, id: u64) -> Result<[f64; D]> {
+        self.coordinates(id, "CARTESIAN_POINT")
+    }
+
+    fn coordinates<const D: usize>(&self, id: u64, kind: &str) -> Result<[f64; D]> {
+        let mut attributes = self.file.of_type(id, kind)?;
+        attributes.skip(1)?;
+        let reals = attributes.reals()?;
+        let found = reals.len();
+        <[f64; D]>::try_from(reals)
+            .map_err(|_| self.file.error(id, format!("has {found} coordinates instead of {D}")))
+    }
+
+    fn direction<const D: usize>(&self, id: u64) -> Result<[f64; D]> {
+        let d: [f64; D] = self.coordinates(id, "DIRECTION")?;
+        let length = d.iter().map(|x| x * x).sum::<f64>().sqrt();
+        if length.is_finite() && length > 0.0 {
+            return Ok(d.map(|x| x / length));
+        }
+        Err(self.file.error(id, "is a direction without a length"))
+    }
+
+    fn vector<const D: usize>(&self, id: u64) -> Result<[f64; D]> {
+        let mut attributes = self.file.of_type(id, "VECTOR")?;
+        attributes.skip(1)?;
+        let direction: [f64; D] = self.direction(attributes.reference()?)?;
+        let length = attributes.real()?;
+        Ok(direction.map(|x| x * length))
+    }
+
+    fn frame(&self, id: u64) -> Result<Frame> {
+        let mut attributes = self.file.of_type(id, "AXIS2_PLACEMENT_3D")?;
+        attributes.skip(1)?;
+        let origin = self.point(attributes.reference()?)?;
+        let z: [f64; 3] = match attributes.option()? {
+            Some(id) => self.direction(id)?,
+            None => [0.0, 0.0, 1.0],
+        };
+        let towards: [f64; 3] = match attributes.option()? {
+            Some(id) => self.direction(id)?,
+            None if z[0].abs() < 0.9 => [1.0, 0.0, 0.0],
+            None => [0.0, 1.0, 0.0],
+        };
+        let along = dot(towards, z);
+        let x = unit([0, 1, 2].map(|i| towards[i] - along * z[i]))
+            .ok_or_else(|| self.file.error(id, "has parallel axes"))?;
+        Ok(Frame { origin, axes: [x, cross(z, x), z] })
+    }
+
+    /// The origin of a placement and its axes x and y.
+    fn flat_frame<const D: usize>(&self, id: u64) -> Result<[[f64; D]; 3]> {
+        let mut frame = [[0.0; D]; 3];
+        if D == 3 {
+            let Frame { origin, axes: [x, y, _] } = self.frame(id)?;
+            [origin, x, y].iter().zip(&mut frame).for_each(|(from, to)| to.copy_from_slice(from));
+            return Ok(frame);
+        }
+        let mut attributes = self.file.of_type(id, "AXIS2_PLACEMENT_2D")?;
+        attributes.skip(1)?;
+        frame[0] = self.point(attributes.reference()?)?;
+        frame[1][0] = 1.0;
+        if let Some(id) = attributes.option()? {
+            frame[1] = self.direction(id)?;
+        }
+        frame[2][0] = -frame[1][1];
+        frame[2][1] = frame[1][0];
+        Ok(frame)
+    }
+
+    /// A curve in space or in a parameter plane.
+    pub(super) fn curve<const D: usize>(&self, id: u64) -> Result<CadCurve<D>> {
+        self.curve_at(id, 0)
+    }
+
+    fn curve_at<const D: usize>(&self, id: u64, depth: usize) -> Result<CadCurve<D>> {
+        if self.file.entity(id)?.records.len() > 1 {
+            return self.spline(id);
+        }
+        let (kind, mut attributes) = self.file.simple(id)?;
+        let whole = |shape| CadCurve { shape, range: None };
+        match kind {
+            "B_SPLINE_CURVE_WITH_KNOTS" => self.spline(id),
+            "POLYLINE" => {
+                attributes.skip(1)?;
+                let points = attributes.references()?;
+                self.file.spend(id, points.len())?;
+                let points = points.into_iter().map(|p| self.point(p)).collect::<Result<_>>()?;
+                let spline = SplineCurve::polyline(points);
+                spline.map(CurveShape::Spline).map(whole).map_err(|e| self.file.error(id, e))
+            }
+            "LINE" => {
+                attributes.skip(1)?;
+                let origin = self.point(attributes.reference()?)?;
+                let direction = self.vector(attributes.reference()?)?;
+                Ok(whole(CurveShape::Line { origin, direction }))
+            }
+            "CIRCLE" | "ELLIPSE" => {
+                attributes.skip(1)?;
+                let [centre, x, y] = self.flat_frame(attributes.reference()?)?;
+                let a = attributes.real()?;
+                let b = if kind == "ELLIPSE" { attributes.real()? } else { a };
+                let shape = CurveShape::Ellipse { centre, x: x.map(|e| a * e), y: y.map(|e| b * e) };
+                Ok(whole(shape))
+            }
+            "TRIMMED_CURVE" if depth < MAX_DEPTH => {
+                attributes.skip(1)?;
+                // Who refers to it says by end points which part is meant.
+                self.curve_at(attributes.reference()?, depth + 1)
+            }
+            other => Err(self.file.unread(id, format!("is a curve of a kind not read: {other}"))),
+        }
+    }
+
+    fn spline<const D: usize>(&self, id: u64) -> Result<CadCurve<D>> {
+        let mut entity = self.file.entity(id)?;
+        let (base, knots, weights) = if entity.records.len() == 1 {
+            let mut all = self.file.of_type(id, "B_SPLINE_CURVE_WITH_KNOTS")?;
+            all.skip(1)?;
+            let base = self.spline_base(&mut all)?;
+            (base, knots(&mut all)?, None)
+        } else {
+            let missing = || self.file.unread(id, "is no B-spline curve with knots");
+            let mut part = |name| self.file.part(&mut entity, name);
+            let base = self.spline_base(&mut part("B_SPLINE_CURVE").ok_or_else(missing)?)?;
+            let knots = knots(&mut part("B_SPLINE_CURVE_WITH_KNOTS").ok_or_else(missing)?)?;
+            let weights = part("RATIONAL_B_SPLINE_CURVE").map(|mut w| w.reals()).transpose()?;
+            (base, knots, weights)
+        };
+        let (degree, poles) = base;
+        let built = knots
+            .expanded(degree, poles.len())
+            .and_then(|knots| SplineCurve::new(degree, knots, poles, weights));
+        let spline = built.map_err(|e| self.file.error(id, e))?;
+        Ok(CadCurve { shape: CurveShape::Spline(spline), range: None })
+    }
+
+    /// Degree and poles, and the three flags that follow them.
+    fn spline_base<const D: usize>(
+        &self,
+        attributes: &mut Attributes,
+    ) -> Result<(usize, Vec<[f64; D]>)> {
+        let degree = attributes.count()?;
+        let poles = attributes.references()?;
+        self.file.spend(attributes.id, poles.len())?;
+        attributes.skip(3)?;
+        let poles = poles.into_iter().map(|id| self.point(id)).collect::<Result<_>>()?;
+        Ok((degree, poles))
+    }
+
+    pub(super) fn surface(&mut self, id: u64) -> Result<Arc<CadSurface>> {
+        self.surface_at(id, 0)
+    }
+
+    fn surface_at(&mut self, id: u64, depth: usize) -> Result<Arc<CadSurface>> {
+        if let Some(known) = self.surfaces.get(&id) {
+            return Ok(known.clone());
+        }
+        let surface = if self.file.entity(id)?.records.len() > 1 {
+            self.spline_surface(id)?
+        } else {
+            self.other_surface(id, depth)?
+        };
+        let surface = Arc::new(surface);
+        self.surfaces.insert(id, surface.clone());
+        Ok(surface)
+    }
+
+    fn other_surface(&mut self, id: u64, depth: usize) -> Result<CadSurface> {
+        let (kind, mut attributes) = self.file.simple(id)?;
+        if kind == "B_SPLINE_SURFACE_WITH_KNOTS" {
+            return self.spline_surface(id);
+        }
+        attributes.skip(1)?;
+        match kind {
+            "PLANE" => {
+                let Frame { origin, axes: [x, y, _] } = self.frame(attributes.reference()?)?;
+                Ok(CadSurface::Plane { origin, x, y })
+            }
+            "CYLINDRICAL_SURFACE" => {
+                let Frame { origin, axes: [x, y, z] } = self.frame(attributes.reference()?)?;
+                let radius = attributes.real()?;
+                let [x, y] = [x, y].map(|axis| axis.map(|e| radius * e));
+                Ok(CadSurface::Cylinder { origin, x, y, z })
+            }
+            "SURFACE_OF_LINEAR_EXTRUSION" => {
+                let curve = self.curve(attributes.reference()?)?;
+                let vector = self.vector(attributes.reference()?)?;
+                Ok(CadSurface::Extrusion { curve, vector })
+            }
+            "OFFSET_SURFACE" if depth < MAX_DEPTH => {
+                let base = self.surface_at(attributes.reference()?, depth + 1)?;
+                Ok(CadSurface::Offset { base, distance: attributes.real()? })
+            }
+            "RECTANGULAR_TRIMMED_SURFACE" if depth < MAX_DEPTH => {
+                // Its own loops bound the face; the parameters are the basis's.
+                self.surface_at(attributes.reference()?, depth + 1).map(Arc::unwrap_or_clone)
+            }
+            other => Err(self.file.unread(id, format!("is a surface of a kind not read: {other}"))),
+        }
+    }
+
+    fn spline_surface(&self, id: u64) -> Result<CadSurface> {
+        let mut entity = self.file.entity(id)?;
+        let simple = entity.records.len() == 1;
+        let missing = || self.file.unread(id, "is no B-spline surface with knots");
+        let name = "B_SPLINE_SURFACE_WITH_KNOTS";
+        let mut base = if simple {
+            let mut all = self.file.of_type(id, name)?;
+            all.skip(1)?;
+            all
+        } else {
+            self.file.part(&mut entity, "B_SPLINE_SURFACE").ok_or_else(missing)?
+        };
+        let (p, q) = (base.count()?, base.count()?);
+        let rows = base.rows()?;
+        base.skip(4)?;
+        let mut rest = match self.file.part(&mut entity, name) {
+            Some(rest) if !simple => rest,
+            None if !simple => return Err(missing()),
+            _ => base,
+        };
+        let counts = [rest.counts()?, rest.counts()?];
+        let values = [rest.reals()?, rest.reals()?];
+        let weights = self.file.part(&mut entity, "RATIONAL_B_SPLINE_SURFACE");
+        let weights = weights.map(|mut w| w.real_rows()).transpose()?;
+        let (m, n) = (rows.len(), rows.first().map_or(0, Vec::len));
+        if rows.iter().any(|row| row.len() != n) {
+            return Err(self.file.error(id, "has rows of unlike length"));
+        }
+        let poles = rows.into_iter().flatten().map(|p| self.point(p)).collect::<Result<_>>()?;
+        let ([u_counts, v_counts], [u, v]) = (counts, values);
+        let build = || {
+            let u = Knots { values: u, counts: u_counts }.expanded(p, m)?;
+            let v = Knots { values: v, counts: v_counts }.expanded(q, n)?;
+            let (u, v) = (SplineKnots::new(p, u, m)?, SplineKnots::new(q, v, n)?);
+            SplineSurface::new(u, v, poles, weights)
+        };
+        build().map(CadSurface::Spline).map_err(|e| self.file.error(id, e))
+    }
+}
+
+/// Knots as STEP has them: each once, with its multiplicity.
+struct Knots {
+    values: Vec<f64>,
+    counts: Vec<usize>,
+}
+
+fn knots(attributes: &mut Attributes) -> Result<Knots> {
+    let counts = attributes.counts()?;
+    Ok(Knots { values: attributes.reals()?, counts })
+}
+
+impl Knots {
+    /// Each as often as it counts, if that makes as many as are needed.
+    fn expanded(&self, degree: usize, poles: usize) -> std::result::Result<Vec<f64>, String> {
+        let Knots { values, counts } = self;
+        if values.len() != counts.len() {
+            return Err(format!("{} knots with {} multiplicities", values.len(), counts.len()));
+        }
+        // Before anything as long as they say is made of them.
+        let total = counts.iter().fold(0usize, |sum, n| sum.saturating_add(*n));
+        if degree > MAX_DEGREE || total != poles + degree + 1 {
+            return Err(format!("{total} knots for {poles} poles of degree {degree}"));
+        }
+        let each = values.iter().zip(counts);
+        Ok(each.flat_map(|(x, n)| std::iter::repeat_n(*x, *n)).collect())
+    }
+}

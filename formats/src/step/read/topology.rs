@@ -1,0 +1,235 @@
+//! Faces, loops and edges (ISO 10303-42, clause 5), in millimetres.
+
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+use super::exchange::Exchange;
+use super::geometry::Geometry;
+use crate::Result;
+use crate::cad::affine::Affine;
+use crate::cad::{CadCurve, CadEdge, CadFace, CadSurface};
+
+/// Reads the faces of one representation.
+pub(super) struct Topology<'f, 'a> {
+    file: &'f Exchange<'a>,
+    geometry: Geometry<'f, 'a>,
+    unit: Affine,
+    surfaces: HashMap<u64, Arc<CadSurface>>,
+    edges: HashMap<u64, Arc<Edge>>,
+    /// The faces that were read: one that two bodies share counts once.
+    seen: &'f mut HashSet<u64>,
+}
+
+/// An edge, shared by its uses.
+struct Edge {
+    curve: Option<Arc<CadCurve<3>>>,
+    ends: [[f64; 3]; 2],
+    /// Whether the edge runs from its start to its end along the curve.
+    along: bool,
+    /// Surface and curve in its parameter plane.
+    pcurves: Vec<(u64, Arc<CadCurve<2>>)>,
+}
+
+impl<'f, 'a> Topology<'f, 'a> {
+    pub(super) fn new(file: &'f Exchange<'a>, unit_mm: f64, seen: &'f mut HashSet<u64>) -> Self {
+        Topology {
+            file,
+            geometry: Geometry::new(file),
+            unit: Affine::scaling(unit_mm),
+            surfaces: HashMap::new(),
+            edges: HashMap::new(),
+            seen,
+        }
+    }
+
+    /// Adds the faces of an item of a representation; items that have none, such
+    /// as placements and points, add none.
+    pub(super) fn item(&mut self, id: u64, faces: &mut Vec<CadFace>) -> Result<()> {
+        if self.file.entity(id)?.records.len() > 1 {
+            return Ok(());
+        }
+        let (kind, mut attributes) = self.file.simple(id)?;
+        match kind {
+            "SHELL_BASED_SURFACE_MODEL" | "FACE_BASED_SURFACE_MODEL" => {
+                attributes.skip(1)?;
+                attributes.references()?.into_iter().try_for_each(|shell| self.shell(shell, faces))
+            }
+            "MANIFOLD_SOLID_BREP" | "FACETED_BREP" => {
+                attributes.skip(1)?;
+                self.shell(attributes.reference()?, faces)
+            }
+            "BREP_WITH_VOIDS" => {
+                attributes.skip(1)?;
+                self.shell(attributes.reference()?, faces)?;
+                attributes.references()?.into_iter().try_for_each(|shell| self.shell(shell, faces))
+            }
+            "OPEN_SHELL" | "CLOSED_SHELL" | "CONNECTED_FACE_SET" => self.shell(id, faces),
+            "ADVANCED_FACE" | "FACE_SURFACE" => self.face(id, faces),
+            "MAPPED_ITEM" => Err(self.file.unread(id, "puts a part in a place, which is not read")),
+            _ => Ok(()),
+        }
+    }
+
+    fn shell(&mut self, id: u64, faces: &mut Vec<CadFace>) -> Result<()> {
+        let (kind, mut attributes) = self.file.simple(id)?;
+        attributes.skip(1)?;
+        match kind {
+            "OPEN_SHELL" | "CLOSED_SHELL" | "CONNECTED_FACE_SET" => {
+                attributes.references()?.into_iter().try_for_each(|face| self.face(face, faces))
+            }
+            "ORIENTED_OPEN_SHELL" | "ORIENTED_CLOSED_SHELL" => {
+                attributes.skip(1)?;
+                let turned = attributes.reference()?;
+                let mut attributes = self.file.simple(turned)?.1;
+                attributes.skip(1)?;
+                attributes.references()?.into_iter().try_for_each(|face| self.face(face, faces))
+            }
+            other => Err(self.file.error(id, format!("is {other} where a shell is due"))),
+        }
+    }
+
+    fn face(&mut self, id: u64, faces: &mut Vec<CadFace>) -> Result<()> {
+        let (kind, mut attributes) = self.file.simple(id)?;
+        if !matches!(kind, "ADVANCED_FACE" | "FACE_SURFACE") {
+            return Err(self.file.unread(id, format!("is a face of a kind not read: {kind}")));
+        }
+        if !self.seen.insert(id) {
+            return Ok(());
+        }
+        attributes.skip(1)?;
+        let bounds = attributes.references()?;
+        let surface_id = attributes.reference()?;
+        let surface = self.surface(surface_id)?;
+        let mut loops = Vec::with_capacity(bounds.len());
+        for bound in bounds {
+            loops.extend(self.bound(bound, surface_id)?);
+        }
+        let natural = loops.is_empty();
+        faces.push(CadFace { entity: format!("#{id}"), surface, natural, loops });
+        Ok(())
+    }
+
+    fn surface(&mut self, id: u64) -> Result<Arc<CadSurface>> {
+        if let Some(known) = self.surfaces.get(&id) {
+            return Ok(known.clone());
+        }
+        let mut surface = self.geometry.surface(id)?;
+        if self.unit.scale != 1.0 {
+            surface = Arc::new(self.unit.surface(Arc::unwrap_or_clone(surface)));
+        }
+        self.surfaces.insert(id, surface.clone());
+        Ok(surface)
+    }
+
+    /// The loop of a bound; none where it is a single vertex, a pole.
+    fn bound(&mut self, id: u64, surface: u64) -> Result<Option<Vec<CadEdge>>> {
+        let (_, mut attributes) = self.file.simple(id)?;
+        attributes.skip(1)?;
+        let (ring, along) = (attributes.reference()?, attributes.logical()?);
+        let (kind, mut attributes) = self.file.simple(ring)?;
+        match kind {
+            "VERTEX_LOOP" => return Ok(None),
+            "EDGE_LOOP" => {}
+            other => {
+                let what = format!("is a loop of a kind not read: {other}");
+                return Err(self.file.unread(ring, what));
+            }
+        }
+        attributes.skip(1)?;
+        let uses = attributes.references()?;
+        self.file.spend(ring, uses.len())?;
+        let mut uses: Vec<CadEdge> =
+            uses.into_iter().map(|u| self.edge_use(u, surface)).collect::<Result<_>>()?;
+        if !along {
+            uses.reverse();
+            for edge in &mut uses {
+                edge.forward = !edge.forward;
+                edge.pcurve_forward = !edge.pcurve_forward;
+            }
+        }
+        Ok(Some(uses))
+    }
+
+    fn edge_use(&mut self, id: u64, surface: u64) -> Result<CadEdge> {
+        let mut attributes = self.file.of_type(id, "ORIENTED_EDGE")?;
+        attributes.skip(3)?;
+        let edge = self.edge(attributes.reference()?)?;
+        let forward = attributes.logical()? == edge.along;
+        let on_it = edge.pcurves.iter().filter(|(on, _)| *on == surface);
+        Ok(CadEdge {
+            curve: edge.curve.clone(),
+            ends: Some(edge.ends),
+            forward,
+            pcurves: on_it.map(|(_, curve)| curve.clone()).collect(),
+            pcurve_forward: forward,
+        })
+    }
+
+    fn edge(&mut self, id: u64) -> Result<Arc<Edge>> {
+        if let Some(known) = self.edges.get(&id) {
+            return Ok(known.clone());
+        }
+        let mut attributes = self.file.of_type(id, "EDGE_CURVE")?;
+        attributes.skip(1)?;
+        let ends = [attributes.reference()?, attributes.reference()?];
+        let ends = [self.vertex(ends[0])?, self.vertex(ends[1])?];
+        let geometry = attributes.reference()?;
+        let along = attributes.logical()?;
+        let (curve, pcurves) = self.edge_geometry(geometry)?;
+        let ends = if along { ends } else { [ends[1], ends[0]] };
+        let edge = Arc::new(Edge { curve, ends, along, pcurves });
+        self.edges.insert(id, edge.clone());
+        Ok(edge)
+    }
+
+    fn vertex(&self, id: u64) -> Result<[f64; 3]> {
+        let mut attributes = self.file.of_type(id, "VERTEX_POINT")?;
+        attributes.skip(1)?;
+        Ok(self.unit.point(self.geometry.point(attributes.reference()?)?))
+    }
+
+    /// The curve in space and the pcurves of an edge's geometry.
+    #[allow(clippy::type_complexity)]
+    fn edge_geometry(
+        &self,
+        id: u64,
+    ) -> Result<(Option<Arc<CadCurve<3>>>, Vec<(u64, Arc<CadCurve<2>>)>)> {
+        let entity = self.file.entity(id)?;
+        let kind = entity.records.first().map_or("", |record| record.name);
+        match kind {
+            "SURFACE_CURVE" | "SEAM_CURVE" | "INTERSECTION_CURVE" => {
+                let mut attributes = self.file.of_type(id, kind)?;
+                attributes.skip(1)?;
+                let curve = self.unit.curve(self.geometry.curve(attributes.reference()?)?);
+                let mut pcurves = Vec::new();
+                for associated in attributes.references()? {
+                    pcurves.extend(self.pcurve(associated)?);
+                }
+                Ok((Some(Arc::new(curve)), pcurves))
+            }
+            "PCURVE" => Ok((None, self.pcurve(id)?.into_iter().collect())),
+            _ => Ok((Some(Arc::new(self.unit.curve(self.geometry.curve(id)?))), Vec::new())),
+        }
+    }
+
+    /// A pcurve and its surface; none where only a surface is associated.
+    fn pcurve(&self, id: u64) -> Result<Option<(u64, Arc<CadCurve<2>>)>> {
+        if self.file.entity(id)?.records.len() > 1 {
+            return Ok(None);
+        }
+        let (kind, mut attributes) = self.file.simple(id)?;
+        if kind != "PCURVE" {
+            return Ok(None);
+        }
+        attributes.skip(1)?;
+        let surface = attributes.reference()?;
+        let representation = attributes.reference()?;
+        let mut attributes = self.file.of_type(representation, "DEFINITIONAL_REPRESENTATION")?;
+        attributes.skip(1)?;
+        let items = attributes.references()?;
+        let [curve] = items[..] else {
+            return Err(self.file.error(representation, "has not one pcurve"));
+        };
+        Ok(Some((surface, Arc::new(self.geometry.curve(curve)?))))
+    }
+}
