@@ -71,6 +71,14 @@ pub enum Error {
         /// A point of the rim.
         at: Point,
     },
+    /// A face of a CAD file cannot be measured.
+    #[error("{entity}: {what}")]
+    Cad {
+        /// What the file calls the face.
+        entity: String,
+        /// What is wrong with it.
+        what: String,
+    },
     /// The boundary representation breaks one of its own rules.
     #[error("boundary representation: {0}")]
     Brep(String),
@@ -105,6 +113,7 @@ impl Error {
             Error::Trim { .. } => {
                 "keep that hole filled (--fill-only-holes-below, --keep-fills), or name a smaller --tolerance".into()
             }
+            Error::Cad { .. } => "repair the face in a CAD program, and export it again".into(),
             Error::Brep(_) => "please report this scan as a bug".into(),
         }
     }

@@ -1,6 +1,6 @@
 //! What came in: the chosen component of a scan, looked at and made a disk.
 
-use crate::mesh::{Choice, Component, Components, Disk, Outer, Repairs, Topology, boundary};
+use crate::mesh::{Choice, Component, Components, Disk, Mesh, Outer, Repairs, Topology, boundary};
 use crate::{Options, Result, smooth};
 
 /// What came in.
@@ -73,6 +73,20 @@ pub(crate) fn disk(scan: &Components, options: &Options) -> Result<(Disk, InputR
     let disk = chosen.into_disk(options.outer, &mut input.repairs)?;
     input.count_islands(&disk, &scan.sizes());
     Ok((disk, input))
+}
+
+/// The points and triangles of one component as they were measured: those that
+/// a conversion would take, islands included, or, where the component cannot be
+/// converted, all that it has.
+///
+/// # Errors
+/// There is no such component.
+pub fn measured(scan: &Components, component: Choice, outer: Outer) -> Result<Mesh> {
+    let chosen = scan.take(component)?;
+    if chosen.topology.check_disk().is_err() {
+        return Ok(chosen.mesh().clone());
+    }
+    Ok(chosen.into_disk(outer, &mut Repairs::new())?.mesh)
 }
 
 /// Looks at one component of a scan, of whatever topology it is.

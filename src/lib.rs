@@ -14,6 +14,7 @@
 
 mod adapt;
 pub mod brep;
+pub mod check;
 mod cut;
 pub mod deviation;
 pub mod error;
@@ -31,7 +32,7 @@ pub mod trim;
 pub use adapt::{Adapted, KnotOptions};
 pub use cut::Cut;
 pub use error::{Error, Result};
-pub use input::{InputReport, Inspection, inspect};
+pub use input::{InputReport, Inspection, inspect, measured};
 
 use formats::{Brep, Soup};
 use mesh::{Components, Disk, Patch};

@@ -27,6 +27,12 @@ pub enum Command {
     /// Say what a scan is: counts, units, components, boundary loops, genus,
     /// noise, and what had to be repaired.
     Inspect(Inspect),
+    /// Measure a CAD file against a scan, in both directions.
+    ///
+    /// The file is read back from disk, whoever wrote it: the distance of every
+    /// point of the scan from the trimmed faces, and of samples of these from
+    /// the scan, so that a hole that is not cut out shows.
+    Check(Check),
 }
 
 /// What to look at, of a scan.
@@ -48,6 +54,36 @@ pub struct Piece {
 pub struct Inspect {
     #[command(flatten)]
     pub piece: Piece,
+    /// Which piece of the scan: largest, or a number (0 is the largest)
+    #[arg(long, value_name = "largest|N", default_value = "largest", value_parser = one_component)]
+    pub component: scan2step::mesh::Choice,
+    /// Print one JSON object; lengths are mm
+    #[arg(long)]
+    pub json: bool,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Colours in messages
+    #[arg(long, value_enum, default_value_t = Colour::Auto)]
+    pub color: Colour,
+}
+
+/// Options of `check`.
+#[derive(Debug, Args)]
+#[command(after_help = "Exit codes: 0 all that was asked holds, 1 failed, 2 usage,\n\
+    3 the tolerance is not met.")]
+pub struct Check {
+    /// The CAD file: STEP or IGES
+    pub cad: PathBuf,
+    #[command(flatten)]
+    pub piece: Piece,
+    /// Farthest that a point of the scan may be from the faces, and a sample of
+    /// these from the scan, in mm
+    #[arg(long, value_name = "LEN", value_parser = positive)]
+    pub tolerance: Option<f64>,
+    /// Percentage of points, and of samples, that may exceed the tolerance
+    #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage)]
+    pub outliers: f64,
     /// Which piece of the scan: largest, or a number (0 is the largest)
     #[arg(long, value_name = "largest|N", default_value = "largest", value_parser = one_component)]
     pub component: scan2step::mesh::Choice,

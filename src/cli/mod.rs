@@ -1,6 +1,7 @@
 //! The commands of scan2step.
 
 mod args;
+mod check;
 mod convert;
 mod input;
 mod inspect;
@@ -47,6 +48,7 @@ pub fn run() -> ExitCode {
     let (colour, done) = match &args.command {
         args::Command::Convert(args) => (args.color, convert::run(args)),
         args::Command::Inspect(args) => (args.color, inspect::run(args)),
+        args::Command::Check(args) => (args.color, check::run(args)),
     };
     match done {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

@@ -136,7 +136,8 @@ fn fit_report(c: &Conversion) -> Value {
     })
 }
 
-fn deviation(d: &Deviation) -> Value {
+/// A deviation, of `convert` and of `check`.
+pub fn deviation(d: &Deviation) -> Value {
     json!({
         "rms_mm": d.rms, "p95_mm": d.p95, "p99_mm": d.p99, "max_mm": d.max, "max_at": d.max_at,
     })

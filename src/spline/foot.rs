@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::Surface;
+use super::Patch;
 use crate::geometry::{Point, Uv};
 
 /// The parameter of a local minimum of the distance from `p` to the surface,
@@ -13,7 +13,7 @@ use crate::geometry::{Point, Uv};
 /// halved. A parameter that sits on the domain's edge and wants out is held
 /// there. The result is never farther than `start`'s own point; steps end
 /// below 1e-10 of the domain.
-pub fn foot_point(surface: &Surface, p: Point, start: Uv) -> (Uv, f64) {
+pub fn foot_point<S: Patch>(surface: &S, p: Point, start: Uv) -> (Uv, f64) {
     let mut at = surface.clamp(start);
     let mut jet = surface.jet(at);
     let mut distance = (jet.s - p).norm_squared();
@@ -53,10 +53,11 @@ pub fn foot_point(surface: &Surface, p: Point, start: Uv) -> (Uv, f64) {
 }
 
 /// Which parameters may move: not one at an edge that the descent leads out of.
-fn free_axes(surface: &Surface, at: Uv, gradient: Vector2<f64>) -> [bool; 2] {
+fn free_axes<S: Patch>(surface: &S, at: Uv, gradient: Vector2<f64>) -> [bool; 2] {
     let held =
         |x: f64, g: f64, (low, high): (f64, f64)| (x <= low && g > 0.0) || (x >= high && g < 0.0);
-    [!held(at.x, gradient.x, surface.u.range()), !held(at.y, gradient.y, surface.v.range())]
+    let [u, v] = surface.ranges();
+    [!held(at.x, gradient.x, u), !held(at.y, gradient.y, v)]
 }
 
 fn descent(
@@ -84,7 +85,7 @@ fn descent(
 mod tests {
     use super::*;
     use crate::geometry::Vector;
-    use crate::spline::KnotVector;
+    use crate::spline::{KnotVector, Surface};
 
     fn bump() -> Surface {
         let k = KnotVector::uniform(3, 8);

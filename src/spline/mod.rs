@@ -14,4 +14,4 @@ pub use curve::Curve;
 pub use foot::foot_point;
 pub use knots::{Basis, KnotVector};
 pub use samples::Samples;
-pub use surface::{Jet, Surface};
+pub use surface::{Jet, Patch, Surface};

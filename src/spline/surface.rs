@@ -82,8 +82,41 @@ impl Surface {
 
     /// The nearest parameter point inside the domain.
     pub fn clamp(&self, at: Uv) -> Uv {
-        let ((u0, u1), (v0, v1)) = (self.u.range(), self.v.range());
+        Patch::clamp(self, at)
+    }
+}
+
+/// What foot points and deviations need of a surface.
+pub trait Patch: Sync {
+    /// Point, first and second derivatives at `at`.
+    fn jet(&self, at: Uv) -> Jet;
+
+    /// The ranges of u and of v; they may be endless.
+    fn ranges(&self) -> [(f64, f64); 2];
+
+    /// The point at `at`.
+    fn point(&self, at: Uv) -> Point {
+        self.jet(at).s
+    }
+
+    /// The nearest parameter point inside the domain.
+    fn clamp(&self, at: Uv) -> Uv {
+        let [(u0, u1), (v0, v1)] = self.ranges();
         Uv::new(at.x.clamp(u0, u1), at.y.clamp(v0, v1))
+    }
+}
+
+impl Patch for Surface {
+    fn jet(&self, at: Uv) -> Jet {
+        self.jet(at)
+    }
+
+    fn ranges(&self) -> [(f64, f64); 2] {
+        [self.u.range(), self.v.range()]
+    }
+
+    fn point(&self, at: Uv) -> Point {
+        self.point(at)
     }
 }
 

@@ -127,7 +127,8 @@ impl<'a> Deck<'a> {
         // Some programs do not say how many lines there are.
         let end = first.checked_add(count.max(1));
         let lines = end.and_then(|end| self.parameters.get(first..end));
-        let lines = lines.ok_or_else(|| self.error(pointer, "has parameters outside of the file"))?;
+        let lines =
+            lines.ok_or_else(|| self.error(pointer, "has parameters outside of the file"))?;
         let left = self.budget.get().checked_sub(lines.len());
         self.budget.set(left.ok_or_else(|| self.error(pointer, "is used again and again"))?);
         let mut text = Vec::with_capacity(PARAMETERS * lines.len());

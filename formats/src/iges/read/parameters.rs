@@ -78,7 +78,9 @@ impl<'d> Parameters<'d> {
     }
 
     pub(super) fn skip(&mut self, count: usize) {
-        (0..count).for_each(|_| drop(self.next()));
+        for _ in 0..count {
+            self.next();
+        }
     }
 
     /// A whole number or a pointer; 0 where it is left out.
@@ -162,9 +164,9 @@ fn length(text: &[u8], delimiters: Delimiters) -> std::result::Result<usize, Str
     if digits > 0 && text.get(digits) == Some(&b'H') {
         let count = std::str::from_utf8(&text[..digits]).ok().and_then(|n| n.parse().ok());
         let end = count.and_then(|count: usize| count.checked_add(digits + 1));
-        from = end.filter(|end| *end <= text.len()).ok_or_else(|| {
-            format!("has a string that does not end: {}", excerpt(text))
-        })?;
+        from = end
+            .filter(|end| *end <= text.len())
+            .ok_or_else(|| format!("has a string that does not end: {}", excerpt(text)))?;
     }
     let is_end = |b: &u8| *b == delimiters.parameter || *b == delimiters.record;
     Ok(from + text[from..].iter().position(is_end).unwrap_or(text.len() - from))

@@ -45,7 +45,9 @@ impl<'a> Exchange<'a> {
             cursor.skip_blank();
             let begin = cursor.at;
             if cursor.take(b"#") {
-                let id = cursor.digits().ok_or(())
+                let id = cursor
+                    .digits()
+                    .ok_or(())
                     .map_err(|()| file.damaged(begin, "an entity without a number"))?;
                 cursor.skip_blank();
                 if !cursor.take(b"=") {

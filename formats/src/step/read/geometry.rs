@@ -131,7 +131,8 @@ impl<'f, 'a> Geometry<'f, 'a> {
                 let [centre, x, y] = self.flat_frame(attributes.reference()?)?;
                 let a = attributes.real()?;
                 let b = if kind == "ELLIPSE" { attributes.real()? } else { a };
-                let shape = CurveShape::Ellipse { centre, x: x.map(|e| a * e), y: y.map(|e| b * e) };
+                let shape =
+                    CurveShape::Ellipse { centre, x: x.map(|e| a * e), y: y.map(|e| b * e) };
                 Ok(whole(shape))
             }
             "TRIMMED_CURVE" if depth < MAX_DEPTH => {

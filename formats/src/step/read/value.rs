@@ -269,9 +269,7 @@ pub(super) fn decoded(text: &[u8]) -> String {
 fn escape(text: &str) -> (String, usize) {
     let wide = |width: usize| {
         let (digits, _) = text[4..].split_once("\\X0\\")?;
-        let code = |d: &[u8]| {
-            u16::from_str_radix(std::str::from_utf8(d).ok()?, 16).ok()
-        };
+        let code = |d: &[u8]| u16::from_str_radix(std::str::from_utf8(d).ok()?, 16).ok();
         let read = if width == 4 {
             let units: Option<Vec<u16>> = digits.as_bytes().chunks(4).map(code).collect();
             String::from_utf16_lossy(&units?)
@@ -293,9 +291,7 @@ fn escape(text: &str) -> (String, usize) {
         [b'\\', b'X', b'2', b'\\', ..] => wide(4),
         [b'\\', b'X', b'4', b'\\', ..] => wide(8),
         [b'\\', b'X', b'\\', ..] => latin(3),
-        [b'\\', b'S', b'\\', c, ..] if c.is_ascii() => {
-            Some((char::from(c | 0x80).to_string(), 4))
-        }
+        [b'\\', b'S', b'\\', c, ..] if c.is_ascii() => Some((char::from(c | 0x80).to_string(), 4)),
         _ => None,
     };
     found.unwrap_or_else(|| ("\\".to_owned(), 1))

@@ -1,0 +1,155 @@
+//! Points of a CAD file's curves.
+
+use formats::cad::{CadCurve, CurveShape, SplineCurve};
+use nalgebra::SVector;
+
+use super::basis::Basis;
+
+/// A curve and the part of it that an edge is.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Part<'a, const D: usize> {
+    shape: &'a CurveShape<D>,
+    pub(super) range: (f64, f64),
+}
+
+impl<'a, const D: usize> Part<'a, D> {
+    /// The part of a curve that the file names by parameters, else by its end
+    /// points, else the whole; `None` where an endless curve has neither.
+    pub(super) fn new(curve: &'a CadCurve<D>, ends: Option<[[f64; D]; 2]>) -> Option<Self> {
+        let shape = &curve.shape;
+        let range = match (curve.range, ends, shape) {
+            (Some(range), ..) => range,
+            (None, Some(ends), _) => between(shape, ends.map(SVector::from))?,
+            (None, None, CurveShape::Spline(spline)) => spline.knots().range(),
+            (None, None, _) => return None,
+        };
+        let proper = range.0 < range.1 && range.0.is_finite() && range.1.is_finite();
+        proper.then_some(Part { shape, range })
+    }
+
+    /// The same shape over another range; a spline's own range bounds it.
+    pub(super) fn over(curve: &'a CadCurve<D>, range: (f64, f64)) -> Option<Self> {
+        let range = match &curve.shape {
+            CurveShape::Spline(spline) => {
+                let (low, high) = spline.knots().range();
+                let inside = low <= range.0 && range.1 <= high;
+                if inside { range } else { (low, high) }
+            }
+            _ => range,
+        };
+        Part::new(&CadCurve { shape: curve.shape.clone(), range: Some(range) }, None)?;
+        Some(Part { shape: &curve.shape, range })
+    }
+
+    pub(super) fn point(&self, t: f64) -> SVector<f64, D> {
+        point(self.shape, t)
+    }
+
+    /// Parameters between which the curve is smooth, and no part of it turns far.
+    pub(super) fn breaks(&self) -> Vec<f64> {
+        let (a, b) = self.range;
+        let mut breaks = vec![a];
+        if let CurveShape::Spline(spline) = self.shape {
+            breaks.extend(spline.knots().breaks().into_iter().filter(|t| a < *t && *t < b));
+        }
+        breaks.push(b);
+        breaks
+    }
+}
+
+fn point<const D: usize>(shape: &CurveShape<D>, t: f64) -> SVector<f64, D> {
+    let vector = |a: &[f64; D]| SVector::from(*a);
+    match shape {
+        CurveShape::Line { origin, direction } => vector(origin) + vector(direction) * t,
+        CurveShape::Ellipse { centre, x, y } => {
+            vector(centre) + vector(x) * t.cos() + vector(y) * t.sin()
+        }
+        CurveShape::Spline(spline) => on_spline(spline, t),
+    }
+}
+
+fn on_spline<const D: usize>(spline: &SplineCurve<D>, t: f64) -> SVector<f64, D> {
+    let basis = Basis::new(spline.knots(), t);
+    let (mut sum, mut weights) = (SVector::zeros(), 0.0);
+    for j in 0..=spline.knots().degree() {
+        let i = basis.first + j;
+        let weight = basis.derivative[0][j] * spline.weights().map_or(1.0, |w| w[i]);
+        sum += SVector::from(spline.poles()[i]) * weight;
+        weights += weight;
+    }
+    sum / weights
+}
+
+/// The parameters of two points of a curve, the first being the lower one.
+fn between<const D: usize>(
+    shape: &CurveShape<D>,
+    [from, to]: [SVector<f64, D>; 2],
+) -> Option<(f64, f64)> {
+    match shape {
+        CurveShape::Line { origin, direction } => {
+            let (o, d) = (SVector::from(*origin), SVector::<f64, D>::from(*direction));
+            let at = |p: SVector<f64, D>| (p - o).dot(&d) / d.norm_squared();
+            Some((at(from), at(to)))
+        }
+        CurveShape::Ellipse { centre, x, y } => {
+            let [centre, x, y] = [centre, x, y].map(|a| SVector::<f64, D>::from(*a));
+            let at = |p: SVector<f64, D>| {
+                let along = |axis: SVector<f64, D>| (p - centre).dot(&axis) / axis.norm_squared();
+                along(y).atan2(along(x))
+            };
+            let (start, mut end) = (at(from), at(to));
+            // The same point twice is the whole ellipse.
+            if end <= start || (to - from).norm() <= 1e-9 * x.norm() {
+                end = start + (end - start).rem_euclid(std::f64::consts::TAU);
+                let closed = end - start < 1e-9;
+                end += if closed { std::f64::consts::TAU } else { 0.0 };
+            }
+            Some((start, end))
+        }
+        CurveShape::Spline(spline) => Some(between_on_spline(spline, from, to)),
+    }
+}
+
+/// Ends that are those of the curve are told from others by this share of its
+/// size.
+const SAME: f64 = 1e-5;
+
+fn between_on_spline<const D: usize>(
+    spline: &SplineCurve<D>,
+    from: SVector<f64, D>,
+    to: SVector<f64, D>,
+) -> (f64, f64) {
+    let (low, high) = spline.knots().range();
+    let first = SVector::from(spline.poles()[0]);
+    let size = spline.poles().iter().map(|p| (SVector::from(*p) - first).norm());
+    let same = SAME * size.fold(0.0, f64::max);
+    let is_at = |t: f64, p: SVector<f64, D>| (on_spline(spline, t) - p).norm() <= same;
+    let start = if is_at(low, from) { low } else { nearest(spline, from) };
+    let end = if is_at(high, to) { high } else { nearest(spline, to) };
+    // A closed curve that is cut elsewhere than the edge begins.
+    if start < end { (start, end) } else { (low, high) }
+}
+
+/// The parameter of the curve's point nearest to `p`.
+fn nearest<const D: usize>(spline: &SplineCurve<D>, p: SVector<f64, D>) -> f64 {
+    const SAMPLES: usize = 16;
+    let away = |t: f64| (on_spline(spline, t) - p).norm_squared();
+    let breaks = spline.knots().breaks();
+    let (mut best, mut width) = (breaks[0], 0.0);
+    for span in breaks.windows(2) {
+        let step = (span[1] - span[0]) / SAMPLES as f64;
+        for t in (0..=SAMPLES).map(|i| span[0] + step * i as f64) {
+            if away(t) < away(best) || width == 0.0 {
+                (best, width) = (t, step);
+            }
+        }
+    }
+    // Between the samples beside it, by thirds.
+    let (low, high) = spline.knots().range();
+    let (mut a, mut b) = ((best - width).max(low), (best + width).min(high));
+    for _ in 0..80 {
+        let (c, d) = (a + (b - a) / 3.0, b - (b - a) / 3.0);
+        if away(c) < away(d) { b = d } else { a = c }
+    }
+    0.5 * (a + b)
+}

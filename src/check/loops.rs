@@ -1,0 +1,238 @@
+//! Loops of edges as closed polygons on their surface.
+
+use formats::cad::CadEdge;
+use nalgebra::Point2;
+
+use super::curve::Part;
+use super::surface::Domain;
+use crate::geometry::{Point, Uv, segment_distance};
+use crate::spline::{Patch, foot_point};
+
+/// A corner of a polygon: its parameter point, and its place on the surface.
+pub(super) type Corner = (Uv, Point);
+
+/// Makes polygons of loops.
+pub(super) struct Tracer<'a> {
+    pub(super) surface: &'a Domain<'a>,
+    /// How near chords keep to curves, in mm.
+    pub(super) chord: f64,
+    /// How far apart two descriptions of one edge may be, in mm, or two edges
+    /// that should meet.
+    pub(super) gap: f64,
+    /// The farthest that an edge's curve in space is from its pcurve's trace.
+    pub(super) off_surface: f64,
+}
+
+/// Halvings of a chord at the most.
+const MAX_HALVINGS: usize = 12;
+
+impl Tracer<'_> {
+    /// The polygon of a loop, without its first corner again at its end.
+    ///
+    /// # Errors
+    /// An edge has no curve at all or is not on the surface, or the loop does not
+    /// close in the parameter plane.
+    pub(super) fn polygon(&mut self, edges: &[CadEdge]) -> Result<Vec<Corner>, String> {
+        let mut all: Vec<Corner> = Vec::new();
+        for edge in edges {
+            let line = self.edge(edge, all.last().map(|c| c.0))?;
+            if let (Some(&end), Some(&start)) = (all.last(), line.first()) {
+                self.check_joint(end, start)?;
+            }
+            all.extend(line);
+        }
+        match (all.last(), all.first()) {
+            (Some(&end), Some(&start)) => self.check_joint(end, start)?,
+            _ => return Err("it has a loop without edges".into()),
+        }
+        let is_finite = |c: &Corner| c.0.iter().chain(c.1.iter()).all(|x| x.is_finite());
+        if !all.iter().all(is_finite) {
+            return Err("a loop runs to where numbers end".into());
+        }
+        all.dedup_by_key(|c| c.0);
+        Ok(all)
+    }
+
+    /// Whether two corners that follow each other are one place, and so is what
+    /// is between them in the parameter plane (all of it, where a pole's edge was
+    /// left out).
+    fn check_joint(&self, end: Corner, start: Corner) -> Result<(), String> {
+        let between = [0.25, 0.5, 0.75].map(|s| self.surface.point(end.0 + s * (start.0 - end.0)));
+        let farthest = between.iter().chain([&start.1]).map(|p| (p - end.1).norm());
+        if farthest.fold(0.0, f64::max) <= self.gap {
+            return Ok(());
+        }
+        let [x, y, z]: [f64; 3] = end.1.coords.into();
+        Err(format!("a loop does not close on its surface, near ({x:.3}, {y:.3}, {z:.3}) mm"))
+    }
+
+    /// The polyline of an edge along its loop, which is at `last` so far.
+    fn edge(&mut self, edge: &CadEdge, last: Option<Uv>) -> Result<Vec<Corner>, String> {
+        let curve = match &edge.curve {
+            Some(curve) => {
+                let part = Part::new(curve, edge.ends);
+                Some(part.ok_or("an edge has no length")?)
+            }
+            None => None,
+        };
+        let trace = self.pcurve(edge, curve.as_ref(), last);
+        let Some(curve) = curve else {
+            return trace.ok_or_else(|| "an edge has no curve".into());
+        };
+        let line = self.chords(&curve, edge.forward);
+        let off = trace.as_ref().map(|trace| distance_between(trace, &line));
+        if let (Some(trace), Some(off)) = (&trace, off)
+            && off <= self.gap
+        {
+            self.off_surface = self.off_surface.max(off);
+            return Ok(trace.clone());
+        }
+        // No pcurve, or one that is not the curve's: the curve is the master.
+        let projected = self.projected(&line, last);
+        let off = projected.iter().zip(&line).map(|(c, p)| (c.1 - p).norm()).fold(0.0, f64::max);
+        if off > self.gap {
+            return Err(format!("an edge is {off:.3e} mm off its surface"));
+        }
+        self.off_surface = self.off_surface.max(off);
+        Ok(projected)
+    }
+
+    /// The trace of the edge's pcurve; of a seam's two, of the one that goes on
+    /// where the loop is.
+    fn pcurve(
+        &self,
+        edge: &CadEdge,
+        curve: Option<&Part<3>>,
+        last: Option<Uv>,
+    ) -> Option<Vec<Corner>> {
+        let part = |i: usize| {
+            let pcurve = &edge.pcurves[i];
+            match (pcurve.range, curve) {
+                (None, Some(curve)) => Part::over(pcurve, curve.range),
+                _ => Part::new(pcurve, None),
+            }
+        };
+        let start = |p: &Part<2>| {
+            let t = if edge.pcurve_forward { p.range.0 } else { p.range.1 };
+            Uv::from(p.point(t))
+        };
+        let parts: Vec<Part<2>> = (0..edge.pcurves.len()).filter_map(part).collect();
+        let chosen = match (&parts[..], last) {
+            ([first, second, ..], Some(last)) => {
+                let away = |p: &Part<2>| (start(p) - last).norm();
+                if away(second) < away(first) { second } else { first }
+            }
+            // By custom the first is that of the use along the edge.
+            ([_, second, ..], None) if !edge.pcurve_forward => second,
+            ([first, ..], _) => first,
+            ([], _) => return None,
+        };
+        let at = |t: f64| {
+            let uv = Uv::from(chosen.point(t));
+            (uv, self.surface.point(uv))
+        };
+        let line = self.polyline(&chosen.breaks(), &at, |c: &Corner| c.1);
+        Some(along(line, edge.pcurve_forward))
+    }
+
+    /// The polyline of a curve in space.
+    fn chords(&self, curve: &Part<3>, forward: bool) -> Vec<Point> {
+        let at = |t: f64| Point::from(curve.point(t));
+        along(self.polyline(&curve.breaks(), &at, |p| *p), forward)
+    }
+
+    /// Points of a curve so near each other that chords keep to it.
+    fn polyline<T: Copy>(
+        &self,
+        breaks: &[f64],
+        at: &dyn Fn(f64) -> T,
+        place: impl Fn(&T) -> Point + Copy,
+    ) -> Vec<T> {
+        // Few spans are cut up first: a wave may cross its chord in the middle.
+        let pieces = (32 / breaks.len()).max(2);
+        let mut line = vec![at(breaks[0])];
+        for span in breaks.windows(2) {
+            let t = |i: usize| span[0] + (span[1] - span[0]) * i as f64 / pieces as f64;
+            for i in 0..pieces {
+                self.refine((t(i), t(i + 1)), at, place, MAX_HALVINGS, &mut line);
+            }
+        }
+        line
+    }
+
+    fn refine<T: Copy>(
+        &self,
+        (a, b): (f64, f64),
+        at: &dyn Fn(f64) -> T,
+        place: impl Fn(&T) -> Point + Copy,
+        halvings: usize,
+        line: &mut Vec<T>,
+    ) {
+        let end = at(b);
+        let from = line.last().map_or_else(|| place(&at(a)), place);
+        let off = |s: f64| segment_distance(place(&at(a + s * (b - a))), from, place(&end));
+        if halvings == 0 || [0.5, 0.25, 0.75].iter().all(|s| off(*s) <= self.chord) {
+            line.push(end);
+            return;
+        }
+        let middle = 0.5 * (a + b);
+        self.refine((a, middle), at, place, halvings - 1, line);
+        self.refine((middle, b), at, place, halvings - 1, line);
+    }
+
+    /// The feet on the surface of a line's points, each searched from the one
+    /// before.
+    fn projected(&self, line: &[Point], last: Option<Uv>) -> Vec<Corner> {
+        let mut at = last.unwrap_or_else(|| self.nearest_start(line[0]));
+        line.iter()
+            .map(|&p| {
+                at = foot_point(self.surface, p, at).0;
+                (at, self.surface.point(at))
+            })
+            .collect()
+    }
+
+    /// A parameter point near the foot of `p`: the best of many.
+    fn nearest_start(&self, p: Point) -> Uv {
+        let axes = self.surface.breaks().map(|breaks| samples(&breaks));
+        let mut best = (f64::INFINITY, Uv::origin());
+        for &u in &axes[0] {
+            for &v in &axes[1] {
+                let away = (self.surface.point(Point2::new(u, v)) - p).norm();
+                if away < best.0 {
+                    best = (away, Point2::new(u, v));
+                }
+            }
+        }
+        best.1
+    }
+}
+
+/// Parameters that cover an axis; of an endless one, an angle's.
+fn samples(breaks: &[f64]) -> Vec<f64> {
+    let (Some(&low), Some(&high)) = (breaks.first(), breaks.last()) else { return Vec::new() };
+    if !low.is_finite() || !high.is_finite() {
+        return (-4..=4).map(|i| f64::from(i) * std::f64::consts::FRAC_PI_4).collect();
+    }
+    let pieces = (64 / breaks.len()).max(2);
+    let piece = |w: &[f64], i: usize| w[0] + (w[1] - w[0]) * (i as f64 + 0.5) / pieces as f64;
+    breaks.windows(2).flat_map(|w| (0..pieces).map(move |i| piece(w, i))).collect()
+}
+
+fn along<T>(mut line: Vec<T>, forward: bool) -> Vec<T> {
+    if !forward {
+        line.reverse();
+    }
+    line
+}
+
+/// The farthest that some corners of a trace, evenly chosen, are from a line.
+fn distance_between(trace: &[Corner], line: &[Point]) -> f64 {
+    const LOOKED_AT: usize = 64;
+    let step = trace.len().div_ceil(LOOKED_AT);
+    let looked_at = trace.iter().step_by(step).chain(trace.last());
+    let nearest = |p: Point| {
+        line.windows(2).map(|w| segment_distance(p, w[0], w[1])).fold(f64::INFINITY, f64::min)
+    };
+    looked_at.map(|c| nearest(c.1)).fold(0.0, f64::max)
+}

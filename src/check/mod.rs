@@ -1,0 +1,170 @@
+//! How far a CAD file's faces are from a scan, in both directions: every point
+//! of the scan from the faces, and samples of the trimmed faces from the scan, so
+//! that a hole that was not cut out shows.
+
+mod basis;
+mod curve;
+mod loops;
+mod samples;
+mod surface;
+mod triangles;
+
+use formats::cad::{CadFace, CadModel};
+use rayon::prelude::*;
+
+use crate::deviation::{Deviation, Face};
+use crate::error::{Error, Result};
+use crate::geometry::{Point, Uv, bounds, uv_bounds};
+use crate::mesh::{Mesh, Neighbours};
+use loops::{Corner, Tracer};
+use samples::Samples;
+use surface::Domain;
+use triangles::Triangles;
+
+/// What was found. Lengths are mm.
+#[derive(Debug, Clone)]
+pub struct Report {
+    /// How many faces the file has.
+    pub faces: usize,
+    /// How many loops trim them.
+    pub loops: usize,
+    /// Their area, in mm².
+    pub area: f64,
+    /// The farthest that an edge's curve is from its pcurve's trace on the
+    /// surface; less than `resolution` is not told from nothing.
+    pub max_off_surface: f64,
+    /// How near the chords are that stand for edges.
+    pub resolution: f64,
+    /// The scan's points, from the faces.
+    pub scan_to_face: Deviation,
+    /// Samples of the faces, from the scan's triangles.
+    pub face_to_scan: Deviation,
+}
+
+/// Chords keep to edges within this share of the scan's diagonal.
+const CHORD: f64 = 1e-6;
+/// Edges that should meet, or curves that should be one, are within this share of
+/// it; importers heal as much.
+const GAP: f64 = 1e-4;
+/// Samples of the faces, for every point of the scan, about.
+const SAMPLES: f64 = 2.0;
+/// At the least, and at the most.
+const FEWEST: f64 = 20_000.0;
+const MOST: f64 = 4_000_000.0;
+
+/// Measures the faces of a CAD file against a scan.
+///
+/// # Errors
+/// A face cannot be put together: an edge off its surface, a loop that does not
+/// close.
+pub fn check(model: &CadModel, scan: &Mesh) -> Result<Report> {
+    let diagonal = scan.diagonal();
+    let domains: Vec<Domain> = model.faces.iter().map(|f| Domain::whole(&f.surface)).collect();
+    let (mut rings, mut off) = (Vec::new(), 0.0);
+    for (face, domain) in model.faces.iter().zip(&domains) {
+        let mut tracer = Tracer {
+            surface: domain,
+            chord: CHORD * diagonal,
+            gap: GAP * diagonal,
+            off_surface: off,
+        };
+        let polygons = face.loops.iter().map(|edges| tracer.polygon(edges));
+        let polygons: std::result::Result<Vec<_>, _> = polygons.collect();
+        let cad = |what| Error::Cad { entity: face.entity.clone(), what };
+        rings.push(polygons.map_err(cad)?);
+        off = tracer.off_surface;
+    }
+    let endless = domains.iter().zip(&model.faces).find(|(d, f)| f.natural && !d.is_bounded());
+    if let Some((_, face)) = endless {
+        let what = "it has no bounds, and its surface neither".into();
+        return Err(Error::Cad { entity: face.entity.clone(), what });
+    }
+    let parts: Vec<Domain> = domains.iter().zip(&rings).zip(&model.faces).map(bounded).collect();
+    let starts: Vec<Vec<Corner>> =
+        rings.iter().map(|r| r.iter().flatten().copied().collect()).collect();
+    let faces = parts.iter().zip(rings).zip(&model.faces);
+    let faces: Vec<Face<Domain>> =
+        faces.map(|((domain, rings), face)| Face::of_rings(domain, rings, face.natural)).collect();
+    let spacing = spacing(scan);
+    let each = faces.par_iter().map(|face| Samples::of(face, spacing, MOST));
+    let samples: Vec<Samples> = each.collect();
+    let targets: Vec<Target> = faces
+        .iter()
+        .zip(&samples)
+        .zip(&starts)
+        .filter_map(|((f, s), c)| Target::new(f, s, c))
+        .collect();
+
+    let to_faces = scan.points.par_iter().map(|&p| distance(&targets, p)).collect();
+    let triangles = Triangles::new(scan);
+    let points: Vec<Point> = samples.iter().flat_map(|s| s.points.iter().copied()).collect();
+    let to_scan = points.par_iter().map(|&p| triangles.distance(p)).collect();
+    Ok(Report {
+        faces: model.faces.len(),
+        loops: model.faces.iter().map(|f| f.loops.len()).sum(),
+        area: samples.iter().map(|s| s.area).sum(),
+        max_off_surface: off,
+        resolution: CHORD * diagonal,
+        scan_to_face: Deviation::of(&scan.points, to_faces),
+        face_to_scan: Deviation::of(&points, to_scan),
+    })
+}
+
+/// The part of a surface that a face's loops bound.
+fn bounded<'a>(
+    ((domain, rings), face): ((&Domain<'a>, &Vec<Vec<Corner>>), &CadFace),
+) -> Domain<'a> {
+    let endless = [f64::NEG_INFINITY, f64::INFINITY].map(|x| Uv::new(x, x));
+    let corners: Vec<Uv> = rings.iter().flatten().map(|c| c.0).collect();
+    domain.within(if face.natural { endless } else { uv_bounds(&corners) })
+}
+
+/// How far apart samples are, in mm: so that there are enough for the scan.
+fn spacing(scan: &Mesh) -> f64 {
+    let area: f64 = scan.triangles.iter().map(|t| 0.5 * scan.area_vector(*t).norm()).sum();
+    let count = (SAMPLES * scan.points.len() as f64).clamp(FEWEST, MOST);
+    (area / count).sqrt().max(f64::MIN_POSITIVE)
+}
+
+/// A face with places from which feet are searched.
+struct Target<'a> {
+    face: &'a Face<'a, Domain<'a>>,
+    near: Neighbours,
+    uv: Vec<Uv>,
+    low: Point,
+    high: Point,
+}
+
+impl<'a> Target<'a> {
+    /// Of a face, its samples and the corners of its loops; `None` if it has
+    /// neither.
+    fn new(face: &'a Face<'a, Domain<'a>>, samples: &Samples, corners: &[Corner]) -> Option<Self> {
+        let all = samples.points.iter().copied().chain(corners.iter().map(|c| c.1));
+        let points: Vec<Point> = all.collect();
+        let uv = samples.uv.iter().copied().chain(corners.iter().map(|c| c.0)).collect();
+        let [low, high] = bounds(points.iter().copied());
+        let near = (!points.is_empty()).then(|| Neighbours::new(&points))?;
+        Some(Target { face, near, uv, low, high })
+    }
+
+    /// How far `p` is from the box of its places.
+    fn outside(&self, p: Point) -> f64 {
+        (p.sup(&self.low).inf(&self.high) - p).norm()
+    }
+}
+
+/// The distance of `p` from the nearest face.
+fn distance(targets: &[Target], p: Point) -> f64 {
+    let mut order: Vec<(f64, &Target)> = targets.iter().map(|t| (t.outside(p), t)).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut best = f64::INFINITY;
+    for (outside, target) in order {
+        // A face bulges out of the box of its samples by much less than that.
+        if 0.5 * outside > best {
+            break;
+        }
+        let start = target.uv[target.near.nearest(p)];
+        best = best.min(target.face.distance(p, start));
+    }
+    best
+}

@@ -1,0 +1,189 @@
+//! Points and derivatives of a CAD file's surfaces.
+
+use formats::cad::{CadCurve, CadSurface, CurveShape, SplineCurve, SplineSurface};
+use nalgebra::Vector4;
+
+use super::basis::Basis;
+use crate::geometry::{Point, Uv, Vector};
+use crate::spline::{Jet, Patch};
+
+/// A surface over a part of its parameter plane.
+#[derive(Debug)]
+pub(super) struct Domain<'a> {
+    surface: &'a CadSurface,
+    ranges: [(f64, f64); 2],
+}
+
+impl<'a> Domain<'a> {
+    /// The surface as far as it goes.
+    pub(super) fn whole(surface: &'a CadSurface) -> Self {
+        Domain { surface, ranges: ranges(surface) }
+    }
+
+    /// The part of it within the rectangle from `low` to `high`.
+    pub(super) fn within(&self, [low, high]: [Uv; 2]) -> Self {
+        let part = |(from, to): (f64, f64), a: f64, b: f64| (a.clamp(from, to), b.clamp(from, to));
+        let [u, v] = self.ranges;
+        Domain { surface: self.surface, ranges: [part(u, low.x, high.x), part(v, low.y, high.y)] }
+    }
+
+    /// Whether it ends somewhere.
+    pub(super) fn is_bounded(&self) -> bool {
+        self.ranges.iter().all(|(from, to)| from.is_finite() && to.is_finite())
+    }
+
+    /// Lines u = const and v = const between which it is smooth.
+    pub(super) fn breaks(&self) -> [Vec<f64>; 2] {
+        let inner = breaks(self.surface);
+        [0, 1].map(|axis| {
+            let (from, to) = self.ranges[axis];
+            let inside = inner[axis].iter().copied().filter(|t| from < *t && *t < to);
+            std::iter::once(from).chain(inside).chain(std::iter::once(to)).collect()
+        })
+    }
+}
+
+impl Patch for Domain<'_> {
+    fn jet(&self, at: Uv) -> Jet {
+        jet(self.surface, at)
+    }
+
+    fn ranges(&self) -> [(f64, f64); 2] {
+        self.ranges
+    }
+}
+
+const ENDLESS: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
+
+fn ranges(surface: &CadSurface) -> [(f64, f64); 2] {
+    match surface {
+        CadSurface::Spline(s) => [s.u().range(), s.v().range()],
+        CadSurface::Plane { .. } | CadSurface::Cylinder { .. } => [ENDLESS; 2],
+        CadSurface::Extrusion { curve, .. } => match &curve.shape {
+            CurveShape::Spline(s) => [s.knots().range(), ENDLESS],
+            _ => [ENDLESS; 2],
+        },
+        CadSurface::Offset { base, .. } => ranges(base),
+    }
+}
+
+fn breaks(surface: &CadSurface) -> [Vec<f64>; 2] {
+    match surface {
+        CadSurface::Spline(s) => [s.u().breaks(), s.v().breaks()],
+        CadSurface::Extrusion { curve: CadCurve { shape: CurveShape::Spline(s), .. }, .. } => {
+            [s.knots().breaks(), Vec::new()]
+        }
+        CadSurface::Offset { base, .. } => breaks(base),
+        _ => [Vec::new(), Vec::new()],
+    }
+}
+
+fn vector(a: &[f64; 3]) -> Vector {
+    Vector::from(*a)
+}
+
+fn jet(surface: &CadSurface, at: Uv) -> Jet {
+    let zero = Vector::zeros();
+    match surface {
+        CadSurface::Spline(spline) => on_spline(spline, at),
+        CadSurface::Plane { origin, x, y } => {
+            let (su, sv) = (vector(x), vector(y));
+            let s = Point::from(vector(origin) + at.x * su + at.y * sv);
+            Jet { s, su, sv, suu: zero, suv: zero, svv: zero }
+        }
+        CadSurface::Cylinder { origin, x, y, z } => {
+            let (sin, cos) = at.x.sin_cos();
+            let round = vector(x) * cos + vector(y) * sin;
+            let sv = vector(z);
+            let s = Point::from(vector(origin) + round + at.y * sv);
+            let su = vector(y) * cos - vector(x) * sin;
+            Jet { s, su, sv, suu: -round, suv: zero, svv: zero }
+        }
+        CadSurface::Extrusion { curve, vector: along } => {
+            let [c, su, suu] = curve_jet(curve, at.x);
+            let sv = vector(along);
+            Jet { s: Point::from(c + at.y * sv), su, sv, suu, suv: zero, svv: zero }
+        }
+        CadSurface::Offset { base, distance } => offset(&jet(base, at), *distance),
+    }
+}
+
+/// The jet of an offset. Its second derivatives would need third ones of the
+/// base; they only guide the search for feet, and the base's do as well.
+fn offset(base: &Jet, distance: f64) -> Jet {
+    let n = base.su.cross(&base.sv);
+    let length = n.norm();
+    if length == 0.0 {
+        return *base;
+    }
+    let unit = n / length;
+    let turn = |change: Vector| (change - unit * unit.dot(&change)) * (distance / length);
+    let nu = base.suu.cross(&base.sv) + base.su.cross(&base.suv);
+    let nv = base.suv.cross(&base.sv) + base.su.cross(&base.svv);
+    Jet { s: base.s + unit * distance, su: base.su + turn(nu), sv: base.sv + turn(nv), ..*base }
+}
+
+/// Value, first and second derivative of a quotient A / w.
+fn curve_jet(curve: &CadCurve<3>, t: f64) -> [Vector; 3] {
+    match &curve.shape {
+        CurveShape::Line { origin, direction } => {
+            [vector(origin) + vector(direction) * t, vector(direction), Vector::zeros()]
+        }
+        CurveShape::Ellipse { centre, x, y } => {
+            let (sin, cos) = t.sin_cos();
+            let round = vector(x) * cos + vector(y) * sin;
+            [vector(centre) + round, vector(y) * cos - vector(x) * sin, -round]
+        }
+        CurveShape::Spline(spline) => spline_curve_jet(spline, t),
+    }
+}
+
+fn spline_curve_jet(spline: &SplineCurve<3>, t: f64) -> [Vector; 3] {
+    let basis = Basis::new(spline.knots(), t);
+    let mut h = [Vector4::zeros(); 3];
+    for j in 0..=spline.knots().degree() {
+        let i = basis.first + j;
+        let pole = lifted(spline.poles()[i], spline.weights().map_or(1.0, |w| w[i]));
+        (0..3).for_each(|k| h[k] += pole * basis.derivative[k][j]);
+    }
+    let (w, s) = (h[0].w, h[0].xyz() / h[0].w);
+    let first = (h[1].xyz() - s * h[1].w) / w;
+    let second = (h[2].xyz() - first * (2.0 * h[1].w) - s * h[2].w) / w;
+    [s, first, second]
+}
+
+/// A pole in homogeneous coordinates.
+fn lifted([x, y, z]: [f64; 3], weight: f64) -> Vector4<f64> {
+    Vector4::new(x * weight, y * weight, z * weight, weight)
+}
+
+fn on_spline(spline: &SplineSurface, at: Uv) -> Jet {
+    let (bu, bv) = (Basis::new(spline.u(), at.x), Basis::new(spline.v(), at.y));
+    let row = spline.v().poles();
+    // h[k][l]: k-th derivative in u, l-th in v, of the homogeneous surface.
+    let mut h = [[Vector4::zeros(); 3]; 3];
+    for i in 0..=spline.u().degree() {
+        let mut inner = [Vector4::zeros(); 3];
+        for j in 0..=spline.v().degree() {
+            let n = (bu.first + i) * row + bv.first + j;
+            let pole = lifted(spline.poles()[n], spline.weights().map_or(1.0, |w| w[n]));
+            (0..3).for_each(|l| inner[l] += pole * bv.derivative[l][j]);
+        }
+        for (k, l) in [(0, 0), (1, 0), (0, 1), (2, 0), (1, 1), (0, 2)] {
+            h[k][l] += inner[l] * bu.derivative[k][i];
+        }
+    }
+    quotient(&h)
+}
+
+/// The jet of the surface whose homogeneous one is given (NURBS Book, eq. 4.20).
+fn quotient(h: &[[Vector4<f64>; 3]; 3]) -> Jet {
+    let w = h[0][0].w;
+    let s = h[0][0].xyz() / w;
+    let su = (h[1][0].xyz() - s * h[1][0].w) / w;
+    let sv = (h[0][1].xyz() - s * h[0][1].w) / w;
+    let suu = (h[2][0].xyz() - su * (2.0 * h[1][0].w) - s * h[2][0].w) / w;
+    let svv = (h[0][2].xyz() - sv * (2.0 * h[0][1].w) - s * h[0][2].w) / w;
+    let suv = (h[1][1].xyz() - su * h[0][1].w - sv * h[1][0].w - s * h[1][1].w) / w;
+    Jet { s: Point::from(s), su, sv, suu, suv, svv }
+}

@@ -1,0 +1,123 @@
+//! `scan2step check`: how far a CAD file is from a scan.
+
+use std::io::Write;
+
+use formats::cad::{CadModel, read_cad};
+use scan2step::check::{self, Report};
+use scan2step::deviation::Deviation;
+use serde_json::{Value, json};
+
+use super::args::Check;
+use super::input::{self, Scan};
+use super::progress::mm;
+use super::{Failure, Outcome, report};
+
+/// Reads both, measures, prints.
+pub fn run(args: &Check) -> Result<Outcome, Failure> {
+    input::use_threads(args.threads)?;
+    let model = read_cad(&args.cad)?;
+    let scan = Scan::read(&args.piece)?;
+    let outer = scan.outer(&args.piece)?;
+    let (scan, components) = scan.components()?;
+    let mesh = scan2step::measured(&components, args.component, outer);
+    let mesh = mesh.map_err(|e| input::stopped(&scan.path, &e))?;
+    drop(components);
+    let found = check::check(&model, &mesh).map_err(|e| input::stopped(&args.cad, &e))?;
+    let met = is_met(args, &found.scan_to_face) && is_met(args, &found.face_to_scan);
+    let text = if args.json {
+        format!("{:#}\n", as_json(args, &scan, &model, &found, met))
+    } else {
+        as_text(args, &scan, &model, &found)
+    };
+    // Nobody listening any more is no failure.
+    let _ = std::io::stdout().write_all(text.as_bytes());
+    if met {
+        return Ok(Outcome::Done);
+    }
+    for (what, deviation) in
+        [("points of the scan", &found.scan_to_face), ("samples of the faces", &found.face_to_scan)]
+    {
+        if !is_met(args, deviation) {
+            eprintln!("tolerance not met: {}", beyond(args, what, deviation));
+        }
+    }
+    Ok(Outcome::Missed)
+}
+
+/// Whether all but the share that was named are within the tolerance.
+fn is_met(args: &Check, deviation: &Deviation) -> bool {
+    let most = args.outliers / 100.0 * deviation.distances.len() as f64;
+    args.tolerance.is_none_or(|tolerance| deviation.beyond(tolerance) as f64 <= most)
+}
+
+fn beyond(args: &Check, what: &str, d: &Deviation) -> String {
+    let tolerance = args.tolerance.unwrap_or(f64::INFINITY);
+    let [x, y, z] = d.max_at;
+    format!(
+        "{} of {} {what} are farther than {}; the worst, {}, at ({x:.3}, {y:.3}, {z:.3})",
+        d.beyond(tolerance),
+        d.distances.len(),
+        mm(tolerance),
+        mm(d.max),
+    )
+}
+
+fn as_json(args: &Check, scan: &Scan, model: &CadModel, found: &Report, met: bool) -> Value {
+    let direction = |d: &Deviation| {
+        let mut object = report::deviation(d);
+        object["points"] = d.distances.len().into();
+        if let Some(tolerance) = args.tolerance {
+            object["beyond"] = d.beyond(tolerance).into();
+        }
+        object
+    };
+    json!({
+        "scan2step": env!("CARGO_PKG_VERSION"),
+        "cad": {
+            "file": args.cad.display().to_string(),
+            "name": model.name,
+            "faces": found.faces,
+            "loops": found.loops,
+            "area_mm2": found.area,
+            "max_off_surface_mm": found.max_off_surface,
+            "resolution_mm": found.resolution,
+        },
+        "scan": {
+            "file": scan.path.display().to_string(),
+            "units": scan.unit.symbol(),
+            "units_assumed": scan.unit_assumed,
+        },
+        "scan_to_face": direction(&found.scan_to_face),
+        "face_to_scan": direction(&found.face_to_scan),
+        "tolerance_mm": args.tolerance,
+        "outliers_pct": args.outliers,
+        "tolerance_met": met,
+    })
+}
+
+fn as_text(args: &Check, scan: &Scan, model: &CadModel, found: &Report) -> String {
+    let assumed = if scan.unit_assumed { " (assumed; --units to change)" } else { "" };
+    let direction = |d: &Deviation| {
+        let [x, y, z] = d.max_at;
+        format!(
+            "rms {}, p95 {}, max {} at ({x:.3}, {y:.3}, {z:.3}), {} points",
+            mm(d.rms),
+            mm(d.p95),
+            mm(d.max),
+            d.distances.len()
+        )
+    };
+    let name = if model.name.is_empty() { String::new() } else { format!("{}: ", model.name) };
+    [
+        format!("{} against {}", args.cad.display(), scan.path.display()),
+        format!("  units         {}{assumed}", scan.unit.symbol()),
+        format!(
+            "  CAD           {name}{} faces, {} loops, {:.4} mm²",
+            found.faces, found.loops, found.area
+        ),
+        format!("  scan to face  {}", direction(&found.scan_to_face)),
+        format!("  face to scan  {}", direction(&found.face_to_scan)),
+    ]
+    .join("\n")
+        + "\n"
+}

@@ -1,0 +1,87 @@
+//! A trimmed face, and how far from it points are.
+
+use rayon::prelude::*;
+use rstar::RTree;
+
+use super::Deviation;
+use super::outline::{Outline, Side};
+use crate::geometry::{Point, Uv};
+use crate::spline::{Curve, Patch, Surface, foot_point};
+
+/// A surface and the loops that trim it: holes cut out of it, islands left in
+/// them, and so on.
+#[derive(Debug)]
+pub struct Face<'a, S> {
+    surface: &'a S,
+    outlines: Vec<Outline>,
+    /// Whether the surface itself is the face where no loop runs around.
+    natural: bool,
+    rims: RTree<Side>,
+}
+
+/// Chords a knot span of a trim loop.
+const CHORDS: usize = 16;
+
+impl<'a> Face<'a, Surface> {
+    /// The face of a surface without the holes whose loops are given, but with
+    /// the islands whose loops are given.
+    pub fn new<'b>(surface: &'a Surface, loops: impl Iterator<Item = &'b [Curve<2>]>) -> Self {
+        let chords = |arcs: &[Curve<2>]| chords(surface, arcs);
+        Face::of_rings(surface, loops.map(chords).collect(), true)
+    }
+}
+
+impl<'a, S: Patch> Face<'a, S> {
+    /// The face that closed polygons trim; each corner is given by its parameter
+    /// point and its place on the surface. Between an odd number of them and an
+    /// even one the face ends.
+    pub fn of_rings(surface: &'a S, rings: Vec<Vec<(Uv, Point)>>, natural: bool) -> Self {
+        let sides = rings.iter().flat_map(|ring| {
+            let nexts = ring.iter().cycle().skip(1);
+            ring.iter().zip(nexts).map(|(a, b)| Side { ends: [a.1, b.1] })
+        });
+        let rims = RTree::bulk_load(sides.collect());
+        let outlines = rings.iter().map(|ring| Outline::new(ring.iter().map(|c| c.0))).collect();
+        Face { surface, outlines, natural, rims }
+    }
+
+    /// The surface that is trimmed.
+    pub fn surface(&self) -> &'a S {
+        self.surface
+    }
+
+    /// Whether a parameter point of the surface's domain is on the face.
+    pub fn contains(&self, at: Uv) -> bool {
+        let around = self.outlines.iter().filter(|outline| outline.contains(at)).count();
+        around.is_multiple_of(2) == self.natural
+    }
+
+    /// The distance of `p`, searched from the parameter point `start`: to its
+    /// foot or, where that is not on the face, to the nearest loop.
+    pub fn distance(&self, p: Point, start: Uv) -> f64 {
+        let (at, distance) = foot_point(self.surface, p, start);
+        if self.contains(at) {
+            return distance;
+        }
+        let nearest = self.rims.nearest_neighbor(p.coords.into());
+        nearest.map_or(distance, |side| side.distance(p))
+    }
+
+    /// The deviation of points whose parameter points are given.
+    pub fn deviation(&self, points: &[Point], starts: &[Uv]) -> Deviation {
+        let each = points.par_iter().zip(starts);
+        Deviation::of(points, each.map(|(&p, &start)| self.distance(p, start)).collect())
+    }
+}
+
+fn chords(surface: &Surface, arcs: &[Curve<2>]) -> Vec<(Uv, Point)> {
+    let mut ring = Vec::new();
+    for arc in arcs {
+        let (first, last) = arc.knots.range();
+        let count = CHORDS * (arc.knots.breaks().len() - 1);
+        let at = |i: usize| first + (last - first) * i as f64 / count as f64;
+        let corner = |i: usize| Uv::from(arc.point(at(i)));
+        ring.extend((0..count).map(corner).map(|uv| (uv, surface.point(uv))));
+    }
+    ring
+}

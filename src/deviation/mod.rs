@@ -1,0 +1,102 @@
+//! How far points are from the trimmed face: Euclidean distances to foot
+//! points, to the trim curve where the foot falls into a hole. Islands in a hole
+//! are faces, too.
+
+mod face;
+mod outline;
+
+pub use face::Face;
+
+use crate::geometry::Point;
+
+/// Distances in mm, over a set of points.
+#[derive(Debug, Clone, Default)]
+pub struct Deviation {
+    /// Root mean square.
+    pub rms: f64,
+    /// 95th percentile.
+    pub p95: f64,
+    /// 99th percentile.
+    pub p99: f64,
+    /// The largest.
+    pub max: f64,
+    /// The point that has it.
+    pub max_at: [f64; 3],
+    /// All of them, in the order of the points.
+    pub distances: Vec<f64>,
+}
+
+impl Deviation {
+    /// What is to be said of the distances of some points, in their order.
+    pub fn of(points: &[Point], distances: Vec<f64>) -> Self {
+        if distances.is_empty() {
+            return Deviation::default();
+        }
+        let n = distances.len();
+        let squares: f64 = distances.iter().map(|d| d * d).sum();
+        let worst = (0..n).max_by(|&i, &j| distances[i].total_cmp(&distances[j])).unwrap_or(0);
+        let mut sorted = distances.clone();
+        sorted.sort_by(f64::total_cmp);
+        let percentile = |p: usize| sorted[(n * p).div_ceil(100).clamp(1, n) - 1];
+        Deviation {
+            rms: (squares / n as f64).sqrt(),
+            p95: percentile(95),
+            p99: percentile(99),
+            max: distances[worst],
+            max_at: points[worst].coords.into(),
+            distances,
+        }
+    }
+
+    /// How many points are farther than `tolerance`.
+    pub fn beyond(&self, tolerance: f64) -> usize {
+        self.distances.iter().filter(|&&d| d > tolerance).count()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{Uv, Vector};
+    use crate::spline::{Curve, KnotVector, Surface};
+    use nalgebra::Vector2;
+
+    /// A plate of 10 × 10 mm.
+    fn plate() -> Surface {
+        let k = KnotVector::uniform(3, 5);
+        let net =
+            (0..25).map(|n| Vector::new(10.0 * k.greville(n / 5), 10.0 * k.greville(n % 5), 0.0));
+        Surface::new(k.clone(), k.clone(), net.collect())
+    }
+
+    /// A square loop around the middle.
+    fn square(r: f64) -> Vec<Curve<2>> {
+        let corner =
+            [(-r, -r), (-r, r), (r, r), (r, -r)].map(|(u, v)| Vector2::new(0.5 + u, 0.5 + v));
+        (0..4).map(|i| Curve::line(corner[i], corner[(i + 1) % 4])).collect()
+    }
+
+    #[test]
+    fn over_a_hole_the_distance_is_to_its_rim() {
+        let surface = plate();
+        let arcs = square(0.1);
+        let face = Face::new(&surface, std::iter::once(arcs.as_slice()));
+        let d = |x: f64, y: f64, z: f64| face.distance(Point::new(x, y, z), Uv::new(0.5, 0.5));
+        assert!((d(5.0, 4.5, 0.0) - 0.5).abs() < 1e-12);
+        assert!((d(2.0, 5.0, 0.25) - 0.25).abs() < 1e-12);
+        assert!((d(-3.0, 5.0, 4.0) - 5.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn an_island_is_a_face_and_a_hole_in_it_is_not() {
+        let surface = plate();
+        let loops = [square(0.1), square(0.4), square(0.3)];
+        let face = Face::new(&surface, loops.iter().map(Vec::as_slice));
+        let d = |x: f64, z: f64| face.distance(Point::new(x, 5.0, z), Uv::new(0.5, 0.5));
+        assert!((d(9.5, 0.5) - 0.5).abs() < 1e-12);
+        assert!((d(8.9, 0.0) - 0.1).abs() < 1e-12, "in the hole, near its rim");
+        assert!((d(8.1, 0.0) - 0.1).abs() < 1e-12, "in the hole, near the island");
+        assert!((d(7.5, 0.5) - 0.5).abs() < 1e-12, "on the island");
+        assert!((d(5.8, 0.0) - 0.2).abs() < 1e-12, "in the island's hole");
+    }
+}

@@ -1,0 +1,97 @@
+//! Closed polygons of the parameter plane, and their sides in space.
+
+use rstar::{AABB, PointDistance, RTreeObject};
+
+use crate::geometry::{Point, Uv, ray_crosses, segment_distance, uv_bounds};
+
+/// A closed polygon that answers quickly what is inside.
+#[derive(Debug, Clone)]
+pub struct Outline {
+    corners: Vec<Uv>,
+    low: Uv,
+    high: Uv,
+    /// The sides that cross each of some strips of equal width in v.
+    strips: Vec<Vec<u32>>,
+}
+
+impl Outline {
+    pub(super) fn new(corners: impl Iterator<Item = Uv>) -> Self {
+        let corners: Vec<Uv> = corners.collect();
+        let [low, high] = uv_bounds(&corners);
+        let count = (corners.len() / 4).clamp(1, 4096);
+        let mut outline = Outline { corners, low, high, strips: vec![Vec::new(); count] };
+        for i in 0..outline.corners.len() {
+            let (a, b) = outline.side(i);
+            let strips = outline.strip(a.y.min(b.y))..=outline.strip(a.y.max(b.y));
+            strips.for_each(|strip| outline.strips[strip].push(i as u32));
+        }
+        outline
+    }
+
+    fn side(&self, i: usize) -> (Uv, Uv) {
+        (self.corners[i], self.corners[(i + 1) % self.corners.len()])
+    }
+
+    fn strip(&self, v: f64) -> usize {
+        let share = (v - self.low.y) / (self.high.y - self.low.y);
+        // Of a flat polygon the share is no number, and the strip the first.
+        ((share * self.strips.len() as f64) as usize).min(self.strips.len() - 1)
+    }
+
+    /// Whether a parameter point is inside.
+    pub(super) fn contains(&self, p: Uv) -> bool {
+        if p.x < self.low.x || p.x > self.high.x || p.y < self.low.y || p.y > self.high.y {
+            return false;
+        }
+        let sides = self.strips[self.strip(p.y)].iter();
+        sides.filter(|&&i| ray_crosses(p, self.side(i as usize))).count() % 2 == 1
+    }
+}
+
+/// A side in space.
+#[derive(Debug, Clone, Copy)]
+pub struct Side {
+    pub(super) ends: [Point; 2],
+}
+
+impl Side {
+    pub(super) fn distance(&self, p: Point) -> f64 {
+        segment_distance(p, self.ends[0], self.ends[1])
+    }
+}
+
+impl RTreeObject for Side {
+    type Envelope = AABB<[f64; 3]>;
+
+    fn envelope(&self) -> Self::Envelope {
+        let [a, b] = self.ends.map(|end| end.coords.into());
+        AABB::from_corners(a, b)
+    }
+}
+
+impl PointDistance for Side {
+    fn distance_2(&self, point: &[f64; 3]) -> f64 {
+        self.distance(Point::from(*point)).powi(2)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::is_inside;
+
+    #[test]
+    fn strips_find_what_all_sides_find() {
+        let star = (0..200).map(|i| {
+            let angle = std::f64::consts::TAU * f64::from(i) / 200.0;
+            let radius = 0.3 + 0.1 * (7.0 * angle).cos();
+            Uv::new(0.5 + radius * angle.cos(), 0.5 + radius * angle.sin())
+        });
+        let star: Vec<Uv> = star.collect();
+        let outline = Outline::new(star.iter().copied());
+        for k in 0..10_000 {
+            let p = Uv::new(f64::from(k % 100) / 99.0, f64::from(k / 100) / 99.0);
+            assert_eq!(outline.contains(p), is_inside(p, &star), "{p}");
+        }
+    }
+}
