@@ -11,6 +11,8 @@ pub struct Soup {
     pub polygons: Polygons,
     /// The unit that the format itself fixes (glTF: metres), else `None`.
     pub unit: Option<LengthUnit>,
+    /// The mean colour of the points where they have one each (sRGB).
+    pub colour: Option<[u8; 3]>,
 }
 
 /// Polygons of any size in two flat arrays.

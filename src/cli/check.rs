@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 use super::args::Check;
 use super::input::{self, Scan};
 use super::progress::mm;
-use super::{Failure, Outcome, report};
+use super::{Failure, Outcome, plural, report};
 
 /// Reads both, measures, prints.
 pub fn run(args: &Check) -> Result<Outcome, Failure> {
@@ -112,8 +112,10 @@ fn as_text(args: &Check, scan: &Scan, model: &CadModel, found: &Report) -> Strin
         format!("{} against {}", args.cad.display(), scan.path.display()),
         format!("  units         {}{assumed}", scan.unit.symbol()),
         format!(
-            "  CAD           {name}{} faces, {} loops, {:.4} mm²",
-            found.faces, found.loops, found.area
+            "  CAD           {name}{}, {}, {:.4} mm²",
+            plural(found.faces, "face"),
+            plural(found.loops, "loop"),
+            found.area
         ),
         format!("  scan to face  {}", direction(&found.scan_to_face)),
         format!("  face to scan  {}", direction(&found.face_to_scan)),

@@ -15,7 +15,7 @@ use super::places::Corners;
 use super::progress::{Progress, mm};
 use super::report;
 use super::stages::Stages;
-use super::{Failure, Outcome};
+use super::{Failure, Outcome, plural};
 
 /// Reads, converts, writes.
 pub fn run(args: &Convert) -> Result<Outcome, Failure> {
@@ -47,7 +47,7 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
         conversions.push(converted.map_err(|e| input::stopped(&args.piece.scan, &e))?);
     }
     drop(components);
-    let files = write_cad(args, &conversions)?;
+    let files = write_cad(args, &conversions, scan.colour)?;
     progress.ended("write");
     for c in &conversions {
         let at_rims = c.input.repairs.iter().filter(|(kind, _)| !repaired.contains_key(*kind));
@@ -197,8 +197,13 @@ fn name(stage: &Stage) -> &'static str {
     }
 }
 
-fn write_cad(args: &Convert, conversions: &[Conversion]) -> Result<Vec<Pending>, Failure> {
+fn write_cad(
+    args: &Convert,
+    conversions: &[Conversion],
+    colour: Option<[u8; 3]>,
+) -> Result<Vec<Pending>, Failure> {
     let stamp = time_stamp();
+    let step_options = step::Options { colour, ..step_options(args, &stamp) };
     let brep = Brep {
         name: part_name(&args.piece.scan),
         faces: conversions.iter().flat_map(|c| c.brep.faces.iter().cloned()).collect(),
@@ -207,8 +212,11 @@ fn write_cad(args: &Convert, conversions: &[Conversion]) -> Result<Vec<Pending>,
     let mut files = Vec::new();
     for CadFile { path, kind } in &args.out {
         let content = |out: &mut dyn Write| match kind {
-            CadKind::Step => step::write(&brep, &step_options(args, &stamp), out),
-            CadKind::Iges => iges::write(&brep, &iges_options(args, &stamp, path), out),
+            CadKind::Step => step::write(&brep, &step_options, out),
+            CadKind::Iges => {
+                let options = iges::Options { colour, ..iges_options(args, &stamp, path) };
+                iges::write(&brep, &options, out)
+            }
         };
         files.push(output::write(path, content)?);
     }
@@ -237,6 +245,7 @@ fn step_options(args: &Convert, stamp: &str) -> step::Options {
         },
         time_stamp: stamp.to_owned(),
         originating_system: system(),
+        ..Default::default()
     }
 }
 
@@ -250,6 +259,7 @@ fn iges_options(args: &Convert, stamp: &str, path: &Path) -> iges::Options {
         time_stamp: stamp.to_owned(),
         file_name: file_name.unwrap_or_default(),
         originating_system: system(),
+        ..Default::default()
     }
 }
 
@@ -295,10 +305,6 @@ fn describe(progress: &Progress, args: &Convert, c: &Conversion) {
         plural(c.loops.iter().filter(|l| l.island.is_none()).count(), "hole"),
         files.join(", ")
     ));
-}
-
-fn plural(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }
 
 /// Says it where a tolerance that the user named is not met.

@@ -17,6 +17,8 @@ pub struct Scan {
     pub unit_assumed: bool,
     /// Vertices and triangles of the file, polygons fanned, unrepaired.
     pub counts: [usize; 2],
+    /// The mean colour of its vertices, if they have one.
+    pub colour: Option<[u8; 3]>,
     soup: Soup,
 }
 
@@ -30,6 +32,7 @@ impl Scan {
             unit: declared.unwrap_or(LengthUnit::Millimetre),
             unit_assumed: declared.is_none(),
             counts,
+            colour: soup.colour,
             soup,
         })
     }

@@ -62,3 +62,7 @@ pub fn run() -> ExitCode {
         }
     }
 }
+
+fn plural(n: usize, what: &str) -> String {
+    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
+}

@@ -27,6 +27,8 @@ pub(super) struct Entity<'a> {
     pub label: String,
     /// The name property that belongs to the entity.
     pub name: Option<Pointer>,
+    /// The definition of its colour.
+    pub colour: Option<Pointer>,
 }
 
 /// The status number of a directory entry (IGES 5.3, clause 2.2.4.4.9): all
@@ -43,6 +45,8 @@ pub(super) enum Status {
     PartWithParentsAttributes,
     /// Member of a group.
     Member,
+    /// Says how others look.
+    Definition,
 }
 
 impl Status {
@@ -53,6 +57,7 @@ impl Status {
             Status::ParameterPlane => "00010500",
             Status::PartWithParentsAttributes => "00010001",
             Status::Member => "00020000",
+            Status::Definition => "00000200",
         }
     }
 }
@@ -71,6 +76,8 @@ pub(super) enum Body<'a> {
     OnSurface { surface: Pointer, flat: Pointer, space: Pointer },
     /// 144, a trimmed surface.
     Trimmed { surface: Pointer, loops: Vec<Pointer> },
+    /// 314, a colour in percent of red, green and blue.
+    Colour([f64; 3]),
     /// 402 form 7, a group.
     Group(Vec<Pointer>),
     /// 406 form 15, a name of any length.
@@ -96,6 +103,7 @@ impl Body<'_> {
             Body::Surface(_) => (128, 0),
             Body::OnSurface { .. } => (142, 0),
             Body::Trimmed { .. } => (144, 0),
+            Body::Colour(_) => (314, 0),
             Body::Group(_) => (402, 7),
             Body::Name(_) => (406, 15),
             Body::Vertices(_) => (502, 1),
@@ -141,6 +149,7 @@ impl Body<'_> {
             Body::Surface(s) => surface(p, s),
             Body::OnSurface { surface, flat, space } => on_surface(p, [surface, flat, space]),
             Body::Trimmed { surface, loops } => trimmed(p, *surface, loops),
+            Body::Colour(percent) => p.reals(percent),
             Body::Name(name) => {
                 p.add(1)?;
                 p.text(name)

@@ -35,6 +35,8 @@ pub struct Options {
     pub file_name: String,
     /// The program the data come from, with its version.
     pub originating_system: String,
+    /// The faces' colour (sRGB).
+    pub colour: Option<[u8; 3]>,
 }
 
 impl Default for Options {
@@ -44,6 +46,7 @@ impl Default for Options {
             time_stamp: "1970-01-01T00:00:00".into(),
             file_name: String::new(),
             originating_system: "scan2step".into(),
+            colour: None,
         }
     }
 }
@@ -63,8 +66,8 @@ impl Default for Options {
 pub fn write(brep: &Brep, options: &Options, out: &mut dyn io::Write) -> io::Result<()> {
     let topology = Topology::new(brep)?;
     let entities = match options.form {
-        Form::Trimmed => plan::trimmed(&topology, &brep.name),
-        Form::Brep => plan::shell(&topology, &brep.name),
+        Form::Trimmed => plan::trimmed(&topology, &brep.name, options.colour),
+        Form::Brep => plan::shell(&topology, &brep.name, options.colour),
     };
     let lines = section::count_lines(&entities)?;
     let start = global::start(out)?;

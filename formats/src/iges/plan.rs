@@ -13,12 +13,17 @@ struct Plan<'a> {
     entities: Vec<Entity<'a>>,
     label: String,
     name: Option<Pointer>,
+    colour: Option<Pointer>,
 }
 
 /// Faces as trimmed surfaces (144), in a group (402) where there are several:
 /// some programs crash on more than one free entity.
-pub(super) fn trimmed<'a>(topology: &'a Topology<'a>, name: &'a str) -> Vec<Entity<'a>> {
-    let mut plan = Plan::new(name);
+pub(super) fn trimmed<'a>(
+    topology: &'a Topology<'a>,
+    name: &'a str,
+    colour: Option<[u8; 3]>,
+) -> Vec<Entity<'a>> {
+    let mut plan = Plan::new(name, colour);
     let mut faces = Vec::with_capacity(topology.faces.len());
     let alone = topology.faces.len() == 1;
     for data in &topology.faces {
@@ -33,13 +38,17 @@ pub(super) fn trimmed<'a>(topology: &'a Topology<'a>, name: &'a str) -> Vec<Enti
 
 /// Faces as open shells (514) over shared edges, one for every group of faces
 /// that hang together, in a group (402) where there are several.
-pub(super) fn shell<'a>(topology: &'a Topology<'a>, name: &'a str) -> Vec<Entity<'a>> {
-    let mut plan = Plan::new(name);
+pub(super) fn shell<'a>(
+    topology: &'a Topology<'a>,
+    name: &'a str,
+    colour: Option<[u8; 3]>,
+) -> Vec<Entity<'a>> {
+    let mut plan = Plan::new(name, colour);
     let edges = plan.edge_list(topology);
     let mut faces = Vec::with_capacity(topology.faces.len());
     for data in &topology.faces {
         let face = plan.shell_face(data, edges);
-        faces.push((plan.add(Status::Part, face), data.forward));
+        faces.push((plan.coloured(Status::Part, face), data.forward));
     }
     let shells = topology.shells();
     let alone = shells.len() == 1;
@@ -55,8 +64,12 @@ pub(super) fn shell<'a>(topology: &'a Topology<'a>, name: &'a str) -> Vec<Entity
 }
 
 impl<'a> Plan<'a> {
-    fn new(name: &'a str) -> Self {
-        let mut plan = Plan { entities: Vec::new(), label: label(name), name: None };
+    fn new(name: &'a str, colour: Option<[u8; 3]>) -> Self {
+        let mut plan = Plan { entities: Vec::new(), label: label(name), name: None, colour: None };
+        if let Some(rgb) = colour {
+            let percent = rgb.map(|channel| f64::from(channel) / 2.55);
+            plan.colour = Some(plan.add(Status::Definition, Body::Colour(percent)));
+        }
         if !name.is_empty() {
             plan.name = Some(plan.add(Status::Part, Body::Name(name)));
         }
@@ -64,14 +77,20 @@ impl<'a> Plan<'a> {
     }
 
     fn add(&mut self, status: Status, body: Body<'a>) -> Pointer {
-        self.entities.push(Entity { body, status, label: String::new(), name: None });
+        self.entities.push(Entity { body, status, label: String::new(), name: None, colour: None });
         Pointer(2 * self.entities.len() - 1)
     }
 
-    /// Adds an entity that people see, with label and name.
+    fn coloured(&mut self, status: Status, body: Body<'a>) -> Pointer {
+        let colour = self.colour;
+        self.entities.push(Entity { body, status, label: String::new(), name: None, colour });
+        Pointer(2 * self.entities.len() - 1)
+    }
+
+    /// Adds an entity that people see, with label, name and colour.
     fn named(&mut self, status: Status, body: Body<'a>) -> Pointer {
-        let (label, name) = (self.label.clone(), self.name);
-        self.entities.push(Entity { body, status, label, name });
+        let (label, name, colour) = (self.label.clone(), self.name, self.colour);
+        self.entities.push(Entity { body, status, label, name, colour });
         Pointer(2 * self.entities.len() - 1)
     }
 

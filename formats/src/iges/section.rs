@@ -50,10 +50,12 @@ pub(super) fn directory(
         )?;
         // Type, line weight, colour, parameter lines, form, reserved twice,
         // label, subscript. Programs would append a subscript to the label.
+        // A colour's definition is told from one of the standard's by its sign.
         let next = number + 1;
+        let colour = entity.colour.map_or("0".into(), |at| format!("-{at}"));
         writeln!(
             out,
-            "{kind:8}{0:8}{0:8}{lines:8}{form:8}{1:8}{1:8}{label:>8}{1:8}D{next:7}",
+            "{kind:8}{0:8}{colour:>8}{lines:8}{form:8}{1:8}{1:8}{label:>8}{1:8}D{next:7}",
             0, ""
         )?;
         first_line += lines;

@@ -11,11 +11,11 @@ mod rows;
 use std::io::{self, Read};
 
 use ply_rs::parser::{ParseError, Parser};
-use ply_rs::ply::{ElementDef, Encoding, PropertyAccess, PropertyType};
+use ply_rs::ply::{ElementDef, Encoding, PropertyAccess, PropertyType, ScalarType};
 
 use self::ascii::AsciiRows;
 use self::header::{Element, Header};
-use self::rows::{Corners, Ignored, Position};
+use self::rows::{CHANNELS, Corners, Ignored, Position};
 use crate::limits::check_room;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::{Error, Place, Result, Soup};
@@ -63,12 +63,35 @@ fn read_points(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()
             return Err(Error::new(&body.source.path, what, EXPORT_AGAIN));
         }
     }
-    let wanted = |name: &str| matches!(name, "x" | "y" | "z");
+    let scale = channel_scale(element);
+    let coloured = scale.is_some();
+    let wanted =
+        |name: &str| matches!(name, "x" | "y" | "z") || (coloured && CHANNELS.contains(&name));
+    let mut sums = [0.0; 3];
     each_row(body, element, wanted, |source, _, row: Position| {
         check_room(&source.path, soup, 1, 0)?;
         soup.points.push(row.xyz);
+        sums.iter_mut().zip(row.rgb).for_each(|(sum, channel)| *sum += channel);
         Ok(())
-    })
+    })?;
+    // A channel that is no number becomes 0.
+    let mean = |scale: f64| sums.map(|sum| (sum / element.count as f64 * scale).round() as u8);
+    soup.colour = scale.map(mean);
+    Ok(())
+}
+
+/// What makes bytes of the channels of the vertices' colours, if they have all
+/// three: bytes themselves, or numbers up to 1.
+fn channel_scale(element: &Element) -> Option<f64> {
+    let kinds = CHANNELS.map(|name| element.property(name).cloned());
+    let all = |kinds_of: &[ScalarType]| {
+        let is = |t: &ScalarType| kinds_of.contains(t);
+        kinds.iter().all(|k| matches!(k, Some(PropertyType::Scalar(t)) if is(t)))
+    };
+    if all(&[ScalarType::UChar]) {
+        return Some(1.0);
+    }
+    all(&[ScalarType::Float, ScalarType::Double]).then_some(255.0)
 }
 
 fn read_faces(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()> {

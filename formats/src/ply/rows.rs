@@ -2,10 +2,14 @@
 
 use ply_rs::ply::{BeginList, PropertyAccess, PropertyAccessResult};
 
-/// A vertex: its position.
+/// A vertex: its position and, if it has one, its colour.
 pub(super) struct Position {
     pub(super) xyz: [f64; 3],
+    pub(super) rgb: [f64; 3],
 }
+
+/// What the channels of a vertex's colour are called.
+pub(super) const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 impl Position {
     fn set(&mut self, name: &str, value: f64) -> PropertyAccessResult {
@@ -13,6 +17,9 @@ impl Position {
             "x" => self.xyz[0] = value,
             "y" => self.xyz[1] = value,
             "z" => self.xyz[2] = value,
+            "red" => self.rgb[0] = value,
+            "green" => self.rgb[1] = value,
+            "blue" => self.rgb[2] = value,
             _ => return PropertyAccessResult::Ignored,
         }
         PropertyAccessResult::Set
@@ -29,7 +36,7 @@ macro_rules! coordinates {
 
 impl PropertyAccess for Position {
     fn new() -> Self {
-        Position { xyz: [0.0; 3] }
+        Position { xyz: [0.0; 3], rgb: [0.0; 3] }
     }
 
     coordinates!(set_char: i8, set_uchar: u8, set_short: i16, set_ushort: u16,

@@ -6,6 +6,7 @@ mod part21;
 mod product;
 pub(crate) mod read;
 mod shape;
+mod style;
 
 use std::io;
 
@@ -37,6 +38,8 @@ pub struct Options {
     pub time_stamp: String,
     /// The program the data come from, with its version.
     pub originating_system: String,
+    /// The faces' colour (sRGB). AP203 knows none, and its files have none.
+    pub colour: Option<[u8; 3]>,
 }
 
 impl Default for Options {
@@ -45,6 +48,7 @@ impl Default for Options {
             schema: Schema::default(),
             time_stamp: "1970-01-01T00:00:00".into(),
             originating_system: "scan2step".into(),
+            colour: None,
         }
     }
 }
@@ -67,6 +71,7 @@ pub fn write(brep: &Brep, options: &Options, out: &mut dyn io::Write) -> io::Res
     };
     let mut file = Part21::begin(out, &header)?;
     let definition = product::write(&mut file, &brep.name, options)?;
-    shape::write(&mut file, &topology, brep, definition)?;
+    let colour = options.colour.filter(|_| options.schema != Schema::Ap203);
+    shape::write(&mut file, &topology, brep, (definition, colour))?;
     file.end()
 }

@@ -5,16 +5,18 @@ use std::io;
 
 use super::geometry::{self, logical};
 use super::part21::{Id, List, Part21, Text, add};
+use super::style;
 use crate::brep::Brep;
 use crate::number::StepReal;
 use crate::topology::{EdgeData, EdgeUse, FaceData, Topology};
 
-/// Writes the shape and ties it to the product's `PRODUCT_DEFINITION_SHAPE`.
+/// Writes the shape, ties it to the product's `PRODUCT_DEFINITION_SHAPE`, and
+/// gives it its colour.
 pub(super) fn write(
     file: &mut Part21<'_>,
     topology: &Topology<'_>,
     brep: &Brep,
-    definition: Id,
+    (definition, colour): (Id, Option<[u8; 3]>),
 ) -> io::Result<()> {
     let space = space(file, brep.uncertainty_mm)?;
     let plane = add!(
@@ -29,7 +31,7 @@ pub(super) fn write(
     let shape =
         add!(file, "MANIFOLD_SURFACE_SHAPE_REPRESENTATION({name},({model},{origin}),{space})")?;
     add!(file, "SHAPE_DEFINITION_REPRESENTATION({definition},{shape})")?;
-    Ok(())
+    colour.map_or(Ok(()), |colour| style::write(file, model, colour, space))
 }
 
 /// The geometric context: three dimensions, millimetres, an uncertainty.

@@ -17,9 +17,9 @@ use faces::Faces;
 /// Reads every face that is shown in `bytes`, the content of the file at `path`.
 pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
     let deck = Deck::new(path, bytes)?;
-    let (name, unit_mm) = global(&deck)?;
+    let (sender, unit_mm) = global(&deck)?;
     let unit = Affine::scaling(unit_mm);
-    let mut model = CadModel { name, faces: Vec::new() };
+    let mut model = CadModel { name: name(&deck)?.unwrap_or(sender), faces: Vec::new() };
     let mut faces = Faces::new(&deck);
     let entries = || (1..).step_by(2).zip(&deck.directory).filter(|(_, e)| e.visible);
     let mut in_solids = Vec::new();
@@ -55,7 +55,18 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
     Ok(model)
 }
 
-/// The name of what is in the file, and its unit in mm.
+/// The first name property (406 form 15).
+fn name(deck: &Deck) -> Result<Option<String>> {
+    let mut entries = (1..).step_by(2).zip(&deck.directory);
+    let Some((pointer, _)) = entries.find(|(_, e)| (e.kind, e.form) == (406, 15)) else {
+        return Ok(None);
+    };
+    let mut p = deck.parameters(pointer)?;
+    p.skip(1);
+    Ok(Some(p.string()))
+}
+
+/// The sender's name of what is in the file, and its unit in mm.
 fn global(deck: &Deck) -> Result<(String, f64)> {
     let mut p = deck.global()?;
     let name = p.string();
