@@ -16,6 +16,7 @@ mod adapt;
 pub mod brep;
 pub mod check;
 mod cut;
+mod decimal;
 pub mod deviation;
 pub mod error;
 pub mod fill;
@@ -207,12 +208,15 @@ pub fn convert_component(
         adapt::Goal { tolerance, named: options.tolerance.is_some(), outliers: options.outliers };
     let measured_count = map.patch.measured;
     let (surface, fit) = adapt::fit(&samples, measured_count, options, &goal)?;
+    let decimal = decimal::Decimal::for_size(measured.mesh.diagonal());
+    let surface = decimal.surface(surface);
     watch(Stage::Fit(&surface))?;
 
     let trimmed: Vec<bool> = fill.holes.iter().map(|h| options.cut.cuts(h.rim_length)).collect();
     let rims = cut::rims(&map, &trimmed);
     let trim_options = trim::Options { tolerance: TRIM_SHARE * tolerance };
     let (loops, trim) = trim::trim(&surface, &rims, &trim_options)?;
+    let loops = decimal.loops(loops);
     watch(Stage::Trim(&surface, &loops))?;
 
     let faces = cut::faces(&loops);
