@@ -2,11 +2,13 @@
 
 mod common;
 
-use common::importers::{freecad, opencascade};
-use common::virtual_scan::{VirtualScan, island_scan, paper_scan, relief_scan, rolled_scan};
-use common::{arg, converted, fixture, json, number};
+use common::importers::{freecad, opencascade, rewrite_freecad, rewrite_opencascade};
+use common::virtual_scan::{
+    Star, VirtualScan, island_scan, paper_scan, relief, relief_scan, rolled_scan,
+};
+use common::{arg, checked, converted, fixture, json, number};
 use serde_json::Value;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 /// What is expected of a scan's CAD face.
 struct Expected<'a> {
@@ -102,9 +104,7 @@ fn the_rolled_sheet_that_overhangs() {
 fn an_island_and_the_hole_in_it() {
     let scan = island_scan();
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let input = folder.path().join("island.ply");
-    let mut file = std::fs::File::create(&input).expect("a temporary file");
-    scan.write_ply(&mut file).expect("a temporary file");
+    let input = written(&scan, folder.path());
     let report = round_trip(&input, &[], &Expected { scan: &scan, rms: 0.06 });
     let outer: Vec<bool> = (0..4).map(|i| report["trim"][i]["outer"] == true).collect();
     assert_eq!(outer, [true, false, true, false]);
@@ -116,13 +116,111 @@ fn an_island_and_the_hole_in_it() {
 fn the_papers_run() {
     let scan = paper_scan();
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let input = folder.path().join("sheet.ply");
-    let mut file = std::fs::File::create(&input).expect("a temporary file");
-    scan.write_ply(&mut file).expect("a temporary file");
+    let input = written(&scan, folder.path());
     let options = ["--net", "13x13", "--fit", "blend"];
     let report = round_trip(&input, &options, &Expected { scan: &scan, rms: 0.12 });
     assert_eq!(report["fit"]["net"], serde_json::json!([13, 13]));
     assert_eq!(report["fit"]["method"], "blend");
+}
+
+/// A scan in a file of its own.
+fn written(scan: &VirtualScan, folder: &Path) -> PathBuf {
+    let input = folder.join("scan.ply");
+    let mut file = std::fs::File::create(&input).expect("a temporary file");
+    scan.write_ply(&mut file).expect("a temporary file");
+    input
+}
+
+/// How far FreeCAD moves faces, in mm.
+const MOVED: f64 = 0.5;
+
+/// Scan → ours → OpenCASCADE, FreeCAD → their STEP and IGES → ours: what comes
+/// back is what was written, and what was done to it is what was asked for.
+fn there_and_back(scan: &VirtualScan, rms: f64) {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let file = |name: &str| folder.path().join(name);
+    let input = written(scan, folder.path());
+    round_trip(&input, &[], &Expected { scan, rms });
+    let step = file("part.step");
+    converted(&[arg(&input), arg(&step), "--quiet"]);
+    let ours = checked(&step, &input);
+    let ratio = number(&ours, "/cad/area_mm2") / scan.true_area();
+    assert!((ratio - 1.0).abs() < 0.002, "area: {ratio} of the truth");
+
+    rewrite_opencascade(&step, folder.path());
+    let areas = rewrite_freecad(&step, folder.path(), MOVED);
+    for name in ["occ.step", "occ-inch.step", "occ-plain.step", "occ144.igs", "occ514.igs"] {
+        check_same(&ours, &checked(&file(name), &input), name);
+    }
+    let both =
+        |name: &str| ["step", "igs"].map(|end| checked(&file(&format!("{name}.{end}")), &input));
+    for plain in both("fc-plain") {
+        check_same(&ours, &plain, "fc-plain");
+    }
+    for cut in both("fc-cut") {
+        let share = number(&cut, "/cad/area_mm2") / number(&ours, "/cad/area_mm2");
+        assert!((0.2..0.8).contains(&share), "{share} of the face is left");
+        let off = |found| number(found, "/face_to_scan/max_mm");
+        assert!(off(&cut) <= off(&ours) + 0.01, "{cut}");
+        assert!(number(&cut, "/scan_to_face/max_mm") > 5.0, "{cut}");
+    }
+    for moved in both("fc-offset") {
+        let away = number(&moved, "/scan_to_face/rms_mm");
+        let noise = number(&ours, "/scan_to_face/rms_mm");
+        assert!((away - MOVED.hypot(noise)).abs() < 0.05 * MOVED, "{moved}");
+    }
+    for thick in both("fc-thick") {
+        assert!(number(&thick, "/cad/faces") > 2.0);
+        // Both sheets of it, and the walls.
+        assert!(number(&thick, "/cad/area_mm2") > 2.0 * number(&areas, "/fc-plain") * 0.99);
+        let off = |found| number(found, "/scan_to_face/rms_mm");
+        assert!(off(&thick) <= 1.02 * off(&ours), "{thick}");
+    }
+}
+
+/// Whether what another program wrote is the face that it read.
+fn check_same(ours: &Value, theirs: &Value, name: &str) {
+    for key in ["/cad/faces", "/cad/loops"] {
+        assert_eq!(number(ours, key), number(theirs, key), "{name}: {key}");
+    }
+    for key in ["/cad/area_mm2", "/scan_to_face/rms_mm", "/face_to_scan/rms_mm"] {
+        let (here, there) = (number(ours, key), number(theirs, key));
+        assert!((here - there).abs() < 1e-4 * here, "{name}: {key}: {here} became {there}");
+    }
+}
+
+fn star(centre: [f64; 2], radius: f64) -> Star {
+    Star { centre, radius, arms: 3.0 }
+}
+
+#[test]
+fn a_face_without_a_hole_there_and_back() {
+    there_and_back(&VirtualScan::new(relief, [60, 50], 0.03, vec![], 11), 0.03);
+}
+
+#[test]
+fn a_face_with_a_hole_there_and_back() {
+    let hole = star([0.55, 0.45], 0.12);
+    there_and_back(&VirtualScan::new(relief, [70, 60], 0.03, vec![hole], 12), 0.04);
+}
+
+#[test]
+fn a_face_with_twenty_holes_there_and_back() {
+    let centre = |i: usize, n: usize| (i as f64 + 0.75) / (n as f64 + 0.5);
+    let holes = (0..20).map(|k| star([centre(k % 5, 5), centre(k / 5, 4)], 0.045));
+    let scan = VirtualScan::new(relief, [110, 90], 0.03, holes.collect(), 13);
+    there_and_back(&scan, 0.04);
+}
+
+#[test]
+fn a_hole_next_to_the_boundary_there_and_back() {
+    let scan = VirtualScan::new(relief, [70, 60], 0.03, vec![star([0.115, 0.5], 0.075)], 14);
+    there_and_back(&scan, 0.05);
+}
+
+#[test]
+fn a_rolled_sheet_there_and_back() {
+    there_and_back(&rolled_scan(), 0.03);
 }
 
 /// The checks above can fail: a hole that the scan has but the face does not

@@ -9,6 +9,24 @@ use super::root;
 
 /// What OpenCASCADE finds in a file; with `points`, also their distances.
 pub fn opencascade(file: &Path, points: Option<&[[f64; 3]]>) -> Value {
+    let mut command = opencascade_script("check_occ.py");
+    command.arg(file);
+    let list = tempfile::NamedTempFile::new().expect("a temporary file");
+    if let Some(points) = points {
+        let lines = points.iter().map(|[x, y, z]| format!("{x:?} {y:?} {z:?}\n"));
+        std::fs::write(list.path(), lines.collect::<String>()).expect("a temporary file");
+        command.arg("--points").arg(list.path());
+    }
+    answer(command)
+}
+
+/// Has OpenCASCADE read a file and write it again into a folder.
+pub fn rewrite_opencascade(file: &Path, folder: &Path) {
+    let mut command = opencascade_script("rewrite_occ.py");
+    run(command.arg(file).arg(folder));
+}
+
+fn opencascade_script(name: &str) -> Command {
     let python = root().join("target/occ/bin/python");
     assert!(
         python.exists(),
@@ -16,18 +34,26 @@ pub fn opencascade(file: &Path, points: Option<&[[f64; 3]]>) -> Value {
          python3 -m venv target/occ && target/occ/bin/pip install -r tests/roundtrip/requirements.txt"
     );
     let mut command = Command::new(python);
-    command.arg(script("check_occ.py")).arg(file);
-    let list = tempfile::NamedTempFile::new().expect("a temporary file");
-    if let Some(points) = points {
-        let lines = points.iter().map(|[x, y, z]| format!("{x:?} {y:?} {z:?}\n"));
-        std::fs::write(list.path(), lines.collect::<String>()).expect("a temporary file");
-        command.arg("--points").arg(list.path());
-    }
-    run(command)
+    command.arg("-B").arg(script(name));
+    command
 }
 
 /// What FreeCAD finds in a file.
 pub fn freecad(file: &Path) -> Value {
+    let mut command = freecad_script("check_freecad.py");
+    command.arg(file);
+    answer(command)
+}
+
+/// Has FreeCAD cut, offset and thicken the face in a file and write the results
+/// into a folder; their areas.
+pub fn rewrite_freecad(file: &Path, folder: &Path, distance: f64) -> Value {
+    let mut command = freecad_script("rewrite_freecad.py");
+    command.arg(file).arg(folder).arg(distance.to_string());
+    answer(command)
+}
+
+fn freecad_script(name: &str) -> Command {
     let library = Path::new("/usr/lib/freecad-python3/lib");
     let set = std::env::var_os("FREECAD_LIB").map(PathBuf::from);
     assert!(
@@ -36,18 +62,24 @@ pub fn freecad(file: &Path) -> Value {
          sudo apt-get install -y --no-install-recommends freecad-python3"
     );
     let mut command = Command::new("/usr/bin/python3");
-    command.arg(script("check_freecad.py")).arg(file);
-    run(command)
+    command.arg("-B").arg(script(name));
+    command
 }
 
 fn script(name: &str) -> PathBuf {
     root().join("tests/roundtrip").join(name)
 }
 
-fn run(mut command: Command) -> Value {
+/// What an importer prints, as JSON.
+fn answer(mut command: Command) -> Value {
+    let text = run(&mut command);
+    serde_json::from_str(&text).unwrap_or_else(|e| panic!("{command:?}: {e} in {text}"))
+}
+
+/// Runs an importer, which must succeed; what it prints.
+fn run(command: &mut Command) -> String {
     let output = command.output().expect("the importer runs");
     let said = String::from_utf8_lossy(&output.stderr);
     assert!(output.status.success(), "{command:?}: {said}");
-    let text = String::from_utf8_lossy(&output.stdout);
-    serde_json::from_str(&text).unwrap_or_else(|e| panic!("{command:?}: {e} in {text}; {said}"))
+    String::from_utf8_lossy(&output.stdout).into_owned()
 }

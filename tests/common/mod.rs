@@ -43,6 +43,20 @@ pub fn inspected(scan: &Path) -> Value {
     serde_json::from_slice(&output.stdout).expect("it prints JSON")
 }
 
+/// Runs `scan2step check` with the given arguments.
+pub fn check(args: &[&str]) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_scan2step"));
+    command.arg("check").args(args).output().expect("the program runs")
+}
+
+/// What it says of a CAD file and a scan as JSON.
+pub fn checked(cad: &Path, scan: &Path) -> Value {
+    let output = check(&[arg(cad), arg(scan), "--json"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "check {}: {said}", cad.display());
+    serde_json::from_slice(&output.stdout).expect("it prints JSON")
+}
+
 /// `convert`, which must succeed; returns what it said.
 pub fn converted(args: &[&str]) -> String {
     let output = convert(args);

@@ -182,7 +182,9 @@ def main():
 FILES = {".step", ".stp", ".p21", ".iges", ".igs"}
 
 # freecadcmd runs scripts under the name of their file.
-if __name__ in ("__main__", "check_freecad"):
+if __name__ == "__main__" or (
+    __name__ == "check_freecad" and "freecadcmd" in os.path.basename(sys.argv[0]).lower()
+):
     main()
     sys.stderr.flush()
     # freecadcmd would wait for more commands, or open FILE itself.

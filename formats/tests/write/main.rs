@@ -2,6 +2,7 @@
 
 mod iges;
 mod model;
+mod schema;
 mod step;
 
 use std::fs;

@@ -1,0 +1,112 @@
+//! Broken files: what is said of them, and that nothing worse happens.
+
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::path::Path;
+
+use formats::cad::read_cad_from;
+use formats::iges::Form;
+
+#[path = "../read/mutations/damage.rs"]
+mod damage;
+
+use crate::{iges_file, model, read, step_file};
+
+/// What is said of a file.
+fn fault(text: &str) -> String {
+    read(text).expect_err("a broken file").to_string()
+}
+
+#[test]
+fn what_is_wrong_with_a_step_file_is_said() {
+    let good = step_file(&model::one_face("part"));
+    let replaced = |from: &str, to: &str| {
+        assert!(good.contains(from), "{from}");
+        fault(&good.replacen(from, to, 1))
+    };
+    assert_eq!(fault(""), "part: is empty");
+    assert_eq!(fault("solid x"), "part: is neither STEP nor IGES");
+    let cut = &good[..good.len() / 2];
+    let line = cut.lines().count();
+    let said = fault(cut);
+    assert!(
+        said.contains("ends in the middle") && said.contains(&format!("line {line}")),
+        "{said}"
+    );
+    assert!(fault(&good.replace("END-ISO-10303-21;\n", "")).contains("ends in the middle"));
+    assert_eq!(replaced("#20=", "#21="), "part: #21 stands in it twice (line 34)");
+    assert_eq!(
+        replaced("(0.,0.2,0.4", "(0.,0.5,0.4").split(" (#").next().unwrap(),
+        "part: knots that decrease, or are not finite"
+    );
+    let said = replaced("B_SPLINE_SURFACE_WITH_KNOTS('',3,3", "B_SPLINE_SURFACE_WITH_KNOTS('',4,3");
+    assert!(said.contains("12 knots for 8 poles of degree 4"), "{said}");
+    let said = replaced("(4,1,1,1,1,4)", "(4,1,1,1,1,999999999999)");
+    assert!(said.contains("knots for 8 poles of degree 3"), "{said}");
+    let said = replaced("B_SPLINE_SURFACE_WITH_KNOTS('',3,3", "TOROIDAL_SURFACE('',3,3");
+    assert!(said.contains("is a surface of a kind not read: TOROIDAL_SURFACE (#"), "{said}");
+    let said = replaced("ADVANCED_FACE('',(#", "ADVANCED_FACE('',(#9999");
+    assert!(said.contains("which is not in it"), "{said}");
+    let said = replaced("VERTEX_POINT('',#", "VERTEX_POINT(#1,#");
+    assert!(said.contains("is not") || said.contains("is B_SPLINE"), "{said}");
+    let said = replaced("OPEN_SHELL(", "OPEN_SHELF(");
+    assert!(said.contains("is OPEN_SHELF where a shell is due (#"), "{said}");
+    assert_eq!(replaced("SHELL_BASED_SURFACE_MODEL", "GEOMETRIC_SET"), "part: has no faces");
+    assert!(replaced("SI_UNIT(.MILLI.", "SI_UNIT(.FURLONG.").contains("is a unit of length"));
+}
+
+#[test]
+fn what_is_wrong_with_an_iges_file_is_said() {
+    let good = iges_file(&model::one_face("part"), Form::Trimmed);
+    let replaced = |from: &str, to: &str| {
+        assert!(good.contains(from), "{from}");
+        fault(&good.replacen(from, to, 1))
+    };
+    let half: String = good.lines().take(40).map(|l| format!("{l}\n")).collect();
+    assert_eq!(fault(&half), "part: ends before its last section (line 40)");
+    let said = fault(&good.replace("D      2\n", "X      2\n"));
+    assert!(said.contains("without its section's letter in column 73 (line "), "{said}");
+    assert!(replaced("128,7,7,3,3,", "128,9,7,3,3,").contains("(directory entry "));
+    let said = replaced("128,7,7,3,3,", "128,7,7,9,3,");
+    assert!(said.contains("directory entry"), "{said}");
+    let said = replaced(",2,2HMM,", ",3,2HXX,");
+    assert!(said.contains("in a unit that is not known: 3 XX"), "{said}");
+    let said = replaced("1H,,1H;,", "2H,,1H;,");
+    assert!(said.contains("names no delimiters"), "{said}");
+}
+
+/// Counts that claim what the file does not have.
+#[test]
+fn claims_are_not_believed() {
+    let good = iges_file(&model::one_face("part"), Form::Brep);
+    for (from, to) in [("502,8,", "502,9999999999,"), ("514,1,", "514,8888888888,")] {
+        assert!(good.contains(from));
+        // The number takes other columns' place: the file stays 80 wide.
+        let at = good.find(from).unwrap();
+        let line = good[at..].lines().next().unwrap();
+        let (data, rest) = line.split_at(64);
+        let longer = data.replacen(from, to, 1);
+        let said = fault(&good.replacen(line, &format!("{}{rest}", &longer[..64]), 1));
+        assert!(said.contains("more parameters") || said.contains("without an end"), "{said}");
+    }
+}
+
+/// How often each file is damaged.
+const ROUNDS: usize = 1_500;
+
+#[test]
+fn damaged_files_are_survived() {
+    let brep = model::two_faces("pair");
+    let mut random = damage::Random(0x9e37_79b9_7f4a_7c15);
+    let files = [step_file(&brep), iges_file(&brep, Form::Trimmed), iges_file(&brep, Form::Brep)];
+    for good in files {
+        let mut survived = 0;
+        for _ in 0..ROUNDS {
+            let mut file = good.clone().into_bytes();
+            damage::damage(&mut file, &mut random);
+            let read = || read_cad_from(Path::new("part"), &file).is_ok();
+            let read = catch_unwind(AssertUnwindSafe(read));
+            survived += usize::from(read.unwrap_or_else(|_| panic!("{}", file.escape_ascii())));
+        }
+        assert!(survived > 0 && survived < ROUNDS, "{survived} of {ROUNDS} could be read");
+    }
+}

@@ -1,0 +1,115 @@
+//! What is read of STEP and IGES files: our own, and as other programs write
+//! them.
+
+mod broken;
+mod foreign;
+#[allow(dead_code)]
+#[path = "../write/model.rs"]
+mod model;
+
+use std::path::Path;
+
+use formats::cad::{CadModel, CadSurface, CurveShape, read_cad_from};
+use formats::iges::{self, Form};
+use formats::step::{self, Schema};
+use formats::{Brep, Result};
+use truck_modeling::{Curve, Surface};
+
+fn step_file(brep: &Brep) -> String {
+    let options = step::Options { schema: Schema::Ap242, ..Default::default() };
+    let mut out = Vec::new();
+    step::write(brep, &options, &mut out).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
+fn iges_file(brep: &Brep, form: Form) -> String {
+    let mut out = Vec::new();
+    iges::write(brep, &iges::Options { form, ..Default::default() }, &mut out).unwrap();
+    String::from_utf8(out).unwrap()
+}
+
+fn read(text: &str) -> Result<CadModel> {
+    read_cad_from(Path::new("part"), text.as_bytes())
+}
+
+/// Every form of a part's file.
+fn files(brep: &Brep) -> [String; 3] {
+    [step_file(brep), iges_file(brep, Form::Trimmed), iges_file(brep, Form::Brep)]
+}
+
+/// What is read is what was written, to the last bit.
+fn check_same(brep: &Brep, model: &CadModel) {
+    assert_eq!(model.faces.len(), brep.faces.len());
+    for (face, written) in model.faces.iter().zip(&brep.faces) {
+        let CadSurface::Spline(surface) = &*face.surface else { panic!() };
+        let Surface::BSplineSurface(expected) = written.face.surface() else { panic!() };
+        let poles = expected.control_points().iter().flatten().map(|p| [p.x, p.y, p.z]);
+        assert!(surface.poles().iter().copied().eq(poles));
+        assert_eq!(surface.u().knots(), &expected.uknot_vec()[..]);
+        assert_eq!((surface.u().degree(), surface.weights()), (expected.udegree(), None));
+        assert!(!face.natural);
+        let wires = written.face.boundaries();
+        assert_eq!(face.loops.len(), wires.len());
+        for (edges, wire) in face.loops.iter().zip(&wires) {
+            assert_eq!(edges.len(), wire.len());
+            for (edge, expected) in edges.iter().zip(wire.iter()) {
+                let Curve::BSplineCurve(expected) = expected.curve() else { panic!() };
+                let CurveShape::Spline(found) = &edge.curve.as_ref().unwrap().shape else {
+                    panic!()
+                };
+                let mut poles: Vec<_> = found.poles().to_vec();
+                let expected: Vec<_> =
+                    expected.control_points().iter().map(|p| [p.x, p.y, p.z]).collect();
+                if poles != expected {
+                    poles.reverse();
+                }
+                assert_eq!(poles, expected);
+                assert_eq!(edge.pcurves.len(), 1);
+            }
+        }
+    }
+}
+
+#[test]
+fn our_own_files_read_back_to_the_last_bit() {
+    for brep in [model::one_face("part"), model::two_faces("pair")] {
+        for file in files(&brep) {
+            check_same(&brep, &read(&file).unwrap());
+        }
+    }
+}
+
+#[test]
+fn names_read_back() {
+    let name = "Größe 'A' \\ 😀, x; y";
+    assert_eq!(read(&step_file(&model::one_face(name))).unwrap().name, name);
+    let ascii = name.replace(['ö', 'ß', '😀'], "_");
+    for form in [Form::Trimmed, Form::Brep] {
+        assert_eq!(read(&iges_file(&model::one_face(name), form)).unwrap().name, ascii);
+    }
+}
+
+#[test]
+fn a_loop_runs_where_its_face_has_it() {
+    // Reversed edges and a face that looks the other way: the first corner of
+    // each pcurve, along the loop, is the last one of the pcurve before.
+    for brep in [model::two_faces(""), model::inverted("")] {
+        for file in files(&brep) {
+            for face in read(&file).unwrap().faces {
+                for edges in &face.loops {
+                    let ends: Vec<_> = edges.iter().map(ends).collect();
+                    for (before, after) in ends.iter().zip(ends.iter().cycle().skip(1)) {
+                        assert_eq!(before[1], after[0], "{}", face.entity);
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Where an edge's pcurve begins and ends along its loop.
+fn ends(edge: &formats::cad::CadEdge) -> [[f64; 2]; 2] {
+    let CurveShape::Spline(pcurve) = &edge.pcurves[0].shape else { panic!() };
+    let (first, last) = (pcurve.poles()[0], pcurve.poles()[pcurve.poles().len() - 1]);
+    if edge.pcurve_forward { [first, last] } else { [last, first] }
+}

@@ -1,0 +1,131 @@
+//! `scan2step check` from outside: what it measures, says, and returns.
+
+mod common;
+
+use std::path::{Path, PathBuf};
+use std::process::Output;
+
+use common::virtual_scan::{VirtualScan, relief};
+use common::{arg, check, checked, converted, fixture, json, number};
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
+
+fn said(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).into_owned()
+}
+
+/// The relief as STEP, its report beside it.
+fn relief_step(folder: &Path, options: &[&str]) -> PathBuf {
+    let (step, report) = (folder.join("a.step"), folder.join("a.json"));
+    let mut args = vec![arg(&step), "--report", arg(&report), "--quiet"];
+    args.extend(options);
+    let scan = fixture("relief.ply");
+    args.insert(0, arg(&scan));
+    converted(&args);
+    step
+}
+
+#[test]
+fn the_file_deviates_as_the_conversion_said() {
+    let folder = folder();
+    let step = relief_step(folder.path(), &[]);
+    let found = checked(&step, &fixture("relief.ply"));
+    let report = json(&folder.path().join("a.json"));
+    for key in ["rms_mm", "p95_mm", "p99_mm", "max_mm"] {
+        let (there, here) = (
+            number(&report, &format!("/deviation/{key}")),
+            number(&found, &format!("/scan_to_face/{key}")),
+        );
+        // Rims are followed by other chords.
+        assert!((there - here).abs() <= 1e-3 * there, "{key}: {here} instead of {there}");
+    }
+    assert_eq!(found["cad"]["name"], "relief");
+    assert_eq!((&found["cad"]["faces"], &found["cad"]["loops"]), (&1.into(), &3.into()));
+    assert_eq!(found["scan"]["units_assumed"], true);
+    assert_eq!(found["tolerance_met"], true);
+    assert!(number(&found, "/cad/max_off_surface_mm") < 1e-3);
+    assert!(number(&found, "/face_to_scan/points") > 2e4);
+}
+
+#[test]
+fn a_hole_that_is_not_cut_out_shows() {
+    let folder = folder();
+    let scan = fixture("relief.ply");
+    let cut = checked(&relief_step(folder.path(), &[]), &scan);
+    let filled = checked(&relief_step(folder.path(), &["--keep-fills"]), &scan);
+    let worst = |found, way: &str| number(found, &format!("/{way}/max_mm"));
+    // The smaller hole is 7 mm from its rim to its middle.
+    assert!(worst(&cut, "face_to_scan") < 0.6);
+    assert!(worst(&filled, "face_to_scan") > 5.0);
+    assert!((worst(&cut, "scan_to_face") - worst(&filled, "scan_to_face")).abs() < 0.2);
+}
+
+#[test]
+fn tolerances_set_the_exit_code() {
+    let folder = folder();
+    let step = relief_step(folder.path(), &[]);
+    let scan = fixture("relief.ply");
+    let run = |options: &[&str]| check(&[&[arg(&step), arg(&scan)], options].concat());
+    let found = checked(&step, &scan);
+    let worst = number(&found, "/scan_to_face/max_mm");
+    assert_eq!(run(&[]).status.code(), Some(0));
+    assert_eq!(run(&["--tolerance", &(1.01 * worst).to_string()]).status.code(), Some(0));
+    let missed = run(&["--tolerance", "0.15"]);
+    assert_eq!(missed.status.code(), Some(3));
+    let text = said(&missed);
+    assert!(text.contains("tolerance not met: ") && text.contains("points of the scan"), "{text}");
+    assert!(text.contains("samples of the faces"), "{text}");
+    assert!(String::from_utf8_lossy(&missed.stdout).contains("scan to face"));
+    assert_eq!(run(&["--tolerance", "0.15", "--outliers", "10"]).status.code(), Some(0));
+    assert_eq!(run(&["--tolerance", "-1"]).status.code(), Some(2));
+}
+
+#[test]
+fn errors_name_the_file_and_the_place() {
+    let folder = folder();
+    let step = relief_step(folder.path(), &[]);
+    let scan = fixture("relief.ply");
+    let text = std::fs::read_to_string(&step).expect("the file");
+    let broken = folder.path().join("broken.step");
+    let fault = |content: &str| {
+        std::fs::write(&broken, content).expect("a file");
+        let output = check(&[arg(&broken), arg(&scan)]);
+        assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+        said(&output)
+    };
+    let cut = fault(&text[..text.len() / 3]);
+    assert!(cut.contains("broken.step: ends in the middle") && cut.contains("(line "), "{cut}");
+    let other = fault(&text.replace("ADVANCED_FACE(", "FACE_OUTLINE("));
+    assert!(other.contains("is a face of a kind not read: FACE_OUTLINE (#"), "{other}");
+    // A loop whose edges are those of another face's place.
+    let edges: Vec<_> = text.match_indices("EDGE_LOOP('',(#").collect();
+    let (first, last) = (edges[0].0, edges[2].0);
+    let list = |at: usize| text[at..].split(')').next().expect("a list").to_owned();
+    let torn = fault(&text.replacen(&list(last), list(first).rsplit_once(',').unwrap().0, 1));
+    assert!(torn.contains("does not close on its surface, near ("), "{torn}");
+    assert!(said(&check(&[arg(&scan), arg(&scan)])).contains("is neither STEP nor IGES"));
+    assert!(said(&check(&["none.step", arg(&scan)])).contains("none.step: cannot be opened"));
+}
+
+/// A clean scan's own file is as near as its fit says, whichever the format.
+#[test]
+fn every_format_says_the_same() {
+    let folder = folder();
+    let scan = VirtualScan::new(relief, [60, 50], 0.0, vec![], 7);
+    let input = folder.path().join("clean.ply");
+    scan.write_ply(&mut std::fs::File::create(&input).expect("a file")).expect("a scan");
+    let outs = ["a.step", "a.igs", "b.igs", "b.step"].map(|name| folder.path().join(name));
+    converted(&[arg(&input), arg(&outs[0]), arg(&outs[1]), "--quiet"]);
+    let more = ["--iges", "brep", "--schema", "ap203", "--quiet"];
+    converted(&[&[arg(&input), arg(&outs[2]), arg(&outs[3])], &more[..]].concat());
+    let found = outs.each_ref().map(|out| checked(out, &input));
+    for other in &found[1..] {
+        for way in ["scan_to_face", "face_to_scan"] {
+            assert_eq!(found[0][way], other[way]);
+        }
+        assert_eq!(found[0]["cad"]["area_mm2"], other["cad"]["area_mm2"]);
+    }
+    assert!(number(&found[0], "/scan_to_face/max_mm") < 0.02, "{}", found[0]);
+}
