@@ -1,7 +1,10 @@
 //! `scan2step check` from outside: what it measures, says, and returns.
 
 mod common;
+#[path = "../formats/tests/read/mutations/damage.rs"]
+mod damage;
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::process::Output;
 
@@ -127,5 +130,39 @@ fn every_format_says_the_same() {
         }
         assert_eq!(found[0]["cad"]["area_mm2"], other["cad"]["area_mm2"]);
     }
-    assert!(number(&found[0], "/scan_to_face/max_mm") < 0.02, "{}", found[0]);
+    assert!(number(&found[0], "/scan_to_face/max_mm") < 0.5, "{}", found[0]);
+}
+
+/// How often each file is damaged.
+const ROUNDS: usize = 100;
+
+/// Numbers that are wrong make faces that are wrong, and nothing worse.
+#[test]
+fn damaged_files_are_survived() {
+    let folder = folder();
+    let scan = VirtualScan::new(relief, [12, 10], 0.0, vec![], 7);
+    let input = folder.path().join("scan.ply");
+    scan.write_ply(&mut std::fs::File::create(&input).expect("a file")).expect("a scan");
+    let outs = ["a.step", "a.igs"].map(|name| folder.path().join(name));
+    converted(&[arg(&input), arg(&outs[0]), arg(&outs[1]), "--net", "5x4", "--quiet"]);
+    let points = scan.points.iter().map(|p| (*p).into()).collect();
+    let triangles = scan.triangles.iter().map(|t| t.map(scan2step::geometry::VertexId));
+    let mesh = scan2step::mesh::Mesh { points, triangles: triangles.collect() };
+    let mut random = damage::Random(0x2545_f491_4f6c_dd1d);
+    for out in &outs {
+        let good = std::fs::read(out).expect("a file");
+        let mut measured = 0;
+        for _ in 0..ROUNDS {
+            let mut file = good.clone();
+            damage::damage(&mut file, &mut random);
+            let check = || {
+                let model = formats::cad::read_cad_from(out, &file).ok()?;
+                scan2step::check::check(&model, &mesh).ok()
+            };
+            let found = catch_unwind(AssertUnwindSafe(check));
+            measured +=
+                usize::from(found.unwrap_or_else(|_| panic!("{}", file.escape_ascii())).is_some());
+        }
+        assert!(measured > 0 && measured < ROUNDS, "{measured} of {ROUNDS}");
+    }
 }

@@ -36,7 +36,7 @@ from OCP.Geom2d import Geom2d_BSplineCurve, Geom2d_TrimmedCurve
 from OCP.GProp import GProp_GProps
 from OCP.IGESControl import IGESControl_Reader
 from OCP.IGESGeom import IGESGeom_BSplineCurve
-from OCP.Interface import Interface_Static
+from OCP.Interface import Interface_CheckTool, Interface_Static
 from OCP.Resource import Resource_DataMapOfAsciiStringAsciiString
 from OCP.STEPControl import STEPControl_Reader
 from OCP.StepBasic import StepBasic_Product
@@ -186,8 +186,23 @@ def tolerance(shapes):
 
 def area_of(shape):
     properties = GProp_GProps()
-    BRepGProp.SurfaceProperties_s(shape, properties)
+    # Without a bound the area of a trimmed face comes out wrong by up to 0.4%.
+    BRepGProp.SurfaceProperties_s(shape, properties, 1e-5, False)
     return properties.Mass()
+
+
+def file_faults(reader, path):
+    """What OpenCASCADE's check of each entity against its type finds."""
+    model = reader.StepModel() if is_step(path) else reader.IGESModel()
+    checks = Interface_CheckTool(model).CompleteCheckList()
+    checks.Start()
+    found = []
+    while checks.More():
+        check = checks.Value()
+        found += [check.CFail(i + 1) for i in range(check.NbFails())]
+        found += [check.CWarning(i + 1) for i in range(check.NbWarnings())]
+        checks.Next()
+    return found
 
 
 def bounding_box(shape):
@@ -398,6 +413,7 @@ def distance(shape, path):
 def report(path, points):
     reader, roots, shape = read(path, heal=True)
     answer = {"file": os.path.basename(path), "roots": roots}
+    answer["file_faults"] = file_faults(reader, path)
     if shape is None or shape.IsNull():
         return answer | {"faces": 0, "valid": False}
     faces = faces_of(shape)

@@ -187,7 +187,7 @@ impl<'d> Geometry<'d> {
                 let (towards, distance) = (p.point()?, p.real()?);
                 let base = p.integer()?;
                 let base = self.plain_surface(base, depth + 1)?;
-                let turned = corner_normal(&base).is_some_and(|n| dot(n, towards) < 0.0);
+                let turned = middle_normal(&base).is_some_and(|n| dot(n, towards) < 0.0);
                 let distance = if turned { -distance } else { distance };
                 Ok(CadSurface::Offset { base: Arc::new(base), distance })
             }
@@ -328,19 +328,28 @@ fn over_unit(mut spline: SplineCurve<3>) -> CadCurve<3> {
     CadCurve { shape: CurveShape::Spline(spline), range: None }
 }
 
-/// The normal at the start of the parameters, of any length.
-fn corner_normal(surface: &CadSurface) -> Option<[f64; 3]> {
-    let difference = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| b[i] - a[i]);
+/// About the normal in the middle of the parameters, where an offset says on
+/// which side it is; of any length. `None` where there is no middle.
+fn middle_normal(surface: &CadSurface) -> Option<[f64; 3]> {
     match surface {
         CadSurface::Spline(spline) => {
-            let n = spline.v.poles();
-            let poles = &spline.poles;
-            let (su, sv) = (difference(poles[0], poles[n]), difference(poles[0], poles[1]));
+            let (u, v) = (middle_poles(&spline.u), middle_poles(&spline.v));
+            let pole = |i: usize, j: usize| spline.poles[i * spline.v.poles() + j];
+            let between = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| b[i] - a[i]);
+            let su = between(pole(u[0], v[0]), pole(u[1], v[0]));
+            let sv = between(pole(u[0], v[0]), pole(u[0], v[1]));
             Some(cross(su, sv))
         }
         CadSurface::Plane { x, y, .. } => Some(cross(*x, *y)),
-        CadSurface::Cylinder { x, .. } => Some(*x),
-        CadSurface::Offset { base, .. } => corner_normal(base),
-        CadSurface::Extrusion { .. } => None,
+        CadSurface::Offset { base, .. } => middle_normal(base),
+        CadSurface::Cylinder { .. } | CadSurface::Extrusion { .. } => None,
     }
+}
+
+/// Two neighbouring poles that matter in the middle of the range.
+fn middle_poles(knots: &SplineKnots) -> [usize; 2] {
+    let (low, high) = knots.range();
+    let span = knots.knots().partition_point(|t| *t <= 0.5 * (low + high));
+    let first = span.saturating_sub(1 + knots.degree().div_ceil(2)).min(knots.poles() - 2);
+    [first, first + 1]
 }
