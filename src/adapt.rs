@@ -51,6 +51,9 @@ pub struct Adapted {
     pub kappa: f64,
     /// Fits made.
     pub rounds: usize,
+    /// Mean distance, in mm, between a sample and the surface at the sample's
+    /// parameter.
+    pub mean_error: f64,
 }
 
 /// κ as a share of the tolerance.
@@ -82,7 +85,8 @@ pub fn fit(
             [KnotVector::uniform(3, m), KnotVector::uniform(3, n)],
             options.method,
         )?;
-        return Ok((surface, Adapted { fit, knots: None, kappa: 0.0, rounds: 1 }));
+        let mean_error = fit::mean_error(&surface, samples);
+        return Ok((surface, Adapted { fit, knots: None, kappa: 0.0, rounds: 1, mean_error }));
     }
     let place = knots::Options {
         kappa: asked.kappa.unwrap_or(KAPPA_SHARE * goal.tolerance),
@@ -105,7 +109,9 @@ pub fn fit(
         idle = if misses.beyond as f64 <= WORTHWHILE * least { 0 } else { idle + 1 };
         if best.as_ref().is_none_or(|b| misses < b.0) {
             let knots = Some(report.clone());
-            best = Some((misses, surface, Adapted { fit, knots, kappa: place.kappa, rounds }));
+            let mean_error = fit::mean_error(&surface, samples);
+            let adapted = Adapted { fit, knots, kappa: place.kappa, rounds, mean_error };
+            best = Some((misses, surface, adapted));
         }
         let given_up = !goal.named && idle > PATIENCE;
         if misses.beyond <= misses.spared || given_up || asked.kappa.is_some() {

@@ -132,7 +132,10 @@ fn the_papers_comparison() {
         weights: vec![1.0; scan.points.len()],
     };
     let knots = || [KnotVector::uniform(3, 13), KnotVector::uniform(3, 13)];
-    let error = |method| fit::fit(&samples, knots(), method).expect("a fit").1.mean_error;
+    let error = |method| {
+        let (surface, _) = fit::fit(&samples, knots(), method).expect("a fit");
+        fit::mean_error(&surface, &samples)
+    };
     let (blend, global) = (error(fit::Method::Blend), error(fit::Method::Global));
     let refined = error(fit::Method::Refined);
     println!("mean error: blended {blend:.4}, global {global:.4}, ratio {:.2} mm", blend / global);

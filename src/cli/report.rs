@@ -129,7 +129,7 @@ fn fit_report(c: &Conversion) -> Value {
         "max_mm": d.max,
         "max_at": d.max_at,
         "within_pct": 100.0 * within as f64 / d.distances.len().max(1) as f64,
-        "mean_parametric_mm": c.fit.fit.mean_error,
+        "mean_parametric_mm": c.fit.mean_error,
         "kappa_mm": c.fit.kappa,
         "rounds": c.fit.rounds,
         "steps": c.fit.fit.steps,

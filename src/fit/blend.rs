@@ -6,158 +6,228 @@
 //! functions are the polynomials that the B-splines are on the cell, continued
 //! outside it: cut off at the cell, as a literal reading of the paper has it,
 //! the flanks' points would pull the fit towards zero. A control point is the
-//! mean of the estimates by the cells in which its function matters most.
+//! mean of the estimates by the cells that it belongs to, each with the weight
+//! that its points give it there: a diagonal entry of the cell's Gram matrix.
+//!
+//! A flank depends on a point's place in its own cell alone, so that one visit a
+//! point yields all that its nine cells need: sums of powers under each of the
+//! nine windows.
 
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 
 use super::cells::Cells;
-use crate::geometry::Vector;
-use crate::spline::{KnotVector, Samples};
+use super::moments::{Moments, powers};
+use super::normal::Lane;
+use super::spans::{Cubic, PAIRS, Sextic, Span, products};
 
 type Gram = SMatrix<f64, 16, 16>;
 type Coefficients = SMatrix<f64, 16, 3>;
 
-/// The control net.
-pub fn fit(samples: &Samples, cells: &Cells) -> Vec<Vector> {
+/// The control net, and each control point's weight: none where there are no
+/// points to say anything about it.
+pub fn fit(cells: &Cells) -> (Vec<Lane>, Vec<f64>) {
     let [across, down] = cells.counts();
-    let local: Vec<Coefficients> = (0..across * down)
-        .into_par_iter()
-        .map(|n| local_fit(samples, cells, n / down, n % down))
-        .collect();
-    let mut net = Vec::with_capacity((across + 3) * (down + 3));
-    for i in 0..across + 3 {
-        for j in 0..down + 3 {
-            let mut sum = Vector::zeros();
-            let (us, vs) = (estimators(i, across), estimators(j, down));
-            for p in us.clone() {
-                for q in vs.clone() {
-                    let row = local[p * down + q].row(4 * (i - p) + j - q);
-                    sum += row.transpose();
-                }
-            }
-            net.push(sum / (us.len() * vs.len()) as f64);
-        }
+    let mut blend = Blend::new(across, down);
+    let strip = |p: usize| -> Vec<Windowed> {
+        (0..down).into_par_iter().map(|q| Windowed::new(cells, p, q)).collect()
+    };
+    // Three strips of cells are in memory at a time.
+    let mut around = [None, None, Some(strip(0))];
+    for p in 0..across {
+        around.rotate_left(1);
+        around[2] = (p + 1 < across).then(|| strip(p + 1));
+        let local = |q: usize| local_fit(cells, &around, p, q);
+        let fits: Vec<Local> = (0..down).into_par_iter().map(local).collect();
+        fits.iter().enumerate().for_each(|(q, fit)| blend.add(p, q, fit));
     }
-    net
+    (blend.net(), blend.weights)
 }
 
-/// The cells, along one parameter, whose estimates of control point `i` are
-/// averaged. Cell p owns the control points p … p+3, and the two in the middle
-/// are its best; the ends have one cell only.
-fn estimators(i: usize, cells: usize) -> std::ops::Range<usize> {
-    let first = if i < 2 { 0 } else { (i - 2).min(cells - 1) };
-    let last = if i < 2 { 0 } else { (i - 1).min(cells - 1) };
-    first..last + 1
+/// The sums over one cell's points under the windows of the cells before it, its
+/// own, and of those after it: `[u][v]`.
+struct Windowed([[Moments; 3]; 3]);
+
+impl Windowed {
+    fn new(cells: &Cells, p: usize, q: usize) -> Self {
+        let mut sums = [0; 3].map(|_| [0; 3].map(|_| Moments::zero()));
+        for sample in cells.samples(p, q) {
+            let (s, t) = (powers(sample.place.x), powers(sample.place.y));
+            let (us, vs) = (windows(sample.place.x), windows(sample.place.y));
+            for (row, u) in sums.iter_mut().zip(us) {
+                for (sums, v) in row.iter_mut().zip(vs) {
+                    sums.add(sample.weight * u * v, &s, &t, sample.point);
+                }
+            }
+        }
+        Windowed(sums)
+    }
+}
+
+/// The paper's windows over the cell before, the own and the one after, at a
+/// place from −1 to 1 in the own: 1 inside, exp(−d²/(w/2)²) at a distance d
+/// beyond a side, where w is the width of the neighbour there.
+fn windows(s: f64) -> [f64; 3] {
+    [(-(1.0 + s) * (1.0 + s)).exp(), 1.0, (-(1.0 - s) * (1.0 - s)).exp()]
+}
+
+/// What one cell's points say of the 16 control points of the cell.
+struct Local {
+    coefficients: Coefficients,
+    /// With what weight: the diagonal of the Gram matrix. Zeros where there are too few
+    /// points to say anything.
+    weights: SVector<f64, 16>,
 }
 
 /// Points that a local fit needs: one a coefficient.
 const FEWEST: usize = 16;
 
-fn local_fit(samples: &Samples, cells: &Cells, p: usize, q: usize) -> Coefficients {
+fn local_fit(cells: &Cells, around: &[Option<Vec<Windowed>>; 3], p: usize, q: usize) -> Local {
+    let (mut gram, mut right, mut count) = (Products::zeros(), Coefficients::zeros(), 0);
     let [across, down] = cells.counts();
-    let within = |reach: usize| {
-        let (ps, qs) = (around(p, reach, across), around(q, reach, down));
-        ps.flat_map(move |pp| qs.clone().map(move |qq| cells.samples(pp, qq)))
-    };
-    // The paper's nine cells; more where those hold too few points.
-    let enough = |reach: &usize| within(*reach).map(<[u32]>::len).sum::<usize>() >= FEWEST;
-    let most = across.max(down);
-    let reach = (1..most).find(enough).unwrap_or(most);
-    let windows = [Window::new(cells.u, p, reach), Window::new(cells.v, q, reach)];
-    let mut sums = Sums::new();
-    for &i in within(reach).flatten() {
-        let (at, i) = (samples.uv[i as usize], i as usize);
-        let weight = samples.weights[i] * windows[0].at(at.x) * windows[1].at(at.y);
-        let bu = cells.u.basis_in(p + 3, at.x).derivative[0];
-        let bv = cells.v.basis_in(q + 3, at.y).derivative[0];
-        let basis = SVector::<f64, 16>::from_fn(|k, _| bu[k / 4] * bv[k % 4]);
-        sums.add(weight, &basis, samples.points[i].coords, at.coords);
+    for (dp, strip) in around.iter().enumerate().filter(|(dp, _)| (1..=across).contains(&(p + dp)))
+    {
+        let Some(strip) = strip else { continue };
+        let u = Continued::new(cells, 0, p + dp - 1, p);
+        for dq in (0..3).filter(|dq| (1..=down).contains(&(q + dq))) {
+            let v = Continued::new(cells, 1, q + dq - 1, q);
+            let sums = &strip[q + dq - 1].0[2 - dp][2 - dq];
+            u.add_gram(&v, sums, &mut gram);
+            u.add_right(&v, sums, &mut right);
+            count += cells.count(p + dp - 1, q + dq - 1);
+        }
     }
-    sums.solve(cells, p, q)
+    if count < FEWEST {
+        return Local { coefficients: Coefficients::zeros(), weights: SVector::zeros() };
+    }
+    solve(cells, p, q, &full(&gram), &right)
 }
 
-/// The cells up to `reach` beside `cell`, of `count`.
-fn around(cell: usize, reach: usize, count: usize) -> std::ops::Range<usize> {
-    cell.saturating_sub(reach)..(cell + reach + 1).min(count)
+/// Sums of products of two functions in u, by their place in [`PAIRS`], and two
+/// in v.
+type Products = SMatrix<f64, 10, 10>;
+
+/// The four functions of one span as polynomials over another.
+struct Continued {
+    basis: [Cubic; 4],
+    products: [Sextic; 10],
 }
 
-/// The paper's window over one cell: 1 inside, exp(−d²/(w/2)²) at a distance d
-/// beyond a side, where w is the width of the neighbour (or neighbours) there.
-struct Window {
-    low: f64,
-    high: f64,
-    before: f64,
-    after: f64,
-}
-
-impl Window {
-    fn new(knots: &KnotVector, cell: usize, reach: usize) -> Self {
-        let k = knots.knots();
-        let (low, high) = (k[cell + 3], k[cell + 4]);
-        let first = k[(cell + 3).saturating_sub(reach).max(3)];
-        let last = k[(cell + 4 + reach).min(knots.functions())];
-        Window { low, high, before: low - first, after: last - high }
+impl Continued {
+    fn new(cells: &Cells, axis: usize, to: usize, of: usize) -> Self {
+        let span: &Span = &cells.spans[axis].all[to];
+        let basis = if to == of { span.basis } else { span.pieces(cells.knots[axis], of) };
+        Continued { products: products(&basis), basis }
     }
 
-    fn at(&self, t: f64) -> f64 {
-        let flank = |d: f64, width: f64| (-(2.0 * d / width).powi(2)).exp();
-        if t < self.low {
-            flank(self.low - t, self.before)
-        } else if t > self.high {
-            flank(t - self.high, self.after)
-        } else {
-            1.0
+    fn add_gram(&self, v: &Continued, sums: &Moments, to: &mut Products) {
+        for (n, product) in v.products.iter().enumerate() {
+            let mut across = [0.0; 8];
+            for (row, c) in sums.gram.iter().zip(product) {
+                across.iter_mut().zip(row).for_each(|(sum, m)| *sum += c * m);
+            }
+            for (m, product) in self.products.iter().enumerate() {
+                to[(m, n)] += product.iter().zip(&across).map(|(c, s)| c * s).sum::<f64>();
+            }
+        }
+    }
+
+    fn add_right(&self, v: &Continued, sums: &Moments, to: &mut Coefficients) {
+        for (b, piece) in v.basis.iter().enumerate() {
+            for (axis, rows) in sums.right.iter().enumerate() {
+                let mut across = [0.0; 4];
+                for (row, c) in rows.iter().zip(piece) {
+                    across.iter_mut().zip(row).for_each(|(sum, m)| *sum += c * m);
+                }
+                for (a, piece) in self.basis.iter().enumerate() {
+                    let sum = piece.iter().zip(&across).map(|(c, s)| c * s).sum::<f64>();
+                    to[(4 * a + b, axis)] += sum;
+                }
+            }
         }
     }
 }
 
-/// Sums over a cell's points: for the 16 coefficients, and for the plane
-/// a + b u + c v that stands in where the points do not determine them.
-struct Sums {
-    gram: Gram,
-    right: Coefficients,
-    plane_gram: SMatrix<f64, 3, 3>,
-    plane_right: SMatrix<f64, 3, 3>,
+/// The Gram matrix of the 16 functions.
+fn full(products: &Products) -> Gram {
+    let mut gram = Gram::zeros();
+    for (m, (a, c)) in PAIRS.into_iter().enumerate() {
+        for (n, (b, d)) in PAIRS.into_iter().enumerate() {
+            let value = products[(m, n)];
+            for (k, l) in [(4 * a + b, 4 * c + d), (4 * a + d, 4 * c + b)] {
+                gram[(k, l)] = value;
+                gram[(l, k)] = value;
+            }
+        }
+    }
+    gram
 }
 
-impl Sums {
-    fn new() -> Self {
-        Sums {
-            gram: SMatrix::zeros(),
-            right: SMatrix::zeros(),
-            plane_gram: SMatrix::zeros(),
-            plane_right: SMatrix::zeros(),
+/// The coefficients that the points determine, and for the rest of the space
+/// those of the points' plane: a spline over the Greville abscissae reproduces
+/// it. The plane's pull vanishes with the points' number; few points determine
+/// the continued polynomials so badly that they would throw the control points
+/// far off.
+fn solve(cells: &Cells, p: usize, q: usize, gram: &Gram, right: &Coefficients) -> Local {
+    let plane = SMatrix::<f64, 16, 3>::from_fn(|k, c| {
+        let [u, v] = [(0, p + k / 4), (1, q + k % 4)];
+        [1.0, cells.knots[0].greville(u.1), cells.knots[1].greville(v.1)][c]
+    });
+    let plane_gram = plane.transpose() * gram * plane;
+    let damp = SMatrix::<f64, 3, 3>::identity() * (1e-12 * plane_gram.trace());
+    let prior =
+        (plane_gram + damp).cholesky().map(|f| plane * f.solve(&(plane.transpose() * right)));
+    let prior = prior.unwrap_or_else(Coefficients::zeros);
+    let pull = 1e-9 + 1e-2 * (8.0 / plane_gram[(0, 0)].max(1.0)).powi(6);
+    let weak = pull * gram.trace() / 16.0;
+    match (gram + Gram::identity() * weak).cholesky() {
+        Some(f) => {
+            Local { coefficients: f.solve(&(right + prior * weak)), weights: gram.diagonal() }
+        }
+        None => Local { coefficients: prior, weights: SVector::zeros() },
+    }
+}
+
+/// The weighted means of what the cells say.
+struct Blend {
+    counts: [usize; 2],
+    sums: Vec<Lane>,
+    weights: Vec<f64>,
+}
+
+impl Blend {
+    fn new(across: usize, down: usize) -> Self {
+        let size = (across + 3) * (down + 3);
+        Blend { counts: [across, down], sums: vec![Lane::zeros(); size], weights: vec![0.0; size] }
+    }
+
+    fn add(&mut self, p: usize, q: usize, local: &Local) {
+        let [across, down] = self.counts;
+        for k in (0..16).filter(|k| {
+            estimators(p + k / 4, across).contains(&p) && estimators(q + k % 4, down).contains(&q)
+        }) {
+            let at = (p + k / 4) * (down + 3) + q + k % 4;
+            let row = local.coefficients.row(k);
+            self.sums[at] += Lane::new(row[0], row[1], row[2], 0.0) * local.weights[k];
+            self.weights[at] += local.weights[k];
         }
     }
 
-    fn add(&mut self, weight: f64, b: &SVector<f64, 16>, p: Vector, uv: nalgebra::Vector2<f64>) {
-        let plane = SVector::<f64, 3>::new(1.0, uv.x, uv.y);
-        self.gram.syger(weight, b, b, 1.0);
-        self.right.ger(weight, b, &p, 1.0);
-        self.plane_gram.ger(weight, &plane, &plane, 1.0);
-        self.plane_right.ger(weight, &plane, &p, 1.0);
+    fn net(&self) -> Vec<Lane> {
+        let mean = |(sum, &w): (&Lane, &f64)| if w > 0.0 { sum / w } else { Lane::zeros() };
+        self.sums.iter().zip(&self.weights).map(mean).collect()
     }
+}
 
-    /// The coefficients that the points determine, and for the rest of the
-    /// space those of the points' plane: a spline over the Greville abscissae
-    /// reproduces it. The plane's pull vanishes with the points' number; few
-    /// points determine the continued polynomials so badly that they would
-    /// throw the control points far off.
-    fn solve(&self, cells: &Cells, p: usize, q: usize) -> Coefficients {
-        let damp = SMatrix::<f64, 3, 3>::identity() * (1e-12 * self.plane_gram.trace());
-        let plane = (self.plane_gram + damp).cholesky().map(|f| f.solve(&self.plane_right));
-        let plane = plane.unwrap_or_else(SMatrix::zeros);
-        let prior = Coefficients::from_fn(|k, axis| {
-            let (u, v) = (cells.u.greville(p + k / 4), cells.v.greville(q + k % 4));
-            plane[(0, axis)] + plane[(1, axis)] * u + plane[(2, axis)] * v
-        });
-        let count = self.plane_gram[(0, 0)];
-        let pull = 1e-9 + 1e-2 * (8.0 / count.max(1.0)).powi(6);
-        let weak = pull * self.gram.trace() / 16.0;
-        let gram = self.gram + Gram::identity() * weak;
-        let factor = gram.cholesky();
-        factor.map_or(prior, |f| f.solve(&(self.right + prior * weak)))
+/// The cells, along one parameter, whose estimates of control point `i` are
+/// averaged: all four that its function reaches into, but at the ends, where the
+/// last two come from the last cell. The paper takes the middle two, and halves
+/// of them; weights of their own let the outer ones help.
+fn estimators(i: usize, cells: usize) -> std::ops::Range<usize> {
+    match i {
+        1 => 0..1,
+        _ if i == cells + 1 => cells - 1..cells,
+        _ => i.saturating_sub(3)..(i + 1).min(cells),
     }
 }
 
@@ -166,18 +236,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn ends_come_from_one_cell_and_the_rest_from_two() {
-        let all: Vec<_> = (0..7).map(|i| estimators(i, 4)).collect();
-        assert_eq!(all, [0..1, 0..1, 0..2, 1..3, 2..4, 3..4, 3..4]);
+    fn ends_come_from_one_cell_and_the_rest_from_all() {
+        let all: Vec<_> = (0..8).map(|i| estimators(i, 5)).collect();
+        assert_eq!(all, [0..1, 0..1, 0..3, 0..4, 1..5, 2..5, 4..5, 4..5]);
         assert_eq!((0..4).map(|i| estimators(i, 1)).collect::<Vec<_>>(), vec![0..1; 4]);
     }
 
     #[test]
-    fn the_window_falls_off_by_the_neighbours_width() {
-        let knots = KnotVector::clamped(3, &[0.0, 0.4, 0.5, 1.0], 1);
-        let w = Window::new(&knots, 1, 1);
-        assert_eq!([w.at(0.4), w.at(0.45), w.at(0.5)], [1.0; 3]);
-        assert!((w.at(0.2) - (-1f64).exp()).abs() < 1e-12);
-        assert!((w.at(0.75) - (-1f64).exp()).abs() < 1e-12);
+    fn windows_fall_off_by_the_neighbours_width() {
+        // At a cell's end the window of the cell after it begins to fall off.
+        assert_eq!(windows(1.0)[1..], [1.0, 1.0]);
+        assert!((windows(0.0)[0] - (-1f64).exp()).abs() < 1e-12);
+        assert!((windows(1.0)[0] - (-4f64).exp()).abs() < 1e-12);
     }
 }

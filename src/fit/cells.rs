@@ -1,54 +1,96 @@
 //! Samples sorted by the knot cell that holds them.
 
+use rayon::prelude::*;
+
+use super::spans::Spans;
+use crate::geometry::{Uv, Vector};
 use crate::spline::{KnotVector, Samples};
 
 /// The knot cells of a net, and the samples in each.
 pub struct Cells<'a> {
-    /// Knot vector in u.
-    pub u: &'a KnotVector,
-    /// Knot vector in v.
-    pub v: &'a KnotVector,
+    /// The samples.
+    pub samples: &'a Samples,
+    /// Knot vectors in u and v.
+    pub knots: [&'a KnotVector; 2],
+    /// Their spans.
+    pub spans: [Spans; 2],
+    /// Where the net is counted from, so that sums do not suffer from a scan
+    /// that lies far from the origin.
+    pub origin: Vector,
     starts: Vec<u32>,
     order: Vec<u32>,
+}
+
+/// A sample in a cell: its place in the cell, (−1, −1) to (1, 1), its weight,
+/// and its point less the origin.
+pub struct Local {
+    pub place: Uv,
+    pub weight: f64,
+    pub point: Vector,
 }
 
 impl<'a> Cells<'a> {
     /// Sorts the samples, stably, so that sums over a cell do not depend on
     /// anything but the input's order.
-    pub fn new(samples: &Samples, u: &'a KnotVector, v: &'a KnotVector) -> Self {
-        let mut cells = Cells { u, v, starts: Vec::new(), order: Vec::new() };
-        let [across, down] = cells.counts();
-        let mut counts = vec![0u32; across * down + 1];
-        let homes: Vec<u32> =
-            samples.uv.iter().map(|at| cells.number(u.span(at.x) - 3, v.span(at.y) - 3)).collect();
+    pub fn new(samples: &'a Samples, knots: [&'a KnotVector; 2]) -> Self {
+        let spans = knots.map(Spans::new);
+        let down = spans[1].all.len();
+        let home = |at: &Uv| (spans[0].find(at.x) * down + spans[1].find(at.y)) as u32;
+        let homes: Vec<u32> = samples.uv.par_iter().map(home).collect();
+        let mut starts = vec![0u32; spans[0].all.len() * down + 1];
         for &home in &homes {
-            counts[home as usize + 1] += 1;
+            starts[home as usize + 1] += 1;
         }
-        for i in 1..counts.len() {
-            counts[i] += counts[i - 1];
+        for i in 1..starts.len() {
+            starts[i] += starts[i - 1];
         }
-        cells.starts = counts.clone();
-        cells.order = vec![0; homes.len()];
+        let mut next = starts.clone();
+        let mut order = vec![0; homes.len()];
         for (i, &home) in homes.iter().enumerate() {
-            cells.order[counts[home as usize] as usize] = i as u32;
-            counts[home as usize] += 1;
+            let next = &mut next[home as usize];
+            order[*next as usize] = i as u32;
+            *next += 1;
         }
-        cells
+        let sum = samples.points.iter().fold(Vector::zeros(), |sum, p| sum + p.coords);
+        let origin = sum / samples.len().max(1) as f64;
+        Cells { samples, knots, spans, origin, starts, order }
     }
 
     /// How many cells there are in u and in v. Knots inside are single, so a
     /// net of n control points has n − 3 cells.
     pub fn counts(&self) -> [usize; 2] {
-        [self.u.functions() - 3, self.v.functions() - 3]
+        self.spans.each_ref().map(|s| s.all.len())
     }
 
-    fn number(&self, p: usize, q: usize) -> u32 {
-        (p * self.counts()[1] + q) as u32
+    /// How many samples cell (p, q) has.
+    pub fn count(&self, p: usize, q: usize) -> usize {
+        self.indices(p, q).len()
+    }
+
+    fn indices(&self, p: usize, q: usize) -> &[u32] {
+        let n = p * self.counts()[1] + q;
+        &self.order[self.starts[n] as usize..self.starts[n + 1] as usize]
     }
 
     /// The samples in cell (p, q).
-    pub fn samples(&self, p: usize, q: usize) -> &[u32] {
-        let n = self.number(p, q) as usize;
-        &self.order[self.starts[n] as usize..self.starts[n + 1] as usize]
+    pub fn samples(&self, p: usize, q: usize) -> impl Iterator<Item = Local> + '_ {
+        let (u, v) = (&self.spans[0].all[p], &self.spans[1].all[q]);
+        self.indices(p, q).iter().map(move |&i| {
+            let (i, at) = (i as usize, self.samples.uv[i as usize]);
+            Local {
+                place: Uv::new(u.local(at.x), v.local(at.y)),
+                weight: self.samples.weights[i],
+                point: self.samples.points[i].coords - self.origin,
+            }
+        })
+    }
+
+    /// The places of the samples in cell (p, q).
+    pub fn places(&self, p: usize, q: usize) -> impl Iterator<Item = Uv> + '_ {
+        let (u, v) = (&self.spans[0].all[p], &self.spans[1].all[q]);
+        self.indices(p, q).iter().map(move |&i| {
+            let at = self.samples.uv[i as usize];
+            Uv::new(u.local(at.x), v.local(at.y))
+        })
     }
 }

@@ -1,94 +1,122 @@
 //! A fairing term for what the samples leave open: thin-plate energy
-//! ∫ |S_xx|² + 2 |S_xy|² + |S_yy|² over the patch laid flat, in mm.
+//! ∫ |S_xx|² + 2 |S_xy|² + |S_yy|² dx dy, where x and y run along u and v and
+//! are lengths in mm, measured cell by cell.
 //!
-//! In cells with samples its weight is such that only detail far below a
-//! cell's size would feel it; in cells with few or none it is stronger.
+//! A cell without samples feels it as strongly as the samples would hold it;
+//! with their number the weight falls off so steeply that where a cell is
+//! covered nothing of it is left but what keeps the equations regular.
+
+use rayon::prelude::*;
 
 use super::cells::Cells;
-use super::normal::{Equations, REACH};
-use crate::spline::{KnotVector, Samples};
+use super::spans::{Cubic, PAIRS, Span};
+use super::strips::{Census, Strip};
 
-/// The term damps detail of this share of a mean cell's diameter by half.
-const SHARE: f64 = 0.02;
+/// Weight of the term in a cell without samples, of that of a mean cell's.
+const EMPTY: f64 = 1e-2;
 
-/// Cells with fewer samples than this feel it more and more.
-const FEW: f64 = 16.0;
+/// Samples, spread over the cell, from which on the term fades.
+const FEW: f64 = 4.0;
 
-/// Adds the term to the matrix.
-pub fn add(equations: &mut Equations, samples: &Samples, cells: &Cells) {
-    let [lu, lv] = extent(samples);
-    let [across, down] = cells.counts();
-    let total: f64 = samples.weights.iter().sum();
-    let density = total / (lu * lv);
-    let diameter = (lu / across as f64).hypot(lv / down as f64);
-    let weight = density * (SHARE * diameter).powi(4) * lu * lv;
-    let u: Vec<Products> = (0..across).map(|p| Products::new(cells.u, p + 3, lu)).collect();
-    let v: Vec<Products> = (0..down).map(|q| Products::new(cells.v, q + 3, lv)).collect();
-    let nv = equations.shape[1];
-    for (p, q) in (0..across).flat_map(|p| (0..down).map(move |q| (p, q))) {
-        let count = cells.samples(p, q).len() as f64;
-        let here = weight * (1.0 + (FEW / (1.0 + count)).powi(4));
-        for k in 0..16 {
-            let row = &mut equations.rows[(p + k / 4) * nv + q + k % 4];
-            for l in 0..16 {
-                let [mu, mv] = [(&u[p], k / 4, l / 4), (&v[q], k % 4, l % 4)]
-                    .map(|(products, i, j)| [0, 1, 2].map(|order| products.of[order][i][j]));
-                let entry = (l / 4 + 3 - k / 4) * REACH + l % 4 + 3 - k % 4;
-                row[entry] += here * (mu[2] * mv[0] + 2.0 * mu[1] * mv[1] + mu[0] * mv[2]);
+/// Integrals over a strip: `of[order][j][d]` is that of the weight times the
+/// derivatives of order `order` of B_j and B_{j+d} in v, and belongs to the
+/// derivatives of order 2 − `order` in u.
+pub struct Fairing {
+    pub of: [Vec<[f64; 4]>; 3],
+}
+
+/// The term of every strip.
+pub fn strips(strips: &[Strip], cells: &Cells) -> Vec<Fairing> {
+    let metric = Metric::new(strips, cells);
+    let energies: Vec<[[f64; 10]; 3]> = cells.spans[1].all.iter().map(energies).collect();
+    strips.par_iter().enumerate().map(|(p, s)| strip(p, s, &metric, &energies)).collect()
+}
+
+fn strip(p: usize, strip: &Strip, metric: &Metric, energies: &[[[f64; 10]; 3]]) -> Fairing {
+    let mut of = [0; 3].map(|_| vec![[0.0; 4]; strip.cells.len() + 3]);
+    for (q, (cell, energy)) in strip.cells.iter().zip(energies).enumerate() {
+        let [x, y] = metric.half(p, q, cell);
+        let fade = (FEW / (FEW + cell.covering)).powi(6);
+        let weight = EMPTY * fade * metric.weight * x.min(y).powi(4);
+        let scales = [x.powi(-4), 2.0 / (x * y).powi(2), y.powi(-4)];
+        for order in 0..3 {
+            let scale = weight * scales[order];
+            for (value, (b, d)) in energy[order].iter().zip(PAIRS) {
+                of[order][q + b][d - b] += scale * value;
             }
         }
     }
+    Fairing { of }
 }
 
-/// The lengths, in mm, of the patch along u and v: mean distance of samples in
-/// space over their distance in the plane, by least squares on the linear map.
-fn extent(samples: &Samples) -> [f64; 2] {
-    let n = samples.len() as f64;
-    let mean_uv = samples.uv.iter().fold(nalgebra::Vector2::zeros(), |s, p| s + p.coords) / n;
-    let mean = samples.points.iter().fold(nalgebra::Vector3::zeros(), |s, p| s + p.coords) / n;
-    let mut gram = nalgebra::Matrix2::zeros();
-    let mut right = nalgebra::Matrix2x3::zeros();
-    for (uv, p) in samples.uv.iter().zip(&samples.points) {
-        let d = uv.coords - mean_uv;
-        gram += d * d.transpose();
-        right += d * (p.coords - mean).transpose();
-    }
-    let size = samples.points.iter().map(|p| (p.coords - mean).norm()).sum::<f64>() / n;
-    let slopes = gram.try_inverse().map(|inverse| inverse * right);
-    // A rolled-up sheet has no linear part; its size stands in.
-    [0, 1].map(|k| slopes.map_or(size, |s| s.row(k).norm()).max(size).max(f64::MIN_POSITIVE))
+/// Integrals of the products of [`PAIRS`], of their derivatives in s and of
+/// their second ones, over a span with s from −1 to 1.
+pub fn energies(span: &Span) -> [[f64; 10]; 3] {
+    let mut pieces = span.basis;
+    [0; 3].map(|_| {
+        let products = super::spans::products(&pieces);
+        pieces = pieces.map(derivative);
+        products.map(|p| (0..4).map(|i| 2.0 * p[2 * i] / (2 * i + 1) as f64).sum())
+    })
 }
 
-/// Integrals over one knot span of products of derivatives of order 0, 1, 2 of
-/// its four basis functions, along one parameter of length `length`.
-struct Products {
-    of: [[[f64; 4]; 4]; 3],
+fn derivative([_, b, c, d]: Cubic) -> Cubic {
+    [b, 2.0 * c, 3.0 * d, 0.0]
 }
 
-impl Products {
-    fn new(knots: &KnotVector, span: usize, length: f64) -> Self {
-        let (a, b) = (knots.knots()[span], knots.knots()[span + 1]);
-        let mut of = [[[0.0; 4]; 4]; 3];
-        for (node, share) in gauss4() {
-            let basis = knots.basis_in(span, a + node * (b - a));
-            for (order, table) in of.iter_mut().enumerate() {
-                let scale = share * (b - a) / length.powi(2 * order as i32);
-                let d = &basis.derivative[order];
-                for i in 0..4 {
-                    for j in 0..4 {
-                        table[i][j] += scale * d[i] * d[j];
-                    }
+/// How long, in mm, half a cell is along u and along v.
+struct Metric {
+    /// In mm a unit of u and of v: means over the strips of cells along v and
+    /// along u, and the mean of all.
+    lengths: [Vec<Option<f64>>; 2],
+    mean: [f64; 2],
+    halves: [Vec<f64>; 2],
+    /// Σ w of a mean cell.
+    weight: f64,
+}
+
+impl Metric {
+    fn new(strips: &[Strip], cells: &Cells) -> Self {
+        let halves = cells.spans.each_ref().map(|s| s.all.iter().map(Span::half).collect());
+        let [across, down] = cells.counts();
+        let mut sums = [vec![(0.0, 0.0); across], vec![(0.0, 0.0); down]];
+        let mut total = [(0.0, 0.0); 2];
+        let mut weights = (0.0, 0.0);
+        for (p, strip) in strips.iter().enumerate() {
+            for (q, cell) in strip.cells.iter().enumerate() {
+                if cell.weight > 0.0 {
+                    add(&mut weights, cell.weight);
+                }
+                let Some(slopes) = cell.slopes else { continue };
+                for (axis, n) in [p, q].into_iter().enumerate() {
+                    let halves: &Vec<f64> = &halves[axis];
+                    add(&mut sums[axis][n], slopes[axis] / halves[n]);
+                    add(&mut total[axis], slopes[axis] / halves[n]);
                 }
             }
         }
-        Products { of }
+        let mean = |(sum, count): (f64, f64)| (count > 0.0 && sum > 0.0).then(|| sum / count);
+        Metric {
+            lengths: sums.map(|sums| sums.into_iter().map(mean).collect()),
+            mean: total.map(|sum| mean(sum).unwrap_or(1.0)),
+            halves,
+            weight: mean(weights).unwrap_or(1.0),
+        }
+    }
+
+    /// The half lengths of cell (p, q): its own, or those usual around it.
+    fn half(&self, p: usize, q: usize, cell: &Census) -> [f64; 2] {
+        let usual = |axis: usize, n: usize| {
+            self.halves[axis][n] * self.lengths[axis][n].unwrap_or(self.mean[axis])
+        };
+        let usual = [usual(0, p), usual(1, q)];
+        let own = cell.slopes.unwrap_or(usual);
+        // Crushed or creased cells have no length to go by.
+        [0, 1].map(|k| own[k].clamp(1e-2 * usual[k], 1e2 * usual[k]))
     }
 }
 
-/// Nodes and weights over [0, 1], exact to degree 7: products of cubics.
-fn gauss4() -> [(f64, f64); 4] {
-    let inner = (3.0 / 7.0 - 2.0 / 7.0 * (6f64 / 5.0).sqrt()).sqrt();
-    let outer = (3.0 / 7.0 + 2.0 / 7.0 * (6f64 / 5.0).sqrt()).sqrt();
-    let (wi, wo) = ((18.0 + 30f64.sqrt()) / 72.0, (18.0 - 30f64.sqrt()) / 72.0);
-    [(-outer, wo), (-inner, wi), (inner, wi), (outer, wo)].map(|(x, w)| (0.5 + 0.5 * x, w))
+fn add((sum, count): &mut (f64, f64), x: f64) {
+    *sum += x;
+    *count += 1.0;
 }

@@ -1,144 +1,258 @@
-//! The normal equations of the global least-squares fit.
+//! The normal equations of the global least-squares fit, with the fairing term.
 
 use faer::prelude::Solve;
+use faer::sparse::linalg::solvers::Llt;
 use faer::sparse::{SparseColMat, Triplet};
-use nalgebra::{SMatrix, SVector};
+use nalgebra::Vector4;
 use rayon::prelude::*;
 
 use super::cells::Cells;
-use super::fairing;
+use super::fairing::{self, Fairing};
+use super::spans::{PAIRS, Span};
+use super::strips::Strip;
 use crate::error::{Error, Result};
-use crate::geometry::Vector;
-use crate::spline::{KnotVector, Samples};
 
-/// Neighbours along one parameter with which a cubic's control point shares a
-/// cell: three on each side and itself.
-pub const REACH: usize = 7;
+/// A control point in the solvers: its coordinates and a zero.
+pub type Lane = Vector4<f64>;
 
-/// A row of the matrix: entry (di + 3) * 7 + dj + 3 couples control point
-/// (i, j) with (i + di, j + dj).
-pub type Row = [f64; REACH * REACH];
-
-/// Least squares plus a weak fairing term, as one sparse symmetric system.
+/// Least squares plus a fairing term, as one sparse symmetric system.
+///
+/// The functions are products, and so is every sum over samples in one cell of
+/// two of them: B_i B_i′ (u) · B_j B_j′ (v) is the same for (i, j), (i′, j′) and
+/// for (i, j′), (i′, j). Of the 49 couplings of a control point 16 are left.
 pub struct Equations {
     /// Control points in u and v.
     pub shape: [usize; 2],
-    /// The matrix, a row a control point.
-    pub rows: Vec<Row>,
+    /// `bands[(4 i + d) nv + j][e]` couples (i, j) with (i + d, j + e), and (i, j + e)
+    /// with (i + d, j).
+    bands: Vec<[f64; 4]>,
     /// The right-hand side.
-    pub right: Vec<Vector>,
-    /// Marginal mass matrices, for the preconditioner: lower bands of
-    /// Σ w b(u) b(u)ᵀ and of the same in v.
-    pub marginals: [Vec<[f64; 4]>; 2],
-}
-
-struct CellSums {
-    gram: SMatrix<f64, 16, 16>,
-    right: SMatrix<f64, 16, 3>,
+    pub right: Vec<Lane>,
+    /// Σ w p², the residual of a net of zeros.
+    pub squares: f64,
+    /// What of the diagonal is due to the fairing term.
+    pub unsupported: Vec<f64>,
 }
 
 impl Equations {
-    /// Sums up the samples cell by cell and adds the fairing term.
-    pub fn new(samples: &Samples, cells: &Cells) -> Self {
-        let [across, down] = cells.counts();
-        let shape = [across + 3, down + 3];
-        let size = shape[0] * shape[1];
-        let mut equations = Equations {
-            shape,
-            rows: vec![[0.0; REACH * REACH]; size],
-            right: vec![Vector::zeros(); size],
-            marginals: [marginal(samples, cells.u, 0), marginal(samples, cells.v, 1)],
-        };
-        // A strip of cells at a time keeps the sums of all cells out of memory.
-        for p in 0..across {
-            let sums: Vec<CellSums> =
-                (0..down).into_par_iter().map(|q| cell_sums(samples, cells, p, q)).collect();
-            for (q, sums) in sums.iter().enumerate() {
-                equations.scatter(p, q, sums);
+    /// Sums up the samples, a visit each.
+    pub fn new(cells: &Cells) -> Self {
+        let strips = strips(cells);
+        let mut equations = Equations::fairing(&strips, cells);
+        let spans = &cells.spans[0].all;
+        equations.rows().for_each(|(i, (bands, right))| {
+            for p in strips_of(i, strips.len()) {
+                Row { span: &spans[p], number: i - p }.add_strip(&strips[p], bands, right);
             }
-        }
-        fairing::add(&mut equations, samples, cells);
+        });
+        equations.squares = strips.iter().map(|s| s.squares).sum();
         equations
     }
 
-    fn scatter(&mut self, p: usize, q: usize, sums: &CellSums) {
-        for k in 0..16 {
-            let (i, j) = (p + k / 4, q + k % 4);
-            let at = i * self.shape[1] + j;
-            self.right[at] += sums.right.row(k).transpose();
-            for l in 0..16 {
-                let entry = (l / 4 + 3 - k / 4) * REACH + l % 4 + 3 - k % 4;
-                self.rows[at][entry] += sums.gram[(k.max(l), k.min(l))];
-            }
+    /// Holds every control point of a net where it is with a weight of its own,
+    /// by the fairing term alone where that is zero.
+    pub fn holding(net: &[Lane], weights: &[f64], cells: &Cells) -> Self {
+        let mut equations = Equations::fairing(&strips(cells), cells);
+        let nv = equations.shape[1];
+        for (at, (p, &w)) in net.iter().zip(weights).enumerate() {
+            equations.bands[4 * nv * (at / nv) + at % nv][0] += w;
+            equations.right[at] += p * w;
+            equations.squares += p.norm_squared() * w;
         }
+        equations
     }
 
-    /// The neighbours of a control point that exist: (entry in the row, index).
-    pub fn couplings(&self, at: usize) -> impl Iterator<Item = (usize, usize)> + '_ {
-        let [nu, nv] = self.shape;
-        let (i, j) = (at / nv, at % nv);
-        (0..REACH * REACH).filter_map(move |entry| {
-            let (ii, jj) = (i + entry / REACH, j + entry % REACH);
-            let inside = (3..nu + 3).contains(&ii) && (3..nv + 3).contains(&jj);
-            inside.then(|| (entry, (ii - 3) * nv + jj - 3))
-        })
-    }
-
-    /// The matrix times a net.
-    pub fn times(&self, net: &[Vector]) -> Vec<Vector> {
-        let row = |at: usize| {
-            let terms = self.couplings(at).map(|(entry, other)| net[other] * self.rows[at][entry]);
-            terms.fold(Vector::zeros(), |sum, term| sum + term)
+    fn fairing(strips: &[Strip], cells: &Cells) -> Self {
+        let [nu, nv] = cells.counts().map(|n| n + 3);
+        let mut equations = Equations {
+            shape: [nu, nv],
+            bands: vec![[0.0; 4]; 4 * nu * nv],
+            right: vec![Lane::zeros(); nu * nv],
+            squares: 0.0,
+            unsupported: Vec::new(),
         };
-        (0..net.len()).into_par_iter().map(row).collect()
+        let fairing = fairing::strips(strips, cells);
+        let spans = &cells.spans[0].all;
+        equations.rows().for_each(|(i, (bands, _))| {
+            for p in strips_of(i, strips.len()) {
+                Row { span: &spans[p], number: i - p }.add_fairing(&fairing[p], bands);
+            }
+        });
+        equations.unsupported = equations.diagonal();
+        equations
+    }
+
+    /// The rows of the net, each with its couplings and its right-hand side.
+    fn rows(
+        &mut self,
+    ) -> impl IndexedParallelIterator<Item = (usize, (&mut [[f64; 4]], &mut [Lane]))> {
+        let nv = self.shape[1];
+        self.bands.par_chunks_mut(4 * nv).zip(self.right.par_chunks_mut(nv)).enumerate()
+    }
+
+    /// The couplings of rows i and i + d of the net.
+    fn band(&self, i: usize, d: usize) -> &[[f64; 4]] {
+        let nv = self.shape[1];
+        &self.bands[(4 * i + d) * nv..][..nv]
+    }
+
+    /// The diagonal.
+    pub fn diagonal(&self) -> Vec<f64> {
+        (0..self.shape[0]).flat_map(|i| self.band(i, 0).iter().map(|b| b[0])).collect()
+    }
+
+    /// Row `i` of the matrix times a net.
+    pub fn row_times(&self, i: usize, net: &[Lane], out: &mut [Lane]) {
+        let [nu, nv] = self.shape;
+        out.fill(Lane::zeros());
+        for other in i.saturating_sub(3)..(i + 4).min(nu) {
+            let band = self.band(i.min(other), i.abs_diff(other));
+            add_band(band, &net[other * nv..][..nv], out);
+        }
     }
 
     /// The solution by sparse Cholesky.
-    pub fn solve_directly(&self) -> Result<Vec<Vector>> {
-        let n = self.rows.len();
-        let mut triplets = Vec::with_capacity(25 * n);
-        for at in 0..n {
-            let lower = self.couplings(at).filter(|&(_, other)| other <= at);
-            triplets.extend(
-                lower.map(|(entry, other)| {
-                    Triplet::new(at as u32, other as u32, self.rows[at][entry])
-                }),
-            );
+    pub fn solve_directly(&self) -> Result<Vec<Lane>> {
+        let [nu, nv] = self.shape;
+        Ok(self.factor((0..(nu * nv) as u32).collect())?.solve(&self.right))
+    }
+
+    /// Cholesky factor of the rows and columns of some control points, in
+    /// growing order.
+    pub fn factor(&self, points: Vec<u32>) -> Result<Factor> {
+        let [nu, nv] = self.shape;
+        let mut number = vec![u32::MAX; nu * nv];
+        points.iter().zip(0..).for_each(|(&point, n)| number[point as usize] = n);
+        let mut triplets = Vec::with_capacity(25 * points.len());
+        let mut couple = |low: usize, high: usize, value: f64| {
+            let (low, high) = (number[low], number[high]);
+            if low != u32::MAX && high != u32::MAX {
+                triplets.push(Triplet::new(high, low, value));
+            }
+        };
+        for point in points.iter().map(|&point| point as usize) {
+            let (i, j) = (point / nv, point % nv);
+            for d in 0..4.min(nu - i) {
+                let band = self.band(i, d);
+                for (e, &value) in band[j].iter().enumerate().take(nv - j) {
+                    couple(point, point + d * nv + e, value);
+                }
+                for e in 1..4.min(j + 1) {
+                    if d > 0 {
+                        couple(point, point + d * nv - e, band[j - e][e]);
+                    }
+                }
+            }
         }
+        let n = points.len();
         let singular = Error::Singular("fit");
         let Ok(matrix) = SparseColMat::<u32, f64>::try_new_from_triplets(n, n, &triplets) else {
             return Err(singular);
         };
-        let Ok(factor) = matrix.sp_cholesky(faer::Side::Lower) else { return Err(singular) };
-        let right = faer::Mat::from_fn(n, 3, |i, axis| self.right[i][axis]);
-        let x = factor.solve(&right);
-        Ok((0..n).map(|i| Vector::new(x[(i, 0)], x[(i, 1)], x[(i, 2)])).collect())
+        drop(triplets);
+        matrix
+            .sp_cholesky(faer::Side::Lower)
+            .map(|llt| Factor { points, llt })
+            .map_err(|_| singular)
     }
 }
 
-fn cell_sums(samples: &Samples, cells: &Cells, p: usize, q: usize) -> CellSums {
-    let mut sums = CellSums { gram: SMatrix::zeros(), right: SMatrix::zeros() };
-    for &i in cells.samples(p, q) {
-        let (at, i) = (samples.uv[i as usize], i as usize);
-        let bu = cells.u.basis_in(p + 3, at.x).derivative[0];
-        let bv = cells.v.basis_in(q + 3, at.y).derivative[0];
-        let basis = SVector::<f64, 16>::from_fn(|k, _| bu[k / 4] * bv[k % 4]);
-        sums.gram.syger(samples.weights[i], &basis, &basis, 1.0);
-        sums.right.ger(samples.weights[i], &basis, &samples.points[i].coords, 1.0);
-    }
-    sums
+/// A direct solver for some of the control points.
+pub struct Factor {
+    points: Vec<u32>,
+    llt: Llt<u32, f64>,
 }
 
-/// Lower band of Σ w b bᵀ along one parameter: `band[i][d]` couples i and i − d.
-fn marginal(samples: &Samples, knots: &KnotVector, axis: usize) -> Vec<[f64; 4]> {
-    let mut band = vec![[0.0; 4]; knots.functions()];
-    for (at, w) in samples.uv.iter().zip(&samples.weights) {
-        let b = knots.basis(at[axis]);
-        for k in 0..4 {
-            for l in 0..=k {
-                band[b.first + k][k - l] += w * b.derivative[0][k] * b.derivative[0][l];
+impl Factor {
+    /// The control points, in growing order.
+    pub fn points(&self) -> &[u32] {
+        &self.points
+    }
+
+    /// The solution for these points, the others held at zero. `right` has an
+    /// entry for every control point.
+    pub fn solve(&self, right: &[Lane]) -> Vec<Lane> {
+        let of = |n: usize, axis: usize| right[self.points[n] as usize][axis];
+        let x = self.llt.solve(&faer::Mat::from_fn(self.points.len(), 3, of));
+        (0..x.nrows()).map(|n| Lane::new(x[(n, 0)], x[(n, 1)], x[(n, 2)], 0.0)).collect()
+    }
+}
+
+fn strips(cells: &Cells) -> Vec<Strip> {
+    (0..cells.counts()[0]).into_par_iter().map(|p| Strip::new(cells, p)).collect()
+}
+
+/// The strips of cells, of `count`, that row `i` of the net reaches into.
+fn strips_of(i: usize, count: usize) -> std::ops::Range<usize> {
+    i.saturating_sub(3)..(i + 1).min(count)
+}
+
+/// Adds a symmetric matrix of bandwidth 3, `band[j][e]` its entry (j, j + e),
+/// times `x`.
+fn add_band(band: &[[f64; 4]], x: &[Lane], out: &mut [Lane]) {
+    let n = x.len();
+    for j in 0..n {
+        let mut sum = out[j] + x[j] * band[j][0];
+        if (3..n - 3).contains(&j) {
+            let (x, b) = (&x[j - 3..j + 4], &band[j - 3..j + 1]);
+            sum += x[4] * b[3][1] + x[5] * b[3][2] + x[6] * b[3][3];
+            sum += x[2] * b[2][1] + x[1] * b[1][2] + x[0] * b[0][3];
+        } else {
+            for e in 1..4 {
+                if j + e < n {
+                    sum += x[j + e] * band[j][e];
+                }
+                if j >= e {
+                    sum += x[j - e] * band[j - e][e];
+                }
+            }
+        }
+        out[j] = sum;
+    }
+}
+
+/// Function `number` of a span, which belongs to the row of the net in question.
+struct Row<'a> {
+    span: &'a Span,
+    number: usize,
+}
+
+impl Row<'_> {
+    /// The pairs that the function is the first of: (place in [`PAIRS`], how
+    /// much further the second one is).
+    fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
+        let pairs = PAIRS.iter().enumerate();
+        pairs.filter(|(_, (a, _))| *a == self.number).map(|(n, (a, c))| (n, c - a))
+    }
+
+    fn add_strip(&self, strip: &Strip, bands: &mut [[f64; 4]], right: &mut [Lane]) {
+        let nv = right.len();
+        for (pair, d) in self.pairs() {
+            let product = &self.span.products[pair];
+            for (to, gram) in bands[d * nv..][..nv].iter_mut().zip(&strip.gram) {
+                for (c, row) in product.iter().zip(gram) {
+                    to.iter_mut().zip(row).for_each(|(to, m)| *to += c * m);
+                }
+            }
+        }
+        let piece = &self.span.basis[self.number];
+        for (to, sums) in right.iter_mut().zip(&strip.right) {
+            for (axis, sums) in sums.iter().enumerate() {
+                to[axis] += piece.iter().zip(sums).map(|(c, m)| c * m).sum::<f64>();
             }
         }
     }
-    band
+
+    fn add_fairing(&self, fairing: &Fairing, bands: &mut [[f64; 4]]) {
+        let nv = fairing.of[0].len();
+        let energies = fairing::energies(self.span);
+        for (pair, d) in self.pairs() {
+            for (order, sums) in fairing.of.iter().enumerate() {
+                let c = energies[2 - order][pair];
+                for (to, row) in bands[d * nv..][..nv].iter_mut().zip(sums) {
+                    to.iter_mut().zip(row).for_each(|(to, m)| *to += c * m);
+                }
+            }
+        }
+    }
 }

@@ -1,0 +1,77 @@
+//! Fits a net to points whose parameters are given: `benches/fit.py` sets the
+//! figures beside those of other programs and beside the truth.
+//!
+//! cargo run --release --example fit -- SAMPLES M N METHOD [OUT]
+//!
+//! SAMPLES holds five doubles a point, u v x y z. Prints one line of JSON: CPU
+//! seconds of all threads and of the clock, steps, and root mean square distance
+//! at equal parameters. OUT gets the control net, three doubles a point. Needs
+//! Linux for the CPU time.
+
+use std::error::Error;
+use std::fs;
+use std::time::Instant;
+
+use scan2step::fit::{self, Method};
+use scan2step::geometry::{Point, Uv};
+use scan2step::spline::{KnotVector, Samples};
+use serde_json::json;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let args: Vec<String> = std::env::args().skip(1).collect();
+    let [file, m, n, method, rest @ ..] = &args[..] else {
+        return Err("SAMPLES M N blend|refined|global [OUT]".into());
+    };
+    let method = match method.as_str() {
+        "blend" => Method::Blend,
+        "refined" => Method::Refined,
+        "global" => Method::Global,
+        other => return Err(format!("{other} is no method").into()),
+    };
+    let samples = read(file)?;
+    let knots = [KnotVector::uniform(3, m.parse()?), KnotVector::uniform(3, n.parse()?)];
+    faer::set_global_parallelism(faer::Par::Seq);
+    let (cpu, clock) = (cpu_s()?, Instant::now());
+    let (surface, report) = fit::fit(&samples, knots, method)?;
+    let (cpu, clock) = (cpu_s()? - cpu, clock.elapsed().as_secs_f64());
+    let at = samples.uv.iter().zip(&samples.points);
+    let distances: Vec<f64> = at.map(|(&at, p)| (surface.point(at) - p).norm()).collect();
+    let count = distances.len() as f64;
+    println!(
+        "{}",
+        json!({
+            "cpu_s": cpu, "clock_s": clock, "steps": report.steps,
+            "mean_mm": distances.iter().sum::<f64>() / count,
+            "rms_mm": (distances.iter().map(|d| d * d).sum::<f64>() / count).sqrt(),
+        })
+    );
+    if let [out] = rest {
+        let bytes = surface.net.iter().flat_map(|p| [p.x, p.y, p.z]).flat_map(f64::to_le_bytes);
+        fs::write(out, bytes.collect::<Vec<u8>>())?;
+    }
+    Ok(())
+}
+
+fn read(file: &str) -> Result<Samples, Box<dyn Error>> {
+    let bytes = fs::read(file)?;
+    let numbers =
+        bytes.chunks_exact(8).map(|b| f64::from_le_bytes(b.try_into().unwrap_or_default()));
+    let numbers: Vec<f64> = numbers.collect();
+    let mut samples = Samples::default();
+    for x in numbers.chunks_exact(5) {
+        samples.uv.push(Uv::new(x[0], x[1]));
+        samples.points.push(Point::new(x[2], x[3], x[4]));
+        samples.weights.push(1.0);
+    }
+    Ok(samples)
+}
+
+/// CPU seconds of all threads so far.
+fn cpu_s() -> Result<f64, Box<dyn Error>> {
+    let mut ns = 0.0;
+    for task in fs::read_dir("/proc/self/task")? {
+        let stat = fs::read_to_string(task?.path().join("schedstat"))?;
+        ns += stat.split(' ').next().unwrap_or_default().parse::<f64>()?;
+    }
+    Ok(ns / 1e9)
+}

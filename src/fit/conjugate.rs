@@ -1,0 +1,78 @@
+//! Conjugate gradients on the normal equations.
+
+use rayon::prelude::*;
+
+use super::normal::{Equations, Lane};
+use super::precondition::Preconditioner;
+use super::tasks;
+
+/// Steps at the most. Equations that need more have wide regions without
+/// samples, and are solved faster directly.
+const MAX_STEPS: usize = 60;
+
+/// The solve ends when what two steps gained is this share of the sum of squares
+/// left: the root mean square is within half of it of the optimum's.
+const GAIN: f64 = 1e-4;
+
+/// Or this share of the sum of squares at the start: exact data.
+const ROUNDING: f64 = 1e-24;
+
+/// The net of the least-squares optimum, and the steps taken; `None` where it
+/// takes too many.
+pub fn solve(equations: &Equations, inverse: &Preconditioner) -> Option<(Vec<Lane>, usize)> {
+    let (nu, nv) = (equations.shape[0], equations.shape[1]);
+    let rows = |v: &mut Vec<Lane>, f: &(dyn Fn(usize, &mut [Lane]) -> Lane + Sync)| -> Lane {
+        let rows = v.par_chunks_mut(nv).enumerate().with_min_len(tasks(nv));
+        // Summed in the order of the rows, whatever thread did them.
+        rows.map(|(i, row)| f(i, row)).collect::<Vec<_>>().into_iter().sum()
+    };
+    let zeros = || vec![Lane::zeros(); nu * nv];
+    let (mut x, mut r) = (zeros(), equations.right.clone());
+    let (mut z, mut p, mut ap) = (zeros(), zeros(), zeros());
+    let mut rz = Lane::zeros();
+    let mut left = equations.squares;
+    let mut before = f64::INFINITY;
+    for step in 0..MAX_STEPS {
+        inverse.apply(&r, &mut z);
+        let next = rows(&mut z, &|i, z| dot(z, &r[i * nv..][..nv]));
+        let beta = ratio(next, rz);
+        rz = next;
+        rows(&mut p, &|i, p| {
+            let z = &z[i * nv..][..nv];
+            p.iter_mut().zip(z).for_each(|(p, z)| *p = z + beta.component_mul(p));
+            Lane::zeros()
+        });
+        let bends = rows(&mut ap, &|i, ap| {
+            equations.row_times(i, &p, ap);
+            dot(ap, &p[i * nv..][..nv])
+        });
+        let alpha = ratio(rz, bends);
+        let along = |from: &[Lane], sign: f64, i: usize, to: &mut [Lane]| {
+            let alpha = alpha * sign;
+            let from = &from[i * nv..][..nv];
+            to.iter_mut().zip(from).for_each(|(to, d)| *to += alpha.component_mul(d));
+            Lane::zeros()
+        };
+        rows(&mut x, &|i, x| along(&p, 1.0, i, x));
+        rows(&mut r, &|i, r| along(&ap, -1.0, i, r));
+        let gain = alpha.dot(&rz);
+        left -= gain;
+        if !left.is_finite() {
+            return None;
+        }
+        if gain + before <= GAIN * left.max(0.0) + ROUNDING * equations.squares {
+            return Some((x, step + 1));
+        }
+        before = gain;
+    }
+    None
+}
+
+/// The coordinates are systems of their own with one matrix.
+fn dot(a: &[Lane], b: &[Lane]) -> Lane {
+    a.iter().zip(b).fold(Lane::zeros(), |sum, (x, y)| sum + x.component_mul(y))
+}
+
+fn ratio(a: Lane, b: Lane) -> Lane {
+    a.zip_map(&b, |x, y| if y > 0.0 { x / y } else { 0.0 })
+}

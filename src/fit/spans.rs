@@ -1,0 +1,156 @@
+//! The pieces of one knot vector as polynomials: what a sum of powers over a
+//! span's samples has to be multiplied with to become a sum over B-splines.
+
+use crate::spline::KnotVector;
+
+/// Pairs (a, c), a ≤ c, of the four functions on a span: those that are
+/// `c − a` apart follow each other.
+pub const PAIRS: [(usize, usize); 10] =
+    [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (1, 2), (2, 3), (0, 2), (1, 3), (0, 3)];
+
+/// Coefficients of a cubic, of 1 to s³.
+pub type Cubic = [f64; 4];
+
+/// Coefficients of a product of two cubics, of 1 to s⁶, and a zero.
+pub type Sextic = [f64; 8];
+
+/// One knot span. `s` runs over it from −1 to 1.
+#[derive(Debug, Clone)]
+pub struct Span {
+    middle: f64,
+    half: f64,
+    /// The four functions on the span as polynomials of s.
+    pub basis: [Cubic; 4],
+    /// The products of [`PAIRS`] as polynomials of s.
+    pub products: [Sextic; 10],
+}
+
+impl Span {
+    /// Span `[tᵢ, tᵢ₊₁)` of a cubic knot vector, i = `number` + 3.
+    fn new(knots: &KnotVector, number: usize) -> Self {
+        let (low, high) = (knots.knots()[number + 3], knots.knots()[number + 4]);
+        let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let mut span = Span { middle, half, basis: [[0.0; 4]; 4], products: [[0.0; 8]; 10] };
+        if half > 0.0 {
+            span.basis = span.pieces(knots, number);
+            span.products = products(&span.basis);
+        }
+        span
+    }
+
+    /// The polynomials that the functions are on span `number`, continued to
+    /// this span, in its s.
+    pub fn pieces(&self, knots: &KnotVector, number: usize) -> [Cubic; 4] {
+        let h = self.half;
+        let [value, slope, bend] = knots.basis_in(number + 3, self.middle).derivative;
+        let further = knots.basis_in(number + 3, self.middle + h).derivative[2];
+        std::array::from_fn(|a| {
+            let third = (further[a] - bend[a]) * h * h / 6.0;
+            [value[a], slope[a] * h, 0.5 * bend[a] * h * h, third]
+        })
+    }
+
+    /// The place of parameter `t` in the span.
+    pub fn local(&self, t: f64) -> f64 {
+        (t - self.middle) / self.half
+    }
+
+    /// Half of the span's length.
+    pub fn half(&self) -> f64 {
+        self.half
+    }
+}
+
+/// The products of [`PAIRS`].
+pub fn products(basis: &[Cubic; 4]) -> [Sextic; 10] {
+    PAIRS.map(|(a, c)| {
+        let mut product = [0.0; 8];
+        for (i, x) in basis[a].iter().enumerate() {
+            for (j, y) in basis[c].iter().enumerate() {
+                product[i + j] += x * y;
+            }
+        }
+        product
+    })
+}
+
+/// The spans of a cubic knot vector with single inner knots, and a way to find
+/// a parameter's span in constant time.
+#[derive(Debug, Clone)]
+pub struct Spans {
+    /// The spans, one less each three functions.
+    pub all: Vec<Span>,
+    ends: Vec<f64>,
+    low: f64,
+    scale: f64,
+    /// A span from which a bucket's parameters are not far.
+    buckets: Vec<u32>,
+}
+
+impl Spans {
+    /// All spans of `knots`.
+    pub fn new(knots: &KnotVector) -> Self {
+        let all: Vec<Span> = (0..knots.functions() - 3).map(|n| Span::new(knots, n)).collect();
+        let (low, high) = knots.range();
+        let count = 2 * all.len();
+        let at = |b: usize| low + (high - low) * b as f64 / count as f64;
+        Spans {
+            ends: knots.knots()[3..=knots.functions()].to_vec(),
+            low,
+            scale: count as f64 / (high - low),
+            buckets: (0..count).map(|b| (knots.span(at(b)) - 3) as u32).collect(),
+            all,
+        }
+    }
+
+    /// The number of the span that holds `t`, as [`KnotVector::span`] has it
+    /// less 3.
+    pub fn find(&self, t: f64) -> usize {
+        let bucket = ((t - self.low) * self.scale).max(0.0) as usize;
+        let mut n = self.buckets[bucket.min(self.buckets.len() - 1)] as usize;
+        while n + 1 < self.all.len() && self.ends[n + 1] <= t {
+            n += 1;
+        }
+        while n > 0 && (self.ends[n] > t || self.ends[n] == self.ends[n + 1]) {
+            n -= 1;
+        }
+        n
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn uneven() -> KnotVector {
+        KnotVector::clamped(3, &[0.0, 0.01, 0.012, 0.4, 0.45, 1.0], 1)
+    }
+
+    #[test]
+    fn spans_are_found_as_by_bisection() {
+        let knots = uneven();
+        let spans = Spans::new(&knots);
+        for i in -20..=1020 {
+            let t = f64::from(i) / 1000.0;
+            assert_eq!(spans.find(t) + 3, knots.span(t), "{t}");
+        }
+    }
+
+    #[test]
+    fn pieces_are_the_basis_functions_also_beyond_their_span() {
+        let knots = uneven();
+        let spans = Spans::new(&knots);
+        for (home, of) in [(2, 2), (3, 2), (1, 2)] {
+            let span = &spans.all[home];
+            let pieces = span.pieces(&knots, of);
+            for s in [-1.0, -0.3, 0.6, 1.0] {
+                let t = span.middle + s * span.half;
+                let exact = knots.basis_in(of + 3, t).derivative[0];
+                for (piece, exact) in pieces.iter().zip(exact) {
+                    let value = piece.iter().rev().fold(0.0, |sum, c| sum * s + c);
+                    assert!((value - exact).abs() < 1e-9 * exact.abs().max(1.0));
+                }
+            }
+        }
+    }
+}
