@@ -38,7 +38,7 @@ pub use input::{InputReport, Inspection, inspect, measured};
 use formats::{Brep, Soup};
 use mesh::{Components, Disk, Patch};
 use parameterize::Parameterized;
-use spline::{Samples, Surface};
+use spline::Surface;
 
 /// Everything that a user may choose.
 #[derive(Debug, Clone)]
@@ -156,9 +156,6 @@ impl Conversion {
     }
 }
 
-/// Weight in the fit of a point that was not measured.
-const FILLED_WEIGHT: f64 = 0.1;
-
 /// Without a named tolerance it is the noise, but not below this share of the
 /// scan's diagonal.
 const LEAST_TOLERANCE: f64 = 1e-4;
@@ -199,15 +196,14 @@ pub fn convert_component(
     let (patch, fill) = fill::fill(smoothed, &measured.mesh.points, &fill_options)?;
     watch(Stage::Fill(&patch))?;
 
-    let (map, parameterize) = parameterize::parameterize(patch, &options.parameterize)?;
+    let (mut map, parameterize) = parameterize::parameterize(patch, &options.parameterize)?;
     let crushed = parameterize::crushed(&map, tolerance, options.knots.max_net);
     watch(Stage::Parameterize(&map))?;
 
-    let samples = samples(&map);
     let goal =
         adapt::Goal { tolerance, named: options.tolerance.is_some(), outliers: options.outliers };
     let measured_count = map.patch.measured;
-    let (surface, fit) = adapt::fit(&samples, measured_count, options, &goal)?;
+    let (surface, fit) = adapt::fit(&mut map, options, &goal)?;
     let decimal = decimal::Decimal::for_size(measured.mesh.diagonal());
     let surface = decimal.surface(surface);
     watch(Stage::Fit(&surface))?;
@@ -246,15 +242,6 @@ pub fn convert_component(
         deviation,
         trim,
     })
-}
-
-fn samples(map: &Parameterized) -> Samples {
-    let weight = |i: usize| if i < map.patch.measured { 1.0 } else { FILLED_WEIGHT };
-    Samples {
-        points: map.patch.mesh.points.clone(),
-        uv: map.uv.clone(),
-        weights: (0..map.uv.len()).map(weight).collect(),
-    }
 }
 
 fn outer_boundary(surface: &Surface, map: &Parameterized) -> (usize, f64) {

@@ -2,7 +2,10 @@
 //! 3.4): a region of the domain is halved in u and v until a bicubic
 //! polynomial fits its points with a mean error of at most κ, or a depth is
 //! reached. The sides of all regions, carried across the domain, are the
-//! knots.
+//! knots. A fit shows where more are needed, and which are not.
+
+mod change;
+mod jumps;
 
 use std::collections::BTreeSet;
 
@@ -10,6 +13,8 @@ use nalgebra::{Matrix3xX, SMatrix, SVector};
 
 use crate::geometry::{Uv, Vector};
 use crate::spline::{KnotVector, Samples};
+
+pub use change::{Miss, insert, remove};
 
 /// Where to stop dividing.
 #[derive(Debug, Clone, Copy)]
@@ -52,29 +57,6 @@ pub fn place(samples: &Samples, options: &Options) -> ([KnotVector; 2], Report) 
         KnotVector::clamped(3, &breaks, 1)
     });
     (knots, report)
-}
-
-/// The knot vectors with a knot in the middle of every span, in u and in v,
-/// that holds one of the given parameter points and is longer than 2^−depth.
-pub fn halve(
-    knots: &[KnotVector; 2],
-    at: impl Iterator<Item = Uv> + Clone,
-    depth: u32,
-) -> [KnotVector; 2] {
-    let shortest = 0.5f64.powi(depth.min(MAX_DEPTH) as i32);
-    [0, 1].map(|axis| {
-        let old = &knots[axis];
-        let spans: BTreeSet<usize> = at.clone().map(|uv| old.span(uv[axis])).collect();
-        let mut breaks = old.breaks();
-        for span in spans {
-            let (a, b) = (old.knots()[span], old.knots()[span + 1]);
-            if b - a > 1.001 * shortest {
-                breaks.push(0.5 * (a + b));
-            }
-        }
-        breaks.sort_by(f64::total_cmp);
-        KnotVector::clamped(3, &breaks, 1)
-    })
 }
 
 /// Depth at which cuts would no longer be exact binary fractions.
@@ -203,15 +185,6 @@ mod tests {
         let coarse = u.breaks().iter().filter(|&&b| b > 0.5).count();
         assert!(fine > 2 * coarse, "{:?}", u.breaks());
         assert!(report.depth >= 3);
-    }
-
-    #[test]
-    fn only_spans_that_miss_are_halved() {
-        let knots = [KnotVector::uniform(3, 7), KnotVector::uniform(3, 5)];
-        let [u, v] = halve(&knots, [Uv::new(0.1, 0.9)].into_iter(), 8);
-        assert_eq!(u.breaks(), [0.0, 0.125, 0.25, 0.5, 0.75, 1.0]);
-        assert_eq!(v.breaks(), [0.0, 0.5, 0.75, 1.0]);
-        assert_eq!(halve(&knots, [Uv::new(0.1, 0.9)].into_iter(), 1), knots);
     }
 
     #[test]

@@ -11,13 +11,27 @@ use crate::geometry::{Point, Uv};
 /// Newton's method on ½‖S(u,v) − p‖²; where the Hessian is not positive it is
 /// replaced by the Gauss–Newton matrix, and a step that does not come nearer is
 /// halved. A parameter that sits on the domain's edge and wants out is held
-/// there. The result is never farther than `start`'s own point; steps end
-/// below 1e-10 of the domain.
+/// there. The result is never farther than `start`'s own point; Newton's last
+/// step is below 1e-7 of the domain, so that what is left is far below 1e-10.
 pub fn foot_point<S: Patch>(surface: &S, p: Point, start: Uv) -> (Uv, f64) {
+    descend(surface, p, start, [true; 2])
+}
+
+/// The same on the iso-curve on which parameter `held`, 0 or 1, keeps the value
+/// it has in `start`.
+pub fn foot_point_on_iso<S: Patch>(surface: &S, p: Point, start: Uv, held: usize) -> (Uv, f64) {
+    descend(surface, p, start, [held != 0, held != 1])
+}
+
+/// Steps at the most, and the step that is the last.
+const STEPS: usize = 30;
+const LAST_STEP: f64 = 1e-7;
+
+fn descend<S: Patch>(surface: &S, p: Point, start: Uv, moves: [bool; 2]) -> (Uv, f64) {
     let mut at = surface.clamp(start);
     let mut jet = surface.jet(at);
     let mut distance = (jet.s - p).norm_squared();
-    for _ in 0..30 {
+    for _ in 0..STEPS {
         let r = jet.s - p;
         let gradient = Vector2::new(r.dot(&jet.su), r.dot(&jet.sv));
         let metric = Matrix2::new(
@@ -27,7 +41,8 @@ pub fn foot_point<S: Patch>(surface: &S, p: Point, start: Uv) -> (Uv, f64) {
             jet.sv.norm_squared(),
         );
         let bend = Matrix2::new(r.dot(&jet.suu), r.dot(&jet.suv), r.dot(&jet.suv), r.dot(&jet.svv));
-        let free = free_axes(surface, at, gradient);
+        let inside = free_axes(surface, at, gradient);
+        let free = [moves[0] && inside[0], moves[1] && inside[1]];
         let Some(step) = descent(metric + bend, metric, gradient, free) else { break };
         let mut share = 1.0;
         let nearer = loop {
@@ -38,14 +53,15 @@ pub fn foot_point<S: Patch>(surface: &S, p: Point, start: Uv) -> (Uv, f64) {
                 break Some((next, there, d));
             }
             share *= 0.5;
-            if share < 1e-3 {
+            // A step as small as the last fails by rounding only.
+            if share < 1e-3 || (share * step).amax() < LAST_STEP {
                 break None;
             }
         };
         let Some((next, there, d)) = nearer else { break };
         let moved = (next - at).amax();
         (at, jet, distance) = (next, there, d);
-        if moved < 1e-10 {
+        if moved < LAST_STEP {
             break;
         }
     }

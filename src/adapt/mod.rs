@@ -1,0 +1,275 @@
+//! Knots and fit, again and again until the tolerance holds, then with fewer knots
+//! as long as it does.
+//!
+//! The paper takes κ and a depth from the user, and places knots once; so does
+//! this where κ is named. Else the paper's knots for a κ of the tolerance (a mean,
+//! where the tolerance bounds a maximum) are the start. Where the surface fitted
+//! over them still misses points, knot spans are halved: a region that a
+//! polynomial of its own fits need not be one that a spline, bound to its
+//! neighbours, can follow. Between fits the samples' parameters are corrected.
+
+mod correct;
+mod target;
+
+use crate::error::{Error, Result};
+use crate::geometry::Uv;
+use crate::parameterize::Parameterized;
+use crate::spline::{KnotVector, Surface};
+use crate::{Options, fit, knots};
+use target::{Feet, Target};
+
+/// What the user says about knots.
+#[derive(Debug, Clone)]
+pub struct KnotOptions {
+    /// κ in mm; `None`: from the tolerance.
+    pub kappa: Option<f64>,
+    /// Recursion bound; `None`: from the number of points.
+    pub depth: Option<u32>,
+    /// A uniform net that overrides both.
+    pub net: Option<[usize; 2]>,
+    /// Control points at the most.
+    pub max_net: usize,
+}
+
+impl Default for KnotOptions {
+    fn default() -> Self {
+        KnotOptions { kappa: None, depth: None, net: None, max_net: 250_000 }
+    }
+}
+
+/// What the fit must reach.
+pub struct Goal {
+    /// In mm.
+    pub tolerance: f64,
+    /// Whether the user named it.
+    pub named: bool,
+    /// Share of points that may exceed it.
+    pub outliers: f64,
+}
+
+/// How knots and fit turned out.
+#[derive(Debug, Clone)]
+pub struct Adapted {
+    /// The last fit.
+    pub fit: fit::Report,
+    /// The placement of knots by κ; `None` with a net of the user's.
+    pub knots: Option<knots::Report>,
+    /// κ, in mm.
+    pub kappa: f64,
+    /// Fits made.
+    pub rounds: usize,
+    /// Mean distance, in mm, between a sample and the surface at the sample's
+    /// parameter.
+    pub mean_error: f64,
+}
+
+/// Without a named tolerance the target is this share of it: the face should
+/// not take part of the noise for shape, but neither add to what smoothing left.
+const UNNAMED_SHARE: f64 = 0.6;
+
+/// Measured points a control point at the least, where the user named no
+/// tolerance: more control points would follow the noise.
+const POINTS_A_CONTROL_POINT: usize = 4;
+
+/// Spans are halved down to 2^−20 of the domain where a tolerance is named.
+const DEEPEST: u32 = 20;
+
+/// A round that does not bring the number of points beyond the target down to this
+/// share, nor the worst of them, is idle.
+const WORTHWHILE: f64 = 0.95;
+
+/// Idle rounds that may follow each other: a round may add a few knots only.
+const PATIENCE: usize = 4;
+
+/// Fits over fewer knots at the most.
+const REMOVALS: usize = 24;
+
+/// The share of the knot lines that is tried to be done without at first.
+const FIRST_SHARE: f64 = 0.25;
+
+/// Corrections of the parameters over a net that stays, at the most, and the rms
+/// below which, of that before, another one pays.
+const CORRECTIONS: usize = 5;
+const PAYS: f64 = 0.97;
+
+/// Fits a surface to the map's vertices. The map's parameters are corrected on the
+/// way.
+pub fn fit(map: &mut Parameterized, options: &Options, goal: &Goal) -> Result<(Surface, Adapted)> {
+    let asked = &options.knots;
+    let mut search = Search { target: Target::new(map), options, goal, rounds: 0 };
+    let kappa = asked.kappa.unwrap_or(goal.tolerance);
+    let measured = search.target.measured();
+    let (start, placed) = match asked.net {
+        Some([m, n]) => {
+            check_net(m, n, asked.max_net)?;
+            ([m, n].map(|count| KnotVector::uniform(3, count)), None)
+        }
+        None => {
+            let depth = asked.depth.unwrap_or_else(|| deepest(measured));
+            let place = knots::Options { kappa, depth };
+            let (knots, report) = knots::place(&search.target.samples, &place);
+            let [m, n] = knots.each_ref().map(KnotVector::functions);
+            check_net(m, n, asked.max_net)?;
+            (knots, Some(report))
+        }
+    };
+    let mut best = search.attempt(start)?;
+    if asked.net.is_none() && asked.kappa.is_none() {
+        best = search.grow(best)?;
+        best = search.shrink(best)?;
+    }
+    if options.method != fit::Method::Blend {
+        best = search.settle(best)?;
+    }
+    search.target.samples.uv = best.uv;
+    let adapted = Adapted {
+        fit: best.fit,
+        knots: placed,
+        kappa: if asked.net.is_none() { kappa } else { 0.0 },
+        rounds: search.rounds,
+        mean_error: fit::mean_error(&best.surface, &search.target.samples),
+    };
+    map.uv = search.target.samples.uv;
+    Ok((best.surface, adapted))
+}
+
+/// A surface, the parameters it was fitted with, and how far it is off.
+struct Attempt {
+    surface: Surface,
+    fit: fit::Report,
+    uv: Vec<Uv>,
+    feet: Feet,
+    /// Measured vertices beyond the target, and the farthest.
+    beyond: (usize, f64),
+}
+
+struct Search<'a> {
+    target: Target<'a>,
+    options: &'a Options,
+    goal: &'a Goal,
+    rounds: usize,
+}
+
+impl Search<'_> {
+    /// Distance, in mm, that the fit is to keep.
+    fn limit(&self) -> f64 {
+        if self.goal.named { self.goal.tolerance } else { UNNAMED_SHARE * self.goal.tolerance }
+    }
+
+    fn attempt(&mut self, knots: [KnotVector; 2]) -> Result<Attempt> {
+        let (mut surface, fit) = fit::fit(&self.target.samples, knots, self.options.method)?;
+        self.target.pin_corners(&mut surface);
+        let feet = self.target.feet(&surface);
+        self.rounds += 1;
+        let beyond = feet.beyond(self.limit());
+        Ok(Attempt { surface, fit, uv: self.target.samples.uv.clone(), feet, beyond })
+    }
+
+    fn met(&self, attempt: &Attempt) -> bool {
+        let spared = self.goal.outliers * self.target.measured() as f64;
+        attempt.beyond.0 as f64 <= spared
+    }
+
+    /// Puts in knots until the target is met or nothing helps.
+    fn grow(&mut self, start: Attempt) -> Result<Attempt> {
+        let asked = &self.options.knots;
+        let measured = self.target.measured();
+        let (depth, most) = match self.goal.named {
+            true => (asked.depth.unwrap_or(DEEPEST), asked.max_net),
+            false => (
+                asked.depth.unwrap_or_else(|| deepest(measured)),
+                asked.max_net.min(measured / POINTS_A_CONTROL_POINT),
+            ),
+        };
+        let mut best = start;
+        let mut last: Option<Attempt> = None;
+        let mut idle = 0;
+        loop {
+            let now = last.as_ref().unwrap_or(&best);
+            if self.met(now) || idle > PATIENCE {
+                break;
+            }
+            let misses = self.target.misses(&now.feet, self.limit());
+            let knots = knots::insert(&now.surface, &misses, depth, most);
+            if knots == [now.surface.u.clone(), now.surface.v.clone()] {
+                break;
+            }
+            self.target.correct(&now.feet);
+            let next = self.attempt(knots)?;
+            let gained = (next.beyond.0 as f64) <= WORTHWHILE * best.beyond.0 as f64
+                || next.beyond.1 <= WORTHWHILE * best.beyond.1;
+            idle = if gained { 0 } else { idle + 1 };
+            if next.beyond < best.beyond {
+                best = next;
+                last = None;
+            } else {
+                last = Some(next);
+            }
+        }
+        Ok(best)
+    }
+
+    /// Takes out knot lines as long as the target stays met.
+    fn shrink(&mut self, start: Attempt) -> Result<Attempt> {
+        let mut best = start;
+        if !self.met(&best) {
+            return Ok(best);
+        }
+        let mut share = FIRST_SHARE;
+        for _ in 0..REMOVALS {
+            let (knots, count) = knots::remove(&best.surface, share);
+            if count == 0 {
+                break;
+            }
+            self.target.samples.uv = best.uv.clone();
+            self.target.correct(&best.feet);
+            let next = self.attempt(knots)?;
+            if self.met(&next) {
+                best = next;
+            } else if count > 1 {
+                share *= 0.5;
+            } else {
+                break;
+            }
+        }
+        Ok(best)
+    }
+
+    /// Corrects the parameters over the same net as long as it pays.
+    fn settle(&mut self, start: Attempt) -> Result<Attempt> {
+        let mut best = start;
+        for _ in 0..CORRECTIONS {
+            self.target.samples.uv = best.uv.clone();
+            self.target.correct(&best.feet);
+            let next = self.attempt([best.surface.u.clone(), best.surface.v.clone()])?;
+            let (before, after) = (best.feet.rms(), next.feet.rms());
+            if self.met(&best) && !self.met(&next) || after >= before {
+                break;
+            }
+            best = next;
+            if after > PAYS * before {
+                break;
+            }
+        }
+        Ok(best)
+    }
+}
+
+/// The depth at which a region of an even scan has one to four points.
+fn deepest(measured: usize) -> u32 {
+    ((measured as f64 / 4.0).sqrt().log2().ceil() as u32).clamp(2, 12)
+}
+
+fn check_net(m: usize, n: usize, most: usize) -> Result<()> {
+    if m < 4 || n < 4 {
+        return Err(Error::Net(format!(
+            "a bicubic net has at least 4 × 4 control points, not {m} × {n}"
+        )));
+    }
+    if m.saturating_mul(n) > most {
+        return Err(Error::Net(format!(
+            "a net of {m} × {n} control points exceeds the bound of {most}"
+        )));
+    }
+    Ok(())
+}

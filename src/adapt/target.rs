@@ -1,0 +1,115 @@
+//! What is fitted: a map's vertices as samples, how far a surface is from them,
+//! and their new parameters.
+
+use rayon::prelude::*;
+
+use super::correct::corrected;
+use crate::geometry::{Point, Uv};
+use crate::knots::Miss;
+use crate::parameterize::Parameterized;
+use crate::spline::{Samples, Surface, foot_point, foot_point_on_iso};
+
+/// Weight in the fit of a vertex that was not measured.
+const FILLED_WEIGHT: f64 = 0.1;
+
+/// Weight of a vertex of the outer boundary. The patch's sides depend on few
+/// samples beside them.
+const SIDE_WEIGHT: f64 = 4.0;
+
+/// Weight of a corner of the domain, which the patch is to meet.
+const CORNER_WEIGHT: f64 = 1e3;
+
+/// A map's vertices as samples.
+pub struct Target<'a> {
+    map: &'a Parameterized,
+    /// Points, current parameters and weights.
+    pub samples: Samples,
+}
+
+/// Where on a surface the samples' nearest points are.
+pub struct Feet {
+    uv: Vec<Uv>,
+    /// Distance, in mm: of vertices on the outer boundary from the patch's side.
+    distances: Vec<f64>,
+    measured: usize,
+}
+
+impl<'a> Target<'a> {
+    pub fn new(map: &'a Parameterized) -> Self {
+        let weight = |(i, &uv): (usize, &Uv)| match held(uv) {
+            [true, true] => CORNER_WEIGHT,
+            [false, false] if i < map.patch.measured => 1.0,
+            [false, false] => FILLED_WEIGHT,
+            _ => SIDE_WEIGHT,
+        };
+        let samples = Samples {
+            points: map.patch.mesh.points.clone(),
+            uv: map.uv.clone(),
+            weights: map.uv.iter().enumerate().map(weight).collect(),
+        };
+        Target { map, samples }
+    }
+
+    /// Measured vertices.
+    pub fn measured(&self) -> usize {
+        self.map.patch.measured
+    }
+
+    /// Moves the corners of the net into the corners of the patch, which they all
+    /// but meet.
+    pub fn pin_corners(&self, surface: &mut Surface) {
+        let [m, n] = surface.shape();
+        for (uv, p) in self.samples.uv.iter().zip(&self.samples.points) {
+            if held(*uv) == [true; 2] {
+                let (i, j) = (uv.x as usize * (m - 1), uv.y as usize * (n - 1));
+                surface.net[i * n + j] = p.coords;
+            }
+        }
+    }
+
+    /// The samples' feet on a surface. Corners have theirs in the corner, other
+    /// vertices of the outer boundary on their side.
+    pub fn feet(&self, surface: &Surface) -> Feet {
+        let foot = |(&uv, &p): (&Uv, &Point)| match held(uv) {
+            [true, true] => (uv, (surface.point(uv) - p).norm()),
+            [true, false] => foot_point_on_iso(surface, p, uv, 0),
+            [false, true] => foot_point_on_iso(surface, p, uv, 1),
+            [false, false] => foot_point(surface, p, uv),
+        };
+        let at = self.samples.uv.par_iter().zip(&self.samples.points);
+        let (uv, distances) = at.map(foot).unzip();
+        Feet { uv, distances, measured: self.measured() }
+    }
+
+    /// Gives the samples the parameters of their feet, as far as no triangle turns
+    /// over.
+    pub fn correct(&mut self, feet: &Feet) {
+        let Parameterized { patch, uv, .. } = self.map;
+        self.samples.uv = corrected(&patch.mesh, uv, &self.samples.uv, &feet.uv);
+    }
+
+    /// Places that miss a target, in mm, and by how much.
+    pub fn misses(&self, feet: &Feet, target: f64) -> Vec<Miss> {
+        let measured = feet.distances[..feet.measured].iter().zip(&self.samples.uv);
+        measured.filter(|(d, _)| **d > target).map(|(d, &uv)| (uv, d / target)).collect()
+    }
+}
+
+impl Feet {
+    /// How many measured vertices are farther than `limit`, and the farthest.
+    pub fn beyond(&self, limit: f64) -> (usize, f64) {
+        let d = &self.distances[..self.measured];
+        (d.iter().filter(|d| **d > limit).count(), d.iter().copied().fold(0.0, f64::max))
+    }
+
+    /// Root mean square over the measured vertices.
+    pub fn rms(&self) -> f64 {
+        let d = &self.distances[..self.measured];
+        (d.iter().map(|d| d * d).sum::<f64>() / d.len().max(1) as f64).sqrt()
+    }
+}
+
+/// Which parameters of a vertex of the outer boundary stay on their side.
+fn held(uv: Uv) -> [bool; 2] {
+    [uv.x, uv.y].map(|t| t == 0.0 || t == 1.0)
+}

@@ -1,0 +1,135 @@
+//! Knot lines put in where a surface misses points, and taken out where they
+//! bring nothing.
+//!
+//! A net pays for every line across its whole width, so that it matters which way
+//! a span is halved: where the surface bends along u more sharply than its knots
+//! there let it, lines in v are no help.
+
+use super::jumps::Jumps;
+use crate::geometry::Uv;
+use crate::spline::{KnotVector, Surface};
+
+/// A place that a surface misses, and by how much; what is twice as far counts
+/// twice.
+pub type Miss = (Uv, f64);
+
+/// A span is halved along both parameters where neither is this much better.
+const BOTH: f64 = 0.5;
+
+/// Spans are halved down to this share of the misses of the worst: what a few
+/// lines settle is seen after the next fit.
+const WORTH: f64 = 0.05;
+
+/// The knot vectors with a knot in the middle of the spans that misses call for,
+/// the worst first, as long as the net has no more than `most` control points
+/// and spans stay longer than 2^−`depth`. The same vectors where nothing can be
+/// done.
+pub fn insert(surface: &Surface, misses: &[Miss], depth: u32, most: usize) -> [KnotVector; 2] {
+    let jumps = Jumps::new(surface);
+    let shortest = 1.001 * 0.5f64.powi(depth.min(1000) as i32);
+    let long = |axis: usize, span: usize| {
+        jumps.breaks[axis][span + 1] - jumps.breaks[axis][span] > shortest
+    };
+    let knots = [&surface.u, &surface.v];
+    let mut scores = knots.map(|k| vec![0.0; k.functions() - 3]);
+    for &(at, size) in misses {
+        let place = [0, 1].map(|axis| knots[axis].span(at[axis]) - 3);
+        let gain = [0, 1].map(|axis| match long(axis, place[axis]) {
+            true => jumps.of_cell(axis, place),
+            false => -1.0,
+        });
+        for axis in 0..2 {
+            if gain[axis] >= 0.0 && gain[axis] >= BOTH * gain[1 - axis] {
+                scores[axis][place[axis]] += size;
+            }
+        }
+    }
+    let mut spans: Vec<(f64, usize, usize)> = Vec::new();
+    for (axis, scores) in scores.iter().enumerate() {
+        spans.extend(scores.iter().enumerate().filter(|s| *s.1 > 0.0).map(|(n, &s)| (s, axis, n)));
+    }
+    spans.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
+    let mut size = knots.map(KnotVector::functions);
+    let mut breaks = jumps.breaks.clone();
+    for &(score, axis, span) in &spans {
+        let larger = (size[axis] + 1).saturating_mul(size[1 - axis]);
+        if score < WORTH * spans[0].0 || larger > most {
+            break;
+        }
+        size[axis] += 1;
+        breaks[axis].push(0.5 * (jumps.breaks[axis][span] + jumps.breaks[axis][span + 1]));
+    }
+    breaks.map(|mut breaks| {
+        breaks.sort_by(f64::total_cmp);
+        KnotVector::clamped(3, &breaks, 1)
+    })
+}
+
+/// The knot vectors without that share of the inner knot lines which do the least
+/// for the surface, no two of them neighbours, and how many these are.
+pub fn remove(surface: &Surface, share: f64) -> ([KnotVector; 2], usize) {
+    let jumps = Jumps::new(surface);
+    let mut lines: Vec<(f64, usize, usize)> = Vec::new();
+    for (axis, breaks) in jumps.breaks.iter().enumerate() {
+        lines.extend((0..breaks.len() - 2).map(|line| (jumps.of_line(axis, line), axis, line)));
+    }
+    lines.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
+    let wanted = (share * lines.len() as f64).ceil() as usize;
+    let mut gone = jumps.breaks.each_ref().map(|b| vec![false; b.len()]);
+    let mut count = 0;
+    for &(_, axis, line) in &lines {
+        let gone = &mut gone[axis];
+        if count < wanted && !gone[line] && !gone[line + 2] {
+            gone[line + 1] = true;
+            count += 1;
+        }
+    }
+    let left = [0, 1].map(|axis| {
+        let breaks = jumps.breaks[axis].iter().zip(&gone[axis]);
+        let breaks: Vec<f64> = breaks.filter(|(_, gone)| !**gone).map(|(b, _)| *b).collect();
+        KnotVector::clamped(3, &breaks, 1)
+    });
+    (left, count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Vector;
+
+    /// A sheet that bends along u only, and along it near 0 only.
+    fn gutter(u: KnotVector, v: KnotVector) -> Surface {
+        let mut net = Vec::new();
+        for i in 0..u.functions() {
+            for j in 0..v.functions() {
+                let (x, y) = (u.greville(i), v.greville(j));
+                net.push(Vector::new(x, y, 0.1 * (-50.0 * x * x).exp()));
+            }
+        }
+        Surface::new(u, v, net)
+    }
+
+    #[test]
+    fn knots_go_where_the_surface_bends() {
+        let s = gutter(KnotVector::uniform(3, 11), KnotVector::uniform(3, 11));
+        let [u, v] = insert(&s, &[(Uv::new(0.2, 0.6), 1.0)], 8, 1000);
+        assert_eq!((u.functions(), v.functions()), (12, 11));
+        assert!(u.breaks().contains(&0.1875), "{:?}", u.breaks());
+    }
+
+    #[test]
+    fn bounds_hold() {
+        let s = gutter(KnotVector::uniform(3, 11), KnotVector::uniform(3, 11));
+        let miss = [(Uv::new(0.2, 0.6), 1.0)];
+        let same = [s.u.clone(), s.v.clone()];
+        assert_eq!(insert(&s, &miss, 8, 121), same);
+        assert_eq!(insert(&s, &miss, 3, 1000), same);
+    }
+
+    #[test]
+    fn lines_that_do_nothing_go_first() {
+        let s = gutter(KnotVector::uniform(3, 11), KnotVector::uniform(3, 7));
+        let ([u, v], count) = remove(&s, 0.2);
+        assert_eq!((u.functions(), v.functions(), count), (11, 5, 2));
+    }
+}
