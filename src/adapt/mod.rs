@@ -81,11 +81,16 @@ const WORTHWHILE: f64 = 0.95;
 /// Idle rounds that may follow each other: a round may add a few knots only.
 const PATIENCE: usize = 4;
 
-/// Fits over fewer knots at the most.
-const REMOVALS: usize = 24;
-
-/// The share of the knot lines that is tried to be done without at first.
+/// The share of the knot lines that is tried to be done without at first, and the
+/// one that is not worth another fit.
 const FIRST_SHARE: f64 = 0.25;
+const LAST_SHARE: f64 = 0.02;
+
+/// Presses of one net at the most, the share of points beyond the target that are
+/// not too many for it, and the share of them left that makes another one pay.
+const PRESSES: usize = 3;
+const PRESSED_SHARE: f64 = 0.1;
+const PRESSING_PAYS: f64 = 0.7;
 
 /// Corrections of the parameters over a net that stays, at the most, and the rms
 /// below which, of that before, another one pays.
@@ -138,6 +143,7 @@ struct Attempt {
     surface: Surface,
     fit: fit::Report,
     uv: Vec<Uv>,
+    weights: Vec<f64>,
     feet: Feet,
     /// Measured vertices beyond the target, and the farthest.
     beyond: (usize, f64),
@@ -162,7 +168,34 @@ impl Search<'_> {
         let feet = self.target.feet(&surface);
         self.rounds += 1;
         let beyond = feet.beyond(self.limit());
-        Ok(Attempt { surface, fit, uv: self.target.samples.uv.clone(), feet, beyond })
+        let (uv, weights) = (self.target.samples.uv.clone(), self.target.samples.weights.clone());
+        Ok(Attempt { surface, fit, uv, weights, feet, beyond })
+    }
+
+    /// Takes up the parameters and weights of an attempt, the parameters corrected.
+    fn resume(&mut self, from: &Attempt) {
+        self.target.samples.uv.clone_from(&from.uv);
+        self.target.samples.weights.clone_from(&from.weights);
+        self.target.correct(&from.feet);
+    }
+
+    /// Presses the surface on the points that it misses, as long as that helps: least
+    /// squares leave single points far off that the net could reach.
+    fn press(&mut self, mut best: Attempt) -> Result<Attempt> {
+        let few = (PRESSED_SHARE * self.target.measured() as f64) as usize;
+        for _ in 0..PRESSES {
+            if !self.goal.named || self.met(&best) || best.beyond.0 > few {
+                break;
+            }
+            self.resume(&best);
+            self.target.press(&best.feet, self.limit());
+            let next = self.attempt([best.surface.u.clone(), best.surface.v.clone()])?;
+            if next.beyond.0 as f64 > PRESSING_PAYS * best.beyond.0 as f64 {
+                break;
+            }
+            best = next;
+        }
+        Ok(best)
     }
 
     fn met(&self, attempt: &Attempt) -> bool {
@@ -181,7 +214,7 @@ impl Search<'_> {
                 asked.max_net.min(measured / POINTS_A_CONTROL_POINT),
             ),
         };
-        let mut best = start;
+        let mut best = self.press(start)?;
         let mut last: Option<Attempt> = None;
         let mut idle = 0;
         loop {
@@ -194,8 +227,9 @@ impl Search<'_> {
             if knots == [now.surface.u.clone(), now.surface.v.clone()] {
                 break;
             }
-            self.target.correct(&now.feet);
+            self.resume(last.as_ref().unwrap_or(&best));
             let next = self.attempt(knots)?;
+            let next = self.press(next)?;
             let gained = (next.beyond.0 as f64) <= WORTHWHILE * best.beyond.0 as f64
                 || next.beyond.1 <= WORTHWHILE * best.beyond.1;
             idle = if gained { 0 } else { idle + 1 };
@@ -216,20 +250,18 @@ impl Search<'_> {
             return Ok(best);
         }
         let mut share = FIRST_SHARE;
-        for _ in 0..REMOVALS {
+        while share >= LAST_SHARE {
             let (knots, count) = knots::remove(&best.surface, share);
             if count == 0 {
                 break;
             }
-            self.target.samples.uv = best.uv.clone();
-            self.target.correct(&best.feet);
+            self.resume(&best);
             let next = self.attempt(knots)?;
+            let next = self.press(next)?;
             if self.met(&next) {
                 best = next;
-            } else if count > 1 {
-                share *= 0.5;
             } else {
-                break;
+                share *= 0.5;
             }
         }
         Ok(best)
@@ -239,8 +271,7 @@ impl Search<'_> {
     fn settle(&mut self, start: Attempt) -> Result<Attempt> {
         let mut best = start;
         for _ in 0..CORRECTIONS {
-            self.target.samples.uv = best.uv.clone();
-            self.target.correct(&best.feet);
+            self.resume(&best);
             let next = self.attempt([best.surface.u.clone(), best.surface.v.clone()])?;
             let (before, after) = (best.feet.rms(), next.feet.rms());
             if self.met(&best) && !self.met(&next) || after >= before {

@@ -19,6 +19,9 @@ const SIDE_WEIGHT: f64 = 4.0;
 /// Weight of a corner of the domain, which the patch is to meet.
 const CORNER_WEIGHT: f64 = 1e3;
 
+/// The most that a weight grows at a time.
+const MOST_PRESSURE: f64 = 25.0;
+
 /// A map's vertices as samples.
 pub struct Target<'a> {
     map: &'a Parameterized,
@@ -86,6 +89,15 @@ impl<'a> Target<'a> {
     pub fn correct(&mut self, feet: &Feet) {
         let Parameterized { patch, uv, .. } = self.map;
         self.samples.uv = corrected(&patch.mesh, uv, &self.samples.uv, &feet.uv);
+    }
+
+    /// Gives weight to measured samples that are farther than `limit` (Lawson's
+    /// iteration towards the smallest maximum).
+    pub fn press(&mut self, feet: &Feet, limit: f64) {
+        let weights = self.samples.weights.iter_mut().zip(&feet.distances);
+        for (weight, d) in weights.take(feet.measured).filter(|(_, d)| **d > limit) {
+            *weight = (*weight * (d / limit).powi(2).min(MOST_PRESSURE)).min(CORNER_WEIGHT);
+        }
     }
 
     /// Places that miss a target, in mm, and by how much.

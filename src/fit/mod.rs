@@ -81,7 +81,7 @@ fn blend(cells: &Cells) -> Result<(Vec<Lane>, usize)> {
 /// The solution by conjugate gradients, or directly where that takes too long.
 fn optimum(equations: &Equations, cells: &Cells) -> Result<(Vec<Lane>, usize)> {
     let inverse = Preconditioner::new(equations, &cells.spans)?;
-    match conjugate::solve(equations, &inverse) {
+    match inverse.and_then(|inverse| conjugate::solve(equations, &inverse)) {
         Some(solution) => Ok(solution),
         None => Ok((equations.solve_directly()?, 0)),
     }

@@ -33,9 +33,15 @@ const FREE: f64 = 0.5;
 /// How far around weak points the equations are solved directly.
 const OVERLAP: usize = 3;
 
+/// Nets of which more than one in so many points are held weakly are not worth
+/// preconditioning.
+const MOST_WEAK: usize = 5;
+
 impl Preconditioner {
     /// For equations over the given spans.
-    pub fn new(equations: &Equations, spans: &[Spans; 2]) -> Result<Self> {
+    /// `None` where so much of the net is held weakly that a direct solution of all is
+    /// cheaper.
+    pub fn new(equations: &Equations, spans: &[Spans; 2]) -> Result<Option<Self>> {
         let [u, v] = spans.each_ref().map(mass);
         let even = u.iter().flat_map(|a| v.iter().map(move |b| a[0] * b[0]));
         let own = equations.diagonal();
@@ -48,8 +54,11 @@ impl Preconditioner {
         });
         let scale = scale.collect();
         let weak = around(equations.shape, |at| shares[at] > WEAK);
+        if MOST_WEAK * weak.len() > own.len() {
+            return Ok(None);
+        }
         let weak = (!weak.is_empty()).then(|| equations.factor(weak)).transpose()?;
-        Ok(Preconditioner { u: Band::new(u), v: Band::new(v), scale, weak })
+        Ok(Some(Preconditioner { u: Band::new(u), v: Band::new(v), scale, weak }))
     }
 
     /// The inverse times `r`.

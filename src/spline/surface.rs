@@ -51,33 +51,35 @@ impl Surface {
     /// The point at `at`.
     pub fn point(&self, at: Uv) -> Point {
         let (bu, bv) = (self.u.basis(at.x), self.v.basis(at.y));
-        Point::from(self.sum(&bu, &bv, 0, 0))
+        let rows =
+            (0..=self.u.degree()).map(|i| self.row(bu.first + i, &bv)[0] * bu.derivative[0][i]);
+        Point::from(rows.sum::<Vector>())
     }
 
     /// Point, first and second derivatives at `at`.
     pub fn jet(&self, at: Uv) -> Jet {
         let (bu, bv) = (self.u.basis(at.x), self.v.basis(at.y));
-        let sum = |k, l| self.sum(&bu, &bv, k, l);
-        Jet {
-            s: Point::from(sum(0, 0)),
-            su: sum(1, 0),
-            sv: sum(0, 1),
-            suu: sum(2, 0),
-            suv: sum(1, 1),
-            svv: sum(0, 2),
+        let mut sums = [Vector::zeros(); 6];
+        for i in 0..=self.u.degree() {
+            let [s, sv, svv] = self.row(bu.first + i, &bv);
+            let [b, bu, buu] = [0, 1, 2].map(|k| bu.derivative[k][i]);
+            let terms = [s * b, s * bu, sv * b, s * buu, sv * bu, svv * b];
+            sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
         }
+        let [s, su, sv, suu, suv, svv] = sums;
+        Jet { s: Point::from(s), su, sv, suu, suv, svv }
     }
 
-    fn sum(&self, bu: &Basis, bv: &Basis, k: usize, l: usize) -> Vector {
-        let mut total = Vector::zeros();
-        for i in 0..=self.u.degree() {
-            let start = (bu.first + i) * self.v.functions() + bv.first;
-            let row = &self.net[start..=start + self.v.degree()];
-            let inner =
-                row.iter().zip(&bv.derivative[l]).fold(Vector::zeros(), |sum, (p, &c)| sum + p * c);
-            total += bu.derivative[k][i] * inner;
+    /// Value and derivatives in v of row `i` of the net.
+    fn row(&self, i: usize, bv: &Basis) -> [Vector; 3] {
+        let start = i * self.v.functions() + bv.first;
+        let mut sums = [Vector::zeros(); 3];
+        for (j, p) in self.net[start..=start + self.v.degree()].iter().enumerate() {
+            for (sum, b) in sums.iter_mut().zip(&bv.derivative) {
+                *sum += p * b[j];
+            }
         }
-        total
+        sums
     }
 
     /// The nearest parameter point inside the domain.
