@@ -10,7 +10,7 @@ use crate::parameterize::Parameterized;
 use crate::spline::{Samples, Surface, foot_point, foot_point_on_iso};
 
 /// Weight in the fit of a vertex that was not measured.
-const FILLED_WEIGHT: f64 = 0.1;
+const FILLED_WEIGHT: f64 = 0.3;
 
 /// Weight of a vertex of the outer boundary. The patch's sides depend on few
 /// samples beside them.

@@ -161,11 +161,11 @@ fn derivatives<const P: usize>(p: usize, knots: &[f64], t: f64) -> [[f64; ROOM];
     all[0] = table[p];
     for order in (1..3).take(p) {
         let mut row = table[p - order];
-        for d in p - order + 1..=p {
+        for (d, over) in over.iter().enumerate().take(p + 1).skip(p - order + 1) {
             let lower = row;
             row = [0.0; ROOM];
             for r in 0..d {
-                let part = d as f64 * lower[r] * over[d][r];
+                let part = d as f64 * lower[r] * over[r];
                 row[r] -= part;
                 row[r + 1] += part;
             }
