@@ -132,21 +132,28 @@ pub fn normal(points: &[Point], stars: &Stars, v: u32) -> Vector {
 /// that can be had.
 fn best_removal(points: &[Point], stars: &Stars, v: u32) -> Option<Removal> {
     let up = normal(points, stars, v);
-    let quality = |removal: &Removal| {
-        let (apex, path) = removal.fan();
-        let p = points[apex as usize];
-        let shape = |w: &[u32]| {
-            let (d, e) = (points[w[0] as usize] - p, points[w[1] as usize] - p);
-            let area = d.cross(&e);
-            let sides = d.norm_squared() + e.norm_squared() + (e - d).norm_squared();
-            let upright = if area.dot(&up) > 0.0 { area.norm() } else { area.dot(&up) };
-            upright / sides.max(f64::MIN_POSITIVE)
-        };
-        let worst = path.windows(2).map(shape).fold(f64::INFINITY, f64::min);
-        let crowded = stars.ring(apex).len() + path.len() > MOST_NEIGHBOURS + 3;
-        if crowded { worst - 1.0 } else { worst }
+    let n = stars.ring(v).len();
+    let rate = |k: usize| (worst_of_fan(points, stars, v, k, up), k);
+    let mut rated: Vec<(f64, usize)> = (0..n).map(rate).collect();
+    rated.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+    rated.into_iter().find_map(|(_, k)| stars.removal(v, k))
+}
+
+/// The least quality, area over squares of sides, of the triangles by which the
+/// fan from the `k`-th neighbour would replace v's star.
+fn worst_of_fan(points: &[Point], stars: &Stars, v: u32, k: usize, up: Vector) -> f64 {
+    let ring = stars.ring(v);
+    let n = ring.len();
+    let apex = points[ring[k] as usize];
+    let away = |j: usize| points[ring[(k + j) % n] as usize] - apex;
+    let shape = |j: usize| {
+        let (d, e) = (away(j), away(j + 1));
+        let area = d.cross(&e);
+        let sides = d.norm_squared() + e.norm_squared() + (e - d).norm_squared();
+        let upright = if area.dot(&up) > 0.0 { area.norm() } else { area.dot(&up) };
+        upright / sides.max(f64::MIN_POSITIVE)
     };
-    let ways = (0..stars.ring(v).len()).filter_map(|k| stars.removal(v, k));
-    let rated = ways.map(|removal| (quality(&removal), removal));
-    rated.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, removal)| removal)
+    let worst = (2..n).map(|j| shape(j - 1)).fold(f64::INFINITY, f64::min);
+    let crowded = stars.ring(ring[k]).len() + n > MOST_NEIGHBOURS + 4;
+    if crowded { worst - 1.0 } else { worst }
 }
