@@ -48,7 +48,7 @@ fn the_file_deviates_as_the_conversion_said() {
     assert_eq!((&found["cad"]["faces"], &found["cad"]["loops"]), (&1.into(), &3.into()));
     assert_eq!(found["scan"]["units_assumed"], true);
     assert_eq!(found["tolerance_met"], true);
-    assert!(number(&found, "/cad/max_off_surface_mm") < 1e-3);
+    assert!(number(&found, "/cad/max_off_surface_mm") < 1e-7);
     assert!(number(&found, "/face_to_scan/points") > 2e4);
 }
 

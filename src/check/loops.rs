@@ -1,6 +1,8 @@
 //! Loops of edges as closed polygons on their surface.
 
-use formats::cad::CadEdge;
+use std::sync::Arc;
+
+use formats::cad::{CadCurve, CadEdge};
 use nalgebra::Point2;
 
 use super::curve::Part;
@@ -22,6 +24,9 @@ pub(super) struct Tracer<'a> {
     /// The farthest that an edge's curve in space is from its pcurve's trace.
     pub(super) off_surface: f64,
 }
+
+/// How many places of an edge are looked at.
+const LOOKED_AT: usize = 64;
 
 /// Halvings of a chord at the most.
 const MAX_HALVINGS: usize = 12;
@@ -75,17 +80,20 @@ impl Tracer<'_> {
             }
             None => None,
         };
-        let trace = self.pcurve(edge, curve.as_ref(), last);
+        let pcurve = chosen(edge, curve.as_ref(), last);
+        let trace = pcurve.map(|pcurve| along(self.trace(&pcurve), edge.pcurve_forward));
         let Some(curve) = curve else {
             return trace.ok_or_else(|| "an edge has no curve".into());
         };
         let line = self.chords(&curve, edge.forward);
-        let off = trace.as_ref().map(|trace| distance_between(trace, &line));
-        if let (Some(trace), Some(off)) = (&trace, off)
-            && off <= self.gap
-        {
-            self.off_surface = self.off_surface.max(off);
-            return Ok(trace.clone());
+        if let (Some(trace), Some(pcurve)) = (trace, pcurve) {
+            let same_way = edge.forward == edge.pcurve_forward;
+            let by_parameter = self.apart(&pcurve, &curve, same_way);
+            let off = distance_between(&trace, &line).min(by_parameter);
+            if off <= self.gap {
+                self.off_surface = self.off_surface.max(off);
+                return Ok(trace);
+            }
         }
         // No pcurve, or one that is not the curve's: the curve is the master.
         let projected = self.projected(&line, last);
@@ -97,42 +105,29 @@ impl Tracer<'_> {
         Ok(projected)
     }
 
-    /// The trace of the edge's pcurve; of a seam's two, of the one that goes on
-    /// where the loop is.
-    fn pcurve(
-        &self,
-        edge: &CadEdge,
-        curve: Option<&Part<3>>,
-        last: Option<Uv>,
-    ) -> Option<Vec<Corner>> {
-        let part = |i: usize| {
-            let pcurve = &edge.pcurves[i];
-            match (pcurve.range, curve) {
-                (None, Some(curve)) => Part::over(pcurve, curve.range),
-                _ => Part::new(pcurve, None),
-            }
-        };
-        let start = |p: &Part<2>| {
-            let t = if edge.pcurve_forward { p.range.0 } else { p.range.1 };
-            Uv::from(p.point(t))
-        };
-        let parts: Vec<Part<2>> = (0..edge.pcurves.len()).filter_map(part).collect();
-        let chosen = match (&parts[..], last) {
-            ([first, second, ..], Some(last)) => {
-                let away = |p: &Part<2>| (start(p) - last).norm();
-                if away(second) < away(first) { second } else { first }
-            }
-            // By custom the first is that of the use along the edge.
-            ([_, second, ..], None) if !edge.pcurve_forward => second,
-            ([first, ..], _) => first,
-            ([], _) => return None,
-        };
+    /// The polyline of a pcurve.
+    fn trace(&self, pcurve: &Part<2>) -> Vec<Corner> {
         let at = |t: f64| {
-            let uv = Uv::from(chosen.point(t));
+            let uv = Uv::from(pcurve.point(t));
             (uv, self.surface.point(uv))
         };
-        let line = self.polyline(&chosen.breaks(), &at, |c: &Corner| c.1);
-        Some(along(line, edge.pcurve_forward))
+        self.polyline(&pcurve.breaks(), &at, |c: &Corner| c.1)
+    }
+
+    /// The farthest that a curve is from its pcurve's trace at equal parameter, if
+    /// they have one in common.
+    fn apart(&self, pcurve: &Part<2>, curve: &Part<3>, same_way: bool) -> f64 {
+        if pcurve.range != curve.range {
+            return f64::INFINITY;
+        }
+        let (a, b) = curve.range;
+        let off = |i: usize| {
+            let t = a + (b - a) * i as f64 / (4 * LOOKED_AT) as f64;
+            let on_surface = self.surface.point(Uv::from(pcurve.point(t)));
+            let t = if same_way { t } else { a + (b - t) };
+            (Point::from(curve.point(t)) - on_surface).norm()
+        };
+        (0..=4 * LOOKED_AT).map(off).fold(0.0, f64::max)
     }
 
     /// The polyline of a curve in space.
@@ -208,6 +203,29 @@ impl Tracer<'_> {
     }
 }
 
+/// The pcurve of an edge; of a seam's two, the one that goes on where the loop is.
+fn chosen<'a>(edge: &'a CadEdge, curve: Option<&Part<3>>, last: Option<Uv>) -> Option<Part<'a, 2>> {
+    let part = |pcurve: &'a Arc<CadCurve<2>>| match (pcurve.range, curve) {
+        (None, Some(curve)) => Part::over(pcurve, curve.range),
+        _ => Part::new(pcurve, None),
+    };
+    let start = |p: &Part<2>| {
+        let t = if edge.pcurve_forward { p.range.0 } else { p.range.1 };
+        Uv::from(p.point(t))
+    };
+    let parts: Vec<Part<2>> = edge.pcurves.iter().filter_map(part).collect();
+    match (&parts[..], last) {
+        ([first, second, ..], Some(last)) => {
+            let away = |p: &Part<2>| (start(p) - last).norm();
+            Some(if away(second) < away(first) { *second } else { *first })
+        }
+        // By custom the first is that of the use along the edge.
+        ([_, second, ..], None) if !edge.pcurve_forward => Some(*second),
+        ([first, ..], _) => Some(*first),
+        ([], _) => None,
+    }
+}
+
 /// Parameters that cover an axis; of an endless one, an angle's.
 fn samples(breaks: &[f64]) -> Vec<f64> {
     let (Some(&low), Some(&high)) = (breaks.first(), breaks.last()) else { return Vec::new() };
@@ -228,7 +246,6 @@ fn along<T>(mut line: Vec<T>, forward: bool) -> Vec<T> {
 
 /// The farthest that some corners of a trace, evenly chosen, are from a line.
 fn distance_between(trace: &[Corner], line: &[Point]) -> f64 {
-    const LOOKED_AT: usize = 64;
     let step = trace.len().div_ceil(LOOKED_AT);
     let looked_at = trace.iter().step_by(step).chain(trace.last());
     let nearest = |p: Point| {

@@ -31,7 +31,8 @@ pub struct Report {
     /// Their area, in mm².
     pub area: f64,
     /// The farthest that an edge's curve is from its pcurve's trace on the
-    /// surface; less than `resolution` is not told from nothing.
+    /// surface. Where the two have no parameter in common less than `resolution`
+    /// is not told from nothing.
     pub max_off_surface: f64,
     /// How near the chords are that stand for edges.
     pub resolution: f64,

@@ -268,7 +268,7 @@ impl<'d> Geometry<'d> {
         p.skip(5);
         let u = p.several(m + du + 1, Parameters::real)?;
         let v = p.several(n + dv + 1, Parameters::real)?;
-        let count = m.checked_mul(n).unwrap_or(usize::MAX);
+        let count = m.saturating_mul(n);
         let weights = p.several(count, Parameters::real)?;
         let poles = p.several(count, Parameters::point)?;
         let build = || {
