@@ -309,7 +309,8 @@ mod tests {
             (r"\X2\00E9\X0\\X4\0001F600\X0\", "é😀"),
             (r"\X2\D83DDE00\X0\", "😀"),
             (r"\X\E9\S\i", "éé"),
-            (r"\X2\00zz\X0\\X2\00", r"\X2\00zz\X0\\X2\00"),
+            (r"\X2\00zz\X0\", r"\X2\00zz\X0\"),
+            (r"\X2\00", r"\X2\00"),
             ("\\", "\\"),
         ] {
             assert_eq!(decoded(escaped.as_bytes()), plain, "{escaped}");
