@@ -61,25 +61,7 @@ const MOST: f64 = 4_000_000.0;
 pub fn check(model: &CadModel, scan: &Mesh) -> Result<Report> {
     let diagonal = scan.diagonal();
     let domains: Vec<Domain> = model.faces.iter().map(|f| Domain::whole(&f.surface)).collect();
-    let (mut rings, mut off) = (Vec::new(), 0.0);
-    for (face, domain) in model.faces.iter().zip(&domains) {
-        let mut tracer = Tracer {
-            surface: domain,
-            chord: CHORD * diagonal,
-            gap: GAP * diagonal,
-            off_surface: off,
-        };
-        let polygons = face.loops.iter().map(|edges| tracer.polygon(edges));
-        let polygons: std::result::Result<Vec<_>, _> = polygons.collect();
-        let cad = |what| Error::Cad { entity: face.entity.clone(), what };
-        rings.push(polygons.map_err(cad)?);
-        off = tracer.off_surface;
-    }
-    let endless = domains.iter().zip(&model.faces).find(|(d, f)| f.natural && !d.is_bounded());
-    if let Some((_, face)) = endless {
-        let what = "it has no bounds, and its surface neither".into();
-        return Err(Error::Cad { entity: face.entity.clone(), what });
-    }
+    let (rings, off) = rings(model, &domains, diagonal)?;
     let parts: Vec<Domain> = domains.iter().zip(&rings).zip(&model.faces).map(bounded).collect();
     let starts: Vec<Vec<Corner>> =
         rings.iter().map(|r| r.iter().flatten().copied().collect()).collect();
@@ -109,6 +91,33 @@ pub fn check(model: &CadModel, scan: &Mesh) -> Result<Report> {
         scan_to_face: Deviation::of(&scan.points, to_faces),
         face_to_scan: Deviation::of(&points, to_scan),
     })
+}
+
+/// The polygons of every face's loops, and the farthest that an edge is off its
+/// surface.
+fn rings(
+    model: &CadModel,
+    domains: &[Domain],
+    diagonal: f64,
+) -> Result<(Vec<Vec<Vec<Corner>>>, f64)> {
+    let (mut rings, mut off) = (Vec::with_capacity(domains.len()), 0.0);
+    for (face, domain) in model.faces.iter().zip(domains) {
+        let cad = |what| Error::Cad { entity: face.entity.clone(), what };
+        if face.natural && !domain.is_bounded() {
+            return Err(cad("it has no bounds, and its surface neither".into()));
+        }
+        let mut tracer = Tracer {
+            surface: domain,
+            chord: CHORD * diagonal,
+            gap: GAP * diagonal,
+            off_surface: off,
+        };
+        let polygons = face.loops.iter().map(|edges| tracer.polygon(edges));
+        let polygons: std::result::Result<_, _> = polygons.collect();
+        rings.push(polygons.map_err(cad)?);
+        off = tracer.off_surface;
+    }
+    Ok((rings, off))
 }
 
 /// The part of a surface that a face's loops bound.

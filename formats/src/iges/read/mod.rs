@@ -4,6 +4,7 @@ mod deck;
 mod faces;
 mod geometry;
 mod parameters;
+mod shape;
 
 use std::path::Path;
 

@@ -1,7 +1,8 @@
 //! The attributes of an entity, one after the other.
 
 use super::exchange::{Entity, Exchange};
-use super::value::{Record, Value, decoded};
+use super::text::decoded;
+use super::value::{Record, Value};
 use crate::Result;
 
 /// The attributes that are yet to be read of one entity.

@@ -3,12 +3,10 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
-use super::attributes::Attributes;
 use super::exchange::Exchange;
 use crate::Result;
 use crate::cad::affine::{cross, dot, unit};
-use crate::cad::spline::MAX_DEGREE;
-use crate::cad::{CadCurve, CadSurface, CurveShape, SplineCurve, SplineKnots, SplineSurface};
+use crate::cad::{CadCurve, CadSurface, CurveShape, SplineCurve};
 
 /// A curve is made of curves, or a surface of surfaces, at most this deep.
 const MAX_DEPTH: usize = 8;
@@ -144,42 +142,6 @@ impl<'f, 'a> Geometry<'f, 'a> {
         }
     }
 
-    fn spline<const D: usize>(&self, id: u64) -> Result<CadCurve<D>> {
-        let mut entity = self.file.entity(id)?;
-        let (base, knots, weights) = if entity.records.len() == 1 {
-            let mut all = self.file.of_type(id, "B_SPLINE_CURVE_WITH_KNOTS")?;
-            all.skip(1)?;
-            let base = self.spline_base(&mut all)?;
-            (base, knots(&mut all)?, None)
-        } else {
-            let missing = || self.file.unread(id, "is no B-spline curve with knots");
-            let mut part = |name| self.file.part(&mut entity, name);
-            let base = self.spline_base(&mut part("B_SPLINE_CURVE").ok_or_else(missing)?)?;
-            let knots = knots(&mut part("B_SPLINE_CURVE_WITH_KNOTS").ok_or_else(missing)?)?;
-            let weights = part("RATIONAL_B_SPLINE_CURVE").map(|mut w| w.reals()).transpose()?;
-            (base, knots, weights)
-        };
-        let (degree, poles) = base;
-        let built = knots
-            .expanded(degree, poles.len())
-            .and_then(|knots| SplineCurve::new(degree, knots, poles, weights));
-        let spline = built.map_err(|e| self.file.error(id, e))?;
-        Ok(CadCurve { shape: CurveShape::Spline(spline), range: None })
-    }
-
-    /// Degree and poles, and the three flags that follow them.
-    fn spline_base<const D: usize>(
-        &self,
-        attributes: &mut Attributes,
-    ) -> Result<(usize, Vec<[f64; D]>)> {
-        let degree = attributes.count()?;
-        let poles = attributes.references()?;
-        self.file.spend(attributes.id, poles.len())?;
-        attributes.skip(3)?;
-        let poles = poles.into_iter().map(|id| self.point(id)).collect::<Result<_>>()?;
-        Ok((degree, poles))
-    }
-
     pub(super) fn surface(&mut self, id: u64) -> Result<Arc<CadSurface>> {
         self.surface_at(id, 0)
     }
@@ -230,72 +192,5 @@ impl<'f, 'a> Geometry<'f, 'a> {
             }
             other => Err(self.file.unread(id, format!("is a surface of a kind not read: {other}"))),
         }
-    }
-
-    fn spline_surface(&self, id: u64) -> Result<CadSurface> {
-        let mut entity = self.file.entity(id)?;
-        let simple = entity.records.len() == 1;
-        let missing = || self.file.unread(id, "is no B-spline surface with knots");
-        let name = "B_SPLINE_SURFACE_WITH_KNOTS";
-        let mut base = if simple {
-            let mut all = self.file.of_type(id, name)?;
-            all.skip(1)?;
-            all
-        } else {
-            self.file.part(&mut entity, "B_SPLINE_SURFACE").ok_or_else(missing)?
-        };
-        let (p, q) = (base.count()?, base.count()?);
-        let rows = base.rows()?;
-        base.skip(4)?;
-        let mut rest = match self.file.part(&mut entity, name) {
-            Some(rest) if !simple => rest,
-            None if !simple => return Err(missing()),
-            _ => base,
-        };
-        let counts = [rest.counts()?, rest.counts()?];
-        let values = [rest.reals()?, rest.reals()?];
-        let weights = self.file.part(&mut entity, "RATIONAL_B_SPLINE_SURFACE");
-        let weights = weights.map(|mut w| w.real_rows()).transpose()?;
-        let (m, n) = (rows.len(), rows.first().map_or(0, Vec::len));
-        if rows.iter().any(|row| row.len() != n) {
-            return Err(self.file.error(id, "has rows of unlike length"));
-        }
-        let poles = rows.into_iter().flatten().map(|p| self.point(p)).collect::<Result<_>>()?;
-        let ([u_counts, v_counts], [u, v]) = (counts, values);
-        let build = || {
-            let u = Knots { values: u, counts: u_counts }.expanded(p, m)?;
-            let v = Knots { values: v, counts: v_counts }.expanded(q, n)?;
-            let (u, v) = (SplineKnots::new(p, u, m)?, SplineKnots::new(q, v, n)?);
-            SplineSurface::new(u, v, poles, weights)
-        };
-        build().map(CadSurface::Spline).map_err(|e| self.file.error(id, e))
-    }
-}
-
-/// Knots as STEP has them: each once, with its multiplicity.
-struct Knots {
-    values: Vec<f64>,
-    counts: Vec<usize>,
-}
-
-fn knots(attributes: &mut Attributes) -> Result<Knots> {
-    let counts = attributes.counts()?;
-    Ok(Knots { values: attributes.reals()?, counts })
-}
-
-impl Knots {
-    /// Each as often as it counts, if that makes as many as are needed.
-    fn expanded(&self, degree: usize, poles: usize) -> std::result::Result<Vec<f64>, String> {
-        let Knots { values, counts } = self;
-        if values.len() != counts.len() {
-            return Err(format!("{} knots with {} multiplicities", values.len(), counts.len()));
-        }
-        // Before anything as long as they say is made of them.
-        let total = counts.iter().fold(0usize, |sum, n| sum.saturating_add(*n));
-        if degree > MAX_DEGREE || total != poles + degree + 1 {
-            return Err(format!("{total} knots for {poles} poles of degree {degree}"));
-        }
-        let each = values.iter().zip(counts);
-        Ok(each.flat_map(|(x, n)| std::iter::repeat_n(*x, *n)).collect())
     }
 }

@@ -3,6 +3,8 @@
 mod attributes;
 mod exchange;
 mod geometry;
+mod spline;
+mod text;
 mod topology;
 mod value;
 

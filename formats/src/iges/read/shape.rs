@@ -1,0 +1,81 @@
+//! Shapes made of what an entity says.
+
+use super::parameters::Parameters;
+use crate::Result;
+use crate::cad::affine::cross;
+use crate::cad::{CadCurve, CadSurface, CurveShape, SplineCurve, SplineKnots};
+
+/// A net whose index of u runs fastest, with that of v running fastest.
+pub(super) fn turned<T: Copy>(net: &[T], m: usize, n: usize) -> Vec<T> {
+    (0..m * n).map(|k| net[k / n + m * (k % n)]).collect()
+}
+
+/// A circular arc, counter-clockwise (clause 4.3).
+pub(super) fn arc(p: &mut Parameters) -> Result<CadCurve<3>> {
+    let level = p.real()?;
+    let mut point = || Ok([p.real()?, p.real()?]);
+    let (centre, start, end): ([f64; 2], [f64; 2], [f64; 2]) = (point()?, point()?, point()?);
+    let angle = |q: [f64; 2]| (q[1] - centre[1]).atan2(q[0] - centre[0]);
+    let radius = (start[0] - centre[0]).hypot(start[1] - centre[1]);
+    let (from, mut to) = (angle(start), angle(end));
+    if to <= from {
+        to += std::f64::consts::TAU;
+    }
+    let shape = CurveShape::Ellipse {
+        centre: [centre[0], centre[1], level],
+        x: [radius, 0.0, 0.0],
+        y: [0.0, radius, 0.0],
+    };
+    Ok(CadCurve { shape, range: Some((from, to)) })
+}
+
+/// A curve without its z.
+pub(super) fn flat(curve: CadCurve<3>) -> CadCurve<2> {
+    let cut = |p: [f64; 3]| [p[0], p[1]];
+    let shape = match curve.shape {
+        CurveShape::Line { origin, direction } => {
+            CurveShape::Line { origin: cut(origin), direction: cut(direction) }
+        }
+        CurveShape::Ellipse { centre, x, y } => {
+            CurveShape::Ellipse { centre: cut(centre), x: cut(x), y: cut(y) }
+        }
+        CurveShape::Spline(SplineCurve { knots, poles, weights }) => {
+            let poles = poles.into_iter().map(cut).collect();
+            CurveShape::Spline(SplineCurve { knots, poles, weights })
+        }
+    };
+    CadCurve { shape, range: curve.range }
+}
+
+/// The same curve with its parameters over [0, 1].
+pub(super) fn over_unit(mut spline: SplineCurve<3>) -> CadCurve<3> {
+    let (a, b) = spline.knots.range();
+    spline.knots.knots.iter_mut().for_each(|t| *t = (*t - a) / (b - a));
+    CadCurve { shape: CurveShape::Spline(spline), range: None }
+}
+
+/// About the normal in the middle of the parameters, where an offset says on
+/// which side it is; of any length. `None` where there is no middle.
+pub(super) fn middle_normal(surface: &CadSurface) -> Option<[f64; 3]> {
+    match surface {
+        CadSurface::Spline(spline) => {
+            let (u, v) = (middle_poles(&spline.u), middle_poles(&spline.v));
+            let pole = |i: usize, j: usize| spline.poles[i * spline.v.poles() + j];
+            let between = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| b[i] - a[i]);
+            let su = between(pole(u[0], v[0]), pole(u[1], v[0]));
+            let sv = between(pole(u[0], v[0]), pole(u[0], v[1]));
+            Some(cross(su, sv))
+        }
+        CadSurface::Plane { x, y, .. } => Some(cross(*x, *y)),
+        CadSurface::Offset { base, .. } => middle_normal(base),
+        CadSurface::Cylinder { .. } | CadSurface::Extrusion { .. } => None,
+    }
+}
+
+/// Two neighbouring poles that matter in the middle of the range.
+fn middle_poles(knots: &SplineKnots) -> [usize; 2] {
+    let (low, high) = knots.range();
+    let span = knots.knots().partition_point(|t| *t <= 0.5 * (low + high));
+    let first = span.saturating_sub(1 + knots.degree().div_ceil(2)).min(knots.poles() - 2);
+    [first, first + 1]
+}
