@@ -39,8 +39,17 @@ impl Tracer<'_> {
     /// close in the parameter plane.
     pub(super) fn polygon(&mut self, edges: &[CadEdge]) -> Result<Vec<Corner>, String> {
         let mut all: Vec<Corner> = Vec::new();
-        for edge in edges {
-            let line = self.edge(edge, all.last().map(|c| c.0))?;
+        // Where a loop begins with a seam nothing says which of its sides is meant.
+        let first = edges.iter().position(|edge| edge.pcurves.len() < 2).unwrap_or(0);
+        for edge in edges[first..].iter().chain(&edges[..first]) {
+            let last = all.last().map(|c| c.0);
+            let mut line = self.edge(edge, last)?;
+            if let (Some(period), Some(last), Some(start)) =
+                (self.surface.period(), last, line.first())
+            {
+                let shift = period * ((last.x - start.0.x) / period).round();
+                line.iter_mut().for_each(|corner| corner.0.x += shift);
+            }
             if let (Some(&end), Some(&start)) = (all.last(), line.first()) {
                 self.check_joint(end, start)?;
             }

@@ -32,6 +32,16 @@ impl<'a> Domain<'a> {
         self.ranges.iter().all(|(from, to)| from.is_finite() && to.is_finite())
     }
 
+    /// How far on in u the surface comes back to where it was, if it does and has
+    /// no end there.
+    pub(super) fn period(&self) -> Option<f64> {
+        let round = |surface: &CadSurface| matches!(surface, CadSurface::Cylinder { .. });
+        match self.surface {
+            CadSurface::Offset { base, .. } if round(base) => Some(std::f64::consts::TAU),
+            surface => round(surface).then_some(std::f64::consts::TAU),
+        }
+    }
+
     /// Lines u = const and v = const between which it is smooth.
     pub(super) fn breaks(&self) -> [Vec<f64>; 2] {
         let inner = breaks(self.surface);

@@ -217,3 +217,44 @@ fn lines_and_circles_are_read() {
     let CurveShape::Ellipse { centre, x, y } = edge.curve.as_ref().unwrap().shape else { panic!() };
     assert_eq!((centre, x, y), ([0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]));
 }
+
+#[test]
+fn the_angle_on_an_iges_cylinder_is_in_degrees() {
+    // A cylinder as OpenCASCADE writes it: one face, a seam.
+    let parameters = [
+        (514, 1, "514,1,3,1;"),
+        (510, 1, "510,5,1,1,13;"),
+        (192, 1, "192,7,9,3.,11;"),
+        (116, 0, "116,0.,0.,0.,0;"),
+        (123, 0, "123,0.,0.,1.;"),
+        (123, 0, "123,1.,0.,0.;"),
+        (508, 1, "508,1,0,15,1,1,1,0,25;"),
+        (504, 1, "504,1,17,19,1,19,1;"),
+        (100, 0, "100,0.,0.,0.,3.,0.,3.,0.;"),
+        (502, 1, "502,1,3.,0.,0.;"),
+        (0, 0, ""),
+        (0, 0, ""),
+        (110, 0, "110,0.,0.,0.,360.,0.,0.;"),
+    ];
+    let mut lines = vec![format!("{:72}S      1", "")];
+    lines.push(format!(
+        "{:72}G      1",
+        "1H,,1H;,,,,,32,38,6,308,15,,1.,2,2HMM,1,0.1,,1E-7,9.,,,11,0;"
+    ));
+    for (i, (kind, form, _)) in parameters.iter().enumerate() {
+        let n = 2 * i + 1;
+        lines.push(format!("{kind:8}{:8}{:48}00010000D{n:7}", i + 1, ""));
+        lines.push(format!("{kind:8}{:16}{:8}{form:8}{:32}D{:7}", "", 1, "", n + 1));
+    }
+    for (i, (.., text)) in parameters.iter().enumerate() {
+        lines.push(format!("{text:64}{:8}P{:7}", 2 * i + 1, i + 1));
+    }
+    lines.push(format!("{:72}T      1", ""));
+    let model = read(&(lines.join("\n") + "\n")).unwrap();
+    let CadSurface::Cylinder { x, z, .. } = *model.faces[0].surface else { panic!() };
+    assert_eq!((x, z), ([3.0, 0.0, 0.0], [0.0, 0.0, 1.0]));
+    let CurveShape::Line { direction, .. } = model.faces[0].loops[0][0].pcurves[0].shape else {
+        panic!()
+    };
+    assert_eq!(direction, [std::f64::consts::TAU, 0.0]);
+}

@@ -1,10 +1,12 @@
 //! Trimmed surfaces (144) and the faces of shells (514).
 
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use super::deck::Deck;
 use super::geometry::Geometry;
 use super::parameters::Parameters;
+use super::shape::in_radians;
 use crate::Result;
 use crate::cad::affine::Affine;
 use crate::cad::{CadEdge, CadFace};
@@ -126,7 +128,13 @@ impl<'d> Faces<'d> {
         let count = p.count()?;
         p.skip(1);
         let loops = p.several(count, Parameters::integer)?;
-        let loops = loops.into_iter().map(|l| self.edge_loop(l, &place)).collect::<Result<_>>()?;
+        let mut loops: Vec<Vec<CadEdge>> =
+            loops.into_iter().map(|l| self.edge_loop(l, &place)).collect::<Result<_>>()?;
+        // The angle on a cylinder (192) is in degrees.
+        if self.deck.entry(surface)?.kind == 192 {
+            let pcurves = loops.iter_mut().flatten().flat_map(|edge| &mut edge.pcurves);
+            pcurves.for_each(|pcurve| *pcurve = Arc::new(in_radians(pcurve)));
+        }
         let surface = self.geometry.surface(surface, &place)?;
         Ok(CadFace { entity: name(pointer), surface, natural: count == 0, loops })
     }

@@ -182,6 +182,7 @@ impl<'d> Geometry<'d> {
         let entry = self.deck.entry(pointer)?;
         let mut p = self.deck.parameters(pointer)?;
         match entry.kind {
+            108 => self.plane(pointer, &mut p),
             122 => self.tabulated(pointer, p),
             128 => self.spline_surface(pointer, p),
             140 if depth < MAX_DEPTH => {
@@ -208,6 +209,18 @@ impl<'d> Geometry<'d> {
                 Err(self.deck.unread(pointer, what))
             }
         }
+    }
+
+    /// A plane of which only an equation is given, a x + b y + c z = d. Pcurves on
+    /// it mean nothing, since it has no axes.
+    fn plane(&self, pointer: i64, p: &mut Parameters) -> Result<CadSurface> {
+        let (normal, d) = (p.point()?, p.real()?);
+        let bad = || self.deck.error(pointer, "is a plane without a normal");
+        let z = unit(normal).ok_or_else(bad)?;
+        let away = d / dot(normal, normal).sqrt();
+        let helper = if z[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
+        let x = unit(cross(helper, z)).ok_or_else(bad)?;
+        Ok(CadSurface::Plane { origin: z.map(|e| away * e), x, y: cross(z, x) })
     }
 
     fn cylinder_radius(&self, pointer: i64) -> Result<f64> {

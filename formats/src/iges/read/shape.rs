@@ -47,6 +47,24 @@ pub(super) fn flat(curve: CadCurve<3>) -> CadCurve<2> {
     CadCurve { shape, range: curve.range }
 }
 
+/// The same pcurve with its first coordinate, in degrees, in radians.
+pub(super) fn in_radians(curve: &CadCurve<2>) -> CadCurve<2> {
+    let turn = |[u, v]: [f64; 2]| [u.to_radians(), v];
+    let shape = match curve.shape.clone() {
+        CurveShape::Line { origin, direction } => {
+            CurveShape::Line { origin: turn(origin), direction: turn(direction) }
+        }
+        CurveShape::Ellipse { centre, x, y } => {
+            CurveShape::Ellipse { centre: turn(centre), x: turn(x), y: turn(y) }
+        }
+        CurveShape::Spline(mut spline) => {
+            spline.poles.iter_mut().for_each(|p| *p = turn(*p));
+            CurveShape::Spline(spline)
+        }
+    };
+    CadCurve { shape, range: curve.range }
+}
+
 /// The same curve with its parameters over [0, 1].
 pub(super) fn over_unit(mut spline: SplineCurve<3>) -> CadCurve<3> {
     let (a, b) = spline.knots.range();
