@@ -85,7 +85,7 @@ def main(peer, samples, n, out):
     os._exit(0)
 
 
-if __name__ == "__main__":
-    main(*sys.argv[-4:])
-elif "FIT_PEER" in os.environ:
+if "FIT_PEER" in os.environ:
     main(*os.environ["FIT_PEER"].split("\n"))
+elif __name__ == "__main__":
+    main(*sys.argv[1:])

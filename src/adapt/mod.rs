@@ -14,7 +14,7 @@ mod target;
 use crate::error::{Error, Result};
 use crate::geometry::Uv;
 use crate::parameterize::Parameterized;
-use crate::spline::{KnotVector, Surface};
+use crate::spline::{KnotVector, Samples, Surface};
 use crate::{Options, fit, knots};
 use target::{Feet, Target};
 
@@ -111,10 +111,7 @@ pub fn fit(map: &mut Parameterized, options: &Options, goal: &Goal) -> Result<(S
         }
         None => {
             let depth = asked.depth.unwrap_or_else(|| deepest(measured));
-            let place = knots::Options { kappa, depth };
-            let (knots, report) = knots::place(&search.target.samples, &place);
-            let [m, n] = knots.each_ref().map(KnotVector::functions);
-            check_net(m, n, asked.max_net)?;
+            let (knots, report) = place(&search.target.samples, asked, kappa, depth)?;
             (knots, Some(report))
         }
     };
@@ -283,6 +280,26 @@ impl Search<'_> {
             }
         }
         Ok(best)
+    }
+}
+
+/// The paper's knots. Where neither κ nor depth is named these are only the start,
+/// and as deep as the bound on the net lets them.
+fn place(
+    samples: &Samples,
+    asked: &KnotOptions,
+    kappa: f64,
+    mut depth: u32,
+) -> Result<([KnotVector; 2], knots::Report)> {
+    loop {
+        let (knots, report) = knots::place(samples, &knots::Options { kappa, depth });
+        let [m, n] = knots.each_ref().map(KnotVector::functions);
+        let named = asked.kappa.is_some() || asked.depth.is_some();
+        match check_net(m, n, asked.max_net) {
+            Ok(()) => return Ok((knots, report)),
+            Err(e) if named || depth == 0 => return Err(e),
+            Err(_) => depth -= 1,
+        }
     }
 }
 

@@ -74,13 +74,12 @@ fn windows(s: f64) -> [f64; 3] {
 /// What one cell's points say of the 16 control points of the cell.
 struct Local {
     coefficients: Coefficients,
-    /// With what weight: the diagonal of the Gram matrix. Zeros where there are too few
-    /// points to say anything.
+    /// With what weight: the diagonal of the Gram matrix. Zeros where there are no points.
     weights: SVector<f64, 16>,
 }
 
-/// Points that a local fit needs: one a coefficient.
-const FEWEST: usize = 16;
+/// Points that a local fit needs, one a coefficient; a fit to fewer counts less.
+const FEWEST: f64 = 16.0;
 
 fn local_fit(cells: &Cells, around: &[Option<Vec<Windowed>>; 3], p: usize, q: usize) -> Local {
     let (mut gram, mut right, mut count) = (Products::zeros(), Coefficients::zeros(), 0);
@@ -97,10 +96,12 @@ fn local_fit(cells: &Cells, around: &[Option<Vec<Windowed>>; 3], p: usize, q: us
             count += cells.count(p + dp - 1, q + dq - 1);
         }
     }
-    if count < FEWEST {
+    if count == 0 {
         return Local { coefficients: Coefficients::zeros(), weights: SVector::zeros() };
     }
-    solve(cells, p, q, &full(&gram), &right)
+    let mut local = solve(cells, p, q, &full(&gram), &right);
+    local.weights *= (count as f64 / FEWEST).min(1.0).powi(2);
+    local
 }
 
 /// Sums of products of two functions in u, by their place in [`PAIRS`], and two
@@ -178,7 +179,7 @@ fn solve(cells: &Cells, p: usize, q: usize, gram: &Gram, right: &Coefficients) -
     let prior =
         (plane_gram + damp).cholesky().map(|f| plane * f.solve(&(plane.transpose() * right)));
     let prior = prior.unwrap_or_else(Coefficients::zeros);
-    let pull = 1e-9 + 1e-2 * (8.0 / plane_gram[(0, 0)].max(1.0)).powi(6);
+    let pull = 1e-13 + 1e-2 * (8.0 / plane_gram[(0, 0)].max(1.0)).powi(6);
     let weak = pull * gram.trace() / 16.0;
     match (gram + Gram::identity() * weak).cholesky() {
         Some(f) => {

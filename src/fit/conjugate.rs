@@ -14,8 +14,12 @@ const MAX_STEPS: usize = 60;
 /// left: the root mean square is within half of it of the optimum's.
 const GAIN: f64 = 1e-4;
 
-/// Or this share of the sum of squares at the start: exact data.
-const ROUNDING: f64 = 1e-24;
+/// What is left is known up to this share of the sum of squares at the start. Data
+/// that are exact to that are followed until two steps gain no more than ...
+const ROUNDING: f64 = 1e-12;
+
+/// ... this share.
+const EXACT: f64 = 1e-24;
 
 /// The net of the least-squares optimum, and the steps taken; `None` where it
 /// takes too many.
@@ -60,7 +64,8 @@ pub fn solve(equations: &Equations, inverse: &Preconditioner) -> Option<(Vec<Lan
         if !left.is_finite() {
             return None;
         }
-        if gain + before <= GAIN * left.max(0.0) + ROUNDING * equations.squares {
+        let sure = (left - ROUNDING * equations.squares).max(0.0);
+        if gain + before <= GAIN * sure + EXACT * equations.squares {
             return Some((x, step + 1));
         }
         before = gain;

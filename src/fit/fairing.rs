@@ -2,9 +2,10 @@
 //! ∫ |S_xx|² + 2 |S_xy|² + |S_yy|² dx dy, where x and y run along u and v and
 //! are lengths in mm, measured cell by cell.
 //!
-//! A cell without samples feels it as strongly as the samples would hold it;
-//! with their number the weight falls off so steeply that where a cell is
-//! covered nothing of it is left but what keeps the equations regular.
+//! A cell without samples around it feels it almost as strongly as samples would
+//! hold it; with their number in the cell and the eight around it the weight falls
+//! off so steeply that where these are covered nothing of it is left but what keeps
+//! the equations regular.
 
 use rayon::prelude::*;
 
@@ -29,14 +30,20 @@ pub struct Fairing {
 pub fn strips(strips: &[Strip], cells: &Cells) -> Vec<Fairing> {
     let metric = Metric::new(strips, cells);
     let energies: Vec<[[f64; 10]; 3]> = cells.spans[1].all.iter().map(energies).collect();
-    strips.par_iter().enumerate().map(|(p, s)| strip(p, s, &metric, &energies)).collect()
+    (0..strips.len()).into_par_iter().map(|p| strip(p, strips, &metric, &energies)).collect()
 }
 
-fn strip(p: usize, strip: &Strip, metric: &Metric, energies: &[[[f64; 10]; 3]]) -> Fairing {
+fn strip(p: usize, strips: &[Strip], metric: &Metric, energies: &[[[f64; 10]; 3]]) -> Fairing {
+    let strip = &strips[p];
+    let around = &strips[p.saturating_sub(1)..(p + 2).min(strips.len())];
+    let across: Vec<f64> = (0..strip.cells.len())
+        .map(|q| around.iter().map(|strip| strip.cells[q].covering).sum())
+        .collect();
     let mut of = [0; 3].map(|_| vec![[0.0; 4]; strip.cells.len() + 3]);
     for (q, (cell, energy)) in strip.cells.iter().zip(energies).enumerate() {
         let [x, y] = metric.half(p, q, cell);
-        let fade = (FEW / (FEW + cell.covering)).powi(6);
+        let covering: f64 = across[q.saturating_sub(1)..(q + 2).min(across.len())].iter().sum();
+        let fade = (FEW / (FEW + covering)).powi(6);
         let weight = EMPTY * fade * metric.weight * x.min(y).powi(4);
         let scales = [x.powi(-4), 2.0 / (x * y).powi(2), y.powi(-4)];
         for order in 0..3 {

@@ -34,6 +34,10 @@ pub struct Equations {
     pub unsupported: Vec<f64>,
 }
 
+/// Every control point is held at the samples' centre with this share of what the
+/// fairing term adds to its diagonal.
+const ANCHOR: f64 = 1e-11;
+
 impl Equations {
     /// Sums up the samples, a visit each.
     pub fn new(cells: &Cells) -> Self {
@@ -79,6 +83,10 @@ impl Equations {
             }
         });
         equations.unsupported = equations.diagonal();
+        // The term alone leaves planes open, and samples may be too few to tell one.
+        for at in 0..nu * nv {
+            equations.bands[4 * nv * (at / nv) + at % nv][0] += ANCHOR * equations.unsupported[at];
+        }
         equations
     }
 
