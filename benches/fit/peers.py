@@ -66,10 +66,9 @@ def geomdl(uv, p, n, at):
 
 def freecad(uv, p, n, at):
     """Takes points only, and projects them; runs in FreeCAD's own Python."""
-    import FreeCAD
     import ReverseEngineering
 
-    points = [FreeCAD.Vector(*x) for x in p.tolist()]
+    points = [tuple(x) for x in p.tolist()]
     begun = time.process_time()
     ReverseEngineering.approxSurface(Points=points, UDegree=3, VDegree=3, NbUPoles=n, NbVPoles=n)
     return time.process_time() - begun, None

@@ -68,8 +68,13 @@ pub struct Adapted {
 const UNNAMED_SHARE: f64 = 0.6;
 
 /// Measured points a control point at the least, where the user named no
-/// tolerance: more control points would follow the noise.
-const POINTS_A_CONTROL_POINT: usize = 4;
+/// tolerance. Smoothing looks at dozens of points at a time, so that nets as fine as
+/// this do not follow noise yet, but finer ones have nothing left to follow.
+const POINTS_A_CONTROL_POINT: usize = 2;
+
+/// Halvings beyond those that leave one to four points of an even scan, where scans
+/// are denser or the map is crushed.
+const DEEPER: u32 = 2;
 
 /// Spans are halved down to 2^−20 of the domain where a tolerance is named.
 const DEEPEST: u32 = 20;
@@ -207,7 +212,7 @@ impl Search<'_> {
         let (depth, most) = match self.goal.named {
             true => (asked.depth.unwrap_or(DEEPEST), asked.max_net),
             false => (
-                asked.depth.unwrap_or_else(|| deepest(measured)),
+                asked.depth.unwrap_or_else(|| deepest(measured) + DEEPER),
                 asked.max_net.min(measured / POINTS_A_CONTROL_POINT),
             ),
         };
