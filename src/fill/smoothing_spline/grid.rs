@@ -1,13 +1,13 @@
 //! The grid that a smoothing spline lives on: quartic B-splines, and their
 //! thin-plate energies.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashSet};
 
 use crate::geometry::{Uv, UvVector};
 
-const DEGREE: usize = 4;
+pub const DEGREE: usize = 4;
 /// B-splines that do not vanish on an interval; squared, on a cell.
-const ON_INTERVAL: usize = DEGREE + 1;
+pub const ON_INTERVAL: usize = DEGREE + 1;
 pub const ON_CELL: usize = ON_INTERVAL * ON_INTERVAL;
 
 /// The widest grid, in cells.
@@ -27,8 +27,10 @@ pub struct Grid {
     /// where in `functions` its own begin.
     cells: Vec<Option<u32>>,
     height: usize,
-    /// The functions on each live cell.
+    /// The functions on each live cell, ascending.
     pub on_cells: Vec<[u32; ON_CELL]>,
+    /// The functions' places in the lattice of all, by columns, ascending.
+    places: Vec<u32>,
     /// How many functions there are.
     pub count: usize,
 }
@@ -67,26 +69,45 @@ impl Grid {
                 }
             }
         }
-        let mut grid =
-            Grid { low, cell, cells: vec![None; live.len()], height, on_cells: vec![], count: 0 };
+        let mut grid = Grid {
+            low,
+            cell,
+            cells: vec![None; live.len()],
+            height,
+            on_cells: vec![],
+            places: vec![],
+            count: 0,
+        };
         grid.number(&live);
         Some(grid)
     }
 
     fn number(&mut self, live: &[bool]) {
         let rows = self.height + DEGREE;
-        let mut numbers: HashMap<usize, u32> = HashMap::new();
-        for (at, _) in live.iter().enumerate().filter(|l| *l.1) {
-            let (i, j) = (at / self.height, at % self.height);
-            self.cells[at] = Some(self.on_cells.len() as u32);
-            let mut number = |k: usize| {
-                let key = (i + k / ON_INTERVAL) * rows + j + k % ON_INTERVAL;
-                let next = numbers.len() as u32;
-                *numbers.entry(key).or_insert(next)
-            };
-            self.on_cells.push(std::array::from_fn(&mut number));
+        let live = || live.iter().enumerate().filter(|l| *l.1).map(|l| l.0);
+        let first = |at: usize| at / self.height * rows + at % self.height;
+        let place = |k: usize| k / ON_INTERVAL * rows + k % ON_INTERVAL;
+        let mut numbers = vec![None; rows * (self.cells.len() / self.height + DEGREE)];
+        for at in live().map(first) {
+            (0..ON_CELL).for_each(|k| numbers[at + place(k)] = Some(0));
         }
-        self.count = numbers.len();
+        self.places = Vec::new();
+        for (place, number) in numbers.iter_mut().enumerate().filter(|n| n.1.is_some()) {
+            *number = Some(self.places.len() as u32);
+            self.places.push(place as u32);
+        }
+        for (number, at) in live().enumerate() {
+            self.cells[at] = Some(number as u32);
+            let first = first(at);
+            self.on_cells.push(std::array::from_fn(|k| numbers[first + place(k)].unwrap_or(0)));
+        }
+        self.count = self.places.len();
+    }
+
+    /// The functions' places in the lattice of all, column and row.
+    pub fn lattice(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        let rows = (self.height + DEGREE) as u32;
+        self.places.iter().map(move |place| [place / rows, place % rows])
     }
 
     /// Of a large grid some blocks, spread over it, from which to tell how stiff
@@ -107,8 +128,13 @@ impl Grid {
         let step = (2 * self.on_cells.len()).div_ceil(SAMPLE).min(blocks.len());
         let chosen: HashSet<_> = blocks.into_keys().skip(step / 2).step_by(step).collect();
         let own = |at: usize| live(&at) && chosen.contains(&block(at));
-        let mut part =
-            Grid { cells: vec![None; self.cells.len()], on_cells: Vec::new(), count: 0, ..*self };
+        let mut part = Grid {
+            cells: vec![None; self.cells.len()],
+            on_cells: Vec::new(),
+            places: Vec::new(),
+            count: 0,
+            ..*self
+        };
         part.number(&(0..self.cells.len()).map(own).collect::<Vec<_>>());
         Some(part)
     }

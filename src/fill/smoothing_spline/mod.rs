@@ -16,6 +16,7 @@
 
 mod grid;
 mod likelihood;
+mod overlaps;
 
 use crate::geometry::Uv;
 use grid::Grid;
