@@ -2,16 +2,16 @@
 //! go astray in wide holes; here all are placed on the one surface that the
 //! band of points around the hole makes likely.
 
-use std::cell::RefCell;
 use std::collections::HashMap;
 
 use super::band::{self, Measured};
 use super::develop::develop;
 use super::front::{Fill, Hole, Lead, Surroundings};
+use super::outlines::Outlines;
 use super::sheet::Sheet;
 use super::size::Sizes;
 use super::smoothing_spline::SmoothingSpline;
-use crate::geometry::{LocalPlane, Point, Uv, Vector, VertexId, is_inside};
+use crate::geometry::{LocalPlane, Point, Uv, Vector, VertexId};
 use crate::mesh::{boundary, outline};
 
 /// Cells of the spline across a hole's half width: enough for its bends …
@@ -20,7 +20,10 @@ const ACROSS_HOLE: f64 = 3.5;
 /// … and across the band, from which it knows them.
 const ACROSS_BAND: f64 = 3.0;
 
-/// Nor are they narrower than this many edges.
+/// But no narrower than this many edges to begin with …
+const FIRST: f64 = 3.0;
+
+/// … and than this many at all.
 const NARROWEST: f64 = 2.0;
 
 /// The steepest slope, as the cosine of its angle, of a surface that is seen as
@@ -90,15 +93,16 @@ impl<'a> Shaper<'a> {
         };
         let points: Vec<_> = band.iter().map(height).collect();
         let area = outlines.iter().map(|o| outline_area(o)).sum::<f64>().abs();
-        let inside = |p: Uv| outlines.iter().filter(|o| is_inside(p, o)).count() % 2 == 1;
-        let spline = SmoothingSpline::fit(&points, inside, self.cell(area), self.narrowest())?;
+        let hole = Outlines::new(&outlines);
+        let reach = |p: Uv, cell: f64| hole.reach(p, cell);
+        let spline = SmoothingSpline::fit(&points, reach, self.cell(area), self.narrowest())?;
         Some(View { plane, spline, outlines })
     }
 
     /// The width of the spline's cells for a hole of some area.
     fn cell(&self, area: f64) -> f64 {
         let cell = half_width(area, self.perimeter) / ACROSS_HOLE;
-        cell.min(self.width / ACROSS_BAND).max(self.narrowest())
+        cell.min(self.width / ACROSS_BAND).max(FIRST * self.hole.sizes.mean)
     }
 
     fn narrowest(&self) -> f64 {
@@ -136,7 +140,7 @@ impl<'a> Shaper<'a> {
                 known.filter(|known| outside.is_laid_out(*known.1)).map(point).collect();
             let cell = self.cell(sheet.area());
             let covered = sheet.covered(cell);
-            let spline = SmoothingSpline::fit(&points, covered, cell, self.narrowest())?;
+            let spline = SmoothingSpline::fit(&points, |p, _| covered(p), cell, self.narrowest())?;
             self.settle(&mut sheet, |uv| Some(Point::from(spline.at(uv)?)));
             let outer = &uv[uv.len() - outside.points.len()..];
             start = Some([sheet.uv.as_slice(), outer].concat());
@@ -182,17 +186,16 @@ impl<'a> Shaper<'a> {
     /// Places the fill on a surface over its chart, and improves it there.
     fn settle(&self, sheet: &mut Sheet, base: impl Fn(Uv) -> Option<Point>) {
         let rest = Rest::new(self.hole.sizes, sheet, &base);
-        let found = RefCell::new(Vec::new());
-        let surface = |uv: Uv| {
-            let p = base(uv)?;
-            Some(p + rest.at(p, &mut found.borrow_mut()))
-        };
         for v in sheet.fixed..sheet.points.len() {
-            if let Some(p) = surface(sheet.uv[v]) {
+            if let Some(p) = base(sheet.uv[v]) {
                 sheet.points[v] = p;
             }
         }
-        sheet.improve(surface, |v, w| self.joined(v, w));
+        sheet.improve(base, |v, w| self.joined(v, w));
+        let mut found = Vec::new();
+        for p in &mut sheet.points[sheet.fixed..] {
+            *p += rest.at(*p, &mut found);
+        }
     }
 }
 

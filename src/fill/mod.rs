@@ -9,6 +9,7 @@ mod develop;
 mod fair;
 mod front;
 mod membrane;
+mod outlines;
 mod plane;
 mod ring;
 mod sheet;

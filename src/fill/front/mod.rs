@@ -94,6 +94,7 @@ pub fn advance(hole: Hole, options: &Options, way: Way) -> Option<Fill> {
         if !is_led && front.is_growing() {
             return None;
         }
+        front.rings.renew();
         front.advance();
         if before == front.fill.triangles.len() {
             front.close_wide_ears(options.ear_angle)?;
@@ -114,6 +115,10 @@ pub fn span(hole: Hole, options: &Options) -> Option<Fill> {
 /// a plane and its bends in the half disk that lies beside a rim; a front that
 /// it leads astray, on rough rims, tries again with the second.
 pub const SUPPORTS: [f64; 2] = [2.0, 3.0];
+
+/// Edges of the front are looked at, whether a triangle crosses them, within so
+/// many times its own reach from its centre.
+const NEAR: f64 = 2.5;
 
 struct Front<'a> {
     around: &'a Surroundings<'a>,
@@ -147,7 +152,7 @@ impl<'a> Front<'a> {
             around,
             sizes,
             way,
-            rings: Rings::new(&loops, 3.0 * sizes.mean),
+            rings: Rings::new(&loops),
             placed: None,
             normals: Vec::new(),
             edges: HashSet::new(),
@@ -175,18 +180,23 @@ impl<'a> Front<'a> {
         }
     }
 
-    /// The front's edges that may come within `radius` of `centre` and face
-    /// the same way.
-    fn edges_near(&self, centre: Point, normal: Vector, radius: f64) -> Vec<(Point, Point)> {
+    /// Whether a triangle is upright in the plane at a place, and crosses no edge
+    /// of the front that is near and faces the same way.
+    fn is_free(&self, corners: [Point; 3], at: Point, normal: Vector) -> bool {
+        let centre = Point::from(corners.iter().map(|p| p.coords).sum::<Vector>() / 3.0);
+        let reach = corners.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
+        let radius = NEAR * reach;
         let facing = |node: usize| {
             matches!(self.way, Way::Led(_))
                 || self.normal(self.rings.vertex(node)).dot(&normal) > 0.0
         };
         let near = self.rings.near(centre, radius).into_iter();
-        near.filter(|&node| facing(node) || facing(self.rings.after(node)))
+        let edges: Vec<_> = near
+            .filter(|&node| facing(node) || facing(self.rings.after(node)))
             .map(|node| self.rings.edge(node))
             .filter(|&(p, q)| segment_distance(centre, p, q) < radius)
-            .collect()
+            .collect();
+        self.plane(at, normal).is_free(corners, &edges)
     }
 
     /// Whether two vertices are one, or joined by the mesh or the fill so far.

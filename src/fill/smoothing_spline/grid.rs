@@ -14,7 +14,7 @@ pub const ON_CELL: usize = ON_INTERVAL * ON_INTERVAL;
 const MOST_CELLS: f64 = 4e6;
 
 /// A grid of more functions than this is judged by a sample …
-const SAMPLE: usize = 700;
+const SAMPLE: usize = 400;
 
 /// … of square blocks, so many cells wide.
 const BLOCK: usize = 12;
@@ -36,11 +36,11 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The cells in which a point lies, or whose centre is one of `also`, and
-    /// their neighbours.
+    /// The cells in which a point lies; and those that are `also` wanted, by
+    /// their centre and width, with their neighbours.
     pub fn new<const D: usize>(
         points: &[(Uv, [f64; D])],
-        also: impl Fn(Uv) -> bool,
+        also: impl Fn(Uv, f64) -> bool,
         cell: f64,
     ) -> Option<Self> {
         let (mut low, mut high) = (Uv::new(f64::MAX, f64::MAX), Uv::new(f64::MIN, f64::MIN));
@@ -60,10 +60,10 @@ impl Grid {
             let d = (p - low) / cell;
             own[d.x as usize * height + d.y as usize] = true;
         }
-        let (mut live, inner) = (own.clone(), |k: usize| 1..k - 1);
+        let (mut live, inner) = (own, |k: usize| 1..k - 1);
         for (i, j) in inner(width).flat_map(|i| inner(height).map(move |j| (i, j))) {
             let centre = low + cell * UvVector::new(i as f64 + 0.5, j as f64 + 0.5);
-            if own[i * height + j] || also(centre) {
+            if also(centre, cell) {
                 for k in [i - 1, i, i + 1] {
                     live[k * height + j - 1..=k * height + j + 1].fill(true);
                 }
