@@ -21,8 +21,7 @@ pub fn band(
     while let Some(v) = queue.pop_front() {
         band.push(v);
         for w in around.rings.neighbours(around.mesh, v) {
-            if !seen.contains(&w) && wanted(w) && sizes.depth(around.mesh.point(w)) <= width {
-                seen.insert(w);
+            if seen.insert(w) && wanted(w) && sizes.depth(around.mesh.point(w)) <= width {
                 queue.push_back(w);
             }
         }

@@ -2,46 +2,55 @@
 
 use crate::geometry::{Uv, UvVector, ray_crosses, uv_bounds};
 
-/// Closed outlines, their sides in strips by height.
+/// Closed outlines, their sides in strips across the longer way.
 pub struct Outlines {
     strips: Vec<Vec<(Uv, Uv)>>,
     low: f64,
-    height: f64,
+    width: f64,
+    is_wide: bool,
 }
+
+/// Sides in a strip, about, if all run along.
+const IN_STRIP: usize = 8;
 
 impl Outlines {
     pub fn new(outlines: &[Vec<Uv>]) -> Self {
-        let sides: Vec<(Uv, Uv)> = outlines
-            .iter()
-            .flat_map(|o| o.iter().copied().zip(o.iter().copied().cycle().skip(1)))
-            .collect();
-        let [low, high] = uv_bounds(&outlines.concat()).map(|p| p.y);
-        // About as many strips as sides along one side of a square.
-        let count = (sides.len() / 4).clamp(1, 1000);
-        let height = ((high - low) / count as f64).max(f64::MIN_POSITIVE);
-        let mut all = Outlines { strips: vec![Vec::new(); count], low, height };
-        for (a, b) in sides {
-            let [first, last] = [a.y.min(b.y), a.y.max(b.y)].map(|y| all.strip(y));
-            all.strips[first..=last].iter_mut().for_each(|strip| strip.push((a, b)));
+        let [low, high] = uv_bounds(&outlines.concat());
+        let size = high - low;
+        let is_wide = size.x > size.y;
+        let count = outlines.iter().map(Vec::len).sum::<usize>() / IN_STRIP + 1;
+        let width = (size.max() / count as f64).max(f64::MIN_POSITIVE);
+        let low = if is_wide { low.x } else { low.y };
+        let mut all = Outlines { strips: vec![Vec::new(); count], low, width, is_wide };
+        for outline in outlines {
+            for (a, b) in outline.iter().zip(outline.iter().cycle().skip(1)) {
+                let (a, b) = (all.turned(*a), all.turned(*b));
+                let [first, last] = [a.y.min(b.y), a.y.max(b.y)].map(|y| all.strip(y));
+                all.strips[first..=last].iter_mut().for_each(|strip| strip.push((a, b)));
+            }
         }
         all
     }
 
+    /// The longer way upwards.
+    fn turned(&self, p: Uv) -> Uv {
+        if self.is_wide { p.yx() } else { p }
+    }
+
     fn strip(&self, y: f64) -> usize {
-        (((y - self.low) / self.height) as usize).min(self.strips.len() - 1)
+        (((y - self.low) / self.width) as usize).min(self.strips.len() - 1)
     }
 
     /// Whether a place is enclosed, or within a square of half a `width` around
     /// it a side begins.
     pub fn reach(&self, p: Uv, width: f64) -> bool {
+        let p = self.turned(p);
         let near = |q: Uv| (q - p).abs() <= UvVector::repeat(0.5 * width);
         let [first, last] = [p.y - 0.5 * width, p.y + 0.5 * width].map(|y| self.strip(y));
         let mut around = self.strips[first..=last].iter().flatten();
-        around.any(|side| near(side.0)) || self.enclose(p)
-    }
-
-    fn enclose(&self, p: Uv) -> bool {
-        self.strips[self.strip(p.y)].iter().filter(|side| ray_crosses(p, **side)).count() % 2 == 1
+        let crossed = |side: &&(Uv, Uv)| ray_crosses(p, **side);
+        around.any(|side| near(side.0))
+            || self.strips[self.strip(p.y)].iter().filter(crossed).count() % 2 == 1
     }
 }
 

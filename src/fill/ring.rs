@@ -186,19 +186,27 @@ impl Rings {
 
     /// The nodes whose edges may come within `radius` of `centre`, ascending.
     pub fn near(&self, centre: Point, radius: f64) -> Vec<usize> {
+        // Of its cells much is farther away.
+        let is_near = |&node: &usize| {
+            let (p, q) = self.edge(node);
+            (0..3).all(|k| {
+                p[k].min(q[k]) <= centre[k] + radius && p[k].max(q[k]) >= centre[k] - radius
+            })
+        };
         // Edges may pass a cell between the places where they were entered.
-        let radius = radius + 0.25 * self.cell;
-        let [low, high] = [-radius, radius].map(|r| self.key(centre.map(|x| x + r)));
+        let reach = radius + 0.25 * self.cell;
+        let [low, high] = [-reach, reach].map(|r| self.key(centre.map(|x| x + r)));
         let wide = (0..3).map(|k| f64::from(high[k] - low[k]) + 1.0).product::<f64>();
         if wide > self.alive as f64 {
-            return self.all().collect();
+            return self.all().filter(is_near).collect();
         }
         let mut found = Vec::with_capacity(64);
         for x in low[0]..=high[0] {
             for y in low[1]..=high[1] {
                 for z in low[2]..=high[2] {
                     let here = self.grid.get(&[x, y, z]).into_iter().flatten();
-                    found.extend(here.copied().filter(|&node| self.nodes[node].alive));
+                    let alive = here.copied().filter(|&node| self.nodes[node].alive);
+                    found.extend(alive.filter(is_near));
                 }
             }
         }

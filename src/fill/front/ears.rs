@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use super::Front;
+use super::{Front, Way};
 
 impl Front<'_> {
     /// The nodes before, at and after `node`.
@@ -73,7 +73,8 @@ impl Front<'_> {
     }
 
     /// For a front that has come to a halt: raises φ until an ear can be closed,
-    /// or else leaves a ring to a membrane.
+    /// or else leaves a ring of a led front to a membrane; another has gone
+    /// astray.
     pub(super) fn close_wide_ears(&mut self, angle: f64) -> Option<()> {
         const STEPS: i32 = 6;
         for step in 1..=STEPS {
@@ -84,8 +85,13 @@ impl Front<'_> {
                 return Some(());
             }
         }
-        let node = self.rings.all().next();
-        self.span(node?)
+        match self.way {
+            Way::Mls(_) => None,
+            Way::Led(_) => {
+                let node = self.rings.all().next()?;
+                self.span(node)
+            }
+        }
     }
 }
 

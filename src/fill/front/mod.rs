@@ -75,14 +75,14 @@ pub struct Hole<'a> {
 
 /// How a front advances.
 pub enum Way<'a> {
-    /// By MLS, with a support in edge lengths; crossings are looked for in local
-    /// planes.
-    Mls(f64),
+    /// By MLS; crossings are looked for in local planes.
+    Mls(Support),
     /// By a lead, which cannot fail but where the rims cross.
     Led(Lead<'a>),
 }
 
-/// Closes a hole by the front. `None` where the front went astray: it grew without closing in.
+/// Closes a hole by the front. `None` where the front went astray: it grew without
+/// closing in, or came to a halt.
 pub fn advance(hole: Hole, options: &Options, way: Way) -> Option<Fill> {
     let is_led = matches!(way, Way::Led(_));
     let mut front = Front::new(hole, options, way);
@@ -111,10 +111,23 @@ pub fn span(hole: Hole, options: &Options) -> Option<Fill> {
     Some(front.fill)
 }
 
-/// Supports of the MLS approximations, in edge lengths: the first is enough for
-/// a plane and its bends in the half disk that lies beside a rim; a front that
-/// it leads astray, on rough rims, tries again with the second.
-pub const SUPPORTS: [f64; 2] = [2.0, 3.0];
+/// The MLS approximations by which a front advances.
+#[derive(Debug, Clone, Copy)]
+pub struct Support {
+    /// Their support, in edge lengths.
+    edges: f64,
+    /// How many edges in a row share the one at the middle of them.
+    shared: usize,
+}
+
+/// What a front tries in turn until it does not go astray: a support of two edges
+/// is enough for a plane and its bends in the half disk that lies beside a rim;
+/// rough rims want an approximation for each edge, or a wider one.
+pub const SUPPORTS: [Support; 3] = [
+    Support { edges: 2.0, shared: 5 },
+    Support { edges: 2.0, shared: 1 },
+    Support { edges: 3.0, shared: 1 },
+];
 
 /// Edges of the front are looked at, whether a triangle crosses them, within so
 /// many times its own reach from its centre.

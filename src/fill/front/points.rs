@@ -24,13 +24,11 @@ const MEETING: f64 = 0.75;
 /// The sine of the least angle of a triangle that joins the front to itself.
 const SHARPEST: f64 = 0.3;
 
-/// So many edges in a row share an MLS approximation, that of the middle one, …
-const SHARED: usize = 3;
+/// Edges share no approximation from farther away than so many edge lengths
+/// wanted there, …
+const FARTHEST: f64 = 2.2;
 
-/// … unless they are farther from it than so many edge lengths wanted there …
-const FARTHEST: f64 = 1.5;
-
-/// … or turned from its plane, as the cosine of the angle.
+/// … nor one whose plane is turned from theirs, by the cosine of the angle.
 const FACING: f64 = 0.95;
 
 /// The MLS approximation at an edge.
@@ -50,8 +48,9 @@ impl Front<'_> {
         let new = self.fill.points.clone();
         self.placed = (!new.is_empty()).then(|| Cloud::new(new, self.normals.clone()));
         for (edge, (p, normal)) in self.candidates() {
-            if self.fill.points.len() < self.most_points && !self.meet(edge, p, normal) {
-                self.try_point(p, normal);
+            let size = self.sizes.at(p);
+            if self.fill.points.len() < self.most_points && !self.meet(edge, p, size, normal) {
+                self.try_point(p, size, normal);
             }
         }
     }
@@ -61,13 +60,17 @@ impl Front<'_> {
         let mut candidates = Vec::with_capacity(self.rings.len());
         let mut around = Vec::new();
         let mut seen = HashSet::new();
+        let shared = match self.way {
+            Way::Mls(support) => support.shared,
+            Way::Led(_) => 1,
+        };
         for first in self.rings.all() {
             if seen.contains(&first) {
                 continue;
             }
             let ring = self.rings.ring(first);
             seen.extend(ring.iter().copied());
-            for nodes in ring.chunks(SHARED) {
+            for nodes in ring.chunks(shared) {
                 let middle = nodes[nodes.len() / 2];
                 let local = self.local(middle, &mut around);
                 for &node in nodes {
@@ -100,7 +103,7 @@ impl Front<'_> {
         let (middle, guess) = self.middle(node)?;
         let a = self.sizes.at(middle);
         let (p, q) = self.rings.edge(node);
-        let h = (support * a.max((q - p).norm())).max(self.support.min(4.0 * a));
+        let h = (support.edges * a.max((q - p).norm())).max(self.support.min(4.0 * a));
         self.gather(middle, guess, h, around);
         let plane = mls::reference_plane(middle, guess, around, h)?;
         Some(Local { middle, plane, polynomial: Polynomial::fit(&plane, around, h), reach: a })
@@ -148,11 +151,11 @@ impl Front<'_> {
 
     /// Where a front vertex is near `p`, the candidate of `edge`, joins the
     /// edge to it; says whether it did.
-    fn meet(&mut self, (v, w): (usize, usize), p: Point, normal: Vector) -> bool {
+    fn meet(&mut self, (v, w): (usize, usize), p: Point, size: f64, normal: Vector) -> bool {
         if !self.rings.is_alive(v) || self.rings.after(v) != w {
             return false;
         }
-        let reach = MEETING * self.sizes.at(p);
+        let reach = MEETING * size;
         let own = [v, w, self.rings.before(v), self.rings.after(w)];
         let near = self.rings.near(p, reach).into_iter();
         let distance = |node: usize| (self.rings.at(node) - p).norm();
@@ -201,8 +204,7 @@ impl Front<'_> {
     /// Joins `p` to the nearest front edge, if it keeps its distance from all
     /// other points (a front that has turned around would grow back over the
     /// measured surface) and the triangle crosses nothing.
-    fn try_point(&mut self, p: Point, normal: Vector) {
-        let size = self.sizes.at(p);
+    fn try_point(&mut self, p: Point, size: f64, normal: Vector) {
         let near = self.rings.near(p, HIGHEST * size);
         let crowded = |node: &usize| (self.rings.at(*node) - p).norm() < APART * size;
         if near.iter().any(crowded) || self.around.cloud.nearest_distance(p) < APART * size {

@@ -14,7 +14,7 @@ pub const ON_CELL: usize = ON_INTERVAL * ON_INTERVAL;
 const MOST_CELLS: f64 = 4e6;
 
 /// A grid of more functions than this is judged by a sample …
-const SAMPLE: usize = 400;
+const SAMPLE: usize = 700;
 
 /// … of square blocks, so many cells wide.
 const BLOCK: usize = 12;
