@@ -2,6 +2,7 @@
 //! go astray in wide holes; here all are placed on the one surface that the
 //! band of points around the hole makes likely.
 
+use std::cell::RefCell;
 use std::collections::HashMap;
 
 use super::band::{self, Measured};
@@ -20,10 +21,7 @@ const ACROSS_HOLE: f64 = 3.5;
 /// … and across the band, from which it knows them.
 const ACROSS_BAND: f64 = 3.0;
 
-/// But no narrower than this many edges to begin with …
-const FIRST: f64 = 3.0;
-
-/// … and than this many at all.
+/// Nor are they narrower than this many edges.
 const NARROWEST: f64 = 2.0;
 
 /// The steepest slope, as the cosine of its angle, of a surface that is seen as
@@ -102,7 +100,7 @@ impl<'a> Shaper<'a> {
     /// The width of the spline's cells for a hole of some area.
     fn cell(&self, area: f64) -> f64 {
         let cell = half_width(area, self.perimeter) / ACROSS_HOLE;
-        cell.min(self.width / ACROSS_BAND).max(FIRST * self.hole.sizes.mean)
+        cell.min(self.width / ACROSS_BAND).max(self.narrowest())
     }
 
     fn narrowest(&self) -> f64 {
@@ -186,16 +184,17 @@ impl<'a> Shaper<'a> {
     /// Places the fill on a surface over its chart, and improves it there.
     fn settle(&self, sheet: &mut Sheet, base: impl Fn(Uv) -> Option<Point>) {
         let rest = Rest::new(self.hole.sizes, sheet, &base);
+        let found = RefCell::new(Vec::new());
+        let surface = |uv: Uv| {
+            let p = base(uv)?;
+            Some(p + rest.at(p, &mut found.borrow_mut()))
+        };
         for v in sheet.fixed..sheet.points.len() {
-            if let Some(p) = base(sheet.uv[v]) {
+            if let Some(p) = surface(sheet.uv[v]) {
                 sheet.points[v] = p;
             }
         }
-        sheet.improve(base, |v, w| self.joined(v, w));
-        let mut found = Vec::new();
-        for p in &mut sheet.points[sheet.fixed..] {
-            *p += rest.at(*p, &mut found);
-        }
+        sheet.improve(surface, |v, w| self.joined(v, w));
     }
 }
 

@@ -36,8 +36,9 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// The cells in which a point lies; and those that are `also` wanted, by
-    /// their centre and width, with their neighbours.
+    /// The cells in which a point lies and those that are `also` wanted, by their
+    /// centre and width, with their neighbours: what a function at the fringe
+    /// costs in energy must not end where the points do, or it goes its own way.
     pub fn new<const D: usize>(
         points: &[(Uv, [f64; D])],
         also: impl Fn(Uv, f64) -> bool,
@@ -60,10 +61,10 @@ impl Grid {
             let d = (p - low) / cell;
             own[d.x as usize * height + d.y as usize] = true;
         }
-        let (mut live, inner) = (own, |k: usize| 1..k - 1);
+        let (mut live, inner) = (own.clone(), |k: usize| 1..k - 1);
         for (i, j) in inner(width).flat_map(|i| inner(height).map(move |j| (i, j))) {
             let centre = low + cell * UvVector::new(i as f64 + 0.5, j as f64 + 0.5);
-            if also(centre, cell) {
+            if own[i * height + j] || also(centre, cell) {
                 for k in [i - 1, i, i + 1] {
                     live[k * height + j - 1..=k * height + j + 1].fill(true);
                 }

@@ -65,10 +65,6 @@ const LOWEST: i32 = -18;
 /// … to here.
 const HIGHEST: i32 = 12;
 
-/// A likelihood, as twice its logarithm, that is greater by less is no reason
-/// to go on: where an energy no longer counts, it hardly changes.
-const GAIN: f64 = 0.5;
-
 impl<const D: usize> Equations<D> {
     pub fn new(grid: &Grid, points: &[(Uv, [f64; D])]) -> Option<Self> {
         let free = FREE * grid.parts();
@@ -153,9 +149,9 @@ impl<const D: usize> Equations<D> {
             let directions = [(step, 0), (-step, 0), (0, step), (0, -step)];
             let tried = directions.map(|by| (self.likelihood(best.moved(by)), by));
             let best_of = tried.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
-            match best_of.filter(|next| next.0 > likelihood + GAIN) {
+            match best_of.filter(|next| next.0 > likelihood) {
                 Some((mut next, by)) => {
-                    while next > likelihood + GAIN {
+                    while next > likelihood {
                         (likelihood, best) = (next, best.moved(by));
                         next = self.likelihood(best.moved(by));
                     }
