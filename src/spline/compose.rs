@@ -32,10 +32,8 @@ fn smooth_breaks(surface: &Surface, c: &Curve<2>) -> Vec<f64> {
     let own = c.knots.breaks();
     let mut all = own.clone();
     for (axis, lines) in [surface.u.breaks(), surface.v.breaks()].iter().enumerate() {
-        for &line in &lines[1..lines.len() - 1] {
-            for span in own.windows(2) {
-                crossings(c, axis, line, span[0], span[1], &mut all);
-            }
+        for span in own.windows(2) {
+            crossings(c, axis, &lines[1..lines.len() - 1], span[0], span[1], &mut all);
         }
     }
     all.sort_by(f64::total_cmp);
@@ -55,22 +53,27 @@ fn smooth_breaks(surface: &Surface, c: &Curve<2>) -> Vec<f64> {
     breaks
 }
 
-/// Parameters in (a, b) at which coordinate `axis` of one polynomial piece is
-/// `level`: the piece is cut at the extremes of the coordinate (roots of a
-/// polynomial of at most degree 4, found between samples) and each monotone
-/// part bisected.
-fn crossings(c: &Curve<2>, axis: usize, level: f64, a: f64, b: f64, found: &mut Vec<f64>) {
+/// Parameters in (a, b), one polynomial piece, at which coordinate `axis` is one
+/// of the ascending `levels`: found between samples and bisected.
+fn crossings(c: &Curve<2>, axis: usize, levels: &[f64], a: f64, b: f64, found: &mut Vec<f64>) {
     const SAMPLES: usize = 16;
-    let f = |t: f64| c.point(t)[axis] - level;
     let at = |i: usize| a + (b - a) * i as f64 / SAMPLES as f64;
-    let mut before = f(a);
+    let value = |t: f64| c.point(t)[axis];
+    let mut before = value(a);
     for i in 1..=SAMPLES {
-        let after = f(at(i));
-        if before * after < 0.0 {
+        let after = value(at(i));
+        let (least, most) = (before.min(after), before.max(after));
+        let between =
+            levels.partition_point(|&l| l <= least)..levels.partition_point(|&l| l < most);
+        for &level in levels.get(between).unwrap_or_default() {
             let (mut low, mut high) = (at(i - 1), at(i));
             for _ in 0..60 {
                 let middle = 0.5 * (low + high);
-                if f(middle) * before > 0.0 { low = middle } else { high = middle }
+                if (value(middle) - level) * (before - level) > 0.0 {
+                    low = middle;
+                } else {
+                    high = middle;
+                }
             }
             found.push(0.5 * (low + high));
         }

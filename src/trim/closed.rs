@@ -1,164 +1,149 @@
-//! Closed uniform cubic B-splines in the parameter plane.
+//! Closed cubic B-splines through closed polygons of the parameter plane.
 
-use nalgebra::{DMatrix, SVector, Vector2};
+use faer::prelude::Solve;
+use faer::sparse::{SparseColMat, Triplet};
+use nalgebra::Vector2;
 
-use crate::geometry::{Point, Uv};
-use crate::spline::{Curve, KnotVector, Surface};
+use crate::geometry::Uv;
+use crate::spline::{Curve, KnotVector};
 
-/// Samples a control point at the least.
-const SAMPLES: usize = 3;
+/// Samples a knot span at the least.
+const SAMPLES: usize = 6;
 
-/// A periodic uniform cubic B-spline over [0, 1].
+/// A closed polygon over [0, 1]: corner i is at `parameters[i]`, the first one
+/// at 0 and, again, at 1.
 #[derive(Debug, Clone)]
-pub struct ClosedCubic {
-    control: Vec<Vector2<f64>>,
-    /// The parameters of the points it was fitted to.
-    parameters: Vec<f64>,
+pub struct Polygon {
+    /// Ascending parameters.
+    pub parameters: Vec<f64>,
+    /// The corners.
+    pub uv: Vec<Uv>,
 }
 
-impl ClosedCubic {
-    /// The least-squares curve with `n` control points through the closed
-    /// polygon `uv`, with parameters by the chord length of `points`. The
-    /// polygon's edges are sampled as often as `n` control points need. A weak
-    /// pull towards even third differences settles what samples leave open.
-    pub fn fit(surface: &Surface, points: &[Point], uv: &[Uv], n: usize) -> Option<Self> {
-        let parameters = chord_parameters(points)?;
-        let metric = mean_metric(surface, uv);
-        let mut gram = DMatrix::<f64>::zeros(n, n);
-        let mut right = DMatrix::<f64>::zeros(n, 2);
-        let m = uv.len();
-        let pieces = (SAMPLES * n).div_ceil(m).max(1);
-        for i in 0..m {
-            let end = if i + 1 < m { parameters[i + 1] } else { 1.0 };
-            for piece in 0..pieces {
-                let s = piece as f64 / pieces as f64;
-                let at = uv[i] + s * (uv[(i + 1) % m] - uv[i]);
-                let (first, b) = basis(n, parameters[i] + s * (end - parameters[i]));
-                for k in 0..4 {
-                    for l in 0..4 {
-                        gram[((first + k) % n, (first + l) % n)] += b[k] * b[l];
-                    }
-                    right[((first + k) % n, 0)] += b[k] * at.x * metric.x;
-                    right[((first + k) % n, 1)] += b[k] * at.y * metric.y;
-                }
+impl Polygon {
+    /// How many corners are before parameter `t`.
+    pub fn before(&self, t: f64) -> usize {
+        self.parameters.partition_point(|&p| p < t)
+    }
+
+    /// The point at `t`.
+    fn at(&self, t: f64) -> Uv {
+        let n = self.uv.len();
+        let i = self.parameters.partition_point(|&p| p <= t).clamp(1, n) - 1;
+        let end = self.parameters.get(i + 1).copied().unwrap_or(1.0);
+        let share = ((t - self.parameters[i]) / (end - self.parameters[i])).clamp(0.0, 1.0);
+        self.uv[i] + share * (self.uv[(i + 1) % n] - self.uv[i])
+    }
+}
+
+/// Where a closed curve's knots are.
+#[derive(Debug, Clone)]
+pub struct Knots {
+    /// Distinct knots in [0, 1), ascending from 0.
+    pub breaks: Vec<f64>,
+    /// Those of them at which the curve has a corner; 0 is one of them if any is.
+    pub corners: Vec<f64>,
+}
+
+impl Knots {
+    /// The knot vector unrolled, so that its range is [0, 1]; corners are triple
+    /// knots.
+    fn unrolled(&self) -> KnotVector {
+        let times = |t: &f64| if self.corners.contains(t) { 3 } else { 1 };
+        let ring: Vec<f64> =
+            self.breaks.iter().flat_map(|t| std::iter::repeat_n(*t, times(t))).collect();
+        // The knots of one turn, three before and four after it.
+        let n = ring.len() as isize;
+        let knot = |i: isize| ring[i.rem_euclid(n) as usize] + i.div_euclid(n) as f64;
+        KnotVector::new(3, (-3..n + 4).map(knot).collect())
+    }
+}
+
+/// The least-squares curve through a closed polygon, by the integral over the
+/// parameter, as an ordinary B-spline whose range is [0, 1]. There must be at
+/// least four knots. `None` if the equations are singular.
+pub fn fit(polygon: &Polygon, knots: &Knots) -> Option<Curve<2>> {
+    let vector = knots.unrolled();
+    let n = vector.functions() - 3;
+    let mut entries = Vec::new();
+    let mut right = faer::Mat::<f64>::zeros(n, 2);
+    for span in vector.breaks().windows(2) {
+        let count = SAMPLES.max(3 * (polygon.before(span[1]) - polygon.before(span[0])));
+        let step = (span[1] - span[0]) / count as f64;
+        let mut gram = [[0.0; 4]; 4];
+        let first = vector.basis(0.5 * (span[0] + span[1])).first;
+        for k in 0..count {
+            let t = span[0] + (k as f64 + 0.5) * step;
+            let (at, b) = (polygon.at(t), vector.basis(t).derivative[0]);
+            for i in 0..4 {
+                (0..4).for_each(|j| gram[i][j] += step * b[i] * b[j]);
+                right[((first + i) % n, 0)] += step * b[i] * at.x;
+                right[((first + i) % n, 1)] += step * b[i] * at.y;
             }
         }
-        add_evenness(&mut gram, n, 1e-6 * (pieces * m) as f64 / n as f64);
-        let solved = gram.cholesky()?.solve(&right);
-        let control = (0..n)
-            .map(|i| Vector2::new(solved[(i, 0)] / metric.x, solved[(i, 1)] / metric.y))
-            .collect();
-        Some(ClosedCubic { control, parameters })
-    }
-
-    /// The curve unrolled: an ordinary B-spline whose range is [0, 1].
-    pub fn unrolled(&self) -> Curve<2> {
-        let n = self.control.len();
-        let knots = (0..n + 7).map(|i| (i as f64 - 3.0) / n as f64).collect();
-        let control = (0..n + 3).map(|i| self.control[i % n]).collect();
-        Curve::new(KnotVector::new(3, knots), control)
-    }
-
-    /// Two halves as clamped curves: an edge needs two different ends.
-    pub fn arcs(&self) -> Vec<Curve<2>> {
-        let whole = self.unrolled();
-        vec![whole.part(0.0, 0.5), whole.part(0.5, 1.0)]
-    }
-
-    /// The farthest, in mm, that the traced curve is from the points at their
-    /// own parameters.
-    pub fn distance(&self, surface: &Surface, points: &[Point]) -> f64 {
-        let curve = self.unrolled();
-        let off = |(p, &t): (&Point, &f64)| {
-            let at = surface.clamp(Uv::from(curve.point(t)));
-            (surface.point(at) - p).norm()
-        };
-        points.iter().zip(&self.parameters).map(off).fold(0.0, f64::max)
-    }
-}
-
-/// Parameters in [0, 1) by chord length around the loop.
-fn chord_parameters(points: &[Point]) -> Option<Vec<f64>> {
-    let m = points.len();
-    let mut walked = 0.0;
-    let mut parameters = Vec::with_capacity(m);
-    for i in 0..m {
-        parameters.push(walked);
-        walked += (points[(i + 1) % m] - points[i]).norm();
-    }
-    (walked > 0.0 && walked.is_finite())
-        .then(|| parameters.into_iter().map(|t| t / walked).collect())
-}
-
-/// Mean lengths, in mm, of a unit of u and of v along the rim.
-fn mean_metric(surface: &Surface, uv: &[Uv]) -> Vector2<f64> {
-    let sum = uv.iter().fold(Vector2::zeros(), |sum, &at| {
-        let jet = surface.jet(at);
-        sum + Vector2::new(jet.su.norm(), jet.sv.norm())
-    });
-    let mean: Vector2<f64> = sum / uv.len() as f64;
-    mean.map(|x| if x > 0.0 { x } else { 1.0 })
-}
-
-/// The first of the four control points that matter at `t`, and their weights.
-fn basis(n: usize, t: f64) -> (usize, SVector<f64, 4>) {
-    let x = t.rem_euclid(1.0) * n as f64;
-    let first = (x as usize).min(n - 1);
-    let s = x - first as f64;
-    let r = 1.0 - s;
-    let b = [
-        r * r * r,
-        3.0 * s * s * s - 6.0 * s * s + 4.0,
-        3.0 * r * r * r - 6.0 * r * r + 4.0,
-        s * s * s,
-    ];
-    (first, SVector::from(b) / 6.0)
-}
-
-fn add_evenness(gram: &mut DMatrix<f64>, n: usize, weight: f64) {
-    const THIRD: [f64; 4] = [-1.0, 3.0, -3.0, 1.0];
-    for i in 0..n {
-        for k in 0..4 {
-            for l in 0..4 {
-                gram[((i + k) % n, (i + l) % n)] += weight * THIRD[k] * THIRD[l];
+        for (i, row) in gram.iter().enumerate() {
+            for (j, &value) in row.iter().enumerate() {
+                let (i, j) = ((first + i) % n, (first + j) % n);
+                entries.extend((i >= j).then_some(Triplet::new(i, j, value)));
             }
         }
     }
+    let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &entries).ok()?;
+    let solved = matrix.sp_cholesky(faer::Side::Lower).ok()?.solve(&right);
+    let control = |i: usize| Vector2::new(solved[(i % n, 0)], solved[(i % n, 1)]);
+    let control: Vec<Vector2<f64>> = (0..n + 3).map(control).collect();
+    let finite = control.iter().all(|p| p.x.is_finite() && p.y.is_finite());
+    finite.then(|| Curve::new(vector, control))
+}
+
+/// The closed curve as clamped ones from corner to corner. An edge needs two
+/// different ends: with fewer corners than two it is cut once more.
+pub fn arcs(curve: &Curve<2>, corners: &[f64]) -> Vec<Curve<2>> {
+    let mut cuts = if corners.len() < 2 { vec![0.0, 0.5] } else { corners.to_vec() };
+    cuts.push(1.0);
+    cuts.windows(2).map(|w| curve.part(w[0], w[1])).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Vector;
 
-    fn plate() -> Surface {
-        let k = KnotVector::uniform(3, 6);
-        let net =
-            (0..36).map(|n| Vector::new(200.0 * k.greville(n / 6), 50.0 * k.greville(n % 6), 0.0));
-        Surface::new(k.clone(), k.clone(), net.collect())
+    fn polygon(n: usize, at: impl Fn(f64) -> (f64, f64)) -> Polygon {
+        let parameters: Vec<f64> = (0..n).map(|i| i as f64 / n as f64).collect();
+        let uv = parameters.iter().map(|&t| at(t)).map(|(u, v)| Uv::new(u, v)).collect();
+        Polygon { parameters, uv }
     }
 
     #[test]
-    fn a_round_rim_is_followed_and_split_in_two() {
-        let plate = plate();
-        let uv: Vec<Uv> = (0..60)
-            .map(|i| std::f64::consts::TAU * f64::from(i) / 60.0)
-            .map(|a| Uv::new(0.5 + 0.05 * a.cos(), 0.5 - 0.2 * a.sin()))
-            .collect();
-        let points: Vec<Point> = uv.iter().map(|&at| plate.point(at)).collect();
-        let curve = ClosedCubic::fit(&plate, &points, &uv, 12).unwrap();
-        assert!(curve.distance(&plate, &points) < 0.02);
-        let arcs = curve.arcs();
+    fn a_round_loop_is_followed_and_cut_in_two() {
+        let angle = |t: f64| std::f64::consts::TAU * t;
+        let circle = polygon(60, |t| (0.5 + 0.2 * angle(t).cos(), 0.5 - 0.2 * angle(t).sin()));
+        let breaks = (0..8).map(|i| f64::from(i) / 8.0).collect();
+        let curve = fit(&circle, &Knots { breaks, corners: vec![] }).unwrap();
+        for (t, p) in circle.parameters.iter().zip(&circle.uv) {
+            assert!((curve.point(*t) - p.coords).norm() < 1e-3);
+        }
+        let arcs = arcs(&curve, &[]);
         assert!((arcs[0].point(0.5) - arcs[1].point(0.5)).norm() < 1e-14);
         assert!((arcs[0].point(0.0) - arcs[1].point(1.0)).norm() < 1e-14);
     }
 
     #[test]
-    fn three_vertices_make_a_loop() {
-        let plate = plate();
-        let uv = [Uv::new(0.5, 0.5), Uv::new(0.5, 0.54), Uv::new(0.51, 0.5)];
-        let points: Vec<Point> = uv.iter().map(|&at| plate.point(at)).collect();
-        let curve = ClosedCubic::fit(&plate, &points, &uv, 6).unwrap();
-        assert!(curve.distance(&plate, &points) < 0.8);
+    fn a_square_has_its_corners() {
+        let corners = [(0.2, 0.2), (0.2, 0.8), (0.8, 0.8), (0.8, 0.2)];
+        let square = polygon(40, |t| {
+            let (i, s) = ((4.0 * t) as usize % 4, (4.0 * t).fract());
+            let (a, b) = (corners[i], corners[(i + 1) % 4]);
+            (a.0 + s * (b.0 - a.0), a.1 + s * (b.1 - a.1))
+        });
+        let quarters = vec![0.0, 0.25, 0.5, 0.75];
+        let curve = fit(&square, &Knots { breaks: quarters.clone(), corners: quarters.clone() });
+        let sides = arcs(&curve.unwrap(), &quarters);
+        assert_eq!(sides.len(), 4);
+        for (side, (u, v)) in sides.iter().zip(corners) {
+            let start = side.control.first().unwrap();
+            assert!((start - Vector2::new(u, v)).norm() < 1e-12);
+            assert_eq!(side.control.len(), 4);
+        }
     }
 }

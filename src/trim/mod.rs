@@ -1,20 +1,22 @@
 //! Trimming: every hole's rim, and every island's, as a closed curve in (u, v)
-//! and as an edge in space that lies on the surface.
+//! and as one to four edges in space that lie on the surface.
 //!
 //! The paper only says that the surface over a hole is trimmed away. Here the
 //! rim's vertices are projected onto the fitted surface and a closed cubic
-//! B-spline is fitted to their parameter points, with as few control points as
-//! keep it near the rim, and with more where it would cross itself, another
-//! loop or the edge of the patch.
+//! B-spline is fitted to the polygon of their parameter points: with corners
+//! where the rim has corners, with as few knots as keep it near the rim, and
+//! with more where it would cross itself, another loop or the edge of the patch.
 
 mod closed;
-mod crossing;
+mod corners;
+mod course;
+
+use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, segment_distance};
-use crate::spline::{Curve, Surface, curve_on_surface, foot_point};
-use closed::ClosedCubic;
-use crossing::Outline;
+use crate::spline::{Curve, Outline, Place, Surface, curve_on_surface, faults};
+use course::Course;
 
 /// How near trim curves keep to rims.
 #[derive(Debug, Clone, Copy)]
@@ -79,33 +81,60 @@ pub struct LoopReport {
 /// the two agree, and Boolean operations fail where they do not.
 pub const EDGE_ACCURACY: f64 = 1e-7;
 
+/// Rounds in which loops that cross are tightened.
+const ROUNDS: usize = 100;
+
 /// The trim loops of the given rims.
 pub fn trim(
     surface: &Surface,
     rims: &[Rim],
     options: &Options,
 ) -> Result<(Vec<TrimLoop>, Vec<LoopReport>)> {
-    let mut outlines: Vec<Outline> = Vec::with_capacity(rims.len());
-    let mut loops = Vec::with_capacity(rims.len());
-    let mut reports = Vec::with_capacity(rims.len());
-    for rim in rims {
-        let around = around(rims, rim);
-        let (curve, outline) = rim_curve(surface, rim, (&outlines, &around), options)?;
-        outlines.push(outline);
-        let pcurves = curve.arcs();
-        let edges: Vec<Curve<3>> =
-            pcurves.iter().map(|c| curve_on_surface(surface, c, EDGE_ACCURACY)).collect();
-        reports.push(LoopReport {
-            hole: rim.hole,
-            island: rim.island,
-            control_points: pcurves.iter().map(|c| c.control.len()).sum(),
-            max_off_surface: off_surface(surface, &pcurves, &edges),
-            max_from_rim: distance_to_edges(&rim.points, &edges),
-        });
-        let Rim { hole, island, within, .. } = *rim;
-        loops.push(TrimLoop { hole, island, within, pcurves, edges });
+    let arcs = uncrossed(surface, rims, options.tolerance)?;
+    let both = rims.par_iter().zip(arcs).map(|(rim, pcurves)| traced(surface, rim, pcurves));
+    Ok(both.collect::<Vec<_>>().into_iter().unzip())
+}
+
+/// The arcs of all loops, none of which crosses another one, itself or the edge
+/// of the patch.
+fn uncrossed(surface: &Surface, rims: &[Rim], tolerance: f64) -> Result<Vec<Vec<Curve<2>>>> {
+    let around: Vec<Vec<usize>> = rims.iter().map(|rim| around(rims, rim)).collect();
+    let begun = |rim| {
+        let course = Course::new(surface, rim, tolerance, false);
+        course.ok_or_else(|| refusal(rim, "is a point", 0))
+    };
+    let mut courses: Vec<Course> = rims.par_iter().map(begun).collect::<Result<_>>()?;
+    let mut round = 0;
+    loop {
+        let arcs: Vec<Vec<Curve<2>>> = courses.par_iter().map(Course::arcs).collect();
+        let wrong = wrong(&arcs, &around);
+        let Some(&(first, (fault, at))) = wrong.first() else { return Ok(arcs) };
+        // Where two loops cross it is enough that one of them gives way.
+        let give_way = |(i, (_, at)): (usize, Place)| courses[i].tighten(at, tolerance).is_some();
+        let better = wrong.into_iter().map(give_way).filter(|&given| given).count() > 0;
+        round += 1;
+        if round == ROUNDS || !better {
+            let vertex = at.map_or(0, |t| courses[first].vertex(t));
+            return Err(refusal(&rims[first], &fault.to_string(), vertex));
+        }
     }
-    Ok((loops, reports))
+}
+
+/// The faults of the loops. Those of single ones come first: among each other
+/// only loops without are looked at.
+fn wrong(arcs: &[Vec<Curve<2>>], around: &[Vec<usize>]) -> Vec<(usize, Place)> {
+    let outlines: Vec<_> = arcs.par_iter().map(|arcs| Outline::new(arcs)).collect();
+    let single = |(i, o): (usize, &std::result::Result<_, Place>)| Some((i, *o.as_ref().err()?));
+    let found: Vec<_> = outlines.iter().enumerate().filter_map(single).collect();
+    if !found.is_empty() {
+        return found;
+    }
+    faults(&outlines.into_iter().flatten().collect::<Vec<_>>(), around)
+}
+
+fn refusal(rim: &Rim, fault: &str, vertex: usize) -> Error {
+    let which = if rim.island.is_some() { "around an island " } else { "" };
+    Error::Trim { hole: rim.hole, fault: format!("{which}{fault}"), at: rim.points[vertex] }
 }
 
 /// The positions of all rims that run around one.
@@ -113,52 +142,18 @@ fn around(rims: &[Rim], rim: &Rim) -> Vec<usize> {
     std::iter::successors(rim.within, |&i| rims[i].within).collect()
 }
 
-/// The closed curve with the fewest control points that is near the rim and
-/// crosses nothing; where none is near enough, the one with the most that
-/// crosses nothing.
-///
-/// Rim vertices are taken at their feet on the surface. Feet of a ragged rim
-/// can run across each other, while the parameter points of an embedding
-/// cannot; so these are tried next.
-fn rim_curve(
-    surface: &Surface,
-    rim: &Rim,
-    (others, around): (&[Outline], &[usize]),
-    options: &Options,
-) -> Result<(ClosedCubic, Outline)> {
-    let feet: Vec<Uv> =
-        rim.points.iter().zip(&rim.uv).map(|(&p, &uv)| foot_point(surface, p, uv).0).collect();
-    let mut fault = String::from("has too few vertices");
-    for uv in [&feet, &rim.uv] {
-        let mut best = None;
-        for n in control_counts(rim.points.len()) {
-            let Some(curve) = ClosedCubic::fit(surface, &rim.points, uv, n) else { continue };
-            let outline = Outline::new(&curve);
-            match outline.fault(others, around) {
-                Some(f) => fault = f,
-                None => {
-                    let far = curve.distance(surface, &rim.points);
-                    best = Some((curve, outline));
-                    if far <= options.tolerance {
-                        break;
-                    }
-                }
-            }
-        }
-        if let Some(best) = best {
-            return Ok(best);
-        }
-    }
-    let which = if rim.island.is_some() { "around an island " } else { "" };
-    Err(Error::Trim { hole: rim.hole, fault: format!("{which}{fault}"), at: rim.points[0] })
-}
-
-/// Even numbers of control points to try, up to six for every vertex of the
-/// rim: that many follow teeth of single vertices.
-fn control_counts(vertices: usize) -> impl Iterator<Item = usize> {
-    let most = (6 * vertices).max(8);
-    std::iter::successors(Some(6usize), |n| Some((n * 3 / 2).next_multiple_of(2)))
-        .take_while(move |&n| n <= most)
+fn traced(surface: &Surface, rim: &Rim, pcurves: Vec<Curve<2>>) -> (TrimLoop, LoopReport) {
+    let edges: Vec<Curve<3>> =
+        pcurves.iter().map(|c| curve_on_surface(surface, c, EDGE_ACCURACY)).collect();
+    let Rim { hole, island, within, .. } = *rim;
+    let report = LoopReport {
+        hole,
+        island,
+        control_points: pcurves.iter().map(|c| c.control.len()).sum(),
+        max_off_surface: off_surface(surface, &pcurves, &edges),
+        max_from_rim: distance_to_edges(&rim.points, &edges),
+    };
+    (TrimLoop { hole, island, within, pcurves, edges }, report)
 }
 
 fn off_surface(surface: &Surface, pcurves: &[Curve<2>], edges: &[Curve<3>]) -> f64 {
@@ -178,21 +173,30 @@ fn off_surface(surface: &Surface, pcurves: &[Curve<2>], edges: &[Curve<3>]) -> f
 /// The farthest of `points` from the edges, in mm, measured to chords of an
 /// eighth of a knot span.
 pub fn distance_to_edges(points: &[Point], edges: &[Curve<3>]) -> f64 {
-    let lines: Vec<Vec<Point>> = edges.iter().map(polyline).collect();
+    let spans: Vec<Chords> = edges.iter().flat_map(chords).collect();
     let nearest = |p: &Point| {
-        let segments = lines.iter().flat_map(|line| line.windows(2));
-        segments.map(|s| segment_distance(*p, s[0], s[1])).fold(f64::INFINITY, f64::min)
+        spans.iter().fold(f64::INFINITY, |best, span| {
+            if (p - span.line[0]).norm() - span.length > best {
+                return best;
+            }
+            let sides = span.line.windows(2).map(|s| segment_distance(*p, s[0], s[1]));
+            sides.fold(best, f64::min)
+        })
     };
-    points.iter().map(nearest).fold(0.0, f64::max)
+    points.par_iter().map(nearest).reduce(|| 0.0, f64::max)
 }
 
-fn polyline(edge: &Curve<3>) -> Vec<Point> {
-    let breaks = edge.knots.breaks();
-    let mut line: Vec<Point> = Vec::with_capacity(8 * breaks.len());
-    for span in breaks.windows(2) {
-        let at = |i: i32| span[0] + (span[1] - span[0]) * f64::from(i) / 8.0;
-        line.extend((0..8).map(|i| Point::from(edge.point(at(i)))));
-    }
-    line.extend(breaks.last().map(|&t| Point::from(edge.point(t))));
-    line
+/// The chords of one knot span, and how long they are together.
+struct Chords {
+    line: [Point; 9],
+    length: f64,
+}
+
+fn chords(edge: &Curve<3>) -> Vec<Chords> {
+    let of_span = |span: &[f64]| {
+        let at = |i: usize| span[0] + (span[1] - span[0]) * i as f64 / 8.0;
+        let line = std::array::from_fn(|i| Point::from(edge.point(at(i))));
+        Chords { line, length: line.windows(2).map(|s| (s[1] - s[0]).norm()).sum() }
+    };
+    edge.knots.breaks().windows(2).map(of_span).collect()
 }

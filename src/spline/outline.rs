@@ -1,0 +1,265 @@
+//! Closed loops of cubic arcs in the parameter plane: certified not to cross
+//! themselves or each other, and exact about what is inside.
+//!
+//! A polygon of chords cannot tell whether two curves touch. Here a loop is cut
+//! into Bézier pieces until each is proved simple, and two pieces are apart
+//! only if boxes around their control points (which hold the curve) are.
+
+use super::Curve;
+use super::piece::{Piece, run_on};
+use crate::geometry::{Uv, uv_bounds};
+
+/// How far, in (u, v), two loops must be apart, and a loop from itself:
+/// importers take what is nearer for touching.
+const CLEARANCE: f64 = 1e-8;
+
+/// How near a loop may come to the edge of the domain: importers refuse a
+/// pcurve that leaves it, by however little.
+const MARGIN: f64 = 1e-7;
+
+/// Pieces shorter than this share of a loop's parameters are not cut again.
+const SHORTEST: f64 = 1e-7;
+
+/// What can be wrong with one loop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum Fault {
+    /// It is not made of cubic arcs, each beginning where the last one ends.
+    #[error("is not closed")]
+    Open,
+    /// It turns back on itself.
+    #[error("has a cusp")]
+    Cusp,
+    /// It comes too near the edge of the domain, or runs beyond.
+    #[error("leaves the patch")]
+    Leaves,
+    /// It crosses or touches itself.
+    #[error("crosses itself")]
+    CrossesItself,
+    /// It crosses or touches another one.
+    #[error("runs into another one")]
+    CrossesAnother,
+    /// It runs clockwise where it must not, or the other way round.
+    #[error("runs the wrong way round")]
+    WrongWay,
+    /// It lies in a loop in which it must not, or beside one in which it must.
+    #[error("is not in its place among the others")]
+    Misplaced,
+}
+
+/// A fault of a loop and, if it is at one place, the parameter.
+pub type Place = (Fault, Option<f64>);
+
+/// A loop that is proved to be closed, without cusps, and within [0, 1]².
+#[derive(Debug, Clone)]
+pub struct Outline {
+    pieces: Vec<Piece>,
+    low: Uv,
+    high: Uv,
+}
+
+impl Outline {
+    /// The outline of arcs, each beginning where the one before ends.
+    pub fn new(arcs: &[Curve<2>]) -> Result<Self, Place> {
+        let pieces = Piece::all(arcs).ok_or((Fault::Open, None))?;
+        let closed = |(i, p): (usize, &Piece)| {
+            (p.end() - pieces[(i + 1) % pieces.len()].start()).amax() <= 1e-12
+        };
+        if !pieces.iter().enumerate().all(closed) {
+            return Err((Fault::Open, None));
+        }
+        let pieces = simple(pieces)?;
+        if let Some(p) = pieces.iter().find(|p| !p.is_within(MARGIN, 1.0 - MARGIN, SHORTEST)) {
+            return Err((Fault::Leaves, Some(p.middle())));
+        }
+        let corners: Vec<Uv> = pieces.iter().flat_map(|p| p.points).collect();
+        let [low, high] = uv_bounds(&corners);
+        Ok(Outline { pieces, low, high })
+    }
+
+    /// Signed area of the chords, positive counter-clockwise.
+    fn area(&self) -> f64 {
+        let cross = |p: &Piece| p.start().x * p.end().y - p.end().x * p.start().y;
+        0.5 * self.pieces.iter().map(cross).sum::<f64>()
+    }
+
+    /// Whether a point that is not on the loop is inside.
+    fn holds(&self, p: Uv) -> bool {
+        let boxed = self.low.x < p.x && p.x < self.high.x && self.low.y < p.y && p.y < self.high.y;
+        boxed && self.pieces.iter().filter(|piece| piece.ray_crosses(p, SHORTEST)).count() % 2 == 1
+    }
+}
+
+/// Cuts pieces until none turns far and no two neighbours can meet but at their
+/// common end.
+fn simple(pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
+    let mut todo: Vec<Piece> = pieces.into_iter().rev().collect();
+    let mut done: Vec<Piece> = Vec::with_capacity(todo.len());
+    while let Some(piece) = todo.pop() {
+        let fine = piece.turns_little();
+        let joined = done.last().is_none_or(|before| run_on(before, &piece));
+        if fine && joined {
+            done.push(piece);
+        } else if piece.length() < SHORTEST {
+            return Err((Fault::Cusp, Some(piece.middle())));
+        } else {
+            todo.extend(piece.split().into_iter().rev());
+            // Both sides of a sharp corner have to be cut.
+            if fine && let Some(before) = done.pop() {
+                todo.extend(before.split().into_iter().rev());
+            }
+        }
+    }
+    close(done)
+}
+
+/// The same for the last piece and the first.
+fn close(mut pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
+    while pieces.len() < 2 || !run_on(&pieces[pieces.len() - 1], &pieces[0]) {
+        let Some(last) = pieces.pop() else { return Err((Fault::Open, None)) };
+        if last.length() < SHORTEST {
+            return Err((Fault::Cusp, Some(last.middle())));
+        }
+        pieces.extend(last.split());
+        let first = pieces.remove(0).split();
+        pieces.splice(0..0, first);
+    }
+    Ok(pieces)
+}
+
+/// Every fault of loops among each other: the loop's position, the fault, and
+/// where. `around[i]` holds the positions of the loops that loop i must lie in:
+/// an even number of them makes it clockwise.
+pub fn faults(outlines: &[Outline], around: &[Vec<usize>]) -> Vec<(usize, Place)> {
+    let mut found = crossings(outlines);
+    if !found.is_empty() {
+        return found;
+    }
+    for (i, outline) in outlines.iter().enumerate() {
+        let area = outline.area();
+        if area == 0.0 || (area < 0.0) != around[i].len().is_multiple_of(2) {
+            found.push((i, (Fault::WrongWay, None)));
+        }
+        let start = outline.pieces[0].start();
+        let misplaced =
+            |(j, other): (usize, &Outline)| j != i && other.holds(start) != around[i].contains(&j);
+        if outlines.iter().enumerate().any(misplaced) {
+            found.push((i, (Fault::Misplaced, None)));
+        }
+    }
+    found
+}
+
+/// Where loops come too near to each other or to themselves.
+fn crossings(outlines: &[Outline]) -> Vec<(usize, Place)> {
+    let mut order: Vec<Entry> = Vec::new();
+    for (ring, outline) in outlines.iter().enumerate() {
+        let entry = |(number, piece)| Entry::new(ring, number, piece);
+        order.extend(outline.pieces.iter().enumerate().map(entry));
+    }
+    order.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
+    let mut found = Vec::new();
+    // Only pieces whose ranges of u overlap can meet.
+    for (k, a) in order.iter().enumerate() {
+        let reach = a.high.x + CLEARANCE;
+        for b in order[k + 1..].iter().take_while(|b| b.low.x <= reach) {
+            let beside = b.low.y > a.high.y + CLEARANCE || a.low.y > b.high.y + CLEARANCE;
+            let count = outlines[a.ring].pieces.len();
+            let next = a.ring == b.ring && [1, count - 1].contains(&a.number.abs_diff(b.number));
+            if beside || next || a.piece.is_apart(b.piece, CLEARANCE, SHORTEST) {
+                continue;
+            }
+            let same = a.ring == b.ring;
+            let fault = if same { Fault::CrossesItself } else { Fault::CrossesAnother };
+            found.extend([a, b].map(|e| (e.ring, (fault, Some(e.piece.middle())))));
+        }
+    }
+    found
+}
+
+/// A piece among those of all loops.
+struct Entry<'a> {
+    ring: usize,
+    number: usize,
+    piece: &'a Piece,
+    low: Uv,
+    high: Uv,
+}
+
+impl<'a> Entry<'a> {
+    fn new(ring: usize, number: usize, piece: &'a Piece) -> Self {
+        let [low, high] = piece.bounds();
+        Entry { ring, number, piece, low, high }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::UvVector;
+
+    fn ring(points: &[(f64, f64)]) -> Vec<Curve<2>> {
+        let n = points.len();
+        let at = |i: usize| UvVector::new(points[i % n].0, points[i % n].1);
+        let third = |i: usize, k: usize| at(i).lerp(&at(i + 1), k as f64 / 3.0);
+        let knots = |i: usize| [i as f64 / n as f64, (i + 1) as f64 / n as f64];
+        (0..n)
+            .map(|i| {
+                let knots = super::super::KnotVector::clamped(3, &knots(i), 1);
+                Curve::new(knots, (0..4).map(|k| third(i, k)).collect())
+            })
+            .collect()
+    }
+
+    /// A clockwise square, or one that runs the other way.
+    fn square(u: f64, r: f64, clockwise: bool) -> Outline {
+        let mut corners = [(-r, -r), (-r, r), (r, r), (r, -r)];
+        if !clockwise {
+            corners.reverse();
+        }
+        Outline::new(&ring(&corners.map(|(x, y)| (u + x, 0.5 + y)))).unwrap()
+    }
+
+    #[test]
+    fn islands_run_the_other_way_within_their_holes() {
+        let fault = |u: f64, r: f64, clockwise, around: &[usize]| {
+            let loops = [square(0.3, 0.2, true), square(0.8, 0.1, true), square(u, r, clockwise)];
+            !faults(&loops, &[vec![], vec![], around.to_vec()]).is_empty()
+        };
+        assert!(!fault(0.3, 0.1, false, &[0]));
+        assert!(fault(0.3, 0.1, true, &[0]), "clockwise");
+        assert!(fault(0.6, 0.02, false, &[0]), "in no hole");
+        assert!(fault(0.8, 0.02, false, &[0]), "in another one");
+        assert!(fault(0.45, 0.1, false, &[0]), "across a rim");
+        assert!(fault(0.3, 0.1, true, &[]), "a hole in a hole");
+        assert!(fault(0.52, 0.02 + 1e-12, true, &[]), "touching a rim");
+        assert!(!fault(0.52, 0.02 - 1e-7, true, &[]), "beside a rim");
+        assert!(!fault(0.6, 0.02, true, &[]));
+    }
+
+    #[test]
+    fn loops_that_cross_themselves_or_the_edge_are_found() {
+        let eight = ring(&[(0.2, 0.2), (0.8, 0.8), (0.8, 0.2), (0.2, 0.8)]);
+        let eight = Outline::new(&eight).unwrap();
+        assert_eq!(faults(&[eight], &[vec![]])[0].1.0, Fault::CrossesItself);
+        let spike = ring(&[(0.2, 0.2), (0.8, 0.2), (0.5, 0.2)]);
+        assert_eq!(Outline::new(&spike).unwrap_err().0, Fault::Cusp);
+        let beyond = ring(&[(0.2, 0.2), (0.2, 1.0), (0.8, 0.2)]);
+        assert_eq!(Outline::new(&beyond).unwrap_err().0, Fault::Leaves);
+        let open = &ring(&[(0.2, 0.2), (0.2, 0.9), (0.8, 0.2)])[..2];
+        assert_eq!(Outline::new(open).unwrap_err().0, Fault::Open);
+    }
+
+    #[test]
+    fn a_point_between_a_curve_and_its_chord_is_inside() {
+        let knots = super::super::KnotVector::clamped(3, &[0.0, 1.0], 1);
+        let arc = |y: f64, from: f64| {
+            let (a, b) = (UvVector::new(from, 0.5), UvVector::new(1.0 - from, 0.5));
+            let (p, q) = (UvVector::new(from, 0.5 + y), UvVector::new(1.0 - from, 0.5 + y));
+            Curve::new(knots.clone(), vec![a, p, q, b])
+        };
+        let lens = Outline::new(&[arc(0.4, 0.3), arc(-0.4, 0.7)]).unwrap();
+        // The arc's top is at 0.5 + 3/4 · 0.4.
+        assert!(lens.holds(Uv::new(0.5, 0.7999)) && !lens.holds(Uv::new(0.5, 0.8001)));
+        assert!(lens.area() < 0.0);
+    }
+}

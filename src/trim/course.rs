@@ -1,0 +1,175 @@
+//! The course of one trim loop: knots where the rim needs them.
+
+use super::Rim;
+use super::closed::{Knots, Polygon, arcs, fit};
+use super::corners;
+use crate::geometry::Uv;
+use crate::spline::{Curve, Jet, Surface, foot_point};
+
+/// Spans that a loop begins with.
+const FIRST_SPANS: f64 = 6.0;
+
+/// Vertices a span at the least. The rim of a mesh is a saw-tooth or a
+/// staircase; what is shorter than this is the mesh's and not the object's.
+const VERTICES: usize = 4;
+
+/// Where loops would cross, spans may be so short a share of a mean edge.
+const SHORTEST: f64 = 0.25;
+
+/// Rounds of halving: more than enough to come from a sixth to the shortest.
+const ROUNDS: usize = 40;
+
+/// A loop as it stands.
+#[derive(Debug, Clone)]
+pub struct Course<'a> {
+    surface: &'a Surface,
+    rim: &'a Rim,
+    polygon: Polygon,
+    /// The surface at the polygon's corners.
+    jets: Vec<Jet>,
+    knots: Knots,
+    /// Position of the rim's vertex at parameter 0.
+    first: usize,
+    on_map: bool,
+    curve: Curve<2>,
+}
+
+impl<'a> Course<'a> {
+    /// The loop with the fewest knots that is within `tolerance` mm of the rim,
+    /// or has a knot for every four vertices where it is not.
+    ///
+    /// Rim vertices are taken at their feet on the surface, or, if `on_map`, at
+    /// the parameter points that the map gave them: feet of a ragged rim can run
+    /// across each other, those cannot. `None`: the rim is a point.
+    pub fn new(surface: &'a Surface, rim: &'a Rim, tolerance: f64, on_map: bool) -> Option<Self> {
+        let foot = |(p, at): (_, &Uv)| foot_point(surface, p, *at).0;
+        let mut uv = match on_map {
+            true => rim.uv.clone(),
+            false => rim.points.iter().copied().zip(&rim.uv).map(foot).collect(),
+        };
+        let mut points: Vec<_> = uv.iter().map(|&at| surface.point(at)).collect();
+        let (walked, total) = lengths(&points)?;
+        let corners = corners::find(&points, &walked, total);
+        let first = corners.first().copied().unwrap_or(0);
+        uv.rotate_left(first);
+        points.rotate_left(first);
+        let (walked, total) = lengths(&points)?;
+        let parameters: Vec<f64> = walked.iter().map(|s| s / total).collect();
+        let corners: Vec<f64> = corners.iter().map(|&i| parameters[i - first]).collect();
+        let knots = Knots { breaks: first_breaks(&corners), corners };
+        let jets = uv.iter().map(|&at| surface.jet(at)).collect();
+        let polygon = Polygon { parameters, uv };
+        let curve = fit(&polygon, &knots)?;
+        let mut course = Course { surface, rim, polygon, jets, knots, first, on_map, curve };
+        for _ in 0..ROUNDS {
+            let spans = course.far_spans(tolerance);
+            if spans.is_empty() || course.halve(&spans).is_none() {
+                break;
+            }
+        }
+        Some(course)
+    }
+
+    /// The arcs of the loop.
+    pub fn arcs(&self) -> Vec<Curve<2>> {
+        arcs(&self.curve, &self.knots.corners)
+    }
+
+    /// The rim's vertex nearest to a parameter.
+    pub fn vertex(&self, t: f64) -> usize {
+        let n = self.rim.points.len();
+        (self.first + self.polygon.before(t).min(n - 1)) % n
+    }
+
+    /// Lets the loop follow its rim more closely around parameter `t`; where it
+    /// does so already, along the map's parameter points. `None`: neither can be.
+    pub fn tighten(&mut self, t: Option<f64>, tolerance: f64) -> Option<()> {
+        let spans = t.map(|t| self.spans_around(t)).unwrap_or_default();
+        if !spans.is_empty() && self.halve(&spans).is_some() {
+            return Some(());
+        }
+        if self.on_map {
+            return None;
+        }
+        *self = Course::new(self.surface, self.rim, tolerance, true)?;
+        Some(())
+    }
+
+    /// The ends of span `i`.
+    fn span(&self, i: usize) -> (f64, f64) {
+        let breaks = &self.knots.breaks;
+        (breaks[i], breaks.get(i + 1).copied().unwrap_or(1.0))
+    }
+
+    /// Spans that are too far from a vertex and hold enough of them.
+    fn far_spans(&self, tolerance: f64) -> Vec<usize> {
+        let far = |i: &usize| {
+            let (a, b) = self.span(*i);
+            let held = self.polygon.before(a)..self.polygon.before(b);
+            held.len() >= 2 * VERTICES && held.into_iter().any(|k| self.distance(k) > tolerance)
+        };
+        (0..self.knots.breaks.len()).filter(far).collect()
+    }
+
+    /// The distance in mm, across the curve, of the curve from corner `k` of the
+    /// polygon on the surface, to first order.
+    fn distance(&self, k: usize) -> f64 {
+        let [at, along, _] = self.curve.derivatives(self.polygon.parameters[k]);
+        let jet = &self.jets[k];
+        let off = at - self.polygon.uv[k].coords;
+        let off = jet.su * off.x + jet.sv * off.y;
+        let along = jet.su * along.x + jet.sv * along.y;
+        let share = off.dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
+        (off - share * along).norm()
+    }
+
+    /// The span that holds `t` and its neighbours, those that may be halved.
+    fn spans_around(&self, t: f64) -> Vec<usize> {
+        let n = self.knots.breaks.len();
+        let shortest = SHORTEST / self.polygon.uv.len() as f64;
+        let i = self.knots.breaks.partition_point(|&b| b <= t).max(1) - 1;
+        let long = |i: &usize| self.span(*i).1 - self.span(*i).0 > 2.0 * shortest;
+        let mut spans: Vec<usize> = [i + n - 1, i, i + 1].map(|i| i % n).into_iter().collect();
+        spans.sort_unstable();
+        spans.dedup();
+        spans.into_iter().filter(long).collect()
+    }
+
+    /// Halves spans; `None`, and all as it was, if that makes no curve.
+    fn halve(&mut self, spans: &[usize]) -> Option<()> {
+        let mut knots = self.knots.clone();
+        knots.breaks.extend(spans.iter().map(|&i| self.span(i)).map(|(a, b)| 0.5 * (a + b)));
+        knots.breaks.sort_by(f64::total_cmp);
+        self.curve = fit(&self.polygon, &knots)?;
+        self.knots = knots;
+        Some(())
+    }
+}
+
+/// Spans of about equal length between corners.
+fn first_breaks(corners: &[f64]) -> Vec<f64> {
+    let mut ends = if corners.is_empty() { vec![0.0] } else { corners.to_vec() };
+    ends.push(1.0);
+    let spans = |w: &[f64]| {
+        let (a, b) = (w[0], w[1]);
+        let count = (FIRST_SPANS * (b - a)).ceil().max(1.0) as usize;
+        (0..count).map(move |i| a + (b - a) * i as f64 / count as f64).collect::<Vec<_>>()
+    };
+    ends.windows(2).flat_map(spans).collect()
+}
+
+/// Lengths from point 0 to each point along a closed polygon, and all around it;
+/// `None` if that is no positive number. Points that coincide are kept apart.
+fn lengths(points: &[crate::geometry::Point]) -> Option<(Vec<f64>, f64)> {
+    let n = points.len();
+    let side = |i: usize| (points[(i + 1) % n] - points[i]).norm();
+    let around: f64 = (0..n).map(side).sum();
+    let least = 1e-6 * around / n as f64;
+    let mut walked = Vec::with_capacity(n);
+    let mut total = 0.0;
+    for i in 0..n {
+        walked.push(total);
+        total += side(i).max(least);
+    }
+    (total > 0.0 && total.is_finite()).then_some((walked, total))
+}
