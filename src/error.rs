@@ -1,6 +1,7 @@
 //! Why a scan could not become a face, and what to do about it.
 
 use crate::geometry::Point;
+use crate::spline::Fault;
 
 /// A result of the pipeline.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -81,7 +82,50 @@ pub enum Error {
     },
     /// The boundary representation breaks one of its own rules.
     #[error("boundary representation: {0}")]
-    Brep(String),
+    Brep(BrepFault),
+}
+
+/// A rule that a boundary representation breaks. Faces, loops and edges are
+/// counted from 0; a face's outer loop is its loop 0.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum BrepFault {
+    /// A loop is not closed in (u, v), leaves the domain, runs the wrong way
+    /// round, crosses another one, or is not in its place.
+    #[error("loop {ring} of face {face} {fault}")]
+    Loop {
+        /// The face.
+        face: usize,
+        /// The loop.
+        ring: usize,
+        /// What is wrong with it.
+        fault: Fault,
+    },
+    /// An edge and its pcurve differ in their parameters, or there is one without
+    /// the other.
+    #[error("edge {edge} of loop {ring} of face {face} and its pcurve do not match")]
+    Range {
+        /// The face.
+        face: usize,
+        /// The loop.
+        ring: usize,
+        /// The edge.
+        edge: usize,
+    },
+    /// An edge is farther from its pcurve's trace than the uncertainty.
+    #[error("edge {edge} of loop {ring} of face {face} is {off:.1e} mm off the surface")]
+    OffSurface {
+        /// The face.
+        face: usize,
+        /// The loop.
+        ring: usize,
+        /// The edge.
+        edge: usize,
+        /// How far, in mm.
+        off: f64,
+    },
+    /// truck refuses an edge or a face.
+    #[error("{0}")]
+    Topology(String),
 }
 
 impl Error {

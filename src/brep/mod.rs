@@ -5,11 +5,13 @@
 //! Only here, at the border to the writers, do our curves and surfaces become
 //! truck's.
 
+mod check;
+
 use formats::{Brep, PCurve, TrimmedFace};
 use nalgebra::Vector2;
 use truck_modeling as truck;
 
-use crate::error::{Error, Result};
+use crate::error::{BrepFault, Error, Result};
 use crate::spline::{Curve, KnotVector, Surface};
 
 /// A loop of edges, each with its pcurve and the direction in which the loop
@@ -30,8 +32,11 @@ pub struct Bounds<'a> {
     pub inner: Vec<Arcs<'a>>,
 }
 
-/// The B-rep of faces that lie on one surface.
+/// The B-rep of faces that lie on one surface, checked: every loop is closed,
+/// oriented and inside the domain, none crosses itself or another one, and every
+/// edge is on the surface within `uncertainty_mm`. Else [`Error::Brep`].
 pub fn build(surface: &Surface, faces: &[Bounds], name: &str, uncertainty_mm: f64) -> Result<Brep> {
+    check::check(surface, faces, uncertainty_mm).map_err(Error::Brep)?;
     let on_surface = truck_surface(surface);
     let build = |bounds: &Bounds| {
         let outer = match bounds.outer {
@@ -63,8 +68,12 @@ fn face(
         pcurves.push(ring.edges.iter().map(|(_, c, _)| pcurve(c)).collect());
     }
     let surface = truck::Surface::BSplineSurface(surface.clone());
-    let face = truck::Face::try_new(wires, surface).map_err(|e| Error::Brep(e.to_string()))?;
+    let face = truck::Face::try_new(wires, surface).map_err(topology)?;
     Ok(TrimmedFace { face, pcurves })
+}
+
+fn topology(e: impl std::fmt::Display) -> Error {
+    Error::Brep(BrepFault::Topology(e.to_string()))
 }
 
 /// The four sides of the patch, counter-clockwise from (0, 0): exact
@@ -109,8 +118,7 @@ fn wire(ring: &Loop) -> Result<truck::Wire> {
             edge.control.iter().map(point).collect(),
         ));
         let (front, back) = if *forward { (from, to) } else { (to, from) };
-        let built = truck::Edge::try_new(front, back, curve)
-            .map_err(|e| Error::Brep(format!("edge {k}: {e}")))?;
+        let built = truck::Edge::try_new(front, back, curve).map_err(topology)?;
         wire.push_back(if *forward { built } else { built.inverse() });
     }
     Ok(wire)

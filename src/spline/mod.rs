@@ -15,6 +15,6 @@ pub use compose::curve_on_surface;
 pub use curve::Curve;
 pub use foot::{foot_point, foot_point_on_iso};
 pub use knots::{Basis, KnotVector};
-pub use outline::{Fault, Outline, Place, faults};
+pub use outline::{Fault, Nest, Outline, Place, crossings, misplaced};
 pub use samples::Samples;
 pub use surface::{Jet, Patch, Surface};

@@ -126,31 +126,39 @@ fn close(mut pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
     Ok(pieces)
 }
 
-/// Every fault of loops among each other: the loop's position, the fault, and
-/// where. `around[i]` holds the positions of the loops that loop i must lie in:
-/// an even number of them makes it clockwise.
-pub fn faults(outlines: &[Outline], around: &[Vec<usize>]) -> Vec<(usize, Place)> {
-    let mut found = crossings(outlines);
-    if !found.is_empty() {
-        return found;
-    }
-    for (i, outline) in outlines.iter().enumerate() {
+/// How a loop must lie among others.
+#[derive(Debug, Clone, Default)]
+pub struct Nest {
+    /// The positions of the loops that it lies in; it lies in no others.
+    pub around: Vec<usize>,
+    /// Whether it runs clockwise, around a hole, or counter-clockwise, around a
+    /// face.
+    pub clockwise: bool,
+}
+
+/// The loops that run the wrong way round or are not in their places; no two of
+/// them may cross.
+pub fn misplaced(outlines: &[&Outline], nests: &[Nest]) -> Vec<(usize, Place)> {
+    let mut found = Vec::new();
+    for (i, (outline, nest)) in outlines.iter().zip(nests).enumerate() {
         let area = outline.area();
-        if area == 0.0 || (area < 0.0) != around[i].len().is_multiple_of(2) {
+        if area == 0.0 || (area < 0.0) != nest.clockwise {
             found.push((i, (Fault::WrongWay, None)));
         }
         let start = outline.pieces[0].start();
-        let misplaced =
-            |(j, other): (usize, &Outline)| j != i && other.holds(start) != around[i].contains(&j);
-        if outlines.iter().enumerate().any(misplaced) {
+        let wrong = |(j, other): (usize, &&Outline)| {
+            j != i && other.holds(start) != nest.around.contains(&j)
+        };
+        if outlines.iter().enumerate().any(wrong) {
             found.push((i, (Fault::Misplaced, None)));
         }
     }
     found
 }
 
-/// Where loops come too near to each other or to themselves.
-fn crossings(outlines: &[Outline]) -> Vec<(usize, Place)> {
+/// Where loops come too near to each other or to themselves: the loop's
+/// position, the fault, and where.
+pub fn crossings(outlines: &[&Outline]) -> Vec<(usize, Place)> {
     let mut order: Vec<Entry> = Vec::new();
     for (ring, outline) in outlines.iter().enumerate() {
         let entry = |(number, piece)| Entry::new(ring, number, piece);
@@ -223,7 +231,13 @@ mod tests {
     fn islands_run_the_other_way_within_their_holes() {
         let fault = |u: f64, r: f64, clockwise, around: &[usize]| {
             let loops = [square(0.3, 0.2, true), square(0.8, 0.1, true), square(u, r, clockwise)];
-            !faults(&loops, &[vec![], vec![], around.to_vec()]).is_empty()
+            let loops = [&loops[0], &loops[1], &loops[2]];
+            let nest = |around: &[usize]| Nest {
+                around: around.to_vec(),
+                clockwise: around.len().is_multiple_of(2),
+            };
+            let nests = [nest(&[]), nest(&[]), nest(around)];
+            !crossings(&loops).is_empty() || !misplaced(&loops, &nests).is_empty()
         };
         assert!(!fault(0.3, 0.1, false, &[0]));
         assert!(fault(0.3, 0.1, true, &[0]), "clockwise");
@@ -240,7 +254,7 @@ mod tests {
     fn loops_that_cross_themselves_or_the_edge_are_found() {
         let eight = ring(&[(0.2, 0.2), (0.8, 0.8), (0.8, 0.2), (0.2, 0.8)]);
         let eight = Outline::new(&eight).unwrap();
-        assert_eq!(faults(&[eight], &[vec![]])[0].1.0, Fault::CrossesItself);
+        assert_eq!(crossings(&[&eight])[0].1.0, Fault::CrossesItself);
         let spike = ring(&[(0.2, 0.2), (0.8, 0.2), (0.5, 0.2)]);
         assert_eq!(Outline::new(&spike).unwrap_err().0, Fault::Cusp);
         let beyond = ring(&[(0.2, 0.2), (0.2, 1.0), (0.8, 0.2)]);

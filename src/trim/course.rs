@@ -1,5 +1,7 @@
 //! The course of one trim loop: knots where the rim needs them.
 
+use std::collections::BTreeSet;
+
 use super::Rim;
 use super::closed::{Knots, Polygon, arcs, fit};
 use super::corners;
@@ -12,6 +14,10 @@ const FIRST_SPANS: f64 = 6.0;
 /// Vertices a span at the least. The rim of a mesh is a saw-tooth or a
 /// staircase; what is shorter than this is the mesh's and not the object's.
 const VERTICES: usize = 4;
+
+/// What is farther off than this share of a mean edge is no tooth, and may get a
+/// span for every vertex: half the height of an equilateral triangle, and some.
+const TOOTH: f64 = 0.5;
 
 /// Where loops would cross, spans may be so short a share of a mean edge.
 const SHORTEST: f64 = 0.25;
@@ -28,6 +34,8 @@ pub struct Course<'a> {
     /// The surface at the polygon's corners.
     jets: Vec<Jet>,
     knots: Knots,
+    /// The mean length of the polygon's edges, in mm.
+    edge: f64,
     /// Position of the rim's vertex at parameter 0.
     first: usize,
     on_map: bool,
@@ -36,7 +44,8 @@ pub struct Course<'a> {
 
 impl<'a> Course<'a> {
     /// The loop with the fewest knots that is within `tolerance` mm of the rim,
-    /// or has a knot for every four vertices where it is not.
+    /// or has a knot for every four vertices where it is not (for every vertex
+    /// where it is off by more than teeth).
     ///
     /// Rim vertices are taken at their feet on the surface, or, if `on_map`, at
     /// the parameter points that the map gave them: feet of a ragged rim can run
@@ -60,10 +69,11 @@ impl<'a> Course<'a> {
         let jets = uv.iter().map(|&at| surface.jet(at)).collect();
         let polygon = Polygon { parameters, uv };
         let curve = fit(&polygon, &knots)?;
-        let mut course = Course { surface, rim, polygon, jets, knots, first, on_map, curve };
+        let edge = total / rim.points.len() as f64;
+        let mut course = Course { surface, rim, polygon, jets, knots, edge, first, on_map, curve };
         for _ in 0..ROUNDS {
             let spans = course.far_spans(tolerance);
-            if spans.is_empty() || course.halve(&spans).is_none() {
+            if spans.is_empty() || course.halve(spans).is_none() {
                 break;
             }
         }
@@ -81,11 +91,13 @@ impl<'a> Course<'a> {
         (self.first + self.polygon.before(t).min(n - 1)) % n
     }
 
-    /// Lets the loop follow its rim more closely around parameter `t`; where it
-    /// does so already, along the map's parameter points. `None`: neither can be.
-    pub fn tighten(&mut self, t: Option<f64>, tolerance: f64) -> Option<()> {
-        let spans = t.map(|t| self.spans_around(t)).unwrap_or_default();
-        if !spans.is_empty() && self.halve(&spans).is_some() {
+    /// Lets the loop follow its rim more closely around places; where it does so
+    /// already, or there are none, along the map's parameter points. `None`:
+    /// neither can be.
+    pub fn tighten(&mut self, places: &[Option<f64>], tolerance: f64) -> Option<()> {
+        let spans: BTreeSet<usize> =
+            places.iter().flatten().flat_map(|&t| self.spans_around(t)).collect();
+        if !spans.is_empty() && self.halve(spans).is_some() {
             return Some(());
         }
         if self.on_map {
@@ -106,7 +118,10 @@ impl<'a> Course<'a> {
         let far = |i: &usize| {
             let (a, b) = self.span(*i);
             let held = self.polygon.before(a)..self.polygon.before(b);
-            held.len() >= 2 * VERTICES && held.into_iter().any(|k| self.distance(k) > tolerance)
+            let count = held.len();
+            let off = held.map(|k| self.distance(k)).fold(0.0, f64::max);
+            (off > tolerance && count >= 2 * VERTICES)
+                || (off > tolerance.max(TOOTH * self.edge) && count >= 2)
         };
         (0..self.knots.breaks.len()).filter(far).collect()
     }
@@ -124,21 +139,19 @@ impl<'a> Course<'a> {
     }
 
     /// The span that holds `t` and its neighbours, those that may be halved.
-    fn spans_around(&self, t: f64) -> Vec<usize> {
+    fn spans_around(&self, t: f64) -> impl Iterator<Item = usize> + '_ {
         let n = self.knots.breaks.len();
         let shortest = SHORTEST / self.polygon.uv.len() as f64;
         let i = self.knots.breaks.partition_point(|&b| b <= t).max(1) - 1;
-        let long = |i: &usize| self.span(*i).1 - self.span(*i).0 > 2.0 * shortest;
-        let mut spans: Vec<usize> = [i + n - 1, i, i + 1].map(|i| i % n).into_iter().collect();
-        spans.sort_unstable();
-        spans.dedup();
-        spans.into_iter().filter(long).collect()
+        let long = move |i: &usize| self.span(*i).1 - self.span(*i).0 > 2.0 * shortest;
+        [i + n - 1, i, i + 1].into_iter().map(move |i| i % n).filter(long)
     }
 
     /// Halves spans; `None`, and all as it was, if that makes no curve.
-    fn halve(&mut self, spans: &[usize]) -> Option<()> {
+    fn halve(&mut self, spans: impl IntoIterator<Item = usize>) -> Option<()> {
         let mut knots = self.knots.clone();
-        knots.breaks.extend(spans.iter().map(|&i| self.span(i)).map(|(a, b)| 0.5 * (a + b)));
+        let halves = spans.into_iter().map(|i| self.span(i)).map(|(a, b)| 0.5 * (a + b));
+        knots.breaks.extend(halves);
         knots.breaks.sort_by(f64::total_cmp);
         self.curve = fit(&self.polygon, &knots)?;
         self.knots = knots;

@@ -11,11 +11,13 @@ mod closed;
 mod corners;
 mod course;
 
+use std::collections::BTreeMap;
+
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, segment_distance};
-use crate::spline::{Curve, Outline, Place, Surface, curve_on_surface, faults};
+use crate::spline::{Curve, Nest, Outline, Place, Surface, crossings, curve_on_surface, misplaced};
 use course::Course;
 
 /// How near trim curves keep to rims.
@@ -98,7 +100,7 @@ pub fn trim(
 /// The arcs of all loops, none of which crosses another one, itself or the edge
 /// of the patch.
 fn uncrossed(surface: &Surface, rims: &[Rim], tolerance: f64) -> Result<Vec<Vec<Curve<2>>>> {
-    let around: Vec<Vec<usize>> = rims.iter().map(|rim| around(rims, rim)).collect();
+    let nests: Vec<Nest> = rims.iter().map(|rim| nest(rims, rim)).collect();
     let begun = |rim| {
         let course = Course::new(surface, rim, tolerance, false);
         course.ok_or_else(|| refusal(rim, "is a point", 0))
@@ -107,11 +109,13 @@ fn uncrossed(surface: &Surface, rims: &[Rim], tolerance: f64) -> Result<Vec<Vec<
     let mut round = 0;
     loop {
         let arcs: Vec<Vec<Curve<2>>> = courses.par_iter().map(Course::arcs).collect();
-        let wrong = wrong(&arcs, &around);
+        let wrong = wrong(&arcs, &nests);
         let Some(&(first, (fault, at))) = wrong.first() else { return Ok(arcs) };
+        let mut places: BTreeMap<usize, Vec<Option<f64>>> = BTreeMap::new();
+        wrong.iter().for_each(|(i, (_, at))| places.entry(*i).or_default().push(*at));
         // Where two loops cross it is enough that one of them gives way.
-        let give_way = |(i, (_, at)): (usize, Place)| courses[i].tighten(at, tolerance).is_some();
-        let better = wrong.into_iter().map(give_way).filter(|&given| given).count() > 0;
+        let give_way = |(i, at): (usize, Vec<_>)| courses[i].tighten(&at, tolerance).is_some();
+        let better = places.into_iter().map(give_way).filter(|&given| given).count() > 0;
         round += 1;
         if round == ROUNDS || !better {
             let vertex = at.map_or(0, |t| courses[first].vertex(t));
@@ -120,16 +124,20 @@ fn uncrossed(surface: &Surface, rims: &[Rim], tolerance: f64) -> Result<Vec<Vec<
     }
 }
 
-/// The faults of the loops. Those of single ones come first: among each other
-/// only loops without are looked at.
-fn wrong(arcs: &[Vec<Curve<2>>], around: &[Vec<usize>]) -> Vec<(usize, Place)> {
+/// The faults of the loops: those of single ones, else those of loops that
+/// cross, else those of loops that are not in their places.
+fn wrong(arcs: &[Vec<Curve<2>>], nests: &[Nest]) -> Vec<(usize, Place)> {
     let outlines: Vec<_> = arcs.par_iter().map(|arcs| Outline::new(arcs)).collect();
     let single = |(i, o): (usize, &std::result::Result<_, Place>)| Some((i, *o.as_ref().err()?));
-    let found: Vec<_> = outlines.iter().enumerate().filter_map(single).collect();
-    if !found.is_empty() {
-        return found;
+    let mut found: Vec<_> = outlines.iter().enumerate().filter_map(single).collect();
+    let outlines: Vec<&Outline> = outlines.iter().flatten().collect();
+    if found.is_empty() {
+        found = crossings(&outlines);
     }
-    faults(&outlines.into_iter().flatten().collect::<Vec<_>>(), around)
+    if found.is_empty() {
+        found = misplaced(&outlines, nests);
+    }
+    found
 }
 
 fn refusal(rim: &Rim, fault: &str, vertex: usize) -> Error {
@@ -137,9 +145,11 @@ fn refusal(rim: &Rim, fault: &str, vertex: usize) -> Error {
     Error::Trim { hole: rim.hole, fault: format!("{which}{fault}"), at: rim.points[vertex] }
 }
 
-/// The positions of all rims that run around one.
-fn around(rims: &[Rim], rim: &Rim) -> Vec<usize> {
-    std::iter::successors(rim.within, |&i| rims[i].within).collect()
+/// How the loop of a rim must lie: clockwise around a hole, counter-clockwise
+/// around an island in one, and so on.
+fn nest(rims: &[Rim], rim: &Rim) -> Nest {
+    let around: Vec<usize> = std::iter::successors(rim.within, |&i| rims[i].within).collect();
+    Nest { clockwise: around.len().is_multiple_of(2), around }
 }
 
 fn traced(surface: &Surface, rim: &Rim, pcurves: Vec<Curve<2>>) -> (TrimLoop, LoopReport) {
@@ -200,3 +210,6 @@ fn chords(edge: &Curve<3>) -> Vec<Chords> {
     };
     edge.knots.breaks().windows(2).map(of_span).collect()
 }
+
+#[cfg(test)]
+mod tests;

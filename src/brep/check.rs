@@ -1,0 +1,144 @@
+//! What must hold of faces on one surface before anything is written.
+
+use super::{Arcs, Bounds};
+use crate::error::BrepFault;
+use crate::geometry::Uv;
+use crate::spline::{Curve, Nest, Outline, Surface, crossings, misplaced};
+
+/// Places a knot span at which an edge is compared with the surface.
+const SAMPLES: usize = 4;
+
+/// Checks the loops of all faces, and each edge against its pcurve. Loops of
+/// different faces must not cross, either.
+pub(super) fn check(surface: &Surface, faces: &[Bounds], eps: f64) -> Result<(), BrepFault> {
+    let mut outlines = Vec::new();
+    let mut names = Vec::new();
+    for (face, bounds) in faces.iter().enumerate() {
+        // The surface's own sides are loop 0 where there is no other outer loop.
+        let loops = bounds.outer.iter().map(|l| (0, l)).chain((1..).zip(&bounds.inner));
+        for (ring, arcs) in loops {
+            edges(surface, arcs, eps).map_err(|(edge, off)| match off {
+                None => BrepFault::Range { face, ring, edge },
+                Some(off) => BrepFault::OffSurface { face, ring, edge, off },
+            })?;
+            let outline = Outline::new(arcs.0);
+            outlines.push(outline.map_err(|(fault, _)| BrepFault::Loop { face, ring, fault })?);
+            names.push((face, ring));
+        }
+    }
+    let all: Vec<&Outline> = outlines.iter().collect();
+    let mut found = crossings(&all);
+    let mut rest = &all[..];
+    for bounds in faces {
+        let first = all.len() - rest.len();
+        let (own, others) = rest.split_at(bounds.inner.len() + usize::from(bounds.outer.is_some()));
+        let wrong = misplaced(own, &nests(bounds));
+        found.extend(wrong.into_iter().map(|(i, place)| (first + i, place)));
+        rest = others;
+    }
+    match found.first() {
+        Some(&(i, (fault, _))) => {
+            let (face, ring) = names[i];
+            Err(BrepFault::Loop { face, ring, fault })
+        }
+        None => Ok(()),
+    }
+}
+
+/// The outer loop runs counter-clockwise, the inner ones clockwise, within it and
+/// beside each other.
+fn nests(bounds: &Bounds) -> Vec<Nest> {
+    let outer = bounds.outer.iter().map(|_| Nest::default());
+    let around: Vec<usize> = bounds.outer.iter().map(|_| 0).collect();
+    let inner = bounds.inner.iter().map(|_| Nest { around: around.clone(), clockwise: true });
+    outer.chain(inner).collect()
+}
+
+/// The first edge that does not belong to its pcurve, and how far it is off the
+/// surface if its parameters match.
+fn edges(surface: &Surface, (pcurves, edges): &Arcs, eps: f64) -> Result<(), (usize, Option<f64>)> {
+    for (i, edge) in edges.iter().enumerate() {
+        let pcurve = pcurves.get(i).ok_or((i, None))?;
+        if edge.knots.range() != pcurve.knots.range() {
+            return Err((i, None));
+        }
+        let off = off_surface(surface, pcurve, edge);
+        // Not a number is no better than far.
+        if off.is_nan() || off > eps {
+            return Err((i, Some(off)));
+        }
+    }
+    if pcurves.len() == edges.len() { Ok(()) } else { Err((edges.len(), None)) }
+}
+
+fn off_surface(surface: &Surface, pcurve: &Curve<2>, edge: &Curve<3>) -> f64 {
+    let mut worst: f64 = 0.0;
+    for span in edge.knots.breaks().windows(2) {
+        for k in 0..=SAMPLES {
+            let t = span[0] + (span[1] - span[0]) * k as f64 / SAMPLES as f64;
+            let off = (edge.point(t) - surface.point(Uv::from(pcurve.point(t))).coords).norm();
+            worst = if off.is_nan() { off } else { worst.max(off) };
+        }
+    }
+    worst
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::{UvVector, Vector};
+    use crate::spline::{Fault, KnotVector, curve_on_surface};
+
+    fn plate() -> Surface {
+        let k = KnotVector::uniform(3, 6);
+        let net = (0..36).map(|n| Vector::new(k.greville(n / 6), k.greville(n % 6), 0.0));
+        Surface::new(k.clone(), k.clone(), net.map(|p| 100.0 * p).collect())
+    }
+
+    type Ring = (Vec<Curve<2>>, Vec<Curve<3>>);
+
+    /// A triangle's loop around (u, 0.5), clockwise; the other way round if `r` is
+    /// negative.
+    fn triangle(surface: &Surface, u: f64, r: f64) -> Ring {
+        let corners = [(-r, -r.abs()), (-r, r.abs()), (r, 0.0)];
+        let at = |i: usize| UvVector::new(u + corners[i % 3].0, 0.5 + corners[i % 3].1);
+        let side = |i: usize| {
+            let points = (0..4).map(|k| at(i).lerp(&at(i + 1), k as f64 / 3.0)).collect();
+            Curve::new(KnotVector::clamped(3, &[i as f64, i as f64 + 1.0], 1), points)
+        };
+        let pcurves: Vec<Curve<2>> = (0..3).map(side).collect();
+        let edges = pcurves.iter().map(|c| curve_on_surface(surface, c, 1e-7)).collect();
+        (pcurves, edges)
+    }
+
+    fn fault(surface: &Surface, inner: &[&Ring]) -> Option<BrepFault> {
+        let inner = inner.iter().map(|(c, e)| (c.as_slice(), e.as_slice())).collect();
+        check(surface, &[Bounds { outer: None, inner }], 1e-7).err()
+    }
+
+    #[test]
+    fn every_broken_rule_is_named() {
+        let plate = plate();
+        let good = triangle(&plate, 0.3, 0.1);
+        assert_eq!(fault(&plate, &[&good, &triangle(&plate, 0.7, 0.1)]), None);
+
+        let wrong = |inner: &[&Ring]| match fault(&plate, inner) {
+            Some(BrepFault::Loop { fault, .. }) => Some(fault),
+            _ => None,
+        };
+        let near = triangle(&plate, 0.4, 0.1);
+        assert_eq!(wrong(&[&good, &near]), Some(Fault::CrossesAnother));
+        assert_eq!(wrong(&[&good, &triangle(&plate, 0.29, 0.01)]), Some(Fault::Misplaced));
+        assert_eq!(wrong(&[&triangle(&plate, 0.05, 0.1)]), Some(Fault::Leaves));
+        assert_eq!(wrong(&[&triangle(&plate, 0.3, -0.1)]), Some(Fault::WrongWay));
+        let open = (good.0[..2].to_vec(), good.1[..2].to_vec());
+        assert_eq!(wrong(&[&open]), Some(Fault::Open));
+
+        let range = |edge| Some(BrepFault::Range { face: 0, ring: 1, edge });
+        assert_eq!(fault(&plate, &[&(good.0.clone(), good.1[..2].to_vec())]), range(2));
+        let mut moved = good.clone();
+        moved.1[1].control[2].z += 1e-5;
+        let off = fault(&plate, &[&moved]);
+        assert!(matches!(off, Some(BrepFault::OffSurface { edge: 1, .. })), "{off:?}");
+    }
+}

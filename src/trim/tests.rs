@@ -1,0 +1,125 @@
+//! Rims on a plate of 200 mm × 100 mm whose loops are known.
+
+use std::f64::consts::TAU;
+
+use super::*;
+use crate::geometry::Vector;
+use crate::spline::KnotVector;
+
+fn plate() -> Surface {
+    let k = KnotVector::uniform(3, 12);
+    let height = |i: usize, j: usize| ((3 * i + 5 * j) % 7) as f64;
+    let net = (0..144).map(|n| (n / 12, n % 12));
+    let net = net.map(|(i, j)| {
+        Vector::new(200.0 * k.greville(i), 100.0 * k.greville(j), 0.3 * height(i, j))
+    });
+    Surface::new(k.clone(), k.clone(), net.collect())
+}
+
+/// A rim through the surface's points at `at(0)`, `at(1 / n)` and so on.
+fn rim(surface: &Surface, n: usize, at: impl Fn(f64) -> (f64, f64)) -> Rim {
+    let uv: Vec<Uv> = (0..n).map(|i| at(i as f64 / n as f64)).map(|(u, v)| Uv::new(u, v)).collect();
+    let points = uv.iter().map(|&at| surface.point(at)).collect();
+    Rim { hole: 0, island: None, within: None, points, uv }
+}
+
+/// A clockwise ellipse that is a circle of radius `r` mm on the plate; r may
+/// depend on the angle.
+fn round(u: f64, v: f64, r: impl Fn(f64) -> f64) -> impl Fn(f64) -> (f64, f64) {
+    move |t| {
+        let a = -TAU * t;
+        (u + r(a) * a.cos() / 200.0, v + r(a) * a.sin() / 100.0)
+    }
+}
+
+fn loops(surface: &Surface, rims: &[Rim]) -> Vec<(TrimLoop, LoopReport)> {
+    let (loops, reports) = trim(surface, rims, &Options { tolerance: 0.02 }).unwrap();
+    loops.into_iter().zip(reports).collect()
+}
+
+#[test]
+fn a_saw_tooth_is_cut_through_with_few_control_points() {
+    let plate = plate();
+    let tooth = |a: f64| if ((a / TAU * 600.0).round() as i64) % 2 == 0 { 10.1 } else { 9.9 };
+    let smooth = loops(&plate, &[rim(&plate, 600, round(0.5, 0.5, |_| 10.0))]);
+    let ragged = loops(&plate, &[rim(&plate, 600, round(0.5, 0.5, tooth))]);
+    for (ring, report) in [&smooth[0], &ragged[0]] {
+        assert_eq!(ring.edges.len(), 2);
+        assert!(report.max_off_surface < EDGE_ACCURACY);
+    }
+    assert!(smooth[0].1.control_points < 30 && smooth[0].1.max_from_rim < 0.02);
+    assert!(ragged[0].1.control_points < 170 && ragged[0].1.max_from_rim < 0.15);
+    // Between the teeth, on the mean circle.
+    for c in &ragged[0].0.pcurves {
+        let (from, to) = c.knots.range();
+        for i in 0..=200 {
+            let at = c.point(from + (to - from) * f64::from(i) / 200.0);
+            let r = (200.0 * (at.x - 0.5)).hypot(100.0 * (at.y - 0.5));
+            assert!((r - 10.0).abs() < 0.05, "{r}");
+        }
+    }
+}
+
+#[test]
+fn a_square_hole_has_four_straight_edges() {
+    let plate = plate();
+    let corners = [(0.3, 0.3), (0.3, 0.7), (0.5, 0.7), (0.5, 0.3)];
+    let side = |t: f64| {
+        let (i, s) = ((4.0 * t) as usize, (4.0 * t).fract());
+        let (a, b) = (corners[i % 4], corners[(i + 1) % 4]);
+        (a.0 + s * (b.0 - a.0), a.1 + s * (b.1 - a.1))
+    };
+    // The rim does not begin at a corner.
+    let rim = rim(&plate, 100, |t| side((t + 0.1).fract()));
+    let (ring, report) = &loops(&plate, &[rim])[0];
+    assert_eq!(ring.edges.len(), 4);
+    assert!(report.max_from_rim < 0.02 && report.control_points < 60, "{report:?}");
+    for c in &ring.pcurves {
+        let near = |(u, v): &(f64, f64)| (c.control[0] - Uv::new(*u, *v).coords).norm() < 1e-4;
+        assert!(corners.iter().any(near));
+    }
+}
+
+#[test]
+fn loops_make_way_for_each_other_across_a_narrow_bridge() {
+    let plate = plate();
+    // A wave with teeth that the other rim follows 0.3 mm away; spans of four
+    // vertices would cut it off.
+    let wave = |x: f64| 0.5 + 0.02 * (TAU * x * 12.0).sin();
+    let strip = |low: f64, high: f64, t: f64| {
+        // Clockwise: up along the left, along the top, and back below.
+        let (x, top) = if t < 0.5 { (2.0 * t, true) } else { (2.0 - 2.0 * t, false) };
+        (0.2 + 0.6 * x, wave(x) + if top { high } else { low })
+    };
+    let rims =
+        [rim(&plate, 120, |t| strip(0.0, 0.1, t)), rim(&plate, 120, |t| strip(-0.1, -0.003, t))];
+    let found = loops(&plate, &rims);
+    assert!(found.iter().all(|(_, report)| report.max_from_rim < 1.0));
+}
+
+#[test]
+fn rims_that_cross_are_refused_with_the_place() {
+    let plate = plate();
+    let one = rim(&plate, 60, round(0.5, 0.5, |_| 10.0));
+    let other = rim(&plate, 60, round(0.56, 0.5, |_| 10.0));
+    let found = trim(&plate, &[one, other], &Options { tolerance: 0.02 });
+    let Err(Error::Trim { at, .. }) = found else { panic!("{found:?}") };
+    assert!((at.x - 106.0).abs() < 1.0 && ((at.y - 50.0).abs() - 8.0).abs() < 1.0, "{at}");
+}
+
+#[test]
+fn three_vertices_make_a_loop_and_one_place_makes_none() {
+    let plate = plate();
+    let (ring, report) = &loops(&plate, &[rim(&plate, 3, round(0.5, 0.5, |_| 1.0))])[0];
+    assert!(ring.edges.len() <= 4 && report.max_from_rim < 0.5, "{report:?}");
+    let nothing = rim(&plate, 3, |_| (0.5, 0.5));
+    assert!(trim(&plate, &[nothing], &Options { tolerance: 0.02 }).is_err());
+}
+
+#[test]
+fn four_thousand_vertices_with_teeth_end() {
+    let plate = plate();
+    let star = |a: f64| 30.0 * (1.0 + 0.3 * (40.0 * a).cos()) + 0.05 * (911.0 * a).sin();
+    let (_, report) = &loops(&plate, &[rim(&plate, 4000, round(0.5, 0.5, star))])[0];
+    assert!(report.control_points <= 1010 && report.max_from_rim < 0.5, "{report:?}");
+}
