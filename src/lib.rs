@@ -210,7 +210,9 @@ pub fn convert_component(
 
     let trimmed: Vec<bool> = fill.holes.iter().map(|h| options.cut.cuts(h.rim_length)).collect();
     let rims = cut::rims(&map, &trimmed);
-    let trim_options = trim::Options { tolerance: TRIM_SHARE * tolerance };
+    // A tolerance that was named holds for the teeth of ragged rims, too.
+    let trim_options =
+        trim::Options { tolerance: TRIM_SHARE * tolerance, cut_teeth: options.tolerance.is_none() };
     let (loops, trim) = trim::trim(&surface, &rims, &trim_options)?;
     let loops = decimal.loops(loops);
     watch(Stage::Trim(&surface, &loops))?;

@@ -2,9 +2,9 @@
 
 use std::collections::BTreeSet;
 
-use super::Rim;
 use super::closed::{Knots, Polygon, arcs, fit};
 use super::corners;
+use super::{Options, Rim};
 use crate::geometry::Uv;
 use crate::spline::{Curve, Jet, Surface, foot_point};
 
@@ -13,13 +13,14 @@ const FIRST_SPANS: f64 = 6.0;
 
 /// Vertices a span at the least. The rim of a mesh is a saw-tooth or a
 /// staircase; what is shorter than this is the mesh's and not the object's.
-const VERTICES: usize = 4;
+const VERTICES: usize = 3;
 
 /// What is farther off than this share of a mean edge is no tooth, and may get a
-/// span for every vertex: half the height of an equilateral triangle, and some.
-const TOOTH: f64 = 0.5;
+/// span for every vertex: about half the height of an equilateral triangle.
+const TOOTH: f64 = 0.4;
 
-/// Where loops would cross, spans may be so short a share of a mean edge.
+/// Where loops would cross, and where every tooth is followed, spans may be so
+/// short a share of a mean edge.
 const SHORTEST: f64 = 0.25;
 
 /// Rounds of halving: more than enough to come from a sixth to the shortest.
@@ -43,14 +44,19 @@ pub struct Course<'a> {
 }
 
 impl<'a> Course<'a> {
-    /// The loop with the fewest knots that is within `tolerance` mm of the rim,
-    /// or has a knot for every four vertices where it is not (for every vertex
-    /// where it is off by more than teeth).
+    /// The loop with the fewest knots that is within the tolerance of the rim, or,
+    /// if teeth may be cut, has a knot for every three vertices where it is not
+    /// (for every vertex where it is off by more than teeth).
     ///
     /// Rim vertices are taken at their feet on the surface, or, if `on_map`, at
     /// the parameter points that the map gave them: feet of a ragged rim can run
     /// across each other, those cannot. `None`: the rim is a point.
-    pub fn new(surface: &'a Surface, rim: &'a Rim, tolerance: f64, on_map: bool) -> Option<Self> {
+    pub fn new(
+        surface: &'a Surface,
+        rim: &'a Rim,
+        options: &Options,
+        on_map: bool,
+    ) -> Option<Self> {
         let foot = |(p, at): (_, &Uv)| foot_point(surface, p, *at).0;
         let mut uv = match on_map {
             true => rim.uv.clone(),
@@ -72,7 +78,7 @@ impl<'a> Course<'a> {
         let edge = total / rim.points.len() as f64;
         let mut course = Course { surface, rim, polygon, jets, knots, edge, first, on_map, curve };
         for _ in 0..ROUNDS {
-            let spans = course.far_spans(tolerance);
+            let spans = course.far_spans(options);
             if spans.is_empty() || course.halve(spans).is_none() {
                 break;
             }
@@ -94,7 +100,7 @@ impl<'a> Course<'a> {
     /// Lets the loop follow its rim more closely around places; where it does so
     /// already, or there are none, along the map's parameter points. `None`:
     /// neither can be.
-    pub fn tighten(&mut self, places: &[Option<f64>], tolerance: f64) -> Option<()> {
+    pub fn tighten(&mut self, places: &[Option<f64>], options: &Options) -> Option<()> {
         let spans: BTreeSet<usize> =
             places.iter().flatten().flat_map(|&t| self.spans_around(t)).collect();
         if !spans.is_empty() && self.halve(spans).is_some() {
@@ -103,7 +109,7 @@ impl<'a> Course<'a> {
         if self.on_map {
             return None;
         }
-        *self = Course::new(self.surface, self.rim, tolerance, true)?;
+        *self = Course::new(self.surface, self.rim, options, true)?;
         Some(())
     }
 
@@ -113,17 +119,25 @@ impl<'a> Course<'a> {
         (breaks[i], breaks.get(i + 1).copied().unwrap_or(1.0))
     }
 
-    /// Spans that are too far from a vertex and hold enough of them.
-    fn far_spans(&self, tolerance: f64) -> Vec<usize> {
-        let far = |i: &usize| {
-            let (a, b) = self.span(*i);
+    /// Spans that are too far from a vertex and may be halved.
+    fn far_spans(&self, options: &Options) -> Vec<usize> {
+        let far = |&i: &usize| {
+            let (a, b) = self.span(i);
             let held = self.polygon.before(a)..self.polygon.before(b);
             let count = held.len();
             let off = held.map(|k| self.distance(k)).fold(0.0, f64::max);
-            (off > tolerance && count >= 2 * VERTICES)
-                || (off > tolerance.max(TOOTH * self.edge) && count >= 2)
+            off > options.tolerance
+                && (count >= 2 * VERTICES
+                    || (count >= 2 && off > TOOTH * self.edge)
+                    || (!options.cut_teeth && self.is_long(i)))
         };
         (0..self.knots.breaks.len()).filter(far).collect()
+    }
+
+    /// Whether span `i` may be halved at all.
+    fn is_long(&self, i: usize) -> bool {
+        let (a, b) = self.span(i);
+        b - a > 2.0 * SHORTEST / self.polygon.uv.len() as f64
     }
 
     /// The distance in mm, across the curve, of the curve from corner `k` of the
@@ -141,10 +155,8 @@ impl<'a> Course<'a> {
     /// The span that holds `t` and its neighbours, those that may be halved.
     fn spans_around(&self, t: f64) -> impl Iterator<Item = usize> + '_ {
         let n = self.knots.breaks.len();
-        let shortest = SHORTEST / self.polygon.uv.len() as f64;
         let i = self.knots.breaks.partition_point(|&b| b <= t).max(1) - 1;
-        let long = move |i: &usize| self.span(*i).1 - self.span(*i).0 > 2.0 * shortest;
-        [i + n - 1, i, i + 1].into_iter().map(move |i| i % n).filter(long)
+        [i + n - 1, i, i + 1].into_iter().map(move |i| i % n).filter(|&i| self.is_long(i))
     }
 
     /// Halves spans; `None`, and all as it was, if that makes no curve.

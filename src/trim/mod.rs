@@ -26,6 +26,9 @@ pub struct Options {
     /// Distance, in mm, between a rim's vertices and the trim curve that needs
     /// no more control points.
     pub tolerance: f64,
+    /// Whether the curve runs through the middle of a ragged rim's teeth, where
+    /// these are larger than the tolerance. Else it follows every tooth.
+    pub cut_teeth: bool,
 }
 
 /// The rim of a hole, or of an island in one: vertices in order, the measured
@@ -92,17 +95,17 @@ pub fn trim(
     rims: &[Rim],
     options: &Options,
 ) -> Result<(Vec<TrimLoop>, Vec<LoopReport>)> {
-    let arcs = uncrossed(surface, rims, options.tolerance)?;
+    let arcs = uncrossed(surface, rims, options)?;
     let both = rims.par_iter().zip(arcs).map(|(rim, pcurves)| traced(surface, rim, pcurves));
     Ok(both.collect::<Vec<_>>().into_iter().unzip())
 }
 
 /// The arcs of all loops, none of which crosses another one, itself or the edge
 /// of the patch.
-fn uncrossed(surface: &Surface, rims: &[Rim], tolerance: f64) -> Result<Vec<Vec<Curve<2>>>> {
+fn uncrossed(surface: &Surface, rims: &[Rim], options: &Options) -> Result<Vec<Vec<Curve<2>>>> {
     let nests: Vec<Nest> = rims.iter().map(|rim| nest(rims, rim)).collect();
     let begun = |rim| {
-        let course = Course::new(surface, rim, tolerance, false);
+        let course = Course::new(surface, rim, options, false);
         course.ok_or_else(|| refusal(rim, "is a point", 0))
     };
     let mut courses: Vec<Course> = rims.par_iter().map(begun).collect::<Result<_>>()?;
@@ -114,7 +117,7 @@ fn uncrossed(surface: &Surface, rims: &[Rim], tolerance: f64) -> Result<Vec<Vec<
         let mut places: BTreeMap<usize, Vec<Option<f64>>> = BTreeMap::new();
         wrong.iter().for_each(|(i, (_, at))| places.entry(*i).or_default().push(*at));
         // Where two loops cross it is enough that one of them gives way.
-        let give_way = |(i, at): (usize, Vec<_>)| courses[i].tighten(&at, tolerance).is_some();
+        let give_way = |(i, at): (usize, Vec<_>)| courses[i].tighten(&at, options).is_some();
         let better = places.into_iter().map(give_way).filter(|&given| given).count() > 0;
         round += 1;
         if round == ROUNDS || !better {

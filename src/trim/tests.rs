@@ -6,6 +6,8 @@ use super::*;
 use crate::geometry::Vector;
 use crate::spline::KnotVector;
 
+const OPTIONS: Options = Options { tolerance: 0.02, cut_teeth: true };
+
 fn plate() -> Surface {
     let k = KnotVector::uniform(3, 12);
     let height = |i: usize, j: usize| ((3 * i + 5 * j) % 7) as f64;
@@ -33,7 +35,7 @@ fn round(u: f64, v: f64, r: impl Fn(f64) -> f64) -> impl Fn(f64) -> (f64, f64) {
 }
 
 fn loops(surface: &Surface, rims: &[Rim]) -> Vec<(TrimLoop, LoopReport)> {
-    let (loops, reports) = trim(surface, rims, &Options { tolerance: 0.02 }).unwrap();
+    let (loops, reports) = trim(surface, rims, &OPTIONS).unwrap();
     loops.into_iter().zip(reports).collect()
 }
 
@@ -48,7 +50,10 @@ fn a_saw_tooth_is_cut_through_with_few_control_points() {
         assert!(report.max_off_surface < EDGE_ACCURACY);
     }
     assert!(smooth[0].1.control_points < 30 && smooth[0].1.max_from_rim < 0.02);
-    assert!(ragged[0].1.control_points < 170 && ragged[0].1.max_from_rim < 0.15);
+    assert!(ragged[0].1.control_points < 220 && ragged[0].1.max_from_rim < 0.15);
+    let every = Options { cut_teeth: false, ..OPTIONS };
+    let followed = trim(&plate, &[rim(&plate, 600, round(0.5, 0.5, tooth))], &every).unwrap();
+    assert!(followed.1[0].max_from_rim < 0.02, "{:?}", followed.1);
     // Between the teeth, on the mean circle.
     for c in &ragged[0].0.pcurves {
         let (from, to) = c.knots.range();
@@ -102,7 +107,7 @@ fn rims_that_cross_are_refused_with_the_place() {
     let plate = plate();
     let one = rim(&plate, 60, round(0.5, 0.5, |_| 10.0));
     let other = rim(&plate, 60, round(0.56, 0.5, |_| 10.0));
-    let found = trim(&plate, &[one, other], &Options { tolerance: 0.02 });
+    let found = trim(&plate, &[one, other], &OPTIONS);
     let Err(Error::Trim { at, .. }) = found else { panic!("{found:?}") };
     assert!((at.x - 106.0).abs() < 1.0 && ((at.y - 50.0).abs() - 8.0).abs() < 1.0, "{at}");
 }
@@ -113,7 +118,7 @@ fn three_vertices_make_a_loop_and_one_place_makes_none() {
     let (ring, report) = &loops(&plate, &[rim(&plate, 3, round(0.5, 0.5, |_| 1.0))])[0];
     assert!(ring.edges.len() <= 4 && report.max_from_rim < 0.5, "{report:?}");
     let nothing = rim(&plate, 3, |_| (0.5, 0.5));
-    assert!(trim(&plate, &[nothing], &Options { tolerance: 0.02 }).is_err());
+    assert!(trim(&plate, &[nothing], &OPTIONS).is_err());
 }
 
 #[test]
@@ -121,5 +126,5 @@ fn four_thousand_vertices_with_teeth_end() {
     let plate = plate();
     let star = |a: f64| 30.0 * (1.0 + 0.3 * (40.0 * a).cos()) + 0.05 * (911.0 * a).sin();
     let (_, report) = &loops(&plate, &[rim(&plate, 4000, round(0.5, 0.5, star))])[0];
-    assert!(report.control_points <= 1010 && report.max_from_rim < 0.5, "{report:?}");
+    assert!(report.control_points <= 1400 && report.max_from_rim < 0.5, "{report:?}");
 }
