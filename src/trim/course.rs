@@ -16,8 +16,8 @@ const FIRST_SPANS: f64 = 6.0;
 const VERTICES: usize = 3;
 
 /// What is farther off than this share of a mean edge is no tooth, and may get a
-/// span for every vertex: about half the height of an equilateral triangle.
-const TOOTH: f64 = 0.4;
+/// span for every vertex: half the height of an equilateral triangle, and some.
+const TOOTH: f64 = 0.5;
 
 /// Where loops would cross, and where every tooth is followed, spans may be so
 /// short a share of a mean edge.

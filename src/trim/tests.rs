@@ -53,7 +53,8 @@ fn a_saw_tooth_is_cut_through_with_few_control_points() {
     assert!(ragged[0].1.control_points < 220 && ragged[0].1.max_from_rim < 0.15);
     let every = Options { cut_teeth: false, ..OPTIONS };
     let followed = trim(&plate, &[rim(&plate, 600, round(0.5, 0.5, tooth))], &every).unwrap();
-    assert!(followed.1[0].max_from_rim < 0.02, "{:?}", followed.1);
+    // The distance that rules the knots is one to first order.
+    assert!(followed.1[0].max_from_rim < 0.025, "{:?}", followed.1);
     // Between the teeth, on the mean circle.
     for c in &ragged[0].0.pcurves {
         let (from, to) = c.knots.range();
