@@ -210,9 +210,7 @@ pub fn convert_component(
 
     let trimmed: Vec<bool> = fill.holes.iter().map(|h| options.cut.cuts(h.rim_length)).collect();
     let rims = cut::rims(&map, &trimmed);
-    // A tolerance that was named holds for the teeth of ragged rims, too.
-    let trim_options =
-        trim::Options { tolerance: TRIM_SHARE * tolerance, cut_teeth: options.tolerance.is_none() };
+    let trim_options = trim::Options { tolerance: TRIM_SHARE * tolerance };
     let (loops, trim) = trim::trim(&surface, &rims, &trim_options)?;
     let loops = decimal.loops(loops);
     watch(Stage::Trim(&surface, &loops))?;

@@ -11,17 +11,8 @@ use crate::spline::{Curve, Jet, Surface, foot_point};
 /// Spans that a loop begins with.
 const FIRST_SPANS: f64 = 6.0;
 
-/// Vertices a span at the least. The rim of a mesh is a saw-tooth or a
-/// staircase; what is shorter than this is the mesh's and not the object's.
-const VERTICES: usize = 3;
-
-/// What is farther off than this share of a mean edge is no tooth, and may get a
-/// span for every vertex: half the height of an equilateral triangle, and some.
-const TOOTH: f64 = 0.5;
-
-/// Where loops would cross, and where every tooth is followed, spans may be so
-/// short a share of a mean edge.
-const SHORTEST: f64 = 0.25;
+/// Spans are no shorter than this share of a mean edge.
+const SHORTEST: f64 = 0.05;
 
 /// Rounds of halving: more than enough to come from a sixth to the shortest.
 const ROUNDS: usize = 40;
@@ -35,8 +26,6 @@ pub struct Course<'a> {
     /// The surface at the polygon's corners.
     jets: Vec<Jet>,
     knots: Knots,
-    /// The mean length of the polygon's edges, in mm.
-    edge: f64,
     /// Position of the rim's vertex at parameter 0.
     first: usize,
     on_map: bool,
@@ -44,9 +33,7 @@ pub struct Course<'a> {
 }
 
 impl<'a> Course<'a> {
-    /// The loop with the fewest knots that is within the tolerance of the rim, or,
-    /// if teeth may be cut, has a knot for every three vertices where it is not
-    /// (for every vertex where it is off by more than teeth).
+    /// The loop with the fewest knots that is within the tolerance of the rim.
     ///
     /// Rim vertices are taken at their feet on the surface, or, if `on_map`, at
     /// the parameter points that the map gave them: feet of a ragged rim can run
@@ -75,8 +62,7 @@ impl<'a> Course<'a> {
         let jets = uv.iter().map(|&at| surface.jet(at)).collect();
         let polygon = Polygon { parameters, uv };
         let curve = fit(&polygon, &knots)?;
-        let edge = total / rim.points.len() as f64;
-        let mut course = Course { surface, rim, polygon, jets, knots, edge, first, on_map, curve };
+        let mut course = Course { surface, rim, polygon, jets, knots, first, on_map, curve };
         for _ in 0..ROUNDS {
             let spans = course.far_spans(options);
             if spans.is_empty() || course.halve(spans).is_none() {
@@ -124,12 +110,8 @@ impl<'a> Course<'a> {
         let far = |&i: &usize| {
             let (a, b) = self.span(i);
             let held = self.polygon.before(a)..self.polygon.before(b);
-            let count = held.len();
             let off = held.map(|k| self.distance(k)).fold(0.0, f64::max);
-            off > options.tolerance
-                && (count >= 2 * VERTICES
-                    || (count >= 2 && off > TOOTH * self.edge)
-                    || (!options.cut_teeth && self.is_long(i)))
+            off > options.tolerance && self.is_long(i)
         };
         (0..self.knots.breaks.len()).filter(far).collect()
     }

@@ -26,9 +26,6 @@ pub struct Options {
     /// Distance, in mm, between a rim's vertices and the trim curve that needs
     /// no more control points.
     pub tolerance: f64,
-    /// Whether the curve runs through the middle of a ragged rim's teeth, where
-    /// these are larger than the tolerance. Else it follows every tooth.
-    pub cut_teeth: bool,
 }
 
 /// The rim of a hole, or of an island in one: vertices in order, the measured

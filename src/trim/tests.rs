@@ -6,7 +6,7 @@ use super::*;
 use crate::geometry::Vector;
 use crate::spline::KnotVector;
 
-const OPTIONS: Options = Options { tolerance: 0.02, cut_teeth: true };
+const OPTIONS: Options = Options { tolerance: 0.02 };
 
 fn plate() -> Surface {
     let k = KnotVector::uniform(3, 12);
@@ -40,7 +40,7 @@ fn loops(surface: &Surface, rims: &[Rim]) -> Vec<(TrimLoop, LoopReport)> {
 }
 
 #[test]
-fn a_saw_tooth_is_cut_through_with_few_control_points() {
+fn knots_come_where_the_rim_needs_them() {
     let plate = plate();
     let tooth = |a: f64| if ((a / TAU * 600.0).round() as i64) % 2 == 0 { 10.1 } else { 9.9 };
     let smooth = loops(&plate, &[rim(&plate, 600, round(0.5, 0.5, |_| 10.0))]);
@@ -48,22 +48,10 @@ fn a_saw_tooth_is_cut_through_with_few_control_points() {
     for (ring, report) in [&smooth[0], &ragged[0]] {
         assert_eq!(ring.edges.len(), 2);
         assert!(report.max_off_surface < EDGE_ACCURACY);
+        // The distance that rules the knots is one to first order.
+        assert!(report.max_from_rim < 0.025, "{report:?}");
     }
-    assert!(smooth[0].1.control_points < 30 && smooth[0].1.max_from_rim < 0.02);
-    assert!(ragged[0].1.control_points < 220 && ragged[0].1.max_from_rim < 0.15);
-    let every = Options { cut_teeth: false, ..OPTIONS };
-    let followed = trim(&plate, &[rim(&plate, 600, round(0.5, 0.5, tooth))], &every).unwrap();
-    // The distance that rules the knots is one to first order.
-    assert!(followed.1[0].max_from_rim < 0.025, "{:?}", followed.1);
-    // Between the teeth, on the mean circle.
-    for c in &ragged[0].0.pcurves {
-        let (from, to) = c.knots.range();
-        for i in 0..=200 {
-            let at = c.point(from + (to - from) * f64::from(i) / 200.0);
-            let r = (200.0 * (at.x - 0.5)).hypot(100.0 * (at.y - 0.5));
-            assert!((r - 10.0).abs() < 0.05, "{r}");
-        }
-    }
+    assert!(smooth[0].1.control_points < 30, "{:?}", smooth[0].1);
 }
 
 #[test]
