@@ -8,6 +8,8 @@
 //! at equal parameters. OUT gets the control net, three doubles a point. Needs
 //! Linux for the CPU time.
 
+mod usage;
+
 use std::error::Error;
 use std::fs;
 use std::time::Instant;
@@ -16,6 +18,7 @@ use scan2step::fit::{self, Method};
 use scan2step::geometry::{Point, Uv};
 use scan2step::spline::{KnotVector, Samples};
 use serde_json::json;
+use usage::cpu_s;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -64,14 +67,4 @@ fn read(file: &str) -> Result<Samples, Box<dyn Error>> {
         samples.weights.push(1.0);
     }
     Ok(samples)
-}
-
-/// CPU seconds of all threads so far.
-fn cpu_s() -> Result<f64, Box<dyn Error>> {
-    let mut ns = 0.0;
-    for task in fs::read_dir("/proc/self/task")? {
-        let stat = fs::read_to_string(task?.path().join("schedstat"))?;
-        ns += stat.split(' ').next().unwrap_or_default().parse::<f64>()?;
-    }
-    Ok(ns / 1e9)
 }

@@ -8,6 +8,8 @@
 //! `OUT.loops.json`, its boundary loops. Needs Linux: times are CPU seconds of all
 //! threads and the peak is the process's, both from /proc.
 
+mod usage;
+
 use std::error::Error;
 use std::fs;
 use std::io::{BufWriter, Write};
@@ -16,6 +18,7 @@ use std::path::Path;
 use scan2step::mesh::{self, Choice, Components, Disk, EdgeMap, Outer};
 use scan2step::smooth;
 use serde_json::{Map, json};
+use usage::{cpu_s, peak_rss_mb};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -128,21 +131,4 @@ impl Steps {
 
 fn rounded(x: f64) -> serde_json::Value {
     json!((x * 1e3).round() / 1e3)
-}
-
-/// CPU seconds of all threads so far.
-fn cpu_s() -> Result<f64, Box<dyn Error>> {
-    let mut ns = 0.0;
-    for task in fs::read_dir("/proc/self/task")? {
-        let stat = fs::read_to_string(task?.path().join("schedstat"))?;
-        ns += stat.split(' ').next().unwrap_or_default().parse::<f64>()?;
-    }
-    Ok(ns / 1e9)
-}
-
-/// The process's peak resident memory so far, in MB (10⁶ bytes).
-fn peak_rss_mb() -> Result<f64, Box<dyn Error>> {
-    let status = fs::read_to_string("/proc/self/status")?;
-    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:")).ok_or("no VmHWM")?;
-    Ok(line.trim().trim_end_matches("kB").trim().parse::<f64>()? * 1024.0 / 1e6)
 }

@@ -225,8 +225,8 @@ fn an_island_becomes_a_face_of_the_same_surface() {
     let places: Vec<_> = conversion.loops.iter().map(|l| (l.hole, l.island, l.within)).collect();
     assert_eq!(places, [(0, None, None), (0, Some(0), Some(0)), (1, None, Some(1))]);
     // The island's vertices come last. Were it no face, they would be as far
-    // from one as the rim of the hole is. Rims are cut through by their loops.
-    let own: HashSet<_> = island.rim.iter().chain(&patch.rims[1]).map(|v| v.index()).collect();
+    // from one as the rim of the hole is.
+    let own: HashSet<_> = island.rim.iter().map(|v| v.index()).collect();
     let first = *own.iter().min().expect("a rim");
     let inner = (first..patch.measured).filter(|v| !own.contains(v));
     let (mut worst, mut count) = (0.0_f64, 0);

@@ -229,7 +229,7 @@ impl Search<'_> {
             if knots == [now.surface.u.clone(), now.surface.v.clone()] {
                 break;
             }
-            self.resume(last.as_ref().unwrap_or(&best));
+            self.resume(now);
             let next = self.attempt(knots)?;
             let next = self.press(next)?;
             let gained = (next.beyond.0 as f64) <= WORTHWHILE * best.beyond.0 as f64

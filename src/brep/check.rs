@@ -2,11 +2,7 @@
 
 use super::{Arcs, Bounds};
 use crate::error::BrepFault;
-use crate::geometry::Uv;
-use crate::spline::{Curve, Nest, Outline, Surface, crossings, misplaced};
-
-/// Places a knot span at which an edge is compared with the surface.
-const SAMPLES: usize = 4;
+use crate::spline::{Nest, Outline, Surface, crossings, misplaced, off_surface};
 
 /// Checks the loops of all faces, and each edge against its pcurve. Loops of
 /// different faces must not cross, either.
@@ -71,23 +67,11 @@ fn edges(surface: &Surface, (pcurves, edges): &Arcs, eps: f64) -> Result<(), (us
     if pcurves.len() == edges.len() { Ok(()) } else { Err((edges.len(), None)) }
 }
 
-fn off_surface(surface: &Surface, pcurve: &Curve<2>, edge: &Curve<3>) -> f64 {
-    let mut worst: f64 = 0.0;
-    for span in edge.knots.breaks().windows(2) {
-        for k in 0..=SAMPLES {
-            let t = span[0] + (span[1] - span[0]) * k as f64 / SAMPLES as f64;
-            let off = (edge.point(t) - surface.point(Uv::from(pcurve.point(t))).coords).norm();
-            worst = if off.is_nan() { off } else { worst.max(off) };
-        }
-    }
-    worst
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::{UvVector, Vector};
-    use crate::spline::{Fault, KnotVector, curve_on_surface};
+    use crate::spline::{Curve, Fault, KnotVector, curve_on_surface};
 
     fn plate() -> Surface {
         let k = KnotVector::uniform(3, 6);

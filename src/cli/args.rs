@@ -49,11 +49,9 @@ pub struct Piece {
     pub outer: Option<Places>,
 }
 
-/// Options of `inspect`.
+/// Options of the commands that look at one piece of a scan.
 #[derive(Debug, Args)]
-pub struct Inspect {
-    #[command(flatten)]
-    pub piece: Piece,
+pub struct Look {
     /// Which piece of the scan: largest, or a number (0 is the largest)
     #[arg(long, value_name = "largest|N", default_value = "largest", value_parser = one_component)]
     pub component: scan2step::mesh::Choice,
@@ -66,6 +64,15 @@ pub struct Inspect {
     /// Colours in messages
     #[arg(long, value_enum, default_value_t = Colour::Auto)]
     pub color: Colour,
+}
+
+/// Options of `inspect`.
+#[derive(Debug, Args)]
+pub struct Inspect {
+    #[command(flatten)]
+    pub piece: Piece,
+    #[command(flatten)]
+    pub look: Look,
 }
 
 /// Options of `check`.
@@ -84,18 +91,8 @@ pub struct Check {
     /// Percentage of points, and of samples, that may exceed the tolerance
     #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage)]
     pub outliers: f64,
-    /// Which piece of the scan: largest, or a number (0 is the largest)
-    #[arg(long, value_name = "largest|N", default_value = "largest", value_parser = one_component)]
-    pub component: scan2step::mesh::Choice,
-    /// Print one JSON object; lengths are mm
-    #[arg(long)]
-    pub json: bool,
-    /// Threads [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
-    pub threads: Option<u16>,
-    /// Colours in messages
-    #[arg(long, value_enum, default_value_t = Colour::Auto)]
-    pub color: Colour,
+    #[command(flatten)]
+    pub look: Look,
 }
 
 /// Options of `convert`.

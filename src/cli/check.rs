@@ -14,17 +14,17 @@ use super::{Failure, Outcome, plural, report};
 
 /// Reads both, measures, prints.
 pub fn run(args: &Check) -> Result<Outcome, Failure> {
-    input::use_threads(args.threads)?;
+    input::use_threads(args.look.threads)?;
     let model = read_cad(&args.cad)?;
     let scan = Scan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;
     let (scan, components) = scan.components()?;
-    let mesh = scan2step::measured(&components, args.component, outer);
+    let mesh = scan2step::measured(&components, args.look.component, outer);
     let mesh = mesh.map_err(|e| input::stopped(&scan.path, &e))?;
     drop(components);
     let found = check::check(&model, &mesh).map_err(|e| input::stopped(&args.cad, &e))?;
     let met = is_met(args, &found.scan_to_face) && is_met(args, &found.face_to_scan);
-    let text = if args.json {
+    let text = if args.look.json {
         format!("{:#}\n", as_json(args, &scan, &model, &found, met))
     } else {
         as_text(args, &scan, &model, &found)

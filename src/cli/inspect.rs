@@ -12,14 +12,17 @@ use super::{Failure, Outcome, report};
 
 /// Reads, repairs, looks, prints.
 pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
-    input::use_threads(args.threads)?;
+    input::use_threads(args.look.threads)?;
     let scan = Scan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;
     let (scan, components) = scan.components()?;
-    let found = scan2step::inspect(components, args.component, outer);
+    let found = scan2step::inspect(components, args.look.component, outer);
     let found = found.map_err(|e| input::stopped(&scan.path, &e))?;
-    let text =
-        if args.json { format!("{:#}\n", as_json(&scan, &found)) } else { as_text(&scan, &found) };
+    let text = if args.look.json {
+        format!("{:#}\n", as_json(&scan, &found))
+    } else {
+        as_text(&scan, &found)
+    };
     // Nobody listening any more is no failure.
     let _ = std::io::stdout().write_all(text.as_bytes());
     Ok(Outcome::Done)

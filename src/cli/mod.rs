@@ -47,8 +47,8 @@ pub fn run() -> ExitCode {
     let args = args::Cli::parse();
     let (colour, done) = match &args.command {
         args::Command::Convert(args) => (args.color, convert::run(args)),
-        args::Command::Inspect(args) => (args.color, inspect::run(args)),
-        args::Command::Check(args) => (args.color, check::run(args)),
+        args::Command::Inspect(args) => (args.look.color, inspect::run(args)),
+        args::Command::Check(args) => (args.look.color, check::run(args)),
     };
     match done {
         Ok(Outcome::Done) => ExitCode::SUCCESS,

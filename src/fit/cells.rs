@@ -4,6 +4,7 @@ use rayon::prelude::*;
 
 use super::spans::Spans;
 use crate::geometry::{Uv, Vector};
+use crate::mesh::Buckets;
 use crate::spline::{KnotVector, Samples};
 
 /// The knot cells of a net, and the samples in each.
@@ -17,8 +18,7 @@ pub struct Cells<'a> {
     /// Where the net is counted from, so that sums do not suffer from a scan
     /// that lies far from the origin.
     pub origin: Vector,
-    starts: Vec<u32>,
-    order: Vec<u32>,
+    homes: Buckets,
 }
 
 /// A sample in a cell: its place in the cell, (−1, −1) to (1, 1), its weight,
@@ -37,23 +37,11 @@ impl<'a> Cells<'a> {
         let down = spans[1].all.len();
         let home = |at: &Uv| (spans[0].find(at.x) * down + spans[1].find(at.y)) as u32;
         let homes: Vec<u32> = samples.uv.par_iter().map(home).collect();
-        let mut starts = vec![0u32; spans[0].all.len() * down + 1];
-        for &home in &homes {
-            starts[home as usize + 1] += 1;
-        }
-        for i in 1..starts.len() {
-            starts[i] += starts[i - 1];
-        }
-        let mut next = starts.clone();
-        let mut order = vec![0; homes.len()];
-        for (i, &home) in homes.iter().enumerate() {
-            let next = &mut next[home as usize];
-            order[*next as usize] = i as u32;
-            *next += 1;
-        }
+        let count = spans[0].all.len() * down;
+        let homes = Buckets::new(count, homes.len(), |i| homes[i as usize]);
         let sum = samples.points.iter().fold(Vector::zeros(), |sum, p| sum + p.coords);
         let origin = sum / samples.len().max(1) as f64;
-        Cells { samples, knots, spans, origin, starts, order }
+        Cells { samples, knots, spans, origin, homes }
     }
 
     /// How many cells there are in u and in v. Knots inside are single, so a
@@ -68,8 +56,7 @@ impl<'a> Cells<'a> {
     }
 
     fn indices(&self, p: usize, q: usize) -> &[u32] {
-        let n = p * self.counts()[1] + q;
-        &self.order[self.starts[n] as usize..self.starts[n + 1] as usize]
+        self.homes.of(p * self.counts()[1] + q)
     }
 
     /// The samples in cell (p, q).

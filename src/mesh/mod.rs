@@ -24,6 +24,7 @@ pub use disk::{Disk, Island, Outer};
 pub use kind::Topology;
 pub use neighbours::Neighbours;
 pub use patch::{FaceOrigin, Patch};
+pub(crate) use topology::Buckets;
 pub use topology::{EdgeMap, Rings};
 
 use crate::geometry::{Point, Vector, VertexId, bounds};

@@ -88,7 +88,7 @@ impl EdgeMap {
 
 /// Numbers sorted into buckets, ascending in each.
 #[derive(Debug)]
-pub(super) struct Buckets {
+pub(crate) struct Buckets {
     starts: Vec<u32>,
     members: Vec<u32>,
 }
@@ -96,7 +96,7 @@ pub(super) struct Buckets {
 impl Buckets {
     /// Puts each of the numbers below `count` into the bucket that `bucket`
     /// names, of `buckets`.
-    pub(super) fn new(buckets: usize, count: usize, bucket: impl Fn(u32) -> u32) -> Self {
+    pub(crate) fn new(buckets: usize, count: usize, bucket: impl Fn(u32) -> u32) -> Self {
         let mut starts = vec![0u32; buckets + 1];
         for i in 0..count as u32 {
             starts[bucket(i) as usize + 1] += 1;
@@ -115,7 +115,7 @@ impl Buckets {
     }
 
     /// The numbers in a bucket.
-    pub(super) fn of(&self, bucket: usize) -> &[u32] {
+    pub(crate) fn of(&self, bucket: usize) -> &[u32] {
         &self.members[self.starts[bucket] as usize..self.starts[bucket + 1] as usize]
     }
 }

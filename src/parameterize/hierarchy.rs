@@ -40,10 +40,9 @@ impl Hierarchy {
         target: usize,
         mut show: impl FnMut(&Removal),
     ) {
-        let mut locked = vec![false; points.len()];
         while self.left.len() > target {
-            let pass = self.pass(points, kept, &mut locked, target);
-            let idle = (pass.len() as f64) < IDLE * self.left.len() as f64 || pass.is_empty();
+            let pass = self.pass(points, kept, target);
+            let idle = (pass.len() as f64) < IDLE * self.left.len() as f64;
             let gone = |v: &u32| self.stars.ring(*v).is_empty();
             self.left.retain(|v| !gone(v));
             pass.iter().for_each(&mut show);
@@ -54,13 +53,7 @@ impl Hierarchy {
         }
     }
 
-    fn pass(
-        &mut self,
-        points: &[Point],
-        kept: &[bool],
-        locked: &mut [bool],
-        target: usize,
-    ) -> Vec<Removal> {
+    fn pass(&mut self, points: &[Point], kept: &[bool], target: usize) -> Vec<Removal> {
         let stars = &self.stars;
         let loose = |v: &&u32| !kept[**v as usize];
         let mut order: Vec<(f64, u32)> =
@@ -69,7 +62,7 @@ impl Hierarchy {
         // Late in the order a vertex stands where much is lost; its time comes
         // in a later pass, when more has gone around it.
         order.truncate((order.len() * 3 / 4).max(8));
-        self.left.iter().for_each(|&v| locked[v as usize] = false);
+        let mut locked = vec![false; points.len()];
         let most = self.left.len() - target;
         let mut pass = Vec::new();
         for (_, v) in order {
@@ -89,7 +82,7 @@ impl Hierarchy {
     }
 
     /// Puts back what the last pass took out; each vertex is shown, with its
-    /// ring, before it is. None if nothing is out.
+    /// ring, before it is. False if nothing is out.
     pub fn refine(&mut self, mut show: impl FnMut(&Removal)) -> bool {
         let Some(mut pass) = self.passes.pop() else { return false };
         while let Some(removal) = pass.pop() {

@@ -72,10 +72,10 @@ pub fn parameterize(mut patch: Patch, options: &Options) -> Result<(Parameterize
     let (uv, set) = map(&patch, &sets)?;
     let first = patch.outer.iter().position(|v| v.0 == sets[set][0]);
     patch.outer.rotate_left(first.unwrap_or(0));
-    if let [first, ..] = inverted(&patch, &uv)[..] {
-        let count = inverted(&patch, &uv).len();
+    let folded = inverted(&patch, &uv);
+    if let Some(&first) = folded.first() {
         let at = patch.mesh.point(patch.mesh.triangles[first][0]);
-        return Err(Error::Folded { count, at });
+        return Err(Error::Folded { count: folded.len(), at });
     }
     let stretch = stretch::measure(&patch, &uv);
     let report = Report { flipped: 0, split_edges, stretch };

@@ -43,14 +43,12 @@ fn flat_derivatives([p, q, r]: [Point; 3], [a, b, c]: [Uv; 3], least: f64) -> De
 /// By how much the parameter plane should widen, its area kept, for the least
 /// stretch.
 pub fn best_width(points: &[Point], at: &[Uv], triangles: impl Iterator<Item = [u32; 3]>) -> f64 {
-    let [_, _, along_x, along_y] = sums(derivatives_of(points, at, triangles));
-    (along_x / along_y).powf(0.25)
+    least(sums(derivatives_of(points, at, triangles))).0
 }
 
 /// The L² stretch of a map, on the rectangle that stretches least.
 pub fn of(points: &[Point], at: &[Uv], triangles: impl Iterator<Item = [u32; 3]>) -> f64 {
-    let [area, flat, along_x, along_y] = sums(derivatives_of(points, at, triangles));
-    (flat * (along_x * along_y).sqrt()).sqrt() / area
+    least(sums(derivatives_of(points, at, triangles))).1
 }
 
 /// The area of a surface.
@@ -83,6 +81,15 @@ fn sums(all: impl Iterator<Item = Derivatives>) -> [f64; 4] {
     all.fold([0.0; 4], add)
 }
 
+/// From these sums the width w of the rectangle w × 1/w that stretches least,
+/// and its L² stretch.
+fn least([area, flat, along_u, along_v]: [f64; 4]) -> (f64, f64) {
+    // The best has w⁴ = along_u / along_v.
+    let w = (along_u / along_v).powf(0.25);
+    let squares = 0.5 * (along_u / (w * w) + along_v * w * w) / area;
+    (w, (flat / area).sqrt() * squares.sqrt())
+}
+
 fn measured(patch: &Patch) -> impl Iterator<Item = usize> + '_ {
     (0..patch.mesh.triangles.len()).filter(|&t| patch.origin[t] == FaceOrigin::Measured)
 }
@@ -90,18 +97,13 @@ fn measured(patch: &Patch) -> impl Iterator<Item = usize> + '_ {
 /// Measures the stretch.
 pub fn measure(patch: &Patch, uv: &[Uv]) -> Stretch {
     let all: Vec<Derivatives> = measured(patch).map(|t| derivatives(patch, uv, t)).collect();
-    let [area, flat, along_u, along_v] = sums(all.iter().copied());
-    // Of the rectangles w × 1/w the best has w⁴ = along_u / along_v.
-    let w = (along_u / along_v).powf(0.25);
-    let scale = (flat / area).sqrt();
+    let sums = sums(all.iter().copied());
+    let (w, l2) = least(sums);
+    let scale = (sums[1] / sums[0]).sqrt();
     let largest = |t: &Derivatives| {
         let (su, sv) = (t.2 / w, t.3 * w);
         let (a, b, c) = (su.norm_squared(), su.dot(&sv), sv.norm_squared());
         (0.5 * (a + c + ((a - c).powi(2) + 4.0 * b * b).sqrt())).sqrt()
     };
-    Stretch {
-        l2: scale * (0.5 * (along_u / (w * w) + along_v * w * w) / area).sqrt(),
-        max: scale * all.iter().map(largest).fold(0.0, f64::max),
-        aspect: w * w,
-    }
+    Stretch { l2, max: scale * all.iter().map(largest).fold(0.0, f64::max), aspect: w * w }
 }

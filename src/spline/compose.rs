@@ -27,6 +27,24 @@ pub fn curve_on_surface(surface: &Surface, c: &Curve<2>, eps: f64) -> Curve<3> {
     assemble(&knots, &pieces)
 }
 
+/// The farthest, in mm, that an edge is from its pcurve's trace at the same
+/// parameter, of 17 places on each of the edge's knot spans. Not a number if it
+/// is at one of them.
+pub fn off_surface(surface: &Surface, pcurve: &Curve<2>, edge: &Curve<3>) -> f64 {
+    let mut worst: f64 = 0.0;
+    for span in edge.knots.breaks().windows(2) {
+        for k in 0..=16 {
+            let t = span[0] + (span[1] - span[0]) * f64::from(k) / 16.0;
+            let off = (edge.point(t) - surface.point(Uv::from(pcurve.point(t))).coords).norm();
+            if off.is_nan() {
+                return off;
+            }
+            worst = worst.max(off);
+        }
+    }
+    worst
+}
+
 /// The pcurve's knots and its crossings of the surface's knot lines.
 fn smooth_breaks(surface: &Surface, c: &Curve<2>) -> Vec<f64> {
     let own = c.knots.breaks();

@@ -11,7 +11,7 @@ mod piece;
 mod samples;
 mod surface;
 
-pub use compose::curve_on_surface;
+pub use compose::{curve_on_surface, off_surface};
 pub use curve::Curve;
 pub use foot::{foot_point, foot_point_on_iso};
 pub use knots::{Basis, KnotVector};

@@ -71,10 +71,8 @@ impl Ring<'_> {
         let ahead = |j: usize| (self.walked[j % n] - self.walked[i]).rem_euclid(self.total);
         let later = (i + 1..i + n).take_while(|&j| ahead(j) < arm);
         let earlier = (i + 1..i + n).rev().take_while(|&j| self.total - ahead(j) < arm);
-        later.map(|j| j % n).all(|j| turns[j] < turns[i] || (turns[j] == turns[i] && j > i))
-            && earlier
-                .map(|j| j % n)
-                .all(|j| turns[j] < turns[i] || (turns[j] == turns[i] && j > i))
+        let less = |j: usize| turns[j] < turns[i] || (turns[j] == turns[i] && j > i);
+        later.chain(earlier).all(|j| less(j % n))
     }
 }
 

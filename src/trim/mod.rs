@@ -17,7 +17,9 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, segment_distance};
-use crate::spline::{Curve, Nest, Outline, Place, Surface, crossings, curve_on_surface, misplaced};
+use crate::spline::{
+    Curve, Nest, Outline, Place, Surface, crossings, curve_on_surface, misplaced, off_surface,
+};
 use course::Course;
 
 /// How near trim curves keep to rims.
@@ -155,29 +157,16 @@ fn nest(rims: &[Rim], rim: &Rim) -> Nest {
 fn traced(surface: &Surface, rim: &Rim, pcurves: Vec<Curve<2>>) -> (TrimLoop, LoopReport) {
     let edges: Vec<Curve<3>> =
         pcurves.iter().map(|c| curve_on_surface(surface, c, EDGE_ACCURACY)).collect();
+    let off = |(pcurve, edge)| off_surface(surface, pcurve, edge);
     let Rim { hole, island, within, .. } = *rim;
     let report = LoopReport {
         hole,
         island,
         control_points: pcurves.iter().map(|c| c.control.len()).sum(),
-        max_off_surface: off_surface(surface, &pcurves, &edges),
+        max_off_surface: pcurves.iter().zip(&edges).map(off).fold(0.0, f64::max),
         max_from_rim: distance_to_edges(&rim.points, &edges),
     };
     (TrimLoop { hole, island, within, pcurves, edges }, report)
-}
-
-fn off_surface(surface: &Surface, pcurves: &[Curve<2>], edges: &[Curve<3>]) -> f64 {
-    let mut worst: f64 = 0.0;
-    for (c, e) in pcurves.iter().zip(edges) {
-        for span in e.knots.breaks().windows(2) {
-            for i in 0..8 {
-                let t = span[0] + (span[1] - span[0]) * (f64::from(i) + 0.5) / 8.0;
-                let exact = surface.point(Uv::from(c.point(t)));
-                worst = worst.max((e.point(t) - exact.coords).norm());
-            }
-        }
-    }
-    worst
 }
 
 /// The farthest of `points` from the edges, in mm, measured to chords of an
