@@ -98,8 +98,9 @@ pub enum Stage<'a> {
     Smooth(&'a Disk),
     /// The mesh with its holes filled.
     Fill(&'a Patch),
-    /// The filled mesh with parameters.
-    Parameterize(&'a Parameterized),
+    /// The filled mesh with parameters, and where it leaves too little room for
+    /// the tolerance.
+    Parameterize(&'a Parameterized, Option<parameterize::Crushed>),
     /// The fitted surface.
     Fit(&'a Surface),
     /// The loops of the holes and of the islands in them.
@@ -198,7 +199,7 @@ pub fn convert_component(
 
     let (mut map, parameterize) = parameterize::parameterize(patch, &options.parameterize)?;
     let crushed = parameterize::crushed(&map, tolerance, options.knots.max_net);
-    watch(Stage::Parameterize(&map))?;
+    watch(Stage::Parameterize(&map, crushed))?;
 
     let goal =
         adapt::Goal { tolerance, named: options.tolerance.is_some(), outliers: options.outliers };

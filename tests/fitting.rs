@@ -211,7 +211,7 @@ fn run(truth: Truth, size: [usize; 2], noise: f64, options: &Options) -> Run {
     scan.triangles.iter().for_each(|t| soup.polygons.push(*t));
     let (mut vertices, mut outer) = (Vec::new(), Vec::new());
     let mut watch = |stage: Stage| {
-        if let Stage::Parameterize(map) = stage {
+        if let Stage::Parameterize(map, _) = stage {
             let vertex = |v: usize| (map.patch.mesh.points[v], map.uv[v]);
             vertices = (0..map.patch.measured).map(vertex).collect();
             outer = map.patch.outer.iter().map(|v| vertex(v.index())).collect();

@@ -87,6 +87,32 @@ fn flat_and_rolled_sheets_are_laid_out_as_they_are() {
     assert!(report.stretch.l2 < 1.001, "{:?}", report.stretch);
 }
 
+/// A round finger, 10 mm thick, on a disk.
+fn finger(length: f64) -> Soup {
+    grid(121, 121, |u, v| {
+        let [x, y] = round(u, v);
+        let r = x.hypot(y).max(1e-12);
+        let (radius, height) = if r < 0.1 {
+            (5.0 * (r / 0.1), length + 5.0 * (1.0 - (r / 0.1).powi(2)).sqrt())
+        } else if r < 0.6 {
+            (5.0, length * (0.6 - r) / 0.5)
+        } else {
+            (5.0 + 45.0 * (r - 0.6) / 0.4, 0.0)
+        };
+        [x / r * radius, y / r * radius, height]
+    })
+}
+
+#[test]
+fn what_no_affordable_net_can_follow_is_told() {
+    let [short, long] = [60.0, 600.0].map(|length| mapped(&finger(length)).0);
+    assert_eq!(parameterize::crushed(&short, 0.1, 1000), None);
+    let crushed = parameterize::crushed(&long, 0.1, 1000).expect("a finger too long");
+    assert!(crushed.spans[0] * crushed.spans[1] > 1000.0, "{crushed:?}");
+    assert!(crushed.at.z > 590.0, "the tip is crushed most: {crushed:?}");
+    assert_eq!(parameterize::crushed(&long, 10.0, 1000), None);
+}
+
 #[test]
 fn what_sticks_out_is_not_crushed() {
     let nose = grid(141, 141, |u, v| {
@@ -104,18 +130,7 @@ fn what_sticks_out_is_not_crushed() {
     let stretch = mapped(&cap).1.stretch;
     assert!(stretch.l2 < 1.13 && stretch.max < 2.5, "cap {stretch:?}");
     // A glove's finger, six times as long as wide.
-    let finger = grid(121, 121, |u, v| {
-        let [x, y] = round(u, v);
-        let r = x.hypot(y).max(1e-12);
-        let (radius, height) = if r < 0.1 {
-            (5.0 * (r / 0.1), 60.0 + 5.0 * (1.0 - (r / 0.1).powi(2)).sqrt())
-        } else if r < 0.6 {
-            (5.0, 60.0 * (0.6 - r) / 0.5)
-        } else {
-            (5.0 + 45.0 * (r - 0.6) / 0.4, 0.0)
-        };
-        [x / r * radius, y / r * radius, height]
-    });
+    let finger = finger(60.0);
     let stretch = mapped(&finger).1.stretch;
     assert!(stretch.l2 < 1.5 && stretch.max < 6.0, "finger {stretch:?}");
 }

@@ -29,7 +29,7 @@ fn run(scan: &VirtualScan, options: &Options) -> Run {
     let conversion = convert(&soup(scan), options, &mut |stage| {
         match stage {
             Stage::Fill(patch) => filled = Some(patch.clone()),
-            Stage::Parameterize(m) => map = Some(m.clone()),
+            Stage::Parameterize(m, _) => map = Some(m.clone()),
             _ => {}
         }
         Ok(())

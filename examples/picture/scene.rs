@@ -28,7 +28,7 @@ impl Scene {
         let conversion = convert(&soup, &options, &mut |stage| {
             match stage {
                 Stage::Mesh(disk) => measured = Some(disk.clone()),
-                Stage::Parameterize(parameterized) => map = Some(parameterized.clone()),
+                Stage::Parameterize(parameterized, _) => map = Some(parameterized.clone()),
                 _ => {}
             }
             Ok(())

@@ -6,6 +6,7 @@ use std::time::{Duration, SystemTime};
 
 use formats::{Brep, iges, step};
 use scan2step::mesh::Components;
+use scan2step::parameterize::Crushed;
 use scan2step::{Conversion, Cut, KnotOptions, Options, Stage, fit, mesh, parameterize, smooth};
 
 use super::args::{CadFile, CadKind, Component, Convert, Fit, Iges, Schema};
@@ -40,6 +41,9 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
         }
         let mut watch = |stage: Stage| -> scan2step::Result<()> {
             progress.ended(name(&stage));
+            if let Stage::Parameterize(_, Some(crushed)) = &stage {
+                say_crushed(&progress, crushed);
+            }
             Ok(stages.as_mut().map_or(Ok(()), |s| s.write(&stage))?)
         };
         let options = Options { component, ..options.clone() };
@@ -189,7 +193,7 @@ fn name(stage: &Stage) -> &'static str {
         Stage::Mesh(_) => "mesh",
         Stage::Smooth(_) => "smooth",
         Stage::Fill(_) => "fill",
-        Stage::Parameterize(_) => "parameterize",
+        Stage::Parameterize(..) => "parameterize",
         Stage::Fit(_) => "fit",
         Stage::Trim(..) => "trim",
         Stage::Brep => "brep",
@@ -289,13 +293,6 @@ fn describe(progress: &Progress, args: &Convert, c: &Conversion) {
             mm(c.smooth.noise)
         ));
     }
-    if let Some(crushed) = c.crushed {
-        let (points, at) = (crushed.points, crushed.at);
-        progress.say(&format!(
-            "the map crushes what sticks out: {points} points near ({:.3}, {:.3}, {:.3}) are closer than the knots of any affordable net; cut the scan there and convert the pieces, or raise --tolerance or --max-net",
-            at.x, at.y, at.z
-        ));
-    }
     let [m, n] = c.surface.shape();
     let files: Vec<_> = args.out.iter().map(|f| f.path.display().to_string()).collect();
     progress.say(&format!(
@@ -304,6 +301,15 @@ fn describe(progress: &Progress, args: &Convert, c: &Conversion) {
         mm(c.fit_deviation.max),
         plural(c.loops.iter().filter(|l| l.island.is_none()).count(), "hole"),
         files.join(", ")
+    ));
+}
+
+/// Says where no affordable net can follow, before the time for it is spent.
+fn say_crushed(progress: &Progress, crushed: &Crushed) {
+    let ([m, n], at) = (crushed.spans, crushed.at);
+    progress.say(&format!(
+        "the map crushes what sticks out: near ({:.3}, {:.3}, {:.3}) the tolerance needs knots as close as in a net of {m:.0} × {n:.0}; cut the scan there and convert the pieces, or raise --tolerance or --max-net",
+        at.x, at.y, at.z
     ));
 }
 

@@ -60,6 +60,7 @@ fn of_component(c: &Conversion, context: &Context) -> Value {
         "fill": { "holes": holes(c) },
         "parameterize": {
             "flipped": c.parameterize.flipped,
+            "mended": c.parameterize.mended,
             "split_edges": c.parameterize.split_edges,
             "stretch_l2": c.parameterize.stretch.l2,
             "stretch_max": c.parameterize.stretch.max,

@@ -40,7 +40,7 @@ impl Stages {
             Stage::Mesh(disk) => self.put("1-mesh.ply", |out| mesh(out, &disk.mesh)),
             Stage::Smooth(disk) => self.put("2-smooth.ply", |out| mesh(out, &disk.mesh)),
             Stage::Fill(p) => self.put("3-filled.ply", |out| patch(out, p, None)),
-            Stage::Parameterize(map) => {
+            Stage::Parameterize(map, _) => {
                 self.put("4-parameterized.ply", |out| patch(out, &map.patch, Some(&map.uv)))
             }
             Stage::Trim(face, loops) => self.put("5-surface.json", |out| surface(out, face, loops)),

@@ -9,7 +9,7 @@ use super::weights::Weights;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::geometry::{Point, Uv, orient2d};
+use crate::geometry::{Point, Uv};
 
 /// A coarse version of the patch, its vertices numbered anew.
 pub struct Coarse {
@@ -76,13 +76,6 @@ impl Coarse {
         let (points, weighed) = (&self.points, self.points.len());
         let mut layout = Layout { points, weights, weighed, freedom, size, at };
         layout.solve(&hierarchy)?;
-        let turned = |t: &[u32; 3]| {
-            let [a, b, c] = t.map(|v| layout.at[v as usize]);
-            orient2d(a, b, c) <= 0.0
-        };
-        if let Some(t) = triangles(&hierarchy.stars, &hierarchy.left).find(turned) {
-            return Err(Error::Folded { count: 1, at: self.points[t[0] as usize] });
-        }
         layout.refine(&mut hierarchy);
         let all = triangles(&hierarchy.stars, &hierarchy.left);
         let stretch = stretch::of(&self.points, &layout.at, all);

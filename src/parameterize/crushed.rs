@@ -1,69 +1,89 @@
-//! Places that the map crushes so much that no net holds the tolerance there.
+//! Places that the map crushes so much that no affordable net holds the tolerance
+//! there.
 
-use std::collections::HashMap;
-
-use nalgebra::{SMatrix, SVector};
+use rayon::prelude::*;
 
 use super::Parameterized;
+use super::stretch;
 use crate::geometry::Point;
 
 /// Where the map leaves too little room.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Crushed {
-    /// Measured points in knot cells that no net can have smaller.
-    pub points: usize,
-    /// One of them, where most of them are together.
+    /// Knot spans in u and in v that the tolerance asks for.
+    pub spans: [f64; 2],
+    /// Where they have to be closest.
     pub at: Point,
 }
 
-/// Knot lines may stand so many times as close as in an even net.
-const CLOSER: f64 = 4.0;
-
-/// Points in a cell that tell whether a polynomial follows them: twice as many
-/// as a bicubic has coefficients.
-const ENOUGH: usize = 32;
-
-type Basis = SVector<f64, 16>;
-
-/// Looks for knot cells, the smallest that a net of `max_net` control points can
-/// have, on which no bicubic polynomial comes within `tolerance` mm of the
-/// measured points in the mean.
-pub fn crushed(map: &Parameterized, tolerance: f64, max_net: usize) -> Option<Crushed> {
-    let side = CLOSER * (max_net.max(16) as f64).sqrt();
-    let number = |t: f64| (t * side).floor() as u32;
-    let mut cells: HashMap<[u32; 2], Vec<usize>> = HashMap::new();
-    for (i, at) in map.uv[..map.patch.measured].iter().enumerate() {
-        cells.entry([number(at.x), number(at.y)]).or_default().push(i);
-    }
-    let mut full: Vec<([u32; 2], Vec<usize>)> =
-        cells.into_iter().filter(|cell| cell.1.len() >= ENOUGH).collect();
-    full.sort_unstable();
-    full.retain(|(cell, points)| off_a_polynomial(map, side, *cell, points) > tolerance);
-    let worst = full.iter().max_by_key(|cell| cell.1.len())?;
-    let points = full.iter().map(|cell| cell.1.len()).sum();
-    Some(Crushed { points, at: map.patch.mesh.points[worst.1[0]] })
+/// What one triangle asks for: its middle in a parameter, and spans for each
+/// unit of that parameter.
+struct Need {
+    middle: f64,
+    density: f64,
+    triangle: usize,
 }
 
-/// The root mean square distance of points from the bicubic polynomial that
-/// fits them best.
-fn off_a_polynomial(map: &Parameterized, side: f64, cell: [u32; 2], points: &[usize]) -> f64 {
-    let basis = |i: usize| {
-        let x = 2.0 * (map.uv[i].x * side - f64::from(cell[0])) - 1.0;
-        let y = 2.0 * (map.uv[i].y * side - f64::from(cell[1])) - 1.0;
-        Basis::from_fn(|k, _| x.powi(k as i32 / 4) * y.powi(k as i32 % 4))
-    };
-    let origin = map.patch.mesh.points[points[0]];
-    let mut gram = SMatrix::<f64, 16, 16>::identity() * 1e-9;
-    let mut right = SMatrix::<f64, 16, 3>::zeros();
-    for &i in points {
-        let b = basis(i);
-        gram += b * b.transpose();
-        right += b * (map.patch.mesh.points[i] - origin).transpose();
+/// Looks whether a net of `max_net` control points can hold the `tolerance`, in
+/// mm, on the measured triangles.
+///
+/// A cubic span of length h on a circle of curvature κ is κ³h⁴/384 off it. That
+/// tells how close the knots have to be at each triangle in u and in v, and as a
+/// knot line runs across the whole patch, the closest along it decides. Roughness
+/// needs more knots than this tells, so what is said to be too much, is.
+pub fn crushed(map: &Parameterized, tolerance: f64, max_net: usize) -> Option<Crushed> {
+    let normals: Vec<Point> =
+        map.patch.mesh.vertex_normals().into_iter().map(Point::from).collect();
+    let triangles: Vec<usize> = stretch::measured(&map.patch).collect();
+    let needs: Vec<[Need; 2]> =
+        triangles.par_iter().map(|&t| needs(map, &normals, tolerance, t)).collect();
+    let [along_u, along_v] = [0, 1].map(|k| spans(needs.iter().map(|need| &need[k])));
+    if along_u.0 * along_v.0 <= max_net as f64 {
+        return None;
     }
-    let Some(factor) = gram.cholesky() else { return 0.0 };
-    let net = factor.solve(&right);
-    let off = |&i: &usize| {
-        (map.patch.mesh.points[i] - origin - net.transpose() * basis(i)).norm_squared()
+    let (_, triangle) = if along_u.0 > along_v.0 { along_u } else { along_v };
+    let at = map.patch.mesh.point(map.patch.mesh.triangles[triangle][0]);
+    Some(Crushed { spans: [along_u.0, along_v.0], at })
+}
+
+fn needs(map: &Parameterized, normals: &[Point], tolerance: f64, t: usize) -> [Need; 2] {
+    let corners = map.patch.mesh.triangles[t];
+    let places = corners.map(|v| map.uv[v.index()]);
+    let along = stretch::derivatives(map.patch.mesh.corners(corners), places, 0.0);
+    let turn = stretch::derivatives(corners.map(|v| normals[v.index()]), places, 0.0);
+    let need = |k: usize| {
+        let (along, turn) = ([along.2, along.3][k].norm(), [turn.2, turn.3][k].norm());
+        // (κ³ / 384 tolerance)^¼ spans for a mm, κ = turn / along.
+        let density = (turn.powi(3) * along / (384.0 * tolerance)).powf(0.25);
+        let middle = places.iter().map(|at| at[k]).sum::<f64>() / 3.0;
+        Need { middle, density: if density.is_finite() { density } else { 0.0 }, triangle: t }
     };
-    (points.iter().map(off).sum::<f64>() / points.len() as f64).sqrt()
+    [need(0), need(1)]
+}
+
+/// Strips across a parameter in which the closest knots are looked for.
+const STRIPS: usize = 256;
+
+/// This share of a strip's triangles, and three, may ask for more than it gets:
+/// normals are rough at single triangles.
+const ROUGH: usize = 200;
+
+/// How many spans that makes, and the triangle that needs the closest.
+fn spans<'a>(needs: impl Iterator<Item = &'a Need>) -> (f64, usize) {
+    let mut strips: Vec<Vec<&Need>> = (0..STRIPS).map(|_| Vec::new()).collect();
+    needs.for_each(|n| strips[((n.middle * STRIPS as f64) as usize).min(STRIPS - 1)].push(n));
+    let (mut sum, mut closest) = (0.0, (0.0, 0));
+    for strip in &mut strips {
+        let rough = 3.max(strip.len() / ROUGH);
+        if strip.len() <= rough {
+            continue;
+        }
+        let (_, need, _) =
+            strip.select_nth_unstable_by(rough, |a, b| b.density.total_cmp(&a.density));
+        sum += need.density / STRIPS as f64;
+        if need.density > closest.0 {
+            closest = (need.density, need.triangle);
+        }
+    }
+    (sum, closest.1)
 }

@@ -8,8 +8,8 @@ use super::hierarchy::Hierarchy;
 use super::relax::{self, Freedom, Surface};
 use super::stars::{Removal, Stars};
 use super::weights::Weights;
-use super::{solve, stretch};
-use crate::error::Result;
+use super::{mend, solve, stretch};
+use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, UvVector, orient2d};
 
 /// A rectangle as large as the surface, whose boundary the boundary goes to.
@@ -30,12 +30,19 @@ pub struct Layout<'a> {
 }
 
 impl Layout<'_> {
-    /// Maps what is left of the mesh by mean value coordinates; the boundary
-    /// vertices are where they should be.
+    /// Maps what is left of the mesh by mean value coordinates, or by even weights
+    /// where rounding folds those; the boundary vertices are where they should be.
     pub fn solve(&mut self, hierarchy: &Hierarchy) -> Result<()> {
         let inner = |v: &u32| self.freedom[*v as usize] == Freedom::Full;
         let inner: Vec<u32> = hierarchy.left.iter().copied().filter(inner).collect();
-        solve::mean_value(self.points, &hierarchy.stars, &inner, &mut self.at)
+        let stars = &hierarchy.stars;
+        let unfolded = |at: &[Uv]| mend::inverted(triangles(stars, &hierarchy.left), at).is_empty();
+        solve::mean_value(self.points, stars, &inner, &mut self.at)?;
+        if unfolded(&self.at) {
+            return Ok(());
+        }
+        solve::even(stars, &inner, &mut self.at)?;
+        if unfolded(&self.at) { Ok(()) } else { Err(Error::Singular("parameterization")) }
     }
 
     /// Puts all vertices back and moves them to where they stretch least.

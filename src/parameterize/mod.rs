@@ -13,6 +13,7 @@ mod corners;
 mod crushed;
 mod hierarchy;
 mod layout;
+mod mend;
 mod rectangle;
 mod relax;
 mod solve;
@@ -27,7 +28,7 @@ use stars::Stars;
 use weights::Weights;
 
 use crate::error::{Error, Result};
-use crate::geometry::{Point, Uv, orient2d};
+use crate::geometry::{Point, Uv};
 use crate::mesh::Patch;
 
 pub use crushed::{Crushed, crushed};
@@ -46,6 +47,8 @@ pub struct Options {
 pub struct Report {
     /// Inverted triangles, by an exact predicate.
     pub flipped: usize,
+    /// Triangles that rounding had inverted and that were mended.
+    pub mended: usize,
     /// Vertices put on inner edges that joined two boundary vertices.
     pub split_edges: usize,
     /// How the measured triangles are stretched.
@@ -69,21 +72,22 @@ pub fn parameterize(mut patch: Patch, options: &Options) -> Result<(Parameterize
         None => corners::likely(&patch)?,
     };
     let sets: Vec<[u32; 4]> = sets.iter().map(|set| set.map(|i| patch.outer[i].0)).collect();
-    let (uv, set) = map(&patch, &sets)?;
-    let first = patch.outer.iter().position(|v| v.0 == sets[set][0]);
+    let Map { uv, corners, mended } = map(&patch, &sets)?;
+    let first = patch.outer.iter().position(|v| v.0 == corners[0]);
     patch.outer.rotate_left(first.unwrap_or(0));
-    let folded = inverted(&patch, &uv);
-    if let Some(&first) = folded.first() {
-        let at = patch.mesh.point(patch.mesh.triangles[first][0]);
-        return Err(Error::Folded { count: folded.len(), at });
-    }
     let stretch = stretch::measure(&patch, &uv);
-    let report = Report { flipped: 0, split_edges, stretch };
+    let report = Report { flipped: 0, mended, split_edges, stretch };
     Ok((Parameterized { patch, uv }, report))
 }
 
-/// The map with the best of some sets of four corners, and which it is.
-fn map(patch: &Patch, sets: &[[u32; 4]]) -> Result<(Vec<Uv>, usize)> {
+struct Map {
+    uv: Vec<Uv>,
+    corners: [u32; 4],
+    mended: usize,
+}
+
+/// The map with the best of some sets of four corners.
+fn map(patch: &Patch, sets: &[[u32; 4]]) -> Result<Map> {
     let points = &patch.mesh.points;
     let outer: Vec<u32> = patch.outer.iter().map(|v| v.0).collect();
     let mut kept = vec![false; points.len()];
@@ -101,7 +105,13 @@ fn map(patch: &Patch, sets: &[[u32; 4]]) -> Result<(Vec<Uv>, usize)> {
     let freedom = rectangle.freedom(points.len());
     let mut layout = Layout { points, weights, weighed, freedom, size: first.size, at };
     layout.refine(&mut hierarchy);
-    Ok((rectangle.to_unit_square(layout.size, &layout.at), first.set))
+    let mut uv = rectangle.to_unit_square(layout.size, &layout.at);
+    let triangles = patch.mesh.triangles.iter().map(|t| t.map(|v| v.0));
+    let (mended, folded) = mend::mend(&hierarchy.stars, triangles, &mut uv);
+    match folded.first() {
+        Some(t) => Err(Error::Folded { count: folded.len(), at: points[t[0] as usize] }),
+        None => Ok(Map { uv, corners: sets[first.set], mended }),
+    }
 }
 
 /// Vertices of the mesh whose curvature counts: fewer than a scan has, so that
@@ -110,11 +120,3 @@ const WEIGHED: usize = 30_000;
 
 /// Vertices of the mesh on which corners are tried.
 const COARSE: usize = 400;
-
-fn inverted(patch: &Patch, uv: &[Uv]) -> Vec<usize> {
-    let flipped = |&t: &usize| {
-        let [a, b, c] = patch.mesh.triangles[t].map(|v| uv[v.index()]);
-        orient2d(a, b, c) <= 0.0
-    };
-    (0..patch.mesh.triangles.len()).filter(flipped).collect()
-}

@@ -30,20 +30,35 @@ pub fn shares(p: Point, ring: &[u32], points: &[Point]) -> Vec<(u32, f64)> {
 /// Edges count as if they were this share of the star's longest at least.
 const SHORTEST: f64 = 1e-6;
 
-/// Moves the `inner` vertices to where each is the mean of its neighbours, with
-/// all others held. Sparse LU, since mean value weights are not symmetric.
+/// Moves the `inner` vertices to where each is its neighbours' mean by mean value
+/// weights, with all others held.
 pub fn mean_value(points: &[Point], stars: &Stars, inner: &[u32], at: &mut [Uv]) -> Result<()> {
+    solve(stars, inner, at, |v| shares(points[v as usize], stars.ring(v), points))
+}
+
+/// The same by even weights (Tutte), which no shape of a triangle can spoil.
+pub fn even(stars: &Stars, inner: &[u32], at: &mut [Uv]) -> Result<()> {
+    solve(stars, inner, at, |v| stars.ring(v).iter().map(|&w| (w, 1.0)).collect())
+}
+
+/// Sparse LU, since mean value weights are not symmetric.
+fn solve(
+    stars: &Stars,
+    inner: &[u32],
+    at: &mut [Uv],
+    shares: impl Fn(u32) -> Vec<(u32, f64)>,
+) -> Result<()> {
     let singular = || Error::Singular("parameterization");
     let n = inner.len();
     if n == 0 {
         return Ok(());
     }
-    let mut unknown = vec![u32::MAX; points.len()];
+    let mut unknown = vec![u32::MAX; stars.len()];
     inner.iter().enumerate().for_each(|(i, &v)| unknown[v as usize] = i as u32);
     let mut triplets = Vec::with_capacity(7 * n);
     let mut right = faer::Mat::<f64>::zeros(n, 2);
     for (i, &v) in inner.iter().enumerate() {
-        let shares = shares(points[v as usize], stars.ring(v), points);
+        let shares = shares(v);
         let total: f64 = shares.iter().map(|s| s.1).sum();
         triplets.push(Triplet::new(i as u32, i as u32, 1.0));
         for (w, share) in shares {

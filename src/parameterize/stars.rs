@@ -204,13 +204,13 @@ fn chained(mut sides: Vec<(u32, u32)>) -> Vec<u32> {
 }
 
 #[cfg(test)]
-mod tests {
+pub mod tests {
     use super::*;
     use crate::geometry::Point;
     use crate::mesh::{FaceOrigin, Mesh};
 
     /// A grid of n × n vertices.
-    fn grid(n: u32) -> Patch {
+    pub fn grid(n: u32) -> Patch {
         let points = (0..n * n).map(|i| Point::new(f64::from(i / n), f64::from(i % n), 0.0));
         let quads = (0..n - 1).flat_map(|i| (0..n - 1).map(move |j| i * n + j));
         let halves = quads.flat_map(|a| [[a, a + n, a + n + 1], [a, a + n + 1, a + 1]]);

@@ -18,21 +18,15 @@ pub struct Stretch {
 }
 
 /// Of one triangle: area in space, area in the plane, ∂S/∂u, ∂S/∂v.
-type Derivatives = (f64, f64, Vector, Vector);
+pub type Derivatives = (f64, f64, Vector, Vector);
 
 /// A triangle's map is taken for no flatter than this share of the mean, so
 /// that one lost to rounding still has a stretch.
 const FLATTEST: f64 = 1e-14;
 
-fn derivatives(patch: &Patch, uv: &[Uv], t: usize) -> Derivatives {
-    let corners = patch.mesh.triangles[t];
-    let at = corners.map(|v| uv[v.index()]);
-    flat_derivatives(patch.mesh.corners(corners), at, FLATTEST / uv.len() as f64)
-}
-
-/// The same from the corners' places; twice the area in the plane is no less
-/// than `least`.
-fn flat_derivatives([p, q, r]: [Point; 3], [a, b, c]: [Uv; 3], least: f64) -> Derivatives {
+/// Of one triangle from its corners' places; twice the area in the plane counts as
+/// `least` at the least.
+pub fn derivatives([p, q, r]: [Point; 3], [a, b, c]: [Uv; 3], least: f64) -> Derivatives {
     let (d, e) = (b - a, c - a);
     let twice = (d.x * e.y - d.y * e.x).max(least);
     let su = ((q - p) * e.y - (r - p) * d.y) / twice;
@@ -68,7 +62,7 @@ fn derivatives_of(
 ) -> impl Iterator<Item = Derivatives> {
     triangles.map(|t| {
         let at = t.map(|v| at[v as usize]);
-        flat_derivatives(t.map(|v| points[v as usize]), at, f64::MIN_POSITIVE)
+        derivatives(t.map(|v| points[v as usize]), at, f64::MIN_POSITIVE)
     })
 }
 
@@ -90,13 +84,19 @@ fn least([area, flat, along_u, along_v]: [f64; 4]) -> (f64, f64) {
     (w, (flat / area).sqrt() * squares.sqrt())
 }
 
-fn measured(patch: &Patch) -> impl Iterator<Item = usize> + '_ {
+/// The measured triangles of a patch.
+pub fn measured(patch: &Patch) -> impl Iterator<Item = usize> + '_ {
     (0..patch.mesh.triangles.len()).filter(|&t| patch.origin[t] == FaceOrigin::Measured)
 }
 
 /// Measures the stretch.
 pub fn measure(patch: &Patch, uv: &[Uv]) -> Stretch {
-    let all: Vec<Derivatives> = measured(patch).map(|t| derivatives(patch, uv, t)).collect();
+    let flattest = FLATTEST / uv.len() as f64;
+    let of = |t: usize| {
+        let corners = patch.mesh.triangles[t];
+        derivatives(patch.mesh.corners(corners), corners.map(|v| uv[v.index()]), flattest)
+    };
+    let all: Vec<Derivatives> = measured(patch).map(of).collect();
     let sums = sums(all.iter().copied());
     let (w, l2) = least(sums);
     let scale = (sums[1] / sums[0]).sqrt();

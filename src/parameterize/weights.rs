@@ -18,14 +18,14 @@ pub struct Weights {
 
 /// A place whose radius of curvature is this share of the square root of the
 /// area counts twice as much as a flat one,
-const TIGHT: f64 = 1.0 / 32.0;
+const TIGHT: f64 = 1.0 / 28.0;
 
 /// but only if it is so many times as curved as the surface is in the mean: a
 /// rough surface has no places of its own.
 const UNUSUAL: f64 = 4.0;
 
 /// No place counts more.
-const MOST: f64 = 15.0;
+const MOST: f64 = 20.0;
 
 /// Times that the curvature is averaged over the neighbours.
 const ROUNDS: usize = 3;
