@@ -8,7 +8,7 @@ use formats::Soup;
 use scan2step::fill;
 use scan2step::geometry::orient2d;
 use scan2step::mesh::{self, Choice, Components, Outer, Patch, Repairs};
-use scan2step::parameterize::{self, Options, Parameterized, Report};
+use scan2step::parameterize::{self, Options, Outline, Parameterized, Report};
 
 /// The patch of a soup without holes.
 fn patch(soup: &Soup) -> Patch {
@@ -50,18 +50,32 @@ fn round(u: f64, v: f64) -> [f64; 2] {
     [a * ring, b * ring]
 }
 
+fn to(outline: Outline) -> Options {
+    Options { outline: Some(outline), ..Options::default() }
+}
+
 fn mapped(soup: &Soup) -> (Parameterized, Report) {
-    let (map, report) = parameterize::parameterize(patch(soup), &Options::default()).unwrap();
+    let (map, report) = parameterize::parameterize(patch(soup), &to(Outline::Sides)).unwrap();
     check(&map);
     (map, report)
 }
 
-/// No triangle is turned over, and the boundary runs once around the square.
-fn check(map: &Parameterized) {
+fn check_upright(map: &Parameterized) {
     for t in &map.patch.mesh.triangles {
         let [a, b, c] = t.map(|v| map.uv[v.index()]);
         assert!(orient2d(a, b, c) > 0.0, "{a} {b} {c}");
     }
+}
+
+/// No triangle is turned over, and all is well inside the square.
+fn check_free(map: &Parameterized) {
+    check_upright(map);
+    assert!(map.uv.iter().all(|at| [at.x, at.y].iter().all(|t| (0.01..0.99).contains(t))));
+}
+
+/// No triangle is turned over, and the boundary runs once around the square.
+fn check(map: &Parameterized) {
+    check_upright(map);
     let outer: Vec<_> = map.patch.outer.iter().map(|v| map.uv[v.index()]).collect();
     assert_eq!(outer[0], [0.0, 0.0].into());
     let around = outer.iter().map(|p| match (p.x, p.y) {
@@ -101,6 +115,41 @@ fn finger(length: f64) -> Soup {
         };
         [x / r * radius, y / r * radius, height]
     })
+}
+
+/// A sheet with a border of tongues and bays, some of them deep.
+fn ragged() -> Soup {
+    let sheet = grid(81, 61, |u, v| [80.0 * u, 60.0 * v, 8.0 * (3.0 * u).sin() * (2.0 * v).cos()]);
+    let mean = |soup: &Soup, t: &[u32], k: usize| {
+        t.iter().map(|&v| soup.points[v as usize][k]).sum::<f64>() / 3.0
+    };
+    let cut = |x: f64, y: f64| {
+        let deep = if (30.0..40.0).contains(&x) { 30.0 } else { 4.0 };
+        (x / 3.0) as usize % 2 == 0 && y < deep || (y / 2.0) as usize % 2 == 0 && x > 75.0
+    };
+    without(&sheet, |t| cut(mean(&sheet, t, 0), mean(&sheet, t, 1)))
+}
+
+#[test]
+fn a_ragged_boundary_is_left_free() {
+    let soup = ragged();
+    let (map, report) = parameterize::parameterize(patch(&soup), &Options::default()).unwrap();
+    assert_eq!(map.outline, Outline::Free);
+    check_free(&map);
+    assert!(report.stretch.l2 < 1.06, "{:?}", report.stretch);
+    let sides = mapped(&soup).1.stretch;
+    assert!(sides.l2 > 1.1, "the sides would have done: {sides:?}");
+}
+
+#[test]
+fn a_clean_boundary_is_the_sides_unless_told_otherwise() {
+    let sheet = grid(41, 31, |u, v| [40.0 * u, 30.0 * v, 3.0 * (4.0 * u * v).sin()]);
+    let (map, _) = parameterize::parameterize(patch(&sheet), &Options::default()).unwrap();
+    assert_eq!(map.outline, Outline::Sides);
+    let (map, report) = parameterize::parameterize(patch(&sheet), &to(Outline::Free)).unwrap();
+    assert_eq!(map.outline, Outline::Free);
+    check_free(&map);
+    assert!(report.stretch.l2 < 1.01, "{:?}", report.stretch);
 }
 
 #[test]
@@ -183,6 +232,7 @@ fn random_scraps_never_fold() {
             continue;
         }
         mapped(&soup);
+        check_free(&parameterize::parameterize(patch(&soup), &to(Outline::Free)).unwrap().0);
     }
 }
 
@@ -203,7 +253,7 @@ fn threads_do_not_matter() {
 fn named_corners_are_the_corners() {
     let soup = grid(30, 20, |u, v| [30.0 * u, 20.0 * v, u * v]);
     let named = [[15.0, 0.0, 0.0], [30.0, 10.0, 0.5], [15.0, 20.0, 0.5], [0.0, 10.0, 0.0]];
-    let options = Options { corners: Some(named.map(Into::into)) };
+    let options = Options { corners: Some(named.map(Into::into)), ..Options::default() };
     let (map, _) = parameterize::parameterize(patch(&soup), &options).unwrap();
     check(&map);
     let first = map.patch.mesh.point(map.patch.outer[0]);

@@ -161,7 +161,7 @@ fn options(args: &Convert, scan: &Scan) -> Result<Options, Failure> {
         unit_mm: scan.unit.in_mm(),
         outer,
         smooth: smooth::Options { support: args.smooth, corners: boundary_corners },
-        parameterize: parameterize::Options { corners },
+        parameterize: parameterize::Options { corners, ..Default::default() },
         knots: KnotOptions {
             kappa: args.kappa,
             depth: args.depth,

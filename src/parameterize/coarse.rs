@@ -1,7 +1,7 @@
 //! Corners, and a first map, on a coarse version of the patch.
 
 use super::hierarchy::Hierarchy;
-use super::layout::{Layout, triangles};
+use super::layout::{Layout, heavy, triangles};
 use super::rectangle::Rectangle;
 use super::stars::Stars;
 use super::stretch;
@@ -78,7 +78,7 @@ impl Coarse {
         layout.solve(&hierarchy)?;
         layout.refine(&mut hierarchy);
         let all = triangles(&hierarchy.stars, &hierarchy.left);
-        let stretch = stretch::of(&self.points, &layout.at, all);
+        let stretch = stretch::of(&self.points, &layout.at, heavy(&layout.weights, all));
         Ok(First { set, size: layout.size, at: layout.at, stretch })
     }
 }

@@ -1,8 +1,8 @@
 //! The four boundary vertices that become the corners of the square.
 
 use crate::error::{Error, Result};
-use crate::geometry::Point;
-use crate::mesh::{Patch, boundary};
+use crate::geometry::{Point, VertexId};
+use crate::mesh::{Mesh, boundary};
 
 /// The boundary's convex turns that are considered, at the most.
 const TURNS: usize = 24;
@@ -12,10 +12,10 @@ const EVEN: usize = 16;
 
 /// Positions in the outer loop nearest to the user's four points, turned so
 /// that the first point's comes first.
-pub fn given(patch: &Patch, points: &[Point; 4]) -> Result<[usize; 4]> {
+pub fn given(mesh: &Mesh, outer: &[VertexId], points: &[Point; 4]) -> Result<[usize; 4]> {
     let nearest = |p: &Point| {
-        let distance = |i: &usize| (patch.mesh.point(patch.outer[*i]) - p).norm_squared();
-        (0..patch.outer.len()).min_by(|i, j| distance(i).total_cmp(&distance(j))).unwrap_or(0)
+        let distance = |i: &usize| (mesh.point(outer[*i]) - p).norm_squared();
+        (0..outer.len()).min_by(|i, j| distance(i).total_cmp(&distance(j))).unwrap_or(0)
     };
     let found = points.each_ref().map(nearest);
     let mut sorted = found;
@@ -42,8 +42,8 @@ const SETS: usize = 8;
 
 /// Sets of four positions, the best first: those whose turns are nearest to
 /// right angles and whose opposite sides are most equal in length.
-pub fn likely(patch: &Patch) -> Result<Vec<[usize; 4]>> {
-    let candidates = candidates(patch);
+pub fn likely(mesh: &Mesh, outer: &[VertexId]) -> Result<Vec<[usize; 4]>> {
+    let candidates = candidates(mesh, outer);
     let n = candidates.len();
     let mut rated: Vec<(f64, [usize; 4])> = Vec::new();
     for a in 0..n {
@@ -59,7 +59,7 @@ pub fn likely(patch: &Patch) -> Result<Vec<[usize; 4]>> {
     rated.sort_by(|a, b| a.0.total_cmp(&b.0));
     rated.truncate(SETS);
     let sets: Vec<_> = rated.into_iter().map(|(_, four)| four).collect();
-    if sets.is_empty() { Err(Error::TooSmall(patch.outer.len())) } else { Ok(sets) }
+    if sets.is_empty() { Err(Error::TooSmall(outer.len())) } else { Ok(sets) }
 }
 
 /// Lower is better: a right angle or a sharper one costs nothing, a straight or concave place
@@ -71,14 +71,13 @@ fn cost(four: [&Candidate; 4]) -> f64 {
     missing + 0.5 * (uneven(0) + uneven(1))
 }
 
-fn candidates(patch: &Patch) -> Vec<Candidate> {
-    let ring = &patch.outer;
+fn candidates(mesh: &Mesh, ring: &[VertexId]) -> Vec<Candidate> {
     let n = ring.len();
-    let points: Vec<Point> = ring.iter().map(|&v| patch.mesh.point(v)).collect();
-    let lengths: Vec<f64> = boundary::sides(&patch.mesh, ring).collect();
+    let points: Vec<Point> = ring.iter().map(|&v| mesh.point(v)).collect();
+    let lengths: Vec<f64> = boundary::sides(mesh, ring).collect();
     let total: f64 = lengths.iter().sum();
     let window = (total / 40.0).max(2.0 * total / n as f64);
-    let normals = patch.mesh.vertex_normals();
+    let normals = mesh.vertex_normals();
     let mut all = Vec::with_capacity(n);
     let mut walked = 0.0;
     for (i, length) in lengths.iter().enumerate() {

@@ -110,7 +110,7 @@ impl Layout<'_> {
 
     /// Widens the rectangle, its area kept, to where the map stretches least.
     fn turn_to_best_aspect(&mut self, hierarchy: &Hierarchy) {
-        let triangles = triangles(&hierarchy.stars, &hierarchy.left);
+        let triangles = heavy(&self.weights, triangles(&hierarchy.stars, &hierarchy.left));
         let w = stretch::best_width(self.points, &self.at, triangles);
         if !(w.is_finite() && w > 0.0) {
             return;
@@ -202,6 +202,14 @@ fn bisector([a, b]: [UvVector; 2]) -> UvVector {
     let angle = a.perp(&b).atan2(a.dot(&b)).rem_euclid(std::f64::consts::TAU);
     let turned = nalgebra::Rotation2::new(0.5 * angle) * a;
     turned * (0.5 * a.norm().min(b.norm()) / a.norm().max(f64::MIN_POSITIVE))
+}
+
+/// Those of some triangles that are not a skirt's.
+pub fn heavy<'a>(
+    weights: &'a Weights,
+    triangles: impl Iterator<Item = [u32; 3]> + 'a,
+) -> impl Iterator<Item = [u32; 3]> + 'a {
+    triangles.filter(|t| !t.iter().any(|&v| weights.is_light(v)))
 }
 
 /// The triangles among the vertices that are left.

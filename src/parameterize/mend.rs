@@ -72,7 +72,7 @@ mod tests {
     /// A grid on the unit square, some of its vertices thrown about.
     fn thrown(vertices: impl Iterator<Item = u32>) -> (Stars, Vec<[u32; 3]>, Vec<Uv>) {
         let patch = grid(N);
-        let stars = Stars::new(&patch);
+        let stars = Stars::new(&patch.mesh, &patch.outer);
         let triangles: Vec<_> = patch.mesh.triangles.iter().map(|t| t.map(|v| v.0)).collect();
         let side = f64::from(N - 1);
         let mut at: Vec<Uv> = patch.mesh.points.iter().map(|p| Uv::new(p.x, p.y) / side).collect();

@@ -193,7 +193,10 @@ fn moved(
         let metric = [d.norm_squared(), d.dot(&e), e.norm_squared()];
         let longest = metric[0].max(metric[2]).max((e - d).norm_squared());
         let area = d.cross(&e).norm().max(THINNEST * longest).max(f64::MIN_POSITIVE);
-        let weight: f64 = [a, b, v].map(|w| surface.weights[w as usize]).iter().sum();
+        let weights = [a, b, v].map(|w| surface.weights[w as usize]);
+        let least = weights.iter().copied().fold(f64::INFINITY, f64::min);
+        // A triangle of a skirt is as light as the skirt's vertices.
+        let weight = if least < 1.0 { 3.0 * least } else { weights.iter().sum() };
         let factors = [(1.0 - surface.round) * weight * area, 0.5 * surface.round * weight];
         Corner { metric, factors, a: at[a as usize], b: at[b as usize] }
     };

@@ -1,7 +1,7 @@
 //! A disk as the stars of its vertices, that can lose a vertex and get it back.
 
 use crate::geometry::VertexId;
-use crate::mesh::{Patch, Rings};
+use crate::mesh::{Mesh, Rings};
 
 /// For every vertex its neighbours in counter-clockwise order: all around an
 /// inner vertex, from the next to the former boundary vertex on the boundary.
@@ -37,15 +37,15 @@ impl Removal {
 }
 
 impl Stars {
-    /// The stars of a patch.
-    pub fn new(patch: &Patch) -> Self {
-        let corners = Rings::new(&patch.mesh);
-        let mut boundary = vec![false; patch.mesh.points.len()];
-        patch.outer.iter().for_each(|v| boundary[v.index()] = true);
+    /// The stars of a disk, with its boundary.
+    pub fn new(mesh: &Mesh, outer: &[VertexId]) -> Self {
+        let corners = Rings::new(mesh);
+        let mut boundary = vec![false; mesh.points.len()];
+        outer.iter().for_each(|v| boundary[v.index()] = true);
         let ring = |v: usize| {
             let v = VertexId::from(v);
             let side = |t: &u32| {
-                let t = patch.mesh.triangles[*t as usize];
+                let t = mesh.triangles[*t as usize];
                 let k = t.iter().position(|&w| w == v).unwrap_or(0);
                 (t[(k + 1) % 3].0, t[(k + 2) % 3].0)
             };
@@ -207,7 +207,7 @@ fn chained(mut sides: Vec<(u32, u32)>) -> Vec<u32> {
 pub mod tests {
     use super::*;
     use crate::geometry::Point;
-    use crate::mesh::{FaceOrigin, Mesh};
+    use crate::mesh::{FaceOrigin, Patch};
 
     /// A grid of n × n vertices.
     pub fn grid(n: u32) -> Patch {
@@ -254,7 +254,7 @@ pub mod tests {
     #[test]
     fn what_is_taken_out_can_be_put_back() {
         let patch = grid(7);
-        let mut stars = Stars::new(&patch);
+        let mut stars = Stars::new(&patch.mesh, &patch.outer);
         let before = turned(&stars);
         let corners = [0, 6, 42, 48];
         let mut removals = Vec::new();

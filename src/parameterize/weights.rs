@@ -27,6 +27,9 @@ const UNUSUAL: f64 = 4.0;
 /// No place counts more.
 const MOST: f64 = 20.0;
 
+/// Weight of a skirt, which should give way.
+const SKIRT: f64 = 0.01;
+
 /// Times that the curvature is averaged over the neighbours.
 const ROUNDS: usize = 3;
 
@@ -34,6 +37,16 @@ impl Weights {
     /// All places count alike.
     pub fn even(count: usize) -> Self {
         Weights { of: vec![1.0; count], mass: vec![1.0; count] }
+    }
+
+    /// Gives the vertices from `first` on, which are a skirt's, next to none.
+    pub fn lighten(&mut self, first: usize) {
+        self.of[first..].fill(SKIRT);
+    }
+
+    /// Whether a vertex is a skirt's.
+    pub fn is_light(&self, v: u32) -> bool {
+        self.of[v as usize] < 1.0
     }
 
     /// By the curvature of the mesh that is left in a hierarchy; `area` is the
@@ -88,6 +101,9 @@ impl Weights {
     }
 
     fn shift(&mut self, removal: &Removal, sign: f64) {
+        if self.is_light(removal.vertex) || self.is_light(removal.fan().0) {
+            return;
+        }
         let (apex, v) = (removal.fan().0 as usize, removal.vertex as usize);
         let mass = self.mass[apex] + sign * self.mass[v];
         let whole = self.of[apex] * self.mass[apex] + sign * self.of[v] * self.mass[v];
@@ -97,7 +113,10 @@ impl Weights {
     /// A vertex that was not there when the curvature was taken weighs what its
     /// ring does.
     pub fn follow(&mut self, removal: &Removal) {
-        let sum: f64 = removal.ring.iter().map(|&w| self.of[w as usize]).sum();
+        if self.is_light(removal.vertex) {
+            return;
+        }
+        let sum: f64 = removal.ring.iter().map(|&w| self.of[w as usize].max(1.0)).sum();
         self.of[removal.vertex as usize] = sum / removal.ring.len().max(1) as f64;
     }
 }
