@@ -125,7 +125,7 @@ fn ragged() -> Soup {
     };
     let cut = |x: f64, y: f64| {
         let deep = if (30.0..40.0).contains(&x) { 30.0 } else { 4.0 };
-        (x / 3.0) as usize % 2 == 0 && y < deep || (y / 2.0) as usize % 2 == 0 && x > 75.0
+        x % 6.0 < 3.0 && y < deep || y % 4.0 < 2.0 && x > 75.0
     };
     without(&sheet, |t| cut(mean(&sheet, t, 0), mean(&sheet, t, 1)))
 }

@@ -27,7 +27,8 @@ pub struct First {
     pub size: [f64; 2],
     /// The vertices' places in it, in the order of those left.
     pub at: Vec<Uv>,
-    stretch: f64,
+    /// Its L² stretch, a skirt left out.
+    pub stretch: f64,
 }
 
 /// The map that stretches least of those whose corners are one of the `sets`,

@@ -13,6 +13,7 @@ mod corners;
 mod crushed;
 mod hierarchy;
 mod layout;
+mod map;
 mod mend;
 mod rectangle;
 mod relax;
@@ -22,15 +23,13 @@ mod stars;
 mod stretch;
 mod weights;
 
-use hierarchy::Hierarchy;
-use layout::Layout;
-use rectangle::Rectangle;
-use stars::Stars;
-use weights::Weights;
+use std::borrow::Cow;
 
-use crate::error::{Error, Result};
-use crate::geometry::{Point, Uv, VertexId};
-use crate::mesh::{Mesh, Patch};
+use map::{Map, Start};
+
+use crate::error::Result;
+use crate::geometry::{Point, Uv};
+use crate::mesh::Patch;
 
 pub use crushed::{Crushed, crushed};
 pub use stretch::Stretch;
@@ -51,8 +50,8 @@ pub struct Options {
     /// Points next to which the four corners of the domain lie, in any
     /// direction around; the first becomes (0, 0). `None`: found.
     pub corners: Option<[Point; 4]>,
-    /// Where the outer boundary goes. `None`: inside where it is ragged and no
-    /// corners are given, else to the sides.
+    /// Where the outer boundary goes. `None`: to the sides, unless it is ragged, or
+    /// they stretch the map far more than is needed, and no corners are given.
     pub outline: Option<Outline>,
 }
 
@@ -82,30 +81,52 @@ pub struct Parameterized {
 
 /// Maps a patch to the unit square.
 pub fn parameterize(mut patch: Patch, options: &Options) -> Result<(Parameterized, Report)> {
-    let outline = options.outline.unwrap_or_else(|| {
-        let free = options.corners.is_none() && skirt::is_ragged(&patch);
-        if free { Outline::Free } else { Outline::Sides }
-    });
-    let (split_edges, Map { uv, mended, .. }) = match outline {
-        Outline::Sides => {
-            let split_edges = chords::split_chords(&mut patch);
-            let map = map(&patch.mesh, &patch.outer, patch.mesh.points.len(), options)?;
-            let first = patch.outer.iter().position(|v| v.0 == map.corners[0]);
-            patch.outer.rotate_left(first.unwrap_or(0));
-            (split_edges, map)
+    let may_be_free = options.outline.is_none() && options.corners.is_none();
+    let must_be_free = options.outline == Some(Outline::Free);
+    if must_be_free || may_be_free && skirt::is_ragged(&patch) {
+        let map = free(&patch, options)?.map()?;
+        return Ok(outcome(patch, map, Outline::Free, 0));
+    }
+    let split_edges = chords::split_chords(&mut patch);
+    let sides =
+        Start::new(Cow::Borrowed(&patch.mesh), &patch.outer, patch.mesh.points.len(), options)?;
+    if may_be_free && sides.excess() > LITTLE {
+        let free = free(&patch, options)?;
+        if free.excess() < WORTH * sides.excess() {
+            let map = free.map()?;
+            return Ok(outcome(patch, map, Outline::Free, split_edges));
         }
-        Outline::Free => {
-            let count = patch.mesh.points.len();
-            let (mesh, outer) = skirt::skirted(&patch);
-            let mut map = map(&mesh, &outer, count, options)?;
-            map.uv.truncate(count);
-            map.uv.iter_mut().for_each(|at| *at = inside(*at));
-            (0, map)
-        }
-    };
+    }
+    let map = sides.map()?;
+    let first = patch.outer.iter().position(|v| v.0 == map.corners[0]);
+    patch.outer.rotate_left(first.unwrap_or(0));
+    Ok(outcome(patch, map, Outline::Sides, split_edges))
+}
+
+/// Sides that stretch a map by less are kept.
+const LITTLE: f64 = 0.03;
+
+/// A boundary is left free if no more than this share of the stretch remains.
+const WORTH: f64 = 0.5;
+
+fn free(patch: &Patch, options: &Options) -> Result<Start<'static>> {
+    let (mesh, outer) = skirt::skirted(patch);
+    Start::new(Cow::Owned(mesh), &outer, patch.mesh.points.len(), options)
+}
+
+fn outcome(
+    patch: Patch,
+    Map { mut uv, mended, .. }: Map,
+    outline: Outline,
+    split_edges: usize,
+) -> (Parameterized, Report) {
+    if outline == Outline::Free {
+        uv.truncate(patch.mesh.points.len());
+        uv.iter_mut().for_each(|at| *at = inside(*at));
+    }
     let stretch = stretch::measure(&patch, &uv);
     let report = Report { flipped: 0, mended, split_edges, stretch };
-    Ok((Parameterized { patch, uv, outline }, report))
+    (Parameterized { patch, uv, outline }, report)
 }
 
 /// The share of the domain that is left free beside a skirt at each side.
@@ -114,51 +135,3 @@ const MARGIN: f64 = 0.02;
 fn inside(at: Uv) -> Uv {
     at.map(|t| MARGIN + (1.0 - 2.0 * MARGIN) * t)
 }
-
-struct Map {
-    uv: Vec<Uv>,
-    corners: [u32; 4],
-    mended: usize,
-}
-
-/// The map of a disk with the best of some sets of four corners. Vertices from
-/// `skirt` on are a skirt's.
-fn map(mesh: &Mesh, outer: &[VertexId], skirt: usize, options: &Options) -> Result<Map> {
-    let sets = match &options.corners {
-        Some(points) => vec![corners::given(mesh, outer, points)?],
-        None => corners::likely(mesh, outer)?,
-    };
-    let sets: Vec<[u32; 4]> = sets.iter().map(|set| set.map(|i| outer[i].0)).collect();
-    let points = &mesh.points;
-    let outline: Vec<u32> = outer.iter().map(|v| v.0).collect();
-    let mut kept = vec![false; points.len()];
-    sets.iter().flatten().for_each(|&v| kept[v as usize] = true);
-    let mut hierarchy = Hierarchy::new(Stars::new(mesh, outer));
-    hierarchy.coarsen(points, &kept, WEIGHED, |_| ());
-    let area = stretch::area(points, layout::triangles(&hierarchy.stars, &hierarchy.left));
-    let weighed = hierarchy.left.len();
-    let mut weights = Weights::by_curvature(points, &hierarchy, area);
-    weights.lighten(skirt);
-    hierarchy.coarsen(points, &kept, COARSE, |removal| weights.lump(removal));
-    let first = coarse::least_stretched(points, &outline, &hierarchy, &weights, &sets)?;
-    let rectangle = Rectangle::new(&outline, &sets[first.set]);
-    let mut at = vec![Uv::origin(); points.len()];
-    hierarchy.left.iter().zip(&first.at).for_each(|(&v, &place)| at[v as usize] = place);
-    let freedom = rectangle.freedom(points.len());
-    let mut layout = Layout { points, weights, weighed, freedom, size: first.size, at };
-    layout.refine(&mut hierarchy);
-    let mut uv = rectangle.to_unit_square(layout.size, &layout.at);
-    let triangles = mesh.triangles.iter().map(|t| t.map(|v| v.0));
-    let (mended, folded) = mend::mend(&hierarchy.stars, triangles, &mut uv);
-    match folded.first() {
-        Some(t) => Err(Error::Folded { count: folded.len(), at: points[t[0] as usize] }),
-        None => Ok(Map { uv, corners: sets[first.set], mended }),
-    }
-}
-
-/// Vertices of the mesh whose curvature counts: fewer than a scan has, so that
-/// its noise does not.
-const WEIGHED: usize = 30_000;
-
-/// Vertices of the mesh on which corners are tried.
-const COARSE: usize = 400;

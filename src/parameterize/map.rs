@@ -1,0 +1,97 @@
+//! A disk's map to the unit square, in two steps: coarse, and then fine.
+
+use std::borrow::Cow;
+
+use super::hierarchy::Hierarchy;
+use super::layout::{self, Layout};
+use super::rectangle::Rectangle;
+use super::stars::Stars;
+use super::weights::Weights;
+use super::{Options, coarse, corners, mend, stretch};
+use crate::error::{Error, Result};
+use crate::geometry::{Uv, VertexId};
+use crate::mesh::Mesh;
+
+/// Vertices of the mesh whose curvature counts: fewer than a scan has, so that
+/// its noise does not.
+const WEIGHED: usize = 30_000;
+
+/// Vertices of the mesh on which corners are tried.
+const COARSE: usize = 400;
+
+/// A disk taken down to a few vertices, and their map.
+pub struct Start<'a> {
+    mesh: Cow<'a, Mesh>,
+    outer: Vec<u32>,
+    hierarchy: Hierarchy,
+    weights: Weights,
+    weighed: usize,
+    corners: [u32; 4],
+    first: coarse::First,
+}
+
+/// A map to the unit square.
+pub struct Map {
+    /// One parameter point a vertex.
+    pub uv: Vec<Uv>,
+    /// The vertices at the corners, the first at (0, 0).
+    pub corners: [u32; 4],
+    /// Triangles that rounding had inverted and that were mended.
+    pub mended: usize,
+}
+
+impl<'a> Start<'a> {
+    /// The coarse map with the best of some sets of four corners. Vertices from
+    /// `skirt` on are a skirt's.
+    pub fn new(
+        mesh: Cow<'a, Mesh>,
+        outer: &[VertexId],
+        skirt: usize,
+        options: &Options,
+    ) -> Result<Self> {
+        let sets = match &options.corners {
+            Some(points) => vec![corners::given(&mesh, outer, points)?],
+            None => corners::likely(&mesh, outer)?,
+        };
+        let sets: Vec<[u32; 4]> = sets.iter().map(|set| set.map(|i| outer[i].0)).collect();
+        let points = &mesh.points;
+        let mut kept = vec![false; points.len()];
+        sets.iter().flatten().for_each(|&v| kept[v as usize] = true);
+        let mut hierarchy = Hierarchy::new(Stars::new(&mesh, outer));
+        hierarchy.coarsen(points, &kept, WEIGHED, |_| ());
+        let area = stretch::area(points, layout::triangles(&hierarchy.stars, &hierarchy.left));
+        let weighed = hierarchy.left.len();
+        let mut weights = Weights::by_curvature(points, &hierarchy, area);
+        weights.lighten(skirt);
+        hierarchy.coarsen(points, &kept, COARSE, |removal| weights.lump(removal));
+        let outer: Vec<u32> = outer.iter().map(|v| v.0).collect();
+        let first = coarse::least_stretched(points, &outer, &hierarchy, &weights, &sets)?;
+        let corners = sets[first.set];
+        Ok(Start { mesh, outer, hierarchy, weights, weighed, corners, first })
+    }
+
+    /// By how much the L² stretch of the coarse map, a skirt left out, is above 1.
+    pub fn excess(&self) -> f64 {
+        self.first.stretch - 1.0
+    }
+
+    /// The map of all vertices.
+    pub fn map(mut self) -> Result<Map> {
+        let points = &self.mesh.points;
+        let rectangle = Rectangle::new(&self.outer, &self.corners);
+        let mut at = vec![Uv::origin(); points.len()];
+        let places = self.hierarchy.left.iter().zip(&self.first.at);
+        places.for_each(|(&v, &place)| at[v as usize] = place);
+        let freedom = rectangle.freedom(points.len());
+        let Start { weights, weighed, corners, .. } = self;
+        let mut layout = Layout { points, weights, weighed, freedom, size: self.first.size, at };
+        layout.refine(&mut self.hierarchy);
+        let mut uv = rectangle.to_unit_square(layout.size, &layout.at);
+        let triangles = self.mesh.triangles.iter().map(|t| t.map(|v| v.0));
+        let (mended, folded) = mend::mend(&self.hierarchy.stars, triangles, &mut uv);
+        match folded.first() {
+            Some(t) => Err(Error::Folded { count: folded.len(), at: points[t[0] as usize] }),
+            None => Ok(Map { uv, corners, mended }),
+        }
+    }
+}
