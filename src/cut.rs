@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use crate::brep::{Arcs, Bounds};
-use crate::mesh::Patch;
-use crate::parameterize::Parameterized;
+use crate::mesh::{Bound, Patch};
+use crate::parameterize::{Outline, Parameterized};
 use crate::trim::{Rim, TrimLoop};
 
 /// Which of the scan's holes are cut out of the face.
@@ -29,11 +29,13 @@ impl Cut {
     }
 }
 
-/// The rims of the holes that are `trimmed`, and of the islands in these. An
-/// island in a hole that stays filled is part of the face around the hole.
+/// The rims to cut along: the outer one unless it lies on the sides, those of the
+/// holes that are `trimmed`, and of the islands in these. An island in a hole that
+/// stays filled is part of the face around the hole.
 pub(crate) fn rims(map: &Parameterized, trimmed: &[bool]) -> Vec<Rim> {
     let mut cutter = Cutter { map, trimmed, rims: Vec::new() };
-    cutter.piece(map.patch.own_holes(), None);
+    let outer = (map.outline == Outline::Free).then(|| cutter.add(Bound::Outer, None));
+    cutter.piece(map.patch.own_holes(), outer);
     cutter.rims
 }
 
@@ -48,11 +50,12 @@ impl Cutter<'_> {
     /// `within` a rim, and into the islands in them.
     fn piece(&mut self, holes: Range<usize>, within: Option<usize>) {
         for hole in holes {
-            let cut = self.trimmed[hole].then(|| self.add(hole, None, within));
+            let cut = self.trimmed[hole].then(|| self.add(Bound::Hole(hole), within));
             let patch: &Patch = &self.map.patch;
             for (number, island) in patch.islands.iter().enumerate() {
                 if island.hole == hole {
-                    let own = cut.map(|cut| self.add(hole, Some(number), Some(cut)));
+                    let of = Bound::Island { hole, number };
+                    let own = cut.map(|cut| self.add(of, Some(cut)));
                     self.piece(island.holes.clone(), own.or(within));
                 }
             }
@@ -60,12 +63,11 @@ impl Cutter<'_> {
     }
 
     /// Adds a rim; returns its position.
-    fn add(&mut self, hole: usize, island: Option<usize>, within: Option<usize>) -> usize {
+    fn add(&mut self, of: Bound, within: Option<usize>) -> usize {
         let Parameterized { patch, uv, .. } = self.map;
-        let rim = island.map_or(&patch.rims[hole], |number| &patch.islands[number].rim);
+        let rim = patch.loop_of(of);
         self.rims.push(Rim {
-            hole,
-            island,
+            of,
             within,
             points: rim.iter().map(|&v| patch.mesh.point(v)).collect(),
             uv: rim.iter().map(|v| uv[v.index()]).collect(),
@@ -74,15 +76,23 @@ impl Cutter<'_> {
     }
 }
 
-/// The faces that the loops bound: that of the surface's sides first, then each
-/// island's.
+/// The faces that the loops bound: that within the outer boundary first, which is
+/// a loop or the surface's sides, then each island's.
 pub(crate) fn faces(loops: &[TrimLoop]) -> Vec<Bounds<'_>> {
+    let is_hole = |l: &TrimLoop| matches!(l.of, Bound::Hole(_));
     let face = |outer: Option<usize>| {
-        let inner = loops.iter().filter(|l| l.island.is_none() && l.within == outer);
+        let inner = loops.iter().filter(|l| is_hole(l) && l.within == outer);
         Bounds { outer: outer.map(|i| arcs(&loops[i])), inner: inner.map(arcs).collect() }
     };
-    let islands = (0..loops.len()).filter(|&i| loops[i].island.is_some());
-    std::iter::once(None).chain(islands.map(Some)).map(face).collect()
+    let sides = (!has_outline(loops)).then_some(None);
+    let outer = (0..loops.len()).filter(|&i| !is_hole(&loops[i]));
+    sides.into_iter().chain(outer.map(Some)).map(face).collect()
+}
+
+/// Whether one of the loops is the outer boundary's; else that is on the
+/// surface's sides.
+pub(crate) fn has_outline(loops: &[TrimLoop]) -> bool {
+    loops.iter().any(|l| l.of == Bound::Outer)
 }
 
 fn arcs(ring: &TrimLoop) -> Arcs<'_> {

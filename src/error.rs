@@ -1,6 +1,7 @@
 //! Why a scan could not become a face, and what to do about it.
 
 use crate::geometry::Point;
+use crate::mesh::Bound;
 use crate::spline::Fault;
 
 /// A result of the pipeline.
@@ -63,10 +64,10 @@ pub enum Error {
     #[error("{0}")]
     Net(String),
     /// A trim loop crosses itself, another one or the edge of the patch.
-    #[error("the trim loop of hole {hole} {fault}, near {}", mm(at))]
+    #[error("the trim loop of {of} {fault}, near {}", mm(at))]
     Trim {
-        /// The hole, counted from 0 in the report's order.
-        hole: usize,
+        /// Which loop; holes are counted from 0 in the report's order.
+        of: Bound,
         /// What is wrong with the loop.
         fault: String,
         /// A point of the rim.
@@ -154,6 +155,9 @@ impl Error {
             Error::Folded { .. } => "repair or remesh the scan around that place".into(),
             Error::Singular(_) => "remesh the scan: it has degenerate triangles".into(),
             Error::Net(_) => "name a smaller --net, or a larger --max-net".into(),
+            Error::Trim { of: Bound::Outer, .. } => {
+                "lay the outer boundary on the sides (--outline sides), or name a smaller --tolerance".into()
+            }
             Error::Trim { .. } => {
                 "keep that hole filled (--fill-only-holes-below, --keep-fills), or name a smaller --tolerance".into()
             }

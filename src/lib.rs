@@ -103,7 +103,8 @@ pub enum Stage<'a> {
     Parameterize(&'a Parameterized, Option<parameterize::Crushed>),
     /// The fitted surface.
     Fit(&'a Surface),
-    /// The loops of the holes and of the islands in them.
+    /// The loops: the outer one unless it is on the surface's sides, those of the
+    /// holes and of the islands in them.
     Trim(&'a Surface, &'a [trim::TrimLoop]),
     /// The boundary representation.
     Brep,
@@ -118,7 +119,8 @@ pub struct Conversion {
     pub brep: Brep,
     /// The fitted surface.
     pub surface: Surface,
-    /// The loops of the holes cut out and of the islands in them.
+    /// The loops: the outer one unless it is on the surface's sides, those of the
+    /// holes cut out and of the islands in them.
     pub loops: Vec<trim::TrimLoop>,
     /// What came in.
     pub input: InputReport,
@@ -141,9 +143,10 @@ pub struct Conversion {
     pub fit_deviation: deviation::Deviation,
     /// Deviation of the points as they were measured.
     pub deviation: deviation::Deviation,
-    /// The outer boundary: control points of its four edges, and the farthest,
-    /// in mm, that a smoothed boundary vertex is from them.
-    pub outer: (usize, f64),
+    /// The outer boundary on the surface's sides: control points of its four edges,
+    /// and the farthest, in mm, that a smoothed boundary vertex is from them.
+    /// `None`: it is one of the loops.
+    pub outer: Option<(usize, f64)>,
     /// How the loops turned out.
     pub trim: Vec<trim::LoopReport>,
 }
@@ -160,9 +163,6 @@ impl Conversion {
 /// Without a named tolerance it is the noise, but not below this share of the
 /// scan's diagonal.
 const LEAST_TOLERANCE: f64 = 1e-4;
-
-/// Trim curves keep to the rims within this share of the tolerance.
-const TRIM_SHARE: f64 = 0.5;
 
 /// Converts one component of a scan. `watch` is shown what each stage made.
 pub fn convert(
@@ -211,7 +211,7 @@ pub fn convert_component(
 
     let trimmed: Vec<bool> = fill.holes.iter().map(|h| options.cut.cuts(h.rim_length)).collect();
     let rims = cut::rims(&map, &trimmed);
-    let trim_options = trim::Options { tolerance: TRIM_SHARE * tolerance };
+    let trim_options = trim::Options { tolerance };
     let (loops, trim) = trim::trim(&surface, &rims, &trim_options)?;
     let loops = decimal.loops(loops);
     watch(Stage::Trim(&surface, &loops))?;
@@ -220,14 +220,15 @@ pub fn convert_component(
     let brep = brep::build(&surface, &faces, &options.name, trim::EDGE_ACCURACY)?;
     watch(Stage::Brep)?;
 
-    let face = deviation::Face::new(&surface, loops.iter().map(|l| l.pcurves.as_slice()));
+    let natural = !cut::has_outline(&loops);
+    let face = deviation::Face::new(&surface, loops.iter().map(|l| l.pcurves.as_slice()), natural);
     let starts = &map.uv[..measured_count];
     let fit_deviation = face.deviation(&map.patch.mesh.points[..measured_count], starts);
     let deviation = face.deviation(&measured.mesh.points, starts);
     watch(Stage::Deviation)?;
 
     Ok(Conversion {
-        outer: outer_boundary(&surface, &map),
+        outer: natural.then(|| outer_boundary(&surface, &map)),
         brep,
         surface,
         loops,

@@ -6,14 +6,14 @@ use rayon::prelude::*;
 use super::correct::corrected;
 use crate::geometry::{Point, Uv};
 use crate::knots::Miss;
-use crate::parameterize::Parameterized;
+use crate::parameterize::{Outline, Parameterized};
 use crate::spline::{Samples, Surface, foot_point, foot_point_on_iso};
 
 /// Weight in the fit of a vertex that was not measured.
 const FILLED_WEIGHT: f64 = 0.3;
 
-/// Weight of a vertex of the outer boundary. The patch's sides depend on few
-/// samples beside them.
+/// Weight of a vertex of the outer boundary. Where the surface ends, or goes on
+/// without samples, few of them beside it hold it.
 const SIDE_WEIGHT: f64 = 4.0;
 
 /// Weight of a corner of the domain, which the patch is to meet.
@@ -32,25 +32,22 @@ pub struct Target<'a> {
 /// Where on a surface the samples' nearest points are.
 pub struct Feet {
     uv: Vec<Uv>,
-    /// Distance, in mm: of vertices on the outer boundary from the patch's side.
+    /// Distances, in mm.
     distances: Vec<f64>,
     measured: usize,
 }
 
 impl<'a> Target<'a> {
     pub fn new(map: &'a Parameterized) -> Self {
-        let weight = |(i, &uv): (usize, &Uv)| match held(uv) {
-            [true, true] => CORNER_WEIGHT,
-            [false, false] if i < map.patch.measured => 1.0,
-            [false, false] => FILLED_WEIGHT,
-            _ => SIDE_WEIGHT,
-        };
-        let samples = Samples {
-            points: map.patch.mesh.points.clone(),
-            uv: map.uv.clone(),
-            weights: map.uv.iter().enumerate().map(weight).collect(),
-        };
-        Target { map, samples }
+        let filled = map.patch.mesh.points.len().saturating_sub(map.patch.measured);
+        let mut weights = vec![1.0; map.patch.measured];
+        weights.resize(map.patch.measured + filled, FILLED_WEIGHT);
+        for v in map.patch.outer.iter().map(|v| v.index()) {
+            let corner = held(map, map.uv[v]) == [true; 2];
+            weights[v] = if corner { CORNER_WEIGHT } else { SIDE_WEIGHT };
+        }
+        let points = map.patch.mesh.points.clone();
+        Target { map, samples: Samples { points, uv: map.uv.clone(), weights } }
     }
 
     /// Measured vertices.
@@ -63,17 +60,18 @@ impl<'a> Target<'a> {
     pub fn pin_corners(&self, surface: &mut Surface) {
         let [m, n] = surface.shape();
         for (uv, p) in self.samples.uv.iter().zip(&self.samples.points) {
-            if held(*uv) == [true; 2] {
+            if held(self.map, *uv) == [true; 2] {
                 let (i, j) = (uv.x as usize * (m - 1), uv.y as usize * (n - 1));
                 surface.net[i * n + j] = p.coords;
             }
         }
     }
 
-    /// The samples' feet on a surface. Corners have theirs in the corner, other
-    /// vertices of the outer boundary on their side.
+    /// The samples' feet on a surface. Where the patch's sides are the outer
+    /// boundary, corners have theirs in the corner and its other vertices on their
+    /// side.
     pub fn feet(&self, surface: &Surface) -> Feet {
-        let foot = |(&uv, &p): (&Uv, &Point)| match held(uv) {
+        let foot = |(&uv, &p): (&Uv, &Point)| match held(self.map, uv) {
             [true, true] => (uv, (surface.point(uv) - p).norm()),
             [true, false] => foot_point_on_iso(surface, p, uv, 0),
             [false, true] => foot_point_on_iso(surface, p, uv, 1),
@@ -121,7 +119,9 @@ impl Feet {
     }
 }
 
-/// Which parameters of a vertex of the outer boundary stay on their side.
-fn held(uv: Uv) -> [bool; 2] {
-    [uv.x, uv.y].map(|t| t == 0.0 || t == 1.0)
+/// Which parameters of a vertex stay on the side of the domain that is the outer
+/// boundary.
+fn held(map: &Parameterized, uv: Uv) -> [bool; 2] {
+    let sides = map.outline == Outline::Sides;
+    [uv.x, uv.y].map(|t| sides && (t == 0.0 || t == 1.0))
 }

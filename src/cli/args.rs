@@ -119,6 +119,10 @@ pub struct Convert {
     /// or four points in the scan's numbers (x,y,z;x,y,z;…) [default: found]
     #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
     pub corners: Option<Places>,
+    /// What becomes of the outer boundary: the four sides of the surface, or a trim
+    /// loop inside it, as holes have them
+    #[arg(long, value_enum, default_value_t = Outline::Auto)]
+    pub outline: Outline,
     /// Where smoothing keeps a corner of the boundary: auto, none, or places as
     /// in --corners
     #[arg(long, value_name = "LIST|auto|none", default_value = "auto", allow_hyphen_values = true)]
@@ -196,6 +200,17 @@ impl From<Unit> for LengthUnit {
             Unit::In => LengthUnit::Inch,
         }
     }
+}
+
+/// What becomes of the outer boundary.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Outline {
+    /// Sides
+    Auto,
+    /// The four sides of the surface
+    Sides,
+    /// A trim loop
+    Trimmed,
 }
 
 /// A fitting method on the command line.

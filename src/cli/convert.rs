@@ -5,11 +5,11 @@ use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 use formats::{Brep, iges, step};
-use scan2step::mesh::Components;
+use scan2step::mesh::{Bound, Components};
 use scan2step::parameterize::Crushed;
 use scan2step::{Conversion, Cut, KnotOptions, Options, Stage, fit, mesh, parameterize, smooth};
 
-use super::args::{CadFile, CadKind, Component, Convert, Fit, Iges, Schema};
+use super::args::{CadFile, CadKind, Component, Convert, Fit, Iges, Outline, Schema};
 use super::input::{self, Scan};
 use super::output::{self, Pending};
 use super::places::Corners;
@@ -161,7 +161,14 @@ fn options(args: &Convert, scan: &Scan) -> Result<Options, Failure> {
         unit_mm: scan.unit.in_mm(),
         outer,
         smooth: smooth::Options { support: args.smooth, corners: boundary_corners },
-        parameterize: parameterize::Options { corners, ..Default::default() },
+        parameterize: parameterize::Options {
+            corners,
+            outline: match args.outline {
+                Outline::Auto => None,
+                Outline::Sides => Some(parameterize::Outline::Sides),
+                Outline::Trimmed => Some(parameterize::Outline::Free),
+            },
+        },
         knots: KnotOptions {
             kappa: args.kappa,
             depth: args.depth,
@@ -299,7 +306,7 @@ fn describe(progress: &Progress, args: &Convert, c: &Conversion) {
         "{m} × {n} control points, rms {}, max {}, {} cut out → {}",
         mm(c.fit_deviation.rms),
         mm(c.fit_deviation.max),
-        plural(c.loops.iter().filter(|l| l.island.is_none()).count(), "hole"),
+        plural(c.loops.iter().filter(|l| matches!(l.of, Bound::Hole(_))).count(), "hole"),
         files.join(", ")
     ));
 }

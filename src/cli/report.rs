@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use scan2step::{Conversion, InputReport, deviation::Deviation, fill::Method, fit};
+use scan2step::{Conversion, InputReport, deviation::Deviation, fill::Method, fit, mesh::Bound};
 use serde_json::{Value, json};
 
 use super::input::Scan;
@@ -145,18 +145,21 @@ pub fn deviation(d: &Deviation) -> Value {
 }
 
 fn trim(c: &Conversion) -> Vec<Value> {
-    let (control_points, max_from_rim) = c.outer;
-    let outer = json!({
-        "loop": 0, "outer": true, "control_points": control_points,
-        "max_off_surface_mm": 0.0, "max_from_rim_mm": max_from_rim,
+    let sides = c.outer.map(|(control_points, max_from_rim)| {
+        json!({
+            "loop": 0, "outer": true, "control_points": control_points,
+            "max_off_surface_mm": 0.0, "max_from_rim_mm": max_from_rim,
+        })
     });
+    let first = usize::from(sides.is_some());
     // An island is a face of its own, with an outer loop.
     let others = c.trim.iter().enumerate().map(|(i, l)| {
         json!({
-            "loop": i + 1, "outer": l.island.is_some(), "hole": l.hole, "island": l.island,
+            "loop": first + i, "outer": !matches!(l.of, Bound::Hole(_)),
+            "hole": l.of.hole(), "island": l.of.island(),
             "control_points": l.control_points, "max_off_surface_mm": l.max_off_surface,
             "max_from_rim_mm": l.max_from_rim,
         })
     });
-    std::iter::once(outer).chain(others).collect()
+    sides.into_iter().chain(others).collect()
 }

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use scan2step::geometry::{Uv, VertexId};
-use scan2step::mesh::{FaceOrigin, Mesh, Patch};
+use scan2step::mesh::{Bound, FaceOrigin, Mesh, Patch};
 use scan2step::spline::{KnotVector, Surface};
 use scan2step::{Stage, trim::TrimLoop};
 use serde_json::json;
@@ -128,7 +128,10 @@ fn surface(out: &mut dyn Write, surface: &Surface, loops: &[TrimLoop]) -> io::Re
                     json!({ "degree": c.knots.degree(), "knots": knots(&c.knots), "points": points })
                 })
                 .collect();
-            json!({ "hole": l.hole, "island": l.island, "within": l.within, "pcurves": pcurves })
+            json!({
+                "outer": l.of == Bound::Outer, "hole": l.of.hole(), "island": l.of.island(),
+                "within": l.within, "pcurves": pcurves,
+            })
         })
         .collect();
     let whole = json!({

@@ -23,11 +23,15 @@ pub struct Face<'a, S> {
 const CHORDS: usize = 16;
 
 impl<'a> Face<'a, Surface> {
-    /// The face of a surface without the holes whose loops are given, but with
-    /// the islands whose loops are given.
-    pub fn new<'b>(surface: &'a Surface, loops: impl Iterator<Item = &'b [Curve<2>]>) -> Self {
+    /// The face that loops trim: those of holes and of islands and, unless the
+    /// face is `natural` and goes as far as the surface, the outer one.
+    pub fn new<'b>(
+        surface: &'a Surface,
+        loops: impl Iterator<Item = &'b [Curve<2>]>,
+        natural: bool,
+    ) -> Self {
         let chords = |arcs: &[Curve<2>]| chords(surface, arcs);
-        Face::of_rings(surface, loops.map(chords).collect(), true)
+        Face::of_rings(surface, loops.map(chords).collect(), natural)
     }
 }
 
@@ -77,11 +81,11 @@ impl<'a, S: Patch> Face<'a, S> {
 fn chords(surface: &Surface, arcs: &[Curve<2>]) -> Vec<(Uv, Point)> {
     let mut ring = Vec::new();
     for arc in arcs {
-        let (first, last) = arc.knots.range();
-        let count = CHORDS * (arc.knots.breaks().len() - 1);
-        let at = |i: usize| first + (last - first) * i as f64 / count as f64;
-        let corner = |i: usize| Uv::from(arc.point(at(i)));
-        ring.extend((0..count).map(corner).map(|uv| (uv, surface.point(uv))));
+        for span in arc.knots.breaks().windows(2) {
+            let at = |i: usize| span[0] + (span[1] - span[0]) * i as f64 / CHORDS as f64;
+            let corner = |i: usize| Uv::from(arc.point(at(i)));
+            ring.extend((0..CHORDS).map(corner).map(|uv| (uv, surface.point(uv))));
+        }
     }
     ring
 }

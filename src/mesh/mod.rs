@@ -23,7 +23,7 @@ pub use components::{Choice, Component, Components};
 pub use disk::{Disk, Island, Outer};
 pub use kind::Topology;
 pub use neighbours::Neighbours;
-pub use patch::{FaceOrigin, Patch};
+pub use patch::{Bound, FaceOrigin, Patch};
 pub(crate) use topology::Buckets;
 pub use topology::{EdgeMap, Rings};
 

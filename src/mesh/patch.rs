@@ -1,5 +1,6 @@
 //! A disk whose holes are filled, with the memory of what was measured.
 
+use std::fmt;
 use std::ops::Range;
 
 use super::boundary::Loop;
@@ -14,6 +15,50 @@ pub enum FaceOrigin {
     Measured,
     /// It fills the hole of that number.
     Hole(u32),
+}
+
+/// A boundary loop of what was measured of a patch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bound {
+    /// The outer boundary.
+    Outer,
+    /// The rim of a hole, by its number.
+    Hole(usize),
+    /// The rim of an island, by the number of the hole that it is in and its own.
+    Island {
+        /// The hole.
+        hole: usize,
+        /// The island.
+        number: usize,
+    },
+}
+
+impl Bound {
+    /// The hole, or that of the island.
+    pub fn hole(self) -> Option<usize> {
+        match self {
+            Bound::Outer => None,
+            Bound::Hole(hole) | Bound::Island { hole, .. } => Some(hole),
+        }
+    }
+
+    /// The island.
+    pub fn island(self) -> Option<usize> {
+        match self {
+            Bound::Island { number, .. } => Some(number),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Bound::Outer => write!(f, "the outer boundary"),
+            Bound::Hole(hole) => write!(f, "hole {hole}"),
+            Bound::Island { hole, .. } => write!(f, "an island in hole {hole}"),
+        }
+    }
 }
 
 /// A disk without holes. Its first `measured` vertices are the scan's, in the
@@ -38,6 +83,15 @@ impl Patch {
     /// Whether a vertex was measured.
     pub fn is_measured(&self, v: VertexId) -> bool {
         v.index() < self.measured
+    }
+
+    /// A loop, the measured surface to its left.
+    pub fn loop_of(&self, bound: Bound) -> &Loop {
+        match bound {
+            Bound::Outer => &self.outer,
+            Bound::Hole(hole) => &self.rims[hole],
+            Bound::Island { number, .. } => &self.islands[number].rim,
+        }
     }
 
     /// The holes that are not in an island: positions among `rims`.

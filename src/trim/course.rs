@@ -25,6 +25,8 @@ pub struct Course<'a> {
     polygon: Polygon,
     /// The surface at the polygon's corners.
     jets: Vec<Jet>,
+    /// How far, in mm, the curve may be from each of them within the surface.
+    room: Vec<f64>,
     knots: Knots,
     /// Position of the rim's vertex at parameter 0.
     first: usize,
@@ -50,11 +52,14 @@ impl<'a> Course<'a> {
             false => rim.points.iter().copied().zip(&rim.uv).map(foot).collect(),
         };
         let mut points: Vec<_> = uv.iter().map(|&at| surface.point(at)).collect();
+        let off = points.iter().zip(&rim.points).map(|(foot, p)| (foot - p).norm());
+        let mut room: Vec<f64> = off.map(|off| options.room(off)).collect();
         let (walked, total) = lengths(&points)?;
         let corners = corners::find(&points, &walked, total);
         let first = corners.first().copied().unwrap_or(0);
         uv.rotate_left(first);
         points.rotate_left(first);
+        room.rotate_left(first);
         let (walked, total) = lengths(&points)?;
         let parameters: Vec<f64> = walked.iter().map(|s| s / total).collect();
         let corners: Vec<f64> = corners.iter().map(|&i| parameters[i - first]).collect();
@@ -62,9 +67,9 @@ impl<'a> Course<'a> {
         let jets = uv.iter().map(|&at| surface.jet(at)).collect();
         let polygon = Polygon { parameters, uv };
         let curve = fit(&polygon, &knots)?;
-        let mut course = Course { surface, rim, polygon, jets, knots, first, on_map, curve };
+        let mut course = Course { surface, rim, polygon, jets, room, knots, first, on_map, curve };
         for _ in 0..ROUNDS {
-            let spans = course.far_spans(options);
+            let spans = course.far_spans();
             if spans.is_empty() || course.halve(spans).is_none() {
                 break;
             }
@@ -106,12 +111,11 @@ impl<'a> Course<'a> {
     }
 
     /// Spans that are too far from a vertex and may be halved.
-    fn far_spans(&self, options: &Options) -> Vec<usize> {
+    fn far_spans(&self) -> Vec<usize> {
         let far = |&i: &usize| {
             let (a, b) = self.span(i);
-            let held = self.polygon.before(a)..self.polygon.before(b);
-            let off = held.map(|k| self.distance(k)).fold(0.0, f64::max);
-            off > options.tolerance && self.is_long(i)
+            let mut held = self.polygon.before(a)..self.polygon.before(b);
+            held.any(|k| self.distance(k) > self.room[k]) && self.is_long(i)
         };
         (0..self.knots.breaks.len()).filter(far).collect()
     }
@@ -122,13 +126,17 @@ impl<'a> Course<'a> {
         b - a > 2.0 * SHORTEST / self.polygon.uv.len() as f64
     }
 
-    /// The distance in mm, across the curve, of the curve from corner `k` of the
-    /// polygon on the surface, to first order.
+    /// The distance in mm, across the curve but where that has a corner, of the
+    /// curve from corner `k` of the polygon on the surface, to first order.
     fn distance(&self, k: usize) -> f64 {
-        let [at, along, _] = self.curve.derivatives(self.polygon.parameters[k]);
+        let t = self.polygon.parameters[k];
+        let [at, along, _] = self.curve.derivatives(t);
         let jet = &self.jets[k];
         let off = at - self.polygon.uv[k].coords;
         let off = jet.su * off.x + jet.sv * off.y;
+        if self.knots.corners.contains(&t) {
+            return off.norm();
+        }
         let along = jet.su * along.x + jet.sv * along.y;
         let share = off.dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
         (off - share * along).norm()

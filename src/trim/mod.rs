@@ -1,5 +1,6 @@
-//! Trimming: every hole's rim, and every island's, as a closed curve in (u, v)
-//! and as one to four edges in space that lie on the surface.
+//! Trimming: every hole's rim, every island's, and the outer boundary where it is
+//! cut along, as a closed curve in (u, v) and as one to four edges in space that
+//! lie on the surface.
 //!
 //! The paper only says that the surface over a hole is trimmed away. Here the
 //! rim's vertices are projected onto the fitted surface and a closed cubic
@@ -17,6 +18,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, segment_distance};
+use crate::mesh::Bound;
 use crate::spline::{
     Curve, Nest, Outline, Place, Surface, crossings, curve_on_surface, misplaced, off_surface,
 };
@@ -30,18 +32,29 @@ pub struct Options {
     pub tolerance: f64,
 }
 
-/// The rim of a hole, or of an island in one: vertices in order, the measured
-/// surface to their left, with the parameter points that the parameterization
-/// gave them.
+/// Trim curves keep to the rims within this share of the tolerance, and to within
+/// the lesser one of a vertex that the surface misses so far that no room is left.
+const SHARE: f64 = 0.5;
+const LEAST_SHARE: f64 = 0.1;
+
+impl Options {
+    /// How far a trim curve may be, within the surface, from the foot of a vertex
+    /// that is `off` the surface.
+    fn room(&self, off: f64) -> f64 {
+        let left = (self.tolerance.powi(2) - off.powi(2)).max(0.0).sqrt();
+        left.clamp(LEAST_SHARE * self.tolerance, SHARE * self.tolerance)
+    }
+}
+
+/// A rim to cut along: vertices in order, the measured surface to their left, with
+/// the parameter points that the parameterization gave them.
 #[derive(Debug, Clone)]
 pub struct Rim {
-    /// The hole's number.
-    pub hole: usize,
-    /// The number of the island in the hole; `None`: the rim is the hole's.
-    pub island: Option<usize>,
+    /// Which rim.
+    pub of: Bound,
     /// The position, among all rims, of the next one around this one: of an
-    /// island its hole's, of a hole that of the island that it is in, if any.
-    /// It comes before this one.
+    /// island its hole's, of a hole that of the island that it is in, or else the
+    /// outer one, if there is a rim of that. It comes before this one.
     pub within: Option<usize>,
     /// Its vertices.
     pub points: Vec<Point>,
@@ -49,15 +62,13 @@ pub struct Rim {
     pub uv: Vec<Uv>,
 }
 
-/// A hole cut out, or an island in it: the arcs of its loop, around a hole
-/// clockwise in (u, v), around an island counter-clockwise, each with the edge
-/// that it traces on the surface at the same parameter.
+/// The arcs of a rim's loop, around a hole clockwise in (u, v), around an island and
+/// the whole patch counter-clockwise, each with the edge that it traces on the
+/// surface at the same parameter.
 #[derive(Debug, Clone)]
 pub struct TrimLoop {
-    /// The hole's number.
-    pub hole: usize,
-    /// The island's number; `None`: the loop is the hole's.
-    pub island: Option<usize>,
+    /// Which rim's.
+    pub of: Bound,
     /// The position, among all loops, of the next one around this one.
     pub within: Option<usize>,
     /// The arcs in the parameter plane.
@@ -69,10 +80,8 @@ pub struct TrimLoop {
 /// How a loop turned out. Lengths are mm.
 #[derive(Debug, Clone)]
 pub struct LoopReport {
-    /// The hole's number.
-    pub hole: usize,
-    /// The island's number, if the loop is one's.
-    pub island: Option<usize>,
+    /// Which rim's loop.
+    pub of: Bound,
     /// Control points of the pcurves.
     pub control_points: usize,
     /// The farthest that an edge is from S(pcurve(t)).
@@ -143,30 +152,28 @@ fn wrong(arcs: &[Vec<Curve<2>>], nests: &[Nest]) -> Vec<(usize, Place)> {
 }
 
 fn refusal(rim: &Rim, fault: &str, vertex: usize) -> Error {
-    let which = if rim.island.is_some() { "around an island " } else { "" };
-    Error::Trim { hole: rim.hole, fault: format!("{which}{fault}"), at: rim.points[vertex] }
+    Error::Trim { of: rim.of, fault: fault.to_owned(), at: rim.points[vertex] }
 }
 
 /// How the loop of a rim must lie: clockwise around a hole, counter-clockwise
-/// around an island in one, and so on.
+/// around what was measured.
 fn nest(rims: &[Rim], rim: &Rim) -> Nest {
     let around: Vec<usize> = std::iter::successors(rim.within, |&i| rims[i].within).collect();
-    Nest { clockwise: around.len().is_multiple_of(2), around }
+    Nest { clockwise: matches!(rim.of, Bound::Hole(_)), around }
 }
 
 fn traced(surface: &Surface, rim: &Rim, pcurves: Vec<Curve<2>>) -> (TrimLoop, LoopReport) {
     let edges: Vec<Curve<3>> =
         pcurves.iter().map(|c| curve_on_surface(surface, c, EDGE_ACCURACY)).collect();
     let off = |(pcurve, edge)| off_surface(surface, pcurve, edge);
-    let Rim { hole, island, within, .. } = *rim;
+    let Rim { of, within, .. } = *rim;
     let report = LoopReport {
-        hole,
-        island,
+        of,
         control_points: pcurves.iter().map(|c| c.control.len()).sum(),
         max_off_surface: pcurves.iter().zip(&edges).map(off).fold(0.0, f64::max),
         max_from_rim: distance_to_edges(&rim.points, &edges),
     };
-    (TrimLoop { hole, island, within, pcurves, edges }, report)
+    (TrimLoop { of, within, pcurves, edges }, report)
 }
 
 /// The farthest of `points` from the edges, in mm, measured to chords of an

@@ -6,7 +6,7 @@ use super::*;
 use crate::geometry::Vector;
 use crate::spline::KnotVector;
 
-const OPTIONS: Options = Options { tolerance: 0.02 };
+const OPTIONS: Options = Options { tolerance: 0.04 };
 
 fn plate() -> Surface {
     let k = KnotVector::uniform(3, 12);
@@ -22,7 +22,7 @@ fn plate() -> Surface {
 fn rim(surface: &Surface, n: usize, at: impl Fn(f64) -> (f64, f64)) -> Rim {
     let uv: Vec<Uv> = (0..n).map(|i| at(i as f64 / n as f64)).map(|(u, v)| Uv::new(u, v)).collect();
     let points = uv.iter().map(|&at| surface.point(at)).collect();
-    Rim { hole: 0, island: None, within: None, points, uv }
+    Rim { of: Bound::Hole(0), within: None, points, uv }
 }
 
 /// A clockwise ellipse that is a circle of radius `r` mm on the plate; r may
