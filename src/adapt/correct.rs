@@ -4,8 +4,7 @@
 
 use std::cmp::Ordering;
 
-use crate::geometry::{Uv, orient2d};
-use crate::mesh::Mesh;
+use crate::geometry::{Uv, VertexId, orient2d};
 
 /// A triangle keeps this share of the area it has in the map as it was made.
 const LEAST_AREA: f64 = 0.2;
@@ -15,30 +14,30 @@ const ATTEMPTS: usize = 12;
 
 /// The parameters moved to their feet. Vertices of triangles that would turn over, or
 /// nearly so, stay where they were.
-pub fn corrected(mesh: &Mesh, made: &[Uv], uv: &[Uv], feet: &[Uv]) -> Vec<Uv> {
+pub fn corrected(triangles: &[[VertexId; 3]], made: &[Uv], uv: &[Uv], feet: &[Uv]) -> Vec<Uv> {
     let mut moved = feet.to_vec();
     let area = |at: &[Uv], t: usize| {
-        let [a, b, c] = mesh.triangles[t].map(|v| at[v.index()]);
+        let [a, b, c] = triangles[t].map(|v| at[v.index()]);
         orient2d(a, b, c)
     };
-    let least: Vec<f64> = (0..mesh.triangles.len()).map(|t| LEAST_AREA * area(made, t)).collect();
+    let least: Vec<f64> = (0..triangles.len()).map(|t| LEAST_AREA * area(made, t)).collect();
     // Feet that are no numbers crush them, too.
     let crushed =
         |at: &[Uv], t: usize| area(at, t).partial_cmp(&least[t]).is_none_or(Ordering::is_lt);
     // Only triangles with a vertex that has just been put back can turn now.
-    let mut suspects: Vec<usize> = (0..mesh.triangles.len()).collect();
+    let mut suspects: Vec<usize> = (0..triangles.len()).collect();
     for _ in 0..ATTEMPTS {
         suspects.retain(|&t| crushed(&moved, t));
         if suspects.is_empty() {
             return moved;
         }
         let mut back = vec![false; uv.len()];
-        for v in suspects.iter().flat_map(|&t| mesh.triangles[t]) {
+        for v in suspects.iter().flat_map(|&t| triangles[t]) {
             back[v.index()] = true;
             moved[v.index()] = uv[v.index()];
         }
-        let touched = |t: &usize| mesh.triangles[*t].iter().any(|v| back[v.index()]);
-        suspects = (0..mesh.triangles.len()).filter(touched).collect();
+        let touched = |t: &usize| triangles[*t].iter().any(|v| back[v.index()]);
+        suspects = (0..triangles.len()).filter(touched).collect();
     }
     uv.to_vec()
 }
@@ -46,7 +45,8 @@ pub fn corrected(mesh: &Mesh, made: &[Uv], uv: &[Uv], feet: &[Uv]) -> Vec<Uv> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Point, VertexId};
+    use crate::geometry::Point;
+    use crate::mesh::Mesh;
 
     /// Two triangles over the unit square, and a vertex in the middle of it.
     fn fan() -> (Mesh, Vec<Uv>) {
@@ -63,7 +63,7 @@ mod tests {
         let moved = |u: f64, v: f64| {
             let mut feet = uv.clone();
             feet[4] = Uv::new(u, v);
-            corrected(&mesh, &uv, &uv, &feet)[4]
+            corrected(&mesh.triangles, &uv, &uv, &feet)[4]
         };
         assert_eq!(moved(0.3, 0.6), Uv::new(0.3, 0.6));
         assert_eq!(moved(0.3, 1.2), uv[4]);

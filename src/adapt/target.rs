@@ -83,10 +83,15 @@ impl<'a> Target<'a> {
     }
 
     /// Gives the samples the parameters of their feet, as far as no triangle turns
-    /// over.
+    /// over. A skirt's triangles neither, or an outer boundary inside the domain
+    /// might come to cross itself.
     pub fn correct(&mut self, feet: &Feet) {
-        let Parameterized { patch, uv, .. } = self.map;
-        self.samples.uv = corrected(&patch.mesh, uv, &self.samples.uv, &feet.uv);
+        let Parameterized { patch, uv, skirt, .. } = self.map;
+        let triangles = [&patch.mesh.triangles[..], &skirt.triangles].concat();
+        let with_skirt = |uv: &[Uv]| [uv, &skirt.uv].concat();
+        let [made, now, wanted] = [uv, &self.samples.uv, &feet.uv].map(|uv| with_skirt(uv));
+        self.samples.uv = corrected(&triangles, &made, &now, &wanted);
+        self.samples.uv.truncate(uv.len());
     }
 
     /// Gives weight to measured samples that are farther than `limit` (Lawson's

@@ -1,7 +1,5 @@
 //! A disk's map to the unit square, in two steps: coarse, and then fine.
 
-use std::borrow::Cow;
-
 use super::hierarchy::Hierarchy;
 use super::layout::{self, Layout};
 use super::rectangle::Rectangle;
@@ -21,7 +19,7 @@ const COARSE: usize = 400;
 
 /// A disk taken down to a few vertices, and their map.
 pub struct Start<'a> {
-    mesh: Cow<'a, Mesh>,
+    mesh: &'a Mesh,
     outer: Vec<u32>,
     hierarchy: Hierarchy,
     weights: Weights,
@@ -44,20 +42,20 @@ impl<'a> Start<'a> {
     /// The coarse map with the best of some sets of four corners. Vertices from
     /// `skirt` on are a skirt's.
     pub fn new(
-        mesh: Cow<'a, Mesh>,
+        mesh: &'a Mesh,
         outer: &[VertexId],
         skirt: usize,
         options: &Options,
     ) -> Result<Self> {
         let sets = match &options.corners {
-            Some(points) => vec![corners::given(&mesh, outer, points)?],
-            None => corners::likely(&mesh, outer)?,
+            Some(points) => vec![corners::given(mesh, outer, points)?],
+            None => corners::likely(mesh, outer)?,
         };
         let sets: Vec<[u32; 4]> = sets.iter().map(|set| set.map(|i| outer[i].0)).collect();
         let points = &mesh.points;
         let mut kept = vec![false; points.len()];
         sets.iter().flatten().for_each(|&v| kept[v as usize] = true);
-        let mut hierarchy = Hierarchy::new(Stars::new(&mesh, outer));
+        let mut hierarchy = Hierarchy::new(Stars::new(mesh, outer));
         hierarchy.coarsen(points, &kept, WEIGHED, |_| ());
         let area = stretch::area(points, layout::triangles(&hierarchy.stars, &hierarchy.left));
         let weighed = hierarchy.left.len();

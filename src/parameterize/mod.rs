@@ -23,13 +23,11 @@ mod stars;
 mod stretch;
 mod weights;
 
-use std::borrow::Cow;
-
 use map::{Map, Start};
 
 use crate::error::Result;
-use crate::geometry::{Point, Uv};
-use crate::mesh::Patch;
+use crate::geometry::{Point, Uv, VertexId};
+use crate::mesh::{Mesh, Patch};
 
 pub use crushed::{Crushed, crushed};
 pub use stretch::Stretch;
@@ -77,30 +75,47 @@ pub struct Parameterized {
     pub uv: Vec<Uv>,
     /// Where the outer boundary is.
     pub outline: Outline,
+    /// What is around it, if it lies inside the square.
+    pub skirt: Skirt,
+}
+
+/// The domain around an outer boundary that lies inside it: as long as none of these
+/// triangles turns over, nor any of the patch, the boundary does not cross itself.
+#[derive(Debug, Clone, Default)]
+pub struct Skirt {
+    /// Triangles; their vertices are the patch's and then the skirt's.
+    pub triangles: Vec<[VertexId; 3]>,
+    /// Parameter points of the skirt's vertices.
+    pub uv: Vec<Uv>,
 }
 
 /// Maps a patch to the unit square.
 pub fn parameterize(mut patch: Patch, options: &Options) -> Result<(Parameterized, Report)> {
     let may_be_free = options.outline.is_none() && options.corners.is_none();
     let must_be_free = options.outline == Some(Outline::Free);
+    let skirted = |patch: &Patch| (skirt::skirted(patch), patch.mesh.points.len());
     if must_be_free || may_be_free && skirt::is_ragged(&patch) {
-        let map = free(&patch, options)?.map()?;
-        return Ok(outcome(patch, map, Outline::Free, 0));
+        let ((mesh, outer), first) = skirted(&patch);
+        let map = Start::new(&mesh, &outer, first, options)?.map()?;
+        return Ok(with_skirt(patch, &mesh, map));
     }
     let split_edges = chords::split_chords(&mut patch);
-    let sides =
-        Start::new(Cow::Borrowed(&patch.mesh), &patch.outer, patch.mesh.points.len(), options)?;
+    let sides = Start::new(&patch.mesh, &patch.outer, patch.mesh.points.len(), options)?;
     if may_be_free && sides.excess() > LITTLE {
-        let free = free(&patch, options)?;
+        let ((mesh, outer), first) = skirted(&patch);
+        let free = Start::new(&mesh, &outer, first, options)?;
         if free.excess() < WORTH * sides.excess() {
             let map = free.map()?;
-            return Ok(outcome(patch, map, Outline::Free, split_edges));
+            return Ok(with_skirt(patch, &mesh, map));
         }
     }
-    let map = sides.map()?;
-    let first = patch.outer.iter().position(|v| v.0 == map.corners[0]);
+    let Map { uv, corners, mended } = sides.map()?;
+    let first = patch.outer.iter().position(|v| v.0 == corners[0]);
     patch.outer.rotate_left(first.unwrap_or(0));
-    Ok(outcome(patch, map, Outline::Sides, split_edges))
+    let stretch = stretch::measure(&patch, &uv);
+    let report = Report { flipped: 0, mended, split_edges, stretch };
+    let (outline, skirt) = (Outline::Sides, Skirt::default());
+    Ok((Parameterized { patch, uv, outline, skirt }, report))
 }
 
 /// Sides that stretch a map by less are kept.
@@ -109,24 +124,16 @@ const LITTLE: f64 = 0.03;
 /// A boundary is left free if no more than this share of the stretch remains.
 const WORTH: f64 = 0.5;
 
-fn free(patch: &Patch, options: &Options) -> Result<Start<'static>> {
-    let (mesh, outer) = skirt::skirted(patch);
-    Start::new(Cow::Owned(mesh), &outer, patch.mesh.points.len(), options)
-}
-
-fn outcome(
-    patch: Patch,
-    Map { mut uv, mended, .. }: Map,
-    outline: Outline,
-    split_edges: usize,
-) -> (Parameterized, Report) {
-    if outline == Outline::Free {
-        uv.truncate(patch.mesh.points.len());
-        uv.iter_mut().for_each(|at| *at = inside(*at));
-    }
+/// A patch and its skirt on the map of both.
+fn with_skirt(patch: Patch, mesh: &Mesh, map: Map) -> (Parameterized, Report) {
+    let mut uv: Vec<Uv> = map.uv.iter().map(|at| inside(*at)).collect();
+    let skirt = Skirt {
+        uv: uv.split_off(patch.mesh.points.len()),
+        triangles: mesh.triangles[patch.mesh.triangles.len()..].to_vec(),
+    };
     let stretch = stretch::measure(&patch, &uv);
-    let report = Report { flipped: 0, mended, split_edges, stretch };
-    (Parameterized { patch, uv, outline }, report)
+    let report = Report { flipped: 0, mended: map.mended, split_edges: 0, stretch };
+    (Parameterized { patch, uv, outline: Outline::Free, skirt }, report)
 }
 
 /// The share of the domain that is left free beside a skirt at each side.

@@ -11,8 +11,11 @@ use crate::spline::{Curve, Jet, Surface, foot_point};
 /// Spans that a loop begins with.
 const FIRST_SPANS: f64 = 6.0;
 
-/// Spans are no shorter than this share of a mean edge.
+/// Spans are no shorter than this share of a mean edge,
 const SHORTEST: f64 = 0.05;
+
+/// but where the loop would cross itself or another one than this.
+const FINEST: f64 = SHORTEST / 64.0;
 
 /// Rounds of halving: more than enough to come from a sixth to the shortest.
 const ROUNDS: usize = 40;
@@ -115,15 +118,15 @@ impl<'a> Course<'a> {
         let far = |&i: &usize| {
             let (a, b) = self.span(i);
             let mut held = self.polygon.before(a)..self.polygon.before(b);
-            held.any(|k| self.distance(k) > self.room[k]) && self.is_long(i)
+            held.any(|k| self.distance(k) > self.room[k]) && self.is_longer(i, SHORTEST)
         };
         (0..self.knots.breaks.len()).filter(far).collect()
     }
 
-    /// Whether span `i` may be halved at all.
-    fn is_long(&self, i: usize) -> bool {
+    /// Whether the halves of span `i` are longer than a share of a mean edge.
+    fn is_longer(&self, i: usize, share: f64) -> bool {
         let (a, b) = self.span(i);
-        b - a > 2.0 * SHORTEST / self.polygon.uv.len() as f64
+        b - a > 2.0 * share / self.polygon.uv.len() as f64
     }
 
     /// The distance in mm, across the curve but where that has a corner, of the
@@ -146,7 +149,7 @@ impl<'a> Course<'a> {
     fn spans_around(&self, t: f64) -> impl Iterator<Item = usize> + '_ {
         let n = self.knots.breaks.len();
         let i = self.knots.breaks.partition_point(|&b| b <= t).max(1) - 1;
-        [i + n - 1, i, i + 1].into_iter().map(move |i| i % n).filter(|&i| self.is_long(i))
+        [i + n - 1, i, i + 1].into_iter().map(move |i| i % n).filter(|&i| self.is_longer(i, FINEST))
     }
 
     /// Halves spans; `None`, and all as it was, if that makes no curve.
