@@ -34,6 +34,9 @@ pub struct Course<'a> {
     /// Position of the rim's vertex at parameter 0.
     first: usize,
     on_map: bool,
+    /// Vertices of the rim at which the loop has a corner, though the rim bends too
+    /// little for one.
+    sharp: Vec<usize>,
     curve: Curve<2>,
 }
 
@@ -49,6 +52,16 @@ impl<'a> Course<'a> {
         options: &Options,
         on_map: bool,
     ) -> Option<Self> {
+        Course::with_corners(surface, rim, options, on_map, Vec::new())
+    }
+
+    fn with_corners(
+        surface: &'a Surface,
+        rim: &'a Rim,
+        options: &Options,
+        on_map: bool,
+        sharp: Vec<usize>,
+    ) -> Option<Self> {
         let foot = |(p, at): (_, &Uv)| foot_point(surface, p, *at).0;
         let mut uv = match on_map {
             true => rim.uv.clone(),
@@ -58,7 +71,10 @@ impl<'a> Course<'a> {
         let off = points.iter().zip(&rim.points).map(|(foot, p)| (foot - p).norm());
         let mut room: Vec<f64> = off.map(|off| options.room(off)).collect();
         let (walked, total) = lengths(&points)?;
-        let corners = corners::find(&points, &walked, total);
+        let mut corners = corners::find(&points, &walked, total);
+        corners.extend(&sharp);
+        corners.sort_unstable();
+        corners.dedup();
         let first = corners.first().copied().unwrap_or(0);
         uv.rotate_left(first);
         points.rotate_left(first);
@@ -70,7 +86,8 @@ impl<'a> Course<'a> {
         let jets = uv.iter().map(|&at| surface.jet(at)).collect();
         let polygon = Polygon { parameters, uv };
         let curve = fit(&polygon, &knots)?;
-        let mut course = Course { surface, rim, polygon, jets, room, knots, first, on_map, curve };
+        let mut course =
+            Course { surface, rim, polygon, jets, room, knots, first, on_map, sharp, curve };
         for _ in 0..ROUNDS {
             let spans = course.far_spans();
             if spans.is_empty() || course.halve(spans).is_none() {
@@ -92,19 +109,34 @@ impl<'a> Course<'a> {
     }
 
     /// Lets the loop follow its rim more closely around places; where it does so
-    /// already, or there are none, along the map's parameter points. `None`:
-    /// neither can be.
+    /// already, or there are none, along the map's parameter points; last, with a
+    /// corner at the first of the places, which may be the tip of a slit. `None`: none
+    /// of this can be.
     pub fn tighten(&mut self, places: &[Option<f64>], options: &Options) -> Option<()> {
         let spans: BTreeSet<usize> =
             places.iter().flatten().flat_map(|&t| self.spans_around(t)).collect();
         if !spans.is_empty() && self.halve(spans).is_some() {
             return Some(());
         }
+        let mut sharp = self.sharp.clone();
         if self.on_map {
-            return None;
+            let tip = self.nearest(places.iter().flatten().next().copied()?);
+            if sharp.contains(&tip) {
+                return None;
+            }
+            sharp.push(tip);
         }
-        *self = Course::new(self.surface, self.rim, options, true)?;
+        *self = Course::with_corners(self.surface, self.rim, options, true, sharp)?;
         Some(())
+    }
+
+    /// The rim's vertex nearest to a parameter, on either side of it.
+    fn nearest(&self, t: f64) -> usize {
+        let n = self.rim.points.len();
+        let after = self.polygon.before(t);
+        let end = |i: usize| self.polygon.parameters.get(i).copied().unwrap_or(1.0);
+        let back = after > 0 && t - end(after - 1) < end(after) - t;
+        (self.first + after - usize::from(back)) % n
     }
 
     /// The ends of span `i`.
