@@ -4,7 +4,7 @@ mod common;
 
 use common::importers::{freecad, opencascade, rewrite_freecad, rewrite_opencascade};
 use common::virtual_scan::{
-    Star, VirtualScan, island_scan, paper_scan, relief, relief_scan, rolled_scan,
+    Star, VirtualScan, island_scan, paper_scan, ragged_scan, relief, relief_scan, rolled_scan,
 };
 use common::{arg, checked, converted, fixture, json, number};
 use serde_json::Value;
@@ -119,6 +119,42 @@ fn an_island_and_the_hole_in_it() {
     let report = round_trip(&input, &[], &Expected { scan: &scan, rms: 0.06 });
     let outer: Vec<bool> = (0..4).map(|i| report["trim"][i]["outer"] == true).collect();
     assert_eq!(outer, [true, false, true, false]);
+}
+
+#[test]
+fn the_relief_cut_along_its_outer_boundary() {
+    let expected = Expected { scan: &relief_scan(), rms: 0.06 };
+    let report = round_trip(&fixture("relief.ply"), &["--outline", "trimmed"], &expected);
+    let trim = report["trim"].as_array().expect("a list");
+    let outer: Vec<bool> = trim.iter().map(|l| l["outer"] == true).collect();
+    assert_eq!(outer, [true, false, false]);
+    assert_eq!(trim[0]["hole"], Value::Null);
+    let tolerance = number(&report, "/tolerance_mm");
+    for ring in trim {
+        assert!(number(ring, "/max_from_rim_mm") <= tolerance, "{ring}");
+        let off = number(ring, "/max_off_surface_mm");
+        assert!(off > 0.0 && off < 1e-7, "{ring}");
+    }
+}
+
+#[test]
+fn an_island_within_an_outer_loop() {
+    let scan = island_scan();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let input = written(&scan, folder.path());
+    let options = ["--outline", "trimmed"];
+    let report = round_trip(&input, &options, &Expected { scan: &scan, rms: 0.06 });
+    let outer: Vec<bool> = (0..4).map(|i| report["trim"][i]["outer"] == true).collect();
+    assert_eq!(outer, [true, false, true, false]);
+}
+
+#[test]
+fn a_ragged_outer_boundary_is_cut_along() {
+    let scan = ragged_scan();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let input = written(&scan, folder.path());
+    let options = ["--outline", "trimmed"];
+    round_trip(&input, &options, &Expected { scan: &scan, rms: 0.03 });
 }
 
 /// The paper's results: about 8,100 noisy points, one hole, rough boundary,

@@ -225,7 +225,7 @@ impl Search<'_> {
                 break;
             }
             let misses = self.target.misses(&now.feet, self.limit());
-            let knots = knots::insert(&now.surface, &misses, depth, most);
+            let knots = knots::insert(&now.surface, &misses, self.target.reach(), depth, most);
             if knots == [now.surface.u.clone(), now.surface.v.clone()] {
                 break;
             }

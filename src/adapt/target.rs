@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::correct::corrected;
-use crate::geometry::{Point, Uv};
+use crate::geometry::{Point, Uv, uv_bounds};
 use crate::knots::Miss;
 use crate::parameterize::{Outline, Parameterized};
 use crate::spline::{Samples, Surface, foot_point, foot_point_on_iso};
@@ -53,6 +53,11 @@ impl<'a> Target<'a> {
     /// Measured vertices.
     pub fn measured(&self) -> usize {
         self.map.patch.measured
+    }
+
+    /// The lowest and the highest parameters that samples have.
+    pub fn reach(&self) -> [Uv; 2] {
+        uv_bounds(&self.samples.uv)
     }
 
     /// Moves the corners of the net into the corners of the patch, which they all

@@ -5,7 +5,7 @@
 //! A cell without samples around it feels it almost as strongly as samples would
 //! hold it; with their number in the cell and the eight around it the weight falls
 //! off so steeply that where these are covered nothing of it is left but what keeps
-//! the equations regular.
+//! the equations regular, and the surface calm where it goes on beyond the samples.
 
 use rayon::prelude::*;
 
@@ -15,6 +15,11 @@ use super::strips::{Census, Strip};
 
 /// Weight of the term in a cell without samples, of that of a mean cell's.
 const EMPTY: f64 = 1e-2;
+
+/// What is left of that, in a cell in parts bare of samples, for the share squared
+/// of these: where samples end within a cell, its control points hang on the few
+/// places that its functions have there.
+const BARE: f64 = 1e-2;
 
 /// Samples, spread over the cell, from which on the term fades.
 const FEW: f64 = 4.0;
@@ -43,7 +48,7 @@ fn strip(p: usize, strips: &[Strip], metric: &Metric, energies: &[[[f64; 10]; 3]
     for (q, (cell, energy)) in strip.cells.iter().zip(energies).enumerate() {
         let [x, y] = metric.half(p, q, cell);
         let covering: f64 = across[q.saturating_sub(1)..(q + 2).min(across.len())].iter().sum();
-        let fade = (FEW / (FEW + covering)).powi(6);
+        let fade = (FEW / (FEW + covering)).powi(6).max(BARE * cell.bare.powi(2));
         let weight = EMPTY * fade * metric.weight * x.min(y).powi(4);
         let scales = [x.powi(-4), 2.0 / (x * y).powi(2), y.powi(-4)];
         for order in 0..3 {

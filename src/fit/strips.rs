@@ -25,6 +25,8 @@ pub struct Census {
     pub weight: f64,
     /// How many there are; fewer where they leave parts of the cell empty.
     pub covering: f64,
+    /// The share of its parts that have no sample.
+    pub bare: f64,
     /// Mean change of p, in mm, with s and with t, where there are samples
     /// enough to tell.
     pub slopes: Option<[f64; 2]>,
@@ -88,6 +90,7 @@ impl Census {
         Census {
             weight: moments.gram[0][0],
             covering: cells.count(p, q) as f64 * share.powi(3),
+            bare: 1.0 - share,
             slopes: slopes(moments),
         }
     }

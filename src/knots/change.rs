@@ -23,12 +23,24 @@ const WORTH: f64 = 0.05;
 /// The knot vectors with a knot in the middle of the spans that misses call for,
 /// the worst first, as long as the net has no more than `most` control points
 /// and spans stay longer than 2^−`depth`. The same vectors where nothing can be
-/// done.
-pub fn insert(surface: &Surface, misses: &[Miss], depth: u32, most: usize) -> [KnotVector; 2] {
+/// done. Of a span only the part counts that is between the lowest and the highest
+/// parameters that any point has, `reach`.
+pub fn insert(
+    surface: &Surface,
+    misses: &[Miss],
+    reach: [Uv; 2],
+    depth: u32,
+    most: usize,
+) -> [KnotVector; 2] {
     let jumps = Jumps::new(surface);
     let shortest = 1.001 * 0.5f64.powi(depth.min(1000) as i32);
+    let reached = |axis: usize, span: usize| {
+        let ends = &jumps.breaks[axis][span..span + 2];
+        [ends[0].max(reach[0][axis]), ends[1].min(reach[1][axis])]
+    };
     let long = |axis: usize, span: usize| {
-        jumps.breaks[axis][span + 1] - jumps.breaks[axis][span] > shortest
+        let [start, end] = reached(axis, span);
+        end - start > shortest
     };
     let knots = [&surface.u, &surface.v];
     let mut scores = knots.map(|k| vec![0.0; k.functions() - 3]);
@@ -57,7 +69,8 @@ pub fn insert(surface: &Surface, misses: &[Miss], depth: u32, most: usize) -> [K
             break;
         }
         size[axis] += 1;
-        breaks[axis].push(0.5 * (jumps.breaks[axis][span] + jumps.breaks[axis][span + 1]));
+        let [start, end] = reached(axis, span);
+        breaks[axis].push(0.5 * (start + end));
     }
     breaks.map(|mut breaks| {
         breaks.sort_by(f64::total_cmp);
@@ -97,6 +110,8 @@ mod tests {
     use super::*;
     use crate::geometry::Vector;
 
+    const ALL: [Uv; 2] = [Uv::new(0.0, 0.0), Uv::new(1.0, 1.0)];
+
     /// A sheet that bends along u only, and along it near 0 only.
     fn gutter(u: KnotVector, v: KnotVector) -> Surface {
         let mut net = Vec::new();
@@ -112,9 +127,14 @@ mod tests {
     #[test]
     fn knots_go_where_the_surface_bends() {
         let s = gutter(KnotVector::uniform(3, 11), KnotVector::uniform(3, 11));
-        let [u, v] = insert(&s, &[(Uv::new(0.2, 0.6), 1.0)], 8, 1000);
-        assert_eq!((u.functions(), v.functions()), (12, 11));
-        assert!(u.breaks().contains(&0.1875), "{:?}", u.breaks());
+        let breaks = |reach| {
+            let [u, v] = insert(&s, &[(Uv::new(0.2, 0.6), 1.0)], reach, 8, 1000);
+            assert_eq!((u.functions(), v.functions()), (12, 11));
+            u.breaks()
+        };
+        assert!(breaks(ALL).contains(&0.1875));
+        let beyond = [Uv::new(0.15, 0.0), Uv::new(1.0, 1.0)];
+        assert!(breaks(beyond).contains(&0.2), "the middle of where points are");
     }
 
     #[test]
@@ -122,8 +142,8 @@ mod tests {
         let s = gutter(KnotVector::uniform(3, 11), KnotVector::uniform(3, 11));
         let miss = [(Uv::new(0.2, 0.6), 1.0)];
         let same = [s.u.clone(), s.v.clone()];
-        assert_eq!(insert(&s, &miss, 8, 121), same);
-        assert_eq!(insert(&s, &miss, 3, 1000), same);
+        assert_eq!(insert(&s, &miss, ALL, 8, 121), same);
+        assert_eq!(insert(&s, &miss, ALL, 3, 1000), same);
     }
 
     #[test]

@@ -11,7 +11,7 @@ use std::collections::BTreeSet;
 
 use nalgebra::{Matrix3xX, SMatrix, SVector};
 
-use crate::geometry::{Uv, Vector};
+use crate::geometry::{Uv, Vector, uv_bounds};
 use crate::spline::{KnotVector, Samples};
 
 pub use change::{Miss, insert, remove};
@@ -49,9 +49,12 @@ pub fn place(samples: &Samples, options: &Options) -> ([KnotVector; 2], Report) 
     let found = divide(&mut points, root, options);
     let report =
         Report { regions: found.regions, above_kappa: found.above_kappa, depth: found.depth };
-    let knots = found.cuts.map(|cuts| {
+    let [low, high] = uv_bounds(&samples.uv);
+    let knots = [0, 1].map(|axis| {
         let unit = (1u64 << MAX_DEPTH) as f64;
-        let inner = cuts.iter().map(|&c| c as f64 / unit);
+        let inner = found.cuts[axis].iter().map(|&c| c as f64 / unit);
+        // Beyond all points the surface only goes on as it was.
+        let inner = inner.filter(|&c| low[axis] < c && c < high[axis]);
         let breaks: Vec<f64> =
             std::iter::once(0.0).chain(inner).chain(std::iter::once(1.0)).collect();
         KnotVector::clamped(3, &breaks, 1)
@@ -185,6 +188,16 @@ mod tests {
         let coarse = u.breaks().iter().filter(|&&b| b > 0.5).count();
         assert!(fine > 2 * coarse, "{:?}", u.breaks());
         assert!(report.depth >= 3);
+    }
+
+    #[test]
+    fn no_knot_lies_beyond_the_points() {
+        let mut s = sheet(|u, v| 3.0 * (9.0 * u).sin() * (7.0 * v).cos());
+        s.uv.iter_mut().for_each(|at| *at = at.map(|t| 0.3 + 0.3 * t));
+        let ([u, _], _) = place(&s, &Options { kappa: 0.01, depth: 6 });
+        let breaks = u.breaks();
+        let inner = &breaks[1..breaks.len() - 1];
+        assert!(inner.len() > 3 && inner[0] > 0.3 && inner[inner.len() - 1] < 0.6, "{inner:?}");
     }
 
     #[test]

@@ -11,11 +11,14 @@ use crate::spline::{Curve, Jet, Surface, foot_point};
 /// Spans that a loop begins with.
 const FIRST_SPANS: f64 = 6.0;
 
-/// Spans are no shorter than this share of a mean edge,
+/// Spans are no shorter than this share of a mean edge, or of the tolerance where
+/// that is less: a tooth's tip is rounded over a span.
 const SHORTEST: f64 = 0.05;
+const SHORTEST_OF_TOLERANCE: f64 = 0.5;
 
-/// but where the loop would cross itself or another one than this.
-const FINEST: f64 = SHORTEST / 64.0;
+/// But where the loop would cross itself or another one, or the tolerance is below all
+/// sense, they are no shorter than this share of an edge.
+const SHORTEST_EVER: f64 = 1e-3;
 
 /// Rounds of halving: more than enough to come from a sixth to the shortest.
 const ROUNDS: usize = 40;
@@ -31,6 +34,8 @@ pub struct Course<'a> {
     /// How far, in mm, the curve may be from each of them within the surface.
     room: Vec<f64>,
     knots: Knots,
+    /// Shorter spans, by their parameters, are not made.
+    shortest: f64,
     /// Position of the rim's vertex at parameter 0.
     first: usize,
     on_map: bool,
@@ -86,8 +91,23 @@ impl<'a> Course<'a> {
         let jets = uv.iter().map(|&at| surface.jet(at)).collect();
         let polygon = Polygon { parameters, uv };
         let curve = fit(&polygon, &knots)?;
-        let mut course =
-            Course { surface, rim, polygon, jets, room, knots, first, on_map, sharp, curve };
+        let edge = 1.0 / polygon.uv.len() as f64;
+        let shortest = (SHORTEST * edge)
+            .min(SHORTEST_OF_TOLERANCE * options.tolerance / total)
+            .max(SHORTEST_EVER * edge);
+        let mut course = Course {
+            surface,
+            rim,
+            polygon,
+            jets,
+            room,
+            knots,
+            shortest,
+            first,
+            on_map,
+            sharp,
+            curve,
+        };
         for _ in 0..ROUNDS {
             let spans = course.far_spans();
             if spans.is_empty() || course.halve(spans).is_none() {
@@ -150,15 +170,15 @@ impl<'a> Course<'a> {
         let far = |&i: &usize| {
             let (a, b) = self.span(i);
             let mut held = self.polygon.before(a)..self.polygon.before(b);
-            held.any(|k| self.distance(k) > self.room[k]) && self.is_longer(i, SHORTEST)
+            held.any(|k| self.distance(k) > self.room[k]) && self.is_longer(i, self.shortest)
         };
         (0..self.knots.breaks.len()).filter(far).collect()
     }
 
-    /// Whether the halves of span `i` are longer than a share of a mean edge.
-    fn is_longer(&self, i: usize, share: f64) -> bool {
+    /// Whether the halves of span `i` are longer than `least`.
+    fn is_longer(&self, i: usize, least: f64) -> bool {
         let (a, b) = self.span(i);
-        b - a > 2.0 * share / self.polygon.uv.len() as f64
+        b - a > 2.0 * least
     }
 
     /// The distance in mm, across the curve but where that has a corner, of the
@@ -181,7 +201,9 @@ impl<'a> Course<'a> {
     fn spans_around(&self, t: f64) -> impl Iterator<Item = usize> + '_ {
         let n = self.knots.breaks.len();
         let i = self.knots.breaks.partition_point(|&b| b <= t).max(1) - 1;
-        [i + n - 1, i, i + 1].into_iter().map(move |i| i % n).filter(|&i| self.is_longer(i, FINEST))
+        let least = SHORTEST_EVER / self.polygon.uv.len() as f64;
+        let around = [i + n - 1, i, i + 1].into_iter().map(move |i| i % n);
+        around.filter(move |&i| self.is_longer(i, least))
     }
 
     /// Halves spans; `None`, and all as it was, if that makes no curve.

@@ -31,6 +31,8 @@ impl Star {
 pub struct VirtualScan {
     pub truth: Truth,
     pub holes: Vec<Star>,
+    /// Regions at the border that the scanner missed, too.
+    pub bays: Vec<Star>,
     /// Measured points, in mm.
     pub points: Vec<[f64; 3]>,
     /// Where in the parameter square each was measured.
@@ -86,6 +88,19 @@ pub fn paper_scan() -> VirtualScan {
     VirtualScan::new(sheet, [90, 90], 0.15, holes, 3)
 }
 
+/// The relief with two holes and a ragged border: bays, and teeth three edges deep.
+pub fn ragged_scan() -> VirtualScan {
+    let star = |centre, radius, arms| Star { centre, radius, arms };
+    let holes = vec![star([0.35, 0.4], 0.10, 3.0), star([0.68, 0.62], 0.07, 5.0)];
+    let bays = vec![
+        star([0.2, 0.02], 0.09, 3.0),
+        star([0.98, 0.45], 0.08, 4.0),
+        star([0.6, 0.97], 0.11, 5.0),
+        star([0.03, 0.8], 0.07, 2.0),
+    ];
+    VirtualScan::cut(relief, [90, 80], 0.03, (holes, bays, 3), 21)
+}
+
 /// The relief with a wide hole, in it an island, and in that a hole.
 pub fn island_scan() -> VirtualScan {
     let holes = vec![
@@ -98,7 +113,19 @@ pub fn island_scan() -> VirtualScan {
 
 impl VirtualScan {
     /// Samples `truth` on an `n` × `m` grid.
-    pub fn new(truth: Truth, [n, m]: [usize; 2], noise: f64, holes: Vec<Star>, seed: u64) -> Self {
+    pub fn new(truth: Truth, size: [usize; 2], noise: f64, holes: Vec<Star>, seed: u64) -> Self {
+        VirtualScan::cut(truth, size, noise, (holes, Vec::new(), 0), seed)
+    }
+
+    /// The same with bays cut into the border, and into all of it teeth so many
+    /// vertices wide and deep.
+    pub fn cut(
+        truth: Truth,
+        [n, m]: [usize; 2],
+        noise: f64,
+        (holes, bays, teeth): (Vec<Star>, Vec<Star>, usize),
+        seed: u64,
+    ) -> Self {
         let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
         let mut all = Vec::with_capacity(n * m);
         for i in 0..n {
@@ -113,8 +140,18 @@ impl VirtualScan {
                 all.push(([u, v], point));
             }
         }
-        let gone =
-            |k: usize| holes.iter().filter(|h| h.holds(all[k].0[0], all[k].0[1])).count() % 2 == 1;
+        let gap = |k: usize| {
+            let (i, j) = (k / m, k % m);
+            let between = |along: usize| teeth > 0 && (along / teeth) % 2 == 1;
+            let ends = i < teeth || i + teeth >= n;
+            let sides = j < teeth || j + teeth >= m;
+            (ends && between(j)) || (sides && between(i)) || (ends && sides && teeth > 0)
+        };
+        let gone = |k: usize| {
+            let [u, v] = all[k].0;
+            let hole = holes.iter().filter(|h| h.holds(u, v)).count() % 2 == 1;
+            hole || gap(k) || bays.iter().any(|b| b.holds(u, v))
+        };
         let mut triangles = Vec::new();
         for k in (0..n - 1).flat_map(|i| (0..m - 1).map(move |j| i * m + j)) {
             let (a, b, c, d) = (k, k + m, k + m + 1, k + 1);
@@ -125,7 +162,8 @@ impl VirtualScan {
             };
             triangles.extend(halves.into_iter().filter(|t| !t.iter().any(|&x| gone(x))));
         }
-        let mut scan = VirtualScan { truth, holes, points: vec![], uv: vec![], triangles: vec![] };
+        let mut scan =
+            VirtualScan { truth, holes, bays, points: vec![], uv: vec![], triangles: vec![] };
         let mut number = vec![None; n * m];
         for t in triangles {
             let mut corner = |x: usize| {
@@ -168,14 +206,17 @@ impl VirtualScan {
 
     /// Points of the true surface well away from the holes and the edge.
     pub fn true_points(&self, n: usize) -> Vec<[f64; 3]> {
-        let at = |i: usize| 0.02 + 0.96 * i as f64 / (n - 1) as f64;
+        let first = if self.bays.is_empty() { 0.02 } else { 0.06 };
+        let at = |i: usize| first + (1.0 - 2.0 * first) * i as f64 / (n - 1) as f64;
         let grid = (0..n * n).map(|k| (at(k / n), at(k % n)));
         let far = |&(u, v): &(f64, f64)| {
             let times = |share: f64| {
                 let scaled = |h: &&Star| Star { radius: share * h.radius, ..**h }.holds(u, v);
                 self.holes.iter().filter(scaled).count()
             };
-            times(1.25) == times(0.8) && times(1.0) % 2 == 0
+            let wide = |b: &Star| Star { radius: 1.25 * b.radius, ..*b };
+            let in_bay = self.bays.iter().any(|b| wide(b).holds(u, v));
+            times(1.25) == times(0.8) && times(1.0) % 2 == 0 && !in_bay
         };
         grid.filter(far).map(|(u, v)| (self.truth)(u, v)).collect()
     }

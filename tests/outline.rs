@@ -1,0 +1,141 @@
+//! The outer boundary as a trim loop.
+
+mod common;
+
+use common::virtual_scan::{VirtualScan, island_scan, ragged_scan, relief_scan};
+use scan2step::geometry::{Point, Uv};
+use scan2step::mesh::Bound;
+use scan2step::parameterize::{self, Outline};
+use scan2step::spline::Curve;
+use scan2step::trim::{TrimLoop, distance_to_edges};
+use scan2step::{Conversion, Options, Stage, convert};
+
+/// A conversion and the outer boundary of the smoothed scan.
+struct Run {
+    conversion: Conversion,
+    outer: Vec<Point>,
+}
+
+fn run(scan: &VirtualScan, outline: Outline, tolerance: Option<f64>) -> Run {
+    let mut soup = formats::Soup { points: scan.points.clone(), ..formats::Soup::default() };
+    scan.triangles.iter().for_each(|t| soup.polygons.push(*t));
+    let parameterize = parameterize::Options { outline: Some(outline), ..Default::default() };
+    let options = Options { parameterize, tolerance, ..Options::default() };
+    let mut outer = Vec::new();
+    let mut watch = |stage: Stage| {
+        if let Stage::Parameterize(map, _) = stage {
+            outer = map.patch.outer.iter().map(|&v| map.patch.mesh.point(v)).collect();
+        }
+        Ok(())
+    };
+    let conversion = convert(&soup, &options, &mut watch).expect("a face");
+    Run { conversion, outer }
+}
+
+fn free(scan: &VirtualScan) -> Run {
+    run(scan, Outline::Free, None)
+}
+
+/// The corners of a polygon that follows a loop in (u, v).
+fn polygon(ring: &TrimLoop) -> Vec<[f64; 2]> {
+    let of_arc = |arc: &Curve<2>| {
+        let (first, last) = arc.knots.range();
+        let at = |i: i32| arc.point(first + (last - first) * f64::from(i) / 4000.0);
+        (0..4000).map(at).map(|p| [p.x, p.y]).collect::<Vec<_>>()
+    };
+    ring.pcurves.iter().flat_map(of_arc).collect()
+}
+
+/// Twice the signed area of a polygon.
+fn area(polygon: &[[f64; 2]]) -> f64 {
+    let nexts = polygon.iter().cycle().skip(1);
+    polygon.iter().zip(nexts).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum()
+}
+
+fn is_inside(p: [f64; 2], polygon: &[[f64; 2]]) -> bool {
+    let nexts = polygon.iter().cycle().skip(1);
+    let crossed = polygon.iter().zip(nexts).filter(|(a, b)| {
+        (a[1] > p[1]) != (b[1] > p[1])
+            && p[0] < a[0] + (p[1] - a[1]) / (b[1] - a[1]) * (b[0] - a[0])
+    });
+    crossed.count() % 2 == 1
+}
+
+#[test]
+fn the_outer_loop_follows_the_rim_around_all_others() {
+    for scan in [relief_scan(), island_scan(), ragged_scan()] {
+        let Run { conversion: c, outer } = free(&scan);
+        assert_eq!(c.loops[0].of, Bound::Outer);
+        assert!(c.outer.is_none(), "the sides are not the outer boundary");
+        let off = distance_to_edges(&outer, &c.loops[0].edges);
+        assert!(off <= c.tolerance, "{off} mm off the rim, of {}", c.tolerance);
+        assert!(c.trim[0].max_off_surface < 1e-7, "{:?}", c.trim[0]);
+
+        let around = polygon(&c.loops[0]);
+        assert!(area(&around) > 0.0, "it runs counter-clockwise");
+        assert!(around.iter().flatten().all(|t| (0.001..0.999).contains(t)));
+        for ring in &c.loops[1..] {
+            let ring_polygon = polygon(ring);
+            assert!(ring_polygon.iter().step_by(100).all(|&p| is_inside(p, &around)));
+            assert_eq!(area(&ring_polygon) < 0.0, matches!(ring.of, Bound::Hole(_)));
+            assert!(ring.within.is_some(), "every loop is in another one");
+        }
+        let faces = scan.faces_and_inner_loops().0;
+        assert_eq!(c.brep.faces.len(), faces);
+    }
+}
+
+#[test]
+fn a_named_tolerance_holds_up_to_the_outer_loop() {
+    for tolerance in [0.02, 0.05] {
+        let c = run(&relief_scan(), Outline::Free, Some(tolerance)).conversion;
+        assert!(c.tolerance_met(0.0), "{} of {tolerance}", c.fit_deviation.max);
+    }
+}
+
+/// Beyond its samples the surface goes on as it was, without folds, and the net does
+/// not run away.
+#[test]
+fn the_surface_is_calm_beyond_the_outer_loop() {
+    for scan in [relief_scan(), ragged_scan()] {
+        let Run { conversion: c, outer } = free(&scan);
+        let [low, high] = [f64::min, f64::max].map(|pick| {
+            let point = |axis: usize| outer.iter().map(|p| p[axis]).reduce(pick);
+            [0, 1, 2].map(|axis| point(axis).expect("a rim"))
+        });
+        let size = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
+        for p in &c.surface.net {
+            let beyond = (0..3).map(|axis| (low[axis] - p[axis]).max(p[axis] - high[axis]));
+            // The dome rises above its rim by a fifth of its size.
+            let beyond = beyond.fold(0.0, f64::max);
+            assert!(beyond < 0.3 * size, "{p} is {beyond} mm away");
+        }
+    }
+}
+
+/// Where the boundary is clean the surface is as good as with four sides.
+#[test]
+fn the_truth_is_met_as_well_as_with_sides() {
+    let scan = relief_scan();
+    let rms = |outline| {
+        let c = run(&scan, outline, None).conversion;
+        let at = (1..40).flat_map(|i| (1..40).map(move |j| (f64::from(i), f64::from(j))));
+        // The free map is all of the patch within the square.
+        let inside = at.map(|(i, j)| [0.1 + 0.02 * i, 0.1 + 0.02 * j]);
+        let points = inside.map(|[u, v]| c.surface.point(Uv::new(u, v)));
+        scan.rms(points.map(|p| p.coords.into()))
+    };
+    let (sides, free) = (rms(Outline::Sides), rms(Outline::Free));
+    assert!(free < 1.1 * sides, "{free} mm rms, with sides {sides}");
+}
+
+#[test]
+fn the_same_loop_on_any_number_of_threads() {
+    let scan = ragged_scan();
+    let on = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
+        let c = pool.install(|| free(&scan)).conversion;
+        (c.surface.net, format!("{:?}", c.loops))
+    };
+    assert_eq!(on(1), on(2));
+}
