@@ -8,7 +8,7 @@ use std::collections::HashSet;
 use common::virtual_scan::{VirtualScan, island_scan};
 use common::{arg, converted, inspected, json};
 use formats::Soup;
-use scan2step::mesh::{self, Choice, Components, Disk, Mesh, Outer, Patch, Repairs};
+use scan2step::mesh::{self, Bound, Choice, Components, Disk, Mesh, Outer, Patch, Repairs};
 use scan2step::{Conversion, Cut, Options, Stage, convert};
 
 /// Sheets of n × n squares, each cut in two.
@@ -222,8 +222,9 @@ fn an_island_becomes_a_face_of_the_same_surface() {
     assert_eq!(conversion.input.island_triangles, island.triangles);
     assert_eq!(conversion.fill.holes.iter().map(|h| h.islands).collect::<Vec<_>>(), [1, 0]);
     assert_eq!(loops(&conversion), [2, 2]);
-    let places: Vec<_> = conversion.loops.iter().map(|l| (l.hole, l.island, l.within)).collect();
-    assert_eq!(places, [(0, None, None), (0, Some(0), Some(0)), (1, None, Some(1))]);
+    let places: Vec<_> = conversion.loops.iter().map(|l| (l.of, l.within)).collect();
+    let isle = Bound::Island { hole: 0, number: 0 };
+    assert_eq!(places, [(Bound::Hole(0), None), (isle, Some(0)), (Bound::Hole(1), Some(1))]);
     // The island's vertices come last. Were it no face, they would be as far
     // from one as the rim of the hole is.
     let own: HashSet<_> = island.rim.iter().map(|v| v.index()).collect();
