@@ -8,10 +8,11 @@ use std::collections::HashMap;
 use super::band::{self, Measured};
 use super::develop::develop;
 use super::front::{Fill, Hole, Lead, Surroundings};
+use super::outlines::Outlines;
 use super::sheet::Sheet;
 use super::size::Sizes;
 use super::smoothing_spline::SmoothingSpline;
-use crate::geometry::{LocalPlane, Point, Uv, Vector, VertexId, is_inside};
+use crate::geometry::{LocalPlane, Point, Uv, Vector, VertexId};
 use crate::mesh::{boundary, outline};
 
 /// Cells of the spline across a hole's half width: enough for its bends …
@@ -90,8 +91,9 @@ impl<'a> Shaper<'a> {
         };
         let points: Vec<_> = band.iter().map(height).collect();
         let area = outlines.iter().map(|o| outline_area(o)).sum::<f64>().abs();
-        let inside = |p: Uv| outlines.iter().filter(|o| is_inside(p, o)).count() % 2 == 1;
-        let spline = SmoothingSpline::fit(&points, inside, self.cell(area), self.narrowest())?;
+        let hole = Outlines::new(&outlines);
+        let reach = |p: Uv, cell: f64| hole.reach(p, cell);
+        let spline = SmoothingSpline::fit(&points, reach, self.cell(area), self.narrowest())?;
         Some(View { plane, spline, outlines })
     }
 
@@ -136,7 +138,7 @@ impl<'a> Shaper<'a> {
                 known.filter(|known| outside.is_laid_out(*known.1)).map(point).collect();
             let cell = self.cell(sheet.area());
             let covered = sheet.covered(cell);
-            let spline = SmoothingSpline::fit(&points, covered, cell, self.narrowest())?;
+            let spline = SmoothingSpline::fit(&points, |p, _| covered(p), cell, self.narrowest())?;
             self.settle(&mut sheet, |uv| Some(Point::from(spline.at(uv)?)));
             let outer = &uv[uv.len() - outside.points.len()..];
             start = Some([sheet.uv.as_slice(), outer].concat());

@@ -9,6 +9,7 @@ mod develop;
 mod fair;
 mod front;
 mod membrane;
+mod outlines;
 mod plane;
 mod ring;
 mod sheet;
@@ -144,8 +145,7 @@ fn close(
     let points = |rim: &&[VertexId]| rim.iter().map(|&v| around.mesh.point(v)).collect();
     let sizes = Sizes::new(&rims.iter().map(points).collect::<Vec<_>>());
     let hole = front::Hole { around, rims, sizes: &sizes };
-    let mut built = SUPPORTS.iter().filter_map(|&s| front::advance(hole, options, Way::Mls(s)));
-    let built = built.find(|fill| fill.membranes == 0);
+    let built = SUPPORTS.iter().find_map(|&s| front::advance(hole, options, Way::Mls(s)));
     let method = |fill: Fill| {
         let method = if fill.wide_ears == 0 { Method::Front } else { Method::WideEars };
         (fill, method)

@@ -18,6 +18,9 @@ pub struct Sheet {
     pub triangles: Vec<[usize; 3]>,
 }
 
+/// The triangle to the left of each directed side.
+type Sides = HashMap<(usize, usize), usize>;
+
 /// Flips and moves follow each other this often.
 const ROUNDS: usize = 4;
 
@@ -66,19 +69,19 @@ impl Sheet {
         surface: impl Fn(Uv) -> Option<Point>,
         joined: impl Fn(usize, usize) -> bool,
     ) {
+        let mut sides = self.sides();
         for _ in 0..ROUNDS {
-            self.flip(&joined);
+            self.flip(&mut sides, &joined);
             self.relax(&surface);
         }
-        self.flip(&joined);
+        self.flip(&mut sides, &joined);
     }
 
     /// Flips every edge whose opposite angles sum to more than π.
-    fn flip(&mut self, joined: impl Fn(usize, usize) -> bool) {
-        let mut sides = self.sides();
-        let mut open: Vec<(usize, usize)> =
-            sides.keys().copied().filter(|&(a, b)| a < b && sides.contains_key(&(b, a))).collect();
-        open.sort_unstable();
+    fn flip(&mut self, sides: &mut Sides, joined: impl Fn(usize, usize) -> bool) {
+        let each = self.triangles.iter().flat_map(|t| (0..3).map(|k| (t[k], t[(k + 1) % 3])));
+        let mut open: Vec<_> =
+            each.filter(|&(a, b)| a < b && sides.contains_key(&(b, a))).collect();
         // In space flips could go round in circles.
         let mut most = 10 * open.len();
         while let Some((a, b)) = open.pop() {
@@ -109,7 +112,7 @@ impl Sheet {
     }
 
     /// The triangle to the left of each directed side.
-    fn sides(&self) -> HashMap<(usize, usize), usize> {
+    fn sides(&self) -> Sides {
         let numbered = self.triangles.iter().enumerate();
         numbered
             .flat_map(|(number, t)| (0..3).map(move |k| ((t[k], t[(k + 1) % 3]), number)))
@@ -140,18 +143,25 @@ impl Sheet {
 
     /// Moves each inner vertex towards the mean of its triangles' centres.
     fn relax(&mut self, surface: impl Fn(Uv) -> Option<Point>) {
-        let mut around = vec![Vec::new(); self.uv.len()];
-        for (number, t) in self.triangles.iter().enumerate() {
-            t.iter().for_each(|&v| around[v].push(number));
-        }
-        for (v, around) in around.iter().enumerate().skip(self.fixed) {
-            self.centre(v, around, &surface);
+        let numbered = self.triangles.iter().enumerate();
+        let mut around: Vec<(usize, usize)> = numbered
+            .flat_map(|(number, t)| t.map(|v| (v, number)))
+            .filter(|a| a.0 >= self.fixed)
+            .collect();
+        around.sort_unstable();
+        for around in around.chunk_by(|x, y| x.0 == y.0) {
+            self.centre(around[0].0, around, &surface);
         }
     }
 
-    fn centre(&mut self, v: usize, around: &[usize], surface: impl Fn(Uv) -> Option<Point>) {
+    fn centre(
+        &mut self,
+        v: usize,
+        around: &[(usize, usize)],
+        surface: impl Fn(Uv) -> Option<Point>,
+    ) {
         let (mut sum, mut total) = (nalgebra::Vector2::zeros(), 0.0);
-        for &t in around {
+        for &(_, t) in around {
             let t = self.triangles[t];
             let [a, b, c] = t.map(|v| self.points[v]);
             let area = (b - a).cross(&(c - a)).norm();
@@ -163,7 +173,7 @@ impl Sheet {
         }
         let old = (self.uv[v], self.points[v]);
         let turned = |sheet: &Sheet| {
-            around.iter().filter(|t| !sheet.is_upright(sheet.triangles[**t])).count()
+            around.iter().filter(|a| !sheet.is_upright(sheet.triangles[a.1])).count()
         };
         let before = turned(self);
         let target = Uv::from(sum / total);

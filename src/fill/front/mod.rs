@@ -75,14 +75,14 @@ pub struct Hole<'a> {
 
 /// How a front advances.
 pub enum Way<'a> {
-    /// By MLS, with a support in edge lengths; crossings are looked for in local
-    /// planes.
-    Mls(f64),
+    /// By MLS; crossings are looked for in local planes.
+    Mls(Support),
     /// By a lead, which cannot fail but where the rims cross.
     Led(Lead<'a>),
 }
 
-/// Closes a hole by the front. `None` where the front went astray: it grew without closing in.
+/// Closes a hole by the front. `None` where the front went astray: it grew without
+/// closing in, or came to a halt.
 pub fn advance(hole: Hole, options: &Options, way: Way) -> Option<Fill> {
     let is_led = matches!(way, Way::Led(_));
     let mut front = Front::new(hole, options, way);
@@ -94,6 +94,7 @@ pub fn advance(hole: Hole, options: &Options, way: Way) -> Option<Fill> {
         if !is_led && front.is_growing() {
             return None;
         }
+        front.rings.renew();
         front.advance();
         if before == front.fill.triangles.len() {
             front.close_wide_ears(options.ear_angle)?;
@@ -110,10 +111,27 @@ pub fn span(hole: Hole, options: &Options) -> Option<Fill> {
     Some(front.fill)
 }
 
-/// Supports of the MLS approximations, in edge lengths: the first is enough for
-/// a plane and its bends in the half disk that lies beside a rim; a front that
-/// it leads astray, on rough rims, tries again with the second.
-pub const SUPPORTS: [f64; 2] = [2.0, 3.0];
+/// The MLS approximations by which a front advances.
+#[derive(Debug, Clone, Copy)]
+pub struct Support {
+    /// Their support, in edge lengths.
+    edges: f64,
+    /// How many edges in a row share the one at the middle of them.
+    shared: usize,
+}
+
+/// What a front tries in turn until it does not go astray: a support of two edges
+/// is enough for a plane and its bends in the half disk that lies beside a rim;
+/// rough rims want an approximation for each edge, or a wider one.
+pub const SUPPORTS: [Support; 3] = [
+    Support { edges: 2.0, shared: 5 },
+    Support { edges: 2.0, shared: 1 },
+    Support { edges: 3.0, shared: 1 },
+];
+
+/// Edges of the front are looked at, whether a triangle crosses them, within so
+/// many times its own reach from its centre.
+const NEAR: f64 = 2.5;
 
 struct Front<'a> {
     around: &'a Surroundings<'a>,
@@ -147,7 +165,7 @@ impl<'a> Front<'a> {
             around,
             sizes,
             way,
-            rings: Rings::new(&loops, 3.0 * sizes.mean),
+            rings: Rings::new(&loops),
             placed: None,
             normals: Vec::new(),
             edges: HashSet::new(),
@@ -175,18 +193,23 @@ impl<'a> Front<'a> {
         }
     }
 
-    /// The front's edges that may come within `radius` of `centre` and face
-    /// the same way.
-    fn edges_near(&self, centre: Point, normal: Vector, radius: f64) -> Vec<(Point, Point)> {
+    /// Whether a triangle is upright in the plane at a place, and crosses no edge
+    /// of the front that is near and faces the same way.
+    fn is_free(&self, corners: [Point; 3], at: Point, normal: Vector) -> bool {
+        let centre = Point::from(corners.iter().map(|p| p.coords).sum::<Vector>() / 3.0);
+        let reach = corners.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
+        let radius = NEAR * reach;
         let facing = |node: usize| {
             matches!(self.way, Way::Led(_))
                 || self.normal(self.rings.vertex(node)).dot(&normal) > 0.0
         };
         let near = self.rings.near(centre, radius).into_iter();
-        near.filter(|&node| facing(node) || facing(self.rings.after(node)))
+        let edges: Vec<_> = near
+            .filter(|&node| facing(node) || facing(self.rings.after(node)))
             .map(|node| self.rings.edge(node))
             .filter(|&(p, q)| segment_distance(centre, p, q) < radius)
-            .collect()
+            .collect();
+        self.plane(at, normal).is_free(corners, &edges)
     }
 
     /// Whether two vertices are one, or joined by the mesh or the fill so far.

@@ -16,6 +16,7 @@
 
 mod grid;
 mod likelihood;
+mod overlaps;
 
 use crate::geometry::Uv;
 use grid::Grid;
@@ -37,12 +38,13 @@ pub struct SmoothingSpline<const D: usize> {
 
 impl<const D: usize> SmoothingSpline<D> {
     /// Fits `points` on a grid of about `cell` wide cells, which reaches
-    /// over them and where `also` says. The grid shall not be what smooths: it
+    /// over them and over the cells of which `also` says so, by their centre and
+    /// width, and those around. The grid shall not be what smooths: it
     /// is made finer, down to `narrowest` cells, until the energies do. `None`
     /// where the points are too few.
     pub fn fit(
         points: &[(Uv, [f64; D])],
-        also: impl Fn(Uv) -> bool,
+        also: impl Fn(Uv, f64) -> bool,
         mut cell: f64,
         narrowest: f64,
     ) -> Option<Self> {
@@ -99,7 +101,8 @@ mod tests {
     #[test]
     fn a_clean_surface_goes_on_over_the_hole() {
         let f = |x: f64, y: f64| (1.3 * x).sin() * (0.8 * y).cos();
-        let spline = SmoothingSpline::fit(&ring(f), |p| p.coords.norm() < 1.0, 0.3, 0.1).unwrap();
+        let spline =
+            SmoothingSpline::fit(&ring(f), |p, _| p.coords.norm() < 1.0, 0.3, 0.1).unwrap();
         for p in inside() {
             let [z] = spline.at(p).unwrap();
             assert!((z - f(p.x, p.y)).abs() < 2e-3, "{p} {z} {}", f(p.x, p.y));
@@ -119,7 +122,7 @@ mod tests {
         let f = |x: f64, y: f64| 0.3 * x * x - 0.2 * x * y;
         let mut points = ring(f);
         points.iter_mut().for_each(|p| p.1[0] += noise());
-        let spline = SmoothingSpline::fit(&points, |p| p.coords.norm() < 1.0, 0.3, 0.1).unwrap();
+        let spline = SmoothingSpline::fit(&points, |p, _| p.coords.norm() < 1.0, 0.3, 0.1).unwrap();
         let squares = points.iter().map(|(p, z)| (spline.at(*p).unwrap()[0] - z[0]).powi(2));
         let deviation = (squares.sum::<f64>() / points.len() as f64).sqrt();
         assert!((deviation - 0.05).abs() < 0.005, "{deviation}");
