@@ -173,7 +173,7 @@ impl<'a> Shaper<'a> {
             points: sheet.points.split_off(self.rim.len()),
             triangles: sheet.triangles.into_iter().map(|t| t.map(global)).collect(),
             wide_ears: from.wide_ears,
-            membranes: from.membranes,
+            spanned: from.spanned,
         }
     }
 

@@ -73,7 +73,7 @@ impl Front<'_> {
     }
 
     /// For a front that has come to a halt: raises φ until an ear can be closed,
-    /// or else leaves a ring of a led front to a membrane; another has gone
+    /// or else spans a ring of a led front by least area; another has gone
     /// astray.
     pub(super) fn close_wide_ears(&mut self, angle: f64) -> Option<()> {
         const STEPS: i32 = 6;

@@ -11,7 +11,7 @@
 //!   edge is joined to the front's vertex there instead, and the front splits
 //!   in two.
 //! - Where a round does neither, φ is raised until an ear that crosses nothing
-//!   is closed; without one, the ring of the front is left to a membrane.
+//!   is closed; without one, the ring of the front is spanned by least area.
 //!
 //! The mesh stays a manifold: no edge is made twice. The number of points is
 //! bounded and every other step shortens a ring, so it ends.
@@ -24,6 +24,7 @@ mod points;
 use foldhash::{HashSet, HashSetExt};
 
 use super::Options;
+use super::faults::Ground;
 use super::ring::Rings;
 use super::size::Sizes;
 use crate::geometry::{LocalPlane, Point, Vector, VertexId, segment_distance};
@@ -35,6 +36,7 @@ pub struct Surroundings<'a> {
     pub mesh: &'a Mesh,
     pub rings: &'a mesh::Rings,
     pub cloud: &'a Cloud,
+    pub ground: &'a Ground,
 }
 
 impl Surroundings<'_> {
@@ -42,6 +44,16 @@ impl Surroundings<'_> {
     pub fn joined(&self, v: VertexId, w: VertexId) -> bool {
         let measured = v.index().max(w.index()) < self.mesh.points.len();
         measured && self.rings.neighbours(self.mesh, v).any(|x| x == w)
+    }
+
+    /// The unit normal of a triangle of the mesh between two vertices.
+    pub fn normal_at(&self, v: VertexId, w: VertexId) -> Option<Vector> {
+        if v.index().max(w.index()) >= self.mesh.points.len() {
+            return None;
+        }
+        let of_v = self.rings.triangles(v).iter().map(|&t| self.mesh.triangles[t as usize]);
+        let [a, b, c] = of_v.into_iter().find(|t| t.contains(&w))?.map(|v| self.mesh.point(v));
+        (b - a).cross(&(c - a)).try_normalize(0.0)
     }
 }
 
@@ -53,8 +65,8 @@ pub struct Fill {
     pub triangles: Vec<[VertexId; 3]>,
     /// Ears closed although they were wider than φ.
     pub wide_ears: usize,
-    /// Rings that were left to a membrane.
-    pub membranes: usize,
+    /// Rings that were spanned at once.
+    pub spanned: usize,
 }
 
 /// By which a front is led: a plane in which the hole does not overlap, and the
@@ -103,7 +115,7 @@ pub fn advance(hole: Hole, options: &Options, way: Way) -> Option<Fill> {
     Some(front.fill)
 }
 
-/// Closes a hole by a membrane alone; `None` where the numbers forbid it.
+/// Closes a hole at once, not by a front; `None` where the numbers forbid it.
 pub fn span(hole: Hole, options: &Options) -> Option<Fill> {
     let mut front = Front::new(hole, options, Way::Mls(SUPPORTS[0]));
     front.bridge_islands(hole.rims);
@@ -171,7 +183,7 @@ impl<'a> Front<'a> {
             edges: HashSet::new(),
             #[cfg(debug_assertions)]
             sides: HashSet::new(),
-            fill: Fill { points: vec![], triangles: vec![], wide_ears: 0, membranes: 0 },
+            fill: Fill { points: vec![], triangles: vec![], wide_ears: 0, spanned: 0 },
             support: options.support,
             rim,
             most_points,
@@ -276,7 +288,8 @@ mod tests {
         let points = |r: &&[VertexId]| r.iter().map(|&v| mesh.point(v)).collect::<Vec<_>>();
         let sizes = Sizes::new(&rims.iter().map(points).collect::<Vec<_>>());
         let (rings, cloud) = (mesh::Rings::new(mesh), Cloud::of(mesh));
-        let around = Surroundings { mesh, rings: &rings, cloud: &cloud };
+        let ground = Ground::new(mesh);
+        let around = Surroundings { mesh, rings: &rings, cloud: &cloud, ground: &ground };
         let hole = Hole { around: &around, rims: &rims, sizes: &sizes };
         let fill =
             advance(hole, &Options::default(), Way::Mls(SUPPORTS[0])).expect("the front closes");
@@ -293,7 +306,7 @@ mod tests {
     fn a_slit_makes_the_front_split() {
         let mesh = sheet(24, |i, j| (2..22).contains(&i) && (10..13).contains(&j));
         let (fill, open) = filled(&mesh);
-        assert_eq!((open, fill.membranes), (4 * 24, 0));
+        assert_eq!((open, fill.spanned), (4 * 24, 0));
         assert_eq!(fill.triangles.len(), 2 * fill.points.len() + 46 - 2);
     }
 
@@ -304,7 +317,7 @@ mod tests {
             inside(5, 19) && !inside(9, 15)
         });
         let (fill, open) = filled(&mesh);
-        assert_eq!((open, fill.membranes), (4 * 24, 0));
+        assert_eq!((open, fill.spanned), (4 * 24, 0));
         // An annulus: no more triangles than corners in all.
         assert_eq!(fill.triangles.len(), 2 * fill.points.len() + 4 * 14 + 4 * 6);
     }
