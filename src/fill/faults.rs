@@ -6,7 +6,7 @@ use robust::{Coord3D, orient3d};
 
 use super::cells::Cells;
 use super::front::{Fill, Surroundings};
-use crate::geometry::{Point, Vector, VertexId, bounds};
+use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::Mesh;
 
 /// The cosine of the angle between two triangles' normals below which the
@@ -14,7 +14,7 @@ use crate::mesh::Mesh;
 pub const FOLDED: f64 = -0.3;
 
 /// A cell of the grid of triangles, in mean sides.
-const CELL: f64 = 4.0;
+const CELL: f64 = 2.0;
 
 /// What is wrong with a fill.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
@@ -43,8 +43,12 @@ impl Ground {
     }
 }
 
+fn extent([a, b, c]: [Point; 3]) -> [Point; 2] {
+    [a.inf(&b).inf(&c), a.sup(&b).sup(&c)]
+}
+
 fn cells(triangles: impl Iterator<Item = [Point; 3]>, side: f64) -> Cells {
-    Cells::new(triangles.map(|t| bounds(t.into_iter())), CELL * side.max(f64::MIN_POSITIVE))
+    Cells::new(triangles.map(extent), CELL * side.max(f64::MIN_POSITIVE))
 }
 
 /// The faults of a fill whose edges are about as long as `edge`.
@@ -92,21 +96,13 @@ impl Judge<'_> {
         let (mesh, own) = (self.around.mesh, &self.fill.triangles);
         let corners = |t: &[VertexId; 3]| t.map(self.at);
         let fill = cells(own.iter().map(corners), edge);
-        let (mut found, mut count) = (Vec::new(), 0);
+        let mut count = 0;
         for (number, &t) in own.iter().enumerate() {
-            let place = bounds(corners(&t).into_iter());
-            let meets = |other: [VertexId; 3]| {
-                let [low, high] = bounds(corners(&other).into_iter());
-                (0..3).all(|k| low[k] <= place[1][k] && place[0][k] <= high[k])
-            };
-            let mut cut = |cells: &Cells, triangles: &[[VertexId; 3]], first: usize| {
-                cells.near(place, &mut found);
-                let others = found.iter().map(|&i| i as usize).filter(|&i| i >= first);
-                let others = others.map(|i| triangles[i]);
-                count += others.filter(|&other| meets(other) && self.cut(t, other)).count();
-            };
-            cut(&fill, own, number + 1);
-            cut(&self.around.ground.0, &mesh.triangles, 0);
+            let place = extent(corners(&t));
+            let among_own = fill.meeting(place).filter(|&other| other > number);
+            count += among_own.filter(|&other| self.cut(t, own[other])).count();
+            let ground = self.around.ground.0.meeting(place);
+            count += ground.filter(|&other| self.cut(t, mesh.triangles[other])).count();
         }
         count
     }
@@ -114,16 +110,29 @@ impl Judge<'_> {
     /// Whether a side of one triangle goes through the other; what they share
     /// does not count.
     fn cut(&self, s: [VertexId; 3], t: [VertexId; 3]) -> bool {
-        let pierces = |s: [VertexId; 3], t: [VertexId; 3]| {
+        let (at_s, at_t) = (s.map(self.at), t.map(self.at));
+        if is_beside(at_s, at_t) || is_beside(at_t, at_s) {
+            return false;
+        }
+        let pierces = |s: [VertexId; 3], at_s: [Point; 3], t: [VertexId; 3], at_t| {
             (0..3).any(|k| {
-                let (p, q) = (s[k], s[(k + 1) % 3]);
-                !t.contains(&p)
-                    && !t.contains(&q)
-                    && goes_through([p, q].map(self.at), t.map(self.at))
+                let l = (k + 1) % 3;
+                !t.contains(&s[k]) && !t.contains(&s[l]) && goes_through([at_s[k], at_s[l]], at_t)
             })
         };
-        pierces(s, t) || pierces(t, s)
+        pierces(s, at_s, t, at_t) || pierces(t, at_t, s, at_s)
     }
+}
+
+/// Whether a triangle lies, but for rounding, beyond one side of another, seen
+/// from above this one, as those next to it do.
+fn is_beside([a, b, c]: [Point; 3], other: [Point; 3]) -> bool {
+    let normal = (b - a).cross(&(c - a));
+    [(a, b), (b, c), (c, a)].into_iter().any(|(p, q)| {
+        let inwards = normal.cross(&(q - p));
+        let nothing = 1e-12 * inwards.norm() * (q - p).norm();
+        other.iter().all(|x| inwards.dot(&(x - p)) <= nothing)
+    })
 }
 
 /// Whether a segment goes through a triangle's inside.
