@@ -10,6 +10,7 @@ use super::faults::{self, Faults};
 use super::front::{self, Fill, SUPPORTS, Surroundings, Way};
 use super::refine::Surface;
 use super::size::Sizes;
+use super::smoothing_spline::Held;
 use super::{Method, Options};
 use crate::geometry::{Point, VertexId};
 
@@ -50,17 +51,18 @@ pub fn close(
     let by = |method: Method| move |fill: Fill| (fill, method);
     let front_over = |view: Option<&View>| ways.over(built[first()?].as_ref()?, view).map(fronts);
     let small = || built[0].clone().filter(|fill| fill.points.is_empty()).map(fronts);
-    let developed = |i: usize| ways.developed(built[i].as_ref()).map(fronts);
-    let tries: [&dyn Fn() -> Option<(Fill, Method)>; 10] = [
+    let developed = |i: usize, held| ways.developed(built[i].as_ref(), held).map(fronts);
+    let tries: [&dyn Fn() -> Option<(Fill, Method)>; 11] = [
         &small,
         &|| front_over(all.as_ref()),
         &|| ways.led(all.as_ref()).map(by(Method::Led)),
-        &|| developed(0),
-        &|| developed(1),
-        &|| developed(2),
+        &|| developed(0, Held::Both),
+        &|| developed(1, Held::Both),
+        &|| developed(2, Held::Both),
+        &|| developed(first()?, Held::Flat),
         &|| front_over(part.as_ref()),
         &|| ways.led(part.as_ref()).map(by(Method::Led)),
-        &|| ways.developed(least.as_ref()).map(by(Method::LeastArea)),
+        &|| ways.developed(least.as_ref(), Held::Flat).map(by(Method::LeastArea)),
         &|| least.clone().map(by(Method::LeastArea)),
     ];
     let mut best: Option<Closed> = None;
@@ -134,7 +136,7 @@ impl<'a, F: FnOnce() -> Option<Shaper<'a>>> Ways<'a, F> {
     }
 
     /// A fill over its own layout in the plane.
-    fn developed(&self, fill: Option<&Fill>) -> Option<Fill> {
-        self.shaper.as_ref()?.developed(fill?)
+    fn developed(&self, fill: Option<&Fill>, held: Held) -> Option<Fill> {
+        self.shaper.as_ref()?.developed(fill?, held)
     }
 }

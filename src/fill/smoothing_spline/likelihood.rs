@@ -4,6 +4,7 @@ use std::collections::HashMap;
 
 use faer::Mat;
 
+use super::Held;
 use super::grid::{Grid, ON_CELL, cell_energy, values};
 use super::overlaps::{Overlaps, order, pairs};
 use crate::fill::cholesky::Pattern;
@@ -14,6 +15,16 @@ use crate::geometry::Uv;
 pub struct Exponents(pub i32, pub i32);
 
 impl Exponents {
+    /// Where to begin to search.
+    pub fn first(held: Held) -> Self {
+        Exponents(0, if held == Held::Both { 2 } else { LOWEST })
+    }
+
+    /// The same stiffness on a grid of half the width.
+    pub fn on_half_the_width(self, held: Held) -> Self {
+        Exponents(self.0 + 2, if held == Held::Both { self.1 + 5 } else { LOWEST })
+    }
+
     fn weights(self) -> [f64; 2] {
         [self.0, self.1].map(|e| 10f64.powf(0.5 * f64::from(e)))
     }
@@ -139,7 +150,7 @@ impl<const D: usize> Equations<D> {
     /// A pattern search for the exponents of λ₂ and λ₄, which goes on in a
     /// direction as long as that is better. `None` where there is no solution
     /// for any.
-    pub fn most_likely(&mut self, start: Exponents) -> Option<Exponents> {
+    pub fn most_likely(&mut self, start: Exponents, held: Held) -> Option<Exponents> {
         let mut best = Exponents(start.0.min(HIGHEST), start.1.min(HIGHEST));
         let mut likelihood = self.likelihood(best);
         let mut step = 4;
@@ -147,8 +158,9 @@ impl<const D: usize> Equations<D> {
         // third by then.
         while step > 1 {
             let directions = [(step, 0), (-step, 0), (0, step), (0, -step)];
-            let tried = directions.map(|by| (self.likelihood(best.moved(by)), by));
-            let best_of = tried.into_iter().max_by(|a, b| a.0.total_cmp(&b.0));
+            let searched = if held == Held::Both { &directions[..] } else { &directions[..2] };
+            let tried = searched.iter().map(|&by| (self.likelihood(best.moved(by)), by));
+            let best_of = tried.max_by(|a, b| a.0.total_cmp(&b.0));
             match best_of.filter(|next| next.0 > likelihood) {
                 Some((mut next, by)) => {
                     while next > likelihood {
