@@ -15,10 +15,10 @@ pub struct Sizes {
 }
 
 /// By how much an edge may be longer a unit of length farther from the rim.
-const GROWTH: f64 = 0.3;
+const GROWTH: f64 = 0.15;
 
 /// How much longer than at the rim it becomes at most.
-const LONGEST: f64 = 8.0;
+const LONGEST: f64 = 5.0;
 
 impl Sizes {
     /// The sizes in a hole with these closed rims.
