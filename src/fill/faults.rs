@@ -192,7 +192,7 @@ mod tests {
         let points = [&SQUARE[..], &more].concat();
         let cuts = |measured: &[[u32; 3]], fill: &[[u32; 3]]| faults(&points, measured, fill).cuts;
         assert_eq!(cuts(&[[4, 5, 6]], &[[0, 1, 2]]), 1);
-        assert_eq!(cuts(&[[1, 2, 7]], &[[0, 1, 2], [4, 5, 6]]), 1);
+        assert_eq!(cuts(&[[1, 2, 7]], &[[0, 1, 2], [4, 5, 6]]), 2);
         // Neighbours share a side or a corner and do not cut.
         assert_eq!(cuts(&[[1, 7, 2]], &[[0, 1, 2], [0, 4, 1]]), 0);
         // A corner shared, the opposite side through it.
