@@ -1,53 +1,65 @@
 //! Boxes by the cell of a grid over space that their centre is in, to find the
-//! near ones.
+//! near ones; large boxes in grids of wider cells.
 
-use foldhash::{HashMap, HashMapExt};
+use foldhash::HashMap;
 
 use crate::geometry::Point;
 
 /// A place that reaches into more cells than this is near everything.
 const MOST_CELLS: i64 = 1000;
 
+/// Each level's cells are twice as wide as those of the one before.
+const LEVELS: usize = 40;
+
 /// Boxes, by their lowest and highest corners.
 pub struct Cells {
     width: f64,
-    cells: HashMap<[i64; 3], Vec<Numbered>>,
-    /// Those wider than a cell.
-    large: Vec<Numbered>,
+    levels: Vec<HashMap<[i64; 3], Vec<Numbered>>>,
 }
 
 type Numbered = (u32, [Point; 2]);
 
 impl Cells {
-    /// Boxes in cells of some width.
+    /// Boxes in cells of some width, or wider than they.
     pub fn new(boxes: impl Iterator<Item = [Point; 2]>, width: f64) -> Self {
-        let mut all = Cells { width, cells: HashMap::new(), large: Vec::new() };
+        let mut all = Cells { width, levels: Vec::new() };
         for (number, [low, high]) in (0..).zip(boxes) {
-            let place = if (high - low).max() <= width {
-                all.cells.entry(cell(nalgebra::center(&low, &high), width)).or_default()
-            } else {
-                &mut all.large
-            };
-            place.push((number, [low, high]));
+            let level = ((high - low).max() / width).log2().ceil().clamp(0.0, LEVELS as f64);
+            let level = level as usize;
+            if all.levels.len() <= level {
+                all.levels.resize_with(level + 1, HashMap::default);
+            }
+            let cell = cell(nalgebra::center(&low, &high), all.width_of(level));
+            all.levels[level].entry(cell).or_default().push((number, [low, high]));
         }
         all
     }
 
+    fn width_of(&self, level: usize) -> f64 {
+        self.width * (level as f64).exp2()
+    }
+
     /// The numbers of the boxes that meet one.
     pub fn meeting(&self, place: [Point; 2]) -> impl Iterator<Item = usize> + '_ {
-        let reach = nalgebra::Vector3::repeat(0.5 * self.width);
-        let [low, high] = [place[0] - reach, place[1] + reach].map(|p| cell(p, self.width));
-        let count = |k: usize| high[k].saturating_sub(low[k]).saturating_add(1);
-        let many = (0..3).fold(1, |n: i64, k| n.saturating_mul(count(k))) > MOST_CELLS;
-        let along = move |k: usize| if many { 0..=-1 } else { low[k]..=high[k] };
-        let cells = along(0)
-            .flat_map(move |x| along(1).flat_map(move |y| along(2).map(move |z| [x, y, z])));
-        let all = self.cells.values().take(if many { usize::MAX } else { 0 });
-        let near = cells.filter_map(|c| self.cells.get(&c)).chain(all).flatten();
         let meets = move |[low, high]: &[Point; 2]| {
             (0..3).all(|k| low[k] <= place[1][k] && place[0][k] <= high[k])
         };
-        near.chain(&self.large).filter(move |b| meets(&b.1)).map(|b| b.0 as usize)
+        let near = (0..self.levels.len()).flat_map(move |level| self.near(level, place));
+        near.filter(move |b| meets(&b.1)).map(|b| b.0 as usize)
+    }
+
+    /// The boxes of a level in the cells around a place.
+    fn near(&self, level: usize, place: [Point; 2]) -> impl Iterator<Item = &Numbered> + '_ {
+        let (cells, width) = (&self.levels[level], self.width_of(level));
+        let reach = nalgebra::Vector3::repeat(0.5 * width);
+        let [low, high] = [place[0] - reach, place[1] + reach].map(|p| cell(p, width));
+        let count = |k: usize| high[k].saturating_sub(low[k]).saturating_add(1);
+        let many = (0..3).fold(1, |n: i64, k| n.saturating_mul(count(k))) > MOST_CELLS;
+        let along = move |k: usize| if many { 0..=-1 } else { low[k]..=high[k] };
+        let keys = along(0)
+            .flat_map(move |x| along(1).flat_map(move |y| along(2).map(move |z| [x, y, z])));
+        let all = cells.values().take(if many { usize::MAX } else { 0 });
+        keys.filter_map(|key| cells.get(&key)).chain(all).flatten()
     }
 }
 

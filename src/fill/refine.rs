@@ -113,6 +113,9 @@ impl Surface {
             t.iter().filter(|v| **v >= self.rim).for_each(|&v| around[v].push(number));
         }
         for (v, around) in around.iter().enumerate().skip(self.rim) {
+            if around.is_empty() {
+                continue;
+            }
             let corners = || around.iter().flat_map(|&t| self.triangles[t]).filter(|w| *w != v);
             let sum: Vector = corners().map(|w| self.points[w].coords).sum();
             let (old, mean) = (self.points[v], Point::from(sum / corners().count() as f64));
