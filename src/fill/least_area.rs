@@ -1,8 +1,7 @@
 //! The triangulation of least area of a rim (Barequet & Sharir 1995, "Filling
 //! gaps in the boundary of a polyhedron"), with sharp edges dear (Liepa 2003,
 //! "Filling holes in meshes"), and its triangles divided to the edge length
-//! wanted. It stays near the rim where a membrane, spanned over a circle,
-//! would run through itself.
+//! wanted. It stays near the rim, however that winds.
 
 use super::refine::Surface;
 use super::size::Sizes;
