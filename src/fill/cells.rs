@@ -55,9 +55,9 @@ impl Cells {
         let [low, high] = [place[0] - reach, place[1] + reach].map(|p| cell(p, width));
         let count = |k: usize| high[k].saturating_sub(low[k]).saturating_add(1);
         let many = (0..3).fold(1, |n: i64, k| n.saturating_mul(count(k))) > MOST_CELLS;
-        let along = move |k: usize| if many { 0..=-1 } else { low[k]..=high[k] };
-        let keys = along(0)
-            .flat_map(move |x| along(1).flat_map(move |y| along(2).map(move |z| [x, y, z])));
+        let along = move |k: usize| low[k]..=high[k];
+        let column = move |x: i64| along(1).flat_map(move |y| along(2).map(move |z| [x, y, z]));
+        let keys = (!many).then(|| along(0).flat_map(column)).into_iter().flatten();
         let all = cells.values().take(if many { usize::MAX } else { 0 });
         keys.filter_map(|key| cells.get(&key)).chain(all).flatten()
     }
