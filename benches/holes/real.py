@@ -23,7 +23,7 @@ from evaluate import at_edges, cutting, number, percentiles, report
 from intersections import cutting_pairs
 from pictures import draw
 
-FOLD = 107.4
+FOLD = 107.46
 COLUMNS = ["scan", "holes", "method", "cuts", "folds", "crossed", "edges", "fans", "loops", "turned",
            "angles", "edge/rim", "seam", "fill s"]
 
