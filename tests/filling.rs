@@ -9,6 +9,7 @@ use common::random::Random;
 use common::virtual_scan::{Star, VirtualScan, paper_scan, rolled_sheet, sheet};
 use formats::Soup;
 use scan2step::fill::{self, Method};
+use scan2step::geometry::{Vector, VertexId};
 use scan2step::mesh::{self, Choice, Components, Disk, FaceOrigin, Outer, Patch, Repairs};
 use scan2step::smooth::{self, Support};
 
@@ -30,15 +31,19 @@ fn moth_eaten(random: &mut Random, noise: f64) -> Soup {
             at[axis] = (at[axis] + 2 * step).saturating_sub(1).clamp(2, n - 3);
         }
     }
-    let mut soup = Soup::default();
-    for (i, j) in (0..=n).flat_map(|i| (0..=n).map(move |j| (i, j))) {
+    grid(n, &cut, |i, j| {
         let mut shaken = |x: usize| x as f64 + noise * (random.share() - 0.5);
         let (x, y) = (shaken(i), shaken(j));
-        soup.points.push([x, y, 3.0 * (0.2 * x).sin() * (0.15 * y).cos() + noise * random.share()]);
-    }
+        [x, y, 3.0 * (0.2 * x).sin() * (0.15 * y).cos() + noise * random.share()]
+    })
+}
+
+/// A square of n × n cells, but for those that are cut out.
+fn grid(n: usize, cut: &HashSet<[usize; 2]>, mut at: impl FnMut(usize, usize) -> [f64; 3]) -> Soup {
+    let mut soup = Soup::default();
+    soup.points.extend((0..=n).flat_map(|i| (0..=n).map(move |j| (i, j))).map(|(i, j)| at(i, j)));
     for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
-        let k = (i * (n + 1) + j) as u32;
-        let m = n as u32 + 1;
+        let (k, m) = ((i * (n + 1) + j) as u32, n as u32 + 1);
         if !cut.contains(&[i, j]) {
             soup.polygons.push([k, k + m, k + m + 1]);
             soup.polygons.push([k, k + m + 1, k + 1]);
@@ -84,6 +89,66 @@ fn random_holes_are_filled_to_a_disk() {
         holes += report.holes.len();
     }
     assert!(holes > 200, "{holes}");
+}
+
+/// Steep waves with half a dozen round holes cut out, which cannot be seen whole
+/// from one side.
+fn waves(random: &mut Random) -> Soup {
+    let n = 48;
+    let mut cut = HashSet::new();
+    for _ in 0..6 {
+        let (x, y) = (8 + random.below(n - 16), 8 + random.below(n - 16));
+        let radius = 2.0 + 4.0 * random.share();
+        for (i, j) in (2..n - 2).flat_map(|i| (2..n - 2).map(move |j| (i, j))) {
+            let (dx, dy) = (i as f64 - x as f64, j as f64 - y as f64);
+            if dx.hypot(dy) < radius {
+                cut.insert([i, j]);
+            }
+        }
+    }
+    let height = |x: f64, y: f64| 4.0 * (0.4 * x).sin() * (0.4 * y).sin();
+    grid(n, &cut, |i, j| {
+        let (x, y) = (i as f64, j as f64);
+        [x, y, height(x, y)]
+    })
+}
+
+/// At how many sides of its fills a patch folds, by the normals of the triangles
+/// there.
+fn folds(patch: &Patch) -> usize {
+    let mesh = &patch.mesh;
+    let normal = |t: &[VertexId; 3]| {
+        let [a, b, c] = t.map(|v| mesh.point(v));
+        (b - a).cross(&(c - a)).normalize()
+    };
+    let sides = |t: &[VertexId; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
+    let numbered = || mesh.triangles.iter().zip(&patch.origin);
+    let all: HashMap<_, _> =
+        numbered().flat_map(|(t, _)| sides(t).map(|side| (side, normal(t)))).collect();
+    let filled = numbered().filter(|(_, o)| matches!(o, FaceOrigin::Hole(_)));
+    let folded = |(v, w): &(_, _), own: &Vector| {
+        all.get(&(*w, *v)).is_some_and(|beside| beside.dot(own) < -0.3)
+    };
+    filled.map(|(t, _)| sides(t).iter().filter(|side| folded(side, &normal(t))).count()).sum()
+}
+
+#[test]
+fn holes_in_steep_waves_are_filled_without_a_fold() {
+    let mut random = Random(1);
+    let mut methods = HashSet::new();
+    for _ in 0..12 {
+        let disk = disk(&waves(&mut random));
+        let points = disk.mesh.points.clone();
+        let (patch, report) = fill::fill(disk, &points, &fill::Options::default()).unwrap();
+        check(&patch, &report);
+        assert_eq!(folds(&patch), 0);
+        for hole in &report.holes {
+            assert_eq!(hole.faults.count(), 0, "{hole:?}");
+            methods.insert(format!("{:?}", hole.method));
+        }
+    }
+    // Not all can be closed in one and the same way.
+    assert!(methods.len() > 2, "{methods:?}");
 }
 
 /// Fills a virtual scan, smoothed before or not; the rms distance of what was

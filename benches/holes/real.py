@@ -4,8 +4,10 @@ without a true surface: cuts, topology, angles, seams. With pictures.
     VENV/bin/python benches/holes/real.py target/release/scan2step SCAN... [--pictures DIR]
         [--most N] [--work DIR]
 
-Columns as in evaluate.py; 'sharp' are edges inside the fill whose faces turn by
-more than 90 degrees.
+Columns as in evaluate.py; 'folds' are edges inside the fill whose faces turn by more
+than 107 degrees / the same at rims. 'crossed' are faults (folds and cuts) of holes
+whose measured faces at the rim cut each other or fold: there no fill is free of them;
+they are not among the others.
 """
 
 import argparse
@@ -18,9 +20,11 @@ import numpy as np
 import meshes
 import run as runs
 from evaluate import at_edges, cutting, number, percentiles, report
+from intersections import cutting_pairs
 from pictures import draw
 
-COLUMNS = ["scan", "holes", "method", "cuts", "sharp", "edges", "fans", "loops", "turned",
+FOLD = 107.46
+COLUMNS = ["scan", "holes", "method", "cuts", "folds", "crossed", "edges", "fans", "loops", "turned",
            "angles", "edge/rim", "seam", "fill s"]
 
 
@@ -31,6 +35,8 @@ def main():
     parser.add_argument("--pictures", type=Path, metavar="DIR")
     parser.add_argument("--most", type=int, default=6, help="holes of a scan that are pictured")
     parser.add_argument("--work", type=Path, help="where temporary files go")
+    parser.add_argument("--until-fill", action="store_true",
+                        help="end there; the methods are not known then")
     parser.add_argument("--timeout", type=float, default=300.0)
     options = parser.parse_args()
     print("| " + " | ".join(COLUMNS) + " |\n|" + " --- |" * len(COLUMNS), flush=True)
@@ -40,7 +46,8 @@ def main():
 
 
 def row(scan, options, folder):
-    ran = runs.convert(options.program.resolve(), scan, folder / "run", [], options.timeout)
+    ran = runs.convert(options.program.resolve(), scan, folder / "run", [], options.timeout,
+                       options.until_fill)
     name = scan.name.split(".")[0]
     if not ran.filled:
         return f"| {name} | {ran.stderr[-1] if ran.stderr else ran.code} |" + " |" * (len(COLUMNS) - 2)
@@ -54,8 +61,7 @@ def row(scan, options, folder):
     cells = [
         name, str(len(np.unique(mesh.hole[mesh.fill]))),
         ", ".join(f"{n} {m}" for m, n in methods.items()),
-        f"{cuts['fill'].sum()} / {cuts['measured'].sum()}",
-        str(int((values["inside"] > 90).sum())),
+        *faults(mesh, cuts, edges),
         str(topology["nonmanifold_edges"]), str(topology["more_fans"]), str(topology["loops"]),
         str(topology["disagreeing_edges"]),
         " ".join(number(x, 0) for x in percentiles(meshes.min_angles(mesh, mesh.fill), [0, 1, 5, 50])),
@@ -67,10 +73,36 @@ def row(scan, options, folder):
     return "| " + " | ".join(cells) + " |"
 
 
+def faults(mesh, cuts, edges):
+    """Cuts and folds of the holes whose rims are in order, and the faults of the
+    others."""
+    crossed = np.array(sorted(crossed_rims(mesh, np.unique(mesh.hole[mesh.fill]))), int)
+    count = lambda hole, bad: (int((bad & ~np.isin(hole, crossed)).sum()),
+                               int((bad & np.isin(hole, crossed)).sum()))
+    cut = [count(mesh.hole[mesh.fill], cuts[kind]) for kind in ("fill", "measured")]
+    bent = [count(edges["hole"][kind], edges["values"][kind] > FOLD) for kind in ("inside", "seam")]
+    both = lambda pair: f"{pair[0][0]} / {pair[1][0]}"
+    return both(cut), both(bent), f"{sum(n for _, n in cut + bent)} of {len(crossed)} holes"
+
+
+def crossed_rims(mesh, numbers):
+    """Holes whose measured faces at the rim cut each other, or fold."""
+    kind, sides = meshes.kinds(mesh), mesh.edges
+    own = np.flatnonzero(kind == 0)
+    folded = sides.ends[own[meshes.bends(mesh, own) > FOLD]]
+    for hole in numbers:
+        rim = np.unique(sides.ends[(kind == 1) & (mesh.hole[sides.faces].max(1) == hole)])
+        near = mesh.measured[np.isin(mesh.triangles[mesh.measured], rim).any(1)]
+        pairs = cutting_pairs(mesh.points, mesh.triangles, near) if len(near) else []
+        cut = len(pairs) and (mesh.hole[pairs] < 0).all(1).any()
+        if cut or np.isin(folded, rim).any():
+            yield hole
+
+
 def holes(mesh, cuts, edges):
     """What the pictures are sorted by: the worst holes first."""
     of_face, of_edge = mesh.hole[mesh.fill], edges["hole"]["inside"]
-    sharp = edges["values"]["inside"] > 90
+    sharp = edges["values"]["inside"] > FOLD
     for hole in np.unique(of_face):
         mine = of_face == hole
         yield {"hole": int(hole), "folded": int((sharp & (of_edge == hole)).sum()),

@@ -104,8 +104,10 @@ fn holes(c: &Conversion) -> Vec<Value> {
                 Method::Front => "front",
                 Method::WideEars => "wide ears",
                 Method::Led => "led front",
-                Method::Membrane => "membrane",
+                Method::LeastArea => "least area",
             },
+            "folds": hole.faults.folds,
+            "cuts": hole.faults.cuts,
         })
     })
     .collect()

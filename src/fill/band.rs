@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use foldhash::HashSet;
+
 use super::front::Hole;
 use crate::geometry::{Point, VertexId};
 
@@ -13,15 +15,13 @@ pub fn band(
     width: f64,
     wanted: impl Fn(VertexId) -> bool,
 ) -> Vec<VertexId> {
-    let mut seen: std::collections::HashSet<VertexId> =
-        rims.iter().copied().flatten().copied().collect();
+    let mut seen: HashSet<VertexId> = rims.iter().copied().flatten().copied().collect();
     let mut queue: VecDeque<VertexId> = rims.iter().copied().flatten().copied().collect();
     let mut band = Vec::new();
     while let Some(v) = queue.pop_front() {
         band.push(v);
         for w in around.rings.neighbours(around.mesh, v) {
-            if !seen.contains(&w) && wanted(w) && sizes.depth(around.mesh.point(w)) <= width {
-                seen.insert(w);
+            if seen.insert(w) && wanted(w) && sizes.depth(around.mesh.point(w)) <= width {
                 queue.push_back(w);
             }
         }

@@ -2,6 +2,7 @@
 //! determinants.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
+use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
@@ -20,23 +21,20 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// `columns` holds for each column the rows of its entries at and below
-    /// the diagonal, ascending. `None` if there is no memory for it.
-    pub fn new(columns: &[Vec<usize>]) -> Option<Self> {
-        let n = columns.len();
-        let mut starts = vec![0];
-        starts.extend(columns.iter().scan(0, |end, c| {
-            *end += c.len();
-            Some(*end)
-        }));
-        let rows = columns.concat();
+    /// `starts` tells where in `rows` each column's entries begin, at and below
+    /// the diagonal, ascending; `order` in which order to eliminate. `None` if
+    /// there is no memory for it.
+    pub fn new(starts: Vec<usize>, rows: Vec<usize>, order: &[usize]) -> Option<Self> {
+        let n = order.len();
+        let mut inverse = vec![0; n];
+        order.iter().enumerate().for_each(|(place, &i)| inverse[i] = place);
+        let order = SymmetricOrdering::Custom(PermRef::new_checked(order, &inverse, n));
         let pattern = SymbolicSparseColMat::new_checked(n, n, starts, None, rows);
         // Supernodal throughout: its factor shows the diagonal.
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
         };
-        let order = SymmetricOrdering::Amd;
         let symbolic =
             factorize_symbolic_cholesky(pattern.as_ref(), Side::Lower, order, params).ok()?;
         let factoring = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
@@ -89,12 +87,12 @@ mod tests {
     fn the_determinant_and_the_solution_of_a_chain_are_known() {
         // Second differences with fixed ends: determinant n + 1.
         let n = 50;
-        let columns: Vec<Vec<usize>> = (0..n).map(|j| (j..n.min(j + 2)).collect()).collect();
-        let values: Vec<f64> = columns
-            .iter()
-            .flat_map(|c| c.iter().map(|&i| if i == c[0] { 2.0 } else { -1.0 }))
-            .collect();
-        let mut pattern = Pattern::new(&columns).unwrap();
+        let starts = (0..n).map(|j| 2 * j).chain([2 * n - 1]).collect();
+        let rows: Vec<usize> = (0..2 * n - 1).map(|k| k / 2 + k % 2).collect();
+        let values: Vec<f64> =
+            (0..2 * n - 1).map(|k| if k % 2 == 0 { 2.0 } else { -1.0 }).collect();
+        let order: Vec<usize> = (0..n).rev().collect();
+        let mut pattern = Pattern::new(starts, rows, &order).unwrap();
         let mut x = Mat::from_fn(n, 1, |i, _| if i == 0 { 1.0 } else { 0.0 });
         let log = pattern.solve(&values, Some(&mut x)).unwrap();
         assert!((log - 51f64.ln()).abs() < 1e-10);

@@ -11,6 +11,7 @@ use faer::sparse::linalg::solvers::Llt;
 use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::Vector2;
 
+use super::flips::cotangent;
 use crate::geometry::{Point, Uv};
 
 /// Steps that turn each triangle and then move all.
@@ -64,9 +65,7 @@ fn flatten([a, b, c]: [Point; 3]) -> [Vector2<f64>; 3] {
 fn cotangents(corners: [Point; 3]) -> [f64; 3] {
     [0, 1, 2].map(|k| {
         let apex = corners[(k + 2) % 3];
-        let (x, y) = (corners[k] - apex, corners[(k + 1) % 3] - apex);
-        let cotangent = x.dot(&y) / x.cross(&y).norm().max(f64::MIN_POSITIVE);
-        0.5 * cotangent.clamp(0.05, 20.0)
+        0.5 * cotangent(apex, corners[k], corners[(k + 1) % 3]).clamp(0.05, 20.0)
     })
 }
 

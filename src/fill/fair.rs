@@ -8,10 +8,11 @@ use std::collections::HashMap;
 use super::band::{self, Measured};
 use super::develop::develop;
 use super::front::{Fill, Hole, Lead, Surroundings};
+use super::outlines::Outlines;
 use super::sheet::Sheet;
 use super::size::Sizes;
-use super::smoothing_spline::SmoothingSpline;
-use crate::geometry::{LocalPlane, Point, Uv, Vector, VertexId, is_inside};
+use super::smoothing_spline::{Held, SmoothingSpline};
+use crate::geometry::{LocalPlane, Point, Uv, Vector, VertexId};
 use crate::mesh::{boundary, outline};
 
 /// Cells of the spline across a hole's half width: enough for its bends …
@@ -90,8 +91,10 @@ impl<'a> Shaper<'a> {
         };
         let points: Vec<_> = band.iter().map(height).collect();
         let area = outlines.iter().map(|o| outline_area(o)).sum::<f64>().abs();
-        let inside = |p: Uv| outlines.iter().filter(|o| is_inside(p, o)).count() % 2 == 1;
-        let spline = SmoothingSpline::fit(&points, inside, self.cell(area), self.narrowest())?;
+        let hole = Outlines::new(&outlines);
+        let reach = |p: Uv, cell: f64| hole.reach(p, cell);
+        let cell = self.cell(area);
+        let spline = SmoothingSpline::fit(&points, reach, cell, self.narrowest(), Held::Both)?;
         Some(View { plane, spline, outlines })
     }
 
@@ -117,8 +120,10 @@ impl<'a> Shaper<'a> {
         Some(self.fill(sheet, fill))
     }
 
-    /// Shapes a fill over its own layout in the plane, by turns.
-    pub fn developed(&self, fill: &Fill) -> Option<Fill> {
+    /// Shapes a fill over its own layout in the plane, by turns. Where the surface
+    /// around the hole bends much, one that goes on with its curvature can swing
+    /// out and fold; one `held` flat does not.
+    pub fn developed(&self, fill: &Fill, held: Held) -> Option<Fill> {
         let mut sheet = self.sheet(fill);
         let outside = Outside::new(self.hole.around, &self.rim, &self.band, sheet.points.len());
         let mut start = None;
@@ -136,7 +141,8 @@ impl<'a> Shaper<'a> {
                 known.filter(|known| outside.is_laid_out(*known.1)).map(point).collect();
             let cell = self.cell(sheet.area());
             let covered = sheet.covered(cell);
-            let spline = SmoothingSpline::fit(&points, covered, cell, self.narrowest())?;
+            let narrowest = self.narrowest();
+            let spline = SmoothingSpline::fit(&points, |p, _| covered(p), cell, narrowest, held)?;
             self.settle(&mut sheet, |uv| Some(Point::from(spline.at(uv)?)));
             let outer = &uv[uv.len() - outside.points.len()..];
             start = Some([sheet.uv.as_slice(), outer].concat());
@@ -171,7 +177,7 @@ impl<'a> Shaper<'a> {
             points: sheet.points.split_off(self.rim.len()),
             triangles: sheet.triangles.into_iter().map(|t| t.map(global)).collect(),
             wide_ears: from.wide_ears,
-            membranes: from.membranes,
+            spanned: from.spanned,
         }
     }
 

@@ -4,22 +4,28 @@
 //! do not depend on each other's order.
 
 mod band;
+mod cells;
 mod cholesky;
+mod close;
 mod develop;
 mod fair;
+mod faults;
+mod flips;
 mod front;
-mod membrane;
+mod least_area;
+mod outlines;
 mod plane;
+mod refine;
 mod ring;
 mod sheet;
 mod size;
 mod smoothing_spline;
 
 use band::Measured;
-use fair::Seen;
-use front::{Fill, SUPPORTS, Way};
+use close::Closed;
+pub use faults::Faults;
+use faults::Ground;
 use rayon::prelude::*;
-use size::Sizes;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Point, VertexId};
@@ -56,8 +62,9 @@ pub enum Method {
     /// The front went astray, and was led over the surface that the points
     /// around the hole make likely.
     Led,
-    /// The front could not close it; a membrane does.
-    Membrane,
+    /// Fronts could not close it without a fold or a cut; the triangulation of
+    /// least area does, or does with fewer.
+    LeastArea,
 }
 
 /// One filled hole.
@@ -75,6 +82,8 @@ pub struct Hole {
     pub added_triangles: usize,
     /// How it was closed.
     pub method: Method,
+    /// What is wrong with it nevertheless.
+    pub faults: Faults,
 }
 
 /// What was filled, in the order of the disk's holes.
@@ -89,30 +98,33 @@ pub struct Report {
 pub fn fill(disk: Disk, measured: &[Point], options: &Options) -> Result<(Patch, Report)> {
     let cloud = Cloud::of(&disk.mesh);
     let rings = Rings::new(&disk.mesh);
-    let around = front::Surroundings { mesh: &disk.mesh, rings: &rings, cloud: &cloud };
+    let ground = Ground::new(&disk.mesh);
+    let (mesh, rings, cloud, ground) = (&disk.mesh, &rings, &cloud, &ground);
+    let around = front::Surroundings { mesh, rings, cloud, ground };
     let measured = Measured { points: measured, noise: options.noise };
     let islands = |hole: usize| disk.islands.iter().filter(move |island| island.hole == hole);
     let fill = |(hole, rim): (usize, &Loop)| {
         let rims: Vec<&[VertexId]> = std::iter::once(rim.as_slice())
             .chain(islands(hole).map(|island| island.rim.as_slice()))
             .collect();
-        close(&around, &measured, &rims, options)
+        close::close(&around, &measured, &rims, options)
             .ok_or_else(|| Error::Fill { hole, at: disk.mesh.point(rim[0]) })
     };
-    let fills: Vec<(Fill, Method)> =
-        disk.holes.par_iter().enumerate().map(fill).collect::<Result<_>>()?;
+    let fills: Vec<Closed> = disk.holes.par_iter().enumerate().map(fill).collect::<Result<_>>()?;
     let measured = disk.mesh.points.len();
     let mut mesh = disk.mesh;
     let mut origin = vec![FaceOrigin::Measured; mesh.triangles.len()];
     let mut report = Report::default();
-    for (number, ((fill, method), rim)) in fills.into_iter().zip(&disk.holes).enumerate() {
+    for (number, (closed, rim)) in fills.into_iter().zip(&disk.holes).enumerate() {
+        let fill = closed.fill;
         report.holes.push(Hole {
             rim_vertices: rim.len(),
             rim_length: boundary::length(&mesh, rim),
             islands: islands(number).count(),
             added_vertices: fill.points.len(),
             added_triangles: fill.triangles.len(),
-            method,
+            method: closed.method,
+            faults: closed.faults,
         });
         let shift = (mesh.points.len() - measured) as u32;
         origin.extend(fill.triangles.iter().map(|_| FaceOrigin::Hole(number as u32)));
@@ -128,48 +140,4 @@ pub fn fill(disk: Disk, measured: &[Point], options: &Options) -> Result<(Patch,
     let patch = Patch { mesh, measured, origin, outer, rims, islands };
     debug_assert!(patch.is_disk(), "filling leaves a disk");
     Ok((patch, report))
-}
-
-/// Closes one hole. The front's fill is shaped by the points around it, as a
-/// height if all of these can be seen from one side, or over a layout in the
-/// plane. Where the front went astray, or overlaps itself, it is led over the
-/// surface that the points make likely; what cannot be seen is left to a
-/// membrane.
-fn close(
-    around: &front::Surroundings,
-    measured: &Measured,
-    rims: &[&[VertexId]],
-    options: &Options,
-) -> Option<(Fill, Method)> {
-    let points = |rim: &&[VertexId]| rim.iter().map(|&v| around.mesh.point(v)).collect();
-    let sizes = Sizes::new(&rims.iter().map(points).collect::<Vec<_>>());
-    let hole = front::Hole { around, rims, sizes: &sizes };
-    let mut built = SUPPORTS.iter().filter_map(|&s| front::advance(hole, options, Way::Mls(s)));
-    let built = built.find(|fill| fill.membranes == 0);
-    let method = |fill: Fill| {
-        let method = if fill.wide_ears == 0 { Method::Front } else { Method::WideEars };
-        (fill, method)
-    };
-    if let Some(fill) = built.as_ref().filter(|fill| fill.points.is_empty()) {
-        return Some(method(fill.clone()));
-    }
-    let shaper = fair::Shaper::new(hole, measured);
-    let over_plane = |seen: Seen| {
-        let shaper = shaper.as_ref()?;
-        let view = shaper.view(seen)?;
-        let shaped = built.as_ref().and_then(|fill| shaper.over_plane(fill, &view));
-        shaped.map(method).or_else(|| {
-            let surface = |p: Point| view.under(p, 1e-3 * sizes.mean);
-            let led = front::advance(hole, options, Way::Led(view.lead(&surface)))?;
-            Some((shaper.over_plane(&led, &view)?, Method::Led))
-        })
-    };
-    let developed = |fill: &Fill| shaper.as_ref()?.developed(fill);
-    over_plane(Seen::All)
-        .or_else(|| built.as_ref().and_then(developed).map(method))
-        .or_else(|| over_plane(Seen::Part))
-        .or_else(|| {
-            let membrane = front::span(hole, options)?;
-            Some((developed(&membrane).unwrap_or(membrane), Method::Membrane))
-        })
 }

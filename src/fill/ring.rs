@@ -18,20 +18,26 @@ struct Node {
     alive: bool,
 }
 
+/// The grid's cells, in mean edges.
+const CELL: f64 = 3.0;
+
 /// Closed rings of nodes.
 #[derive(Debug)]
 pub struct Rings {
     nodes: Vec<Node>,
     alive: usize,
+    /// The nodes that were left at the last renewal, and those since.
+    recent: Vec<usize>,
     /// Nodes by the cells that their edge passes.
     grid: HashMap<[i32; 3], Vec<usize>>,
     cell: f64,
 }
 
 impl Rings {
-    /// Rings over `loops`; `cell` is a typical length of an edge.
-    pub fn new(loops: &[Vec<(VertexId, Point)>], cell: f64) -> Self {
-        let mut rings = Rings { nodes: Vec::new(), alive: 0, grid: HashMap::new(), cell };
+    /// Rings over `loops`.
+    pub fn new(loops: &[Vec<(VertexId, Point)>]) -> Self {
+        let (nodes, recent, grid) = (Vec::new(), Vec::new(), HashMap::new());
+        let mut rings = Rings { nodes, alive: 0, recent, grid, cell: 1.0 };
         for ring in loops {
             let (first, n) = (rings.nodes.len(), ring.len());
             for (i, &(vertex, at)) in ring.iter().enumerate() {
@@ -39,9 +45,28 @@ impl Rings {
                 rings.nodes.push(Node { vertex, at, before, after, alive: true });
             }
             rings.alive += n;
-            (first..first + n).for_each(|node| rings.enter(node));
+            rings.recent.extend(first..first + n);
         }
+        rings.renew();
         rings
+    }
+
+    /// Forgets the nodes that are no more, and fits the grid to the edges that
+    /// are left.
+    pub fn renew(&mut self) {
+        self.recent = self.all().collect();
+        let lengths = self.recent.iter().map(|&node| {
+            let (p, q) = self.edge(node);
+            (q - p).norm()
+        });
+        let cell = CELL * lengths.sum::<f64>() / self.alive.max(1) as f64;
+        if cell > 0.0 {
+            self.cell = cell;
+        }
+        self.grid.clear();
+        for i in 0..self.recent.len() {
+            self.enter(self.recent[i]);
+        }
     }
 
     /// The number of nodes left.
@@ -51,7 +76,7 @@ impl Rings {
 
     /// The nodes left.
     pub fn all(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.nodes.len()).filter(|&node| self.nodes[node].alive)
+        self.recent.iter().copied().filter(|&node| self.nodes[node].alive)
     }
 
     pub fn is_alive(&self, node: usize) -> bool {
@@ -161,19 +186,27 @@ impl Rings {
 
     /// The nodes whose edges may come within `radius` of `centre`, ascending.
     pub fn near(&self, centre: Point, radius: f64) -> Vec<usize> {
+        // Of its cells much is farther away.
+        let is_near = |&node: &usize| {
+            let (p, q) = self.edge(node);
+            (0..3).all(|k| {
+                p[k].min(q[k]) <= centre[k] + radius && p[k].max(q[k]) >= centre[k] - radius
+            })
+        };
         // Edges may pass a cell between the places where they were entered.
-        let radius = radius + 0.25 * self.cell;
-        let [low, high] = [-radius, radius].map(|r| self.key(centre.map(|x| x + r)));
+        let reach = radius + 0.25 * self.cell;
+        let [low, high] = [-reach, reach].map(|r| self.key(centre.map(|x| x + r)));
         let wide = (0..3).map(|k| f64::from(high[k] - low[k]) + 1.0).product::<f64>();
         if wide > self.alive as f64 {
-            return self.all().collect();
+            return self.all().filter(is_near).collect();
         }
-        let mut found = Vec::new();
+        let mut found = Vec::with_capacity(64);
         for x in low[0]..=high[0] {
             for y in low[1]..=high[1] {
                 for z in low[2]..=high[2] {
                     let here = self.grid.get(&[x, y, z]).into_iter().flatten();
-                    found.extend(here.copied().filter(|&node| self.nodes[node].alive));
+                    let alive = here.copied().filter(|&node| self.nodes[node].alive);
+                    found.extend(alive.filter(is_near));
                 }
             }
         }
@@ -185,6 +218,7 @@ impl Rings {
     fn push(&mut self, vertex: VertexId, at: Point) -> usize {
         let own = self.nodes.len();
         self.nodes.push(Node { vertex, at, before: own, after: own, alive: true });
+        self.recent.push(own);
         self.alive += 1;
         own
     }
@@ -237,19 +271,19 @@ mod tests {
 
     #[test]
     fn a_pinch_splits_a_ring_and_joins_two() {
-        let mut rings = Rings::new(&[polygon(0, 6)], 1.0);
+        let mut rings = Rings::new(&[polygon(0, 6)]);
         rings.pinch(0, 3);
         assert_eq!(vertices(&rings, 0), [0, 3, 4, 5]);
         assert_eq!(vertices(&rings, 1), [1, 2, 3]);
         assert!(rings.is_triangle(1));
-        let mut rings = Rings::new(&[polygon(0, 3), polygon(10, 3)], 1.0);
+        let mut rings = Rings::new(&[polygon(0, 3), polygon(10, 3)]);
         rings.pinch(0, 4);
         assert_eq!(vertices(&rings, 0), [0, 11, 12, 10, 11, 1, 2]);
     }
 
     #[test]
     fn a_bridge_makes_one_ring_of_two() {
-        let mut rings = Rings::new(&[polygon(0, 3), polygon(10, 3)], 1.0);
+        let mut rings = Rings::new(&[polygon(0, 3), polygon(10, 3)]);
         rings.bridge(0, 3, &[(VertexId(20), Point::origin())]);
         assert_eq!(vertices(&rings, 0), [0, 20, 10, 11, 12, 10, 20, 0, 1, 2]);
         assert_eq!(rings.len(), 10);
@@ -257,7 +291,7 @@ mod tests {
 
     #[test]
     fn near_edges_are_found() {
-        let mut rings = Rings::new(&[polygon(0, 200)], 0.2);
+        let mut rings = Rings::new(&[polygon(0, 200)]);
         assert!(rings.near(Point::new(1.0, 0.0, 0.0), 0.1).contains(&0));
         assert!(rings.near(Point::origin(), 0.2).is_empty());
         rings.cut(0);

@@ -2,8 +2,9 @@
 //! flips towards Delaunay's, measured in space, and by moves within the
 //! surface. Neither turns a triangle over in the chart.
 
-use foldhash::{HashMap, HashSet, HashSetExt};
+use foldhash::{HashSet, HashSetExt};
 
+use super::flips::{self, Sides};
 use crate::geometry::{Point, Uv, orient2d};
 
 /// A triangulated fill. Its first `fixed` vertices are the rims'.
@@ -54,8 +55,7 @@ impl Sheet {
     }
 
     fn is_upright(&self, t: [usize; 3]) -> bool {
-        let [a, b, c] = t.map(|v| self.uv[v]);
-        orient2d(a, b, c) > 0.0
+        is_upright(t.map(|v| self.uv[v]))
     }
 
     /// Flips edges and moves the inner vertices until the triangles are well
@@ -66,92 +66,45 @@ impl Sheet {
         surface: impl Fn(Uv) -> Option<Point>,
         joined: impl Fn(usize, usize) -> bool,
     ) {
+        let mut sides = flips::sides(&self.triangles);
         for _ in 0..ROUNDS {
-            self.flip(&joined);
+            self.flip(&mut sides, &joined);
             self.relax(&surface);
         }
-        self.flip(&joined);
+        self.flip(&mut sides, &joined);
     }
 
-    /// Flips every edge whose opposite angles sum to more than π.
-    fn flip(&mut self, joined: impl Fn(usize, usize) -> bool) {
-        let mut sides = self.sides();
-        let mut open: Vec<(usize, usize)> =
-            sides.keys().copied().filter(|&(a, b)| a < b && sides.contains_key(&(b, a))).collect();
-        open.sort_unstable();
-        // In space flips could go round in circles.
-        let mut most = 10 * open.len();
-        while let Some((a, b)) = open.pop() {
-            let (Some(&s), Some(&t)) = (sides.get(&(a, b)), sides.get(&(b, a))) else { continue };
-            let (c, d) = (self.opposite(s, a, b), self.opposite(t, b, a));
-            let may = !sides.contains_key(&(c, d)) && !sides.contains_key(&(d, c)) && !joined(c, d);
-            let new = [[c, a, d], [d, b, c]];
-            if most == 0
-                || !may
-                || !self.gains([a, b, c, d])
-                || !new.iter().all(|n| self.is_better(*n, [s, t]))
-            {
-                continue;
-            }
-            most -= 1;
-            self.triangles[s] = new[0];
-            self.triangles[t] = new[1];
-            sides.remove(&(a, b));
-            sides.remove(&(b, a));
-            for (number, n) in [s, t].into_iter().zip(new) {
-                for k in 0..3 {
-                    sides.insert((n[k], n[(k + 1) % 3]), number);
-                }
-            }
-            let around = [(a, d), (d, b), (b, c), (c, a)];
-            open.extend(around.iter().filter(|e| sides.contains_key(&(e.1, e.0))).copied());
-        }
-    }
-
-    /// The triangle to the left of each directed side.
-    fn sides(&self) -> HashMap<(usize, usize), usize> {
-        let numbered = self.triangles.iter().enumerate();
-        numbered
-            .flat_map(|(number, t)| (0..3).map(move |k| ((t[k], t[(k + 1) % 3]), number)))
-            .collect()
-    }
-
-    fn opposite(&self, t: usize, a: usize, b: usize) -> usize {
-        let t = self.triangles[t];
-        t.into_iter().find(|&v| v != a && v != b).unwrap_or(t[0])
-    }
-
-    /// Whether the edge a b between c and d is not Delaunay's, clearly.
-    fn gains(&self, [a, b, c, d]: [usize; 4]) -> bool {
-        self.cotangent(c, a, b) + self.cotangent(d, b, a) < -1e-9
-    }
-
-    /// The cotangent of the angle at `v` between `p` and `q`.
-    fn cotangent(&self, v: usize, p: usize, q: usize) -> f64 {
-        let (x, y) = (self.points[p] - self.points[v], self.points[q] - self.points[v]);
-        x.dot(&y) / x.cross(&y).norm().max(f64::MIN_POSITIVE)
-    }
-
-    /// Whether a triangle that shall replace others is upright, or at least
-    /// not worse than they.
-    fn is_better(&self, new: [usize; 3], old: [usize; 2]) -> bool {
-        self.is_upright(new) || old.iter().any(|&t| !self.is_upright(self.triangles[t]))
+    fn flip(&mut self, sides: &mut Sides, joined: impl Fn(usize, usize) -> bool) {
+        let uv = &self.uv;
+        let upright = |t: &[usize; 3]| is_upright(t.map(|v| uv[v]));
+        // Upright, or at least not worse than they were.
+        let may = |old: [[usize; 3]; 2], new: [[usize; 3]; 2]| {
+            new.iter().all(upright) || !old.iter().all(upright)
+        };
+        flips::flip(&self.points, &mut self.triangles, sides, joined, may);
     }
 
     /// Moves each inner vertex towards the mean of its triangles' centres.
     fn relax(&mut self, surface: impl Fn(Uv) -> Option<Point>) {
-        let mut around = vec![Vec::new(); self.uv.len()];
-        for (number, t) in self.triangles.iter().enumerate() {
-            t.iter().for_each(|&v| around[v].push(number));
-        }
-        for (v, around) in around.iter().enumerate().skip(self.fixed) {
-            self.centre(v, around, &surface);
+        let numbered = self.triangles.iter().enumerate();
+        let mut around: Vec<(usize, usize)> = numbered
+            .flat_map(|(number, t)| t.map(|v| (v, number)))
+            .filter(|a| a.0 >= self.fixed)
+            .collect();
+        around.sort_unstable();
+        for around in around.chunk_by(|x, y| x.0 == y.0) {
+            self.centre(around[0].0, around, &surface);
         }
     }
 
-    fn centre(&mut self, v: usize, around: &[usize], surface: impl Fn(Uv) -> Option<Point>) {
+    fn centre(
+        &mut self,
+        v: usize,
+        around: &[(usize, usize)],
+        surface: impl Fn(Uv) -> Option<Point>,
+    ) {
         let (mut sum, mut total) = (nalgebra::Vector2::zeros(), 0.0);
-        for &t in around {
+        for &(_, t) in around {
             let t = self.triangles[t];
             let [a, b, c] = t.map(|v| self.points[v]);
             let area = (b - a).cross(&(c - a)).norm();
@@ -163,7 +116,7 @@ impl Sheet {
         }
         let old = (self.uv[v], self.points[v]);
         let turned = |sheet: &Sheet| {
-            around.iter().filter(|t| !sheet.is_upright(sheet.triangles[**t])).count()
+            around.iter().filter(|a| !sheet.is_upright(sheet.triangles[a.1])).count()
         };
         let before = turned(self);
         let target = Uv::from(sum / total);
@@ -178,6 +131,10 @@ impl Sheet {
         }
         (self.uv[v], self.points[v]) = old;
     }
+}
+
+fn is_upright([a, b, c]: [Uv; 3]) -> bool {
+    orient2d(a, b, c) > 0.0
 }
 
 #[cfg(test)]
@@ -202,7 +159,8 @@ mod tests {
     fn least_angle(sheet: &Sheet) -> f64 {
         let cotangents = |t: &[usize; 3]| {
             (0..3)
-                .map(|k| sheet.cotangent(t[k], t[(k + 1) % 3], t[(k + 2) % 3]))
+                .map(|k| [0, 1, 2].map(|i| sheet.points[t[(k + i) % 3]]))
+                .map(|[v, p, q]| flips::cotangent(v, p, q))
                 .fold(0.0, f64::max)
         };
         let widest = sheet.triangles.iter().map(cotangents).fold(0.0, f64::max);
@@ -226,7 +184,8 @@ mod tests {
     #[test]
     fn vertices_joined_elsewhere_are_not_joined_again() {
         let mut sheet = fan();
-        let sides = |s: &Sheet| s.sides().keys().filter(|e| e.0.max(e.1) < 20).count();
+        let sides =
+            |s: &Sheet| flips::sides(&s.triangles).keys().filter(|e| e.0.max(e.1) < 20).count();
         let before = sides(&sheet);
         sheet.improve(|uv| Some(Point::new(uv.x, uv.y, 0.0)), |_, _| true);
         assert!(sides(&sheet) <= before);

@@ -3,7 +3,7 @@
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use super::Front;
+use super::{Front, Way};
 
 impl Front<'_> {
     /// The nodes before, at and after `node`.
@@ -25,10 +25,7 @@ impl Front<'_> {
             return false;
         }
         let [a, b, c] = ear.map(|n| self.rings.at(n));
-        let longest = (a - b).norm().max((c - b).norm());
-        let normal = self.normal(self.rings.vertex(node));
-        let near = self.edges_near(b, normal, 2.0 * longest);
-        self.plane(b, normal).is_free([c, b, a], &near)
+        self.is_free([c, b, a], b, self.normal(self.rings.vertex(node)))
     }
 
     /// Closes an ear; returns the nodes whose angle it changed.
@@ -55,29 +52,29 @@ impl Front<'_> {
     /// returns how many.
     pub(super) fn close_ears(&mut self, angle: f64) -> usize {
         let before = self.fill.triangles.len();
+        let ear = |front: &Self, node: usize| {
+            let ear = Reverse(Ear { angle: front.angle(node), node });
+            (ear.0.angle < angle).then_some(ear)
+        };
         let mut order: BinaryHeap<Reverse<Ear>> =
-            self.rings.all().map(|node| Reverse(Ear { angle: self.angle(node), node })).collect();
-        while let Some(Reverse(ear)) = order.pop() {
-            let node = ear.node;
-            if ear.angle >= angle {
-                break;
-            }
+            self.rings.all().filter_map(|node| ear(self, node)).collect();
+        while let Some(Reverse(Ear { angle, node })) = order.pop() {
             // Angles that have changed since were entered anew.
-            if !self.rings.is_alive(node) || self.angle(node) != ear.angle {
+            if !self.rings.is_alive(node) || self.angle(node) != angle {
                 continue;
             }
             if self.close_triangle(node) || !self.may_close(node) {
                 continue;
             }
-            for changed in self.close(node) {
-                order.push(Reverse(Ear { angle: self.angle(changed), node: changed }));
-            }
+            let changed = self.close(node);
+            order.extend(changed.into_iter().filter_map(|node| ear(self, node)));
         }
         self.fill.triangles.len() - before
     }
 
     /// For a front that has come to a halt: raises φ until an ear can be closed,
-    /// or else leaves a ring to a membrane.
+    /// or else spans a ring of a led front by least area; another has gone
+    /// astray.
     pub(super) fn close_wide_ears(&mut self, angle: f64) -> Option<()> {
         const STEPS: i32 = 6;
         for step in 1..=STEPS {
@@ -88,8 +85,13 @@ impl Front<'_> {
                 return Some(());
             }
         }
-        let node = self.rings.all().next();
-        self.span(node?)
+        match self.way {
+            Way::Mls(_) => None,
+            Way::Led(_) => {
+                let node = self.rings.all().next()?;
+                self.span(node)
+            }
+        }
     }
 }
 

@@ -1,30 +1,43 @@
-//! What the front cannot close is left to a membrane.
+//! What the front cannot close is spanned at once.
+
+use foldhash::{HashSet, HashSetExt};
 
 use super::Front;
-use crate::fill::membrane;
-use crate::geometry::Vector;
+use crate::fill::least_area;
+use crate::geometry::{Point, Vector, VertexId};
 
 impl Front<'_> {
-    /// Closes the ring of a node by a membrane.
+    /// Closes the ring of a node by the triangulation of least area. `None` if it
+    /// would join two vertices twice: around an island a ring comes by a vertex
+    /// more than once.
     pub(super) fn span(&mut self, node: usize) -> Option<()> {
         if self.close_triangle(node) {
             return Some(());
         }
         // The hole lies to the right of its rim.
-        let nodes = self.rings.ring(node);
-        let ring: Vec<_> =
-            nodes.iter().rev().map(|&n| (self.rings.vertex(n), self.rings.at(n))).collect();
-        let membrane = membrane::span(&ring, |v, w| self.joined(v, w))?;
-        let mean = nodes.iter().map(|&n| self.normal(self.rings.vertex(n))).sum::<Vector>();
+        let nodes: Vec<usize> = self.rings.ring(node).into_iter().rev().collect();
+        let ring: Vec<VertexId> = nodes.iter().map(|&n| self.rings.vertex(n)).collect();
+        let rim: Vec<Point> = nodes.iter().map(|&n| self.rings.at(n)).collect();
+        let next = |i: usize| ring[(i + 1) % ring.len()];
+        let beside = |i: usize| self.around.normal_at(ring[i], next(i)).unwrap_or_default();
+        let beside: Vec<Vector> = (0..ring.len()).map(beside).collect();
+        let joined = |i: usize, j: usize| self.joined(ring[i], ring[j]);
+        let surface = least_area::span(&rim, &beside, joined, self.sizes)?;
+        let mean = ring.iter().map(|&v| self.normal(v)).sum::<Vector>();
         let normal = mean.try_normalize(1e-12).unwrap_or(Vector::z());
-        let first: Vec<_> = ring.iter().map(|r| r.0).collect();
-        let new: Vec<_> = membrane.points.into_iter().map(|p| self.add_point(p, normal)).collect();
-        let vertices = [first, new].concat();
-        for t in membrane.triangles {
-            self.add(t.map(|i| vertices[i]));
+        let inner = surface.points[rim.len()..].iter();
+        let new: Vec<_> = inner.map(|&p| self.add_point(p, normal)).collect();
+        let vertices = [ring, new].concat();
+        let triangles = surface.triangles.iter().map(|t| t.map(|i| vertices[i]));
+        let triangles: Vec<_> = triangles.collect();
+        let mut sides = HashSet::with_capacity(3 * triangles.len());
+        let each = triangles.iter().flat_map(|t| (0..3).map(|k| (t[k], t[(k + 1) % 3])));
+        if !each.into_iter().all(|side| sides.insert(side)) {
+            return None;
         }
+        triangles.into_iter().for_each(|t| self.add(t));
         self.rings.drop_ring(node);
-        self.fill.membranes += 1;
+        self.fill.spanned += 1;
         Some(())
     }
 }

@@ -11,7 +11,7 @@
 //!   edge is joined to the front's vertex there instead, and the front splits
 //!   in two.
 //! - Where a round does neither, φ is raised until an ear that crosses nothing
-//!   is closed; without one, the ring of the front is left to a membrane.
+//!   is closed; without one, the ring of the front is spanned by least area.
 //!
 //! The mesh stays a manifold: no edge is made twice. The number of points is
 //! bounded and every other step shortens a ring, so it ends.
@@ -24,6 +24,7 @@ mod points;
 use foldhash::{HashSet, HashSetExt};
 
 use super::Options;
+use super::faults::Ground;
 use super::ring::Rings;
 use super::size::Sizes;
 use crate::geometry::{LocalPlane, Point, Vector, VertexId, segment_distance};
@@ -35,6 +36,7 @@ pub struct Surroundings<'a> {
     pub mesh: &'a Mesh,
     pub rings: &'a mesh::Rings,
     pub cloud: &'a Cloud,
+    pub ground: &'a Ground,
 }
 
 impl Surroundings<'_> {
@@ -42,6 +44,16 @@ impl Surroundings<'_> {
     pub fn joined(&self, v: VertexId, w: VertexId) -> bool {
         let measured = v.index().max(w.index()) < self.mesh.points.len();
         measured && self.rings.neighbours(self.mesh, v).any(|x| x == w)
+    }
+
+    /// The unit normal of a triangle of the mesh between two vertices.
+    pub fn normal_at(&self, v: VertexId, w: VertexId) -> Option<Vector> {
+        if v.index().max(w.index()) >= self.mesh.points.len() {
+            return None;
+        }
+        let of_v = self.rings.triangles(v).iter().map(|&t| self.mesh.triangles[t as usize]);
+        let [a, b, c] = of_v.into_iter().find(|t| t.contains(&w))?.map(|v| self.mesh.point(v));
+        (b - a).cross(&(c - a)).try_normalize(0.0)
     }
 }
 
@@ -53,8 +65,8 @@ pub struct Fill {
     pub triangles: Vec<[VertexId; 3]>,
     /// Ears closed although they were wider than φ.
     pub wide_ears: usize,
-    /// Rings that were left to a membrane.
-    pub membranes: usize,
+    /// Rings that were spanned at once.
+    pub spanned: usize,
 }
 
 /// By which a front is led: a plane in which the hole does not overlap, and the
@@ -75,14 +87,14 @@ pub struct Hole<'a> {
 
 /// How a front advances.
 pub enum Way<'a> {
-    /// By MLS, with a support in edge lengths; crossings are looked for in local
-    /// planes.
-    Mls(f64),
+    /// By MLS; crossings are looked for in local planes.
+    Mls(Support),
     /// By a lead, which cannot fail but where the rims cross.
     Led(Lead<'a>),
 }
 
-/// Closes a hole by the front. `None` where the front went astray: it grew without closing in.
+/// Closes a hole by the front. `None` where the front went astray: it grew without
+/// closing in, or came to a halt.
 pub fn advance(hole: Hole, options: &Options, way: Way) -> Option<Fill> {
     let is_led = matches!(way, Way::Led(_));
     let mut front = Front::new(hole, options, way);
@@ -94,6 +106,7 @@ pub fn advance(hole: Hole, options: &Options, way: Way) -> Option<Fill> {
         if !is_led && front.is_growing() {
             return None;
         }
+        front.rings.renew();
         front.advance();
         if before == front.fill.triangles.len() {
             front.close_wide_ears(options.ear_angle)?;
@@ -102,7 +115,7 @@ pub fn advance(hole: Hole, options: &Options, way: Way) -> Option<Fill> {
     Some(front.fill)
 }
 
-/// Closes a hole by a membrane alone; `None` where the numbers forbid it.
+/// Closes a hole at once, not by a front; `None` where the numbers forbid it.
 pub fn span(hole: Hole, options: &Options) -> Option<Fill> {
     let mut front = Front::new(hole, options, Way::Mls(SUPPORTS[0]));
     front.bridge_islands(hole.rims);
@@ -110,10 +123,27 @@ pub fn span(hole: Hole, options: &Options) -> Option<Fill> {
     Some(front.fill)
 }
 
-/// Supports of the MLS approximations, in edge lengths: the first is enough for
-/// a plane and its bends in the half disk that lies beside a rim; a front that
-/// it leads astray, on rough rims, tries again with the second.
-pub const SUPPORTS: [f64; 2] = [2.0, 3.0];
+/// The MLS approximations by which a front advances.
+#[derive(Debug, Clone, Copy)]
+pub struct Support {
+    /// Their support, in edge lengths.
+    edges: f64,
+    /// How many edges in a row share the one at the middle of them.
+    shared: usize,
+}
+
+/// What a front tries in turn until it does not go astray: a support of two edges
+/// is enough for a plane and its bends in the half disk that lies beside a rim;
+/// rough rims want an approximation for each edge, or a wider one.
+pub const SUPPORTS: [Support; 3] = [
+    Support { edges: 2.0, shared: 5 },
+    Support { edges: 2.0, shared: 1 },
+    Support { edges: 3.0, shared: 1 },
+];
+
+/// Edges of the front are looked at, whether a triangle crosses them, within so
+/// many times its own reach from its centre.
+const NEAR: f64 = 2.5;
 
 struct Front<'a> {
     around: &'a Surroundings<'a>,
@@ -147,13 +177,13 @@ impl<'a> Front<'a> {
             around,
             sizes,
             way,
-            rings: Rings::new(&loops, 3.0 * sizes.mean),
+            rings: Rings::new(&loops),
             placed: None,
             normals: Vec::new(),
             edges: HashSet::new(),
             #[cfg(debug_assertions)]
             sides: HashSet::new(),
-            fill: Fill { points: vec![], triangles: vec![], wide_ears: 0, membranes: 0 },
+            fill: Fill { points: vec![], triangles: vec![], wide_ears: 0, spanned: 0 },
             support: options.support,
             rim,
             most_points,
@@ -175,18 +205,23 @@ impl<'a> Front<'a> {
         }
     }
 
-    /// The front's edges that may come within `radius` of `centre` and face
-    /// the same way.
-    fn edges_near(&self, centre: Point, normal: Vector, radius: f64) -> Vec<(Point, Point)> {
+    /// Whether a triangle is upright in the plane at a place, and crosses no edge
+    /// of the front that is near and faces the same way.
+    fn is_free(&self, corners: [Point; 3], at: Point, normal: Vector) -> bool {
+        let centre = Point::from(corners.iter().map(|p| p.coords).sum::<Vector>() / 3.0);
+        let reach = corners.iter().map(|p| (p - centre).norm()).fold(0.0, f64::max);
+        let radius = NEAR * reach;
         let facing = |node: usize| {
             matches!(self.way, Way::Led(_))
                 || self.normal(self.rings.vertex(node)).dot(&normal) > 0.0
         };
         let near = self.rings.near(centre, radius).into_iter();
-        near.filter(|&node| facing(node) || facing(self.rings.after(node)))
+        let edges: Vec<_> = near
+            .filter(|&node| facing(node) || facing(self.rings.after(node)))
             .map(|node| self.rings.edge(node))
             .filter(|&(p, q)| segment_distance(centre, p, q) < radius)
-            .collect()
+            .collect();
+        self.plane(at, normal).is_free(corners, &edges)
     }
 
     /// Whether two vertices are one, or joined by the mesh or the fill so far.
@@ -253,7 +288,8 @@ mod tests {
         let points = |r: &&[VertexId]| r.iter().map(|&v| mesh.point(v)).collect::<Vec<_>>();
         let sizes = Sizes::new(&rims.iter().map(points).collect::<Vec<_>>());
         let (rings, cloud) = (mesh::Rings::new(mesh), Cloud::of(mesh));
-        let around = Surroundings { mesh, rings: &rings, cloud: &cloud };
+        let ground = Ground::new(mesh);
+        let around = Surroundings { mesh, rings: &rings, cloud: &cloud, ground: &ground };
         let hole = Hole { around: &around, rims: &rims, sizes: &sizes };
         let fill =
             advance(hole, &Options::default(), Way::Mls(SUPPORTS[0])).expect("the front closes");
@@ -270,7 +306,7 @@ mod tests {
     fn a_slit_makes_the_front_split() {
         let mesh = sheet(24, |i, j| (2..22).contains(&i) && (10..13).contains(&j));
         let (fill, open) = filled(&mesh);
-        assert_eq!((open, fill.membranes), (4 * 24, 0));
+        assert_eq!((open, fill.spanned), (4 * 24, 0));
         assert_eq!(fill.triangles.len(), 2 * fill.points.len() + 46 - 2);
     }
 
@@ -281,7 +317,7 @@ mod tests {
             inside(5, 19) && !inside(9, 15)
         });
         let (fill, open) = filled(&mesh);
-        assert_eq!((open, fill.membranes), (4 * 24, 0));
+        assert_eq!((open, fill.spanned), (4 * 24, 0));
         // An annulus: no more triangles than corners in all.
         assert_eq!(fill.triangles.len(), 2 * fill.points.len() + 4 * 14 + 4 * 6);
     }

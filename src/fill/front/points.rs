@@ -1,6 +1,8 @@
 //! New points: a candidate an edge, which becomes a vertex, or shows where the
 //! front meets itself.
 
+use foldhash::{HashSet, HashSetExt};
+
 use super::{Front, Way};
 use crate::geometry::{Point, Vector, segment_distance};
 use crate::mesh::mls::{self, Cloud, Polynomial, Sample};
@@ -13,11 +15,31 @@ const APART: f64 = 0.55;
 /// are left to ears.
 const LOWEST: f64 = 0.4;
 
+/// Nor farther than this.
+const HIGHEST: f64 = 1.25;
+
 /// A front vertex this near to where a point would be placed takes its part.
 const MEETING: f64 = 0.75;
 
 /// The sine of the least angle of a triangle that joins the front to itself.
 const SHARPEST: f64 = 0.3;
+
+/// Edges share no approximation from farther away than so many edge lengths
+/// wanted there, …
+const FARTHEST: f64 = 2.2;
+
+/// … nor one whose plane is turned from theirs, by the cosine of the angle.
+const FACING: f64 = 0.95;
+
+/// The MLS approximation at an edge.
+#[derive(Clone, Copy)]
+struct Local {
+    middle: Point,
+    plane: mls::Plane,
+    polynomial: Option<Polynomial>,
+    /// The edge length wanted there.
+    reach: f64,
+}
 
 impl Front<'_> {
     /// One candidate an edge: it becomes a vertex, or the front meets itself
@@ -25,43 +47,85 @@ impl Front<'_> {
     pub(super) fn advance(&mut self) {
         let new = self.fill.points.clone();
         self.placed = (!new.is_empty()).then(|| Cloud::new(new, self.normals.clone()));
-        let mut around = Vec::new();
-        let edges: Vec<_> = self.rings.all().map(|n| (n, self.rings.after(n))).collect();
-        let candidates: Vec<_> = edges
-            .into_iter()
-            .filter_map(|edge| Some((edge, self.candidate(edge, &mut around)?)))
-            .collect();
-        for (edge, (p, normal)) in candidates {
-            if self.fill.points.len() < self.most_points && !self.meet(edge, p, normal) {
-                self.try_point(p, normal);
+        for (edge, (p, normal)) in self.candidates() {
+            let size = self.sizes.at(p);
+            if self.fill.points.len() < self.most_points && !self.meet(edge, p, size, normal) {
+                self.try_point(p, size, normal);
             }
         }
     }
 
+    /// The candidates of all edges, ring by ring.
+    fn candidates(&self) -> Vec<((usize, usize), (Point, Vector))> {
+        let mut candidates = Vec::with_capacity(self.rings.len());
+        let mut around = Vec::new();
+        let mut seen = HashSet::new();
+        let shared = match self.way {
+            Way::Mls(support) => support.shared,
+            Way::Led(_) => 1,
+        };
+        for first in self.rings.all() {
+            if seen.contains(&first) {
+                continue;
+            }
+            let ring = self.rings.ring(first);
+            seen.extend(ring.iter().copied());
+            for nodes in ring.chunks(shared) {
+                let middle = nodes[nodes.len() / 2];
+                let local = self.local(middle, &mut around);
+                for &node in nodes {
+                    let is_shared = |l: &Local| node == middle || self.is_shared(l, node);
+                    let local = match local.filter(is_shared) {
+                        None if node != middle => self.local(node, &mut around),
+                        local => local,
+                    };
+                    let candidate = self.candidate(node, local.as_ref());
+                    candidates.extend(candidate.map(|c| ((node, self.rings.after(node)), c)));
+                }
+            }
+        }
+        candidates
+    }
+
+    /// The middle of the edge that leaves a node, and the mean normal of its
+    /// ends.
+    fn middle(&self, node: usize) -> Option<(Point, Vector)> {
+        let after = self.rings.after(node);
+        let [n, m] = [node, after].map(|node| self.normal(self.rings.vertex(node)));
+        let middle = nalgebra::center(&self.rings.at(node), &self.rings.at(after));
+        Some((middle, (n + m).try_normalize(1e-6)?))
+    }
+
+    /// The MLS approximation at the middle of the edge that leaves a node;
+    /// `None` for a led front, or where there is no plane.
+    fn local(&self, node: usize, around: &mut Vec<Sample>) -> Option<Local> {
+        let Way::Mls(support) = self.way else { return None };
+        let (middle, guess) = self.middle(node)?;
+        let a = self.sizes.at(middle);
+        let (p, q) = self.rings.edge(node);
+        let h = (support.edges * a.max((q - p).norm())).max(self.support.min(4.0 * a));
+        self.gather(middle, guess, h, around);
+        let plane = mls::reference_plane(middle, guess, around, h)?;
+        Some(Local { middle, plane, polynomial: Polynomial::fit(&plane, around, h), reach: a })
+    }
+
+    /// Whether the approximation at one edge serves for another, too.
+    fn is_shared(&self, local: &Local, node: usize) -> bool {
+        self.middle(node).is_some_and(|(middle, normal)| {
+            (middle - local.middle).norm() <= FARTHEST * local.reach
+                && normal.dot(&local.plane.normal) > FACING
+        })
+    }
+
     /// The point at d(e) = √(4a² − e²) / 2 from the edge on the bisector in the
-    /// MLS plane at its midpoint, then on the local MLS approximation over that
+    /// MLS plane, then on the local MLS approximation over that
     /// plane. One that the approximation throws farther than its distance from
     /// the edge stays on the plane.
-    fn candidate(
-        &self,
-        (v, w): (usize, usize),
-        around: &mut Vec<Sample>,
-    ) -> Option<(Point, Vector)> {
-        let (p, q) = (self.rings.at(v), self.rings.at(w));
-        let [n, m] = [v, w].map(|node| self.normal(self.rings.vertex(node)));
-        let guess = (n + m).try_normalize(1e-6)?;
-        let middle = nalgebra::center(&p, &q);
+    fn candidate(&self, node: usize, local: Option<&Local>) -> Option<(Point, Vector)> {
+        let (middle, guess) = self.middle(node)?;
+        let (p, q) = self.rings.edge(node);
         let a = self.sizes.at(middle);
-        let support = match self.way {
-            Way::Mls(support) => Some(support),
-            Way::Led(_) => None,
-        };
-        let h = support.map_or(0.0, |s| (s * a.max((q - p).norm())).max(self.support.min(4.0 * a)));
-        let plane = support.and_then(|_| {
-            self.gather(middle, guess, h, around);
-            mls::reference_plane(middle, guess, around, h)
-        });
-        let normal = plane.map_or(guess, |f| f.normal);
+        let normal = local.map_or(guess, |l| l.plane.normal);
         let into = (q - p).cross(&normal).try_normalize(1e-12)?;
         let side = (q - p).norm().min(3f64.sqrt() * a);
         let distance = 0.5 * (4.0 * a * a - side * side).sqrt();
@@ -69,8 +133,7 @@ impl Front<'_> {
         if let Way::Led(lead) = &self.way {
             return (lead.surface)(flat);
         }
-        let foot = plane.and_then(|plane| Polynomial::fit(&plane, around, h));
-        let foot = foot.map(|polynomial| polynomial.at(flat));
+        let foot = local.and_then(|l| l.polynomial.as_ref()).map(|polynomial| polynomial.at(flat));
         Some(foot.filter(|f| (f.0 - flat).norm() < distance).unwrap_or((flat, normal)))
     }
 
@@ -88,11 +151,11 @@ impl Front<'_> {
 
     /// Where a front vertex is near `p`, the candidate of `edge`, joins the
     /// edge to it; says whether it did.
-    fn meet(&mut self, (v, w): (usize, usize), p: Point, normal: Vector) -> bool {
+    fn meet(&mut self, (v, w): (usize, usize), p: Point, size: f64, normal: Vector) -> bool {
         if !self.rings.is_alive(v) || self.rings.after(v) != w {
             return false;
         }
-        let reach = MEETING * self.sizes.at(p);
+        let reach = MEETING * size;
         let own = [v, w, self.rings.before(v), self.rings.after(w)];
         let near = self.rings.near(p, reach).into_iter();
         let distance = |node: usize| (self.rings.at(node) - p).norm();
@@ -119,15 +182,13 @@ impl Front<'_> {
         if (0..3).any(sharp) {
             return false;
         }
-        let reach = (c - a).norm().max((c - b).norm());
-        let near = self.edges_near(c, normal, 2.0 * reach);
         let plane = self.plane(c, normal);
         // The apex sees the edge through its own gap.
         let [before, after] = [self.rings.before(apex), self.rings.after(apex)];
         let [before, after] = [before, after].map(|n| self.rings.at(n));
         let gap = plane.angle(before, c, after);
         let between = |p: Point| plane.angle(before, c, p) < gap;
-        plane.is_free(corners, &near) && between(a) && between(b)
+        between(a) && between(b) && self.is_free(corners, c, normal)
     }
 
     fn join(&mut self, node: usize, apex: usize) {
@@ -143,11 +204,10 @@ impl Front<'_> {
     /// Joins `p` to the nearest front edge, if it keeps its distance from all
     /// other points (a front that has turned around would grow back over the
     /// measured surface) and the triangle crosses nothing.
-    fn try_point(&mut self, p: Point, normal: Vector) {
-        let size = self.sizes.at(p);
-        let near = self.rings.near(p, 2.0 * size);
+    fn try_point(&mut self, p: Point, size: f64, normal: Vector) {
+        let near = self.rings.near(p, HIGHEST * size);
         let crowded = |node: &usize| (self.rings.at(*node) - p).norm() < APART * size;
-        if self.around.cloud.nearest_distance(p) < APART * size || near.iter().any(crowded) {
+        if near.iter().any(crowded) || self.around.cloud.nearest_distance(p) < APART * size {
             return;
         }
         let distance = |node: usize| {
@@ -158,9 +218,7 @@ impl Front<'_> {
         let nearest = nearest.min_by(|x, y| x.1.total_cmp(&y.1));
         let Some((node, _)) = nearest.filter(|n| n.1 >= LOWEST * size) else { return };
         let (a, b) = self.rings.edge(node);
-        let reach = (a - p).norm().max((b - p).norm());
-        let edges = self.edges_near(p, normal, 2.0 * reach);
-        if !self.plane(p, normal).is_free([b, a, p], &edges) {
+        if !self.is_free([b, a, p], p, normal) {
             return;
         }
         let new = self.add_point(p, normal);

@@ -1,13 +1,13 @@
 //! The grid that a smoothing spline lives on: quartic B-splines, and their
 //! thin-plate energies.
 
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, HashSet};
 
 use crate::geometry::{Uv, UvVector};
 
-const DEGREE: usize = 4;
+pub const DEGREE: usize = 4;
 /// B-splines that do not vanish on an interval; squared, on a cell.
-const ON_INTERVAL: usize = DEGREE + 1;
+pub const ON_INTERVAL: usize = DEGREE + 1;
 pub const ON_CELL: usize = ON_INTERVAL * ON_INTERVAL;
 
 /// The widest grid, in cells.
@@ -27,18 +27,21 @@ pub struct Grid {
     /// where in `functions` its own begin.
     cells: Vec<Option<u32>>,
     height: usize,
-    /// The functions on each live cell.
+    /// The functions on each live cell, ascending.
     pub on_cells: Vec<[u32; ON_CELL]>,
+    /// The functions' places in the lattice of all, by columns, ascending.
+    places: Vec<u32>,
     /// How many functions there are.
     pub count: usize,
 }
 
 impl Grid {
-    /// The cells in which a point lies, or whose centre is one of `also`, and
-    /// their neighbours.
+    /// The cells in which a point lies and those that are `also` wanted, by their
+    /// centre and width, with their neighbours: what a function at the fringe
+    /// costs in energy must not end where the points do, or it goes its own way.
     pub fn new<const D: usize>(
         points: &[(Uv, [f64; D])],
-        also: impl Fn(Uv) -> bool,
+        also: impl Fn(Uv, f64) -> bool,
         cell: f64,
     ) -> Option<Self> {
         let (mut low, mut high) = (Uv::new(f64::MAX, f64::MAX), Uv::new(f64::MIN, f64::MIN));
@@ -61,32 +64,51 @@ impl Grid {
         let (mut live, inner) = (own.clone(), |k: usize| 1..k - 1);
         for (i, j) in inner(width).flat_map(|i| inner(height).map(move |j| (i, j))) {
             let centre = low + cell * UvVector::new(i as f64 + 0.5, j as f64 + 0.5);
-            if own[i * height + j] || also(centre) {
+            if own[i * height + j] || also(centre, cell) {
                 for k in [i - 1, i, i + 1] {
                     live[k * height + j - 1..=k * height + j + 1].fill(true);
                 }
             }
         }
-        let mut grid =
-            Grid { low, cell, cells: vec![None; live.len()], height, on_cells: vec![], count: 0 };
+        let mut grid = Grid {
+            low,
+            cell,
+            cells: vec![None; live.len()],
+            height,
+            on_cells: vec![],
+            places: vec![],
+            count: 0,
+        };
         grid.number(&live);
         Some(grid)
     }
 
     fn number(&mut self, live: &[bool]) {
         let rows = self.height + DEGREE;
-        let mut numbers: HashMap<usize, u32> = HashMap::new();
-        for (at, _) in live.iter().enumerate().filter(|l| *l.1) {
-            let (i, j) = (at / self.height, at % self.height);
-            self.cells[at] = Some(self.on_cells.len() as u32);
-            let mut number = |k: usize| {
-                let key = (i + k / ON_INTERVAL) * rows + j + k % ON_INTERVAL;
-                let next = numbers.len() as u32;
-                *numbers.entry(key).or_insert(next)
-            };
-            self.on_cells.push(std::array::from_fn(&mut number));
+        let live = || live.iter().enumerate().filter(|l| *l.1).map(|l| l.0);
+        let first = |at: usize| at / self.height * rows + at % self.height;
+        let place = |k: usize| k / ON_INTERVAL * rows + k % ON_INTERVAL;
+        let mut numbers = vec![None; rows * (self.cells.len() / self.height + DEGREE)];
+        for at in live().map(first) {
+            (0..ON_CELL).for_each(|k| numbers[at + place(k)] = Some(0));
         }
-        self.count = numbers.len();
+        self.places = Vec::new();
+        for (place, number) in numbers.iter_mut().enumerate().filter(|n| n.1.is_some()) {
+            *number = Some(self.places.len() as u32);
+            self.places.push(place as u32);
+        }
+        for (number, at) in live().enumerate() {
+            self.cells[at] = Some(number as u32);
+            let first = first(at);
+            self.on_cells.push(std::array::from_fn(|k| numbers[first + place(k)].unwrap_or(0)));
+        }
+        self.count = self.places.len();
+    }
+
+    /// The functions' places in the lattice of all, column and row.
+    pub fn lattice(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+        let rows = (self.height + DEGREE) as u32;
+        self.places.iter().map(move |place| [place / rows, place % rows])
     }
 
     /// Of a large grid some blocks, spread over it, from which to tell how stiff
@@ -107,8 +129,13 @@ impl Grid {
         let step = (2 * self.on_cells.len()).div_ceil(SAMPLE).min(blocks.len());
         let chosen: HashSet<_> = blocks.into_keys().skip(step / 2).step_by(step).collect();
         let own = |at: usize| live(&at) && chosen.contains(&block(at));
-        let mut part =
-            Grid { cells: vec![None; self.cells.len()], on_cells: Vec::new(), count: 0, ..*self };
+        let mut part = Grid {
+            cells: vec![None; self.cells.len()],
+            on_cells: Vec::new(),
+            places: Vec::new(),
+            count: 0,
+            ..*self
+        };
         part.number(&(0..self.cells.len()).map(own).collect::<Vec<_>>());
         Some(part)
     }

@@ -4,7 +4,9 @@ use std::collections::HashMap;
 
 use faer::Mat;
 
+use super::Held;
 use super::grid::{Grid, ON_CELL, cell_energy, values};
+use super::overlaps::{Overlaps, order, pairs};
 use crate::fill::cholesky::Pattern;
 use crate::geometry::Uv;
 
@@ -13,24 +15,58 @@ use crate::geometry::Uv;
 pub struct Exponents(pub i32, pub i32);
 
 impl Exponents {
+    /// Where to begin to search.
+    pub fn first(held: Held) -> Self {
+        Exponents(0, if held == Held::Both { 2 } else { LOWEST })
+    }
+
+    /// The same stiffness on a grid of half the width.
+    pub fn on_half_the_width(self, held: Held) -> Self {
+        Exponents(self.0 + 2, if held == Held::Both { self.1 + 5 } else { LOWEST })
+    }
+
     fn weights(self) -> [f64; 2] {
         [self.0, self.1].map(|e| 10f64.powf(0.5 * f64::from(e)))
+    }
+
+    fn moved(self, by: (i32, i32)) -> Self {
+        Exponents(self.0 + by.0, self.1 + by.1)
+    }
+
+    fn is_searched(self) -> bool {
+        [self.0, self.1].iter().all(|x| (LOWEST..=HIGHEST).contains(x))
     }
 }
 
 /// The normal equations and the energies, entry by entry of one pattern.
 pub struct Equations<const D: usize> {
     pattern: Pattern,
-    points: Vec<f64>,
-    second: Vec<f64>,
-    fourth: Vec<f64>,
+    /// Of the points, J₂ and J₄.
+    entries: Vec<[f64; FORMS]>,
     diagonal: Vec<usize>,
     right: Mat<f64>,
     squares: f64,
     /// Dimension of the functions without energy.
     free: f64,
     freedom: f64,
+    /// Likelihoods that have been found …
+    known: HashMap<Exponents, f64>,
+    /// … and, by the difference of the exponents, the logarithms of the
+    /// determinants of the energies with λ₂ = 1.
+    priors: HashMap<i32, f64>,
 }
+
+/// A point in a cell.
+struct Placed<const D: usize> {
+    cell: usize,
+    place: [f64; 2],
+    value: [f64; D],
+}
+
+/// A form in a cell's functions.
+type CellForm = [[f64; ON_CELL]; ON_CELL];
+
+const FORMS: usize = 3;
 
 /// Dimension of the functions without energy on a part: linear ones.
 const FREE: usize = 3;
@@ -42,100 +78,97 @@ const HIGHEST: i32 = 12;
 
 impl<const D: usize> Equations<D> {
     pub fn new(grid: &Grid, points: &[(Uv, [f64; D])]) -> Option<Self> {
-        let n = grid.count;
         let free = FREE * grid.parts();
         let placed = points.iter().filter_map(|(uv, value)| Some((grid.cell_of(*uv)?, value)));
-        let placed: Vec<_> = placed.collect();
+        let mut placed: Vec<_> =
+            placed.map(|((cell, place), value)| Placed { cell, place, value: *value }).collect();
         if placed.len() <= 4 * free {
             return None;
         }
-        let columns = columns(grid);
-        let starts: Vec<usize> = columns
-            .iter()
-            .scan(0, |end, c| {
-                let start = *end;
-                *end += c.len();
-                Some(start)
-            })
-            .collect();
-        let entries = columns.iter().map(Vec::len).sum();
-        let slot = |i: usize, j: usize| {
-            starts[j]
-                + columns[j].binary_search(&i).expect("functions on one cell are in the pattern")
-        };
+        placed.sort_by_key(|p| p.cell);
+        let overlaps = Overlaps::new(grid);
+        let Overlaps { starts, rows, .. } = &overlaps;
         let mut equations = Equations {
-            pattern: Pattern::new(&columns)?,
-            points: vec![0.0; entries],
-            second: vec![0.0; entries],
-            fourth: vec![0.0; entries],
-            diagonal: starts.clone(),
-            right: Mat::zeros(n, D),
-            squares: 0.0,
+            entries: vec![[0.0; FORMS]; rows.len()],
+            diagonal: starts[..grid.count].to_vec(),
+            pattern: Pattern::new(starts.clone(), rows.clone(), &order(grid))?,
+            right: Mat::zeros(grid.count, D),
+            squares: placed.iter().flat_map(|p| p.value).map(|y| y * y).sum(),
             free: free as f64,
             freedom: (placed.len() - free) as f64 * D as f64,
+            known: HashMap::new(),
+            priors: HashMap::new(),
         };
-        let mut sums = vec![[[0.0; ON_CELL]; ON_CELL]; grid.on_cells.len()];
-        for ((cell, place), value) in placed {
-            let (functions, b) = (&grid.on_cells[cell], values(place));
-            for (row, x) in sums[cell].iter_mut().zip(b) {
-                for (entry, y) in row.iter_mut().zip(b) {
-                    *entry += x * y;
-                }
-            }
-            for (f, x) in functions.iter().zip(b) {
-                for (d, y) in value.iter().enumerate() {
-                    equations.right[(*f as usize, d)] += x * y;
-                }
-            }
-            equations.squares += value.iter().map(|y| y * y).sum::<f64>();
-        }
+        let mut placed = placed.chunk_by(|x, y| x.cell == y.cell).peekable();
         let (second, fourth) = (cell_energy(2), cell_energy(4));
-        for (functions, sum) in grid.on_cells.iter().zip(&sums) {
-            for (p, &i) in functions.iter().enumerate() {
-                for (q, &j) in functions.iter().enumerate().filter(|(_, j)| **j <= i) {
-                    let at = slot(i as usize, j as usize);
-                    equations.points[at] += sum[p][q];
-                    equations.second[at] += second[p][q];
-                    equations.fourth[at] += fourth[p][q];
-                }
+        for (cell, functions) in grid.on_cells.iter().enumerate() {
+            let here = placed.next_if(|p| p[0].cell == cell).unwrap_or_default();
+            let points = equations.add_points(functions, here);
+            for (q, p) in pairs() {
+                let entry = &mut equations.entries[overlaps.slot(functions, p, q)];
+                entry[0] += points[p][q];
+                entry[1] += second[p][q];
+                entry[2] += fourth[p][q];
             }
         }
         equations.scale();
         Some(equations)
     }
 
-    /// Gives all three forms the trace n.
+    /// The points of one cell: their part of the right-hand side, and the lower
+    /// triangle of their form in the cell's functions.
+    fn add_points(&mut self, functions: &[u32; ON_CELL], points: &[Placed<D>]) -> CellForm {
+        let mut sum = [[0.0; ON_CELL]; ON_CELL];
+        let mut right = [[0.0; D]; ON_CELL];
+        for Placed { place, value, .. } in points {
+            let b = values(*place);
+            for (p, (row, x)) in sum.iter_mut().zip(b).enumerate() {
+                row[..=p].iter_mut().zip(b).for_each(|(entry, y)| *entry += x * y);
+            }
+            for (sum, x) in right.iter_mut().zip(b) {
+                sum.iter_mut().zip(value).for_each(|(entry, y)| *entry += x * y);
+            }
+        }
+        for (&f, sum) in functions.iter().zip(right) {
+            (0..D).for_each(|d| self.right[(f as usize, d)] += sum[d]);
+        }
+        sum
+    }
+
+    /// Gives all forms the trace n.
     fn scale(&mut self) {
         let n = self.diagonal.len() as f64;
-        let diagonal = &self.diagonal;
-        let trace = |form: &[f64]| diagonal.iter().map(|&d| form[d]).sum::<f64>();
-        let by = n / trace(&self.points);
-        self.squares *= by;
-        self.right *= faer::Scale(by);
-        for form in [&mut self.points, &mut self.second, &mut self.fourth] {
-            let by = n / trace(form);
-            form.iter_mut().for_each(|x| *x *= by);
+        let trace = |form: usize| self.diagonal.iter().map(|&d| self.entries[d][form]).sum::<f64>();
+        let by: [f64; FORMS] = std::array::from_fn(|form| n / trace(form));
+        self.squares *= by[0];
+        self.right *= faer::Scale(by[0]);
+        for entry in &mut self.entries {
+            entry.iter_mut().zip(by).for_each(|(x, by)| *x *= by);
         }
     }
 
-    /// A pattern search for the exponents of λ₂ and λ₄. `None` where there is
-    /// no solution for any.
-    pub fn most_likely(&mut self, start: Exponents) -> Option<Exponents> {
-        let mut known = HashMap::new();
+    /// A pattern search for the exponents of λ₂ and λ₄, which goes on in a
+    /// direction as long as that is better. `None` where there is no solution
+    /// for any.
+    pub fn most_likely(&mut self, start: Exponents, held: Held) -> Option<Exponents> {
         let mut best = Exponents(start.0.min(HIGHEST), start.1.min(HIGHEST));
-        let mut likelihood = self.likelihood(best, &mut known);
+        let mut likelihood = self.likelihood(best);
         let mut step = 4;
         // To a decade: the length over which the spline smooths is known to a
         // third by then.
         while step > 1 {
-            let around = [(step, 0), (-step, 0), (0, step), (0, -step)];
-            let next = around.map(|(x, y)| Exponents(best.0 + x, best.1 + y));
-            let within = |e: &Exponents| [e.0, e.1].iter().all(|x| (LOWEST..=HIGHEST).contains(x));
-            let tried = next.into_iter().filter(within);
-            let tried: Vec<_> = tried.map(|e| (self.likelihood(e, &mut known), e)).collect();
-            match tried.into_iter().max_by(|a, b| a.0.total_cmp(&b.0)) {
-                Some((value, place)) if value > likelihood => (likelihood, best) = (value, place),
-                _ => step /= 2,
+            let directions = [(step, 0), (-step, 0), (0, step), (0, -step)];
+            let searched = if held == Held::Both { &directions[..] } else { &directions[..2] };
+            let tried = searched.iter().map(|&by| (self.likelihood(best.moved(by)), by));
+            let best_of = tried.max_by(|a, b| a.0.total_cmp(&b.0));
+            match best_of.filter(|next| next.0 > likelihood) {
+                Some((mut next, by)) => {
+                    while next > likelihood {
+                        (likelihood, best) = (next, best.moved(by));
+                        next = self.likelihood(best.moved(by));
+                    }
+                }
+                None => step /= 2,
             }
         }
         (likelihood > f64::NEG_INFINITY).then_some(best)
@@ -147,13 +180,16 @@ impl<const D: usize> Equations<D> {
     }
 
     /// Twice the restricted log-likelihood, but for a constant; −∞ where it
-    /// cannot be had.
-    fn likelihood(&mut self, place: Exponents, known: &mut HashMap<Exponents, f64>) -> f64 {
-        if let Some(value) = known.get(&place) {
+    /// cannot be had or is not asked for.
+    fn likelihood(&mut self, place: Exponents) -> f64 {
+        if !place.is_searched() {
+            return f64::NEG_INFINITY;
+        }
+        if let Some(value) = self.known.get(&place) {
             return *value;
         }
         let value = self.evaluate(place).unwrap_or(f64::NEG_INFINITY);
-        known.insert(place, value);
+        self.known.insert(place, value);
         value
     }
 
@@ -166,8 +202,7 @@ impl<const D: usize> Equations<D> {
     /// The logarithm of the determinant, the solution, and the penalised sum
     /// of squares.
     fn solve(&mut self, place: Exponents) -> Option<(f64, Mat<f64>, f64)> {
-        let mut values = self.energy(place, 1e-13);
-        values.iter_mut().zip(&self.points).for_each(|(v, p)| *v += p);
+        let values = self.form(1.0, place.weights(), 1e-13);
         let mut x = self.right.clone();
         let log = self.pattern.solve(&values, Some(&mut x))?;
         let explained: f64 = (0..D)
@@ -177,39 +212,33 @@ impl<const D: usize> Equations<D> {
         Some((log, x, (self.squares - explained).max(1e-15 * self.squares)))
     }
 
-    /// λ₂ J₂ + λ₄ J₄, and a little on the diagonal.
-    fn energy(&self, place: Exponents, diagonal: f64) -> Vec<f64> {
-        let [a, b] = place.weights();
-        let mut sum: Vec<f64> =
-            self.second.iter().zip(&self.fourth).map(|(x, y)| a * x + b * y).collect();
-        self.diagonal.iter().for_each(|&d| sum[d] += diagonal * (1.0 + a + b));
+    /// The form of the points and λ₂ J₂ + λ₄ J₄, with a share of these on the
+    /// diagonal.
+    fn form(&self, points: f64, [a, b]: [f64; 2], diagonal: f64) -> Vec<f64> {
+        let sum = |[p, x, y]: &[f64; FORMS]| points * p + a * x + b * y;
+        let mut sum: Vec<f64> = self.entries.iter().map(sum).collect();
+        self.diagonal.iter().for_each(|&d| sum[d] += diagonal * (points + a + b));
         sum
     }
 
     /// The logarithm of the determinant of the energy on what is not free: with
     /// ε on the diagonal it is that of the whole, less that of ε's on the free
-    /// functions.
+    /// functions. It is had from λ₂ = 1.
     fn log_energy(&mut self, place: Exponents) -> Option<f64> {
         const EPSILON: f64 = 1e-11;
-        let values = self.energy(place, EPSILON);
-        let [a, b] = place.weights();
-        let free = self.free * (EPSILON * (1.0 + a + b)).ln();
-        Some(self.pattern.solve(&values, None)? - free)
+        let ratio = place.1 - place.0;
+        let log = match self.priors.get(&ratio) {
+            Some(log) => *log,
+            None => {
+                let weights = Exponents(0, ratio).weights();
+                let values = self.form(0.0, weights, EPSILON);
+                let free = self.free * (EPSILON * (weights[0] + weights[1])).ln();
+                let log = self.pattern.solve(&values, None)? - free;
+                self.priors.insert(ratio, log);
+                log
+            }
+        };
+        let [scale, _] = place.weights();
+        Some(log + (self.diagonal.len() as f64 - self.free) * scale.ln())
     }
-}
-
-/// For each function those, from itself on, with which it shares a cell.
-fn columns(grid: &Grid) -> Vec<Vec<usize>> {
-    let mut columns = vec![Vec::new(); grid.count];
-    for functions in &grid.on_cells {
-        for &j in functions {
-            let rows = functions.iter().filter(|i| **i >= j).map(|i| *i as usize);
-            columns[j as usize].extend(rows);
-        }
-    }
-    for column in &mut columns {
-        column.sort_unstable();
-        column.dedup();
-    }
-    columns
 }

@@ -16,6 +16,7 @@
 
 mod grid;
 mod likelihood;
+mod overlaps;
 
 use crate::geometry::Uv;
 use grid::Grid;
@@ -28,6 +29,15 @@ const MOST_FUNCTIONS: usize = 4000;
 /// show.
 const FREE_OF_GRID: i32 = -8;
 
+/// Which energies hold a spline.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Held {
+    /// Those of both orders: curvature goes on.
+    Both,
+    /// That of second order alone, which never swings out.
+    Flat,
+}
+
 /// A smoothing spline with `D` components.
 pub struct SmoothingSpline<const D: usize> {
     grid: Grid,
@@ -37,21 +47,23 @@ pub struct SmoothingSpline<const D: usize> {
 
 impl<const D: usize> SmoothingSpline<D> {
     /// Fits `points` on a grid of about `cell` wide cells, which reaches
-    /// over them and where `also` says. The grid shall not be what smooths: it
+    /// over them and over the cells of which `also` says so, by their centre and
+    /// width, and those around. The grid shall not be what smooths: it
     /// is made finer, down to `narrowest` cells, until the energies do. `None`
     /// where the points are too few.
     pub fn fit(
         points: &[(Uv, [f64; D])],
-        also: impl Fn(Uv) -> bool,
+        also: impl Fn(Uv, f64) -> bool,
         mut cell: f64,
         narrowest: f64,
+        held: Held,
     ) -> Option<Self> {
-        let mut start = Exponents(0, 2);
+        let mut start = Exponents::first(held);
         loop {
             let grid = Grid::new(points, &also, cell)?;
             let sample = grid.sample();
             let mut equations = Equations::new(sample.as_ref().unwrap_or(&grid), points)?;
-            let stiffness = equations.most_likely(start)?;
+            let stiffness = equations.most_likely(start, held)?;
             let finer = (0.5 * cell).max(narrowest);
             let is_free = stiffness.0.max(stiffness.1) >= FREE_OF_GRID;
             if is_free || finer > 0.99 * cell || 4 * grid.count > MOST_FUNCTIONS {
@@ -62,7 +74,7 @@ impl<const D: usize> SmoothingSpline<D> {
                 return Some(SmoothingSpline { grid, coefficients });
             }
             // The same stiffness, on a grid of half the width.
-            start = Exponents(stiffness.0 + 2, stiffness.1 + 5);
+            start = stiffness.on_half_the_width(held);
             cell = finer;
         }
     }
@@ -99,7 +111,9 @@ mod tests {
     #[test]
     fn a_clean_surface_goes_on_over_the_hole() {
         let f = |x: f64, y: f64| (1.3 * x).sin() * (0.8 * y).cos();
-        let spline = SmoothingSpline::fit(&ring(f), |p| p.coords.norm() < 1.0, 0.3, 0.1).unwrap();
+        let spline =
+            SmoothingSpline::fit(&ring(f), |p, _| p.coords.norm() < 1.0, 0.3, 0.1, Held::Both)
+                .unwrap();
         for p in inside() {
             let [z] = spline.at(p).unwrap();
             assert!((z - f(p.x, p.y)).abs() < 2e-3, "{p} {z} {}", f(p.x, p.y));
@@ -119,7 +133,9 @@ mod tests {
         let f = |x: f64, y: f64| 0.3 * x * x - 0.2 * x * y;
         let mut points = ring(f);
         points.iter_mut().for_each(|p| p.1[0] += noise());
-        let spline = SmoothingSpline::fit(&points, |p| p.coords.norm() < 1.0, 0.3, 0.1).unwrap();
+        let spline =
+            SmoothingSpline::fit(&points, |p, _| p.coords.norm() < 1.0, 0.3, 0.1, Held::Both)
+                .unwrap();
         let squares = points.iter().map(|(p, z)| (spline.at(*p).unwrap()[0] - z[0]).powi(2));
         let deviation = (squares.sum::<f64>() / points.len() as f64).sqrt();
         assert!((deviation - 0.05).abs() < 0.005, "{deviation}");

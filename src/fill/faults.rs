@@ -1,0 +1,201 @@
+//! What is wrong with a fill: sides at which it folds over, itself or the
+//! measured surface, and triangles that cut each other, or measured ones.
+
+use foldhash::{HashMap, HashMapExt};
+use robust::{Coord3D, orient3d};
+
+use super::cells::Cells;
+use super::front::{Fill, Surroundings};
+use crate::geometry::{Point, Vector, VertexId};
+use crate::mesh::Mesh;
+
+/// The cosine of the angle between two triangles' normals below which the
+/// surface folds at the side that they share.
+pub const FOLDED: f64 = -0.3;
+
+/// A cell of the grid of triangles, in mean sides.
+const CELL: f64 = 2.0;
+
+/// What is wrong with a fill.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Faults {
+    /// Sides at which it folds, inside or at its rims.
+    pub folds: usize,
+    /// Pairs of triangles that cut each other, one of them of the fill at least.
+    pub cuts: usize,
+}
+
+impl Faults {
+    /// All faults together.
+    pub fn count(self) -> usize {
+        self.folds + self.cuts
+    }
+}
+
+/// The triangles of a mesh, where fills may run into them.
+pub struct Ground(Cells);
+
+impl Ground {
+    pub fn new(mesh: &Mesh) -> Self {
+        let side = |t: &[VertexId; 3]| (mesh.point(t[1]) - mesh.point(t[0])).norm();
+        let mean = mesh.triangles.iter().map(side).sum::<f64>() / mesh.triangles.len() as f64;
+        Ground(cells(mesh.triangles.iter().map(|t| t.map(|v| mesh.point(v))), mean))
+    }
+}
+
+fn extent([a, b, c]: [Point; 3]) -> [Point; 2] {
+    [a.inf(&b).inf(&c), a.sup(&b).sup(&c)]
+}
+
+fn cells(triangles: impl Iterator<Item = [Point; 3]>, side: f64) -> Cells {
+    Cells::new(triangles.map(extent), CELL * side.max(f64::MIN_POSITIVE))
+}
+
+/// The faults of a fill whose edges are about as long as `edge`.
+pub fn find(around: &Surroundings, fill: &Fill, edge: f64) -> Faults {
+    let measured = around.mesh.points.len();
+    let at = |v: VertexId| match v.index().checked_sub(measured) {
+        None => around.mesh.point(v),
+        Some(new) => fill.points[new],
+    };
+    let judge = Judge { around, fill, at: &at };
+    Faults { folds: judge.folds(), cuts: judge.cuts(edge) }
+}
+
+struct Judge<'a> {
+    around: &'a Surroundings<'a>,
+    fill: &'a Fill,
+    at: &'a dyn Fn(VertexId) -> Point,
+}
+
+impl Judge<'_> {
+    fn normal(&self, t: [VertexId; 3]) -> Vector {
+        let [a, b, c] = t.map(self.at);
+        (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default()
+    }
+
+    fn folds(&self) -> usize {
+        let mut sides = HashMap::with_capacity(3 * self.fill.triangles.len());
+        for &t in &self.fill.triangles {
+            let normal = self.normal(t);
+            (0..3).for_each(|k| _ = sides.insert((t[k], t[(k + 1) % 3]), normal));
+        }
+        let is_folded = |(&(v, w), normal): (&(VertexId, VertexId), &Vector)| {
+            let beside = match sides.get(&(w, v)) {
+                // Of each side inside one of the two counts.
+                Some(_) if v > w => return false,
+                Some(beside) => Some(*beside),
+                None => self.around.normal_at(v, w),
+            };
+            beside.is_some_and(|beside| beside.dot(normal) < FOLDED)
+        };
+        sides.iter().filter(|side| is_folded(*side)).count()
+    }
+
+    fn cuts(&self, edge: f64) -> usize {
+        let (mesh, own) = (self.around.mesh, &self.fill.triangles);
+        let corners = |t: &[VertexId; 3]| t.map(self.at);
+        let fill = cells(own.iter().map(corners), edge);
+        let mut count = 0;
+        for (number, &t) in own.iter().enumerate() {
+            let place = extent(corners(&t));
+            let among_own = fill.meeting(place).filter(|&other| other > number);
+            count += among_own.filter(|&other| self.cut(t, own[other])).count();
+            let ground = self.around.ground.0.meeting(place);
+            count += ground.filter(|&other| self.cut(t, mesh.triangles[other])).count();
+        }
+        count
+    }
+
+    /// Whether a side of one triangle goes through the other; what they share
+    /// does not count.
+    fn cut(&self, s: [VertexId; 3], t: [VertexId; 3]) -> bool {
+        let (at_s, at_t) = (s.map(self.at), t.map(self.at));
+        if is_beside(at_s, at_t) || is_beside(at_t, at_s) {
+            return false;
+        }
+        let pierces = |s: [VertexId; 3], at_s: [Point; 3], t: [VertexId; 3], at_t| {
+            (0..3).any(|k| {
+                let l = (k + 1) % 3;
+                !t.contains(&s[k]) && !t.contains(&s[l]) && goes_through([at_s[k], at_s[l]], at_t)
+            })
+        };
+        pierces(s, at_s, t, at_t) || pierces(t, at_t, s, at_s)
+    }
+}
+
+/// Whether a triangle lies, but for rounding, beyond one side of another, seen
+/// from above this one, as those next to it do.
+fn is_beside([a, b, c]: [Point; 3], other: [Point; 3]) -> bool {
+    let normal = (b - a).cross(&(c - a));
+    [(a, b), (b, c), (c, a)].into_iter().any(|(p, q)| {
+        let inwards = normal.cross(&(q - p));
+        let nothing = 1e-12 * inwards.norm() * (q - p).norm();
+        other.iter().all(|x| inwards.dot(&(x - p)) <= nothing)
+    })
+}
+
+/// Whether a segment goes through a triangle's inside.
+fn goes_through([p, q]: [Point; 2], [a, b, c]: [Point; 3]) -> bool {
+    if side([a, b, c, p]) * side([a, b, c, q]) >= 0.0 {
+        return false;
+    }
+    let around = [side([p, q, a, b]), side([p, q, b, c]), side([p, q, c, a])];
+    around.iter().all(|x| *x > 0.0) || around.iter().all(|x| *x < 0.0)
+}
+
+/// On which side of a triangle a fourth point is, by its sign.
+fn side(corners: [Point; 4]) -> f64 {
+    let [a, b, c, d] = corners.map(|p| Coord3D { x: p.x, y: p.y, z: p.z });
+    orient3d(a, b, c, d)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::Rings;
+    use crate::mesh::mls::Cloud;
+
+    /// The faults of a fill over the fifth point, or none, of a square with one
+    /// measured triangle.
+    fn faults(points: &[[f64; 3]], measured: &[[u32; 3]], triangles: &[[u32; 3]]) -> Faults {
+        let ids = |t: &[u32; 3]| t.map(VertexId);
+        let points: Vec<Point> = points.iter().map(|p| Point::from(*p)).collect();
+        let mesh = Mesh { points, triangles: measured.iter().map(ids).collect() };
+        let (rings, cloud) = (Rings::new(&mesh), Cloud::of(&mesh));
+        let ground = Ground::new(&mesh);
+        let around = Surroundings { mesh: &mesh, rings: &rings, cloud: &cloud, ground: &ground };
+        let triangles = triangles.iter().map(ids).collect();
+        let fill = Fill { points: vec![], triangles, wide_ears: 0, spanned: 0 };
+        find(&around, &fill, 1.0)
+    }
+
+    const SQUARE: [[f64; 3]; 4] =
+        [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0]];
+
+    #[test]
+    fn a_triangle_folded_over_its_neighbour_is_found() {
+        let faults = |corner: [f64; 3]| {
+            let points = [&SQUARE[..], &[corner]].concat();
+            [
+                faults(&points, &[[0, 1, 2]], &[[0, 2, 4]]).folds,
+                faults(&points, &[[0, 3, 1]], &[[0, 1, 2], [0, 2, 4]]).folds,
+            ]
+        };
+        assert_eq!(faults([0.0, 4.0, 0.0]), [0, 1]);
+        assert_eq!(faults([3.0, 0.5, 0.1]), [1, 2]);
+    }
+
+    #[test]
+    fn triangles_cut_where_a_side_goes_through() {
+        let more = [[3.0, 1.0, -1.0], [3.0, 1.0, 1.0], [9.0, 5.0, 1.0], [9.0, 9.0, 0.0]];
+        let points = [&SQUARE[..], &more].concat();
+        let cuts = |measured: &[[u32; 3]], fill: &[[u32; 3]]| faults(&points, measured, fill).cuts;
+        assert_eq!(cuts(&[[4, 5, 6]], &[[0, 1, 2]]), 1);
+        assert_eq!(cuts(&[[1, 2, 7]], &[[0, 1, 2], [4, 5, 6]]), 2);
+        // Neighbours share a side or a corner and do not cut.
+        assert_eq!(cuts(&[[1, 7, 2]], &[[0, 1, 2], [0, 4, 1]]), 0);
+        // A corner shared, the opposite side through it.
+        assert_eq!(cuts(&[[0, 4, 5]], &[[0, 1, 2]]), 1);
+    }
+}

@@ -1,0 +1,163 @@
+//! Triangles divided to the edge length wanted, and made good by flips and
+//! moves in space, where there is no chart to do so in.
+
+use foldhash::HashMap;
+
+use super::faults::FOLDED;
+use super::flips::{Sides, flip, sides};
+use super::size::Sizes;
+use crate::geometry::{Point, Vector};
+
+/// Edges longer than this, in edge lengths wanted there, are divided.
+const LONG: f64 = 1.4;
+
+/// No more points than so many times the rim's.
+const MOST_POINTS: usize = 40;
+
+/// The cosine of the angle between triangles that count as flat.
+const FLAT: f64 = 0.9;
+
+/// A round halves the longest edges.
+const ROUNDS: usize = 16;
+
+/// A triangulation over rims' corners, which stay, and the points after them.
+pub struct Surface {
+    pub points: Vec<Point>,
+    pub triangles: Vec<[usize; 3]>,
+    /// How many corners the rims have.
+    pub rim: usize,
+    /// The unit normals of what is beside the rims' sides, these in the direction
+    /// of the surface's own triangles.
+    pub beside: HashMap<(usize, usize), Vector>,
+}
+
+impl Surface {
+    /// Divides edges, flips and moves, until all are as long as wanted. Corners
+    /// that are `joined` elsewhere are not joined here.
+    pub fn refine(&mut self, sizes: &Sizes, joined: impl Fn(usize, usize) -> bool) {
+        for _ in 0..ROUNDS {
+            let divided = self.divide(sizes);
+            self.flip(&joined);
+            self.even_out();
+            if !divided {
+                break;
+            }
+        }
+    }
+
+    /// Divides long edges, the longest first, no two of one triangle; says
+    /// whether there were any.
+    fn divide(&mut self, sizes: &Sizes) -> bool {
+        let sides = sides(&self.triangles);
+        let mut long: Vec<(f64, usize, usize)> = sides
+            .keys()
+            .filter(|&&(a, b)| a < b && sides.contains_key(&(b, a)))
+            .map(|&(a, b)| {
+                let (p, q) = (self.points[a], self.points[b]);
+                ((q - p).norm() / sizes.at(nalgebra::center(&p, &q)), a, b)
+            })
+            .filter(|edge| edge.0 > LONG)
+            .collect();
+        long.sort_unstable_by(|x, y| y.0.total_cmp(&x.0).then((x.1, x.2).cmp(&(y.1, y.2))));
+        let before = self.points.len();
+        let mut changed = vec![false; self.triangles.len()];
+        for (_, a, b) in long {
+            let (s, t) = (sides[&(a, b)], sides[&(b, a)]);
+            if changed[s] || changed[t] || self.points.len() >= MOST_POINTS * self.rim {
+                continue;
+            }
+            let new = self.points.len();
+            self.points.push(nalgebra::center(&self.points[a], &self.points[b]));
+            for (number, from, to) in [(s, a, b), (t, b, a)] {
+                changed[number] = true;
+                let own = self.triangles[number];
+                let with = |old: usize| own.map(|v| if v == old { new } else { v });
+                self.triangles[number] = with(to);
+                self.triangles.push(with(from));
+            }
+        }
+        self.points.len() > before
+    }
+
+    /// Flips edges where both triangles go on looking about where they did.
+    fn flip(&mut self, joined: impl Fn(usize, usize) -> bool) {
+        let points = &self.points;
+        let may = |old: [[usize; 3]; 2], new: [[usize; 3]; 2]| {
+            let [old, new] = [old, new].map(|pair| pair.map(|t| normal(points, t)));
+            let facing = |n: &Vector| n.dot(&(old[0] + old[1])) > 0.0;
+            new[0].dot(&new[1]) >= old[0].dot(&old[1]).min(FLAT) && new.iter().all(facing)
+        };
+        let mut sides = sides(&self.triangles);
+        flip(points, &mut self.triangles, &mut sides, joined, may);
+    }
+
+    /// Moves points near sides at which the surface folds until it does not, or
+    /// they settle.
+    pub fn unfold(&mut self, joined: impl Fn(usize, usize) -> bool) {
+        for _ in 0..ROUNDS {
+            let before = self.points.clone();
+            self.flip(&joined);
+            self.even_out();
+            if self.points == before {
+                break;
+            }
+        }
+    }
+
+    /// Moves each inner point towards the mean of its neighbours, where no triangle
+    /// turns away by that, or the surface folds at fewer sides then.
+    fn even_out(&mut self) {
+        let sides = sides(&self.triangles);
+        let mut around = vec![Vec::new(); self.points.len()];
+        for (number, t) in self.triangles.iter().enumerate() {
+            t.iter().filter(|v| **v >= self.rim).for_each(|&v| around[v].push(number));
+        }
+        for (v, around) in around.iter().enumerate().skip(self.rim) {
+            if around.is_empty() {
+                continue;
+            }
+            let corners = || around.iter().flat_map(|&t| self.triangles[t]).filter(|w| *w != v);
+            let sum: Vector = corners().map(|w| self.points[w].coords).sum();
+            let (old, mean) = (self.points[v], Point::from(sum / corners().count() as f64));
+            let normals = |s: &Self| -> Vec<Vector> {
+                around.iter().map(|&t| normal(&s.points, s.triangles[t])).collect()
+            };
+            let (before, folds) = (normals(self), self.folds(around, &sides));
+            let is_good = |s: &Self| {
+                let turned = || before.iter().zip(normals(s)).any(|(n, m)| n.dot(&m) < 0.5);
+                let now = s.folds(around, &sides);
+                now < folds || (now == folds && !turned())
+            };
+            for share in [1.0, 0.3] {
+                self.points[v] = old + share * (mean - old);
+                if is_good(self) {
+                    break;
+                }
+                self.points[v] = old;
+            }
+        }
+    }
+
+    /// At how many sides of some triangles the surface folds; those between two
+    /// of them count twice.
+    fn folds(&self, triangles: &[usize], sides: &Sides) -> usize {
+        let each = triangles.iter().map(|&t| self.triangles[t]);
+        each.map(|t| {
+            let own = normal(&self.points, t);
+            let beside = |k: usize| {
+                let (v, w) = (t[k], t[(k + 1) % 3]);
+                match sides.get(&(w, v)) {
+                    Some(&other) => Some(normal(&self.points, self.triangles[other])),
+                    None => self.beside.get(&(v, w)).copied(),
+                }
+            };
+            (0..3).filter_map(beside).filter(|n| n.dot(&own) < FOLDED).count()
+        })
+        .sum()
+    }
+}
+
+fn normal(points: &[Point], t: [usize; 3]) -> Vector {
+    let [a, b, c] = t.map(|v| points[v]);
+    (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default()
+}
