@@ -1,0 +1,107 @@
+//! The trimmed face as triangles.
+
+use rayon::prelude::*;
+
+use crate::geometry::{Point, Uv, Vector, VertexId};
+use crate::mesh::{Mesh, outline};
+use crate::spline::{Curve, Surface};
+use crate::trim::TrimLoop;
+
+/// A face as triangles, to look at.
+#[derive(Debug, Clone, Default)]
+pub struct Tessellation {
+    /// Points on the surface and the triangles between them.
+    pub mesh: Mesh,
+    /// The surface's unit normals at the points.
+    pub normals: Vec<Vector>,
+}
+
+/// Chords of a knot span of a trim curve: enough to look smooth at any size.
+const CHORDS: u32 = 16;
+
+/// Points of each side of the domain at the least.
+const SIDE: usize = 256;
+
+/// Points along a curve, both ends included.
+pub fn polyline<const D: usize>(curve: &Curve<D>) -> Vec<nalgebra::SVector<f64, D>> {
+    let breaks = curve.knots.breaks();
+    let mut line = Vec::with_capacity(CHORDS as usize * breaks.len());
+    for span in breaks.windows(2) {
+        let at = |i: u32| span[0] + (span[1] - span[0]) * f64::from(i) / f64::from(CHORDS);
+        line.extend((0..CHORDS).map(|i| curve.point(at(i))));
+    }
+    line.extend(breaks.last().map(|&t| curve.point(t)));
+    line
+}
+
+/// The trim loops in the parameter plane, as closed polylines.
+pub fn outlines(loops: &[TrimLoop]) -> Vec<Vec<Uv>> {
+    let arc = |c: &Curve<2>| {
+        let mut line = polyline(c);
+        // It is the next one's first.
+        line.pop();
+        line
+    };
+    let outline = |l: &TrimLoop| l.pcurves.iter().flat_map(arc).map(Uv::from).collect();
+    loops.iter().map(outline).collect()
+}
+
+/// The face that the outlines leave of a surface, over the parameter points `inner`
+/// and points of the outlines and of the sides. `None` where two of these cross.
+pub fn tessellate(surface: &Surface, outlines: &[Vec<Uv>], inner: &[Uv]) -> Option<Tessellation> {
+    let sides = sides(surface);
+    let rings: Vec<&[Uv]> = std::iter::once(&sides).chain(outlines).map(Vec::as_slice).collect();
+    let inner: Vec<Uv> = inner.iter().map(|&uv| surface.clamp(uv)).collect();
+    let triangles = outline::triangulate(&rings, &inner)?;
+    let places: Vec<Uv> = rings.iter().copied().flatten().chain(&inner).copied().collect();
+    let corners: Vec<(Point, Vector)> = places
+        .par_iter()
+        .map(|&at| {
+            let jet = surface.jet(at);
+            let normal = jet.su.cross(&jet.sv).try_normalize(0.0);
+            (jet.s, normal.unwrap_or_else(Vector::zeros))
+        })
+        .collect();
+    let (points, normals) = corners.into_iter().unzip();
+    let triangles = triangles.into_iter().map(|t| t.map(VertexId::from)).collect();
+    Some(Tessellation { mesh: Mesh { points, triangles }, normals })
+}
+
+/// The domain's outline, counter-clockwise.
+fn sides(surface: &Surface) -> Vec<Uv> {
+    let ((u0, u1), (v0, v1)) = (surface.u.range(), surface.v.range());
+    let corners = [Uv::new(u0, v0), Uv::new(u1, v0), Uv::new(u1, v1), Uv::new(u0, v1)];
+    let spans = surface.u.breaks().len().max(surface.v.breaks().len());
+    let count = (4 * spans).clamp(SIDE, 8 * SIDE);
+    let along = |side: usize| {
+        let (from, to) = (corners[side], corners[(side + 1) % 4]);
+        (0..count).map(move |i| from + (to - from) * (i as f64 / count as f64))
+    };
+    (0..4).flat_map(along).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spline::KnotVector;
+
+    #[test]
+    fn the_face_has_the_area_that_the_loop_leaves() {
+        let k = KnotVector::uniform(3, 5);
+        let place = |n: usize| [10.0 * k.greville(n / 5), 10.0 * k.greville(n % 5)];
+        let net = (0..25).map(place).map(|[x, y]| Vector::new(x, y, 0.0));
+        let surface = Surface::new(k.clone(), k.clone(), net.collect());
+        let square = [(0.25, 0.25), (0.25, 0.75), (0.75, 0.75), (0.75, 0.25)];
+        let square = vec![square.map(|(u, v)| Uv::new(u, v)).to_vec()];
+        let inner: Vec<Uv> =
+            (0..100).map(|k| Uv::new((k / 10) as f64 / 9.0, (k % 10) as f64 / 9.0)).collect();
+        let face = tessellate(&surface, &square, &inner).unwrap();
+        let area: f64 =
+            face.mesh.triangles.iter().map(|&t| 0.5 * face.mesh.area_vector(t).norm()).sum();
+        assert!((area - 75.0).abs() < 1e-9, "{area}");
+        assert!(face.normals.iter().all(|n| (n - Vector::z()).norm() < 1e-9));
+        let crossing =
+            vec![vec![Uv::new(0.1, 0.1), Uv::new(0.9, 0.9), Uv::new(0.9, 0.1), Uv::new(0.1, 0.9)]];
+        assert!(tessellate(&surface, &crossing, &inner).is_none());
+    }
+}
