@@ -52,7 +52,8 @@ fn pair(scene: &Scene, [width, height]: [usize; 2]) -> Image {
     let camera = Camera::facing(&scene.measured.mesh, scene.extent(), half);
     let left = scan::picture(scene, &camera, half);
     let right = face::picture(scene, &camera, half);
-    left.beside(Image::blank([width % 2, height], scan2step::picture::colour::BACKGROUND)).beside(right)
+    left.beside(Image::blank([width % 2, height], scan2step::picture::colour::BACKGROUND))
+        .beside(right)
 }
 
 /// The face under its control net.

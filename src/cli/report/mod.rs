@@ -1,0 +1,97 @@
+//! `--report FILE`: what a run did and how well, for programs (`.json`), for a
+//! browser (`.html`) and as a picture (`.png`).
+
+mod data;
+mod histogram;
+mod html;
+mod json;
+mod plane;
+mod shown;
+mod still;
+
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use scan2step::Conversion;
+use serde_json::Value;
+
+use super::input::Scan;
+use super::output::{self, Pending};
+use super::progress::Progress;
+
+pub use json::{deviation, input};
+pub use shown::{Shown, Watch};
+
+/// A report to write.
+#[derive(Debug, Clone)]
+pub struct ReportFile {
+    pub path: PathBuf,
+    pub kind: Kind,
+}
+
+/// Its format.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    Json,
+    Html,
+    Png,
+}
+
+impl Kind {
+    /// Whether it shows meshes, and not only figures.
+    pub fn is_picture(self) -> bool {
+        self != Kind::Json
+    }
+}
+
+/// What the report says besides the conversions.
+pub struct Context<'a> {
+    pub scan: &'a Scan,
+    pub options: Value,
+    pub hints: Vec<String>,
+    pub tolerance_named: bool,
+    pub outliers_pct: f64,
+    pub outputs: Vec<(&'a Path, &'a Pending)>,
+    pub progress: &'a Progress,
+}
+
+/// Writes the reports that were asked for. `shown` has the meshes of each
+/// conversion, where a report shows them.
+pub fn write(
+    files: &[ReportFile],
+    conversions: &[Conversion],
+    shown: &[Shown],
+    context: &Context,
+) -> Result<Vec<Pending>, formats::Error> {
+    let figures = json::report(conversions, context);
+    let name = file_name(&context.scan.path);
+    let scene: Vec<_> = conversions.iter().zip(shown).collect();
+    let content = |kind: Kind, out: &mut dyn Write| match kind {
+        Kind::Json => {
+            serde_json::to_writer_pretty(&mut *out, &figures)?;
+            writeln!(out)
+        }
+        Kind::Html => html::write(&name, &figures, &scene, out),
+        Kind::Png => still::picture(&name, &scene).map_err(io::Error::other)?.write(out),
+    };
+    files.iter().map(|f| output::write(&f.path, |out| content(f.kind, out))).collect()
+}
+
+/// The name of a file without its folder.
+pub fn file_name(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// The end of the colour scale, in mm: the 99th percentile of the distances, or a
+/// little more. One stray point would make all others look alike.
+fn scale_end(scene: &[(&Conversion, &Shown)]) -> f64 {
+    let p99 = scene.iter().map(|(c, _)| c.deviation.p99).fold(0.0, f64::max);
+    scan2step::picture::scale::rounded_up(p99).0
+}
+
+/// A number with as few digits as tell it from others of its kind.
+fn short(x: f64) -> String {
+    let digits = if x > 0.0 { 2 - x.log10().floor() as i32 } else { 0 };
+    let text = format!("{x:.*}", digits.clamp(0, 14) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}
