@@ -4,7 +4,7 @@ use super::camera::Camera;
 use super::canvas::{Canvas, shows_front};
 use super::colour::{Rgb, brightness};
 use super::lines::{Lines, Pen};
-use super::{occlusion, scale};
+use super::scale;
 use crate::geometry::{Vector, VertexId};
 use crate::mesh::Mesh;
 
@@ -43,7 +43,6 @@ pub fn draw_coloured(
         let shade = (light * (0.6 + 0.4 * brightness(&n))) as f32;
         scale::colour(colours, w[0] * a + w[1] * b + w[2] * c).map(|c| c * shade)
     });
-    occlusion::darken(canvas);
 }
 
 /// The boundary loops of a mesh.

@@ -9,12 +9,12 @@ use scan2step::mesh::Mesh;
 use scan2step::picture::{Camera, polyline, scale};
 use serde_json::{Value, json};
 
-use super::scale_end;
+use super::Ends;
 use super::shown::Shown;
 
 /// The scene as JSON. Places are mm from `middle`, so that numbers of single
 /// precision do for a scan far from the origin.
-pub fn scene(scene: &[(&Conversion, &Shown)]) -> Value {
+pub fn scene(scene: &[(&Conversion, &Shown)], ends: &Ends) -> Value {
     let extent = || scene.iter().flat_map(|(_, s)| s.scan.mesh.points.iter().copied());
     let [low, high] = scan2step::geometry::bounds(extent());
     let middle = low + 0.5 * (high - low);
@@ -25,7 +25,7 @@ pub fn scene(scene: &[(&Conversion, &Shown)]) -> Value {
         "middle": <[f64; 3]>::from(middle.coords),
         "radius": 0.5 * (high - low).norm(),
         "axes": axes,
-        "end": scale_end(scene),
+        "end": { "measured": ends.measured, "smoothed": ends.smoothed },
         "signed": scale::SIGNED,
         "distance": scale::DISTANCE,
         "parts": scene.iter().map(|(c, s)| part(c, s, middle)).collect::<Vec<_>>(),

@@ -8,7 +8,7 @@ use std::io::{self, Write};
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use minijinja::value::Serde;
+use minijinja::value::{Serde, ValueKind};
 use minijinja::{AutoEscape, Environment, UndefinedBehavior, context};
 use scan2step::Conversion;
 use scan2step::picture::colour::encoded;
@@ -17,44 +17,39 @@ use serde_json::{Value, json};
 
 use super::histogram::Histogram;
 use super::shown::Shown;
-use super::{data, plane, scale_end, short, still};
+use super::{Ends, data, plane, short};
 use crate::cli::progress::mm;
 
-/// Writes the page for a scan called `name`.
+/// Writes the page for a scan called `name`, with a still picture as PNG.
 pub fn write(
     name: &str,
     figures: &Value,
     scene: &[(&Conversion, &Shown)],
+    still: &[u8],
     out: &mut dyn Write,
 ) -> io::Result<()> {
-    let mut picture = Vec::new();
-    still::picture(name, scene).map_err(io::Error::other)?.write(&mut picture)?;
-    let end = scale_end(scene);
+    let ends = Ends::of(scene);
     // With one component the report itself has its figures.
     let of_parts = figures["components"].as_array();
-    let parts: Vec<Value> = scene
-        .iter()
-        .enumerate()
-        .map(|(k, (c, shown))| {
-            let own = of_parts.and_then(|parts| parts.get(k)).unwrap_or(figures);
-            json!({
-                "figures": own,
-                "plane": plane::svg(k, c, shown),
-                "measured": histogram(&shown.measured, end, c.tolerance),
-                "smoothed": histogram(&shown.smoothed, end, c.tolerance),
-                "drawn": shown.scan.mesh.triangles.len(),
-                "triangles": shown.triangles,
-                "face": shown.face.is_some(),
-            })
+    let part = |(k, (c, shown)): (usize, &(&Conversion, &Shown))| {
+        json!({
+            "figures": of_parts.and_then(|parts| parts.get(k)).unwrap_or(figures),
+            "plane": plane::svg(k, c, shown),
+            "measured": histogram(&shown.measured, ends.measured, c.tolerance),
+            "smoothed": histogram(&shown.smoothed, ends.smoothed, c.tolerance),
+            "drawn": shown.scan.mesh.triangles.len(),
+            "triangles": shown.triangles,
+            "face": shown.face.is_some(),
         })
-        .collect();
+    };
+    let parts: Vec<Value> = scene.iter().enumerate().map(part).collect();
     let page = environment().and_then(|environment| {
         environment.get_template("report.html")?.render(context! {
             name,
             report => Serde(figures),
             parts => Serde(&parts),
-            still => STANDARD.encode(&picture),
-            scene => Serde(data::scene(scene)),
+            still => STANDARD.encode(still),
+            scene => Serde(data::scene(scene, &ends)),
             style => include_str!("page/report.css"),
             script => include_str!("page/report.js"),
         })
@@ -72,6 +67,7 @@ fn environment() -> Result<Environment<'static>, minijinja::Error> {
     environment.add_filter("fixed", |x: minijinja::Value, digits: usize| {
         of_number(&x, |x| format!("{x:.digits$}"))
     });
+    environment.add_filter("option", option);
     environment.add_filter("words", |s: String| s.replace('_', " "));
     environment.add_filter("file", |s: String| super::file_name(s.as_ref()));
     environment.add_template("report.html", include_str!("page/report.html"))?;
@@ -81,6 +77,15 @@ fn environment() -> Result<Environment<'static>, minijinja::Error> {
 /// A number as text; what is none, as a dash.
 fn of_number(x: &minijinja::Value, text: impl Fn(f64) -> String) -> String {
     f64::try_from(x.clone()).map_or_else(|_| "–".into(), text)
+}
+
+/// What was given for an option.
+fn option(value: minijinja::Value) -> String {
+    match value.kind() {
+        ValueKind::None => "not given".into(),
+        ValueKind::Bool => if value.is_true() { "yes" } else { "no" }.into(),
+        _ => value.to_string(),
+    }
 }
 
 /// A count with a thin space between thousands.

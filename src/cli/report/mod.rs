@@ -9,10 +9,11 @@ mod plane;
 mod shown;
 mod still;
 
-use std::io::{self, Write};
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 use scan2step::Conversion;
+use scan2step::deviation::Deviation;
 use serde_json::Value;
 
 use super::input::Scan;
@@ -66,13 +67,24 @@ pub fn write(
     let figures = json::report(conversions, context);
     let name = file_name(&context.scan.path);
     let scene: Vec<_> = conversions.iter().zip(shown).collect();
+    let mut still = Vec::new();
+    if let Some(file) = files.iter().find(|file| file.kind.is_picture()) {
+        let failed = |e| {
+            formats::Error::new(
+                &file.path,
+                format!("cannot be drawn: {e}"),
+                "please report this as a bug",
+            )
+        };
+        still = still::png(&name, &scene).map_err(failed)?;
+    }
     let content = |kind: Kind, out: &mut dyn Write| match kind {
         Kind::Json => {
             serde_json::to_writer_pretty(&mut *out, &figures)?;
             writeln!(out)
         }
-        Kind::Html => html::write(&name, &figures, &scene, out),
-        Kind::Png => still::picture(&name, &scene).map_err(io::Error::other)?.write(out),
+        Kind::Html => html::write(&name, &figures, &scene, &still, out),
+        Kind::Png => out.write_all(&still),
     };
     files.iter().map(|f| output::write(&f.path, |out| content(f.kind, out))).collect()
 }
@@ -82,12 +94,29 @@ pub fn file_name(path: &Path) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
-/// The end of the colour scale, in mm: the 99th percentile of the distances, or a
-/// little more. One stray point would make all others look alike.
-fn scale_end(scene: &[(&Conversion, &Shown)]) -> f64 {
-    let p99 = scene.iter().map(|(c, _)| c.deviation.p99).fold(0.0, f64::max);
-    scan2step::picture::scale::rounded_up(p99).0
+/// The ends of the colour scales, in mm.
+struct Ends {
+    measured: f64,
+    smoothed: f64,
 }
+
+impl Ends {
+    fn of(scene: &[(&Conversion, &Shown)]) -> Ends {
+        let tolerance = scene.iter().map(|(c, _)| c.tolerance).fold(0.0, f64::max);
+        let end = |of: fn(&Conversion) -> &Deviation| {
+            // One stray point would make all others look alike.
+            let p99 = scene.iter().map(|(c, _)| of(c).p99).fold(0.0, f64::max);
+            let with_tolerance = 1.1 * tolerance;
+            let end = if with_tolerance < NEAR * p99 { p99.max(with_tolerance) } else { p99 };
+            scan2step::picture::scale::rounded_up(end).0
+        };
+        Ends { measured: end(|c| &c.deviation), smoothed: end(|c| &c.fit_deviation) }
+    }
+}
+
+/// The tolerance is on the scale where it is not farther than this many times the
+/// 99th percentile of the distances; farther, it would leave them without colours.
+const NEAR: f64 = 4.0;
 
 /// A number with as few digits as tell it from others of its kind.
 fn short(x: f64) -> String {

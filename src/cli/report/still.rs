@@ -1,6 +1,7 @@
 //! A still picture of the report, for people without a browser.
 
-use ab_glyph::InvalidFont;
+use std::io;
+
 use nalgebra::Vector3;
 use scan2step::Conversion;
 use scan2step::geometry::Point;
@@ -13,12 +14,12 @@ use scan2step::picture::{Camera, Image, sheet};
 
 use super::histogram::Histogram;
 use super::shown::Shown;
-use super::{scale_end, short};
+use super::{Ends, short};
 use crate::cli::plural;
 use crate::cli::progress::mm;
 
 /// Pixels of the picture.
-pub const SIZE: [usize; 2] = [1600, 1000];
+const SIZE: [usize; 2] = [1600, 1000];
 
 /// Where things are, in pixels of a picture of the usual size.
 const MARGIN: usize = 40;
@@ -35,13 +36,14 @@ const TEXT: Style = Style { size: 24.0, bold: false, colour: INK };
 const SMALL: Style = Style { size: 20.0, bold: false, colour: MUTED };
 
 /// How far the small pictures are turned from the large one.
-const TURN: f64 = 1.0;
+const TURN: f64 = 0.7;
 
 /// The scan coloured by its deviation from three sides, the histogram under the
-/// same colours, and the figures that matter.
-pub fn picture(name: &str, scene: &[(&Conversion, &Shown)]) -> Result<Image, InvalidFont> {
-    let mut page = Page { image: Image::blank(SIZE, BACKGROUND), letters: Type::new()? };
-    let end = scale_end(scene);
+/// same colours, and the figures that matter, as PNG.
+pub fn png(name: &str, scene: &[(&Conversion, &Shown)]) -> io::Result<Vec<u8>> {
+    let letters = Type::new().map_err(io::Error::other)?;
+    let mut page = Page { image: Image::blank(SIZE, BACKGROUND), letters };
+    let end = Ends::of(scene).measured;
     page.head(name, scene);
     if let Some((_, first)) = scene.first() {
         let extent = || scene.iter().flat_map(|(_, s)| s.scan.mesh.points.iter().copied());
@@ -57,7 +59,9 @@ pub fn picture(name: &str, scene: &[(&Conversion, &Shown)]) -> Result<Image, Inv
     let top = TOP + ASIDE[1] + 60;
     page.histogram(&Histogram::of(distances, end), tolerance(scene), [COLUMN, top]);
     page.figures(scene, [COLUMN as f32, (top + BARS[1] + 130) as f32]);
-    Ok(page.image)
+    let mut bytes = Vec::new();
+    page.image.write(&mut bytes)?;
+    Ok(bytes)
 }
 
 /// The tolerance, where all parts have the same.
@@ -129,7 +133,7 @@ impl Page {
             _ => plural(scene.len(), "face"),
         };
         let cut = plural(cut, "hole");
-        let line = format!("{vertices} points, {triangles} triangles  →  {net}, {cut} cut out");
+        let line = format!("{vertices} points, {triangles} triangles  ·  {net}, {cut} cut out");
         self.write(&line, [MARGIN as f32, 102.0], Style { colour: MUTED, ..TEXT });
         self.image.fill([MARGIN, TOP - 8], [SIZE[0] - 2 * MARGIN, 2], LINE);
     }
@@ -151,7 +155,7 @@ impl Page {
         }
         let at = |d: f64| x as f64 + (0.5 + 0.5 * d / histogram.end) * width as f64;
         let foot = (y + height + 44) as f32;
-        for (d, sign) in [(-1.0_f64, "−"), (-0.5, "−"), (0.0, ""), (0.5, "+"), (1.0, "+")] {
+        for (d, sign) in [(-1.0_f64, "–"), (-0.5, "–"), (0.0, ""), (0.5, "+"), (1.0, "+")] {
             let text = format!("{sign}{}", short(d.abs() * histogram.end));
             self.centred(&text, [at(d * histogram.end) as f32, foot], SMALL);
         }
@@ -176,19 +180,19 @@ impl Page {
         let rows = [
             (
                 "as measured",
-                format!("rms {}   95 % {}   max {} (ring)", mm(d.rms), mm(d.p95), mm(d.max)),
+                format!("rms {}  ·  95 % {}  ·  max {} (ring)", mm(d.rms), mm(d.p95), mm(d.max)),
             ),
-            ("smoothed", format!("rms {}   max {}", mm(f.rms), mm(f.max))),
+            ("smoothed", format!("rms {}  ·  95 % {}  ·  max {}", mm(f.rms), mm(f.p95), mm(f.max))),
             (
                 "tolerance",
-                format!("{}   {:.2} % of the smoothed within", mm(c.tolerance), within(c)),
+                format!("{}, which {:.2} % of the smoothed keep", mm(c.tolerance), within(c)),
             ),
         ];
         for (k, (label, text)) in rows.iter().enumerate() {
             let y = y + 30.0 * k as f32;
-            let style = Style { size: 19.0, ..SMALL };
+            let style = Style { size: 17.5, ..SMALL };
             self.write(label, [x, y], style);
-            self.write(text, [x + 112.0, y], Style { colour: INK, ..style });
+            self.write(text, [x + 104.0, y], Style { colour: INK, ..style });
         }
     }
 }

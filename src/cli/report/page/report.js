@@ -104,16 +104,11 @@
       gl_Position = place(s + vec3(0.0, 0.0, sink));
     }`, `
     in vec3 n; in float d; out vec4 colour; ${light}
-    uniform vec3 scale[9]; uniform float end; uniform bool absolute, plain, only, pick; uniform float tolerance; uniform vec3 front, back;
+    uniform vec3 scale[9]; uniform float end; uniform bool absolute, plain, only; uniform float tolerance; uniform vec3 front, back;
     void main() {
       vec3 m = normalize(n);
       bool outer = gl_FrontFacing;
       if (!outer) m = -m;
-      if (pick) {
-        float x = clamp(0.5 + 0.5 * d / end, 0.0, 1.0) * 65535.0;
-        colour = vec4(floor(x / 256.0) / 255.0, mod(floor(x), 256.0) / 255.0, 1.0, 1.0);
-        return;
-      }
       vec3 paint;
       if (plain) paint = outer ? front : back;
       else {
@@ -190,7 +185,18 @@
     const rims = part.rims.map(rim => ({ hole: rim.hole, points: floats(rim.points) }));
     const holes = new Map();
     for (const rim of rims) if (rim.hole !== null) holes.set(`${number}-${rim.hole}`, once(() => lines(segments([rim.points]))));
+    // All points as they are seen, until the view changes.
+    let at = "", places = new Float32Array(points.length);
+    const seenAll = () => {
+      const now = JSON.stringify([view.turn, view.eye]);
+      if (now !== at) {
+        at = now;
+        for (let k = 0; k < points.length; k += 3) places.set(seen([points[k], points[k + 1], points[k + 2]]), k);
+      }
+      return places;
+    };
     return {
+      triangles, values, seen: seenAll, outlines: rims.map(rim => rim.points),
       scan: upload(points, vertexNormals(points, triangles), triangles, values),
       face: part.face && once(() => upload(floats(part.face.points), floats(part.face.normals), indices(part.face.triangles))),
       rims: lines(segments(rims.map(rim => rim.points))),
@@ -203,16 +209,17 @@
 
   // ---- the camera: rows to the right, up, towards the eye
   const home = () => ({ turn: scene.axes.map(axis => [...axis]), eye: [0, 0, 0], span: 2.25 * scene.radius });
-  let view = home(), end = scene.end, hole = null;
+  let view = home(), hole = null;
+  // The scale's end, for the points that are shown.
+  let factor = 1, end = 0;
+  const rescale = () => { end = factor * scene.end[body.dataset.points]; };
   const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
   const seen = p => view.turn.map((axis, k) => dot(axis, p) - view.eye[k]);
 
   function fit() {
     // As large as the scan's box allows in this view.
-    let [w, h] = [0, 0];
     const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
-    for (const part of scene.parts) for (const rim of part.rims) {
-      const points = floats(rim.points);
+    for (const { outlines } of parts) for (const points of outlines) {
       for (let k = 0; k < points.length; k += 3)
         for (const axis of [0, 1]) {
           const x = dot(view.turn[axis], points.subarray(k, k + 3));
@@ -220,7 +227,7 @@
         }
     }
     if (high[0] > low[0]) {
-      [w, h] = [high[0] - low[0], high[1] - low[1]];
+      const [w, h] = [high[0] - low[0], high[1] - low[1]];
       view.eye = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, 0];
       const aspect = canvas.clientWidth / Math.max(1, canvas.clientHeight);
       const room = aspect > 1.2 ? 0.74 : 0.95; // beside the panels
@@ -277,14 +284,13 @@
     return which.uniforms;
   }
 
-  function sheets(pick) {
+  function sheets() {
     const u = use(sheet);
     const mode = body.dataset.colours;
     gl.uniform3fv(u.scale, scales[mode].flatMap(linear));
     gl.uniform1f(u.end, end);
     gl.uniform1i(u.absolute, mode === "distance");
     gl.uniform1i(u.only, checked("beyond"));
-    gl.uniform1i(u.pick, pick);
     gl.uniform1f(u.which, body.dataset.points === "smoothed" ? 1 : 0);
     gl.uniform3fv(u.front, linear(0x86b0dc));
     gl.uniform3fv(u.back, linear(0xdda35a));
@@ -298,7 +304,7 @@
       };
       if (checked("show-scan")) show(part.scan, false, 0);
       // With the scan over it, the face keeps a little below, so that its colours stay whole.
-      if (!pick && checked("show-face") && part.face) show(part.face(), true, checked("show-scan") ? -0.002 * scene.radius : 0);
+      if (checked("show-face") && part.face) show(part.face(), true, checked("show-scan") ? -0.002 * scene.radius : 0);
     }
   }
 
@@ -321,7 +327,7 @@
     gl.enable(gl.DEPTH_TEST);
     gl.enable(gl.BLEND);
     gl.blendFunc(gl.ONE, gl.ONE_MINUS_SRC_ALPHA);
-    sheets(false);
+    sheets();
     const ink = dark() ? [0.91, 0.93, 0.95] : [0.11, 0.14, 0.19];
     for (const part of parts) {
       if (checked("show-scan")) strokes(part.rims, 1.2, [...ink, 0.8], 0.003);
@@ -365,13 +371,13 @@
     const y = d => 288 - 270 * (d - from) / (end - from);
     let svg = "";
     for (let k = 0; k < 90; k++)
-      svg += `<rect x="4" y="${18 + 3 * k}" width="20" height="3.2" fill="${colour(scale, 1 - (k + 0.5) / 90)}"/>`;
+      svg += `<rect x="4" y="${18 + 3 * k}" width="20" height="3.6" fill="${colour(scale, 1 - (k + 0.5) / 90)}"/>`;
     const ticks = mode === "signed" ? [-1, -0.5, 0, 0.5, 1] : [0, 0.25, 0.5, 0.75, 1];
     const tolerance = parts.every(part => part.tolerance === parts[0].tolerance) ? parts[0].tolerance : Infinity;
     const marks = (mode === "signed" ? [-tolerance, tolerance] : [tolerance]).filter(d => Math.abs(d) < end);
     for (const share of ticks) {
       const d = share * end;
-      if (marks.some(mark => Math.abs(y(mark) - y(d)) < 12)) continue;
+      if (marks.some(mark => Math.abs(y(mark) - y(d)) < 14)) continue;
       svg += `<text x="34" y="${y(d) + 4}">${d > 0 && mode === "signed" ? "+" : ""}${text(d)}</text>`;
     }
     for (const d of marks)
@@ -379,6 +385,7 @@
     svg += `<text x="4" y="10">mm</text>`;
     $("legend").firstElementChild.innerHTML = svg;
     for (const bar of document.querySelectorAll(".histogram rect")) {
+      if (!bar.parentNode.classList.contains("of-" + body.dataset.points)) continue;
       const d = Number(bar.dataset.mm), signed = bar.parentNode.classList.contains("signed");
       bar.setAttribute("fill", colour(signed ? scene.signed : scene.distance, signed ? 0.5 + 0.5 * d / end : d / end));
     }
@@ -388,8 +395,8 @@
   for (const id of ["show-scan", "show-face", "show-edges", "show-net", "show-worst", "beyond"]) $(id).onchange = () => draw();
   for (const name of ["colours", "points"])
     for (const input of document.getElementsByName(name))
-      input.onchange = () => { body.dataset[name] = input.value; legend(); draw(); };
-  $("range").oninput = event => { end = scene.end * 2 ** Number(event.target.value); legend(); draw(); };
+      input.onchange = () => { body.dataset[name] = input.value; rescale(); legend(); draw(); };
+  $("range").oninput = event => { factor = 2 ** Number(event.target.value); rescale(); legend(); draw(); };
   $("reset").onclick = () => { view = home(); fit(); draw(); };
 
   const fingers = new Map();
@@ -412,7 +419,7 @@
       zoom(far(before) / Math.max(1, far(now)), (now[0] + other[0]) / 2, (now[1] + other[1]) / 2);
       move(dx / 2, dy / 2);
     } else if (event.shiftKey || event.buttons & 6) move(dx, dy);
-    else rotate(-0.008 * dx, 0.008 * dy);
+    else rotate(0.008 * dx, 0.008 * dy);
     fingers.set(event.pointerId, now);
     draw();
   });
@@ -423,7 +430,7 @@
     draw();
   }, { passive: false });
   canvas.addEventListener("keydown", event => {
-    const turn = { ArrowLeft: [0.1, 0], ArrowRight: [-0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
+    const turn = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
     const middle = [canvas.clientWidth / 2, canvas.clientHeight / 2];
     if (turn) rotate(...turn);
     else if (event.key === "+" || event.key === "=") zoom(0.85, ...middle);
@@ -434,30 +441,36 @@
     draw();
   });
 
-  // The deviation under the pointer: drawn once more as numbers, into one pixel.
+  // The deviation under the pointer, on the triangle that is nearest to the eye.
   function readout(event) {
     const out = $("readout");
-    if (!checked("show-scan") || event.pointerType === "touch") { out.hidden = true; return; }
-    const ratio = canvas.width / Math.max(1, canvas.clientWidth);
-    const x = Math.floor(event.offsetX * ratio), y = canvas.height - 1 - Math.floor(event.offsetY * ratio);
-    gl.enable(gl.SCISSOR_TEST);
-    gl.scissor(x, y, 1, 1);
-    gl.disable(gl.BLEND);
-    gl.clear(gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT);
-    const shown = end;
-    end = Math.max(...parts.map(part => Math.max(part.worst.measured.mm, part.worst.smoothed.mm)), 1e-12);
-    sheets(true);
-    const pixel = new Uint8Array(4), reach = end;
-    gl.readPixels(x, y, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, pixel);
-    end = shown;
-    gl.disable(gl.SCISSOR_TEST);
-    draw();
-    out.hidden = pixel[2] !== 255;
-    if (out.hidden) return;
-    const d = ((256 * pixel[0] + pixel[1]) / 65535 * 2 - 1) * reach;
+    const d = checked("show-scan") && event.pointerType !== "touch" ? under(event.offsetX, event.offsetY) : null;
+    out.hidden = d === null;
+    if (d === null) return;
     out.textContent = `${d > 0 ? "+" : ""}${text(d)} mm`;
     out.style.left = `${event.offsetX}px`;
     out.style.top = `${event.offsetY}px`;
+  }
+
+  function under(left, top) {
+    const x = (left - canvas.clientWidth / 2) * mm(), y = (canvas.clientHeight / 2 - top) * mm();
+    let nearest = -Infinity, found = null;
+    for (const part of parts) {
+      const s = part.seen(), { triangles, values } = part, which = body.dataset.points === "smoothed" ? 1 : 0;
+      for (let t = 0; t < triangles.length; t += 3) {
+        const [i, j, k] = [triangles[t], triangles[t + 1], triangles[t + 2]];
+        const ax = s[3 * i] - x, ay = s[3 * i + 1] - y, bx = s[3 * j] - x, by = s[3 * j + 1] - y, cx = s[3 * k] - x, cy = s[3 * k + 1] - y;
+        const a = bx * cy - by * cx, b = cx * ay - cy * ax, c = ax * by - ay * bx;
+        if ((a < 0 || b < 0 || c < 0) && (a > 0 || b > 0 || c > 0)) continue;
+        const area = a + b + c;
+        if (area === 0) continue;
+        const z = (a * s[3 * i + 2] + b * s[3 * j + 2] + c * s[3 * k + 2]) / area;
+        if (z <= nearest) continue;
+        nearest = z;
+        found = (a * values[2 * i + which] + b * values[2 * j + which] + c * values[2 * k + which]) / area;
+      }
+    }
+    return found;
   }
 
   // Holes: rows, loops of the parameter plane and rims go together.
@@ -475,6 +488,7 @@
   }
 
   new ResizeObserver(() => draw()).observe(canvas);
+  rescale();
   fit();
   legend();
   paint();
