@@ -65,8 +65,11 @@ pub fn write(
 }
 
 fn failed(path: &Path, e: std::io::Error) -> Error {
+    // Of a temporary file only what is wrong matters, not its name.
+    let wrong =
+        e.get_ref().and_then(|wrapped| wrapped.source()).map_or(e.to_string(), |e| e.to_string());
     let help = "check that the folder exists, can be written to and has room";
-    Error::new(path, format!("cannot be written: {e}"), help)
+    Error::new(path, format!("cannot be written: {wrong}"), help)
 }
 
 /// The file that a path means: through links, and none that is not a file. A

@@ -22,4 +22,4 @@ pub use canvas::Canvas;
 pub use image::Image;
 pub use signed::signed;
 pub use thin::{Thinned, thin};
-pub use trimmed::{Tessellation, outlines, polyline, tessellate};
+pub use trimmed::{outlines, polyline, tessellate};

@@ -2,19 +2,10 @@
 
 use rayon::prelude::*;
 
-use crate::geometry::{Point, Uv, Vector, VertexId};
+use crate::geometry::{Uv, VertexId};
 use crate::mesh::{Mesh, outline};
 use crate::spline::{Curve, Surface};
 use crate::trim::TrimLoop;
-
-/// A face as triangles, to look at.
-#[derive(Debug, Clone, Default)]
-pub struct Tessellation {
-    /// Points on the surface and the triangles between them.
-    pub mesh: Mesh,
-    /// The surface's unit normals at the points.
-    pub normals: Vec<Vector>,
-}
 
 /// Chords of a knot span of a trim curve: enough to look smooth at any size.
 const CHORDS: u32 = 16;
@@ -46,25 +37,18 @@ pub fn outlines(loops: &[TrimLoop]) -> Vec<Vec<Uv>> {
     loops.iter().map(outline).collect()
 }
 
-/// The face that the outlines leave of a surface, over the parameter points `inner`
-/// and points of the outlines and of the sides. `None` where two of these cross.
-pub fn tessellate(surface: &Surface, outlines: &[Vec<Uv>], inner: &[Uv]) -> Option<Tessellation> {
+/// The face that the outlines leave of a surface, as triangles over the parameter
+/// points `inner` and points of the outlines and of the sides. `None` where two of
+/// these cross.
+pub fn tessellate(surface: &Surface, outlines: &[Vec<Uv>], inner: &[Uv]) -> Option<Mesh> {
     let sides = sides(surface);
     let rings: Vec<&[Uv]> = std::iter::once(&sides).chain(outlines).map(Vec::as_slice).collect();
     let inner: Vec<Uv> = inner.iter().map(|&uv| surface.clamp(uv)).collect();
     let triangles = outline::triangulate(&rings, &inner)?;
     let places: Vec<Uv> = rings.iter().copied().flatten().chain(&inner).copied().collect();
-    let corners: Vec<(Point, Vector)> = places
-        .par_iter()
-        .map(|&at| {
-            let jet = surface.jet(at);
-            let normal = jet.su.cross(&jet.sv).try_normalize(0.0);
-            (jet.s, normal.unwrap_or_else(Vector::zeros))
-        })
-        .collect();
-    let (points, normals) = corners.into_iter().unzip();
+    let points = places.par_iter().map(|&at| surface.point(at)).collect();
     let triangles = triangles.into_iter().map(|t| t.map(VertexId::from)).collect();
-    Some(Tessellation { mesh: Mesh { points, triangles }, normals })
+    Some(Mesh { points, triangles })
 }
 
 /// The domain's outline, counter-clockwise.
@@ -83,6 +67,7 @@ fn sides(surface: &Surface) -> Vec<Uv> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::geometry::Vector;
     use crate::spline::KnotVector;
 
     #[test]
@@ -96,10 +81,9 @@ mod tests {
         let inner: Vec<Uv> =
             (0..100).map(|k| Uv::new((k / 10) as f64 / 9.0, (k % 10) as f64 / 9.0)).collect();
         let face = tessellate(&surface, &square, &inner).unwrap();
-        let area: f64 =
-            face.mesh.triangles.iter().map(|&t| 0.5 * face.mesh.area_vector(t).norm()).sum();
+        let area: f64 = face.triangles.iter().map(|&t| 0.5 * face.area_vector(t).norm()).sum();
         assert!((area - 75.0).abs() < 1e-9, "{area}");
-        assert!(face.normals.iter().all(|n| (n - Vector::z()).norm() < 1e-9));
+        assert!(face.triangles.iter().all(|&t| face.area_vector(t).z >= 0.0));
         let crossing =
             vec![vec![Uv::new(0.1, 0.1), Uv::new(0.9, 0.9), Uv::new(0.9, 0.1), Uv::new(0.1, 0.9)]];
         assert!(tessellate(&surface, &crossing, &inner).is_none());

@@ -46,11 +46,7 @@ fn part(c: &Conversion, shown: &Shown, middle: Point) -> Value {
     let mut scan = mesh(&shown.scan.mesh, middle);
     scan["measured"] = values(&shown.measured).into();
     scan["smoothed"] = values(&shown.smoothed).into();
-    let face = shown.face.as_ref().map(|face| {
-        let mut object = mesh(&face.mesh, middle);
-        object["normals"] = floats(face.normals.iter().flat_map(single)).into();
-        object
-    });
+    let face = shown.face.as_ref().map(|face| mesh(face, middle));
     // The first loop is the outer one; holes follow.
     let rims = shown.rims.iter().enumerate().map(|(k, ring)| {
         let hole = k.checked_sub(1).filter(|&hole| hole < c.trimmed.len());

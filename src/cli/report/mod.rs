@@ -104,19 +104,21 @@ impl Ends {
     fn of(scene: &[(&Conversion, &Shown)]) -> Ends {
         let tolerance = scene.iter().map(|(c, _)| c.tolerance).fold(0.0, f64::max);
         let end = |of: fn(&Conversion) -> &Deviation| {
-            // One stray point would make all others look alike.
-            let p99 = scene.iter().map(|(c, _)| of(c).p99).fold(0.0, f64::max);
+            // The few that are farthest would make all others look alike.
+            let most = SPREAD * scene.iter().map(|(c, _)| of(c).p95).fold(0.0, f64::max);
             let with_tolerance = 1.1 * tolerance;
-            let end = if with_tolerance < NEAR * p99 { p99.max(with_tolerance) } else { p99 };
+            let end = if with_tolerance < NEAR * most { most.max(with_tolerance) } else { most };
             scan2step::picture::scale::rounded_up(end).0
         };
         Ends { measured: end(|c| &c.deviation), smoothed: end(|c| &c.fit_deviation) }
     }
 }
 
-/// The tolerance is on the scale where it is not farther than this many times the
-/// 99th percentile of the distances; farther, it would leave them without colours.
-const NEAR: f64 = 4.0;
+/// A scale's end as a multiple of the 95th percentile of the distances, and the
+/// multiple of that up to which it is moved to have the tolerance on the scale;
+/// farther, it would leave the distances without colours.
+const SPREAD: f64 = 1.3;
+const NEAR: f64 = 3.0;
 
 /// A number with as few digits as tell it from others of its kind.
 fn short(x: f64) -> String {

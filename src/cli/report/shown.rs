@@ -3,11 +3,14 @@
 use scan2step::deviation::Deviation;
 use scan2step::geometry::{Point, Uv, VertexId};
 use scan2step::mesh::{Disk, Mesh};
-use scan2step::picture::{Tessellation, Thinned, outlines, signed, tessellate, thin};
+use scan2step::picture::{Thinned, outlines, signed, tessellate, thin};
 use scan2step::{Conversion, Stage};
 
 /// Triangles of all the scans that a page shows together.
 const MOST_TRIANGLES: usize = 300_000;
+
+/// Points inside all the faces that it shows.
+const MOST_FACE_POINTS: usize = 60_000;
 
 /// Keeps what stages make until the conversion is done.
 #[derive(Default)]
@@ -30,7 +33,7 @@ pub struct Shown {
     /// Distances of all its points, smoothed.
     pub smoothed: Vec<f32>,
     /// The face; `None` where it cannot be cut into triangles.
-    pub face: Option<Tessellation>,
+    pub face: Option<Mesh>,
     /// The trim loops in the parameter plane.
     pub outlines: Vec<Vec<Uv>>,
 }
@@ -66,9 +69,10 @@ impl Watch {
         let outlines = outlines(&c.loops);
         let mut inner: Vec<Uv> = scan.old.iter().filter_map(|&v| self.uv.get(v).copied()).collect();
         if c.trimmed.contains(&false) {
-            let fills = self.uv.get(count..).unwrap_or_default();
-            inner.extend(fills.iter().step_by(fills.len().div_ceil(inner.len().max(1)).max(1)));
+            inner.extend(self.uv.get(count..).unwrap_or_default());
         }
+        let step = (inner.len() * parts).div_ceil(MOST_FACE_POINTS).max(1);
+        let inner: Vec<Uv> = inner.into_iter().step_by(step).collect();
         let face = tessellate(&c.surface, &outlines, &inner);
         let triangles = disk.mesh.triangles.len();
         Shown { scan, triangles, rims, measured, smoothed, face, outlines }

@@ -198,7 +198,10 @@
     return {
       triangles, values, seen: seenAll, outlines: rims.map(rim => rim.points),
       scan: upload(points, vertexNormals(points, triangles), triangles, values),
-      face: part.face && once(() => upload(floats(part.face.points), floats(part.face.normals), indices(part.face.triangles))),
+      face: part.face && once(() => {
+        const [places, corners] = [floats(part.face.points), indices(part.face.triangles)];
+        return upload(places, vertexNormals(places, corners), corners);
+      }),
       rims: lines(segments(rims.map(rim => rim.points))),
       edges: once(() => lines(segments(part.edges.map(edge => floats(edge.points))))),
       net: once(() => lines(netLines(part.net))),
