@@ -33,7 +33,6 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     let Run { mut progress, stages, conversions, shown, .. } = run;
     let files = cad::write(args, &conversions, scan.colour)?;
     progress.ended("write", "");
-    progress.finish();
     for c in &conversions {
         let at_rims = c.input.repairs.iter().filter(|(kind, _)| !repaired.contains_key(*kind));
         at_rims.for_each(|repair| talk::repaired(&progress, repair));
@@ -50,6 +49,7 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
         progress: &progress,
     };
     let reports = report::write(&args.report, &conversions, &shown, &context)?;
+    progress.finish();
     // Every file is complete by now; putting them in place comes last.
     let stages = stages.map_or(Vec::new(), |s| s.pending);
     Pending::publish(stages.into_iter().chain(reports).chain(files).collect())?;

@@ -99,7 +99,7 @@ impl Progress {
         self.stages.push(StageTime { name, seconds, peak_rss_mb: peak_rss_mb() });
         if let Some(k) = STAGES.iter().position(|(stage, _)| *stage == name) {
             self.bar.inc(STAGES[k].1);
-            self.bar.set_message(STAGES.get(k + 1).map_or("", |(next, _)| next));
+            self.bar.set_message(STAGES.get(k + 1).map_or("report", |(next, _)| next));
         }
         self.stage_begun = Instant::now();
     }

@@ -26,6 +26,8 @@ pub fn svg(number: usize, c: &Conversion, shown: &Shown) -> String {
     for v in c.surface.v.breaks() {
         let _ = write!(lines, "M0 {:.1}H{width:.1}", y(v));
     }
+    // The more lines there are, the fainter each.
+    let faint = (24.0 / lines.matches('M').count() as f64).clamp(0.15, 0.6);
     let mut loops = String::new();
     let mut cut = format!("M0 0H{width:.1}V{height:.1}H0Z");
     for (ring, outline) in c.loops.iter().zip(&shown.outlines) {
@@ -36,7 +38,7 @@ pub fn svg(number: usize, c: &Conversion, shown: &Shown) -> String {
         cut += &path;
     }
     format!(
-        r#"<svg class="plane" viewBox="-6 -6 {:.1} {:.1}" role="img" aria-label="The parameter plane with knot lines and trim loops"><path class="face" fill-rule="evenodd" d="{cut}"/><path class="knots" d="{lines}"/>{loops}<rect class="sides" width="{width:.1}" height="{height:.1}"/></svg>"#,
+        r#"<svg class="plane" viewBox="-6 -6 {:.1} {:.1}" role="img" aria-label="The parameter plane with knot lines and trim loops"><path class="face" fill-rule="evenodd" d="{cut}"/><path class="knots" opacity="{faint:.2}" d="{lines}"/>{loops}<rect class="sides" width="{width:.1}" height="{height:.1}"/></svg>"#,
         width + 12.0,
         height + 12.0,
     )
