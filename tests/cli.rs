@@ -327,3 +327,60 @@ fn silence_is_kept() {
     let said = converted(&[arg(&fixture("relief.ply")), arg(&step), "--quiet"]);
     assert_eq!(said, "");
 }
+
+#[test]
+fn in_a_pipe_every_stage_is_a_plain_line() {
+    let folder = folder();
+    let step = folder.path().join("a.step");
+    let said = converted(&[arg(&fixture("relief.ply")), arg(&step)]);
+    assert!(!said.contains('\x1b') && !said.contains('\r'), "{said:?}");
+    let stages = [
+        "read",
+        "mesh",
+        "smooth",
+        "fill",
+        "parameterize",
+        "fit",
+        "trim",
+        "brep",
+        "deviation",
+        "write",
+    ];
+    let lines: Vec<&str> = said.lines().collect();
+    let mut at = 0;
+    for stage in stages {
+        let begins = |line: &&str| line.split(' ').next() == Some(stage) && line.contains(" s");
+        let found = lines[at..].iter().position(begins);
+        at += found.unwrap_or_else(|| panic!("{stage} is not said in turn: {said}")) + 1;
+    }
+    assert!(said.contains("relief.ply: 4000 vertices, 7657 triangles"), "{said}");
+    assert!(said.contains("units: the file does not say; assuming mm"), "{said}");
+    assert!(said.contains("tolerance: ") && said.contains("from a noise of "), "{said}");
+    let result = lines.iter().find(|line| line.contains("control points, rms ")).expect("a result");
+    assert!(result.contains("2 holes cut out") && result.ends_with(arg(&step)), "{said}");
+    let coloured = converted(&[arg(&fixture("relief.ply")), arg(&step), "--color", "always"]);
+    assert!(coloured.contains('\x1b'), "{coloured:?}");
+}
+
+#[test]
+fn what_could_be_better_is_hinted_at() {
+    let folder = folder();
+    let (step, scan) = (folder.path().join("a.step"), fixture("relief.ply"));
+    let hints = |options: &[&str]| -> Vec<String> {
+        let said = converted(&[&[arg(&scan), arg(&step)], options].concat());
+        let hints = said.lines().filter_map(|line| line.strip_prefix("hint: "));
+        hints.map(str::to_owned).collect()
+    };
+    assert_eq!(hints(&[]), [""; 0]);
+    let loose = hints(&["--tolerance", "5"]);
+    assert!(loose.len() == 1 && loose[0].contains("times the noise"), "{loose:?}");
+    let strict = hints(&["--tolerance", "0.005", "--outliers", "99"]);
+    assert!(strict.len() == 1 && strict[0].contains("far below the noise"), "{strict:?}");
+    // A scan in metres whose file does not say so.
+    let small = folder.path().join("small.obj");
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+    std::fs::write(&small, square).expect("a file");
+    let said = converted(&[arg(&small), arg(&step)]);
+    assert!(said.contains("hint: the scan is 1.414 mm across"), "{said}");
+    assert!(!converted(&[arg(&small), arg(&step), "--units", "m"]).contains("across"));
+}

@@ -47,7 +47,7 @@ impl Legend {
     /// A scale up to the 99th percentile: one stray point would make all
     /// others look alike.
     fn new(scene: &Scene, height: usize) -> Result<Legend, Box<dyn std::error::Error>> {
-        let (end, _) = rounded_up(scene.conversion.deviation.p99);
+        let end = rounded_up(scene.conversion.deviation.p99);
         let style = Style { size: height as f32 / 40.0, bold: false, colour: INK };
         Ok(Legend { end, high: format!("{end} mm"), height, letters: Type::new()?, style })
     }

@@ -99,7 +99,8 @@ pub struct Check {
 /// Options of `convert`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  scan2step convert fender.ply fender.step\n  \
-    scan2step convert relief.obj relief.stp relief.igs --units in --tolerance 0.05\n\n\
+    scan2step convert relief.obj relief.stp relief.igs --units in --tolerance 0.05\n  \
+    scan2step convert face.glb face.step --report face.html --report face.png\n\n\
     Exit codes: 0 all that was asked holds, 1 failed (nothing written), 2 usage,\n\
     3 files written but a named tolerance is not met.")]
 pub struct Convert {

@@ -11,7 +11,7 @@ use super::output::{self, Pending};
 use super::progress::Progress;
 use super::report::{self, Shown};
 use super::stages::Stages;
-use super::{Failure, Outcome, cad, settings, talk};
+use super::{Failure, Outcome, cad, hints, settings, talk};
 
 /// Reads, converts, writes.
 pub fn run(args: &Convert) -> Result<Outcome, Failure> {
@@ -38,7 +38,7 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
         at_rims.for_each(|repair| talk::repaired(&progress, repair));
         talk::found(&progress, args, c);
     }
-    let hints = talk::hints(args, &scan, &conversions);
+    let hints = hints::all(args, &scan, &conversions);
     let context = report::Context {
         scan: &scan,
         options: settings::as_json(args),

@@ -4,6 +4,7 @@ mod args;
 mod cad;
 mod check;
 mod convert;
+mod hints;
 mod input;
 mod inspect;
 mod leftovers;

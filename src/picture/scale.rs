@@ -20,17 +20,21 @@ pub fn colour(scale: &[u32; 9], share: f64) -> Rgb {
     mix(linear(srgb(scale[k])), linear(srgb(scale[k + 1])), (at - k as f64) as f32)
 }
 
-/// The least of 1, 2, 2.5 and 5 times a power of ten that is not below `x`, and the
-/// decimals that it and half of it need.
-pub fn rounded_up(x: f64) -> (f64, usize) {
+/// The factors of a power of ten at which a scale may end.
+const ENDS: [f64; 10] = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
+
+/// The least number at which a scale may end that is not below `x`.
+pub fn rounded_up(x: f64) -> f64 {
     if !(x > 1e-12 && x.is_finite()) {
-        return (1e-12, 12);
+        return 1e-12;
     }
     let exponent = x.log10().floor() as i32;
-    let unit = 10f64.powi(exponent);
-    let step = [1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0];
-    let factor = step.into_iter().find(|s| s * unit >= x * (1.0 - 1e-9)).unwrap_or(10.0);
-    (factor * unit, (2 - exponent).clamp(0, 14) as usize)
+    // Divided by a power of ten, 3 gives the double that is written 0.3.
+    let scaled = |factor: f64| match exponent {
+        0.. => factor * 10f64.powi(exponent),
+        _ => factor / 10f64.powi(-exponent),
+    };
+    ENDS.into_iter().map(scaled).find(|&end| end >= x * (1.0 - 1e-9)).unwrap_or(x)
 }
 
 #[cfg(test)]
@@ -39,10 +43,9 @@ mod tests {
 
     #[test]
     fn scales_end_at_round_numbers() {
-        assert_eq!(rounded_up(0.0213), (0.025, 4));
-        assert_eq!(rounded_up(0.95), (1.0, 3));
-        assert_eq!(rounded_up(23.4), (25.0, 1));
-        assert_eq!(rounded_up(0.3).0, 0.3);
-        assert!(rounded_up(0.0).0 > 0.0 && rounded_up(f64::NAN).0 > 0.0);
+        for (x, end) in [(0.0213, 0.025), (0.95, 1.0), (23.4, 25.0), (0.3, 0.3), (6.1e-7, 8e-7)] {
+            assert_eq!(rounded_up(x), end);
+        }
+        assert!(rounded_up(0.0) > 0.0 && rounded_up(f64::NAN) > 0.0);
     }
 }

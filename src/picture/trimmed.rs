@@ -4,14 +4,16 @@ use rayon::prelude::*;
 
 use crate::geometry::{Uv, VertexId};
 use crate::mesh::{Mesh, outline};
-use crate::spline::{Curve, Surface};
+use crate::spline::{Curve, KnotVector, Surface};
 use crate::trim::TrimLoop;
 
 /// Chords of a knot span of a trim curve: enough to look smooth at any size.
 const CHORDS: u32 = 16;
 
-/// Points of each side of the domain at the least.
+/// Points of each side of the domain, about, and chords of a knot span of it, both
+/// at the least.
 const SIDE: usize = 256;
+const SIDE_CHORDS: usize = 6;
 
 /// Points along a curve, both ends included.
 pub fn polyline<const D: usize>(curve: &Curve<D>) -> Vec<nalgebra::SVector<f64, D>> {
@@ -51,24 +53,33 @@ pub fn tessellate(surface: &Surface, outlines: &[Vec<Uv>], inner: &[Uv]) -> Opti
     Some(Mesh { points, triangles })
 }
 
-/// The domain's outline, counter-clockwise.
+/// The domain's outline, counter-clockwise, as dense as its knots.
 fn sides(surface: &Surface) -> Vec<Uv> {
+    let [us, vs] = [&surface.u, &surface.v].map(parameters);
     let ((u0, u1), (v0, v1)) = (surface.u.range(), surface.v.range());
-    let corners = [Uv::new(u0, v0), Uv::new(u1, v0), Uv::new(u1, v1), Uv::new(u0, v1)];
-    let spans = surface.u.breaks().len().max(surface.v.breaks().len());
-    let count = (4 * spans).clamp(SIDE, 8 * SIDE);
-    let along = |side: usize| {
-        let (from, to) = (corners[side], corners[(side + 1) % 4]);
-        (0..count).map(move |i| from + (to - from) * (i as f64 / count as f64))
+    // Each side without its last corner, which is the next one's first.
+    let lower = us.iter().map(|&u| Uv::new(u, v0)).take(us.len() - 1);
+    let right = vs.iter().map(|&v| Uv::new(u1, v)).take(vs.len() - 1);
+    let upper = us.iter().rev().map(|&u| Uv::new(u, v1)).take(us.len() - 1);
+    let left = vs.iter().rev().map(|&v| Uv::new(u0, v)).take(vs.len() - 1);
+    lower.chain(right).chain(upper).chain(left).collect()
+}
+
+/// Parameters from end to end, a few a knot span.
+fn parameters(knots: &KnotVector) -> Vec<f64> {
+    let breaks = knots.breaks();
+    let chords = (SIDE / breaks.len()).max(SIDE_CHORDS);
+    let within = |w: &[f64]| {
+        let (from, to) = (w[0], w[1]);
+        (0..chords).map(move |i| from + (to - from) * i as f64 / chords as f64)
     };
-    (0..4).flat_map(along).collect()
+    breaks.windows(2).flat_map(within).chain(breaks.last().copied()).collect()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::geometry::Vector;
-    use crate::spline::KnotVector;
 
     #[test]
     fn the_face_has_the_area_that_the_loop_leaves() {

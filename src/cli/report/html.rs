@@ -20,6 +20,15 @@ use super::shown::Shown;
 use super::{Ends, data, plane, short};
 use crate::cli::progress::mm;
 
+/// The page's program, in parts that share one function.
+const SCRIPT: &str = concat!(
+    include_str!("page/start.js"),
+    include_str!("page/shaders.js"),
+    include_str!("page/scene.js"),
+    include_str!("page/paint.js"),
+    include_str!("page/hands.js"),
+);
+
 /// Writes the page for a scan called `name`, with a still picture as PNG.
 pub fn write(
     name: &str,
@@ -51,7 +60,7 @@ pub fn write(
             still => STANDARD.encode(still),
             scene => Serde(data::scene(scene, &ends)),
             style => include_str!("page/report.css"),
-            script => include_str!("page/report.js"),
+            script => SCRIPT,
         })
     });
     out.write_all(page.map_err(io::Error::other)?.as_bytes())

@@ -108,7 +108,7 @@ impl Ends {
             let most = SPREAD * scene.iter().map(|(c, _)| of(c).p95).fold(0.0, f64::max);
             let with_tolerance = 1.1 * tolerance;
             let end = if with_tolerance < NEAR * most { most.max(with_tolerance) } else { most };
-            scan2step::picture::scale::rounded_up(end).0
+            scan2step::picture::scale::rounded_up(end)
         };
         Ends { measured: end(|c| &c.deviation), smoothed: end(|c| &c.fit_deviation) }
     }
