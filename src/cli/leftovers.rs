@@ -74,7 +74,7 @@ pub fn sweep_when_stopped() -> io::Result<()> {
             // Held to the end: nothing new may appear.
             let mut made = lock();
             made.sweep();
-            eprintln!("\nstopped; nothing was left behind");
+            eprintln!("\nstopped; no unfinished file is left");
             let _ = emulate_default_handler(signal);
             std::process::exit(128 + signal);
         }
