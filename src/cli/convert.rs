@@ -27,10 +27,17 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     talk::assumed(&progress, &scan);
     let repaired = components.repairs().clone();
     repaired.iter().for_each(|repair| talk::repaired(&progress, repair));
-    let mut run = Run { args, progress, stages, conversions: Vec::new(), shown: Vec::new() };
+    let mut run = Run {
+        args,
+        progress,
+        stages,
+        conversions: Vec::new(),
+        shown: Vec::new(),
+        said: Vec::new(),
+    };
     run.convert(&components, &options)?;
     drop(components);
-    let Run { mut progress, stages, conversions, shown, .. } = run;
+    let Run { mut progress, stages, conversions, shown, said, .. } = run;
     let files = cad::write(args, &conversions, scan.colour)?;
     progress.ended("write", "");
     for c in &conversions {
@@ -54,7 +61,8 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     let stages = stages.map_or(Vec::new(), |s| s.pending);
     Pending::publish(stages.into_iter().chain(reports).chain(files).collect())?;
     conversions.iter().for_each(|c| talk::result(&progress, args, c));
-    hints.iter().for_each(|hint| progress.hint(hint));
+    let new = hints.iter().filter(|hint| !said.iter().any(|said| hint.ends_with(said)));
+    new.for_each(|hint| progress.hint(hint));
     Ok(conversions.iter().fold(Outcome::Done, |all, c| all.and(talk::verdict(args, c))))
 }
 
@@ -66,6 +74,8 @@ struct Run<'a> {
     conversions: Vec<Conversion>,
     /// What the pictures of reports show, where any was asked for.
     shown: Vec<Shown>,
+    /// Hints that were given on the way.
+    said: Vec<String>,
 }
 
 impl Run<'_> {
@@ -83,6 +93,12 @@ impl Run<'_> {
             let mut seen = pictured.then(report::Watch::default);
             let mut watch = |stage: Stage| -> scan2step::Result<()> {
                 self.progress.ended(talk::name(&stage), &talk::made(&stage));
+                if let Stage::Parameterize(_, Some(found)) = &stage {
+                    // Before the time for it is spent.
+                    let hint = hints::crushed(found);
+                    self.progress.hint(&hint);
+                    self.said.push(hint);
+                }
                 if let Some(seen) = &mut seen {
                     seen.see(&stage);
                 }

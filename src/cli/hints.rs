@@ -1,6 +1,7 @@
 //! What could be better of a conversion, and what the user can do about it.
 
 use scan2step::Conversion;
+use scan2step::parameterize::Crushed;
 
 use super::args::{Component, Convert};
 use super::input::Scan;
@@ -14,7 +15,7 @@ pub fn all(args: &Convert, scan: &Scan, conversions: &[Conversion]) -> Vec<Strin
         let part = if conversions.len() > 1 { format!("component {k}: ") } else { String::new() };
         let own = [
             missed(args, c),
-            crushed(c),
+            c.crushed.as_ref().map(crushed),
             stretched(c),
             loose(args, c),
             large(c),
@@ -48,13 +49,13 @@ fn missed(args: &Convert, c: &Conversion) -> Option<String> {
     (!held).then(|| beyond(c))
 }
 
-fn crushed(c: &Conversion) -> Option<String> {
-    let crushed = c.crushed?;
-    let (points, at) = (crushed.points, crushed.at);
-    Some(format!(
-        "the map crushes what sticks out: {points} points near ({:.3}, {:.3}, {:.3}) are closer than the knots of any affordable net; cut the scan there and convert the pieces, or raise --tolerance or --max-net",
+/// Where no affordable net can follow.
+pub fn crushed(crushed: &Crushed) -> String {
+    let ([m, n], at) = (crushed.spans, crushed.at);
+    format!(
+        "the map crushes what sticks out: near ({:.3}, {:.3}, {:.3}) the tolerance needs knots as close as in a net of {m:.0} × {n:.0}; cut the scan there and convert the pieces, or raise --tolerance or --max-net",
         at.x, at.y, at.z
-    ))
+    )
 }
 
 /// L² stretch above which control points are spent unevenly; 1 is none.

@@ -13,7 +13,7 @@ pub fn name(stage: &Stage) -> &'static str {
         Stage::Mesh(_) => "mesh",
         Stage::Smooth(_) => "smooth",
         Stage::Fill(_) => "fill",
-        Stage::Parameterize(_) => "parameterize",
+        Stage::Parameterize(..) => "parameterize",
         Stage::Fit(_) => "fit",
         Stage::Trim(..) => "trim",
         Stage::Brep => "brep",
@@ -43,7 +43,9 @@ pub fn made(stage: &Stage) -> String {
             format!("{m} × {n} control points")
         }
         Stage::Trim(_, loops) => plural(loops.len(), "trim loop"),
-        Stage::Smooth(_) | Stage::Parameterize(_) | Stage::Brep | Stage::Deviation => String::new(),
+        Stage::Smooth(_) | Stage::Parameterize(..) | Stage::Brep | Stage::Deviation => {
+            String::new()
+        }
     }
 }
 

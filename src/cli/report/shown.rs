@@ -44,7 +44,7 @@ impl Watch {
         match stage {
             Stage::Mesh(disk) => self.measured = Some((*disk).clone()),
             Stage::Smooth(disk) => self.smoothed.clone_from(&disk.mesh.points),
-            Stage::Parameterize(map) => self.uv.clone_from(&map.uv),
+            Stage::Parameterize(map, _) => self.uv.clone_from(&map.uv),
             _ => {}
         }
     }
