@@ -30,10 +30,15 @@ pub fn all(args: &Convert, scan: &Scan, conversions: &[Conversion]) -> Vec<Strin
 /// A scan of less than a thimble or more than a house is likelier in another unit.
 const SIZES: [f64; 2] = [5.0, 50_000.0];
 
-fn size(scan: &Scan, conversions: &[Conversion]) -> Option<String> {
+/// The diagonal of the box around the faces, in mm.
+fn across(conversions: &[Conversion]) -> f64 {
     let points = conversions.iter().flat_map(|c| &c.surface.net);
     let [low, high] = scan2step::geometry::bounds(points.map(|&p| p.into()));
-    let across = (high - low).norm();
+    (high - low).norm()
+}
+
+fn size(scan: &Scan, conversions: &[Conversion]) -> Option<String> {
+    let across = across(conversions);
     let odd = scan.unit_assumed && !(SIZES[0]..SIZES[1]).contains(&across);
     odd.then(|| {
         format!(
@@ -71,8 +76,10 @@ fn stretched(c: &Conversion) -> Option<String> {
     })
 }
 
-/// How many times the noise a named tolerance may be, and which share of it.
+/// How many times the noise a named tolerance may be, unless it is less than this
+/// share of the scan's size anyway, and which share of the noise.
 const ABOVE_NOISE: f64 = 10.0;
+const FINE: f64 = 1e-3;
 const BELOW_NOISE: f64 = 0.1;
 
 fn loose(args: &Convert, c: &Conversion) -> Option<String> {
@@ -83,9 +90,11 @@ fn loose(args: &Convert, c: &Conversion) -> Option<String> {
     }
     let [ours, its] = [tolerance, noise].map(mm);
     match tolerance / noise {
-        r if r > ABOVE_NOISE => Some(format!(
-            "the tolerance, {ours}, is {r:.0} times the noise of the scan, {its}; a smaller --tolerance keeps more of its shape"
-        )),
+        r if r > ABOVE_NOISE && tolerance > FINE * across(std::slice::from_ref(c)) => {
+            Some(format!(
+                "the tolerance, {ours}, is {r:.0} times the noise of the scan, {its}; a smaller --tolerance keeps more of its shape"
+            ))
+        }
         r if r < BELOW_NOISE => Some(format!(
             "the tolerance, {ours}, is far below the noise of the scan, {its}; a larger --tolerance needs fewer control points and loses nothing"
         )),

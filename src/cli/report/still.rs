@@ -159,13 +159,16 @@ impl Page {
             let text = format!("{sign}{}", short(d.abs() * histogram.end));
             self.centred(&text, [at(d * histogram.end) as f32, foot], SMALL);
         }
-        let Some(tolerance) = tolerance.filter(|t| *t < histogram.end) else { return };
-        for d in [-tolerance, tolerance] {
-            for dash in (0..height + 20).step_by(12) {
-                self.image.fill([at(d) as usize, y + dash], [2, 7], INK);
+        let mut note = String::new();
+        if let Some(tolerance) = tolerance.filter(|t| *t < histogram.end) {
+            for d in [-tolerance, tolerance] {
+                for dash in (0..height + 20).step_by(12) {
+                    self.image.fill([at(d) as usize, y + dash], [2, 7], INK);
+                }
             }
+            note = format!("dashed: tolerance, ±{}  ·  ", short(tolerance));
         }
-        let note = format!("dashed: tolerance, ±{}", short(tolerance));
+        note += "ring: the farthest point";
         self.write(&note, [x as f32, foot + 28.0], SMALL);
     }
 
@@ -180,7 +183,7 @@ impl Page {
         let rows = [
             (
                 "as measured",
-                format!("rms {}  ·  95 % {}  ·  max {} (ring)", mm(d.rms), mm(d.p95), mm(d.max)),
+                format!("rms {}  ·  95 % {}  ·  max {}", mm(d.rms), mm(d.p95), mm(d.max)),
             ),
             ("smoothed", format!("rms {}  ·  95 % {}  ·  max {}", mm(f.rms), mm(f.p95), mm(f.max))),
             (
