@@ -26,6 +26,7 @@ mod input;
 pub mod knots;
 pub mod mesh;
 pub mod parameterize;
+pub mod picture;
 pub mod smooth;
 pub mod spline;
 pub mod trim;

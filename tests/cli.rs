@@ -2,21 +2,11 @@
 
 mod common;
 
-use common::{arg, convert, converted, fixture, json, number, points};
+use common::{arg, convert, converted, files, fixture, json, number, points};
 use std::path::Path;
 
 fn folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a temporary folder")
-}
-
-fn files(folder: &Path) -> Vec<String> {
-    let entries = std::fs::read_dir(folder).expect("a folder");
-    let name = |e: std::io::Result<std::fs::DirEntry>| {
-        e.expect("an entry").file_name().to_string_lossy().into_owned()
-    };
-    let mut names: Vec<String> = entries.map(name).collect();
-    names.sort();
-    names
 }
 
 #[test]
@@ -185,7 +175,7 @@ fn usage_errors_are_exit_2() {
         &[arg(&scan), "out.step", "--tolerance", "nan"],
         &[arg(&scan), "out.step", "--net", "3x9"],
         &[arg(&scan), "out.step", "--corners", "a,b"],
-        &[arg(&scan), "out.step", "--report", "out.html"],
+        &[arg(&scan), "out.step", "--report", "out.txt"],
     ] {
         assert_eq!(convert(args).status.code(), Some(2), "{args:?}");
     }
@@ -211,7 +201,7 @@ fn an_impossible_place_is_said_at_once() {
         let output = convert(&["no-such-scan.ply", place]);
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1));
-        assert!(said.starts_with(&format!("error: {place}: cannot be written there")), "{said}");
+        assert!(said.starts_with(&format!("error: {place}: cannot be written: ")), "{said}");
     }
 }
 
@@ -336,4 +326,61 @@ fn silence_is_kept() {
     let step = folder.path().join("a.step");
     let said = converted(&[arg(&fixture("relief.ply")), arg(&step), "--quiet"]);
     assert_eq!(said, "");
+}
+
+#[test]
+fn in_a_pipe_every_stage_is_a_plain_line() {
+    let folder = folder();
+    let step = folder.path().join("a.step");
+    let said = converted(&[arg(&fixture("relief.ply")), arg(&step)]);
+    assert!(!said.contains('\x1b') && !said.contains('\r'), "{said:?}");
+    let stages = [
+        "read",
+        "mesh",
+        "smooth",
+        "fill",
+        "parameterize",
+        "fit",
+        "trim",
+        "brep",
+        "deviation",
+        "write",
+    ];
+    let lines: Vec<&str> = said.lines().collect();
+    let mut at = 0;
+    for stage in stages {
+        let begins = |line: &&str| line.split(' ').next() == Some(stage) && line.contains(" s");
+        let found = lines[at..].iter().position(begins);
+        at += found.unwrap_or_else(|| panic!("{stage} is not said in turn: {said}")) + 1;
+    }
+    assert!(said.contains("relief.ply: 4000 vertices, 7657 triangles"), "{said}");
+    assert!(said.contains("units: the file does not say; assuming mm"), "{said}");
+    assert!(said.contains("tolerance: ") && said.contains("from a noise of "), "{said}");
+    let result = lines.iter().find(|line| line.contains("control points, rms ")).expect("a result");
+    assert!(result.contains("2 holes cut out") && result.ends_with(arg(&step)), "{said}");
+    let coloured = converted(&[arg(&fixture("relief.ply")), arg(&step), "--color", "always"]);
+    assert!(coloured.contains('\x1b'), "{coloured:?}");
+}
+
+#[test]
+fn what_could_be_better_is_hinted_at() {
+    let folder = folder();
+    let (step, scan) = (folder.path().join("a.step"), fixture("relief.ply"));
+    let hints = |options: &[&str]| -> Vec<String> {
+        let said = converted(&[&[arg(&scan), arg(&step)], options].concat());
+        let hints = said.lines().filter_map(|line| line.strip_prefix("hint: "));
+        hints.map(str::to_owned).collect()
+    };
+    assert_eq!(hints(&[]), [""; 0]);
+    let loose = hints(&["--tolerance", "5"]);
+    assert!(loose.len() == 1 && loose[0].contains("times the noise"), "{loose:?}");
+    let strict = hints(&["--tolerance", "0.005", "--outliers", "99"]);
+    assert!(strict.len() == 1 && strict[0].contains("far below the noise"), "{strict:?}");
+    // A scan in metres whose file does not say so.
+    let small = folder.path().join("small.obj");
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
+    std::fs::write(&small, square).expect("a file");
+    let said = converted(&[arg(&small), arg(&step)]);
+    assert!(said.contains("hint: the scan is 1.414 mm across"), "{said}");
+    assert!(!converted(&[arg(&small), arg(&step), "--units", "m"]).contains("across"));
 }

@@ -3,14 +3,14 @@
 use rayon::prelude::*;
 use scan2step::geometry::{Point, Uv, Vector};
 
-use crate::camera::Camera;
-use crate::canvas::{Canvas, SAMPLES, shows_front};
-use crate::colour::{INK, lacquer, linear, srgb};
-use crate::image::Image;
-use crate::lines::{Lines, Pen};
-use crate::occlusion;
 use crate::scene::Scene;
 use crate::trimmed::CutOut;
+use scan2step::picture::camera::Camera;
+use scan2step::picture::canvas::{Canvas, SAMPLES, shows_front};
+use scan2step::picture::colour::{INK, lacquer, linear, srgb};
+use scan2step::picture::image::Image;
+use scan2step::picture::lines::{Lines, Pen};
+use scan2step::picture::occlusion;
 
 /// Cells of the tessellation in u and in v.
 const CELLS: usize = 640;

@@ -4,15 +4,8 @@
 //! [--mode pair|deviation|net|uv]`
 
 mod args;
-mod camera;
-mod canvas;
-mod colour;
 mod deviation;
 mod face;
-mod font;
-mod image;
-mod lines;
-mod occlusion;
 mod parameters;
 mod scan;
 mod scene;
@@ -23,8 +16,8 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use args::{Args, Mode};
-use camera::Camera;
-use image::Image;
+use scan2step::picture::camera::Camera;
+use scan2step::picture::image::Image;
 use scene::Scene;
 
 fn main() -> ExitCode {
@@ -44,7 +37,7 @@ fn run(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
     let size = args.size();
     let picture = match args.mode {
         Mode::Pair => pair(&scene, size),
-        Mode::Deviation => deviation::picture(&scene, size),
+        Mode::Deviation => deviation::picture(&scene, size)?,
         Mode::Net => net(&scene, size),
         Mode::Uv => parameters::picture(&scene, size),
     };
@@ -59,7 +52,8 @@ fn pair(scene: &Scene, [width, height]: [usize; 2]) -> Image {
     let camera = Camera::facing(&scene.measured.mesh, scene.extent(), half);
     let left = scan::picture(scene, &camera, half);
     let right = face::picture(scene, &camera, half);
-    left.beside(Image::blank([width % 2, height], colour::BACKGROUND)).beside(right)
+    left.beside(Image::blank([width % 2, height], scan2step::picture::colour::BACKGROUND))
+        .beside(right)
 }
 
 /// The face under its control net.

@@ -3,11 +3,11 @@
 use scan2step::geometry::{Uv, Vector};
 use scan2step::mesh::FaceOrigin;
 
-use crate::canvas::Canvas;
-use crate::colour::{linear, srgb};
-use crate::image::Image;
-use crate::lines::{Lines, Pen};
 use crate::scene::Scene;
+use scan2step::picture::canvas::Canvas;
+use scan2step::picture::colour::{linear, srgb};
+use scan2step::picture::image::Image;
+use scan2step::picture::lines::{Lines, Pen};
 
 /// Share of the picture's shorter side that stays free on every side.
 const MARGIN: f64 = 0.05;

@@ -5,7 +5,8 @@ use std::path::Path;
 use scan2step::geometry::{Point, Uv};
 use scan2step::mesh::Disk;
 use scan2step::parameterize::Parameterized;
-use scan2step::spline::{Curve, Surface};
+use scan2step::picture::{outlines, polyline};
+use scan2step::spline::Surface;
 use scan2step::{Conversion, Options, Stage, brep, convert};
 
 /// A converted scan.
@@ -59,23 +60,6 @@ impl Scene {
 
     /// The trim loops in the parameter plane, as closed polylines.
     pub fn loops(&self) -> Vec<Vec<Uv>> {
-        let outline =
-            |arcs: &[Curve<2>]| arcs.iter().flat_map(polyline).map(Uv::from).collect::<Vec<_>>();
-        self.conversion.loops.iter().map(|l| outline(&l.pcurves)).collect()
+        outlines(&self.conversion.loops)
     }
-}
-
-/// Chords for a knot span: enough to look smooth at any size of picture.
-const CHORDS: u32 = 16;
-
-/// Points along a curve, both ends included.
-fn polyline<const D: usize>(curve: &Curve<D>) -> Vec<nalgebra::SVector<f64, D>> {
-    let breaks = curve.knots.breaks();
-    let mut line = Vec::with_capacity(CHORDS as usize * breaks.len());
-    for span in breaks.windows(2) {
-        let at = |i: u32| span[0] + (span[1] - span[0]) * f64::from(i) / f64::from(CHORDS);
-        line.extend((0..CHORDS).map(|i| curve.point(at(i))));
-    }
-    line.extend(breaks.last().map(|&t| curve.point(t)));
-    line
 }

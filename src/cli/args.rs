@@ -6,6 +6,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
 use super::places::{Corners, Places};
+use super::report::{Kind, ReportFile};
 use formats::LengthUnit;
 
 /// Turns 3D scans with holes into trimmed B-spline faces in STEP and IGES.
@@ -98,7 +99,8 @@ pub struct Check {
 /// Options of `convert`.
 #[derive(Debug, Args)]
 #[command(after_help = "Examples:\n  scan2step convert fender.ply fender.step\n  \
-    scan2step convert relief.obj relief.stp relief.igs --units in --tolerance 0.05\n\n\
+    scan2step convert relief.obj relief.stp relief.igs --units in --tolerance 0.05\n  \
+    scan2step convert face.glb face.step --report face.html --report face.png\n\n\
     Exit codes: 0 all that was asked holds, 1 failed (nothing written), 2 usage,\n\
     3 files written but a named tolerance is not met.")]
 pub struct Convert {
@@ -162,9 +164,10 @@ pub struct Convert {
     /// IGES form: trimmed surfaces (144) or a shell (514)
     #[arg(long, value_enum, default_value_t = Iges::Trimmed)]
     pub iges: Iges,
-    /// Write a report (.json); can be given more than once
+    /// Write a report: figures (.json), a page with the scan to turn (.html), or a
+    /// picture (.png); can be given more than once
     #[arg(long, value_name = "FILE", value_parser = report_file)]
-    pub report: Vec<PathBuf>,
+    pub report: Vec<ReportFile>,
     /// Write each stage's mesh into this folder
     #[arg(long, value_name = "DIR")]
     pub stages: Option<PathBuf>,
@@ -296,11 +299,14 @@ fn cad_file(path: &str) -> Result<CadFile, String> {
     Ok(CadFile { path: path.into(), kind })
 }
 
-fn report_file(path: &str) -> Result<PathBuf, String> {
-    match extension(path).as_str() {
-        "json" => Ok(path.into()),
-        _ => Err("not .json, the only report format so far".into()),
-    }
+fn report_file(path: &str) -> Result<ReportFile, String> {
+    let kind = match extension(path).as_str() {
+        "json" => Kind::Json,
+        "html" | "htm" => Kind::Html,
+        "png" => Kind::Png,
+        _ => return Err("not .json, .html or .png".into()),
+    };
+    Ok(ReportFile { path: path.into(), kind })
 }
 
 fn number(text: &str) -> Result<f64, String> {

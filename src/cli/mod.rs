@@ -1,15 +1,20 @@
 //! The commands of scan2step.
 
 mod args;
+mod cad;
 mod check;
 mod convert;
+mod hints;
 mod input;
 mod inspect;
+mod leftovers;
 mod output;
 mod places;
 mod progress;
 mod report;
+mod settings;
 mod stages;
+mod talk;
 
 use std::process::ExitCode;
 
@@ -45,6 +50,10 @@ impl From<formats::Error> for Failure {
 /// Parses the arguments, runs the command, reports what is wrong.
 pub fn run() -> ExitCode {
     let args = args::Cli::parse();
+    // Where signals cannot be heeded, a stopped run leaves its temporary files.
+    if let Err(e) = leftovers::sweep_when_stopped() {
+        eprintln!("note: Ctrl-C will leave temporary files: {e}");
+    }
     let (colour, done) = match &args.command {
         args::Command::Convert(args) => (args.color, convert::run(args)),
         args::Command::Inspect(args) => (args.look.color, inspect::run(args)),
@@ -54,6 +63,7 @@ pub fn run() -> ExitCode {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Missed) => ExitCode::from(3),
         Err(failure) => {
+            leftovers::sweep();
             let (red, blue, plain) =
                 if colour.is_on() { ("\x1b[1;31m", "\x1b[1;36m", "\x1b[0m") } else { ("", "", "") };
             eprintln!("{red}error{plain}: {}", failure.error);

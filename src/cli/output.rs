@@ -8,6 +8,8 @@ use formats::Error;
 use sha2::{Digest, Sha256};
 use tempfile::NamedTempFile;
 
+use super::leftovers;
+
 /// A file that is complete but not yet in its place.
 pub struct Pending {
     file: NamedTempFile,
@@ -38,15 +40,52 @@ impl<W: Write> Write for Tally<W> {
     }
 }
 
+/// Whether a file can be made at `path`, as far as can be told without making it.
+pub fn check(path: &Path) -> Result<(), Error> {
+    let target = target(path)?;
+    temporary(&target).map(drop).map_err(|e| failed(path, e))
+}
+
 /// Writes a file under a temporary name in the folder of `path`.
 pub fn write(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<Pending, Error> {
-    let failed = |e: std::io::Error| {
-        let help = "check that the folder exists, can be written to and has room";
-        Error::new(path, format!("cannot be written: {e}"), help)
+    let target = target(path)?;
+    let failed = |e: std::io::Error| failed(path, e);
+    let file = temporary(&target).map_err(failed)?;
+    let (bytes, hash) = {
+        let inner = BufWriter::new(file.as_file());
+        let mut tally = Tally { inner, bytes: 0, hash: Sha256::new() };
+        content(&mut tally).and_then(|()| tally.flush()).map_err(failed)?;
+        (tally.bytes, tally.hash.finalize())
     };
+    let sha256 = hash.iter().map(|byte| format!("{byte:02x}")).collect();
+    Ok(Pending { file, path: target, bytes, sha256 })
+}
+
+fn failed(path: &Path, e: std::io::Error) -> Error {
+    // Of a temporary file only what is wrong matters, not its name.
+    let wrong =
+        e.get_ref().and_then(|wrapped| wrapped.source()).map_or(e.to_string(), |e| e.to_string());
+    let help = "check that the folder exists, can be written to and has room";
+    Error::new(path, format!("cannot be written: {wrong}"), help)
+}
+
+/// The file that a path means: through links, and none that is not a file. A
+/// device, a pipe or a folder would be lost if a file were put in its place.
+fn target(path: &Path) -> Result<PathBuf, Error> {
+    let target = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
+    if target.exists() && !target.is_file() {
+        let help = "name a file";
+        return Err(Error::new(path, "cannot be written: it is not an ordinary file", help));
+    }
+    Ok(target)
+}
+
+/// A temporary file beside a path, which goes when it is dropped or the run is
+/// stopped.
+fn temporary(path: &Path) -> std::io::Result<NamedTempFile> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     builder.prefix(".scan2step-").suffix(".part");
@@ -57,24 +96,24 @@ pub fn write(
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    let file = builder.tempfile_in(folder).map_err(failed)?;
-    let (bytes, hash) = {
-        let inner = BufWriter::new(file.as_file());
-        let mut tally = Tally { inner, bytes: 0, hash: Sha256::new() };
-        content(&mut tally).and_then(|()| tally.flush()).map_err(failed)?;
-        (tally.bytes, tally.hash.finalize())
-    };
-    let sha256 = hash.iter().map(|byte| format!("{byte:02x}")).collect();
-    Ok(Pending { file, path: path.to_owned(), bytes, sha256 })
+    leftovers::made(|| {
+        let file = builder.tempfile_in(folder)?;
+        let path = file.path().to_owned();
+        Ok((file, path))
+    })
 }
 
 impl Pending {
-    /// Puts the file in its place.
-    pub fn publish(self) -> Result<(), Error> {
-        let path = self.path;
-        self.file.persist(&path).map(drop).map_err(|e| {
-            let help = "check that it is not a folder and can be replaced";
-            Error::new(path, format!("cannot be written: {}", e.error), help)
+    /// Puts files in their places: all of them, even if the run is stopped
+    /// meanwhile.
+    pub fn publish(files: Vec<Pending>) -> Result<(), Error> {
+        leftovers::uninterrupted(|| {
+            files.into_iter().try_for_each(|Pending { file, path, .. }| {
+                file.persist(&path).map(drop).map_err(|e| {
+                    let help = "check that it is not a folder and can be replaced";
+                    Error::new(path, format!("cannot be written: {}", e.error), help)
+                })
+            })
         })
     }
 }

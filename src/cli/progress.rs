@@ -1,6 +1,8 @@
 //! What a run says on standard error, and how long its stages take.
 
-use std::time::Instant;
+use std::time::{Duration, Instant};
+
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 /// Seconds and memory of one stage.
 #[derive(Debug, Clone)]
@@ -10,48 +12,120 @@ pub struct StageTime {
     pub peak_rss_mb: f64,
 }
 
+/// The stages in order, each with its share of the time that most runs take. The
+/// first and the last are passed once, the others for every component.
+const STAGES: [(&str, u64); 10] = [
+    ("read", 3),
+    ("mesh", 4),
+    ("smooth", 15),
+    ("fill", 10),
+    ("parameterize", 20),
+    ("fit", 35),
+    ("trim", 3),
+    ("brep", 2),
+    ("deviation", 5),
+    ("write", 3),
+];
+
 /// The clock and the voice of a run.
 #[derive(Debug)]
 pub struct Progress {
-    quiet: bool,
+    /// Whether to speak in colours; `None`: not at all.
+    voice: Option<bool>,
     verbose: bool,
     begun: Instant,
     stage_begun: Instant,
+    /// Shown on a terminal only.
+    bar: ProgressBar,
     pub stages: Vec<StageTime>,
 }
 
 impl Progress {
-    pub fn new(quiet: bool, verbose: bool) -> Self {
+    /// The clock starts. `voice` says whether to speak in colours, or not at all.
+    pub fn new(voice: Option<bool>, verbose: bool) -> Self {
         let now = Instant::now();
-        Progress { quiet, verbose, begun: now, stage_begun: now, stages: Vec::new() }
+        let target = match voice {
+            // Hidden by itself where standard error is no terminal.
+            Some(_) => ProgressDrawTarget::stderr(),
+            None => ProgressDrawTarget::hidden(),
+        };
+        let bar = ProgressBar::with_draw_target(Some(length(1)), target);
+        let looks = if voice == Some(true) {
+            "{spinner:.cyan} {msg:13} {bar:40.cyan/dim} {elapsed}"
+        } else {
+            "{spinner} {msg:13} {bar:40} {elapsed}"
+        };
+        if let Ok(style) = ProgressStyle::with_template(looks) {
+            bar.set_style(style.progress_chars("━╸─"));
+        }
+        bar.set_message(STAGES[0].0);
+        bar.enable_steady_tick(Duration::from_millis(120));
+        Progress { voice, verbose, begun: now, stage_begun: now, bar, stages: Vec::new() }
+    }
+
+    /// So many components will be converted.
+    pub fn expect(&self, components: usize) {
+        self.bar.set_length(length(components as u64));
     }
 
     /// Says a line, unless the run is quiet.
     pub fn say(&self, line: &str) {
-        if !self.quiet {
-            eprintln!("{line}");
+        if self.voice.is_some() {
+            self.bar.suspend(|| eprintln!("{line}"));
         }
     }
 
-    /// Says a line only where the user asked for more.
-    pub fn detail(&self, line: &str) {
-        if self.verbose {
-            eprintln!("{line}");
-        }
+    /// Says what could be better.
+    pub fn hint(&self, line: &str) {
+        self.say(&format!("{}: {line}", self.paint("hint", "1;33")));
     }
 
-    /// Ends a stage; the next one begins now.
-    pub fn ended(&mut self, name: &'static str) {
+    /// Says how it went.
+    pub fn result(&self, line: &str) {
+        self.say(&self.paint(line, "1"));
+    }
+
+    fn paint(&self, text: &str, code: &str) -> String {
+        let coloured = self.voice == Some(true);
+        if coloured { format!("\x1b[{code}m{text}\x1b[0m") } else { text.to_owned() }
+    }
+
+    /// Ends a stage, which made what the line says; the next one begins now.
+    pub fn ended(&mut self, name: &'static str, made: &str) {
         let seconds = self.stage_begun.elapsed().as_secs_f64();
-        self.detail(&format!("{name:14}{seconds:9.3} s"));
+        let memory = if self.verbose { format!("{:9.0} MB", peak_rss_mb()) } else { String::new() };
+        let line = format!("{name:13}{seconds:7.2} s{memory}  {made}");
+        self.say(&self.paint(line.trim_end(), "2"));
         self.stages.push(StageTime { name, seconds, peak_rss_mb: peak_rss_mb() });
+        if let Some(k) = STAGES.iter().position(|(stage, _)| *stage == name) {
+            self.bar.inc(STAGES[k].1);
+            self.bar.set_message(STAGES.get(k + 1).map_or("report", |(next, _)| next));
+        }
         self.stage_begun = Instant::now();
+    }
+
+    /// Takes the bar away.
+    pub fn finish(&self) {
+        self.bar.finish_and_clear();
     }
 
     /// Seconds since the run began.
     pub fn seconds(&self) -> f64 {
         self.begun.elapsed().as_secs_f64()
     }
+}
+
+impl Drop for Progress {
+    /// A run that failed leaves no bar over its error.
+    fn drop(&mut self) {
+        self.finish();
+    }
+}
+
+/// The bar's length for a number of components.
+fn length(components: u64) -> u64 {
+    let [(_, first), each @ .., (_, last)] = STAGES;
+    first + last + components * each.iter().map(|(_, share)| share).sum::<u64>()
 }
 
 /// A length in mm with four significant digits, for people: scans are as large as

@@ -76,6 +76,43 @@ pub fn json(path: &Path) -> Value {
     serde_json::from_str(&text).expect("the report is JSON")
 }
 
+/// A file name that is a program where it is not text.
+pub const PLANTED: &str = "<img src=x onerror=planted=1>&\"'<script>planted=1<.ply";
+
+/// Writes a wavy sheet of 320,000 triangles into a folder.
+pub fn large_scan(folder: &Path) -> PathBuf {
+    let scan = folder.join("large.stl");
+    let side = 400_u32;
+    let at = |i: u32, j: u32| {
+        let (x, y) = (0.1 * i as f32, 0.1 * j as f32);
+        [x, y, (0.3 * x).sin() + (0.2 * y).cos()]
+    };
+    let mut bytes = vec![0; 80];
+    bytes.extend((2 * side * side).to_le_bytes());
+    for k in 0..side * side {
+        let (i, j) = (k / side, k % side);
+        let [a, b] = [at(i, j), at(i + 1, j + 1)];
+        for t in [[a, at(i + 1, j), b], [a, b, at(i, j + 1)]] {
+            bytes.extend([0; 12]);
+            t.as_flattened().iter().for_each(|x| bytes.extend(x.to_le_bytes()));
+            bytes.extend([0; 2]);
+        }
+    }
+    std::fs::write(&scan, bytes).expect("a file");
+    scan
+}
+
+/// The names of the files in a folder, sorted.
+pub fn files(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    let name = |e: std::io::Result<std::fs::DirEntry>| {
+        e.expect("an entry").file_name().to_string_lossy().into_owned()
+    };
+    let mut names: Vec<String> = entries.map(name).collect();
+    names.sort();
+    names
+}
+
 /// A number of a JSON value, by pointer.
 pub fn number(value: &Value, pointer: &str) -> f64 {
     let found = value.pointer(pointer).and_then(Value::as_f64);

@@ -1,9 +1,9 @@
 //! A frame buffer with depth, finer than the pixels, and triangles into it.
 
-use scan2step::geometry::Vector;
+use crate::geometry::Vector;
 
-use crate::colour::{BACKGROUND, Rgb, encoded, linear};
-use crate::image::Image;
+use super::colour::{BACKGROUND, Rgb, encoded, linear};
+use super::image::Image;
 
 /// Samples along a pixel's side.
 pub const SAMPLES: usize = 3;

@@ -1,6 +1,6 @@
 //! Colours and light.
 
-use scan2step::geometry::Vector;
+use crate::geometry::Vector;
 
 /// A colour in linear light.
 pub type Rgb = [f32; 3];

@@ -1,10 +1,11 @@
 //! A finished picture.
 
 use std::fs::File;
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 /// Pixels in sRGB, row by row from the top.
+#[derive(Debug, Clone)]
 pub struct Image {
     width: usize,
     height: usize,
@@ -21,6 +22,21 @@ impl Image {
     pub fn set(&mut self, x: usize, y: usize, colour: [u8; 3]) {
         if x < self.width && y < self.height {
             self.pixels[y * self.width + x] = colour;
+        }
+    }
+
+    /// A pixel; one outside is black.
+    pub fn get(&self, x: usize, y: usize) -> [u8; 3] {
+        let inside = x < self.width && y < self.height;
+        if inside { self.pixels[y * self.width + x] } else { [0; 3] }
+    }
+
+    /// Lays a picture over this one with its upper left corner at (x, y).
+    pub fn lay(&mut self, over: &Image, [x, y]: [usize; 2]) {
+        for row in 0..over.height {
+            for column in 0..over.width {
+                self.set(x + column, y + row, over.pixels[row * over.width + column]);
+            }
         }
     }
 
@@ -44,18 +60,23 @@ impl Image {
         Image { width, height: self.height, pixels }
     }
 
-    /// Writes a PNG.
+    /// Writes a PNG into a file.
     pub fn save(&self, path: &Path) -> Result<(), Box<dyn std::error::Error>> {
         let failed = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
         let mut file = BufWriter::new(File::create(path).map_err(|e| failed(&e))?);
-        let mut encoder = png::Encoder::new(&mut file, self.width as u32, self.height as u32);
+        self.write(&mut file).map_err(|e| failed(&e))?;
+        file.flush().map_err(|e| failed(&e))?;
+        Ok(())
+    }
+
+    /// Writes a PNG.
+    pub fn write(&self, out: &mut dyn Write) -> io::Result<()> {
+        let mut encoder = png::Encoder::new(out, self.width as u32, self.height as u32);
         encoder.set_color(png::ColorType::Rgb);
         encoder.set_depth(png::BitDepth::Eight);
         encoder.set_source_srgb(png::SrgbRenderingIntent::Perceptual);
-        let mut writer = encoder.write_header().map_err(|e| failed(&e))?;
-        writer.write_image_data(self.pixels.as_flattened()).map_err(|e| failed(&e))?;
-        writer.finish().map_err(|e| failed(&e))?;
-        file.flush().map_err(|e| failed(&e))?;
-        Ok(())
+        let mut writer = encoder.write_header()?;
+        writer.write_image_data(self.pixels.as_flattened())?;
+        Ok(writer.finish()?)
     }
 }

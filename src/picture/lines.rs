@@ -1,9 +1,9 @@
 //! Lines over a canvas, with those parts hidden that lie behind a sheet.
 
-use scan2step::geometry::Vector;
+use crate::geometry::Vector;
 
-use crate::canvas::{Canvas, SAMPLES};
-use crate::colour::{Rgb, mix};
+use super::canvas::{Canvas, SAMPLES};
+use super::colour::{Rgb, mix};
 
 /// How much of a line's colour every sample takes. Lines that cross or
 /// overlap do not add up.

@@ -1,8 +1,8 @@
 //! Where to look from, chosen from the data.
 
+use crate::geometry::{Point, Vector, plane_axes};
+use crate::mesh::Mesh;
 use nalgebra::SymmetricEigen;
-use scan2step::geometry::{Point, Vector, plane_axes};
-use scan2step::mesh::Mesh;
 
 /// An orthographic camera.
 #[derive(Debug, Clone)]
@@ -47,6 +47,26 @@ impl Camera {
         let view = best_view(mesh, size);
         let (low, high) = view.bounds(extent);
         Camera { view, scale: scale(high - low, size), middle: 0.5 * (low + high), size }
+    }
+
+    /// The same camera from aside, turned by an angle around what is upright in
+    /// the picture, and with `extent` in a picture of `size` pixels.
+    pub fn aside(
+        &self,
+        angle: f64,
+        extent: impl Iterator<Item = Point>,
+        size: [usize; 2],
+    ) -> Camera {
+        let View { right, up, eye } = self.view;
+        let eye = angle.cos() * eye + angle.sin() * right;
+        let view = View { right: up.cross(&eye), up, eye };
+        let (low, high) = view.bounds(extent);
+        Camera { view, scale: scale(high - low, size), middle: 0.5 * (low + high), size }
+    }
+
+    /// To the right, up, and towards the eye: unit vectors.
+    pub fn axes(&self) -> [Vector; 3] {
+        [self.view.right, self.view.up, self.view.eye]
     }
 
     /// A vector in camera coordinates: x to the right, y up, z towards the eye.

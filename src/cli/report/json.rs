@@ -1,30 +1,21 @@
-//! `--report FILE.json`: the run in figures. Lengths are mm.
-
-use std::path::Path;
+//! The run in figures. Lengths are mm; `docs/report.schema.json` has every key.
 
 use scan2step::{Conversion, InputReport, deviation::Deviation, fill::Method, fit, mesh::Bound};
 use serde_json::{Value, json};
 
-use super::input::Scan;
-use super::output::Pending;
-use super::progress::{Progress, peak_rss_mb};
-
-/// What the report says besides the conversion.
-pub struct Context<'a> {
-    pub scan: &'a Scan,
-    pub tolerance_named: bool,
-    pub outliers_pct: f64,
-    pub outputs: Vec<(&'a Path, &'a Pending)>,
-    pub progress: &'a Progress,
-}
+use super::Context;
+use crate::cli::input::Scan;
+use crate::cli::progress::peak_rss_mb;
 
 /// The report's object. It speaks of the first component; where there are
 /// more, `components` has what differs for each.
-pub fn json(conversions: &[Conversion], context: &Context) -> Value {
+pub fn report(conversions: &[Conversion], context: &Context) -> Value {
     let mut report = json!({
         "scan2step": env!("CARGO_PKG_VERSION"),
         "tolerance_named": context.tolerance_named,
         "outliers_pct": context.outliers_pct,
+        "options": context.options,
+        "hints": context.hints,
         "stages": context.progress.stages.iter().map(|s| json!({
             "name": s.name, "seconds": s.seconds, "peak_rss_mb": s.peak_rss_mb,
         })).collect::<Vec<_>>(),
@@ -59,6 +50,10 @@ fn of_component(c: &Conversion, context: &Context) -> Value {
         },
         "fill": { "holes": holes(c) },
         "parameterize": {
+            "outline": match c.outer {
+                Some(_) => "sides",
+                None => "free",
+            },
             "flipped": c.parameterize.flipped,
             "mended": c.parameterize.mended,
             "split_edges": c.parameterize.split_edges,
@@ -129,6 +124,7 @@ fn fit_report(c: &Conversion) -> Value {
         "knots_v": c.surface.v.knots().len(),
         "rms_mm": d.rms,
         "p95_mm": d.p95,
+        "p99_mm": d.p99,
         "max_mm": d.max,
         "max_at": d.max_at,
         "within_pct": 100.0 * within as f64 / d.distances.len().max(1) as f64,

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::canvas::Canvas;
+use super::canvas::Canvas;
 
 /// How far to look around, as a share of the picture's shorter side.
 const REACH: f64 = 0.045;

@@ -1,0 +1,87 @@
+//! The CAD files that `convert` writes.
+
+use std::io::Write;
+use std::path::Path;
+use std::time::{Duration, SystemTime};
+
+use formats::{Brep, iges, step};
+use scan2step::Conversion;
+
+use super::Failure;
+use super::args::{CadFile, CadKind, Convert, Iges, Schema};
+use super::output::{self, Pending};
+
+/// Writes the faces of all conversions into every file that was asked for.
+pub fn write(
+    args: &Convert,
+    conversions: &[Conversion],
+    colour: Option<[u8; 3]>,
+) -> Result<Vec<Pending>, Failure> {
+    let stamp = time_stamp();
+    let step_options = step::Options { colour, ..step_options(args, &stamp) };
+    let brep = Brep {
+        name: part_name(&args.piece.scan),
+        faces: conversions.iter().flat_map(|c| c.brep.faces.iter().cloned()).collect(),
+        uncertainty_mm: conversions.iter().map(|c| c.brep.uncertainty_mm).fold(0.0, f64::max),
+    };
+    let mut files = Vec::new();
+    for CadFile { path, kind } in &args.out {
+        let content = |out: &mut dyn Write| match kind {
+            CadKind::Step => step::write(&brep, &step_options, out),
+            CadKind::Iges => {
+                let options = iges::Options { colour, ..iges_options(args, &stamp, path) };
+                iges::write(&brep, &options, out)
+            }
+        };
+        files.push(output::write(path, content)?);
+    }
+    Ok(files)
+}
+
+/// SOURCE_DATE_EPOCH, or the epoch itself: the same input gives the same bytes.
+fn time_stamp() -> String {
+    let seconds = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|s| s.parse().ok());
+    // Past the year 9999 there is no such time stamp.
+    let seconds = seconds.filter(|s| *s < 253_402_300_800_u64).unwrap_or(0);
+    let time = SystemTime::UNIX_EPOCH + Duration::from_secs(seconds);
+    humantime::format_rfc3339_seconds(time).to_string().trim_end_matches('Z').to_string()
+}
+
+fn system() -> String {
+    format!("scan2step {}", env!("CARGO_PKG_VERSION"))
+}
+
+fn step_options(args: &Convert, stamp: &str) -> step::Options {
+    step::Options {
+        schema: match args.schema {
+            Schema::Ap203 => step::Schema::Ap203,
+            Schema::Ap214 => step::Schema::Ap214,
+            Schema::Ap242 => step::Schema::Ap242,
+        },
+        time_stamp: stamp.to_owned(),
+        originating_system: system(),
+        ..Default::default()
+    }
+}
+
+fn iges_options(args: &Convert, stamp: &str, path: &Path) -> iges::Options {
+    let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned());
+    iges::Options {
+        form: match args.iges {
+            Iges::Trimmed => iges::Form::Trimmed,
+            Iges::Brep => iges::Form::Brep,
+        },
+        time_stamp: stamp.to_owned(),
+        file_name: file_name.unwrap_or_default(),
+        originating_system: system(),
+        ..Default::default()
+    }
+}
+
+/// The file's name without its folder and extensions.
+pub fn part_name(scan: &Path) -> String {
+    let stem = |p: &Path| p.file_stem().map(|s| s.to_string_lossy().into_owned());
+    let zipped = scan.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
+    let first = stem(scan).unwrap_or_default();
+    if zipped { stem(Path::new(&first)).unwrap_or(first) } else { first }
+}

@@ -1,0 +1,152 @@
+//! What could be better of a conversion, and what the user can do about it.
+
+use scan2step::Conversion;
+use scan2step::parameterize::Crushed;
+
+use super::args::{Component, Convert};
+use super::input::Scan;
+use super::progress::mm;
+use super::talk::beyond;
+
+/// What could be better, and how.
+pub fn all(args: &Convert, scan: &Scan, conversions: &[Conversion]) -> Vec<String> {
+    let mut hints: Vec<String> = size(scan, conversions).into_iter().collect();
+    for (k, c) in conversions.iter().enumerate() {
+        let part = if conversions.len() > 1 { format!("component {k}: ") } else { String::new() };
+        let own = [
+            missed(args, c),
+            c.crushed.as_ref().map(crushed),
+            stretched(c),
+            loose(args, c),
+            large(c),
+            ragged(args, c),
+            others(args, c),
+        ];
+        hints.extend(own.into_iter().flatten().map(|hint| part.clone() + &hint));
+    }
+    hints
+}
+
+/// A scan of less than a thimble or more than a house is likelier in another unit.
+const SIZES: [f64; 2] = [5.0, 50_000.0];
+
+/// The diagonal of the box around the faces, in mm.
+fn across(conversions: &[Conversion]) -> f64 {
+    let points = conversions.iter().flat_map(|c| &c.surface.net);
+    let [low, high] = scan2step::geometry::bounds(points.map(|&p| p.into()));
+    (high - low).norm()
+}
+
+fn size(scan: &Scan, conversions: &[Conversion]) -> Option<String> {
+    let across = across(conversions);
+    let odd = scan.unit_assumed && !(SIZES[0]..SIZES[1]).contains(&across);
+    odd.then(|| {
+        format!(
+            "the scan is {} across if its numbers are mm; --units m, cm or in if they are not",
+            mm(across)
+        )
+    })
+}
+
+/// A tolerance of the program's own that does not hold is no failure.
+fn missed(args: &Convert, c: &Conversion) -> Option<String> {
+    let held = args.tolerance.is_some() || c.tolerance_met(args.outliers / 100.0);
+    (!held).then(|| beyond(c))
+}
+
+/// Where no affordable net can follow.
+pub fn crushed(crushed: &Crushed) -> String {
+    let ([m, n], at) = (crushed.spans, crushed.at);
+    format!(
+        "the map crushes what sticks out: near ({:.3}, {:.3}, {:.3}) the tolerance needs knots as close as in a net of {m:.0} × {n:.0}; cut the scan there and convert the pieces, or raise --tolerance or --max-net",
+        at.x, at.y, at.z
+    )
+}
+
+/// L² stretch above which control points are spent unevenly; 1 is none.
+const STRETCH: f64 = 2.5;
+
+fn stretched(c: &Conversion) -> Option<String> {
+    let stretch = c.parameterize.stretch;
+    (c.crushed.is_none() && stretch.l2 > STRETCH).then(|| {
+        format!(
+            "the map onto the square stretches the scan by {:.1} in the mean; --corners at other places, or cutting the scan, saves control points",
+            stretch.l2
+        )
+    })
+}
+
+/// How many times the noise a named tolerance may be, unless it is less than this
+/// share of the scan's size anyway, and which share of the noise.
+const ABOVE_NOISE: f64 = 10.0;
+const FINE: f64 = 1e-3;
+const BELOW_NOISE: f64 = 0.1;
+
+fn loose(args: &Convert, c: &Conversion) -> Option<String> {
+    let tolerance = args.tolerance?;
+    let noise = c.smooth.noise;
+    if noise <= 0.0 {
+        return None;
+    }
+    let [ours, its] = [tolerance, noise].map(mm);
+    match tolerance / noise {
+        r if r > ABOVE_NOISE && tolerance > FINE * across(std::slice::from_ref(c)) => {
+            Some(format!(
+                "the tolerance, {ours}, is {r:.0} times the noise of the scan, {its}; a smaller --tolerance keeps more of its shape"
+            ))
+        }
+        r if r < BELOW_NOISE => Some(format!(
+            "the tolerance, {ours}, is far below the noise of the scan, {its}; a larger --tolerance needs fewer control points and loses nothing"
+        )),
+        _ => None,
+    }
+}
+
+/// Nets above this are slow in CAD programs.
+const LARGE: usize = 40_000;
+
+fn large(c: &Conversion) -> Option<String> {
+    let net = c.surface.net.len();
+    (net > LARGE).then(|| {
+        format!("{net} control points are many for a CAD program; a larger --tolerance needs fewer")
+    })
+}
+
+/// So many holes cut out that were better left filled, and the vertices of a rim
+/// that is one of them.
+const SMALL_HOLES: usize = 10;
+const SMALL_RIM: usize = 16;
+
+fn ragged(args: &Convert, c: &Conversion) -> Option<String> {
+    if args.fill_only_holes_below.is_some() {
+        return None;
+    }
+    let holes = c.fill.holes.iter().zip(&c.trimmed);
+    let small: Vec<f64> = holes
+        .filter(|(hole, cut)| **cut && hole.islands == 0 && hole.rim_vertices <= SMALL_RIM)
+        .map(|(hole, _)| hole.rim_length)
+        .collect();
+    (small.len() >= SMALL_HOLES).then(|| {
+        let longest = small.iter().copied().fold(0.0, f64::max);
+        format!(
+            "{} of the {} holes cut out are small; --fill-only-holes-below {:.3} leaves them filled",
+            small.len(),
+            c.trimmed.iter().filter(|cut| **cut).count(),
+            1.01 * longest
+        )
+    })
+}
+
+/// Share of the scan's triangles in pieces left out that is worth a word.
+const LEFT_OUT: f64 = 0.1;
+
+fn others(args: &Convert, c: &Conversion) -> Option<String> {
+    let all = (c.input.triangles + c.input.island_triangles + c.input.left_out) as f64;
+    let share = c.input.left_out as f64 / all.max(1.0);
+    (args.component != Component::All && share > LEFT_OUT).then(|| {
+        format!(
+            "{:.0} % of the scan's triangles are in other pieces; --component all converts every one",
+            100.0 * share
+        )
+    })
+}

@@ -1,0 +1,201 @@
+//! A still picture of the report, for people without a browser.
+
+use std::io;
+
+use nalgebra::Vector3;
+use scan2step::Conversion;
+use scan2step::geometry::Point;
+use scan2step::picture::canvas::Canvas;
+use scan2step::picture::colour::{BACKGROUND, INK, encoded, linear, srgb};
+use scan2step::picture::lines::{Lines, Pen};
+use scan2step::picture::scale::{SIGNED, colour};
+use scan2step::picture::text::{Style, Type};
+use scan2step::picture::{Camera, Image, sheet};
+
+use super::histogram::Histogram;
+use super::shown::Shown;
+use super::{Ends, short};
+use crate::cli::plural;
+use crate::cli::progress::mm;
+
+/// Pixels of the picture.
+const SIZE: [usize; 2] = [1600, 1000];
+
+/// Where things are, in pixels of a picture of the usual size.
+const MARGIN: usize = 40;
+const TOP: usize = 130;
+const COLUMN: usize = 1090;
+const ASIDE: [usize; 2] = [225, 260];
+const BARS: [usize; 2] = [470, 300];
+
+const MUTED: [u8; 3] = srgb(0x5f6b78);
+const LINE: [u8; 3] = srgb(0xd5dae0);
+
+const TITLE: Style = Style { size: 40.0, bold: true, colour: INK };
+const TEXT: Style = Style { size: 24.0, bold: false, colour: INK };
+const SMALL: Style = Style { size: 20.0, bold: false, colour: MUTED };
+
+/// How far the small pictures are turned from the large one.
+const TURN: f64 = 0.7;
+
+/// The scan coloured by its deviation from three sides, the histogram under the
+/// same colours, and the figures that matter, as PNG.
+pub fn png(name: &str, scene: &[(&Conversion, &Shown)]) -> io::Result<Vec<u8>> {
+    let letters = Type::new().map_err(io::Error::other)?;
+    let mut page = Page { image: Image::blank(SIZE, BACKGROUND), letters };
+    let end = Ends::of(scene).measured;
+    page.head(name, scene);
+    if let Some((_, first)) = scene.first() {
+        let extent = || scene.iter().flat_map(|(_, s)| s.scan.mesh.points.iter().copied());
+        let size = [COLUMN - MARGIN, SIZE[1] - TOP - 10];
+        let camera = Camera::facing(&first.scan.mesh, extent(), size);
+        page.image.lay(&view(scene, &camera, size, end), [MARGIN / 2, TOP]);
+        for (x, turn) in [(COLUMN, -TURN), (COLUMN + ASIDE[0] + 20, TURN)] {
+            let aside = camera.aside(turn, extent(), ASIDE);
+            page.image.lay(&view(scene, &aside, ASIDE, end), [x, TOP]);
+        }
+    }
+    let distances = scene.iter().flat_map(|(_, s)| s.measured.iter().copied());
+    let top = TOP + ASIDE[1] + 60;
+    page.histogram(&Histogram::of(distances, end), tolerance(scene), [COLUMN, top]);
+    page.figures(scene, [COLUMN as f32, (top + BARS[1] + 130) as f32]);
+    let mut bytes = Vec::new();
+    page.image.write(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The tolerance, where all parts have the same.
+fn tolerance(scene: &[(&Conversion, &Shown)]) -> Option<f64> {
+    let (first, _) = scene.first()?;
+    scene.iter().all(|(c, _)| c.tolerance == first.tolerance).then_some(first.tolerance)
+}
+
+/// The scan from one side.
+fn view(scene: &[(&Conversion, &Shown)], camera: &Camera, size: [usize; 2], end: f64) -> Image {
+    let mut canvas = Canvas::new(size);
+    for (_, shown) in scene {
+        let share = |v: scan2step::geometry::VertexId| {
+            0.5 + 0.5 * f64::from(shown.measured[shown.scan.old[v.index()]]) / end
+        };
+        sheet::draw_coloured(&mut canvas, &shown.scan.mesh, camera, &SIGNED, share);
+    }
+    for (conversion, shown) in scene {
+        let rims = shown.rims.iter();
+        let rims = sheet::rims(&canvas, &shown.scan.mesh, rims, camera, Pen::solid(1.4));
+        rims.ink(&mut canvas, linear(INK));
+        let worst = ring(&canvas, camera, conversion.deviation.max_at.into());
+        worst.ink(&mut canvas, linear(INK));
+    }
+    canvas.image()
+}
+
+/// A ring around the worst point, seen from everywhere.
+fn ring(canvas: &Canvas, camera: &Camera, at: Point) -> Lines {
+    let middle = camera.project(&at);
+    let radius = 0.012 * SIZE[1] as f64;
+    let corner = |k: u32| {
+        let angle = f64::from(k) * std::f64::consts::TAU / 48.0;
+        middle + radius * Vector3::new(angle.cos(), angle.sin(), 0.0)
+    };
+    let mut lines = Lines::over(canvas);
+    lines.polyline(canvas, (0..=48).map(corner), Pen::flat(2.2, 1.0));
+    lines
+}
+
+struct Page {
+    image: Image,
+    letters: Type,
+}
+
+impl Page {
+    fn write(&mut self, text: &str, at: [f32; 2], style: Style) {
+        self.letters.write(&mut self.image, text, at, style);
+    }
+
+    fn centred(&mut self, text: &str, at: [f32; 2], style: Style) {
+        let width = self.letters.width(text, style);
+        self.write(text, [at[0] - 0.5 * width, at[1]], style);
+    }
+
+    /// What was converted, and the result in a line.
+    fn head(&mut self, name: &str, scene: &[(&Conversion, &Shown)]) {
+        let width = (SIZE[0] - 2 * MARGIN) as f32;
+        let title = self.letters.fit(name, TITLE, width);
+        self.write(&title, [MARGIN as f32, 62.0], TITLE);
+        let vertices: usize = scene.iter().map(|(c, _)| c.input.vertices).sum();
+        let triangles: usize = scene.iter().map(|(_, s)| s.triangles).sum();
+        let cut: usize = scene.iter().map(|(c, _)| c.trimmed.iter().filter(|t| **t).count()).sum();
+        let net = match scene {
+            [(c, _)] => {
+                let [m, n] = c.surface.shape();
+                format!("{m} × {n} control points")
+            }
+            _ => plural(scene.len(), "face"),
+        };
+        let cut = plural(cut, "hole");
+        let line = format!("{vertices} points, {triangles} triangles  ·  {net}, {cut} cut out");
+        self.write(&line, [MARGIN as f32, 102.0], Style { colour: MUTED, ..TEXT });
+        self.image.fill([MARGIN, TOP - 8], [SIZE[0] - 2 * MARGIN, 2], LINE);
+    }
+
+    /// Bars in the colours of the map, over their scale.
+    fn histogram(&mut self, histogram: &Histogram, tolerance: Option<f64>, [x, y]: [usize; 2]) {
+        let [width, height] = BARS;
+        let title = "Deviation of the scan from the face, mm";
+        self.write(title, [x as f32, y as f32 - 14.0], Style { bold: true, ..SMALL });
+        let most = histogram.counts.iter().copied().max().unwrap_or(0).max(1);
+        let edge = |k: usize| x + k * width / histogram.counts.len();
+        for (k, &count) in histogram.counts.iter().enumerate() {
+            let share = (k as f64 + 0.5) / histogram.counts.len() as f64;
+            let tall = (height * count).div_ceil(most);
+            let paint = encoded(colour(&SIGNED, share));
+            let size = edge(k + 1) - edge(k);
+            self.image.fill([edge(k), y + height - tall], [size, tall], paint);
+            self.image.fill([edge(k), y + height + 4], [size, 16], paint);
+        }
+        let at = |d: f64| x as f64 + (0.5 + 0.5 * d / histogram.end) * width as f64;
+        let foot = (y + height + 44) as f32;
+        for (d, sign) in [(-1.0_f64, "–"), (-0.5, "–"), (0.0, ""), (0.5, "+"), (1.0, "+")] {
+            let text = format!("{sign}{}", short(d.abs() * histogram.end));
+            self.centred(&text, [at(d * histogram.end) as f32, foot], SMALL);
+        }
+        let mut note = String::new();
+        if let Some(tolerance) = tolerance.filter(|t| *t < histogram.end) {
+            for d in [-tolerance, tolerance] {
+                for dash in (0..height + 20).step_by(12) {
+                    self.image.fill([at(d) as usize, y + dash], [2, 7], INK);
+                }
+            }
+            note = format!("dashed: tolerance, ±{}  ·  ", short(tolerance));
+        }
+        note += "ring: the farthest point";
+        self.write(&note, [x as f32, foot + 28.0], SMALL);
+    }
+
+    fn figures(&mut self, scene: &[(&Conversion, &Shown)], [x, y]: [f32; 2]) {
+        let worst = scene.iter().max_by(|a, b| a.0.deviation.max.total_cmp(&b.0.deviation.max));
+        let Some((c, _)) = worst else { return };
+        let within = |c: &Conversion| {
+            let d = &c.fit_deviation;
+            100.0 - 100.0 * d.beyond(c.tolerance) as f64 / d.distances.len().max(1) as f64
+        };
+        let (d, f) = (&c.deviation, &c.fit_deviation);
+        let rows = [
+            (
+                "as measured",
+                format!("rms {}  ·  95 % {}  ·  max {}", mm(d.rms), mm(d.p95), mm(d.max)),
+            ),
+            ("smoothed", format!("rms {}  ·  95 % {}  ·  max {}", mm(f.rms), mm(f.p95), mm(f.max))),
+            (
+                "tolerance",
+                format!("{}, which {:.2} % of the smoothed keep", mm(c.tolerance), within(c)),
+            ),
+        ];
+        for (k, (label, text)) in rows.iter().enumerate() {
+            let y = y + 30.0 * k as f32;
+            let style = Style { size: 17.5, ..SMALL };
+            self.write(label, [x, y], style);
+            self.write(text, [x + 104.0, y], Style { colour: INK, ..style });
+        }
+    }
+}

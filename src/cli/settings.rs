@@ -1,0 +1,116 @@
+//! What the user chose: as the library takes it, and as reports say it.
+
+use clap::ValueEnum;
+use scan2step::{Cut, KnotOptions, Options, fit, mesh, parameterize, smooth};
+use serde_json::{Value, json};
+
+use super::Failure;
+use super::args::{Component, Convert, Fit, Outline};
+use super::cad::part_name;
+use super::input::Scan;
+use super::places::{Corners, Places};
+
+/// What the pipeline takes.
+pub fn options(args: &Convert, scan: &Scan) -> Result<Options, Failure> {
+    let resolve = |places: &Places| scan.resolve(places);
+    let corners = args.corners.as_ref().map(resolve).transpose()?;
+    let corners = corners.map(|c| {
+        <[_; 4]>::try_from(c)
+            .map_err(|_| failure(args, "--corners: not four corners", "name exactly four"))
+    });
+    let corners = corners.transpose()?;
+    // The loop that has the corners is the outer one, unless another is named.
+    let outer = match (scan.outer(&args.piece)?, corners) {
+        (mesh::Outer::Auto, Some([first, ..])) => mesh::Outer::Near(first),
+        (outer, _) => outer,
+    };
+    let boundary_corners = match &args.boundary_corners {
+        Corners::Auto => smooth::Corners::Auto,
+        Corners::None => smooth::Corners::None,
+        Corners::At(places) => smooth::Corners::At(resolve(places)?),
+    };
+    let cut = match (args.keep_fills, args.fill_only_holes_below) {
+        (true, _) => Cut::None,
+        (false, Some(length)) => Cut::FromLength(length),
+        (false, None) => Cut::All,
+    };
+    Ok(Options {
+        name: part_name(&args.piece.scan),
+        unit_mm: scan.unit.in_mm(),
+        outer,
+        smooth: smooth::Options { support: args.smooth, corners: boundary_corners },
+        parameterize: parameterize::Options {
+            corners,
+            outline: match args.outline {
+                Outline::Auto => None,
+                Outline::Sides => Some(parameterize::Outline::Sides),
+                Outline::Trimmed => Some(parameterize::Outline::Free),
+            },
+        },
+        knots: KnotOptions {
+            kappa: args.kappa,
+            depth: args.depth,
+            net: args.net,
+            max_net: args.max_net,
+        },
+        method: match args.fit {
+            Fit::Blend => fit::Method::Blend,
+            Fit::Refined => fit::Method::Refined,
+            Fit::Global => fit::Method::Global,
+        },
+        tolerance: args.tolerance,
+        outliers: args.outliers / 100.0,
+        cut,
+        ..Options::default()
+    })
+}
+
+fn failure(args: &Convert, what: &str, help: &str) -> Failure {
+    Failure { error: format!("{}: {what}", args.piece.scan.display()), help: help.into() }
+}
+
+/// The same for reports, by the options' names. What is found on the scan is
+/// `null`.
+pub fn as_json(args: &Convert) -> Value {
+    let places = |places: &Places| match places {
+        Places::Vertices(v) => json!(v),
+        Places::Points(p) => json!(p),
+    };
+    json!({
+        "units": args.piece.units.map(name),
+        "outer": args.piece.outer.as_ref().map(places),
+        "tolerance": args.tolerance,
+        "outliers": args.outliers,
+        "corners": args.corners.as_ref().map(places),
+        "outline": name(args.outline),
+        "boundary_corners": match &args.boundary_corners {
+            Corners::Auto => json!("auto"),
+            Corners::None => json!("none"),
+            Corners::At(at) => places(at),
+        },
+        "smooth": match args.smooth {
+            smooth::Support::Auto => json!("auto"),
+            smooth::Support::Off => json!("off"),
+            smooth::Support::Fixed(h) => json!(h),
+        },
+        "fit": name(args.fit),
+        "kappa": args.kappa,
+        "depth": args.depth,
+        "net": args.net,
+        "max_net": args.max_net,
+        "fill_only_holes_below": args.fill_only_holes_below,
+        "keep_fills": args.keep_fills,
+        "component": match args.component {
+            Component::Largest => json!("largest"),
+            Component::All => json!("all"),
+            Component::Number(n) => json!(n),
+        },
+        "schema": name(args.schema),
+        "iges": name(args.iges),
+    })
+}
+
+/// The name that a value has on the command line.
+fn name(value: impl ValueEnum) -> Option<String> {
+    value.to_possible_value().map(|v| v.get_name().to_owned())
+}

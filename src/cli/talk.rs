@@ -1,0 +1,131 @@
+//! What `convert` says of a scan and of what became of it.
+
+use scan2step::mesh::Bound;
+use scan2step::{Conversion, Stage};
+
+use super::args::{Component, Convert};
+use super::input::Scan;
+use super::progress::{Progress, mm};
+use super::{Outcome, plural};
+
+/// The name of a stage.
+pub fn name(stage: &Stage) -> &'static str {
+    match stage {
+        Stage::Mesh(_) => "mesh",
+        Stage::Smooth(_) => "smooth",
+        Stage::Fill(_) => "fill",
+        Stage::Parameterize(..) => "parameterize",
+        Stage::Fit(_) => "fit",
+        Stage::Trim(..) => "trim",
+        Stage::Brep => "brep",
+        Stage::Deviation => "deviation",
+    }
+}
+
+/// What a stage made.
+pub fn made(stage: &Stage) -> String {
+    match stage {
+        Stage::Mesh(disk) => {
+            let (points, triangles) = (disk.mesh.points.len(), disk.mesh.triangles.len());
+            let holes = plural(disk.holes.len(), "hole");
+            format!("{points} vertices, {triangles} triangles, {holes}")
+        }
+        Stage::Fill(patch) => {
+            let filled = patch.origin.iter();
+            let filled = filled.filter(|o| **o != scan2step::mesh::FaceOrigin::Measured).count();
+            format!(
+                "{} filled with {}",
+                plural(patch.rims.len(), "hole"),
+                plural(filled, "triangle")
+            )
+        }
+        Stage::Fit(surface) => {
+            let [m, n] = surface.shape();
+            format!("{m} × {n} control points")
+        }
+        Stage::Trim(_, loops) => plural(loops.len(), "trim loop"),
+        Stage::Smooth(_) | Stage::Parameterize(..) | Stage::Brep | Stage::Deviation => {
+            String::new()
+        }
+    }
+}
+
+/// What the file has.
+pub fn came_in(scan: &Scan) -> String {
+    let [vertices, triangles] = scan.counts;
+    format!("{}: {vertices} vertices, {triangles} triangles", scan.path.display())
+}
+
+/// What was assumed of it.
+pub fn assumed(progress: &Progress, scan: &Scan) {
+    if scan.unit_assumed {
+        progress.say("units: the file does not say; assuming mm (--units to change)");
+    } else if scan.unit.in_mm() != 1.0 {
+        progress.say(&format!("units: {}", scan.unit.symbol()));
+    }
+}
+
+/// What was repaired.
+pub fn repaired(progress: &Progress, (kind, count): (&&str, &usize)) {
+    progress.say(&format!("repaired: {count} {}", kind.replace('_', " ")));
+}
+
+/// What was found on the way, and assumed where the user did not say.
+pub fn found(progress: &Progress, args: &Convert, c: &Conversion) {
+    if c.input.left_out > 0 && args.component != Component::All {
+        progress.say(&format!(
+            "component: 1 of {}, {} triangles; left out {} triangles in the others",
+            c.input.components, c.input.triangles, c.input.left_out
+        ));
+    }
+    if c.input.islands > 0 {
+        let triangles = c.input.island_triangles;
+        progress.say(&format!("islands: {} kept, {triangles} triangles", c.input.islands));
+    }
+    if c.smooth.outliers > 0 {
+        progress
+            .say(&format!("smooth: {} left out of the fits", plural(c.smooth.outliers, "outlier")));
+    }
+    if args.tolerance.is_none() {
+        progress.say(&format!(
+            "tolerance: {}, from a noise of {} (--tolerance to change)",
+            mm(c.tolerance),
+            mm(c.smooth.noise)
+        ));
+    }
+}
+
+/// The result in one line.
+pub fn result(progress: &Progress, args: &Convert, c: &Conversion) {
+    let [m, n] = c.surface.shape();
+    let files = args.out.iter().map(|f| &f.path).chain(args.report.iter().map(|f| &f.path));
+    let files: Vec<_> = files.map(|path| path.display().to_string()).collect();
+    progress.result(&format!(
+        "{m} × {n} control points, rms {}, max {}, {} cut out → {}",
+        mm(c.fit_deviation.rms),
+        mm(c.fit_deviation.max),
+        plural(c.loops.iter().filter(|l| matches!(l.of, Bound::Hole(_))).count(), "hole"),
+        files.join(", ")
+    ));
+}
+
+/// Says it where a tolerance that the user named is not met.
+pub fn verdict(args: &Convert, c: &Conversion) -> Outcome {
+    if args.tolerance.is_none() || c.tolerance_met(args.outliers / 100.0) {
+        return Outcome::Done;
+    }
+    eprintln!("tolerance not met: {}", beyond(c));
+    Outcome::Missed
+}
+
+/// How many points are beyond the tolerance, and the worst.
+pub fn beyond(c: &Conversion) -> String {
+    let [x, y, z] = c.fit_deviation.max_at;
+    format!(
+        "{} of {} points are farther than {} from the face; the worst, {}, at ({x:.3}, {y:.3}, {z:.3})",
+        c.fit_deviation.beyond(c.tolerance),
+        c.fit_deviation.distances.len(),
+        mm(c.tolerance),
+        mm(c.fit_deviation.max),
+    )
+}

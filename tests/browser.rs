@@ -1,0 +1,135 @@
+//! The report's page in a real browser, without a window.
+
+mod common;
+
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+use common::{arg, converted, fixture, root};
+use serde_json::Value;
+
+/// The first of some programs that there is.
+fn program(names: &[&str], what: &str) -> PathBuf {
+    let places = std::env::var_os("PATH").unwrap_or_default();
+    let own = root().join("target/browser");
+    let folders: Vec<PathBuf> =
+        std::iter::once(own).chain(std::env::split_paths(&places)).collect();
+    let found = names.iter().flat_map(|name| folders.iter().map(move |f| f.join(name)));
+    let found = found.into_iter().find(|path| path.is_file());
+    found.unwrap_or_else(|| panic!("{what} is absent; tests/run installs it"))
+}
+
+/// What a user sees of a report, and its screenshots.
+struct Looked {
+    said: Value,
+    shots: tempfile::TempDir,
+}
+
+impl Looked {
+    fn at(scan: &Path, options: &[&str]) -> Looked {
+        let shots = tempfile::tempdir().expect("a temporary folder");
+        let path = |name: &str| shots.path().join(name);
+        let (step, page) = (path("a.step"), path("a.html"));
+        converted(&[&[arg(scan), arg(&step), "--report", arg(&page)], options].concat());
+        let chromium = program(&["chromium", "chrome", "google-chrome"], "Chromium");
+        let driver = program(&["chromedriver"], "Chromium's driver");
+        let mut look = Command::new("/usr/bin/python3");
+        look.arg("-B").arg(root().join("tests/browser/look.py"));
+        look.args([&chromium, &driver, &page]).arg(shots.path());
+        let output = look.output().expect("Python runs");
+        let wrong = String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success(), "look.py: {wrong}");
+        let said = serde_json::from_slice(&output.stdout).expect("look.py prints JSON");
+        Looked { said, shots }
+    }
+
+    /// The pixels of a screenshot.
+    fn shot(&self, name: &str) -> Vec<[u8; 3]> {
+        let file = self.shots.path().join(format!("{name}.png"));
+        let file = std::io::BufReader::new(std::fs::File::open(file).expect("the screenshot"));
+        let mut reader = png::Decoder::new(file).read_info().expect("it is a PNG");
+        let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
+        let info = reader.next_frame(&mut pixels).expect("it is whole");
+        let samples = info.color_type.samples();
+        pixels.chunks(samples).map(|p| [p[0], p[1], p[2]]).collect()
+    }
+
+    /// The share of pixels that differ between two screenshots.
+    fn changed(&self, one: &str, two: &str) -> f64 {
+        let (one, two) = (self.shot(one), self.shot(two));
+        assert_eq!(one.len(), two.len());
+        let far = |(a, b): &(&[u8; 3], &[u8; 3])| (0..3).any(|k| a[k].abs_diff(b[k]) > 8);
+        one.iter().zip(&two).filter(far).count() as f64 / one.len() as f64
+    }
+
+    /// The share of pixels of a screenshot that are so.
+    fn share(&self, name: &str, is: fn([u8; 3]) -> bool) -> f64 {
+        let pixels = self.shot(name);
+        pixels.iter().filter(|p| is(**p)).count() as f64 / pixels.len() as f64
+    }
+}
+
+fn is_red([r, _, b]: [u8; 3]) -> bool {
+    r > b.saturating_add(30)
+}
+
+fn is_blue([r, _, b]: [u8; 3]) -> bool {
+    b > r.saturating_add(30)
+}
+
+fn is_dark([r, g, b]: [u8; 3]) -> bool {
+    r < 60 && g < 60 && b < 60
+}
+
+#[test]
+fn a_page_renders_turns_and_says_no_error() {
+    let looked = Looked::at(&fixture("relief.ply"), &[]);
+    let said = &looked.said;
+    assert_eq!(said["console"], Value::Array(Vec::new()), "the console says nothing");
+    assert_eq!(said["requests"], Value::Array(Vec::new()), "nothing is loaded");
+    assert_eq!(said["live"], true);
+    assert_eq!(said["heading"], "relief.ply");
+    assert_eq!((&said["holes"], &said["loops"]), (&Value::from(2), &Value::from(2)));
+    assert_eq!(said["histograms"], 1, "one of the four is shown");
+    assert_eq!(said["wide"], false, "the page fits the window");
+    let readouts = said["readouts"].as_array().expect("readouts");
+    assert!(readouts.iter().any(|r| r.as_str().is_some_and(|r| r.ends_with(" mm"))), "{said}");
+
+    assert!(looked.share("front", is_red) > 0.02 && looked.share("front", is_blue) > 0.02);
+    for (one, two) in [
+        ("front", "turned"),
+        ("turned", "near"),
+        ("reset", "touched"),
+        ("front", "distance"),
+        ("distance", "smoothed"),
+        ("smoothed", "face"),
+        ("face", "net"),
+        ("front", "hole"),
+    ] {
+        let changed = looked.changed(one, two);
+        // A hole's rim and a net are lines only.
+        assert!(changed > 0.002, "{one} and {two} differ in {changed} of their pixels");
+    }
+    assert!(looked.changed("front", "turned") > 0.1);
+    assert!(looked.changed("front", "reset") < 0.001, "the view comes back");
+}
+
+#[test]
+fn a_page_is_light_or_dark_as_the_system_or_its_button_says() {
+    let looked = Looked::at(&fixture("relief.ply"), &["--keep-fills"]);
+    assert!(looked.share("front", is_dark) < 0.05);
+    assert!(looked.share("dark", is_dark) > 0.4);
+    assert!(looked.share("light-again", is_dark) < 0.05);
+    assert_eq!(looked.said["still"], true, "without WebGL there is a still picture");
+}
+
+#[test]
+fn a_name_that_is_a_program_does_not_run() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let scan = folder.path().join(common::PLANTED);
+    std::fs::copy(fixture("relief.ply"), &scan).expect("a copy");
+    let looked = Looked::at(&scan, &[]);
+    assert_eq!(looked.said["heading"], common::PLANTED);
+    assert_eq!(looked.said["unplanted"], true, "it did not run");
+    assert_eq!(looked.said["console"], Value::Array(Vec::new()));
+}
