@@ -1,16 +1,12 @@
-//! Text in pictures, set in Noto Sans.
+//! Text in pictures, set in DejaVu Sans Condensed.
 //!
-//! The fonts have Latin, Greek and Cyrillic letters; what they do not have is
-//! shown as an empty box. Their licence, the SIL Open Font License, is beside them
-//! in `font/OFL.txt`.
+//! What the fonts have no letter for is shown as an empty box.
 
 use ab_glyph::{Font, FontRef, Glyph, InvalidFont, PxScale, ScaleFont, point};
+use dejavu::sans_condensed;
 
 use super::colour::{encoded, linear, mix};
 use super::image::Image;
-
-static REGULAR: &[u8] = include_bytes!("font/NotoSans-Regular.ttf");
-static BOLD: &[u8] = include_bytes!("font/NotoSans-Bold.ttf");
 
 /// The letters to write with.
 #[derive(Debug)]
@@ -37,8 +33,8 @@ impl Type {
     /// They are damaged.
     pub fn new() -> Result<Type, InvalidFont> {
         Ok(Type {
-            regular: FontRef::try_from_slice(REGULAR)?,
-            bold: FontRef::try_from_slice(BOLD)?,
+            regular: FontRef::try_from_slice(sans_condensed::regular())?,
+            bold: FontRef::try_from_slice(sans_condensed::bold())?,
         })
     }
 
