@@ -34,13 +34,18 @@ impl Random {
 
 fn samples(n: usize, random: &mut Random, point: impl Fn(Uv) -> Point) -> Samples {
     let uv: Vec<Uv> = (0..n).map(|_| Uv::new(random.next(), random.next())).collect();
-    Samples { points: uv.iter().map(|&at| point(at)).collect(), weights: vec![1.0; n], uv }
+    Samples {
+        points: uv.iter().map(|&at| point(at)).collect(),
+        weights: vec![1.0; n],
+        uv,
+        open: false,
+    }
 }
 
 fn without(s: &Samples, gone: impl Fn(Uv) -> bool) -> Samples {
     let left = |i: &usize| !gone(s.uv[*i]);
     let (points, uv) = (0..s.len()).filter(left).map(|i| (s.points[i], s.uv[i])).unzip();
-    let mut kept = Samples { points, uv, weights: Vec::new() };
+    let mut kept = Samples { points, uv, weights: Vec::new(), open: s.open };
     kept.weights = vec![1.0; kept.uv.len()];
     kept
 }
@@ -106,6 +111,7 @@ fn the_papers_blend_is_three_times_the_optimum() {
     for seed in [4, 5, 6] {
         let scan = VirtualScan::new(sheet, [50, 50], 0.0, Vec::new(), seed);
         let s = Samples {
+            open: false,
             points: scan.points.iter().map(|&p| p.into()).collect(),
             uv: scan.uv.iter().map(|&[u, v]| Uv::new(u, v)).collect(),
             weights: vec![1.0; scan.points.len()],
@@ -168,7 +174,7 @@ fn too_few_samples_make_a_surface_all_the_same() {
     ];
     for (name, uv) in sets {
         let points: Vec<Point> = uv.iter().map(|&at| wavy(at)).collect();
-        let s = Samples { weights: vec![1.0; uv.len()], points, uv };
+        let s = Samples { weights: vec![1.0; uv.len()], points, uv, open: false };
         for method in METHODS {
             let knots = [KnotVector::uniform(3, 17), KnotVector::uniform(3, 9)];
             let (surface, _) = fit(&s, knots, method).expect("a fit");

@@ -127,6 +127,7 @@ fn trim_loops_follow_the_rims_on_the_surface() {
 fn the_papers_comparison() {
     let scan = VirtualScan::new(sheet, [50, 50], 0.0, Vec::new(), 4);
     let samples = Samples {
+        open: false,
         points: scan.points.iter().map(|&p| p.into()).collect(),
         uv: scan.uv.iter().map(|&[u, v]| Uv::new(u, v)).collect(),
         weights: vec![1.0; scan.points.len()],

@@ -47,7 +47,8 @@ impl<'a> Target<'a> {
             weights[v] = if corner { CORNER_WEIGHT } else { SIDE_WEIGHT };
         }
         let points = map.patch.mesh.points.clone();
-        Target { map, samples: Samples { points, uv: map.uv.clone(), weights } }
+        let (uv, open) = (map.uv.clone(), map.outline == Outline::Free);
+        Target { map, samples: Samples { points, uv, weights, open } }
     }
 
     /// Measured vertices.

@@ -16,10 +16,10 @@ use super::strips::{Census, Strip};
 /// Weight of the term in a cell without samples, of that of a mean cell's.
 const EMPTY: f64 = 1e-2;
 
-/// What is left of that, in a cell in parts bare of samples, for the share squared
-/// of these: where samples end within a cell, its control points hang on the few
+/// What is left of that, where the surface goes on beyond the samples, in a cell in
+/// parts bare of them, for the share squared of these: where samples end within a cell, its control points hang on the few
 /// places that its functions have there.
-const BARE: f64 = 1e-2;
+const BARE: f64 = 1e-3;
 
 /// Samples, spread over the cell, from which on the term fades.
 const FEW: f64 = 4.0;
@@ -44,11 +44,12 @@ fn strip(p: usize, strips: &[Strip], metric: &Metric, energies: &[[[f64; 10]; 3]
     let across: Vec<f64> = (0..strip.cells.len())
         .map(|q| around.iter().map(|strip| strip.cells[q].covering).sum())
         .collect();
+    let bare = if metric.open { BARE } else { 0.0 };
     let mut of = [0; 3].map(|_| vec![[0.0; 4]; strip.cells.len() + 3]);
     for (q, (cell, energy)) in strip.cells.iter().zip(energies).enumerate() {
         let [x, y] = metric.half(p, q, cell);
         let covering: f64 = across[q.saturating_sub(1)..(q + 2).min(across.len())].iter().sum();
-        let fade = (FEW / (FEW + covering)).powi(6).max(BARE * cell.bare.powi(2));
+        let fade = (FEW / (FEW + covering)).powi(6).max(bare * cell.bare.powi(2));
         let weight = EMPTY * fade * metric.weight * x.min(y).powi(4);
         let scales = [x.powi(-4), 2.0 / (x * y).powi(2), y.powi(-4)];
         for order in 0..3 {
@@ -85,6 +86,8 @@ struct Metric {
     halves: [Vec<f64>; 2],
     /// Σ w of a mean cell.
     weight: f64,
+    /// Whether the samples end inside the domain.
+    open: bool,
 }
 
 impl Metric {
@@ -113,6 +116,7 @@ impl Metric {
             mean: total.map(|sum| mean(sum).unwrap_or(1.0)),
             halves,
             weight: mean(weights).unwrap_or(1.0),
+            open: cells.samples.open,
         }
     }
 

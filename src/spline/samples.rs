@@ -2,7 +2,7 @@
 
 use crate::geometry::{Point, Uv};
 
-/// Weighted points with parameters; the three lists run in parallel.
+/// Weighted points with parameters; the lists run in parallel.
 #[derive(Debug, Clone, Default)]
 pub struct Samples {
     /// Points in mm.
@@ -11,6 +11,8 @@ pub struct Samples {
     pub uv: Vec<Uv>,
     /// Their weights in a least-squares fit, positive.
     pub weights: Vec<f64>,
+    /// Whether they end inside the domain, and the surface goes on beyond them.
+    pub open: bool,
 }
 
 impl Samples {
