@@ -63,7 +63,7 @@ fn is_inside(p: [f64; 2], polygon: &[[f64; 2]]) -> bool {
 
 #[test]
 fn the_outer_loop_follows_the_rim_around_all_others() {
-    for scan in [relief_scan(), island_scan()] {
+    for scan in [relief_scan(), island_scan(), ragged_scan()] {
         let Run { conversion: c, outer } = free(&scan);
         assert_eq!(c.loops[0].of, Bound::Outer);
         assert!(c.outer.is_none(), "the sides are not the outer boundary");

@@ -4,7 +4,7 @@ mod common;
 
 use common::importers::{freecad, opencascade, rewrite_freecad, rewrite_opencascade};
 use common::virtual_scan::{
-    Star, VirtualScan, island_scan, paper_scan, relief, relief_scan, rolled_scan,
+    Star, VirtualScan, island_scan, paper_scan, ragged_scan, relief, relief_scan, rolled_scan,
 };
 use common::{arg, checked, converted, fixture, json, number};
 use serde_json::Value;
@@ -146,6 +146,15 @@ fn an_island_within_an_outer_loop() {
     let report = round_trip(&input, &options, &Expected { scan: &scan, rms: 0.06 });
     let outer: Vec<bool> = (0..4).map(|i| report["trim"][i]["outer"] == true).collect();
     assert_eq!(outer, [true, false, true, false]);
+}
+
+#[test]
+fn a_ragged_outer_boundary_is_cut_along() {
+    let scan = ragged_scan();
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let input = written(&scan, folder.path());
+    let options = ["--outline", "trimmed"];
+    round_trip(&input, &options, &Expected { scan: &scan, rms: 0.03 });
 }
 
 /// The paper's results: about 8,100 noisy points, one hole, rough boundary,
