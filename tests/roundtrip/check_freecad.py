@@ -126,7 +126,7 @@ def cut(shape):
 def area(shape):
     """By a fine tessellation: FreeCAD's own figure is 5% off where a loop is ragged."""
     fine = 2e-4 * bounding_box(shape).DiagonalLength
-    return MeshPart.meshFromShape(Shape=shape, LinearDeflection=fine, AngularDeflection=0.1).Area
+    return MeshPart.meshFromShape(Shape=shape, LinearDeflection=fine, AngularDeflection=1.0).Area
 
 
 def offset(shape):
