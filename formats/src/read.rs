@@ -30,6 +30,21 @@ impl Format {
     pub fn of(path: &Path) -> Result<Format> {
         recognise(&Source::open(path)?)
     }
+
+    /// The format that the extension of `path` means, gzipped or not, if it means
+    /// one. The file is not looked at.
+    pub fn by_extension(path: &Path) -> Option<Format> {
+        let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
+        let name = name.strip_suffix(".gz").unwrap_or(&name);
+        match name.rsplit_once('.')?.1 {
+            "ply" => Some(Format::Ply),
+            "obj" => Some(Format::Obj),
+            "gltf" => Some(Format::Gltf),
+            "glb" => Some(Format::Glb),
+            "stl" => Some(Format::Stl),
+            _ => None,
+        }
+    }
 }
 
 /// Reads the mesh in the file at `path`: its points in the file's order,
@@ -117,7 +132,7 @@ fn recognise(source: &Source) -> Result<Format> {
         return Ok(Format::Obj);
     }
     let unknown = || Error::new(&source.path, "is of no known mesh format", READABLE);
-    by_extension(&source.path).ok_or_else(unknown)
+    Format::by_extension(&source.path).ok_or_else(unknown)
 }
 
 fn by_content(source: &Source) -> Option<Format> {
@@ -141,19 +156,6 @@ fn by_content(source: &Source) -> Option<Format> {
 /// `head` without the byte order mark that editors put before text.
 fn after_mark(head: &[u8]) -> &[u8] {
     head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head)
-}
-
-fn by_extension(path: &Path) -> Option<Format> {
-    let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
-    let name = name.strip_suffix(".gz").unwrap_or(&name);
-    match name.rsplit_once('.')?.1 {
-        "ply" => Some(Format::Ply),
-        "obj" => Some(Format::Obj),
-        "gltf" => Some(Format::Gltf),
-        "glb" => Some(Format::Glb),
-        "stl" => Some(Format::Stl),
-        _ => None,
-    }
 }
 
 /// What the file is, if it is something that is often mistaken for a mesh, and

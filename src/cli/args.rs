@@ -5,6 +5,8 @@ use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
 
+use super::batch::args::Batch;
+use super::manual::{Completions, Man};
 use super::places::{Corners, Places};
 use super::report::{Kind, ReportFile};
 use formats::LengthUnit;
@@ -12,6 +14,11 @@ use formats::LengthUnit;
 /// Turns 3D scans with holes into trimmed B-spline faces in STEP and IGES.
 #[derive(Debug, Parser)]
 #[command(version, about, max_term_width = 100)]
+#[command(after_help = "Examples:\n  scan2step inspect fender.ply\n  \
+    scan2step convert fender.ply fender.step --report fender.html\n  \
+    scan2step check fender.step fender.ply --tolerance 0.5\n  \
+    scan2step batch scans/ --out cad/\n\n\
+    Each command has --help with examples of its own.")]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
@@ -34,6 +41,25 @@ pub enum Command {
     /// point of the scan from the trimmed faces, and of samples of these from
     /// the scan, so that a hole that is not cut out shows.
     Check(Check),
+    /// Convert many scans: go on after a failure, resume where it stopped.
+    ///
+    /// Every scan of the folders (and the folders in these), patterns and files
+    /// becomes a CAD file in one folder, which gets a summary.csv and a
+    /// summary.json, too. What is there from an earlier run is skipped, as long as
+    /// scan, options and program are the same.
+    Batch(Box<Batch>),
+    /// Print a script that completes commands and options in a shell.
+    Completions(Completions),
+    /// Print the manual page, or write the pages of all commands.
+    Man(Man),
+}
+
+/// How large a scan is.
+#[derive(Debug, Args)]
+pub struct Scale {
+    /// Unit of the scan's numbers [default: metres for glTF, else mm]
+    #[arg(long, value_name = "UNIT")]
+    pub units: Option<Unit>,
 }
 
 /// What to look at, of a scan.
@@ -41,9 +67,8 @@ pub enum Command {
 pub struct Piece {
     /// The scan.
     pub scan: PathBuf,
-    /// Unit of the scan's numbers [default: metres for glTF, else mm]
-    #[arg(long, value_name = "UNIT")]
-    pub units: Option<Unit>,
+    #[command(flatten)]
+    pub scale: Scale,
     /// A place on the boundary loop that is the outer one: a vertex index or a
     /// point, as in --corners of convert [default: the longest loop that does not run around a hole]
     #[arg(long, value_name = "V|x,y,z", allow_hyphen_values = true)]
@@ -69,6 +94,9 @@ pub struct Look {
 
 /// Options of `inspect`.
 #[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  scan2step inspect fender.ply\n  \
+    scan2step inspect relief.obj.gz --units in --json\n\n\
+    Exit codes: 0 done, 1 failed, 2 usage.")]
 pub struct Inspect {
     #[command(flatten)]
     pub piece: Piece,
@@ -78,7 +106,9 @@ pub struct Inspect {
 
 /// Options of `check`.
 #[derive(Debug, Args)]
-#[command(after_help = "Exit codes: 0 all that was asked holds, 1 failed, 2 usage,\n\
+#[command(after_help = "Examples:\n  scan2step check fender.step fender.ply\n  \
+    scan2step check relief.igs relief.obj --units in --tolerance 0.1 --outliers 1 --json\n\n\
+    Exit codes: 0 all that was asked holds, 1 failed, 2 usage,\n\
     3 the tolerance is not met.")]
 pub struct Check {
     /// The CAD file: STEP or IGES
@@ -110,6 +140,26 @@ pub struct Convert {
     #[arg(required = true, value_name = "OUT", value_parser = cad_file)]
     pub out: Vec<CadFile>,
 
+    /// Corners of the domain: four vertex indices of the scan (V0,V1,V2,V3),
+    /// or four points in the scan's numbers (x,y,z;x,y,z;…) [default: found]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub corners: Option<Places>,
+    /// Write a report: figures (.json), a page with the scan to turn (.html), or a
+    /// picture (.png); can be given more than once
+    #[arg(long, value_name = "FILE", value_parser = report_file)]
+    pub report: Vec<ReportFile>,
+    /// Write each stage's mesh into this folder
+    #[arg(long, value_name = "DIR")]
+    pub stages: Option<PathBuf>,
+    #[command(flatten)]
+    pub how: How,
+    #[command(flatten)]
+    pub manner: Manner,
+}
+
+/// How a scan becomes a face: what `convert` and `batch` have in common.
+#[derive(Debug, Args)]
+pub struct How {
     /// Farthest that a point of the smoothed scan may be from the face, in mm
     /// [default: from the noise of the scan]
     #[arg(long, value_name = "LEN", value_parser = positive)]
@@ -117,10 +167,6 @@ pub struct Convert {
     /// Percentage of points that may exceed the tolerance
     #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage)]
     pub outliers: f64,
-    /// Corners of the domain: four vertex indices of the scan (V0,V1,V2,V3),
-    /// or four points in the scan's numbers (x,y,z;x,y,z;…) [default: found]
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
-    pub corners: Option<Places>,
     /// What becomes of the outer boundary: the four sides of the surface, or a trim
     /// loop inside it, as holes have them
     #[arg(long, value_enum, default_value_t = Outline::Auto)]
@@ -164,13 +210,11 @@ pub struct Convert {
     /// IGES form: trimmed surfaces (144) or a shell (514)
     #[arg(long, value_enum, default_value_t = Iges::Trimmed)]
     pub iges: Iges,
-    /// Write a report: figures (.json), a page with the scan to turn (.html), or a
-    /// picture (.png); can be given more than once
-    #[arg(long, value_name = "FILE", value_parser = report_file)]
-    pub report: Vec<ReportFile>,
-    /// Write each stage's mesh into this folder
-    #[arg(long, value_name = "DIR")]
-    pub stages: Option<PathBuf>,
+}
+
+/// How a run goes about its work, which leaves the files as they are.
+#[derive(Debug, Args)]
+pub struct Manner {
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,

@@ -53,7 +53,7 @@ fn system() -> String {
 
 fn step_options(args: &Convert, stamp: &str) -> step::Options {
     step::Options {
-        schema: match args.schema {
+        schema: match args.how.schema {
             Schema::Ap203 => step::Schema::Ap203,
             Schema::Ap214 => step::Schema::Ap214,
             Schema::Ap242 => step::Schema::Ap242,
@@ -67,7 +67,7 @@ fn step_options(args: &Convert, stamp: &str) -> step::Options {
 fn iges_options(args: &Convert, stamp: &str, path: &Path) -> iges::Options {
     let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned());
     iges::Options {
-        form: match args.iges {
+        form: match args.how.iges {
             Iges::Trimmed => iges::Form::Trimmed,
             Iges::Brep => iges::Form::Brep,
         },

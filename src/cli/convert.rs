@@ -15,10 +15,10 @@ use super::{Failure, Outcome, cad, hints, settings, talk};
 
 /// Reads, converts, writes.
 pub fn run(args: &Convert) -> Result<Outcome, Failure> {
-    input::use_threads(args.threads)?;
+    input::use_threads(args.manner.threads)?;
     check_outputs(args)?;
-    let voice = if args.quiet { None } else { Some(args.color.is_on()) };
-    let mut progress = Progress::new(voice, args.verbose);
+    let voice = if args.manner.quiet { None } else { Some(args.manner.color.is_on()) };
+    let mut progress = Progress::new(voice, args.manner.verbose);
     let stages = args.stages.as_deref().map(Stages::new).transpose()?;
     let scan = Scan::read(&args.piece)?;
     progress.ended("read", &talk::came_in(&scan));
@@ -50,8 +50,8 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
         scan: &scan,
         options: settings::as_json(args),
         hints: hints.clone(),
-        tolerance_named: args.tolerance.is_some(),
-        outliers_pct: args.outliers,
+        tolerance_named: args.how.tolerance.is_some(),
+        outliers_pct: args.how.outliers,
         outputs: args.out.iter().map(|f| f.path.as_path()).zip(&files).collect(),
         progress: &progress,
     };
@@ -121,7 +121,7 @@ fn chosen(
     outer: mesh::Outer,
     progress: &Progress,
 ) -> Vec<mesh::Choice> {
-    match args.component {
+    match args.how.component {
         Component::Largest => vec![mesh::Choice::Largest],
         Component::Number(n) => vec![mesh::Choice::Number(n)],
         Component::All => {

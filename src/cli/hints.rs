@@ -50,7 +50,7 @@ fn size(scan: &Scan, conversions: &[Conversion]) -> Option<String> {
 
 /// A tolerance of the program's own that does not hold is no failure.
 fn missed(args: &Convert, c: &Conversion) -> Option<String> {
-    let held = args.tolerance.is_some() || c.tolerance_met(args.outliers / 100.0);
+    let held = args.how.tolerance.is_some() || c.tolerance_met(args.how.outliers / 100.0);
     (!held).then(|| beyond(c))
 }
 
@@ -83,7 +83,7 @@ const FINE: f64 = 1e-3;
 const BELOW_NOISE: f64 = 0.1;
 
 fn loose(args: &Convert, c: &Conversion) -> Option<String> {
-    let tolerance = args.tolerance?;
+    let tolerance = args.how.tolerance?;
     let noise = c.smooth.noise;
     if noise <= 0.0 {
         return None;
@@ -118,7 +118,7 @@ const SMALL_HOLES: usize = 10;
 const SMALL_RIM: usize = 16;
 
 fn ragged(args: &Convert, c: &Conversion) -> Option<String> {
-    if args.fill_only_holes_below.is_some() {
+    if args.how.fill_only_holes_below.is_some() {
         return None;
     }
     let holes = c.fill.holes.iter().zip(&c.trimmed);
@@ -143,7 +143,7 @@ const LEFT_OUT: f64 = 0.1;
 fn others(args: &Convert, c: &Conversion) -> Option<String> {
     let all = (c.input.triangles + c.input.island_triangles + c.input.left_out) as f64;
     let share = c.input.left_out as f64 / all.max(1.0);
-    (args.component != Component::All && share > LEFT_OUT).then(|| {
+    (args.how.component != Component::All && share > LEFT_OUT).then(|| {
         format!(
             "{:.0} % of the scan's triangles are in other pieces; --component all converts every one",
             100.0 * share

@@ -25,7 +25,7 @@ pub struct Scan {
 impl Scan {
     pub fn read(piece: &Piece) -> Result<Scan, Failure> {
         let soup = formats::read_scan(&piece.scan)?;
-        let declared = piece.units.map(LengthUnit::from).or(soup.unit);
+        let declared = piece.scale.units.map(LengthUnit::from).or(soup.unit);
         let counts = [soup.points.len(), soup.polygons.triangle_count()];
         Ok(Scan {
             path: piece.scan.clone(),

@@ -5,6 +5,9 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
+#[cfg(unix)]
+use super::children;
+
 /// What was made so far. Who holds the lock is not interrupted.
 static MADE: Mutex<Made> = Mutex::new(Made { files: Vec::new(), folders: Vec::new() });
 
@@ -73,6 +76,7 @@ pub fn sweep_when_stopped() -> io::Result<()> {
         if let Some(signal) = signals.forever().next() {
             // Held to the end: nothing new may appear.
             let mut made = lock();
+            children::stop();
             made.sweep();
             eprintln!("\nstopped; no unfinished file is left");
             let _ = emulate_default_handler(signal);

@@ -1,13 +1,16 @@
 //! The commands of scan2step.
 
 mod args;
+mod batch;
 mod cad;
 mod check;
+mod children;
 mod convert;
 mod hints;
 mod input;
 mod inspect;
 mod leftovers;
+mod manual;
 mod output;
 mod places;
 mod progress;
@@ -18,7 +21,7 @@ mod talk;
 
 use std::process::ExitCode;
 
-use clap::Parser;
+use clap::{CommandFactory, FromArgMatches};
 
 /// What a run says at its end.
 enum Outcome {
@@ -26,12 +29,17 @@ enum Outcome {
     Done,
     /// Files were written, but a tolerance that the user named is not met.
     Missed,
+    /// Of many scans one failed, which was said.
+    Failed,
 }
 
 impl Outcome {
-    /// Both hold, or one is missed.
+    /// The worse of both.
     fn and(self, other: Outcome) -> Outcome {
-        if matches!(self, Outcome::Missed) { self } else { other }
+        match (&self, &other) {
+            (Outcome::Failed, _) | (Outcome::Missed, Outcome::Done) => self,
+            _ => other,
+        }
     }
 }
 
@@ -49,19 +57,27 @@ impl From<formats::Error> for Failure {
 
 /// Parses the arguments, runs the command, reports what is wrong.
 pub fn run() -> ExitCode {
-    let args = args::Cli::parse();
+    let matches = args::Cli::command().get_matches();
+    let args = args::Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
     // Where signals cannot be heeded, a stopped run leaves its temporary files.
     if let Err(e) = leftovers::sweep_when_stopped() {
         eprintln!("note: Ctrl-C will leave temporary files: {e}");
     }
     let (colour, done) = match &args.command {
-        args::Command::Convert(args) => (args.color, convert::run(args)),
+        args::Command::Convert(args) => (args.manner.color, convert::run(args)),
         args::Command::Inspect(args) => (args.look.color, inspect::run(args)),
         args::Command::Check(args) => (args.look.color, check::run(args)),
+        args::Command::Batch(args) => {
+            let of_batch = matches.subcommand().map_or(&matches, |(_, of_batch)| of_batch);
+            (args.manner.color, batch::run(args, of_batch))
+        }
+        args::Command::Completions(args) => (args::Colour::Auto, Ok(manual::completions(args))),
+        args::Command::Man(args) => (args::Colour::Auto, manual::man(args)),
     };
     match done {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Missed) => ExitCode::from(3),
+        Ok(Outcome::Failed) => ExitCode::FAILURE,
         Err(failure) => {
             leftovers::sweep();
             let (red, blue, plain) =

@@ -60,11 +60,16 @@ pub fn write(
         content(&mut tally).and_then(|()| tally.flush()).map_err(failed)?;
         (tally.bytes, tally.hash.finalize())
     };
-    let sha256 = hash.iter().map(|byte| format!("{byte:02x}")).collect();
-    Ok(Pending { file, path: target, bytes, sha256 })
+    Ok(Pending { file, path: target, bytes, sha256: hexadecimal(&hash) })
 }
 
-fn failed(path: &Path, e: std::io::Error) -> Error {
+/// Bytes in hexadecimal.
+pub fn hexadecimal(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}
+
+/// What cannot be written, and why.
+pub fn failed(path: &Path, e: std::io::Error) -> Error {
     // Of a temporary file only what is wrong matters, not its name.
     let wrong =
         e.get_ref().and_then(|wrapped| wrapped.source()).map_or(e.to_string(), |e| e.to_string());

@@ -24,12 +24,12 @@ pub fn options(args: &Convert, scan: &Scan) -> Result<Options, Failure> {
         (mesh::Outer::Auto, Some([first, ..])) => mesh::Outer::Near(first),
         (outer, _) => outer,
     };
-    let boundary_corners = match &args.boundary_corners {
+    let boundary_corners = match &args.how.boundary_corners {
         Corners::Auto => smooth::Corners::Auto,
         Corners::None => smooth::Corners::None,
         Corners::At(places) => smooth::Corners::At(resolve(places)?),
     };
-    let cut = match (args.keep_fills, args.fill_only_holes_below) {
+    let cut = match (args.how.keep_fills, args.how.fill_only_holes_below) {
         (true, _) => Cut::None,
         (false, Some(length)) => Cut::FromLength(length),
         (false, None) => Cut::All,
@@ -38,28 +38,28 @@ pub fn options(args: &Convert, scan: &Scan) -> Result<Options, Failure> {
         name: part_name(&args.piece.scan),
         unit_mm: scan.unit.in_mm(),
         outer,
-        smooth: smooth::Options { support: args.smooth, corners: boundary_corners },
+        smooth: smooth::Options { support: args.how.smooth, corners: boundary_corners },
         parameterize: parameterize::Options {
             corners,
-            outline: match args.outline {
+            outline: match args.how.outline {
                 Outline::Auto => None,
                 Outline::Sides => Some(parameterize::Outline::Sides),
                 Outline::Trimmed => Some(parameterize::Outline::Free),
             },
         },
         knots: KnotOptions {
-            kappa: args.kappa,
-            depth: args.depth,
-            net: args.net,
-            max_net: args.max_net,
+            kappa: args.how.kappa,
+            depth: args.how.depth,
+            net: args.how.net,
+            max_net: args.how.max_net,
         },
-        method: match args.fit {
+        method: match args.how.fit {
             Fit::Blend => fit::Method::Blend,
             Fit::Refined => fit::Method::Refined,
             Fit::Global => fit::Method::Global,
         },
-        tolerance: args.tolerance,
-        outliers: args.outliers / 100.0,
+        tolerance: args.how.tolerance,
+        outliers: args.how.outliers / 100.0,
         cut,
         ..Options::default()
     })
@@ -77,36 +77,36 @@ pub fn as_json(args: &Convert) -> Value {
         Places::Points(p) => json!(p),
     };
     json!({
-        "units": args.piece.units.map(name),
+        "units": args.piece.scale.units.map(name),
         "outer": args.piece.outer.as_ref().map(places),
-        "tolerance": args.tolerance,
-        "outliers": args.outliers,
+        "tolerance": args.how.tolerance,
+        "outliers": args.how.outliers,
         "corners": args.corners.as_ref().map(places),
-        "outline": name(args.outline),
-        "boundary_corners": match &args.boundary_corners {
+        "outline": name(args.how.outline),
+        "boundary_corners": match &args.how.boundary_corners {
             Corners::Auto => json!("auto"),
             Corners::None => json!("none"),
             Corners::At(at) => places(at),
         },
-        "smooth": match args.smooth {
+        "smooth": match args.how.smooth {
             smooth::Support::Auto => json!("auto"),
             smooth::Support::Off => json!("off"),
             smooth::Support::Fixed(h) => json!(h),
         },
-        "fit": name(args.fit),
-        "kappa": args.kappa,
-        "depth": args.depth,
-        "net": args.net,
-        "max_net": args.max_net,
-        "fill_only_holes_below": args.fill_only_holes_below,
-        "keep_fills": args.keep_fills,
-        "component": match args.component {
+        "fit": name(args.how.fit),
+        "kappa": args.how.kappa,
+        "depth": args.how.depth,
+        "net": args.how.net,
+        "max_net": args.how.max_net,
+        "fill_only_holes_below": args.how.fill_only_holes_below,
+        "keep_fills": args.how.keep_fills,
+        "component": match args.how.component {
             Component::Largest => json!("largest"),
             Component::All => json!("all"),
             Component::Number(n) => json!(n),
         },
-        "schema": name(args.schema),
-        "iges": name(args.iges),
+        "schema": name(args.how.schema),
+        "iges": name(args.how.iges),
     })
 }
 

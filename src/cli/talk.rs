@@ -72,7 +72,7 @@ pub fn repaired(progress: &Progress, (kind, count): (&&str, &usize)) {
 
 /// What was found on the way, and assumed where the user did not say.
 pub fn found(progress: &Progress, args: &Convert, c: &Conversion) {
-    if c.input.left_out > 0 && args.component != Component::All {
+    if c.input.left_out > 0 && args.how.component != Component::All {
         progress.say(&format!(
             "component: 1 of {}, {} triangles; left out {} triangles in the others",
             c.input.components, c.input.triangles, c.input.left_out
@@ -86,7 +86,7 @@ pub fn found(progress: &Progress, args: &Convert, c: &Conversion) {
         progress
             .say(&format!("smooth: {} left out of the fits", plural(c.smooth.outliers, "outlier")));
     }
-    if args.tolerance.is_none() {
+    if args.how.tolerance.is_none() {
         progress.say(&format!(
             "tolerance: {}, from a noise of {} (--tolerance to change)",
             mm(c.tolerance),
@@ -111,7 +111,7 @@ pub fn result(progress: &Progress, args: &Convert, c: &Conversion) {
 
 /// Says it where a tolerance that the user named is not met.
 pub fn verdict(args: &Convert, c: &Conversion) -> Outcome {
-    if args.tolerance.is_none() || c.tolerance_met(args.outliers / 100.0) {
+    if args.how.tolerance.is_none() || c.tolerance_met(args.how.outliers / 100.0) {
         return Outcome::Done;
     }
     eprintln!("tolerance not met: {}", beyond(c));

@@ -31,7 +31,7 @@ pub struct ReportFile {
 }
 
 /// Its format.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub enum Kind {
     Json,
     Html,

@@ -1,0 +1,106 @@
+//! The arguments of `batch`.
+
+use std::path::PathBuf;
+
+use clap::{ArgMatches, Args, Command, ValueEnum, parser::ValueSource};
+
+use crate::cli::args::{How, Manner, Scale};
+use crate::cli::report::Kind;
+
+/// Options of `batch`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  scan2step batch scans/ --out cad/\n  \
+    scan2step batch 'scans/**/*.ply' --out cad/ --format both --report html --tolerance 0.1\n  \
+    scan2step batch scans/ --out cad/ --shard $SLURM_ARRAY_TASK_ID/16\n\n\
+    Exit codes: 0 all that was asked holds, 1 a scan failed, 2 usage,\n\
+    3 all files written, but a named tolerance is not met.")]
+pub struct Batch {
+    /// Folders with scans, patterns ('scans/**/*.ply'), or scans.
+    #[arg(required = true, value_name = "DIR|GLOB")]
+    pub scans: Vec<PathBuf>,
+    /// Folder for the CAD files, reports and summaries; made if need be
+    #[arg(long, value_name = "DIR")]
+    pub out: PathBuf,
+    /// Format of the CAD files
+    #[arg(long, value_enum, default_value_t = Formats::Step)]
+    pub format: Formats,
+    /// Write reports, too: html, json or png, or several (html,png)
+    #[arg(long, value_enum, value_name = "KIND", value_delimiter = ',')]
+    pub report: Vec<Kind>,
+    /// Do a part of the work: 3/16 is the third of sixteen, each of which can run at
+    /// the same time as the others
+    #[arg(long, value_name = "K/N", value_parser = shard)]
+    pub shard: Option<Shard>,
+    /// Convert again what is there from an earlier run
+    #[arg(long)]
+    pub force: bool,
+    /// Scans at once; each may use all cores, unless --threads says otherwise
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    pub jobs: u16,
+    #[command(flatten)]
+    pub scale: Scale,
+    #[command(flatten)]
+    pub how: How,
+    #[command(flatten)]
+    pub manner: Manner,
+}
+
+/// Formats of the CAD files.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Formats {
+    Step,
+    Iges,
+    Both,
+}
+
+impl Formats {
+    /// The extensions of the files.
+    pub fn extensions(self) -> &'static [&'static str] {
+        match self {
+            Formats::Step => &["step"],
+            Formats::Iges => &["igs"],
+            Formats::Both => &["step", "igs"],
+        }
+    }
+}
+
+/// A part of the work.
+#[derive(Debug, Clone, Copy)]
+pub struct Shard {
+    /// From 1.
+    number: usize,
+    of: usize,
+}
+
+impl Shard {
+    /// Whether the scan at this place of the sorted list, from 0, is in the shard.
+    pub fn has(self, place: usize) -> bool {
+        place % self.of == self.number - 1
+    }
+}
+
+fn shard(text: &str) -> Result<Shard, String> {
+    let parts = text.split_once('/').map(|(k, n)| (k.trim().parse(), n.trim().parse()));
+    let Some((Ok(number), Ok(of))) = parts else { return Err("not of the form 3/16".into()) };
+    let shard = Shard { number, of };
+    if (1..=of).contains(&number) { Ok(shard) } else { Err("counts from 1/N to N/N".into()) }
+}
+
+/// The options that the user gave to `batch` and every `convert` is to have.
+pub fn passed_on(matches: &ArgMatches) -> Vec<String> {
+    let shared = How::augment_args(Scale::augment_args(Command::new("shared")));
+    let mut options = Vec::new();
+    for option in shared.get_arguments() {
+        let (Some(long), id) = (option.get_long(), option.get_id().as_str()) else { continue };
+        if matches.value_source(id) != Some(ValueSource::CommandLine) {
+            continue;
+        }
+        if !option.get_action().takes_values() {
+            options.push(format!("--{long}"));
+            continue;
+        }
+        let values = matches.get_raw(id).into_iter().flatten();
+        options.extend(values.map(|value| format!("--{long}={}", value.to_string_lossy())));
+    }
+    options
+}

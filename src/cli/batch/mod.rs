@@ -1,0 +1,136 @@
+//! `scan2step batch`: many scans, a CAD file each, and a summary.
+
+pub mod args;
+mod job;
+mod record;
+mod scans;
+mod summary;
+
+use std::io::Write;
+use std::sync::Mutex;
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use clap::{ArgMatches, ValueEnum};
+use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+
+use super::{Failure, Outcome, leftovers, output};
+use args::Batch;
+use job::Job;
+use record::Record;
+use scans::Scan;
+use summary::{Row, Status};
+
+/// Finds the scans, converts those that need it, sums up.
+pub fn run(args: &Batch, matches: &ArgMatches) -> Result<Outcome, Failure> {
+    let folder = args.out.join(record::FOLDER);
+    let scans = scans::find(&args.scans, &args.out)?;
+    leftovers::folder(&folder).map_err(|e| output::failed(&folder, e))?;
+    let job = job(args, matches)?;
+    let mine: Vec<usize> =
+        (0..scans.len()).filter(|&k| args.shard.is_none_or(|shard| shard.has(k))).collect();
+    let voice = Voice::new(args, mine.len());
+    let next = AtomicUsize::new(0);
+    let done: Mutex<Vec<Option<Row>>> = Mutex::new(scans.iter().map(|_| None).collect());
+    std::thread::scope(|scope| {
+        for _ in 0..args.jobs {
+            scope.spawn(|| {
+                while let Some(&k) = mine.get(next.fetch_add(1, Ordering::Relaxed)) {
+                    let row = one(&job, &scans[k], args.force);
+                    voice.say(&row);
+                    if let Ok(mut done) = done.lock() {
+                        done[k] = Some(row);
+                    }
+                }
+            });
+        }
+    });
+    voice.bar.finish_and_clear();
+    let rows = summary::write(&args.out, &scans, done.into_inner().unwrap_or_default())?;
+    if !args.manner.quiet {
+        // Nobody listening any more is no failure.
+        let _ = std::io::stdout().write_all(summary::table(&rows).as_bytes());
+    }
+    let mine = mine.iter().filter_map(|&k| rows[k].record.as_ref().map(Status::of));
+    Ok(mine.fold(Outcome::Done, |all, status| match status {
+        Status::Failed => all.and(Outcome::Failed),
+        Status::Missed => all.and(Outcome::Missed),
+        _ => all,
+    }))
+}
+
+/// Converts a scan unless that was done.
+fn one(job: &Job, scan: &Scan, force: bool) -> Row {
+    let earlier = Record::read(&job.out, scan).filter(|_| !force);
+    let earlier = earlier.filter(|record| record.holds(&job.out, scan, &job.fingerprint));
+    let skipped = earlier.is_some();
+    let record = earlier.unwrap_or_else(|| job.run(scan));
+    let status = if skipped { Status::Skipped } else { Status::of(&record) };
+    Row { scan: scan.clone(), status, record: Some(record) }
+}
+
+fn job(args: &Batch, matches: &ArgMatches) -> Result<Job, Failure> {
+    let program = std::env::current_exe().map_err(|e| Failure {
+        error: format!("scan2step: its own place cannot be told: {e}"),
+        help: "call scan2step by its path".into(),
+    })?;
+    let names = args.report.iter().filter_map(ValueEnum::to_possible_value);
+    let mut reports: Vec<String> = names.map(|v| format!("report.{}", v.get_name())).collect();
+    reports.sort();
+    reports.dedup();
+    let cad: Vec<String> = args.format.extensions().iter().map(|&e| e.into()).collect();
+    let options = args::passed_on(matches);
+    let stamp = std::env::var("SOURCE_DATE_EPOCH").map(|s| format!("SOURCE_DATE_EPOCH={s}"));
+    let fingerprint = options.iter().chain(&cad).chain(&reports).cloned().chain(stamp.ok());
+    let fingerprint = fingerprint.collect();
+    let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
+    // Scans at once share the cores, unless the user says otherwise.
+    let shared = (args.jobs > 1).then(|| (cores / usize::from(args.jobs)).clamp(1, 1024) as u16);
+    let threads = args.manner.threads.or(shared);
+    Ok(Job { program, out: args.out.clone(), cad, reports, options, fingerprint, threads })
+}
+
+/// What is said of each scan.
+struct Voice {
+    bar: ProgressBar,
+    quiet: bool,
+    verbose: bool,
+}
+
+impl Voice {
+    fn new(args: &Batch, scans: usize) -> Voice {
+        let quiet = args.manner.quiet;
+        let target =
+            if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+        let bar = ProgressBar::with_draw_target(Some(scans as u64), target);
+        if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} {elapsed}") {
+            bar.set_style(style.progress_chars("━╸─"));
+        }
+        bar.enable_steady_tick(std::time::Duration::from_millis(500));
+        Voice { bar, quiet, verbose: args.manner.verbose }
+    }
+
+    /// Says how a scan stands: errors always, the rest unless the run is quiet.
+    fn say(&self, row: &Row) {
+        self.bar.inc(1);
+        let (place, of) = (self.bar.position(), self.bar.length().unwrap_or(0));
+        let record = row.record.as_ref();
+        self.bar.suspend(|| {
+            if !self.quiet {
+                let seconds = record.map_or(0.0, |r| r.seconds);
+                let (name, file) = (row.status.name(), row.scan.path.display());
+                eprintln!("[{place}/{of}] {name:7} {seconds:7.1} s  {file}");
+            }
+            let failed = row.status == Status::Failed;
+            if let Some(error) = record.and_then(|r| r.error.as_ref()) {
+                let word = if failed { "error" } else { "note" };
+                eprintln!("{word}: {error}");
+            }
+            if let Some(help) = record.and_then(|r| r.help.as_ref()) {
+                eprintln!("help: {help}");
+            }
+            if self.verbose {
+                record.iter().flat_map(|r| &r.hints).for_each(|hint| eprintln!("hint: {hint}"));
+            }
+        });
+    }
+}

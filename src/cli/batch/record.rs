@@ -1,0 +1,187 @@
+//! What became of one scan, as a small file of its own: shards that run at once
+//! share none, and a run that is stopped loses no more than the scan it is at.
+
+use std::fs::File;
+use std::io;
+use std::path::{Path, PathBuf};
+use std::time::SystemTime;
+
+use formats::Format;
+use serde::{Deserialize, Serialize};
+use serde_json::Value;
+use sha2::{Digest, Sha256};
+
+use super::scans::Scan;
+use crate::cli::output::{self, Pending};
+
+/// The folder of records in the output folder.
+pub const FOLDER: &str = ".scan2step";
+
+/// What became of one scan.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Record {
+    pub scan2step: String,
+    pub file: String,
+    pub input: Stamp,
+    pub options: Vec<String>,
+    /// Of `convert`.
+    pub exit_code: i32,
+    pub seconds: f64,
+    #[serde(flatten)]
+    pub figures: Figures,
+    pub hints: Vec<String>,
+    pub error: Option<String>,
+    pub help: Option<String>,
+    pub outputs: Vec<Output>,
+}
+
+/// How well a scan was converted; of several components, the worst.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct Figures {
+    /// Of each component.
+    pub net: Vec<[u64; 2]>,
+    pub rms_mm: Option<f64>,
+    pub max_mm: Option<f64>,
+    pub tolerance_mm: Option<f64>,
+    /// Holes cut out.
+    pub holes: Option<usize>,
+}
+
+/// A file that was written, and where in the output folder.
+#[derive(Debug, Clone, Serialize, Deserialize)]
+pub struct Output {
+    pub file: String,
+    pub bytes: u64,
+    pub sha256: String,
+}
+
+/// By what a scan is known again.
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
+pub struct Stamp {
+    bytes: u64,
+    /// Since 1970; `None` where it does not tell all.
+    modified_ns: Option<u128>,
+    sha256: String,
+}
+
+impl Stamp {
+    /// Of a scan that can be read.
+    pub fn of(scan: &Path) -> Option<Stamp> {
+        let meta = std::fs::metadata(scan).ok()?;
+        let modified_ns = (!has_parts(scan)).then(|| modified_ns(&meta)).flatten();
+        Some(Stamp { bytes: meta.len(), modified_ns, sha256: content(scan)? })
+    }
+
+    /// Whether the scan still is what it was; its content is read only where its
+    /// time differs.
+    fn holds(&self, scan: &Path) -> bool {
+        let Ok(meta) = std::fs::metadata(scan) else { return false };
+        let untouched = self.modified_ns.is_some() && self.modified_ns == modified_ns(&meta);
+        meta.len() == self.bytes && (untouched || content(scan).as_ref() == Some(&self.sha256))
+    }
+}
+
+fn modified_ns(meta: &std::fs::Metadata) -> Option<u128> {
+    let since = meta.modified().ok()?.duration_since(SystemTime::UNIX_EPOCH).ok()?;
+    Some(since.as_nanos())
+}
+
+/// glTF may keep its numbers in other files.
+fn has_parts(scan: &Path) -> bool {
+    matches!(Format::by_extension(scan), Some(Format::Gltf | Format::Glb))
+}
+
+/// A hash of what the scan says, wherever it keeps it.
+fn content(scan: &Path) -> Option<String> {
+    if !has_parts(scan) {
+        return hash_of(scan).ok().map(|(_, sha256)| sha256);
+    }
+    let soup = formats::read_scan(scan).ok()?;
+    let mut hash = Sha256::new();
+    soup.points.iter().flatten().for_each(|x| hash.update(x.to_le_bytes()));
+    for polygon in soup.polygons.iter() {
+        hash.update((polygon.len() as u64).to_le_bytes());
+        polygon.iter().for_each(|corner| hash.update(corner.to_le_bytes()));
+    }
+    hash.update(format!("{:?} {:?}", soup.unit, soup.colour));
+    Some(output::hexadecimal(&hash.finalize()))
+}
+
+fn hash_of(path: &Path) -> io::Result<(u64, String)> {
+    let mut hash = Sha256::new();
+    let bytes = io::copy(&mut File::open(path)?, &mut hash)?;
+    Ok((bytes, output::hexadecimal(&hash.finalize())))
+}
+
+impl Output {
+    /// A file that was written into `out`.
+    pub fn of(out: &Path, file: &Path) -> io::Result<Output> {
+        let (bytes, sha256) = hash_of(&out.join(file))?;
+        Ok(Output { file: file.display().to_string(), bytes, sha256 })
+    }
+}
+
+impl Figures {
+    /// From the report of `convert`.
+    pub fn of(report: &Value) -> Figures {
+        let parts = match report.get("components").and_then(Value::as_array) {
+            Some(parts) => parts.iter().collect(),
+            None => vec![report],
+        };
+        let worst = |at: &str| {
+            let values = parts.iter().filter_map(|part| part.pointer(at)?.as_f64());
+            values.reduce(f64::max)
+        };
+        let side = |part: &Value, k: usize| part.pointer(&format!("/fit/net/{k}"))?.as_u64();
+        let cut = |part: &&Value| -> Option<usize> {
+            let holes = part.pointer("/fill/holes")?.as_array()?;
+            Some(holes.iter().filter(|hole| hole["trimmed"] == true).count())
+        };
+        Figures {
+            net: parts.iter().filter_map(|p| Some([side(p, 0)?, side(p, 1)?])).collect(),
+            rms_mm: worst("/fit/rms_mm"),
+            max_mm: worst("/fit/max_mm"),
+            tolerance_mm: worst("/tolerance_mm"),
+            holes: parts.iter().map(cut).sum(),
+        }
+    }
+}
+
+/// Where a file about a scan is, of the records. Names may hold folders, and a
+/// folder may be called what a file is: their hashes are all different.
+pub fn path(out: &Path, scan: &Scan, extension: &str) -> PathBuf {
+    let key = output::hexadecimal(&Sha256::digest(scan.name.as_os_str().as_encoded_bytes()));
+    out.join(FOLDER).join(format!("{}.{extension}", &key[..32]))
+}
+
+impl Record {
+    /// What an earlier run made of a scan, if one did.
+    pub fn read(out: &Path, scan: &Scan) -> Option<Record> {
+        let text = std::fs::read(path(out, scan, "json")).ok()?;
+        // One that cannot be read is none: the scan is converted again.
+        serde_json::from_slice(&text).ok()
+    }
+
+    /// Puts the record in its place, whole.
+    pub fn write(&self, out: &Path, scan: &Scan) -> Result<(), formats::Error> {
+        let file = output::write(&path(out, scan, "json"), |to| {
+            serde_json::to_writer_pretty(&mut *to, self)?;
+            writeln!(to)
+        })?;
+        Pending::publish(vec![file])
+    }
+
+    /// Whether nothing needs to be done: the files are there, and the same scan,
+    /// options and program would make the same.
+    pub fn holds(&self, out: &Path, scan: &Scan, options: &[String]) -> bool {
+        let there = |output: &Output| {
+            let meta = std::fs::metadata(out.join(&output.file));
+            meta.is_ok_and(|meta| meta.is_file() && meta.len() == output.bytes)
+        };
+        matches!(self.exit_code, 0 | 3)
+            && self.scan2step == env!("CARGO_PKG_VERSION")
+            && self.options == options
+            && self.outputs.iter().all(there)
+            && self.input.holds(&scan.path)
+    }
+}

@@ -1,0 +1,171 @@
+//! The scans of a batch, in order, and the names of what they become.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::path::{Path, PathBuf};
+
+use formats::Format;
+use walkdir::WalkDir;
+
+use crate::cli::Failure;
+use crate::cli::cad::part_name;
+
+/// A scan of a batch.
+#[derive(Debug, Clone)]
+pub struct Scan {
+    /// As the user would write it.
+    pub path: PathBuf,
+    /// What its outputs are called in the output folder, without extensions; no
+    /// other scan of the batch has the same.
+    pub name: PathBuf,
+}
+
+/// A scan and its place on the disk, in order of the places.
+type Found = BTreeMap<PathBuf, PathBuf>;
+
+/// All scans that the arguments mean, sorted. Their names keep the folders below
+/// the one that all arguments have in common.
+pub fn find(arguments: &[PathBuf], out: &Path) -> Result<Vec<Scan>, Failure> {
+    let mut found = Found::new();
+    let mut roots = Vec::new();
+    for argument in arguments {
+        let (root, paths) = expanded(argument)?;
+        roots.push(place(&root)?);
+        for path in paths {
+            if path.is_dir() {
+                walk(&path, out, &mut found)?;
+            } else {
+                found.entry(place_of_file(&path)?).or_insert(path);
+            }
+        }
+    }
+    if found.is_empty() {
+        let all: Vec<_> = arguments.iter().map(|a| a.display().to_string()).collect();
+        return Err(failure(&all.join(", "), "no scan found"));
+    }
+    let base = roots.into_iter().reduce(|a, b| common(&a, &b)).unwrap_or_default();
+    Ok(named(found, &base))
+}
+
+fn failure(of: &str, what: &str) -> Failure {
+    let help = "name folders, patterns or files of .ply, .obj, .gltf, .glb or .stl, also .gz";
+    Failure { error: format!("{of}: {what}"), help: help.into() }
+}
+
+/// What an argument means, and the folder that names are kept from.
+fn expanded(argument: &Path) -> Result<(PathBuf, Vec<PathBuf>), Failure> {
+    let fail = |what: &str| failure(&argument.display().to_string(), what);
+    let text = argument.to_string_lossy();
+    let is_pattern = |text: &str| text.contains(['*', '?', '[']);
+    if argument.is_dir() {
+        return Ok((argument.to_owned(), vec![argument.to_owned()]));
+    }
+    if !argument.exists() && is_pattern(&text) {
+        let matches = glob::glob(&text).map_err(|e| fail(&format!("is no pattern: {e}")))?;
+        let matches: Result<Vec<_>, _> = matches.collect();
+        let mut matches = matches.map_err(|e| fail(&e.to_string()))?;
+        // Of files, only scans are meant.
+        matches.retain(|path| path.is_dir() || Format::by_extension(path).is_some());
+        let plain =
+            argument.components().take_while(|c| !is_pattern(&c.as_os_str().to_string_lossy()));
+        return Ok((plain.collect(), matches));
+    }
+    // A scan that is not there fails by itself, without the others.
+    if !argument.exists() && Format::by_extension(argument).is_none() {
+        return Err(fail("no such file or folder"));
+    }
+    let folder = argument.parent().unwrap_or(Path::new(""));
+    Ok((folder.to_owned(), vec![argument.to_owned()]))
+}
+
+/// The scans in a folder and those in it, but for hidden ones and the output's.
+fn walk(folder: &Path, out: &Path, found: &mut Found) -> Result<(), Failure> {
+    let out = out.canonicalize().ok();
+    let entries = WalkDir::new(folder).follow_links(true).into_iter().filter_entry(|entry| {
+        let hidden = entry.depth() > 0 && entry.file_name().to_string_lossy().starts_with('.');
+        // The scans' own folder may be the output's.
+        let output = entry.depth() > 0
+            && entry.file_type().is_dir()
+            && out.is_some()
+            && entry.path().canonicalize().ok() == out;
+        !hidden && !output
+    });
+    for entry in entries {
+        let path = match entry {
+            Ok(entry) if entry.file_type().is_file() => entry.into_path(),
+            Ok(_) => continue,
+            // A link that leads nowhere is a scan that fails, if it is one.
+            Err(e) => match e.path().filter(|path| path.is_symlink()) {
+                Some(path) => path.to_owned(),
+                None => return Err(failure(&folder.display().to_string(), &e.to_string())),
+            },
+        };
+        if Format::by_extension(&path).is_some() {
+            found.entry(place_of_file(&path)?).or_insert(path);
+        }
+    }
+    Ok(())
+}
+
+/// A folder as the disk has it.
+fn place(folder: &Path) -> Result<PathBuf, Failure> {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    folder.canonicalize().map_err(|e| failure(&folder.display().to_string(), &e.to_string()))
+}
+
+/// A file in its folder; where it is a link, the link is its place.
+fn place_of_file(path: &Path) -> Result<PathBuf, Failure> {
+    Ok(place(path.parent().unwrap_or(Path::new("")))?.join(path.file_name().unwrap_or_default()))
+}
+
+/// The folder that two folders have in common.
+fn common(a: &Path, b: &Path) -> PathBuf {
+    a.components().zip(b.components()).take_while(|(a, b)| a == b).map(|(a, _)| a).collect()
+}
+
+/// Scans are called what they are without extension; those that would be called the
+/// same keep it, and so does who would be called what one of these then is.
+fn named(found: Found, base: &Path) -> Vec<Scan> {
+    let full = |place: &Path| place.strip_prefix(base).unwrap_or(place).to_owned();
+    let mut names: BTreeMap<PathBuf, PathBuf> = found
+        .keys()
+        .map(|place| (place.clone(), full(place).with_file_name(part_name(place))))
+        .collect();
+    loop {
+        let mut seen = BTreeSet::new();
+        let twice: BTreeSet<PathBuf> =
+            names.values().filter(|name| !seen.insert(*name)).cloned().collect();
+        let mut changed = false;
+        for (place, name) in names.iter_mut().filter(|(_, name)| twice.contains(*name)) {
+            changed |= *name != full(place);
+            *name = full(place);
+        }
+        if !changed {
+            break;
+        }
+    }
+    found
+        .into_iter()
+        .map(|(place, path)| Scan { path, name: names.remove(&place).unwrap_or(place) })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(places: &[&str]) -> Vec<String> {
+        let found = places.iter().map(|p| (PathBuf::from(p), PathBuf::from(p))).collect();
+        let scans = named(found, Path::new("/s"));
+        scans.into_iter().map(|scan| scan.name.display().to_string()).collect()
+    }
+
+    #[test]
+    fn names_keep_folders_and_tell_formats_apart() {
+        assert_eq!(names(&["/s/a.ply", "/s/b.obj.gz", "/s/c/a.ply"]), ["a", "b", "c/a"]);
+        assert_eq!(names(&["/s/a.ply", "/s/a.stl"]), ["a.ply", "a.stl"]);
+        assert_eq!(
+            names(&["/s/a.ply", "/s/a.ply.ply", "/s/a.stl"]),
+            ["a.ply", "a.ply.ply", "a.stl"]
+        );
+    }
+}

@@ -1,0 +1,214 @@
+//! What became of all scans of a batch: a table, `summary.csv`, `summary.json`.
+
+use std::fs::File;
+use std::io::Write;
+use std::path::Path;
+
+use serde::Serialize;
+use serde_json::json;
+use tabled::builder::Builder;
+use tabled::settings::object::Columns;
+use tabled::settings::{Alignment, Style};
+
+use super::record::{FOLDER, Record};
+use super::scans::Scan;
+use crate::cli::output::{self, Pending};
+
+/// How a scan stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Status {
+    /// Converted.
+    Ok,
+    /// Converted, but a tolerance that the user named is not met.
+    Missed,
+    Failed,
+    /// There already; the record says how it went.
+    Skipped,
+    /// Another shard's, which has not come to it yet.
+    Pending,
+}
+
+impl Status {
+    /// What a record says.
+    pub fn of(record: &Record) -> Status {
+        match record.exit_code {
+            0 => Status::Ok,
+            3 => Status::Missed,
+            _ => Status::Failed,
+        }
+    }
+
+    pub fn name(self) -> &'static str {
+        match self {
+            Status::Ok => "ok",
+            Status::Missed => "missed",
+            Status::Failed => "failed",
+            Status::Skipped => "skipped",
+            Status::Pending => "pending",
+        }
+    }
+}
+
+/// A scan in the summary.
+pub struct Row {
+    pub scan: Scan,
+    pub status: Status,
+    pub record: Option<Record>,
+}
+
+/// Writes both summaries. Of scans that this run did not come to, `done` is `None`
+/// and their records say how they stand. Shards that end at the same time take
+/// turns, so that the last one sees all records.
+pub fn write(
+    out: &Path,
+    scans: &[Scan],
+    done: Vec<Option<Row>>,
+) -> Result<Vec<Row>, formats::Error> {
+    let path = out.join(FOLDER).join("lock");
+    let lock = File::create(&path).map_err(|e| output::failed(&path, e))?;
+    // Some network drives have no locks. There a later run puts right what two that
+    // ended at the same time got wrong.
+    if let Err(e) = lock.lock() {
+        eprintln!(
+            "note: {}: {e}; shards that end at the same time may miss one another in the summary",
+            path.display()
+        );
+    }
+    let row = |(scan, done): (&Scan, Option<Row>)| {
+        done.unwrap_or_else(|| {
+            let record = Record::read(out, scan);
+            let status = record.as_ref().map_or(Status::Pending, Status::of);
+            Row { scan: scan.clone(), status, record }
+        })
+    };
+    let rows: Vec<Row> = scans.iter().zip(done).map(row).collect();
+    let csv = output::write(&out.join("summary.csv"), |to| csv(&rows, to))?;
+    let json = output::write(&out.join("summary.json"), |to| {
+        serde_json::to_writer_pretty(&mut *to, &as_json(&rows))?;
+        writeln!(to)
+    })?;
+    Pending::publish(vec![csv, json])?;
+    Ok(rows)
+}
+
+/// How many scans stand so.
+pub fn count(rows: &[Row], status: Status) -> usize {
+    rows.iter().filter(|row| row.status == status).count()
+}
+
+const ALL: [Status; 5] =
+    [Status::Ok, Status::Missed, Status::Failed, Status::Skipped, Status::Pending];
+
+fn as_json(rows: &[Row]) -> serde_json::Value {
+    let counts = ALL.map(|status| (status.name().to_owned(), json!(count(rows, status))));
+    let scans = rows.iter().map(|row| {
+        let r = row.record.as_ref();
+        let f = r.map(|r| &r.figures);
+        json!({
+            "file": row.scan.path.display().to_string(),
+            "status": row.status,
+            "exit_code": r.map(|r| r.exit_code),
+            "seconds": r.map(|r| r.seconds),
+            "net": f.map_or(&[][..], |f| &f.net),
+            "rms_mm": f.and_then(|f| f.rms_mm),
+            "max_mm": f.and_then(|f| f.max_mm),
+            "tolerance_mm": f.and_then(|f| f.tolerance_mm),
+            "holes": f.and_then(|f| f.holes),
+            "error": r.and_then(|r| r.error.as_ref()),
+            "help": r.and_then(|r| r.help.as_ref()),
+            "hints": r.map_or(&[][..], |r| &r.hints),
+            "outputs": r.map_or(&[][..], |r| &r.outputs),
+        })
+    });
+    json!({
+        "scan2step": env!("CARGO_PKG_VERSION"),
+        "counts": counts.into_iter().collect::<serde_json::Map<_, _>>(),
+        "scans": scans.collect::<Vec<_>>(),
+    })
+}
+
+/// A number, or nothing.
+fn number<T: ToString>(x: Option<T>) -> String {
+    x.map_or(String::new(), |x| x.to_string())
+}
+
+/// The control nets, as 40x52.
+fn nets(r: Option<&Record>) -> String {
+    let nets = r.iter().flat_map(|r| &r.figures.net).map(|[m, n]| format!("{m}x{n}"));
+    nets.collect::<Vec<_>>().join(" ")
+}
+
+fn csv(rows: &[Row], to: &mut dyn Write) -> std::io::Result<()> {
+    let mut csv = csv::Writer::from_writer(to);
+    csv.write_record([
+        "file",
+        "status",
+        "exit_code",
+        "seconds",
+        "net",
+        "rms_mm",
+        "max_mm",
+        "tolerance_mm",
+        "holes",
+        "error",
+        "outputs",
+    ])?;
+    for row in rows {
+        let r = row.record.as_ref();
+        let f = r.map(|r| &r.figures);
+        let outputs = r.iter().flat_map(|r| &r.outputs);
+        let outputs = outputs.map(|o| format!("{}={}", o.file, o.sha256));
+        csv.write_record([
+            row.scan.path.display().to_string(),
+            row.status.name().into(),
+            number(r.map(|r| r.exit_code)),
+            number(r.map(|r| r.seconds)),
+            nets(r),
+            number(f.and_then(|f| f.rms_mm)),
+            number(f.and_then(|f| f.max_mm)),
+            number(f.and_then(|f| f.tolerance_mm)),
+            number(f.and_then(|f| f.holes)),
+            number(r.and_then(|r| r.error.as_ref())),
+            outputs.collect::<Vec<_>>().join(";"),
+        ])?;
+    }
+    csv.flush()
+}
+
+/// The table for people.
+pub fn table(rows: &[Row]) -> String {
+    let mut table = Builder::default();
+    table.push_record([
+        "scan",
+        "status",
+        "exit",
+        "seconds",
+        "net",
+        "rms mm",
+        "max mm",
+        "tolerance",
+        "holes",
+    ]);
+    for row in rows {
+        let r = row.record.as_ref();
+        let f = r.map(|r| &r.figures);
+        let length = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.4}"));
+        table.push_record([
+            row.scan.path.display().to_string(),
+            row.status.name().into(),
+            number(r.map(|r| r.exit_code)),
+            r.map_or(String::new(), |r| format!("{:.1}", r.seconds)),
+            nets(r),
+            length(f.and_then(|f| f.rms_mm)),
+            length(f.and_then(|f| f.max_mm)),
+            length(f.and_then(|f| f.tolerance_mm)),
+            number(f.and_then(|f| f.holes)),
+        ]);
+    }
+    let mut table = table.build();
+    table.with(Style::blank()).modify(Columns::new(2..), Alignment::right());
+    let counts = ALL.into_iter().filter(|&status| count(rows, status) > 0);
+    let counts = counts.map(|status| format!("{} {}", count(rows, status), status.name()));
+    format!("{table}\n{}\n", counts.collect::<Vec<_>>().join(", "))
+}

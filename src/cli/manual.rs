@@ -1,0 +1,58 @@
+//! `scan2step completions` and `scan2step man`: what clap makes of the arguments.
+
+use std::io::Write;
+use std::path::PathBuf;
+
+use clap::{Args, CommandFactory};
+
+use super::args::Cli;
+use super::{Failure, Outcome, leftovers, output};
+
+/// Options of `completions`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  \
+    scan2step completions bash > ~/.local/share/bash-completion/completions/scan2step\n  \
+    scan2step completions zsh > \"${fpath[1]}/_scan2step\"\n  \
+    scan2step completions fish > ~/.config/fish/completions/scan2step.fish")]
+pub struct Completions {
+    /// The shell
+    pub shell: clap_complete::Shell,
+}
+
+/// Options of `man`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  scan2step man | man -l -\n  \
+    scan2step man ~/.local/share/man/man1")]
+pub struct Man {
+    /// Folder for a page for each command; made if need be [default: the main
+    /// page is printed]
+    pub dir: Option<PathBuf>,
+}
+
+/// Prints what completes the arguments.
+pub fn completions(args: &Completions) -> Outcome {
+    let mut script = Vec::new();
+    clap_complete::generate(args.shell, &mut Cli::command(), "scan2step", &mut script);
+    print(&script)
+}
+
+/// Prints the main page, or writes all.
+pub fn man(args: &Man) -> Result<Outcome, Failure> {
+    let Some(folder) = &args.dir else {
+        let mut page = Vec::new();
+        let rendered = clap_mangen::Man::new(Cli::command()).render(&mut page);
+        rendered.map_err(|e| output::failed("scan2step.1".as_ref(), e))?;
+        return Ok(print(&page));
+    };
+    let written = leftovers::folder(folder).and_then(|()| {
+        clap_mangen::generate_to(Cli::command().disable_help_subcommand(true), folder)
+    });
+    written.map_err(|e| output::failed(folder, e))?;
+    Ok(Outcome::Done)
+}
+
+fn print(text: &[u8]) -> Outcome {
+    // Nobody listening any more is no failure.
+    let _ = std::io::stdout().write_all(text);
+    Outcome::Done
+}
