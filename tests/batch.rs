@@ -269,6 +269,23 @@ fn exit_codes_say_how_it_went() {
     assert_eq!(said, "");
 }
 
+#[test]
+fn a_scan_that_may_need_too_much_memory_is_refused_before_the_work() {
+    let folder = three();
+    let path = folder.path();
+    let run = |size: &str, more: &[&str]| {
+        batch(path, &[&["scans/a.ply", "--out", "cad", "--max-memory", size], more].concat())
+    };
+    let (code, said) = run("20M", &[]);
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("error: scans/a.ply: may need ") && said.contains("help: "), "{said}");
+    assert_eq!(run("100MB", &[]).0, Some(0));
+    // The largest net counts: a named tolerance may take it.
+    assert_eq!(run("100MB", &["--tolerance", "0.5"]).0, Some(1));
+    assert_eq!(run("100MB", &["--tolerance", "0.5", "--max-net", "1000"]).0, Some(0));
+    assert_eq!(run("much", &[]).0, Some(2));
+}
+
 #[cfg(unix)]
 #[test]
 fn a_batch_that_is_stopped_goes_on_where_it_was() {

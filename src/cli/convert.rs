@@ -11,7 +11,7 @@ use super::output::{self, Pending};
 use super::progress::Progress;
 use super::report::{self, Shown};
 use super::stages::Stages;
-use super::{Failure, Outcome, cad, hints, settings, talk};
+use super::{Failure, Outcome, cad, hints, memory, settings, talk};
 
 /// Reads, converts, writes.
 pub fn run(args: &Convert) -> Result<Outcome, Failure> {
@@ -22,6 +22,7 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     let stages = args.stages.as_deref().map(Stages::new).transpose()?;
     let scan = Scan::read(&args.piece)?;
     progress.ended("read", &talk::came_in(&scan));
+    memory::check(args, &scan)?;
     let options = settings::options(args, &scan)?;
     let (scan, components) = scan.components()?;
     talk::assumed(&progress, &scan);

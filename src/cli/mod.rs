@@ -11,6 +11,7 @@ mod input;
 mod inspect;
 mod leftovers;
 mod manual;
+mod memory;
 mod output;
 mod places;
 mod progress;

@@ -23,6 +23,8 @@ pub struct Job {
     /// By what records know whether the files would be the same.
     pub fingerprint: Vec<String>,
     pub threads: Option<u16>,
+    /// Bytes that a scan may need.
+    pub memory: Option<u64>,
 }
 
 impl Job {
@@ -65,6 +67,7 @@ impl Job {
         let mut command = Command::new(&self.program);
         command.args(["convert", "--quiet", "--color=never"]).args(&self.options);
         command.args(self.threads.map(|n| format!("--threads={n}")));
+        command.args(self.memory.map(|bytes| format!("--max-memory={bytes}")));
         for file in reports.iter().map(|file| self.out.join(file)).chain([report.clone()]) {
             command.arg("--report").arg(file);
         }

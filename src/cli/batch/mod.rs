@@ -50,7 +50,7 @@ pub fn run(args: &Batch, matches: &ArgMatches) -> Result<Outcome, Failure> {
         // Nobody listening any more is no failure.
         let _ = std::io::stdout().write_all(summary::table(&rows).as_bytes());
     }
-    let mine = mine.iter().filter_map(|&k| rows[k].record.as_ref().map(Status::of));
+    let mine = mine.iter().filter_map(|&k| rows.get(k)?.record.as_ref().map(Status::of));
     Ok(mine.fold(Outcome::Done, |all, status| match status {
         Status::Failed => all.and(Outcome::Failed),
         Status::Missed => all.and(Outcome::Missed),
@@ -86,7 +86,8 @@ fn job(args: &Batch, matches: &ArgMatches) -> Result<Job, Failure> {
     // Scans at once share the cores, unless the user says otherwise.
     let shared = (args.jobs > 1).then(|| (cores / usize::from(args.jobs)).clamp(1, 1024) as u16);
     let threads = args.manner.threads.or(shared);
-    Ok(Job { program, out: args.out.clone(), cad, reports, options, fingerprint, threads })
+    let memory = args.manner.max_memory.map(|size| size.as_u64());
+    Ok(Job { memory, program, out: args.out.clone(), cad, reports, options, fingerprint, threads })
 }
 
 /// What is said of each scan.

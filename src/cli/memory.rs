@@ -1,0 +1,62 @@
+//! `--max-memory`: what a run will need, told from counts before it needs it.
+
+use bytesize::ByteSize;
+
+use super::Failure;
+use super::args::Convert;
+use super::input::Scan;
+
+/// The program itself.
+const PROGRAM: u64 = 25_000_000;
+
+/// Bytes a triangle and a vertex of the file, through all stages but the fit. The
+/// most that was measured, on scans from 4,000 to a million vertices, is 675 a
+/// triangle; how much fills add, counts do not tell.
+const TRIANGLE: u64 = 1_000;
+const VERTEX: u64 = 200;
+
+/// The same for reports that show the scan.
+const PICTURED_TRIANGLE: u64 = 300;
+
+/// Bytes a control point while the largest net is fitted; measured: 4,400.
+const CONTROL_POINT: u64 = 5_000;
+
+/// Refuses a run that may need more than the user allows.
+pub fn check(args: &Convert, scan: &Scan) -> Result<(), Failure> {
+    let Some(allowed) = args.manner.max_memory else { return Ok(()) };
+    let needed = needed(args, scan.counts);
+    if needed <= allowed.as_u64() {
+        return Ok(());
+    }
+    let [vertices, triangles] = scan.counts;
+    let needed = ByteSize::b(needed).display().si();
+    Err(Failure {
+        error: format!(
+            "{}: may need {needed} for {vertices} vertices, {triangles} triangles and up to {} control points; --max-memory allows {}",
+            scan.path.display(),
+            largest_net(args, vertices),
+            allowed.display().si()
+        ),
+        help: "allow more, bound the net with a smaller --max-net, or thin the scan".into(),
+    })
+}
+
+/// Bytes that a run with such counts of vertices and triangles may need.
+fn needed(args: &Convert, [vertices, triangles]: [usize; 2]) -> u64 {
+    let pictured = args.report.iter().any(|file| file.kind.is_picture());
+    let triangle = TRIANGLE + if pictured { PICTURED_TRIANGLE } else { 0 };
+    let each = |count: usize, bytes: u64| (count as u64).saturating_mul(bytes);
+    let parts = [each(triangles, triangle), each(vertices, VERTEX)];
+    let net = each(largest_net(args, vertices), CONTROL_POINT);
+    parts.into_iter().fold(PROGRAM.saturating_add(net), u64::saturating_add)
+}
+
+/// Control points at the most: as many as the user asks for or, where no tolerance
+/// is named, as the points bear.
+fn largest_net(args: &Convert, vertices: usize) -> usize {
+    match (args.how.net, args.how.tolerance) {
+        (Some([m, n]), _) => m.saturating_mul(n),
+        (None, Some(_)) => args.how.max_net,
+        (None, None) => args.how.max_net.min(vertices / 2),
+    }
+}
