@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use super::closed::{Knots, Polygon, arcs, fit};
 use super::corners;
 use super::{Options, Rim};
-use crate::geometry::Uv;
+use crate::geometry::{Point, Uv, segment_distance};
 use crate::spline::{Curve, Jet, Surface, foot_point};
 
 /// Spans that a loop begins with.
@@ -19,6 +19,11 @@ const SHORTEST_OF_TOLERANCE: f64 = 0.5;
 /// But where the loop would cross itself or another one, or the tolerance is below all
 /// sense, they are no shorter than this share of an edge.
 const SHORTEST_EVER: f64 = 1e-3;
+
+/// The nearest place is looked for within so many mean edges, on so many chords each
+/// way.
+const AROUND: f64 = 1.0;
+const CHORDS: i32 = 24;
 
 /// Rounds of halving: more than enough to come from a sixth to the shortest.
 const ROUNDS: usize = 40;
@@ -181,20 +186,24 @@ impl<'a> Course<'a> {
         b - a > 2.0 * least
     }
 
-    /// The distance in mm, across the curve but where that has a corner, of the
-    /// curve from corner `k` of the polygon on the surface, to first order.
+    /// The distance in mm of corner `k` of the polygon from the curve on the surface,
+    /// to first order: from the place with its parameter, or the nearest one around.
     fn distance(&self, k: usize) -> f64 {
         let t = self.polygon.parameters[k];
-        let [at, along, _] = self.curve.derivatives(t);
         let jet = &self.jets[k];
-        let off = at - self.polygon.uv[k].coords;
-        let off = jet.su * off.x + jet.sv * off.y;
-        if self.knots.corners.contains(&t) {
-            return off.norm();
+        let off = |t: f64| {
+            let off = self.curve.point(t.rem_euclid(1.0)) - self.polygon.uv[k].coords;
+            Point::from(jet.su * off.x + jet.sv * off.y)
+        };
+        let same = off(t).coords.norm();
+        if same <= self.room[k] || self.knots.corners.contains(&t) {
+            return same;
         }
-        let along = jet.su * along.x + jet.sv * along.y;
-        let share = off.dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
-        (off - share * along).norm()
+        let around = AROUND / self.polygon.uv.len() as f64;
+        let place = |i: i32| off(t + around * f64::from(i) / f64::from(CHORDS));
+        let places: Vec<Point> = (-CHORDS..=CHORDS).map(place).collect();
+        let chords = places.windows(2).map(|c| segment_distance(Point::origin(), c[0], c[1]));
+        chords.fold(same, f64::min)
     }
 
     /// The span that holds `t` and its neighbours, those that may be halved.
@@ -232,7 +241,7 @@ fn first_breaks(corners: &[f64]) -> Vec<f64> {
 
 /// Lengths from point 0 to each point along a closed polygon, and all around it;
 /// `None` if that is no positive number. Points that coincide are kept apart.
-fn lengths(points: &[crate::geometry::Point]) -> Option<(Vec<f64>, f64)> {
+fn lengths(points: &[Point]) -> Option<(Vec<f64>, f64)> {
     let n = points.len();
     let side = |i: usize| (points[(i + 1) % n] - points[i]).norm();
     let around: f64 = (0..n).map(side).sum();
