@@ -84,6 +84,11 @@ impl LocalPlane {
     }
 }
 
+/// The unit normal of a triangle, by the right-hand rule; `None` if it has no area.
+pub fn unit_normal([a, b, c]: [Point; 3]) -> Option<Vector> {
+    (b - a).cross(&(c - a)).try_normalize(0.0)
+}
+
 /// The lowest and the highest coordinates of some points; the origin of none.
 pub fn bounds(mut points: impl Iterator<Item = Point>) -> [Point; 2] {
     let first = points.next().unwrap_or_else(Point::origin);

@@ -12,10 +12,14 @@ const LEAST_AREA: f64 = 0.2;
 /// After as many attempts the old map stays.
 const ATTEMPTS: usize = 12;
 
-/// The parameters moved to their feet. Vertices of triangles that would turn over, or
+/// The parameters `uv`, `moved` to their feet. Vertices of triangles that would turn over, or
 /// nearly so, stay where they were.
-pub fn corrected(triangles: &[[VertexId; 3]], made: &[Uv], uv: &[Uv], feet: &[Uv]) -> Vec<Uv> {
-    let mut moved = feet.to_vec();
+pub fn corrected(
+    triangles: &[[VertexId; 3]],
+    made: &[Uv],
+    uv: Vec<Uv>,
+    mut moved: Vec<Uv>,
+) -> Vec<Uv> {
     let area = |at: &[Uv], t: usize| {
         let [a, b, c] = triangles[t].map(|v| at[v.index()]);
         orient2d(a, b, c)
@@ -39,7 +43,7 @@ pub fn corrected(triangles: &[[VertexId; 3]], made: &[Uv], uv: &[Uv], feet: &[Uv
         let touched = |t: &usize| triangles[*t].iter().any(|v| back[v.index()]);
         suspects = (0..triangles.len()).filter(touched).collect();
     }
-    uv.to_vec()
+    uv
 }
 
 #[cfg(test)]
@@ -63,7 +67,7 @@ mod tests {
         let moved = |u: f64, v: f64| {
             let mut feet = uv.clone();
             feet[4] = Uv::new(u, v);
-            corrected(&mesh.triangles, &uv, &uv, &feet)[4]
+            corrected(&mesh.triangles, &uv, uv.clone(), feet)[4]
         };
         assert_eq!(moved(0.3, 0.6), Uv::new(0.3, 0.6));
         assert_eq!(moved(0.3, 1.2), uv[4]);

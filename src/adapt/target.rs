@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::correct::corrected;
-use crate::geometry::{Point, Uv, uv_bounds};
+use crate::geometry::{Point, Uv, VertexId, uv_bounds};
 use crate::knots::Miss;
 use crate::parameterize::{Outline, Parameterized};
 use crate::spline::{Samples, Surface, foot_point, foot_point_on_iso};
@@ -25,6 +25,10 @@ const MOST_PRESSURE: f64 = 25.0;
 /// A map's vertices as samples.
 pub struct Target<'a> {
     map: &'a Parameterized,
+    /// The map's triangles, and then its skirt's.
+    triangles: Vec<[VertexId; 3]>,
+    /// The parameters as they were made, and then the skirt's.
+    made: Vec<Uv>,
     /// Points, current parameters and weights.
     pub samples: Samples,
 }
@@ -39,16 +43,17 @@ pub struct Feet {
 
 impl<'a> Target<'a> {
     pub fn new(map: &'a Parameterized) -> Self {
-        let filled = map.patch.mesh.points.len().saturating_sub(map.patch.measured);
         let mut weights = vec![1.0; map.patch.measured];
-        weights.resize(map.patch.measured + filled, FILLED_WEIGHT);
+        weights.resize(map.patch.mesh.points.len(), FILLED_WEIGHT);
         for v in map.patch.outer.iter().map(|v| v.index()) {
             let corner = held(map, map.uv[v]) == [true; 2];
             weights[v] = if corner { CORNER_WEIGHT } else { SIDE_WEIGHT };
         }
         let points = map.patch.mesh.points.clone();
         let (uv, open) = (map.uv.clone(), map.outline == Outline::Free);
-        Target { map, samples: Samples { points, uv, weights, open } }
+        let triangles = [&map.patch.mesh.triangles[..], &map.skirt.triangles].concat();
+        let made = [&map.uv[..], &map.skirt.uv].concat();
+        Target { map, triangles, made, samples: Samples { points, uv, weights, open } }
     }
 
     /// Measured vertices.
@@ -92,12 +97,11 @@ impl<'a> Target<'a> {
     /// over. A skirt's triangles neither, or an outer boundary inside the domain
     /// might come to cross itself.
     pub fn correct(&mut self, feet: &Feet) {
-        let Parameterized { patch, uv, skirt, .. } = self.map;
-        let triangles = [&patch.mesh.triangles[..], &skirt.triangles].concat();
-        let with_skirt = |uv: &[Uv]| [uv, &skirt.uv].concat();
-        let [made, now, wanted] = [uv, &self.samples.uv, &feet.uv].map(|uv| with_skirt(uv));
-        self.samples.uv = corrected(&triangles, &made, &now, &wanted);
-        self.samples.uv.truncate(uv.len());
+        let count = self.samples.len();
+        let with_skirt = |uv: &[Uv]| [uv, &self.map.skirt.uv].concat();
+        let (now, wanted) = (with_skirt(&self.samples.uv), with_skirt(&feet.uv));
+        self.samples.uv = corrected(&self.triangles, &self.made, now, wanted);
+        self.samples.uv.truncate(count);
     }
 
     /// Gives weight to measured samples that are farther than `limit` (Lawson's

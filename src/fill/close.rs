@@ -25,8 +25,9 @@ pub struct Closed {
 /// height if all of these can be seen from one side, or over a layout in the
 /// plane. Where the front went astray, or overlaps itself, it is led over the
 /// surface that the points make likely; then fronts with other supports are
-/// tried, what can be seen from one side, and the triangulation of least area. The first fill without a fault is taken, or the one with the
-/// fewest. `None` where the numbers allow none.
+/// tried, what can be seen from one side, and the triangulation of least area. The
+/// first fill without a fault is taken, or the one with the fewest. `None` where the
+/// numbers allow none.
 pub fn close(
     around: &Surroundings,
     measured: &Measured,

@@ -6,7 +6,7 @@ use robust::{Coord3D, orient3d};
 
 use super::cells::Cells;
 use super::front::{Fill, Surroundings};
-use crate::geometry::{Point, Vector, VertexId};
+use crate::geometry::{Point, Vector, VertexId, unit_normal};
 use crate::mesh::Mesh;
 
 /// The cosine of the angle between two triangles' normals below which the
@@ -70,8 +70,7 @@ struct Judge<'a> {
 
 impl Judge<'_> {
     fn normal(&self, t: [VertexId; 3]) -> Vector {
-        let [a, b, c] = t.map(self.at);
-        (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default()
+        unit_normal(t.map(self.at)).unwrap_or_default()
     }
 
     fn folds(&self) -> usize {

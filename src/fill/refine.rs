@@ -6,7 +6,7 @@ use foldhash::HashMap;
 use super::faults::FOLDED;
 use super::flips::{Sides, flip, sides};
 use super::size::Sizes;
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Point, Vector, unit_normal};
 
 /// Edges longer than this, in edge lengths wanted there, are divided.
 const LONG: f64 = 1.4;
@@ -158,6 +158,5 @@ impl Surface {
 }
 
 fn normal(points: &[Point], t: [usize; 3]) -> Vector {
-    let [a, b, c] = t.map(|v| points[v]);
-    (b - a).cross(&(c - a)).try_normalize(0.0).unwrap_or_default()
+    unit_normal(t.map(|v| points[v])).unwrap_or_default()
 }

@@ -6,6 +6,9 @@
 //! down to where double precision loses it. So they are solved on a mesh of a
 //! few vertices, and the stretch is taken out while the others come back, coarse
 //! to fine.
+//!
+//! Where the boundary is ragged, or straight sides would stretch the map far more than
+//! the surface asks for, it is left free inside the square.
 
 mod chords;
 mod coarse;
@@ -93,28 +96,27 @@ pub struct Skirt {
 pub fn parameterize(mut patch: Patch, options: &Options) -> Result<(Parameterized, Report)> {
     let may_be_free = options.outline.is_none() && options.corners.is_none();
     let must_be_free = options.outline == Some(Outline::Free);
-    let skirted = |patch: &Patch| (skirt::skirted(patch), patch.mesh.points.len());
     if must_be_free || may_be_free && skirt::is_ragged(&patch) {
-        let ((mesh, outer), first) = skirted(&patch);
-        let map = Start::new(&mesh, &outer, first, options)?.map()?;
-        return Ok(with_skirt(patch, &mesh, map));
+        let (mesh, outer) = skirt::skirted(&patch);
+        let map = Start::new(&mesh, &outer, patch.mesh.points.len(), options)?.map()?;
+        return Ok(with_skirt(patch, &mesh, map, 0));
     }
     let split_edges = chords::split_chords(&mut patch);
-    let sides = Start::new(&patch.mesh, &patch.outer, patch.mesh.points.len(), options)?;
+    let count = patch.mesh.points.len();
+    let sides = Start::new(&patch.mesh, &patch.outer, count, options)?;
     if may_be_free && sides.excess() > LITTLE {
-        let ((mesh, outer), first) = skirted(&patch);
-        let free = Start::new(&mesh, &outer, first, options)?;
+        let (mesh, outer) = skirt::skirted(&patch);
+        let free = Start::new(&mesh, &outer, count, options)?;
         if free.excess() < WORTH * sides.excess() {
             let map = free.map()?;
-            return Ok(with_skirt(patch, &mesh, map));
+            return Ok(with_skirt(patch, &mesh, map, split_edges));
         }
     }
-    let Map { uv, corners, mended } = sides.map()?;
-    let first = patch.outer.iter().position(|v| v.0 == corners[0]);
+    let map = sides.map()?;
+    let first = patch.outer.iter().position(|v| v.0 == map.corners[0]);
     patch.outer.rotate_left(first.unwrap_or(0));
-    let stretch = stretch::measure(&patch, &uv);
-    let report = Report { flipped: 0, mended, split_edges, stretch };
-    let (outline, skirt) = (Outline::Sides, Skirt::default());
+    let report = report(&patch, &map.uv, map.mended, split_edges);
+    let (uv, outline, skirt) = (map.uv, Outline::Sides, Skirt::default());
     Ok((Parameterized { patch, uv, outline, skirt }, report))
 }
 
@@ -125,15 +127,18 @@ const LITTLE: f64 = 0.03;
 const WORTH: f64 = 0.5;
 
 /// A patch and its skirt on the map of both.
-fn with_skirt(patch: Patch, mesh: &Mesh, map: Map) -> (Parameterized, Report) {
+fn with_skirt(patch: Patch, mesh: &Mesh, map: Map, split_edges: usize) -> (Parameterized, Report) {
     let mut uv: Vec<Uv> = map.uv.iter().map(|at| inside(*at)).collect();
     let skirt = Skirt {
         uv: uv.split_off(patch.mesh.points.len()),
         triangles: mesh.triangles[patch.mesh.triangles.len()..].to_vec(),
     };
-    let stretch = stretch::measure(&patch, &uv);
-    let report = Report { flipped: 0, mended: map.mended, split_edges: 0, stretch };
+    let report = report(&patch, &uv, map.mended, split_edges);
     (Parameterized { patch, uv, outline: Outline::Free, skirt }, report)
+}
+
+fn report(patch: &Patch, uv: &[Uv], mended: usize, split_edges: usize) -> Report {
+    Report { flipped: 0, mended, split_edges, stretch: stretch::measure(patch, uv) }
 }
 
 /// The share of the domain that is left free beside a skirt at each side.

@@ -51,21 +51,16 @@ pub struct Course<'a> {
 }
 
 impl<'a> Course<'a> {
-    /// The loop with the fewest knots that is within the tolerance of the rim.
-    ///
-    /// Rim vertices are taken at their feet on the surface, or, if `on_map`, at
-    /// the parameter points that the map gave them: feet of a ragged rim can run
-    /// across each other, those cannot. `None`: the rim is a point.
-    pub fn new(
-        surface: &'a Surface,
-        rim: &'a Rim,
-        options: &Options,
-        on_map: bool,
-    ) -> Option<Self> {
-        Course::with_corners(surface, rim, options, on_map, Vec::new())
+    /// The loop with the fewest knots that is within the tolerance of the rim. `None`:
+    /// the rim is a point.
+    pub fn new(surface: &'a Surface, rim: &'a Rim, options: &Options) -> Option<Self> {
+        Course::around(surface, rim, options, false, Vec::new())
     }
 
-    fn with_corners(
+    /// Rim vertices are taken at their feet on the surface, or, if `on_map`, at
+    /// the parameter points that the map gave them: feet of a ragged rim can run
+    /// across each other, those cannot.
+    fn around(
         surface: &'a Surface,
         rim: &'a Rim,
         options: &Options,
@@ -151,7 +146,7 @@ impl<'a> Course<'a> {
             }
             sharp.push(tip);
         }
-        *self = Course::with_corners(self.surface, self.rim, options, true, sharp)?;
+        *self = Course::around(self.surface, self.rim, options, true, sharp)?;
         Some(())
     }
 

@@ -113,7 +113,7 @@ pub fn trim(
 fn uncrossed(surface: &Surface, rims: &[Rim], options: &Options) -> Result<Vec<Vec<Curve<2>>>> {
     let nests: Vec<Nest> = rims.iter().map(|rim| nest(rims, rim)).collect();
     let begun = |rim| {
-        let course = Course::new(surface, rim, options, false);
+        let course = Course::new(surface, rim, options);
         course.ok_or_else(|| refusal(rim, "is a point", 0))
     };
     let mut courses: Vec<Course> = rims.par_iter().map(begun).collect::<Result<_>>()?;

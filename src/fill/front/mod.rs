@@ -27,7 +27,7 @@ use super::Options;
 use super::faults::Ground;
 use super::ring::Rings;
 use super::size::Sizes;
-use crate::geometry::{LocalPlane, Point, Vector, VertexId, segment_distance};
+use crate::geometry::{LocalPlane, Point, Vector, VertexId, segment_distance, unit_normal};
 use crate::mesh::mls::Cloud;
 use crate::mesh::{self, Mesh};
 
@@ -51,9 +51,8 @@ impl Surroundings<'_> {
         if v.index().max(w.index()) >= self.mesh.points.len() {
             return None;
         }
-        let of_v = self.rings.triangles(v).iter().map(|&t| self.mesh.triangles[t as usize]);
-        let [a, b, c] = of_v.into_iter().find(|t| t.contains(&w))?.map(|v| self.mesh.point(v));
-        (b - a).cross(&(c - a)).try_normalize(0.0)
+        let mut of_v = self.rings.triangles(v).iter().map(|&t| self.mesh.triangles[t as usize]);
+        unit_normal(self.mesh.corners(of_v.find(|t| t.contains(&w))?))
     }
 }
 
