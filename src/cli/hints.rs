@@ -19,7 +19,7 @@ pub fn all(args: &Convert, scan: &Scan, conversions: &[Conversion]) -> Vec<Strin
             stretched(c),
             loose(args, c),
             large(c),
-            ragged(args, c),
+            small_holes(args, c),
             others(args, c),
         ];
         hints.extend(own.into_iter().flatten().map(|hint| part.clone() + &hint));
@@ -117,7 +117,7 @@ fn large(c: &Conversion) -> Option<String> {
 const SMALL_HOLES: usize = 10;
 const SMALL_RIM: usize = 16;
 
-fn ragged(args: &Convert, c: &Conversion) -> Option<String> {
+fn small_holes(args: &Convert, c: &Conversion) -> Option<String> {
     if args.how.fill_only_holes_below.is_some() {
         return None;
     }

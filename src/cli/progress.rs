@@ -93,10 +93,11 @@ impl Progress {
     /// Ends a stage, which made what the line says; the next one begins now.
     pub fn ended(&mut self, name: &'static str, made: &str) {
         let seconds = self.stage_begun.elapsed().as_secs_f64();
-        let memory = if self.verbose { format!("{:9.0} MB", peak_rss_mb()) } else { String::new() };
+        let peak_rss_mb = peak_rss_mb();
+        let memory = if self.verbose { format!("{peak_rss_mb:9.0} MB") } else { String::new() };
         let line = format!("{name:13}{seconds:7.2} s{memory}  {made}");
         self.say(&self.paint(line.trim_end(), "2"));
-        self.stages.push(StageTime { name, seconds, peak_rss_mb: peak_rss_mb() });
+        self.stages.push(StageTime { name, seconds, peak_rss_mb });
         if let Some(k) = STAGES.iter().position(|(stage, _)| *stage == name) {
             self.bar.inc(STAGES[k].1);
             self.bar.set_message(STAGES.get(k + 1).map_or("report", |(next, _)| next));
