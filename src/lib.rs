@@ -26,6 +26,7 @@ mod input;
 pub mod knots;
 pub mod mesh;
 pub mod parameterize;
+#[cfg(feature = "picture")]
 pub mod picture;
 pub mod smooth;
 pub mod spline;
