@@ -68,7 +68,7 @@ fn smooth(file: &str, out: &str, mut steps: Steps) -> Result<(), Box<dyn Error>>
     let disk = scan.take(Choice::Largest)?.into_disk(Outer::Auto, &mut repairs)?;
     drop(scan);
     steps.end("mesh")?;
-    let (smoothed, report) = smooth::smooth(&disk, &smooth::Options::default());
+    let (smoothed, report) = smooth::smooth(&disk, &smooth::Options::default())?;
     steps.end("smooth")?;
     write_ply(&smoothed, out)?;
     let loops: Vec<Vec<u32>> =

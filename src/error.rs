@@ -2,6 +2,7 @@
 
 use crate::geometry::Point;
 use crate::mesh::Bound;
+use crate::rules;
 use crate::spline::Fault;
 
 /// A result of the pipeline.
@@ -9,6 +10,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 
 /// What stops a conversion. [`Error::help`] says what the user can do.
 #[derive(Debug, thiserror::Error)]
+#[non_exhaustive]
 pub enum Error {
     /// A file could not be read or written.
     #[error(transparent)]
@@ -60,9 +62,14 @@ pub enum Error {
     /// A linear system could not be solved.
     #[error("{0}: the linear system is singular")]
     Singular(&'static str),
-    /// The net that was asked for is out of bounds.
-    #[error("{0}")]
-    Net(String),
+    /// An option has a value that cannot be.
+    #[error("{option}: {fault}")]
+    Option {
+        /// The option, by the name of its setter in [`Builder`](crate::Builder).
+        option: &'static str,
+        /// What is wrong with the value.
+        fault: rules::Fault,
+    },
     /// A trim loop crosses itself, another one or the edge of the patch.
     #[error("the trim loop of {of} {fault}, near {}", mm(at))]
     Trim {
@@ -89,6 +96,7 @@ pub enum Error {
 /// A rule that a boundary representation breaks. Faces, loops and edges are
 /// counted from 0; a face's outer loop is its loop 0.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
+#[non_exhaustive]
 pub enum BrepFault {
     /// A loop is not closed in (u, v), leaves the domain, runs the wrong way
     /// round, crosses another one, or is not in its place.
@@ -129,6 +137,11 @@ pub enum BrepFault {
     Topology(String),
 }
 
+/// Makes an error of what is wrong with an option.
+pub(crate) fn of(option: &'static str) -> impl FnOnce(rules::Fault) -> Error {
+    move |fault| Error::Option { option, fault }
+}
+
 impl Error {
     /// One sentence that says what the user can do.
     pub fn help(&self) -> String {
@@ -154,7 +167,12 @@ impl Error {
             Error::Fill { .. } => "repair or remesh the scan around that hole".into(),
             Error::Folded { .. } => "repair or remesh the scan around that place".into(),
             Error::Singular(_) => "remesh the scan: it has degenerate triangles".into(),
-            Error::Net(_) => "name a smaller --net, or a larger --max-net".into(),
+            Error::Option { fault: rules::Fault::LargeNet { .. }, .. } => {
+                "name a smaller --net, or a larger --max-net".into()
+            }
+            Error::Option { option, .. } => {
+                format!("give another value for {option}, or leave the option out")
+            }
             Error::Trim { of: Bound::Outer, .. } => {
                 "lay the outer boundary on the sides (--outline sides), or name a smaller --tolerance".into()
             }

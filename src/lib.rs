@@ -12,7 +12,7 @@
 
 #![deny(missing_docs)]
 
-mod adapt;
+pub mod adapt;
 pub mod brep;
 pub mod check;
 mod cut;
@@ -25,9 +25,11 @@ pub mod geometry;
 mod input;
 pub mod knots;
 pub mod mesh;
+mod options;
 pub mod parameterize;
 #[cfg(feature = "picture")]
 pub mod picture;
+pub mod rules;
 pub mod smooth;
 pub mod spline;
 pub mod trim;
@@ -36,60 +38,12 @@ pub use adapt::{Adapted, KnotOptions};
 pub use cut::Cut;
 pub use error::{Error, Result};
 pub use input::{InputReport, Inspection, inspect, measured};
+pub use options::{Builder, Options};
 
 use formats::{Brep, Soup};
 use mesh::{Components, Disk, Patch};
 use parameterize::Parameterized;
 use spline::Surface;
-
-/// Everything that a user may choose.
-#[derive(Debug, Clone)]
-pub struct Options {
-    /// The part's name in the CAD file.
-    pub name: String,
-    /// Length of the scan's unit, in mm.
-    pub unit_mm: f64,
-    /// Which piece of the scan.
-    pub component: mesh::Choice,
-    /// Which of its boundary loops is the outer one; the others are holes.
-    pub outer: mesh::Outer,
-    /// How to smooth.
-    pub smooth: smooth::Options,
-    /// How to fill.
-    pub fill: fill::Options,
-    /// How to parameterize.
-    pub parameterize: parameterize::Options,
-    /// Where knots go.
-    pub knots: KnotOptions,
-    /// How to fit.
-    pub method: fit::Method,
-    /// The farthest that a smoothed point may be from the face, in mm.
-    /// `None`: from the noise of the scan.
-    pub tolerance: Option<f64>,
-    /// Share of points, 0 to 1, that may exceed the tolerance.
-    pub outliers: f64,
-    /// Which holes are cut out of the face.
-    pub cut: Cut,
-}
-
-impl Default for Options {
-    fn default() -> Self {
-        Options {
-            name: "scan".into(),
-            unit_mm: 1.0,
-            component: mesh::Choice::default(),
-            outer: mesh::Outer::default(),
-            smooth: smooth::Options::default(),
-            fill: fill::Options::default(),
-            parameterize: parameterize::Options::default(),
-            knots: KnotOptions::default(),
-            method: fit::Method::default(),
-            tolerance: None,
-            outliers: 0.0,
-            cut: Cut::default(),
-        }
-    }
-}
 
 /// A stage that has just ended, with what it made.
 #[derive(Debug)]
@@ -189,7 +143,7 @@ pub fn convert_component(
     let (measured, input) = input::disk(scan, options)?;
     watch(Stage::Mesh(&measured))?;
 
-    let (smoothed, smooth) = smooth::smooth(&measured, &options.smooth);
+    let (smoothed, smooth) = smooth::smooth(&measured, &options.smooth)?;
     watch(Stage::Smooth(&smoothed))?;
     let tolerance =
         options.tolerance.unwrap_or(smooth.noise.max(LEAST_TOLERANCE * measured.mesh.diagonal()));

@@ -158,7 +158,7 @@ fn rms_of_fill(scan: &VirtualScan, support: Support) -> (f64, fill::Report) {
     scan.triangles.iter().for_each(|t| soup.polygons.push(*t));
     let measured = disk(&soup);
     let options = smooth::Options { support, ..Default::default() };
-    let (smoothed, smooth) = smooth::smooth(&measured, &options);
+    let (smoothed, smooth) = smooth::smooth(&measured, &options).unwrap();
     let options =
         fill::Options { support: smooth.h, noise: smooth.noise, ..fill::Options::default() };
     let (patch, report) = fill::fill(smoothed, &measured.mesh.points, &options).unwrap();

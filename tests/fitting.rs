@@ -7,7 +7,7 @@ use formats::Soup;
 use scan2step::fit::{Method, fit, mean_error};
 use scan2step::geometry::{Point, Uv, Vector};
 use scan2step::spline::{KnotVector, Samples, Surface, foot_point, foot_point_on_iso};
-use scan2step::{Conversion, KnotOptions, Options, Stage, convert};
+use scan2step::{Builder, Conversion, Options, Stage, convert};
 
 const METHODS: [Method; 3] = [Method::Blend, Method::Refined, Method::Global];
 
@@ -210,7 +210,7 @@ struct Run {
     outer: Vec<(Point, Uv)>,
 }
 
-fn run(truth: Truth, size: [usize; 2], noise: f64, options: &Options) -> Run {
+fn run(truth: Truth, size: [usize; 2], noise: f64, options: Builder) -> Run {
     let holes = vec![Star { centre: [0.4, 0.6], radius: 0.1, arms: 4.0 }];
     let scan = VirtualScan::new(truth, size, noise, holes, 17);
     let mut soup = Soup { points: scan.points.clone(), ..Soup::default() };
@@ -224,12 +224,13 @@ fn run(truth: Truth, size: [usize; 2], noise: f64, options: &Options) -> Run {
         }
         Ok(())
     };
-    let conversion = convert(&soup, options, &mut watch).expect("a conversion");
+    let options = options.build().expect("sound options");
+    let conversion = convert(&soup, &options, &mut watch).expect("a conversion");
     Run { scan, conversion, vertices, outer }
 }
 
-fn named(tolerance: f64) -> Options {
-    Options { tolerance: Some(tolerance), ..Options::default() }
+fn named(tolerance: f64) -> Builder {
+    Options::builder().tolerance(tolerance)
 }
 
 #[test]
@@ -240,7 +241,7 @@ fn a_named_tolerance_holds_for_points_sides_and_corners() {
         (rolled_sheet, [140, 100], 0.05, 0.04),
     ];
     for (truth, size, noise, tolerance) in cases {
-        let Run { conversion: c, vertices, outer, .. } = run(truth, size, noise, &named(tolerance));
+        let Run { conversion: c, vertices, outer, .. } = run(truth, size, noise, named(tolerance));
         let feet = vertices.iter().map(|&(p, uv)| foot_point(&c.surface, p, uv).1);
         let off = feet.fold(0.0, f64::max);
         assert!(off <= tolerance, "{off} from the surface");
@@ -258,12 +259,9 @@ fn a_named_tolerance_holds_for_points_sides_and_corners() {
 #[test]
 fn the_net_is_smaller_than_a_uniform_one_of_the_same_error() {
     let tolerance = 0.05;
-    let Run { conversion: c, .. } = run(relief, [150, 120], 0.02, &named(tolerance));
+    let Run { conversion: c, .. } = run(relief, [150, 120], 0.02, named(tolerance));
     let [m, n] = c.surface.shape();
-    let uniform = |k: usize| {
-        let knots = KnotOptions { net: Some([k, k]), ..KnotOptions::default() };
-        run(relief, [150, 120], 0.02, &Options { knots, ..named(tolerance) }).conversion
-    };
+    let uniform = |k: usize| run(relief, [150, 120], 0.02, named(tolerance).net([k, k])).conversion;
     let enough =
         (8..80).step_by(4).find(|&k| uniform(k).tolerance_met(0.0)).expect("one is enough");
     println!("{m} × {n} against {enough} × {enough}");
@@ -272,8 +270,7 @@ fn the_net_is_smaller_than_a_uniform_one_of_the_same_error() {
 
 #[test]
 fn the_bound_on_the_net_holds_and_a_miss_is_told() {
-    let knots = KnotOptions { max_net: 150, ..KnotOptions::default() };
-    let Run { conversion: c, .. } = run(relief, [100, 80], 0.02, &Options { knots, ..named(0.02) });
+    let Run { conversion: c, .. } = run(relief, [100, 80], 0.02, named(0.02).max_net(150));
     let [m, n] = c.surface.shape();
     assert!(m * n <= 150, "{m} × {n}");
     assert!(!c.tolerance_met(0.0) && c.fit_deviation.max > 0.02);
@@ -288,7 +285,7 @@ fn without_a_tolerance_the_face_is_nearer_the_truth_than_the_noise() {
         (sheet, [120, 120], 0.5, 0.1),
     ];
     for (truth, size, noise, limit) in cases {
-        let Run { scan, conversion: c, .. } = run(truth, size, noise, &Options::default());
+        let Run { scan, conversion: c, .. } = run(truth, size, noise, Options::builder());
         let at = |i: usize| Uv::new((i / 80) as f64 / 79.0, (i % 80) as f64 / 79.0);
         let measured = |at: &Uv| {
             let p = c.surface.point(*at);

@@ -197,7 +197,7 @@ fn soup(scan: &VirtualScan) -> Soup {
 }
 
 fn convert_with(cut: Cut) -> (Conversion, Patch) {
-    let options = Options { cut, ..Options::default() };
+    let options = Options::builder().cut(cut).build().expect("sound options");
     let mut filled = None;
     let conversion = convert(&soup(&island_scan()), &options, &mut |stage| {
         if let Stage::Fill(patch) = stage {

@@ -5,7 +5,7 @@ mod common;
 use common::virtual_scan::{VirtualScan, island_scan, ragged_scan, relief_scan};
 use scan2step::geometry::{Point, Uv};
 use scan2step::mesh::Bound;
-use scan2step::parameterize::{self, Outline};
+use scan2step::parameterize::Outline;
 use scan2step::spline::Curve;
 use scan2step::trim::{TrimLoop, distance_to_edges};
 use scan2step::{Conversion, Options, Stage, convert};
@@ -19,8 +19,7 @@ struct Run {
 fn run(scan: &VirtualScan, outline: Outline, tolerance: Option<f64>) -> Run {
     let mut soup = formats::Soup { points: scan.points.clone(), ..formats::Soup::default() };
     scan.triangles.iter().for_each(|t| soup.polygons.push(*t));
-    let parameterize = parameterize::Options { outline: Some(outline), ..Default::default() };
-    let options = Options { parameterize, tolerance, ..Options::default() };
+    let options = Options::builder().outline(outline).tolerance(tolerance).build().unwrap();
     let mut outer = Vec::new();
     let mut watch = |stage: Stage| {
         if let Stage::Parameterize(map, _) = stage {

@@ -34,7 +34,7 @@ fn case(name: &'static str, truth: Truth, size: [usize; 2], noise: f64, seed: u6
     let scan = VirtualScan::new(truth, size, noise, holes.clone(), seed);
     let clean = VirtualScan::new(truth, size, 0.0, holes, seed);
     let raw = disk(&scan.points, &scan.triangles);
-    let (smooth, report) = smooth::smooth(&raw, &Options::default());
+    let (smooth, report) = smooth::smooth(&raw, &Options::default()).unwrap();
     let number = scan.points.iter().map(|p| p.map(f64::to_bits)).zip(&clean.points);
     let true_place: HashMap<[u64; 3], &[f64; 3]> = number.collect();
     let place = |p: &Point| Point::from(*true_place[&[p.x, p.y, p.z].map(f64::to_bits)]);
@@ -133,7 +133,7 @@ fn outliers_are_left_out() {
         p[2] += if i % 2 == 0 { 0.9 } else { -1.2 };
     }
     let raw = disk(&scan.points, &scan.triangles);
-    let (smooth, report) = smooth::smooth(&raw, &Options::default());
+    let (smooth, report) = smooth::smooth(&raw, &Options::default()).unwrap();
     let count = (0..scan.points.len()).filter(|&i| thrown(i)).count();
     let found = report.outliers;
     assert!(found.abs_diff(count) <= count / 20, "{found} found of {count}");
@@ -153,7 +153,7 @@ fn scroll(u: f64, v: f64) -> [f64; 3] {
 fn the_layer_above_is_not_seen() {
     let scan = VirtualScan::new(scroll, [320, 80], 0.08, Vec::new(), 4);
     let raw = disk(&scan.points, &scan.triangles);
-    let (smooth, report) = smooth::smooth(&raw, &Options::default());
+    let (smooth, report) = smooth::smooth(&raw, &Options::default()).unwrap();
     let after = rms(&scan, &smooth.mesh.points);
     println!("scroll: rms {after:.4} mm with h {:.2} mm, gap 1.5 mm", report.h);
     assert!(report.h > 1.5, "the support does not reach over the gap: {}", report.h);
@@ -165,11 +165,11 @@ fn a_support_that_is_named_is_taken() {
     let scan = VirtualScan::new(sheet, [60, 60], 0.1, Vec::new(), 2);
     let raw = disk(&scan.points, &scan.triangles);
     let options = Options { support: Support::Fixed(5.5), ..Options::default() };
-    let (smooth, report) = smooth::smooth(&raw, &options);
+    let (smooth, report) = smooth::smooth(&raw, &options).unwrap();
     assert_eq!(report.h, 5.5);
     assert!(rms(&scan, &smooth.mesh.points) < 0.05);
     let off = Options { support: Support::Off, ..Options::default() };
-    let (same, report) = smooth::smooth(&raw, &off);
+    let (same, report) = smooth::smooth(&raw, &off).unwrap();
     assert_eq!((same.mesh.points, report.h), (raw.mesh.points, 0.0));
     assert!((report.noise / 0.1 - 1.0).abs() < 0.15);
 }

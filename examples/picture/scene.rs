@@ -24,7 +24,7 @@ impl Scene {
     pub fn of(path: &Path) -> Result<Scene, Box<dyn std::error::Error>> {
         let soup = formats::read_scan(path)?;
         let unit_mm = soup.unit.map_or(1.0, |unit| unit.in_mm());
-        let options = Options { unit_mm, ..Options::default() };
+        let options = Options::builder().unit_mm(unit_mm).build()?;
         let (mut measured, mut map) = (None, None);
         let conversion = convert(&soup, &options, &mut |stage| {
             match stage {

@@ -11,11 +11,11 @@
 mod correct;
 mod target;
 
-use crate::error::{Error, Result};
+use crate::error::{Result, of};
 use crate::geometry::Uv;
 use crate::parameterize::Parameterized;
 use crate::spline::{KnotVector, Samples, Surface};
-use crate::{Options, fit, knots};
+use crate::{Options, fit, knots, rules};
 use target::{Feet, Target};
 
 /// What the user says about knots.
@@ -37,7 +37,18 @@ impl Default for KnotOptions {
     }
 }
 
+impl KnotOptions {
+    pub(crate) fn check(&self) -> Result<()> {
+        self.kappa.map_or(Ok(()), rules::length).map_err(of("kappa"))?;
+        self.depth.map_or(Ok(()), rules::depth).map_err(of("depth"))?;
+        rules::max_net(self.max_net).map_err(of("max_net"))?;
+        let within = |net| rules::net(net, self.max_net);
+        self.net.map_or(Ok(()), within).map_err(of("net"))
+    }
+}
+
 /// What the fit must reach.
+#[derive(Debug, Clone, Copy)]
 pub struct Goal {
     /// In mm.
     pub tolerance: f64,
@@ -76,9 +87,6 @@ const POINTS_A_CONTROL_POINT: usize = 2;
 /// are denser or the map is crushed.
 const DEEPER: u32 = 2;
 
-/// Spans are halved down to 2^−20 of the domain where a tolerance is named.
-const DEEPEST: u32 = 20;
-
 /// A round that does not bring the number of points beyond the target down to this
 /// share, nor the worst of them, is idle.
 const WORTHWHILE: f64 = 0.95;
@@ -102,18 +110,23 @@ const PRESSING_PAYS: f64 = 0.7;
 const CORRECTIONS: usize = 5;
 const PAYS: f64 = 0.97;
 
-/// Fits a surface to the map's vertices. The map's parameters are corrected on the
-/// way.
+/// Fits a surface to the map's vertices, in mm over [0, 1]². The map's parameters are
+/// corrected on the way. Of the options, those on knots and on the method are looked
+/// at.
+///
+/// # Errors
+/// [`Error::Option`](crate::Error::Option): the goal is not one, or the knots for the
+/// κ or depth that is named make a larger net than allowed.
+/// [`Error::Singular`](crate::Error::Singular): the equations have no solution.
 pub fn fit(map: &mut Parameterized, options: &Options, goal: &Goal) -> Result<(Surface, Adapted)> {
+    rules::length(goal.tolerance).map_err(of("tolerance"))?;
+    rules::share(goal.outliers).map_err(of("outliers"))?;
     let asked = &options.knots;
     let mut search = Search { target: Target::new(map), options, goal, rounds: 0 };
     let kappa = asked.kappa.unwrap_or(goal.tolerance);
     let measured = search.target.measured();
     let (start, placed) = match asked.net {
-        Some([m, n]) => {
-            check_net(m, n, asked.max_net)?;
-            ([m, n].map(|count| KnotVector::uniform(3, count)), None)
-        }
+        Some(net) => (net.map(|count| KnotVector::uniform(3, count)), None),
         None => {
             let depth = asked.depth.unwrap_or_else(|| deepest(measured));
             let (knots, report) = place(&search.target.samples, asked, kappa, depth)?;
@@ -210,7 +223,7 @@ impl Search<'_> {
         let asked = &self.options.knots;
         let measured = self.target.measured();
         let (depth, most) = match self.goal.named {
-            true => (asked.depth.unwrap_or(DEEPEST), asked.max_net),
+            true => (asked.depth.unwrap_or(rules::MOST_HALVINGS), asked.max_net),
             false => (
                 asked.depth.unwrap_or_else(|| deepest(measured) + DEEPER),
                 asked.max_net.min(measured / POINTS_A_CONTROL_POINT),
@@ -298,11 +311,11 @@ fn place(
 ) -> Result<([KnotVector; 2], knots::Report)> {
     loop {
         let (knots, report) = knots::place(samples, &knots::Options { kappa, depth });
-        let [m, n] = knots.each_ref().map(KnotVector::functions);
+        let net = knots.each_ref().map(KnotVector::functions);
         let named = asked.kappa.is_some() || asked.depth.is_some();
-        match check_net(m, n, asked.max_net) {
+        match rules::net(net, asked.max_net) {
             Ok(()) => return Ok((knots, report)),
-            Err(e) if named || depth == 0 => return Err(e),
+            Err(fault) if named || depth == 0 => return Err(of("net")(fault)),
             Err(_) => depth -= 1,
         }
     }
@@ -311,18 +324,4 @@ fn place(
 /// The depth at which a region of an even scan has one to four points.
 fn deepest(measured: usize) -> u32 {
     ((measured as f64 / 4.0).sqrt().log2().ceil() as u32).clamp(2, 12)
-}
-
-fn check_net(m: usize, n: usize, most: usize) -> Result<()> {
-    if m < 4 || n < 4 {
-        return Err(Error::Net(format!(
-            "a bicubic net has at least 4 × 4 control points, not {m} × {n}"
-        )));
-    }
-    if m.saturating_mul(n) > most {
-        return Err(Error::Net(format!(
-            "a net of {m} × {n} control points exceeds the bound of {most}"
-        )));
-    }
-    Ok(())
 }

@@ -82,7 +82,7 @@ struct Run<'a> {
 impl Run<'_> {
     /// Converts the components that were asked for.
     fn convert(&mut self, components: &Components, options: &Options) -> Result<(), Failure> {
-        let chosen = chosen(self.args, components, options.outer, &self.progress);
+        let chosen = chosen(self.args, components, options.outer(), &self.progress);
         self.progress.expect(chosen.len());
         let pictured = self.args.report.iter().any(|file| file.kind.is_picture());
         for &component in &chosen {
@@ -105,7 +105,7 @@ impl Run<'_> {
                 }
                 Ok(self.stages.as_mut().map_or(Ok(()), |s| s.write(&stage))?)
             };
-            let options = Options { component, ..options.clone() };
+            let options = options.of_component(component);
             let converted = scan2step::convert_component(components, &options, &mut watch);
             let converted = converted.map_err(|e| input::stopped(&self.args.piece.scan, &e))?;
             self.shown.extend(seen.map(|seen| seen.shown(&converted, chosen.len())));

@@ -1,13 +1,14 @@
 //! What the user chose: as the library takes it, and as reports say it.
 
 use clap::ValueEnum;
-use scan2step::{Cut, KnotOptions, Options, fit, mesh, parameterize, smooth};
+use scan2step::mesh::Outer;
+use scan2step::{Cut, Options, fit, parameterize, smooth};
 use serde_json::{Value, json};
 
 use super::Failure;
 use super::args::{Component, Convert, Fit, Outline};
 use super::cad::part_name;
-use super::input::Scan;
+use super::input::{Scan, stopped};
 use super::places::{Corners, Places};
 
 /// What the pipeline takes.
@@ -21,7 +22,7 @@ pub fn options(args: &Convert, scan: &Scan) -> Result<Options, Failure> {
     let corners = corners.transpose()?;
     // The loop that has the corners is the outer one, unless another is named.
     let outer = match (scan.outer(&args.piece)?, corners) {
-        (mesh::Outer::Auto, Some([first, ..])) => mesh::Outer::Near(first),
+        (Outer::Auto, Some([first, ..])) => Outer::Near(first),
         (outer, _) => outer,
     };
     let boundary_corners = match &args.how.boundary_corners {
@@ -34,35 +35,32 @@ pub fn options(args: &Convert, scan: &Scan) -> Result<Options, Failure> {
         (false, Some(length)) => Cut::FromLength(length),
         (false, None) => Cut::All,
     };
-    Ok(Options {
-        name: part_name(&args.piece.scan),
-        unit_mm: scan.unit.in_mm(),
-        outer,
-        smooth: smooth::Options { support: args.how.smooth, corners: boundary_corners },
-        parameterize: parameterize::Options {
-            corners,
-            outline: match args.how.outline {
-                Outline::Auto => None,
-                Outline::Sides => Some(parameterize::Outline::Sides),
-                Outline::Trimmed => Some(parameterize::Outline::Free),
-            },
-        },
-        knots: KnotOptions {
-            kappa: args.how.kappa,
-            depth: args.how.depth,
-            net: args.how.net,
-            max_net: args.how.max_net,
-        },
-        method: match args.how.fit {
+    let how = &args.how;
+    let options = Options::builder()
+        .name(part_name(&args.piece.scan))
+        .unit(scan.unit)
+        .outer(outer)
+        .smooth(how.smooth)
+        .boundary_corners(boundary_corners)
+        .corners(corners)
+        .outline(match how.outline {
+            Outline::Auto => None,
+            Outline::Sides => Some(parameterize::Outline::Sides),
+            Outline::Trimmed => Some(parameterize::Outline::Free),
+        })
+        .kappa(how.kappa)
+        .depth(how.depth)
+        .net(how.net)
+        .max_net(how.max_net)
+        .fit(match how.fit {
             Fit::Blend => fit::Method::Blend,
             Fit::Refined => fit::Method::Refined,
             Fit::Global => fit::Method::Global,
-        },
-        tolerance: args.how.tolerance,
-        outliers: args.how.outliers / 100.0,
-        cut,
-        ..Options::default()
-    })
+        })
+        .tolerance(how.tolerance)
+        .outliers(how.outliers / 100.0)
+        .cut(cut);
+    options.build().map_err(|e| stopped(&args.piece.scan, &e))
 }
 
 fn failure(args: &Convert, what: &str, help: &str) -> Failure {

@@ -27,11 +27,12 @@ pub use faults::Faults;
 use faults::Ground;
 use rayon::prelude::*;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, of};
 use crate::geometry::{Point, VertexId};
 use crate::mesh::boundary::Loop;
 use crate::mesh::mls::Cloud;
 use crate::mesh::{Disk, FaceOrigin, Patch, Rings, boundary};
+use crate::rules;
 
 /// How to fill.
 #[derive(Debug, Clone)]
@@ -49,6 +50,14 @@ pub struct Options {
 impl Default for Options {
     fn default() -> Self {
         Options { ear_angle: 5.0 * std::f64::consts::PI / 9.0, support: 0.0, noise: 0.0 }
+    }
+}
+
+impl Options {
+    pub(crate) fn check(&self) -> Result<()> {
+        rules::angle(self.ear_angle).map_err(of("ear_angle"))?;
+        rules::extent(self.support).map_err(of("support"))?;
+        rules::extent(self.noise).map_err(of("noise"))
     }
 }
 

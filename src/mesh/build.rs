@@ -13,8 +13,9 @@ use formats::Soup;
 
 use super::topology::Buckets;
 use super::{EdgeMap, Mesh, caps, polygons, spikes, weld};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, of};
 use crate::geometry::VertexId;
+use crate::rules;
 
 /// What was repaired: kind and count. Kinds that did not occur are absent.
 pub type Repairs = BTreeMap<&'static str, usize>;
@@ -38,7 +39,11 @@ pub struct Build {
 }
 
 /// Builds the mesh; `mm` is the length of the soup's unit in mm.
+///
+/// # Errors
+/// [`Error::Empty`]: no triangle is left. [`Error::Option`]: a unit that is no length.
 pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
+    rules::length(mm).map_err(of("unit"))?;
     let mut repairs = Repairs::new();
     let welded = weld::weld(soup, mm, &mut repairs);
     let mut triangles = polygons::triangulate(soup, &welded, &mut repairs);

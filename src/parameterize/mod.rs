@@ -28,9 +28,10 @@ mod weights;
 
 use map::{Map, Start};
 
-use crate::error::Result;
+use crate::error::{Result, of};
 use crate::geometry::{Point, Uv, VertexId};
 use crate::mesh::{Mesh, Patch};
+use crate::rules;
 
 pub use crushed::{Crushed, crushed};
 pub use stretch::Stretch;
@@ -54,6 +55,12 @@ pub struct Options {
     /// Where the outer boundary goes. `None`: to the sides, unless it is ragged, or
     /// they stretch the map far more than is needed, and no corners are given.
     pub outline: Option<Outline>,
+}
+
+impl Options {
+    pub(crate) fn check(&self) -> Result<()> {
+        self.corners.map_or(Ok(()), |corners| rules::points(&corners)).map_err(of("corners"))
+    }
 }
 
 /// How good the map is.
@@ -93,7 +100,14 @@ pub struct Skirt {
 }
 
 /// Maps a patch to the unit square.
+///
+/// # Errors
+/// [`Error::Corners`](crate::Error::Corners), [`Error::TooSmall`](crate::Error::TooSmall):
+/// the outer boundary cannot be four sides with these corners.
+/// [`Error::Folded`](crate::Error::Folded): triangles stay inverted.
+/// [`Error::Option`](crate::Error::Option): a corner that is no point.
 pub fn parameterize(mut patch: Patch, options: &Options) -> Result<(Parameterized, Report)> {
+    options.check()?;
     let may_be_free = options.outline.is_none() && options.corners.is_none();
     let must_be_free = options.outline == Some(Outline::Free);
     if must_be_free || may_be_free && skirt::is_ragged(&patch) {

@@ -14,8 +14,10 @@ mod surface;
 mod uncross;
 mod unfold;
 
+use crate::error::{Result, of};
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::{Disk, Mesh, Rings, boundary};
+use crate::rules;
 use levels::Level;
 use surface::Surface;
 
@@ -26,6 +28,18 @@ pub struct Options {
     pub support: Support,
     /// Where the boundary keeps a corner.
     pub corners: Corners,
+}
+
+impl Options {
+    pub(crate) fn check(&self) -> Result<()> {
+        if let Support::Fixed(h) = self.support {
+            rules::length(h).map_err(of("smooth"))?;
+        }
+        match &self.corners {
+            Corners::At(points) => rules::points(points).map_err(of("boundary_corners")),
+            Corners::Auto | Corners::None => Ok(()),
+        }
+    }
 }
 
 /// The support of the MLS weights θ(x) = exp(−x²/h²).
@@ -78,7 +92,12 @@ pub fn noise(mesh: &Mesh) -> f64 {
 }
 
 /// Smooths a disk. Its topology stays as it is.
-pub fn smooth(disk: &Disk, options: &Options) -> (Disk, Report) {
+///
+/// # Errors
+/// [`Error::Option`](crate::Error::Option): a support that is no length, a corner that
+/// is no point.
+pub fn smooth(disk: &Disk, options: &Options) -> Result<(Disk, Report)> {
+    options.check()?;
     let examined = Examined::new(&disk.mesh);
     let mut report = Report {
         noise: examined.choice.noise(),
@@ -89,7 +108,7 @@ pub fn smooth(disk: &Disk, options: &Options) -> (Disk, Report) {
     let surface = match options.support {
         Support::Auto => examined.surface(),
         Support::Fixed(h) => examined.surface_of(&disk.mesh, h),
-        Support::Off => return (out, report),
+        Support::Off => return Ok((out, report)),
     };
     report.h = surface.median_support();
     let (projected, normals) = surface.feet(&disk.mesh);
@@ -116,7 +135,7 @@ pub fn smooth(disk: &Disk, options: &Options) -> (Disk, Report) {
     let moved = || out.mesh.points.iter().zip(&disk.mesh.points).map(|(p, q)| (p - q).norm());
     report.moved_max = moved().fold(0.0, f64::max);
     report.moved_rms = root_mean_square(moved());
-    (out, report)
+    Ok((out, report))
 }
 
 /// How often outliers are looked for at the most.

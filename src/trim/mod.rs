@@ -16,9 +16,10 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, of};
 use crate::geometry::{Point, Uv, segment_distance};
 use crate::mesh::Bound;
+use crate::rules;
 use crate::spline::{
     Curve, Nest, Outline, Place, Surface, crossings, curve_on_surface, misplaced, off_surface,
 };
@@ -98,11 +99,16 @@ pub const EDGE_ACCURACY: f64 = 1e-7;
 const ROUNDS: usize = 100;
 
 /// The trim loops of the given rims.
+///
+/// # Errors
+/// [`Error::Trim`]: a loop that crosses itself, another one or the edge of the patch.
+/// [`Error::Option`]: a tolerance that is no length.
 pub fn trim(
     surface: &Surface,
     rims: &[Rim],
     options: &Options,
 ) -> Result<(Vec<TrimLoop>, Vec<LoopReport>)> {
+    rules::length(options.tolerance).map_err(of("tolerance"))?;
     let arcs = uncrossed(surface, rims, options)?;
     let both = rims.par_iter().zip(arcs).map(|(rim, pcurves)| traced(surface, rim, pcurves));
     Ok(both.collect::<Vec<_>>().into_iter().unzip())

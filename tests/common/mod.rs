@@ -1,7 +1,7 @@
 //! What the tests share: virtual scans, the program, the importers.
 //!
 //! Not every test uses every part.
-#![allow(dead_code)]
+#![allow(dead_code, unused_imports)]
 
 pub mod importers;
 #[cfg(feature = "cli")]

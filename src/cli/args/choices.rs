@@ -1,0 +1,61 @@
+//! Options with a few names for their values.
+
+use clap::ValueEnum;
+use formats::LengthUnit;
+
+/// A unit on the command line.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Unit {
+    Mm,
+    Cm,
+    M,
+    In,
+}
+
+impl From<Unit> for LengthUnit {
+    fn from(unit: Unit) -> Self {
+        match unit {
+            Unit::Mm => LengthUnit::Millimetre,
+            Unit::Cm => LengthUnit::Centimetre,
+            Unit::M => LengthUnit::Metre,
+            Unit::In => LengthUnit::Inch,
+        }
+    }
+}
+
+/// What becomes of the outer boundary.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Outline {
+    /// Sides
+    Auto,
+    /// The four sides of the surface
+    Sides,
+    /// A trim loop
+    Trimmed,
+}
+
+/// A fitting method on the command line.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Fit {
+    /// Blended local fits (Tekumalla & Cohen)
+    Blend,
+    /// The blended fit, refined to the least-squares optimum
+    Refined,
+    /// Sparse global least squares
+    Global,
+}
+
+/// A STEP schema on the command line.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Schema {
+    Ap203,
+    Ap214,
+    Ap242,
+}
+
+/// An IGES form on the command line.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Iges {
+    Trimmed,
+    Brep,
+}

@@ -1,0 +1,26 @@
+//! Whether messages have colours.
+
+use std::io::IsTerminal;
+
+use clap::ValueEnum;
+
+/// When to colour.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Colour {
+    Auto,
+    Always,
+    Never,
+}
+
+impl Colour {
+    /// Whether standard error gets colours.
+    pub fn is_on(self) -> bool {
+        match self {
+            Colour::Auto => {
+                std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()
+            }
+            Colour::Always => true,
+            Colour::Never => false,
+        }
+    }
+}

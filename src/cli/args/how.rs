@@ -1,0 +1,85 @@
+//! What `convert` and `batch` have in common.
+
+use clap::Args;
+
+use super::choices::{Fit, Iges, Outline, Schema};
+use super::colour::Colour;
+use super::numbers::{depth, max_net, net, percentage, positive, support};
+use super::pieces::{Component, component};
+use crate::cli::places::Corners;
+
+/// How a scan becomes a face: what `convert` and `batch` have in common.
+#[derive(Debug, Args)]
+pub struct How {
+    /// Farthest that a point of the smoothed scan may be from the face, in mm
+    /// [default: from the noise of the scan]
+    #[arg(long, value_name = "LEN", value_parser = positive)]
+    pub tolerance: Option<f64>,
+    /// Percentage of points that may exceed the tolerance
+    #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage)]
+    pub outliers: f64,
+    /// What becomes of the outer boundary: the four sides of the surface, or a trim
+    /// loop inside it, as holes have them
+    #[arg(long, value_enum, default_value_t = Outline::Auto)]
+    pub outline: Outline,
+    /// Where smoothing keeps a corner of the boundary: auto, none, or places as
+    /// in --corners
+    #[arg(long, value_name = "LIST|auto|none", default_value = "auto", allow_hyphen_values = true)]
+    pub boundary_corners: Corners,
+    /// Support of the smoothing, in mm, or auto, or off
+    #[arg(long, value_name = "LEN|auto|off", default_value = "auto", value_parser = support)]
+    pub smooth: scan2step::smooth::Support,
+    /// How to fit
+    #[arg(long, value_enum, default_value_t = Fit::Refined)]
+    pub fit: Fit,
+    /// Mean distance, in mm, above which a region gets more knots [default:
+    /// from the tolerance]
+    #[arg(long, value_name = "LEN", value_parser = positive)]
+    pub kappa: Option<f64>,
+    /// Halvings of the domain at the most [default: from the number of points]
+    #[arg(long, value_name = "N", value_parser = depth)]
+    pub depth: Option<u32>,
+    /// A uniform control net, as 13x13; overrides --kappa and --depth
+    #[arg(long, value_name = "MxN", value_parser = net)]
+    pub net: Option<[usize; 2]>,
+    /// Control points of the face at the most
+    #[arg(long, value_name = "N", default_value_t = 250_000, value_parser = max_net)]
+    pub max_net: usize,
+    /// Leave holes filled whose rim is shorter than this, in mm; cut out the
+    /// others
+    #[arg(long, value_name = "LEN", value_parser = positive, conflicts_with = "keep_fills")]
+    pub fill_only_holes_below: Option<f64>,
+    /// Leave all holes filled
+    #[arg(long)]
+    pub keep_fills: bool,
+    /// Which piece of the scan: largest, all, or a number (0 is the largest)
+    #[arg(long, value_name = "largest|all|N", default_value = "largest", value_parser = component)]
+    pub component: Component,
+    /// STEP schema
+    #[arg(long, value_enum, default_value_t = Schema::Ap242)]
+    pub schema: Schema,
+    /// IGES form: trimmed surfaces (144) or a shell (514)
+    #[arg(long, value_enum, default_value_t = Iges::Trimmed)]
+    pub iges: Iges,
+}
+
+/// How a run goes about its work, which leaves the files as they are.
+#[derive(Debug, Args)]
+pub struct Manner {
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Refuse a scan that may need more memory than this, as 4G; told from its counts
+    /// and the largest net, before the work
+    #[arg(long, value_name = "SIZE")]
+    pub max_memory: Option<bytesize::ByteSize>,
+    /// Say nothing but errors
+    #[arg(long, conflicts_with = "verbose")]
+    pub quiet: bool,
+    /// Colours in messages
+    #[arg(long, value_enum, default_value_t = Colour::Auto)]
+    pub color: Colour,
+    /// Say more
+    #[arg(short, long)]
+    pub verbose: bool,
+}

@@ -1,0 +1,133 @@
+//! The arguments, as clap reads them.
+
+mod choices;
+mod colour;
+mod files;
+mod how;
+mod numbers;
+mod pieces;
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+
+pub use choices::{Fit, Iges, Outline, Schema};
+pub use colour::Colour;
+pub use files::{CadFile, CadKind};
+pub use how::{How, Manner};
+pub use pieces::{Component, Look, Piece, Scale};
+
+use super::batch::args::Batch;
+use super::manual::{Completions, Man};
+use super::places::Places;
+use super::report::ReportFile;
+use files::{cad_file, report_file};
+use numbers::{percentage, positive};
+
+/// Turns 3D scans with holes into trimmed B-spline faces in STEP and IGES.
+#[derive(Debug, Parser)]
+#[command(version, about, max_term_width = 100)]
+#[command(after_help = "Examples:\n  scan2step inspect fender.ply\n  \
+    scan2step convert fender.ply fender.step --report fender.html\n  \
+    scan2step check fender.step fender.ply --tolerance 0.5\n  \
+    scan2step batch scans/ --out cad/\n\n\
+    Each command has --help with examples of its own.")]
+pub struct Cli {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+/// What to do.
+#[derive(Debug, Subcommand)]
+pub enum Command {
+    /// Convert one scan to one or more CAD files.
+    ///
+    /// The scan is a triangle mesh: .ply, .obj, .gltf, .glb or .stl, each also
+    /// gzipped. The output's format is its extension's.
+    Convert(Box<Convert>),
+    /// Say what a scan is: counts, units, components, boundary loops, genus,
+    /// noise, and what had to be repaired.
+    Inspect(Inspect),
+    /// Measure a CAD file against a scan, in both directions.
+    ///
+    /// The file is read back from disk, whoever wrote it: the distance of every
+    /// point of the scan from the trimmed faces, and of samples of these from
+    /// the scan, so that a hole that is not cut out shows.
+    Check(Check),
+    /// Convert many scans: go on after a failure, resume where it stopped.
+    ///
+    /// Every scan of the folders (and the folders in these), patterns and files
+    /// becomes a CAD file in one folder, which gets a summary.csv and a
+    /// summary.json, too. What is there from an earlier run is skipped, as long as
+    /// scan, options and program are the same.
+    Batch(Box<Batch>),
+    /// Print a script that completes commands and options in a shell.
+    Completions(Completions),
+    /// Print the manual page, or write the pages of all commands.
+    Man(Man),
+}
+
+/// Options of `inspect`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  scan2step inspect fender.ply\n  \
+    scan2step inspect relief.obj.gz --units in --json\n\n\
+    Exit codes: 0 done, 1 failed, 2 usage.")]
+pub struct Inspect {
+    #[command(flatten)]
+    pub piece: Piece,
+    #[command(flatten)]
+    pub look: Look,
+}
+
+/// Options of `check`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  scan2step check fender.step fender.ply\n  \
+    scan2step check relief.igs relief.obj --units in --tolerance 0.1 --outliers 1 --json\n\n\
+    Exit codes: 0 all that was asked holds, 1 failed, 2 usage,\n\
+    3 the tolerance is not met.")]
+pub struct Check {
+    /// The CAD file: STEP or IGES
+    pub cad: PathBuf,
+    #[command(flatten)]
+    pub piece: Piece,
+    /// Farthest that a point of the scan may be from the faces, and a sample of
+    /// these from the scan, in mm
+    #[arg(long, value_name = "LEN", value_parser = positive)]
+    pub tolerance: Option<f64>,
+    /// Percentage of points, and of samples, that may exceed the tolerance
+    #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage)]
+    pub outliers: f64,
+    #[command(flatten)]
+    pub look: Look,
+}
+
+/// Options of `convert`.
+#[derive(Debug, Args)]
+#[command(after_help = "Examples:\n  scan2step convert fender.ply fender.step\n  \
+    scan2step convert relief.obj relief.stp relief.igs --units in --tolerance 0.05\n  \
+    scan2step convert face.glb face.step --report face.html --report face.png\n\n\
+    Exit codes: 0 all that was asked holds, 1 failed (nothing written), 2 usage,\n\
+    3 files written but a named tolerance is not met.")]
+pub struct Convert {
+    #[command(flatten)]
+    pub piece: Piece,
+    /// CAD files to write: .step, .stp, .igs or .iges.
+    #[arg(required = true, value_name = "OUT", value_parser = cad_file)]
+    pub out: Vec<CadFile>,
+
+    /// Corners of the domain: four vertex indices of the scan (V0,V1,V2,V3),
+    /// or four points in the scan's numbers (x,y,z;x,y,z;…) [default: found]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
+    pub corners: Option<Places>,
+    /// Write a report: figures (.json), a page with the scan to turn (.html), or a
+    /// picture (.png); can be given more than once
+    #[arg(long, value_name = "FILE", value_parser = report_file)]
+    pub report: Vec<ReportFile>,
+    /// Write each stage's mesh into this folder
+    #[arg(long, value_name = "DIR")]
+    pub stages: Option<PathBuf>,
+    #[command(flatten)]
+    pub how: How,
+    #[command(flatten)]
+    pub manner: Manner,
+}

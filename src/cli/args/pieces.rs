@@ -1,0 +1,72 @@
+//! Which scan, and which piece of it.
+
+use std::path::PathBuf;
+
+use clap::Args;
+use scan2step::mesh::Choice;
+
+use super::choices::Unit;
+use super::colour::Colour;
+use crate::cli::places::Places;
+
+/// How large a scan is.
+#[derive(Debug, Args)]
+pub struct Scale {
+    /// Unit of the scan's numbers [default: metres for glTF, else mm]
+    #[arg(long, value_name = "UNIT")]
+    pub units: Option<Unit>,
+}
+
+/// What to look at, of a scan.
+#[derive(Debug, Args)]
+pub struct Piece {
+    /// The scan.
+    pub scan: PathBuf,
+    #[command(flatten)]
+    pub scale: Scale,
+    /// A place on the boundary loop that is the outer one: a vertex index or a
+    /// point, as in --corners of convert [default: the longest loop that does not run around a hole]
+    #[arg(long, value_name = "V|x,y,z", allow_hyphen_values = true)]
+    pub outer: Option<Places>,
+}
+
+/// Options of the commands that look at one piece of a scan.
+#[derive(Debug, Args)]
+pub struct Look {
+    /// Which piece of the scan: largest, or a number (0 is the largest)
+    #[arg(long, value_name = "largest|N", default_value = "largest", value_parser = one_component)]
+    pub component: Choice,
+    /// Print one JSON object; lengths are mm
+    #[arg(long)]
+    pub json: bool,
+    /// Threads [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub threads: Option<u16>,
+    /// Colours in messages
+    #[arg(long, value_enum, default_value_t = Colour::Auto)]
+    pub color: Colour,
+}
+
+/// Which pieces of a scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Component {
+    Largest,
+    All,
+    Number(usize),
+}
+
+pub fn component(text: &str) -> Result<Component, String> {
+    match text {
+        "largest" => Ok(Component::Largest),
+        "all" => Ok(Component::All),
+        n => n.parse().map(Component::Number).map_err(|_| "not largest, all or a number".into()),
+    }
+}
+
+fn one_component(text: &str) -> Result<Choice, String> {
+    match component(text) {
+        Ok(Component::Largest) => Ok(Choice::Largest),
+        Ok(Component::Number(n)) => Ok(Choice::Number(n)),
+        _ => Err("not largest or a number".into()),
+    }
+}

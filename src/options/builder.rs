@@ -1,0 +1,142 @@
+//! Options, chosen one by one.
+
+use formats::LengthUnit;
+
+use super::Options;
+use crate::cut::Cut;
+use crate::error::Result;
+use crate::geometry::Point;
+use crate::{fit, mesh, parameterize, smooth};
+
+/// Makes [`Options`]. What is not named is found on the scan, or as the method has
+/// it; `None`, where a setter takes it, is the same as not to name it. The names are
+/// those of the command line's options.
+#[derive(Debug, Clone, Default)]
+#[must_use]
+pub struct Builder(Options);
+
+impl Builder {
+    /// The part's name in the CAD file. Without: "scan".
+    pub fn name(mut self, name: impl Into<String>) -> Self {
+        self.0.name = name.into();
+        self
+    }
+
+    /// The unit of the scan's numbers. Without: millimetres.
+    pub fn unit(self, unit: LengthUnit) -> Self {
+        self.unit_mm(unit.in_mm())
+    }
+
+    /// The length of the scan's unit, in mm, where it has no name.
+    pub fn unit_mm(mut self, mm: f64) -> Self {
+        self.0.unit_mm = mm;
+        self
+    }
+
+    /// Which piece of the scan. Without: the largest.
+    pub fn component(mut self, component: mesh::Choice) -> Self {
+        self.0.component = component;
+        self
+    }
+
+    /// Which of its boundary loops is the outer one; the others are holes.
+    pub fn outer(mut self, outer: mesh::Outer) -> Self {
+        self.0.outer = outer;
+        self
+    }
+
+    /// The support of the smoothing.
+    pub fn smooth(mut self, support: smooth::Support) -> Self {
+        self.0.smooth.support = support;
+        self
+    }
+
+    /// Where smoothing keeps a corner of the boundary.
+    pub fn boundary_corners(mut self, corners: smooth::Corners) -> Self {
+        self.0.smooth.corners = corners;
+        self
+    }
+
+    /// The angle, in radians, below which filling closes ears of its front: the
+    /// paper's φ. Without: 5π/9.
+    pub fn ear_angle(mut self, radians: f64) -> Self {
+        self.0.fill.ear_angle = radians;
+        self
+    }
+
+    /// Points, in mm, next to which the four corners of the domain lie, in any
+    /// direction around; the first becomes (0, 0).
+    pub fn corners(mut self, corners: impl Into<Option<[Point; 4]>>) -> Self {
+        self.0.parameterize.corners = corners.into();
+        self
+    }
+
+    /// Where the outer boundary goes.
+    pub fn outline(mut self, outline: impl Into<Option<parameterize::Outline>>) -> Self {
+        self.0.parameterize.outline = outline.into();
+        self
+    }
+
+    /// The paper's κ: the mean distance, in mm, above which a region gets more
+    /// knots.
+    pub fn kappa(mut self, mm: impl Into<Option<f64>>) -> Self {
+        self.0.knots.kappa = mm.into();
+        self
+    }
+
+    /// Halvings of the domain at the most.
+    pub fn depth(mut self, halvings: impl Into<Option<u32>>) -> Self {
+        self.0.knots.depth = halvings.into();
+        self
+    }
+
+    /// A uniform net of so many control points along u and v; κ and depth are not
+    /// looked at then.
+    pub fn net(mut self, net: impl Into<Option<[usize; 2]>>) -> Self {
+        self.0.knots.net = net.into();
+        self
+    }
+
+    /// Control points of the face at the most. Without: 250,000.
+    pub fn max_net(mut self, control_points: usize) -> Self {
+        self.0.knots.max_net = control_points;
+        self
+    }
+
+    /// How to fit.
+    pub fn fit(mut self, method: fit::Method) -> Self {
+        self.0.method = method;
+        self
+    }
+
+    /// The farthest that a smoothed point may be from the face, in mm. Without: from
+    /// the noise of the scan.
+    pub fn tolerance(mut self, mm: impl Into<Option<f64>>) -> Self {
+        self.0.tolerance = mm.into();
+        self
+    }
+
+    /// The share of points, from 0 to below 1, that may exceed the tolerance.
+    /// Without: 0.
+    pub fn outliers(mut self, share: f64) -> Self {
+        self.0.outliers = share;
+        self
+    }
+
+    /// Which holes are cut out of the face. Without: all.
+    pub fn cut(mut self, cut: Cut) -> Self {
+        self.0.cut = cut;
+        self
+    }
+
+    /// The options.
+    ///
+    /// # Errors
+    /// [`Error::Option`](crate::Error::Option): the first value that cannot be; lengths
+    /// must be above 0, numbers finite, nets within their bounds
+    /// ([`rules`](crate::rules)).
+    pub fn build(self) -> Result<Options> {
+        self.0.check()?;
+        Ok(self.0)
+    }
+}
