@@ -32,7 +32,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         other => return Err(format!("{other} is no method").into()),
     };
     let samples = read(file)?;
-    let knots = [KnotVector::uniform(3, m.parse()?), KnotVector::uniform(3, n.parse()?)];
+    let knots = [KnotVector::cubic(m.parse()?)?, KnotVector::cubic(n.parse()?)?];
     faer::set_global_parallelism(faer::Par::Seq);
     let (cpu, clock) = (cpu_s()?, Instant::now());
     let (surface, report) = fit::fit(&samples, knots, method)?;

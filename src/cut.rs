@@ -20,7 +20,8 @@ pub enum Cut {
 }
 
 impl Cut {
-    pub(crate) fn cuts(self, rim_length: f64) -> bool {
+    /// Whether a hole is cut out whose rim is so long, in mm.
+    pub fn cuts(self, rim_length: f64) -> bool {
         match self {
             Cut::All => true,
             Cut::FromLength(least) => rim_length >= least,
@@ -32,7 +33,7 @@ impl Cut {
 /// The rims to cut along: the outer one unless it lies on the sides, those of the
 /// holes that are `trimmed`, and of the islands in these. An island in a hole that
 /// stays filled is part of the face around the hole.
-pub(crate) fn rims(map: &Parameterized, trimmed: &[bool]) -> Vec<Rim> {
+pub fn rims(map: &Parameterized, trimmed: &[bool]) -> Vec<Rim> {
     let mut cutter = Cutter { map, trimmed, rims: Vec::new() };
     let outer = (map.outline == Outline::Free).then(|| cutter.add(Bound::Outer, None));
     cutter.piece(map.patch.own_holes(), outer);
@@ -78,7 +79,7 @@ impl Cutter<'_> {
 
 /// The faces that the loops bound: that within the outer boundary first, which is
 /// a loop or the surface's sides, then each island's.
-pub(crate) fn faces(loops: &[TrimLoop]) -> Vec<Bounds<'_>> {
+pub fn faces(loops: &[TrimLoop]) -> Vec<Bounds<'_>> {
     let is_hole = |l: &TrimLoop| matches!(l.of, Bound::Hole(_));
     let face = |outer: Option<usize>| {
         let inner = loops.iter().filter(|l| is_hole(l) && l.within == outer);
@@ -91,7 +92,7 @@ pub(crate) fn faces(loops: &[TrimLoop]) -> Vec<Bounds<'_>> {
 
 /// Whether one of the loops is the outer boundary's; else that is on the
 /// surface's sides.
-pub(crate) fn has_outline(loops: &[TrimLoop]) -> bool {
+pub fn has_outline(loops: &[TrimLoop]) -> bool {
     loops.iter().any(|l| l.of == Bound::Outer)
 }
 

@@ -70,6 +70,9 @@ pub enum Error {
         /// What is wrong with the value.
         fault: rules::Fault,
     },
+    /// What a stage was given does not fit together.
+    #[error("{0}")]
+    Input(&'static str),
     /// A trim loop crosses itself, another one or the edge of the patch.
     #[error("the trim loop of {of} {fault}, near {}", mm(at))]
     Trim {
@@ -173,6 +176,7 @@ impl Error {
             Error::Option { option, .. } => {
                 format!("give another value for {option}, or leave the option out")
             }
+            Error::Input(_) => "hand on what the stage before made".into(),
             Error::Trim { of: Bound::Outer, .. } => {
                 "lay the outer boundary on the sides (--outline sides), or name a smaller --tolerance".into()
             }

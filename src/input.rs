@@ -5,6 +5,7 @@ use crate::{Options, Result, smooth};
 
 /// What came in.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct InputReport {
     /// Vertices of the chosen component.
     pub vertices: usize,
@@ -26,6 +27,7 @@ pub struct InputReport {
 
 /// What a component of a scan is. Lengths are mm.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Inspection {
     /// Its counts, and what was repaired. Where the component is a disk, with
     /// what a conversion would take off its rims.

@@ -11,11 +11,13 @@
 //! millimetres throughout.
 
 #![deny(missing_docs)]
+// What a caller hands in is answered with an error.
+#![deny(clippy::expect_used, clippy::panic, clippy::unreachable, clippy::unwrap_used)]
 
 pub mod adapt;
 pub mod brep;
 pub mod check;
-mod cut;
+pub mod cut;
 mod decimal;
 pub mod deviation;
 pub mod error;
@@ -47,6 +49,7 @@ use spline::Surface;
 
 /// A stage that has just ended, with what it made.
 #[derive(Debug)]
+#[non_exhaustive]
 pub enum Stage<'a> {
     /// The cleaned mesh.
     Mesh(&'a Disk),
@@ -68,8 +71,25 @@ pub enum Stage<'a> {
     Deviation,
 }
 
+impl Stage<'_> {
+    /// Its name, as reports and progress have it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Stage::Mesh(_) => "mesh",
+            Stage::Smooth(_) => "smooth",
+            Stage::Fill(_) => "fill",
+            Stage::Parameterize(..) => "parameterize",
+            Stage::Fit(_) => "fit",
+            Stage::Trim(..) => "trim",
+            Stage::Brep => "brep",
+            Stage::Deviation => "deviation",
+        }
+    }
+}
+
 /// A converted scan.
 #[derive(Debug)]
+#[non_exhaustive]
 pub struct Conversion {
     /// What the writers take.
     pub brep: Brep,

@@ -10,6 +10,7 @@ pub type Result<T> = std::result::Result<T, Error>;
 /// what the user can do about it.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {what}{}", file.display(), at(place))]
+#[non_exhaustive]
 pub struct Error {
     /// The file as the user named it.
     pub file: PathBuf,
@@ -23,6 +24,7 @@ pub struct Error {
 
 /// A place in a file, or in what the file describes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Place {
     /// Line of a text file, counted from 1.
     Line(u64),

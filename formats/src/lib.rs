@@ -5,6 +5,10 @@
 //! more trimmed B-spline faces with a pcurve for every use of an edge. The
 //! crate knows nothing of what happens between the two.
 
+#![deny(missing_docs)]
+// Whatever a file says is answered with an error.
+#![deny(clippy::expect_used, clippy::panic, clippy::unreachable, clippy::unwrap_used)]
+
 pub mod brep;
 pub mod cad;
 mod damage;

@@ -8,6 +8,7 @@ use crate::{Error, Result, Soup, damage, gltf, obj, ply, stl};
 
 /// A mesh format that [`read_scan`] reads, plain or gzipped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum Format {
     /// Stanford polygon file, ascii or binary.
     Ply,

@@ -41,7 +41,7 @@ impl Polygons {
 
     /// How many triangles the polygons make, each cut into a fan.
     pub fn triangle_count(&self) -> usize {
-        self.corners.len() - 2 * self.ends.len()
+        self.iter().map(|corners| corners.len().saturating_sub(2)).sum()
     }
 
     /// Whether there is no polygon.
@@ -58,6 +58,7 @@ impl Polygons {
 
 /// A unit of length that a scan's numbers can have.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
 pub enum LengthUnit {
     /// Millimetres, the unit of everything after the readers.
     Millimetre,

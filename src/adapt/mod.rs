@@ -60,6 +60,7 @@ pub struct Goal {
 
 /// How knots and fit turned out.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Adapted {
     /// The last fit.
     pub fit: fit::Report,

@@ -23,6 +23,7 @@ use triangles::Triangles;
 
 /// What was found. Lengths are mm.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Report {
     /// How many faces the file has.
     pub faces: usize,

@@ -93,7 +93,7 @@ impl Run<'_> {
             }
             let mut seen = pictured.then(report::Watch::default);
             let mut watch = |stage: Stage| -> scan2step::Result<()> {
-                self.progress.ended(talk::name(&stage), &talk::made(&stage));
+                self.progress.ended(stage.name(), &talk::made(&stage));
                 if let Stage::Parameterize(_, Some(found)) = &stage {
                     // Before the time for it is spent.
                     let hint = hints::crushed(found);

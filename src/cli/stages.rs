@@ -45,7 +45,7 @@ impl Stages {
                 self.put("4-parameterized.ply", |out| patch(out, &map.patch, Some(&map.uv)))
             }
             Stage::Trim(face, loops) => self.put("5-surface.json", |out| surface(out, face, loops)),
-            Stage::Fit(_) | Stage::Brep | Stage::Deviation => Ok(()),
+            _ => Ok(()),
         }
     }
 

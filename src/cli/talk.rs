@@ -8,20 +8,6 @@ use super::input::Scan;
 use super::progress::{Progress, mm};
 use super::{Outcome, plural};
 
-/// The name of a stage.
-pub fn name(stage: &Stage) -> &'static str {
-    match stage {
-        Stage::Mesh(_) => "mesh",
-        Stage::Smooth(_) => "smooth",
-        Stage::Fill(_) => "fill",
-        Stage::Parameterize(..) => "parameterize",
-        Stage::Fit(_) => "fit",
-        Stage::Trim(..) => "trim",
-        Stage::Brep => "brep",
-        Stage::Deviation => "deviation",
-    }
-}
-
 /// What a stage made.
 pub fn made(stage: &Stage) -> String {
     match stage {
@@ -44,9 +30,7 @@ pub fn made(stage: &Stage) -> String {
             format!("{m} × {n} control points")
         }
         Stage::Trim(_, loops) => plural(loops.len(), "trim loop"),
-        Stage::Smooth(_) | Stage::Parameterize(..) | Stage::Brep | Stage::Deviation => {
-            String::new()
-        }
+        _ => String::new(),
     }
 }
 

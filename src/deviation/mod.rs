@@ -11,6 +11,7 @@ use crate::geometry::Point;
 
 /// Distances in mm, over a set of points.
 #[derive(Debug, Clone, Default)]
+#[non_exhaustive]
 pub struct Deviation {
     /// Root mean square.
     pub rms: f64,

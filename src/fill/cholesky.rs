@@ -66,17 +66,16 @@ impl Pattern {
         if let Some(right) = right {
             llt.solve_in_place_with_conj(Conj::No, right.as_mut(), Par::Seq, stack);
         }
-        Some(log_determinant(&self.symbolic, &self.factor))
+        log_determinant(&self.symbolic, &self.factor)
     }
 }
 
-fn log_determinant(symbolic: &SymbolicCholesky<usize>, factor: &[f64]) -> f64 {
-    let SymbolicCholeskyRaw::Supernodal(nodes) = symbolic.raw() else {
-        unreachable!("the pattern asks for supernodes");
-    };
+/// `None` without supernodes, which the pattern asks for.
+fn log_determinant(symbolic: &SymbolicCholesky<usize>, factor: &[f64]) -> Option<f64> {
+    let SymbolicCholeskyRaw::Supernodal(nodes) = symbolic.raw() else { return None };
     let factor = SupernodalLltRef::new(nodes, factor);
     let blocks = (0..nodes.n_supernodes()).map(|s| factor.supernode(s).val());
-    2.0 * blocks.flat_map(|b| (0..b.ncols()).map(move |k| b[(k, k)].ln())).sum::<f64>()
+    Some(2.0 * blocks.flat_map(|b| (0..b.ncols()).map(move |k| b[(k, k)].ln())).sum::<f64>())
 }
 
 #[cfg(test)]

@@ -18,6 +18,7 @@ const CELL: f64 = 2.0;
 
 /// What is wrong with a fill.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Faults {
     /// Sides at which it folds, inside or at its rims.
     pub folds: usize,

@@ -78,6 +78,7 @@ pub enum Method {
 
 /// One filled hole.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Hole {
     /// Vertices of the rim.
     pub rim_vertices: usize,
@@ -97,6 +98,7 @@ pub struct Hole {
 
 /// What was filled, in the order of the disk's holes.
 #[derive(Debug, Clone, Default)]
+#[non_exhaustive]
 pub struct Report {
     /// The holes.
     pub holes: Vec<Hole>,
@@ -104,7 +106,15 @@ pub struct Report {
 
 /// Fills all holes of a disk. `measured` are its points as the scanner gave
 /// them, before smoothing.
+///
+/// # Errors
+/// [`Error::Fill`]: a hole that cannot be filled. [`Error::Option`]: an option that
+/// cannot be. [`Error::Input`]: not as many measured points as the disk has.
 pub fn fill(disk: Disk, measured: &[Point], options: &Options) -> Result<(Patch, Report)> {
+    options.check()?;
+    if !disk.holes.is_empty() && measured.len() != disk.mesh.points.len() {
+        return Err(Error::Input("there are not as many measured points as the disk has"));
+    }
     let cloud = Cloud::of(&disk.mesh);
     let rings = Rings::new(&disk.mesh);
     let ground = Ground::new(&disk.mesh);

@@ -37,6 +37,7 @@ pub enum Method {
 
 /// How the fit went.
 #[derive(Debug, Clone, Copy)]
+#[non_exhaustive]
 pub struct Report {
     /// The method used.
     pub method: Method,
@@ -45,11 +46,16 @@ pub struct Report {
 }
 
 /// Fits a surface over the given knot vectors, both cubic.
+///
+/// # Errors
+/// [`Error::Empty`]: there are no samples. [`Error::Input`]: knots or samples that
+/// cannot be. [`Error::Singular`]: the equations have no solution.
 pub fn fit(samples: &Samples, knots: [KnotVector; 2], method: Method) -> Result<(Surface, Report)> {
-    if samples.is_empty() {
-        return Err(Error::Empty("there is nothing to fit".into()));
-    }
+    samples.check()?;
     let [u, v] = knots;
+    if [&u, &v].iter().any(|k| k.degree() != 3) {
+        return Err(Error::Input("a knot vector is not cubic"));
+    }
     let cells = Cells::new(samples, [&u, &v]);
     let (net, steps) = match method {
         Method::Blend => blend(&cells)?,

@@ -28,6 +28,7 @@ pub struct Options {
 
 /// What was placed.
 #[derive(Debug, Clone, Default)]
+#[non_exhaustive]
 pub struct Report {
     /// Regions that were not divided further.
     pub regions: usize,

@@ -42,8 +42,12 @@ pub struct Build {
 ///
 /// # Errors
 /// [`Error::Empty`]: no triangle is left. [`Error::Option`]: a unit that is no length.
+/// [`Error::Input`]: a polygon has a corner that is not among the points.
 pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
     rules::length(mm).map_err(of("unit"))?;
+    if soup.polygons.iter().flatten().any(|&corner| corner as usize >= soup.points.len()) {
+        return Err(Error::Input("a polygon has a corner that is not among the points"));
+    }
     let mut repairs = Repairs::new();
     let welded = weld::weld(soup, mm, &mut repairs);
     let mut triangles = polygons::triangulate(soup, &welded, &mut repairs);

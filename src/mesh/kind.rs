@@ -7,6 +7,7 @@ use crate::error::{Error, Result};
 
 /// The topology of a connected surface.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct Topology {
     /// Whether it has two sides (a Möbius strip has one).
     pub orientable: bool,

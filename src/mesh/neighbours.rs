@@ -26,6 +26,7 @@ impl Neighbours {
     pub fn new(points: &[Point]) -> Self {
         let turn = Rotation3::new(Vector::new(0.61, -0.37, 0.83));
         let turned: Vec<[f64; 3]> = points.iter().map(|p| (turn * p).coords.into()).collect();
+        #[expect(clippy::expect_used, reason = "kiddo refuses only what is not finite")]
         let tree = ImmutableKdTree::new_from_slice(&turned)
             .expect("a tree of finite points builds, however many coincide");
         Neighbours { tree, turn }

@@ -9,6 +9,7 @@ use crate::geometry::Point;
 
 /// Where the map leaves too little room.
 #[derive(Debug, Clone, Copy, PartialEq)]
+#[non_exhaustive]
 pub struct Crushed {
     /// Knot spans in u and in v that the tolerance asks for.
     pub spans: [f64; 2],

@@ -65,6 +65,7 @@ impl Options {
 
 /// How good the map is.
 #[derive(Debug, Clone, Default)]
+#[non_exhaustive]
 pub struct Report {
     /// Inverted triangles, by an exact predicate.
     pub flipped: usize,

@@ -8,6 +8,7 @@ use crate::mesh::{FaceOrigin, Patch};
 /// normalised to 1 for an isometry. The plane is scaled to the rectangle that
 /// stretches least, since a map to the square is one to any rectangle.
 #[derive(Debug, Clone, Copy, Default)]
+#[non_exhaustive]
 pub struct Stretch {
     /// Root mean square over directions and (area-weighted) triangles.
     pub l2: f64,

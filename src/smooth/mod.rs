@@ -68,6 +68,7 @@ pub enum Corners {
 
 /// What smoothing did. Lengths are mm.
 #[derive(Debug, Clone, Default)]
+#[non_exhaustive]
 pub struct Report {
     /// The support, where it changes over the scan its median; 0 with smoothing
     /// off.

@@ -15,6 +15,9 @@ pub struct Curve<const D: usize> {
 
 impl<const D: usize> Curve<D> {
     /// A curve; there must be as many control points as basis functions.
+    ///
+    /// # Panics
+    /// Where there are not; [`Curve::try_new`] does not panic.
     pub fn new(knots: KnotVector, control: Vec<SVector<f64, D>>) -> Self {
         assert_eq!(knots.functions(), control.len(), "control points");
         Curve { knots, control }

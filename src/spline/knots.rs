@@ -25,6 +25,9 @@ pub struct Basis {
 impl KnotVector {
     /// A knot vector of any kind; `knots` must not decrease and hold at least
     /// 2 (degree + 1) numbers.
+    ///
+    /// # Panics
+    /// Where they do not; [`KnotVector::try_new`] does not panic.
     pub fn new(degree: usize, knots: Vec<f64>) -> Self {
         assert!(degree < ROOM && knots.len() >= 2 * (degree + 1), "degree {degree}");
         assert!(knots.windows(2).all(|w| w[0] <= w[1]), "knots must not decrease");
@@ -34,6 +37,9 @@ impl KnotVector {
     /// The clamped ("open") knot vector over increasing breakpoints, the inner
     /// ones of multiplicity `inner`: n spans of single knots make n + degree
     /// basis functions.
+    ///
+    /// # Panics
+    /// With fewer than two breakpoints, or some that decrease.
     pub fn clamped(degree: usize, breaks: &[f64], inner: usize) -> Self {
         assert!(breaks.len() >= 2, "a knot vector has at least one span");
         let mut knots = vec![breaks[0]; degree + 1];
@@ -46,6 +52,10 @@ impl KnotVector {
 
     /// The clamped knot vector of `control_points` functions over [0, 1] with
     /// spans of equal length.
+    ///
+    /// # Panics
+    /// With no more control points than the degree; [`KnotVector::cubic`] does not
+    /// panic.
     pub fn uniform(degree: usize, control_points: usize) -> Self {
         let spans = control_points - degree;
         let breaks: Vec<f64> = (0..=spans).map(|i| i as f64 / spans as f64).collect();

@@ -2,6 +2,7 @@
 //! surfaces. Notation and algorithms follow Piegl & Tiller, "The NURBS Book"
 //! (1997), chapters 2 to 5.
 
+mod checked;
 mod compose;
 mod curve;
 mod foot;

@@ -1,5 +1,6 @@
 //! Points with the parameters at which a surface should pass them.
 
+use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv};
 
 /// Weighted points with parameters; the lists run in parallel.
@@ -24,5 +25,22 @@ impl Samples {
     /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
+    }
+
+    /// Whether they can be fitted.
+    pub(crate) fn check(&self) -> Result<()> {
+        if self.is_empty() {
+            return Err(Error::Empty("there is nothing to fit".into()));
+        }
+        if self.uv.len() != self.len() || self.weights.len() != self.len() {
+            return Err(Error::Input("samples: points, parameters and weights differ in number"));
+        }
+        let finite = |x: &f64| x.is_finite();
+        let places = self.points.iter().all(|p| p.iter().all(finite));
+        let weights = self.weights.iter().all(|w| *w > 0.0 && w.is_finite());
+        if places && weights && self.uv.iter().all(|at| at.iter().all(finite)) {
+            return Ok(());
+        }
+        Err(Error::Input("samples: a number is not finite, or a weight not above 0"))
     }
 }

@@ -33,6 +33,9 @@ pub struct Jet {
 
 impl Surface {
     /// A surface; the net must have u.functions() × v.functions() points.
+    ///
+    /// # Panics
+    /// Where it has not; [`Surface::try_new`] does not panic.
     pub fn new(u: KnotVector, v: KnotVector, net: Vec<Vector>) -> Self {
         assert_eq!(u.functions() * v.functions(), net.len(), "control net");
         Surface { u, v, net }

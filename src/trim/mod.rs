@@ -63,6 +63,21 @@ pub struct Rim {
     pub uv: Vec<Uv>,
 }
 
+impl Rim {
+    /// Whether it can be the rim at this position.
+    fn check(&self, position: usize) -> Result<()> {
+        if self.points.is_empty() || self.points.len() != self.uv.len() {
+            return Err(Error::Input("a rim has not one parameter point a vertex"));
+        }
+        match self.within {
+            Some(around) if around >= position => {
+                Err(Error::Input("a rim is within one that does not come before it"))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
 /// The arcs of a rim's loop, around a hole clockwise in (u, v), around an island and
 /// the whole patch counter-clockwise, each with the edge that it traces on the
 /// surface at the same parameter.
@@ -80,6 +95,7 @@ pub struct TrimLoop {
 
 /// How a loop turned out. Lengths are mm.
 #[derive(Debug, Clone)]
+#[non_exhaustive]
 pub struct LoopReport {
     /// Which rim's loop.
     pub of: Bound,
@@ -102,13 +118,15 @@ const ROUNDS: usize = 100;
 ///
 /// # Errors
 /// [`Error::Trim`]: a loop that crosses itself, another one or the edge of the patch.
-/// [`Error::Option`]: a tolerance that is no length.
+/// [`Error::Option`]: a tolerance that is no length. [`Error::Input`]: a rim without
+/// a parameter point a vertex, or within one that does not come before it.
 pub fn trim(
     surface: &Surface,
     rims: &[Rim],
     options: &Options,
 ) -> Result<(Vec<TrimLoop>, Vec<LoopReport>)> {
     rules::length(options.tolerance).map_err(of("tolerance"))?;
+    rims.iter().enumerate().try_for_each(|(i, rim)| rim.check(i))?;
     let arcs = uncrossed(surface, rims, options)?;
     let both = rims.par_iter().zip(arcs).map(|(rim, pcurves)| traced(surface, rim, pcurves));
     Ok(both.collect::<Vec<_>>().into_iter().unzip())

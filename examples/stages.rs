@@ -1,0 +1,97 @@
+//! One's own mesh, stage by stage: what `scan2step::convert` does, for whoever wants
+//! to look between the stages, to change what they pass on, or to put another in.
+//!
+//! cargo run --release --example stages
+//!
+//! Makes a wavy sheet of 60 × 40 mm with noise and a round hole, and a STEP file of it
+//! in memory. Prints a line a stage.
+
+use std::error::Error;
+
+use formats::{Soup, step};
+use scan2step::adapt::{self, Goal};
+use scan2step::deviation::Face;
+use scan2step::mesh::{self, Choice, Components, Outer};
+use scan2step::{Options, brep, cut, fill, parameterize, smooth, trim};
+
+/// Standard deviation of the noise, in mm.
+const NOISE: f64 = 0.02;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    // Mesh: vertices at one place become one, faults are repaired, a piece is chosen.
+    let pieces = Components::new(mesh::from_soup(&scan(), 1.0)?);
+    let mut repairs = pieces.repairs().clone();
+    let measured = pieces.take(Choice::Largest)?.into_disk(Outer::Auto, &mut repairs)?;
+    println!("mesh: {} vertices, {} hole", measured.mesh.points.len(), measured.holes.len());
+
+    let (smoothed, smoothing) = smooth::smooth(&measured, &smooth::Options::default())?;
+    println!("smooth: noise {:.3} mm, support {:.1} mm", smoothing.noise, smoothing.h);
+
+    let how =
+        fill::Options { support: smoothing.h, noise: smoothing.noise, ..fill::Options::default() };
+    let (patch, filling) = fill::fill(smoothed, &measured.mesh.points, &how)?;
+    println!("fill: {} triangles", filling.holes[0].added_triangles);
+
+    let how = parameterize::Options::default();
+    let (mut map, mapping) = parameterize::parameterize(patch, &how)?;
+    println!("parameterize: stretch {:.2}", mapping.stretch.l2);
+
+    // Knots and fit, again and again until the goal is reached. `knots::place` and
+    // `fit::fit` are the single steps.
+    let goal = Goal { tolerance: 3.0 * NOISE, named: true, outliers: 0.0 };
+    let (surface, fitting) = adapt::fit(&mut map, &Options::default(), &goal)?;
+    let [m, n] = surface.shape();
+    println!("fit: {m} × {n} control points after {} fits", fitting.rounds);
+
+    let cut_out = vec![true; filling.holes.len()];
+    let rims = cut::rims(&map, &cut_out);
+    let (loops, _) = trim::trim(&surface, &rims, &trim::Options { tolerance: goal.tolerance })?;
+    println!("trim: {} loop of {} edges", loops.len(), loops[0].edges.len());
+
+    let brep = brep::build(&surface, &cut::faces(&loops), "sheet", trim::EDGE_ACCURACY)?;
+    let mut file = Vec::new();
+    step::write(&brep, &step::Options::default(), &mut file)?;
+    println!("write: {} bytes", file.len());
+
+    let arcs = loops.iter().map(|l| l.pcurves.as_slice());
+    let face = Face::new(&surface, arcs, !cut::has_outline(&loops));
+    let deviation = face.deviation(&measured.mesh.points, &map.uv[..map.patch.measured]);
+    println!("deviation: rms {:.4} mm, at most {:.4} mm", deviation.rms, deviation.max);
+
+    assert_eq!((measured.holes.len(), filling.holes.len(), loops.len()), (1, 1, 1));
+    assert!((0.5..1.5).contains(&(smoothing.noise / NOISE)), "the noise is found");
+    assert!(deviation.rms < 1.2 * NOISE, "the face is no farther than the noise");
+    assert!(file.starts_with(b"ISO-10303-21;") && file.ends_with(b"END-ISO-10303-21;\n"));
+    Ok(())
+}
+
+/// The sheet, as a soup of polygons: squares serve as well as triangles.
+fn scan() -> Soup {
+    let (columns, rows) = (61, 41);
+    let mut soup = Soup::default();
+    let mut noise = noise();
+    for k in 0..columns * rows {
+        let (x, y) = (f64::from(k % columns), f64::from(k / columns));
+        let z = 2.0 * (0.12 * x).sin() * (0.1 * y).cos();
+        soup.points.push([x, y, z + NOISE * noise()]);
+    }
+    for k in 0..(columns - 1) * (rows - 1) {
+        let (i, j) = (k % (columns - 1), k / (columns - 1));
+        let (x, y) = (f64::from(i) - 34.5, f64::from(j) - 18.5);
+        if x.hypot(y) > 7.0 {
+            let a = j * columns + i;
+            soup.polygons.push([a, a + 1, a + columns + 1, a + columns]);
+        }
+    }
+    soup
+}
+
+/// Deterministic noise of standard deviation 1: the sum of twelve even numbers.
+fn noise() -> impl FnMut() -> f64 {
+    let mut state = 1_u64;
+    let mut even = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    move || (0..12).map(|_| even()).sum::<f64>() - 6.0
+}
