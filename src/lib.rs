@@ -9,6 +9,55 @@
 //! "Reverse Engineering Point Clouds to Obtain Tensor Product B-Spline
 //! Surfaces by Blending Local Fits" (2005), cited here by section. Lengths are
 //! millimetres throughout.
+//!
+//! ```
+//! use scan2step::{Options, convert};
+//!
+//! # fn main() -> Result<(), Box<dyn std::error::Error>> {
+//! # let scan = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/relief.ply");
+//! let soup = formats::read_scan(&scan)?;
+//! let options = Options::builder().name("relief").tolerance(0.25).build()?;
+//! let conversion = convert(&soup, &options, &mut |_| Ok(()))?;
+//! assert!(conversion.tolerance_met(0.0));
+//!
+//! let mut file = Vec::new();
+//! formats::step::write(&conversion.brep, &formats::step::Options::default(), &mut file)?;
+//! # assert!(file.starts_with(b"ISO-10303-21;"));
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! # Stage by stage
+//!
+//! Each stage is a function with options and a report of its own, to be called with
+//! one's own mesh, between others, or alone; `examples/stages.rs` calls all of them.
+//!
+//! | stage | function | from | makes |
+//! | --- | --- | --- | --- |
+//! | mesh | [`mesh::from_soup`], [`mesh::Components`] | polygons | a disk with holes |
+//! | smooth | [`smooth::smooth`] | a disk with holes | the same, smoothed |
+//! | fill | [`fill::fill`] | that | a disk |
+//! | parameterize | [`parameterize::parameterize`] | that | parameters in [0, 1]² |
+//! | knots, fit | [`adapt::fit`]; [`knots::place`], [`fit::fit`] | these | a surface |
+//! | trim | [`cut::rims`], [`trim::trim`] | both | trim loops |
+//! | brep | [`cut::faces`], [`brep::build`] | these | what `formats` writes |
+//!
+//! [`deviation::Face`] tells how far points are from the face; [`check::check`] how far
+//! a CAD file is from a scan.
+//!
+//! # Features
+//!
+//! `cli` (default) is the program; `picture`, which it implies, the module of that name.
+//! A library does without: `default-features = false`.
+//!
+//! # Errors and versions
+//!
+//! What can be wrong with a scan or an option is an [`Error`], and [`Error::help`] says
+//! what to do. What stages hand on (`Disk`, `Patch`, `Parameterized`, `Surface`) is
+//! taken to be as they made it: whoever changes it by hand keeps what its
+//! documentation promises. Errors, reports and [`Stage`] may grow in any version. Options
+//! of stages get new fields with a new minor version, before 1.0; write
+//! `..Default::default()`.
 
 #![deny(missing_docs)]
 // What a caller hands in is answered with an error.
@@ -140,7 +189,11 @@ impl Conversion {
 /// scan's diagonal.
 const LEAST_TOLERANCE: f64 = 1e-4;
 
-/// Converts one component of a scan. `watch` is shown what each stage made.
+/// Converts one component of a scan. `watch` is shown what each stage made; an error
+/// of its own stops the conversion.
+///
+/// # Errors
+/// What stops a stage, or what `watch` answers.
 pub fn convert(
     soup: &Soup,
     options: &Options,
@@ -151,7 +204,11 @@ pub fn convert(
 }
 
 /// Converts one component of a mesh: readers → **mesh → smooth → fill →
-/// parameterize → knots → fit → trim → brep** → writers.
+/// parameterize → knots → fit → trim → brep** → writers. Many of one mesh share it; its
+/// unit is that which it was made with.
+///
+/// # Errors
+/// Those of [`convert`], but for the mesh.
 pub fn convert_component(
     scan: &Components,
     options: &Options,

@@ -33,3 +33,8 @@ pub use brep::{Brep, PCurve, TrimmedFace};
 pub use error::{Error, Place, Result};
 pub use read::{Format, read_scan, read_scan_from};
 pub use soup::{LengthUnit, Soup};
+
+/// The example of the README is a test, too.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;

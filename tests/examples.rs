@@ -1,0 +1,93 @@
+//! The examples for users of the library, run as they run them.
+
+mod common;
+
+use std::path::Path;
+use std::process::{Command, Output};
+
+use common::{arg, fixture};
+
+/// Runs an example, which `cargo test` has built beside this test.
+fn run(name: &str, args: &[&str]) -> Output {
+    let test = std::env::current_exe().expect("a path");
+    let folder = test.ancestors().nth(2).expect("it lies in deps/").join("examples");
+    let example = folder.join(name).with_extension(std::env::consts::EXE_EXTENSION);
+    assert!(example.exists(), "the example is not built: cargo build --example {name}");
+    Command::new(example).args(args).output().expect("the example runs")
+}
+
+/// The same, which must succeed; returns what it printed.
+fn printed(name: &str, args: &[&str]) -> String {
+    let output = run(name, args);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success(), "{name} {args:?}: {said}");
+    String::from_utf8(output.stdout).expect("text")
+}
+
+/// The number after some words.
+fn after(text: &str, words: &str) -> f64 {
+    let rest = text.split(words).nth(1).unwrap_or_else(|| panic!("no '{words}' in {text}"));
+    rest.split_whitespace().next().unwrap_or_default().parse().expect("a number")
+}
+
+fn starts_a_step_file(path: &Path) -> bool {
+    std::fs::read(path).is_ok_and(|bytes| bytes.starts_with(b"ISO-10303-21;"))
+}
+
+#[test]
+fn a_scan_converts_and_its_deviation_is_measured() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (scan, step) = (fixture("relief.ply"), folder.path().join("relief.step"));
+    let said = printed("convert", &[arg(&scan), arg(&step), "0.2"]);
+    assert!(said.ends_with("within tolerance: true\n"), "{said}");
+    assert!(starts_a_step_file(&step));
+    // Read back from the file it is what the conversion said.
+    let found = printed("deviation", &[arg(&step), arg(&scan)]);
+    assert!((after(&found, "scan to face: rms ") - after(&said, "rms ")).abs() < 1e-3, "{found}");
+    assert!(found.starts_with("1 face, 3 loops"), "two holes and the outer one: {found}");
+}
+
+#[test]
+fn an_example_says_what_is_wrong_with_a_tolerance() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let (scan, step) = (fixture("relief.ply"), folder.path().join("relief.step"));
+    let output = run("convert", &[arg(&scan), arg(&step), "-0.2"]);
+    assert!(!output.status.success() && !step.exists());
+    assert!(String::from_utf8_lossy(&output.stderr).contains("Length"), "{output:?}");
+}
+
+#[test]
+fn a_mesh_of_ones_own_goes_stage_by_stage() {
+    let said = printed("stages", &[]);
+    let names: Vec<&str> = said.lines().filter_map(|line| line.split(':').next()).collect();
+    let stages = ["mesh", "smooth", "fill", "parameterize", "fit", "trim", "write", "deviation"];
+    assert_eq!(names, stages, "{said}");
+}
+
+#[test]
+fn every_piece_gets_a_file_or_a_reason() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let mut text = String::new();
+    for k in 0..144 {
+        let (x, y) = (f64::from(k % 12), f64::from(k / 12));
+        text += &format!("v {x} {y} {}\n", 0.3 * (0.5 * x).sin());
+    }
+    for k in 0..121 {
+        let a = 1 + k / 11 * 12 + k % 11;
+        text += &format!("f {a} {} {} {}\n", a + 1, a + 13, a + 12);
+    }
+    // And an octahedron, which is closed.
+    for [x, y, z] in [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]] {
+        text += &format!("v {} {} {}\n", x + 30, y, z);
+    }
+    for (i, j) in [(0, 1), (1, 2), (2, 3), (3, 0)] {
+        text += &format!("f {0} {1} 149\nf {1} {0} 150\n", 145 + i, 145 + j);
+    }
+    let scan = folder.path().join("two.obj");
+    std::fs::write(&scan, text).expect("a file");
+    let said = printed("pieces", &[arg(&scan), arg(folder.path())]);
+    assert!(said.contains("piece 0: rms"), "{said}");
+    assert!(said.contains("piece 1: the surface is closed"), "{said}");
+    assert!(starts_a_step_file(&folder.path().join("piece-0.step")));
+    assert!(!folder.path().join("piece-1.step").exists());
+}
