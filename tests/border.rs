@@ -131,6 +131,8 @@ fn a_soup_of_ones_own_may_be_nonsense() {
     let last = soup.points.len() as u32 - 1;
     soup.polygons.push([0, 1, last]);
     assert_eq!(soup.polygons.triangle_count(), 6 * 6 * 2 - 8 + 2);
+    let made = mesh::from_soup(&soup, 1.0).expect("the rest is sound");
+    assert_eq!(made.repairs.get("degenerate_faces"), Some(&4));
     convert(&soup, &Options::default(), &mut |_| Ok(())).expect("the rest is sound");
     soup.polygons.push([0, 1, last + 1]);
     assert!(is_input(convert(&soup, &Options::default(), &mut |_| Ok(()))));

@@ -21,13 +21,15 @@ pub(super) fn triangulate(
     repairs: &mut Repairs,
 ) -> Vec<[VertexId; 3]> {
     let mut triangles = Vec::with_capacity(soup.polygons.triangle_count());
-    let (mut lost, mut cut, mut crossed) = (0, 0, 0);
+    let (mut lost, mut degenerate, mut cut, mut crossed) = (0, 0, 0, 0);
     let mut corners: Vec<u32> = Vec::new();
     for polygon in soup.polygons.iter() {
         corners.clear();
         corners.extend(polygon.iter().map(|&i| welded.number[i as usize]));
         if corners.contains(&NOWHERE) {
             lost += 1;
+        } else if corners.len() < 3 {
+            degenerate += 1;
         } else if let [a, b, c] = corners[..] {
             triangles.push([a, b, c].map(VertexId));
         } else {
@@ -37,6 +39,7 @@ pub(super) fn triangulate(
         }
     }
     count(repairs, "faces_with_non_finite_vertices", lost);
+    count(repairs, "degenerate_faces", degenerate);
     count(repairs, "polygons_triangulated", cut);
     count(repairs, "polygons_that_cross_themselves", crossed);
     triangles
