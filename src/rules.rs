@@ -49,17 +49,15 @@ pub type Result<T> = std::result::Result<T, Fault>;
 /// Spans are halved down to 2^−20 of the domain.
 pub const MOST_HALVINGS: u32 = 20;
 
-/// A side of a bicubic net.
-const SIDE: usize = 4;
-
-/// The smallest net, and the largest that may be asked for: its fit takes some
-/// 80 GB.
-const LEAST_CONTROL_POINTS: usize = SIDE * SIDE;
-/// See [`Fault::MaxNet`].
+/// The largest net that may be asked for; its fit takes some 80 GB.
 pub const MOST_CONTROL_POINTS: usize = 1 << 24;
 
-fn must(holds: bool, else_: Fault) -> Result<()> {
-    if holds { Ok(()) } else { Err(else_) }
+/// The shortest side of a bicubic net, and the smallest net.
+const SIDE: usize = 4;
+const LEAST_CONTROL_POINTS: usize = SIDE * SIDE;
+
+fn must(holds: bool, fault: Fault) -> Result<()> {
+    if holds { Ok(()) } else { Err(fault) }
 }
 
 /// A length above 0, in mm.

@@ -96,24 +96,27 @@ fn nets_have_bounds() {
 #[test]
 fn stages_look_at_what_they_are_given() {
     let disk = disk();
-    let mut map = None;
+    let measured = disk.mesh.points.as_slice();
+    let how = fill::Options::default();
+    assert!(is_input(fill::fill(disk.clone(), &[], &how)));
+    let (patch, _) = fill::fill(disk.clone(), measured, &how).expect("a patch");
+    let how = parameterize::Options::default();
+    let (mut map, _) = parameterize::parameterize(patch.clone(), &how).expect("a map");
     for x in NONSENSE {
-        let how =
-            smooth::Options { support: smooth::Support::Fixed(x), ..smooth::Options::default() };
+        let how = smooth::Options { support: smooth::Support::Fixed(x), ..Default::default() };
         assert_eq!(option(smooth::smooth(&disk, &how)).0, "smooth");
-        let measured = disk.mesh.points.as_slice();
-        let how = fill::Options { noise: x, ..fill::Options::default() };
+        let how = fill::Options { noise: x, ..Default::default() };
         assert_eq!(option(fill::fill(disk.clone(), measured, &how)).0, "noise");
-        assert!(is_input(fill::fill(disk.clone(), &[], &fill::Options::default())));
-        let (patch, _) = fill::fill(disk.clone(), measured, &fill::Options::default()).unwrap();
-        let how = parameterize::Options::default();
-        let made = parameterize::parameterize(patch, &how).expect("a map").0;
-        let map = map.insert(made);
         let goal = Goal { tolerance: x, named: true, outliers: 0.0 };
-        assert_eq!(option(adapt::fit(map, &Options::default(), &goal)).0, "tolerance");
+        assert_eq!(option(adapt::fit(&mut map, &Options::default(), &goal)).0, "tolerance");
         let goal = Goal { tolerance: 0.1, named: true, outliers: x };
-        assert_eq!(option(adapt::fit(map, &Options::default(), &goal)).0, "outliers");
+        assert_eq!(option(adapt::fit(&mut map, &Options::default(), &goal)).0, "outliers");
     }
+    let how = parameterize::Options {
+        corners: Some([Point::new(f64::NAN, 0.0, 0.0); 4]),
+        ..Default::default()
+    };
+    assert_eq!(option(parameterize::parameterize(patch, &how)), ("corners", Fault::Point));
 }
 
 #[test]

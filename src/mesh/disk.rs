@@ -53,7 +53,7 @@ pub struct Island {
 impl Disk {
     /// Checks the topology of a connected, oriented mesh by its Euler
     /// characteristic.
-    pub fn new(mesh: Mesh, outer: Outer) -> Result<Self> {
+    pub(super) fn new(mesh: Mesh, outer: Outer) -> Result<Self> {
         let edges = EdgeMap::new(&mesh);
         Topology::new(&mesh, &edges, true).check_disk()?;
         let mut loops = boundary::boundary_loops(&mesh, &edges);

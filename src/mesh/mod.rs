@@ -30,7 +30,8 @@ pub use topology::{EdgeMap, Rings};
 use crate::geometry::{Point, Vector, VertexId, bounds};
 
 /// An oriented triangle mesh: no edge has more than two triangles, and two
-/// triangles run along their common edge in opposite directions.
+/// triangles run along their common edge in opposite directions. One's own comes from
+/// [`from_soup`], which makes it so; what takes a mesh takes that for granted.
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
     /// Positions, in mm.
