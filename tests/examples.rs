@@ -5,15 +5,21 @@ mod common;
 use std::path::Path;
 use std::process::{Command, Output};
 
-use common::{arg, fixture};
+use common::{arg, fixture, root};
 
-/// Runs an example, which `cargo test` has built beside this test.
+/// Builds an example as this test was built, and runs it. What `cargo test` leaves in
+/// the target's folder may be older than the library.
 fn run(name: &str, args: &[&str]) -> Output {
-    let test = std::env::current_exe().expect("a path");
-    let folder = test.ancestors().nth(2).expect("it lies in deps/").join("examples");
-    let example = folder.join(name).with_extension(std::env::consts::EXE_EXTENSION);
-    assert!(example.exists(), "the example is not built: cargo build --example {name}");
-    Command::new(example).args(args).output().expect("the example runs")
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let mut command = Command::new(cargo);
+    command.args(["run", "--quiet", "--example", name]).current_dir(root());
+    if !cfg!(debug_assertions) {
+        command.arg("--release");
+    }
+    if !cfg!(feature = "cli") {
+        command.arg("--no-default-features");
+    }
+    command.arg("--").args(args).output().expect("cargo runs")
 }
 
 /// The same, which must succeed; returns what it printed.

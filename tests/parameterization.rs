@@ -14,7 +14,9 @@ use scan2step::parameterize::{self, Options, Outline, Parameterized, Report};
 fn patch(soup: &Soup) -> Patch {
     let scan = Components::new(mesh::from_soup(soup, 1.0).unwrap());
     let disk = scan.take(Choice::Largest).unwrap().into_disk(Outer::Auto, &mut Repairs::new());
-    fill::fill(disk.unwrap(), &[], &fill::Options::default()).unwrap().0
+    let disk = disk.unwrap();
+    let points = disk.mesh.points.clone();
+    fill::fill(disk, &points, &fill::Options::default()).unwrap().0
 }
 
 /// A grid of n × m vertices, the diagonals as they come; `point` is given

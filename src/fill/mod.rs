@@ -112,7 +112,7 @@ pub struct Report {
 /// cannot be. [`Error::Input`]: not as many measured points as the disk has.
 pub fn fill(disk: Disk, measured: &[Point], options: &Options) -> Result<(Patch, Report)> {
     options.check()?;
-    if !disk.holes.is_empty() && measured.len() != disk.mesh.points.len() {
+    if measured.len() != disk.mesh.points.len() {
         return Err(Error::Input("there are not as many measured points as the disk has"));
     }
     let cloud = Cloud::of(&disk.mesh);
