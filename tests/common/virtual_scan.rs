@@ -20,7 +20,7 @@ pub struct Star {
 }
 
 impl Star {
-    fn holds(&self, u: f64, v: f64) -> bool {
+    pub fn holds(&self, u: f64, v: f64) -> bool {
         let (x, y) = (u - self.centre[0], v - self.centre[1]);
         x.hypot(y) < self.radius * (1.0 + 0.25 * (self.arms * y.atan2(x) + 0.7).cos())
     }
@@ -221,24 +221,29 @@ impl VirtualScan {
         grid.filter(far).map(|(u, v)| (self.truth)(u, v)).collect()
     }
 
-    /// Root mean square distance of points from the true surface, in mm: from
-    /// the nearest of a grid of samples, by Newton steps in (u, v).
+    /// Root mean square distance of points from the true surface, in mm.
     pub fn rms(&self, points: impl Iterator<Item = [f64; 3]>) -> f64 {
+        let distances = self.distances(points);
+        let squares: f64 = distances.iter().map(|d| d * d).sum();
+        (squares / distances.len().max(1) as f64).sqrt()
+    }
+
+    /// Distances of points from the true surface, in mm: from the nearest of a grid
+    /// of samples, by Newton steps in (u, v).
+    pub fn distances(&self, points: impl Iterator<Item = [f64; 3]>) -> Vec<f64> {
         const GRID: usize = 100;
         let step = 1.0 / GRID as f64;
         let uv = |k: usize| ((k / (GRID + 1)) as f64 * step, (k % (GRID + 1)) as f64 * step);
         let grid: Vec<_> = (0..(GRID + 1) * (GRID + 1))
             .map(|k| (uv(k), nalgebra::Point3::from((self.truth)(uv(k).0, uv(k).1))))
             .collect();
-        let (mut sum, mut count) = (0.0, 0);
-        for p in points {
+        let distance = |p: [f64; 3]| {
             let p = nalgebra::Point3::from(p);
             let squared = |s: &nalgebra::Point3<f64>| (s - p).norm_squared();
             let nearest = grid.iter().min_by(|a, b| squared(&a.1).total_cmp(&squared(&b.1)));
-            sum += self.distance(p, nearest.expect("a grid has points").0).powi(2);
-            count += 1;
-        }
-        (sum / f64::from(count.max(1))).sqrt()
+            self.distance(p, nearest.expect("a grid has points").0)
+        };
+        points.map(distance).collect()
     }
 
     /// The distance of a point from the true surface near (u, v), in mm.

@@ -1,0 +1,73 @@
+//! How far what each stage makes is from the true surface.
+
+use std::error::Error;
+
+use formats::Soup;
+use scan2step::deviation::Face;
+use scan2step::geometry::{Point, Uv};
+use scan2step::mesh::{Bound, Disk, Patch};
+use scan2step::{Conversion, Options, Stage, convert};
+
+use crate::virtual_scan::VirtualScan;
+
+/// Samples of the face along a side of its domain.
+const SIDE: usize = 200;
+
+/// Points that are measured of a mesh at the most.
+const MOST: usize = 50_000;
+
+/// A row of a Markdown table: the scan, its points, its noise as found; root mean
+/// square distances to the true surface, in mm, of the points as measured and
+/// smoothed, of the points that fills added, and of the trimmed face, and of this the
+/// largest; the tolerance and the control net.
+pub fn row(name: &str, scan: &VirtualScan) -> Result<String, Box<dyn Error>> {
+    let mut soup = Soup::default();
+    soup.points.clone_from(&scan.points);
+    scan.triangles.iter().for_each(|&t| soup.polygons.push(t));
+    let (mut smoothed, mut filled) = (Vec::new(), Vec::new());
+    let conversion = convert(&soup, &Options::default(), &mut |stage| {
+        match stage {
+            Stage::Smooth(Disk { mesh, .. }) => smoothed.clone_from(&mesh.points),
+            Stage::Fill(Patch { mesh, measured, .. }) => filled = mesh.points[*measured..].to_vec(),
+            _ => {}
+        }
+        Ok(())
+    })?;
+    let distances = |points: &[Point]| {
+        let step = points.len().div_ceil(MOST).max(1);
+        scan.distances(points.iter().step_by(step).map(|&p| p.into()))
+    };
+    let measured: Vec<Point> = scan.points.iter().map(|&p| Point::from(p)).collect();
+    let face = distances(&on_face(&conversion));
+    let [m, n] = conversion.surface.shape();
+    Ok(format!(
+        "| {name} | {} | {:.4} | {:.4} | {:.4} | {:.4} | {:.4} | {:.4} | {:.4} | {m} × {n} |",
+        scan.points.len(),
+        conversion.smooth.noise,
+        rms(&distances(&measured)),
+        rms(&distances(&smoothed)),
+        rms(&distances(&filled)),
+        rms(&face),
+        face.iter().copied().fold(0.0, f64::max),
+        conversion.tolerance,
+    ))
+}
+
+/// Points of the trimmed face, evenly over its domain.
+fn on_face(conversion: &Conversion) -> Vec<Point> {
+    let surface = &conversion.surface;
+    let natural = conversion.loops.iter().all(|l| l.of != Bound::Outer);
+    let loops = conversion.loops.iter().map(|l| l.pcurves.as_slice());
+    let face = Face::new(surface, loops, natural);
+    let ((u0, u1), (v0, v1)) = (surface.u.range(), surface.v.range());
+    let along =
+        |(from, to): (f64, f64), i: usize| from + (to - from) * (i as f64 + 0.5) / SIDE as f64;
+    let places =
+        (0..SIDE * SIDE).map(|i| Uv::new(along((u0, u1), i / SIDE), along((v0, v1), i % SIDE)));
+    places.filter(|&at| face.contains(at)).map(|at| surface.point(at)).collect()
+}
+
+fn rms(distances: &[f64]) -> f64 {
+    let squares: f64 = distances.iter().map(|d| d * d).sum();
+    (squares / distances.len().max(1) as f64).sqrt()
+}
