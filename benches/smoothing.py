@@ -20,8 +20,9 @@ import sys
 import tempfile
 from pathlib import Path
 
-ROOT = Path(__file__).resolve().parent.parent
-SHARED = ROOT.parent / "shared"
+import made
+
+SHARED = made.ROOT.parent / "shared"
 SCANS = ["paper8100", "roll40k", "relief60k", "relief250k", "relief1m",
          "paper8100:0", "roll40k:0", "relief250k:0"]
 TITLES = ["scan", "noise", "rms before", "rms", "outer", "moved rms",
@@ -32,19 +33,12 @@ def main():
     if not (SHARED / "virtual_scan.py").exists():
         sys.exit(f"NOT MEASURED: {SHARED / 'virtual_scan.py'} is absent; it is not part of the project")
     sys.path.insert(0, str(SHARED))
-    program = build()
+    program = made.built("measure")
     print("| " + " | ".join(TITLES) + " |\n|" + " --- |" * len(TITLES))
     for scan in sys.argv[1:] or SCANS:
         name, noise, seed = (scan.split(":") + ["", ""])[:3]
         row = measure(program, name, float(noise) if noise else None, int(seed or 0))
         print("| " + " | ".join(row) + " |", flush=True)
-
-
-def build():
-    cargo = ["cargo", "build", "--release", "--example", "measure", "--message-format", "json"]
-    lines = subprocess.run(cargo, cwd=ROOT, check=True, stdout=subprocess.PIPE).stdout.splitlines()
-    built = [json.loads(line) for line in lines]
-    return [b["executable"] for b in built if b.get("target", {}).get("name") == "measure"][-1]
 
 
 def measure(program, name, noise, seed):
@@ -57,7 +51,7 @@ def measure(program, name, noise, seed):
         vs.write_ply(scan, points, triangles)
         run = subprocess.run([program, scan, "--smooth", out], check=True, stdout=subprocess.PIPE)
         found = json.loads(run.stdout)
-        smooth, faces = read_ply(out)
+        smooth, faces = made.read_ply(out)
         outer = max(json.loads(out.with_suffix(".loops.json").read_text()), key=len)
     rms = lambda x: np.sqrt(np.mean(np.square(x)))
     curve = true_boundary(vs.SCANS[name][0])
@@ -76,17 +70,6 @@ def measure(program, name, noise, seed):
         f"{found['cpu_s']['smooth'] / found['vertices'] * 1e6:.1f}",
         f"{found['peak_rss_mb']:.0f}",
     ]
-
-
-def read_ply(path):
-    import numpy as np
-
-    data = path.read_bytes()
-    head, body = data.split(b"end_header\n", 1)
-    counts = [int(line.split()[2]) for line in head.splitlines() if line.startswith(b"element")]
-    points = np.frombuffer(body, "<f8", 3 * counts[0]).reshape(-1, 3)
-    rows = np.frombuffer(body, [("n", "u1"), ("v", "<i4", 3)], counts[1], 24 * counts[0])
-    return points, rows["v"].astype(int)
 
 
 def true_boundary(truth):

@@ -1,4 +1,4 @@
-//! Fits a net to points whose parameters are given: `benches/fit.py` sets the
+//! Fits a net to points whose parameters are given: `benches/peers/fit.py` sets the
 //! figures beside those of other programs and beside the truth.
 //!
 //! cargo run --release --example fit -- SAMPLES M N METHOD [OUT]

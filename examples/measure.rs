@@ -1,11 +1,12 @@
-//! Measures the stages up to smoothing: `benches/peers/read.py` and
-//! `benches/smoothing.py` set the figures beside those of other programs and
+//! Measures the stages up to the fill: `benches/peers/read.py`, `benches/peers/fill.py`
+//! and `benches/smoothing.py` set the figures beside those of other programs and
 //! beside the truth.
 //!
-//! cargo run --release --example measure -- FILE [--mesh | --smooth OUT.ply]
+//! cargo run --release --example measure -- FILE [--mesh | --smooth OUT.ply | --fill OUT.ply]
 //!
 //! Prints one line of JSON. `--smooth` writes the smoothed mesh, and beside it
-//! `OUT.loops.json`, its boundary loops. Needs Linux: times are CPU seconds of all
+//! `OUT.loops.json`, its boundary loops; `--fill` the filled mesh, what was measured
+//! first. Needs Linux: times are CPU seconds of all
 //! threads and the peak is the process's, both from /proc.
 
 mod usage;
@@ -15,8 +16,8 @@ use std::fs;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use scan2step::mesh::{self, Choice, Components, Disk, EdgeMap, Outer};
-use scan2step::smooth;
+use scan2step::mesh::{self, Choice, Components, Disk, EdgeMap, Mesh, Outer, Repairs};
+use scan2step::{fill, smooth};
 use serde_json::{Map, json};
 use usage::{cpu_s, peak_rss_mb};
 
@@ -30,7 +31,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         [file] => read(file, steps)?,
         [file, "--mesh"] => mesh(file, steps)?,
         [file, "--smooth", out] => smooth(file, out, steps)?,
-        _ => return Err("FILE [--mesh | --smooth OUT.ply]".into()),
+        [file, "--fill", out] => fill(file, out, steps)?,
+        _ => return Err("FILE [--mesh | --smooth OUT.ply | --fill OUT.ply]".into()),
     }
     Ok(())
 }
@@ -61,16 +63,11 @@ fn mesh(file: &str, mut steps: Steps) -> Result<(), Box<dyn Error>> {
 }
 
 fn smooth(file: &str, out: &str, mut steps: Steps) -> Result<(), Box<dyn Error>> {
-    let soup = formats::read_scan(Path::new(file))?;
-    let scan = Components::new(mesh::from_soup(&soup, 1.0)?);
-    drop(soup);
-    let mut repairs = scan.repairs().clone();
-    let disk = scan.take(Choice::Largest)?.into_disk(Outer::Auto, &mut repairs)?;
-    drop(scan);
+    let (disk, repairs) = disk(file)?;
     steps.end("mesh")?;
     let (smoothed, report) = smooth::smooth(&disk, &smooth::Options::default())?;
     steps.end("smooth")?;
-    write_ply(&smoothed, out)?;
+    write_ply(&smoothed.mesh, out)?;
     let loops: Vec<Vec<u32>> =
         smoothed.loops().map(|ring| ring.iter().map(|v| v.0).collect()).collect();
     fs::write(Path::new(out).with_extension("loops.json"), json!(loops).to_string())?;
@@ -81,10 +78,37 @@ fn smooth(file: &str, out: &str, mut steps: Steps) -> Result<(), Box<dyn Error>>
     }))
 }
 
+fn fill(file: &str, out: &str, mut steps: Steps) -> Result<(), Box<dyn Error>> {
+    let (disk, _) = disk(file)?;
+    steps.end("mesh")?;
+    let (smoothed, report) = smooth::smooth(&disk, &smooth::Options::default());
+    steps.end("smooth")?;
+    let (vertices, triangles) = (smoothed.mesh.points.len(), smoothed.mesh.triangles.len());
+    let mut options = fill::Options::default();
+    (options.support, options.noise) = (report.h, report.noise);
+    let (patch, report) = fill::fill(smoothed, &disk.mesh.points, &options)?;
+    steps.end("fill")?;
+    write_ply(&patch.mesh, out)?;
+    steps.print(json!({
+        "task": "fill", "vertices": vertices, "triangles": triangles,
+        "holes": report.holes.len(),
+    }))
+}
+
+/// The largest component of a scan, and what was repaired.
+fn disk(file: &str) -> Result<(Disk, Repairs), Box<dyn Error>> {
+    let soup = formats::read_scan(Path::new(file))?;
+    let scan = Components::new(mesh::from_soup(&soup, 1.0)?);
+    drop(soup);
+    let mut repairs = scan.repairs().clone();
+    let disk = scan.take(Choice::Largest)?.into_disk(Outer::Auto, &mut repairs)?;
+    Ok((disk, repairs))
+}
+
 /// Binary PLY: doubles and ints.
-fn write_ply(disk: &Disk, out: &str) -> Result<(), Box<dyn Error>> {
+fn write_ply(mesh: &Mesh, out: &str) -> Result<(), Box<dyn Error>> {
     let mut file = BufWriter::new(fs::File::create(out)?);
-    let (points, triangles) = (&disk.mesh.points, &disk.mesh.triangles);
+    let (points, triangles) = (&mesh.points, &mesh.triangles);
     write!(
         file,
         "ply\nformat binary_little_endian 1.0\nelement vertex {}\nproperty double x\n\

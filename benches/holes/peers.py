@@ -2,7 +2,7 @@
 how well, in the figures of evaluate.py.
 
     python3 -m venv VENV
-    VENV/bin/pip install numpy scipy cgal==6.0.1.post202410241521 meshlib==3.1.4.297
+    VENV/bin/pip install -r benches/peers/requirements.txt
     cargo build --release
     VENV/bin/python benches/holes/peers.py target/release/scan2step [--only PATTERN]
         [--peers LIST] [--seed K] [--json FILE] [--largest] [--shared DIR]
@@ -21,12 +21,14 @@ meshlib         fillHoleNicely, defaults but for maxEdgeLen, the mean edge of th
                 rim, and maxEdgeSplits, which limits nothing. It splits longer
                 edges of the rim, too, and thus measured faces beside it: 'lost'
 meshlib-1000    the same with the default of maxEdgeSplits, 1000
+meshlab         meshing_close_holes, refined to the mean edge of the scan; it does not
+                say which face is of which hole
 
 Each runs in a process of its own: 'timeout', 'signal N' and 'error' are results.
 A refused hole is one that the peer left open, a lost triangle one of the scan,
-as the peer got it, that is no more. `s` is of the fills alone, wall
-time. The other columns are those of evaluate.py. CGAL computes in double
-precision, MeshLib in single.
+as the peer got it, that is no more. `s` is of the fills alone, CPU seconds of all
+threads. The other columns are those of evaluate.py. CGAL computes in double
+precision, MeshLib and MeshLab in single.
 """
 
 import argparse
@@ -238,9 +240,9 @@ def cgal(points, triangles, continuity):
     hole, seconds, refused, fresh = [np.full(len(triangles), -1)], 0.0, 0, []
     for k, (halfedge, _) in enumerate(rims):
         faces, vertices = [], []
-        begun = time.perf_counter()
+        begun = time.process_time()
         triangulate_refine_and_fair_hole(mesh, halfedge, faces, vertices, DENSITY, continuity)
-        seconds += time.perf_counter() - begun
+        seconds += time.process_time() - begun
         refused += not faces
         fresh += [(k, face) for face in faces]
     places = np.empty((mesh.size_of_vertices(), 3))
@@ -309,9 +311,9 @@ def meshlib(points, triangles, splits):
         settings.subdivideSettings.maxEdgeLen = mesh.holePerimeter(rim) / count
         if splits:
             settings.subdivideSettings.maxEdgeSplits = splits
-        begun = time.perf_counter()
+        begun = time.process_time()
         faces = mrmeshpy.fillHoleNicely(mesh, rim, settings)
-        seconds += time.perf_counter() - begun
+        seconds += time.process_time() - begun
         mine = np.flatnonzero(mrmeshnumpy.getNumpyBitSet(faces))
         refused += not len(mine)
         hole[k] = mine
@@ -328,19 +330,49 @@ def meshlib(points, triangles, splits):
             "seconds": seconds}
 
 
-PEERS = {"cgal-c1": (cgal, 1), "cgal-c2": (cgal, 2), "meshlib": (meshlib, NO_LIMIT),
+def meshlab(points, triangles):
+    import pymeshlab
+
+    whole = pymeshlab.MeshSet()
+    whole.add_mesh(pymeshlab.Mesh(points, triangles.astype(np.int32)))
+    edges = meshes.Edges(triangles, len(points))
+    rims = sorted(rim_sizes(edges, len(points)))
+    length = np.linalg.norm(np.diff(points[edges.ends], axis=1)[:, 0], axis=1).mean()
+    begun = time.process_time()
+    # All but the longest, in edges.
+    whole.meshing_close_holes(maxholesize=int(rims[-2] + 1), refinehole=True,
+                              refineholeedgelen=pymeshlab.PureValue(length))
+    seconds = time.process_time() - begun
+    mesh = whole.current_mesh()
+    places, faces = mesh.vertex_matrix(), mesh.face_matrix().astype(np.int64)
+    assert np.array_equal(faces[: len(triangles)], triangles)
+    places[: len(points)] = points
+    left = len(rim_sizes(meshes.Edges(faces, len(places)), len(places))) - 1
+    hole = np.r_[np.full(len(triangles), -1), np.zeros(len(faces) - len(triangles), int)]
+    return {"points": places, "triangles": faces, "hole": hole, "refused": left, "seconds": seconds}
+
+
+def rim_sizes(edges, count):
+    """Edges of each boundary loop."""
+    rim = edges.ends[edges.uses == 1]
+    graph = coo_array((np.ones(len(rim), bool), rim.T), shape=2 * [count])
+    return np.unique(connected_components(graph, directed=False)[1][rim[:, 0]], return_counts=True)[1]
+
+
+PEERS = {"meshlab": (meshlab,), "cgal-c1": (cgal, 1), "cgal-c2": (cgal, 2), "meshlib": (meshlib, NO_LIMIT),
          "meshlib-1000": (meshlib, None)}
 
 if __name__ == "__main__":
+    from scipy.sparse import coo_array
+    from scipy.sparse.csgraph import connected_components
+
+    import meshes
+
     if sys.argv[1:2] == ["fill"]:
         fill(*sys.argv[2:])
     else:
-        from scipy.sparse import coo_array
-        from scipy.sparse.csgraph import connected_components
-
         import cases
         import evaluate
-        import meshes
         import run as runs
         from scans import virtual_scan
 

@@ -1,11 +1,9 @@
 """Compares reading scans and making meshes of them with trimesh, Open3D and
 MeshLab (pymeshlab).
 
-    python3 -m venv VENV
-    VENV/bin/pip install -r benches/peers/requirements.txt
     VENV/bin/python benches/peers/read.py [--folder FOLDER] [--runs N] [--ours PROGRAM]
 
-Prints Markdown tables. The scan, of a million points and two million triangles,
+`run.py` says how VENV is made. Prints Markdown tables. The scan, of a million points and two million triangles,
 is written to FOLDER (target/peers if not given) the first time. PROGRAM is an
 examples/measure that is built already. Needs Linux.
 
@@ -27,7 +25,10 @@ import time
 from pathlib import Path
 
 HERE = Path(__file__).resolve().parent
-ROOT = HERE.parent.parent
+sys.dont_write_bytecode = True
+sys.path.insert(0, str(HERE.parent))
+import made
+
 OURS = "scan2step"
 PEERS = ["trimesh", "open3d", "pymeshlab"]
 FORMATS = ["ply", "glb", "stl", "obj"]
@@ -36,10 +37,10 @@ FIGURES = ["cpu_s", "wall_s", "peak_rss_mb"]
 UNITS = ["CPU s", "wall s", "peak MB"]
 
 
-def main():
-    options = arguments()
+def main(given=None):
+    options = arguments(given)
     files = scans(options.folder)
-    ours = options.ours or build()
+    ours = options.ours or made.built("measure")
     jobs = [(tool, "import", "") for tool in [OURS, *PEERS]]
     jobs += [(tool, task, end) for end in FORMATS for tool in [OURS, *PEERS] for task in TASKS]
     best = {}
@@ -51,13 +52,13 @@ def main():
     report(best, options.runs)
 
 
-def arguments():
+def arguments(given):
     as_it_is = argparse.RawDescriptionHelpFormatter
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=as_it_is)
-    parser.add_argument("--folder", type=Path, default=ROOT / "target" / "peers")
+    parser.add_argument("--folder", type=Path, default=made.ROOT / "target" / "peers")
     parser.add_argument("--runs", type=int, default=3)
     parser.add_argument("--ours", type=Path)
-    return parser.parse_args()
+    return parser.parse_args(given)
 
 
 def scans(folder):
@@ -67,20 +68,12 @@ def scans(folder):
     return files
 
 
-def build():
-    cargo = ["cargo", "build", "--release", "--example", "measure", "--message-format", "json"]
-    done = subprocess.run(cargo, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True)
-    built = [json.loads(line) for line in done.stdout.splitlines()]
-    ours = [b for b in built if b.get("target", {}).get("name") == "measure"]
-    return ours[0]["executable"]
-
-
 def command(job, ours, files):
     tool, task, ending = job
     file = [files[ending]] if ending else []
     if tool == OURS:
         return [ours, *file] + (["--mesh"] if task == "mesh" else [])
-    return [sys.executable, HERE / "peers.py", tool, task, *file]
+    return [sys.executable, HERE / "read_peers.py", tool, task, *file]
 
 
 def measure(command):

@@ -1,6 +1,6 @@
 """One task with one peer, in a process of its own; `read.py` runs it.
 
-    python benches/peers/peers.py trimesh|open3d|pymeshlab import|read|mesh [FILE]
+    python benches/peers/read_peers.py trimesh|open3d|pymeshlab import|read|mesh [FILE]
 
 Prints one line of JSON: what came out, and the process's peak memory in MB
 (10^6 bytes). "mesh" welds what coincides, drops degenerate and duplicate

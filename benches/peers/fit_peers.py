@@ -1,6 +1,6 @@
-"""One fit by one peer, in a process of its own; `run.py` runs it.
+"""One fit by one peer, in a process of its own; `fit.py` runs it.
 
-    python benches/fit/peers.py gismo|fitpack|geomdl|freecad SAMPLES.npz N OUT.npy
+    python benches/peers/fit_peers.py gismo|fitpack|geomdl|freecad SAMPLES.npz N OUT.npy
 
 SAMPLES holds uv and p; the surface has N x N control points over uniform knots
 in [0, 1]. OUT gets what truth is compared with: the surface at `at`. Prints CPU
