@@ -30,17 +30,27 @@ pub enum Mode {
     Deviation,
     /// The control net over the face
     Net,
-    /// The parameter plane
+    /// The parameter plane: mesh, knot lines and trim loops
     Uv,
+    /// The measured mesh with its boundary loops
+    Mesh,
+    /// The mesh around a hole, as measured and smoothed
+    Smooth,
+    /// A filled hole
+    Fill,
+    /// The mesh in the parameter plane
+    Map,
+    /// The face around a hole, and the rim
+    Trim,
 }
 
 impl Args {
     /// The size asked for, or one that suits the mode.
     pub fn size(&self) -> [usize; 2] {
         self.size.unwrap_or(match self.mode {
-            Mode::Pair => [1600, 800],
-            Mode::Deviation | Mode::Net => [1200, 1000],
-            Mode::Uv => [1000, 1000],
+            Mode::Pair | Mode::Smooth => [1600, 800],
+            Mode::Uv | Mode::Map => [1000, 1000],
+            _ => [1200, 1000],
         })
     }
 }

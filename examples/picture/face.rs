@@ -37,7 +37,8 @@ pub fn picture_with_net(scene: &Scene, camera: &Camera, size: [usize; 2]) -> Ima
     canvas.image()
 }
 
-fn draw(canvas: &mut Canvas, scene: &Scene, camera: &Camera) {
+/// Draws the face with its edges.
+pub fn draw(canvas: &mut Canvas, scene: &Scene, camera: &Camera) {
     sheet(canvas, scene, camera);
     occlusion::darken(canvas);
     edges(canvas, scene, camera).ink(canvas, linear(INK));

@@ -1,14 +1,16 @@
 //! Makes a PNG that shows a scan beside the CAD face that it becomes.
 //!
 //! `cargo run --release --example picture -- SCAN OUT.png [--size WxH]
-//! [--mode pair|deviation|net|uv]`
+//! [--mode MODE]`, with the modes of [`args::Mode`]
 
 mod args;
 mod deviation;
 mod face;
+mod loops;
 mod parameters;
 mod scan;
 mod scene;
+mod stages;
 mod trimmed;
 
 use std::process::ExitCode;
@@ -40,6 +42,11 @@ fn run(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
         Mode::Deviation => deviation::picture(&scene, size)?,
         Mode::Net => net(&scene, size),
         Mode::Uv => parameters::picture(&scene, size),
+        Mode::Mesh => stages::mesh(&scene, size),
+        Mode::Smooth => stages::smooth(&scene, size),
+        Mode::Fill => stages::fill(&scene, size),
+        Mode::Map => parameters::map(&scene, size),
+        Mode::Trim => loops::picture(&scene, size),
     };
     picture.save(&args.out)?;
     Ok(())
@@ -50,7 +57,7 @@ fn pair(scene: &Scene, [width, height]: [usize; 2]) -> Image {
     // Both halves have one size, so that one camera serves both.
     let half = [width / 2, height];
     let camera = Camera::facing(&scene.measured.mesh, scene.extent(), half);
-    let left = scan::picture(scene, &camera, half);
+    let left = scan::canvas(&scene.measured.mesh, &camera, half).image();
     let right = face::picture(scene, &camera, half);
     left.beside(Image::blank([width % 2, height], scan2step::picture::colour::BACKGROUND))
         .beside(right)

@@ -4,6 +4,7 @@ use scan2step::geometry::{Uv, Vector};
 use scan2step::mesh::FaceOrigin;
 
 use crate::scene::Scene;
+use crate::stages::FILLED;
 use scan2step::picture::canvas::Canvas;
 use scan2step::picture::colour::{linear, srgb};
 use scan2step::picture::image::Image;
@@ -43,22 +44,30 @@ impl Plane {
 /// Knot lines, mesh, filled regions and trim loops in the parameter plane.
 pub fn picture(scene: &Scene, size: [usize; 2]) -> Image {
     let plane = Plane::new(scene, size);
-    let mut canvas = Canvas::new(size);
-    triangles(&mut canvas, scene, &plane);
-    let layers = [
-        (sides(&canvas, scene, &plane), 0x5f6b78),
-        (knot_lines(&canvas, scene, &plane), 0x1f5fae),
-        (loops(&canvas, scene, &plane), 0x1c2430),
-    ];
+    let mut canvas = map_on(scene, &plane, size);
+    let layers =
+        [(knot_lines(&canvas, scene, &plane), 0x1f5fae), (loops(&canvas, scene, &plane), 0x1c2430)];
     for (lines, colour) in layers {
         lines.ink(&mut canvas, linear(srgb(colour)));
     }
     canvas.image()
 }
 
+/// The mesh in the parameter plane by itself.
+pub fn map(scene: &Scene, size: [usize; 2]) -> Image {
+    map_on(scene, &Plane::new(scene, size), size).image()
+}
+
+fn map_on(scene: &Scene, plane: &Plane, size: [usize; 2]) -> Canvas {
+    let mut canvas = Canvas::new(size);
+    triangles(&mut canvas, scene, plane);
+    sides(&canvas, scene, plane).ink(&mut canvas, linear(srgb(0x5f6b78)));
+    canvas
+}
+
 /// The mesh: measured triangles white, filled ones tinted.
 fn triangles(canvas: &mut Canvas, scene: &Scene, plane: &Plane) {
-    let (white, tint) = (linear(srgb(0xffffff)), linear(srgb(0xf2b36b)));
+    let (white, tint) = (linear(srgb(0xffffff)), linear(FILLED));
     for (t, origin) in scene.map.patch.mesh.triangles.iter().zip(&scene.map.patch.origin) {
         let colour = if *origin == FaceOrigin::Measured { white } else { tint };
         canvas.triangle(t.map(|v| plane.place(scene.map.uv[v.index()])), |_| Some(colour));

@@ -1,20 +1,16 @@
-//! The measured mesh.
+//! A mesh of the scan.
 
+use scan2step::mesh::Mesh;
 use scan2step::picture::camera::Camera;
 use scan2step::picture::canvas::Canvas;
 use scan2step::picture::colour::plaster;
-use scan2step::picture::image::Image;
 use scan2step::picture::{occlusion, sheet};
 
-use crate::scene::Scene;
-
-/// The scan in plaster.
-pub fn picture(scene: &Scene, camera: &Camera, size: [usize; 2]) -> Image {
+/// A mesh in plaster.
+pub fn canvas(mesh: &Mesh, camera: &Camera, size: [usize; 2]) -> Canvas {
     let material = plaster();
     let mut canvas = Canvas::new(size);
-    sheet::draw(&mut canvas, &scene.measured.mesh, camera, |_, _, normal, front| {
-        material.lit(normal, front)
-    });
+    sheet::draw(&mut canvas, mesh, camera, |_, _, normal, front| material.lit(normal, front));
     occlusion::darken(&mut canvas);
-    canvas.image()
+    canvas
 }

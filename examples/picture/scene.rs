@@ -13,6 +13,8 @@ use scan2step::{Conversion, Options, Stage, brep, convert};
 pub struct Scene {
     /// The cleaned mesh, as measured.
     pub measured: Disk,
+    /// The mesh, smoothed.
+    pub smoothed: Disk,
     /// The filled mesh with its parameter points.
     pub map: Parameterized,
     /// The face and how good it is.
@@ -25,18 +27,20 @@ impl Scene {
         let soup = formats::read_scan(path)?;
         let unit_mm = soup.unit.map_or(1.0, |unit| unit.in_mm());
         let options = Options::builder().unit_mm(unit_mm).build()?;
-        let (mut measured, mut map) = (None, None);
+        let (mut measured, mut smoothed, mut map) = (None, None, None);
         let conversion = convert(&soup, &options, &mut |stage| {
             match stage {
                 Stage::Mesh(disk) => measured = Some(disk.clone()),
+                Stage::Smooth(disk) => smoothed = Some(disk.clone()),
                 Stage::Parameterize(parameterized, _) => map = Some(parameterized.clone()),
                 _ => {}
             }
             Ok(())
         })?;
         let measured = measured.ok_or("the conversion showed no mesh")?;
+        let smoothed = smoothed.ok_or("the conversion showed no smoothed mesh")?;
         let map = map.ok_or("the conversion showed no parameterization")?;
-        Ok(Scene { measured, map, conversion })
+        Ok(Scene { measured, smoothed, map, conversion })
     }
 
     /// The fitted surface.
