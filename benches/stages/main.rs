@@ -4,8 +4,9 @@
 //! cargo bench -- smooth                            what has this in its name
 //! SCAN2STEP_BENCH=large cargo bench -- relief4m   10⁶ and 4·10⁶ points, too
 //!
-//! Times are of the clock, on all cores. Throughput is in measured points.
+//! Times are CPU seconds of all threads. Throughput is in measured points.
 
+mod cpu;
 #[path = "../../examples/virtual_scan/named.rs"]
 #[allow(dead_code)]
 mod named;
@@ -22,6 +23,7 @@ use criterion::{
     BenchmarkId, Criterion, SamplingMode, Throughput, criterion_group, criterion_main,
 };
 
+use cpu::CpuTime;
 use prepared::Prepared;
 use tasks::{TASKS, ended};
 
@@ -29,7 +31,7 @@ use tasks::{TASKS, ended};
 const SIZES: [(u64, &str); 2] = [(10_000, "relief10k"), (100_000, "relief100k")];
 const LARGE: [(u64, &str); 2] = [(1_000_000, "relief1m"), (4_000_000, "relief4m")];
 
-fn stages(criterion: &mut Criterion) {
+fn stages(criterion: &mut Criterion<CpuTime>) {
     let large = std::env::var("SCAN2STEP_BENCH").is_ok_and(|size| size == "large");
     let more = if large { &LARGE[..] } else { &[] };
     for &(points, name) in SIZES.iter().chain(more) {
@@ -47,5 +49,9 @@ fn stages(criterion: &mut Criterion) {
     }
 }
 
-criterion_group!(benches, stages);
+criterion_group! {
+    name = benches;
+    config = Criterion::default().with_measurement(CpuTime);
+    targets = stages
+}
 criterion_main!(benches);

@@ -2,15 +2,17 @@
 
 use std::fmt::Display;
 use std::hint::black_box;
-use std::time::{Duration, Instant};
+use std::time::Duration;
 
+use cpu_time::ProcessTime;
 use criterion::{BatchSize, Bencher};
 use scan2step::{Stage, convert, fill, fit, knots, parameterize, smooth, trim};
 
+use crate::cpu::CpuTime;
 use crate::prepared::{Prepared, read};
 
 /// Measures one stage of a scan.
-pub type Task = fn(&mut Bencher, &Prepared);
+pub type Task = fn(&mut Bencher<CpuTime>, &Prepared);
 
 /// The stages in their order, and the whole.
 pub const TASKS: [(&str, Task); 12] = [
@@ -39,25 +41,24 @@ pub const TASKS: [(&str, Task); 12] = [
 ];
 
 /// Measures a stage that may fail, which ends the run: a time of a failure says
-/// nothing. What goes in is made, and what comes out dropped, beside the clock.
+/// nothing. What goes in is made, and what comes out dropped, beside the measurement.
 fn run<I, O, E: Display>(
-    bencher: &mut Bencher,
+    bencher: &mut Bencher<CpuTime>,
     given: impl FnMut() -> I,
     mut stage: impl FnMut(I) -> Result<O, E>,
 ) {
     bencher.iter_batched(given, |input| ended(stage(input)), BatchSize::PerIteration);
 }
 
-/// All of knots and fits until the tolerance holds, by the clock of a whole run:
-/// from the end of the parameterization to that of the last fit.
-fn knots_and_fits(bencher: &mut Bencher, prepared: &Prepared) {
+/// All of knots and fits until the tolerance holds, in a whole run: from the end of the parameterization to that of the last fit.
+fn knots_and_fits(bencher: &mut Bencher<CpuTime>, prepared: &Prepared) {
     bencher.iter_custom(|count| {
         let mut total = Duration::ZERO;
         for _ in 0..count {
-            let mut begun = Instant::now();
+            let mut begun = ProcessTime::now();
             black_box(ended(convert(&prepared.soup, &prepared.options, &mut |stage| {
                 match stage {
-                    Stage::Parameterize(..) => begun = Instant::now(),
+                    Stage::Parameterize(..) => begun = ProcessTime::now(),
                     Stage::Fit(_) => total += begun.elapsed(),
                     _ => {}
                 }
