@@ -6,17 +6,15 @@ use std::cmp::Ordering;
 
 use crate::geometry::{Uv, VertexId, orient2d};
 
-/// A triangle keeps this share of the area it has in the map as it was made.
-const LEAST_AREA: f64 = 0.2;
-
 /// After as many attempts the old map stays.
 const ATTEMPTS: usize = 12;
 
-/// The parameters `uv`, `moved` to their feet. Vertices of triangles that would turn over, or
-/// nearly so, stay where they were.
+/// The parameters `uv`, `moved` to their feet. Vertices of triangles that would keep less
+/// than the share `least` of the area in the map as it was made stay where they were.
 pub fn corrected(
     triangles: &[[VertexId; 3]],
     made: &[Uv],
+    least: f64,
     uv: Vec<Uv>,
     mut moved: Vec<Uv>,
 ) -> Vec<Uv> {
@@ -24,7 +22,7 @@ pub fn corrected(
         let [a, b, c] = triangles[t].map(|v| at[v.index()]);
         orient2d(a, b, c)
     };
-    let least: Vec<f64> = (0..triangles.len()).map(|t| LEAST_AREA * area(made, t)).collect();
+    let least: Vec<f64> = (0..triangles.len()).map(|t| least * area(made, t)).collect();
     // Feet that are no numbers crush them, too.
     let crushed =
         |at: &[Uv], t: usize| area(at, t).partial_cmp(&least[t]).is_none_or(Ordering::is_lt);
@@ -67,7 +65,7 @@ mod tests {
         let moved = |u: f64, v: f64| {
             let mut feet = uv.clone();
             feet[4] = Uv::new(u, v);
-            corrected(&mesh.triangles, &uv, uv.clone(), feet)[4]
+            corrected(&mesh.triangles, &uv, 0.2, uv.clone(), feet)[4]
         };
         assert_eq!(moved(0.3, 0.6), Uv::new(0.3, 0.6));
         assert_eq!(moved(0.3, 1.2), uv[4]);

@@ -1,13 +1,15 @@
 //! What is fitted: a map's vertices as samples, how far a surface is from them,
 //! and their new parameters.
 
+use nalgebra::Matrix3;
 use rayon::prelude::*;
 
 use super::correct::corrected;
-use crate::geometry::{Point, Uv, VertexId, uv_bounds};
+use crate::fit::Hold;
+use crate::geometry::{Point, Uv, Vector, VertexId, uv_bounds};
 use crate::knots::Miss;
 use crate::parameterize::{Outline, Parameterized};
-use crate::spline::{Samples, Surface, foot_point, foot_point_on_iso};
+use crate::spline::{Samples, Surface, foot_point_moving};
 
 /// Weight in the fit of a vertex that was not measured.
 const FILLED_WEIGHT: f64 = 0.3;
@@ -35,7 +37,7 @@ pub struct Target<'a> {
 
 /// Where on a surface the samples' nearest points are.
 pub struct Feet {
-    uv: Vec<Uv>,
+    pub uv: Vec<Uv>,
     /// Distances, in mm.
     distances: Vec<f64>,
     measured: usize,
@@ -82,26 +84,58 @@ impl<'a> Target<'a> {
     /// boundary, corners have theirs in the corner and its other vertices on their
     /// side.
     pub fn feet(&self, surface: &Surface) -> Feet {
-        let foot = |(&uv, &p): (&Uv, &Point)| match held(self.map, uv) {
-            [true, true] => (uv, (surface.point(uv) - p).norm()),
-            [true, false] => foot_point_on_iso(surface, p, uv, 0),
-            [false, true] => foot_point_on_iso(surface, p, uv, 1),
-            [false, false] => foot_point(surface, p, uv),
+        self.feet_from(surface, &self.samples.uv)
+    }
+
+    /// The same, looked for from the given parameters.
+    pub fn feet_from(&self, surface: &Surface, starts: &[Uv]) -> Feet {
+        let foot = |(&uv, &p): (&Uv, &Point)| {
+            foot_point_moving(surface, p, uv, held(self.map, uv).map(|held| !held))
         };
-        let at = self.samples.uv.par_iter().zip(&self.samples.points);
+        let at = starts.par_iter().zip(&self.samples.points);
         let (uv, distances) = at.map(foot).unzip();
         Feet { uv, distances, measured: self.measured() }
     }
 
-    /// Gives the samples the parameters of their feet, as far as no triangle turns
-    /// over. A skirt's triangles neither, or an outer boundary inside the domain
+    /// How the samples hold a surface that slides along them: by their normals, the
+    /// outer boundary on the domain's sides across its course, too, and the corners
+    /// altogether.
+    pub fn holds(&self) -> Vec<Hold> {
+        let patch = &self.map.patch;
+        let normals = patch.mesh.vertex_normals();
+        let mut along: Vec<Option<Vector>> = vec![None; normals.len()];
+        let before = patch.outer.iter().cycle().skip(patch.outer.len().saturating_sub(1));
+        for ((a, v), b) in before.zip(&patch.outer).zip(patch.outer.iter().cycle().skip(1)) {
+            along[v.index()] = (patch.mesh.point(*b) - patch.mesh.point(*a)).try_normalize(0.0);
+        }
+        let hold = |((uv, normal), along): ((&Uv, Vector), Option<Vector>)| {
+            let moves = held(self.map, *uv).map(|held| !held);
+            let metric = match moves {
+                [true, true] => normal * normal.transpose(),
+                [false, false] => Matrix3::identity(),
+                _ => along.map_or(Matrix3::identity(), |t| Matrix3::identity() - t * t.transpose()),
+            };
+            Hold { normal, metric, moves }
+        };
+        self.samples.uv.iter().zip(normals).zip(along).map(hold).collect()
+    }
+
+    /// Gives the samples the parameters of their feet, as far as every triangle keeps the
+    /// share `least` of the area it was made with. A skirt's triangles neither, or an outer boundary inside the domain
     /// might come to cross itself.
-    pub fn correct(&mut self, feet: &Feet) {
-        let count = self.samples.len();
-        let with_skirt = |uv: &[Uv]| [uv, &self.map.skirt.uv].concat();
-        let (now, wanted) = (with_skirt(&self.samples.uv), with_skirt(&feet.uv));
-        self.samples.uv = corrected(&self.triangles, &self.made, now, wanted);
-        self.samples.uv.truncate(count);
+    pub fn correct(&mut self, feet: &Feet, least: f64) {
+        let now = std::mem::take(&mut self.samples.uv);
+        self.samples.uv = self.corrected(now, feet.uv.clone(), least);
+    }
+
+    /// The parameters that the samples may move to from those they have.
+    pub fn corrected(&self, now: Vec<Uv>, wanted: Vec<Uv>, least: f64) -> Vec<Uv> {
+        let count = now.len();
+        let with_skirt = |uv: Vec<Uv>| [uv.as_slice(), &self.map.skirt.uv].concat();
+        let (now, wanted) = (with_skirt(now), with_skirt(wanted));
+        let mut uv = corrected(&self.triangles, &self.made, least, now, wanted);
+        uv.truncate(count);
+        uv
     }
 
     /// Gives weight to measured samples that are farther than `limit` (Lawson's

@@ -17,6 +17,7 @@ pub fn all(args: &Convert, scan: &Scan, conversions: &[Conversion]) -> Vec<Strin
             missed(args, c),
             c.crushed.as_ref().map(crushed),
             stretched(c),
+            folded(c),
             loose(args, c),
             large(c),
             small_holes(args, c),
@@ -74,6 +75,16 @@ fn stretched(c: &Conversion) -> Option<String> {
             stretch.l2
         )
     })
+}
+
+/// Where the face itself folds CAD cannot offset or cut it.
+fn folded(c: &Conversion) -> Option<String> {
+    let folds = c.fit.folds.filter(|&folds| folds > 0)?;
+    let cells = (c.surface.shape()[0] - 3) * (c.surface.shape()[1] - 3);
+    Some(format!(
+        "the surface is turned over at {folds} of {} places, which offsets and Boolean operations in CAD may not survive; a coarser --tolerance, or cutting the scan where it is ragged, leaves fewer",
+        36 * cells
+    ))
 }
 
 /// How many times the noise a named tolerance may be, unless it is less than this

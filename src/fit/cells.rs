@@ -55,7 +55,8 @@ impl<'a> Cells<'a> {
         self.indices(p, q).len()
     }
 
-    fn indices(&self, p: usize, q: usize) -> &[u32] {
+    /// The samples in cell (p, q), by their index.
+    pub fn indices(&self, p: usize, q: usize) -> &[u32] {
         self.homes.of(p * self.counts()[1] + q)
     }
 
@@ -70,6 +71,12 @@ impl<'a> Cells<'a> {
                 point: self.samples.points[i].coords - self.origin,
             }
         })
+    }
+
+    /// Where cell number `n` along an axis begins and ends.
+    pub fn ends(&self, axis: usize, n: usize) -> [f64; 2] {
+        let knots = self.knots[axis].knots();
+        [knots[n + 3], knots[n + 4]]
     }
 
     /// The places of the samples in cell (p, q).

@@ -14,10 +14,13 @@ mod normal;
 mod precondition;
 mod spans;
 mod strips;
+mod unfold;
 
 use cells::Cells;
 use normal::{Equations, Lane};
 use precondition::Preconditioner;
+
+pub use unfold::{Hold, STIFFNESSES, Unfolded, unfold};
 
 use crate::error::{Error, Result};
 use crate::spline::{KnotVector, Samples, Surface};

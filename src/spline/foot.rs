@@ -14,20 +14,21 @@ use crate::geometry::{Point, Uv};
 /// there. The result is never farther than `start`'s own point; Newton's last
 /// step is below 1e-7 of the domain, so that what is left is far below 1e-10.
 pub fn foot_point<S: Patch>(surface: &S, p: Point, start: Uv) -> (Uv, f64) {
-    descend(surface, p, start, [true; 2])
-}
-
-/// The same on the iso-curve on which parameter `held`, 0 or 1, keeps the value
-/// it has in `start`.
-pub fn foot_point_on_iso<S: Patch>(surface: &S, p: Point, start: Uv, held: usize) -> (Uv, f64) {
-    descend(surface, p, start, [held != 0, held != 1])
+    foot_point_moving(surface, p, start, [true; 2])
 }
 
 /// Steps at the most, and the step that is the last.
 const STEPS: usize = 30;
 const LAST_STEP: f64 = 1e-7;
 
-fn descend<S: Patch>(surface: &S, p: Point, start: Uv, moves: [bool; 2]) -> (Uv, f64) {
+/// The same where only the parameters that `moves` names may change: on an
+/// iso-curve, if it is one of them.
+pub fn foot_point_moving<S: Patch>(
+    surface: &S,
+    p: Point,
+    start: Uv,
+    moves: [bool; 2],
+) -> (Uv, f64) {
     let mut at = surface.clamp(start);
     let mut jet = surface.jet(at);
     let mut distance = (jet.s - p).norm_squared();

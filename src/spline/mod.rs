@@ -14,7 +14,7 @@ mod surface;
 
 pub use compose::{curve_on_surface, off_surface};
 pub use curve::Curve;
-pub use foot::{foot_point, foot_point_on_iso};
+pub use foot::{foot_point, foot_point_moving};
 pub use knots::{Basis, KnotVector};
 pub use outline::{Fault, Nest, Outline, Place, crossings, misplaced};
 pub use samples::Samples;

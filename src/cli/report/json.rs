@@ -132,6 +132,7 @@ fn fit_report(c: &Conversion) -> Value {
         "kappa_mm": c.fit.kappa,
         "rounds": c.fit.rounds,
         "steps": c.fit.fit.steps,
+        "folds": c.fit.folds,
     })
 }
 

@@ -1,0 +1,241 @@
+//! The search for knots over which a fit reaches its goal.
+
+use super::Goal;
+use super::deepest;
+use super::target::{Feet, Target};
+use crate::error::Result;
+use crate::geometry::Uv;
+use crate::spline::{KnotVector, Surface};
+use crate::{Options, fit, knots, rules};
+
+/// Without a named tolerance the target is this share of it: the face should
+/// not take part of the noise for shape, but neither add to what smoothing left.
+const UNNAMED_SHARE: f64 = 0.6;
+
+/// Measured points a control point at the least, where the user named no
+/// tolerance. Smoothing looks at dozens of points at a time, so that nets as fine as
+/// this do not follow noise yet, but finer ones have nothing left to follow.
+const POINTS_A_CONTROL_POINT: usize = 2;
+
+/// Halvings beyond those that leave one to four points of an even scan, where scans
+/// are denser or the map is crushed.
+const DEEPER: u32 = 2;
+
+/// A round that does not bring the number of points beyond the target down to this
+/// share, nor the worst of them, is idle.
+const WORTHWHILE: f64 = 0.95;
+
+/// Idle rounds that may follow each other: a round may add a few knots only.
+const PATIENCE: usize = 4;
+
+/// The share of the knot lines that is tried to be done without at first, and the
+/// one that is not worth another fit.
+const FIRST_SHARE: f64 = 0.25;
+const LAST_SHARE: f64 = 0.02;
+
+/// Presses of one net at the most, the share of points beyond the target that are
+/// not too many for it, and the share of them left that makes another one pay.
+const PRESSES: usize = 3;
+const PRESSED_SHARE: f64 = 0.1;
+const PRESSING_PAYS: f64 = 0.7;
+
+/// The share of its area that every triangle of the map keeps when parameters are
+/// corrected, before another fit and after the last.
+const FIRM_AREA: f64 = 0.2;
+const LEAST_AREA: f64 = 1e-3;
+
+/// The share of points that may go beyond an unnamed target for a surface without folds.
+const GIVEN_UP: f64 = 0.01;
+
+/// Corrections of the parameters over a net that stays, at the most, and the rms
+/// below which, of that before, another one pays.
+const CORRECTIONS: usize = 5;
+const PAYS: f64 = 0.97;
+
+/// A surface, the parameters it was fitted with, and how far it is off.
+pub struct Attempt {
+    pub surface: Surface,
+    pub fit: fit::Report,
+    pub uv: Vec<Uv>,
+    weights: Vec<f64>,
+    feet: Feet,
+    /// Measured vertices beyond the target, and the farthest.
+    beyond: (usize, f64),
+}
+
+pub struct Search<'a> {
+    /// What is fitted.
+    pub target: Target<'a>,
+    options: &'a Options,
+    goal: &'a Goal,
+    /// Fits made.
+    pub rounds: usize,
+}
+
+impl<'a> Search<'a> {
+    /// A search that has made no fit yet.
+    pub fn new(target: Target<'a>, options: &'a Options, goal: &'a Goal) -> Self {
+        Search { target, options, goal, rounds: 0 }
+    }
+
+    /// Distance, in mm, that the fit is to keep.
+    fn limit(&self) -> f64 {
+        if self.goal.named { self.goal.tolerance } else { UNNAMED_SHARE * self.goal.tolerance }
+    }
+
+    pub fn attempt(&mut self, knots: [KnotVector; 2]) -> Result<Attempt> {
+        let (mut surface, fit) = fit::fit(&self.target.samples, knots, self.options.method)?;
+        self.target.pin_corners(&mut surface);
+        let feet = self.target.feet(&surface);
+        self.rounds += 1;
+        let beyond = feet.beyond(self.limit());
+        let (uv, weights) = (self.target.samples.uv.clone(), self.target.samples.weights.clone());
+        Ok(Attempt { surface, fit, uv, weights, feet, beyond })
+    }
+
+    /// Takes up the parameters and weights of an attempt, the parameters corrected.
+    fn resume(&mut self, from: &Attempt) {
+        self.target.samples.uv.clone_from(&from.uv);
+        self.target.samples.weights.clone_from(&from.weights);
+        self.target.correct(&from.feet, FIRM_AREA);
+    }
+
+    /// Presses the surface on the points that it misses, as long as that helps: least
+    /// squares leave single points far off that the net could reach.
+    fn press(&mut self, mut best: Attempt) -> Result<Attempt> {
+        let few = (PRESSED_SHARE * self.target.measured() as f64) as usize;
+        for _ in 0..PRESSES {
+            if !self.goal.named || self.met(&best) || best.beyond.0 > few {
+                break;
+            }
+            self.resume(&best);
+            self.target.press(&best.feet, self.limit());
+            let next = self.attempt([best.surface.u.clone(), best.surface.v.clone()])?;
+            if next.beyond.0 as f64 > PRESSING_PAYS * best.beyond.0 as f64 {
+                break;
+            }
+            best = next;
+        }
+        Ok(best)
+    }
+
+    fn met(&self, attempt: &Attempt) -> bool {
+        attempt.beyond.0 <= self.spared()
+    }
+
+    /// How many points may be beyond the tolerance.
+    fn spared(&self) -> usize {
+        (self.goal.outliers * self.target.measured() as f64) as usize
+    }
+
+    /// How many more may go beyond one that was not named.
+    fn given_up(&self) -> usize {
+        (GIVEN_UP * self.target.measured() as f64) as usize
+    }
+
+    /// Puts in knots until the target is met or nothing helps.
+    pub fn grow(&mut self, start: Attempt) -> Result<Attempt> {
+        let asked = &self.options.knots;
+        let measured = self.target.measured();
+        let (depth, most) = match self.goal.named {
+            true => (asked.depth.unwrap_or(rules::MOST_HALVINGS), asked.max_net),
+            false => (
+                asked.depth.unwrap_or_else(|| deepest(measured) + DEEPER),
+                asked.max_net.min(measured / POINTS_A_CONTROL_POINT),
+            ),
+        };
+        let mut best = self.press(start)?;
+        let mut last: Option<Attempt> = None;
+        let mut idle = 0;
+        loop {
+            let now = last.as_ref().unwrap_or(&best);
+            if self.met(now) || idle > PATIENCE {
+                break;
+            }
+            let misses = self.target.misses(&now.feet, self.limit());
+            let knots = knots::insert(&now.surface, &misses, self.target.reach(), depth, most);
+            if knots == [now.surface.u.clone(), now.surface.v.clone()] {
+                break;
+            }
+            self.resume(now);
+            let next = self.attempt(knots)?;
+            let next = self.press(next)?;
+            let gained = (next.beyond.0 as f64) <= WORTHWHILE * best.beyond.0 as f64
+                || next.beyond.1 <= WORTHWHILE * best.beyond.1;
+            idle = if gained { 0 } else { idle + 1 };
+            if next.beyond < best.beyond {
+                best = next;
+                last = None;
+            } else {
+                last = Some(next);
+            }
+        }
+        Ok(best)
+    }
+
+    /// Takes out knot lines as long as the target stays met.
+    pub fn shrink(&mut self, start: Attempt) -> Result<Attempt> {
+        let mut best = start;
+        if !self.met(&best) {
+            return Ok(best);
+        }
+        let mut share = FIRST_SHARE;
+        while share >= LAST_SHARE {
+            let (knots, count) = knots::remove(&best.surface, share);
+            if count == 0 {
+                break;
+            }
+            self.resume(&best);
+            let next = self.attempt(knots)?;
+            let next = self.press(next)?;
+            if self.met(&next) {
+                best = next;
+            } else {
+                share *= 0.5;
+            }
+        }
+        Ok(best)
+    }
+
+    /// Takes out folds as far as that does not lose the target. Returns how many places
+    /// stay turned over, too.
+    pub fn unfold(&mut self, start: Attempt) -> (Attempt, usize) {
+        self.target.samples.uv.clone_from(&start.uv);
+        self.target.correct(&start.feet, LEAST_AREA);
+        let slide = |now: Vec<Uv>, wanted: Vec<Uv>| self.target.corrected(now, wanted, LEAST_AREA);
+        let holds = self.target.holds();
+        let most =
+            start.beyond.0.max(self.spared()) + if self.goal.named { 0 } else { self.given_up() };
+        let mut folds = 0;
+        for stiffness in fit::STIFFNESSES {
+            let samples = &self.target.samples;
+            let unfolded = fit::unfold(&start.surface, samples, &holds, stiffness, &slide);
+            folds = unfolded.before;
+            let Some((surface, uv)) = unfolded.found else { break };
+            let feet = self.target.feet_from(&surface, &uv);
+            let beyond = feet.beyond(self.limit());
+            if beyond.0 <= most {
+                return (Attempt { surface, uv, feet, beyond, ..start }, unfolded.after);
+            }
+        }
+        (start, folds)
+    }
+
+    /// Corrects the parameters over the same net as long as it pays.
+    pub fn settle(&mut self, start: Attempt) -> Result<Attempt> {
+        let mut best = start;
+        for _ in 0..CORRECTIONS {
+            self.resume(&best);
+            let next = self.attempt([best.surface.u.clone(), best.surface.v.clone()])?;
+            let (before, after) = (best.feet.rms(), next.feet.rms());
+            if self.met(&best) && !self.met(&next) || after >= before {
+                break;
+            }
+            best = next;
+            if after > PAYS * before {
+                break;
+            }
+        }
+        Ok(best)
+    }
+}

@@ -1,0 +1,209 @@
+//! Places all over a surface at which it is looked whether it turns over.
+
+use std::cmp::Ordering;
+
+use rayon::prelude::*;
+
+use super::Hold;
+use crate::fit::cells::Cells;
+use crate::geometry::{Uv, Vector};
+use crate::spline::KnotVector;
+
+/// Places looked at in a cell along u and along v.
+pub const ACROSS: usize = 6;
+
+/// The surface is to spread at a place by this share of what is usual around it,
+/// on the side that the samples face.
+pub const LEAST: f64 = 0.1;
+
+/// It counts as turned over where it spreads by less than this share.
+const TURNED: f64 = 0.01;
+
+/// Sweeps over the cells without samples.
+const SWEEPS: usize = 40;
+
+/// The values and slopes of the four functions at a place of one axis.
+pub type Functions = [[f64; 4]; 2];
+
+/// A place at which the surface spreads too little.
+pub struct Spot {
+    /// Its cell.
+    pub cell: [usize; 2],
+    /// The functions in u and in v.
+    pub functions: [Functions; 2],
+    /// Where the samples face, of length 1.
+    pub facing: Vector,
+    /// Derivatives in u and in v, over the usual product of their lengths.
+    pub slopes: [Vector; 2],
+    /// What they span towards `facing`, of the usual.
+    pub spread: f64,
+}
+
+impl Spot {
+    /// Whether the surface is turned over, or all but is.
+    pub fn is_turned(&self) -> bool {
+        self.spread < TURNED
+    }
+}
+
+/// The places of a net.
+pub struct Places<'a> {
+    cells: &'a Cells<'a>,
+    holds: &'a [Hold],
+    axes: [Vec<Functions>; 2],
+    /// The mean normal of a cell's samples; in a cell without any, one that changes
+    /// smoothly from those around.
+    facings: Vec<Vector>,
+    /// The usual product of the derivatives' lengths around a cell, in mm².
+    usual: Vec<f64>,
+}
+
+impl<'a> Places<'a> {
+    /// The places of a net over `cells`, whose samples are held by `holds`.
+    pub fn new(cells: &'a Cells<'a>, holds: &'a [Hold], net: &[Vector]) -> Self {
+        let axes = cells.knots.map(functions);
+        let mut places =
+            Places { cells, holds, axes, facings: facings(cells, holds), usual: Vec::new() };
+        places.usual = places.usual(net);
+        places
+    }
+
+    /// Places that spread too little in the cells that are `chosen`.
+    pub fn spots(&self, net: &[Vector], chosen: impl Fn(usize, usize) -> bool + Sync) -> Vec<Spot> {
+        let [across, down] = self.cells.counts();
+        let rows = (0..across).into_par_iter().map(|p| {
+            let cells = (0..down).filter(|&q| chosen(p, q));
+            cells.flat_map(|q| self.in_cell(net, [p, q])).collect::<Vec<Spot>>()
+        });
+        rows.collect::<Vec<_>>().into_iter().flatten().collect()
+    }
+
+    fn in_cell(&self, net: &[Vector], [p, q]: [usize; 2]) -> Vec<Spot> {
+        let number = p * self.cells.counts()[1] + q;
+        let usual = self.usual[number];
+        let slopes = self.slopes(net, [p, q]).map(|of| of.map(|s| s / usual));
+        let home = self.cells.indices(p, q);
+        let between = home.is_empty().then(|| self.facings[number].try_normalize(1e-9));
+        let mut spots = Vec::new();
+        for (n, slopes) in slopes.into_iter().enumerate() {
+            let normal = slopes[0].cross(&slopes[1]);
+            let nearest = || self.nearest(home, self.place([p, q], n));
+            let Some(facing) = between.unwrap_or_else(nearest) else { continue };
+            let spread = facing.dot(&normal) * usual;
+            if spread < LEAST {
+                let functions =
+                    [self.axes[0][p * ACROSS + n / ACROSS], self.axes[1][q * ACROSS + n % ACROSS]];
+                spots.push(Spot { cell: [p, q], functions, facing, slopes, spread });
+            }
+        }
+        spots
+    }
+
+    /// Where place `n` of a cell is.
+    fn place(&self, cell: [usize; 2], n: usize) -> Uv {
+        let along = |axis: usize, k: usize| {
+            let [low, high] = self.cells.ends(axis, cell[axis]);
+            low + (high - low) * (k as f64 + 0.5) / ACROSS as f64
+        };
+        Uv::new(along(0, n / ACROSS), along(1, n % ACROSS))
+    }
+
+    /// Where the sample faces that is nearest to `at` in the domain.
+    fn nearest(&self, samples: &[u32], at: Uv) -> Option<Vector> {
+        let distance = |i: usize| (self.cells.samples.uv[i] - at).norm_squared();
+        let by_distance = |a: &usize, b: &usize| {
+            distance(*a).partial_cmp(&distance(*b)).unwrap_or(Ordering::Equal)
+        };
+        let nearest = samples.iter().map(|&i| i as usize).min_by(by_distance);
+        nearest.map(|i| self.holds[i].normal)
+    }
+
+    /// The derivatives in u and v at the places of a cell.
+    fn slopes(&self, net: &[Vector], [p, q]: [usize; 2]) -> [[Vector; 2]; ACROSS * ACROSS] {
+        let width = self.cells.counts()[1] + 3;
+        let mut slopes = [[Vector::zeros(); 2]; ACROSS * ACROSS];
+        for b in 0..ACROSS {
+            let [value, slope] = &self.axes[1][q * ACROSS + b];
+            let rows: [[Vector; 2]; 4] = std::array::from_fn(|i| {
+                let row = &net[(p + i) * width + q..][..4];
+                [value, slope].map(|of| row.iter().zip(of).map(|(c, b)| c * *b).sum())
+            });
+            for a in 0..ACROSS {
+                let [value, slope] = &self.axes[0][p * ACROSS + a];
+                let to = &mut slopes[a * ACROSS + b];
+                for (i, [along, across]) in rows.iter().enumerate() {
+                    to[0] += along * slope[i];
+                    to[1] += across * value[i];
+                }
+            }
+        }
+        slopes
+    }
+
+    fn usual(&self, net: &[Vector]) -> Vec<f64> {
+        let [across, down] = self.cells.counts();
+        let own: Vec<Vec<f64>> = (0..across)
+            .into_par_iter()
+            .map(|p| (0..down).map(|q| mean_product(&self.slopes(net, [p, q]))).collect())
+            .collect();
+        let around = |p: usize, q: usize| {
+            let rows = &own[p.saturating_sub(1)..(p + 2).min(across)];
+            let of = q.saturating_sub(1)..(q + 2).min(down);
+            rows.iter().flat_map(|row| &row[of.clone()]).sum::<f64>()
+                / (rows.len() * of.len()) as f64
+        };
+        let cells = (0..across).flat_map(|p| (0..down).map(move |q| (p, q)));
+        cells.map(|(p, q)| around(p, q).max(f64::MIN_POSITIVE)).collect()
+    }
+}
+
+fn mean_product(slopes: &[[Vector; 2]]) -> f64 {
+    slopes.iter().map(|[u, v]| u.norm() * v.norm()).sum::<f64>() / slopes.len() as f64
+}
+
+/// The mean normals of all cells' samples, and between them the solution of
+/// Laplace's equation, or near it.
+fn facings(cells: &Cells, holds: &[Hold]) -> Vec<Vector> {
+    let [across, down] = cells.counts();
+    let at = |c: usize| cells.indices(c / down, c % down);
+    let mean = |c: usize| -> Vector {
+        let sum: Vector = at(c).iter().map(|&i| holds[i as usize].normal).sum();
+        sum.try_normalize(1e-9).unwrap_or_default()
+    };
+    let count = across * down;
+    let mut facings: Vec<Vector> = (0..count).map(mean).collect();
+    let empty: Vec<usize> = (0..count).filter(|&c| at(c).is_empty()).collect();
+    for sweep in 0..SWEEPS {
+        for k in 0..empty.len() {
+            // There and back, so that each sweep carries all the way.
+            let c = empty[if sweep % 2 == 0 { k } else { empty.len() - 1 - k }];
+            let (p, q) = (c / down, c % down);
+            let around = [
+                (p > 0).then(|| c - down),
+                (p + 1 < across).then(|| c + down),
+                (q > 0).then(|| c - 1),
+                (q + 1 < down).then(|| c + 1),
+            ];
+            let around = around.into_iter().flatten().map(|c| facings[c]);
+            // Cells that nothing was carried to yet do not count.
+            let known: Vec<Vector> = around.filter(|f| *f != Vector::zeros()).collect();
+            facings[c] = known.iter().sum::<Vector>() / known.len().max(1) as f64;
+        }
+    }
+    facings
+}
+
+/// The functions at all places of an axis.
+fn functions(knots: &KnotVector) -> Vec<Functions> {
+    let ends = &knots.knots()[3..=knots.functions()];
+    let spans = ends.windows(2).enumerate();
+    let places = spans.flat_map(|(n, ends)| {
+        let (low, step) = (ends[0], (ends[1] - ends[0]) / ACROSS as f64);
+        (0..ACROSS).map(move |k| (n + 3, low + step * (k as f64 + 0.5)))
+    });
+    let at = |(span, t): (usize, f64)| {
+        let [value, slope, _] = knots.basis_in(span, t).derivative;
+        [value, slope].map(|of| [of[0], of[1], of[2], of[3]])
+    };
+    places.map(at).collect()
+}
