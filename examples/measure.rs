@@ -81,7 +81,7 @@ fn smooth(file: &str, out: &str, mut steps: Steps) -> Result<(), Box<dyn Error>>
 fn fill(file: &str, out: &str, mut steps: Steps) -> Result<(), Box<dyn Error>> {
     let (disk, _) = disk(file)?;
     steps.end("mesh")?;
-    let (smoothed, report) = smooth::smooth(&disk, &smooth::Options::default());
+    let (smoothed, report) = smooth::smooth(&disk, &smooth::Options::default())?;
     steps.end("smooth")?;
     let (vertices, triangles) = (smoothed.mesh.points.len(), smoothed.mesh.triangles.len());
     let mut options = fill::Options::default();
