@@ -14,7 +14,7 @@ use crate::mesh::{Mesh, Rings};
 pub struct Grain {
     /// The clusters.
     pub samples: Vec<Sample>,
-    /// Their mean unit normals.
+    /// Their mean unit normals, of coarse ones with those beside them.
     pub normals: Vec<Vector>,
     /// Which clusters share an edge: those of cluster i stand at
     /// `starts[i]..starts[i + 1]`.
@@ -70,24 +70,25 @@ impl Grain {
         let of: Vec<&[u32]> = starts.zip(&ends).map(|(a, &b)| &members[a..b]).collect();
         let samples =
             of.iter().map(|m| Sample::merged(m.iter().map(|&i| self.samples[i as usize])));
-        let normal = |m: &&[u32]| {
-            let each =
-                m.iter().map(|&i| self.samples[i as usize].weight * self.normals[i as usize]);
-            let sum: Vector = each.sum();
-            sum.try_normalize(1e-12).unwrap_or(self.normals[m[0] as usize])
+        let sum = |m: &&[u32]| -> Vector {
+            m.iter().map(|&i| self.samples[i as usize].weight * self.normals[i as usize]).sum()
         };
+        let sums: Vec<Vector> = of.iter().map(sum).collect();
         let around = |c: usize, near: &mut Vec<u32>| {
             near.extend(
                 of[c].iter().flat_map(|&i| self.near(i as usize)).map(|&j| cluster[j as usize]),
             );
         };
         let (starts, near) = adjacency(of.len(), around);
-        let grain = Grain {
-            samples: samples.collect(),
-            normals: of.iter().map(normal).collect(),
-            starts,
-            near,
+        let mut grain = Grain { samples: samples.collect(), normals: Vec::new(), starts, near };
+        // A cluster of few points, whose normals may be noise, follows those beside it.
+        let normal = |c: usize| {
+            let beside = grain.near(c);
+            let sum_beside: Vector = beside.iter().map(|&b| sums[b as usize]).sum();
+            let sum = sums[c] + sum_beside / beside.len().max(1) as f64;
+            sum.try_normalize(1e-12).unwrap_or(self.normals[of[c][0] as usize])
         };
+        grain.normals = (0..of.len()).map(normal).collect();
         (grain, cluster)
     }
 
@@ -166,4 +167,28 @@ fn adjacency(count: usize, around: impl Fn(usize, &mut Vec<u32>)) -> (Vec<u32>, 
         starts.push(near.len() as u32);
     }
     (starts, near)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Point;
+
+    #[test]
+    fn a_cluster_of_one_noisy_point_faces_as_those_beside_it() {
+        let n = 12;
+        let point = |v: usize| Point::new((v % n) as f64, (v / n) as f64, 0.0);
+        let around = |v: usize, near: &mut Vec<u32>| {
+            let beside = |w: &usize| (point(*w) - point(v)).norm() < 1.5;
+            near.extend((0..n * n).filter(beside).map(|w| w as u32));
+        };
+        let (starts, near) = adjacency(n * n, around);
+        let mut normals = vec![Vector::z(); n * n];
+        normals[5 * n + 6] = Vector::new(0.6, 0.0, -0.8);
+        let samples = (0..n * n).map(|v| point(v).into()).collect();
+        let (coarse, of) = Grain { samples, normals, starts, near }.coarser(1.5);
+        let own = of[5 * n + 6] as usize;
+        assert_eq!(coarse.samples[own].weight, 1.0);
+        assert!(coarse.normals[own].z > 0.5, "{}", coarse.normals[own]);
+    }
 }
