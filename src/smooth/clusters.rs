@@ -14,7 +14,7 @@ use crate::mesh::{Mesh, Rings};
 pub struct Grain {
     /// The clusters.
     pub samples: Vec<Sample>,
-    /// Their mean unit normals, of coarse ones with those beside them.
+    /// Their mean unit normals.
     pub normals: Vec<Vector>,
     /// Which clusters share an edge: those of cluster i stand at
     /// `starts[i]..starts[i + 1]`.
@@ -39,6 +39,10 @@ pub fn a_share(count: usize) -> usize {
 }
 
 const FREE: u32 = u32::MAX;
+
+/// A cluster with less than this share of the points that those beside it have
+/// faces as they do.
+const LEFT_OVER: f64 = 0.25;
 
 impl Grain {
     /// The vertices themselves. Those that `left_out` lists count for nothing.
@@ -81,11 +85,13 @@ impl Grain {
         };
         let (starts, near) = adjacency(of.len(), around);
         let mut grain = Grain { samples: samples.collect(), normals: Vec::new(), starts, near };
-        // A cluster of few points, whose normals may be noise, follows those beside it.
+        // The normals of a few points left over between clusters may be noise.
         let normal = |c: usize| {
-            let beside = grain.near(c);
-            let sum_beside: Vector = beside.iter().map(|&b| sums[b as usize]).sum();
-            let sum = sums[c] + sum_beside / beside.len().max(1) as f64;
+            let beside = || grain.near(c).iter().map(|&b| b as usize);
+            let mean = beside().map(|b| grain.samples[b].weight).sum::<f64>()
+                / grain.near(c).len().max(1) as f64;
+            let is_left_over = grain.samples[c].weight < LEFT_OVER * mean;
+            let sum = if is_left_over { beside().map(|b| sums[b]).sum() } else { sums[c] };
             sum.try_normalize(1e-12).unwrap_or(self.normals[of[c][0] as usize])
         };
         grain.normals = (0..of.len()).map(normal).collect();
@@ -186,7 +192,7 @@ mod tests {
         let mut normals = vec![Vector::z(); n * n];
         normals[5 * n + 6] = Vector::new(0.6, 0.0, -0.8);
         let samples = (0..n * n).map(|v| point(v).into()).collect();
-        let (coarse, of) = Grain { samples, normals, starts, near }.coarser(1.5);
+        let (coarse, of) = Grain { samples, normals, starts, near }.coarser(2.5);
         let own = of[5 * n + 6] as usize;
         assert_eq!(coarse.samples[own].weight, 1.0);
         assert!(coarse.normals[own].z > 0.5, "{}", coarse.normals[own]);
