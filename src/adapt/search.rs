@@ -212,7 +212,12 @@ impl<'a> Search<'a> {
             let unfolded = fit::unfold(&start.surface, samples, &holds, stiffness, &slide);
             folds = unfolded.before;
             let Some((surface, uv)) = unfolded.found else { break };
-            let feet = self.target.feet_from(&surface, &uv);
+            let mut feet = self.target.feet_from(&surface, &uv);
+            let uv = self.target.corrected(uv, feet.uv.clone(), LEAST_AREA);
+            if self.goal.named {
+                // Trim loops run where vertices may go, which for some is not their foot.
+                feet = self.target.at(&surface, uv.clone());
+            }
             let beyond = feet.beyond(self.limit());
             if beyond.0 <= most {
                 return (Attempt { surface, uv, feet, beyond, ..start }, unfolded.after);

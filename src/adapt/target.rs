@@ -97,6 +97,13 @@ impl<'a> Target<'a> {
         Feet { uv, distances, measured: self.measured() }
     }
 
+    /// The samples at the given parameters as if these were their feet.
+    pub fn at(&self, surface: &Surface, uv: Vec<Uv>) -> Feet {
+        let off = |(&at, &p): (&Uv, &Point)| (surface.point(at) - p).norm();
+        let distances = uv.par_iter().zip(&self.samples.points).map(off).collect();
+        Feet { uv, distances, measured: self.measured() }
+    }
+
     /// How the samples hold a surface that slides along them: by their normals, the
     /// outer boundary on the domain's sides across its course, too, and the corners
     /// altogether.
