@@ -18,13 +18,15 @@ pub type Task = fn(&mut Bencher<CpuTime>, &Prepared);
 pub const TASKS: [(&str, Task); 12] = [
     ("read", |b, p| run(b, || p.ply.clone(), read)),
     ("mesh", |b, p| run(b, || (), |()| p.disk())),
-    ("smooth", |b, p| b.iter_with_large_drop(|| smooth::smooth(&p.measured, &p.options.smooth))),
+    ("smooth", |b, p| {
+        b.iter_with_large_drop(|| smooth::smooth(&p.measured, &smooth::Options::default()))
+    }),
     ("fill", |b, p| {
         let points = &p.measured.mesh.points;
         run(b, || p.smoothed.clone(), |disk| fill::fill(disk, points, &p.fill));
     }),
     ("parameterize", |b, p| {
-        let options = &p.options.parameterize;
+        let options = &parameterize::Options::default();
         run(b, || p.patch.clone(), |patch| parameterize::parameterize(patch, options));
     }),
     ("knots", |b, p| b.iter_with_large_drop(|| knots::place(&p.samples, &p.knots))),
