@@ -246,11 +246,11 @@ pub fn convert_component(
     let rims = cut::rims(&map, &trimmed);
     let trim_options = trim::Options { tolerance };
     let (loops, trim) = trim::trim(&surface, &rims, &trim_options)?;
-    let loops = decimal.loops(loops);
+    let loops = decimal.loops(&surface, loops);
     watch(Stage::Trim(&surface, &loops))?;
 
     let faces = cut::faces(&loops);
-    let brep = brep::build(&surface, &faces, &options.name, trim::EDGE_ACCURACY)?;
+    let brep = brep::build(&surface, &faces, &options.name, trim::edge_accuracy(&surface))?;
     watch(Stage::Brep)?;
 
     let natural = !cut::has_outline(&loops);

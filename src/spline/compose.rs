@@ -148,7 +148,8 @@ fn refine(
         let exact = surface.point(Uv::from(c.point(a + s * (b - a)))).coords;
         (bezier(&quintic, s) - exact).norm()
     };
-    if halvings == 0 || (1..12).all(|i| off(i) <= eps) {
+    // What is not a number does not become one by halving.
+    if halvings == 0 || (1..12).all(|i| !(off(i) > eps)) {
         knots.push(b);
         pieces.push(quintic);
         return;
@@ -158,15 +159,23 @@ fn refine(
     refine(surface, c, middle, b, eps, halvings - 1, knots, pieces);
 }
 
+/// The piece that a control point's five knots lie around. Where these reach over
+/// two, both give the same, and the longer one with fewer roundings.
+fn piece_of(i: usize, breaks: &[f64]) -> usize {
+    let last = breaks.len() - 2;
+    let piece = (i / 3).saturating_sub(usize::from(i % 3 == 0)).min(last);
+    let length = |piece: usize| breaks[piece + 1] - breaks[piece];
+    let shared = i % 3 == 1 && piece > 0 && i / 3 <= last;
+    if shared && length(piece - 1) > length(piece) { piece - 1 } else { piece }
+}
+
 /// One B-spline with triple inner knots from Hermite pieces: control point i
 /// is the blossom of a piece at five consecutive knots.
 fn assemble(breaks: &[f64], pieces: &[[Vector; 6]]) -> Curve<3> {
     let knots = KnotVector::clamped(5, breaks, 3);
     let control: Vec<Vector3<f64>> = (0..knots.functions())
         .map(|i| {
-            // Piece whose start or inside the five knots lie around.
-            let piece =
-                (i / 3).saturating_sub(usize::from(i % 3 == 0 && i > 0)).min(pieces.len() - 1);
+            let piece = piece_of(i, breaks);
             let (a, b) = (breaks[piece], breaks[piece + 1]);
             let local = KnotVector::clamped(5, &[a, b], 1);
             let arguments = &knots.knots()[i + 1..=i + 5];

@@ -17,7 +17,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result, of};
-use crate::geometry::{Point, Uv, segment_distance};
+use crate::geometry::{Point, Uv, bounds, segment_distance};
 use crate::mesh::Bound;
 use crate::rules;
 use crate::spline::{
@@ -111,6 +111,23 @@ pub struct LoopReport {
 /// the two agree, and Boolean operations fail where they do not.
 pub const EDGE_ACCURACY: f64 = 1e-7;
 
+/// Edges of what is smaller than 0.1 mm are as near for its size as of that.
+const EDGE_SHARE: f64 = 1e-6;
+
+/// Evaluating a surface and an edge on it at one place makes them differ by some
+/// roundings; by fewer than this.
+const ROUNDINGS: f64 = 128.0;
+
+/// How near edges are to their pcurves' traces on a surface, in mm: [`EDGE_ACCURACY`],
+/// a share of the surface's size where it is tiny, and what doubles can tell where it
+/// is so large, or so far from the origin (kilometres), that they cannot tell that.
+pub fn edge_accuracy(surface: &Surface) -> f64 {
+    let [low, high] = bounds(surface.net.iter().map(|&p| Point::from(p)));
+    let wanted = EDGE_ACCURACY.min(EDGE_SHARE * (high - low).norm());
+    let farthest = low.coords.amax().max(high.coords.amax());
+    wanted.max(ROUNDINGS * f64::EPSILON * farthest).max(f64::MIN_POSITIVE)
+}
+
 /// Rounds in which loops that cross are tightened.
 const ROUNDS: usize = 100;
 
@@ -128,7 +145,9 @@ pub fn trim(
     rules::length(options.tolerance).map_err(of("tolerance"))?;
     rims.iter().enumerate().try_for_each(|(i, rim)| rim.check(i))?;
     let arcs = uncrossed(surface, rims, options)?;
-    let both = rims.par_iter().zip(arcs).map(|(rim, pcurves)| traced(surface, rim, pcurves));
+    let accuracy = edge_accuracy(surface);
+    let traced = |(rim, pcurves)| traced(surface, rim, pcurves, accuracy);
+    let both = rims.par_iter().zip(arcs).map(traced);
     Ok(both.collect::<Vec<_>>().into_iter().unzip())
 }
 
@@ -186,9 +205,14 @@ fn nest(rims: &[Rim], rim: &Rim) -> Nest {
     Nest { clockwise: matches!(rim.of, Bound::Hole(_)), around }
 }
 
-fn traced(surface: &Surface, rim: &Rim, pcurves: Vec<Curve<2>>) -> (TrimLoop, LoopReport) {
+fn traced(
+    surface: &Surface,
+    rim: &Rim,
+    pcurves: Vec<Curve<2>>,
+    accuracy: f64,
+) -> (TrimLoop, LoopReport) {
     let edges: Vec<Curve<3>> =
-        pcurves.iter().map(|c| curve_on_surface(surface, c, EDGE_ACCURACY)).collect();
+        pcurves.iter().map(|c| curve_on_surface(surface, c, accuracy)).collect();
     let off = |(pcurve, edge)| off_surface(surface, pcurve, edge);
     let Rim { of, within, .. } = *rim;
     let report = LoopReport {

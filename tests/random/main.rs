@@ -1,0 +1,90 @@
+//! Whatever comes in, out comes a face that is sound, or an error that says why not:
+//! random scans of every kind of damage, at any size and place, with random options.
+//!
+//! The same cases every time, unless `PROPTEST_RNG_SEED` and `PROPTEST_CASES` name
+//! others. What they once found is in `found.rs`.
+
+mod choices;
+#[path = "../common/mod.rs"]
+mod common;
+mod found;
+mod judge;
+mod loose;
+mod scan;
+mod sheet;
+
+use formats::Soup;
+use proptest::prelude::*;
+use proptest::test_runner::{Config, RngSeed, TestError, TestRunner};
+use scan2step::Options;
+
+/// Random cases, always the same ones; `PROPTEST_CASES` and `PROPTEST_RNG_SEED` ask
+/// for others.
+fn runner(cases: u32) -> TestRunner {
+    let mut config =
+        Config { failure_persistence: None, max_shrink_iters: 300, ..Config::default() };
+    if std::env::var_os("PROPTEST_CASES").is_none() {
+        config.cases = cases;
+    }
+    if config.rng_seed == RngSeed::Random {
+        config.rng_seed = RngSeed::Fixed(9);
+    }
+    TestRunner::new(config)
+}
+
+/// Fails with the smallest case that was found.
+fn tell<T: std::fmt::Debug>(found: TestError<T>) {
+    match found {
+        TestError::Fail(why, case) => panic!("{why}\n{case:?}"),
+        TestError::Abort(why) => panic!("{why}"),
+    }
+}
+
+/// Holds that every scan becomes a sound face or an error; tells how many became
+/// faces, lest all of them be refused.
+fn hold<T: std::fmt::Debug>(
+    cases: u32,
+    scans: impl Strategy<Value = T>,
+    soup: impl Fn(&T) -> (Soup, Options),
+) {
+    let faces = std::cell::Cell::new(0);
+    let tried = std::cell::Cell::new(0);
+    let held = runner(cases).run(&scans, |scan| {
+        tried.set(tried.get() + 1);
+        let (soup, options) = soup(&scan);
+        let became = judge::hung(format!("{scan:?}"), || judge::sound(&soup, &options));
+        faces.set(faces.get() + u32::from(became?));
+        Ok(())
+    });
+    held.unwrap_or_else(|e| tell(e));
+    println!("{} of {} became faces", faces.get(), tried.get());
+    assert!(10 * faces.get() > tried.get(), "{} of {}", faces.get(), tried.get());
+}
+
+#[test]
+fn sheets_with_damage_of_every_kind() {
+    hold(120, scan::damaged(), |scan| (scan.soup(), Options::default()));
+}
+
+#[test]
+fn any_options_for_any_sheet() {
+    hold(120, (scan::damaged(), choices::any()), |(scan, choices)| {
+        (scan.soup(), choices.options(scan))
+    });
+}
+
+#[test]
+fn meshes_of_a_few_triangles() {
+    hold(400, (scan::tiny(), choices::any()), |(scan, choices)| {
+        (scan.soup(), choices.options(scan))
+    });
+}
+
+#[test]
+fn polygons_between_any_points() {
+    let held = runner(400).run(&loose::polygons(), |soup| {
+        judge::hung(format!("{soup:?}"), || judge::sound(&soup, &Options::default()))?;
+        Ok(())
+    });
+    held.unwrap_or_else(|e| tell(e));
+}
