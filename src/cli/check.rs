@@ -1,7 +1,5 @@
 //! `scan2step check`: how far a CAD file is from a scan.
 
-use std::io::Write;
-
 use formats::cad::{CadModel, read_cad};
 use scan2step::check::{self, Report};
 use scan2step::deviation::Deviation;
@@ -10,7 +8,7 @@ use serde_json::{Value, json};
 use super::args::Check;
 use super::input::{self, Scan};
 use super::progress::mm;
-use super::{Failure, Outcome, plural, report};
+use super::{Failure, Outcome, plural, report, streams};
 
 /// Reads both, measures, prints.
 pub fn run(args: &Check) -> Result<Outcome, Failure> {
@@ -29,8 +27,7 @@ pub fn run(args: &Check) -> Result<Outcome, Failure> {
     } else {
         as_text(args, &scan, &model, &found)
     };
-    // Nobody listening any more is no failure.
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    streams::print(text.as_bytes())?;
     if met {
         return Ok(Outcome::Done);
     }
@@ -38,7 +35,7 @@ pub fn run(args: &Check) -> Result<Outcome, Failure> {
         [("points of the scan", &found.scan_to_face), ("samples of the faces", &found.face_to_scan)]
     {
         if !is_met(args, deviation) {
-            eprintln!("tolerance not met: {}", beyond(args, what, deviation));
+            streams::say(format_args!("tolerance not met: {}", beyond(args, what, deviation)));
         }
     }
     Ok(Outcome::Missed)

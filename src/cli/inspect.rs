@@ -1,14 +1,12 @@
 //! `scan2step inspect`: what a scan is.
 
-use std::io::Write;
-
 use scan2step::Inspection;
 use serde_json::{Value, json};
 
 use super::args::Inspect;
 use super::input::{self, Scan};
 use super::progress::mm;
-use super::{Failure, Outcome, report};
+use super::{Failure, Outcome, report, streams};
 
 /// Reads, repairs, looks, prints.
 pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
@@ -23,8 +21,7 @@ pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
     } else {
         as_text(&scan, &found)
     };
-    // Nobody listening any more is no failure.
-    let _ = std::io::stdout().write_all(text.as_bytes());
+    streams::print(text.as_bytes())?;
     Ok(Outcome::Done)
 }
 

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 #[cfg(unix)]
-use super::children;
+use super::{children, streams};
 
 /// What was made so far. Who holds the lock is not interrupted.
 static MADE: Mutex<Made> = Mutex::new(Made { files: Vec::new(), folders: Vec::new() });
@@ -78,7 +78,7 @@ pub fn sweep_when_stopped() -> io::Result<()> {
             let mut made = lock();
             children::stop();
             made.sweep();
-            eprintln!("\nstopped; no unfinished file is left");
+            streams::say("\nstopped; no unfinished file is left");
             let _ = emulate_default_handler(signal);
             std::process::exit(128 + signal);
         }

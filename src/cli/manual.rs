@@ -1,12 +1,11 @@
 //! `scan2step completions` and `scan2step man`: what clap makes of the arguments.
 
-use std::io::Write;
 use std::path::PathBuf;
 
 use clap::{Args, CommandFactory};
 
 use super::args::Cli;
-use super::{Failure, Outcome, leftovers, output};
+use super::{Failure, Outcome, leftovers, output, streams};
 
 /// Options of `completions`.
 #[derive(Debug, Args)]
@@ -30,7 +29,7 @@ pub struct Man {
 }
 
 /// Prints what completes the arguments.
-pub fn completions(args: &Completions) -> Outcome {
+pub fn completions(args: &Completions) -> Result<Outcome, Failure> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "scan2step", &mut script);
     print(&script)
@@ -42,7 +41,7 @@ pub fn man(args: &Man) -> Result<Outcome, Failure> {
         let mut page = Vec::new();
         let rendered = clap_mangen::Man::new(Cli::command()).render(&mut page);
         rendered.map_err(|e| output::failed("scan2step.1".as_ref(), e))?;
-        return Ok(print(&page));
+        return print(&page);
     };
     let written = leftovers::folder(folder).and_then(|()| {
         clap_mangen::generate_to(Cli::command().disable_help_subcommand(true), folder)
@@ -51,8 +50,7 @@ pub fn man(args: &Man) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
-fn print(text: &[u8]) -> Outcome {
-    // Nobody listening any more is no failure.
-    let _ = std::io::stdout().write_all(text);
-    Outcome::Done
+fn print(text: &[u8]) -> Result<Outcome, Failure> {
+    streams::print(text)?;
+    Ok(Outcome::Done)
 }

@@ -18,6 +18,7 @@ mod progress;
 mod report;
 mod settings;
 mod stages;
+mod streams;
 mod talk;
 
 use std::process::ExitCode;
@@ -62,7 +63,7 @@ pub fn run() -> ExitCode {
     let args = args::Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
     // Where signals cannot be heeded, a stopped run leaves its temporary files.
     if let Err(e) = leftovers::sweep_when_stopped() {
-        eprintln!("note: Ctrl-C will leave temporary files: {e}");
+        streams::say(format_args!("note: Ctrl-C will leave temporary files: {e}"));
     }
     let (colour, done) = match &args.command {
         args::Command::Convert(args) => (args.manner.color, convert::run(args)),
@@ -72,7 +73,7 @@ pub fn run() -> ExitCode {
             let of_batch = matches.subcommand().map_or(&matches, |(_, of_batch)| of_batch);
             (args.manner.color, batch::run(args, of_batch))
         }
-        args::Command::Completions(args) => (args::Colour::Auto, Ok(manual::completions(args))),
+        args::Command::Completions(args) => (args::Colour::Auto, manual::completions(args)),
         args::Command::Man(args) => (args::Colour::Auto, manual::man(args)),
     };
     match done {
@@ -83,8 +84,8 @@ pub fn run() -> ExitCode {
             leftovers::sweep();
             let (red, blue, plain) =
                 if colour.is_on() { ("\x1b[1;31m", "\x1b[1;36m", "\x1b[0m") } else { ("", "", "") };
-            eprintln!("{red}error{plain}: {}", failure.error);
-            eprintln!("{blue}help{plain}: {}", failure.help);
+            streams::say(format_args!("{red}error{plain}: {}", failure.error));
+            streams::say(format_args!("{blue}help{plain}: {}", failure.help));
             ExitCode::FAILURE
         }
     }

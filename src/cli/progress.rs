@@ -4,6 +4,8 @@ use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
+use super::streams;
+
 /// Seconds and memory of one stage.
 #[derive(Debug, Clone)]
 pub struct StageTime {
@@ -71,7 +73,7 @@ impl Progress {
     /// Says a line, unless the run is quiet.
     pub fn say(&self, line: &str) {
         if self.voice.is_some() {
-            self.bar.suspend(|| eprintln!("{line}"));
+            self.bar.suspend(|| streams::say(line));
         }
     }
 

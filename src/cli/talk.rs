@@ -6,7 +6,7 @@ use scan2step::{Conversion, Stage};
 use super::args::{Component, Convert};
 use super::input::Scan;
 use super::progress::{Progress, mm};
-use super::{Outcome, plural};
+use super::{Outcome, plural, streams};
 
 /// What a stage made.
 pub fn made(stage: &Stage) -> String {
@@ -98,7 +98,7 @@ pub fn verdict(args: &Convert, c: &Conversion) -> Outcome {
     if args.how.tolerance.is_none() || c.tolerance_met(args.how.outliers / 100.0) {
         return Outcome::Done;
     }
-    eprintln!("tolerance not met: {}", beyond(c));
+    streams::say(format_args!("tolerance not met: {}", beyond(c)));
     Outcome::Missed
 }
 

@@ -6,14 +6,13 @@ mod record;
 mod scans;
 mod summary;
 
-use std::io::Write;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::{ArgMatches, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::{Failure, Outcome, leftovers, output};
+use super::{Failure, Outcome, leftovers, output, streams};
 use args::Batch;
 use job::Job;
 use record::Record;
@@ -47,8 +46,7 @@ pub fn run(args: &Batch, matches: &ArgMatches) -> Result<Outcome, Failure> {
     voice.bar.finish_and_clear();
     let rows = summary::write(&args.out, &scans, done.into_inner().unwrap_or_default())?;
     if !args.manner.quiet {
-        // Nobody listening any more is no failure.
-        let _ = std::io::stdout().write_all(summary::table(&rows).as_bytes());
+        streams::print(summary::table(&rows).as_bytes())?;
     }
     let mine = mine.iter().filter_map(|&k| rows.get(k)?.record.as_ref().map(Status::of));
     Ok(mine.fold(Outcome::Done, |all, status| match status {
@@ -119,18 +117,21 @@ impl Voice {
             if !self.quiet {
                 let seconds = record.map_or(0.0, |r| r.seconds);
                 let (name, file) = (row.status.name(), row.scan.path.display());
-                eprintln!("[{place}/{of}] {name:7} {seconds:7.1} s  {file}");
+                streams::say(format_args!("[{place}/{of}] {name:7} {seconds:7.1} s  {file}"));
             }
             let failed = row.status == Status::Failed;
             if let Some(error) = record.and_then(|r| r.error.as_ref()) {
                 let word = if failed { "error" } else { "note" };
-                eprintln!("{word}: {error}");
+                streams::say(format_args!("{word}: {error}"));
             }
             if let Some(help) = record.and_then(|r| r.help.as_ref()) {
-                eprintln!("help: {help}");
+                streams::say(format_args!("help: {help}"));
             }
             if self.verbose {
-                record.iter().flat_map(|r| &r.hints).for_each(|hint| eprintln!("hint: {hint}"));
+                record
+                    .iter()
+                    .flat_map(|r| &r.hints)
+                    .for_each(|hint| streams::say(format_args!("hint: {hint}")));
             }
         });
     }

@@ -13,6 +13,7 @@ use tabled::settings::{Alignment, Style};
 use super::record::{FOLDER, Record};
 use super::scans::Scan;
 use crate::cli::output::{self, Pending};
+use crate::cli::streams;
 
 /// How a scan stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -70,10 +71,10 @@ pub fn write(
     // Some network drives have no locks. There a later run puts right what two that
     // ended at the same time got wrong.
     if let Err(e) = lock.lock() {
-        eprintln!(
+        streams::say(format_args!(
             "note: {}: {e}; shards that end at the same time may miss one another in the summary",
             path.display()
-        );
+        ));
     }
     let row = |(scan, done): (&Scan, Option<Row>)| {
         done.unwrap_or_else(|| {
