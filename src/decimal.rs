@@ -4,8 +4,7 @@
 //! and what a fit computes takes 17. Rounded to a billionth of a millimetre,
 //! a hundredth of what importers tell from nothing, it takes two thirds of them.
 
-use crate::geometry::Vector;
-use crate::spline::{Curve, KnotVector, Surface};
+use crate::spline::{Curve, Surface};
 use crate::trim::{TrimLoop, edge_accuracy};
 
 /// The grid to which coordinates are rounded: so many steps a mm.
@@ -36,7 +35,7 @@ impl Decimal {
     /// surface. Edges move by less than the accuracy that they have.
     pub(crate) fn loops(self, surface: &Surface, mut loops: Vec<TrimLoop>) -> Vec<TrimLoop> {
         let step = PARAMETER_STEP * edge_accuracy(surface);
-        let parameters = power((speed(surface) / step).log10().ceil(), 12.0, 17.0);
+        let parameters = power((surface.speed() / step).log10().ceil(), 12.0, 17.0);
         for ring in &mut loops {
             ring.pcurves.iter_mut().for_each(|c| curve(c, parameters));
             ring.edges.iter_mut().for_each(|c| curve(c, self.space));
@@ -48,23 +47,6 @@ impl Decimal {
 /// 10 to the power of some digits, that are not fewer or more than given.
 fn power(digits: f64, least: f64, most: f64) -> f64 {
     10f64.powi(digits.clamp(least, most) as i32)
-}
-
-/// At most so many mm a surface's point moves for a unit of u or of v: the longest
-/// control vector of its derivatives.
-fn speed(surface: &Surface) -> f64 {
-    let [m, n] = surface.shape();
-    let step = |knots: &KnotVector, i: usize, from: Vector, to: Vector| {
-        let degree = knots.degree();
-        let length = knots.knots()[i + degree + 1] - knots.knots()[i + 1];
-        (to - from).norm() * degree as f64 / length
-    };
-    let at = |i, j| surface.control(i, j);
-    let along_u = (1..m).flat_map(|i| (0..n).map(move |j| (i, j)));
-    let along_u = along_u.map(|(i, j)| step(&surface.u, i - 1, at(i - 1, j), at(i, j)));
-    let along_v = (0..m).flat_map(|i| (1..n).map(move |j| (i, j)));
-    let along_v = along_v.map(|(i, j)| step(&surface.v, j - 1, at(i, j - 1), at(i, j)));
-    along_u.chain(along_v).fold(0.0, f64::max)
 }
 
 fn curve<const D: usize>(curve: &mut Curve<D>, steps: f64) {
@@ -89,14 +71,5 @@ mod tests {
         assert_eq!(round(1.0 / 3.0, steps(1.5)).to_string(), "0.33333333333");
         assert_eq!(round(5000.0 / 3.0, steps(5e4)).to_string(), "1666.666666667");
         assert_eq!(round(1e9 / 3.0, steps(1e9)), 1e9 / 3.0);
-    }
-
-    #[test]
-    fn the_speed_of_a_plane_is_its_sides_length() {
-        let (u, v) = (KnotVector::uniform(3, 4), KnotVector::uniform(3, 9));
-        let at = |n: usize| Vector::new(30.0 * u.greville(n / 9), 70.0 * v.greville(n % 9), 2.0);
-        let net = (0..u.functions() * v.functions()).map(at).collect();
-        let found = speed(&Surface::new(u.clone(), v.clone(), net));
-        assert!((found - 70.0).abs() < 1e-9, "{found}");
     }
 }

@@ -107,6 +107,24 @@ fn the_same_input_gives_the_same_bytes() {
     }
 }
 
+/// Neither the language, nor the time and its zone, nor the folder is in a file.
+#[test]
+fn the_surroundings_give_the_same_bytes() {
+    let around = [("C", "UTC", "x"), ("de_DE.UTF-8", "Asia/Kolkata", "y z")];
+    let bytes = around.map(|(language, zone, name)| {
+        let folder = folder();
+        let inner = folder.path().join(name);
+        std::fs::create_dir(&inner).expect("a folder");
+        let mut run = std::process::Command::new(env!("CARGO_BIN_EXE_scan2step"));
+        run.args(["convert", arg(&fixture("relief.ply")), "a.step", "a.igs"]);
+        run.env("LC_ALL", language).env("LANG", language).env("TZ", zone);
+        let run = run.env_remove("SOURCE_DATE_EPOCH").current_dir(&inner).output();
+        assert!(run.expect("the program runs").status.success());
+        ["a.step", "a.igs"].map(|n| std::fs::read(inner.join(n)).expect("a file"))
+    });
+    assert!(bytes[0] == bytes[1], "the files differ");
+}
+
 #[test]
 fn a_named_tolerance_that_is_missed_is_exit_3() {
     let folder = folder();

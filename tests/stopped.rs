@@ -126,3 +126,42 @@ fn a_link_to_a_file_stays_a_link() {
     let written = std::fs::read_to_string(path("real.step")).expect("a file");
     assert!(written.starts_with("ISO-10303-21"));
 }
+
+/// Standard error that takes nothing is no reason to stop; standard output that takes
+/// nothing is one, unless its reader has seen enough.
+#[cfg(target_os = "linux")]
+#[test]
+fn messages_may_be_lost_and_results_may_not() {
+    let folder = folder();
+    let step = folder.path().join("a.step");
+    let scan = fixture("relief.ply");
+    let full = || std::fs::OpenOptions::new().write(true).open("/dev/full").expect("it is there");
+    let gone = || std::io::pipe().expect("a pipe").1;
+    let run = |args: &[&str], out: Stdio, said: Stdio| {
+        let mut run = Command::new(env!("CARGO_BIN_EXE_scan2step"));
+        let run = run.args(args).stdout(out).stderr(said).spawn().expect("the program runs");
+        let output = run.wait_with_output().expect("it ends");
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let convert = ["convert", arg(&scan), arg(&step)];
+    for said in [Stdio::from(full()), Stdio::from(gone())] {
+        assert_eq!(run(&convert, Stdio::null(), said).0, Some(0));
+    }
+    let missed = ["convert", arg(&scan), arg(&step), "--tolerance", "1e-6", "--max-net", "400"];
+    assert_eq!(run(&missed, Stdio::null(), gone().into()).0, Some(3));
+    let none = ["convert", "none.ply", arg(&step)];
+    assert_eq!(run(&none, Stdio::null(), gone().into()).0, Some(1));
+    let printing: [&[&str]; 4] = [
+        &["inspect", arg(&scan)],
+        &["check", arg(&step), arg(&scan)],
+        &["man"],
+        &["completions", "bash"],
+    ];
+    for args in printing {
+        let (code, said) = run(args, full().into(), Stdio::piped());
+        assert_eq!(code, Some(1), "{args:?}: {said}");
+        assert!(said.starts_with("error: standard output: cannot be written: "), "{said}");
+        let (code, said) = run(args, gone().into(), Stdio::piped());
+        assert_eq!((code, said.as_str()), (Some(0), ""), "{args:?}");
+    }
+}

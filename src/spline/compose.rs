@@ -8,6 +8,10 @@ use crate::geometry::{Uv, Vector};
 /// The pieces may be halved this often.
 const MAX_HALVINGS: usize = 24;
 
+/// After so many halvings another one that does not halve the error is the last:
+/// roundings do not get less.
+const SURE_HALVINGS: usize = 10;
+
 /// The 3D curve C with |C(t) − S(c(t))| ≤ `eps` mm for the pcurve `c`, at the
 /// same parameter: a quintic with triple knots, so C².
 ///
@@ -22,7 +26,8 @@ pub fn curve_on_surface(surface: &Surface, c: &Curve<2>, eps: f64) -> Curve<3> {
     let mut knots = vec![breaks[0]];
     let mut pieces = Vec::new();
     for span in breaks.windows(2) {
-        refine(surface, c, span[0], span[1], 0.25 * eps, MAX_HALVINGS, &mut knots, &mut pieces);
+        let begun = (MAX_HALVINGS, f64::INFINITY);
+        refine(surface, c, span[0], span[1], 0.25 * eps, begun, &mut knots, &mut pieces);
     }
     assemble(&knots, &pieces)
 }
@@ -138,7 +143,7 @@ fn refine(
     a: f64,
     b: f64,
     eps: f64,
-    halvings: usize,
+    (halvings, before): (usize, f64),
     knots: &mut Vec<f64>,
     pieces: &mut Vec<[Vector; 6]>,
 ) {
@@ -148,15 +153,17 @@ fn refine(
         let exact = surface.point(Uv::from(c.point(a + s * (b - a)))).coords;
         (bezier(&quintic, s) - exact).norm()
     };
-    // What is not a number does not become one by halving.
-    if halvings == 0 || (1..12).all(|i| !(off(i) > eps)) {
+    // What is not a number does not become one by halving, and counts as nothing here.
+    let worst = (1..12).map(off).fold(0.0, f64::max);
+    let stuck = halvings + SURE_HALVINGS <= MAX_HALVINGS && worst > 0.5 * before;
+    if halvings == 0 || worst <= eps || stuck {
         knots.push(b);
         pieces.push(quintic);
         return;
     }
     let middle = 0.5 * (a + b);
-    refine(surface, c, a, middle, eps, halvings - 1, knots, pieces);
-    refine(surface, c, middle, b, eps, halvings - 1, knots, pieces);
+    refine(surface, c, a, middle, eps, (halvings - 1, worst), knots, pieces);
+    refine(surface, c, middle, b, eps, (halvings - 1, worst), knots, pieces);
 }
 
 /// The piece that a control point's five knots lie around. Where these reach over

@@ -89,6 +89,24 @@ impl Surface {
     pub fn clamp(&self, at: Uv) -> Uv {
         Patch::clamp(self, at)
     }
+
+    /// At most so many mm a point moves for a unit of u or of v: the longest control
+    /// vector of the first derivatives.
+    pub fn speed(&self) -> f64 {
+        let [m, n] = self.shape();
+        let step = |knots: &KnotVector, i: usize, from: Vector, to: Vector| {
+            let length = knots.knots()[i + knots.degree()] - knots.knots()[i];
+            (to - from).norm() * knots.degree() as f64 / length
+        };
+        let at = |i, j| self.control(i, j);
+        let inner = (0..m).flat_map(|i| (0..n).map(move |j| (i, j)));
+        let steps = inner.flat_map(|(i, j)| {
+            let along_u = (i > 0).then(|| step(&self.u, i, at(i - 1, j), at(i, j)));
+            let along_v = (j > 0).then(|| step(&self.v, j, at(i, j - 1), at(i, j)));
+            along_u.into_iter().chain(along_v)
+        });
+        steps.fold(0.0, f64::max)
+    }
 }
 
 /// What foot points and deviations need of a surface.
@@ -145,5 +163,14 @@ mod tests {
         assert!((jet.su - Vector::new(1.0, 0.0, 0.81)).norm() < 1e-12);
         assert!((jet.suv - Vector::z()).norm() < 1e-12);
         assert!(jet.suu.norm() < 1e-11 && jet.svv.norm() < 1e-11);
+    }
+
+    #[test]
+    fn the_speed_of_a_plane_is_its_sides_length() {
+        let (u, v) = (KnotVector::uniform(3, 4), KnotVector::uniform(3, 9));
+        let at = |n: usize| Vector::new(30.0 * u.greville(n / 9), 70.0 * v.greville(n % 9), 2.0);
+        let net = (0..u.functions() * v.functions()).map(at).collect();
+        let found = Surface::new(u.clone(), v.clone(), net).speed();
+        assert!((found - 70.0).abs() < 1e-9, "{found}");
     }
 }

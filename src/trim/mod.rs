@@ -120,12 +120,14 @@ const ROUNDINGS: f64 = 128.0;
 
 /// How near edges are to their pcurves' traces on a surface, in mm: [`EDGE_ACCURACY`],
 /// a share of the surface's size where it is tiny, and what doubles can tell where it
-/// is so large, or so far from the origin (kilometres), that they cannot tell that.
+/// is so large, so far from the origin (kilometres) or so steep in its parameters that
+/// they cannot tell that.
 pub fn edge_accuracy(surface: &Surface) -> f64 {
     let [low, high] = bounds(surface.net.iter().map(|&p| Point::from(p)));
     let wanted = EDGE_ACCURACY.min(EDGE_SHARE * (high - low).norm());
     let farthest = low.coords.amax().max(high.coords.amax());
-    wanted.max(ROUNDINGS * f64::EPSILON * farthest).max(f64::MIN_POSITIVE)
+    let rounded = f64::EPSILON * farthest.max(surface.speed());
+    wanted.max(ROUNDINGS * rounded).max(f64::MIN_POSITIVE)
 }
 
 /// Rounds in which loops that cross are tightened.

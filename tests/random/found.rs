@@ -3,8 +3,9 @@
 use scan2step::parameterize::Outline;
 use scan2step::{Options, fit};
 
+use crate::common::virtual_scan::Star;
 use crate::judge;
-use crate::scan::{Place, Scan, sound};
+use crate::scan::{Damage, Place, Scan, sound};
 use crate::sheet::{Mesh, Shape};
 
 fn becomes_a_face(scan: &Scan, options: &Options) {
@@ -48,4 +49,28 @@ fn edges_of_specks_are_on_them() {
         let place = Place { scale, away: 0.0, turned: 0.0 };
         becomes_a_face(&sheet([12, 9], Shape::Waves, place), &options);
     }
+}
+
+/// A surface so steep in its parameters that their roundings move its points by more
+/// than the accuracy of edges: these were halved without end.
+#[test]
+fn a_crumpled_needle_is_traced_as_near_as_doubles_tell() {
+    let star = |centre, radius, arms| Star { centre, radius, arms };
+    let holes = vec![
+        star([0.8323671078286519, 0.9208060029460479], 0.26684842309518436, 1.0),
+        star([0.32129652040014445, 0.29738868397779333], 0.19847874362945522, 3.0),
+        star([0.22346561412464563, 0.6872475952705887], 0.28965925067989623, 3.0),
+        star([0.8295627822369028, 0.21578281469603192], 0.16299370425570894, 5.0),
+    ];
+    let damage = Damage {
+        holes,
+        noise: 3.4038651152707677,
+        flipped: 0.22580187671004018,
+        outliers: 0.034814882598286585,
+        ..sound()
+    };
+    let place = Place { scale: 162_660.95923345088, away: 0.0, turned: 5.862291836800568 };
+    let (mesh, shape) = (Mesh::Delaunay(394), Shape::Needle(8618.275363864932));
+    let scan = Scan { mesh, shape, damage, place, seed: 4_849_664_821_253_270_522 };
+    becomes_a_face(&scan, &Options::default());
 }

@@ -63,26 +63,26 @@ fn hold<T: std::fmt::Debug>(
 
 #[test]
 fn sheets_with_damage_of_every_kind() {
-    hold(120, scan::damaged(), |scan| (scan.soup(), Options::default()));
+    hold(70, scan::damaged(), |scan| (scan.soup(), Options::default()));
 }
 
 #[test]
 fn any_options_for_any_sheet() {
-    hold(120, (scan::damaged(), choices::any()), |(scan, choices)| {
+    hold(70, (scan::damaged(), choices::any()), |(scan, choices)| {
         (scan.soup(), choices.options(scan))
     });
 }
 
 #[test]
 fn meshes_of_a_few_triangles() {
-    hold(400, (scan::tiny(), choices::any()), |(scan, choices)| {
+    hold(250, (scan::tiny(), choices::any()), |(scan, choices)| {
         (scan.soup(), choices.options(scan))
     });
 }
 
 #[test]
 fn polygons_between_any_points() {
-    let held = runner(400).run(&loose::polygons(), |soup| {
+    let held = runner(250).run(&loose::polygons(), |soup| {
         judge::hung(format!("{soup:?}"), || judge::sound(&soup, &Options::default()))?;
         Ok(())
     });
