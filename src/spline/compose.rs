@@ -170,7 +170,7 @@ fn refine(
 /// two, both give the same, and the longer one with fewer roundings.
 fn piece_of(i: usize, breaks: &[f64]) -> usize {
     let last = breaks.len() - 2;
-    let piece = (i / 3).saturating_sub(usize::from(i % 3 == 0)).min(last);
+    let piece = (i / 3).saturating_sub(usize::from(i.is_multiple_of(3))).min(last);
     let length = |piece: usize| breaks[piece + 1] - breaks[piece];
     let shared = i % 3 == 1 && piece > 0 && i / 3 <= last;
     if shared && length(piece - 1) > length(piece) { piece - 1 } else { piece }

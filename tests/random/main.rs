@@ -5,6 +5,8 @@
 //! others. What they once found is in `found.rs`.
 
 mod choices;
+#[cfg(feature = "cli")]
+mod command;
 #[path = "../common/mod.rs"]
 mod common;
 mod found;
@@ -56,7 +58,7 @@ fn hold<T: std::fmt::Debug>(
         faces.set(faces.get() + u32::from(became?));
         Ok(())
     });
-    held.unwrap_or_else(|e| tell(e));
+    held.unwrap_or_else(tell);
     println!("{} of {} became faces", faces.get(), tried.get());
     assert!(10 * faces.get() > tried.get(), "{} of {}", faces.get(), tried.get());
 }
@@ -86,5 +88,5 @@ fn polygons_between_any_points() {
         judge::hung(format!("{soup:?}"), || judge::sound(&soup, &Options::default()))?;
         Ok(())
     });
-    held.unwrap_or_else(|e| tell(e));
+    held.unwrap_or_else(tell);
 }
