@@ -2,8 +2,7 @@
 //!
 //! Three ways, over the same knots: blended local fits (Tekumalla & Cohen
 //! 2005, section 3.5), the global least-squares fit by a sparse direct solver,
-//! and the same least-squares problem solved by conjugate gradients that start
-//! from the blended fit.
+//! and the same least-squares problem solved by conjugate gradients.
 
 mod blend;
 mod cells;
@@ -20,7 +19,7 @@ use cells::Cells;
 use normal::{Equations, Lane};
 use precondition::Preconditioner;
 
-pub use unfold::{Hold, STIFFNESSES, Unfolded, unfold};
+pub(crate) use unfold::{Hold, STIFFNESSES, unfold};
 
 use crate::error::{Error, Result};
 use crate::spline::{KnotVector, Samples, Surface};
@@ -31,7 +30,7 @@ use rayon::prelude::*;
 pub enum Method {
     /// The paper's blended local fits.
     Blend,
-    /// From the blended fit to the least-squares optimum.
+    /// Least squares by conjugate gradients, within 0.1% of the optimum.
     #[default]
     Refined,
     /// Sparse global least squares.

@@ -26,7 +26,7 @@ impl From<Unit> for LengthUnit {
 /// What becomes of the outer boundary.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum Outline {
-    /// Sides
+    /// The sides, unless the boundary is ragged or they stretch the map far more
     Auto,
     /// The four sides of the surface
     Sides,
@@ -39,7 +39,7 @@ pub enum Outline {
 pub enum Fit {
     /// Blended local fits (Tekumalla & Cohen)
     Blend,
-    /// The blended fit, refined to the least-squares optimum
+    /// Least squares by conjugate gradients
     Refined,
     /// Sparse global least squares
     Global,

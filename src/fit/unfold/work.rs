@@ -1,0 +1,233 @@
+//! One step after the other: the equations around folds, and their solution.
+
+use nalgebra::Matrix3;
+use rayon::prelude::*;
+
+use super::places::{ACROSS, LEAST, Spot};
+use super::system::System;
+use super::{Hold, Slide};
+use crate::fit::cells::Cells;
+use crate::fit::fairing;
+use crate::fit::spans::PAIRS;
+use crate::geometry::{Uv, Vector};
+use crate::spline::{Surface, foot_point_moving};
+
+/// The share of a step that is taken: folds are not linear.
+const SHARE: f64 = 0.5;
+
+/// Weight of a sample's distance along the surface, of that across it.
+const ALONG: f64 = 0.05;
+
+/// The weight of what a cell spreads too little.
+const SPREAD: f64 = 3.0;
+
+/// What keeps control points in place that nothing else holds.
+const ANCHOR: f64 = 1e-6;
+
+/// How many rows and columns around the cells with folds move, too.
+const AROUND: usize = 4;
+
+/// A surface on its way.
+pub struct Work<'a> {
+    /// As it is now.
+    pub surface: Surface,
+    cells: &'a Cells<'a>,
+    holds: &'a [Hold],
+    stiffness: f64,
+    /// The samples' parameters.
+    pub uv: Vec<Uv>,
+    /// Samples that may not slide.
+    stuck: Vec<bool>,
+    /// Control points that move.
+    free: Vec<bool>,
+    /// Samples' weight in a mean cell.
+    weight: f64,
+    /// Half lengths of the spans in u and in v, in mm: parameters times the mean length
+    /// of the net.
+    halves: [Vec<f64>; 2],
+}
+
+impl<'a> Work<'a> {
+    /// A surface that nothing has moved yet.
+    pub fn new(surface: &Surface, cells: &'a Cells<'a>, holds: &'a [Hold], stiffness: f64) -> Self {
+        let samples = cells.samples;
+        let [across, down] = cells.counts();
+        let lengths = net_lengths(surface);
+        let halves = [0, 1].map(|axis| {
+            let spans = cells.spans[axis].all.iter();
+            spans.map(|s| s.half() * lengths[axis]).collect()
+        });
+        Work {
+            surface: surface.clone(),
+            cells,
+            holds,
+            stiffness,
+            uv: samples.uv.clone(),
+            stuck: vec![false; samples.len()],
+            free: vec![false; surface.net.len()],
+            weight: samples.weights.len() as f64 / (across * down) as f64,
+            halves,
+        }
+    }
+
+    fn width(&self) -> usize {
+        self.surface.v.functions()
+    }
+
+    /// Frees the control points around spots.
+    pub fn widen(&mut self, spots: &[Spot]) {
+        let [rows, width] = self.surface.shape();
+        for [p, q] in spots.iter().map(|s| s.cell) {
+            for i in p.saturating_sub(AROUND)..(p + 4 + AROUND).min(rows) {
+                let from = i * width + q.saturating_sub(AROUND);
+                self.free[from..i * width + (q + 4 + AROUND).min(width)].fill(true);
+            }
+        }
+        for corner in [0, width - 1, (rows - 1) * width, rows * width - 1] {
+            self.free[corner] = false;
+        }
+    }
+
+    /// Whether cell (p, q) moves.
+    pub fn touches(&self, p: usize, q: usize) -> bool {
+        (p..p + 4).any(|i| self.free[i * self.width() + q..][..4].iter().any(|&f| f))
+    }
+
+    /// One step; `None` if there is no solution.
+    pub fn round(&mut self, spots: &[Spot], slide: &Slide) -> Option<()> {
+        let mut system = System::new(self.width(), &self.free);
+        let near = self.near();
+        for &i in &near {
+            self.add_sample(&mut system, i);
+        }
+        self.add_plate(&mut system);
+        for spot in spots {
+            self.add_spot(&mut system, spot);
+        }
+        for at in 0..self.free.len() {
+            system.couple(at, at, &(Matrix3::identity() * (ANCHOR * self.weight)));
+        }
+        let steps = system.solve()?;
+        for (&at, step) in system.free.iter().zip(steps) {
+            self.surface.net[at] += SHARE * step;
+        }
+        let foot = |&i: &usize| {
+            let p = self.cells.samples.points[i];
+            foot_point_moving(&self.surface, p, self.uv[i], self.holds[i].moves).0
+        };
+        let feet: Vec<Uv> = near.par_iter().map(foot).collect();
+        let mut wanted = self.uv.clone();
+        near.iter().zip(&feet).for_each(|(&i, foot)| wanted[i] = *foot);
+        self.uv = slide(std::mem::take(&mut self.uv), wanted);
+        near.iter().zip(feet).for_each(|(&i, foot)| self.stuck[i] |= self.uv[i] != foot);
+        Some(())
+    }
+
+    /// The samples in cells that move.
+    fn near(&self) -> Vec<usize> {
+        let [across, down] = self.cells.counts();
+        let moves: Vec<bool> =
+            (0..across * down).map(|c| self.touches(c / down, c % down)).collect();
+        let [u, v] = &self.cells.spans;
+        let is_near = |i: &usize| moves[u.find(self.uv[*i].x) * down + v.find(self.uv[*i].y)];
+        (0..self.uv.len()).into_par_iter().filter(is_near).collect()
+    }
+
+    fn add_sample(&self, system: &mut System, i: usize) {
+        let (at, hold) = (self.uv[i], &self.holds[i]);
+        let (bu, bv) = (self.surface.u.basis(at.x), self.surface.v.basis(at.y));
+        let weight = self.cells.samples.weights[i];
+        let metric = match self.stuck[i] {
+            true => Matrix3::identity() * weight,
+            false => weight * (Matrix3::identity() * ALONG + hold.metric * (1.0 - ALONG)),
+        };
+        let off = metric * (self.cells.samples.points[i] - self.surface.point(at));
+        let functions: [(usize, f64); 16] = std::array::from_fn(|k| {
+            let (a, b) = (k / 4, k % 4);
+            let value = bu.derivative[0][a] * bv.derivative[0][b];
+            ((bu.first + a) * self.width() + bv.first + b, value)
+        });
+        for (k, &(a, x)) in functions.iter().enumerate() {
+            system.pull(a, off * x);
+            functions[k..].iter().for_each(|&(b, y)| system.couple(a, b, &(metric * (x * y))));
+        }
+    }
+
+    /// The thin-plate energy of the cells that move.
+    fn add_plate(&self, system: &mut System) {
+        let [across, down] = self.cells.counts();
+        let energies = self.cells.spans.each_ref().map(|spans| -> Vec<_> {
+            spans.all.iter().map(|span| fairing::energies(span).map(full)).collect()
+        });
+        for (p, q) in (0..across).flat_map(|p| (0..down).map(move |q| (p, q))) {
+            if !self.touches(p, q) {
+                continue;
+            }
+            let (x, y) = (self.halves[0][p], self.halves[1][q]);
+            let weight = self.stiffness * self.weight * x.min(y).powi(4);
+            let scales = [x.powi(-4), 2.0 / (x * y).powi(2), y.powi(-4)];
+            let (u, v) = (&energies[0][p], &energies[1][q]);
+            let value = |a: usize, b: usize| {
+                let of = |k: usize| scales[k] * u[2 - k][a / 4][b / 4] * v[k][a % 4][b % 4];
+                weight * (of(0) + of(1) + of(2))
+            };
+            let number = |a: usize| (p + a / 4) * self.width() + q + a % 4;
+            for a in 0..16 {
+                let bend: Vector = (0..16).map(|b| self.surface.net[number(b)] * value(a, b)).sum();
+                system.pull(number(a), -bend);
+                for b in a..16 {
+                    let block = Matrix3::identity() * value(a, b);
+                    system.couple(number(a), number(b), &block);
+                }
+            }
+        }
+    }
+
+    /// What the surface spreads too little at a spot.
+    fn add_spot(&self, system: &mut System, spot: &Spot) {
+        let weight = SPREAD * self.weight * self.area() / (ACROSS * ACROSS) as f64;
+        let [u, v] = &spot.functions;
+        let [p, q] = spot.cell;
+        let across = spot.slopes[1].cross(&spot.facing);
+        let along = spot.facing.cross(&spot.slopes[0]);
+        let gradient: [(usize, Vector); 16] = std::array::from_fn(|k| {
+            let (a, b) = (k / 4, k % 4);
+            let at = (p + a) * self.width() + q + b;
+            (at, across * (u[1][a] * v[0][b]) + along * (u[0][a] * v[1][b]))
+        });
+        let missing = LEAST - spot.spread;
+        for (k, (a, x)) in gradient.iter().enumerate() {
+            system.pull(*a, weight * missing * x);
+            for (b, y) in &gradient[k..] {
+                system.couple(*a, *b, &(weight * x * y.transpose()));
+            }
+        }
+    }
+
+    /// Area of a mean cell, in mm².
+    fn area(&self) -> f64 {
+        let mean = |halves: &[f64]| 2.0 * halves.iter().sum::<f64>() / halves.len() as f64;
+        mean(&self.halves[0]) * mean(&self.halves[1])
+    }
+}
+
+/// Sums over [`PAIRS`] as a symmetric matrix.
+fn full(pairs: [f64; 10]) -> [[f64; 4]; 4] {
+    let mut matrix = [[0.0; 4]; 4];
+    for ((a, c), value) in PAIRS.into_iter().zip(pairs) {
+        matrix[a][c] = value;
+        matrix[c][a] = value;
+    }
+    matrix
+}
+
+/// Mean lengths of a net's rows along u and along v, in mm a unit of the parameter.
+fn net_lengths(surface: &Surface) -> [f64; 2] {
+    let [rows, width] = surface.shape();
+    let step = |a: usize, b: usize| (surface.net[b] - surface.net[a]).norm();
+    let along = (0..(rows - 1) * width).map(|k| step(k, k + width)).sum::<f64>() / width as f64;
+    let inner = (0..rows * width).filter(|k| (k + 1) % width > 0);
+    let across = inner.map(|k| step(k, k + 1)).sum::<f64>() / rows as f64;
+    let range = |(low, high): (f64, f64)| high - low;
+    [along / range(surface.u.range()), across / range(surface.v.range())]
+}
