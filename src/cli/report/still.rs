@@ -114,7 +114,16 @@ impl Page {
 
     fn centred(&mut self, text: &str, at: [f32; 2], style: Style) {
         let width = self.letters.width(text, style);
-        self.write(text, [at[0] - 0.5 * width, at[1]], style);
+        // What would run over the page's edge ends there.
+        let most = SIZE[0] as f32 - 8.0 - width;
+        self.write(text, [(at[0] - 0.5 * width).min(most), at[1]], style);
+    }
+
+    /// As large as the style has it, or as there is room for up to the margin.
+    fn write_within(&mut self, text: &str, at: [f32; 2], style: Style) {
+        let room = (SIZE[0] - MARGIN) as f32 - at[0];
+        let share = (room / self.letters.width(text, style)).min(1.0);
+        self.write(text, at, Style { size: style.size * share, ..style });
     }
 
     /// What was converted, and the result in a line.
@@ -195,7 +204,7 @@ impl Page {
             let y = y + 30.0 * k as f32;
             let style = Style { size: 17.5, ..SMALL };
             self.write(label, [x, y], style);
-            self.write(text, [x + 104.0, y], Style { colour: INK, ..style });
+            self.write_within(text, [x + 104.0, y], Style { colour: INK, ..style });
         }
     }
 }
