@@ -67,7 +67,9 @@ pub fn close(
         &|| least.clone().map(by(Method::LeastArea)),
     ];
     let mut best: Option<Closed> = None;
-    for (fill, method) in tries.iter().filter_map(|way| way()) {
+    // Triangulated anew in a plane, a fill can join what the mesh joins at a rim's tips.
+    let sound = |(fill, _): &(Fill, Method)| !faults::joins_twice(around, fill, rims);
+    for (fill, method) in tries.iter().filter_map(|way| way()).filter(sound) {
         let faults = faults::find(around, &fill, sizes.mean);
         if best.as_ref().is_none_or(|best| faults.count() < best.faults.count()) {
             best = Some(Closed { fill, method, faults });

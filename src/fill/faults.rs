@@ -1,7 +1,7 @@
 //! What is wrong with a fill: sides at which it folds over, itself or the
 //! measured surface, and triangles that cut each other, or measured ones.
 
-use foldhash::{HashMap, HashMapExt};
+use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 use robust::{Coord3D, orient3d};
 
 use super::cells::Cells;
@@ -61,6 +61,20 @@ pub fn find(around: &Surroundings, fill: &Fill, edge: f64) -> Faults {
     };
     let judge = Judge { around, fill, at: &at };
     Faults { folds: judge.folds(), cuts: judge.cuts(edge) }
+}
+
+/// Whether a fill joins two vertices that are joined already, by another of its
+/// triangles or, off its rims, by the mesh: with such a side the whole is no surface.
+pub fn joins_twice(around: &Surroundings, fill: &Fill, rims: &[&[VertexId]]) -> bool {
+    // The hole lies to the right of its rims.
+    let along = |rim: &&[VertexId]| {
+        let next = rim.iter().cycle().skip(1);
+        next.copied().zip(rim.iter().copied()).collect::<Vec<_>>()
+    };
+    let rims: HashSet<(VertexId, VertexId)> = rims.iter().flat_map(along).collect();
+    let mut sides = HashSet::with_capacity(3 * fill.triangles.len());
+    let mut all = fill.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+    all.any(|(v, w)| !sides.insert((v, w)) || (!rims.contains(&(v, w)) && around.joined(v, w)))
 }
 
 struct Judge<'a> {

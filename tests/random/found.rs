@@ -1,5 +1,7 @@
 //! What random scans have found, each by itself.
 
+use scan2step::geometry::Point;
+use scan2step::mesh::Outer;
 use scan2step::parameterize::Outline;
 use scan2step::{Options, fit};
 
@@ -73,4 +75,31 @@ fn a_crumpled_needle_is_traced_as_near_as_doubles_tell() {
     let (mesh, shape) = (Mesh::Delaunay(394), Shape::Needle(8618.275363864932));
     let scan = Scan { mesh, shape, damage, place, seed: 4_849_664_821_253_270_522 };
     becomes_a_face(&scan, &Options::default());
+}
+
+/// A fill that was triangulated anew in a plane joined vertices that the mesh joins,
+/// at the tips of a ragged rim: an inner vertex with two neighbours was the end of the
+/// parameterization.
+#[test]
+fn fills_join_nothing_twice() {
+    let star = |centre, radius, arms| Star { centre, radius, arms };
+    let holes = vec![
+        star([0.8147561793825635, 0.8605596179836997], 0.1784429135222119, 3.0),
+        star([0.963593546737247, 0.42039283274563977], 0.2575835713130661, 1.0),
+        star([0.10708471471560997, 0.9126325809083701], 0.06470844895494, 5.0),
+        star([0.45607529176157213, 0.8034049611961114], 0.11319924504827768, 3.0),
+    ];
+    let damage = Damage {
+        holes,
+        noise: 0.006674934524483801,
+        lost: 0.14611357588327828,
+        outliers: 0.03025449304320261,
+        ..sound()
+    };
+    let place = Place { scale: 100.0, away: 0.0, turned: 0.0 };
+    let mesh = Mesh::Grid([17, 14], 0.27761200570141964);
+    let scan = Scan { mesh, shape: Shape::Plane, damage, place, seed: 4_656_975_079_722_510_168 };
+    let outer = Outer::Near(Point::new(53.635505982941446, 17.71801774054378, 0.0));
+    let options = Options::builder().fit(fit::Method::Blend).outer(outer);
+    becomes_a_face(&scan, &options.build().expect("options"));
 }
