@@ -12,6 +12,7 @@ mod common;
 mod found;
 mod judge;
 mod loose;
+mod places;
 mod scan;
 mod sheet;
 
