@@ -48,7 +48,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (loops, _) = trim::trim(&surface, &rims, &trim::Options { tolerance: goal.tolerance })?;
     println!("trim: {} loop of {} edges", loops.len(), loops[0].edges.len());
 
-    let brep = brep::build(&surface, &cut::faces(&loops), "sheet", trim::EDGE_ACCURACY)?;
+    let brep = brep::build(&surface, &cut::faces(&loops), "sheet", trim::edge_accuracy(&surface))?;
     let mut file = Vec::new();
     step::write(&brep, &step::Options::default(), &mut file)?;
     println!("write: {} bytes", file.len());
