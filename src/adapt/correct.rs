@@ -9,23 +9,26 @@ use crate::geometry::{Uv, VertexId, orient2d};
 /// After as many attempts the old map stays.
 const ATTEMPTS: usize = 12;
 
+/// Twice a triangle's area at some parameters.
+pub fn area(at: &[Uv], triangle: [VertexId; 3]) -> f64 {
+    let [a, b, c] = triangle.map(|v| at[v.index()]);
+    orient2d(a, b, c)
+}
+
 /// The parameters `uv`, `moved` to their feet. Vertices of triangles that would keep less
-/// than the share `least` of the area in the map as it was made stay where they were.
+/// than the share `least` of their [`area`] in the map as it was `made` stay where they
+/// were.
 pub fn corrected(
     triangles: &[[VertexId; 3]],
-    made: &[Uv],
+    made: &[f64],
     least: f64,
     uv: Vec<Uv>,
     mut moved: Vec<Uv>,
 ) -> Vec<Uv> {
-    let area = |at: &[Uv], t: usize| {
-        let [a, b, c] = triangles[t].map(|v| at[v.index()]);
-        orient2d(a, b, c)
-    };
-    let least: Vec<f64> = (0..triangles.len()).map(|t| least * area(made, t)).collect();
     // Feet that are no numbers crush them, too.
-    let crushed =
-        |at: &[Uv], t: usize| area(at, t).partial_cmp(&least[t]).is_none_or(Ordering::is_lt);
+    let crushed = |at: &[Uv], t: usize| {
+        area(at, triangles[t]).partial_cmp(&(least * made[t])).is_none_or(Ordering::is_lt)
+    };
     // Only triangles with a vertex that has just been put back can turn now.
     let mut suspects: Vec<usize> = (0..triangles.len()).collect();
     for _ in 0..ATTEMPTS {
@@ -62,10 +65,11 @@ mod tests {
     #[test]
     fn a_vertex_moves_to_its_foot_unless_triangles_turn_over() {
         let (mesh, uv) = fan();
+        let made: Vec<f64> = mesh.triangles.iter().map(|&t| area(&uv, t)).collect();
         let moved = |u: f64, v: f64| {
             let mut feet = uv.clone();
             feet[4] = Uv::new(u, v);
-            corrected(&mesh.triangles, &uv, 0.2, uv.clone(), feet)[4]
+            corrected(&mesh.triangles, &made, 0.2, uv.clone(), feet)[4]
         };
         assert_eq!(moved(0.3, 0.6), Uv::new(0.3, 0.6));
         assert_eq!(moved(0.3, 1.2), uv[4]);

@@ -63,6 +63,7 @@ pub struct Attempt {
     beyond: (usize, f64),
 }
 
+/// The samples as they stand between fits.
 pub struct Search<'a> {
     /// What is fitted.
     pub target: Target<'a>,
@@ -83,6 +84,7 @@ impl<'a> Search<'a> {
         if self.goal.named { self.goal.tolerance } else { UNNAMED_SHARE * self.goal.tolerance }
     }
 
+    /// A fit over the given knots.
     pub fn attempt(&mut self, knots: [KnotVector; 2]) -> Result<Attempt> {
         let (mut surface, fit) = fit::fit(&self.target.samples, knots, self.options.method)?;
         self.target.pin_corners(&mut surface);

@@ -4,7 +4,7 @@
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
-use super::correct::corrected;
+use super::correct::{area, corrected};
 use crate::fit::Hold;
 use crate::geometry::{Point, Uv, Vector, VertexId, uv_bounds};
 use crate::knots::Miss;
@@ -29,8 +29,8 @@ pub struct Target<'a> {
     map: &'a Parameterized,
     /// The map's triangles, and then its skirt's.
     triangles: Vec<[VertexId; 3]>,
-    /// The parameters as they were made, and then the skirt's.
-    made: Vec<Uv>,
+    /// Twice their areas in the map as it was made.
+    made: Vec<f64>,
     /// Points, current parameters and weights.
     pub samples: Samples,
 }
@@ -54,7 +54,8 @@ impl<'a> Target<'a> {
         let points = map.patch.mesh.points.clone();
         let (uv, open) = (map.uv.clone(), map.outline == Outline::Free);
         let triangles = [&map.patch.mesh.triangles[..], &map.skirt.triangles].concat();
-        let made = [&map.uv[..], &map.skirt.uv].concat();
+        let all = [&map.uv[..], &map.skirt.uv].concat();
+        let made = triangles.iter().map(|&t| area(&all, t)).collect();
         Target { map, triangles, made, samples: Samples { points, uv, weights, open } }
     }
 
@@ -128,8 +129,8 @@ impl<'a> Target<'a> {
     }
 
     /// Gives the samples the parameters of their feet, as far as every triangle keeps the
-    /// share `least` of the area it was made with. A skirt's triangles neither, or an outer boundary inside the domain
-    /// might come to cross itself.
+    /// share `least` of the area it was made with; a skirt's, too, or an outer boundary
+    /// inside the domain might come to cross itself.
     pub fn correct(&mut self, feet: &Feet, least: f64) {
         let now = std::mem::take(&mut self.samples.uv);
         self.samples.uv = self.corrected(now, feet.uv.clone(), least);

@@ -73,12 +73,6 @@ impl<'a> Cells<'a> {
         })
     }
 
-    /// Where cell number `n` along an axis begins and ends.
-    pub fn ends(&self, axis: usize, n: usize) -> [f64; 2] {
-        let knots = self.knots[axis].knots();
-        [knots[n + 3], knots[n + 4]]
-    }
-
     /// The places of the samples in cell (p, q).
     pub fn places(&self, p: usize, q: usize) -> impl Iterator<Item = Uv> + '_ {
         let (u, v) = (&self.spans[0].all[p], &self.spans[1].all[q]);

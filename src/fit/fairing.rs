@@ -17,8 +17,8 @@ use super::strips::{Census, Strip};
 const EMPTY: f64 = 1e-2;
 
 /// What is left of that, where the surface goes on beyond the samples, in a cell in
-/// parts bare of them, for the share squared of these: where samples end within a cell, its control points hang on the few
-/// places that its functions have there.
+/// parts bare of them, for the share squared of these: where samples end within a
+/// cell, its control points hang on the few places that its functions have there.
 const BARE: f64 = 1e-3;
 
 /// Samples, spread over the cell, from which on the term fades.

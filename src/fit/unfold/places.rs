@@ -50,7 +50,8 @@ impl Spot {
 pub struct Places<'a> {
     cells: &'a Cells<'a>,
     holds: &'a [Hold],
-    axes: [Vec<Functions>; 2],
+    /// The places along u and along v, each with the functions there.
+    axes: [Vec<(f64, Functions)>; 2],
     /// The mean normal of a cell's samples; in a cell without any, one that changes
     /// smoothly from those around.
     facings: Vec<Vector>,
@@ -61,7 +62,7 @@ pub struct Places<'a> {
 impl<'a> Places<'a> {
     /// The places of a net over `cells`, whose samples are held by `holds`.
     pub fn new(cells: &'a Cells<'a>, holds: &'a [Hold], net: &[Vector]) -> Self {
-        let axes = cells.knots.map(functions);
+        let axes = cells.knots.map(along);
         let mut places =
             Places { cells, holds, axes, facings: facings(cells, holds), usual: Vec::new() };
         places.usual = places.usual(net);
@@ -87,25 +88,23 @@ impl<'a> Places<'a> {
         let mut spots = Vec::new();
         for (n, slopes) in slopes.into_iter().enumerate() {
             let normal = slopes[0].cross(&slopes[1]);
-            let nearest = || self.nearest(home, self.place([p, q], n));
+            let nearest = || {
+                let [u, v] = self.place([p, q], n).map(|(at, _)| *at);
+                self.nearest(home, Uv::new(u, v))
+            };
             let Some(facing) = between.unwrap_or_else(nearest) else { continue };
             let spread = facing.dot(&normal) * usual;
             if spread < LEAST {
-                let functions =
-                    [self.axes[0][p * ACROSS + n / ACROSS], self.axes[1][q * ACROSS + n % ACROSS]];
+                let functions = self.place([p, q], n).map(|(_, functions)| *functions);
                 spots.push(Spot { cell: [p, q], functions, facing, slopes, spread });
             }
         }
         spots
     }
 
-    /// Where place `n` of a cell is.
-    fn place(&self, cell: [usize; 2], n: usize) -> Uv {
-        let along = |axis: usize, k: usize| {
-            let [low, high] = self.cells.ends(axis, cell[axis]);
-            low + (high - low) * (k as f64 + 0.5) / ACROSS as f64
-        };
-        Uv::new(along(0, n / ACROSS), along(1, n % ACROSS))
+    /// Place `n` of a cell along u and along v.
+    fn place(&self, [p, q]: [usize; 2], n: usize) -> [&(f64, Functions); 2] {
+        [&self.axes[0][p * ACROSS + n / ACROSS], &self.axes[1][q * ACROSS + n % ACROSS]]
     }
 
     /// Where the sample faces that is nearest to `at` in the domain.
@@ -123,13 +122,13 @@ impl<'a> Places<'a> {
         let width = self.cells.counts()[1] + 3;
         let mut slopes = [[Vector::zeros(); 2]; ACROSS * ACROSS];
         for b in 0..ACROSS {
-            let [value, slope] = &self.axes[1][q * ACROSS + b];
+            let (_, [value, slope]) = &self.axes[1][q * ACROSS + b];
             let rows: [[Vector; 2]; 4] = std::array::from_fn(|i| {
                 let row = &net[(p + i) * width + q..][..4];
                 [value, slope].map(|of| row.iter().zip(of).map(|(c, b)| c * *b).sum())
             });
             for a in 0..ACROSS {
-                let [value, slope] = &self.axes[0][p * ACROSS + a];
+                let (_, [value, slope]) = &self.axes[0][p * ACROSS + a];
                 let to = &mut slopes[a * ACROSS + b];
                 for (i, [along, across]) in rows.iter().enumerate() {
                     to[0] += along * slope[i];
@@ -193,8 +192,8 @@ fn facings(cells: &Cells, holds: &[Hold]) -> Vec<Vector> {
     facings
 }
 
-/// The functions at all places of an axis.
-fn functions(knots: &KnotVector) -> Vec<Functions> {
+/// The places of an axis.
+fn along(knots: &KnotVector) -> Vec<(f64, Functions)> {
     let ends = &knots.knots()[3..=knots.functions()];
     let spans = ends.windows(2).enumerate();
     let places = spans.flat_map(|(n, ends)| {
@@ -203,7 +202,7 @@ fn functions(knots: &KnotVector) -> Vec<Functions> {
     });
     let at = |(span, t): (usize, f64)| {
         let [value, slope, _] = knots.basis_in(span, t).derivative;
-        [value, slope].map(|of| [of[0], of[1], of[2], of[3]])
+        (t, [value, slope].map(|of| [of[0], of[1], of[2], of[3]]))
     };
     places.map(at).collect()
 }

@@ -45,6 +45,9 @@ pub struct Work<'a> {
     /// Half lengths of the spans in u and in v, in mm: parameters times the mean length
     /// of the net.
     halves: [Vec<f64>; 2],
+    /// Of each span's functions the integrals of products, of their first and of their
+    /// second derivatives.
+    energies: [Vec<[[[f64; 4]; 4]; 3]>; 2],
 }
 
 impl<'a> Work<'a> {
@@ -67,6 +70,9 @@ impl<'a> Work<'a> {
             free: vec![false; surface.net.len()],
             weight: samples.weights.len() as f64 / (across * down) as f64,
             halves,
+            energies: cells.spans.each_ref().map(|spans| {
+                spans.all.iter().map(|span| fairing::energies(span).map(full)).collect()
+            }),
         }
     }
 
@@ -96,11 +102,12 @@ impl<'a> Work<'a> {
     /// One step; `None` if there is no solution.
     pub fn round(&mut self, spots: &[Spot], slide: &Slide) -> Option<()> {
         let mut system = System::new(self.width(), &self.free);
-        let near = self.near();
+        let moves = self.moving();
+        let near = self.near(&moves);
         for &i in &near {
             self.add_sample(&mut system, i);
         }
-        self.add_plate(&mut system);
+        self.add_plate(&mut system, &moves);
         for spot in spots {
             self.add_spot(&mut system, spot);
         }
@@ -123,12 +130,16 @@ impl<'a> Work<'a> {
         Some(())
     }
 
-    /// The samples in cells that move.
-    fn near(&self) -> Vec<usize> {
+    /// Which cells move, row by row.
+    fn moving(&self) -> Vec<bool> {
         let [across, down] = self.cells.counts();
-        let moves: Vec<bool> =
-            (0..across * down).map(|c| self.touches(c / down, c % down)).collect();
+        (0..across * down).map(|c| self.touches(c / down, c % down)).collect()
+    }
+
+    /// The samples in cells that move.
+    fn near(&self, moves: &[bool]) -> Vec<usize> {
         let [u, v] = &self.cells.spans;
+        let down = v.all.len();
         let is_near = |i: &usize| moves[u.find(self.uv[*i].x) * down + v.find(self.uv[*i].y)];
         (0..self.uv.len()).into_par_iter().filter(is_near).collect()
     }
@@ -154,19 +165,14 @@ impl<'a> Work<'a> {
     }
 
     /// The thin-plate energy of the cells that move.
-    fn add_plate(&self, system: &mut System) {
-        let [across, down] = self.cells.counts();
-        let energies = self.cells.spans.each_ref().map(|spans| -> Vec<_> {
-            spans.all.iter().map(|span| fairing::energies(span).map(full)).collect()
-        });
-        for (p, q) in (0..across).flat_map(|p| (0..down).map(move |q| (p, q))) {
-            if !self.touches(p, q) {
-                continue;
-            }
+    fn add_plate(&self, system: &mut System, moves: &[bool]) {
+        let down = self.cells.counts()[1];
+        for c in (0..moves.len()).filter(|&c| moves[c]) {
+            let (p, q) = (c / down, c % down);
             let (x, y) = (self.halves[0][p], self.halves[1][q]);
             let weight = self.stiffness * self.weight * x.min(y).powi(4);
             let scales = [x.powi(-4), 2.0 / (x * y).powi(2), y.powi(-4)];
-            let (u, v) = (&energies[0][p], &energies[1][q]);
+            let (u, v) = (&self.energies[0][p], &self.energies[1][q]);
             let value = |a: usize, b: usize| {
                 let of = |k: usize| scales[k] * u[2 - k][a / 4][b / 4] * v[k][a % 4][b % 4];
                 weight * (of(0) + of(1) + of(2))
