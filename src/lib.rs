@@ -185,9 +185,9 @@ impl Conversion {
     }
 }
 
-/// Without a named tolerance it is the noise, but not below this share of the
+/// Where nobody named a tolerance the noise counts as no less than this share of the
 /// scan's diagonal.
-const LEAST_TOLERANCE: f64 = 1e-4;
+const LEAST_NOISE: f64 = 1e-4 / 3.0;
 
 /// Converts one component of a scan. `watch` is shown what each stage made; an error
 /// of its own stops the conversion.
@@ -222,8 +222,11 @@ pub fn convert_component(
 
     let (smoothed, smooth) = smooth::smooth(&measured, &options.smooth)?;
     watch(Stage::Smooth(&smoothed))?;
-    let tolerance =
-        options.tolerance.unwrap_or(smooth.noise.max(LEAST_TOLERANCE * measured.mesh.diagonal()));
+    let goal = match options.tolerance {
+        Some(tolerance) => adapt::Goal { tolerance, named: true, outliers: options.outliers },
+        None => adapt::Goal::of_noise(smooth.noise.max(LEAST_NOISE * measured.mesh.diagonal())),
+    };
+    let tolerance = goal.tolerance;
 
     let fill_options =
         fill::Options { support: smooth.h, noise: smooth.noise, ..options.fill.clone() };
@@ -234,8 +237,6 @@ pub fn convert_component(
     let crushed = parameterize::crushed(&map, tolerance, options.knots.max_net);
     watch(Stage::Parameterize(&map, crushed))?;
 
-    let goal =
-        adapt::Goal { tolerance, named: options.tolerance.is_some(), outliers: options.outliers };
     let measured_count = map.patch.measured;
     let (surface, fit) = adapt::fit(&mut map, options, &goal)?;
     let decimal = decimal::Decimal::for_size(measured.mesh.diagonal());

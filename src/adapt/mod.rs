@@ -6,9 +6,11 @@
 //! where the tolerance bounds a maximum) are the start. Where the surface fitted
 //! over them still misses points, knot spans are halved: a region that a
 //! polynomial of its own fits need not be one that a spline, bound to its
-//! neighbours, can follow. Between fits the samples' parameters are corrected, and
-//! from the last one folds are taken out.
+//! neighbours, can follow. Where nobody named a tolerance, knots are weighed against the
+//! noise instead. Between fits the samples' parameters are corrected, and from the last
+//! one folds are taken out.
 
+mod balance;
 mod correct;
 mod search;
 mod target;
@@ -49,6 +51,9 @@ impl KnotOptions {
     }
 }
 
+/// The tolerance where nobody named one, in standard deviations of the noise.
+const TOLERANCE_OF_NOISE: f64 = 3.0;
+
 /// What the fit must reach.
 #[derive(Debug, Clone, Copy)]
 pub struct Goal {
@@ -58,6 +63,13 @@ pub struct Goal {
     pub named: bool,
     /// Share of points that may exceed it.
     pub outliers: f64,
+}
+
+impl Goal {
+    /// What the `noise` lets one ask for, its standard deviation in mm.
+    pub fn of_noise(noise: f64) -> Self {
+        Goal { tolerance: TOLERANCE_OF_NOISE * noise, named: false, outliers: 0.0 }
+    }
 }
 
 /// How knots and fit turned out.
@@ -105,8 +117,10 @@ pub fn fit(map: &mut Parameterized, options: &Options, goal: &Goal) -> Result<(S
     };
     let mut best = search.attempt(start)?;
     if asked.net.is_none() && asked.kappa.is_none() {
-        best = search.grow(best)?;
-        best = search.shrink(best)?;
+        best = match goal.named {
+            true => search.grow(best).and_then(|best| search.shrink(best))?,
+            false => search.enrich(best).and_then(|best| search.thin(best))?,
+        };
     }
     let mut folds = None;
     if options.method != fit::Method::Blend {

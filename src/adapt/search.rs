@@ -1,25 +1,12 @@
 //! The search for knots over which a fit reaches its goal.
 
 use super::Goal;
-use super::deepest;
 use super::target::{Feet, Target};
 use crate::error::Result;
 use crate::geometry::Uv;
+use crate::knots::Bounds;
 use crate::spline::{KnotVector, Surface};
 use crate::{Options, fit, knots, rules};
-
-/// Without a named tolerance the target is this share of it: the face should
-/// not take part of the noise for shape, but neither add to what smoothing left.
-const UNNAMED_SHARE: f64 = 0.6;
-
-/// Measured points a control point at the least, where the user named no
-/// tolerance. Smoothing looks at dozens of points at a time, so that nets as fine as
-/// this do not follow noise yet, but finer ones have nothing left to follow.
-const POINTS_A_CONTROL_POINT: usize = 2;
-
-/// Halvings beyond those that leave one to four points of an even scan, where scans
-/// are denser or the map is crushed.
-const DEEPER: u32 = 2;
 
 /// A round that does not bring the number of points beyond the target down to this
 /// share, nor the worst of them, is idle.
@@ -30,8 +17,8 @@ const PATIENCE: usize = 4;
 
 /// The share of the knot lines that is tried to be done without at first, and the
 /// one that is not worth another fit.
-const FIRST_SHARE: f64 = 0.25;
-const LAST_SHARE: f64 = 0.02;
+pub(super) const FIRST_SHARE: f64 = 0.25;
+pub(super) const LAST_SHARE: f64 = 0.02;
 
 /// Presses of one net at the most, the share of points beyond the target that are
 /// not too many for it, and the share of them left that makes another one pay.
@@ -44,7 +31,7 @@ const PRESSING_PAYS: f64 = 0.7;
 const FIRM_AREA: f64 = 0.2;
 const LEAST_AREA: f64 = 1e-3;
 
-/// The share of points that may go beyond an unnamed target for a surface without folds.
+/// The share of points that may go beyond an unnamed tolerance for a surface without folds.
 const GIVEN_UP: f64 = 0.01;
 
 /// Corrections of the parameters over a net that stays, at the most, and the rms
@@ -58,8 +45,8 @@ pub struct Attempt {
     pub fit: fit::Report,
     pub uv: Vec<Uv>,
     weights: Vec<f64>,
-    feet: Feet,
-    /// Measured vertices beyond the target, and the farthest.
+    pub(super) feet: Feet,
+    /// Measured vertices beyond the tolerance, and the farthest.
     beyond: (usize, f64),
 }
 
@@ -67,8 +54,8 @@ pub struct Attempt {
 pub struct Search<'a> {
     /// What is fitted.
     pub target: Target<'a>,
-    options: &'a Options,
-    goal: &'a Goal,
+    pub(super) options: &'a Options,
+    pub(super) goal: &'a Goal,
     /// Fits made.
     pub rounds: usize,
 }
@@ -79,24 +66,19 @@ impl<'a> Search<'a> {
         Search { target, options, goal, rounds: 0 }
     }
 
-    /// Distance, in mm, that the fit is to keep.
-    fn limit(&self) -> f64 {
-        if self.goal.named { self.goal.tolerance } else { UNNAMED_SHARE * self.goal.tolerance }
-    }
-
     /// A fit over the given knots.
     pub fn attempt(&mut self, knots: [KnotVector; 2]) -> Result<Attempt> {
         let (mut surface, fit) = fit::fit(&self.target.samples, knots, self.options.method)?;
         self.target.pin_corners(&mut surface);
         let feet = self.target.feet(&surface);
         self.rounds += 1;
-        let beyond = feet.beyond(self.limit());
+        let beyond = feet.beyond(self.goal.tolerance);
         let (uv, weights) = (self.target.samples.uv.clone(), self.target.samples.weights.clone());
         Ok(Attempt { surface, fit, uv, weights, feet, beyond })
     }
 
     /// Takes up the parameters and weights of an attempt, the parameters corrected.
-    fn resume(&mut self, from: &Attempt) {
+    pub(super) fn resume(&mut self, from: &Attempt) {
         self.target.samples.uv.clone_from(&from.uv);
         self.target.samples.weights.clone_from(&from.weights);
         self.target.correct(&from.feet, FIRM_AREA);
@@ -107,11 +89,11 @@ impl<'a> Search<'a> {
     fn press(&mut self, mut best: Attempt) -> Result<Attempt> {
         let few = (PRESSED_SHARE * self.target.measured() as f64) as usize;
         for _ in 0..PRESSES {
-            if !self.goal.named || self.met(&best) || best.beyond.0 > few {
+            if self.met(&best) || best.beyond.0 > few {
                 break;
             }
             self.resume(&best);
-            self.target.press(&best.feet, self.limit());
+            self.target.press(&best.feet, self.goal.tolerance);
             let next = self.attempt([best.surface.u.clone(), best.surface.v.clone()])?;
             if next.beyond.0 as f64 > PRESSING_PAYS * best.beyond.0 as f64 {
                 break;
@@ -130,21 +112,18 @@ impl<'a> Search<'a> {
         (self.goal.outliers * self.target.measured() as f64) as usize
     }
 
-    /// How many more may go beyond one that was not named.
+    /// How many more may go beyond one that nobody named.
     fn given_up(&self) -> usize {
         (GIVEN_UP * self.target.measured() as f64) as usize
     }
 
-    /// Puts in knots until the target is met or nothing helps.
+    /// Puts in knots until the tolerance is met or nothing helps.
     pub fn grow(&mut self, start: Attempt) -> Result<Attempt> {
         let asked = &self.options.knots;
-        let measured = self.target.measured();
-        let (depth, most) = match self.goal.named {
-            true => (asked.depth.unwrap_or(rules::MOST_HALVINGS), asked.max_net),
-            false => (
-                asked.depth.unwrap_or_else(|| deepest(measured) + DEEPER),
-                asked.max_net.min(measured / POINTS_A_CONTROL_POINT),
-            ),
+        let bounds = Bounds {
+            depth: asked.depth.unwrap_or(rules::MOST_HALVINGS),
+            most: asked.max_net,
+            price: 0.0,
         };
         let mut best = self.press(start)?;
         let mut last: Option<Attempt> = None;
@@ -154,8 +133,8 @@ impl<'a> Search<'a> {
             if self.met(now) || idle > PATIENCE {
                 break;
             }
-            let misses = self.target.misses(&now.feet, self.limit());
-            let knots = knots::insert(&now.surface, &misses, self.target.reach(), depth, most);
+            let misses = self.target.misses(&now.feet, self.goal.tolerance);
+            let knots = knots::insert(&now.surface, &misses, self.target.reach(), &bounds);
             if knots == [now.surface.u.clone(), now.surface.v.clone()] {
                 break;
             }
@@ -175,7 +154,7 @@ impl<'a> Search<'a> {
         Ok(best)
     }
 
-    /// Takes out knot lines as long as the target stays met.
+    /// Takes out knot lines as long as the tolerance stays met.
     pub fn shrink(&mut self, start: Attempt) -> Result<Attempt> {
         let mut best = start;
         if !self.met(&best) {
@@ -220,7 +199,7 @@ impl<'a> Search<'a> {
                 // Trim loops run where vertices may go, which for some is not their foot.
                 feet = self.target.at(&surface, uv.clone());
             }
-            let beyond = feet.beyond(self.limit());
+            let beyond = feet.beyond(self.goal.tolerance);
             if beyond.0 <= most {
                 return (Attempt { surface, uv, feet, beyond, ..start }, unfolded.after);
             }

@@ -157,22 +157,40 @@ impl<'a> Target<'a> {
 
     /// Places that miss a target, in mm, and by how much.
     pub fn misses(&self, feet: &Feet, target: f64) -> Vec<Miss> {
-        let measured = feet.distances[..feet.measured].iter().zip(&self.samples.uv);
-        measured.filter(|(d, _)| **d > target).map(|(d, &uv)| (uv, d / target)).collect()
+        let measured = feet.measured().zip(&self.samples.uv);
+        measured.filter(|(d, _)| *d > target).map(|(d, &uv)| (uv, d / target)).collect()
+    }
+
+    /// The squares of all distances, of a variance, where the points are.
+    pub fn squares(&self, feet: &Feet, deviation: f64) -> Vec<Miss> {
+        feet.squares(deviation).zip(&self.samples.uv).map(|(square, &uv)| (uv, square)).collect()
     }
 }
 
+/// Squared distances, of the variance, count no more than this: few points that are
+/// farther are not the shape's.
+const MOST_SQUARE: f64 = 25.0;
+
 impl Feet {
+    /// The distances of the measured vertices.
+    fn measured(&self) -> impl Iterator<Item = f64> + '_ {
+        self.distances[..self.measured].iter().copied()
+    }
+
+    /// Their squares, of the variance that a standard `deviation` in mm has.
+    pub fn squares(&self, deviation: f64) -> impl Iterator<Item = f64> + '_ {
+        self.measured().map(move |d| (d / deviation).powi(2).min(MOST_SQUARE))
+    }
+
     /// How many measured vertices are farther than `limit`, and the farthest.
     pub fn beyond(&self, limit: f64) -> (usize, f64) {
-        let d = &self.distances[..self.measured];
-        (d.iter().filter(|d| **d > limit).count(), d.iter().copied().fold(0.0, f64::max))
+        let beyond = self.measured().filter(|d| *d > limit).count();
+        (beyond, self.measured().fold(0.0, f64::max))
     }
 
     /// Root mean square over the measured vertices.
     pub fn rms(&self) -> f64 {
-        let d = &self.distances[..self.measured];
-        (d.iter().map(|d| d * d).sum::<f64>() / d.len().max(1) as f64).sqrt()
+        (self.measured().map(|d| d * d).sum::<f64>() / self.measured.max(1) as f64).sqrt()
     }
 }
 

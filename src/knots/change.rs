@@ -20,20 +20,30 @@ const BOTH: f64 = 0.5;
 /// lines settle is seen after the next fit.
 const WORTH: f64 = 0.05;
 
+/// What bounds the knots that are put in.
+#[derive(Debug, Clone, Copy)]
+pub struct Bounds {
+    /// Spans stay longer than 2^−`depth`.
+    pub depth: u32,
+    /// Control points of the net at the most.
+    pub most: usize,
+    /// Misses of a span's points, at the least, for each control point that its halving
+    /// costs.
+    pub price: f64,
+}
+
 /// The knot vectors with a knot in the middle of the spans that misses call for,
-/// the worst first, as long as the net has no more than `most` control points
-/// and spans stay longer than 2^−`depth`. The same vectors where nothing can be
-/// done. Of a span only the part counts that is between the lowest and the highest
-/// parameters that any point has, `reach`.
+/// the worst first. The same vectors where nothing can be done. Of a span only the part
+/// counts that is between the lowest and the highest parameters that any point has,
+/// `reach`.
 pub fn insert(
     surface: &Surface,
     misses: &[Miss],
     reach: [Uv; 2],
-    depth: u32,
-    most: usize,
+    bounds: &Bounds,
 ) -> [KnotVector; 2] {
     let jumps = Jumps::new(surface);
-    let shortest = 1.001 * 0.5f64.powi(depth.min(1000) as i32);
+    let shortest = 1.001 * 0.5f64.powi(bounds.depth.min(1000) as i32);
     let reached = |axis: usize, span: usize| {
         let ends = &jumps.breaks[axis][span..span + 2];
         [ends[0].max(reach[0][axis]), ends[1].min(reach[1][axis])]
@@ -65,8 +75,11 @@ pub fn insert(
     let mut breaks = jumps.breaks.clone();
     for &(score, axis, span) in &spans {
         let larger = (size[axis] + 1).saturating_mul(size[1 - axis]);
-        if score < WORTH * spans[0].0 || larger > most {
+        if score < WORTH * spans[0].0 || larger > bounds.most {
             break;
+        }
+        if score < bounds.price * size[1 - axis] as f64 {
+            continue;
         }
         size[axis] += 1;
         let [start, end] = reached(axis, span);
@@ -110,6 +123,8 @@ mod tests {
     use super::*;
     use crate::geometry::Vector;
 
+    const FREE: Bounds = Bounds { depth: 8, most: 1000, price: 0.0 };
+
     const ALL: [Uv; 2] = [Uv::new(0.0, 0.0), Uv::new(1.0, 1.0)];
 
     /// A sheet that bends along u only, and along it near 0 only.
@@ -128,7 +143,7 @@ mod tests {
     fn knots_go_where_the_surface_bends() {
         let s = gutter(KnotVector::uniform(3, 11), KnotVector::uniform(3, 11));
         let breaks = |reach| {
-            let [u, v] = insert(&s, &[(Uv::new(0.2, 0.6), 1.0)], reach, 8, 1000);
+            let [u, v] = insert(&s, &[(Uv::new(0.2, 0.6), 1.0)], reach, &FREE);
             assert_eq!((u.functions(), v.functions()), (12, 11));
             u.breaks()
         };
@@ -142,8 +157,10 @@ mod tests {
         let s = gutter(KnotVector::uniform(3, 11), KnotVector::uniform(3, 11));
         let miss = [(Uv::new(0.2, 0.6), 1.0)];
         let same = [s.u.clone(), s.v.clone()];
-        assert_eq!(insert(&s, &miss, ALL, 8, 121), same);
-        assert_eq!(insert(&s, &miss, ALL, 3, 1000), same);
+        assert_eq!(insert(&s, &miss, ALL, &Bounds { most: 121, ..FREE }), same);
+        assert_eq!(insert(&s, &miss, ALL, &Bounds { depth: 3, ..FREE }), same);
+        assert_eq!(insert(&s, &miss, ALL, &Bounds { price: 0.1, ..FREE }), same);
+        assert_ne!(insert(&s, &miss, ALL, &Bounds { price: 0.09, ..FREE }), same);
     }
 
     #[test]

@@ -14,7 +14,7 @@ use nalgebra::{Matrix3xX, SMatrix, SVector};
 use crate::geometry::{Uv, Vector, uv_bounds};
 use crate::spline::{KnotVector, Samples};
 
-pub use change::{Miss, insert, remove};
+pub use change::{Bounds, Miss, insert, remove};
 
 /// Where to stop dividing.
 #[derive(Debug, Clone, Copy)]
