@@ -3,6 +3,7 @@
 
 use foldhash::HashMap;
 
+use super::blocks::{Numbered, meet};
 use crate::geometry::Point;
 
 /// A place that reaches into more cells than this is near everything.
@@ -16,8 +17,6 @@ pub struct Cells {
     width: f64,
     levels: Vec<HashMap<[i64; 3], Vec<Numbered>>>,
 }
-
-type Numbered = (u32, [Point; 2]);
 
 impl Cells {
     /// Boxes in cells of some width, or wider than they.
@@ -39,13 +38,10 @@ impl Cells {
         self.width * (level as f64).exp2()
     }
 
-    /// The numbers of the boxes that meet one.
-    pub fn meeting(&self, place: [Point; 2]) -> impl Iterator<Item = usize> + '_ {
-        let meets = move |[low, high]: &[Point; 2]| {
-            (0..3).all(|k| low[k] <= place[1][k] && place[0][k] <= high[k])
-        };
+    /// The boxes that meet one.
+    pub fn meeting(&self, place: [Point; 2]) -> impl Iterator<Item = &Numbered> + '_ {
         let near = (0..self.levels.len()).flat_map(move |level| self.near(level, place));
-        near.filter(move |b| meets(&b.1)).map(|b| b.0 as usize)
+        near.filter(move |b| meet(&b.1, &place))
     }
 
     /// The boxes of a level in the cells around a place.
@@ -75,7 +71,7 @@ mod tests {
     fn near_boxes_are_found() {
         let at = |x: f64| [Point::new(x, 0.0, 0.0), Point::new(x + 1.0, 1.0, 1.0)];
         let found = |cells: &Cells, place: [Point; 2]| {
-            let mut found: Vec<usize> = cells.meeting(place).collect();
+            let mut found: Vec<u32> = cells.meeting(place).map(|b| b.0).collect();
             found.sort_unstable();
             found
         };

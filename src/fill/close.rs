@@ -70,7 +70,7 @@ pub fn close(
     // Triangulated anew in a plane, a fill can join what the mesh joins at a rim's tips.
     let sound = |(fill, _): &(Fill, Method)| !faults::joins_twice(around, fill, rims);
     for (fill, method) in tries.iter().filter_map(|way| way()).filter(sound) {
-        let faults = faults::find(around, &fill, sizes.mean);
+        let faults = faults::find(around, &fill);
         if best.as_ref().is_none_or(|best| faults.count() < best.faults.count()) {
             best = Some(Closed { fill, method, faults });
         }
@@ -81,7 +81,7 @@ pub fn close(
     let mut best = best?;
     if best.faults.folds > 0 {
         let fill = unfolded(hole, &best.fill);
-        let faults = faults::find(around, &fill, sizes.mean);
+        let faults = faults::find(around, &fill);
         if faults.count() < best.faults.count() {
             best = Closed { fill, faults, ..best };
         }

@@ -2,7 +2,6 @@
 //! go astray in wide holes; here all are placed on the one surface that the
 //! band of points around the hole makes likely.
 
-use std::cell::RefCell;
 use std::collections::HashMap;
 
 use super::band::{self, Measured};
@@ -21,7 +20,7 @@ const ACROSS_HOLE: f64 = 3.5;
 /// … and across the band, from which it knows them.
 const ACROSS_BAND: f64 = 3.0;
 
-/// Nor are they narrower than this many edges.
+/// Nor are they narrower than this many edges, or distances between points.
 const NARROWEST: f64 = 2.0;
 
 /// The steepest slope, as the cosine of its angle, of a surface that is seen as
@@ -54,6 +53,9 @@ pub struct Shaper<'a> {
     normal: Vector,
     perimeter: f64,
     width: f64,
+    /// The mean distance between the points around: the side of the square that each
+    /// has to itself.
+    spacing: f64,
 }
 
 impl<'a> Shaper<'a> {
@@ -66,7 +68,8 @@ impl<'a> Shaper<'a> {
         let normal = area.try_normalize(0.0)?;
         let width = band::width(half_width(area.norm(), perimeter), hole.sizes.mean);
         let (rim, band) = (hole.rims.concat(), band::band(hole, width, |_| true));
-        Some(Shaper { hole, measured, rim, band, normal, perimeter, width })
+        let spacing = spacing(hole.around, &band);
+        Some(Shaper { hole, measured, rim, band, normal, perimeter, width, spacing })
     }
 
     /// How the hole looks from where it can be seen best. `None` if not all
@@ -104,8 +107,10 @@ impl<'a> Shaper<'a> {
         cell.min(self.width / ACROSS_BAND).max(self.narrowest())
     }
 
+    /// Around slits and in gridded scans points can be nearer along the rim than
+    /// across.
     fn narrowest(&self) -> f64 {
-        NARROWEST * self.hole.sizes.mean
+        NARROWEST * self.hole.sizes.mean.max(self.spacing)
     }
 
     /// Shapes a fill as a height over the view's plane. `None` if it cannot be
@@ -185,19 +190,19 @@ impl<'a> Shaper<'a> {
         v.max(w) < self.rim.len() && self.hole.around.joined(self.rim[v], self.rim[w])
     }
 
-    /// Places the fill on a surface over its chart, and improves it there.
+    /// Places the fill on a surface over its chart, and improves it there. Points keep
+    /// the rest that they begin with: they do not move far.
     fn settle(&self, sheet: &mut Sheet, base: impl Fn(Uv) -> Option<Point>) {
         let rest = Rest::new(self.hole.sizes, sheet, &base);
-        let found = RefCell::new(Vec::new());
-        let surface = |uv: Uv| {
-            let p = base(uv)?;
-            Some(p + rest.at(p, &mut found.borrow_mut()))
-        };
-        for v in sheet.fixed..sheet.points.len() {
-            if let Some(p) = surface(sheet.uv[v]) {
-                sheet.points[v] = p;
-            }
+        let (mut found, fixed) = (Vec::new(), sheet.fixed);
+        let mut rests = Vec::with_capacity(sheet.points.len() - fixed);
+        for v in fixed..sheet.points.len() {
+            let on = base(sheet.uv[v]);
+            let rest = on.map_or(Vector::zeros(), |p| rest.at(p, &mut found));
+            sheet.points[v] = on.map_or(sheet.points[v], |p| p + rest);
+            rests.push(rest);
         }
+        let surface = |v: usize, uv: Uv| Some(base(uv)? + rests[v - fixed]);
         sheet.improve(surface, |v, w| self.joined(v, w));
     }
 }
@@ -248,6 +253,18 @@ fn outline_area(outline: &[Uv]) -> f64 {
 /// Half the width of a hole: of a round one the radius, of a slit its width.
 fn half_width(area: f64, perimeter: f64) -> f64 {
     2.0 * area / perimeter
+}
+
+/// The side of the square that each of the vertices has to itself, in the mean.
+fn spacing(around: &Surroundings, band: &[VertexId]) -> f64 {
+    let triangles = band.iter().flat_map(|&v| around.rings.triangles(v));
+    let area = |&t: &u32| {
+        let [a, b, c] = around.mesh.corners(around.mesh.triangles[t as usize]);
+        0.5 * (b - a).cross(&(c - a)).norm()
+    };
+    let (sum, count) = triangles.map(area).fold((0.0, 0), |(sum, n), x| (sum + x, n + 1));
+    // In a closed mesh, twice as many triangles as vertices.
+    (2.0 * sum / f64::from(count.max(1))).sqrt()
 }
 
 /// The band's triangles, numbered after the sheet's vertices but for the rim.

@@ -4,6 +4,7 @@
 use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 use robust::{Coord3D, orient3d};
 
+use super::blocks::{Block, Blocks, Numbered, meet};
 use super::cells::Cells;
 use super::front::{Fill, Surroundings};
 use crate::geometry::{Point, Vector, VertexId, unit_normal};
@@ -40,7 +41,8 @@ impl Ground {
     pub fn new(mesh: &Mesh) -> Self {
         let side = |t: &[VertexId; 3]| (mesh.point(t[1]) - mesh.point(t[0])).norm();
         let mean = mesh.triangles.iter().map(side).sum::<f64>() / mesh.triangles.len() as f64;
-        Ground(cells(mesh.triangles.iter().map(|t| t.map(|v| mesh.point(v))), mean))
+        let extents = mesh.triangles.iter().map(|t| extent(t.map(|v| mesh.point(v))));
+        Ground(Cells::new(extents, CELL * mean.max(f64::MIN_POSITIVE)))
     }
 }
 
@@ -48,19 +50,15 @@ fn extent([a, b, c]: [Point; 3]) -> [Point; 2] {
     [a.inf(&b).inf(&c), a.sup(&b).sup(&c)]
 }
 
-fn cells(triangles: impl Iterator<Item = [Point; 3]>, side: f64) -> Cells {
-    Cells::new(triangles.map(extent), CELL * side.max(f64::MIN_POSITIVE))
-}
-
-/// The faults of a fill whose edges are about as long as `edge`.
-pub fn find(around: &Surroundings, fill: &Fill, edge: f64) -> Faults {
+/// The faults of a fill.
+pub fn find(around: &Surroundings, fill: &Fill) -> Faults {
     let measured = around.mesh.points.len();
     let at = |v: VertexId| match v.index().checked_sub(measured) {
         None => around.mesh.point(v),
         Some(new) => fill.points[new],
     };
     let judge = Judge { around, fill, at: &at };
-    Faults { folds: judge.folds(), cuts: judge.cuts(edge) }
+    Faults { folds: judge.folds(), cuts: judge.cuts() }
 }
 
 /// Whether a fill joins two vertices that are joined already, by another of its
@@ -106,24 +104,33 @@ impl Judge<'_> {
         sides.iter().filter(|side| is_folded(*side)).count()
     }
 
-    fn cuts(&self, edge: f64) -> usize {
-        let (mesh, own) = (self.around.mesh, &self.fill.triangles);
-        let corners = |t: &[VertexId; 3]| t.map(self.at);
-        let fill = cells(own.iter().map(corners), edge);
+    fn cuts(&self) -> usize {
+        let own = &self.fill.triangles;
+        let extents = (0..).zip(own.iter().map(|t| extent(t.map(self.at))));
+        let fill = Blocks::new(extents.collect());
         let mut count = 0;
-        for (number, &t) in own.iter().enumerate() {
-            let place = extent(corners(&t));
-            let among_own = fill.meeting(place).filter(|&other| other > number);
-            count += among_own.filter(|&other| self.cut(t, own[other])).count();
-            let ground = self.around.ground.0.meeting(place);
-            count += ground.filter(|&other| self.cut(t, mesh.triangles[other])).count();
-        }
-        count
+        fill.pairs(|s, t| count += usize::from(self.cut(own[s as usize], own[t as usize])));
+        count + fill.blocks.iter().map(|block| self.ground_cuts(block)).sum::<usize>()
+    }
+
+    /// How often a block of the fill's triangles cuts measured ones.
+    fn ground_cuts(&self, block: &Block) -> usize {
+        let (mesh, own) = (self.around.mesh, &self.fill.triangles);
+        let near = self.around.ground.0.meeting(block.extent);
+        let cut_by = |(number, place): &Numbered| {
+            let met = block.members.iter().filter(|m| meet(place, &m.1));
+            let other = mesh.triangles[*number as usize];
+            met.filter(|m| self.cut(own[m.0 as usize], other)).count()
+        };
+        near.map(cut_by).sum()
     }
 
     /// Whether a side of one triangle goes through the other; what they share
     /// does not count.
     fn cut(&self, s: [VertexId; 3], t: [VertexId; 3]) -> bool {
+        if s.iter().filter(|v| t.contains(v)).count() > 1 {
+            return false;
+        }
         let (at_s, at_t) = (s.map(self.at), t.map(self.at));
         if is_beside(at_s, at_t) || is_beside(at_t, at_s) {
             return false;
@@ -142,9 +149,10 @@ impl Judge<'_> {
 /// from above this one, as those next to it do.
 fn is_beside([a, b, c]: [Point; 3], other: [Point; 3]) -> bool {
     let normal = (b - a).cross(&(c - a));
+    let rounding = 1e-12 * normal.norm();
     [(a, b), (b, c), (c, a)].into_iter().any(|(p, q)| {
         let inwards = normal.cross(&(q - p));
-        let nothing = 1e-12 * inwards.norm() * (q - p).norm();
+        let nothing = rounding * (q - p).norm_squared();
         other.iter().all(|x| inwards.dot(&(x - p)) <= nothing)
     })
 }
@@ -181,7 +189,7 @@ mod tests {
         let around = Surroundings { mesh: &mesh, rings: &rings, cloud: &cloud, ground: &ground };
         let triangles = triangles.iter().map(ids).collect();
         let fill = Fill { points: vec![], triangles, wide_ears: 0, spanned: 0 };
-        find(&around, &fill, 1.0)
+        find(&around, &fill)
     }
 
     const SQUARE: [[f64; 3]; 4] =

@@ -4,6 +4,7 @@
 //! do not depend on each other's order.
 
 mod band;
+mod blocks;
 mod cells;
 mod cholesky;
 mod close;

@@ -6,6 +6,7 @@
 
 use foldhash::{HashMap, HashMapExt};
 
+use super::blocks::meet;
 use crate::geometry::{Point, VertexId};
 
 /// A place on a ring: a vertex, and the edge that leaves it.
@@ -28,8 +29,8 @@ pub struct Rings {
     alive: usize,
     /// The nodes that were left at the last renewal, and those since.
     recent: Vec<usize>,
-    /// Nodes by the cells that their edge passes.
-    grid: HashMap<[i32; 3], Vec<usize>>,
+    /// Nodes, and the boxes of their edges, by the cells that these pass.
+    grid: HashMap<u64, Vec<(usize, [Point; 2])>>,
     cell: f64,
 }
 
@@ -187,32 +188,35 @@ impl Rings {
     /// The nodes whose edges may come within `radius` of `centre`, ascending.
     pub fn near(&self, centre: Point, radius: f64) -> Vec<usize> {
         // Of its cells much is farther away.
-        let is_near = |&node: &usize| {
-            let (p, q) = self.edge(node);
-            (0..3).all(|k| {
-                p[k].min(q[k]) <= centre[k] + radius && p[k].max(q[k]) >= centre[k] - radius
-            })
-        };
+        let place = [-radius, radius].map(|r| centre.map(|x| x + r));
         // Edges may pass a cell between the places where they were entered.
         let reach = radius + 0.25 * self.cell;
         let [low, high] = [-reach, reach].map(|r| self.key(centre.map(|x| x + r)));
         let wide = (0..3).map(|k| f64::from(high[k] - low[k]) + 1.0).product::<f64>();
         if wide > self.alive as f64 {
-            return self.all().filter(is_near).collect();
+            return self.all().filter(|&node| meet(&self.extent(node), &place)).collect();
         }
-        let mut found = Vec::with_capacity(64);
+        let mut found = Vec::with_capacity(32);
         for x in low[0]..=high[0] {
             for y in low[1]..=high[1] {
                 for z in low[2]..=high[2] {
-                    let here = self.grid.get(&[x, y, z]).into_iter().flatten();
-                    let alive = here.copied().filter(|&node| self.nodes[node].alive);
-                    found.extend(alive.filter(is_near));
+                    let here = self.grid.get(&packed([x, y, z])).into_iter().flatten();
+                    let near = here.filter(|entry| meet(&entry.1, &place)).map(|entry| entry.0);
+                    found.extend(near.filter(|&node| self.nodes[node].alive));
                 }
             }
         }
         found.sort_unstable();
         found.dedup();
+        // Entries stay where an edge has been.
+        found.retain(|&node| meet(&self.extent(node), &place));
         found
+    }
+
+    /// The box of the edge that leaves a node.
+    fn extent(&self, node: usize) -> [Point; 2] {
+        let (p, q) = self.edge(node);
+        [p.inf(&q), p.sup(&q)]
     }
 
     fn push(&mut self, vertex: VertexId, at: Point) -> usize {
@@ -242,15 +246,20 @@ impl Rings {
     fn enter(&mut self, node: usize) {
         let (p, q) = self.edge(node);
         let steps = (2.0 * (q - p).norm() / self.cell).ceil().max(1.0) as usize;
-        let mut last = None;
+        let (mut last, extent) = (None, self.extent(node));
         for step in 0..=steps {
-            let key = self.key(p + (q - p) * (step as f64 / steps as f64));
+            let key = packed(self.key(p + (q - p) * (step as f64 / steps as f64)));
             if last != Some(key) {
-                self.grid.entry(key).or_default().push(node);
+                self.grid.entry(key).or_default().push((node, extent));
                 last = Some(key);
             }
         }
     }
+}
+
+/// A cell's key; far cells may share it.
+fn packed(cell: [i32; 3]) -> u64 {
+    cell.into_iter().fold(0, |key, x| key << 21 | (x as u64 & 0x1f_ffff))
 }
 
 #[cfg(test)]

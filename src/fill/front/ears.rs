@@ -53,14 +53,16 @@ impl Front<'_> {
     pub(super) fn close_ears(&mut self, angle: f64) -> usize {
         let before = self.fill.triangles.len();
         let ear = |front: &Self, node: usize| {
-            let ear = Reverse(Ear { angle: front.angle(node), node });
+            let beside = [front.rings.before(node), front.rings.after(node)];
+            let ear = Reverse(Ear { angle: front.angle(node), node, beside });
             (ear.0.angle < angle).then_some(ear)
         };
         let mut order: BinaryHeap<Reverse<Ear>> =
             self.rings.all().filter_map(|node| ear(self, node)).collect();
-        while let Some(Reverse(Ear { angle, node })) = order.pop() {
-            // Angles that have changed since were entered anew.
-            if !self.rings.is_alive(node) || self.angle(node) != angle {
+        while let Some(Reverse(Ear { node, beside, .. })) = order.pop() {
+            // Ears that have changed since were entered anew.
+            let now = [self.rings.before(node), self.rings.after(node)];
+            if !self.rings.is_alive(node) || now != beside {
                 continue;
             }
             if self.close_triangle(node) || !self.may_close(node) {
@@ -99,6 +101,8 @@ impl Front<'_> {
 struct Ear {
     angle: f64,
     node: usize,
+    /// The nodes before and after it.
+    beside: [usize; 2],
 }
 
 impl Ord for Ear {

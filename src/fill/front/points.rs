@@ -49,8 +49,11 @@ impl Front<'_> {
         self.placed = (!new.is_empty()).then(|| Cloud::new(new, self.normals.clone()));
         for (edge, (p, normal)) in self.candidates() {
             let size = self.sizes.at(p);
-            if self.fill.points.len() < self.most_points && !self.meet(edge, p, size, normal) {
-                self.try_point(p, size, normal);
+            if self.fill.points.len() < self.most_points {
+                let near = self.rings.near(p, HIGHEST.max(MEETING) * size);
+                if !self.meet(edge, p, size, normal, &near) {
+                    self.try_point(p, size, normal, &near);
+                }
             }
         }
     }
@@ -150,16 +153,24 @@ impl Front<'_> {
     }
 
     /// Where a front vertex is near `p`, the candidate of `edge`, joins the
-    /// edge to it; says whether it did.
-    fn meet(&mut self, (v, w): (usize, usize), p: Point, size: f64, normal: Vector) -> bool {
+    /// edge to it; says whether it did. `near` are the nodes around `p`.
+    fn meet(
+        &mut self,
+        (v, w): (usize, usize),
+        p: Point,
+        size: f64,
+        normal: Vector,
+        near: &[usize],
+    ) -> bool {
         if !self.rings.is_alive(v) || self.rings.after(v) != w {
             return false;
         }
         let reach = MEETING * size;
         let own = [v, w, self.rings.before(v), self.rings.after(w)];
-        let near = self.rings.near(p, reach).into_iter();
         let distance = |node: usize| (self.rings.at(node) - p).norm();
         let nearest = near
+            .iter()
+            .copied()
             .filter(|node| !own.contains(node) && distance(*node) < reach)
             .min_by(|x, y| distance(*x).total_cmp(&distance(*y)));
         let apex = nearest.filter(|&apex| self.may_join(v, apex, normal));
@@ -203,9 +214,9 @@ impl Front<'_> {
 
     /// Joins `p` to the nearest front edge, if it keeps its distance from all
     /// other points (a front that has turned around would grow back over the
-    /// measured surface) and the triangle crosses nothing.
-    fn try_point(&mut self, p: Point, size: f64, normal: Vector) {
-        let near = self.rings.near(p, HIGHEST * size);
+    /// measured surface) and the triangle crosses nothing. `near` are the nodes
+    /// around `p`.
+    fn try_point(&mut self, p: Point, size: f64, normal: Vector, near: &[usize]) {
         let crowded = |node: &usize| (self.rings.at(*node) - p).norm() < APART * size;
         if near.iter().any(crowded) || self.around.cloud.nearest_distance(p) < APART * size {
             return;

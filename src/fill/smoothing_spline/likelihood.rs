@@ -6,7 +6,7 @@ use faer::Mat;
 
 use super::Held;
 use super::grid::{Grid, ON_CELL, cell_energy, values};
-use super::overlaps::{Overlaps, order, pairs};
+use super::overlaps::{Overlaps, order, runs};
 use crate::fill::cholesky::Pattern;
 use crate::geometry::Uv;
 
@@ -42,7 +42,7 @@ impl Exponents {
 pub struct Equations<const D: usize> {
     pattern: Pattern,
     /// Of the points, J₂ and J₄.
-    entries: Vec<[f64; FORMS]>,
+    entries: [Vec<f64>; FORMS],
     diagonal: Vec<usize>,
     right: Mat<f64>,
     squares: f64,
@@ -89,7 +89,7 @@ impl<const D: usize> Equations<D> {
         let overlaps = Overlaps::new(grid);
         let Overlaps { starts, rows, .. } = &overlaps;
         let mut equations = Equations {
-            entries: vec![[0.0; FORMS]; rows.len()],
+            entries: std::array::from_fn(|_| vec![0.0; rows.len()]),
             diagonal: starts[..grid.count].to_vec(),
             pattern: Pattern::new(starts.clone(), rows.clone(), &order(grid))?,
             right: Mat::zeros(grid.count, D),
@@ -104,26 +104,28 @@ impl<const D: usize> Equations<D> {
         for (cell, functions) in grid.on_cells.iter().enumerate() {
             let here = placed.next_if(|p| p[0].cell == cell).unwrap_or_default();
             let points = equations.add_points(functions, here);
-            for (q, p) in pairs() {
-                let entry = &mut equations.entries[overlaps.slot(functions, p, q)];
-                entry[0] += points[p][q];
-                entry[1] += second[p][q];
-                entry[2] += fourth[p][q];
+            for (q, run) in runs() {
+                let slots = overlaps.slots(functions, q, &run);
+                for (entries, form) in equations.entries.iter_mut().zip([&points, &second, &fourth])
+                {
+                    let entries = entries[slots.clone()].iter_mut();
+                    entries.zip(&form[q][run.clone()]).for_each(|(entry, x)| *entry += x);
+                }
             }
         }
         equations.scale();
         Some(equations)
     }
 
-    /// The points of one cell: their part of the right-hand side, and the lower
+    /// The points of one cell: their part of the right-hand side, and the upper
     /// triangle of their form in the cell's functions.
     fn add_points(&mut self, functions: &[u32; ON_CELL], points: &[Placed<D>]) -> CellForm {
         let mut sum = [[0.0; ON_CELL]; ON_CELL];
         let mut right = [[0.0; D]; ON_CELL];
         for Placed { place, value, .. } in points {
             let b = values(*place);
-            for (p, (row, x)) in sum.iter_mut().zip(b).enumerate() {
-                row[..=p].iter_mut().zip(b).for_each(|(entry, y)| *entry += x * y);
+            for (q, (row, x)) in sum.iter_mut().zip(b).enumerate() {
+                row[q..].iter_mut().zip(&b[q..]).for_each(|(entry, y)| *entry += x * y);
             }
             for (sum, x) in right.iter_mut().zip(b) {
                 sum.iter_mut().zip(value).for_each(|(entry, y)| *entry += x * y);
@@ -138,12 +140,12 @@ impl<const D: usize> Equations<D> {
     /// Gives all forms the trace n.
     fn scale(&mut self) {
         let n = self.diagonal.len() as f64;
-        let trace = |form: usize| self.diagonal.iter().map(|&d| self.entries[d][form]).sum::<f64>();
+        let trace = |form: usize| self.diagonal.iter().map(|&d| self.entries[form][d]).sum::<f64>();
         let by: [f64; FORMS] = std::array::from_fn(|form| n / trace(form));
         self.squares *= by[0];
         self.right *= faer::Scale(by[0]);
-        for entry in &mut self.entries {
-            entry.iter_mut().zip(by).for_each(|(x, by)| *x *= by);
+        for (entries, by) in self.entries.iter_mut().zip(by) {
+            entries.iter_mut().for_each(|x| *x *= by);
         }
     }
 
@@ -154,19 +156,21 @@ impl<const D: usize> Equations<D> {
         let mut best = Exponents(start.0.min(HIGHEST), start.1.min(HIGHEST));
         let mut likelihood = self.likelihood(best);
         let mut step = 4;
+        let mut directions = vec![(-1, 0), (1, 0)];
+        if held == Held::Both {
+            directions.extend([(0, -1), (0, 1)]);
+        }
         // To a decade: the length over which the spline smooths is known to a
         // third by then.
         while step > 1 {
-            let directions = [(step, 0), (-step, 0), (0, step), (0, -step)];
-            let searched = if held == Held::Both { &directions[..] } else { &directions[..2] };
-            let tried = searched.iter().map(|&by| (self.likelihood(best.moved(by)), by));
-            let best_of = tried.max_by(|a, b| a.0.total_cmp(&b.0));
-            match best_of.filter(|next| next.0 > likelihood) {
-                Some((mut next, by)) => {
-                    while next > likelihood {
-                        (likelihood, best) = (next, best.moved(by));
-                        next = self.likelihood(best.moved(by));
-                    }
+            let ahead = |by: (i32, i32)| best.moved((step * by.0, step * by.1));
+            let better = directions.iter().position(|&by| self.likelihood(ahead(by)) > likelihood);
+            match better {
+                Some(at) => {
+                    best = ahead(directions[at]);
+                    likelihood = self.likelihood(best);
+                    // What was good may be so once more.
+                    directions[..=at].rotate_right(1);
                 }
                 None => step /= 2,
             }
@@ -215,8 +219,9 @@ impl<const D: usize> Equations<D> {
     /// The form of the points and λ₂ J₂ + λ₄ J₄, with a share of these on the
     /// diagonal.
     fn form(&self, points: f64, [a, b]: [f64; 2], diagonal: f64) -> Vec<f64> {
-        let sum = |[p, x, y]: &[f64; FORMS]| points * p + a * x + b * y;
-        let mut sum: Vec<f64> = self.entries.iter().map(sum).collect();
+        let [known, second, fourth] = &self.entries;
+        let energies = second.iter().zip(fourth).map(|(x, y)| a * x + b * y);
+        let mut sum: Vec<f64> = known.iter().zip(energies).map(|(p, e)| points * p + e).collect();
         self.diagonal.iter().for_each(|&d| sum[d] += diagonal * (points + a + b));
         sum
     }

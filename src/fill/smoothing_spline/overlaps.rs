@@ -1,5 +1,7 @@
 //! Which functions of a grid share a cell: the pattern of its forms.
 
+use std::ops::Range;
+
 use super::grid::{DEGREE, Grid, ON_CELL, ON_INTERVAL};
 
 /// How far apart in the lattice two functions can be that share a cell, from
@@ -53,25 +55,29 @@ impl Overlaps {
         let places = reached.iter().map(column).collect();
         let mut overlaps = Overlaps { starts, rows: vec![0; end], places };
         for functions in &grid.on_cells {
-            for (q, p) in pairs() {
-                let slot = overlaps.slot(functions, p, q);
-                overlaps.rows[slot] = functions[p] as usize;
+            for (q, run) in runs() {
+                let slots = overlaps.slots(functions, q, &run);
+                let rows = overlaps.rows[slots].iter_mut().zip(&functions[run]);
+                rows.for_each(|(row, &f)| *row = f as usize);
             }
         }
         overlaps
     }
 
-    /// Where the entry of the `p`-th and the `q`-th function of a cell is, the
-    /// first of which is not before the second.
-    pub fn slot(&self, functions: &[u32; ON_CELL], p: usize, q: usize) -> usize {
+    /// Where the entries of a run of a cell's functions and its `q`-th are: one
+    /// after the other, as the functions are in their column of the lattice.
+    pub fn slots(&self, functions: &[u32; ON_CELL], q: usize, run: &Range<usize>) -> Range<usize> {
         let column = functions[q] as usize;
-        self.starts[column] + usize::from(self.places[column][step(p, q)])
+        let first = self.starts[column] + usize::from(self.places[column][step(run.start, q)]);
+        first..first + run.len()
     }
 }
 
-/// A cell's functions q and p, p not before q.
-pub fn pairs() -> impl Iterator<Item = (usize, usize)> {
-    (0..ON_CELL).flat_map(|q| (q..ON_CELL).map(move |p| (q, p)))
+/// A cell's functions and those of each column of the lattice that are not before
+/// them.
+pub fn runs() -> impl Iterator<Item = (usize, Range<usize>)> {
+    let columns = |q: usize| (q / ON_INTERVAL..ON_INTERVAL).map(|c| c * ON_INTERVAL);
+    (0..ON_CELL).flat_map(move |q| columns(q).map(move |c| (q, c.max(q)..c + ON_INTERVAL)))
 }
 
 /// Sets of fewer functions are not divided further.
@@ -97,16 +103,16 @@ fn dissect(functions: &mut [([u32; 2], usize)]) {
     if extent(axis) < 2 * DEGREE as u32 {
         return;
     }
-    let half = functions.len() / 2;
-    let middle = functions.select_nth_unstable_by_key(half, |f| (f.0[axis], f.1)).1.0[axis];
+    let mut along: Vec<u32> = functions.iter().map(|f| f.0[axis]).collect();
+    let middle = *along.select_nth_unstable(functions.len() / 2).1;
     let first = middle.saturating_sub(DEGREE as u32 / 2);
-    let part = |f: &([u32; 2], usize)| match f.0[axis] {
-        x if x < first => 0,
-        x if x >= first + DEGREE as u32 => 1,
-        _ => 2,
+    let parts = [0..first, first + DEGREE as u32..u32::MAX, first..first + DEGREE as u32];
+    let of_part = |part: &Range<u32>| {
+        functions.iter().copied().filter(|f| part.contains(&f.0[axis])).collect::<Vec<_>>()
     };
-    functions.sort_unstable_by_key(|f| (part(f), f.1));
-    let ends = [0, 1].map(|side| functions.partition_point(|f| part(f) <= side));
+    let parts = parts.each_ref().map(of_part);
+    let ends = [parts[0].len(), parts[0].len() + parts[1].len()];
+    functions.copy_from_slice(&parts.concat());
     dissect(&mut functions[..ends[0]]);
     dissect(&mut functions[ends[0]..ends[1]]);
 }

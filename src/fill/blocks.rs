@@ -1,0 +1,115 @@
+//! Boxes in compact blocks of some, to find the pairs that meet.
+
+use crate::geometry::Point;
+
+/// A box by its lowest and highest corner, and its number.
+pub type Numbered = (u32, [Point; 2]);
+
+/// A block of more boxes than this is divided.
+const MOST: usize = 12;
+
+/// Boxes near each other, and the box around them.
+pub struct Block {
+    pub extent: [Point; 2],
+    pub members: Vec<Numbered>,
+}
+
+/// All boxes, block by block, in the order of where the blocks begin along an axis.
+pub struct Blocks {
+    pub blocks: Vec<Block>,
+    axis: usize,
+}
+
+impl Blocks {
+    pub fn new(mut boxes: Vec<Numbered>) -> Self {
+        let axis = widest(extent(&boxes));
+        let mut blocks = Vec::with_capacity(2 * boxes.len() / MOST + 1);
+        divide(&mut boxes, &mut blocks);
+        blocks.sort_by(|s, t| s.extent[0][axis].total_cmp(&t.extent[0][axis]));
+        Blocks { blocks, axis }
+    }
+
+    /// Tells of every two boxes that meet, once.
+    pub fn pairs(&self, mut found: impl FnMut(u32, u32)) {
+        for (k, block) in self.blocks.iter().enumerate() {
+            within(&block.members, &mut found);
+            for other in &self.blocks[k + 1..] {
+                if other.extent[0][self.axis] > block.extent[1][self.axis] {
+                    break;
+                }
+                between(block, other, &mut found);
+            }
+        }
+    }
+}
+
+fn within(members: &[Numbered], found: &mut impl FnMut(u32, u32)) {
+    for (k, (number, place)) in members.iter().enumerate() {
+        let later = members[k + 1..].iter().filter(|other| meet(place, &other.1));
+        later.for_each(|other| found(*number, other.0));
+    }
+}
+
+fn between(block: &Block, other: &Block, found: &mut impl FnMut(u32, u32)) {
+    if meet(&block.extent, &other.extent) {
+        for (number, place) in block.members.iter().filter(|m| meet(&m.1, &other.extent)) {
+            let met = other.members.iter().filter(|m| meet(place, &m.1));
+            met.for_each(|m| found(*number, m.0));
+        }
+    }
+}
+
+/// Whether two boxes have a point in common.
+pub fn meet(s: &[Point; 2], t: &[Point; 2]) -> bool {
+    (0..3).all(|k| (s[0][k] <= t[1][k]) & (t[0][k] <= s[1][k]))
+}
+
+fn extent(boxes: &[Numbered]) -> [Point; 2] {
+    let none = [Point::new(f64::MAX, f64::MAX, f64::MAX), Point::new(f64::MIN, f64::MIN, f64::MIN)];
+    boxes.iter().fold(none, |sum, (_, [low, high])| [sum[0].inf(low), sum[1].sup(high)])
+}
+
+fn widest([low, high]: [Point; 2]) -> usize {
+    (high - low).imax()
+}
+
+/// Halves the boxes along their widest axis until they are few.
+fn divide(boxes: &mut [Numbered], blocks: &mut Vec<Block>) {
+    let around = extent(boxes);
+    if boxes.len() <= MOST {
+        blocks.push(Block { extent: around, members: boxes.to_vec() });
+        return;
+    }
+    let (axis, half) = (widest(around), boxes.len() / 2);
+    let place = |(_, [low, high]): &Numbered| low[axis] + high[axis];
+    boxes.select_nth_unstable_by(half, |s, t| place(s).total_cmp(&place(t)));
+    let (low, high) = boxes.split_at_mut(half);
+    divide(low, blocks);
+    divide(high, blocks);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn all_pairs_that_meet_are_found_once() {
+        let mut state = 7u64;
+        let mut random = || {
+            state = state.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
+            (state >> 40) as f64 / f64::from(1 << 24)
+        };
+        let mut place = || {
+            let low = Point::new(random(), 3.0 * random(), 0.3 * random());
+            [low, low + 0.2 * random().powi(3) * crate::geometry::Vector::new(1.0, 1.0, 1.0)]
+        };
+        let boxes: Vec<Numbered> = (0..500).map(|number| (number, place())).collect();
+        let mut found = Vec::new();
+        Blocks::new(boxes.clone()).pairs(|s, t| found.push((s.min(t), s.max(t))));
+        found.sort_unstable();
+        let all = (0..500).flat_map(|s| (s + 1..500).map(move |t| (s, t)));
+        let meeting = |&(s, t): &(u32, u32)| meet(&boxes[s as usize].1, &boxes[t as usize].1);
+        let expected: Vec<_> = all.filter(meeting).collect();
+        assert!(expected.len() > 100 && found == expected);
+    }
+}
