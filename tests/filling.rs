@@ -151,6 +151,60 @@ fn holes_in_steep_waves_are_filled_without_a_fold() {
     assert!(methods.len() > 2, "{methods:?}");
 }
 
+/// Two bowls, one upon the other upside down, whose bottoms would cross, as a strip that
+/// is bent round at one side; both bottoms are missing.
+fn waist() -> Soup {
+    let (n, m, half) = (30, 80, 30.0);
+    let place = |i: usize, j: usize| {
+        let (x, y) = (i as f64 - 0.5 * n as f64, j as f64);
+        // Up over the first bowl, round, and back over the second.
+        let (side, along) = if y <= half { (1.0, y) } else { (-1.0, (m as f64 - y).min(half)) };
+        let depth = (x / 15.0).powi(2) + ((along - 15.0) / 15.0).powi(2);
+        let turn = (y - half).clamp(0.0, m as f64 - 2.0 * half) / (m as f64 - 2.0 * half);
+        let height = -0.6 + 4.0 * depth;
+        match turn {
+            t if t <= 0.0 || t >= 1.0 => [x, along, side * height],
+            t => {
+                let angle = std::f64::consts::PI * t;
+                [x, half + height * angle.sin(), height * angle.cos()]
+            }
+        }
+    };
+    let missing = |i: usize, j: usize| {
+        let centre = |y: f64| (i as f64 + 0.5 - 15.0).hypot(j as f64 + 0.5 - y) < 9.0;
+        centre(15.0) || centre(m as f64 - 15.0)
+    };
+    let mut soup = Soup::default();
+    soup.points.extend((0..=n).flat_map(|i| (0..=m).map(move |j| place(i, j))));
+    for (i, j) in (0..n).flat_map(|i| (0..m).map(move |j| (i, j))) {
+        let (k, row) = ((i * (m + 1) + j) as u32, m as u32 + 1);
+        if !missing(i, j) {
+            soup.polygons.push([k, k + row, k + row + 1]);
+            soup.polygons.push([k, k + row + 1, k + 1]);
+        }
+    }
+    soup
+}
+
+#[test]
+fn fills_on_both_sides_of_a_thin_wall_do_not_cut_each_other() {
+    let disk = disk(&waist());
+    let points = disk.mesh.points.clone();
+    let (patch, report) = fill::fill(disk, &points, &fill::Options::default()).unwrap();
+    check(&patch, &report);
+    assert_eq!(report.holes.len(), 2);
+    assert_eq!((folds(&patch), report.holes.iter().map(|h| h.faults.count()).sum()), (0, 0));
+    // Each by itself would go on to where its bowl is deepest, beyond the other's; the
+    // second gives way.
+    let heights = |hole: u32| {
+        let numbered = patch.mesh.triangles.iter().zip(&patch.origin);
+        let own = numbered.filter(move |(_, o)| **o == FaceOrigin::Hole(hole));
+        own.flat_map(|(t, _)| t.map(|v| patch.mesh.point(v).z))
+    };
+    assert!(heights(0).fold(f64::MAX, f64::min) < -0.5);
+    assert!(heights(1).fold(f64::MIN, f64::max) < -0.5);
+}
+
 /// Fills a virtual scan, smoothed before or not; the rms distance of what was
 /// added to the true surface.
 fn rms_of_fill(scan: &VirtualScan, support: Support) -> (f64, fill::Report) {

@@ -22,7 +22,7 @@ pub struct Blocks {
 
 impl Blocks {
     pub fn new(mut boxes: Vec<Numbered>) -> Self {
-        let axis = widest(extent(&boxes));
+        let axis = widest(around(&boxes));
         let mut blocks = Vec::with_capacity(2 * boxes.len() / MOST + 1);
         divide(&mut boxes, &mut blocks);
         blocks.sort_by(|s, t| s.extent[0][axis].total_cmp(&t.extent[0][axis]));
@@ -64,7 +64,8 @@ pub fn meet(s: &[Point; 2], t: &[Point; 2]) -> bool {
     (0..3).all(|k| (s[0][k] <= t[1][k]) & (t[0][k] <= s[1][k]))
 }
 
-fn extent(boxes: &[Numbered]) -> [Point; 2] {
+/// The box around boxes.
+pub fn around(boxes: &[Numbered]) -> [Point; 2] {
     let none = [Point::new(f64::MAX, f64::MAX, f64::MAX), Point::new(f64::MIN, f64::MIN, f64::MIN)];
     boxes.iter().fold(none, |sum, (_, [low, high])| [sum[0].inf(low), sum[1].sup(high)])
 }
@@ -75,12 +76,12 @@ fn widest([low, high]: [Point; 2]) -> usize {
 
 /// Halves the boxes along their widest axis until they are few.
 fn divide(boxes: &mut [Numbered], blocks: &mut Vec<Block>) {
-    let around = extent(boxes);
+    let extent = around(boxes);
     if boxes.len() <= MOST {
-        blocks.push(Block { extent: around, members: boxes.to_vec() });
+        blocks.push(Block { extent, members: boxes.to_vec() });
         return;
     }
-    let (axis, half) = (widest(around), boxes.len() / 2);
+    let (axis, half) = (widest(extent), boxes.len() / 2);
     let place = |(_, [low, high]): &Numbered| low[axis] + high[axis];
     boxes.select_nth_unstable_by(half, |s, t| place(s).total_cmp(&place(t)));
     let (low, high) = boxes.split_at_mut(half);

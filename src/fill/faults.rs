@@ -46,7 +46,8 @@ impl Ground {
     }
 }
 
-fn extent([a, b, c]: [Point; 3]) -> [Point; 2] {
+/// The box around a triangle.
+pub fn extent([a, b, c]: [Point; 3]) -> [Point; 2] {
     [a.inf(&b).inf(&c), a.sup(&b).sup(&c)]
 }
 
@@ -125,24 +126,25 @@ impl Judge<'_> {
         near.map(cut_by).sum()
     }
 
-    /// Whether a side of one triangle goes through the other; what they share
-    /// does not count.
     fn cut(&self, s: [VertexId; 3], t: [VertexId; 3]) -> bool {
-        if s.iter().filter(|v| t.contains(v)).count() > 1 {
-            return false;
-        }
-        let (at_s, at_t) = (s.map(self.at), t.map(self.at));
-        if is_beside(at_s, at_t) || is_beside(at_t, at_s) {
-            return false;
-        }
-        let pierces = |s: [VertexId; 3], at_s: [Point; 3], t: [VertexId; 3], at_t| {
-            (0..3).any(|k| {
-                let l = (k + 1) % 3;
-                !t.contains(&s[k]) && !t.contains(&s[l]) && goes_through([at_s[k], at_s[l]], at_t)
-            })
-        };
-        pierces(s, at_s, t, at_t) || pierces(t, at_t, s, at_s)
+        cut([s, t], [s.map(self.at), t.map(self.at)])
     }
+}
+
+/// Whether a side of one of two triangles goes through the other; what they share
+/// does not count.
+pub fn cut([s, t]: [[VertexId; 3]; 2], [at_s, at_t]: [[Point; 3]; 2]) -> bool {
+    let shared = s.iter().filter(|v| t.contains(v)).count();
+    if shared > 1 || is_beside(at_s, at_t) || is_beside(at_t, at_s) {
+        return false;
+    }
+    let pierces = |s: [VertexId; 3], at_s: [Point; 3], t: [VertexId; 3], at_t| {
+        (0..3).any(|k| {
+            let l = (k + 1) % 3;
+            !t.contains(&s[k]) && !t.contains(&s[l]) && goes_through([at_s[k], at_s[l]], at_t)
+        })
+    };
+    pierces(s, at_s, t, at_t) || pierces(t, at_t, s, at_s)
 }
 
 /// Whether a triangle lies, but for rounding, beyond one side of another, seen

@@ -3,6 +3,7 @@
 //! Each hole is filled by itself from the measured points around it, so holes
 //! do not depend on each other's order.
 
+mod apart;
 mod band;
 mod blocks;
 mod cells;
@@ -25,14 +26,11 @@ mod smoothing_spline;
 use band::Measured;
 use close::Closed;
 pub use faults::Faults;
-use faults::Ground;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result, of};
 use crate::geometry::{Point, VertexId};
-use crate::mesh::boundary::Loop;
-use crate::mesh::mls::Cloud;
-use crate::mesh::{Disk, FaceOrigin, Patch, Rings, boundary};
+use crate::mesh::{Disk, FaceOrigin, Patch, boundary};
 use crate::rules;
 
 /// How to fill.
@@ -116,21 +114,26 @@ pub fn fill(disk: Disk, measured: &[Point], options: &Options) -> Result<(Patch,
     if measured.len() != disk.mesh.points.len() {
         return Err(Error::Input("there are not as many measured points as the disk has"));
     }
-    let cloud = Cloud::of(&disk.mesh);
-    let rings = Rings::new(&disk.mesh);
-    let ground = Ground::new(&disk.mesh);
-    let (mesh, rings, cloud, ground) = (&disk.mesh, &rings, &cloud, &ground);
-    let around = front::Surroundings { mesh, rings, cloud, ground };
-    let measured = Measured { points: measured, noise: options.noise };
     let islands = |hole: usize| disk.islands.iter().filter(move |island| island.hole == hole);
-    let fill = |(hole, rim): (usize, &Loop)| {
-        let rims: Vec<&[VertexId]> = std::iter::once(rim.as_slice())
+    let fill = |around: &front::Surroundings, measured: &[Point], hole: usize| {
+        let rims: Vec<&[VertexId]> = std::iter::once(disk.holes[hole].as_slice())
             .chain(islands(hole).map(|island| island.rim.as_slice()))
             .collect();
-        close::close(&around, &measured, &rims, options)
-            .ok_or_else(|| Error::Fill { hole, at: disk.mesh.point(rim[0]) })
+        let measured = Measured { points: measured, noise: options.noise };
+        close::close(around, &measured, &rims, options)
+            .ok_or_else(|| Error::Fill { hole, at: disk.mesh.point(rims[0][0]) })
     };
-    let fills: Vec<Closed> = disk.holes.par_iter().enumerate().map(fill).collect::<Result<_>>()?;
+    let fills = front::Surroundings::with(&disk.mesh, |around| {
+        let holes = (0..disk.holes.len()).into_par_iter();
+        let mut fills: Vec<Closed> =
+            holes.map(|hole| fill(around, measured, hole)).collect::<Result<_>>()?;
+        apart::part(around, measured, &mut fills, |mesh, measured, holes| {
+            front::Surroundings::with(mesh, |around| {
+                holes.par_iter().map(|&hole| fill(around, measured, hole)).collect()
+            })
+        });
+        Ok::<_, Error>(fills)
+    })?;
     let measured = disk.mesh.points.len();
     let mut mesh = disk.mesh;
     let mut origin = vec![FaceOrigin::Measured; mesh.triangles.len()];

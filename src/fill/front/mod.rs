@@ -40,6 +40,12 @@ pub struct Surroundings<'a> {
 }
 
 impl Surroundings<'_> {
+    /// Does something with all that is around the holes of a mesh.
+    pub fn with<T>(mesh: &Mesh, what: impl FnOnce(&Surroundings) -> T) -> T {
+        let (rings, cloud, ground) = (mesh::Rings::new(mesh), Cloud::of(mesh), Ground::new(mesh));
+        what(&Surroundings { mesh, rings: &rings, cloud: &cloud, ground: &ground })
+    }
+
     /// Whether the mesh joins two vertices; new ones it does not.
     pub fn joined(&self, v: VertexId, w: VertexId) -> bool {
         let measured = v.index().max(w.index()) < self.mesh.points.len();
