@@ -2,6 +2,7 @@
 //! go astray in wide holes; here all are placed on the one surface that the
 //! band of points around the hole makes likely.
 
+use std::cell::RefCell;
 use std::collections::HashMap;
 
 use super::band::{self, Measured};
@@ -190,19 +191,19 @@ impl<'a> Shaper<'a> {
         v.max(w) < self.rim.len() && self.hole.around.joined(self.rim[v], self.rim[w])
     }
 
-    /// Places the fill on a surface over its chart, and improves it there. Points keep
-    /// the rest that they begin with: they do not move far.
+    /// Places the fill on a surface over its chart, and improves it there.
     fn settle(&self, sheet: &mut Sheet, base: impl Fn(Uv) -> Option<Point>) {
         let rest = Rest::new(self.hole.sizes, sheet, &base);
-        let (mut found, fixed) = (Vec::new(), sheet.fixed);
-        let mut rests = Vec::with_capacity(sheet.points.len() - fixed);
-        for v in fixed..sheet.points.len() {
-            let on = base(sheet.uv[v]);
-            let rest = on.map_or(Vector::zeros(), |p| rest.at(p, &mut found));
-            sheet.points[v] = on.map_or(sheet.points[v], |p| p + rest);
-            rests.push(rest);
+        let found = RefCell::new(Vec::new());
+        let surface = |uv: Uv| {
+            let p = base(uv)?;
+            Some(p + rest.at(p, &mut found.borrow_mut()))
+        };
+        for v in sheet.fixed..sheet.points.len() {
+            if let Some(p) = surface(sheet.uv[v]) {
+                sheet.points[v] = p;
+            }
         }
-        let surface = |v: usize, uv: Uv| Some(base(uv)? + rests[v - fixed]);
         sheet.improve(surface, |v, w| self.joined(v, w));
     }
 }

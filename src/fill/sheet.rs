@@ -59,11 +59,11 @@ impl Sheet {
     }
 
     /// Flips edges and moves the inner vertices until the triangles are well
-    /// shaped. `surface` gives a point's place in space from that in the chart;
+    /// shaped. `surface` gives the place in space of one in the chart;
     /// `joined` tells of vertices that are joined elsewhere.
     pub fn improve(
         &mut self,
-        surface: impl Fn(usize, Uv) -> Option<Point>,
+        surface: impl Fn(Uv) -> Option<Point>,
         joined: impl Fn(usize, usize) -> bool,
     ) {
         let mut sides = flips::sides(&self.triangles);
@@ -85,7 +85,7 @@ impl Sheet {
     }
 
     /// Moves each inner vertex towards the mean of its triangles' centres.
-    fn relax(&mut self, surface: impl Fn(usize, Uv) -> Option<Point>) {
+    fn relax(&mut self, surface: impl Fn(Uv) -> Option<Point>) {
         let numbered = self.triangles.iter().enumerate();
         let mut around: Vec<(usize, usize)> = numbered
             .flat_map(|(number, t)| t.map(|v| (v, number)))
@@ -101,7 +101,7 @@ impl Sheet {
         &mut self,
         v: usize,
         around: &[(usize, usize)],
-        surface: impl Fn(usize, Uv) -> Option<Point>,
+        surface: impl Fn(Uv) -> Option<Point>,
     ) {
         let (mut sum, mut total) = (nalgebra::Vector2::zeros(), 0.0);
         for &(_, t) in around {
@@ -123,7 +123,7 @@ impl Sheet {
         for share in [1.0, 0.5, 0.25] {
             self.uv[v] = old.0 + share * (target - old.0);
             if turned(self) <= before
-                && let Some(point) = surface(v, self.uv[v])
+                && let Some(point) = surface(self.uv[v])
             {
                 self.points[v] = point;
                 return;
@@ -173,7 +173,7 @@ mod tests {
         let before = least_angle(&sheet);
         let (count, points) = (sheet.triangles.len(), sheet.points.len());
         for _ in 0..10 {
-            sheet.improve(|_, uv| Some(Point::new(uv.x, uv.y, 0.0)), |_, _| false);
+            sheet.improve(|uv| Some(Point::new(uv.x, uv.y, 0.0)), |_, _| false);
         }
         assert!(before < 2.0 && least_angle(&sheet) > 15.0, "{before} {}", least_angle(&sheet));
         assert_eq!((sheet.turned(), sheet.triangles.len(), sheet.points.len()), (0, count, points));
@@ -187,7 +187,7 @@ mod tests {
         let sides =
             |s: &Sheet| flips::sides(&s.triangles).keys().filter(|e| e.0.max(e.1) < 20).count();
         let before = sides(&sheet);
-        sheet.improve(|_, uv| Some(Point::new(uv.x, uv.y, 0.0)), |_, _| true);
+        sheet.improve(|uv| Some(Point::new(uv.x, uv.y, 0.0)), |_, _| true);
         assert!(sides(&sheet) <= before);
     }
 }
