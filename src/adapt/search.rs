@@ -3,6 +3,7 @@
 use super::Goal;
 use super::target::{Feet, Target};
 use crate::error::Result;
+use crate::fit::Hold;
 use crate::geometry::Uv;
 use crate::knots::Bounds;
 use crate::spline::{KnotVector, Surface};
@@ -39,6 +40,11 @@ const GIVEN_UP: f64 = 0.01;
 const CORRECTIONS: usize = 5;
 const PAYS: f64 = 0.97;
 
+/// A slide that leaves more than this share of the rms is idle. After so many of them the
+/// samples slide no more.
+const IDLE_SLIDE: f64 = 0.93;
+const PATIENCE_WITH_SLIDES: usize = 2;
+
 /// A surface, the parameters it was fitted with, and how far it is off.
 pub struct Attempt {
     pub surface: Surface,
@@ -54,6 +60,8 @@ pub struct Attempt {
 pub struct Search<'a> {
     /// What is fitted.
     pub target: Target<'a>,
+    holds: Vec<Hold>,
+    idle_slides: usize,
     pub(super) options: &'a Options,
     pub(super) goal: &'a Goal,
     /// Fits made.
@@ -63,18 +71,43 @@ pub struct Search<'a> {
 impl<'a> Search<'a> {
     /// A search that has made no fit yet.
     pub fn new(target: Target<'a>, options: &'a Options, goal: &'a Goal) -> Self {
-        Search { target, options, goal, rounds: 0 }
+        Search { holds: target.holds(), idle_slides: 0, target, options, goal, rounds: 0 }
     }
 
     /// A fit over the given knots.
     pub fn attempt(&mut self, knots: [KnotVector; 2]) -> Result<Attempt> {
         let (mut surface, fit) = fit::fit(&self.target.samples, knots, self.options.method)?;
         self.target.pin_corners(&mut surface);
-        let feet = self.target.feet(&surface);
+        let mut feet = self.target.feet(&surface);
         self.rounds += 1;
+        if self.options.method == fit::Method::Refined {
+            (surface, feet) = self.slide(surface, feet)?;
+        }
         let beyond = feet.beyond(self.goal.tolerance);
         let (uv, weights) = (self.target.samples.uv.clone(), self.target.samples.weights.clone());
         Ok(Attempt { surface, fit, uv, weights, feet, beyond })
+    }
+
+    /// Lets the samples slide along a surface that is fitted to them across, unless that
+    /// has turned out idle.
+    fn slide(&mut self, surface: Surface, feet: Feet) -> Result<(Surface, Feet)> {
+        if self.idle_slides >= PATIENCE_WITH_SLIDES {
+            return Ok((surface, feet));
+        }
+        let before = self.target.samples.uv.clone();
+        self.target.correct(&feet, FIRM_AREA);
+        let stuck = self.target.stuck(&feet);
+        let samples = &self.target.samples;
+        if let Some(mut next) = fit::refit(&surface, samples, &self.holds, &stuck)? {
+            self.target.pin_corners(&mut next);
+            let there = self.target.feet(&next);
+            self.idle_slides += usize::from(there.rms() > IDLE_SLIDE * feet.rms());
+            if there.rms() < feet.rms() {
+                return Ok((next, there));
+            }
+        }
+        self.target.samples.uv = before;
+        Ok((surface, feet))
     }
 
     /// Takes up the parameters and weights of an attempt, the parameters corrected.
@@ -184,13 +217,12 @@ impl<'a> Search<'a> {
         self.target.samples.uv.clone_from(&start.uv);
         self.target.correct(&start.feet, LEAST_AREA);
         let slide = |now: Vec<Uv>, wanted: Vec<Uv>| self.target.corrected(now, wanted, LEAST_AREA);
-        let holds = self.target.holds();
         let most =
             start.beyond.0.max(self.spared()) + if self.goal.named { 0 } else { self.given_up() };
         let mut folds = 0;
         for stiffness in fit::STIFFNESSES {
             let samples = &self.target.samples;
-            let unfolded = fit::unfold(&start.surface, samples, &holds, stiffness, &slide);
+            let unfolded = fit::unfold(&start.surface, samples, &self.holds, stiffness, &slide);
             folds = unfolded.before;
             let Some((surface, uv)) = unfolded.found else { break };
             let mut feet = self.target.feet_from(&surface, &uv);

@@ -136,6 +136,17 @@ impl<'a> Target<'a> {
         self.samples.uv = self.corrected(now, feet.uv.clone(), least);
     }
 
+    /// Which samples are not at their feet, or are to stay where they are: those of an
+    /// outer boundary inside the domain, which the face is cut along.
+    pub fn stuck(&self, feet: &Feet) -> Vec<bool> {
+        let at = self.samples.uv.iter().zip(&feet.uv);
+        let mut stuck: Vec<bool> = at.map(|(at, foot)| at != foot).collect();
+        if self.map.outline == Outline::Free {
+            self.map.patch.outer.iter().for_each(|v| stuck[v.index()] = true);
+        }
+        stuck
+    }
+
     /// The parameters that the samples may move to from those they have.
     pub fn corrected(&self, now: Vec<Uv>, wanted: Vec<Uv>, least: f64) -> Vec<Uv> {
         let count = now.len();

@@ -51,7 +51,7 @@ struct Windowed([[Moments; 3]; 3]);
 impl Windowed {
     fn new(cells: &Cells, p: usize, q: usize) -> Self {
         let mut sums = [0; 3].map(|_| [0; 3].map(|_| Moments::zero()));
-        for sample in cells.samples(p, q) {
+        for sample in cells.samples::<f64>(p, q) {
             let (s, t) = (powers(sample.place.x), powers(sample.place.y));
             let (us, vs) = (windows(sample.place.x), windows(sample.place.y));
             for (row, u) in sums.iter_mut().zip(us) {

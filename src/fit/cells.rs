@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::spans::Spans;
+use super::weight::{Metric, Weight};
 use crate::geometry::{Uv, Vector};
 use crate::mesh::Buckets;
 use crate::spline::{KnotVector, Samples};
@@ -11,6 +12,9 @@ use crate::spline::{KnotVector, Samples};
 pub struct Cells<'a> {
     /// The samples.
     pub samples: &'a Samples,
+    /// How distances from them count in different directions; none where that is all
+    /// the same.
+    pub metrics: &'a [Metric],
     /// Knot vectors in u and v.
     pub knots: [&'a KnotVector; 2],
     /// Their spans.
@@ -23,9 +27,9 @@ pub struct Cells<'a> {
 
 /// A sample in a cell: its place in the cell, (−1, −1) to (1, 1), its weight,
 /// and its point less the origin.
-pub struct Local {
+pub struct Local<W> {
     pub place: Uv,
-    pub weight: f64,
+    pub weight: W,
     pub point: Vector,
 }
 
@@ -41,7 +45,12 @@ impl<'a> Cells<'a> {
         let homes = Buckets::new(count, homes.len(), |i| homes[i as usize]);
         let sum = samples.points.iter().fold(Vector::zeros(), |sum, p| sum + p.coords);
         let origin = sum / samples.len().max(1) as f64;
-        Cells { samples, knots, spans, origin, homes }
+        Cells { samples, metrics: &[], knots, spans, origin, homes }
+    }
+
+    /// The same, each sample's distance counting by a matrix of its own.
+    pub fn with_metrics(self, metrics: &'a [Metric]) -> Self {
+        Cells { metrics, ..self }
     }
 
     /// How many cells there are in u and in v. Knots inside are single, so a
@@ -61,13 +70,13 @@ impl<'a> Cells<'a> {
     }
 
     /// The samples in cell (p, q).
-    pub fn samples(&self, p: usize, q: usize) -> impl Iterator<Item = Local> + '_ {
+    pub fn samples<W: Weight>(&self, p: usize, q: usize) -> impl Iterator<Item = Local<W>> + '_ {
         let (u, v) = (&self.spans[0].all[p], &self.spans[1].all[q]);
         self.indices(p, q).iter().map(move |&i| {
             let (i, at) = (i as usize, self.samples.uv[i as usize]);
             Local {
                 place: Uv::new(u.local(at.x), v.local(at.y)),
-                weight: self.samples.weights[i],
+                weight: W::of(self, i),
                 point: self.samples.points[i].coords - self.origin,
             }
         })

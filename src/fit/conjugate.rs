@@ -5,6 +5,7 @@ use rayon::prelude::*;
 use super::normal::{Equations, Lane};
 use super::precondition::Preconditioner;
 use super::tasks;
+use super::weight::Weight;
 
 /// Steps at the most. Equations that need more have wide regions without
 /// samples, and are solved faster directly.
@@ -24,6 +25,18 @@ const EXACT: f64 = 1e-24;
 /// The net of the least-squares optimum, and the steps taken; `None` where it
 /// takes too many.
 pub fn solve(equations: &Equations, inverse: &Preconditioner) -> Option<(Vec<Lane>, usize)> {
+    let start = vec![Lane::zeros(); equations.right.len()];
+    let (net, steps, done) = improve(equations, inverse, start)?;
+    done.then_some((net, steps))
+}
+
+/// A net nearer to the optimum than the one given, the steps taken, and whether it is
+/// the optimum; `None` if numbers ran out of range.
+pub fn improve<W: Weight>(
+    equations: &Equations<W>,
+    inverse: &Preconditioner,
+    start: Vec<Lane>,
+) -> Option<(Vec<Lane>, usize, bool)> {
     let (nu, nv) = (equations.shape[0], equations.shape[1]);
     let rows = |v: &mut Vec<Lane>, f: &(dyn Fn(usize, &mut [Lane]) -> Lane + Sync)| -> Lane {
         let rows = v.par_chunks_mut(nv).enumerate().with_min_len(tasks(nv));
@@ -31,14 +44,21 @@ pub fn solve(equations: &Equations, inverse: &Preconditioner) -> Option<(Vec<Lan
         rows.map(|(i, row)| f(i, row)).collect::<Vec<_>>().into_iter().sum()
     };
     let zeros = || vec![Lane::zeros(); nu * nv];
-    let (mut x, mut r) = (zeros(), equations.right.clone());
+    let (mut x, mut r) = (start, zeros());
     let (mut z, mut p, mut ap) = (zeros(), zeros(), zeros());
     let mut rz = Lane::zeros();
-    let mut left = equations.squares;
+    // The sum of squares of a net is that of zeros less x · (b + r).
+    let known = rows(&mut r, &|i, r| {
+        equations.row_times(i, &x, r);
+        let (b, x) = (&equations.right[i * nv..][..nv], &x[i * nv..][..nv]);
+        r.iter_mut().zip(b).for_each(|(r, b)| *r = b - *r);
+        dot(x, b) + dot(x, r)
+    });
+    let mut left = equations.squares - known.sum();
     let mut before = f64::INFINITY;
     for step in 0..MAX_STEPS {
         inverse.apply(&r, &mut z);
-        let next = rows(&mut z, &|i, z| dot(z, &r[i * nv..][..nv]));
+        let next = W::coupled(rows(&mut z, &|i, z| dot(z, &r[i * nv..][..nv])));
         let beta = ratio(next, rz);
         rz = next;
         rows(&mut p, &|i, p| {
@@ -46,10 +66,10 @@ pub fn solve(equations: &Equations, inverse: &Preconditioner) -> Option<(Vec<Lan
             p.iter_mut().zip(z).for_each(|(p, z)| *p = z + beta.component_mul(p));
             Lane::zeros()
         });
-        let bends = rows(&mut ap, &|i, ap| {
+        let bends = W::coupled(rows(&mut ap, &|i, ap| {
             equations.row_times(i, &p, ap);
             dot(ap, &p[i * nv..][..nv])
-        });
+        }));
         let alpha = ratio(rz, bends);
         let along = |from: &[Lane], sign: f64, i: usize, to: &mut [Lane]| {
             let alpha = alpha * sign;
@@ -66,14 +86,13 @@ pub fn solve(equations: &Equations, inverse: &Preconditioner) -> Option<(Vec<Lan
         }
         let sure = (left - ROUNDING * equations.squares).max(0.0);
         if gain + before <= GAIN * sure + EXACT * equations.squares {
-            return Some((x, step + 1));
+            return Some((x, step + 1, true));
         }
         before = gain;
     }
-    None
+    Some((x, MAX_STEPS, false))
 }
 
-/// The coordinates are systems of their own with one matrix.
 fn dot(a: &[Lane], b: &[Lane]) -> Lane {
     a.iter().zip(b).fold(Lane::zeros(), |sum, (x, y)| sum + x.component_mul(y))
 }

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use super::cells::Cells;
 use super::spans::{Cubic, PAIRS, Span};
 use super::strips::{Census, Strip};
+use super::weight::Weight;
 
 /// Weight of the term in a cell without samples, of that of a mean cell's.
 const EMPTY: f64 = 1e-2;
@@ -32,13 +33,18 @@ pub struct Fairing {
 }
 
 /// The term of every strip.
-pub fn strips(strips: &[Strip], cells: &Cells) -> Vec<Fairing> {
-    let metric = Metric::new(strips, cells);
+pub fn strips<W: Weight>(strips: &[Strip<W>], cells: &Cells) -> Vec<Fairing> {
+    let metric = Lengths::new(strips, cells);
     let energies: Vec<[[f64; 10]; 3]> = cells.spans[1].all.iter().map(energies).collect();
     (0..strips.len()).into_par_iter().map(|p| strip(p, strips, &metric, &energies)).collect()
 }
 
-fn strip(p: usize, strips: &[Strip], metric: &Metric, energies: &[[[f64; 10]; 3]]) -> Fairing {
+fn strip<W: Weight>(
+    p: usize,
+    strips: &[Strip<W>],
+    metric: &Lengths,
+    energies: &[[[f64; 10]; 3]],
+) -> Fairing {
     let strip = &strips[p];
     let around = &strips[p.saturating_sub(1)..(p + 2).min(strips.len())];
     let across: Vec<f64> = (0..strip.cells.len())
@@ -78,7 +84,7 @@ fn derivative([_, b, c, d]: Cubic) -> Cubic {
 }
 
 /// How long, in mm, half a cell is along u and along v.
-struct Metric {
+struct Lengths {
     /// In mm a unit of u and of v: means over the strips of cells along v and
     /// along u, and the mean of all.
     lengths: [Vec<Option<f64>>; 2],
@@ -90,8 +96,8 @@ struct Metric {
     open: bool,
 }
 
-impl Metric {
-    fn new(strips: &[Strip], cells: &Cells) -> Self {
+impl Lengths {
+    fn new<W: Weight>(strips: &[Strip<W>], cells: &Cells) -> Self {
         let halves = cells.spans.each_ref().map(|s| s.all.iter().map(Span::half).collect());
         let [across, down] = cells.counts();
         let mut sums = [vec![(0.0, 0.0); across], vec![(0.0, 0.0); down]];
@@ -111,7 +117,7 @@ impl Metric {
             }
         }
         let mean = |(sum, count): (f64, f64)| (count > 0.0 && sum > 0.0).then(|| sum / count);
-        Metric {
+        Lengths {
             lengths: sums.map(|sums| sums.into_iter().map(mean).collect()),
             mean: total.map(|sum| mean(sum).unwrap_or(1.0)),
             halves,

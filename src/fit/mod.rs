@@ -8,18 +8,22 @@ mod blend;
 mod cells;
 mod conjugate;
 mod fairing;
+mod hold;
 mod moments;
 mod normal;
 mod precondition;
 mod spans;
 mod strips;
 mod unfold;
+mod weight;
 
 use cells::Cells;
 use normal::{Equations, Lane};
 use precondition::Preconditioner;
+use weight::Metric;
 
-pub(crate) use unfold::{Hold, STIFFNESSES, unfold};
+pub(crate) use hold::Hold;
+pub(crate) use unfold::{STIFFNESSES, unfold};
 
 use crate::error::{Error, Result};
 use crate::spline::{KnotVector, Samples, Surface};
@@ -69,6 +73,31 @@ pub fn fit(samples: &Samples, knots: [KnotVector; 2], method: Method) -> Result<
     Ok((surface, Report { method, steps }))
 }
 
+/// Fits a surface again by the distances across it, near which samples may slide along it
+/// (tangent distance minimization: Wang, Pottmann, Liu, 2006): a step of Gauss and Newton,
+/// damped by what the distances along it count. Where samples are `stuck` they all count.
+/// `None` if numbers ran out of range.
+pub(crate) fn refit(
+    surface: &Surface,
+    samples: &Samples,
+    holds: &[Hold],
+    stuck: &[bool],
+) -> Result<Option<Surface>> {
+    let metric = |(hold, &stuck): (&Hold, &bool)| Metric::from(&hold.of(stuck));
+    let metrics: Vec<Metric> = holds.par_iter().zip(stuck).map(metric).collect();
+    let cells = Cells::new(samples, [&surface.u, &surface.v]).with_metrics(&metrics);
+    let equations = Equations::<Metric>::new(&cells);
+    let even = equations.mean();
+    let inverse = match Preconditioner::new(&even, &cells.spans)? {
+        Some(inverse) => inverse,
+        None => Preconditioner::direct(&even, &cells.spans)?,
+    };
+    let start = surface.net.iter().map(|p| (p - cells.origin).push(0.0)).collect();
+    let net = conjugate::improve(&equations, &inverse, start);
+    let net = net.map(|(net, ..)| net.iter().map(|p| p.xyz() + cells.origin).collect());
+    Ok(net.map(|net| Surface::new(surface.u.clone(), surface.v.clone(), net)))
+}
+
 /// Mean distance, in mm, between a sample and the surface at the sample's
 /// parameter.
 pub fn mean_error(surface: &Surface, samples: &Samples) -> f64 {
@@ -103,7 +132,8 @@ fn tasks(width: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::{Point, Uv};
+    use crate::geometry::{Point, Uv, Vector};
+    use crate::spline::foot_point;
 
     fn wavy() -> Samples {
         let at = |i: usize| (i as f64 + 0.5) / 60.0;
@@ -147,6 +177,45 @@ mod tests {
             (error(Method::Blend), error(Method::Refined), error(Method::Global));
         assert!((refined / global - 1.0).abs() < 1e-3, "{refined} {global}");
         assert!(blend >= global, "{blend} {global}");
+    }
+
+    /// Root mean square distance between the samples and their feet.
+    fn off(surface: &Surface, s: &Samples) -> f64 {
+        let squares =
+            s.points.iter().zip(&s.uv).map(|(&p, &at)| foot_point(surface, p, at).1.powi(2));
+        (squares.sum::<f64>() / s.len() as f64).sqrt()
+    }
+
+    #[test]
+    fn samples_that_slide_are_followed_closer() {
+        // A map that runs unevenly over a smooth sheet.
+        let mut s = wavy();
+        for at in &mut s.uv {
+            let (u, v) = (at.x, at.y);
+            *at = Uv::new(u + 0.01 * (40.0 * u).sin(), v + 0.01 * (37.0 * (u + v)).sin());
+            *at = at.map(|t| t.clamp(0.0, 1.0));
+        }
+        let (first, _) = fit(&s, [uneven(9), uneven(9)], Method::Refined).unwrap();
+        let normal = |p: &Point| {
+            let (u, v) = (p.x / 100.0, p.y / 80.0);
+            let slope = [
+                0.24 * (6.0 * u).cos() * (5.0 * v).cos(),
+                -0.25 * (6.0 * u).sin() * (5.0 * v).sin(),
+            ];
+            Vector::new(-slope[0], -slope[1], 1.0).normalize()
+        };
+        let hold = |p: &Point| {
+            let normal = normal(p);
+            Hold { normal, metric: normal * normal.transpose(), moves: [true; 2] }
+        };
+        let holds: Vec<Hold> = s.points.iter().map(hold).collect();
+        let refitted = |stuck: bool| {
+            let stuck = vec![stuck; s.len()];
+            off(&refit(&first, &s, &holds, &stuck).unwrap().unwrap(), &s)
+        };
+        let before = off(&first, &s);
+        assert!(refitted(false) < 0.5 * before, "{} {before}", refitted(false));
+        assert!((refitted(true) / before - 1.0).abs() < 0.01, "{} {before}", refitted(true));
     }
 
     #[test]

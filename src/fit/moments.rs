@@ -5,45 +5,47 @@
 //! 49 + 48 sums, a visit a sample, whatever is fitted afterwards.
 
 use super::cells::Cells;
+use super::weight::Weight;
 use crate::geometry::Vector;
 
 /// The sums of one cell.
 #[derive(Debug, Clone)]
-pub struct Moments {
+pub struct Moments<W = f64> {
     /// `gram[l][k]` = Σ w sᵏ tˡ; the last column is not needed.
-    pub gram: [[f64; 8]; 7],
+    pub gram: [[W; 8]; 7],
     /// `right[axis][l][k]` = Σ w sᵏ tˡ p.
     pub right: [[[f64; 4]; 4]; 3],
     /// Σ w p².
     pub squares: f64,
 }
 
-impl Moments {
+impl<W: Weight> Moments<W> {
     /// Nothing summed.
     pub fn zero() -> Self {
-        Moments { gram: [[0.0; 8]; 7], right: [[[0.0; 4]; 4]; 3], squares: 0.0 }
+        Moments { gram: [[W::ZERO; 8]; 7], right: [[[0.0; 4]; 4]; 3], squares: 0.0 }
     }
 
     /// The sums over cell (p, q).
     pub fn of(cells: &Cells, p: usize, q: usize) -> Self {
         let mut sums = Moments::zero();
-        for sample in cells.samples(p, q) {
+        for sample in cells.samples::<W>(p, q) {
             let (s, t) = (powers(sample.place.x), powers(sample.place.y));
             sums.add(sample.weight, &s, &t, sample.point);
-            sums.squares += sample.weight * sample.point.norm_squared();
+            sums.squares += sample.weight.pull(sample.point).dot(&sample.point);
         }
         sums
     }
 
     /// Adds a sample, but for its square: the powers of its place, its weight and
     /// its point.
-    pub fn add(&mut self, weight: f64, s: &[f64; 8], t: &[f64; 8], point: Vector) {
+    pub fn add(&mut self, weight: W, s: &[f64; 8], t: &[f64; 8], point: Vector) {
         for (row, t) in self.gram.iter_mut().zip(t) {
-            let wt = weight * t;
-            row.iter_mut().zip(s).for_each(|(sum, s)| *sum += wt * s);
+            let wt = weight * *t;
+            row.iter_mut().zip(s).for_each(|(sum, s)| *sum += wt * *s);
         }
+        let pull = weight.pull(point);
         for (axis, rows) in self.right.iter_mut().enumerate() {
-            let wx = weight * point[axis];
+            let wx = pull[axis];
             for (row, t) in rows.iter_mut().zip(t) {
                 let wxt = wx * t;
                 row.iter_mut().zip(s).for_each(|(sum, s)| *sum += wxt * s);

@@ -10,6 +10,7 @@ use super::cells::Cells;
 use super::fairing::{self, Fairing};
 use super::spans::{PAIRS, Span};
 use super::strips::Strip;
+use super::weight::Weight;
 use crate::error::{Error, Result};
 
 /// A control point in the solvers: its coordinates and a zero.
@@ -20,12 +21,12 @@ pub type Lane = Vector4<f64>;
 /// The functions are products, and so is every sum over samples in one cell of
 /// two of them: B_i B_i′ (u) · B_j B_j′ (v) is the same for (i, j), (i′, j′) and
 /// for (i, j′), (i′, j). Of the 49 couplings of a control point 16 are left.
-pub struct Equations {
+pub struct Equations<W = f64> {
     /// Control points in u and v.
     pub shape: [usize; 2],
     /// `bands[(4 i + d) nv + j][e]` couples (i, j) with (i + d, j + e), and (i, j + e)
     /// with (i + d, j).
-    bands: Vec<[f64; 4]>,
+    bands: Vec<[W; 4]>,
     /// The right-hand side.
     pub right: Vec<Lane>,
     /// Σ w p², the residual of a net of zeros.
@@ -38,7 +39,7 @@ pub struct Equations {
 /// fairing term adds to its diagonal.
 const ANCHOR: f64 = 1e-11;
 
-impl Equations {
+impl<W: Weight> Equations<W> {
     /// Sums up the samples, a visit each.
     pub fn new(cells: &Cells) -> Self {
         let strips = strips(cells);
@@ -53,24 +54,11 @@ impl Equations {
         equations
     }
 
-    /// Holds every control point of a net where it is with a weight of its own,
-    /// by the fairing term alone where that is zero.
-    pub fn holding(net: &[Lane], weights: &[f64], cells: &Cells) -> Self {
-        let mut equations = Equations::fairing(&strips(cells), cells);
-        let nv = equations.shape[1];
-        for (at, (p, &w)) in net.iter().zip(weights).enumerate() {
-            equations.bands[4 * nv * (at / nv) + at % nv][0] += w;
-            equations.right[at] += p * w;
-            equations.squares += p.norm_squared() * w;
-        }
-        equations
-    }
-
-    fn fairing(strips: &[Strip], cells: &Cells) -> Self {
+    fn fairing(strips: &[Strip<W>], cells: &Cells) -> Self {
         let [nu, nv] = cells.counts().map(|n| n + 3);
         let mut equations = Equations {
             shape: [nu, nv],
-            bands: vec![[0.0; 4]; 4 * nu * nv],
+            bands: vec![[W::ZERO; 4]; 4 * nu * nv],
             right: vec![Lane::zeros(); nu * nv],
             squares: 0.0,
             unsupported: Vec::new(),
@@ -85,7 +73,8 @@ impl Equations {
         equations.unsupported = equations.diagonal();
         // The term alone leaves planes open, and samples may be too few to tell one.
         for at in 0..nu * nv {
-            equations.bands[4 * nv * (at / nv) + at % nv][0] += ANCHOR * equations.unsupported[at];
+            let anchor = W::even(ANCHOR * equations.unsupported[at]);
+            equations.bands[4 * nv * (at / nv) + at % nv][0] += anchor;
         }
         equations
     }
@@ -93,20 +82,20 @@ impl Equations {
     /// The rows of the net, each with its couplings and its right-hand side.
     fn rows(
         &mut self,
-    ) -> impl IndexedParallelIterator<Item = (usize, (&mut [[f64; 4]], &mut [Lane]))> {
+    ) -> impl IndexedParallelIterator<Item = (usize, (&mut [[W; 4]], &mut [Lane]))> {
         let nv = self.shape[1];
         self.bands.par_chunks_mut(4 * nv).zip(self.right.par_chunks_mut(nv)).enumerate()
     }
 
     /// The couplings of rows i and i + d of the net.
-    fn band(&self, i: usize, d: usize) -> &[[f64; 4]] {
+    fn band(&self, i: usize, d: usize) -> &[[W; 4]] {
         let nv = self.shape[1];
         &self.bands[(4 * i + d) * nv..][..nv]
     }
 
     /// The diagonal.
     pub fn diagonal(&self) -> Vec<f64> {
-        (0..self.shape[0]).flat_map(|i| self.band(i, 0).iter().map(|b| b[0])).collect()
+        (0..self.shape[0]).flat_map(|i| self.band(i, 0).iter().map(|b| b[0].mean())).collect()
     }
 
     /// Row `i` of the matrix times a net.
@@ -117,6 +106,32 @@ impl Equations {
             let band = self.band(i.min(other), i.abs_diff(other));
             add_band(band, &net[other * nv..][..nv], out);
         }
+    }
+
+    /// The same with each matrix's mean over all directions for a weight.
+    pub fn mean(&self) -> Equations {
+        Equations {
+            shape: self.shape,
+            bands: self.bands.par_iter().map(|band| band.map(W::mean)).collect(),
+            right: Vec::new(),
+            squares: self.squares,
+            unsupported: self.unsupported.clone(),
+        }
+    }
+}
+
+impl Equations {
+    /// Holds every control point of a net where it is with a weight of its own,
+    /// by the fairing term alone where that is zero.
+    pub fn holding(net: &[Lane], weights: &[f64], cells: &Cells) -> Self {
+        let mut equations = Equations::fairing(&strips(cells), cells);
+        let nv = equations.shape[1];
+        for (at, (p, &w)) in net.iter().zip(weights).enumerate() {
+            equations.bands[4 * nv * (at / nv) + at % nv][0] += w;
+            equations.right[at] += p * w;
+            equations.squares += p.norm_squared() * w;
+        }
+        equations
     }
 
     /// The solution by sparse Cholesky.
@@ -186,7 +201,7 @@ impl Factor {
     }
 }
 
-fn strips(cells: &Cells) -> Vec<Strip> {
+fn strips<W: Weight>(cells: &Cells) -> Vec<Strip<W>> {
     (0..cells.counts()[0]).into_par_iter().map(|p| Strip::new(cells, p)).collect()
 }
 
@@ -197,21 +212,21 @@ fn strips_of(i: usize, count: usize) -> std::ops::Range<usize> {
 
 /// Adds a symmetric matrix of bandwidth 3, `band[j][e]` its entry (j, j + e),
 /// times `x`.
-fn add_band(band: &[[f64; 4]], x: &[Lane], out: &mut [Lane]) {
+fn add_band<W: Weight>(band: &[[W; 4]], x: &[Lane], out: &mut [Lane]) {
     let n = x.len();
     for j in 0..n {
-        let mut sum = out[j] + x[j] * band[j][0];
+        let mut sum = out[j] + band[j][0].times(&x[j]);
         if (3..n - 3).contains(&j) {
             let (x, b) = (&x[j - 3..j + 4], &band[j - 3..j + 1]);
-            sum += x[4] * b[3][1] + x[5] * b[3][2] + x[6] * b[3][3];
-            sum += x[2] * b[2][1] + x[1] * b[1][2] + x[0] * b[0][3];
+            sum += b[3][1].times(&x[4]) + b[3][2].times(&x[5]) + b[3][3].times(&x[6]);
+            sum += b[2][1].times(&x[2]) + b[1][2].times(&x[1]) + b[0][3].times(&x[0]);
         } else {
             for e in 1..4 {
                 if j + e < n {
-                    sum += x[j + e] * band[j][e];
+                    sum += band[j][e].times(&x[j + e]);
                 }
                 if j >= e {
-                    sum += x[j - e] * band[j - e][e];
+                    sum += band[j - e][e].times(&x[j - e]);
                 }
             }
         }
@@ -233,13 +248,13 @@ impl Row<'_> {
         pairs.filter(|(_, (a, _))| *a == self.number).map(|(n, (a, c))| (n, c - a))
     }
 
-    fn add_strip(&self, strip: &Strip, bands: &mut [[f64; 4]], right: &mut [Lane]) {
+    fn add_strip<W: Weight>(&self, strip: &Strip<W>, bands: &mut [[W; 4]], right: &mut [Lane]) {
         let nv = right.len();
         for (pair, d) in self.pairs() {
             let product = &self.span.products[pair];
             for (to, gram) in bands[d * nv..][..nv].iter_mut().zip(&strip.gram) {
                 for (c, row) in product.iter().zip(gram) {
-                    to.iter_mut().zip(row).for_each(|(to, m)| *to += c * m);
+                    to.iter_mut().zip(row).for_each(|(to, m)| *to += *m * *c);
                 }
             }
         }
@@ -251,14 +266,14 @@ impl Row<'_> {
         }
     }
 
-    fn add_fairing(&self, fairing: &Fairing, bands: &mut [[f64; 4]]) {
+    fn add_fairing<W: Weight>(&self, fairing: &Fairing, bands: &mut [[W; 4]]) {
         let nv = fairing.of[0].len();
         let energies = fairing::energies(self.span);
         for (pair, d) in self.pairs() {
             for (order, sums) in fairing.of.iter().enumerate() {
                 let c = energies[2 - order][pair];
                 for (to, row) in bands[d * nv..][..nv].iter_mut().zip(sums) {
-                    to.iter_mut().zip(row).for_each(|(to, m)| *to += c * m);
+                    to.iter_mut().zip(row).for_each(|(to, m)| *to += W::even(c * m));
                 }
             }
         }

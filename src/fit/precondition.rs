@@ -61,6 +61,15 @@ impl Preconditioner {
         Ok(Some(Preconditioner { u: Band::new(u), v: Band::new(v), scale, weak }))
     }
 
+    /// The exact inverse of equations that are not worth preconditioning, for others that
+    /// are near them.
+    pub fn direct(equations: &Equations, spans: &[Spans; 2]) -> Result<Self> {
+        let [u, v] = spans.each_ref().map(|spans| Band::new(mass(spans)));
+        let count = equations.shape[0] * equations.shape[1];
+        let all = equations.factor((0..count as u32).collect())?;
+        Ok(Preconditioner { u, v, scale: vec![0.0; count], weak: Some(all) })
+    }
+
     /// The inverse times `r`.
     pub fn apply(&self, r: &[Lane], z: &mut [Lane]) {
         let (nu, nv) = (self.u.0.len(), self.v.0.len());

@@ -2,14 +2,18 @@
 //! between two neighbouring knots in u: sums over its samples that are already
 //! B-splines in v and still powers in u.
 
-use super::cells::Cells;
+use nalgebra::Matrix3;
+
+use super::cells::{Cells, Local};
 use super::moments::Moments;
 use super::spans::{PAIRS, Span};
+use super::weight::Weight;
+use crate::geometry::Vector;
 
 /// The sums of one strip; entry j of the lists belongs to control points (·, j).
-pub struct Strip {
+pub struct Strip<W> {
     /// `gram[j][k][d]` = Σ w sᵏ B_j(v) B_{j+d}(v).
-    pub gram: Vec<[[f64; 4]; 7]>,
+    pub gram: Vec<[[W; 4]; 7]>,
     /// `right[j][axis][k]` = Σ w sᵏ B_j(v) p.
     pub right: Vec<[[f64; 4]; 3]>,
     /// Σ w p².
@@ -32,12 +36,12 @@ pub struct Census {
     pub slopes: Option<[f64; 2]>,
 }
 
-impl Strip {
+impl<W: Weight> Strip<W> {
     /// The sums of strip `p`.
     pub fn new(cells: &Cells, p: usize) -> Self {
         let down = cells.counts()[1];
         let mut strip = Strip {
-            gram: vec![[[0.0; 4]; 7]; down + 3],
+            gram: vec![[[W::ZERO; 4]; 7]; down + 3],
             right: vec![[[0.0; 4]; 3]; down + 3],
             squares: 0.0,
             cells: Vec::with_capacity(down),
@@ -52,11 +56,11 @@ impl Strip {
         strip
     }
 
-    fn add(&mut self, q: usize, moments: &Moments, span: &Span) {
+    fn add(&mut self, q: usize, moments: &Moments<W>, span: &Span) {
         for (product, (b, d)) in span.products.iter().zip(PAIRS) {
-            let mut sums = [0.0; 8];
+            let mut sums = [W::ZERO; 8];
             for (row, c) in moments.gram.iter().zip(product) {
-                sums.iter_mut().zip(row).for_each(|(sum, m)| *sum += c * m);
+                sums.iter_mut().zip(row).for_each(|(sum, m)| *sum += *m * *c);
             }
             let to = &mut self.gram[q + b];
             to.iter_mut().zip(sums).for_each(|(to, sum)| to[d - b] += sum);
@@ -77,7 +81,7 @@ impl Strip {
 const PARTS: f64 = 4.0;
 
 impl Census {
-    fn new(moments: &Moments, cells: &Cells, p: usize, q: usize) -> Self {
+    fn new<W: Weight>(moments: &Moments<W>, cells: &Cells, p: usize, q: usize) -> Self {
         let mut seen = 0u16;
         for at in cells.places(p, q) {
             let part = |x: f64| ((x + 1.0) * 0.5 * PARTS).clamp(0.0, PARTS - 1.0) as u16;
@@ -88,29 +92,36 @@ impl Census {
         }
         let share = f64::from(seen.count_ones()) / (PARTS * PARTS);
         Census {
-            weight: moments.gram[0][0],
+            weight: moments.gram[0][0].mean(),
             covering: cells.count(p, q) as f64 * share.powi(3),
             bare: 1.0 - share,
-            slopes: slopes(moments),
+            slopes: slopes(cells, p, q),
         }
     }
 }
 
+/// So many samples of a cell tell how long it is.
+const ENOUGH: usize = 64;
+
 /// Length of the gradient of p along s and t, by least squares on a plane.
-fn slopes(m: &Moments) -> Option<[f64; 2]> {
-    let [w, s, t] = [m.gram[0][0], m.gram[0][1], m.gram[1][0]];
-    let [ss, st, tt] = [m.gram[0][2], m.gram[1][1], m.gram[2][0]];
+fn slopes(cells: &Cells, p: usize, q: usize) -> Option<[f64; 2]> {
+    let step = cells.count(p, q).div_ceil(ENOUGH).max(1);
+    let mut gram = Matrix3::zeros();
+    let mut right = Matrix3::zeros();
+    for Local { place, weight, point } in cells.samples::<f64>(p, q).step_by(step) {
+        let plane = Vector::new(1.0, place.x, place.y);
+        gram += weight * plane * plane.transpose();
+        right += weight * plane * point.transpose();
+    }
     // Spread about the mean; a third of the weight is that of a full cell.
-    let (ss, st, tt) = (ss - s * s / w, st - s * t / w, tt - t * t / w);
+    let w = gram[(0, 0)];
+    let spread = |a: usize, b: usize| gram[(a, b)] - gram[(0, a)] * gram[(0, b)] / w;
+    let (ss, st, tt) = (spread(1, 1), spread(1, 2), spread(2, 2));
     let det = ss * tt - st * st;
     if !(w > 0.0 && det > (0.03 * w) * (0.03 * w)) {
         return None;
     }
-    let mut squares = [0.0; 2];
-    for axis in &m.right {
-        let (sp, tp) = (axis[0][1] - s * axis[0][0] / w, axis[1][0] - t * axis[0][0] / w);
-        squares[0] += ((tt * sp - st * tp) / det).powi(2);
-        squares[1] += ((ss * tp - st * sp) / det).powi(2);
-    }
-    Some(squares.map(f64::sqrt))
+    let along = |a: usize| right.row(a) - right.row(0) * (gram[(0, a)] / w);
+    let (sp, tp) = (along(1), along(2));
+    Some([(sp * tt - tp * st).norm() / det, (tp * ss - sp * st).norm() / det])
 }

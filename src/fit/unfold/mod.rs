@@ -16,10 +16,9 @@ mod places;
 mod system;
 mod work;
 
-use nalgebra::Matrix3;
-
 use super::cells::Cells;
-use crate::geometry::{Uv, Vector};
+use super::hold::Hold;
+use crate::geometry::Uv;
 use crate::spline::{Samples, Surface};
 use places::{Places, Spot};
 use work::Work;
@@ -44,18 +43,6 @@ pub struct Unfolded {
     pub before: usize,
     /// Places that still are.
     pub after: usize,
-}
-
-/// How a sample holds a surface.
-#[derive(Debug, Clone, Copy)]
-pub struct Hold {
-    /// The normal of what was measured there, of length 1.
-    pub normal: Vector,
-    /// The matrix of the squared distance that it is held by: of a plane, a line or a
-    /// point.
-    pub metric: Matrix3<f64>,
-    /// Which of its parameters may change.
-    pub moves: [bool; 2],
 }
 
 /// Takes the samples' parameters and those that they should move to, and says which they
@@ -107,8 +94,10 @@ fn turned(spots: &[Spot]) -> usize {
 
 #[cfg(test)]
 mod tests {
+    use nalgebra::Matrix3;
+
     use super::*;
-    use crate::geometry::Point;
+    use crate::geometry::{Point, Vector};
     use crate::spline::KnotVector;
 
     /// A bump over the unit square with samples all over it, and its net pushed back

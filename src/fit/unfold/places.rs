@@ -4,8 +4,8 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
-use super::Hold;
 use crate::fit::cells::Cells;
+use crate::fit::hold::Hold;
 use crate::geometry::{Uv, Vector};
 use crate::spline::KnotVector;
 

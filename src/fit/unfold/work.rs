@@ -3,20 +3,18 @@
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
+use super::Slide;
 use super::places::{ACROSS, LEAST, Spot};
 use super::system::System;
-use super::{Hold, Slide};
 use crate::fit::cells::Cells;
 use crate::fit::fairing;
+use crate::fit::hold::Hold;
 use crate::fit::spans::PAIRS;
 use crate::geometry::{Uv, Vector};
 use crate::spline::{Surface, foot_point_moving};
 
 /// The share of a step that is taken: folds are not linear.
 const SHARE: f64 = 0.5;
-
-/// Weight of a sample's distance along the surface, of that across it.
-const ALONG: f64 = 0.05;
 
 /// The weight of what a cell spreads too little.
 const SPREAD: f64 = 3.0;
@@ -148,10 +146,7 @@ impl<'a> Work<'a> {
         let (at, hold) = (self.uv[i], &self.holds[i]);
         let (bu, bv) = (self.surface.u.basis(at.x), self.surface.v.basis(at.y));
         let weight = self.cells.samples.weights[i];
-        let metric = match self.stuck[i] {
-            true => Matrix3::identity() * weight,
-            false => weight * (Matrix3::identity() * ALONG + hold.metric * (1.0 - ALONG)),
-        };
+        let metric = weight * hold.of(self.stuck[i]);
         let off = metric * (self.cells.samples.points[i] - self.surface.point(at));
         let functions: [(usize, f64); 16] = std::array::from_fn(|k| {
             let (a, b) = (k / 4, k % 4);
