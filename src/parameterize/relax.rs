@@ -62,6 +62,15 @@ struct Corner {
     b: Uv,
 }
 
+/// The energy at a place, its gradient and Hessian there, and twice the area of the
+/// smallest triangle.
+struct Look {
+    energy: f64,
+    gradient: UvVector,
+    hessian: Matrix2<f64>,
+    room: f64,
+}
+
 /// One triangle's measures in the plane, for the corner's place.
 struct Flat {
     /// Twice its area.
@@ -81,17 +90,19 @@ impl Corner {
         Flat { twice: d.perp(&e), squares, d, e }
     }
 
-    fn value(&self, q: Uv) -> f64 {
-        let Flat { twice, squares, .. } = self.flat(q);
+    fn value(&self, &Flat { twice, squares, .. }: &Flat) -> f64 {
         let [c, k] = self.factors;
         let inverse = 1.0 / twice;
         let value = squares * inverse * inverse * (c + k * squares * inverse);
         if twice > 0.0 { value } else { f64::INFINITY }
     }
 
-    /// Adds the energy's gradient and Hessian in the corner's place.
-    fn add(&self, q: Uv, gradient: &mut UvVector, hessian: &mut Matrix2<f64>) {
-        let Flat { twice, squares, d, e } = self.flat(q);
+    /// Adds what the triangle shows at the corner's place.
+    fn add(&self, q: Uv, look: &mut Look) {
+        let flat = self.flat(q);
+        look.energy += self.value(&flat);
+        let Flat { twice, squares, d, e } = flat;
+        look.room = look.room.min(twice);
         let [dd, de, ee] = self.metric;
         // Derivatives of `squares` and `twice`.
         let gs = -2.0 * (ee * d - de * (d + e) + dd * e);
@@ -100,9 +111,9 @@ impl Corner {
         let i = 1.0 / twice;
         let [c, k] = self.factors.map(|f| f * i * i);
         let (k, s) = (k * i, squares);
-        *gradient += (c + 2.0 * k * s) * gs - s * i * (2.0 * c + 3.0 * k * s) * gt;
+        look.gradient += (c + 2.0 * k * s) * gs - s * i * (2.0 * c + 3.0 * k * s) * gt;
         let mixed = gs * gt.transpose();
-        *hessian += Matrix2::from_diagonal_element((c + 2.0 * k * s) * hs)
+        look.hessian += Matrix2::from_diagonal_element((c + 2.0 * k * s) * hs)
             + 2.0 * k * gs * gs.transpose()
             - i * (2.0 * c + 6.0 * k * s) * (mixed + mixed.transpose())
             + s * i * i * (6.0 * c + 12.0 * k * s) * gt * gt.transpose();
@@ -117,26 +128,14 @@ struct Star<'a> {
 
 impl Star<'_> {
     fn energy(&self, q: Uv) -> f64 {
-        self.corners.iter().map(|c| c.value(q)).sum()
+        self.corners.iter().map(|c| c.value(&c.flat(q))).sum()
     }
 
-    /// The Newton step, with negative curvature taken for positive.
-    fn step(&self, freedom: Freedom) -> UvVector {
-        let (mut g, mut h) = (UvVector::zeros(), Matrix2::zeros());
-        self.corners.iter().for_each(|c| c.add(self.at, &mut g, &mut h));
-        match freedom {
-            Freedom::None => return UvVector::zeros(),
-            Freedom::AlongX => return UvVector::new(-g.x / h[(0, 0)].abs(), 0.0),
-            Freedom::AlongY => return UvVector::new(0.0, -g.y / h[(1, 1)].abs()),
-            Freedom::Full => (),
-        }
-        let mean = 0.5 * (h[(0, 0)] + h[(1, 1)]);
-        let radius = (0.5 * (h[(0, 0)] - h[(1, 1)])).hypot(h[(0, 1)]);
-        let least = 1e-3 * (mean.abs() + radius);
-        let (low, raise) = (mean - radius, (mean - radius).abs().max(least) - (mean - radius));
-        let h = if low < least { h + Matrix2::from_diagonal_element(raise) } else { h };
-        let det = h[(0, 0)] * h[(1, 1)] - h[(0, 1)] * h[(0, 1)];
-        UvVector::new(h[(0, 1)] * g.y - h[(1, 1)] * g.x, h[(0, 1)] * g.x - h[(0, 0)] * g.y) / det
+    fn look(&self) -> Look {
+        let (gradient, hessian) = (UvVector::zeros(), Matrix2::zeros());
+        let mut look = Look { energy: 0.0, gradient, hessian, room: f64::INFINITY };
+        self.corners.iter().for_each(|c| c.add(self.at, &mut look));
+        look
     }
 
     /// The share of a step that may be gone: a triangle's area is linear in the
@@ -151,27 +150,42 @@ impl Star<'_> {
         self.corners.iter().map(room).fold(OVER, f64::min)
     }
 
-    /// Twice the area of the smallest triangle.
-    fn room(&self) -> f64 {
-        self.corners.iter().map(|c| c.flat(self.at).twice).fold(f64::INFINITY, f64::min)
-    }
-
     /// Where the vertex moves.
-    fn moved(&self, freedom: Freedom) -> Uv {
-        let step = self.step(freedom);
+    fn moved(&self, look: &Look, freedom: Freedom) -> Uv {
+        let step = look.step(freedom);
         if !(step.x.is_finite() && step.y.is_finite()) {
             return self.at;
         }
-        let now = self.energy(self.at);
         let mut share = self.limit(step);
         for _ in 0..HALVINGS {
             let there = self.at + share * step;
-            if self.energy(there) < now {
+            if self.energy(there) < look.energy {
                 return there;
             }
             share *= 0.4;
         }
         self.at
+    }
+}
+
+impl Look {
+    /// The Newton step, with negative curvature taken for positive.
+    fn step(&self, freedom: Freedom) -> UvVector {
+        let (g, h) = (self.gradient, self.hessian);
+        match freedom {
+            Freedom::None => return UvVector::zeros(),
+            Freedom::AlongX => return UvVector::new(-g.x / h[(0, 0)].abs(), 0.0),
+            Freedom::AlongY => return UvVector::new(0.0, -g.y / h[(1, 1)].abs()),
+            Freedom::Full => (),
+        }
+        let mean = 0.5 * (h[(0, 0)] + h[(1, 1)]);
+        let half = 0.5 * (h[(0, 0)] - h[(1, 1)]);
+        let radius = (half * half + h[(0, 1)] * h[(0, 1)]).sqrt();
+        let least = 1e-3 * (mean.abs() + radius);
+        let (low, raise) = (mean - radius, (mean - radius).abs().max(least) - (mean - radius));
+        let h = if low < least { h + Matrix2::from_diagonal_element(raise) } else { h };
+        let det = h[(0, 0)] * h[(1, 1)] - h[(0, 1)] * h[(0, 1)];
+        UvVector::new(h[(0, 1)] * g.y - h[(1, 1)] * g.x, h[(0, 1)] * g.x - h[(0, 0)] * g.y) / det
     }
 }
 
@@ -203,8 +217,9 @@ fn moved(
     corners.clear();
     corners.extend(stars.sides(v).map(corner));
     let star = Star { corners, at: at[v as usize] };
-    let place = star.moved(surface.freedom[v as usize]);
-    (place, (place - star.at).norm_squared() > FAR * FAR * star.room())
+    let look = star.look();
+    let place = star.moved(&look, surface.freedom[v as usize]);
+    (place, (place - star.at).norm_squared() > FAR * FAR * look.room)
 }
 
 /// Going this share of the root of the smallest triangle's area is going far.

@@ -1,14 +1,21 @@
 //! A disk as the stars of its vertices, that can lose a vertex and get it back.
 
+use smallvec::SmallVec;
+
 use crate::geometry::VertexId;
 use crate::mesh::{Mesh, Rings};
+
+/// Some neighbours of a vertex. Almost all rings are short enough to stand where their
+/// vertex does: behind pointers they would lie all over the memory, since removals come
+/// from all over the mesh, and every look at one would wait for it.
+pub type Ring = SmallVec<[u32; 12]>;
 
 /// For every vertex its neighbours in counter-clockwise order: all around an
 /// inner vertex, from the next to the former boundary vertex on the boundary.
 /// Two neighbours that follow each other make a triangle with the vertex.
 #[derive(Debug, Clone)]
 pub struct Stars {
-    rings: Vec<Vec<u32>>,
+    rings: Vec<Ring>,
     boundary: Vec<bool>,
 }
 
@@ -20,7 +27,7 @@ pub struct Removal {
     pub vertex: u32,
     /// Its ring. An inner vertex's begins with the fan's apex, a boundary
     /// vertex's begins or ends with it.
-    pub ring: Vec<u32>,
+    pub ring: Ring,
     /// Whether the apex comes last.
     pub last: bool,
 }
@@ -90,7 +97,7 @@ impl Stars {
     /// if that would join vertices that are joined already, or join two of the
     /// boundary across the inside.
     pub fn removal(&self, v: u32, k: usize) -> Option<Removal> {
-        let mut ring = self.ring(v).to_vec();
+        let mut ring = Ring::from_slice(self.ring(v));
         let apex = ring[k];
         let last = self.on_boundary(v) && k + 1 == ring.len();
         match self.on_boundary(v) {
@@ -126,7 +133,8 @@ impl Stars {
             (false, false) => &path[1..],
             (false, true) => &path[..n - 1],
         };
-        self.rings[apex].splice(at..at + 1, new.iter().copied());
+        self.rings[apex].remove(at);
+        self.rings[apex].insert_from_slice(at, new);
         for (i, &w) in path.iter().enumerate() {
             let ring = &mut self.rings[w as usize];
             let at = position(ring, v);
@@ -137,7 +145,7 @@ impl Stars {
                 ring[at] = apex as u32;
             }
         }
-        self.rings[v as usize] = Vec::new();
+        self.rings[v as usize] = Ring::new();
     }
 
     /// Undoes the last removal that was not undone.
@@ -154,14 +162,17 @@ impl Stars {
                     ring.rotate_left(first);
                 }
                 let first = position(ring, path[0]);
-                ring.splice(first + 1..first + n - 1, [v]);
+                ring.drain(first + 1..first + n - 1);
+                ring.insert(first + 1, v);
             }
             (false, false) => {
                 let first = position(ring, path[0]);
-                ring.splice(first + 1.., [v]);
+                ring.truncate(first + 1);
+                ring.push(v);
             }
             (false, true) => {
-                ring.splice(..n - 1, [v]);
+                ring.drain(..n - 1);
+                ring.insert(0, v);
             }
         }
         for (i, &w) in path.iter().enumerate() {
@@ -184,10 +195,10 @@ fn position(ring: &[u32], v: u32) -> usize {
 }
 
 /// Sides of a star's triangles, put one after the other.
-fn chained(mut sides: Vec<(u32, u32)>) -> Vec<u32> {
+fn chained(mut sides: SmallVec<[(u32, u32); 12]>) -> Ring {
     let first = sides.iter().position(|s| sides.iter().all(|t| t.1 != s.0)).unwrap_or(0);
     if sides.is_empty() {
-        return Vec::new();
+        return Ring::new();
     }
     sides.swap(0, first);
     for i in 1..sides.len() {
@@ -195,7 +206,7 @@ fn chained(mut sides: Vec<(u32, u32)>) -> Vec<u32> {
             sides.swap(i, next);
         }
     }
-    let mut ring: Vec<u32> = sides.iter().map(|s| s.0).collect();
+    let mut ring: Ring = sides.iter().map(|s| s.0).collect();
     let last = sides[sides.len() - 1].1;
     if last != ring[0] {
         ring.push(last);

@@ -16,10 +16,12 @@ use super::root_mean_square;
 use crate::geometry::VertexId;
 use crate::mesh::Mesh;
 
-/// Places that are looked at, at least, and the vertices for each of them, at
-/// the most.
-const PLACES: usize = 2000;
+/// Places that are looked at: one for so many vertices,
 const VERTICES: usize = 200;
+
+/// and no fewer, nor many more, than this: how often noise and curvature change does
+/// not depend on how densely they are scanned.
+const PLACES: [usize; 2] = [2_000, 10_000];
 
 /// The residuals at the second level give the noise, since it has a good number
 /// of points. Where they are this many times those at the first one, it is the
@@ -86,7 +88,7 @@ pub fn choose(mesh: &Mesh, levels: &[Level]) -> Choice {
 
 /// The level whose clusters are about as many as places are wanted.
 fn sampling(vertices: usize, levels: &[Level]) -> &Level {
-    let wanted = PLACES.max(vertices / VERTICES);
+    let wanted = (vertices / VERTICES).clamp(PLACES[0], PLACES[1]);
     let enough = levels.iter().rev().find(|level| level.grain.samples.len() >= wanted);
     enough.unwrap_or(&levels[0])
 }

@@ -49,31 +49,42 @@ pub fn unfold(disk: &mut Disk, surface: &Surface, by: Upright) {
         .into_par_iter()
         .filter(|&t| sliding.uprightness(disk, t) <= 0.0)
         .collect();
+    let mut vertices = Marks(vec![false; disk.mesh.points.len()]);
+    let mut triangles = Marks(vec![false; disk.mesh.triangles.len()]);
     for round in 0..ROUNDS {
         if folded.is_empty() {
             return;
         }
-        let corners = || folded.iter().flat_map(|&t| disk.mesh.triangles[t as usize]);
-        let around = corners().flat_map(|v| sliding.rings.neighbours(&disk.mesh, v));
-        let inner = |v: &VertexId| sliding.beside[v.index()].is_none();
-        let boundary: Vec<VertexId> = corners().filter(|v| !inner(v)).collect();
-        let inner: Vec<VertexId> = corners().chain(around).filter(inner).collect();
+        let corners = folded.iter().flat_map(|&t| disk.mesh.triangles[t as usize]);
+        let corners = vertices.unique(corners.map(|v| v.0));
+        let is_inner = |v: &u32| sliding.beside[*v as usize].is_none();
+        let around =
+            corners.iter().flat_map(|&v| sliding.rings.neighbours(&disk.mesh, VertexId(v)));
+        let inner = around.map(|v| v.0).filter(is_inner);
+        let moving = vertices.unique(corners.iter().copied().chain(inner));
         if round >= PATIENCE {
-            for &v in &unique(boundary.clone()) {
-                let p = &mut disk.mesh.points[v.index()];
-                *p = nalgebra::center(p, &projected[v.index()]);
+            for &v in corners.iter().filter(|v| !is_inner(v)) {
+                let p = &mut disk.mesh.points[v as usize];
+                *p = nalgebra::center(p, &projected[v as usize]);
             }
         }
-        let moving = unique(inner.into_iter().chain(boundary).collect());
         sliding.slide(disk, &moving);
-        folded = sliding.still_folded(disk, folded, &moving);
+        folded = sliding.still_folded(disk, folded, &moving, &mut triangles);
     }
 }
 
-fn unique(mut vertices: Vec<VertexId>) -> Vec<VertexId> {
-    vertices.sort_unstable();
-    vertices.dedup();
-    vertices
+/// Room to tell which numbers came before; all false between calls.
+struct Marks(Vec<bool>);
+
+impl Marks {
+    /// The numbers, each once, ascending.
+    fn unique(&mut self, numbers: impl Iterator<Item = u32>) -> Vec<u32> {
+        let is_new = |n: &u32| !std::mem::replace(&mut self.0[*n as usize], true);
+        let mut numbers: Vec<u32> = numbers.filter(is_new).collect();
+        numbers.iter().for_each(|&n| self.0[n as usize] = false);
+        numbers.par_sort_unstable();
+        numbers
+    }
 }
 
 impl<'a> Sliding<'a> {
@@ -102,20 +113,26 @@ impl<'a> Sliding<'a> {
 
     /// Of the triangles that were folded those that are not upright yet, and
     /// of those around the vertices that moved the ones that are folded now.
-    fn still_folded(&self, disk: &Disk, folded: Vec<u32>, moved: &[VertexId]) -> Vec<u32> {
-        let lying = folded.into_iter().filter(|&t| self.uprightness(disk, t) < UPRIGHT);
-        let around = moved.iter().flat_map(|&v| self.rings.triangles(v)).copied();
-        let fresh = around.filter(|&t| self.uprightness(disk, t) <= 0.0);
-        let mut all: Vec<u32> = lying.chain(fresh).collect();
-        all.sort_unstable();
-        all.dedup();
-        all
+    fn still_folded(
+        &self,
+        disk: &Disk,
+        folded: Vec<u32>,
+        moved: &[u32],
+        triangles: &mut Marks,
+    ) -> Vec<u32> {
+        let lying = folded.into_par_iter().filter(|&t| self.uprightness(disk, t) < UPRIGHT);
+        let mut all: Vec<u32> = lying.collect();
+        let around = moved.iter().flat_map(|&v| self.rings.triangles(VertexId(v))).copied();
+        let around = triangles.unique(around);
+        all.par_extend(around.into_par_iter().filter(|&t| self.uprightness(disk, t) <= 0.0));
+        triangles.unique(all.into_iter())
     }
 
     /// Moves the vertices half of the way to the middle of their neighbours, and
     /// back onto the surface.
-    fn slide(&mut self, disk: &mut Disk, vertices: &[VertexId]) {
-        let target = |&v: &VertexId| {
+    fn slide(&mut self, disk: &mut Disk, vertices: &[u32]) {
+        let target = |&v: &u32| {
+            let v = VertexId(v);
             let (p, n) = (disk.mesh.point(v), self.normals[v.index()]);
             let (mut sum, mut count) = (Vector::zeros(), 0.0);
             let mut add = |w: VertexId| {
@@ -131,9 +148,9 @@ impl<'a> Sliding<'a> {
             self.surface.project(v, target).map_or((target, n), |foot| (foot.point, foot.normal))
         };
         let targets: Vec<(Point, Vector)> = vertices.par_iter().map(target).collect();
-        for (v, (p, n)) in vertices.iter().zip(targets) {
-            disk.mesh.points[v.index()] = p;
-            self.normals[v.index()] = n;
+        for (&v, (p, n)) in vertices.iter().zip(targets) {
+            disk.mesh.points[v as usize] = p;
+            self.normals[v as usize] = n;
         }
     }
 }

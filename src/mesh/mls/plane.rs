@@ -26,19 +26,28 @@ pub(super) fn energy(r: Point, n: Vector, t: f64, around: &[Sample], h: f64) -> 
     let (x, y) = plane_axes(n);
     let inverse = 1.0 / (h * h);
     let mut e = Energy { value: 0.0, gradient: Vector3::zeros(), matrix: Matrix3::zeros() };
+    let mut sums = [0.0; 6];
     for p in around {
         let d = p.at - r;
         let height = d.dot(&n);
         let s = height - t;
         let weight = p.weight * (-(d.norm_squared() - 2.0 * t * height + t * t) * inverse).exp();
-        let side = Vector3::new(-1.0, d.dot(&x), d.dot(&y));
+        let (a, b) = (d.dot(&x), d.dot(&y));
         // The second terms are those of the moving weights.
-        let by_t = s - s * s * s * inverse;
-        let by_tilt = s + s * s * t * inverse;
+        let by_t = weight * (s - s * s * s * inverse);
+        let by_tilt = weight * (s + s * s * t * inverse);
         e.value += weight * s * s;
-        e.gradient += weight * Vector3::new(-by_t, by_tilt * side.y, by_tilt * side.z);
-        e.matrix += weight * side * side.transpose();
+        e.gradient += Vector3::new(-by_t, by_tilt * a, by_tilt * b);
+        let (wa, wb) = (weight * a, weight * b);
+        sums[0] += weight;
+        sums[1] += wa;
+        sums[2] += wb;
+        sums[3] += wa * a;
+        sums[4] += wa * b;
+        sums[5] += wb * b;
     }
+    let [one, a, b, aa, ab, bb] = sums;
+    e.matrix = Matrix3::new(one, -a, -b, -a, aa, ab, -b, ab, bb);
     e
 }
 
@@ -60,6 +69,12 @@ pub fn reference_plane(r: Point, normal: Vector, around: &[Sample], h: f64) -> O
         let damped = at.matrix + Matrix3::identity() * (1e-12 * at.matrix.trace());
         let step = -damped.cholesky()?.solve(&at.gradient);
         let (x, y) = plane_axes(n);
+        if step.x.abs() < SETTLED * h && step.yz().norm() < SETTLED {
+            // So short that there is no need to see whether the energy falls.
+            t = (t + step.x).clamp(-h, h);
+            n = (n + step.y * x + step.z * y).normalize();
+            break;
+        }
         let mut share = 1.0;
         let accepted = loop {
             let t2 = (t + share * step.x).clamp(-h, h);
@@ -73,12 +88,8 @@ pub fn reference_plane(r: Point, normal: Vector, around: &[Sample], h: f64) -> O
                 break None;
             }
         };
-        let Some((n2, t2, next)) = accepted else { break };
-        let still = (t2 - t).abs() < SETTLED * h && (n2 - n).norm() < SETTLED;
-        (n, t, at) = (n2, t2, next);
-        if still {
-            break;
-        }
+        let Some(better) = accepted else { break };
+        (n, t, at) = better;
     }
     Some(Plane { origin: r + t * n, normal: n })
 }

@@ -134,9 +134,13 @@ struct Row {
 impl Row {
     fn new(p: &Sample, plane: &Plane, (e1, e2): (Vector, Vector), h: f64) -> Self {
         let d = (p.at - plane.origin) / h;
-        let spread = p.covariance() / (h * h);
-        let (s1, s2) = (spread * e1, spread * e2);
-        let spread = [s1.dot(&e1), s1.dot(&e2), s2.dot(&e2)];
+        let spread = if p.weight > 1.0 {
+            let spread = p.covariance() / (h * h);
+            let (s1, s2) = (spread * e1, spread * e2);
+            [s1.dot(&e1), s1.dot(&e2), s2.dot(&e2)]
+        } else {
+            [0.0; 3]
+        };
         Row {
             monomials: monomials(d.dot(&e1), d.dot(&e2), spread),
             height: d.dot(&plane.normal),
@@ -176,7 +180,7 @@ where
         right.axpy(row.height, &weighted, 1.0);
     }
     let damp = 1e-10 * gram.trace();
-    gram += SMatrix::<f64, N, N>::identity() * damp;
+    (0..N).for_each(|i| gram[(i, i)] += damp);
     let factor = gram.cholesky()?;
     let c = factor.solve(&right);
     let at_origin = factor.solve(&SVector::<f64, N>::from_fn(|i, _| f64::from(i == 0)));
@@ -191,8 +195,10 @@ where
         // Σ w r² has the expectation σ² (Σ w/count − Σ w²/count bᵀ G⁻¹ b).
         let square = |r: &Row| r.weight * (r.height - first(r).dot(&c)).powi(2);
         let free = |r: &Row| {
-            let b = first(r);
-            r.weight / r.count - noise(r) * b.dot(&factor.solve(&b))
+            let mut b = first(r);
+            // bᵀ G⁻¹ b = |L⁻¹ b|².
+            factor.l_dirty().solve_lower_triangular_unchecked_mut(&mut b);
+            r.weight / r.count - noise(r) * b.norm_squared()
         };
         let total: f64 = rows.iter().map(|r| r.weight / r.count).sum();
         let freedom: f64 = rows.iter().map(free).sum();
