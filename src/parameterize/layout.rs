@@ -177,7 +177,7 @@ impl Layout<'_> {
 const EFFORT: [(usize, f64, usize); 3] = [(500, 1.0, 40), (5_000, 1.3, 20), (50_000, 1.6, 10)];
 
 /// Sweeps over the whole mesh.
-const LAST_SWEEPS: usize = 6;
+const LAST_SWEEPS: usize = 3;
 
 /// The share of the energy's convex term.
 const ROUND: f64 = 0.1;

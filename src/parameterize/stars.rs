@@ -1,5 +1,6 @@
 //! A disk as the stars of its vertices, that can lose a vertex and get it back.
 
+use rayon::prelude::*;
 use smallvec::SmallVec;
 
 use crate::geometry::VertexId;
@@ -58,7 +59,7 @@ impl Stars {
             };
             chained(corners.triangles(v).iter().map(side).collect())
         };
-        Stars { rings: (0..boundary.len()).map(ring).collect(), boundary }
+        Stars { rings: (0..boundary.len()).into_par_iter().map(ring).collect(), boundary }
     }
 
     /// The stars of the vertices `left`, with these numbers.

@@ -15,6 +15,7 @@ pub use plane::{Plane, reference_plane};
 pub use polynomial::Polynomial;
 
 use nalgebra::Matrix3;
+use rayon::prelude::*;
 
 use super::{Mesh, Neighbours, Rings};
 use crate::geometry::{Point, Vector, VertexId};
@@ -126,7 +127,7 @@ pub fn steady_normals(mesh: &Mesh, rings: &Rings) -> Vec<Vector> {
             let sum = around.fold(normals[i], |sum, n| sum + n);
             sum.try_normalize(1e-12).unwrap_or(normals[i])
         };
-        normals = (0..normals.len()).map(mean).collect();
+        normals = (0..normals.len()).into_par_iter().map(mean).collect();
     }
     normals
 }
