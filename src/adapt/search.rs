@@ -81,7 +81,7 @@ impl<'a> Search<'a> {
         let mut feet = self.target.feet(&surface);
         self.rounds += 1;
         if self.options.method == fit::Method::Refined {
-            (surface, feet) = self.slide(surface, feet)?;
+            (surface, feet) = self.slide(surface, feet);
         }
         let beyond = feet.beyond(self.goal.tolerance);
         let (uv, weights) = (self.target.samples.uv.clone(), self.target.samples.weights.clone());
@@ -90,24 +90,24 @@ impl<'a> Search<'a> {
 
     /// Lets the samples slide along a surface that is fitted to them across, unless that
     /// has turned out idle.
-    fn slide(&mut self, surface: Surface, feet: Feet) -> Result<(Surface, Feet)> {
+    fn slide(&mut self, surface: Surface, feet: Feet) -> (Surface, Feet) {
         if self.idle_slides >= PATIENCE_WITH_SLIDES {
-            return Ok((surface, feet));
+            return (surface, feet);
         }
         let before = self.target.samples.uv.clone();
         self.target.correct(&feet, FIRM_AREA);
         let stuck = self.target.stuck(&feet);
         let samples = &self.target.samples;
-        if let Some(mut next) = fit::refit(&surface, samples, &self.holds, &stuck)? {
+        if let Some(mut next) = fit::refit(&surface, samples, &self.holds, &stuck) {
             self.target.pin_corners(&mut next);
             let there = self.target.feet(&next);
             self.idle_slides += usize::from(there.rms() > IDLE_SLIDE * feet.rms());
             if there.rms() < feet.rms() {
-                return Ok((next, there));
+                return (next, there);
             }
         }
         self.target.samples.uv = before;
-        Ok((surface, feet))
+        (surface, feet)
     }
 
     /// Takes up the parameters and weights of an attempt, the parameters corrected.

@@ -76,26 +76,26 @@ pub fn fit(samples: &Samples, knots: [KnotVector; 2], method: Method) -> Result<
 /// Fits a surface again by the distances across it, near which samples may slide along it
 /// (tangent distance minimization: Wang, Pottmann, Liu, 2006): a step of Gauss and Newton,
 /// damped by what the distances along it count. Where samples are `stuck` they all count.
-/// `None` if numbers ran out of range.
+/// `None` if the equations have no solution.
 pub(crate) fn refit(
     surface: &Surface,
     samples: &Samples,
     holds: &[Hold],
     stuck: &[bool],
-) -> Result<Option<Surface>> {
+) -> Option<Surface> {
     let metric = |(hold, &stuck): (&Hold, &bool)| Metric::from(&hold.of(stuck));
     let metrics: Vec<Metric> = holds.par_iter().zip(stuck).map(metric).collect();
     let cells = Cells::new(samples, [&surface.u, &surface.v]).with_metrics(&metrics);
     let equations = Equations::<Metric>::new(&cells);
     let even = equations.mean();
-    let inverse = match Preconditioner::new(&even, &cells.spans)? {
+    let inverse = match Preconditioner::new(&even, &cells.spans).ok()? {
         Some(inverse) => inverse,
-        None => Preconditioner::direct(&even, &cells.spans)?,
+        None => Preconditioner::direct(&even, &cells.spans).ok()?,
     };
     let start = surface.net.iter().map(|p| (p - cells.origin).push(0.0)).collect();
-    let net = conjugate::improve(&equations, &inverse, start);
-    let net = net.map(|(net, ..)| net.iter().map(|p| p.xyz() + cells.origin).collect());
-    Ok(net.map(|net| Surface::new(surface.u.clone(), surface.v.clone(), net)))
+    let (net, ..) = conjugate::improve(&equations, &inverse, start)?;
+    let net = net.iter().map(|p| p.xyz() + cells.origin).collect();
+    Some(Surface::new(surface.u.clone(), surface.v.clone(), net))
 }
 
 /// Mean distance, in mm, between a sample and the surface at the sample's
@@ -211,7 +211,7 @@ mod tests {
         let holds: Vec<Hold> = s.points.iter().map(hold).collect();
         let refitted = |stuck: bool| {
             let stuck = vec![stuck; s.len()];
-            off(&refit(&first, &s, &holds, &stuck).unwrap().unwrap(), &s)
+            off(&refit(&first, &s, &holds, &stuck).unwrap(), &s)
         };
         let before = off(&first, &s);
         assert!(refitted(false) < 0.5 * before, "{} {before}", refitted(false));
