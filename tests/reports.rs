@@ -195,5 +195,5 @@ fn a_scan_too_large_for_a_browser_is_thinned_and_the_page_says_so() {
         note.split(" of the").next().unwrap_or("").chars().filter(char::is_ascii_digit).collect();
     let drawn: usize = drawn.parse().expect("a number");
     assert!(drawn <= 300_000 && drawn > 100_000, "{drawn}");
-    assert!(note.contains("of the scan's 320\u{2009}000 triangles"), "{}", &note[..80]);
+    assert!(note.contains("of the scan's 720\u{2009}000 triangles"), "{}", &note[..80]);
 }

@@ -209,6 +209,7 @@ mod tests {
             Hold { normal, metric: normal * normal.transpose(), moves: [true; 2] }
         };
         let holds: Vec<Hold> = s.points.iter().map(hold).collect();
+        s.uv = s.points.iter().zip(&s.uv).map(|(&p, &at)| foot_point(&first, p, at).0).collect();
         let refitted = |stuck: bool| {
             let stuck = vec![stuck; s.len()];
             off(&refit(&first, &s, &holds, &stuck).unwrap(), &s)

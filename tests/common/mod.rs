@@ -39,10 +39,10 @@ pub fn json(path: &Path) -> Value {
 /// A file name that is a program where it is not text.
 pub const PLANTED: &str = "<img src=x onerror=planted=1>&\"'<script>planted=1<.ply";
 
-/// Writes a wavy sheet of 320,000 triangles into a folder.
+/// Writes a wavy sheet of 720,000 triangles into a folder.
 pub fn large_scan(folder: &Path) -> PathBuf {
     let scan = folder.join("large.stl");
-    let side = 400_u32;
+    let side = 600_u32;
     let at = |i: u32, j: u32| {
         let (x, y) = (0.1 * i as f32, 0.1 * j as f32);
         [x, y, (0.3 * x).sin() + (0.2 * y).cos()]

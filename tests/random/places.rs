@@ -18,15 +18,19 @@ fn face(place: Place, tolerance: Option<f64>) -> Conversion {
 
 /// Nets and figures are nearly the same for the size. Not to the last digit: which
 /// support smooths, and where a rim has corners, may hang on a rounding. Of the
-/// deviation it is the most that 95 of 100 points have.
+/// deviation it is the most that 95 of 100 points have. How far a fit stays from smoothed
+/// points matters against the noise: nets that are equally good differ in it.
 fn same(place: Place, tolerance: Option<f64>, room: f64) {
     let here = face(Place { scale: 100.0, away: 0.0, turned: 0.0 }, tolerance);
     let there = face(place, tolerance);
-    let figures =
-        |c: &Conversion| [c.smooth.noise, c.tolerance, c.fit_deviation.rms, c.deviation.p95];
-    for (a, b) in figures(&here).into_iter().zip(figures(&there)) {
+    let noise = here.smooth.noise;
+    let figures = |c: &Conversion| {
+        let deviation = [c.smooth.noise, c.tolerance, c.deviation.p95].map(|x| (x, 0.0));
+        [deviation[0], deviation[1], deviation[2], (c.fit_deviation.rms, noise)]
+    };
+    for ((a, least), (b, _)) in figures(&here).into_iter().zip(figures(&there)) {
         let b = b * 100.0 / place.scale;
-        assert!((a - b).abs() <= room * a, "{place:?}: {b} instead of {a}");
+        assert!((a - b).abs() <= room * a.max(least), "{place:?}: {b} instead of {a}");
     }
     for (a, b) in here.surface.shape().into_iter().zip(there.surface.shape()) {
         assert!(a.abs_diff(b) <= 2, "{place:?}: {b} control points instead of {a}");
