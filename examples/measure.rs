@@ -1,8 +1,9 @@
-//! Measures the stages up to the fill: `benches/peers/read.py`, `benches/peers/fill.py`
+//! Measures the stages up to the parameterization: `benches/peers/read.py`, `benches/peers/fill.py`
 //! and `benches/smoothing.py` set the figures beside those of other programs and
 //! beside the truth.
 //!
-//! cargo run --release --example measure -- FILE [--mesh | --smooth OUT.ply | --fill OUT.ply]
+//! cargo run --release --example measure -- FILE [--mesh | --smooth OUT.ply | --fill OUT.ply |
+//!     --map least-stretch | --map mean-value]
 //!
 //! Prints one line of JSON. `--smooth` writes the smoothed mesh, and beside it
 //! `OUT.loops.json`, its boundary loops; `--fill` the filled mesh, what was measured
@@ -16,7 +17,10 @@ use std::fs;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use scan2step::mesh::{self, Choice, Components, Disk, EdgeMap, Mesh, Outer, Repairs};
+use scan2step::mesh::{
+    self, Choice, Components, Disk, EdgeMap, FaceOrigin, Mesh, Outer, Patch, Repairs,
+};
+use scan2step::parameterize::{self, Method};
 use scan2step::{fill, smooth};
 use serde_json::{Map, json};
 use usage::{cpu_s, peak_rss_mb};
@@ -32,7 +36,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         [file, "--mesh"] => mesh(file, steps)?,
         [file, "--smooth", out] => smooth(file, out, steps)?,
         [file, "--fill", out] => fill(file, out, steps)?,
-        _ => return Err("FILE [--mesh | --smooth OUT.ply | --fill OUT.ply]".into()),
+        [file, "--map", "least-stretch"] => map(file, Method::LeastStretch, steps)?,
+        [file, "--map", "mean-value"] => map(file, Method::MeanValue, steps)?,
+        _ => {
+            return Err("FILE [--mesh | --smooth OUT.ply | --fill OUT.ply | \
+                        --map least-stretch | --map mean-value]"
+                .into());
+        }
     }
     Ok(())
 }
@@ -79,20 +89,39 @@ fn smooth(file: &str, out: &str, mut steps: Steps) -> Result<(), Box<dyn Error>>
 }
 
 fn fill(file: &str, out: &str, mut steps: Steps) -> Result<(), Box<dyn Error>> {
+    let (patch, report) = filled(file, &mut steps)?;
+    write_ply(&patch.mesh, out)?;
+    let triangles = patch.origin.iter().filter(|o| **o == FaceOrigin::Measured).count();
+    steps.print(json!({
+        "task": "fill", "vertices": patch.measured, "triangles": triangles,
+        "holes": report.holes.len(),
+    }))
+}
+
+fn map(file: &str, method: Method, mut steps: Steps) -> Result<(), Box<dyn Error>> {
+    let (patch, _) = filled(file, &mut steps)?;
+    let before = rounded(peak_rss_mb()?);
+    let vertices = patch.mesh.points.len();
+    let options = parameterize::Options { method, ..parameterize::Options::default() };
+    let (_, report) = parameterize::parameterize(patch, &options)?;
+    steps.end("parameterize")?;
+    steps.print(json!({
+        "task": "map", "vertices": vertices, "stretch_l2": report.stretch.l2,
+        "flipped": report.flipped, "mended": report.mended, "peak_rss_mb_before": before,
+    }))
+}
+
+/// The smoothed scan, its holes filled.
+fn filled(file: &str, steps: &mut Steps) -> Result<(Patch, fill::Report), Box<dyn Error>> {
     let (disk, _) = disk(file)?;
     steps.end("mesh")?;
     let (smoothed, report) = smooth::smooth(&disk, &smooth::Options::default())?;
     steps.end("smooth")?;
-    let (vertices, triangles) = (smoothed.mesh.points.len(), smoothed.mesh.triangles.len());
     let mut options = fill::Options::default();
     (options.support, options.noise) = (report.h, report.noise);
-    let (patch, report) = fill::fill(smoothed, &disk.mesh.points, &options)?;
+    let filled = fill::fill(smoothed, &disk.mesh.points, &options)?;
     steps.end("fill")?;
-    write_ply(&patch.mesh, out)?;
-    steps.print(json!({
-        "task": "fill", "vertices": vertices, "triangles": triangles,
-        "holes": report.holes.len(),
-    }))
+    Ok(filled)
 }
 
 /// The largest component of a scan, and what was repaired.

@@ -8,7 +8,7 @@ use formats::Soup;
 use scan2step::fill;
 use scan2step::geometry::orient2d;
 use scan2step::mesh::{self, Choice, Components, Outer, Patch, Repairs};
-use scan2step::parameterize::{self, Options, Outline, Parameterized, Report};
+use scan2step::parameterize::{self, Method, Options, Outline, Parameterized, Report};
 
 /// The patch of a soup without holes.
 fn patch(soup: &Soup) -> Patch {
@@ -60,6 +60,14 @@ fn mapped(soup: &Soup) -> (Parameterized, Report) {
     let (map, report) = parameterize::parameterize(patch(soup), &to(Outline::Sides)).unwrap();
     check(&map);
     (map, report)
+}
+
+fn mapped_by_mean_values(soup: &Soup) -> Report {
+    let options = Options { method: Method::MeanValue, ..Options::default() };
+    let (map, report) = parameterize::parameterize(patch(soup), &options).unwrap();
+    assert_eq!(map.outline, Outline::Sides);
+    check(&map);
+    report
 }
 
 fn check_upright(map: &Parameterized) {
@@ -164,13 +172,27 @@ fn what_no_affordable_net_can_follow_is_told() {
     assert_eq!(parameterize::crushed(&long, 10.0, 1000), None);
 }
 
-#[test]
-fn what_sticks_out_is_not_crushed() {
-    let nose = grid(141, 141, |u, v| {
+fn nose() -> Soup {
+    grid(141, 141, |u, v| {
         let (x, y) = (100.0 * (u - 0.5), 100.0 * (v - 0.5));
         [x, y, 70.0 * (-(x * x + y * y) / 90.0).exp()]
-    });
-    let stretch = mapped(&nose).1.stretch;
+    })
+}
+
+#[test]
+fn mean_values_are_the_papers() {
+    // A plane's are its own coordinates; a nose is crushed, as other programs' are.
+    let plane = grid(61, 41, |u, v| [60.0 * u, 40.0 * v, 0.0]);
+    let stretch = mapped_by_mean_values(&plane).stretch;
+    assert!((stretch.l2 - 1.0).abs() < 1e-9 && stretch.max < 1.0 + 1e-6, "{stretch:?}");
+    let stretch = mapped_by_mean_values(&nose()).stretch;
+    assert!((1.9..2.2).contains(&stretch.l2), "{stretch:?}");
+    mapped_by_mean_values(&finger(60.0));
+}
+
+#[test]
+fn what_sticks_out_is_not_crushed() {
+    let stretch = mapped(&nose()).1.stretch;
     assert!(stretch.l2 < 1.21 && stretch.max < 4.0, "nose {stretch:?}");
     // Two thirds of a sphere.
     let cap = grid(81, 81, |u, v| {
@@ -206,9 +228,11 @@ fn degenerate_triangles_do_not_fold_it() {
     let thin = |t: f64| (t * 20.0).floor() / 20.0 + 1e-4 * (t * 20.0).fract();
     let slivers = grid(41, 41, |u, v| [100.0 * thin(u), 100.0 * v, 5.0 * (6.0 * v).sin()]);
     mapped(&slivers);
+    mapped_by_mean_values(&slivers);
     let graded = |t: f64| (1e4f64.powf(t) - 1.0) / 1e4;
     let fine_to_coarse = grid(61, 61, |u, v| [100.0 * graded(u), 100.0 * graded(v), u]);
     mapped(&fine_to_coarse);
+    mapped_by_mean_values(&fine_to_coarse);
 }
 
 #[test]
@@ -234,6 +258,7 @@ fn random_scraps_never_fold() {
             continue;
         }
         mapped(&soup);
+        mapped_by_mean_values(&soup);
         check_free(&parameterize::parameterize(patch(&soup), &to(Outline::Free)).unwrap().0);
     }
 }

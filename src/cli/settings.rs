@@ -6,7 +6,7 @@ use scan2step::{Cut, Options, fit, parameterize, smooth};
 use serde_json::{Value, json};
 
 use super::Failure;
-use super::args::{Component, Convert, Fit, Outline};
+use super::args::{Component, Convert, Fit, Map, Outline};
 use super::cad::part_name;
 use super::input::{Scan, stopped};
 use super::places::{Corners, Places};
@@ -48,6 +48,10 @@ pub fn options(args: &Convert, scan: &Scan) -> Result<Options, Failure> {
             Outline::Sides => Some(parameterize::Outline::Sides),
             Outline::Trimmed => Some(parameterize::Outline::Free),
         })
+        .map(match how.map {
+            Map::LeastStretch => parameterize::Method::LeastStretch,
+            Map::MeanValue => parameterize::Method::MeanValue,
+        })
         .kappa(how.kappa)
         .depth(how.depth)
         .net(how.net)
@@ -81,6 +85,7 @@ pub fn as_json(args: &Convert) -> Value {
         "outliers": args.how.outliers,
         "corners": args.corners.as_ref().map(places),
         "outline": name(args.how.outline),
+        "map": name(args.how.map),
         "boundary_corners": match &args.how.boundary_corners {
             Corners::Auto => json!("auto"),
             Corners::None => json!("none"),

@@ -77,6 +77,12 @@ impl Builder {
         self
     }
 
+    /// Which map to the parameter plane is made.
+    pub fn map(mut self, method: parameterize::Method) -> Self {
+        self.0.parameterize.method = method;
+        self
+    }
+
     /// The paper's κ: the mean distance, in mm, above which a region gets more
     /// knots.
     pub fn kappa(mut self, mm: impl Into<Option<f64>>) -> Self {

@@ -5,7 +5,7 @@ use super::layout::{self, Layout};
 use super::rectangle::Rectangle;
 use super::stars::Stars;
 use super::weights::Weights;
-use super::{Options, coarse, corners, mend, stretch};
+use super::{Method, Options, coarse, corners, mean_value, mend, stretch};
 use crate::error::{Error, Result};
 use crate::geometry::{Uv, VertexId};
 use crate::mesh::Mesh;
@@ -74,22 +74,43 @@ impl<'a> Start<'a> {
     }
 
     /// The map of all vertices.
-    pub fn map(mut self) -> Result<Map> {
-        let points = &self.mesh.points;
+    pub fn map(mut self, method: Method) -> Result<Map> {
         let rectangle = Rectangle::new(&self.outer, &self.corners);
+        let mut uv = match method {
+            Method::LeastStretch => self.least_stretch(&rectangle),
+            Method::MeanValue => self.mean_value(&rectangle)?,
+        };
+        let triangles = self.mesh.triangles.iter().map(|t| t.map(|v| v.0));
+        let (mended, folded) = mend::mend(&self.hierarchy.stars, triangles, &mut uv);
+        match folded.first() {
+            Some(t) => {
+                Err(Error::Folded { count: folded.len(), at: self.mesh.points[t[0] as usize] })
+            }
+            None => Ok(Map { uv, corners: self.corners, mended }),
+        }
+    }
+
+    /// Puts all vertices back and takes the stretch out on the way.
+    fn least_stretch(&mut self, rectangle: &Rectangle) -> Vec<Uv> {
+        let points = &self.mesh.points;
         let mut at = vec![Uv::origin(); points.len()];
         let places = self.hierarchy.left.iter().zip(&self.first.at);
         places.for_each(|(&v, &place)| at[v as usize] = place);
         let freedom = rectangle.freedom(points.len());
-        let Start { weights, weighed, corners, .. } = self;
-        let mut layout = Layout { points, weights, weighed, freedom, size: self.first.size, at };
+        let weights = self.weights.clone();
+        let mut layout =
+            Layout { points, weights, weighed: self.weighed, freedom, size: self.first.size, at };
         layout.refine(&mut self.hierarchy);
-        let mut uv = rectangle.to_unit_square(layout.size, &layout.at);
-        let triangles = self.mesh.triangles.iter().map(|t| t.map(|v| v.0));
-        let (mended, folded) = mend::mend(&self.hierarchy.stars, triangles, &mut uv);
-        match folded.first() {
-            Some(t) => Err(Error::Folded { count: folded.len(), at: points[t[0] as usize] }),
-            None => Ok(Map { uv, corners, mended }),
-        }
+        rectangle.to_unit_square(layout.size, &layout.at)
+    }
+
+    /// Puts all vertices back and solves for them.
+    fn mean_value(&mut self, rectangle: &Rectangle) -> Result<Vec<Uv>> {
+        while self.hierarchy.refine(|_| ()) {}
+        let mut at = vec![Uv::origin(); self.mesh.points.len()];
+        let size = rectangle.lay(&self.mesh.points, 1.0, &mut at);
+        let mut uv = rectangle.to_unit_square(size, &at);
+        mean_value::map(&self.mesh.points, &self.hierarchy.stars, &mut uv)?;
+        Ok(uv)
     }
 }

@@ -7,9 +7,12 @@
 //! few vertices, and the stretch is taken out while the others come back, coarse
 //! to fine.
 //!
+//! On request mean value coordinates are solved on the whole mesh and left as they are.
+//!
 //! Where the boundary is ragged, or straight sides would stretch the map far more than
 //! the surface asks for, it is left free inside the square.
 
+mod aggregates;
 mod chords;
 mod coarse;
 mod corners;
@@ -17,11 +20,14 @@ mod crushed;
 mod hierarchy;
 mod layout;
 mod map;
+mod mean_value;
 mod mend;
+mod multigrid;
 mod rectangle;
 mod relax;
 mod skirt;
 mod solve;
+mod sparse;
 mod stars;
 mod stretch;
 mod weights;
@@ -46,6 +52,17 @@ pub enum Outline {
     Free,
 }
 
+/// Which map is made.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Method {
+    /// The one that stretches least, by local moves from coarse to fine.
+    #[default]
+    LeastStretch,
+    /// The paper's: mean value coordinates with the sides by chord length. It crushes
+    /// what sticks out.
+    MeanValue,
+}
+
 /// How to parameterize.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
@@ -53,8 +70,11 @@ pub struct Options {
     /// direction around; the first becomes (0, 0). `None`: found.
     pub corners: Option<[Point; 4]>,
     /// Where the outer boundary goes. `None`: to the sides, unless it is ragged, or
-    /// they stretch the map far more than is needed, and no corners are given.
+    /// they stretch the map far more than is needed, and neither corners nor mean
+    /// values are asked for.
     pub outline: Option<Outline>,
+    /// Which map is made.
+    pub method: Method,
 }
 
 impl Options {
@@ -109,11 +129,13 @@ pub struct Skirt {
 /// [`Error::Option`](crate::Error::Option): a corner that is no point.
 pub fn parameterize(mut patch: Patch, options: &Options) -> Result<(Parameterized, Report)> {
     options.check()?;
-    let may_be_free = options.outline.is_none() && options.corners.is_none();
+    let stretches_least = options.method == Method::LeastStretch;
+    let may_be_free = options.outline.is_none() && options.corners.is_none() && stretches_least;
     let must_be_free = options.outline == Some(Outline::Free);
     if must_be_free || may_be_free && skirt::is_ragged(&patch) {
         let (mesh, outer) = skirt::skirted(&patch);
-        let map = Start::new(&mesh, &outer, patch.mesh.points.len(), options)?.map()?;
+        let map =
+            Start::new(&mesh, &outer, patch.mesh.points.len(), options)?.map(options.method)?;
         return Ok(with_skirt(patch, &mesh, map, 0));
     }
     let split_edges = chords::split_chords(&mut patch);
@@ -123,11 +145,11 @@ pub fn parameterize(mut patch: Patch, options: &Options) -> Result<(Parameterize
         let (mesh, outer) = skirt::skirted(&patch);
         let free = Start::new(&mesh, &outer, count, options)?;
         if free.excess() < WORTH * sides.excess() {
-            let map = free.map()?;
+            let map = free.map(options.method)?;
             return Ok(with_skirt(patch, &mesh, map, split_edges));
         }
     }
-    let map = sides.map()?;
+    let map = sides.map(options.method)?;
     let first = patch.outer.iter().position(|v| v.0 == map.corners[0]);
     patch.outer.rotate_left(first.unwrap_or(0));
     let report = report(&patch, &map.uv, map.mended, split_edges);

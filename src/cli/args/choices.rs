@@ -34,6 +34,15 @@ pub enum Outline {
     Trimmed,
 }
 
+/// A map to the parameter plane on the command line.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Map {
+    /// The one that stretches least
+    LeastStretch,
+    /// Mean value coordinates (Floater), as in the paper
+    MeanValue,
+}
+
 /// A fitting method on the command line.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum Fit {

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::choices::{Fit, Iges, Outline, Schema};
+use super::choices::{Fit, Iges, Map, Outline, Schema};
 use super::colour::Colour;
 use super::numbers::{depth, max_net, net, percentage, positive, support};
 use super::pieces::{Component, component};
@@ -22,6 +22,10 @@ pub struct How {
     /// loop inside it, as holes have them
     #[arg(long, value_enum, default_value_t = Outline::Auto)]
     pub outline: Outline,
+    /// How the scan is laid out in the parameter plane; mean values crush what sticks
+    /// out
+    #[arg(long, value_enum, default_value_t = Map::LeastStretch)]
+    pub map: Map,
     /// Where smoothing keeps a corner of the boundary: auto, none, or places as
     /// in --corners
     #[arg(long, value_name = "LIST|auto|none", default_value = "auto", allow_hyphen_values = true)]

@@ -1,0 +1,69 @@
+//! Unknowns gathered into few (Vaněk, Mandel, Brezina, "Algebraic multigrid by
+//! smoothed aggregation", 1996).
+
+use super::sparse::{self, Matrix};
+
+/// An entry is strong if its square is more than this share of the product of the
+/// diagonal's at both ends.
+const STRONG: f64 = 0.08 * 0.08;
+
+/// The step of Jacobi's method that makes the aggregates' steps slopes.
+const STEP: f64 = 2.0 / 3.0;
+
+/// No aggregate yet.
+const NONE: u32 = u32::MAX;
+
+/// What the values of the aggregates come to at each row, steps smoothed once; and the
+/// same for the transposed matrix, whose transpose takes residuals to the aggregates.
+pub fn slopes(matrix: &Matrix, transposed: &Matrix, diagonal: &[f64]) -> [Matrix; 2] {
+    let (of, count) = aggregates(matrix, diagonal);
+    let smoothed = |matrix: &Matrix| {
+        sparse::from_rows([diagonal.len(), count], |i, entries| {
+            entries.push((of[i], 1.0));
+            for (j, a) in sparse::row(matrix, i) {
+                let value = -STEP * a / diagonal[i];
+                match entries.iter_mut().find(|e| e.0 == of[j]) {
+                    Some(entry) => entry.1 += value,
+                    None => entries.push((of[j], value)),
+                }
+            }
+        })
+    };
+    [smoothed(matrix), smoothed(transposed)]
+}
+
+/// The aggregate of each row, and how many there are: stars of strong entries that do
+/// not touch each other, what is next to them, and what is left.
+fn aggregates(matrix: &Matrix, diagonal: &[f64]) -> (Vec<u32>, usize) {
+    let n = diagonal.len();
+    let strong = |i: usize| {
+        sparse::row(matrix, i)
+            .filter(move |&(j, a)| j != i && a * a > STRONG * diagonal[i] * diagonal[j])
+    };
+    let mut of = vec![NONE; n];
+    let mut count = 0;
+    for i in 0..n {
+        let free = of[i] == NONE && strong(i).all(|(j, _)| of[j] == NONE);
+        if free && strong(i).next().is_some() {
+            of[i] = count;
+            strong(i).for_each(|(j, _)| of[j] = count);
+            count += 1;
+        }
+    }
+    let stars = of.clone();
+    for i in (0..n).filter(|&i| stars[i] == NONE) {
+        let beside = strong(i).filter(|&(j, _)| stars[j] != NONE);
+        if let Some((j, _)) = beside.min_by(|a, b| a.1.total_cmp(&b.1)) {
+            of[i] = stars[j];
+        }
+    }
+    for i in 0..n {
+        if of[i] == NONE {
+            let free: Vec<usize> = strong(i).map(|(j, _)| j).filter(|&j| of[j] == NONE).collect();
+            of[i] = count;
+            free.into_iter().for_each(|j| of[j] = count);
+            count += 1;
+        }
+    }
+    (of, count as usize)
+}

@@ -1,0 +1,193 @@
+//! A multigrid cycle by smoothed aggregation, as a preconditioner of Krylov methods.
+
+use faer::dyn_stack::{MemStack, StackReq};
+use faer::matrix_free::{LinOp, Precond};
+use faer::prelude::Solve;
+use faer::sparse::linalg::matmul::sparse_sparse_matmul;
+use faer::sparse::linalg::solvers::Lu;
+use faer::{MatMut, MatRef, Par};
+use rayon::prelude::*;
+
+use super::aggregates;
+use super::sparse::{self, BLOCK, Matrix, Pair};
+
+/// A system of no more unknowns is solved directly.
+pub const FEW: usize = 500;
+
+/// A level worth having leaves this share of the unknowns at the most.
+const FEWER: f64 = 0.7;
+
+/// A system, and ever smaller ones that resemble it.
+#[derive(Debug)]
+pub struct Multigrid {
+    levels: Vec<Level>,
+    last: Lu<u32, f64>,
+}
+
+/// A system and how it becomes the next smaller one.
+#[derive(Debug)]
+struct Level {
+    matrix: Matrix,
+    diagonal: Vec<f64>,
+    /// From the next level's unknowns to this one's, and back.
+    prolongation: Matrix,
+    restriction: Matrix,
+}
+
+impl Multigrid {
+    /// For a square matrix whose diagonal is positive. `None` if that is singular, too
+    /// large for the memory, or no smaller system resembles it.
+    pub fn new(mut matrix: Matrix) -> Option<Self> {
+        let mut levels: Vec<Level> = Vec::new();
+        while matrix.nrows() > FEW {
+            let level = Level::new(matrix)?;
+            let coarse = level.coarse()?;
+            let few = FEWER * level.diagonal.len() as f64;
+            if coarse.nrows() as f64 > few {
+                matrix = level.matrix;
+                break;
+            }
+            levels.push(level);
+            matrix = coarse;
+        }
+        let last = matrix.to_col_major().ok()?.sp_lu().ok()?;
+        (!levels.is_empty()).then_some(Multigrid { levels, last })
+    }
+
+    /// The largest system.
+    pub fn matrix(&self) -> &Matrix {
+        &self.levels[0].matrix
+    }
+
+    /// About what solves `level` for `b`, into `x`.
+    fn cycle(&self, level: usize, b: &[Pair], x: &mut [Pair], stack: &mut MemStack) {
+        let Some(here) = self.levels.get(level) else { return self.solve_last(b, x) };
+        let (n, few) = (x.len(), here.prolongation.ncols());
+        let (mut room, stack) = stack.make_with(n, |_| [0.0; 2]);
+        x.fill([0.0; 2]);
+        here.sweep(b, &room, x, false);
+        sparse::residual(&here.matrix, b, x, &mut room);
+        let (mut coarse_b, stack) = stack.make_with(few, |_| [0.0; 2]);
+        sparse::fill(&mut coarse_b, |i, _| sparse::product(&here.restriction, i, &room));
+        let (mut coarse_x, stack) = stack.make_with(few, |_| [0.0; 2]);
+        self.cycle(level + 1, &coarse_b, &mut coarse_x, stack);
+        sparse::fill(x, |i, x| {
+            let step = sparse::product(&here.prolongation, i, &coarse_x);
+            [x[0] + step[0], x[1] + step[1]]
+        });
+        room.copy_from_slice(x);
+        here.sweep(b, &room, x, true);
+    }
+
+    fn solve_last(&self, b: &[Pair], x: &mut [Pair]) {
+        let right = faer::Mat::from_fn(b.len(), 2, |i, k| b[i][k]);
+        let solution = self.last.solve(&right);
+        x.iter_mut().enumerate().for_each(|(i, x)| *x = [solution[(i, 0)], solution[(i, 1)]]);
+    }
+}
+
+impl Level {
+    fn new(matrix: Matrix) -> Option<Self> {
+        let on_it = |i: usize| sparse::row(&matrix, i).find(|e| e.0 == i).map_or(0.0, |e| e.1);
+        let diagonal: Vec<f64> = (0..matrix.nrows()).into_par_iter().map(on_it).collect();
+        let transposed = matrix.to_col_major().ok()?.into_transpose();
+        let [prolongation, back] = aggregates::slopes(&matrix, &transposed, &diagonal);
+        let restriction = back.to_col_major().ok()?.into_transpose();
+        Some(Level { matrix, diagonal, prolongation, restriction })
+    }
+
+    /// The next smaller system: the restriction of the matrix' product with the
+    /// prolongation.
+    fn coarse(&self) -> Option<Matrix> {
+        let product = |a, b| sparse_sparse_matmul(a, b, 1.0, Par::Seq).ok();
+        // Matrices by columns from those by rows: all are transposed.
+        let half = product(self.prolongation.transpose(), self.matrix.transpose())?;
+        Some(product(half.as_ref(), self.restriction.transpose())?.into_transpose())
+    }
+
+    /// Gauss and Seidel's method from `old`, block by block: within a block with its
+    /// own new values.
+    fn sweep(&self, b: &[Pair], old: &[Pair], x: &mut [Pair], backwards: bool) {
+        x.par_chunks_mut(BLOCK).enumerate().for_each(|(k, block)| {
+            let first = k * BLOCK;
+            for place in 0..block.len() {
+                let place = if backwards { block.len() - 1 - place } else { place };
+                let i = first + place;
+                let mut rest = b[i];
+                for (j, a) in sparse::row(&self.matrix, i) {
+                    let x = *block.get(j.wrapping_sub(first)).unwrap_or(&old[j]);
+                    rest = [rest[0] - a * x[0], rest[1] - a * x[1]];
+                }
+                let x = &mut block[place];
+                *x = [x[0] + rest[0] / self.diagonal[i], x[1] + rest[1] / self.diagonal[i]];
+            }
+        });
+    }
+}
+
+/// A column of pairs.
+fn pairs(column: MatRef<'_, f64>) -> Option<&[Pair]> {
+    Some(column.col(0).try_as_col_major()?.as_slice().as_chunks().0)
+}
+
+fn pairs_mut(column: MatMut<'_, f64>) -> Option<&mut [Pair]> {
+    Some(column.col_mut(0).try_as_col_major_mut()?.as_slice_mut().as_chunks_mut().0)
+}
+
+/// The largest system's matrix for columns of pairs.
+#[derive(Debug)]
+pub struct Operator<'a>(pub &'a Matrix);
+
+impl LinOp<f64> for Operator<'_> {
+    fn apply_scratch(&self, _: usize, _: Par) -> StackReq {
+        StackReq::EMPTY
+    }
+
+    fn nrows(&self) -> usize {
+        2 * self.0.nrows()
+    }
+
+    fn ncols(&self) -> usize {
+        2 * self.0.ncols()
+    }
+
+    fn apply(&self, out: MatMut<'_, f64>, x: MatRef<'_, f64>, _: Par, _: &mut MemStack) {
+        if let (Some(out), Some(x)) = (pairs_mut(out), pairs(x)) {
+            sparse::fill(out, |i, _| sparse::product(self.0, i, x));
+        }
+    }
+
+    fn conj_apply(&self, out: MatMut<'_, f64>, x: MatRef<'_, f64>, par: Par, room: &mut MemStack) {
+        self.apply(out, x, par, room);
+    }
+}
+
+impl LinOp<f64> for Multigrid {
+    fn apply_scratch(&self, _: usize, _: Par) -> StackReq {
+        let of = |level: &Level| {
+            let pairs = level.matrix.nrows() + 2 * level.prolongation.ncols();
+            StackReq::new::<Pair>(pairs + 3)
+        };
+        StackReq::all_of(&self.levels.iter().map(of).collect::<Vec<_>>())
+    }
+
+    fn nrows(&self) -> usize {
+        2 * self.matrix().nrows()
+    }
+
+    fn ncols(&self) -> usize {
+        self.nrows()
+    }
+
+    fn apply(&self, out: MatMut<'_, f64>, b: MatRef<'_, f64>, _: Par, room: &mut MemStack) {
+        if let (Some(x), Some(b)) = (pairs_mut(out), pairs(b)) {
+            self.cycle(0, b, x, room);
+        }
+    }
+
+    fn conj_apply(&self, out: MatMut<'_, f64>, b: MatRef<'_, f64>, par: Par, room: &mut MemStack) {
+        self.apply(out, b, par, room);
+    }
+}
+
+impl Precond<f64> for Multigrid {}
