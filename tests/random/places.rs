@@ -23,15 +23,14 @@ fn face(place: Place, tolerance: Option<f64>) -> Conversion {
 fn same(place: Place, tolerance: Option<f64>, room: f64) {
     let here = face(Place { scale: 100.0, away: 0.0, turned: 0.0 }, tolerance);
     let there = face(place, tolerance);
-    let noise = here.smooth.noise;
-    let figures = |c: &Conversion| {
-        let deviation = [c.smooth.noise, c.tolerance, c.deviation.p95].map(|x| (x, 0.0));
-        [deviation[0], deviation[1], deviation[2], (c.fit_deviation.rms, noise)]
-    };
-    for ((a, least), (b, _)) in figures(&here).into_iter().zip(figures(&there)) {
+    let alike = |a: f64, b: f64, of: f64| {
         let b = b * 100.0 / place.scale;
-        assert!((a - b).abs() <= room * a.max(least), "{place:?}: {b} instead of {a}");
-    }
+        assert!((a - b).abs() <= room * of, "{place:?}: {b} instead of {a}");
+    };
+    let figures = |c: &Conversion| [c.smooth.noise, c.tolerance, c.deviation.p95];
+    figures(&here).into_iter().zip(figures(&there)).for_each(|(a, b)| alike(a, b, a));
+    let rms = [&here, &there].map(|c| c.fit_deviation.rms);
+    alike(rms[0], rms[1], rms[0].max(here.smooth.noise));
     for (a, b) in here.surface.shape().into_iter().zip(there.surface.shape()) {
         assert!(a.abs_diff(b) <= 2, "{place:?}: {b} control points instead of {a}");
     }
