@@ -24,7 +24,7 @@ const POINTS_A_CONTROL_POINT: usize = 2;
 const DEEPER: u32 = 2;
 
 /// Fits that may follow each other without a better one.
-const PATIENCE: usize = 3;
+const PATIENCE: usize = 2;
 
 impl Search<'_> {
     /// The standard deviation of the noise, in mm.

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::Patch;
+use super::{Patch, Surface};
 use crate::geometry::{Point, Uv};
 
 /// The parameter of a local minimum of the distance from `p` to the surface,
@@ -17,21 +17,19 @@ pub fn foot_point<S: Patch>(surface: &S, p: Point, start: Uv) -> (Uv, f64) {
     descend(surface, p, start, [true; 2], LAST_STEP)
 }
 
-/// Steps at the most, and the step that is the last: of Newton's quadratic convergence, so
-/// that after a close one some 1e-8 of the domain are left.
+/// Steps at the most, and the step that is the last.
 const STEPS: usize = 30;
 const LAST_STEP: f64 = 1e-7;
-const CLOSE_STEP: f64 = 3e-5;
+
+/// A step of this share of a mean knot span is close: Newton's method leaves about its
+/// square.
+const CLOSE_STEP: f64 = 0.02;
 
 /// Close to the same, in half the time, where only the parameters that `moves` names may
 /// change: on an iso-curve, if it is one of them.
-pub fn foot_point_moving<S: Patch>(
-    surface: &S,
-    p: Point,
-    start: Uv,
-    moves: [bool; 2],
-) -> (Uv, f64) {
-    descend(surface, p, start, moves, CLOSE_STEP)
+pub fn foot_point_moving(surface: &Surface, p: Point, start: Uv, moves: [bool; 2]) -> (Uv, f64) {
+    let [m, n] = surface.shape();
+    descend(surface, p, start, moves, CLOSE_STEP / m.max(n) as f64)
 }
 
 fn descend<S: Patch>(
