@@ -8,7 +8,7 @@
 //! all nets.
 
 use super::deepest;
-use super::search::{Attempt, FIRST_SHARE, LAST_SHARE, Search};
+use super::search::{Attempt, Search};
 use crate::error::Result;
 use crate::knots::{self, Bounds};
 
@@ -70,21 +70,6 @@ impl Search<'_> {
 
     /// Takes out knot lines that bring less than they cost.
     pub fn thin(&mut self, start: Attempt) -> Result<Attempt> {
-        let mut best = start;
-        let mut share = FIRST_SHARE;
-        while share >= LAST_SHARE {
-            let (knots, count) = knots::remove(&best.surface, share);
-            if count == 0 {
-                break;
-            }
-            self.resume(&best);
-            let next = self.attempt(knots)?;
-            if self.score(&next) < self.score(&best) {
-                best = next;
-            } else {
-                share *= 0.5;
-            }
-        }
-        Ok(best)
+        self.take_out(start, |search, best, next| search.score(next) < search.score(best))
     }
 }

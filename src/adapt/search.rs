@@ -18,8 +18,8 @@ const PATIENCE: usize = 4;
 
 /// The share of the knot lines that is tried to be done without at first, and the
 /// one that is not worth another fit.
-pub(super) const FIRST_SHARE: f64 = 0.25;
-pub(super) const LAST_SHARE: f64 = 0.02;
+const FIRST_SHARE: f64 = 0.25;
+const LAST_SHARE: f64 = 0.02;
 
 /// Presses of one net at the most, the share of points beyond the target that are
 /// not too many for it, and the share of them left that makes another one pay.
@@ -189,10 +189,19 @@ impl<'a> Search<'a> {
 
     /// Takes out knot lines as long as the tolerance stays met.
     pub fn shrink(&mut self, start: Attempt) -> Result<Attempt> {
-        let mut best = start;
-        if !self.met(&best) {
-            return Ok(best);
+        match self.met(&start) {
+            true => self.take_out(start, |search, _, next| search.met(next)),
+            false => Ok(start),
         }
+    }
+
+    /// Takes out knot lines as long as what is left `does`, beside the best so far.
+    pub(super) fn take_out(
+        &mut self,
+        start: Attempt,
+        does: impl Fn(&Self, &Attempt, &Attempt) -> bool,
+    ) -> Result<Attempt> {
+        let mut best = start;
         let mut share = FIRST_SHARE;
         while share >= LAST_SHARE {
             let (knots, count) = knots::remove(&best.surface, share);
@@ -201,8 +210,8 @@ impl<'a> Search<'a> {
             }
             self.resume(&best);
             let next = self.attempt(knots)?;
-            let next = self.press(next)?;
-            if self.met(&next) {
+            let next = if self.goal.named { self.press(next)? } else { next };
+            if does(self, &best, &next) {
                 best = next;
             } else {
                 share *= 0.5;
