@@ -197,8 +197,9 @@ fn along(knots: &KnotVector) -> Vec<(f64, Functions)> {
     let ends = &knots.knots()[3..=knots.functions()];
     let spans = ends.windows(2).enumerate();
     let places = spans.flat_map(|(n, ends)| {
-        let (low, step) = (ends[0], (ends[1] - ends[0]) / ACROSS as f64);
-        (0..ACROSS).map(move |k| (n + 3, low + step * (k as f64 + 0.5)))
+        // The ends, too: a side of the domain may fold where its cell does not.
+        let (low, step) = (ends[0], (ends[1] - ends[0]) / (ACROSS - 1) as f64);
+        (0..ACROSS).map(move |k| (n + 3, low + step * k as f64))
     });
     let at = |(span, t): (usize, f64)| {
         let [value, slope, _] = knots.basis_in(span, t).derivative;
