@@ -4,8 +4,8 @@ use rayon::prelude::*;
 
 use super::normal::{Equations, Lane};
 use super::precondition::Preconditioner;
-use super::tasks;
 use super::weight::Weight;
+use super::{TASK, tasks};
 
 /// Steps at the most. Equations that need more have wide regions without
 /// samples, and are solved faster directly.
@@ -24,8 +24,11 @@ const EXACT: f64 = 1e-24;
 
 /// The net of the least-squares optimum, and the steps taken; `None` where it
 /// takes too many.
-pub fn solve(equations: &Equations, inverse: &Preconditioner) -> Option<(Vec<Lane>, usize)> {
-    let start = vec![Lane::zeros(); equations.right.len()];
+pub fn solve(
+    equations: &Equations,
+    inverse: &Preconditioner,
+    start: Vec<Lane>,
+) -> Option<(Vec<Lane>, usize)> {
     let (net, steps, done) = improve(equations, inverse, start)?;
     done.then_some((net, steps))
 }
@@ -71,14 +74,12 @@ pub fn improve<W: Weight>(
             dot(ap, &p[i * nv..][..nv])
         }));
         let alpha = ratio(rz, bends);
-        let along = |from: &[Lane], sign: f64, i: usize, to: &mut [Lane]| {
-            let alpha = alpha * sign;
-            let from = &from[i * nv..][..nv];
-            to.iter_mut().zip(from).for_each(|(to, d)| *to += alpha.component_mul(d));
-            Lane::zeros()
-        };
-        rows(&mut x, &|i, x| along(&p, 1.0, i, x));
-        rows(&mut r, &|i, r| along(&ap, -1.0, i, r));
+        let tasks = (x.par_chunks_mut(TASK), r.par_chunks_mut(TASK));
+        let along = (p.par_chunks(TASK), ap.par_chunks(TASK));
+        tasks.into_par_iter().zip(along).for_each(|((x, r), (p, ap))| {
+            x.iter_mut().zip(p).for_each(|(x, p)| *x += alpha.component_mul(p));
+            r.iter_mut().zip(ap).for_each(|(r, ap)| *r -= alpha.component_mul(ap));
+        });
         let gain = alpha.dot(&rz);
         left -= gain;
         if !left.is_finite() {

@@ -13,6 +13,7 @@ mod moments;
 mod normal;
 mod precondition;
 mod spans;
+mod start;
 mod strips;
 mod unfold;
 mod weight;
@@ -90,7 +91,7 @@ pub(crate) fn refit(
     let even = equations.mean();
     let inverse = match Preconditioner::new(&even, &cells.spans).ok()? {
         Some(inverse) => inverse,
-        None => Preconditioner::direct(&even, &cells.spans).ok()?,
+        None => Preconditioner::direct(&even).ok()?,
     };
     let start = surface.net.iter().map(|p| (p - cells.origin).push(0.0)).collect();
     let (net, ..) = conjugate::improve(&equations, &inverse, start)?;
@@ -118,15 +119,19 @@ fn blend(cells: &Cells) -> Result<(Vec<Lane>, usize)> {
 /// The solution by conjugate gradients, or directly where that takes too long.
 fn optimum(equations: &Equations, cells: &Cells) -> Result<(Vec<Lane>, usize)> {
     let inverse = Preconditioner::new(equations, &cells.spans)?;
-    match inverse.and_then(|inverse| conjugate::solve(equations, &inverse)) {
+    let solve = |inverse| conjugate::solve(equations, &inverse, start::of(cells));
+    match inverse.and_then(solve) {
         Some(solution) => Ok(solution),
         None => Ok((equations.solve_directly()?, 0)),
     }
 }
 
-/// How many rows of `width` control points are worth a task of their own.
+/// So many control points are worth a task of their own.
+const TASK: usize = 1 << 14;
+
+/// How many rows of `width` control points are.
 fn tasks(width: usize) -> usize {
-    (4096 / width).max(1)
+    (TASK / width).max(1)
 }
 
 #[cfg(test)]

@@ -16,11 +16,17 @@ use crate::error::Result;
 
 /// The approximate inverse.
 pub struct Preconditioner {
+    /// That of samples spread evenly.
+    even: Option<Even>,
+    /// For the points that samples hold weakly or not at all.
+    weak: Option<Factor>,
+}
+
+/// The inverse of a Kronecker product, scaled.
+struct Even {
     u: Band,
     v: Band,
     scale: Vec<f64>,
-    /// For the points that samples hold weakly or not at all.
-    weak: Option<Factor>,
 }
 
 /// A control point is held weakly where the fairing term makes up this share of
@@ -58,20 +64,33 @@ impl Preconditioner {
             return Ok(None);
         }
         let weak = (!weak.is_empty()).then(|| equations.factor(weak)).transpose()?;
-        Ok(Some(Preconditioner { u: Band::new(u), v: Band::new(v), scale, weak }))
+        let even = Some(Even { u: Band::new(u), v: Band::new(v), scale });
+        Ok(Some(Preconditioner { even, weak }))
     }
 
     /// The exact inverse of equations that are not worth preconditioning, for others that
     /// are near them.
-    pub fn direct(equations: &Equations, spans: &[Spans; 2]) -> Result<Self> {
-        let [u, v] = spans.each_ref().map(|spans| Band::new(mass(spans)));
+    pub fn direct(equations: &Equations) -> Result<Self> {
         let count = equations.shape[0] * equations.shape[1];
         let all = equations.factor((0..count as u32).collect())?;
-        Ok(Preconditioner { u, v, scale: vec![0.0; count], weak: Some(all) })
+        Ok(Preconditioner { even: None, weak: Some(all) })
     }
 
     /// The inverse times `r`.
     pub fn apply(&self, r: &[Lane], z: &mut [Lane]) {
+        match &self.even {
+            Some(even) => even.apply(r, z),
+            None => z.fill(Lane::zeros()),
+        }
+        if let Some(weak) = &self.weak {
+            let corrections = weak.solve(r);
+            weak.points().iter().zip(corrections).for_each(|(&at, c)| z[at as usize] += c);
+        }
+    }
+}
+
+impl Even {
+    fn apply(&self, r: &[Lane], z: &mut [Lane]) {
         let (nu, nv) = (self.u.0.len(), self.v.0.len());
         let columns = |first: usize, count: usize| {
             let mut part = Vec::with_capacity(nu * count);
@@ -97,10 +116,6 @@ impl Preconditioner {
             self.v.solve_columns(row, 1);
             row.iter_mut().zip(scale).for_each(|(z, s)| *z *= *s);
         });
-        if let Some(weak) = &self.weak {
-            let corrections = weak.solve(r);
-            weak.points().iter().zip(corrections).for_each(|(&at, c)| z[at as usize] += c);
-        }
     }
 }
 
