@@ -126,6 +126,32 @@ fn the_surroundings_give_the_same_bytes() {
 }
 
 #[test]
+fn a_time_stamp_that_is_none_is_refused() {
+    let folder = folder();
+    let step = folder.path().join("a.step");
+    let run = |command: &str, stamp: &str| {
+        let mut run = std::process::Command::new(env!("CARGO_BIN_EXE_scan2step"));
+        run.args([command, arg(&fixture("relief.ply"))]).env("SOURCE_DATE_EPOCH", stamp);
+        run.args(if command == "batch" { &["--out"][..] } else { &[] }).arg(&step);
+        run.output().expect("the program runs")
+    };
+    for stamp in ["", "yesterday", "-1", "1.5", "253402300800"] {
+        for command in ["convert", "batch"] {
+            let refused = run(command, stamp);
+            let said = String::from_utf8_lossy(&refused.stderr);
+            assert_eq!(refused.status.code(), Some(2), "{command} {stamp}: {said}");
+            let lines: Vec<&str> = said.lines().collect();
+            assert!(lines[0].starts_with("error: SOURCE_DATE_EPOCH: "), "{said}");
+            assert!(lines.len() == 2 && lines[1].starts_with("help: "), "{said}");
+            assert!(files(folder.path()).is_empty(), "{command} {stamp}");
+        }
+    }
+    assert!(run("convert", "86400").status.success());
+    let file = std::fs::read_to_string(&step).expect("a file");
+    assert!(file.contains("1970-01-02T00:00:00"));
+}
+
+#[test]
 fn a_named_tolerance_that_is_missed_is_exit_3() {
     let folder = folder();
     let step = folder.path().join("a.step");

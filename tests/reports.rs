@@ -171,14 +171,44 @@ fn what_the_user_names_is_text() {
     assert!(!picture.is_empty());
 }
 
-#[test]
-fn a_picture_shows_the_scan_in_the_colours_of_the_scale() {
-    let (_, picture) = page_and_picture(&fixture("relief.ply"), &[]);
+/// The colours of a still picture, row by row.
+fn pixels(picture: Vec<u8>) -> Vec<u8> {
     let mut reader =
         png::Decoder::new(std::io::Cursor::new(picture)).read_info().expect("it is a PNG");
     let mut pixels = vec![0; reader.output_buffer_size().expect("a size")];
     let info = reader.next_frame(&mut pixels).expect("it is whole");
     assert_eq!((info.width, info.height), (1600, 1000));
+    pixels
+}
+
+#[test]
+fn all_components_are_in_one_picture_and_on_one_page() {
+    let folder = folder();
+    let two = two_sheets(folder.path());
+    // Columns, of the large picture, in which there is anything at all.
+    let drawn = |component: &str| {
+        let (page, picture) = page_and_picture(&two, &["--component", component]);
+        let pixels = pixels(picture);
+        let column = |x: usize| {
+            let mut down = (140..990).map(|y| &pixels[3 * (1600 * y + x)..][..3]);
+            down.any(|p| p != [0xf6, 0xf7, 0xf8])
+        };
+        let drawn: Vec<usize> = (0..1000).filter(|&x| column(x)).collect();
+        (page.matches("<svg class=\"plane\"").count(), drawn)
+    };
+    let (planes, both) = drawn("all");
+    assert_eq!(planes, 2);
+    let gap = both.windows(2).map(|w| w[1] - w[0]).max().expect("columns");
+    assert!(gap > 500, "the sheets are 95 mm from each other, and 5 wide: {gap}");
+    let (planes, one) = drawn("0");
+    assert_eq!(planes, 1);
+    assert!(one.windows(2).all(|w| w[1] == w[0] + 1), "one sheet is one piece");
+}
+
+#[test]
+fn a_picture_shows_the_scan_in_the_colours_of_the_scale() {
+    let (_, picture) = page_and_picture(&fixture("relief.ply"), &[]);
+    let pixels = pixels(picture);
     let counted = |is: fn(&[u8]) -> bool| pixels.chunks(3).filter(|p| is(p)).count();
     assert!(counted(|p| p[0] > p[2].saturating_add(30)) > 20_000, "above");
     assert!(counted(|p| p[2] > p[0].saturating_add(30)) > 20_000, "below");

@@ -17,7 +17,7 @@ pub fn write(
     conversions: &[Conversion],
     colour: Option<[u8; 3]>,
 ) -> Result<Vec<Pending>, Failure> {
-    let stamp = time_stamp();
+    let stamp = time_stamp()?;
     let step_options = step::Options { colour, ..step_options(args, &stamp) };
     let brep = Brep {
         name: part_name(&args.piece.scan),
@@ -38,13 +38,19 @@ pub fn write(
     Ok(files)
 }
 
+/// The last second of the year 9999, past which there is no such time stamp.
+const LAST: u64 = 253_402_300_799;
+
 /// SOURCE_DATE_EPOCH, or the epoch itself: the same input gives the same bytes.
-fn time_stamp() -> String {
-    let seconds = std::env::var("SOURCE_DATE_EPOCH").ok().and_then(|s| s.parse().ok());
-    // Past the year 9999 there is no such time stamp.
-    let seconds = seconds.filter(|s| *s < 253_402_300_800_u64).unwrap_or(0);
+pub fn time_stamp() -> Result<String, Failure> {
+    let asked = std::env::var_os("SOURCE_DATE_EPOCH").unwrap_or_else(|| "0".into());
+    let seconds = asked.to_str().and_then(|s| s.parse().ok()).filter(|s| *s <= LAST);
+    let seconds = seconds.ok_or_else(|| Failure {
+        error: format!("SOURCE_DATE_EPOCH: {asked:?} is no number of seconds since 1970"),
+        help: format!("set it to a whole number up to {LAST}, or unset it"),
+    })?;
     let time = SystemTime::UNIX_EPOCH + Duration::from_secs(seconds);
-    humantime::format_rfc3339_seconds(time).to_string().trim_end_matches('Z').to_string()
+    Ok(humantime::format_rfc3339_seconds(time).to_string().trim_end_matches('Z').to_string())
 }
 
 fn system() -> String {

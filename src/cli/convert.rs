@@ -93,6 +93,10 @@ impl Run<'_> {
             }
             let mut seen = pictured.then(report::Watch::default);
             let mut watch = |stage: Stage| -> scan2step::Result<()> {
+                if let Stage::Within(name, share) = stage {
+                    self.progress.within(name, share);
+                    return Ok(());
+                }
                 self.progress.ended(stage.name(), &talk::made(&stage));
                 if let Stage::Parameterize(_, Some(found)) = &stage {
                     // Before the time for it is spent.

@@ -65,16 +65,21 @@ pub fn run() -> ExitCode {
     if let Err(e) = leftovers::sweep_when_stopped() {
         streams::say(format_args!("note: Ctrl-C will leave temporary files: {e}"));
     }
-    let (colour, done) = match &args.command {
-        args::Command::Convert(args) => (args.manner.color, convert::run(args)),
-        args::Command::Inspect(args) => (args.look.color, inspect::run(args)),
-        args::Command::Check(args) => (args.look.color, check::run(args)),
+    let colour = args.command.colour();
+    // Part of how the program is called, like an option.
+    if let Err(failure) = args.command.check_surroundings() {
+        return tell(&failure, colour, USAGE);
+    }
+    let done = match &args.command {
+        args::Command::Convert(args) => convert::run(args),
+        args::Command::Inspect(args) => inspect::run(args),
+        args::Command::Check(args) => check::run(args),
         args::Command::Batch(args) => {
             let of_batch = matches.subcommand().map_or(&matches, |(_, of_batch)| of_batch);
-            (args.manner.color, batch::run(args, of_batch))
+            batch::run(args, of_batch)
         }
-        args::Command::Completions(args) => (args::Colour::Auto, manual::completions(args)),
-        args::Command::Man(args) => (args::Colour::Auto, manual::man(args)),
+        args::Command::Completions(args) => manual::completions(args),
+        args::Command::Man(args) => manual::man(args),
     };
     match done {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
@@ -82,11 +87,40 @@ pub fn run() -> ExitCode {
         Ok(Outcome::Failed) => ExitCode::FAILURE,
         Err(failure) => {
             leftovers::sweep();
-            let (red, blue, plain) =
-                if colour.is_on() { ("\x1b[1;31m", "\x1b[1;36m", "\x1b[0m") } else { ("", "", "") };
-            streams::say(format_args!("{red}error{plain}: {}", failure.error));
-            streams::say(format_args!("{blue}help{plain}: {}", failure.help));
-            ExitCode::FAILURE
+            tell(&failure, colour, FAILED)
+        }
+    }
+}
+
+/// Exit codes of a run that came to nothing, and of one that was called wrongly.
+const FAILED: u8 = 1;
+const USAGE: u8 = 2;
+
+/// Says what is wrong.
+fn tell(failure: &Failure, colour: args::Colour, code: u8) -> ExitCode {
+    let (red, blue, plain) =
+        if colour.is_on() { ("\x1b[1;31m", "\x1b[1;36m", "\x1b[0m") } else { ("", "", "") };
+    streams::say(format_args!("{red}error{plain}: {}", failure.error));
+    streams::say(format_args!("{blue}help{plain}: {}", failure.help));
+    ExitCode::from(code)
+}
+
+impl args::Command {
+    fn colour(&self) -> args::Colour {
+        match self {
+            Self::Convert(args) => args.manner.color,
+            Self::Batch(args) => args.manner.color,
+            Self::Inspect(args) => args.look.color,
+            Self::Check(args) => args.look.color,
+            Self::Completions(_) | Self::Man(_) => args::Colour::Auto,
+        }
+    }
+
+    /// Whether the environment that a command heeds makes sense.
+    fn check_surroundings(&self) -> Result<(), Failure> {
+        match self {
+            Self::Convert(_) | Self::Batch(_) => cad::time_stamp().map(|_| ()),
+            _ => Ok(()),
         }
     }
 }

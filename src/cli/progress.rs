@@ -29,6 +29,9 @@ const STAGES: [(&str, u64); 10] = [
     ("write", 3),
 ];
 
+/// Steps of the bar for each of these.
+const FINE: u64 = 100;
+
 /// The clock and the voice of a run.
 #[derive(Debug)]
 pub struct Progress {
@@ -39,6 +42,8 @@ pub struct Progress {
     stage_begun: Instant,
     /// Shown on a terminal only.
     bar: ProgressBar,
+    /// What stages that have ended took of the time.
+    passed: u64,
     pub stages: Vec<StageTime>,
 }
 
@@ -62,7 +67,15 @@ impl Progress {
         }
         bar.set_message(STAGES[0].0);
         bar.enable_steady_tick(Duration::from_millis(120));
-        Progress { voice, verbose, begun: now, stage_begun: now, bar, stages: Vec::new() }
+        Progress {
+            voice,
+            verbose,
+            begun: now,
+            stage_begun: now,
+            bar,
+            passed: 0,
+            stages: Vec::new(),
+        }
     }
 
     /// So many components will be converted.
@@ -100,11 +113,18 @@ impl Progress {
         let line = format!("{name:13}{seconds:7.2} s{memory}  {made}");
         self.say(&self.paint(line.trim_end(), "2"));
         self.stages.push(StageTime { name, seconds, peak_rss_mb });
-        if let Some(k) = STAGES.iter().position(|(stage, _)| *stage == name) {
-            self.bar.inc(STAGES[k].1);
+        if let Some(k) = place(name) {
+            self.passed += STAGES[k].1;
+            self.bar.set_position(FINE * self.passed);
             self.bar.set_message(STAGES.get(k + 1).map_or("report", |(next, _)| next));
         }
         self.stage_begun = Instant::now();
+    }
+
+    /// A stage has come so far.
+    pub fn within(&self, name: &str, share: f64) {
+        let length = place(name).map_or(0, |k| FINE * STAGES[k].1);
+        self.bar.set_position(FINE * self.passed + (share * length as f64) as u64);
     }
 
     /// Takes the bar away.
@@ -125,10 +145,15 @@ impl Drop for Progress {
     }
 }
 
+/// Where a stage stands among all.
+fn place(name: &str) -> Option<usize> {
+    STAGES.iter().position(|(stage, _)| *stage == name)
+}
+
 /// The bar's length for a number of components.
 fn length(components: u64) -> u64 {
     let [(_, first), each @ .., (_, last)] = STAGES;
-    first + last + components * each.iter().map(|(_, share)| share).sum::<u64>()
+    FINE * (first + last + components * each.iter().map(|(_, share)| share).sum::<u64>())
 }
 
 /// A length in mm with four significant digits, for people: scans are as large as

@@ -104,6 +104,7 @@ fn patch(out: &mut dyn Write, patch: &Patch, uv: Option<&[Uv]>) -> io::Result<()
         let hole = match origin {
             FaceOrigin::Measured => -1,
             FaceOrigin::Hole(hole) => *hole as i32,
+            FaceOrigin::Bay => -2,
         };
         out.write_all(&hole.to_le_bytes())?;
     }

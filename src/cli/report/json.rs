@@ -48,7 +48,7 @@ fn of_component(c: &Conversion, context: &Context) -> Value {
             "corners": c.smooth.corners.len(),
             "outliers": c.smooth.outliers,
         },
-        "fill": { "holes": holes(c) },
+        "fill": { "holes": holes(c), "bays": c.outer.map_or(c.fill.bays, |_| 0) },
         "parameterize": {
             "outline": match c.outer {
                 Some(_) => "sides",

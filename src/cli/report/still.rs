@@ -4,6 +4,7 @@ use std::io;
 
 use nalgebra::Vector3;
 use scan2step::Conversion;
+use scan2step::deviation::Deviation;
 use scan2step::geometry::Point;
 use scan2step::picture::canvas::Canvas;
 use scan2step::picture::colour::{BACKGROUND, INK, encoded, linear, srgb};
@@ -57,7 +58,8 @@ pub fn png(name: &str, scene: &[(&Conversion, &Shown)]) -> io::Result<Vec<u8>> {
     }
     let distances = scene.iter().flat_map(|(_, s)| s.measured.iter().copied());
     let top = TOP + ASIDE[1] + 60;
-    page.histogram(&Histogram::of(distances, end), tolerance(scene), [COLUMN, top]);
+    let histogram = Histogram::of(distances, end);
+    page.histogram(&histogram, scene.len(), tolerance(scene), [COLUMN, top]);
     page.figures(scene, [COLUMN as f32, (top + BARS[1] + 130) as f32]);
     let mut bytes = Vec::new();
     page.image.write(&mut bytes)?;
@@ -68,6 +70,24 @@ pub fn png(name: &str, scene: &[(&Conversion, &Shown)]) -> io::Result<Vec<u8>> {
 fn tolerance(scene: &[(&Conversion, &Shown)]) -> Option<f64> {
     let (first, _) = scene.first()?;
     scene.iter().all(|(c, _)| c.tolerance == first.tolerance).then_some(first.tolerance)
+}
+
+/// Root mean square, 95th percentile and largest of the distances from all faces.
+fn together(scene: &[(&Conversion, &Shown)], of: fn(&Conversion) -> &Deviation) -> [f64; 3] {
+    let figures = |d: &Deviation| [d.rms, d.p95, d.max];
+    if let [(only, _)] = scene {
+        return figures(of(only));
+    }
+    let all: Vec<f64> = scene.iter().flat_map(|(c, _)| &of(c).distances).copied().collect();
+    // Where the farthest is, its ring shows.
+    figures(&Deviation::of(&vec![Point::origin(); all.len()], all))
+}
+
+/// The percentage of all smoothed points that keep their face's tolerance.
+fn within(scene: &[(&Conversion, &Shown)]) -> f64 {
+    let sum = |of: fn(&Conversion) -> usize| scene.iter().map(|(c, _)| of(c)).sum::<usize>() as f64;
+    let beyond = sum(|c| c.fit_deviation.beyond(c.tolerance));
+    100.0 - 100.0 * beyond / sum(|c| c.fit_deviation.distances.len()).max(1.0)
 }
 
 /// The scan from one side.
@@ -148,7 +168,13 @@ impl Page {
     }
 
     /// Bars in the colours of the map, over their scale.
-    fn histogram(&mut self, histogram: &Histogram, tolerance: Option<f64>, [x, y]: [usize; 2]) {
+    fn histogram(
+        &mut self,
+        histogram: &Histogram,
+        faces: usize,
+        tolerance: Option<f64>,
+        [x, y]: [usize; 2],
+    ) {
         let [width, height] = BARS;
         let title = "Deviation of the scan from the face, mm";
         self.write(title, [x as f32, y as f32 - 14.0], Style { bold: true, ..SMALL });
@@ -177,27 +203,22 @@ impl Page {
             }
             note = format!("dashed: tolerance, ±{}  ·  ", short(tolerance));
         }
-        note += "ring: the farthest point";
+        note += if faces == 1 { "ring: the farthest point" } else { "rings: the farthest points" };
         self.write(&note, [x as f32, foot + 28.0], SMALL);
     }
 
     fn figures(&mut self, scene: &[(&Conversion, &Shown)], [x, y]: [f32; 2]) {
-        let worst = scene.iter().max_by(|a, b| a.0.deviation.max.total_cmp(&b.0.deviation.max));
-        let Some((c, _)) = worst else { return };
-        let within = |c: &Conversion| {
-            let d = &c.fit_deviation;
-            100.0 - 100.0 * d.beyond(c.tolerance) as f64 / d.distances.len().max(1) as f64
+        let line = |of| {
+            let [rms, p95, max] = together(scene, of).map(mm);
+            format!("rms {rms}  ·  95 % {p95}  ·  max {max}")
         };
-        let (d, f) = (&c.deviation, &c.fit_deviation);
+        let tolerance = tolerance(scene).map_or("each face its own".into(), mm);
         let rows = [
-            (
-                "as measured",
-                format!("rms {}  ·  95 % {}  ·  max {}", mm(d.rms), mm(d.p95), mm(d.max)),
-            ),
-            ("smoothed", format!("rms {}  ·  95 % {}  ·  max {}", mm(f.rms), mm(f.p95), mm(f.max))),
+            ("as measured", line(|c| &c.deviation)),
+            ("smoothed", line(|c| &c.fit_deviation)),
             (
                 "tolerance",
-                format!("{}, which {:.2} % of the smoothed keep", mm(c.tolerance), within(c)),
+                format!("{tolerance}, which {:.2} % of the smoothed keep", within(scene)),
             ),
         ];
         for (k, (label, text)) in rows.iter().enumerate() {
