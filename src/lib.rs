@@ -30,7 +30,9 @@
 //! # Stage by stage
 //!
 //! Each stage is a function with options and a report of its own, to be called with
-//! one's own mesh, between others, or alone; `examples/stages.rs` calls all of them.
+//! one's own mesh, between others, or alone; `examples/stages.rs` calls all of them. Those
+//! that take long have a second one, `smooth_with` and the like, that tells a [`Course`]
+//! how far it has come.
 //!
 //! | stage | function | from | makes |
 //! | --- | --- | --- | --- |
@@ -66,6 +68,7 @@
 pub mod adapt;
 pub mod brep;
 pub mod check;
+mod course;
 pub mod cut;
 mod decimal;
 pub mod deviation;
@@ -86,6 +89,7 @@ pub mod spline;
 pub mod trim;
 
 pub use adapt::{Adapted, KnotOptions};
+pub use course::Course;
 pub use cut::Cut;
 pub use error::{Error, Result};
 pub use input::{InputReport, Inspection, inspect, measured};
@@ -96,7 +100,7 @@ use mesh::{Components, Disk, Patch};
 use parameterize::Parameterized;
 use spline::Surface;
 
-/// A stage that has just ended, with what it made.
+/// A stage that has just ended, with what it made, or one that goes on.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Stage<'a> {
@@ -118,6 +122,9 @@ pub enum Stage<'a> {
     Brep,
     /// The deviation.
     Deviation,
+    /// The stage of that name goes on, and has about so large a share of its time behind
+    /// it: more than it was told of before.
+    Within(&'static str, f64),
 }
 
 impl Stage<'_> {
@@ -132,6 +139,7 @@ impl Stage<'_> {
             Stage::Trim(..) => "trim",
             Stage::Brep => "brep",
             Stage::Deviation => "deviation",
+            Stage::Within(name, _) => name,
         }
     }
 }
@@ -185,12 +193,11 @@ impl Conversion {
     }
 }
 
-/// Where nobody named a tolerance the noise counts as no less than this share of the
-/// scan's diagonal.
-const LEAST_NOISE: f64 = 1e-4 / 3.0;
+/// A tolerance that nobody named is no less than this share of the scan's diagonal.
+const LEAST_TOLERANCE: f64 = 1e-4;
 
-/// Converts one component of a scan. `watch` is shown what each stage made; an error
-/// of its own stops the conversion.
+/// Converts one component of a scan. `watch` is shown what each stage made, and how far
+/// long ones have come; an error of its own stops the conversion.
 ///
 /// # Errors
 /// What stops a stage, or what `watch` answers.
@@ -220,25 +227,42 @@ pub fn convert_component(
     let (measured, input) = input::disk(scan, options)?;
     watch(Stage::Mesh(&measured))?;
 
-    let (smoothed, smooth) = smooth::smooth(&measured, &options.smooth)?;
+    let (smoothed, smooth) =
+        smooth::smooth_with(&measured, &options.smooth, &mut within("smooth", watch))?;
     watch(Stage::Smooth(&smoothed))?;
     let goal = match options.tolerance {
         Some(tolerance) => adapt::Goal { tolerance, named: true, outliers: options.outliers },
-        None => adapt::Goal::of_noise(smooth.noise.max(LEAST_NOISE * measured.mesh.diagonal())),
+        None => {
+            let least = LEAST_TOLERANCE / adapt::TOLERANCE_OF_NOISE * measured.mesh.diagonal();
+            adapt::Goal::of_noise(smooth.noise.max(least))
+        }
     };
     let tolerance = goal.tolerance;
 
-    let fill_options =
-        fill::Options { support: smooth.h, noise: smooth.noise, ..options.fill.clone() };
-    let (patch, fill) = fill::fill(smoothed, &measured.mesh.points, &fill_options)?;
+    let fill_options = fill::Options {
+        support: smooth.h,
+        noise: smooth.noise,
+        bays: options.parameterize.may_be_free(),
+        ..options.fill.clone()
+    };
+    let (patch, fill) = fill::fill_with(
+        smoothed,
+        &measured.mesh.points,
+        &fill_options,
+        &mut within("fill", watch),
+    )?;
     watch(Stage::Fill(&patch))?;
 
-    let (mut map, parameterize) = parameterize::parameterize(patch, &options.parameterize)?;
+    let (mut map, parameterize) = parameterize::parameterize_with(
+        patch,
+        &options.parameterize,
+        &mut within("parameterize", watch),
+    )?;
     let crushed = parameterize::crushed(&map, tolerance, options.knots.max_net);
     watch(Stage::Parameterize(&map, crushed))?;
 
     let measured_count = map.patch.measured;
-    let (surface, fit) = adapt::fit(&mut map, options, &goal)?;
+    let (surface, fit) = adapt::fit_with(&mut map, options, &goal, &mut within("fit", watch))?;
     let decimal = decimal::Decimal::for_size(measured.mesh.diagonal());
     let surface = decimal.surface(surface);
     watch(Stage::Fit(&surface))?;
@@ -278,6 +302,24 @@ pub fn convert_component(
         deviation,
         trim,
     })
+}
+
+/// What a stage comes farther by is told from this share on.
+const STEP: f64 = 0.01;
+
+/// Tells `watch` how far a stage has come: forwards only, and not at every step.
+fn within<'a>(
+    name: &'static str,
+    watch: &'a mut dyn FnMut(Stage) -> Result<()>,
+) -> impl FnMut(f64) -> Result<()> + 'a {
+    let mut told = 0.0;
+    move |share| {
+        if share < told + STEP {
+            return Ok(());
+        }
+        told = share.min(1.0);
+        watch(Stage::Within(name, told))
+    }
 }
 
 fn outer_boundary(surface: &Surface, map: &Parameterized) -> (usize, f64) {

@@ -6,6 +6,7 @@ use common::virtual_scan::{Star, Truth, VirtualScan, relief, rolled_sheet, sheet
 use formats::Soup;
 use scan2step::fit::{Method, fit, mean_error};
 use scan2step::geometry::{Point, Uv, Vector};
+use scan2step::smooth::Support;
 use scan2step::spline::{KnotVector, Samples, Surface, foot_point, foot_point_moving};
 use scan2step::{Builder, Conversion, Options, Stage, convert};
 
@@ -295,6 +296,28 @@ fn without_a_tolerance_the_face_is_nearer_the_truth_than_the_noise() {
         let off = scan.rms(places.map(|at| c.surface.point(at).coords.into()));
         println!("noise {noise}: {:?}, {off:.4} off the truth", c.surface.shape());
         assert!(off < limit, "noise {noise}: {off}");
+    }
+}
+
+#[test]
+fn outliers_pull_nothing_where_smoothing_is_off() {
+    for (truth, size, noise, limit) in
+        [(sheet as Truth, [90, 90], 0.1, 0.03), (relief, [150, 120], 0.06, 0.025)]
+    {
+        let mut scan = VirtualScan::new(truth, size, noise, Vec::new(), 17);
+        // One vertex of a hundred, up to 3 mm off along the scanner's rays.
+        let mut random = Random(9);
+        for p in &mut scan.points {
+            p[2] += if random.next() < 0.01 { 6.0 * (random.next() - 0.5) } else { 0.0 };
+        }
+        let mut soup = Soup { points: scan.points.clone(), ..Soup::default() };
+        scan.triangles.iter().for_each(|t| soup.polygons.push(*t));
+        let options = Options::builder().smooth(Support::Off).build().expect("sound options");
+        let c = convert(&soup, &options, &mut |_| Ok(())).expect("a conversion");
+        let at = |i: usize| Uv::new((i / 80) as f64 / 79.0, (i % 80) as f64 / 79.0);
+        let off = scan.rms((0..6400).map(|i| c.surface.point(at(i)).coords.into()));
+        println!("{:?}, {off:.4} off the truth", c.surface.shape());
+        assert!(off < limit, "{off} with a noise of {noise}");
     }
 }
 

@@ -23,7 +23,8 @@ fn run(scan: &VirtualScan, outline: Outline, tolerance: Option<f64>) -> Run {
     let mut outer = Vec::new();
     let mut watch = |stage: Stage| {
         if let Stage::Parameterize(map, _) = stage {
-            outer = map.patch.outer.iter().map(|&v| map.patch.mesh.point(v)).collect();
+            let measured = map.patch.loop_of(Bound::Outer);
+            outer = measured.iter().map(|&v| map.patch.mesh.point(v)).collect();
         }
         Ok(())
     };

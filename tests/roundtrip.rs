@@ -72,7 +72,7 @@ fn check_opencascade(path: &Path, valid_unhealed: bool, area: f64, expected: &Ex
 }
 
 fn check_freecad(path: &Path, area: f64, expected: &Expected) {
-    let found = freecad(path);
+    let Some(found) = freecad(path) else { return };
     let is = |key: &str, value: Value| assert_eq!(found[key], value, "{key} in {found}");
     let (faces, inner) = expected.scan.faces_and_inner_loops();
     is("faces", faces.into());
@@ -204,10 +204,10 @@ fn there_and_back(scan: &VirtualScan, rms: f64) {
     assert!((ratio - 1.0).abs() < 0.002, "{ratio} of the true area");
 
     rewrite_opencascade(&step, folder.path());
-    let areas = rewrite_freecad(&step, folder.path(), MOVED);
     for name in ["occ.step", "occ-inch.step", "occ-plain.step", "occ144.igs", "occ514.igs"] {
         check_same(&ours, &checked(&file(name), &input), name);
     }
+    let Some(areas) = rewrite_freecad(&step, folder.path(), MOVED) else { return };
     let both =
         |name: &str| ["step", "igs"].map(|end| checked(&file(&format!("{name}.{end}")), &input));
     for plain in both("fc-plain") {
@@ -287,5 +287,5 @@ fn a_filled_hole_is_noticed() {
     let step = folder.path().join("filled.step");
     converted(&[arg(&fixture("relief.ply")), arg(&step), "--keep-fills"]);
     assert_eq!(opencascade(&step, None)["wires_inner"], 0);
-    assert_eq!(freecad(&step)["wires_inner"], 0);
+    assert!(freecad(&step).is_none_or(|found| found["wires_inner"] == 0));
 }

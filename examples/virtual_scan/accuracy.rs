@@ -28,7 +28,11 @@ pub fn row(name: &str, scan: &VirtualScan) -> Result<String, Box<dyn Error>> {
     let conversion = convert(&soup, &Options::default(), &mut |stage| {
         match stage {
             Stage::Smooth(Disk { mesh, .. }) => smoothed.clone_from(&mesh.points),
-            Stage::Fill(Patch { mesh, measured, .. }) => filled = mesh.points[*measured..].to_vec(),
+            Stage::Fill(patch) => {
+                let holes = patch.without_bays();
+                let Patch { mesh, measured, .. } = holes.as_ref().unwrap_or(patch);
+                filled = mesh.points[*measured..].to_vec();
+            }
             _ => {}
         }
         Ok(())

@@ -28,7 +28,7 @@ const PATIENCE: usize = 2;
 
 impl Search<'_> {
     /// The standard deviation of the noise, in mm.
-    fn noise(&self) -> f64 {
+    pub(super) fn noise(&self) -> f64 {
         self.goal.tolerance / super::TOLERANCE_OF_NOISE
     }
 
@@ -52,6 +52,7 @@ impl Search<'_> {
         let mut idle = 0;
         while idle < PATIENCE {
             let now = last.as_ref().unwrap_or(&best);
+            self.doubt(now);
             let misses = self.target.squares(&now.feet, self.noise());
             let knots = knots::insert(&now.surface, &misses, self.target.reach(), &bounds);
             if knots == [now.surface.u.clone(), now.surface.v.clone()] {

@@ -4,6 +4,8 @@
 
 use std::cmp::Ordering;
 
+use rayon::prelude::*;
+
 use crate::geometry::{Uv, VertexId, orient2d};
 
 /// After as many attempts the old map stays.
@@ -32,7 +34,7 @@ pub fn corrected(
     // Only triangles with a vertex that has just been put back can turn now.
     let mut suspects: Vec<usize> = (0..triangles.len()).collect();
     for _ in 0..ATTEMPTS {
-        suspects.retain(|&t| crushed(&moved, t));
+        suspects = suspects.into_par_iter().filter(|&t| crushed(&moved, t)).collect();
         if suspects.is_empty() {
             return moved;
         }
@@ -42,7 +44,7 @@ pub fn corrected(
             moved[v.index()] = uv[v.index()];
         }
         let touched = |t: &usize| triangles[*t].iter().any(|v| back[v.index()]);
-        suspects = (0..triangles.len()).filter(touched).collect();
+        suspects = (0..triangles.len()).into_par_iter().filter(touched).collect();
     }
     uv
 }

@@ -12,9 +12,12 @@
 
 mod balance;
 mod correct;
+mod doubt;
 mod search;
 mod target;
+mod weights;
 
+use crate::course::{self, Course};
 use crate::error::{Result, of};
 use crate::parameterize::Parameterized;
 use crate::spline::{KnotVector, Samples, Surface};
@@ -52,7 +55,7 @@ impl KnotOptions {
 }
 
 /// The tolerance where nobody named one, in standard deviations of the noise.
-const TOLERANCE_OF_NOISE: f64 = 3.0;
+pub(crate) const TOLERANCE_OF_NOISE: f64 = 3.0;
 
 /// What the fit must reach.
 #[derive(Debug, Clone, Copy)]
@@ -101,17 +104,30 @@ pub struct Adapted {
 /// κ or depth that is named make a larger net than allowed.
 /// [`Error::Singular`](crate::Error::Singular): the equations have no solution.
 pub fn fit(map: &mut Parameterized, options: &Options, goal: &Goal) -> Result<(Surface, Adapted)> {
+    fit_with(map, options, goal, &mut course::untold)
+}
+
+/// The same, telling how far it has come.
+///
+/// # Errors
+/// Those of [`fit`](fn@fit), and what `course` answers.
+pub fn fit_with(
+    map: &mut Parameterized,
+    options: &Options,
+    goal: &Goal,
+    course: &mut Course,
+) -> Result<(Surface, Adapted)> {
     rules::length(goal.tolerance).map_err(of("tolerance"))?;
     rules::share(goal.outliers).map_err(of("outliers"))?;
     let asked = &options.knots;
-    let mut search = Search::new(Target::new(map), options, goal);
+    let mut search = Search::new(Target::new(map), options, goal, course);
     let kappa = asked.kappa.unwrap_or(goal.tolerance);
     let measured = search.target.measured();
     let (start, placed) = match asked.net {
         Some(net) => (net.map(|count| KnotVector::uniform(3, count)), None),
         None => {
             let depth = asked.depth.unwrap_or_else(|| deepest(measured));
-            let (knots, report) = place(&search.target.samples, asked, kappa, depth)?;
+            let (knots, report) = place(&search.target.trusted(), asked, kappa, depth)?;
             (knots, Some(report))
         }
     };

@@ -2,6 +2,7 @@
 
 use super::Goal;
 use super::target::{Feet, Target};
+use crate::course::Course;
 use crate::error::Result;
 use crate::fit::Hold;
 use crate::geometry::Uv;
@@ -45,12 +46,15 @@ const PAYS: f64 = 0.97;
 const IDLE_SLIDE: f64 = 0.93;
 const PATIENCE_WITH_SLIDES: usize = 2;
 
+/// The share of the time left that is left after another fit, as a rule.
+const LEFT: f64 = 0.85;
+
 /// A surface, the parameters it was fitted with, and how far it is off.
 pub struct Attempt {
     pub surface: Surface,
     pub fit: fit::Report,
     pub uv: Vec<Uv>,
-    weights: Vec<f64>,
+    pub(super) weights: Vec<f64>,
     pub(super) feet: Feet,
     /// Measured vertices beyond the tolerance, and the farthest.
     beyond: (usize, f64),
@@ -66,16 +70,28 @@ pub struct Search<'a> {
     pub(super) goal: &'a Goal,
     /// Fits made.
     pub rounds: usize,
+    course: &'a mut Course<'a>,
 }
 
 impl<'a> Search<'a> {
     /// A search that has made no fit yet.
-    pub fn new(target: Target<'a>, options: &'a Options, goal: &'a Goal) -> Self {
-        Search { holds: target.holds(), idle_slides: 0, target, options, goal, rounds: 0 }
+    pub fn new(
+        target: Target<'a>,
+        options: &'a Options,
+        goal: &'a Goal,
+        course: &'a mut Course<'a>,
+    ) -> Self {
+        let holds = target.holds();
+        let mut search = Search { holds, idle_slides: 0, target, options, goal, rounds: 0, course };
+        let (limit, most) = search.doubts();
+        search.target.doubt_unseen(limit, most);
+        search
     }
 
     /// A fit over the given knots.
     pub fn attempt(&mut self, knots: [KnotVector; 2]) -> Result<Attempt> {
+        // How many fits will follow nobody knows: each is the same share of what is left.
+        (self.course)(1.0 - LEFT.powi(self.rounds as i32))?;
         let (mut surface, fit) = fit::fit(&self.target.samples, knots, self.options.method)?;
         self.target.pin_corners(&mut surface);
         let mut feet = self.target.feet(&surface);
@@ -84,7 +100,7 @@ impl<'a> Search<'a> {
             (surface, feet) = self.slide(surface, feet);
         }
         let beyond = feet.beyond(self.goal.tolerance);
-        let (uv, weights) = (self.target.samples.uv.clone(), self.target.samples.weights.clone());
+        let (uv, weights) = (self.target.samples.uv.clone(), self.target.weights.clone());
         Ok(Attempt { surface, fit, uv, weights, feet, beyond })
     }
 
@@ -94,27 +110,35 @@ impl<'a> Search<'a> {
         if self.idle_slides >= PATIENCE_WITH_SLIDES {
             return (surface, feet);
         }
-        let before = self.target.samples.uv.clone();
+        let uv = self.target.samples.uv.clone();
+        let (limit, most) = self.doubts();
+        self.target.doubt(&feet.distances, limit, most);
         self.target.correct(&feet, FIRM_AREA);
         let stuck = self.target.stuck(&feet);
         let samples = &self.target.samples;
         if let Some(mut next) = fit::refit(&surface, samples, &self.holds, &stuck) {
             self.target.pin_corners(&mut next);
             let there = self.target.feet(&next);
-            self.idle_slides += usize::from(there.rms() > IDLE_SLIDE * feet.rms());
-            if there.rms() < feet.rms() {
+            let (before, after) = (self.target.rms(&feet), self.target.rms(&there));
+            self.idle_slides += usize::from(after > IDLE_SLIDE * before);
+            if after < before {
                 return (next, there);
             }
         }
-        self.target.samples.uv = before;
+        self.target.samples.uv = uv;
         (surface, feet)
     }
 
-    /// Takes up the parameters and weights of an attempt, the parameters corrected.
+    /// Takes up the parameters and weights of an attempt, the parameters corrected, and
+    /// looks which samples are outliers of it.
     pub(super) fn resume(&mut self, from: &Attempt) {
+        self.take_up(from, FIRM_AREA);
+    }
+
+    fn take_up(&mut self, from: &Attempt, least_area: f64) {
         self.target.samples.uv.clone_from(&from.uv);
-        self.target.samples.weights.clone_from(&from.weights);
-        self.target.correct(&from.feet, FIRM_AREA);
+        self.doubt(from);
+        self.target.correct(&from.feet, least_area);
     }
 
     /// Presses the surface on the points that it misses, as long as that helps: least
@@ -141,7 +165,7 @@ impl<'a> Search<'a> {
     }
 
     /// How many points may be beyond the tolerance.
-    fn spared(&self) -> usize {
+    pub(super) fn spared(&self) -> usize {
         (self.goal.outliers * self.target.measured() as f64) as usize
     }
 
@@ -223,8 +247,7 @@ impl<'a> Search<'a> {
     /// Takes out folds as far as that does not lose the target. Returns how many places
     /// stay turned over, too.
     pub fn unfold(&mut self, start: Attempt) -> (Attempt, usize) {
-        self.target.samples.uv.clone_from(&start.uv);
-        self.target.correct(&start.feet, LEAST_AREA);
+        self.take_up(&start, LEAST_AREA);
         let slide = |now: Vec<Uv>, wanted: Vec<Uv>| self.target.corrected(now, wanted, LEAST_AREA);
         let most =
             start.beyond.0.max(self.spared()) + if self.goal.named { 0 } else { self.given_up() };
@@ -254,7 +277,7 @@ impl<'a> Search<'a> {
         for _ in 0..CORRECTIONS {
             self.resume(&best);
             let next = self.attempt([best.surface.u.clone(), best.surface.v.clone()])?;
-            let (before, after) = (best.feet.rms(), next.feet.rms());
+            let (before, after) = (self.target.rms(&best.feet), self.target.rms(&next.feet));
             if self.met(&best) && !self.met(&next) || after >= before {
                 break;
             }

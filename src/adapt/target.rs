@@ -5,58 +5,52 @@ use nalgebra::Matrix3;
 use rayon::prelude::*;
 
 use super::correct::{area, corrected};
+use super::weights::{CORNER, weights};
 use crate::fit::Hold;
 use crate::geometry::{Point, Uv, Vector, VertexId, uv_bounds};
 use crate::knots::Miss;
+use crate::mesh::Bound;
 use crate::parameterize::{Outline, Parameterized};
 use crate::spline::{Samples, Surface, foot_point_moving};
 
-/// Weight in the fit of a vertex that was not measured.
-const FILLED_WEIGHT: f64 = 0.3;
-
-/// Weight of a vertex of the outer boundary. Where the surface ends, or goes on
-/// without samples, few of them beside it hold it.
-const SIDE_WEIGHT: f64 = 4.0;
-
-/// Weight of a corner of the domain, which the patch is to meet.
-const CORNER_WEIGHT: f64 = 1e3;
+/// What is left of an outlier's weight: nothing that a fit would show.
+const OUTLIER_WEIGHT: f64 = 1e-6;
 
 /// The most that a weight grows at a time.
 const MOST_PRESSURE: f64 = 25.0;
 
 /// A map's vertices as samples.
 pub struct Target<'a> {
-    map: &'a Parameterized,
+    pub map: &'a Parameterized,
     /// The map's triangles, and then its skirt's.
     triangles: Vec<[VertexId; 3]>,
     /// Twice their areas in the map as it was made.
     made: Vec<f64>,
-    /// Points, current parameters and weights.
+    /// Points, current parameters, and weights in the next fit.
     pub samples: Samples,
+    /// The weights that they have where they are no outliers, and those that are.
+    pub weights: Vec<f64>,
+    pub outliers: Vec<usize>,
 }
 
 /// Where on a surface the samples' nearest points are.
 pub struct Feet {
     pub uv: Vec<Uv>,
     /// Distances, in mm.
-    distances: Vec<f64>,
+    pub distances: Vec<f64>,
     measured: usize,
 }
 
 impl<'a> Target<'a> {
     pub fn new(map: &'a Parameterized) -> Self {
-        let mut weights = vec![1.0; map.patch.measured];
-        weights.resize(map.patch.mesh.points.len(), FILLED_WEIGHT);
-        for v in map.patch.outer.iter().map(|v| v.index()) {
-            let corner = held(map, map.uv[v]) == [true; 2];
-            weights[v] = if corner { CORNER_WEIGHT } else { SIDE_WEIGHT };
-        }
+        let weights = weights(map, |v| is_corner(map, map.uv[v.index()]));
         let points = map.patch.mesh.points.clone();
         let (uv, open) = (map.uv.clone(), map.outline == Outline::Free);
         let triangles = [&map.patch.mesh.triangles[..], &map.skirt.triangles].concat();
         let all = [&map.uv[..], &map.skirt.uv].concat();
-        let made = triangles.iter().map(|&t| area(&all, t)).collect();
-        Target { map, triangles, made, samples: Samples { points, uv, weights, open } }
+        let made = triangles.par_iter().map(|&t| area(&all, t)).collect();
+        let samples = Samples { points, uv, weights: weights.clone(), open };
+        Target { map, triangles, made, samples, weights, outliers: Vec::new() }
     }
 
     /// Measured vertices.
@@ -69,12 +63,17 @@ impl<'a> Target<'a> {
         uv_bounds(&self.samples.uv)
     }
 
+    /// Whether a vertex is a corner of the domain.
+    pub fn is_corner(&self, v: usize) -> bool {
+        is_corner(self.map, self.map.uv[v])
+    }
+
     /// Moves the corners of the net into the corners of the patch, which they all
     /// but meet.
     pub fn pin_corners(&self, surface: &mut Surface) {
         let [m, n] = surface.shape();
         for (uv, p) in self.samples.uv.iter().zip(&self.samples.points) {
-            if held(self.map, *uv) == [true; 2] {
+            if is_corner(self.map, *uv) {
                 let (i, j) = (uv.x as usize * (m - 1), uv.y as usize * (n - 1));
                 surface.net[i * n + j] = p.coords;
             }
@@ -125,7 +124,7 @@ impl<'a> Target<'a> {
             };
             Hold { normal, metric, moves }
         };
-        self.samples.uv.iter().zip(normals).zip(along).map(hold).collect()
+        self.samples.uv.par_iter().zip(normals).zip(along).map(hold).collect()
     }
 
     /// Gives the samples the parameters of their feet, as far as every triangle keeps the
@@ -142,7 +141,8 @@ impl<'a> Target<'a> {
         let at = self.samples.uv.iter().zip(&feet.uv);
         let mut stuck: Vec<bool> = at.map(|(at, foot)| at != foot).collect();
         if self.map.outline == Outline::Free {
-            self.map.patch.outer.iter().for_each(|v| stuck[v.index()] = true);
+            let outer = self.map.patch.loop_of(Bound::Outer);
+            outer.iter().for_each(|v| stuck[v.index()] = true);
         }
         stuck
     }
@@ -157,13 +157,28 @@ impl<'a> Target<'a> {
         uv
     }
 
+    /// Root mean square of the measured vertices' distances, but for outliers.
+    pub fn rms(&self, feet: &Feet) -> f64 {
+        let all: f64 = feet.measured().map(|d| d * d).sum();
+        let outliers: f64 = self.outliers.iter().map(|&v| feet.distances[v].powi(2)).sum();
+        let count = feet.measured - self.outliers.len();
+        ((all - outliers).max(0.0) / count.max(1) as f64).sqrt()
+    }
+
     /// Gives weight to measured samples that are farther than `limit` (Lawson's
     /// iteration towards the smallest maximum).
     pub fn press(&mut self, feet: &Feet, limit: f64) {
-        let weights = self.samples.weights.iter_mut().zip(&feet.distances);
+        let weights = self.weights.iter_mut().zip(&feet.distances);
         for (weight, d) in weights.take(feet.measured).filter(|(_, d)| **d > limit) {
-            *weight = (*weight * (d / limit).powi(2).min(MOST_PRESSURE)).min(CORNER_WEIGHT);
+            *weight = (*weight * (d / limit).powi(2).min(MOST_PRESSURE)).min(CORNER);
         }
+        self.give_weights();
+    }
+
+    /// Gives the samples their weights, outliers next to none.
+    pub fn give_weights(&mut self) {
+        self.samples.weights.clone_from(&self.weights);
+        self.outliers.iter().for_each(|&v| self.samples.weights[v] *= OUTLIER_WEIGHT);
     }
 
     /// Places that miss a target, in mm, and by how much.
@@ -172,9 +187,12 @@ impl<'a> Target<'a> {
         measured.filter(|(d, _)| *d > target).map(|(d, &uv)| (uv, d / target)).collect()
     }
 
-    /// The squares of all distances, of a variance, where the points are.
+    /// The squares of all distances, of a variance, where the points are; none of outliers.
     pub fn squares(&self, feet: &Feet, deviation: f64) -> Vec<Miss> {
-        feet.squares(deviation).zip(&self.samples.uv).map(|(square, &uv)| (uv, square)).collect()
+        let squares = feet.squares(deviation).zip(&self.samples.uv);
+        let mut all: Vec<Miss> = squares.map(|(square, &uv)| (uv, square)).collect();
+        self.outliers.iter().for_each(|&v| all[v].1 = 0.0);
+        all
     }
 }
 
@@ -198,11 +216,6 @@ impl Feet {
         let beyond = self.measured().filter(|d| *d > limit).count();
         (beyond, self.measured().fold(0.0, f64::max))
     }
-
-    /// Root mean square over the measured vertices.
-    pub fn rms(&self) -> f64 {
-        (self.measured().map(|d| d * d).sum::<f64>() / self.measured.max(1) as f64).sqrt()
-    }
 }
 
 /// Which parameters of a vertex stay on the side of the domain that is the outer
@@ -210,4 +223,9 @@ impl Feet {
 fn held(map: &Parameterized, uv: Uv) -> [bool; 2] {
     let sides = map.outline == Outline::Sides;
     [uv.x, uv.y].map(|t| sides && (t == 0.0 || t == 1.0))
+}
+
+/// Whether a vertex with these parameters is a corner of the domain.
+fn is_corner(map: &Parameterized, uv: Uv) -> bool {
+    held(map, uv) == [true; 2]
 }

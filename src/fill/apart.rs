@@ -74,20 +74,17 @@ fn cuts(mesh: &Mesh, fills: &[Closed]) -> BTreeMap<usize, usize> {
         begun += closed.fill.points.len();
     }
     let new: Vec<Point> = fills.iter().flat_map(|f| f.fill.points.iter().copied()).collect();
-    let at = |v: VertexId| match v.index().checked_sub(first) {
-        None => mesh.point(v),
-        Some(own) => new[own],
-    };
+    let at = |v: VertexId| faults::place(mesh, &new, v);
     let extents: Vec<Vec<Numbered>> = numbered
         .iter()
         .map(|triangles| (0..).zip(triangles.iter().map(|t| extent(t.map(at)))).collect())
         .collect();
-    let boxes = (0..).zip(extents.iter().map(|e| around(e)));
+    let boxes: Vec<Numbered> = (0..).zip(extents.iter().map(|e| around(e))).collect();
     let mut near = Vec::new();
-    Blocks::new(boxes.collect()).pairs(|i, j| near.push([i.min(j), i.max(j)].map(|i| i as usize)));
+    Blocks::new(boxes.clone()).pairs(|i, j| near.push([i.min(j), i.max(j)].map(|i| i as usize)));
     let mut found = joined_twice(&numbered, first);
     for [i, j] in near {
-        let [of_i, of_j] = [around(&extents[i]), around(&extents[j])];
+        let [of_i, of_j] = [boxes[i].1, boxes[j].1];
         let reaching = |k: usize, other: [Point; 2]| {
             extents[k].iter().filter(move |e| meet(&e.1, &other)).copied()
         };

@@ -259,10 +259,7 @@ fn half_width(area: f64, perimeter: f64) -> f64 {
 /// The side of the square that each of the vertices has to itself, in the mean.
 fn spacing(around: &Surroundings, band: &[VertexId]) -> f64 {
     let triangles = band.iter().flat_map(|&v| around.rings.triangles(v));
-    let area = |&t: &u32| {
-        let [a, b, c] = around.mesh.corners(around.mesh.triangles[t as usize]);
-        0.5 * (b - a).cross(&(c - a)).norm()
-    };
+    let area = |&t: &u32| 0.5 * around.mesh.area_vector(around.mesh.triangles[t as usize]).norm();
     let (sum, count) = triangles.map(area).fold((0.0, 0), |(sum, n), x| (sum + x, n + 1));
     // In a closed mesh, twice as many triangles as vertices.
     (2.0 * sum / f64::from(count.max(1))).sqrt()

@@ -53,13 +53,17 @@ pub fn extent([a, b, c]: [Point; 3]) -> [Point; 2] {
 
 /// The faults of a fill.
 pub fn find(around: &Surroundings, fill: &Fill) -> Faults {
-    let measured = around.mesh.points.len();
-    let at = |v: VertexId| match v.index().checked_sub(measured) {
-        None => around.mesh.point(v),
-        Some(new) => fill.points[new],
-    };
+    let at = |v: VertexId| place(around.mesh, &fill.points, v);
     let judge = Judge { around, fill, at: &at };
     Faults { folds: judge.folds(), cuts: judge.cuts() }
+}
+
+/// Where a vertex of a mesh is, or one of those added after its own.
+pub fn place(mesh: &Mesh, added: &[Point], v: VertexId) -> Point {
+    match v.index().checked_sub(mesh.points.len()) {
+        None => mesh.point(v),
+        Some(new) => added[new],
+    }
 }
 
 /// Whether a fill joins two vertices that are joined already, by another of its

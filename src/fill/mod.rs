@@ -5,6 +5,7 @@
 
 mod apart;
 mod band;
+mod bays;
 mod blocks;
 mod cells;
 mod cholesky;
@@ -28,6 +29,7 @@ use close::Closed;
 pub use faults::Faults;
 use rayon::prelude::*;
 
+use crate::course::{self, Course};
 use crate::error::{Error, Result, of};
 use crate::geometry::{Point, VertexId};
 use crate::mesh::{Disk, FaceOrigin, Patch, boundary};
@@ -44,11 +46,19 @@ pub struct Options {
     pub support: f64,
     /// The standard deviation of the measured points' noise, in mm.
     pub noise: f64,
+    /// Whether the bays of the outer boundary are closed, too, so that a map can go
+    /// around them. No part of the face is there.
+    pub bays: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { ear_angle: 5.0 * std::f64::consts::PI / 9.0, support: 0.0, noise: 0.0 }
+        Options {
+            ear_angle: 5.0 * std::f64::consts::PI / 9.0,
+            support: 0.0,
+            noise: 0.0,
+            bays: false,
+        }
     }
 }
 
@@ -101,15 +111,36 @@ pub struct Hole {
 pub struct Report {
     /// The holes.
     pub holes: Vec<Hole>,
+    /// How many bays of the outer boundary were closed.
+    pub bays: usize,
 }
 
-/// Fills all holes of a disk. `measured` are its points as the scanner gave
-/// them, before smoothing.
+/// The share of its time after which what is around the holes is usually known.
+const SURROUNDED: f64 = 0.5;
+
+/// Holes that are filled before it is told how many are.
+const AT_ONCE: usize = 32;
+
+/// Fills all holes of a disk, and the bays of its outer boundary if asked to.
+/// `measured` are its points as the scanner gave them, before smoothing.
 ///
 /// # Errors
 /// [`Error::Fill`]: a hole that cannot be filled. [`Error::Option`]: an option that
 /// cannot be. [`Error::Input`]: not as many measured points as the disk has.
 pub fn fill(disk: Disk, measured: &[Point], options: &Options) -> Result<(Patch, Report)> {
+    fill_with(disk, measured, options, &mut course::untold)
+}
+
+/// The same, telling how far it has come.
+///
+/// # Errors
+/// Those of [`fill`], and what `course` answers.
+pub fn fill_with(
+    disk: Disk,
+    measured: &[Point],
+    options: &Options,
+    course: &mut Course,
+) -> Result<(Patch, Report)> {
     options.check()?;
     if measured.len() != disk.mesh.points.len() {
         return Err(Error::Input("there are not as many measured points as the disk has"));
@@ -123,16 +154,22 @@ pub fn fill(disk: Disk, measured: &[Point], options: &Options) -> Result<(Patch,
         close::close(around, &measured, &rims, options)
             .ok_or_else(|| Error::Fill { hole, at: disk.mesh.point(rims[0][0]) })
     };
-    let fills = front::Surroundings::with(&disk.mesh, |around| {
-        let holes = (0..disk.holes.len()).into_par_iter();
-        let mut fills: Vec<Closed> =
-            holes.map(|hole| fill(around, measured, hole)).collect::<Result<_>>()?;
+    let (fills, bays) = front::Surroundings::with(&disk.mesh, |around| {
+        let count = disk.holes.len();
+        let mut fills: Vec<Closed> = Vec::with_capacity(count);
+        while fills.len() < count {
+            course(SURROUNDED + (1.0 - SURROUNDED) * fills.len() as f64 / count as f64)?;
+            let some = fills.len()..count.min(fills.len() + AT_ONCE);
+            let closed = some.into_par_iter().map(|hole| fill(around, measured, hole));
+            fills.extend(closed.collect::<Result<Vec<_>>>()?);
+        }
         apart::part(around, measured, &mut fills, |mesh, measured, holes| {
             front::Surroundings::with(mesh, |around| {
                 holes.par_iter().map(|&hole| fill(around, measured, hole)).collect()
             })
         });
-        Ok::<_, Error>(fills)
+        let bays = options.bays.then(|| bays::close(around, &disk.outer));
+        Ok::<_, Error>((fills, bays.flatten()))
     })?;
     let measured = disk.mesh.points.len();
     let mut mesh = disk.mesh;
@@ -151,16 +188,27 @@ pub fn fill(disk: Disk, measured: &[Point], options: &Options) -> Result<(Patch,
         });
         let shift = (mesh.points.len() - measured) as u32;
         origin.extend(fill.triangles.iter().map(|_| FaceOrigin::Hole(number as u32)));
-        mesh.triangles.extend(fill.triangles.iter().map(|t| {
-            t.map(|mut v| {
-                v.0 += if v.index() < measured { 0 } else { shift };
-                v
-            })
-        }));
+        mesh.triangles
+            .extend(fill.triangles.iter().map(|t| t.map(|v| shifted(v, measured, shift))));
         mesh.points.extend(fill.points);
     }
-    let Disk { outer, holes: rims, islands, .. } = disk;
-    let patch = Patch { mesh, measured, origin, outer, rims, islands };
+    let Disk { mut outer, holes: rims, islands, .. } = disk;
+    let shore = bays.map(|bays| {
+        let shift = (mesh.points.len() - measured) as u32;
+        report.bays = bays.count;
+        origin.extend(bays.triangles.iter().map(|_| FaceOrigin::Bay));
+        mesh.triangles
+            .extend(bays.triangles.iter().map(|t| t.map(|v| shifted(v, measured, shift))));
+        mesh.points.extend(bays.points);
+        let around = bays.outer.into_iter().map(|v| shifted(v, measured, shift)).collect();
+        std::mem::replace(&mut outer, around)
+    });
+    let patch = Patch { mesh, measured, origin, outer, shore, rims, islands };
     debug_assert!(patch.is_disk(), "filling leaves a disk");
     Ok((patch, report))
+}
+
+/// A vertex's number where others were added before those after the `measured`.
+fn shifted(v: VertexId, measured: usize, shift: u32) -> VertexId {
+    VertexId(v.0 + if v.index() < measured { 0 } else { shift })
 }

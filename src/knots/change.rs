@@ -5,6 +5,8 @@
 //! a span is halved: where the surface bends along u more sharply than its knots
 //! there let it, lines in v are no help.
 
+use rayon::prelude::*;
+
 use super::jumps::Jumps;
 use crate::geometry::Uv;
 use crate::spline::{KnotVector, Surface};
@@ -19,6 +21,9 @@ const BOTH: f64 = 0.5;
 /// Spans are halved down to this share of the misses of the worst: what a few
 /// lines settle is seen after the next fit.
 const WORTH: f64 = 0.05;
+
+/// Misses that one thread sums at a time, whatever the number of threads.
+const BLOCK: usize = 1 << 14;
 
 /// What bounds the knots that are put in.
 #[derive(Debug, Clone, Copy)]
@@ -53,18 +58,27 @@ pub fn insert(
         end - start > shortest
     };
     let knots = [&surface.u, &surface.v];
-    let mut scores = knots.map(|k| vec![0.0; k.functions() - 3]);
-    for &(at, size) in misses {
-        let place = [0, 1].map(|axis| knots[axis].span(at[axis]) - 3);
-        let gain = [0, 1].map(|axis| match long(axis, place[axis]) {
-            true => jumps.of_cell(axis, place),
-            false => -1.0,
-        });
-        for axis in 0..2 {
-            if gain[axis] >= 0.0 && gain[axis] >= BOTH * gain[1 - axis] {
-                scores[axis][place[axis]] += size;
+    let none = || knots.map(|k| vec![0.0; k.functions() - 3]);
+    let score = |misses: &[Miss]| {
+        let mut scores = none();
+        for &(at, size) in misses {
+            let place = [0, 1].map(|axis| knots[axis].span(at[axis]) - 3);
+            let gain = [0, 1].map(|axis| match long(axis, place[axis]) {
+                true => jumps.of_cell(axis, place),
+                false => -1.0,
+            });
+            for axis in 0..2 {
+                if gain[axis] >= 0.0 && gain[axis] >= BOTH * gain[1 - axis] {
+                    scores[axis][place[axis]] += size;
+                }
             }
         }
+        scores
+    };
+    let blocks: Vec<[Vec<f64>; 2]> = misses.par_chunks(BLOCK).map(score).collect();
+    let mut scores = none();
+    for (axis, block) in blocks.iter().flat_map(|block| block.iter().enumerate()) {
+        scores[axis].iter_mut().zip(block).for_each(|(sum, more)| *sum += more);
     }
     let mut spans: Vec<(f64, usize, usize)> = Vec::new();
     for (axis, scores) in scores.iter().enumerate() {

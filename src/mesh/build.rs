@@ -7,8 +7,9 @@
 //! vertices with more than one fan are opened; spikes are taken off and
 //! triangles without area flipped away.
 
-use std::collections::{BTreeMap, HashSet};
+use std::collections::BTreeMap;
 
+use foldhash::{HashSet, HashSetExt};
 use formats::Soup;
 
 use super::topology::Buckets;
@@ -115,9 +116,9 @@ impl Build {
         Build { mesh, place, twisted: Vec::new(), repairs: Repairs::new(), edges }
     }
 
-    /// Orients, and opens what is not manifold, until all is.
+    /// Orients, and opens what is not manifold, until all is. The edge map is up to date
+    /// before and after it.
     pub(super) fn make_manifold(&mut self) {
-        self.edges = EdgeMap::new(&self.mesh);
         count(&mut self.repairs, "opened_edges", self.edges.overfull().len());
         loop {
             self.orient();
@@ -248,10 +249,12 @@ impl Build {
         });
     }
 
-    /// The component, or part of one, that the triangles given make.
+    /// The components that the triangles given make.
     pub(super) fn part(&self, triangles: &[usize]) -> Build {
         let (mesh, old) = self.mesh.part(triangles.iter().copied());
-        Build::new(mesh, old.into_iter().map(|v| self.place[v]).collect())
+        let place = old.into_iter().map(|v| self.place[v]).collect();
+        let edges = self.edges.part(triangles);
+        Build { mesh, place, twisted: Vec::new(), repairs: Repairs::new(), edges }
     }
 
     /// Drops vertices without a triangle; the others keep their order.

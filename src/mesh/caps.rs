@@ -2,7 +2,7 @@
 //! line ("caps"). Dropping one would leave a slit; flipping its longest side
 //! gives two triangles that have the vertex on that side for a corner.
 
-use std::collections::HashSet;
+use foldhash::{HashSet, HashSetExt};
 
 use super::build::{Build, count};
 use super::{EdgeMap, Mesh, Rings};

@@ -1,6 +1,6 @@
 //! The pieces of a mesh, and the one that is converted.
 
-use std::collections::HashSet;
+use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 
 use super::boundary::{self, Loop};
 use super::build::{Build, Repairs, count};
@@ -181,7 +181,8 @@ pub(super) fn clean(
     }
     let boundary = build.edges.open_sides().map(|side| build.mesh.triangles[side / 3][side % 3]);
     taken.extend(boundary.map(|v| build.place[v.index()]));
-    let (disk, hanging) = rims::trim_hanging(Disk::new(build.mesh, outer)?, outer)?;
+    let disk = Disk::new(build.mesh, &build.edges, outer)?;
+    let (disk, hanging) = rims::trim_hanging(disk, outer)?;
     count(repairs, "rim_triangles_trimmed", hanging);
     Ok(disk)
 }
@@ -230,25 +231,30 @@ fn pieces(build: &Build) -> Vec<Vec<usize>> {
 /// One round; says whether anything was dropped. At a place that another piece
 /// has taken no fan stays.
 fn trim_bow_ties(build: &mut Build, taken: &HashSet<u32>) -> bool {
+    if taken.is_empty() && build.place.is_sorted_by(|a, b| a < b) {
+        // No place has two fans.
+        return false;
+    }
     let mut fan_size = vec![0u32; build.mesh.points.len()];
     for v in build.mesh.triangles.iter().flatten() {
         fan_size[v.index()] += 1;
     }
     // The largest fan at each place; of equal ones the first.
-    let mut best = std::collections::HashMap::new();
+    let mut best = HashMap::with_capacity(build.place.len());
     for (v, &place) in build.place.iter().enumerate() {
         let incumbent = best.entry(place).or_insert(v);
         if fan_size[v] > fan_size[*incumbent] {
             *incumbent = v;
         }
     }
-    let loses = |v: usize| best[&build.place[v]] != v || taken.contains(&build.place[v]);
+    let loses = |(v, place): (usize, &u32)| best[place] != v || taken.contains(place);
+    let loses: Vec<bool> = build.place.iter().enumerate().map(loses).collect();
     let doomed: HashSet<usize> = build
         .mesh
         .triangles
         .iter()
         .enumerate()
-        .filter(|(_, t)| t.iter().any(|v| loses(v.index())))
+        .filter(|(_, t)| t.iter().any(|v| loses[v.index()]))
         .map(|(i, _)| i)
         .collect();
     if doomed.is_empty() || doomed.len() == build.mesh.triangles.len() {

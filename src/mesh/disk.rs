@@ -53,11 +53,10 @@ pub struct Island {
 impl Disk {
     /// Checks the topology of a connected, oriented mesh by its Euler
     /// characteristic.
-    pub(super) fn new(mesh: Mesh, outer: Outer) -> Result<Self> {
-        let edges = EdgeMap::new(&mesh);
-        Topology::new(&mesh, &edges, true).check_disk()?;
-        let mut loops = boundary::boundary_loops(&mesh, &edges);
-        let outer = loops.remove(outer.among(&mesh, &edges, &loops));
+    pub(super) fn new(mesh: Mesh, edges: &EdgeMap, outer: Outer) -> Result<Self> {
+        Topology::new(&mesh, edges, true).check_disk()?;
+        let mut loops = boundary::boundary_loops(&mesh, edges);
+        let outer = loops.remove(outer.among(&mesh, edges, &loops));
         Ok(Disk { mesh, outer, holes: loops, islands: Vec::new() })
     }
 

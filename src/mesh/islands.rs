@@ -5,7 +5,9 @@
 //! runs around there, at about the height of the rim, and that looks the same
 //! way, or would if it were turned over.
 
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
+
+use foldhash::HashSet;
 
 use super::boundary::{self, Loop};
 use super::build::{Build, Repairs, count};

@@ -51,6 +51,11 @@ impl Mesh {
         t.map(|v| self.point(v))
     }
 
+    /// The angle at `tip` between two other vertices.
+    pub(crate) fn angle(&self, a: VertexId, tip: VertexId, b: VertexId) -> f64 {
+        (self.point(a) - self.point(tip)).angle(&(self.point(b) - self.point(tip)))
+    }
+
     /// Twice the triangle's area times its unit normal.
     pub fn area_vector(&self, t: [VertexId; 3]) -> Vector {
         let [a, b, c] = self.corners(t);

@@ -15,6 +15,8 @@ pub enum FaceOrigin {
     Measured,
     /// It fills the hole of that number.
     Hole(u32),
+    /// It closes a bay of the outer boundary.
+    Bay,
 }
 
 /// A boundary loop of what was measured of a patch.
@@ -73,6 +75,8 @@ pub struct Patch {
     pub origin: Vec<FaceOrigin>,
     /// The boundary, the surface to its left.
     pub outer: Loop,
+    /// The measured outer boundary, if bays of it were closed.
+    pub shore: Option<Loop>,
     /// The rims of the measured holes, the measured surface to their left.
     pub rims: Vec<Loop>,
     /// The measured islands in them; the fill joins each to the rest.
@@ -85,10 +89,30 @@ impl Patch {
         v.index() < self.measured
     }
 
+    /// The patch as it was before its bays were closed. `None`: none were.
+    pub fn without_bays(&self) -> Option<Patch> {
+        let outer = self.shore.clone()?;
+        let is_land = |t: &usize| self.origin[*t] != FaceOrigin::Bay;
+        let land: Vec<usize> = (0..self.origin.len()).filter(is_land).collect();
+        let triangles: Vec<[VertexId; 3]> = land.iter().map(|&t| self.mesh.triangles[t]).collect();
+        // What closes bays comes last.
+        let count = triangles.iter().flatten().map(|v| v.index() + 1).max().unwrap_or(0);
+        let points = self.mesh.points[..count].to_vec();
+        Some(Patch {
+            mesh: Mesh { points, triangles },
+            origin: land.iter().map(|&t| self.origin[t]).collect(),
+            outer,
+            shore: None,
+            measured: self.measured,
+            rims: self.rims.clone(),
+            islands: self.islands.clone(),
+        })
+    }
+
     /// A loop, the measured surface to its left.
     pub fn loop_of(&self, bound: Bound) -> &Loop {
         match bound {
-            Bound::Outer => &self.outer,
+            Bound::Outer => self.shore.as_ref().unwrap_or(&self.outer),
             Bound::Hole(hole) => &self.rims[hole],
             Bound::Island { number, .. } => &self.islands[number].rim,
         }

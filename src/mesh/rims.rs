@@ -4,11 +4,10 @@
 //! that is smoothed into a curve their tips would be drawn back through their
 //! own bases, so they go first.
 
-use std::collections::HashSet;
+use foldhash::{HashSet, HashSetExt};
 
-use super::{Disk, Mesh, Outer, Rings};
+use super::{Disk, EdgeMap, Outer, Rings};
 use crate::error::Result;
-use crate::geometry::VertexId;
 
 /// A triangle at the outer boundary whose tip has at least this angle may be a
 /// corner of the object and stays.
@@ -27,7 +26,9 @@ pub(super) fn trim_hanging(mut disk: Disk, outer: Outer) -> Result<(Disk, usize)
         }
         trimmed += doomed.len();
         let kept = (0..disk.mesh.triangles.len()).filter(|&t| !doomed.contains(&(t as u32)));
-        disk = Disk::new(disk.mesh.part(kept).0, outer)?;
+        let (mesh, _) = disk.mesh.part(kept);
+        let edges = EdgeMap::new(&mesh);
+        disk = Disk::new(mesh, &edges, outer)?;
     }
     Ok((disk, trimmed))
 }
@@ -44,7 +45,7 @@ fn hanging(disk: &Disk) -> HashSet<u32> {
             let before = ring[(i + ring.len() - 1) % ring.len()];
             let after = ring[(i + 1) % ring.len()];
             if let [t] = rings.triangles(tip)
-                && !(outer && angle(&disk.mesh, before, tip, after) >= CORNER)
+                && !(outer && disk.mesh.angle(before, tip, after) >= CORNER)
             {
                 doomed.insert(*t);
             }
@@ -53,14 +54,11 @@ fn hanging(disk: &Disk) -> HashSet<u32> {
     doomed
 }
 
-fn angle(mesh: &Mesh, a: VertexId, tip: VertexId, b: VertexId) -> f64 {
-    (mesh.point(a) - mesh.point(tip)).angle(&(mesh.point(b) - mesh.point(tip)))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Point;
+    use crate::geometry::{Point, VertexId};
+    use crate::mesh::Mesh;
 
     #[test]
     fn a_tooth_goes_and_the_corners_stay() {
@@ -76,8 +74,9 @@ mod tests {
         let clean = mesh.triangles.len();
         mesh.points.push(Point::new(2.5, -1.0, 0.0));
         mesh.triangles.push([v(3), v(2), v(25)]);
-        let (disk, trimmed) =
-            trim_hanging(Disk::new(mesh, Outer::Auto).unwrap(), Outer::Auto).unwrap();
+        let edges = EdgeMap::new(&mesh);
+        let disk = Disk::new(mesh, &edges, Outer::Auto).unwrap();
+        let (disk, trimmed) = trim_hanging(disk, Outer::Auto).unwrap();
         assert_eq!((trimmed, disk.mesh.triangles.len(), disk.mesh.points.len()), (1, clean, 25));
     }
 }

@@ -1,9 +1,12 @@
 //! Spikes: single vertices that a scanner threw far off the surface.
 
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::BTreeSet;
+
+use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
+use rayon::prelude::*;
 
 use super::build::{Build, count};
-use super::{Mesh, Rings, polygons};
+use super::{EdgeMap, Mesh, Rings, polygons};
 use crate::geometry::{Point, Vector, VertexId, bounds};
 
 /// A vertex is a spike when its distance from all its neighbours is more than
@@ -18,10 +21,13 @@ const REACH_AT_BOUNDARY: f64 = 4.0;
 /// unless they stand at a boundary. Says whether there were any.
 pub(super) fn drop(build: &mut Build) -> bool {
     let rings = Rings::new(&build.mesh);
-    let vertices = (0..build.mesh.points.len()).map(VertexId::from);
+    let vertices = (0..build.mesh.points.len()).into_par_iter().map(VertexId::from);
     let spikes: BTreeSet<VertexId> = vertices
         .filter(|&v| may_be_spike(&build.mesh, &rings, v) && is_spike(&build.mesh, &rings, v))
         .collect();
+    if spikes.is_empty() {
+        return false;
+    }
     let mut left = spikes.clone();
     let mut doomed = HashSet::new();
     let mut caps = Vec::new();
@@ -34,8 +40,9 @@ pub(super) fn drop(build: &mut Build) -> bool {
     }
     build.drop_triangles(&doomed);
     build.mesh.triangles.append(&mut caps);
+    build.edges = EdgeMap::new(&build.mesh);
     count(&mut build.repairs, "spikes_dropped", spikes.len());
-    !spikes.is_empty()
+    true
 }
 
 /// The triangles of a spike and of those beside it, which are taken from `left`.

@@ -37,6 +37,18 @@ impl EdgeMap {
         map
     }
 
+    /// That of the triangles given, none of which borders on another one.
+    pub(super) fn part(&self, triangles: &[usize]) -> Self {
+        let mut number = vec![OPEN; self.glued.len() / 3];
+        triangles.iter().enumerate().for_each(|(new, &t)| number[t] = new as u32);
+        let renumbered = |side: usize| match self.glued[side] {
+            OPEN => OPEN,
+            other => 3 * number[other as usize / 3] + other % 3,
+        };
+        let glued = triangles.iter().flat_map(|t| [0, 1, 2].map(|k| renumbered(3 * t + k)));
+        EdgeMap { glued: glued.collect(), overfull: Vec::new() }
+    }
+
     /// Glues the sides of one edge, given as (upper vertex, side).
     fn glue(&mut self, same: &[(u32, u32)]) {
         match *same {

@@ -29,7 +29,9 @@ pub(super) struct Welded {
 pub(super) fn weld(soup: &Soup, mm: f64, repairs: &mut Repairs) -> Welded {
     let mut welded = Welded { points: Vec::new(), number: Vec::with_capacity(soup.points.len()) };
     let hash = |p: &Point| FixedState::default().hash_one([p.x, p.y, p.z].map(f64::to_bits));
-    let mut seen: HashTable<u32> = HashTable::new();
+    // A surface has half as many places as triangles.
+    let places = soup.points.len().min(soup.polygons.len());
+    let mut seen: HashTable<u32> = HashTable::with_capacity(places);
     let mut nowhere = 0;
     for p in &soup.points {
         // Adding zero makes −0 and +0 the same place.

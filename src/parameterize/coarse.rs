@@ -3,11 +3,12 @@
 use super::hierarchy::Hierarchy;
 use super::layout::{Layout, heavy, triangles};
 use super::rectangle::Rectangle;
-use super::stars::Stars;
+use super::stars::{Removal, Stars};
 use super::stretch;
 use super::weights::Weights;
 use rayon::prelude::*;
 
+use crate::course;
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv};
 
@@ -67,7 +68,8 @@ impl Coarse {
         corners.iter().for_each(|&v| kept[v as usize] = true);
         let area = stretch::area(&self.points, triangles(&self.stars, &hierarchy.left));
         let mut weights = self.weights.clone();
-        hierarchy.coarsen(&self.points, &kept, 0, |removal| weights.lump(removal));
+        let lump = |removal: &Removal| weights.lump(removal);
+        hierarchy.coarsen(&self.points, &kept, 0, lump, &mut course::untold)?;
         let left = |v: &u32| !hierarchy.stars.ring(*v).is_empty();
         let few: Vec<u32> = self.outer.iter().copied().filter(left).collect();
         let rectangle = Rectangle::new(&few, corners);
@@ -77,7 +79,7 @@ impl Coarse {
         let (points, weighed) = (&self.points, self.points.len());
         let mut layout = Layout { points, weights, weighed, freedom, size, at };
         layout.solve(&hierarchy)?;
-        layout.refine(&mut hierarchy);
+        layout.refine(&mut hierarchy, &mut course::untold)?;
         let all = triangles(&hierarchy.stars, &hierarchy.left);
         let stretch = stretch::of(&self.points, &layout.at, heavy(&layout.weights, all));
         Ok(First { set, size: layout.size, at: layout.at, stretch })

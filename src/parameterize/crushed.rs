@@ -38,7 +38,8 @@ pub fn crushed(map: &Parameterized, tolerance: f64, max_net: usize) -> Option<Cr
     let triangles: Vec<usize> = stretch::measured(&map.patch).collect();
     let needs: Vec<[Need; 2]> =
         triangles.par_iter().map(|&t| needs(map, &normals, tolerance, t)).collect();
-    let [along_u, along_v] = [0, 1].map(|k| spans(needs.iter().map(|need| &need[k])));
+    let along = |k: usize| spans(needs.iter().map(|need| &need[k]));
+    let (along_u, along_v) = rayon::join(|| along(0), || along(1));
     if along_u.0 * along_v.0 <= max_net as f64 {
         return None;
     }

@@ -5,6 +5,8 @@
 use rayon::prelude::*;
 
 use super::stars::{Removal, Stars};
+use crate::course::Course;
+use crate::error::Result;
 use crate::geometry::{Point, Vector};
 
 /// A mesh and what was taken out of it.
@@ -39,18 +41,21 @@ impl Hierarchy {
         kept: &[bool],
         target: usize,
         mut show: impl FnMut(&Removal),
-    ) {
+        course: &mut Course,
+    ) -> Result<()> {
         while self.left.len() > target {
+            course(1.0 - self.left.len() as f64 / self.stars.len() as f64)?;
             let pass = self.pass(points, kept, target);
             let idle = (pass.len() as f64) < IDLE * self.left.len() as f64;
-            let gone = |v: &u32| self.stars.ring(*v).is_empty();
-            self.left.retain(|v| !gone(v));
+            let stays = |v: &u32| !self.stars.ring(*v).is_empty();
+            self.left = self.left.par_iter().copied().filter(stays).collect();
             pass.iter().for_each(&mut show);
             self.passes.push(pass);
             if idle {
                 break;
             }
         }
+        Ok(())
     }
 
     fn pass(&mut self, points: &[Point], kept: &[bool], target: usize) -> Vec<Removal> {
@@ -62,36 +67,73 @@ impl Hierarchy {
         // Late in the order a vertex stands where much is lost; its time comes
         // in a later pass, when more has gone around it.
         order.truncate((order.len() * 3 / 4).max(8));
-        let mut locked = vec![false; points.len()];
-        let most = self.left.len() - target;
-        let mut pass = Vec::new();
-        for (_, v) in order {
-            if pass.len() >= most {
-                break;
-            }
-            if locked[v as usize] {
-                continue;
-            }
-            if let Some(removal) = best_removal(points, &self.stars, v) {
-                self.stars.remove(&removal);
-                removal.ring.iter().for_each(|&w| locked[w as usize] = true);
-                pass.push(removal);
-            }
+        let mut pass = Pass {
+            most: self.left.len() - target,
+            removals: Vec::new(),
+            locked: vec![0; points.len()],
+        };
+        let mut batches = (1..).zip(order.chunks(BATCH));
+        while let Some((number, batch)) = batches.next().filter(|_| !pass.is_full()) {
+            pass.remove(points, &mut self.stars, number, batch);
         }
-        pass
+        pass.removals
     }
 
-    /// Puts back what the last pass took out; each vertex is shown, with its
-    /// ring, before it is. False if nothing is out.
-    pub fn refine(&mut self, mut show: impl FnMut(&Removal)) -> bool {
-        let Some(mut pass) = self.passes.pop() else { return false };
-        while let Some(removal) = pass.pop() {
-            show(&removal);
-            self.stars.restore(&removal);
-            self.left.push(removal.vertex);
-        }
+    /// Puts back what the last pass took out; all of it is shown before, in the order
+    /// in which it was taken out. False if nothing is out.
+    pub fn refine(&mut self, show: impl FnOnce(&[Removal])) -> bool {
+        let Some(pass) = self.passes.pop() else { return false };
+        show(&pass);
+        self.stars.restore(&pass);
+        self.left.extend(pass.iter().map(|removal| removal.vertex));
         self.left.par_sort_unstable();
         true
+    }
+}
+
+/// Vertices whose removals are found at once, before any of them is made.
+const BATCH: usize = 1 << 10;
+
+/// A pass while it is made.
+struct Pass {
+    /// Removals at the most.
+    most: usize,
+    removals: Vec<Removal>,
+    /// For each vertex the number of the batch in which a removal touched it, or 0.
+    locked: Vec<u32>,
+}
+
+impl Pass {
+    fn is_full(&self) -> bool {
+        self.removals.len() >= self.most
+    }
+
+    fn is_free(&self, v: u32) -> bool {
+        self.locked[v as usize] == 0
+    }
+
+    /// Takes out, in their order, those of a batch that nothing taken out before touches.
+    fn remove(&mut self, points: &[Point], stars: &mut Stars, number: u32, batch: &[(f64, u32)]) {
+        let find = |&(_, v): &(f64, u32)| {
+            if self.is_free(v) { best_removal(points, stars, v) } else { None }
+        };
+        let found: Vec<Option<Removal>> = batch.par_iter().with_min_len(64).map(find).collect();
+        for (&(_, v), found) in batch.iter().zip(found) {
+            if self.is_full() {
+                return;
+            }
+            if !self.is_free(v) {
+                continue;
+            }
+            // What this batch took out beside it may change which is best.
+            let is_late = stars.ring(v).iter().any(|&w| self.locked[w as usize] == number);
+            let removal = if is_late { best_removal(points, stars, v) } else { found };
+            if let Some(removal) = removal {
+                stars.remove(&removal);
+                removal.ring.iter().for_each(|&w| self.locked[w as usize] = number);
+                self.removals.push(removal);
+            }
+        }
     }
 }
 

@@ -4,11 +4,14 @@
 //! turns over: the fan that stood for it can be seen whole from near its apex.
 //! So no map on the way is folded, however far parts of the surface stick out.
 
+use rayon::prelude::*;
+
 use super::hierarchy::Hierarchy;
 use super::relax::{self, Freedom, Surface};
 use super::stars::{Removal, Stars};
 use super::weights::Weights;
 use super::{mend, solve, stretch};
+use crate::course::Course;
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, UvVector, orient2d};
 
@@ -46,10 +49,11 @@ impl Layout<'_> {
     }
 
     /// Puts all vertices back and moves them to where they stretch least.
-    pub fn refine(&mut self, hierarchy: &mut Hierarchy) {
+    pub fn refine(&mut self, hierarchy: &mut Hierarchy, course: &mut Course) -> Result<()> {
         let mut relaxed = 0;
         loop {
             let n = hierarchy.left.len();
+            course(REFINED * n as f64 / self.at.len() as f64)?;
             let (growth, sweeps) =
                 EFFORT.iter().find(|e| n <= e.0).map_or((2.0, 4), |e| (e.1, e.2));
             if n as f64 >= growth * relaxed as f64 {
@@ -57,37 +61,47 @@ impl Layout<'_> {
                 relaxed = n;
             }
             let mut back = Vec::new();
-            if !hierarchy.refine(|removal| {
-                self.at[removal.vertex as usize] = self.place(removal);
-                if n < self.weighed {
-                    self.weights.unlump(removal);
-                } else {
-                    self.weights.follow(removal);
-                }
-                back.push(removal.vertex);
+            if !hierarchy.refine(|pass| {
+                // Those that come back at once are no neighbours: one group.
+                self.lay(pass, n < self.weighed);
+                back = pass.iter().map(|removal| removal.vertex).collect();
             }) {
                 break;
             }
-            self.chase(&hierarchy.stars, back, n);
+            self.chase(&hierarchy.stars, vec![back], n);
         }
         self.relax(hierarchy, LAST_SWEEPS);
+        Ok(())
     }
 
-    /// Moves the given vertices, and then whatever went far and its neighbours,
-    /// until nothing does or as many moves as vertices are made.
-    fn chase(&mut self, stars: &Stars, mut vertices: Vec<u32>, count: usize) {
+    /// Places and weighs the vertices that come back.
+    fn lay(&mut self, pass: &[Removal], weighed: bool) {
+        // None of a pass is in another's ring.
+        let places: Vec<Uv> =
+            pass.par_iter().with_min_len(64).map(|removal| self.place(removal)).collect();
+        pass.iter().zip(places).for_each(|(r, place)| self.at[r.vertex as usize] = place);
+        if weighed {
+            pass.iter().rev().for_each(|removal| self.weights.unlump(removal));
+        } else {
+            self.weights.follow(pass);
+        }
+    }
+
+    /// Moves the vertices in the given groups, and then whatever went far and its
+    /// neighbours, until nothing does or as many moves as vertices are made.
+    fn chase(&mut self, stars: &Stars, mut groups: Vec<Vec<u32>>, count: usize) {
         let mut moves = 0;
-        while !vertices.is_empty() && moves < CHASE * count {
-            moves += vertices.len();
-            let groups = relax::groups(stars, &vertices);
+        while !groups.is_empty() && moves < CHASE * count {
+            moves += groups.iter().map(Vec::len).sum::<usize>();
             let far = self.sweep(stars, &groups, ROUND);
-            vertices = far
-                .iter()
-                .flat_map(|&v| stars.ring(v).iter().copied())
-                .chain(far.iter().copied())
+            let mut vertices: Vec<u32> = far
+                .par_iter()
+                .flat_map_iter(|&v| stars.ring(v).iter().copied())
+                .chain(far.par_iter().copied())
                 .collect();
-            vertices.sort_unstable();
+            vertices.par_sort_unstable();
             vertices.dedup();
+            groups = relax::groups(stars, &vertices);
         }
     }
 
@@ -104,14 +118,16 @@ impl Layout<'_> {
         for _ in 0..sweeps {
             far = self.sweep(&hierarchy.stars, &groups, round);
         }
-        self.chase(&hierarchy.stars, far, hierarchy.left.len());
+        let groups = relax::groups(&hierarchy.stars, &far);
+        self.chase(&hierarchy.stars, groups, hierarchy.left.len());
         self.turn_to_best_aspect(hierarchy);
     }
 
     /// Widens the rectangle, its area kept, to where the map stretches least.
     fn turn_to_best_aspect(&mut self, hierarchy: &Hierarchy) {
-        let triangles = heavy(&self.weights, triangles(&hierarchy.stars, &hierarchy.left));
-        let w = stretch::best_width(self.points, &self.at, triangles);
+        let of = |left| heavy(&self.weights, triangles(&hierarchy.stars, left));
+        let w =
+            stretch::best_width(self.points, &self.at, stretch::blocks(&hierarchy.left).map(of));
         if !(w.is_finite() && w > 0.0) {
             return;
         }
@@ -175,6 +191,9 @@ impl Layout<'_> {
 /// While there are no more vertices than the first number, sweeps are made
 /// whenever there are so many times more as at the last ones, and so many.
 const EFFORT: [(usize, f64, usize); 3] = [(500, 1.0, 40), (5_000, 1.3, 20), (50_000, 1.6, 10)];
+
+/// The share of the time after which all vertices are back.
+const REFINED: f64 = 0.85;
 
 /// Sweeps over the whole mesh.
 const LAST_SWEEPS: usize = 3;

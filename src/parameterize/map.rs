@@ -6,6 +6,7 @@ use super::rectangle::Rectangle;
 use super::stars::Stars;
 use super::weights::Weights;
 use super::{Method, Options, coarse, corners, mean_value, mend, stretch};
+use crate::course::{self, Course};
 use crate::error::{Error, Result};
 use crate::geometry::{Uv, VertexId};
 use crate::mesh::Mesh;
@@ -16,6 +17,9 @@ const WEIGHED: usize = 30_000;
 
 /// Vertices of the mesh on which corners are tried.
 const COARSE: usize = 400;
+
+/// The share of a map's time after which it is usually made for those few.
+const STARTED: f64 = 0.35;
 
 /// A disk taken down to a few vertices, and their map.
 pub struct Start<'a> {
@@ -46,6 +50,7 @@ impl<'a> Start<'a> {
         outer: &[VertexId],
         skirt: usize,
         options: &Options,
+        course: &mut Course,
     ) -> Result<Self> {
         let sets = match &options.corners {
             Some(points) => vec![corners::given(mesh, outer, points)?],
@@ -56,12 +61,13 @@ impl<'a> Start<'a> {
         let mut kept = vec![false; points.len()];
         sets.iter().flatten().for_each(|&v| kept[v as usize] = true);
         let mut hierarchy = Hierarchy::new(Stars::new(mesh, outer));
-        hierarchy.coarsen(points, &kept, WEIGHED, |_| ());
+        let course = &mut course::part(course, 0.0, STARTED);
+        hierarchy.coarsen(points, &kept, WEIGHED, |_| (), course)?;
         let area = stretch::area(points, layout::triangles(&hierarchy.stars, &hierarchy.left));
         let weighed = hierarchy.left.len();
         let mut weights = Weights::by_curvature(points, &hierarchy, area);
         weights.lighten(skirt);
-        hierarchy.coarsen(points, &kept, COARSE, |removal| weights.lump(removal));
+        hierarchy.coarsen(points, &kept, COARSE, |removal| weights.lump(removal), course)?;
         let outer: Vec<u32> = outer.iter().map(|v| v.0).collect();
         let first = coarse::least_stretched(points, &outer, &hierarchy, &weights, &sets)?;
         let corners = sets[first.set];
@@ -74,10 +80,11 @@ impl<'a> Start<'a> {
     }
 
     /// The map of all vertices.
-    pub fn map(mut self, method: Method) -> Result<Map> {
+    pub fn map(mut self, method: Method, course: &mut Course) -> Result<Map> {
         let rectangle = Rectangle::new(&self.outer, &self.corners);
+        let course = &mut course::part(course, STARTED, 1.0);
         let mut uv = match method {
-            Method::LeastStretch => self.least_stretch(&rectangle),
+            Method::LeastStretch => self.least_stretch(&rectangle, course)?,
             Method::MeanValue => self.mean_value(&rectangle)?,
         };
         let triangles = self.mesh.triangles.iter().map(|t| t.map(|v| v.0));
@@ -91,17 +98,17 @@ impl<'a> Start<'a> {
     }
 
     /// Puts all vertices back and takes the stretch out on the way.
-    fn least_stretch(&mut self, rectangle: &Rectangle) -> Vec<Uv> {
+    fn least_stretch(&mut self, rectangle: &Rectangle, course: &mut Course) -> Result<Vec<Uv>> {
         let points = &self.mesh.points;
         let mut at = vec![Uv::origin(); points.len()];
         let places = self.hierarchy.left.iter().zip(&self.first.at);
         places.for_each(|(&v, &place)| at[v as usize] = place);
         let freedom = rectangle.freedom(points.len());
-        let weights = self.weights.clone();
+        let weights = std::mem::take(&mut self.weights);
         let mut layout =
             Layout { points, weights, weighed: self.weighed, freedom, size: self.first.size, at };
-        layout.refine(&mut self.hierarchy);
-        rectangle.to_unit_square(layout.size, &layout.at)
+        layout.refine(&mut self.hierarchy, course)?;
+        Ok(rectangle.to_unit_square(layout.size, &layout.at))
     }
 
     /// Puts all vertices back and solves for them.

@@ -34,9 +34,10 @@ mod weights;
 
 use map::{Map, Start};
 
+use crate::course::{self, Course};
 use crate::error::{Result, of};
 use crate::geometry::{Point, Uv, VertexId};
-use crate::mesh::{Mesh, Patch};
+use crate::mesh::{Bound, Mesh, Patch};
 use crate::rules;
 
 pub use crushed::{Crushed, crushed};
@@ -78,6 +79,12 @@ pub struct Options {
 }
 
 impl Options {
+    /// Whether the outer boundary may, or must, be left free inside the square.
+    pub(crate) fn may_be_free(&self) -> bool {
+        let unsaid = self.corners.is_none() && self.method == Method::LeastStretch;
+        self.outline.map_or(unsaid, |outline| outline == Outline::Free)
+    }
+
     pub(crate) fn check(&self) -> Result<()> {
         self.corners.map_or(Ok(()), |corners| rules::points(&corners)).map_err(of("corners"))
     }
@@ -127,29 +134,47 @@ pub struct Skirt {
 /// the outer boundary cannot be four sides with these corners.
 /// [`Error::Folded`](crate::Error::Folded): triangles stay inverted.
 /// [`Error::Option`](crate::Error::Option): a corner that is no point.
-pub fn parameterize(mut patch: Patch, options: &Options) -> Result<(Parameterized, Report)> {
+pub fn parameterize(patch: Patch, options: &Options) -> Result<(Parameterized, Report)> {
+    parameterize_with(patch, options, &mut course::untold)
+}
+
+/// The same, telling how far it has come.
+///
+/// # Errors
+/// Those of [`parameterize`], and what `course` answers.
+pub fn parameterize_with(
+    patch: Patch,
+    options: &Options,
+    course: &mut Course,
+) -> Result<(Parameterized, Report)> {
     options.check()?;
-    let stretches_least = options.method == Method::LeastStretch;
-    let may_be_free = options.outline.is_none() && options.corners.is_none() && stretches_least;
     let must_be_free = options.outline == Some(Outline::Free);
-    if must_be_free || may_be_free && skirt::is_ragged(&patch) {
+    let may_be_free = options.may_be_free() && !must_be_free;
+    let is_ragged = || skirt::is_ragged(&patch.mesh, patch.loop_of(Bound::Outer));
+    if must_be_free || may_be_free && is_ragged() {
         let (mesh, outer) = skirt::skirted(&patch);
-        let map =
-            Start::new(&mesh, &outer, patch.mesh.points.len(), options)?.map(options.method)?;
+        let start = Start::new(&mesh, &outer, patch.mesh.points.len(), options, course)?;
+        let map = start.map(options.method, course)?;
         return Ok(with_skirt(patch, &mesh, map, 0));
     }
+    // Sides are the measured boundary's; what is free goes around its bays.
+    let (mut patch, with_bays) = match patch.without_bays() {
+        Some(without) => (without, Some(patch)),
+        None => (patch, None),
+    };
     let split_edges = chords::split_chords(&mut patch);
-    let count = patch.mesh.points.len();
-    let sides = Start::new(&patch.mesh, &patch.outer, count, options)?;
+    let sides = Start::new(&patch.mesh, &patch.outer, patch.mesh.points.len(), options, course)?;
     if may_be_free && sides.excess() > LITTLE {
-        let (mesh, outer) = skirt::skirted(&patch);
-        let free = Start::new(&mesh, &outer, count, options)?;
+        let around = with_bays.as_ref().unwrap_or(&patch);
+        let (mesh, outer) = skirt::skirted(around);
+        let free = Start::new(&mesh, &outer, around.mesh.points.len(), options, course)?;
         if free.excess() < WORTH * sides.excess() {
-            let map = free.map(options.method)?;
+            let map = free.map(options.method, course)?;
+            let (patch, split_edges) = with_bays.map_or((patch, split_edges), |whole| (whole, 0));
             return Ok(with_skirt(patch, &mesh, map, split_edges));
         }
     }
-    let map = sides.map(options.method)?;
+    let map = sides.map(options.method, course)?;
     let first = patch.outer.iter().position(|v| v.0 == map.corners[0]);
     patch.outer.rotate_left(first.unwrap_or(0));
     let report = report(&patch, &map.uv, map.mended, split_edges);

@@ -33,9 +33,9 @@ type Station = SVector<f64, 6>;
 
 /// Whether the outer boundary has teeth, tongues and bays that four smooth sides
 /// cannot follow.
-pub fn is_ragged(patch: &Patch) -> bool {
-    let n = patch.outer.len();
-    let at = |i: usize| patch.mesh.point(patch.outer[i % n]).coords;
+pub fn is_ragged(mesh: &Mesh, outer: &[VertexId]) -> bool {
+    let n = outer.len();
+    let at = |i: usize| mesh.point(outer[i % n]).coords;
     let mean = |i: usize| (0..9).map(|k| at(i + k)).sum::<Vector>() / 9.0;
     let length =
         |at: &dyn Fn(usize) -> Vector| -> f64 { (0..n).map(|i| (at(i + 1) - at(i)).norm()).sum() };
@@ -181,11 +181,11 @@ mod tests {
     #[test]
     fn a_square_is_not_ragged_and_teeth_are() {
         let mut patch = grid(40);
-        assert!(!is_ragged(&patch));
+        assert!(!is_ragged(&patch.mesh, &patch.outer));
         for (k, v) in patch.outer.clone().into_iter().enumerate() {
             let p = &mut patch.mesh.points[v.index()];
             p.z += if k % 4 < 2 { 0.5 } else { -0.5 };
         }
-        assert!(is_ragged(&patch));
+        assert!(is_ragged(&patch.mesh, &patch.outer));
     }
 }

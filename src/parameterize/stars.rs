@@ -123,61 +123,101 @@ impl Stars {
 
     /// Takes a vertex out.
     pub fn remove(&mut self, removal: &Removal) {
+        Part { first: 0, rings: &mut self.rings, boundary: &self.boundary }.remove(removal);
+    }
+
+    /// Undoes removals, of those given the last one first; all later ones have been
+    /// undone.
+    pub fn restore(&mut self, removals: &[Removal]) {
+        let parts = rayon::current_num_threads().min(MOST_PARTS);
+        let share = self.rings.len().div_ceil(parts).max(1);
+        let boundary = &self.boundary;
+        self.rings.par_chunks_mut(share).enumerate().for_each(|(k, rings)| {
+            let mut part = Part { first: k * share, rings, boundary };
+            removals.iter().rev().for_each(|removal| part.restore(removal));
+        });
+    }
+}
+
+/// Parts in which removals are undone at once, at the most: each looks at all.
+const MOST_PARTS: usize = 8;
+
+/// The rings of vertices with consecutive numbers.
+struct Part<'a> {
+    first: usize,
+    rings: &'a mut [Ring],
+    /// Of all vertices.
+    boundary: &'a [bool],
+}
+
+impl Part<'_> {
+    fn ring(&mut self, v: u32) -> Option<&mut Ring> {
+        self.rings.get_mut((v as usize).wrapping_sub(self.first))
+    }
+
+    /// Makes a removal as far as it shows in these rings.
+    fn remove(&mut self, removal: &Removal) {
         let v = removal.vertex;
         let (apex, path) = removal.fan();
-        let (apex, n) = (apex as usize, path.len());
+        let n = path.len();
         let inner = !self.boundary[v as usize];
-        let at = position(&self.rings[apex], v);
-        // The end of the path that is the apex' neighbour already stays.
-        let new = match (inner, removal.last) {
-            (true, _) => &path[1..n - 1],
-            (false, false) => &path[1..],
-            (false, true) => &path[..n - 1],
-        };
-        self.rings[apex].remove(at);
-        self.rings[apex].insert_from_slice(at, new);
+        if let Some(ring) = self.ring(apex) {
+            let at = position(ring, v);
+            // The end of the path that is the apex' neighbour already stays.
+            let new = match (inner, removal.last) {
+                (true, _) => &path[1..n - 1],
+                (false, false) => &path[1..],
+                (false, true) => &path[..n - 1],
+            };
+            ring.remove(at);
+            ring.insert_from_slice(at, new);
+        }
         for (i, &w) in path.iter().enumerate() {
-            let ring = &mut self.rings[w as usize];
+            let Some(ring) = self.ring(w) else { continue };
             let at = position(ring, v);
             let joined = (i == 0 && !removal.last) || (i + 1 == n && (inner || removal.last));
             if joined {
                 ring.remove(at);
             } else {
-                ring[at] = apex as u32;
+                ring[at] = apex;
             }
         }
-        self.rings[v as usize] = Ring::new();
+        if let Some(ring) = self.ring(v) {
+            *ring = Ring::new();
+        }
     }
 
-    /// Undoes the last removal that was not undone.
-    pub fn restore(&mut self, removal: &Removal) {
+    /// Undoes a removal as far as it shows in these rings.
+    fn restore(&mut self, removal: &Removal) {
         let v = removal.vertex;
         let (apex, path) = removal.fan();
         let n = path.len();
         let inner = !self.boundary[v as usize];
-        let ring = &mut self.rings[apex as usize];
-        match (inner, removal.last) {
-            (true, _) => {
-                let first = position(ring, path[0]);
-                if !self.boundary[apex as usize] {
-                    ring.rotate_left(first);
+        let at_boundary = self.boundary[apex as usize];
+        if let Some(ring) = self.ring(apex) {
+            match (inner, removal.last) {
+                (true, _) => {
+                    let first = position(ring, path[0]);
+                    if !at_boundary {
+                        ring.rotate_left(first);
+                    }
+                    let first = position(ring, path[0]);
+                    ring.drain(first + 1..first + n - 1);
+                    ring.insert(first + 1, v);
                 }
-                let first = position(ring, path[0]);
-                ring.drain(first + 1..first + n - 1);
-                ring.insert(first + 1, v);
-            }
-            (false, false) => {
-                let first = position(ring, path[0]);
-                ring.truncate(first + 1);
-                ring.push(v);
-            }
-            (false, true) => {
-                ring.drain(..n - 1);
-                ring.insert(0, v);
+                (false, false) => {
+                    let first = position(ring, path[0]);
+                    ring.truncate(first + 1);
+                    ring.push(v);
+                }
+                (false, true) => {
+                    ring.drain(..n - 1);
+                    ring.insert(0, v);
+                }
             }
         }
         for (i, &w) in path.iter().enumerate() {
-            let ring = &mut self.rings[w as usize];
+            let Some(ring) = self.ring(w) else { continue };
             let at = position(ring, apex);
             if i == 0 && !removal.last {
                 ring.insert(at, v);
@@ -187,7 +227,9 @@ impl Stars {
                 ring[at] = v;
             }
         }
-        self.rings[v as usize] = removal.ring.clone();
+        if let Some(ring) = self.ring(v) {
+            ring.clone_from(&removal.ring);
+        }
     }
 }
 
@@ -234,6 +276,7 @@ pub mod tests {
         Patch {
             measured: (n * n) as usize,
             origin: vec![FaceOrigin::Measured; triangles.len()],
+            shore: None,
             outer: (0..4).flat_map(side).map(VertexId).collect(),
             rims: Vec::new(),
             islands: Vec::new(),
@@ -284,10 +327,12 @@ pub mod tests {
             }
         }
         assert!(removals.len() >= 40, "{}", removals.len());
-        for removal in removals.iter().rev() {
-            stars.restore(removal);
+        let (first, rest) = removals.split_at(removals.len() / 2);
+        for removal in rest.iter().rev() {
+            stars.restore(std::slice::from_ref(removal));
             check(&stars);
         }
+        stars.restore(first);
         assert_eq!(turned(&stars), before);
     }
 }

@@ -1,6 +1,8 @@
 //! How a map stretches (Sander, Snyder, Gortler, Hoppe, "Texture mapping
 //! progressive meshes", 2001).
 
+use rayon::prelude::*;
+
 use crate::geometry::{Point, Uv, Vector};
 use crate::mesh::{FaceOrigin, Patch};
 
@@ -35,10 +37,22 @@ pub fn derivatives([p, q, r]: [Point; 3], [a, b, c]: [Uv; 3], least: f64) -> Der
     (0.5 * (q - p).cross(&(r - p)).norm(), 0.5 * twice, su, sv)
 }
 
+/// Things that one thread sums at a time, whatever the number of threads.
+const BLOCK: usize = 1 << 14;
+
+/// Things in blocks, for sums of blocks.
+pub fn blocks<T: Sync>(all: &[T]) -> impl IndexedParallelIterator<Item = &[T]> {
+    all.par_chunks(BLOCK)
+}
+
 /// By how much the parameter plane should widen, its area kept, for the least
-/// stretch.
-pub fn best_width(points: &[Point], at: &[Uv], triangles: impl Iterator<Item = [u32; 3]>) -> f64 {
-    least(sums(derivatives_of(points, at, triangles))).0
+/// stretch; of triangles in blocks.
+pub fn best_width(
+    points: &[Point],
+    at: &[Uv],
+    blocks: impl IndexedParallelIterator<Item = impl Iterator<Item = [u32; 3]>>,
+) -> f64 {
+    least(together(blocks.map(|block| sums(derivatives_of(points, at, block))))).0
 }
 
 /// The L² stretch of a map, on the rectangle that stretches least.
@@ -76,6 +90,12 @@ fn sums(all: impl Iterator<Item = Derivatives>) -> [f64; 4] {
     all.fold([0.0; 4], add)
 }
 
+/// The sums of all blocks.
+fn together(blocks: impl IndexedParallelIterator<Item = [f64; 4]>) -> [f64; 4] {
+    let blocks: Vec<[f64; 4]> = blocks.collect();
+    blocks.iter().fold([0.0; 4], |sum, block| std::array::from_fn(|k| sum[k] + block[k]))
+}
+
 /// From these sums the width w of the rectangle w × 1/w that stretches least,
 /// and its L² stretch.
 fn least([area, flat, along_u, along_v]: [f64; 4]) -> (f64, f64) {
@@ -97,8 +117,9 @@ pub fn measure(patch: &Patch, uv: &[Uv]) -> Stretch {
         let corners = patch.mesh.triangles[t];
         derivatives(patch.mesh.corners(corners), corners.map(|v| uv[v.index()]), flattest)
     };
-    let all: Vec<Derivatives> = measured(patch).map(of).collect();
-    let sums = sums(all.iter().copied());
+    let measured: Vec<usize> = measured(patch).collect();
+    let all: Vec<Derivatives> = measured.into_par_iter().map(of).collect();
+    let sums = together(blocks(&all).map(|block| sums(block.iter().copied())));
     let (w, l2) = least(sums);
     let scale = (sums[1] / sums[0]).sqrt();
     let largest = |t: &Derivatives| {
@@ -106,5 +127,5 @@ pub fn measure(patch: &Patch, uv: &[Uv]) -> Stretch {
         let (a, b, c) = (su.norm_squared(), su.dot(&sv), sv.norm_squared());
         (0.5 * (a + c + ((a - c).powi(2) + 4.0 * b * b).sqrt())).sqrt()
     };
-    Stretch { l2, max: scale * all.iter().map(largest).fold(0.0, f64::max), aspect: w * w }
+    Stretch { l2, max: scale * all.par_iter().map(largest).reduce(|| 0.0, f64::max), aspect: w * w }
 }

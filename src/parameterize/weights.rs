@@ -8,7 +8,7 @@ use super::stars::Removal;
 use crate::geometry::{Point, Vector};
 
 /// Weights of vertices, as means over the surface that each stands for.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct Weights {
     /// The weight around each vertex.
     pub of: Vec<f64>,
@@ -110,13 +110,17 @@ impl Weights {
         (self.of[apex], self.mass[apex]) = ((whole / mass).clamp(1.0, MOST), mass);
     }
 
-    /// A vertex that was not there when the curvature was taken weighs what its
-    /// ring does.
-    pub fn follow(&mut self, removal: &Removal) {
-        if self.is_light(removal.vertex) {
-            return;
-        }
-        let sum: f64 = removal.ring.iter().map(|&w| self.of[w as usize].max(1.0)).sum();
-        self.of[removal.vertex as usize] = sum / removal.ring.len().max(1) as f64;
+    /// Vertices that were not there when the curvature was taken weigh what their rings
+    /// do. None is in another's ring.
+    pub fn follow(&mut self, pass: &[Removal]) {
+        let weigh = |removal: &Removal| {
+            if self.is_light(removal.vertex) {
+                return self.of[removal.vertex as usize];
+            }
+            let sum: f64 = removal.ring.iter().map(|&w| self.of[w as usize].max(1.0)).sum();
+            sum / removal.ring.len().max(1) as f64
+        };
+        let found: Vec<f64> = pass.par_iter().with_min_len(64).map(weigh).collect();
+        pass.iter().zip(found).for_each(|(r, weight)| self.of[r.vertex as usize] = weight);
     }
 }

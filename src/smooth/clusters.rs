@@ -6,6 +6,8 @@
 //! narrow support, and is as exact (see [`Sample`]). Neighbourhoods follow the
 //! mesh, so that none reaches through a wall or over a gap to another sheet.
 
+use rayon::prelude::*;
+
 use crate::geometry::{Vector, VertexId};
 use crate::mesh::mls::{REACH, Sample, steady_normals};
 use crate::mesh::{Mesh, Rings};
@@ -73,11 +75,11 @@ impl Grain {
         let starts = std::iter::once(0).chain(ends.iter().copied());
         let of: Vec<&[u32]> = starts.zip(&ends).map(|(a, &b)| &members[a..b]).collect();
         let samples =
-            of.iter().map(|m| Sample::merged(m.iter().map(|&i| self.samples[i as usize])));
+            of.par_iter().map(|m| Sample::merged(m.iter().map(|&i| self.samples[i as usize])));
         let sum = |m: &&[u32]| -> Vector {
             m.iter().map(|&i| self.samples[i as usize].weight * self.normals[i as usize]).sum()
         };
-        let sums: Vec<Vector> = of.iter().map(sum).collect();
+        let sums: Vec<Vector> = of.par_iter().map(sum).collect();
         let around = |c: usize, near: &mut Vec<u32>| {
             near.extend(
                 of[c].iter().flat_map(|&i| self.near(i as usize)).map(|&j| cluster[j as usize]),
@@ -94,7 +96,7 @@ impl Grain {
             let sum = if is_left_over { beside().map(|b| sums[b]).sum() } else { sums[c] };
             sum.try_normalize(1e-12).unwrap_or(self.normals[of[c][0] as usize])
         };
-        grain.normals = (0..of.len()).map(normal).collect();
+        grain.normals = (0..of.len()).into_par_iter().map(normal).collect();
         (grain, cluster)
     }
 
@@ -159,21 +161,34 @@ impl Grain {
 }
 
 /// For each of `count` things those that `around` lists, but itself, each once.
-fn adjacency(count: usize, around: impl Fn(usize, &mut Vec<u32>)) -> (Vec<u32>, Vec<u32>) {
+fn adjacency(count: usize, around: impl Fn(usize, &mut Vec<u32>) + Sync) -> (Vec<u32>, Vec<u32>) {
+    let block = |first: usize| {
+        let (mut ends, mut near, mut some) = (Vec::new(), Vec::new(), Vec::new());
+        for i in first..count.min(first + BLOCK) {
+            some.clear();
+            around(i, &mut some);
+            some.sort_unstable();
+            some.dedup();
+            near.extend(some.iter().filter(|&&j| j as usize != i));
+            ends.push(near.len() as u32);
+        }
+        (ends, near)
+    };
+    let firsts = (0..count.div_ceil(BLOCK)).into_par_iter().map(|k| k * BLOCK);
+    let blocks: Vec<(Vec<u32>, Vec<u32>)> = firsts.map(block).collect();
     let mut starts = Vec::with_capacity(count + 1);
-    let mut near = Vec::new();
-    let mut some = Vec::new();
+    let mut near = Vec::with_capacity(blocks.iter().map(|block| block.1.len()).sum());
     starts.push(0);
-    for i in 0..count {
-        some.clear();
-        around(i, &mut some);
-        some.sort_unstable();
-        some.dedup();
-        near.extend(some.iter().filter(|&&j| j as usize != i));
-        starts.push(near.len() as u32);
+    for (ends, more) in blocks {
+        let before = near.len() as u32;
+        starts.extend(ends.into_iter().map(|end| before + end));
+        near.extend(more);
     }
     (starts, near)
 }
+
+/// Things whose neighbours one thread lists at a time.
+const BLOCK: usize = 1 << 13;
 
 #[cfg(test)]
 mod tests {

@@ -11,6 +11,7 @@
 //! stays as it is.
 
 use nalgebra::Vector2;
+use rayon::prelude::*;
 
 use super::line::{quadratic, reference_line};
 use crate::geometry::{Point, Vector, plane_axes};
@@ -150,7 +151,7 @@ impl Piece {
             let moved = self.project(i, h).map(|m| m.by.clamp(-farthest, farthest) * m.across);
             self.points[i] + moved.unwrap_or_else(Vector::zeros)
         };
-        (0..self.points.len()).map(project).collect()
+        (0..self.points.len()).into_par_iter().map(project).collect()
     }
 
     /// By leave-one-out cross-validation: the longest that is no worse than the
@@ -163,7 +164,9 @@ impl Piece {
             let m = self.project(i, h)?;
             Some((m.by / (1.0 - m.leverage).max(0.1)).powi(2))
         };
-        let squares = |h: f64| (0..n).map(|i| left_out(i, h).unwrap_or(0.0)).collect::<Vec<f64>>();
+        let squares = |h: f64| -> Vec<f64> {
+            (0..n).into_par_iter().map(|i| left_out(i, h).unwrap_or(0.0)).collect()
+        };
         let tried = TRIED.iter().map(|k| k * spacing).filter(|&h| h < length / 6.0);
         let tried: Vec<(f64, Vec<f64>)> = tried.map(|h| (h, squares(h))).collect();
         let sum = |squares: &[f64]| squares.iter().sum::<f64>();

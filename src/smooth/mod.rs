@@ -14,6 +14,11 @@ mod surface;
 mod uncross;
 mod unfold;
 
+use std::convert::Infallible;
+
+use rayon::prelude::*;
+
+use crate::course::{self, Course};
 use crate::error::{Result, of};
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::{Disk, Mesh, Rings, boundary};
@@ -89,7 +94,8 @@ pub struct Report {
 /// [`smooth`] finds the same where the scan has no outliers; here they count.
 pub fn noise(mesh: &Mesh) -> f64 {
     let levels = levels::levels(mesh, &Rings::new(mesh), &vec![false; mesh.points.len()]);
-    support::choose(mesh, &levels).noise()
+    let Ok(choice) = support::choose(mesh, &levels, &mut |_| Ok::<_, Infallible>(()));
+    choice.noise()
 }
 
 /// Smooths a disk. Its topology stays as it is.
@@ -98,8 +104,16 @@ pub fn noise(mesh: &Mesh) -> f64 {
 /// [`Error::Option`](crate::Error::Option): a support that is no length, a corner that
 /// is no point.
 pub fn smooth(disk: &Disk, options: &Options) -> Result<(Disk, Report)> {
+    smooth_with(disk, options, &mut course::untold)
+}
+
+/// The same, telling how far it has come.
+///
+/// # Errors
+/// Those of [`smooth`], and what `course` answers.
+pub fn smooth_with(disk: &Disk, options: &Options, course: &mut Course) -> Result<(Disk, Report)> {
     options.check()?;
-    let examined = Examined::new(&disk.mesh);
+    let examined = Examined::new(&disk.mesh, &mut course::part(course, 0.0, EXAMINED))?;
     let mut report = Report {
         noise: examined.choice.noise(),
         outliers: examined.left_out.iter().filter(|out| **out).count(),
@@ -107,12 +121,13 @@ pub fn smooth(disk: &Disk, options: &Options) -> Result<(Disk, Report)> {
     };
     let mut out = disk.clone();
     let surface = match options.support {
-        Support::Auto => examined.surface(),
-        Support::Fixed(h) => examined.surface_of(&disk.mesh, h),
+        Support::Auto => examined.surface(&mut course::part(course, EXAMINED, FITTED))?,
+        Support::Fixed(h) => examined.surface_of(&disk.mesh, h)?,
         Support::Off => return Ok((out, report)),
     };
     report.h = surface.median_support();
-    let (projected, normals) = surface.feet(&disk.mesh);
+    let onto = &mut course::part(course, FITTED, PROJECTED);
+    let (projected, normals) = surface.feet(&disk.mesh, onto)?;
     out.mesh.points.clone_from(&projected);
     for ring in disk.loops() {
         let kept = match &options.corners {
@@ -133,14 +148,24 @@ pub fn smooth(disk: &Disk, options: &Options) -> Result<(Disk, Report)> {
     }
     let upright = unfold::Upright { projected, normals, corners: &report.corners };
     unfold::unfold(&mut out, &surface, upright);
-    let moved = || out.mesh.points.iter().zip(&disk.mesh.points).map(|(p, q)| (p - q).norm());
-    report.moved_max = moved().fold(0.0, f64::max);
-    report.moved_rms = root_mean_square(moved());
+    let pairs = out.mesh.points.par_iter().zip(&disk.mesh.points);
+    let moved: Vec<f64> = pairs.map(|(p, q)| (p - q).norm()).collect();
+    report.moved_max = moved.iter().copied().fold(0.0, f64::max);
+    report.moved_rms = root_mean_square(moved.into_iter());
     Ok((out, report))
 }
 
+/// Shares of its time after which a scan is usually examined, polynomials are fitted to
+/// it, and its points are on them.
+const EXAMINED: f64 = 0.45;
+const FITTED: f64 = 0.65;
+const PROJECTED: f64 = 0.75;
+
 /// How often outliers are looked for at the most.
 const OUTLIER_ROUNDS: usize = 3;
+
+/// The share of the time for examination that levels take.
+const LEVELLED: f64 = 0.2;
 
 /// A scan whose supports, noise and outliers are known.
 struct Examined {
@@ -151,32 +176,35 @@ struct Examined {
 }
 
 impl Examined {
-    fn new(mesh: &Mesh) -> Self {
+    fn new(mesh: &Mesh, course: &mut Course) -> Result<Self> {
         let rings = Rings::new(mesh);
         let mut left_out = vec![false; mesh.points.len()];
         let mut levels = levels::levels(mesh, &rings, &left_out);
-        let mut choice = support::choose(mesh, &levels);
+        course(LEVELLED)?;
+        let choosing = &mut course::part(course, LEVELLED, 1.0);
+        let mut choice = support::choose(mesh, &levels, choosing)?;
         // Outliers disturb the choice by which they are found.
         for _ in 0..OUTLIER_ROUNDS {
-            if !outliers::add(mesh, &rings, &levels, &choice, &mut left_out) {
+            if !outliers::add(mesh, &rings, &levels, &choice, &mut left_out)? {
                 break;
             }
             levels = levels::levels(mesh, &rings, &left_out);
-            choice = support::choose(mesh, &levels);
+            choice = support::choose(mesh, &levels, &mut course::untold)?;
         }
-        Examined { levels, choice, left_out }
+        Ok(Examined { levels, choice, left_out })
     }
 
     /// The surface under the supports that were found.
-    fn surface(self) -> Surface {
-        Surface::new(self.levels[0].grain.clone(), self.levels, self.choice.place)
+    fn surface(self, course: &mut Course) -> Result<Surface> {
+        Surface::new(self.levels[0].grain.clone(), self.levels, self.choice.place, course)
     }
 
     /// The surface under one support.
-    fn surface_of(self, mesh: &Mesh, h: f64) -> Surface {
+    fn surface_of(self, mesh: &Mesh, h: f64) -> Result<Surface> {
         let finest = &self.levels[0];
         let level = finest.next(h, mesh.mean_edge());
-        Surface::new(finest.grain.clone(), vec![level], vec![0.0; mesh.points.len()])
+        let place = vec![0.0; mesh.points.len()];
+        Surface::new(finest.grain.clone(), vec![level], place, &mut course::untold)
     }
 }
 

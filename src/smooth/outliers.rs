@@ -7,6 +7,8 @@ use super::levels::Level;
 use super::median;
 use super::support::Choice;
 use super::surface::{NOWHERE, Surface};
+use crate::course;
+use crate::error::Result;
 use crate::geometry::{Vector, VertexId};
 use crate::mesh::{Mesh, Rings};
 
@@ -38,7 +40,7 @@ pub fn add(
     levels: &[Level],
     choice: &Choice,
     left_out: &mut [bool],
-) -> bool {
+) -> Result<bool> {
     let least = LEAST * mesh.mean_edge();
     let limit = |v: usize, deviations: f64| least.max(deviations * f64::from(choice.noise[v]));
     let normals = &levels[0].grain.normals;
@@ -46,7 +48,7 @@ pub fn add(
         .into_par_iter()
         .filter(|&v| !left_out[v] && sticks_out(mesh, rings, v, normals[v]) > limit(v, STICKS_OUT))
         .collect();
-    let surface = surface_around(mesh, rings, levels, choice, &suspects);
+    let surface = surface_around(mesh, rings, levels, choice, &suspects)?;
     let off = |v: usize| {
         let foot = surface.project(VertexId::from(v), mesh.points[v]);
         foot.map_or(0.0, |foot| (mesh.points[v] - foot.point).dot(&foot.normal).abs())
@@ -64,7 +66,7 @@ pub fn add(
     };
     let found: Vec<usize> = suspects.into_par_iter().filter(is_outlier).collect();
     found.iter().for_each(|&v| left_out[v] = true);
-    !found.is_empty()
+    Ok(!found.is_empty())
 }
 
 /// How far a vertex is off its neighbours' mean, along its normal.
@@ -82,7 +84,7 @@ fn surface_around(
     levels: &[Level],
     choice: &Choice,
     suspects: &[usize],
-) -> Surface {
+) -> Result<Surface> {
     let place = median(choice.place.iter().map(|&p| f64::from(p).round()).collect()) as f32;
     let place = place.max(STEADY.min(levels.len() - 1) as f32);
     let mut places = vec![NOWHERE; mesh.points.len()];
@@ -90,5 +92,5 @@ fn surface_around(
         places[v] = place;
         rings.neighbours(mesh, VertexId::from(v)).for_each(|w| places[w.index()] = place);
     }
-    Surface::new(levels[0].grain.clone(), levels.to_vec(), places)
+    Surface::new(levels[0].grain.clone(), levels.to_vec(), places, &mut course::untold)
 }

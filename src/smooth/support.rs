@@ -58,16 +58,24 @@ struct Trial {
     scatter: [f64; 2],
 }
 
-/// Chooses the support for every vertex.
-pub fn choose(mesh: &Mesh, levels: &[Level]) -> Choice {
+/// Parts of the places that are looked at before it is told how far that has come.
+const PARTS: usize = 4;
+
+/// Chooses the support for every vertex. `course` is told how far that has come.
+pub fn choose<E>(
+    mesh: &Mesh,
+    levels: &[Level],
+    course: &mut dyn FnMut(f64) -> Result<(), E>,
+) -> Result<Choice, E> {
     let sampling = sampling(mesh.points.len(), levels);
     let places = first_vertices(sampling);
     let look = |room: &mut Gathering, &v: &u32| trial(mesh, levels, VertexId(v), room);
-    let trials: Vec<Trial> = places
-        .par_iter()
-        .with_min_len(a_share(places.len()))
-        .map_init(Gathering::default, look)
-        .collect();
+    let mut trials: Vec<Trial> = Vec::with_capacity(places.len());
+    for part in places.chunks(places.len().div_ceil(PARTS).max(1)) {
+        let all = part.par_iter().with_min_len(a_share(part.len()));
+        trials.par_extend(all.map_init(Gathering::default, look));
+        course(trials.len() as f64 / places.len() as f64)?;
+    }
     let windows: Vec<Vec<u32>> = (0..places.len()).map(|i| window(sampling, i)).collect();
     let noise: Vec<f64> = windows.iter().map(|w| noise(&trials, w)).collect();
     let best = windows.iter().zip(&noise).map(|(w, &variance)| best(&trials, w, variance));
@@ -83,7 +91,7 @@ pub fn choose(mesh: &Mesh, levels: &[Level]) -> Choice {
             .collect()
     };
     let deviation: Vec<f64> = noise.iter().map(|variance| variance.sqrt()).collect();
-    Choice { place: spread(&best), noise: spread(&deviation) }
+    Ok(Choice { place: spread(&best), noise: spread(&deviation) })
 }
 
 /// The level whose clusters are about as many as places are wanted.

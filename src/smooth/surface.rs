@@ -12,6 +12,8 @@ use rayon::prelude::*;
 use super::clusters::{Gathering, Grain, a_share};
 use super::levels::Level;
 use super::median;
+use crate::course::Course;
+use crate::error::Result;
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::Mesh;
 use crate::mesh::mls::{Polynomial, Projection};
@@ -38,22 +40,42 @@ struct Fits {
 
 const NONE: u32 = u32::MAX;
 
+/// Feet that are found before it is told how many are.
+const AT_ONCE: usize = 1 << 17;
+
 impl Surface {
     /// Fits what the vertices need, each at the level `place` of its own.
-    pub fn new(finest: Arc<Grain>, levels: Vec<Level>, place: Vec<f32>) -> Self {
-        let fits = levels.iter().enumerate().map(|(k, level)| Fits::new(level, k, &place));
-        let fits = fits.collect();
-        Surface { levels, finest, place, fits }
+    pub fn new(
+        finest: Arc<Grain>,
+        levels: Vec<Level>,
+        place: Vec<f32>,
+        course: &mut Course,
+    ) -> Result<Self> {
+        let mut fits = Vec::with_capacity(levels.len());
+        for (k, level) in levels.iter().enumerate() {
+            course(k as f64 / levels.len() as f64)?;
+            fits.push(Fits::new(level, k, &place));
+        }
+        Ok(Surface { levels, finest, place, fits })
     }
 
     /// The feet of all vertices. A vertex with too few neighbours stays where it
     /// is.
-    pub fn feet(&self, mesh: &Mesh) -> (Vec<Point>, Vec<Vector>) {
-        let foot = |(v, &p): (usize, &Point)| {
-            let v = VertexId::from(v);
+    pub fn feet(&self, mesh: &Mesh, course: &mut Course) -> Result<(Vec<Point>, Vec<Vector>)> {
+        let foot = |v: usize| {
+            let (p, v) = (mesh.points[v], VertexId::from(v));
             self.project(v, p).map_or((p, self.scan_normal(v)), |foot| (foot.point, foot.normal))
         };
-        mesh.points.par_iter().enumerate().map(foot).unzip()
+        let count = mesh.points.len();
+        let (mut points, mut normals) = (Vec::with_capacity(count), Vec::with_capacity(count));
+        for first in (0..count).step_by(AT_ONCE) {
+            course(first as f64 / count as f64)?;
+            let feet = (first..count.min(first + AT_ONCE)).into_par_iter().map(foot);
+            let (more_points, more_normals): (Vec<Point>, Vec<Vector>) = feet.unzip();
+            points.extend(more_points);
+            normals.extend(more_normals);
+        }
+        Ok((points, normals))
     }
 
     /// The median of the vertices' supports, in mm.

@@ -17,6 +17,10 @@ fn becomes_a_face(scan: &Scan, options: &Options) {
     }
 }
 
+fn star(centre: [f64; 2], radius: f64, arms: f64) -> Star {
+    Star { centre, radius, arms }
+}
+
 fn sheet(size: [usize; 2], shape: Shape, place: Place) -> Scan {
     Scan { mesh: Mesh::Grid(size, 0.0), shape, damage: sound(), place, seed: 0 }
 }
@@ -57,7 +61,6 @@ fn edges_of_specks_are_on_them() {
 /// than the accuracy of edges: these were halved without end.
 #[test]
 fn a_crumpled_needle_is_traced_as_near_as_doubles_tell() {
-    let star = |centre, radius, arms| Star { centre, radius, arms };
     let holes = vec![
         star([0.8323671078286519, 0.9208060029460479], 0.26684842309518436, 1.0),
         star([0.32129652040014445, 0.29738868397779333], 0.19847874362945522, 3.0),
@@ -82,7 +85,6 @@ fn a_crumpled_needle_is_traced_as_near_as_doubles_tell() {
 /// parameterization.
 #[test]
 fn fills_join_nothing_twice() {
-    let star = |centre, radius, arms| Star { centre, radius, arms };
     let holes = vec![
         star([0.8147561793825635, 0.8605596179836997], 0.1784429135222119, 3.0),
         star([0.963593546737247, 0.42039283274563977], 0.2575835713130661, 1.0),

@@ -42,7 +42,9 @@ pub struct Surroundings<'a> {
 impl Surroundings<'_> {
     /// Does something with all that is around the holes of a mesh.
     pub fn with<T>(mesh: &Mesh, what: impl FnOnce(&Surroundings) -> T) -> T {
-        let (rings, cloud, ground) = (mesh::Rings::new(mesh), Cloud::of(mesh), Ground::new(mesh));
+        let (rings, cloud) = rayon::join(|| mesh::Rings::new(mesh), || Cloud::of(mesh));
+        // Not at once with these, whose making takes memory for a while.
+        let ground = Ground::new(mesh);
         what(&Surroundings { mesh, rings: &rings, cloud: &cloud, ground: &ground })
     }
 

@@ -164,11 +164,11 @@ impl<const D: usize> Equations<D> {
         // third by then.
         while step > 1 {
             let ahead = |by: (i32, i32)| best.moved((step * by.0, step * by.1));
-            let better = directions.iter().position(|&by| self.likelihood(ahead(by)) > likelihood);
+            let tried = directions.iter().map(|&by| self.likelihood(ahead(by))).enumerate();
+            let better = { tried }.find(|(_, found)| *found > likelihood);
             match better {
-                Some(at) => {
-                    best = ahead(directions[at]);
-                    likelihood = self.likelihood(best);
+                Some((at, found)) => {
+                    (best, likelihood) = (ahead(directions[at]), found);
                     // What was good may be so once more.
                     directions[..=at].rotate_right(1);
                 }

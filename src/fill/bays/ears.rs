@@ -1,0 +1,203 @@
+//! Ears of an outer boundary, closed from the bottoms of its bays outwards.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+use std::f64::consts::{PI, TAU};
+
+use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
+
+use crate::fill::front::Surroundings;
+use crate::geometry::{Point, Vector, VertexId, unit_normal};
+
+/// An ear leans over by no more than this cosine from what is beside it.
+const LEANING: f64 = -0.3;
+
+/// Turning by less, in radians, is none.
+const STRAIGHT: f64 = 1e-3;
+
+/// Tips are no sharper, in radians, where the surface overlaps itself.
+const SHARP: f64 = 1e-3;
+
+/// A closed loop, shortened ear by ear.
+pub struct Ears<'a> {
+    around: &'a Surroundings<'a>,
+    ring: &'a [VertexId],
+    before: Vec<usize>,
+    after: Vec<usize>,
+    alive: Vec<bool>,
+    /// The angle of the surface at each place.
+    angles: Vec<f64>,
+    /// The normal to the left of the side that leaves each place.
+    beside: Vec<Vector>,
+    /// The length of the side that leaves each place.
+    lengths: Vec<f64>,
+    /// The sum of π less the angles, and that of the lengths.
+    turning: f64,
+    length: f64,
+    sides: HashSet<(usize, usize)>,
+    /// Ears: the places before, at and after their tips.
+    closed: Vec<[usize; 3]>,
+    /// Their tips, by the places beside these.
+    tips: HashMap<[usize; 2], usize>,
+}
+
+/// An ear that might be closed, short ones that go on as what is beside them first.
+struct Candidate {
+    cost: f64,
+    ear: [usize; 3],
+    normal: Vector,
+}
+
+impl Ord for Candidate {
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.cost.total_cmp(&self.cost).then(other.ear.cmp(&self.ear))
+    }
+}
+
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Candidate {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Candidate {}
+
+impl<'a> Ears<'a> {
+    pub fn new(around: &'a Surroundings<'a>, ring: &'a [VertexId]) -> Self {
+        let n = ring.len();
+        let angle = |&v: &VertexId| -> f64 {
+            let corner = |t: [VertexId; 3]| {
+                let k = t.iter().position(|w| *w == v).unwrap_or(0);
+                around.mesh.angle(t[(k + 1) % 3], t[k], t[(k + 2) % 3])
+            };
+            around
+                .rings
+                .triangles(v)
+                .iter()
+                .map(|&t| corner(around.mesh.triangles[t as usize]))
+                .sum()
+        };
+        let angles: Vec<f64> = ring.iter().map(angle).collect();
+        let normals = around.mesh.vertex_normals();
+        let side = |i: usize| -> Vector {
+            let near = (0..10).map(|k| normals[ring[(i + n * 5 + k - 4) % n].index()]);
+            near.sum::<Vector>().try_normalize(0.0).unwrap_or_default()
+        };
+        let mut ears = Ears {
+            around,
+            ring,
+            before: (0..n).map(|i| (i + n - 1) % n).collect(),
+            after: (0..n).map(|i| (i + 1) % n).collect(),
+            alive: vec![true; n],
+            turning: angles.iter().map(|a| PI - a).sum(),
+            angles,
+            beside: (0..n).map(side).collect(),
+            lengths: Vec::new(),
+            length: 0.0,
+            sides: HashSet::new(),
+            closed: Vec::new(),
+            tips: HashMap::new(),
+        };
+        ears.lengths = (0..n).map(|i| ears.distance(i, ears.after[i])).collect();
+        ears.length = ears.lengths.iter().sum();
+        ears
+    }
+
+    fn at(&self, i: usize) -> Point {
+        self.around.mesh.point(self.ring[i])
+    }
+
+    fn distance(&self, i: usize, j: usize) -> f64 {
+        (self.at(j) - self.at(i)).norm()
+    }
+
+    /// Closes ears until the loop turns nowhere more outwards than it does on the whole.
+    pub fn close(&mut self) {
+        let mut heap: BinaryHeap<Candidate> =
+            (0..self.ring.len()).filter_map(|i| self.candidate(i)).collect();
+        // What bends inwards no more than the whole may do so later, as that changes.
+        while let Some(Candidate { ear, normal, .. }) = heap.pop() {
+            let [p, v, n] = ear;
+            let is_there = self.alive[v] && self.before[v] == p && self.after[v] == n;
+            if is_there && self.bends(v) && self.is_new(p, n) {
+                self.cut(ear, normal);
+                heap.extend([p, n].into_iter().filter_map(|i| self.candidate(i)));
+            }
+        }
+    }
+
+    /// The ear at a place, unless the loop does not bend there or the ear would lean over.
+    fn candidate(&self, v: usize) -> Option<Candidate> {
+        let ear = [self.before[v], v, self.after[v]];
+        let [p, v, n] = ear;
+        if !self.bends(v) {
+            return None;
+        }
+        let normal = unit_normal([p, n, v].map(|i| self.at(i)))?;
+        let lean = self.beside[p].dot(&normal).min(self.beside[v].dot(&normal));
+        let cost = self.distance(p, n) * (2.0 - lean).powi(2);
+        (lean >= LEANING).then_some(Candidate { cost, ear, normal })
+    }
+
+    /// Whether the loop turns to the right at a place, more than on the whole.
+    fn bends(&self, v: usize) -> bool {
+        let share = (-self.turning).max(0.0) / self.length;
+        let around = 0.5 * (self.lengths[self.before[v]] + self.lengths[v]);
+        self.angles[v] - PI > STRAIGHT + share * around
+    }
+
+    /// Whether nothing joins two places yet, and more than a triangle is left.
+    fn is_new(&self, p: usize, n: usize) -> bool {
+        let joined = || self.around.joined(self.ring[p], self.ring[n]);
+        p != n && self.after[n] != p && !self.sides.contains(&(p.min(n), p.max(n))) && !joined()
+    }
+
+    /// Closes an ear as if it were flat and went on with the surface: over a strongly
+    /// curved one chords in space are so short that all the boundary would seem a bay.
+    fn cut(&mut self, ear: [usize; 3], normal: Vector) {
+        let [p, v, n] = ear;
+        let in_space = self.around.mesh.angle(self.ring[p], self.ring[v], self.ring[n]);
+        let tip = (TAU - self.angles[v]).max(in_space).max(SHARP);
+        let [a, b] = [self.lengths[p], self.lengths[v]];
+        let chord = (a * a + b * b - 2.0 * a * b * tip.cos()).sqrt();
+        let first = (b * tip.sin()).atan2(a - b * tip.cos());
+        self.turning += self.angles[v] - PI - (PI - tip);
+        self.angles[p] += first;
+        self.angles[n] += PI - tip - first;
+        self.length += chord - a - b;
+        self.lengths[p] = chord;
+        self.alive[v] = false;
+        self.after[p] = n;
+        self.before[n] = p;
+        self.beside[p] = normal;
+        self.sides.insert((p.min(n), p.max(n)));
+        self.closed.push(ear);
+        self.tips.insert([p, n], v);
+    }
+
+    /// The ears whose tips lie between two places, counted on beyond the loop's end.
+    pub fn within(&self, from: usize, to: usize) -> Vec<[usize; 3]> {
+        let is_within = |v: usize| {
+            (from + 1..to).contains(&v) || from < v + self.ring.len() && v + self.ring.len() < to
+        };
+        self.closed.iter().filter(|ear| is_within(ear[1])).copied().collect()
+    }
+
+    /// The tip of the ear that was closed between two places.
+    pub fn over(&self, from: usize, to: usize) -> Option<usize> {
+        let n = self.ring.len();
+        let tip = *self.tips.get(&[from % n, to % n])?;
+        Some(if tip < from { tip + n } else { tip })
+    }
+
+    /// The places that are left, in the direction of the loop.
+    pub fn left(&self) -> Vec<usize> {
+        (0..self.ring.len()).filter(|&i| self.alive[i]).collect()
+    }
+}

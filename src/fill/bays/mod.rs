@@ -1,0 +1,144 @@
+//! Bays of a ragged outer boundary, closed so that what is left has a smooth course
+//! that four sides can follow.
+//!
+//! Where a surface goes on beyond the scan without anything to hold it, its parts on
+//! the two banks of a bay run through each other, and teeth on straight sides stretch
+//! the map. So ears between the banks are closed, shortest first, until the boundary
+//! turns nowhere more outwards than it does on the whole: on the flat that is the
+//! convex hull. Ears that span no more than a wide curve are opened again.
+
+mod ears;
+#[cfg(test)]
+mod tests;
+
+use foldhash::HashMap;
+
+use super::front::Surroundings;
+use super::refine::Surface;
+use super::size::Sizes;
+use crate::geometry::{Point, Vector, VertexId, segment_distance};
+use crate::mesh::boundary::Loop;
+use ears::Ears;
+
+/// Bays less deep, in mean edges of the boundary, are left …
+const SHALLOW: f64 = 1.0;
+
+/// … as those are whose depth is a smaller share of their width.
+const WIDE: f64 = 0.25;
+
+/// Sides across mouths are divided that are longer, in edges wanted there.
+const LONG: f64 = 1.4;
+
+/// What closes bays: points, numbered from the mesh's vertex count on, triangles, and
+/// the new outer boundary.
+pub struct Bays {
+    pub points: Vec<Point>,
+    pub triangles: Vec<[VertexId; 3]>,
+    pub outer: Loop,
+    /// How many were closed.
+    pub count: usize,
+}
+
+/// Closes the bays of an outer boundary. `None`: it has none.
+pub fn close(around: &Surroundings, outer: &[VertexId]) -> Option<Bays> {
+    let mut ears = Ears::new(around, outer);
+    ears.close();
+    let points = outer.iter().map(|&v| around.mesh.point(v)).collect();
+    let shore = Shore { around, outer, sizes: Sizes::new(&[points]) };
+    let mut bays = Bays { points: Vec::new(), triangles: Vec::new(), outer: Vec::new(), count: 0 };
+    let left = ears.left();
+    let nexts = left.iter().skip(1).copied().chain([left[0] + outer.len()]);
+    let mut mouths: Vec<[usize; 2]> = left.iter().zip(nexts).map(|(&i, j)| [i, j]).collect();
+    mouths.reverse();
+    while let Some([from, to]) = mouths.pop() {
+        match ears.over(from, to) {
+            None => bays.outer.push(shore.vertex(from)),
+            Some(_) if shore.is_bay(from, to) => {
+                bays.add(&shore, from, to, &ears.within(from, to));
+            }
+            Some(tip) => mouths.extend([[tip, to], [from, tip]]),
+        }
+    }
+    (bays.count > 0).then_some(bays)
+}
+
+/// The measured outer boundary; places on it are counted on beyond its end.
+struct Shore<'a> {
+    around: &'a Surroundings<'a>,
+    outer: &'a [VertexId],
+    sizes: Sizes,
+}
+
+impl Shore<'_> {
+    fn vertex(&self, i: usize) -> VertexId {
+        self.outer[i % self.outer.len()]
+    }
+
+    fn at(&self, i: usize) -> Point {
+        self.around.mesh.point(self.vertex(i))
+    }
+
+    /// Whether what is between two places reaches in far enough from the straight line
+    /// between them.
+    fn is_bay(&self, from: usize, to: usize) -> bool {
+        let (a, b) = (self.at(from), self.at(to));
+        let least = (SHALLOW * self.sizes.mean).max(WIDE * (b - a).norm());
+        (from..to).any(|i| segment_distance(self.at(i), a, b) >= least)
+    }
+
+    /// The points that divide the line across a mouth.
+    fn mouth(&self, a: Point, b: Point, into: &mut Vec<Point>) {
+        let middle = nalgebra::center(&a, &b);
+        if (b - a).norm() > LONG * self.sizes.at(middle) {
+            self.mouth(a, middle, into);
+            into.push(middle);
+            self.mouth(middle, b, into);
+        }
+    }
+
+    /// A bay as a surface over the vertices on its banks, the points across its mouth,
+    /// and those inside; with how many there are of the first and of the first two.
+    fn surface(&self, from: usize, to: usize, ears: &[[usize; 3]]) -> (Surface, [usize; 2]) {
+        let mut points: Vec<Point> = (from..=to).map(|i| self.at(i)).collect();
+        let banks = points.len();
+        self.mouth(self.at(from), self.at(to), &mut points);
+        let rim = points.len();
+        let n = self.outer.len();
+        let local = |i: usize| (i + n - from % n) % n;
+        let mut triangles = Vec::new();
+        for ear in ears {
+            let [p, v, q] = ear.map(local);
+            // The last ear is divided as the mouth is.
+            let mouth = if [p, q] == [0, banks - 1] { banks..rim } else { 0..0 };
+            let chain: Vec<usize> = std::iter::once(p).chain(mouth).chain([q]).collect();
+            triangles.extend(chain.windows(2).map(|side| [side[0], side[1], v]));
+        }
+        let normal =
+            |k: usize| self.around.normal_at(self.vertex(from + k), self.vertex(from + k + 1));
+        let beside: HashMap<(usize, usize), Vector> =
+            (0..banks - 1).filter_map(|k| Some(((k + 1, k), normal(k)?))).collect();
+        let mut surface = Surface { points, triangles, rim, beside };
+        let joined = |a: usize, b: usize| {
+            a.max(b) < banks && self.around.joined(self.vertex(from + a), self.vertex(from + b))
+        };
+        surface.refine(&self.sizes, joined);
+        surface.unfold(joined);
+        (surface, [banks, rim])
+    }
+}
+
+impl Bays {
+    fn add(&mut self, shore: &Shore, from: usize, to: usize, ears: &[[usize; 3]]) {
+        let (mut surface, [banks, rim]) = shore.surface(from, to, ears);
+        let first = shore.around.mesh.points.len() + self.points.len();
+        let global = |k: usize| match k.checked_sub(banks) {
+            None => shore.vertex(from + k),
+            Some(new) => VertexId::from(first + new),
+        };
+        self.triangles.extend(surface.triangles.iter().map(|t| t.map(global)));
+        self.outer.push(shore.vertex(from));
+        self.outer.extend((banks..rim).map(global));
+        self.points.extend(surface.points.drain(banks..));
+        self.count += 1;
+    }
+}

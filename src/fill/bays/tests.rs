@@ -1,0 +1,93 @@
+use super::*;
+use crate::geometry::unit_normal;
+use crate::mesh::{EdgeMap, FaceOrigin, Mesh, Patch, boundary};
+
+/// A sheet of n × n squares without some, over a surface.
+fn sheet(
+    n: usize,
+    is_there: impl Fn(usize, usize) -> bool,
+    at: impl Fn(f64, f64) -> [f64; 3],
+) -> Mesh {
+    let mut ids = HashMap::default();
+    let (mut points, mut triangles) = (Vec::new(), Vec::new());
+    for (i, j) in (0..n).flat_map(|i| (0..n).map(move |j| (i, j))) {
+        if is_there(i, j) {
+            let mut id = |i: usize, j: usize| {
+                *ids.entry((i, j)).or_insert_with(|| {
+                    points.push(Point::from(at(i as f64, j as f64)));
+                    VertexId::from(points.len() - 1)
+                })
+            };
+            let [a, b, c, d] = [id(i, j), id(i + 1, j), id(i + 1, j + 1), id(i, j + 1)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+    }
+    Mesh { points, triangles }
+}
+
+/// A mesh and what closes its bays.
+fn closed(mesh: &Mesh) -> (Mesh, Option<Bays>) {
+    let outer = boundary::boundary_loops(mesh, &EdgeMap::new(mesh)).remove(0);
+    let bays = Surroundings::with(mesh, |around| close(around, &outer));
+    let mut whole = mesh.clone();
+    if let Some(bays) = &bays {
+        whole.points.extend(&bays.points);
+        whole.triangles.extend(&bays.triangles);
+    }
+    (whole, bays)
+}
+
+/// Whether a mesh is a disk whose boundary is the loop.
+fn is_disk(mesh: &Mesh, outer: &Loop) -> bool {
+    let loops = boundary::boundary_loops(mesh, &EdgeMap::new(mesh));
+    let start = loops[0].iter().position(|v| *v == outer[0]).unwrap_or(0);
+    let turned = [&loops[0][start..], &loops[0][..start]].concat();
+    let origin = vec![FaceOrigin::Measured; mesh.triangles.len()];
+    let (mesh, outer, measured) = (mesh.clone(), outer.clone(), mesh.points.len());
+    let (shore, rims, islands) = (None, Vec::new(), Vec::new());
+    turned == outer && Patch { mesh, measured, origin, outer, shore, rims, islands }.is_disk()
+}
+
+#[test]
+fn a_combs_gaps_are_closed_flat() {
+    // Teeth of four squares with gaps of three.
+    let is_there = |i: usize, j: usize| j < 8 || i % 7 < 4;
+    let (whole, bays) = closed(&sheet(32, is_there, |x, y| [x, y, 0.0]));
+    let bays = bays.expect("bays");
+    assert_eq!(bays.count, 4);
+    assert!(is_disk(&whole, &bays.outer));
+    let normal = |t: &[VertexId; 3]| unit_normal(whole.corners(*t)).expect("an area");
+    assert!(whole.triangles.iter().all(|t| normal(t).z > 0.999));
+    let twice: f64 = whole.triangles.iter().map(|t| whole.area_vector(*t).z).sum();
+    assert!((twice / 2.0 / (32.0 * 32.0) - 1.0).abs() < 0.01);
+    assert!(boundary::length(&whole, &bays.outer) < 1.01 * 128.0);
+}
+
+#[test]
+fn straight_and_wide_boundaries_have_no_bays() {
+    let flat = |x: f64, y: f64| [x, y, 0.0];
+    assert!(closed(&sheet(20, |_, _| true, flat)).1.is_none());
+    // Nor has a sheet that is bent to three quarters of a tube, its ends with teeth.
+    let bent = |x: f64, y: f64| {
+        let angle = 0.1 * x;
+        [10.0 * angle.cos(), y, -10.0 * angle.sin()]
+    };
+    let teeth = |i: usize, j: usize| j > 0 || i.is_multiple_of(2);
+    let (whole, bays) = closed(&sheet(47, teeth, bent));
+    let bays = bays.expect("the gaps between the teeth");
+    assert!(is_disk(&whole, &bays.outer));
+    let off = |p: &Point| (p.x.hypot(p.z) - 10.0).abs();
+    assert!(bays.points.iter().map(off).fold(0.0, f64::max) < 0.2);
+    assert!(bays.points.iter().all(|p| p.y < 1.5));
+}
+
+#[test]
+fn a_bay_in_a_bent_sheet_is_closed_beside_it() {
+    let bent = |x: f64, y: f64| [x, y, 2.0 * (0.2 * x).sin()];
+    let is_there = |i: usize, j: usize| !(12..20).contains(&i) || j < 10;
+    let (whole, bays) = closed(&sheet(32, is_there, bent));
+    let bays = bays.expect("a bay");
+    assert_eq!(bays.count, 1);
+    assert!(is_disk(&whole, &bays.outer));
+    assert!(bays.points.iter().all(|p| (p.z - 2.0 * (0.2 * p.x).sin()).abs() < 1.5));
+}
