@@ -222,7 +222,10 @@ impl View {
     }
 
     /// To lead a front by.
-    pub fn lead<'a>(&self, surface: &'a dyn Fn(Point) -> Option<(Point, Vector)>) -> Lead<'a> {
+    pub fn lead<'a>(
+        &self,
+        surface: &'a (dyn Fn(Point) -> Option<(Point, Vector)> + Sync),
+    ) -> Lead<'a> {
         Lead { plane: self.plane, surface }
     }
 

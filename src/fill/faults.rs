@@ -2,6 +2,7 @@
 //! measured surface, and triangles that cut each other, or measured ones.
 
 use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
+use rayon::prelude::*;
 use robust::{Coord3D, orient3d};
 
 use super::blocks::{Block, Blocks, Numbered, meet};
@@ -41,8 +42,8 @@ impl Ground {
     pub fn new(mesh: &Mesh) -> Self {
         let side = |t: &[VertexId; 3]| (mesh.point(t[1]) - mesh.point(t[0])).norm();
         let mean = mesh.triangles.iter().map(side).sum::<f64>() / mesh.triangles.len() as f64;
-        let extents = mesh.triangles.iter().map(|t| extent(t.map(|v| mesh.point(v))));
-        Ground(Cells::new(extents, CELL * mean.max(f64::MIN_POSITIVE)))
+        let extents = mesh.triangles.par_iter().map(|t| extent(t.map(|v| mesh.point(v))));
+        Ground(Cells::new(extents.collect(), CELL * mean.max(f64::MIN_POSITIVE)))
     }
 }
 
@@ -122,9 +123,9 @@ impl Judge<'_> {
     fn ground_cuts(&self, block: &Block) -> usize {
         let (mesh, own) = (self.around.mesh, &self.fill.triangles);
         let near = self.around.ground.0.meeting(block.extent);
-        let cut_by = |(number, place): &Numbered| {
-            let met = block.members.iter().filter(|m| meet(place, &m.1));
-            let other = mesh.triangles[*number as usize];
+        let cut_by = |(number, place): Numbered| {
+            let met = block.members.iter().filter(|m| meet(&place, &m.1));
+            let other = mesh.triangles[number as usize];
             met.filter(|m| self.cut(own[m.0 as usize], other)).count()
         };
         near.map(cut_by).sum()

@@ -11,6 +11,7 @@ use std::collections::BTreeMap;
 
 use foldhash::{HashSet, HashSetExt};
 use formats::Soup;
+use rayon::prelude::*;
 
 use super::topology::Buckets;
 use super::{EdgeMap, Mesh, caps, polygons, spikes, weld};
@@ -93,16 +94,17 @@ fn drop_duplicates(points: usize, triangles: &mut Vec<[VertexId; 3]>, repairs: &
         corners
     };
     let buckets = Buckets::new(points, triangles.len(), |t| sorted(t)[0].0);
-    let mut doomed = vec![false; triangles.len()];
-    let mut bucket = Vec::new();
-    for v in 0..points {
+    let repeated = |bucket: &mut Vec<_>, v: usize| {
         bucket.clear();
         bucket.extend(buckets.of(v).iter().map(|&t| (sorted(t), t)));
         bucket.sort_unstable();
-        for pair in bucket.windows(2).filter(|pair| pair[0].0 == pair[1].0) {
-            doomed[pair[1].1 as usize] = true;
-        }
-    }
+        let pairs = bucket.windows(2).filter(|pair| pair[0].0 == pair[1].0);
+        pairs.map(|pair| pair[1].1 as usize).collect::<Vec<_>>()
+    };
+    let of_vertices = (0..points).into_par_iter().map_init(Vec::new, repeated);
+    let repeated: Vec<usize> = of_vertices.flatten_iter().collect();
+    let mut doomed = vec![false; triangles.len()];
+    repeated.into_iter().for_each(|t| doomed[t] = true);
     let before = triangles.len();
     let mut at = doomed.iter();
     triangles.retain(|_| at.next() == Some(&false));

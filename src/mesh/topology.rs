@@ -1,5 +1,9 @@
 //! Who borders on whom.
 
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use rayon::prelude::*;
+
 use super::Mesh;
 use crate::geometry::VertexId;
 
@@ -25,16 +29,27 @@ impl EdgeMap {
             (a.min(b), a.max(b))
         };
         let count = 3 * mesh.triangles.len();
-        let mut map = EdgeMap { glued: vec![OPEN; count], overfull: Vec::new() };
         let by_lower = Buckets::new(mesh.points.len(), count, |side| ends(side).0);
-        let mut bucket = Vec::new();
-        for v in 0..mesh.points.len() {
+        // Each side is of one vertex's edges, so no two threads write the same place.
+        let glued: Vec<AtomicU32> = (0..count).into_par_iter().map(|_| OPEN.into()).collect();
+        let glue = |(x, y): (u32, u32)| glued[x as usize].store(y, Ordering::Relaxed);
+        let glue_at = |bucket: &mut Vec<(u32, u32)>, v: usize| {
             bucket.clear();
             bucket.extend(by_lower.of(v).iter().map(|&side| (ends(side).1, side)));
             bucket.sort_unstable();
-            bucket.chunk_by(|x, y| x.0 == y.0).for_each(|same| map.glue(same));
-        }
-        map
+            let mut overfull = Vec::new();
+            for same in bucket.chunk_by(|x, y| x.0 == y.0) {
+                match *same {
+                    [_] => {}
+                    [(_, x), (_, y)] => [(x, y), (y, x)].into_iter().for_each(glue),
+                    _ => overfull.push(same.iter().map(|&(_, side)| side).collect()),
+                }
+            }
+            overfull
+        };
+        let vertices = (0..mesh.points.len()).into_par_iter();
+        let overfull = vertices.map_init(Vec::new, glue_at).flatten_iter().collect();
+        EdgeMap { glued: glued.into_iter().map(AtomicU32::into_inner).collect(), overfull }
     }
 
     /// That of the triangles given, none of which borders on another one.
@@ -47,18 +62,6 @@ impl EdgeMap {
         };
         let glued = triangles.iter().flat_map(|t| [0, 1, 2].map(|k| renumbered(3 * t + k)));
         EdgeMap { glued: glued.collect(), overfull: Vec::new() }
-    }
-
-    /// Glues the sides of one edge, given as (upper vertex, side).
-    fn glue(&mut self, same: &[(u32, u32)]) {
-        match *same {
-            [_] => {}
-            [(_, x), (_, y)] => {
-                self.glued[x as usize] = y;
-                self.glued[y as usize] = x;
-            }
-            _ => self.overfull.push(same.iter().map(|&(_, side)| side).collect()),
-        }
     }
 
     /// The side that `side` is glued to, unless it lies on the boundary.

@@ -42,9 +42,8 @@ pub struct Surroundings<'a> {
 impl Surroundings<'_> {
     /// Does something with all that is around the holes of a mesh.
     pub fn with<T>(mesh: &Mesh, what: impl FnOnce(&Surroundings) -> T) -> T {
-        let (rings, cloud) = rayon::join(|| mesh::Rings::new(mesh), || Cloud::of(mesh));
-        // Not at once with these, whose making takes memory for a while.
-        let ground = Ground::new(mesh);
+        let rings = mesh::Rings::new(mesh);
+        let (cloud, ground) = rayon::join(|| Cloud::with_rings(mesh, &rings), || Ground::new(mesh));
         what(&Surroundings { mesh, rings: &rings, cloud: &cloud, ground: &ground })
     }
 
@@ -80,7 +79,7 @@ pub struct Fill {
 /// surface over it, by the point next to a place and the unit normal there.
 pub struct Lead<'a> {
     pub plane: LocalPlane,
-    pub surface: &'a dyn Fn(Point) -> Option<(Point, Vector)>,
+    pub surface: &'a (dyn Fn(Point) -> Option<(Point, Vector)> + Sync),
 }
 
 /// A hole, and what is around it.

@@ -2,6 +2,7 @@
 //! front meets itself.
 
 use foldhash::{HashSet, HashSetExt};
+use rayon::prelude::*;
 
 use super::{Front, Way};
 use crate::geometry::{Point, Vector, segment_distance};
@@ -30,6 +31,9 @@ const FARTHEST: f64 = 2.2;
 
 /// … nor one whose plane is turned from theirs, by the cosine of the angle.
 const FACING: f64 = 0.95;
+
+/// Rows of edges whose candidates one thread looks for.
+const AT_ONCE: usize = 8;
 
 /// The MLS approximation at an edge.
 #[derive(Clone, Copy)]
@@ -60,34 +64,47 @@ impl Front<'_> {
 
     /// The candidates of all edges, ring by ring.
     fn candidates(&self) -> Vec<((usize, usize), (Point, Vector))> {
-        let mut candidates = Vec::with_capacity(self.rings.len());
-        let mut around = Vec::new();
         let mut seen = HashSet::new();
         let shared = match self.way {
             Way::Mls(support) => support.shared,
             Way::Led(_) => 1,
         };
+        let mut rows: Vec<Vec<usize>> = Vec::new();
         for first in self.rings.all() {
             if seen.contains(&first) {
                 continue;
             }
             let ring = self.rings.ring(first);
             seen.extend(ring.iter().copied());
-            for nodes in ring.chunks(shared) {
-                let middle = nodes[nodes.len() / 2];
-                let local = self.local(middle, &mut around);
-                for &node in nodes {
-                    let is_shared = |l: &Local| node == middle || self.is_shared(l, node);
-                    let local = match local.filter(is_shared) {
-                        None if node != middle => self.local(node, &mut around),
-                        local => local,
-                    };
-                    let candidate = self.candidate(node, local.as_ref());
-                    candidates.extend(candidate.map(|c| ((node, self.rings.after(node)), c)));
-                }
-            }
+            rows.extend(ring.chunks(shared).map(<[usize]>::to_vec));
         }
-        candidates
+        let of_rows: Vec<_> = rows
+            .par_iter()
+            .with_min_len(AT_ONCE)
+            .map_init(Vec::new, |around, nodes| self.of_row(nodes, around))
+            .collect();
+        of_rows.into_iter().flatten().collect()
+    }
+
+    /// The candidates of edges in a row, by the approximation at the middle one of them
+    /// where it serves.
+    fn of_row(
+        &self,
+        nodes: &[usize],
+        around: &mut Vec<Sample>,
+    ) -> Vec<((usize, usize), (Point, Vector))> {
+        let middle = nodes[nodes.len() / 2];
+        let shared = self.local(middle, around);
+        let candidate = |&node: &usize| {
+            let serves = |l: &Local| node == middle || self.is_shared(l, node);
+            let local = match shared.filter(serves) {
+                None if node != middle => self.local(node, around),
+                local => local,
+            };
+            let candidate = self.candidate(node, local.as_ref())?;
+            Some(((node, self.rings.after(node)), candidate))
+        };
+        nodes.iter().filter_map(candidate).collect()
     }
 
     /// The middle of the edge that leaves a node, and the mean normal of its

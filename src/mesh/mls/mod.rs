@@ -94,7 +94,14 @@ impl Cloud {
 
     /// The cloud of a mesh's vertices.
     pub fn of(mesh: &Mesh) -> Self {
-        Cloud::new(mesh.points.clone(), steady_normals(mesh, &Rings::new(mesh)))
+        Cloud::with_rings(mesh, &Rings::new(mesh))
+    }
+
+    /// The same, where it is known who borders on whom.
+    pub fn with_rings(mesh: &Mesh, rings: &Rings) -> Self {
+        let normals = || steady_normals(mesh, rings);
+        let (near, normals) = rayon::join(|| Neighbours::new(&mesh.points), normals);
+        Cloud { points: mesh.points.clone(), normals, near }
     }
 
     /// The unit normal of the cloud's `i`-th point.
