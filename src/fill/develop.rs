@@ -9,7 +9,8 @@ use faer::Mat;
 use faer::prelude::Solve;
 use faer::sparse::linalg::solvers::Llt;
 use faer::sparse::{SparseColMat, Triplet};
-use nalgebra::Vector2;
+use nalgebra::{Matrix2, Rotation2, Vector2};
+use rayon::prelude::*;
 
 use super::flips::cotangent;
 use crate::geometry::{Point, Uv};
@@ -34,11 +35,14 @@ pub fn develop(
     let factor = laplacian(points.len(), triangles, &weights)?;
     for _ in 0..STEPS {
         let mut right = Mat::<f64>::zeros(points.len(), 2);
-        for ((t, x), w) in triangles.iter().zip(&flat).zip(&weights) {
+        let turned = triangles.par_iter().zip(&flat).zip(&weights).map(|((t, x), w)| {
             let turn = rotation(t.map(|v| uv[v]), x, w);
-            for k in 0..3 {
+            [0, 1, 2].map(|k| w[k] * (turn * (x[k] - x[(k + 1) % 3])))
+        });
+        let turned: Vec<[Vector2<f64>; 3]> = turned.collect();
+        for (t, sides) in triangles.iter().zip(turned) {
+            for (k, side) in sides.into_iter().enumerate() {
                 let (i, j) = (t[k], t[(k + 1) % 3]);
-                let side = w[k] * (turn * (x[k] - x[(k + 1) % 3]));
                 for axis in 0..2 {
                     right[(i, axis)] += side[axis];
                     right[(j, axis)] -= side[axis];
@@ -70,18 +74,17 @@ fn cotangents(corners: [Point; 3]) -> [f64; 3] {
 }
 
 /// The rotation that brings a flattened triangle nearest to its image.
-fn rotation(
-    image: [Uv; 3],
-    flat: &[Vector2<f64>; 3],
-    weights: &[f64; 3],
-) -> nalgebra::Rotation2<f64> {
+fn rotation(image: [Uv; 3], flat: &[Vector2<f64>; 3], weights: &[f64; 3]) -> Rotation2<f64> {
     let (mut cosine, mut sine) = (0.0, 0.0);
     for k in 0..3 {
         let (u, x) = (image[k] - image[(k + 1) % 3], flat[k] - flat[(k + 1) % 3]);
         cosine += weights[k] * x.dot(&u);
         sine += weights[k] * x.perp(&u);
     }
-    nalgebra::Rotation2::new(sine.atan2(cosine))
+    let length = cosine.hypot(sine);
+    // An image without extent is turned nowhere.
+    let (c, s) = if length > 0.0 { (cosine / length, sine / length) } else { (1.0, 0.0) };
+    Rotation2::from_matrix_unchecked(Matrix2::new(c, -s, s, c))
 }
 
 /// The factor of Σ w (uᵢ − uⱼ)², all vertices held lightly.

@@ -135,7 +135,10 @@ impl Grain {
     pub fn gather(&self, c: usize, h: f64, room: &mut Gathering) {
         let (at, normal) = (self.samples[c].at, self.normals[c]);
         let reach = (REACH * h).powi(2);
-        room.seen.resize(self.samples.len(), 0);
+        // What grains of other sizes left there is older than any stamp to come.
+        if room.seen.len() < self.samples.len() {
+            room.seen.resize(self.samples.len(), 0);
+        }
         room.stamp += 1;
         room.found.clear();
         room.found.push(c as u32);

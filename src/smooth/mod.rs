@@ -146,7 +146,8 @@ pub fn smooth_with(disk: &Disk, options: &Options, course: &mut Course) -> Resul
             out.mesh.points[v.index()] = surface.project(v, p).map_or(p, |foot| foot.point);
         }
     }
-    let upright = unfold::Upright { projected, normals, corners: &report.corners };
+    let named = matches!(options.corners, Corners::At(_));
+    let upright = unfold::Upright { projected, normals, corners: &report.corners, named };
     unfold::unfold(&mut out, &surface, upright);
     let pairs = out.mesh.points.par_iter().zip(&disk.mesh.points);
     let moved: Vec<f64> = pairs.map(|(p, q)| (p - q).norm()).collect();

@@ -12,7 +12,8 @@ use crate::mesh::{Disk, Rings};
 /// Rounds of sliding at the most.
 const ROUNDS: usize = 60;
 
-/// Rounds after which boundary vertices have to give way too.
+/// Rounds after which boundary vertices have to give way too, for as many; then by turns,
+/// since the places that they go back to may be what is folded.
 const PATIENCE: usize = 8;
 
 /// A triangle that was folded is let go when it is at least as upright as one
@@ -25,6 +26,8 @@ struct Sliding<'a> {
     rings: Rings,
     /// For each vertex its neighbours on its boundary loop, if it is on one.
     beside: Vec<Option<[VertexId; 2]>>,
+    /// Which vertices stay.
+    pinned: Vec<bool>,
     /// The surface's normals at the vertices.
     normals: Vec<Vector>,
 }
@@ -35,13 +38,16 @@ pub struct Upright<'a> {
     pub projected: Vec<Point>,
     /// The surface's unit normals there.
     pub normals: Vec<Vector>,
-    /// Vertices that stay.
+    /// Vertices that stay, …
     pub corners: &'a [VertexId],
+    /// … but those of them that were not named, where a fold does.
+    pub named: bool,
 }
 
 /// Turns folded triangles back. Inner vertices slide towards the middle of their
 /// neighbours, and boundary vertices along their loop; where that does not help,
-/// boundary vertices go half of the way back to where the surface step put them.
+/// boundary vertices go half of the way back to where the surface step put them, for
+/// some rounds.
 pub fn unfold(disk: &mut Disk, surface: &Surface, by: Upright) {
     let projected = by.projected;
     let mut sliding = Sliding::new(disk, surface, by.normals, by.corners);
@@ -61,8 +67,12 @@ pub fn unfold(disk: &mut Disk, surface: &Surface, by: Upright) {
         let around =
             corners.iter().flat_map(|&v| sliding.rings.neighbours(&disk.mesh, VertexId(v)));
         let inner = around.map(|v| v.0).filter(is_inner);
-        let moving = vertices.unique(corners.iter().copied().chain(inner));
-        if round >= PATIENCE {
+        let mut moving = vertices.unique(corners.iter().copied().chain(inner));
+        moving.retain(|&v| !sliding.pinned[v as usize]);
+        if round == 2 * PATIENCE && !by.named {
+            corners.iter().for_each(|&v| sliding.pinned[v as usize] = false);
+        }
+        if round / PATIENCE % 2 == 1 {
             for &v in corners.iter().filter(|v| !is_inner(v)) {
                 let p = &mut disk.mesh.points[v as usize];
                 *p = nalgebra::center(p, &projected[v as usize]);
@@ -96,9 +106,9 @@ impl<'a> Sliding<'a> {
                 beside[v.index()] = Some([ring[(i + n - 1) % n], ring[(i + 1) % n]]);
             }
         }
-        // A corner stays between itself and itself.
-        corners.iter().for_each(|&v| beside[v.index()] = Some([v, v]));
-        Sliding { surface, rings: Rings::new(&disk.mesh), beside, normals }
+        let mut pinned = vec![false; disk.mesh.points.len()];
+        corners.iter().for_each(|&v| pinned[v.index()] = true);
+        Sliding { surface, rings: Rings::new(&disk.mesh), beside, pinned, normals }
     }
 
     /// How far a triangle is from being folded: its area seen along the
