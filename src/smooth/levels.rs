@@ -2,9 +2,11 @@
 
 use std::sync::Arc;
 
+use rayon::prelude::*;
+
 use super::clusters::{Gathering, Grain};
 use crate::geometry::Point;
-use crate::mesh::mls::{Plane, Polynomial, reference_plane};
+use crate::mesh::mls::{Plane, Polynomial, REACH, reference_plane};
 use crate::mesh::{Mesh, Rings};
 
 /// The shortest support, in mean edge lengths: below it a quadratic has too few
@@ -20,6 +22,14 @@ const LONGEST: f64 = 0.1;
 /// Clusters have this radius, in supports.
 const RADIUS: f64 = 0.3;
 
+/// With no more vertices than this within that radius of each other, clusters would be
+/// little fewer than they. Counted, not told from the lengths of edges, which noise as
+/// large as the point spacing doubles.
+const CROWD: f64 = 4.4;
+
+/// The vertices around about so many are counted.
+const COUNTED: usize = 1000;
+
 /// A support and its grain.
 #[derive(Clone)]
 pub struct Level {
@@ -33,12 +43,11 @@ pub struct Level {
 
 /// The levels for a mesh, from the shortest support to the longest.
 pub fn levels(mesh: &Mesh, rings: &Rings, left_out: &[bool]) -> Vec<Level> {
-    let edge = mesh.mean_edge();
-    let shortest = SHORTEST * edge;
+    let shortest = SHORTEST * mesh.mean_edge();
     let longest = (LONGEST * mesh.diagonal()).max(shortest);
     let mut levels = vec![Level::finest(mesh, rings, left_out, shortest)];
     while let Some(last) = levels.last().filter(|last| last.h * RATIO <= longest) {
-        levels.push(last.next(last.h * RATIO, edge));
+        levels.push(last.next(last.h * RATIO));
     }
     levels
 }
@@ -54,15 +63,28 @@ impl Level {
         }
     }
 
-    /// The level for support `h`, of the same grain where a coarser one would be no
-    /// other. `edge` is the mesh's mean edge.
-    pub fn next(&self, h: f64, edge: f64) -> Level {
-        if RADIUS * h < edge {
+    /// The level for support `h`, of the same grain where a coarser one would be hardly
+    /// any other.
+    pub fn next(&self, h: f64) -> Level {
+        let is_finest = self.grain.samples.len() == self.cluster.len();
+        if is_finest && self.crowd(RADIUS * h) < CROWD {
             return Level { h, grain: self.grain.clone(), cluster: self.cluster.clone() };
         }
         let (grain, of) = self.grain.coarser(RADIUS * h);
-        let cluster = self.cluster.iter().map(|&c| of[c as usize]).collect();
+        let cluster = self.cluster.par_iter().map(|&c| of[c as usize]).collect();
         Level { h, grain: Arc::new(grain), cluster: Arc::new(cluster) }
+    }
+
+    /// How many samples are within a radius of one, in the mean.
+    fn crowd(&self, radius: f64) -> f64 {
+        let (mut room, count) = (Gathering::default(), self.grain.samples.len());
+        let looked_at = (0..count).step_by(count.div_ceil(COUNTED).max(1));
+        let of_each = looked_at.map(|c| {
+            self.grain.gather(c, radius / REACH, &mut room);
+            room.around.len() as f64
+        });
+        let (sum, looked_at) = of_each.fold((0.0, 0.0), |(sum, n), found| (sum + found, n + 1.0));
+        sum / looked_at
     }
 
     /// The polynomial around the place of cluster `c`.

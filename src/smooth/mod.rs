@@ -203,7 +203,7 @@ impl Examined {
     /// The surface under one support.
     fn surface_of(self, mesh: &Mesh, h: f64) -> Result<Surface> {
         let finest = &self.levels[0];
-        let level = finest.next(h, mesh.mean_edge());
+        let level = finest.next(h);
         let place = vec![0.0; mesh.points.len()];
         Surface::new(finest.grain.clone(), vec![level], place, &mut course::untold)
     }
