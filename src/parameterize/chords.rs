@@ -2,10 +2,11 @@
 //! middle each: one whose ends are on one side of the rectangle would be mapped
 //! onto that side, and everything beyond it too.
 
-use std::collections::HashMap;
+use foldhash::{HashMap, HashMapExt};
+use rayon::prelude::*;
 
 use crate::geometry::VertexId;
-use crate::mesh::{EdgeMap, Patch};
+use crate::mesh::Patch;
 
 type Edge = (VertexId, VertexId);
 
@@ -15,31 +16,58 @@ fn edge(a: VertexId, b: VertexId) -> Edge {
 
 /// Splits the chords; returns how many there were.
 pub fn split_chords(patch: &mut Patch) -> usize {
-    let middles = chords(patch);
+    let sides = between_outer(patch);
+    let middles = chords(patch, &sides);
     if middles.is_empty() {
         return 0;
     }
     let old = std::mem::take(&mut patch.mesh.triangles);
     let origins = std::mem::take(&mut patch.origin);
-    for (t, origin) in old.into_iter().zip(origins) {
-        for piece in divided(t, &middles) {
-            patch.mesh.triangles.push(piece);
-            patch.origin.push(origin);
+    let mut maybe = sides.into_iter().map(|side| side / 3).peekable();
+    for (number, (t, origin)) in old.into_iter().zip(origins).enumerate() {
+        let may_be_divided = maybe.peek() == Some(&number);
+        while maybe.next_if_eq(&number).is_some() {}
+        if may_be_divided {
+            patch.mesh.triangles.extend(divided(t, &middles));
+        } else {
+            patch.mesh.triangles.push(t);
         }
+        patch.origin.resize(patch.mesh.triangles.len(), origin);
     }
     middles.len()
 }
 
-/// The chords and their new vertices, which are added to the mesh.
-fn chords(patch: &mut Patch) -> HashMap<Edge, VertexId> {
+/// The sides of triangles that join two outer vertices, ascending: side `3 t + k` runs
+/// from corner `k` of triangle `t` to the next one.
+fn between_outer(patch: &Patch) -> Vec<usize> {
     let mut outer = vec![false; patch.mesh.points.len()];
     patch.outer.iter().for_each(|v| outer[v.index()] = true);
-    let glue = EdgeMap::new(&patch.mesh);
+    let sides = (0..3 * patch.mesh.triangles.len()).into_par_iter();
+    sides
+        .filter(|&side| {
+            let (a, b) = ends(patch, side);
+            outer[a.index()] && outer[b.index()]
+        })
+        .collect()
+}
+
+fn ends(patch: &Patch, side: usize) -> Edge {
+    let t = patch.mesh.triangles[side / 3];
+    (t[side % 3], t[(side % 3 + 1) % 3])
+}
+
+/// The chords among sides and their new vertices, which are added to the mesh.
+fn chords(patch: &mut Patch, sides: &[usize]) -> HashMap<Edge, VertexId> {
+    let mut seen = HashMap::with_capacity(sides.len());
+    for &side in sides {
+        let (a, b) = ends(patch, side);
+        *seen.entry(edge(a, b)).or_insert(0) += 1;
+    }
     let mut middles = HashMap::new();
-    for side in 0..3 * patch.mesh.triangles.len() {
-        let t = patch.mesh.triangles[side / 3];
-        let (a, b) = (t[side % 3], t[(side % 3 + 1) % 3]);
-        if !(outer[a.index()] && outer[b.index()]) || glue.across(side).is_none() {
+    for &side in sides {
+        let (a, b) = ends(patch, side);
+        if seen[&edge(a, b)] < 2 {
+            // A side of the boundary.
             continue;
         }
         middles.entry(edge(a, b)).or_insert_with(|| {

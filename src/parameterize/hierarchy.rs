@@ -91,8 +91,9 @@ impl Hierarchy {
     }
 }
 
-/// Vertices whose removals are found at once, before any of them is made.
-const BATCH: usize = 1 << 10;
+/// Vertices whose removals are found at once, before any of them is made. More would be
+/// found once more after one beside them went; fewer are not worth the threads' meeting.
+const BATCH: usize = 1 << 13;
 
 /// A pass while it is made.
 struct Pass {
