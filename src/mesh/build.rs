@@ -134,6 +134,10 @@ impl Build {
     /// Walks over every component and turns triangles to agree with the first
     /// one; the larger part of a component keeps its orientation.
     fn orient(&mut self) {
+        self.twisted.clear();
+        if self.edges.is_oriented(&self.mesh) {
+            return;
+        }
         let n = self.mesh.triangles.len();
         let mut turned: Vec<Option<bool>> = vec![None; n];
         let mut twisted = HashSet::new();
@@ -181,6 +185,9 @@ impl Build {
     /// Gives every fan of triangles around a vertex a vertex of its own; says
     /// whether any vertex had more than one.
     pub(super) fn open_fans(&mut self) -> bool {
+        if self.twisted.is_empty() && self.edges.has_single_fans(&self.mesh) {
+            return false;
+        }
         let next = |s: usize| s / 3 * 3 + (s % 3 + 1) % 3;
         let mut fans = Fans::new(3 * self.mesh.triangles.len());
         for side in 0..3 * self.mesh.triangles.len() {

@@ -3,6 +3,7 @@
 //! gives two triangles that have the vertex on that side for a corner.
 
 use foldhash::{HashSet, HashSetExt};
+use rayon::prelude::*;
 
 use super::build::{Build, count};
 use super::{EdgeMap, Mesh, Rings};
@@ -17,8 +18,8 @@ const FLAT: f64 = 1e-9;
 pub(super) fn flip(build: &mut Build) -> bool {
     let mut gone = 0;
     loop {
-        let flat: Vec<Option<usize>> =
-            build.mesh.triangles.iter().map(|&t| longest_if_flat(&build.mesh, t)).collect();
+        let (mesh, triangles) = (&build.mesh, build.mesh.triangles.par_iter());
+        let flat: Vec<Option<usize>> = triangles.map(|&t| longest_if_flat(mesh, t)).collect();
         if flat.iter().all(Option::is_none) {
             break;
         }

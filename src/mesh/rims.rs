@@ -6,7 +6,7 @@
 
 use foldhash::{HashSet, HashSetExt};
 
-use super::{Disk, EdgeMap, Outer, Rings};
+use super::{Disk, EdgeMap, Mesh, Outer};
 use crate::error::Result;
 
 /// A triangle at the outer boundary whose tip has at least this angle may be a
@@ -33,9 +33,23 @@ pub(super) fn trim_hanging(mut disk: Disk, outer: Outer) -> Result<(Disk, usize)
     Ok((disk, trimmed))
 }
 
+/// In place of a triangle: none, or more than one.
+const NONE: u32 = u32::MAX;
+const MANY: u32 = u32::MAX - 1;
+
+/// For each vertex its triangle, if it has but one.
+fn alone(mesh: &Mesh) -> Vec<u32> {
+    let mut alone = vec![NONE; mesh.points.len()];
+    for (t, v) in (0..).zip(&mesh.triangles).flat_map(|(t, corners)| corners.map(|v| (t, v))) {
+        let of = &mut alone[v.index()];
+        *of = if *of == NONE { t } else { MANY };
+    }
+    alone
+}
+
 /// Triangles with a tip that no other triangle has.
 fn hanging(disk: &Disk) -> HashSet<u32> {
-    let rings = Rings::new(&disk.mesh);
+    let alone = alone(&disk.mesh);
     let mut doomed = HashSet::new();
     let loops = std::iter::once((&disk.outer, true)).chain(disk.holes.iter().map(|h| (h, false)));
     for (ring, outer) in loops {
@@ -44,10 +58,9 @@ fn hanging(disk: &Disk) -> HashSet<u32> {
         for (i, &tip) in ring.iter().enumerate().filter(|_| ring.len() > 4) {
             let before = ring[(i + ring.len() - 1) % ring.len()];
             let after = ring[(i + 1) % ring.len()];
-            if let [t] = rings.triangles(tip)
-                && !(outer && disk.mesh.angle(before, tip, after) >= CORNER)
-            {
-                doomed.insert(*t);
+            let t = alone[tip.index()];
+            if t < MANY && !(outer && disk.mesh.angle(before, tip, after) >= CORNER) {
+                doomed.insert(t);
             }
         }
     }
@@ -58,7 +71,6 @@ fn hanging(disk: &Disk) -> HashSet<u32> {
 mod tests {
     use super::*;
     use crate::geometry::{Point, VertexId};
-    use crate::mesh::Mesh;
 
     #[test]
     fn a_tooth_goes_and_the_corners_stay() {

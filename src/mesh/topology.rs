@@ -78,7 +78,47 @@ impl EdgeMap {
     /// Whether glued sides run in opposite directions, everywhere.
     pub(super) fn is_oriented(&self, mesh: &Mesh) -> bool {
         let from = |side: usize| mesh.triangles[side / 3][side % 3];
-        (0..self.glued.len()).all(|s| self.across(s).is_none_or(|other| from(s) != from(other)))
+        let opposite = |s| self.across(s).is_none_or(|other| from(s) != from(other));
+        (0..self.glued.len()).into_par_iter().all(opposite)
+    }
+
+    /// Whether the triangles around each vertex of an oriented mesh are all reached from
+    /// one of them over sides at the vertex.
+    pub(super) fn has_single_fans(&self, mesh: &Mesh) -> bool {
+        let none = || (0..mesh.points.len()).into_par_iter().map(|_| AtomicU32::new(0));
+        let (counts, firsts): (Vec<AtomicU32>, Vec<AtomicU32>) =
+            rayon::join(|| none().collect(), || none().collect());
+        (0..self.glued.len()).into_par_iter().for_each(|corner| {
+            let v = mesh.triangles[corner / 3][corner % 3].index();
+            counts[v].fetch_add(1, Ordering::Relaxed);
+            // Any of its corners will do.
+            firsts[v].store(corner as u32, Ordering::Relaxed);
+        });
+        let of_vertices = counts.into_par_iter().zip(firsts);
+        of_vertices.all(|(count, first)| match count.into_inner() {
+            0 => true,
+            count => self.fan(first.into_inner() as usize) == count,
+        })
+    }
+
+    /// How many corners there are at a vertex that are reached from one of them.
+    fn fan(&self, first: usize) -> u32 {
+        let turned = |corner: usize, by: usize| corner / 3 * 3 + (corner % 3 + by) % 3;
+        let mut count = 1;
+        let mut corner = first;
+        while let Some(other) = self.across(corner) {
+            corner = turned(other, 1);
+            if corner == first {
+                return count;
+            }
+            count += 1;
+        }
+        corner = first;
+        while let Some(other) = self.across(turned(corner, 2)) {
+            corner = other;
+            count += 1;
+        }
+        count
     }
 
     /// The sides of each edge that more than two triangles share. None of them
