@@ -38,6 +38,20 @@ fn real_scans_become_faces_that_cad_opens() {
 }
 
 #[test]
+fn a_named_tolerance_leaves_room_for_a_surface_without_folds() {
+    let Some(scan) = shared("scans/A/bunny_flank.obj.gz") else { return };
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [step, report] = ["a.step", "a.json"].map(|n| folder.path().join(n));
+    // A thousandth of its diagonal. Over the smallest net that keeps this, 27 places
+    // are turned over, and no other surface over it keeps it.
+    let asked = ["--tolerance", "0.000141064"];
+    converted(&[&[arg(&scan), arg(&step), "--report", arg(&report)], &asked[..]].concat());
+    let r = json(&report);
+    assert_eq!((&r["fit"]["folds"], &r["tolerance_met"]), (&0.into(), &true.into()));
+    assert_eq!(opencascade(&step, None)["argument_check"], true);
+}
+
+#[test]
 fn whole_models_are_refused_with_a_reason() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let step = folder.path().join("a.step");

@@ -141,7 +141,7 @@ pub fn fit_with(
     let mut folds = None;
     if options.method != fit::Method::Blend {
         best = search.settle(best)?;
-        let (unfolded, left) = search.unfold(best);
+        let (unfolded, left) = search.unfold(best)?;
         (best, folds) = (unfolded, Some(left));
     }
     search.target.samples.uv = best.uv;

@@ -33,6 +33,9 @@ const PRESSING_PAYS: f64 = 0.7;
 const FIRM_AREA: f64 = 0.2;
 const LEAST_AREA: f64 = 1e-3;
 
+/// How often knots make room for a surface without folds.
+const ROOM: usize = 4;
+
 /// The share of points that may go beyond an unnamed tolerance for a surface without folds.
 const GIVEN_UP: f64 = 0.01;
 
@@ -58,6 +61,16 @@ pub struct Attempt {
     pub(super) feet: Feet,
     /// Measured vertices beyond the tolerance, and the farthest.
     beyond: (usize, f64),
+}
+
+/// What became of an attempt's folds.
+struct Unfolding {
+    /// How many places are turned over.
+    folds: usize,
+    /// The attempt with fewer of them that keeps the target, …
+    found: Option<Attempt>,
+    /// … or the last one that does not.
+    lost: Option<Attempt>,
 }
 
 /// The samples as they stand between fits.
@@ -176,12 +189,6 @@ impl<'a> Search<'a> {
 
     /// Puts in knots until the tolerance is met or nothing helps.
     pub fn grow(&mut self, start: Attempt) -> Result<Attempt> {
-        let asked = &self.options.knots;
-        let bounds = Bounds {
-            depth: asked.depth.unwrap_or(rules::MOST_HALVINGS),
-            most: asked.max_net,
-            price: 0.0,
-        };
         let mut best = self.press(start)?;
         let mut last: Option<Attempt> = None;
         let mut idle = 0;
@@ -190,8 +197,7 @@ impl<'a> Search<'a> {
             if self.met(now) || idle > PATIENCE {
                 break;
             }
-            let misses = self.target.misses(&now.feet, self.goal.tolerance);
-            let knots = knots::insert(&now.surface, &misses, self.target.reach(), &bounds);
+            let knots = self.finer(now);
             if knots == [now.surface.u.clone(), now.surface.v.clone()] {
                 break;
             }
@@ -209,6 +215,18 @@ impl<'a> Search<'a> {
             }
         }
         Ok(best)
+    }
+
+    /// The knots of an attempt and those that it wants where it misses points.
+    fn finer(&self, now: &Attempt) -> [KnotVector; 2] {
+        let asked = &self.options.knots;
+        let bounds = Bounds {
+            depth: asked.depth.unwrap_or(rules::MOST_HALVINGS),
+            most: asked.max_net,
+            price: 0.0,
+        };
+        let misses = self.target.misses(&now.feet, self.goal.tolerance);
+        knots::insert(&now.surface, &misses, self.target.reach(), &bounds)
     }
 
     /// Takes out knot lines as long as the tolerance stays met.
@@ -244,18 +262,47 @@ impl<'a> Search<'a> {
         Ok(best)
     }
 
-    /// Takes out folds as far as that does not lose the target. Returns how many places
-    /// stay turned over, too.
-    pub fn unfold(&mut self, start: Attempt) -> (Attempt, usize) {
-        self.take_up(&start, LEAST_AREA);
+    /// Takes out folds as far as that does not lose the target; where a named one would be
+    /// lost, knots make room for it. Returns how many places stay turned over, too.
+    pub fn unfold(&mut self, start: Attempt) -> Result<(Attempt, usize)> {
+        let mut best = start;
+        for _ in 0..ROOM {
+            let Unfolding { folds, found, lost } = self.unfolding(&best);
+            if let Some(found) = found {
+                return Ok((found, folds));
+            }
+            let asked = &self.options.knots;
+            let is_free = self.goal.named && asked.net.is_none() && asked.kappa.is_none();
+            let Some(lost) = lost.filter(|_| is_free && self.met(&best)) else {
+                return Ok((best, folds));
+            };
+            let knots = self.finer(&lost);
+            if knots == [best.surface.u.clone(), best.surface.v.clone()] {
+                return Ok((best, folds));
+            }
+            self.resume(&best);
+            let next = self.attempt(knots)?;
+            let next = self.press(next)?;
+            if !self.met(&next) {
+                return Ok((best, folds));
+            }
+            best = next;
+        }
+        let Unfolding { folds, found, .. } = self.unfolding(&best);
+        Ok((found.unwrap_or(best), folds))
+    }
+
+    /// Tries to take folds out over the same net.
+    fn unfolding(&mut self, start: &Attempt) -> Unfolding {
+        self.take_up(start, LEAST_AREA);
         let slide = |now: Vec<Uv>, wanted: Vec<Uv>| self.target.corrected(now, wanted, LEAST_AREA);
         let most =
             start.beyond.0.max(self.spared()) + if self.goal.named { 0 } else { self.given_up() };
-        let mut folds = 0;
+        let mut tried = Unfolding { folds: 0, found: None, lost: None };
         for stiffness in fit::STIFFNESSES {
             let samples = &self.target.samples;
             let unfolded = fit::unfold(&start.surface, samples, &self.holds, stiffness, &slide);
-            folds = unfolded.before;
+            tried.folds = unfolded.before;
             let Some((surface, uv)) = unfolded.found else { break };
             let mut feet = self.target.feet_from(&surface, &uv);
             let uv = self.target.corrected(uv, feet.uv.clone(), LEAST_AREA);
@@ -264,11 +311,14 @@ impl<'a> Search<'a> {
                 feet = self.target.at(&surface, uv.clone());
             }
             let beyond = feet.beyond(self.goal.tolerance);
+            let (fit, weights) = (start.fit.clone(), start.weights.clone());
+            let attempt = Attempt { surface, fit, uv, weights, feet, beyond };
             if beyond.0 <= most {
-                return (Attempt { surface, uv, feet, beyond, ..start }, unfolded.after);
+                return Unfolding { folds: unfolded.after, found: Some(attempt), lost: None };
             }
+            tried.lost = Some(attempt);
         }
-        (start, folds)
+        tried
     }
 
     /// Corrects the parameters over the same net as long as it pays.
