@@ -157,19 +157,29 @@ pub fn fill_with(
     let (fills, bays) = front::Surroundings::with(&disk.mesh, |around| {
         let count = disk.holes.len();
         let mut fills: Vec<Closed> = Vec::with_capacity(count);
-        while fills.len() < count {
-            course(SURROUNDED + (1.0 - SURROUNDED) * fills.len() as f64 / count as f64)?;
+        let mut bays = None;
+        loop {
+            course(SURROUNDED + (1.0 - SURROUNDED) * fills.len() as f64 / count.max(1) as f64)?;
             let some = fills.len()..count.min(fills.len() + AT_ONCE);
-            let closed = some.into_par_iter().map(|hole| fill(around, measured, hole));
-            fills.extend(closed.collect::<Result<Vec<_>>>()?);
+            let closed = || some.into_par_iter().map(|hole| fill(around, measured, hole)).collect();
+            let closed: Result<Vec<_>> = if options.bays && fills.is_empty() {
+                let beside = rayon::join(closed, || bays::close(around, &disk.outer));
+                bays = beside.1;
+                beside.0
+            } else {
+                closed()
+            };
+            fills.extend(closed?);
+            if fills.len() == count {
+                break;
+            }
         }
         apart::part(around, measured, &mut fills, |mesh, measured, holes| {
             front::Surroundings::with(mesh, |around| {
                 holes.par_iter().map(|&hole| fill(around, measured, hole)).collect()
             })
         });
-        let bays = options.bays.then(|| bays::close(around, &disk.outer));
-        Ok::<_, Error>((fills, bays.flatten()))
+        Ok::<_, Error>((fills, bays))
     })?;
     let measured = disk.mesh.points.len();
     let mut mesh = disk.mesh;
