@@ -13,6 +13,7 @@
 mod balance;
 mod correct;
 mod doubt;
+mod folds;
 mod search;
 mod target;
 mod weights;

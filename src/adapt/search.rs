@@ -31,13 +31,7 @@ const PRESSING_PAYS: f64 = 0.7;
 /// The share of its area that every triangle of the map keeps when parameters are
 /// corrected, before another fit and after the last.
 const FIRM_AREA: f64 = 0.2;
-const LEAST_AREA: f64 = 1e-3;
-
-/// How often knots make room for a surface without folds.
-const ROOM: usize = 4;
-
-/// The share of points that may go beyond an unnamed tolerance for a surface without folds.
-const GIVEN_UP: f64 = 0.01;
+pub(super) const LEAST_AREA: f64 = 1e-3;
 
 /// Corrections of the parameters over a net that stays, at the most, and the rms
 /// below which, of that before, another one pays.
@@ -60,24 +54,14 @@ pub struct Attempt {
     pub(super) weights: Vec<f64>,
     pub(super) feet: Feet,
     /// Measured vertices beyond the tolerance, and the farthest.
-    beyond: (usize, f64),
-}
-
-/// What became of an attempt's folds.
-struct Unfolding {
-    /// How many places are turned over.
-    folds: usize,
-    /// The attempt with fewer of them that keeps the target, …
-    found: Option<Attempt>,
-    /// … or the last one that does not.
-    lost: Option<Attempt>,
+    pub(super) beyond: (usize, f64),
 }
 
 /// The samples as they stand between fits.
 pub struct Search<'a> {
     /// What is fitted.
     pub target: Target<'a>,
-    holds: Vec<Hold>,
+    pub(super) holds: Vec<Hold>,
     idle_slides: usize,
     pub(super) options: &'a Options,
     pub(super) goal: &'a Goal,
@@ -148,7 +132,7 @@ impl<'a> Search<'a> {
         self.take_up(from, FIRM_AREA);
     }
 
-    fn take_up(&mut self, from: &Attempt, least_area: f64) {
+    pub(super) fn take_up(&mut self, from: &Attempt, least_area: f64) {
         self.target.samples.uv.clone_from(&from.uv);
         self.doubt(from);
         self.target.correct(&from.feet, least_area);
@@ -156,7 +140,7 @@ impl<'a> Search<'a> {
 
     /// Presses the surface on the points that it misses, as long as that helps: least
     /// squares leave single points far off that the net could reach.
-    fn press(&mut self, mut best: Attempt) -> Result<Attempt> {
+    pub(super) fn press(&mut self, mut best: Attempt) -> Result<Attempt> {
         let few = (PRESSED_SHARE * self.target.measured() as f64) as usize;
         for _ in 0..PRESSES {
             if self.met(&best) || best.beyond.0 > few {
@@ -173,18 +157,13 @@ impl<'a> Search<'a> {
         Ok(best)
     }
 
-    fn met(&self, attempt: &Attempt) -> bool {
+    pub(super) fn met(&self, attempt: &Attempt) -> bool {
         attempt.beyond.0 <= self.spared()
     }
 
     /// How many points may be beyond the tolerance.
     pub(super) fn spared(&self) -> usize {
         (self.goal.outliers * self.target.measured() as f64) as usize
-    }
-
-    /// How many more may go beyond one that nobody named.
-    fn given_up(&self) -> usize {
-        (GIVEN_UP * self.target.measured() as f64) as usize
     }
 
     /// Puts in knots until the tolerance is met or nothing helps.
@@ -218,7 +197,7 @@ impl<'a> Search<'a> {
     }
 
     /// The knots of an attempt and those that it wants where it misses points.
-    fn finer(&self, now: &Attempt) -> [KnotVector; 2] {
+    pub(super) fn finer(&self, now: &Attempt) -> [KnotVector; 2] {
         let asked = &self.options.knots;
         let bounds = Bounds {
             depth: asked.depth.unwrap_or(rules::MOST_HALVINGS),
@@ -260,65 +239,6 @@ impl<'a> Search<'a> {
             }
         }
         Ok(best)
-    }
-
-    /// Takes out folds as far as that does not lose the target; where a named one would be
-    /// lost, knots make room for it. Returns how many places stay turned over, too.
-    pub fn unfold(&mut self, start: Attempt) -> Result<(Attempt, usize)> {
-        let mut best = start;
-        for _ in 0..ROOM {
-            let Unfolding { folds, found, lost } = self.unfolding(&best);
-            if let Some(found) = found {
-                return Ok((found, folds));
-            }
-            let asked = &self.options.knots;
-            let is_free = self.goal.named && asked.net.is_none() && asked.kappa.is_none();
-            let Some(lost) = lost.filter(|_| is_free && self.met(&best)) else {
-                return Ok((best, folds));
-            };
-            let knots = self.finer(&lost);
-            if knots == [best.surface.u.clone(), best.surface.v.clone()] {
-                return Ok((best, folds));
-            }
-            self.resume(&best);
-            let next = self.attempt(knots)?;
-            let next = self.press(next)?;
-            if !self.met(&next) {
-                return Ok((best, folds));
-            }
-            best = next;
-        }
-        let Unfolding { folds, found, .. } = self.unfolding(&best);
-        Ok((found.unwrap_or(best), folds))
-    }
-
-    /// Tries to take folds out over the same net.
-    fn unfolding(&mut self, start: &Attempt) -> Unfolding {
-        self.take_up(start, LEAST_AREA);
-        let slide = |now: Vec<Uv>, wanted: Vec<Uv>| self.target.corrected(now, wanted, LEAST_AREA);
-        let most =
-            start.beyond.0.max(self.spared()) + if self.goal.named { 0 } else { self.given_up() };
-        let mut tried = Unfolding { folds: 0, found: None, lost: None };
-        for stiffness in fit::STIFFNESSES {
-            let samples = &self.target.samples;
-            let unfolded = fit::unfold(&start.surface, samples, &self.holds, stiffness, &slide);
-            tried.folds = unfolded.before;
-            let Some((surface, uv)) = unfolded.found else { break };
-            let mut feet = self.target.feet_from(&surface, &uv);
-            let uv = self.target.corrected(uv, feet.uv.clone(), LEAST_AREA);
-            if self.goal.named {
-                // Trim loops run where vertices may go, which for some is not their foot.
-                feet = self.target.at(&surface, uv.clone());
-            }
-            let beyond = feet.beyond(self.goal.tolerance);
-            let (fit, weights) = (start.fit.clone(), start.weights.clone());
-            let attempt = Attempt { surface, fit, uv, weights, feet, beyond };
-            if beyond.0 <= most {
-                return Unfolding { folds: unfolded.after, found: Some(attempt), lost: None };
-            }
-            tried.lost = Some(attempt);
-        }
-        tried
     }
 
     /// Corrects the parameters over the same net as long as it pays.

@@ -1,0 +1,93 @@
+//! Surfaces without folds that keep the target.
+
+use super::search::{Attempt, LEAST_AREA, Search};
+use crate::error::Result;
+use crate::fit;
+use crate::geometry::Uv;
+
+/// How often knots make room for a surface without folds.
+const ROOM: usize = 4;
+
+/// The share of points that may go beyond an unnamed tolerance for a surface without folds.
+const GIVEN_UP: f64 = 0.01;
+
+/// What became of an attempt's folds.
+struct Unfolding {
+    /// How many places are turned over.
+    folds: usize,
+    /// The attempt with fewer of them that keeps the target, …
+    found: Option<Attempt>,
+    /// … or the last one that does not.
+    lost: Option<Attempt>,
+}
+
+impl Search<'_> {
+    /// Takes out folds as far as that does not lose the target; where a named one would be
+    /// lost, knots make room for it. Returns how many places stay turned over, too.
+    pub fn unfold(&mut self, start: Attempt) -> Result<(Attempt, usize)> {
+        let mut finer: Option<Attempt> = None;
+        let mut folds = None;
+        for round in 0..=ROOM {
+            let now = finer.as_ref().unwrap_or(&start);
+            let tried = self.unfolding(now);
+            if let Some(found) = tried.found {
+                return Ok((found, tried.folds));
+            }
+            folds.get_or_insert(tried.folds);
+            let pays = round < ROOM && self.may_make_room() && self.met(now);
+            let Some(lost) = tried.lost.filter(|_| pays) else { break };
+            let knots = self.finer(&lost);
+            if knots == [now.surface.u.clone(), now.surface.v.clone()] {
+                break;
+            }
+            self.resume(now);
+            let next = self.attempt(knots)?;
+            let next = self.press(next)?;
+            if !self.met(&next) {
+                break;
+            }
+            finer = Some(next);
+        }
+        Ok((start, folds.unwrap_or(0)))
+    }
+
+    /// Whether a tolerance is named, and no net.
+    fn may_make_room(&self) -> bool {
+        let asked = &self.options.knots;
+        self.goal.named && asked.net.is_none() && asked.kappa.is_none()
+    }
+
+    /// Tries to take folds out over the same net.
+    fn unfolding(&mut self, start: &Attempt) -> Unfolding {
+        self.take_up(start, LEAST_AREA);
+        let slide = |now: Vec<Uv>, wanted: Vec<Uv>| self.target.corrected(now, wanted, LEAST_AREA);
+        let most =
+            start.beyond.0.max(self.spared()) + if self.goal.named { 0 } else { self.given_up() };
+        let mut tried = Unfolding { folds: 0, found: None, lost: None };
+        for stiffness in fit::STIFFNESSES {
+            let samples = &self.target.samples;
+            let unfolded = fit::unfold(&start.surface, samples, &self.holds, stiffness, &slide);
+            tried.folds = unfolded.before;
+            let Some((surface, uv)) = unfolded.found else { break };
+            let mut feet = self.target.feet_from(&surface, &uv);
+            let uv = self.target.corrected(uv, feet.uv.clone(), LEAST_AREA);
+            if self.goal.named {
+                // Trim loops run where vertices may go, which for some is not their foot.
+                feet = self.target.at(&surface, uv.clone());
+            }
+            let beyond = feet.beyond(self.goal.tolerance);
+            let weights = start.weights.clone();
+            let attempt = Attempt { surface, fit: start.fit, uv, weights, feet, beyond };
+            if beyond.0 <= most {
+                return Unfolding { folds: unfolded.after, found: Some(attempt), lost: None };
+            }
+            tried.lost = Some(attempt);
+        }
+        tried
+    }
+
+    /// How many more may go beyond one that nobody named.
+    fn given_up(&self) -> usize {
+        (GIVEN_UP * self.target.measured() as f64) as usize
+    }
+}
