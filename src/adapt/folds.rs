@@ -53,8 +53,7 @@ impl Search<'_> {
 
     /// Whether a tolerance is named, and no net.
     fn may_make_room(&self) -> bool {
-        let asked = &self.options.knots;
-        self.goal.named && asked.net.is_none() && asked.kappa.is_none()
+        self.goal.named && self.options.knots.are_searched()
     }
 
     /// Tries to take folds out over the same net.

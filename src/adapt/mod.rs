@@ -46,6 +46,11 @@ impl Default for KnotOptions {
 }
 
 impl KnotOptions {
+    /// Whether knots are looked for that do, none having been named.
+    fn are_searched(&self) -> bool {
+        self.net.is_none() && self.kappa.is_none()
+    }
+
     pub(crate) fn check(&self) -> Result<()> {
         self.kappa.map_or(Ok(()), rules::length).map_err(of("kappa"))?;
         self.depth.map_or(Ok(()), rules::depth).map_err(of("depth"))?;
@@ -133,7 +138,7 @@ pub fn fit_with(
         }
     };
     let mut best = search.attempt(start)?;
-    if asked.net.is_none() && asked.kappa.is_none() {
+    if asked.are_searched() {
         best = match goal.named {
             true => search.grow(best).and_then(|best| search.shrink(best))?,
             false => search.enrich(best).and_then(|best| search.thin(best))?,

@@ -1,6 +1,8 @@
 //! Boxes by the cell of a grid over space that their centre is in, to find the
 //! near ones; large boxes in grids of wider cells.
 
+use std::collections::BTreeSet;
+
 use rayon::prelude::*;
 
 use super::blocks::{Numbered, meet};
@@ -21,8 +23,8 @@ pub struct Cells {
     buckets: Buckets,
     /// How many buckets there are, less one; a power of two less one.
     mask: usize,
-    /// How many boxes each level has.
-    counts: Vec<usize>,
+    /// The levels that have boxes.
+    levels: BTreeSet<u32>,
 }
 
 impl Cells {
@@ -33,20 +35,16 @@ impl Cells {
             let (level, cell) = home(place, width);
             (level as u8, bucket(level, cell, mask) as u32)
         });
-        let (levels, keys): (Vec<u8>, Vec<u32>) = keys.unzip();
-        let mut counts = Vec::new();
-        for level in levels.into_iter().map(usize::from) {
-            counts.resize(counts.len().max(level + 1), 0);
-            counts[level] += 1;
-        }
+        let (mut levels, keys): (Vec<u8>, Vec<u32>) = keys.unzip();
+        levels.dedup();
+        let levels = levels.into_iter().map(u32::from).collect();
         let buckets = Buckets::new(mask + 1, keys.len(), |i| keys[i as usize]);
-        Cells { width, boxes, buckets, mask, counts }
+        Cells { width, boxes, buckets, mask, levels }
     }
 
     /// The boxes that meet one.
     pub fn meeting(&self, place: [Point; 2]) -> impl Iterator<Item = Numbered> + '_ {
-        let used = (0..).zip(&self.counts).filter(|(_, count)| **count > 0);
-        let near = used.flat_map(move |(level, _)| self.near(level, place));
+        let near = self.levels.iter().flat_map(move |&level| self.near(level, place));
         let numbered = near.map(|number| (number, self.boxes[number as usize]));
         numbered.filter(move |b| meet(&b.1, &place))
     }

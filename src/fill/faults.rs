@@ -191,7 +191,8 @@ mod tests {
         let ids = |t: &[u32; 3]| t.map(VertexId);
         let points: Vec<Point> = points.iter().map(|p| Point::from(*p)).collect();
         let mesh = Mesh { points, triangles: measured.iter().map(ids).collect() };
-        let (rings, cloud) = (Rings::new(&mesh), Cloud::of(&mesh));
+        let rings = Rings::new(&mesh);
+        let cloud = Cloud::of(&mesh, &rings);
         let ground = Ground::new(&mesh);
         let around = Surroundings { mesh: &mesh, rings: &rings, cloud: &cloud, ground: &ground };
         let triangles = triangles.iter().map(ids).collect();

@@ -32,7 +32,7 @@ use rayon::prelude::*;
 use crate::course::{self, Course};
 use crate::error::{Error, Result, of};
 use crate::geometry::{Point, VertexId};
-use crate::mesh::{Disk, FaceOrigin, Patch, boundary};
+use crate::mesh::{Disk, FaceOrigin, Mesh, Patch, boundary};
 use crate::rules;
 
 /// How to fill.
@@ -181,44 +181,59 @@ pub fn fill_with(
         });
         Ok::<_, Error>((fills, bays))
     })?;
-    let measured = disk.mesh.points.len();
-    let mut mesh = disk.mesh;
-    let mut origin = vec![FaceOrigin::Measured; mesh.triangles.len()];
+    let Disk { mesh, mut outer, holes: rims, islands, .. } = disk;
+    let mut whole = Whole::new(mesh);
     let mut report = Report::default();
-    for (number, (closed, rim)) in fills.into_iter().zip(&disk.holes).enumerate() {
+    for (number, (closed, rim)) in fills.into_iter().zip(&rims).enumerate() {
         let fill = closed.fill;
         report.holes.push(Hole {
             rim_vertices: rim.len(),
-            rim_length: boundary::length(&mesh, rim),
-            islands: islands(number).count(),
+            rim_length: boundary::length(&whole.mesh, rim),
+            islands: islands.iter().filter(|island| island.hole == number).count(),
             added_vertices: fill.points.len(),
             added_triangles: fill.triangles.len(),
             method: closed.method,
             faults: closed.faults,
         });
-        let shift = (mesh.points.len() - measured) as u32;
-        origin.extend(fill.triangles.iter().map(|_| FaceOrigin::Hole(number as u32)));
-        mesh.triangles
-            .extend(fill.triangles.iter().map(|t| t.map(|v| shifted(v, measured, shift))));
-        mesh.points.extend(fill.points);
+        whole.add(fill.points, &fill.triangles, FaceOrigin::Hole(number as u32));
     }
-    let Disk { mut outer, holes: rims, islands, .. } = disk;
     let shore = bays.map(|bays| {
-        let shift = (mesh.points.len() - measured) as u32;
         report.bays = bays.count;
-        origin.extend(bays.triangles.iter().map(|_| FaceOrigin::Bay));
-        mesh.triangles
-            .extend(bays.triangles.iter().map(|t| t.map(|v| shifted(v, measured, shift))));
-        mesh.points.extend(bays.points);
-        let around = bays.outer.into_iter().map(|v| shifted(v, measured, shift)).collect();
+        let around = bays.outer.into_iter().map(whole.number()).collect();
+        whole.add(bays.points, &bays.triangles, FaceOrigin::Bay);
         std::mem::replace(&mut outer, around)
     });
+    let Whole { mesh, measured, origin } = whole;
     let patch = Patch { mesh, measured, origin, outer, shore, rims, islands };
     debug_assert!(patch.is_disk(), "filling leaves a disk");
     Ok((patch, report))
 }
 
-/// A vertex's number where others were added before those after the `measured`.
-fn shifted(v: VertexId, measured: usize, shift: u32) -> VertexId {
-    VertexId(v.0 + if v.index() < measured { 0 } else { shift })
+/// The measured mesh with the fills so far.
+struct Whole {
+    mesh: Mesh,
+    measured: usize,
+    origin: Vec<FaceOrigin>,
+}
+
+impl Whole {
+    fn new(mesh: Mesh) -> Self {
+        let origin = vec![FaceOrigin::Measured; mesh.triangles.len()];
+        Whole { measured: mesh.points.len(), mesh, origin }
+    }
+
+    /// What number a vertex of the next fill has in the whole; fills number their points
+    /// from the measured ones on.
+    fn number(&self) -> impl Fn(VertexId) -> VertexId + use<> {
+        let (measured, shift) = (self.measured, (self.mesh.points.len() - self.measured) as u32);
+        move |v| VertexId(v.0 + if v.index() < measured { 0 } else { shift })
+    }
+
+    /// Adds a fill.
+    fn add(&mut self, points: Vec<Point>, triangles: &[[VertexId; 3]], origin: FaceOrigin) {
+        let number = self.number();
+        self.mesh.points.extend(points);
+        self.mesh.triangles.extend(triangles.iter().map(|t| t.map(&number)));
+        self.origin.resize(self.mesh.triangles.len(), origin);
+    }
 }

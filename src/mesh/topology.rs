@@ -85,17 +85,16 @@ impl EdgeMap {
     /// Whether the triangles around each vertex of an oriented mesh are all reached from
     /// one of them over sides at the vertex.
     pub(super) fn has_single_fans(&self, mesh: &Mesh) -> bool {
-        let none = || (0..mesh.points.len()).into_par_iter().map(|_| AtomicU32::new(0));
-        let (counts, firsts): (Vec<AtomicU32>, Vec<AtomicU32>) =
-            rayon::join(|| none().collect(), || none().collect());
+        let none = |_| [AtomicU32::new(0), AtomicU32::new(0)];
+        let of_vertices: Vec<[AtomicU32; 2]> =
+            (0..mesh.points.len()).into_par_iter().map(none).collect();
         (0..self.glued.len()).into_par_iter().for_each(|corner| {
-            let v = mesh.triangles[corner / 3][corner % 3].index();
-            counts[v].fetch_add(1, Ordering::Relaxed);
+            let [count, first] = &of_vertices[mesh.triangles[corner / 3][corner % 3].index()];
+            count.fetch_add(1, Ordering::Relaxed);
             // Any of its corners will do.
-            firsts[v].store(corner as u32, Ordering::Relaxed);
+            first.store(corner as u32, Ordering::Relaxed);
         });
-        let of_vertices = counts.into_par_iter().zip(firsts);
-        of_vertices.all(|(count, first)| match count.into_inner() {
+        of_vertices.into_par_iter().all(|[count, first]| match count.into_inner() {
             0 => true,
             count => self.fan(first.into_inner() as usize) == count,
         })

@@ -43,7 +43,7 @@ impl Surroundings<'_> {
     /// Does something with all that is around the holes of a mesh.
     pub fn with<T>(mesh: &Mesh, what: impl FnOnce(&Surroundings) -> T) -> T {
         let rings = mesh::Rings::new(mesh);
-        let (cloud, ground) = rayon::join(|| Cloud::with_rings(mesh, &rings), || Ground::new(mesh));
+        let (cloud, ground) = rayon::join(|| Cloud::of(mesh, &rings), || Ground::new(mesh));
         what(&Surroundings { mesh, rings: &rings, cloud: &cloud, ground: &ground })
     }
 
@@ -293,7 +293,8 @@ mod tests {
         let rims: Vec<&[VertexId]> = loops[1..].iter().map(Vec::as_slice).collect();
         let points = |r: &&[VertexId]| r.iter().map(|&v| mesh.point(v)).collect::<Vec<_>>();
         let sizes = Sizes::new(&rims.iter().map(points).collect::<Vec<_>>());
-        let (rings, cloud) = (mesh::Rings::new(mesh), Cloud::of(mesh));
+        let rings = mesh::Rings::new(mesh);
+        let cloud = Cloud::of(mesh, &rings);
         let ground = Ground::new(mesh);
         let around = Surroundings { mesh, rings: &rings, cloud: &cloud, ground: &ground };
         let hole = Hole { around: &around, rims: &rims, sizes: &sizes };

@@ -78,12 +78,11 @@ impl Front<'_> {
             seen.extend(ring.iter().copied());
             rows.extend(ring.chunks(shared).map(<[usize]>::to_vec));
         }
-        let of_rows: Vec<_> = rows
-            .par_iter()
+        rows.par_iter()
             .with_min_len(AT_ONCE)
             .map_init(Vec::new, |around, nodes| self.of_row(nodes, around))
-            .collect();
-        of_rows.into_iter().flatten().collect()
+            .flatten_iter()
+            .collect()
     }
 
     /// The candidates of edges in a row, by the approximation at the middle one of them

@@ -93,12 +93,7 @@ impl Cloud {
     }
 
     /// The cloud of a mesh's vertices.
-    pub fn of(mesh: &Mesh) -> Self {
-        Cloud::with_rings(mesh, &Rings::new(mesh))
-    }
-
-    /// The same, where it is known who borders on whom.
-    pub fn with_rings(mesh: &Mesh, rings: &Rings) -> Self {
+    pub fn of(mesh: &Mesh, rings: &Rings) -> Self {
         let normals = || steady_normals(mesh, rings);
         let (near, normals) = rayon::join(|| Neighbours::new(&mesh.points), normals);
         Cloud { points: mesh.points.clone(), normals, near }
