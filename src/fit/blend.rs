@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use super::cells::Cells;
 use super::moments::{Moments, powers};
 use super::normal::Lane;
-use super::spans::{Cubic, PAIRS, Sextic, Span, products};
+use crate::spline::spans::{Cubic, PAIRS, Sextic, Span, products};
 
 type Gram = SMatrix<f64, 16, 16>;
 type Coefficients = SMatrix<f64, 16, 3>;

@@ -2,10 +2,10 @@
 
 use rayon::prelude::*;
 
-use super::spans::Spans;
 use super::weight::{Metric, Weight};
 use crate::geometry::{Uv, Vector};
 use crate::mesh::Buckets;
+use crate::spline::spans::Spans;
 use crate::spline::{KnotVector, Samples};
 
 /// The knot cells of a net, and the samples in each.

@@ -10,9 +10,9 @@
 use rayon::prelude::*;
 
 use super::cells::Cells;
-use super::spans::{Cubic, PAIRS, Span};
 use super::strips::{Census, Strip};
 use super::weight::Weight;
+use crate::spline::spans::{Cubic, PAIRS, Span, products};
 
 /// Weight of the term in a cell without samples, of that of a mean cell's.
 const EMPTY: f64 = 1e-2;
@@ -73,7 +73,7 @@ fn strip<W: Weight>(
 pub fn energies(span: &Span) -> [[f64; 10]; 3] {
     let mut pieces = span.basis;
     [0; 3].map(|_| {
-        let products = super::spans::products(&pieces);
+        let products = products(&pieces);
         pieces = pieces.map(derivative);
         products.map(|p| (0..4).map(|i| 2.0 * p[2 * i] / (2 * i + 1) as f64).sum())
     })

@@ -12,7 +12,6 @@ mod hold;
 mod moments;
 mod normal;
 mod precondition;
-mod spans;
 mod start;
 mod strips;
 mod unfold;

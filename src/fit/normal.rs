@@ -8,10 +8,10 @@ use rayon::prelude::*;
 
 use super::cells::Cells;
 use super::fairing::{self, Fairing};
-use super::spans::{PAIRS, Span};
 use super::strips::Strip;
 use super::weight::Weight;
 use crate::error::{Error, Result};
+use crate::spline::spans::{PAIRS, Span};
 
 /// A control point in the solvers: its coordinates and a zero.
 pub type Lane = Vector4<f64>;

@@ -10,9 +10,9 @@
 use rayon::prelude::*;
 
 use super::normal::{Equations, Factor, Lane};
-use super::spans::{PAIRS, Spans};
 use super::{fairing, tasks};
 use crate::error::Result;
+use crate::spline::spans::{PAIRS, Spans};
 
 /// The approximate inverse.
 pub struct Preconditioner {

@@ -6,9 +6,9 @@ use nalgebra::Matrix3;
 
 use super::cells::{Cells, Local};
 use super::moments::Moments;
-use super::spans::{PAIRS, Span};
 use super::weight::Weight;
 use crate::geometry::Vector;
+use crate::spline::spans::{PAIRS, Span};
 
 /// The sums of one strip; entry j of the lists belongs to control points (·, j).
 pub struct Strip<W> {

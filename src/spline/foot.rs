@@ -14,7 +14,7 @@ use crate::geometry::{Point, Uv};
 /// there. The result is never farther than `start`'s own point; Newton's last
 /// step is below 1e-7 of the domain, so that what is left is far below 1e-10.
 pub fn foot_point<S: Patch>(surface: &S, p: Point, start: Uv) -> (Uv, f64) {
-    descend(surface, p, start, [true; 2], LAST_STEP)
+    foot_point_moving(surface, p, start, [true; 2], LAST_STEP)
 }
 
 /// Steps at the most, and the step that is the last.
@@ -25,14 +25,15 @@ const LAST_STEP: f64 = 1e-7;
 /// square.
 const CLOSE_STEP: f64 = 0.02;
 
-/// Close to the same, in half the time, where only the parameters that `moves` names may
-/// change: on an iso-curve, if it is one of them.
-pub fn foot_point_moving(surface: &Surface, p: Point, start: Uv, moves: [bool; 2]) -> (Uv, f64) {
+/// The last step to a place close to the foot.
+pub fn last_step(surface: &Surface) -> f64 {
     let [m, n] = surface.shape();
-    descend(surface, p, start, moves, CLOSE_STEP / m.max(n) as f64)
+    CLOSE_STEP / m.max(n) as f64
 }
 
-fn descend<S: Patch>(
+/// The same where only the parameters that `moves` names may change: on an iso-curve, if
+/// it is one of them. A step below `last_step` is the last.
+pub fn foot_point_moving<S: Patch>(
     surface: &S,
     p: Point,
     start: Uv,

@@ -9,13 +9,17 @@ mod foot;
 mod knots;
 mod outline;
 mod piece;
+mod polynomials;
 mod samples;
+pub(crate) mod spans;
 mod surface;
 
 pub use compose::{curve_on_surface, off_surface};
 pub use curve::Curve;
-pub use foot::{foot_point, foot_point_moving};
+pub use foot::foot_point;
+pub(crate) use foot::{foot_point_moving, last_step};
 pub use knots::{Basis, KnotVector};
 pub use outline::{Fault, Nest, Outline, Place, crossings, misplaced};
+pub(crate) use polynomials::Polynomials;
 pub use samples::Samples;
 pub use surface::{Jet, Patch, Surface};

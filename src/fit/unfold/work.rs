@@ -9,9 +9,9 @@ use super::system::System;
 use crate::fit::cells::Cells;
 use crate::fit::fairing;
 use crate::fit::hold::Hold;
-use crate::fit::spans::PAIRS;
 use crate::geometry::{Uv, Vector};
-use crate::spline::{Surface, foot_point_moving};
+use crate::spline::spans::PAIRS;
+use crate::spline::{Surface, foot_point_moving, last_step};
 
 /// The share of a step that is taken: folds are not linear.
 const SHARE: f64 = 0.5;
@@ -116,9 +116,10 @@ impl<'a> Work<'a> {
         for (&at, step) in system.free.iter().zip(steps) {
             self.surface.net[at] += SHARE * step;
         }
+        let last = last_step(&self.surface);
         let foot = |&i: &usize| {
             let p = self.cells.samples.points[i];
-            foot_point_moving(&self.surface, p, self.uv[i], self.holds[i].moves).0
+            foot_point_moving(&self.surface, p, self.uv[i], self.holds[i].moves, last).0
         };
         let feet: Vec<Uv> = near.par_iter().map(foot).collect();
         let mut wanted = self.uv.clone();

@@ -1,7 +1,7 @@
 //! The pieces of one knot vector as polynomials: what a sum of powers over a
 //! span's samples has to be multiplied with to become a sum over B-splines.
 
-use crate::spline::KnotVector;
+use super::KnotVector;
 
 /// Pairs (a, c), a ≤ c, of the four functions on a span: those that are
 /// `c − a` apart follow each other.

@@ -1,0 +1,114 @@
+//! A bicubic surface as a polynomial on each knot cell: what foot points of many samples
+//! are looked for on.
+
+use nalgebra::Vector4;
+use rayon::prelude::*;
+
+use super::spans::{Cubic, Span, Spans};
+use super::surface::{Jet, Patch, Surface};
+use crate::geometry::{Point, Uv, Vector};
+
+/// Coordinates and a zero, which processors add faster than three.
+type Lane = Vector4<f64>;
+
+/// Its polynomials. A look at one costs a third of one at B-splines, whose functions have
+/// to be found first.
+pub struct Polynomials {
+    spans: [Spans; 2],
+    ranges: [(f64, f64); 2],
+    /// Cell (p, q) at `p * down + q`: of tˡ sᵏ, at [l][k].
+    cells: Vec<[[Lane; 4]; 4]>,
+}
+
+impl Polynomials {
+    /// Those of a surface that is cubic both ways.
+    pub fn new(surface: &Surface) -> Self {
+        let spans = [&surface.u, &surface.v].map(Spans::new);
+        let down = spans[1].all.len();
+        let of = |c: usize| cell(surface, [c / down, c % down], &spans);
+        let cells = (0..spans[0].all.len() * down).into_par_iter().with_min_len(64).map(of);
+        Polynomials { cells: cells.collect(), ranges: surface.ranges(), spans }
+    }
+}
+
+fn cell(surface: &Surface, [p, q]: [usize; 2], spans: &[Spans; 2]) -> [[Lane; 4]; 4] {
+    let [u, v] = [&spans[0].all[p], &spans[1].all[q]];
+    let row = |i: usize| combined(&v.basis, |j| surface.control(p + i, q + j).push(0.0));
+    let rows: [[Lane; 4]; 4] = std::array::from_fn(row);
+    std::array::from_fn(|l| combined(&u.basis, |i| rows[i][l]))
+}
+
+/// The coefficients of Σ p_i B_i.
+fn combined(basis: &[Cubic; 4], points: impl Fn(usize) -> Lane) -> [Lane; 4] {
+    let mut sums = [Lane::zeros(); 4];
+    for (i, cubic) in basis.iter().enumerate() {
+        let p = points(i);
+        sums.iter_mut().zip(cubic).for_each(|(sum, c)| *sum += p * *c);
+    }
+    sums
+}
+
+/// A cubic with its first two derivatives.
+#[inline(always)]
+fn look(&[a, b, c, d]: &[Lane; 4], x: f64) -> [Lane; 3] {
+    let dx = d * x;
+    [((c + dx) * x + b) * x + a, (c * 2.0 + dx * 3.0) * x + b, c * 2.0 + dx * 6.0]
+}
+
+impl Patch for Polynomials {
+    fn jet(&self, at: Uv) -> Jet {
+        let [p, q] = [self.spans[0].find(at.x), self.spans[1].find(at.y)];
+        let [u, v]: [&Span; 2] = [&self.spans[0].all[p], &self.spans[1].all[q]];
+        let cell = &self.cells[p * self.spans[1].all.len() + q];
+        let x = u.local(at.x);
+        // Arrays are mapped by calls that copy them, which here takes longer than sums do.
+        let [mut along, mut slopes, mut bends] = [[Lane::zeros(); 4]; 3];
+        for l in 0..4 {
+            [along[l], slopes[l], bends[l]] = look(&cell[l], x);
+        }
+        let t = v.local(at.y);
+        let [s, sv, svv] = look(&along, t);
+        let [su, suv, _] = look(&slopes, t);
+        let [suu, ..] = look(&bends, t);
+        let (a, b) = (1.0 / u.half(), 1.0 / v.half());
+        let vector = |lane: Lane, scale: f64| -> Vector { lane.xyz() * scale };
+        Jet {
+            s: Point::from(s.xyz()),
+            su: vector(su, a),
+            sv: vector(sv, b),
+            suu: vector(suu, a * a),
+            suv: vector(suv, a * b),
+            svv: vector(svv, b * b),
+        }
+    }
+
+    fn ranges(&self) -> [(f64, f64); 2] {
+        self.ranges
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::spline::KnotVector;
+
+    #[test]
+    fn polynomials_are_the_surface() {
+        let u = KnotVector::clamped(3, &[0.0, 0.01, 0.4, 0.45, 1.0], 1);
+        let v = KnotVector::uniform(3, 6);
+        let height = |n: usize| ((n * 7) % 11) as f64;
+        let at = |n: usize| Vector::new((n / 6) as f64, (n % 6) as f64, height(n));
+        let surface = Surface::new(u.clone(), v, (0..6 * u.functions()).map(at).collect());
+        let polynomials = Polynomials::new(&surface);
+        for (x, y) in [(0.0, 0.0), (0.005, 0.3), (0.01, 0.5), (0.42, 0.61), (0.9, 0.99), (1.0, 1.0)]
+        {
+            let (a, b) = (surface.jet(Uv::new(x, y)), polynomials.jet(Uv::new(x, y)));
+            assert!((a.s - b.s).norm() < 1e-12);
+            for (a, b) in
+                [(a.su, b.su), (a.sv, b.sv), (a.suu, b.suu), (a.suv, b.suv), (a.svv, b.svv)]
+            {
+                assert!((a - b).norm() <= 1e-11 * a.norm().max(1.0), "{x} {y}: {a} {b}");
+            }
+        }
+    }
+}
