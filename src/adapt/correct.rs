@@ -32,9 +32,9 @@ pub fn corrected(
         area(at, triangles[t]).partial_cmp(&(least * made[t])).is_none_or(Ordering::is_lt)
     };
     // Only triangles with a vertex that has just been put back can turn now.
-    let mut suspects: Vec<usize> = (0..triangles.len()).collect();
+    let all = || (0..triangles.len()).into_par_iter();
+    let mut suspects: Vec<usize> = all().filter(|&t| crushed(&moved, t)).collect();
     for _ in 0..ATTEMPTS {
-        suspects = suspects.into_par_iter().filter(|&t| crushed(&moved, t)).collect();
         if suspects.is_empty() {
             return moved;
         }
@@ -44,7 +44,7 @@ pub fn corrected(
             moved[v.index()] = uv[v.index()];
         }
         let touched = |t: &usize| triangles[*t].iter().any(|v| back[v.index()]);
-        suspects = (0..triangles.len()).into_par_iter().filter(touched).collect();
+        suspects = all().filter(touched).filter(|&t| crushed(&moved, t)).collect();
     }
     uv
 }

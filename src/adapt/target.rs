@@ -26,6 +26,8 @@ pub struct Target<'a> {
     triangles: Vec<[VertexId; 3]>,
     /// Twice their areas in the map as it was made.
     made: Vec<f64>,
+    /// Vertices at corners of the domain.
+    corners: Vec<usize>,
     /// Points, current parameters, and weights in the next fit.
     pub samples: Samples,
     /// The weights that they have where they are no outliers, and those that are.
@@ -43,14 +45,15 @@ pub struct Feet {
 
 impl<'a> Target<'a> {
     pub fn new(map: &'a Parameterized) -> Self {
-        let weights = weights(map, |v| is_corner(map, map.uv[v.index()]));
+        let corners: Vec<usize> = corners(map).collect();
+        let weights = weights(map, |v| corners.contains(&v.index()));
         let points = map.patch.mesh.points.clone();
         let (uv, open) = (map.uv.clone(), map.outline == Outline::Free);
         let triangles = [&map.patch.mesh.triangles[..], &map.skirt.triangles].concat();
         let all = [&map.uv[..], &map.skirt.uv].concat();
         let made = triangles.par_iter().map(|&t| area(&all, t)).collect();
         let samples = Samples { points, uv, weights: weights.clone(), open };
-        Target { map, triangles, made, samples, weights, outliers: Vec::new() }
+        Target { map, triangles, made, corners, samples, weights, outliers: Vec::new() }
     }
 
     /// Measured vertices.
@@ -65,18 +68,17 @@ impl<'a> Target<'a> {
 
     /// Whether a vertex is a corner of the domain.
     pub fn is_corner(&self, v: usize) -> bool {
-        is_corner(self.map, self.map.uv[v])
+        self.corners.contains(&v)
     }
 
     /// Moves the corners of the net into the corners of the patch, which they all
     /// but meet.
     pub fn pin_corners(&self, surface: &mut Surface) {
         let [m, n] = surface.shape();
-        for (uv, p) in self.samples.uv.iter().zip(&self.samples.points) {
-            if is_corner(self.map, *uv) {
-                let (i, j) = (uv.x as usize * (m - 1), uv.y as usize * (n - 1));
-                surface.net[i * n + j] = p.coords;
-            }
+        for &v in &self.corners {
+            let uv = self.samples.uv[v];
+            let (i, j) = (uv.x as usize * (m - 1), uv.y as usize * (n - 1));
+            surface.net[i * n + j] = self.samples.points[v].coords;
         }
     }
 
@@ -139,7 +141,7 @@ impl<'a> Target<'a> {
     /// Which samples are not at their feet, or are to stay where they are: those of an
     /// outer boundary inside the domain, which the face is cut along.
     pub fn stuck(&self, feet: &Feet) -> Vec<bool> {
-        let at = self.samples.uv.iter().zip(&feet.uv);
+        let at = self.samples.uv.par_iter().zip(&feet.uv);
         let mut stuck: Vec<bool> = at.map(|(at, foot)| at != foot).collect();
         if self.map.outline == Outline::Free {
             let outer = self.map.patch.loop_of(Bound::Outer);
@@ -226,7 +228,9 @@ fn held(map: &Parameterized, uv: Uv) -> [bool; 2] {
     [uv.x, uv.y].map(|t| sides && (t == 0.0 || t == 1.0))
 }
 
-/// Whether a vertex with these parameters is a corner of the domain.
-fn is_corner(map: &Parameterized, uv: Uv) -> bool {
-    held(map, uv) == [true; 2]
+/// The vertices that are corners of the domain: of a patch whose sides are its outer
+/// boundary.
+fn corners(map: &Parameterized) -> impl Iterator<Item = usize> + '_ {
+    let outer = map.patch.outer.iter().map(|v| v.index());
+    outer.filter(|v| held(map, map.uv[*v]) == [true; 2])
 }

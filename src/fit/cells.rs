@@ -43,8 +43,7 @@ impl<'a> Cells<'a> {
         let homes: Vec<u32> = samples.uv.par_iter().map(home).collect();
         let count = spans[0].all.len() * down;
         let homes = Buckets::new(count, homes.len(), |i| homes[i as usize]);
-        let sum = samples.points.iter().fold(Vector::zeros(), |sum, p| sum + p.coords);
-        let origin = sum / samples.len().max(1) as f64;
+        let origin = origin(samples);
         Cells { samples, metrics: &[], knots, spans, origin, homes }
     }
 
@@ -90,4 +89,14 @@ impl<'a> Cells<'a> {
             Uv::new(u.local(at.x), v.local(at.y))
         })
     }
+}
+
+/// So many samples tell where about their middle is.
+const FEW: usize = 1 << 12;
+
+/// The mean of some of the samples.
+fn origin(samples: &Samples) -> Vector {
+    let few = samples.points.iter().step_by(samples.len().div_ceil(FEW).max(1));
+    let (sum, count) = few.fold((Vector::zeros(), 0.0), |(sum, n), p| (sum + p.coords, n + 1.0));
+    sum / f64::max(count, 1.0)
 }

@@ -7,6 +7,7 @@
 
 use rayon::prelude::*;
 
+use super::BLOCK;
 use super::jumps::Jumps;
 use crate::geometry::Uv;
 use crate::spline::{KnotVector, Surface};
@@ -21,9 +22,6 @@ const BOTH: f64 = 0.5;
 /// Spans are halved down to this share of the misses of the worst: what a few
 /// lines settle is seen after the next fit.
 const WORTH: f64 = 0.05;
-
-/// Misses that one thread sums at a time, whatever the number of threads.
-const BLOCK: usize = 1 << 14;
 
 /// What bounds the knots that are put in.
 #[derive(Debug, Clone, Copy)]

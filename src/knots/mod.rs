@@ -10,6 +10,7 @@ mod jumps;
 use std::collections::BTreeSet;
 
 use nalgebra::{Matrix3xX, SMatrix, SVector};
+use rayon::prelude::*;
 
 use crate::geometry::{Uv, Vector, uv_bounds};
 use crate::spline::{KnotVector, Samples};
@@ -62,6 +63,9 @@ pub fn place(samples: &Samples, options: &Options) -> ([KnotVector; 2], Report) 
     });
     (knots, report)
 }
+
+/// Points that one thread sums at a time, whatever the number of threads.
+const BLOCK: usize = 1 << 14;
 
 /// Depth at which cuts would no longer be exact binary fractions.
 const MAX_DEPTH: u32 = 40;
@@ -135,13 +139,19 @@ fn mean_error(points: &[Sample], region: &Region) -> f64 {
         let [u, v] = [uv.x - region.low.x, uv.y - region.low.y].map(|t| legendre(t / region.size));
         SVector::<f64, 16>::from_fn(|i, _| u[i / 4] * v[i % 4])
     };
-    let mut gram = SMatrix::<f64, 16, 16>::zeros();
-    let mut right = SMatrix::<f64, 16, 3>::zeros();
-    for (uv, p) in points {
-        let b = basis(*uv);
-        gram.ger(1.0, &b, &b, 1.0);
-        right.ger(1.0, &b, p, 1.0);
-    }
+    let sums = |points: &[Sample]| {
+        let mut gram = SMatrix::<f64, 16, 16>::zeros();
+        let mut right = SMatrix::<f64, 16, 3>::zeros();
+        for (uv, p) in points {
+            let b = basis(*uv);
+            gram.ger(1.0, &b, &b, 1.0);
+            right.ger(1.0, &b, p, 1.0);
+        }
+        (gram, right)
+    };
+    let blocks: Vec<_> = points.par_chunks(BLOCK).map(sums).collect();
+    let mut gram: SMatrix<f64, 16, 16> = blocks.iter().map(|block| block.0).sum();
+    let right: SMatrix<f64, 16, 3> = blocks.iter().map(|block| block.1).sum();
     // Where points do not determine all coefficients the smallest will do.
     gram += SMatrix::<f64, 16, 16>::identity() * (1e-10 * gram.trace());
     let Some(factor) = gram.cholesky() else { return f64::INFINITY };
@@ -149,7 +159,9 @@ fn mean_error(points: &[Sample], region: &Region) -> f64 {
         &factor.solve(&right).row_iter().map(|r| r.transpose()).collect::<Vec<_>>(),
     );
     let off = |(uv, p): &Sample| (&c * basis(*uv) - p).norm();
-    points.iter().map(off).sum::<f64>() / points.len() as f64
+    let blocks: Vec<f64> =
+        points.par_chunks(BLOCK).map(|block| block.iter().map(off).sum()).collect();
+    blocks.iter().sum::<f64>() / points.len() as f64
 }
 
 /// Legendre polynomials of degree 0 to 3 over [0, 1].

@@ -147,24 +147,46 @@ pub(crate) struct Buckets {
     members: Vec<u32>,
 }
 
+/// Shares of the buckets that are filled at once, at the most.
+const MOST_SHARES: usize = 8;
+
 impl Buckets {
     /// Puts each of the numbers below `count` into the bucket that `bucket`
     /// names, of `buckets`.
-    pub(crate) fn new(buckets: usize, count: usize, bucket: impl Fn(u32) -> u32) -> Self {
+    pub(crate) fn new(buckets: usize, count: usize, bucket: impl Fn(u32) -> u32 + Sync) -> Self {
+        // Each thread looks at all numbers, and keeps those for its share of the buckets.
+        let threads = rayon::current_num_threads().min(MOST_SHARES);
+        let share = buckets.div_ceil(threads).max(1);
         let mut starts = vec![0u32; buckets + 1];
-        for i in 0..count as u32 {
-            starts[bucket(i) as usize + 1] += 1;
-        }
+        starts[1..].par_chunks_mut(share).enumerate().for_each(|(k, counts)| {
+            for i in 0..count as u32 {
+                if let Some(count) = counts.get_mut((bucket(i) as usize).wrapping_sub(k * share)) {
+                    *count += 1;
+                }
+            }
+        });
         for i in 1..starts.len() {
             starts[i] += starts[i - 1];
         }
-        let mut next = starts.clone();
         let mut members = vec![0; count];
-        for i in 0..count as u32 {
-            let slot = &mut next[bucket(i) as usize];
-            members[*slot as usize] = i;
-            *slot += 1;
+        let mut left = &mut members[..];
+        let mut shares = Vec::new();
+        for first in (0..buckets).step_by(share) {
+            let next = &starts[first..(first + share).min(buckets)];
+            let end = starts[first + next.len()];
+            let (mine, others) = left.split_at_mut((end - next[0]) as usize);
+            shares.push((first, next.to_vec(), mine));
+            left = others;
         }
+        shares.par_iter_mut().for_each(|(first, next, members)| {
+            let start = next[0];
+            for i in 0..count as u32 {
+                if let Some(next) = next.get_mut((bucket(i) as usize).wrapping_sub(*first)) {
+                    members[(*next - start) as usize] = i;
+                    *next += 1;
+                }
+            }
+        });
         Buckets { starts, members }
     }
 

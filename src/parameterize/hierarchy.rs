@@ -72,9 +72,14 @@ impl Hierarchy {
             removals: Vec::new(),
             locked: vec![0; points.len()],
         };
-        let mut batches = (1..).zip(order.chunks(BATCH));
-        while let Some((number, batch)) = batches.next().filter(|_| !pass.is_full()) {
-            pass.remove(points, &mut self.stars, number, batch);
+        let mut order = order.into_iter().map(|(_, v)| v);
+        let mut late = Vec::new();
+        for number in 1.. {
+            late.extend(order.by_ref().take(BATCH));
+            if late.is_empty() || pass.is_full() {
+                break;
+            }
+            late = pass.remove(points, &mut self.stars, number, &late);
         }
         pass.removals
     }
@@ -91,8 +96,9 @@ impl Hierarchy {
     }
 }
 
-/// Vertices whose removals are found at once, before any of them is made. More would be
-/// found once more after one beside them went; fewer are not worth the threads' meeting.
+/// Vertices whose removals are found at once, before any of them is made, besides those
+/// that came too late before. More would come too late more often; fewer are not worth
+/// the threads' meeting.
 const BATCH: usize = 1 << 13;
 
 /// A pass while it is made.
@@ -114,27 +120,36 @@ impl Pass {
     }
 
     /// Takes out, in their order, those of a batch that nothing taken out before touches.
-    fn remove(&mut self, points: &[Point], stars: &mut Stars, number: u32, batch: &[(f64, u32)]) {
-        let find = |&(_, v): &(f64, u32)| {
-            if self.is_free(v) { best_removal(points, stars, v) } else { None }
-        };
+    /// Some come too late: one of the same batch beside them may have changed what is best
+    /// for them. They are returned.
+    fn remove(
+        &mut self,
+        points: &[Point],
+        stars: &mut Stars,
+        number: u32,
+        batch: &[u32],
+    ) -> Vec<u32> {
+        let find = |&v: &u32| if self.is_free(v) { best_removal(points, stars, v) } else { None };
         let found: Vec<Option<Removal>> = batch.par_iter().with_min_len(64).map(find).collect();
-        for (&(_, v), found) in batch.iter().zip(found) {
+        let first = self.removals.len();
+        let mut late = Vec::new();
+        for removal in found.into_iter().flatten() {
+            let v = removal.vertex;
             if self.is_full() {
-                return;
+                break;
             }
             if !self.is_free(v) {
                 continue;
             }
-            // What this batch took out beside it may change which is best.
-            let is_late = stars.ring(v).iter().any(|&w| self.locked[w as usize] == number);
-            let removal = if is_late { best_removal(points, stars, v) } else { found };
-            if let Some(removal) = removal {
-                stars.remove(&removal);
-                removal.ring.iter().for_each(|&w| self.locked[w as usize] = number);
-                self.removals.push(removal);
+            if removal.ring.iter().any(|&w| self.locked[w as usize] == number) {
+                late.push(v);
+                continue;
             }
+            removal.ring.iter().for_each(|&w| self.locked[w as usize] = number);
+            self.removals.push(removal);
         }
+        stars.remove(&self.removals[first..]);
+        late
     }
 }
 

@@ -55,7 +55,7 @@ impl Layout<'_> {
             let n = hierarchy.left.len();
             course(REFINED * n as f64 / self.at.len() as f64)?;
             let (growth, sweeps) =
-                EFFORT.iter().find(|e| n <= e.0).map_or((2.0, 4), |e| (e.1, e.2));
+                EFFORT.iter().find(|e| n <= e.0).map_or((2.0, 3), |e| (e.1, e.2));
             if n as f64 >= growth * relaxed as f64 {
                 self.relax(hierarchy, sweeps);
                 relaxed = n;
@@ -196,7 +196,7 @@ const EFFORT: [(usize, f64, usize); 3] = [(500, 1.0, 40), (5_000, 1.3, 20), (50_
 const REFINED: f64 = 0.85;
 
 /// Sweeps over the whole mesh.
-const LAST_SWEEPS: usize = 3;
+const LAST_SWEEPS: usize = 2;
 
 /// The share of the energy's convex term.
 const ROUND: f64 = 0.1;

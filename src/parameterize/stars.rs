@@ -121,25 +121,28 @@ impl Stars {
         new.iter().enumerate().all(free).then_some(removal)
     }
 
-    /// Takes a vertex out.
-    pub fn remove(&mut self, removal: &Removal) {
-        Part { first: 0, rings: &mut self.rings, boundary: &self.boundary }.remove(removal);
+    /// Takes vertices out, in the given order.
+    pub fn remove(&mut self, removals: &[Removal]) {
+        self.in_parts(|part| removals.iter().for_each(|removal| part.remove(removal)));
     }
 
     /// Undoes removals, of those given the last one first; all later ones have been
     /// undone.
     pub fn restore(&mut self, removals: &[Removal]) {
+        self.in_parts(|part| removals.iter().rev().for_each(|removal| part.restore(removal)));
+    }
+
+    fn in_parts(&mut self, change: impl Fn(&mut Part) + Sync) {
         let parts = rayon::current_num_threads().min(MOST_PARTS);
         let share = self.rings.len().div_ceil(parts).max(1);
         let boundary = &self.boundary;
         self.rings.par_chunks_mut(share).enumerate().for_each(|(k, rings)| {
-            let mut part = Part { first: k * share, rings, boundary };
-            removals.iter().rev().for_each(|removal| part.restore(removal));
+            change(&mut Part { first: k * share, rings, boundary });
         });
     }
 }
 
-/// Parts in which removals are undone at once, at the most: each looks at all.
+/// Parts in which removals are made or undone at once, at the most: each looks at all.
 const MOST_PARTS: usize = 8;
 
 /// The rings of vertices with consecutive numbers.
@@ -320,7 +323,7 @@ pub mod tests {
                 let removal =
                     (0..ways).find_map(|k| stars.removal(v, (k + round + v as usize) % ways));
                 if let Some(removal) = removal {
-                    stars.remove(&removal);
+                    stars.remove(std::slice::from_ref(&removal));
                     check(&stars);
                     removals.push(removal);
                 }

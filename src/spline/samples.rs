@@ -1,5 +1,7 @@
 //! Points with the parameters at which a surface should pass them.
 
+use rayon::prelude::*;
+
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv};
 
@@ -36,9 +38,9 @@ impl Samples {
             return Err(Error::Input("samples: points, parameters and weights differ in number"));
         }
         let finite = |x: &f64| x.is_finite();
-        let places = self.points.iter().all(|p| p.iter().all(finite));
-        let weights = self.weights.iter().all(|w| *w > 0.0 && w.is_finite());
-        if places && weights && self.uv.iter().all(|at| at.iter().all(finite)) {
+        let places = self.points.par_iter().all(|p| p.iter().all(finite));
+        let weights = self.weights.par_iter().all(|w| *w > 0.0 && w.is_finite());
+        if places && weights && self.uv.par_iter().all(|at| at.iter().all(finite)) {
             return Ok(());
         }
         Err(Error::Input("samples: a number is not finite, or a weight not above 0"))
