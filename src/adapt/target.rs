@@ -11,7 +11,7 @@ use crate::geometry::{Point, Uv, Vector, VertexId, uv_bounds};
 use crate::knots::Miss;
 use crate::mesh::Bound;
 use crate::parameterize::{Outline, Parameterized};
-use crate::spline::{Polynomials, Samples, Surface, foot_point_moving, last_step};
+use crate::spline::{Samples, Surface, foot_point_moving, for_many_looks, last_step};
 
 /// What is left of an outlier's weight: nothing that a fit would show.
 const OUTLIER_WEIGHT: f64 = 1e-6;
@@ -91,9 +91,10 @@ impl<'a> Target<'a> {
 
     /// The same, looked for from the given parameters.
     pub fn feet_from(&self, surface: &Surface, starts: &[Uv]) -> Feet {
-        let (last, surface) = (last_step(surface), Polynomials::new(surface));
+        let last = last_step(surface);
+        let surface = for_many_looks(surface);
         let foot = |(&uv, &p): (&Uv, &Point)| {
-            foot_point_moving(&surface, p, uv, held(self.map, uv).map(|held| !held), last)
+            foot_point_moving(&*surface, p, uv, held(self.map, uv).map(|held| !held), last)
         };
         let at = starts.par_iter().zip(&self.samples.points);
         let (uv, distances) = at.map(foot).unzip();

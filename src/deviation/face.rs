@@ -6,7 +6,7 @@ use rstar::RTree;
 use super::Deviation;
 use super::outline::{Outline, Side};
 use crate::geometry::{Point, Uv};
-use crate::spline::{Curve, Patch, Surface, foot_point};
+use crate::spline::{Curve, Patch, Surface, foot_point, for_many_looks};
 
 /// A surface and the loops that trim it: holes cut out of it, islands left in
 /// them, and so on.
@@ -32,6 +32,15 @@ impl<'a> Face<'a, Surface> {
     ) -> Self {
         let chords = |arcs: &[Curve<2>]| chords(surface, arcs);
         Face::of_rings(surface, loops.map(chords).collect(), natural)
+    }
+
+    /// The deviation of points whose parameter points are given.
+    pub fn deviation(&self, points: &[Point], starts: &[Uv]) -> Deviation {
+        let each = points.par_iter().zip(starts);
+        let surface = for_many_looks(self.surface);
+        let distance =
+            |(&p, &start): (&Point, &Uv)| self.from_foot(p, foot_point(&*surface, p, start));
+        Deviation::of(points, each.map(distance).collect())
     }
 }
 
@@ -63,18 +72,15 @@ impl<'a, S: Patch> Face<'a, S> {
     /// The distance of `p`, searched from the parameter point `start`: to its
     /// foot or, where that is not on the face, to the nearest loop.
     pub fn distance(&self, p: Point, start: Uv) -> f64 {
-        let (at, distance) = foot_point(self.surface, p, start);
+        self.from_foot(p, foot_point(self.surface, p, start))
+    }
+
+    fn from_foot(&self, p: Point, (at, distance): (Uv, f64)) -> f64 {
         if self.contains(at) {
             return distance;
         }
         let nearest = self.rims.nearest_neighbor(p.coords.into());
         nearest.map_or(distance, |side| side.distance(p))
-    }
-
-    /// The deviation of points whose parameter points are given.
-    pub fn deviation(&self, points: &[Point], starts: &[Uv]) -> Deviation {
-        let each = points.par_iter().zip(starts);
-        Deviation::of(points, each.map(|(&p, &start)| self.distance(p, start)).collect())
     }
 }
 

@@ -8,6 +8,7 @@ mod outline;
 pub use face::Face;
 
 use crate::geometry::Point;
+use rayon::prelude::*;
 
 /// Distances in mm, over a set of points.
 #[derive(Debug, Clone, Default)]
@@ -37,7 +38,7 @@ impl Deviation {
         let squares: f64 = distances.iter().map(|d| d * d).sum();
         let worst = (0..n).max_by(|&i, &j| distances[i].total_cmp(&distances[j])).unwrap_or(0);
         let mut sorted = distances.clone();
-        sorted.sort_by(f64::total_cmp);
+        sorted.par_sort_unstable_by(f64::total_cmp);
         let percentile = |p: usize| sorted[(n * p).div_ceil(100).clamp(1, n) - 1];
         Deviation {
             rms: (squares / n as f64).sqrt(),

@@ -13,7 +13,7 @@ use crate::geometry::{Point, Uv};
 /// halved. A parameter that sits on the domain's edge and wants out is held
 /// there. The result is never farther than `start`'s own point; Newton's last
 /// step is below 1e-7 of the domain, so that what is left is far below 1e-10.
-pub fn foot_point<S: Patch>(surface: &S, p: Point, start: Uv) -> (Uv, f64) {
+pub fn foot_point<S: Patch + ?Sized>(surface: &S, p: Point, start: Uv) -> (Uv, f64) {
     foot_point_moving(surface, p, start, [true; 2], LAST_STEP)
 }
 
@@ -33,7 +33,7 @@ pub fn last_step(surface: &Surface) -> f64 {
 
 /// The same where only the parameters that `moves` names may change: on an iso-curve, if
 /// it is one of them. A step below `last_step` is the last.
-pub fn foot_point_moving<S: Patch>(
+pub fn foot_point_moving<S: Patch + ?Sized>(
     surface: &S,
     p: Point,
     start: Uv,
@@ -81,7 +81,7 @@ pub fn foot_point_moving<S: Patch>(
 }
 
 /// Which parameters may move: not one at an edge that the descent leads out of.
-fn free_axes<S: Patch>(surface: &S, at: Uv, gradient: Vector2<f64>) -> [bool; 2] {
+fn free_axes<S: Patch + ?Sized>(surface: &S, at: Uv, gradient: Vector2<f64>) -> [bool; 2] {
     let held =
         |x: f64, g: f64, (low, high): (f64, f64)| (x <= low && g > 0.0) || (x >= high && g < 0.0);
     let [u, v] = surface.ranges();

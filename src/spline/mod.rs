@@ -20,6 +20,6 @@ pub use foot::foot_point;
 pub(crate) use foot::{foot_point_moving, last_step};
 pub use knots::{Basis, KnotVector};
 pub use outline::{Fault, Nest, Outline, Place, crossings, misplaced};
-pub(crate) use polynomials::Polynomials;
+pub(crate) use polynomials::for_many_looks;
 pub use samples::Samples;
 pub use surface::{Jet, Patch, Surface};

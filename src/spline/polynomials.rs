@@ -13,16 +13,24 @@ type Lane = Vector4<f64>;
 
 /// Its polynomials. A look at one costs a third of one at B-splines, whose functions have
 /// to be found first.
-pub struct Polynomials {
+struct Polynomials {
     spans: [Spans; 2],
     ranges: [(f64, f64); 2],
     /// Cell (p, q) at `p * down + q`: of tˡ sᵏ, at [l][k].
     cells: Vec<[[Lane; 4]; 4]>,
 }
 
+/// The surface for many looks: by its polynomials where it is cubic both ways, as fits
+/// make it.
+pub fn for_many_looks(surface: &Surface) -> Box<dyn Patch> {
+    match [&surface.u, &surface.v].iter().all(|knots| knots.degree() == 3) {
+        true => Box::new(Polynomials::new(surface)),
+        false => Box::new(surface.clone()),
+    }
+}
+
 impl Polynomials {
-    /// Those of a surface that is cubic both ways.
-    pub fn new(surface: &Surface) -> Self {
+    fn new(surface: &Surface) -> Self {
         let spans = [&surface.u, &surface.v].map(Spans::new);
         let down = spans[1].all.len();
         let of = |c: usize| cell(surface, [c / down, c % down], &spans);
