@@ -4,7 +4,7 @@
 use foldhash::HashMap;
 
 use super::faults::FOLDED;
-use super::flips::{Sides, flip, sides};
+use super::flips::{flip, sides};
 use super::size::Sizes;
 use crate::geometry::{Point, Vector, unit_normal};
 
@@ -107,7 +107,7 @@ impl Surface {
     /// Moves each inner point towards the mean of its neighbours, where no triangle
     /// turns away by that, or the surface folds at fewer sides then.
     fn even_out(&mut self) {
-        let sides = sides(&self.triangles);
+        let mut facets = Facets::new(self);
         let mut around = vec![Vec::new(); self.points.len()];
         for (number, t) in self.triangles.iter().enumerate() {
             t.iter().filter(|v| **v >= self.rim).for_each(|&v| around[v].push(number));
@@ -119,41 +119,76 @@ impl Surface {
             let corners = || around.iter().flat_map(|&t| self.triangles[t]).filter(|w| *w != v);
             let sum: Vector = corners().map(|w| self.points[w].coords).sum();
             let (old, mean) = (self.points[v], Point::from(sum / corners().count() as f64));
-            let normals = |s: &Self| -> Vec<Vector> {
-                around.iter().map(|&t| normal(&s.points, s.triangles[t])).collect()
-            };
-            let (before, folds) = (normals(self), self.folds(around, &sides));
-            let is_good = |s: &Self| {
-                let turned = || before.iter().zip(normals(s)).any(|(n, m)| n.dot(&m) < 0.5);
-                let now = s.folds(around, &sides);
+            let before: Vec<Vector> = around.iter().map(|&t| facets.normals[t]).collect();
+            let folds = facets.folds(around);
+            let is_good = |facets: &Facets| {
+                let pairs = || around.iter().zip(&before);
+                let turned = || pairs().any(|(&t, n)| n.dot(&facets.normals[t]) < 0.5);
+                let now = facets.folds(around);
                 now < folds || (now == folds && !turned())
             };
             for share in [1.0, 0.3] {
                 self.points[v] = old + share * (mean - old);
-                if is_good(self) {
+                for &t in around {
+                    facets.normals[t] = normal(&self.points, self.triangles[t]);
+                }
+                if is_good(&facets) {
                     break;
                 }
                 self.points[v] = old;
+                around.iter().zip(&before).for_each(|(&t, n)| facets.normals[t] = *n);
             }
+        }
+    }
+}
+
+/// What is across a triangle's side.
+#[derive(Clone, Copy)]
+enum Across {
+    /// Another triangle.
+    Triangle(usize),
+    /// What is beside a rim, with its normal.
+    Rim(Vector),
+    Nothing,
+}
+
+/// How the triangles face, and what is across their sides.
+struct Facets {
+    normals: Vec<Vector>,
+    across: Vec<[Across; 3]>,
+}
+
+impl Facets {
+    fn new(surface: &Surface) -> Self {
+        let sides = sides(&surface.triangles);
+        let across = |&t: &[usize; 3]| {
+            [0, 1, 2].map(|k| {
+                let (v, w) = (t[k], t[(k + 1) % 3]);
+                match (sides.get(&(w, v)), surface.beside.get(&(v, w))) {
+                    (Some(&other), _) => Across::Triangle(other),
+                    (None, Some(&normal)) => Across::Rim(normal),
+                    (None, None) => Across::Nothing,
+                }
+            })
+        };
+        Facets {
+            normals: surface.triangles.iter().map(|&t| normal(&surface.points, t)).collect(),
+            across: surface.triangles.iter().map(across).collect(),
         }
     }
 
     /// At how many sides of some triangles the surface folds; those between two
     /// of them count twice.
-    fn folds(&self, triangles: &[usize], sides: &Sides) -> usize {
-        let each = triangles.iter().map(|&t| self.triangles[t]);
-        each.map(|t| {
-            let own = normal(&self.points, t);
-            let beside = |k: usize| {
-                let (v, w) = (t[k], t[(k + 1) % 3]);
-                match sides.get(&(w, v)) {
-                    Some(&other) => Some(normal(&self.points, self.triangles[other])),
-                    None => self.beside.get(&(v, w)).copied(),
-                }
+    fn folds(&self, triangles: &[usize]) -> usize {
+        let at = |&t: &usize| {
+            let folds = |across: &&Across| match across {
+                Across::Triangle(other) => self.normals[*other].dot(&self.normals[t]) < FOLDED,
+                Across::Rim(normal) => normal.dot(&self.normals[t]) < FOLDED,
+                Across::Nothing => false,
             };
-            (0..3).filter_map(beside).filter(|n| n.dot(&own) < FOLDED).count()
-        })
-        .sum()
+            self.across[t].iter().filter(folds).count()
+        };
+        triangles.iter().map(at).sum()
     }
 }
 
