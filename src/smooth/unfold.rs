@@ -3,6 +3,8 @@
 //! come to lie upside down. They are turned back by sliding their vertices
 //! along the surface, which itself stays where it is.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
 use rayon::prelude::*;
 
 use super::surface::Surface;
@@ -55,19 +57,26 @@ pub fn unfold(disk: &mut Disk, surface: &Surface, by: Upright) {
         .into_par_iter()
         .filter(|&t| sliding.uprightness(disk, t) <= 0.0)
         .collect();
-    let mut vertices = Marks(vec![false; disk.mesh.points.len()]);
-    let mut triangles = Marks(vec![false; disk.mesh.triangles.len()]);
+    let vertices = Marks::new(disk.mesh.points.len());
+    let triangles = Marks::new(disk.mesh.triangles.len());
+    // Vertices that have slid off the surface by now.
+    let mut off = Vec::new();
     for round in 0..ROUNDS {
+        if folded.is_empty() || round % PATIENCE == PATIENCE - 1 {
+            off = vertices.unique(off.into_par_iter());
+            sliding.settle(disk, &off);
+            folded = sliding.still_folded(disk, folded, &off, &triangles);
+            off.clear();
+        }
         if folded.is_empty() {
             return;
         }
-        let corners = folded.iter().flat_map(|&t| disk.mesh.triangles[t as usize]);
+        let corners = folded.par_iter().flat_map_iter(|&t| disk.mesh.triangles[t as usize]);
         let corners = vertices.unique(corners.map(|v| v.0));
         let is_inner = |v: &u32| sliding.beside[*v as usize].is_none();
-        let around =
-            corners.iter().flat_map(|&v| sliding.rings.neighbours(&disk.mesh, VertexId(v)));
-        let inner = around.map(|v| v.0).filter(is_inner);
-        let mut moving = vertices.unique(corners.iter().copied().chain(inner));
+        let around = |&v: &u32| sliding.rings.neighbours(&disk.mesh, VertexId(v)).map(|v| v.0);
+        let inner = corners.par_iter().flat_map_iter(around).filter(is_inner);
+        let mut moving = vertices.unique(corners.par_iter().copied().chain(inner));
         moving.retain(|&v| !sliding.pinned[v as usize]);
         if round == 2 * PATIENCE && !by.named {
             corners.iter().for_each(|&v| sliding.pinned[v as usize] = false);
@@ -79,19 +88,26 @@ pub fn unfold(disk: &mut Disk, surface: &Surface, by: Upright) {
             }
         }
         sliding.slide(disk, &moving);
-        folded = sliding.still_folded(disk, folded, &moving, &mut triangles);
+        folded = sliding.still_folded(disk, folded, &moving, &triangles);
+        off.extend(moving);
     }
+    sliding.settle(disk, &vertices.unique(off.into_par_iter()));
 }
 
 /// Room to tell which numbers came before; all false between calls.
-struct Marks(Vec<bool>);
+struct Marks(Vec<AtomicBool>);
 
 impl Marks {
+    /// Room for numbers below `count`.
+    fn new(count: usize) -> Self {
+        Marks((0..count).map(|_| AtomicBool::new(false)).collect())
+    }
+
     /// The numbers, each once, ascending.
-    fn unique(&mut self, numbers: impl Iterator<Item = u32>) -> Vec<u32> {
-        let is_new = |n: &u32| !std::mem::replace(&mut self.0[*n as usize], true);
+    fn unique(&self, numbers: impl ParallelIterator<Item = u32>) -> Vec<u32> {
+        let is_new = |n: &u32| !self.0[*n as usize].swap(true, Ordering::Relaxed);
         let mut numbers: Vec<u32> = numbers.filter(is_new).collect();
-        numbers.iter().for_each(|&n| self.0[n as usize] = false);
+        numbers.par_iter().for_each(|&n| self.0[n as usize].store(false, Ordering::Relaxed));
         numbers.par_sort_unstable();
         numbers
     }
@@ -128,19 +144,20 @@ impl<'a> Sliding<'a> {
         disk: &Disk,
         folded: Vec<u32>,
         moved: &[u32],
-        triangles: &mut Marks,
+        triangles: &Marks,
     ) -> Vec<u32> {
         let lying = folded.into_par_iter().filter(|&t| self.uprightness(disk, t) < UPRIGHT);
         let mut all: Vec<u32> = lying.collect();
-        let around = moved.iter().flat_map(|&v| self.rings.triangles(VertexId(v))).copied();
+        let around = |&v: &u32| self.rings.triangles(VertexId(v)).iter().copied();
+        let around = moved.par_iter().flat_map_iter(around);
         let around = triangles.unique(around);
         all.par_extend(around.into_par_iter().filter(|&t| self.uprightness(disk, t) <= 0.0));
-        triangles.unique(all.into_iter())
+        triangles.unique(all.into_par_iter())
     }
 
-    /// Moves the vertices half of the way to the middle of their neighbours, and
-    /// back onto the surface.
-    fn slide(&mut self, disk: &mut Disk, vertices: &[u32]) {
+    /// Moves the vertices half of the way to the middle of their neighbours, across the
+    /// surface's normals.
+    fn slide(&self, disk: &mut Disk, vertices: &[u32]) {
         let target = |&v: &u32| {
             let v = VertexId(v);
             let (p, n) = (disk.mesh.point(v), self.normals[v.index()]);
@@ -154,13 +171,21 @@ impl<'a> Sliding<'a> {
                 None => self.rings.neighbours(&disk.mesh, v).for_each(&mut add),
             }
             let step = 0.5 * sum / count;
-            let target = p + (step - step.dot(&n) * n);
-            self.surface.project(v, target).map_or((target, n), |foot| (foot.point, foot.normal))
+            p + (step - step.dot(&n) * n)
         };
-        let targets: Vec<(Point, Vector)> = vertices.par_iter().map(target).collect();
-        for (&v, (p, n)) in vertices.iter().zip(targets) {
-            disk.mesh.points[v as usize] = p;
-            self.normals[v as usize] = n;
+        let targets: Vec<Point> = vertices.par_iter().map(target).collect();
+        vertices.iter().zip(targets).for_each(|(&v, p)| disk.mesh.points[v as usize] = p);
+    }
+
+    /// Puts the vertices back onto the surface.
+    fn settle(&mut self, disk: &mut Disk, vertices: &[u32]) {
+        let foot = |&v: &u32| self.surface.project(VertexId(v), disk.mesh.point(VertexId(v)));
+        let feet: Vec<_> = vertices.par_iter().map(foot).collect();
+        for (&v, foot) in vertices.iter().zip(feet) {
+            if let Some(foot) = foot {
+                disk.mesh.points[v as usize] = foot.point;
+                self.normals[v as usize] = foot.normal;
+            }
         }
     }
 }
