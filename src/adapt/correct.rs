@@ -12,23 +12,25 @@ use crate::geometry::{Uv, VertexId, orient2d};
 const ATTEMPTS: usize = 12;
 
 /// Twice a triangle's area at some parameters.
-pub fn area(at: &[Uv], triangle: [VertexId; 3]) -> f64 {
-    let [a, b, c] = triangle.map(|v| at[v.index()]);
+pub fn area(at: impl Fn(usize) -> Uv, triangle: [VertexId; 3]) -> f64 {
+    let [a, b, c] = triangle.map(|v| at(v.index()));
     orient2d(a, b, c)
 }
 
 /// The parameters `uv`, `moved` to their feet. Vertices of triangles that would keep less
 /// than the share `least` of their [`area`] in the map as it was `made` stay where they
-/// were.
+/// were. Those that `skirt` is the places of come after them, and stay.
 pub fn corrected(
     triangles: &[[VertexId; 3]],
     made: &[f64],
     least: f64,
     uv: Vec<Uv>,
     mut moved: Vec<Uv>,
+    skirt: &[Uv],
 ) -> Vec<Uv> {
     // Feet that are no numbers crush them, too.
     let crushed = |at: &[Uv], t: usize| {
+        let at = |v: usize| at.get(v).copied().unwrap_or_else(|| skirt[v - at.len()]);
         area(at, triangles[t]).partial_cmp(&(least * made[t])).is_none_or(Ordering::is_lt)
     };
     // Only triangles with a vertex that has just been put back can turn now.
@@ -39,11 +41,13 @@ pub fn corrected(
             return moved;
         }
         let mut back = vec![false; uv.len()];
-        for v in suspects.iter().flat_map(|&t| triangles[t]) {
-            back[v.index()] = true;
-            moved[v.index()] = uv[v.index()];
+        let corners = suspects.iter().flat_map(|&t| triangles[t]).map(VertexId::index);
+        for v in corners.filter(|v| *v < uv.len()) {
+            back[v] = true;
+            moved[v] = uv[v];
         }
-        let touched = |t: &usize| triangles[*t].iter().any(|v| back[v.index()]);
+        let is_back = |v: &VertexId| back.get(v.index()).is_some_and(|&back| back);
+        let touched = |t: &usize| triangles[*t].iter().any(is_back);
         suspects = all().filter(touched).filter(|&t| crushed(&moved, t)).collect();
     }
     uv
@@ -67,11 +71,11 @@ mod tests {
     #[test]
     fn a_vertex_moves_to_its_foot_unless_triangles_turn_over() {
         let (mesh, uv) = fan();
-        let made: Vec<f64> = mesh.triangles.iter().map(|&t| area(&uv, t)).collect();
+        let made: Vec<f64> = mesh.triangles.iter().map(|&t| area(|v| uv[v], t)).collect();
         let moved = |u: f64, v: f64| {
             let mut feet = uv.clone();
             feet[4] = Uv::new(u, v);
-            corrected(&mesh.triangles, &made, 0.2, uv.clone(), feet)[4]
+            corrected(&mesh.triangles, &made, 0.2, uv.clone(), feet, &[])[4]
         };
         assert_eq!(moved(0.3, 0.6), Uv::new(0.3, 0.6));
         assert_eq!(moved(0.3, 1.2), uv[4]);

@@ -50,8 +50,9 @@ impl<'a> Target<'a> {
         let points = map.patch.mesh.points.clone();
         let (uv, open) = (map.uv.clone(), map.outline == Outline::Free);
         let triangles = [&map.patch.mesh.triangles[..], &map.skirt.triangles].concat();
-        let all = [&map.uv[..], &map.skirt.uv].concat();
-        let made = triangles.par_iter().map(|&t| area(&all, t)).collect();
+        let at =
+            |v: usize| map.uv.get(v).copied().unwrap_or_else(|| map.skirt.uv[v - map.uv.len()]);
+        let made = triangles.par_iter().map(|&t| area(at, t)).collect();
         let samples = Samples { points, uv, weights: weights.clone(), open };
         Target { map, triangles, made, corners, samples, weights, outliers: Vec::new() }
     }
@@ -153,12 +154,7 @@ impl<'a> Target<'a> {
 
     /// The parameters that the samples may move to from those they have.
     pub fn corrected(&self, now: Vec<Uv>, wanted: Vec<Uv>, least: f64) -> Vec<Uv> {
-        let count = now.len();
-        let with_skirt = |uv: Vec<Uv>| [uv.as_slice(), &self.map.skirt.uv].concat();
-        let (now, wanted) = (with_skirt(now), with_skirt(wanted));
-        let mut uv = corrected(&self.triangles, &self.made, least, now, wanted);
-        uv.truncate(count);
-        uv
+        corrected(&self.triangles, &self.made, least, now, wanted, &self.map.skirt.uv)
     }
 
     /// Root mean square of the measured vertices' distances, but for outliers.

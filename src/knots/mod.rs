@@ -46,7 +46,7 @@ const FEWEST: usize = 32;
 /// The knot vectors in u and v over [0, 1], bicubic.
 pub fn place(samples: &Samples, options: &Options) -> ([KnotVector; 2], Report) {
     let mut points: Vec<Sample> =
-        samples.uv.iter().zip(&samples.points).map(|(&uv, p)| (uv, p.coords)).collect();
+        samples.uv.par_iter().zip(&samples.points).map(|(&uv, p)| (uv, p.coords)).collect();
     let root = Region { low: Uv::origin(), size: 1.0, depth: 0 };
     let found = divide(&mut points, root, options);
     let report =
@@ -124,9 +124,12 @@ fn divide(points: &mut [Sample], region: Region, options: &Options) -> Found {
 
 /// Moves the points for which `first` holds to the front, the order within
 /// both parts kept, so that sums over them are the same in every run.
-fn split(points: &mut [Sample], first: impl Fn(Uv) -> bool) -> (&mut [Sample], &mut [Sample]) {
-    let count = points.iter().filter(|p| first(p.0)).count();
-    points.sort_by_key(|p| !first(p.0));
+fn split(
+    points: &mut [Sample],
+    first: impl Fn(Uv) -> bool + Sync,
+) -> (&mut [Sample], &mut [Sample]) {
+    let count = points.par_iter().filter(|p| first(p.0)).count();
+    points.par_sort_by_key(|p| !first(p.0));
     points.split_at_mut(count)
 }
 
