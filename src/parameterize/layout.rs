@@ -55,7 +55,7 @@ impl Layout<'_> {
             let n = hierarchy.left.len();
             course(REFINED * n as f64 / self.at.len() as f64)?;
             let (growth, sweeps) =
-                EFFORT.iter().find(|e| n <= e.0).map_or((2.0, 3), |e| (e.1, e.2));
+                EFFORT.iter().find(|e| n <= e.0).map_or((2.0, 2), |e| (e.1, e.2));
             if n as f64 >= growth * relaxed as f64 {
                 self.relax(hierarchy, sweeps);
                 relaxed = n;
