@@ -62,12 +62,10 @@ impl Search<'_> {
         let slide = |now: Vec<Uv>, wanted: Vec<Uv>| self.target.corrected(now, wanted, LEAST_AREA);
         let most =
             start.beyond.0.max(self.spared()) + if self.goal.named { 0 } else { self.given_up() };
-        let mut tried = Unfolding { folds: 0, found: None, lost: None };
-        for stiffness in fit::STIFFNESSES {
-            let samples = &self.target.samples;
-            let unfolded = fit::unfold(&start.surface, samples, &self.holds, stiffness, &slide);
-            tried.folds = unfolded.before;
-            let Some((surface, uv)) = unfolded.found else { break };
+        let samples = &self.target.samples;
+        let unfolded = fit::unfold(&start.surface, samples, &self.holds, &slide);
+        let mut tried = Unfolding { folds: unfolded.before, found: None, lost: None };
+        for fit::Found { surface, uv, folds } in unfolded.found {
             let mut feet = self.target.feet_from(&surface, &uv);
             let uv = self.target.corrected(uv, feet.uv.clone(), LEAST_AREA);
             if self.goal.named {
@@ -77,10 +75,12 @@ impl Search<'_> {
             let beyond = feet.beyond(self.goal.tolerance);
             let weights = start.weights.clone();
             let attempt = Attempt { surface, fit: start.fit, uv, weights, feet, beyond };
-            if beyond.0 <= most {
-                return Unfolding { folds: unfolded.after, found: Some(attempt), lost: None };
+            // Later ones are closer to the samples.
+            match beyond.0 <= most {
+                true if folds <= tried.folds => (tried.folds, tried.found) = (folds, Some(attempt)),
+                true => (),
+                false => tried.lost = Some(attempt),
             }
-            tried.lost = Some(attempt);
         }
         tried
     }

@@ -23,69 +23,92 @@ use crate::spline::{Samples, Surface};
 use places::{Places, Spot};
 use work::Work;
 
-/// Rounds at the most.
-const ROUNDS: usize = 20;
+/// Rounds at the most with one stiffness, and those among them in which samples that may
+/// not slide hold the surface in all directions.
+const ROUNDS: usize = 16;
+const FIRM: usize = 8;
 
 /// Rounds after the first one without folds.
 const SETTLING: usize = 3;
 
-/// Weights of the thin-plate energy of a cell, of a mean cell's samples, to be tried in
-/// turn: the first takes out most folds, the last keeps closest to the samples.
-pub const STIFFNESSES: [f64; 3] = [1e-2, 1e-3, 1e-4];
+/// Weights of the thin-plate energy of a cell, of a mean cell's samples, one after the
+/// other: the first takes out most folds, the last keeps closest to the samples.
+const STIFFNESSES: [f64; 3] = [1e-2, 1e-3, 1e-4];
+
+/// What a surface with folds has become.
+#[derive(Debug)]
+pub struct Unfolded {
+    /// Places that were turned over, of 36 looked at in each cell.
+    pub before: usize,
+    /// Surfaces with fewer of them, each closer to the samples than those before.
+    pub found: Vec<Found>,
+}
 
 /// A surface with fewer folds.
 #[derive(Debug)]
-pub struct Unfolded {
-    /// The surface, and the samples' parameters on it; `None` if there were no folds, or
-    /// none could be taken out.
-    pub found: Option<(Surface, Vec<Uv>)>,
-    /// Places that were turned over, of 36 looked at in each cell.
-    pub before: usize,
-    /// Places that still are.
-    pub after: usize,
+pub struct Found {
+    /// The surface.
+    pub surface: Surface,
+    /// The samples' parameters on it.
+    pub uv: Vec<Uv>,
+    /// Places that are turned over.
+    pub folds: usize,
 }
 
 /// Takes the samples' parameters and those that they should move to, and says which they
 /// may move to.
 pub type Slide<'a> = dyn Fn(Vec<Uv>, Vec<Uv>) -> Vec<Uv> + 'a;
 
-/// Takes folds out of a surface that was fitted to samples, with one of the
-/// [`STIFFNESSES`]. Samples that may not `slide` hold it in all directions.
-pub fn unfold(
-    surface: &Surface,
-    samples: &Samples,
-    holds: &[Hold],
-    stiffness: f64,
-    slide: &Slide,
-) -> Unfolded {
+/// Takes folds out of a surface that was fitted to samples. Samples that may not `slide`
+/// hold it in all directions, as far as folds do not stay for that.
+pub fn unfold(surface: &Surface, samples: &Samples, holds: &[Hold], slide: &Slide) -> Unfolded {
     let cells = Cells::new(samples, [&surface.u, &surface.v]);
     let places = Places::new(&cells, holds, &surface.net);
-    let mut spots = places.spots(&surface.net, |_, _| true);
+    let spots = places.spots(&surface.net, |_, _| true);
     let before = turned(&spots);
-    let mut best = Unfolded { found: None, before, after: before };
     if before == 0 {
-        return best;
+        return Unfolded { before, found: Vec::new() };
     }
-    let mut work = Work::new(surface, &cells, holds, stiffness);
-    let mut rounds = ROUNDS;
-    while rounds > 0 {
-        rounds -= 1;
-        work.widen(&spots);
-        if work.round(&spots, slide).is_none() {
-            break;
+    let mut work = Work::new(surface, &cells, holds);
+    let mut soften = Soften { places: &places, spots, slide };
+    let found = STIFFNESSES.iter().map_while(|&stiffness| soften.step(&mut work, stiffness));
+    Unfolded { before, found: found.filter(|found| found.folds < before).collect() }
+}
+
+/// Folds on their way out.
+struct Soften<'a> {
+    places: &'a Places<'a>,
+    spots: Vec<Spot>,
+    slide: &'a Slide<'a>,
+}
+
+impl Soften<'_> {
+    /// Rounds with one stiffness, and the best that came of them; `None` if nothing did.
+    fn step(&mut self, work: &mut Work, stiffness: f64) -> Option<Found> {
+        let mut best: Option<Found> = None;
+        let mut last = ROUNDS;
+        let mut round = 0;
+        while round < last {
+            work.widen(&self.spots);
+            if round >= FIRM {
+                work.ease(&self.spots);
+            }
+            round += 1;
+            if work.round(stiffness, &self.spots, self.slide).is_none() {
+                break;
+            }
+            self.spots = self.places.spots(&work.surface.net, |p, q| work.touches(p, q));
+            let folds = turned(&self.spots);
+            if folds == 0 && best.as_ref().is_none_or(|best| best.folds > 0) {
+                last = last.min(round + SETTLING);
+            }
+            // Later ones are closer to the samples.
+            if best.as_ref().is_none_or(|best| folds <= best.folds) {
+                best = Some(Found { surface: work.surface.clone(), uv: work.uv.clone(), folds });
+            }
         }
-        spots = places.spots(&work.surface.net, |p, q| work.touches(p, q));
-        let after = turned(&spots);
-        if after == 0 && best.after > 0 {
-            rounds = rounds.min(SETTLING);
-        }
-        // Later ones are closer to the samples.
-        if after <= best.after {
-            let found = Some((work.surface.clone(), work.uv.clone()));
-            best = Unfolded { found, before, after };
-        }
+        best
     }
-    best
 }
 
 fn turned(spots: &[Spot]) -> usize {
@@ -133,9 +156,9 @@ mod tests {
     fn a_fold_is_taken_out_and_the_shape_stays() {
         let (surface, samples, holds) = folded(6.0);
         let slide = |_: Vec<Uv>, wanted: Vec<Uv>| wanted;
-        let done = unfold(&surface, &samples, &holds, STIFFNESSES[0], &slide);
-        assert!(done.before > 0 && done.after == 0, "{} {}", done.before, done.after);
-        let (flat, uv) = done.found.unwrap();
+        let mut done = unfold(&surface, &samples, &holds, &slide);
+        let Found { surface: flat, uv, folds } = done.found.swap_remove(0);
+        assert!(done.before > 0 && folds == 0, "{} {folds}", done.before);
         let off = |(uv, p): (&Uv, &Point)| (flat.point(*uv) - p).norm();
         let worst = uv.iter().zip(&samples.points).map(off).fold(0.0, f64::max);
         assert!(worst < 0.2, "{worst}");
@@ -149,16 +172,16 @@ mod tests {
     fn a_surface_without_folds_stays() {
         let (surface, samples, holds) = folded(0.0);
         let slide = |_: Vec<Uv>, wanted: Vec<Uv>| wanted;
-        let done = unfold(&surface, &samples, &holds, STIFFNESSES[0], &slide);
-        assert!(done.before == 0 && done.after == 0 && done.found.is_none());
+        let done = unfold(&surface, &samples, &holds, &slide);
+        assert!(done.before == 0 && done.found.is_empty());
     }
 
     #[test]
     fn samples_that_may_not_slide_hold_the_surface() {
         let (surface, samples, holds) = folded(6.0);
         let stay = |now: Vec<Uv>, _: Vec<Uv>| now;
-        let done = unfold(&surface, &samples, &holds, STIFFNESSES[0], &stay);
-        let (flat, uv) = done.found.unwrap();
+        let mut done = unfold(&surface, &samples, &holds, &stay);
+        let Found { surface: flat, uv, .. } = done.found.swap_remove(0);
         assert_eq!(uv, samples.uv);
         let off = |(uv, p): (&Uv, &Point)| (flat.point(*uv) - p).norm();
         let worst = uv.iter().zip(&samples.points).map(off).fold(0.0, f64::max);

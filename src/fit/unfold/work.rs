@@ -31,13 +31,14 @@ pub struct Work<'a> {
     pub surface: Surface,
     cells: &'a Cells<'a>,
     holds: &'a [Hold],
-    stiffness: f64,
     /// The samples' parameters.
     pub uv: Vec<Uv>,
     /// Samples that may not slide.
     stuck: Vec<bool>,
     /// Control points that move.
     free: Vec<bool>,
+    /// Cells whose samples need not hold the surface in all directions.
+    eased: Vec<bool>,
     /// Samples' weight in a mean cell.
     weight: f64,
     /// Half lengths of the spans in u and in v, in mm: parameters times the mean length
@@ -50,7 +51,7 @@ pub struct Work<'a> {
 
 impl<'a> Work<'a> {
     /// A surface that nothing has moved yet.
-    pub fn new(surface: &Surface, cells: &'a Cells<'a>, holds: &'a [Hold], stiffness: f64) -> Self {
+    pub fn new(surface: &Surface, cells: &'a Cells<'a>, holds: &'a [Hold]) -> Self {
         let samples = cells.samples;
         let [across, down] = cells.counts();
         let lengths = net_lengths(surface);
@@ -62,10 +63,10 @@ impl<'a> Work<'a> {
             surface: surface.clone(),
             cells,
             holds,
-            stiffness,
             uv: samples.uv.clone(),
             stuck: vec![false; samples.len()],
             free: vec![false; surface.net.len()],
+            eased: vec![false; across * down],
             weight: samples.weights.len() as f64 / (across * down) as f64,
             halves,
             energies: cells.spans.each_ref().map(|spans| {
@@ -92,20 +93,31 @@ impl<'a> Work<'a> {
         }
     }
 
+    /// Lets samples that may not slide hold the surface across only, around spots where it
+    /// stays turned over.
+    pub fn ease(&mut self, spots: &[Spot]) {
+        let [across, down] = self.cells.counts();
+        for [p, q] in spots.iter().filter(|s| s.is_turned()).map(|s| s.cell) {
+            for p in p.saturating_sub(1)..(p + 2).min(across) {
+                self.eased[p * down + q.saturating_sub(1)..p * down + (q + 2).min(down)].fill(true);
+            }
+        }
+    }
+
     /// Whether cell (p, q) moves.
     pub fn touches(&self, p: usize, q: usize) -> bool {
         (p..p + 4).any(|i| self.free[i * self.width() + q..][..4].iter().any(|&f| f))
     }
 
     /// One step; `None` if there is no solution.
-    pub fn round(&mut self, spots: &[Spot], slide: &Slide) -> Option<()> {
+    pub fn round(&mut self, stiffness: f64, spots: &[Spot], slide: &Slide) -> Option<()> {
         let mut system = System::new(self.width(), &self.free);
         let moves = self.moving();
         let near = self.near(&moves);
         for &i in &near {
             self.add_sample(&mut system, i);
         }
-        self.add_plate(&mut system, &moves);
+        self.add_plate(&mut system, stiffness, &moves);
         for spot in spots {
             self.add_spot(&mut system, spot);
         }
@@ -146,8 +158,10 @@ impl<'a> Work<'a> {
     fn add_sample(&self, system: &mut System, i: usize) {
         let (at, hold) = (self.uv[i], &self.holds[i]);
         let (bu, bv) = (self.surface.u.basis(at.x), self.surface.v.basis(at.y));
+        let (p, q) = (bu.first, bv.first);
         let weight = self.cells.samples.weights[i];
-        let metric = weight * hold.of(self.stuck[i]);
+        let eased = self.eased[p * self.cells.counts()[1] + q];
+        let metric = weight * hold.of(self.stuck[i] && !eased);
         let off = metric * (self.cells.samples.points[i] - self.surface.point(at));
         let functions: [(usize, f64); 16] = std::array::from_fn(|k| {
             let (a, b) = (k / 4, k % 4);
@@ -161,12 +175,12 @@ impl<'a> Work<'a> {
     }
 
     /// The thin-plate energy of the cells that move.
-    fn add_plate(&self, system: &mut System, moves: &[bool]) {
+    fn add_plate(&self, system: &mut System, stiffness: f64, moves: &[bool]) {
         let down = self.cells.counts()[1];
         for c in (0..moves.len()).filter(|&c| moves[c]) {
             let (p, q) = (c / down, c % down);
             let (x, y) = (self.halves[0][p], self.halves[1][q]);
-            let weight = self.stiffness * self.weight * x.min(y).powi(4);
+            let weight = stiffness * self.weight * x.min(y).powi(4);
             let scales = [x.powi(-4), 2.0 / (x * y).powi(2), y.powi(-4)];
             let (u, v) = (&self.energies[0][p], &self.energies[1][q]);
             let value = |a: usize, b: usize| {
