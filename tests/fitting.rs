@@ -7,7 +7,7 @@ use formats::Soup;
 use scan2step::fit::{Method, fit, mean_error};
 use scan2step::geometry::{Point, Uv, Vector};
 use scan2step::smooth::Support;
-use scan2step::spline::{KnotVector, Samples, Surface, foot_point, foot_point_moving};
+use scan2step::spline::{KnotVector, Samples, Surface, foot_point, foot_point_moving, last_step};
 use scan2step::{Builder, Conversion, Options, Stage, convert};
 
 const METHODS: [Method; 3] = [Method::Blend, Method::Refined, Method::Global];
@@ -248,7 +248,8 @@ fn a_named_tolerance_holds_for_points_sides_and_corners() {
         assert!(off <= tolerance, "{off} from the surface");
         for &(p, uv) in &outer {
             let side = (0..2).find(|&axis| uv[axis] == 0.0 || uv[axis] == 1.0).expect("on a side");
-            let (_, off) = foot_point_moving(&c.surface, p, uv, [side != 0, side != 1]);
+            let (_, off) =
+                foot_point_moving(&c.surface, p, uv, [side != 0, side != 1], last_step(&c.surface));
             assert!(off <= tolerance, "{off} from the side of the patch");
         }
         for (p, uv) in outer.iter().filter(|(_, uv)| uv.iter().all(|t| *t == 0.0 || *t == 1.0)) {

@@ -2,7 +2,7 @@
 
 use super::search::{Attempt, LEAST_AREA, Search};
 use crate::error::Result;
-use crate::fit;
+use crate::fit::{self, STIFFNESSES};
 use crate::geometry::Uv;
 
 /// How often knots make room for a surface without folds.
@@ -42,13 +42,22 @@ impl Search<'_> {
             }
             self.resume(now);
             let next = self.attempt(knots)?;
-            let next = self.press(next)?;
+            let mut next = self.press(next)?;
             if !self.met(&next) {
                 break;
             }
+            self.hold_on(&mut next, &lost);
             finer = Some(next);
         }
         Ok((start, folds.unwrap_or(0)))
+    }
+
+    /// Gives weight to the points that an attempt without folds has `lost`.
+    fn hold_on(&mut self, next: &mut Attempt, lost: &Attempt) {
+        self.target.weights.clone_from(&lost.weights);
+        self.target.press(&lost.feet, self.goal.tolerance);
+        let pressed = next.weights.iter_mut().zip(&self.target.weights);
+        pressed.for_each(|(weight, pressed)| *weight = weight.max(*pressed));
     }
 
     /// Whether a tolerance is named, and no net.
@@ -56,21 +65,34 @@ impl Search<'_> {
         self.goal.named && self.options.knots.are_searched()
     }
 
-    /// Tries to take folds out over the same net.
+    /// Tries to take folds out over the same net. Where a tolerance is named, gentler ways
+    /// are tried, too, that start with less stiffness.
     fn unfolding(&mut self, start: &Attempt) -> Unfolding {
         self.take_up(start, LEAST_AREA);
+        let mut tried = Unfolding { folds: usize::MAX, found: None, lost: None };
+        let ways = if self.goal.named { STIFFNESSES.len() } else { 1 };
+        for way in 0..ways {
+            self.unfolding_with(start, &STIFFNESSES[way..], &mut tried);
+            if tried.folds == 0 {
+                break;
+            }
+        }
+        tried
+    }
+
+    /// Tries one way to take folds out.
+    fn unfolding_with(&self, start: &Attempt, stiffnesses: &[f64], tried: &mut Unfolding) {
         let slide = |now: Vec<Uv>, wanted: Vec<Uv>| self.target.corrected(now, wanted, LEAST_AREA);
         let most =
             start.beyond.0.max(self.spared()) + if self.goal.named { 0 } else { self.given_up() };
         let samples = &self.target.samples;
-        let unfolded = fit::unfold(&start.surface, samples, &self.holds, &slide);
-        let mut tried = Unfolding { folds: unfolded.before, found: None, lost: None };
+        let unfolded = fit::unfold(&start.surface, samples, &self.holds, &slide, stiffnesses);
+        tried.folds = tried.folds.min(unfolded.before);
         for fit::Found { surface, uv, folds } in unfolded.found {
             let mut feet = self.target.feet_from(&surface, &uv);
             let uv = self.target.corrected(uv, feet.uv.clone(), LEAST_AREA);
             if self.goal.named {
-                // Trim loops run where vertices may go, which for some is not their foot.
-                feet = self.target.at(&surface, uv.clone());
+                self.target.stay_at_loops(&surface, &uv, &mut feet);
             }
             let beyond = feet.beyond(self.goal.tolerance);
             let weights = start.weights.clone();
@@ -82,7 +104,6 @@ impl Search<'_> {
                 false => tried.lost = Some(attempt),
             }
         }
-        tried
     }
 
     /// How many more may go beyond one that nobody named.

@@ -102,11 +102,16 @@ impl<'a> Target<'a> {
         Feet { uv, distances, measured: self.measured() }
     }
 
-    /// The samples at the given parameters as if these were their feet.
-    pub fn at(&self, surface: &Surface, uv: Vec<Uv>) -> Feet {
-        let off = |(&at, &p): (&Uv, &Point)| (surface.point(at) - p).norm();
-        let distances = uv.par_iter().zip(&self.samples.points).map(off).collect();
-        Feet { uv, distances, measured: self.measured() }
+    /// Takes the given parameters of loops' vertices as if they were their feet: trim loops
+    /// run where these may go, which for some is not their foot.
+    pub fn stay_at_loops(&self, surface: &Surface, uv: &[Uv], feet: &mut Feet) {
+        let patch = &self.map.patch;
+        let islands = patch.islands.iter().map(|island| &island.rim);
+        let loops = std::iter::once(patch.loop_of(Bound::Outer)).chain(&patch.rims).chain(islands);
+        for v in loops.flat_map(|of| of.iter()).map(|v| v.index()) {
+            feet.uv[v] = uv[v];
+            feet.distances[v] = (surface.point(uv[v]) - self.samples.points[v]).norm();
+        }
     }
 
     /// How the samples hold a surface that slides along them: by their normals, the

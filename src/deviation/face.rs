@@ -39,7 +39,7 @@ impl<'a> Face<'a, Surface> {
         let each = points.par_iter().zip(starts);
         let surface = for_many_looks(self.surface);
         let distance =
-            |(&p, &start): (&Point, &Uv)| self.from_foot(p, foot_point(&*surface, p, start));
+            |(&p, &start): (&Point, &Uv)| self.off_foot(p, foot_point(&*surface, p, start));
         Deviation::of(points, each.map(distance).collect())
     }
 }
@@ -72,10 +72,10 @@ impl<'a, S: Patch> Face<'a, S> {
     /// The distance of `p`, searched from the parameter point `start`: to its
     /// foot or, where that is not on the face, to the nearest loop.
     pub fn distance(&self, p: Point, start: Uv) -> f64 {
-        self.from_foot(p, foot_point(self.surface, p, start))
+        self.off_foot(p, foot_point(self.surface, p, start))
     }
 
-    fn from_foot(&self, p: Point, (at, distance): (Uv, f64)) -> f64 {
+    fn off_foot(&self, p: Point, (at, distance): (Uv, f64)) -> f64 {
         if self.contains(at) {
             return distance;
         }

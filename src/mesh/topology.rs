@@ -226,3 +226,24 @@ impl Rings {
         corners.filter(move |&w| w != v)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn buckets_keep_the_order_with_any_number_of_threads() {
+        let bucket = |i: u32| i.wrapping_mul(2_654_435_761) % 11;
+        for threads in [1, 2, 3, 16] {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            // Bucket 11 stays empty, and so are all of none.
+            let (all, none) =
+                pool.install(|| (Buckets::new(12, 1000, bucket), Buckets::new(3, 0, bucket)));
+            for b in 0..12 {
+                let expected: Vec<u32> = (0..1000).filter(|&i| bucket(i) == b).collect();
+                assert_eq!(all.of(b as usize), expected, "{threads} threads, bucket {b}");
+            }
+            assert!((0..3).all(|b| none.of(b).is_empty()));
+        }
+    }
+}

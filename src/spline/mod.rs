@@ -16,8 +16,7 @@ mod surface;
 
 pub use compose::{curve_on_surface, off_surface};
 pub use curve::Curve;
-pub use foot::foot_point;
-pub(crate) use foot::{foot_point_moving, last_step};
+pub use foot::{foot_point, foot_point_moving, last_step};
 pub use knots::{Basis, KnotVector};
 pub use outline::{Fault, Nest, Outline, Place, crossings, misplaced};
 pub(crate) use polynomials::for_many_looks;

@@ -33,7 +33,7 @@ const SETTLING: usize = 3;
 
 /// Weights of the thin-plate energy of a cell, of a mean cell's samples, one after the
 /// other: the first takes out most folds, the last keeps closest to the samples.
-const STIFFNESSES: [f64; 3] = [1e-2, 1e-3, 1e-4];
+pub const STIFFNESSES: [f64; 3] = [1e-2, 1e-3, 1e-4];
 
 /// What a surface with folds has become.
 #[derive(Debug)]
@@ -59,9 +59,16 @@ pub struct Found {
 /// may move to.
 pub type Slide<'a> = dyn Fn(Vec<Uv>, Vec<Uv>) -> Vec<Uv> + 'a;
 
-/// Takes folds out of a surface that was fitted to samples. Samples that may not `slide`
-/// hold it in all directions, as far as folds do not stay for that.
-pub fn unfold(surface: &Surface, samples: &Samples, holds: &[Hold], slide: &Slide) -> Unfolded {
+/// Takes folds out of a surface that was fitted to samples, with one of `stiffnesses`
+/// after the other. Samples that may not `slide` hold it in all directions, as far as
+/// folds do not stay for that.
+pub fn unfold(
+    surface: &Surface,
+    samples: &Samples,
+    holds: &[Hold],
+    slide: &Slide,
+    stiffnesses: &[f64],
+) -> Unfolded {
     let cells = Cells::new(samples, [&surface.u, &surface.v]);
     let places = Places::new(&cells, holds, &surface.net);
     let spots = places.spots(&surface.net, |_, _| true);
@@ -71,7 +78,7 @@ pub fn unfold(surface: &Surface, samples: &Samples, holds: &[Hold], slide: &Slid
     }
     let mut work = Work::new(surface, &cells, holds);
     let mut soften = Soften { places: &places, spots, slide };
-    let found = STIFFNESSES.iter().map_while(|&stiffness| soften.step(&mut work, stiffness));
+    let found = stiffnesses.iter().map_while(|&stiffness| soften.step(&mut work, stiffness));
     Unfolded { before, found: found.filter(|found| found.folds < before).collect() }
 }
 
@@ -156,7 +163,7 @@ mod tests {
     fn a_fold_is_taken_out_and_the_shape_stays() {
         let (surface, samples, holds) = folded(6.0);
         let slide = |_: Vec<Uv>, wanted: Vec<Uv>| wanted;
-        let mut done = unfold(&surface, &samples, &holds, &slide);
+        let mut done = unfold(&surface, &samples, &holds, &slide, &STIFFNESSES);
         let Found { surface: flat, uv, folds } = done.found.swap_remove(0);
         assert!(done.before > 0 && folds == 0, "{} {folds}", done.before);
         let off = |(uv, p): (&Uv, &Point)| (flat.point(*uv) - p).norm();
@@ -172,7 +179,7 @@ mod tests {
     fn a_surface_without_folds_stays() {
         let (surface, samples, holds) = folded(0.0);
         let slide = |_: Vec<Uv>, wanted: Vec<Uv>| wanted;
-        let done = unfold(&surface, &samples, &holds, &slide);
+        let done = unfold(&surface, &samples, &holds, &slide, &STIFFNESSES);
         assert!(done.before == 0 && done.found.is_empty());
     }
 
@@ -180,7 +187,7 @@ mod tests {
     fn samples_that_may_not_slide_hold_the_surface() {
         let (surface, samples, holds) = folded(6.0);
         let stay = |now: Vec<Uv>, _: Vec<Uv>| now;
-        let mut done = unfold(&surface, &samples, &holds, &stay);
+        let mut done = unfold(&surface, &samples, &holds, &stay, &STIFFNESSES);
         let Found { surface: flat, uv, .. } = done.found.swap_remove(0);
         assert_eq!(uv, samples.uv);
         let off = |(uv, p): (&Uv, &Point)| (flat.point(*uv) - p).norm();
