@@ -23,7 +23,7 @@ use crate::error::{Result, of};
 use crate::parameterize::Parameterized;
 use crate::spline::{KnotVector, Samples, Surface};
 use crate::{Options, fit, knots, rules};
-use search::Search;
+use search::{LEAST_AREA, Search};
 use target::Target;
 
 /// What the user says about knots.
@@ -96,8 +96,8 @@ pub struct Adapted {
     /// Places where the surface is turned over, of 36 looked at in each knot cell; `None`
     /// for blended local fits, which are left as they are.
     pub folds: Option<usize>,
-    /// Mean distance, in mm, between a sample and the surface at the sample's
-    /// parameter.
+    /// Mean distance, in mm, between a sample and the surface at the parameter that the
+    /// sample was fitted with.
     pub mean_error: f64,
 }
 
@@ -150,7 +150,7 @@ pub fn fit_with(
         let (unfolded, left) = search.unfold(best)?;
         (best, folds) = (unfolded, Some(left));
     }
-    search.target.samples.uv = best.uv;
+    search.target.samples.uv.clone_from(&best.uv);
     let adapted = Adapted {
         fit: best.fit,
         knots: placed,
@@ -159,7 +159,10 @@ pub fn fit_with(
         folds,
         mean_error: fit::mean_error(&best.surface, &search.target.samples),
     };
-    map.uv = search.target.samples.uv;
+    map.uv = match options.method {
+        fit::Method::Blend => best.uv,
+        _ => search.target.corrected(best.uv, best.feet.uv, LEAST_AREA),
+    };
     Ok((best.surface, adapted))
 }
 

@@ -96,8 +96,12 @@ impl<'a> Search<'a> {
         if self.options.method == fit::Method::Refined {
             (surface, feet) = self.slide(surface, feet);
         }
-        let beyond = feet.beyond(self.goal.tolerance);
         let (uv, weights) = (self.target.samples.uv.clone(), self.target.weights.clone());
+        if self.goal.named {
+            let last = self.target.corrected(uv.clone(), feet.uv.clone(), LEAST_AREA);
+            self.target.stay_at_loops(&surface, &last, &mut feet);
+        }
+        let beyond = feet.beyond(self.goal.tolerance);
         Ok(Attempt { surface, fit, uv, weights, feet, beyond })
     }
 
