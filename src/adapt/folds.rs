@@ -42,7 +42,7 @@ impl Search<'_> {
             }
             self.resume(now);
             let next = self.attempt(knots)?;
-            let mut next = self.press(next)?;
+            let mut next = self.grow(next)?;
             if !self.met(&next) {
                 break;
             }
@@ -76,6 +76,9 @@ impl Search<'_> {
             if tried.folds == 0 {
                 break;
             }
+            if let Some(lost) = &tried.lost {
+                self.target.press(&lost.feet, self.goal.tolerance);
+            }
         }
         tried
     }
@@ -95,7 +98,7 @@ impl Search<'_> {
                 self.target.stay_at_loops(&surface, &uv, &mut feet);
             }
             let beyond = feet.beyond(self.goal.tolerance);
-            let weights = start.weights.clone();
+            let weights = self.target.weights.clone();
             let attempt = Attempt { surface, fit: start.fit, uv, weights, feet, beyond };
             // Later ones are closer to the samples.
             match beyond.0 <= most {
