@@ -23,7 +23,7 @@ use crate::error::{Result, of};
 use crate::parameterize::Parameterized;
 use crate::spline::{KnotVector, Samples, Surface};
 use crate::{Options, fit, knots, rules};
-use search::{LEAST_AREA, Search};
+use search::{FIRM_AREA, Search};
 use target::Target;
 
 /// What the user says about knots.
@@ -161,7 +161,7 @@ pub fn fit_with(
     };
     map.uv = match options.method {
         fit::Method::Blend => best.uv,
-        _ => search.target.corrected(best.uv, best.feet.uv, LEAST_AREA),
+        _ => search.target.corrected(best.uv, best.feet.uv, FIRM_AREA),
     };
     Ok((best.surface, adapted))
 }

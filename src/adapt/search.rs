@@ -30,7 +30,7 @@ const PRESSING_PAYS: f64 = 0.7;
 
 /// The share of its area that every triangle of the map keeps when parameters are
 /// corrected, before another fit and after the last.
-const FIRM_AREA: f64 = 0.2;
+pub(super) const FIRM_AREA: f64 = 0.2;
 pub(super) const LEAST_AREA: f64 = 1e-3;
 
 /// Corrections of the parameters over a net that stays, at the most, and the rms
@@ -98,7 +98,7 @@ impl<'a> Search<'a> {
         }
         let (uv, weights) = (self.target.samples.uv.clone(), self.target.weights.clone());
         if self.goal.named {
-            let last = self.target.corrected(uv.clone(), feet.uv.clone(), LEAST_AREA);
+            let last = self.target.corrected(uv.clone(), feet.uv.clone(), FIRM_AREA);
             self.target.stay_at_loops(&surface, &last, &mut feet);
         }
         let beyond = feet.beyond(self.goal.tolerance);

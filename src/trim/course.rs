@@ -1,10 +1,10 @@
 //! The course of one trim loop: knots where the rim needs them.
 
+use std::borrow::Cow;
 use std::collections::BTreeSet;
 
 use super::closed::{Knots, Polygon, arcs, fit};
-use super::corners;
-use super::{Options, Rim};
+use super::{Options, Rim, corners, needles};
 use crate::geometry::{Point, Uv, segment_distance};
 use crate::spline::{Curve, Jet, Surface, foot_point};
 
@@ -32,7 +32,7 @@ const ROUNDS: usize = 40;
 #[derive(Debug, Clone)]
 pub struct Course<'a> {
     surface: &'a Surface,
-    rim: &'a Rim,
+    rim: Cow<'a, Rim>,
     polygon: Polygon,
     /// The surface at the polygon's corners.
     jets: Vec<Jet>,
@@ -54,7 +54,7 @@ impl<'a> Course<'a> {
     /// The loop with the fewest knots that is within the tolerance of the rim. `None`:
     /// the rim is a point.
     pub fn new(surface: &'a Surface, rim: &'a Rim, options: &Options) -> Option<Self> {
-        Course::around(surface, rim, options, false, Vec::new())
+        Course::around(surface, Cow::Borrowed(rim), options, false, Vec::new())
     }
 
     /// Rim vertices are taken at their feet on the surface, or, if `on_map`, at
@@ -62,7 +62,7 @@ impl<'a> Course<'a> {
     /// across each other, those cannot.
     fn around(
         surface: &'a Surface,
-        rim: &'a Rim,
+        rim: Cow<'a, Rim>,
         options: &Options,
         on_map: bool,
         sharp: Vec<usize>,
@@ -122,31 +122,33 @@ impl<'a> Course<'a> {
         arcs(&self.curve, &self.knots.corners)
     }
 
-    /// The rim's vertex nearest to a parameter.
-    pub fn vertex(&self, t: f64) -> usize {
+    /// The rim's vertex next to a parameter.
+    pub fn vertex(&self, t: f64) -> Point {
         let n = self.rim.points.len();
-        (self.first + self.polygon.before(t).min(n - 1)) % n
+        self.rim.points[(self.first + self.polygon.before(t).min(n - 1)) % n]
     }
 
     /// Lets the loop follow its rim more closely around places; where it does so
-    /// already, or there are none, along the map's parameter points; last, with a
-    /// corner at the first of the places, which may be the tip of a slit. `None`: none
-    /// of this can be.
+    /// already, or there are none, along the map's parameter points, needles left out;
+    /// last, with a corner at the first of the places, which may be the tip of a slit.
+    /// `None`: none of this can be.
     pub fn tighten(&mut self, places: &[Option<f64>], options: &Options) -> Option<()> {
         let spans: BTreeSet<usize> =
             places.iter().flatten().flat_map(|&t| self.spans_around(t)).collect();
         if !spans.is_empty() && self.halve(spans).is_some() {
             return Some(());
         }
-        let mut sharp = self.sharp.clone();
-        if self.on_map {
+        let (mut rim, mut sharp) = (self.rim.clone(), self.sharp.clone());
+        if !self.on_map {
+            rim = Cow::Owned(rim.only(&needles::without(&rim.uv)));
+        } else {
             let tip = self.nearest(places.iter().flatten().next().copied()?);
             if sharp.contains(&tip) {
                 return None;
             }
             sharp.push(tip);
         }
-        *self = Course::around(self.surface, self.rim, options, true, sharp)?;
+        *self = Course::around(self.surface, rim, options, true, sharp)?;
         Some(())
     }
 

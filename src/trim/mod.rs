@@ -11,6 +11,7 @@
 mod closed;
 mod corners;
 mod course;
+mod needles;
 
 use std::collections::BTreeMap;
 
@@ -64,6 +65,12 @@ pub struct Rim {
 }
 
 impl Rim {
+    /// The rim with the vertices at some positions only.
+    fn only(&self, kept: &[usize]) -> Rim {
+        let points = kept.iter().map(|&i| self.points[i]).collect();
+        Rim { points, uv: kept.iter().map(|&i| self.uv[i]).collect(), ..*self }
+    }
+
     /// Whether it can be the rim at this position.
     fn check(&self, position: usize) -> Result<()> {
         if self.points.is_empty() || self.points.len() != self.uv.len() {
@@ -159,7 +166,7 @@ fn uncrossed(surface: &Surface, rims: &[Rim], options: &Options) -> Result<Vec<V
     let nests: Vec<Nest> = rims.iter().map(|rim| nest(rims, rim)).collect();
     let begun = |rim| {
         let course = Course::new(surface, rim, options);
-        course.ok_or_else(|| refusal(rim, "is a point", 0))
+        course.ok_or_else(|| refusal(rim, "is a point", rim.points[0]))
     };
     let mut courses: Vec<Course> = rims.par_iter().map(begun).collect::<Result<_>>()?;
     let mut round = 0;
@@ -174,8 +181,8 @@ fn uncrossed(surface: &Surface, rims: &[Rim], options: &Options) -> Result<Vec<V
         let better = places.into_iter().map(give_way).filter(|&given| given).count() > 0;
         round += 1;
         if round == ROUNDS || !better {
-            let vertex = at.map_or(0, |t| courses[first].vertex(t));
-            return Err(refusal(&rims[first], &fault.to_string(), vertex));
+            let place = at.map_or(rims[first].points[0], |t| courses[first].vertex(t));
+            return Err(refusal(&rims[first], &fault.to_string(), place));
         }
     }
 }
@@ -196,8 +203,8 @@ fn wrong(arcs: &[Vec<Curve<2>>], nests: &[Nest]) -> Vec<(usize, Place)> {
     found
 }
 
-fn refusal(rim: &Rim, fault: &str, vertex: usize) -> Error {
-    Error::Trim { of: rim.of, fault: fault.to_owned(), at: rim.points[vertex] }
+fn refusal(rim: &Rim, fault: &str, at: Point) -> Error {
+    Error::Trim { of: rim.of, fault: fault.to_owned(), at }
 }
 
 /// How the loop of a rim must lie: clockwise around a hole, counter-clockwise
