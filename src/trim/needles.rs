@@ -40,11 +40,11 @@ mod tests {
     fn needles_are_left_out_whole() {
         let square = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
         assert_eq!(without(&polygon(&square)), [0, 1, 2, 3]);
-        // A slit of two vertices a side, cut in from the top.
-        let slit = [(0.5001, 1.0), (0.5002, 0.7), (0.5, 0.4), (0.4999, 0.7), (0.4998, 1.0)];
+        // A slit cut in from the top, with a vertex on one of its sides.
+        let slit = [(0.5001, 1.0), (0.5, 0.4), (0.4999, 0.7), (0.4998, 1.0)];
         let cut = [&square[..3], &slit, &square[3..]].concat();
         let kept = without(&polygon(&cut));
         assert!(kept.iter().all(|&i| cut[i].1 == 1.0 || cut[i].1 == 0.0), "{kept:?}");
-        assert!([0, 1, 2, 8].iter().all(|i| kept.contains(i)), "{kept:?}");
+        assert!([0, 1, 2, 7].iter().all(|i| kept.contains(i)), "{kept:?}");
     }
 }
