@@ -28,6 +28,8 @@ pub struct Target<'a> {
     made: Vec<f64>,
     /// Vertices at corners of the domain.
     corners: Vec<usize>,
+    /// Vertices on loops and beside them.
+    at_loops: Vec<usize>,
     /// Points, current parameters, and weights in the next fit.
     pub samples: Samples,
     /// The weights that they have where they are no outliers, and those that are.
@@ -54,7 +56,8 @@ impl<'a> Target<'a> {
             |v: usize| map.uv.get(v).copied().unwrap_or_else(|| map.skirt.uv[v - map.uv.len()]);
         let made = triangles.par_iter().map(|&t| area(at, t)).collect();
         let samples = Samples { points, uv, weights: weights.clone(), open };
-        Target { map, triangles, made, corners, samples, weights, outliers: Vec::new() }
+        let at_loops = at_loops(map);
+        Target { map, triangles, made, corners, at_loops, samples, weights, outliers: Vec::new() }
     }
 
     /// Measured vertices.
@@ -102,13 +105,11 @@ impl<'a> Target<'a> {
         Feet { uv, distances, measured: self.measured() }
     }
 
-    /// Takes the given parameters of loops' vertices as if they were their feet: trim loops
-    /// run where these may go, which for some is not their foot.
+    /// Takes the given parameters of vertices on loops and beside them as if they were their
+    /// feet: trim loops run where these may go, and a foot that one may not go to can be
+    /// beyond a loop.
     pub fn stay_at_loops(&self, surface: &Surface, uv: &[Uv], feet: &mut Feet) {
-        let patch = &self.map.patch;
-        let islands = patch.islands.iter().map(|island| &island.rim);
-        let loops = std::iter::once(patch.loop_of(Bound::Outer)).chain(&patch.rims).chain(islands);
-        for v in loops.flat_map(|of| of.iter()).map(|v| v.index()) {
+        for &v in &self.at_loops {
             feet.uv[v] = uv[v];
             feet.distances[v] = (surface.point(uv[v]) - self.samples.points[v]).norm();
         }
@@ -221,6 +222,22 @@ impl Feet {
         let beyond = self.measured().filter(|d| *d > limit).count();
         (beyond, self.measured().fold(0.0, f64::max))
     }
+}
+
+/// The vertices on loops and beside them.
+fn at_loops(map: &Parameterized) -> Vec<usize> {
+    let patch = &map.patch;
+    let islands = patch.islands.iter().map(|island| &island.rim);
+    let loops = std::iter::once(patch.loop_of(Bound::Outer)).chain(&patch.rims).chain(islands);
+    let mut on_loop = vec![false; patch.mesh.points.len()];
+    loops.flat_map(|of| of.iter()).for_each(|v| on_loop[v.index()] = true);
+    let mut near = on_loop.clone();
+    for triangle in &patch.mesh.triangles {
+        if triangle.iter().any(|v| on_loop[v.index()]) {
+            triangle.iter().for_each(|v| near[v.index()] = true);
+        }
+    }
+    (0..near.len()).filter(|&v| near[v]).collect()
 }
 
 /// Which parameters of a vertex stay on the side of the domain that is the outer
