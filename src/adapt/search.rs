@@ -29,7 +29,7 @@ const PRESSED_SHARE: f64 = 0.1;
 const PRESSING_PAYS: f64 = 0.7;
 
 /// The share of its area that every triangle of the map keeps when parameters are
-/// corrected, before another fit and after the last.
+/// corrected, and the one while folds are taken out.
 pub(super) const FIRM_AREA: f64 = 0.2;
 pub(super) const LEAST_AREA: f64 = 1e-3;
 
