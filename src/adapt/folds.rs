@@ -5,8 +5,13 @@ use crate::error::Result;
 use crate::fit::{self, STIFFNESSES};
 use crate::geometry::Uv;
 
-/// How often knots make room for a surface without folds.
+/// How often knots make room for a surface without folds, and once more after the first
+/// time that there is one with fewer of them.
 const ROOM: usize = 4;
+
+/// The ways to take folds out where a tolerance is named: how many of the stiffnesses are
+/// left out, the stiffest first.
+const WAYS: [usize; 2] = [0, 2];
 
 /// The share of points that may go beyond an unnamed tolerance for a surface without folds.
 const GIVEN_UP: f64 = 0.01;
@@ -26,16 +31,21 @@ impl Search<'_> {
     /// lost, knots make room for it. Returns how many places stay turned over, too.
     pub fn unfold(&mut self, start: Attempt) -> Result<(Attempt, usize)> {
         let mut finer: Option<Attempt> = None;
-        let mut folds = None;
+        let mut before = None;
+        let mut best: Option<(Attempt, usize)> = None;
         for round in 0..=ROOM {
             let now = finer.as_ref().unwrap_or(&start);
-            let tried = self.unfolding(now);
-            if let Some(found) = tried.found {
-                return Ok((found, tried.folds));
+            let Unfolding { folds, found, lost } = self.unfolding(now);
+            before.get_or_insert(folds);
+            let is_second = best.is_some();
+            if let Some(found) = found
+                && best.as_ref().is_none_or(|(_, least)| folds < *least)
+            {
+                best = Some((found, folds));
             }
-            folds.get_or_insert(tried.folds);
-            let pays = round < ROOM && self.may_make_room() && self.met(now);
-            let Some(lost) = tried.lost.filter(|_| pays) else { break };
+            let is_done = folds == 0 || is_second || round == ROOM;
+            let pays = !is_done && self.may_make_room() && self.met(now);
+            let Some(lost) = lost.filter(|_| pays) else { break };
             let knots = self.finer(&lost);
             if knots == [now.surface.u.clone(), now.surface.v.clone()] {
                 break;
@@ -49,7 +59,7 @@ impl Search<'_> {
             self.hold_on(&mut next, &lost);
             finer = Some(next);
         }
-        Ok((start, folds.unwrap_or(0)))
+        Ok(best.unwrap_or((start, before.unwrap_or(0))))
     }
 
     /// Gives weight to the points that an attempt without folds has `lost`.
@@ -65,13 +75,13 @@ impl Search<'_> {
         self.goal.named && self.options.knots.are_searched()
     }
 
-    /// Tries to take folds out over the same net. Where a tolerance is named, gentler ways
-    /// are tried, too, that start with less stiffness.
+    /// Tries to take folds out over the same net; where a tolerance is named, in a gentler
+    /// way, too, that starts with less stiffness.
     fn unfolding(&mut self, start: &Attempt) -> Unfolding {
         self.take_up(start, LEAST_AREA);
         let mut tried = Unfolding { folds: usize::MAX, found: None, lost: None };
-        let ways = if self.goal.named { STIFFNESSES.len() } else { 1 };
-        for way in 0..ways {
+        let ways = if self.goal.named { &WAYS[..] } else { &WAYS[..1] };
+        for &way in ways {
             self.unfolding_with(start, &STIFFNESSES[way..], &mut tried);
             if tried.folds == 0 {
                 break;
