@@ -9,10 +9,6 @@ use crate::geometry::Uv;
 /// time that there is one with fewer of them.
 const ROOM: usize = 4;
 
-/// The ways to take folds out where a tolerance is named: how many of the stiffnesses are
-/// left out, the stiffest first.
-const WAYS: [usize; 2] = [0, 2];
-
 /// The share of points that may go beyond an unnamed tolerance for a surface without folds.
 const GIVEN_UP: f64 = 0.01;
 
@@ -75,13 +71,13 @@ impl Search<'_> {
         self.goal.named && self.options.knots.are_searched()
     }
 
-    /// Tries to take folds out over the same net; where a tolerance is named, in a gentler
-    /// way, too, that starts with less stiffness.
+    /// Tries to take folds out over the same net; where a tolerance is named, in gentler
+    /// ways, too, that start with less stiffness.
     fn unfolding(&mut self, start: &Attempt) -> Unfolding {
         self.take_up(start, LEAST_AREA);
         let mut tried = Unfolding { folds: usize::MAX, found: None, lost: None };
-        let ways = if self.goal.named { &WAYS[..] } else { &WAYS[..1] };
-        for &way in ways {
+        let ways = if self.goal.named { STIFFNESSES.len() } else { 1 };
+        for way in 0..ways {
             self.unfolding_with(start, &STIFFNESSES[way..], &mut tried);
             if tried.folds == 0 {
                 break;
