@@ -5,8 +5,8 @@ use crate::error::Result;
 use crate::fit::{self, STIFFNESSES};
 use crate::geometry::Uv;
 
-/// How often knots make room for a surface without folds, and once more after the first
-/// time that there is one with fewer of them.
+/// How often at the most knots make room for a surface without folds; once, after there
+/// has been one with fewer.
 const ROOM: usize = 4;
 
 /// The share of points that may go beyond an unnamed tolerance for a surface without folds.
