@@ -17,6 +17,11 @@ pub fn area(at: impl Fn(usize) -> Uv, triangle: [VertexId; 3]) -> f64 {
     orient2d(a, b, c)
 }
 
+/// The parameters of vertices and, after them, of a skirt's.
+pub fn with_skirt<'a>(uv: &'a [Uv], skirt: &'a [Uv]) -> impl Fn(usize) -> Uv + 'a {
+    move |v| uv.get(v).copied().unwrap_or_else(|| skirt[v - uv.len()])
+}
+
 /// The parameters `uv`, `moved` to their feet. Vertices of triangles that would keep less
 /// than the share `least` of their [`area`] in the map as it was `made` stay where they
 /// were. Those that `skirt` is the places of come after them, and stay.
@@ -30,8 +35,8 @@ pub fn corrected(
 ) -> Vec<Uv> {
     // Feet that are no numbers crush them, too.
     let crushed = |at: &[Uv], t: usize| {
-        let at = |v: usize| at.get(v).copied().unwrap_or_else(|| skirt[v - at.len()]);
-        area(at, triangles[t]).partial_cmp(&(least * made[t])).is_none_or(Ordering::is_lt)
+        let area = area(with_skirt(at, skirt), triangles[t]);
+        area.partial_cmp(&(least * made[t])).is_none_or(Ordering::is_lt)
     };
     // Only triangles with a vertex that has just been put back can turn now.
     let all = || (0..triangles.len()).into_par_iter();

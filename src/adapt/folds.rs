@@ -78,12 +78,12 @@ impl Search<'_> {
         let mut tried = Unfolding { folds: usize::MAX, found: None, lost: None };
         let ways = if self.goal.named { STIFFNESSES.len() } else { 1 };
         for way in 0..ways {
+            if let Some(lost) = &tried.lost {
+                self.target.press(&lost.feet, self.goal.tolerance);
+            }
             self.unfolding_with(start, &STIFFNESSES[way..], &mut tried);
             if tried.folds == 0 {
                 break;
-            }
-            if let Some(lost) = &tried.lost {
-                self.target.press(&lost.feet, self.goal.tolerance);
             }
         }
         tried
@@ -107,10 +107,10 @@ impl Search<'_> {
             let weights = self.target.weights.clone();
             let attempt = Attempt { surface, fit: start.fit, uv, weights, feet, beyond };
             // Later ones are closer to the samples.
-            match beyond.0 <= most {
-                true if folds <= tried.folds => (tried.folds, tried.found) = (folds, Some(attempt)),
-                true => (),
-                false => tried.lost = Some(attempt),
+            if beyond.0 > most {
+                tried.lost = Some(attempt);
+            } else if folds <= tried.folds {
+                (tried.folds, tried.found) = (folds, Some(attempt));
             }
         }
     }

@@ -4,7 +4,7 @@
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
-use super::correct::{area, corrected};
+use super::correct::{area, corrected, with_skirt};
 use super::weights::{CORNER, weights};
 use crate::fit::Hold;
 use crate::geometry::{Point, Uv, Vector, VertexId, uv_bounds};
@@ -52,9 +52,8 @@ impl<'a> Target<'a> {
         let points = map.patch.mesh.points.clone();
         let (uv, open) = (map.uv.clone(), map.outline == Outline::Free);
         let triangles = [&map.patch.mesh.triangles[..], &map.skirt.triangles].concat();
-        let at =
-            |v: usize| map.uv.get(v).copied().unwrap_or_else(|| map.skirt.uv[v - map.uv.len()]);
-        let made = triangles.par_iter().map(|&t| area(at, t)).collect();
+        let at = with_skirt(&map.uv, &map.skirt.uv);
+        let made = triangles.par_iter().map(|&t| area(&at, t)).collect();
         let samples = Samples { points, uv, weights: weights.clone(), open };
         let at_loops = at_loops(map);
         Target { map, triangles, made, corners, at_loops, samples, weights, outliers: Vec::new() }

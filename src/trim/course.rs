@@ -138,16 +138,15 @@ impl<'a> Course<'a> {
         if !spans.is_empty() && self.halve(spans).is_some() {
             return Some(());
         }
-        let (mut rim, mut sharp) = (self.rim.clone(), self.sharp.clone());
-        if !self.on_map {
-            rim = Cow::Owned(rim.only(&needles::without(&rim.uv)));
-        } else {
+        let (rim, sharp) = if self.on_map {
             let tip = self.nearest(places.iter().flatten().next().copied()?);
-            if sharp.contains(&tip) {
+            if self.sharp.contains(&tip) {
                 return None;
             }
-            sharp.push(tip);
-        }
+            (self.rim.clone(), [&self.sharp[..], &[tip]].concat())
+        } else {
+            (Cow::Owned(self.rim.only(&needles::without(&self.rim.uv))), Vec::new())
+        };
         *self = Course::around(self.surface, rim, options, true, sharp)?;
         Some(())
     }

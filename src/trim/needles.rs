@@ -12,12 +12,15 @@ const LEAST: usize = 4;
 /// to a tip and straight back encloses next to nothing.
 pub fn without(uv: &[Uv]) -> Vec<usize> {
     let mut kept: Vec<usize> = (0..uv.len()).collect();
+    let mut first = 0;
     while kept.len() > LEAST {
         let n = kept.len();
         let at = |i: usize| uv[kept[i % n]];
-        let tip = (0..n).find(|&i| is_tip(at(i + n - 1), at(i), at(i + 1)));
+        let tip = (first..n).find(|&i| is_tip(at(i + n - 1), at(i), at(i + 1)));
         let Some(tip) = tip else { break };
         kept.remove(tip);
+        // Of those before it only its neighbour can be one now.
+        first = if tip + 1 == n { 0 } else { tip.saturating_sub(1) };
     }
     kept
 }
