@@ -1,16 +1,52 @@
 //! Flips of a triangulation's sides towards Delaunay's, measured in space.
 
-use foldhash::HashMap;
+use smallvec::SmallVec;
 
 use crate::geometry::Point;
 
 /// The triangle to the left of each directed side.
-pub type Sides = HashMap<(usize, usize), usize>;
+pub struct Sides {
+    /// For each vertex where its sides lead to, and the triangles to their left.
+    leaving: Vec<SmallVec<[(u32, u32); 8]>>,
+}
 
-/// The sides of triangles.
-pub fn sides(triangles: &[[usize; 3]]) -> Sides {
-    let numbered = triangles.iter().enumerate();
-    numbered.flat_map(|(number, t)| (0..3).map(move |k| ((t[k], t[(k + 1) % 3]), number))).collect()
+impl Sides {
+    /// The sides of triangles; of two triangles to the left of one the later counts.
+    pub fn of(triangles: &[[usize; 3]]) -> Self {
+        let count = triangles.iter().flatten().max().map_or(0, |last| last + 1);
+        let mut sides = Sides { leaving: vec![SmallVec::new(); count] };
+        triangles.iter().enumerate().for_each(|(number, &t)| sides.insert(t, number));
+        sides
+    }
+
+    /// The triangle to the left of the side from `a` to `b`.
+    pub fn get(&self, a: usize, b: usize) -> Option<usize> {
+        let leaving = &self.leaving[a];
+        leaving.iter().find(|side| side.0 as usize == b).map(|side| side.1 as usize)
+    }
+
+    /// All sides between two triangles, one way, with these: first the one to the left.
+    pub fn inner(&self) -> impl Iterator<Item = ([usize; 2], [usize; 2])> + '_ {
+        let leaving = self.leaving.iter().enumerate();
+        let all = leaving.flat_map(|(a, to)| to.iter().map(move |&(b, s)| (a, b as usize, s)));
+        all.filter(|&(a, b, _)| a < b)
+            .filter_map(|(a, b, s)| Some(([a, b], [s as usize, self.get(b, a)?])))
+    }
+
+    fn insert(&mut self, t: [usize; 3], number: usize) {
+        for k in 0..3 {
+            let leaving = &mut self.leaving[t[k]];
+            let side = (t[(k + 1) % 3] as u32, number as u32);
+            match leaving.iter_mut().find(|old| old.0 == side.0) {
+                Some(old) => *old = side,
+                None => leaving.push(side),
+            }
+        }
+    }
+
+    fn remove(&mut self, a: usize, b: usize) {
+        self.leaving[a].retain(|side| side.0 as usize != b);
+    }
 }
 
 /// The cotangent of the angle at `v` between `p` and `q`.
@@ -30,27 +66,27 @@ pub fn flip(
     may: impl Fn([[usize; 3]; 2], [[usize; 3]; 2]) -> bool,
 ) {
     let each = triangles.iter().flat_map(|t| (0..3).map(|k| (t[k], t[(k + 1) % 3])));
-    let mut open: Vec<_> = each.filter(|&(a, b)| a < b && sides.contains_key(&(b, a))).collect();
+    let mut open: Vec<_> = each.filter(|&(a, b)| a < b && sides.get(b, a).is_some()).collect();
     // In space flips could go round in circles.
     let mut most = 10 * open.len();
     while let Some((a, b)) = open.pop() {
-        let (Some(&s), Some(&t)) = (sides.get(&(a, b)), sides.get(&(b, a))) else { continue };
+        let (Some(s), Some(t)) = (sides.get(a, b), sides.get(b, a)) else { continue };
         let old = [triangles[s], triangles[t]];
         let [c, d] = old.map(|t| opposite(t, a, b));
-        let is_new = !sides.contains_key(&(c, d)) && !sides.contains_key(&(d, c)) && !joined(c, d);
+        let is_new = sides.get(c, d).or(sides.get(d, c)).is_none() && !joined(c, d);
         let new = [[c, a, d], [d, b, c]];
         if most == 0 || !is_new || !gains(points, [a, b, c, d]) || !may(old, new) {
             continue;
         }
         most -= 1;
-        sides.remove(&(a, b));
-        sides.remove(&(b, a));
+        sides.remove(a, b);
+        sides.remove(b, a);
         for (number, n) in [s, t].into_iter().zip(new) {
             triangles[number] = n;
-            (0..3).for_each(|k| _ = sides.insert((n[k], n[(k + 1) % 3]), number));
+            sides.insert(n, number);
         }
         let around = [(a, d), (d, b), (b, c), (c, a)];
-        open.extend(around.iter().filter(|e| sides.contains_key(&(e.1, e.0))).copied());
+        open.extend(around.iter().filter(|e| sides.get(e.1, e.0).is_some()).copied());
     }
 }
 

@@ -2,9 +2,10 @@
 //! moves in space, where there is no chart to do so in.
 
 use foldhash::HashMap;
+use smallvec::SmallVec;
 
 use super::faults::FOLDED;
-use super::flips::{flip, sides};
+use super::flips::{Sides, flip};
 use super::size::Sizes;
 use crate::geometry::{Point, Vector, unit_normal};
 
@@ -48,21 +49,19 @@ impl Surface {
     /// Divides long edges, the longest first, no two of one triangle; says
     /// whether there were any.
     fn divide(&mut self, sizes: &Sizes) -> bool {
-        let sides = sides(&self.triangles);
-        let mut long: Vec<(f64, usize, usize)> = sides
-            .keys()
-            .filter(|&&(a, b)| a < b && sides.contains_key(&(b, a)))
-            .map(|&(a, b)| {
-                let (p, q) = (self.points[a], self.points[b]);
-                ((q - p).norm() / sizes.at(nalgebra::center(&p, &q)), a, b)
+        let sides = Sides::of(&self.triangles);
+        let mut long: Vec<(f64, [usize; 2], [usize; 2])> = sides
+            .inner()
+            .map(|(ends, beside)| {
+                let [p, q] = ends.map(|v| self.points[v]);
+                ((q - p).norm() / sizes.at(nalgebra::center(&p, &q)), ends, beside)
             })
             .filter(|edge| edge.0 > LONG)
             .collect();
-        long.sort_unstable_by(|x, y| y.0.total_cmp(&x.0).then((x.1, x.2).cmp(&(y.1, y.2))));
+        long.sort_unstable_by(|x, y| y.0.total_cmp(&x.0).then(x.1.cmp(&y.1)));
         let before = self.points.len();
         let mut changed = vec![false; self.triangles.len()];
-        for (_, a, b) in long {
-            let (s, t) = (sides[&(a, b)], sides[&(b, a)]);
+        for (_, [a, b], [s, t]) in long {
             if changed[s] || changed[t] || self.points.len() >= MOST_POINTS * self.rim {
                 continue;
             }
@@ -87,7 +86,7 @@ impl Surface {
             let facing = |n: &Vector| n.dot(&(old[0] + old[1])) > 0.0;
             new[0].dot(&new[1]) >= old[0].dot(&old[1]).min(FLAT) && new.iter().all(facing)
         };
-        let mut sides = sides(&self.triangles);
+        let mut sides = Sides::of(&self.triangles);
         flip(points, &mut self.triangles, &mut sides, joined, may);
     }
 
@@ -108,7 +107,7 @@ impl Surface {
     /// turns away by that, or the surface folds at fewer sides then.
     fn even_out(&mut self) {
         let mut facets = Facets::new(self);
-        let mut around = vec![Vec::new(); self.points.len()];
+        let mut around: Vec<SmallVec<[usize; 8]>> = vec![SmallVec::new(); self.points.len()];
         for (number, t) in self.triangles.iter().enumerate() {
             t.iter().filter(|v| **v >= self.rim).for_each(|&v| around[v].push(number));
         }
@@ -119,7 +118,7 @@ impl Surface {
             let corners = || around.iter().flat_map(|&t| self.triangles[t]).filter(|w| *w != v);
             let sum: Vector = corners().map(|w| self.points[w].coords).sum();
             let (old, mean) = (self.points[v], Point::from(sum / corners().count() as f64));
-            let before: Vec<Vector> = around.iter().map(|&t| facets.normals[t]).collect();
+            let before: SmallVec<[Vector; 8]> = around.iter().map(|&t| facets.normals[t]).collect();
             let folds = facets.folds(around);
             let is_good = |facets: &Facets| {
                 let pairs = || around.iter().zip(&before);
@@ -160,14 +159,15 @@ struct Facets {
 
 impl Facets {
     fn new(surface: &Surface) -> Self {
-        let sides = sides(&surface.triangles);
+        let sides = Sides::of(&surface.triangles);
         let across = |&t: &[usize; 3]| {
             [0, 1, 2].map(|k| {
                 let (v, w) = (t[k], t[(k + 1) % 3]);
-                match (sides.get(&(w, v)), surface.beside.get(&(v, w))) {
-                    (Some(&other), _) => Across::Triangle(other),
-                    (None, Some(&normal)) => Across::Rim(normal),
-                    (None, None) => Across::Nothing,
+                match sides.get(w, v) {
+                    Some(other) => Across::Triangle(other),
+                    None => {
+                        surface.beside.get(&(v, w)).map_or(Across::Nothing, |n| Across::Rim(*n))
+                    }
                 }
             })
         };

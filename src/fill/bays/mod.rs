@@ -12,6 +12,7 @@ mod ears;
 mod tests;
 
 use foldhash::HashMap;
+use rayon::prelude::*;
 
 use super::front::Surroundings;
 use super::refine::Surface;
@@ -45,18 +46,28 @@ pub fn close(around: &Surroundings, outer: &[VertexId]) -> Option<Bays> {
     ears.close();
     let points = outer.iter().map(|&v| around.mesh.point(v)).collect();
     let shore = Shore { around, outer, sizes: Sizes::new(&[points]) };
-    let mut bays = Bays { points: Vec::new(), triangles: Vec::new(), outer: Vec::new(), count: 0 };
+    // What the new boundary runs over: measured vertices, or across a bay's mouth.
+    let mut course = Vec::new();
     let left = ears.left();
     let nexts = left.iter().skip(1).copied().chain([left[0] + outer.len()]);
     let mut mouths: Vec<[usize; 2]> = left.iter().zip(nexts).map(|(&i, j)| [i, j]).collect();
     mouths.reverse();
     while let Some([from, to]) = mouths.pop() {
         match ears.over(from, to) {
-            None => bays.outer.push(shore.vertex(from)),
-            Some(_) if shore.is_bay(from, to) => {
-                bays.add(&shore, from, to, &ears.within(from, to));
-            }
+            None => course.push((from, None)),
+            Some(_) if shore.is_bay(from, to) => course.push((from, Some(to))),
             Some(tip) => mouths.extend([[tip, to], [from, tip]]),
+        }
+    }
+    let filled = |&(from, to): &(usize, Option<usize>)| {
+        (from, to.map(|to| shore.surface(from, to, &ears.within(from, to))))
+    };
+    let filled: Vec<_> = course.par_iter().map(filled).collect();
+    let mut bays = Bays { points: Vec::new(), triangles: Vec::new(), outer: Vec::new(), count: 0 };
+    for (from, surface) in filled {
+        match surface {
+            None => bays.outer.push(shore.vertex(from)),
+            Some(surface) => bays.add(&shore, from, surface),
         }
     }
     (bays.count > 0).then_some(bays)
@@ -128,8 +139,8 @@ impl Shore<'_> {
 }
 
 impl Bays {
-    fn add(&mut self, shore: &Shore, from: usize, to: usize, ears: &[[usize; 3]]) {
-        let (mut surface, [banks, rim]) = shore.surface(from, to, ears);
+    fn add(&mut self, shore: &Shore, from: usize, surface: (Surface, [usize; 2])) {
+        let (mut surface, [banks, rim]) = surface;
         let first = shore.around.mesh.points.len() + self.points.len();
         let global = |k: usize| match k.checked_sub(banks) {
             None => shore.vertex(from + k),
