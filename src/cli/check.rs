@@ -12,7 +12,6 @@ use super::{Failure, Outcome, plural, report, streams};
 
 /// Reads both, measures, prints.
 pub fn run(args: &Check) -> Result<Outcome, Failure> {
-    input::use_threads(args.look.threads)?;
     let model = read_cad(&args.cad)?;
     let scan = Scan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;

@@ -15,7 +15,6 @@ use super::{Failure, Outcome, cad, hints, memory, settings, talk};
 
 /// Reads, converts, writes.
 pub fn run(args: &Convert) -> Result<Outcome, Failure> {
-    input::use_threads(args.manner.threads)?;
     check_outputs(args)?;
     let voice = if args.manner.quiet { None } else { Some(args.manner.color.is_on()) };
     let mut progress = Progress::new(voice, args.manner.verbose);

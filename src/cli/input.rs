@@ -67,13 +67,6 @@ impl Scan {
     }
 }
 
-/// Bounds the threads of every stage.
-pub fn use_threads(asked: Option<u16>) -> Result<(), Failure> {
-    let Some(n) = asked else { return Ok(()) };
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(n.into()).build_global();
-    pool.map_err(|e| Failure { error: e.to_string(), help: "name fewer --threads".into() })
-}
-
 /// What stopped the work on a scan.
 pub fn stopped(scan: &Path, error: &scan2step::Error) -> Failure {
     match error {

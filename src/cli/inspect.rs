@@ -10,7 +10,6 @@ use super::{Failure, Outcome, report, streams};
 
 /// Reads, repairs, looks, prints.
 pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
-    input::use_threads(args.look.threads)?;
     let scan = Scan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;
     let (scan, components) = scan.components()?;

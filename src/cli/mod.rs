@@ -71,9 +71,9 @@ pub fn run() -> ExitCode {
         return tell(&failure, colour, USAGE);
     }
     let done = match &args.command {
-        args::Command::Convert(args) => convert::run(args),
-        args::Command::Inspect(args) => inspect::run(args),
-        args::Command::Check(args) => check::run(args),
+        args::Command::Convert(args) => among(args.manner.threads, || convert::run(args)),
+        args::Command::Inspect(args) => among(args.look.threads, || inspect::run(args)),
+        args::Command::Check(args) => among(args.look.threads, || check::run(args)),
         args::Command::Batch(args) => {
             let of_batch = matches.subcommand().map_or(&matches, |(_, of_batch)| of_batch);
             batch::run(args, of_batch)
@@ -91,6 +91,22 @@ pub fn run() -> ExitCode {
         }
     }
 }
+
+/// Runs a command on one of the threads that it may use. From outside, each of the
+/// thousands of loops that they share would have to wake one and wait for it.
+fn among(
+    threads: Option<u16>,
+    command: impl FnOnce() -> Result<Outcome, Failure> + Send,
+) -> Result<Outcome, Failure> {
+    let threads = threads.map_or(0, usize::from);
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK);
+    pool.build_global()
+        .map_err(|e| Failure { error: e.to_string(), help: "name fewer --threads".into() })?;
+    rayon::scope(|_| command())
+}
+
+/// Bytes of a thread's stack, as the main thread's has.
+const STACK: usize = 8 << 20;
 
 /// Exit codes of a run that came to nothing, and of one that was called wrongly.
 const FAILED: u8 = 1;
