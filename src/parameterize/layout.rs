@@ -117,7 +117,7 @@ impl Layout<'_> {
         let mut far = Vec::new();
         for done in 1..=sweeps {
             far = self.sweep(&hierarchy.stars, &groups, round);
-            if far.is_empty() && 2 * done >= sweeps {
+            if far.is_empty() && 3 * done >= sweeps {
                 break;
             }
         }
@@ -192,7 +192,7 @@ impl Layout<'_> {
 }
 
 /// While there are no more vertices than the first number, sweeps are made
-/// whenever there are so many times more as at the last ones, and so many; half of
+/// whenever there are so many times more as at the last ones, and so many; a third of
 /// that if nothing goes far any more.
 const EFFORT: [(usize, f64, usize); 3] = [(500, 1.4, 40), (5_000, 1.3, 20), (50_000, 1.6, 10)];
 
