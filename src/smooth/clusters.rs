@@ -6,6 +6,8 @@
 //! narrow support, and is as exact (see [`Sample`]). Neighbourhoods follow the
 //! mesh, so that none reaches through a wall or over a gap to another sheet.
 
+use std::sync::{Mutex, PoisonError};
+
 use rayon::prelude::*;
 
 use crate::geometry::{Vector, VertexId};
@@ -24,7 +26,7 @@ pub struct Grain {
     near: Vec<u32>,
 }
 
-/// Room for the gathering of one neighbourhood, kept between calls.
+/// Room for the gathering of one neighbourhood.
 #[derive(Default)]
 pub struct Gathering {
     stamp: u32,
@@ -34,10 +36,20 @@ pub struct Gathering {
     pub around: Vec<Sample>,
 }
 
-/// How many of `count` fits one job should do, since each job has to make room
-/// for a neighbourhood first.
-pub fn a_share(count: usize) -> usize {
-    count.div_ceil(4 * rayon::current_num_threads())
+/// Rooms, kept between gatherings: each is as large as the grain.
+#[derive(Default)]
+pub struct Rooms(Mutex<Vec<Gathering>>);
+
+impl Rooms {
+    /// Does something in a room that nobody else uses meanwhile.
+    pub fn with<T>(&self, work: impl FnOnce(&mut Gathering) -> T) -> T {
+        let free = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let taken = free().pop();
+        let mut room = taken.unwrap_or_default();
+        let done = work(&mut room);
+        free().push(room);
+        done
+    }
 }
 
 const FREE: u32 = u32::MAX;

@@ -10,7 +10,7 @@
 
 use rayon::prelude::*;
 
-use super::clusters::{Gathering, a_share};
+use super::clusters::{Gathering, Rooms};
 use super::levels::Level;
 use super::root_mean_square;
 use crate::geometry::VertexId;
@@ -69,11 +69,11 @@ pub fn choose<E>(
 ) -> Result<Choice, E> {
     let sampling = sampling(mesh.points.len(), levels);
     let places = first_vertices(sampling);
-    let look = |room: &mut Gathering, &v: &u32| trial(mesh, levels, VertexId(v), room);
+    let rooms = Rooms::default();
+    let look = |&v: &u32| rooms.with(|room| trial(mesh, levels, VertexId(v), room));
     let mut trials: Vec<Trial> = Vec::with_capacity(places.len());
     for part in places.chunks(places.len().div_ceil(PARTS).max(1)) {
-        let all = part.par_iter().with_min_len(a_share(part.len()));
-        trials.par_extend(all.map_init(Gathering::default, look));
+        trials.par_extend(part.par_iter().map(look));
         course(trials.len() as f64 / places.len() as f64)?;
     }
     let windows: Vec<Vec<u32>> = (0..places.len()).map(|i| window(sampling, i)).collect();

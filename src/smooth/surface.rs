@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::clusters::{Gathering, Grain, a_share};
+use super::clusters::{Grain, Rooms};
 use super::levels::Level;
 use super::median;
 use crate::course::Course;
@@ -137,10 +137,9 @@ fn split(place: f32) -> (usize, f64) {
 impl Fits {
     fn new(level: &Level, k: usize, place: &[f32]) -> Self {
         let needed = needed(level, k, place);
-        let fit = |room: &mut Gathering, &c: &u32| level.fit(c as usize, room);
-        let fits =
-            needed.par_iter().with_min_len(a_share(needed.len())).map_init(Gathering::default, fit);
-        let fits: Vec<Option<Polynomial>> = fits.collect();
+        let rooms = Rooms::default();
+        let fit = |&c: &u32| rooms.with(|room| level.fit(c as usize, room));
+        let fits: Vec<Option<Polynomial>> = needed.par_iter().map(fit).collect();
         let mut number = vec![NONE; level.grain.samples.len()];
         let mut all = Vec::with_capacity(needed.len());
         for (&c, fit) in needed.iter().zip(fits) {
