@@ -231,13 +231,17 @@ pub fn convert_component(
         smooth::smooth_with(&measured, &options.smooth, &mut within("smooth", watch))?;
     watch(Stage::Smooth(&smoothed))?;
     let goal = match options.tolerance {
-        Some(tolerance) => adapt::Goal { tolerance, named: true, outliers: options.outliers },
+        Some(tolerance) => adapt::Goal {
+            tolerance: trim::Options { tolerance }.most_off(),
+            named: true,
+            outliers: options.outliers,
+        },
         None => {
             let least = LEAST_TOLERANCE / adapt::TOLERANCE_OF_NOISE * measured.mesh.diagonal();
             adapt::Goal::of_noise(smooth.noise.max(least))
         }
     };
-    let tolerance = goal.tolerance;
+    let tolerance = options.tolerance.unwrap_or(goal.tolerance);
 
     let fill_options = fill::Options {
         support: smooth.h,

@@ -7,7 +7,7 @@ use crate::geometry::Uv;
 
 /// How often at the most knots make room for a surface without folds; once, after there
 /// has been one with fewer.
-const ROOM: usize = 4;
+const ROOM: usize = 8;
 
 /// The share of points that may go beyond an unnamed tolerance for a surface without folds.
 const GIVEN_UP: f64 = 0.01;

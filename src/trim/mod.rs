@@ -40,6 +40,12 @@ const SHARE: f64 = 0.5;
 const LEAST_SHARE: f64 = 0.1;
 
 impl Options {
+    /// How far, in mm, a vertex may be off the surface if a trim curve is to have room
+    /// around its foot within the tolerance.
+    pub fn most_off(&self) -> f64 {
+        self.tolerance * (1.0 - LEAST_SHARE * LEAST_SHARE).sqrt()
+    }
+
     /// How far a trim curve may be, within the surface, from the foot of a vertex
     /// that is `off` the surface.
     fn room(&self, off: f64) -> f64 {
