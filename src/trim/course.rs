@@ -129,23 +129,27 @@ impl<'a> Course<'a> {
     }
 
     /// Lets the loop follow its rim more closely around places; where it does so
-    /// already, or there are none, along the map's parameter points, needles left out;
-    /// last, with a corner at the first of the places, which may be the tip of a slit.
-    /// `None`: none of this can be.
+    /// already, or there are none, along the map's parameter points; then with a corner
+    /// at the first of the places, which may be the tip of a slit; last, needles left
+    /// out. `None`: none of this can be.
     pub fn tighten(&mut self, places: &[Option<f64>], options: &Options) -> Option<()> {
         let spans: BTreeSet<usize> =
             places.iter().flatten().flat_map(|&t| self.spans_around(t)).collect();
         if !spans.is_empty() && self.halve(spans).is_some() {
             return Some(());
         }
-        let (rim, sharp) = if self.on_map {
-            let tip = self.nearest(places.iter().flatten().next().copied()?);
-            if self.sharp.contains(&tip) {
-                return None;
+        let tip = places.iter().flatten().next().map(|&t| self.nearest(t));
+        let new_tip = tip.filter(|tip| !self.sharp.contains(tip));
+        let (rim, sharp) = match new_tip {
+            _ if !self.on_map => (self.rim.clone(), Vec::new()),
+            Some(tip) => (self.rim.clone(), [&self.sharp[..], &[tip]].concat()),
+            None => {
+                let kept = needles::without(&self.rim.uv);
+                if kept.len() == self.rim.uv.len() {
+                    return None;
+                }
+                (Cow::Owned(self.rim.only(&kept)), Vec::new())
             }
-            (self.rim.clone(), [&self.sharp[..], &[tip]].concat())
-        } else {
-            (Cow::Owned(self.rim.only(&needles::without(&self.rim.uv))), Vec::new())
         };
         *self = Course::around(self.surface, rim, options, true, sharp)?;
         Some(())
