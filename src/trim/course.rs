@@ -13,8 +13,8 @@ const FIRST_SPANS: f64 = 6.0;
 
 /// Spans are no shorter than this share of a mean edge, or of the tolerance where
 /// that is less: a tooth's tip is rounded over a span.
-const SHORTEST: f64 = 0.05;
-const SHORTEST_OF_TOLERANCE: f64 = 0.5;
+const SHORTEST: f64 = 0.0125;
+const SHORTEST_OF_TOLERANCE: f64 = 0.125;
 
 /// But where the loop would cross itself or another one, or the tolerance is below all
 /// sense, they are no shorter than this share of an edge.
