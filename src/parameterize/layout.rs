@@ -7,6 +7,7 @@
 use rayon::prelude::*;
 
 use super::hierarchy::Hierarchy;
+use super::level::Level;
 use super::relax::{self, Freedom, Surface};
 use super::stars::{Removal, Stars};
 use super::weights::Weights;
@@ -93,7 +94,9 @@ impl Layout<'_> {
         let mut moves = 0;
         while !groups.is_empty() && moves < CHASE * count {
             moves += groups.iter().map(Vec::len).sum::<usize>();
-            let far = self.sweep(stars, &groups, ROUND);
+            let (points, weights, freedom) = (self.points, &self.weights.of, &self.freedom);
+            let surface = Surface { points, weights, freedom, round: ROUND };
+            let far = relax::sweep(&surface, stars, &groups, &mut self.at);
             let mut vertices: Vec<u32> = far
                 .par_iter()
                 .flat_map_iter(|&v| stars.ring(v).iter().copied())
@@ -101,24 +104,24 @@ impl Layout<'_> {
                 .collect();
             vertices.par_sort_unstable();
             vertices.dedup();
-            groups = relax::groups(stars, &vertices);
+            groups = relax::groups(stars, vertices);
         }
     }
 
-    fn sweep(&mut self, stars: &Stars, groups: &[Vec<u32>], round: f64) -> Vec<u32> {
-        let (points, weights, freedom) = (self.points, &self.weights.of, &self.freedom);
-        let surface = Surface { points, weights, freedom, round };
-        relax::sweep(&surface, stars, groups, &mut self.at)
+    fn surface(&self, round: f64) -> Surface<'_> {
+        Surface { points: self.points, weights: &self.weights.of, freedom: &self.freedom, round }
     }
 
     fn relax(&mut self, hierarchy: &Hierarchy, sweeps: usize) {
-        let groups = relax::groups(&hierarchy.stars, &hierarchy.left);
         let round = if hierarchy.left.len() < FEW { ROUND_OF_FEW } else { ROUND };
+        let surface = self.surface(round);
+        let level = Level::new(&surface, &hierarchy.stars, &hierarchy.left, &self.at);
         let mut far = Vec::new();
         for _ in 0..sweeps {
-            far = self.sweep(&hierarchy.stars, &groups, round);
+            far = level.sweep(round);
         }
-        let groups = relax::groups(&hierarchy.stars, &far);
+        level.put_back(&mut self.at);
+        let groups = relax::groups(&hierarchy.stars, far);
         self.chase(&hierarchy.stars, groups, hierarchy.left.len());
         self.turn_to_best_aspect(hierarchy);
     }

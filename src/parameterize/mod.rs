@@ -19,6 +19,7 @@ mod corners;
 mod crushed;
 mod hierarchy;
 mod layout;
+mod level;
 mod map;
 mod mean_value;
 mod mend;

@@ -53,7 +53,7 @@ const SAFE: f64 = 0.8;
 const OVER: f64 = 1.5;
 
 /// One triangle as seen from one of its corners.
-struct Corner {
+pub struct Corner {
     /// Squares and product of its two sides from the corner.
     metric: [f64; 3],
     /// Factors of the energy's two terms.
@@ -192,13 +192,14 @@ impl Look {
 /// Shorter steps that are tried where one does not lower the energy.
 const HALVINGS: usize = 4;
 
-/// The place to which vertex `v` moves, given all others', and whether it went
-/// far. `corners` is for use in between.
-fn moved(
+/// The place to which vertex `v` moves from where it is `at`, as its neighbours are, and
+/// whether it went far. `corners` is for use in between.
+#[inline(always)]
+pub fn moved(
     surface: &Surface,
     stars: &Stars,
-    at: &[Uv],
     v: u32,
+    at: impl Fn(u32) -> Uv,
     corners: &mut Vec<Corner>,
 ) -> (Uv, bool) {
     let p = surface.points[v as usize];
@@ -212,11 +213,11 @@ fn moved(
         // A triangle of a skirt is as light as the skirt's vertices.
         let weight = if least < 1.0 { 3.0 * least } else { weights.iter().sum() };
         let factors = [(1.0 - surface.round) * weight * area, 0.5 * surface.round * weight];
-        Corner { metric, factors, a: at[a as usize], b: at[b as usize] }
+        Corner { metric, factors, a: at(a), b: at(b) }
     };
     corners.clear();
     corners.extend(stars.sides(v).map(corner));
-    let star = Star { corners, at: at[v as usize] };
+    let star = Star { corners, at: at(v) };
     let look = star.look();
     let place = star.moved(&look, surface.freedom[v as usize]);
     (place, (place - star.at).norm_squared() > FAR * FAR * look.room)
@@ -227,10 +228,10 @@ const FAR: f64 = 0.05;
 
 /// Vertices in groups, no two of a group neighbours, so that those of a group
 /// can move at once.
-pub fn groups(stars: &Stars, vertices: &[u32]) -> Vec<Vec<u32>> {
+pub fn groups(stars: &Stars, vertices: impl IntoIterator<Item = u32>) -> Vec<Vec<u32>> {
     let mut group = vec![u8::MAX; stars.len()];
     let mut groups: Vec<Vec<u32>> = Vec::new();
-    for &v in vertices {
+    for v in vertices {
         let taken = stars.ring(v).iter().fold(0u64, |taken, &w| match group[w as usize] {
             g if g < 64 => taken | 1 << g,
             _ => taken,
@@ -254,7 +255,10 @@ pub fn sweep(surface: &Surface, stars: &Stars, groups: &[Vec<u32>], at: &mut [Uv
         let places: Vec<(Uv, bool)> = group
             .par_iter()
             .with_min_len(256)
-            .map_init(Vec::new, |corners, &v| moved(surface, stars, shown, v, corners))
+            .map_init(Vec::new, |corners, &v| {
+                let at = |w: u32| shown[w as usize];
+                moved(surface, stars, v, at, corners)
+            })
             .collect();
         for (&v, (place, is_far)) in group.iter().zip(places) {
             at[v as usize] = place;

@@ -66,7 +66,7 @@ impl Stars {
     pub fn renumbered(&self, left: &[u32], number: &[u32]) -> Self {
         let ring = |v: &u32| self.ring(*v).iter().map(|&w| number[w as usize]).collect();
         Stars {
-            rings: left.iter().map(ring).collect(),
+            rings: left.par_iter().map(ring).collect(),
             boundary: left.iter().map(|&v| self.on_boundary(v)).collect(),
         }
     }

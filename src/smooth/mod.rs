@@ -129,22 +129,21 @@ pub fn smooth_with(disk: &Disk, options: &Options, course: &mut Course) -> Resul
     let onto = &mut course::part(course, FITTED, PROJECTED);
     let (projected, normals) = surface.feet(&disk.mesh, onto)?;
     out.mesh.points.clone_from(&projected);
-    for ring in disk.loops() {
+    let rings: Vec<&boundary::Loop> = disk.loops().collect();
+    // They share no vertices.
+    let smoothed = rings.par_iter().map(|ring| {
         let kept = match &options.corners {
             Corners::Auto => corners::find(&out.mesh, ring, 2.0 * report.h),
             Corners::None => Vec::new(),
             Corners::At(points) => nearest_positions(disk, ring, points),
         };
-        report.corners.extend(kept.iter().map(|&i| ring[i]));
-        let line: Vec<Point> = ring.iter().map(|&v| out.mesh.point(v)).collect();
-        let normals: Vec<Vector> = ring.iter().map(|&v| normals[v.index()]).collect();
-        let rim = curve::Rim { points: &line, normals: &normals, noise: report.noise };
-        let mut smooth = curve::smooth_loop(&rim, &kept);
-        uncross::uncross(&mut smooth, &line, &normals);
-        for (&v, &p) in ring.iter().zip(&smooth) {
-            // The curve's projection may have left the surface.
-            out.mesh.points[v.index()] = surface.project(v, p).map_or(p, |foot| foot.point);
-        }
+        let feet = smoothed_loop(ring, &kept, &projected, &normals, report.noise, &surface);
+        (kept, feet)
+    });
+    let smoothed: Vec<(Vec<usize>, Vec<Point>)> = smoothed.collect();
+    for (ring, (kept, feet)) in rings.into_iter().zip(smoothed) {
+        report.corners.extend(kept.into_iter().map(|i| ring[i]));
+        ring.iter().zip(feet).for_each(|(v, foot)| out.mesh.points[v.index()] = foot);
     }
     let named = matches!(options.corners, Corners::At(_));
     let upright = unfold::Upright { projected, normals, corners: &report.corners, named };
@@ -154,6 +153,25 @@ pub fn smooth_with(disk: &Disk, options: &Options, course: &mut Course) -> Resul
     report.moved_max = moved.iter().copied().fold(0.0, f64::max);
     report.moved_rms = root_mean_square(moved.into_iter());
     Ok((out, report))
+}
+
+/// The points of a loop on a surface, smoothed along it.
+fn smoothed_loop(
+    ring: &boundary::Loop,
+    corners: &[usize],
+    points: &[Point],
+    normals: &[Vector],
+    noise: f64,
+    surface: &Surface,
+) -> Vec<Point> {
+    let line: Vec<Point> = ring.iter().map(|&v| points[v.index()]).collect();
+    let normals: Vec<Vector> = ring.iter().map(|&v| normals[v.index()]).collect();
+    let mut smooth =
+        curve::smooth_loop(&curve::Rim { points: &line, normals: &normals, noise }, corners);
+    uncross::uncross(&mut smooth, &line, &normals);
+    // The curve's projection may have left the surface.
+    let foot = |(&v, &p): (&VertexId, &Point)| surface.project(v, p).map_or(p, |foot| foot.point);
+    ring.par_iter().zip(&smooth).map(foot).collect()
 }
 
 /// Shares of its time after which a scan is usually examined, polynomials are fitted to

@@ -1,0 +1,136 @@
+//! What is left of a mesh, brought together for many sweeps.
+//!
+//! On the way from coarse to fine the vertices that are left lie all over the memory of
+//! the whole mesh. Here they lie close together, and each thread writes the places of
+//! those that it moves where the others look for them.
+
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use rayon::prelude::*;
+
+use super::relax::{self, Freedom, Surface};
+use super::stars::Stars;
+use crate::geometry::{Point, Uv};
+
+/// Vertices of a mesh, numbered anew.
+pub struct Level<'a> {
+    stars: Stars,
+    points: Vec<Point>,
+    weights: Vec<f64>,
+    freedom: Vec<Freedom>,
+    places: Vec<Place>,
+    groups: Vec<Vec<u32>>,
+    /// Their numbers in the whole mesh.
+    left: &'a [u32],
+}
+
+/// A place that one thread writes while others read those around it.
+struct Place([AtomicU64; 2]);
+
+/// Vertices that one thread moves at a time, whatever the number of threads.
+const CHUNK: usize = 64;
+
+impl Place {
+    fn new(at: Uv) -> Self {
+        Place([at.x, at.y].map(|t| AtomicU64::new(t.to_bits())))
+    }
+
+    // Threads that wait for each other between groups see what was written before.
+    fn get(&self) -> Uv {
+        let [x, y] = self.0.each_ref().map(|t| f64::from_bits(t.load(Ordering::Relaxed)));
+        Uv::new(x, y)
+    }
+
+    fn set(&self, at: Uv) {
+        self.0[0].store(at.x.to_bits(), Ordering::Relaxed);
+        self.0[1].store(at.y.to_bits(), Ordering::Relaxed);
+    }
+}
+
+impl<'a> Level<'a> {
+    /// The vertices that are `left`, which have no other neighbours.
+    pub fn new(surface: &Surface, stars: &Stars, left: &'a [u32], at: &[Uv]) -> Self {
+        let mut number = vec![u32::MAX; stars.len()];
+        left.iter().enumerate().for_each(|(i, &v)| number[v as usize] = i as u32);
+        let stars = stars.renumbered(left, &number);
+        let groups = relax::groups(&stars, 0..left.len() as u32);
+        Level {
+            points: left.iter().map(|&v| surface.points[v as usize]).collect(),
+            weights: left.iter().map(|&v| surface.weights[v as usize]).collect(),
+            freedom: left.iter().map(|&v| surface.freedom[v as usize]).collect(),
+            places: left.iter().map(|&v| Place::new(at[v as usize])).collect(),
+            stars,
+            groups,
+            left,
+        }
+    }
+
+    /// Moves every vertex once; gives those that went far for the room that they have, by
+    /// their numbers in the whole mesh.
+    pub fn sweep(&self, round: f64) -> Vec<u32> {
+        let surface =
+            Surface { points: &self.points, weights: &self.weights, freedom: &self.freedom, round };
+        let moved = |chunk: &[u32]| {
+            let (mut corners, mut far) = (Vec::new(), Vec::new());
+            for &v in chunk {
+                // No other of its group is a neighbour.
+                let at = |w: u32| self.places[w as usize].get();
+                let (to, is_far) = relax::moved(&surface, &self.stars, v, at, &mut corners);
+                self.places[v as usize].set(to);
+                if is_far {
+                    far.push(self.left[v as usize]);
+                }
+            }
+            far
+        };
+        let of =
+            |group: &Vec<u32>| -> Vec<Vec<u32>> { group.par_chunks(CHUNK).map(moved).collect() };
+        self.groups.iter().flat_map(of).flatten().collect()
+    }
+
+    /// Writes the places to where those of the whole mesh are.
+    pub fn put_back(&self, at: &mut [Uv]) {
+        self.left.iter().zip(&self.places).for_each(|(&v, place)| at[v as usize] = place.get());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::parameterize::stars::tests::grid;
+
+    #[test]
+    fn vertices_move_as_where_they_lie_among_the_others() {
+        let n = 40;
+        let patch = grid(n);
+        let mut stars = Stars::new(&patch.mesh, &patch.outer);
+        let out: Vec<u32> =
+            (0..n).map(|i| i * (n + 1)).filter(|v| !stars.on_boundary(*v)).collect();
+        for &v in out.iter().step_by(2) {
+            let removal = stars.removal(v, 0).unwrap();
+            stars.remove(&[removal]);
+        }
+        let left: Vec<u32> = (0..n * n).filter(|&v| !stars.ring(v).is_empty()).collect();
+        let freedom: Vec<Freedom> = (0..n * n)
+            .map(|v| if stars.on_boundary(v) { Freedom::None } else { Freedom::Full })
+            .collect();
+        let weights: Vec<f64> = (0..n * n).map(|v| 1.0 + f64::from(v % 7)).collect();
+        let surface = Surface {
+            points: &patch.mesh.points,
+            weights: &weights,
+            freedom: &freedom,
+            round: 0.25,
+        };
+        let start: Vec<Uv> = patch.mesh.points.iter().map(|p| Uv::new(p.x, p.y)).collect();
+        let (mut whole, mut brought) = (start.clone(), start.clone());
+        let groups = relax::groups(&stars, left.iter().copied());
+        let level = Level::new(&surface, &stars, &left, &start);
+        for _ in 0..3 {
+            let far = relax::sweep(&surface, &stars, &groups, &mut whole);
+            assert_eq!(level.sweep(surface.round), far);
+        }
+        level.put_back(&mut brought);
+        assert_eq!(whole, brought);
+        assert!(whole != start && left.len() < start.len());
+    }
+}
