@@ -20,9 +20,9 @@ fn stopped(folder: &Path, signal: &str) -> (Option<i32>, String) {
     let scan = large_scan(folder);
     let path = |name: &str| folder.join(name);
     let (step, page, stages) = (path("a.step"), path("a.html"), path("new/stages"));
-    // Under nohup tests inherit that hanging up is ignored.
+    // Under nohup, or in the background, tests inherit that signals are ignored.
     let mut run = Command::new("env");
-    run.args(["--default-signal=HUP", env!("CARGO_BIN_EXE_scan2step")]);
+    run.args(["--default-signal=HUP,INT", env!("CARGO_BIN_EXE_scan2step")]);
     run.args(["convert", arg(&scan), arg(&step), "--report", arg(&page), "--stages", arg(&stages)]);
     let mut run = run.stderr(Stdio::piped()).spawn().expect("the program runs");
     let begun = Instant::now();

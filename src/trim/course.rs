@@ -25,6 +25,9 @@ const SHORTEST_EVER: f64 = 1e-3;
 const AROUND: f64 = 1.0;
 const CHORDS: i32 = 24;
 
+/// Corners of this kind at the most: where more would be needed, needles go.
+const MOST_SHARP: usize = 32;
+
 /// Rounds of halving: more than enough to come from a sixth to the shortest.
 const ROUNDS: usize = 40;
 
@@ -139,7 +142,7 @@ impl<'a> Course<'a> {
             return Some(());
         }
         let tip = places.iter().flatten().next().map(|&t| self.nearest(t));
-        let new_tip = tip.filter(|tip| !self.sharp.contains(tip));
+        let new_tip = tip.filter(|tip| !self.sharp.contains(tip) && self.sharp.len() < MOST_SHARP);
         let (rim, sharp) = match new_tip {
             _ if !self.on_map => (self.rim.clone(), Vec::new()),
             Some(tip) => (self.rim.clone(), [&self.sharp[..], &[tip]].concat()),

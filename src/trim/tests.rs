@@ -55,6 +55,16 @@ fn knots_come_where_the_rim_needs_them() {
 }
 
 #[test]
+fn a_vertex_as_far_off_as_may_be_leaves_room_within_the_tolerance() {
+    for share in [0.0, 0.3, 0.9, 1.0] {
+        let off = share * OPTIONS.most_off();
+        let farthest = off.hypot(OPTIONS.room(off));
+        assert!(farthest <= OPTIONS.tolerance * (1.0 + 1e-12), "{share}");
+        assert!(OPTIONS.room(off) >= LEAST_SHARE * OPTIONS.tolerance, "{share}");
+    }
+}
+
+#[test]
 fn a_square_hole_has_four_straight_edges() {
     let plate = plate();
     let corners = [(0.3, 0.3), (0.3, 0.7), (0.5, 0.7), (0.5, 0.3)];
