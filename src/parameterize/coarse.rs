@@ -41,12 +41,11 @@ pub fn least_stretched(
     weights: &Weights,
     sets: &[[u32; 4]],
 ) -> Result<First> {
-    let mut number = vec![u32::MAX; points.len()];
-    hierarchy.left.iter().enumerate().for_each(|(i, &v)| number[v as usize] = i as u32);
+    let (stars, number) = hierarchy.stars.renumbered(&hierarchy.left);
     let outer = outer.iter().map(|&v| number[v as usize]).filter(|&v| v != u32::MAX);
     let coarse = Coarse {
         points: hierarchy.left.iter().map(|&v| points[v as usize]).collect(),
-        stars: hierarchy.stars.renumbered(&hierarchy.left, &number),
+        stars,
         outer: outer.collect(),
         weights: weights.renumbered(&hierarchy.left),
     };

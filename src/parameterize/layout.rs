@@ -108,17 +108,14 @@ impl Layout<'_> {
         }
     }
 
-    fn surface(&self, round: f64) -> Surface<'_> {
-        Surface { points: self.points, weights: &self.weights.of, freedom: &self.freedom, round }
-    }
-
     fn relax(&mut self, hierarchy: &Hierarchy, sweeps: usize) {
         let round = if hierarchy.left.len() < FEW { ROUND_OF_FEW } else { ROUND };
-        let surface = self.surface(round);
+        let (points, weights, freedom) = (self.points, &self.weights.of, &self.freedom);
+        let surface = Surface { points, weights, freedom, round };
         let level = Level::new(&surface, &hierarchy.stars, &hierarchy.left, &self.at);
         let mut far = Vec::new();
         for _ in 0..sweeps {
-            far = level.sweep(round);
+            far = level.sweep();
         }
         level.put_back(&mut self.at);
         let groups = relax::groups(&hierarchy.stars, far);

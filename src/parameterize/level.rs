@@ -18,6 +18,8 @@ pub struct Level<'a> {
     points: Vec<Point>,
     weights: Vec<f64>,
     freedom: Vec<Freedom>,
+    /// The share of the energy's convex term.
+    round: f64,
     places: Vec<Place>,
     groups: Vec<Vec<u32>>,
     /// Their numbers in the whole mesh.
@@ -50,15 +52,14 @@ impl Place {
 impl<'a> Level<'a> {
     /// The vertices that are `left`, which have no other neighbours.
     pub fn new(surface: &Surface, stars: &Stars, left: &'a [u32], at: &[Uv]) -> Self {
-        let mut number = vec![u32::MAX; stars.len()];
-        left.iter().enumerate().for_each(|(i, &v)| number[v as usize] = i as u32);
-        let stars = stars.renumbered(left, &number);
+        let (stars, _) = stars.renumbered(left);
         let groups = relax::groups(&stars, 0..left.len() as u32);
         Level {
             points: left.iter().map(|&v| surface.points[v as usize]).collect(),
             weights: left.iter().map(|&v| surface.weights[v as usize]).collect(),
             freedom: left.iter().map(|&v| surface.freedom[v as usize]).collect(),
             places: left.iter().map(|&v| Place::new(at[v as usize])).collect(),
+            round: surface.round,
             stars,
             groups,
             left,
@@ -67,9 +68,13 @@ impl<'a> Level<'a> {
 
     /// Moves every vertex once; gives those that went far for the room that they have, by
     /// their numbers in the whole mesh.
-    pub fn sweep(&self, round: f64) -> Vec<u32> {
-        let surface =
-            Surface { points: &self.points, weights: &self.weights, freedom: &self.freedom, round };
+    pub fn sweep(&self) -> Vec<u32> {
+        let surface = Surface {
+            points: &self.points,
+            weights: &self.weights,
+            freedom: &self.freedom,
+            round: self.round,
+        };
         let moved = |chunk: &[u32]| {
             let (mut corners, mut far) = (Vec::new(), Vec::new());
             for &v in chunk {
@@ -127,7 +132,7 @@ mod tests {
         let level = Level::new(&surface, &stars, &left, &start);
         for _ in 0..3 {
             let far = relax::sweep(&surface, &stars, &groups, &mut whole);
-            assert_eq!(level.sweep(surface.round), far);
+            assert_eq!(level.sweep(), far);
         }
         level.put_back(&mut brought);
         assert_eq!(whole, brought);

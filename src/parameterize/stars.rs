@@ -62,13 +62,17 @@ impl Stars {
         Stars { rings: (0..boundary.len()).into_par_iter().map(ring).collect(), boundary }
     }
 
-    /// The stars of the vertices `left`, with these numbers.
-    pub fn renumbered(&self, left: &[u32], number: &[u32]) -> Self {
+    /// The stars of the vertices `left`, numbered in their order, and all vertices' new
+    /// numbers: `u32::MAX` of those that are not left.
+    pub fn renumbered(&self, left: &[u32]) -> (Self, Vec<u32>) {
+        let mut number = vec![u32::MAX; self.len()];
+        left.iter().zip(0..).for_each(|(&v, new)| number[v as usize] = new);
         let ring = |v: &u32| self.ring(*v).iter().map(|&w| number[w as usize]).collect();
-        Stars {
+        let stars = Stars {
             rings: left.par_iter().map(ring).collect(),
             boundary: left.iter().map(|&v| self.on_boundary(v)).collect(),
-        }
+        };
+        (stars, number)
     }
 
     /// How many vertices there are, those taken out included.
