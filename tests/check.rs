@@ -166,3 +166,36 @@ fn damaged_files_are_survived() {
         assert!(measured > 0 && measured < ROUNDS, "{measured} of {ROUNDS}");
     }
 }
+
+/// A quarter of a pipe bend of radius 20 mm, 6 mm thick, open at both ends.
+fn elbow(path: &Path) {
+    let (around, along) = (80, 20);
+    let mut obj = String::new();
+    for n in 0..around * (along + 1) {
+        let turn = |k: usize, of: usize| std::f64::consts::TAU * k as f64 / of as f64;
+        let (a, b) = (turn(n / around, 4 * along), turn(n % around, around));
+        let r = 20.0 + 6.0 * b.cos();
+        obj += &format!("v {} {} {}\n", r * a.cos(), r * a.sin(), 6.0 * b.sin());
+    }
+    for n in 0..around * along {
+        let next = n / around * around + (n + 1) % around;
+        obj += &format!("f {} {} {} {}\n", n + 1, n + around + 1, next + around + 1, next + 1);
+    }
+    std::fs::write(path, obj).expect("it can be written");
+}
+
+#[test]
+fn a_face_that_leaves_the_scan_between_its_points_is_told() {
+    let folder = folder();
+    let (scan, step, report) =
+        (folder.path().join("a.obj"), folder.path().join("a.step"), folder.path().join("a.json"));
+    elbow(&scan);
+    let all = [arg(&scan), arg(&step), "--report", arg(&report), "--tolerance", "0.05", "--quiet"];
+    converted(&all);
+    let hints = |report: &Path| json(report)["hints"].to_string();
+    let off = number(&checked(&step, &scan), "/face_to_scan/max_mm");
+    // Whoever mends that sees this test fail first.
+    assert!(off > 0.2 && hints(&report).contains("between its points"), "{off}");
+    relief_step(folder.path(), &[]);
+    assert!(!hints(&folder.path().join("a.json")).contains("between its points"));
+}

@@ -322,7 +322,9 @@ fn the_user_may_name_the_outer_loop_and_the_piece() {
     assert_eq!(outer_length(&[]), 48.0);
     assert!(outer_length(&["--outer", "1.0,1.0,0.0"]) > 60.0);
     assert_eq!(outer_length(&["--outer", &(first - 1).to_string()]), 48.0);
-    assert_eq!(outer_length(&["--outer", "-0.5,0.0,0.0"]), 48.0);
+    for point in ["-0.5,0.0,0.0", "-1,0,0", "0,0,0"] {
+        assert_eq!(outer_length(&["--outer", point]), 48.0, "{point}");
+    }
     assert_eq!(outer_length(&["--component", "1"]), 16.0);
     assert_eq!(inspect(&[arg(&path), "--component", "2"]).status.code(), Some(1));
     assert_eq!(inspect(&[arg(&path), "--component", "all"]).status.code(), Some(2));

@@ -11,6 +11,7 @@
 //! one folds are taken out.
 
 mod balance;
+mod between;
 mod correct;
 mod doubt;
 mod folds;
@@ -20,6 +21,7 @@ mod weights;
 
 use crate::course::{self, Course};
 use crate::error::{Result, of};
+use crate::geometry::Point;
 use crate::parameterize::Parameterized;
 use crate::spline::{KnotVector, Samples, Surface};
 use crate::{Options, fit, knots, rules};
@@ -99,6 +101,9 @@ pub struct Adapted {
     /// Mean distance, in mm, between a sample and the surface at the parameter that the
     /// sample was fitted with.
     pub mean_error: f64,
+    /// Where the surface is farthest from the measured triangles, between their vertices,
+    /// and how far, in mm, if that is much more than the tolerance.
+    pub between: Option<(Point, f64)>,
 }
 
 /// Fits a surface to the map's vertices, in mm over [0, 1]². The map's parameters are
@@ -151,18 +156,20 @@ pub fn fit_with(
         (best, folds) = (unfolded, Some(left));
     }
     search.target.samples.uv.clone_from(&best.uv);
-    let adapted = Adapted {
+    let mut adapted = Adapted {
         fit: best.fit,
         knots: placed,
         kappa: if asked.net.is_none() { kappa } else { 0.0 },
         rounds: search.rounds,
         folds,
         mean_error: fit::mean_error(&best.surface, &search.target.samples),
+        between: None,
     };
     map.uv = match options.method {
         fit::Method::Blend => best.uv,
         _ => search.target.corrected(best.uv, best.feet.uv, FIRM_AREA),
     };
+    adapted.between = between::farthest(map, &best.surface, goal.tolerance);
     Ok((best.surface, adapted))
 }
 

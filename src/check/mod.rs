@@ -7,7 +7,6 @@ mod curve;
 mod loops;
 mod samples;
 mod surface;
-mod triangles;
 
 use formats::cad::{CadFace, CadModel};
 use rayon::prelude::*;
@@ -15,11 +14,10 @@ use rayon::prelude::*;
 use crate::deviation::{Deviation, Face};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, bounds, uv_bounds};
-use crate::mesh::{Mesh, Neighbours};
+use crate::mesh::{Mesh, Neighbours, Triangles};
 use loops::{Corner, Tracer};
 use samples::Samples;
 use surface::Domain;
-use triangles::Triangles;
 
 /// What was found. Lengths are mm.
 #[derive(Debug, Clone)]

@@ -18,6 +18,7 @@ pub fn all(args: &Convert, scan: &Scan, conversions: &[Conversion]) -> Vec<Strin
             c.crushed.as_ref().map(crushed),
             stretched(c),
             folded(c),
+            astray(c),
             loose(args, c),
             large(c),
             small_holes(args, c),
@@ -84,6 +85,18 @@ fn folded(c: &Conversion) -> Option<String> {
     Some(format!(
         "the surface is turned over at {folds} of {} places, which offsets and Boolean operations in CAD may not survive; a coarser --tolerance, or cutting the scan where it is ragged, leaves fewer",
         36 * cells
+    ))
+}
+
+/// Where nothing holds the face.
+fn astray(c: &Conversion) -> Option<String> {
+    let (at, off) = c.fit.between?;
+    Some(format!(
+        "between its points the face leaves the scan by {}, near ({:.3}, {:.3}, {:.3}), where the map draws its triangles out; look there with `scan2step check`, or cut the scan there and convert the pieces",
+        mm(off),
+        at.x,
+        at.y,
+        at.z
     ))
 }
 

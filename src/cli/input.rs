@@ -39,22 +39,21 @@ impl Scan {
 
     /// The places in mm.
     pub fn resolve(&self, places: &Places) -> Result<Vec<Point>, Failure> {
-        places.resolve(&self.soup, self.unit.in_mm()).map_err(|e| Failure {
-            error: format!("{}: {e}", self.path.display()),
+        places.resolve(&self.soup, self.unit.in_mm()).map_err(|e| self.unresolved(&e))
+    }
+
+    fn unresolved(&self, error: &str) -> Failure {
+        Failure {
+            error: format!("{}: {error}", self.path.display()),
             help: "count vertices as the file does, from 0".into(),
-        })
+        }
     }
 
     /// The outer loop that the user named.
     pub fn outer(&self, piece: &Piece) -> Result<Outer, Failure> {
-        let Some(places) = &piece.outer else { return Ok(Outer::Auto) };
-        match self.resolve(places)?[..] {
-            [place] => Ok(Outer::Near(place)),
-            _ => Err(Failure {
-                error: format!("{}: --outer: not one place", self.path.display()),
-                help: "name one vertex or one point on the outer boundary".into(),
-            }),
-        }
+        let Some(place) = piece.outer else { return Ok(Outer::Auto) };
+        let place = place.resolve(&self.soup, self.unit.in_mm());
+        place.map(Outer::Near).map_err(|e| self.unresolved(&e))
     }
 
     /// The mesh and its components; the soup goes.

@@ -14,6 +14,15 @@ pub enum Places {
     Points(Vec<[f64; 3]>),
 }
 
+/// One place on the scan.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Place {
+    /// A vertex as the file counts them, from 0.
+    Vertex(usize),
+    /// A point in the scan's numbers.
+    Point([f64; 3]),
+}
+
 /// Where smoothing keeps a corner.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Corners {
@@ -32,6 +41,18 @@ impl FromStr for Places {
         let index =
             |s: &str| s.trim().parse().map_err(|_| format!("'{s}' is not the index of a vertex"));
         text.split(',').map(index).collect::<Result<_, _>>().map(Places::Vertices)
+    }
+}
+
+impl FromStr for Place {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        if text.contains(',') {
+            return point(text).map(Place::Point);
+        }
+        let wrong = |_| format!("'{text}' is neither the index of a vertex nor a point x,y,z");
+        text.trim().parse().map(Place::Vertex).map_err(wrong)
     }
 }
 
@@ -58,18 +79,23 @@ impl FromStr for Corners {
 impl Places {
     /// The places as points in mm.
     pub fn resolve(&self, soup: &Soup, unit_mm: f64) -> Result<Vec<Point>, String> {
-        let in_mm = |p: &[f64; 3]| Point::from(p.map(|x| x * unit_mm));
+        let resolved = |place: Place| place.resolve(soup, unit_mm);
         match self {
-            Places::Points(points) => Ok(points.iter().map(in_mm).collect()),
-            Places::Vertices(indices) => indices
-                .iter()
-                .map(|&i| {
-                    let count = soup.points.len();
-                    let vertex = soup.points.get(i);
-                    vertex.map(in_mm).ok_or(format!("there is no vertex {i}; the scan has {count}"))
-                })
-                .collect(),
+            Places::Points(points) => points.iter().map(|&p| resolved(Place::Point(p))).collect(),
+            Places::Vertices(all) => all.iter().map(|&v| resolved(Place::Vertex(v))).collect(),
         }
+    }
+}
+
+impl Place {
+    /// The place as a point in mm.
+    pub fn resolve(self, soup: &Soup, unit_mm: f64) -> Result<Point, String> {
+        let missing = |v| format!("there is no vertex {v}; the scan has {}", soup.points.len());
+        let point = match self {
+            Place::Point(point) => point,
+            Place::Vertex(v) => *soup.points.get(v).ok_or_else(|| missing(v))?,
+        };
+        Ok(Point::from(point.map(|x| x * unit_mm)))
     }
 }
 
@@ -85,5 +111,8 @@ mod tests {
         assert!("1,2;3,4,5".parse::<Places>().is_err());
         assert!("1,x".parse::<Places>().is_err());
         assert!("nan,0.,0".parse::<Places>().is_err());
+        assert_eq!("-5,0,0".parse(), Ok(Place::Point([-5.0, 0.0, 0.0])));
+        assert_eq!("50".parse(), Ok(Place::Vertex(50)));
+        assert!("-5".parse::<Place>().is_err() && "1,2".parse::<Place>().is_err());
     }
 }

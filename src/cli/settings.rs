@@ -9,7 +9,7 @@ use super::Failure;
 use super::args::{Component, Convert, Fit, Map, Outline};
 use super::cad::part_name;
 use super::input::{Scan, stopped};
-use super::places::{Corners, Places};
+use super::places::{Corners, Place, Places};
 
 /// What the pipeline takes.
 pub fn options(args: &Convert, scan: &Scan) -> Result<Options, Failure> {
@@ -78,9 +78,13 @@ pub fn as_json(args: &Convert) -> Value {
         Places::Vertices(v) => json!(v),
         Places::Points(p) => json!(p),
     };
+    let place = |place: Place| match place {
+        Place::Vertex(v) => json!([v]),
+        Place::Point(p) => json!([p]),
+    };
     json!({
         "units": args.piece.scale.units.map(name),
-        "outer": args.piece.outer.as_ref().map(places),
+        "outer": args.piece.outer.map(place),
         "tolerance": args.how.tolerance,
         "outliers": args.how.outliers,
         "corners": args.corners.as_ref().map(places),

@@ -16,6 +16,7 @@ mod polygons;
 mod rims;
 mod spikes;
 mod topology;
+mod triangles;
 mod weld;
 
 pub use build::{Build, Repairs, from_soup};
@@ -26,6 +27,7 @@ pub use neighbours::Neighbours;
 pub use patch::{Bound, FaceOrigin, Patch};
 pub(crate) use topology::Buckets;
 pub use topology::{EdgeMap, Rings};
+pub(crate) use triangles::Triangles;
 
 use crate::geometry::{Point, Vector, VertexId, bounds};
 
@@ -54,6 +56,12 @@ impl Mesh {
     /// The angle at `tip` between two other vertices.
     pub(crate) fn angle(&self, a: VertexId, tip: VertexId, b: VertexId) -> f64 {
         (self.point(a) - self.point(tip)).angle(&(self.point(b) - self.point(tip)))
+    }
+
+    /// The ends of a side: side `3 t + k` leaves corner `k` of triangle `t`.
+    pub(crate) fn side(&self, side: usize) -> (VertexId, VertexId) {
+        let t = self.triangles[side / 3];
+        (t[side % 3], t[(side + 1) % 3])
     }
 
     /// Twice the triangle's area times its unit normal.

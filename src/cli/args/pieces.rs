@@ -7,7 +7,7 @@ use scan2step::mesh::Choice;
 
 use super::choices::Unit;
 use super::colour::Colour;
-use crate::cli::places::Places;
+use crate::cli::places::Place;
 
 /// How large a scan is.
 #[derive(Debug, Args)]
@@ -24,10 +24,10 @@ pub struct Piece {
     pub scan: PathBuf,
     #[command(flatten)]
     pub scale: Scale,
-    /// A place on the boundary loop that is the outer one: a vertex index or a
-    /// point, as in --corners of convert [default: the longest loop that does not run around a hole]
+    /// A place on the boundary loop that is the outer one: a vertex index,
+    /// counted from 0, or a point in the scan's numbers [default: the longest loop that does not run around a hole]
     #[arg(long, value_name = "V|x,y,z", allow_hyphen_values = true)]
-    pub outer: Option<Places>,
+    pub outer: Option<Place>,
 }
 
 /// Options of the commands that look at one piece of a scan.

@@ -1,23 +1,23 @@
-//! The triangles of a scan, and how far points are from them.
+//! The triangles of a mesh, and how far points are from them.
 
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
+use super::Mesh;
 use crate::geometry::{Point, bounds};
-use crate::mesh::Mesh;
 
-/// The triangles of a scan.
-pub(super) struct Triangles(RTree<Triangle>);
+/// The triangles of a mesh.
+pub struct Triangles(RTree<Triangle>);
 
 struct Triangle([Point; 3]);
 
 impl Triangles {
-    pub(super) fn new(mesh: &Mesh) -> Self {
+    pub fn new(mesh: &Mesh) -> Self {
         let triangles = mesh.triangles.iter().map(|t| Triangle(mesh.corners(*t)));
         Triangles(RTree::bulk_load(triangles.collect()))
     }
 
     /// The distance of `p` from the nearest one, in mm.
-    pub(super) fn distance(&self, p: Point) -> f64 {
+    pub fn distance(&self, p: Point) -> f64 {
         let nearest = self.0.nearest_neighbor(p.coords.into());
         nearest.map_or(f64::INFINITY, |t| (t.nearest(p) - p).norm())
     }

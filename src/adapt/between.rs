@@ -1,0 +1,108 @@
+//! Where a fitted surface leaves the mesh between its vertices.
+//!
+//! Where the map draws triangles out over several knot cells, no sample holds the surface
+//! within them: it may go anywhere, and no vertex is far from it.
+
+use rayon::prelude::*;
+
+use crate::geometry::{Point, Uv, Vector, VertexId};
+use crate::mesh::{FaceOrigin, Mesh, Triangles};
+use crate::parameterize::Parameterized;
+use crate::spline::{KnotVector, Surface};
+
+/// A middle of an edge bends with the surface, and may be off by as much again …
+const BEND: f64 = 2.0;
+
+/// … and by this share of the edge: less than that is what smooth surfaces do between
+/// points of a noisy scan.
+const SLACK: f64 = 0.25;
+
+/// The place between measured vertices where a surface is farthest from the mesh, and its
+/// distance in mm. `None`: nowhere much more than `tolerance`.
+pub fn farthest(map: &Parameterized, surface: &Surface, tolerance: f64) -> Option<(Point, f64)> {
+    let long = long_sides(map, surface);
+    if long.is_empty() {
+        return None;
+    }
+    let mesh = &map.patch.mesh;
+    let normals = mesh.vertex_normals();
+    let at = |side: usize| {
+        let (a, b) = mesh.side(side);
+        let place = surface.point(nalgebra::center(&map.uv[a.index()], &map.uv[b.index()]));
+        let straight = nalgebra::center(&mesh.point(a), &mesh.point(b));
+        let slack = SLACK * (mesh.point(b) - mesh.point(a)).norm();
+        let allowed = tolerance.max(slack) + BEND * bend(mesh, &normals, a, b).norm();
+        ((place - straight).norm() > allowed).then_some((place, allowed))
+    };
+    let far: Vec<(Point, f64)> = long.into_par_iter().filter_map(at).collect();
+    if far.is_empty() {
+        return None;
+    }
+    // It may have slid along the mesh.
+    let triangles = Triangles::new(mesh);
+    let off = |&(place, allowed): &(Point, f64)| {
+        let distance = triangles.distance(place);
+        (distance > allowed).then_some((place, distance))
+    };
+    let off: Vec<(Point, f64)> = far.par_iter().filter_map(off).collect();
+    off.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))
+}
+
+/// How far the middle of an edge is from the surface through its ends with these normals
+/// (Vlachos, Peters, Boyd, Mitchell: Curved PN triangles, 2001).
+fn bend(mesh: &Mesh, normals: &[Vector], a: VertexId, b: VertexId) -> Vector {
+    let along = mesh.point(b) - mesh.point(a);
+    let [n, m] = [a, b].map(|v| normals[v.index()]);
+    (along.dot(&m) * m - along.dot(&n) * n) / 8.0
+}
+
+/// Sides within the measured surface, one of each edge, that are longer in the map than a
+/// knot cell at their middle is wide, ascending.
+fn long_sides(map: &Parameterized, surface: &Surface) -> Vec<usize> {
+    let (mesh, origin) = (&map.patch.mesh, &map.patch.origin);
+    let spans = [&surface.u, &surface.v].map(Spans::new);
+    let ends = |side: usize| {
+        let (a, b) = mesh.side(side);
+        [map.uv[a.index()], map.uv[b.index()]]
+    };
+    let is_long = |&side: &usize| {
+        let [a, b] = ends(side);
+        let middle: Uv = nalgebra::center(&a, &b);
+        let far = |k: usize| spans[k].are_shorter((a[k] - b[k]).abs(), middle[k]);
+        origin[side / 3] == FaceOrigin::Measured && (far(0) || far(1))
+    };
+    let sides = 0..3 * mesh.triangles.len();
+    let mut long: Vec<usize> = sides.into_par_iter().filter(is_long).collect();
+    // Those of an edge are next to each other, the lower one first.
+    let edge = |side: usize| {
+        let (a, b) = mesh.side(side);
+        (a.min(b), a.max(b))
+    };
+    long.par_sort_unstable_by_key(|&side| (edge(side), side));
+    let both = long.chunk_by(|&s, &t| edge(s) == edge(t)).filter(|both| both.len() == 2);
+    let mut sides: Vec<usize> = both.map(|both| both[0]).collect();
+    sides.sort_unstable();
+    sides
+}
+
+/// The knot spans of an axis.
+struct Spans<'a> {
+    knots: &'a KnotVector,
+    narrowest: f64,
+}
+
+impl<'a> Spans<'a> {
+    fn new(knots: &'a KnotVector) -> Self {
+        let widths = knots.breaks();
+        let widths = widths.windows(2).map(|ends| ends[1] - ends[0]);
+        Spans { knots, narrowest: widths.fold(f64::MAX, f64::min) }
+    }
+
+    /// Whether a length is more than the width of the span at `t`.
+    fn are_shorter(&self, length: f64, t: f64) -> bool {
+        length > self.narrowest && {
+            let i = self.knots.span(t);
+            length > self.knots.knots()[i + 1] - self.knots.knots()[i]
+        }
+    }
+}
