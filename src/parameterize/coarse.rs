@@ -1,7 +1,7 @@
 //! Corners, and a first map, on a coarse version of the patch.
 
 use super::hierarchy::Hierarchy;
-use super::layout::{Layout, heavy, triangles};
+use super::layout::{Layout, Round, heavy, triangles};
 use super::rectangle::Rectangle;
 use super::stars::{Removal, Stars};
 use super::stretch;
@@ -18,6 +18,7 @@ pub struct Coarse {
     stars: Stars,
     outer: Vec<u32>,
     weights: Weights,
+    round: Round,
 }
 
 /// A map of the coarse version.
@@ -30,10 +31,23 @@ pub struct First {
     pub at: Vec<Uv>,
     /// Its L² stretch, a skirt left out.
     pub stretch: f64,
+    /// The share of the energy's convex term that it was made with.
+    pub round: Round,
+    /// The share of it that is stretched more than [`DRAWN`] one way.
+    drawn: f64,
 }
 
+/// Triangles are drawn out if the map stretches them so many times as much one way as the
+/// other.
+const DRAWN: f64 = 6.0;
+
+/// A map of more drawn-out triangles than this share of its area is made again, firmer:
+/// in finer ones they would take ever more of it.
+const MUCH: f64 = 0.1;
+
 /// The map that stretches least of those whose corners are one of the `sets`,
-/// on the mesh that is left in a hierarchy. `outer` is its finest boundary.
+/// on the mesh that is left in a hierarchy; a firmer one if that draws much of it out.
+/// `outer` is its finest boundary.
 pub fn least_stretched(
     points: &[Point],
     outer: &[u32],
@@ -43,23 +57,31 @@ pub fn least_stretched(
 ) -> Result<First> {
     let (stars, number) = hierarchy.stars.renumbered(&hierarchy.left);
     let outer = outer.iter().map(|&v| number[v as usize]).filter(|&v| v != u32::MAX);
-    let coarse = Coarse {
+    let mut coarse = Coarse {
         points: hierarchy.left.iter().map(|&v| points[v as usize]).collect(),
         stars,
         outer: outer.collect(),
         weights: weights.renumbered(&hierarchy.left),
+        round: Round::USUAL,
     };
-    let renumbered = |set: &[u32; 4]| set.map(|v| number[v as usize]);
-    let maps: Vec<First> = sets
-        .par_iter()
-        .enumerate()
-        .filter_map(|(i, set)| coarse.map(i, &renumbered(set)).ok())
-        .collect();
-    let least = maps.into_iter().min_by(|a, b| a.stretch.total_cmp(&b.stretch));
-    least.ok_or(Error::Singular("parameterization"))
+    let sets: Vec<[u32; 4]> = sets.iter().map(|set| set.map(|v| number[v as usize])).collect();
+    let usual = coarse.best(&sets)?;
+    if usual.drawn <= MUCH {
+        return Ok(usual);
+    }
+    coarse.round = Round::FIRM;
+    coarse.best(&sets)
 }
 
 impl Coarse {
+    /// The map that stretches least.
+    fn best(&self, sets: &[[u32; 4]]) -> Result<First> {
+        let maps: Vec<First> =
+            sets.par_iter().enumerate().filter_map(|(i, set)| self.map(i, set).ok()).collect();
+        let least = maps.into_iter().min_by(|a, b| a.stretch.total_cmp(&b.stretch));
+        least.ok_or(Error::Singular("parameterization"))
+    }
+
     /// The map with the given vertices as corners.
     fn map(&self, set: usize, corners: &[u32; 4]) -> Result<First> {
         let mut hierarchy = Hierarchy::new(self.stars.clone());
@@ -76,11 +98,13 @@ impl Coarse {
         let size = rectangle.lay(&self.points, area, &mut at);
         let freedom = Rectangle::new(&self.outer, corners).freedom(at.len());
         let (points, weighed) = (&self.points, self.points.len());
-        let mut layout = Layout { points, weights, weighed, freedom, size, at };
+        let round = self.round;
+        let mut layout = Layout { points, weights, weighed, freedom, size, at, round };
         layout.solve(&hierarchy)?;
         layout.refine(&mut hierarchy, &mut course::untold)?;
-        let all = triangles(&hierarchy.stars, &hierarchy.left);
-        let stretch = stretch::of(&self.points, &layout.at, heavy(&layout.weights, all));
-        Ok(First { set, size: layout.size, at: layout.at, stretch })
+        let all = || heavy(&layout.weights, triangles(&hierarchy.stars, &hierarchy.left));
+        let stretch = stretch::of(&self.points, &layout.at, all());
+        let drawn = stretch::drawn_out(&self.points, &layout.at, all(), DRAWN);
+        Ok(First { set, size: layout.size, at: layout.at, stretch, round, drawn })
     }
 }

@@ -31,6 +31,31 @@ pub struct Layout<'a> {
     pub size: [f64; 2],
     /// Places of the vertices, in mm from the lower left corner.
     pub at: Vec<Uv>,
+    /// The share of the energy's convex term.
+    pub round: Round,
+}
+
+/// The share of the energy's convex term, by how fine the mesh is.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Round {
+    /// On a coarse mesh, whose triangles reach around bends and come out stretched one
+    /// way more than the surface does.
+    few: f64,
+    /// On a finer one.
+    many: f64,
+}
+
+impl Round {
+    /// For maps of most surfaces.
+    pub const USUAL: Round = Round { few: 0.25, many: 0.1 };
+
+    /// For those that the square stretches one way far more than the other, as it does a
+    /// tube's: with less, a few triangles would take most of the square.
+    pub const FIRM: Round = Round { few: 0.5, many: 0.5 };
+
+    fn with(self, vertices: usize) -> f64 {
+        if vertices < FEW { self.few } else { self.many }
+    }
 }
 
 impl Layout<'_> {
@@ -95,7 +120,7 @@ impl Layout<'_> {
         while !groups.is_empty() && moves < CHASE * count {
             moves += groups.iter().map(Vec::len).sum::<usize>();
             let (points, weights, freedom) = (self.points, &self.weights.of, &self.freedom);
-            let surface = Surface { points, weights, freedom, round: ROUND };
+            let surface = Surface { points, weights, freedom, round: self.round.many };
             let far = relax::sweep(&surface, stars, &groups, &mut self.at);
             let mut vertices: Vec<u32> = far
                 .par_iter()
@@ -109,7 +134,7 @@ impl Layout<'_> {
     }
 
     fn relax(&mut self, hierarchy: &Hierarchy, sweeps: usize) {
-        let round = if hierarchy.left.len() < FEW { ROUND_OF_FEW } else { ROUND };
+        let round = self.round.with(hierarchy.left.len());
         let (points, weights, freedom) = (self.points, &self.weights.of, &self.freedom);
         let surface = Surface { points, weights, freedom, round };
         let level = Level::new(&surface, &hierarchy.stars, &hierarchy.left, &self.at);
@@ -197,13 +222,6 @@ const REFINED: f64 = 0.85;
 
 /// Sweeps over the whole mesh.
 const LAST_SWEEPS: usize = 2;
-
-/// The share of the energy's convex term.
-const ROUND: f64 = 0.1;
-
-/// The same on a coarse mesh, whose triangles reach around bends and come out
-/// stretched one way more than the surface does.
-const ROUND_OF_FEW: f64 = 0.25;
 
 /// A mesh of fewer vertices is coarse.
 const FEW: usize = 5_000;

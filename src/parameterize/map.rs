@@ -105,8 +105,8 @@ impl<'a> Start<'a> {
         places.for_each(|(&v, &place)| at[v as usize] = place);
         let freedom = rectangle.freedom(points.len());
         let weights = std::mem::take(&mut self.weights);
-        let mut layout =
-            Layout { points, weights, weighed: self.weighed, freedom, size: self.first.size, at };
+        let (weighed, size, round) = (self.weighed, self.first.size, self.first.round);
+        let mut layout = Layout { points, weights, weighed, freedom, size, at, round };
         layout.refine(&mut self.hierarchy, course)?;
         Ok(rectangle.to_unit_square(layout.size, &layout.at))
     }

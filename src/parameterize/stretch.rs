@@ -60,6 +60,30 @@ pub fn of(points: &[Point], at: &[Uv], triangles: impl Iterator<Item = [u32; 3]>
     least(sums(derivatives_of(points, at, triangles))).1
 }
 
+/// The share of a map's area that is stretched more than `ratio` times as much one way as
+/// the other.
+pub fn drawn_out(
+    points: &[Point],
+    at: &[Uv],
+    triangles: impl Iterator<Item = [u32; 3]>,
+    ratio: f64,
+) -> f64 {
+    let add = |(all, drawn): (f64, f64), t: Derivatives| {
+        let [large, small] = squared_stretches(t.2, t.3);
+        let is_drawn = large > ratio * ratio * small;
+        (all + t.1, if is_drawn { drawn + t.1 } else { drawn })
+    };
+    let (all, drawn) = derivatives_of(points, at, triangles).fold((0.0, 0.0), add);
+    drawn / all
+}
+
+/// The squares of the singular values of the map with these derivatives.
+fn squared_stretches(su: Vector, sv: Vector) -> [f64; 2] {
+    let (a, b, c) = (su.norm_squared(), su.dot(&sv), sv.norm_squared());
+    let root = ((a - c).powi(2) + 4.0 * b * b).sqrt();
+    [0.5 * (a + c + root), 0.5 * (a + c - root)]
+}
+
 /// The area of a surface.
 pub fn area(points: &[Point], triangles: impl Iterator<Item = [u32; 3]>) -> f64 {
     triangles
@@ -122,10 +146,6 @@ pub fn measure(patch: &Patch, uv: &[Uv]) -> Stretch {
     let sums = together(blocks(&all).map(|block| sums(block.iter().copied())));
     let (w, l2) = least(sums);
     let scale = (sums[1] / sums[0]).sqrt();
-    let largest = |t: &Derivatives| {
-        let (su, sv) = (t.2 / w, t.3 * w);
-        let (a, b, c) = (su.norm_squared(), su.dot(&sv), sv.norm_squared());
-        (0.5 * (a + c + ((a - c).powi(2) + 4.0 * b * b).sqrt())).sqrt()
-    };
+    let largest = |t: &Derivatives| squared_stretches(t.2 / w, t.3 * w)[0].sqrt();
     Stretch { l2, max: scale * all.par_iter().map(largest).reduce(|| 0.0, f64::max), aspect: w * w }
 }
