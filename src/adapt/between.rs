@@ -5,8 +5,8 @@
 
 use rayon::prelude::*;
 
-use crate::geometry::{Point, Uv, Vector, VertexId};
-use crate::mesh::{FaceOrigin, Mesh, Triangles};
+use crate::geometry::{Point, Uv};
+use crate::mesh::{FaceOrigin, Triangles};
 use crate::parameterize::Parameterized;
 use crate::spline::{KnotVector, Surface};
 
@@ -31,7 +31,7 @@ pub fn farthest(map: &Parameterized, surface: &Surface, tolerance: f64) -> Optio
         let place = surface.point(nalgebra::center(&map.uv[a.index()], &map.uv[b.index()]));
         let straight = nalgebra::center(&mesh.point(a), &mesh.point(b));
         let slack = SLACK * (mesh.point(b) - mesh.point(a)).norm();
-        let allowed = tolerance.max(slack) + BEND * bend(mesh, &normals, a, b).norm();
+        let allowed = tolerance.max(slack) + BEND * mesh.bend(&normals, a, b).0.norm();
         ((place - straight).norm() > allowed).then_some((place, allowed))
     };
     let far: Vec<(Point, f64)> = long.into_par_iter().filter_map(at).collect();
@@ -46,14 +46,6 @@ pub fn farthest(map: &Parameterized, surface: &Surface, tolerance: f64) -> Optio
     };
     let off: Vec<(Point, f64)> = far.par_iter().filter_map(off).collect();
     off.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))
-}
-
-/// How far the middle of an edge is from the surface through its ends with these normals
-/// (Vlachos, Peters, Boyd, Mitchell: Curved PN triangles, 2001).
-fn bend(mesh: &Mesh, normals: &[Vector], a: VertexId, b: VertexId) -> Vector {
-    let along = mesh.point(b) - mesh.point(a);
-    let [n, m] = [a, b].map(|v| normals[v.index()]);
-    (along.dot(&m) * m - along.dot(&n) * n) / 8.0
 }
 
 /// Sides within the measured surface, one of each edge, that are longer in the map than a

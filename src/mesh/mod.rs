@@ -42,6 +42,10 @@ pub struct Mesh {
     pub triangles: Vec<[VertexId; 3]>,
 }
 
+/// A vertex is on a crease if an edge at it runs as steeply against its normal: more than a
+/// seventh of a round turn to the next vertex.
+const STEEP: f64 = 0.43;
+
 impl Mesh {
     /// The position of a vertex.
     pub fn point(&self, v: VertexId) -> Point {
@@ -84,6 +88,23 @@ impl Mesh {
             *n = n.try_normalize(0.0).unwrap_or_else(Vector::zeros);
         }
         normals
+    }
+
+    /// From the middle between two vertices to that of the curve between them on a surface
+    /// with these `normals` (Vlachos, Peters, Boyd, Mitchell: Curved PN triangles, 2001), and
+    /// the normal there. A vertex on a crease has no say, nor one without a normal.
+    pub(crate) fn bend(&self, normals: &[Vector], a: VertexId, b: VertexId) -> (Vector, Vector) {
+        let along = self.point(b) - self.point(a);
+        let steep = STEEP * along.norm();
+        let [n, m] = [a, b].map(|v| {
+            let normal = normals[v.index()];
+            if along.dot(&normal).abs() < steep { normal } else { Vector::zeros() }
+        });
+        let bend = (along.dot(&m) * m - along.dot(&n) * n) / 8.0;
+        // A cubic leans half as far, and the other way, in the middle as at its ends in the mean.
+        let lean = along.dot(&(n + m)) / along.norm_squared();
+        let normal = n + m - 1.5 * lean * along;
+        (bend, normal.try_normalize(0.0).unwrap_or_else(Vector::zeros))
     }
 
     /// The mean length of the triangles' edges, in mm (inner edges count twice).

@@ -26,7 +26,8 @@ struct Need {
 }
 
 /// Looks whether a net of `max_net` control points can hold the `tolerance`, in
-/// mm, on the measured triangles.
+/// mm, on the measured triangles, those left out that were divided because the map
+/// draws them out: where these run up to a crease, the smaller they are the sharper it is.
 ///
 /// A cubic span of length h on a circle of curvature κ is κ³h⁴/384 off it. That
 /// tells how close the knots have to be at each triangle in u and in v, and as a
@@ -35,7 +36,9 @@ struct Need {
 pub fn crushed(map: &Parameterized, tolerance: f64, max_net: usize) -> Option<Crushed> {
     let normals: Vec<Point> =
         map.patch.mesh.vertex_normals().into_iter().map(Point::from).collect();
-    let triangles: Vec<usize> = stretch::measured(&map.patch).collect();
+    let patch = &map.patch;
+    let is_whole = |t: &usize| patch.mesh.triangles[*t].iter().all(|&v| patch.is_measured(v));
+    let triangles: Vec<usize> = stretch::measured(patch).filter(is_whole).collect();
     let needs: Vec<[Need; 2]> =
         triangles.par_iter().map(|&t| needs(map, &normals, tolerance, t)).collect();
     let along = |k: usize| spans(needs.iter().map(|need| &need[k]));

@@ -1,7 +1,7 @@
 //! A disk's map to the unit square, in two steps: coarse, and then fine.
 
 use super::hierarchy::Hierarchy;
-use super::layout::{self, Layout};
+use super::layout::{self, Layout, Round};
 use super::rectangle::Rectangle;
 use super::stars::Stars;
 use super::weights::Weights;
@@ -40,6 +40,8 @@ pub struct Map {
     pub corners: [u32; 4],
     /// Triangles that rounding had inverted and that were mended.
     pub mended: usize,
+    /// Whether much of it is stretched far more one way than the other.
+    pub is_drawn_out: bool,
 }
 
 impl<'a> Start<'a> {
@@ -93,7 +95,10 @@ impl<'a> Start<'a> {
             Some(t) => {
                 Err(Error::Folded { count: folded.len(), at: self.mesh.points[t[0] as usize] })
             }
-            None => Ok(Map { uv, corners: self.corners, mended }),
+            None => {
+                let is_drawn_out = self.first.round == Round::FIRM;
+                Ok(Map { uv, corners: self.corners, mended, is_drawn_out })
+            }
         }
     }
 

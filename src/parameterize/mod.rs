@@ -17,6 +17,8 @@ mod chords;
 mod coarse;
 mod corners;
 mod crushed;
+mod gaps;
+mod halve;
 mod hierarchy;
 mod layout;
 mod level;
@@ -99,7 +101,8 @@ pub struct Report {
     pub flipped: usize,
     /// Triangles that rounding had inverted and that were mended.
     pub mended: usize,
-    /// Vertices put on inner edges that joined two boundary vertices.
+    /// Vertices put on edges that joined two boundary vertices through the inside, or that
+    /// the map draws out.
     pub split_edges: usize,
     /// How the measured triangles are stretched.
     pub stretch: Stretch,
@@ -156,7 +159,7 @@ pub fn parameterize_with(
         let (mesh, outer) = skirt::skirted(&patch);
         let start = Start::new(&mesh, &outer, patch.mesh.points.len(), options, course)?;
         let map = start.map(options.method, course)?;
-        return Ok(with_skirt(patch, &mesh, map, 0));
+        return Ok(reported(with_skirt(patch, &mesh, &map), &map, 0));
     }
     // Sides are the measured boundary's; what is free goes around its bays.
     let (mut patch, with_bays) = match patch.without_bays() {
@@ -172,15 +175,14 @@ pub fn parameterize_with(
         if free.excess() < WORTH * sides.excess() {
             let map = free.map(options.method, course)?;
             let (patch, split_edges) = with_bays.map_or((patch, split_edges), |whole| (whole, 0));
-            return Ok(with_skirt(patch, &mesh, map, split_edges));
+            return Ok(reported(with_skirt(patch, &mesh, &map), &map, split_edges));
         }
     }
     let map = sides.map(options.method, course)?;
     let first = patch.outer.iter().position(|v| v.0 == map.corners[0]);
     patch.outer.rotate_left(first.unwrap_or(0));
-    let report = report(&patch, &map.uv, map.mended, split_edges);
-    let (uv, outline, skirt) = (map.uv, Outline::Sides, Skirt::default());
-    Ok((Parameterized { patch, uv, outline, skirt }, report))
+    let (uv, outline, skirt) = (map.uv.clone(), Outline::Sides, Skirt::default());
+    Ok(reported(Parameterized { patch, uv, outline, skirt }, &map, split_edges))
 }
 
 /// Sides that stretch a map by less are kept.
@@ -190,18 +192,26 @@ const LITTLE: f64 = 0.03;
 const WORTH: f64 = 0.5;
 
 /// A patch and its skirt on the map of both.
-fn with_skirt(patch: Patch, mesh: &Mesh, map: Map, split_edges: usize) -> (Parameterized, Report) {
+fn with_skirt(patch: Patch, mesh: &Mesh, map: &Map) -> Parameterized {
     let mut uv: Vec<Uv> = map.uv.iter().map(|at| inside(*at)).collect();
     let skirt = Skirt {
         uv: uv.split_off(patch.mesh.points.len()),
         triangles: mesh.triangles[patch.mesh.triangles.len()..].to_vec(),
     };
-    let report = report(&patch, &uv, map.mended, split_edges);
-    (Parameterized { patch, uv, outline: Outline::Free, skirt }, report)
+    Parameterized { patch, uv, outline: Outline::Free, skirt }
 }
 
-fn report(patch: &Patch, uv: &[Uv], mended: usize, split_edges: usize) -> Report {
-    Report { flipped: 0, mended, split_edges, stretch: stretch::measure(patch, uv) }
+/// The patch on its map, with vertices where that draws it out.
+fn reported(
+    mut patch: Parameterized,
+    map: &Map,
+    mut split_edges: usize,
+) -> (Parameterized, Report) {
+    if map.is_drawn_out {
+        split_edges += gaps::bridge(&mut patch);
+    }
+    let stretch = stretch::measure(&patch.patch, &patch.uv);
+    (patch, Report { flipped: 0, mended: map.mended, split_edges, stretch })
 }
 
 /// The share of the domain that is left free beside a skirt at each side.

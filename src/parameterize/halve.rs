@@ -1,0 +1,85 @@
+//! Triangles divided where some of their sides are halved.
+
+use foldhash::{HashMap, HashMapExt};
+
+use crate::geometry::{Point, VertexId};
+use crate::mesh::{Mesh, Patch};
+
+type Edge = (VertexId, VertexId);
+
+fn edge(a: VertexId, b: VertexId) -> Edge {
+    (a.min(b), a.max(b))
+}
+
+/// Edges and the vertices in their middles.
+#[derive(Default)]
+pub struct Middles(HashMap<Edge, VertexId>);
+
+impl Middles {
+    /// Adds a vertex to the mesh for each edge that has one of the `sides`.
+    pub fn new(
+        mesh: &mut Mesh,
+        sides: impl IntoIterator<Item = usize>,
+        mut place: impl FnMut(&Mesh, VertexId, VertexId) -> Point,
+    ) -> Self {
+        let mut middles = HashMap::new();
+        for side in sides {
+            let (a, b) = mesh.side(side);
+            middles.entry(edge(a, b)).or_insert_with(|| {
+                let middle = place(mesh, a, b);
+                mesh.points.push(middle);
+                VertexId::from(mesh.points.len() - 1)
+            });
+        }
+        Middles(middles)
+    }
+
+    /// How many they are.
+    pub fn len(&self) -> usize {
+        self.0.len()
+    }
+
+    fn of(&self, a: VertexId, b: VertexId) -> Option<VertexId> {
+        self.0.get(&edge(a, b)).copied()
+    }
+}
+
+/// Divides the triangles of a patch that have such edges, and puts the middles of those on
+/// its boundary into that. The triangles are among `touched`, which ascends.
+pub fn divide(patch: &mut Patch, middles: &Middles, touched: impl IntoIterator<Item = usize>) {
+    let old = std::mem::take(&mut patch.mesh.triangles);
+    let origins = std::mem::take(&mut patch.origin);
+    let mut touched = touched.into_iter().peekable();
+    for (number, (t, origin)) in old.into_iter().zip(origins).enumerate() {
+        let may_be_divided = touched.peek() == Some(&number);
+        while touched.next_if_eq(&number).is_some() {}
+        if may_be_divided {
+            patch.mesh.triangles.extend(divided(t, middles));
+        } else {
+            patch.mesh.triangles.push(t);
+        }
+        patch.origin.resize(patch.mesh.triangles.len(), origin);
+    }
+    let next = patch.outer.iter().cycle().skip(1);
+    let with_middle = |(&a, &b)| [Some(a), middles.of(a, b)];
+    patch.outer = patch.outer.iter().zip(next).flat_map(with_middle).flatten().collect();
+}
+
+/// The triangles that a triangle becomes.
+fn divided(t: [VertexId; 3], middles: &Middles) -> Vec<[VertexId; 3]> {
+    let middle = |k: usize| middles.of(t[k % 3], t[(k + 1) % 3]);
+    let halved = (0..3).filter(|&k| middle(k).is_some()).count();
+    // Begin at a side for which the cases below read alike: the only halved
+    // one, or the first of two that follow each other.
+    let start = (0..3).find(|&k| middle(k).is_some() && (halved != 2 || middle(k + 1).is_some()));
+    let s = start.unwrap_or(0);
+    let (a, b, c) = (t[s], t[(s + 1) % 3], t[(s + 2) % 3]);
+    match (middle(s), middle(s + 1), middle(s + 2)) {
+        (Some(ab), None, _) => vec![[a, ab, c], [ab, b, c]],
+        (Some(ab), Some(bc), None) => vec![[ab, b, bc], [a, ab, bc], [a, bc, c]],
+        (Some(ab), Some(bc), Some(ca)) => {
+            vec![[a, ab, ca], [ab, b, bc], [ca, bc, c], [ab, bc, ca]]
+        }
+        (None, _, _) => vec![t],
+    }
+}
