@@ -4,6 +4,7 @@
 //! binary file that begins with "solid" for text, and refuses upper case.
 
 use std::io::{ErrorKind, Read};
+use std::str::SplitAsciiWhitespace;
 
 use crate::damage::{SEND_AS_BINARY, TextTrace};
 use crate::limits::check_room;
@@ -157,6 +158,15 @@ fn corner(record: &[u8; RECORD], at: usize) -> [f64; 3] {
     })
 }
 
+/// A name has any words, and goes on to the line's end or to the first facet.
+fn skip_name(words: &mut SplitAsciiWhitespace) {
+    let is_facet = |words: &SplitAsciiWhitespace| {
+        let mut ahead = words.clone();
+        ["facet", "normal"].iter().all(|w| ahead.next().is_some_and(|a| a.eq_ignore_ascii_case(w)))
+    };
+    while !is_facet(words) && words.next().is_some() {}
+}
+
 /// The ascii reader. It goes by words, not by lines: `vertex` and `endloop`
 /// carry the mesh, and the other words only have to be there.
 struct Ascii {
@@ -190,9 +200,14 @@ impl Ascii {
         let mut words = line.trim_start_matches('\u{feff}').split_ascii_whitespace();
         while let Some(word) = words.next() {
             match word.to_ascii_lowercase().as_str() {
-                // The rest of these lines is a name, of any words.
-                "solid" => return self.set_solid(true, line),
+                "solid" => {
+                    self.set_solid(true, line)?;
+                    skip_name(&mut words);
+                }
+                // The rest of the line is a name, of any words.
                 "endsolid" => return self.set_solid(false, line),
+                // The end of text, for DOS.
+                "\u{1a}" if !self.in_solid => return Ok(()),
                 "facet" => self.set_facet(true, line)?,
                 "endfacet" => self.set_facet(false, line)?,
                 // The normal is wrong as often as not: the corners tell it.

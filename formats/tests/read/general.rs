@@ -36,7 +36,15 @@ fn gzip_is_unwrapped_by_content() {
     // Several members are one file.
     let (a, b) = OBJ.split_at(20);
     let members = [gzip(a.as_bytes()), gzip(b.as_bytes())].concat();
-    assert_eq!(soup("scan.obj.gz", members).points.len(), 3);
+    assert_eq!(soup("scan.obj.gz", members.clone()).points.len(), 3);
+
+    // Archives and tapes pad with zeros, more of them than a buffer holds.
+    let padded = [members.clone(), vec![0; 70_000]].concat();
+    assert_eq!(soup("scan.obj.gz", padded).points.len(), 3);
+    let between = [gzip(a.as_bytes()), vec![0; 512], gzip(b.as_bytes())].concat();
+    assert_eq!(soup("scan.obj.gz", between).points.len(), 3);
+    let followed = [members, b"more".to_vec()].concat();
+    refusal("scan.obj.gz", followed, "unexpected end of file");
 }
 
 #[test]

@@ -39,6 +39,14 @@ fn several_solids_are_one_mesh() {
 }
 
 #[test]
+fn all_of_it_may_be_one_line_and_end_as_in_dos() {
+    let line = ascii(&TRIANGLE.repeat(2)).replace('\n', " ");
+    assert_eq!(soup("line.stl", &line).points, [CORNERS, CORNERS].concat());
+    assert_eq!(soup("dos.stl", ascii(TRIANGLE) + "\u{1a}").points, CORNERS);
+    refusal("cut.stl", ascii(TRIANGLE).replace("endfacet", "\u{1a}"), "no sound STL text");
+}
+
+#[test]
 fn loose_text_is_read() {
     let text = ascii(TRIANGLE);
     let loose = [
