@@ -17,9 +17,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let soup = formats::read_scan(Path::new(scan))?;
     let unit = soup.unit.unwrap_or(LengthUnit::Millimetre);
     let pieces = Components::new(mesh::from_soup(&soup, unit.in_mm())?);
-    let measured = scan2step::measured(&pieces, Choice::Largest, Outer::Auto)?;
+    let measured = scan2step::measured(&pieces, &[Choice::Largest], Outer::Auto)?;
 
-    let found = check(&model, &measured)?;
+    let found = check(&model, &measured.mesh)?;
     println!("{} face, {} loops, {:.1} mm²", found.faces, found.loops, found.area);
     for (what, off) in
         [("scan to face", &found.scan_to_face), ("face to scan", &found.face_to_scan)]

@@ -43,6 +43,17 @@ pub enum Error {
     /// The outer boundary has too few vertices to be the four sides of a patch.
     #[error("the outer boundary has {0} vertices, too few for a face with four sides")]
     TooSmall(usize),
+    /// With the support that was named most points have too few neighbours, in it or,
+    /// once these are drawn together, at all.
+    #[error("no surface can be fitted with a support of {h} mm")]
+    Support {
+        /// The support h, in mm.
+        h: f64,
+        /// The shortest that finds neighbours enough on most of the scan.
+        shortest: f64,
+        /// The scan's diagonal.
+        longest: f64,
+    },
     /// A hole could not be filled.
     #[error("hole {hole} cannot be filled, near {}", mm(at))]
     Fill {
@@ -166,7 +177,14 @@ impl Error {
             Error::Corners(_) => {
                 "give four different vertices of the outer boundary with --corners, or leave the option out".into()
             }
-            Error::TooSmall(_) => "scan it finer, or choose another --component".into(),
+            Error::TooSmall(_) => {
+                "scan it finer, or choose another --component; if all its triangles are loose (inspect counts the pieces), merge vertices that are close before the export".into()
+            }
+            Error::Support { shortest, longest, .. } => format!(
+                "name a --smooth between the spacing of the points and a share of the scan, \
+                 {shortest:.3} to {:.3} say, or auto",
+                0.2 * longest
+            ),
             Error::Fill { .. } => "repair or remesh the scan around that hole".into(),
             Error::Folded { .. } => "repair or remesh the scan around that place".into(),
             Error::Singular(_) => "remesh the scan: it has degenerate triangles".into(),

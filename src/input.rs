@@ -77,18 +77,37 @@ pub(crate) fn disk(scan: &Components, options: &Options) -> Result<(Disk, InputR
     Ok((disk, input))
 }
 
-/// The points and triangles of one component as they were measured: those that
-/// a conversion would take, islands included, or, where the component cannot be
+/// Components of a scan as they were measured.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Measured {
+    /// Their points and triangles.
+    pub mesh: Mesh,
+    /// Triangles in the components left out.
+    pub left_out: usize,
+}
+
+/// The points and triangles of components as they were measured: those that a
+/// conversion would take, islands included, or, where a component cannot be
 /// converted, all that it has.
 ///
 /// # Errors
 /// There is no such component.
-pub fn measured(scan: &Components, component: Choice, outer: Outer) -> Result<Mesh> {
-    let chosen = scan.take(component)?;
-    if chosen.topology.check_disk().is_err() {
-        return Ok(chosen.mesh().clone());
+pub fn measured(scan: &Components, components: &[Choice], outer: Outer) -> Result<Measured> {
+    let mut mesh = Mesh { points: Vec::new(), triangles: Vec::new() };
+    let mut left_out = scan.sizes();
+    for &component in components {
+        let chosen = scan.take(component)?;
+        left_out[component.number()] = 0;
+        if chosen.topology.check_disk().is_err() {
+            mesh.append(chosen.mesh());
+            continue;
+        }
+        let disk = chosen.into_disk(outer, &mut Repairs::new())?;
+        mesh.append(&disk.mesh);
+        disk.islands.iter().for_each(|island| left_out[island.component] = 0);
     }
-    Ok(chosen.into_disk(outer, &mut Repairs::new())?.mesh)
+    Ok(Measured { mesh, left_out: left_out.iter().sum() })
 }
 
 /// Looks at one component of a scan, of whatever topology it is.

@@ -92,7 +92,7 @@ pub use adapt::{Adapted, KnotOptions};
 pub use course::Course;
 pub use cut::Cut;
 pub use error::{Error, Result};
-pub use input::{InputReport, Inspection, inspect, measured};
+pub use input::{InputReport, Inspection, Measured, inspect, measured};
 pub use options::{Builder, Options};
 
 use formats::{Brep, Soup};

@@ -145,6 +145,22 @@ fn what_is_there_is_skipped_until_something_changes() {
     assert!(path.join("cad/deep/c.igs").is_file());
 }
 
+/// Who opens a pipe that nobody writes to waits for ever.
+#[cfg(unix)]
+#[test]
+fn pipes_are_no_scans_of_patterns_and_folders() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path();
+    sheet(&path.join("scans/a.ply"), 1.0);
+    let made = Command::new("mkfifo").arg(path.join("scans/b.ply")).status();
+    assert!(made.expect("mkfifo runs").success());
+    for scans in ["scans/*.ply", "scans"] {
+        let (code, said) = batch(path, &[scans, "--out", "cad", "--force"]);
+        assert_eq!(code, Some(0), "{said}");
+        assert_eq!(each(path, "status"), ["ok"]);
+    }
+}
+
 /// The numbers of a glTF file are in another one, which may change by itself.
 #[test]
 fn a_scan_in_two_files_is_known_by_both() {

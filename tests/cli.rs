@@ -362,6 +362,17 @@ fn every_component_becomes_a_face_when_asked() {
     assert_eq!(files(&path("stages")), ["component-0", "component-1"]);
     let missing = convert(&[arg(&scan), arg(&step), "--component", "3"]);
     assert_eq!(missing.status.code(), Some(1));
+
+    // Both faces against the larger sheet alone, which is said, and against both.
+    let check = |component: &str| {
+        let options = ["--component", component, "--tolerance", "1"];
+        let output = common::check(&[&[arg(&step), arg(&scan)], &options[..]].concat());
+        (output.status.code(), String::from_utf8_lossy(&output.stdout).into_owned())
+    };
+    let (code, said) = check("largest");
+    assert!(code == Some(3) && said.contains("components    1 of 3, without "), "{said}");
+    let (code, said) = check("all");
+    assert!(code == Some(0) && said.contains("components    2 of 3, without "), "{said}");
 }
 
 #[test]
@@ -420,6 +431,10 @@ fn what_could_be_better_is_hinted_at() {
     assert!(loose.len() == 1 && loose[0].contains("times the noise"), "{loose:?}");
     let strict = hints(&["--tolerance", "0.005", "--outliers", "99"]);
     assert!(strict.len() == 1 && strict[0].contains("far below the noise"), "{strict:?}");
+    let flat = hints(&["--smooth", "40"]);
+    assert!(flat.iter().any(|hint| hint.contains("--smooth 40 moves them by")), "{flat:?}");
+    let corners = hints(&["--corners", "50,-40,0;50,40,0;-50,40,0;-250,-40,0"]);
+    assert!(corners.iter().any(|hint| hint.contains("named at (-250.000, ")), "{corners:?}");
     // A scan in metres whose file does not say so.
     let small = folder.path().join("small.obj");
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";
@@ -427,4 +442,45 @@ fn what_could_be_better_is_hinted_at() {
     let said = converted(&[arg(&small), arg(&step)]);
     assert!(said.contains("hint: the scan is 1.414 mm across"), "{said}");
     assert!(!converted(&[arg(&small), arg(&step), "--units", "m"]).contains("across"));
+}
+
+/// Waves that six points a period show, and no more.
+#[test]
+fn shape_that_few_points_show_is_told_from_noise_by_the_user() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let (scan, step, report) = (path("waves.obj"), path("a.step"), path("a.json"));
+    let side = 8;
+    let mut text = String::new();
+    for (i, j) in (0..side * side).map(|k| (f64::from(k / side), f64::from(k % side))) {
+        let height = 10.0 * i.sin() * (0.7 * j).cos();
+        text += &format!("v {} {} {height}\n", 15.0 * i, 15.0 * j);
+    }
+    for k in (0..side * (side - 1)).filter(|k| k % side != side - 1) {
+        text += &format!("f {} {} {} {}\n", k + 1, k + side + 1, k + side + 2, k + 2);
+    }
+    std::fs::write(&scan, text).expect("a scan");
+    let run = |options: &[&str]| {
+        let fixed = [arg(&scan), arg(&step), "--tolerance", "0.5", "--report", arg(&report)];
+        let said = converted(&[&fixed, options].concat());
+        (said.contains("may be shape"), number(&json(&report), "/deviation/max_mm"))
+    };
+    let (told, off) = run(&[]);
+    assert!(told && off > 1.0, "{told} {off}");
+    let (told, off) = run(&["--smooth", "off"]);
+    assert!(!told && off <= 0.5, "{told} {off}");
+}
+
+#[test]
+fn a_support_that_fits_no_surface_is_refused() {
+    let folder = folder();
+    let (scan, step) = (fixture("relief.ply"), folder.path().join("a.step"));
+    for support in ["0.001", "10000"] {
+        let output = convert(&[arg(&scan), arg(&step), "--smooth", support]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains("no surface can be fitted with a support of"), "{said}");
+        assert!(said.contains("help: name a --smooth between"), "{said}");
+    }
+    assert!(!step.exists());
 }

@@ -5,7 +5,7 @@ use scan2step::check::{self, Report};
 use scan2step::deviation::Deviation;
 use serde_json::{Value, json};
 
-use super::args::Check;
+use super::args::{Check, Component};
 use super::input::{self, Scan};
 use super::progress::mm;
 use super::{Failure, Outcome, plural, report, streams};
@@ -16,15 +16,18 @@ pub fn run(args: &Check) -> Result<Outcome, Failure> {
     let scan = Scan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;
     let (scan, components) = scan.components()?;
-    let mesh = scan2step::measured(&components, args.look.component, outer);
-    let mesh = mesh.map_err(|e| input::stopped(&scan.path, &e))?;
+    let chosen = args.component.of(&components, outer);
+    let measured = scan2step::measured(&components, &chosen, outer);
+    let measured = measured.map_err(|e| input::stopped(&scan.path, &e))?;
+    let pieces =
+        Pieces { chosen: chosen.len(), all: components.count(), left_out: measured.left_out };
     drop(components);
-    let found = check::check(&model, &mesh).map_err(|e| input::stopped(&args.cad, &e))?;
+    let found = check::check(&model, &measured.mesh).map_err(|e| input::stopped(&args.cad, &e))?;
     let met = is_met(args, &found.scan_to_face) && is_met(args, &found.face_to_scan);
     let text = if args.look.json {
-        format!("{:#}\n", as_json(args, &scan, &model, &found, met))
+        format!("{:#}\n", as_json(args, &scan, &pieces, &model, &found, met))
     } else {
-        as_text(args, &scan, &model, &found)
+        as_text(args, &scan, &pieces, &model, &found)
     };
     streams::print(text.as_bytes())?;
     if met {
@@ -38,6 +41,14 @@ pub fn run(args: &Check) -> Result<Outcome, Failure> {
         }
     }
     Ok(Outcome::Missed)
+}
+
+/// Of the scan, what the faces are measured against.
+struct Pieces {
+    chosen: usize,
+    all: usize,
+    /// Triangles in the others.
+    left_out: usize,
 }
 
 /// Whether all but the share that was named are within the tolerance.
@@ -58,7 +69,14 @@ fn beyond(args: &Check, what: &str, d: &Deviation) -> String {
     )
 }
 
-fn as_json(args: &Check, scan: &Scan, model: &CadModel, found: &Report, met: bool) -> Value {
+fn as_json(
+    args: &Check,
+    scan: &Scan,
+    pieces: &Pieces,
+    model: &CadModel,
+    found: &Report,
+    met: bool,
+) -> Value {
     let direction = |d: &Deviation| {
         let mut object = report::deviation(d);
         object["points"] = d.distances.len().into();
@@ -82,6 +100,9 @@ fn as_json(args: &Check, scan: &Scan, model: &CadModel, found: &Report, met: boo
             "file": scan.path.display().to_string(),
             "units": scan.unit.symbol(),
             "units_assumed": scan.unit_assumed,
+            "components": pieces.all,
+            "components_measured": pieces.chosen,
+            "left_out_triangles": pieces.left_out,
         },
         "scan_to_face": direction(&found.scan_to_face),
         "face_to_scan": direction(&found.face_to_scan),
@@ -91,7 +112,7 @@ fn as_json(args: &Check, scan: &Scan, model: &CadModel, found: &Report, met: boo
     })
 }
 
-fn as_text(args: &Check, scan: &Scan, model: &CadModel, found: &Report) -> String {
+fn as_text(args: &Check, scan: &Scan, pieces: &Pieces, model: &CadModel, found: &Report) -> String {
     let assumed = if scan.unit_assumed { " (assumed; --units to change)" } else { "" };
     let direction = |d: &Deviation| {
         let [x, y, z] = d.max_at;
@@ -104,9 +125,21 @@ fn as_text(args: &Check, scan: &Scan, model: &CadModel, found: &Report) -> Strin
         )
     };
     let name = if model.name.is_empty() { String::new() } else { format!("{}: ", model.name) };
-    [
+    let mut lines = vec![
         format!("{} against {}", args.cad.display(), scan.path.display()),
         format!("  units         {}{assumed}", scan.unit.symbol()),
+    ];
+    if pieces.left_out > 0 {
+        let all =
+            if args.component == Component::All { "" } else { "; --component all takes every one" };
+        lines.push(format!(
+            "  components    {} of {}, without {} in the others{all}",
+            pieces.chosen,
+            pieces.all,
+            plural(pieces.left_out, "triangle"),
+        ));
+    }
+    lines.extend([
         format!(
             "  CAD           {name}{}, {}, {:.4} mm²",
             plural(found.faces, "face"),
@@ -115,7 +148,6 @@ fn as_text(args: &Check, scan: &Scan, model: &CadModel, found: &Report) -> Strin
         ),
         format!("  scan to face  {}", direction(&found.scan_to_face)),
         format!("  face to scan  {}", direction(&found.face_to_scan)),
-    ]
-    .join("\n")
-        + "\n"
+    ]);
+    lines.join("\n") + "\n"
 }

@@ -45,7 +45,7 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
         at_rims.for_each(|repair| talk::repaired(&progress, repair));
         talk::found(&progress, args, c);
     }
-    let hints = hints::all(args, &scan, &conversions);
+    let hints = hints::all(args, &options, &scan, &conversions);
     let context = report::Context {
         scan: &scan,
         options: settings::as_json(args),
@@ -125,24 +125,16 @@ fn chosen(
     outer: mesh::Outer,
     progress: &Progress,
 ) -> Vec<mesh::Choice> {
-    match args.how.component {
-        Component::Largest => vec![mesh::Choice::Largest],
-        Component::Number(n) => vec![mesh::Choice::Number(n)],
-        Component::All => {
-            let chosen = scan.without_islands(outer);
-            if chosen.len() < scan.count() {
-                let rest = match scan.sizeable() - chosen.len() {
-                    0 => "the rest is dust",
-                    _ if scan.sizeable() == scan.count() => {
-                        "the rest are islands in holes of these"
-                    }
-                    _ => "the rest is dust, and islands in holes of these",
-                };
-                progress.say(&format!("component: {} of {}; {rest}", chosen.len(), scan.count()));
-            }
-            chosen.into_iter().map(mesh::Choice::Number).collect()
-        }
+    let chosen = args.how.component.of(scan, outer);
+    if args.how.component == Component::All && chosen.len() < scan.count() {
+        let rest = match scan.sizeable() - chosen.len() {
+            0 => "the rest is dust",
+            _ if scan.sizeable() == scan.count() => "the rest are islands in holes of these",
+            _ => "the rest is dust, and islands in holes of these",
+        };
+        progress.say(&format!("component: {} of {}; {rest}", chosen.len(), scan.count()));
     }
+    chosen
 }
 
 /// Two outputs at one place, or one over the scan, would destroy each other; and

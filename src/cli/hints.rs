@@ -1,7 +1,8 @@
 //! What could be better of a conversion, and what the user can do about it.
 
-use scan2step::Conversion;
+use scan2step::geometry::Point;
 use scan2step::parameterize::Crushed;
+use scan2step::{Conversion, Options, smooth};
 
 use super::args::{Component, Convert};
 use super::input::Scan;
@@ -9,12 +10,19 @@ use super::progress::mm;
 use super::talk::beyond;
 
 /// What could be better, and how.
-pub fn all(args: &Convert, scan: &Scan, conversions: &[Conversion]) -> Vec<String> {
+pub fn all(
+    args: &Convert,
+    options: &Options,
+    scan: &Scan,
+    conversions: &[Conversion],
+) -> Vec<String> {
     let mut hints: Vec<String> = size(scan, conversions).into_iter().collect();
     for (k, c) in conversions.iter().enumerate() {
         let part = if conversions.len() > 1 { format!("component {k}: ") } else { String::new() };
         let own = [
             missed(args, c),
+            flattened(args, c),
+            strayed_corner(options, c),
             c.crushed.as_ref().map(crushed),
             stretched(c),
             folded(c),
@@ -54,6 +62,52 @@ fn size(scan: &Scan, conversions: &[Conversion]) -> Option<String> {
 fn missed(args: &Convert, c: &Conversion) -> Option<String> {
     let held = args.how.tolerance.is_some() || c.tolerance_met(args.how.outliers / 100.0);
     (!held).then(|| beyond(c))
+}
+
+/// Fewer points do not tell noise from shape. A support that moves points by so many
+/// times the noise is too long.
+const FEW_POINTS: usize = 1000;
+const MOVED: f64 = 2.0;
+
+/// The tolerance is held against smoothed points.
+fn flattened(args: &Convert, c: &Conversion) -> Option<String> {
+    let (points, [off, noise]) = (c.deviation.distances.len(), [c.deviation.max, c.smooth.noise]);
+    let what = match args.how.smooth {
+        _ if off <= c.tolerance => return None,
+        smooth::Support::Auto if points < FEW_POINTS => format!(
+            "of so few points ({points}) what is taken for noise, {}, may be shape; if the scan is clean, --smooth off keeps to them",
+            mm(noise)
+        ),
+        smooth::Support::Fixed(h) if c.smooth.moved_rms > MOVED * noise => format!(
+            "--smooth {h} moves them by {:.0} times the noise; a smaller one, or auto, keeps the shape",
+            c.smooth.moved_rms / noise
+        ),
+        _ => return None,
+    };
+    let named = if args.how.tolerance.is_some() { "named" } else { "derived" };
+    Some(format!(
+        "measured points are up to {} from the face, while the tolerance {named}, {}, holds for smoothed ones: {what}",
+        mm(off),
+        mm(c.tolerance)
+    ))
+}
+
+/// The share of the scan's size that a named corner may be away from the boundary.
+const ASIDE: f64 = 0.1;
+
+fn strayed_corner(options: &Options, c: &Conversion) -> Option<String> {
+    let named = options.corners()?;
+    let [m, n] = c.surface.shape();
+    let corners = [(0, 0), (m - 1, 0), (m - 1, n - 1), (0, n - 1)];
+    let corners = corners.map(|(i, j)| Point::from(c.surface.control(i, j)));
+    let off = |p: &Point| corners.iter().map(|q| (p - q).norm()).fold(f64::INFINITY, f64::min);
+    let (at, off) = named.map(|p| (p, off(&p))).into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
+    (off > ASIDE * across(std::slice::from_ref(c))).then(|| {
+        format!(
+            "the corner named at ({:.3}, {:.3}, {:.3}) is {} from the outer boundary, whose nearest vertex was taken; count vertices from 0, and name points in the scan's own numbers",
+            at.x, at.y, at.z, mm(off)
+        )
+    })
 }
 
 /// Where no affordable net can follow.

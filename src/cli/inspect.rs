@@ -1,6 +1,6 @@
 //! `scan2step inspect`: what a scan is.
 
-use scan2step::Inspection;
+use scan2step::{Error, Inspection};
 use serde_json::{Value, json};
 
 use super::args::Inspect;
@@ -13,7 +13,7 @@ pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
     let scan = Scan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;
     let (scan, components) = scan.components()?;
-    let found = scan2step::inspect(components, args.look.component, outer);
+    let found = scan2step::inspect(components, args.component, outer);
     let found = found.map_err(|e| input::stopped(&scan.path, &e))?;
     let text = if args.look.json {
         format!("{:#}\n", as_json(&scan, &found))
@@ -75,7 +75,9 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
 
 /// What the surface is, and whether it can become a face.
 fn kind(found: &Inspection) -> String {
-    match found.topology.check_disk() {
+    let vertices = found.outer.map(|outer| found.loops[outer].1).filter(|&n| n < 4);
+    let check = found.topology.check_disk();
+    match check.and(vertices.map_or(Ok(()), |n| Err(Error::TooSmall(n)))) {
         Ok(()) if found.loops.len() == 1 => "a disk without holes".into(),
         Ok(()) => format!("a disk with {} holes", found.loops.len() - 1),
         Err(e) => format!("cannot become a face: {e}; {}", e.help()),

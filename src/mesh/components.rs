@@ -21,6 +21,16 @@ pub enum Choice {
     Number(usize),
 }
 
+impl Choice {
+    /// Which one it is, counted from the largest.
+    pub fn number(self) -> usize {
+        match self {
+            Choice::Largest => 0,
+            Choice::Number(n) => n,
+        }
+    }
+}
+
 /// A scan's mesh and the pieces it falls into.
 #[derive(Debug)]
 pub struct Components {
@@ -98,10 +108,7 @@ impl Components {
 
     /// Takes one component.
     pub fn take(&self, choice: Choice) -> Result<Component> {
-        let asked = match choice {
-            Choice::Largest => 0,
-            Choice::Number(n) => n,
-        };
+        let asked = choice.number();
         let piece =
             self.pieces.get(asked).ok_or(Error::Component { asked, count: self.count() })?;
         let build = self.build.part(piece);

@@ -47,6 +47,14 @@ pub struct Mesh {
 const STEEP: f64 = 0.43;
 
 impl Mesh {
+    /// Adds the points and triangles of another mesh behind its own.
+    pub fn append(&mut self, other: &Mesh) {
+        let first = self.points.len();
+        self.points.extend(&other.points);
+        let behind = |v: VertexId| VertexId::from(first + v.index());
+        self.triangles.extend(other.triangles.iter().map(|t| t.map(behind)));
+    }
+
     /// The position of a vertex.
     pub fn point(&self, v: VertexId) -> Point {
         self.points[v.index()]

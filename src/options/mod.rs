@@ -7,6 +7,7 @@ pub use builder::Builder;
 use crate::adapt::KnotOptions;
 use crate::cut::Cut;
 use crate::error::{Result, of};
+use crate::geometry::Point;
 use crate::{fill, fit, mesh, parameterize, rules, smooth};
 
 /// What [`convert`](crate::convert) is asked for. [`Options::default`] finds
@@ -74,6 +75,11 @@ impl Options {
     /// Which boundary loop is the outer one.
     pub fn outer(&self) -> mesh::Outer {
         self.outer
+    }
+
+    /// The points, in mm, next to which the corners of the domain lie, if they are named.
+    pub fn corners(&self) -> Option<[Point; 4]> {
+        self.parameterize.corners
     }
 
     fn check(&self) -> Result<()> {

@@ -19,7 +19,7 @@ use std::convert::Infallible;
 use rayon::prelude::*;
 
 use crate::course::{self, Course};
-use crate::error::{Result, of};
+use crate::error::{Error, Result, of};
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::{Disk, Mesh, Rings, boundary};
 use crate::rules;
@@ -101,8 +101,8 @@ pub fn noise(mesh: &Mesh) -> f64 {
 /// Smooths a disk. Its topology stays as it is.
 ///
 /// # Errors
-/// [`Error::Option`](crate::Error::Option): a support that is no length, a corner that
-/// is no point.
+/// [`Error::Option`]: a support that is no length, a corner that is no point.
+/// [`Error::Support`]: a support so short, or so long, that no surface can be fitted.
 pub fn smooth(disk: &Disk, options: &Options) -> Result<(Disk, Report)> {
     smooth_with(disk, options, &mut course::untold)
 }
@@ -186,6 +186,9 @@ const OUTLIER_ROUNDS: usize = 3;
 /// The share of the time for examination that levels take.
 const LEVELLED: f64 = 0.2;
 
+/// A support that is named has to smooth this share of a scan's points.
+const MOST_REACHED: f64 = 0.5;
+
 /// A scan whose supports, noise and outliers are known.
 struct Examined {
     levels: Vec<Level>,
@@ -223,7 +226,12 @@ impl Examined {
         let finest = &self.levels[0];
         let level = finest.next(h);
         let place = vec![0.0; mesh.points.len()];
-        Surface::new(finest.grain.clone(), vec![level], place, &mut course::untold)
+        let none = &mut course::untold;
+        let surface = Surface::new(finest.grain.clone(), vec![level], place, none)?;
+        if surface.reached(mesh) < MOST_REACHED * mesh.points.len() as f64 {
+            return Err(Error::Support { h, shortest: finest.h, longest: mesh.diagonal() });
+        }
+        Ok(surface)
     }
 }
 

@@ -78,6 +78,12 @@ impl Surface {
         Ok((points, normals))
     }
 
+    /// How many of the vertices have polynomials to go to.
+    pub fn reached(&self, mesh: &Mesh) -> f64 {
+        let points = mesh.points.par_iter().enumerate();
+        points.filter(|(v, p)| self.project(VertexId::from(*v), **p).is_some()).count() as f64
+    }
+
     /// The median of the vertices' supports, in mm.
     pub fn median_support(&self) -> f64 {
         median(self.place.iter().map(|&place| self.support(place)).collect())

@@ -10,6 +10,7 @@ mod pieces;
 use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
+use scan2step::mesh::Choice;
 
 pub use choices::{Fit, Iges, Map, Outline, Schema};
 pub use colour::Colour;
@@ -23,6 +24,7 @@ use super::places::Places;
 use super::report::ReportFile;
 use files::{cad_file, report_file};
 use numbers::{percentage, positive};
+use pieces::{component, one_component};
 
 /// Turns 3D scans with holes into trimmed B-spline faces in STEP and IGES.
 #[derive(Debug, Parser)]
@@ -75,6 +77,9 @@ pub enum Command {
 pub struct Inspect {
     #[command(flatten)]
     pub piece: Piece,
+    /// Which piece of the scan: largest, or a number (0 is the largest)
+    #[arg(long, value_name = "largest|N", default_value = "largest", value_parser = one_component)]
+    pub component: Choice,
     #[command(flatten)]
     pub look: Look,
 }
@@ -97,6 +102,10 @@ pub struct Check {
     /// Percentage of points, and of samples, that may exceed the tolerance
     #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage)]
     pub outliers: f64,
+    /// Which pieces of the scan the faces are measured against, as `convert`
+    /// counts them: largest, all, or a number (0 is the largest)
+    #[arg(long, value_name = "largest|all|N", default_value = "largest", value_parser = component)]
+    pub component: Component,
     #[command(flatten)]
     pub look: Look,
 }

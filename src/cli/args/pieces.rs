@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
-use scan2step::mesh::Choice;
+use scan2step::mesh::{Choice, Components, Outer};
 
 use super::choices::Unit;
 use super::colour::Colour;
@@ -30,12 +30,9 @@ pub struct Piece {
     pub outer: Option<Place>,
 }
 
-/// Options of the commands that look at one piece of a scan.
+/// Options of the commands that look at a scan.
 #[derive(Debug, Args)]
 pub struct Look {
-    /// Which piece of the scan: largest, or a number (0 is the largest)
-    #[arg(long, value_name = "largest|N", default_value = "largest", value_parser = one_component)]
-    pub component: Choice,
     /// Print one JSON object; lengths are mm
     #[arg(long)]
     pub json: bool,
@@ -55,6 +52,17 @@ pub enum Component {
     Number(usize),
 }
 
+impl Component {
+    /// Which they are. All are those besides dust and islands in holes of others.
+    pub fn of(self, scan: &Components, outer: Outer) -> Vec<Choice> {
+        match self {
+            Component::Largest => vec![Choice::Largest],
+            Component::Number(n) => vec![Choice::Number(n)],
+            Component::All => scan.without_islands(outer).into_iter().map(Choice::Number).collect(),
+        }
+    }
+}
+
 pub fn component(text: &str) -> Result<Component, String> {
     match text {
         "largest" => Ok(Component::Largest),
@@ -63,7 +71,7 @@ pub fn component(text: &str) -> Result<Component, String> {
     }
 }
 
-fn one_component(text: &str) -> Result<Choice, String> {
+pub fn one_component(text: &str) -> Result<Choice, String> {
     match component(text) {
         Ok(Component::Largest) => Ok(Choice::Largest),
         Ok(Component::Number(n)) => Ok(Choice::Number(n)),

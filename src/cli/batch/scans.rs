@@ -63,8 +63,7 @@ fn expanded(argument: &Path) -> Result<(PathBuf, Vec<PathBuf>), Failure> {
         let matches = glob::glob(&text).map_err(|e| fail(&format!("is no pattern: {e}")))?;
         let matches: Result<Vec<_>, _> = matches.collect();
         let mut matches = matches.map_err(|e| fail(&e.to_string()))?;
-        // Of files, only scans are meant.
-        matches.retain(|path| path.is_dir() || Format::by_extension(path).is_some());
+        matches.retain(|path| path.is_dir() || is_scan(path));
         let plain =
             argument.components().take_while(|c| !is_pattern(&c.as_os_str().to_string_lossy()));
         return Ok((plain.collect(), matches));
@@ -75,6 +74,12 @@ fn expanded(argument: &Path) -> Result<(PathBuf, Vec<PathBuf>), Failure> {
     }
     let folder = argument.parent().unwrap_or(Path::new(""));
     Ok((folder.to_owned(), vec![argument.to_owned()]))
+}
+
+/// Of what a pattern matches, only files that are scans by name are meant, and links
+/// that lead nowhere, which fail by themselves; a pipe would wait for ever.
+fn is_scan(path: &Path) -> bool {
+    Format::by_extension(path).is_some() && path.metadata().map_or(true, |meta| meta.is_file())
 }
 
 /// The scans in a folder and those in it, but for hidden ones and the output's.
