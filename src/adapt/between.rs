@@ -17,10 +17,19 @@ const BEND: f64 = 2.0;
 /// points of a noisy scan.
 const SLACK: f64 = 0.25;
 
+/// How often such sides are halved. Each time holds the surface in more places; along rims,
+/// whose sides stay, it also makes slivers, which leave folds less room to be taken out.
+const HALVINGS: usize = 2;
+
 /// The place between measured vertices where a surface is farthest from the mesh, and its
 /// distance in mm. `None`: nowhere much more than `tolerance`.
-pub fn farthest(map: &Parameterized, surface: &Surface, tolerance: f64) -> Option<(Point, f64)> {
-    let long = long_sides(map, surface);
+pub fn farthest(
+    map: &Parameterized,
+    uv: &[Uv],
+    surface: &Surface,
+    tolerance: f64,
+) -> Option<(Point, f64)> {
+    let long = long_sides(map, uv, surface);
     if long.is_empty() {
         return None;
     }
@@ -28,7 +37,7 @@ pub fn farthest(map: &Parameterized, surface: &Surface, tolerance: f64) -> Optio
     let normals = mesh.vertex_normals();
     let at = |side: usize| {
         let (a, b) = mesh.side(side);
-        let place = surface.point(nalgebra::center(&map.uv[a.index()], &map.uv[b.index()]));
+        let place = surface.point(nalgebra::center(&uv[a.index()], &uv[b.index()]));
         let straight = nalgebra::center(&mesh.point(a), &mesh.point(b));
         let slack = SLACK * (mesh.point(b) - mesh.point(a)).norm();
         let allowed = tolerance.max(slack) + BEND * mesh.bend(&normals, a, b).0.norm();
@@ -48,20 +57,25 @@ pub fn farthest(map: &Parameterized, surface: &Surface, tolerance: f64) -> Optio
     off.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))
 }
 
+/// Whether any side spans more than a knot cell, with the vertices at `uv`.
+pub fn is_bare(map: &Parameterized, uv: &[Uv], surface: &Surface) -> bool {
+    !long_sides(map, uv, surface).is_empty()
+}
+
+/// Gives the measured surface vertices where it has none but in every few knot cells.
+pub fn bridge(map: &mut Parameterized, surface: &Surface) {
+    let cells = Widths::new(surface);
+    map.halve(HALVINGS, |a, b| cells.are_exceeded(a, b));
+}
+
 /// Sides within the measured surface, one of each edge, that are longer in the map than a
 /// knot cell at their middle is wide, ascending.
-fn long_sides(map: &Parameterized, surface: &Surface) -> Vec<usize> {
+fn long_sides(map: &Parameterized, uv: &[Uv], surface: &Surface) -> Vec<usize> {
     let (mesh, origin) = (&map.patch.mesh, &map.patch.origin);
-    let spans = [&surface.u, &surface.v].map(Spans::new);
-    let ends = |side: usize| {
-        let (a, b) = mesh.side(side);
-        [map.uv[a.index()], map.uv[b.index()]]
-    };
+    let cells = Widths::new(surface);
     let is_long = |&side: &usize| {
-        let [a, b] = ends(side);
-        let middle: Uv = nalgebra::center(&a, &b);
-        let far = |k: usize| spans[k].are_shorter((a[k] - b[k]).abs(), middle[k]);
-        origin[side / 3] == FaceOrigin::Measured && (far(0) || far(1))
+        let (a, b) = mesh.side(side);
+        origin[side / 3] == FaceOrigin::Measured && cells.are_exceeded(uv[a.index()], uv[b.index()])
     };
     let sides = 0..3 * mesh.triangles.len();
     let mut long: Vec<usize> = sides.into_par_iter().filter(is_long).collect();
@@ -75,6 +89,21 @@ fn long_sides(map: &Parameterized, surface: &Surface) -> Vec<usize> {
     let mut sides: Vec<usize> = both.map(|both| both[0]).collect();
     sides.sort_unstable();
     sides
+}
+
+/// How wide a surface's knot cells are.
+pub struct Widths<'a>([Spans<'a>; 2]);
+
+impl<'a> Widths<'a> {
+    pub fn new(surface: &'a Surface) -> Self {
+        Widths([&surface.u, &surface.v].map(Spans::new))
+    }
+
+    /// Whether two parameter points are farther apart than the cell between them is wide.
+    pub fn are_exceeded(&self, a: Uv, b: Uv) -> bool {
+        let middle: Uv = nalgebra::center(&a, &b);
+        (0..2).any(|k| self.0[k].are_shorter((a[k] - b[k]).abs(), middle[k]))
+    }
 }
 
 /// The knot spans of an axis.

@@ -1,5 +1,6 @@
 //! Surfaces without folds that keep the target.
 
+use super::between;
 use super::search::{Attempt, LEAST_AREA, Search};
 use crate::error::Result;
 use crate::fit::{self, STIFFNESSES};
@@ -56,6 +57,18 @@ impl Search<'_> {
             finer = Some(next);
         }
         Ok(best.unwrap_or((start, before.unwrap_or(0))))
+    }
+
+    /// Whether vertices that are missing, with the samples at `uv`, show in an attempt: it
+    /// leaves the mesh there, or has folds, which it might leave when these are taken out.
+    pub fn wants_vertices(&mut self, attempt: &Attempt, uv: &[Uv]) -> bool {
+        let (map, surface) = (self.target.map, &attempt.surface);
+        if self.options.method == fit::Method::Blend || !between::is_bare(map, uv, surface) {
+            return false;
+        }
+        self.take_up(attempt, LEAST_AREA);
+        fit::folds(surface, &self.target.samples, &self.holds) > 0
+            || between::farthest(map, uv, surface, self.goal.tolerance).is_some()
     }
 
     /// Gives weight to the points that an attempt without folds has `lost`.

@@ -21,11 +21,11 @@ mod weights;
 
 use crate::course::{self, Course};
 use crate::error::{Result, of};
-use crate::geometry::Point;
+use crate::geometry::{Point, Uv};
 use crate::parameterize::Parameterized;
 use crate::spline::{KnotVector, Samples, Surface};
 use crate::{Options, fit, knots, rules};
-use search::{FIRM_AREA, Search};
+use search::{Attempt, Search};
 use target::Target;
 
 /// What the user says about knots.
@@ -130,47 +130,89 @@ pub fn fit_with(
 ) -> Result<(Surface, Adapted)> {
     rules::length(goal.tolerance).map_err(of("tolerance"))?;
     rules::share(goal.outliers).map_err(of("outliers"))?;
-    let asked = &options.knots;
     let mut search = Search::new(Target::new(map), options, goal, course);
-    let kappa = asked.kappa.unwrap_or(goal.tolerance);
-    let measured = search.target.measured();
-    let (start, placed) = match asked.net {
-        Some(net) => (net.map(|count| KnotVector::uniform(3, count)), None),
-        None => {
-            let depth = asked.depth.unwrap_or_else(|| deepest(measured));
-            let (knots, report) = place(&search.target.trusted(), asked, kappa, depth)?;
-            (knots, Some(report))
-        }
+    let known = first(&mut search)?;
+    let uv = search.corrected(&known.best);
+    let (surface, mut adapted, uv) = if search.wants_vertices(&known.best, &uv) {
+        map.uv = uv;
+        between::bridge(map, &known.best.surface);
+        let mut search = Search::new(Target::new(map), options, goal, course);
+        let known = again(&mut search, known)?;
+        finished(search, known)?
+    } else {
+        finished(search, known)?
     };
+    map.uv = uv;
+    adapted.between = between::farthest(map, &map.uv, &surface, goal.tolerance);
+    Ok((surface, adapted))
+}
+
+/// What a search has come to.
+struct Known {
+    best: Attempt,
+    placed: Option<knots::Report>,
+    rounds: usize,
+}
+
+/// Looks for knots.
+fn first(search: &mut Search) -> Result<Known> {
+    let (asked, named) = (&search.options.knots, search.goal.named);
+    let (start, placed) = start(search)?;
     let mut best = search.attempt(start)?;
     if asked.are_searched() {
-        best = match goal.named {
+        best = match named {
             true => search.grow(best).and_then(|best| search.shrink(best))?,
             false => search.enrich(best).and_then(|best| search.thin(best))?,
         };
     }
-    let mut folds = None;
-    if options.method != fit::Method::Blend {
+    if search.options.method != fit::Method::Blend {
         best = search.settle(best)?;
+    }
+    Ok(Known { best, placed, rounds: search.rounds })
+}
+
+/// Goes on over the same knots where the map has got more vertices.
+fn again(search: &mut Search, known: Known) -> Result<Known> {
+    search.rounds = known.rounds;
+    let best = search.again(known.best)?;
+    let best = search.settle(best)?;
+    Ok(Known { best, rounds: search.rounds, ..known })
+}
+
+/// The surface without folds, as far as may be, and the parameters on it.
+fn finished(mut search: Search, known: Known) -> Result<(Surface, Adapted, Vec<Uv>)> {
+    let Known { mut best, placed, .. } = known;
+    let (asked, goal) = (&search.options.knots, search.goal);
+    let kappa = if asked.net.is_none() { asked.kappa.unwrap_or(goal.tolerance) } else { 0.0 };
+    let mut folds = None;
+    if search.options.method != fit::Method::Blend {
         let (unfolded, left) = search.unfold(best)?;
         (best, folds) = (unfolded, Some(left));
     }
     search.target.samples.uv.clone_from(&best.uv);
-    let mut adapted = Adapted {
+    let adapted = Adapted {
         fit: best.fit,
         knots: placed,
-        kappa: if asked.net.is_none() { kappa } else { 0.0 },
+        kappa,
         rounds: search.rounds,
         folds,
         mean_error: fit::mean_error(&best.surface, &search.target.samples),
         between: None,
     };
-    map.uv = match options.method {
-        fit::Method::Blend => best.uv,
-        _ => search.target.corrected(best.uv, best.feet.uv, FIRM_AREA),
-    };
-    adapted.between = between::farthest(map, &best.surface, goal.tolerance);
-    Ok((best.surface, adapted))
+    let uv = search.corrected(&best);
+    Ok((best.surface, adapted, uv))
+}
+
+/// The knots that a search starts with.
+fn start(search: &Search) -> Result<([KnotVector; 2], Option<knots::Report>)> {
+    let asked = &search.options.knots;
+    if let Some(net) = asked.net {
+        return Ok((net.map(|count| KnotVector::uniform(3, count)), None));
+    }
+    let kappa = asked.kappa.unwrap_or(search.goal.tolerance);
+    let depth = asked.depth.unwrap_or_else(|| deepest(search.target.measured()));
+    let (knots, report) = place(&search.target.trusted(), asked, kappa, depth)?;
+    Ok((knots, Some(report)))
 }
 
 /// The paper's knots. Where neither κ nor depth is named these are only the start,

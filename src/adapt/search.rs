@@ -105,6 +105,28 @@ impl<'a> Search<'a> {
         Ok(Attempt { surface, fit, uv, weights, feet, beyond })
     }
 
+    /// A fit over the knots of an attempt at a map that has got more vertices since.
+    pub fn again(&mut self, before: Attempt) -> Result<Attempt> {
+        let weights = self.target.weights.iter_mut().zip(&before.weights);
+        weights.for_each(|(weight, before)| *weight = *before);
+        self.target.give_weights();
+        let knots = [before.surface.u.clone(), before.surface.v.clone()];
+        let now = self.attempt(knots)?;
+        match self.goal.named && self.options.knots.are_searched() {
+            true => self.grow(now),
+            false => Ok(now),
+        }
+    }
+
+    /// The parameters that the samples of an attempt may move to, towards their feet; after
+    /// blended local fits they stay.
+    pub fn corrected(&self, of: &Attempt) -> Vec<Uv> {
+        match self.options.method {
+            fit::Method::Blend => of.uv.clone(),
+            _ => self.target.corrected(of.uv.clone(), of.feet.uv.clone(), FIRM_AREA),
+        }
+    }
+
     /// Lets the samples slide along a surface that is fitted to them across, unless that
     /// has turned out idle.
     fn slide(&mut self, surface: Surface, feet: Feet) -> (Surface, Feet) {

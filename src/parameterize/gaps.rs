@@ -18,29 +18,41 @@ const LONG: f64 = 2.0;
 /// another long one.
 const MOST_ROUNDS: usize = 5;
 
-/// Halves the long sides of measured triangles, again and again. The middles are on the
-/// surface as its normals bend it. Returns how many there are.
+/// Halves sides that the map draws out. Returns how many vertices that makes.
 pub fn bridge(map: &mut Parameterized) -> usize {
-    let before = map.patch.mesh.points.len();
     let width = stretch::measure(&map.patch, &map.uv).aspect.sqrt();
     let long = LONG / (map.patch.measured as f64).sqrt();
     let is_long = |a: Uv, b: Uv| {
         let d = b - a;
         UvVector::new(d.x * width, d.y / width).norm() > long
     };
-    let mut normals = measured_normals(&map.patch);
-    for _ in 0..MOST_ROUNDS {
-        let sides = long_sides(map, is_long);
-        if sides.is_empty() {
-            break;
+    map.halve(MOST_ROUNDS, is_long)
+}
+
+impl Parameterized {
+    /// Halves the sides of measured triangles that are long, told by their parameter
+    /// points, again and again. The middles are on the surface as its normals bend it.
+    /// Returns how many there are.
+    pub(crate) fn halve(
+        &mut self,
+        rounds: usize,
+        is_long: impl Fn(Uv, Uv) -> bool + Sync,
+    ) -> usize {
+        let before = self.patch.mesh.points.len();
+        let mut normals = measured_normals(&self.patch);
+        for _ in 0..rounds {
+            let sides = long_sides(self, &is_long);
+            if sides.is_empty() {
+                break;
+            }
+            halve(self, &sides, &mut normals);
         }
-        halve(map, &sides, &mut normals);
+        let added = self.patch.mesh.points.len() - before;
+        for v in self.skirt.triangles.iter_mut().flatten().filter(|v| v.index() >= before) {
+            *v = VertexId::from(v.index() + added);
+        }
+        added
     }
-    let added = map.patch.mesh.points.len() - before;
-    for v in map.skirt.triangles.iter_mut().flatten().filter(|v| v.index() >= before) {
-        *v = VertexId::from(v.index() + added);
-    }
-    added
 }
 
 /// The normals of the vertices, those of fills left out.

@@ -59,6 +59,13 @@ pub struct Found {
 /// may move to.
 pub type Slide<'a> = dyn Fn(Vec<Uv>, Vec<Uv>) -> Vec<Uv> + 'a;
 
+/// Places of a surface that are turned over.
+pub fn folds(surface: &Surface, samples: &Samples, holds: &[Hold]) -> usize {
+    let cells = Cells::new(samples, [&surface.u, &surface.v]);
+    let places = Places::new(&cells, holds, &surface.net);
+    turned(&places.spots(&surface.net, |_, _| true))
+}
+
 /// Takes folds out of a surface that was fitted to samples, with one of `stiffnesses`
 /// after the other. Samples that may not `slide` hold it in all directions, as far as
 /// folds do not stay for that.
