@@ -62,7 +62,7 @@ pub fn is_bare(map: &Parameterized, uv: &[Uv], surface: &Surface) -> bool {
     !long_sides(map, uv, surface).is_empty()
 }
 
-/// Gives the measured surface vertices where it has none but in every few knot cells.
+/// Halves the sides that span more than a knot cell, where the measured mesh has them.
 pub fn bridge(map: &mut Parameterized, surface: &Surface) {
     let cells = Widths::new(surface);
     map.halve(HALVINGS, |a, b| cells.are_exceeded(a, b));
@@ -92,15 +92,15 @@ fn long_sides(map: &Parameterized, uv: &[Uv], surface: &Surface) -> Vec<usize> {
 }
 
 /// How wide a surface's knot cells are.
-pub struct Widths<'a>([Spans<'a>; 2]);
+struct Widths<'a>([Spans<'a>; 2]);
 
 impl<'a> Widths<'a> {
-    pub fn new(surface: &'a Surface) -> Self {
+    fn new(surface: &'a Surface) -> Self {
         Widths([&surface.u, &surface.v].map(Spans::new))
     }
 
     /// Whether two parameter points are farther apart than the cell between them is wide.
-    pub fn are_exceeded(&self, a: Uv, b: Uv) -> bool {
+    fn are_exceeded(&self, a: Uv, b: Uv) -> bool {
         let middle: Uv = nalgebra::center(&a, &b);
         (0..2).any(|k| self.0[k].are_shorter((a[k] - b[k]).abs(), middle[k]))
     }
