@@ -13,6 +13,10 @@ const ROOM: usize = 8;
 /// The share of points that may go beyond an unnamed tolerance for a surface without folds.
 const GIVEN_UP: f64 = 0.01;
 
+/// The share of the surface that is turned over where the scan, or its map, is crumpled, and
+/// the mesh between the vertices no guide.
+const CRUMPLED: f64 = 0.3;
+
 /// What became of an attempt's folds.
 struct Unfolding {
     /// How many places are turned over.
@@ -67,8 +71,9 @@ impl Search<'_> {
             return false;
         }
         self.take_up(attempt, LEAST_AREA);
-        fit::folds(surface, &self.target.samples, &self.holds) > 0
-            || between::farthest(map, uv, surface, self.goal.tolerance).is_some()
+        let folded = fit::folded(surface, &self.target.samples, &self.holds);
+        folded < CRUMPLED
+            && (folded > 0.0 || between::farthest(map, uv, surface, self.goal.tolerance).is_some())
     }
 
     /// Gives weight to the points that an attempt without folds has `lost`.

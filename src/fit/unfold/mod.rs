@@ -59,11 +59,12 @@ pub struct Found {
 /// may move to.
 pub type Slide<'a> = dyn Fn(Vec<Uv>, Vec<Uv>) -> Vec<Uv> + 'a;
 
-/// Places of a surface that are turned over.
-pub fn folds(surface: &Surface, samples: &Samples, holds: &[Hold]) -> usize {
+/// The share of a surface's places that are turned over.
+pub fn folded(surface: &Surface, samples: &Samples, holds: &[Hold]) -> f64 {
     let cells = Cells::new(samples, [&surface.u, &surface.v]);
     let places = Places::new(&cells, holds, &surface.net);
-    turned(&places.spots(&surface.net, |_, _| true))
+    let turned = turned(&places.spots(&surface.net, |_, _| true));
+    turned as f64 / places.count() as f64
 }
 
 /// Takes folds out of a surface that was fitted to samples, with one of `stiffnesses`
