@@ -125,6 +125,21 @@ fn a_clean_scan_is_left_alone() {
 }
 
 #[test]
+fn rows_far_apart_let_no_surface_swing_between_them() {
+    // As line scanners make them: points eleven times as close along a line.
+    for (size, seed) in [([400, 36], 3), ([36, 400], 4)] {
+        let scan = VirtualScan::new(sheet, size, 0.1, Vec::new(), seed);
+        let raw = disk(&scan.points, &scan.triangles);
+        let (smooth, _) = smooth::smooth(&raw, &Options::default()).unwrap();
+        let off = scan.distances(smooth.mesh.points.iter().map(|p| p.coords.into()));
+        let farthest = off.into_iter().fold(0.0, f64::max);
+        let left = rms(&scan, &smooth.mesh.points);
+        println!("{size:?}: rms {left:.4}, farthest {farthest:.4} mm");
+        assert!(left < 0.03 && farthest < 0.2, "{size:?}: rms {left}, farthest {farthest}");
+    }
+}
+
+#[test]
 fn outliers_are_left_out() {
     let mut scan = VirtualScan::new(relief, [100, 80], 0.05, Vec::new(), 9);
     let clean = VirtualScan::new(relief, [100, 80], 0.0, Vec::new(), 9);

@@ -47,9 +47,10 @@ fn monomials(x: f64, y: f64, [xx, xy, yy]: [f64; 3]) -> [f64; ALL] {
 impl Polynomial {
     /// The polynomial of highest degree that the points determine: of total
     /// degree four, which has the bi-quadratic ones among it, else three, two or
-    /// one. One is determined when its
-    /// value at the origin is steadier than a single point. Where the points lie
-    /// to one side, as at a boundary, the fourth degree would swing freely.
+    /// one. One is determined when its value at the origin is steadier than a
+    /// single point, and nowhere beside it much less steady: between the three
+    /// rows of a line scanner that are in reach a cubic would swing freely. So
+    /// would the fourth degree where the points lie to one side, as at a boundary.
     pub fn fit(plane: &Plane, around: &[Sample], h: f64) -> Option<Polynomial> {
         Some(Self::fitted(plane, around, h, false)?.0)
     }
@@ -69,11 +70,14 @@ impl Polynomial {
     ) -> Option<(Polynomial, f64)> {
         let axes = plane_axes(plane.normal);
         let rows: Vec<Row> = around.iter().map(|p| Row::new(p, plane, axes, h)).collect();
-        let full = if is_one_sided(&rows) { None } else { solve::<15>(&rows, with_scatter) };
+        let means = means(&rows);
+        let beside = beside(means);
+        let full = || solve::<15>(&rows, &beside, with_scatter);
+        let full = if is_one_sided(means) { None } else { full() };
         let (coefficients, variance, scatter) = full
-            .or_else(|| solve::<10>(&rows, with_scatter))
-            .or_else(|| solve::<6>(&rows, with_scatter))
-            .or_else(|| solve::<3>(&rows, with_scatter))?;
+            .or_else(|| solve::<10>(&rows, &beside, with_scatter))
+            .or_else(|| solve::<6>(&rows, &beside, with_scatter))
+            .or_else(|| solve::<3>(&rows, &beside, with_scatter))?;
         let polynomial = Polynomial { plane: *plane, axes, coefficients, h, variance };
         Some((polynomial, scatter * h * h))
     }
@@ -150,18 +154,45 @@ impl Row {
     }
 }
 
+/// Beside the origin, a bound of the variance of a polynomial's value may be so much.
+const UNSTEADY: f64 = 4.0;
+
+/// How far from the points' mean that is looked at, in standard deviations of theirs:
+/// on none of a few equal rows.
+const BESIDE: f64 = 0.75;
+
+/// The weighted means of the first six monomials.
+fn means(rows: &[Row]) -> [f64; 6] {
+    let mut sums = [0.0; 6];
+    for row in rows {
+        sums.iter_mut().zip(row.monomials).for_each(|(sum, m)| *sum += row.weight * m);
+    }
+    sums.map(|sum| sum / sums[0])
+}
+
 /// Whether the points' mean is farther from the origin than a fifth of h.
-fn is_one_sided(rows: &[Row]) -> bool {
-    let sum = |k: usize| rows.iter().map(|row| row.weight * row.monomials[k]).sum::<f64>();
-    sum(1).hypot(sum(2)) > 0.2 * sum(0)
+fn is_one_sided([_, x, y, ..]: [f64; 6]) -> bool {
+    x.hypot(y) > 0.2
+}
+
+/// Four places around the points' mean, two along each column of a square root of
+/// their covariance: one of these leads out of any row.
+fn beside([_, x, y, xx, xy, yy]: [f64; 6]) -> [[f64; 2]; 4] {
+    let (xx, xy, yy) = (xx - x * x, xy - x * y, yy - y * y);
+    let first = xx.max(f64::MIN_POSITIVE).sqrt();
+    let across = xy / first;
+    let second = (yy - across * across).max(0.0).sqrt();
+    let [a, b, c] = [first, across, second].map(|part| BESIDE * part);
+    [[x + a, y + b], [x - a, y - b], [x, y + c], [x, y - c]]
 }
 
 /// A fit: its coefficients, its variance at the origin, and its scatter in units
 /// of h, if that is wanted.
 type Fitted = ([f64; ALL], f64, f64);
 
-/// The weighted least-squares fit of the first N monomials.
-fn solve<const N: usize>(rows: &[Row], with_scatter: bool) -> Option<Fitted>
+/// The weighted least-squares fit of the first N monomials, if it is steady at the
+/// origin and at places `beside` it.
+fn solve<const N: usize>(rows: &[Row], beside: &[[f64; 2]], with_scatter: bool) -> Option<Fitted>
 where
     nalgebra::Const<N>: nalgebra::DimName,
 {
@@ -188,6 +219,15 @@ where
     let noise = |row: &Row| row.weight * row.weight / row.count;
     let variance: f64 = rows.iter().map(|r| noise(r) * first(r).dot(&at_origin).powi(2)).sum();
     if variance.is_nan() || variance > 1.0 {
+        return None;
+    }
+    let is_steady = |&[x, y]: &[f64; 2]| {
+        let at = monomials(x, y, [0.0; 3]);
+        let mut b = SVector::<f64, N>::from_fn(|i, _| at[i]);
+        factor.l_dirty().solve_lower_triangular_unchecked_mut(&mut b);
+        b.norm_squared() <= UNSTEADY
+    };
+    if !beside.iter().all(is_steady) {
         return None;
     }
     let mut scatter = f64::NAN;
