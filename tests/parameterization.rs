@@ -322,16 +322,14 @@ fn a_pipe_gets_vertices_where_its_map_draws_it_out() {
         };
         let is_on_rim =
             |(a, b): &(VertexId, VertexId)| patch.rims[0].contains(a) && patch.rims[0].contains(b);
-        let of = patch.mesh.triangles.iter().zip(&patch.origin);
-        let of = of.filter(|(_, origin)| **origin == FaceOrigin::Measured);
-        let sides = of.flat_map(|(t, _)| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
+        let all = patch.mesh.triangles.iter().zip(&patch.origin);
+        let measured = all.filter(|(_, origin)| **origin == FaceOrigin::Measured);
+        let sides = measured.clone().flat_map(|(t, _)| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
         let long = sides.filter(is_long).filter(|side| !is_on_rim(side)).count();
         // Near a free boundary, whose own sides stay, some are left.
         let most = if outline == Outline::Free { patch.measured / 10 } else { 0 };
         assert!(long <= most, "{outline:?} {long}");
         // They are on the pipe, not on chords of it, which are up to 0.03 mm off.
-        let measured = patch.mesh.triangles.iter().zip(&patch.origin);
-        let measured = measured.filter(|(_, origin)| **origin == FaceOrigin::Measured);
         for v in measured.flat_map(|(t, _)| t) {
             let p = patch.mesh.point(*v);
             let off = (p.x.hypot(p.y) - 20.0).hypot(p.z) - 6.0;

@@ -1,6 +1,6 @@
 //! Surfaces without folds that keep the target.
 
-use super::between;
+use super::between::Bare;
 use super::search::{Attempt, LEAST_AREA, Search};
 use crate::error::Result;
 use crate::fit::{self, STIFFNESSES};
@@ -64,16 +64,17 @@ impl Search<'_> {
     }
 
     /// Whether vertices that are missing, with the samples at `uv`, show in an attempt: it
-    /// leaves the mesh there, or has folds, which it might leave when these are taken out.
+    /// leaves the mesh there, or has folds, which it might leave when these are taken out,
+    /// but not so many that it is [`CRUMPLED`].
     pub fn wants_vertices(&mut self, attempt: &Attempt, uv: &[Uv]) -> bool {
-        let (map, surface) = (self.target.map, &attempt.surface);
-        if self.options.method == fit::Method::Blend || !between::is_bare(map, uv, surface) {
+        let surface = &attempt.surface;
+        let bare = Bare::new(self.target.map, uv, surface);
+        if self.options.method == fit::Method::Blend || bare.is_empty() {
             return false;
         }
         self.take_up(attempt, LEAST_AREA);
         let folded = fit::folded(surface, &self.target.samples, &self.holds);
-        folded < CRUMPLED
-            && (folded > 0.0 || between::farthest(map, uv, surface, self.goal.tolerance).is_some())
+        folded < CRUMPLED && (folded > 0.0 || bare.farthest(self.goal.tolerance).is_some())
     }
 
     /// Gives weight to the points that an attempt without folds has `lost`.

@@ -25,6 +25,7 @@ use crate::geometry::{Point, Uv};
 use crate::parameterize::Parameterized;
 use crate::spline::{KnotVector, Samples, Surface};
 use crate::{Options, fit, knots, rules};
+use between::Bare;
 use search::{Attempt, Search};
 use target::Target;
 
@@ -143,7 +144,7 @@ pub fn fit_with(
         finished(search, known)?
     };
     map.uv = uv;
-    adapted.between = between::farthest(map, &map.uv, &surface, goal.tolerance);
+    adapted.between = Bare::new(map, &map.uv, &surface).farthest(goal.tolerance);
     Ok((surface, adapted))
 }
 

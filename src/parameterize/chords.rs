@@ -5,8 +5,7 @@
 use foldhash::{HashMap, HashMapExt};
 use rayon::prelude::*;
 
-use super::halve::{Middles, divide};
-use crate::mesh::{Mesh, Patch};
+use crate::mesh::{Mesh, Middles, Patch};
 
 /// Splits the chords; returns how many there were.
 pub fn split_chords(patch: &mut Patch) -> usize {
@@ -17,7 +16,7 @@ pub fn split_chords(patch: &mut Patch) -> usize {
     }
     let straight = |mesh: &Mesh, a, b| nalgebra::center(&mesh.point(a), &mesh.point(b));
     let middles = Middles::new(&mut patch.mesh, chords, straight);
-    divide(patch, &middles, sides.into_iter().map(|side| side / 3));
+    patch.divide(&middles, sides.into_iter().map(|side| side / 3));
     middles.len()
 }
 

@@ -18,7 +18,6 @@ mod coarse;
 mod corners;
 mod crushed;
 mod gaps;
-mod halve;
 mod hierarchy;
 mod layout;
 mod level;

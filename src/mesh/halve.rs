@@ -2,8 +2,8 @@
 
 use foldhash::{HashMap, HashMapExt};
 
+use super::{Mesh, Patch};
 use crate::geometry::{Point, VertexId};
-use crate::mesh::{Mesh, Patch};
 
 type Edge = (VertexId, VertexId);
 
@@ -44,25 +44,27 @@ impl Middles {
     }
 }
 
-/// Divides the triangles of a patch that have such edges, and puts the middles of those on
-/// its boundary into that. The triangles are among `touched`, which ascends.
-pub fn divide(patch: &mut Patch, middles: &Middles, touched: impl IntoIterator<Item = usize>) {
-    let old = std::mem::take(&mut patch.mesh.triangles);
-    let origins = std::mem::take(&mut patch.origin);
-    let mut touched = touched.into_iter().peekable();
-    for (number, (t, origin)) in old.into_iter().zip(origins).enumerate() {
-        let may_be_divided = touched.peek() == Some(&number);
-        while touched.next_if_eq(&number).is_some() {}
-        if may_be_divided {
-            patch.mesh.triangles.extend(divided(t, middles));
-        } else {
-            patch.mesh.triangles.push(t);
+impl Patch {
+    /// Divides the triangles that have such edges, and puts the middles of those on the
+    /// boundary into that. The triangles are among `touched`, which ascends.
+    pub(crate) fn divide(&mut self, middles: &Middles, touched: impl IntoIterator<Item = usize>) {
+        let old = std::mem::take(&mut self.mesh.triangles);
+        let origins = std::mem::take(&mut self.origin);
+        let mut touched = touched.into_iter().peekable();
+        for (number, (t, origin)) in old.into_iter().zip(origins).enumerate() {
+            let may_be_divided = touched.peek() == Some(&number);
+            while touched.next_if_eq(&number).is_some() {}
+            if may_be_divided {
+                self.mesh.triangles.extend(divided(t, middles));
+            } else {
+                self.mesh.triangles.push(t);
+            }
+            self.origin.resize(self.mesh.triangles.len(), origin);
         }
-        patch.origin.resize(patch.mesh.triangles.len(), origin);
+        let next = self.outer.iter().cycle().skip(1);
+        let with_middle = |(&a, &b)| [Some(a), middles.of(a, b)];
+        self.outer = self.outer.iter().zip(next).flat_map(with_middle).flatten().collect();
     }
-    let next = patch.outer.iter().cycle().skip(1);
-    let with_middle = |(&a, &b)| [Some(a), middles.of(a, b)];
-    patch.outer = patch.outer.iter().zip(next).flat_map(with_middle).flatten().collect();
 }
 
 /// The triangles that a triangle becomes.
