@@ -1,6 +1,6 @@
 //! The polynomial over a reference plane.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{Cholesky, Const, DimName, SMatrix, SVector};
 
 use super::{Plane, Sample};
 use crate::geometry::{Point, Vector, plane_axes};
@@ -48,9 +48,9 @@ impl Polynomial {
     /// The polynomial of highest degree that the points determine: of total
     /// degree four, which has the bi-quadratic ones among it, else three, two or
     /// one. One is determined when its value at the origin is steadier than a
-    /// single point, and nowhere beside it much less steady: between the three
-    /// rows of a line scanner that are in reach a cubic would swing freely. So
-    /// would the fourth degree where the points lie to one side, as at a boundary.
+    /// single point. What would swing beside it, as a cubic does between the three
+    /// rows of a line scanner that are in reach, is damped. Where the points lie
+    /// to one side, as at a boundary, the fourth degree would swing freely.
     pub fn fit(plane: &Plane, around: &[Sample], h: f64) -> Option<Polynomial> {
         Some(Self::fitted(plane, around, h, false)?.0)
     }
@@ -152,9 +152,18 @@ impl Row {
             count: p.weight,
         }
     }
+
+    fn first<const N: usize>(&self) -> SVector<f64, N> {
+        first(&self.monomials)
+    }
+
+    /// What its noise weighs: a mean of several points has less by their number.
+    fn noise(&self) -> f64 {
+        self.weight * self.weight / self.count
+    }
 }
 
-/// Beside the origin, a bound of the variance of a polynomial's value may be so much.
+/// Beside the points' mean, the variance of a polynomial's value may be so much.
 const UNSTEADY: f64 = 4.0;
 
 /// How far from the points' mean that is looked at, in standard deviations of theirs:
@@ -190,56 +199,83 @@ fn beside([_, x, y, xx, xy, yy]: [f64; 6]) -> [[f64; 2]; 4] {
 /// of h, if that is wanted.
 type Fitted = ([f64; ALL], f64, f64);
 
+/// What is added to a Gram matrix's diagonal, in shares of its trace: as little of it as
+/// makes the fit steady. More takes from the shape that the points do determine.
+const DAMPS: [f64; 6] = [1e-10, 1e-8, 1e-6, 1e-5, 1e-4, 1e-3];
+
+/// A damped Gram matrix, factored, that makes the fit steady `beside` the points' mean,
+/// and the fit's variance at the origin.
+fn steady<const N: usize>(
+    gram: &SMatrix<f64, N, N>,
+    rows: &[Row],
+    beside: &[[f64; 2]],
+) -> Option<(Cholesky<f64, Const<N>>, f64)>
+where
+    Const<N>: DimName,
+{
+    for share in DAMPS {
+        let damp = SMatrix::from_diagonal_element(share * gram.trace());
+        let factor = (gram + damp).cholesky()?;
+        let variance = |b: SVector<f64, N>| {
+            let solved = factor.solve(&b);
+            rows.iter().map(|r| r.noise() * r.first::<N>().dot(&solved).powi(2)).sum::<f64>()
+        };
+        let at_origin = variance(first(&monomials(0.0, 0.0, [0.0; 3])));
+        if at_origin.is_nan() || at_origin > 1.0 {
+            return None;
+        }
+        let is_steady = |&[x, y]: &[f64; 2]| {
+            let b = first(&monomials(x, y, [0.0; 3]));
+            // bᵀ G⁻¹ b is a bound that costs little.
+            leverage(&factor, b) <= UNSTEADY || variance(b) <= UNSTEADY
+        };
+        if beside.iter().all(is_steady) {
+            return Some((factor, at_origin));
+        }
+    }
+    None
+}
+
+/// bᵀ G⁻¹ b, which is |L⁻¹ b|².
+fn leverage<const N: usize>(factor: &Cholesky<f64, Const<N>>, mut b: SVector<f64, N>) -> f64
+where
+    Const<N>: DimName,
+{
+    factor.l_dirty().solve_lower_triangular_unchecked_mut(&mut b);
+    b.norm_squared()
+}
+
+/// The first N monomials.
+fn first<const N: usize>(monomials: &[f64; ALL]) -> SVector<f64, N> {
+    SVector::from_fn(|i, _| monomials[i])
+}
+
 /// The weighted least-squares fit of the first N monomials, if it is steady at the
 /// origin and at places `beside` it.
 fn solve<const N: usize>(rows: &[Row], beside: &[[f64; 2]], with_scatter: bool) -> Option<Fitted>
 where
-    nalgebra::Const<N>: nalgebra::DimName,
+    Const<N>: DimName,
 {
     if rows.len() < N {
         return None;
     }
-    let first = |row: &Row| SVector::<f64, N>::from_fn(|i, _| row.monomials[i]);
     let mut gram = SMatrix::<f64, N, N>::zeros();
     let mut right = SVector::<f64, N>::zeros();
     for row in rows {
-        let b = first(row);
+        let b = row.first();
         let weighted = row.weight * b;
         for j in 0..N {
             gram.column_mut(j).axpy(b[j], &weighted, 1.0);
         }
         right.axpy(row.height, &weighted, 1.0);
     }
-    let damp = 1e-10 * gram.trace();
-    (0..N).for_each(|i| gram[(i, i)] += damp);
-    let factor = gram.cholesky()?;
+    let (factor, variance) = steady(&gram, rows, beside)?;
     let c = factor.solve(&right);
-    let at_origin = factor.solve(&SVector::<f64, N>::from_fn(|i, _| f64::from(i == 0)));
-    // A mean of several points has less noise by their number.
-    let noise = |row: &Row| row.weight * row.weight / row.count;
-    let variance: f64 = rows.iter().map(|r| noise(r) * first(r).dot(&at_origin).powi(2)).sum();
-    if variance.is_nan() || variance > 1.0 {
-        return None;
-    }
-    let is_steady = |&[x, y]: &[f64; 2]| {
-        let at = monomials(x, y, [0.0; 3]);
-        let mut b = SVector::<f64, N>::from_fn(|i, _| at[i]);
-        factor.l_dirty().solve_lower_triangular_unchecked_mut(&mut b);
-        b.norm_squared() <= UNSTEADY
-    };
-    if !beside.iter().all(is_steady) {
-        return None;
-    }
     let mut scatter = f64::NAN;
     if with_scatter {
         // Σ w r² has the expectation σ² (Σ w/count − Σ w²/count bᵀ G⁻¹ b).
-        let square = |r: &Row| r.weight * (r.height - first(r).dot(&c)).powi(2);
-        let free = |r: &Row| {
-            let mut b = first(r);
-            // bᵀ G⁻¹ b = |L⁻¹ b|².
-            factor.l_dirty().solve_lower_triangular_unchecked_mut(&mut b);
-            r.weight / r.count - noise(r) * b.norm_squared()
-        };
+        let square = |r: &Row| r.weight * (r.height - r.first::<N>().dot(&c)).powi(2);
+        let free = |r: &Row| r.weight / r.count - r.noise() * leverage(&factor, r.first());
         let total: f64 = rows.iter().map(|r| r.weight / r.count).sum();
         let freedom: f64 = rows.iter().map(free).sum();
         scatter = rows.iter().map(square).sum::<f64>() / freedom.max(1e-3 * total);
