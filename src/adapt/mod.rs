@@ -96,7 +96,7 @@ pub struct Adapted {
     pub kappa: f64,
     /// Fits made.
     pub rounds: usize,
-    /// Places where the surface is turned over, of 36 looked at in each knot cell; `None`
+    /// Parts, of 36 of each knot cell, in which the surface is turned over somewhere; `None`
     /// for blended local fits, which are left as they are.
     pub folds: Option<usize>,
     /// Mean distance, in mm, between a sample and the surface at the parameter that the

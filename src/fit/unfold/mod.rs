@@ -38,7 +38,8 @@ pub const STIFFNESSES: [f64; 3] = [1e-2, 1e-3, 1e-4];
 /// What a surface with folds has become.
 #[derive(Debug)]
 pub struct Unfolded {
-    /// Places that were turned over, of 36 looked at in each cell.
+    /// Places that were turned over, of 36 in each cell, each looked at around it, too,
+    /// where the surface spreads little.
     pub before: usize,
     /// Surfaces with fewer of them, each closer to the samples than those before.
     pub found: Vec<Found>,
@@ -138,16 +139,16 @@ mod tests {
     use crate::geometry::{Point, Vector};
     use crate::spline::KnotVector;
 
-    /// A bump over the unit square with samples all over it, and its net pushed back
-    /// over itself along the surface in the middle.
-    fn folded(push: f64) -> (Surface, Samples, Vec<Hold>) {
+    /// A bump over the unit square with samples all over it, and two rows of its net pushed
+    /// towards each other along the surface in the middle.
+    fn folded(push: f64, rows: [usize; 2]) -> (Surface, Samples, Vec<Hold>) {
         let knots = KnotVector::uniform(3, 20);
         let height = |x: f64, y: f64| 4.0 * (3.0 * x).sin() * (2.0 * y).cos();
         let at = |n: usize| (knots.greville(n / 20), knots.greville(n % 20));
         let control = |(x, y): (f64, f64)| Vector::new(50.0 * x, 50.0 * y, height(x, y));
         let mut net: Vec<Vector> = (0..400).map(|n| control(at(n))).collect();
-        net[9 * 20 + 10].x += push;
-        net[11 * 20 + 10].x -= push;
+        net[rows[0] * 20 + 10].x += push;
+        net[rows[1] * 20 + 10].x -= push;
         let surface = Surface::new(knots.clone(), knots.clone(), net);
         let (mut samples, mut holds) = (Samples::default(), Vec::new());
         for (x, y) in (0..1600).map(|n| ((n / 40) as f64 / 39.0, (n % 40) as f64 / 39.0)) {
@@ -169,7 +170,7 @@ mod tests {
 
     #[test]
     fn a_fold_is_taken_out_and_the_shape_stays() {
-        let (surface, samples, holds) = folded(6.0);
+        let (surface, samples, holds) = folded(6.0, [9, 11]);
         let slide = |_: Vec<Uv>, wanted: Vec<Uv>| wanted;
         let mut done = unfold(&surface, &samples, &holds, &slide, &STIFFNESSES);
         let Found { surface: flat, uv, folds } = done.found.swap_remove(0);
@@ -184,8 +185,22 @@ mod tests {
     }
 
     #[test]
+    fn a_fold_narrower_than_places_are_apart_is_found() {
+        for (push, turns) in [(3.3, false), (3.55, true)] {
+            let (surface, samples, holds) = folded(push, [9, 10]);
+            let turned = |n: usize| {
+                let [u, v] = [n / 200, n % 200].map(|k| 0.4 + 0.001 * k as f64);
+                let jet = surface.jet(Uv::new(u, v));
+                jet.su.cross(&jet.sv).z < 0.0
+            };
+            assert_eq!((0..40_000).any(turned), turns, "{push}");
+            assert_eq!(super::folded(&surface, &samples, &holds) > 0.0, turns, "{push}");
+        }
+    }
+
+    #[test]
     fn a_surface_without_folds_stays() {
-        let (surface, samples, holds) = folded(0.0);
+        let (surface, samples, holds) = folded(0.0, [9, 11]);
         let slide = |_: Vec<Uv>, wanted: Vec<Uv>| wanted;
         let done = unfold(&surface, &samples, &holds, &slide, &STIFFNESSES);
         assert!(done.before == 0 && done.found.is_empty());
@@ -193,7 +208,7 @@ mod tests {
 
     #[test]
     fn samples_that_may_not_slide_hold_the_surface() {
-        let (surface, samples, holds) = folded(6.0);
+        let (surface, samples, holds) = folded(6.0, [9, 11]);
         let stay = |now: Vec<Uv>, _: Vec<Uv>| now;
         let mut done = unfold(&surface, &samples, &holds, &stay, &STIFFNESSES);
         let Found { surface: flat, uv, .. } = done.found.swap_remove(0);

@@ -12,6 +12,14 @@ use crate::spline::KnotVector;
 /// Places looked at in a cell along u and along v.
 pub const ACROSS: usize = 6;
 
+/// Where a place spreads by less than this share of what is usual, finer places around it
+/// are looked at, this many to a step: a fold may be narrower than places are apart.
+const LITTLE: f64 = 0.5;
+const FINER: usize = 4;
+
+/// The finer places of a cell along u and along v.
+const FINEST: usize = (ACROSS - 1) * FINER + 1;
+
 /// The surface is to spread at a place by this share of what is usual around it,
 /// on the side that the samples face.
 pub const LEAST: f64 = 0.1;
@@ -25,7 +33,7 @@ const SWEEPS: usize = 40;
 /// The values and slopes of the four functions at a place of one axis.
 pub type Functions = [[f64; 4]; 2];
 
-/// A place at which the surface spreads too little.
+/// A place around which the surface spreads too little, moved to where it spreads least.
 pub struct Spot {
     /// Its cell.
     pub cell: [usize; 2],
@@ -50,7 +58,7 @@ impl Spot {
 pub struct Places<'a> {
     cells: &'a Cells<'a>,
     holds: &'a [Hold],
-    /// The places along u and along v, each with the functions there.
+    /// The finer places along u and along v, each with the functions there.
     axes: [Vec<(f64, Functions)>; 2],
     /// The mean normal of a cell's samples; in a cell without any, one that changes
     /// smoothly from those around.
@@ -71,7 +79,8 @@ impl<'a> Places<'a> {
 
     /// How many there are.
     pub fn count(&self) -> usize {
-        self.axes[0].len() * self.axes[1].len()
+        let [across, down] = self.cells.counts();
+        across * down * ACROSS * ACROSS
     }
 
     /// Places that spread too little in the cells that are `chosen`.
@@ -87,29 +96,50 @@ impl<'a> Places<'a> {
     fn in_cell(&self, net: &[Vector], [p, q]: [usize; 2]) -> Vec<Spot> {
         let number = p * self.cells.counts()[1] + q;
         let usual = self.usual[number];
-        let slopes = self.slopes(net, [p, q]).map(|of| of.map(|s| s / usual));
+        let slopes = self.slopes(net, [p, q]);
         let home = self.cells.indices(p, q);
         let between = home.is_empty().then(|| self.facings[number].try_normalize(1e-9));
         let mut spots = Vec::new();
-        for (n, slopes) in slopes.into_iter().enumerate() {
-            let normal = slopes[0].cross(&slopes[1]);
+        for (n, [along, across]) in slopes.into_iter().enumerate() {
+            let place = [n / ACROSS * FINER, n % ACROSS * FINER];
+            let normal = along.cross(&across);
             let nearest = || {
-                let [u, v] = self.place([p, q], n).map(|(at, _)| *at);
+                let [u, v] = self.place([p, q], place).map(|(at, _)| *at);
                 self.nearest(home, Uv::new(u, v))
             };
             let Some(facing) = between.unwrap_or_else(nearest) else { continue };
-            let spread = facing.dot(&normal) * usual;
-            if spread < LEAST {
-                let functions = self.place([p, q], n).map(|(_, functions)| *functions);
-                spots.push(Spot { cell: [p, q], functions, facing, slopes, spread });
+            if facing.dot(&normal) < LITTLE * usual {
+                let spot = self.least_around(net, [p, q], place, facing);
+                spots.extend((spot.spread < LEAST).then_some(spot));
             }
         }
         spots
     }
 
-    /// Place `n` of a cell along u and along v.
-    fn place(&self, [p, q]: [usize; 2], n: usize) -> [&(f64, Functions); 2] {
-        [&self.axes[0][p * ACROSS + n / ACROSS], &self.axes[1][q * ACROSS + n % ACROSS]]
+    /// Where the surface spreads least among the finer places that are nearer to `place` than
+    /// to others.
+    fn least_around(
+        &self,
+        net: &[Vector],
+        cell: [usize; 2],
+        place: [usize; 2],
+        facing: Vector,
+    ) -> Spot {
+        let usual = self.usual[cell[0] * self.cells.counts()[1] + cell[1]];
+        let [us, vs] = place.map(|k| k.saturating_sub(FINER / 2)..=(k + FINER / 2).min(FINEST - 1));
+        let spots = us.flat_map(|a| vs.clone().map(move |b| [a, b])).map(|at| {
+            let functions = self.place(cell, at).map(|(_, functions)| *functions);
+            let slopes = self.slopes_at(net, cell, &functions).map(|slope| slope / usual);
+            let spread = facing.dot(&slopes[0].cross(&slopes[1])) * usual;
+            Spot { cell, functions, facing, slopes, spread }
+        });
+        let least = |a: Spot, b: Spot| if b.spread < a.spread { b } else { a };
+        spots.reduce(least).expect("a place is around itself")
+    }
+
+    /// A finer place of a cell along u and along v.
+    fn place(&self, [p, q]: [usize; 2], [a, b]: [usize; 2]) -> [&(f64, Functions); 2] {
+        [&self.axes[0][p * FINEST + a], &self.axes[1][q * FINEST + b]]
     }
 
     /// Where the sample faces that is nearest to `at` in the domain.
@@ -122,18 +152,37 @@ impl<'a> Places<'a> {
         nearest.map(|i| self.holds[i].normal)
     }
 
+    /// The derivatives in u and v where functions of a cell have the given values and slopes.
+    fn slopes_at(
+        &self,
+        net: &[Vector],
+        [p, q]: [usize; 2],
+        [u, v]: &[Functions; 2],
+    ) -> [Vector; 2] {
+        let width = self.cells.counts()[1] + 3;
+        let mut slopes = [Vector::zeros(); 2];
+        for i in 0..4 {
+            let row = &net[(p + i) * width + q..][..4];
+            let [along, across] =
+                [v[0], v[1]].map(|of| -> Vector { row.iter().zip(of).map(|(c, b)| c * b).sum() });
+            slopes[0] += along * u[1][i];
+            slopes[1] += across * u[0][i];
+        }
+        slopes
+    }
+
     /// The derivatives in u and v at the places of a cell.
     fn slopes(&self, net: &[Vector], [p, q]: [usize; 2]) -> [[Vector; 2]; ACROSS * ACROSS] {
         let width = self.cells.counts()[1] + 3;
         let mut slopes = [[Vector::zeros(); 2]; ACROSS * ACROSS];
         for b in 0..ACROSS {
-            let (_, [value, slope]) = &self.axes[1][q * ACROSS + b];
+            let (_, [value, slope]) = &self.axes[1][q * FINEST + b * FINER];
             let rows: [[Vector; 2]; 4] = std::array::from_fn(|i| {
                 let row = &net[(p + i) * width + q..][..4];
                 [value, slope].map(|of| row.iter().zip(of).map(|(c, b)| c * *b).sum())
             });
             for a in 0..ACROSS {
-                let (_, [value, slope]) = &self.axes[0][p * ACROSS + a];
+                let (_, [value, slope]) = &self.axes[0][p * FINEST + a * FINER];
                 let to = &mut slopes[a * ACROSS + b];
                 for (i, [along, across]) in rows.iter().enumerate() {
                     to[0] += along * slope[i];
@@ -197,14 +246,14 @@ fn facings(cells: &Cells, holds: &[Hold]) -> Vec<Vector> {
     facings
 }
 
-/// The places of an axis.
+/// The finer places of an axis.
 fn along(knots: &KnotVector) -> Vec<(f64, Functions)> {
     let ends = &knots.knots()[3..=knots.functions()];
     let spans = ends.windows(2).enumerate();
     let places = spans.flat_map(|(n, ends)| {
         // The ends, too: a side of the domain may fold where its cell does not.
-        let (low, step) = (ends[0], (ends[1] - ends[0]) / (ACROSS - 1) as f64);
-        (0..ACROSS).map(move |k| (n + 3, low + step * k as f64))
+        let (low, step) = (ends[0], (ends[1] - ends[0]) / (FINEST - 1) as f64);
+        (0..FINEST).map(move |k| (n + 3, low + step * k as f64))
     });
     let at = |(span, t): (usize, f64)| {
         let [value, slope, _] = knots.basis_in(span, t).derivative;
