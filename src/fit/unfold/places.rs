@@ -110,7 +110,7 @@ impl<'a> Places<'a> {
             let Some(facing) = between.unwrap_or_else(nearest) else { continue };
             if facing.dot(&normal) < LITTLE * usual {
                 let spot = self.least_around(net, [p, q], place, facing);
-                spots.extend((spot.spread < LEAST).then_some(spot));
+                spots.extend(spot.filter(|spot| spot.spread < LEAST));
             }
         }
         spots
@@ -124,7 +124,7 @@ impl<'a> Places<'a> {
         cell: [usize; 2],
         place: [usize; 2],
         facing: Vector,
-    ) -> Spot {
+    ) -> Option<Spot> {
         let usual = self.usual[cell[0] * self.cells.counts()[1] + cell[1]];
         let [us, vs] = place.map(|k| k.saturating_sub(FINER / 2)..=(k + FINER / 2).min(FINEST - 1));
         let spots = us.flat_map(|a| vs.clone().map(move |b| [a, b])).map(|at| {
@@ -134,7 +134,7 @@ impl<'a> Places<'a> {
             Spot { cell, functions, facing, slopes, spread }
         });
         let least = |a: Spot, b: Spot| if b.spread < a.spread { b } else { a };
-        spots.reduce(least).expect("a place is around itself")
+        spots.reduce(least)
     }
 
     /// A finer place of a cell along u and along v.
