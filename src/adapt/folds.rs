@@ -13,6 +13,10 @@ const ROOM: usize = 8;
 /// The share of points that may go beyond an unnamed tolerance for a surface without folds.
 const GIVEN_UP: f64 = 0.01;
 
+/// The share of points beyond a named tolerance from which on neither gentler ways nor knots
+/// bring them back.
+const HOPELESS: f64 = 0.1;
+
 /// The share of the surface that is turned over where the scan, or its map, is crumpled, and
 /// the mesh between the vertices no guide.
 const CRUMPLED: f64 = 0.3;
@@ -23,7 +27,7 @@ struct Unfolding {
     folds: usize,
     /// The attempt with fewer of them that keeps the target, …
     found: Option<Attempt>,
-    /// … or the last one that does not.
+    /// … or the last one that does not, but might.
     lost: Option<Attempt>,
 }
 
@@ -101,7 +105,8 @@ impl Search<'_> {
                 self.target.press(&lost.feet, self.goal.tolerance);
             }
             self.unfolding_with(start, &STIFFNESSES[way..], &mut tried);
-            if tried.folds == 0 {
+            let is_hopeless = tried.found.is_none() && tried.lost.is_none();
+            if tried.folds == 0 || is_hopeless {
                 break;
             }
         }
@@ -111,8 +116,8 @@ impl Search<'_> {
     /// Tries one way to take folds out.
     fn unfolding_with(&self, start: &Attempt, stiffnesses: &[f64], tried: &mut Unfolding) {
         let slide = |now: Vec<Uv>, wanted: Vec<Uv>| self.target.corrected(now, wanted, LEAST_AREA);
-        let most =
-            start.beyond.0.max(self.spared()) + if self.goal.named { 0 } else { self.given_up() };
+        let most = start.beyond.0.max(self.spared())
+            + if self.goal.named { 0 } else { self.share(GIVEN_UP) };
         let samples = &self.target.samples;
         let unfolded = fit::unfold(&start.surface, samples, &self.holds, &slide, stiffnesses);
         tried.folds = tried.folds.min(unfolded.before);
@@ -127,15 +132,15 @@ impl Search<'_> {
             let attempt = Attempt { surface, fit: start.fit, uv, weights, feet, beyond };
             // Later ones are closer to the samples.
             if beyond.0 > most {
-                tried.lost = Some(attempt);
+                tried.lost = (beyond.0 <= self.share(HOPELESS)).then_some(attempt);
             } else if folds <= tried.folds {
                 (tried.folds, tried.found) = (folds, Some(attempt));
             }
         }
     }
 
-    /// How many more may go beyond one that nobody named.
-    fn given_up(&self) -> usize {
-        (GIVEN_UP * self.target.measured() as f64) as usize
+    /// How many points a share of the measured ones is.
+    fn share(&self, share: f64) -> usize {
+        (share * self.target.measured() as f64) as usize
     }
 }

@@ -105,3 +105,15 @@ fn fills_join_nothing_twice() {
     let options = Options::builder().fit(fit::Method::Blend).outer(outer);
     becomes_a_face(&scan, &options.build().expect("options"));
 }
+
+/// A tolerance that needles of folds allow nowhere: folds were taken out again and again.
+#[test]
+fn a_needle_within_a_hair_ends() {
+    let holes = vec![star([0.1943771623078975, 0.6740623086366038], 0.10577045530523801, 2.0)];
+    let place = Place { scale: 36.8, away: 0.0, turned: 3.37 };
+    let (mesh, shape) = (Mesh::Grid([10, 9], 0.1437380073184123), Shape::Needle(5976.0));
+    let damage = Damage { holes, ..sound() };
+    let scan = Scan { mesh, shape, damage, place, seed: 1_667_030_670_259_945_676 };
+    let options = Options::builder().tolerance(3e-4).max_net(2500);
+    becomes_a_face(&scan, &options.build().expect("options"));
+}
