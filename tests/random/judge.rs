@@ -18,7 +18,7 @@ static POOLS: LazyLock<[ThreadPool; 2]> = LazyLock::new(|| {
 
 /// A run that takes longer hangs. The slowest, crumpled sheets over thousands of control
 /// points, take more than a minute beside others.
-const HUNG: Duration = Duration::from_secs(300);
+const HUNG: Duration = Duration::from_secs(180);
 
 /// Ends the tests with a word on what was tried if the work does not end.
 pub fn hung<T>(what: String, work: impl FnOnce() -> T) -> T {
