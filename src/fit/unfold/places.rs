@@ -33,6 +33,9 @@ const SWEEPS: usize = 40;
 /// The values and slopes of the four functions at a place of one axis.
 pub type Functions = [[f64; 4]; 2];
 
+/// The four rows of the net that reach into a cell, as points and their changes with v.
+type Rows = [[Vector; 2]; 4];
+
 /// A place around which the surface spreads too little, moved to where it spreads least.
 pub struct Spot {
     /// Its cell.
@@ -127,9 +130,11 @@ impl<'a> Places<'a> {
     ) -> Option<Spot> {
         let usual = self.usual[cell[0] * self.cells.counts()[1] + cell[1]];
         let [us, vs] = place.map(|k| k.saturating_sub(FINER / 2)..=(k + FINER / 2).min(FINEST - 1));
-        let spots = us.flat_map(|a| vs.clone().map(move |b| [a, b])).map(|at| {
+        let rows: Vec<Rows> = vs.clone().map(|b| self.rows(net, cell, b)).collect();
+        let spots = us.flat_map(|a| vs.clone().zip(&rows).map(move |(b, rows)| ([a, b], rows)));
+        let spots = spots.map(|(at, rows)| {
             let functions = self.place(cell, at).map(|(_, functions)| *functions);
-            let slopes = self.slopes_at(net, cell, &functions).map(|slope| slope / usual);
+            let slopes = slopes(rows, &functions[0]).map(|slope| slope / usual);
             let spread = facing.dot(&slopes[0].cross(&slopes[1])) * usual;
             Spot { cell, functions, facing, slopes, spread }
         });
@@ -152,45 +157,26 @@ impl<'a> Places<'a> {
         nearest.map(|i| self.holds[i].normal)
     }
 
-    /// The derivatives in u and v where functions of a cell have the given values and slopes.
-    fn slopes_at(
-        &self,
-        net: &[Vector],
-        [p, q]: [usize; 2],
-        [u, v]: &[Functions; 2],
-    ) -> [Vector; 2] {
-        let width = self.cells.counts()[1] + 3;
-        let mut slopes = [Vector::zeros(); 2];
-        for i in 0..4 {
-            let row = &net[(p + i) * width + q..][..4];
-            let [along, across] =
-                [v[0], v[1]].map(|of| -> Vector { row.iter().zip(of).map(|(c, b)| c * b).sum() });
-            slopes[0] += along * u[1][i];
-            slopes[1] += across * u[0][i];
-        }
-        slopes
-    }
-
     /// The derivatives in u and v at the places of a cell.
-    fn slopes(&self, net: &[Vector], [p, q]: [usize; 2]) -> [[Vector; 2]; ACROSS * ACROSS] {
-        let width = self.cells.counts()[1] + 3;
-        let mut slopes = [[Vector::zeros(); 2]; ACROSS * ACROSS];
+    fn slopes(&self, net: &[Vector], cell: [usize; 2]) -> [[Vector; 2]; ACROSS * ACROSS] {
+        let mut all = [[Vector::zeros(); 2]; ACROSS * ACROSS];
         for b in 0..ACROSS {
-            let (_, [value, slope]) = &self.axes[1][q * FINEST + b * FINER];
-            let rows: [[Vector; 2]; 4] = std::array::from_fn(|i| {
-                let row = &net[(p + i) * width + q..][..4];
-                [value, slope].map(|of| row.iter().zip(of).map(|(c, b)| c * *b).sum())
-            });
+            let rows = self.rows(net, cell, b * FINER);
             for a in 0..ACROSS {
-                let (_, [value, slope]) = &self.axes[0][p * FINEST + a * FINER];
-                let to = &mut slopes[a * ACROSS + b];
-                for (i, [along, across]) in rows.iter().enumerate() {
-                    to[0] += along * slope[i];
-                    to[1] += across * value[i];
-                }
+                all[a * ACROSS + b] = slopes(&rows, &self.axes[0][cell[0] * FINEST + a * FINER].1);
             }
         }
-        slopes
+        all
+    }
+
+    /// A cell's rows of the net at its finer place `b` along v.
+    fn rows(&self, net: &[Vector], [p, q]: [usize; 2], b: usize) -> Rows {
+        let width = self.cells.counts()[1] + 3;
+        let (_, functions) = &self.axes[1][q * FINEST + b];
+        std::array::from_fn(|i| {
+            let row = &net[(p + i) * width + q..][..4];
+            functions.map(|of| row.iter().zip(of).map(|(c, b)| c * b).sum())
+        })
     }
 
     fn usual(&self, net: &[Vector]) -> Vec<f64> {
@@ -208,6 +194,16 @@ impl<'a> Places<'a> {
         let cells = (0..across).flat_map(|p| (0..down).map(move |q| (p, q)));
         cells.map(|(p, q)| around(p, q).max(f64::MIN_POSITIVE)).collect()
     }
+}
+
+/// The derivatives in u and v where rows meet functions of u.
+fn slopes(rows: &Rows, [value, slope]: &Functions) -> [Vector; 2] {
+    let mut slopes = [Vector::zeros(); 2];
+    for (i, [along, across]) in rows.iter().enumerate() {
+        slopes[0] += along * slope[i];
+        slopes[1] += across * value[i];
+    }
+    slopes
 }
 
 fn mean_product(slopes: &[[Vector; 2]]) -> f64 {
