@@ -38,7 +38,7 @@
 //! | --- | --- | --- | --- |
 //! | mesh | [`mesh::from_soup`], [`mesh::Components`] | polygons | a disk with holes |
 //! | smooth | [`smooth::smooth`] | a disk with holes | the same, smoothed |
-//! | fill | [`fill::fill`] | that | a disk |
+//! | fill | [`fill::fill`]; with a map, [`fill::close_bays`] | that | a disk |
 //! | parameterize | [`parameterize::parameterize`] | that | parameters in [0, 1]² |
 //! | knots, fit | [`adapt::fit`]; [`knots::place`], [`fit::fit`] | these | a surface |
 //! | trim | [`cut::rims`], [`trim::trim`] | both | trim loops |
@@ -97,7 +97,7 @@ pub use options::{Builder, Options};
 
 use formats::{Brep, Soup};
 use mesh::{Components, Disk, Patch};
-use parameterize::Parameterized;
+use parameterize::{Outline, Parameterized};
 use spline::Surface;
 
 /// A stage that has just ended, with what it made, or one that goes on.
@@ -252,7 +252,7 @@ pub fn convert_component(
         bays: options.parameterize.may_be_free(),
         ..options.fill.clone()
     };
-    let (patch, fill) = fill::fill_with(
+    let (patch, mut fill) = fill::fill_with(
         smoothed,
         &measured.mesh.points,
         &fill_options,
@@ -260,11 +260,8 @@ pub fn convert_component(
     )?;
     watch(Stage::Fill(&patch))?;
 
-    let (mut map, parameterize) = parameterize::parameterize_with(
-        patch,
-        &options.parameterize,
-        &mut within("parameterize", watch),
-    )?;
+    let (mut map, parameterize) =
+        mapped(patch, &options.parameterize, &mut fill.bays, &mut within("parameterize", watch))?;
     let crushed = parameterize::crushed(&map, tolerance, options.knots.max_net);
     watch(Stage::Parameterize(&map, crushed))?;
 
@@ -309,6 +306,44 @@ pub fn convert_component(
         deviation,
         trim,
     })
+}
+
+/// How often bays are closed anew as the map shows them.
+const AGAIN: u32 = 2;
+
+/// A map that stretches so much more than the one before is worse.
+const WORSE: f64 = 1.02;
+
+/// The patch on its map. A boundary that is free there shows which bays it has, and they
+/// are closed as it does; with those the map has another form.
+fn mapped(
+    patch: Patch,
+    options: &parameterize::Options,
+    bays: &mut usize,
+    course: &mut Course,
+) -> Result<(Parameterized, parameterize::Report)> {
+    let share = |round: u32| f64::from(round) / f64::from(AGAIN + 1);
+    let mut begun = course::part(course, 0.0, share(1));
+    let (mut map, mut report) = parameterize::parameterize_with(patch, options, &mut begun)?;
+    drop(begun);
+    let free = parameterize::Options { outline: Some(Outline::Free), ..options.clone() };
+    for round in 1..=AGAIN {
+        if map.outline != Outline::Free || report.split_edges > 0 || !options.may_be_free() {
+            break;
+        }
+        let Some((patch, count)) = fill::close_bays(&map.patch, &map.uv)? else { break };
+        if patch.outer == map.patch.outer && patch.mesh.triangles == map.patch.mesh.triangles {
+            break;
+        }
+        let mut part = course::part(course, share(round), share(round + 1));
+        let (next, how) = parameterize::parameterize_with(patch, &free, &mut part)?;
+        if how.stretch.l2 > WORSE * report.stretch.l2 {
+            break;
+        }
+        *bays = count;
+        (map, report) = (next, how);
+    }
+    Ok((map, report))
 }
 
 /// What a stage comes farther by is told from this share on.

@@ -31,8 +31,8 @@ use rayon::prelude::*;
 
 use crate::course::{self, Course};
 use crate::error::{Error, Result, of};
-use crate::geometry::{Point, VertexId};
-use crate::mesh::{Disk, FaceOrigin, Mesh, Patch, boundary};
+use crate::geometry::{Point, Uv, VertexId};
+use crate::mesh::{Disk, FaceOrigin, Mesh, Patch, Rings, boundary};
 use crate::rules;
 
 /// How to fill.
@@ -163,7 +163,7 @@ pub fn fill_with(
             let some = fills.len()..count.min(fills.len() + AT_ONCE);
             let closed = || some.into_par_iter().map(|hole| fill(around, measured, hole)).collect();
             let closed: Result<Vec<_>> = if options.bays && fills.is_empty() {
-                let beside = rayon::join(closed, || bays::close(around, &disk.outer));
+                let beside = rayon::join(closed, || bays::close(around.land(), &disk.outer, None));
                 bays = beside.1;
                 beside.0
             } else {
@@ -207,6 +207,30 @@ pub fn fill_with(
     let patch = Patch { mesh, measured, origin, outer, shore, rims, islands };
     debug_assert!(patch.is_disk(), "filling leaves a disk");
     Ok((patch, report))
+}
+
+/// Closes the bays of a patch's outer boundary anew, as a map of it shows them: a place in
+/// the plane for every vertex. What the angles along the boundary say of bays that are
+/// deep, or between strongly curved banks, a map knows better. Says how many there are;
+/// `None`: it closes none.
+///
+/// # Errors
+/// [`Error::Input`]: a vertex without a place.
+pub fn close_bays(patch: &Patch, map: &[Uv]) -> Result<Option<(Patch, usize)>> {
+    let is_place = |p: &Uv| p.x.is_finite() && p.y.is_finite();
+    if map.len() < patch.mesh.points.len() || !map.iter().all(is_place) {
+        return Err(Error::Input("a vertex has no place on the map"));
+    }
+    let mut patch = patch.without_bays().unwrap_or_else(|| patch.clone());
+    let rings = Rings::new(&patch.mesh);
+    let land = front::Land { mesh: &patch.mesh, rings: &rings };
+    let Some(bays) = bays::close(land, &patch.outer, Some(map)) else { return Ok(None) };
+    patch.mesh.points.extend(bays.points);
+    patch.mesh.triangles.extend(bays.triangles);
+    patch.origin.resize(patch.mesh.triangles.len(), FaceOrigin::Bay);
+    patch.shore = Some(std::mem::replace(&mut patch.outer, bays.outer));
+    debug_assert!(patch.is_disk(), "closing bays leaves a disk");
+    Ok(Some((patch, bays.count)))
 }
 
 /// The measured mesh with the fills so far.

@@ -173,12 +173,17 @@ impl<'a> Course<'a> {
         (breaks[i], breaks.get(i + 1).copied().unwrap_or(1.0))
     }
 
-    /// Spans that are too far from a vertex and may be halved.
+    /// Spans that are too far from a vertex and may be halved. A vertex at a knot, as
+    /// at a corner, is held by the spans on both sides.
     fn far_spans(&self) -> Vec<usize> {
+        let n = self.polygon.uv.len();
         let far = |&i: &usize| {
             let (a, b) = self.span(i);
-            let mut held = self.polygon.before(a)..self.polygon.before(b);
-            held.any(|k| self.distance(k) > self.room[k]) && self.is_longer(i, self.shortest)
+            let end = self.polygon.before(b);
+            let at_end = self.polygon.parameters[end % n] == b.fract();
+            let held = (self.polygon.before(a)..end).chain(at_end.then_some(end % n));
+            held.into_iter().any(|k| self.distance(k) > self.room[k])
+                && self.is_longer(i, self.shortest)
         };
         (0..self.knots.breaks.len()).filter(far).collect()
     }

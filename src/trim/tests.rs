@@ -65,6 +65,28 @@ fn a_vertex_as_far_off_as_may_be_leaves_room_within_the_tolerance() {
 }
 
 #[test]
+fn a_side_that_misses_its_corner_is_divided_not_the_next_one() {
+    let plate = plate();
+    for high in (1..80).map(|i| 1e-5 * f64::from(i)) {
+        // A plate 40 mm × 10 mm; its first side waves so that one span misses it at its
+        // ends by twice as much as between.
+        let end = 0.3 + high;
+        let wave = |x: f64| 0.3 + high * (35.0 * x.powi(4) - 30.0 * x * x + 3.0) / 8.0;
+        let side = |t: f64| match 10.0 * t {
+            s if s < 1.0 => (wave(2.0 * s - 1.0), 0.4 + 0.1 * s),
+            s if s < 5.0 => (end + (0.5 - end) * (s - 1.0) / 4.0, 0.5),
+            s if s < 6.0 => (0.5, 0.5 - 0.1 * (s - 5.0)),
+            s => (0.5 + (end - 0.5) * (s - 6.0) / 4.0, 0.4),
+        };
+        let (ring, report) = &loops(&plate, &[rim(&plate, 100, side)])[0];
+        assert_eq!(ring.edges.len(), 4);
+        // The room that the loop has, to first order.
+        let room = 1.005 * SHARE * OPTIONS.tolerance;
+        assert!(report.max_from_rim < room, "{high} {report:?}");
+    }
+}
+
+#[test]
 fn a_square_hole_has_four_straight_edges() {
     let plate = plate();
     let corners = [(0.3, 0.3), (0.3, 0.7), (0.5, 0.7), (0.5, 0.3)];

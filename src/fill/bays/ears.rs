@@ -6,11 +6,15 @@ use std::f64::consts::{PI, TAU};
 
 use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 
-use crate::fill::front::Surroundings;
-use crate::geometry::{Point, Vector, VertexId, unit_normal};
+use super::flat::Flat;
+use crate::fill::front::Land;
+use crate::geometry::{Point, Uv, Vector, VertexId, unit_normal};
 
-/// An ear leans over by no more than this cosine from what is beside it.
+/// An ear whose cosine to what is beside it is less leans over …
 const LEANING: f64 = -0.3;
+
+/// … as only those may that a map shows with sharper tips, in radians.
+const SLIT: f64 = 5.0 / 6.0 * PI;
 
 /// Turning by less, in radians, is none.
 const STRAIGHT: f64 = 1e-3;
@@ -20,8 +24,10 @@ const SHARP: f64 = 1e-3;
 
 /// A closed loop, shortened ear by ear.
 pub struct Ears<'a> {
-    around: &'a Surroundings<'a>,
+    land: Land<'a>,
     ring: &'a [VertexId],
+    /// As it lies on a map, if there is one.
+    flat: Option<Flat>,
     before: Vec<usize>,
     after: Vec<usize>,
     alive: Vec<bool>,
@@ -39,6 +45,8 @@ pub struct Ears<'a> {
     closed: Vec<[usize; 3]>,
     /// Their tips, by the places beside these.
     tips: HashMap<[usize; 2], usize>,
+    /// The tips of those that lean over.
+    leaning: Vec<usize>,
 }
 
 /// An ear that might be closed, short ones that go on as what is beside them first.
@@ -46,6 +54,7 @@ struct Candidate {
     cost: f64,
     ear: [usize; 3],
     normal: Vector,
+    leans: bool,
 }
 
 impl Ord for Candidate {
@@ -69,29 +78,25 @@ impl PartialEq for Candidate {
 impl Eq for Candidate {}
 
 impl<'a> Ears<'a> {
-    pub fn new(around: &'a Surroundings<'a>, ring: &'a [VertexId]) -> Self {
+    pub fn new(land: Land<'a>, ring: &'a [VertexId], map: Option<&[Uv]>) -> Self {
         let n = ring.len();
         let angle = |&v: &VertexId| -> f64 {
             let corner = |t: [VertexId; 3]| {
                 let k = t.iter().position(|w| *w == v).unwrap_or(0);
-                around.mesh.angle(t[(k + 1) % 3], t[k], t[(k + 2) % 3])
+                land.mesh.angle(t[(k + 1) % 3], t[k], t[(k + 2) % 3])
             };
-            around
-                .rings
-                .triangles(v)
-                .iter()
-                .map(|&t| corner(around.mesh.triangles[t as usize]))
-                .sum()
+            land.rings.triangles(v).iter().map(|&t| corner(land.mesh.triangles[t as usize])).sum()
         };
         let angles: Vec<f64> = ring.iter().map(angle).collect();
-        let normals = around.mesh.vertex_normals();
+        let normals = land.mesh.vertex_normals();
         let side = |i: usize| -> Vector {
             let near = (0..10).map(|k| normals[ring[(i + n * 5 + k - 4) % n].index()]);
             near.sum::<Vector>().try_normalize(0.0).unwrap_or_default()
         };
         let mut ears = Ears {
-            around,
+            land,
             ring,
+            flat: map.map(|map| Flat::new(ring, map)),
             before: (0..n).map(|i| (i + n - 1) % n).collect(),
             after: (0..n).map(|i| (i + 1) % n).collect(),
             alive: vec![true; n],
@@ -103,6 +108,7 @@ impl<'a> Ears<'a> {
             sides: HashSet::new(),
             closed: Vec::new(),
             tips: HashMap::new(),
+            leaning: Vec::new(),
         };
         ears.lengths = (0..n).map(|i| ears.distance(i, ears.after[i])).collect();
         ears.length = ears.lengths.iter().sum();
@@ -110,31 +116,49 @@ impl<'a> Ears<'a> {
     }
 
     fn at(&self, i: usize) -> Point {
-        self.around.mesh.point(self.ring[i])
+        self.land.mesh.point(self.ring[i])
     }
 
     fn distance(&self, i: usize, j: usize) -> f64 {
         (self.at(j) - self.at(i)).norm()
     }
 
-    /// Closes ears until the loop turns nowhere more outwards than it does on the whole.
+    /// Closes ears until the loop turns nowhere more outwards than it does on the whole; on
+    /// a map, nowhere to the right.
     pub fn close(&mut self) {
         let mut heap: BinaryHeap<Candidate> =
             (0..self.ring.len()).filter_map(|i| self.candidate(i)).collect();
+        let (mut blocked, mut closed) = (Vec::new(), 0);
         // What bends inwards no more than the whole may do so later, as that changes.
-        while let Some(Candidate { ear, normal, .. }) = heap.pop() {
+        while let Some(Candidate { ear, normal, leans, .. }) = heap.pop() {
             let [p, v, n] = ear;
             let is_there = self.alive[v] && self.before[v] == p && self.after[v] == n;
             if is_there && self.bends(v) && self.is_new(p, n) {
-                self.cut(ear, normal);
-                heap.extend([p, n].into_iter().filter_map(|i| self.candidate(i)));
+                if self.is_free(ear) {
+                    self.cut(ear, normal);
+                    self.leaning.extend(leans.then_some(v));
+                    heap.extend([p, n].into_iter().filter_map(|i| self.candidate(i)));
+                } else {
+                    blocked.push(v);
+                }
+            }
+            // What lay in the way may have been closed since.
+            if heap.is_empty() && closed < self.closed.len() {
+                closed = self.closed.len();
+                let again = std::mem::take(&mut blocked).into_iter();
+                heap.extend(again.filter(|&v| self.alive[v]).filter_map(|v| self.candidate(v)));
             }
         }
     }
 
-    /// The ear at a place, unless the loop does not bend there or the ear would lean over.
+    fn ear(&self, v: usize) -> [usize; 3] {
+        [self.before[v], v, self.after[v]]
+    }
+
+    /// The ear at a place, unless the loop does not bend there or the ear would lean over
+    /// without need.
     fn candidate(&self, v: usize) -> Option<Candidate> {
-        let ear = [self.before[v], v, self.after[v]];
+        let ear = self.ear(v);
         let [p, v, n] = ear;
         if !self.bends(v) {
             return None;
@@ -142,19 +166,30 @@ impl<'a> Ears<'a> {
         let normal = unit_normal([p, n, v].map(|i| self.at(i)))?;
         let lean = self.beside[p].dot(&normal).min(self.beside[v].dot(&normal));
         let cost = self.distance(p, n) * (2.0 - lean).powi(2);
-        (lean >= LEANING).then_some(Candidate { cost, ear, normal })
+        let leans = lean < LEANING;
+        let may = !leans || self.flat.as_ref().is_some_and(|flat| flat.tip(ear) < SLIT);
+        may.then_some(Candidate { cost, ear, normal, leans })
     }
 
     /// Whether the loop turns to the right at a place, more than on the whole.
     fn bends(&self, v: usize) -> bool {
+        if let Some(flat) = &self.flat {
+            return flat.bends(self.ear(v));
+        }
         let share = (-self.turning).max(0.0) / self.length;
         let around = 0.5 * (self.lengths[self.before[v]] + self.lengths[v]);
         self.angles[v] - PI > STRAIGHT + share * around
     }
 
+    /// Whether nothing lies in an ear, as far as a map shows that.
+    fn is_free(&self, ear: [usize; 3]) -> bool {
+        let counts = |i: usize| self.alive[i] && !ear.contains(&i);
+        self.flat.as_ref().is_none_or(|flat| flat.is_free(ear, counts))
+    }
+
     /// Whether nothing joins two places yet, and more than a triangle is left.
     fn is_new(&self, p: usize, n: usize) -> bool {
-        let joined = || self.around.joined(self.ring[p], self.ring[n]);
+        let joined = || self.land.joined(self.ring[p], self.ring[n]);
         p != n && self.after[n] != p && !self.sides.contains(&(p.min(n), p.max(n))) && !joined()
     }
 
@@ -162,7 +197,7 @@ impl<'a> Ears<'a> {
     /// curved one chords in space are so short that all the boundary would seem a bay.
     fn cut(&mut self, ear: [usize; 3], normal: Vector) {
         let [p, v, n] = ear;
-        let in_space = self.around.mesh.angle(self.ring[p], self.ring[v], self.ring[n]);
+        let in_space = self.land.mesh.angle(self.ring[p], self.ring[v], self.ring[n]);
         let tip = (TAU - self.angles[v]).max(in_space).max(SHARP);
         let [a, b] = [self.lengths[p], self.lengths[v]];
         let chord = (a * a + b * b - 2.0 * a * b * tip.cos()).sqrt();
@@ -181,12 +216,20 @@ impl<'a> Ears<'a> {
         self.tips.insert([p, n], v);
     }
 
-    /// The ears whose tips lie between two places, counted on beyond the loop's end.
+    /// Whether a place lies between two others, counted on beyond the loop's end.
+    fn is_between(&self, v: usize, from: usize, to: usize) -> bool {
+        let n = self.ring.len();
+        (from + 1..to).contains(&v) || from < v + n && v + n < to
+    }
+
+    /// The ears whose tips lie between two places.
     pub fn within(&self, from: usize, to: usize) -> Vec<[usize; 3]> {
-        let is_within = |v: usize| {
-            (from + 1..to).contains(&v) || from < v + self.ring.len() && v + self.ring.len() < to
-        };
-        self.closed.iter().filter(|ear| is_within(ear[1])).copied().collect()
+        self.closed.iter().filter(|ear| self.is_between(ear[1], from, to)).copied().collect()
+    }
+
+    /// Whether an ear leans over whose tip lies between two places.
+    pub fn lean(&self, from: usize, to: usize) -> bool {
+        self.leaning.iter().any(|&v| self.is_between(v, from, to))
     }
 
     /// The tip of the ear that was closed between two places.

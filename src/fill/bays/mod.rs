@@ -8,16 +8,17 @@
 //! convex hull. Ears that span no more than a wide curve are opened again.
 
 mod ears;
+mod flat;
 #[cfg(test)]
 mod tests;
 
 use foldhash::HashMap;
 use rayon::prelude::*;
 
-use super::front::Surroundings;
+use super::front::Land;
 use super::refine::Surface;
 use super::size::Sizes;
-use crate::geometry::{Point, Vector, VertexId, segment_distance};
+use crate::geometry::{Point, Uv, Vector, VertexId, segment_distance};
 use crate::mesh::boundary::Loop;
 use ears::Ears;
 
@@ -26,6 +27,10 @@ const SHALLOW: f64 = 1.0;
 
 /// … as those are whose depth is a smaller share of their width.
 const WIDE: f64 = 0.25;
+
+/// Those with triangles that lean over are closed from this share of the mesh's diagonal
+/// on: less deep, what goes on straight does no harm there, and the surface need not fold.
+const DEEP: f64 = 0.05;
 
 /// Sides across mouths are divided that are longer, in edges wanted there.
 const LONG: f64 = 1.4;
@@ -40,12 +45,13 @@ pub struct Bays {
     pub count: usize,
 }
 
-/// Closes the bays of an outer boundary. `None`: it has none.
-pub fn close(around: &Surroundings, outer: &[VertexId]) -> Option<Bays> {
-    let mut ears = Ears::new(around, outer);
+/// Closes the bays of an outer boundary: those that a map of the land shows, or, without
+/// one, those that the surface's angles along the boundary do. `None`: it has none.
+pub fn close(land: Land, outer: &[VertexId], map: Option<&[Uv]>) -> Option<Bays> {
+    let mut ears = Ears::new(land, outer, map);
     ears.close();
-    let points = outer.iter().map(|&v| around.mesh.point(v)).collect();
-    let shore = Shore { around, outer, sizes: Sizes::new(&[points]) };
+    let points = outer.iter().map(|&v| land.mesh.point(v)).collect();
+    let shore = Shore { land, outer, sizes: Sizes::new(&[points]) };
     // What the new boundary runs over: measured vertices, or across a bay's mouth.
     let mut course = Vec::new();
     let left = ears.left();
@@ -55,7 +61,7 @@ pub fn close(around: &Surroundings, outer: &[VertexId]) -> Option<Bays> {
     while let Some([from, to]) = mouths.pop() {
         match ears.over(from, to) {
             None => course.push((from, None)),
-            Some(_) if shore.is_bay(from, to) => course.push((from, Some(to))),
+            Some(_) if shore.is_bay(from, to, ears.lean(from, to)) => course.push((from, Some(to))),
             Some(tip) => mouths.extend([[tip, to], [from, tip]]),
         }
     }
@@ -75,7 +81,7 @@ pub fn close(around: &Surroundings, outer: &[VertexId]) -> Option<Bays> {
 
 /// The measured outer boundary; places on it are counted on beyond its end.
 struct Shore<'a> {
-    around: &'a Surroundings<'a>,
+    land: Land<'a>,
     outer: &'a [VertexId],
     sizes: Sizes,
 }
@@ -86,14 +92,15 @@ impl Shore<'_> {
     }
 
     fn at(&self, i: usize) -> Point {
-        self.around.mesh.point(self.vertex(i))
+        self.land.mesh.point(self.vertex(i))
     }
 
     /// Whether what is between two places reaches in far enough from the straight line
     /// between them.
-    fn is_bay(&self, from: usize, to: usize) -> bool {
+    fn is_bay(&self, from: usize, to: usize, leans: bool) -> bool {
         let (a, b) = (self.at(from), self.at(to));
-        let least = (SHALLOW * self.sizes.mean).max(WIDE * (b - a).norm());
+        let deep = if leans { DEEP * self.land.mesh.diagonal() } else { 0.0 };
+        let least = (SHALLOW * self.sizes.mean).max(WIDE * (b - a).norm()).max(deep);
         (from..to).any(|i| segment_distance(self.at(i), a, b) >= least)
     }
 
@@ -125,12 +132,12 @@ impl Shore<'_> {
             triangles.extend(chain.windows(2).map(|side| [side[0], side[1], v]));
         }
         let normal =
-            |k: usize| self.around.normal_at(self.vertex(from + k), self.vertex(from + k + 1));
+            |k: usize| self.land.normal_at(self.vertex(from + k), self.vertex(from + k + 1));
         let beside: HashMap<(usize, usize), Vector> =
             (0..banks - 1).filter_map(|k| Some(((k + 1, k), normal(k)?))).collect();
         let mut surface = Surface { points, triangles, rim, beside };
         let joined = |a: usize, b: usize| {
-            a.max(b) < banks && self.around.joined(self.vertex(from + a), self.vertex(from + b))
+            a.max(b) < banks && self.land.joined(self.vertex(from + a), self.vertex(from + b))
         };
         surface.refine(&self.sizes, joined);
         surface.unfold(joined);
@@ -141,7 +148,7 @@ impl Shore<'_> {
 impl Bays {
     fn add(&mut self, shore: &Shore, from: usize, surface: (Surface, [usize; 2])) {
         let (mut surface, [banks, rim]) = surface;
-        let first = shore.around.mesh.points.len() + self.points.len();
+        let first = shore.land.mesh.points.len() + self.points.len();
         let global = |k: usize| match k.checked_sub(banks) {
             None => shore.vertex(from + k),
             Some(new) => VertexId::from(first + new),

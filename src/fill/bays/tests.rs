@@ -1,6 +1,6 @@
 use super::*;
-use crate::geometry::unit_normal;
-use crate::mesh::{EdgeMap, FaceOrigin, Mesh, Patch, boundary};
+use crate::geometry::{Uv, unit_normal};
+use crate::mesh::{EdgeMap, FaceOrigin, Mesh, Patch, Rings, boundary};
 
 /// A sheet of n × n squares without some, over a surface.
 fn sheet(
@@ -27,8 +27,14 @@ fn sheet(
 
 /// A mesh and what closes its bays.
 fn closed(mesh: &Mesh) -> (Mesh, Option<Bays>) {
+    closed_on(mesh, None)
+}
+
+/// The same as a map shows them.
+fn closed_on(mesh: &Mesh, map: Option<&[Uv]>) -> (Mesh, Option<Bays>) {
     let outer = boundary::boundary_loops(mesh, &EdgeMap::new(mesh)).remove(0);
-    let bays = Surroundings::with(mesh, |around| close(around, &outer));
+    let rings = Rings::new(mesh);
+    let bays = close(Land { mesh, rings: &rings }, &outer, map);
     let mut whole = mesh.clone();
     if let Some(bays) = &bays {
         whole.points.extend(&bays.points);
@@ -90,4 +96,51 @@ fn a_bay_in_a_bent_sheet_is_closed_beside_it() {
     assert_eq!(bays.count, 1);
     assert!(is_disk(&whole, &bays.outer));
     assert!(bays.points.iter().all(|p| (p.z - 2.0 * (0.2 * p.x).sin()).abs() < 1.5));
+}
+
+/// A sheet of n × n squares without some, over a surface; and flat, as its map.
+fn mapped(
+    n: usize,
+    is_there: impl Fn(usize, usize) -> bool,
+    at: impl Fn(f64, f64) -> [f64; 3],
+) -> (Mesh, Vec<Uv>) {
+    let flat = sheet(n, &is_there, |x, y| [x, y, 0.0]);
+    (sheet(n, is_there, at), flat.points.iter().map(|p| Uv::new(p.x, p.y)).collect())
+}
+
+#[test]
+fn a_slit_whose_bank_hangs_over_is_closed_if_it_is_deep() {
+    // What is right of the slit leans over what is left of it, the more the farther out.
+    let slit = |from: f64, steep: f64| {
+        let over = move |x: f64, y: f64| {
+            let out = if x > 15.5 { (y - from).max(0.0) } else { 0.0 };
+            [x - steep * out, y, 0.4 * out]
+        };
+        let (mesh, map) = mapped(32, move |i, j| i != 15 || (j as f64) < from, over);
+        closed_on(&mesh, Some(&map))
+    };
+    let (whole, bays) = slit(8.0, 0.6);
+    let bays = bays.expect("a bay");
+    assert_eq!(bays.count, 1);
+    assert!(is_disk(&whole, &bays.outer));
+    let is_open = |p: Point| 1.0 < p.x && p.x < 20.0 && 7.0 < p.y && p.y < 25.0;
+    assert!(!bays.outer.iter().any(|&v| is_open(whole.point(v))));
+    assert!(slit(30.0, 3.0).1.is_none());
+}
+
+#[test]
+fn on_a_map_ears_are_not_closed_over_a_tongue_between_them() {
+    // A bay with a tongue in it: what is beside the tongue comes first, then what is above.
+    let is_there = |i: usize, j: usize| j < 8 || !(8..24).contains(&i) || i == 14 && j < 20;
+    let (mesh, map) = mapped(32, is_there, |x, y| [x, y, 0.0]);
+    let (whole, bays) = closed_on(&mesh, Some(&map));
+    let bays = bays.expect("a bay");
+    assert!(is_disk(&whole, &bays.outer));
+    let doubled = |t: &[VertexId; 3]| {
+        let [a, b, c] = whole.corners(*t);
+        (b - a).cross(&(c - a)).z
+    };
+    assert!(whole.triangles.iter().all(|t| doubled(t) > 0.0));
+    let area: f64 = whole.triangles.iter().map(doubled).sum();
+    assert!((0.5 * area - 1024.0).abs() < 1e-6, "{area}");
 }

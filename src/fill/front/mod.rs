@@ -47,6 +47,30 @@ impl Surroundings<'_> {
         what(&Surroundings { mesh, rings: &rings, cloud: &cloud, ground: &ground })
     }
 
+    /// The mesh alone.
+    pub fn land(&self) -> Land<'_> {
+        Land { mesh: self.mesh, rings: self.rings }
+    }
+
+    /// Whether the mesh joins two vertices; new ones it does not.
+    pub fn joined(&self, v: VertexId, w: VertexId) -> bool {
+        self.land().joined(v, w)
+    }
+
+    /// The unit normal of a triangle of the mesh between two vertices.
+    pub fn normal_at(&self, v: VertexId, w: VertexId) -> Option<Vector> {
+        self.land().normal_at(v, w)
+    }
+}
+
+/// A mesh, and which triangles are around its vertices.
+#[derive(Clone, Copy)]
+pub struct Land<'a> {
+    pub mesh: &'a Mesh,
+    pub rings: &'a mesh::Rings,
+}
+
+impl Land<'_> {
     /// Whether the mesh joins two vertices; new ones it does not.
     pub fn joined(&self, v: VertexId, w: VertexId) -> bool {
         let measured = v.index().max(w.index()) < self.mesh.points.len();
