@@ -323,12 +323,14 @@ fn mapped(
     course: &mut Course,
 ) -> Result<(Parameterized, parameterize::Report)> {
     let share = |round: u32| f64::from(round) / f64::from(AGAIN + 1);
-    let mut begun = course::part(course, 0.0, share(1));
-    let (mut map, mut report) = parameterize::parameterize_with(patch, options, &mut begun)?;
-    drop(begun);
+    let (mut map, mut report) = parameterize::parameterize_with(
+        patch,
+        options,
+        &mut course::part(course, share(0), share(1)),
+    )?;
     let free = parameterize::Options { outline: Some(Outline::Free), ..options.clone() };
     for round in 1..=AGAIN {
-        if map.outline != Outline::Free || report.split_edges > 0 || !options.may_be_free() {
+        if map.outline != Outline::Free || report.split_edges > 0 {
             break;
         }
         let Some((patch, count)) = fill::close_bays(&map.patch, &map.uv)? else { break };

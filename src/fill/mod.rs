@@ -181,7 +181,7 @@ pub fn fill_with(
         });
         Ok::<_, Error>((fills, bays))
     })?;
-    let Disk { mesh, mut outer, holes: rims, islands, .. } = disk;
+    let Disk { mesh, outer, holes: rims, islands, .. } = disk;
     let mut whole = Whole::new(mesh);
     let mut report = Report::default();
     for (number, (closed, rim)) in fills.into_iter().zip(&rims).enumerate() {
@@ -197,14 +197,13 @@ pub fn fill_with(
         });
         whole.add(fill.points, &fill.triangles, FaceOrigin::Hole(number as u32));
     }
-    let shore = bays.map(|bays| {
-        report.bays = bays.count;
-        let around = bays.outer.into_iter().map(whole.number()).collect();
-        whole.add(bays.points, &bays.triangles, FaceOrigin::Bay);
-        std::mem::replace(&mut outer, around)
-    });
+    let bays = bays.map(|bays| bays.numbered(whole.number()));
     let Whole { mesh, measured, origin } = whole;
-    let patch = Patch { mesh, measured, origin, outer, shore, rims, islands };
+    let mut patch = Patch { mesh, measured, origin, outer, shore: None, rims, islands };
+    if let Some(bays) = bays {
+        report.bays = bays.count;
+        bays.close_in(&mut patch);
+    }
     debug_assert!(patch.is_disk(), "filling leaves a disk");
     Ok((patch, report))
 }
@@ -225,12 +224,10 @@ pub fn close_bays(patch: &Patch, map: &[Uv]) -> Result<Option<(Patch, usize)>> {
     let rings = Rings::new(&patch.mesh);
     let land = front::Land { mesh: &patch.mesh, rings: &rings };
     let Some(bays) = bays::close(land, &patch.outer, Some(map)) else { return Ok(None) };
-    patch.mesh.points.extend(bays.points);
-    patch.mesh.triangles.extend(bays.triangles);
-    patch.origin.resize(patch.mesh.triangles.len(), FaceOrigin::Bay);
-    patch.shore = Some(std::mem::replace(&mut patch.outer, bays.outer));
+    let count = bays.count;
+    bays.close_in(&mut patch);
     debug_assert!(patch.is_disk(), "closing bays leaves a disk");
-    Ok(Some((patch, bays.count)))
+    Ok(Some((patch, count)))
 }
 
 /// The measured mesh with the fills so far.

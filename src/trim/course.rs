@@ -181,9 +181,8 @@ impl<'a> Course<'a> {
             let (a, b) = self.span(i);
             let end = self.polygon.before(b);
             let at_end = self.polygon.parameters[end % n] == b.fract();
-            let held = (self.polygon.before(a)..end).chain(at_end.then_some(end % n));
-            held.into_iter().any(|k| self.distance(k) > self.room[k])
-                && self.is_longer(i, self.shortest)
+            let mut held = (self.polygon.before(a)..end).chain(at_end.then_some(end % n));
+            held.any(|k| self.distance(k) > self.room[k]) && self.is_longer(i, self.shortest)
         };
         (0..self.knots.breaks.len()).filter(far).collect()
     }

@@ -6,6 +6,7 @@ use std::f64::consts::{PI, TAU};
 
 use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 
+use super::STRAIGHT;
 use super::flat::Flat;
 use crate::fill::front::Land;
 use crate::geometry::{Point, Uv, Vector, VertexId, unit_normal};
@@ -15,9 +16,6 @@ const LEANING: f64 = -0.3;
 
 /// … as only those may that a map shows with sharper tips, in radians.
 const SLIT: f64 = 5.0 / 6.0 * PI;
-
-/// Turning by less, in radians, is none.
-const STRAIGHT: f64 = 1e-3;
 
 /// Tips are no sharper, in radians, where the surface overlaps itself.
 const SHARP: f64 = 1e-3;
@@ -183,8 +181,7 @@ impl<'a> Ears<'a> {
 
     /// Whether nothing lies in an ear, as far as a map shows that.
     fn is_free(&self, ear: [usize; 3]) -> bool {
-        let counts = |i: usize| self.alive[i] && !ear.contains(&i);
-        self.flat.as_ref().is_none_or(|flat| flat.is_free(ear, counts))
+        self.flat.as_ref().is_none_or(|flat| flat.is_free(ear, |i| self.alive[i]))
     }
 
     /// Whether nothing joins two places yet, and more than a triangle is left.

@@ -5,10 +5,8 @@ use std::f64::consts::PI;
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use nalgebra::center;
 
-use crate::geometry::{Uv, VertexId};
-
-/// Turning by less, in radians, is none.
-const STRAIGHT: f64 = 1e-3;
+use super::STRAIGHT;
+use crate::geometry::{Uv, VertexId, orient2d};
 
 /// The places of a closed loop, the surface to its left.
 pub struct Flat {
@@ -27,7 +25,7 @@ impl Flat {
     }
 
     fn turn(&self, a: usize, b: usize, c: usize) -> f64 {
-        (self.uv[b] - self.uv[a]).perp(&(self.uv[c] - self.uv[b]))
+        orient2d(self.uv[a], self.uv[b], self.uv[c])
     }
 
     /// The angle at an ear's tip, what the loop goes around from its first place to its

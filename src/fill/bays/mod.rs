@@ -20,7 +20,11 @@ use super::refine::Surface;
 use super::size::Sizes;
 use crate::geometry::{Point, Uv, Vector, VertexId, segment_distance};
 use crate::mesh::boundary::Loop;
+use crate::mesh::{FaceOrigin, Patch};
 use ears::Ears;
+
+/// Turning by less, in radians, is none.
+const STRAIGHT: f64 = 1e-3;
 
 /// Bays less deep, in mean edges of the boundary, are left …
 const SHALLOW: f64 = 1.0;
@@ -146,6 +150,22 @@ impl Shore<'_> {
 }
 
 impl Bays {
+    /// The same with other numbers for all vertices.
+    pub fn numbered(mut self, number: impl Fn(VertexId) -> VertexId) -> Self {
+        self.triangles.iter_mut().flatten().for_each(|v| *v = number(*v));
+        self.outer.iter_mut().for_each(|v| *v = number(*v));
+        self
+    }
+
+    /// Closes them in a patch that has none closed yet, whose vertices end where the
+    /// points begin.
+    pub fn close_in(self, patch: &mut Patch) {
+        patch.mesh.points.extend(self.points);
+        patch.mesh.triangles.extend(self.triangles);
+        patch.origin.resize(patch.mesh.triangles.len(), FaceOrigin::Bay);
+        patch.shore = Some(std::mem::replace(&mut patch.outer, self.outer));
+    }
+
     fn add(&mut self, shore: &Shore, from: usize, surface: (Surface, [usize; 2])) {
         let (mut surface, [banks, rim]) = surface;
         let first = shore.land.mesh.points.len() + self.points.len();

@@ -1,6 +1,6 @@
 use super::*;
-use crate::geometry::{Uv, unit_normal};
-use crate::mesh::{EdgeMap, FaceOrigin, Mesh, Patch, Rings, boundary};
+use crate::geometry::unit_normal;
+use crate::mesh::{EdgeMap, Mesh, Rings, boundary};
 
 /// A sheet of n × n squares without some, over a surface.
 fn sheet(
