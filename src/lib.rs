@@ -68,6 +68,7 @@
 pub mod adapt;
 pub mod brep;
 pub mod check;
+mod cholesky;
 mod course;
 pub mod cut;
 mod decimal;
@@ -84,6 +85,7 @@ pub mod parameterize;
 #[cfg(feature = "picture")]
 pub mod picture;
 pub mod rules;
+mod sets;
 pub mod smooth;
 pub mod spline;
 pub mod trim;

@@ -8,7 +8,6 @@ mod band;
 mod bays;
 mod blocks;
 mod cells;
-mod cholesky;
 mod close;
 mod develop;
 mod fair;

@@ -18,6 +18,7 @@ use super::{EdgeMap, Mesh, caps, polygons, spikes, weld};
 use crate::error::{Error, Result, of};
 use crate::geometry::VertexId;
 use crate::rules;
+use crate::sets::Sets;
 
 /// What was repaired: kind and count. Kinds that did not occur are absent.
 pub type Repairs = BTreeMap<&'static str, usize>;
@@ -189,7 +190,7 @@ impl Build {
             return false;
         }
         let next = |s: usize| s / 3 * 3 + (s % 3 + 1) % 3;
-        let mut fans = Fans::new(3 * self.mesh.triangles.len());
+        let mut fans = Sets::new(3 * self.mesh.triangles.len());
         for side in 0..3 * self.mesh.triangles.len() {
             let Some(other) = self.edges.across(side).filter(|&other| side < other) else {
                 continue;
@@ -277,28 +278,6 @@ impl Build {
             self.place = old.into_iter().map(|v| self.place[v]).collect();
             self.mesh = mesh;
         }
-    }
-}
-
-/// Union-find over triangle corners.
-struct Fans(Vec<u32>);
-
-impl Fans {
-    fn new(n: usize) -> Self {
-        Fans((0..n as u32).collect())
-    }
-
-    fn find(&mut self, mut i: usize) -> usize {
-        while self.0[i] as usize != i {
-            self.0[i] = self.0[self.0[i] as usize];
-            i = self.0[i] as usize;
-        }
-        i
-    }
-
-    fn join(&mut self, i: usize, j: usize) {
-        let (i, j) = (self.find(i), self.find(j));
-        self.0[i.max(j)] = i.min(j) as u32;
     }
 }
 

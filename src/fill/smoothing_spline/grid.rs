@@ -4,6 +4,7 @@
 use std::collections::{BTreeMap, HashSet};
 
 use crate::geometry::{Uv, UvVector};
+use crate::sets::Sets;
 
 pub const DEGREE: usize = 4;
 /// B-splines that do not vanish on an interval; squared, on a cell.
@@ -142,22 +143,11 @@ impl Grid {
 
     /// Into how many parts without a common function the grid falls.
     pub fn parts(&self) -> usize {
-        let mut root: Vec<u32> = (0..self.count as u32).collect();
-        fn find(root: &mut [u32], mut i: u32) -> u32 {
-            while root[i as usize] != i {
-                root[i as usize] = root[root[i as usize] as usize];
-                i = root[i as usize];
-            }
-            i
-        }
+        let mut sets = Sets::new(self.count);
         for functions in &self.on_cells {
-            let first = find(&mut root, functions[0]);
-            for &f in functions {
-                let other = find(&mut root, f);
-                root[other as usize] = first;
-            }
+            functions.iter().for_each(|&f| sets.join(functions[0] as usize, f as usize));
         }
-        (0..self.count).filter(|&i| root[i] == i as u32).count()
+        sets.members().len()
     }
 
     /// The cell of a place, and the place in it from 0 to 1.

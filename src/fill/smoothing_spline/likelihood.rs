@@ -7,7 +7,7 @@ use faer::Mat;
 use super::Held;
 use super::grid::{Grid, ON_CELL, cell_energy, values};
 use super::overlaps::{Overlaps, order, runs};
-use crate::fill::cholesky::Pattern;
+use crate::cholesky::Pattern;
 use crate::geometry::Uv;
 
 /// Of λ₂ and λ₄, where all forms have the same trace: powers of √10.

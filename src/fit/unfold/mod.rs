@@ -12,6 +12,7 @@
 //! samples' distances, across with full weight and along with little of it, a
 //! thin-plate energy, and the squares of what the surface spreads too little.
 
+mod part;
 mod places;
 mod system;
 mod work;

@@ -1,16 +1,22 @@
 //! The equations for some control points of a net, the others held: three
 //! coordinates each, which couple.
 
-use faer::Mat;
-use faer::prelude::Solve;
-use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::Matrix3;
+use rayon::prelude::*;
 
+use super::part::Part;
 use crate::geometry::Vector;
+use crate::sets::Sets;
 
 /// A control point couples with those up to three rows further and three columns
-/// to either side.
+/// to either side, …
 const COUPLED: usize = 28;
+
+/// … among which this one is itself.
+const SELF: usize = 3;
+
+/// What a control point has with each of those that it couples with.
+pub type Blocks = [Matrix3<f64>; COUPLED];
 
 /// Symmetric equations for steps of the control points that are free.
 pub struct System {
@@ -19,19 +25,52 @@ pub struct System {
     pub free: Vec<usize>,
     /// The place in `free` of a control point.
     place: Vec<Option<u32>>,
-    blocks: Vec<[Matrix3<f64>; COUPLED]>,
+    blocks: Vec<Blocks>,
     right: Vec<Vector>,
+    /// Of those that couple, each solved by itself.
+    parts: Vec<Part>,
 }
 
 impl System {
-    /// Equations without terms; `width` control points are in a row of the net.
-    pub fn new(width: usize, is_free: &[bool]) -> Self {
+    /// Equations without terms; `width` control points are in a row of the net. `None` if
+    /// there is no memory for their solution.
+    pub fn new(width: usize, is_free: &[bool]) -> Option<Self> {
         let free: Vec<usize> = (0..is_free.len()).filter(|&at| is_free[at]).collect();
         let mut place = vec![None; is_free.len()];
         free.iter().zip(0..).for_each(|(&at, n)| place[at] = Some(n));
-        let (blocks, right) =
-            (vec![[Matrix3::zeros(); COUPLED]; free.len()], vec![Vector::zeros(); free.len()]);
-        System { width, free, place, blocks, right }
+        let mut system =
+            System { width, free, place, blocks: vec![], right: vec![], parts: vec![] };
+        let mut sets = Sets::new(system.free.len());
+        for a in 0..system.free.len() {
+            system.coupled(a).for_each(|(_, b)| sets.join(a, b as usize));
+        }
+        let sets = sets.members().into_par_iter();
+        let parts: Option<_> = sets.map(|of| Part::new(of, |a| system.coupled(a))).collect();
+        system.parts = parts?;
+        system.clear();
+        Some(system)
+    }
+
+    /// Takes all terms out.
+    pub fn clear(&mut self) {
+        self.blocks = vec![[Matrix3::zeros(); COUPLED]; self.free.len()];
+        self.right = vec![Vector::zeros(); self.free.len()];
+    }
+
+    /// Whether these control points are free, and no others.
+    pub fn is_for(&self, is_free: &[bool]) -> bool {
+        self.place.iter().zip(is_free).all(|(place, free)| place.is_some() == *free)
+    }
+
+    /// The free control points not before one of them that couple with it: which ones of
+    /// its blocks, and their places in `free`, both growing.
+    fn coupled(&self, a: usize) -> impl Iterator<Item = (usize, u32)> + '_ {
+        let at = self.free[a];
+        (SELF..COUPLED).filter_map(move |k| {
+            let to = (at + k / 7 * self.width + k % 7).checked_sub(SELF)?;
+            let same_rows = at / self.width + k / 7 == to / self.width;
+            Some((k, self.place.get(to).copied().flatten().filter(|_| same_rows)?))
+        })
     }
 
     /// Adds to the right-hand side of a control point, if it is free.
@@ -46,41 +85,20 @@ impl System {
     pub fn couple(&mut self, a: usize, b: usize, block: &Matrix3<f64>) {
         if let (Some(n), Some(_)) = (self.place[a], self.place[b]) {
             let rows = b / self.width - a / self.width;
-            let columns = b % self.width + 3 - a % self.width;
+            let columns = b % self.width + SELF - a % self.width;
             self.blocks[n as usize][7 * rows + columns] += block;
         }
     }
 
     /// The steps, in the order of `free`; `None` if the equations are singular.
-    pub fn solve(&self) -> Option<Vec<Vector>> {
-        let n = self.free.len();
-        let mut triplets = Vec::with_capacity(9 * n * COUPLED / 2);
-        for (a, (&at, blocks)) in self.free.iter().zip(&self.blocks).enumerate() {
-            for (k, block) in blocks.iter().enumerate() {
-                let Some(to) = (at + (k / 7) * self.width + k % 7).checked_sub(3) else { continue };
-                let same_rows = at / self.width + k / 7 == to / self.width;
-                let Some(b) = self.place.get(to).copied().flatten().filter(|_| same_rows) else {
-                    continue;
-                };
-                let b = b as usize;
-                for (x, y) in (0..9).map(|i| (i / 3, i % 3)) {
-                    // Rows of the lower triangle: the second point's coordinates.
-                    if b > a || b == a && y >= x {
-                        triplets.push(Triplet::new(
-                            (3 * b + y) as u32,
-                            (3 * a + x) as u32,
-                            block[(x, y)],
-                        ));
-                    }
-                }
-            }
+    pub fn solve(&mut self) -> Option<Vec<Vector>> {
+        let (blocks, right) = (&self.blocks, &self.right);
+        let solved = self.parts.par_iter_mut().map(|part| part.solve(blocks, right));
+        let solved: Vec<Vec<Vector>> = solved.collect::<Option<_>>()?;
+        let mut steps = vec![Vector::zeros(); self.free.len()];
+        for (part, solved) in self.parts.iter().zip(solved) {
+            part.points.iter().zip(solved).for_each(|(&a, step)| steps[a as usize] = step);
         }
-        let size = 3 * n;
-        let matrix = SparseColMat::<u32, f64>::try_new_from_triplets(size, size, &triplets).ok()?;
-        let factor = matrix.sp_cholesky(faer::Side::Lower).ok()?;
-        let x = factor.solve(&Mat::from_fn(size, 1, |i, _| self.right[i / 3][i % 3]));
-        let step = |k: usize| Vector::new(x[(3 * k, 0)], x[(3 * k + 1, 0)], x[(3 * k + 2, 0)]);
-        let steps: Vec<Vector> = (0..n).map(step).collect();
         steps.iter().all(|s| s.norm().is_finite()).then_some(steps)
     }
 }
@@ -94,7 +112,7 @@ mod tests {
     fn free_points_are_solved_for_and_others_stay() {
         let (rows, width) = (5, 6);
         let is_free: Vec<bool> = (0..rows * width).map(|n| n % 4 > 0).collect();
-        let mut system = System::new(width, &is_free);
+        let mut system = System::new(width, &is_free).unwrap();
         let mut dense = DMatrix::<f64>::zeros(3 * rows * width, 3 * rows * width);
         let number = |k: usize| ((k * 7919) % 101) as f64 / 101.0 - 0.5;
         // A sum of squares of random sums over four by four points.

@@ -37,6 +37,8 @@ pub struct Work<'a> {
     stuck: Vec<bool>,
     /// Control points that move.
     free: Vec<bool>,
+    /// The equations for these, as soon as there were any.
+    system: Option<System>,
     /// Cells whose samples need not hold the surface in all directions.
     eased: Vec<bool>,
     /// Samples' weight in a mean cell.
@@ -66,6 +68,7 @@ impl<'a> Work<'a> {
             uv: samples.uv.clone(),
             stuck: vec![false; samples.len()],
             free: vec![false; surface.net.len()],
+            system: None,
             eased: vec![false; across * down],
             weight: samples.weights.len() as f64 / (across * down) as f64,
             halves,
@@ -111,7 +114,13 @@ impl<'a> Work<'a> {
 
     /// One step; `None` if there is no solution.
     pub fn round(&mut self, stiffness: f64, spots: &[Spot], slide: &Slide) -> Option<()> {
-        let mut system = System::new(self.width(), &self.free);
+        let mut system = match self.system.take().filter(|system| system.is_for(&self.free)) {
+            Some(mut system) => {
+                system.clear();
+                system
+            }
+            None => System::new(self.width(), &self.free)?,
+        };
         let moves = self.moving();
         let near = self.near(&moves);
         for &i in &near {
@@ -128,6 +137,7 @@ impl<'a> Work<'a> {
         for (&at, step) in system.free.iter().zip(steps) {
             self.surface.net[at] += SHARE * step;
         }
+        self.system = Some(system);
         let last = last_step(&self.surface);
         let foot = |&i: &usize| {
             let p = self.cells.samples.points[i];

@@ -4,11 +4,12 @@
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
 use faer::sparse::linalg::SupernodalThreshold;
+use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::{
     CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky, supernodal::SupernodalLltRef,
 };
-use faer::sparse::{SparseColMatRef, SymbolicSparseColMat};
+use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
 use faer::{Conj, Mat, Par, Side};
 
 /// The pattern of a symmetric matrix's lower triangle, analysed, and room for
@@ -70,6 +71,18 @@ impl Pattern {
     }
 }
 
+/// An order of elimination in which factors are nearly as sparse as may be, for a pattern
+/// as [`Pattern::new`] takes it. `None` if there is no memory for it.
+pub fn least_degree(starts: &[usize], rows: &[usize]) -> Option<Vec<usize>> {
+    let n = starts.len() - 1;
+    let pattern = SymbolicSparseColMatRef::new_checked(n, n, starts, None, rows);
+    let mut room = MemBuffer::try_new(amd::order_scratch::<usize>(n, rows.len())).ok()?;
+    let (mut order, mut inverse) = (vec![0; n], vec![0; n]);
+    let stack = MemStack::new(&mut room);
+    amd::order(&mut order, &mut inverse, pattern, Default::default(), stack).ok()?;
+    Some(order)
+}
+
 /// `None` without supernodes, which the pattern asks for.
 fn log_determinant(symbolic: &SymbolicCholesky<usize>, factor: &[f64]) -> Option<f64> {
     let SymbolicCholeskyRaw::Supernodal(nodes) = symbolic.raw() else { return None };
@@ -86,16 +99,17 @@ mod tests {
     fn the_determinant_and_the_solution_of_a_chain_are_known() {
         // Second differences with fixed ends: determinant n + 1.
         let n = 50;
-        let starts = (0..n).map(|j| 2 * j).chain([2 * n - 1]).collect();
+        let starts: Vec<usize> = (0..n).map(|j| 2 * j).chain([2 * n - 1]).collect();
         let rows: Vec<usize> = (0..2 * n - 1).map(|k| k / 2 + k % 2).collect();
         let values: Vec<f64> =
             (0..2 * n - 1).map(|k| if k % 2 == 0 { 2.0 } else { -1.0 }).collect();
         let order: Vec<usize> = (0..n).rev().collect();
-        let mut pattern = Pattern::new(starts, rows, &order).unwrap();
+        let mut pattern = Pattern::new(starts.clone(), rows.clone(), &order).unwrap();
         let mut x = Mat::from_fn(n, 1, |i, _| if i == 0 { 1.0 } else { 0.0 });
         let log = pattern.solve(&values, Some(&mut x)).unwrap();
         assert!((log - 51f64.ln()).abs() < 1e-10);
         assert!((x[(0, 0)] - 50.0 / 51.0).abs() < 1e-12);
+        assert_eq!(least_degree(&starts, &rows).unwrap().len(), n);
         let negative: Vec<f64> = values.iter().map(|v| -v).collect();
         assert!(pattern.solve(&negative, None).is_none());
     }
