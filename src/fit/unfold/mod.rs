@@ -15,6 +15,7 @@
 mod part;
 mod places;
 mod system;
+mod terms;
 mod work;
 
 use super::cells::Cells;

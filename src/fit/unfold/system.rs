@@ -73,21 +73,28 @@ impl System {
         })
     }
 
-    /// Adds to the right-hand side of a control point, if it is free.
-    pub fn pull(&mut self, at: usize, force: Vector) {
-        if let Some(n) = self.place[at] {
-            self.right[n as usize] += force;
-        }
+    /// Keeps each control point where it is, with a weight.
+    pub fn anchor(&mut self, weight: f64) {
+        self.blocks.iter_mut().for_each(|of| of[SELF] += Matrix3::identity() * weight);
     }
 
-    /// Adds to the block of row `a` and column `b`, and the transposed one to that
-    /// of row `b` and column `a`. `b` must not be before `a`.
-    pub fn couple(&mut self, a: usize, b: usize, block: &Matrix3<f64>) {
-        if let (Some(n), Some(_)) = (self.place[a], self.place[b]) {
-            let rows = b / self.width - a / self.width;
-            let columns = b % self.width + SELF - a % self.width;
-            self.blocks[n as usize][7 * rows + columns] += block;
+    /// Every fourth strip of cells from one on: no two of them reach into the same rows of
+    /// the net.
+    pub fn strips(&mut self, first: usize) -> Vec<Strip<'_>> {
+        let (width, rows) = (self.width, self.place.len() / self.width);
+        let begin = |row: usize| self.free.partition_point(|&at| at < row * width);
+        let (mut blocks, mut right) = (&mut self.blocks[..], &mut self.right[..]);
+        let mut done = 0;
+        let mut strips = Vec::new();
+        for number in (first..rows - 3).step_by(4) {
+            let (from, to) = (begin(number), begin(number + 4));
+            let own = blocks.split_at_mut(from - done).1.split_at_mut(to - from);
+            let forces = right.split_at_mut(from - done).1.split_at_mut(to - from);
+            let place = &self.place[number * width..(number + 4) * width];
+            strips.push(Strip { number, width, place, from, blocks: own.0, right: forces.0 });
+            (blocks, right, done) = (own.1, forces.1, to);
         }
+        strips
     }
 
     /// The steps, in the order of `free`; `None` if the equations are singular.
@@ -103,6 +110,52 @@ impl System {
     }
 }
 
+/// The equations of the four rows of the net that a strip of cells reaches into.
+pub struct Strip<'a> {
+    /// Its number, counted along u.
+    pub number: usize,
+    width: usize,
+    /// The places of these rows' control points.
+    place: &'a [Option<u32>],
+    /// The first of them.
+    from: usize,
+    blocks: &'a mut [Blocks],
+    right: &'a mut [Vector],
+}
+
+impl Strip<'_> {
+    /// The equations of the control points of cell `q`.
+    pub fn cell(&mut self, q: usize) -> Cell<'_> {
+        let at = |k: usize| self.place[k / 4 * self.width + q + k % 4];
+        let places = std::array::from_fn(|k| at(k).map(|n| n as usize - self.from));
+        Cell { places, blocks: self.blocks, right: self.right }
+    }
+}
+
+/// The equations of a cell's 16 control points, numbered row by row.
+pub struct Cell<'a> {
+    places: [Option<usize>; 16],
+    blocks: &'a mut [Blocks],
+    right: &'a mut [Vector],
+}
+
+impl Cell<'_> {
+    /// Adds to the right-hand side of a control point, if it is free.
+    pub fn pull(&mut self, k: usize, force: Vector) {
+        if let Some(n) = self.places[k] {
+            self.right[n] += force;
+        }
+    }
+
+    /// Adds to the block of row `k` and column `l`, and the transposed one to that
+    /// of row `l` and column `k`. `l` must not be before `k`.
+    pub fn couple(&mut self, k: usize, l: usize, block: &Matrix3<f64>) {
+        if let (Some(n), Some(_)) = (self.places[k], self.places[l]) {
+            self.blocks[n][7 * (l / 4 - k / 4) + SELF + l % 4 - k % 4] += block;
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -114,31 +167,36 @@ mod tests {
         let is_free: Vec<bool> = (0..rows * width).map(|n| n % 4 > 0).collect();
         let mut system = System::new(width, &is_free).unwrap();
         let mut dense = DMatrix::<f64>::zeros(3 * rows * width, 3 * rows * width);
+        let mut pulled = vec![0.0; 3 * rows * width];
         let number = |k: usize| ((k * 7919) % 101) as f64 / 101.0 - 0.5;
-        // A sum of squares of random sums over four by four points.
+        // A sum of squares of random sums over the cells' points.
         for (n, (p, q)) in (0..6).map(|n| (n / 3, n % 3)).enumerate() {
             let at: Vec<usize> = (0..16).map(|k| (p + k / 4) * width + q + k % 4).collect();
             let g: Vec<Vector> =
                 (0..16).map(|k| Vector::from_fn(|x, _| number(48 * n + 3 * k + x))).collect();
+            let mut strips = system.strips(p);
+            assert_eq!((strips.len(), strips[0].number), (1, p));
+            let mut cell = strips[0].cell(q);
             for (i, j) in (0..256).map(|k| (k / 16, k % 16)) {
                 let block = g[i] * g[j].transpose();
                 if i <= j {
-                    system.couple(at[i], at[j], &block);
+                    cell.couple(i, j, &block);
                 }
                 let mut view = dense.fixed_view_mut::<3, 3>(3 * at[i], 3 * at[j]);
                 view += block;
             }
+            for (i, at) in at.into_iter().enumerate() {
+                let force = Vector::new(1.0, at as f64, g[i].x);
+                cell.pull(i, force);
+                (0..3).for_each(|x| pulled[3 * at + x] += force[x]);
+            }
         }
-        for at in 0..rows * width {
-            system.couple(at, at, &Matrix3::identity());
-            system.pull(at, Vector::new(1.0, at as f64, -2.0));
-            let mut view = dense.fixed_view_mut::<3, 3>(3 * at, 3 * at);
-            view += Matrix3::identity();
-        }
+        system.anchor(1.0);
+        dense += DMatrix::identity(3 * rows * width, 3 * rows * width);
         let of: Vec<usize> =
             system.free.iter().flat_map(|&at| [3 * at, 3 * at + 1, 3 * at + 2]).collect();
         let part = dense.select_rows(&of).select_columns(&of);
-        let right = of.iter().map(|&k| [1.0, (k / 3) as f64, -2.0][k % 3]);
+        let right = of.iter().map(|&k| pulled[k]);
         let exact = part.cholesky().unwrap().solve(&DVector::from_iterator(of.len(), right));
         let steps = system.solve().unwrap();
         for (n, step) in steps.iter().enumerate() {

@@ -1,23 +1,20 @@
 //! One step after the other: the equations around folds, and their solution.
 
-use nalgebra::Matrix3;
 use rayon::prelude::*;
 
 use super::Slide;
-use super::places::{ACROSS, LEAST, Spot};
+use super::places::Spot;
 use super::system::System;
+use super::terms::Terms;
 use crate::fit::cells::Cells;
 use crate::fit::fairing;
 use crate::fit::hold::Hold;
-use crate::geometry::{Uv, Vector};
+use crate::geometry::Uv;
 use crate::spline::spans::PAIRS;
 use crate::spline::{Surface, foot_point_moving, last_step};
 
 /// The share of a step that is taken: folds are not linear.
 const SHARE: f64 = 0.5;
-
-/// The weight of what a cell spreads too little.
-const SPREAD: f64 = 3.0;
 
 /// What keeps control points in place that nothing else holds.
 const ANCHOR: f64 = 1e-6;
@@ -29,26 +26,26 @@ const AROUND: usize = 4;
 pub struct Work<'a> {
     /// As it is now.
     pub surface: Surface,
-    cells: &'a Cells<'a>,
-    holds: &'a [Hold],
+    pub cells: &'a Cells<'a>,
+    pub holds: &'a [Hold],
     /// The samples' parameters.
     pub uv: Vec<Uv>,
     /// Samples that may not slide.
-    stuck: Vec<bool>,
+    pub stuck: Vec<bool>,
     /// Control points that move.
     free: Vec<bool>,
     /// The equations for these, as soon as there were any.
     system: Option<System>,
     /// Cells whose samples need not hold the surface in all directions.
-    eased: Vec<bool>,
+    pub eased: Vec<bool>,
     /// Samples' weight in a mean cell.
-    weight: f64,
+    pub weight: f64,
     /// Half lengths of the spans in u and in v, in mm: parameters times the mean length
     /// of the net.
-    halves: [Vec<f64>; 2],
+    pub halves: [Vec<f64>; 2],
     /// Of each span's functions the integrals of products, of their first and of their
     /// second derivatives.
-    energies: [Vec<[[[f64; 4]; 4]; 3]>; 2],
+    pub energies: [Vec<[[[f64; 4]; 4]; 3]>; 2],
 }
 
 impl<'a> Work<'a> {
@@ -123,16 +120,11 @@ impl<'a> Work<'a> {
         };
         let moves = self.moving();
         let near = self.near(&moves);
-        for &i in &near {
-            self.add_sample(&mut system, i);
+        let terms = Terms { work: self, stiffness, spots, moves: &moves, near: &near };
+        for first in 0..4 {
+            system.strips(first).into_par_iter().for_each(|strip| terms.add(strip));
         }
-        self.add_plate(&mut system, stiffness, &moves);
-        for spot in spots {
-            self.add_spot(&mut system, spot);
-        }
-        for at in 0..self.free.len() {
-            system.couple(at, at, &(Matrix3::identity() * (ANCHOR * self.weight)));
-        }
+        system.anchor(ANCHOR * self.weight);
         let steps = system.solve()?;
         for (&at, step) in system.free.iter().zip(steps) {
             self.surface.net[at] += SHARE * step;
@@ -143,6 +135,7 @@ impl<'a> Work<'a> {
             let p = self.cells.samples.points[i];
             foot_point_moving(&self.surface, p, self.uv[i], self.holds[i].moves, last).0
         };
+        let near = near.concat();
         let feet: Vec<Uv> = near.par_iter().map(foot).collect();
         let mut wanted = self.uv.clone();
         near.iter().zip(&feet).for_each(|(&i, foot)| wanted[i] = *foot);
@@ -151,89 +144,34 @@ impl<'a> Work<'a> {
         Some(())
     }
 
+    /// Area of a mean cell, in mm².
+    pub fn area(&self) -> f64 {
+        let mean = |halves: &[f64]| 2.0 * halves.iter().sum::<f64>() / halves.len() as f64;
+        mean(&self.halves[0]) * mean(&self.halves[1])
+    }
+
     /// Which cells move, row by row.
     fn moving(&self) -> Vec<bool> {
         let [across, down] = self.cells.counts();
         (0..across * down).map(|c| self.touches(c / down, c % down)).collect()
     }
 
-    /// The samples in cells that move.
-    fn near(&self, moves: &[bool]) -> Vec<usize> {
+    /// The samples in cells that move, strip by strip.
+    fn near(&self, moves: &[bool]) -> Vec<Vec<usize>> {
         let [u, v] = &self.cells.spans;
-        let down = v.all.len();
-        let is_near = |i: &usize| moves[u.find(self.uv[*i].x) * down + v.find(self.uv[*i].y)];
-        (0..self.uv.len()).into_par_iter().filter(is_near).collect()
-    }
-
-    fn add_sample(&self, system: &mut System, i: usize) {
-        let (at, hold) = (self.uv[i], &self.holds[i]);
-        let (bu, bv) = (self.surface.u.basis(at.x), self.surface.v.basis(at.y));
-        let (p, q) = (bu.first, bv.first);
-        let weight = self.cells.samples.weights[i];
-        let eased = self.eased[p * self.cells.counts()[1] + q];
-        let metric = weight * hold.of(self.stuck[i] && !eased);
-        let off = metric * (self.cells.samples.points[i] - self.surface.point(at));
-        let functions: [(usize, f64); 16] = std::array::from_fn(|k| {
-            let (a, b) = (k / 4, k % 4);
-            let value = bu.derivative[0][a] * bv.derivative[0][b];
-            ((bu.first + a) * self.width() + bv.first + b, value)
-        });
-        for (k, &(a, x)) in functions.iter().enumerate() {
-            system.pull(a, off * x);
-            functions[k..].iter().for_each(|&(b, y)| system.couple(a, b, &(metric * (x * y))));
-        }
-    }
-
-    /// The thin-plate energy of the cells that move.
-    fn add_plate(&self, system: &mut System, stiffness: f64, moves: &[bool]) {
-        let down = self.cells.counts()[1];
-        for c in (0..moves.len()).filter(|&c| moves[c]) {
-            let (p, q) = (c / down, c % down);
-            let (x, y) = (self.halves[0][p], self.halves[1][q]);
-            let weight = stiffness * self.weight * x.min(y).powi(4);
-            let scales = [x.powi(-4), 2.0 / (x * y).powi(2), y.powi(-4)];
-            let (u, v) = (&self.energies[0][p], &self.energies[1][q]);
-            let value = |a: usize, b: usize| {
-                let of = |k: usize| scales[k] * u[2 - k][a / 4][b / 4] * v[k][a % 4][b % 4];
-                weight * (of(0) + of(1) + of(2))
-            };
-            let number = |a: usize| (p + a / 4) * self.width() + q + a % 4;
-            for a in 0..16 {
-                let bend: Vector = (0..16).map(|b| self.surface.net[number(b)] * value(a, b)).sum();
-                system.pull(number(a), -bend);
-                for b in a..16 {
-                    let block = Matrix3::identity() * value(a, b);
-                    system.couple(number(a), number(b), &block);
-                }
+        let [across, down] = self.cells.counts();
+        let strip = |at: &Uv| {
+            let p = u.find(at.x);
+            moves[p * down + v.find(at.y)].then_some(p)
+        };
+        let strips: Vec<Option<usize>> = self.uv.par_iter().map(strip).collect();
+        let mut near = vec![Vec::new(); across];
+        for (i, p) in strips.into_iter().enumerate() {
+            if let Some(p) = p {
+                near[p].push(i);
             }
         }
-    }
-
-    /// What the surface spreads too little at a spot.
-    fn add_spot(&self, system: &mut System, spot: &Spot) {
-        let weight = SPREAD * self.weight * self.area() / (ACROSS * ACROSS) as f64;
-        let [u, v] = &spot.functions;
-        let [p, q] = spot.cell;
-        let across = spot.slopes[1].cross(&spot.facing);
-        let along = spot.facing.cross(&spot.slopes[0]);
-        let gradient: [(usize, Vector); 16] = std::array::from_fn(|k| {
-            let (a, b) = (k / 4, k % 4);
-            let at = (p + a) * self.width() + q + b;
-            (at, across * (u[1][a] * v[0][b]) + along * (u[0][a] * v[1][b]))
-        });
-        let missing = LEAST - spot.spread;
-        for (k, (a, x)) in gradient.iter().enumerate() {
-            system.pull(*a, weight * missing * x);
-            for (b, y) in &gradient[k..] {
-                system.couple(*a, *b, &(weight * x * y.transpose()));
-            }
-        }
-    }
-
-    /// Area of a mean cell, in mm².
-    fn area(&self) -> f64 {
-        let mean = |halves: &[f64]| 2.0 * halves.iter().sum::<f64>() / halves.len() as f64;
-        mean(&self.halves[0]) * mean(&self.halves[1])
+        near
     }
 }
 
