@@ -19,59 +19,63 @@ pub struct Terms<'a> {
     pub spots: &'a [Spot],
     /// Which cells move, row by row.
     pub moves: &'a [bool],
-    /// The samples in these, strip by strip.
-    pub near: &'a [Vec<usize>],
+    /// The samples in these, strip by strip and cell by cell: which cell, and which sample.
+    pub near: &'a [Vec<(usize, usize)>],
 }
 
 impl Terms<'_> {
     /// Adds those of a strip.
     pub fn add(&self, mut strip: Strip) {
         let (p, down) = (strip.number, self.work.cells.counts()[1]);
-        self.near[p].iter().for_each(|&i| self.add_sample(&mut strip, i));
         let moves = &self.moves[p * down..(p + 1) * down];
+        let mut near = self.near[p].chunk_by(|a, b| a.0 == b.0).peekable();
         for q in (0..down).filter(|&q| moves[q]) {
-            self.add_plate(&mut strip.cell(q), [p, q]);
+            let mut form = Form::default();
+            for &(_, i) in near.next_if(|of| of[0].0 == q).unwrap_or_default() {
+                self.add_sample(&mut form, [p, q], i);
+            }
+            self.add_plate(&mut form, [p, q]);
+            form.put(&mut strip.cell(q));
         }
         let first = self.spots.partition_point(|spot| spot.cell[0] < p);
         let spots = self.spots[first..].iter().take_while(|spot| spot.cell[0] == p);
         spots.for_each(|spot| self.add_spot(&mut strip.cell(spot.cell[1]), spot));
     }
 
-    fn add_sample(&self, strip: &mut Strip, i: usize) {
+    fn add_sample(&self, form: &mut Form, [p, q]: [usize; 2], i: usize) {
         let work = self.work;
         let (at, hold) = (work.uv[i], &work.holds[i]);
-        let (p, q) = (strip.number, work.cells.spans[1].find(at.y));
         let [u, v] = [work.surface.u.basis_in(p + 3, at.x), work.surface.v.basis_in(q + 3, at.y)]
             .map(|basis| basis.derivative[0]);
         let values: [f64; 16] = std::array::from_fn(|k| u[k / 4] * v[k % 4]);
         let eased = work.eased[p * work.cells.counts()[1] + q];
         let metric = work.cells.samples.weights[i] * hold.of(work.stuck[i] && !eased);
-        let on: Vector = self.net([p, q]).zip(values).map(|(control, x)| control * x).sum();
+        let on: Vector = self.control([p, q]).iter().zip(values).map(|(c, x)| c * x).sum();
         let off = metric * (work.cells.samples.points[i].coords - on);
-        let mut cell = strip.cell(q);
-        for (k, x) in values.into_iter().enumerate() {
-            cell.pull(k, off * x);
-            let with = metric * x;
-            values.iter().enumerate().skip(k).for_each(|(l, y)| cell.couple(k, l, &(with * *y)));
+        form.forces.iter_mut().zip(values).for_each(|(force, x)| *force += off * x);
+        let products = PAIRS.map(|(k, l)| values[k] * values[l]);
+        for (sums, (x, y)) in form.sums.iter_mut().zip(ENTRIES) {
+            let by = metric[(x, y)];
+            sums.iter_mut().zip(&products).for_each(|(sum, product)| *sum += by * product);
         }
     }
 
     /// The thin-plate energy of a cell.
-    fn add_plate(&self, cell: &mut Cell, [p, q]: [usize; 2]) {
+    fn add_plate(&self, form: &mut Form, [p, q]: [usize; 2]) {
         let work = self.work;
         let (x, y) = (work.halves[0][p], work.halves[1][q]);
         let weight = self.stiffness * work.weight * x.min(y).powi(4);
         let scales = [x.powi(-4), 2.0 / (x * y).powi(2), y.powi(-4)];
         let (u, v) = (&work.energies[0][p], &work.energies[1][q]);
-        let value = |k: usize, l: usize| {
+        let net = self.control([p, q]);
+        for (n, (k, l)) in PAIRS.into_iter().enumerate() {
             let of = |n: usize| scales[n] * u[2 - n][k / 4][l / 4] * v[n][k % 4][l % 4];
-            weight * (of(0) + of(1) + of(2))
-        };
-        for k in 0..16 {
-            let net = self.net([p, q]).enumerate();
-            let bend: Vector = net.map(|(l, control)| control * value(k, l)).sum();
-            cell.pull(k, -bend);
-            (k..16).for_each(|l| cell.couple(k, l, &(Matrix3::identity() * value(k, l))));
+            let value = weight * (of(0) + of(1) + of(2));
+            form.sums[..3].iter_mut().for_each(|sums| sums[n] += value);
+            form.forces[k] -= net[l] * value;
+            if k < l {
+                form.forces[l] -= net[k] * value;
+            }
         }
     }
 
@@ -93,9 +97,48 @@ impl Terms<'_> {
     }
 
     /// The control points of a cell, row by row.
-    fn net(&self, [p, q]: [usize; 2]) -> impl Iterator<Item = &Vector> {
+    fn control(&self, [p, q]: [usize; 2]) -> [Vector; 16] {
         let surface = &self.work.surface;
-        let width = surface.v.functions();
-        (p..p + 4).flat_map(move |i| &surface.net[i * width + q..][..4])
+        std::array::from_fn(|k| surface.net[(p + k / 4) * surface.v.functions() + q + k % 4])
+    }
+}
+
+/// Pairs of a cell's control points, those of one with itself included.
+const PAIRS: [(usize, usize); 136] = pairs();
+
+const fn pairs() -> [(usize, usize); 136] {
+    let mut pairs = [(0, 0); 136];
+    let mut n = 1;
+    while n < pairs.len() {
+        let (k, l) = pairs[n - 1];
+        pairs[n] = if l == 15 { (k + 1, k + 1) } else { (k, l + 1) };
+        n += 1;
+    }
+    pairs
+}
+
+/// The entries of a symmetric matrix, those on the diagonal first.
+const ENTRIES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
+
+/// A symmetric form in a cell's control points, and the forces on them.
+struct Form {
+    /// Of the [`ENTRIES`] one after the other, for each of the pairs.
+    sums: [[f64; PAIRS.len()]; ENTRIES.len()],
+    forces: [Vector; 16],
+}
+
+impl Default for Form {
+    fn default() -> Self {
+        Form { sums: [[0.0; PAIRS.len()]; ENTRIES.len()], forces: [Vector::zeros(); 16] }
+    }
+}
+
+impl Form {
+    fn put(&self, cell: &mut Cell) {
+        self.forces.iter().enumerate().for_each(|(k, force)| cell.pull(k, *force));
+        for (n, (k, l)) in PAIRS.into_iter().enumerate() {
+            let [xx, yy, zz, xy, xz, yz] = self.sums.each_ref().map(|sums| sums[n]);
+            cell.couple(k, l, &Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz));
+        }
     }
 }

@@ -135,7 +135,7 @@ impl<'a> Work<'a> {
             let p = self.cells.samples.points[i];
             foot_point_moving(&self.surface, p, self.uv[i], self.holds[i].moves, last).0
         };
-        let near = near.concat();
+        let near: Vec<usize> = near.into_iter().flatten().map(|(_, i)| i).collect();
         let feet: Vec<Uv> = near.par_iter().map(foot).collect();
         let mut wanted = self.uv.clone();
         near.iter().zip(&feet).for_each(|(&i, foot)| wanted[i] = *foot);
@@ -156,21 +156,17 @@ impl<'a> Work<'a> {
         (0..across * down).map(|c| self.touches(c / down, c % down)).collect()
     }
 
-    /// The samples in cells that move, strip by strip.
-    fn near(&self, moves: &[bool]) -> Vec<Vec<usize>> {
+    /// The samples in cells that move, strip by strip and cell by cell, each with the
+    /// number of its cell in the strip.
+    fn near(&self, moves: &[bool]) -> Vec<Vec<(usize, usize)>> {
         let [u, v] = &self.cells.spans;
         let [across, down] = self.cells.counts();
-        let strip = |at: &Uv| {
-            let p = u.find(at.x);
-            moves[p * down + v.find(at.y)].then_some(p)
-        };
-        let strips: Vec<Option<usize>> = self.uv.par_iter().map(strip).collect();
+        let cells: Vec<_> = self.uv.par_iter().map(|at| (u.find(at.x), v.find(at.y))).collect();
         let mut near = vec![Vec::new(); across];
-        for (i, p) in strips.into_iter().enumerate() {
-            if let Some(p) = p {
-                near[p].push(i);
-            }
+        for (i, (p, q)) in cells.into_iter().enumerate().filter(|(_, (p, q))| moves[p * down + q]) {
+            near[p].push((q, i));
         }
+        near.par_iter_mut().for_each(|of| of.sort_unstable());
         near
     }
 }
