@@ -117,7 +117,7 @@ pub struct Strip<'a> {
     width: usize,
     /// The places of these rows' control points.
     place: &'a [Option<u32>],
-    /// The first of them.
+    /// The first of these places.
     from: usize,
     blocks: &'a mut [Blocks],
     right: &'a mut [Vector],
