@@ -147,7 +147,7 @@ impl Grid {
         for functions in &self.on_cells {
             functions.iter().for_each(|&f| sets.join(functions[0] as usize, f as usize));
         }
-        sets.members().len()
+        (0..self.count).filter(|&i| sets.find(i) == i).count()
     }
 
     /// The cell of a place, and the place in it from 0 to 1.

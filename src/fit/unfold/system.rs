@@ -47,14 +47,16 @@ impl System {
         let sets = sets.members().into_par_iter();
         let parts: Option<_> = sets.map(|of| Part::new(of, |a| system.coupled(a))).collect();
         system.parts = parts?;
-        system.clear();
-        Some(system)
+        Some(system.cleared())
     }
 
-    /// Takes all terms out.
-    pub fn clear(&mut self) {
-        self.blocks = vec![[Matrix3::zeros(); COUPLED]; self.free.len()];
-        self.right = vec![Vector::zeros(); self.free.len()];
+    /// The same without terms.
+    pub fn cleared(mut self) -> Self {
+        self.blocks.clear();
+        self.blocks.resize(self.free.len(), [Matrix3::zeros(); COUPLED]);
+        self.right.clear();
+        self.right.resize(self.free.len(), Vector::zeros());
+        self
     }
 
     /// Whether these control points are free, and no others.
@@ -67,7 +69,7 @@ impl System {
     fn coupled(&self, a: usize) -> impl Iterator<Item = (usize, u32)> + '_ {
         let at = self.free[a];
         (SELF..COUPLED).filter_map(move |k| {
-            let to = (at + k / 7 * self.width + k % 7).checked_sub(SELF)?;
+            let to = at + k / 7 * self.width + k % 7 - SELF;
             let same_rows = at / self.width + k / 7 == to / self.width;
             Some((k, self.place.get(to).copied().flatten().filter(|_| same_rows)?))
         })

@@ -53,7 +53,7 @@ impl Terms<'_> {
         let on: Vector = self.control([p, q]).iter().zip(values).map(|(c, x)| c * x).sum();
         let off = metric * (work.cells.samples.points[i].coords - on);
         form.forces.iter_mut().zip(values).for_each(|(force, x)| *force += off * x);
-        let products = PAIRS.map(|(k, l)| values[k] * values[l]);
+        let products = COUPLES.map(|(k, l)| values[k] * values[l]);
         for (sums, (x, y)) in form.sums.iter_mut().zip(ENTRIES) {
             let by = metric[(x, y)];
             sums.iter_mut().zip(&products).for_each(|(sum, product)| *sum += by * product);
@@ -68,7 +68,7 @@ impl Terms<'_> {
         let scales = [x.powi(-4), 2.0 / (x * y).powi(2), y.powi(-4)];
         let (u, v) = (&work.energies[0][p], &work.energies[1][q]);
         let net = self.control([p, q]);
-        for (n, (k, l)) in PAIRS.into_iter().enumerate() {
+        for (n, (k, l)) in COUPLES.into_iter().enumerate() {
             let of = |n: usize| scales[n] * u[2 - n][k / 4][l / 4] * v[n][k % 4][l % 4];
             let value = weight * (of(0) + of(1) + of(2));
             form.sums[..3].iter_mut().for_each(|sums| sums[n] += value);
@@ -81,7 +81,7 @@ impl Terms<'_> {
 
     /// What the surface spreads too little at a spot.
     fn add_spot(&self, cell: &mut Cell, spot: &Spot) {
-        let weight = SPREAD * self.work.weight * self.work.area() / (ACROSS * ACROSS) as f64;
+        let weight = SPREAD * self.work.weight * self.work.area / (ACROSS * ACROSS) as f64;
         let [u, v] = &spot.functions;
         let across = spot.slopes[1].cross(&spot.facing);
         let along = spot.facing.cross(&spot.slopes[0]);
@@ -104,17 +104,17 @@ impl Terms<'_> {
 }
 
 /// Pairs of a cell's control points, those of one with itself included.
-const PAIRS: [(usize, usize); 136] = pairs();
+const COUPLES: [(usize, usize); 136] = couples();
 
-const fn pairs() -> [(usize, usize); 136] {
-    let mut pairs = [(0, 0); 136];
+const fn couples() -> [(usize, usize); 136] {
+    let mut couples = [(0, 0); 136];
     let mut n = 1;
-    while n < pairs.len() {
-        let (k, l) = pairs[n - 1];
-        pairs[n] = if l == 15 { (k + 1, k + 1) } else { (k, l + 1) };
+    while n < couples.len() {
+        let (k, l) = couples[n - 1];
+        couples[n] = if l == 15 { (k + 1, k + 1) } else { (k, l + 1) };
         n += 1;
     }
-    pairs
+    couples
 }
 
 /// The entries of a symmetric matrix, those on the diagonal first.
@@ -122,21 +122,21 @@ const ENTRIES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1
 
 /// A symmetric form in a cell's control points, and the forces on them.
 struct Form {
-    /// Of the [`ENTRIES`] one after the other, for each of the pairs.
-    sums: [[f64; PAIRS.len()]; ENTRIES.len()],
+    /// Of the [`ENTRIES`] one after the other, for each of the [`COUPLES`].
+    sums: [[f64; COUPLES.len()]; ENTRIES.len()],
     forces: [Vector; 16],
 }
 
 impl Default for Form {
     fn default() -> Self {
-        Form { sums: [[0.0; PAIRS.len()]; ENTRIES.len()], forces: [Vector::zeros(); 16] }
+        Form { sums: [[0.0; COUPLES.len()]; ENTRIES.len()], forces: [Vector::zeros(); 16] }
     }
 }
 
 impl Form {
     fn put(&self, cell: &mut Cell) {
         self.forces.iter().enumerate().for_each(|(k, force)| cell.pull(k, *force));
-        for (n, (k, l)) in PAIRS.into_iter().enumerate() {
+        for (n, (k, l)) in COUPLES.into_iter().enumerate() {
             let [xx, yy, zz, xy, xz, yz] = self.sums.each_ref().map(|sums| sums[n]);
             cell.couple(k, l, &Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz));
         }

@@ -43,6 +43,8 @@ pub struct Work<'a> {
     /// Half lengths of the spans in u and in v, in mm: parameters times the mean length
     /// of the net.
     pub halves: [Vec<f64>; 2],
+    /// Area of a mean cell, in mm².
+    pub area: f64,
     /// Of each span's functions the integrals of products, of their first and of their
     /// second derivatives.
     pub energies: [Vec<[[[f64; 4]; 4]; 3]>; 2],
@@ -54,10 +56,11 @@ impl<'a> Work<'a> {
         let samples = cells.samples;
         let [across, down] = cells.counts();
         let lengths = net_lengths(surface);
-        let halves = [0, 1].map(|axis| {
+        let halves: [Vec<f64>; 2] = [0, 1].map(|axis| {
             let spans = cells.spans[axis].all.iter();
             spans.map(|s| s.half() * lengths[axis]).collect()
         });
+        let mean = |halves: &Vec<f64>| 2.0 * halves.iter().sum::<f64>() / halves.len() as f64;
         Work {
             surface: surface.clone(),
             cells,
@@ -68,6 +71,7 @@ impl<'a> Work<'a> {
             system: None,
             eased: vec![false; across * down],
             weight: samples.weights.len() as f64 / (across * down) as f64,
+            area: mean(&halves[0]) * mean(&halves[1]),
             halves,
             energies: cells.spans.each_ref().map(|spans| {
                 spans.all.iter().map(|span| fairing::energies(span).map(full)).collect()
@@ -112,10 +116,7 @@ impl<'a> Work<'a> {
     /// One step; `None` if there is no solution.
     pub fn round(&mut self, stiffness: f64, spots: &[Spot], slide: &Slide) -> Option<()> {
         let mut system = match self.system.take().filter(|system| system.is_for(&self.free)) {
-            Some(mut system) => {
-                system.clear();
-                system
-            }
+            Some(system) => system.cleared(),
             None => System::new(self.width(), &self.free)?,
         };
         let moves = self.moving();
@@ -142,12 +143,6 @@ impl<'a> Work<'a> {
         self.uv = slide(std::mem::take(&mut self.uv), wanted);
         near.iter().zip(feet).for_each(|(&i, foot)| self.stuck[i] |= self.uv[i] != foot);
         Some(())
-    }
-
-    /// Area of a mean cell, in mm².
-    pub fn area(&self) -> f64 {
-        let mean = |halves: &[f64]| 2.0 * halves.iter().sum::<f64>() / halves.len() as f64;
-        mean(&self.halves[0]) * mean(&self.halves[1])
     }
 
     /// Which cells move, row by row.
