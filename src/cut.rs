@@ -20,6 +20,14 @@ pub enum Cut {
 }
 
 impl Cut {
+    /// The same in lengths of so many `mm`.
+    pub(crate) fn in_lengths(self, mm: f64) -> Self {
+        match self {
+            Cut::FromLength(least) => Cut::FromLength(least / mm),
+            other => other,
+        }
+    }
+
     /// Whether a hole is cut out whose rim is so long, in mm.
     pub fn cuts(self, rim_length: f64) -> bool {
         match self {

@@ -38,8 +38,14 @@ impl Decimal {
         let parameters = power((surface.speed() / step).log10().ceil(), 12.0, 17.0);
         for ring in &mut loops {
             ring.pcurves.iter_mut().for_each(|c| curve(c, parameters));
-            ring.edges.iter_mut().for_each(|c| curve(c, self.space));
         }
+        self.edges(loops)
+    }
+
+    /// The loops with their edges on the grid.
+    pub(crate) fn edges(self, mut loops: Vec<TrimLoop>) -> Vec<TrimLoop> {
+        let edges = loops.iter_mut().flat_map(|ring| &mut ring.edges);
+        edges.for_each(|c| curve(c, self.space));
         loops
     }
 }

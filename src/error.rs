@@ -1,5 +1,7 @@
 //! Why a scan could not become a face, and what to do about it.
 
+use std::path::PathBuf;
+
 use crate::geometry::Point;
 use crate::mesh::Bound;
 use crate::rules;
@@ -15,6 +17,14 @@ pub enum Error {
     /// A file could not be read or written.
     #[error(transparent)]
     File(#[from] formats::Error),
+    /// A scan that was read from a file cannot be converted.
+    #[error("{}: {error}", file.display())]
+    Scan {
+        /// The file as the user named it.
+        file: PathBuf,
+        /// Why.
+        error: Box<Error>,
+    },
     /// No triangle is left once unusable ones are dropped.
     #[error("no usable triangle: {0}")]
     Empty(String),
@@ -157,10 +167,27 @@ pub(crate) fn of(option: &'static str) -> impl FnOnce(rules::Fault) -> Error {
 }
 
 impl Error {
+    /// The same with all lengths times a factor. Boundary representations are in mm anyway.
+    pub(crate) fn scaled(mut self, factor: f64) -> Self {
+        match &mut self {
+            Error::Support { h, shortest, longest } => {
+                for x in [h, shortest, longest] {
+                    *x *= factor;
+                }
+            }
+            Error::Fill { at, .. } | Error::Folded { at, .. } | Error::Trim { at, .. } => {
+                *at *= factor;
+            }
+            _ => {}
+        }
+        self
+    }
+
     /// One sentence that says what the user can do.
     pub fn help(&self) -> String {
         match self {
             Error::File(e) => e.help.clone(),
+            Error::Scan { error, .. } => error.help(),
             Error::Empty(_) => {
                 "check the export: the scan must be a triangle mesh with finite coordinates".into()
             }

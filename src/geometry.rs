@@ -120,3 +120,13 @@ pub fn uv_bounds(points: &[Uv]) -> [Uv; 2] {
     let first = points.first().copied().unwrap_or_else(Uv::origin);
     points.iter().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)])
 }
+/// A length that is given in mm, in lengths of so many `mm`. It stays one, however small or
+/// large these are.
+pub(crate) fn length(x: f64, mm: f64) -> f64 {
+    (x / mm).clamp(f64::MIN_POSITIVE, f64::MAX)
+}
+
+/// The same of a place.
+pub(crate) fn in_lengths(place: Point, mm: f64) -> Point {
+    place.map(|x| (x / mm).clamp(-f64::MAX, f64::MAX))
+}

@@ -48,8 +48,8 @@ pub struct Inspection {
 impl InputReport {
     fn new(scan: &Components, chosen: &Component) -> Self {
         InputReport {
-            vertices: chosen.mesh().points.len(),
-            triangles: chosen.mesh().triangles.len(),
+            vertices: chosen.own_mesh().points.len(),
+            triangles: chosen.own_mesh().triangles.len(),
             components: scan.count(),
             islands: 0,
             island_triangles: 0,
@@ -68,11 +68,11 @@ impl InputReport {
     }
 }
 
-/// Mesh → disk with holes.
+/// Mesh → disk with holes, in the lengths of the mesh, as the options are.
 pub(crate) fn disk(scan: &Components, options: &Options) -> Result<(Disk, InputReport)> {
     let chosen = scan.take(options.component)?;
     let mut input = InputReport::new(scan, &chosen);
-    let disk = chosen.into_disk(options.outer, &mut input.repairs)?;
+    let disk = chosen.into_own_disk(options.outer, &mut input.repairs)?;
     input.count_islands(&disk, &scan.sizes());
     Ok((disk, input))
 }
@@ -100,7 +100,7 @@ pub fn measured(scan: &Components, components: &[Choice], outer: Outer) -> Resul
         let chosen = scan.take(component)?;
         left_out[component.number()] = 0;
         if chosen.topology.check_disk().is_err() {
-            mesh.append(chosen.mesh());
+            mesh.append(&chosen.mesh());
             continue;
         }
         let disk = chosen.into_disk(outer, &mut Repairs::new())?;
@@ -119,14 +119,14 @@ pub fn inspect(scan: Components, component: Choice, outer: Outer) -> Result<Insp
     let mut input = InputReport::new(&scan, &chosen);
     let sizes = scan.sizes();
     drop(scan);
-    let mesh = chosen.mesh();
+    let (mesh, mm) = (chosen.own_mesh(), chosen.mm());
     let rings = if chosen.topology.orientable { chosen.loops() } else { Vec::new() };
     let inspection = Inspection {
         topology: chosen.topology.clone(),
-        loops: rings.iter().map(|ring| (boundary::length(mesh, ring), ring.len())).collect(),
+        loops: rings.iter().map(|ring| (mm * boundary::length(mesh, ring), ring.len())).collect(),
         outer: (!rings.is_empty()).then(|| chosen.outer(outer, &rings)),
-        bounds: mesh.bounds().map(|p| p.coords.into()),
-        noise: smooth::noise(mesh),
+        bounds: mesh.bounds().map(|p| (mm * p.coords).into()),
+        noise: mm * smooth::noise(mesh),
         input: input.clone(),
     };
     if inspection.topology.is_disk() {

@@ -8,20 +8,44 @@
 //! follow each other. The method is that of L. S. Tekumalla and E. Cohen,
 //! "Reverse Engineering Point Clouds to Obtain Tensor Product B-Spline
 //! Surfaces by Blending Local Fits" (2005), cited here by section. Lengths are
-//! millimetres throughout.
+//! millimetres throughout, whatever the unit of the scan's numbers is.
+//!
+//! ```no_run
+//! # fn main() -> scan2step::Result<()> {
+//! use scan2step::{Options, convert_file};
+//!
+//! // The numbers of glTF are metres; the tolerance, the face and what is said of it, mm.
+//! let options = Options::builder().name("door").tolerance(0.25).build()?;
+//! let conversion = convert_file("door.glb", "door.step", &options)?;
+//! println!("at most {:.3} mm off", conversion.fit_deviation.max);
+//! # Ok(())
+//! # }
+//! ```
+//!
+//! Or step by step, with a mesh of one's own:
 //!
 //! ```
+//! use scan2step::formats::{LengthUnit, Soup, step};
 //! use scan2step::{Options, convert};
 //!
 //! # fn main() -> Result<(), Box<dyn std::error::Error>> {
-//! # let scan = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures/relief.ply");
-//! let soup = formats::read_scan(&scan)?;
-//! let options = Options::builder().name("relief").tolerance(0.25).build()?;
+//! // A sheet of 0.4 × 0.3 m, bent by 5 mm.
+//! let mut soup = Soup { unit: Some(LengthUnit::Metre), ..Soup::default() };
+//! for k in 0..41 * 31 {
+//!     let (x, y) = (0.01 * f64::from(k % 41), 0.01 * f64::from(k / 41));
+//!     soup.points.push([x, y, 0.005 * (10.0 * x).sin()]);
+//! }
+//! for a in (0..41 * 30).filter(|a| a % 41 < 40) {
+//!     soup.polygons.push([a, a + 1, a + 42, a + 41]);
+//! }
+//! let options = Options::builder().name("sheet").tolerance(0.25).build()?;
 //! let conversion = convert(&soup, &options, &mut |_| Ok(()))?;
 //! assert!(conversion.tolerance_met(0.0));
+//! let width = conversion.surface.net.iter().map(|p| p.x).fold(0.0, f64::max);
+//! assert!((width - 400.0).abs() < 0.25, "the face is in mm: {width}");
 //!
 //! let mut file = Vec::new();
-//! formats::step::write(&conversion.brep, &formats::step::Options::default(), &mut file)?;
+//! step::write(&conversion.brep, &step::Options::default(), &mut file)?;
 //! # assert!(file.starts_with(b"ISO-10303-21;"));
 //! # Ok(())
 //! # }
@@ -74,11 +98,13 @@ pub mod cut;
 mod decimal;
 pub mod deviation;
 pub mod error;
+mod file;
 pub mod fill;
 pub mod fit;
 pub mod geometry;
 mod input;
 pub mod knots;
+mod lengths;
 pub mod mesh;
 mod options;
 pub mod parameterize;
@@ -94,8 +120,11 @@ pub use adapt::{Adapted, KnotOptions};
 pub use course::Course;
 pub use cut::Cut;
 pub use error::{Error, Result};
+pub use file::convert_file;
 pub use input::{InputReport, Inspection, Measured, inspect, measured};
 pub use options::{Builder, Options};
+// What this library's own items take and give; no second version of them gets in.
+pub use {formats, nalgebra};
 
 use formats::{Brep, Soup};
 use mesh::{Components, Disk, Patch};
@@ -211,7 +240,7 @@ pub fn convert(
     options: &Options,
     watch: &mut dyn FnMut(Stage) -> Result<()>,
 ) -> Result<Conversion> {
-    let scan = Components::new(mesh::from_soup(soup, options.unit_mm)?);
+    let scan = Components::new(mesh::from_soup(soup, options.unit_of(soup))?);
     convert_component(&scan, options, watch)
 }
 
@@ -229,6 +258,22 @@ pub fn convert_component(
     // Sparse factorizations sum in an order that depends on the threads; the
     // same bytes on any number of them matter more.
     faer::set_global_parallelism(faer::Par::Seq);
+    let mut shown = lengths::Shown::new(watch, scan.mm());
+    let own = options.in_lengths(scan.mm());
+    match pipeline(scan, &own, &mut |stage| shown.see(stage)) {
+        Ok(conversion) => Ok(conversion.as_named(options)),
+        Err(error) => Err(shown.in_mm(error).as_named(options)),
+    }
+}
+
+/// The stages, in the lengths of the scan's mesh, as `options` are and what `watch` is shown
+/// up to the fit. What comes out is in mm.
+fn pipeline(
+    scan: &Components,
+    options: &Options,
+    watch: &mut dyn FnMut(Stage) -> Result<()>,
+) -> Result<Conversion> {
+    let mm = scan.mm();
     let (measured, input) = input::disk(scan, options)?;
     watch(Stage::Mesh(&measured))?;
 
@@ -278,13 +323,17 @@ pub fn convert_component(
     let trim_options = trim::Options { tolerance };
     let (loops, trim) = trim::trim(&surface, &rims, &trim_options)?;
     let loops = decimal.loops(&surface, loops);
-    watch(Stage::Trim(&surface, &loops))?;
+    let natural = !cut::has_outline(&loops);
+    let outer = natural.then(|| outer_boundary(&surface, &map));
+    let placed = surface.clone().scaled(mm);
+    let (loops, trim) = trim::scaled(&placed, (loops, trim), mm);
+    let loops = decimal::Decimal::for_size(mm * measured.mesh.diagonal()).edges(loops);
+    watch(Stage::Trim(&placed, &loops))?;
 
     let faces = cut::faces(&loops);
-    let brep = brep::build(&surface, &faces, &options.name, trim::edge_accuracy(&surface))?;
+    let brep = brep::build(&placed, &faces, &options.name, trim::edge_accuracy(&placed))?;
     watch(Stage::Brep)?;
 
-    let natural = !cut::has_outline(&loops);
     let face = deviation::Face::new(&surface, loops.iter().map(|l| l.pcurves.as_slice()), natural);
     let starts = &map.uv[..measured_count];
     let fit_deviation = face.deviation(&map.patch.mesh.points[..measured_count], starts);
@@ -292,20 +341,20 @@ pub fn convert_component(
     watch(Stage::Deviation)?;
 
     Ok(Conversion {
-        outer: natural.then(|| outer_boundary(&surface, &map)),
         brep,
-        surface,
+        surface: placed,
         loops,
         input,
-        smooth,
-        fill,
+        smooth: smooth.scaled(mm),
+        fill: fill.scaled(mm),
         trimmed,
         parameterize,
-        crushed,
-        fit,
-        tolerance,
-        fit_deviation,
-        deviation,
+        crushed: crushed.map(|crushed| crushed.scaled(mm)),
+        fit: fit.scaled(mm),
+        tolerance: mm * tolerance,
+        fit_deviation: fit_deviation.scaled(mm),
+        deviation: deviation.scaled(mm),
+        outer: outer.map(|(control, off)| (control, mm * off)),
         trim,
     })
 }

@@ -25,8 +25,7 @@ impl Scene {
     /// Reads and converts a scan.
     pub fn of(path: &Path) -> Result<Scene, Box<dyn std::error::Error>> {
         let soup = formats::read_scan(path)?;
-        let unit_mm = soup.unit.map_or(1.0, |unit| unit.in_mm());
-        let options = Options::builder().unit_mm(unit_mm).build()?;
+        let options = Options::default();
         let (mut measured, mut smoothed, mut map) = (None, None, None);
         let conversion = convert(&soup, &options, &mut |stage| {
             match stage {

@@ -107,6 +107,18 @@ pub struct Adapted {
     pub between: Option<(Point, f64)>,
 }
 
+impl Adapted {
+    /// The same with all lengths times a factor.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        Adapted {
+            kappa: factor * self.kappa,
+            mean_error: factor * self.mean_error,
+            between: self.between.map(|(at, off)| (at * factor, factor * off)),
+            ..self
+        }
+    }
+}
+
 /// Fits a surface to the map's vertices, in mm over [0, 1]². The map's parameters are
 /// corrected on the way. Of the options, those on knots and on the method are looked
 /// at.

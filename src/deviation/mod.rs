@@ -50,6 +50,18 @@ impl Deviation {
         }
     }
 
+    /// The same with all lengths times a factor.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        Deviation {
+            rms: factor * self.rms,
+            p95: factor * self.p95,
+            p99: factor * self.p99,
+            max: factor * self.max,
+            max_at: self.max_at.map(|x| factor * x),
+            distances: self.distances.iter().map(|d| factor * d).collect(),
+        }
+    }
+
     /// How many points are farther than `tolerance`.
     pub fn beyond(&self, tolerance: f64) -> usize {
         self.distances.iter().filter(|&&d| d > tolerance).count()

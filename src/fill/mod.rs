@@ -114,6 +114,14 @@ pub struct Report {
     pub bays: usize,
 }
 
+impl Report {
+    /// The same with all lengths times a factor.
+    pub(crate) fn scaled(mut self, factor: f64) -> Self {
+        self.holes.iter_mut().for_each(|hole| hole.rim_length *= factor);
+        self
+    }
+}
+
 /// The share of its time after which what is around the holes is usually known.
 const SURROUNDED: f64 = 0.5;
 

@@ -14,7 +14,7 @@ use formats::Soup;
 use rayon::prelude::*;
 
 use super::topology::Buckets;
-use super::{EdgeMap, Mesh, caps, polygons, spikes, weld};
+use super::{EdgeMap, Mesh, caps, polygons, scale, spikes, weld};
 use crate::error::{Error, Result, of};
 use crate::geometry::VertexId;
 use crate::rules;
@@ -28,7 +28,7 @@ pub type Repairs = BTreeMap<&'static str, usize>;
 /// sides of the triangles listed in `twisted`.
 #[derive(Debug)]
 pub struct Build {
-    /// All components.
+    /// All components, in lengths of `mm`.
     pub mesh: Mesh,
     /// For each vertex, the place it had before vertices were opened: vertices
     /// with the same number are copies of one vertex of the scan.
@@ -37,14 +37,18 @@ pub struct Build {
     pub twisted: Vec<usize>,
     /// What was repaired.
     pub repairs: Repairs,
+    /// How many mm one length of `mesh` is: the scan's unit by the power of two that gives
+    /// every scan the same size.
+    pub mm: f64,
     /// Who borders on whom in `mesh`.
     pub(super) edges: EdgeMap,
 }
 
-/// Builds the mesh; `mm` is the length of the soup's unit in mm.
+/// Builds the mesh; `mm` is the length of the soup's unit in mm. The mesh has the soup's own
+/// numbers by a power of two, and [`Build::mm`] says what they are in mm.
 ///
 /// # Errors
-/// [`Error::Empty`]: no triangle is left. [`Error::Option`]: a unit that is no length.
+/// [`Error::Empty`]: no triangle is left, or none that has a size in mm. [`Error::Option`]: a unit that is no length.
 /// [`Error::Input`]: a polygon has a corner that is not among the points.
 pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
     rules::length(mm).map_err(of("unit"))?;
@@ -52,13 +56,15 @@ pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
         return Err(Error::Input("a polygon has a corner that is not among the points"));
     }
     let mut repairs = Repairs::new();
-    let welded = weld::weld(soup, mm, &mut repairs);
+    let factor = scale::to_size(soup, mm);
+    let welded = weld::weld(soup, mm, factor, &mut repairs);
     let mut triangles = polygons::triangulate(soup, &welded, &mut repairs);
     drop_degenerate(&mut triangles, &mut repairs);
     drop_duplicates(welded.points.len(), &mut triangles, &mut repairs);
     let place = (0..welded.points.len() as u32).collect();
     let mut build = Build::new(Mesh { points: welded.points, triangles }, place);
     build.repairs = repairs;
+    build.mm = mm / factor;
     build.make_manifold();
     while spikes::drop(&mut build) {
         build.make_manifold();
@@ -69,6 +75,9 @@ pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
     build.drop_unused_vertices();
     if build.mesh.triangles.is_empty() {
         return Err(Error::Empty("every face is degenerate or has a non-finite vertex".into()));
+    }
+    if !build.mm.is_normal() {
+        return Err(Error::Empty("its size in mm is beyond all numbers".into()));
     }
     Ok(build)
 }
@@ -116,7 +125,7 @@ impl Build {
     /// A mesh that nothing has been done to yet.
     pub(super) fn new(mesh: Mesh, place: Vec<u32>) -> Self {
         let edges = EdgeMap::new(&mesh);
-        Build { mesh, place, twisted: Vec::new(), repairs: Repairs::new(), edges }
+        Build { mesh, place, twisted: Vec::new(), repairs: Repairs::new(), mm: 1.0, edges }
     }
 
     /// Orients, and opens what is not manifold, until all is. The edge map is up to date
@@ -264,7 +273,7 @@ impl Build {
         let (mesh, old) = self.mesh.part(triangles.iter().copied());
         let place = old.into_iter().map(|v| self.place[v]).collect();
         let edges = self.edges.part(triangles);
-        Build { mesh, place, twisted: Vec::new(), repairs: Repairs::new(), edges }
+        Build { mesh, place, twisted: Vec::new(), repairs: Repairs::new(), mm: self.mm, edges }
     }
 
     /// Drops vertices without a triangle; the others keep their order.

@@ -106,6 +106,11 @@ impl Components {
         &self.build.repairs
     }
 
+    /// How many mm one length of the mesh is.
+    pub fn mm(&self) -> f64 {
+        self.build.mm
+    }
+
     /// Takes one component.
     pub fn take(&self, choice: Choice) -> Result<Component> {
         let asked = choice.number();
@@ -144,9 +149,19 @@ impl Components {
 }
 
 impl Component {
-    /// Its triangles and points.
-    pub fn mesh(&self) -> &Mesh {
+    /// Its triangles and points, in mm.
+    pub fn mesh(&self) -> Mesh {
+        self.own_mesh().clone().scaled(self.mm())
+    }
+
+    /// The same in the lengths of the pipeline.
+    pub(crate) fn own_mesh(&self) -> &Mesh {
         &self.build.mesh
+    }
+
+    /// How many mm one of those lengths is.
+    pub(crate) fn mm(&self) -> f64 {
+        self.build.mm
     }
 
     /// The boundary loops of a two-sided component.
@@ -156,14 +171,20 @@ impl Component {
 
     /// Which of them is the outer one.
     pub fn outer(&self, outer: Outer, loops: &[Loop]) -> usize {
-        outer.among(&self.build.mesh, &self.build.edges, loops)
+        outer.in_lengths(self.mm()).among(&self.build.mesh, &self.build.edges, loops)
     }
 
-    /// The component as a disk with holes, cleaned at its rims: of the fans
+    /// The component as a disk with holes, in mm, cleaned at its rims: of the fans
     /// that meet at one place (a bow-tie) the largest stays, and triangles that
     /// hang on by one side go. Other components that lie in its holes come with
     /// it as islands. What was dropped is added to `repairs`.
     pub fn into_disk(self, outer: Outer, repairs: &mut Repairs) -> Result<Disk> {
+        let mm = self.mm();
+        Ok(self.into_own_disk(outer.in_lengths(mm), repairs)?.scaled(mm))
+    }
+
+    /// The same in the lengths of the pipeline, which the outer loop's place has, too.
+    pub(crate) fn into_own_disk(self, outer: Outer, repairs: &mut Repairs) -> Result<Disk> {
         self.topology.check_disk()?;
         let mut taken = HashSet::new();
         let mut disk = clean(self.build, outer, &mut taken, repairs)?;

@@ -7,7 +7,7 @@ use super::boundary::{self, Loop};
 use super::kind::Topology;
 use super::{EdgeMap, Mesh};
 use crate::error::Result;
-use crate::geometry::{Point, Vector, VertexId};
+use crate::geometry::{Point, Vector, VertexId, in_lengths};
 
 /// Which boundary loop is the outer one.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -51,6 +51,11 @@ pub struct Island {
 }
 
 impl Disk {
+    /// The same with all lengths times a factor.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        Disk { mesh: self.mesh.scaled(factor), ..self }
+    }
+
     /// Checks the topology of a connected, oriented mesh by its Euler
     /// characteristic.
     pub(super) fn new(mesh: Mesh, edges: &EdgeMap, outer: Outer) -> Result<Self> {
@@ -82,6 +87,14 @@ impl Disk {
 }
 
 impl Outer {
+    /// The same in lengths of so many `mm`.
+    pub(crate) fn in_lengths(self, mm: f64) -> Self {
+        match self {
+            Outer::Auto => Outer::Auto,
+            Outer::Near(place) => Outer::Near(in_lengths(place, mm)),
+        }
+    }
+
     /// The position of the outer loop among all.
     pub fn among(self, mesh: &Mesh, edges: &EdgeMap, loops: &[Loop]) -> usize {
         let rank: Vec<(i32, f64)> = match self {

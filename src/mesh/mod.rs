@@ -15,6 +15,7 @@ pub mod outline;
 mod patch;
 mod polygons;
 mod rims;
+mod scale;
 mod spikes;
 mod topology;
 mod triangles;
@@ -49,6 +50,12 @@ pub struct Mesh {
 const STEEP: f64 = 0.43;
 
 impl Mesh {
+    /// The same with all lengths times a factor.
+    pub(crate) fn scaled(mut self, factor: f64) -> Self {
+        self.points.iter_mut().for_each(|p| *p *= factor);
+        self
+    }
+
     /// Adds the points and triangles of another mesh behind its own.
     pub fn append(&mut self, other: &Mesh) {
         let first = self.points.len();

@@ -84,6 +84,11 @@ pub struct Patch {
 }
 
 impl Patch {
+    /// The same with all lengths times a factor.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        Patch { mesh: self.mesh.scaled(factor), ..self }
+    }
+
     /// Whether a vertex was measured.
     pub fn is_measured(&self, v: VertexId) -> bool {
         v.index() < self.measured

@@ -16,17 +16,23 @@ pub(super) const NOWHERE: u32 = u32::MAX;
 /// overflow.
 const FARTHEST: f64 = 1e60;
 
+/// Whether a point has a place, if its unit is so many `mm`.
+pub(super) fn is_usable(p: &[f64; 3], mm: f64) -> bool {
+    // NaN is no less than anything.
+    p.iter().all(|x| (x * mm).abs() < FARTHEST)
+}
+
 /// The places of a soup's points.
 pub(super) struct Welded {
-    /// In mm, each once, in the order of the file.
+    /// In the lengths of the pipeline, each once, in the order of the file.
     pub(super) points: Vec<Point>,
     /// For each point of the soup the number of its place, or [`NOWHERE`].
     pub(super) number: Vec<u32>,
 }
 
-/// Scales the points to mm and finds those that coincide: bit for bit, but
-/// that −0 is 0.
-pub(super) fn weld(soup: &Soup, mm: f64, repairs: &mut Repairs) -> Welded {
+/// Multiplies the points, whose unit is so many `mm`, by a power of two, and finds those
+/// that coincide: bit for bit, but that −0 is 0.
+pub(super) fn weld(soup: &Soup, mm: f64, factor: f64, repairs: &mut Repairs) -> Welded {
     let mut welded = Welded { points: Vec::new(), number: Vec::with_capacity(soup.points.len()) };
     let hash = |p: &Point| FixedState::default().hash_one([p.x, p.y, p.z].map(f64::to_bits));
     // A surface has half as many places as triangles.
@@ -34,14 +40,13 @@ pub(super) fn weld(soup: &Soup, mm: f64, repairs: &mut Repairs) -> Welded {
     let mut seen: HashTable<u32> = HashTable::with_capacity(places);
     let mut nowhere = 0;
     for p in &soup.points {
-        // Adding zero makes −0 and +0 the same place.
-        let p = Point::from(p.map(|x| x * mm + 0.0));
-        // NaN is no less than anything.
-        if !p.iter().all(|x| x.abs() < FARTHEST) {
+        if !is_usable(p, mm) {
             nowhere += 1;
             welded.number.push(NOWHERE);
             continue;
         }
+        // Adding zero makes −0 and +0 the same place.
+        let p = Point::from(p.map(|x| x * factor + 0.0));
         let points = &mut welded.points;
         let same = |&i: &u32| points[i as usize] == p;
         let entry = seen.entry(hash(&p), same, |&i| hash(&points[i as usize]));

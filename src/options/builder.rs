@@ -22,14 +22,15 @@ impl Builder {
         self
     }
 
-    /// The unit of the scan's numbers. Without: millimetres.
+    /// The unit of the scan's numbers. Without: the one that the scan declares, as glTF does,
+    /// or else millimetres.
     pub fn unit(self, unit: LengthUnit) -> Self {
         self.unit_mm(unit.in_mm())
     }
 
     /// The length of the scan's unit, in mm, where it has no name.
     pub fn unit_mm(mut self, mm: f64) -> Self {
-        self.0.unit_mm = mm;
+        self.0.unit_mm = Some(mm);
         self
     }
 

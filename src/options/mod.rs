@@ -4,14 +4,16 @@ mod builder;
 
 pub use builder::Builder;
 
+use formats::{LengthUnit, Soup};
+
 use crate::adapt::KnotOptions;
 use crate::cut::Cut;
 use crate::error::{Result, of};
-use crate::geometry::Point;
+use crate::geometry::{Point, in_lengths, length};
 use crate::{fill, fit, mesh, parameterize, rules, smooth};
 
 /// What [`convert`](crate::convert) is asked for. [`Options::default`] finds
-/// everything on the scan, whose numbers are millimetres; [`Options::builder`]
+/// everything on the scan, whose numbers have the unit that it declares, or are millimetres; [`Options::builder`]
 /// changes what is named. There are no unsound ones: what is wrong with a value is
 /// said when they are built.
 ///
@@ -28,7 +30,7 @@ use crate::{fill, fit, mesh, parameterize, rules, smooth};
 #[derive(Debug, Clone)]
 pub struct Options {
     pub(crate) name: String,
-    pub(crate) unit_mm: f64,
+    pub(crate) unit_mm: Option<f64>,
     pub(crate) component: mesh::Choice,
     pub(crate) outer: mesh::Outer,
     pub(crate) smooth: smooth::Options,
@@ -45,7 +47,7 @@ impl Default for Options {
     fn default() -> Self {
         Options {
             name: "scan".into(),
-            unit_mm: 1.0,
+            unit_mm: None,
             component: mesh::Choice::default(),
             outer: mesh::Outer::default(),
             smooth: smooth::Options::default(),
@@ -82,8 +84,33 @@ impl Options {
         self.parameterize.corners
     }
 
+    /// The length of a soup's unit in mm: the one named, else its own, else a millimetre.
+    pub(crate) fn unit_of(&self, soup: &Soup) -> f64 {
+        self.unit_mm.or(soup.unit.map(LengthUnit::in_mm)).unwrap_or(1.0)
+    }
+
+    /// The same in lengths of so many `mm`. What `fill` is told of noise and support is
+    /// found by the stage before it.
+    pub(crate) fn in_lengths(&self, mm: f64) -> Self {
+        let parameterize = parameterize::Options {
+            corners: self.corners().map(|corners| corners.map(|p| in_lengths(p, mm))),
+            ..self.parameterize.clone()
+        };
+        let knots =
+            KnotOptions { kappa: self.knots.kappa.map(|k| length(k, mm)), ..self.knots.clone() };
+        Options {
+            outer: self.outer.in_lengths(mm),
+            smooth: self.smooth.in_lengths(mm),
+            parameterize,
+            knots,
+            tolerance: self.tolerance.map(|tolerance| length(tolerance, mm)),
+            cut: self.cut.in_lengths(mm),
+            ..self.clone()
+        }
+    }
+
     fn check(&self) -> Result<()> {
-        rules::length(self.unit_mm).map_err(of("unit"))?;
+        self.unit_mm.map_or(Ok(()), rules::length).map_err(of("unit"))?;
         if let mesh::Outer::Near(place) = self.outer {
             rules::points(&[place]).map_err(of("outer"))?;
         }

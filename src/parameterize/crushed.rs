@@ -17,6 +17,13 @@ pub struct Crushed {
     pub at: Point,
 }
 
+impl Crushed {
+    /// The same with all lengths times a factor.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        Crushed { at: self.at * factor, ..self }
+    }
+}
+
 /// What one triangle asks for: its middle in a parameter, and spans for each
 /// unit of that parameter.
 struct Need {

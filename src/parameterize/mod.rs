@@ -120,6 +120,13 @@ pub struct Parameterized {
     pub skirt: Skirt,
 }
 
+impl Parameterized {
+    /// The same with all lengths times a factor.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        Parameterized { patch: self.patch.scaled(factor), ..self }
+    }
+}
+
 /// The domain around an outer boundary that lies inside it: as long as none of these
 /// triangles turns over, nor any of the patch, the boundary does not cross itself.
 #[derive(Debug, Clone, Default)]

@@ -20,7 +20,7 @@ use rayon::prelude::*;
 
 use crate::course::{self, Course};
 use crate::error::{Error, Result, of};
-use crate::geometry::{Point, Vector, VertexId};
+use crate::geometry::{Point, Vector, VertexId, in_lengths, length};
 use crate::mesh::{Disk, Mesh, Rings, boundary};
 use crate::rules;
 use levels::Level;
@@ -88,6 +88,34 @@ pub struct Report {
     pub moved_max: f64,
     /// Corners kept, over all loops.
     pub corners: Vec<VertexId>,
+}
+
+impl Options {
+    /// The same in lengths of so many `mm`.
+    pub(crate) fn in_lengths(&self, mm: f64) -> Self {
+        let support = match self.support {
+            Support::Fixed(h) => Support::Fixed(length(h, mm)),
+            other => other,
+        };
+        let corners = match &self.corners {
+            Corners::At(at) => Corners::At(at.iter().map(|&p| in_lengths(p, mm)).collect()),
+            other => other.clone(),
+        };
+        Options { support, corners }
+    }
+}
+
+impl Report {
+    /// The same with all lengths times a factor.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        Report {
+            h: factor * self.h,
+            noise: factor * self.noise,
+            moved_rms: factor * self.moved_rms,
+            moved_max: factor * self.moved_max,
+            ..self
+        }
+    }
 }
 
 /// The noise of a scan: the standard deviation of its points along the normal.

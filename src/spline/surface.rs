@@ -32,6 +32,12 @@ pub struct Jet {
 }
 
 impl Surface {
+    /// The same with all lengths times a factor.
+    pub(crate) fn scaled(mut self, factor: f64) -> Self {
+        self.net.iter_mut().for_each(|p| *p *= factor);
+        self
+    }
+
     /// A surface; the net must have u.functions() × v.functions() points.
     ///
     /// # Panics

@@ -226,17 +226,45 @@ fn traced(
     pcurves: Vec<Curve<2>>,
     accuracy: f64,
 ) -> (TrimLoop, LoopReport) {
-    let edges: Vec<Curve<3>> =
-        pcurves.iter().map(|c| curve_on_surface(surface, c, accuracy)).collect();
-    let off = |(pcurve, edge)| off_surface(surface, pcurve, edge);
+    let (edges, max_off_surface) = edges(surface, &pcurves, accuracy);
     let Rim { of, within, .. } = *rim;
     let report = LoopReport {
         of,
         control_points: pcurves.iter().map(|c| c.control.len()).sum(),
-        max_off_surface: pcurves.iter().zip(&edges).map(off).fold(0.0, f64::max),
+        max_off_surface,
         max_from_rim: distance_to_edges(&rim.points, &edges),
     };
     (TrimLoop { of, within, pcurves, edges }, report)
+}
+
+/// Loops of a surface on the `surface` that is the same with all lengths times a factor. Their
+/// edges are traced there anew, since how near they must be does not grow with it.
+pub(crate) fn scaled(
+    surface: &Surface,
+    both: (Vec<TrimLoop>, Vec<LoopReport>),
+    factor: f64,
+) -> (Vec<TrimLoop>, Vec<LoopReport>) {
+    if factor == 1.0 {
+        return both;
+    }
+    let accuracy = edge_accuracy(surface);
+    let scaled = |(ring, report): (TrimLoop, LoopReport)| {
+        let (edges, max_off_surface) = edges(surface, &ring.pcurves, accuracy);
+        let max_from_rim = factor * report.max_from_rim;
+        (TrimLoop { edges, ..ring }, LoopReport { max_off_surface, max_from_rim, ..report })
+    };
+    let (loops, reports) = both;
+    let both = loops.into_par_iter().zip(reports).map(scaled);
+    both.collect::<Vec<_>>().into_iter().unzip()
+}
+
+/// The edges that arcs trace on a surface, and the farthest that one is from its trace.
+fn edges(surface: &Surface, pcurves: &[Curve<2>], accuracy: f64) -> (Vec<Curve<3>>, f64) {
+    let edges: Vec<Curve<3>> =
+        pcurves.iter().map(|c| curve_on_surface(surface, c, accuracy)).collect();
+    let off = |(pcurve, edge)| off_surface(surface, pcurve, edge);
+    let farthest = pcurves.iter().zip(&edges).map(off).fold(0.0, f64::max);
+    (edges, farthest)
 }
 
 /// The farthest of `points` from the edges, in mm, measured to chords of an

@@ -1,0 +1,87 @@
+//! From a scan's file to a CAD file.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use formats::{iges, step};
+
+use crate::{Conversion, Error, Options, Result, convert};
+
+/// A format of CAD files.
+#[derive(Clone, Copy)]
+enum Kind {
+    Step,
+    Iges,
+}
+
+/// Reads a scan, converts it and writes the face: STEP, or IGES where the name of `out` ends
+/// so (`.step`, `.stp`, `.igs`, `.iges`). The file appears whole or not at all: it is written
+/// under another name in the same folder first.
+///
+/// # Errors
+/// Each names the file that it is about: [`Error::File`] for one that cannot be read or
+/// written, [`Error::Scan`] for a scan that cannot be converted.
+pub fn convert_file(
+    scan: impl AsRef<Path>,
+    out: impl AsRef<Path>,
+    options: &Options,
+) -> Result<Conversion> {
+    let (scan, out) = (scan.as_ref(), out.as_ref());
+    let kind = kind(out)?;
+    let soup = formats::read_scan(scan)?;
+    let colour = soup.colour;
+    let of_scan = |error| Error::Scan { file: scan.to_owned(), error: Box::new(error) };
+    let conversion = convert(&soup, options, &mut |_| Ok(())).map_err(of_scan)?;
+    let content = |to: &mut dyn Write| match kind {
+        Kind::Step => {
+            let options = step::Options { colour, ..step::Options::default() };
+            step::write(&conversion.brep, &options, to)
+        }
+        Kind::Iges => {
+            let file_name = out.file_name().unwrap_or_default().to_string_lossy().into_owned();
+            let options = iges::Options { colour, file_name, ..iges::Options::default() };
+            iges::write(&conversion.brep, &options, to)
+        }
+    };
+    whole(out, content).map_err(|e| {
+        let help = "check that the folder exists, can be written to and has room";
+        formats::Error::new(out, format!("cannot be written: {e}"), help)
+    })?;
+    Ok(conversion)
+}
+
+/// What the name of a file says that it is.
+fn kind(out: &Path) -> Result<Kind> {
+    let extension = out.extension().map(|e| e.to_string_lossy().to_lowercase());
+    match extension.as_deref() {
+        Some("step" | "stp") => Ok(Kind::Step),
+        Some("igs" | "iges") => Ok(Kind::Iges),
+        _ => {
+            let help = "name a file that ends in one of these";
+            Err(formats::Error::new(out, "not .step, .stp, .igs or .iges", help).into())
+        }
+    }
+}
+
+/// Writes a file beside its place, and puts it there once it is complete.
+fn whole(out: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    // Through links, which stay.
+    let place = fs::canonicalize(out).unwrap_or_else(|_| out.to_owned());
+    let part = part(&place);
+    let mut file = BufWriter::new(File::create_new(&part)?);
+    let written = content(&mut file).and_then(|()| file.flush());
+    drop(file);
+    let done = written.and_then(|()| fs::rename(&part, &place));
+    if done.is_err() {
+        // What stopped it says more than that this failed, too.
+        let _ = fs::remove_file(&part);
+    }
+    done
+}
+
+/// A name beside a file that no other process has, nor another thread writing elsewhere.
+fn part(place: &Path) -> PathBuf {
+    let name = place.file_name().unwrap_or_default().to_string_lossy();
+    place.with_file_name(format!(".scan2step-{}-{name}.part", std::process::id()))
+}
