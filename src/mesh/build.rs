@@ -313,7 +313,7 @@ mod tests {
             .unwrap();
         assert_eq!(b.repairs["welded_vertices"], 1);
         assert_eq!(b.repairs["non_finite_vertices"], 1);
-        assert!(b.mesh.points.iter().any(|p| *p == Point::new(10., 10., 0.)));
+        assert!(b.mesh.points.iter().any(|p| p * b.mm == Point::new(10., 10., 0.)));
     }
 
     #[test]
