@@ -282,7 +282,7 @@ fn pipeline(
     watch(Stage::Smooth(&smoothed))?;
     let goal = match options.tolerance {
         Some(tolerance) => adapt::Goal {
-            tolerance: trim::Options { tolerance }.most_off(),
+            tolerance: trim::Options { tolerance, rim: 0.0 }.most_off(),
             named: true,
             outliers: options.outliers,
         },
@@ -320,7 +320,7 @@ fn pipeline(
 
     let trimmed: Vec<bool> = fill.holes.iter().map(|h| options.cut.cuts(h.rim_length)).collect();
     let rims = cut::rims(&map, &trimmed);
-    let trim_options = trim::Options { tolerance };
+    let trim_options = trim::Options { tolerance, rim: 0.0 };
     let (loops, trim) = trim::trim(&surface, &rims, &trim_options)?;
     let loops = decimal.loops(&surface, loops);
     let natural = !cut::has_outline(&loops);

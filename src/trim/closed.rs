@@ -18,6 +18,8 @@ pub struct Polygon {
     pub parameters: Vec<f64>,
     /// The corners.
     pub uv: Vec<Uv>,
+    /// How much each corner counts in a fit, and what is beside it.
+    pub weights: Vec<f64>,
 }
 
 impl Polygon {
@@ -26,13 +28,15 @@ impl Polygon {
         self.parameters.partition_point(|&p| p < t)
     }
 
-    /// The point at `t`.
-    fn at(&self, t: f64) -> Uv {
+    /// The point at `t`, and its weight.
+    fn at(&self, t: f64) -> (Uv, f64) {
         let n = self.uv.len();
         let i = self.parameters.partition_point(|&p| p <= t).clamp(1, n) - 1;
         let end = self.parameters.get(i + 1).copied().unwrap_or(1.0);
         let share = ((t - self.parameters[i]) / (end - self.parameters[i])).clamp(0.0, 1.0);
-        self.uv[i] + share * (self.uv[(i + 1) % n] - self.uv[i])
+        let next = (i + 1) % n;
+        let weight = self.weights[i] + share * (self.weights[next] - self.weights[i]);
+        (self.uv[i] + share * (self.uv[next] - self.uv[i]), weight)
     }
 }
 
@@ -59,7 +63,7 @@ impl Knots {
     }
 }
 
-/// The least-squares curve through a closed polygon, by the integral over the
+/// The least-squares curve through a closed polygon, by the weighted integral over the
 /// parameter, as an ordinary B-spline whose range is [0, 1]. There must be at
 /// least four knots. `None` if the equations are singular.
 pub fn fit(polygon: &Polygon, knots: &Knots) -> Option<Curve<2>> {
@@ -74,7 +78,8 @@ pub fn fit(polygon: &Polygon, knots: &Knots) -> Option<Curve<2>> {
         let first = vector.basis(0.5 * (span[0] + span[1])).first;
         for k in 0..count {
             let t = span[0] + (k as f64 + 0.5) * step;
-            let (at, b) = (polygon.at(t), vector.basis(t).derivative[0]);
+            let ((at, weight), b) = (polygon.at(t), vector.basis(t).derivative[0]);
+            let step = step * weight;
             for i in 0..4 {
                 (0..4).for_each(|j| gram[i][j] += step * b[i] * b[j]);
                 right[((first + i) % n, 0)] += step * b[i] * at.x;
@@ -96,10 +101,25 @@ pub fn fit(polygon: &Polygon, knots: &Knots) -> Option<Curve<2>> {
     finite.then(|| Curve::new(vector, control))
 }
 
-/// The closed curve as clamped ones from corner to corner. An edge needs two
-/// different ends: with fewer corners than two it is cut once more.
-pub fn arcs(curve: &Curve<2>, corners: &[f64]) -> Vec<Curve<2>> {
-    let mut cuts = if corners.len() < 2 { vec![0.0, 0.5] } else { corners.to_vec() };
+/// Spans of an arc at the most. CAD systems integrate along an edge with a bounded number of
+/// places (OpenCASCADE with 61): of a cubic of so many spans these are enough.
+const MOST_SPANS: usize = 12;
+
+/// The closed curve as clamped arcs from corner to corner, long ones divided at knots.
+/// An edge needs two different ends, so that there are two arcs at the least.
+pub fn arcs(curve: &Curve<2>, knots: &Knots) -> Vec<Curve<2>> {
+    let mut ends = if knots.corners.is_empty() { vec![0.0] } else { knots.corners.clone() };
+    let least = if ends.len() < 2 { 2 } else { 1 };
+    ends.push(1.0);
+    let mut cuts = Vec::new();
+    for w in ends.windows(2) {
+        let inside = |t: &&f64| w[0] < **t && **t < w[1];
+        let inner: Vec<f64> = knots.breaks.iter().filter(inside).copied().collect();
+        let spans = inner.len() + 1;
+        let count = spans.div_ceil(std::env::var("SPANS").ok().and_then(|v| v.parse().ok()).unwrap_or(MOST_SPANS)).max(least);
+        cuts.push(w[0]);
+        cuts.extend((1..count).map(|i| inner[i * spans / count - 1]));
+    }
     cuts.push(1.0);
     cuts.windows(2).map(|w| curve.part(w[0], w[1])).collect()
 }
@@ -111,7 +131,7 @@ mod tests {
     fn polygon(n: usize, at: impl Fn(f64) -> (f64, f64)) -> Polygon {
         let parameters: Vec<f64> = (0..n).map(|i| i as f64 / n as f64).collect();
         let uv = parameters.iter().map(|&t| at(t)).map(|(u, v)| Uv::new(u, v)).collect();
-        Polygon { parameters, uv }
+        Polygon { parameters, uv, weights: vec![1.0; n] }
     }
 
     #[test]
@@ -119,11 +139,12 @@ mod tests {
         let angle = |t: f64| std::f64::consts::TAU * t;
         let circle = polygon(60, |t| (0.5 + 0.2 * angle(t).cos(), 0.5 - 0.2 * angle(t).sin()));
         let breaks = (0..8).map(|i| f64::from(i) / 8.0).collect();
-        let curve = fit(&circle, &Knots { breaks, corners: vec![] }).unwrap();
+        let knots = Knots { breaks, corners: vec![] };
+        let curve = fit(&circle, &knots).unwrap();
         for (t, p) in circle.parameters.iter().zip(&circle.uv) {
             assert!((curve.point(*t) - p.coords).norm() < 1e-3);
         }
-        let arcs = arcs(&curve, &[]);
+        let arcs = arcs(&curve, &knots);
         assert!((arcs[0].point(0.5) - arcs[1].point(0.5)).norm() < 1e-14);
         assert!((arcs[0].point(0.0) - arcs[1].point(1.0)).norm() < 1e-14);
     }
@@ -137,8 +158,8 @@ mod tests {
             (a.0 + s * (b.0 - a.0), a.1 + s * (b.1 - a.1))
         });
         let quarters = vec![0.0, 0.25, 0.5, 0.75];
-        let curve = fit(&square, &Knots { breaks: quarters.clone(), corners: quarters.clone() });
-        let sides = arcs(&curve.unwrap(), &quarters);
+        let knots = Knots { breaks: quarters.clone(), corners: quarters };
+        let sides = arcs(&fit(&square, &knots).unwrap(), &knots);
         assert_eq!(sides.len(), 4);
         for (side, (u, v)) in sides.iter().zip(corners) {
             let start = side.control.first().unwrap();

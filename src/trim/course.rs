@@ -22,8 +22,20 @@ const SHORTEST_EVER: f64 = 1e-3;
 
 /// The nearest place is looked for within so many mean edges, on so many chords each
 /// way.
-const AROUND: f64 = 1.0;
+const AROUND: f64 = 3.0;
 const CHORDS: i32 = 24;
+
+/// The curve is compared with the rim at so many places an edge of this, and with so many
+/// edges each way.
+const PLACES_AN_EDGE: f64 = 2.0;
+const SIDES: usize = 3;
+
+fn env(name: &str, default: f64) -> f64 { std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default) }
+const MOST_PRESSURE: f64 = 9.0;
+const MOST_WEIGHT: f64 = 1e4;
+const STRIDE: usize = 3;
+const LEAST_SPANS: usize = 4;
+const TRIES: usize = 8;
 
 /// Corners of this kind at the most: where more would be needed, needles go.
 const MOST_SHARP: usize = 32;
@@ -51,6 +63,8 @@ pub struct Course<'a> {
     /// little for one.
     sharp: Vec<usize>,
     curve: Curve<2>,
+    /// Whether the curve shall have as few knots as the room lets it.
+    is_fair: bool,
 }
 
 impl<'a> Course<'a> {
@@ -92,12 +106,14 @@ impl<'a> Course<'a> {
         let corners: Vec<f64> = corners.iter().map(|&i| parameters[i - first]).collect();
         let knots = Knots { breaks: first_breaks(&corners), corners };
         let jets = uv.iter().map(|&at| surface.jet(at)).collect();
-        let polygon = Polygon { parameters, uv };
+        let weights = vec![1.0; uv.len()];
+        let polygon = Polygon { parameters, uv, weights };
         let curve = fit(&polygon, &knots)?;
         let edge = 1.0 / polygon.uv.len() as f64;
+        let fair_least = if options.rim > 0.0 { env("LEAST", 1.0) * edge } else { 0.0 };
         let shortest = (SHORTEST * edge)
             .min(SHORTEST_OF_TOLERANCE * options.tolerance / total)
-            .max(SHORTEST_EVER * edge);
+            .max(SHORTEST_EVER * edge).max(fair_least);
         let mut course = Course {
             surface,
             rim,
@@ -110,19 +126,88 @@ impl<'a> Course<'a> {
             on_map,
             sharp,
             curve,
+            is_fair: options.rim > 0.0,
         };
-        for _ in 0..ROUNDS {
-            let spans = course.far_spans();
-            if spans.is_empty() || course.halve(spans).is_none() {
-                break;
-            }
+        course.follow();
+        if course.is_fair && env("THIN", 1.0) > 0.0 {
+            course.thin();
         }
         Some(course)
     }
 
+    /// Halves spans until the curve is everywhere in its room, or they are the shortest.
+    fn follow(&mut self) {
+        for _ in 0..ROUNDS {
+            let mut far = self.far_spans();
+            for _ in 0..env("PRESSES", 0.0) as usize {
+                if far.is_empty() || !self.is_fair || self.press().is_none() {
+                    break;
+                }
+                far = self.far_spans();
+            }
+            if far.is_empty() || self.halve(far).is_none() {
+                break;
+            }
+        }
+    }
+
+    /// Fits the curve again with more weight on the vertices that are beyond their room
+    /// (Lawson's iteration towards the smallest maximum).
+    fn press(&mut self) -> Option<()> {
+        let n = self.polygon.uv.len();
+        for k in 0..n {
+            let beyond = self.distance(k) / self.room[k];
+            if beyond > 1.0 {
+                let weight = &mut self.polygon.weights[k];
+                *weight = (*weight * beyond.powi(2).min(MOST_PRESSURE)).min(MOST_WEIGHT);
+            }
+        }
+        self.curve = fit(&self.polygon, &self.knots)?;
+        Some(())
+    }
+
+    /// Takes out knots without which the curve stays in its room.
+    fn thin(&mut self) {
+        for pass in 0..2 * STRIDE {
+            let before = (self.knots.clone(), self.curve.clone(), self.polygon.weights.clone());
+            let is_corner = |t: f64| before.0.corners.contains(&t) || t == 0.0;
+            let mut out: Vec<f64> = (0..before.0.breaks.len())
+                .filter(|i| i % STRIDE == pass % STRIDE)
+                .map(|i| before.0.breaks[i])
+                .filter(|&t| !is_corner(t))
+                .collect();
+            let least = before.0.corners.len().max(LEAST_SPANS);
+            let mut is_done = false;
+            for _ in 0..TRIES {
+                if out.is_empty() || before.0.breaks.len() - out.len() < least {
+                    break;
+                }
+                self.knots.breaks.clone_from(&before.0.breaks);
+                self.knots.breaks.retain(|t| !out.contains(t));
+                let Some(curve) = fit(&self.polygon, &self.knots) else { break };
+                self.curve = curve;
+                let far = self.far_spans();
+                let far: Vec<usize> = far.into_iter().filter(|&i| { let (a, b) = self.span(i); out.iter().any(|t| a < *t && *t < b) }).collect();
+                if far.is_empty() {
+                    is_done = true;
+                    break;
+                }
+                let spans: Vec<(f64, f64)> = far.iter().map(|&i| self.span(i)).collect();
+                let count = out.len();
+                out.retain(|t| !spans.iter().any(|(a, b)| a < t && t < b));
+                if out.len() == count {
+                    break;
+                }
+            }
+            if !is_done {
+                (self.knots, self.curve, self.polygon.weights) = before;
+            }
+        }
+    }
+
     /// The arcs of the loop.
     pub fn arcs(&self) -> Vec<Curve<2>> {
-        arcs(&self.curve, &self.knots.corners)
+        arcs(&self.curve, &self.knots)
     }
 
     /// The rim's vertex next to a parameter.
@@ -182,7 +267,9 @@ impl<'a> Course<'a> {
             let end = self.polygon.before(b);
             let at_end = self.polygon.parameters[end % n] == b.fract();
             let mut held = (self.polygon.before(a)..end).chain(at_end.then_some(end % n));
-            held.any(|k| self.distance(k) > self.room[k]) && self.is_longer(i, self.shortest)
+            self.is_longer(i, self.shortest)
+                && (held.any(|k| self.distance(k) > self.room[k])
+                    || self.is_fair && self.leaves_rim(a, b))
         };
         (0..self.knots.breaks.len()).filter(far).collect()
     }
@@ -211,6 +298,27 @@ impl<'a> Course<'a> {
         let places: Vec<Point> = (-CHORDS..=CHORDS).map(place).collect();
         let chords = places.windows(2).map(|c| segment_distance(Point::origin(), c[0], c[1]));
         chords.fold(same, f64::min)
+    }
+
+    /// Whether the curve between two parameters is farther from the rim than it may be, at
+    /// places between the vertices.
+    fn leaves_rim(&self, a: f64, b: f64) -> bool {
+        let n = self.polygon.uv.len();
+        let count = (PLACES_AN_EDGE * (b - a) * n as f64).ceil().max(2.0) as usize;
+        let place = |i: usize| a + (b - a) * (i as f64 + 0.5) / count as f64;
+        (0..count).map(place).any(|t| {
+            let next = self.polygon.before(t);
+            let k = (next + n - 1) % n;
+            let jet = &self.jets[k];
+            let at = self.curve.point(t);
+            let corner = |i: usize| {
+                let off = self.polygon.uv[i % n].coords - at;
+                Point::from(jet.su * off.x + jet.sv * off.y)
+            };
+            let sides = (0..2 * SIDES + 1).map(|i| k + n * SIDES + i - SIDES);
+            let near = sides.map(|i| segment_distance(Point::origin(), corner(i), corner(i + 1)));
+            near.fold(f64::INFINITY, f64::min) > self.room[k].max(self.room[next % n])
+        })
     }
 
     /// The span that holds `t` and its neighbours, those that may be halved.

@@ -29,9 +29,11 @@ use course::Course;
 /// How near trim curves keep to rims.
 #[derive(Debug, Clone, Copy)]
 pub struct Options {
-    /// Distance, in mm, between a rim's vertices and the trim curve that needs
-    /// no more control points.
+    /// The tolerance of the face, in mm.
     pub tolerance: f64,
+    /// How far, in mm, a loop may be from its rim, within the surface. Where that is less
+    /// than the tolerance leaves (at 0, say), the loop keeps to the tolerance.
+    pub rim: f64,
 }
 
 /// Trim curves keep to the rims within this share of the tolerance, and to within
@@ -50,7 +52,10 @@ impl Options {
     /// that is `off` the surface.
     fn room(&self, off: f64) -> f64 {
         let left = (self.tolerance.powi(2) - off.powi(2)).max(0.0).sqrt();
-        left.clamp(LEAST_SHARE * self.tolerance, SHARE * self.tolerance)
+        let left = left.clamp(LEAST_SHARE * self.tolerance, SHARE * self.tolerance);
+        let floor: f64 = std::env::var("FLOOR").ok().and_then(|v| v.parse().ok()).unwrap_or(0.5);
+        let fair = (self.rim.powi(2) - off.powi(2)).max((floor * self.rim).powi(2)).sqrt();
+        left.max(fair)
     }
 }
 
