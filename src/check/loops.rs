@@ -8,6 +8,7 @@ use nalgebra::Point2;
 use super::curve::Part;
 use super::surface::Domain;
 use crate::geometry::{Point, Uv, segment_distance};
+use crate::spline::chords::chords;
 use crate::spline::{Patch, foot_point};
 
 /// A corner of a polygon: its parameter point, and its place on the surface.
@@ -27,9 +28,6 @@ pub(super) struct Tracer<'a> {
 
 /// How many places of an edge are looked at.
 const LOOKED_AT: usize = 64;
-
-/// Halvings of a chord at the most.
-const MAX_HALVINGS: usize = 12;
 
 impl Tracer<'_> {
     /// The polygon of a loop, without its first corner again at its end.
@@ -120,7 +118,7 @@ impl Tracer<'_> {
             let uv = Uv::from(pcurve.point(t));
             (uv, self.surface.point(uv))
         };
-        self.polyline(&pcurve.breaks(), &at, |c: &Corner| c.1)
+        chords(&pcurve.breaks(), &at, |c: &Corner| c.1, self.chord)
     }
 
     /// The farthest that a curve is from its pcurve's trace at equal parameter, if
@@ -142,46 +140,7 @@ impl Tracer<'_> {
     /// The polyline of a curve in space.
     fn chords(&self, curve: &Part<3>, forward: bool) -> Vec<Point> {
         let at = |t: f64| Point::from(curve.point(t));
-        along(self.polyline(&curve.breaks(), &at, |p| *p), forward)
-    }
-
-    /// Points of a curve so near each other that chords keep to it.
-    fn polyline<T: Copy>(
-        &self,
-        breaks: &[f64],
-        at: &dyn Fn(f64) -> T,
-        place: impl Fn(&T) -> Point + Copy,
-    ) -> Vec<T> {
-        // Few spans are cut up first: a wave may cross its chord in the middle.
-        let pieces = (32 / breaks.len()).max(2);
-        let mut line = vec![at(breaks[0])];
-        for span in breaks.windows(2) {
-            let t = |i: usize| span[0] + (span[1] - span[0]) * i as f64 / pieces as f64;
-            for i in 0..pieces {
-                self.refine((t(i), t(i + 1)), at, place, MAX_HALVINGS, &mut line);
-            }
-        }
-        line
-    }
-
-    fn refine<T: Copy>(
-        &self,
-        (a, b): (f64, f64),
-        at: &dyn Fn(f64) -> T,
-        place: impl Fn(&T) -> Point + Copy,
-        halvings: usize,
-        line: &mut Vec<T>,
-    ) {
-        let end = at(b);
-        let from = line.last().map_or_else(|| place(&at(a)), place);
-        let off = |s: f64| segment_distance(place(&at(a + s * (b - a))), from, place(&end));
-        if halvings == 0 || [0.5, 0.25, 0.75].iter().all(|s| off(*s) <= self.chord) {
-            line.push(end);
-            return;
-        }
-        let middle = 0.5 * (a + b);
-        self.refine((a, middle), at, place, halvings - 1, line);
-        self.refine((middle, b), at, place, halvings - 1, line);
+        along(chords(&curve.breaks(), &at, |p| *p, self.chord), forward)
     }
 
     /// The feet on the surface of a line's points, each searched from the one

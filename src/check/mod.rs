@@ -13,8 +13,8 @@ use rayon::prelude::*;
 
 use crate::deviation::{Deviation, Face};
 use crate::error::{Error, Result};
-use crate::geometry::{Point, Uv, bounds, uv_bounds};
-use crate::mesh::{Mesh, Neighbours, Triangles};
+use crate::geometry::{Point, Uv, uv_bounds};
+use crate::mesh::{Mesh, Triangles};
 use loops::{Corner, Tracer};
 use samples::Samples;
 use surface::Domain;
@@ -42,7 +42,7 @@ pub struct Report {
 }
 
 /// Chords keep to edges within this share of the scan's diagonal.
-const CHORD: f64 = 1e-6;
+const CHORD: f64 = 1e-7;
 /// Edges that should meet, or curves that should be one, are within this share of
 /// it; importers heal as much.
 const GAP: f64 = 1e-4;
@@ -62,22 +62,14 @@ pub fn check(model: &CadModel, scan: &Mesh) -> Result<Report> {
     let domains: Vec<Domain> = model.faces.iter().map(|f| Domain::whole(&f.surface)).collect();
     let (rings, off) = rings(model, &domains, diagonal)?;
     let parts: Vec<Domain> = domains.iter().zip(&rings).zip(&model.faces).map(bounded).collect();
-    let starts: Vec<Vec<Corner>> =
-        rings.iter().map(|r| r.iter().flatten().copied().collect()).collect();
     let faces = parts.iter().zip(rings).zip(&model.faces);
     let faces: Vec<Face<Domain>> =
         faces.map(|((domain, rings), face)| Face::of_rings(domain, rings, face.natural)).collect();
     let spacing = spacing(scan);
     let each = faces.par_iter().map(|face| Samples::of(face, spacing, MOST));
     let samples: Vec<Samples> = each.collect();
-    let targets: Vec<Target> = faces
-        .iter()
-        .zip(&samples)
-        .zip(&starts)
-        .filter_map(|((f, s), c)| Target::new(f, s, c))
-        .collect();
 
-    let to_faces = scan.points.par_iter().map(|&p| distance(&targets, p)).collect();
+    let to_faces = scan.points.par_iter().map(|&p| distance(&faces, p)).collect();
     let triangles = Triangles::new(scan);
     let points: Vec<Point> = samples.iter().flat_map(|s| s.points.iter().copied()).collect();
     let to_scan = points.par_iter().map(|&p| triangles.distance(p)).collect();
@@ -135,45 +127,12 @@ fn spacing(scan: &Mesh) -> f64 {
     (area / count).sqrt().max(f64::MIN_POSITIVE)
 }
 
-/// A face with places from which feet are searched.
-struct Target<'a> {
-    face: &'a Face<'a, Domain<'a>>,
-    near: Neighbours,
-    uv: Vec<Uv>,
-    low: Point,
-    high: Point,
-}
-
-impl<'a> Target<'a> {
-    /// Of a face, its samples and the corners of its loops; `None` if it has
-    /// neither.
-    fn new(face: &'a Face<'a, Domain<'a>>, samples: &Samples, corners: &[Corner]) -> Option<Self> {
-        let all = samples.points.iter().copied().chain(corners.iter().map(|c| c.1));
-        let points: Vec<Point> = all.collect();
-        let uv = samples.uv.iter().copied().chain(corners.iter().map(|c| c.0)).collect();
-        let [low, high] = bounds(points.iter().copied());
-        let near = (!points.is_empty()).then(|| Neighbours::new(&points))?;
-        Some(Target { face, near, uv, low, high })
-    }
-
-    /// How far `p` is from the box of its places.
-    fn outside(&self, p: Point) -> f64 {
-        (p.sup(&self.low).inf(&self.high) - p).norm()
-    }
-}
-
 /// The distance of `p` from the nearest face.
-fn distance(targets: &[Target], p: Point) -> f64 {
-    let mut order: Vec<(f64, &Target)> = targets.iter().map(|t| (t.outside(p), t)).collect();
+fn distance(faces: &[Face<Domain>], p: Point) -> f64 {
+    let mut order: Vec<(f64, &Face<Domain>)> = faces.iter().map(|f| (f.outside(p), f)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let mut best = f64::INFINITY;
-    for (outside, target) in order {
-        // A face bulges out of the box of its samples by much less than that.
-        if 0.5 * outside > best {
-            break;
-        }
-        let start = target.uv[target.near.nearest(p)];
-        best = best.min(target.face.distance(p, start));
-    }
-    best
+    let nearer = |best: f64, (outside, face): (f64, &Face<Domain>)| {
+        if outside < best { best.min(face.nearest(p, None).1) } else { best }
+    };
+    order.into_iter().fold(f64::INFINITY, nearer)
 }

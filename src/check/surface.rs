@@ -1,11 +1,11 @@
 //! Points and derivatives of a CAD file's surfaces.
 
-use formats::cad::{CadCurve, CadSurface, CurveShape, SplineCurve, SplineSurface};
+use formats::cad::{CadCurve, CadSurface, CurveShape, SplineCurve, SplineKnots, SplineSurface};
 use nalgebra::Vector4;
 
 use super::basis::Basis;
 use crate::geometry::{Point, Uv, Vector};
-use crate::spline::{Jet, Patch};
+use crate::spline::{Jet, KnotVector, Patch, Surface};
 
 /// A surface over a part of its parameter plane.
 #[derive(Debug)]
@@ -13,6 +13,10 @@ pub(super) struct Domain<'a> {
     surface: &'a CadSurface,
     ranges: [(f64, f64); 2],
 }
+
+/// First derivatives are compared so far apart, as a share of the range: what is rounded
+/// and what the third derivative adds are then both small.
+const DIFFERENCE: f64 = 1e-4;
 
 impl<'a> Domain<'a> {
     /// The surface as far as it goes.
@@ -42,24 +46,52 @@ impl<'a> Domain<'a> {
         }
     }
 
-    /// Lines u = const and v = const between which it is smooth.
-    pub(super) fn breaks(&self) -> [Vec<f64>; 2] {
+    /// A jet with second derivatives from differences of first ones, whose error is a
+    /// millionth of them.
+    fn bent(&self, mut jet: Jet, at: Uv) -> Jet {
+        let [u, v] = [0, 1].map(|axis| {
+            let (from, to) = self.ranges[axis];
+            let step = DIFFERENCE * if (to - from).is_finite() { to - from } else { 1.0 };
+            let [mut a, mut b] = [at; 2];
+            (a[axis], b[axis]) = ((at[axis] - step).max(from), (at[axis] + step).min(to));
+            let length = b[axis] - a[axis];
+            let [a, b] = [a, b].map(|at| self::jet(self.surface, at));
+            (length > 0.0).then(|| [(b.su - a.su) / length, (b.sv - a.sv) / length])
+        });
+        if let (Some(u), Some(v)) = (u, v) {
+            (jet.suu, jet.suv, jet.svv) = (u[0], 0.5 * (u[1] + v[0]), v[1]);
+        }
+        jet
+    }
+}
+
+impl Patch for Domain<'_> {
+    fn jet(&self, at: Uv) -> Jet {
+        let here = jet(self.surface, at);
+        if matches!(self.surface, CadSurface::Offset { .. }) { self.bent(here, at) } else { here }
+    }
+
+    fn ranges(&self) -> [(f64, f64); 2] {
+        self.ranges
+    }
+
+    fn quick(&self) -> Option<Box<dyn Patch>> {
+        let CadSurface::Spline(spline) = self.surface else { return None };
+        if spline.weights().is_some() {
+            return None;
+        }
+        let knots = |k: &SplineKnots| KnotVector::try_new(k.degree(), k.knots().to_vec()).ok();
+        let net = spline.poles().iter().map(vector).collect();
+        Surface::try_new(knots(spline.u())?, knots(spline.v())?, net).ok()?.quick()
+    }
+
+    fn breaks(&self) -> [Vec<f64>; 2] {
         let inner = breaks(self.surface);
         [0, 1].map(|axis| {
             let (from, to) = self.ranges[axis];
             let inside = inner[axis].iter().copied().filter(|t| from < *t && *t < to);
             std::iter::once(from).chain(inside).chain(std::iter::once(to)).collect()
         })
-    }
-}
-
-impl Patch for Domain<'_> {
-    fn jet(&self, at: Uv) -> Jet {
-        jet(self.surface, at)
-    }
-
-    fn ranges(&self) -> [(f64, f64); 2] {
-        self.ranges
     }
 }
 
@@ -118,8 +150,8 @@ fn jet(surface: &CadSurface, at: Uv) -> Jet {
     }
 }
 
-/// The jet of an offset. Its second derivatives would need third ones of the
-/// base; they only guide the search for feet, and the base's do as well.
+/// The jet of an offset. Its second derivatives would need third ones of the base: they
+/// are left to [`Domain::bent`].
 fn offset(base: &Jet, distance: f64) -> Jet {
     let n = base.su.cross(&base.sv);
     let length = n.norm();

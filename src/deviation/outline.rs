@@ -1,8 +1,6 @@
-//! Closed polygons of the parameter plane, and their sides in space.
+//! Closed polygons of the parameter plane.
 
-use rstar::{AABB, PointDistance, RTreeObject};
-
-use crate::geometry::{Point, Uv, ray_crosses, segment_distance, uv_bounds};
+use crate::geometry::{Uv, ray_crosses, uv_bounds};
 
 /// A closed polygon that answers quickly what is inside.
 #[derive(Debug, Clone)]
@@ -46,32 +44,21 @@ impl Outline {
         let sides = self.strips[self.strip(p.y)].iter();
         sides.filter(|&&i| ray_crosses(p, self.side(i as usize))).count() % 2 == 1
     }
-}
 
-/// A side in space.
-#[derive(Debug, Clone, Copy)]
-pub struct Side {
-    pub(super) ends: [Point; 2],
-}
-
-impl Side {
-    pub(super) fn distance(&self, p: Point) -> f64 {
-        segment_distance(p, self.ends[0], self.ends[1])
-    }
-}
-
-impl RTreeObject for Side {
-    type Envelope = AABB<[f64; 3]>;
-
-    fn envelope(&self) -> Self::Envelope {
-        let [a, b] = self.ends.map(|end| end.coords.into());
-        AABB::from_corners(a, b)
-    }
-}
-
-impl PointDistance for Side {
-    fn distance_2(&self, point: &[f64; 3]) -> f64 {
-        self.distance(Point::from(*point)).powi(2)
+    /// Whether a side may cross the rectangle from `low` to `high`: the box around it does.
+    pub(super) fn meets(&self, low: Uv, high: Uv) -> bool {
+        let apart = |a: Uv, b: Uv| {
+            a.x.max(b.x) < low.x
+                || a.x.min(b.x) > high.x
+                || a.y.max(b.y) < low.y
+                || a.y.min(b.y) > high.y
+        };
+        if apart(self.low, self.high) {
+            return false;
+        }
+        let strips = self.strip(low.y.max(self.low.y))..=self.strip(high.y.min(self.high.y));
+        let sides = |strip: usize| self.strips[strip].iter().map(|&i| self.side(i as usize));
+        strips.flat_map(sides).any(|(a, b)| !apart(a, b))
     }
 }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::{Patch, Surface};
+use super::{Jet, Patch, Surface};
 use crate::geometry::{Point, Uv};
 
 /// The parameter of a local minimum of the distance from `p` to the surface,
@@ -40,6 +40,36 @@ pub fn foot_point_moving<S: Patch + ?Sized>(
     moves: [bool; 2],
     last_step: f64,
 ) -> (Uv, f64) {
+    let foot = descend(surface, p, start, moves, last_step);
+    (foot.at, foot.distance)
+}
+
+/// Where a descent ended.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Foot {
+    /// The parameter point.
+    pub at: Uv,
+    /// The surface there.
+    pub jet: Jet,
+    /// How far that is, in mm.
+    pub distance: f64,
+}
+
+impl Foot {
+    /// What [`foot_point`] finds.
+    pub fn find<S: Patch + ?Sized>(surface: &S, p: Point, start: Uv) -> Self {
+        descend(surface, p, start, [true; 2], LAST_STEP)
+    }
+}
+
+/// The descent of [`foot_point_moving`].
+pub(super) fn descend<S: Patch + ?Sized>(
+    surface: &S,
+    p: Point,
+    start: Uv,
+    moves: [bool; 2],
+    last_step: f64,
+) -> Foot {
     let mut at = surface.clamp(start);
     let mut jet = surface.jet(at);
     let mut distance = (jet.s - p).norm_squared();
@@ -77,7 +107,7 @@ pub fn foot_point_moving<S: Patch + ?Sized>(
             break;
         }
     }
-    (at, distance.sqrt())
+    Foot { at, jet, distance: distance.sqrt() }
 }
 
 /// Which parameters may move: not one at an edge that the descent leads out of.

@@ -3,10 +3,13 @@
 //! (1997), chapters 2 to 5.
 
 mod checked;
+pub(crate) mod chords;
 mod compose;
 mod curve;
+mod edges;
 mod foot;
 mod knots;
+pub(crate) mod nearest;
 mod outline;
 mod piece;
 mod polynomials;
@@ -16,6 +19,7 @@ mod surface;
 
 pub use compose::{curve_on_surface, off_surface};
 pub use curve::Curve;
+pub use edges::EdgeTree;
 pub use foot::{foot_point, foot_point_moving, last_step};
 pub use knots::{Basis, KnotVector};
 pub use outline::{Fault, Nest, Outline, Place, crossings, misplaced};

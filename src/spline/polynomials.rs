@@ -15,7 +15,7 @@ type Lane = Vector4<f64>;
 /// to be found first.
 struct Polynomials {
     spans: [Spans; 2],
-    ranges: [(f64, f64); 2],
+    breaks: [Vec<f64>; 2],
     /// Cell (p, q) at `p * down + q`: of tˡ sᵏ, at [l][k].
     cells: Vec<[[Lane; 4]; 4]>,
 }
@@ -35,7 +35,7 @@ impl Polynomials {
         let down = spans[1].all.len();
         let of = |c: usize| cell(surface, [c / down, c % down], &spans);
         let cells = (0..spans[0].all.len() * down).into_par_iter().with_min_len(64).map(of);
-        Polynomials { cells: cells.collect(), ranges: surface.ranges(), spans }
+        Polynomials { cells: cells.collect(), breaks: surface.breaks(), spans }
     }
 }
 
@@ -91,7 +91,11 @@ impl Patch for Polynomials {
     }
 
     fn ranges(&self) -> [(f64, f64); 2] {
-        self.ranges
+        self.breaks.each_ref().map(|breaks| (breaks[0], breaks[breaks.len() - 1]))
+    }
+
+    fn breaks(&self) -> [Vec<f64>; 2] {
+        self.breaks.clone()
     }
 }
 

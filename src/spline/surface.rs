@@ -1,6 +1,6 @@
 //! Tensor-product B-spline surfaces.
 
-use super::{Basis, KnotVector};
+use super::{Basis, KnotVector, for_many_looks};
 use crate::geometry::{Point, Uv, Vector};
 
 /// A tensor-product B-spline surface over the range of its two knot vectors.
@@ -123,6 +123,16 @@ pub trait Patch: Sync {
     /// The ranges of u and of v; they may be endless.
     fn ranges(&self) -> [(f64, f64); 2];
 
+    /// Lines u = const and v = const between which it is smooth, its ends included.
+    fn breaks(&self) -> [Vec<f64>; 2] {
+        self.ranges().map(|(low, high)| vec![low, high])
+    }
+
+    /// The same surface in a form that is looked at faster, if there is one.
+    fn quick(&self) -> Option<Box<dyn Patch>> {
+        None
+    }
+
     /// The point at `at`.
     fn point(&self, at: Uv) -> Point {
         self.jet(at).s
@@ -142,6 +152,17 @@ impl Patch for Surface {
 
     fn ranges(&self) -> [(f64, f64); 2] {
         [self.u.range(), self.v.range()]
+    }
+
+    fn breaks(&self) -> [Vec<f64>; 2] {
+        [self.u.breaks(), self.v.breaks()]
+    }
+
+    fn quick(&self) -> Option<Box<dyn Patch>> {
+        let is_cubic = |knots: &KnotVector| {
+            knots.degree() == 3 && knots.breaks().len() + 2 == knots.functions()
+        };
+        (is_cubic(&self.u) && is_cubic(&self.v)).then(|| for_many_looks(self))
     }
 
     fn point(&self, at: Uv) -> Point {

@@ -1,0 +1,81 @@
+//! How far points are from curves in space.
+
+use rstar::{AABB, PointDistance, RTree, RTreeObject};
+
+use super::Curve;
+use super::chords::chords;
+use super::nearest::EXACT;
+use crate::geometry::{Point, bounds, segment_distance};
+
+/// Curves in space that answer quickly how far a point is from the nearest of them.
+///
+/// They are cut into chords that keep to them within 1e-7 of the diagonal of the box around
+/// them, and so are distances. A look takes logarithmic time.
+#[derive(Debug)]
+pub struct EdgeTree {
+    sides: RTree<Side>,
+}
+
+impl EdgeTree {
+    /// The tree of some curves.
+    pub fn new(edges: &[Curve<3>]) -> Self {
+        let control = edges.iter().flat_map(|edge| edge.control.iter().map(|&p| Point::from(p)));
+        let [low, high] = bounds(control);
+        let chord = EXACT * (high - low).norm();
+        let line = |edge: &Curve<3>| {
+            let at = |t: f64| Point::from(edge.point(t));
+            chords(&edge.knots.breaks(), &at, |p| *p, chord)
+        };
+        let lines: Vec<Vec<Point>> = edges.iter().map(line).collect();
+        EdgeTree::of_sides(lines.iter().flat_map(|line| line.windows(2).map(|s| [s[0], s[1]])))
+    }
+
+    /// The tree of straight pieces, each from its start to its end.
+    pub(crate) fn of_sides(sides: impl Iterator<Item = [Point; 2]>) -> Self {
+        let sides = sides.enumerate().map(|(number, ends)| Side { ends, number });
+        EdgeTree { sides: RTree::bulk_load(sides.collect()) }
+    }
+
+    /// The distance in mm from `p` to the nearest curve; infinite if there is none.
+    pub fn distance(&self, p: Point) -> f64 {
+        self.nearest(p).map_or(f64::INFINITY, |near| near.2)
+    }
+
+    /// The number of the piece that is nearest to `p`, at which share of it, and how far
+    /// that is.
+    pub(crate) fn nearest(&self, p: Point) -> Option<(usize, f64, f64)> {
+        // `nearest_neighbor` prunes by bounds that rounding may turn against the nearest one.
+        let side = self.sides.nearest_neighbor_iter(p.coords.into()).next()?;
+        let ([a, b], along) = (side.ends, side.ends[1] - side.ends[0]);
+        let share = (p - a).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
+        Some((side.number, share.clamp(0.0, 1.0), segment_distance(p, a, b)))
+    }
+}
+
+/// A straight piece of a curve.
+#[derive(Debug, Clone, Copy)]
+struct Side {
+    ends: [Point; 2],
+    number: usize,
+}
+
+impl Side {
+    fn distance(&self, p: Point) -> f64 {
+        segment_distance(p, self.ends[0], self.ends[1])
+    }
+}
+
+impl RTreeObject for Side {
+    type Envelope = AABB<[f64; 3]>;
+
+    fn envelope(&self) -> Self::Envelope {
+        let [a, b] = self.ends.map(|end| end.coords.into());
+        AABB::from_corners(a, b)
+    }
+}
+
+impl PointDistance for Side {
+    fn distance_2(&self, point: &[f64; 3]) -> f64 {
+        self.distance(Point::from(*point)).powi(2)
+    }
+}
