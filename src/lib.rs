@@ -282,7 +282,7 @@ fn pipeline(
     watch(Stage::Smooth(&smoothed))?;
     let goal = match options.tolerance {
         Some(tolerance) => adapt::Goal {
-            tolerance: trim::Options { tolerance, rim: 0.0 }.most_off(),
+            tolerance: trim::Options::most_off(tolerance),
             named: true,
             outliers: options.outliers,
         },
@@ -314,20 +314,20 @@ fn pipeline(
 
     let measured_count = map.patch.measured;
     let (surface, fit) = adapt::fit_with(&mut map, options, &goal, &mut within("fit", watch))?;
-    let decimal = decimal::Decimal::for_size(measured.mesh.diagonal());
-    let surface = decimal.surface(surface);
+    let mut surface = surface;
+    decimal::surface(&mut surface, measured.mesh.diagonal());
     watch(Stage::Fit(&surface))?;
 
     let trimmed: Vec<bool> = fill.holes.iter().map(|h| options.cut.cuts(h.rim_length)).collect();
     let rims = cut::rims(&map, &trimmed);
-    let trim_options = trim::Options { tolerance, rim: 0.0 };
-    let (loops, trim) = trim::trim(&surface, &rims, &trim_options)?;
-    let loops = decimal.loops(&surface, loops);
+    let trim_options = options.trim(tolerance, &rims);
+    let arcs = trim::arcs(&surface, &rims, &trim_options)?;
+    // How near edges must be to the surface is a matter of millimetres.
+    let placed = surface.clone().scaled(mm);
+    let rims: Vec<trim::Rim> = rims.into_iter().map(|rim| rim.scaled(mm)).collect();
+    let (loops, trim) = trim::trace(&placed, &rims, arcs);
     let natural = !cut::has_outline(&loops);
     let outer = natural.then(|| outer_boundary(&surface, &map));
-    let placed = surface.clone().scaled(mm);
-    let (loops, trim) = trim::scaled(&placed, (loops, trim), mm);
-    let loops = decimal::Decimal::for_size(mm * measured.mesh.diagonal()).edges(loops);
     watch(Stage::Trim(&placed, &loops))?;
 
     let faces = cut::faces(&loops);

@@ -18,7 +18,8 @@ impl Triangles {
 
     /// The distance of `p` from the nearest one, in mm.
     pub fn distance(&self, p: Point) -> f64 {
-        let nearest = self.0.nearest_neighbor(p.coords.into());
+        // `nearest_neighbor` misses the nearest one where distances are all but equal.
+        let nearest = self.0.nearest_neighbor_iter(p.coords.into()).next();
         nearest.map_or(f64::INFINITY, |t| (t.nearest(p) - p).norm())
     }
 }

@@ -130,6 +130,14 @@ impl Builder {
         self
     }
 
+    /// How far a trim loop may be from the measured rim, in mm; at 0 it follows every tooth.
+    /// Without: half the median length of the scan's edges at the rims, or the tolerance if
+    /// that is more. A tolerance that is named binds loops, too, unless this is named.
+    pub fn rim_tolerance(mut self, mm: impl Into<Option<f64>>) -> Self {
+        self.0.rim_tolerance = mm.into();
+        self
+    }
+
     /// Which holes are cut out of the face. Without: all.
     pub fn cut(mut self, cut: Cut) -> Self {
         self.0.cut = cut;

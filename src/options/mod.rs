@@ -10,7 +10,7 @@ use crate::adapt::KnotOptions;
 use crate::cut::Cut;
 use crate::error::{Result, of};
 use crate::geometry::{Point, in_lengths, length};
-use crate::{fill, fit, mesh, parameterize, rules, smooth};
+use crate::{fill, fit, mesh, parameterize, rules, smooth, trim};
 
 /// What [`convert`](crate::convert) is asked for. [`Options::default`] finds
 /// everything on the scan, whose numbers have the unit that it declares, or are millimetres; [`Options::builder`]
@@ -40,6 +40,7 @@ pub struct Options {
     pub(crate) method: fit::Method,
     pub(crate) tolerance: Option<f64>,
     pub(crate) outliers: f64,
+    pub(crate) rim_tolerance: Option<f64>,
     pub(crate) cut: Cut,
 }
 
@@ -57,10 +58,15 @@ impl Default for Options {
             method: fit::Method::default(),
             tolerance: None,
             outliers: 0.0,
+            rim_tolerance: None,
             cut: Cut::default(),
         }
     }
 }
+
+/// Where a scan ends is uncertain by this share of its edges there: a scanner sees the last
+/// point up to a whole edge before the end, half of one in the mean.
+const UNCERTAIN: f64 = 0.5;
 
 impl Options {
     /// Options to change one by one.
@@ -104,8 +110,20 @@ impl Options {
             parameterize,
             knots,
             tolerance: self.tolerance.map(|tolerance| length(tolerance, mm)),
+            rim_tolerance: self.rim_tolerance.map(|rim| rim / mm),
             cut: self.cut.in_lengths(mm),
             ..self.clone()
+        }
+    }
+
+    /// How near loops keep to some rims. Where nobody says, that is half the median edge of the
+    /// rims, or the tolerance if that is more; a tolerance that is named binds loops, too.
+    pub(crate) fn trim(&self, tolerance: f64, rims: &[trim::Rim]) -> trim::Options {
+        let rim = || (UNCERTAIN * trim::median_edge(rims)).max(tolerance);
+        trim::Options {
+            tolerance,
+            rim: self.rim_tolerance.unwrap_or_else(rim),
+            keeps_vertices: self.tolerance.is_some() && self.rim_tolerance.is_none(),
         }
     }
 
@@ -119,6 +137,7 @@ impl Options {
         self.parameterize.check()?;
         self.knots.check()?;
         self.tolerance.map_or(Ok(()), rules::length).map_err(of("tolerance"))?;
+        self.rim_tolerance.map_or(Ok(()), rules::extent).map_err(of("rim_tolerance"))?;
         rules::share(self.outliers).map_err(of("outliers"))?;
         if let Cut::FromLength(length) = self.cut {
             rules::extent(length).map_err(of("cut"))?;

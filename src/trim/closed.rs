@@ -18,7 +18,7 @@ pub struct Polygon {
     pub parameters: Vec<f64>,
     /// The corners.
     pub uv: Vec<Uv>,
-    /// How much each corner counts in a fit, and what is beside it.
+    /// How much each corner, and what is beside it, counts in a fit.
     pub weights: Vec<f64>,
 }
 
@@ -79,7 +79,7 @@ pub fn fit(polygon: &Polygon, knots: &Knots) -> Option<Curve<2>> {
         for k in 0..count {
             let t = span[0] + (k as f64 + 0.5) * step;
             let ((at, weight), b) = (polygon.at(t), vector.basis(t).derivative[0]);
-            let step = step * weight;
+            let step = weight * step;
             for i in 0..4 {
                 (0..4).for_each(|j| gram[i][j] += step * b[i] * b[j]);
                 right[((first + i) % n, 0)] += step * b[i] * at.x;
@@ -103,7 +103,7 @@ pub fn fit(polygon: &Polygon, knots: &Knots) -> Option<Curve<2>> {
 
 /// Spans of an arc at the most. CAD systems integrate along an edge with a bounded number of
 /// places (OpenCASCADE with 61): of a cubic of so many spans these are enough.
-const MOST_SPANS: usize = 12;
+const MOST_SPANS: usize = 48;
 
 /// The closed curve as clamped arcs from corner to corner, long ones divided at knots.
 /// An edge needs two different ends, so that there are two arcs at the least.
@@ -116,7 +116,7 @@ pub fn arcs(curve: &Curve<2>, knots: &Knots) -> Vec<Curve<2>> {
         let inside = |t: &&f64| w[0] < **t && **t < w[1];
         let inner: Vec<f64> = knots.breaks.iter().filter(inside).copied().collect();
         let spans = inner.len() + 1;
-        let count = spans.div_ceil(std::env::var("SPANS").ok().and_then(|v| v.parse().ok()).unwrap_or(MOST_SPANS)).max(least);
+        let count = spans.div_ceil(MOST_SPANS).max(least);
         cuts.push(w[0]);
         cuts.extend((1..count).map(|i| inner[i * spans / count - 1]));
     }

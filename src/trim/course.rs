@@ -16,6 +16,10 @@ const FIRST_SPANS: f64 = 6.0;
 const SHORTEST: f64 = 0.0125;
 const SHORTEST_OF_TOLERANCE: f64 = 0.125;
 
+/// The same of a loop that need not follow every tooth: spans of a tenth of an edge pass
+/// every vertex within a share of it.
+const SHORTEST_FAIR: f64 = 0.1;
+
 /// But where the loop would cross itself or another one, or the tolerance is below all
 /// sense, they are no shorter than this share of an edge.
 const SHORTEST_EVER: f64 = 1e-3;
@@ -30,13 +34,6 @@ const CHORDS: i32 = 24;
 const PLACES_AN_EDGE: f64 = 2.0;
 const SIDES: usize = 3;
 
-fn env(name: &str, default: f64) -> f64 { std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(default) }
-const MOST_PRESSURE: f64 = 9.0;
-const MOST_WEIGHT: f64 = 1e4;
-const STRIDE: usize = 3;
-const LEAST_SPANS: usize = 4;
-const TRIES: usize = 8;
-
 /// Corners of this kind at the most: where more would be needed, needles go.
 const MOST_SHARP: usize = 32;
 
@@ -48,12 +45,12 @@ const ROUNDS: usize = 40;
 pub struct Course<'a> {
     surface: &'a Surface,
     rim: Cow<'a, Rim>,
-    polygon: Polygon,
+    pub(super) polygon: Polygon,
     /// The surface at the polygon's corners.
     jets: Vec<Jet>,
     /// How far, in mm, the curve may be from each of them within the surface.
-    room: Vec<f64>,
-    knots: Knots,
+    pub(super) room: Vec<f64>,
+    pub(super) knots: Knots,
     /// Shorter spans, by their parameters, are not made.
     shortest: f64,
     /// Position of the rim's vertex at parameter 0.
@@ -62,9 +59,11 @@ pub struct Course<'a> {
     /// Vertices of the rim at which the loop has a corner, though the rim bends too
     /// little for one.
     sharp: Vec<usize>,
-    curve: Curve<2>,
+    pub(super) curve: Curve<2>,
     /// Whether the curve shall have as few knots as the room lets it.
     is_fair: bool,
+    /// The curve as it was before knots were taken out.
+    thick: Option<(Knots, Curve<2>)>,
 }
 
 impl<'a> Course<'a> {
@@ -110,10 +109,12 @@ impl<'a> Course<'a> {
         let polygon = Polygon { parameters, uv, weights };
         let curve = fit(&polygon, &knots)?;
         let edge = 1.0 / polygon.uv.len() as f64;
-        let fair_least = if options.rim > 0.0 { env("LEAST", 1.0) * edge } else { 0.0 };
-        let shortest = (SHORTEST * edge)
-            .min(SHORTEST_OF_TOLERANCE * options.tolerance / total)
-            .max(SHORTEST_EVER * edge).max(fair_least);
+        let shortest = match options.is_fair() {
+            true => SHORTEST_FAIR * edge,
+            false => (SHORTEST * edge)
+                .min(SHORTEST_OF_TOLERANCE * options.tolerance / total)
+                .max(SHORTEST_EVER * edge),
+        };
         let mut course = Course {
             surface,
             rim,
@@ -126,11 +127,14 @@ impl<'a> Course<'a> {
             on_map,
             sharp,
             curve,
-            is_fair: options.rim > 0.0,
+            is_fair: options.is_fair(),
+            thick: None,
         };
         course.follow();
-        if course.is_fair && env("THIN", 1.0) > 0.0 {
+        if course.is_fair {
+            let thick = (course.knots.clone(), course.curve.clone());
             course.thin();
+            course.thick = Some(thick);
         }
         Some(course)
     }
@@ -138,69 +142,9 @@ impl<'a> Course<'a> {
     /// Halves spans until the curve is everywhere in its room, or they are the shortest.
     fn follow(&mut self) {
         for _ in 0..ROUNDS {
-            let mut far = self.far_spans();
-            for _ in 0..env("PRESSES", 0.0) as usize {
-                if far.is_empty() || !self.is_fair || self.press().is_none() {
-                    break;
-                }
-                far = self.far_spans();
-            }
+            let far = self.spans_beyond(self.shortest);
             if far.is_empty() || self.halve(far).is_none() {
                 break;
-            }
-        }
-    }
-
-    /// Fits the curve again with more weight on the vertices that are beyond their room
-    /// (Lawson's iteration towards the smallest maximum).
-    fn press(&mut self) -> Option<()> {
-        let n = self.polygon.uv.len();
-        for k in 0..n {
-            let beyond = self.distance(k) / self.room[k];
-            if beyond > 1.0 {
-                let weight = &mut self.polygon.weights[k];
-                *weight = (*weight * beyond.powi(2).min(MOST_PRESSURE)).min(MOST_WEIGHT);
-            }
-        }
-        self.curve = fit(&self.polygon, &self.knots)?;
-        Some(())
-    }
-
-    /// Takes out knots without which the curve stays in its room.
-    fn thin(&mut self) {
-        for pass in 0..2 * STRIDE {
-            let before = (self.knots.clone(), self.curve.clone(), self.polygon.weights.clone());
-            let is_corner = |t: f64| before.0.corners.contains(&t) || t == 0.0;
-            let mut out: Vec<f64> = (0..before.0.breaks.len())
-                .filter(|i| i % STRIDE == pass % STRIDE)
-                .map(|i| before.0.breaks[i])
-                .filter(|&t| !is_corner(t))
-                .collect();
-            let least = before.0.corners.len().max(LEAST_SPANS);
-            let mut is_done = false;
-            for _ in 0..TRIES {
-                if out.is_empty() || before.0.breaks.len() - out.len() < least {
-                    break;
-                }
-                self.knots.breaks.clone_from(&before.0.breaks);
-                self.knots.breaks.retain(|t| !out.contains(t));
-                let Some(curve) = fit(&self.polygon, &self.knots) else { break };
-                self.curve = curve;
-                let far = self.far_spans();
-                let far: Vec<usize> = far.into_iter().filter(|&i| { let (a, b) = self.span(i); out.iter().any(|t| a < *t && *t < b) }).collect();
-                if far.is_empty() {
-                    is_done = true;
-                    break;
-                }
-                let spans: Vec<(f64, f64)> = far.iter().map(|&i| self.span(i)).collect();
-                let count = out.len();
-                out.retain(|t| !spans.iter().any(|(a, b)| a < t && t < b));
-                if out.len() == count {
-                    break;
-                }
-            }
-            if !is_done {
-                (self.knots, self.curve, self.polygon.weights) = before;
             }
         }
     }
@@ -216,11 +160,17 @@ impl<'a> Course<'a> {
         self.rim.points[(self.first + self.polygon.before(t).min(n - 1)) % n]
     }
 
-    /// Lets the loop follow its rim more closely around places; where it does so
+    /// Gives the loop the knots back that were taken out; then lets it follow its rim more
+    /// closely around places; where it does so
     /// already, or there are none, along the map's parameter points; then with a corner
     /// at the first of the places, which may be the tip of a slit; last, needles left
     /// out. `None`: none of this can be.
     pub fn tighten(&mut self, places: &[Option<f64>], options: &Options) -> Option<()> {
+        if let Some((knots, curve)) = self.thick.take() {
+            (self.knots, self.curve) = (knots, curve);
+            self.polygon.weights.fill(1.0);
+            return Some(());
+        }
         let spans: BTreeSet<usize> =
             places.iter().flatten().flat_map(|&t| self.spans_around(t)).collect();
         if !spans.is_empty() && self.halve(spans).is_some() {
@@ -253,21 +203,21 @@ impl<'a> Course<'a> {
     }
 
     /// The ends of span `i`.
-    fn span(&self, i: usize) -> (f64, f64) {
+    pub(super) fn span(&self, i: usize) -> (f64, f64) {
         let breaks = &self.knots.breaks;
         (breaks[i], breaks.get(i + 1).copied().unwrap_or(1.0))
     }
 
-    /// Spans that are too far from a vertex and may be halved. A vertex at a knot, as
-    /// at a corner, is held by the spans on both sides.
-    fn far_spans(&self) -> Vec<usize> {
+    /// Spans that leave their room and whose halves would be longer than `least`. A vertex at
+    /// a knot, as at a corner, is held by the spans on both sides.
+    pub(super) fn spans_beyond(&self, least: f64) -> Vec<usize> {
         let n = self.polygon.uv.len();
         let far = |&i: &usize| {
             let (a, b) = self.span(i);
             let end = self.polygon.before(b);
             let at_end = self.polygon.parameters[end % n] == b.fract();
             let mut held = (self.polygon.before(a)..end).chain(at_end.then_some(end % n));
-            self.is_longer(i, self.shortest)
+            self.is_longer(i, least)
                 && (held.any(|k| self.distance(k) > self.room[k])
                     || self.is_fair && self.leaves_rim(a, b))
         };
@@ -282,7 +232,7 @@ impl<'a> Course<'a> {
 
     /// The distance in mm of corner `k` of the polygon from the curve on the surface,
     /// to first order: from the place with its parameter, or the nearest one around.
-    fn distance(&self, k: usize) -> f64 {
+    pub(super) fn distance(&self, k: usize) -> f64 {
         let t = self.polygon.parameters[k];
         let jet = &self.jets[k];
         let off = |t: f64| {

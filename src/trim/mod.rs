@@ -12,17 +12,19 @@ mod closed;
 mod corners;
 mod course;
 mod needles;
+mod thin;
 
 use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
 use crate::error::{Error, Result, of};
-use crate::geometry::{Point, Uv, bounds, segment_distance};
+use crate::decimal;
+use crate::geometry::{Point, Uv, bounds};
 use crate::mesh::Bound;
 use crate::rules;
 use crate::spline::{
-    Curve, Nest, Outline, Place, Surface, crossings, curve_on_surface, misplaced, off_surface,
+    Curve, EdgeTree, Nest, Outline, Place, Surface, crossings, curve_on_surface, misplaced, off_surface,
 };
 use course::Course;
 
@@ -31,31 +33,48 @@ use course::Course;
 pub struct Options {
     /// The tolerance of the face, in mm.
     pub tolerance: f64,
-    /// How far, in mm, a loop may be from its rim, within the surface. Where that is less
-    /// than the tolerance leaves (at 0, say), the loop keeps to the tolerance.
+    /// How far, in mm, a loop may be from its rim: a scan does not tell better where it
+    /// ends. Within this the loop has as few control points as it can. At 0 the loop follows
+    /// every tooth of its rim that is larger than half of the tolerance.
     pub rim: f64,
+    /// Whether every vertex of a rim must be within the tolerance of the face, although the
+    /// loop may be farther than that from the rim.
+    pub keeps_vertices: bool,
 }
 
-/// Trim curves keep to the rims within this share of the tolerance, and to within
-/// the lesser one of a vertex that the surface misses so far that no room is left.
+/// A loop that follows every tooth keeps to its rim within this share of the tolerance.
 const SHARE: f64 = 0.5;
+
+/// Where the surface misses a vertex so far that the tolerance leaves less, a loop has room
+/// of this share of the tolerance around the vertex's foot.
 const LEAST_SHARE: f64 = 0.1;
+
+/// The same where the rim tolerance rules. Less would make short spans where the surface
+/// misses the rim, which no loop can mend.
+const LEAST_OF_RIM: f64 = 0.5;
 
 impl Options {
     /// How far, in mm, a vertex may be off the surface if a trim curve is to have room
     /// around its foot within the tolerance.
-    pub fn most_off(&self) -> f64 {
-        self.tolerance * (1.0 - LEAST_SHARE * LEAST_SHARE).sqrt()
+    pub fn most_off(tolerance: f64) -> f64 {
+        tolerance * (1.0 - LEAST_SHARE * LEAST_SHARE).sqrt()
+    }
+
+    /// Whether loops have as few control points as they can.
+    fn is_fair(&self) -> bool {
+        self.rim > 0.0
     }
 
     /// How far a trim curve may be, within the surface, from the foot of a vertex
     /// that is `off` the surface.
     fn room(&self, off: f64) -> f64 {
-        let left = (self.tolerance.powi(2) - off.powi(2)).max(0.0).sqrt();
-        let left = left.clamp(LEAST_SHARE * self.tolerance, SHARE * self.tolerance);
-        let floor: f64 = std::env::var("FLOOR").ok().and_then(|v| v.parse().ok()).unwrap_or(0.5);
-        let fair = (self.rim.powi(2) - off.powi(2)).max((floor * self.rim).powi(2)).sqrt();
-        left.max(fair)
+        let left = |of: f64| (of.powi(2) - off.powi(2)).max(0.0).sqrt();
+        let within = left(self.tolerance).max(LEAST_SHARE * self.tolerance);
+        match (self.is_fair(), self.keeps_vertices) {
+            (false, _) => within.min(SHARE * self.tolerance),
+            (true, true) => within.min(self.rim),
+            (true, false) => left(self.rim).max(LEAST_OF_RIM * self.rim),
+        }
     }
 }
 
@@ -80,6 +99,12 @@ impl Rim {
     fn only(&self, kept: &[usize]) -> Rim {
         let points = kept.iter().map(|&i| self.points[i]).collect();
         Rim { points, uv: kept.iter().map(|&i| self.uv[i]).collect(), ..*self }
+    }
+
+    /// The same with all lengths times a factor.
+    pub(crate) fn scaled(mut self, factor: f64) -> Rim {
+        self.points.iter_mut().for_each(|p| p.coords *= factor);
+        self
     }
 
     /// Whether it can be the rim at this position.
@@ -162,13 +187,47 @@ pub fn trim(
     rims: &[Rim],
     options: &Options,
 ) -> Result<(Vec<TrimLoop>, Vec<LoopReport>)> {
+    Ok(trace(surface, rims, arcs(surface, rims, options)?))
+}
+
+/// The arcs of each rim's loop in the parameter plane.
+///
+/// # Errors
+/// Those of [`trim`].
+pub fn arcs(surface: &Surface, rims: &[Rim], options: &Options) -> Result<Vec<Vec<Curve<2>>>> {
     rules::length(options.tolerance).map_err(of("tolerance"))?;
+    rules::extent(options.rim).map_err(of("rim_tolerance"))?;
     rims.iter().enumerate().try_for_each(|(i, rim)| rim.check(i))?;
-    let arcs = uncrossed(surface, rims, options)?;
+    let mut arcs = uncrossed(surface, rims, options)?;
+    arcs.iter_mut().flatten().for_each(decimal::parameters);
+    Ok(arcs)
+}
+
+/// The loops whose arcs are given, with their edges in space. The surface and the rims may
+/// be those that the arcs were found on with all lengths times a factor.
+pub fn trace(
+    surface: &Surface,
+    rims: &[Rim],
+    arcs: Vec<Vec<Curve<2>>>,
+) -> (Vec<TrimLoop>, Vec<LoopReport>) {
     let accuracy = edge_accuracy(surface);
     let traced = |(rim, pcurves)| traced(surface, rim, pcurves, accuracy);
     let both = rims.par_iter().zip(arcs).map(traced);
-    Ok(both.collect::<Vec<_>>().into_iter().unzip())
+    both.collect::<Vec<_>>().into_iter().unzip()
+}
+
+/// The median length of the edges of some rims, in mm; 0 if there are none.
+pub fn median_edge(rims: &[Rim]) -> f64 {
+    let edges = |rim: &Rim| {
+        let next = rim.points.iter().cycle().skip(1);
+        rim.points.iter().zip(next).map(|(a, b)| (b - a).norm()).collect::<Vec<_>>()
+    };
+    let mut lengths: Vec<f64> = rims.iter().flat_map(edges).collect();
+    if lengths.is_empty() {
+        return 0.0;
+    }
+    let middle = lengths.len() / 2;
+    *lengths.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// The arcs of all loops, none of which crosses another one, itself or the edge
@@ -231,76 +290,27 @@ fn traced(
     pcurves: Vec<Curve<2>>,
     accuracy: f64,
 ) -> (TrimLoop, LoopReport) {
-    let (edges, max_off_surface) = edges(surface, &pcurves, accuracy);
+    let edge = |c: &Curve<2>| {
+        let mut edge = curve_on_surface(surface, c, accuracy);
+        decimal::lengths(&mut edge, accuracy);
+        edge
+    };
+    let edges: Vec<Curve<3>> = pcurves.iter().map(edge).collect();
+    let off = |(pcurve, edge)| off_surface(surface, pcurve, edge);
     let Rim { of, within, .. } = *rim;
     let report = LoopReport {
         of,
         control_points: pcurves.iter().map(|c| c.control.len()).sum(),
-        max_off_surface,
+        max_off_surface: pcurves.iter().zip(&edges).map(off).fold(0.0, f64::max),
         max_from_rim: distance_to_edges(&rim.points, &edges),
     };
     (TrimLoop { of, within, pcurves, edges }, report)
 }
 
-/// Loops of a surface on the `surface` that is the same with all lengths times a factor. Their
-/// edges are traced there anew, since how near they must be does not grow with it.
-pub(crate) fn scaled(
-    surface: &Surface,
-    both: (Vec<TrimLoop>, Vec<LoopReport>),
-    factor: f64,
-) -> (Vec<TrimLoop>, Vec<LoopReport>) {
-    if factor == 1.0 {
-        return both;
-    }
-    let accuracy = edge_accuracy(surface);
-    let scaled = |(ring, report): (TrimLoop, LoopReport)| {
-        let (edges, max_off_surface) = edges(surface, &ring.pcurves, accuracy);
-        let max_from_rim = factor * report.max_from_rim;
-        (TrimLoop { edges, ..ring }, LoopReport { max_off_surface, max_from_rim, ..report })
-    };
-    let (loops, reports) = both;
-    let both = loops.into_par_iter().zip(reports).map(scaled);
-    both.collect::<Vec<_>>().into_iter().unzip()
-}
-
-/// The edges that arcs trace on a surface, and the farthest that one is from its trace.
-fn edges(surface: &Surface, pcurves: &[Curve<2>], accuracy: f64) -> (Vec<Curve<3>>, f64) {
-    let edges: Vec<Curve<3>> =
-        pcurves.iter().map(|c| curve_on_surface(surface, c, accuracy)).collect();
-    let off = |(pcurve, edge)| off_surface(surface, pcurve, edge);
-    let farthest = pcurves.iter().zip(&edges).map(off).fold(0.0, f64::max);
-    (edges, farthest)
-}
-
-/// The farthest of `points` from the edges, in mm, measured to chords of an
-/// eighth of a knot span.
+/// The farthest of `points` from the edges, in mm.
 pub fn distance_to_edges(points: &[Point], edges: &[Curve<3>]) -> f64 {
-    let spans: Vec<Chords> = edges.iter().flat_map(chords).collect();
-    let nearest = |p: &Point| {
-        spans.iter().fold(f64::INFINITY, |best, span| {
-            if (p - span.line[0]).norm() - span.length > best {
-                return best;
-            }
-            let sides = span.line.windows(2).map(|s| segment_distance(*p, s[0], s[1]));
-            sides.fold(best, f64::min)
-        })
-    };
-    points.par_iter().map(nearest).reduce(|| 0.0, f64::max)
-}
-
-/// The chords of one knot span, and how long they are together.
-struct Chords {
-    line: [Point; 9],
-    length: f64,
-}
-
-fn chords(edge: &Curve<3>) -> Vec<Chords> {
-    let of_span = |span: &[f64]| {
-        let at = |i: usize| span[0] + (span[1] - span[0]) * i as f64 / 8.0;
-        let line = std::array::from_fn(|i| Point::from(edge.point(at(i))));
-        Chords { line, length: line.windows(2).map(|s| (s[1] - s[0]).norm()).sum() }
-    };
-    edge.knots.breaks().windows(2).map(of_span).collect()
+    let tree = EdgeTree::new(edges);
+    points.par_iter().map(|&p| tree.distance(p)).reduce(|| 0.0, f64::max)
 }
 
 #[cfg(test)]
