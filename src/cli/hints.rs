@@ -73,10 +73,14 @@ const MOVED: f64 = 2.0;
 fn flattened(args: &Convert, c: &Conversion) -> Option<String> {
     let (points, [off, noise]) = (c.deviation.distances.len(), [c.deviation.max, c.smooth.noise]);
     let what = match args.how.smooth {
-        _ if off <= c.tolerance => return None,
+        _ if off <= c.tolerance || c.smooth.moved_max == 0.0 => return None,
         smooth::Support::Auto if points < FEW_POINTS => format!(
             "of so few points ({points}) what is taken for noise, {}, may be shape; if the scan is clean, --smooth off keeps to them",
             mm(noise)
+        ),
+        smooth::Support::Fixed(h) if noise == 0.0 => format!(
+            "--smooth {h} moves them by up to {}, though the scan shows no noise; auto leaves them alone",
+            mm(c.smooth.moved_max)
         ),
         smooth::Support::Fixed(h) if c.smooth.moved_rms > MOVED * noise => format!(
             "--smooth {h} moves them by {:.0} times the noise; a smaller one, or auto, keeps the shape",

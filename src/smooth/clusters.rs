@@ -34,6 +34,8 @@ pub struct Gathering {
     found: Vec<u32>,
     /// The samples around.
     pub around: Vec<Sample>,
+    /// Their numbers.
+    pub numbers: Vec<u32>,
 }
 
 /// Rooms, kept between gatherings: each is as large as the grain.
@@ -169,9 +171,11 @@ impl Grain {
                 }
             }
         }
+        room.numbers.clear();
+        let counts = |i: &u32| self.samples[*i as usize].weight > 0.0;
+        room.numbers.extend(room.found.iter().filter(|i| counts(i)));
         room.around.clear();
-        let samples = room.found.iter().map(|&i| self.samples[i as usize]);
-        room.around.extend(samples.filter(|s| s.weight > 0.0));
+        room.around.extend(room.numbers.iter().map(|&i| self.samples[i as usize]));
     }
 }
 

@@ -13,6 +13,7 @@
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
+use super::crossvalidation::{Tried, chosen};
 use super::line::{quadratic, reference_line};
 use crate::geometry::{Point, Vector, plane_axes};
 use crate::mesh::mls::REACH;
@@ -34,14 +35,15 @@ pub struct Rim<'a> {
     pub points: &'a [Point],
     /// The surface's unit normals there.
     pub normals: &'a [Vector],
-    /// The standard deviation of the noise, in mm.
-    pub noise: f64,
+    /// The standard deviations of the noise there, in mm.
+    pub noise: &'a [f64],
 }
 
 /// A run of points between two corners, or a whole loop.
 struct Piece {
     points: Vec<Point>,
     normals: Vec<Vector>,
+    noise: Vec<f64>,
     closed: bool,
 }
 
@@ -54,15 +56,14 @@ pub fn smooth_loop(rim: &Rim, corners: &[usize]) -> Vec<Point> {
     if n < FEWEST {
         return rim.points.to_vec();
     }
-    let farthest = FARTHEST * rim.noise;
     let mut out = match corners {
-        [] => rim.piece(0, n, true).smooth(farthest),
+        [] => rim.piece(0, n, true).smooth(),
         _ => rim.points.to_vec(),
     };
     for (k, &first) in corners.iter().enumerate() {
         let last = corners[(k + 1) % corners.len()];
         let count = (last + n - first - 1) % n + 2;
-        let smooth = rim.piece(first, count, false).smooth(farthest);
+        let smooth = rim.piece(first, count, false).smooth();
         for (i, p) in smooth.into_iter().enumerate().take(count - 1).skip(1) {
             out[(first + i) % n] = p;
         }
@@ -87,7 +88,6 @@ impl Rim<'_> {
     /// through these, but no farther than noise explains.
     fn even_out(&self, points: &mut [Point], corners: &[usize]) {
         let n = points.len();
-        let farthest = SPREADING.1 * self.noise;
         let mut moved = vec![0.0; n];
         for _ in 0..SPREADING.0 {
             let before = points.to_vec();
@@ -95,6 +95,7 @@ impl Rim<'_> {
                 let (a, b) = (before[(i + n - 1) % n], before[(i + 1) % n]);
                 let Some(along) = (b - a).try_normalize(0.0) else { continue };
                 let wanted = 0.5 * (nalgebra::center(&a, &b) - before[i]).dot(&along);
+                let farthest = SPREADING.1 * self.noise[i];
                 let step = (moved[i] + wanted).clamp(-farthest, farthest) - moved[i];
                 moved[i] += step;
                 points[i] += step * along;
@@ -119,7 +120,7 @@ impl Rim<'_> {
         // p + s u = q + t v; sides that hardly turn meet nowhere near.
         let turn = u.perp(&v);
         let met = p + (q - p).perp(&v) / turn * u;
-        let near = met.norm() <= FARTHEST * self.noise && turn.abs() > 0.3;
+        let near = met.norm() <= FARTHEST * self.noise[corner] && turn.abs() > 0.3;
         (near && n > 4 * STRAIGHT).then(|| raw + met.x * x + met.y * y)
     }
 
@@ -129,6 +130,7 @@ impl Rim<'_> {
         Piece {
             points: indices().map(|i| self.points[i]).collect(),
             normals: indices().map(|i| self.normals[i]).collect(),
+            noise: indices().map(|i| self.noise[i]).collect(),
             closed,
         }
     }
@@ -142,20 +144,20 @@ struct Move {
 }
 
 impl Piece {
-    fn smooth(&self, farthest: f64) -> Vec<Point> {
+    fn smooth(&self) -> Vec<Point> {
         if self.points.len() < FEWEST {
             return self.points.clone();
         }
         let h = self.support();
         let project = |i: usize| {
+            let farthest = FARTHEST * self.noise[i];
             let moved = self.project(i, h).map(|m| m.by.clamp(-farthest, farthest) * m.across);
             self.points[i] + moved.unwrap_or_else(Vector::zeros)
         };
         (0..self.points.len()).into_par_iter().map(project).collect()
     }
 
-    /// By leave-one-out cross-validation: the longest that is no worse than the
-    /// best one by more than the standard error of their difference.
+    /// By leave-one-out cross-validation.
     fn support(&self) -> f64 {
         let n = self.points.len();
         let length: f64 = (1..n).map(|i| (self.points[i] - self.points[i - 1]).norm()).sum();
@@ -164,21 +166,12 @@ impl Piece {
             let m = self.project(i, h)?;
             Some((m.by / (1.0 - m.leverage).max(0.1)).powi(2))
         };
-        let squares = |h: f64| -> Vec<f64> {
-            (0..n).into_par_iter().map(|i| left_out(i, h).unwrap_or(0.0)).collect()
-        };
         let tried = TRIED.iter().map(|k| k * spacing).filter(|&h| h < length / 6.0);
-        let tried: Vec<(f64, Vec<f64>)> = tried.map(|h| (h, squares(h))).collect();
-        let sum = |squares: &[f64]| squares.iter().sum::<f64>();
-        let best = tried.iter().min_by(|x, y| sum(&x.1).total_cmp(&sum(&y.1)));
-        let Some((_, best)) = best else { return TRIED[0] * spacing };
-        let as_good = tried.iter().rfind(|(_, squares)| {
-            let worse: Vec<f64> = squares.iter().zip(best).map(|(x, y)| x - y).collect();
-            let mean = sum(&worse) / n as f64;
-            let variance = worse.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / n as f64;
-            mean <= (variance / n as f64).sqrt()
+        let scored = tried.map(|h| Tried {
+            h,
+            squares: (0..n).into_par_iter().map(|i| left_out(i, h)).collect(),
         });
-        as_good.map_or(TRIED[0] * spacing, |(h, _)| *h)
+        chosen(&scored.collect::<Vec<_>>()).unwrap_or(TRIED[0] * spacing)
     }
 
     fn project(&self, i: usize, h: f64) -> Option<Move> {
@@ -232,7 +225,8 @@ mod tests {
 
     fn smooth(points: &[Point], corners: &[usize], noise: f64) -> Vec<Point> {
         let normals = vec![Vector::z(); points.len()];
-        smooth_loop(&Rim { points, normals: &normals, noise }, corners)
+        let noise = vec![noise; points.len()];
+        smooth_loop(&Rim { points, normals: &normals, noise: &noise }, corners)
     }
 
     fn rms_from_circle(points: &[Point]) -> f64 {

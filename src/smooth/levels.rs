@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::clusters::{Gathering, Grain};
 use crate::geometry::Point;
-use crate::mesh::mls::{Plane, Polynomial, REACH, reference_plane};
+use crate::mesh::mls::{Plane, Polynomial, REACH, Scatter, reference_plane};
 use crate::mesh::{Mesh, Rings};
 
 /// The shortest support, in mean edge lengths: below it a quadratic has too few
@@ -92,8 +92,12 @@ impl Level {
         Polynomial::fit(&self.plane(c, room)?, &room.around, self.h)
     }
 
-    /// The same, and the variance of the noise that it shows.
-    pub fn fit_with_scatter(&self, c: usize, room: &mut Gathering) -> Option<(Polynomial, f64)> {
+    /// The same, and what it shows of the noise.
+    pub fn fit_with_scatter(
+        &self,
+        c: usize,
+        room: &mut Gathering,
+    ) -> Option<(Polynomial, Scatter)> {
         Polynomial::fit_with_scatter(&self.plane(c, room)?, &room.around, self.h)
     }
 

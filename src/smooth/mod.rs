@@ -5,12 +5,14 @@
 
 mod clusters;
 mod corners;
+mod crossvalidation;
 mod curve;
 mod levels;
 mod line;
 mod outliers;
 mod support;
 mod surface;
+mod telling;
 mod uncross;
 mod unfold;
 
@@ -50,7 +52,8 @@ impl Options {
 /// The support of the MLS weights θ(x) = exp(−x²/h²).
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Support {
-    /// Found on the scan: it follows the noise and the curvature.
+    /// Found on the scan: it follows the noise and the curvature. Points whose noise is
+    /// not told from shape stay where they are.
     #[default]
     Auto,
     /// h in mm.
@@ -78,7 +81,8 @@ pub struct Report {
     /// The support, where it changes over the scan its median; 0 with smoothing
     /// off.
     pub h: f64,
-    /// Standard deviation of the scan's noise along the normal.
+    /// Standard deviation of the scan's noise along the normal; 0 where none is told
+    /// from shape.
     pub noise: f64,
     /// Points that no surface explains, which were left out of all fits.
     pub outliers: usize,
@@ -118,7 +122,8 @@ impl Report {
     }
 }
 
-/// The noise of a scan: the standard deviation of its points along the normal.
+/// The noise of a scan: the standard deviation of its points along the normal, 0 where
+/// it is not told from shape.
 /// [`smooth`] finds the same where the scan has no outliers; here they count.
 pub fn noise(mesh: &Mesh) -> f64 {
     let levels = levels::levels(mesh, &Rings::new(mesh), &vec![false; mesh.points.len()]);
@@ -142,9 +147,16 @@ pub fn smooth(disk: &Disk, options: &Options) -> Result<(Disk, Report)> {
 pub fn smooth_with(disk: &Disk, options: &Options, course: &mut Course) -> Result<(Disk, Report)> {
     options.check()?;
     let examined = Examined::new(&disk.mesh, &mut course::part(course, 0.0, EXAMINED))?;
+    let noise: Vec<f64> =
+        (0..disk.mesh.points.len()).map(|v| examined.choice.noise_at(v)).collect();
     let mut report = Report {
         noise: examined.choice.noise(),
-        outliers: examined.left_out.iter().filter(|out| **out).count(),
+        outliers: examined
+            .left_out
+            .iter()
+            .zip(&noise)
+            .filter(|(out, x)| **out && **x > 0.0)
+            .count(),
         ..Report::default()
     };
     let mut out = disk.clone();
@@ -165,7 +177,7 @@ pub fn smooth_with(disk: &Disk, options: &Options, course: &mut Course) -> Resul
             Corners::None => Vec::new(),
             Corners::At(points) => nearest_positions(disk, ring, points),
         };
-        let feet = smoothed_loop(ring, &kept, &projected, &normals, report.noise, &surface);
+        let feet = smoothed_loop(ring, &kept, &projected, &normals, &noise, &surface);
         (kept, feet)
     });
     let smoothed: Vec<(Vec<usize>, Vec<Point>)> = smoothed.collect();
@@ -189,13 +201,14 @@ fn smoothed_loop(
     corners: &[usize],
     points: &[Point],
     normals: &[Vector],
-    noise: f64,
+    noise: &[f64],
     surface: &Surface,
 ) -> Vec<Point> {
     let line: Vec<Point> = ring.iter().map(|&v| points[v.index()]).collect();
     let normals: Vec<Vector> = ring.iter().map(|&v| normals[v.index()]).collect();
-    let mut smooth =
-        curve::smooth_loop(&curve::Rim { points: &line, normals: &normals, noise }, corners);
+    let noise: Vec<f64> = ring.iter().map(|&v| noise[v.index()]).collect();
+    let rim = curve::Rim { points: &line, normals: &normals, noise: &noise };
+    let mut smooth = curve::smooth_loop(&rim, corners);
     uncross::uncross(&mut smooth, &line, &normals);
     // The curve's projection may have left the surface.
     let foot = |(&v, &p): (&VertexId, &Point)| surface.project(v, p).map_or(p, |foot| foot.point);
@@ -244,9 +257,13 @@ impl Examined {
         Ok(Examined { levels, choice, left_out })
     }
 
-    /// The surface under the supports that were found.
+    /// The surface under the supports that were found, for those points to go to whose
+    /// noise is told from shape.
     fn surface(self, course: &mut Course) -> Result<Surface> {
-        Surface::new(self.levels[0].grain.clone(), self.levels, self.choice.place, course)
+        let (finest, choice) = (self.levels[0].grain.clone(), self.choice);
+        let mut surface = Surface::new(finest, self.levels, choice.place, course)?;
+        surface.share = choice.told;
+        Ok(surface)
     }
 
     /// The surface under one support.

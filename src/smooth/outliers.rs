@@ -12,7 +12,7 @@ use crate::error::Result;
 use crate::geometry::{Vector, VertexId};
 use crate::mesh::{Mesh, Rings};
 
-/// So many standard deviations of the noise around: in a normal distribution not
+/// So many standard deviations of the residuals around: in a normal distribution not
 /// one point of a hundred million is as far off.
 const DEVIATIONS: f64 = 6.0;
 
@@ -42,7 +42,7 @@ pub fn add(
     left_out: &mut [bool],
 ) -> Result<bool> {
     let least = LEAST * mesh.mean_edge();
-    let limit = |v: usize, deviations: f64| least.max(deviations * f64::from(choice.noise[v]));
+    let limit = |v: usize, deviations: f64| least.max(deviations * f64::from(choice.residual[v]));
     let normals = &levels[0].grain.normals;
     let suspects: Vec<usize> = (0..mesh.points.len())
         .into_par_iter()

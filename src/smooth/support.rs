@@ -13,6 +13,7 @@ use rayon::prelude::*;
 use super::clusters::{Gathering, Rooms};
 use super::levels::Level;
 use super::root_mean_square;
+use super::telling::{self, Pair};
 use crate::geometry::VertexId;
 use crate::mesh::Mesh;
 
@@ -39,14 +40,23 @@ const CLEAR: f64 = 8.0;
 pub struct Choice {
     /// For each vertex the level to take; between two, both.
     pub place: Vec<f32>,
-    /// For each vertex the standard deviation of the noise around, in mm.
-    pub noise: Vec<f32>,
+    /// For each vertex the standard deviation of the residuals around, in mm: of the
+    /// noise, or of what polynomials miss of the shape.
+    pub residual: Vec<f32>,
+    /// For each vertex 1 where the residuals around are noise, 0 where they are not told
+    /// from shape, and between where these places meet.
+    pub told: Vec<f32>,
 }
 
 impl Choice {
     /// The standard deviation of the noise over the whole scan, in mm.
     pub fn noise(&self) -> f64 {
-        root_mean_square(self.noise.iter().map(|&deviation| f64::from(deviation)))
+        root_mean_square((0..self.told.len()).map(|v| self.noise_at(v)))
+    }
+
+    /// The standard deviation of the noise around a vertex, in mm.
+    pub fn noise_at(&self, v: usize) -> f64 {
+        f64::from(self.told[v]) * f64::from(self.residual[v])
     }
 }
 
@@ -56,6 +66,8 @@ struct Trial {
     heights: Vec<(f64, f64)>,
     /// Mean squares of the residuals at the two levels that show the noise.
     scatter: [f64; 2],
+    /// Residuals at the first level, of the place and of vertices beside it.
+    pairs: Vec<Pair>,
 }
 
 /// Parts of the places that are looked at before it is told how far that has come.
@@ -91,7 +103,9 @@ pub fn choose<E>(
             .collect()
     };
     let deviation: Vec<f64> = noise.iter().map(|variance| variance.sqrt()).collect();
-    Ok(Choice { place: spread(&best), noise: spread(&deviation) })
+    let pairs: Vec<&[Pair]> = trials.iter().map(|trial| trial.pairs.as_slice()).collect();
+    let told = telling::told(&pairs, |i| wider(&windows, i));
+    Ok(Choice { place: spread(&best), residual: spread(&deviation), told: spread(&told) })
 }
 
 /// The level whose clusters are about as many as places are wanted.
@@ -120,14 +134,24 @@ fn window(level: &Level, i: usize) -> Vec<u32> {
     window
 }
 
+/// The places of all windows around those of the `i`-th one.
+fn wider(windows: &[Vec<u32>], i: usize) -> Vec<u32> {
+    let mut wide: Vec<u32> =
+        windows[i].iter().flat_map(|&j| windows[j as usize].iter().copied()).collect();
+    wide.sort_unstable();
+    wide.dedup();
+    wide
+}
+
 fn trial(mesh: &Mesh, levels: &[Level], v: VertexId, room: &mut Gathering) -> Trial {
     let (p, normal) = (mesh.point(v), levels[0].grain.normals[v.index()]);
-    let mut trial = Trial { heights: Vec::new(), scatter: [f64::NAN; 2] };
+    let pairs = telling::pairs(mesh, &levels[0], v, room);
+    let mut trial = Trial { heights: Vec::new(), scatter: [f64::NAN; 2], pairs };
     for (k, level) in levels.iter().enumerate() {
         let cluster = level.cluster[v.index()] as usize;
         let fitted = match trial.scatter.get_mut(k) {
             Some(place) => level.fit_with_scatter(cluster, room).map(|(fit, scatter)| {
-                *place = scatter;
+                *place = scatter.variance;
                 fit
             }),
             None => level.fit(cluster, room),

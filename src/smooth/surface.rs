@@ -28,6 +28,8 @@ pub struct Surface {
     finest: Arc<Grain>,
     /// For each vertex the level it takes; between two it takes both.
     place: Vec<f32>,
+    /// For each vertex the share of its way to the surface that it goes.
+    pub share: Vec<f32>,
     fits: Vec<Fits>,
 }
 
@@ -44,7 +46,8 @@ const NONE: u32 = u32::MAX;
 const AT_ONCE: usize = 1 << 17;
 
 impl Surface {
-    /// Fits what the vertices need, each at the level `place` of its own.
+    /// Fits what the vertices need, each at the level `place` of its own. They go all of
+    /// their way to the surface.
     pub fn new(
         finest: Arc<Grain>,
         levels: Vec<Level>,
@@ -56,7 +59,8 @@ impl Surface {
             course(k as f64 / levels.len() as f64)?;
             fits.push(Fits::new(level, k, &place));
         }
-        Ok(Surface { levels, finest, place, fits })
+        let share = vec![1.0; place.len()];
+        Ok(Surface { levels, finest, place, share, fits })
     }
 
     /// The feet of all vertices. A vertex with too few neighbours stays where it
@@ -100,9 +104,20 @@ impl Surface {
         self.finest.normals[v.index()]
     }
 
-    /// Projects `p`, which lies near vertex `v`. `None` where too few points
-    /// are near.
+    /// Moves `p`, which lies near vertex `v`, by the vertex's share of the way to the
+    /// surface. `None` where too few points are near.
     pub fn project(&self, v: VertexId, p: Point) -> Option<Projection> {
+        let foot = self.foot(v, p)?;
+        let share = f64::from(self.share[v.index()]);
+        Some(Projection { point: p + share * (foot.point - p), ..foot })
+    }
+
+    /// Whether a vertex stays where it is.
+    pub fn keeps(&self, v: VertexId) -> bool {
+        self.share[v.index()] == 0.0
+    }
+
+    fn foot(&self, v: VertexId, p: Point) -> Option<Projection> {
         let (k, share) = split(self.place[v.index()]);
         let low = self.project_on(k, v, p);
         if share == 0.0 {

@@ -53,9 +53,10 @@ pub struct Upright<'a> {
 pub fn unfold(disk: &mut Disk, surface: &Surface, by: Upright) {
     let projected = by.projected;
     let mut sliding = Sliding::new(disk, surface, by.normals, by.corners);
+    let stays = |t: u32| disk.mesh.triangles[t as usize].iter().all(|&v| surface.keeps(v));
     let mut folded: Vec<u32> = (0..disk.mesh.triangles.len() as u32)
         .into_par_iter()
-        .filter(|&t| sliding.uprightness(disk, t) <= 0.0)
+        .filter(|&t| !stays(t) && sliding.uprightness(disk, t) <= 0.0)
         .collect();
     let vertices = Marks::new(disk.mesh.points.len());
     let triangles = Marks::new(disk.mesh.triangles.len());
@@ -79,7 +80,7 @@ pub fn unfold(disk: &mut Disk, surface: &Surface, by: Upright) {
         let mut moving = vertices.unique(corners.par_iter().copied().chain(inner));
         moving.retain(|&v| !sliding.pinned[v as usize]);
         if round == 2 * PATIENCE && !by.named {
-            corners.iter().for_each(|&v| sliding.pinned[v as usize] = false);
+            corners.iter().for_each(|&v| sliding.pinned[v as usize] = surface.keeps(VertexId(v)));
         }
         if round / PATIENCE % 2 == 1 {
             for &v in corners.iter().filter(|v| !is_inner(v)) {
@@ -122,7 +123,8 @@ impl<'a> Sliding<'a> {
                 beside[v.index()] = Some([ring[(i + n - 1) % n], ring[(i + 1) % n]]);
             }
         }
-        let mut pinned = vec![false; disk.mesh.points.len()];
+        let mut pinned: Vec<bool> =
+            (0..disk.mesh.points.len()).map(|v| surface.keeps(VertexId::from(v))).collect();
         corners.iter().for_each(|&v| pinned[v.index()] = true);
         Sliding { surface, rings: Rings::new(&disk.mesh), beside, pinned, normals }
     }

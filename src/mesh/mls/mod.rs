@@ -12,7 +12,7 @@ mod plane;
 mod polynomial;
 
 pub use plane::{Plane, reference_plane};
-pub use polynomial::Polynomial;
+pub use polynomial::{Polynomial, Scatter};
 
 use nalgebra::Matrix3;
 use rayon::prelude::*;

@@ -17,6 +17,16 @@ pub struct Polynomial {
     pub variance: f64,
 }
 
+/// What the points around a polynomial show of their noise.
+#[derive(Debug, Clone, Default)]
+pub struct Scatter {
+    /// The mean square of the points' distances from it along the normal, as free of
+    /// the fit's own freedom as of the weights. It estimates the noise's variance.
+    pub variance: f64,
+    /// By how much the value at the origin rises with each point's height.
+    pub influence: Vec<f64>,
+}
+
 /// The number of monomials up to the fourth degree.
 const ALL: usize = 15;
 
@@ -55,10 +65,12 @@ impl Polynomial {
         Some(Self::fitted(plane, around, h, false)?.0)
     }
 
-    /// The same with its scatter: the mean square of the points' distances from
-    /// it along the normal, as free of the fit's own freedom as of the weights.
-    /// It estimates the noise's variance.
-    pub fn fit_with_scatter(plane: &Plane, around: &[Sample], h: f64) -> Option<(Polynomial, f64)> {
+    /// The same with what the points show of their noise.
+    pub fn fit_with_scatter(
+        plane: &Plane,
+        around: &[Sample],
+        h: f64,
+    ) -> Option<(Polynomial, Scatter)> {
         Self::fitted(plane, around, h, true)
     }
 
@@ -67,7 +79,7 @@ impl Polynomial {
         around: &[Sample],
         h: f64,
         with_scatter: bool,
-    ) -> Option<(Polynomial, f64)> {
+    ) -> Option<(Polynomial, Scatter)> {
         let axes = plane_axes(plane.normal);
         let rows: Vec<Row> = around.iter().map(|p| Row::new(p, plane, axes, h)).collect();
         let means = means(&rows);
@@ -79,7 +91,7 @@ impl Polynomial {
             .or_else(|| solve::<6>(&rows, &beside, with_scatter))
             .or_else(|| solve::<3>(&rows, &beside, with_scatter))?;
         let polynomial = Polynomial { plane: *plane, axes, coefficients, h, variance };
-        Some((polynomial, scatter * h * h))
+        Some((polynomial, Scatter { variance: scatter.variance * h * h, ..scatter }))
     }
 
     /// The point of the polynomial that lies off `p` along the plane's normal,
@@ -197,7 +209,7 @@ fn beside([_, x, y, xx, xy, yy]: [f64; 6]) -> [[f64; 2]; 4] {
 
 /// A fit: its coefficients, its variance at the origin, and its scatter in units
 /// of h, if that is wanted.
-type Fitted = ([f64; ALL], f64, f64);
+type Fitted = ([f64; ALL], f64, Scatter);
 
 /// What is added to a Gram matrix's diagonal, in shares of its trace: as little of it as
 /// makes the fit steady. More takes from the shape that the points do determine.
@@ -271,14 +283,16 @@ where
     }
     let (factor, variance) = steady(&gram, rows, beside)?;
     let c = factor.solve(&right);
-    let mut scatter = f64::NAN;
+    let mut scatter = Scatter::default();
     if with_scatter {
+        let solved = factor.solve(&first(&monomials(0.0, 0.0, [0.0; 3])));
+        scatter.influence = rows.iter().map(|r| r.weight * r.first::<N>().dot(&solved)).collect();
         // Σ w r² has the expectation σ² (Σ w/count − Σ w²/count bᵀ G⁻¹ b).
         let square = |r: &Row| r.weight * (r.height - r.first::<N>().dot(&c)).powi(2);
         let free = |r: &Row| r.weight / r.count - r.noise() * leverage(&factor, r.first());
         let total: f64 = rows.iter().map(|r| r.weight / r.count).sum();
         let freedom: f64 = rows.iter().map(free).sum();
-        scatter = rows.iter().map(square).sum::<f64>() / freedom.max(1e-3 * total);
+        scatter.variance = rows.iter().map(square).sum::<f64>() / freedom.max(1e-3 * total);
     }
     Some((std::array::from_fn(|i| if i < N { c[i] } else { 0.0 }), variance, scatter))
 }
