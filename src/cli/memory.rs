@@ -78,10 +78,8 @@ mod tests {
     fn largest(options: &[&str]) -> usize {
         let words = ["scan2step", "convert", "a.ply", "a.step", "--max-net", "5000"];
         let cli = Cli::try_parse_from(words.iter().chain(options)).unwrap();
-        match cli.command {
-            Command::Convert(args) => largest_net(&args.how, 1000),
-            _ => unreachable!(),
-        }
+        let Command::Convert(args) = cli.command else { panic!("it converts") };
+        largest_net(&args.how, 1000)
     }
 
     #[test]

@@ -77,7 +77,7 @@ pub struct Manner {
     /// and the largest net, once it is read
     #[arg(long, value_name = "SIZE")]
     pub max_memory: Option<bytesize::ByteSize>,
-    /// Say nothing but errors
+    /// Say nothing but errors, and that a named tolerance is not met
     #[arg(long, conflicts_with = "verbose")]
     pub quiet: bool,
     /// Colours in messages
