@@ -204,7 +204,8 @@ fn strangers_are_refused_by_name() {
         {
             let error = refusal(name, content, word);
             // A cloud that is converted is refused again, for it still has no faces.
-            let help = if ["PCD", "E57", "LAS"].contains(&word) { "Mesh the points" } else { "Convert" };
+            let help =
+                if ["PCD", "E57", "LAS"].contains(&word) { "Mesh the points" } else { "Convert" };
             assert!(error.help.contains(help), "{name}: {error}");
             refusal(name, gzip(content), word);
         }
