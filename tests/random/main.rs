@@ -81,15 +81,16 @@ fn sheets_with_damage_of_every_kind() {
 fn any_options_for_any_sheet() {
     let scans = (scan::damaged(), choices::any());
     let soup = |(scan, choices): &(Scan, _)| (scan.soup(), Choices::options(choices, scan));
-    // Options may ask for what cannot be.
-    hold(70, 0.1, scans, |_| false, soup);
+    // Options may ask for what cannot be: 39 of 70 become faces.
+    hold(70, 0.5, scans, |_| false, soup);
 }
 
 #[test]
 fn meshes_of_a_few_triangles() {
     let scans = (scan::tiny(), choices::any());
     let soup = |(scan, choices): &(Scan, _)| (scan.soup(), Choices::options(choices, scan));
-    hold(250, 0.1, scans, |_| false, soup);
+    // 141 of 250 do.
+    hold(250, 0.5, scans, |_| false, soup);
 }
 
 #[test]
