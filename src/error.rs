@@ -2,6 +2,9 @@
 
 use std::path::PathBuf;
 
+use faer::sparse::CreationError;
+use faer::sparse::linalg::{LltError, LuError};
+
 use crate::geometry::Point;
 use crate::mesh::Bound;
 use crate::rules;
@@ -83,6 +86,9 @@ pub enum Error {
     /// A linear system could not be solved.
     #[error("{0}: the linear system is singular")]
     Singular(&'static str),
+    /// There is no memory for a linear system, or it is too large to be numbered.
+    #[error("{0}: there is not enough memory for the linear system")]
+    Memory(&'static str),
     /// An option has a value that cannot be.
     #[error("{option}: {fault}")]
     Option {
@@ -166,6 +172,50 @@ pub(crate) fn of(option: &'static str) -> impl FnOnce(rules::Fault) -> Error {
     move |fault| Error::Option { option, fault }
 }
 
+/// Makes an error of why a factorization failed: it is the system's fault only where it is
+/// not that of the memory.
+pub(crate) fn unsolved(what: &'static str) -> impl Fn(Unsolved) -> Error {
+    move |why| match why {
+        Unsolved::Memory => Error::Memory(what),
+        Unsolved::Singular => Error::Singular(what),
+    }
+}
+
+/// Why a linear system has no solution.
+pub(crate) enum Unsolved {
+    /// There is no memory, or there are more entries than can be numbered.
+    Memory,
+    /// The matrix is singular, or not positive definite.
+    Singular,
+}
+
+impl From<CreationError> for Unsolved {
+    fn from(why: CreationError) -> Self {
+        match why {
+            CreationError::Generic(_) => Unsolved::Memory,
+            CreationError::OutOfBounds { .. } => Unsolved::Singular,
+        }
+    }
+}
+
+impl From<LltError> for Unsolved {
+    fn from(why: LltError) -> Self {
+        match why {
+            LltError::Generic(_) => Unsolved::Memory,
+            LltError::Numeric(_) => Unsolved::Singular,
+        }
+    }
+}
+
+impl From<LuError> for Unsolved {
+    fn from(why: LuError) -> Self {
+        match why {
+            LuError::Generic(_) => Unsolved::Memory,
+            LuError::SymbolicSingular { .. } => Unsolved::Singular,
+        }
+    }
+}
+
 impl Error {
     /// The same with all lengths times a factor. Boundary representations are in mm anyway.
     pub(crate) fn scaled(mut self, factor: f64) -> Self {
@@ -205,7 +255,7 @@ impl Error {
                 "give four different vertices of the outer boundary with --corners, or leave the option out".into()
             }
             Error::TooSmall(_) => {
-                "scan it finer, or choose another --component; if all its triangles are loose (inspect counts the pieces), merge vertices that are close before the export".into()
+                "let the boundary be a trim loop (--outline auto, and no --corners), scan it finer, or choose another --component; if all its triangles are loose (inspect counts the pieces), merge vertices that are close before the export".into()
             }
             Error::Support { shortest, longest, .. } => format!(
                 "name a --smooth between the spacing of the points and a share of the scan, \
@@ -215,6 +265,9 @@ impl Error {
             Error::Fill { .. } => "repair or remesh the scan around that hole".into(),
             Error::Folded { .. } => "repair or remesh the scan around that place".into(),
             Error::Singular(_) => "remesh the scan: it has degenerate triangles".into(),
+            Error::Memory(_) => {
+                "name a larger --tolerance, or a smaller --max-net, or thin the scan".into()
+            }
             Error::Option { fault: rules::Fault::LargeNet { .. }, .. } => {
                 "name a smaller --net, or a larger --max-net".into()
             }
@@ -244,4 +297,28 @@ fn kind(genus: usize, loops: usize) -> String {
 
 fn mm(p: &Point) -> String {
     format!("({:.3}, {:.3}, {:.3}) mm", p.x, p.y, p.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use faer::sparse::FaerError;
+
+    use super::*;
+
+    #[test]
+    fn a_lack_of_memory_is_no_degenerate_triangle() {
+        for why in [FaerError::OutOfMemory, FaerError::IndexOverflow] {
+            let causes: [Unsolved; 3] = [
+                CreationError::Generic(why).into(),
+                LltError::Generic(why).into(),
+                LuError::Generic(why).into(),
+            ];
+            for error in causes.map(unsolved("fit")) {
+                assert!(matches!(error, Error::Memory("fit")), "{error}");
+                assert!(!error.help().contains("degenerate"));
+            }
+        }
+        let singular = unsolved("fit")(LuError::SymbolicSingular { index: 0 }.into());
+        assert!(matches!(singular, Error::Singular("fit")));
+    }
 }

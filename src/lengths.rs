@@ -48,7 +48,7 @@ impl<'a> Shown<'a> {
 impl Conversion {
     pub(crate) fn as_named(mut self, options: &Options) -> Self {
         self.tolerance = options.tolerance.unwrap_or(self.tolerance);
-        self.fit.kappa = options.knots.kappa.unwrap_or(self.fit.kappa);
+        self.fit.kappa = options.knots.kappa.or(self.fit.kappa);
         if let Support::Fixed(h) = options.smooth.support {
             self.smooth.h = h;
         }

@@ -370,7 +370,7 @@ const WORSE: f64 = 1.02;
 fn mapped(
     patch: Patch,
     options: &parameterize::Options,
-    bays: &mut usize,
+    bays: &mut fill::Bays,
     course: &mut Course,
 ) -> Result<(Parameterized, parameterize::Report)> {
     let share = |round: u32| f64::from(round) / f64::from(AGAIN + 1);
@@ -384,7 +384,7 @@ fn mapped(
         if map.outline != Outline::Free || report.split_edges > 0 {
             break;
         }
-        let Some((patch, count)) = fill::close_bays(&map.patch, &map.uv)? else { break };
+        let (patch, closed) = fill::close_bays(&map.patch, &map.uv)?;
         if patch.outer == map.patch.outer && patch.mesh.triangles == map.patch.mesh.triangles {
             break;
         }
@@ -393,8 +393,11 @@ fn mapped(
         if how.stretch.l2 > WORSE * report.stretch.l2 {
             break;
         }
-        *bays = count;
+        *bays = closed;
         (map, report) = (next, how);
+    }
+    if map.outline == Outline::Sides {
+        *bays = fill::Bays::default();
     }
     Ok((map, report))
 }

@@ -120,7 +120,8 @@ fn every_format_says_the_same() {
     let input = folder.path().join("clean.ply");
     scan.write_ply(&mut std::fs::File::create(&input).expect("a file")).expect("a scan");
     let outs = ["a.step", "a.igs", "b.igs", "b.step"].map(|name| folder.path().join(name));
-    converted(&[arg(&input), arg(&outs[0]), arg(&outs[1]), "--quiet"]);
+    let report = folder.path().join("a.json");
+    converted(&[arg(&input), arg(&outs[0]), arg(&outs[1]), "--report", arg(&report), "--quiet"]);
     let more = ["--iges", "brep", "--schema", "ap203", "--quiet"];
     converted(&[&[arg(&input), arg(&outs[2]), arg(&outs[3])], &more[..]].concat());
     let found = outs.each_ref().map(|out| checked(out, &input));
@@ -130,7 +131,10 @@ fn every_format_says_the_same() {
         }
         assert_eq!(found[0]["cad"]["area_mm2"], other["cad"]["area_mm2"]);
     }
-    assert!(number(&found[0], "/scan_to_face/max_mm") < 0.5, "{}", found[0]);
+    let said = number(&json(&report), "/deviation/max_mm");
+    let max = number(&found[0], "/scan_to_face/max_mm");
+    println!("said {said} mm, read back {max} mm");
+    assert!((max - said).abs() < 1e-3 * said, "said {said}: {}", found[0]);
 }
 
 /// How often each file is damaged.
@@ -209,7 +213,8 @@ fn a_pipe_is_followed_between_its_points() {
 fn a_face_that_leaves_the_scan_between_its_points_is_told() {
     let folder = folder();
     let (off, hints) = bent(folder.path(), 0.75, 40);
-    // Whoever mends that sees this test fail first.
+    // A known defect: the face leaves the scan by 0.2 mm and more. Hold the tolerance here,
+    // as the test above does, once it is mended.
     assert!(off > 0.2 && hints.contains("between its points"), "{off} {hints}");
     relief_step(folder.path(), &[]);
     let report = json(&folder.path().join("a.json"));

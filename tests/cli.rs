@@ -202,7 +202,13 @@ fn the_smallest_scan_is_a_square() {
     std::fs::write(path("square.obj"), square).expect("a file");
     converted(&[arg(&path("square.obj")), arg(&path("a.step"))]);
     std::fs::write(path("triangle.obj"), &square[..square.len() - 8]).expect("a file");
-    let output = convert(&[arg(&path("triangle.obj")), arg(&path("a.step"))]);
+    // Three vertices are no four sides, but they are a trim loop.
+    let report = path("a.json");
+    converted(&[arg(&path("triangle.obj")), arg(&path("a.step")), "--report", arg(&report)]);
+    assert_eq!(json(&report)["parameterize"]["outline"], "free");
+    let sides = ["--outline", "sides"];
+    let output =
+        convert(&[&[arg(&path("triangle.obj")), arg(&path("a.step"))], &sides[..]].concat());
     let said = String::from_utf8_lossy(&output.stderr);
     assert_eq!(output.status.code(), Some(1));
     assert!(said.contains("too few for a face with four sides"), "{said}");

@@ -30,6 +30,16 @@ fn comparable(row: &Row) -> bool {
     orderly && !row["largest_genus"].is_empty()
 }
 
+/// What is refused although the index has its topology, and why: compressed or with
+/// corners that are no vertices.
+const REFUSED: [(&str, &str); 5] = [
+    ("D/gltf_duck_draco/Duck.gltf", "KHR_draco_mesh_compression"),
+    ("E/issue-140-zero-face-idx.obj", "a face with vertex 0"),
+    ("E/gltf_ioor/IndexOutOfRange.gltf", "vertex 255, but only 24"),
+    ("E/e_oob_index.ply.gz", "vertex 8306, but only 7575"),
+    ("E/e_neg_index.ply.gz", "negative vertex number"),
+];
+
 #[test]
 fn topology_is_as_indexed() {
     let Some(list) = shared("scans/INDEX.tsv") else { return };
@@ -39,8 +49,19 @@ fn topology_is_as_indexed() {
     let mut compared = 0;
     for row in rows.iter().filter(|row| comparable(row)) {
         let path = folder.join(&row["path"]);
-        let Ok(soup) = formats::read_scan(&path) else { continue };
-        let Ok(build) = mesh::from_soup(&soup, 1.0) else { continue };
+        let read = formats::read_scan(&path).map_err(|e| e.to_string());
+        let built = read.and_then(|soup| mesh::from_soup(&soup, 1.0).map_err(|e| e.to_string()));
+        let build = match built {
+            Ok(build) => build,
+            Err(why) => {
+                let is_known =
+                    REFUSED.iter().any(|(of, word)| row["path"] == *of && why.contains(word));
+                if !is_known {
+                    wrong.push(why);
+                }
+                continue;
+            }
+        };
         let scan = Components::new(build);
         let largest = scan.take(Choice::Largest).expect("there is one");
         let found = [scan.count() as f64, largest.topology.loops as f64, largest.topology.genus()];
@@ -52,6 +73,10 @@ fn topology_is_as_indexed() {
         }
     }
     println!("{compared} scans compared");
-    assert!(compared > 100, "only {compared} compared");
-    assert!(wrong.is_empty(), "components, loops and genus:\n{}", wrong.join("\n"));
+    assert!(compared > 130, "only {compared} compared");
+    assert!(
+        wrong.is_empty(),
+        "refused, or other components, loops and genus:\n{}",
+        wrong.join("\n")
+    );
 }

@@ -4,11 +4,11 @@ mod common;
 
 use common::virtual_scan::{VirtualScan, island_scan, ragged_scan, relief, relief_scan};
 use scan2step::geometry::{Point, Uv};
-use scan2step::mesh::Bound;
-use scan2step::parameterize::Outline;
+use scan2step::mesh::{Bound, Choice, Components, FaceOrigin, Outer, Patch, Repairs};
+use scan2step::parameterize::{self, Outline};
 use scan2step::spline::Curve;
 use scan2step::trim::{TrimLoop, distance_to_edges};
-use scan2step::{Conversion, Options, Stage, convert};
+use scan2step::{Conversion, Options, Stage, convert, fill, mesh};
 
 /// A conversion and the outer boundary of the smoothed scan.
 struct Run {
@@ -16,9 +16,14 @@ struct Run {
     outer: Vec<Point>,
 }
 
-fn run(scan: &VirtualScan, outline: Outline, tolerance: Option<f64>) -> Run {
+fn soup(scan: &VirtualScan) -> formats::Soup {
     let mut soup = formats::Soup { points: scan.points.clone(), ..formats::Soup::default() };
     scan.triangles.iter().for_each(|t| soup.polygons.push(*t));
+    soup
+}
+
+fn run(scan: &VirtualScan, outline: Outline, tolerance: Option<f64>) -> Run {
+    let soup = soup(scan);
     let options = Options::builder().outline(outline).tolerance(tolerance).build().unwrap();
     let mut outer = Vec::new();
     let mut watch = |stage: Stage| {
@@ -147,4 +152,53 @@ fn the_same_loop_on_any_number_of_threads() {
         (c.surface.net, format!("{:?}", c.loops))
     };
     assert_eq!(on(1), on(2));
+}
+
+/// The triangles of a patch that have such an origin.
+fn count(patch: &Patch, of: fn(&FaceOrigin) -> bool) -> usize {
+    patch.origin.iter().filter(|origin| of(origin)).count()
+}
+
+#[test]
+fn bays_are_no_fills() {
+    let scan = ragged_scan();
+    for outline in [Outline::Free, Outline::Sides] {
+        let mut there = [0, 0];
+        let options = Options::builder().outline(outline).build().unwrap();
+        let mut watch = |stage: Stage| {
+            if let Stage::Parameterize(map, _) = stage {
+                let of_hole: fn(&FaceOrigin) -> bool = |o| matches!(o, FaceOrigin::Hole(_));
+                there = [of_hole, |o| *o == FaceOrigin::Bay].map(|of| count(&map.patch, of));
+            }
+            Ok(())
+        };
+        let c = convert(&soup(&scan), &options, &mut watch).expect("a face");
+        let added: usize = c.fill.holes.iter().map(|hole| hole.added_triangles).sum();
+        assert_eq!([added, c.fill.bays.added_triangles], there, "{outline:?}");
+        let are_bays = outline == Outline::Free;
+        assert_eq!((c.fill.bays.count > 0, there[1] > 0), (are_bays, are_bays));
+    }
+}
+
+/// Bays that angles along the boundary make out go where the map shows none.
+#[test]
+fn a_map_without_bays_opens_those_that_were_closed() {
+    let scan = Components::new(mesh::from_soup(&soup(&ragged_scan()), 1.0).expect("a mesh"));
+    let largest = scan.take(Choice::Largest).expect("a piece");
+    let disk = largest.into_disk(Outer::Auto, &mut Repairs::new()).expect("a disk");
+    let measured = disk.mesh.points.clone();
+    let options = fill::Options { bays: true, ..fill::Options::default() };
+    let (patch, report) = fill::fill(disk, &measured, &options).expect("a patch");
+    assert!(report.bays.count > 0);
+    // On the square the boundary is convex.
+    let without = patch.without_bays().expect("it has bays");
+    let land = without.mesh.points.len();
+    let sides = parameterize::Options { outline: Some(Outline::Sides), ..Default::default() };
+    let mut map = parameterize::parameterize(without, &sides).expect("a map").0.uv;
+    map.truncate(land);
+    map.resize(patch.mesh.points.len(), Uv::new(0.5, 0.5));
+    let (opened, bays) = fill::close_bays(&patch, &map).expect("a place for every vertex");
+    assert_eq!(bays, fill::Bays::default());
+    assert_eq!(Some(&opened.outer), patch.shore.as_ref());
+    assert_eq!(count(&opened, |origin| *origin == FaceOrigin::Bay), 0);
 }

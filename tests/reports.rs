@@ -67,6 +67,10 @@ fn reports_are_as_the_schema_has_them() {
             schema.iter_errors(&report).map(|e| format!("{}: {e}", e.instance_path())).collect();
         assert!(wrong.is_empty(), "{options:?}: {wrong:#?}");
     }
+    let named = report(&relief, &["--net", "9x8"]);
+    // Knots of a net have no κ, and no knot is repeated.
+    assert_eq!(named["fit"]["kappa_mm"], Value::Null);
+    assert_eq!(named["fit"]["places"], 6 * 6 * (9 - 3) * (8 - 3));
     let all = report(&two, &["--component", "all"]);
     assert_eq!(all["components"].as_array().map(Vec::len), Some(2));
 }

@@ -109,12 +109,12 @@ fn read(source: Source) -> Result<Soup> {
         let help = "Check that the right object was exported from the scanner's program.";
         return Err(Error::new(path, "has neither points nor faces", help));
     }
-    let help = "Mesh the points first, for example in MeshLab (ball pivoting or screened \
-                Poisson), and save them with faces.";
-    Err(Error::new(path, "has points but no faces", help))
+    Err(Error::new(path, "has points but no faces", MESH_FIRST))
 }
 
 const READABLE: &str = "Convert it to PLY, OBJ, glTF (GLB) or STL, for example with MeshLab.";
+const MESH_FIRST: &str = "Mesh the points first, for example in MeshLab (ball pivoting or screened \
+                          Poisson), and save them with faces as PLY, OBJ, glTF (GLB) or STL.";
 const UTF_8: &str = "Save it as plain text (ASCII or UTF-8), or export it as binary PLY.";
 
 fn recognise(source: &Source) -> Result<Format> {
@@ -162,21 +162,26 @@ fn after_mark(head: &[u8]) -> &[u8] {
 /// What the file is, if it is something that is often mistaken for a mesh, and
 /// what to do about it.
 fn foreign(head: &[u8]) -> Option<(&'static str, &'static str)> {
-    let known: [(&[u8], &str); 11] = [
+    let known: [(&[u8], &str); 8] = [
         (b"PK\x03\x04", "a ZIP archive (perhaps 3MF)"),
         (b"\x1f\x8b", "gzipped twice"),
         (b"BZh", "packed with bzip2"),
         (b"\xfd7zXZ", "packed with xz"),
         (b"\x28\xb5\x2f\xfd", "packed with zstd"),
-        (b"# .PCD", "a PCD point cloud"),
         (b"OFF", "an OFF mesh"),
         (b"Kaydara FBX", "an FBX scene"),
-        (b"ASTM-E57", "an E57 point cloud"),
-        (b"LASF", "a LAS point cloud"),
         (b"ISO-10303-21", "a STEP file, not a scan"),
     ];
     if let Some((_, name)) = known.iter().find(|(magic, _)| head.starts_with(magic)) {
         return Some((name, READABLE));
+    }
+    let clouds: [(&[u8], &str); 3] = [
+        (b"# .PCD", "a PCD point cloud"),
+        (b"ASTM-E57", "an E57 point cloud"),
+        (b"LASF", "a LAS point cloud"),
+    ];
+    if let Some((_, name)) = clouds.iter().find(|(magic, _)| head.starts_with(magic)) {
+        return Some((name, MESH_FIRST));
     }
     if is_utf_16(head) {
         return Some(("UTF-16 text", UTF_8));

@@ -64,15 +64,23 @@ impl<'a> Topology<'a> {
 
     /// The faces in groups that hang together by edges: one shell each.
     pub(crate) fn shells(&self) -> Vec<Vec<usize>> {
-        let mut shell: Vec<usize> = (0..self.faces.len()).collect();
-        for edge in &self.edges {
-            for pair in edge.uses.windows(2) {
-                let (a, b) = (shell[pair[0].0], shell[pair[1].0]);
-                shell.iter_mut().filter(|s| **s == a.max(b)).for_each(|s| *s = a.min(b));
-            }
+        // Each face leads to a former one of its shell; the first one to itself.
+        let mut leads: Vec<usize> = (0..self.faces.len()).collect();
+        for pair in self.edges.iter().flat_map(|edge| edge.uses.windows(2)) {
+            let (a, b) = (first(&mut leads, pair[0].0), first(&mut leads, pair[1].0));
+            leads[a.max(b)] = a.min(b);
         }
-        let members = |first: usize| (first..shell.len()).filter(|&f| shell[f] == first).collect();
-        (0..shell.len()).filter(|&f| shell[f] == f).map(members).collect()
+        let mut shells: Vec<Vec<usize>> = Vec::new();
+        let mut number = vec![0; leads.len()];
+        for face in 0..leads.len() {
+            let head = first(&mut leads, face);
+            if head == face {
+                number[face] = shells.len();
+                shells.push(Vec::new());
+            }
+            shells[number[head]].push(face);
+        }
+        shells
     }
 
     /// The largest absolute coordinate of vertices and surface poles.
@@ -84,6 +92,15 @@ impl<'a> Topology<'a> {
             .flat_map(|p| [p.x, p.y, p.z])
             .fold(0.0, |reach, x| x.abs().max(reach))
     }
+}
+
+/// The first face of a face's shell. What was passed leads on more directly then.
+fn first(leads: &mut [usize], mut face: usize) -> usize {
+    while leads[face] != face {
+        leads[face] = leads[leads[face]];
+        face = leads[face];
+    }
+    face
 }
 
 #[derive(Default)]

@@ -92,13 +92,13 @@ pub struct Adapted {
     pub fit: fit::Report,
     /// The placement of knots by κ; `None` with a net of the user's.
     pub knots: Option<knots::Report>,
-    /// κ, in mm.
-    pub kappa: f64,
+    /// κ, in mm; `None` with a net of the user's.
+    pub kappa: Option<f64>,
     /// Fits made.
     pub rounds: usize,
-    /// Parts, of 36 of each knot cell, in which the surface is turned over somewhere; `None`
-    /// for blended local fits, which are left as they are.
-    pub folds: Option<usize>,
+    /// Where the surface is turned over; `None` for blended local fits, which are left as
+    /// they are.
+    pub folds: Option<Folds>,
     /// Mean distance, in mm, between a sample and the surface at the parameter that the
     /// sample was fitted with.
     pub mean_error: f64,
@@ -111,12 +111,22 @@ impl Adapted {
     /// The same with all lengths times a factor.
     pub(crate) fn scaled(self, factor: f64) -> Self {
         Adapted {
-            kappa: factor * self.kappa,
+            kappa: self.kappa.map(|kappa| factor * kappa),
             mean_error: factor * self.mean_error,
             between: self.between.map(|(at, off)| (at * factor, factor * off)),
             ..self
         }
     }
+}
+
+/// Where a surface is turned over.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Folds {
+    /// Places in which it is turned over somewhere.
+    pub turned: usize,
+    /// Places that were looked at, evenly spread over every knot cell.
+    pub places: usize,
 }
 
 /// Fits a surface to the map's vertices, in mm over [0, 1]². The map's parameters are
@@ -196,11 +206,12 @@ fn again(search: &mut Search, known: Known) -> Result<Known> {
 fn finished(mut search: Search, known: Known) -> Result<(Surface, Adapted, Vec<Uv>)> {
     let Known { mut best, placed, .. } = known;
     let (asked, goal) = (&search.options.knots, search.goal);
-    let kappa = if asked.net.is_none() { asked.kappa.unwrap_or(goal.tolerance) } else { 0.0 };
+    let kappa = asked.net.is_none().then(|| asked.kappa.unwrap_or(goal.tolerance));
     let mut folds = None;
     if search.options.method != fit::Method::Blend {
-        let (unfolded, left) = search.unfold(best)?;
-        (best, folds) = (unfolded, Some(left));
+        let (unfolded, turned) = search.unfold(best)?;
+        let places = fit::places([&unfolded.surface.u, &unfolded.surface.v]);
+        (best, folds) = (unfolded, Some(Folds { turned, places }));
     }
     search.target.samples.uv.clone_from(&best.uv);
     let adapted = Adapted {

@@ -1,5 +1,6 @@
 //! What could be better of a conversion, and what the user can do about it.
 
+use scan2step::adapt::Folds;
 use scan2step::geometry::Point;
 use scan2step::parameterize::Crushed;
 use scan2step::{Conversion, Options, smooth};
@@ -138,11 +139,9 @@ fn stretched(c: &Conversion) -> Option<String> {
 
 /// Where the face itself folds CAD cannot offset or cut it.
 fn folded(c: &Conversion) -> Option<String> {
-    let folds = c.fit.folds.filter(|&folds| folds > 0)?;
-    let cells = (c.surface.shape()[0] - 3) * (c.surface.shape()[1] - 3);
+    let Folds { turned, places, .. } = c.fit.folds.filter(|folds| folds.turned > 0)?;
     Some(format!(
-        "the surface is turned over at {folds} of {} places, which offsets and Boolean operations in CAD may not survive; a coarser --tolerance, or cutting the scan where it is ragged, leaves fewer",
-        36 * cells
+        "the surface is turned over at {turned} of {places} places, which offsets and Boolean operations in CAD may not survive; a coarser --tolerance, or cutting the scan where it is ragged, leaves fewer"
     ))
 }
 

@@ -1,6 +1,6 @@
 //! `scan2step inspect`: what a scan is.
 
-use scan2step::{Error, Inspection};
+use scan2step::Inspection;
 use serde_json::{Value, json};
 
 use super::args::Inspect;
@@ -75,9 +75,7 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
 
 /// What the surface is, and whether it can become a face.
 fn kind(found: &Inspection) -> String {
-    let vertices = found.outer.map(|outer| found.loops[outer].1).filter(|&n| n < 4);
-    let check = found.topology.check_disk();
-    match check.and(vertices.map_or(Ok(()), |n| Err(Error::TooSmall(n)))) {
+    match found.topology.check_disk() {
         Ok(()) if found.loops.len() == 1 => "a disk without holes".into(),
         Ok(()) => format!("a disk with {} holes", found.loops.len() - 1),
         Err(e) => format!("cannot become a face: {e}; {}", e.help()),

@@ -1,9 +1,9 @@
-//! `--max-memory`: what a run will need, told from counts before it needs it.
+//! `--max-memory`: what a run will need, told from counts once the scan is read.
 
 use bytesize::ByteSize;
 
 use super::Failure;
-use super::args::Convert;
+use super::args::{Convert, How};
 use super::input::Scan;
 
 /// The program itself.
@@ -39,7 +39,7 @@ pub fn check(args: &Convert, scan: &Scan) -> Result<(), Failure> {
         error: format!(
             "{}: may need {needed} for {vertices} vertices, {triangles} triangles and up to {} control points; --max-memory allows {}",
             scan.path.display(),
-            largest_net(args, vertices),
+            largest_net(&args.how, vertices),
             allowed.display().si()
         ),
         help: "allow more, bound the net with a smaller --max-net, or thin the scan".into(),
@@ -52,16 +52,42 @@ fn needed(args: &Convert, [vertices, triangles]: [usize; 2]) -> u64 {
     let (picture, shown) = if pictured { (PICTURE, PICTURED_TRIANGLE) } else { (0, 0) };
     let each = |count: usize, bytes: u64| (count as u64).saturating_mul(bytes);
     let parts = [picture, each(triangles, TRIANGLE + shown), each(vertices, VERTEX)];
-    let net = each(largest_net(args, vertices), CONTROL_POINT);
+    let net = each(largest_net(&args.how, vertices), CONTROL_POINT);
     parts.into_iter().fold(PROGRAM.saturating_add(net), u64::saturating_add)
 }
 
-/// Control points at the most: as many as the user asks for or, where no tolerance
-/// is named, as the points bear.
-fn largest_net(args: &Convert, vertices: usize) -> usize {
-    match (args.how.net, args.how.tolerance) {
-        (Some([m, n]), _) => m.saturating_mul(n),
-        (None, Some(_)) => args.how.max_net,
-        (None, None) => args.how.max_net.min(vertices / 2),
+/// Control points at the most: as many as the user asks for or, where neither a tolerance
+/// nor knots are named, as the points bear. Knots by a κ or a depth of the user's may
+/// be as many as `--max-net` allows, whatever the scan.
+fn largest_net(how: &How, vertices: usize) -> usize {
+    let is_named = how.tolerance.is_some() || how.kappa.is_some() || how.depth.is_some();
+    match how.net {
+        Some([m, n]) => m.saturating_mul(n),
+        None if is_named => how.max_net,
+        None => how.max_net.min(vertices / 2),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+    use crate::cli::args::{Cli, Command};
+
+    fn largest(options: &[&str]) -> usize {
+        let words = ["scan2step", "convert", "a.ply", "a.step", "--max-net", "5000"];
+        let cli = Cli::try_parse_from(words.iter().chain(options)).unwrap();
+        let Command::Convert(args) = cli.command else { panic!("it converts") };
+        largest_net(&args.how, 1000)
+    }
+
+    #[test]
+    fn knots_that_are_named_may_make_the_largest_net() {
+        assert_eq!(largest(&[]), 500);
+        assert_eq!(largest(&["--net", "20x30"]), 600);
+        for named in [["--tolerance", "0.1"], ["--kappa", "0.1"], ["--depth", "6"]] {
+            assert_eq!(largest(&named), 5000, "{named:?}");
+        }
     }
 }

@@ -1,6 +1,6 @@
 //! What `convert` says of a scan and of what became of it.
 
-use scan2step::mesh::Bound;
+use scan2step::mesh::{Bound, FaceOrigin};
 use scan2step::{Conversion, Stage};
 
 use super::args::{Component, Convert};
@@ -17,13 +17,15 @@ pub fn made(stage: &Stage) -> String {
             format!("{points} vertices, {triangles} triangles, {holes}")
         }
         Stage::Fill(patch) => {
-            let filled = patch.origin.iter();
-            let filled = filled.filter(|o| **o != scan2step::mesh::FaceOrigin::Measured).count();
-            format!(
-                "{} filled with {}",
-                plural(patch.rims.len(), "hole"),
-                plural(filled, "triangle")
-            )
+            let count = |of: fn(&FaceOrigin) -> bool| patch.origin.iter().filter(|o| of(o)).count();
+            let filled = count(|origin| matches!(origin, FaceOrigin::Hole(_)));
+            let (holes, filled) = (plural(patch.rims.len(), "hole"), plural(filled, "triangle"));
+            // They are no part of the face, and may be taken away again.
+            let beside = match count(|origin| *origin == FaceOrigin::Bay) {
+                0 => String::new(),
+                bays => format!("; for the map, bays with {}", plural(bays, "triangle")),
+            };
+            format!("{holes} filled with {filled}{beside}")
         }
         Stage::Fit(surface) => {
             let [m, n] = surface.shape();

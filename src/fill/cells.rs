@@ -2,14 +2,17 @@
 //! near ones; large boxes in grids of wider cells.
 
 use std::collections::BTreeSet;
+use std::sync::OnceLock;
 
 use rayon::prelude::*;
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
 
 use super::blocks::{Numbered, meet};
 use crate::geometry::Point;
 use crate::mesh::Buckets;
 
-/// A place that reaches into more cells than this is near everything.
+/// What is near a place that reaches into more cells than this is told by a tree.
 const MOST_CELLS: i64 = 1000;
 
 /// Each level's cells are twice as wide as those of the one before.
@@ -25,7 +28,12 @@ pub struct Cells {
     mask: usize,
     /// The levels that have boxes.
     levels: BTreeSet<u32>,
+    /// All boxes, for places much larger than they; made for the first of these.
+    tree: OnceLock<RTree<Entry>>,
 }
+
+/// A box in the tree, with its number.
+type Entry = GeomWithData<Rectangle<[f64; 3]>, u32>;
 
 impl Cells {
     /// Boxes in cells of some width, or wider than they.
@@ -39,37 +47,55 @@ impl Cells {
         levels.dedup();
         let levels = levels.into_iter().map(u32::from).collect();
         let buckets = Buckets::new(mask + 1, keys.len(), |i| keys[i as usize]);
-        Cells { width, boxes, buckets, mask, levels }
+        Cells { width, boxes, buckets, mask, levels, tree: OnceLock::new() }
     }
 
     /// The boxes that meet one.
     pub fn meeting(&self, place: [Point; 2]) -> impl Iterator<Item = Numbered> + '_ {
-        let near = self.levels.iter().flat_map(move |&level| self.near(level, place));
-        let numbered = near.map(|number| (number, self.boxes[number as usize]));
+        let is_large = self.levels.iter().any(|&level| self.reached(level, place).is_none());
+        let levels = self.levels.iter().filter(move |_| !is_large);
+        let near = levels.flat_map(move |&level| self.near(level, place));
+        let corners = AABB::from_corners(place[0].into(), place[1].into());
+        let met = is_large.then(|| self.tree().locate_in_envelope_intersecting(corners));
+        let met: Vec<u32> = met.into_iter().flatten().map(|entry| entry.data).collect();
+        let numbered = near.chain(met).map(|number| (number, self.boxes[number as usize]));
         numbered.filter(move |b| meet(&b.1, &place))
     }
 
-    /// The boxes of a level in the cells around a place.
-    fn near(&self, level: u32, place: [Point; 2]) -> impl Iterator<Item = u32> + '_ {
+    fn tree(&self) -> &RTree<Entry> {
+        self.tree.get_or_init(|| {
+            let entry = |(&[low, high], number): (&[Point; 2], u32)| {
+                GeomWithData::new(Rectangle::from_corners(low.into(), high.into()), number)
+            };
+            RTree::bulk_load(self.boxes.iter().zip(0..).map(entry).collect())
+        })
+    }
+
+    /// The lowest and the highest of a level's cells around a place, unless they are too
+    /// many.
+    fn reached(&self, level: u32, place: [Point; 2]) -> Option<[[i64; 3]; 2]> {
         let width = width_of(level, self.width);
         let reach = nalgebra::Vector3::repeat(0.5 * width);
         let [low, high] = [place[0] - reach, place[1] + reach].map(|p| cell(p, width));
         let count = |k: usize| high[k].saturating_sub(low[k]).saturating_add(1);
-        let many = (0..3).fold(1, |n: i64, k| n.saturating_mul(count(k))) > MOST_CELLS;
-        let along = move |k: usize| low[k]..=high[k];
-        let column = move |x: i64| along(1).flat_map(move |y| along(2).map(move |z| [x, y, z]));
-        let cells = (!many).then(|| along(0).flat_map(column)).into_iter().flatten();
+        let cells = (0..3).fold(1, |n: i64, k| n.saturating_mul(count(k)));
+        (cells <= MOST_CELLS).then_some([low, high])
+    }
+
+    /// The boxes of a level in the cells around a place.
+    fn near(&self, level: u32, place: [Point; 2]) -> impl Iterator<Item = u32> + '_ {
+        let cells = self.reached(level, place).map(|[low, high]| {
+            let along = move |k: usize| low[k]..=high[k];
+            let column = move |x: i64| along(1).flat_map(move |y| along(2).map(move |z| [x, y, z]));
+            along(0).flat_map(column)
+        });
         let is_at = move |number: u32, at: (u32, [i64; 3])| {
             home(&self.boxes[number as usize], self.width) == at
         };
-        let within = cells.flat_map(move |cell| {
+        cells.into_iter().flatten().flat_map(move |cell| {
             let all = self.buckets.of(bucket(level, cell, self.mask)).iter().copied();
             all.filter(move |&number| is_at(number, (level, cell)))
-        });
-        let all = 0..if many { self.boxes.len() as u32 } else { 0 };
-        let of_level =
-            move |number: &u32| level_of(&self.boxes[*number as usize], self.width) == level;
-        within.chain(all.filter(of_level))
+        })
     }
 }
 

@@ -110,8 +110,26 @@ pub struct Hole {
 pub struct Report {
     /// The holes.
     pub holes: Vec<Hole>,
-    /// How many bays of the outer boundary were closed.
-    pub bays: usize,
+    /// What closes bays of the outer boundary. It is there for the map alone, and no fill.
+    pub bays: Bays,
+}
+
+/// What closes bays of an outer boundary, so that a map can go around them.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Bays {
+    /// How many were closed.
+    pub count: usize,
+    /// Triangles added.
+    pub added_triangles: usize,
+}
+
+impl Bays {
+    /// So many bays of a patch.
+    fn of(patch: &Patch, count: usize) -> Self {
+        let added = patch.origin.iter().filter(|origin| **origin == FaceOrigin::Bay).count();
+        Bays { count, added_triangles: added }
+    }
 }
 
 impl Report {
@@ -208,8 +226,9 @@ pub fn fill_with(
     let Whole { mesh, measured, origin } = whole;
     let mut patch = Patch { mesh, measured, origin, outer, shore: None, rims, islands };
     if let Some(bays) = bays {
-        report.bays = bays.count;
+        let count = bays.count;
         bays.close_in(&mut patch);
+        report.bays = Bays::of(&patch, count);
     }
     debug_assert!(patch.is_disk(), "filling leaves a disk");
     Ok((patch, report))
@@ -217,12 +236,12 @@ pub fn fill_with(
 
 /// Closes the bays of a patch's outer boundary anew, as a map of it shows them: a place in
 /// the plane for every vertex. What the angles along the boundary say of bays that are
-/// deep, or between strongly curved banks, a map knows better. Says how many there are;
-/// `None`: it closes none.
+/// deep, or between strongly curved banks, a map knows better. Says what closes them; where
+/// the map shows none, the patch has none either.
 ///
 /// # Errors
 /// [`Error::Input`]: a vertex without a place.
-pub fn close_bays(patch: &Patch, map: &[Uv]) -> Result<Option<(Patch, usize)>> {
+pub fn close_bays(patch: &Patch, map: &[Uv]) -> Result<(Patch, Bays)> {
     let is_place = |p: &Uv| p.x.is_finite() && p.y.is_finite();
     if map.len() < patch.mesh.points.len() || !map.iter().all(is_place) {
         return Err(Error::Input("a vertex has no place on the map"));
@@ -230,11 +249,14 @@ pub fn close_bays(patch: &Patch, map: &[Uv]) -> Result<Option<(Patch, usize)>> {
     let mut patch = patch.without_bays().unwrap_or_else(|| patch.clone());
     let rings = Rings::new(&patch.mesh);
     let land = front::Land { mesh: &patch.mesh, rings: &rings };
-    let Some(bays) = bays::close(land, &patch.outer, Some(map)) else { return Ok(None) };
+    let Some(bays) = bays::close(land, &patch.outer, Some(map)) else {
+        return Ok((patch, Bays::default()));
+    };
     let count = bays.count;
     bays.close_in(&mut patch);
     debug_assert!(patch.is_disk(), "closing bays leaves a disk");
-    Ok(Some((patch, count)))
+    let bays = Bays::of(&patch, count);
+    Ok((patch, bays))
 }
 
 /// The measured mesh with the fills so far.

@@ -10,7 +10,7 @@ use super::cells::Cells;
 use super::fairing::{self, Fairing};
 use super::strips::Strip;
 use super::weight::Weight;
-use crate::error::{Error, Result};
+use crate::error::{self, Result};
 use crate::spline::spans::{PAIRS, Span};
 
 /// A control point in the solvers: its coordinates and a zero.
@@ -168,15 +168,14 @@ impl Equations {
             }
         }
         let n = points.len();
-        let singular = Error::Singular("fit");
-        let Ok(matrix) = SparseColMat::<u32, f64>::try_new_from_triplets(n, n, &triplets) else {
-            return Err(singular);
-        };
+        let failed = error::unsolved("fit");
+        let matrix = SparseColMat::<u32, f64>::try_new_from_triplets(n, n, &triplets)
+            .map_err(|why| failed(why.into()))?;
         drop(triplets);
         matrix
             .sp_cholesky(faer::Side::Lower)
             .map(|llt| Factor { points, llt })
-            .map_err(|_| singular)
+            .map_err(|why| failed(why.into()))
     }
 }
 

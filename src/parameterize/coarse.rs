@@ -76,10 +76,15 @@ pub fn least_stretched(
 impl Coarse {
     /// The map that stretches least.
     fn best(&self, sets: &[[u32; 4]]) -> Result<First> {
-        let maps: Vec<First> =
-            sets.par_iter().enumerate().filter_map(|(i, set)| self.map(i, set).ok()).collect();
-        let least = maps.into_iter().min_by(|a, b| a.stretch.total_cmp(&b.stretch));
-        least.ok_or(Error::Singular("parameterization"))
+        let maps = sets.par_iter().enumerate().map(|(i, set)| self.map(i, set));
+        let maps: Vec<Result<First>> = maps.collect();
+        let least = |a: Result<First>, b: Result<First>| match (&a, &b) {
+            (Ok(one), Ok(two)) if two.stretch.total_cmp(&one.stretch).is_lt() => b,
+            (Err(_), Ok(_)) => b,
+            _ => a,
+        };
+        // Where no set has a map, the first says why.
+        maps.into_iter().reduce(least).unwrap_or(Err(Error::TooSmall(self.outer.len())))
     }
 
     /// The map with the given vertices as corners.

@@ -66,8 +66,8 @@ impl Layout<'_> {
         let inner: Vec<u32> = hierarchy.left.iter().copied().filter(inner).collect();
         let stars = &hierarchy.stars;
         let unfolded = |at: &[Uv]| mend::inverted(triangles(stars, &hierarchy.left), at).is_empty();
-        solve::mean_value(self.points, stars, &inner, &mut self.at)?;
-        if unfolded(&self.at) {
+        let by_mean_value = solve::mean_value(self.points, stars, &inner, &mut self.at);
+        if by_mean_value.is_ok() && unfolded(&self.at) {
             return Ok(());
         }
         solve::even(stars, &inner, &mut self.at)?;

@@ -81,14 +81,18 @@ impl<'a> Start<'a> {
         self.first.stretch - 1.0
     }
 
-    /// The map of all vertices.
-    pub fn map(mut self, method: Method, course: &mut Course) -> Result<Map> {
+    /// The map of all vertices, with a margin of this share of the square at each side.
+    pub fn map(mut self, method: Method, margin: f64, course: &mut Course) -> Result<Map> {
         let rectangle = Rectangle::new(&self.outer, &self.corners);
         let course = &mut course::part(course, STARTED, 1.0);
         let mut uv = match method {
             Method::LeastStretch => self.least_stretch(&rectangle, course)?,
             Method::MeanValue => self.mean_value(&rectangle)?,
         };
+        // Before the map is verified: rounding may turn slivers over here, too.
+        if margin > 0.0 {
+            uv.iter_mut().for_each(|at| *at = at.map(|t| margin + (1.0 - 2.0 * margin) * t));
+        }
         let triangles = self.mesh.triangles.iter().map(|t| t.map(|v| v.0));
         let (mended, folded) = mend::mend(&self.hierarchy.stars, triangles, &mut uv);
         match folded.first() {

@@ -230,18 +230,22 @@ const FAR: f64 = 0.05;
 /// Vertices in groups, no two of a group neighbours, so that those of a group
 /// can move at once.
 pub fn groups(stars: &Stars, vertices: impl IntoIterator<Item = u32>) -> Vec<Vec<u32>> {
-    let mut group = vec![u8::MAX; stars.len()];
+    let mut group = vec![u32::MAX; stars.len()];
     let mut groups: Vec<Vec<u32>> = Vec::new();
+    // The last vertex that had a neighbour in each group.
+    let mut beside: Vec<u32> = Vec::new();
     for v in vertices {
-        let taken = stars.ring(v).iter().fold(0u64, |taken, &w| match group[w as usize] {
-            g if g < 64 => taken | 1 << g,
-            _ => taken,
-        });
-        let g = taken.trailing_ones() as usize;
-        group[v as usize] = g as u8;
+        for &w in stars.ring(v) {
+            if let Some(last) = beside.get_mut(group[w as usize] as usize) {
+                *last = v;
+            }
+        }
+        let g = beside.iter().position(|&last| last != v).unwrap_or(groups.len());
         if g == groups.len() {
             groups.push(Vec::new());
+            beside.push(u32::MAX);
         }
+        group[v as usize] = g as u32;
         groups[g].push(v);
     }
     groups
@@ -269,4 +273,17 @@ pub fn sweep(surface: &Surface, stars: &Stars, groups: &[Vec<u32>], at: &mut [Uv
         }
     }
     far
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn neighbours_are_in_different_groups_however_many_there_are() {
+        // All are neighbours of all, which no mesh has.
+        let stars = Stars::joined(100);
+        let groups = groups(&stars, 0..100);
+        assert_eq!(groups, (0..100).map(|v| vec![v]).collect::<Vec<_>>());
+    }
 }

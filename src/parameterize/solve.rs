@@ -5,7 +5,7 @@ use faer::prelude::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 
 use super::stars::Stars;
-use crate::error::{Error, Result};
+use crate::error::{self, Result, Unsolved};
 use crate::geometry::{Point, Uv};
 
 /// The weights of the neighbours `ring`, all around the point `p`:
@@ -48,7 +48,7 @@ fn solve(
     at: &mut [Uv],
     shares: impl Fn(u32) -> Vec<(u32, f64)>,
 ) -> Result<()> {
-    let singular = || Error::Singular("parameterization");
+    let failed = error::unsolved("parameterization");
     let n = inner.len();
     if n == 0 {
         return Ok(());
@@ -73,13 +73,13 @@ fn solve(
         }
     }
     let matrix = SparseColMat::<u32, f64>::try_new_from_triplets(n, n, &triplets);
-    let matrix = matrix.map_err(|_| singular())?;
+    let matrix = matrix.map_err(|why| failed(why.into()))?;
     drop(triplets);
-    let solution = matrix.sp_lu().map_err(|_| singular())?.solve(&right);
+    let solution = matrix.sp_lu().map_err(|why| failed(why.into()))?.solve(&right);
     for (i, &v) in inner.iter().enumerate() {
         at[v as usize] = Uv::new(solution[(i, 0)], solution[(i, 1)]);
     }
     let finite = |p: &Uv| p.x.is_finite() && p.y.is_finite();
     let all = inner.iter().all(|&v| finite(&at[v as usize]));
-    if all { Ok(()) } else { Err(singular()) }
+    if all { Ok(()) } else { Err(failed(Unsolved::Singular)) }
 }

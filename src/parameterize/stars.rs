@@ -291,6 +291,14 @@ pub mod tests {
         }
     }
 
+    impl Stars {
+        /// So many vertices, each a neighbour of all others.
+        pub fn joined(n: u32) -> Stars {
+            let ring = |v: u32| (0..n).filter(|&w| w != v).collect();
+            Stars { rings: (0..n).map(ring).collect(), boundary: vec![false; n as usize] }
+        }
+    }
+
     /// Neighbours see each other, and those that follow each other around a
     /// vertex are neighbours.
     fn check(stars: &Stars) {

@@ -1,6 +1,9 @@
 //! A boundary loop that smoothing has drawn across itself, at a slot narrower
 //! than the support, is taken back there.
 
+use rstar::RTree;
+use rstar::primitives::GeomWithData;
+
 use crate::geometry::{Point, Uv, Vector, plane_axes, segments_cross};
 
 /// Rounds at the most; each takes back half of what is left.
@@ -32,15 +35,17 @@ pub fn uncross(smooth: &mut [Point], before: &[Point], normals: &[Vector]) {
 /// normal.
 fn crossed(points: &[Point], normals: &[Vector]) -> Vec<usize> {
     let n = points.len();
-    let longest = (0..n).map(|i| (points[(i + 1) % n] - points[i]).norm()).fold(0.0, f64::max);
-    let mut order: Vec<usize> = (0..n).collect();
-    order.sort_by(|&i, &j| points[i].x.total_cmp(&points[j].x));
+    let lengths: Vec<f64> = (0..n).map(|i| (points[(i + 1) % n] - points[i]).norm()).collect();
+    let mean = lengths.iter().sum::<f64>() / n as f64;
+    let places = points.iter().zip(0..).map(|(&p, i)| GeomWithData::new(p.into(), i));
+    let tree: RTree<GeomWithData<[f64; 3], usize>> = RTree::bulk_load(places.collect());
     let mut found = Vec::new();
-    for (k, &i) in order.iter().enumerate() {
-        // Edges whose first vertices are farther apart cannot meet.
-        let near =
-            order[k + 1..].iter().take_while(|&&j| points[j].x - points[i].x < 2.0 * longest);
-        for &j in near.filter(|&&j| (points[j] - points[i]).norm() < 2.0 * longest) {
+    for i in 0..n {
+        // Edges whose first vertices are farther apart cannot meet. Each pair is found from
+        // its longer edge; a mean one is allowed for as the banks may lie one above the other.
+        let reach = 2.0 * lengths[i].max(mean);
+        let near = tree.locate_within_distance(points[i].into(), reach * reach);
+        for j in near.map(|place| place.data) {
             if cross(points, normals, i, j) {
                 found.extend([i, j]);
             }
@@ -51,7 +56,7 @@ fn crossed(points: &[Point], normals: &[Vector]) -> Vec<usize> {
 
 fn cross(points: &[Point], normals: &[Vector], i: usize, j: usize) -> bool {
     let n = points.len();
-    if (i + 1) % n == j || (j + 1) % n == i || normals[i].dot(&normals[j]) <= 0.0 {
+    if i == j || (i + 1) % n == j || (j + 1) % n == i || normals[i].dot(&normals[j]) <= 0.0 {
         return false;
     }
     let (x, y) = plane_axes((normals[i] + normals[j]).normalize());

@@ -5,6 +5,9 @@
 //! into Bézier pieces until each is proved simple, and two pieces are apart
 //! only if boxes around their control points (which hold the curve) are.
 
+use rstar::primitives::{GeomWithData, Rectangle};
+use rstar::{AABB, RTree};
+
 use super::Curve;
 use super::piece::{Piece, run_on};
 use crate::geometry::{Uv, uv_bounds};
@@ -166,14 +169,19 @@ pub fn crossings(outlines: &[&Outline]) -> Vec<(usize, Place)> {
     }
     order.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
     let mut found = Vec::new();
-    // Only pieces whose ranges of u overlap can meet.
+    // Only pieces whose boxes meet can.
+    let place = |(k, e): (usize, &Entry)| GeomWithData::new(Rectangle::from_aabb(e.within(0.0)), k);
+    let tree = RTree::bulk_load(order.iter().enumerate().map(place).collect());
+    let mut near: Vec<usize> = Vec::new();
     for (k, a) in order.iter().enumerate() {
-        let reach = a.high.x + CLEARANCE;
-        for b in order[k + 1..].iter().take_while(|b| b.low.x <= reach) {
-            let beside = b.low.y > a.high.y + CLEARANCE || a.low.y > b.high.y + CLEARANCE;
+        let met = tree.locate_in_envelope_intersecting(a.within(CLEARANCE));
+        near.clear();
+        near.extend(met.map(|other| other.data).filter(|&other| other > k));
+        near.sort_unstable();
+        for b in near.iter().map(|&other| &order[other]) {
             let count = outlines[a.ring].pieces.len();
             let next = a.ring == b.ring && [1, count - 1].contains(&a.number.abs_diff(b.number));
-            if beside || next || a.piece.is_apart(b.piece, CLEARANCE, SHORTEST) {
+            if next || a.piece.is_apart(b.piece, CLEARANCE, SHORTEST) {
                 continue;
             }
             let same = a.ring == b.ring;
@@ -197,6 +205,12 @@ impl<'a> Entry<'a> {
     fn new(ring: usize, number: usize, piece: &'a Piece) -> Self {
         let [low, high] = piece.bounds();
         Entry { ring, number, piece, low, high }
+    }
+
+    /// The box around it, wider by a margin on every side.
+    fn within(&self, margin: f64) -> AABB<[f64; 2]> {
+        let (low, high) = (self.low, self.high);
+        AABB::from_corners([low.x - margin, low.y - margin], [high.x + margin, high.y + margin])
     }
 }
 

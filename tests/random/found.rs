@@ -11,7 +11,7 @@ use crate::scan::{Damage, Place, Scan, sound};
 use crate::sheet::{Mesh, Shape};
 
 fn becomes_a_face(scan: &Scan, options: &Options) {
-    match judge::sound(&scan.soup(), options) {
+    match judge::sound(&scan.soup(), options, false) {
         Ok(became) => assert!(became, "{scan:?}"),
         Err(why) => panic!("{why}: {scan:?}"),
     }

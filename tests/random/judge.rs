@@ -39,8 +39,8 @@ pub fn hung<T>(what: String, work: impl FnOnce() -> T) -> T {
 }
 
 /// Whether a scan becomes a face, which is sound then, or else a user's error; on one
-/// thread and on two the same.
-pub fn sound(soup: &Soup, options: &Options) -> Result<bool, TestCaseError> {
+/// thread and on two the same. One that is `whole` no stage may refuse.
+pub fn sound(soup: &Soup, options: &Options, whole: bool) -> Result<bool, TestCaseError> {
     let run = || {
         let mut measured = Mesh::default();
         let converted = convert(soup, options, &mut |stage| {
@@ -65,6 +65,11 @@ pub fn sound(soup: &Soup, options: &Options) -> Result<bool, TestCaseError> {
             prop_assert!(!one.help().is_empty());
             let ours = matches!(one, Error::Brep(_) | Error::Cad { .. } | Error::Option { .. });
             prop_assert!(!ours, "{}", one);
+            let of_stage = matches!(
+                one,
+                Error::Singular(_) | Error::Folded { .. } | Error::Fill { .. } | Error::Trim { .. }
+            );
+            prop_assert!(!(whole && of_stage), "{}", one);
             Ok(false)
         }
         (one, two) => {
@@ -113,9 +118,9 @@ fn reads_back(c: &Conversion, file: &[u8], measured: &Mesh) -> Result<(), TestCa
     let loops: usize = c.brep.faces.iter().map(|f| f.pcurves.len()).sum();
     prop_assert_eq!(found.loops, loops);
     let (there, here) = (c.deviation.rms, found.scan_to_face.rms);
-    // `check` begins elsewhere than the conversion to look for feet, and where a face is
-    // crumpled either may find one that is not the nearest.
-    let most = 1.5 * there + 1e-3 * measured.diagonal();
+    // Both look for the nearest point, from elsewhere. Over the random sheets they were apart by
+    // 0.6 % of what is said, or 1e-6 of the diagonal, at the most.
+    let most = 1.01 * there + 1e-4 * measured.diagonal();
     prop_assert!(here <= most, "said {} mm, read back {} mm", there, here);
     prop_assert!(found.face_to_scan.max.is_finite() && found.area.is_finite());
     Ok(())

@@ -105,6 +105,18 @@ fn places() -> impl Strategy<Value = Place> {
 }
 
 impl Scan {
+    /// Whether it is a sheet as a scanner makes one, with holes and some noise, whose
+    /// triangles all are there and do not run over each other.
+    pub fn is_whole(&self) -> bool {
+        let Damage { noise, lost, flipped, torn, outliers, doubled, .. } = self.damage;
+        let is_even = match self.mesh {
+            // Vertices that move by half a square may turn triangles over.
+            Mesh::Grid(_, moved) => moved < 0.45,
+            Mesh::Delaunay(_) => true,
+        };
+        is_even && noise <= 0.1 && [lost, flipped, torn, outliers, doubled] == [0.0; 5]
+    }
+
     /// What a reader would deliver of it.
     pub fn soup(&self) -> Soup {
         let mut random = Random(self.seed);

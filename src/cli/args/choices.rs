@@ -26,7 +26,8 @@ impl From<Unit> for LengthUnit {
 /// What becomes of the outer boundary.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum Outline {
-    /// The sides, unless the boundary is ragged or they stretch the map far more
+    /// The sides, unless the boundary is ragged, or they stretch the map far more or
+    /// cannot be made
     Auto,
     /// The four sides of the surface
     Sides,

@@ -74,10 +74,10 @@ pub struct Manner {
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
     /// Refuse a scan that may need more memory than this, as 4G; told from its counts
-    /// and the largest net, before the work
+    /// and the largest net, once it is read
     #[arg(long, value_name = "SIZE")]
     pub max_memory: Option<bytesize::ByteSize>,
-    /// Say nothing but errors
+    /// Say nothing but errors, and that a named tolerance is not met
     #[arg(long, conflicts_with = "verbose")]
     pub quiet: bool,
     /// Colours in messages

@@ -34,7 +34,8 @@ pub struct Batch {
     /// Convert again what is there from an earlier run
     #[arg(long)]
     pub force: bool,
-    /// Scans at once; each may use all cores, unless --threads says otherwise
+    /// Scans at once; they share the cores evenly, unless --threads says how many threads
+    /// each has
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     pub jobs: u16,
     #[command(flatten)]

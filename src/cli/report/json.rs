@@ -48,7 +48,11 @@ fn of_component(c: &Conversion, context: &Context) -> Value {
             "corners": c.smooth.corners.len(),
             "outliers": c.smooth.outliers,
         },
-        "fill": { "holes": holes(c), "bays": c.outer.map_or(c.fill.bays, |_| 0) },
+        "fill": {
+            "holes": holes(c),
+            "bays": c.fill.bays.count,
+            "bay_triangles": c.fill.bays.added_triangles,
+        },
         "parameterize": {
             "outline": match c.outer {
                 Some(_) => "sides",
@@ -132,7 +136,8 @@ fn fit_report(c: &Conversion) -> Value {
         "kappa_mm": c.fit.kappa,
         "rounds": c.fit.rounds,
         "steps": c.fit.fit.steps,
-        "folds": c.fit.folds,
+        "folds": c.fit.folds.map(|folds| folds.turned),
+        "places": c.fit.folds.map(|folds| folds.places),
     })
 }
 

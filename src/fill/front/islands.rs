@@ -1,32 +1,57 @@
 //! Islands are bridged to the rim, by the shortest path, which then is an edge of
 //! the front on both sides.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
+
+use rstar::primitives::GeomWithData;
+use rstar::{PointDistance, RTree};
+
 use super::Front;
 use crate::geometry::VertexId;
 
+/// A vertex of a rim: where it is, and its number among the nodes of the rings.
+type Node = GeomWithData<[f64; 3], usize>;
+
 impl Front<'_> {
-    /// Joins every island to the rim or to an island that is joined already.
+    /// Joins every island to the rim or to an island that is joined already, the nearest
+    /// pair of vertices first.
     pub(super) fn bridge_islands(&mut self, rims: &[&[VertexId]]) {
-        let starts: Vec<usize> =
-            rims.iter().scan(0, |end, r| Some(std::mem::replace(end, *end + r.len()))).collect();
-        let nodes = |ring: usize| starts[ring]..starts[ring] + rims[ring].len();
-        let mut joined: Vec<usize> = nodes(0).collect();
-        let mut left: Vec<usize> = (1..rims.len()).collect();
-        while !left.is_empty() {
-            let pairs = left.iter().flat_map(|&ring| {
-                let to = nodes(ring);
-                joined.iter().flat_map(move |&from| to.clone().map(move |to| (from, to, ring)))
-            });
-            let distance =
-                |from: usize, to: usize| (self.rings.at(to) - self.rings.at(from)).norm();
-            let Some((from, to, ring)) =
-                pairs.min_by(|x, y| distance(x.0, x.1).total_cmp(&distance(y.0, y.1)))
-            else {
-                return;
+        let mut starts = vec![0];
+        rims.iter().for_each(|rim| starts.push(starts[starts.len() - 1] + rim.len()));
+        let nodes = |ring: usize| starts[ring]..starts[ring + 1];
+        let ring_of = |node: usize| starts.partition_point(|&start| start <= node) - 1;
+        let places: Vec<Node> = (0..starts[rims.len()])
+            .map(|node| GeomWithData::new(self.rings.at(node).into(), node))
+            .collect();
+        let mut left = RTree::bulk_load(places[starts[1]..].to_vec());
+        let mut is_joined = vec![false; rims.len()];
+        // How far each joined vertex is from the nearest one that was left when it was asked:
+        // no farther than from the nearest that is left now.
+        let mut nearest = BinaryHeap::new();
+        let ask = |left: &RTree<Node>, from: usize| {
+            let to = left.nearest_neighbor(*places[from].geom())?;
+            // Squares of distances are positive, and such numbers are ordered as their bits.
+            let squared = to.distance_2(places[from].geom()).to_bits();
+            Some(Reverse((squared, from, to.data)))
+        };
+        let mut ring = 0;
+        loop {
+            is_joined[ring] = true;
+            if ring > 0 {
+                nodes(ring).for_each(|node| _ = left.remove(&places[node]));
+            }
+            nearest.extend(nodes(ring).filter_map(|from| ask(&left, from)));
+            let (from, to) = loop {
+                let Some(Reverse((_, from, to))) = nearest.pop() else { return };
+                if !is_joined[ring_of(to)] {
+                    break (from, to);
+                }
+                nearest.extend(ask(&left, from));
             };
             self.bridge(from, to);
-            joined.extend(nodes(ring));
-            left.retain(|&r| r != ring);
+            nearest.extend(ask(&left, from));
+            ring = ring_of(to);
         }
     }
 

@@ -23,6 +23,8 @@ use super::hold::Hold;
 use crate::geometry::Uv;
 use crate::spline::{Samples, Surface};
 use places::{Places, Spot};
+
+pub use places::count as places;
 use work::Work;
 
 /// Rounds at the most with one stiffness, and those among them in which samples that may

@@ -70,6 +70,11 @@ pub struct Places<'a> {
     usual: Vec<f64>,
 }
 
+/// How many places a surface over some knots has.
+pub fn count(knots: [&KnotVector; 2]) -> usize {
+    knots.map(|knots| ACROSS * (knots.breaks().len() - 1)).iter().product()
+}
+
 impl<'a> Places<'a> {
     /// The places of a net over `cells`, whose samples are held by `holds`.
     pub fn new(cells: &'a Cells<'a>, holds: &'a [Hold], net: &[Vector]) -> Self {
@@ -82,8 +87,7 @@ impl<'a> Places<'a> {
 
     /// How many there are.
     pub fn count(&self) -> usize {
-        let [across, down] = self.cells.counts();
-        across * down * ACROSS * ACROSS
+        count(self.cells.knots)
     }
 
     /// Places that spread too little in the cells that are `chosen`.
