@@ -45,7 +45,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     let cut_out = vec![true; filling.holes.len()];
     let rims = cut::rims(&map, &cut_out);
-    let (loops, _) = trim::trim(&surface, &rims, &trim::Options { tolerance: goal.tolerance })?;
+    let rim = (0.5 * trim::median_edge(&rims)).max(goal.tolerance);
+    let loops_as = trim::Options { tolerance: goal.tolerance, rim, keeps_vertices: false };
+    let (loops, _) = trim::trim(&surface, &rims, &loops_as)?;
     println!("trim: {} loop of {} edges", loops.len(), loops[0].edges.len());
 
     let brep = brep::build(&surface, &cut::faces(&loops), "sheet", trim::edge_accuracy(&surface))?;

@@ -213,6 +213,8 @@ pub struct Conversion {
     pub outer: Option<(usize, f64)>,
     /// How the loops turned out.
     pub trim: Vec<trim::LoopReport>,
+    /// How far a loop may be from its rim, in mm.
+    pub rim_tolerance: f64,
 }
 
 impl Conversion {
@@ -356,6 +358,7 @@ fn pipeline(
         deviation: deviation.scaled(mm),
         outer: outer.map(|(control, off)| (control, mm * off)),
         trim,
+        rim_tolerance: mm * trim_options.rim,
     })
 }
 

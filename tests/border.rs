@@ -197,7 +197,10 @@ fn rims_are_looked_at() {
         let points = uv.iter().map(|&at| plate.point(at)).collect();
         Rim { of: Bound::Hole(0), within, points, uv }
     };
-    let trim = |rims: &[Rim], tolerance| trim::trim(&plate, rims, &trim::Options { tolerance });
+    let trim = |rims: &[Rim], tolerance| {
+        let options = trim::Options { tolerance, rim: 0.0, keeps_vertices: true };
+        trim::trim(&plate, rims, &options)
+    };
     let (loops, _) = trim(&[around(30, None)], 0.1).expect("a loop");
     for x in NONSENSE.into_iter().chain([0.0]) {
         assert_eq!(option(trim(&[around(30, None)], x)).0, "tolerance");

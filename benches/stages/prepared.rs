@@ -55,7 +55,11 @@ impl Prepared {
             samples: samples(&map),
             knots: knots::Options { kappa: conversion.tolerance, depth: 20 },
             rims: rims(&map),
-            trim: trim::Options { tolerance: conversion.tolerance },
+            trim: trim::Options {
+                tolerance: conversion.tolerance,
+                rim: conversion.rim_tolerance,
+                keeps_vertices: false,
+            },
             measured: measured.ok_or("the scan was not meshed")?,
             smoothed: smoothed.ok_or("the scan was not smoothed")?,
             patch: patch.ok_or("the scan was not filled")?,

@@ -29,11 +29,6 @@ const SHORTEST_EVER: f64 = 1e-3;
 const AROUND: f64 = 3.0;
 const CHORDS: i32 = 24;
 
-/// The curve is compared with the rim at so many places an edge of this, and with so many
-/// edges each way.
-const PLACES_AN_EDGE: f64 = 2.0;
-const SIDES: usize = 3;
-
 /// Corners of this kind at the most: where more would be needed, needles go.
 const MOST_SHARP: usize = 32;
 
@@ -47,7 +42,7 @@ pub struct Course<'a> {
     rim: Cow<'a, Rim>,
     pub(super) polygon: Polygon,
     /// The surface at the polygon's corners.
-    jets: Vec<Jet>,
+    pub(super) jets: Vec<Jet>,
     /// How far, in mm, the curve may be from each of them within the surface.
     pub(super) room: Vec<f64>,
     pub(super) knots: Knots,
@@ -133,6 +128,7 @@ impl<'a> Course<'a> {
         course.follow();
         if course.is_fair {
             let thick = (course.knots.clone(), course.curve.clone());
+            course.take_room();
             course.thin();
             course.thick = Some(thick);
         }
@@ -219,7 +215,7 @@ impl<'a> Course<'a> {
             let mut held = (self.polygon.before(a)..end).chain(at_end.then_some(end % n));
             self.is_longer(i, least)
                 && (held.any(|k| self.distance(k) > self.room[k])
-                    || self.is_fair && self.leaves_rim(a, b))
+                    || self.is_fair && self.leaves_rim(a, b) > 1.0)
         };
         (0..self.knots.breaks.len()).filter(far).collect()
     }
@@ -248,27 +244,6 @@ impl<'a> Course<'a> {
         let places: Vec<Point> = (-CHORDS..=CHORDS).map(place).collect();
         let chords = places.windows(2).map(|c| segment_distance(Point::origin(), c[0], c[1]));
         chords.fold(same, f64::min)
-    }
-
-    /// Whether the curve between two parameters is farther from the rim than it may be, at
-    /// places between the vertices.
-    fn leaves_rim(&self, a: f64, b: f64) -> bool {
-        let n = self.polygon.uv.len();
-        let count = (PLACES_AN_EDGE * (b - a) * n as f64).ceil().max(2.0) as usize;
-        let place = |i: usize| a + (b - a) * (i as f64 + 0.5) / count as f64;
-        (0..count).map(place).any(|t| {
-            let next = self.polygon.before(t);
-            let k = (next + n - 1) % n;
-            let jet = &self.jets[k];
-            let at = self.curve.point(t);
-            let corner = |i: usize| {
-                let off = self.polygon.uv[i % n].coords - at;
-                Point::from(jet.su * off.x + jet.sv * off.y)
-            };
-            let sides = (0..2 * SIDES + 1).map(|i| k + n * SIDES + i - SIDES);
-            let near = sides.map(|i| segment_distance(Point::origin(), corner(i), corner(i + 1)));
-            near.fold(f64::INFINITY, f64::min) > self.room[k].max(self.room[next % n])
-        })
     }
 
     /// The span that holds `t` and its neighbours, those that may be halved.

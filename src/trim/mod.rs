@@ -11,8 +11,8 @@
 mod closed;
 mod corners;
 mod course;
+mod fair;
 mod needles;
-mod thin;
 
 use std::collections::BTreeMap;
 

@@ -6,7 +6,7 @@ use super::*;
 use crate::geometry::Vector;
 use crate::spline::KnotVector;
 
-const OPTIONS: Options = Options { tolerance: 0.04 };
+const OPTIONS: Options = Options { tolerance: 0.04, rim: 0.0, keeps_vertices: true };
 
 fn plate() -> Surface {
     let k = KnotVector::uniform(3, 12);
@@ -56,8 +56,8 @@ fn knots_come_where_the_rim_needs_them() {
 
 #[test]
 fn a_vertex_as_far_off_as_may_be_leaves_room_within_the_tolerance() {
-    for share in [0.0, 0.3, 0.9, 1.0] {
-        let off = share * OPTIONS.most_off();
+    for share in [0.0f64, 0.3, 0.9, 1.0] {
+        let off = share * Options::most_off(OPTIONS.tolerance);
         let farthest = off.hypot(OPTIONS.room(off));
         assert!(farthest <= OPTIONS.tolerance * (1.0 + 1e-12), "{share}");
         assert!(OPTIONS.room(off) >= LEAST_SHARE * OPTIONS.tolerance, "{share}");
