@@ -129,6 +129,7 @@ pub use {formats, nalgebra};
 use formats::{Brep, Soup};
 use mesh::{Components, Disk, Patch};
 use parameterize::{Outline, Parameterized};
+use rayon::prelude::*;
 use spline::Surface;
 
 /// A stage that has just ended, with what it made, or one that goes on.
@@ -202,6 +203,14 @@ pub struct Conversion {
     pub fit: Adapted,
     /// The tolerance that holds, in mm.
     pub tolerance: f64,
+    /// Whether the user named it.
+    pub tolerance_named: bool,
+    /// The share of points that may miss a tolerance that nobody named.
+    pub spared: f64,
+    /// The points that miss it.
+    pub missed: Missed,
+    /// How far the face is from the smoothed scan's triangles, fills left out.
+    pub face_to_scan: deviation::FaceToScan,
     /// Deviation of the smoothed points from the trimmed face; the tolerance
     /// is held against it.
     pub fit_deviation: deviation::Deviation,
@@ -218,11 +227,35 @@ pub struct Conversion {
 }
 
 impl Conversion {
-    /// Whether all but the share `outliers` of the smoothed points are within
-    /// the tolerance.
+    /// Whether the face keeps its tolerance in both directions. Of the smoothed points all but
+    /// the share `outliers` must, or where nobody named a tolerance all but as many as normal
+    /// noise has beyond three standard deviations; of the triangles, all where it is named.
     pub fn tolerance_met(&self, outliers: f64) -> bool {
-        let beyond = self.fit_deviation.beyond(self.tolerance);
-        beyond as f64 <= outliers * self.fit_deviation.distances.len() as f64
+        let outliers = if self.tolerance_named { outliers } else { outliers.max(self.spared) };
+        let points = self.missed.points as f64;
+        points <= outliers * self.fit_deviation.distances.len() as f64
+            && (!self.tolerance_named || self.face_to_scan.beyond == 0)
+    }
+}
+
+/// The smoothed points that miss the tolerance. A point that a trim loop cuts off is none of
+/// them if it is no farther from the loop than a rim is known, and within the tolerance of
+/// the surface.
+#[derive(Debug, Clone, Copy, Default)]
+#[non_exhaustive]
+pub struct Missed {
+    /// How many.
+    pub points: usize,
+    /// The distance of the farthest, in mm.
+    pub worst: f64,
+    /// Where it is.
+    pub worst_at: [f64; 3],
+}
+
+impl Missed {
+    fn scaled(self, factor: f64) -> Self {
+        let worst_at = self.worst_at.map(|x| factor * x);
+        Missed { worst: factor * self.worst, worst_at, ..self }
     }
 }
 
@@ -340,6 +373,11 @@ fn pipeline(
     let starts = &map.uv[..measured_count];
     let fit_deviation = face.deviation(&map.patch.mesh.points[..measured_count], starts);
     let deviation = face.deviation(&measured.mesh.points, starts);
+    let excused = if trim_options.keeps_vertices { 0.0 } else { trim_options.rim };
+    let missed = missed(&face, &map, &fit_deviation, tolerance, excused);
+    let seen = map.measured_triangles();
+    let between = deviation::Between::new(&map.patch.mesh, &seen, &map.uv, &surface);
+    let face_to_scan = between.report(tolerance, |at| face.contains(at));
     watch(Stage::Deviation)?;
 
     Ok(Conversion {
@@ -354,12 +392,41 @@ fn pipeline(
         crushed: crushed.map(|crushed| crushed.scaled(mm)),
         fit: fit.scaled(mm),
         tolerance: mm * tolerance,
+        tolerance_named: goal.named,
+        spared: goal.outliers,
+        missed: missed.scaled(mm),
+        face_to_scan: face_to_scan.scaled(mm),
         fit_deviation: fit_deviation.scaled(mm),
         deviation: deviation.scaled(mm),
         outer: outer.map(|(control, off)| (control, mm * off)),
         trim,
         rim_tolerance: mm * trim_options.rim,
     })
+}
+
+/// The smoothed points that miss the tolerance, but for those that a loop cuts off by no more
+/// than `excused`.
+fn missed(
+    face: &deviation::Face<Surface>,
+    map: &Parameterized,
+    deviation: &deviation::Deviation,
+    tolerance: f64,
+    excused: f64,
+) -> Missed {
+    let distances = &deviation.distances;
+    let misses = |&i: &usize| {
+        let (p, off) = (map.patch.mesh.points[i], distances[i]);
+        off > tolerance
+            && (off > excused.hypot(tolerance) || {
+                let (at, _) = face.nearest(p, Some(map.uv[i]));
+                spline::foot_point(face.surface(), p, at).1 > tolerance
+            })
+    };
+    let all: Vec<usize> = (0..distances.len()).into_par_iter().filter(misses).collect();
+    let worst = all.iter().copied().max_by(|&i, &j| distances[i].total_cmp(&distances[j]));
+    let worst = worst.map(|i| (distances[i], map.patch.mesh.points[i].coords.into()));
+    let (worst, worst_at) = worst.unwrap_or_default();
+    Missed { points: all.len(), worst, worst_at }
 }
 
 /// How often bays are closed anew as the map shows them.

@@ -38,13 +38,18 @@ impl Search<'_> {
         misfit + PRICE * attempt.surface.net.len() as f64
     }
 
+    /// Control points at the most where nobody named a tolerance.
+    pub(super) fn most_for_noise(&self) -> usize {
+        self.options.knots.max_net.min(self.target.measured() / POINTS_A_CONTROL_POINT)
+    }
+
     /// Puts in knots as long as they bring more than they cost.
     pub fn enrich(&mut self, start: Attempt) -> Result<Attempt> {
         let asked = &self.options.knots;
         let measured = self.target.measured();
         let bounds = Bounds {
             depth: asked.depth.unwrap_or_else(|| deepest(measured) + DEEPER),
-            most: asked.max_net.min(measured / POINTS_A_CONTROL_POINT),
+            most: self.most_for_noise(),
             price: PRICE,
         };
         let mut best = start;

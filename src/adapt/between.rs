@@ -3,74 +3,28 @@
 //! Where the map draws triangles out over several knot cells, no sample holds the surface
 //! within them: it may go anywhere, and no vertex is far from it.
 
-use rayon::prelude::*;
-
-use crate::geometry::{Point, Uv};
-use crate::mesh::Triangles;
+use crate::deviation::Between;
+use crate::geometry::Uv;
 use crate::parameterize::Parameterized;
 use crate::spline::{KnotVector, Surface};
-
-/// A middle of an edge bends with the surface, and may be off by as much again …
-const BEND: f64 = 2.0;
-
-/// … and by this share of the edge: less than that is what smooth surfaces do between
-/// points of a noisy scan.
-const SLACK: f64 = 0.25;
 
 /// How often such sides are halved. Each time holds the surface in more places; along rims,
 /// whose sides stay, it also makes slivers, which leave folds less room to be taken out.
 const HALVINGS: usize = 2;
 
-/// Sides of the map that span more than a knot cell of a surface.
-pub struct Bare<'a> {
-    map: &'a Parameterized,
-    uv: &'a [Uv],
-    surface: &'a Surface,
-    sides: Vec<usize>,
+/// Whether a side of the map, with the vertices at `uv`, spans more than a knot cell of a
+/// surface: nothing need hold that within the cell.
+pub fn are_sparse(map: &Parameterized, uv: &[Uv], surface: &Surface) -> bool {
+    let cells = Widths::new(surface);
+    !map.long_sides(uv, |a, b| cells.are_exceeded(a, b)).is_empty()
 }
 
-impl<'a> Bare<'a> {
-    /// Those with the vertices at `uv`.
-    pub fn new(map: &'a Parameterized, uv: &'a [Uv], surface: &'a Surface) -> Self {
-        let cells = Widths::new(surface);
-        let sides = map.long_sides(uv, |a, b| cells.are_exceeded(a, b));
-        Bare { map, uv, surface, sides }
-    }
-
-    /// Whether there are none.
-    pub fn is_empty(&self) -> bool {
-        self.sides.is_empty()
-    }
-
-    /// The place on such a side where the surface is farthest from the mesh, and its
-    /// distance in mm. `None`: nowhere much more than `tolerance`.
-    pub fn farthest(&self, tolerance: f64) -> Option<(Point, f64)> {
-        if self.is_empty() {
-            return None;
-        }
-        let (mesh, uv) = (&self.map.patch.mesh, self.uv);
-        let normals = mesh.vertex_normals();
-        let at = |&side: &usize| {
-            let (a, b) = mesh.side(side);
-            let place = self.surface.point(nalgebra::center(&uv[a.index()], &uv[b.index()]));
-            let straight = nalgebra::center(&mesh.point(a), &mesh.point(b));
-            let slack = SLACK * (mesh.point(b) - mesh.point(a)).norm();
-            let allowed = tolerance.max(slack) + BEND * mesh.bend(&normals, a, b).0.norm();
-            ((place - straight).norm() > allowed).then_some((place, allowed))
-        };
-        let far: Vec<(Point, f64)> = self.sides.par_iter().filter_map(at).collect();
-        if far.is_empty() {
-            return None;
-        }
-        // It may have slid along the mesh.
-        let triangles = Triangles::new(mesh);
-        let off = |&(place, allowed): &(Point, f64)| {
-            let distance = triangles.distance(place);
-            (distance > allowed).then_some((place, distance))
-        };
-        let off: Vec<(Point, f64)> = far.par_iter().filter_map(off).collect();
-        off.into_iter().max_by(|a, b| a.1.total_cmp(&b.1))
-    }
+/// The share of the measured triangles that the surface leaves by more than the tolerance and
+/// what flat triangles miss themselves.
+pub fn missed(map: &Parameterized, uv: &[Uv], surface: &Surface, tolerance: f64) -> f64 {
+    let measured = map.measured_triangles();
+    let between = Between::new(&map.patch.mesh, &measured, uv, surface);
+    between.missed(tolerance) as f64 / measured.len().max(1) as f64
 }
 
 /// Halves the sides that span more than a knot cell.

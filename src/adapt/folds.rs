@@ -1,6 +1,6 @@
 //! Surfaces without folds that keep the target.
 
-use super::between::Bare;
+use super::between;
 use super::search::{Attempt, LEAST_AREA, Search};
 use crate::error::Result;
 use crate::fit::{self, STIFFNESSES};
@@ -71,14 +71,14 @@ impl Search<'_> {
     /// leaves the mesh there, or has folds, which it might leave when these are taken out,
     /// but not so many that it is [`CRUMPLED`].
     pub fn wants_vertices(&mut self, attempt: &Attempt, uv: &[Uv]) -> bool {
-        let surface = &attempt.surface;
-        let bare = Bare::new(self.target.map, uv, surface);
-        if self.options.method == fit::Method::Blend || bare.is_empty() {
+        let (surface, map) = (&attempt.surface, self.target.map);
+        if self.options.method == fit::Method::Blend || !between::are_sparse(map, uv, surface) {
             return false;
         }
         self.take_up(attempt, LEAST_AREA);
         let folded = fit::folded(surface, &self.target.samples, &self.holds);
-        folded < CRUMPLED && (folded > 0.0 || bare.farthest(self.goal.tolerance).is_some())
+        let misses = || between::missed(map, uv, surface, self.goal.tolerance);
+        folded < CRUMPLED && (folded > 0.0 || misses() > self.goal.outliers)
     }
 
     /// Gives weight to the points that an attempt without folds has `lost`.

@@ -21,11 +21,10 @@ mod weights;
 
 use crate::course::{self, Course};
 use crate::error::{Result, of};
-use crate::geometry::{Point, Uv};
+use crate::geometry::Uv;
 use crate::parameterize::Parameterized;
 use crate::spline::{KnotVector, Samples, Surface};
 use crate::{Options, fit, knots, rules};
-use between::Bare;
 use search::{Attempt, Search};
 use target::Target;
 
@@ -63,8 +62,10 @@ impl KnotOptions {
     }
 }
 
-/// The tolerance where nobody named one, in standard deviations of the noise.
+/// The tolerance where nobody named one, in standard deviations of the noise, and the share of
+/// normal noise that is beyond that.
 pub(crate) const TOLERANCE_OF_NOISE: f64 = 3.0;
+const BEYOND_IT: f64 = 0.0027;
 
 /// What the fit must reach.
 #[derive(Debug, Clone, Copy)]
@@ -80,7 +81,7 @@ pub struct Goal {
 impl Goal {
     /// What the `noise` lets one ask for, its standard deviation in mm.
     pub fn of_noise(noise: f64) -> Self {
-        Goal { tolerance: TOLERANCE_OF_NOISE * noise, named: false, outliers: 0.0 }
+        Goal { tolerance: TOLERANCE_OF_NOISE * noise, named: false, outliers: BEYOND_IT }
     }
 }
 
@@ -102,9 +103,6 @@ pub struct Adapted {
     /// Mean distance, in mm, between a sample and the surface at the parameter that the
     /// sample was fitted with.
     pub mean_error: f64,
-    /// Where the surface is farthest from the measured triangles, between their vertices,
-    /// and how far, in mm, if that is much more than the tolerance.
-    pub between: Option<(Point, f64)>,
 }
 
 impl Adapted {
@@ -113,7 +111,6 @@ impl Adapted {
         Adapted {
             kappa: self.kappa.map(|kappa| factor * kappa),
             mean_error: factor * self.mean_error,
-            between: self.between.map(|(at, off)| (at * factor, factor * off)),
             ..self
         }
     }
@@ -154,21 +151,27 @@ pub fn fit_with(
     rules::length(goal.tolerance).map_err(of("tolerance"))?;
     rules::share(goal.outliers).map_err(of("outliers"))?;
     let mut search = Search::new(Target::new(map), options, goal, course);
-    let known = first(&mut search)?;
-    let uv = search.corrected(&known.best);
-    let (surface, mut adapted, uv) = if search.wants_vertices(&known.best, &uv) {
+    let mut known = first(&mut search)?;
+    let mut uv = search.corrected(&known.best);
+    let mut rounds = if goal.named { BRIDGES_OF_NAMED } else { BRIDGES };
+    while rounds > 0 && search.wants_vertices(&known.best, &uv) {
+        rounds -= 1;
+        drop(search);
         map.uv = uv;
         between::bridge(map, &known.best.surface);
-        let mut search = Search::new(Target::new(map), options, goal, course);
-        let known = again(&mut search, known)?;
-        finished(search, known)?
-    } else {
-        finished(search, known)?
-    };
+        search = Search::new(Target::new(map), options, goal, course);
+        known = again(&mut search, known)?;
+        uv = search.corrected(&known.best);
+    }
+    let (surface, adapted, uv) = finished(search, known)?;
     map.uv = uv;
-    adapted.between = Bare::new(map, &map.uv, &surface).farthest(goal.tolerance);
     Ok((surface, adapted))
 }
+
+/// How often vertices are put between those that are sparse for the knots. Where a tolerance is
+/// named, knots follow the new vertices, for which vertices may be sparse again.
+const BRIDGES: usize = 1;
+const BRIDGES_OF_NAMED: usize = 3;
 
 /// What a search has come to.
 struct Known {
@@ -185,7 +188,10 @@ fn first(search: &mut Search) -> Result<Known> {
     if asked.are_searched() {
         best = match named {
             true => search.grow(best).and_then(|best| search.shrink(best))?,
-            false => search.enrich(best).and_then(|best| search.thin(best))?,
+            false => {
+                let best = search.enrich(best).and_then(|best| search.thin(best))?;
+                search.grow(best)?
+            }
         };
     }
     if search.options.method != fit::Method::Blend {
@@ -221,7 +227,6 @@ fn finished(mut search: Search, known: Known) -> Result<(Surface, Adapted, Vec<U
         rounds: search.rounds,
         folds,
         mean_error: fit::mean_error(&best.surface, &search.target.samples),
-        between: None,
     };
     let uv = search.corrected(&best);
     Ok((best.surface, adapted, uv))

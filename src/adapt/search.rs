@@ -227,7 +227,7 @@ impl<'a> Search<'a> {
         let asked = &self.options.knots;
         let bounds = Bounds {
             depth: asked.depth.unwrap_or(rules::MOST_HALVINGS),
-            most: asked.max_net,
+            most: if self.goal.named { asked.max_net } else { self.most_for_noise() },
             price: 0.0,
         };
         let misses = self.target.misses(&now.feet, self.goal.tolerance);

@@ -72,7 +72,7 @@ pub fn check(model: &CadModel, scan: &Mesh) -> Result<Report> {
     let to_faces = scan.points.par_iter().map(|&p| distance(&faces, p)).collect();
     let triangles = Triangles::new(scan);
     let points: Vec<Point> = samples.iter().flat_map(|s| s.points.iter().copied()).collect();
-    let to_scan = points.par_iter().map(|&p| triangles.distance(p)).collect();
+    let to_scan = points.par_iter().map(|&p| triangles.nearest(p).0).collect();
     Ok(Report {
         faces: model.faces.len(),
         loops: model.faces.iter().map(|f| f.loops.len()).sum(),

@@ -61,8 +61,8 @@ fn size(scan: &Scan, conversions: &[Conversion]) -> Option<String> {
 
 /// A tolerance of the program's own that does not hold is no failure.
 fn missed(args: &Convert, c: &Conversion) -> Option<String> {
-    let held = args.how.tolerance.is_some() || c.tolerance_met(args.how.outliers / 100.0);
-    (!held).then(|| beyond(c))
+    let held = c.tolerance_named || c.tolerance_met(args.how.outliers / 100.0);
+    (!held).then(|| format!("the face is not as good as the scan: {}", beyond(c)))
 }
 
 /// Fewer points do not tell noise from shape. A support that moves points by so many
@@ -145,16 +145,22 @@ fn folded(c: &Conversion) -> Option<String> {
     ))
 }
 
-/// Where nothing holds the face.
+/// Where the face leaves the scan between its points, and nobody named a tolerance: a share of
+/// the triangles that is more than noise explains.
+const ASTRAY: f64 = 0.0027;
+
 fn astray(c: &Conversion) -> Option<String> {
-    let (at, off) = c.fit.between?;
-    Some(format!(
-        "between its points the face leaves the scan by {}, near ({:.3}, {:.3}, {:.3}), where the map draws its triangles out; look there with `scan2step check`, or cut the scan there and convert the pieces",
-        mm(off),
-        at.x,
-        at.y,
-        at.z
-    ))
+    let back = &c.face_to_scan;
+    let share = back.beyond as f64 / back.triangles.max(1) as f64;
+    let [x, y, z] = back.max_at;
+    (!c.tolerance_named && share > ASTRAY).then(|| {
+        format!(
+            "between its points the face leaves the scan by up to {}, near ({x:.3}, {y:.3}, {z:.3}), and by more than the tolerance at {} of {} triangles; a --tolerance that is named is held there, too",
+            mm(back.max),
+            back.beyond,
+            back.triangles,
+        )
+    })
 }
 
 /// How many times the noise a named tolerance may be, unless it is less than this

@@ -62,6 +62,7 @@ pub fn options(args: &Convert, scan: &Scan) -> Result<Options, Failure> {
             Fit::Global => fit::Method::Global,
         })
         .tolerance(how.tolerance)
+        .rim_tolerance(how.rim_tolerance)
         .outliers(how.outliers / 100.0)
         .cut(cut);
     options.build().map_err(|e| stopped(&args.piece.scan, &e))
@@ -86,6 +87,7 @@ pub fn as_json(args: &Convert) -> Value {
         "units": args.piece.scale.units.map(name),
         "outer": args.piece.outer.map(place),
         "tolerance": args.how.tolerance,
+        "rim_tolerance": args.how.rim_tolerance,
         "outliers": args.how.outliers,
         "corners": args.corners.as_ref().map(places),
         "outline": name(args.how.outline),

@@ -72,13 +72,34 @@ pub fn found(progress: &Progress, args: &Convert, c: &Conversion) {
         progress
             .say(&format!("smooth: {} left out of the fits", plural(c.smooth.outliers, "outlier")));
     }
-    if args.how.tolerance.is_none() {
+    if !c.tolerance_named {
         progress.say(&format!(
-            "tolerance: {}, from a noise of {} (--tolerance to change)",
+            "tolerance: {}, {} (--tolerance to change)",
             mm(c.tolerance),
-            mm(c.smooth.noise)
+            why(c)
         ));
     }
+}
+
+/// Why the tolerance is what it is where nobody named it.
+fn why(c: &Conversion) -> String {
+    match c.smooth.noise {
+        0.0 => "1/10,000 of the scan's size, as it shows no noise".into(),
+        noise if c.tolerance > 3.01 * noise => {
+            format!("1/10,000 of the scan's size, as its noise is only {}", mm(noise))
+        }
+        noise => format!("three times the noise of {}", mm(noise)),
+    }
+}
+
+/// Whether the face is as good as the scan, in a sentence.
+fn quality(c: &Conversion) -> String {
+    let all = c.fit_deviation.distances.len();
+    let within = 100.0 * (1.0 - c.missed.points as f64 / all.max(1) as f64);
+    format!(
+        "the face is as good as the scan: {within:.2} % of the points are within {} of it",
+        mm(c.tolerance)
+    )
 }
 
 /// The result in one line.
@@ -93,6 +114,9 @@ pub fn result(progress: &Progress, args: &Convert, c: &Conversion) {
         plural(c.loops.iter().filter(|l| matches!(l.of, Bound::Hole(_))).count(), "hole"),
         files.join(", ")
     ));
+    if !c.tolerance_named && c.tolerance_met(args.how.outliers / 100.0) {
+        progress.say(&quality(c));
+    }
 }
 
 /// Says it where a tolerance that the user named is not met.
@@ -104,14 +128,29 @@ pub fn verdict(args: &Convert, c: &Conversion) -> Outcome {
     Outcome::Missed
 }
 
-/// How many points are beyond the tolerance, and the worst.
+/// How many points, and how much of the face, are beyond the tolerance, and the worst.
 pub fn beyond(c: &Conversion) -> String {
-    let [x, y, z] = c.fit_deviation.max_at;
-    format!(
-        "{} of {} points are farther than {} from the face; the worst, {}, at ({x:.3}, {y:.3}, {z:.3})",
-        c.fit_deviation.beyond(c.tolerance),
-        c.fit_deviation.distances.len(),
-        mm(c.tolerance),
-        mm(c.fit_deviation.max),
-    )
+    let (tolerance, place) =
+        (mm(c.tolerance), |[x, y, z]: [f64; 3]| format!("({x:.3}, {y:.3}, {z:.3})"));
+    let mut parts = Vec::new();
+    if c.missed.points > 0 {
+        parts.push(format!(
+            "{} of {} points are farther than {tolerance} from the face; the worst, {}, at {}",
+            c.missed.points,
+            c.fit_deviation.distances.len(),
+            mm(c.missed.worst),
+            place(c.missed.worst_at),
+        ));
+    }
+    let back = &c.face_to_scan;
+    if c.tolerance_named && back.beyond > 0 {
+        parts.push(format!(
+            "the face is farther than {tolerance} and their chord error from {} of {} triangles; the worst, {}, at {}",
+            back.beyond,
+            back.triangles,
+            mm(back.max),
+            place(back.max_at),
+        ));
+    }
+    parts.join(", and ")
 }

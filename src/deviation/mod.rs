@@ -3,9 +3,12 @@
 //! are faces, too.
 
 mod face;
+mod face_to_scan;
 mod outline;
 
 pub use face::Face;
+pub(crate) use face_to_scan::Between;
+pub use face_to_scan::FaceToScan;
 
 use crate::geometry::Point;
 use rayon::prelude::*;

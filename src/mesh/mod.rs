@@ -30,7 +30,7 @@ pub use neighbours::Neighbours;
 pub use patch::{Bound, FaceOrigin, Patch};
 pub(crate) use topology::Buckets;
 pub use topology::{EdgeMap, Rings};
-pub(crate) use triangles::Triangles;
+pub(crate) use triangles::{Triangles, nearest_on};
 
 use crate::geometry::{Point, Vector, VertexId, bounds};
 

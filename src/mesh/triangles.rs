@@ -8,19 +8,23 @@ use crate::geometry::{Point, bounds};
 /// The triangles of a mesh.
 pub struct Triangles(RTree<Triangle>);
 
-struct Triangle([Point; 3]);
+struct Triangle {
+    corners: [Point; 3],
+    number: usize,
+}
 
 impl Triangles {
     pub fn new(mesh: &Mesh) -> Self {
-        let triangles = mesh.triangles.iter().map(|t| Triangle(mesh.corners(*t)));
+        let triangle = |(number, t): (usize, &_)| Triangle { corners: mesh.corners(*t), number };
+        let triangles = mesh.triangles.iter().enumerate().map(triangle);
         Triangles(RTree::bulk_load(triangles.collect()))
     }
 
-    /// The distance of `p` from the nearest one, in mm.
-    pub fn distance(&self, p: Point) -> f64 {
+    /// The distance of `p` from the nearest one, in mm, and its number.
+    pub fn nearest(&self, p: Point) -> (f64, usize) {
         // `nearest_neighbor` misses the nearest one where distances are all but equal.
         let nearest = self.0.nearest_neighbor_iter(p.coords.into()).next();
-        nearest.map_or(f64::INFINITY, |t| (t.nearest(p) - p).norm())
+        nearest.map_or((f64::INFINITY, 0), |t| ((nearest_on(t.corners, p) - p).norm(), t.number))
     }
 }
 
@@ -28,7 +32,7 @@ impl RTreeObject for Triangle {
     type Envelope = AABB<[f64; 3]>;
 
     fn envelope(&self) -> Self::Envelope {
-        let [low, high] = bounds(self.0.iter().copied());
+        let [low, high] = bounds(self.corners.iter().copied());
         AABB::from_corners(low.coords.into(), high.coords.into())
     }
 }
@@ -36,42 +40,39 @@ impl RTreeObject for Triangle {
 impl PointDistance for Triangle {
     fn distance_2(&self, point: &[f64; 3]) -> f64 {
         let p = Point::from(*point);
-        (self.nearest(p) - p).norm_squared()
+        (nearest_on(self.corners, p) - p).norm_squared()
     }
 }
 
-impl Triangle {
-    /// Its point nearest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
-    fn nearest(&self, p: Point) -> Point {
-        let [a, b, c] = self.0;
-        let (ab, ac) = (b - a, c - a);
-        let (d1, d2) = (ab.dot(&(p - a)), ac.dot(&(p - a)));
-        if d1 <= 0.0 && d2 <= 0.0 {
-            return a;
-        }
-        let (d3, d4) = (ab.dot(&(p - b)), ac.dot(&(p - b)));
-        if d3 >= 0.0 && d4 <= d3 {
-            return b;
-        }
-        let (d5, d6) = (ab.dot(&(p - c)), ac.dot(&(p - c)));
-        if d6 >= 0.0 && d5 <= d6 {
-            return c;
-        }
-        let vc = d1 * d4 - d3 * d2;
-        if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-            return a + ab * (d1 / (d1 - d3));
-        }
-        let vb = d5 * d2 - d1 * d6;
-        if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-            return a + ac * (d2 / (d2 - d6));
-        }
-        let va = d3 * d6 - d5 * d4;
-        if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
-            return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
-        }
-        let sum = va + vb + vc;
-        a + ab * (vb / sum) + ac * (vc / sum)
+/// A triangle's point nearest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
+pub(crate) fn nearest_on([a, b, c]: [Point; 3], p: Point) -> Point {
+    let (ab, ac) = (b - a, c - a);
+    let (d1, d2) = (ab.dot(&(p - a)), ac.dot(&(p - a)));
+    if d1 <= 0.0 && d2 <= 0.0 {
+        return a;
     }
+    let (d3, d4) = (ab.dot(&(p - b)), ac.dot(&(p - b)));
+    if d3 >= 0.0 && d4 <= d3 {
+        return b;
+    }
+    let (d5, d6) = (ab.dot(&(p - c)), ac.dot(&(p - c)));
+    if d6 >= 0.0 && d5 <= d6 {
+        return c;
+    }
+    let vc = d1 * d4 - d3 * d2;
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+        return a + ab * (d1 / (d1 - d3));
+    }
+    let vb = d5 * d2 - d1 * d6;
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+        return a + ac * (d2 / (d2 - d6));
+    }
+    let va = d3 * d6 - d5 * d4;
+    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
+        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+    }
+    let sum = va + vb + vc;
+    a + ab * (vb / sum) + ac * (vc / sum)
 }
 
 #[cfg(test)]
@@ -81,16 +82,16 @@ mod tests {
     #[test]
     fn the_nearest_point_beats_every_sample() {
         let corner = Point::new;
-        let t = Triangle([corner(0.0, 0.0, 0.0), corner(4.0, 1.0, 0.5), corner(1.0, 3.0, -1.0)]);
+        let t = [corner(0.0, 0.0, 0.0), corner(4.0, 1.0, 0.5), corner(1.0, 3.0, -1.0)];
         for k in 0..1000 {
             let at = |n: i32| f64::from(k * n % 97) / 12.0 - 4.0;
             let p = Point::new(at(1), at(31), at(59));
-            let found = (t.nearest(p) - p).norm();
+            let found = (nearest_on(t, p) - p).norm();
             let mut best = f64::INFINITY;
             for i in 0..=60 {
                 for j in 0..=60 - i {
                     let (x, y) = (f64::from(i) / 60.0, f64::from(j) / 60.0);
-                    let q = t.0[0] + (t.0[1] - t.0[0]) * x + (t.0[2] - t.0[0]) * y;
+                    let q = t[0] + (t[1] - t[0]) * x + (t[2] - t[0]) * y;
                     best = best.min((q - p).norm());
                 }
             }

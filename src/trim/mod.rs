@@ -18,13 +18,14 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use crate::error::{Error, Result, of};
 use crate::decimal;
+use crate::error::{Error, Result, of};
 use crate::geometry::{Point, Uv, bounds};
 use crate::mesh::Bound;
 use crate::rules;
 use crate::spline::{
-    Curve, EdgeTree, Nest, Outline, Place, Surface, crossings, curve_on_surface, misplaced, off_surface,
+    Curve, EdgeTree, Nest, Outline, Place, Surface, crossings, curve_on_surface, misplaced,
+    off_surface,
 };
 use course::Course;
 

@@ -4,20 +4,26 @@ use clap::Args;
 
 use super::choices::{Fit, Iges, Map, Outline, Schema};
 use super::colour::Colour;
-use super::numbers::{depth, max_net, net, percentage, positive, support};
+use super::numbers::{depth, extent, max_net, net, percentage, positive, support};
 use super::pieces::{Component, component};
 use crate::cli::places::Corners;
 
 /// How a scan becomes a face: what `convert` and `batch` have in common.
 #[derive(Debug, Args)]
 pub struct How {
-    /// Farthest that a point of the smoothed scan may be from the face, in mm
-    /// [default: from the noise of the scan]
+    /// Farthest that a point of the smoothed scan may be from the face, in mm, and a place of
+    /// the face from the scan's triangles, besides what flat triangles miss themselves
+    /// [default: three times the noise of the scan]
     #[arg(long, value_name = "LEN", value_parser = positive)]
     pub tolerance: Option<f64>,
     /// Percentage of points that may exceed the tolerance
     #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage)]
     pub outliers: f64,
+    /// How far a trim loop may be from the measured rim, in mm; 0 follows every tooth
+    /// [default: half of the scan's median edge at the rims, or the tolerance if that is more;
+    /// a tolerance that is named binds loops, too]
+    #[arg(long, value_name = "LEN", value_parser = extent)]
+    pub rim_tolerance: Option<f64>,
     /// What becomes of the outer boundary: the four sides of the surface, or a trim
     /// loop inside it, as holes have them
     #[arg(long, value_enum, default_value_t = Outline::Auto)]

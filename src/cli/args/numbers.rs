@@ -24,6 +24,11 @@ pub fn positive(text: &str) -> Result<f64, String> {
     sound(text, rules::length)
 }
 
+/// A length of 0 or more, in mm.
+pub fn extent(text: &str) -> Result<f64, String> {
+    sound(text, rules::extent)
+}
+
 /// A percentage of points.
 pub fn percentage(text: &str) -> Result<f64, String> {
     let x = number(text)?;

@@ -1,6 +1,7 @@
 //! The run in figures. Lengths are mm; `docs/report.schema.json` has every key.
 
-use scan2step::{Conversion, InputReport, deviation::Deviation, fill::Method, fit, mesh::Bound};
+use scan2step::deviation::{Deviation, FaceToScan};
+use scan2step::{Conversion, InputReport, fill::Method, fit, mesh::Bound};
 use serde_json::{Value, json};
 
 use super::Context;
@@ -67,6 +68,8 @@ fn of_component(c: &Conversion, context: &Context) -> Value {
         },
         "fit": fit_report(c),
         "deviation": deviation(&c.deviation),
+        "face_to_scan": face_to_scan(&c.face_to_scan),
+        "rim_tolerance_mm": c.rim_tolerance,
         "trim": trim(c),
     })
 }
@@ -115,7 +118,7 @@ fn holes(c: &Conversion) -> Vec<Value> {
 fn fit_report(c: &Conversion) -> Value {
     let [m, n] = c.surface.shape();
     let d = &c.fit_deviation;
-    let within = d.distances.len() - d.beyond(c.tolerance);
+    let within = d.distances.len() - c.missed.points;
     json!({
         "method": match c.fit.fit.method {
             fit::Method::Blend => "blend",
@@ -145,6 +148,13 @@ fn fit_report(c: &Conversion) -> Value {
 pub fn deviation(d: &Deviation) -> Value {
     json!({
         "rms_mm": d.rms, "p95_mm": d.p95, "p99_mm": d.p99, "max_mm": d.max, "max_at": d.max_at,
+    })
+}
+
+fn face_to_scan(d: &FaceToScan) -> Value {
+    json!({
+        "rms_mm": d.rms, "p95_mm": d.p95, "max_mm": d.max, "max_at": d.max_at,
+        "chord_error_mm": d.chord_error, "triangles": d.triangles, "beyond": d.beyond,
     })
 }
 

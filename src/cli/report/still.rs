@@ -86,7 +86,7 @@ fn together(scene: &[(&Conversion, &Shown)], of: fn(&Conversion) -> &Deviation) 
 /// The percentage of all smoothed points that keep their face's tolerance.
 fn within(scene: &[(&Conversion, &Shown)]) -> f64 {
     let sum = |of: fn(&Conversion) -> usize| scene.iter().map(|(c, _)| of(c)).sum::<usize>() as f64;
-    let beyond = sum(|c| c.fit_deviation.beyond(c.tolerance));
+    let beyond = sum(|c| c.missed.points);
     100.0 - 100.0 * beyond / sum(|c| c.fit_deviation.distances.len()).max(1.0)
 }
 

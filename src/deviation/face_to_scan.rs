@@ -1,0 +1,289 @@
+//! How far a face is from the triangles that it was made of, between their corners: a face
+//! that passes near every point of a scan may still leave it where points are sparse.
+
+use rayon::prelude::*;
+
+use crate::geometry::{Point, Uv, Vector};
+use crate::mesh::{Mesh, Rings, nearest_on};
+use crate::spline::{Patch, Surface, for_many_looks};
+
+/// Places of a face, in a triangle's room on the map, for each knot cell that it spans.
+const PLACES_A_CELL: f64 = 2.0;
+
+/// Places along a triangle's side at the most.
+const MOST_PLACES: usize = 64;
+
+/// Triangles that are looked at for the mean and the percentile, about.
+const LOOKED_AT: usize = 20_000;
+
+/// How far places of a face are from the scan's triangles, in mm.
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct FaceToScan {
+    /// Root mean square over an even sample of the triangles.
+    pub rms: f64,
+    /// 95th percentile over the same.
+    pub p95: f64,
+    /// The largest.
+    pub max: f64,
+    /// The place that has it.
+    pub max_at: [f64; 3],
+    /// How far flat triangles are from the surface that they stand for, there: what the
+    /// place may be off besides the tolerance.
+    pub chord_error: f64,
+    /// How many of the scan's triangles the face leaves by more than the tolerance and their
+    /// chord error.
+    pub beyond: usize,
+    /// How many triangles were looked at.
+    pub triangles: usize,
+}
+
+impl FaceToScan {
+    /// The same with all lengths times a factor.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        FaceToScan {
+            rms: factor * self.rms,
+            p95: factor * self.p95,
+            max: factor * self.max,
+            max_at: self.max_at.map(|x| factor * x),
+            chord_error: factor * self.chord_error,
+            ..self
+        }
+    }
+}
+
+/// A surface over the triangles of a mesh, whose vertices have parameter points.
+pub(crate) struct Between<'a> {
+    mesh: &'a Mesh,
+    /// The numbers of the triangles that are looked at.
+    triangles: &'a [usize],
+    uv: &'a [Uv],
+    surface: &'a Surface,
+    /// The triangles around each vertex, by their positions among those looked at.
+    rings: Rings,
+    normals: Vec<Vector>,
+    cells: [f64; 2],
+}
+
+/// What a triangle's places say.
+struct Seen {
+    /// The triangle's position among those looked at.
+    triangle: usize,
+    /// The farthest place's distance.
+    distance: f64,
+    at: Point,
+}
+
+impl<'a> Between<'a> {
+    /// Looks at the surface in the room that some triangles have on the map.
+    pub(crate) fn new(
+        mesh: &'a Mesh,
+        triangles: &'a [usize],
+        uv: &'a [Uv],
+        surface: &'a Surface,
+    ) -> Self {
+        let part = Mesh {
+            points: mesh.points.clone(),
+            triangles: triangles.iter().map(|&t| mesh.triangles[t]).collect(),
+        };
+        let narrowest =
+            |breaks: Vec<f64>| breaks.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
+        let cells = [surface.u.breaks(), surface.v.breaks()].map(narrowest);
+        let (rings, normals) = (Rings::new(&part), part.vertex_normals());
+        Between { mesh, triangles, uv, surface, rings, normals, cells }
+    }
+
+    /// The figures of the face; places that are not on it are left out.
+    pub(crate) fn report(&self, tolerance: f64, is_on: impl Fn(Uv) -> bool + Sync) -> FaceToScan {
+        let count = self.triangles.len();
+        if count == 0 {
+            return FaceToScan::default();
+        }
+        let step = count.div_ceil(LOOKED_AT);
+        let sample: Vec<usize> = (0..count).step_by(step).collect();
+        let seen = self.seen(&sample, true, &is_on);
+        let mut distances: Vec<f64> = seen.iter().map(|seen| seen.distance).collect();
+        let squares: f64 = distances.iter().map(|d| d * d).sum();
+        let rms = (squares / distances.len() as f64).sqrt();
+        let place = (95 * distances.len()).div_ceil(100).max(1) - 1;
+        let p95 = *distances.select_nth_unstable_by(place, f64::total_cmp).1;
+        let mut worst = farthest(seen);
+        // All others are no farther than what is told at once.
+        let bounds = self.bounds(&is_on);
+        let more: Vec<usize> = (0..count).filter(|&i| bounds[i] > worst.distance).collect();
+        let more = farthest(self.seen(&more, true, &is_on));
+        if more.distance > worst.distance {
+            worst = more;
+        }
+        FaceToScan {
+            rms,
+            p95,
+            max: worst.distance,
+            max_at: worst.at.coords.into(),
+            chord_error: self.chord_error(worst.triangle),
+            beyond: self.misses(&bounds, tolerance, &is_on),
+            triangles: count,
+        }
+    }
+
+    /// How many triangles the surface leaves by more than the tolerance and their chord error.
+    pub(crate) fn missed(&self, tolerance: f64) -> usize {
+        let everywhere = |_| true;
+        self.misses(&self.bounds(&everywhere), tolerance, &everywhere)
+    }
+
+    /// The same of places that are on the face; no distance is more than its bound.
+    fn misses(
+        &self,
+        bounds: &[f64],
+        tolerance: f64,
+        is_on: &(impl Fn(Uv) -> bool + Sync),
+    ) -> usize {
+        let allowed = |i: usize| tolerance + self.chord_error(i);
+        let far = |&i: &usize| bounds[i] > tolerance && bounds[i] > allowed(i);
+        let far: Vec<usize> = (0..bounds.len()).filter(far).collect();
+        let seen = self.seen(&far, true, is_on).into_iter();
+        seen.filter(|seen| seen.distance > allowed(seen.triangle)).count()
+    }
+
+    /// No place in a triangle's room is farther from the scan than this.
+    fn bounds(&self, is_on: &(impl Fn(Uv) -> bool + Sync)) -> Vec<f64> {
+        let all: Vec<usize> = (0..self.triangles.len()).collect();
+        self.seen(&all, false, is_on).into_iter().map(|seen| seen.distance).collect()
+    }
+
+    /// Looks at some triangles; `around` them, too, for the nearest one of each place.
+    fn seen(
+        &self,
+        which: &[usize],
+        around: bool,
+        is_on: &(impl Fn(Uv) -> bool + Sync),
+    ) -> Vec<Seen> {
+        let surface = for_many_looks(self.surface);
+        which.par_iter().map(|&i| self.look(i, around, &*surface, is_on)).collect()
+    }
+
+    /// Looks at the places in the middles of the parts into which a triangle is divided.
+    fn look(
+        &self,
+        i: usize,
+        around: bool,
+        surface: &(impl Patch + ?Sized),
+        is_on: &impl Fn(Uv) -> bool,
+    ) -> Seen {
+        let corners = self.mesh.triangles[self.triangles[i]].map(|v| self.uv[v.index()]);
+        let [a, b, c] = corners;
+        let reach = |k: usize| {
+            let side = |p: Uv, q: Uv| (p[k] - q[k]).abs();
+            side(a, b).max(side(b, c)).max(side(c, a)) / self.cells[k]
+        };
+        let along = PLACES_A_CELL * reach(0).max(reach(1));
+        let n = (along.ceil() as usize).clamp(1, MOST_PLACES);
+        let mut seen = Seen { triangle: i, distance: 0.0, at: Point::origin() };
+        for (x, y) in middles(n) {
+            let at = a + (b - a) * x + (c - a) * y;
+            let place = surface.point(at);
+            let distance = if around { self.distance(place, i) } else { self.to(i, place) };
+            if distance > seen.distance && is_on(at) {
+                seen = Seen { distance, at: place, ..seen };
+            }
+        }
+        seen
+    }
+
+    /// The distance of a place from the triangles around the `i`-th one: from its own, and
+    /// from those around the nearest corner on as long as they are nearer.
+    fn distance(&self, p: Point, i: usize) -> f64 {
+        let (mut best, mut now) = (self.to(i, p), i);
+        loop {
+            let corners = self.mesh.triangles[self.triangles[now]];
+            let near = corners.iter().flat_map(|&v| self.rings.triangles(v));
+            let near = near.map(|&t| (self.to(t as usize, p), t as usize));
+            let next = near.min_by(|x, y| x.0.total_cmp(&y.0));
+            match next.filter(|(distance, _)| *distance < best) {
+                Some((distance, t)) => (best, now) = (distance, t),
+                None => return best,
+            }
+        }
+    }
+
+    /// The distance of a place from the `i`-th triangle.
+    fn to(&self, i: usize, p: Point) -> f64 {
+        let corners = self.mesh.corners(self.mesh.triangles[self.triangles[i]]);
+        (nearest_on(corners, p) - p).norm()
+    }
+
+    /// How far the `i`-th triangle is from a smooth surface through its corners: an eighth of
+    /// an edge's length times the angle between the normals at its ends.
+    fn chord_error(&self, i: usize) -> f64 {
+        let t = self.mesh.triangles[self.triangles[i]];
+        let edge = |k: usize| {
+            let [a, b] = [t[k], t[(k + 1) % 3]];
+            let length = (self.mesh.point(b) - self.mesh.point(a)).norm();
+            let angle = self.normals[a.index()].angle(&self.normals[b.index()]);
+            if angle.is_finite() { length * angle / 8.0 } else { 0.0 }
+        };
+        (0..3).map(edge).fold(0.0, f64::max)
+    }
+}
+
+fn farthest(seen: Vec<Seen>) -> Seen {
+    let none = Seen { triangle: 0, distance: 0.0, at: Point::origin() };
+    seen.into_iter().fold(none, |far, seen| if seen.distance > far.distance { seen } else { far })
+}
+
+/// The middles of the n² parts into which lines parallel to its sides divide a triangle, as
+/// shares of two of its sides.
+fn middles(n: usize) -> impl Iterator<Item = (f64, f64)> {
+    let third = 1.0 / (3.0 * n as f64);
+    let at = move |i: usize, j: usize, up: f64| {
+        ((3 * i) as f64 * third + up * third, (3 * j) as f64 * third + up * third)
+    };
+    (0..n).flat_map(move |i| (0..n - i).map(move |j| (i, j))).flat_map(move |(i, j)| {
+        let other = (i + j + 1 < n).then(|| at(i, j, 2.0));
+        std::iter::once(at(i, j, 1.0)).chain(other)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::VertexId;
+    use crate::spline::KnotVector;
+
+    /// A plate of 30 × 30 mm that bulges by `high` mm between four points of a mesh.
+    fn report(high: f64, tolerance: f64) -> FaceToScan {
+        let k = KnotVector::uniform(3, 8);
+        let bulge = |n: usize| if n == 8 * 3 + 4 { high } else { 0.0 };
+        let net = (0..64)
+            .map(|n| Vector::new(30.0 * k.greville(n / 8), 30.0 * k.greville(n % 8), bulge(n)));
+        let surface = Surface::new(k.clone(), k.clone(), net.collect());
+        let uv = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(u, v)| Uv::new(u, v));
+        let points = uv.iter().map(|&at| surface.point(at)).collect();
+        let triangles = vec![[0, 1, 2], [0, 2, 3]];
+        let triangles = triangles.into_iter().map(|t| t.map(VertexId)).collect();
+        let mesh = Mesh { points, triangles };
+        Between::new(&mesh, &[0, 1], &uv, &surface).report(tolerance, |_| true)
+    }
+
+    #[test]
+    fn a_bulge_between_points_is_seen() {
+        let flat = report(0.0, 0.1);
+        assert!(flat.max < 1e-12 && flat.beyond == 0, "{flat:?}");
+        let bulging = report(2.0, 0.1);
+        // The middle of the bulge is at (4/9)² of the control point's height.
+        assert!((bulging.max - 8.0 / 9.0).abs() < 0.1, "{bulging:?}");
+        assert!(bulging.beyond > 0 && bulging.chord_error < 1e-9, "{bulging:?}");
+    }
+
+    #[test]
+    fn the_parts_of_a_triangle_have_one_place_each() {
+        for n in 1..6 {
+            let all: Vec<(f64, f64)> = middles(n).collect();
+            assert_eq!(all.len(), n * n);
+            let mean = all.iter().fold((0.0, 0.0), |sum, at| (sum.0 + at.0, sum.1 + at.1));
+            let third = (n * n) as f64 / 3.0;
+            assert!((mean.0 - third).abs() < 1e-9 && (mean.1 - third).abs() < 1e-9);
+        }
+    }
+}
