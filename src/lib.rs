@@ -262,6 +262,13 @@ impl Missed {
 /// A tolerance that nobody named is no less than this share of the scan's diagonal.
 const LEAST_TOLERANCE: f64 = 1e-4;
 
+/// The noise that a tolerance is at least made of. A scan without any tells its surface only as
+/// well as flat triangles stand for it: their chord error takes the place of noise.
+fn least_noise(mesh: &mesh::Mesh, noise: f64) -> f64 {
+    let least = LEAST_TOLERANCE * mesh.diagonal() / adapt::TOLERANCE_OF_NOISE;
+    if noise == 0.0 { least.max(mesh.mean_chord_error()) } else { least }
+}
+
 /// Converts one component of a scan. `watch` is shown what each stage made, and how far
 /// long ones have come; an error of its own stops the conversion.
 ///
@@ -321,10 +328,7 @@ fn pipeline(
             named: true,
             outliers: options.outliers,
         },
-        None => {
-            let least = LEAST_TOLERANCE / adapt::TOLERANCE_OF_NOISE * measured.mesh.diagonal();
-            adapt::Goal::of_noise(smooth.noise.max(least))
-        }
+        None => adapt::Goal::of_noise(smooth.noise.max(least_noise(&measured.mesh, smooth.noise))),
     };
     let tolerance = options.tolerance.unwrap_or(goal.tolerance);
 

@@ -213,17 +213,8 @@ impl<'a> Between<'a> {
         (nearest_on(corners, p) - p).norm()
     }
 
-    /// How far the `i`-th triangle is from a smooth surface through its corners: an eighth of
-    /// an edge's length times the angle between the normals at its ends.
     fn chord_error(&self, i: usize) -> f64 {
-        let t = self.mesh.triangles[self.triangles[i]];
-        let edge = |k: usize| {
-            let [a, b] = [t[k], t[(k + 1) % 3]];
-            let length = (self.mesh.point(b) - self.mesh.point(a)).norm();
-            let angle = self.normals[a.index()].angle(&self.normals[b.index()]);
-            if angle.is_finite() { length * angle / 8.0 } else { 0.0 }
-        };
-        (0..3).map(edge).fold(0.0, f64::max)
+        self.mesh.chord_error(&self.normals, self.mesh.triangles[self.triangles[i]])
     }
 }
 

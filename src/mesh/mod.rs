@@ -124,6 +124,25 @@ impl Mesh {
         (bend, normal.try_normalize(0.0).unwrap_or_else(Vector::zeros))
     }
 
+    /// How far a triangle is from a smooth surface with these `normals` through its corners, in
+    /// mm: an eighth of an edge's length times the angle between the normals at its ends.
+    pub(crate) fn chord_error(&self, normals: &[Vector], t: [VertexId; 3]) -> f64 {
+        let edge = |k: usize| {
+            let [a, b] = [t[k], t[(k + 1) % 3]];
+            let length = (self.point(b) - self.point(a)).norm();
+            let angle = normals[a.index()].angle(&normals[b.index()]);
+            if angle.is_finite() { length * angle / 8.0 } else { 0.0 }
+        };
+        (0..3).map(edge).fold(0.0, f64::max)
+    }
+
+    /// The root mean square of all triangles' chord errors, in mm.
+    pub(crate) fn mean_chord_error(&self) -> f64 {
+        let normals = self.vertex_normals();
+        let squares = self.triangles.iter().map(|&t| self.chord_error(&normals, t).powi(2));
+        (squares.sum::<f64>() / self.triangles.len().max(1) as f64).sqrt()
+    }
+
     /// The mean length of the triangles' edges, in mm (inner edges count twice).
     pub fn mean_edge(&self) -> f64 {
         let sides = |t: &[VertexId; 3]| {

@@ -102,8 +102,9 @@ pub fn fit(polygon: &Polygon, knots: &Knots) -> Option<Curve<2>> {
 }
 
 /// Spans of an arc at the most. CAD systems integrate along an edge with a bounded number of
-/// places (OpenCASCADE with 61): of a cubic of so many spans these are enough.
-const MOST_SPANS: usize = 48;
+/// places: OpenCASCADE with 61, five for each of so many cubic spans. With 48 spans the areas
+/// of real sheets were up to 7 % off, with 16 up to 0.4 %.
+const MOST_SPANS: usize = 12;
 
 /// The closed curve as clamped arcs from corner to corner, long ones divided at knots.
 /// An edge needs two different ends, so that there are two arcs at the least.
