@@ -18,7 +18,7 @@ fn disk(points: Vec<[f64; 3]>, triangles: &[[u32; 3]]) -> Disk {
 }
 
 /// Chord errors, as shares of the scan's diagonal.
-const CHORDS: [f64; 3] = [0.01, 0.001, 0.0001];
+const CHORDS: [f64; 2] = [0.01, 0.001];
 
 #[test]
 fn smooth_surfaces_are_left_alone_however_they_are_tessellated() {
@@ -51,10 +51,9 @@ fn smooth_surfaces_are_left_alone_however_they_are_tessellated() {
         }
     }
     // Not reached yet: a saddle whose edges are halved where needed. Its vertices have four
-    // and eight neighbours by turns, and so do its residuals have their signs; it is moved by
-    // 0.12 of the chord error of 0.001, and by 0.10 of that of 0.0001.
+    // and eight neighbours by turns. It is moved by 0.12 of the chord error of 0.001.
     assert!(
-        worst.len() <= 2 && worst.iter().all(|w| w.starts_with("saddle Adaptive")),
+        worst.len() <= 1 && worst.iter().all(|w| w.starts_with("saddle Adaptive")),
         "{worst:#?}"
     );
     assert!(farthest < 0.15, "{farthest} chord errors");
@@ -63,18 +62,19 @@ fn smooth_surfaces_are_left_alone_however_they_are_tessellated() {
 #[test]
 fn noise_is_found_on_every_kind_of_tessellation() {
     let mut random = Random(2);
-    let mut worst = Vec::new();
+    let (mut worst, mut looked_at) = (Vec::new(), 0);
     for (name, truth) in SURFACES {
         for kind in KINDS {
             // Fine enough for the shape to be small beside the noise.
             let mesh = Tessellation::new(truth, kind, 0.01, &mut random);
-            // A few hundred vertices do not tell.
-            let is_enough = mesh.uv.len() > 1000;
+            // A few hundred vertices do not tell; very many take long and tell no more.
+            let is_enough = (1000..20_000).contains(&mesh.uv.len());
             for share in [1.0 / 3.0, 0.05].into_iter().filter(|_| is_enough) {
                 let noise = share * mesh.edge();
                 let raw = disk(mesh.points(noise, &mut random), &mesh.triangles);
                 let (_, report) = smooth::smooth(&raw, &Options::default()).unwrap();
                 let found = report.noise / noise;
+                looked_at += 1;
                 println!(
                     "{name} {kind:?} noise {share:.2} of {:.2} mm: {} vertices, found {found:.3}, moved {:.2} rms",
                     mesh.edge(),
@@ -87,5 +87,5 @@ fn noise_is_found_on_every_kind_of_tessellation() {
             }
         }
     }
-    assert!(worst.is_empty(), "{worst:#?}");
+    assert!(worst.is_empty() && looked_at > 20, "{looked_at}: {worst:#?}");
 }

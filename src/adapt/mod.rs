@@ -171,7 +171,7 @@ pub fn fit_with(
 /// How often vertices are put between those that are sparse for the knots. Where a tolerance is
 /// named, knots follow the new vertices, for which vertices may be sparse again.
 const BRIDGES: usize = 1;
-const BRIDGES_OF_NAMED: usize = 3;
+const BRIDGES_OF_NAMED: usize = 2;
 
 /// What a search has come to.
 struct Known {

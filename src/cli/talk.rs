@@ -84,9 +84,7 @@ pub fn found(progress: &Progress, args: &Convert, c: &Conversion) {
 /// Why the tolerance is what it is where nobody named it.
 fn why(c: &Conversion) -> String {
     match c.smooth.noise {
-        0.0 => {
-            "from what flat triangles miss, as the scan shows no noise".into()
-        }
+        0.0 => "from what flat triangles miss, as the scan shows no noise".into(),
         noise if c.tolerance > 3.01 * noise => {
             format!("1/10,000 of the scan's size, as its noise is only {}", mm(noise))
         }

@@ -46,12 +46,39 @@ fn knots_come_where_the_rim_needs_them() {
     let smooth = loops(&plate, &[rim(&plate, 600, round(0.5, 0.5, |_| 10.0))]);
     let ragged = loops(&plate, &[rim(&plate, 600, round(0.5, 0.5, tooth))]);
     for (ring, report) in [&smooth[0], &ragged[0]] {
-        assert_eq!(ring.edges.len(), 2);
+        // Twelve spans an edge at the most.
+        assert!(ring.pcurves.iter().all(|arc| arc.control.len() <= 15));
         assert!(report.max_off_surface < EDGE_ACCURACY);
         // The distance that rules the knots is one to first order.
         assert!(report.max_from_rim < 0.025, "{report:?}");
     }
+    assert_eq!(smooth[0].0.edges.len(), 2);
     assert!(smooth[0].1.control_points < 30, "{:?}", smooth[0].1);
+}
+
+#[test]
+fn a_fair_loop_passes_teeth_in_the_middle_and_keeps_to_its_room() {
+    let plate = plate();
+    let tooth = |a: f64| if ((a / TAU * 600.0).round() as i64) % 2 == 0 { 10.1 } else { 9.9 };
+    let ragged = rim(&plate, 600, round(0.5, 0.5, tooth));
+    let fair = Options { tolerance: 0.04, rim: 0.15, keeps_vertices: false };
+    let (rings, reports) = trim(&plate, std::slice::from_ref(&ragged), &fair).unwrap();
+    assert!(reports[0].control_points < 20, "{:?}", reports[0]);
+    assert!(reports[0].max_from_rim < 0.15, "{:?}", reports[0]);
+    // The teeth are 0.1 mm high on both sides of a circle.
+    let centre = plate.point(Uv::new(0.5, 0.5));
+    for edge in &rings[0].edges {
+        for i in 0..=50 {
+            let (a, b) = edge.knots.range();
+            let p = Point::from(edge.point(a + (b - a) * f64::from(i) / 50.0));
+            let r = (p - centre).xy().norm();
+            assert!((r - 10.0).abs() < 0.05, "{r}");
+        }
+    }
+    // Where vertices must stay within the tolerance, it has to follow the teeth.
+    let strict = Options { keeps_vertices: true, ..fair };
+    let (_, reports) = trim(&plate, &[ragged], &strict).unwrap();
+    assert!(reports[0].control_points > 300 && reports[0].max_from_rim < 0.041, "{reports:?}");
 }
 
 #[test]
