@@ -46,7 +46,7 @@ impl<'a> Shown<'a> {
 /// A length that was divided and multiplied again may differ in its last digit from the
 /// one that the caller named. These say what was named.
 impl Conversion {
-    pub(crate) fn as_named(mut self, options: &Options) -> Self {
+    pub(crate) fn with_named(mut self, options: &Options) -> Self {
         self.tolerance = options.tolerance.unwrap_or(self.tolerance);
         self.fit.kappa = options.knots.kappa.or(self.fit.kappa);
         if let Support::Fixed(h) = options.smooth.support {
@@ -57,7 +57,7 @@ impl Conversion {
 }
 
 impl Error {
-    pub(crate) fn as_named(mut self, options: &Options) -> Self {
+    pub(crate) fn with_named(mut self, options: &Options) -> Self {
         if let (Error::Support { h, .. }, Support::Fixed(named)) =
             (&mut self, options.smooth.support)
         {

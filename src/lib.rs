@@ -303,8 +303,8 @@ pub fn convert_component(
     let mut shown = lengths::Shown::new(watch, scan.mm());
     let own = options.in_lengths(scan.mm());
     match pipeline(scan, &own, &mut |stage| shown.see(stage)) {
-        Ok(conversion) => Ok(conversion.as_named(options)),
-        Err(error) => Err(shown.in_mm(error).as_named(options)),
+        Ok(conversion) => Ok(conversion.with_named(options)),
+        Err(error) => Err(shown.in_mm(error).with_named(options)),
     }
 }
 

@@ -17,13 +17,16 @@ fn disk(points: Vec<[f64; 3]>, triangles: &[[u32; 3]]) -> Disk {
     largest.into_disk(Outer::Auto, &mut Repairs::new()).expect("a disk")
 }
 
+/// Vertices of a mesh at the most, for the time that it takes.
+const MOST: usize = 8_000;
+
 /// Chord errors, as shares of the scan's diagonal.
 const CHORDS: [f64; 2] = [0.01, 0.001];
 
 #[test]
 fn smooth_surfaces_are_left_alone_however_they_are_tessellated() {
     let mut random = Random(1);
-    let (mut worst, mut farthest) = (Vec::new(), 0.0_f64);
+    let (mut worst, mut farthest, mut looked_at) = (Vec::new(), 0.0_f64, 0);
     for (name, truth) in SURFACES {
         let size = disk(
             Tessellation::grid(truth, [20, 20]).points(0.0, &mut random),
@@ -35,6 +38,11 @@ fn smooth_surfaces_are_left_alone_however_they_are_tessellated() {
             for share in CHORDS {
                 let chord = share * size;
                 let mesh = Tessellation::new(truth, kind, chord, &mut random);
+                // Cells twenty times as long as wide are very many on the finest.
+                if mesh.uv.len() > MOST {
+                    continue;
+                }
+                looked_at += 1;
                 let raw = disk(mesh.points(0.0, &mut random), &mesh.triangles);
                 let (_, report) = smooth::smooth(&raw, &Options::default()).unwrap();
                 let (moved, noise) = (report.moved_max / chord, report.noise / chord);
@@ -56,7 +64,7 @@ fn smooth_surfaces_are_left_alone_however_they_are_tessellated() {
         worst.len() <= 1 && worst.iter().all(|w| w.starts_with("saddle Adaptive")),
         "{worst:#?}"
     );
-    assert!(farthest < 0.15, "{farthest} chord errors");
+    assert!(farthest < 0.15 && looked_at > 40, "{looked_at}: {farthest} chord errors");
 }
 
 #[test]
@@ -68,7 +76,7 @@ fn noise_is_found_on_every_kind_of_tessellation() {
             // Fine enough for the shape to be small beside the noise.
             let mesh = Tessellation::new(truth, kind, 0.01, &mut random);
             // A few hundred vertices do not tell; very many take long and tell no more.
-            let is_enough = (1000..20_000).contains(&mesh.uv.len());
+            let is_enough = (1000..MOST).contains(&mesh.uv.len());
             for share in [1.0 / 3.0, 0.05].into_iter().filter(|_| is_enough) {
                 let noise = share * mesh.edge();
                 let raw = disk(mesh.points(noise, &mut random), &mesh.triangles);

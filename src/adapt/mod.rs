@@ -152,26 +152,18 @@ pub fn fit_with(
     rules::share(goal.outliers).map_err(of("outliers"))?;
     let mut search = Search::new(Target::new(map), options, goal, course);
     let mut known = first(&mut search)?;
-    let mut uv = search.corrected(&known.best);
-    let mut rounds = if goal.named { BRIDGES_OF_NAMED } else { BRIDGES };
-    while rounds > 0 && search.wants_vertices(&known.best, &uv) {
-        rounds -= 1;
+    let uv = search.corrected(&known.best);
+    if search.wants_vertices(&known.best, &uv) {
         drop(search);
         map.uv = uv;
         between::bridge(map, &known.best.surface);
         search = Search::new(Target::new(map), options, goal, course);
         known = again(&mut search, known)?;
-        uv = search.corrected(&known.best);
     }
     let (surface, adapted, uv) = finished(search, known)?;
     map.uv = uv;
     Ok((surface, adapted))
 }
-
-/// How often vertices are put between those that are sparse for the knots. Where a tolerance is
-/// named, knots follow the new vertices, for which vertices may be sparse again.
-const BRIDGES: usize = 1;
-const BRIDGES_OF_NAMED: usize = 2;
 
 /// What a search has come to.
 struct Known {

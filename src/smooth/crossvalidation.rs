@@ -41,7 +41,7 @@ mod tests {
 
     #[test]
     fn a_support_gains_nothing_by_points_that_it_does_not_fit() {
-        let some = |i: usize, square: f64| (i % 4 > 0).then_some(square);
+        let some = |i: usize, square: f64| (!i.is_multiple_of(4)).then_some(square);
         let short = Tried { h: 1.0, squares: (0..40).map(|i| some(i, 1.1)).collect() };
         let long = Tried { h: 2.0, squares: vec![Some(1.0); 40] };
         let longest =
