@@ -227,14 +227,16 @@ pub struct Conversion {
 }
 
 impl Conversion {
-    /// Whether the face keeps its tolerance in both directions. Of the smoothed points all but
-    /// the share `outliers` must, or where nobody named a tolerance all but as many as normal
-    /// noise has beyond three standard deviations; of the triangles, all where it is named.
+    /// Whether the face keeps its tolerance. Where it is named, all but the share `outliers`
+    /// of the smoothed points must be within it, and as many of the triangles, which the face
+    /// may leave by their chord error besides. Where nobody named one, all but as many points
+    /// as normal noise has beyond three standard deviations.
     pub fn tolerance_met(&self, outliers: f64) -> bool {
         let outliers = if self.tolerance_named { outliers } else { outliers.max(self.spared) };
-        let points = self.missed.points as f64;
-        points <= outliers * self.fit_deviation.distances.len() as f64
-            && (!self.tolerance_named || self.face_to_scan.beyond == 0)
+        let keeps = |beyond: usize, all: usize| beyond as f64 <= outliers * all as f64;
+        let back = &self.face_to_scan;
+        keeps(self.missed.points, self.fit_deviation.distances.len())
+            && (!self.tolerance_named || keeps(back.beyond, back.triangles))
     }
 }
 

@@ -416,7 +416,7 @@ fn in_a_pipe_every_stage_is_a_plain_line() {
     }
     assert!(said.contains("relief.ply: 4000 vertices, 7657 triangles"), "{said}");
     assert!(said.contains("units: the file does not say; assuming mm"), "{said}");
-    assert!(said.contains("tolerance: ") && said.contains("from a noise of "), "{said}");
+    assert!(said.contains("tolerance: ") && said.contains("three times the noise of "), "{said}");
     let result = lines.iter().find(|line| line.contains("control points, rms ")).expect("a result");
     assert!(result.contains("2 holes cut out") && result.ends_with(arg(&step)), "{said}");
     let coloured = converted(&[arg(&fixture("relief.ply")), arg(&step), "--color", "always"]);
@@ -468,7 +468,10 @@ fn shape_that_few_points_show_is_kept() {
     std::fs::write(&scan, text).expect("a scan");
     let run = |options: &[&str]| {
         let fixed = [arg(&scan), arg(&step), "--tolerance", "0.5", "--report", arg(&report)];
-        let said = converted(&[&fixed, options].concat());
+        // Between so few points no tolerance can be held, and the run may say so.
+        let output = convert(&[&fixed, options].concat());
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert!(matches!(output.status.code(), Some(0 | 3)), "{said}");
         (said.contains("may be shape"), number(&json(&report), "/deviation/max_mm"))
     };
     for options in [[].as_slice(), &["--smooth", "off"]] {

@@ -236,7 +236,8 @@ fn an_island_becomes_a_face_of_the_same_surface() {
         count += 1;
     }
     assert!(count > 150, "{count}");
-    assert!(worst < 0.15, "{worst}");
+    // A loop may cut off those next to the rim by as much as this is uncertain.
+    assert!(worst < 1.2 * conversion.rim_tolerance, "{worst} {}", conversion.rim_tolerance);
 }
 
 #[test]

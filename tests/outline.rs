@@ -73,7 +73,8 @@ fn the_outer_loop_follows_the_rim_around_all_others() {
         assert_eq!(c.loops[0].of, Bound::Outer);
         assert!(c.outer.is_none(), "the sides are not the outer boundary");
         let off = distance_to_edges(&outer, &c.loops[0].edges);
-        assert!(off <= c.tolerance, "{off} mm off the rim, of {}", c.tolerance);
+        let rim = c.rim_tolerance;
+        assert!(off <= rim, "{off} mm off the rim, of {rim}");
         assert!(c.trim[0].max_off_surface < 1e-7, "{:?}", c.trim[0]);
 
         let around = polygon(&c.loops[0]);

@@ -115,7 +115,7 @@ fn trim_loops_follow_the_rims_on_the_surface() {
         assert_eq!(c.trim.len(), scan.holes.len());
         for l in &c.trim {
             assert!(l.max_off_surface <= 1e-7, "{name}: {l:?}");
-            assert!(l.max_from_rim < 0.5, "{name}: {l:?}");
+            assert!(l.max_from_rim < c.rim_tolerance, "{name}: {l:?}");
         }
         for l in &c.loops {
             assert!((1..=4).contains(&l.edges.len()), "{name}");

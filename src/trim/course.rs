@@ -104,7 +104,7 @@ impl<'a> Course<'a> {
         let polygon = Polygon { parameters, uv, weights };
         let curve = fit(&polygon, &knots)?;
         let edge = 1.0 / polygon.uv.len() as f64;
-        let shortest = match options.is_fair() {
+        let shortest = match options.is_fair() && !options.keeps_vertices {
             true => SHORTEST_FAIR * edge,
             false => (SHORTEST * edge)
                 .min(SHORTEST_OF_TOLERANCE * options.tolerance / total)

@@ -46,6 +46,10 @@ pub struct Options {
 /// A loop that follows every tooth keeps to its rim within this share of the tolerance.
 const SHARE: f64 = 0.5;
 
+/// One that keeps its vertices within the tolerance uses this share of what that leaves: the
+/// distance that rules the knots is one to first order.
+const KEPT_SHARE: f64 = 0.9;
+
 /// Where the surface misses a vertex so far that the tolerance leaves less, a loop has room
 /// of this share of the tolerance around the vertex's foot.
 const LEAST_SHARE: f64 = 0.1;
@@ -73,7 +77,7 @@ impl Options {
         let within = left(self.tolerance).max(LEAST_SHARE * self.tolerance);
         match (self.is_fair(), self.keeps_vertices) {
             (false, _) => within.min(SHARE * self.tolerance),
-            (true, true) => within.min(self.rim),
+            (true, true) => (KEPT_SHARE * within).min(self.rim),
             (true, false) => left(self.rim).max(LEAST_OF_RIM * self.rim),
         }
     }
