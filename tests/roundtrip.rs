@@ -138,9 +138,9 @@ fn the_relief_cut_along_its_outer_boundary() {
     let outer: Vec<bool> = trim.iter().map(|l| l["outer"] == true).collect();
     assert_eq!(outer, [true, false, false]);
     assert_eq!(trim[0]["hole"], Value::Null);
-    let tolerance = number(&report, "/tolerance_mm");
+    let rim = number(&report, "/rim_tolerance_mm");
     for ring in trim {
-        assert!(number(ring, "/max_from_rim_mm") <= tolerance, "{ring}");
+        assert!(number(ring, "/max_from_rim_mm") <= rim, "{ring}");
         let off = number(ring, "/max_off_surface_mm");
         assert!(off > 0.0 && off < 1e-7, "{ring}");
     }

@@ -23,6 +23,7 @@ use crate::course::{self, Course};
 use crate::error::{Result, of};
 use crate::geometry::Uv;
 use crate::parameterize::Parameterized;
+use crate::smooth::Support;
 use crate::spline::{KnotVector, Samples, Surface};
 use crate::{Options, fit, knots, rules};
 use search::{Attempt, Search};
@@ -182,7 +183,9 @@ fn first(search: &mut Search) -> Result<Known> {
             true => search.grow(best).and_then(|best| search.shrink(best))?,
             false => {
                 let best = search.enrich(best).and_then(|best| search.thin(best))?;
-                search.grow(best)?
+                // Where smoothing is off, what is far may be outliers, and no shape.
+                let is_smoothed = search.options.smooth.support != Support::Off;
+                if is_smoothed { search.grow(best)? } else { best }
             }
         };
     }
