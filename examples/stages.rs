@@ -46,7 +46,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let cut_out = vec![true; filling.holes.len()];
     let rims = cut::rims(&map, &cut_out);
     let rim = (0.5 * trim::median_edge(&rims)).max(goal.tolerance);
-    let loops_as = trim::Options { tolerance: goal.tolerance, rim, keeps_vertices: false };
+    let loops_as = trim::Options { tolerance: goal.tolerance, rim, keeps_vertices: true };
     let (loops, _) = trim::trim(&surface, &rims, &loops_as)?;
     println!("trim: {} loop of {} edges", loops.len(), loops[0].edges.len());
 
