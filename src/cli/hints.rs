@@ -145,15 +145,13 @@ fn folded(c: &Conversion) -> Option<String> {
     ))
 }
 
-/// Where the face leaves the scan between its points, and nobody named a tolerance: a share of
-/// the triangles that is more than noise explains.
-const ASTRAY: f64 = 0.0027;
-
+/// Where the face leaves the scan between its points, and nobody named a tolerance: at a share
+/// of the triangles that is more than noise explains.
 fn astray(c: &Conversion) -> Option<String> {
     let back = &c.face_to_scan;
     let share = back.beyond as f64 / back.triangles.max(1) as f64;
     let [x, y, z] = back.max_at;
-    (!c.tolerance_named && share > ASTRAY).then(|| {
+    (!c.tolerance_named && share > c.spared).then(|| {
         format!(
             "between its points the face leaves the scan by up to {}, near ({x:.3}, {y:.3}, {z:.3}), and by more than the tolerance at {} of {} triangles; a --tolerance that is named is held there, too",
             mm(back.max),

@@ -39,7 +39,7 @@ use map::{Map, Start};
 use crate::course::{self, Course};
 use crate::error::{Error, Result, of};
 use crate::geometry::{Point, Uv, VertexId};
-use crate::mesh::{Bound, FaceOrigin, Mesh, Patch};
+use crate::mesh::{Bound, Mesh, Patch};
 use crate::rules;
 
 pub use crushed::{Crushed, crushed};
@@ -130,8 +130,7 @@ impl Parameterized {
 impl Parameterized {
     /// The numbers of the triangles that were measured.
     pub(crate) fn measured_triangles(&self) -> Vec<usize> {
-        let origin = &self.patch.origin;
-        (0..origin.len()).filter(|&t| origin[t] == FaceOrigin::Measured).collect()
+        stretch::measured(&self.patch).collect()
     }
 }
 
