@@ -147,10 +147,10 @@ pub struct Skirt {
 /// Maps a patch to the unit square.
 ///
 /// # Errors
-/// [`Error::Corners`](crate::Error::Corners), [`Error::TooSmall`](crate::Error::TooSmall):
+/// [`Error::Corners`], [`Error::TooSmall`]:
 /// the outer boundary cannot be four sides with these corners.
-/// [`Error::Folded`](crate::Error::Folded): triangles stay inverted.
-/// [`Error::Option`](crate::Error::Option): a corner that is no point.
+/// [`Error::Folded`]: triangles stay inverted.
+/// [`Error::Option`]: a corner that is no point.
 pub fn parameterize(patch: Patch, options: &Options) -> Result<(Parameterized, Report)> {
     parameterize_with(patch, options, &mut course::untold)
 }
