@@ -101,7 +101,9 @@ fn errors_name_the_file_and_the_place() {
         assert_eq!(output.status.code(), Some(1), "{}", said(&output));
         said(&output)
     };
-    let cut = fault(&text[..text.len() / 3]);
+    let third = &text[text.len() / 3..];
+    let inside = third.find(",(").expect("a list within a record") + 1;
+    let cut = fault(&text[..text.len() / 3 + inside]);
     assert!(cut.contains("broken.step: ends in the middle") && cut.contains("(line "), "{cut}");
     let other = fault(&text.replace("ADVANCED_FACE(", "FACE_OUTLINE("));
     assert!(other.contains("is a face of a kind not read: FACE_OUTLINE (#"), "{other}");

@@ -336,3 +336,23 @@ fn a_foot_is_where_the_normal_meets() {
         assert!((foot - at).norm() < 1e-9 && (off - 0.3).abs() < 1e-12, "{foot} {at} {off}");
     }
 }
+
+#[test]
+fn a_tolerance_below_the_noise_is_told_and_not_followed() {
+    let noise = 0.05;
+    let scan = VirtualScan::new(sheet, [70, 70], noise, Vec::new(), 5);
+    let mut soup = Soup { points: scan.points.clone(), ..Soup::default() };
+    scan.triangles.iter().for_each(|t| soup.polygons.push(*t));
+    let converted = |tolerance: f64| {
+        let options = Options::builder().smooth(Support::Off).tolerance(tolerance);
+        convert(&soup, &options.build().expect("sound options"), &mut |_| Ok(())).expect("a face")
+    };
+    let below = converted(2.0 * noise);
+    let told = below.fit.hindrance.expect("noise in the way");
+    // What the net still misses of the shape counts, too.
+    assert!((0.95..1.2).contains(&(told / noise)), "{told}");
+    let shape = below.surface.shape();
+    assert!(!below.tolerance_met(0.0) && shape.iter().product::<usize>() < 4900 / 2, "{shape:?}");
+    let above = converted(6.0 * noise);
+    assert!(above.fit.hindrance.is_none() && above.tolerance_met(0.0), "{:?}", above.missed);
+}

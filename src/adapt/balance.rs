@@ -17,7 +17,7 @@ const PRICE: f64 = 2.0;
 
 /// Measured points a control point at the least: smoothing looks at dozens of points at
 /// a time, so that nothing is left for finer nets to follow.
-const POINTS_A_CONTROL_POINT: usize = 2;
+pub(super) const POINTS_A_CONTROL_POINT: usize = 2;
 
 /// Halvings beyond those that leave one to four points of an even scan, where scans
 /// are denser or the map is crushed.

@@ -19,12 +19,27 @@ pub fn are_sparse(map: &Parameterized, uv: &[Uv], surface: &Surface) -> bool {
     !map.long_sides(uv, |a, b| cells.are_exceeded(a, b)).is_empty()
 }
 
-/// The share of the measured triangles that the surface leaves by more than the tolerance and
-/// what flat triangles miss themselves.
-pub fn missed(map: &Parameterized, uv: &[Uv], surface: &Surface, tolerance: f64) -> f64 {
+/// A triangle that a surface leaves, by its number.
+#[derive(Debug, Clone, Copy)]
+pub struct Left {
+    pub triangle: usize,
+    /// How far, of the tolerance and what a flat triangle misses itself there.
+    pub ratio: f64,
+}
+
+/// The measured triangles that a surface leaves by more than such a `share`, with the vertices
+/// at `uv`.
+pub fn left(
+    map: &Parameterized,
+    uv: &[Uv],
+    surface: &Surface,
+    tolerance: f64,
+    share: f64,
+) -> Vec<Left> {
     let measured = map.measured_triangles();
     let between = Between::new(&map.patch.mesh, &measured, uv, surface);
-    between.missed(tolerance) as f64 / measured.len().max(1) as f64
+    let left = between.left(tolerance, share).into_iter();
+    left.map(|(triangle, ratio)| Left { triangle, ratio }).collect()
 }
 
 /// Halves the sides that span more than a knot cell.

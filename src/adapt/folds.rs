@@ -5,6 +5,7 @@ use super::search::{Attempt, LEAST_AREA, Search};
 use crate::error::Result;
 use crate::fit::{self, STIFFNESSES};
 use crate::geometry::Uv;
+use crate::spline::Surface;
 
 /// How often at the most knots make room for a surface without folds; once, after there
 /// has been one with fewer.
@@ -77,7 +78,10 @@ impl Search<'_> {
         }
         self.take_up(attempt, LEAST_AREA);
         let folded = fit::folded(surface, &self.target.samples, &self.holds);
-        let misses = || between::missed(map, uv, surface, self.goal.tolerance);
+        let misses = || {
+            let left = between::left(map, uv, surface, self.goal.tolerance, 1.0).len();
+            left as f64 / map.measured_triangles().len().max(1) as f64
+        };
         folded < CRUMPLED && (folded > 0.0 || misses() > self.goal.outliers)
     }
 
@@ -115,21 +119,15 @@ impl Search<'_> {
 
     /// Tries one way to take folds out.
     fn unfolding_with(&self, start: &Attempt, stiffnesses: &[f64], tried: &mut Unfolding) {
-        let slide = |now: Vec<Uv>, wanted: Vec<Uv>| self.target.corrected(now, wanted, LEAST_AREA);
+        let slide = |now: Vec<Uv>, wanted: Vec<Uv>| self.target.slid(now, wanted, LEAST_AREA);
         let most = start.beyond.0.max(self.spared())
             + if self.goal.named { 0 } else { self.share(GIVEN_UP) };
         let samples = &self.target.samples;
         let unfolded = fit::unfold(&start.surface, samples, &self.holds, &slide, stiffnesses);
         tried.folds = tried.folds.min(unfolded.before);
         for fit::Found { surface, uv, folds } in unfolded.found {
-            let mut feet = self.target.feet_from(&surface, &uv);
-            let uv = self.target.corrected(uv, feet.uv.clone(), LEAST_AREA);
-            if self.goal.named {
-                self.target.stay_at_loops(&surface, &uv, &mut feet);
-            }
-            let beyond = feet.beyond(self.goal.tolerance);
-            let weights = self.target.weights.clone();
-            let attempt = Attempt { surface, fit: start.fit, uv, weights, feet, beyond };
+            let attempt = self.attempted(surface, uv, start.fit);
+            let beyond = attempt.beyond;
             // Later ones are closer to the samples.
             if beyond.0 > most {
                 tried.lost = (beyond.0 <= self.share(HOPELESS)).then_some(attempt);
@@ -139,8 +137,20 @@ impl Search<'_> {
         }
     }
 
+    /// An attempt at a surface that came of another one, with the samples at `uv`.
+    pub(super) fn attempted(&self, surface: Surface, mut uv: Vec<Uv>, fit: fit::Report) -> Attempt {
+        uv.truncate(self.target.uv().len());
+        let mut feet = self.target.feet_from(&surface, &uv);
+        let uv = self.target.corrected(uv, feet.uv.clone(), LEAST_AREA);
+        if self.goal.named {
+            self.target.stay_at_loops(&surface, &uv, &mut feet);
+        }
+        let beyond = feet.beyond(self.goal.tolerance);
+        Attempt { surface, fit, uv, weights: self.target.weights.clone(), feet, beyond }
+    }
+
     /// How many points a share of the measured ones is.
-    fn share(&self, share: f64) -> usize {
+    pub(super) fn share(&self, share: f64) -> usize {
         (share * self.target.measured() as f64) as usize
     }
 }

@@ -15,6 +15,9 @@ mod between;
 mod correct;
 mod doubt;
 mod folds;
+mod hold;
+mod noise;
+mod places;
 mod search;
 mod target;
 mod weights;
@@ -104,6 +107,9 @@ pub struct Adapted {
     /// Mean distance, in mm, between a sample and the surface at the parameter that the
     /// sample was fitted with.
     pub mean_error: f64,
+    /// The standard deviation of the noise, in mm, where the surface would have to follow that
+    /// to keep a named tolerance: knots were put in no further.
+    pub hindrance: Option<f64>,
 }
 
 impl Adapted {
@@ -112,6 +118,7 @@ impl Adapted {
         Adapted {
             kappa: self.kappa.map(|kappa| factor * kappa),
             mean_error: factor * self.mean_error,
+            hindrance: self.hindrance.map(|noise| factor * noise),
             ..self
         }
     }
@@ -211,10 +218,11 @@ fn finished(mut search: Search, known: Known) -> Result<(Surface, Adapted, Vec<U
     let mut folds = None;
     if search.options.method != fit::Method::Blend {
         let (unfolded, turned) = search.unfold(best)?;
+        let (unfolded, turned) = search.hold(unfolded, turned);
         let places = fit::places([&unfolded.surface.u, &unfolded.surface.v]);
         (best, folds) = (unfolded, Some(Folds { turned, places }));
     }
-    search.target.samples.uv.clone_from(&best.uv);
+    search.target.set_uv(best.uv.clone());
     let adapted = Adapted {
         fit: best.fit,
         knots: placed,
@@ -222,6 +230,7 @@ fn finished(mut search: Search, known: Known) -> Result<(Surface, Adapted, Vec<U
         rounds: search.rounds,
         folds,
         mean_error: fit::mean_error(&best.surface, &search.target.samples),
+        hindrance: search.hindrance,
     };
     let uv = search.corrected(&best);
     Ok((best.surface, adapted, uv))

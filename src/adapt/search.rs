@@ -47,6 +47,7 @@ const PATIENCE_WITH_SLIDES: usize = 2;
 const LEFT: f64 = 0.85;
 
 /// A surface, the parameters it was fitted with, and how far it is off.
+#[derive(Clone)]
 pub struct Attempt {
     pub surface: Surface,
     pub fit: fit::Report,
@@ -67,6 +68,8 @@ pub struct Search<'a> {
     pub(super) goal: &'a Goal,
     /// Fits made.
     pub rounds: usize,
+    /// The standard deviation of noise that keeps surfaces from a named tolerance.
+    pub hindrance: Option<f64>,
     course: &'a mut Course<'a>,
 }
 
@@ -79,7 +82,9 @@ impl<'a> Search<'a> {
         course: &'a mut Course<'a>,
     ) -> Self {
         let holds = target.holds();
-        let mut search = Search { holds, idle_slides: 0, target, options, goal, rounds: 0, course };
+        let (rounds, idle_slides, hindrance) = (0, 0, None);
+        let mut search =
+            Search { holds, idle_slides, target, options, goal, rounds, hindrance, course };
         let (limit, most) = search.doubts();
         search.target.doubt_unseen(limit, most);
         search
@@ -96,7 +101,7 @@ impl<'a> Search<'a> {
         if self.options.method == fit::Method::Refined {
             (surface, feet) = self.slide(surface, feet);
         }
-        let (uv, weights) = (self.target.samples.uv.clone(), self.target.weights.clone());
+        let (uv, weights) = (self.target.uv().to_vec(), self.target.weights.clone());
         if self.goal.named {
             let last = self.target.corrected(uv.clone(), feet.uv.clone(), FIRM_AREA);
             self.target.stay_at_loops(&surface, &last, &mut feet);
@@ -133,7 +138,7 @@ impl<'a> Search<'a> {
         if self.idle_slides >= PATIENCE_WITH_SLIDES {
             return (surface, feet);
         }
-        let uv = self.target.samples.uv.clone();
+        let uv = self.target.uv().to_vec();
         let (limit, most) = self.doubts();
         self.target.doubt(&feet.distances, limit, most);
         self.target.correct(&feet, FIRM_AREA);
@@ -148,7 +153,7 @@ impl<'a> Search<'a> {
                 return (next, there);
             }
         }
-        self.target.samples.uv = uv;
+        self.target.set_uv(uv);
         (surface, feet)
     }
 
@@ -159,7 +164,7 @@ impl<'a> Search<'a> {
     }
 
     pub(super) fn take_up(&mut self, from: &Attempt, least_area: f64) {
-        self.target.samples.uv.clone_from(&from.uv);
+        self.target.set_uv(from.uv.clone());
         self.doubt(from);
         self.target.correct(&from.feet, least_area);
     }
@@ -196,10 +201,14 @@ impl<'a> Search<'a> {
     pub fn grow(&mut self, start: Attempt) -> Result<Attempt> {
         let mut best = self.press(start)?;
         let mut last: Option<Attempt> = None;
-        let mut idle = 0;
+        let (mut idle, mut misfit) = (0, None);
         loop {
             let now = last.as_ref().unwrap_or(&best);
             if self.met(now) || idle > PATIENCE {
+                break;
+            }
+            self.hindrance = self.hindering_noise(now, &mut misfit);
+            if self.hindrance.is_some() {
                 break;
             }
             let knots = self.finer(now);
@@ -224,13 +233,23 @@ impl<'a> Search<'a> {
 
     /// The knots of an attempt and those that it wants where it misses points.
     pub(super) fn finer(&self, now: &Attempt) -> [KnotVector; 2] {
+        self.finer_with(now, std::iter::empty())
+    }
+
+    /// The same with more misses.
+    pub(super) fn finer_with(
+        &self,
+        now: &Attempt,
+        more: impl Iterator<Item = knots::Miss>,
+    ) -> [KnotVector; 2] {
         let asked = &self.options.knots;
         let bounds = Bounds {
             depth: asked.depth.unwrap_or(rules::MOST_HALVINGS),
             most: if self.goal.named { asked.max_net } else { self.most_for_noise() },
             price: 0.0,
         };
-        let misses = self.target.misses(&now.feet, self.goal.tolerance);
+        let mut misses = self.target.misses(&now.feet, self.goal.tolerance);
+        misses.extend(more);
         knots::insert(&now.surface, &misses, self.target.reach(), &bounds)
     }
 

@@ -5,6 +5,7 @@ use nalgebra::Matrix3;
 use rayon::prelude::*;
 
 use super::correct::{area, corrected, with_skirt};
+use super::places::Places;
 use super::weights::{CORNER, weights};
 use crate::fit::Hold;
 use crate::geometry::{Point, Uv, Vector, VertexId, uv_bounds};
@@ -17,7 +18,7 @@ use crate::spline::{Samples, Surface, foot_point_moving, for_many_looks, last_st
 const OUTLIER_WEIGHT: f64 = 1e-6;
 
 /// The most that a weight grows at a time.
-const MOST_PRESSURE: f64 = 25.0;
+pub(super) const MOST_PRESSURE: f64 = 25.0;
 
 /// A map's vertices as samples.
 pub struct Target<'a> {
@@ -30,14 +31,18 @@ pub struct Target<'a> {
     corners: Vec<usize>,
     /// Vertices on loops and beside them.
     at_loops: Vec<usize>,
-    /// Points, current parameters, and weights in the next fit.
+    /// Places between vertices.
+    pub(super) places: Places,
+    /// Points, current parameters, and weights in the next fit: the vertices', then the
+    /// places'.
     pub samples: Samples,
     /// The weights that they have where they are no outliers, and those that are.
     pub weights: Vec<f64>,
     pub outliers: Vec<usize>,
 }
 
-/// Where on a surface the samples' nearest points are.
+/// Where on a surface the vertices' nearest points are.
+#[derive(Clone)]
 pub struct Feet {
     pub uv: Vec<Uv>,
     /// Distances, in mm.
@@ -56,7 +61,8 @@ impl<'a> Target<'a> {
         let made = triangles.par_iter().map(|&t| area(&at, t)).collect();
         let samples = Samples { points, uv, weights: weights.clone(), open };
         let at_loops = at_loops(map);
-        Target { map, triangles, made, corners, at_loops, samples, weights, outliers: Vec::new() }
+        let (places, outliers) = (Places::default(), Vec::new());
+        Target { map, triangles, made, corners, at_loops, places, samples, weights, outliers }
     }
 
     /// Measured vertices.
@@ -85,11 +91,42 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// The samples' feet on a surface. Where the patch's sides are the outer
+    /// The vertices' current parameters.
+    pub fn uv(&self) -> &[Uv] {
+        &self.samples.uv[..self.weights.len()]
+    }
+
+    /// The samples that are vertices, and how these hold a surface.
+    pub fn vertices<'h>(&self, holds: &'h [Hold]) -> (Samples, &'h [Hold]) {
+        let count = self.weights.len();
+        let Samples { points, uv, weights, open } = &self.samples;
+        let samples = Samples {
+            points: points[..count].to_vec(),
+            uv: uv[..count].to_vec(),
+            weights: weights[..count].to_vec(),
+            open: *open,
+        };
+        (samples, &holds[..count])
+    }
+
+    /// Gives the vertices these parameters, and the places those between.
+    pub fn set_uv(&mut self, uv: Vec<Uv>) {
+        self.samples.uv = self.with_places(uv);
+    }
+
+    /// The parameters of vertices, and after them those of the places between.
+    pub fn with_places(&self, mut uv: Vec<Uv>) -> Vec<Uv> {
+        uv.truncate(self.weights.len());
+        let between: Vec<Uv> = self.places.all.iter().map(|place| place.uv(&uv)).collect();
+        uv.extend(between);
+        uv
+    }
+
+    /// The vertices' feet on a surface. Where the patch's sides are the outer
     /// boundary, corners have theirs in the corner and its other vertices on their
     /// side.
     pub fn feet(&self, surface: &Surface) -> Feet {
-        self.feet_from(surface, &self.samples.uv)
+        self.feet_from(surface, self.uv())
     }
 
     /// The same, looked for from the given parameters.
@@ -134,22 +171,24 @@ impl<'a> Target<'a> {
             };
             Hold { normal, metric, moves }
         };
-        self.samples.uv.par_iter().zip(normals).zip(along).map(hold).collect()
+        let mut holds: Vec<Hold> = self.uv().par_iter().zip(normals).zip(along).map(hold).collect();
+        holds.extend(self.places.all.iter().map(|place| place.hold));
+        holds
     }
 
     /// Gives the samples the parameters of their feet, as far as every triangle keeps the
     /// share `least` of the area it was made with; a skirt's, too, or an outer boundary
     /// inside the domain might come to cross itself.
     pub fn correct(&mut self, feet: &Feet, least: f64) {
-        let now = std::mem::take(&mut self.samples.uv);
-        self.samples.uv = self.corrected(now, feet.uv.clone(), least);
+        self.set_uv(self.corrected(self.uv().to_vec(), feet.uv.clone(), least));
     }
 
     /// Which samples are not at their feet, or are to stay where they are: those of an
     /// outer boundary inside the domain, which the face is cut along.
     pub fn stuck(&self, feet: &Feet) -> Vec<bool> {
-        let at = self.samples.uv.par_iter().zip(&feet.uv);
+        let at = self.uv().par_iter().zip(&feet.uv);
         let mut stuck: Vec<bool> = at.map(|(at, foot)| at != foot).collect();
+        stuck.resize(self.samples.len(), false);
         if self.map.outline == Outline::Free {
             let outer = self.map.patch.loop_of(Bound::Outer);
             outer.iter().for_each(|v| stuck[v.index()] = true);
@@ -157,9 +196,16 @@ impl<'a> Target<'a> {
         stuck
     }
 
-    /// The parameters that the samples may move to from those they have.
+    /// The parameters that the vertices may move to from those they have.
     pub fn corrected(&self, now: Vec<Uv>, wanted: Vec<Uv>, least: f64) -> Vec<Uv> {
         corrected(&self.triangles, &self.made, least, now, wanted, &self.map.skirt.uv)
+    }
+
+    /// The same of vertices and places, which go where their vertices do.
+    pub fn slid(&self, mut now: Vec<Uv>, mut wanted: Vec<Uv>, least: f64) -> Vec<Uv> {
+        now.truncate(self.weights.len());
+        wanted.truncate(self.weights.len());
+        self.with_places(self.corrected(now, wanted, least))
     }
 
     /// Root mean square of the measured vertices' distances, but for outliers.
@@ -180,9 +226,18 @@ impl<'a> Target<'a> {
         self.give_weights();
     }
 
+    /// Makes samples of the places as they are now.
+    pub fn take_places(&mut self) {
+        self.samples.points.truncate(self.weights.len());
+        self.samples.points.extend(self.places.all.iter().map(|place| place.point));
+        self.set_uv(self.uv().to_vec());
+        self.give_weights();
+    }
+
     /// Gives the samples their weights, outliers next to none.
     pub fn give_weights(&mut self) {
         self.samples.weights.clone_from(&self.weights);
+        self.samples.weights.extend(self.places.all.iter().map(|place| place.weight));
         self.outliers.iter().for_each(|&v| self.samples.weights[v] *= OUTLIER_WEIGHT);
     }
 

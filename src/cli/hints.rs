@@ -22,6 +22,7 @@ pub fn all(
         let part = if conversions.len() > 1 { format!("component {k}: ") } else { String::new() };
         let own = [
             missed(args, c),
+            hindered(c),
             flattened(args, c),
             strayed_corner(options, c),
             c.crushed.as_ref().map(crushed),
@@ -63,6 +64,20 @@ fn size(scan: &Scan, conversions: &[Conversion]) -> Option<String> {
 fn missed(args: &Convert, c: &Conversion) -> Option<String> {
     let held = c.tolerance_named || c.tolerance_met(args.how.outliers / 100.0);
     (!held).then(|| format!("the face is not as good as the scan: {}", beyond(c)))
+}
+
+/// A tolerance in standard deviations of the noise that all points but a few of a million keep.
+const SAFE: f64 = 5.0;
+
+/// No surface keeps to noisy points unless it follows the noise.
+fn hindered(c: &Conversion) -> Option<String> {
+    let noise = c.fit.hindrance?;
+    Some(format!(
+        "the points scatter by {} (standard deviation) around a face that follows the shape, so that one within {} of them all would have to follow the noise; a --tolerance of {} or more, or --smooth auto, leaves that out",
+        mm(noise),
+        mm(c.tolerance),
+        mm(SAFE * noise)
+    ))
 }
 
 /// Fewer points do not tell noise from shape. A support that moves points by so many

@@ -86,9 +86,7 @@ impl<'a> Between<'a> {
             points: mesh.points.clone(),
             triangles: triangles.iter().map(|&t| mesh.triangles[t]).collect(),
         };
-        let narrowest =
-            |breaks: Vec<f64>| breaks.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
-        let cells = [surface.u.breaks(), surface.v.breaks()].map(narrowest);
+        let cells = narrowest(surface);
         let (rings, normals) = (Rings::new(&part), part.vertex_normals());
         Between { mesh, triangles, uv, surface, rings, normals, cells }
     }
@@ -121,29 +119,36 @@ impl<'a> Between<'a> {
             max: worst.distance,
             max_at: worst.at.coords.into(),
             chord_error: self.chord_error(worst.triangle),
-            beyond: self.misses(&bounds, tolerance, &is_on),
+            beyond: self.misses(&bounds, tolerance, 1.0, &is_on).len(),
             triangles: count,
         }
     }
 
-    /// How many triangles the surface leaves by more than the tolerance and their chord error.
-    pub(crate) fn missed(&self, tolerance: f64) -> usize {
+    /// The triangles, by number, that the surface leaves by more than that share of the
+    /// tolerance and their chord error, and by which one.
+    pub(crate) fn left(&self, tolerance: f64, share: f64) -> Vec<(usize, f64)> {
         let everywhere = |_| true;
-        self.misses(&self.bounds(&everywhere), tolerance, &everywhere)
+        let allowed = |i: usize| tolerance + self.chord_error(i);
+        let left =
+            self.misses(&self.bounds(&everywhere), tolerance, share, &everywhere).into_iter();
+        left.map(|seen| (self.triangles[seen.triangle], seen.distance / allowed(seen.triangle)))
+            .collect()
     }
 
-    /// The same of places that are on the face; no distance is more than its bound.
+    /// The farthest places of such triangles, of those that are on the face; no distance is
+    /// more than its bound.
     fn misses(
         &self,
         bounds: &[f64],
         tolerance: f64,
+        share: f64,
         is_on: &(impl Fn(Uv) -> bool + Sync),
-    ) -> usize {
-        let allowed = |i: usize| tolerance + self.chord_error(i);
-        let far = |&i: &usize| bounds[i] > tolerance && bounds[i] > allowed(i);
+    ) -> Vec<Seen> {
+        let allowed = |i: usize| share * (tolerance + self.chord_error(i));
+        let far = |&i: &usize| bounds[i] > share * tolerance && bounds[i] > allowed(i);
         let far: Vec<usize> = (0..bounds.len()).filter(far).collect();
         let seen = self.seen(&far, true, is_on).into_iter();
-        seen.filter(|seen| seen.distance > allowed(seen.triangle)).count()
+        seen.filter(|seen| seen.distance > allowed(seen.triangle)).collect()
     }
 
     /// No place in a triangle's room is farther from the scan than this.
@@ -171,13 +176,8 @@ impl<'a> Between<'a> {
         surface: &(impl Patch + ?Sized),
         is_on: &impl Fn(Uv) -> bool,
     ) -> Seen {
-        let corners = self.mesh.triangles[self.triangles[i]].map(|v| self.uv[v.index()]);
-        let [a, b, c] = corners;
-        let reach = |k: usize| {
-            let side = |p: Uv, q: Uv| (p[k] - q[k]).abs();
-            side(a, b).max(side(b, c)).max(side(c, a)) / self.cells[k]
-        };
-        let along = PLACES_A_CELL * reach(0).max(reach(1));
+        let [a, b, c] = self.corners(i);
+        let along = PLACES_A_CELL * spanned([a, b, c], self.cells);
         let n = (along.ceil() as usize).clamp(1, MOST_PLACES);
         let mut seen = Seen { triangle: i, distance: 0.0, at: Point::origin() };
         for (x, y) in middles(n) {
@@ -189,6 +189,11 @@ impl<'a> Between<'a> {
             }
         }
         seen
+    }
+
+    /// The parameter points of the corners of the `i`-th triangle.
+    fn corners(&self, i: usize) -> [Uv; 3] {
+        self.mesh.triangles[self.triangles[i]].map(|v| self.uv[v.index()])
     }
 
     /// The distance of a place from the triangles around the `i`-th one: from its own, and
@@ -218,6 +223,22 @@ impl<'a> Between<'a> {
     }
 }
 
+/// The widths of a surface's narrowest knot spans.
+pub(crate) fn narrowest(surface: &Surface) -> [f64; 2] {
+    let narrowest =
+        |breaks: Vec<f64>| breaks.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
+    [surface.u.breaks(), surface.v.breaks()].map(narrowest)
+}
+
+/// How many cells, so wide, a triangle spans along u or v.
+pub(crate) fn spanned([a, b, c]: [Uv; 3], cells: [f64; 2]) -> f64 {
+    let reach = |k: usize| {
+        let side = |p: Uv, q: Uv| (p[k] - q[k]).abs();
+        side(a, b).max(side(b, c)).max(side(c, a)) / cells[k]
+    };
+    reach(0).max(reach(1))
+}
+
 fn farthest(seen: Vec<Seen>) -> Seen {
     let none = Seen { triangle: 0, distance: 0.0, at: Point::origin() };
     seen.into_iter().fold(none, |far, seen| if seen.distance > far.distance { seen } else { far })
@@ -225,7 +246,7 @@ fn farthest(seen: Vec<Seen>) -> Seen {
 
 /// The middles of the n² parts into which lines parallel to its sides divide a triangle, as
 /// shares of two of its sides.
-fn middles(n: usize) -> impl Iterator<Item = (f64, f64)> {
+pub(crate) fn middles(n: usize) -> impl Iterator<Item = (f64, f64)> {
     let third = 1.0 / (3.0 * n as f64);
     let at = move |i: usize, j: usize, up: f64| {
         ((3 * i) as f64 * third + up * third, (3 * j) as f64 * third + up * third)

@@ -7,8 +7,8 @@ mod face_to_scan;
 mod outline;
 
 pub use face::Face;
-pub(crate) use face_to_scan::Between;
 pub use face_to_scan::FaceToScan;
+pub(crate) use face_to_scan::{Between, middles, narrowest, spanned};
 
 use crate::geometry::Point;
 use rayon::prelude::*;

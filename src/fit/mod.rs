@@ -23,7 +23,7 @@ use precondition::Preconditioner;
 use weight::Metric;
 
 pub(crate) use hold::Hold;
-pub(crate) use unfold::{Found, STIFFNESSES, folded, places, unfold};
+pub(crate) use unfold::{Found, Mending, STIFFNESSES, folded, mend, places, turned, unfold};
 
 use crate::error::{Error, Result};
 use crate::spline::{KnotVector, Samples, Surface};

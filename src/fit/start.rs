@@ -7,7 +7,7 @@
 
 use super::cells::Cells;
 use super::normal::{Equations, Lane};
-use crate::spline::{KnotVector, Samples};
+use crate::spline::{KnotVector, Samples, refined};
 
 /// So many of a net's spans make one of the coarser net.
 const MERGED: usize = 4;
@@ -32,8 +32,8 @@ fn coarse(cells: &Cells) -> Option<Vec<Lane>> {
     let coarse = Cells::new(&samples, [&knots[0], &knots[1]]);
     let (net, _) = super::optimum(&Equations::new(&coarse), &coarse).ok()?;
     let shift = (coarse.origin - cells.origin).push(0.0);
-    let net = net.iter().map(|p| p + shift).collect();
-    Some(refined(net, &knots, cells.knots))
+    let net: Vec<Lane> = net.iter().map(|p| p + shift).collect();
+    Some(refined(&net, knots.each_ref(), cells.knots))
 }
 
 /// Every fourth knot.
@@ -58,57 +58,4 @@ fn one_a_cell(cells: &Cells) -> Samples {
         }
     }
     some
-}
-
-/// The same surface over more knots, along v and then along u.
-fn refined(net: Vec<Lane>, from: &[KnotVector; 2], to: [&KnotVector; 2]) -> Vec<Lane> {
-    let [nu, nv] = from.each_ref().map(KnotVector::functions);
-    let [more_u, more_v] = to.map(KnotVector::functions);
-    let rows: Vec<Lane> = net.chunks(nv).flat_map(|row| inserted(row, &from[1], to[1])).collect();
-    let mut all = vec![Lane::zeros(); more_u * more_v];
-    for j in 0..more_v {
-        let column: Vec<Lane> = (0..nu).map(|i| rows[i * more_v + j]).collect();
-        let column = inserted(&column, &from[0], to[0]);
-        column.into_iter().enumerate().for_each(|(i, p)| all[i * more_v + j] = p);
-    }
-    all
-}
-
-/// A curve's control points over more knots: blossoms of the piece where a new function
-/// begins (Oslo algorithm: Cohen, Lyche, Riesenfeld, 1980).
-fn inserted(control: &[Lane], from: &KnotVector, to: &KnotVector) -> Vec<Lane> {
-    let at = |i: usize| {
-        let knots = &to.knots()[i..i + 4];
-        from.blossom(from.span(knots[0]), control, &knots[1..])
-    };
-    (0..to.functions()).map(at).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::geometry::{Uv, Vector};
-    use crate::spline::Surface;
-
-    #[test]
-    fn more_knots_leave_the_surface_as_it_was() {
-        let breaks: Vec<f64> = (0..=50).map(|i| (f64::from(i) / 50.0).powf(1.3)).collect();
-        let fine = KnotVector::clamped(3, &breaks, 1);
-        let coarse = [merged(&fine), merged(&KnotVector::uniform(3, 33))];
-        let count = coarse[0].functions() * coarse[1].functions();
-        let net: Vec<Lane> = (0..count)
-            .map(|i| Lane::new((i % 7) as f64, (i % 5) as f64, (i % 11) as f64, 0.0))
-            .collect();
-        let fine = [fine, KnotVector::uniform(3, 33)];
-        let more = refined(net.clone(), &coarse, [&fine[0], &fine[1]]);
-        let surface = |knots: &[KnotVector; 2], net: &[Lane]| {
-            let net: Vec<Vector> = net.iter().map(|p| p.xyz()).collect();
-            Surface::new(knots[0].clone(), knots[1].clone(), net)
-        };
-        let (before, after) = (surface(&coarse, &net), surface(&fine, &more));
-        for i in 0..400 {
-            let at = Uv::new(f64::from(i % 20) / 19.0, f64::from(i / 20) / 19.0);
-            assert!((before.point(at) - after.point(at)).norm() < 1e-12, "{at}");
-        }
-    }
 }

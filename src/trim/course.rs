@@ -226,14 +226,13 @@ impl<'a> Course<'a> {
         b - a > 2.0 * least
     }
 
-    /// The distance in mm of corner `k` of the polygon from the curve on the surface,
-    /// to first order: from the place with its parameter, or the nearest one around.
+    /// The distance in mm of corner `k` of the polygon from the curve on the surface: from the
+    /// place with its parameter, or the nearest one around.
     pub(super) fn distance(&self, k: usize) -> f64 {
         let t = self.polygon.parameters[k];
-        let jet = &self.jets[k];
         let off = |t: f64| {
-            let off = self.curve.point(t.rem_euclid(1.0)) - self.polygon.uv[k].coords;
-            Point::from(jet.su * off.x + jet.sv * off.y)
+            let at = self.surface.clamp(self.curve.point(t.rem_euclid(1.0)).into());
+            Point::from(self.surface.point(at) - self.jets[k].s)
         };
         let same = off(t).coords.norm();
         if same <= self.room[k] || self.knots.corners.contains(&t) {

@@ -32,6 +32,9 @@ use work::Work;
 const ROUNDS: usize = 16;
 const FIRM: usize = 8;
 
+/// Rounds of a mend at the least: each takes half of the way, so that a sixty-fourth is left.
+const MENDING: usize = 6;
+
 /// Rounds after the first one without folds.
 const SETTLING: usize = 3;
 
@@ -66,10 +69,15 @@ pub type Slide<'a> = dyn Fn(Vec<Uv>, Vec<Uv>) -> Vec<Uv> + 'a;
 
 /// The share of a surface's places that are turned over.
 pub fn folded(surface: &Surface, samples: &Samples, holds: &[Hold]) -> f64 {
+    let turned = turned(surface, samples, holds);
+    turned as f64 / places([&surface.u, &surface.v]) as f64
+}
+
+/// How many of a surface's places are turned over.
+pub fn turned(surface: &Surface, samples: &Samples, holds: &[Hold]) -> usize {
     let cells = Cells::new(samples, [&surface.u, &surface.v]);
     let places = Places::new(&cells, holds, &surface.net);
-    let turned = turned(&places.spots(&surface.net, |_, _| true));
-    turned as f64 / places.count() as f64
+    turned_of(&places.spots(&surface.net, |_, _| true))
 }
 
 /// Takes folds out of a surface that was fitted to samples, with one of `stiffnesses`
@@ -85,7 +93,7 @@ pub fn unfold(
     let cells = Cells::new(samples, [&surface.u, &surface.v]);
     let places = Places::new(&cells, holds, &surface.net);
     let spots = places.spots(&surface.net, |_, _| true);
-    let before = turned(&spots);
+    let before = turned_of(&spots);
     if before == 0 {
         return Unfolded { before, found: Vec::new() };
     }
@@ -93,6 +101,51 @@ pub fn unfold(
     let mut soften = Soften { places: &places, spots, slide };
     let found = stiffnesses.iter().map_while(|&stiffness| soften.step(&mut work, stiffness));
     Unfolded { before, found: found.filter(|found| found.folds < before).collect() }
+}
+
+/// What a surface is mended by.
+pub struct Mending<'a> {
+    /// The surface.
+    pub surface: &'a Surface,
+    /// What it is to be nearer to.
+    pub samples: &'a Samples,
+    /// The first of these, by which it is told where the surface is turned over.
+    pub vertices: &'a Samples,
+    /// How the samples hold it.
+    pub holds: &'a [Hold],
+    /// Where they may move to.
+    pub slide: &'a Slide<'a>,
+    /// Where it is mended.
+    pub around: &'a [Uv],
+}
+
+/// Brings a surface nearer to its samples around some parameter points, where it is to have
+/// no more places that are turned over than before. Only the control points around these
+/// points move, and those around folds that this makes. `None` if it cannot be.
+pub fn mend(of: &Mending, stiffness: f64) -> Option<Found> {
+    let knots = [&of.surface.u, &of.surface.v];
+    let cells = Cells::new(of.samples, knots);
+    let seen = Cells::new(of.vertices, knots);
+    let places = Places::new(&seen, &of.holds[..of.vertices.len()], &of.surface.net);
+    let mut work = Work::new(of.surface, &cells, of.holds);
+    work.free_around(of.around);
+    let mut spots = places.spots(&of.surface.net, |p, q| work.touches(p, q));
+    let before = turned_of(&spots);
+    let mut best = None;
+    for round in 0..ROUNDS {
+        work.round(stiffness, &spots, of.slide)?;
+        spots = places.spots(&work.surface.net, |p, q| work.touches(p, q));
+        let folds = turned_of(&spots);
+        if folds > before {
+            work.widen(&spots);
+            continue;
+        }
+        best = Some(Found { surface: work.surface.clone(), uv: work.uv.clone(), folds });
+        if round + 1 >= MENDING {
+            break;
+        }
+    }
+    best
 }
 
 /// Folds on their way out.
@@ -118,7 +171,7 @@ impl Soften<'_> {
                 break;
             }
             self.spots = self.places.spots(&work.surface.net, |p, q| work.touches(p, q));
-            let folds = turned(&self.spots);
+            let folds = turned_of(&self.spots);
             if folds == 0 && best.as_ref().is_none_or(|best| best.folds > 0) {
                 last = last.min(round + SETTLING);
             }
@@ -131,7 +184,7 @@ impl Soften<'_> {
     }
 }
 
-fn turned(spots: &[Spot]) -> usize {
+fn turned_of(spots: &[Spot]) -> usize {
     spots.iter().filter(|s| s.is_turned()).count()
 }
 
@@ -185,6 +238,31 @@ mod tests {
         for n in 0..10_000 {
             let jet = flat.jet(Uv::new((n / 100) as f64 / 99.0, (n % 100) as f64 / 99.0));
             assert!(jet.su.cross(&jet.sv).z > 0.0, "{n}");
+        }
+    }
+
+    #[test]
+    fn a_surface_is_mended_around_a_place_and_stays_elsewhere() {
+        let (surface, samples, holds) = folded(0.0, [9, 11]);
+        let mut dented = surface.clone();
+        dented.net[9 * 20 + 10].z += 1.0;
+        let slide = |_: Vec<Uv>, wanted: Vec<Uv>| wanted;
+        let at = Uv::new(dented.u.greville(9), dented.v.greville(10));
+        let of = Mending {
+            surface: &dented,
+            samples: &samples,
+            vertices: &samples,
+            holds: &holds,
+            slide: &slide,
+            around: &[at],
+        };
+        let mended = mend(&of, STIFFNESSES[2]).unwrap();
+        let off = |of: &Surface| (of.point(at) - surface.point(at)).norm();
+        assert!(off(&mended.surface) < 0.1 * off(&dented), "{}", off(&mended.surface));
+        assert_eq!(mended.folds, 0);
+        // Four rows and columns around the cell move, and the four that reach into it.
+        for n in (0..400).filter(|n| (n / 20_usize).abs_diff(8) > 8) {
+            assert_eq!(mended.surface.net[n], dented.net[n], "{n}");
         }
     }
 

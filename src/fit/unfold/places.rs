@@ -85,11 +85,6 @@ impl<'a> Places<'a> {
         places
     }
 
-    /// How many there are.
-    pub fn count(&self) -> usize {
-        count(self.cells.knots)
-    }
-
     /// Places that spread too little in the cells that are `chosen`.
     pub fn spots(&self, net: &[Vector], chosen: impl Fn(usize, usize) -> bool + Sync) -> Vec<Spot> {
         let [across, down] = self.cells.counts();

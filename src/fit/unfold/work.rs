@@ -85,8 +85,19 @@ impl<'a> Work<'a> {
 
     /// Frees the control points around spots.
     pub fn widen(&mut self, spots: &[Spot]) {
+        self.free_cells(spots.iter().map(|s| s.cell));
+    }
+
+    /// Frees the control points around parameter points.
+    pub fn free_around(&mut self, at: &[Uv]) {
+        let [u, v] = &self.cells.spans;
+        self.free_cells(at.iter().map(|at| [u.find(at.x), v.find(at.y)]));
+    }
+
+    /// Frees the control points around cells.
+    pub fn free_cells(&mut self, cells: impl Iterator<Item = [usize; 2]>) {
         let [rows, width] = self.surface.shape();
-        for [p, q] in spots.iter().map(|s| s.cell) {
+        for [p, q] in cells {
             for i in p.saturating_sub(AROUND)..(p + 4 + AROUND).min(rows) {
                 let from = i * width + q.saturating_sub(AROUND);
                 self.free[from..i * width + (q + 4 + AROUND).min(width)].fill(true);
