@@ -211,11 +211,16 @@ struct Run {
     outer: Vec<(Point, Uv)>,
 }
 
+fn soup(scan: &VirtualScan) -> Soup {
+    let mut soup = Soup { points: scan.points.clone(), ..Soup::default() };
+    scan.triangles.iter().for_each(|t| soup.polygons.push(*t));
+    soup
+}
+
 fn run(truth: Truth, size: [usize; 2], noise: f64, options: Builder) -> Run {
     let holes = vec![Star { centre: [0.4, 0.6], radius: 0.1, arms: 4.0 }];
     let scan = VirtualScan::new(truth, size, noise, holes, 17);
-    let mut soup = Soup { points: scan.points.clone(), ..Soup::default() };
-    scan.triangles.iter().for_each(|t| soup.polygons.push(*t));
+    let soup = soup(&scan);
     let (mut vertices, mut outer) = (Vec::new(), Vec::new());
     let mut watch = |stage: Stage| {
         if let Stage::Parameterize(map, _) = stage {
@@ -311,8 +316,7 @@ fn outliers_pull_nothing_where_smoothing_is_off() {
         for p in &mut scan.points {
             p[2] += if random.next() < 0.01 { 6.0 * (random.next() - 0.5) } else { 0.0 };
         }
-        let mut soup = Soup { points: scan.points.clone(), ..Soup::default() };
-        scan.triangles.iter().for_each(|t| soup.polygons.push(*t));
+        let soup = soup(&scan);
         let options = Options::builder().smooth(Support::Off).build().expect("sound options");
         let c = convert(&soup, &options, &mut |_| Ok(())).expect("a conversion");
         let at = |i: usize| Uv::new((i / 80) as f64 / 79.0, (i % 80) as f64 / 79.0);
@@ -341,8 +345,7 @@ fn a_foot_is_where_the_normal_meets() {
 fn a_tolerance_below_the_noise_is_told_and_not_followed() {
     let noise = 0.05;
     let scan = VirtualScan::new(sheet, [70, 70], noise, Vec::new(), 5);
-    let mut soup = Soup { points: scan.points.clone(), ..Soup::default() };
-    scan.triangles.iter().for_each(|t| soup.polygons.push(*t));
+    let soup = soup(&scan);
     let converted = |tolerance: f64| {
         let options = Options::builder().smooth(Support::Off).tolerance(tolerance);
         convert(&soup, &options.build().expect("sound options"), &mut |_| Ok(())).expect("a face")

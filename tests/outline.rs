@@ -96,6 +96,7 @@ fn a_named_tolerance_holds_up_to_the_outer_loop() {
     for tolerance in [0.02, 0.05] {
         let c = run(&relief_scan(), Outline::Free, Some(tolerance)).conversion;
         assert_eq!(c.missed.points, 0, "{} of {tolerance}", c.fit_deviation.max);
+        assert!(c.tolerance_met(0.0), "{:?}", c.face_to_scan);
     }
 }
 

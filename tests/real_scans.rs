@@ -48,6 +48,7 @@ fn a_named_tolerance_leaves_room_for_a_surface_without_folds() {
     converted(&[&[arg(&scan), arg(&step), "--report", arg(&report)], &asked[..]].concat());
     let r = json(&report);
     assert_eq!((&r["fit"]["folds"], &r["fit"]["within_pct"]), (&0.into(), &100.0.into()));
+    assert_eq!(r["tolerance_met"], true);
     assert_eq!(opencascade(&step, None)["argument_check"], true);
 }
 

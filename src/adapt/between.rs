@@ -3,7 +3,6 @@
 //! Where the map draws triangles out over several knot cells, no sample holds the surface
 //! within them: it may go anywhere, and no vertex is far from it.
 
-use crate::deviation::Between;
 use crate::geometry::Uv;
 use crate::parameterize::Parameterized;
 use crate::spline::{KnotVector, Surface};
@@ -17,29 +16,6 @@ const HALVINGS: usize = 2;
 pub fn are_sparse(map: &Parameterized, uv: &[Uv], surface: &Surface) -> bool {
     let cells = Widths::new(surface);
     !map.long_sides(uv, |a, b| cells.are_exceeded(a, b)).is_empty()
-}
-
-/// A triangle that a surface leaves, by its number.
-#[derive(Debug, Clone, Copy)]
-pub struct Left {
-    pub triangle: usize,
-    /// How far, of the tolerance and what a flat triangle misses itself there.
-    pub ratio: f64,
-}
-
-/// The measured triangles that a surface leaves by more than such a `share`, with the vertices
-/// at `uv`.
-pub fn left(
-    map: &Parameterized,
-    uv: &[Uv],
-    surface: &Surface,
-    tolerance: f64,
-    share: f64,
-) -> Vec<Left> {
-    let measured = map.measured_triangles();
-    let between = Between::new(&map.patch.mesh, &measured, uv, surface);
-    let left = between.left(tolerance, share).into_iter();
-    left.map(|(triangle, ratio)| Left { triangle, ratio }).collect()
 }
 
 /// Halves the sides that span more than a knot cell.

@@ -5,7 +5,6 @@ use super::search::{Attempt, LEAST_AREA, Search};
 use crate::error::Result;
 use crate::fit::{self, STIFFNESSES};
 use crate::geometry::Uv;
-use crate::spline::Surface;
 
 /// How often at the most knots make room for a surface without folds; once, after there
 /// has been one with fewer.
@@ -79,8 +78,8 @@ impl Search<'_> {
         self.take_up(attempt, LEAST_AREA);
         let folded = fit::folded(surface, &self.target.samples, &self.holds);
         let misses = || {
-            let left = between::left(map, uv, surface, self.goal.tolerance, 1.0).len();
-            left as f64 / map.measured_triangles().len().max(1) as f64
+            let left = self.target.left(surface, uv, self.goal.tolerance, 1.0).len();
+            left as f64 / self.target.measured_triangles.len().max(1) as f64
         };
         folded < CRUMPLED && (folded > 0.0 || misses() > self.goal.outliers)
     }
@@ -135,22 +134,5 @@ impl Search<'_> {
                 (tried.folds, tried.found) = (folds, Some(attempt));
             }
         }
-    }
-
-    /// An attempt at a surface that came of another one, with the samples at `uv`.
-    pub(super) fn attempted(&self, surface: Surface, mut uv: Vec<Uv>, fit: fit::Report) -> Attempt {
-        uv.truncate(self.target.uv().len());
-        let mut feet = self.target.feet_from(&surface, &uv);
-        let uv = self.target.corrected(uv, feet.uv.clone(), LEAST_AREA);
-        if self.goal.named {
-            self.target.stay_at_loops(&surface, &uv, &mut feet);
-        }
-        let beyond = feet.beyond(self.goal.tolerance);
-        Attempt { surface, fit, uv, weights: self.target.weights.clone(), feet, beyond }
-    }
-
-    /// How many points a share of the measured ones is.
-    pub(super) fn share(&self, share: f64) -> usize {
-        (share * self.target.measured() as f64) as usize
     }
 }

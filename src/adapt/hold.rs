@@ -4,10 +4,9 @@
 //! such a triangle then hold the surface, too, and it is mended around them rather than fitted
 //! anew, which would bring folds back that have been taken out.
 
-use super::between::{self, Left};
-use super::places::AIM;
+use super::places::{AIM, Maker};
 use super::search::{Attempt, LEAST_AREA, Search};
-use crate::deviation::{narrowest, spanned};
+use crate::deviation::Left;
 use crate::fit::{self, STIFFNESSES};
 use crate::geometry::Uv;
 
@@ -47,9 +46,9 @@ impl Search<'_> {
             return (start, turned);
         }
         let mut misses = self.misses(&start);
-        let triangles = self.target.map.measured_triangles().len() as f64;
+        let triangles = self.target.measured_triangles.len();
         let is_hopeless = start.beyond.0 > self.spared() + self.share(MOST_BEYOND)
-            || misses.left.len() as f64 > MOST_LEFT * triangles;
+            || misses.left.len() as f64 > MOST_LEFT * triangles as f64;
         if misses.count == 0 || is_hopeless {
             return (start, turned);
         }
@@ -83,11 +82,15 @@ impl Search<'_> {
 
     /// How many knot cells, the narrowest ones, a measured triangle has in the mean.
     fn cells_a_triangle(&self, of: &Attempt) -> f64 {
-        let (mesh, cells) = (&self.target.map.patch.mesh, narrowest(&of.surface));
-        let measured = self.target.map.measured_triangles();
-        let corners = |t: &usize| mesh.triangles[*t].map(|v| of.uv[v.index()]);
-        let all: f64 = measured.iter().map(|t| spanned(corners(t), cells).powi(2)).sum();
+        let maker = self.maker(of);
+        let measured = &self.target.measured_triangles;
+        let all: f64 = measured.iter().map(|&t| maker.spanned(t).powi(2)).sum();
         all / measured.len().max(1) as f64
+    }
+
+    /// What makes places on the triangles over an attempt's surface.
+    fn maker<'m>(&'m self, of: &'m Attempt) -> Maker<'m> {
+        Maker::new(&self.target.map.patch.mesh, &self.holds, &of.uv, &of.surface)
     }
 
     /// How many places of an attempt are turned over.
@@ -99,10 +102,10 @@ impl Search<'_> {
 
     /// What an attempt misses.
     fn misses(&self, of: &Attempt) -> Misses {
-        let (map, tolerance) = (self.target.map, self.goal.tolerance);
-        let left = between::left(map, &self.corrected(of), &of.surface, tolerance, AIM);
+        let target = &self.target;
+        let left = target.left(&of.surface, &self.corrected(of), self.goal.tolerance, AIM);
         let beyond = left.iter().filter(|left| left.ratio > 1.0).count();
-        let spared = self.goal.outliers * map.measured_triangles().len() as f64;
+        let spared = self.goal.outliers * target.measured_triangles.len() as f64;
         let count =
             beyond.saturating_sub(spared as usize) + of.beyond.0.saturating_sub(self.spared());
         Misses { left, count }
@@ -110,9 +113,11 @@ impl Search<'_> {
 
     /// Puts places where an attempt leaves triangles.
     fn hold_places(&mut self, of: &Attempt, left: &[Left]) {
-        self.target.places.hold(left, self.target.map, &of.uv, &of.surface);
-        self.target.take_places();
-        self.holds = self.target.holds();
+        let mut places = std::mem::take(&mut self.target.places);
+        places.hold(left, &self.maker(of), &self.target.measured_triangles);
+        self.holds.truncate(self.target.uv().len());
+        self.holds.extend(places.all.iter().map(|place| place.hold));
+        self.target.take(places);
     }
 
     /// An attempt's surface brought nearer to the vertices and the triangles that it misses.

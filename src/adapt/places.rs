@@ -5,13 +5,11 @@ use std::ops::Range;
 
 use foldhash::HashMap;
 
-use super::between::Left;
 use super::target::MOST_PRESSURE;
-use crate::deviation::{middles, narrowest, spanned};
+use crate::deviation::{Left, middles, narrowest, spanned};
 use crate::fit::Hold;
 use crate::geometry::{Point, Uv, Vector, VertexId};
 use crate::mesh::Mesh;
-use crate::parameterize::Parameterized;
 use crate::spline::{KnotVector, Surface};
 
 /// What all places of a triangle weigh together, in vertices: a mesh has half as many vertices
@@ -69,25 +67,24 @@ impl Places {
 
     /// Gives weight to the places of triangles that a surface leaves (Lawson's iteration).
     /// Where a triangle has none yet, it gets them, and so do those beside it that span a
-    /// knot cell: what the surface leaves the one for would be the next.
-    pub fn hold(&mut self, left: &[Left], map: &Parameterized, uv: &[Uv], surface: &Surface) {
-        let mesh = &map.patch.mesh;
-        let (normals, cells) = (mesh.vertex_normals(), narrowest(surface));
-        let maker = Maker { mesh, normals, uv, knots: [&surface.u, &surface.v], cells };
+    /// knot cell, of those that were `measured`: what the surface leaves the one for would be
+    /// the next.
+    pub fn hold(&mut self, left: &[Left], maker: &Maker, measured: &[usize]) {
+        let mesh = maker.mesh;
         let mut beside = vec![false; mesh.points.len()];
         for &Left { triangle, ratio } in left {
             let held = self.of(triangle);
             let places = self.all[held.clone()].iter_mut();
             places.for_each(|place| place.weight *= (ratio / AIM).powi(2).min(MOST_PRESSURE));
             if held.is_empty() {
-                self.add(&maker, triangle);
+                self.add(maker, triangle);
             }
             mesh.triangles[triangle].iter().for_each(|v| beside[v.index()] = true);
         }
-        for triangle in map.measured_triangles() {
+        for &triangle in measured {
             let is_beside = mesh.triangles[triangle].iter().any(|v| beside[v.index()]);
             if is_beside && self.of(triangle).is_empty() && maker.spanned(triangle) > 1.0 {
-                self.add(&maker, triangle);
+                self.add(maker, triangle);
             }
         }
     }
@@ -100,7 +97,7 @@ impl Places {
 }
 
 /// What makes places.
-struct Maker<'a> {
+pub struct Maker<'a> {
     mesh: &'a Mesh,
     normals: Vec<Vector>,
     uv: &'a [Uv],
@@ -109,8 +106,16 @@ struct Maker<'a> {
     cells: [f64; 2],
 }
 
-impl Maker<'_> {
-    fn spanned(&self, triangle: usize) -> f64 {
+impl<'a> Maker<'a> {
+    /// One for a surface over a mesh with vertices at `uv`, whose normals are those of `holds`.
+    pub fn new(mesh: &'a Mesh, holds: &[Hold], uv: &'a [Uv], surface: &'a Surface) -> Self {
+        let normals = holds.iter().map(|hold| hold.normal).collect();
+        let (knots, cells) = ([&surface.u, &surface.v], narrowest(surface));
+        Maker { mesh, normals, uv, knots, cells }
+    }
+
+    /// How many of the narrowest cells a triangle spans.
+    pub fn spanned(&self, triangle: usize) -> f64 {
         spanned(self.mesh.triangles[triangle].map(|v| self.uv[v.index()]), self.cells)
     }
 
@@ -157,7 +162,9 @@ impl Maker<'_> {
             let at = a + (b - a) * *x + (c - a) * *y;
             let cell = [0, 1].map(|k| self.part(k, at[k]));
             let is_first = !cells.contains(&cell);
-            cells.push(cell);
+            if is_first {
+                cells.push(cell);
+            }
             is_first
         };
         middles(n).map(|(x, y)| [1.0 - x - y, x, y]).filter(is_first).collect()

@@ -110,6 +110,18 @@ impl<'a> Search<'a> {
         Ok(Attempt { surface, fit, uv, weights, feet, beyond })
     }
 
+    /// An attempt at a surface that came of another one, with the samples at `uv`.
+    pub(super) fn attempted(&self, surface: Surface, mut uv: Vec<Uv>, fit: fit::Report) -> Attempt {
+        uv.truncate(self.target.uv().len());
+        let mut feet = self.target.feet_from(&surface, &uv);
+        let uv = self.target.corrected(uv, feet.uv.clone(), LEAST_AREA);
+        if self.goal.named {
+            self.target.stay_at_loops(&surface, &uv, &mut feet);
+        }
+        let beyond = feet.beyond(self.goal.tolerance);
+        Attempt { surface, fit, uv, weights: self.target.weights.clone(), feet, beyond }
+    }
+
     /// A fit over the knots of an attempt at a map that has got more vertices since.
     pub fn again(&mut self, before: Attempt) -> Result<Attempt> {
         let weights = self.target.weights.iter_mut().zip(&before.weights);
@@ -172,7 +184,7 @@ impl<'a> Search<'a> {
     /// Presses the surface on the points that it misses, as long as that helps: least
     /// squares leave single points far off that the net could reach.
     pub(super) fn press(&mut self, mut best: Attempt) -> Result<Attempt> {
-        let few = (PRESSED_SHARE * self.target.measured() as f64) as usize;
+        let few = self.share(PRESSED_SHARE);
         for _ in 0..PRESSES {
             if self.met(&best) || best.beyond.0 > few {
                 break;
@@ -194,7 +206,12 @@ impl<'a> Search<'a> {
 
     /// How many points may be beyond the tolerance.
     pub(super) fn spared(&self) -> usize {
-        (self.goal.outliers * self.target.measured() as f64) as usize
+        self.share(self.goal.outliers)
+    }
+
+    /// How many points a share of the measured ones is.
+    pub(super) fn share(&self, share: f64) -> usize {
+        (share * self.target.measured() as f64) as usize
     }
 
     /// Puts in knots until the tolerance is met or nothing helps.

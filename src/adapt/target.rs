@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::correct::{area, corrected, with_skirt};
 use super::places::Places;
 use super::weights::{CORNER, weights};
+use crate::deviation::{Between, Left};
 use crate::fit::Hold;
 use crate::geometry::{Point, Uv, Vector, VertexId, uv_bounds};
 use crate::knots::Miss;
@@ -23,6 +24,8 @@ pub(super) const MOST_PRESSURE: f64 = 25.0;
 /// A map's vertices as samples.
 pub struct Target<'a> {
     pub map: &'a Parameterized,
+    /// The numbers of the map's triangles that were measured.
+    pub(super) measured_triangles: Vec<usize>,
     /// The map's triangles, and then its skirt's.
     triangles: Vec<[VertexId; 3]>,
     /// Twice their areas in the map as it was made.
@@ -61,8 +64,18 @@ impl<'a> Target<'a> {
         let made = triangles.par_iter().map(|&t| area(&at, t)).collect();
         let samples = Samples { points, uv, weights: weights.clone(), open };
         let at_loops = at_loops(map);
-        let (places, outliers) = (Places::default(), Vec::new());
-        Target { map, triangles, made, corners, at_loops, places, samples, weights, outliers }
+        Target {
+            map,
+            measured_triangles: map.measured_triangles(),
+            triangles,
+            made,
+            corners,
+            at_loops,
+            places: Places::default(),
+            samples,
+            weights,
+            outliers: Vec::new(),
+        }
     }
 
     /// Measured vertices.
@@ -109,6 +122,13 @@ impl<'a> Target<'a> {
         (samples, &holds[..count])
     }
 
+    /// The measured triangles that a surface leaves by more than such a `share` of the
+    /// tolerance and what a flat triangle misses itself, with the vertices at `uv`.
+    pub fn left(&self, surface: &Surface, uv: &[Uv], tolerance: f64, share: f64) -> Vec<Left> {
+        let mesh = &self.map.patch.mesh;
+        Between::new(mesh, &self.measured_triangles, uv, surface).left(tolerance, share)
+    }
+
     /// Gives the vertices these parameters, and the places those between.
     pub fn set_uv(&mut self, uv: Vec<Uv>) {
         self.samples.uv = self.with_places(uv);
@@ -151,7 +171,7 @@ impl<'a> Target<'a> {
         }
     }
 
-    /// How the samples hold a surface that slides along them: by their normals, the
+    /// How the vertices hold a surface that slides along them: by their normals, the
     /// outer boundary on the domain's sides across its course, too, and the corners
     /// altogether.
     pub fn holds(&self) -> Vec<Hold> {
@@ -171,9 +191,7 @@ impl<'a> Target<'a> {
             };
             Hold { normal, metric, moves }
         };
-        let mut holds: Vec<Hold> = self.uv().par_iter().zip(normals).zip(along).map(hold).collect();
-        holds.extend(self.places.all.iter().map(|place| place.hold));
-        holds
+        self.uv().par_iter().zip(normals).zip(along).map(hold).collect()
     }
 
     /// Gives the samples the parameters of their feet, as far as every triangle keeps the
@@ -226,8 +244,9 @@ impl<'a> Target<'a> {
         self.give_weights();
     }
 
-    /// Makes samples of the places as they are now.
-    pub fn take_places(&mut self) {
+    /// Makes samples of places.
+    pub fn take(&mut self, places: Places) {
+        self.places = places;
         self.samples.points.truncate(self.weights.len());
         self.samples.points.extend(self.places.all.iter().map(|place| place.point));
         self.set_uv(self.uv().to_vec());

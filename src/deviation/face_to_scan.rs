@@ -65,6 +65,15 @@ pub(crate) struct Between<'a> {
     cells: [f64; 2],
 }
 
+/// A triangle that a surface leaves.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Left {
+    /// Its number in the mesh.
+    pub triangle: usize,
+    /// How far, of the tolerance and its chord error.
+    pub ratio: f64,
+}
+
 /// What a triangle's places say.
 struct Seen {
     /// The triangle's position among those looked at.
@@ -124,15 +133,16 @@ impl<'a> Between<'a> {
         }
     }
 
-    /// The triangles, by number, that the surface leaves by more than that share of the
-    /// tolerance and their chord error, and by which one.
-    pub(crate) fn left(&self, tolerance: f64, share: f64) -> Vec<(usize, f64)> {
+    /// The triangles that the surface leaves by more than that share of the tolerance and their
+    /// chord error.
+    pub(crate) fn left(&self, tolerance: f64, share: f64) -> Vec<Left> {
         let everywhere = |_| true;
-        let allowed = |i: usize| tolerance + self.chord_error(i);
-        let left =
-            self.misses(&self.bounds(&everywhere), tolerance, share, &everywhere).into_iter();
-        left.map(|seen| (self.triangles[seen.triangle], seen.distance / allowed(seen.triangle)))
-            .collect()
+        let left = |Seen { triangle: i, distance, .. }| Left {
+            triangle: self.triangles[i],
+            ratio: distance / (tolerance + self.chord_error(i)),
+        };
+        let seen = self.misses(&self.bounds(&everywhere), tolerance, share, &everywhere);
+        seen.into_iter().map(left).collect()
     }
 
     /// The farthest places of such triangles, of those that are on the face; no distance is

@@ -8,7 +8,7 @@ mod outline;
 
 pub use face::Face;
 pub use face_to_scan::FaceToScan;
-pub(crate) use face_to_scan::{Between, middles, narrowest, spanned};
+pub(crate) use face_to_scan::{Between, Left, middles, narrowest, spanned};
 
 use crate::geometry::Point;
 use rayon::prelude::*;

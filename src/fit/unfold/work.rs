@@ -95,7 +95,7 @@ impl<'a> Work<'a> {
     }
 
     /// Frees the control points around cells.
-    pub fn free_cells(&mut self, cells: impl Iterator<Item = [usize; 2]>) {
+    fn free_cells(&mut self, cells: impl Iterator<Item = [usize; 2]>) {
         let [rows, width] = self.surface.shape();
         for [p, q] in cells {
             for i in p.saturating_sub(AROUND)..(p + 4 + AROUND).min(rows) {
