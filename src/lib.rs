@@ -102,6 +102,7 @@ mod file;
 pub mod fill;
 pub mod fit;
 pub mod geometry;
+mod hints;
 mod input;
 pub mod knots;
 mod lengths;
@@ -115,6 +116,7 @@ mod sets;
 pub mod smooth;
 pub mod spline;
 pub mod trim;
+pub mod words;
 
 pub use adapt::{Adapted, KnotOptions};
 pub use course::Course;
@@ -224,6 +226,9 @@ pub struct Conversion {
     pub trim: Vec<trim::LoopReport>,
     /// How far a loop may be from its rim, in mm.
     pub rim_tolerance: f64,
+    /// What could be better, and what to do about it: a sentence each. Options have the
+    /// names that they have on the command line.
+    pub hints: Vec<String>,
 }
 
 impl Conversion {
@@ -305,7 +310,10 @@ pub fn convert_component(
     let mut shown = lengths::Shown::new(watch, scan.mm());
     let own = options.in_lengths(scan.mm());
     match pipeline(scan, &own, &mut |stage| shown.see(stage)) {
-        Ok(conversion) => Ok(conversion.with_named(options)),
+        Ok(conversion) => {
+            let conversion = conversion.with_named(options);
+            Ok(Conversion { hints: hints::of(&conversion, options), ..conversion })
+        }
         Err(error) => Err(shown.in_mm(error).with_named(options)),
     }
 }
@@ -407,6 +415,7 @@ fn pipeline(
         outer: outer.map(|(control, off)| (control, mm * off)),
         trim,
         rim_tolerance: mm * trim_options.rim,
+        hints: Vec::new(),
     })
 }
 

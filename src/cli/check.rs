@@ -7,8 +7,8 @@ use serde_json::{Value, json};
 
 use super::args::{Check, Component};
 use super::input::{self, Scan};
-use super::progress::mm;
 use super::{Failure, Outcome, plural, report, streams};
+use scan2step::words::mm;
 
 /// Reads both, measures, prints.
 pub fn run(args: &Check) -> Result<Outcome, Failure> {

@@ -45,7 +45,7 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
         at_rims.for_each(|repair| talk::repaired(&progress, repair));
         talk::found(&progress, args, c);
     }
-    let hints = hints::all(args, &options, &scan, &conversions);
+    let hints = hints::all(args, &scan, &conversions);
     let context = report::Context {
         scan: &scan,
         options: settings::as_json(args),
@@ -99,7 +99,7 @@ impl Run<'_> {
                 self.progress.ended(stage.name(), &talk::made(&stage));
                 if let Stage::Parameterize(_, Some(found)) = &stage {
                     // Before the time for it is spent.
-                    let hint = hints::crushed(found);
+                    let hint = found.to_string();
                     self.progress.hint(&hint);
                     self.said.push(hint);
                 }

@@ -1,40 +1,18 @@
-//! What could be better of a conversion, and what the user can do about it.
+//! What could be better, and what the user can do about it: of all that was converted.
 
-use scan2step::adapt::Folds;
-use scan2step::geometry::Point;
-use scan2step::parameterize::Crushed;
-use scan2step::{Conversion, Options, smooth};
+use scan2step::Conversion;
+use scan2step::words::mm;
 
 use super::args::{Component, Convert};
 use super::input::Scan;
-use super::progress::mm;
-use super::talk::beyond;
 
-/// What could be better, and how.
-pub fn all(
-    args: &Convert,
-    options: &Options,
-    scan: &Scan,
-    conversions: &[Conversion],
-) -> Vec<String> {
+/// The hints of all conversions, with those that only the command line knows of.
+pub fn all(args: &Convert, scan: &Scan, conversions: &[Conversion]) -> Vec<String> {
     let mut hints: Vec<String> = size(scan, conversions).into_iter().collect();
     for (k, c) in conversions.iter().enumerate() {
         let part = if conversions.len() > 1 { format!("component {k}: ") } else { String::new() };
-        let own = [
-            missed(args, c),
-            hindered(c),
-            flattened(args, c),
-            strayed_corner(options, c),
-            c.crushed.as_ref().map(crushed),
-            stretched(c),
-            folded(c),
-            astray(c),
-            loose(args, c),
-            large(c),
-            small_holes(args, c),
-            others(args, c),
-        ];
-        hints.extend(own.into_iter().flatten().map(|hint| part.clone() + &hint));
+        let own = c.hints.iter().cloned().chain(others(args, c));
+        hints.extend(own.map(|hint| part.clone() + &hint));
     }
     hints
 }
@@ -56,183 +34,6 @@ fn size(scan: &Scan, conversions: &[Conversion]) -> Option<String> {
         format!(
             "the scan is {} across if its numbers are mm; --units m, cm or in if they are not",
             mm(across)
-        )
-    })
-}
-
-/// A tolerance of the program's own that does not hold is no failure.
-fn missed(args: &Convert, c: &Conversion) -> Option<String> {
-    let held = c.tolerance_named || c.tolerance_met(args.how.outliers / 100.0);
-    (!held).then(|| format!("the face is not as good as the scan: {}", beyond(c)))
-}
-
-/// A tolerance in standard deviations of the noise that all points but a few of a million keep.
-const SAFE: f64 = 5.0;
-
-/// No surface keeps to noisy points unless it follows the noise.
-fn hindered(c: &Conversion) -> Option<String> {
-    let noise = c.fit.hindrance?;
-    Some(format!(
-        "the points scatter by {} (standard deviation) around a face that follows the shape, so that one within {} of them all would have to follow the noise; a --tolerance of {} or more, or --smooth auto, leaves that out",
-        mm(noise),
-        mm(c.tolerance),
-        mm(SAFE * noise)
-    ))
-}
-
-/// Fewer points do not tell noise from shape. A support that moves points by so many
-/// times the noise is too long.
-const FEW_POINTS: usize = 1000;
-const MOVED: f64 = 2.0;
-
-/// The tolerance is held against smoothed points.
-fn flattened(args: &Convert, c: &Conversion) -> Option<String> {
-    let (points, [off, noise]) = (c.deviation.distances.len(), [c.deviation.max, c.smooth.noise]);
-    let what = match args.how.smooth {
-        _ if off <= c.tolerance || c.smooth.moved_max == 0.0 => return None,
-        smooth::Support::Auto if points < FEW_POINTS => format!(
-            "of so few points ({points}) what is taken for noise, {}, may be shape; if the scan is clean, --smooth off keeps to them",
-            mm(noise)
-        ),
-        smooth::Support::Fixed(h) if noise == 0.0 => format!(
-            "--smooth {h} moves them by up to {}, though the scan shows no noise; auto leaves them alone",
-            mm(c.smooth.moved_max)
-        ),
-        smooth::Support::Fixed(h) if c.smooth.moved_rms > MOVED * noise => format!(
-            "--smooth {h} moves them by {:.0} times the noise; a smaller one, or auto, keeps the shape",
-            c.smooth.moved_rms / noise
-        ),
-        _ => return None,
-    };
-    let named = if args.how.tolerance.is_some() { "named" } else { "derived" };
-    Some(format!(
-        "measured points are up to {} from the face, while the tolerance {named}, {}, holds for smoothed ones: {what}",
-        mm(off),
-        mm(c.tolerance)
-    ))
-}
-
-/// The share of the scan's size that a named corner may be away from the boundary.
-const ASIDE: f64 = 0.1;
-
-fn strayed_corner(options: &Options, c: &Conversion) -> Option<String> {
-    let named = options.corners()?;
-    let [m, n] = c.surface.shape();
-    let corners = [(0, 0), (m - 1, 0), (m - 1, n - 1), (0, n - 1)];
-    let corners = corners.map(|(i, j)| Point::from(c.surface.control(i, j)));
-    let off = |p: &Point| corners.iter().map(|q| (p - q).norm()).fold(f64::INFINITY, f64::min);
-    let (at, off) = named.map(|p| (p, off(&p))).into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (off > ASIDE * across(std::slice::from_ref(c))).then(|| {
-        format!(
-            "the corner named at ({:.3}, {:.3}, {:.3}) is {} from the outer boundary, whose nearest vertex was taken; count vertices from 0, and name points in the scan's own numbers",
-            at.x, at.y, at.z, mm(off)
-        )
-    })
-}
-
-/// Where no affordable net can follow.
-pub fn crushed(crushed: &Crushed) -> String {
-    let ([m, n], at) = (crushed.spans, crushed.at);
-    format!(
-        "the map crushes what sticks out: near ({:.3}, {:.3}, {:.3}) the tolerance needs knots as close as in a net of {m:.0} × {n:.0}; cut the scan there and convert the pieces, or raise --tolerance or --max-net",
-        at.x, at.y, at.z
-    )
-}
-
-/// L² stretch above which control points are spent unevenly; 1 is none.
-const STRETCH: f64 = 2.5;
-
-fn stretched(c: &Conversion) -> Option<String> {
-    let stretch = c.parameterize.stretch;
-    (c.crushed.is_none() && stretch.l2 > STRETCH).then(|| {
-        format!(
-            "the map onto the square stretches the scan by {:.1} in the mean; --corners at other places, or cutting the scan, saves control points",
-            stretch.l2
-        )
-    })
-}
-
-/// Where the face itself folds CAD cannot offset or cut it.
-fn folded(c: &Conversion) -> Option<String> {
-    let Folds { turned, places, .. } = c.fit.folds.filter(|folds| folds.turned > 0)?;
-    Some(format!(
-        "the surface is turned over at {turned} of {places} places, which offsets and Boolean operations in CAD may not survive; a coarser --tolerance, or cutting the scan where it is ragged, leaves fewer"
-    ))
-}
-
-/// Where the face leaves the scan between its points, and nobody named a tolerance: at a share
-/// of the triangles that is more than noise explains.
-fn astray(c: &Conversion) -> Option<String> {
-    let back = &c.face_to_scan;
-    let share = back.beyond as f64 / back.triangles.max(1) as f64;
-    let [x, y, z] = back.max_at;
-    (!c.tolerance_named && share > c.spared).then(|| {
-        format!(
-            "between its points the face leaves the scan by up to {}, near ({x:.3}, {y:.3}, {z:.3}), and by more than the tolerance at {} of {} triangles; a --tolerance that is named is held there, too",
-            mm(back.max),
-            back.beyond,
-            back.triangles,
-        )
-    })
-}
-
-/// How many times the noise a named tolerance may be, unless it is less than this
-/// share of the scan's size anyway, and which share of the noise.
-const ABOVE_NOISE: f64 = 10.0;
-const FINE: f64 = 1e-3;
-const BELOW_NOISE: f64 = 0.1;
-
-fn loose(args: &Convert, c: &Conversion) -> Option<String> {
-    let tolerance = args.how.tolerance?;
-    let noise = c.smooth.noise;
-    if noise <= 0.0 {
-        return None;
-    }
-    let [ours, its] = [tolerance, noise].map(mm);
-    match tolerance / noise {
-        r if r > ABOVE_NOISE && tolerance > FINE * across(std::slice::from_ref(c)) => {
-            Some(format!(
-                "the tolerance, {ours}, is {r:.0} times the noise of the scan, {its}; a smaller --tolerance keeps more of its shape"
-            ))
-        }
-        r if r < BELOW_NOISE => Some(format!(
-            "the tolerance, {ours}, is far below the noise of the scan, {its}; a larger --tolerance needs fewer control points and loses nothing"
-        )),
-        _ => None,
-    }
-}
-
-/// Nets above this are slow in CAD programs.
-const LARGE: usize = 40_000;
-
-fn large(c: &Conversion) -> Option<String> {
-    let net = c.surface.net.len();
-    (net > LARGE).then(|| {
-        format!("{net} control points are many for a CAD program; a larger --tolerance needs fewer")
-    })
-}
-
-/// So many holes cut out that were better left filled, and the vertices of a rim
-/// that is one of them.
-const SMALL_HOLES: usize = 10;
-const SMALL_RIM: usize = 16;
-
-fn small_holes(args: &Convert, c: &Conversion) -> Option<String> {
-    if args.how.fill_only_holes_below.is_some() {
-        return None;
-    }
-    let holes = c.fill.holes.iter().zip(&c.trimmed);
-    let small: Vec<f64> = holes
-        .filter(|(hole, cut)| **cut && hole.islands == 0 && hole.rim_vertices <= SMALL_RIM)
-        .map(|(hole, _)| hole.rim_length)
-        .collect();
-    (small.len() >= SMALL_HOLES).then(|| {
-        let longest = small.iter().copied().fold(0.0, f64::max);
-        format!(
-            "{} of the {} holes cut out are small; --fill-only-holes-below {:.3} leaves them filled",
-            small.len(),
-            c.trimmed.iter().filter(|cut| **cut).count(),
-            1.01 * longest
         )
     })
 }

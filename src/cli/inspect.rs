@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 
 use super::args::Inspect;
 use super::input::{self, Scan};
-use super::progress::mm;
 use super::{Failure, Outcome, report, streams};
+use scan2step::words::mm;
 
 /// Reads, repairs, looks, prints.
 pub fn run(args: &Inspect) -> Result<Outcome, Failure> {

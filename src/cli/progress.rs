@@ -156,13 +156,6 @@ fn length(components: u64) -> u64 {
     FINE * (first + last + components * each.iter().map(|(_, share)| share).sum::<u64>())
 }
 
-/// A length in mm with four significant digits, for people: scans are as large as
-/// a mountain and, with the wrong unit, as small as a grain.
-pub fn mm(length: f64) -> String {
-    let digits = if length > 0.0 { 3 - length.log10().floor() as i32 } else { 0 };
-    format!("{length:.*} mm", digits.clamp(0, 12) as usize)
-}
-
 /// The process's peak resident memory so far, in MB (10⁶ bytes); 0 where the
 /// system does not tell.
 pub fn peak_rss_mb() -> f64 {
@@ -170,18 +163,4 @@ pub fn peak_rss_mb() -> f64 {
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
     let kib = line.and_then(|l| l.trim().trim_end_matches("kB").trim().parse::<f64>().ok());
     kib.unwrap_or(0.0) * 1024.0 / 1e6
-}
-
-#[cfg(test)]
-mod tests {
-    use super::mm;
-
-    #[test]
-    fn lengths_have_four_digits() {
-        assert_eq!(mm(0.059712), "0.05971 mm");
-        assert_eq!(mm(22.532185), "22.53 mm");
-        assert_eq!(mm(53468.6), "53469 mm");
-        assert_eq!(mm(0.0), "0 mm");
-        assert_eq!(mm(1.2345e-5), "0.00001234 mm");
-    }
 }

@@ -1,11 +1,12 @@
 //! What `convert` says of a scan and of what became of it.
 
 use scan2step::mesh::{Bound, FaceOrigin};
+use scan2step::words::mm;
 use scan2step::{Conversion, Stage};
 
 use super::args::{Component, Convert};
 use super::input::Scan;
-use super::progress::{Progress, mm};
+use super::progress::Progress;
 use super::{Outcome, plural, streams};
 
 /// What a stage made.
@@ -124,33 +125,6 @@ pub fn verdict(args: &Convert, c: &Conversion) -> Outcome {
     if args.how.tolerance.is_none() || c.tolerance_met(args.how.outliers / 100.0) {
         return Outcome::Done;
     }
-    streams::say(format_args!("tolerance not met: {}", beyond(c)));
+    streams::say(format_args!("tolerance not met: {}", c.beyond()));
     Outcome::Missed
-}
-
-/// How many points, and how much of the face, are beyond the tolerance, and the worst.
-pub fn beyond(c: &Conversion) -> String {
-    let (tolerance, place) =
-        (mm(c.tolerance), |[x, y, z]: [f64; 3]| format!("({x:.3}, {y:.3}, {z:.3})"));
-    let mut parts = Vec::new();
-    if c.missed.points > 0 {
-        parts.push(format!(
-            "{} of {} points are farther than {tolerance} from the face; the worst, {}, at {}",
-            c.missed.points,
-            c.fit_deviation.distances.len(),
-            mm(c.missed.worst),
-            place(c.missed.worst_at),
-        ));
-    }
-    let back = &c.face_to_scan;
-    if c.tolerance_named && back.beyond > 0 {
-        parts.push(format!(
-            "the face is farther than {tolerance} and their chord error from {} of {} triangles; the worst, {}, at {}",
-            back.beyond,
-            back.triangles,
-            mm(back.max),
-            place(back.max_at),
-        ));
-    }
-    parts.join(", and ")
 }

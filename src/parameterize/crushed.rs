@@ -1,6 +1,8 @@
 //! Places that the map crushes so much that no affordable net holds the tolerance
 //! there.
 
+use std::fmt::{self, Display, Formatter};
+
 use rayon::prelude::*;
 
 use super::Parameterized;
@@ -21,6 +23,17 @@ impl Crushed {
     /// The same with all lengths times a factor.
     pub(crate) fn scaled(self, factor: f64) -> Self {
         Crushed { at: self.at * factor, ..self }
+    }
+}
+
+impl Display for Crushed {
+    fn fmt(&self, f: &mut Formatter) -> fmt::Result {
+        let ([m, n], at) = (self.spans, self.at);
+        write!(
+            f,
+            "the map crushes what sticks out: near ({:.3}, {:.3}, {:.3}) the tolerance needs knots as close as in a net of {m:.0} × {n:.0}; cut the scan there and convert the pieces, or raise --tolerance or --max-net",
+            at.x, at.y, at.z
+        )
     }
 }
 

@@ -18,7 +18,7 @@ use serde_json::{Value, json};
 use super::histogram::Histogram;
 use super::shown::Shown;
 use super::{Ends, data, plane, short};
-use crate::cli::progress::mm;
+use scan2step::words::mm;
 
 /// The page's program, in parts that share one function.
 const SCRIPT: &str = concat!(

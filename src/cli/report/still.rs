@@ -17,7 +17,7 @@ use super::histogram::Histogram;
 use super::shown::Shown;
 use super::{Ends, short};
 use crate::cli::plural;
-use crate::cli::progress::mm;
+use scan2step::words::mm;
 
 /// Pixels of the picture.
 const SIZE: [usize; 2] = [1600, 1000];
