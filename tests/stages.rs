@@ -118,7 +118,8 @@ fn trim_loops_follow_the_rims_on_the_surface() {
             assert!(l.max_from_rim < c.rim_tolerance, "{name}: {l:?}");
         }
         for l in &c.loops {
-            assert!((1..=4).contains(&l.edges.len()), "{name}");
+            // Parts of an edge of a loop cross so many knot lines that CAD can integrate along it.
+            assert!((2..=12).contains(&l.edges.len()), "{name}: {}", l.edges.len());
         }
     }
 }

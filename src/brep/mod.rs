@@ -76,8 +76,13 @@ fn topology(e: impl std::fmt::Display) -> Error {
     Error::Brep(BrepFault::Topology(e.to_string()))
 }
 
-/// The four sides of the patch, counter-clockwise from (0, 0): exact
-/// iso-curves, with lines of the parameter plane as pcurves.
+/// Knot spans of an edge on a side at the most: CAD systems integrate along the side of a
+/// thickened face with a bounded number of places. With 20 spans the sides' areas were up to
+/// 0.9 % off in OpenCASCADE, with 12 up to 0.3 %, undivided up to 6 %.
+const MOST_SPANS: usize = 12;
+
+/// The four sides of the patch, counter-clockwise from (0, 0), each in as many parts as it
+/// takes: exact iso-curves, with lines of the parameter plane as pcurves.
 pub fn outer_edges(surface: &Surface) -> Vec<(Curve<3>, Curve<2>, bool)> {
     let [nu, nv] = surface.shape();
     let along_u = |j: usize| {
@@ -89,16 +94,36 @@ pub fn outer_edges(surface: &Surface) -> Vec<(Curve<3>, Curve<2>, bool)> {
         Curve::new(surface.v.clone(), control)
     };
     let ((u0, u1), (v0, v1)) = (surface.u.range(), surface.v.range());
-    let line = |a: Vector2<f64>, b: Vector2<f64>, (from, to): (f64, f64)| {
-        Curve::new(KnotVector::clamped(1, &[from, to], 1), vec![a, b])
+    let at_v = |v: f64| move |t: f64| Vector2::new(t, v);
+    let at_u = |u: f64| move |t: f64| Vector2::new(u, t);
+    let mut sides = parts(&along_u(0), &at_v(v0), true);
+    sides.extend(parts(&along_v(nu - 1), &at_u(u1), true));
+    sides.extend(parts(&along_u(nv - 1), &at_v(v1), false));
+    sides.extend(parts(&along_v(0), &at_u(u0), false));
+    sides
+}
+
+/// The parts of a side, in the order in which the outer loop goes through them; `at` gives the
+/// parameter point of each place on it.
+fn parts(
+    side: &Curve<3>,
+    at: &dyn Fn(f64) -> Vector2<f64>,
+    forward: bool,
+) -> Vec<(Curve<3>, Curve<2>, bool)> {
+    let breaks = side.knots.breaks();
+    let spans = breaks.len() - 1;
+    let count = spans.div_ceil(MOST_SPANS);
+    let end = |i: usize| breaks[i * spans / count];
+    let part = |i: usize| {
+        let (from, to) = (end(i), end(i + 1));
+        let line = Curve::new(KnotVector::clamped(1, &[from, to], 1), vec![at(from), at(to)]);
+        (side.part(from, to), line, forward)
     };
-    let corner = Vector2::new;
-    vec![
-        (along_u(0), line(corner(u0, v0), corner(u1, v0), (u0, u1)), true),
-        (along_v(nu - 1), line(corner(u1, v0), corner(u1, v1), (v0, v1)), true),
-        (along_u(nv - 1), line(corner(u0, v1), corner(u1, v1), (u0, u1)), false),
-        (along_v(0), line(corner(u0, v0), corner(u0, v1), (v0, v1)), false),
-    ]
+    let mut parts: Vec<_> = (0..count).map(part).collect();
+    if !forward {
+        parts.reverse();
+    }
+    parts
 }
 
 /// A closed wire; neighbouring edges share their vertex.

@@ -22,7 +22,7 @@ const SURE_HALVINGS: usize = 10;
 /// `eps` / 4. On an importer that checks only a few points a coarser curve
 /// would claim more than it keeps.
 pub fn curve_on_surface(surface: &Surface, c: &Curve<2>, eps: f64) -> Curve<3> {
-    let breaks = smooth_breaks(surface, c);
+    let breaks = pieces_on_surface(surface, c);
     let mut knots = vec![breaks[0]];
     let mut pieces = Vec::new();
     for span in breaks.windows(2) {
@@ -50,8 +50,9 @@ pub fn off_surface(surface: &Surface, pcurve: &Curve<2>, edge: &Curve<3>) -> f64
     worst
 }
 
-/// The pcurve's knots and its crossings of the surface's knot lines.
-fn smooth_breaks(surface: &Surface, c: &Curve<2>) -> Vec<f64> {
+/// The ends of the pieces of a pcurve over which it traces polynomials: its own knots and its
+/// crossings of the surface's knot lines.
+pub fn pieces_on_surface(surface: &Surface, c: &Curve<2>) -> Vec<f64> {
     let own = c.knots.breaks();
     let mut all = own.clone();
     for (axis, lines) in [surface.u.breaks(), surface.v.breaks()].iter().enumerate() {

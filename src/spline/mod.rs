@@ -18,7 +18,7 @@ mod samples;
 pub(crate) mod spans;
 mod surface;
 
-pub use compose::{curve_on_surface, off_surface};
+pub use compose::{curve_on_surface, off_surface, pieces_on_surface};
 pub use curve::Curve;
 pub use edges::EdgeTree;
 pub use foot::{foot_point, foot_point_moving, last_step};

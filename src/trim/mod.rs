@@ -25,7 +25,7 @@ use crate::mesh::Bound;
 use crate::rules;
 use crate::spline::{
     Curve, EdgeTree, Nest, Outline, Place, Surface, crossings, curve_on_surface, misplaced,
-    off_surface,
+    off_surface, pieces_on_surface,
 };
 use course::Course;
 
@@ -46,9 +46,9 @@ pub struct Options {
 /// A loop that follows every tooth keeps to its rim within this share of the tolerance.
 const SHARE: f64 = 0.5;
 
-/// One that keeps its vertices within the tolerance uses this share of what that leaves: the
-/// distance that rules the knots is one to first order.
-const KEPT_SHARE: f64 = 0.9;
+/// One that keeps its vertices within the tolerance uses this share of what that leaves:
+/// it may cut off vertices beside the rim by a little more than those on it.
+const KEPT_SHARE: f64 = 0.7;
 
 /// Where the surface misses a vertex so far that the tolerance leaves less, a loop has room
 /// of this share of the tolerance around the vertex's foot.
@@ -295,12 +295,8 @@ fn traced(
     pcurves: Vec<Curve<2>>,
     accuracy: f64,
 ) -> (TrimLoop, LoopReport) {
-    let edge = |c: &Curve<2>| {
-        let mut edge = curve_on_surface(surface, c, accuracy);
-        decimal::lengths(&mut edge, accuracy);
-        edge
-    };
-    let edges: Vec<Curve<3>> = pcurves.iter().map(edge).collect();
+    let (pcurves, edges): (Vec<_>, Vec<_>) =
+        pcurves.into_iter().flat_map(|c| divided(surface, &c, accuracy)).unzip();
     let off = |(pcurve, edge)| off_surface(surface, pcurve, edge);
     let Rim { of, within, .. } = *rim;
     let report = LoopReport {
@@ -310,6 +306,26 @@ fn traced(
         max_from_rim: distance_to_edges(&rim.points, &edges),
     };
     (TrimLoop { of, within, pcurves, edges }, report)
+}
+
+/// Polynomial pieces of an edge at the most. CAD systems integrate along an edge with a bounded
+/// number of places: along the side of an extruded edge OpenCASCADE was up to 0.3 % off with
+/// twenty pieces, and up to 6 % with the loops of real sheets undivided.
+const MOST_PIECES: usize = 16;
+
+/// A pcurve in parts, each with the edge in space that it traces.
+fn divided(surface: &Surface, pcurve: &Curve<2>, accuracy: f64) -> Vec<(Curve<2>, Curve<3>)> {
+    let ends = pieces_on_surface(surface, pcurve);
+    let pieces = ends.len() - 1;
+    let count = pieces.div_ceil(MOST_PIECES);
+    let end = |i: usize| ends[i * pieces / count];
+    let part = |i: usize| {
+        let part = pcurve.part(end(i), end(i + 1));
+        let mut edge = curve_on_surface(surface, &part, accuracy);
+        decimal::lengths(&mut edge, accuracy);
+        (part, edge)
+    };
+    (0..count).map(part).collect()
 }
 
 /// The farthest of `points` from the edges, in mm.
