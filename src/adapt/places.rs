@@ -3,7 +3,7 @@
 
 use std::ops::Range;
 
-use foldhash::{HashMap, HashSet};
+use foldhash::HashMap;
 
 use super::target::MOST_PRESSURE;
 use crate::deviation::{Left, middles, narrowest, spanned};
@@ -23,9 +23,6 @@ const PARTS: f64 = 2.0;
 /// Places along a triangle's side at the most: beyond so many the thin-plate energy holds the
 /// cells between.
 const MOST_ALONG: usize = 32;
-
-/// A control point of a cell reaches so many cells beyond it.
-const REACH: usize = 3;
 
 /// The share of what a triangle may be left by that is aimed at: weights bring a surface to
 /// its aim from above, and ever more slowly.
@@ -68,23 +65,25 @@ impl Places {
         self.of.get(&triangle).cloned().unwrap_or_default()
     }
 
-    /// Gives weight to the places of triangles that a surface leaves (Lawson's iteration; with
-    /// the square of the ratio it swings).
-    /// Where a triangle has none yet, it gets them, and so do those of the `measured` ones that
-    /// span a knot cell where a mend moves the surface: it would leave these next.
+    /// Gives weight to the places of triangles that a surface leaves (Lawson's iteration).
+    /// Where a triangle has none yet, it gets them, and so do those beside it that span a
+    /// knot cell, of those that were `measured`: what the surface leaves the one for would be
+    /// the next.
     pub fn hold(&mut self, left: &[Left], maker: &Maker, measured: &[usize]) {
+        let mesh = maker.mesh;
+        let mut beside = vec![false; mesh.points.len()];
         for &Left { triangle, ratio } in left {
             let held = self.of(triangle);
             let places = self.all[held.clone()].iter_mut();
-            places.for_each(|place| place.weight *= (ratio / AIM).min(MOST_PRESSURE));
+            places.for_each(|place| place.weight *= (ratio / AIM).powi(2).min(MOST_PRESSURE));
             if held.is_empty() {
                 self.add(maker, triangle);
             }
+            mesh.triangles[triangle].iter().for_each(|v| beside[v.index()] = true);
         }
-        let moved = maker.moved(left);
         for &triangle in measured {
-            let free = self.of(triangle).is_empty() && maker.spanned(triangle) > 1.0;
-            if free && maker.cells_of(triangle).iter().any(|cell| moved.contains(cell)) {
+            let is_beside = mesh.triangles[triangle].iter().any(|v| beside[v.index()]);
+            if is_beside && self.of(triangle).is_empty() && maker.spanned(triangle) > 1.0 {
                 self.add(maker, triangle);
             }
         }
@@ -118,23 +117,6 @@ impl<'a> Maker<'a> {
     /// How many of the narrowest cells a triangle spans.
     pub fn spanned(&self, triangle: usize) -> f64 {
         spanned(self.mesh.triangles[triangle].map(|v| self.uv[v.index()]), self.cells)
-    }
-
-    /// The cells that the corners and the middle of a triangle are in.
-    fn cells_of(&self, triangle: usize) -> [[usize; 2]; 4] {
-        let [a, b, c] = self.mesh.triangles[triangle].map(|v| self.uv[v.index()]);
-        let middle = Uv::from((a.coords + b.coords + c.coords) / 3.0);
-        [a, b, c, middle].map(|at| [0, 1].map(|k| self.knots[k].span(at[k])))
-    }
-
-    /// The cells in which a mend around triangles moves the surface.
-    fn moved(&self, left: &[Left]) -> HashSet<[usize; 2]> {
-        let around = |[u, v]: [usize; 2]| {
-            let near = |span: usize| span.saturating_sub(REACH)..=span + REACH;
-            near(u).flat_map(move |u| near(v).map(move |v| [u, v]))
-        };
-        let cells = left.iter().flat_map(|left| self.cells_of(left.triangle));
-        cells.flat_map(around).collect()
     }
 
     /// A triangle's places, one in each part of a knot cell at the most.

@@ -12,7 +12,7 @@ use crate::{Options, fit, knots, rules};
 
 /// A round that does not bring the number of points beyond the target down to this
 /// share, nor the worst of them, is idle.
-pub(super) const WORTHWHILE: f64 = 0.95;
+const WORTHWHILE: f64 = 0.95;
 
 /// Idle rounds that may follow each other: a round may add a few knots only.
 const PATIENCE: usize = 4;

@@ -33,7 +33,7 @@ pub struct Target<'a> {
     /// Vertices at corners of the domain.
     corners: Vec<usize>,
     /// Vertices on loops and beside them.
-    pub(super) at_loops: Vec<usize>,
+    at_loops: Vec<usize>,
     /// Places between vertices.
     pub(super) places: Places,
     /// Points, current parameters, and weights in the next fit: the vertices', then the
@@ -50,7 +50,7 @@ pub struct Feet {
     pub uv: Vec<Uv>,
     /// Distances, in mm.
     pub distances: Vec<f64>,
-    pub(super) measured: usize,
+    measured: usize,
 }
 
 impl<'a> Target<'a> {
