@@ -218,7 +218,7 @@ pub struct Conversion {
     pub fit_deviation: deviation::Deviation,
     /// Deviation of the points as they were measured.
     pub deviation: deviation::Deviation,
-    /// The outer boundary on the surface's sides: control points of its four edges,
+    /// The outer boundary on the surface's sides: control points of its edges,
     /// and the farthest, in mm, that a smoothed boundary vertex is from them.
     /// `None`: it is one of the loops.
     pub outer: Option<(usize, f64)>,

@@ -12,7 +12,7 @@ use nalgebra::Vector2;
 use truck_modeling as truck;
 
 use crate::error::{BrepFault, Error, Result};
-use crate::spline::{Curve, KnotVector, Surface};
+use crate::spline::{Curve, KnotVector, Surface, runs};
 
 /// A loop of edges, each with its pcurve and the direction in which the loop
 /// uses it.
@@ -110,16 +110,12 @@ fn parts(
     at: &dyn Fn(f64) -> Vector2<f64>,
     forward: bool,
 ) -> Vec<(Curve<3>, Curve<2>, bool)> {
-    let breaks = side.knots.breaks();
-    let spans = breaks.len() - 1;
-    let count = spans.div_ceil(MOST_SPANS);
-    let end = |i: usize| breaks[i * spans / count];
-    let part = |i: usize| {
-        let (from, to) = (end(i), end(i + 1));
-        let line = Curve::new(KnotVector::clamped(1, &[from, to], 1), vec![at(from), at(to)]);
-        (side.part(from, to), line, forward)
+    let ends = runs(&side.knots.breaks(), MOST_SPANS, 1);
+    let part = |w: &[f64]| {
+        let line = Curve::new(KnotVector::clamped(1, w, 1), vec![at(w[0]), at(w[1])]);
+        (side.part(w[0], w[1]), line, forward)
     };
-    let mut parts: Vec<_> = (0..count).map(part).collect();
+    let mut parts: Vec<_> = ends.windows(2).map(part).collect();
     if !forward {
         parts.reverse();
     }

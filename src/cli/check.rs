@@ -3,12 +3,12 @@
 use formats::cad::{CadModel, read_cad};
 use scan2step::check::{self, Report};
 use scan2step::deviation::Deviation;
+use scan2step::words::mm;
 use serde_json::{Value, json};
 
 use super::args::{Check, Component};
 use super::input::{self, Scan};
 use super::{Failure, Outcome, plural, report, streams};
-use scan2step::words::mm;
 
 /// Reads both, measures, prints.
 pub fn run(args: &Check) -> Result<Outcome, Failure> {

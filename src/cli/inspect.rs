@@ -1,12 +1,12 @@
 //! `scan2step inspect`: what a scan is.
 
 use scan2step::Inspection;
+use scan2step::words::mm;
 use serde_json::{Value, json};
 
 use super::args::Inspect;
 use super::input::{self, Scan};
 use super::{Failure, Outcome, report, streams};
-use scan2step::words::mm;
 
 /// Reads, repairs, looks, prints.
 pub fn run(args: &Inspect) -> Result<Outcome, Failure> {

@@ -185,6 +185,14 @@ fn derivatives<const P: usize>(p: usize, knots: &[f64], t: f64) -> [[f64; ROOM];
     all
 }
 
+/// The ends of runs of spans between `breaks`: about equal ones, each of `most` spans at the
+/// most, and `least` runs at the least.
+pub fn runs(breaks: &[f64], most: usize, least: usize) -> Vec<f64> {
+    let spans = breaks.len() - 1;
+    let count = spans.div_ceil(most).max(least);
+    (0..=count).map(|i| breaks[i * spans / count]).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -5,7 +5,7 @@ use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::Vector2;
 
 use crate::geometry::Uv;
-use crate::spline::{Curve, KnotVector};
+use crate::spline::{Curve, KnotVector, runs};
 
 /// Samples a knot span at the least.
 const SAMPLES: usize = 6;
@@ -114,12 +114,13 @@ pub fn arcs(curve: &Curve<2>, knots: &Knots) -> Vec<Curve<2>> {
     ends.push(1.0);
     let mut cuts = Vec::new();
     for w in ends.windows(2) {
-        let inside = |t: &&f64| w[0] < **t && **t < w[1];
-        let inner: Vec<f64> = knots.breaks.iter().filter(inside).copied().collect();
-        let spans = inner.len() + 1;
-        let count = spans.div_ceil(MOST_SPANS).max(least);
-        cuts.push(w[0]);
-        cuts.extend((1..count).map(|i| inner[i * spans / count - 1]));
+        let inside = |t: &f64| w[0] < *t && *t < w[1];
+        let mut breaks = vec![w[0]];
+        breaks.extend(knots.breaks.iter().copied().filter(inside));
+        breaks.push(w[1]);
+        let mut ends = runs(&breaks, MOST_SPANS, least);
+        ends.pop();
+        cuts.extend(ends);
     }
     cuts.push(1.0);
     cuts.windows(2).map(|w| curve.part(w[0], w[1])).collect()

@@ -13,12 +13,12 @@ use minijinja::{AutoEscape, Environment, UndefinedBehavior, context};
 use scan2step::Conversion;
 use scan2step::picture::colour::encoded;
 use scan2step::picture::scale::{DISTANCE, SIGNED, colour};
+use scan2step::words::mm;
 use serde_json::{Value, json};
 
 use super::histogram::Histogram;
 use super::shown::Shown;
 use super::{Ends, data, plane, short};
-use scan2step::words::mm;
 
 /// The page's program, in parts that share one function.
 const SCRIPT: &str = concat!(

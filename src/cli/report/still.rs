@@ -12,12 +12,12 @@ use scan2step::picture::lines::{Lines, Pen};
 use scan2step::picture::scale::{SIGNED, colour};
 use scan2step::picture::text::{Style, Type};
 use scan2step::picture::{Camera, Image, sheet};
+use scan2step::words::mm;
 
 use super::histogram::Histogram;
 use super::shown::Shown;
 use super::{Ends, short};
 use crate::cli::plural;
-use scan2step::words::mm;
 
 /// Pixels of the picture.
 const SIZE: [usize; 2] = [1600, 1000];
