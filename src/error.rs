@@ -139,32 +139,20 @@ pub enum BrepFault {
         /// What is wrong with it.
         fault: Fault,
     },
-    /// An edge and its pcurve differ in their parameters, or there is one without
-    /// the other.
-    #[error("edge {edge} of loop {ring} of face {face} and its pcurve do not match")]
-    Range {
+    /// A loop has not as many edges as pcurves.
+    #[error("loop {ring} of face {face} has not one pcurve for each edge")]
+    Pairs {
         /// The face.
         face: usize,
         /// The loop.
         ring: usize,
-        /// The edge.
-        edge: usize,
     },
-    /// An edge is farther from its pcurve's trace than the uncertainty.
-    #[error("edge {edge} of loop {ring} of face {face} is {off:.1e} mm off the surface")]
-    OffSurface {
-        /// The face.
-        face: usize,
-        /// The loop.
-        ring: usize,
-        /// The edge.
-        edge: usize,
-        /// How far, in mm.
-        off: f64,
-    },
-    /// truck refuses an edge or a face.
+    /// A curve or a surface is none that a file holds.
     #[error("{0}")]
-    Topology(String),
+    Spline(String),
+    /// The parts do not suit each other.
+    #[error("{0}")]
+    Parts(formats::brep::Fault),
 }
 
 /// Makes an error of what is wrong with an option.

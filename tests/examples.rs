@@ -71,6 +71,17 @@ fn a_mesh_of_ones_own_goes_stage_by_stage() {
 }
 
 #[test]
+fn a_solid_of_truck_becomes_a_file() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let [step, iges] = ["angle.step", "angle.igs"].map(|name| folder.path().join(name));
+    let said = printed("solid", &[arg(&step), arg(&iges)]);
+    // 40 × 5 and 25 × 5 mm, 50 mm long.
+    assert!(said.starts_with("8 faces, 16250.000 mm³\n"), "{said}");
+    assert_eq!(said.lines().filter(|line| line.starts_with("a face through")).count(), 8);
+    assert!(starts_a_step_file(&step) && iges.exists());
+}
+
+#[test]
 fn every_piece_gets_a_file_or_a_reason() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let mut text = String::new();

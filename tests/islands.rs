@@ -210,7 +210,7 @@ fn convert_with(cut: Cut) -> (Conversion, Patch) {
 
 /// How many loops each face has.
 fn loops(conversion: &Conversion) -> Vec<usize> {
-    conversion.brep.faces.iter().map(|f| f.face.boundaries().len()).collect()
+    conversion.brep.faces.iter().map(|face| face.loops.len()).collect()
 }
 
 #[test]

@@ -1,9 +1,9 @@
 //! The files at scan2step's two ends: readers of scans and writers of CAD.
 //!
 //! Readers deliver what a file says, and no more: a [`Soup`] of polygons with
-//! its declared unit, unwelded and unrepaired. Writers take a [`Brep`]: one or
-//! more trimmed B-spline faces with a pcurve for every use of an edge. The
-//! crate knows nothing of what happens between the two.
+//! its declared unit, unwelded and unrepaired. Writers take a [`Brep`]: faces on
+//! B-spline surfaces, trimmed by edges with a pcurve for every use, in shells and
+//! solids. The crate knows nothing of what happens between the two.
 
 #![deny(missing_docs)]
 // Whatever a file says is answered with an error.
@@ -22,14 +22,14 @@ mod ply;
 pub mod read;
 pub mod soup;
 mod source;
+pub mod spline;
 pub mod step;
 mod stl;
 mod time_stamp;
 mod token;
-mod topology;
 mod unzip;
 
-pub use brep::{Brep, PCurve, TrimmedFace};
+pub use brep::Brep;
 pub use error::{Error, Place, Result};
 pub use read::{Format, read_scan, read_scan_from};
 pub use soup::{LengthUnit, Soup};

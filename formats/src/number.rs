@@ -25,7 +25,7 @@ impl fmt::Display for IgesReal {
 }
 
 fn real(x: f64, letter: char, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-    debug_assert!(x.is_finite(), "the topology index lets finite numbers through only");
+    debug_assert!(x.is_finite(), "`Brep::check` lets finite numbers through only");
     let magnitude = x.abs();
     if magnitude == 0.0 {
         f.write_str("0.") // no sign: -0 means nothing in a CAD file
@@ -51,8 +51,7 @@ fn scientific(x: f64, letter: char, f: &mut fmt::Formatter<'_>) -> fmt::Result {
 
 /// The distinct knots of a knot vector and how often each stands in it.
 ///
-/// Compares exactly: truck's own `to_single_multi` takes knots closer than
-/// 1e-6 for one, and a net of a thousand rows may well have such.
+/// Compares exactly: a net of a thousand rows may well have knots closer than 1e-6.
 pub(crate) fn distinct_knots(knots: &[f64]) -> (Vec<f64>, Vec<usize>) {
     let mut distinct = Vec::with_capacity(knots.len());
     let mut counts: Vec<usize> = Vec::with_capacity(knots.len());

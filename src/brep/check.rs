@@ -1,23 +1,23 @@
-//! What must hold of faces on one surface before anything is written.
+//! Whether the loops of faces on one surface lie in it as they must: closed, within the
+//! domain, without crossings, and inner ones within their outer one. What holds of any
+//! boundary representation is checked by [`formats::Brep::check`].
 
-use super::{Arcs, Bounds};
+use super::Bounds;
 use crate::error::BrepFault;
-use crate::spline::{Nest, Outline, Surface, crossings, misplaced, off_surface};
+use crate::spline::{Nest, Outline, crossings, misplaced};
 
-/// Checks the loops of all faces, and each edge against its pcurve. Loops of
-/// different faces must not cross, either.
-pub(super) fn check(surface: &Surface, faces: &[Bounds], eps: f64) -> Result<(), BrepFault> {
+/// Checks the loops of all faces. Loops of different faces must not cross, either.
+pub(super) fn check(faces: &[Bounds]) -> Result<(), BrepFault> {
     let mut outlines = Vec::new();
     let mut names = Vec::new();
     for (face, bounds) in faces.iter().enumerate() {
         // The surface's own sides are loop 0 where there is no other outer loop.
         let loops = bounds.outer.iter().map(|l| (0, l)).chain((1..).zip(&bounds.inner));
-        for (ring, arcs) in loops {
-            edges(surface, arcs, eps).map_err(|(edge, off)| match off {
-                None => BrepFault::Range { face, ring, edge },
-                Some(off) => BrepFault::OffSurface { face, ring, edge, off },
-            })?;
-            let outline = Outline::new(arcs.0);
+        for (ring, (pcurves, edges)) in loops {
+            if pcurves.len() != edges.len() {
+                return Err(BrepFault::Pairs { face, ring });
+            }
+            let outline = Outline::new(pcurves);
             outlines.push(outline.map_err(|(fault, _)| BrepFault::Loop { face, ring, fault })?);
             names.push((face, ring));
         }
@@ -50,28 +50,15 @@ fn nests(bounds: &Bounds) -> Vec<Nest> {
     outer.chain(inner).collect()
 }
 
-/// The first edge that does not belong to its pcurve, and how far it is off the
-/// surface if its parameters match.
-fn edges(surface: &Surface, (pcurves, edges): &Arcs, eps: f64) -> Result<(), (usize, Option<f64>)> {
-    for (i, edge) in edges.iter().enumerate() {
-        let pcurve = pcurves.get(i).ok_or((i, None))?;
-        if edge.knots.range() != pcurve.knots.range() {
-            return Err((i, None));
-        }
-        let off = off_surface(surface, pcurve, edge);
-        // Not a number is no better than far.
-        if off.is_nan() || off > eps {
-            return Err((i, Some(off)));
-        }
-    }
-    if pcurves.len() == edges.len() { Ok(()) } else { Err((edges.len(), None)) }
-}
-
 #[cfg(test)]
 mod tests {
+    use formats::brep::Fault as Parts;
+
     use super::*;
+    use crate::brep::build;
+    use crate::error::Error;
     use crate::geometry::{UvVector, Vector};
-    use crate::spline::{Curve, Fault, KnotVector, curve_on_surface};
+    use crate::spline::{Curve, Fault, KnotVector, Surface, curve_on_surface};
 
     fn plate() -> Surface {
         let k = KnotVector::uniform(3, 6);
@@ -97,7 +84,10 @@ mod tests {
 
     fn fault(surface: &Surface, inner: &[&Ring]) -> Option<BrepFault> {
         let inner = inner.iter().map(|(c, e)| (c.as_slice(), e.as_slice())).collect();
-        check(surface, &[Bounds { outer: None, inner }], 1e-7).err()
+        match build(surface, &[Bounds { outer: None, inner }], "plate", 1e-7) {
+            Err(Error::Brep(fault)) => Some(fault),
+            _ => None,
+        }
     }
 
     #[test]
@@ -118,11 +108,15 @@ mod tests {
         let open = (good.0[..2].to_vec(), good.1[..2].to_vec());
         assert_eq!(wrong(&[&open]), Some(Fault::Open));
 
-        let range = |edge| Some(BrepFault::Range { face: 0, ring: 1, edge });
-        assert_eq!(fault(&plate, &[&(good.0.clone(), good.1[..2].to_vec())]), range(2));
+        let pairs = Some(BrepFault::Pairs { face: 0, ring: 1 });
+        assert_eq!(fault(&plate, &[&(good.0.clone(), good.1[..2].to_vec())]), pairs);
         let mut moved = good.clone();
         moved.1[1].control[2].z += 1e-5;
         let off = fault(&plate, &[&moved]);
-        assert!(matches!(off, Some(BrepFault::OffSurface { edge: 1, .. })), "{off:?}");
+        assert!(matches!(off, Some(BrepFault::Parts(Parts::OffSurface(..)))), "{off:?}");
+        let mut longer = good.clone();
+        longer.1[1].knots = KnotVector::clamped(3, &[1.0, 3.0], 1);
+        let range = fault(&plate, &[&longer]);
+        assert!(matches!(range, Some(BrepFault::Parts(Parts::Range(_)))), "{range:?}");
     }
 }

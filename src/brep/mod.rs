@@ -1,24 +1,19 @@
-//! The boundary representation: the fitted surface as a truck face, its four
-//! sides as exact iso-curves, a wire of edges for every hole; and another face
-//! for every island in a hole.
-//!
-//! Only here, at the border to the writers, do our curves and surfaces become
-//! truck's.
+//! The boundary representation: faces on the fitted surface. Their outer loops are its four
+//! sides, as exact iso-curves, or trim loops; every hole has a loop of edges, and an
+//! island in a hole is another face on the same surface.
 
 mod check;
 
-use formats::{Brep, PCurve, TrimmedFace};
-use nalgebra::Vector2;
-use truck_modeling as truck;
+use formats::Brep;
+use formats::brep::{self, EdgeUse, Face, FaceId, Shell, SurfaceId, VertexId};
+use formats::spline::{SplineCurve, SplineKnots, SplineSurface};
+use nalgebra::{SVector, Vector2};
 
 use crate::error::{BrepFault, Error, Result};
 use crate::spline::{Curve, KnotVector, Surface, runs};
 
-/// A loop of edges, each with its pcurve and the direction in which the loop
-/// uses it.
-struct Loop {
-    edges: Vec<(Curve<3>, Curve<2>, bool)>,
-}
+/// An edge, its pcurve, and whether its loop runs along it.
+type Directed = (Curve<3>, Curve<2>, bool);
 
 /// A closed loop: its arcs in the parameter plane and the edges they trace.
 pub type Arcs<'a> = (&'a [Curve<2>], &'a [Curve<3>]);
@@ -36,44 +31,70 @@ pub struct Bounds<'a> {
 /// oriented and inside the domain, none crosses itself or another one, and every
 /// edge is on the surface within `uncertainty_mm`. Else [`Error::Brep`].
 pub fn build(surface: &Surface, faces: &[Bounds], name: &str, uncertainty_mm: f64) -> Result<Brep> {
-    check::check(surface, faces, uncertainty_mm).map_err(Error::Brep)?;
-    let on_surface = truck_surface(surface);
-    let build = |bounds: &Bounds| {
-        let outer = match bounds.outer {
-            Some(arcs) => Loop::new(arcs),
-            None => Loop { edges: outer_edges(surface) },
-        };
-        let inner = bounds.inner.iter().map(|&arcs| Loop::new(arcs));
-        face(&on_surface, std::iter::once(outer).chain(inner))
+    check::check(faces).map_err(Error::Brep)?;
+    let mut brep = Brep { name: name.to_owned(), uncertainty_mm, ..Brep::default() };
+    let on = brep.add_surface(brep::Surface::Spline(spline_surface(surface)?));
+    for bounds in faces {
+        let outer = bounds.outer.map_or_else(|| outer_edges(surface), forwards);
+        let mut loops = vec![add_loop(&mut brep, &outer)?];
+        for &arcs in &bounds.inner {
+            loops.push(add_loop(&mut brep, &forwards(arcs))?);
+        }
+        add_sheet(&mut brep, on, loops);
+    }
+    brep.check().map_err(|fault| Error::Brep(BrepFault::Parts(fault)))?;
+    Ok(brep)
+}
+
+/// The edges of a loop that runs along all of its arcs.
+fn forwards((pcurves, edges): Arcs) -> Vec<Directed> {
+    let along = |(e, c): (&Curve<3>, &Curve<2>)| (e.clone(), c.clone(), true);
+    edges.iter().zip(pcurves).map(along).collect()
+}
+
+/// Adds a face that is a shell of its own: faces on one surface share no edges.
+fn add_sheet(brep: &mut Brep, surface: SurfaceId, loops: Vec<Vec<EdgeUse>>) -> FaceId {
+    let face = brep.add_face(Face { surface, forward: true, loops });
+    brep.add_shell(Shell { faces: vec![face], closed: false });
+    face
+}
+
+/// Adds the edges of a closed loop; neighbouring edges share their vertex.
+fn add_loop(brep: &mut Brep, ring: &[Directed]) -> Result<Vec<EdgeUse>> {
+    let start = |(edge, _, forward): &Directed| {
+        let end = if *forward { edge.control.first() } else { edge.control.last() };
+        end.copied().unwrap_or_default().into()
     };
-    let faces = faces.iter().map(build).collect::<Result<_>>()?;
-    Ok(Brep { name: name.to_owned(), faces, uncertainty_mm })
-}
-
-impl Loop {
-    /// A loop that runs along all of its arcs.
-    fn new((pcurves, edges): Arcs) -> Self {
-        let along = |(e, c): (&Curve<3>, &Curve<2>)| (e.clone(), c.clone(), true);
-        Loop { edges: edges.iter().zip(pcurves).map(along).collect() }
+    let vertices: Vec<VertexId> = ring.iter().map(|edge| brep.add_vertex(start(edge))).collect();
+    let mut uses = Vec::with_capacity(ring.len());
+    for (k, (edge, pcurve, forward)) in ring.iter().enumerate() {
+        let mut ends = [vertices[k], vertices[(k + 1) % ring.len()]];
+        if !forward {
+            ends.reverse();
+        }
+        let edge = brep.add_edge(brep::Curve::Spline(spline(edge)?), ends);
+        uses.push(EdgeUse { edge, forward: *forward, pcurve: spline(pcurve)? });
     }
+    Ok(uses)
 }
 
-fn face(
-    surface: &truck::BSplineSurface<truck::Point3>,
-    loops: impl Iterator<Item = Loop>,
-) -> Result<TrimmedFace> {
-    let (mut wires, mut pcurves) = (Vec::new(), Vec::new());
-    for ring in loops {
-        wires.push(wire(&ring)?);
-        pcurves.push(ring.edges.iter().map(|(_, c, _)| pcurve(c)).collect());
-    }
-    let surface = truck::Surface::BSplineSurface(surface.clone());
-    let face = truck::Face::try_new(wires, surface).map_err(topology)?;
-    Ok(TrimmedFace { face, pcurves })
+fn spline_surface(surface: &Surface) -> Result<SplineSurface> {
+    let net = surface.net.iter().map(|&p| p.into()).collect();
+    SplineSurface::new(knots(&surface.u)?, knots(&surface.v)?, net, None).map_err(unsuited)
 }
 
-fn topology(e: impl std::fmt::Display) -> Error {
-    Error::Brep(BrepFault::Topology(e.to_string()))
+fn spline<const D: usize>(curve: &Curve<D>) -> Result<SplineCurve<D>> {
+    let poles = curve.control.iter().map(|&p: &SVector<f64, D>| p.into()).collect();
+    let knots = &curve.knots;
+    SplineCurve::new(knots.degree(), knots.knots().to_vec(), poles, None).map_err(unsuited)
+}
+
+fn knots(knots: &KnotVector) -> Result<SplineKnots> {
+    SplineKnots::new(knots.degree(), knots.knots().to_vec(), knots.functions()).map_err(unsuited)
+}
+
+fn unsuited(what: String) -> Error {
+    Error::Brep(BrepFault::Spline(what))
 }
 
 /// Knot spans of an edge on a side at the most: CAD systems integrate along the side of a
@@ -120,46 +141,4 @@ fn parts(
         parts.reverse();
     }
     parts
-}
-
-/// A closed wire; neighbouring edges share their vertex.
-fn wire(ring: &Loop) -> Result<truck::Wire> {
-    let start = |(edge, _, forward): &(Curve<3>, Curve<2>, bool)| {
-        let end = if *forward { edge.control.first() } else { edge.control.last() };
-        end.copied().unwrap_or_default()
-    };
-    let n = ring.edges.len();
-    let vertices: Vec<truck::Vertex> =
-        ring.edges.iter().map(|e| truck::Vertex::new(point(&start(e)))).collect();
-    let mut wire = truck::Wire::new();
-    for (k, (edge, _, forward)) in ring.edges.iter().enumerate() {
-        let (from, to) = (&vertices[k], &vertices[(k + 1) % n]);
-        let curve = truck::Curve::BSplineCurve(truck::BSplineCurve::new(
-            knots(&edge.knots),
-            edge.control.iter().map(point).collect(),
-        ));
-        let (front, back) = if *forward { (from, to) } else { (to, from) };
-        let built = truck::Edge::try_new(front, back, curve).map_err(topology)?;
-        wire.push_back(if *forward { built } else { built.inverse() });
-    }
-    Ok(wire)
-}
-
-fn truck_surface(surface: &Surface) -> truck::BSplineSurface<truck::Point3> {
-    let rows = surface.net.chunks(surface.v.functions());
-    let net = rows.map(|row| row.iter().map(point).collect()).collect();
-    truck::BSplineSurface::new((knots(&surface.u), knots(&surface.v)), net)
-}
-
-fn pcurve(c: &Curve<2>) -> PCurve {
-    let control = c.control.iter().map(|p| truck::Point2::new(p.x, p.y)).collect();
-    truck::BSplineCurve::new(knots(&c.knots), control)
-}
-
-fn knots(k: &KnotVector) -> truck::KnotVec {
-    truck::KnotVec::from(k.knots().to_vec())
-}
-
-fn point(p: &crate::geometry::Vector) -> truck::Point3 {
-    truck::Point3::new(p.x, p.y, p.z)
 }

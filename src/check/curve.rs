@@ -1,9 +1,8 @@
 //! Points of a CAD file's curves.
 
-use formats::cad::{CadCurve, CurveShape, SplineCurve};
+use formats::cad::{CadCurve, CurveShape};
+use formats::spline::SplineCurve;
 use nalgebra::SVector;
-
-use super::basis::Basis;
 
 /// A curve and the part of it that an edge is.
 #[derive(Debug, Clone, Copy)]
@@ -69,15 +68,7 @@ fn point<const D: usize>(shape: &CurveShape<D>, t: f64) -> SVector<f64, D> {
 }
 
 fn on_spline<const D: usize>(spline: &SplineCurve<D>, t: f64) -> SVector<f64, D> {
-    let basis = Basis::new(spline.knots(), t);
-    let (mut sum, mut weights) = (SVector::zeros(), 0.0);
-    for j in 0..=spline.knots().degree() {
-        let i = basis.first + j;
-        let weight = basis.derivative[0][j] * spline.weights().map_or(1.0, |w| w[i]);
-        sum += SVector::from(spline.poles()[i]) * weight;
-        weights += weight;
-    }
-    sum / weights
+    SVector::from(spline.point(t))
 }
 
 /// The parameters of two points of a curve, the first being the lower one.

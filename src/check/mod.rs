@@ -2,7 +2,6 @@
 //! of the scan from the faces, and samples of the trimmed faces from the scan, so
 //! that a hole that was not cut out shows.
 
-mod basis;
 mod curve;
 mod loops;
 mod samples;

@@ -1,9 +1,9 @@
 //! Points and derivatives of a CAD file's surfaces.
 
-use formats::cad::{CadCurve, CadSurface, CurveShape, SplineCurve, SplineKnots, SplineSurface};
+use formats::cad::{CadCurve, CadSurface, CurveShape};
+use formats::spline::{Basis, SplineCurve, SplineKnots, SplineSurface};
 use nalgebra::Vector4;
 
-use super::basis::Basis;
 use crate::geometry::{Point, Uv, Vector};
 use crate::spline::{Jet, KnotVector, Patch, Surface};
 

@@ -19,11 +19,8 @@ pub fn write(
 ) -> Result<Vec<Pending>, Failure> {
     let stamp = time_stamp()?;
     let step_options = step::Options { colour, ..step_options(args, &stamp) };
-    let brep = Brep {
-        name: part_name(&args.piece.scan),
-        faces: conversions.iter().flat_map(|c| c.brep.faces.iter().cloned()).collect(),
-        uncertainty_mm: conversions.iter().map(|c| c.brep.uncertainty_mm).fold(0.0, f64::max),
-    };
+    let mut brep = Brep { name: part_name(&args.piece.scan), ..Brep::default() };
+    conversions.iter().for_each(|conversion| brep.append(conversion.brep.clone()));
     let mut files = Vec::new();
     for CadFile { path, kind } in &args.out {
         let content = |out: &mut dyn Write| match kind {

@@ -20,6 +20,21 @@ pub fn opencascade(file: &Path, points: Option<&[[f64; 3]]>) -> Value {
     answer(command)
 }
 
+/// What OpenCASCADE finds in the file of a solid, without healing.
+pub fn opencascade_solid(file: &Path) -> Value {
+    let mut command = opencascade_script("check_solid_occ.py");
+    command.arg(file);
+    answer(command)
+}
+
+/// What FreeCAD makes of the file of a solid, and of operations on it; `None` where it is to
+/// be done without.
+pub fn freecad_solid(file: &Path) -> Option<Value> {
+    let mut command = freecad_script("check_solid_freecad.py")?;
+    command.arg(file);
+    Some(answer(command))
+}
+
 /// Has OpenCASCADE read a file and write it again into a folder.
 pub fn rewrite_opencascade(file: &Path, folder: &Path) {
     let mut command = opencascade_script("rewrite_occ.py");

@@ -46,20 +46,14 @@ impl Affine {
                 x: self.vector(x),
                 y: self.vector(y),
             },
-            CurveShape::Spline(mut spline) => {
-                spline.poles.iter_mut().for_each(|p| *p = self.point(*p));
-                CurveShape::Spline(spline)
-            }
+            CurveShape::Spline(spline) => CurveShape::Spline(spline.mapped(|p| self.point(p))),
         };
         CadCurve { shape, range: curve.range }
     }
 
     pub(crate) fn surface(&self, surface: CadSurface) -> CadSurface {
         match surface {
-            CadSurface::Spline(mut spline) => {
-                spline.poles.iter_mut().for_each(|p| *p = self.point(*p));
-                CadSurface::Spline(spline)
-            }
+            CadSurface::Spline(spline) => CadSurface::Spline(spline.mapped(|p| self.point(p))),
             CadSurface::Plane { origin, x, y } => CadSurface::Plane {
                 origin: self.point(origin),
                 x: self.vector(x),

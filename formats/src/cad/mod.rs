@@ -8,14 +8,10 @@
 
 pub(crate) mod affine;
 mod model;
-pub(crate) mod spline;
 
 use std::path::Path;
 
-pub use model::{
-    CadCurve, CadEdge, CadFace, CadModel, CadSurface, CurveShape, SplineCurve, SplineKnots,
-    SplineSurface,
-};
+pub use model::{CadCurve, CadEdge, CadFace, CadModel, CadShell, CadSolid, CadSurface, CurveShape};
 
 use crate::{Error, Result, iges, step};
 

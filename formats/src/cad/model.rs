@@ -7,6 +7,8 @@
 
 use std::sync::Arc;
 
+use crate::spline::{SplineCurve, SplineSurface};
+
 /// The faces of a CAD file.
 #[derive(Debug, Clone, Default)]
 pub struct CadModel {
@@ -14,6 +16,28 @@ pub struct CadModel {
     pub name: String,
     /// Every face of every body, in the file's order.
     pub faces: Vec<CadFace>,
+    /// The shells, by which the file groups faces. A face may belong to none.
+    pub shells: Vec<CadShell>,
+    /// The solids, by which the file groups shells. A shell may belong to none.
+    pub solids: Vec<CadSolid>,
+}
+
+/// Faces that hang together.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CadShell {
+    /// The numbers of its faces in [`CadModel::faces`].
+    pub faces: Vec<usize>,
+    /// Whether the file says that it is closed.
+    pub closed: bool,
+}
+
+/// A body.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CadSolid {
+    /// The number of the shell around it in [`CadModel::shells`].
+    pub outer: usize,
+    /// The numbers of the shells around the empty spaces in it.
+    pub voids: Vec<usize>,
 }
 
 /// A trimmed surface.
@@ -77,22 +101,6 @@ pub enum CurveShape<const D: usize> {
     Spline(SplineCurve<D>),
 }
 
-/// A B-spline curve whose parts suit each other: see [`SplineCurve::new`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct SplineCurve<const D: usize> {
-    pub(crate) knots: SplineKnots,
-    pub(crate) poles: Vec<[f64; D]>,
-    pub(crate) weights: Option<Vec<f64>>,
-}
-
-/// A knot vector that does not decrease, and its degree, from 1 to 25. It may be
-/// unclamped.
-#[derive(Debug, Clone, PartialEq)]
-pub struct SplineKnots {
-    pub(crate) degree: usize,
-    pub(crate) knots: Vec<f64>,
-}
-
 /// The kinds of surfaces.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CadSurface {
@@ -132,13 +140,4 @@ pub enum CadSurface {
         /// How far, in mm.
         distance: f64,
     },
-}
-
-/// A B-spline surface whose parts suit each other: see [`SplineSurface::new`].
-#[derive(Debug, Clone, PartialEq)]
-pub struct SplineSurface {
-    pub(crate) u: SplineKnots,
-    pub(crate) v: SplineKnots,
-    pub(crate) poles: Vec<[f64; 3]>,
-    pub(crate) weights: Option<Vec<f64>>,
 }

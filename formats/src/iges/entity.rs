@@ -3,11 +3,9 @@
 use std::borrow::Cow;
 use std::io;
 
-use truck_modeling::{BSplineCurve, BSplineSurface, Point3};
-
 use super::parameters::Parameters;
-use crate::brep::PCurve;
-use crate::topology::ends;
+use crate::brep::{PCurve, Surface};
+use crate::spline::{SplineCurve, SplineSurface};
 
 /// Points to an entity: the number of its first directory line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -67,15 +65,17 @@ pub(super) enum Body<'a> {
     /// 102, a curve of curves.
     Composite(Vec<Pointer>),
     /// 126, a B-spline curve in space.
-    Curve(Cow<'a, BSplineCurve<Point3>>),
+    Curve(Cow<'a, SplineCurve<3>>),
     /// 126, a B-spline curve in a parameter plane.
     PCurve(Cow<'a, PCurve>),
     /// 128, a B-spline surface.
-    Surface(&'a BSplineSurface<Point3>),
+    Surface(&'a Surface),
     /// 142, a curve on a surface, given twice.
     OnSurface { surface: Pointer, flat: Pointer, space: Pointer },
     /// 144, a trimmed surface.
     Trimmed { surface: Pointer, loops: Vec<Pointer> },
+    /// 186, a solid: its shells, whose faces look out of the material.
+    Solid { outer: Pointer, voids: Vec<Pointer> },
     /// 314, a colour in percent of red, green and blue.
     Colour([f64; 3]),
     /// 402 form 7, a group.
@@ -83,15 +83,16 @@ pub(super) enum Body<'a> {
     /// 406 form 15, a name of any length.
     Name(&'a str),
     /// 502, the vertices.
-    Vertices(&'a [Point3]),
+    Vertices(&'a [[f64; 3]]),
     /// 504, the edges: curve, start and end.
     Edges { vertices: Pointer, edges: Vec<(Pointer, [usize; 2])> },
     /// 508, a loop: number of the edge, whether along it, pcurve.
     Loop { edges: Pointer, uses: Vec<(usize, bool, Pointer)> },
     /// 510, a face, its outer loop first.
     Face { surface: Pointer, loops: Vec<Pointer> },
-    /// 514 form 2, an open shell: faces, and whether they keep their direction.
-    Shell(Vec<(Pointer, bool)>),
+    /// 514 form 1 or 2, a closed or an open shell: faces, and whether they keep their
+    /// direction.
+    Shell { faces: Vec<(Pointer, bool)>, closed: bool },
 }
 
 impl Body<'_> {
@@ -103,6 +104,7 @@ impl Body<'_> {
             Body::Surface(_) => (128, 0),
             Body::OnSurface { .. } => (142, 0),
             Body::Trimmed { .. } => (144, 0),
+            Body::Solid { .. } => (186, 0),
             Body::Colour(_) => (314, 0),
             Body::Group(_) => (402, 7),
             Body::Name(_) => (406, 15),
@@ -110,7 +112,7 @@ impl Body<'_> {
             Body::Edges { .. } => (504, 1),
             Body::Loop { .. } => (508, 1),
             Body::Face { .. } => (510, 1),
-            Body::Shell(_) => (514, 2),
+            Body::Shell { closed, .. } => (514, if *closed { 1 } else { 2 }),
         }
     }
 }
@@ -135,18 +137,16 @@ impl Body<'_> {
         match self {
             Body::Composite(parts) | Body::Group(parts) => counted(p, parts),
             Body::Curve(c) => {
-                let poles = c.control_points();
-                curve(p, c.knot_vec(), poles.len(), poles.first() == poles.last(), false)?;
-                points(p, poles)?;
-                curve_end(p, c.knot_vec(), 0.0)
+                curve(p, c, false)?;
+                points(p, c.poles())?;
+                curve_end(p, c, 0.0)
             }
             Body::PCurve(c) => {
-                let poles = c.control_points();
-                curve(p, c.knot_vec(), poles.len(), poles.first() == poles.last(), true)?;
-                poles.iter().try_for_each(|q| p.reals(&[q.x, q.y, 0.0]))?;
-                curve_end(p, c.knot_vec(), 1.0)
+                curve(p, c, true)?;
+                c.poles().iter().try_for_each(|[u, v]| p.reals(&[*u, *v, 0.0]))?;
+                curve_end(p, c, 1.0)
             }
-            Body::Surface(s) => surface(p, s),
+            Body::Surface(Surface::Spline(s)) => surface(p, s),
             Body::OnSurface { surface, flat, space } => on_surface(p, [surface, flat, space]),
             Body::Trimmed { surface, loops } => trimmed(p, *surface, loops),
             Body::Colour(percent) => p.reals(percent),
@@ -166,7 +166,8 @@ impl Body<'_> {
                 p.add(1)?; // the first loop is the outer one
                 loops.iter().try_for_each(|l| p.add(l))
             }
-            Body::Shell(faces) => shell(p, faces),
+            Body::Shell { faces, .. } => shell(p, faces),
+            Body::Solid { outer, voids } => solid(p, *outer, voids),
         }
     }
 }
@@ -176,57 +177,79 @@ fn counted(p: &mut Parameters<'_>, parts: &[Pointer]) -> io::Result<()> {
     parts.iter().try_for_each(|part| p.add(part))
 }
 
-fn points(p: &mut Parameters<'_>, points: &[Point3]) -> io::Result<()> {
-    points.iter().try_for_each(|q| p.reals(&[q.x, q.y, q.z]))
+fn points(p: &mut Parameters<'_>, points: &[[f64; 3]]) -> io::Result<()> {
+    points.iter().try_for_each(|point| p.reals(point))
 }
 
-/// Entity 126 up to its poles: all weights are 1.
-fn curve(
+/// The weights of poles; all are 1 in a polynomial.
+fn weights(p: &mut Parameters<'_>, weights: Option<&[f64]>, poles: usize) -> io::Result<()> {
+    match weights {
+        Some(weights) => p.reals(weights),
+        None => (0..poles).try_for_each(|_| p.real(1.0)),
+    }
+}
+
+/// Entity 126 up to its poles.
+fn curve<const D: usize>(
     p: &mut Parameters<'_>,
-    knots: &[f64],
-    poles: usize,
-    closed: bool,
+    c: &SplineCurve<D>,
     planar: bool,
 ) -> io::Result<()> {
-    p.add(poles - 1)?;
-    p.add(knots.len() - poles - 1)?;
+    let poles = c.poles();
+    p.add(poles.len() - 1)?;
+    p.add(c.knots().degree())?;
+    let closed = poles.first() == poles.last();
     // Planar, closed, polynomial, periodic.
-    for flag in [planar, closed, true, false] {
+    for flag in [planar, closed, c.weights().is_none(), false] {
         p.add(u8::from(flag))?;
     }
-    p.reals(knots)?;
-    (0..poles).try_for_each(|_| p.real(1.0))
+    p.reals(c.knots().knots())?;
+    weights(p, c.weights(), poles.len())
 }
 
 /// Entity 126 after its poles: range, and the normal of a planar curve.
-fn curve_end(p: &mut Parameters<'_>, knots: &[f64], normal_z: f64) -> io::Result<()> {
-    let (start, end) = ends(knots);
+fn curve_end<const D: usize>(
+    p: &mut Parameters<'_>,
+    c: &SplineCurve<D>,
+    normal_z: f64,
+) -> io::Result<()> {
+    let (start, end) = c.knots().range();
     p.reals(&[start, end, 0.0, 0.0, normal_z])
 }
 
 /// Entity 128: in the net the first index, that of u, runs fastest.
-fn surface(p: &mut Parameters<'_>, s: &BSplineSurface<Point3>) -> io::Result<()> {
-    let net = s.control_points();
-    let (rows, columns) = (net.len(), net[0].len());
-    for number in [rows - 1, columns - 1, s.udegree(), s.vdegree()] {
+fn surface(p: &mut Parameters<'_>, s: &SplineSurface) -> io::Result<()> {
+    let (rows, columns) = (s.u().poles(), s.v().poles());
+    for number in [rows - 1, columns - 1, s.u().degree(), s.v().degree()] {
         p.add(number)?;
     }
+    let net: Vec<&[[f64; 3]]> = s.poles().chunks(columns).collect();
     let u_closed = net.first() == net.last();
     let v_closed = net.iter().all(|row| row.first() == row.last());
     // Closed in u and v, polynomial, periodic in u and v.
-    for flag in [u_closed, v_closed, true, false, false] {
+    for flag in [u_closed, v_closed, s.weights().is_none(), false, false] {
         p.add(u8::from(flag))?;
     }
-    p.reals(s.uknot_vec())?;
-    p.reals(s.vknot_vec())?;
-    (0..rows * columns).try_for_each(|_| p.real(1.0))?;
-    for j in 0..columns {
-        for row in net {
-            p.reals(&[row[j].x, row[j].y, row[j].z])?;
-        }
-    }
-    let (u, v) = (ends(s.uknot_vec()), ends(s.vknot_vec()));
+    p.reals(s.u().knots())?;
+    p.reals(s.v().knots())?;
+    let u_first = || (0..rows * columns).map(|k| (k % rows) * columns + k / rows);
+    let turned: Option<Vec<f64>> = s.weights().map(|w| u_first().map(|at| w[at]).collect());
+    weights(p, turned.as_deref(), rows * columns)?;
+    u_first().try_for_each(|at| p.reals(&s.poles()[at]))?;
+    let (u, v) = (s.u().range(), s.v().range());
     p.reals(&[u.0, u.1, v.0, v.1])
+}
+
+/// Entity 186: each shell with a flag that its faces look out of the material.
+fn solid(p: &mut Parameters<'_>, outer: Pointer, voids: &[Pointer]) -> io::Result<()> {
+    p.add(outer)?;
+    p.add(1)?;
+    p.add(voids.len())?;
+    for void in voids {
+        p.add(void)?;
+        p.add(1)?;
+    }
+    Ok(())
 }
 
 fn on_surface(p: &mut Parameters<'_>, parts: [&Pointer; 3]) -> io::Result<()> {

@@ -11,7 +11,6 @@ mod section;
 use std::io;
 
 use crate::brep::Brep;
-use crate::topology::Topology;
 
 /// How a file says that a surface is trimmed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -20,7 +19,7 @@ pub enum Form {
     /// no edges.
     #[default]
     Trimmed,
-    /// An open shell (entity 514 form 2) whose faces share edges.
+    /// Solids (entity 186) and open shells (entity 514 form 2), whose faces share edges.
     Brep,
 }
 
@@ -51,8 +50,8 @@ impl Default for Options {
     }
 }
 
-/// Writes `brep` as one root entity: a shell, a trimmed surface, or a group of
-/// trimmed surfaces.
+/// Writes `brep` as one root entity: a solid, a shell, a trimmed surface, or a group of
+/// these.
 ///
 /// IGES is ASCII, so other characters of names become `_`. The directory
 /// stands before the parameters and says how many lines these take; they are
@@ -61,17 +60,17 @@ impl Default for Options {
 ///
 /// # Errors
 /// Of kind `InvalidInput`, before anything is written, where `brep` breaks the
-/// promises of [`TrimmedFace`](crate::TrimmedFace) or is too large for seven
+/// rules of [`Brep::check`] or is too large for seven
 /// digits of line numbers; otherwise those of `out`.
 pub fn write(brep: &Brep, options: &Options, out: &mut dyn io::Write) -> io::Result<()> {
-    let topology = Topology::new(brep)?;
+    brep.check()?;
     let entities = match options.form {
-        Form::Trimmed => plan::trimmed(&topology, &brep.name, options.colour),
-        Form::Brep => plan::shell(&topology, &brep.name, options.colour),
+        Form::Trimmed => plan::trimmed(brep, options.colour),
+        Form::Brep => plan::bodies(brep, options.colour),
     };
     let lines = section::count_lines(&entities)?;
     let start = global::start(out)?;
-    let global = global::write(brep, options, topology.reach(), out)?;
+    let global = global::write(brep, options, brep.reach(), out)?;
     section::directory(&entities, &lines, out)?;
     section::parameters(&entities, out)?;
     let counts = [start, global, 2 * entities.len(), lines.iter().sum()];

@@ -2,11 +2,10 @@
 
 use std::borrow::Cow;
 
-use truck_modeling::{BSplineCurve, KnotVec};
-
 use super::entity::{Body, Entity, Pointer, Status};
 use super::parameters::ascii;
-use crate::topology::{EdgeUse, FaceData, Topology, ends};
+use crate::brep::{Brep, Curve, EdgeUse, Face, FaceId, ShellId};
+use crate::spline::SplineCurve;
 
 /// Entities in the order of their directory entries.
 struct Plan<'a> {
@@ -18,48 +17,44 @@ struct Plan<'a> {
 
 /// Faces as trimmed surfaces (144), in a group (402) where there are several:
 /// some programs crash on more than one free entity.
-pub(super) fn trimmed<'a>(
-    topology: &'a Topology<'a>,
-    name: &'a str,
-    colour: Option<[u8; 3]>,
-) -> Vec<Entity<'a>> {
-    let mut plan = Plan::new(name, colour);
-    let mut faces = Vec::with_capacity(topology.faces.len());
-    let alone = topology.faces.len() == 1;
-    for data in &topology.faces {
-        let face = plan.trimmed_face(topology, data);
-        faces.push(plan.named(if alone { Status::Independent } else { Status::Member }, face));
+pub(super) fn trimmed(brep: &Brep, colour: Option<[u8; 3]>) -> Vec<Entity<'_>> {
+    let mut plan = Plan::new(&brep.name, colour);
+    let surfaces = plan.surfaces(brep);
+    let mut faces = Vec::with_capacity(brep.faces.len());
+    for data in &brep.faces {
+        faces.push(plan.trimmed_face(brep, data, surfaces[data.surface.0]));
     }
-    if !alone {
-        plan.named(Status::Independent, Body::Group(faces));
-    }
+    plan.roots(faces);
     plan.entities
 }
 
-/// Faces as open shells (514) over shared edges, one for every group of faces
-/// that hang together, in a group (402) where there are several.
-pub(super) fn shell<'a>(
-    topology: &'a Topology<'a>,
-    name: &'a str,
-    colour: Option<[u8; 3]>,
-) -> Vec<Entity<'a>> {
-    let mut plan = Plan::new(name, colour);
-    let edges = plan.edge_list(topology);
-    let mut faces = Vec::with_capacity(topology.faces.len());
-    for data in &topology.faces {
-        let face = plan.shell_face(data, edges);
+/// Solids (186), and open shells (514 form 2) for the sheets, over shared edges; in a group
+/// (402) where there are several.
+pub(super) fn bodies(brep: &Brep, colour: Option<[u8; 3]>) -> Vec<Entity<'_>> {
+    let mut plan = Plan::new(&brep.name, colour);
+    let edges = plan.edge_list(brep);
+    let surfaces = plan.surfaces(brep);
+    let mut faces = Vec::with_capacity(brep.faces.len());
+    for data in &brep.faces {
+        let face = plan.shell_face(data, surfaces[data.surface.0], edges);
         faces.push((plan.coloured(Status::Part, face), data.forward));
     }
-    let shells = topology.shells();
-    let alone = shells.len() == 1;
-    let mut members = Vec::with_capacity(shells.len());
-    for shell in shells {
-        let shell = Body::Shell(shell.into_iter().map(|f| faces[f]).collect());
-        members.push(plan.named(if alone { Status::Independent } else { Status::Member }, shell));
+    let shell = |ShellId(shell): ShellId| {
+        let shell = &brep.shells[shell];
+        let faces = shell.faces.iter().map(|FaceId(face)| faces[*face]).collect();
+        Body::Shell { faces, closed: shell.closed }
+    };
+    let mut roots = Vec::new();
+    for solid in &brep.solids {
+        let outer = plan.coloured(Status::Part, shell(solid.outer));
+        let mut voids = Vec::with_capacity(solid.voids.len());
+        for void in &solid.voids {
+            voids.push(plan.coloured(Status::Part, shell(*void)));
+        }
+        roots.push(Body::Solid { outer, voids });
     }
-    if !alone {
-        plan.named(Status::Independent, Body::Group(members));
-    }
+    roots.extend(brep.sheets().map(shell));
+    plan.roots(roots);
     plan.entities
 }
 
@@ -94,13 +89,31 @@ impl<'a> Plan<'a> {
         Pointer(2 * self.entities.len() - 1)
     }
 
-    fn trimmed_face(&mut self, topology: &'a Topology<'a>, data: &'a FaceData<'a>) -> Body<'a> {
-        let surface = self.add(Status::Part, Body::Surface(&data.surface));
+    /// Adds what is seen: one entity by itself, or several in a group.
+    fn roots(&mut self, bodies: Vec<Body<'a>>) {
+        let alone = bodies.len() == 1;
+        let status = if alone { Status::Independent } else { Status::Member };
+        let mut members = Vec::with_capacity(bodies.len());
+        for body in bodies {
+            members.push(self.named(status, body));
+        }
+        if !alone {
+            self.named(Status::Independent, Body::Group(members));
+        }
+    }
+
+    fn surfaces(&mut self, brep: &'a Brep) -> Vec<Pointer> {
+        let surfaces = brep.surfaces.iter();
+        surfaces.map(|surface| self.add(Status::Part, Body::Surface(surface))).collect()
+    }
+
+    fn trimmed_face(&mut self, brep: &'a Brep, data: &'a Face, surface: Pointer) -> Body<'a> {
         let mut loops = Vec::with_capacity(data.loops.len());
         for uses in loops_of_surface(data) {
             let (mut flat, mut space) = (Vec::new(), Vec::new());
-            for EdgeUse { edge, forward, pcurve } in uses {
-                let curve = Body::Curve(along(&topology.edges[edge].curve, forward));
+            for (EdgeUse { edge, pcurve, .. }, forward) in uses {
+                let Curve::Spline(curve) = &brep.edges[edge.0].curve;
+                let curve = Body::Curve(along(curve, forward));
                 let pcurve = Body::PCurve(along(pcurve, forward));
                 flat.push(self.add(Status::ParameterPlane, pcurve));
                 space.push(self.add(Status::Part, curve));
@@ -119,28 +132,28 @@ impl<'a> Plan<'a> {
         }
     }
 
-    fn edge_list(&mut self, topology: &'a Topology<'a>) -> Pointer {
+    fn edge_list(&mut self, brep: &'a Brep) -> Pointer {
         let status = Status::PartWithParentsAttributes;
-        let vertices = self.add(status, Body::Vertices(&topology.vertices));
-        let mut edges = Vec::with_capacity(topology.edges.len());
-        for edge in &topology.edges {
-            let curve = Body::Curve(Cow::Borrowed(&edge.curve));
-            edges.push((self.add(Status::Part, curve), edge.ends));
+        let vertices = self.add(status, Body::Vertices(&brep.vertices));
+        let mut edges = Vec::with_capacity(brep.edges.len());
+        for edge in &brep.edges {
+            let Curve::Spline(curve) = &edge.curve;
+            let curve = Body::Curve(Cow::Borrowed(curve));
+            edges.push((self.add(Status::Part, curve), edge.ends.map(|end| end.0)));
         }
         self.add(status, Body::Edges { vertices, edges })
     }
 
-    fn shell_face(&mut self, data: &'a FaceData<'a>, edges: Pointer) -> Body<'a> {
-        let surface = self.add(Status::Part, Body::Surface(&data.surface));
+    fn shell_face(&mut self, data: &'a Face, surface: Pointer, edges: Pointer) -> Body<'a> {
         let mut loops = Vec::with_capacity(data.loops.len());
         for uses in loops_of_surface(data) {
             let mut listed = Vec::with_capacity(uses.len());
-            for EdgeUse { edge, forward, pcurve } in uses {
+            for (EdgeUse { edge, pcurve, .. }, forward) in uses {
                 // Importers want the pcurve to run along the loop, even where
                 // the edge does not.
                 let pcurve = Body::PCurve(along(pcurve, forward));
                 let pcurve = self.add(Status::ParameterPlane, pcurve);
-                listed.push((edge, forward, pcurve));
+                listed.push((edge.0, forward, pcurve));
             }
             loops.push(self.add(Status::Part, Body::Loop { edges, uses: listed }));
         }
@@ -150,46 +163,22 @@ impl<'a> Plan<'a> {
 
 /// A face's loops, turned so that they suit the surface's normal: IGES says
 /// elsewhere, or not at all, that a face looks the other way.
-fn loops_of_surface<'a>(data: &FaceData<'a>) -> Vec<Vec<EdgeUse<'a>>> {
-    let turn = |uses: &Vec<EdgeUse<'a>>| {
-        let uses = uses.iter().rev();
-        uses.map(|u| EdgeUse { forward: !u.forward, ..*u }).collect()
-    };
-    if data.forward { data.loops.clone() } else { data.loops.iter().map(turn).collect() }
+fn loops_of_surface(data: &Face) -> Vec<Vec<(&EdgeUse, bool)>> {
+    let mut loops = Vec::with_capacity(data.loops.len());
+    for uses in &data.loops {
+        let directed = uses.iter().map(|of_loop| (of_loop, of_loop.forward == data.forward));
+        loops.push(if data.forward { directed.collect() } else { directed.rev().collect() });
+    }
+    loops
 }
 
 /// `curve`, or the same curve from its end to its start over the same range.
-fn along<P: Clone>(curve: &BSplineCurve<P>, forward: bool) -> Cow<'_, BSplineCurve<P>> {
-    if forward {
-        return Cow::Borrowed(curve);
-    }
-    let knots = curve.knot_vec();
-    let (start, end) = ends(knots);
-    // The ends must stay what they are to the last bit.
-    let mirror = |&t: &f64| if t == start { end } else { start + (end - t) };
-    let knots: Vec<f64> = knots.iter().rev().map(mirror).collect();
-    let poles = curve.control_points().iter().rev().cloned().collect();
-    Cow::Owned(BSplineCurve::new_unchecked(KnotVec::from(knots), poles))
+fn along<const D: usize>(curve: &SplineCurve<D>, forward: bool) -> Cow<'_, SplineCurve<D>> {
+    if forward { Cow::Borrowed(curve) } else { Cow::Owned(curve.reversed()) }
 }
 
 /// At most eight letters and digits of a name.
 fn label(name: &str) -> String {
     let text = ascii(name);
     text.chars().filter(|c| c.is_ascii_alphanumeric() || *c == '_').take(8).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_reversed_curve_keeps_its_range_to_the_last_bit() {
-        let knots = vec![0.1, 0.1, 0.3, 0.3000000001, 0.7, 0.7];
-        let curve = BSplineCurve::new_unchecked(KnotVec::from(knots), vec![1, 2, 3, 4]);
-        let reversed = along(&curve, false);
-        assert_eq!(reversed.control_points(), &[4, 3, 2, 1]);
-        let knots: &[f64] = reversed.knot_vec();
-        assert_eq!((knots[..2].to_vec(), knots[4..].to_vec()), (vec![0.1; 2], vec![0.7; 2]));
-        assert!((knots[3] - 0.5).abs() < 1e-15 && knots[2] < knots[3]);
-    }
 }

@@ -2,70 +2,97 @@
 
 use std::io;
 
-use truck_modeling::{BSplineCurve, BSplineSurface, Point2, Point3};
-
 use super::part21::{Id, List, Part21, Run, add, reals};
+use crate::brep::{Curve, PCurve, Surface};
 use crate::number::{StepReal, distinct_knots};
+use crate::spline::SplineKnots;
 
-pub(super) fn point(file: &mut Part21<'_>, p: Point3) -> io::Result<Id> {
-    let [x, y, z] = [p.x, p.y, p.z].map(StepReal);
+pub(super) fn point(file: &mut Part21<'_>, [x, y, z]: [f64; 3]) -> io::Result<Id> {
+    let [x, y, z] = [x, y, z].map(StepReal);
     add!(file, "CARTESIAN_POINT('',({x},{y},{z}))")
 }
 
-fn point2(file: &mut Part21<'_>, p: Point2) -> io::Result<Id> {
-    add!(file, "CARTESIAN_POINT('',({},{}))", StepReal(p.x), StepReal(p.y))
+fn point2(file: &mut Part21<'_>, [u, v]: [f64; 2]) -> io::Result<Id> {
+    add!(file, "CARTESIAN_POINT('',({},{}))", StepReal(u), StepReal(v))
 }
 
 /// `B_SPLINE_CURVE_WITH_KNOTS` in space.
-pub(super) fn curve(file: &mut Part21<'_>, curve: &BSplineCurve<Point3>) -> io::Result<Id> {
-    let poles = run(curve.control_points(), |p| point(file, *p))?;
-    let closed = curve.control_points().first() == curve.control_points().last();
-    knotted_curve(file, poles, curve.knot_vec(), closed)
+pub(super) fn curve(file: &mut Part21<'_>, curve: &Curve) -> io::Result<Id> {
+    let Curve::Spline(spline) = curve;
+    let poles = run(spline.poles(), |p| point(file, *p))?;
+    let closed = spline.poles().first() == spline.poles().last();
+    knotted_curve(file, poles, (spline.knots(), spline.weights()), closed)
 }
 
 /// `B_SPLINE_CURVE_WITH_KNOTS` in a parameter plane.
-pub(super) fn pcurve(file: &mut Part21<'_>, curve: &BSplineCurve<Point2>) -> io::Result<Id> {
-    let poles = run(curve.control_points(), |p| point2(file, *p))?;
-    let closed = curve.control_points().first() == curve.control_points().last();
-    knotted_curve(file, poles, curve.knot_vec(), closed)
+pub(super) fn pcurve(file: &mut Part21<'_>, spline: &PCurve) -> io::Result<Id> {
+    let poles = run(spline.poles(), |p| point2(file, *p))?;
+    let closed = spline.poles().first() == spline.poles().last();
+    knotted_curve(file, poles, (spline.knots(), spline.weights()), closed)
 }
 
-fn knotted_curve(file: &mut Part21<'_>, poles: Run, knots: &[f64], closed: bool) -> io::Result<Id> {
-    let degree = knots.len() - poles.count - 1;
-    let (knots, counts) = distinct_knots(knots);
-    add!(
-        file,
-        "B_SPLINE_CURVE_WITH_KNOTS('',{degree},{},.UNSPECIFIED.,{},.F.,\n{},\n{},.UNSPECIFIED.)",
-        poles.list(),
-        logical(closed),
-        List(&counts),
-        reals(&knots),
-    )
+/// A rational curve is a complex entity: its supertypes and `RATIONAL_B_SPLINE_CURVE`, in
+/// the order of the alphabet.
+fn knotted_curve(
+    file: &mut Part21<'_>,
+    poles: Run,
+    (knots, weights): (&SplineKnots, Option<&[f64]>),
+    closed: bool,
+) -> io::Result<Id> {
+    let degree = knots.degree();
+    let (knots, counts) = distinct_knots(knots.knots());
+    let (poles, closed) = (poles.list(), logical(closed));
+    let (counts, knots) = (List(&counts), reals(&knots));
+    match weights {
+        None => add!(
+            file,
+            "B_SPLINE_CURVE_WITH_KNOTS('',{degree},{poles},.UNSPECIFIED.,{closed},.F.,\n\
+             {counts},\n{knots},.UNSPECIFIED.)",
+        ),
+        Some(weights) => add!(
+            file,
+            "(BOUNDED_CURVE()\nB_SPLINE_CURVE({degree},{poles},.UNSPECIFIED.,{closed},.F.)\n\
+             B_SPLINE_CURVE_WITH_KNOTS({counts},\n{knots},.UNSPECIFIED.)\nCURVE()\n\
+             GEOMETRIC_REPRESENTATION_ITEM()\nRATIONAL_B_SPLINE_CURVE({})\n\
+             REPRESENTATION_ITEM(''))",
+            reals(weights),
+        ),
+    }
 }
 
-/// `B_SPLINE_SURFACE_WITH_KNOTS`; the first index of the net is u.
-pub(super) fn surface(file: &mut Part21<'_>, surface: &BSplineSurface<Point3>) -> io::Result<Id> {
-    let net = surface.control_points();
-    let poles = run(net.iter().flatten(), |p| point(file, *p))?;
-    let rows = (0..net.len()).map(|i| poles.part(i, net[0].len()).list());
-    let u_closed = net.first() == net.last();
-    let v_closed = net.iter().all(|row| row.first() == row.last());
-    let (u, u_counts) = distinct_knots(surface.uknot_vec());
-    let (v, v_counts) = distinct_knots(surface.vknot_vec());
-    add!(
-        file,
-        "B_SPLINE_SURFACE_WITH_KNOTS('',{},{},{},.UNSPECIFIED.,{},{},.F.,\n{},\n{},\n{},\n{},\
-         .UNSPECIFIED.)",
-        surface.udegree(),
-        surface.vdegree(),
-        List(rows),
-        logical(u_closed),
-        logical(v_closed),
-        List(&u_counts),
-        List(&v_counts),
-        reals(&u),
-        reals(&v),
-    )
+/// `B_SPLINE_SURFACE_WITH_KNOTS`; the first index of the net is u. A rational one is a
+/// complex entity, as a curve is.
+pub(super) fn surface(file: &mut Part21<'_>, surface: &Surface) -> io::Result<Id> {
+    let Surface::Spline(spline) = surface;
+    let (rows, columns) = (spline.u().poles(), spline.v().poles());
+    let net: Vec<&[[f64; 3]]> = spline.poles().chunks(columns).collect();
+    let poles = run(spline.poles(), |p| point(file, *p))?;
+    let list = List((0..rows).map(|i| poles.part(i, columns).list()));
+    let u_closed = logical(net.first() == net.last());
+    let v_closed = logical(net.iter().all(|row| row.first() == row.last()));
+    let (u, u_counts) = distinct_knots(spline.u().knots());
+    let (v, v_counts) = distinct_knots(spline.v().knots());
+    let (u_degree, v_degree) = (spline.u().degree(), spline.v().degree());
+    let (u, v, u_counts, v_counts) = (reals(&u), reals(&v), List(&u_counts), List(&v_counts));
+    match spline.weights() {
+        None => add!(
+            file,
+            "B_SPLINE_SURFACE_WITH_KNOTS('',{u_degree},{v_degree},{list},.UNSPECIFIED.,\
+             {u_closed},{v_closed},.F.,\n{u_counts},\n{v_counts},\n{u},\n{v},\
+             .UNSPECIFIED.)",
+        ),
+        Some(weights) => {
+            let weights = List(weights.chunks(columns).map(reals));
+            add!(
+                file,
+                "(BOUNDED_SURFACE()\nB_SPLINE_SURFACE({u_degree},{v_degree},{list},\
+                 .UNSPECIFIED.,{u_closed},{v_closed},.F.)\n\
+                 B_SPLINE_SURFACE_WITH_KNOTS({u_counts},\n{v_counts},\n{u},\n{v},\
+                 .UNSPECIFIED.)\nGEOMETRIC_REPRESENTATION_ITEM()\n\
+                 RATIONAL_B_SPLINE_SURFACE({weights})\nREPRESENTATION_ITEM('')\nSURFACE())",
+            )
+        }
+    }
 }
 
 pub(super) fn logical(value: bool) -> &'static str {
@@ -78,7 +105,7 @@ fn run<T>(
     mut write: impl FnMut(T) -> io::Result<Id>,
 ) -> io::Result<Run> {
     let mut items = items.into_iter();
-    // The topology index has refused everything without poles.
+    // A spline has poles.
     let first = items.next().ok_or(io::ErrorKind::InvalidInput)?;
     let first = write(first)?;
     let mut count = 1;

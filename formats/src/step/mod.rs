@@ -11,7 +11,6 @@ mod style;
 use std::io;
 
 use crate::brep::Brep;
-use crate::topology::Topology;
 use part21::{Header, Part21};
 
 /// Which application protocol a file claims to follow.
@@ -53,16 +52,16 @@ impl Default for Options {
     }
 }
 
-/// Writes `brep` as one product with one open shell.
+/// Writes `brep` as one product: its solids, and its sheets as a surface model.
 ///
 /// Entities leave as they are numbered; nothing is kept but one line. The same
 /// input gives the same bytes. Buffer `out`: it gets small pieces.
 ///
 /// # Errors
 /// Of kind `InvalidInput`, before anything is written, where `brep` breaks the
-/// promises of [`TrimmedFace`](crate::TrimmedFace); otherwise those of `out`.
+/// rules of [`Brep::check`]; otherwise those of `out`.
 pub fn write(brep: &Brep, options: &Options, out: &mut dyn io::Write) -> io::Result<()> {
-    let topology = Topology::new(brep)?;
+    brep.check()?;
     let header = Header {
         name: &brep.name,
         time_stamp: &options.time_stamp,
@@ -72,6 +71,6 @@ pub fn write(brep: &Brep, options: &Options, out: &mut dyn io::Write) -> io::Res
     let mut file = Part21::begin(out, &header)?;
     let definition = product::write(&mut file, &brep.name, options)?;
     let colour = options.colour.filter(|_| options.schema != Schema::Ap203);
-    shape::write(&mut file, &topology, brep, (definition, colour))?;
+    shape::write(&mut file, brep, (definition, colour))?;
     file.end()
 }

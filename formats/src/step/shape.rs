@@ -1,20 +1,18 @@
-//! The shape: vertices, edges, faces, shell and their representation
-//! (ISO 10303-42, clause 5; ISO 10303-509).
+//! The shape: vertices, edges, faces, shells, solids and their representation
+//! (ISO 10303-42, clause 5; ISO 10303-509 and 10303-514).
 
 use std::io;
 
 use super::geometry::{self, logical};
 use super::part21::{Id, List, Part21, Text, add};
 use super::style;
-use crate::brep::Brep;
+use crate::brep::{Brep, Edge, EdgeUse, Face, FaceId, ShellId, Solid};
 use crate::number::StepReal;
-use crate::topology::{EdgeData, EdgeUse, FaceData, Topology};
 
 /// Writes the shape, ties it to the product's `PRODUCT_DEFINITION_SHAPE`, and
 /// gives it its colour.
 pub(super) fn write(
     file: &mut Part21<'_>,
-    topology: &Topology<'_>,
     brep: &Brep,
     (definition, colour): (Id, Option<[u8; 3]>),
 ) -> io::Result<()> {
@@ -24,14 +22,41 @@ pub(super) fn write(
         "(GEOMETRIC_REPRESENTATION_CONTEXT(2)\nPARAMETRIC_REPRESENTATION_CONTEXT()\n\
          REPRESENTATION_CONTEXT('2D SPACE',''))"
     )?;
-    let shells = shells(file, topology, plane)?;
+    let shells = shells(file, brep, plane)?;
     let name = Text(&brep.name);
-    let model = add!(file, "SHELL_BASED_SURFACE_MODEL({name},{})", List(&shells))?;
+    let mut models = Vec::new();
+    for body in &brep.solids {
+        models.push(solid(file, body, &shells, &brep.name)?);
+    }
+    let sheets: Vec<Id> = brep.sheets().map(|ShellId(shell)| shells[shell]).collect();
+    if !sheets.is_empty() {
+        models.push(add!(file, "SHELL_BASED_SURFACE_MODEL({name},{})", List(&sheets))?);
+    }
     let origin = origin(file)?;
-    let shape =
-        add!(file, "MANIFOLD_SURFACE_SHAPE_REPRESENTATION({name},({model},{origin}),{space})")?;
+    let kind = match (brep.solids.is_empty(), sheets.is_empty()) {
+        (true, _) => "MANIFOLD_SURFACE_SHAPE_REPRESENTATION",
+        (false, true) => "ADVANCED_BREP_SHAPE_REPRESENTATION",
+        // Each of the others has models of one kind only.
+        (false, false) => "SHAPE_REPRESENTATION",
+    };
+    let items: Vec<Id> = models.iter().copied().chain([origin]).collect();
+    let shape = add!(file, "{kind}({name},{},{space})", List(&items))?;
     add!(file, "SHAPE_DEFINITION_REPRESENTATION({definition},{shape})")?;
-    colour.map_or(Ok(()), |colour| style::write(file, model, colour, space))
+    colour.map_or(Ok(()), |colour| style::write(file, &models, colour, space))
+}
+
+/// `MANIFOLD_SOLID_BREP`, or `BREP_WITH_VOIDS` if it has any. The faces of all its shells
+/// look out of the material, as ISO 10303-42 wants them.
+fn solid(file: &mut Part21<'_>, solid: &Solid, shells: &[Id], name: &str) -> io::Result<Id> {
+    let (name, outer) = (Text(name), shells[solid.outer.0]);
+    if solid.voids.is_empty() {
+        return add!(file, "MANIFOLD_SOLID_BREP({name},{outer})");
+    }
+    let mut voids = Vec::with_capacity(solid.voids.len());
+    for ShellId(shell) in &solid.voids {
+        voids.push(add!(file, "ORIENTED_CLOSED_SHELL('',*,{},.T.)", shells[*shell])?);
+    }
+    add!(file, "BREP_WITH_VOIDS({name},{outer},{})", List(&voids))
 }
 
 /// The geometric context: three dimensions, millimetres, an uncertainty.
@@ -60,69 +85,71 @@ fn origin(file: &mut Part21<'_>) -> io::Result<Id> {
     add!(file, "AXIS2_PLACEMENT_3D('',{point},{z},{x})")
 }
 
-/// An `OPEN_SHELL` for every group of faces that hang together: one whose faces
-/// do not is invalid.
-fn shells(file: &mut Part21<'_>, topology: &Topology<'_>, plane: Id) -> io::Result<Vec<Id>> {
-    let mut surfaces = Vec::with_capacity(topology.faces.len());
-    for face in &topology.faces {
-        surfaces.push(geometry::surface(file, &face.surface)?);
+/// An `OPEN_SHELL` or a `CLOSED_SHELL` for every shell.
+fn shells(file: &mut Part21<'_>, brep: &Brep, plane: Id) -> io::Result<Vec<Id>> {
+    let mut surfaces = Vec::with_capacity(brep.surfaces.len());
+    for surface in &brep.surfaces {
+        surfaces.push(geometry::surface(file, surface)?);
     }
-    let edges = edges(file, topology, &surfaces, plane)?;
-    let mut faces = Vec::with_capacity(surfaces.len());
-    for (data, surface) in topology.faces.iter().zip(&surfaces) {
-        faces.push(face(file, data, *surface, &edges)?);
+    let edges = edges(file, brep, &surfaces, plane)?;
+    let mut faces = Vec::with_capacity(brep.faces.len());
+    for data in &brep.faces {
+        faces.push(face(file, data, surfaces[data.surface.0], &edges)?);
     }
-    let mut shells = Vec::new();
-    for members in topology.shells() {
-        let members: Vec<Id> = members.into_iter().map(|f| faces[f]).collect();
-        shells.push(add!(file, "OPEN_SHELL('',{})", List(&members))?);
+    let mut shells = Vec::with_capacity(brep.shells.len());
+    for shell in &brep.shells {
+        let members: Vec<Id> = shell.faces.iter().map(|FaceId(face)| faces[*face]).collect();
+        let kind = if shell.closed { "CLOSED_SHELL" } else { "OPEN_SHELL" };
+        shells.push(add!(file, "{kind}('',{})", List(&members))?);
     }
     Ok(shells)
 }
 
 /// An `EDGE_CURVE` for every edge, between `VERTEX_POINT`s that edges share.
-fn edges(
-    file: &mut Part21<'_>,
-    topology: &Topology<'_>,
-    surfaces: &[Id],
-    plane: Id,
-) -> io::Result<Vec<Id>> {
-    let mut vertices = Vec::with_capacity(topology.vertices.len());
-    for vertex in &topology.vertices {
+fn edges(file: &mut Part21<'_>, brep: &Brep, surfaces: &[Id], plane: Id) -> io::Result<Vec<Id>> {
+    let mut vertices = Vec::with_capacity(brep.vertices.len());
+    for vertex in &brep.vertices {
         let point = geometry::point(file, *vertex)?;
         vertices.push(add!(file, "VERTEX_POINT('',{point})")?);
     }
-    let mut edges = Vec::with_capacity(topology.edges.len());
-    for edge in &topology.edges {
-        let [start, end] = edge.ends.map(|i| vertices[i]);
-        let curve = edge_geometry(file, edge, surfaces, plane)?;
+    let mut edges = Vec::with_capacity(brep.edges.len());
+    for (edge, uses) in brep.edges.iter().zip(brep.uses()) {
+        let uses: Vec<Use<'_>> = uses
+            .into_iter()
+            .map(|(face, of_loop)| (face, surfaces[brep.faces[face.0].surface.0], of_loop))
+            .collect();
+        let [start, end] = edge.ends.map(|end| vertices[end.0]);
+        let curve = edge_geometry(file, edge, &uses, plane)?;
         edges.push(add!(file, "EDGE_CURVE('',{start},{end},{curve},.T.)")?);
     }
     Ok(edges)
 }
 
+/// A use of an edge: the face, what its surface is called, and the use in a loop.
+type Use<'a> = (FaceId, Id, &'a EdgeUse);
+
 /// `SURFACE_CURVE` (`SEAM_CURVE` where a face uses the edge twice): the 3D
-/// curve, which is the master, and a `PCURVE` for every use.
+/// curve, and a `PCURVE` for every use.
 fn edge_geometry(
     file: &mut Part21<'_>,
-    edge: &EdgeData<'_>,
-    surfaces: &[Id],
+    edge: &Edge,
+    uses: &[Use<'_>],
     plane: Id,
 ) -> io::Result<Id> {
     let curve = geometry::curve(file, &edge.curve)?;
-    let mut pcurves = Vec::with_capacity(edge.uses.len());
-    for (face, pcurve) in &edge.uses {
-        let flat = geometry::pcurve(file, pcurve)?;
+    let mut pcurves = Vec::with_capacity(uses.len());
+    for (_, surface, of_loop) in uses {
+        let flat = geometry::pcurve(file, &of_loop.pcurve)?;
         let flat = add!(file, "DEFINITIONAL_REPRESENTATION('',({flat}),{plane})")?;
-        pcurves.push(add!(file, "PCURVE('',{},{flat})", surfaces[*face])?);
+        pcurves.push(add!(file, "PCURVE('',{surface},{flat})")?);
     }
-    let seam = matches!(edge.uses[..], [(a, _), (b, _)] if a == b);
+    let seam = matches!(uses, [(a, ..), (b, ..)] if a == b);
     let kind = if seam { "SEAM_CURVE" } else { "SURFACE_CURVE" };
     add!(file, "{kind}('',{curve},{},.PCURVE_S1.)", List(&pcurves))
 }
 
 /// `ADVANCED_FACE`, the outer bound first.
-fn face(file: &mut Part21<'_>, data: &FaceData<'_>, surface: Id, edges: &[Id]) -> io::Result<Id> {
+fn face(file: &mut Part21<'_>, data: &Face, surface: Id, edges: &[Id]) -> io::Result<Id> {
     let mut bounds = Vec::with_capacity(data.loops.len());
     for (i, uses) in data.loops.iter().enumerate() {
         let edge_loop = edge_loop(file, uses, edges)?;
@@ -132,11 +159,11 @@ fn face(file: &mut Part21<'_>, data: &FaceData<'_>, surface: Id, edges: &[Id]) -
     add!(file, "ADVANCED_FACE('',{},{surface},{})", List(&bounds), logical(data.forward))
 }
 
-fn edge_loop(file: &mut Part21<'_>, uses: &[EdgeUse<'_>], edges: &[Id]) -> io::Result<Id> {
+fn edge_loop(file: &mut Part21<'_>, uses: &[EdgeUse], edges: &[Id]) -> io::Result<Id> {
     let mut oriented = Vec::with_capacity(uses.len());
-    for EdgeUse { edge, forward, .. } in uses {
-        let direction = logical(*forward);
-        oriented.push(add!(file, "ORIENTED_EDGE('',*,*,{},{direction})", edges[*edge])?);
+    for of_loop in uses {
+        let direction = logical(of_loop.forward);
+        oriented.push(add!(file, "ORIENTED_EDGE('',*,*,{},{direction})", edges[of_loop.edge.0])?);
     }
     add!(file, "EDGE_LOOP('',{})", List(&oriented))
 }

@@ -2,13 +2,13 @@
 
 use std::io;
 
-use super::part21::{Id, Part21, add};
+use super::part21::{Id, List, Part21, add};
 use crate::number::StepReal;
 
-/// Gives `item` a colour, on both of its sides.
+/// Gives items a colour, on both of their sides.
 pub(super) fn write(
     file: &mut Part21<'_>,
-    item: Id,
+    items: &[Id],
     colour: [u8; 3],
     context: Id,
 ) -> io::Result<()> {
@@ -20,7 +20,10 @@ pub(super) fn write(
     let side = add!(file, "SURFACE_SIDE_STYLE('',({area}))")?;
     let usage = add!(file, "SURFACE_STYLE_USAGE(.BOTH.,{side})")?;
     let style = add!(file, "PRESENTATION_STYLE_ASSIGNMENT(({usage}))")?;
-    let styled = add!(file, "STYLED_ITEM('color',({style}),{item})")?;
+    let mut styled = Vec::with_capacity(items.len());
+    for item in items {
+        styled.push(add!(file, "STYLED_ITEM('color',({style}),{item})")?);
+    }
     let kind = "MECHANICAL_DESIGN_GEOMETRIC_PRESENTATION_REPRESENTATION";
-    add!(file, "{kind}('',({styled}),{context})").map(drop)
+    add!(file, "{kind}('',{},{context})", List(&styled)).map(drop)
 }

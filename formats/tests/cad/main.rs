@@ -9,11 +9,11 @@ mod model;
 
 use std::path::Path;
 
+use formats::brep::{Curve, Surface};
 use formats::cad::{CadModel, CadSurface, CurveShape, read_cad_from};
 use formats::iges::{self, Form};
 use formats::step::{self, Schema};
 use formats::{Brep, Result};
-use truck_modeling::{Curve, Surface};
 
 fn step_file(brep: &Brep) -> String {
     let options = step::Options { schema: Schema::Ap242, ..Default::default() };
@@ -42,28 +42,22 @@ fn check_same(brep: &Brep, model: &CadModel) {
     assert_eq!(model.faces.len(), brep.faces.len());
     for (face, written) in model.faces.iter().zip(&brep.faces) {
         let CadSurface::Spline(surface) = &*face.surface else { panic!() };
-        let Surface::BSplineSurface(expected) = written.face.surface() else { panic!() };
-        let poles = expected.control_points().iter().flatten().map(|p| [p.x, p.y, p.z]);
-        assert!(surface.poles().iter().copied().eq(poles));
-        assert_eq!(surface.u().knots(), &expected.uknot_vec()[..]);
-        assert_eq!((surface.u().degree(), surface.weights()), (expected.udegree(), None));
+        let Surface::Spline(expected) = &brep.surfaces[written.surface.0] else { panic!() };
+        assert_eq!(surface, expected);
         assert!(!face.natural);
-        let wires = written.face.boundaries();
-        assert_eq!(face.loops.len(), wires.len());
-        for (edges, wire) in face.loops.iter().zip(&wires) {
-            assert_eq!(edges.len(), wire.len());
-            for (edge, expected) in edges.iter().zip(wire.iter()) {
-                let Curve::BSplineCurve(expected) = expected.curve() else { panic!() };
+        assert_eq!(face.loops.len(), written.loops.len());
+        for (edges, uses) in face.loops.iter().zip(&written.loops) {
+            assert_eq!(edges.len(), uses.len());
+            for (edge, of_loop) in edges.iter().zip(uses) {
+                let Curve::Spline(expected) = &brep.edges[of_loop.edge.0].curve else { panic!() };
                 let CurveShape::Spline(found) = &edge.curve.as_ref().unwrap().shape else {
                     panic!()
                 };
                 let mut poles: Vec<_> = found.poles().to_vec();
-                let expected: Vec<_> =
-                    expected.control_points().iter().map(|p| [p.x, p.y, p.z]).collect();
-                if poles != expected {
+                if poles != expected.poles() {
                     poles.reverse();
                 }
-                assert_eq!(poles, expected);
+                assert_eq!(poles, expected.poles());
                 assert_eq!(edge.pcurves.len(), 1);
             }
         }

@@ -1,18 +1,29 @@
 //! A part whose trim curves are exact: the surface is a bicubic B-spline that
 //! is a polynomial, so the image of a Bézier pcurve is a Bézier curve too.
 
-use formats::{Brep, PCurve, TrimmedFace};
-use truck_modeling::{
-    BSplineCurve, BSplineSurface, Curve, Edge, Face, KnotVec, Point2, Point3, Surface, Vertex, Wire,
-};
+use formats::Brep;
+use formats::brep::{Curve, EdgeId, EdgeUse, Face, PCurve, Shell, Surface, VertexId};
+use formats::spline::{SplineCurve, SplineKnots, SplineSurface};
 
 pub const SIZE: f64 = 100.0;
 pub const HEIGHT: f64 = 160.0; // of 16 u(1-u)v(1-v) / 16, so the top is at 10
 const SPANS: usize = 5;
 
+/// Knots of a Bézier curve over [0, 1].
+pub fn bezier(degree: usize) -> Vec<f64> {
+    [vec![0.0; degree + 1], vec![1.0; degree + 1]].concat()
+}
+
+/// A Bézier curve over [0, 1].
+pub fn bezier_curve<const D: usize>(poles: Vec<[f64; D]>) -> SplineCurve<D> {
+    let degree = poles.len() - 1;
+    SplineCurve::new(degree, bezier(degree), poles, None).unwrap()
+}
+
 /// z = HEIGHT u(1-u) v(1-v) over (SIZE u, SIZE v + shift).
-pub fn surface(shift: f64) -> BSplineSurface<Point3> {
-    let knots = KnotVec::uniform_knot(3, SPANS);
+pub fn surface(shift: f64) -> SplineSurface {
+    let inner = (1..SPANS).map(|i| i as f64 / SPANS as f64);
+    let knots: Vec<f64> = [0.0; 4].into_iter().chain(inner).chain([1.0; 4]).collect();
     // The blossoms of t and of t(1-t) are the poles that give them.
     let blossom = |i: usize| {
         let (a, b, c) = (knots[i + 1], knots[i + 2], knots[i + 3]);
@@ -21,49 +32,48 @@ pub fn surface(shift: f64) -> BSplineSurface<Point3> {
     };
     let pole = |i, j| {
         let ((u, hu), (v, hv)) = (blossom(i), blossom(j));
-        Point3::new(SIZE * u, SIZE * v + shift, HEIGHT * hu * hv)
+        [SIZE * u, SIZE * v + shift, HEIGHT * hu * hv]
     };
     let n = SPANS + 3;
-    let net = (0..n).map(|i| (0..n).map(|j| pole(i, j)).collect()).collect();
-    BSplineSurface::new((knots.clone(), knots), net)
+    let net = (0..n).flat_map(|i| (0..n).map(move |j| (i, j))).map(|(i, j)| pole(i, j)).collect();
+    let knots = SplineKnots::new(3, knots.clone(), n).unwrap();
+    SplineSurface::new(knots.clone(), knots, net, None).unwrap()
 }
 
-pub fn point(u: f64, v: f64, shift: f64) -> Point3 {
-    Point3::new(SIZE * u, SIZE * v + shift, HEIGHT * u * (1.0 - u) * v * (1.0 - v))
+fn point(u: f64, v: f64, shift: f64) -> [f64; 3] {
+    [SIZE * u, SIZE * v + shift, HEIGHT * u * (1.0 - u) * v * (1.0 - v)]
 }
 
-/// Vertices of the corners (0,0), (1,0), (1,1), (0,1).
-type Corners = [Vertex; 4];
-
-/// The edge between two corners; at the rim the surface is flat.
-fn side(from: &Vertex, to: &Vertex) -> Edge {
-    let poles = vec![from.point(), to.point()];
-    Edge::new(from, to, Curve::BSplineCurve(BSplineCurve::new(KnotVec::bezier_knot(1), poles)))
+/// Adds the edge between two vertices; at the rim the surface is flat.
+fn side(brep: &mut Brep, from: VertexId, to: VertexId) -> EdgeId {
+    let poles = [from, to].map(|end| brep.vertices[end.0]).to_vec();
+    brep.add_edge(Curve::Spline(bezier_curve(poles)), [from, to])
 }
 
-fn line(from: (f64, f64), to: (f64, f64)) -> PCurve {
-    let poles = vec![Point2::new(from.0, from.1), Point2::new(to.0, to.1)];
-    PCurve::new(KnotVec::bezier_knot(1), poles)
+pub fn along(edge: EdgeId, pcurve: PCurve) -> EdgeUse {
+    EdgeUse { edge, forward: true, pcurve }
+}
+
+pub fn against(edge: EdgeId, pcurve: PCurve) -> EdgeUse {
+    EdgeUse { edge, forward: false, pcurve }
 }
 
 /// Half a round hole, from its left to its right; `side` is 1 above, -1 below.
 fn half(center: (f64, f64), radius: f64, side: f64) -> PCurve {
     let (left, right, bulge) = (center.0 - radius, center.0 + radius, side * radius * 4.0 / 3.0);
     let poles = [(left, 0.0), (left, bulge), (right, bulge), (right, 0.0)];
-    let poles = poles.map(|(u, v)| Point2::new(u, center.1 + v)).to_vec();
-    PCurve::new(KnotVec::bezier_knot(3), poles)
+    bezier_curve(poles.map(|(u, v)| [u, center.1 + v]).to_vec())
 }
 
 /// The image of a Bézier pcurve on the surface, of degree 12 and exact.
-fn image(pcurve: &PCurve) -> BSplineCurve<Point3> {
-    let u: Vec<f64> = pcurve.control_points().iter().map(|p| p.x).collect();
-    let v: Vec<f64> = pcurve.control_points().iter().map(|p| p.y).collect();
+fn image(pcurve: &PCurve) -> SplineCurve<3> {
+    let u: Vec<f64> = pcurve.poles().iter().map(|p| p[0]).collect();
+    let v: Vec<f64> = pcurve.poles().iter().map(|p| p[1]).collect();
     let rest = |t: &[f64]| t.iter().map(|t| 1.0 - t).collect::<Vec<_>>();
     let z = product(&product(&u, &rest(&u)), &product(&v, &rest(&v)));
     let one = [1.0; 10];
     let (x, y) = (product(&u, &one), product(&v, &one));
-    let poles = (0..z.len()).map(|i| Point3::new(SIZE * x[i], SIZE * y[i], HEIGHT * z[i]));
-    BSplineCurve::new(KnotVec::bezier_knot(12), poles.collect())
+    bezier_curve((0..z.len()).map(|i| [SIZE * x[i], SIZE * y[i], HEIGHT * z[i]]).collect())
 }
 
 /// Product of two polynomials in Bernstein form.
@@ -84,87 +94,74 @@ fn binomial(n: usize, k: usize) -> f64 {
 
 /// A clockwise hole of two edges; one of them runs against its curve where
 /// `reversed`, so that both directions occur.
-fn hole(center: (f64, f64), radius: f64, reversed: bool) -> (Wire, Vec<PCurve>) {
-    let (above, below) = (half(center, radius, 1.0), half(center, radius, -1.0));
-    let left = Vertex::new(image(&above).control_points()[0]);
-    let right = Vertex::new(*image(&above).control_points().last().unwrap());
-    let there = Edge::new(&left, &right, Curve::BSplineCurve(image(&above)));
-    if reversed {
-        let back = Edge::new(&left, &right, Curve::BSplineCurve(image(&below))).inverse();
-        return (vec![there, back].into(), vec![above, below]);
+fn hole(brep: &mut Brep, center: (f64, f64), radius: f64, reversed: bool) -> Vec<EdgeUse> {
+    let (above, mut below) = (half(center, radius, 1.0), half(center, radius, -1.0));
+    let [left, right] = image(&above).ends().map(|end| brep.add_vertex(end));
+    let there = brep.add_edge(Curve::Spline(image(&above)), [left, right]);
+    let mut ends = [left, right];
+    if !reversed {
+        below = below.reversed();
+        ends.reverse();
     }
-    let mut below = below;
-    below.invert();
-    let back = Edge::new(&right, &left, Curve::BSplineCurve(image(&below)));
-    (vec![there, back].into(), vec![above, below])
+    let back = brep.add_edge(Curve::Spline(image(&below)), ends);
+    vec![along(there, above), EdgeUse { edge: back, forward: !reversed, pcurve: below }]
 }
 
-fn corners() -> Corners {
-    [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)].map(|(u, v)| Vertex::new(point(u, v, 0.0)))
-}
-
-/// The sheet with two holes; its third side runs against its curve.
-pub fn sheet() -> (TrimmedFace, Corners, Edge) {
-    let [a, b, c, d] = corners();
-    let top = side(&d, &c);
-    let outer: Wire = vec![side(&a, &b), side(&b, &c), top.inverse(), side(&d, &a)].into();
-    let sides = vec![
-        line((0.0, 0.0), (1.0, 0.0)),
-        line((1.0, 0.0), (1.0, 1.0)),
-        line((0.0, 1.0), (1.0, 1.0)),
-        line((0.0, 1.0), (0.0, 0.0)),
+/// The sheet with two holes, as face 0; its third side, edge 2, runs against its curve.
+pub fn sheet(name: &str) -> Brep {
+    let mut brep = Brep { name: name.into(), uncertainty_mm: 1e-7, ..Brep::default() };
+    let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+    let [a, b, c, d] = corners.map(|(u, v)| brep.add_vertex(point(u, v, 0.0)));
+    let [ab, bc] = [(a, b), (b, c)].map(|(from, to)| side(&mut brep, from, to));
+    let [dc, da] = [(d, c), (d, a)].map(|(from, to)| side(&mut brep, from, to));
+    let outer = vec![
+        along(ab, bezier_curve(vec![[0.0, 0.0], [1.0, 0.0]])),
+        along(bc, bezier_curve(vec![[1.0, 0.0], [1.0, 1.0]])),
+        against(dc, bezier_curve(vec![[0.0, 1.0], [1.0, 1.0]])),
+        along(da, bezier_curve(vec![[0.0, 1.0], [0.0, 0.0]])),
     ];
-    let (first, of_first) = hole((0.3, 0.4), 0.13, true);
-    let (second, of_second) = hole((0.7, 0.55), 0.1, false);
-    let surface = Surface::BSplineSurface(surface(0.0));
-    let face = Face::new(vec![outer, first, second], surface);
-    let pcurves = vec![sides, of_first, of_second];
-    (TrimmedFace { face, pcurves }, [a, b, c, d], top)
+    let first = hole(&mut brep, (0.3, 0.4), 0.13, true);
+    let second = hole(&mut brep, (0.7, 0.55), 0.1, false);
+    let surface = brep.add_surface(Surface::Spline(surface(0.0)));
+    let face = brep.add_face(Face { surface, forward: true, loops: vec![outer, first, second] });
+    brep.add_shell(Shell { faces: vec![face], closed: false });
+    brep
 }
 
-/// A second sheet behind the first; they share the edge `top`.
-fn neighbour(corners: &Corners, top: &Edge) -> TrimmedFace {
-    let [_, _, c, d] = corners;
-    let (e, f) = (Vertex::new(point(1.0, 1.0, SIZE)), Vertex::new(point(0.0, 1.0, SIZE)));
-    let wire: Wire = vec![top.clone(), side(c, &e), side(&e, &f), side(&f, d)].into();
-    let sides = vec![
-        line((0.0, 0.0), (1.0, 0.0)),
-        line((1.0, 0.0), (1.0, 1.0)),
-        line((1.0, 1.0), (0.0, 1.0)),
-        line((0.0, 1.0), (0.0, 0.0)),
+/// Adds a second sheet behind the first; they share the first one's third side.
+fn add_neighbour(brep: &mut Brep) {
+    let [c, d] = [VertexId(2), VertexId(3)];
+    let [e, f] = [(1.0, 1.0), (0.0, 1.0)].map(|(u, v)| brep.add_vertex(point(u, v, SIZE)));
+    let sides = [(c, e), (e, f), (f, d)].map(|(from, to)| side(brep, from, to));
+    let outer = vec![
+        along(EdgeId(2), bezier_curve(vec![[0.0, 0.0], [1.0, 0.0]])),
+        along(sides[0], bezier_curve(vec![[1.0, 0.0], [1.0, 1.0]])),
+        along(sides[1], bezier_curve(vec![[1.0, 1.0], [0.0, 1.0]])),
+        along(sides[2], bezier_curve(vec![[0.0, 1.0], [0.0, 0.0]])),
     ];
-    let face = Face::new(vec![wire], Surface::BSplineSurface(surface(SIZE)));
-    TrimmedFace { face, pcurves: vec![sides] }
-}
-
-fn brep(name: &str, faces: Vec<TrimmedFace>) -> Brep {
-    Brep { name: name.into(), faces, uncertainty_mm: 1e-7 }
+    let surface = brep.add_surface(Surface::Spline(surface(SIZE)));
+    let face = brep.add_face(Face { surface, forward: true, loops: vec![outer] });
+    brep.shells[0].faces.push(face);
 }
 
 pub fn one_face(name: &str) -> Brep {
-    brep(name, vec![sheet().0])
+    sheet(name)
 }
 
 pub fn two_faces(name: &str) -> Brep {
-    let (face, corners, top) = sheet();
-    let second = neighbour(&corners, &top);
-    brep(name, vec![face, second])
+    let mut brep = sheet(name);
+    add_neighbour(&mut brep);
+    brep
 }
 
 /// The sheet, looking against its surface's normal.
 pub fn inverted(name: &str) -> Brep {
-    let TrimmedFace { face, pcurves } = sheet().0;
-    let pcurves = pcurves.into_iter().map(|of_loop| of_loop.into_iter().rev().collect());
-    let pcurves = pcurves.collect();
-    brep(name, vec![TrimmedFace { face: face.inverse(), pcurves }])
-}
-
-/// The sheet with a hole that runs the wrong way.
-pub fn flipped_hole(name: &str) -> Brep {
-    let TrimmedFace { face, mut pcurves } = sheet().0;
-    let mut wires = face.boundaries();
-    wires[1].invert();
-    pcurves[1].reverse();
-    let face = Face::new(wires, face.surface());
-    brep(name, vec![TrimmedFace { face, pcurves }])
+    let mut brep = sheet(name);
+    let face = &mut brep.faces[0];
+    face.forward = false;
+    for uses in &mut face.loops {
+        uses.reverse();
+        uses.iter_mut().for_each(|of_loop| of_loop.forward = !of_loop.forward);
+    }
+    brep
 }

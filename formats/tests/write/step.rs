@@ -4,8 +4,8 @@ use std::collections::BTreeSet;
 use std::io::ErrorKind;
 
 use formats::Brep;
+use formats::brep::{Fault, Surface};
 use formats::step::{Options, Schema, write};
-use truck_modeling::{Point2, Surface};
 
 use crate::model;
 use crate::step_file;
@@ -133,13 +133,13 @@ fn knots_stand_once_with_their_multiplicity() {
 #[test]
 fn poles_read_back_to_the_last_bit() {
     let brep = model::one_face("");
-    let Surface::BSplineSurface(surface) = brep.faces[0].face.surface() else { panic!() };
+    let Surface::Spline(surface) = &brep.surfaces[0] else { panic!() };
     let bodies = entities(&step_file(&brep, Schema::Ap242));
     let start = bodies.iter().position(|b| b.starts_with("CARTESIAN_POINT")).unwrap();
-    for (body, pole) in bodies[start..].iter().zip(surface.control_points().iter().flatten()) {
+    for (body, pole) in bodies[start..].iter().zip(surface.poles()) {
         let numbers = body.trim_start_matches("CARTESIAN_POINT('',(").trim_end_matches("))");
         let numbers: Vec<f64> = numbers.split(',').map(|x| x.parse().unwrap()).collect();
-        assert_eq!(numbers, [pole.x, pole.y, pole.z]);
+        assert_eq!(numbers, pole);
     }
 }
 
@@ -202,18 +202,16 @@ fn broken_promises_are_refused_before_anything_is_written() {
         assert!(out.is_empty());
         error.to_string()
     };
-    let text = break_it(|b| drop(b.faces[0].pcurves.pop()));
-    assert_eq!(text, "face 0: 3 loops, pcurves for 2");
-    let text = break_it(|b| drop(b.faces[0].pcurves[1].pop()));
-    assert_eq!(text, "face 0: a loop of 2 edges with 1 pcurves");
-    let nowhere = |b: &mut Brep| {
-        *b.faces[0].pcurves[0][0].control_point_mut(0) = Point2::new(f64::NAN, 0.0);
-    };
-    assert_eq!(break_it(nowhere), "face 0: a pcurve's pole is not finite");
+    assert_eq!(break_it(|b| b.faces.clear()), Fault::Empty.to_string());
+    assert_eq!(break_it(|b| b.uncertainty_mm = 0.0), "its uncertainty is 0 mm");
+    let text = break_it(|b| b.faces[0].loops[0].reverse());
+    assert_eq!(text, "the loop is open before edge 0 in loop 0 of face 0");
     let text = break_it(|b| {
-        b.faces[0].pcurves[0][0].knot_translate(1.0);
+        let hole = &mut b.faces[0].loops[1];
+        hole.reverse();
+        hole.iter_mut().for_each(|of_loop| of_loop.forward = !of_loop.forward);
     });
-    assert!(text.contains("a pcurve over (1.0, 2.0)"), "{text}");
-    assert_eq!(break_it(|b| b.faces.clear()), "no face");
-    assert_eq!(break_it(|b| b.uncertainty_mm = 0.0), "uncertainty of 0 mm");
+    assert_eq!(text, "loop 1 of face 0 runs the wrong way round");
+    let text = break_it(|b| b.edges[2].ends.reverse());
+    assert!(text.starts_with("edge 2 ends 100 mm from its vertex"), "{text}");
 }

@@ -9,7 +9,7 @@ use super::parameters::Parameters;
 use super::shape::in_radians;
 use crate::Result;
 use crate::cad::affine::Affine;
-use crate::cad::{CadEdge, CadFace};
+use crate::cad::{CadEdge, CadFace, CadModel, CadShell};
 
 /// Reads faces.
 pub(super) struct Faces<'d> {
@@ -96,7 +96,7 @@ impl<'d> Faces<'d> {
         Ok(pcurves.into_iter().map(|pcurve| edge(None, vec![pcurve])).collect())
     }
 
-    /// 186: the shells of a solid.
+    /// 186: the shells of a solid, the outer one first.
     pub(super) fn shells(&self, pointer: i64) -> Result<Vec<i64>> {
         let mut p = self.deck.parameters(pointer)?;
         let mut shells = vec![p.integer()?];
@@ -106,13 +106,24 @@ impl<'d> Faces<'d> {
         Ok(shells)
     }
 
-    /// 514.
-    pub(super) fn shell(&mut self, pointer: i64, outer: &Affine) -> Result<Vec<CadFace>> {
+    /// 514: adds its faces and itself; its number.
+    pub(super) fn shell(
+        &mut self,
+        pointer: i64,
+        outer: &Affine,
+        model: &mut CadModel,
+    ) -> Result<usize> {
         let place = self.geometry.place(pointer, outer)?;
         let mut p = self.deck.parameters(pointer)?;
         let count = p.count()?;
         let faces = p.several(count, |p| p.integer().inspect(|_| p.skip(1)))?;
-        faces.into_iter().map(|face| self.face(face, &place)).collect()
+        let first = model.faces.len();
+        for face in faces {
+            model.faces.push(self.face(face, &place)?);
+        }
+        let closed = self.deck.entry(pointer)?.form == 1;
+        model.shells.push(CadShell { faces: (first..model.faces.len()).collect(), closed });
+        Ok(model.shells.len() - 1)
     }
 
     /// 510.

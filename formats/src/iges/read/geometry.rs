@@ -8,8 +8,8 @@ use super::parameters::Parameters;
 use super::shape::{arc, flat, middle_normal, over_unit, turned};
 use crate::Result;
 use crate::cad::affine::{Affine, cross, dot, unit};
-use crate::cad::spline::MAX_DEGREE;
-use crate::cad::{CadCurve, CadSurface, CurveShape, SplineCurve, SplineKnots, SplineSurface};
+use crate::cad::{CadCurve, CadSurface, CurveShape};
+use crate::spline::{MAX_DEGREE, SplineCurve, SplineKnots, SplineSurface};
 
 /// Entities are made of others at most this deep.
 const MAX_DEPTH: usize = 8;
@@ -262,7 +262,7 @@ impl<'d> Geometry<'d> {
         let curve = place.curve(self.curve(directrix)?);
         let (start, curve) = match curve.shape {
             CurveShape::Line { origin, .. } => (origin, curve),
-            CurveShape::Spline(spline) => (spline.poles[0], over_unit(spline)),
+            CurveShape::Spline(spline) => (spline.poles()[0], over_unit(spline)),
             CurveShape::Ellipse { centre, x, y } => {
                 let t = curve.range.map_or(0.0, |r| r.0);
                 let point = |i: usize| centre[i] + t.cos() * x[i] + t.sin() * y[i];

@@ -9,8 +9,8 @@ mod shape;
 use std::path::Path;
 
 use crate::Result;
-use crate::cad::CadModel;
 use crate::cad::affine::Affine;
+use crate::cad::{CadModel, CadSolid};
 use deck::Deck;
 pub(crate) use deck::is_iges;
 use faces::Faces;
@@ -20,7 +20,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
     let deck = Deck::new(path, bytes)?;
     let (sender, unit_mm) = global(&deck)?;
     let unit = Affine::scaling(unit_mm);
-    let mut model = CadModel { name: name(&deck)?.unwrap_or(sender), faces: Vec::new() };
+    let mut model = CadModel { name: name(&deck)?.unwrap_or(sender), ..CadModel::default() };
     let mut faces = Faces::new(&deck);
     let entries = || (1..).step_by(2).zip(&deck.directory).filter(|(_, e)| e.visible);
     let mut in_solids = Vec::new();
@@ -39,13 +39,15 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
         match entry.kind {
             // A solid's matrix puts its shells.
             514 if !in_solids.contains(&pointer) => {
-                model.faces.extend(faces.shell(pointer, &unit)?);
+                faces.shell(pointer, &unit, &mut model)?;
             }
             186 => {
                 let place = faces.place(pointer, &unit)?;
+                let mut shells = Vec::new();
                 for shell in faces.shells(pointer)? {
-                    model.faces.extend(faces.shell(shell, &place)?);
+                    shells.push(faces.shell(shell, &place, &mut model)?);
                 }
+                model.solids.push(CadSolid { outer: shells[0], voids: shells.split_off(1) });
             }
             114 | 118 | 120 | 122 | 128 | 140 if entry.independent => {
                 model.faces.push(faces.whole(pointer, &unit)?);

@@ -3,7 +3,8 @@
 use super::parameters::Parameters;
 use crate::Result;
 use crate::cad::affine::cross;
-use crate::cad::{CadCurve, CadSurface, CurveShape, SplineCurve, SplineKnots};
+use crate::cad::{CadCurve, CadSurface, CurveShape};
+use crate::spline::{SplineCurve, SplineKnots};
 
 /// A net whose index of u runs fastest, with that of v running fastest.
 pub(super) fn turned<T: Copy>(net: &[T], m: usize, n: usize) -> Vec<T> {
@@ -39,10 +40,7 @@ pub(super) fn flat(curve: CadCurve<3>) -> CadCurve<2> {
         CurveShape::Ellipse { centre, x, y } => {
             CurveShape::Ellipse { centre: cut(centre), x: cut(x), y: cut(y) }
         }
-        CurveShape::Spline(SplineCurve { knots, poles, weights }) => {
-            let poles = poles.into_iter().map(cut).collect();
-            CurveShape::Spline(SplineCurve { knots, poles, weights })
-        }
+        CurveShape::Spline(spline) => CurveShape::Spline(spline.mapped(cut)),
     };
     CadCurve { shape, range: curve.range }
 }
@@ -57,19 +55,14 @@ pub(super) fn in_radians(curve: &CadCurve<2>) -> CadCurve<2> {
         CurveShape::Ellipse { centre, x, y } => {
             CurveShape::Ellipse { centre: turn(centre), x: turn(x), y: turn(y) }
         }
-        CurveShape::Spline(mut spline) => {
-            spline.poles.iter_mut().for_each(|p| *p = turn(*p));
-            CurveShape::Spline(spline)
-        }
+        CurveShape::Spline(spline) => CurveShape::Spline(spline.mapped(turn)),
     };
     CadCurve { shape, range: curve.range }
 }
 
 /// The same curve with its parameters over [0, 1].
-pub(super) fn over_unit(mut spline: SplineCurve<3>) -> CadCurve<3> {
-    let (a, b) = spline.knots.range();
-    spline.knots.knots.iter_mut().for_each(|t| *t = (*t - a) / (b - a));
-    CadCurve { shape: CurveShape::Spline(spline), range: None }
+pub(super) fn over_unit(spline: SplineCurve<3>) -> CadCurve<3> {
+    CadCurve { shape: CurveShape::Spline(spline.over_unit()), range: None }
 }
 
 /// About the normal in the middle of the parameters, where an offset says on
@@ -77,8 +70,8 @@ pub(super) fn over_unit(mut spline: SplineCurve<3>) -> CadCurve<3> {
 pub(super) fn middle_normal(surface: &CadSurface) -> Option<[f64; 3]> {
     match surface {
         CadSurface::Spline(spline) => {
-            let (u, v) = (middle_poles(&spline.u), middle_poles(&spline.v));
-            let pole = |i: usize, j: usize| spline.poles[i * spline.v.poles() + j];
+            let (u, v) = (middle_poles(spline.u()), middle_poles(spline.v()));
+            let pole = |i: usize, j: usize| spline.poles()[i * spline.v().poles() + j];
             let between = |a: [f64; 3], b: [f64; 3]| [0, 1, 2].map(|i| b[i] - a[i]);
             let su = between(pole(u[0], v[0]), pole(u[1], v[0]));
             let sv = between(pole(u[0], v[0]), pole(u[0], v[1]));

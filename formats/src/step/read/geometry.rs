@@ -6,7 +6,8 @@ use std::sync::Arc;
 use super::exchange::Exchange;
 use crate::Result;
 use crate::cad::affine::{cross, dot, unit};
-use crate::cad::{CadCurve, CadSurface, CurveShape, SplineCurve};
+use crate::cad::{CadCurve, CadSurface, CurveShape};
+use crate::spline::SplineCurve;
 
 /// A curve is made of curves, or a surface of surfaces, at most this deep.
 const MAX_DEPTH: usize = 8;

@@ -32,7 +32,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
         let unit = unit_mm(&file, attributes.reference()?)?;
         let mut topology = Topology::new(&file, unit, &mut seen);
         for item in items {
-            topology.item(item, &mut model.faces)?;
+            topology.item(item, &mut model)?;
         }
     }
     if let Some(product) = file.all(|word| word == "PRODUCT").next() {

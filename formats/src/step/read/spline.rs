@@ -3,8 +3,8 @@
 use super::attributes::Attributes;
 use super::geometry::Geometry;
 use crate::Result;
-use crate::cad::spline::MAX_DEGREE;
-use crate::cad::{CadCurve, CadSurface, CurveShape, SplineCurve, SplineKnots, SplineSurface};
+use crate::cad::{CadCurve, CadSurface, CurveShape};
+use crate::spline::{MAX_DEGREE, SplineCurve, SplineKnots, SplineSurface};
 
 impl Geometry<'_, '_> {
     pub(super) fn spline<const D: usize>(&self, id: u64) -> Result<CadCurve<D>> {

@@ -7,7 +7,7 @@ use super::exchange::Exchange;
 use super::geometry::Geometry;
 use crate::Result;
 use crate::cad::affine::Affine;
-use crate::cad::{CadCurve, CadEdge, CadFace, CadSurface};
+use crate::cad::{CadCurve, CadEdge, CadFace, CadModel, CadShell, CadSolid, CadSurface};
 
 /// Reads the faces of one representation.
 pub(super) struct Topology<'f, 'a> {
@@ -42,9 +42,9 @@ impl<'f, 'a> Topology<'f, 'a> {
         }
     }
 
-    /// Adds the faces of an item of a representation; items that have none, such
-    /// as placements and points, add none.
-    pub(super) fn item(&mut self, id: u64, faces: &mut Vec<CadFace>) -> Result<()> {
+    /// Adds what an item of a representation holds; items without faces, such as placements
+    /// and points, add nothing.
+    pub(super) fn item(&mut self, id: u64, model: &mut CadModel) -> Result<()> {
         if self.file.entity(id)?.records.len() > 1 {
             return Ok(());
         }
@@ -52,49 +52,58 @@ impl<'f, 'a> Topology<'f, 'a> {
         match kind {
             "SHELL_BASED_SURFACE_MODEL" | "FACE_BASED_SURFACE_MODEL" => {
                 attributes.skip(1)?;
-                attributes.references()?.into_iter().try_for_each(|shell| self.shell(shell, faces))
+                for shell in attributes.references()? {
+                    self.shell(shell, model)?;
+                }
+                Ok(())
             }
-            "MANIFOLD_SOLID_BREP" | "FACETED_BREP" => {
+            "MANIFOLD_SOLID_BREP" | "FACETED_BREP" | "BREP_WITH_VOIDS" => {
                 attributes.skip(1)?;
-                self.shell(attributes.reference()?, faces)
+                let outer = self.shell(attributes.reference()?, model)?;
+                let mut voids = Vec::new();
+                if kind == "BREP_WITH_VOIDS" {
+                    for shell in attributes.references()? {
+                        voids.push(self.shell(shell, model)?);
+                    }
+                }
+                model.solids.push(CadSolid { outer, voids });
+                Ok(())
             }
-            "BREP_WITH_VOIDS" => {
-                attributes.skip(1)?;
-                self.shell(attributes.reference()?, faces)?;
-                attributes.references()?.into_iter().try_for_each(|shell| self.shell(shell, faces))
-            }
-            "OPEN_SHELL" | "CLOSED_SHELL" | "CONNECTED_FACE_SET" => self.shell(id, faces),
-            "ADVANCED_FACE" | "FACE_SURFACE" => self.face(id, faces),
+            "OPEN_SHELL" | "CLOSED_SHELL" | "CONNECTED_FACE_SET" => self.shell(id, model).map(drop),
+            "ADVANCED_FACE" | "FACE_SURFACE" => self.face(id, model).map(drop),
             "MAPPED_ITEM" => Err(self.file.unread(id, "puts a part in a place, which is not read")),
             _ => Ok(()),
         }
     }
 
-    fn shell(&mut self, id: u64, faces: &mut Vec<CadFace>) -> Result<()> {
-        let (kind, mut attributes) = self.file.simple(id)?;
+    /// Adds a shell; its number.
+    fn shell(&mut self, id: u64, model: &mut CadModel) -> Result<usize> {
+        let (mut kind, mut attributes) = self.file.simple(id)?;
         attributes.skip(1)?;
-        match kind {
-            "OPEN_SHELL" | "CLOSED_SHELL" | "CONNECTED_FACE_SET" => {
-                attributes.references()?.into_iter().try_for_each(|face| self.face(face, faces))
-            }
-            "ORIENTED_OPEN_SHELL" | "ORIENTED_CLOSED_SHELL" => {
-                attributes.skip(1)?;
-                let turned = attributes.reference()?;
-                let mut attributes = self.file.simple(turned)?.1;
-                attributes.skip(1)?;
-                attributes.references()?.into_iter().try_for_each(|face| self.face(face, faces))
-            }
-            other => Err(self.file.error(id, format!("is {other} where a shell is due"))),
+        if matches!(kind, "ORIENTED_OPEN_SHELL" | "ORIENTED_CLOSED_SHELL") {
+            attributes.skip(1)?;
+            (kind, attributes) = self.file.simple(attributes.reference()?)?;
+            attributes.skip(1)?;
         }
+        if !matches!(kind, "OPEN_SHELL" | "CLOSED_SHELL" | "CONNECTED_FACE_SET") {
+            return Err(self.file.error(id, format!("is {kind} where a shell is due")));
+        }
+        let mut faces = Vec::new();
+        for face in attributes.references()? {
+            faces.extend(self.face(face, model)?);
+        }
+        model.shells.push(CadShell { faces, closed: kind == "CLOSED_SHELL" });
+        Ok(model.shells.len() - 1)
     }
 
-    fn face(&mut self, id: u64, faces: &mut Vec<CadFace>) -> Result<()> {
+    /// Adds a face; its number, or none if it is there already.
+    fn face(&mut self, id: u64, model: &mut CadModel) -> Result<Option<usize>> {
         let (kind, mut attributes) = self.file.simple(id)?;
         if !matches!(kind, "ADVANCED_FACE" | "FACE_SURFACE") {
             return Err(self.file.unread(id, format!("is a face of a kind not read: {kind}")));
         }
         if !self.seen.insert(id) {
-            return Ok(());
+            return Ok(None);
         }
         attributes.skip(1)?;
         let bounds = attributes.references()?;
@@ -105,8 +114,8 @@ impl<'f, 'a> Topology<'f, 'a> {
             loops.extend(self.bound(bound, surface_id)?);
         }
         let natural = loops.is_empty();
-        faces.push(CadFace { entity: format!("#{id}"), surface, natural, loops });
-        Ok(())
+        model.faces.push(CadFace { entity: format!("#{id}"), surface, natural, loops });
+        Ok(Some(model.faces.len() - 1))
     }
 
     fn surface(&mut self, id: u64) -> Result<Arc<CadSurface>> {

@@ -1,23 +1,23 @@
 //! B-spline basis functions of any degree that a CAD file may have.
-//!
-//! [`KnotVector`](crate::spline::KnotVector) is for the pipeline's own curves
-//! and surfaces: its arrays have room for degree 5, and are the faster for it.
 
-use formats::cad::SplineKnots;
+use super::{MAX_DEGREE, SplineKnots};
 
-/// Room for the functions of degree 25, the highest that is read.
-const ROOM: usize = 26;
+/// Room for the functions of the highest degree.
+const ROOM: usize = MAX_DEGREE + 1;
 
 /// The basis functions that are not zero at a parameter, and their first two
 /// derivatives; function `j` belongs to pole `first + j`.
-pub(super) struct Basis {
-    pub(super) first: usize,
-    pub(super) derivative: [[f64; ROOM]; 3],
+#[derive(Debug, Clone)]
+pub struct Basis {
+    /// The number of the first pole that matters.
+    pub first: usize,
+    /// `derivative[k][j]` is the `k`-th derivative of function `j`.
+    pub derivative: [[f64; ROOM]; 3],
 }
 
 impl Basis {
     /// At `t`, which is moved into the range if it is outside.
-    pub(super) fn new(knots: &SplineKnots, t: f64) -> Self {
+    pub fn new(knots: &SplineKnots, t: f64) -> Self {
         let (low, high) = knots.range();
         let (t, p, k) = (t.clamp(low, high), knots.degree(), knots.knots());
         let span = span(knots, t);

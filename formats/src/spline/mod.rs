@@ -1,0 +1,351 @@
+//! B-spline curves and surfaces, as CAD files hold them: of any degree up to 25, rational
+//! or not. A constructor refuses parts that do not suit each other.
+
+mod basis;
+
+pub use basis::Basis;
+
+/// OpenCASCADE's limit; other kernels' are no higher.
+pub(crate) const MAX_DEGREE: usize = 25;
+
+/// A knot vector that does not decrease, and its degree, from 1 to 25. It may be
+/// unclamped.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SplineKnots {
+    degree: usize,
+    knots: Vec<f64>,
+}
+
+/// A B-spline curve in space (D = 3) or in a parameter plane (D = 2).
+#[derive(Debug, Clone, PartialEq)]
+pub struct SplineCurve<const D: usize> {
+    knots: SplineKnots,
+    poles: Vec<[f64; D]>,
+    weights: Option<Vec<f64>>,
+}
+
+/// A B-spline surface.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SplineSurface {
+    u: SplineKnots,
+    v: SplineKnots,
+    poles: Vec<[f64; 3]>,
+    weights: Option<Vec<f64>>,
+}
+
+impl SplineKnots {
+    /// A knot vector for `poles` poles.
+    ///
+    /// # Errors
+    /// It has not the right number of knots; they decrease, are not finite, or
+    /// span nothing; the degree is not from 1 to 25.
+    pub fn new(degree: usize, knots: Vec<f64>, poles: usize) -> Result<Self, String> {
+        if !(1..=MAX_DEGREE).contains(&degree) {
+            return Err(format!("degree {degree}"));
+        }
+        if poles <= degree || knots.len() != poles + degree + 1 {
+            let count = knots.len();
+            return Err(format!("{count} knots for {poles} poles of degree {degree}"));
+        }
+        let rising = knots.windows(2).all(|w| w[0] <= w[1]);
+        if !rising || knots.iter().any(|k| !k.is_finite()) {
+            return Err("knots that decrease, or are not finite".into());
+        }
+        if knots[degree] >= knots[poles] {
+            return Err("knots that span nothing".into());
+        }
+        Ok(SplineKnots { degree, knots })
+    }
+
+    /// The degree.
+    pub fn degree(&self) -> usize {
+        self.degree
+    }
+
+    /// All knots.
+    pub fn knots(&self) -> &[f64] {
+        &self.knots
+    }
+
+    /// How many poles belong to it.
+    pub fn poles(&self) -> usize {
+        self.knots.len() - self.degree - 1
+    }
+
+    /// The range on which the basis is complete.
+    pub fn range(&self) -> (f64, f64) {
+        (self.knots[self.degree], self.knots[self.poles()])
+    }
+
+    /// Whether the curve begins at its first pole and ends at its last one.
+    pub fn are_clamped(&self) -> bool {
+        let (low, high) = self.range();
+        self.knots[0] == low && self.knots[self.knots.len() - 1] == high
+    }
+
+    /// The same knots from the end to the start, over the same range.
+    fn reversed(&self) -> SplineKnots {
+        let (first, last) = (self.knots[0], self.knots[self.knots.len() - 1]);
+        // The ends must stay what they are to the last bit.
+        let mirror = |&t: &f64| if t == first { last } else { first + (last - t) };
+        let knots = self.knots.iter().rev().map(mirror).collect();
+        SplineKnots { degree: self.degree, knots }
+    }
+
+    /// The same knots over [0, 1].
+    fn over_unit(mut self) -> SplineKnots {
+        let (a, b) = self.range();
+        self.knots.iter_mut().for_each(|t| *t = (*t - a) / (b - a));
+        self
+    }
+
+    /// The distinct knots of that range.
+    pub fn breaks(&self) -> Vec<f64> {
+        let mut breaks = self.knots[self.degree..=self.poles()].to_vec();
+        breaks.dedup();
+        breaks
+    }
+}
+
+impl<const D: usize> SplineCurve<D> {
+    /// A curve; `weights`, if any, must be positive.
+    ///
+    /// # Errors
+    /// What does not suit.
+    pub fn new(
+        degree: usize,
+        knots: Vec<f64>,
+        poles: Vec<[f64; D]>,
+        weights: Option<Vec<f64>>,
+    ) -> Result<Self, String> {
+        let knots = SplineKnots::new(degree, knots, poles.len())?;
+        let weights = checked(&poles, weights)?;
+        Ok(SplineCurve { knots, poles, weights })
+    }
+
+    /// The line that joins some points, two at least: the polyline over 0, 1, 2 …
+    pub(crate) fn polyline(poles: Vec<[f64; D]>) -> Result<Self, String> {
+        let n = poles.len();
+        let inner = (0..n).map(|i| i as f64);
+        let last = n.saturating_sub(1) as f64;
+        let knots = std::iter::once(0.0).chain(inner).chain(std::iter::once(last)).collect();
+        SplineCurve::new(1, knots, poles, None)
+    }
+
+    /// Its knot vector.
+    pub fn knots(&self) -> &SplineKnots {
+        &self.knots
+    }
+
+    /// Its control points.
+    pub fn poles(&self) -> &[[f64; D]] {
+        &self.poles
+    }
+
+    /// Their weights; `None`: it is polynomial.
+    pub fn weights(&self) -> Option<&[f64]> {
+        self.weights.as_deref()
+    }
+
+    /// The point at `t`, which is moved into the range if it is outside.
+    pub fn point(&self, t: f64) -> [f64; D] {
+        let basis = Basis::new(&self.knots, t);
+        let (mut sum, mut weights) = ([0.0; D], 0.0);
+        for j in 0..=self.knots.degree {
+            let i = basis.first + j;
+            let weight = basis.derivative[0][j] * self.weights.as_ref().map_or(1.0, |w| w[i]);
+            sum.iter_mut().zip(self.poles[i]).for_each(|(s, x)| *s += x * weight);
+            weights += weight;
+        }
+        sum.map(|x| x / weights)
+    }
+
+    /// The derivative at `t`, which is moved into the range if it is outside.
+    pub fn speed(&self, t: f64) -> [f64; D] {
+        let basis = Basis::new(&self.knots, t);
+        let (mut sums, mut weights) = ([[0.0; D]; 2], [0.0; 2]);
+        for j in 0..=self.knots.degree {
+            let i = basis.first + j;
+            for k in 0..2 {
+                let weight = basis.derivative[k][j] * self.weights.as_ref().map_or(1.0, |w| w[i]);
+                sums[k].iter_mut().zip(self.poles[i]).for_each(|(s, x)| *s += x * weight);
+                weights[k] += weight;
+            }
+        }
+        let mut speed = [0.0; D];
+        for k in 0..D {
+            speed[k] = (sums[1][k] - weights[1] * sums[0][k] / weights[0]) / weights[0];
+        }
+        speed
+    }
+
+    /// The point at the start of the range and that at its end.
+    pub fn ends(&self) -> [[f64; D]; 2] {
+        let (start, end) = self.knots.range();
+        [self.point(start), self.point(end)]
+    }
+
+    /// The same curve from its end to its start, over the same range.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        let poles = self.poles.iter().rev().copied().collect();
+        let weights = self.weights.as_ref().map(|w| w.iter().rev().copied().collect());
+        SplineCurve { knots: self.knots.reversed(), poles, weights }
+    }
+
+    /// The curve with each pole taken through `map`, which must be affine.
+    #[must_use]
+    pub fn mapped<const E: usize>(self, map: impl Fn([f64; D]) -> [f64; E]) -> SplineCurve<E> {
+        let poles = self.poles.into_iter().map(map).collect();
+        SplineCurve { knots: self.knots, poles, weights: self.weights }
+    }
+
+    /// The same curve with its parameters over [0, 1].
+    pub(crate) fn over_unit(self) -> Self {
+        SplineCurve { knots: self.knots.over_unit(), ..self }
+    }
+}
+
+impl SplineSurface {
+    /// A surface; pole (i, j) stands at `i * number in v + j`.
+    ///
+    /// # Errors
+    /// What does not suit.
+    pub fn new(
+        u: SplineKnots,
+        v: SplineKnots,
+        poles: Vec<[f64; 3]>,
+        weights: Option<Vec<f64>>,
+    ) -> Result<Self, String> {
+        let (m, n) = (u.poles(), v.poles());
+        if m.checked_mul(n) != Some(poles.len()) {
+            return Err(format!("{} poles for a net of {m} × {n}", poles.len()));
+        }
+        let weights = checked(&poles, weights)?;
+        Ok(SplineSurface { u, v, poles, weights })
+    }
+
+    /// The knot vector in u.
+    pub fn u(&self) -> &SplineKnots {
+        &self.u
+    }
+
+    /// The knot vector in v.
+    pub fn v(&self) -> &SplineKnots {
+        &self.v
+    }
+
+    /// The control net, the index of v running fastest.
+    pub fn poles(&self) -> &[[f64; 3]] {
+        &self.poles
+    }
+
+    /// The weights, likewise; `None`: it is polynomial.
+    pub fn weights(&self) -> Option<&[f64]> {
+        self.weights.as_deref()
+    }
+
+    /// The point at (u, v), which is moved into the ranges if it is outside.
+    pub fn point(&self, u: f64, v: f64) -> [f64; 3] {
+        let [bu, bv] = [Basis::new(&self.u, u), Basis::new(&self.v, v)];
+        let (mut sum, mut weights) = ([0.0; 3], 0.0);
+        for i in 0..=self.u.degree {
+            for j in 0..=self.v.degree {
+                let at = (bu.first + i) * self.v.poles() + bv.first + j;
+                let weight = self.weights.as_ref().map_or(1.0, |w| w[at]);
+                let share = weight * bu.derivative[0][i] * bv.derivative[0][j];
+                sum.iter_mut().zip(self.poles[at]).for_each(|(s, x)| *s += x * share);
+                weights += share;
+            }
+        }
+        sum.map(|x| x / weights)
+    }
+
+    /// The point at (u, v), and the derivatives in u and in v.
+    pub fn tangents(&self, u: f64, v: f64) -> [[f64; 3]; 3] {
+        let [bu, bv] = [Basis::new(&self.u, u), Basis::new(&self.v, v)];
+        let along_v = self.v.poles();
+        // The weighted sums of poles (x, y, z) and of weights (w): the value, and the
+        // derivatives in u and v.
+        let mut sums = [[0.0; 4]; 3];
+        for i in 0..=self.u.degree {
+            for j in 0..=self.v.degree {
+                let at = (bu.first + i) * along_v + bv.first + j;
+                let [x, y, z] = self.poles[at];
+                let weight = self.weights.as_ref().map_or(1.0, |w| w[at]);
+                for (sum, (du, dv)) in sums.iter_mut().zip([(0, 0), (1, 0), (0, 1)]) {
+                    let share = weight * bu.derivative[du][i] * bv.derivative[dv][j];
+                    let parts = [x * share, y * share, z * share, share];
+                    sum.iter_mut().zip(parts).for_each(|(s, part)| *s += part);
+                }
+            }
+        }
+        let [value, along_u, along_v] = sums;
+        let point = [0, 1, 2].map(|k| value[k] / value[3]);
+        let derivative = |d: [f64; 4]| [0, 1, 2].map(|k| (d[k] - d[3] * point[k]) / value[3]);
+        [point, derivative(along_u), derivative(along_v)]
+    }
+
+    /// The surface with each pole taken through `map`, which must be affine.
+    #[must_use]
+    pub fn mapped(mut self, map: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
+        self.poles.iter_mut().for_each(|pole| *pole = map(*pole));
+        self
+    }
+}
+
+/// The weights, or none where all are the same.
+fn checked<const D: usize>(
+    poles: &[[f64; D]],
+    weights: Option<Vec<f64>>,
+) -> Result<Option<Vec<f64>>, String> {
+    if poles.iter().flatten().any(|x| !x.is_finite()) {
+        return Err("a pole that is not finite".into());
+    }
+    let Some(weights) = weights else { return Ok(None) };
+    if weights.len() != poles.len() {
+        return Err(format!("{} weights for {} poles", weights.len(), poles.len()));
+    }
+    if weights.iter().any(|w| !(w.is_finite() && *w > 0.0)) {
+        return Err("a weight that is not positive".into());
+    }
+    let even = weights.iter().all(|w| *w == weights[0]);
+    Ok((!even).then_some(weights))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_reversed_curve_keeps_its_range_to_the_last_bit() {
+        let knots = vec![0.1, 0.1, 0.3, 0.3000000001, 0.7, 0.7];
+        let poles = vec![[1.0], [2.0], [3.0], [4.0]];
+        let curve = SplineCurve::new(1, knots, poles, None).unwrap();
+        let reversed = curve.reversed();
+        assert_eq!(reversed.poles(), &[[4.0], [3.0], [2.0], [1.0]]);
+        let knots = reversed.knots().knots();
+        assert_eq!((knots[..2].to_vec(), knots[4..].to_vec()), (vec![0.1; 2], vec![0.7; 2]));
+        assert!((knots[3] - 0.5).abs() < 1e-15 && knots[2] < knots[3]);
+    }
+
+    /// A quarter of a circle of radius 2, exact as a rational curve.
+    #[test]
+    fn a_rational_curve_has_its_points_and_its_speed() {
+        let poles = vec![[2.0, 0.0], [2.0, 2.0], [0.0, 2.0]];
+        let weights = vec![1.0, 0.5_f64.sqrt(), 1.0];
+        let knots = vec![0.0, 0.0, 0.0, 1.0, 1.0, 1.0];
+        let arc = SplineCurve::new(2, knots, poles, Some(weights)).unwrap();
+        for k in 0..=10 {
+            let t = f64::from(k) / 10.0;
+            let ([x, y], [dx, dy]) = (arc.point(t), arc.speed(t));
+            assert!((x.hypot(y) - 2.0).abs() < 1e-15);
+            assert!((x * dx + y * dy).abs() < 1e-14, "a tangent is at right angles to the radius");
+            let step = 1e-6;
+            let [a, b] = [arc.point(t - step), arc.point(t + step)];
+            if k % 10 != 0 {
+                assert!((dx - (b[0] - a[0]) / (2.0 * step)).abs() < 1e-8);
+            }
+        }
+    }
+}
