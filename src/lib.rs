@@ -62,7 +62,7 @@
 //! | --- | --- | --- | --- |
 //! | mesh | [`mesh::from_soup`], [`mesh::Components`] | polygons | a disk with holes |
 //! | smooth | [`smooth::smooth`] | a disk with holes | the same, smoothed |
-//! | fill | [`fill::fill`]; with a map, [`fill::close_bays`] | that | a disk |
+//! | fill | [`fill::fill`] | that | a disk |
 //! | parameterize | [`parameterize::parameterize`] | that | parameters in [0, 1]² |
 //! | knots, fit | [`adapt::fit`]; [`knots::place`], [`fit::fit`] | these | a surface |
 //! | trim | [`cut::rims`], [`trim::trim`] | both | trim loops |
@@ -130,7 +130,7 @@ pub use {formats, nalgebra};
 
 use formats::{Brep, Soup};
 use mesh::{Components, Disk, Patch};
-use parameterize::{Outline, Parameterized};
+use parameterize::Parameterized;
 use rayon::prelude::*;
 use spline::Surface;
 
@@ -342,13 +342,9 @@ fn pipeline(
     };
     let tolerance = options.tolerance.unwrap_or(goal.tolerance);
 
-    let fill_options = fill::Options {
-        support: smooth.h,
-        noise: smooth.noise,
-        bays: options.parameterize.may_be_free(),
-        ..options.fill.clone()
-    };
-    let (patch, mut fill) = fill::fill_with(
+    let fill_options =
+        fill::Options { support: smooth.h, noise: smooth.noise, ..options.fill.clone() };
+    let (patch, fill) = fill::fill_with(
         smoothed,
         &measured.mesh.points,
         &fill_options,
@@ -356,8 +352,11 @@ fn pipeline(
     )?;
     watch(Stage::Fill(&patch))?;
 
-    let (mut map, parameterize) =
-        mapped(patch, &options.parameterize, &mut fill.bays, &mut within("parameterize", watch))?;
+    let (mut map, parameterize) = parameterize::parameterize_with(
+        patch,
+        &options.parameterize,
+        &mut within("parameterize", watch),
+    )?;
     let crushed = parameterize::crushed(&map, tolerance, options.knots.max_net);
     watch(Stage::Parameterize(&map, crushed))?;
 
@@ -442,49 +441,6 @@ fn missed(
     let worst = worst.map(|i| (distances[i], map.patch.mesh.points[i].coords.into()));
     let (worst, worst_at) = worst.unwrap_or_default();
     Missed { points: all.len(), worst, worst_at }
-}
-
-/// How often bays are closed anew as the map shows them.
-const AGAIN: u32 = 2;
-
-/// A map that stretches so much more than the one before is worse.
-const WORSE: f64 = 1.02;
-
-/// The patch on its map. A boundary that is free there shows which bays it has, and they
-/// are closed as it does; with those the map has another form.
-fn mapped(
-    patch: Patch,
-    options: &parameterize::Options,
-    bays: &mut fill::Bays,
-    course: &mut Course,
-) -> Result<(Parameterized, parameterize::Report)> {
-    let share = |round: u32| f64::from(round) / f64::from(AGAIN + 1);
-    let (mut map, mut report) = parameterize::parameterize_with(
-        patch,
-        options,
-        &mut course::part(course, share(0), share(1)),
-    )?;
-    let free = parameterize::Options { outline: Some(Outline::Free), ..options.clone() };
-    for round in 1..=AGAIN {
-        if map.outline != Outline::Free || report.split_edges > 0 {
-            break;
-        }
-        let (patch, closed) = fill::close_bays(&map.patch, &map.uv)?;
-        if patch.outer == map.patch.outer && patch.mesh.triangles == map.patch.mesh.triangles {
-            break;
-        }
-        let mut part = course::part(course, share(round), share(round + 1));
-        let (next, how) = parameterize::parameterize_with(patch, &free, &mut part)?;
-        if how.stretch.l2 > WORSE * report.stretch.l2 {
-            break;
-        }
-        *bays = closed;
-        (map, report) = (next, how);
-    }
-    if map.outline == Outline::Sides {
-        *bays = fill::Bays::default();
-    }
-    Ok((map, report))
 }
 
 /// What a stage comes farther by is told from this share on.

@@ -4,11 +4,11 @@ mod common;
 
 use common::virtual_scan::{VirtualScan, island_scan, ragged_scan, relief, relief_scan};
 use scan2step::geometry::{Point, Uv};
-use scan2step::mesh::{Bound, Choice, Components, FaceOrigin, Outer, Patch, Repairs};
-use scan2step::parameterize::{self, Outline};
+use scan2step::mesh::{Bound, FaceOrigin, Patch};
+use scan2step::parameterize::Outline;
 use scan2step::spline::Curve;
 use scan2step::trim::{TrimLoop, distance_to_edges};
-use scan2step::{Conversion, Options, Stage, convert, fill, mesh};
+use scan2step::{Conversion, Options, Stage, convert};
 
 /// A conversion and the outer boundary of the smoothed scan.
 struct Run {
@@ -176,31 +176,8 @@ fn bays_are_no_fills() {
         };
         let c = convert(&soup(&scan), &options, &mut watch).expect("a face");
         let added: usize = c.fill.holes.iter().map(|hole| hole.added_triangles).sum();
-        assert_eq!([added, c.fill.bays.added_triangles], there, "{outline:?}");
+        assert_eq!([added, c.parameterize.bays.added_triangles], there, "{outline:?}");
         let are_bays = outline == Outline::Free;
-        assert_eq!((c.fill.bays.count > 0, there[1] > 0), (are_bays, are_bays));
+        assert_eq!((c.parameterize.bays.count > 0, there[1] > 0), (are_bays, are_bays));
     }
-}
-
-/// Bays that angles along the boundary make out go where the map shows none.
-#[test]
-fn a_map_without_bays_opens_those_that_were_closed() {
-    let scan = Components::new(mesh::from_soup(&soup(&ragged_scan()), 1.0).expect("a mesh"));
-    let largest = scan.take(Choice::Largest).expect("a piece");
-    let disk = largest.into_disk(Outer::Auto, &mut Repairs::new()).expect("a disk");
-    let measured = disk.mesh.points.clone();
-    let options = fill::Options { bays: true, ..fill::Options::default() };
-    let (patch, report) = fill::fill(disk, &measured, &options).expect("a patch");
-    assert!(report.bays.count > 0);
-    // On the square the boundary is convex.
-    let without = patch.without_bays().expect("it has bays");
-    let land = without.mesh.points.len();
-    let sides = parameterize::Options { outline: Some(Outline::Sides), ..Default::default() };
-    let mut map = parameterize::parameterize(without, &sides).expect("a map").0.uv;
-    map.truncate(land);
-    map.resize(patch.mesh.points.len(), Uv::new(0.5, 0.5));
-    let (opened, bays) = fill::close_bays(&patch, &map).expect("a place for every vertex");
-    assert_eq!(bays, fill::Bays::default());
-    assert_eq!(Some(&opened.outer), patch.shore.as_ref());
-    assert_eq!(count(&opened, |origin| *origin == FaceOrigin::Bay), 0);
 }

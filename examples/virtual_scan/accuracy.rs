@@ -29,8 +29,7 @@ pub fn row(name: &str, scan: &VirtualScan) -> Result<String, Box<dyn Error>> {
         match stage {
             Stage::Smooth(Disk { mesh, .. }) => smoothed.clone_from(&mesh.points),
             Stage::Fill(patch) => {
-                let holes = patch.without_bays();
-                let Patch { mesh, measured, .. } = holes.as_ref().unwrap_or(patch);
+                let Patch { mesh, measured, .. } = patch;
                 filled = mesh.points[*measured..].to_vec();
             }
             _ => {}

@@ -33,7 +33,7 @@ pub fn weights(map: &Parameterized, is_corner: impl Fn(VertexId) -> bool) -> Vec
     let patch = &map.patch;
     let mut weights = vec![1.0; patch.measured];
     weights.resize(patch.mesh.points.len(), FILLED);
-    if patch.shore.is_some() {
+    if patch.measured_outer.is_some() {
         let of_bays = bays(patch).flat_map(|t| patch.mesh.triangles[t]).map(|v| (v, BAY));
         for (v, weight) in of_bays.chain(astray(patch).into_iter().map(|v| (v, ASTRAY))) {
             if !patch.is_measured(v) {

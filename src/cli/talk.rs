@@ -1,6 +1,6 @@
 //! What `convert` says of a scan and of what became of it.
 
-use scan2step::mesh::{Bound, FaceOrigin};
+use scan2step::mesh::{Bound, FaceOrigin, Patch};
 use scan2step::words::mm;
 use scan2step::{Conversion, Stage};
 
@@ -18,16 +18,14 @@ pub fn made(stage: &Stage) -> String {
             format!("{points} vertices, {triangles} triangles, {holes}")
         }
         Stage::Fill(patch) => {
-            let count = |of: fn(&FaceOrigin) -> bool| patch.origin.iter().filter(|o| of(o)).count();
-            let filled = count(|origin| matches!(origin, FaceOrigin::Hole(_)));
-            let (holes, filled) = (plural(patch.rims.len(), "hole"), plural(filled, "triangle"));
-            // They are no part of the face, and may be taken away again.
-            let beside = match count(|origin| *origin == FaceOrigin::Bay) {
-                0 => String::new(),
-                bays => format!("; for the map, bays with {}", plural(bays, "triangle")),
-            };
-            format!("{holes} filled with {filled}{beside}")
+            let filled = count(patch, |origin| matches!(origin, FaceOrigin::Hole(_)));
+            let holes = plural(patch.rims.len(), "hole");
+            format!("{holes} filled with {}", plural(filled, "triangle"))
         }
+        Stage::Parameterize(map, _) => match count(&map.patch, |o| *o == FaceOrigin::Bay) {
+            0 => String::new(),
+            bays => format!("around bays with {}", plural(bays, "triangle")),
+        },
         Stage::Fit(surface) => {
             let [m, n] = surface.shape();
             format!("{m} × {n} control points")
@@ -35,6 +33,11 @@ pub fn made(stage: &Stage) -> String {
         Stage::Trim(_, loops) => plural(loops.len(), "trim loop"),
         _ => String::new(),
     }
+}
+
+/// The triangles of a patch that have such an origin.
+fn count(patch: &Patch, of: impl Fn(&FaceOrigin) -> bool) -> usize {
+    patch.origin.iter().filter(|origin| of(origin)).count()
 }
 
 /// What the file has.

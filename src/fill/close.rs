@@ -8,11 +8,10 @@ use super::band::Measured;
 use super::fair::{Seen, Shaper, View};
 use super::faults::{self, Faults};
 use super::front::{self, Fill, SUPPORTS, Surroundings, Way};
-use super::refine::Surface;
-use super::size::Sizes;
 use super::smoothing_spline::Held;
 use super::{Method, Options};
 use crate::geometry::{Point, VertexId};
+use crate::mesh::remesh::{Sizes, Triangulation};
 
 /// A hole's fill, and how it came to be.
 pub struct Closed {
@@ -106,7 +105,7 @@ fn unfolded(hole: front::Hole, fill: &Fill) -> Fill {
     let beside =
         sides.filter_map(|(&v, &w)| Some(((place[&w], place[&v]), hole.around.normal_at(v, w)?)));
     let of_rim = rim.iter().map(|&v| mesh.point(v));
-    let mut surface = Surface {
+    let mut surface = Triangulation {
         points: of_rim.chain(fill.points.iter().copied()).collect(),
         triangles: fill.triangles.iter().map(|t| t.map(local)).collect(),
         rim: rim.len(),

@@ -12,8 +12,8 @@ use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::{Matrix2, Rotation2, Vector2};
 use rayon::prelude::*;
 
-use super::flips::cotangent;
 use crate::geometry::{Point, Uv};
+use crate::mesh::remesh::flips::cotangent;
 
 /// Steps that turn each triangle and then move all.
 const STEPS: usize = 30;

@@ -10,9 +10,9 @@ use super::develop::develop;
 use super::front::{Fill, Hole, Lead, Surroundings};
 use super::outlines::Outlines;
 use super::sheet::Sheet;
-use super::size::Sizes;
 use super::smoothing_spline::{Held, SmoothingSpline};
 use crate::geometry::{LocalPlane, Point, Uv, Vector, VertexId};
+use crate::mesh::remesh::Sizes;
 use crate::mesh::{boundary, outline};
 
 /// Cells of the spline across a hole's half width: enough for its bends …

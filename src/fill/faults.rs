@@ -10,10 +10,7 @@ use super::cells::Cells;
 use super::front::{Fill, Surroundings};
 use crate::geometry::{Point, Vector, VertexId, unit_normal};
 use crate::mesh::Mesh;
-
-/// The cosine of the angle between two triangles' normals below which the
-/// surface folds at the side that they share.
-pub const FOLDED: f64 = -0.3;
+use crate::mesh::remesh::FOLDED;
 
 /// A cell of the grid of triangles, in mean sides.
 const CELL: f64 = 2.0;

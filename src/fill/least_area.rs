@@ -3,9 +3,8 @@
 //! "Filling holes in meshes"), and its triangles divided to the edge length
 //! wanted. It stays near the rim, however that winds.
 
-use super::refine::Surface;
-use super::size::Sizes;
 use crate::geometry::{Point, Vector};
+use crate::mesh::remesh::{Sizes, Triangulation};
 
 /// The time it takes grows with the cube of a polygon's corners: one of more is
 /// cut into one of so many, and what this leaves along its sides.
@@ -20,13 +19,13 @@ pub fn span(
     beside: &[Vector],
     joined: impl Fn(usize, usize) -> bool,
     sizes: &Sizes,
-) -> Option<Surface> {
+) -> Option<Triangulation> {
     let polygon = Polygon { rim, beside, joined: &joined };
     let triangles = polygon.triangulate();
     let (points, triangles) = triangles.map_or_else(|| fan(rim), |t| (rim.to_vec(), t));
     let of_side = |i: usize| ((i, (i + 1) % rim.len()), beside[i]);
     let beside = (0..rim.len()).map(of_side).collect();
-    let mut surface = Surface { points, triangles, rim: rim.len(), beside };
+    let mut surface = Triangulation { points, triangles, rim: rim.len(), beside };
     surface.refine(sizes, |i, j| i.max(j) < rim.len() && joined(i, j));
     surface.points.iter().all(|p| p.iter().all(|x| x.is_finite())).then_some(surface)
 }

@@ -5,22 +5,18 @@
 
 mod apart;
 mod band;
-mod bays;
 mod blocks;
 mod cells;
 mod close;
 mod develop;
 mod fair;
 mod faults;
-mod flips;
 mod front;
 mod least_area;
 mod outlines;
 mod plane;
-mod refine;
 mod ring;
 mod sheet;
-mod size;
 mod smoothing_spline;
 
 use band::Measured;
@@ -30,8 +26,8 @@ use rayon::prelude::*;
 
 use crate::course::{self, Course};
 use crate::error::{Error, Result, of};
-use crate::geometry::{Point, Uv, VertexId};
-use crate::mesh::{Disk, FaceOrigin, Mesh, Patch, Rings, boundary};
+use crate::geometry::{Point, VertexId};
+use crate::mesh::{Disk, FaceOrigin, Mesh, Patch, boundary};
 use crate::rules;
 
 /// How to fill.
@@ -45,19 +41,11 @@ pub struct Options {
     pub support: f64,
     /// The standard deviation of the measured points' noise, in mm.
     pub noise: f64,
-    /// Whether the bays of the outer boundary are closed, too, so that a map can go
-    /// around them. No part of the face is there.
-    pub bays: bool,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options {
-            ear_angle: 5.0 * std::f64::consts::PI / 9.0,
-            support: 0.0,
-            noise: 0.0,
-            bays: false,
-        }
+        Options { ear_angle: 5.0 * std::f64::consts::PI / 9.0, support: 0.0, noise: 0.0 }
     }
 }
 
@@ -110,26 +98,6 @@ pub struct Hole {
 pub struct Report {
     /// The holes.
     pub holes: Vec<Hole>,
-    /// What closes bays of the outer boundary. It is there for the map alone, and no fill.
-    pub bays: Bays,
-}
-
-/// What closes bays of an outer boundary, so that a map can go around them.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-#[non_exhaustive]
-pub struct Bays {
-    /// How many were closed.
-    pub count: usize,
-    /// Triangles added.
-    pub added_triangles: usize,
-}
-
-impl Bays {
-    /// So many bays of a patch.
-    fn of(patch: &Patch, count: usize) -> Self {
-        let added = patch.origin.iter().filter(|origin| **origin == FaceOrigin::Bay).count();
-        Bays { count, added_triangles: added }
-    }
 }
 
 impl Report {
@@ -146,8 +114,7 @@ const SURROUNDED: f64 = 0.5;
 /// Holes that are filled before it is told how many are.
 const AT_ONCE: usize = 32;
 
-/// Fills all holes of a disk, and the bays of its outer boundary if asked to.
-/// `measured` are its points as the scanner gave them, before smoothing.
+/// Fills all holes of a disk. `measured` are its points as the scanner gave them, before smoothing.
 ///
 /// # Errors
 /// [`Error::Fill`]: a hole that cannot be filled. [`Error::Option`]: an option that
@@ -179,21 +146,14 @@ pub fn fill_with(
         close::close(around, &measured, &rims, options)
             .ok_or_else(|| Error::Fill { hole, at: disk.mesh.point(rims[0][0]) })
     };
-    let (fills, bays) = front::Surroundings::with(&disk.mesh, |around| {
+    let fills = front::Surroundings::with(&disk.mesh, |around| {
         let count = disk.holes.len();
         let mut fills: Vec<Closed> = Vec::with_capacity(count);
-        let mut bays = None;
         loop {
             course(SURROUNDED + (1.0 - SURROUNDED) * fills.len() as f64 / count.max(1) as f64)?;
             let some = fills.len()..count.min(fills.len() + AT_ONCE);
-            let closed = || some.into_par_iter().map(|hole| fill(around, measured, hole)).collect();
-            let closed: Result<Vec<_>> = if options.bays && fills.is_empty() {
-                let beside = rayon::join(closed, || bays::close(around.land(), &disk.outer, None));
-                bays = beside.1;
-                beside.0
-            } else {
-                closed()
-            };
+            let closed: Result<Vec<_>> =
+                some.into_par_iter().map(|hole| fill(around, measured, hole)).collect();
             fills.extend(closed?);
             if fills.len() == count {
                 break;
@@ -204,7 +164,7 @@ pub fn fill_with(
                 holes.par_iter().map(|&hole| fill(around, measured, hole)).collect()
             })
         });
-        Ok::<_, Error>((fills, bays))
+        Ok::<_, Error>(fills)
     })?;
     let Disk { mesh, outer, holes: rims, islands, .. } = disk;
     let mut whole = Whole::new(mesh);
@@ -222,41 +182,10 @@ pub fn fill_with(
         });
         whole.add(fill.points, &fill.triangles, FaceOrigin::Hole(number as u32));
     }
-    let bays = bays.map(|bays| bays.numbered(whole.number()));
     let Whole { mesh, measured, origin } = whole;
-    let mut patch = Patch { mesh, measured, origin, outer, shore: None, rims, islands };
-    if let Some(bays) = bays {
-        let count = bays.count;
-        bays.close_in(&mut patch);
-        report.bays = Bays::of(&patch, count);
-    }
+    let patch = Patch { mesh, measured, origin, outer, measured_outer: None, rims, islands };
     debug_assert!(patch.is_disk(), "filling leaves a disk");
     Ok((patch, report))
-}
-
-/// Closes the bays of a patch's outer boundary anew, as a map of it shows them: a place in
-/// the plane for every vertex. What the angles along the boundary say of bays that are
-/// deep, or between strongly curved banks, a map knows better. Says what closes them; where
-/// the map shows none, the patch has none either.
-///
-/// # Errors
-/// [`Error::Input`]: a vertex without a place.
-pub fn close_bays(patch: &Patch, map: &[Uv]) -> Result<(Patch, Bays)> {
-    let is_place = |p: &Uv| p.x.is_finite() && p.y.is_finite();
-    if map.len() < patch.mesh.points.len() || !map.iter().all(is_place) {
-        return Err(Error::Input("a vertex has no place on the map"));
-    }
-    let mut patch = patch.without_bays().unwrap_or_else(|| patch.clone());
-    let rings = Rings::new(&patch.mesh);
-    let land = front::Land { mesh: &patch.mesh, rings: &rings };
-    let Some(bays) = bays::close(land, &patch.outer, Some(map)) else {
-        return Ok((patch, Bays::default()));
-    };
-    let count = bays.count;
-    bays.close_in(&mut patch);
-    debug_assert!(patch.is_disk(), "closing bays leaves a disk");
-    let bays = Bays::of(&patch, count);
-    Ok((patch, bays))
 }
 
 /// The measured mesh with the fills so far.

@@ -4,8 +4,8 @@
 
 use foldhash::{HashSet, HashSetExt};
 
-use super::flips::{self, Sides};
 use crate::geometry::{Point, Uv, orient2d};
+use crate::mesh::remesh::flips::{self, Sides};
 
 /// A triangulated fill. Its first `fixed` vertices are the rims'.
 #[derive(Debug, Clone)]

@@ -1,6 +1,7 @@
 //! Triangle meshes: from a soup of polygons to an oriented, edge-manifold
 //! mesh, and from that to a disk with holes.
 
+mod adjacency;
 pub mod boundary;
 mod build;
 mod caps;
@@ -14,6 +15,7 @@ mod neighbours;
 pub mod outline;
 mod patch;
 mod polygons;
+pub(crate) mod remesh;
 mod rims;
 mod scale;
 mod spikes;
@@ -21,6 +23,7 @@ mod topology;
 mod triangles;
 mod weld;
 
+pub(crate) use adjacency::Adjacency;
 pub use build::{Build, Repairs, from_soup};
 pub use components::{Choice, Component, Components};
 pub use disk::{Disk, Island, Outer};

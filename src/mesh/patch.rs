@@ -76,7 +76,7 @@ pub struct Patch {
     /// The boundary, the surface to its left.
     pub outer: Loop,
     /// The measured outer boundary, if bays of it were closed.
-    pub shore: Option<Loop>,
+    pub measured_outer: Option<Loop>,
     /// The rims of the measured holes, the measured surface to their left.
     pub rims: Vec<Loop>,
     /// The measured islands in them; the fill joins each to the rest.
@@ -96,7 +96,7 @@ impl Patch {
 
     /// The patch as it was before its bays were closed. `None`: none were.
     pub fn without_bays(&self) -> Option<Patch> {
-        let outer = self.shore.clone()?;
+        let outer = self.measured_outer.clone()?;
         let is_land = |t: &usize| self.origin[*t] != FaceOrigin::Bay;
         let land: Vec<usize> = (0..self.origin.len()).filter(is_land).collect();
         let triangles: Vec<[VertexId; 3]> = land.iter().map(|&t| self.mesh.triangles[t]).collect();
@@ -107,7 +107,7 @@ impl Patch {
             mesh: Mesh { points, triangles },
             origin: land.iter().map(|&t| self.origin[t]).collect(),
             outer,
-            shore: None,
+            measured_outer: None,
             measured: self.measured,
             rims: self.rims.clone(),
             islands: self.islands.clone(),
@@ -117,7 +117,7 @@ impl Patch {
     /// A loop, the measured surface to its left.
     pub fn loop_of(&self, bound: Bound) -> &Loop {
         match bound {
-            Bound::Outer => self.shore.as_ref().unwrap_or(&self.outer),
+            Bound::Outer => self.measured_outer.as_ref().unwrap_or(&self.outer),
             Bound::Hole(hole) => &self.rims[hole],
             Bound::Island { number, .. } => &self.islands[number].rim,
         }

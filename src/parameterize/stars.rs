@@ -283,7 +283,7 @@ pub mod tests {
         Patch {
             measured: (n * n) as usize,
             origin: vec![FaceOrigin::Measured; triangles.len()],
-            shore: None,
+            measured_outer: None,
             outer: (0..4).flat_map(side).map(VertexId).collect(),
             rims: Vec::new(),
             islands: Vec::new(),

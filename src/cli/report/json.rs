@@ -49,16 +49,14 @@ fn of_component(c: &Conversion, context: &Context) -> Value {
             "corners": c.smooth.corners.len(),
             "outliers": c.smooth.outliers,
         },
-        "fill": {
-            "holes": holes(c),
-            "bays": c.fill.bays.count,
-            "bay_triangles": c.fill.bays.added_triangles,
-        },
+        "fill": { "holes": holes(c) },
         "parameterize": {
             "outline": match c.outer {
                 Some(_) => "sides",
                 None => "free",
             },
+            "bays": c.parameterize.bays.count,
+            "bay_triangles": c.parameterize.bays.added_triangles,
             "flipped": c.parameterize.flipped,
             "mended": c.parameterize.mended,
             "split_edges": c.parameterize.split_edges,

@@ -26,9 +26,10 @@ use foldhash::{HashSet, HashSetExt};
 use super::Options;
 use super::faults::Ground;
 use super::ring::Rings;
-use super::size::Sizes;
-use crate::geometry::{LocalPlane, Point, Vector, VertexId, segment_distance, unit_normal};
+use crate::geometry::{LocalPlane, Point, Vector, VertexId, segment_distance};
+use crate::mesh::Adjacency;
 use crate::mesh::mls::Cloud;
+use crate::mesh::remesh::Sizes;
 use crate::mesh::{self, Mesh};
 
 /// What the fronts of all holes look at.
@@ -47,43 +48,18 @@ impl Surroundings<'_> {
         what(&Surroundings { mesh, rings: &rings, cloud: &cloud, ground: &ground })
     }
 
-    /// The mesh alone.
-    pub fn land(&self) -> Land<'_> {
-        Land { mesh: self.mesh, rings: self.rings }
+    fn adjacency(&self) -> Adjacency<'_> {
+        Adjacency { mesh: self.mesh, rings: self.rings }
     }
 
     /// Whether the mesh joins two vertices; new ones it does not.
     pub fn joined(&self, v: VertexId, w: VertexId) -> bool {
-        self.land().joined(v, w)
+        self.adjacency().joined(v, w)
     }
 
     /// The unit normal of a triangle of the mesh between two vertices.
     pub fn normal_at(&self, v: VertexId, w: VertexId) -> Option<Vector> {
-        self.land().normal_at(v, w)
-    }
-}
-
-/// A mesh, and which triangles are around its vertices.
-#[derive(Clone, Copy)]
-pub struct Land<'a> {
-    pub mesh: &'a Mesh,
-    pub rings: &'a mesh::Rings,
-}
-
-impl Land<'_> {
-    /// Whether the mesh joins two vertices; new ones it does not.
-    pub fn joined(&self, v: VertexId, w: VertexId) -> bool {
-        let measured = v.index().max(w.index()) < self.mesh.points.len();
-        measured && self.rings.neighbours(self.mesh, v).any(|x| x == w)
-    }
-
-    /// The unit normal of a triangle of the mesh between two vertices.
-    pub fn normal_at(&self, v: VertexId, w: VertexId) -> Option<Vector> {
-        if v.index().max(w.index()) >= self.mesh.points.len() {
-            return None;
-        }
-        let mut of_v = self.rings.triangles(v).iter().map(|&t| self.mesh.triangles[t as usize]);
-        unit_normal(self.mesh.corners(of_v.find(|t| t.contains(&w))?))
+        self.adjacency().normal_at(v, w)
     }
 }
 

@@ -8,8 +8,8 @@ use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 
 use super::STRAIGHT;
 use super::flat::Flat;
-use crate::fill::front::Land;
 use crate::geometry::{Point, Uv, Vector, VertexId, unit_normal};
+use crate::mesh::Adjacency;
 
 /// An ear whose cosine to what is beside it is less leans over …
 const LEANING: f64 = -0.3;
@@ -22,7 +22,7 @@ const SHARP: f64 = 1e-3;
 
 /// A closed loop, shortened ear by ear.
 pub struct Ears<'a> {
-    land: Land<'a>,
+    mesh: Adjacency<'a>,
     ring: &'a [VertexId],
     /// As it lies on a map, if there is one.
     flat: Option<Flat>,
@@ -76,23 +76,23 @@ impl PartialEq for Candidate {
 impl Eq for Candidate {}
 
 impl<'a> Ears<'a> {
-    pub fn new(land: Land<'a>, ring: &'a [VertexId], map: Option<&[Uv]>) -> Self {
+    pub fn new(mesh: Adjacency<'a>, ring: &'a [VertexId], map: Option<&[Uv]>) -> Self {
         let n = ring.len();
         let angle = |&v: &VertexId| -> f64 {
             let corner = |t: [VertexId; 3]| {
                 let k = t.iter().position(|w| *w == v).unwrap_or(0);
-                land.mesh.angle(t[(k + 1) % 3], t[k], t[(k + 2) % 3])
+                mesh.mesh.angle(t[(k + 1) % 3], t[k], t[(k + 2) % 3])
             };
-            land.rings.triangles(v).iter().map(|&t| corner(land.mesh.triangles[t as usize])).sum()
+            mesh.rings.triangles(v).iter().map(|&t| corner(mesh.mesh.triangles[t as usize])).sum()
         };
         let angles: Vec<f64> = ring.iter().map(angle).collect();
-        let normals = land.mesh.vertex_normals();
+        let normals = mesh.mesh.vertex_normals();
         let side = |i: usize| -> Vector {
             let near = (0..10).map(|k| normals[ring[(i + n * 5 + k - 4) % n].index()]);
             near.sum::<Vector>().try_normalize(0.0).unwrap_or_default()
         };
         let mut ears = Ears {
-            land,
+            mesh,
             ring,
             flat: map.map(|map| Flat::new(ring, map)),
             before: (0..n).map(|i| (i + n - 1) % n).collect(),
@@ -114,7 +114,7 @@ impl<'a> Ears<'a> {
     }
 
     fn at(&self, i: usize) -> Point {
-        self.land.mesh.point(self.ring[i])
+        self.mesh.mesh.point(self.ring[i])
     }
 
     fn distance(&self, i: usize, j: usize) -> f64 {
@@ -186,7 +186,7 @@ impl<'a> Ears<'a> {
 
     /// Whether nothing joins two places yet, and more than a triangle is left.
     fn is_new(&self, p: usize, n: usize) -> bool {
-        let joined = || self.land.joined(self.ring[p], self.ring[n]);
+        let joined = || self.mesh.joined(self.ring[p], self.ring[n]);
         p != n && self.after[n] != p && !self.sides.contains(&(p.min(n), p.max(n))) && !joined()
     }
 
@@ -194,7 +194,7 @@ impl<'a> Ears<'a> {
     /// curved one chords in space are so short that all the boundary would seem a bay.
     fn cut(&mut self, ear: [usize; 3], normal: Vector) {
         let [p, v, n] = ear;
-        let in_space = self.land.mesh.angle(self.ring[p], self.ring[v], self.ring[n]);
+        let in_space = self.mesh.mesh.angle(self.ring[p], self.ring[v], self.ring[n]);
         let tip = (TAU - self.angles[v]).max(in_space).max(SHARP);
         let [a, b] = [self.lengths[p], self.lengths[v]];
         let chord = (a * a + b * b - 2.0 * a * b * tip.cos()).sqrt();

@@ -1,4 +1,4 @@
-//! How long the edges of a fill shall be.
+//! How long the edges of a triangulation within rims shall be.
 
 use crate::geometry::Point;
 use crate::mesh::Neighbours;

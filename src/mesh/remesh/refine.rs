@@ -4,9 +4,8 @@
 use foldhash::HashMap;
 use smallvec::SmallVec;
 
-use super::faults::FOLDED;
 use super::flips::{Sides, flip};
-use super::size::Sizes;
+use super::{FOLDED, Sizes};
 use crate::geometry::{Point, Vector, unit_normal};
 
 /// Edges longer than this, in edge lengths wanted there, are divided.
@@ -22,7 +21,7 @@ const FLAT: f64 = 0.9;
 const ROUNDS: usize = 16;
 
 /// A triangulation over rims' corners, which stay, and the points after them.
-pub struct Surface {
+pub struct Triangulation {
     pub points: Vec<Point>,
     pub triangles: Vec<[usize; 3]>,
     /// How many corners the rims have.
@@ -32,7 +31,7 @@ pub struct Surface {
     pub beside: HashMap<(usize, usize), Vector>,
 }
 
-impl Surface {
+impl Triangulation {
     /// Divides edges, flips and moves, until all are as long as wanted. Corners
     /// that are `joined` elsewhere are not joined here.
     pub fn refine(&mut self, sizes: &Sizes, joined: impl Fn(usize, usize) -> bool) {
@@ -158,7 +157,7 @@ struct Facets {
 }
 
 impl Facets {
-    fn new(surface: &Surface) -> Self {
+    fn new(surface: &Triangulation) -> Self {
         let sides = Sides::of(&surface.triangles);
         let across = |&t: &[usize; 3]| {
             [0, 1, 2].map(|k| {

@@ -15,12 +15,10 @@ mod tests;
 use foldhash::HashMap;
 use rayon::prelude::*;
 
-use super::front::Land;
-use super::refine::Surface;
-use super::size::Sizes;
 use crate::geometry::{Point, Uv, Vector, VertexId, segment_distance};
 use crate::mesh::boundary::Loop;
-use crate::mesh::{FaceOrigin, Patch};
+use crate::mesh::remesh::{Sizes, Triangulation};
+use crate::mesh::{Adjacency, FaceOrigin, Patch, Rings};
 use ears::Ears;
 
 /// Turning by less, in radians, is none.
@@ -39,23 +37,49 @@ const DEEP: f64 = 0.05;
 /// Sides across mouths are divided that are longer, in edges wanted there.
 const LONG: f64 = 1.4;
 
-/// What closes bays: points, numbered from the mesh's vertex count on, triangles, and
-/// the new outer boundary.
+/// What closes bays of an outer boundary, so that a map can go around them. It is there for
+/// the map alone: no part of the face is there.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[non_exhaustive]
 pub struct Bays {
-    pub points: Vec<Point>,
-    pub triangles: Vec<[VertexId; 3]>,
-    pub outer: Loop,
     /// How many were closed.
     pub count: usize,
+    /// Triangles added.
+    pub added_triangles: usize,
 }
 
-/// Closes the bays of an outer boundary: those that a map of the land shows, or, without
-/// one, those that the surface's angles along the boundary do. `None`: it has none.
-pub fn close(land: Land, outer: &[VertexId], map: Option<&[Uv]>) -> Option<Bays> {
-    let mut ears = Ears::new(land, outer, map);
+/// Closes the bays of a patch's outer boundary: those that a map of it shows, a place in the
+/// plane for every vertex, or, without one, those that the surface's angles along the boundary
+/// do. What these say of bays that are deep, or between strongly curved banks, a map knows
+/// better. Bays that were closed before are opened first.
+pub fn close(patch: &Patch, map: Option<&[Uv]>) -> (Patch, Bays) {
+    let mut patch = patch.without_bays().unwrap_or_else(|| patch.clone());
+    let rings = Rings::new(&patch.mesh);
+    let closing = closing(Adjacency { mesh: &patch.mesh, rings: &rings }, &patch.outer, map);
+    let count = closing.as_ref().map_or(0, |closing| closing.count);
+    if let Some(closing) = closing {
+        closing.close_in(&mut patch);
+    }
+    debug_assert!(patch.is_disk(), "closing bays leaves a disk");
+    let added = patch.origin.iter().filter(|origin| **origin == FaceOrigin::Bay).count();
+    (patch, Bays { count, added_triangles: added })
+}
+
+/// Points, numbered from the mesh's vertex count on, triangles, and the new outer boundary.
+struct Closing {
+    points: Vec<Point>,
+    triangles: Vec<[VertexId; 3]>,
+    outer: Loop,
+    /// How many bays were closed.
+    count: usize,
+}
+
+/// What closes the bays of an outer boundary. `None`: it has none.
+fn closing(mesh: Adjacency, outer: &[VertexId], map: Option<&[Uv]>) -> Option<Closing> {
+    let mut ears = Ears::new(mesh, outer, map);
     ears.close();
-    let points = outer.iter().map(|&v| land.mesh.point(v)).collect();
-    let shore = Shore { land, outer, sizes: Sizes::new(&[points]) };
+    let points = outer.iter().map(|&v| mesh.mesh.point(v)).collect();
+    let boundary = Boundary { mesh, outer, sizes: Sizes::new(&[points]) };
     // What the new boundary runs over: measured vertices, or across a bay's mouth.
     let mut course = Vec::new();
     let left = ears.left();
@@ -65,45 +89,48 @@ pub fn close(land: Land, outer: &[VertexId], map: Option<&[Uv]>) -> Option<Bays>
     while let Some([from, to]) = mouths.pop() {
         match ears.over(from, to) {
             None => course.push((from, None)),
-            Some(_) if shore.is_bay(from, to, ears.lean(from, to)) => course.push((from, Some(to))),
+            Some(_) if boundary.is_bay(from, to, ears.lean(from, to)) => {
+                course.push((from, Some(to)));
+            }
             Some(tip) => mouths.extend([[tip, to], [from, tip]]),
         }
     }
     let filled = |&(from, to): &(usize, Option<usize>)| {
-        (from, to.map(|to| shore.surface(from, to, &ears.within(from, to))))
+        (from, to.map(|to| boundary.surface(from, to, &ears.within(from, to))))
     };
     let filled: Vec<_> = course.par_iter().map(filled).collect();
-    let mut bays = Bays { points: Vec::new(), triangles: Vec::new(), outer: Vec::new(), count: 0 };
+    let (points, triangles, outer) = (Vec::new(), Vec::new(), Vec::new());
+    let mut closing = Closing { points, triangles, outer, count: 0 };
     for (from, surface) in filled {
         match surface {
-            None => bays.outer.push(shore.vertex(from)),
-            Some(surface) => bays.add(&shore, from, surface),
+            None => closing.outer.push(boundary.vertex(from)),
+            Some(surface) => closing.add(&boundary, from, surface),
         }
     }
-    (bays.count > 0).then_some(bays)
+    (closing.count > 0).then_some(closing)
 }
 
 /// The measured outer boundary; places on it are counted on beyond its end.
-struct Shore<'a> {
-    land: Land<'a>,
+struct Boundary<'a> {
+    mesh: Adjacency<'a>,
     outer: &'a [VertexId],
     sizes: Sizes,
 }
 
-impl Shore<'_> {
+impl Boundary<'_> {
     fn vertex(&self, i: usize) -> VertexId {
         self.outer[i % self.outer.len()]
     }
 
     fn at(&self, i: usize) -> Point {
-        self.land.mesh.point(self.vertex(i))
+        self.mesh.mesh.point(self.vertex(i))
     }
 
     /// Whether what is between two places reaches in far enough from the straight line
     /// between them.
     fn is_bay(&self, from: usize, to: usize, leans: bool) -> bool {
         let (a, b) = (self.at(from), self.at(to));
-        let deep = if leans { DEEP * self.land.mesh.diagonal() } else { 0.0 };
+        let deep = if leans { DEEP * self.mesh.mesh.diagonal() } else { 0.0 };
         let least = (SHALLOW * self.sizes.mean).max(WIDE * (b - a).norm()).max(deep);
         (from..to).any(|i| segment_distance(self.at(i), a, b) >= least)
     }
@@ -120,7 +147,7 @@ impl Shore<'_> {
 
     /// A bay as a surface over the vertices on its banks, the points across its mouth,
     /// and those inside; with how many there are of the first and of the first two.
-    fn surface(&self, from: usize, to: usize, ears: &[[usize; 3]]) -> (Surface, [usize; 2]) {
+    fn surface(&self, from: usize, to: usize, ears: &[[usize; 3]]) -> (Triangulation, [usize; 2]) {
         let mut points: Vec<Point> = (from..=to).map(|i| self.at(i)).collect();
         let banks = points.len();
         self.mouth(self.at(from), self.at(to), &mut points);
@@ -136,12 +163,12 @@ impl Shore<'_> {
             triangles.extend(chain.windows(2).map(|side| [side[0], side[1], v]));
         }
         let normal =
-            |k: usize| self.land.normal_at(self.vertex(from + k), self.vertex(from + k + 1));
+            |k: usize| self.mesh.normal_at(self.vertex(from + k), self.vertex(from + k + 1));
         let beside: HashMap<(usize, usize), Vector> =
             (0..banks - 1).filter_map(|k| Some(((k + 1, k), normal(k)?))).collect();
-        let mut surface = Surface { points, triangles, rim, beside };
+        let mut surface = Triangulation { points, triangles, rim, beside };
         let joined = |a: usize, b: usize| {
-            a.max(b) < banks && self.land.joined(self.vertex(from + a), self.vertex(from + b))
+            a.max(b) < banks && self.mesh.joined(self.vertex(from + a), self.vertex(from + b))
         };
         surface.refine(&self.sizes, joined);
         surface.unfold(joined);
@@ -149,32 +176,25 @@ impl Shore<'_> {
     }
 }
 
-impl Bays {
-    /// The same with other numbers for all vertices.
-    pub fn numbered(mut self, number: impl Fn(VertexId) -> VertexId) -> Self {
-        self.triangles.iter_mut().flatten().for_each(|v| *v = number(*v));
-        self.outer.iter_mut().for_each(|v| *v = number(*v));
-        self
-    }
-
+impl Closing {
     /// Closes them in a patch that has none closed yet, whose vertices end where the
     /// points begin.
-    pub fn close_in(self, patch: &mut Patch) {
+    fn close_in(self, patch: &mut Patch) {
         patch.mesh.points.extend(self.points);
         patch.mesh.triangles.extend(self.triangles);
         patch.origin.resize(patch.mesh.triangles.len(), FaceOrigin::Bay);
-        patch.shore = Some(std::mem::replace(&mut patch.outer, self.outer));
+        patch.measured_outer = Some(std::mem::replace(&mut patch.outer, self.outer));
     }
 
-    fn add(&mut self, shore: &Shore, from: usize, surface: (Surface, [usize; 2])) {
+    fn add(&mut self, boundary: &Boundary, from: usize, surface: (Triangulation, [usize; 2])) {
         let (mut surface, [banks, rim]) = surface;
-        let first = shore.land.mesh.points.len() + self.points.len();
+        let first = boundary.mesh.mesh.points.len() + self.points.len();
         let global = |k: usize| match k.checked_sub(banks) {
-            None => shore.vertex(from + k),
+            None => boundary.vertex(from + k),
             Some(new) => VertexId::from(first + new),
         };
         self.triangles.extend(surface.triangles.iter().map(|t| t.map(global)));
-        self.outer.push(shore.vertex(from));
+        self.outer.push(boundary.vertex(from));
         self.outer.extend((banks..rim).map(global));
         self.points.extend(surface.points.drain(banks..));
         self.count += 1;

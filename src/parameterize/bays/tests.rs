@@ -26,15 +26,15 @@ fn sheet(
 }
 
 /// A mesh and what closes its bays.
-fn closed(mesh: &Mesh) -> (Mesh, Option<Bays>) {
+fn closed(mesh: &Mesh) -> (Mesh, Option<Closing>) {
     closed_on(mesh, None)
 }
 
 /// The same as a map shows them.
-fn closed_on(mesh: &Mesh, map: Option<&[Uv]>) -> (Mesh, Option<Bays>) {
+fn closed_on(mesh: &Mesh, map: Option<&[Uv]>) -> (Mesh, Option<Closing>) {
     let outer = boundary::boundary_loops(mesh, &EdgeMap::new(mesh)).remove(0);
     let rings = Rings::new(mesh);
-    let bays = close(Land { mesh, rings: &rings }, &outer, map);
+    let bays = closing(Adjacency { mesh, rings: &rings }, &outer, map);
     let mut whole = mesh.clone();
     if let Some(bays) = &bays {
         whole.points.extend(&bays.points);
@@ -50,8 +50,9 @@ fn is_disk(mesh: &Mesh, outer: &Loop) -> bool {
     let turned = [&loops[0][start..], &loops[0][..start]].concat();
     let origin = vec![FaceOrigin::Measured; mesh.triangles.len()];
     let (mesh, outer, measured) = (mesh.clone(), outer.clone(), mesh.points.len());
-    let (shore, rims, islands) = (None, Vec::new(), Vec::new());
-    turned == outer && Patch { mesh, measured, origin, outer, shore, rims, islands }.is_disk()
+    let (measured_outer, rims, islands) = (None, Vec::new(), Vec::new());
+    turned == outer
+        && Patch { mesh, measured, origin, outer, measured_outer, rims, islands }.is_disk()
 }
 
 #[test]
@@ -143,4 +144,29 @@ fn on_a_map_ears_are_not_closed_over_a_tongue_between_them() {
     assert!(whole.triangles.iter().all(|t| doubled(t) > 0.0));
     let area: f64 = whole.triangles.iter().map(doubled).sum();
     assert!((0.5 * area - 1024.0).abs() < 1e-6, "{area}");
+}
+
+/// Bays that angles along the boundary make out go where the map shows none.
+#[test]
+fn a_map_without_bays_opens_those_that_were_closed() {
+    let is_there = |i: usize, j: usize| j < 8 || i % 7 < 4;
+    let mesh = sheet(32, is_there, |x, y| [x, y, 0.0]);
+    let outer = boundary::boundary_loops(&mesh, &EdgeMap::new(&mesh)).remove(0);
+    let measured = mesh.points.len();
+    let origin = vec![FaceOrigin::Measured; mesh.triangles.len()];
+    let (measured_outer, rims, islands) = (None, Vec::new(), Vec::new());
+    let patch = Patch { mesh, measured, origin, outer, measured_outer, rims, islands };
+    let (closed, bays) = close(&patch, None);
+    assert!(bays.count == 4 && bays.added_triangles > 0);
+    // On the map the boundary is a circle.
+    let count = patch.outer.len() as f64;
+    let mut map = vec![Uv::new(0.5, 0.5); closed.mesh.points.len()];
+    for (k, v) in patch.outer.iter().enumerate() {
+        let angle = std::f64::consts::TAU * k as f64 / count;
+        map[v.index()] = Uv::new(0.5 + 0.4 * angle.cos(), 0.5 + 0.4 * angle.sin());
+    }
+    let (opened, bays) = close(&closed, Some(&map));
+    assert_eq!(bays, Bays::default());
+    assert_eq!((opened.outer, opened.measured_outer), (patch.outer, None));
+    assert!(opened.origin.iter().all(|origin| *origin == FaceOrigin::Measured));
 }

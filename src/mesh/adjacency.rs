@@ -1,0 +1,28 @@
+//! Which vertices of a mesh its edges join.
+
+use super::{Mesh, Rings};
+use crate::geometry::{Vector, VertexId, unit_normal};
+
+/// A mesh, and which triangles are around its vertices.
+#[derive(Clone, Copy)]
+pub struct Adjacency<'a> {
+    pub mesh: &'a Mesh,
+    pub rings: &'a Rings,
+}
+
+impl Adjacency<'_> {
+    /// Whether the mesh joins two vertices; new ones it does not.
+    pub fn joined(&self, v: VertexId, w: VertexId) -> bool {
+        let measured = v.index().max(w.index()) < self.mesh.points.len();
+        measured && self.rings.neighbours(self.mesh, v).any(|x| x == w)
+    }
+
+    /// The unit normal of a triangle of the mesh between two vertices.
+    pub fn normal_at(&self, v: VertexId, w: VertexId) -> Option<Vector> {
+        if v.index().max(w.index()) >= self.mesh.points.len() {
+            return None;
+        }
+        let mut of_v = self.rings.triangles(v).iter().map(|&t| self.mesh.triangles[t as usize]);
+        unit_normal(self.mesh.corners(of_v.find(|t| t.contains(&w))?))
+    }
+}

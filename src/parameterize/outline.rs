@@ -1,0 +1,150 @@
+//! Whether the outer boundary of a patch goes to the sides of the square or is left free
+//! inside it, and the map of the patch as it does.
+
+use super::map::{Map, Start};
+use super::{Options, Outline, Parameterized, Report, Skirt};
+use super::{chords, gaps, mend, skirt, stars, stretch};
+use crate::course::Course;
+use crate::error::{Error, Result};
+use crate::mesh::{Bound, Mesh, Patch};
+
+/// Maps a patch to the unit square, around the bays that are closed in it.
+pub(super) fn map(
+    patch: Patch,
+    options: &Options,
+    course: &mut Course,
+) -> Result<(Parameterized, Report)> {
+    let must_be_free = options.outline == Some(Outline::Free);
+    let may_be_free = options.may_be_free() && !must_be_free;
+    let is_ragged = || skirt::is_ragged(&patch.mesh, patch.loop_of(Bound::Outer));
+    if must_be_free || may_be_free && is_ragged() {
+        return left_free(patch, options, course);
+    }
+    // Sides are the measured boundary's; what is free goes around its bays.
+    let (mut patch, with_bays) = match patch.without_bays() {
+        Some(without) => (without, Some(patch)),
+        None => (patch, None),
+    };
+    let split_edges = chords::split_chords(&mut patch);
+    let sides = Start::new(&patch.mesh, &patch.outer, patch.mesh.points.len(), options, course);
+    let sides = match sides {
+        // A boundary that cannot be four sides can be a loop.
+        Err(Error::TooSmall(_) | Error::Singular(_)) if may_be_free => {
+            return left_free(with_bays.unwrap_or(patch), options, course);
+        }
+        sides => sides?,
+    };
+    if may_be_free && sides.excess() > LITTLE {
+        let around = with_bays.as_ref().unwrap_or(&patch);
+        let (mesh, outer) = skirt::skirted(around);
+        let free = Start::new(&mesh, &outer, around.mesh.points.len(), options, course)?;
+        if free.excess() < WORTH * sides.excess() {
+            let map = free.map(options.method, MARGIN, course)?;
+            let (patch, split_edges) = with_bays.map_or((patch, split_edges), |whole| (whole, 0));
+            return Ok(reported(with_skirt(patch, &mesh, &map), &map, split_edges));
+        }
+    }
+    let map = sides.map(options.method, 0.0, course)?;
+    let first = patch.outer.iter().position(|v| v.0 == map.corners[0]);
+    patch.outer.rotate_left(first.unwrap_or(0));
+    let (uv, outline, skirt) = (map.uv.clone(), Outline::Sides, Skirt::default());
+    Ok(reported(Parameterized { patch, uv, outline, skirt }, &map, split_edges))
+}
+
+/// The map of a patch whose boundary is left free inside the square.
+fn left_free(
+    patch: Patch,
+    options: &Options,
+    course: &mut Course,
+) -> Result<(Parameterized, Report)> {
+    let (mesh, outer) = skirt::skirted(&patch);
+    let start = Start::new(&mesh, &outer, patch.mesh.points.len(), options, course)?;
+    let map = start.map(options.method, MARGIN, course)?;
+    Ok(reported(with_skirt(patch, &mesh, &map), &map, 0))
+}
+
+/// Sides that stretch a map by less are kept.
+const LITTLE: f64 = 0.03;
+
+/// A boundary is left free if no more than this share of the stretch remains.
+const WORTH: f64 = 0.5;
+
+/// A patch and its skirt on the map of both.
+fn with_skirt(patch: Patch, mesh: &Mesh, map: &Map) -> Parameterized {
+    let mut uv = map.uv.clone();
+    let skirt = Skirt {
+        uv: uv.split_off(patch.mesh.points.len()),
+        triangles: mesh.triangles[patch.mesh.triangles.len()..].to_vec(),
+    };
+    Parameterized { patch, uv, outline: Outline::Free, skirt }
+}
+
+/// The patch on its map, with vertices where that draws it out.
+fn reported(
+    mut patch: Parameterized,
+    map: &Map,
+    mut split_edges: usize,
+) -> (Parameterized, Report) {
+    let mut mended = map.mended;
+    if map.is_drawn_out {
+        split_edges += gaps::bridge(&mut patch);
+        mended += mend_again(&mut patch);
+    }
+    let stretch = stretch::measure(&patch.patch, &patch.uv);
+    let flipped = flipped(&patch).len();
+    (patch, Report { flipped, mended, split_edges, stretch, ..Report::default() })
+}
+
+/// The triangles of a patch that its map turns over, by an exact predicate.
+fn flipped(map: &Parameterized) -> Vec<[u32; 3]> {
+    let triangles = map.patch.mesh.triangles.iter().map(|t| t.map(|v| v.0));
+    mend::inverted(triangles, &map.uv)
+}
+
+/// Mends what rounding turns over where vertices are put in the middle of edges. Returns
+/// how many triangles that were.
+fn mend_again(map: &mut Parameterized) -> usize {
+    if flipped(map).is_empty() {
+        return 0;
+    }
+    let Patch { mesh, outer, .. } = &map.patch;
+    let triangles = mesh.triangles.iter().map(|t| t.map(|v| v.0));
+    mend::mend(&stars::Stars::new(mesh, outer), triangles, &mut map.uv).0
+}
+
+/// The share of the domain that is left free beside a skirt at each side.
+const MARGIN: f64 = 0.02;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::Uv;
+    use stars::tests::grid;
+
+    /// A grid on the square with some vertices thrown onto others, as the map of a patch.
+    fn thrown(n: u32, swapped: [usize; 2], is_drawn_out: bool) -> (Parameterized, Map) {
+        let patch = grid(n);
+        let side = f64::from(n - 1);
+        let mut uv: Vec<Uv> = patch.mesh.points.iter().map(|p| Uv::new(p.x, p.y) / side).collect();
+        uv.swap(swapped[0], swapped[1]);
+        let map = Map { uv: uv.clone(), corners: [0; 4], mended: 0, is_drawn_out };
+        (Parameterized { patch, uv, outline: Outline::Sides, skirt: Skirt::default() }, map)
+    }
+
+    #[test]
+    fn the_report_counts_what_the_map_turns_over() {
+        let (patch, map) = thrown(12, [2, 3], false);
+        assert!(reported(patch, &map, 0).1.flipped > 0);
+        let (patch, map) = thrown(12, [40, 40], false);
+        assert_eq!(reported(patch, &map, 0).1.flipped, 0);
+    }
+
+    #[test]
+    fn what_is_turned_over_where_a_map_is_drawn_out_is_mended() {
+        let (patch, map) = thrown(12, [40, 41], true);
+        let before = flipped(&patch).len();
+        let (patch, report) = reported(patch, &map, 0);
+        assert!(before > 0 && report.mended > 0);
+        assert_eq!((report.flipped, flipped(&patch).len()), (0, 0));
+    }
+}
