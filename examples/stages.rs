@@ -4,28 +4,31 @@
 //! cargo run --release --example stages
 //!
 //! Makes a wavy sheet of 60 × 40 mm with noise and a round hole, and a STEP file of it
-//! in memory. Prints a line a stage.
+//! in memory: the same bytes that `convert` makes. Prints a line a stage.
 
 use std::error::Error;
 
-use formats::{Soup, step};
+use formats::{Brep, Soup, step};
 use scan2step::adapt::{self, Goal};
 use scan2step::deviation::Face;
 use scan2step::mesh::{self, Choice, Components, Outer};
-use scan2step::{Options, brep, cut, fill, parameterize, smooth, trim};
+use scan2step::{Options, brep, convert, cut, fill, parameterize, smooth, trim};
 
-/// Standard deviation of the noise, in mm.
+/// Standard deviation of the noise, and the tolerance, in mm.
 const NOISE: f64 = 0.02;
+const TOLERANCE: f64 = 3.0 * NOISE;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // Mesh: vertices at one place become one, faults are repaired, a piece is chosen.
+    // Mesh: vertices at one place become one, faults are repaired, a piece is chosen. From
+    // here on lengths are the scan's own by a power of two, of which one is so many mm.
     let pieces = Components::new(mesh::from_soup(&scan(), 1.0)?);
+    let mm = pieces.mm();
     let mut repairs = pieces.repairs().clone();
-    let measured = pieces.take(Choice::Largest)?.into_disk(Outer::Auto, &mut repairs)?;
+    let measured = pieces.take(Choice::Largest)?.into_own_disk(Outer::Auto, &mut repairs)?;
     println!("mesh: {} vertices, {} hole", measured.mesh.points.len(), measured.holes.len());
 
     let (smoothed, smoothing) = smooth::smooth(&measured, &smooth::Options::default())?;
-    println!("smooth: noise {:.3} mm, support {:.1} mm", smoothing.noise, smoothing.h);
+    println!("smooth: noise {:.3} mm, support {:.1} mm", mm * smoothing.noise, mm * smoothing.h);
 
     let how =
         fill::Options { support: smoothing.h, noise: smoothing.noise, ..fill::Options::default() };
@@ -37,22 +40,28 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("parameterize: stretch {:.2}", mapping.stretch.l2);
 
     // Knots and fit, again and again until the goal is reached. `knots::place` and
-    // `fit::fit` are the single steps.
-    let goal = Goal { tolerance: 3.0 * NOISE, named: true, outliers: 0.0 };
-    let (surface, fitting) = adapt::fit(&mut map, &Options::default(), &goal)?;
+    // `fit::fit` are the single steps. Without a tolerance it were `Goal::of_scan`.
+    let tolerance = TOLERANCE / mm;
+    let goal = Goal::named(tolerance, 0.0);
+    let (surface, fitting) = adapt::fit(&mut map, &adapt::Options::default(), &goal)?;
+    let surface = surface.rounded(measured.mesh.diagonal());
     let [m, n] = surface.shape();
     println!("fit: {m} × {n} control points after {} fits", fitting.rounds);
 
+    // Loops are found on the surface, and traced on it in mm: how near edges must be to it
+    // is a matter of millimetres.
     let cut_out = vec![true; filling.holes.len()];
     let rims = cut::rims(&map, &cut_out);
-    let rim = (0.5 * trim::median_edge(&rims)).max(goal.tolerance);
-    let loops_as = trim::Options { tolerance: goal.tolerance, rim, keeps_vertices: true };
-    let (loops, _) = trim::trim(&surface, &rims, &loops_as)?;
+    let how = trim::Options::of_rims(&rims, tolerance, goal.named);
+    let arcs = trim::arcs(&surface, &rims, &how)?;
+    let placed = surface.clone().scaled(mm);
+    let rims: Vec<trim::Rim> = rims.into_iter().map(|rim| rim.scaled(mm)).collect();
+    let (loops, _) = trim::trace(&placed, &rims, arcs);
     println!("trim: {} loop of {} edges", loops.len(), loops[0].edges.len());
 
-    let brep = brep::build(&surface, &cut::faces(&loops), "sheet", trim::edge_accuracy(&surface))?;
-    let mut file = Vec::new();
-    step::write(&brep, &step::Options::default(), &mut file)?;
+    let faces = cut::faces(&loops);
+    let brep = brep::build(&placed, &faces, "sheet", trim::edge_accuracy(&placed))?;
+    let file = step_file(&brep)?;
     println!("write: {} bytes", file.len());
 
     let arcs = loops.iter().map(|l| l.pcurves.as_slice());
@@ -61,13 +70,22 @@ fn main() -> Result<(), Box<dyn Error>> {
     let count = map.patch.measured;
     let smoothed = face.deviation(&map.patch.mesh.points[..count], &map.uv[..count]);
     let measured_off = face.deviation(&measured.mesh.points, &map.uv[..count]);
-    println!("deviation: at most {:.4} mm, measured {:.4} mm", smoothed.max, measured_off.max);
+    let [smoothed_max, measured_max] = [smoothed.max, measured_off.max].map(|off| mm * off);
+    println!("deviation: at most {smoothed_max:.4} mm, measured {measured_max:.4} mm");
 
     assert_eq!((measured.holes.len(), filling.holes.len(), loops.len()), (1, 1, 1));
-    assert!((0.5..1.5).contains(&(smoothing.noise / NOISE)), "the noise is found");
-    assert!(smoothed.max <= goal.tolerance, "the goal is reached");
-    assert!(file.starts_with(b"ISO-10303-21;") && file.ends_with(b"END-ISO-10303-21;\n"));
+    assert!((0.5..1.5).contains(&(mm * smoothing.noise / NOISE)), "the noise is found");
+    assert!(smoothed_max <= TOLERANCE, "the goal is reached");
+    let options = Options::builder().name("sheet").tolerance(TOLERANCE).build()?;
+    let at_once = convert(&scan(), &options, &mut |_| Ok(()))?;
+    assert!(file == step_file(&at_once.brep)?, "`convert` makes the same bytes");
     Ok(())
+}
+
+fn step_file(brep: &Brep) -> Result<Vec<u8>, Box<dyn Error>> {
+    let mut file = Vec::new();
+    step::write(brep, &step::Options::default(), &mut file)?;
+    Ok(file)
 }
 
 /// The sheet, as a soup of polygons: squares serve as well as triangles.

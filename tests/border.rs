@@ -108,9 +108,13 @@ fn stages_look_at_what_they_are_given() {
         let how = fill::Options { noise: x, ..Default::default() };
         assert_eq!(option(fill::fill(disk.clone(), measured, &how)).0, "noise");
         let goal = Goal { tolerance: x, named: true, outliers: 0.0 };
-        assert_eq!(option(adapt::fit(&mut map, &Options::default(), &goal)).0, "tolerance");
+        assert_eq!(option(adapt::fit(&mut map, &adapt::Options::default(), &goal)).0, "tolerance");
+        let goal = Goal { tolerance: 0.1, named: true, outliers: 0.0 };
+        let mut how = adapt::Options::default();
+        how.knots.kappa = Some(x);
+        assert_eq!(option(adapt::fit(&mut map, &how, &goal)).0, "kappa");
         let goal = Goal { tolerance: 0.1, named: true, outliers: x };
-        assert_eq!(option(adapt::fit(&mut map, &Options::default(), &goal)).0, "outliers");
+        assert_eq!(option(adapt::fit(&mut map, &adapt::Options::default(), &goal)).0, "outliers");
     }
     let how = parameterize::Options {
         corners: Some([Point::new(f64::NAN, 0.0, 0.0); 4]),

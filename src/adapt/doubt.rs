@@ -9,7 +9,6 @@ use std::borrow::Cow;
 use super::search::{Attempt, Search};
 use super::target::{Feet, Target};
 use crate::geometry::{Point, Vector, VertexId};
-use crate::smooth::Support;
 use crate::spline::Samples;
 
 /// Where nobody named a tolerance, so many standard deviations of the noise make a point
@@ -32,7 +31,7 @@ impl Search<'_> {
     /// From which distance on, in mm, a sample may be an outlier, and how many may be: none
     /// that smoothing has taken back, nor any that the user wants the face to follow.
     pub fn doubts(&self) -> (f64, usize) {
-        if self.options.smooth.support != Support::Off {
+        if !self.options.noisy {
             return (f64::INFINITY, 0);
         }
         match self.goal.named {

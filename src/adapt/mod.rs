@@ -26,9 +26,8 @@ use crate::course::{self, Course};
 use crate::error::{Result, of};
 use crate::geometry::Uv;
 use crate::parameterize::Parameterized;
-use crate::smooth::Support;
 use crate::spline::{KnotVector, Samples, Surface};
-use crate::{Options, fit, knots, rules};
+use crate::{fit, knots, rules};
 use search::{Attempt, Search};
 use target::Target;
 
@@ -64,6 +63,18 @@ impl KnotOptions {
         let within = |net| rules::net(net, self.max_net);
         self.net.map_or(Ok(()), within).map_err(of("net"))
     }
+}
+
+/// How to adapt knots and fit.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// What is said about knots.
+    pub knots: KnotOptions,
+    /// How a surface is fitted over given knots.
+    pub method: fit::Method,
+    /// Whether the points have all their noise, smoothing being off. Points far from a fit may
+    /// then be outliers, and a tolerance may be out of reach for the noise.
+    pub noisy: bool,
 }
 
 /// The tolerance where nobody named one, in standard deviations of the noise, and the share of
@@ -135,8 +146,7 @@ pub struct Folds {
 }
 
 /// Fits a surface to the map's vertices, in mm over [0, 1]². The map's parameters are
-/// corrected on the way. Of the options, those on knots and on the method are looked
-/// at.
+/// corrected on the way.
 ///
 /// # Errors
 /// [`Error::Option`](crate::Error::Option): the goal is not one, or the knots for the
@@ -156,6 +166,7 @@ pub fn fit_with(
     goal: &Goal,
     course: &mut Course,
 ) -> Result<(Surface, Adapted)> {
+    options.knots.check()?;
     rules::length(goal.tolerance).map_err(of("tolerance"))?;
     rules::share(goal.outliers).map_err(of("outliers"))?;
     let mut search = Search::new(Target::new(map), options, goal, course);
@@ -191,8 +202,7 @@ fn first(search: &mut Search) -> Result<Known> {
             false => {
                 let best = search.enrich(best).and_then(|best| search.thin(best))?;
                 // Where smoothing is off, what is far may be outliers, and no shape.
-                let is_smoothed = search.options.smooth.support != Support::Off;
-                if is_smoothed { search.grow(best)? } else { best }
+                if search.options.noisy { best } else { search.grow(best)? }
             }
         };
     }

@@ -6,7 +6,6 @@
 
 use super::balance::POINTS_A_CONTROL_POINT;
 use super::search::{Attempt, Search};
-use crate::smooth::Support;
 
 /// The correlation along edges that distances have of which most are noise at the most: that
 /// of noise is 0, that of a shape that is missed nearly 1.
@@ -40,7 +39,7 @@ impl Search<'_> {
     /// fewer than half as many control points as there are points. None that was smoothed
     /// away hinders.
     pub fn hindering_noise(&self, attempt: &Attempt, before: &mut Option<Misfit>) -> Option<f64> {
-        if !self.goal.named || self.options.smooth.support != Support::Off {
+        if !self.goal.named || !self.options.noisy {
             return None;
         }
         let now =

@@ -1,14 +1,14 @@
 //! The search for knots over which a fit reaches its goal.
 
-use super::Goal;
 use super::target::{Feet, Target};
+use super::{Goal, Options};
 use crate::course::Course;
 use crate::error::Result;
 use crate::fit::Hold;
 use crate::geometry::Uv;
 use crate::knots::Bounds;
 use crate::spline::{KnotVector, Surface};
-use crate::{Options, fit, knots, rules};
+use crate::{fit, knots, rules};
 
 /// A round that does not bring the number of points beyond the target down to this
 /// share, nor the worst of them, is idle.

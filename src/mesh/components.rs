@@ -194,8 +194,12 @@ impl Component {
         Ok(self.into_own_disk(outer.in_lengths(mm), repairs)?.scaled(mm))
     }
 
-    /// The same in the lengths of the pipeline, which the outer loop's place has, too.
-    pub(crate) fn into_own_disk(self, outer: Outer, repairs: &mut Repairs) -> Result<Disk> {
+    /// The same in the lengths of the mesh ([`Components::mm`]), which the outer loop's place
+    /// has, too.
+    ///
+    /// # Errors
+    /// Those of [`Component::into_disk`].
+    pub fn into_own_disk(self, outer: Outer, repairs: &mut Repairs) -> Result<Disk> {
         self.topology.check_disk()?;
         let mut taken = HashSet::new();
         let mut disk = clean(self.build, outer, &mut taken, repairs)?;

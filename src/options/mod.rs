@@ -10,7 +10,7 @@ use crate::adapt::KnotOptions;
 use crate::cut::Cut;
 use crate::error::{Result, of};
 use crate::geometry::{Point, in_lengths, length};
-use crate::{fill, fit, mesh, parameterize, rules, smooth, trim};
+use crate::{adapt, fill, fit, mesh, parameterize, rules, smooth, trim};
 
 /// What [`convert`](crate::convert) is asked for. [`Options::default`] finds
 /// everything on the scan, whose numbers have the unit that it declares, or are millimetres; [`Options::builder`]
@@ -64,10 +64,6 @@ impl Default for Options {
     }
 }
 
-/// Where a scan ends is uncertain by this share of its edges there: a scanner sees the last
-/// point up to a whole edge before the end, half of one in the mean.
-const UNCERTAIN: f64 = 0.5;
-
 impl Options {
     /// Options to change one by one.
     pub fn builder() -> Builder {
@@ -116,15 +112,18 @@ impl Options {
         }
     }
 
-    /// How near loops keep to some rims. Where nobody says, that is half the median edge of the
-    /// rims, or the tolerance if that is more; a tolerance that is named binds loops, too.
+    /// How near loops keep to some rims.
     pub(crate) fn trim(&self, tolerance: f64, rims: &[trim::Rim]) -> trim::Options {
-        let rim = || (UNCERTAIN * trim::median_edge(rims)).max(tolerance);
-        trim::Options {
-            tolerance,
-            rim: self.rim_tolerance.unwrap_or_else(rim),
-            keeps_vertices: self.tolerance.is_some() && self.rim_tolerance.is_none(),
+        match self.rim_tolerance {
+            Some(rim) => trim::Options { tolerance, rim, keeps_vertices: false },
+            None => trim::Options::of_rims(rims, tolerance, self.tolerance.is_some()),
         }
+    }
+
+    /// How knots and fit are adapted.
+    pub(crate) fn adapt(&self) -> adapt::Options {
+        let noisy = self.smooth.support == smooth::Support::Off;
+        adapt::Options { knots: self.knots.clone(), method: self.method, noisy }
     }
 
     fn check(&self) -> Result<()> {

@@ -6,6 +6,7 @@ mod checked;
 pub(crate) mod chords;
 mod compose;
 mod curve;
+pub(crate) mod decimal;
 mod edges;
 mod foot;
 mod knots;

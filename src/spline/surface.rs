@@ -33,7 +33,8 @@ pub struct Jet {
 
 impl Surface {
     /// The same with all lengths times a factor.
-    pub(crate) fn scaled(mut self, factor: f64) -> Self {
+    #[must_use]
+    pub fn scaled(mut self, factor: f64) -> Self {
         self.net.iter_mut().for_each(|p| *p *= factor);
         self
     }

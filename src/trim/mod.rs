@@ -18,11 +18,11 @@ use std::collections::BTreeMap;
 
 use rayon::prelude::*;
 
-use crate::decimal;
 use crate::error::{Error, Result, of};
 use crate::geometry::{Point, Uv, bounds};
 use crate::mesh::Bound;
 use crate::rules;
+use crate::spline::decimal;
 use crate::spline::{
     Curve, EdgeTree, Nest, Outline, Place, Surface, crossings, curve_on_surface, misplaced,
     off_surface, pieces_on_surface, runs,
@@ -58,7 +58,19 @@ const LEAST_SHARE: f64 = 0.1;
 /// misses the rim, which no loop can mend.
 const LEAST_OF_RIM: f64 = 0.5;
 
+/// Where a scan ends is uncertain by this share of its edges there: a scanner sees the last
+/// point up to a whole edge before the end, half of one in the mean.
+const UNCERTAIN: f64 = 0.5;
+
 impl Options {
+    /// What suits some rims where nobody says how near loops shall be: half the median edge of
+    /// the rims, or the tolerance if that is more. A tolerance that the user names binds
+    /// the vertices at the rims, too.
+    pub fn of_rims(rims: &[Rim], tolerance: f64, named: bool) -> Self {
+        let rim = (UNCERTAIN * median_edge(rims)).max(tolerance);
+        Options { tolerance, rim, keeps_vertices: named }
+    }
+
     /// How far, in mm, a vertex may be off the surface if a trim curve is to have room
     /// around its foot within the tolerance.
     pub fn most_off(tolerance: f64) -> f64 {
@@ -107,7 +119,8 @@ impl Rim {
     }
 
     /// The same with all lengths times a factor.
-    pub(crate) fn scaled(mut self, factor: f64) -> Rim {
+    #[must_use]
+    pub fn scaled(mut self, factor: f64) -> Rim {
         self.points.iter_mut().for_each(|p| p.coords *= factor);
         self
     }

@@ -1,8 +1,9 @@
 //! The border between the lengths that the pipeline works in and mm, which are its
 //! caller's.
 
+use super::{Conversion, Stage};
 use crate::smooth::Support;
-use crate::{Conversion, Error, Options, Result, Stage};
+use crate::{Error, Options, Result};
 
 /// Shows a caller in mm what stages made in other lengths.
 pub(crate) struct Shown<'a> {

@@ -4,13 +4,17 @@
 //! and what a fit computes takes 17. Rounded to a billionth of a millimetre,
 //! a hundredth of what importers tell from nothing, it takes two thirds of them.
 
-use crate::spline::{Curve, Surface};
+use super::{Curve, Surface};
 
-/// Rounds the control net of a surface of some size to the number of digits that a billionth
-/// of a millimetre has in a surface of 100 mm.
-pub(crate) fn surface(surface: &mut Surface, diagonal: f64) {
-    let steps = steps(diagonal);
-    surface.net.iter_mut().for_each(|p| *p = p.map(|x| round(x, steps)));
+impl Surface {
+    /// The surface of a scan with that diagonal, its control points rounded to as many digits
+    /// as a billionth of a millimetre has in a scan of 100 mm.
+    #[must_use]
+    pub fn rounded(mut self, diagonal: f64) -> Self {
+        let steps = steps(diagonal);
+        self.net.iter_mut().for_each(|p| *p = p.map(|x| round(x, steps)));
+        self
+    }
 }
 
 fn steps(diagonal: f64) -> f64 {

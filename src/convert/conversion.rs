@@ -1,0 +1,94 @@
+//! What a conversion makes and finds out.
+
+use formats::Brep;
+
+use crate::spline::Surface;
+use crate::{Adapted, InputReport, deviation, fill, parameterize, smooth, trim};
+
+/// A converted scan.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Conversion {
+    /// What the writers take.
+    pub brep: Brep,
+    /// The fitted surface.
+    pub surface: Surface,
+    /// The loops: the outer one unless it is on the surface's sides, those of the
+    /// holes cut out and of the islands in them.
+    pub loops: Vec<trim::TrimLoop>,
+    /// What came in.
+    pub input: InputReport,
+    /// What smoothing did.
+    pub smooth: smooth::Report,
+    /// What was filled.
+    pub fill: fill::Report,
+    /// Which of the filled holes were cut out.
+    pub trimmed: Vec<bool>,
+    /// How good the map is.
+    pub parameterize: parameterize::Report,
+    /// Where it leaves too little room for the tolerance.
+    pub crushed: Option<parameterize::Crushed>,
+    /// Knots and fit.
+    pub fit: Adapted,
+    /// The tolerance that holds, in mm.
+    pub tolerance: f64,
+    /// Whether the user named it.
+    pub tolerance_named: bool,
+    /// The share of points that may miss a tolerance that nobody named.
+    pub spared: f64,
+    /// The points that miss it.
+    pub missed: Missed,
+    /// How far the face is from the smoothed scan's triangles, fills left out.
+    pub face_to_scan: deviation::FaceToScan,
+    /// Deviation of the smoothed points from the trimmed face; the tolerance
+    /// is held against it.
+    pub fit_deviation: deviation::Deviation,
+    /// Deviation of the points as they were measured.
+    pub deviation: deviation::Deviation,
+    /// The outer boundary on the surface's sides: control points of its edges,
+    /// and the farthest, in mm, that a smoothed boundary vertex is from them.
+    /// `None`: it is one of the loops.
+    pub outer: Option<(usize, f64)>,
+    /// How the loops turned out.
+    pub trim: Vec<trim::LoopReport>,
+    /// How far a loop may be from its rim, in mm.
+    pub rim_tolerance: f64,
+    /// What could be better, and what to do about it: a sentence each. Options have the
+    /// names that they have on the command line.
+    pub hints: Vec<String>,
+}
+
+impl Conversion {
+    /// Whether the face keeps its tolerance. Where it is named, all but the share `outliers`
+    /// of the smoothed points must be within it, and as many of the triangles, which the face
+    /// may leave by their chord error besides. Where nobody named one, all but as many points
+    /// as normal noise has beyond three standard deviations.
+    pub fn tolerance_met(&self, outliers: f64) -> bool {
+        let outliers = if self.tolerance_named { outliers } else { outliers.max(self.spared) };
+        let keeps = |beyond: usize, all: usize| beyond as f64 <= outliers * all as f64;
+        let back = &self.face_to_scan;
+        keeps(self.missed.points, self.fit_deviation.distances.len())
+            && (!self.tolerance_named || keeps(back.beyond, back.triangles))
+    }
+}
+
+/// The smoothed points that miss the tolerance. A point that a trim loop cuts off is none of
+/// them if it is no farther from the loop than a rim is known, and within the tolerance of
+/// the surface.
+#[derive(Debug, Clone, Copy, Default)]
+#[non_exhaustive]
+pub struct Missed {
+    /// How many.
+    pub points: usize,
+    /// The distance of the farthest, in mm.
+    pub worst: f64,
+    /// Where it is.
+    pub worst_at: [f64; 3],
+}
+
+impl Missed {
+    pub(super) fn scaled(self, factor: f64) -> Self {
+        let worst_at = self.worst_at.map(|x| factor * x);
+        Missed { worst: factor * self.worst, worst_at, ..self }
+    }
+}

@@ -1,0 +1,142 @@
+//! The way from a scan to one face: mesh → smooth → fill → parameterize → knots and fit →
+//! trim → brep → deviation. Whoever reads [`face`] has read what the program does.
+//!
+//! The stages work in the lengths of the scan's mesh: its own numbers by a power of two
+//! ([`Components::mm`]). `options` come in these, and so does what `watch` is shown up to
+//! the fit. What comes out is in mm.
+
+use rayon::prelude::*;
+
+use super::conversion::{Conversion, Missed};
+use super::stage::{Stage, within};
+use crate::adapt::Goal;
+use crate::mesh::Components;
+use crate::parameterize::Parameterized;
+use crate::spline::Surface;
+use crate::{
+    Options, Result, adapt, brep, cut, deviation, fill, input, parameterize, smooth, spline, trim,
+};
+
+/// Converts one component of a scan to one face.
+pub(super) fn face(
+    scan: &Components,
+    options: &Options,
+    watch: &mut dyn FnMut(Stage) -> Result<()>,
+) -> Result<Conversion> {
+    let mm = scan.mm();
+    let (measured, input) = input::disk(scan, options)?;
+    watch(Stage::Mesh(&measured))?;
+
+    let (smoothed, smooth) =
+        smooth::smooth_with(&measured, &options.smooth, &mut within("smooth", watch))?;
+    watch(Stage::Smooth(&smoothed))?;
+    let goal = Goal::of(options, &measured.mesh, smooth.noise);
+    let tolerance = options.tolerance.unwrap_or(goal.tolerance);
+
+    let fill_options =
+        fill::Options { support: smooth.h, noise: smooth.noise, ..options.fill.clone() };
+    let (patch, fill) = fill::fill_with(
+        smoothed,
+        &measured.mesh.points,
+        &fill_options,
+        &mut within("fill", watch),
+    )?;
+    watch(Stage::Fill(&patch))?;
+
+    let (mut map, parameterize) = parameterize::parameterize_with(
+        patch,
+        &options.parameterize,
+        &mut within("parameterize", watch),
+    )?;
+    let crushed = parameterize::crushed(&map, tolerance, options.knots.max_net);
+    watch(Stage::Parameterize(&map, crushed))?;
+
+    let measured_count = map.patch.measured;
+    let (surface, fit) =
+        adapt::fit_with(&mut map, &options.adapt(), &goal, &mut within("fit", watch))?;
+    let surface = surface.rounded(measured.mesh.diagonal());
+    watch(Stage::Fit(&surface))?;
+
+    let trimmed: Vec<bool> = fill.holes.iter().map(|h| options.cut.cuts(h.rim_length)).collect();
+    let rims = cut::rims(&map, &trimmed);
+    let trim_options = options.trim(tolerance, &rims);
+    let arcs = trim::arcs(&surface, &rims, &trim_options)?;
+    // How near edges must be to the surface is a matter of millimetres.
+    let placed = surface.clone().scaled(mm);
+    let rims: Vec<trim::Rim> = rims.into_iter().map(|rim| rim.scaled(mm)).collect();
+    let (loops, trim) = trim::trace(&placed, &rims, arcs);
+    let natural = !cut::has_outline(&loops);
+    let outer = natural.then(|| outer_boundary(&surface, &map));
+    watch(Stage::Trim(&placed, &loops))?;
+
+    let faces = cut::faces(&loops);
+    let brep = brep::build(&placed, &faces, &options.name, trim::edge_accuracy(&placed))?;
+    watch(Stage::Brep)?;
+
+    let face = deviation::Face::new(&surface, loops.iter().map(|l| l.pcurves.as_slice()), natural);
+    let starts = &map.uv[..measured_count];
+    let fit_deviation = face.deviation(&map.patch.mesh.points[..measured_count], starts);
+    let deviation = face.deviation(&measured.mesh.points, starts);
+    let excused = if trim_options.keeps_vertices { 0.0 } else { trim_options.rim };
+    let missed = missed(&face, &map, &fit_deviation, tolerance, excused);
+    let seen = map.measured_triangles();
+    let between = deviation::Between::new(&map.patch.mesh, &seen, &map.uv, &surface);
+    let face_to_scan = between.report(tolerance, |at| face.contains(at));
+    watch(Stage::Deviation)?;
+
+    Ok(Conversion {
+        brep,
+        surface: placed,
+        loops,
+        input,
+        smooth: smooth.scaled(mm),
+        fill: fill.scaled(mm),
+        trimmed,
+        parameterize,
+        crushed: crushed.map(|crushed| crushed.scaled(mm)),
+        fit: fit.scaled(mm),
+        tolerance: mm * tolerance,
+        tolerance_named: goal.named,
+        spared: goal.outliers,
+        missed: missed.scaled(mm),
+        face_to_scan: face_to_scan.scaled(mm),
+        fit_deviation: fit_deviation.scaled(mm),
+        deviation: deviation.scaled(mm),
+        outer: outer.map(|(control, off)| (control, mm * off)),
+        trim,
+        rim_tolerance: mm * trim_options.rim,
+        hints: Vec::new(),
+    })
+}
+
+/// The smoothed points that miss the tolerance, but for those that a loop cuts off by no more
+/// than `excused`.
+fn missed(
+    face: &deviation::Face<Surface>,
+    map: &Parameterized,
+    deviation: &deviation::Deviation,
+    tolerance: f64,
+    excused: f64,
+) -> Missed {
+    let distances = &deviation.distances;
+    let misses = |&i: &usize| {
+        let (p, off) = (map.patch.mesh.points[i], distances[i]);
+        off > tolerance
+            && (off > excused.hypot(tolerance) || {
+                let (at, _) = face.nearest(p, Some(map.uv[i]));
+                spline::foot_point(face.surface(), p, at).1 > tolerance
+            })
+    };
+    let all: Vec<usize> = (0..distances.len()).into_par_iter().filter(misses).collect();
+    let worst = all.iter().copied().max_by(|&i, &j| distances[i].total_cmp(&distances[j]));
+    let worst = worst.map(|i| (distances[i], map.patch.mesh.points[i].coords.into()));
+    let (worst, worst_at) = worst.unwrap_or_default();
+    Missed { points: all.len(), worst, worst_at }
+}
+
+fn outer_boundary(surface: &Surface, map: &Parameterized) -> (usize, f64) {
+    let edges: Vec<_> = brep::outer_edges(surface).into_iter().map(|(edge, _, _)| edge).collect();
+    let points: Vec<_> = map.patch.outer.iter().map(|&v| map.patch.mesh.point(v)).collect();
+    let control = edges.iter().map(|e| e.control.len()).sum();
+    (control, trim::distance_to_edges(&points, &edges))
+}

@@ -1,0 +1,62 @@
+//! The ways from a scan to CAD: each calls stages in its order, and is a file of its own. So
+//! far there is one, [`face`]: a component of a scan becomes one face, with others for the
+//! islands in its holes.
+
+mod conversion;
+mod face;
+mod file;
+mod goal;
+mod hints;
+mod lengths;
+mod stage;
+
+pub use conversion::{Conversion, Missed};
+pub use file::convert_file;
+pub use stage::Stage;
+
+use formats::Soup;
+
+use crate::mesh::{self, Components};
+use crate::{Options, Result};
+
+/// Converts one component of a scan. `watch` is shown what each stage made, and how far
+/// long ones have come; an error of its own stops the conversion.
+///
+/// The work is shared by rayon's threads. On one of them (within `rayon::scope`) small
+/// scans take a tenth less time, since no thread has to be woken for each loop.
+///
+/// # Errors
+/// What stops a stage, or what `watch` answers.
+pub fn convert(
+    soup: &Soup,
+    options: &Options,
+    watch: &mut dyn FnMut(Stage) -> Result<()>,
+) -> Result<Conversion> {
+    let scan = Components::new(mesh::from_soup(soup, options.unit_of(soup))?);
+    convert_component(&scan, options, watch)
+}
+
+/// Converts one component of a mesh: readers → **mesh → smooth → fill →
+/// parameterize → knots → fit → trim → brep** → writers. Many of one mesh share it; its
+/// unit is that which it was made with.
+///
+/// # Errors
+/// Those of [`convert`], but for the mesh.
+pub fn convert_component(
+    scan: &Components,
+    options: &Options,
+    watch: &mut dyn FnMut(Stage) -> Result<()>,
+) -> Result<Conversion> {
+    // Sparse factorizations sum in an order that depends on the threads; the
+    // same bytes on any number of them matter more.
+    faer::set_global_parallelism(faer::Par::Seq);
+    let mut shown = lengths::Shown::new(watch, scan.mm());
+    let own = options.in_lengths(scan.mm());
+    match face::face(scan, &own, &mut |stage| shown.see(stage)) {
+        Ok(conversion) => {
+            let conversion = conversion.with_named(options);
+            Ok(Conversion { hints: hints::of(&conversion, options), ..conversion })
+        }
+        Err(error) => Err(shown.in_mm(error).with_named(options)),
+    }
+}

@@ -1,0 +1,68 @@
+//! What is told of a conversion while it goes on.
+
+use crate::mesh::{Disk, Patch};
+use crate::parameterize::{Crushed, Parameterized};
+use crate::spline::Surface;
+use crate::{Result, trim};
+
+/// A stage that has just ended, with what it made, or one that goes on.
+#[derive(Debug)]
+#[non_exhaustive]
+pub enum Stage<'a> {
+    /// The cleaned mesh.
+    Mesh(&'a Disk),
+    /// The smoothed mesh.
+    Smooth(&'a Disk),
+    /// The mesh with its holes filled.
+    Fill(&'a Patch),
+    /// The filled mesh with parameters, and where it leaves too little room for
+    /// the tolerance.
+    Parameterize(&'a Parameterized, Option<Crushed>),
+    /// The fitted surface.
+    Fit(&'a Surface),
+    /// The loops: the outer one unless it is on the surface's sides, those of the
+    /// holes and of the islands in them.
+    Trim(&'a Surface, &'a [trim::TrimLoop]),
+    /// The boundary representation.
+    Brep,
+    /// The deviation.
+    Deviation,
+    /// The stage of that name goes on, and has about so large a share of its time behind
+    /// it: more than it was told of before.
+    Within(&'static str, f64),
+}
+
+impl Stage<'_> {
+    /// Its name, as reports and progress have it.
+    pub fn name(&self) -> &'static str {
+        match self {
+            Stage::Mesh(_) => "mesh",
+            Stage::Smooth(_) => "smooth",
+            Stage::Fill(_) => "fill",
+            Stage::Parameterize(..) => "parameterize",
+            Stage::Fit(_) => "fit",
+            Stage::Trim(..) => "trim",
+            Stage::Brep => "brep",
+            Stage::Deviation => "deviation",
+            Stage::Within(name, _) => name,
+        }
+    }
+}
+
+/// What a stage comes farther by is told from this share on.
+const STEP: f64 = 0.01;
+
+/// Tells `watch` how far a stage has come: forwards only, and not at every step.
+pub(super) fn within<'a>(
+    name: &'static str,
+    watch: &'a mut dyn FnMut(Stage) -> Result<()>,
+) -> impl FnMut(f64) -> Result<()> + 'a {
+    let mut told = 0.0;
+    move |share| {
+        if share < told + STEP {
+            return Ok(());
+        }
+        told = share.min(1.0);
+        watch(Stage::Within(name, told))
+    }
+}
