@@ -5,10 +5,8 @@ use std::path::PathBuf;
 use faer::sparse::CreationError;
 use faer::sparse::linalg::{LltError, LuError};
 
-use crate::geometry::Point;
-use crate::mesh::Bound;
+use crate::geometry::{Bound, Point};
 use crate::rules;
-use crate::spline::Fault;
 
 /// A result of the pipeline.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -137,7 +135,7 @@ pub enum BrepFault {
         /// The loop.
         ring: usize,
         /// What is wrong with it.
-        fault: Fault,
+        fault: LoopFault,
     },
     /// A loop has not as many edges as pcurves.
     #[error("loop {ring} of face {face} has not one pcurve for each edge")]
@@ -153,6 +151,32 @@ pub enum BrepFault {
     /// The parts do not suit each other.
     #[error("{0}")]
     Parts(formats::brep::Fault),
+}
+
+/// What can be wrong with one loop.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+pub enum LoopFault {
+    /// It is not made of cubic arcs, each beginning where the last one ends.
+    #[error("is not closed")]
+    Open,
+    /// It turns back on itself.
+    #[error("has a cusp")]
+    Cusp,
+    /// It comes too near the edge of the domain, or runs beyond.
+    #[error("leaves the patch")]
+    Leaves,
+    /// It crosses or touches itself.
+    #[error("crosses itself")]
+    CrossesItself,
+    /// It crosses or touches another one.
+    #[error("runs into another one")]
+    CrossesAnother,
+    /// It runs clockwise where it must not, or the other way round.
+    #[error("runs the wrong way round")]
+    WrongWay,
+    /// It lies in a loop in which it must not, or beside one in which it must.
+    #[error("is not in its place among the others")]
+    Misplaced,
 }
 
 /// Makes an error of what is wrong with an option.

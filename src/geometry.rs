@@ -1,5 +1,7 @@
 //! The types that keep a point in space, a point in the parameter plane and
-//! an index apart.
+//! an index apart, and the names of boundary loops.
+
+use std::fmt;
 
 /// A point in space, in mm.
 pub type Point = nalgebra::Point3<f64>;
@@ -24,6 +26,50 @@ impl VertexId {
 impl From<usize> for VertexId {
     fn from(i: usize) -> Self {
         VertexId(i as u32)
+    }
+}
+
+/// A boundary loop of what was measured of a patch.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Bound {
+    /// The outer boundary.
+    Outer,
+    /// The rim of a hole, by its number.
+    Hole(usize),
+    /// The rim of an island, by the number of the hole that it is in and its own.
+    Island {
+        /// The hole.
+        hole: usize,
+        /// The island.
+        number: usize,
+    },
+}
+
+impl Bound {
+    /// The hole, or that of the island.
+    pub fn hole(self) -> Option<usize> {
+        match self {
+            Bound::Outer => None,
+            Bound::Hole(hole) | Bound::Island { hole, .. } => Some(hole),
+        }
+    }
+
+    /// The island.
+    pub fn island(self) -> Option<usize> {
+        match self {
+            Bound::Island { number, .. } => Some(number),
+            _ => None,
+        }
+    }
+}
+
+impl fmt::Display for Bound {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        match self {
+            Bound::Outer => write!(f, "the outer boundary"),
+            Bound::Hole(hole) => write!(f, "hole {hole}"),
+            Bound::Island { hole, .. } => write!(f, "an island in hole {hole}"),
+        }
     }
 }
 

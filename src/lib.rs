@@ -93,18 +93,15 @@ pub mod adapt;
 pub mod brep;
 pub mod check;
 mod cholesky;
-mod convert;
+pub mod convert;
 mod course;
-pub mod cut;
 pub mod deviation;
 pub mod error;
 pub mod fill;
 pub mod fit;
 pub mod geometry;
-mod input;
 pub mod knots;
 pub mod mesh;
-mod options;
 pub mod parameterize;
 #[cfg(feature = "picture")]
 pub mod picture;
@@ -116,11 +113,11 @@ pub mod trim;
 pub mod words;
 
 pub use adapt::{Adapted, KnotOptions};
-pub use convert::{Conversion, Missed, Stage, convert, convert_component, convert_file};
+pub use convert::{
+    Builder, Conversion, Cut, InputReport, Inspection, Measured, Missed, Options, Stage, convert,
+    convert_component, convert_file, cut, inspect, measured,
+};
 pub use course::Course;
-pub use cut::Cut;
 pub use error::{Error, Result};
-pub use input::{InputReport, Inspection, Measured, inspect, measured};
-pub use options::{Builder, Options};
 // What this library's own items take and give; no second version of them gets in.
 pub use {formats, nalgebra};

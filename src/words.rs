@@ -1,41 +1,10 @@
 //! Figures as people read them.
 
-use crate::Conversion;
-
 /// A length in mm with four significant digits, for people: scans are as large as
 /// a mountain and, with the wrong unit, as small as a grain.
 pub fn mm(length: f64) -> String {
     let digits = if length > 0.0 { 3 - length.log10().floor() as i32 } else { 0 };
     format!("{length:.*} mm", digits.clamp(0, 12) as usize)
-}
-
-impl Conversion {
-    /// How many points, and how much of the face, are beyond the tolerance, and the worst.
-    pub fn beyond(&self) -> String {
-        let (tolerance, place) =
-            (mm(self.tolerance), |[x, y, z]: [f64; 3]| format!("({x:.3}, {y:.3}, {z:.3})"));
-        let mut parts = Vec::new();
-        if self.missed.points > 0 {
-            parts.push(format!(
-                "{} of {} points are farther than {tolerance} from the face; the worst, {}, at {}",
-                self.missed.points,
-                self.fit_deviation.distances.len(),
-                mm(self.missed.worst),
-                place(self.missed.worst_at),
-            ));
-        }
-        let back = &self.face_to_scan;
-        if self.tolerance_named && back.beyond > 0 {
-            parts.push(format!(
-                "the face is farther than {tolerance} and their chord error from {} of {} triangles; the worst, {}, at {}",
-                back.beyond,
-                back.triangles,
-                mm(back.max),
-                place(back.max_at),
-            ));
-        }
-        parts.join(", and ")
-    }
 }
 
 #[cfg(test)]

@@ -4,7 +4,7 @@
 //! within them: it may go anywhere, and no vertex is far from it.
 
 use crate::geometry::Uv;
-use crate::parameterize::Parameterized;
+use crate::mesh::Parameterized;
 use crate::spline::{KnotVector, Surface};
 
 /// How often such sides are halved. Each time holds the surface in more places; along rims,

@@ -25,7 +25,7 @@ mod weights;
 use crate::course::{self, Course};
 use crate::error::{Result, of};
 use crate::geometry::Uv;
-use crate::parameterize::Parameterized;
+use crate::mesh::Parameterized;
 use crate::spline::{KnotVector, Samples, Surface};
 use crate::{fit, knots, rules};
 use search::{Attempt, Search};

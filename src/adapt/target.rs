@@ -12,7 +12,7 @@ use crate::fit::Hold;
 use crate::geometry::{Point, Uv, Vector, VertexId, uv_bounds};
 use crate::knots::Miss;
 use crate::mesh::Bound;
-use crate::parameterize::{Outline, Parameterized};
+use crate::mesh::{Outline, Parameterized};
 use crate::spline::{Samples, Surface, foot_point_moving, for_many_looks, last_step};
 
 /// What is left of an outlier's weight: nothing that a fit would show.

@@ -1,8 +1,8 @@
 //! How much each vertex of a map counts in a fit.
 
 use crate::geometry::{VertexId, unit_normal};
+use crate::mesh::Parameterized;
 use crate::mesh::{EdgeMap, FaceOrigin, Patch};
-use crate::parameterize::Parameterized;
 
 /// Weight of a vertex that was not measured.
 const FILLED: f64 = 0.3;

@@ -58,7 +58,7 @@ mod tests {
     use crate::brep::build;
     use crate::error::Error;
     use crate::geometry::{UvVector, Vector};
-    use crate::spline::{Curve, Fault, KnotVector, Surface, curve_on_surface};
+    use crate::spline::{Curve, KnotVector, LoopFault, Surface, curve_on_surface};
 
     fn plate() -> Surface {
         let k = KnotVector::uniform(3, 6);
@@ -101,12 +101,12 @@ mod tests {
             _ => None,
         };
         let near = triangle(&plate, 0.4, 0.1);
-        assert_eq!(wrong(&[&good, &near]), Some(Fault::CrossesAnother));
-        assert_eq!(wrong(&[&good, &triangle(&plate, 0.29, 0.01)]), Some(Fault::Misplaced));
-        assert_eq!(wrong(&[&triangle(&plate, 0.05, 0.1)]), Some(Fault::Leaves));
-        assert_eq!(wrong(&[&triangle(&plate, 0.3, -0.1)]), Some(Fault::WrongWay));
+        assert_eq!(wrong(&[&good, &near]), Some(LoopFault::CrossesAnother));
+        assert_eq!(wrong(&[&good, &triangle(&plate, 0.29, 0.01)]), Some(LoopFault::Misplaced));
+        assert_eq!(wrong(&[&triangle(&plate, 0.05, 0.1)]), Some(LoopFault::Leaves));
+        assert_eq!(wrong(&[&triangle(&plate, 0.3, -0.1)]), Some(LoopFault::WrongWay));
         let open = (good.0[..2].to_vec(), good.1[..2].to_vec());
-        assert_eq!(wrong(&[&open]), Some(Fault::Open));
+        assert_eq!(wrong(&[&open]), Some(LoopFault::Open));
 
         let pairs = Some(BrepFault::Pairs { face: 0, ring: 1 });
         assert_eq!(fault(&plate, &[&(good.0.clone(), good.1[..2].to_vec())]), pairs);
@@ -115,7 +115,7 @@ mod tests {
         let off = fault(&plate, &[&moved]);
         assert!(matches!(off, Some(BrepFault::Parts(Parts::OffSurface(..)))), "{off:?}");
         let mut longer = good.clone();
-        longer.1[1].knots = KnotVector::clamped(3, &[1.0, 3.0], 1);
+        longer.0[1].knots = KnotVector::clamped(3, &[1.0, 3.0], 1);
         let range = fault(&plate, &[&longer]);
         assert!(matches!(range, Some(BrepFault::Parts(Parts::Range(_)))), "{range:?}");
     }

@@ -3,6 +3,7 @@
 use formats::Brep;
 
 use crate::spline::Surface;
+use crate::words::mm;
 use crate::{Adapted, InputReport, deviation, fill, parameterize, smooth, trim};
 
 /// A converted scan.
@@ -69,6 +70,33 @@ impl Conversion {
         let back = &self.face_to_scan;
         keeps(self.missed.points, self.fit_deviation.distances.len())
             && (!self.tolerance_named || keeps(back.beyond, back.triangles))
+    }
+
+    /// How many points, and how much of the face, are beyond the tolerance, and the worst.
+    pub fn beyond(&self) -> String {
+        let (tolerance, place) =
+            (mm(self.tolerance), |[x, y, z]: [f64; 3]| format!("({x:.3}, {y:.3}, {z:.3})"));
+        let mut parts = Vec::new();
+        if self.missed.points > 0 {
+            parts.push(format!(
+                "{} of {} points are farther than {tolerance} from the face; the worst, {}, at {}",
+                self.missed.points,
+                self.fit_deviation.distances.len(),
+                mm(self.missed.worst),
+                place(self.missed.worst_at),
+            ));
+        }
+        let back = &self.face_to_scan;
+        if self.tolerance_named && back.beyond > 0 {
+            parts.push(format!(
+                "the face is farther than {tolerance} and their chord error from {} of {} triangles; the worst, {}, at {}",
+                back.beyond,
+                back.triangles,
+                mm(back.max),
+                place(back.max_at),
+            ));
+        }
+        parts.join(", and ")
     }
 }
 

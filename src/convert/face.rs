@@ -9,13 +9,12 @@ use rayon::prelude::*;
 
 use super::conversion::{Conversion, Missed};
 use super::stage::{Stage, within};
+use super::{Options, cut, input};
 use crate::adapt::Goal;
 use crate::mesh::Components;
-use crate::parameterize::Parameterized;
+use crate::mesh::Parameterized;
 use crate::spline::Surface;
-use crate::{
-    Options, Result, adapt, brep, cut, deviation, fill, input, parameterize, smooth, spline, trim,
-};
+use crate::{Result, adapt, brep, deviation, fill, parameterize, smooth, spline, trim};
 
 /// Converts one component of a scan to one face.
 pub(super) fn face(

@@ -3,21 +3,27 @@
 //! islands in its holes.
 
 mod conversion;
+pub mod cut;
 mod face;
 mod file;
 mod goal;
 mod hints;
+mod input;
 mod lengths;
+mod options;
 mod stage;
 
 pub use conversion::{Conversion, Missed};
+pub use cut::Cut;
 pub use file::convert_file;
+pub use input::{InputReport, Inspection, Measured, inspect, measured};
+pub use options::{Builder, Options};
 pub use stage::Stage;
 
 use formats::Soup;
 
+use crate::Result;
 use crate::mesh::{self, Components};
-use crate::{Options, Result};
 
 /// Converts one component of a scan. `watch` is shown what each stage made, and how far
 /// long ones have come; an error of its own stops the conversion.

@@ -1,12 +1,11 @@
 //! A disk whose holes are filled, with the memory of what was measured.
 
-use std::fmt;
 use std::ops::Range;
 
 use super::boundary::Loop;
 use super::disk::Island;
 use super::{EdgeMap, Mesh, Topology};
-use crate::geometry::VertexId;
+use crate::geometry::{Bound, VertexId};
 
 /// Where a triangle comes from.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,50 +16,6 @@ pub enum FaceOrigin {
     Hole(u32),
     /// It closes a bay of the outer boundary.
     Bay,
-}
-
-/// A boundary loop of what was measured of a patch.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Bound {
-    /// The outer boundary.
-    Outer,
-    /// The rim of a hole, by its number.
-    Hole(usize),
-    /// The rim of an island, by the number of the hole that it is in and its own.
-    Island {
-        /// The hole.
-        hole: usize,
-        /// The island.
-        number: usize,
-    },
-}
-
-impl Bound {
-    /// The hole, or that of the island.
-    pub fn hole(self) -> Option<usize> {
-        match self {
-            Bound::Outer => None,
-            Bound::Hole(hole) | Bound::Island { hole, .. } => Some(hole),
-        }
-    }
-
-    /// The island.
-    pub fn island(self) -> Option<usize> {
-        match self {
-            Bound::Island { number, .. } => Some(number),
-            _ => None,
-        }
-    }
-}
-
-impl fmt::Display for Bound {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match self {
-            Bound::Outer => write!(f, "the outer boundary"),
-            Bound::Hole(hole) => write!(f, "hole {hole}"),
-            Bound::Island { hole, .. } => write!(f, "an island in hole {hole}"),
-        }
-    }
 }
 
 /// A disk without holes. Its first `measured` vertices are the scan's, in the
@@ -92,6 +47,11 @@ impl Patch {
     /// Whether a vertex was measured.
     pub fn is_measured(&self, v: VertexId) -> bool {
         v.index() < self.measured
+    }
+
+    /// The numbers of the triangles that were measured.
+    pub fn measured_triangles(&self) -> impl Iterator<Item = usize> + '_ {
+        (0..self.origin.len()).filter(|&t| self.origin[t] == FaceOrigin::Measured)
     }
 
     /// The patch as it was before its bays were closed. `None`: none were.

@@ -58,7 +58,7 @@ pub fn crushed(map: &Parameterized, tolerance: f64, max_net: usize) -> Option<Cr
         map.patch.mesh.vertex_normals().into_iter().map(Point::from).collect();
     let patch = &map.patch;
     let is_whole = |t: &usize| patch.mesh.triangles[*t].iter().all(|&v| patch.is_measured(v));
-    let triangles: Vec<usize> = stretch::measured(patch).filter(is_whole).collect();
+    let triangles: Vec<usize> = patch.measured_triangles().filter(is_whole).collect();
     let needs: Vec<[Need; 2]> =
         triangles.par_iter().map(|&t| needs(map, &normals, tolerance, t)).collect();
     let along = |k: usize| spans(needs.iter().map(|need| &need[k]));

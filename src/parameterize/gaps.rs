@@ -76,7 +76,7 @@ impl Parameterized {
 
 /// The normals of the vertices, those of fills left out.
 fn measured_normals(patch: &Patch) -> Vec<Vector> {
-    let triangles = stretch::measured(patch).map(|t| patch.mesh.triangles[t]).collect();
+    let triangles = patch.measured_triangles().map(|t| patch.mesh.triangles[t]).collect();
     Mesh { points: patch.mesh.points.clone(), triangles }.vertex_normals()
 }
 

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use crate::geometry::{Point, Uv, Vector};
-use crate::mesh::{FaceOrigin, Patch};
+use crate::mesh::Patch;
 
 /// Stretch of the map from the parameter plane to the measured triangles,
 /// normalised to 1 for an isometry. The plane is scaled to the rectangle that
@@ -129,11 +129,6 @@ fn least([area, flat, along_u, along_v]: [f64; 4]) -> (f64, f64) {
     (w, (flat / area).sqrt() * squares.sqrt())
 }
 
-/// The measured triangles of a patch.
-pub fn measured(patch: &Patch) -> impl Iterator<Item = usize> + '_ {
-    (0..patch.mesh.triangles.len()).filter(|&t| patch.origin[t] == FaceOrigin::Measured)
-}
-
 /// Measures the stretch.
 pub fn measure(patch: &Patch, uv: &[Uv]) -> Stretch {
     let flattest = FLATTEST / uv.len() as f64;
@@ -141,7 +136,7 @@ pub fn measure(patch: &Patch, uv: &[Uv]) -> Stretch {
         let corners = patch.mesh.triangles[t];
         derivatives(patch.mesh.corners(corners), corners.map(|v| uv[v.index()]), flattest)
     };
-    let measured: Vec<usize> = measured(patch).collect();
+    let measured: Vec<usize> = patch.measured_triangles().collect();
     let all: Vec<Derivatives> = measured.into_par_iter().map(of).collect();
     let sums = together(blocks(&all).map(|block| sums(block.iter().copied())));
     let (w, l2) = least(sums);

@@ -19,12 +19,13 @@ mod samples;
 pub(crate) mod spans;
 mod surface;
 
+pub use crate::error::LoopFault;
 pub use compose::{curve_on_surface, off_surface, pieces_on_surface};
 pub use curve::Curve;
 pub use edges::EdgeTree;
 pub use foot::{foot_point, foot_point_moving, last_step};
 pub use knots::{Basis, KnotVector, runs};
-pub use outline::{Fault, Nest, Outline, Place, crossings, misplaced};
+pub use outline::{Nest, Outline, Place, crossings, misplaced};
 pub(crate) use polynomials::for_many_looks;
 pub(crate) use refine::refined;
 pub use samples::Samples;

@@ -8,8 +8,8 @@
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
-use super::Curve;
 use super::piece::{Piece, run_on};
+use super::{Curve, LoopFault};
 use crate::geometry::{Uv, uv_bounds};
 
 /// How far, in (u, v), two loops must be apart, and a loop from itself:
@@ -23,34 +23,8 @@ const MARGIN: f64 = 1e-7;
 /// Pieces shorter than this share of a loop's parameters are not cut again.
 const SHORTEST: f64 = 1e-7;
 
-/// What can be wrong with one loop.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum Fault {
-    /// It is not made of cubic arcs, each beginning where the last one ends.
-    #[error("is not closed")]
-    Open,
-    /// It turns back on itself.
-    #[error("has a cusp")]
-    Cusp,
-    /// It comes too near the edge of the domain, or runs beyond.
-    #[error("leaves the patch")]
-    Leaves,
-    /// It crosses or touches itself.
-    #[error("crosses itself")]
-    CrossesItself,
-    /// It crosses or touches another one.
-    #[error("runs into another one")]
-    CrossesAnother,
-    /// It runs clockwise where it must not, or the other way round.
-    #[error("runs the wrong way round")]
-    WrongWay,
-    /// It lies in a loop in which it must not, or beside one in which it must.
-    #[error("is not in its place among the others")]
-    Misplaced,
-}
-
 /// A fault of a loop and, if it is at one place, the parameter.
-pub type Place = (Fault, Option<f64>);
+pub type Place = (LoopFault, Option<f64>);
 
 /// A loop that is proved to be closed, without cusps, and within [0, 1]².
 #[derive(Debug, Clone)]
@@ -63,16 +37,16 @@ pub struct Outline {
 impl Outline {
     /// The outline of arcs, each beginning where the one before ends.
     pub fn new(arcs: &[Curve<2>]) -> Result<Self, Place> {
-        let pieces = Piece::all(arcs).ok_or((Fault::Open, None))?;
+        let pieces = Piece::all(arcs).ok_or((LoopFault::Open, None))?;
         let closed = |(i, p): (usize, &Piece)| {
             (p.end() - pieces[(i + 1) % pieces.len()].start()).amax() <= 1e-12
         };
         if !pieces.iter().enumerate().all(closed) {
-            return Err((Fault::Open, None));
+            return Err((LoopFault::Open, None));
         }
         let pieces = simple(pieces)?;
         if let Some(p) = pieces.iter().find(|p| !p.is_within(MARGIN, 1.0 - MARGIN, SHORTEST)) {
-            return Err((Fault::Leaves, Some(p.middle())));
+            return Err((LoopFault::Leaves, Some(p.middle())));
         }
         let corners: Vec<Uv> = pieces.iter().flat_map(|p| p.points).collect();
         let [low, high] = uv_bounds(&corners);
@@ -103,7 +77,7 @@ fn simple(pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
         if fine && joined {
             done.push(piece);
         } else if piece.length() < SHORTEST {
-            return Err((Fault::Cusp, Some(piece.middle())));
+            return Err((LoopFault::Cusp, Some(piece.middle())));
         } else {
             todo.extend(piece.split().into_iter().rev());
             // Both sides of a sharp corner have to be cut.
@@ -118,9 +92,9 @@ fn simple(pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
 /// The same for the last piece and the first.
 fn close(mut pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
     while pieces.len() < 2 || !run_on(&pieces[pieces.len() - 1], &pieces[0]) {
-        let Some(last) = pieces.pop() else { return Err((Fault::Open, None)) };
+        let Some(last) = pieces.pop() else { return Err((LoopFault::Open, None)) };
         if last.length() < SHORTEST {
-            return Err((Fault::Cusp, Some(last.middle())));
+            return Err((LoopFault::Cusp, Some(last.middle())));
         }
         pieces.extend(last.split());
         let first = pieces.remove(0).split();
@@ -146,14 +120,14 @@ pub fn misplaced(outlines: &[&Outline], nests: &[Nest]) -> Vec<(usize, Place)> {
     for (i, (outline, nest)) in outlines.iter().zip(nests).enumerate() {
         let area = outline.area();
         if area == 0.0 || (area < 0.0) != nest.clockwise {
-            found.push((i, (Fault::WrongWay, None)));
+            found.push((i, (LoopFault::WrongWay, None)));
         }
         let start = outline.pieces[0].start();
         let wrong = |(j, other): (usize, &&Outline)| {
             j != i && other.holds(start) != nest.around.contains(&j)
         };
         if outlines.iter().enumerate().any(wrong) {
-            found.push((i, (Fault::Misplaced, None)));
+            found.push((i, (LoopFault::Misplaced, None)));
         }
     }
     found
@@ -185,7 +159,7 @@ pub fn crossings(outlines: &[&Outline]) -> Vec<(usize, Place)> {
                 continue;
             }
             let same = a.ring == b.ring;
-            let fault = if same { Fault::CrossesItself } else { Fault::CrossesAnother };
+            let fault = if same { LoopFault::CrossesItself } else { LoopFault::CrossesAnother };
             found.extend([a, b].map(|e| (e.ring, (fault, Some(e.piece.middle())))));
         }
     }
@@ -268,13 +242,13 @@ mod tests {
     fn loops_that_cross_themselves_or_the_edge_are_found() {
         let eight = ring(&[(0.2, 0.2), (0.8, 0.8), (0.8, 0.2), (0.2, 0.8)]);
         let eight = Outline::new(&eight).unwrap();
-        assert_eq!(crossings(&[&eight])[0].1.0, Fault::CrossesItself);
+        assert_eq!(crossings(&[&eight])[0].1.0, LoopFault::CrossesItself);
         let spike = ring(&[(0.2, 0.2), (0.8, 0.2), (0.5, 0.2)]);
-        assert_eq!(Outline::new(&spike).unwrap_err().0, Fault::Cusp);
+        assert_eq!(Outline::new(&spike).unwrap_err().0, LoopFault::Cusp);
         let beyond = ring(&[(0.2, 0.2), (0.2, 1.0), (0.8, 0.2)]);
-        assert_eq!(Outline::new(&beyond).unwrap_err().0, Fault::Leaves);
+        assert_eq!(Outline::new(&beyond).unwrap_err().0, LoopFault::Leaves);
         let open = &ring(&[(0.2, 0.2), (0.2, 0.9), (0.8, 0.2)])[..2];
-        assert_eq!(Outline::new(open).unwrap_err().0, Fault::Open);
+        assert_eq!(Outline::new(open).unwrap_err().0, LoopFault::Open);
     }
 
     #[test]

@@ -19,7 +19,7 @@ impl Brep {
     ///
     /// It is exact but for rounding if the faces are polynomials of degree 5 at the most
     /// and end at lines of constant u or v. Otherwise the rule has eight places in each span
-    /// of each pcurve.
+    /// of each pcurve, and 32 in a rational one.
     pub fn volume(&self, shell: ShellId) -> f64 {
         let [low, high] = self.bounds(shell);
         // Seen from within the shell, as a place far off would cost digits.
@@ -80,12 +80,30 @@ fn pieces(surface: &SplineSurface, pcurve: &PCurve) -> Vec<f64> {
         }
         breaks.sort_by(f64::total_cmp);
     }
-    breaks
+    divided(breaks, surface.weights().is_some() || pcurve.weights().is_some())
+}
+
+/// A rational span is taken in so many parts. Half a torus, in one span, is 5e-5 off in one
+/// part, and 1e-9 in four.
+const PARTS: usize = 4;
+
+/// The ends of spans, and of their parts where they are rational.
+fn divided(breaks: Vec<f64>, rational: bool) -> Vec<f64> {
+    if !rational {
+        return breaks;
+    }
+    let last = breaks.last().copied();
+    let spans = breaks.windows(2);
+    let part = |span: &[f64], k: usize| span[0] + (span[1] - span[0]) * k as f64 / PARTS as f64;
+    spans
+        .flat_map(|span| (0..PARTS).map(|k| part(span, k)).collect::<Vec<_>>())
+        .chain(last)
+        .collect()
 }
 
 /// The integral along v, from the surface's first v to `end`.
 fn column(surface: &SplineSurface, origin: [f64; 3], [u, end]: [f64; 2]) -> f64 {
-    let breaks = surface.v().breaks();
+    let breaks = divided(surface.v().breaks(), surface.weights().is_some());
     let spans = breaks.windows(2).take_while(|span| span[0] < end);
     let span = |span: &[f64]| {
         gauss(span[0], span[1].min(end), |v| {

@@ -3,7 +3,7 @@
 use formats::LengthUnit;
 
 use super::Options;
-use crate::cut::Cut;
+use crate::convert::Cut;
 use crate::error::Result;
 use crate::geometry::Point;
 use crate::{fit, mesh, parameterize, smooth};

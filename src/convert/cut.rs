@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::brep::{Arcs, Bounds};
 use crate::mesh::{Bound, Patch};
-use crate::parameterize::{Outline, Parameterized};
+use crate::mesh::{Outline, Parameterized};
 use crate::trim::{Rim, TrimLoop};
 
 /// Which of the scan's holes are cut out of the face.

@@ -6,8 +6,8 @@ pub use builder::Builder;
 
 use formats::{LengthUnit, Soup};
 
+use super::Cut;
 use crate::adapt::KnotOptions;
-use crate::cut::Cut;
 use crate::error::{Result, of};
 use crate::geometry::{Point, in_lengths, length};
 use crate::{adapt, fill, fit, mesh, parameterize, rules, smooth, trim};

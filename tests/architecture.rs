@@ -1,0 +1,149 @@
+//! The drawing of dependencies in `docs/architecture.md` against what the rooms import.
+
+mod common;
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use common::root;
+
+/// What each room uses.
+type Arrows = BTreeMap<String, BTreeSet<String>>;
+
+/// The second drawing of the document: arrows between groups of rooms.
+fn drawn() -> Arrows {
+    let text = fs::read_to_string(root().join("docs/architecture.md")).expect("the document");
+    let drawing = text.split("```mermaid").nth(2).expect("a second drawing");
+    let drawing = drawing.split("```").next().unwrap_or_default();
+    let mut arrows = Arrows::new();
+    for line in drawing.lines().filter(|line| line.contains("-->")) {
+        let sides: Vec<Vec<String>> = line.split("-->").map(rooms).collect();
+        for (from, to) in sides[0].iter().flat_map(|a| sides[1].iter().map(move |b| (a, b))) {
+            arrows.entry(from.clone()).or_default().insert(to.clone());
+        }
+    }
+    arrows
+}
+
+/// The rooms on one side of an arrow, without what is written in their boxes.
+fn rooms(side: &str) -> Vec<String> {
+    let name = |room: &str| room.split('[').next().unwrap_or_default().trim().to_owned();
+    side.split(" & ").map(name).collect()
+}
+
+/// What the rooms of `src` import, their tests left out.
+fn imported() -> Arrows {
+    let source = root().join("src");
+    let library = fs::read_to_string(source.join("lib.rs")).expect("the library");
+    let mut arrows = Arrows::new();
+    for file in files(&source) {
+        let place = file.strip_prefix(&source).expect("below src").to_string_lossy().into_owned();
+        let room = place.split('/').next().unwrap_or_default().trim_end_matches(".rs").to_owned();
+        // The program stands outside of the library.
+        if matches!(room.as_str(), "main" | "cli" | "lib") || place.ends_with("tests.rs") {
+            continue;
+        }
+        let text = fs::read_to_string(&file).expect("a source file");
+        let text = text.split("#[cfg(test)]").next().unwrap_or_default();
+        let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
+        let code = code.collect::<Vec<_>>().join("\n");
+        let used = arrows.entry(room.clone()).or_default();
+        used.extend(uses(&code).into_iter().map(|name| exported_by(&library, &name)));
+        if code.contains("formats::") {
+            used.insert("formats".into());
+        }
+        used.remove(&room);
+    }
+    arrows
+}
+
+fn files(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("it").path());
+    let each = entries.map(|path| if path.is_dir() { files(&path) } else { vec![path] });
+    each.flatten().filter(|path| path.extension().is_some_and(|end| end == "rs")).collect()
+}
+
+/// What follows `crate::`: one name, or the first ones in braces.
+fn uses(code: &str) -> BTreeSet<String> {
+    let mut names = BTreeSet::new();
+    for rest in code.split("crate::").skip(1) {
+        let Some(list) = rest.strip_prefix('{') else {
+            names.insert(word(rest));
+            continue;
+        };
+        let (mut depth, mut from) = (0, 0);
+        for (at, c) in list.char_indices() {
+            match c {
+                '{' => depth += 1,
+                '}' if depth == 0 => {
+                    names.insert(word(&list[from..at]));
+                    break;
+                }
+                '}' => depth -= 1,
+                ',' if depth == 0 => {
+                    names.insert(word(&list[from..at]));
+                    from = at + 1;
+                }
+                _ => {}
+            }
+        }
+    }
+    names.remove("");
+    names
+}
+
+fn word(text: &str) -> String {
+    text.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
+}
+
+/// The room that a name of the library's root comes from.
+fn exported_by(library: &str, name: &str) -> String {
+    let exports = library.split("pub use ").skip(1).filter_map(|rest| rest.split(';').next());
+    let of_name = |line: &&str| {
+        line.contains("::")
+            && line.split(|c: char| !c.is_alphanumeric() && c != '_').any(|w| w == name)
+    };
+    let mut exports = exports.filter(of_name);
+    exports.next().map_or(name.to_owned(), word)
+}
+
+/// All rooms that a room leads to.
+fn reached(arrows: &Arrows, from: &str) -> BTreeSet<String> {
+    let mut found = BTreeSet::new();
+    let mut left = vec![from.to_owned()];
+    while let Some(room) = left.pop() {
+        for to in arrows.get(&room).into_iter().flatten() {
+            if found.insert(to.clone()) {
+                left.push(to.clone());
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn the_drawing_has_every_import_and_no_other() {
+    let (drawn, imported) = (drawn(), imported());
+    assert!(imported.len() > 15, "{imported:?}");
+    for (room, uses) in &imported {
+        let shown = reached(&drawn, room);
+        for other in uses {
+            assert!(shown.contains(other), "{room} uses {other}, which the drawing does not show");
+        }
+    }
+    for (room, to) in drawn.iter().filter(|(room, _)| *room != "cli") {
+        for other in to {
+            let used = imported.get(room).is_some_and(|uses| uses.contains(other));
+            assert!(used, "the drawing has an arrow from {room} to {other}, which is not used");
+        }
+    }
+}
+
+#[test]
+fn no_arrow_runs_back_up() {
+    let imported = imported();
+    for room in imported.keys() {
+        assert!(!reached(&imported, room).contains(room), "{room} uses itself by way of others");
+    }
+}
