@@ -93,7 +93,7 @@ pub mod adapt;
 pub mod brep;
 pub mod check;
 mod cholesky;
-pub mod convert;
+mod convert;
 mod course;
 pub mod deviation;
 pub mod error;

@@ -1,5 +1,5 @@
 //! The ways from a scan to CAD: each calls stages in its order, and is a file of its own. So
-//! far there is one, [`face`]: a component of a scan becomes one face, with others for the
+//! far there is one, `face.rs`: a component of a scan becomes one face, with others for the
 //! islands in its holes.
 
 mod conversion;

@@ -104,10 +104,10 @@ pub struct Report {
 /// Maps a patch to the unit square.
 ///
 /// # Errors
-/// [`Error::Corners`], [`Error::TooSmall`]:
+/// [`Error::Corners`](crate::Error::Corners), [`Error::TooSmall`](crate::Error::TooSmall):
 /// the outer boundary cannot be four sides with these corners.
-/// [`Error::Folded`]: triangles stay inverted.
-/// [`Error::Option`]: a corner that is no point.
+/// [`Error::Folded`](crate::Error::Folded): triangles stay inverted.
+/// [`Error::Option`](crate::Error::Option): a corner that is no point.
 pub fn parameterize(patch: Patch, options: &Options) -> Result<(Parameterized, Report)> {
     parameterize_with(patch, options, &mut course::untold)
 }
