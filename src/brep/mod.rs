@@ -5,7 +5,7 @@
 mod check;
 
 use formats::Brep;
-use formats::brep::{self, EdgeUse, Face, FaceId, Shell, SurfaceId, VertexId};
+use formats::brep::{self, EdgeUse, Face, Shell, SurfaceId, VertexId};
 use formats::spline::{SplineCurve, SplineKnots, SplineSurface};
 use nalgebra::{SVector, Vector2};
 
@@ -53,10 +53,9 @@ fn forwards((pcurves, edges): Arcs) -> Vec<Directed> {
 }
 
 /// Adds a face that is a shell of its own: faces on one surface share no edges.
-fn add_sheet(brep: &mut Brep, surface: SurfaceId, loops: Vec<Vec<EdgeUse>>) -> FaceId {
+fn add_sheet(brep: &mut Brep, surface: SurfaceId, loops: Vec<Vec<EdgeUse>>) {
     let face = brep.add_face(Face { surface, forward: true, loops });
     brep.add_shell(Shell { faces: vec![face], closed: false });
-    face
 }
 
 /// Adds the edges of a closed loop; neighbouring edges share their vertex.

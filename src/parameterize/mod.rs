@@ -125,7 +125,7 @@ pub fn parameterize_with(
     if !options.may_be_free() {
         return outline::map(patch, options, course);
     }
-    let (patch, bays) = bays::close(&patch, None);
+    let (patch, bays) = bays::close(patch.without_bays().unwrap_or(patch), None);
     let share = |round: u32| f64::from(round) / f64::from(AGAIN + 1);
     let (mut map, mut report) =
         outline::map(patch, options, &mut course::part(course, share(0), share(1)))?;
@@ -135,7 +135,8 @@ pub fn parameterize_with(
         if map.outline != Outline::Free || report.split_edges > 0 {
             break;
         }
-        let (patch, bays) = bays::close(&map.patch, Some(&map.uv));
+        let open = map.patch.without_bays().unwrap_or_else(|| map.patch.clone());
+        let (patch, bays) = bays::close(open, Some(&map.uv));
         if patch.outer == map.patch.outer && patch.mesh.triangles == map.patch.mesh.triangles {
             break;
         }

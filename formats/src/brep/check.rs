@@ -290,15 +290,15 @@ impl Brep {
 
 /// Faces in groups that hang together: each leads to a former one of its group, and the
 /// first one to itself.
-pub(super) struct Pieces(Vec<usize>);
+struct Pieces(Vec<usize>);
 
 impl Pieces {
-    pub(super) fn new(faces: usize) -> Self {
+    fn new(faces: usize) -> Self {
         Pieces((0..faces).collect())
     }
 
     /// The first face of a face's group. What was passed leads on more directly then.
-    pub(super) fn head(&mut self, mut face: usize) -> usize {
+    fn head(&mut self, mut face: usize) -> usize {
         while self.0[face] != face {
             self.0[face] = self.0[self.0[face]];
             face = self.0[face];
@@ -306,7 +306,7 @@ impl Pieces {
         face
     }
 
-    pub(super) fn join(&mut self, a: usize, b: usize) {
+    fn join(&mut self, a: usize, b: usize) {
         let (a, b) = (self.head(a), self.head(b));
         self.0[a.max(b)] = a.min(b);
     }

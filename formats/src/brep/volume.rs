@@ -33,7 +33,7 @@ impl Brep {
         self.shells[shell.0].faces.iter().map(of_face).sum()
     }
 
-    /// The box around the vertices and the poles of the edges of a shell.
+    /// The box around the poles of the edges of a shell.
     pub(super) fn bounds(&self, shell: ShellId) -> [[f64; 3]; 2] {
         let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
         let faces = self.shells[shell.0].faces.iter().map(|id| &self.faces[id.0]);

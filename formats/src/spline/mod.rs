@@ -149,34 +149,29 @@ impl<const D: usize> SplineCurve<D> {
 
     /// The point at `t`, which is moved into the range if it is outside.
     pub fn point(&self, t: f64) -> [f64; D] {
-        let basis = Basis::new(&self.knots, t);
-        let (mut sum, mut weights) = ([0.0; D], 0.0);
-        for j in 0..=self.knots.degree {
-            let i = basis.first + j;
-            let weight = basis.derivative[0][j] * self.weights.as_ref().map_or(1.0, |w| w[i]);
-            sum.iter_mut().zip(self.poles[i]).for_each(|(s, x)| *s += x * weight);
-            weights += weight;
-        }
+        let (sum, weights) = self.sum(&Basis::new(&self.knots, t), 0);
         sum.map(|x| x / weights)
     }
 
     /// The derivative at `t`, which is moved into the range if it is outside.
     pub fn speed(&self, t: f64) -> [f64; D] {
         let basis = Basis::new(&self.knots, t);
-        let (mut sums, mut weights) = ([[0.0; D]; 2], [0.0; 2]);
+        let [(sum, weights), (mut speed, change)] = [0, 1].map(|k| self.sum(&basis, k));
+        speed.iter_mut().zip(sum).for_each(|(s, x)| *s = (*s - change * x / weights) / weights);
+        speed
+    }
+
+    /// The sum of the poles by weight and by the `k`-th derivative of their functions, and that
+    /// of the weights.
+    fn sum(&self, basis: &Basis, k: usize) -> ([f64; D], f64) {
+        let (mut sum, mut weights) = ([0.0; D], 0.0);
         for j in 0..=self.knots.degree {
             let i = basis.first + j;
-            for k in 0..2 {
-                let weight = basis.derivative[k][j] * self.weights.as_ref().map_or(1.0, |w| w[i]);
-                sums[k].iter_mut().zip(self.poles[i]).for_each(|(s, x)| *s += x * weight);
-                weights[k] += weight;
-            }
+            let weight = basis.derivative[k][j] * self.weights.as_ref().map_or(1.0, |w| w[i]);
+            sum.iter_mut().zip(self.poles[i]).for_each(|(s, x)| *s += x * weight);
+            weights += weight;
         }
-        let mut speed = [0.0; D];
-        for k in 0..D {
-            speed[k] = (sums[1][k] - weights[1] * sums[0][k] / weights[0]) / weights[0];
-        }
-        speed
+        (sum, weights)
     }
 
     /// The point at the start of the range and that at its end.
@@ -247,43 +242,35 @@ impl SplineSurface {
 
     /// The point at (u, v), which is moved into the ranges if it is outside.
     pub fn point(&self, u: f64, v: f64) -> [f64; 3] {
-        let [bu, bv] = [Basis::new(&self.u, u), Basis::new(&self.v, v)];
-        let (mut sum, mut weights) = ([0.0; 3], 0.0);
-        for i in 0..=self.u.degree {
-            for j in 0..=self.v.degree {
-                let at = (bu.first + i) * self.v.poles() + bv.first + j;
-                let weight = self.weights.as_ref().map_or(1.0, |w| w[at]);
-                let share = weight * bu.derivative[0][i] * bv.derivative[0][j];
-                sum.iter_mut().zip(self.poles[at]).for_each(|(s, x)| *s += x * share);
-                weights += share;
-            }
-        }
+        let (sum, weights) = self.sum([&Basis::new(&self.u, u), &Basis::new(&self.v, v)], [0, 0]);
         sum.map(|x| x / weights)
     }
 
     /// The point at (u, v), and the derivatives in u and in v.
     pub fn tangents(&self, u: f64, v: f64) -> [[f64; 3]; 3] {
-        let [bu, bv] = [Basis::new(&self.u, u), Basis::new(&self.v, v)];
-        let along_v = self.v.poles();
-        // The weighted sums of poles (x, y, z) and of weights (w): the value, and the
-        // derivatives in u and v.
-        let mut sums = [[0.0; 4]; 3];
+        let (of_u, of_v) = (Basis::new(&self.u, u), Basis::new(&self.v, v));
+        let sum = |derivative| self.sum([&of_u, &of_v], derivative);
+        let (sums, weights) = sum([0, 0]);
+        let point = sums.map(|x| x / weights);
+        let derivative =
+            |(d, change): ([f64; 3], f64)| [0, 1, 2].map(|k| (d[k] - change * point[k]) / weights);
+        [point, derivative(sum([1, 0])), derivative(sum([0, 1]))]
+    }
+
+    /// The sum of the poles by weight and by derivatives of their functions in u and in v, and
+    /// that of the weights.
+    fn sum(&self, [of_u, of_v]: [&Basis; 2], [du, dv]: [usize; 2]) -> ([f64; 3], f64) {
+        let (mut sum, mut weights) = ([0.0; 3], 0.0);
         for i in 0..=self.u.degree {
             for j in 0..=self.v.degree {
-                let at = (bu.first + i) * along_v + bv.first + j;
-                let [x, y, z] = self.poles[at];
+                let at = (of_u.first + i) * self.v.poles() + of_v.first + j;
                 let weight = self.weights.as_ref().map_or(1.0, |w| w[at]);
-                for (sum, (du, dv)) in sums.iter_mut().zip([(0, 0), (1, 0), (0, 1)]) {
-                    let share = weight * bu.derivative[du][i] * bv.derivative[dv][j];
-                    let parts = [x * share, y * share, z * share, share];
-                    sum.iter_mut().zip(parts).for_each(|(s, part)| *s += part);
-                }
+                let share = weight * of_u.derivative[du][i] * of_v.derivative[dv][j];
+                sum.iter_mut().zip(self.poles[at]).for_each(|(s, x)| *s += x * share);
+                weights += share;
             }
         }
-        let [value, along_u, along_v] = sums;
-        let point = [0, 1, 2].map(|k| value[k] / value[3]);
-        let derivative = |d: [f64; 4]| [0, 1, 2].map(|k| (d[k] - d[3] * point[k]) / value[3]);
-        [point, derivative(along_u), derivative(along_v)]
+        (sum, weights)
     }
 
     /// The surface with each pole taken through `map`, which must be affine.
@@ -327,6 +314,12 @@ mod tests {
         let knots = reversed.knots().knots();
         assert_eq!((knots[..2].to_vec(), knots[4..].to_vec()), (vec![0.1; 2], vec![0.7; 2]));
         assert!((knots[3] - 0.5).abs() < 1e-15 && knots[2] < knots[3]);
+    }
+
+    #[test]
+    fn a_pole_that_is_no_number_is_refused() {
+        let curve = SplineCurve::new(1, vec![0.0, 0.0, 1.0, 1.0], vec![[f64::NAN], [0.0]], None);
+        assert_eq!(curve.unwrap_err(), "a pole that is not finite");
     }
 
     /// A quarter of a circle of radius 2, exact as a rational curve.

@@ -11,6 +11,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use formats::Brep;
+use formats::brep::{Curve, Surface};
 use formats::iges::{self as iges_format, Form};
 use formats::step::{self as step_format, Schema};
 
@@ -26,6 +27,23 @@ fn iges_file(brep: &Brep, form: Form) -> String {
     let mut out = Vec::new();
     iges_format::write(brep, &options, &mut out).unwrap();
     String::from_utf8(out).unwrap()
+}
+
+/// The model keeps its promise: else the tests below would test nothing.
+#[test]
+fn edges_lie_on_the_surface() {
+    let brep = model::two_faces("");
+    for face in &brep.faces {
+        let Surface::Spline(surface) = &brep.surfaces[face.surface.0] else { panic!() };
+        for of_loop in face.loops.iter().flatten() {
+            let Curve::Spline(curve) = &brep.edges[of_loop.edge.0].curve else { panic!() };
+            for t in (0..=20).map(|i| f64::from(i) / 20.0) {
+                let [u, v] = of_loop.pcurve.point(t);
+                let (p, q) = (curve.point(t), surface.point(u, v));
+                assert!((p[0] - q[0]).hypot(p[1] - q[1]).hypot(p[2] - q[2]) < 1e-10);
+            }
+        }
+    }
 }
 
 /// Writes every kind of file into the directory `SCAN2STEP_WRITE_TO`, where

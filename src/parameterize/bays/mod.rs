@@ -51,9 +51,8 @@ pub struct Bays {
 /// Closes the bays of a patch's outer boundary: those that a map of it shows, a place in the
 /// plane for every vertex, or, without one, those that the surface's angles along the boundary
 /// do. What these say of bays that are deep, or between strongly curved banks, a map knows
-/// better. Bays that were closed before are opened first.
-pub fn close(patch: &Patch, map: Option<&[Uv]>) -> (Patch, Bays) {
-    let mut patch = patch.without_bays().unwrap_or_else(|| patch.clone());
+/// better. None must be closed yet.
+pub fn close(mut patch: Patch, map: Option<&[Uv]>) -> (Patch, Bays) {
     let rings = Rings::new(&patch.mesh);
     let closing = closing(Adjacency { mesh: &patch.mesh, rings: &rings }, &patch.outer, map);
     let count = closing.as_ref().map_or(0, |closing| closing.count);
