@@ -120,6 +120,6 @@ fn binary_part(format: Format, head: &[u8]) -> Option<&[u8]> {
         }
         Format::Stl => head.get(84..).filter(|_| head.contains(&0)),
         Format::Glb => after(b"BIN\0"),
-        Format::Obj | Format::Gltf => None,
+        Format::Obj | Format::Gltf | Format::Off => None,
     }
 }

@@ -18,7 +18,9 @@ pub mod iges;
 mod limits;
 mod number;
 mod obj;
+mod off;
 mod ply;
+pub mod points;
 pub mod read;
 pub mod soup;
 mod source;
@@ -31,6 +33,7 @@ mod unzip;
 
 pub use brep::Brep;
 pub use error::{Error, Place, Result};
+pub use points::{Content, PointFormat, Points, read_content, read_points, read_points_from};
 pub use read::{Format, read_scan, read_scan_from};
 pub use soup::{LengthUnit, Soup};
 

@@ -4,7 +4,7 @@ use std::io::Read;
 use std::path::Path;
 
 use crate::source::Source;
-use crate::{Error, Result, Soup, damage, gltf, obj, ply, stl};
+use crate::{Error, Result, Soup, damage, gltf, obj, off, ply, stl};
 
 /// A mesh format that [`read_scan`] reads, plain or gzipped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -20,6 +20,8 @@ pub enum Format {
     Glb,
     /// Stereolithography, ascii or binary.
     Stl,
+    /// Object File Format of Geomview, as text.
+    Off,
 }
 
 impl Format {
@@ -43,6 +45,7 @@ impl Format {
             "gltf" => Some(Format::Gltf),
             "glb" => Some(Format::Glb),
             "stl" => Some(Format::Stl),
+            "off" => Some(Format::Off),
             _ => None,
         }
     }
@@ -93,15 +96,7 @@ pub fn read_scan_from(
 
 fn read(source: Source) -> Result<Soup> {
     let path = source.path.clone();
-    let head = source.head.clone();
-    let format = recognise(&source)?;
-    let soup = match format {
-        Format::Ply => ply::read(source),
-        Format::Obj => obj::read(source),
-        Format::Gltf | Format::Glb => gltf::read(source),
-        Format::Stl => stl::read(source),
-    };
-    let soup = soup.map_err(|e| damage::explain(e, format, &head))?;
+    let soup = read_unchecked(source)?;
     if !soup.polygons.is_empty() {
         return Ok(soup);
     }
@@ -112,7 +107,22 @@ fn read(source: Source) -> Result<Soup> {
     Err(Error::new(path, "has points but no faces", MESH_FIRST))
 }
 
-const READABLE: &str = "Convert it to PLY, OBJ, glTF (GLB) or STL, for example with MeshLab.";
+/// Reads a mesh that may have no faces.
+pub(crate) fn read_unchecked(source: Source) -> Result<Soup> {
+    let head = source.head.clone();
+    let format = recognise(&source)?;
+    let soup = match format {
+        Format::Ply => ply::read(source),
+        Format::Obj => obj::read(source),
+        Format::Gltf | Format::Glb => gltf::read(source),
+        Format::Stl => stl::read(source),
+        Format::Off => off::read(source),
+    };
+    soup.map_err(|e| damage::explain(e, format, &head))
+}
+
+pub(crate) const READABLE: &str =
+    "Convert it to PLY, OBJ, glTF (GLB), STL or OFF, for example with MeshLab.";
 const MESH_FIRST: &str = "Mesh the points first, for example in MeshLab (ball pivoting or screened \
                           Poisson), and save them with faces as PLY, OBJ, glTF (GLB) or STL.";
 const UTF_8: &str = "Save it as plain text (ASCII or UTF-8), or export it as binary PLY.";
@@ -136,7 +146,7 @@ fn recognise(source: &Source) -> Result<Format> {
     Format::by_extension(&source.path).ok_or_else(unknown)
 }
 
-fn by_content(source: &Source) -> Option<Format> {
+pub(crate) fn by_content(source: &Source) -> Option<Format> {
     let head = source.head.as_slice();
     // First, for it may begin with any word.
     if stl::is_binary(head, source.len) || stl::is_ascii(head) {
@@ -149,26 +159,28 @@ fn by_content(source: &Source) -> Option<Format> {
     if ply::is_ply(text) {
         return Some(Format::Ply);
     }
+    if off::is_off(text) {
+        return Some(Format::Off);
+    }
     let begins = text.iter().find(|b| !b.is_ascii_whitespace());
     // In UTF-16 a NUL comes next.
     (begins == Some(&b'{') && !text.contains(&0)).then_some(Format::Gltf)
 }
 
 /// `head` without the byte order mark that editors put before text.
-fn after_mark(head: &[u8]) -> &[u8] {
+pub(crate) fn after_mark(head: &[u8]) -> &[u8] {
     head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head)
 }
 
 /// What the file is, if it is something that is often mistaken for a mesh, and
 /// what to do about it.
-fn foreign(head: &[u8]) -> Option<(&'static str, &'static str)> {
-    let known: [(&[u8], &str); 8] = [
+pub(crate) fn foreign(head: &[u8]) -> Option<(&'static str, &'static str)> {
+    let known: [(&[u8], &str); 7] = [
         (b"PK\x03\x04", "a ZIP archive (perhaps 3MF)"),
         (b"\x1f\x8b", "gzipped twice"),
         (b"BZh", "packed with bzip2"),
         (b"\xfd7zXZ", "packed with xz"),
         (b"\x28\xb5\x2f\xfd", "packed with zstd"),
-        (b"OFF", "an OFF mesh"),
         (b"Kaydara FBX", "an FBX scene"),
         (b"ISO-10303-21", "a STEP file, not a scan"),
     ];

@@ -14,6 +14,15 @@ const MAX_LINE: usize = 1 << 16;
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
+    /// The numbers of `obj_info` lines such as `num_cols 512`.
+    infos: Vec<(String, u64)>,
+}
+
+impl Header {
+    /// The number of the `obj_info` line called `name`.
+    pub(super) fn info(&self, name: &str) -> Option<u64> {
+        self.infos.iter().find(|(n, _)| n == name).map(|&(_, number)| number)
+    }
 }
 
 /// An announced element: a table with named columns.
@@ -82,13 +91,15 @@ fn bytes(scalar: &ScalarType) -> u64 {
 pub(super) fn read(source: &mut Source) -> Result<Header> {
     let mut encoding = None;
     let mut elements = Vec::new();
+    let mut infos = Vec::new();
     let mut line = Vec::new();
     while next_line(source, &mut line)? {
         // Only comments may hold other text than ASCII, and they are skipped.
         let text = String::from_utf8_lossy(&line);
         let mut words = text.split_ascii_whitespace();
         match words.next() {
-            None | Some("comment" | "obj_info") => {}
+            None | Some("comment") => {}
+            Some("obj_info") => infos.extend(info(words)),
             Some("ply") if source.line == 1 => {}
             Some("format") if encoding.is_none() => {
                 encoding = Some(format(source, words.next())?);
@@ -97,7 +108,7 @@ pub(super) fn read(source: &mut Source) -> Result<Header> {
             Some("property") => property(source, words, elements.last_mut())?,
             Some("end_header") => {
                 let encoding = encoding.ok_or_else(|| bad(source, "no format line"))?;
-                return Ok(Header { encoding, elements });
+                return Ok(Header { encoding, elements, infos });
             }
             Some(_) => {
                 let what = format!("the unknown header line \u{201c}{}\u{201d}", excerpt(&line));
@@ -106,6 +117,11 @@ pub(super) fn read(source: &mut Source) -> Result<Header> {
         }
     }
     Err(bad(source, "no end_header line"))
+}
+
+fn info<'a>(mut words: impl Iterator<Item = &'a str>) -> Option<(String, u64)> {
+    let name = words.next()?.to_owned();
+    Some((name, words.next()?.parse().ok()?))
 }
 
 fn next_line(source: &mut Source, line: &mut Vec<u8>) -> Result<bool> {

@@ -6,6 +6,7 @@
 
 mod ascii;
 mod header;
+mod points;
 mod rows;
 
 use std::io::{self, Read};
@@ -17,6 +18,7 @@ use self::ascii::AsciiRows;
 use self::header::{Element, Header};
 use self::rows::{CHANNELS, Corners, Ignored, Position};
 use crate::limits::check_room;
+use crate::points::Content;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::{Error, Place, Result, Soup};
 
@@ -28,9 +30,27 @@ pub(crate) fn is_ply(head: &[u8]) -> bool {
     end.is_some_and(|end| rest[..end].trim_ascii().is_empty())
 }
 
-pub(crate) fn read(mut source: Source) -> Result<Soup> {
+pub(crate) fn read(source: Source) -> Result<Soup> {
+    let (header, body) = open(source)?;
+    read_mesh(body, &header)
+}
+
+/// Reads a mesh, or a cloud of points if the header announces no faces.
+pub(crate) fn read_content(source: Source) -> Result<Content> {
+    let (header, body) = open(source)?;
+    match points::is_cloud(&header) {
+        true => points::read(body, &header).map(Content::Points),
+        false => read_mesh(body, &header).map(Content::Mesh),
+    }
+}
+
+fn open(mut source: Source) -> Result<(Header, Body)> {
     let header = header::read(&mut source)?;
-    let mut body = Body { source, encoding: header.encoding, ascii: AsciiRows::default() };
+    let encoding = header.encoding;
+    Ok((header, Body { source, encoding, ascii: AsciiRows::default() }))
+}
+
+fn read_mesh(mut body: Body, header: &Header) -> Result<Soup> {
     let mut soup = Soup::default();
     for element in &header.elements {
         match element.name.as_str() {
@@ -41,7 +61,7 @@ pub(crate) fn read(mut source: Source) -> Result<Soup> {
         }
     }
     check_end(&mut body)?;
-    check_indices(&body, &header, &soup)?;
+    check_indices(&body, header, &soup)?;
     Ok(soup)
 }
 

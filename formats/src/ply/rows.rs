@@ -33,6 +33,7 @@ macro_rules! coordinates {
         })*
     };
 }
+pub(super) use coordinates;
 
 impl PropertyAccess for Position {
     fn new() -> Self {

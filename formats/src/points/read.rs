@@ -1,0 +1,173 @@
+//! Reading a cloud of whichever format.
+
+use std::io::Read;
+use std::path::Path;
+
+use super::{Builder, Points, ScanEnd, pcd, ptx, text};
+use crate::read::{self, READABLE, after_mark, by_content, foreign};
+use crate::source::Source;
+use crate::{Error, Format, Result, Soup, ply};
+
+/// A format of clouds that [`read_points`] reads, plain or gzipped.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum PointFormat {
+    /// Stanford polygon file without faces, ascii or binary.
+    Ply,
+    /// Point Cloud Data, ascii, binary or compressed.
+    Pcd,
+    /// Leica's text format of scans on a grid.
+    Ptx,
+    /// Columns of text whose unit is the metre, mostly after a line with their
+    /// number.
+    Pts,
+    /// Any other columns of text: XYZ, TXT, ASC, CSV.
+    Text,
+}
+
+impl PointFormat {
+    /// The format that the extension of `path` means, gzipped or not, if it means
+    /// one. The file is not looked at. `.ply` may also be a mesh.
+    pub fn by_extension(path: &Path) -> Option<PointFormat> {
+        let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
+        let name = name.strip_suffix(".gz").unwrap_or(&name);
+        match name.rsplit_once('.')?.1 {
+            "ply" => Some(PointFormat::Ply),
+            "pcd" => Some(PointFormat::Pcd),
+            "ptx" => Some(PointFormat::Ptx),
+            "pts" => Some(PointFormat::Pts),
+            "xyz" | "txt" | "asc" | "csv" => Some(PointFormat::Text),
+            _ => None,
+        }
+    }
+}
+
+/// What a scan file holds.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Content {
+    /// Polygons over points.
+    Mesh(Soup),
+    /// Points alone.
+    Points(Points),
+}
+
+/// Reads the mesh or the cloud in the file at `path`, whichever it holds. A mesh
+/// format without faces (PLY, OBJ, OFF) holds a cloud.
+///
+/// # Errors
+/// Those of [`read_scan`](crate::read_scan) and [`read_points`].
+pub fn read_content(path: &Path) -> Result<Content> {
+    read(Source::open(path)?)
+}
+
+/// Reads the cloud of points in the file at `path`: its valid points in the file's
+/// order, with their normals and their grids.
+///
+/// # Errors
+/// The file cannot be read, is damaged, contradicts itself, holds a mesh, or has
+/// no valid point. Memory grows with what the file really holds, whatever it
+/// claims.
+pub fn read_points(path: &Path) -> Result<Points> {
+    points(path, read_content(path)?)
+}
+
+/// Reads a cloud as [`read_points`] does, but from memory or any other stream.
+/// `name` is what errors call the file. Its extension decides where the content
+/// does not tell the format.
+///
+/// ```
+/// let text = "x;y;z\n400000,125;5800000,5;1,25\n400000,25;5800000,5;1,5\n";
+/// let content = std::io::Cursor::new(text);
+/// let points = formats::read_points_from("upload.csv".as_ref(), content)?;
+/// assert_eq!(points.absolute(0), [400000.125, 5800000.5, 1.25]);
+/// # Ok::<(), formats::Error>(())
+/// ```
+///
+/// # Errors
+/// Those of [`read_points`].
+pub fn read_points_from(name: &Path, content: impl Read + 'static) -> Result<Points> {
+    points(name, read(Source::new(name, content, None, None)?)?)
+}
+
+fn points(path: &Path, content: Content) -> Result<Points> {
+    match content {
+        Content::Points(points) => Ok(points),
+        Content::Mesh(_) => {
+            let help = "Read it as a mesh.";
+            Err(Error::new(path, "has faces: it is a mesh, not a cloud of points", help))
+        }
+    }
+}
+
+fn read(source: Source) -> Result<Content> {
+    let Some(format) = recognise(&source)? else {
+        let path = source.path.clone();
+        let soup = read::read_unchecked(source)?;
+        return match soup.polygons.is_empty() {
+            true => from_soup(&path, soup).map(Content::Points),
+            false => Ok(Content::Mesh(soup)),
+        };
+    };
+    match format {
+        PointFormat::Ply => {
+            let head = source.head.clone();
+            let content = ply::read_content(source);
+            content.map_err(|e| crate::damage::explain(e, Format::Ply, &head))
+        }
+        PointFormat::Pcd => pcd::read(source).map(Content::Points),
+        PointFormat::Ptx => ptx::read(source).map(Content::Points),
+        PointFormat::Pts => text::read(source, true).map(Content::Points),
+        PointFormat::Text => text::read(source, false).map(Content::Points),
+    }
+}
+
+/// The format of a cloud, or `None` for a mesh of another format than PLY.
+fn recognise(source: &Source) -> Result<Option<PointFormat>> {
+    let head = source.head.as_slice();
+    if head.is_empty() {
+        return Err(Error::new(&source.path, "is empty", "Copy or export the scan again."));
+    }
+    if let Some(format) = by_content(source) {
+        return Ok((format == Format::Ply).then_some(PointFormat::Ply));
+    }
+    let text = after_mark(head);
+    if pcd::is_pcd(text) {
+        return Ok(Some(PointFormat::Pcd));
+    }
+    if let Some((foreign, help)) = foreign(head) {
+        return Err(Error::new(&source.path, format!("is {foreign}"), help));
+    }
+    // A mesh's extension decides about numbers that have nothing else to tell.
+    let extension = PointFormat::by_extension(&source.path);
+    if crate::obj::is_obj(text)
+        || extension.is_none() && Format::by_extension(&source.path).is_some()
+    {
+        return Ok(None);
+    }
+    if ptx::is_ptx(text) {
+        return Ok(Some(PointFormat::Ptx));
+    }
+    if text::is_points(text) {
+        let is_pts = match extension {
+            Some(PointFormat::Text) => false,
+            Some(PointFormat::Pts) => true,
+            _ => text::has_count(text),
+        };
+        return Ok(Some(if is_pts { PointFormat::Pts } else { PointFormat::Text }));
+    }
+    let unknown =
+        || Error::new(&source.path, "is of no known format of meshes or points", READABLE);
+    extension.ok_or_else(unknown).map(Some)
+}
+
+/// The points of a mesh format that has no faces.
+fn from_soup(path: &Path, soup: Soup) -> Result<Points> {
+    let mut builder = Builder::new(path, false);
+    builder.cloud().unit = soup.unit;
+    builder.begin_scan(false);
+    for xyz in soup.points {
+        builder.push(xyz, [0.0; 3])?;
+    }
+    builder.end_scan(ScanEnd::default())?;
+    builder.finish()
+}

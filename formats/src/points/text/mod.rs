@@ -1,0 +1,246 @@
+//! Columns of text: XYZ, TXT, ASC, CSV and PTS.
+//!
+//! These files have no header that a reader could trust. What separates the
+//! numbers, whether commas are decimal ones, and which columns hold what is
+//! decided by the first lines. Lines of another kind are counted, and too many
+//! of them are an error.
+
+mod dialect;
+mod layout;
+
+use self::dialect::Dialect;
+use self::layout::Layout;
+use super::{Builder, Note, Points, ScanEnd};
+use crate::source::Source;
+use crate::token::{excerpt, number_help};
+use crate::{LengthUnit, Place, Result};
+
+/// So many lines of numbers decide what the columns hold.
+const SAMPLE: usize = 100;
+
+/// A file of which more than one line in so many is unreadable is refused: it is
+/// something else, or damaged.
+const MOST_UNREADABLE: u64 = 100;
+
+/// Whether `head` has a line that can be a point: three or more numbers and
+/// nothing but numbers.
+pub(super) fn is_points(head: &[u8]) -> bool {
+    is_text(head) && Shape::of(head).is_some()
+}
+
+pub(super) fn is_text(head: &[u8]) -> bool {
+    !head.iter().any(|b| b.is_ascii_control() && !b.is_ascii_whitespace() && *b != 0x1a)
+}
+
+/// Whether `head` begins with the number of points, as PTS does.
+pub(super) fn has_count(head: &[u8]) -> bool {
+    let line = lines(head).find(|line| !is_comment(line)).unwrap_or_default();
+    is_text(head) && count(line).is_some()
+}
+
+/// Reads columns of text. With `is_pts` their unit is the metre.
+pub(super) fn read(mut source: Source, is_pts: bool) -> Result<Points> {
+    if !is_text(&source.head) {
+        let help = "Export the points as plain text, or as PLY or PCD.";
+        return Err(source.error("is binary, but its name means a text file", help));
+    }
+    let Some(shape) = Shape::of(&source.head) else {
+        return Err(no_points(&mut source)?);
+    };
+    let mut builder = Builder::new(&source.path, shape.layout.normal.is_some());
+    builder.begin_scan(false);
+    let mut rows = Rows { source, shape, builder, counts: Counts::default() };
+    rows.read()?;
+    rows.finish(is_pts)
+}
+
+fn no_points(source: &mut Source) -> Result<crate::Error> {
+    let mut line = Vec::new();
+    while source.next_text_line(&mut line)? && (line.trim_ascii().is_empty() || is_comment(&line)) {
+    }
+    let text = excerpt(&line);
+    let what = format!("has no line with three numbers, but \u{201c}{text}\u{201d}");
+    Ok(source.error(what, number_help(&text)))
+}
+
+/// How the numbers of a file are written, and in which columns.
+struct Shape {
+    dialect: Dialect,
+    layout: Layout,
+}
+
+impl Shape {
+    /// The shape of the file that begins with `head`. `None` if no line of `head`
+    /// is a point.
+    fn of(head: &[u8]) -> Option<Shape> {
+        let end = head.iter().rposition(|b| matches!(b, b'\r' | b'\n'));
+        // The last line of a head may be cut.
+        let whole = end.filter(|&end| lines(&head[..end]).any(is_numbers));
+        let head = &head[..whole.unwrap_or(head.len())];
+        let numbers = lines(head).filter(|line| is_numbers(line)).take(SAMPLE);
+        let dialect = Dialect::of(numbers.clone());
+        let row = |line| dialect.fields(line).map(|field| dialect.number(field)).collect();
+        let mut rows: Vec<Vec<Option<f64>>> = numbers.map(row).collect();
+        rows.retain(|row| row.len() >= 3);
+        let count = usual_length(&rows)?;
+        rows.retain(|row| row.len() == count);
+        let before = lines(head).take_while(|line| !is_numbers(line));
+        let named = before.filter_map(|line| Layout::by_names(names(line)));
+        let named = named.filter(|layout| layout.count == count).last();
+        let layout = named.or_else(|| Layout::by_custom(&rows))?;
+        Some(Shape { dialect, layout })
+    }
+
+    /// The position and the normal in a line.
+    fn point(&self, line: &[u8]) -> Option<[[f64; 3]; 2]> {
+        let mut point = [[0.0; 3]; 2];
+        let mut count = 0;
+        for (i, field) in self.dialect.fields(line).enumerate() {
+            count += 1;
+            if let Some(axis) = self.layout.position.iter().position(|&column| column == i) {
+                point[0][axis] = self.dialect.number(field)?;
+            }
+            let normal = self.layout.normal.iter().flatten().position(|&column| column == i);
+            if let Some(axis) = normal {
+                point[1][axis] = self.dialect.number(field)?;
+            }
+        }
+        (count == self.layout.count).then_some(point)
+    }
+}
+
+/// The most frequent number of columns; of several the least.
+fn usual_length(rows: &[Vec<Option<f64>>]) -> Option<usize> {
+    let frequency = |length: usize| rows.iter().filter(|row| row.len() == length).count();
+    let lengths = rows.iter().map(Vec::len);
+    lengths.max_by_key(|&length| (frequency(length), std::cmp::Reverse(length)))
+}
+
+/// How many lines of each kind there were.
+#[derive(Default)]
+struct Counts {
+    points: u64,
+    unreadable: u64,
+    /// The first unreadable line: its number and what it says.
+    first: Option<(u64, String)>,
+    /// The number of points that the file announces.
+    announced: Option<u64>,
+    last_is_cut: bool,
+}
+
+struct Rows {
+    source: Source,
+    shape: Shape,
+    builder: Builder,
+    counts: Counts,
+}
+
+impl Rows {
+    fn read(&mut self) -> Result<()> {
+        let mut line = Vec::new();
+        while self.source.next_text_line(&mut line)? {
+            let text = line.trim_ascii();
+            if text.is_empty() || text == b"\x1a" || is_comment(text) {
+                continue;
+            }
+            match self.shape.point(text) {
+                Some([xyz, normal]) if !self.is_cut() => {
+                    self.counts.points += 1;
+                    self.builder.push(xyz, normal)?;
+                }
+                _ => self.read_other(text),
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the last number of the line at hand may be cut: the line has no
+    /// end, and the file should have more points.
+    fn is_cut(&self) -> bool {
+        let due = self.counts.announced.is_some_and(|n| self.counts.points + 1 < n);
+        due && !self.source.ended_line
+    }
+
+    /// Reads a line that is no point.
+    fn read_other(&mut self, text: &[u8]) {
+        if !self.source.ended_line && self.counts.points > 0 {
+            self.counts.last_is_cut = true;
+        } else if let Some(count) = count(text) {
+            // PTS may have several blocks.
+            let announced = self.counts.announced.unwrap_or(0);
+            self.counts.announced = Some(announced.saturating_add(count));
+        } else if self.counts.points > 0 || !text.iter().any(u8::is_ascii_alphabetic) {
+            self.counts.unreadable += 1;
+            self.counts.first.get_or_insert_with(|| (self.source.line, excerpt(text)));
+        }
+    }
+
+    fn finish(mut self, is_pts: bool) -> Result<Points> {
+        let counts = &self.counts;
+        let lines = counts.points + counts.unreadable;
+        if let Some((line, text)) =
+            counts.first.as_ref().filter(|_| counts.unreadable * MOST_UNREADABLE > lines)
+        {
+            let what = format!(
+                "has {} of {lines} lines that are no points, first \u{201c}{text}\u{201d}",
+                counts.unreadable
+            );
+            let help = match text.contains(',') {
+                true => number_help(text),
+                false => "Each line must have the same columns of numbers: export it again.",
+            };
+            return Err(self.source.error(what, help).at(Place::Line(*line)));
+        }
+        let cloud = self.builder.cloud();
+        cloud.lost.unreadable_lines = counts.unreadable + u64::from(counts.last_is_cut);
+        let others = self.shape.layout.others.iter().map(String::as_str);
+        cloud.lost.count(others, counts.points);
+        cloud.unit = is_pts.then_some(LengthUnit::Metre);
+        let found = counts.points;
+        let count = counts.announced.filter(|&announced| announced != found);
+        let notes = [
+            is_pts.then_some(Note::MetresByCustom),
+            self.shape.dialect.decimal_commas.then_some(Note::DecimalCommas),
+            count.map(|announced| Note::CountDiffers { announced, found }),
+            counts.last_is_cut.then_some(Note::LastLineCut),
+        ];
+        cloud.notes.extend(notes.into_iter().flatten());
+        self.builder.end_scan(ScanEnd::default())?;
+        self.builder.finish()
+    }
+}
+
+fn lines(text: &[u8]) -> impl Iterator<Item = &[u8]> + Clone {
+    let lines = text.split(|b| matches!(b, b'\r' | b'\n')).map(<[u8]>::trim_ascii);
+    lines.map(|line| line.strip_prefix(b"\xef\xbb\xbf").unwrap_or(line)).filter(|l| !l.is_empty())
+}
+
+/// The only number of a line, if it is an integer.
+fn count(line: &[u8]) -> Option<u64> {
+    std::str::from_utf8(line.trim_ascii()).ok()?.parse().ok()
+}
+
+fn is_comment(line: &[u8]) -> bool {
+    let line = line.trim_ascii();
+    [&b"#"[..], b"//", b"%", b"!"].iter().any(|mark| line.starts_with(mark))
+}
+
+/// The words of a line, without the mark of a comment and without units.
+fn names(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    let start = line.iter().position(|b| !matches!(b, b'#' | b'/' | b'%' | b'!'));
+    let line = &line[start.unwrap_or(line.len())..];
+    words(line).filter(|word| !matches!(word[0], b'[' | b'('))
+}
+
+/// Whether a line has three or more numbers, whatever separates them.
+fn is_numbers(line: &[u8]) -> bool {
+    let point = Dialect::of(std::iter::empty());
+    let numbers = words(line).filter(|word| point.number(word).is_some());
+    !is_comment(line) && numbers.take(3).count() == 3
+}
+
+/// What stands between any separators of a line.
+fn words(line: &[u8]) -> impl Iterator<Item = &[u8]> {
+    let separates = |b: &u8| b.is_ascii_whitespace() || matches!(b, b',' | b';' | b'|' | b'"');
+    line.split(separates).filter(|word| !word.is_empty())
+}
