@@ -1,7 +1,7 @@
 //! The files at scan2step's two ends: readers of scans and writers of CAD.
 //!
 //! Readers deliver what a file says, and no more: a [`Soup`] of polygons with
-//! its declared unit, unwelded and unrepaired. Writers take a [`Brep`]: faces on
+//! its declared unit, unwelded and unrepaired, or a cloud of [`Points`]. Writers take a [`Brep`]: faces on
 //! B-spline surfaces, trimmed by edges with a pcurve for every use, in shells and
 //! solids. The crate knows nothing of what happens between the two.
 

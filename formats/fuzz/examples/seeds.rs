@@ -4,13 +4,17 @@ use std::fs;
 use std::io;
 use std::path::Path;
 
-use scan2step_formats_fuzz::seeds;
+use scan2step_formats_fuzz::{cloud_seeds, seeds};
 
 fn main() -> io::Result<()> {
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("corpus");
-    for (name, content) in seeds::all() {
+    let clouds = cloud_seeds::all().into_iter().map(|(name, content)| (name, content, true));
+    let meshes = seeds::all().into_iter().map(|(name, content)| (name, content, false));
+    for (name, content, is_cloud) in meshes.chain(clouds) {
         let target = match name.rsplit_once('.') {
             Some((_, "gz")) => "gzip",
+            Some((_, "ply")) if is_cloud => "cloud_ply",
+            Some((_, "csv" | "txt" | "asc")) => "xyz",
             Some((_, extension)) => extension,
             None => continue,
         };

@@ -1,5 +1,7 @@
 //! What the fuzzers share with the tests of the readers.
 
+#[path = "../../tests/points/seeds.rs"]
+pub mod cloud_seeds;
 #[path = "../../tests/memory/peak.rs"]
 mod peak;
 #[path = "../../tests/read/seeds.rs"]
@@ -14,4 +16,17 @@ pub fn check(name: &str, content: &[u8]) {
     let (peak, read) = peak::of(|| seeds::read_soundly(name, content));
     drop(read);
     assert!(peak <= (64 << 20) + 16 * content.len(), "takes {peak} bytes of memory");
+}
+
+/// Reads `content` as the cloud of points `name`.
+///
+/// # Panics
+/// The reader panics, breaks what a cloud promises, or takes memory out of all
+/// proportion.
+pub fn check_points(name: &str, content: &[u8]) {
+    let (peak, read) = peak::of(|| cloud_seeds::read_soundly(name, content));
+    drop(read);
+    // Packed points may be 88 times as large as their file.
+    let per_byte = if name.ends_with("pcd") { 400 } else { 16 };
+    assert!(peak <= (64 << 20) + per_byte * content.len(), "takes {peak} bytes of memory");
 }

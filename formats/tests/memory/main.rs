@@ -1,6 +1,10 @@
 //! Memory grows with what a file holds, never with what it claims.
 
 mod bombs;
+#[path = "../points/seeds.rs"]
+#[allow(dead_code)]
+mod cloud_seeds;
+mod clouds;
 mod dense;
 mod lies;
 mod peak;
@@ -14,7 +18,7 @@ mod support;
 use std::fs;
 use std::path::Path;
 
-use formats::read_scan;
+use formats::{Result, read_scan};
 
 /// Bytes that reading may take: so many for each byte of the file, and so
 /// many in any case.
@@ -33,8 +37,12 @@ struct Judge {
 
 impl Judge {
     fn judge(&mut self, title: &str, path: &Path) {
+        self.judge_by(title, path, |path| read_scan(path).map(drop));
+    }
+
+    fn judge_by(&mut self, title: &str, path: &Path, read: fn(&Path) -> Result<()>) {
         let size = fs::metadata(path).expect("a file").len() as usize;
-        let (peak, read) = peak::of(|| read_scan(path).map(drop));
+        let (peak, read) = peak::of(|| read(path));
         let outcome = read.err().map_or("read".to_owned(), |e| e.what);
         let line = format!("{peak:>10} bytes for {size:>8}: {title} ({outcome})");
         if peak > WORTH_TELLING {
@@ -59,10 +67,11 @@ type Group = (&'static str, fn(&mut Judge));
 /// One test, for the allocator counts what all threads do.
 #[test]
 fn memory_grows_with_the_bytes_read() {
-    let groups: [Group; 6] = [
+    let groups: [Group; 7] = [
         ("lies", lies::judge),
         ("bombs", bombs::judge),
         ("dense files", dense::judge),
+        ("clouds", clouds::judge),
         ("seeds", judge_seeds),
         ("old crashes", judge_crashes),
         ("collected scans", judge_scans),

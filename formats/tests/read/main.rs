@@ -8,6 +8,7 @@ mod gltf;
 mod mutations;
 mod obj;
 mod obj_odd;
+mod off;
 mod ply;
 mod recognised;
 mod seeds;

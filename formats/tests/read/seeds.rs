@@ -41,6 +41,7 @@ pub fn all() -> Vec<Seed> {
         ("big.ply", binary_ply(true)),
         ("words.obj", OBJ.into()),
         ("back.obj", BACK.replace('\n', "\r").into()),
+        ("faces.off", OFF.into()),
         ("solids.stl", ascii_stl()),
         ("records.stl", binary_stl()),
         ("nodes.gltf", gltf()),
@@ -116,6 +117,9 @@ const OBJ: &str = "# a\nv 0 0 0\nv 1 0 0 1\nv 1 1 0 1 0 0\nv .5 1e1 nan\ng a\nvt
 
 const BACK: &str = "f 1 2 3\nv 0 0 0\nv 1. +.5 -1.5e-3 # b\n\tv  1.#IND inf 0\no c\ns off\n\
     f -1// -2/1 -3\nf 1 2\np 1\nf 3 2 1 3 2 1";
+
+const OFF: &str = "CNOFF # a\n4 3 0\n0 0 0 0 0 1 255 0 0\n1 0 0\n1 1 .5\n0 1e1 nan\n\
+    3 0 1 2\n4 0 1 2 3 0.5 0.5 0.5\n2 0 1\n";
 
 fn ascii_stl() -> Vec<u8> {
     let facet = "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 .5 0\nvertex 0 1 1e1\n\

@@ -15,13 +15,14 @@ use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
 use crate::{Error, Place, Result};
 
-/// Whether `head` begins a PCD file: with its comment, or with a header line.
+/// Whether `head` begins a PCD file: with its usual comment, or with a line that
+/// only its header has.
 pub(super) fn is_pcd(head: &[u8]) -> bool {
-    let mut lines = head.split(|b| matches!(b, b'\r' | b'\n')).map(<[u8]>::trim_ascii);
-    let first = lines.find(|line| !line.is_empty()).unwrap_or_default();
-    first.starts_with(b"# .PCD")
-        || first.starts_with(b"VERSION .")
-        || first.starts_with(b"VERSION 0.")
+    let lines = head.split(|b| matches!(b, b'\r' | b'\n')).map(<[u8]>::trim_ascii);
+    let mut lines = lines.filter(|line| !line.is_empty() && !line.starts_with(b"#"));
+    let first = lines.next().unwrap_or_default();
+    let begins = |word: &&[u8]| first.starts_with(word);
+    head.starts_with(b"# .PCD") || [&b"VERSION "[..], b"FIELDS ", b"COLUMNS "].iter().any(begins)
 }
 
 pub(super) fn read(source: Source) -> Result<Points> {

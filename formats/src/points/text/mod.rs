@@ -169,7 +169,7 @@ impl Rows {
             // PTS may have several blocks.
             let announced = self.counts.announced.unwrap_or(0);
             self.counts.announced = Some(announced.saturating_add(count));
-        } else if self.counts.points > 0 || !text.iter().any(u8::is_ascii_alphabetic) {
+        } else if self.counts.points > 0 || !is_header(text) {
             self.counts.unreadable += 1;
             self.counts.first.get_or_insert_with(|| (self.source.line, excerpt(text)));
         }
@@ -223,6 +223,11 @@ fn count(line: &[u8]) -> Option<u64> {
 fn is_comment(line: &[u8]) -> bool {
     let line = line.trim_ascii();
     [&b"#"[..], b"//", b"%", b"!"].iter().any(|mark| line.starts_with(mark))
+}
+
+/// Whether a line before the first point can be a header.
+fn is_header(line: &[u8]) -> bool {
+    line.iter().any(u8::is_ascii_alphabetic) && !is_numbers(line)
 }
 
 /// The words of a line, without the mark of a comment and without units.

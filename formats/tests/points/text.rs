@@ -1,0 +1,153 @@
+//! Columns of text.
+
+use formats::LengthUnit;
+use formats::points::Note;
+
+use crate::support::{cloud, places, refusal};
+
+const PLACES: [[f64; 3]; 3] = [[0.5, 0.25, 1.0], [-1.0, 20.0, 3.5], [4.0, 5.0, -6.25]];
+
+/// Names of columns and three points, with a separator and a decimal mark.
+fn table(separator: &str, decimal: &str) -> String {
+    let row = |row: [&str; 3]| row.join(separator).replace('.', decimal) + "\n";
+    ["x y z", "0.5 0.25 1.0", "-1.0 20.0 3.5", "4.0 5.0 -6.25"]
+        .map(|line| row(line.split(' ').collect::<Vec<_>>().try_into().expect("three")))
+        .concat()
+}
+
+#[test]
+fn any_separator_will_do() {
+    for separator in [" ", "   ", "\t", ",", ", ", " , ", ";", " ; ", "|", ",\t"] {
+        let cloud = cloud("scan.txt", table(separator, "."));
+        assert_eq!(places(&cloud), PLACES, "{separator:?}");
+        assert!(cloud.notes.is_empty());
+    }
+}
+
+#[test]
+fn decimal_commas_are_told() {
+    for separator in [" ", "\t", ";", "; ", "|"] {
+        let cloud = cloud("scan.txt", table(separator, ","));
+        assert_eq!(places(&cloud), PLACES, "{separator:?}");
+        assert_eq!(cloud.notes, [Note::DecimalCommas]);
+    }
+}
+
+#[test]
+fn two_marks_in_a_number_are_refused() {
+    for text in ["1.234,5;2.345,5;3.456,5\n", "1,234.5 2,345.5 3,456.5\n", "1.234,5 2.345,5 3\n"] {
+        refusal("scan.txt", text.repeat(5), "");
+    }
+}
+
+#[test]
+fn line_ends_and_marks_do_not_matter() {
+    let text = table(",", ".");
+    for text in [
+        text.replace('\n', "\r\n"),
+        text.replace('\n', "\r"),
+        format!("\u{feff}{text}"),
+        text.replace('\n', "\n\n"),
+        text.replace('\n', ",\n"),
+        text.trim_end().to_owned(),
+        format!("{text}\u{1a}"),
+        format!("# a comment, with 1 2 3 numbers\n{text}"),
+        text.replace("x,y,z", "//X,Y,Z"),
+        text.replace("x,y,z", "\"x\",\"y\",\"z\""),
+        text.replace("x,y,z\n", ""),
+        text.replace("x,y,z", "Points of the shop: 3"),
+        format!("3\n{text}"),
+    ] {
+        assert_eq!(places(&cloud("scan.csv", &text)), PLACES, "{text:?}");
+    }
+}
+
+#[test]
+fn names_decide_what_columns_hold() {
+    let text = "id;Z [mm];Y;X;Nx;Ny;Nz;Red;Green;Blue;Intensity;label;class\n\
+                a;1;0,25;0,5;0;0;1;1;2;3;;tree;1\nb;3;2;1;0;1;0;1;2;3;;;1\n";
+    let cloud = cloud("scan.csv", text);
+    assert_eq!(places(&cloud), [[0.5, 0.25, 1.0], [1.0, 2.0, 3.0]]);
+    assert_eq!(cloud.normals, Some(vec![[0.0, 0.0, 1.0], [0.0, 1.0, 0.0]]));
+    assert_eq!((cloud.lost.colours, cloud.lost.intensities), (2, 2));
+    assert_eq!(cloud.lost.columns, ["id", "label", "class"]);
+}
+
+#[test]
+fn numbers_decide_where_there_are_no_names() {
+    for (row, normal, colours, intensities) in [
+        ("1 2 3", None, 0, 0),
+        ("1 2 3 0.5", None, 0, 2),
+        ("1 2 3 0.6 0 0.8", Some([0.6f32, 0.0, 0.8]), 0, 0),
+        ("1 2 3 255 0 128", None, 2, 0),
+        ("1 2 3 -1613 52 70 64", None, 2, 2),
+        ("1 2 3 52 70 64 0.6 0 0.8", Some([0.6, 0.0, 0.8]), 2, 0),
+        ("1 2 3 0.6 0 0.8 52 70 64", Some([0.6, 0.0, 0.8]), 2, 0),
+    ] {
+        let cloud = cloud("scan.xyz", format!("{row}\n{row}\n"));
+        assert_eq!(places(&cloud), [[1.0, 2.0, 3.0]; 2], "{row}");
+        assert_eq!(cloud.normals, normal.map(|n| vec![n; 2]), "{row}");
+        assert_eq!((cloud.lost.colours, cloud.lost.intensities), (colours, intensities), "{row}");
+    }
+}
+
+#[test]
+fn pts_is_in_metres_and_its_counts_are_hints() {
+    let text = "2\n1 2 3 -5 0 0 0\n4 5 6 -5 0 0 0\n";
+    let twice = cloud("scan.pts", text.repeat(2));
+    assert_eq!((twice.len(), twice.unit), (4, Some(LengthUnit::Metre)));
+    assert_eq!(twice.notes, [Note::MetresByCustom]);
+    let lie = cloud("scan.pts", text.replacen('2', "1000000000000", 1));
+    let count = Note::CountDiffers { announced: 1_000_000_000_000, found: 2 };
+    assert_eq!(lie.notes, [Note::MetresByCustom, count]);
+    // Without its name only the count tells it; and XYZ may have one, too.
+    assert_eq!(cloud("scan", text).unit, Some(LengthUnit::Metre));
+    assert_eq!(cloud("scan.xyz", text).unit, None);
+    assert_eq!(cloud("scan", &text[2..]).unit, None);
+}
+
+#[test]
+fn what_is_cut_off_is_told() {
+    let cut = cloud("scan.pts", "3\n1 2 3\n4 5 6\n7 8");
+    let count = Note::CountDiffers { announced: 3, found: 2 };
+    assert_eq!(cut.notes, [Note::MetresByCustom, count, Note::LastLineCut]);
+    // The last number may have had more digits.
+    let cut = cloud("scan.pts", "4\n1 2 3\n4 5 6\n7 8 9");
+    assert_eq!(cut.len(), 2);
+    assert_eq!(cut.lost.unreadable_lines, 1);
+    // But here it is the last point, and complete.
+    assert_eq!(cloud("scan.pts", "3\n1 2 3\n4 5 6\n7 8 9").len(), 3);
+    assert_eq!(cloud("scan.xyz", "1 2 3\n4 5 6\n7 8 9").len(), 3);
+}
+
+#[test]
+fn points_that_are_no_numbers_are_counted() {
+    let text = "1 2 3\nnan 0 0\n4 5 inf\n1.#QNAN 1 1\n0 0 0\n0 0 0\n0 0 0.5\n";
+    let cloud = cloud("scan.xyz", text);
+    assert_eq!(places(&cloud), [[1.0, 2.0, 3.0], [0.0, 0.0, 0.5]]);
+    assert_eq!((cloud.lost.not_finite, cloud.lost.at_zero), (3, 2));
+    refusal("scan.xyz", "nan nan nan\n", "no valid point: all 1");
+}
+
+#[test]
+fn few_bad_lines_are_counted_and_many_refused() {
+    let good = "1 2 3\n".repeat(300);
+    let few = format!("{good}what is this\n1 2\n1 2 x\n");
+    let cloud = cloud("scan.xyz", few);
+    assert_eq!((cloud.len(), cloud.lost.unreadable_lines), (300, 3));
+    let many = format!("{good}1 2 3 4\n1 2\n1 2 x\n1\u{202f}2 3\n");
+    let error = refusal("scan.xyz", many, "4 of 304 lines that are no points, first");
+    assert_eq!(error.place, Some(formats::Place::Line(301)));
+    refusal("ragged.csv", "x,y,z\n1,2,3\n4,5\n6,7,8,9\n", "2 of 3 lines");
+}
+
+#[test]
+fn what_is_no_cloud_is_refused() {
+    refusal("scan.xyz", "this is no point cloud\nat all\n", "no line with three numbers");
+    refusal("scan.xyz", "\n\n", "no line with three numbers");
+    refusal("scan.xyz", b"\0\x01\x02 1 2 3\n", "is binary");
+    refusal("scan.pts", b"[Binary/0.1]\ndata\n\xc3\x00\x01", "is binary");
+    refusal("molecule.xyz", "2\nwater\nO 0 0 0\nH 1 0 0\n", "are no points");
+    refusal("scan.xyz", "", "is empty");
+    refusal("scan", "hello\n", "no known format");
+}
