@@ -105,9 +105,9 @@ impl Pose {
 /// A raster of rows and columns with at most one point in each cell.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Grid {
-    /// The number of rows, two at least.
+    /// The number of rows, at least two.
     pub rows: usize,
-    /// The number of columns, two at least.
+    /// The number of columns, at least two.
     pub columns: usize,
     /// For each cell the index of its position, or [`Grid::EMPTY`]. The cells of
     /// one row follow each other. There are `rows * columns` cells.

@@ -41,6 +41,14 @@ fn two_marks_in_a_number_are_refused() {
 }
 
 #[test]
+fn commas_between_and_within_numbers_are_refused() {
+    let word = "commas between and within";
+    refusal("scan.csv", "x,y,z\n0,5,0,25,1,0\n-1,0,20,0,3,5\n", word);
+    refusal("scan.csv", "42,794,37,017,12,555\n42,001,37,500,12,250\n", word);
+    assert_eq!(cloud("scan.csv", "0,5,10\n2,3,20\n").len(), 2);
+}
+
+#[test]
 fn line_ends_and_marks_do_not_matter() {
     let text = table(",", ".");
     for text in [

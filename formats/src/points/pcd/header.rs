@@ -89,31 +89,16 @@ pub(super) fn read(source: &mut Source) -> Result<Header> {
         let text = String::from_utf8_lossy(&line);
         let mut words = text.split_ascii_whitespace();
         let Some(keyword) = words.next().filter(|word| !word.starts_with('#')) else { continue };
-        let values = || words.clone().map(str::to_owned).collect();
-        match keyword {
-            "VERSION" => {}
-            "FIELDS" | "COLUMNS" => lines.fields = values(),
-            "SIZE" => lines.sizes = values(),
-            "TYPE" => lines.types = values(),
-            "COUNT" => lines.counts = values(),
-            "WIDTH" => lines.width = Some(number(source, words.next())?),
-            "HEIGHT" => lines.height = Some(number(source, words.next())?),
-            "POINTS" => lines.points = Some(number(source, words.next())?),
-            "VIEWPOINT" => lines.viewpoint = viewpoint(words),
-            "DATA" => {
-                let encoding = match words.next() {
-                    Some("ascii") => Encoding::Ascii,
-                    Some("binary") => Encoding::Binary,
-                    Some("binary_compressed") => Encoding::Compressed,
-                    _ => return Err(bad(source, "data of an unknown encoding")),
-                };
-                return lines.header(source, encoding);
-            }
-            _ => {
-                let what = format!("the unknown header line \u{201c}{}\u{201d}", excerpt(&line));
-                return Err(bad(source, &what));
-            }
+        if keyword == "DATA" {
+            let encoding = match words.next() {
+                Some("ascii") => Encoding::Ascii,
+                Some("binary") => Encoding::Binary,
+                Some("binary_compressed") => Encoding::Compressed,
+                _ => return Err(bad(source, "data of an unknown encoding")),
+            };
+            return lines.header(source, encoding);
         }
+        lines.set(source, keyword, words)?;
     }
 }
 
@@ -131,6 +116,33 @@ struct Lines {
 }
 
 impl Lines {
+    fn set<'a>(
+        &mut self,
+        source: &Source,
+        keyword: &str,
+        mut words: impl Iterator<Item = &'a str>,
+    ) -> Result<()> {
+        match keyword {
+            "VERSION" => {}
+            "FIELDS" | "COLUMNS" => self.fields = words.map(str::to_owned).collect(),
+            "SIZE" => self.sizes = words.map(str::to_owned).collect(),
+            "TYPE" => self.types = words.map(str::to_owned).collect(),
+            "COUNT" => self.counts = words.map(str::to_owned).collect(),
+            "WIDTH" => self.width = Some(number(source, words.next())?),
+            "HEIGHT" => self.height = Some(number(source, words.next())?),
+            "POINTS" => self.points = Some(number(source, words.next())?),
+            "VIEWPOINT" => self.viewpoint = viewpoint(words),
+            _ => {
+                let word = excerpt(keyword.as_bytes());
+                return Err(bad(
+                    source,
+                    &format!("the unknown header line \u{201c}{word}\u{201d}"),
+                ));
+            }
+        }
+        Ok(())
+    }
+
     fn header(mut self, source: &Source, encoding: Encoding) -> Result<Header> {
         let fields = self.checked_fields(source)?;
         let record = fields.iter().fold(0, |sum: u64, field| sum.saturating_add(field.bytes()));

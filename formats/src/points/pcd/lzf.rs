@@ -1,10 +1,10 @@
 //! Marc Lehmann's LZF compression, of which only unpacking is needed.
 
-/// So many bytes come out of one at the most: three bytes repeat up to 264.
+/// One packed byte unpacks to at most so many bytes: three of them repeat up to 264.
 const MOST_GROWTH: usize = 264 / 3;
 
 /// Unpacks `packed` to exactly `length` bytes. `None` if it unpacks to another
-/// number of bytes or refers to bytes before its begin.
+/// number of bytes or refers to bytes before its beginning.
 ///
 /// Memory grows with what is unpacked, whatever `length` says.
 pub(super) fn unpack(packed: &[u8], length: usize) -> Option<Vec<u8>> {

@@ -31,6 +31,25 @@ impl Dialect {
         Dialect { separator: (!decimal_commas).then_some(b','), decimal_commas }
     }
 
+    /// Whether commas separate the numbers, but seem to be decimal ones as well:
+    /// no number has a decimal point, and one begins with a zero as fractions do.
+    pub(super) fn mixes_commas<'a>(&self, mut lines: impl Iterator<Item = &'a [u8]>) -> bool {
+        let is_fraction = |field: &[u8]| {
+            field.len() > 1 && field[0] == b'0' && field.iter().all(u8::is_ascii_digit)
+        };
+        let mut found = false;
+        let no_points = lines.all(|line| {
+            found |= self.fields(line).any(is_fraction);
+            !line.contains(&b'.')
+        });
+        self.has_comma_columns() && no_points && found
+    }
+
+    /// Whether commas separate the columns.
+    pub(super) fn has_comma_columns(&self) -> bool {
+        self.separator == Some(b',')
+    }
+
     /// The fields of a line, some of which may be empty.
     pub(super) fn fields<'a>(&self, line: &'a [u8]) -> impl Iterator<Item = &'a [u8]> + Clone {
         let separator = self.separator;

@@ -22,8 +22,7 @@ const SAMPLE: usize = 100;
 /// something else, or damaged.
 const MOST_UNREADABLE: u64 = 100;
 
-/// Whether `head` has a line that can be a point: three or more numbers and
-/// nothing but numbers.
+/// Whether `head` is text with a line that can be a point.
 pub(super) fn is_points(head: &[u8]) -> bool {
     is_text(head) && Shape::of(head).is_some()
 }
@@ -47,6 +46,10 @@ pub(super) fn read(mut source: Source, is_pts: bool) -> Result<Points> {
     let Some(shape) = Shape::of(&source.head) else {
         return Err(no_points(&mut source)?);
     };
+    if shape.mixes_commas {
+        let help = "Export again with decimal points, or with semicolons between the columns.";
+        return Err(source.error("seems to have commas between and within its numbers", help));
+    }
     let mut builder = Builder::new(&source.path, shape.layout.normal.is_some());
     builder.begin_scan(false);
     let mut rows = Rows { source, shape, builder, counts: Counts::default() };
@@ -67,6 +70,8 @@ fn no_points(source: &mut Source) -> Result<crate::Error> {
 struct Shape {
     dialect: Dialect,
     layout: Layout,
+    /// Whether the columns cannot be told, because commas mean two things.
+    mixes_commas: bool,
 }
 
 impl Shape {
@@ -80,15 +85,17 @@ impl Shape {
         let numbers = lines(head).filter(|line| is_numbers(line)).take(SAMPLE);
         let dialect = Dialect::of(numbers.clone());
         let row = |line| dialect.fields(line).map(|field| dialect.number(field)).collect();
-        let mut rows: Vec<Vec<Option<f64>>> = numbers.map(row).collect();
+        let mut rows: Vec<Vec<Option<f64>>> = numbers.clone().map(row).collect();
         rows.retain(|row| row.len() >= 3);
         let count = usual_length(&rows)?;
         rows.retain(|row| row.len() == count);
         let before = lines(head).take_while(|line| !is_numbers(line));
-        let named = before.filter_map(|line| Layout::by_names(names(line)));
-        let named = named.filter(|layout| layout.count == count).last();
+        let named: Vec<Layout> = before.filter_map(|line| Layout::by_names(names(line))).collect();
+        let doubled = named.iter().any(|layout| 2 * layout.count == count);
+        let mixes_commas = dialect.mixes_commas(numbers) || doubled && dialect.has_comma_columns();
+        let named = named.into_iter().rfind(|layout| layout.count == count);
         let layout = named.or_else(|| Layout::by_custom(&rows))?;
-        Some(Shape { dialect, layout })
+        Some(Shape { dialect, layout, mixes_commas })
     }
 
     /// The position and the normal in a line.
@@ -176,21 +183,8 @@ impl Rows {
     }
 
     fn finish(mut self, is_pts: bool) -> Result<Points> {
+        self.check_unreadable()?;
         let counts = &self.counts;
-        let lines = counts.points + counts.unreadable;
-        if let Some((line, text)) =
-            counts.first.as_ref().filter(|_| counts.unreadable * MOST_UNREADABLE > lines)
-        {
-            let what = format!(
-                "has {} of {lines} lines that are no points, first \u{201c}{text}\u{201d}",
-                counts.unreadable
-            );
-            let help = match text.contains(',') {
-                true => number_help(text),
-                false => "Each line must have the same columns of numbers: export it again.",
-            };
-            return Err(self.source.error(what, help).at(Place::Line(*line)));
-        }
         let cloud = self.builder.cloud();
         cloud.lost.unreadable_lines = counts.unreadable + u64::from(counts.last_is_cut);
         let others = self.shape.layout.others.iter().map(String::as_str);
@@ -207,6 +201,24 @@ impl Rows {
         cloud.notes.extend(notes.into_iter().flatten());
         self.builder.end_scan(ScanEnd::default())?;
         self.builder.finish()
+    }
+
+    /// Refuses a file with too many lines that are no points.
+    fn check_unreadable(&self) -> Result<()> {
+        let Counts { points, unreadable, first, .. } = &self.counts;
+        let lines = points + unreadable;
+        let Some((line, text)) = first.as_ref().filter(|_| unreadable * MOST_UNREADABLE > lines)
+        else {
+            return Ok(());
+        };
+        let what = format!(
+            "has {unreadable} of {lines} lines that are no points, first \u{201c}{text}\u{201d}"
+        );
+        let help = match text.contains(',') {
+            true => number_help(text),
+            false => "Each line must have the same columns of numbers: export it again.",
+        };
+        Err(self.source.error(what, help).at(Place::Line(*line)))
     }
 }
 
