@@ -60,7 +60,7 @@ fn dense(judge: &mut Judge) {
         judge_made(judge, "dense.ptx", &format!("dense PTX, {name}"), text);
     }
     let count = SIZE / 3;
-    for value in [0, 1] {
+    for value in [0u8, 1] {
         let body = vec![value; SIZE];
         let head = pcd("U", 1, "binary", count / 2, 2);
         let file = [head.as_bytes(), &body].concat();
