@@ -16,9 +16,9 @@ static POOLS: LazyLock<[ThreadPool; 2]> = LazyLock::new(|| {
     [1, 2].map(|n| ThreadPoolBuilder::new().num_threads(n).build().expect("threads"))
 });
 
-/// A run that takes longer hangs. The slowest, crumpled sheets over thousands of control
-/// points, take more than a minute beside others.
-const HUNG: Duration = Duration::from_secs(180);
+/// A run that takes longer does not end. The slowest case takes about half a minute alone, and
+/// the limit leaves room for a machine that is slow or busy.
+const HUNG: Duration = Duration::from_secs(1200);
 
 /// Ends the tests with a word on what was tried if the work does not end.
 pub fn hung<T>(what: String, work: impl FnOnce() -> T) -> T {
