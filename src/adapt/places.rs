@@ -1,11 +1,11 @@
-//! Places between vertices that hold the surface, too: in triangles that the map draws out
-//! over several knot cells, a vertex at each corner leaves it free.
+//! Places between vertices that hold the surface, too: where the map draws a triangle out over
+//! several knot cells, its three vertices leave the surface free between them.
 
 use std::ops::Range;
 
 use foldhash::HashMap;
 
-use super::target::MOST_PRESSURE;
+use super::moves::reweight::MOST_RAISE;
 use crate::deviation::{Left, middles, narrowest, spanned};
 use crate::fit::Hold;
 use crate::geometry::{Point, Uv, Vector, VertexId};
@@ -16,20 +16,21 @@ use crate::spline::{KnotVector, Surface};
 /// as triangles.
 const WEIGHT: f64 = 0.5;
 
-/// Parts of a span, in u and in v, each of which has a place at the most. With one alone a
-/// surface still bends to and fro between places, and mends do not come to an end.
+/// Parts of a span, along u and along v, with at most one place each. With a single part a
+/// surface still bends to and fro between places, and mending does not come to an end.
 const PARTS: f64 = 2.0;
 
-/// Places along a triangle's side at the most: beyond so many the thin-plate energy holds the
-/// cells between.
+/// The most places along a triangle's side: with more of them between two cells the thin-plate
+/// energy holds those.
 const MOST_ALONG: usize = 32;
 
-/// The share of what a triangle may be left by that is aimed at: weights bring a surface to
-/// its aim from above, and ever more slowly.
+/// The share of what a triangle may be left by that is aimed at: raised weights bring a surface
+/// to its aim from above and ever more slowly, so that an aim of 1 is not reached.
 pub const AIM: f64 = 0.85;
 
-/// A place in a triangle, on the surface as the normals at the corners bend it: what is held
-/// are no facets.
+/// A place in a triangle, on the surface as the normals at the corners bend it and not on the
+/// flat facet.
+#[derive(Clone)]
 pub struct Place {
     corners: [VertexId; 3],
     /// The corners' shares in it.
@@ -51,7 +52,7 @@ impl Place {
 }
 
 /// The places of some triangles.
-#[derive(Default)]
+#[derive(Default, Clone)]
 pub struct Places {
     /// All of them.
     pub all: Vec<Place>,
@@ -65,17 +66,23 @@ impl Places {
         self.of.get(&triangle).cloned().unwrap_or_default()
     }
 
-    /// Gives weight to the places of triangles that a surface leaves (Lawson's iteration).
-    /// Where a triangle has none yet, it gets them, and so do those beside it that span a
-    /// knot cell, of those that were `measured`: what the surface leaves the one for would be
-    /// the next.
+    /// The parameters of vertices at `uv` and, after them, those of the places.
+    pub fn after(&self, mut uv: Vec<Uv>) -> Vec<Uv> {
+        let between: Vec<Uv> = self.all.iter().map(|place| place.uv(&uv)).collect();
+        uv.extend(between);
+        uv
+    }
+
+    /// Raises the weights of the places of triangles that a surface leaves (Lawson's iteration).
+    /// A triangle without places gets them, and so do the triangles beside it that were
+    /// `measured` and span a knot cell: the surface would leave those next.
     pub fn hold(&mut self, left: &[Left], maker: &Maker, measured: &[usize]) {
         let mesh = maker.mesh;
         let mut beside = vec![false; mesh.points.len()];
         for &Left { triangle, ratio } in left {
             let held = self.of(triangle);
             let places = self.all[held.clone()].iter_mut();
-            places.for_each(|place| place.weight *= (ratio / AIM).powi(2).min(MOST_PRESSURE));
+            places.for_each(|place| place.weight *= (ratio / AIM).powi(2).min(MOST_RAISE));
             if held.is_empty() {
                 self.add(maker, triangle);
             }

@@ -1,27 +1,52 @@
-//! Where a fitted surface leaves the mesh between its vertices.
+//! Vertices for a map whose triangles are larger than the knot cells.
 //!
 //! Where the map draws triangles out over several knot cells, no sample holds the surface
 //! within them: it may go anywhere, and no vertex is far from it.
 
+use super::attempt::Attempt;
+use super::moves::correct::{LEAST_AREA, correct};
+use super::problem::Problem;
+use crate::fit;
 use crate::geometry::Uv;
 use crate::mesh::Parameterized;
 use crate::spline::{KnotVector, Surface};
 
-/// How often such sides are halved. Each time holds the surface in more places; along rims,
+/// How often the sides of such triangles are halved. Each time holds the surface in more places; along rims,
 /// whose sides stay, it also makes slivers, which leave folds less room to be taken out.
 const HALVINGS: usize = 2;
 
-/// Whether a side of the map, with the vertices at `uv`, spans more than a knot cell of a
-/// surface: nothing need hold that within the cell.
-pub fn are_sparse(map: &Parameterized, uv: &[Uv], surface: &Surface) -> bool {
-    let cells = Widths::new(surface);
-    !map.long_sides(uv, |a, b| cells.are_exceeded(a, b)).is_empty()
+/// The share of inverted Jacobian samples from which on the scan, or its map, is crumpled, and
+/// the mesh between the vertices is no guide.
+const CRUMPLED: f64 = 0.3;
+
+/// Whether an attempt, with the vertices at `uv`, shows that vertices are missing: it leaves the
+/// mesh between them, or has folds and may leave the mesh when these are taken out. A crumpled
+/// surface gets none.
+pub fn needs_vertices(problem: &Problem, of: &Attempt, uv: &[Uv]) -> bool {
+    let surface = &of.surface;
+    if problem.options.method == fit::Method::Blend || !are_sparse(problem.map, uv, surface) {
+        return false;
+    }
+    let state = correct(problem, of, LEAST_AREA);
+    let folded = fit::folded(surface, &state.samples(problem), &state.holds(problem));
+    let misses = || {
+        let left = problem.left(surface, uv, 1.0).len();
+        left as f64 / problem.measured_triangles.len().max(1) as f64
+    };
+    folded < CRUMPLED && (folded > 0.0 || misses() > problem.goal.outliers)
 }
 
 /// Halves the sides that span more than a knot cell.
-pub fn bridge(map: &mut Parameterized, surface: &Surface) {
+pub fn halve(map: &mut Parameterized, surface: &Surface) {
     let cells = Widths::new(surface);
     map.halve(HALVINGS, |a, b| cells.are_exceeded(a, b));
+}
+
+/// Whether a side of the map, with the vertices at `uv`, spans more than a knot cell of a
+/// surface.
+fn are_sparse(map: &Parameterized, uv: &[Uv], surface: &Surface) -> bool {
+    let cells = Widths::new(surface);
+    !map.long_sides(uv, |a, b| cells.are_exceeded(a, b)).is_empty()
 }
 
 /// How wide a surface's knot cells are.

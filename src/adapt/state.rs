@@ -1,0 +1,69 @@
+//! What a fit starts from, as a value.
+
+use std::borrow::Cow;
+
+use super::moves::reject;
+use super::places::Places;
+use super::problem::Problem;
+use crate::fit::Hold;
+use crate::geometry::Uv;
+use crate::spline::{KnotVector, Samples};
+
+/// The weight of an outlier, as a multiple: none that a fit would show. Equations need it to be
+/// above 0.
+const OUTLIER_WEIGHT: f64 = 1e-6;
+
+/// Everything that a fit depends on and that a move may change. Moves do not change a state;
+/// they return another one.
+#[derive(Clone)]
+pub struct State {
+    /// The knots along u and v.
+    pub knots: [KnotVector; 2],
+    /// The parameters of the vertices.
+    pub uv: Vec<Uv>,
+    /// The weights that the vertices have if they are no outliers.
+    pub weights: Vec<f64>,
+    /// The numbers of the vertices that count next to nothing.
+    pub outliers: Vec<usize>,
+    /// Places between vertices that hold the surface, too.
+    pub places: Places,
+}
+
+impl State {
+    /// The map as it is, over a single knot cell.
+    pub fn new(problem: &Problem) -> Self {
+        State {
+            knots: [(); 2].map(|()| KnotVector::uniform(3, 4)),
+            uv: problem.map.uv.clone(),
+            weights: problem.weights(),
+            outliers: reject::outliers_before_a_fit(problem),
+            places: Places::default(),
+        }
+    }
+
+    /// The vertices and, after them, the places, as a fit takes them.
+    pub fn samples(&self, problem: &Problem) -> Samples {
+        let mut samples = self.vertices(problem);
+        samples.points.extend(self.places.all.iter().map(|place| place.point));
+        samples.uv = self.places.after(samples.uv);
+        samples.weights.extend(self.places.all.iter().map(|place| place.weight));
+        samples
+    }
+
+    /// The vertices alone.
+    pub fn vertices(&self, problem: &Problem) -> Samples {
+        let mut weights = self.weights.clone();
+        self.outliers.iter().for_each(|&v| weights[v] *= OUTLIER_WEIGHT);
+        let points = problem.map.patch.mesh.points.clone();
+        Samples { points, uv: self.uv.clone(), weights, open: problem.is_open() }
+    }
+
+    /// How the vertices and, after them, the places hold a surface that slides along them.
+    pub fn holds<'a>(&self, problem: &'a Problem) -> Cow<'a, [Hold]> {
+        if self.places.all.is_empty() {
+            return Cow::Borrowed(&problem.holds);
+        }
+        let places = self.places.all.iter().map(|place| place.hold);
+        Cow::Owned(problem.holds.iter().copied().chain(places).collect())
+    }
+}
