@@ -20,8 +20,8 @@ const WEIGHT: f64 = 0.5;
 /// surface still bends to and fro between places, and mending does not come to an end.
 const PARTS: f64 = 2.0;
 
-/// The most places along a triangle's side: with more of them between two cells the thin-plate
-/// energy holds those.
+/// The most places along a triangle's side. Where a side spans more cells, the thin-plate energy
+/// holds those between.
 const MOST_ALONG: usize = 32;
 
 /// The share of what a triangle may be left by that is aimed at: raised weights bring a surface

@@ -11,8 +11,9 @@ use crate::geometry::Uv;
 use crate::mesh::Parameterized;
 use crate::spline::{KnotVector, Surface};
 
-/// How often the sides of such triangles are halved. Each time holds the surface in more places; along rims,
-/// whose sides stay, it also makes slivers, which leave folds less room to be taken out.
+/// How often the sides of such triangles are halved. Each time holds the surface in more places.
+/// Along rims, whose sides stay, it also makes slivers, which leave less room for taking folds
+/// out.
 const HALVINGS: usize = 2;
 
 /// The share of inverted Jacobian samples from which on the scan, or its map, is crumpled, and

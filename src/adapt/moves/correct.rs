@@ -12,12 +12,12 @@ use crate::adapt::problem::Problem;
 use crate::adapt::state::State;
 use crate::geometry::{Uv, VertexId, orient2d};
 
-/// The share of its area that every triangle of the map keeps between fits. With less of it
-/// the map wears thin after several corrections, and folds follow.
+/// The share of its area that every triangle of the map keeps between fits. Corrections follow
+/// each other, and where they wear the map thin, surfaces fold.
 pub const FIRM_AREA: f64 = 0.2;
 
 /// The same while folds are taken out or a surface is mended, which come last and need more
-/// freedom: as little as still tells that no triangle is inverted.
+/// freedom: just enough that rounding inverts no triangle.
 pub const LEAST_AREA: f64 = 1e-3;
 
 /// Rounds in which vertices are put back before the old map stays altogether. A round puts back

@@ -11,8 +11,8 @@ use crate::geometry::{Point, Vector, VertexId};
 /// the noise may be an outlier: normal noise has one such point in two million.
 pub const OUTLYING: f64 = 5.0;
 
-/// An outlier is so many times as far off as its neighbours. Where the shape is missed they are
-/// about as far; a sheet's own noise seldom reaches four times its mean.
+/// An outlier is so many times as far off as its neighbours. Where the shape is missed, these are
+/// about as far off.
 const ALONE: f64 = 4.0;
 
 /// How often outliers are looked for without those found before among the neighbours. Twice

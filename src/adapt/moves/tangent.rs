@@ -8,8 +8,7 @@ use crate::adapt::problem::Problem;
 use crate::adapt::state::State;
 use crate::fit;
 
-/// A step that leaves more than this share of the rms is idle: a correction of the parameters
-/// alone brings as much.
+/// A step that leaves more than this share of the rms is idle: 7 % are not worth its solve.
 const IDLE: f64 = 0.93;
 
 /// The better one of an attempt and of the surface after one step, and whether the step was idle.

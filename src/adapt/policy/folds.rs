@@ -12,12 +12,12 @@ use crate::adapt::state::State;
 use crate::error::Result;
 use crate::fit::STIFFNESSES;
 
-/// The most times that knots are inserted for a surface without folds. Scans that have none by
-/// then have none after more of them, and each time is as long as a search.
+/// The most times that knots are inserted for a surface without folds, which bounds the time:
+/// each is followed by fits until the tolerance is met.
 const MOST_ROUNDS: usize = 8;
 
 /// The share of points that may go beyond an unnamed tolerance for a surface without folds.
-/// With less, fits of noisy scans keep theirs.
+/// Nobody asked for these points, while CAD cannot offset a surface that folds.
 const GIVEN_UP: f64 = 0.01;
 
 /// What became of an attempt's folds.

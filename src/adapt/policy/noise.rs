@@ -28,8 +28,8 @@ pub const POINTS_A_CONTROL_POINT: usize = 2;
 /// denser, or crushed by the map, by a factor of four.
 const DEEPER: u32 = 2;
 
-/// The most rounds in a row without a better score. The score has few local minima, and
-/// each round takes a fit of a larger net than the best.
+/// The rounds in a row without a better score after which there are no more. One worse net may
+/// come before a better one; each takes longer to fit than the best.
 const PATIENCE: usize = 2;
 
 /// Inserts knots and removes knots as long as the score falls. Where smoothed points are beyond

@@ -21,12 +21,12 @@ const WORTHWHILE: f64 = 0.95;
 /// may come before one that gains.
 const PATIENCE: usize = 4;
 
-/// The most times that weights are raised over the same knots. A fourth time brings back points
-/// at the cost of others.
+/// The most times that weights are raised over the same knots. Each takes a fit, after which more
+/// knots can help as well.
 const MOST_REWEIGHTED: usize = 3;
 
-/// The share of the points beyond the tolerance that raised weights must leave at most to be
-/// raised again: otherwise knots bring them back in fewer fits.
+/// Weights are raised again if they leave no more than this share of the points beyond the
+/// tolerance. A fit that brings back fewer of them is better spent on more knots.
 const REWEIGHTING_PAYS: f64 = 0.7;
 
 /// Inserts knots until the tolerance is met, and then removes those that it does not need.

@@ -18,7 +18,8 @@ use crate::deviation::Left;
 /// mends; the others have too few knots somewhere.
 const PATIENCE: usize = 5;
 
-/// The most rounds of mends, with more knots between two. Scans that need a fifth are crumpled.
+/// The most rounds of mends, with more knots between two, which bounds the time on scans that
+/// knots do not help.
 const MOST_ROUNDS: usize = 4;
 
 /// The share of points beyond the tolerance that mends, which are local, may still bring back.
