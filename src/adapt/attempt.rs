@@ -1,5 +1,6 @@
 //! The surface that a state leads to, and how far it is from the points.
 
+use super::moves::correct::LEAST_AREA;
 use super::problem::Problem;
 use super::state::State;
 use crate::fit;
@@ -21,6 +22,26 @@ impl Attempt {
     pub fn new(problem: &Problem, state: State, surface: Surface, fit: fit::Report) -> Self {
         let foot_points = problem.foot_points(&surface, &state.uv);
         Attempt { state, surface, fit, foot_points }
+    }
+
+    /// The attempt at a surface that has moved while the samples of a state slid to `uv`. The
+    /// vertices follow to their foot points.
+    pub fn moved(
+        problem: &Problem,
+        state: &State,
+        surface: Surface,
+        mut uv: Vec<Uv>,
+        fit: fit::Report,
+    ) -> Self {
+        uv.truncate(state.uv.len());
+        let state = State { uv, ..state.clone() };
+        let mut attempt = Attempt::new(problem, state, surface, fit);
+        attempt.state.uv = attempt.corrected(problem, LEAST_AREA);
+        if problem.goal.named {
+            let Attempt { state, surface, foot_points, .. } = &mut attempt;
+            problem.stay_at_loops(surface, &state.uv, foot_points);
+        }
+        attempt
     }
 
     /// The parameters that the vertices may move to, towards their foot points, while every

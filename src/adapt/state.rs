@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::moves::correct::LEAST_AREA;
 use super::moves::reject;
 use super::places::Places;
 use super::problem::Problem;
@@ -56,6 +57,14 @@ impl State {
         self.outliers.iter().for_each(|&v| weights[v] *= OUTLIER_WEIGHT);
         let points = problem.map.patch.mesh.points.clone();
         Samples { points, uv: self.uv.clone(), weights, open: problem.is_open() }
+    }
+
+    /// Where the samples may move to while a surface moves, given where they are `now` and where
+    /// they are `wanted`: places go where their vertices do.
+    pub fn slid(&self, problem: &Problem, mut now: Vec<Uv>, mut wanted: Vec<Uv>) -> Vec<Uv> {
+        now.truncate(self.uv.len());
+        wanted.truncate(self.uv.len());
+        self.places.after(problem.corrected(now, wanted, LEAST_AREA))
     }
 
     /// How the vertices and, after them, the places hold a surface that slides along them.

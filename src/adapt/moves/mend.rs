@@ -3,7 +3,6 @@
 
 use super::correct::LEAST_AREA;
 use super::reweight::reweight;
-use super::unfold::{moved, slid};
 use crate::adapt::attempt::Attempt;
 use crate::adapt::places::Maker;
 use crate::adapt::problem::Problem;
@@ -27,7 +26,7 @@ pub fn mend(problem: &Problem, of: &Attempt, left: &[Left]) -> Option<Attempt> {
     let missed = (of.foot_points.measured().zip(&state.uv)).filter(|(d, _)| *d > limit);
     let around: Vec<Uv> = missed.map(|(_, &at)| at).chain(around(&state, left)).collect();
     let (samples, holds) = (state.samples(problem), state.holds(problem));
-    let slide = |now: Vec<Uv>, wanted: Vec<Uv>| slid(problem, &state, now, wanted);
+    let slide = |now: Vec<Uv>, wanted: Vec<Uv>| state.slid(problem, now, wanted);
     let task = fit::Mending {
         surface: &of.surface,
         samples: &samples,
@@ -37,7 +36,7 @@ pub fn mend(problem: &Problem, of: &Attempt, left: &[Left]) -> Option<Attempt> {
         around: &around,
     };
     let found = STIFFNESSES.iter().rev().find_map(|&stiffness| fit::mend(&task, stiffness))?;
-    Some(moved(problem, &state, found.surface, found.uv, of.fit))
+    Some(Attempt::moved(problem, &state, found.surface, found.uv, of.fit))
 }
 
 /// What makes places on the triangles over an attempt's surface.

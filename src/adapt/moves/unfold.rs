@@ -3,7 +3,6 @@
 use super::correct::{LEAST_AREA, correct};
 use crate::adapt::attempt::Attempt;
 use crate::adapt::problem::Problem;
-use crate::adapt::state::State;
 use crate::fit;
 use crate::geometry::Uv;
 
@@ -19,12 +18,13 @@ pub struct Unfolded {
 /// Spreads the control points around folds, with one of the `stiffnesses` after the other.
 pub fn unfold(problem: &Problem, of: &Attempt, stiffnesses: &[f64]) -> Unfolded {
     let state = correct(problem, of, LEAST_AREA);
-    let slide = |now: Vec<Uv>, wanted: Vec<Uv>| slid(problem, &state, now, wanted);
+    let slide = |now: Vec<Uv>, wanted: Vec<Uv>| state.slid(problem, now, wanted);
     let samples = state.samples(problem);
     let holds = state.holds(problem);
     let unfolded = fit::unfold(&of.surface, &samples, &holds, &slide, stiffnesses);
-    let attempt =
-        |found: fit::Found| (moved(problem, &state, found.surface, found.uv, of.fit), found.folds);
+    let attempt = |found: fit::Found| {
+        (Attempt::moved(problem, &state, found.surface, found.uv, of.fit), found.folds)
+    };
     Unfolded { before: unfolded.before, found: unfolded.found.into_iter().map(attempt).collect() }
 }
 
@@ -32,31 +32,4 @@ pub fn unfold(problem: &Problem, of: &Attempt, stiffnesses: &[f64]) -> Unfolded 
 pub fn inverted(problem: &Problem, of: &Attempt) -> usize {
     let state = correct(problem, of, LEAST_AREA);
     fit::turned(&of.surface, &state.vertices(problem), &problem.holds)
-}
-
-/// Where vertices and places may move to while a surface moves: places go where their vertices
-/// do.
-pub fn slid(problem: &Problem, state: &State, mut now: Vec<Uv>, mut wanted: Vec<Uv>) -> Vec<Uv> {
-    now.truncate(state.uv.len());
-    wanted.truncate(state.uv.len());
-    state.places.after(problem.corrected(now, wanted, LEAST_AREA))
-}
-
-/// The attempt at a surface that has moved while the samples of a state slid to `uv`.
-pub fn moved(
-    problem: &Problem,
-    state: &State,
-    surface: crate::spline::Surface,
-    mut uv: Vec<Uv>,
-    fit: fit::Report,
-) -> Attempt {
-    uv.truncate(state.uv.len());
-    let state = State { uv, ..state.clone() };
-    let mut attempt = Attempt::new(problem, state, surface, fit);
-    attempt.state.uv = attempt.corrected(problem, LEAST_AREA);
-    if problem.goal.named {
-        let Attempt { state, surface, foot_points, .. } = &mut attempt;
-        problem.stay_at_loops(surface, &state.uv, foot_points);
-    }
-    attempt
 }
