@@ -9,10 +9,11 @@
 //! noise instead. Between fits the samples' parameters are corrected, and folds are taken out of
 //! the last one.
 //!
-//! It has three parts. A state ([`state`]) is all that a fit starts from, as a value: knots,
-//! parameters, weights, outliers. [`moves`] make new states from what a fit has shown. A policy
-//! ([`policy`]) for each goal says which move comes next. [`problem`] has what stays the same
-//! meanwhile, an attempt ([`attempt`]) is a state with its surface, and [`run`] makes the fits.
+//! It has three parts. A state (`state.rs`) is all that a fit starts from, as a value: knots,
+//! parameters, weights, outliers. Moves (`moves/`) make new states from what a fit has shown. A
+//! policy (`policy/`) for each goal says which move comes next. `problem.rs` has what stays the
+//! same meanwhile, an attempt (`attempt.rs`) is a state with its surface, and `run.rs` makes the
+//! fits.
 
 mod attempt;
 mod goal;
