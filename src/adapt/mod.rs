@@ -17,9 +17,9 @@
 
 mod attempt;
 mod goal;
+mod inner;
 mod moves;
 mod options;
-mod places;
 mod policy;
 mod problem;
 mod report;
@@ -43,7 +43,7 @@ use crate::{fit, knots, rules};
 use attempt::Attempt;
 use moves::correct::FIRM_AREA;
 use problem::Problem;
-use run::Run;
+use run::FitRun;
 
 /// Fits a surface to the map's vertices, in mm over [0, 1]². The map's parameters are
 /// corrected, and where its triangles are sparse it gets more vertices.
@@ -70,7 +70,7 @@ pub fn fit_with(
     rules::length(goal.tolerance).map_err(of("tolerance"))?;
     rules::share(goal.outliers).map_err(of("outliers"))?;
     let problem = Problem::new(map, options, goal);
-    let mut run = Run::new(&problem, 0, course);
+    let mut run = FitRun::new(&problem, 0, course);
     let (state, placed) = start::start(&problem)?;
     let best = policy::search(&mut run, state)?;
     let uv = last_parameters(&problem, &best);
@@ -79,7 +79,7 @@ pub fn fit_with(
         map.uv = uv;
         sparse::halve(map, &best.surface);
         let problem = Problem::new(map, options, goal);
-        let mut run = Run::new(&problem, fits, course);
+        let mut run = FitRun::new(&problem, fits, course);
         let best = policy::go_on(&mut run, best)?;
         finish(run, best, placed)?
     } else {
@@ -91,7 +91,7 @@ pub fn fit_with(
 
 /// The surface with its report, and the parameters on it.
 fn finish(
-    mut run: Run,
+    mut run: FitRun,
     best: Attempt,
     placed: Option<knots::Report>,
 ) -> Result<(Surface, Adapted, Vec<Uv>)> {

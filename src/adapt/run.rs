@@ -18,7 +18,7 @@ const REMAINING: f64 = 0.85;
 const MOST_IDLE_STEPS: usize = 2;
 
 /// Makes fits.
-pub struct Run<'a> {
+pub struct FitRun<'a> {
     pub problem: &'a Problem<'a>,
     /// How many fits were made.
     pub fits: usize,
@@ -28,10 +28,10 @@ pub struct Run<'a> {
     course: &'a mut Course<'a>,
 }
 
-impl<'a> Run<'a> {
+impl<'a> FitRun<'a> {
     /// A run that goes on after so many `fits` to another map.
     pub fn new(problem: &'a Problem<'a>, fits: usize, course: &'a mut Course<'a>) -> Self {
-        Run { problem, fits, idle_steps: 0, hindrance: None, course }
+        FitRun { problem, fits, idle_steps: 0, hindrance: None, course }
     }
 
     /// Fits a surface to a state.

@@ -6,6 +6,7 @@
 use super::attempt::Attempt;
 use super::moves::correct::{LEAST_AREA, correct};
 use super::problem::Problem;
+use crate::deviation::narrowest;
 use crate::fit;
 use crate::geometry::Uv;
 use crate::mesh::Parameterized;
@@ -39,50 +40,41 @@ pub fn needs_vertices(problem: &Problem, of: &Attempt, uv: &[Uv]) -> bool {
 
 /// Halves the sides that span more than a knot cell.
 pub fn halve(map: &mut Parameterized, surface: &Surface) {
-    let cells = Widths::new(surface);
+    let cells = CellWidths::new(surface);
     map.halve(HALVINGS, |a, b| cells.are_exceeded(a, b));
 }
 
 /// Whether a side of the map, with the vertices at `uv`, spans more than a knot cell of a
 /// surface.
 fn are_sparse(map: &Parameterized, uv: &[Uv], surface: &Surface) -> bool {
-    let cells = Widths::new(surface);
+    let cells = CellWidths::new(surface);
     !map.long_sides(uv, |a, b| cells.are_exceeded(a, b)).is_empty()
 }
 
 /// How wide a surface's knot cells are.
-struct Widths<'a>([Spans<'a>; 2]);
+struct CellWidths<'a> {
+    knots: [&'a KnotVector; 2],
+    narrowest: [f64; 2],
+}
 
-impl<'a> Widths<'a> {
+impl<'a> CellWidths<'a> {
     fn new(surface: &'a Surface) -> Self {
-        Widths([&surface.u, &surface.v].map(Spans::new))
+        CellWidths { knots: [&surface.u, &surface.v], narrowest: narrowest(surface) }
     }
 
     /// Whether two parameter points are farther apart than the cell between them is wide.
     fn are_exceeded(&self, a: Uv, b: Uv) -> bool {
         let middle: Uv = nalgebra::center(&a, &b);
-        (0..2).any(|k| self.0[k].are_shorter((a[k] - b[k]).abs(), middle[k]))
-    }
-}
-
-/// The knot spans of an axis.
-struct Spans<'a> {
-    knots: &'a KnotVector,
-    narrowest: f64,
-}
-
-impl<'a> Spans<'a> {
-    fn new(knots: &'a KnotVector) -> Self {
-        let widths = knots.breaks();
-        let widths = widths.windows(2).map(|ends| ends[1] - ends[0]);
-        Spans { knots, narrowest: widths.fold(f64::MAX, f64::min) }
+        (0..2).any(|k| {
+            let length = (a[k] - b[k]).abs();
+            length > self.narrowest[k] && length > self.width(k, middle[k])
+        })
     }
 
-    /// Whether a length is more than the width of the span at `t`.
-    fn are_shorter(&self, length: f64, t: f64) -> bool {
-        length > self.narrowest && {
-            let i = self.knots.span(t);
-            length > self.knots.knots()[i + 1] - self.knots.knots()[i]
-        }
+    /// The width of the span of an axis at `t`.
+    fn width(&self, axis: usize, t: f64) -> f64 {
+        let knots = self.knots[axis];
+        let span = knots.span(t);
+        knots.knots()[span + 1] - knots.knots()[span]
     }
 }

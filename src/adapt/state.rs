@@ -2,9 +2,9 @@
 
 use std::borrow::Cow;
 
+use super::inner::InnerSamples;
 use super::moves::correct::LEAST_AREA;
 use super::moves::reject;
-use super::places::Places;
 use super::problem::Problem;
 use crate::fit::Hold;
 use crate::geometry::Uv;
@@ -26,8 +26,8 @@ pub struct State {
     pub weights: Vec<f64>,
     /// The numbers of the vertices that count next to nothing.
     pub outliers: Vec<usize>,
-    /// Places between vertices that hold the surface, too.
-    pub places: Places,
+    /// Samples inside triangles that hold the surface, too.
+    pub inner: InnerSamples,
 }
 
 impl State {
@@ -38,16 +38,16 @@ impl State {
             uv: problem.map.uv.clone(),
             weights: problem.weights(),
             outliers: reject::outliers_before_a_fit(problem),
-            places: Places::default(),
+            inner: InnerSamples::default(),
         }
     }
 
-    /// The vertices and, after them, the places, as a fit takes them.
+    /// The vertices and, after them, the inner samples, as a fit takes them.
     pub fn samples(&self, problem: &Problem) -> Samples {
         let mut samples = self.vertices(problem);
-        samples.points.extend(self.places.all.iter().map(|place| place.point));
-        samples.uv = self.places.after(samples.uv);
-        samples.weights.extend(self.places.all.iter().map(|place| place.weight));
+        samples.points.extend(self.inner.all.iter().map(|sample| sample.point));
+        samples.uv = self.inner.after(samples.uv);
+        samples.weights.extend(self.inner.all.iter().map(|sample| sample.weight));
         samples
     }
 
@@ -60,19 +60,19 @@ impl State {
     }
 
     /// Where the samples may move to while a surface moves, given where they are `now` and where
-    /// they are `wanted`: places go where their vertices do.
+    /// they are `wanted`: inner samples go where their vertices do.
     pub fn slid(&self, problem: &Problem, mut now: Vec<Uv>, mut wanted: Vec<Uv>) -> Vec<Uv> {
         now.truncate(self.uv.len());
         wanted.truncate(self.uv.len());
-        self.places.after(problem.corrected(now, wanted, LEAST_AREA))
+        self.inner.after(problem.corrected(now, wanted, LEAST_AREA))
     }
 
-    /// How the vertices and, after them, the places hold a surface that slides along them.
+    /// How the vertices and, after them, the inner samples hold a surface that slides along them.
     pub fn holds<'a>(&self, problem: &'a Problem) -> Cow<'a, [Hold]> {
-        if self.places.all.is_empty() {
+        if self.inner.all.is_empty() {
             return Cow::Borrowed(&problem.holds);
         }
-        let places = self.places.all.iter().map(|place| place.hold);
-        Cow::Owned(problem.holds.iter().copied().chain(places).collect())
+        let inner = self.inner.all.iter().map(|sample| sample.hold);
+        Cow::Owned(problem.holds.iter().copied().chain(inner).collect())
     }
 }

@@ -31,7 +31,7 @@ pub fn correct(problem: &Problem, of: &Attempt, least_area: f64) -> State {
         uv: of.corrected(problem, least_area),
         weights: of.state.weights.clone(),
         outliers: reject::outliers(problem, &of.foot_points.distances),
-        places: of.state.places.clone(),
+        inner: of.state.inner.clone(),
     }
 }
 

@@ -17,7 +17,7 @@ pub fn insert(problem: &Problem, of: &Attempt, misses: &[Miss], bounds: &Bounds)
 
 /// The knots alone.
 pub fn finer_knots(of: &Attempt, misses: &[Miss], bounds: &Bounds) -> Option<[KnotVector; 2]> {
-    let reach = uv_bounds(&of.state.places.after(of.state.uv.clone()));
+    let reach = uv_bounds(&of.state.inner.after(of.state.uv.clone()));
     let knots = knots::insert(&of.surface, misses, reach, bounds);
     (knots != of.state.knots).then_some(knots)
 }

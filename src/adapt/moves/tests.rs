@@ -240,7 +240,7 @@ fn folds_are_taken_out_and_points_stay() {
 }
 
 #[test]
-fn a_triangle_that_is_left_is_mended_with_places() {
+fn a_triangle_that_is_left_is_mended_with_inner_samples() {
     with_problem(false, &[], |problem| {
         let flat = first(problem, 20);
         let dented = moved(problem, &flat, |surface| surface.net[10 * 20 + 10].z += 1.0);
@@ -252,9 +252,9 @@ fn a_triangle_that_is_left_is_mended_with_places() {
         let after = worst(&left(&mended));
         assert!(after < 0.2 * worst(&before), "{after} {}", worst(&before));
         for left in &before {
-            assert!(!mended.state.places.of(left.triangle).is_empty());
+            assert!(!mended.state.inner.of(left.triangle).is_empty());
         }
-        assert!(dented.state.places.all.is_empty());
+        assert!(dented.state.inner.all.is_empty());
         // What is far from the dent stays.
         assert_eq!(mended.surface.net[0], dented.surface.net[0]);
         assert_eq!(mended.surface.net[399], dented.surface.net[399]);

@@ -7,7 +7,7 @@ use crate::fit;
 use crate::geometry::Uv;
 
 /// What came of it.
-pub struct Unfolded {
+pub struct WithoutFolds {
     /// How many Jacobian samples of the surface are inverted.
     pub before: usize,
     /// Attempts with fewer, each closer to the points than those before it, and how many
@@ -16,7 +16,7 @@ pub struct Unfolded {
 }
 
 /// Spreads the control points around folds, with one of the `stiffnesses` after the other.
-pub fn unfold(problem: &Problem, of: &Attempt, stiffnesses: &[f64]) -> Unfolded {
+pub fn unfold(problem: &Problem, of: &Attempt, stiffnesses: &[f64]) -> WithoutFolds {
     let state = correct(problem, of, LEAST_AREA);
     let slide = |now: Vec<Uv>, wanted: Vec<Uv>| state.slid(problem, now, wanted);
     let samples = state.samples(problem);
@@ -25,7 +25,10 @@ pub fn unfold(problem: &Problem, of: &Attempt, stiffnesses: &[f64]) -> Unfolded 
     let attempt = |found: fit::Found| {
         (Attempt::moved(problem, &state, found.surface, found.uv, of.fit), found.folds)
     };
-    Unfolded { before: unfolded.before, found: unfolded.found.into_iter().map(attempt).collect() }
+    WithoutFolds {
+        before: unfolded.before,
+        found: unfolded.found.into_iter().map(attempt).collect(),
+    }
 }
 
 /// How many Jacobian samples of an attempt's surface are inverted.

@@ -7,7 +7,7 @@ use crate::adapt::moves::insert::finer_knots;
 use crate::adapt::moves::reweight::raise;
 use crate::adapt::moves::unfold::unfold;
 use crate::adapt::problem::Problem;
-use crate::adapt::run::Run;
+use crate::adapt::run::FitRun;
 use crate::adapt::state::State;
 use crate::error::Result;
 use crate::fit::STIFFNESSES;
@@ -21,7 +21,7 @@ const MOST_ROUNDS: usize = 8;
 const GIVEN_UP: f64 = 0.01;
 
 /// What became of an attempt's folds.
-struct Outcome {
+struct Tried {
     /// The fewest inverted Jacobian samples.
     inverted: usize,
     /// The attempt with these that keeps the goal, …
@@ -32,7 +32,7 @@ struct Outcome {
 
 /// Takes folds out as far as that does not lose the goal. If a named tolerance would be
 /// lost, knots are inserted where it is. Returns how many Jacobian samples stay inverted, too.
-pub fn take_out(run: &mut Run, start: Attempt) -> Result<(Attempt, usize)> {
+pub fn take_out(run: &mut FitRun, start: Attempt) -> Result<(Attempt, usize)> {
     let problem = run.problem;
     let may_insert = problem.goal.named && problem.options.knots.are_searched();
     let mut finer: Option<Attempt> = None;
@@ -40,7 +40,7 @@ pub fn take_out(run: &mut Run, start: Attempt) -> Result<(Attempt, usize)> {
     let mut best: Option<(Attempt, usize)> = None;
     for round in 0..=MOST_ROUNDS {
         let now = finer.as_ref().unwrap_or(&start);
-        let Outcome { inverted, found, lost } = unfolded(problem, now);
+        let Tried { inverted, found, lost } = unfolded(problem, now);
         before.get_or_insert(inverted);
         // Once there is a surface with fewer folds, knots are inserted one more time.
         let is_second = best.is_some();
@@ -60,7 +60,7 @@ pub fn take_out(run: &mut Run, start: Attempt) -> Result<(Attempt, usize)> {
 
 /// Fits `now` again, with more knots where the surface without folds has `lost` points, and with
 /// the weights that these need. `None` if there are no knots to insert or the goal is not met.
-fn with_knots_for(run: &mut Run, now: &Attempt, mut lost: Attempt) -> Result<Option<Attempt>> {
+fn with_knots_for(run: &mut FitRun, now: &Attempt, mut lost: Attempt) -> Result<Option<Attempt>> {
     let problem = run.problem;
     let tolerance = problem.goal.tolerance;
     let bounds = tolerance::bounds(problem);
@@ -80,8 +80,8 @@ fn with_knots_for(run: &mut Run, now: &Attempt, mut lost: Attempt) -> Result<Opt
 
 /// Tries to take folds out over the same net; if a tolerance is named, in gentler
 /// ways, too, that start with less stiffness and more weight on the points that are lost.
-fn unfolded(problem: &Problem, start: &Attempt) -> Outcome {
-    let mut tried = Outcome { inverted: usize::MAX, found: None, lost: None };
+fn unfolded(problem: &Problem, start: &Attempt) -> Tried {
+    let mut tried = Tried { inverted: usize::MAX, found: None, lost: None };
     let mut start = start.clone();
     let ways = if problem.goal.named { STIFFNESSES.len() } else { 1 };
     for way in 0..ways {
@@ -98,7 +98,7 @@ fn unfolded(problem: &Problem, start: &Attempt) -> Outcome {
 }
 
 /// Tries one way to take folds out.
-fn try_way(problem: &Problem, start: &Attempt, stiffnesses: &[f64], tried: &mut Outcome) {
+fn try_way(problem: &Problem, start: &Attempt, stiffnesses: &[f64], tried: &mut Tried) {
     let given_up = if problem.goal.named { 0 } else { problem.share(GIVEN_UP) };
     let most = start.beyond(problem).0.max(problem.spared()) + given_up;
     let unfolded = unfold(problem, start, stiffnesses);

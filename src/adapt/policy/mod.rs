@@ -13,7 +13,7 @@ use super::attempt::Attempt;
 use super::moves::correct::{FIRM_AREA, correct};
 use super::moves::remove::remove;
 use super::report::Folds;
-use super::run::Run;
+use super::run::FitRun;
 use super::state::State;
 use crate::error::Result;
 use crate::fit;
@@ -39,7 +39,7 @@ const MOST_CORRECTIONS: usize = 5;
 const LEAST_GAIN: f64 = 0.97;
 
 /// Looks for knots over which a fit reaches the goal, unless the user named them.
-pub fn search(run: &mut Run, state: State) -> Result<Attempt> {
+pub fn search(run: &mut FitRun, state: State) -> Result<Attempt> {
     let options = run.problem.options;
     let mut best = run.fit(state)?;
     if options.knots.are_searched() {
@@ -55,7 +55,7 @@ pub fn search(run: &mut Run, state: State) -> Result<Attempt> {
 }
 
 /// Goes on from an attempt over the map as it was before it got more vertices.
-pub fn go_on(run: &mut Run, before: Attempt) -> Result<Attempt> {
+pub fn go_on(run: &mut FitRun, before: Attempt) -> Result<Attempt> {
     let mut state = State { knots: before.state.knots, ..State::new(run.problem) };
     let weights = state.weights.iter_mut().zip(&before.state.weights);
     weights.for_each(|(weight, before)| *weight = *before);
@@ -68,7 +68,7 @@ pub fn go_on(run: &mut Run, before: Attempt) -> Result<Attempt> {
 
 /// The surface without folds as far as the goal allows, and without leaving the mesh between its
 /// points. The folds of blended local fits stay.
-pub fn finish(run: &mut Run, best: Attempt) -> Result<(Attempt, Option<Folds>)> {
+pub fn finish(run: &mut FitRun, best: Attempt) -> Result<(Attempt, Option<Folds>)> {
     if run.problem.options.method == fit::Method::Blend {
         return Ok((best, None));
     }
@@ -79,7 +79,7 @@ pub fn finish(run: &mut Run, best: Attempt) -> Result<(Attempt, Option<Folds>)> 
 }
 
 /// Corrects the parameters over the same knots as long as it pays.
-fn correct_parameters(run: &mut Run, start: Attempt) -> Result<Attempt> {
+fn correct_parameters(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
     let problem = run.problem;
     let mut best = start;
     for _ in 0..MOST_CORRECTIONS {
@@ -101,9 +101,9 @@ fn correct_parameters(run: &mut Run, start: Attempt) -> Result<Attempt> {
 /// Removes knot lines as long as what `fit` makes without them is to be kept, given the best
 /// attempt so far and the new one.
 fn remove_knots(
-    run: &mut Run,
+    run: &mut FitRun,
     start: Attempt,
-    fit: impl Fn(&mut Run, State) -> Result<Attempt>,
+    fit: impl Fn(&mut FitRun, State) -> Result<Attempt>,
     is_kept: impl Fn(&Attempt, &Attempt) -> bool,
 ) -> Result<Attempt> {
     let mut best = start;

@@ -12,7 +12,7 @@ use crate::adapt::attempt::Attempt;
 use crate::adapt::moves::insert::insert;
 use crate::adapt::moves::reject::{self, OUTLYING};
 use crate::adapt::problem::Problem;
-use crate::adapt::run::Run;
+use crate::adapt::run::FitRun;
 use crate::adapt::start::deepest;
 use crate::error::Result;
 use crate::knots::{Bounds, Miss};
@@ -35,7 +35,7 @@ const PATIENCE: usize = 2;
 /// Inserts knots and removes knots as long as the score falls. Where smoothed points are beyond
 /// the tolerance after that, knots are inserted as for a named one; where smoothing is off, such
 /// points may be outliers.
-pub fn search(run: &mut Run, start: Attempt) -> Result<Attempt> {
+pub fn search(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
     let problem = run.problem;
     let best = insert_knots(run, start)?;
     let is_better = |best: &Attempt, next: &Attempt| score(problem, next) < score(problem, best);
@@ -52,7 +52,7 @@ pub fn largest_net(problem: &Problem) -> usize {
 }
 
 /// Inserts knots as long as they bring more than they cost.
-fn insert_knots(run: &mut Run, start: Attempt) -> Result<Attempt> {
+fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
     let problem = run.problem;
     let depth = problem.options.knots.depth;
     let bounds = Bounds {

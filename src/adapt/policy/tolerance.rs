@@ -7,7 +7,7 @@ use crate::adapt::moves::correct::FIRM_AREA;
 use crate::adapt::moves::insert::insert;
 use crate::adapt::moves::reweight::reweight;
 use crate::adapt::problem::Problem;
-use crate::adapt::run::Run;
+use crate::adapt::run::FitRun;
 use crate::adapt::state::State;
 use crate::error::Result;
 use crate::knots::Bounds;
@@ -30,7 +30,7 @@ const MOST_REWEIGHTED: usize = 3;
 const REWEIGHTING_PAYS: f64 = 0.7;
 
 /// Inserts knots until the tolerance is met, and then removes those that it does not need.
-pub fn search(run: &mut Run, start: Attempt) -> Result<Attempt> {
+pub fn search(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
     let problem = run.problem;
     let best = insert_knots(run, start)?;
     match best.is_met(problem) {
@@ -40,7 +40,7 @@ pub fn search(run: &mut Run, start: Attempt) -> Result<Attempt> {
 }
 
 /// Inserts knots where points are missed until the tolerance is met or nothing helps.
-pub fn insert_knots(run: &mut Run, start: Attempt) -> Result<Attempt> {
+pub fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
     let problem = run.problem;
     let mut best = reweighted(run, start)?;
     let mut last: Option<Attempt> = None;
@@ -80,13 +80,13 @@ pub fn bounds(problem: &Problem) -> Bounds {
     }
 }
 
-fn fit_reweighted(run: &mut Run, state: State) -> Result<Attempt> {
+fn fit_reweighted(run: &mut FitRun, state: State) -> Result<Attempt> {
     let attempt = run.fit(state)?;
     reweighted(run, attempt)
 }
 
 /// Raises the weights of the points that a surface misses as long as that brings them back.
-fn reweighted(run: &mut Run, mut best: Attempt) -> Result<Attempt> {
+fn reweighted(run: &mut FitRun, mut best: Attempt) -> Result<Attempt> {
     let problem = run.problem;
     let few = problem.share(HOPELESS);
     for _ in 0..MOST_REWEIGHTED {

@@ -5,11 +5,11 @@
 
 use super::{HOPELESS, tolerance};
 use crate::adapt::attempt::Attempt;
+use crate::adapt::inner::AIM;
 use crate::adapt::moves::correct::FIRM_AREA;
 use crate::adapt::moves::insert::finer_knots;
 use crate::adapt::moves::mend::{around, maker, mend};
 use crate::adapt::moves::unfold::inverted;
-use crate::adapt::places::AIM;
 use crate::adapt::problem::Problem;
 use crate::adapt::state::State;
 use crate::deviation::Left;
