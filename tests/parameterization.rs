@@ -327,8 +327,8 @@ fn a_pipe_gets_vertices_where_its_map_draws_it_out() {
         let sides = measured.clone().flat_map(|(t, _)| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
         let long = sides.filter(is_long).filter(|side| !is_on_rim(side)).count();
         // The open end of the pipe counts as a bay, as in every conversion that leaves the
-        // boundary free. Around it 738 sides of 1,500 points are left; on a map without that bay,
-        // which no conversion makes, no more than 150 were.
+        // boundary free. Around it 738 sides of 1,500 points are left; a test beside
+        // `src/parameterize/outline.rs` has a map without that bay and holds it to a tenth.
         let most = if outline == Outline::Free { patch.measured / 2 } else { 0 };
         assert!(long <= most, "{outline:?} {long}");
         // They are on the pipe, not on chords of it, which are up to 0.03 mm off.

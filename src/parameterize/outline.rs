@@ -118,7 +118,10 @@ const MARGIN: f64 = 0.02;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::Uv;
+    use crate::geometry::{Uv, VertexId};
+    use crate::mesh::{self, Choice, Components, Outer, Repairs};
+    use crate::{course, fill};
+    use formats::Soup;
     use stars::tests::grid;
 
     /// A grid on the square with some vertices thrown onto others, as the map of a patch.
@@ -146,5 +149,50 @@ mod tests {
         let (patch, report) = reported(patch, &map, 0);
         assert!(before > 0 && report.mended > 0);
         assert_eq!((report.flipped, flipped(&patch).len()), (0, 0));
+    }
+
+    /// A bent pipe, open at one end; the other one is filled.
+    fn pipe() -> Patch {
+        let (around, along) = (60_u32, 24_u32);
+        let mut soup = Soup::default();
+        let turn = |k: u32, of: u32| std::f64::consts::TAU * f64::from(k) / f64::from(of);
+        for (i, j) in (0..=along).flat_map(|i| (0..around).map(move |j| (i, j))) {
+            let (a, b) = (turn(i, 3 * along), turn(j, around));
+            let r = 20.0 + 6.0 * b.cos();
+            soup.points.push([r * a.cos(), r * a.sin(), 6.0 * b.sin()]);
+        }
+        for (i, j) in (0..along).flat_map(|i| (0..around).map(move |j| (i, j))) {
+            let at = |i: u32, j: u32| i * around + j % around;
+            let [a, b, c, d] = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+            soup.polygons.push([a, b, c]);
+            soup.polygons.push([a, c, d]);
+        }
+        let scan = Components::new(mesh::from_soup(&soup, 1.0).unwrap());
+        let disk = scan.take(Choice::Largest).unwrap();
+        let disk = disk.into_disk(Outer::Auto, &mut Repairs::new()).unwrap();
+        let points = disk.mesh.points.clone();
+        fill::fill(disk, &points, &fill::Options::default()).unwrap().0
+    }
+
+    /// Without a bay over the open end, which `parameterize` would close, few sides stay that
+    /// are drawn out.
+    #[test]
+    fn a_free_map_of_a_pipe_without_bays_is_hardly_drawn_out() {
+        let options = Options { outline: Some(Outline::Free), ..Options::default() };
+        let (map, report) = map(pipe(), &options, &mut course::untold).unwrap();
+        let patch = &map.patch;
+        assert!(report.split_edges > 0 && patch.measured_outer.is_none());
+        let even = 1.0 / (patch.measured as f64).sqrt();
+        let width = report.stretch.aspect.sqrt();
+        let is_long = |&(a, b): &(VertexId, VertexId)| {
+            let d = map.uv[b.index()] - map.uv[a.index()];
+            (d.x * width).hypot(d.y / width) > 2.01 * even
+        };
+        let is_on_rim =
+            |(a, b): &(VertexId, VertexId)| patch.rims[0].contains(a) && patch.rims[0].contains(b);
+        let measured = patch.measured_triangles().map(|t| patch.mesh.triangles[t]);
+        let sides = measured.flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
+        let long = sides.filter(is_long).filter(|side| !is_on_rim(side)).count();
+        assert!(long <= patch.measured / 10, "{long} of {}", patch.measured);
     }
 }

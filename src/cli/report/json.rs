@@ -137,8 +137,8 @@ fn fit_report(c: &Conversion) -> Value {
         "kappa_mm": c.fit.kappa,
         "rounds": c.fit.rounds,
         "steps": c.fit.fit.steps,
-        "folds": c.fit.folds.map(|folds| folds.turned),
-        "places": c.fit.folds.map(|folds| folds.places),
+        "folds": c.fit.folds.map(|folds| folds.inverted),
+        "places": c.fit.folds.map(|folds| folds.samples),
     })
 }
 

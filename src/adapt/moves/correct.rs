@@ -6,10 +6,34 @@ use std::cmp::Ordering;
 
 use rayon::prelude::*;
 
+use super::reject;
+use crate::adapt::attempt::Attempt;
+use crate::adapt::problem::Problem;
+use crate::adapt::state::State;
 use crate::geometry::{Uv, VertexId, orient2d};
 
-/// After as many attempts the old map stays.
-const ATTEMPTS: usize = 12;
+/// The share of its area that every triangle of the map keeps between fits. Corrections follow
+/// each other, and where they wear the map thin, surfaces fold.
+pub const FIRM_AREA: f64 = 0.2;
+
+/// The same while folds are taken out or a surface is mended, which come last and need more
+/// freedom: just enough that rounding inverts no triangle.
+pub const LEAST_AREA: f64 = 1e-3;
+
+/// Rounds in which vertices are put back before the old map stays altogether. A round puts back
+/// the neighbours of those before, so that a dozen rounds reach a dozen edges far.
+const ROUNDS: usize = 12;
+
+/// The state of an attempt with the parameters of its foot points and without its outliers.
+pub fn correct(problem: &Problem, of: &Attempt, least_area: f64) -> State {
+    State {
+        knots: of.state.knots.clone(),
+        uv: of.corrected(problem, least_area),
+        weights: of.state.weights.clone(),
+        outliers: reject::outliers(problem, &of.foot_points.distances),
+        inner: of.state.inner.clone(),
+    }
+}
 
 /// Twice a triangle's area at some parameters.
 pub fn area(at: impl Fn(usize) -> Uv, triangle: [VertexId; 3]) -> f64 {
@@ -22,26 +46,26 @@ pub fn with_skirt<'a>(uv: &'a [Uv], skirt: &'a [Uv]) -> impl Fn(usize) -> Uv + '
     move |v| uv.get(v).copied().unwrap_or_else(|| skirt[v - uv.len()])
 }
 
-/// The parameters `uv`, `moved` to their feet. Vertices of triangles that would keep less
-/// than the share `least` of their [`area`] in the map as it was `made` stay where they
-/// were. Those that `skirt` is the places of come after them, and stay.
-pub fn corrected(
+/// The parameters `uv`, `moved` to their foot points. Vertices of triangles that would keep less
+/// than the share `least` of their [`area`], which are `areas` on the map as it was made, stay
+/// where they were. The vertices of the `skirt` come after the others, and stay.
+pub fn movable(
     triangles: &[[VertexId; 3]],
-    made: &[f64],
+    areas: &[f64],
     least: f64,
     uv: Vec<Uv>,
     mut moved: Vec<Uv>,
     skirt: &[Uv],
 ) -> Vec<Uv> {
-    // Feet that are no numbers crush them, too.
+    // Foot points that are no numbers crush them, too.
     let crushed = |at: &[Uv], t: usize| {
         let area = area(with_skirt(at, skirt), triangles[t]);
-        area.partial_cmp(&(least * made[t])).is_none_or(Ordering::is_lt)
+        area.partial_cmp(&(least * areas[t])).is_none_or(Ordering::is_lt)
     };
     // Only triangles with a vertex that has just been put back can turn now.
     let all = || (0..triangles.len()).into_par_iter();
     let mut suspects: Vec<usize> = all().filter(|&t| crushed(&moved, t)).collect();
-    for _ in 0..ATTEMPTS {
+    for _ in 0..ROUNDS {
         if suspects.is_empty() {
             return moved;
         }
@@ -74,13 +98,13 @@ mod tests {
     }
 
     #[test]
-    fn a_vertex_moves_to_its_foot_unless_triangles_turn_over() {
+    fn a_vertex_moves_to_its_foot_point_unless_triangles_are_inverted() {
         let (mesh, uv) = fan();
-        let made: Vec<f64> = mesh.triangles.iter().map(|&t| area(|v| uv[v], t)).collect();
+        let areas: Vec<f64> = mesh.triangles.iter().map(|&t| area(|v| uv[v], t)).collect();
         let moved = |u: f64, v: f64| {
-            let mut feet = uv.clone();
-            feet[4] = Uv::new(u, v);
-            corrected(&mesh.triangles, &made, 0.2, uv.clone(), feet, &[])[4]
+            let mut wanted = uv.clone();
+            wanted[4] = Uv::new(u, v);
+            movable(&mesh.triangles, &areas, 0.2, uv.clone(), wanted, &[])[4]
         };
         assert_eq!(moved(0.3, 0.6), Uv::new(0.3, 0.6));
         assert_eq!(moved(0.3, 1.2), uv[4]);

@@ -1,36 +1,37 @@
-//! Places between vertices that hold the surface, too: in triangles that the map draws out
-//! over several knot cells, a vertex at each corner leaves it free.
+//! Samples inside triangles that hold the surface, too: where the map draws a triangle out over
+//! several knot cells, its three vertices leave the surface free between them.
 
 use std::ops::Range;
 
 use foldhash::HashMap;
 
-use super::target::MOST_PRESSURE;
+use super::moves::reweight::MOST_RAISE;
 use crate::deviation::{Left, middles, narrowest, spanned};
 use crate::fit::Hold;
 use crate::geometry::{Point, Uv, Vector, VertexId};
 use crate::mesh::Mesh;
 use crate::spline::{KnotVector, Surface};
 
-/// What all places of a triangle weigh together, in vertices: a mesh has half as many vertices
+/// What all samples of a triangle weigh together, in vertices: a mesh has half as many vertices
 /// as triangles.
 const WEIGHT: f64 = 0.5;
 
-/// Parts of a span, in u and in v, each of which has a place at the most. With one alone a
-/// surface still bends to and fro between places, and mends do not come to an end.
+/// Parts of a span, along u and along v, with at most one sample each. With a single part a
+/// surface still bends to and fro between samples, and mending does not come to an end.
 const PARTS: f64 = 2.0;
 
-/// Places along a triangle's side at the most: beyond so many the thin-plate energy holds the
-/// cells between.
+/// The most samples along a triangle's side. Where a side spans more cells, the thin-plate energy
+/// holds those between.
 const MOST_ALONG: usize = 32;
 
-/// The share of what a triangle may be left by that is aimed at: weights bring a surface to
-/// its aim from above, and ever more slowly.
+/// The share of what a triangle may be left by that is aimed at: raised weights bring a surface
+/// to its aim from above and ever more slowly, so that an aim of 1 is not reached.
 pub const AIM: f64 = 0.85;
 
-/// A place in a triangle, on the surface as the normals at the corners bend it: what is held
-/// are no facets.
-pub struct Place {
+/// A sample in a triangle, on the surface as the normals at the corners bend it and not on the
+/// flat facet.
+#[derive(Clone)]
+pub struct InnerSample {
     corners: [VertexId; 3],
     /// The corners' shares in it.
     shares: [f64; 3],
@@ -42,7 +43,7 @@ pub struct Place {
     pub weight: f64,
 }
 
-impl Place {
+impl InnerSample {
     /// Its parameters, with the vertices at `uv`.
     pub fn uv(&self, uv: &[Uv]) -> Uv {
         let share = |k: usize| self.shares[k] * uv[self.corners[k].index()].coords;
@@ -50,32 +51,38 @@ impl Place {
     }
 }
 
-/// The places of some triangles.
-#[derive(Default)]
-pub struct Places {
+/// The samples of some triangles.
+#[derive(Default, Clone)]
+pub struct InnerSamples {
     /// All of them.
-    pub all: Vec<Place>,
+    pub all: Vec<InnerSample>,
     /// Where among them those of a triangle are.
     of: HashMap<usize, Range<usize>>,
 }
 
-impl Places {
+impl InnerSamples {
     /// Those of a triangle.
     pub fn of(&self, triangle: usize) -> Range<usize> {
         self.of.get(&triangle).cloned().unwrap_or_default()
     }
 
-    /// Gives weight to the places of triangles that a surface leaves (Lawson's iteration).
-    /// Where a triangle has none yet, it gets them, and so do those beside it that span a
-    /// knot cell, of those that were `measured`: what the surface leaves the one for would be
-    /// the next.
+    /// The parameters of vertices at `uv` and, after them, those of the samples.
+    pub fn after(&self, mut uv: Vec<Uv>) -> Vec<Uv> {
+        let between: Vec<Uv> = self.all.iter().map(|sample| sample.uv(&uv)).collect();
+        uv.extend(between);
+        uv
+    }
+
+    /// Raises the weights of the samples of triangles that a surface leaves (Lawson's iteration).
+    /// A triangle without samples gets them, and so do the triangles beside it that were
+    /// `measured` and span a knot cell: the surface would leave those next.
     pub fn hold(&mut self, left: &[Left], maker: &Maker, measured: &[usize]) {
         let mesh = maker.mesh;
         let mut beside = vec![false; mesh.points.len()];
         for &Left { triangle, ratio } in left {
             let held = self.of(triangle);
-            let places = self.all[held.clone()].iter_mut();
-            places.for_each(|place| place.weight *= (ratio / AIM).powi(2).min(MOST_PRESSURE));
+            let samples = self.all[held.clone()].iter_mut();
+            samples.for_each(|sample| sample.weight *= (ratio / AIM).powi(2).min(MOST_RAISE));
             if held.is_empty() {
                 self.add(maker, triangle);
             }
@@ -91,12 +98,12 @@ impl Places {
 
     fn add(&mut self, maker: &Maker, triangle: usize) {
         let before = self.all.len();
-        maker.places(triangle, &mut self.all);
+        maker.samples(triangle, &mut self.all);
         self.of.insert(triangle, before..self.all.len());
     }
 }
 
-/// What makes places.
+/// What makes samples.
 pub struct Maker<'a> {
     mesh: &'a Mesh,
     normals: Vec<Vector>,
@@ -119,8 +126,8 @@ impl<'a> Maker<'a> {
         spanned(self.mesh.triangles[triangle].map(|v| self.uv[v.index()]), self.cells)
     }
 
-    /// A triangle's places, one in each part of a knot cell at the most.
-    fn places(&self, triangle: usize, to: &mut Vec<Place>) {
+    /// A triangle's samples, one in each part of a knot cell at the most.
+    fn samples(&self, triangle: usize, to: &mut Vec<InnerSample>) {
         let corners = self.mesh.triangles[triangle];
         let n = ((PARTS * self.spanned(triangle)).ceil() as usize).clamp(1, MOST_ALONG);
         let shares: Vec<[f64; 3]> = self.one_a_cell(corners, n);
@@ -136,7 +143,7 @@ impl<'a> Maker<'a> {
             let normal = sum(&|k| shares[k] * self.normals[corners[k].index()]);
             let normal = normal.try_normalize(0.0).unwrap_or_default();
             let metric = normal * normal.transpose();
-            Place {
+            InnerSample {
                 corners,
                 shares,
                 point: Point::from(flat + bent),
@@ -178,7 +185,7 @@ mod tests {
 
     /// A triangle on a cylinder around the y axis, of radius 10.
     #[test]
-    fn places_are_on_the_bent_surface_and_go_where_the_corners_go() {
+    fn samples_are_on_the_bent_surface_and_go_where_the_corners_go() {
         let at = [(0.0f64, 0.0), (0.4, 0.0), (0.2, 5.0)];
         let normals = at.map(|(a, _)| Vector::new(a.sin(), 0.0, a.cos())).to_vec();
         let on =
@@ -188,20 +195,20 @@ mod tests {
         let uv = [Uv::new(0.0, 0.0), Uv::new(0.5, 0.0), Uv::new(0.25, 0.4)];
         let knots = KnotVector::uniform(3, 13);
         let maker = Maker { mesh: &mesh, normals, uv: &uv, knots: [&knots; 2], cells: [0.1; 2] };
-        let mut places = Vec::new();
-        maker.places(0, &mut places);
+        let mut samples = Vec::new();
+        maker.samples(0, &mut samples);
         // It touches some fourteen cells, a quarter of some of them.
-        assert!((30..60).contains(&places.len()), "{}", places.len());
-        let weight: f64 = places.iter().map(|place| place.weight).sum();
+        assert!((30..60).contains(&samples.len()), "{}", samples.len());
+        let weight: f64 = samples.iter().map(|sample| sample.weight).sum();
         assert!((weight - WEIGHT).abs() < 1e-12, "{weight}");
-        for place in &places {
-            let radius = place.point.x.hypot(place.point.z);
+        for sample in &samples {
+            let radius = sample.point.x.hypot(sample.point.z);
             // Its chords are 0.2 from the cylinder.
             assert!((radius - 10.0).abs() < 0.01, "{radius}");
-            let normal = place.hold.normal;
-            assert!((normal.x * 10.0 - place.point.x).abs() < 0.02, "{normal} {}", place.point);
+            let normal = sample.hold.normal;
+            assert!((normal.x * 10.0 - sample.point.x).abs() < 0.02, "{normal} {}", sample.point);
             let moved = uv.map(|at| at + UvVector::new(0.1, 0.2));
-            let step = place.uv(&moved) - place.uv(&uv);
+            let step = sample.uv(&moved) - sample.uv(&uv);
             assert!((step - UvVector::new(0.1, 0.2)).norm() < 1e-12, "{step}");
         }
     }
