@@ -95,6 +95,9 @@ pub enum Error {
         /// What is wrong with the value.
         fault: rules::Fault,
     },
+    /// The system starts no more threads.
+    #[error("the threads cannot be started: {0}")]
+    Threads(String),
     /// What a stage was given does not fit together.
     #[error("{0}")]
     Input(&'static str),
@@ -286,6 +289,7 @@ impl Error {
             Error::Option { option, .. } => {
                 format!("give another value for {option}, or leave the option out")
             }
+            Error::Threads(_) => "name fewer --threads".into(),
             Error::Input(_) => "hand on what the stage before made".into(),
             Error::Trim { of: Bound::Outer, .. } => {
                 "lay the outer boundary on the sides (--outline sides), or name a smaller --tolerance".into()

@@ -71,6 +71,11 @@
 //! [`deviation::Face`] tells how far points are from the face; [`check::check`] how far
 //! a CAD file is from a scan.
 //!
+//! # Threads
+//!
+//! The loops of a conversion are shared by threads that end with it, or by those of the
+//! caller's pool ([`threads`]). Nothing is set for the whole process.
+//!
 //! # Features
 //!
 //! `cli` (default) is the program; `picture`, which it implies, the module of that name.
@@ -109,13 +114,14 @@ pub mod rules;
 mod sets;
 pub mod smooth;
 pub mod spline;
+pub mod threads;
 pub mod trim;
 pub mod words;
 
 pub use adapt::{Adapted, KnotOptions};
 pub use convert::{
-    Builder, Conversion, Cut, InputReport, Inspection, Measured, Missed, Options, Stage, convert,
-    convert_component, convert_file, cut, inspect, measured,
+    Builder, Conversion, Cut, InputReport, Inspection, Measured, Missed, Observer, Options, Stage,
+    convert, convert_component, convert_file, cut, inspect, measured,
 };
 pub use course::Course;
 pub use error::{Error, Result};

@@ -98,15 +98,9 @@ fn among(
     threads: Option<u16>,
     command: impl FnOnce() -> Result<Outcome, Failure> + Send,
 ) -> Result<Outcome, Failure> {
-    let threads = threads.map_or(0, usize::from);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK);
-    pool.build_global()
-        .map_err(|e| Failure { error: e.to_string(), help: "name fewer --threads".into() })?;
-    rayon::scope(|_| command())
+    scan2step::threads::run(threads.map(usize::from), command)
+        .map_err(|e| Failure { error: e.to_string(), help: e.help() })?
 }
-
-/// Bytes of a thread's stack, as the main thread's has.
-const STACK: usize = 8 << 20;
 
 /// Exit codes of a run that came to nothing, and of one that was called wrongly.
 const FAILED: u8 = 1;

@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::conversion::{Conversion, Missed};
-use super::stage::{Stage, within};
+use super::stage::{Observer, Stage, within};
 use super::{Options, cut, input};
 use crate::adapt::Goal;
 use crate::mesh::Components;
@@ -20,7 +20,7 @@ use crate::{Result, adapt, brep, deviation, fill, parameterize, smooth, spline, 
 pub(super) fn face(
     scan: &Components,
     options: &Options,
-    watch: &mut dyn FnMut(Stage) -> Result<()>,
+    watch: &mut Observer,
 ) -> Result<Conversion> {
     let mm = scan.mm();
     let (measured, input) = input::disk(scan, options)?;

@@ -14,6 +14,7 @@
 
 mod aggregates;
 mod bays;
+mod bicgstab;
 mod chords;
 mod coarse;
 mod corners;
@@ -22,6 +23,7 @@ mod gaps;
 mod hierarchy;
 mod layout;
 mod level;
+mod lu;
 mod map;
 mod mean_value;
 mod mend;
