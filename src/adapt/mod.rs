@@ -22,10 +22,10 @@ mod search;
 mod target;
 mod weights;
 
-use crate::course::{self, Course};
 use crate::error::{Result, of};
 use crate::geometry::Uv;
 use crate::mesh::Parameterized;
+use crate::progress::{self, Progress};
 use crate::spline::{KnotVector, Samples, Surface};
 use crate::{fit, knots, rules};
 use search::{Attempt, Search};
@@ -153,30 +153,30 @@ pub struct Folds {
 /// κ or depth that is named make a larger net than allowed.
 /// [`Error::Singular`](crate::Error::Singular): the equations have no solution.
 pub fn fit(map: &mut Parameterized, options: &Options, goal: &Goal) -> Result<(Surface, Adapted)> {
-    fit_with(map, options, goal, &mut course::untold)
+    fit_with(map, options, goal, &mut progress::ignore)
 }
 
 /// The same, telling how far it has come.
 ///
 /// # Errors
-/// Those of [`fit`](fn@fit), and what `course` answers.
+/// Those of [`fit`](fn@fit), and what `progress` answers.
 pub fn fit_with(
     map: &mut Parameterized,
     options: &Options,
     goal: &Goal,
-    course: &mut Course,
+    progress: &mut Progress,
 ) -> Result<(Surface, Adapted)> {
     options.knots.check()?;
     rules::length(goal.tolerance).map_err(of("tolerance"))?;
     rules::share(goal.outliers).map_err(of("outliers"))?;
-    let mut search = Search::new(Target::new(map), options, goal, course);
+    let mut search = Search::new(Target::new(map), options, goal, progress);
     let mut known = first(&mut search)?;
     let uv = search.corrected(&known.best);
     if search.wants_vertices(&known.best, &uv) {
         drop(search);
         map.uv = uv;
         between::bridge(map, &known.best.surface);
-        search = Search::new(Target::new(map), options, goal, course);
+        search = Search::new(Target::new(map), options, goal, progress);
         known = again(&mut search, known)?;
     }
     let (surface, adapted, uv) = finished(search, known)?;

@@ -2,11 +2,11 @@
 
 use super::target::{Feet, Target};
 use super::{Goal, Options};
-use crate::course::Course;
 use crate::error::Result;
 use crate::fit::Hold;
 use crate::geometry::Uv;
 use crate::knots::Bounds;
+use crate::progress::Progress;
 use crate::spline::{KnotVector, Surface};
 use crate::{fit, knots, rules};
 
@@ -70,7 +70,7 @@ pub struct Search<'a> {
     pub rounds: usize,
     /// The standard deviation of noise that keeps surfaces from a named tolerance.
     pub hindrance: Option<f64>,
-    course: &'a mut Course<'a>,
+    progress: &'a mut Progress<'a>,
 }
 
 impl<'a> Search<'a> {
@@ -79,12 +79,12 @@ impl<'a> Search<'a> {
         target: Target<'a>,
         options: &'a Options,
         goal: &'a Goal,
-        course: &'a mut Course<'a>,
+        progress: &'a mut Progress<'a>,
     ) -> Self {
         let holds = target.holds();
         let (rounds, idle_slides, hindrance) = (0, 0, None);
         let mut search =
-            Search { holds, idle_slides, target, options, goal, rounds, hindrance, course };
+            Search { holds, idle_slides, target, options, goal, rounds, hindrance, progress };
         let (limit, most) = search.doubts();
         search.target.doubt_unseen(limit, most);
         search
@@ -93,7 +93,7 @@ impl<'a> Search<'a> {
     /// A fit over the given knots.
     pub fn attempt(&mut self, knots: [KnotVector; 2]) -> Result<Attempt> {
         // How many fits will follow nobody knows: each is the same share of what is left.
-        (self.course)(1.0 - LEFT.powi(self.rounds as i32))?;
+        (self.progress)(1.0 - LEFT.powi(self.rounds as i32))?;
         let (mut surface, fit) = fit::fit(&self.target.samples, knots, self.options.method)?;
         self.target.pin_corners(&mut surface);
         let mut feet = self.target.feet(&surface);
