@@ -95,6 +95,9 @@ pub enum Error {
         /// What is wrong with the value.
         fault: rules::Fault,
     },
+    /// The caller stopped it: a callback answered so.
+    #[error("stopped")]
+    Stopped,
     /// The system starts no more threads.
     #[error("the threads cannot be started: {0}")]
     Threads(String),
@@ -289,6 +292,7 @@ impl Error {
             Error::Option { option, .. } => {
                 format!("give another value for {option}, or leave the option out")
             }
+            Error::Stopped => "start it again to get a result".into(),
             Error::Threads(_) => "name fewer --threads".into(),
             Error::Input(_) => "hand on what the stage before made".into(),
             Error::Trim { of: Bound::Outer, .. } => {

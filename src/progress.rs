@@ -2,16 +2,18 @@
 
 use crate::error::Result;
 
-/// Is told the share of its time that a stage has behind it, about; it may go back a
-/// little. An error of its own stops the stage.
-pub type Progress<'a> = dyn FnMut(f64) -> Result<()> + 'a;
+/// A callback that hears about what share of its time a stage has behind it, from 0 to 1. It
+/// may hear a slightly smaller share than before. An error of its own stops the stage:
+/// [`Error::Stopped`](crate::Error::Stopped) where its caller wants no more.
+pub type Progress<'a> = dyn FnMut(f64) -> Result<()> + Send + 'a;
 
-/// The progress of a part of a stage, which takes the shares from `from` to `to`.
+/// A callback for a part of a stage, whose shares from 0 to 1 are those from `from` to `to`
+/// of the whole stage.
 pub(crate) fn part(progress: &mut Progress, from: f64, to: f64) -> impl FnMut(f64) -> Result<()> {
     move |share| progress(from + share * (to - from))
 }
 
-/// For whom it is all the same.
+/// A callback that ignores progress.
 pub(crate) fn ignore(_: f64) -> Result<()> {
     Ok(())
 }

@@ -42,11 +42,34 @@ fn a_run_can_be_stopped_within_each_long_stage() {
     let soup = formats::read_scan(&fixture("relief.ply")).expect("a scan");
     for name in LONG {
         let stopped = scan2step::convert(&soup, &Options::default(), &mut |stage| match stage {
-            Stage::Within(now, _) if now == name => Err(Error::Input("enough")),
+            Stage::Within(now, _) if now == name => Err(Error::Stopped),
             ended if ended.name() == name => panic!("{name} went on to its end"),
             _ => Ok(()),
         });
-        assert!(matches!(stopped, Err(Error::Input("enough"))), "{name}");
+        assert!(matches!(stopped, Err(Error::Stopped)), "{name}");
+    }
+}
+
+#[test]
+fn a_run_can_be_stopped_after_each_stage() {
+    let soup = formats::read_scan(&fixture("relief.ply")).expect("a scan");
+    let options = Options::builder().threads(2).build().expect("options");
+    let run = |last: usize| {
+        let mut ended = Vec::new();
+        let answer = scan2step::convert(&soup, &options, &mut |stage| {
+            if !matches!(stage, Stage::Within(..)) {
+                ended.push(stage.name());
+            }
+            if ended.len() > last { Err(Error::Stopped) } else { Ok(()) }
+        });
+        (answer, ended)
+    };
+    let (answer, all) = run(usize::MAX);
+    assert!(answer.is_ok());
+    for last in 0..all.len() {
+        let (stopped, ended) = run(last);
+        assert!(matches!(stopped, Err(Error::Stopped)), "after {}", all[last]);
+        assert_eq!(ended, all[..=last]);
     }
 }
 

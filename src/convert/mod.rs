@@ -26,7 +26,8 @@ use crate::mesh::{self, Components};
 use crate::{Result, threads};
 
 /// Converts one component of a scan. `watch` is shown what each stage made, and how far
-/// long ones have come; an error of its own stops the conversion.
+/// long ones have come. It stops the conversion with an error of its own, such as
+/// [`Error::Stopped`](crate::Error::Stopped).
 ///
 /// The work is shared by as many threads as [`Builder::threads`] says. `watch` is called on
 /// one of them.

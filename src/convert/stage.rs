@@ -32,8 +32,9 @@ pub enum Stage<'a> {
     Within(&'static str, f64),
 }
 
-/// A callback that sees each [`Stage`]; an error of its own stops the conversion. It is
-/// called on one of the threads that share the work.
+/// A callback that sees each [`Stage`]. An error of its own stops the conversion, and is what
+/// [`convert`](crate::convert) answers: [`Error::Stopped`](crate::Error::Stopped) where its
+/// caller wants no more. It is called on one of the threads that share the work.
 pub type Observer<'a> = dyn FnMut(Stage) -> Result<()> + Send + 'a;
 
 impl Stage<'_> {
