@@ -104,6 +104,7 @@ pub(super) fn face(
         outer: outer.map(|(control, off)| (control, mm * off)),
         trim,
         rim_tolerance: mm * trim_options.rim,
+        vertices: scan.vertices(&measured.mesh.points),
         hints: Vec::new(),
     })
 }
