@@ -17,6 +17,7 @@ mod places;
 mod progress;
 mod report;
 mod settings;
+mod spelling;
 mod stages;
 mod streams;
 mod talk;
@@ -110,8 +111,9 @@ const USAGE: u8 = 2;
 fn tell(failure: &Failure, colour: args::Colour, code: u8) -> ExitCode {
     let (red, blue, plain) =
         if colour.is_on() { ("\x1b[1;31m", "\x1b[1;36m", "\x1b[0m") } else { ("", "", "") };
-    streams::say(format_args!("{red}error{plain}: {}", failure.error));
-    streams::say(format_args!("{blue}help{plain}: {}", failure.help));
+    let [error, help] = [&failure.error, &failure.help].map(|text| spelling::spelled(text));
+    streams::say(format_args!("{red}error{plain}: {error}"));
+    streams::say(format_args!("{blue}help{plain}: {help}"));
     ExitCode::from(code)
 }
 
