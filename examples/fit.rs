@@ -33,7 +33,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let samples = read(file)?;
     let knots = [KnotVector::cubic(m.parse()?)?, KnotVector::cubic(n.parse()?)?];
-    faer::set_global_parallelism(faer::Par::Seq);
     let (cpu, clock) = (cpu_s()?, Instant::now());
     let (surface, report) = fit::fit(&samples, knots, method)?;
     let (cpu, clock) = (cpu_s()? - cpu, clock.elapsed().as_secs_f64());

@@ -1,16 +1,64 @@
-//! Cholesky factors of matrices with one and the same pattern, with their
-//! determinants.
+//! Cholesky factors of sparse matrices: [`Cholesky`] of one matrix, and [`Pattern`] of many
+//! with one and the same pattern, with their determinants.
+//!
+//! Both work on the thread that calls them. faer would share the work as a setting of the
+//! whole process says, and the order of its sums would depend on the number of threads.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
-use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky, supernodal::SupernodalLltRef,
 };
+use faer::sparse::linalg::{LltError, SupernodalThreshold, amd};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
-use faer::{Conj, Mat, Par, Side};
+use faer::{Conj, Index, Mat, Par, Side};
+
+/// The Cholesky factor of a sparse symmetric matrix.
+#[derive(Debug)]
+pub struct Cholesky<I: Index> {
+    symbolic: SymbolicCholesky<I>,
+    factor: Vec<f64>,
+}
+
+impl<I: Index> Cholesky<I> {
+    /// Reads the lower triangle of the matrix.
+    ///
+    /// # Errors
+    /// The matrix is not positive definite, or there is no memory for the factor.
+    pub fn new(matrix: SparseColMatRef<'_, I, f64>) -> Result<Self, LltError> {
+        let (side, params) = (Side::Lower, CholeskySymbolicParams::default());
+        let order = SymmetricOrdering::Amd;
+        let symbolic = factorize_symbolic_cholesky(matrix.symbolic(), side, order, params)?;
+        let mut factor = Vec::new();
+        factor.try_reserve_exact(symbolic.len_val())?;
+        factor.resize(symbolic.len_val(), 0.0);
+        let room = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let mut room = MemBuffer::try_new(room)?;
+        symbolic.factorize_numeric_llt(
+            &mut factor,
+            matrix,
+            side,
+            Default::default(),
+            Par::Seq,
+            MemStack::new(&mut room),
+            Default::default(),
+        )?;
+        Ok(Cholesky { symbolic, factor })
+    }
+
+    /// Replaces the right sides, one a column, by their solutions.
+    pub fn solve(&self, right: &mut Mat<f64>) {
+        let room = self.symbolic.solve_in_place_scratch::<f64>(right.ncols(), Par::Seq);
+        let mut room = MemBuffer::new(room);
+        LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
+            Conj::No,
+            right.as_mut(),
+            Par::Seq,
+            MemStack::new(&mut room),
+        );
+    }
+}
 
 /// The pattern of a symmetric matrix's lower triangle, analysed, and room for
 /// the work.

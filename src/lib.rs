@@ -55,7 +55,7 @@
 //!
 //! Each stage is a function with options and a report of its own, to be called with
 //! one's own mesh, between others, or alone; `examples/stages.rs` calls all of them. Those
-//! that take long have a second one, `smooth_with` and the like, that tells a [`Course`]
+//! that take long have a second one, `smooth_with` and the like, that tells a [`Progress`]
 //! how far it has come.
 //!
 //! | stage | function | from | makes |
@@ -70,6 +70,11 @@
 //!
 //! [`deviation::Face`] tells how far points are from the face; [`check::check`] how far
 //! a CAD file is from a scan.
+//!
+//! # Threads
+//!
+//! The loops of a conversion are shared by threads that end with it, or by those of the
+//! caller's pool ([`threads`]). Nothing is set for the whole process.
 //!
 //! # Features
 //!
@@ -94,7 +99,6 @@ pub mod brep;
 pub mod check;
 mod cholesky;
 mod convert;
-mod course;
 pub mod deviation;
 pub mod error;
 pub mod fill;
@@ -105,19 +109,21 @@ pub mod mesh;
 pub mod parameterize;
 #[cfg(feature = "picture")]
 pub mod picture;
+mod progress;
 pub mod rules;
 mod sets;
 pub mod smooth;
 pub mod spline;
+pub mod threads;
 pub mod trim;
 pub mod words;
 
 pub use adapt::{Adapted, KnotOptions};
 pub use convert::{
-    Builder, Conversion, Cut, InputReport, Inspection, Measured, Missed, Options, Stage, convert,
-    convert_component, convert_file, cut, inspect, measured,
+    Builder, Conversion, Cut, InputReport, Inspection, Measured, Missed, Observer, Options, Stage,
+    convert, convert_component, convert_file, cut, inspect, measured,
 };
-pub use course::Course;
 pub use error::{Error, Result};
+pub use progress::Progress;
 // What this library's own items take and give; no second version of them gets in.
 pub use {formats, nalgebra};

@@ -41,6 +41,9 @@ pub enum Fault {
     /// The bound on a net must be from 16 to [`MOST_CONTROL_POINTS`].
     #[error("not a number of control points from {LEAST_CONTROL_POINTS} to {MOST_CONTROL_POINTS}")]
     MaxNet,
+    /// There are 1 to [`MOST_THREADS`] threads.
+    #[error("not a number of threads from 1 to {MOST_THREADS}")]
+    Threads,
 }
 
 /// The result of a rule.
@@ -51,6 +54,10 @@ pub const MOST_HALVINGS: u32 = 20;
 
 /// The largest net that may be asked for; its fit takes some 80 GB.
 pub const MOST_CONTROL_POINTS: usize = 1 << 24;
+
+/// The largest number of threads that may be asked for. Far more cores than this share no
+/// memory, and each thread takes 8 MB of address space for its stack.
+pub const MOST_THREADS: usize = 1024;
 
 /// The shortest side of a bicubic net, and the smallest net.
 const SIDE: usize = 4;
@@ -99,6 +106,11 @@ pub fn side(control_points: usize) -> Result<()> {
 pub fn max_net(control_points: usize) -> Result<()> {
     let allowed = LEAST_CONTROL_POINTS..=MOST_CONTROL_POINTS;
     must(allowed.contains(&control_points), Fault::MaxNet)
+}
+
+/// Threads that share the work.
+pub fn threads(count: usize) -> Result<()> {
+    must((1..=MOST_THREADS).contains(&count), Fault::Threads)
 }
 
 /// A net of no more than `most` control points.

@@ -34,10 +34,10 @@ pub(crate) use goal::TOLERANCE_OF_NOISE;
 pub use options::{KnotOptions, Options};
 pub use report::{Adapted, Folds};
 
-use crate::course::{self, Course};
 use crate::error::{Result, of};
 use crate::geometry::Uv;
 use crate::mesh::Parameterized;
+use crate::progress::{self, Progress};
 use crate::spline::Surface;
 use crate::{fit, knots, rules};
 use attempt::Attempt;
@@ -53,24 +53,24 @@ use run::FitRun;
 /// κ or depth that is named make a larger net than allowed.
 /// [`Error::Singular`](crate::Error::Singular): the equations have no solution.
 pub fn fit(map: &mut Parameterized, options: &Options, goal: &Goal) -> Result<(Surface, Adapted)> {
-    fit_with(map, options, goal, &mut course::untold)
+    fit_with(map, options, goal, &mut progress::ignore)
 }
 
 /// The same, telling how far it has come.
 ///
 /// # Errors
-/// Those of [`fit`](fn@fit), and what `course` answers.
+/// Those of [`fit`](fn@fit), and what `progress` answers.
 pub fn fit_with(
     map: &mut Parameterized,
     options: &Options,
     goal: &Goal,
-    course: &mut Course,
+    progress: &mut Progress,
 ) -> Result<(Surface, Adapted)> {
     options.knots.check()?;
     rules::length(goal.tolerance).map_err(of("tolerance"))?;
     rules::share(goal.outliers).map_err(of("outliers"))?;
     let problem = Problem::new(map, options, goal);
-    let mut run = FitRun::new(&problem, 0, course);
+    let mut run = FitRun::new(&problem, 0, progress);
     let (state, placed) = start::start(&problem)?;
     let best = policy::search(&mut run, state)?;
     let uv = last_parameters(&problem, &best);
@@ -79,7 +79,7 @@ pub fn fit_with(
         map.uv = uv;
         sparse::halve(map, &best.surface);
         let problem = Problem::new(map, options, goal);
-        let mut run = FitRun::new(&problem, fits, course);
+        let mut run = FitRun::new(&problem, fits, progress);
         let best = policy::go_on(&mut run, best)?;
         finish(run, best, placed)?
     } else {

@@ -5,9 +5,9 @@ use super::moves::correct::FIRM_AREA;
 use super::moves::tangent;
 use super::problem::Problem;
 use super::state::State;
-use crate::course::Course;
 use crate::error::Result;
 use crate::fit;
+use crate::progress::Progress;
 
 /// Progress estimate: each fit is assumed to take 15 % of the remaining time. How many fits
 /// follow is not known.
@@ -25,18 +25,18 @@ pub struct FitRun<'a> {
     idle_steps: usize,
     /// The standard deviation of the noise, in mm, if it keeps surfaces from a named tolerance.
     pub hindrance: Option<f64>,
-    course: &'a mut Course<'a>,
+    progress: &'a mut Progress<'a>,
 }
 
 impl<'a> FitRun<'a> {
     /// A run that goes on after so many `fits` to another map.
-    pub fn new(problem: &'a Problem<'a>, fits: usize, course: &'a mut Course<'a>) -> Self {
-        FitRun { problem, fits, idle_steps: 0, hindrance: None, course }
+    pub fn new(problem: &'a Problem<'a>, fits: usize, progress: &'a mut Progress<'a>) -> Self {
+        FitRun { problem, fits, idle_steps: 0, hindrance: None, progress }
     }
 
     /// Fits a surface to a state.
     pub fn fit(&mut self, state: State) -> Result<Attempt> {
-        (self.course)(1.0 - REMAINING.powi(self.fits as i32))?;
+        (self.progress)(1.0 - REMAINING.powi(self.fits as i32))?;
         let (problem, method) = (self.problem, self.problem.options.method);
         let (mut surface, report) = fit::fit(&state.samples(problem), state.knots.clone(), method)?;
         problem.pin_corners(&mut surface);

@@ -14,6 +14,7 @@ use crate::deviation::{Deviation, Face};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, uv_bounds};
 use crate::mesh::{Mesh, Triangles};
+use crate::threads;
 use loops::{Corner, Tracer};
 use samples::Samples;
 use surface::Domain;
@@ -57,6 +58,10 @@ const MOST: f64 = 4_000_000.0;
 /// A face cannot be put together: an edge off its surface, a loop that does not
 /// close.
 pub fn check(model: &CadModel, scan: &Mesh) -> Result<Report> {
+    threads::run(None, || measure(model, scan))?
+}
+
+fn measure(model: &CadModel, scan: &Mesh) -> Result<Report> {
     let diagonal = scan.diagonal();
     let domains: Vec<Domain> = model.faces.iter().map(|f| Domain::whole(&f.surface)).collect();
     let (rings, off) = rings(model, &domains, diagonal)?;

@@ -17,7 +17,7 @@ use super::{Failure, Outcome, cad, hints, memory, settings, talk};
 pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     check_outputs(args)?;
     let voice = if args.manner.quiet { None } else { Some(args.manner.color.is_on()) };
-    let mut progress = Progress::new(voice, args.manner.verbose);
+    let mut progress = Progress::new(voice, args.manner.verbose, args.progress);
     let stages = args.stages.as_deref().map(Stages::new).transpose()?;
     let scan = Scan::read(&args.piece)?;
     progress.ended("read", &talk::came_in(&scan));

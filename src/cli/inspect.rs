@@ -6,6 +6,7 @@ use serde_json::{Value, json};
 
 use super::args::Inspect;
 use super::input::{self, Scan};
+use super::spelling::spelled;
 use super::{Failure, Outcome, report, streams};
 
 /// Reads, repairs, looks, prints.
@@ -78,7 +79,7 @@ fn kind(found: &Inspection) -> String {
     match found.topology.check_disk() {
         Ok(()) if found.loops.len() == 1 => "a disk without holes".into(),
         Ok(()) => format!("a disk with {} holes", found.loops.len() - 1),
-        Err(e) => format!("cannot become a face: {e}; {}", e.help()),
+        Err(e) => format!("cannot become a face: {e}; {}", spelled(&e.help())),
     }
 }
 

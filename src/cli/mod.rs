@@ -17,6 +17,7 @@ mod places;
 mod progress;
 mod report;
 mod settings;
+mod spelling;
 mod stages;
 mod streams;
 mod talk;
@@ -98,15 +99,9 @@ fn among(
     threads: Option<u16>,
     command: impl FnOnce() -> Result<Outcome, Failure> + Send,
 ) -> Result<Outcome, Failure> {
-    let threads = threads.map_or(0, usize::from);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK);
-    pool.build_global()
-        .map_err(|e| Failure { error: e.to_string(), help: "name fewer --threads".into() })?;
-    rayon::scope(|_| command())
+    scan2step::threads::run(threads.map(usize::from), command)
+        .map_err(|e| Failure { error: e.to_string(), help: e.help() })?
 }
-
-/// Bytes of a thread's stack, as the main thread's has.
-const STACK: usize = 8 << 20;
 
 /// Exit codes of a run that came to nothing, and of one that was called wrongly.
 const FAILED: u8 = 1;
@@ -116,8 +111,9 @@ const USAGE: u8 = 2;
 fn tell(failure: &Failure, colour: args::Colour, code: u8) -> ExitCode {
     let (red, blue, plain) =
         if colour.is_on() { ("\x1b[1;31m", "\x1b[1;36m", "\x1b[0m") } else { ("", "", "") };
-    streams::say(format_args!("{red}error{plain}: {}", failure.error));
-    streams::say(format_args!("{blue}help{plain}: {}", failure.help));
+    let [error, help] = [&failure.error, &failure.help].map(|text| spelling::spelled(text));
+    streams::say(format_args!("{red}error{plain}: {error}"));
+    streams::say(format_args!("{blue}help{plain}: {help}"));
     ExitCode::from(code)
 }
 

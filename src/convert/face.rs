@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::conversion::{Conversion, Missed};
-use super::stage::{Stage, within};
+use super::stage::{Observer, Stage, within};
 use super::{Options, cut, input};
 use crate::adapt::Goal;
 use crate::mesh::Components;
@@ -20,7 +20,7 @@ use crate::{Result, adapt, brep, deviation, fill, parameterize, smooth, spline, 
 pub(super) fn face(
     scan: &Components,
     options: &Options,
-    watch: &mut dyn FnMut(Stage) -> Result<()>,
+    watch: &mut Observer,
 ) -> Result<Conversion> {
     let mm = scan.mm();
     let (measured, input) = input::disk(scan, options)?;
@@ -104,6 +104,7 @@ pub(super) fn face(
         outer: outer.map(|(control, off)| (control, mm * off)),
         trim,
         rim_tolerance: mm * trim_options.rim,
+        vertices: scan.vertices(&measured.mesh.points),
         hints: Vec::new(),
     })
 }

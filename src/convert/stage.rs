@@ -32,6 +32,11 @@ pub enum Stage<'a> {
     Within(&'static str, f64),
 }
 
+/// A callback that sees each [`Stage`]. An error of its own stops the conversion, and is what
+/// [`convert`](crate::convert) answers: [`Error::Stopped`](crate::Error::Stopped) where its
+/// caller wants no more. It is called on one of the threads that share the work.
+pub type Observer<'a> = dyn FnMut(Stage) -> Result<()> + Send + 'a;
+
 impl Stage<'_> {
     /// Its name, as reports and progress have it.
     pub fn name(&self) -> &'static str {
@@ -55,7 +60,7 @@ const STEP: f64 = 0.01;
 /// Tells `watch` how far a stage has come: forwards only, and not at every step.
 pub(super) fn within<'a>(
     name: &'static str,
-    watch: &'a mut dyn FnMut(Stage) -> Result<()>,
+    watch: &'a mut Observer,
 ) -> impl FnMut(f64) -> Result<()> + 'a {
     let mut told = 0.0;
     move |share| {

@@ -64,11 +64,21 @@ impl<'a> Face<'a, Surface> {
         Face::with(surface, quick, rings, natural)
     }
 
-    /// The deviation of points whose parameter points are given.
+    /// The deviation of points whose parameter points are given, with the side of the face
+    /// that each is on.
     pub fn deviation(&self, points: &[Point], starts: &[Uv]) -> Deviation {
-        let each = points.par_iter().zip(starts);
-        let distances = each.map(|(&p, &start)| self.nearest(p, Some(start)).1);
-        Deviation::of(points, distances.collect())
+        let each = points.par_iter().zip(starts).map(|(&p, &start)| {
+            let (at, distance) = self.nearest(p, Some(start));
+            (distance, self.is_above(p, at))
+        });
+        let (distances, above): (Vec<f64>, Vec<bool>) = each.unzip();
+        Deviation::of(points, distances).with_sides(above)
+    }
+
+    /// Whether a point is on the side of the surface's normal at `at`, or on the surface.
+    fn is_above(&self, p: Point, at: Uv) -> bool {
+        let jet = self.surface.jet(at);
+        (p - jet.s).dot(&jet.su.cross(&jet.sv)) >= 0.0
     }
 }
 

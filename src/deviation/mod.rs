@@ -29,6 +29,8 @@ pub struct Deviation {
     pub max_at: [f64; 3],
     /// All of them, in the order of the points.
     pub distances: Vec<f64>,
+    /// Which of the points are above the face, where that is known.
+    above: Option<Vec<bool>>,
 }
 
 impl Deviation {
@@ -50,7 +52,22 @@ impl Deviation {
             max: distances[worst],
             max_at: points[worst].coords.into(),
             distances,
+            above: None,
         }
+    }
+
+    /// The same with the points that are above the face.
+    fn with_sides(self, above: Vec<bool>) -> Self {
+        Deviation { above: Some(above), ..self }
+    }
+
+    /// The distances with signs, in the order of the points: positive above the face, on the
+    /// side that the triangles of the scan face. The sign is that of the normal of the surface
+    /// at the nearest place of the face. `None` where sides are not known: the face is one of
+    /// a CAD file, or the distances are those of [`Deviation::of`].
+    pub fn signed(&self) -> Option<Vec<f64>> {
+        let signed = |(&d, &above): (&f64, &bool)| if above { d } else { -d };
+        Some(self.distances.iter().zip(self.above.as_ref()?).map(signed).collect())
     }
 
     /// The same with all lengths times a factor.
@@ -62,6 +79,7 @@ impl Deviation {
             max: factor * self.max,
             max_at: self.max_at.map(|x| factor * x),
             distances: self.distances.iter().map(|d| factor * d).collect(),
+            above: self.above,
         }
     }
 

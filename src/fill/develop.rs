@@ -6,12 +6,11 @@
 use std::collections::HashMap;
 
 use faer::Mat;
-use faer::prelude::Solve;
-use faer::sparse::linalg::solvers::Llt;
 use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::{Matrix2, Rotation2, Vector2};
 use rayon::prelude::*;
 
+use crate::cholesky::Cholesky;
 use crate::geometry::{Point, Uv};
 use crate::mesh::remesh::flips::cotangent;
 
@@ -49,7 +48,7 @@ pub fn develop(
                 }
             }
         }
-        factor.solve_in_place(&mut right);
+        factor.solve(&mut right);
         uv = (0..points.len()).map(|i| Uv::new(right[(i, 0)], right[(i, 1)])).collect();
     }
     uv.iter().all(|p| p.x.is_finite() && p.y.is_finite()).then_some(uv)
@@ -88,7 +87,7 @@ fn rotation(image: [Uv; 3], flat: &[Vector2<f64>; 3], weights: &[f64; 3]) -> Rot
 }
 
 /// The factor of Σ w (uᵢ − uⱼ)², all vertices held lightly.
-fn laplacian(n: usize, triangles: &[[usize; 3]], weights: &[[f64; 3]]) -> Option<Llt<usize, f64>> {
+fn laplacian(n: usize, triangles: &[[usize; 3]], weights: &[[f64; 3]]) -> Option<Cholesky<usize>> {
     let mut entries: Vec<_> = (0..n).map(|i| Triplet::new(i, i, 1e-9)).collect();
     for (t, w) in triangles.iter().zip(weights) {
         for k in 0..3 {
@@ -98,7 +97,7 @@ fn laplacian(n: usize, triangles: &[[usize; 3]], weights: &[[f64; 3]]) -> Option
         }
     }
     let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &entries).ok()?;
-    matrix.sp_cholesky(faer::Side::Lower).ok()
+    Cholesky::new(matrix.as_ref()).ok()
 }
 
 /// Tutte's embedding: the longest boundary on a circle of the surface's area,
@@ -134,8 +133,8 @@ fn embed(points: &[Point], triangles: &[[usize; 3]]) -> Option<Vec<Uv>> {
         }
     }
     let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &entries).ok()?;
-    let x = matrix.sp_cholesky(faer::Side::Lower).ok()?.solve(&right);
-    let inner = |v: usize| number.get(&v).map(|&k| Uv::new(x[(k, 0)], x[(k, 1)]));
+    Cholesky::new(matrix.as_ref()).ok()?.solve(&mut right);
+    let inner = |v: usize| number.get(&v).map(|&k| Uv::new(right[(k, 0)], right[(k, 1)]));
     (0..points.len()).map(|v| uv[v].or_else(|| inner(v))).collect()
 }
 

@@ -24,10 +24,10 @@ use close::Closed;
 pub use faults::Faults;
 use rayon::prelude::*;
 
-use crate::course::{self, Course};
 use crate::error::{Error, Result, of};
 use crate::geometry::{Point, VertexId};
 use crate::mesh::{Disk, FaceOrigin, Mesh, Patch, boundary};
+use crate::progress::{self, Progress};
 use crate::rules;
 
 /// How to fill.
@@ -120,18 +120,18 @@ const AT_ONCE: usize = 32;
 /// [`Error::Fill`]: a hole that cannot be filled. [`Error::Option`]: an option that
 /// cannot be. [`Error::Input`]: not as many measured points as the disk has.
 pub fn fill(disk: Disk, measured: &[Point], options: &Options) -> Result<(Patch, Report)> {
-    fill_with(disk, measured, options, &mut course::untold)
+    fill_with(disk, measured, options, &mut progress::ignore)
 }
 
 /// The same, telling how far it has come.
 ///
 /// # Errors
-/// Those of [`fill`], and what `course` answers.
+/// Those of [`fill`], and what `progress` answers.
 pub fn fill_with(
     disk: Disk,
     measured: &[Point],
     options: &Options,
-    course: &mut Course,
+    progress: &mut Progress,
 ) -> Result<(Patch, Report)> {
     options.check()?;
     if measured.len() != disk.mesh.points.len() {
@@ -150,7 +150,7 @@ pub fn fill_with(
         let count = disk.holes.len();
         let mut fills: Vec<Closed> = Vec::with_capacity(count);
         loop {
-            course(SURROUNDED + (1.0 - SURROUNDED) * fills.len() as f64 / count.max(1) as f64)?;
+            progress(SURROUNDED + (1.0 - SURROUNDED) * fills.len() as f64 / count.max(1) as f64)?;
             let some = fills.len()..count.min(fills.len() + AT_ONCE);
             let closed: Result<Vec<_>> =
                 some.into_par_iter().map(|hole| fill(around, measured, hole)).collect();

@@ -1,7 +1,5 @@
 //! The normal equations of the global least-squares fit, with the fairing term.
 
-use faer::prelude::Solve;
-use faer::sparse::linalg::solvers::Llt;
 use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::Vector4;
 use rayon::prelude::*;
@@ -10,6 +8,7 @@ use super::cells::Cells;
 use super::fairing::{self, Fairing};
 use super::strips::Strip;
 use super::weight::Weight;
+use crate::cholesky::Cholesky;
 use crate::error::{self, Result};
 use crate::spline::spans::{PAIRS, Span};
 
@@ -172,9 +171,8 @@ impl Equations {
         let matrix = SparseColMat::<u32, f64>::try_new_from_triplets(n, n, &triplets)
             .map_err(|why| failed(why.into()))?;
         drop(triplets);
-        matrix
-            .sp_cholesky(faer::Side::Lower)
-            .map(|llt| Factor { points, llt })
+        Cholesky::new(matrix.as_ref())
+            .map(|cholesky| Factor { points, cholesky })
             .map_err(|why| failed(why.into()))
     }
 }
@@ -182,7 +180,7 @@ impl Equations {
 /// A direct solver for some of the control points.
 pub struct Factor {
     points: Vec<u32>,
-    llt: Llt<u32, f64>,
+    cholesky: Cholesky<u32>,
 }
 
 impl Factor {
@@ -195,7 +193,8 @@ impl Factor {
     /// entry for every control point.
     pub fn solve(&self, right: &[Lane]) -> Vec<Lane> {
         let of = |n: usize, axis: usize| right[self.points[n] as usize][axis];
-        let x = self.llt.solve(&faer::Mat::from_fn(self.points.len(), 3, of));
+        let mut x = faer::Mat::from_fn(self.points.len(), 3, of);
+        self.cholesky.solve(&mut x);
         (0..x.nrows()).map(|n| Lane::new(x[(n, 0)], x[(n, 1)], x[(n, 2)], 0.0)).collect()
     }
 }

@@ -33,6 +33,8 @@ pub struct Build {
     /// For each vertex, the place it had before vertices were opened: vertices
     /// with the same number are copies of one vertex of the scan.
     pub place: Vec<u32>,
+    /// For each point of the soup its number in `place`, or `u32::MAX` for one of no use.
+    pub vertices: Vec<u32>,
     /// Triangles whose orientation cannot agree with a neighbour's.
     pub twisted: Vec<usize>,
     /// What was repaired.
@@ -63,6 +65,7 @@ pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
     drop_duplicates(welded.points.len(), &mut triangles, &mut repairs);
     let place = (0..welded.points.len() as u32).collect();
     let mut build = Build::new(Mesh { points: welded.points, triangles }, place);
+    build.vertices = welded.number;
     build.repairs = repairs;
     build.mm = mm / factor;
     build.make_manifold();
@@ -125,7 +128,8 @@ impl Build {
     /// A mesh that nothing has been done to yet.
     pub(super) fn new(mesh: Mesh, place: Vec<u32>) -> Self {
         let edges = EdgeMap::new(&mesh);
-        Build { mesh, place, twisted: Vec::new(), repairs: Repairs::new(), mm: 1.0, edges }
+        let (vertices, twisted, repairs) = (Vec::new(), Vec::new(), Repairs::new());
+        Build { mesh, place, vertices, twisted, repairs, mm: 1.0, edges }
     }
 
     /// Orients, and opens what is not manifold, until all is. The edge map is up to date
@@ -273,7 +277,8 @@ impl Build {
         let (mesh, old) = self.mesh.part(triangles.iter().copied());
         let place = old.into_iter().map(|v| self.place[v]).collect();
         let edges = self.edges.part(triangles);
-        Build { mesh, place, twisted: Vec::new(), repairs: Repairs::new(), mm: self.mm, edges }
+        let (vertices, twisted, repairs) = (Vec::new(), Vec::new(), Repairs::new());
+        Build { mesh, place, vertices, twisted, repairs, mm: self.mm, edges }
     }
 
     /// Drops vertices without a triangle; the others keep their order.

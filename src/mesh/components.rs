@@ -9,9 +9,10 @@ use super::build::{Build, Repairs, count};
 use super::disk::Outer;
 use super::islands::{self, Candidate};
 use super::kind::Topology;
+use super::vertices::Vertices;
 use super::{Disk, EdgeMap, Mesh, rims};
 use crate::error::{Error, Result};
-use crate::geometry::{Vector, VertexId};
+use crate::geometry::{Point, Vector, VertexId};
 
 /// Which component of the scan becomes the face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -127,6 +128,12 @@ impl Components {
     /// How many mm one length of the mesh is.
     pub fn mm(&self) -> f64 {
         self.build.mm
+    }
+
+    /// Which of these points each vertex of the scan became. They are points of the mesh, in
+    /// its own lengths, each at a place of its own.
+    pub(crate) fn vertices(&self, points: &[Point]) -> Vertices {
+        Vertices::new(&self.build, points)
     }
 
     /// Takes one component.

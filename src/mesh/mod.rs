@@ -22,6 +22,7 @@ mod scale;
 mod spikes;
 mod topology;
 mod triangles;
+mod vertices;
 mod weld;
 
 pub use crate::geometry::Bound;
@@ -37,6 +38,7 @@ pub use patch::{FaceOrigin, Patch};
 pub(crate) use topology::Buckets;
 pub use topology::{EdgeMap, Rings};
 pub(crate) use triangles::{Triangles, nearest_on};
+pub(crate) use vertices::Vertices;
 
 use crate::geometry::{Point, Vector, VertexId, bounds};
 

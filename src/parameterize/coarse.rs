@@ -8,9 +8,9 @@ use super::stretch;
 use super::weights::Weights;
 use rayon::prelude::*;
 
-use crate::course;
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv};
+use crate::progress;
 
 /// A coarse version of the patch, its vertices numbered anew.
 pub struct Coarse {
@@ -95,7 +95,7 @@ impl Coarse {
         let area = stretch::area(&self.points, triangles(&self.stars, &hierarchy.left));
         let mut weights = self.weights.clone();
         let lump = |removal: &Removal| weights.lump(removal);
-        hierarchy.coarsen(&self.points, &kept, 0, lump, &mut course::untold)?;
+        hierarchy.coarsen(&self.points, &kept, 0, lump, &mut progress::ignore)?;
         let left = |v: &u32| !hierarchy.stars.ring(*v).is_empty();
         let few: Vec<u32> = self.outer.iter().copied().filter(left).collect();
         let rectangle = Rectangle::new(&few, corners);
@@ -106,7 +106,7 @@ impl Coarse {
         let round = self.round;
         let mut layout = Layout { points, weights, weighed, freedom, size, at, round };
         layout.solve(&hierarchy)?;
-        layout.refine(&mut hierarchy, &mut course::untold)?;
+        layout.refine(&mut hierarchy, &mut progress::ignore)?;
         let all = || heavy(&layout.weights, triangles(&hierarchy.stars, &hierarchy.left));
         let stretch = stretch::of(&self.points, &layout.at, all());
         let drawn = stretch::drawn_out(&self.points, &layout.at, all(), DRAWN);

@@ -5,9 +5,9 @@
 use rayon::prelude::*;
 
 use super::stars::{Removal, Stars};
-use crate::course::Course;
 use crate::error::Result;
 use crate::geometry::{Point, Vector};
+use crate::progress::Progress;
 
 /// A mesh and what was taken out of it.
 pub struct Hierarchy {
@@ -41,10 +41,10 @@ impl Hierarchy {
         kept: &[bool],
         target: usize,
         mut show: impl FnMut(&Removal),
-        course: &mut Course,
+        progress: &mut Progress,
     ) -> Result<()> {
         while self.left.len() > target {
-            course(1.0 - self.left.len() as f64 / self.stars.len() as f64)?;
+            progress(1.0 - self.left.len() as f64 / self.stars.len() as f64)?;
             let pass = self.pass(points, kept, target);
             let idle = (pass.len() as f64) < IDLE * self.left.len() as f64;
             let stays = |v: &u32| !self.stars.ring(*v).is_empty();

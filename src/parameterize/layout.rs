@@ -12,9 +12,9 @@ use super::relax::{self, Freedom, Surface};
 use super::stars::{Removal, Stars};
 use super::weights::Weights;
 use super::{mend, solve, stretch};
-use crate::course::Course;
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, UvVector, orient2d};
+use crate::progress::Progress;
 
 /// A rectangle as large as the surface, whose boundary the boundary goes to.
 pub struct Layout<'a> {
@@ -75,11 +75,11 @@ impl Layout<'_> {
     }
 
     /// Puts all vertices back and moves them to where they stretch least.
-    pub fn refine(&mut self, hierarchy: &mut Hierarchy, course: &mut Course) -> Result<()> {
+    pub fn refine(&mut self, hierarchy: &mut Hierarchy, progress: &mut Progress) -> Result<()> {
         let mut relaxed = 0;
         loop {
             let n = hierarchy.left.len();
-            course(REFINED * n as f64 / self.at.len() as f64)?;
+            progress(REFINED * n as f64 / self.at.len() as f64)?;
             let (growth, sweeps) =
                 EFFORT.iter().find(|e| n <= e.0).map_or((2.0, 2), |e| (e.1, e.2));
             if n as f64 >= growth * relaxed as f64 {

@@ -6,10 +6,10 @@ use super::rectangle::Rectangle;
 use super::stars::Stars;
 use super::weights::Weights;
 use super::{Method, Options, coarse, corners, mean_value, mend, stretch};
-use crate::course::{self, Course};
 use crate::error::{Error, Result};
 use crate::geometry::{Uv, VertexId};
 use crate::mesh::Mesh;
+use crate::progress::{self, Progress};
 
 /// Vertices of the mesh whose curvature counts: fewer than a scan has, so that
 /// its noise does not.
@@ -52,7 +52,7 @@ impl<'a> Start<'a> {
         outer: &[VertexId],
         skirt: usize,
         options: &Options,
-        course: &mut Course,
+        progress: &mut Progress,
     ) -> Result<Self> {
         let sets = match &options.corners {
             Some(points) => vec![corners::given(mesh, outer, points)?],
@@ -63,13 +63,13 @@ impl<'a> Start<'a> {
         let mut kept = vec![false; points.len()];
         sets.iter().flatten().for_each(|&v| kept[v as usize] = true);
         let mut hierarchy = Hierarchy::new(Stars::new(mesh, outer));
-        let course = &mut course::part(course, 0.0, STARTED);
-        hierarchy.coarsen(points, &kept, WEIGHED, |_| (), course)?;
+        let progress = &mut progress::part(progress, 0.0, STARTED);
+        hierarchy.coarsen(points, &kept, WEIGHED, |_| (), progress)?;
         let area = stretch::area(points, layout::triangles(&hierarchy.stars, &hierarchy.left));
         let weighed = hierarchy.left.len();
         let mut weights = Weights::by_curvature(points, &hierarchy, area);
         weights.lighten(skirt);
-        hierarchy.coarsen(points, &kept, COARSE, |removal| weights.lump(removal), course)?;
+        hierarchy.coarsen(points, &kept, COARSE, |removal| weights.lump(removal), progress)?;
         let outer: Vec<u32> = outer.iter().map(|v| v.0).collect();
         let first = coarse::least_stretched(points, &outer, &hierarchy, &weights, &sets)?;
         let corners = sets[first.set];
@@ -82,11 +82,11 @@ impl<'a> Start<'a> {
     }
 
     /// The map of all vertices, with a margin of this share of the square at each side.
-    pub fn map(mut self, method: Method, margin: f64, course: &mut Course) -> Result<Map> {
+    pub fn map(mut self, method: Method, margin: f64, progress: &mut Progress) -> Result<Map> {
         let rectangle = Rectangle::new(&self.outer, &self.corners);
-        let course = &mut course::part(course, STARTED, 1.0);
+        let progress = &mut progress::part(progress, STARTED, 1.0);
         let mut uv = match method {
-            Method::LeastStretch => self.least_stretch(&rectangle, course)?,
+            Method::LeastStretch => self.least_stretch(&rectangle, progress)?,
             Method::MeanValue => self.mean_value(&rectangle)?,
         };
         // Before the map is verified: rounding may turn slivers over here, too.
@@ -107,7 +107,7 @@ impl<'a> Start<'a> {
     }
 
     /// Puts all vertices back and takes the stretch out on the way.
-    fn least_stretch(&mut self, rectangle: &Rectangle, course: &mut Course) -> Result<Vec<Uv>> {
+    fn least_stretch(&mut self, rectangle: &Rectangle, progress: &mut Progress) -> Result<Vec<Uv>> {
         let points = &self.mesh.points;
         let mut at = vec![Uv::origin(); points.len()];
         let places = self.hierarchy.left.iter().zip(&self.first.at);
@@ -116,7 +116,7 @@ impl<'a> Start<'a> {
         let weights = std::mem::take(&mut self.weights);
         let (weighed, size, round) = (self.weighed, self.first.size, self.first.round);
         let mut layout = Layout { points, weights, weighed, freedom, size, at, round };
-        layout.refine(&mut self.hierarchy, course)?;
+        layout.refine(&mut self.hierarchy, progress)?;
         Ok(rectangle.to_unit_square(layout.size, &layout.at))
     }
 

@@ -1,14 +1,10 @@
 //! The paper's map: every inner vertex the mean of its neighbours by mean value
 //! weights (Floater 2003), all of them at once.
 
-use faer::Par;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::matrix_free::bicgstab::{BicgParams, bicgstab, bicgstab_scratch};
-use faer::matrix_free::{IdentityPrecond, LinOp};
-use faer::{MatMut, MatRef};
 use rayon::prelude::*;
 
-use super::multigrid::{FEW, Multigrid, Operator};
+use super::bicgstab::{self, Limits};
+use super::multigrid::{FEW, Multigrid};
 use super::solve;
 use super::sparse::{self, Matrix, Pair};
 use super::stars::Stars;
@@ -112,33 +108,17 @@ impl System {
     fn iterated(mut self) -> Option<Vec<Pair>> {
         self.balance()?;
         let grid = Multigrid::new(self.matrix)?;
-        let (matrix, n) = (Operator(grid.matrix()), self.right.len());
-        let none = IdentityPrecond { dim: 2 * n };
-        let parameters =
-            BicgParams { rel_tolerance: ROUND, max_iters: MOST[0], ..Default::default() };
-        let room = bicgstab_scratch(none, &grid, &matrix, 1, Par::Seq);
-        let mut room = MemBuffer::try_new(room).ok()?;
-        let room = MemStack::new(&mut room);
-        let mut x = vec![[0.0; 2]; n];
+        let mut room = grid.room();
+        let limits = Limits { residual: ROUND, steps: MOST[0] };
+        let mut x = vec![[0.0; 2]; self.right.len()];
         let (mut step, mut residual) = (x.clone(), self.right.clone());
         for _ in 0..MOST[1] {
-            // From zero, but not told so: faer 0.24 then starts from memory not set.
-            step.fill([0.0; 2]);
-            // Whether a round ends by its tolerance or not, what it came to counts.
-            let _ = bicgstab(
-                column_mut(&mut step),
-                none,
-                &grid,
-                &matrix,
-                column(&residual),
-                parameters,
-                |_| (),
-                Par::Seq,
-                room,
-            );
-            sparse::add(&mut x, &step);
+            // Whether a round ends by its residual or not, what it came to counts.
+            let round = |b: &[Pair], x: &mut [Pair]| grid.apply(b, x, &mut room);
+            let found = bicgstab::solve(grid.matrix(), round, &residual, &limits);
+            sparse::add(&mut x, 1.0, &found);
             sparse::residual(grid.matrix(), &self.right, &x, &mut residual);
-            grid.apply(column_mut(&mut step), column(&residual), Par::Seq, room);
+            grid.apply(&residual, &mut step, &mut room);
             let farthest = step.as_flattened().iter().fold(0.0, |m: f64, s| m.max(s.abs()));
             if !step.as_flattened().iter().all(|s| s.is_finite()) {
                 return None;
@@ -149,15 +129,6 @@ impl System {
         }
         None
     }
-}
-
-fn column(pairs: &[Pair]) -> MatRef<'_, f64> {
-    MatRef::from_column_major_slice(pairs.as_flattened(), 2 * pairs.len(), 1)
-}
-
-fn column_mut(pairs: &mut [Pair]) -> MatMut<'_, f64> {
-    let count = 2 * pairs.len();
-    MatMut::from_column_major_slice_mut(pairs.as_flattened_mut(), count, 1)
 }
 
 #[cfg(test)]

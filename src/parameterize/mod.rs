@@ -14,6 +14,7 @@
 
 mod aggregates;
 mod bays;
+mod bicgstab;
 mod chords;
 mod coarse;
 mod corners;
@@ -22,6 +23,7 @@ mod gaps;
 mod hierarchy;
 mod layout;
 mod level;
+mod lu;
 mod map;
 mod mean_value;
 mod mend;
@@ -36,10 +38,10 @@ mod stars;
 mod stretch;
 mod weights;
 
-use crate::course::{self, Course};
 use crate::error::{Result, of};
 use crate::geometry::Point;
 use crate::mesh::Patch;
+use crate::progress::{self, Progress};
 use crate::rules;
 
 pub use crate::mesh::{Outline, Parameterized, Skirt};
@@ -109,26 +111,26 @@ pub struct Report {
 /// [`Error::Folded`](crate::Error::Folded): triangles stay inverted.
 /// [`Error::Option`](crate::Error::Option): a corner that is no point.
 pub fn parameterize(patch: Patch, options: &Options) -> Result<(Parameterized, Report)> {
-    parameterize_with(patch, options, &mut course::untold)
+    parameterize_with(patch, options, &mut progress::ignore)
 }
 
 /// The same, telling how far it has come.
 ///
 /// # Errors
-/// Those of [`parameterize`], and what `course` answers.
+/// Those of [`parameterize`], and what `progress` answers.
 pub fn parameterize_with(
     patch: Patch,
     options: &Options,
-    course: &mut Course,
+    progress: &mut Progress,
 ) -> Result<(Parameterized, Report)> {
     options.check()?;
     if !options.may_be_free() {
-        return outline::map(patch, options, course);
+        return outline::map(patch, options, progress);
     }
     let (patch, bays) = bays::close(patch.without_bays().unwrap_or(patch), None);
     let share = |round: u32| f64::from(round) / f64::from(AGAIN + 1);
     let (mut map, mut report) =
-        outline::map(patch, options, &mut course::part(course, share(0), share(1)))?;
+        outline::map(patch, options, &mut progress::part(progress, share(0), share(1)))?;
     report.bays = bays;
     let free = Options { outline: Some(Outline::Free), ..options.clone() };
     for round in 1..=AGAIN {
@@ -140,7 +142,7 @@ pub fn parameterize_with(
         if patch.outer == map.patch.outer && patch.mesh.triangles == map.patch.mesh.triangles {
             break;
         }
-        let mut part = course::part(course, share(round), share(round + 1));
+        let mut part = progress::part(progress, share(round), share(round + 1));
         let (next, how) = outline::map(patch, &free, &mut part)?;
         if how.stretch.l2 > WORSE * report.stretch.l2 {
             break;

@@ -1,14 +1,11 @@
 //! A multigrid cycle by smoothed aggregation, as a preconditioner of Krylov methods.
 
-use faer::dyn_stack::{MemStack, StackReq};
-use faer::matrix_free::{LinOp, Precond};
-use faer::prelude::Solve;
+use faer::Par;
 use faer::sparse::linalg::matmul::sparse_sparse_matmul;
-use faer::sparse::linalg::solvers::Lu;
-use faer::{MatMut, MatRef, Par};
 use rayon::prelude::*;
 
 use super::aggregates;
+use super::lu::Lu;
 use super::sparse::{self, BLOCK, Matrix, Pair};
 
 /// A system of no more unknowns is solved directly.
@@ -21,7 +18,16 @@ const FEWER: f64 = 0.7;
 #[derive(Debug)]
 pub struct Multigrid {
     levels: Vec<Level>,
-    last: Lu<u32, f64>,
+    last: Lu,
+}
+
+/// What a cycle writes on one level: the solution before a sweep or its residual, and both
+/// sides of the next smaller system.
+#[derive(Debug)]
+pub struct Room {
+    x: Vec<Pair>,
+    coarse_b: Vec<Pair>,
+    coarse_x: Vec<Pair>,
 }
 
 /// A system and how it becomes the next smaller one.
@@ -50,7 +56,7 @@ impl Multigrid {
             levels.push(level);
             matrix = coarse;
         }
-        let last = matrix.to_col_major().ok()?.sp_lu().ok()?;
+        let last = Lu::new(matrix.to_col_major().ok()?.as_ref()).ok()?;
         (!levels.is_empty()).then_some(Multigrid { levels, last })
     }
 
@@ -59,29 +65,45 @@ impl Multigrid {
         &self.levels[0].matrix
     }
 
-    /// About what solves `level` for `b`, into `x`.
-    fn cycle(&self, level: usize, b: &[Pair], x: &mut [Pair], stack: &mut MemStack) {
-        let Some(here) = self.levels.get(level) else { return self.solve_last(b, x) };
-        let (n, few) = (x.len(), here.prolongation.ncols());
-        let (mut room, stack) = stack.make_with(n, |_| [0.0; 2]);
+    /// Room for [`Multigrid::apply`].
+    pub fn room(&self) -> Vec<Room> {
+        let zeros = |n: usize| vec![[0.0; 2]; n];
+        let of = |level: &Level| {
+            let (n, few) = (level.matrix.nrows(), level.prolongation.ncols());
+            Room { x: zeros(n), coarse_b: zeros(few), coarse_x: zeros(few) }
+        };
+        self.levels.iter().map(of).collect()
+    }
+
+    /// Writes about what solves the largest system for `b` into `x`.
+    pub fn apply(&self, b: &[Pair], x: &mut [Pair], room: &mut [Room]) {
+        self.cycle(&self.levels, b, x, room);
+    }
+
+    /// The same for the first of these levels.
+    fn cycle(&self, levels: &[Level], b: &[Pair], x: &mut [Pair], room: &mut [Room]) {
+        let (Some((here, smaller)), Some((own, room))) =
+            (levels.split_first(), room.split_first_mut())
+        else {
+            return self.solve_last(b, x);
+        };
         x.fill([0.0; 2]);
-        here.sweep(b, &room, x, false);
-        sparse::residual(&here.matrix, b, x, &mut room);
-        let (mut coarse_b, stack) = stack.make_with(few, |_| [0.0; 2]);
-        sparse::fill(&mut coarse_b, |i, _| sparse::product(&here.restriction, i, &room));
-        let (mut coarse_x, stack) = stack.make_with(few, |_| [0.0; 2]);
-        self.cycle(level + 1, &coarse_b, &mut coarse_x, stack);
+        own.x.fill([0.0; 2]);
+        here.sweep(b, &own.x, x, false);
+        sparse::residual(&here.matrix, b, x, &mut own.x);
+        sparse::fill(&mut own.coarse_b, |i, _| sparse::product(&here.restriction, i, &own.x));
+        self.cycle(smaller, &own.coarse_b, &mut own.coarse_x, room);
         sparse::fill(x, |i, x| {
-            let step = sparse::product(&here.prolongation, i, &coarse_x);
+            let step = sparse::product(&here.prolongation, i, &own.coarse_x);
             [x[0] + step[0], x[1] + step[1]]
         });
-        room.copy_from_slice(x);
-        here.sweep(b, &room, x, true);
+        own.x.copy_from_slice(x);
+        here.sweep(b, &own.x, x, true);
     }
 
     fn solve_last(&self, b: &[Pair], x: &mut [Pair]) {
-        let right = faer::Mat::from_fn(b.len(), 2, |i, k| b[i][k]);
-        let solution = self.last.solve(&right);
+        let mut solution = faer::Mat::from_fn(b.len(), 2, |i, k| b[i][k]);
+        self.last.solve(&mut solution);
         x.iter_mut().enumerate().for_each(|(i, x)| *x = [solution[(i, 0)], solution[(i, 1)]]);
     }
 }
@@ -124,70 +146,3 @@ impl Level {
         });
     }
 }
-
-/// A column of pairs.
-fn pairs(column: MatRef<'_, f64>) -> Option<&[Pair]> {
-    Some(column.col(0).try_as_col_major()?.as_slice().as_chunks().0)
-}
-
-fn pairs_mut(column: MatMut<'_, f64>) -> Option<&mut [Pair]> {
-    Some(column.col_mut(0).try_as_col_major_mut()?.as_slice_mut().as_chunks_mut().0)
-}
-
-/// The largest system's matrix for columns of pairs.
-#[derive(Debug)]
-pub struct Operator<'a>(pub &'a Matrix);
-
-impl LinOp<f64> for Operator<'_> {
-    fn apply_scratch(&self, _: usize, _: Par) -> StackReq {
-        StackReq::EMPTY
-    }
-
-    fn nrows(&self) -> usize {
-        2 * self.0.nrows()
-    }
-
-    fn ncols(&self) -> usize {
-        2 * self.0.ncols()
-    }
-
-    fn apply(&self, out: MatMut<'_, f64>, x: MatRef<'_, f64>, _: Par, _: &mut MemStack) {
-        if let (Some(out), Some(x)) = (pairs_mut(out), pairs(x)) {
-            sparse::fill(out, |i, _| sparse::product(self.0, i, x));
-        }
-    }
-
-    fn conj_apply(&self, out: MatMut<'_, f64>, x: MatRef<'_, f64>, par: Par, room: &mut MemStack) {
-        self.apply(out, x, par, room);
-    }
-}
-
-impl LinOp<f64> for Multigrid {
-    fn apply_scratch(&self, _: usize, _: Par) -> StackReq {
-        let of = |level: &Level| {
-            let pairs = level.matrix.nrows() + 2 * level.prolongation.ncols();
-            StackReq::new::<Pair>(pairs + 3)
-        };
-        StackReq::all_of(&self.levels.iter().map(of).collect::<Vec<_>>())
-    }
-
-    fn nrows(&self) -> usize {
-        2 * self.matrix().nrows()
-    }
-
-    fn ncols(&self) -> usize {
-        self.nrows()
-    }
-
-    fn apply(&self, out: MatMut<'_, f64>, b: MatRef<'_, f64>, _: Par, room: &mut MemStack) {
-        if let (Some(x), Some(b)) = (pairs_mut(out), pairs(b)) {
-            self.cycle(0, b, x, room);
-        }
-    }
-
-    fn conj_apply(&self, out: MatMut<'_, f64>, b: MatRef<'_, f64>, par: Par, room: &mut MemStack) {
-        self.apply(out, b, par, room);
-    }
-}
-
-impl Precond<f64> for Multigrid {}

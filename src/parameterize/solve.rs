@@ -1,9 +1,9 @@
 //! Mean value coordinates (Floater, "Mean value coordinates", 2003): every
 //! inner vertex is the weighted mean of its neighbours.
 
-use faer::prelude::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 
+use super::lu::Lu;
 use super::stars::Stars;
 use crate::error::{self, Result, Unsolved};
 use crate::geometry::{Point, Uv};
@@ -75,9 +75,9 @@ fn solve(
     let matrix = SparseColMat::<u32, f64>::try_new_from_triplets(n, n, &triplets);
     let matrix = matrix.map_err(|why| failed(why.into()))?;
     drop(triplets);
-    let solution = matrix.sp_lu().map_err(|why| failed(why.into()))?.solve(&right);
+    Lu::new(matrix.as_ref()).map_err(|why| failed(why.into()))?.solve(&mut right);
     for (i, &v) in inner.iter().enumerate() {
-        at[v as usize] = Uv::new(solution[(i, 0)], solution[(i, 1)]);
+        at[v as usize] = Uv::new(right[(i, 0)], right[(i, 1)]);
     }
     let finite = |p: &Uv| p.x.is_finite() && p.y.is_finite();
     let all = inner.iter().all(|&v| finite(&at[v as usize]));

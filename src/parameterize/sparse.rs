@@ -77,7 +77,7 @@ pub fn residual(matrix: &Matrix, b: &[Pair], x: &[Pair], out: &mut [Pair]) {
     });
 }
 
-/// Adds `step` to `x`.
-pub fn add(x: &mut [Pair], step: &[Pair]) {
-    fill(x, |i, x| [x[0] + step[i][0], x[1] + step[i][1]]);
+/// Adds `factor` times `step` to `x`.
+pub fn add(x: &mut [Pair], factor: f64, step: &[Pair]) {
+    fill(x, |i, x| [0, 1].map(|k| x[k] + factor * step[i][k]));
 }

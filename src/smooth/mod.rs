@@ -20,10 +20,10 @@ use std::convert::Infallible;
 
 use rayon::prelude::*;
 
-use crate::course::{self, Course};
 use crate::error::{Error, Result, of};
 use crate::geometry::{Point, Vector, VertexId, in_lengths, length};
 use crate::mesh::{Disk, Mesh, Rings, boundary};
+use crate::progress::{self, Progress};
 use crate::rules;
 use levels::Level;
 use surface::Surface;
@@ -137,16 +137,20 @@ pub fn noise(mesh: &Mesh) -> f64 {
 /// [`Error::Option`]: a support that is no length, a corner that is no point.
 /// [`Error::Support`]: a support so short, or so long, that no surface can be fitted.
 pub fn smooth(disk: &Disk, options: &Options) -> Result<(Disk, Report)> {
-    smooth_with(disk, options, &mut course::untold)
+    smooth_with(disk, options, &mut progress::ignore)
 }
 
 /// The same, telling how far it has come.
 ///
 /// # Errors
-/// Those of [`smooth`], and what `course` answers.
-pub fn smooth_with(disk: &Disk, options: &Options, course: &mut Course) -> Result<(Disk, Report)> {
+/// Those of [`smooth`], and what `progress` answers.
+pub fn smooth_with(
+    disk: &Disk,
+    options: &Options,
+    progress: &mut Progress,
+) -> Result<(Disk, Report)> {
     options.check()?;
-    let examined = Examined::new(&disk.mesh, &mut course::part(course, 0.0, EXAMINED))?;
+    let examined = Examined::new(&disk.mesh, &mut progress::part(progress, 0.0, EXAMINED))?;
     let noise: Vec<f64> =
         (0..disk.mesh.points.len()).map(|v| examined.choice.noise_at(v)).collect();
     let mut report = Report {
@@ -161,12 +165,12 @@ pub fn smooth_with(disk: &Disk, options: &Options, course: &mut Course) -> Resul
     };
     let mut out = disk.clone();
     let surface = match options.support {
-        Support::Auto => examined.surface(&mut course::part(course, EXAMINED, FITTED))?,
+        Support::Auto => examined.surface(&mut progress::part(progress, EXAMINED, FITTED))?,
         Support::Fixed(h) => examined.surface_of(&disk.mesh, h)?,
         Support::Off => return Ok((out, report)),
     };
     report.h = surface.median_support();
-    let onto = &mut course::part(course, FITTED, PROJECTED);
+    let onto = &mut progress::part(progress, FITTED, PROJECTED);
     let (projected, normals) = surface.feet(&disk.mesh, onto)?;
     out.mesh.points.clone_from(&projected);
     let rings: Vec<&boundary::Loop> = disk.loops().collect();
@@ -239,12 +243,12 @@ struct Examined {
 }
 
 impl Examined {
-    fn new(mesh: &Mesh, course: &mut Course) -> Result<Self> {
+    fn new(mesh: &Mesh, progress: &mut Progress) -> Result<Self> {
         let rings = Rings::new(mesh);
         let mut left_out = vec![false; mesh.points.len()];
         let mut levels = levels::levels(mesh, &rings, &left_out);
-        course(LEVELLED)?;
-        let choosing = &mut course::part(course, LEVELLED, 1.0);
+        progress(LEVELLED)?;
+        let choosing = &mut progress::part(progress, LEVELLED, 1.0);
         let mut choice = support::choose(mesh, &levels, choosing)?;
         // Outliers disturb the choice by which they are found.
         for _ in 0..OUTLIER_ROUNDS {
@@ -252,16 +256,16 @@ impl Examined {
                 break;
             }
             levels = levels::levels(mesh, &rings, &left_out);
-            choice = support::choose(mesh, &levels, &mut course::untold)?;
+            choice = support::choose(mesh, &levels, &mut progress::ignore)?;
         }
         Ok(Examined { levels, choice, left_out })
     }
 
     /// The surface under the supports that were found, for those points to go to whose
     /// noise is told from shape.
-    fn surface(self, course: &mut Course) -> Result<Surface> {
+    fn surface(self, progress: &mut Progress) -> Result<Surface> {
         let (finest, choice) = (self.levels[0].grain.clone(), self.choice);
-        let mut surface = Surface::new(finest, self.levels, choice.place, course)?;
+        let mut surface = Surface::new(finest, self.levels, choice.place, progress)?;
         surface.share = choice.told;
         Ok(surface)
     }
@@ -271,7 +275,7 @@ impl Examined {
         let finest = &self.levels[0];
         let level = finest.next(h);
         let place = vec![0.0; mesh.points.len()];
-        let none = &mut course::untold;
+        let none = &mut progress::ignore;
         let surface = Surface::new(finest.grain.clone(), vec![level], place, none)?;
         if surface.reached(mesh) < MOST_REACHED * mesh.points.len() as f64 {
             return Err(Error::Support { h, shortest: finest.h, longest: mesh.diagonal() });

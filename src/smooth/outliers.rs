@@ -7,10 +7,10 @@ use super::levels::Level;
 use super::median;
 use super::support::Choice;
 use super::surface::{NOWHERE, Surface};
-use crate::course;
 use crate::error::Result;
 use crate::geometry::{Vector, VertexId};
 use crate::mesh::{Mesh, Rings};
+use crate::progress;
 
 /// So many standard deviations of the residuals around: in a normal distribution not
 /// one point of a hundred million is as far off.
@@ -92,5 +92,5 @@ fn surface_around(
         places[v] = place;
         rings.neighbours(mesh, VertexId::from(v)).for_each(|w| places[w.index()] = place);
     }
-    Surface::new(levels[0].grain.clone(), levels.to_vec(), places, &mut course::untold)
+    Surface::new(levels[0].grain.clone(), levels.to_vec(), places, &mut progress::ignore)
 }

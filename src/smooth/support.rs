@@ -73,11 +73,11 @@ struct Trial {
 /// Parts of the places that are looked at before it is told how far that has come.
 const PARTS: usize = 4;
 
-/// Chooses the support for every vertex. `course` is told how far that has come.
+/// Chooses the support for every vertex. `progress` is told how far that has come.
 pub fn choose<E>(
     mesh: &Mesh,
     levels: &[Level],
-    course: &mut dyn FnMut(f64) -> Result<(), E>,
+    progress: &mut dyn FnMut(f64) -> Result<(), E>,
 ) -> Result<Choice, E> {
     let sampling = sampling(mesh.points.len(), levels);
     let places = first_vertices(sampling);
@@ -86,7 +86,7 @@ pub fn choose<E>(
     let mut trials: Vec<Trial> = Vec::with_capacity(places.len());
     for part in places.chunks(places.len().div_ceil(PARTS).max(1)) {
         trials.par_extend(part.par_iter().map(look));
-        course(trials.len() as f64 / places.len() as f64)?;
+        progress(trials.len() as f64 / places.len() as f64)?;
     }
     let windows: Vec<Vec<u32>> = (0..places.len()).map(|i| window(sampling, i)).collect();
     let noise: Vec<f64> = windows.iter().map(|w| noise(&trials, w)).collect();

@@ -1,9 +1,9 @@
 //! Closed cubic B-splines through closed polygons of the parameter plane.
 
-use faer::prelude::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::Vector2;
 
+use crate::cholesky::Cholesky;
 use crate::geometry::Uv;
 use crate::spline::{Curve, KnotVector, runs};
 
@@ -94,8 +94,8 @@ pub fn fit(polygon: &Polygon, knots: &Knots) -> Option<Curve<2>> {
         }
     }
     let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &entries).ok()?;
-    let solved = matrix.sp_cholesky(faer::Side::Lower).ok()?.solve(&right);
-    let control = |i: usize| Vector2::new(solved[(i % n, 0)], solved[(i % n, 1)]);
+    Cholesky::new(matrix.as_ref()).ok()?.solve(&mut right);
+    let control = |i: usize| Vector2::new(right[(i % n, 0)], right[(i % n, 1)]);
     let control: Vec<Vector2<f64>> = (0..n + 3).map(control).collect();
     let finite = control.iter().all(|p| p.x.is_finite() && p.y.is_finite());
     finite.then(|| Curve::new(vector, control))

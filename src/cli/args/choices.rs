@@ -23,6 +23,15 @@ impl From<Unit> for LengthUnit {
     }
 }
 
+/// How a run shows how far it has come.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Steps {
+    /// A bar, on a terminal
+    Bar,
+    /// A line of JSON for each step, with --quiet, too: {"stage":"fit","share":0.61,"seconds":1.5}
+    Json,
+}
+
 /// What becomes of the outer boundary.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum Outline {

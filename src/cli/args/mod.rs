@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use scan2step::mesh::Choice;
 
-pub use choices::{Fit, Iges, Map, Outline, Schema};
+pub use choices::{Fit, Iges, Map, Outline, Schema, Steps};
 pub use colour::Colour;
 pub use files::{CadFile, CadKind};
 pub use how::{How, Manner};
@@ -135,6 +135,9 @@ pub struct Convert {
     /// Write each stage's mesh into this folder
     #[arg(long, value_name = "DIR")]
     pub stages: Option<PathBuf>,
+    /// How standard error shows how far the run has come
+    #[arg(long, value_enum, default_value_t = Steps::Bar)]
+    pub progress: Steps,
     #[command(flatten)]
     pub how: How,
     #[command(flatten)]

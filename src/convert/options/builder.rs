@@ -144,6 +144,14 @@ impl Builder {
         self
     }
 
+    /// How many threads share the work, from 1 to 1024. They end with the conversion, whose
+    /// result has the same bytes on any number of them. Without: the pool of the thread that
+    /// calls, or a thread for each core ([`threads::run`](crate::threads::run)).
+    pub fn threads(mut self, count: impl Into<Option<usize>>) -> Self {
+        self.0.threads = count.into();
+        self
+    }
+
     /// The options.
     ///
     /// # Errors

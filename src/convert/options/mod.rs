@@ -42,6 +42,7 @@ pub struct Options {
     pub(crate) outliers: f64,
     pub(crate) rim_tolerance: Option<f64>,
     pub(crate) cut: Cut,
+    pub(crate) threads: Option<usize>,
 }
 
 impl Default for Options {
@@ -60,6 +61,7 @@ impl Default for Options {
             outliers: 0.0,
             rim_tolerance: None,
             cut: Cut::default(),
+            threads: None,
         }
     }
 }
@@ -141,6 +143,7 @@ impl Options {
         if let Cut::FromLength(length) = self.cut {
             rules::extent(length).map_err(of("cut"))?;
         }
+        self.threads.map_or(Ok(()), rules::threads).map_err(of("threads"))?;
         Ok(())
     }
 }
