@@ -1,4 +1,4 @@
-//! Triangles divided where some of their sides are halved.
+//! Subdivision of triangles whose sides are halved.
 
 use foldhash::{HashMap, HashMapExt};
 
@@ -11,12 +11,13 @@ fn edge(a: VertexId, b: VertexId) -> Edge {
     (a.min(b), a.max(b))
 }
 
-/// Edges and the vertices in their middles.
+/// Edges with the vertices in their middles.
 #[derive(Default)]
 pub struct Middles(HashMap<Edge, VertexId>);
 
 impl Middles {
-    /// Adds a vertex to the mesh for each edge that has one of the `sides`.
+    /// Adds a vertex to the mesh in the middle of each edge that one of the `sides` lies on.
+    /// `place` gives its position.
     pub fn new(
         mesh: &mut Mesh,
         sides: impl IntoIterator<Item = usize>,
@@ -34,7 +35,7 @@ impl Middles {
         Middles(middles)
     }
 
-    /// How many they are.
+    /// The number of halved edges.
     pub fn len(&self) -> usize {
         self.0.len()
     }
@@ -45,8 +46,8 @@ impl Middles {
 }
 
 impl Patch {
-    /// Divides the triangles that have such edges, and puts the middles of those on the
-    /// boundary into that. The triangles are among `touched`, which ascends.
+    /// Divides the triangles that have halved edges. The new vertices of boundary edges become part
+    /// of the outer boundary. `touched` must ascend and name every triangle that has a halved edge.
     pub(crate) fn divide(&mut self, middles: &Middles, touched: impl IntoIterator<Item = usize>) {
         let old = std::mem::take(&mut self.mesh.triangles);
         let origins = std::mem::take(&mut self.origin);
@@ -67,12 +68,12 @@ impl Patch {
     }
 }
 
-/// The triangles that a triangle becomes.
+/// The triangles into which a triangle is divided.
 fn divided(t: [VertexId; 3], middles: &Middles) -> Vec<[VertexId; 3]> {
     let middle = |k: usize| middles.of(t[k % 3], t[(k + 1) % 3]);
     let halved = (0..3).filter(|&k| middle(k).is_some()).count();
-    // Begin at a side for which the cases below read alike: the only halved
-    // one, or the first of two that follow each other.
+    // Start at a side for which the cases below apply: the only halved one, or the first of two
+    // consecutive ones.
     let start = (0..3).find(|&k| middle(k).is_some() && (halved != 2 || middle(k + 1).is_some()));
     let s = start.unwrap_or(0);
     let (a, b, c) = (t[s], t[(s + 1) % 3], t[(s + 2) % 3]);

@@ -1,9 +1,9 @@
-//! Islands: components that lie in a hole of another one. A scanner often sees
-//! a patch in the middle of what it missed.
+//! Islands: components that lie in a hole of another component. A scanner often sees a patch in the
+//! middle of a region that it missed.
 //!
-//! A hole is looked at along its normal. A component lies in it that its rim
-//! runs around there, at about the height of the rim, and that looks the same
-//! way, or would if it were turned over.
+//! Each hole is projected along its normal. A component lies in the hole if the rim surrounds it in
+//! this projection, if it has about the height of the rim, and if its normal agrees with that of
+//! the hole. An island that faces the opposite way is turned over.
 
 use std::collections::HashMap;
 
@@ -19,26 +19,26 @@ use crate::geometry::{LocalPlane, Point, Uv, Vector, is_inside, uv_bounds};
 /// A component that may be an island.
 #[derive(Debug)]
 pub(super) struct Candidate {
-    /// Its number, the largest component being 0.
+    /// The number of the component; the largest one is 0.
     pub component: usize,
     /// Its triangles and points.
     pub build: Build,
 }
 
-/// Share of an island's vertices that must lie in its hole. Seen along one
-/// normal, a hole in a curved surface may not look quite as wide as it is.
+/// The share of an island's vertices that must lie in its hole. The value is less than 1 because a
+/// hole in a curved surface may look narrower in projection than it is.
 const ALMOST_ALL: f64 = 0.95;
 
-/// So many of a component's vertices are looked at, or a few more.
+/// About this many vertices of a component are tested, spread over all of them.
 const SAMPLE: usize = 1000;
 
-/// The least cosine of the angle between the normals of an island, as a whole,
-/// and of its hole. Both may be curved.
+/// The smallest cosine of the angle between the mean normals of an island and of its hole. The
+/// value is low because both may be curved.
 const ALIKE: f64 = 0.2;
 
-/// Puts those candidates into the disk's holes, and into the holes of its
-/// islands, that lie there. Where two overlap, the first one stays. The places
-/// on their boundaries become `taken`.
+/// Puts the candidates that lie in holes of the disk, or in holes of its islands, into these holes.
+/// Where two candidates overlap, the first one is kept. The places on the boundaries of the islands
+/// are added to `taken`.
 pub(super) fn add(
     disk: &mut Disk,
     candidates: Vec<Candidate>,
@@ -58,7 +58,7 @@ pub(super) fn add(
             count(&mut done, "flipped_faces", build.mesh.triangles.len());
         }
         let Ok(island) = clean(build, Outer::Auto, taken, &mut done) else { continue };
-        // What lies in another hole may well be behind it.
+        // Islands in different holes are not compared: one may lie behind the other in projection.
         let mut beside = islands.iter().filter(|other| other.hole == window.hole);
         if !beside.any(|other| overlap(window, &other.disk, &island)) {
             done.into_iter().for_each(|(kind, n)| count(repairs, kind, n));
@@ -77,8 +77,8 @@ struct Piece {
     windows: Vec<Window>,
 }
 
-/// Puts each island into the narrowest hole that it lies in: one of the disk's
-/// own, or of an island that is there already.
+/// Puts each island into the narrowest hole that contains it. The hole belongs to the disk or to an
+/// island that was placed before.
 fn settle(disk: &mut Disk, own: &[Window], islands: Vec<Piece>) {
     let parent = |island: &Piece| {
         let of_main = own.iter().map(|w| (None, w));
@@ -91,7 +91,8 @@ fn settle(disk: &mut Disk, own: &[Window], islands: Vec<Piece>) {
     let parents: Vec<_> = islands.iter().map(parent).collect();
     let mut left: Vec<_> =
         islands.into_iter().zip(parents).filter_map(|(i, p)| Some((i, p?))).collect();
-    // Where the holes of the disk and of each island begin among the disk's.
+    // For the disk and for each placed island, the position of its first hole among the disk's
+    // holes.
     let mut first = HashMap::from([(None, 0)]);
     loop {
         let (ready, rest): (Vec<_>, Vec<_>) =
@@ -108,21 +109,21 @@ fn settle(disk: &mut Disk, own: &[Window], islands: Vec<Piece>) {
     }
 }
 
-/// A hole, seen along its normal.
+/// A hole, projected along its normal.
 struct Window {
-    /// Its position among the holes of its piece.
+    /// The position of the hole among the holes of its piece.
     hole: usize,
     view: LocalPlane,
     outline: Vec<Uv>,
     low: Uv,
     high: Uv,
-    /// The lowest and the highest that an island may lie.
+    /// The lowest and the highest position of an island along the normal.
     heights: [f64; 2],
     area: f64,
 }
 
-/// The holes of a piece; those left out that have no side to them, or that are
-/// around it.
+/// The holes of a piece. Holes without a clear normal and loops that run around the piece are left
+/// out.
 fn windows(piece: &Disk) -> Vec<Window> {
     if piece.holes.is_empty() {
         return Vec::new();
@@ -134,14 +135,14 @@ fn windows(piece: &Disk) -> Vec<Window> {
         .collect()
 }
 
-/// The narrowest of the holes in which a mesh lies.
+/// The narrowest of the holes that contain a mesh.
 fn narrowest<'a>(holes: &'a [Window], mesh: &Mesh) -> Option<&'a Window> {
     holes.iter().filter(|w| w.holds(mesh)).min_by(|x, y| x.area.total_cmp(&y.area))
 }
 
 impl Window {
     fn new(mesh: &Mesh, hole: usize, rim: &Loop) -> Option<Self> {
-        // The hole is to the right of its rim.
+        // The hole lies to the right of its rim.
         let area = -boundary::area(mesh, rim);
         let view = LocalPlane::new(mesh.point(rim[0]), area.try_normalize(0.0)?);
         let outline = outline(&view, mesh, rim);
@@ -155,8 +156,8 @@ impl Window {
         Some(Window { hole, view, outline, low, high, heights, area: area.norm() })
     }
 
-    /// Whether almost all of a mesh lies in the hole and about as high as its
-    /// rim, and looks along its normal or against it.
+    /// Whether almost all of a mesh lies in the hole at about the height of its rim, and its mean
+    /// normal is nearly parallel or anti-parallel to that of the hole.
     fn holds(&self, mesh: &Mesh) -> bool {
         let sample: Vec<Point> = sample(mesh).collect();
         let mut may_miss = ((1.0 - ALMOST_ALL) * sample.len() as f64) as usize;
@@ -177,14 +178,14 @@ impl Window {
             && is_inside(uv, &self.outline)
     }
 
-    /// The cosine of the angle between the normals of the hole and of a mesh.
+    /// The cosine of the angle between the mean normals of the hole and of a mesh.
     fn likeness(&self, mesh: &Mesh) -> f64 {
         let area: Vector = mesh.triangles.iter().map(|&t| mesh.area_vector(t)).sum();
         area.try_normalize(0.0).map_or(0.0, |normal| normal.dot(&self.view.normal))
     }
 }
 
-/// Whether one of two islands covers a vertex of the other, seen through a hole.
+/// Whether one of two islands covers a vertex of the other in the projection of a hole.
 fn overlap(window: &Window, one: &Disk, other: &Disk) -> bool {
     let covers = |piece: &Disk, mesh: &Mesh| {
         let outlines: Vec<Vec<Uv>> =
@@ -195,17 +196,17 @@ fn overlap(window: &Window, one: &Disk, other: &Disk) -> bool {
     covers(one, &other.mesh) || covers(other, &one.mesh)
 }
 
-/// A loop seen in a plane.
+/// The projection of a loop.
 fn outline(view: &LocalPlane, mesh: &Mesh, ring: &Loop) -> Vec<Uv> {
     ring.iter().map(|&v| view.flat(mesh.point(v))).collect()
 }
 
-/// Some of the vertices, spread evenly over their numbers.
+/// Some of the vertices, spread evenly over the vertex numbers.
 fn sample(mesh: &Mesh) -> impl Iterator<Item = Point> + '_ {
     mesh.points.iter().copied().step_by((mesh.points.len() / SAMPLE).max(1))
 }
 
-/// Turns all triangles over.
+/// Reverses the orientation of all triangles.
 fn turn_over(build: &mut Build) {
     build.mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
     build.edges = EdgeMap::new(&build.mesh);

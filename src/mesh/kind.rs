@@ -1,4 +1,4 @@
-//! What kind of surface a component is.
+//! The topology of a component: orientability, Euler characteristic and number of boundary loops.
 
 use std::collections::BTreeMap;
 
@@ -9,16 +9,16 @@ use crate::error::{Error, Result};
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Topology {
-    /// Whether it has two sides (a Möbius strip has one).
+    /// Whether the surface has two sides. A Möbius strip has one.
     pub orientable: bool,
     /// Vertices − edges + triangles.
     pub euler: i64,
-    /// How many boundary loops it has.
+    /// The number of boundary loops.
     pub loops: usize,
 }
 
 impl Topology {
-    /// Of a connected, edge- and vertex-manifold mesh.
+    /// The topology of a connected mesh that is edge- and vertex-manifold.
     pub(super) fn new(mesh: &Mesh, edges: &EdgeMap, orientable: bool) -> Self {
         let open = edges.open_sides().count();
         let edge_count = (3 * mesh.triangles.len() + open) / 2;
@@ -31,18 +31,22 @@ impl Topology {
         Topology { orientable, euler, loops }
     }
 
-    /// The genus: handles of a two-sided surface; of a one-sided one half its
-    /// cross-caps (a Möbius strip: 0.5).
+    /// The genus. For a two-sided surface it is the number of handles. For a one-sided surface it
+    /// is half the number of cross-caps, so a Möbius strip has 0.5.
     pub fn genus(&self) -> f64 {
         (2 - self.loops as i64 - self.euler) as f64 / 2.0
     }
 
-    /// Whether it is a disk with any number of holes.
+    /// Whether the surface is a disk with any number of holes.
     pub fn is_disk(&self) -> bool {
         self.check_disk().is_ok()
     }
 
-    /// An error that says what it is, unless it is a disk with holes.
+    /// Succeeds for a disk with any number of holes.
+    ///
+    /// # Errors
+    /// [`Error::NotOrientable`] for a one-sided surface, [`Error::NotADisk`] for a closed surface
+    /// or one with handles.
     pub fn check_disk(&self) -> Result<()> {
         if !self.orientable {
             return Err(Error::NotOrientable);
@@ -54,7 +58,7 @@ impl Topology {
     }
 }
 
-/// Counts loops whose sides need not all run the same way.
+/// Counts boundary loops of a mesh whose triangles are not consistently oriented.
 fn unoriented_loops(mesh: &Mesh, edges: &EdgeMap) -> usize {
     let mut next: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
     for side in edges.open_sides() {

@@ -1,4 +1,4 @@
-//! Who borders on whom.
+//! Adjacency: which triangles share an edge, and which share a vertex.
 
 use std::sync::atomic::{AtomicU32, Ordering};
 
@@ -7,10 +7,10 @@ use rayon::prelude::*;
 use super::Mesh;
 use crate::geometry::VertexId;
 
-/// For each side of each triangle, the side it is glued to.
+/// For each side of each triangle, the opposite side of the same edge.
 ///
-/// Side `3 t + k` of the mesh runs from corner `k` of triangle `t` to corner
-/// `k + 1`.
+/// Side `3 t + k` of the mesh runs from corner `k` of triangle `t` to corner `k + 1`. Two sides are
+/// glued if they form one edge.
 #[derive(Debug)]
 pub struct EdgeMap {
     glued: Vec<u32>,
@@ -20,8 +20,8 @@ pub struct EdgeMap {
 const OPEN: u32 = u32::MAX;
 
 impl EdgeMap {
-    /// Glues every two sides that join the same two vertices, in whichever
-    /// direction, where no third side does.
+    /// Glues every two sides that join the same two vertices in either direction, unless a third
+    /// side joins them as well.
     pub fn new(mesh: &Mesh) -> Self {
         let ends = |side: u32| {
             let (t, k) = (side as usize / 3, side as usize % 3);
@@ -30,7 +30,8 @@ impl EdgeMap {
         };
         let count = 3 * mesh.triangles.len();
         let by_lower = Buckets::new(mesh.points.len(), count, |side| ends(side).0);
-        // Each side is of one vertex's edges, so no two threads write the same place.
+        // Each side belongs to the edges of exactly one lower vertex, so no two threads write to
+        // the same entry.
         let glued: Vec<AtomicU32> = (0..count).into_par_iter().map(|_| OPEN.into()).collect();
         let glue = |(x, y): (u32, u32)| glued[x as usize].store(y, Ordering::Relaxed);
         let glue_at = |bucket: &mut Vec<(u32, u32)>, v: usize| {
@@ -52,7 +53,8 @@ impl EdgeMap {
         EdgeMap { glued: glued.into_iter().map(AtomicU32::into_inner).collect(), overfull }
     }
 
-    /// That of the triangles given, none of which borders on another one.
+    /// The edge map of the given triangles. None of them may border on a triangle that is not
+    /// given.
     pub(super) fn part(&self, triangles: &[usize]) -> Self {
         let mut number = vec![OPEN; self.glued.len() / 3];
         triangles.iter().enumerate().for_each(|(new, &t)| number[t] = new as u32);
@@ -64,26 +66,25 @@ impl EdgeMap {
         EdgeMap { glued: glued.collect(), overfull: Vec::new() }
     }
 
-    /// The side that `side` is glued to, unless it lies on the boundary.
+    /// The side that is glued to `side`, or `None` on the boundary.
     pub fn across(&self, side: usize) -> Option<usize> {
         let other = self.glued[side];
         (other != OPEN).then_some(other as usize)
     }
 
-    /// Boundary sides in ascending order.
+    /// The boundary sides in ascending order.
     pub fn open_sides(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.glued.len()).filter(|&s| self.glued[s] == OPEN)
     }
 
-    /// Whether glued sides run in opposite directions, everywhere.
+    /// Whether all pairs of glued sides run in opposite directions.
     pub(super) fn is_oriented(&self, mesh: &Mesh) -> bool {
         let from = |side: usize| mesh.triangles[side / 3][side % 3];
         let opposite = |s| self.across(s).is_none_or(|other| from(s) != from(other));
         (0..self.glued.len()).into_par_iter().all(opposite)
     }
 
-    /// Whether the triangles around each vertex of an oriented mesh are all reached from
-    /// one of them over sides at the vertex.
+    /// Whether the triangles around each vertex of an oriented mesh form a single fan.
     pub(super) fn has_single_fans(&self, mesh: &Mesh) -> bool {
         let none = |_| [AtomicU32::new(0), AtomicU32::new(0)];
         let of_vertices: Vec<[AtomicU32; 2]> =
@@ -91,7 +92,7 @@ impl EdgeMap {
         (0..self.glued.len()).into_par_iter().for_each(|corner| {
             let [count, first] = &of_vertices[mesh.triangles[corner / 3][corner % 3].index()];
             count.fetch_add(1, Ordering::Relaxed);
-            // Any of its corners will do.
+            // Any corner of the vertex serves as a start.
             first.store(corner as u32, Ordering::Relaxed);
         });
         of_vertices.into_par_iter().all(|[count, first]| match count.into_inner() {
@@ -100,7 +101,7 @@ impl EdgeMap {
         })
     }
 
-    /// How many corners there are at a vertex that are reached from one of them.
+    /// The number of corners at a vertex that are reached from one of them across glued sides.
     fn fan(&self, first: usize) -> u32 {
         let turned = |corner: usize, by: usize| corner / 3 * 3 + (corner % 3 + by) % 3;
         let mut count = 1;
@@ -120,13 +121,13 @@ impl EdgeMap {
         count
     }
 
-    /// The sides of each edge that more than two triangles share. None of them
-    /// is glued.
+    /// The sides of each edge that more than two triangles share. None of these sides is glued.
     pub(super) fn overfull(&self) -> &[Vec<u32>] {
         &self.overfull
     }
 
-    /// Follows the swap of triangle `t`'s corners 1 and 2, which turns it over.
+    /// Updates the map after corners 1 and 2 of triangle `t` were swapped, which flips its
+    /// orientation.
     pub(super) fn turn_over(&mut self, t: usize) {
         self.glued.swap(3 * t, 3 * t + 2);
         for side in [3 * t, 3 * t + 2] {
@@ -140,21 +141,21 @@ impl EdgeMap {
     }
 }
 
-/// Numbers sorted into buckets, ascending in each.
+/// Numbers that are sorted into buckets. They ascend within each bucket.
 #[derive(Debug)]
 pub(crate) struct Buckets {
     starts: Vec<u32>,
     members: Vec<u32>,
 }
 
-/// Shares of the buckets that are filled at once, at the most.
+/// The largest number of shares in which the buckets are filled in parallel.
 const MOST_SHARES: usize = 8;
 
 impl Buckets {
-    /// Puts each of the numbers below `count` into the bucket that `bucket`
-    /// names, of `buckets`.
+    /// Puts each number below `count` into the bucket `bucket(number)`; there are `buckets` of
+    /// them.
     pub(crate) fn new(buckets: usize, count: usize, bucket: impl Fn(u32) -> u32 + Sync) -> Self {
-        // Each thread looks at all numbers, and keeps those for its share of the buckets.
+        // Each thread reads all numbers and keeps those that belong to its share of the buckets.
         let threads = rayon::current_num_threads().min(MOST_SHARES);
         let share = buckets.div_ceil(threads).max(1);
         let mut starts = vec![0u32; buckets + 1];
@@ -196,14 +197,14 @@ impl Buckets {
     }
 }
 
-/// For each vertex its neighbours along edges, and its triangles.
+/// The one-ring of every vertex: its triangles, and through them its neighbours.
 #[derive(Debug)]
 pub struct Rings {
     corners: Buckets,
 }
 
 impl Rings {
-    /// Lists the triangles of every vertex, in ascending order.
+    /// Lists the triangles of every vertex in ascending order.
     pub fn new(mesh: &Mesh) -> Self {
         let vertex = |corner: u32| mesh.triangles[corner as usize / 3][corner as usize % 3].0;
         let mut corners = Buckets::new(mesh.points.len(), 3 * mesh.triangles.len(), vertex);
@@ -216,7 +217,7 @@ impl Rings {
         self.corners.of(v.index())
     }
 
-    /// The vertices that share a triangle with `v`, each as often as it does.
+    /// The vertices that share a triangle with `v`. A vertex is repeated for each shared triangle.
     pub fn neighbours<'a>(
         &'a self,
         mesh: &'a Mesh,
@@ -236,7 +237,7 @@ mod tests {
         let bucket = |i: u32| i.wrapping_mul(2_654_435_761) % 11;
         for threads in [1, 2, 3, 16] {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            // Bucket 11 stays empty, and so are all of none.
+            // Bucket 11 stays empty, and so do all three buckets when there are no numbers.
             let (all, none) =
                 pool.install(|| (Buckets::new(12, 1000, bucket), Buckets::new(3, 0, bucket)));
             for b in 0..12 {

@@ -5,17 +5,17 @@ use nalgebra::{Matrix3, Vector3};
 use super::Sample;
 use crate::geometry::{Point, Vector, plane_axes};
 
-/// A plane with a frame.
+/// A plane through a point.
 #[derive(Debug, Clone, Copy)]
 pub struct Plane {
-    /// The foot of r on the plane.
+    /// The foot point of r on the plane.
     pub origin: Point,
-    /// Unit normal.
+    /// The unit normal.
     pub normal: Vector,
 }
 
-/// Value, half gradient and Gauss–Newton matrix of the plane's energy in the
-/// unknowns (t, tilt towards x, tilt towards y).
+/// Value, half gradient and Gauss–Newton matrix of the energy of the plane. The unknowns are t, the
+/// tilt towards x and the tilt towards y.
 pub(super) struct Energy {
     pub(super) value: f64,
     gradient: Vector3<f64>,
@@ -33,7 +33,7 @@ pub(super) fn energy(r: Point, n: Vector, t: f64, around: &[Sample], h: f64) -> 
         let s = height - t;
         let weight = p.weight * (-(d.norm_squared() - 2.0 * t * height + t * t) * inverse).exp();
         let (a, b) = (d.dot(&x), d.dot(&y));
-        // The second terms are those of the moving weights.
+        // The second terms come from the weights, which move with the plane.
         let by_t = weight * (s - s * s * s * inverse);
         let by_tilt = weight * (s + s * s * t * inverse);
         e.value += weight * s * s;
@@ -51,14 +51,14 @@ pub(super) fn energy(r: Point, n: Vector, t: f64, around: &[Sample], h: f64) -> 
     e
 }
 
-/// The plane is settled when a step moves it by less than this share of h, and
-/// turns it by less than this.
+/// The iteration stops when a step moves the plane by less than this share of h and turns it by
+/// less than this angle in radians.
 const SETTLED: f64 = 1e-3;
 
-/// The plane of the non-linear minimisation, by Gauss–Newton with the exact
-/// gradient from (n, t) = (`normal`, 0), each step shortened until the energy
-/// falls. The energy also falls towards infinity, where the weights vanish, so
-/// t stays within h.
+/// Finds the plane that minimises the energy, by Gauss–Newton steps with the exact gradient. The
+/// iteration starts at (n, t) = (`normal`, 0). Each step is shortened until the energy decreases.
+/// The energy also decreases towards infinity, where the weights vanish; t is therefore limited to
+/// ±h. Returns `None` if there are fewer than three points or no start normal.
 pub fn reference_plane(r: Point, normal: Vector, around: &[Sample], h: f64) -> Option<Plane> {
     if around.len() < 3 || normal.norm_squared() < 0.5 {
         return None;
@@ -70,7 +70,7 @@ pub fn reference_plane(r: Point, normal: Vector, around: &[Sample], h: f64) -> O
         let step = -damped.cholesky()?.solve(&at.gradient);
         let (x, y) = plane_axes(n);
         if step.x.abs() < SETTLED * h && step.yz().norm() < SETTLED {
-            // So short that there is no need to see whether the energy falls.
+            // The step is so short that the energy need not be evaluated again.
             t = (t + step.x).clamp(-h, h);
             n = (n + step.y * x + step.z * y).normalize();
             break;

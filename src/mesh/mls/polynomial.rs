@@ -1,38 +1,38 @@
-//! The polynomial over a reference plane.
+//! The polynomial over a reference plane, fitted by weighted least squares.
 
 use nalgebra::{Cholesky, Const, DimName, SMatrix, SVector};
 
 use super::{Plane, Sample};
 use crate::geometry::{Point, Vector, plane_axes};
 
-/// A polynomial over a plane, around its origin.
+/// A polynomial over a plane, centred at the origin of the plane.
 #[derive(Debug, Clone, Copy)]
 pub struct Polynomial {
     plane: Plane,
     axes: (Vector, Vector),
-    /// Of the monomials in units of h, in their order.
+    /// The coefficients of the monomials, in the order of `monomials` and in units of h.
     coefficients: [f64; ALL],
     h: f64,
-    /// The variance of its value at the origin, where the points' variance is 1.
+    /// The variance of the value at the origin, if the points have variance 1.
     pub variance: f64,
 }
 
-/// What the points around a polynomial show of their noise.
+/// An estimate of the noise of the points around a polynomial.
 #[derive(Debug, Clone, Default)]
 pub struct Scatter {
-    /// The mean square of the points' distances from it along the normal, as free of
-    /// the fit's own freedom as of the weights. It estimates the noise's variance.
+    /// The estimated variance of the noise along the normal: the weighted mean square of the
+    /// residuals, corrected for the degrees of freedom of the fit.
     pub variance: f64,
-    /// By how much the value at the origin rises with each point's height.
+    /// The derivative of the value at the origin with respect to the height of each point.
     pub influence: Vec<f64>,
 }
 
 /// The number of monomials up to the fourth degree.
 const ALL: usize = 15;
 
-/// The monomials, as means over a sample's points: the first 3 are linear, the
-/// first 6 quadratic, the first 10 cubic, all 15 quartic. `spread` is the
-/// covariance xx, xy, yy; moments of higher order are a normal distribution's.
+/// The monomials as means over the points of a sample. The first 3 are linear, the first 6
+/// quadratic, the first 10 cubic, and all 15 quartic. `spread` is the covariance xx, xy, yy.
+/// Moments of higher order are those of a normal distribution.
 fn monomials(x: f64, y: f64, [xx, xy, yy]: [f64; 3]) -> [f64; ALL] {
     let (x2, y2) = (x * x, y * y);
     [
@@ -55,17 +55,17 @@ fn monomials(x: f64, y: f64, [xx, xy, yy]: [f64; 3]) -> [f64; ALL] {
 }
 
 impl Polynomial {
-    /// The polynomial of highest degree that the points determine: of total
-    /// degree four, which has the bi-quadratic ones among it, else three, two or
-    /// one. One is determined when its value at the origin is steadier than a
-    /// single point. What would swing beside it, as a cubic does between the three
-    /// rows of a line scanner that are in reach, is damped. Where the points lie
-    /// to one side, as at a boundary, the fourth degree would swing freely.
+    /// Fits the polynomial of the highest total degree that the points determine: four, three, two
+    /// or one. A polynomial is determined if the variance of its value at the origin is below that
+    /// of a single point. Components that would oscillate beside the points are damped. A cubic,
+    /// for example, oscillates between the three rows of a line scanner that are in reach. The
+    /// fourth degree is not used where the points lie to one side, as at a boundary, because it
+    /// would oscillate freely.
     pub fn fit(plane: &Plane, around: &[Sample], h: f64) -> Option<Polynomial> {
         Some(Self::fitted(plane, around, h, false)?.0)
     }
 
-    /// The same with what the points show of their noise.
+    /// Like [`Polynomial::fit`], and also estimates the noise of the points.
     pub fn fit_with_scatter(
         plane: &Plane,
         around: &[Sample],
@@ -94,8 +94,7 @@ impl Polynomial {
         Some((polynomial, Scatter { variance: scatter.variance * h * h, ..scatter }))
     }
 
-    /// The point of the polynomial that lies off `p` along the plane's normal,
-    /// and the unit normal there.
+    /// The point of the polynomial above `p` along the normal of the plane, and its unit normal.
     pub fn at(&self, p: Point) -> (Point, Vector) {
         let n = self.plane.normal;
         let (e1, e2) = self.axes;
@@ -139,7 +138,7 @@ impl Polynomial {
     }
 }
 
-/// A sample in the plane's frame, in units of h.
+/// A sample in the frame of the plane, in units of h.
 struct Row {
     monomials: [f64; ALL],
     height: f64,
@@ -169,17 +168,18 @@ impl Row {
         first(&self.monomials)
     }
 
-    /// What its noise weighs: a mean of several points has less by their number.
+    /// The weight of its noise. The mean of several points has less noise in proportion to their
+    /// number.
     fn noise(&self) -> f64 {
         self.weight * self.weight / self.count
     }
 }
 
-/// Beside the points' mean, the variance of a polynomial's value may be so much.
+/// The largest allowed variance of the polynomial's value beside the mean of the points.
 const UNSTEADY: f64 = 4.0;
 
-/// How far from the points' mean that is looked at, in standard deviations of theirs:
-/// on none of a few equal rows.
+/// The distance of the places beside the mean of the points, in standard deviations of the points.
+/// With this value, none of the places lies on one of a few equally spaced rows.
 const BESIDE: f64 = 0.75;
 
 /// The weighted means of the first six monomials.
@@ -191,13 +191,13 @@ fn means(rows: &[Row]) -> [f64; 6] {
     sums.map(|sum| sum / sums[0])
 }
 
-/// Whether the points' mean is farther from the origin than a fifth of h.
+/// Whether the mean of the points is farther from the origin than a fifth of h.
 fn is_one_sided([_, x, y, ..]: [f64; 6]) -> bool {
     x.hypot(y) > 0.2
 }
 
-/// Four places around the points' mean, two along each column of a square root of
-/// their covariance: one of these leads out of any row.
+/// Four places around the mean of the points, two along each column of a square root of their
+/// covariance. At least one of these directions leads away from any row.
 fn beside([_, x, y, xx, xy, yy]: [f64; 6]) -> [[f64; 2]; 4] {
     let (xx, xy, yy) = (xx - x * x, xy - x * y, yy - y * y);
     let first = xx.max(f64::MIN_POSITIVE).sqrt();
@@ -207,16 +207,16 @@ fn beside([_, x, y, xx, xy, yy]: [f64; 6]) -> [[f64; 2]; 4] {
     [[x + a, y + b], [x - a, y - b], [x, y + c], [x, y - c]]
 }
 
-/// A fit: its coefficients, its variance at the origin, and its scatter in units
-/// of h, if that is wanted.
+/// A fit: its coefficients, its variance at the origin, and its scatter in units of h if requested.
 type Fitted = ([f64; ALL], f64, Scatter);
 
-/// What is added to a Gram matrix's diagonal, in shares of its trace: as little of it as
-/// makes the fit steady. More takes from the shape that the points do determine.
+/// Values that are added to the diagonal of a Gram matrix, as shares of its trace. The smallest one
+/// that keeps the fit from oscillating is used, because more damping distorts the shape that the
+/// points determine.
 const DAMPS: [f64; 6] = [1e-10, 1e-8, 1e-6, 1e-5, 1e-4, 1e-3];
 
-/// A damped Gram matrix, factored, that makes the fit steady `beside` the points' mean,
-/// and the fit's variance at the origin.
+/// The factor of a damped Gram matrix for which the fit does not oscillate at the places `beside`,
+/// and the variance of the fit at the origin.
 fn steady<const N: usize>(
     gram: &SMatrix<f64, N, N>,
     rows: &[Row],
@@ -238,7 +238,7 @@ where
         }
         let is_steady = |&[x, y]: &[f64; 2]| {
             let b = first(&monomials(x, y, [0.0; 3]));
-            // bᵀ G⁻¹ b is a bound that costs little.
+            // bᵀ G⁻¹ b is an upper bound that is cheap to compute.
             leverage(&factor, b) <= UNSTEADY || variance(b) <= UNSTEADY
         };
         if beside.iter().all(is_steady) {
@@ -248,7 +248,7 @@ where
     None
 }
 
-/// bᵀ G⁻¹ b, which is |L⁻¹ b|².
+/// bᵀ G⁻¹ b, computed as |L⁻¹ b|².
 fn leverage<const N: usize>(factor: &Cholesky<f64, Const<N>>, mut b: SVector<f64, N>) -> f64
 where
     Const<N>: DimName,
@@ -262,8 +262,8 @@ fn first<const N: usize>(monomials: &[f64; ALL]) -> SVector<f64, N> {
     SVector::from_fn(|i, _| monomials[i])
 }
 
-/// The weighted least-squares fit of the first N monomials, if it is steady at the
-/// origin and at places `beside` it.
+/// The weighted least-squares fit of the first N monomials, or `None` if it oscillates at the
+/// origin or at a place `beside` it.
 fn solve<const N: usize>(rows: &[Row], beside: &[[f64; 2]], with_scatter: bool) -> Option<Fitted>
 where
     Const<N>: DimName,
@@ -287,7 +287,7 @@ where
     if with_scatter {
         let solved = factor.solve(&first(&monomials(0.0, 0.0, [0.0; 3])));
         scatter.influence = rows.iter().map(|r| r.weight * r.first::<N>().dot(&solved)).collect();
-        // Σ w r² has the expectation σ² (Σ w/count − Σ w²/count bᵀ G⁻¹ b).
+        // The expectation of Σ w r² is σ² (Σ w/count − Σ w²/count bᵀ G⁻¹ b).
         let square = |r: &Row| r.weight * (r.height - r.first::<N>().dot(&c)).powi(2);
         let free = |r: &Row| r.weight / r.count - r.noise() * leverage(&factor, r.first());
         let total: f64 = rows.iter().map(|r| r.weight / r.count).sum();
