@@ -1,6 +1,5 @@
-//! B-spline curves and surfaces: evaluation, foot points, and curves on
-//! surfaces. Notation and algorithms follow Piegl & Tiller, "The NURBS Book"
-//! (1997), chapters 2 to 5.
+//! B-spline curves and surfaces: evaluation, foot points, nearest points, and curves on surfaces.
+//! Notation and algorithms follow Piegl & Tiller, "The NURBS Book" (1997), chapters 2 to 5.
 
 mod checked;
 pub(crate) mod chords;

@@ -1,9 +1,9 @@
-//! Closed loops of cubic arcs in the parameter plane: certified not to cross
-//! themselves or each other, and exact about what is inside.
+//! Closed loops of cubic arcs in the parameter plane. It is certified that they cross neither
+//! themselves nor each other, and point-in-loop tests are exact.
 //!
-//! A polygon of chords cannot tell whether two curves touch. Here a loop is cut
-//! into Bézier pieces until each is proved simple, and two pieces are apart
-//! only if boxes around their control points (which hold the curve) are.
+//! A polygon of chords cannot tell whether two curves touch. Here a loop is divided into Bézier
+//! pieces until each piece is proved to be simple. Two pieces are apart only if the boxes around
+//! their control points, which contain the curves, are apart.
 
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
@@ -12,21 +12,21 @@ use super::piece::{Piece, run_on};
 use super::{Curve, LoopFault};
 use crate::geometry::{Uv, uv_bounds};
 
-/// How far, in (u, v), two loops must be apart, and a loop from itself:
-/// importers take what is nearer for touching.
+/// The smallest distance in (u, v) between two loops, and between different parts of a loop.
+/// Importers treat curves that are nearer as touching.
 const CLEARANCE: f64 = 1e-8;
 
-/// How near a loop may come to the edge of the domain: importers refuse a
-/// pcurve that leaves it, by however little.
+/// The smallest distance between a loop and the end of the domain. Importers refuse a pcurve that
+/// leaves the domain by any amount.
 const MARGIN: f64 = 1e-7;
 
-/// Pieces shorter than this share of a loop's parameters are not cut again.
+/// Pieces shorter than this share of a loop's parameter range are not divided further.
 const SHORTEST: f64 = 1e-7;
 
-/// A fault of a loop and, if it is at one place, the parameter.
+/// A fault of a loop, with the parameter at which it occurs if there is a single one.
 pub type Place = (LoopFault, Option<f64>);
 
-/// A loop that is proved to be closed, without cusps, and within [0, 1]².
+/// A loop that is proved to be closed, without cusps, and inside [0, 1]².
 #[derive(Debug, Clone)]
 pub struct Outline {
     pieces: Vec<Piece>,
@@ -35,7 +35,10 @@ pub struct Outline {
 }
 
 impl Outline {
-    /// The outline of arcs, each beginning where the one before ends.
+    /// Checks a loop of arcs. Each arc must start where the one before ends.
+    ///
+    /// # Errors
+    /// The fault and its parameter if the loop is open, has a cusp or leaves the domain.
     pub fn new(arcs: &[Curve<2>]) -> Result<Self, Place> {
         let pieces = Piece::all(arcs).ok_or((LoopFault::Open, None))?;
         let closed = |(i, p): (usize, &Piece)| {
@@ -53,21 +56,20 @@ impl Outline {
         Ok(Outline { pieces, low, high })
     }
 
-    /// Signed area of the chords, positive counter-clockwise.
+    /// The signed area of the polygon of chords, positive for a counter-clockwise loop.
     fn area(&self) -> f64 {
         let cross = |p: &Piece| p.start().x * p.end().y - p.end().x * p.start().y;
         0.5 * self.pieces.iter().map(cross).sum::<f64>()
     }
 
-    /// Whether a point that is not on the loop is inside.
+    /// Whether a point that does not lie on the loop is inside it.
     fn holds(&self, p: Uv) -> bool {
         let boxed = self.low.x < p.x && p.x < self.high.x && self.low.y < p.y && p.y < self.high.y;
         boxed && self.pieces.iter().filter(|piece| piece.ray_crosses(p, SHORTEST)).count() % 2 == 1
     }
 }
 
-/// Cuts pieces until none turns far and no two neighbours can meet but at their
-/// common end.
+/// Divides pieces until each turns little and neighbours meet only at their common end.
 fn simple(pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
     let mut todo: Vec<Piece> = pieces.into_iter().rev().collect();
     let mut done: Vec<Piece> = Vec::with_capacity(todo.len());
@@ -80,7 +82,7 @@ fn simple(pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
             return Err((LoopFault::Cusp, Some(piece.middle())));
         } else {
             todo.extend(piece.split().into_iter().rev());
-            // Both sides of a sharp corner have to be cut.
+            // At a sharp corner the pieces on both sides have to be divided.
             if fine && let Some(before) = done.pop() {
                 todo.extend(before.split().into_iter().rev());
             }
@@ -89,7 +91,7 @@ fn simple(pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
     close(done)
 }
 
-/// The same for the last piece and the first.
+/// Does the same for the last piece and the first.
 fn close(mut pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
     while pieces.len() < 2 || !run_on(&pieces[pieces.len() - 1], &pieces[0]) {
         let Some(last) = pieces.pop() else { return Err((LoopFault::Open, None)) };
@@ -103,18 +105,16 @@ fn close(mut pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
     Ok(pieces)
 }
 
-/// How a loop must lie among others.
+/// The required position of a loop among the other loops.
 #[derive(Debug, Clone, Default)]
 pub struct Nest {
-    /// The positions of the loops that it lies in; it lies in no others.
+    /// The loops that contain this one. No other loop may contain it.
     pub around: Vec<usize>,
-    /// Whether it runs clockwise, around a hole, or counter-clockwise, around a
-    /// face.
+    /// Whether the loop runs clockwise, around a hole, or counter-clockwise, around a face.
     pub clockwise: bool,
 }
 
-/// The loops that run the wrong way round or are not in their places; no two of
-/// them may cross.
+/// The loops with the wrong direction or in the wrong position. No two loops may cross.
 pub fn misplaced(outlines: &[&Outline], nests: &[Nest]) -> Vec<(usize, Place)> {
     let mut found = Vec::new();
     for (i, (outline, nest)) in outlines.iter().zip(nests).enumerate() {
@@ -133,8 +133,8 @@ pub fn misplaced(outlines: &[&Outline], nests: &[Nest]) -> Vec<(usize, Place)> {
     found
 }
 
-/// Where loops come too near to each other or to themselves: the loop's
-/// position, the fault, and where.
+/// The places where loops come too near to each other or to themselves, as the position of the loop
+/// in `outlines` and the fault.
 pub fn crossings(outlines: &[&Outline]) -> Vec<(usize, Place)> {
     let mut order: Vec<Entry> = Vec::new();
     for (ring, outline) in outlines.iter().enumerate() {
@@ -143,7 +143,7 @@ pub fn crossings(outlines: &[&Outline]) -> Vec<(usize, Place)> {
     }
     order.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
     let mut found = Vec::new();
-    // Only pieces whose boxes meet can.
+    // Only pieces whose boxes overlap can come too near.
     let place = |(k, e): (usize, &Entry)| GeomWithData::new(Rectangle::from_aabb(e.within(0.0)), k);
     let tree = RTree::bulk_load(order.iter().enumerate().map(place).collect());
     let mut near: Vec<usize> = Vec::new();
@@ -166,7 +166,7 @@ pub fn crossings(outlines: &[&Outline]) -> Vec<(usize, Place)> {
     found
 }
 
-/// A piece among those of all loops.
+/// A piece among those of all loops, with its bounding box.
 struct Entry<'a> {
     ring: usize,
     number: usize,
@@ -181,7 +181,7 @@ impl<'a> Entry<'a> {
         Entry { ring, number, piece, low, high }
     }
 
-    /// The box around it, wider by a margin on every side.
+    /// The bounding box, enlarged by a margin on every side.
     fn within(&self, margin: f64) -> AABB<[f64; 2]> {
         let (low, high) = (self.low, self.high);
         AABB::from_corners([low.x - margin, low.y - margin], [high.x + margin, high.y + margin])
@@ -206,7 +206,7 @@ mod tests {
             .collect()
     }
 
-    /// A clockwise square, or one that runs the other way.
+    /// A clockwise square, or one in the opposite direction.
     fn square(u: f64, r: f64, clockwise: bool) -> Outline {
         let mut corners = [(-r, -r), (-r, r), (r, r), (r, -r)];
         if !clockwise {
@@ -260,7 +260,7 @@ mod tests {
             Curve::new(knots.clone(), vec![a, p, q, b])
         };
         let lens = Outline::new(&[arc(0.4, 0.3), arc(-0.4, 0.7)]).unwrap();
-        // The arc's top is at 0.5 + 3/4 · 0.4.
+        // The top of the arc is at 0.5 + 3/4 · 0.4.
         assert!(lens.holds(Uv::new(0.5, 0.7999)) && !lens.holds(Uv::new(0.5, 0.8001)));
         assert!(lens.area() < 0.0);
     }

@@ -1,5 +1,5 @@
-//! A bicubic surface as a polynomial on each knot cell: what foot points of many samples
-//! are looked for on.
+//! A bicubic surface in power form, with one polynomial for each knot cell. Foot points of many
+//! samples are searched on this form, because it is faster to evaluate.
 
 use nalgebra::Vector4;
 use rayon::prelude::*;
@@ -8,20 +8,21 @@ use super::spans::{Cubic, Span, Spans};
 use super::surface::{Jet, Patch, Surface};
 use crate::geometry::{Point, Uv, Vector};
 
-/// Coordinates and a zero, which processors add faster than three.
+/// Three coordinates and a zero. Processors add four numbers at once faster than three.
 type Lane = Vector4<f64>;
 
-/// Its polynomials. A look at one costs a third of one at B-splines, whose functions have
-/// to be found first.
+/// The polynomials. Evaluating one takes a third of the time of a B-spline, whose basis functions
+/// have to be computed first.
 struct Polynomials {
     spans: [Spans; 2],
     breaks: [Vec<f64>; 2],
-    /// Cell (p, q) at `p * down + q`: of tˡ sᵏ, at [l][k].
+    /// Cell (p, q) is at `p * down + q`, where `down` is the number of spans in v. Entry [l][k] is
+    /// the coefficient of tˡ sᵏ.
     cells: Vec<[[Lane; 4]; 4]>,
 }
 
-/// The surface for many looks: by its polynomials where it is cubic both ways, as fits
-/// make it.
+/// A form of the surface for many evaluations: polynomials if it is cubic in both directions, as
+/// the fits make it, and the surface itself otherwise.
 pub fn for_many_looks(surface: &Surface) -> Box<dyn Patch> {
     match [&surface.u, &surface.v].iter().all(|knots| knots.degree() == 3) {
         true => Box::new(Polynomials::new(surface)),
@@ -46,7 +47,7 @@ fn cell(surface: &Surface, [p, q]: [usize; 2], spans: &[Spans; 2]) -> [[Lane; 4]
     std::array::from_fn(|l| combined(&u.basis, |i| rows[i][l]))
 }
 
-/// The coefficients of Σ p_i B_i.
+/// The coefficients of the polynomial Σ p_i B_i.
 fn combined(basis: &[Cubic; 4], points: impl Fn(usize) -> Lane) -> [Lane; 4] {
     let mut sums = [Lane::zeros(); 4];
     for (i, cubic) in basis.iter().enumerate() {
@@ -56,7 +57,7 @@ fn combined(basis: &[Cubic; 4], points: impl Fn(usize) -> Lane) -> [Lane; 4] {
     sums
 }
 
-/// A cubic with its first two derivatives.
+/// Evaluates a cubic and its first two derivatives.
 #[inline(always)]
 fn look(&[a, b, c, d]: &[Lane; 4], x: f64) -> [Lane; 3] {
     let dx = d * x;
@@ -69,7 +70,7 @@ impl Patch for Polynomials {
         let [u, v]: [&Span; 2] = [&self.spans[0].all[p], &self.spans[1].all[q]];
         let cell = &self.cells[p * self.spans[1].all.len() + q];
         let x = u.local(at.x);
-        // Arrays are mapped by calls that copy them, which here takes longer than sums do.
+        // `map` on these arrays compiles to calls that copy them and take longer than the sums.
         let [mut along, mut slopes, mut bends] = [[Lane::zeros(); 4]; 3];
         for l in 0..4 {
             [along[l], slopes[l], bends[l]] = look(&cell[l], x);

@@ -1,46 +1,47 @@
-//! A rectangle of the parameter plane, with bounds on what the surface does in it.
+//! A rectangle of the parameter plane with bounds on the derivatives of the surface in it.
 
 use crate::geometry::{Point, Uv, Vector};
 use crate::spline::foot::Foot;
 use crate::spline::{Jet, Patch};
 
-/// Where second derivatives are looked at along each side of a cell, from −1 to 1. The last
-/// place is just before the end, where a surface may have a knot.
+/// The places along each side of a cell, from −1 to 1, at which second derivatives are sampled. The
+/// last one lies just before the end, because the surface may have a knot there.
 const NODES: [f64; 4] = [-1.0, -0.5, 0.5, 1.0 - 1e-9];
 
-/// The Lebesgue constant of the nodes: a cubic is between them at most so many times as
-/// large as at them. So bounds from the nodes hold for bicubic pieces; for other surfaces
-/// they are measured and not proved.
+/// The Lebesgue constant of the nodes: between the nodes, a cubic is at most this many times as
+/// large as at the nodes. Bounds from samples at the nodes therefore hold for bicubic pieces. For
+/// other surfaces they are measured and not proved.
 const LEBESGUE: f64 = 5.0 / 3.0;
 
-/// A cell. The surface is within [`Cell::spread`] of the parallelogram
-/// `centre + x · sides[0] + y · sides[1]`, x and y from −1 to 1.
+/// A cell. The surface stays within [`Cell::spread`] of the parallelogram `centre + x · sides[0] +
+/// y · sides[1]` with x and y from −1 to 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Cell {
     pub low: Uv,
     pub high: Uv,
     pub centre: Point,
-    /// The first derivatives at the centre, for half a side.
+    /// The first derivatives at the centre, times half the side of the cell, in mm.
     pub sides: [Vector; 2],
-    /// The longest second derivatives in u, in u and v, and in v, for half sides, in mm.
+    /// Bounds on the second derivatives uu, uv and vv, times the products of half sides, in mm.
     pub bend: [f64; 3],
 }
 
-/// Bounds on how a surface moves where parameters are scaled so that half a side of the
-/// cell is as long as [`Cell::sides`] says, in mm.
+/// Bounds on the first and second derivatives of the surface. The parameters are scaled so that
+/// half a side of the cell has the length of the vector in [`Cell::sides`], in mm.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Growth {
-    /// Points that are 1 apart in parameters are at least so far apart; 0 if nothing is
-    /// known.
+    /// A lower bound on the distance of two points whose scaled parameters are 1 apart; 0 if none
+    /// is known.
     pub least: f64,
-    /// At most so far apart.
+    /// An upper bound on this distance.
     pub most: f64,
-    /// The longest second derivative in any direction, in 1/mm.
+    /// A bound on the second derivative in any direction, in 1/mm.
     pub bend: f64,
 }
 
 impl Growth {
-    /// From the sides, how far the first derivatives differ from them, and the second ones.
+    /// Computes the bounds from the first derivatives at the centre, their variation over the cell,
+    /// and the second derivatives.
     pub fn new(sides: &[Vector; 2], differ: [f64; 2], bend: [f64; 3]) -> Self {
         let [a, b] = [0, 1].map(|k| sides[k].norm());
         let share = |x: f64, y: f64| if x == 0.0 { 0.0 } else { x / y.max(f64::MIN_POSITIVE) };
@@ -54,9 +55,9 @@ impl Growth {
         }
     }
 
-    /// ‖S − p‖² bends upwards around a foot that is less than so far away: by the Taylor
-    /// series at a foot f that is d away, ‖S(x) − p‖² ≥ d² + (least² − d · bend) · ‖x − f‖².
-    /// So no other foot is as near.
+    /// A distance below which ‖S − p‖² is convex around a foot point, so that no other foot point
+    /// is as near. By the Taylor series at a foot point f at distance d, ‖S(x) − p‖² ≥ d² + (least²
+    /// − d · bend) · ‖x − f‖².
     pub fn reach(&self) -> f64 {
         let square = self.least * self.least;
         if self.bend > 0.0 {
@@ -68,7 +69,7 @@ impl Growth {
 }
 
 impl Cell {
-    /// The cell between two corners of the parameter plane in which the surface is smooth.
+    /// The cell between two corners of the parameter plane. The surface must be smooth in it.
     pub fn measured<S: Patch + ?Sized>(surface: &S, low: Uv, high: Uv) -> Self {
         let half = 0.5 * (high - low);
         let middle = nalgebra::center(&low, &high);
@@ -81,7 +82,8 @@ impl Cell {
             looks[1][n] = jet.suv * (half.x * half.y);
             looks[2][n] = jet.svv * (half.y * half.y);
         }
-        // Second derivatives are linear along their own parameter: there nodes are enough.
+        // A second derivative is linear in its own parameter, so the nodes bound it in this
+        // direction.
         let factors = [LEBESGUE, LEBESGUE * LEBESGUE, LEBESGUE];
         let bend = std::array::from_fn(|k| longest(&looks[k], factors[k]));
         Cell::at(low, high, &centre, bend)
@@ -93,7 +95,7 @@ impl Cell {
         Cell { low, high, centre: centre.s, sides, bend }
     }
 
-    /// The four quarters, or two halves where the other side is much the shorter one.
+    /// Divides the cell into four quarters, or into two halves if one side is much shorter.
     pub fn split<S: Patch + ?Sized>(&self, surface: &S) -> impl Iterator<Item = Cell> {
         let [a, b] = [0, 1].map(|k| self.sides[k].norm());
         let cuts = [a >= 0.5 * b, b >= 0.5 * a].map(|cut| if cut { 2 } else { 1 });
@@ -112,12 +114,12 @@ impl Cell {
         })
     }
 
-    /// The farthest, in mm, that the surface is from the parallelogram.
+    /// A bound in mm on the distance of the surface from the parallelogram.
     pub fn spread(&self) -> f64 {
         0.5 * (self.bend[0] + self.bend[2]) + self.bend[1]
     }
 
-    /// How far the first derivatives are from those at the centre, for half sides.
+    /// Bounds on the difference of the first derivatives from those at the centre, for half sides.
     pub fn differ(&self) -> [f64; 2] {
         [self.bend[0] + self.bend[1], self.bend[1] + self.bend[2]]
     }
@@ -126,15 +128,14 @@ impl Cell {
         Growth::new(&self.sides, self.differ(), self.bend)
     }
 
-    /// A box that holds the surface, by its lowest and highest corner.
+    /// The lowest and highest corner of a box that contains the surface in the cell.
     pub fn bounds(&self) -> [Point; 2] {
         let spread = Vector::from_element(self.spread());
         let reach = self.sides[0].abs() + self.sides[1].abs() + spread;
         [self.centre - reach, self.centre + reach]
     }
 
-    /// The place of the parallelogram that is nearest to `p`, as a parameter point, and its
-    /// distance.
+    /// The point of the parallelogram nearest to `p`, as a parameter point, and its distance.
     pub fn nearest(&self, p: Point) -> (Uv, f64) {
         let r = p - self.centre;
         let [a, b] = self.sides;
@@ -164,8 +165,8 @@ impl Cell {
         (Uv::new(middle.x + half.x * best.0, middle.y + half.y * best.1), best.2.sqrt())
     }
 
-    /// Whether the gradient of ½‖S − p‖² is proved not to vanish in the cell, so that no
-    /// foot of `p` is inside it.
+    /// Whether the gradient of ½‖S − p‖² is proved not to vanish in the cell, so that the cell
+    /// contains no foot point of `p`.
     pub fn has_no_foot(&self, p: Point, growth: &Growth) -> bool {
         let r = self.centre - p;
         let [a, b] = self.sides.map(|side| side.norm().max(f64::MIN_POSITIVE));
@@ -175,8 +176,8 @@ impl Cell {
         gradient > corner * (growth.most * growth.most + away * growth.bend)
     }
 
-    /// No point of the cell is nearer to `p` than this, by the Taylor series at a place
-    /// `foot` of the cell.
+    /// A lower bound on the distance of `p` from the cell, by the Taylor series at the point `foot`
+    /// of the cell.
     pub fn least_distance(&self, p: Point, foot: &Foot, growth: &Growth) -> f64 {
         let r = foot.jet.s - p;
         let half = 0.5 * (self.high - self.low);
@@ -194,7 +195,7 @@ impl Cell {
     }
 }
 
-/// At most so long are the vectors of a polynomial from its values at nodes.
+/// A bound on the length of a vector-valued polynomial, from its values at the nodes.
 fn longest(values: &[Vector; 16], factor: f64) -> f64 {
     let mean = values.iter().sum::<Vector>() / 16.0;
     let off = values.iter().map(|v| (v - mean).norm_squared()).fold(0.0, f64::max).sqrt();

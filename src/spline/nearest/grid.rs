@@ -1,4 +1,5 @@
-//! The cells of a surface: between its break lines, cut up where it turns far between two.
+//! The division of a surface into cells. Cell borders are the break lines of the surface; strips in
+//! which the surface turns far are divided further.
 
 use rayon::prelude::*;
 
@@ -7,29 +8,30 @@ use crate::geometry::{Point, Uv, Vector};
 use crate::spline::Patch;
 use crate::spline::foot::Foot;
 
-/// On average a first derivative changes by less than this share of itself over a cell:
-/// then its cells tell about as much as if they were cut up further.
+/// The mean change of a first derivative over a cell, as a share of the derivative. With smaller
+/// cells the bounds would hardly improve.
 const MOST_CHANGE: f64 = 0.5;
 
-/// A strip between two break lines is cut into so many at the most: cells that need more
-/// are cut up when a point is near.
+/// The largest number of parts into which a strip between two break lines is divided. Cells that
+/// need a finer division are divided during a search.
 const MOST_PARTS: f64 = 32.0;
 
-/// Derivatives on both sides of a line that differ by more than this share are those of
-/// a sharp bend; of smooth surfaces they differ by the step across the line.
+/// The surface has a crease at a line if the derivatives on both sides differ by more than this
+/// share. On smooth surfaces they differ by what they change across the step between the two
+/// places.
 const SHARP: f64 = 1e-5;
 
-/// Looks at both sides of a line are so many widths of a strip away from it.
+/// The distance of these two places from the line, as a share of the narrower strip.
 const BESIDE: f64 = 1e-8;
 
-/// The cells, and the lines that part them.
+/// The cells and the lines that separate them.
 #[derive(Debug)]
 pub(super) struct Grid {
-    /// Lines u = const and v = const, the ends included.
+    /// The lines u = const and v = const, including the ends.
     pub lines: [Vec<f64>; 2],
-    /// Which of them the surface bends sharply or ends at.
+    /// Which of these lines are creases or ends of the surface.
     pub sharp: [Vec<bool>; 2],
-    /// The cell (i, j) at `i * rows + j`.
+    /// The cells; cell (i, j) is at `i * rows + j`.
     pub cells: Vec<Cell>,
     pub rows: usize,
 }
@@ -50,12 +52,12 @@ impl Grid {
         Grid { lines, sharp, cells, rows }
     }
 
-    /// How many columns and rows of cells there are.
+    /// The numbers of columns and rows of cells.
     pub fn shape(&self) -> [usize; 2] {
         [self.lines[0].len() - 1, self.rows]
     }
 
-    /// The cell that holds a parameter point.
+    /// The cell that contains a parameter point.
     pub fn find(&self, at: Uv) -> usize {
         let of = |k: usize| {
             let inner = &self.lines[k][1..self.lines[k].len() - 1];
@@ -64,15 +66,15 @@ impl Grid {
         of(0) * self.rows + of(1)
     }
 
-    /// At which sides of a cell, low and high in u and in v, the surface bends sharply or
-    /// ends: there the nearest place need not be a foot.
+    /// Which sides of a cell are creases or ends of the surface, low and high in u and in v. On
+    /// such a side the nearest point need not be a foot point.
     pub fn ends(&self, n: usize) -> [[bool; 2]; 2] {
         let at = [n / self.rows, n % self.rows];
         [0, 1].map(|k| [self.sharp[k][at[k]], self.sharp[k][at[k] + 1]])
     }
 
-    /// The gradient of ½‖S − p‖² at a foot, in mm: 0 at an exact one. What leads out of the
-    /// surface does not count.
+    /// The remaining gradient of ½‖S − p‖² at an approximate foot point, in mm; 0 at an exact one.
+    /// Components that lead out of the domain are ignored.
     pub fn slope(&self, p: Point, foot: &Foot) -> f64 {
         let r = foot.jet.s - p;
         let along = |k: usize| {
@@ -95,7 +97,7 @@ fn place(axis: usize, along: f64, across: f64) -> Uv {
     if axis == 0 { Uv::new(along, across) } else { Uv::new(across, along) }
 }
 
-/// The lines of an axis.
+/// The lines of one axis.
 fn lines<S: Patch + ?Sized>(surface: &S, breaks: &[Vec<f64>; 2], axis: usize) -> Vec<f64> {
     let strips: Vec<&[f64]> = breaks[axis].windows(2).collect();
     let parts = strips.par_iter().map(|strip| {
@@ -117,7 +119,7 @@ fn lines<S: Patch + ?Sized>(surface: &S, breaks: &[Vec<f64>; 2], axis: usize) ->
     inner.chain(breaks[axis].last().copied()).collect()
 }
 
-/// Which lines of an axis the surface bends sharply or ends at.
+/// Which lines of one axis are creases or ends of the surface.
 fn sharp<S: Patch + ?Sized>(surface: &S, lines: &[Vec<f64>; 2], axis: usize) -> Vec<bool> {
     let line = &lines[axis];
     let is_sharp = |i: usize| {

@@ -1,4 +1,4 @@
-//! How far from a cell a point whose foot is in it is sure to have no other one nearer.
+//! For each cell, a test that proves a foot point in it to be the nearest place.
 
 use rayon::prelude::*;
 
@@ -7,22 +7,24 @@ use super::grid::Grid;
 use super::tree::Tree;
 use crate::geometry::Vector;
 
-/// What is known of the feet in a cell.
+/// Bounds that hold for every foot point in a cell.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Safety {
-    /// How the surface moves in the cell and those around it.
+    /// Bounds on the derivatives in the cell and its neighbours: the squared lower bound of
+    /// [`Growth::least`], and [`Growth::bend`].
     square: f64,
     bend: f64,
-    /// How far cells are that are not around it, in mm.
+    /// A lower bound in mm on the distance from the cell to cells that are not its neighbours.
     gap: f64,
 }
 
 impl Safety {
-    /// Whether a foot in the cell, `away` from a point and with a remaining `slope`, is the
-    /// only one that is nearer to it than `best`, but for `exact` mm.
+    /// Whether a foot point in this cell is proved to be the only place nearer than `best` mm, up
+    /// to an error of `exact` mm. `away` is its distance from the point, and `slope` the remaining
+    /// gradient.
     ///
-    /// Around it the Taylor series says so, as [`Growth::reach`] has it. What is elsewhere
-    /// is farther than the gap from the foot.
+    /// In the cell and its neighbours the Taylor series proves it, as in [`Growth::reach`].
+    /// Everything else is farther than `gap` from the foot point.
     pub fn settles(&self, away: f64, slope: f64, best: f64, exact: f64) -> bool {
         let room = self.square - best * self.bend;
         room > 0.0
@@ -31,7 +33,7 @@ impl Safety {
     }
 }
 
-/// For every cell.
+/// The bounds of every cell.
 pub(super) fn all(grid: &Grid, tree: &Tree) -> Vec<Safety> {
     (0..grid.cells.len()).into_par_iter().with_min_len(16).map(|n| of(grid, tree, n)).collect()
 }
@@ -47,7 +49,7 @@ fn of(grid: &Grid, tree: &Tree, n: usize) -> Safety {
     Safety { square, bend, gap: gap(grid, tree, cell, &around) }
 }
 
-/// A cell and those that touch it: columns and rows of the grid, the last ones excluded.
+/// A cell and its neighbours, as half-open ranges of columns and rows of the grid.
 struct Around {
     columns: [usize; 2],
     rows: [usize; 2],
@@ -71,13 +73,13 @@ impl Around {
         columns.flat_map(move |i| (rows[0]..rows[1]).map(move |j| &grid.cells[i * down + j]))
     }
 
-    /// Whether there is a sharp bend between the cells.
+    /// Whether there is a crease between the cells.
     fn is_sharp(&self, grid: &Grid) -> bool {
         let inner = |[a, b]: [usize; 2], sharp: &[bool]| (a + 1..b).any(|i| sharp[i]);
         inner(self.columns, &grid.sharp[0]) || inner(self.rows, &grid.sharp[1])
     }
 
-    /// How the surface moves in all of them, measured by the one in the middle.
+    /// Bounds on the derivatives in all these cells, in the scale of the one in the middle.
     fn growth(&self, grid: &Grid, cell: &Cell) -> Growth {
         let (mut differ, mut bend) = ([0.0_f64; 2], [0.0_f64; 3]);
         let size = cell.high - cell.low;
@@ -96,8 +98,8 @@ impl Around {
     }
 }
 
-/// How far the cells that do not touch `cell` are from it, but at most about three times its
-/// size: more is not needed.
+/// The distance from `cell` to the cells that do not touch it, but at most about three times the
+/// size of `cell`. Larger distances are not needed.
 fn gap(grid: &Grid, tree: &Tree, cell: &Cell, around: &Around) -> f64 {
     let axes = Axes::new(cell);
     let bounds = cell.bounds();
@@ -116,8 +118,8 @@ fn gap(grid: &Grid, tree: &Tree, cell: &Cell, around: &Around) -> f64 {
     gap
 }
 
-/// A cell and the directions along which it is parted from others: its normal and, in its
-/// plane, the normals of its sides.
+/// A cell with the directions of possible separating axes: its normal and, in its plane, the
+/// normals of its sides.
 struct Axes<'a> {
     cell: &'a Cell,
     axes: [Vector; 3],
@@ -130,7 +132,7 @@ impl<'a> Axes<'a> {
         Axes { cell, axes: [normal, b.cross(&normal), a.cross(&normal)].map(unit) }
     }
 
-    /// How far another cell is at least.
+    /// A lower bound on the distance to another cell.
     fn apart(&self, other: &Cell) -> f64 {
         let between = other.centre - self.cell.centre;
         let along =
@@ -143,7 +145,7 @@ fn unit(v: Vector) -> Vector {
     v.try_normalize(0.0).unwrap_or_else(Vector::zeros)
 }
 
-/// How far a cell goes from its centre along a unit vector.
+/// The extent of a cell from its centre along a unit vector.
 fn extent(cell: &Cell, axis: Vector) -> f64 {
     cell.sides.iter().map(|side| side.dot(&axis).abs()).sum::<f64>() + cell.spread()
 }

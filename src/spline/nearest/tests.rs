@@ -1,10 +1,10 @@
-//! Cells hold what they say, and the tree finds what all cells find.
+//! Cells contain what they claim, and the tree finds what a search of all cells finds.
 
 use super::*;
 use crate::geometry::Vector;
 use crate::spline::{KnotVector, Surface, foot_point};
 
-/// A waved sheet that is rolled up, with uneven knots.
+/// A rolled-up, waved sheet with uneven knots.
 fn rolled() -> Surface {
     let knots = |n: usize| {
         let breaks: Vec<f64> = (0..=n).map(|i| (i as f64 / n as f64).powf(1.5)).collect();
@@ -82,7 +82,7 @@ fn a_cell_without_a_foot_has_none() {
         feet += u32::from(inner(0) && inner(1));
         without += u32::from(has_none);
     }
-    // 68 cells are told from the place alone; the others the tree settles by halving them.
+    // For 68 cells the place alone proves it. For the others the tree has to divide cells.
     assert!(feet > 0 && without > 60, "{feet} {without} of {}", grid.cells.len());
 }
 
@@ -125,6 +125,7 @@ fn what_a_foot_settles_no_other_place_is_nearer() {
             }
         }
     }
-    // 128 are; the others are as far off as the sheet is bent.
+    // The measured number is 128. In the other cells the points are as far from the sheet as its
+    // radius of curvature.
     assert!(settled > 120, "the usual point is not settled: {settled}");
 }
