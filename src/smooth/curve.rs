@@ -1,14 +1,12 @@
-//! The boundary step: each point of a loop onto its MLS curve (section 3.1).
+//! Smoothing of the boundary: each point of a loop is projected onto its MLS curve (section 3.1).
 //!
-//! The reference line through q, the foot of r, along u minimises
-//! Σ ‖(pᵢ − q) − ⟨pᵢ − q, u⟩ u‖² θ(‖pᵢ − q‖) over q and u, non-linear since
-//! the weights move with q. Over that line the parametric quadratic
-//! (u, v(u), w(u)) is fitted; its value at u = 0 is the projection. Only points
-//! of the same piece of the loop, between two corners, take part.
+//! The reference line through q, the foot point of r, in direction u minimises Σ ‖(pᵢ − q) − ⟨pᵢ −
+//! q, u⟩ u‖² θ(‖pᵢ − q‖) over q and u. This problem is non-linear, because the weights move with q.
+//! A parametric quadratic (u, v(u), w(u)) is fitted over that line; its value at u = 0 is the
+//! projection. Only points between the same two corners of the loop take part.
 //!
-//! The loop lies on the surface already. So a point moves in the surface only,
-//! across the loop, and no farther than noise explains: the rim of a clean scan
-//! stays as it is.
+//! The loop already lies on the surface. A point therefore moves only within the surface and across
+//! the loop, and no farther than the noise explains. The rim of a scan without noise does not move.
 
 use nalgebra::Vector2;
 use rayon::prelude::*;
@@ -18,28 +16,27 @@ use super::line::{quadratic, reference_line};
 use crate::geometry::{Point, Vector, plane_axes};
 use crate::mesh::mls::REACH;
 
-/// Supports tried, in mean edge lengths of the loop.
+/// The supports that are tried, as multiples of the mean edge length of the loop.
 const TRIED: [f64; 7] = [2.0, 3.0, 4.5, 6.5, 9.5, 14.0, 20.0];
 
-/// Loops with fewer points than this are left alone.
+/// Loops and parts of loops with fewer points than this are not smoothed.
 const FEWEST: usize = 8;
 
-/// A point moves by so many standard deviations of the noise at the most. (The
-/// stair steps of a rim, which a coarse mesh makes of a line, are no noise, but
-/// are taken for it as far as that.)
+/// The largest move of a point, in standard deviations of the noise. The stair steps that a coarse
+/// mesh makes of a straight rim are not noise, but up to this size they are smoothed as well.
 const FARTHEST: f64 = 5.0;
 
 /// A loop of points on a surface.
 pub struct Rim<'a> {
     /// The points, in order.
     pub points: &'a [Point],
-    /// The surface's unit normals there.
+    /// The unit normals of the surface at the points.
     pub normals: &'a [Vector],
-    /// The standard deviations of the noise there, in mm.
+    /// The standard deviations of the noise at the points, in mm.
     pub noise: &'a [f64],
 }
 
-/// A run of points between two corners, or a whole loop.
+/// The points between two corners, or a whole loop.
 struct Piece {
     points: Vec<Point>,
     normals: Vec<Vector>,
@@ -47,10 +44,9 @@ struct Piece {
     closed: bool,
 }
 
-/// The smoothed points of a closed loop that keeps the corners at the given
-/// positions: each piece is smoothed by itself, its ends fixed; then the corners
-/// go where the pieces meet. The support is the one that predicts left-out points
-/// best.
+/// Smooths a closed loop with corners at the given positions. The part between two corners is
+/// smoothed separately, with fixed ends. Each corner then moves to the place where the smoothed
+/// parts meet. The support is the one that predicts left-out points best.
 pub fn smooth_loop(rim: &Rim, corners: &[usize]) -> Vec<Point> {
     let n = rim.points.len();
     if n < FEWEST {
@@ -75,17 +71,17 @@ pub fn smooth_loop(rim: &Rim, corners: &[usize]) -> Vec<Point> {
     out
 }
 
-/// Rounds in which the points are spread along the loop, and how far each may
-/// go, in standard deviations of the noise.
+/// The number of rounds in which points are spread along the loop, and the largest total move of a
+/// point in these rounds, in standard deviations of the noise.
 const SPREADING: (usize, f64) = (12, 2.5);
 
-/// The sides of a corner are taken for straight over this many edges.
+/// The number of edges on each side of a corner over which the loop is treated as straight.
 const STRAIGHT: usize = 4;
 
 impl Rim<'_> {
-    /// Spreads the points along the loop where noise has crowded them: each
-    /// goes half of the way to the middle of its neighbours, along the line
-    /// through these, but no farther than noise explains.
+    /// Spreads points along the loop where noise has crowded them. In each round a point moves half
+    /// the way to the middle of its neighbours, along the line through them, but in total no
+    /// farther than the noise explains.
     fn even_out(&self, points: &mut [Point], corners: &[usize]) {
         let n = points.len();
         let mut moved = vec![0.0; n];
@@ -103,8 +99,8 @@ impl Rim<'_> {
         }
     }
 
-    /// Where the smoothed sides of a corner meet: a better place for it than its
-    /// own, unless that is farther off than noise explains.
+    /// The place where the smoothed sides of a corner meet, or `None` if it is farther from the
+    /// measured corner than the noise explains.
     fn meeting(&self, smooth: &[Point], corner: usize) -> Option<Point> {
         let n = smooth.len();
         let normal = self.normals[corner];
@@ -117,7 +113,7 @@ impl Rim<'_> {
         let side = |near: usize, far: usize| (flat(near), (flat(near) - flat(far)).normalize());
         let (p, u) = side(corner + n - 1, corner + n - 1 - STRAIGHT);
         let (q, v) = side(corner + 1, corner + 1 + STRAIGHT);
-        // p + s u = q + t v; sides that hardly turn meet nowhere near.
+        // Solve p + s u = q + t v. Nearly parallel sides have no usable intersection.
         let turn = u.perp(&v);
         let met = p + (q - p).perp(&v) / turn * u;
         let near = met.norm() <= FARTHEST * self.noise[corner] && turn.abs() > 0.3;
@@ -136,7 +132,7 @@ impl Rim<'_> {
     }
 }
 
-/// How far the projection moves a point across the loop in the surface.
+/// The move that the projection makes, in the surface and across the loop.
 struct Move {
     across: Vector,
     by: f64,
@@ -157,7 +153,7 @@ impl Piece {
         (0..self.points.len()).into_par_iter().map(project).collect()
     }
 
-    /// By leave-one-out cross-validation.
+    /// The support that leave-one-out cross-validation selects.
     fn support(&self) -> f64 {
         let n = self.points.len();
         let length: f64 = (1..n).map(|i| (self.points[i] - self.points[i - 1]).norm()).sum();
@@ -183,7 +179,7 @@ impl Piece {
         Some(Move { across, by: (point - r).dot(&across), leverage })
     }
 
-    /// The points within reach along the piece.
+    /// The points within reach along this part of the loop.
     fn around(&self, i: usize, h: f64) -> Vec<Point> {
         let n = self.points.len();
         let mut around = vec![self.points[i]];
@@ -208,7 +204,7 @@ impl Piece {
 mod tests {
     use super::*;
 
-    /// A deterministic stand-in for noise: mean 0, about ±1.
+    /// A deterministic substitute for noise with mean 0 and values of about ±1.
     fn jitter(i: usize) -> f64 {
         ((i * 7919 % 104_729) as f64 * 0.618_034).fract() * 2.0 - 1.0
     }

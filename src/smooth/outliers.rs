@@ -1,5 +1,5 @@
-//! Points that no surface explains: each far off the one that its neighbours
-//! lie on, while these are not.
+//! Detection of outliers: points that are far from the surface through their neighbours while these
+//! neighbours are not.
 
 use rayon::prelude::*;
 
@@ -12,28 +12,29 @@ use crate::error::Result;
 use crate::geometry::{Vector, VertexId};
 use crate::mesh::{Mesh, Rings};
 
-/// So many standard deviations of the residuals around: in a normal distribution not
-/// one point of a hundred million is as far off.
+/// An outlier is farther from the surface than this multiple of the standard deviation of the
+/// residuals around it. Fewer than one in a hundred million normally distributed residuals is as
+/// large.
 const DEVIATIONS: f64 = 6.0;
 
-/// So many times as far off as the neighbours are: along a sharp edge, where the
-/// fit has to fail, all are far off.
+/// An outlier is farther from the surface than this multiple of the mean distance of its
+/// neighbours. Along a sharp edge, where the fit is poor, all points are far from the surface.
 const ALONE: f64 = 4.0;
 
-/// Nothing nearer to the surface than this share of the mean edge is an outlier:
-/// a fit may miss a clean scan by more than its noise.
+/// A point nearer to the surface than this share of the mean edge length is not an outlier. On a
+/// scan without noise, fit errors may exceed the noise.
 const LEAST: f64 = 0.1;
 
-/// The lowest level that is steady enough to show an outlier.
+/// The lowest level on which fits are stable enough for the detection.
 const STEADY: usize = 2;
 
-/// Points that stick out of their neighbours' mean by less than so many standard
-/// deviations need no closer look.
+/// Points are examined only if they are farther from the mean of their neighbours than this
+/// multiple of the standard deviation.
 const STICKS_OUT: f64 = 4.0;
 
-/// Marks the outliers in `left_out`, by their distances from the surface of the
-/// scan's median support: where it is narrow it may be so for an outlier's sake.
-/// Says whether there are more than before.
+/// Marks outliers in `left_out`, by their distances from the surface with the median support of the
+/// scan. A locally narrow support may itself be the effect of an outlier. Returns whether new
+/// outliers were found.
 pub fn add(
     mesh: &Mesh,
     rings: &Rings,
@@ -69,7 +70,7 @@ pub fn add(
     Ok(!found.is_empty())
 }
 
-/// How far a vertex is off its neighbours' mean, along its normal.
+/// The distance of a vertex from the mean of its neighbours, along its normal.
 fn sticks_out(mesh: &Mesh, rings: &Rings, v: usize, normal: Vector) -> f64 {
     let p = mesh.points[v];
     let off = rings.neighbours(mesh, VertexId::from(v)).map(|w| (mesh.point(w) - p).dot(&normal));
@@ -77,7 +78,7 @@ fn sticks_out(mesh: &Mesh, rings: &Rings, v: usize, normal: Vector) -> f64 {
     sum.abs() / f64::from(count.max(1))
 }
 
-/// The surface of the median support, near the suspects and their neighbours.
+/// The surface with the median support, near the suspects and their neighbours.
 fn surface_around(
     mesh: &Mesh,
     rings: &Rings,

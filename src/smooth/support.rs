@@ -1,12 +1,11 @@
-//! The support h, and the noise, from the scan itself.
+//! The support h and the noise, estimated from the scan.
 //!
-//! Small h leaves noise, large h flattens. At a sample of places the surface is
-//! estimated with every support. A wider one is biased by as much as it differs
-//! from narrower ones beyond what their noise explains (Goldenshluger and
-//! Lepski, "Bandwidth selection in kernel density estimation", Annals of
-//! Statistics 2011); bias and noise together, averaged over places side by side,
-//! are least at the support that is taken. It changes over the scan as slowly as
-//! the samples stand apart.
+//! A small h leaves noise; a large h flattens the shape. At a sample of places the surface is
+//! estimated with every support. A wide support is biased by the amount by which it differs from
+//! narrower ones beyond what their noise explains (Goldenshluger and Lepski, "Bandwidth selection
+//! in kernel density estimation", Annals of Statistics 2011). The support with the smallest sum of
+//! squared bias and variance, averaged over neighbouring places, is chosen. It varies over the scan
+//! no faster than the distance between the places allows.
 
 use rayon::prelude::*;
 
@@ -17,34 +16,34 @@ use super::telling::{self, Pair};
 use crate::geometry::VertexId;
 use crate::mesh::Mesh;
 
-/// Places that are looked at: one for so many vertices,
+/// The number of vertices for each sampled place.
 const VERTICES: usize = 200;
 
-/// and no fewer, nor many more, than this: how often noise and curvature change does
-/// not depend on how densely they are scanned.
+/// The smallest and the largest number of sampled places. How often noise and curvature change does
+/// not depend on the density of the scan.
 const PLACES: [usize; 2] = [2_000, 10_000];
 
-/// The residuals at the second level give the noise, since it has a good number
-/// of points. Where they are this many times those at the first one, it is the
-/// shape that they show, and the first one has to do.
+/// The residuals at the second level give the noise, because its fits have enough points. If their
+/// variance exceeds that at the first level by this factor, they show the shape, and the first
+/// level gives the noise.
 const SHAPE: f64 = 2.0;
 
-/// What noise explains is overrated by this much, since it fluctuates.
+/// The factor by which the differences that noise explains are enlarged, because they fluctuate.
 const CAUTION: f64 = 1.3;
 
-/// A wider support that differs from the one before it by more than this many
-/// standard deviations need not be followed by still wider ones.
+/// Wider supports are not tried after one that differs from the one before it by more than this
+/// number of standard deviations.
 const CLEAR: f64 = 8.0;
 
-/// What was found.
+/// The supports and the noise of a scan.
 pub struct Choice {
-    /// For each vertex the level to take; between two, both.
+    /// The level of each vertex. A fraction means a blend of two adjacent levels.
     pub place: Vec<f32>,
-    /// For each vertex the standard deviation of the residuals around, in mm: of the
-    /// noise, or of what polynomials miss of the shape.
+    /// The standard deviation in mm of the residuals around each vertex. They are noise, or shape
+    /// that the polynomials miss.
     pub residual: Vec<f32>,
-    /// For each vertex 1 where the residuals around are noise, 0 where they are not told
-    /// from shape, and between where these places meet.
+    /// The share of noise at each vertex: 1 where the residuals are noise, 0 where they cannot be
+    /// distinguished from shape, and values between where such regions meet.
     pub told: Vec<f32>,
 }
 
@@ -60,20 +59,20 @@ impl Choice {
     }
 }
 
-/// The estimates at one place, with each support as far as they were tried: the
-/// surface's height, and its variance where the points' is 1.
+/// The estimates at one place, one for each support that was tried: the height of the surface, and
+/// its variance if the points have variance 1.
 struct Trial {
     heights: Vec<(f64, f64)>,
-    /// Mean squares of the residuals at the two levels that show the noise.
+    /// The mean squared residuals at the two levels that show the noise.
     scatter: [f64; 2],
-    /// Residuals at the first level, of the place and of vertices beside it.
+    /// The residuals at the first level of the place and of neighbouring vertices.
     pairs: Vec<Pair>,
 }
 
-/// Parts of the places that are looked at before it is told how far that has come.
+/// The number of times that progress is reported.
 const PARTS: usize = 4;
 
-/// Chooses the support for every vertex. `course` is told how far that has come.
+/// Chooses the support of every vertex, and reports progress to `course`.
 pub fn choose<E>(
     mesh: &Mesh,
     levels: &[Level],
@@ -108,7 +107,7 @@ pub fn choose<E>(
     Ok(Choice { place: spread(&best), residual: spread(&deviation), told: spread(&told) })
 }
 
-/// The level whose clusters are about as many as places are wanted.
+/// The level that has about as many clusters as places are wanted.
 fn sampling(vertices: usize, levels: &[Level]) -> &Level {
     let wanted = (vertices / VERTICES).clamp(PLACES[0], PLACES[1]);
     let enough = levels.iter().rev().find(|level| level.grain.samples.len() >= wanted);
@@ -124,7 +123,7 @@ fn first_vertices(level: &Level) -> Vec<u32> {
     first
 }
 
-/// The places beside the `i`-th, and beside these.
+/// The neighbours of place `i`, their neighbours, and the place itself.
 fn window(level: &Level, i: usize) -> Vec<u32> {
     let mut window: Vec<u32> = level.grain.near(i).to_vec();
     window.extend(level.grain.near(i).iter().flat_map(|&j| level.grain.near(j as usize)));
@@ -134,7 +133,7 @@ fn window(level: &Level, i: usize) -> Vec<u32> {
     window
 }
 
-/// The places of all windows around those of the `i`-th one.
+/// The places of the windows of all places in the window of place `i`.
 fn wider(windows: &[Vec<u32>], i: usize) -> Vec<u32> {
     let mut wide: Vec<u32> =
         windows[i].iter().flat_map(|&j| windows[j as usize].iter().copied()).collect();
@@ -157,7 +156,7 @@ fn trial(mesh: &Mesh, levels: &[Level], v: VertexId, room: &mut Gathering) -> Tr
             None => level.fit(cluster, room),
         };
         let Some(fit) = fitted else {
-            // Too few points; wider ones may have enough.
+            // There are too few points; wider supports may have enough.
             trial.heights.push((0.0, f64::INFINITY));
             continue;
         };
@@ -185,7 +184,7 @@ fn noise(trials: &[Trial], window: &[u32]) -> f64 {
     }
 }
 
-/// The level of least risk over a window, refined between levels.
+/// The level with the smallest risk over a window, refined between levels.
 fn best(trials: &[Trial], window: &[u32], variance: f64) -> f64 {
     let deepest = window.iter().map(|&i| trials[i as usize].heights.len()).min().unwrap_or(0);
     let mean = |f: &dyn Fn(&Trial) -> f64| {
@@ -205,8 +204,8 @@ fn best(trials: &[Trial], window: &[u32], variance: f64) -> f64 {
     least as f64 + vertex_of_parabola(&risks, least)
 }
 
-/// Where, between −½ and ½, the parabola through the logarithms of three risks
-/// around the least is lowest.
+/// The minimum, between −½ and ½, of the parabola through the logarithms of three risks around the
+/// smallest one.
 fn vertex_of_parabola(risks: &[f64], least: usize) -> f64 {
     let Some(before) = least.checked_sub(1).and_then(|k| risks.get(k)) else { return 0.0 };
     let Some(after) = risks.get(least + 1) else { return 0.0 };
@@ -219,7 +218,7 @@ fn vertex_of_parabola(risks: &[f64], least: usize) -> f64 {
     }
 }
 
-/// A value of the places, between them by nearness.
+/// The value at a vertex, blended from the values at the places around it.
 fn blended(sampling: &Level, values: &[f64], v: VertexId, mesh: &Mesh) -> f64 {
     let own = sampling.cluster[v.index()] as usize;
     let p = mesh.point(v);

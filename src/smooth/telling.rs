@@ -1,12 +1,11 @@
-//! Noise, told from shape.
+//! Distinguishes noise from shape, by the correlation of residuals along edges.
 //!
-//! A point's distance from the polynomial around it is noise, or what the polynomial
-//! misses of the shape. Noise is independent from vertex to vertex: the distances of two
-//! neighbours, each of which draws the other's polynomial its way, then have a known
-//! correlation, which is negative. What is missed of a shape, or of the facets of a
-//! coarse triangulation, is nearly the same at both. So the correlation along edges says
-//! which share of the distances is noise. Where that is not most of it, nothing is
-//! taken out.
+//! The residual of a point is its distance from the polynomial around it. It is noise, or shape
+//! that the polynomial misses. Noise is independent from vertex to vertex. The residuals of two
+//! neighbours, each of which influences the other's polynomial, then have a known correlation,
+//! which is negative. Missed shape, or the facets of a coarse triangulation, is nearly the same at
+//! both. The correlation along edges therefore tells which share of the residuals is noise. Where
+//! noise is not the larger part by far, points are not moved.
 
 use rayon::prelude::*;
 
@@ -16,40 +15,40 @@ use super::median;
 use crate::geometry::VertexId;
 use crate::mesh::Mesh;
 
-/// The residuals at the ends of an edge.
+/// The residuals at the two ends of an edge.
 #[derive(Debug, Clone, Copy)]
 pub struct Pair {
-    /// In units in which noise of a variance of 1 mm² has that variance.
+    /// The residuals, in units in which noise with a variance of 1 mm² has variance 1.
     pub residuals: [f64; 2],
-    /// The correlation that noise has.
+    /// The correlation that pure noise would have.
     pub expected: f64,
 }
 
-/// The residuals are noise where it makes so much of their variance: range scans have
-/// 0.9 and more. Clean meshes of smooth or faceted shapes have less than 0.77, but for a saddle
-/// whose vertices have four and eight neighbours by turns.
+/// The residuals count as noise if noise makes up at least this share of their variance. Range
+/// scans have 0.9 and more. Meshes of smooth or faceted shapes without noise have less than 0.77.
+/// The exception is a saddle whose vertices have four and eight neighbours alternately.
 const SHARE: f64 = 0.8;
 
-/// So many standard errors are no chance.
+/// The number of standard errors from which on a difference is significant.
 const SURE: f64 = 3.0;
 
-/// Residuals beyond so many standard deviations count as these, lest an edge of the
-/// object or an outlier outvote all others.
+/// Residuals are limited to this number of standard deviations. Otherwise an edge of the object or
+/// an outlier could outweigh all other residuals.
 const FAR: f64 = 3.0;
 
-/// A polynomial that follows its own point so closely that less than this is left of the
-/// noise's variance says nothing of the noise.
+/// A polynomial may follow its own point so closely that less than this share of the noise variance
+/// is left. Such a residual is not used.
 const FREE: f64 = 0.01;
 
-/// A vertex's distance from its polynomial, as a sum over the heights of the points around.
+/// The residual of a vertex, as a linear combination of the heights of the points around it.
 struct Residual {
     value: f64,
-    /// The numbers of the points, ascending, and the factors of their heights.
+    /// The numbers of these points in ascending order, with the coefficients of their heights.
     factors: Vec<(u32, f64)>,
 }
 
-/// Looks along those edges of a vertex that lead to one of a higher number, so that no
-/// edge counts twice.
+/// The residual pairs along the edges from a vertex to vertices with higher numbers. In this way no
+/// edge is used twice.
 pub fn pairs(mesh: &Mesh, finest: &Level, v: VertexId, room: &mut Gathering) -> Vec<Pair> {
     let Some(own) = Residual::of(mesh, finest, v.0, room) else { return Vec::new() };
     let beside = finest.grain.near(v.index()).iter().filter(|&&w| w > v.0);
@@ -58,7 +57,7 @@ pub fn pairs(mesh: &Mesh, finest: &Level, v: VertexId, room: &mut Gathering) -> 
 }
 
 impl Residual {
-    /// That of vertex `v`, over the standard deviation that it has where the points' is 1.
+    /// The residual of vertex `v`, divided by its standard deviation for points of variance 1.
     fn of(mesh: &Mesh, finest: &Level, v: u32, room: &mut Gathering) -> Option<Residual> {
         let (p, normal) = (mesh.point(VertexId(v)), finest.grain.normals[v as usize]);
         let (fit, scatter) = finest.fit_with_scatter(v as usize, room)?;
@@ -83,9 +82,9 @@ impl Residual {
     }
 }
 
-/// For each place 1 where its residuals are noise, else 0. The whole scan has to show
-/// noise: a window is small, and among many some show it by chance, or since the
-/// diagonals of a coarse mesh bend it to and fro. Then all places have it but those
+/// For each place, 1 if its residuals are noise and 0 otherwise. First the whole scan must show
+/// noise. A single window is small; among many, some show noise by chance, or because the diagonals
+/// of a coarse mesh bend it to and fro. If the whole scan shows noise, all places do, except those
 /// whose `window` shows shape.
 pub fn told(pairs: &[&[Pair]], window: impl Fn(usize) -> Vec<u32> + Sync) -> Vec<f64> {
     let excess = |places: &[u32]| -> f64 {
@@ -100,15 +99,14 @@ pub fn told(pairs: &[&[Pair]], window: impl Fn(usize) -> Vec<u32> + Sync) -> Vec
     (0..pairs.len()).into_par_iter().map(|i| f64::from(u8::from(is_noise(i)))).collect()
 }
 
-/// By how much the share of noise is more than [`SHARE`], in standard errors; 0 where there
-/// is no telling.
+/// The amount in standard errors by which the share of noise exceeds [`SHARE`]; 0 if it is unknown.
 fn excess(pairs: &[Pair]) -> f64 {
     if pairs.is_empty() {
         return 0.0;
     }
     let count = pairs.len() as f64;
     let usual = median(pairs.iter().flat_map(|pair| pair.residuals).map(f64::abs).collect());
-    // Of a normal distribution half is within 0.6745 standard deviations.
+    // Half of a normal distribution lies within 0.6745 standard deviations.
     let far = FAR * usual / 0.6745;
     let near = || pairs.iter().map(|pair| pair.residuals.map(|x| x.clamp(-far, far)));
     let products: f64 = near().map(|[a, b]| a * b).sum();
@@ -117,7 +115,7 @@ fn excess(pairs: &[Pair]) -> f64 {
         return 0.0;
     }
     let expected = pairs.iter().map(|pair| pair.expected).sum::<f64>() / count;
-    // Of shape the correlation is 1; that of both is between.
+    // The correlation of shape is 1; that of a mixture lies between the two.
     let limit = 1.0 - SHARE * (1.0 - expected);
     (limit - products / squares) * count.sqrt()
 }
@@ -126,7 +124,7 @@ fn excess(pairs: &[Pair]) -> f64 {
 mod tests {
     use super::*;
 
-    /// 40 places of 30 pairs with about such a correlation, where noise has −0.3.
+    /// 40 places with 30 pairs each, with about this correlation. Noise has −0.3.
     fn places(correlation: f64) -> Vec<Vec<Pair>> {
         let share = |i: usize, step: f64| (i as f64 * step).fract();
         let random = |i: usize| share(i, 0.754_877_666) + share(i, 0.569_840_29) - 1.0;
@@ -147,10 +145,10 @@ mod tests {
     fn noise_is_told_by_its_correlation_and_shape_by_its_own() {
         assert_eq!(told_of(&places(-0.3)), [1.0; 40]);
         assert_eq!(told_of(&places(0.5)), [0.0; 40]);
-        // A scan with a clean part.
+        // A noisy scan with a clean part.
         let mixed = [places(-0.3), places(0.9)[..8].to_vec()].concat();
         assert_eq!(told_of(&mixed), [[1.0; 40].as_slice(), &[0.0; 8]].concat());
-        // A clean one with a noisy part.
+        // A clean scan with a noisy part.
         let mixed = [places(0.5), places(-0.3)[..10].to_vec()].concat();
         assert_eq!(told_of(&mixed), [0.0; 50]);
         assert_eq!(told_of(&[Vec::new()]), [0.0]);

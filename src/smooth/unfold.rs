@@ -1,7 +1,7 @@
-//! Projections move vertices by about the noise; where that is near the point
-//! spacing, or where a boundary was drawn in over its neighbours, triangles
-//! come to lie upside down. They are turned back by sliding their vertices
-//! along the surface, which itself stays where it is.
+//! Repair of folded triangles. Projections move vertices by about the size of the noise. Where this
+//! is near the distance between points, or where a boundary was drawn in over its neighbours,
+//! triangles end upside down. Their vertices are moved along the surface until the triangles are
+//! upright; the surface itself does not change.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -11,45 +11,46 @@ use super::surface::Surface;
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::{Disk, Rings};
 
-/// Rounds of sliding at the most.
+/// The largest number of rounds.
 const ROUNDS: usize = 60;
 
-/// Rounds after which boundary vertices have to give way too, for as many; then by turns,
-/// since the places that they go back to may be what is folded.
+/// After this number of rounds, boundary vertices move back as well, for the same number of rounds.
+/// The two kinds of rounds then alternate, because the positions to which boundary vertices return
+/// may be the cause of a fold.
 const PATIENCE: usize = 8;
 
-/// A triangle that was folded is let go when it is at least as upright as one
-/// whose height is a twentieth of its side.
+/// A triangle that was folded counts as repaired if it is at least as upright as a triangle whose
+/// height is a twentieth of its side.
 const UPRIGHT: f64 = 0.05;
 
-/// What of a disk slides.
+/// The data of a disk whose vertices move along the surface.
 struct Sliding<'a> {
     surface: &'a Surface,
     rings: Rings,
-    /// For each vertex its neighbours on its boundary loop, if it is on one.
+    /// For each boundary vertex its two neighbours on the loop.
     beside: Vec<Option<[VertexId; 2]>>,
-    /// Which vertices stay.
+    /// Which vertices are fixed.
     pinned: Vec<bool>,
-    /// The surface's normals at the vertices.
+    /// The normals of the surface at the vertices.
     normals: Vec<Vector>,
 }
 
-/// What unfolding goes by.
+/// The reference for the repair.
 pub struct Upright<'a> {
-    /// Where the surface step put the vertices.
+    /// The positions of the vertices after the projection onto the surface.
     pub projected: Vec<Point>,
-    /// The surface's unit normals there.
+    /// The unit normals of the surface at these positions.
     pub normals: Vec<Vector>,
-    /// Vertices that stay, …
+    /// The corners of the boundary, which are fixed.
     pub corners: &'a [VertexId],
-    /// … but those of them that were not named, where a fold does.
+    /// Whether the user named the corners. Corners that were found automatically are released if a
+    /// fold persists.
     pub named: bool,
 }
 
-/// Turns folded triangles back. Inner vertices slide towards the middle of their
-/// neighbours, and boundary vertices along their loop; where that does not help,
-/// boundary vertices go half of the way back to where the surface step put them, for
-/// some rounds.
+/// Unfolds triangles. Inner vertices move towards the middle of their neighbours, and boundary
+/// vertices along their loop. Where a fold persists, boundary vertices move half the way back to
+/// their projected positions, for some rounds.
 pub fn unfold(disk: &mut Disk, surface: &Surface, by: Upright) {
     let projected = by.projected;
     let mut sliding = Sliding::new(disk, surface, by.normals, by.corners);
@@ -60,7 +61,7 @@ pub fn unfold(disk: &mut Disk, surface: &Surface, by: Upright) {
         .collect();
     let vertices = Marks::new(disk.mesh.points.len());
     let triangles = Marks::new(disk.mesh.triangles.len());
-    // Vertices that have slid off the surface by now.
+    // Vertices that may have left the surface since they were last projected.
     let mut off = Vec::new();
     for round in 0..ROUNDS {
         if folded.is_empty() || round % PATIENCE == PATIENCE - 1 {
@@ -95,16 +96,16 @@ pub fn unfold(disk: &mut Disk, surface: &Surface, by: Upright) {
     sliding.settle(disk, &vertices.unique(off.into_par_iter()));
 }
 
-/// Room to tell which numbers came before; all false between calls.
+/// Marks for finding repeated numbers. All are false between calls.
 struct Marks(Vec<AtomicBool>);
 
 impl Marks {
-    /// Room for numbers below `count`.
+    /// Marks for numbers below `count`.
     fn new(count: usize) -> Self {
         Marks((0..count).map(|_| AtomicBool::new(false)).collect())
     }
 
-    /// The numbers, each once, ascending.
+    /// The distinct numbers, in ascending order.
     fn unique(&self, numbers: impl ParallelIterator<Item = u32>) -> Vec<u32> {
         let is_new = |n: &u32| !self.0[*n as usize].swap(true, Ordering::Relaxed);
         let mut numbers: Vec<u32> = numbers.filter(is_new).collect();
@@ -129,8 +130,8 @@ impl<'a> Sliding<'a> {
         Sliding { surface, rings: Rings::new(&disk.mesh), beside, pinned, normals }
     }
 
-    /// How far a triangle is from being folded: its area seen along the
-    /// surface's normal, as a share of its sides' squares.
+    /// How far a triangle is from being folded: its area projected along the normal of the surface,
+    /// as a share of the squares of its sides. It is negative for a folded triangle.
     fn uprightness(&self, disk: &Disk, t: u32) -> f64 {
         let t = disk.mesh.triangles[t as usize];
         let up: Vector = t.iter().map(|v| self.normals[v.index()]).sum();
@@ -139,8 +140,8 @@ impl<'a> Sliding<'a> {
         disk.mesh.area_vector(t).dot(&up) / (up.norm() * squares).max(f64::MIN_POSITIVE)
     }
 
-    /// Of the triangles that were folded those that are not upright yet, and
-    /// of those around the vertices that moved the ones that are folded now.
+    /// The triangles of `folded` that are not upright yet, and the triangles around moved vertices
+    /// that are folded now.
     fn still_folded(
         &self,
         disk: &Disk,
@@ -157,8 +158,8 @@ impl<'a> Sliding<'a> {
         triangles.unique(all.into_par_iter())
     }
 
-    /// Moves the vertices half of the way to the middle of their neighbours, across the
-    /// surface's normals.
+    /// Moves the vertices half the way to the middle of their neighbours, perpendicular to the
+    /// surface normals.
     fn slide(&self, disk: &mut Disk, vertices: &[u32]) {
         let target = |&v: &u32| {
             let v = VertexId(v);
@@ -179,7 +180,7 @@ impl<'a> Sliding<'a> {
         vertices.iter().zip(targets).for_each(|(&v, p)| disk.mesh.points[v as usize] = p);
     }
 
-    /// Puts the vertices back onto the surface.
+    /// Projects the vertices back onto the surface.
     fn settle(&mut self, disk: &mut Disk, vertices: &[u32]) {
         let foot = |&v: &u32| self.surface.project(VertexId(v), disk.mesh.point(VertexId(v)));
         let feet: Vec<_> = vertices.par_iter().map(foot).collect();
