@@ -1,4 +1,4 @@
-//! A trimmed face, and how far from it points are.
+//! A trimmed face, and the distances of points from it.
 
 use std::fmt;
 
@@ -11,11 +11,11 @@ use crate::spline::chords::chords;
 use crate::spline::nearest::{Best, EXACT, Foot, Search};
 use crate::spline::{Curve, EdgeTree, Patch, Surface};
 
-/// A surface and the loops that trim it: holes cut out of it, islands left in
-/// them, and so on.
+/// A surface with the loops that trim it. Loops may be nested: holes in the face, islands in the
+/// holes, and so on.
 pub struct Face<'a, S> {
     surface: &'a S,
-    /// The same surface in a form that is looked at faster, if there is one.
+    /// The same surface in a form that is faster to evaluate, if there is one.
     quick: Option<Box<dyn Patch>>,
     trim: Trim,
     search: Search,
@@ -27,23 +27,25 @@ impl<S: fmt::Debug> fmt::Debug for Face<'_, S> {
     }
 }
 
-/// What trims a face.
+/// The trimming loops of a face.
 #[derive(Debug)]
 struct Trim {
     outlines: Vec<Outline>,
-    /// Whether the surface itself is the face where no loop runs around.
+    /// Whether a place that no loop surrounds is on the face.
     natural: bool,
-    /// The sides of the outlines in space, and in the same order in the parameter plane.
+    /// The sides of the polygons in space. `sides` has them in the parameter plane, in the same
+    /// order.
     edges: EdgeTree,
     sides: Vec<[Uv; 2]>,
 }
 
-/// A corner of a polygon: its parameter point, and its place on the surface.
+/// A corner of a polygon: its parameter point and its position in space.
 type Corner = (Uv, Point);
 
 impl<'a> Face<'a, Surface> {
-    /// The face that loops trim: those of holes and of islands and, unless the
-    /// face is `natural` and goes as far as the surface, the outer one.
+    /// The face that the given loops trim. A face that is `natural` ends where the surface ends;
+    /// only the loops of holes and islands are then given. Otherwise the outer loop is given as
+    /// well.
     pub fn new<'b>(
         surface: &'a Surface,
         loops: impl Iterator<Item = &'b [Curve<2>]>,
@@ -64,7 +66,7 @@ impl<'a> Face<'a, Surface> {
         Face::with(surface, quick, rings, natural)
     }
 
-    /// The deviation of points whose parameter points are given.
+    /// The deviation of points from the face. `starts` are parameter points near their foot points.
     pub fn deviation(&self, points: &[Point], starts: &[Uv]) -> Deviation {
         let each = points.par_iter().zip(starts);
         let distances = each.map(|(&p, &start)| self.nearest(p, Some(start)).1);
@@ -73,9 +75,8 @@ impl<'a> Face<'a, Surface> {
 }
 
 impl<'a, S: Patch> Face<'a, S> {
-    /// The face that closed polygons trim; each corner is given by its parameter
-    /// point and its place on the surface. Between an odd number of them and an
-    /// even one the face ends. Without any it is the whole surface.
+    /// The face that closed polygons trim. A place is on the face depending on whether an odd or an
+    /// even number of polygons contains it. Without polygons the face is the whole surface.
     pub fn of_rings(surface: &'a S, rings: Vec<Vec<Corner>>, natural: bool) -> Self {
         Face::with(surface, surface.quick(), rings, natural)
     }
@@ -91,7 +92,7 @@ impl<'a, S: Patch> Face<'a, S> {
         Face { surface, quick, trim, search }
     }
 
-    /// The surface that is trimmed.
+    /// The untrimmed surface.
     pub fn surface(&self) -> &'a S {
         self.surface
     }
@@ -101,17 +102,17 @@ impl<'a, S: Patch> Face<'a, S> {
         self.trim.contains(at)
     }
 
-    /// The distance of `p` in mm, as [`Face::nearest`] has it.
+    /// The distance of `p` from the face in mm, as [`Face::nearest`] computes it.
     pub fn distance(&self, p: Point, start: Uv) -> f64 {
         self.nearest(p, Some(start)).1
     }
 
-    /// The parameter point of the face's nearest point to `p`, and its distance in mm,
-    /// exact to 1e-7 of the face's diagonal or of the distance, whichever is longer. From
-    /// a good `start` the search takes a fraction of the time.
+    /// The parameter point of the point of the face nearest to `p`, and its distance in mm. The
+    /// distance is exact to 1e-7 of the diagonal of the face, or of the distance if that is larger.
+    /// A good `start` reduces the time to a fraction.
     ///
-    /// The nearest point is a foot on the surface that is on the face, or else it is on a
-    /// trim curve or, of a face that goes as far as the surface, at the surface's end.
+    /// The nearest point is a foot point on the face, or it lies on a trim curve. On a face that
+    /// ends where the surface ends it may also lie at this end.
     pub fn nearest(&self, p: Point, start: Option<Uv>) -> (Uv, f64) {
         let looks = looks(self.surface, &self.quick);
         let start = start.unwrap_or_else(|| self.search.start(p));
@@ -127,7 +128,8 @@ impl<'a, S: Patch> Face<'a, S> {
         (best.at, best.distance)
     }
 
-    /// How far `p` at least is from the face, in mm: from a box that holds it.
+    /// A lower bound on the distance of `p` from the face in mm: its distance from a box around the
+    /// face.
     pub(crate) fn outside(&self, p: Point) -> f64 {
         self.search.outside(p)
     }
@@ -150,13 +152,13 @@ impl Trim {
         around.is_multiple_of(2) == self.natural
     }
 
-    /// Whether it may leave something of the rectangle from `low` to `high`.
+    /// Whether a part of the rectangle from `low` to `high` may be on the face.
     fn leaves(&self, low: Uv, high: Uv) -> bool {
         let middle = nalgebra::center(&low, &high);
         self.outlines.iter().any(|outline| outline.meets(low, high)) || self.contains(middle)
     }
 
-    /// The nearest place of the trim curves.
+    /// The nearest point of the trim curves.
     fn nearest(&self, p: Point) -> Option<Best> {
         let (side, share, distance) = self.edges.nearest(p)?;
         let [a, b] = self.sides[side];
@@ -164,12 +166,12 @@ impl Trim {
     }
 }
 
-/// What is looked at.
+/// The form of the surface that is evaluated.
 fn looks<'a, S: Patch>(surface: &'a S, quick: &'a Option<Box<dyn Patch>>) -> &'a dyn Patch {
     quick.as_deref().unwrap_or(surface)
 }
 
-/// The polygon of a loop.
+/// The polygon that approximates a loop.
 fn ring(surface: &dyn Patch, arcs: &[Curve<2>], chord: f64) -> Vec<Corner> {
     let mut ring = Vec::new();
     for arc in arcs {

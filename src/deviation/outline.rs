@@ -1,14 +1,14 @@
-//! Closed polygons of the parameter plane.
+//! Closed polygons of the parameter plane, with a fast point-in-polygon test.
 
 use crate::geometry::{Uv, ray_crosses, uv_bounds};
 
-/// A closed polygon that answers quickly what is inside.
+/// A closed polygon that is indexed by strips of v (slab method: Dobkin, Lipton, 1976).
 #[derive(Debug, Clone)]
 pub struct Outline {
     corners: Vec<Uv>,
     low: Uv,
     high: Uv,
-    /// The sides that cross each of some strips of equal width in v.
+    /// For each of some strips of equal width in v, the sides that cross it.
     strips: Vec<Vec<u32>>,
 }
 
@@ -32,7 +32,7 @@ impl Outline {
 
     fn strip(&self, v: f64) -> usize {
         let share = (v - self.low.y) / (self.high.y - self.low.y);
-        // Of a flat polygon the share is no number, and the strip the first.
+        // For a polygon without height the share is NaN, and the strip is the first one.
         ((share * self.strips.len() as f64) as usize).min(self.strips.len() - 1)
     }
 
@@ -45,7 +45,8 @@ impl Outline {
         sides.filter(|&&i| ray_crosses(p, self.side(i as usize))).count() % 2 == 1
     }
 
-    /// Whether a side may cross the rectangle from `low` to `high`: the box around it does.
+    /// Whether a side may cross the rectangle from `low` to `high`. Only the bounding boxes of the
+    /// sides are tested.
     pub(super) fn meets(&self, low: Uv, high: Uv) -> bool {
         let apart = |a: Uv, b: Uv| {
             a.x.max(b.x) < low.x
