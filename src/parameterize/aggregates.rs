@@ -1,20 +1,20 @@
-//! Unknowns gathered into few (Vaněk, Mandel, Brezina, "Algebraic multigrid by
+//! Aggregation of unknowns for algebraic multigrid (Vaněk, Mandel, Brezina, "Algebraic multigrid by
 //! smoothed aggregation", 1996).
 
 use super::sparse::{self, Matrix};
 
-/// An entry is strong if its square is more than this share of the product of the
-/// diagonal's at both ends.
+/// The threshold of the strength of a connection. An off-diagonal entry is strong if its square
+/// exceeds this share of the product of the two diagonal entries.
 const STRONG: f64 = 0.08 * 0.08;
 
-/// The step of Jacobi's method that makes the aggregates' steps slopes.
+/// The damping of the Jacobi step that smooths the prolongation.
 const STEP: f64 = 2.0 / 3.0;
 
-/// No aggregate yet.
+/// Marks a row without an aggregate.
 const NONE: u32 = u32::MAX;
 
-/// What the values of the aggregates come to at each row, steps smoothed once; and the
-/// same for the transposed matrix, whose transpose takes residuals to the aggregates.
+/// The smoothed prolongation from the aggregates to the rows. The second matrix is the same for the
+/// transposed system; its transpose restricts residuals to the aggregates.
 pub fn slopes(matrix: &Matrix, transposed: &Matrix, diagonal: &[f64]) -> [Matrix; 2] {
     let (of, count) = aggregates(matrix, diagonal);
     let smoothed = |matrix: &Matrix| {
@@ -32,8 +32,9 @@ pub fn slopes(matrix: &Matrix, transposed: &Matrix, diagonal: &[f64]) -> [Matrix
     [smoothed(matrix), smoothed(transposed)]
 }
 
-/// The aggregate of each row, and how many there are: stars of strong entries that do
-/// not touch each other, what is next to them, and what is left.
+/// The aggregate of each row, and the number of aggregates. First come the rows with all their
+/// strong connections, where these do not overlap. Neighbouring rows join them, and the remaining
+/// rows form further aggregates.
 fn aggregates(matrix: &Matrix, diagonal: &[f64]) -> (Vec<u32>, usize) {
     let n = diagonal.len();
     let strong = |i: usize| {

@@ -1,4 +1,4 @@
-//! Corners, and a first map, on a coarse version of the patch.
+//! Selects the corners and computes a first map, on a coarse version of the patch.
 
 use super::hierarchy::Hierarchy;
 use super::layout::{Layout, Round, heavy, triangles};
@@ -12,7 +12,7 @@ use crate::course;
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv};
 
-/// A coarse version of the patch, its vertices numbered anew.
+/// A coarse version of the patch with renumbered vertices.
 pub struct Coarse {
     points: Vec<Point>,
     stars: Stars,
@@ -23,31 +23,32 @@ pub struct Coarse {
 
 /// A map of the coarse version.
 pub struct First {
-    /// Which of the sets of corners it has.
+    /// The position of its corners in the list of corner sets.
     pub set: usize,
-    /// Width and height of the rectangle, in mm.
+    /// The width and the height of the rectangle, in mm.
     pub size: [f64; 2],
-    /// The vertices' places in it, in the order of those left.
+    /// The positions of the remaining vertices in the rectangle, in their order.
     pub at: Vec<Uv>,
-    /// Its L² stretch, a skirt left out.
+    /// The L² stretch without the scaffold.
     pub stretch: f64,
-    /// The share of the energy's convex term that it was made with.
+    /// The weight of the convex energy term with which the map was made.
     pub round: Round,
-    /// The share of it that is stretched more than [`DRAWN`] one way.
+    /// The share of its area with a ratio of stretches above [`DRAWN`].
     drawn: f64,
 }
 
-/// Triangles are drawn out if the map stretches them so many times as much one way as the
-/// other.
+/// A triangle is strongly stretched if the map stretches it by this factor more in one direction
+/// than in the other.
 const DRAWN: f64 = 6.0;
 
-/// A map of more drawn-out triangles than this share of its area is made again, firmer:
-/// in finer ones they would take ever more of it.
+/// If strongly stretched triangles cover more than this share of the map, it is recomputed with a
+/// larger weight of the convex term. On finer meshes such triangles would take ever more of the
+/// area.
 const MUCH: f64 = 0.1;
 
-/// The map that stretches least of those whose corners are one of the `sets`,
-/// on the mesh that is left in a hierarchy; a firmer one if that draws much of it out.
-/// `outer` is its finest boundary.
+/// The map with the least stretch among those with one of the corner `sets`, on the coarsest mesh
+/// of a hierarchy. It is recomputed with a larger weight of the convex term if strongly stretched
+/// triangles cover much of it. `outer` is the boundary of the finest mesh.
 pub fn least_stretched(
     points: &[Point],
     outer: &[u32],
@@ -74,7 +75,7 @@ pub fn least_stretched(
 }
 
 impl Coarse {
-    /// The map that stretches least.
+    /// The map with the least stretch.
     fn best(&self, sets: &[[u32; 4]]) -> Result<First> {
         let maps = sets.par_iter().enumerate().map(|(i, set)| self.map(i, set));
         let maps: Vec<Result<First>> = maps.collect();
@@ -83,7 +84,7 @@ impl Coarse {
             (Err(_), Ok(_)) => b,
             _ => a,
         };
-        // Where no set has a map, the first says why.
+        // If no set of corners gives a map, the error of the first set is returned.
         maps.into_iter().reduce(least).unwrap_or(Err(Error::TooSmall(self.outer.len())))
     }
 

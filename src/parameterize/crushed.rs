@@ -1,5 +1,5 @@
-//! Places that the map crushes so much that no affordable net holds the tolerance
-//! there.
+//! Detection of regions that the map compresses so much that no affordable net reaches the
+//! tolerance there.
 
 use std::fmt::{self, Display, Formatter};
 
@@ -9,18 +9,18 @@ use super::Parameterized;
 use super::stretch;
 use crate::geometry::Point;
 
-/// Where the map leaves too little room.
+/// A region for which the map leaves too little space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub struct Crushed {
-    /// Knot spans in u and in v that the tolerance asks for.
+    /// The numbers of knot spans in u and in v that the tolerance requires.
     pub spans: [f64; 2],
-    /// Where they have to be closest.
+    /// The place that requires the closest knots.
     pub at: Point,
 }
 
 impl Crushed {
-    /// The same with all lengths times a factor.
+    /// The same region with all lengths multiplied by a factor.
     pub(crate) fn scaled(self, factor: f64) -> Self {
         Crushed { at: self.at * factor, ..self }
     }
@@ -37,22 +37,23 @@ impl Display for Crushed {
     }
 }
 
-/// What one triangle asks for: its middle in a parameter, and spans for each
-/// unit of that parameter.
+/// The requirement of one triangle in one parameter: the middle of the triangle, and the number of
+/// spans per unit of the parameter.
 struct Need {
     middle: f64,
     density: f64,
     triangle: usize,
 }
 
-/// Looks whether a net of `max_net` control points can hold the `tolerance`, in
-/// mm, on the measured triangles, those left out that were divided because the map
-/// draws them out: where these run up to a crease, the smaller they are the sharper it is.
+/// Tests whether a net of at most `max_net` control points can reach the `tolerance`, in mm, on the
+/// measured triangles. Returns the worst region if it cannot. Triangles that were divided because
+/// the map stretches them strongly are ignored: where they lie along a crease, they require closer
+/// knots the smaller they are.
 ///
-/// A cubic span of length h on a circle of curvature κ is κ³h⁴/384 off it. That
-/// tells how close the knots have to be at each triangle in u and in v, and as a
-/// knot line runs across the whole patch, the closest along it decides. Roughness
-/// needs more knots than this tells, so what is said to be too much, is.
+/// A cubic span of length h on a circle of curvature κ deviates from it by κ³h⁴/384. This gives the
+/// required distance of knots in u and in v at each triangle. A knot line runs across the whole
+/// patch, so the closest requirement along it decides. Roughness requires more knots than this
+/// estimate, so the test never reports a region wrongly.
 pub fn crushed(map: &Parameterized, tolerance: f64, max_net: usize) -> Option<Crushed> {
     let normals: Vec<Point> =
         map.patch.mesh.vertex_normals().into_iter().map(Point::from).collect();
@@ -78,7 +79,7 @@ fn needs(map: &Parameterized, normals: &[Point], tolerance: f64, t: usize) -> [N
     let turn = stretch::derivatives(corners.map(|v| normals[v.index()]), places, 0.0);
     let need = |k: usize| {
         let (along, turn) = ([along.2, along.3][k].norm(), [turn.2, turn.3][k].norm());
-        // (κ³ / 384 tolerance)^¼ spans for a mm, κ = turn / along.
+        // The number of spans per mm is (κ³ / 384 tolerance)^¼ with κ = turn / along.
         let density = (turn.powi(3) * along / (384.0 * tolerance)).powf(0.25);
         let middle = places.iter().map(|at| at[k]).sum::<f64>() / 3.0;
         Need { middle, density: if density.is_finite() { density } else { 0.0 }, triangle: t }
@@ -86,14 +87,14 @@ fn needs(map: &Parameterized, normals: &[Point], tolerance: f64, t: usize) -> [N
     [need(0), need(1)]
 }
 
-/// Strips across a parameter in which the closest knots are looked for.
+/// The number of strips across a parameter in which the closest requirement is determined.
 const STRIPS: usize = 256;
 
-/// This share of a strip's triangles, and three, may ask for more than it gets:
-/// normals are rough at single triangles.
+/// In each strip, one in this number of triangles, but at least three, may require closer knots
+/// than the strip gets. Normals of single triangles are unreliable.
 const ROUGH: usize = 200;
 
-/// How many spans that makes, and the triangle that needs the closest.
+/// The required number of spans, and the triangle that requires the closest knots.
 fn spans<'a>(needs: impl Iterator<Item = &'a Need>) -> (f64, usize) {
     let mut strips: Vec<Vec<&Need>> = (0..STRIPS).map(|_| Vec::new()).collect();
     needs.for_each(|n| strips[((n.middle * STRIPS as f64) as usize).min(STRIPS - 1)].push(n));

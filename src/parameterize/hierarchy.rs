@@ -1,6 +1,6 @@
-//! A mesh made coarser by taking vertices out, in passes that can be undone
-//! (after Praun, Hoppe, "Spherical parametrization and remeshing", 2003, who
-//! map a surface from coarse to fine).
+//! A progressive mesh: a mesh that is simplified by half-edge collapses, in passes that can be
+//! undone by vertex splits (Hoppe, "Progressive meshes", 1996). Praun and Hoppe ("Spherical
+//! parametrization and remeshing", 2003) map a surface from coarse to fine in this way.
 
 use rayon::prelude::*;
 
@@ -9,32 +9,32 @@ use crate::course::Course;
 use crate::error::Result;
 use crate::geometry::{Point, Vector};
 
-/// A mesh and what was taken out of it.
+/// A mesh with the record of its collapses.
 pub struct Hierarchy {
-    /// What is left.
+    /// The connectivity of the present mesh.
     pub stars: Stars,
-    /// The vertices that are left, in ascending order.
+    /// The vertices of the present mesh, in ascending order.
     pub left: Vec<u32>,
-    /// Removals of each pass. Those of one pass do not touch each other.
+    /// The collapses of each pass. Collapses of one pass do not touch each other.
     passes: Vec<Vec<Removal>>,
 }
 
-/// A pass that takes out less than this share of the vertices is the last.
+/// A pass that removes less than this share of the vertices is the last one.
 const IDLE: f64 = 0.01;
 
-/// Neighbours of a fan's apex at the most.
+/// The largest number of neighbours that the apex of a fan should have.
 const MOST_NEIGHBOURS: usize = 14;
 
 impl Hierarchy {
-    /// Nothing is taken out yet.
+    /// The full mesh, without collapses.
     pub fn new(stars: Stars) -> Self {
         let left = (0..stars.len() as u32).collect();
         Hierarchy { stars, left, passes: Vec::new() }
     }
 
-    /// Takes vertices out until no more than `target` are left, or no more can
-    /// be: first those where the surface is flattest for its density. Those
-    /// that are `kept` stay. Each is shown.
+    /// Collapses vertices until at most `target` are left or none can be collapsed. Vertices at
+    /// which the surface is flattest for its density go first. Vertices with `kept` set stay. Each
+    /// collapse is passed to `show`.
     pub fn coarsen(
         &mut self,
         points: &[Point],
@@ -64,8 +64,8 @@ impl Hierarchy {
         let mut order: Vec<(f64, u32)> =
             self.left.par_iter().filter(loose).map(|&v| (loss(points, stars, v), v)).collect();
         order.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        // Late in the order a vertex stands where much is lost; its time comes
-        // in a later pass, when more has gone around it.
+        // The vertices late in the order have a large loss. They are considered in a later pass,
+        // when more vertices around them are collapsed.
         order.truncate((order.len() * 3 / 4).max(8));
         let mut pass = Pass {
             most: self.left.len() - target,
@@ -84,8 +84,8 @@ impl Hierarchy {
         pass.removals
     }
 
-    /// Puts back what the last pass took out; all of it is shown before, in the order
-    /// in which it was taken out. False if nothing is out.
+    /// Undoes the last pass. All its collapses are first passed to `show`, in the order in which
+    /// they were made. Returns `false` if no collapse is left.
     pub fn refine(&mut self, show: impl FnOnce(&[Removal])) -> bool {
         let Some(pass) = self.passes.pop() else { return false };
         show(&pass);
@@ -96,17 +96,17 @@ impl Hierarchy {
     }
 }
 
-/// Vertices whose removals are found at once, before any of them is made, besides those
-/// that came too late before. More would come too late more often; fewer are not worth
-/// the threads' meeting.
+/// The number of vertices whose collapses are searched in parallel before any of them is made.
+/// Vertices deferred from the last batch are added. In a larger batch more vertices have to be
+/// deferred; in a smaller one the synchronization of the threads costs too much.
 const BATCH: usize = 1 << 13;
 
-/// A pass while it is made.
+/// A pass in progress.
 struct Pass {
-    /// Removals at the most.
+    /// The largest number of collapses.
     most: usize,
     removals: Vec<Removal>,
-    /// For each vertex the number of the batch in which a removal touched it, or 0.
+    /// For each vertex the number of the batch in which a collapse touched it, or 0.
     locked: Vec<u32>,
 }
 
@@ -119,9 +119,9 @@ impl Pass {
         self.locked[v as usize] == 0
     }
 
-    /// Takes out, in their order, those of a batch that nothing taken out before touches.
-    /// Some come too late: one of the same batch beside them may have changed what is best
-    /// for them. They are returned.
+    /// Collapses the vertices of a batch that no earlier collapse of the pass touches, in their
+    /// order. If a collapse of the same batch touches a neighbour of a vertex, its best collapse
+    /// may have changed. Such vertices are returned.
     fn remove(
         &mut self,
         points: &[Point],
@@ -153,8 +153,8 @@ impl Pass {
     }
 }
 
-/// What goes with a vertex, in mm: how far it stands out of its ring's mean
-/// plane, and a share of the edges' length, so that flat regions become even.
+/// The loss of a collapse, in mm: the distance of the vertex from the mean plane of its ring, plus
+/// a share of the edge length, so that vertices in flat regions become evenly distributed.
 fn loss(points: &[Point], stars: &Stars, v: u32) -> f64 {
     let p = points[v as usize];
     let ring = stars.ring(v);
@@ -179,8 +179,8 @@ pub fn normal(points: &[Point], stars: &Stars, v: u32) -> Vector {
     areas.sum::<Vector>().try_normalize(0.0).unwrap_or_else(Vector::zeros)
 }
 
-/// The removal that leaves the best of worst triangles, and none upside down if
-/// that can be had.
+/// The collapse whose worst triangle is best. Collapses that leave no triangle upside down are
+/// preferred.
 fn best_removal(points: &[Point], stars: &Stars, v: u32) -> Option<Removal> {
     let up = normal(points, stars, v);
     let n = stars.ring(v).len();
@@ -190,8 +190,8 @@ fn best_removal(points: &[Point], stars: &Stars, v: u32) -> Option<Removal> {
     rated.into_iter().find_map(|(_, k)| stars.removal(v, k))
 }
 
-/// The least quality, area over squares of sides, of the triangles by which the
-/// fan from the `k`-th neighbour would replace v's star.
+/// The smallest quality of the triangles that replace the star of v if it is collapsed to its
+/// `k`-th neighbour. The quality is the area divided by the sum of the squared sides.
 fn worst_of_fan(points: &[Point], stars: &Stars, v: u32, k: usize, up: Vector) -> f64 {
     let ring = stars.ring(v);
     let n = ring.len();

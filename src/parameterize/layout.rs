@@ -1,8 +1,8 @@
-//! A map to a rectangle, from the coarsest mesh to the finest.
+//! A map to a rectangle, from the coarsest mesh of a progressive mesh to the finest.
 //!
-//! A vertex that comes back finds a place among its neighbours where no triangle
-//! turns over: the fan that stood for it can be seen whole from near its apex.
-//! So no map on the way is folded, however far parts of the surface stick out.
+//! A vertex split finds a place for the new vertex at which no triangle is inverted: all of the fan
+//! that replaced the vertex is visible from places near its apex. No map on the way is therefore
+//! folded, however far parts of the surface protrude.
 
 use rayon::prelude::*;
 
@@ -16,41 +16,41 @@ use crate::course::Course;
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, UvVector, orient2d};
 
-/// A rectangle as large as the surface, whose boundary the boundary goes to.
+/// A map to a rectangle with the area of the surface. The boundary is mapped to its sides.
 pub struct Layout<'a> {
-    /// Points in space, one a vertex.
+    /// Points in space, one for each vertex.
     pub points: &'a [Point],
-    /// How much the surface around each vertex counts.
+    /// The weight of the surface around each vertex.
     pub weights: Weights,
-    /// Vertices that were left when the weights were found: with more of them
-    /// the new ones weigh what their neighbours do.
+    /// The number of vertices on the mesh for which the weights were computed. Vertices that are
+    /// added beyond this number take the weight of their neighbours.
     pub weighed: usize,
-    /// How each vertex may move.
+    /// The directions in which each vertex may move.
     pub freedom: Vec<Freedom>,
-    /// Width and height of the rectangle, in mm.
+    /// The width and the height of the rectangle, in mm.
     pub size: [f64; 2],
-    /// Places of the vertices, in mm from the lower left corner.
+    /// The positions of the vertices, in mm from the lower left corner.
     pub at: Vec<Uv>,
-    /// The share of the energy's convex term.
+    /// The weight of the convex energy term.
     pub round: Round,
 }
 
-/// The share of the energy's convex term, by how fine the mesh is.
+/// The weight of the convex energy term, depending on the number of vertices.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Round {
-    /// On a coarse mesh, whose triangles reach around bends and come out stretched one
-    /// way more than the surface does.
+    /// On a coarse mesh. Its triangles span bends and are more strongly stretched in one direction
+    /// than the surface requires.
     few: f64,
-    /// On a finer one.
+    /// On a finer mesh.
     many: f64,
 }
 
 impl Round {
-    /// For maps of most surfaces.
+    /// For the maps of most surfaces.
     pub const USUAL: Round = Round { few: 0.25, many: 0.1 };
 
-    /// For those that the square stretches one way far more than the other, as it does a
-    /// tube's: with less, a few triangles would take most of the square.
+    /// For surfaces that a map to the square stretches far more in one direction than in the other,
+    /// such as tubes. With a smaller weight a few triangles would take most of the square.
     pub const FIRM: Round = Round { few: 0.5, many: 0.5 };
 
     fn with(self, vertices: usize) -> f64 {
@@ -59,8 +59,11 @@ impl Round {
 }
 
 impl Layout<'_> {
-    /// Maps what is left of the mesh by mean value coordinates, or by even weights
-    /// where rounding folds those; the boundary vertices are where they should be.
+    /// Maps the present mesh by mean value coordinates. If rounding folds this map, even weights
+    /// are used instead. The boundary vertices must already be in place.
+    ///
+    /// # Errors
+    /// [`Error::Singular`] if this map is folded as well.
     pub fn solve(&mut self, hierarchy: &Hierarchy) -> Result<()> {
         let inner = |v: &u32| self.freedom[*v as usize] == Freedom::Full;
         let inner: Vec<u32> = hierarchy.left.iter().copied().filter(inner).collect();
@@ -74,7 +77,7 @@ impl Layout<'_> {
         if unfolded(&self.at) { Ok(()) } else { Err(Error::Singular("parameterization")) }
     }
 
-    /// Puts all vertices back and moves them to where they stretch least.
+    /// Undoes all collapses and relaxes the vertices to reduce the stretch.
     pub fn refine(&mut self, hierarchy: &mut Hierarchy, course: &mut Course) -> Result<()> {
         let mut relaxed = 0;
         loop {
@@ -88,7 +91,7 @@ impl Layout<'_> {
             }
             let mut back = Vec::new();
             if !hierarchy.refine(|pass| {
-                // Those that come back at once are no neighbours: one group.
+                // The vertices of one pass are not neighbours, so they form one group.
                 self.lay(pass, n < self.weighed);
                 back = pass.iter().map(|removal| removal.vertex).collect();
             }) {
@@ -100,9 +103,9 @@ impl Layout<'_> {
         Ok(())
     }
 
-    /// Places and weighs the vertices that come back.
+    /// Places the vertices of a pass and sets their weights.
     fn lay(&mut self, pass: &[Removal], weighed: bool) {
-        // None of a pass is in another's ring.
+        // No vertex of a pass is in the ring of another one.
         let places: Vec<Uv> =
             pass.par_iter().with_min_len(64).map(|removal| self.place(removal)).collect();
         pass.iter().zip(places).for_each(|(r, place)| self.at[r.vertex as usize] = place);
@@ -113,8 +116,8 @@ impl Layout<'_> {
         }
     }
 
-    /// Moves the vertices in the given groups, and then whatever went far and its
-    /// neighbours, until nothing does or as many moves as vertices are made.
+    /// Moves the vertices of the given groups. Vertices that moved far and their neighbours are
+    /// moved again, until none moves far or [`CHASE`] moves per vertex were made.
     fn chase(&mut self, stars: &Stars, mut groups: Vec<Vec<u32>>, count: usize) {
         let mut moves = 0;
         while !groups.is_empty() && moves < CHASE * count {
@@ -148,7 +151,7 @@ impl Layout<'_> {
         self.turn_to_best_aspect(hierarchy);
     }
 
-    /// Widens the rectangle, its area kept, to where the map stretches least.
+    /// Scales the rectangle, with constant area, to the aspect ratio with the least stretch.
     fn turn_to_best_aspect(&mut self, hierarchy: &Hierarchy) {
         let of = |left| heavy(&self.weights, triangles(&hierarchy.stars, left));
         let w =
@@ -163,7 +166,7 @@ impl Layout<'_> {
         self.size = [self.size[0] * w, self.size[1] / w];
     }
 
-    /// Where a vertex that comes back may stand.
+    /// A place for a new vertex at which no triangle is inverted.
     fn place(&self, removal: &Removal) -> Uv {
         let (apex, path) = removal.fan();
         let corner = self.at[apex as usize];
@@ -190,7 +193,8 @@ impl Layout<'_> {
         q
     }
 
-    /// The mean value place among the ring; on a side the place by chord length.
+    /// The position of a vertex by mean value coordinates in its ring. A vertex on a side is placed
+    /// by chord length.
     fn mean_place(&self, removal: &Removal, inner: bool) -> Uv {
         let p = self.points[removal.vertex as usize];
         let shares: Vec<(u32, f64)> = if inner {
@@ -203,7 +207,7 @@ impl Layout<'_> {
         let total: f64 = shares.iter().map(|s| s.1).sum();
         let sum = shares.iter().map(|&(w, share)| share * self.at[w as usize].coords);
         let mut place = Uv::from(sum.sum::<UvVector>() / total);
-        // On its side to the last bit.
+        // The vertex must lie exactly on its side.
         match self.freedom[removal.vertex as usize] {
             Freedom::AlongX => place.y = self.at[removal.ring[0] as usize].y,
             Freedom::AlongY => place.x = self.at[removal.ring[0] as usize].x,
@@ -213,35 +217,34 @@ impl Layout<'_> {
     }
 }
 
-/// While there are no more vertices than the first number, sweeps are made
-/// whenever there are so many times more as at the last ones, and so many.
+/// The effort by mesh size. For meshes of at most `.0` vertices, `.2` sweeps are made whenever the
+/// number of vertices has grown by the factor `.1` since the last ones.
 const EFFORT: [(usize, f64, usize); 3] = [(500, 1.0, 40), (5_000, 1.3, 20), (50_000, 1.6, 10)];
 
-/// The share of the time after which all vertices are back.
+/// Progress estimate: the share of the time after which all collapses are undone.
 const REFINED: f64 = 0.85;
 
-/// Sweeps over the whole mesh.
+/// The number of sweeps over the whole mesh.
 const LAST_SWEEPS: usize = 2;
 
-/// A mesh of fewer vertices is coarse.
+/// A mesh with fewer vertices counts as coarse.
 const FEW: usize = 5_000;
 
-/// Moves of single vertices that follow each other, for each vertex of a mesh
-/// at the most.
+/// The largest number of moves in [`Layout::chase`], as a multiple of the number of vertices.
 const CHASE: usize = 2;
 
-/// A vertex comes back no nearer to the apex than this power of a half.
+/// A new vertex is placed no nearer to the apex than this power of one half.
 const MOST_HALVINGS: usize = 60;
 
-/// The bisector of the angle from the first direction counter-clockwise to the
-/// second, no longer than these.
+/// The bisector of the counter-clockwise angle from the first direction to the second. It is not
+/// longer than these.
 fn bisector([a, b]: [UvVector; 2]) -> UvVector {
     let angle = a.perp(&b).atan2(a.dot(&b)).rem_euclid(std::f64::consts::TAU);
     let turned = nalgebra::Rotation2::new(0.5 * angle) * a;
     turned * (0.5 * a.norm().min(b.norm()) / a.norm().max(f64::MIN_POSITIVE))
 }
 
-/// Those of some triangles that are not a skirt's.
+/// The triangles that are not part of the scaffold.
 pub fn heavy<'a>(
     weights: &'a Weights,
     triangles: impl Iterator<Item = [u32; 3]> + 'a,
@@ -249,7 +252,7 @@ pub fn heavy<'a>(
     triangles.filter(|t| !t.iter().any(|&v| weights.is_light(v)))
 }
 
-/// The triangles among the vertices that are left.
+/// The triangles between the remaining vertices.
 pub fn triangles<'a>(stars: &'a Stars, left: &'a [u32]) -> impl Iterator<Item = [u32; 3]> + 'a {
     let first = |v: u32| stars.sides(v).filter(move |s| v < s.0 && v < s.1);
     left.iter().flat_map(move |&v| first(v).map(move |(a, b)| [v, a, b]))

@@ -1,8 +1,8 @@
-//! What is left of a mesh, brought together for many sweeps.
+//! A compact copy of the present mesh for many relaxation sweeps.
 //!
-//! On the way from coarse to fine the vertices that are left lie all over the memory of
-//! the whole mesh. Here they lie close together, and each thread writes the places of
-//! those that it moves where the others look for them.
+//! On the way from coarse to fine, the remaining vertices are scattered over the memory of the
+//! whole mesh. The copy stores them contiguously. Each thread writes the positions that it computes
+//! to where the other threads read them.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -12,24 +12,25 @@ use super::relax::{self, Freedom, Surface};
 use super::stars::Stars;
 use crate::geometry::{Point, Uv};
 
-/// Vertices of a mesh, numbered anew.
+/// The remaining vertices of a mesh, renumbered.
 pub struct Level<'a> {
     stars: Stars,
     points: Vec<Point>,
     weights: Vec<f64>,
     freedom: Vec<Freedom>,
-    /// The share of the energy's convex term.
+    /// The weight of the convex energy term.
     round: f64,
     places: Vec<Place>,
     groups: Vec<Vec<u32>>,
-    /// Their numbers in the whole mesh.
+    /// The numbers of the vertices in the whole mesh.
     left: &'a [u32],
 }
 
-/// A place that one thread writes while others read those around it.
+/// A position that one thread writes while others read neighbouring ones.
 struct Place([AtomicU64; 2]);
 
-/// Vertices that one thread moves at a time, whatever the number of threads.
+/// The number of vertices that one thread moves at a time. It does not depend on the number of
+/// threads.
 const CHUNK: usize = 64;
 
 impl Place {
@@ -37,7 +38,7 @@ impl Place {
         Place([at.x, at.y].map(|t| AtomicU64::new(t.to_bits())))
     }
 
-    // Threads that wait for each other between groups see what was written before.
+    // Threads synchronize between groups and then see all earlier writes.
     fn get(&self) -> Uv {
         let [x, y] = self.0.each_ref().map(|t| f64::from_bits(t.load(Ordering::Relaxed)));
         Uv::new(x, y)
@@ -50,7 +51,7 @@ impl Place {
 }
 
 impl<'a> Level<'a> {
-    /// The vertices that are `left`, which have no other neighbours.
+    /// Copies the vertices `left`. They must have no other neighbours.
     pub fn new(surface: &Surface, stars: &Stars, left: &'a [u32], at: &[Uv]) -> Self {
         let (stars, _) = stars.renumbered(left);
         let groups = relax::groups(&stars, 0..left.len() as u32);
@@ -66,8 +67,8 @@ impl<'a> Level<'a> {
         }
     }
 
-    /// Moves every vertex once; gives those that went far for the room that they have, by
-    /// their numbers in the whole mesh.
+    /// Moves every vertex once. Returns the numbers, in the whole mesh, of the vertices that moved
+    /// far relative to the size of their triangles.
     pub fn sweep(&self) -> Vec<u32> {
         let surface = Surface {
             points: &self.points,
@@ -78,7 +79,7 @@ impl<'a> Level<'a> {
         let moved = |chunk: &[u32]| {
             let (mut corners, mut far) = (Vec::new(), Vec::new());
             for &v in chunk {
-                // No other of its group is a neighbour.
+                // No other vertex of the group is a neighbour.
                 let at = |w: u32| self.places[w as usize].get();
                 let (to, is_far) = relax::moved(&surface, &self.stars, v, at, &mut corners);
                 self.places[v as usize].set(to);
@@ -93,7 +94,7 @@ impl<'a> Level<'a> {
         self.groups.iter().flat_map(of).flatten().collect()
     }
 
-    /// Writes the places to where those of the whole mesh are.
+    /// Writes the positions into those of the whole mesh.
     pub fn put_back(&self, at: &mut [Uv]) {
         self.left.iter().zip(&self.places).for_each(|(&v, place)| at[v as usize] = place.get());
     }

@@ -1,4 +1,4 @@
-//! A disk's map to the unit square, in two steps: coarse, and then fine.
+//! The map of a disk to the unit square, in two steps: a coarse map, and its refinement.
 
 use super::hierarchy::Hierarchy;
 use super::layout::{self, Layout, Round};
@@ -11,17 +11,17 @@ use crate::error::{Error, Result};
 use crate::geometry::{Uv, VertexId};
 use crate::mesh::Mesh;
 
-/// Vertices of the mesh whose curvature counts: fewer than a scan has, so that
-/// its noise does not.
+/// The number of vertices on which the curvature is measured. It is smaller than that of a scan, so
+/// that noise does not count as curvature.
 const WEIGHED: usize = 30_000;
 
-/// Vertices of the mesh on which corners are tried.
+/// The number of vertices of the mesh on which corners are tried.
 const COARSE: usize = 400;
 
-/// The share of a map's time after which it is usually made for those few.
+/// Progress estimate: the share of the time after which the coarse map is ready.
 const STARTED: f64 = 0.35;
 
-/// A disk taken down to a few vertices, and their map.
+/// A disk simplified to a few vertices, with their map.
 pub struct Start<'a> {
     mesh: &'a Mesh,
     outer: Vec<u32>,
@@ -34,19 +34,19 @@ pub struct Start<'a> {
 
 /// A map to the unit square.
 pub struct Map {
-    /// One parameter point a vertex.
+    /// One parameter point for each vertex.
     pub uv: Vec<Uv>,
-    /// The vertices at the corners, the first at (0, 0).
+    /// The vertices at the corners. The first is at (0, 0).
     pub corners: [u32; 4],
-    /// Triangles that rounding had inverted and that were mended.
+    /// The number of triangles that rounding had inverted and that were repaired.
     pub mended: usize,
-    /// Whether much of it is stretched far more one way than the other.
+    /// Whether much of the map is stretched far more in one direction than in the other.
     pub is_drawn_out: bool,
 }
 
 impl<'a> Start<'a> {
-    /// The coarse map with the best of some sets of four corners. Vertices from
-    /// `skirt` on are a skirt's.
+    /// The coarse map with the best set of four corners. Vertices with numbers from `skirt` on
+    /// belong to the scaffold.
     pub fn new(
         mesh: &'a Mesh,
         outer: &[VertexId],
@@ -76,12 +76,12 @@ impl<'a> Start<'a> {
         Ok(Start { mesh, outer, hierarchy, weights, weighed, corners, first })
     }
 
-    /// By how much the L² stretch of the coarse map, a skirt left out, is above 1.
+    /// The amount by which the L² stretch of the coarse map exceeds 1. The scaffold is ignored.
     pub fn excess(&self) -> f64 {
         self.first.stretch - 1.0
     }
 
-    /// The map of all vertices, with a margin of this share of the square at each side.
+    /// The map of all vertices. `margin` is the share of the square that stays free at each side.
     pub fn map(mut self, method: Method, margin: f64, course: &mut Course) -> Result<Map> {
         let rectangle = Rectangle::new(&self.outer, &self.corners);
         let course = &mut course::part(course, STARTED, 1.0);
@@ -89,7 +89,7 @@ impl<'a> Start<'a> {
             Method::LeastStretch => self.least_stretch(&rectangle, course)?,
             Method::MeanValue => self.mean_value(&rectangle)?,
         };
-        // Before the map is verified: rounding may turn slivers over here, too.
+        // This comes before the verification, because rounding may invert slivers here as well.
         if margin > 0.0 {
             uv.iter_mut().for_each(|at| *at = at.map(|t| margin + (1.0 - 2.0 * margin) * t));
         }
@@ -106,7 +106,7 @@ impl<'a> Start<'a> {
         }
     }
 
-    /// Puts all vertices back and takes the stretch out on the way.
+    /// Undoes all collapses and reduces the stretch on the way.
     fn least_stretch(&mut self, rectangle: &Rectangle, course: &mut Course) -> Result<Vec<Uv>> {
         let points = &self.mesh.points;
         let mut at = vec![Uv::origin(); points.len()];
@@ -120,7 +120,7 @@ impl<'a> Start<'a> {
         Ok(rectangle.to_unit_square(layout.size, &layout.at))
     }
 
-    /// Puts all vertices back and solves for them.
+    /// Undoes all collapses and solves for all vertices at once.
     fn mean_value(&mut self, rectangle: &Rectangle) -> Result<Vec<Uv>> {
         while self.hierarchy.refine(|_| ()) {}
         let mut at = vec![Uv::origin(); self.mesh.points.len()];

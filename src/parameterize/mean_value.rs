@@ -1,5 +1,5 @@
-//! The paper's map: every inner vertex the mean of its neighbours by mean value
-//! weights (Floater 2003), all of them at once.
+//! The map of the paper: every inner vertex is the mean of its neighbours with mean value weights
+//! (Floater 2003). All vertices are solved for at once.
 
 use faer::Par;
 use faer::dyn_stack::{MemBuffer, MemStack};
@@ -15,24 +15,24 @@ use super::stars::Stars;
 use crate::error::Result;
 use crate::geometry::{Point, Uv};
 
-/// Every vertex is nearer than this to where it should be, as the last correction
-/// tells; the square's side is 1.
+/// The iteration ends when the last correction moves no vertex by more than this. The side of the
+/// square is 1.
 const NEAR: f64 = 1e-12;
 
-/// The residual that a round of BiCGStab leaves, as a share of the one before.
+/// The reduction of the residual in one round of BiCGStab.
 const ROUND: f64 = 1e-6;
 
-/// Steps of a round, and rounds, at the most.
+/// The largest number of steps in a round, and the largest number of rounds.
 const MOST: [usize; 2] = [60, 8];
 
-/// Times that the rows' scales are balanced.
+/// The number of balancing steps of the scales of the rows.
 const BALANCING: usize = 10;
 
-/// Moves the inner vertices to where each is its neighbours' mean by mean value
-/// weights; the boundary is where it should be.
+/// Moves the inner vertices to the solution: each is the mean of its neighbours with mean value
+/// weights. The boundary must already be in place.
 ///
-/// By BiCGStab (van der Vorst 1992) with a multigrid cycle as its preconditioner, and
-/// directly where there are few vertices or that does not settle.
+/// The solver is BiCGStab (van der Vorst 1992), preconditioned by a multigrid cycle. A direct
+/// solver is used for few vertices, or if the iteration does not converge.
 pub fn map(points: &[Point], stars: &Stars, at: &mut [Uv]) -> Result<()> {
     let inner: Vec<u32> = (0..stars.len() as u32)
         .filter(|&v| !stars.on_boundary(v) && !stars.ring(v).is_empty())
@@ -47,7 +47,7 @@ pub fn map(points: &[Point], stars: &Stars, at: &mut [Uv]) -> Result<()> {
     }
 }
 
-/// The equations.
+/// The linear equations of the map.
 struct System {
     matrix: Matrix,
     right: Vec<Pair>,
@@ -82,9 +82,9 @@ impl System {
         System { matrix, right }
     }
 
-    /// Scales rows until columns, too, nearly sum to nothing, as those of a symmetric
-    /// matrix do: slivers make some rows thousands of times as heavy as others, and smaller
-    /// systems would resemble those alone.
+    /// Scales rows until the columns, too, nearly sum to zero, as those of a symmetric matrix do.
+    /// Slivers make some rows thousands of times as heavy as others, and the coarse systems would
+    /// represent only those rows.
     fn balance(&mut self) -> Option<()> {
         let columns = self.matrix.to_col_major().ok()?.into_transpose();
         let mut scales = vec![1.0; self.right.len()];
@@ -108,7 +108,7 @@ impl System {
         Some(())
     }
 
-    /// The solution, if rounds of BiCGStab come near enough to it.
+    /// The solution, or `None` if BiCGStab does not converge.
     fn iterated(mut self) -> Option<Vec<Pair>> {
         self.balance()?;
         let grid = Multigrid::new(self.matrix)?;
@@ -122,9 +122,10 @@ impl System {
         let mut x = vec![[0.0; 2]; n];
         let (mut step, mut residual) = (x.clone(), self.right.clone());
         for _ in 0..MOST[1] {
-            // From zero, but not told so: faer 0.24 then starts from memory not set.
+            // The start is zero but is not declared as such, because faer 0.24 would then read
+            // uninitialized memory.
             step.fill([0.0; 2]);
-            // Whether a round ends by its tolerance or not, what it came to counts.
+            // The result of a round is used whether it reached its tolerance or not.
             let _ = bicgstab(
                 column_mut(&mut step),
                 none,
@@ -165,8 +166,8 @@ mod tests {
     use super::*;
     use crate::parameterize::stars::tests::grid;
 
-    /// A wavy grid of 60 × 60 points, `thin` times as narrow in every fifth column, its
-    /// boundary laid on the square's.
+    /// A wavy grid of 60 × 60 points. Every fifth column is narrower by the factor `thin`. The
+    /// boundary is placed on that of the square.
     fn sheet(thin: f64) -> (Vec<Point>, Stars, Vec<Uv>) {
         let patch = grid(60);
         let stars = Stars::new(&patch.mesh, &patch.outer);

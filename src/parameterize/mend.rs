@@ -1,7 +1,7 @@
-//! Triangles that rounding turned over, turned back.
+//! Repair of triangles that rounding has inverted.
 //!
-//! Every move on the way to a map is one that turns nothing over, but slivers can
-//! be lost to the last bit when the rectangle is made a square.
+//! No step on the way to a map inverts a triangle. Slivers may still be inverted in the last bit
+//! when the rectangle is scaled to a square.
 
 use super::solve;
 use super::stars::Stars;
@@ -16,9 +16,9 @@ pub fn inverted(triangles: impl Iterator<Item = [u32; 3]>, at: &[Uv]) -> Vec<[u3
     triangles.filter(flipped).collect()
 }
 
-/// Maps the surroundings of inverted triangles anew by even weights, wider and
-/// wider ones until nothing is inverted: with all inner vertices that is Tutte's
-/// map, which does not fold. Gives how many were inverted, and those that still are.
+/// Remaps the surroundings of inverted triangles with even weights. The surroundings grow until no
+/// triangle is inverted; with all inner vertices this is Tutte's map, which does not fold. Returns
+/// the number of inverted triangles, and those that could not be repaired.
 pub fn mend(
     stars: &Stars,
     triangles: impl Iterator<Item = [u32; 3]> + Clone,
@@ -45,7 +45,7 @@ pub fn mend(
     (count, folded)
 }
 
-/// The inner vertices that are no more than so many edges away.
+/// The inner vertices within `reach` edges of the folded triangles.
 fn within(stars: &Stars, folded: &[[u32; 3]], reach: usize) -> Vec<u32> {
     let mut seen = vec![false; stars.len()];
     let mut region = Vec::new();
@@ -69,7 +69,7 @@ mod tests {
 
     const N: u32 = 12;
 
-    /// A grid on the unit square, some of its vertices thrown about.
+    /// A grid on the unit square with some vertices moved far away.
     fn thrown(vertices: impl Iterator<Item = u32>) -> (Stars, Vec<[u32; 3]>, Vec<Uv>) {
         let patch = grid(N);
         let stars = Stars::new(&patch.mesh, &patch.outer);

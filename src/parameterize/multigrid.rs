@@ -1,4 +1,4 @@
-//! A multigrid cycle by smoothed aggregation, as a preconditioner of Krylov methods.
+//! A multigrid cycle by smoothed aggregation, used as a preconditioner of Krylov methods.
 
 use faer::dyn_stack::{MemStack, StackReq};
 use faer::matrix_free::{LinOp, Precond};
@@ -11,32 +11,32 @@ use rayon::prelude::*;
 use super::aggregates;
 use super::sparse::{self, BLOCK, Matrix, Pair};
 
-/// A system of no more unknowns is solved directly.
+/// A system with at most this number of unknowns is solved directly.
 pub const FEW: usize = 500;
 
-/// A level worth having leaves this share of the unknowns at the most.
+/// A coarser level is used only if it has at most this share of the unknowns.
 const FEWER: f64 = 0.7;
 
-/// A system, and ever smaller ones that resemble it.
+/// A linear system and a sequence of coarser systems that approximate it.
 #[derive(Debug)]
 pub struct Multigrid {
     levels: Vec<Level>,
     last: Lu<u32, f64>,
 }
 
-/// A system and how it becomes the next smaller one.
+/// A system and its transfer to the next coarser one.
 #[derive(Debug)]
 struct Level {
     matrix: Matrix,
     diagonal: Vec<f64>,
-    /// From the next level's unknowns to this one's, and back.
+    /// The maps from the unknowns of the next level to those of this one, and back.
     prolongation: Matrix,
     restriction: Matrix,
 }
 
 impl Multigrid {
-    /// For a square matrix whose diagonal is positive. `None` if that is singular, too
-    /// large for the memory, or no smaller system resembles it.
+    /// Builds the levels for a square matrix with a positive diagonal. Returns `None` if the matrix
+    /// is singular or too large for the memory, or if it cannot be coarsened.
     pub fn new(mut matrix: Matrix) -> Option<Self> {
         let mut levels: Vec<Level> = Vec::new();
         while matrix.nrows() > FEW {
@@ -54,12 +54,12 @@ impl Multigrid {
         (!levels.is_empty()).then_some(Multigrid { levels, last })
     }
 
-    /// The largest system.
+    /// The matrix of the finest system.
     pub fn matrix(&self) -> &Matrix {
         &self.levels[0].matrix
     }
 
-    /// About what solves `level` for `b`, into `x`.
+    /// Approximately solves the system of `level` for the right-hand side `b`, into `x`.
     fn cycle(&self, level: usize, b: &[Pair], x: &mut [Pair], stack: &mut MemStack) {
         let Some(here) = self.levels.get(level) else { return self.solve_last(b, x) };
         let (n, few) = (x.len(), here.prolongation.ncols());
@@ -96,17 +96,15 @@ impl Level {
         Some(Level { matrix, diagonal, prolongation, restriction })
     }
 
-    /// The next smaller system: the restriction of the matrix' product with the
-    /// prolongation.
+    /// The matrix of the next coarser system: restriction times matrix times prolongation.
     fn coarse(&self) -> Option<Matrix> {
         let product = |a, b| sparse_sparse_matmul(a, b, 1.0, Par::Seq).ok();
-        // Matrices by columns from those by rows: all are transposed.
+        // The product is computed on the transposed matrices, because these are stored by columns.
         let half = product(self.prolongation.transpose(), self.matrix.transpose())?;
         Some(product(half.as_ref(), self.restriction.transpose())?.into_transpose())
     }
 
-    /// Gauss and Seidel's method from `old`, block by block: within a block with its
-    /// own new values.
+    /// One Gauss–Seidel sweep from `old`, block by block. Within a block the new values are used.
     fn sweep(&self, b: &[Pair], old: &[Pair], x: &mut [Pair], backwards: bool) {
         x.par_chunks_mut(BLOCK).enumerate().for_each(|(k, block)| {
             let first = k * BLOCK;
@@ -125,7 +123,7 @@ impl Level {
     }
 }
 
-/// A column of pairs.
+/// A column as a slice of pairs.
 fn pairs(column: MatRef<'_, f64>) -> Option<&[Pair]> {
     Some(column.col(0).try_as_col_major()?.as_slice().as_chunks().0)
 }
@@ -134,7 +132,7 @@ fn pairs_mut(column: MatMut<'_, f64>) -> Option<&mut [Pair]> {
     Some(column.col_mut(0).try_as_col_major_mut()?.as_slice_mut().as_chunks_mut().0)
 }
 
-/// The largest system's matrix for columns of pairs.
+/// The matrix of the finest system, applied to columns of pairs.
 #[derive(Debug)]
 pub struct Operator<'a>(pub &'a Matrix);
 

@@ -1,5 +1,5 @@
-//! Whether the outer boundary of a patch goes to the sides of the square or is left free
-//! inside it, and the map of the patch as it does.
+//! Decides whether the outer boundary is mapped to the sides of the square or left free inside it,
+//! and maps the patch.
 
 use super::map::{Map, Start};
 use super::{Options, Outline, Parameterized, Report, Skirt};
@@ -8,7 +8,7 @@ use crate::course::Course;
 use crate::error::{Error, Result};
 use crate::mesh::{Bound, Mesh, Patch};
 
-/// Maps a patch to the unit square, around the bays that are closed in it.
+/// Maps a patch to the unit square. Bays of the patch must already be closed.
 pub(super) fn map(
     patch: Patch,
     options: &Options,
@@ -20,7 +20,7 @@ pub(super) fn map(
     if must_be_free || may_be_free && is_ragged() {
         return left_free(patch, options, course);
     }
-    // Sides are the measured boundary's; what is free goes around its bays.
+    // A map to the sides uses the measured boundary. A free boundary uses that with closed bays.
     let (mut patch, with_bays) = match patch.without_bays() {
         Some(without) => (without, Some(patch)),
         None => (patch, None),
@@ -28,7 +28,7 @@ pub(super) fn map(
     let split_edges = chords::split_chords(&mut patch);
     let sides = Start::new(&patch.mesh, &patch.outer, patch.mesh.points.len(), options, course);
     let sides = match sides {
-        // A boundary that cannot be four sides can be a loop.
+        // A boundary that cannot be divided into four sides can still be mapped to a free curve.
         Err(Error::TooSmall(_) | Error::Singular(_)) if may_be_free => {
             return left_free(with_bays.unwrap_or(patch), options, course);
         }
@@ -63,13 +63,15 @@ fn left_free(
     Ok(reported(with_skirt(patch, &mesh, &map), &map, 0))
 }
 
-/// Sides that stretch a map by less are kept.
+/// The boundary is mapped to the sides without further trials if the stretch exceeds 1 by less than
+/// this.
 const LITTLE: f64 = 0.03;
 
-/// A boundary is left free if no more than this share of the stretch remains.
+/// The boundary is left free if this reduces the excess of the stretch over 1 to less than this
+/// share.
 const WORTH: f64 = 0.5;
 
-/// A patch and its skirt on the map of both.
+/// Combines a patch and its scaffold with their common map.
 fn with_skirt(patch: Patch, mesh: &Mesh, map: &Map) -> Parameterized {
     let mut uv = map.uv.clone();
     let skirt = Skirt {
@@ -79,7 +81,7 @@ fn with_skirt(patch: Patch, mesh: &Mesh, map: &Map) -> Parameterized {
     Parameterized { patch, uv, outline: Outline::Free, skirt }
 }
 
-/// The patch on its map, with vertices where that draws it out.
+/// The patch with its map and report. Vertices are inserted where the map stretches it strongly.
 fn reported(
     mut patch: Parameterized,
     map: &Map,
@@ -95,14 +97,14 @@ fn reported(
     (patch, Report { flipped, mended, split_edges, stretch, ..Report::default() })
 }
 
-/// The triangles of a patch that its map turns over, by an exact predicate.
+/// The triangles of a patch that its map inverts, by an exact predicate.
 fn flipped(map: &Parameterized) -> Vec<[u32; 3]> {
     let triangles = map.patch.mesh.triangles.iter().map(|t| t.map(|v| v.0));
     mend::inverted(triangles, &map.uv)
 }
 
-/// Mends what rounding turns over where vertices are put in the middle of edges. Returns
-/// how many triangles that were.
+/// Repairs triangles that rounding inverts when vertices are inserted into edges. Returns their
+/// number.
 fn mend_again(map: &mut Parameterized) -> usize {
     if flipped(map).is_empty() {
         return 0;
@@ -112,7 +114,7 @@ fn mend_again(map: &mut Parameterized) -> usize {
     mend::mend(&stars::Stars::new(mesh, outer), triangles, &mut map.uv).0
 }
 
-/// The share of the domain that is left free beside a skirt at each side.
+/// The share of the domain outside the scaffold that stays free at each side.
 const MARGIN: f64 = 0.02;
 
 #[cfg(test)]
@@ -121,7 +123,7 @@ mod tests {
     use crate::geometry::Uv;
     use stars::tests::grid;
 
-    /// A grid on the square with some vertices thrown onto others, as the map of a patch.
+    /// A grid on the square with some vertices moved onto others, as the map of a patch.
     fn thrown(n: u32, swapped: [usize; 2], is_drawn_out: bool) -> (Parameterized, Map) {
         let patch = grid(n);
         let side = f64::from(n - 1);

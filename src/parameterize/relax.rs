@@ -1,13 +1,13 @@
-//! Moves of single vertices in the parameter plane that take stretch out.
+//! Relaxation: moves of single vertices in the parameter plane that reduce the stretch.
 //!
-//! The energy is the square of the L² stretch (Sander, Snyder, Gortler, Hoppe,
-//! "Texture mapping progressive meshes", 2001): ∫ |F|² / det² F over the surface,
-//! where F is the derivative of the map to the plane. That is not rank-one
-//! convex where a map stretches one way 3.8 times as much as the other, and
-//! there its minima crack into creases (the "parameter cracks" of the
-//! literature). A share of ½ |F|⁴ / det³ F, which is polyconvex, equal where the
-//! map is conformal and scales alike, mends that. Both grow beyond bounds where
-//! a triangle vanishes, and a step that would turn one over is not made.
+//! The energy is the square of the L² stretch (Sander, Snyder, Gortler, Hoppe, "Texture mapping
+//! progressive meshes", 2001): ∫ |F|² / det² F over the surface, where F is the derivative of the
+//! map to the plane. This energy is not rank-one convex where the map stretches by more than 3.8
+//! times as much in one direction as in the other. Its minima form creases there, which the
+//! literature calls parameter cracks. A share of ½ |F|⁴ / det³ F is therefore mixed in. This term
+//! is polyconvex, equals the first one where the map is conformal, and scales in the same way. Both
+//! terms tend to infinity as the area of a triangle tends to zero, and a step that would invert a
+//! triangle is not made.
 
 use nalgebra::Matrix2;
 use rayon::prelude::*;
@@ -15,55 +15,54 @@ use rayon::prelude::*;
 use super::stars::Stars;
 use crate::geometry::{Point, Uv, UvVector};
 
-/// How a vertex may move.
+/// The directions in which a vertex may move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Freedom {
-    /// It is a corner.
+    /// None: the vertex is a corner.
     None,
-    /// It is on a side that runs along x.
+    /// Along x: the vertex is on a horizontal side.
     AlongX,
-    /// It is on a side that runs along y.
+    /// Along y: the vertex is on a vertical side.
     AlongY,
-    /// It is inside.
+    /// All directions: the vertex is inside.
     Full,
 }
 
-/// What the energy depends on besides the map.
+/// The data of the energy, apart from the map.
 pub struct Surface<'a> {
-    /// Points in space, one a vertex.
+    /// Points in space, one for each vertex.
     pub points: &'a [Point],
-    /// How much the surface around each vertex counts.
+    /// The weight of the surface around each vertex.
     pub weights: &'a [f64],
-    /// How each vertex may move.
+    /// The directions in which each vertex may move.
     pub freedom: &'a [Freedom],
-    /// The share of the energy's convex term. With a tenth the energy is rank-one
-    /// convex up to a ratio of stretches of 6, with a quarter beyond 10.
+    /// The weight of the convex energy term. With 0.1 the energy is rank-one convex up to a ratio
+    /// of stretches of 6; with 0.25 beyond 10.
     pub round: f64,
 }
 
-/// Triangles count as if their area were this share of their longest side's
-/// square at least.
+/// The smallest area with which a triangle enters the energy, as a share of its longest squared
+/// side.
 const THINNEST: f64 = 0.02;
 
-/// The share of the way to where a triangle vanishes that a step may go.
+/// A step may cover at most this share of the way to the place where a triangle would vanish.
 const SAFE: f64 = 0.8;
 
-/// A step goes beyond the star's own minimum by half, as successive
-/// over-relaxation does, so that distant parts hear of each other sooner.
+/// The over-relaxation factor of a step: it goes half as far again as the minimum of the star.
+/// Successive over-relaxation spreads changes faster over the mesh.
 const OVER: f64 = 1.5;
 
-/// One triangle as seen from one of its corners.
+/// The energy of one triangle as a function of the position of one of its corners.
 pub struct Corner {
-    /// Squares and product of its two sides from the corner.
+    /// The squares and the dot product of the two sides at this corner, in space.
     metric: [f64; 3],
-    /// Factors of the energy's two terms.
+    /// The factors of the two terms of the energy.
     factors: [f64; 2],
     a: Uv,
     b: Uv,
 }
 
-/// The energy at a place, its gradient and Hessian there, and twice the area of the
-/// smallest triangle.
+/// The energy at a position, its gradient and Hessian, and twice the area of the smallest triangle.
 struct Look {
     energy: f64,
     gradient: UvVector,
@@ -71,12 +70,11 @@ struct Look {
     room: f64,
 }
 
-/// One triangle's measures in the plane, for the corner's place.
+/// The measures of one triangle in the plane, for a position of the corner.
 struct Flat {
-    /// Twice its area.
+    /// Twice the area in the plane.
     twice: f64,
-    /// |F|² times the square of twice its area in space, where F is the map's
-    /// derivative.
+    /// |F|² times the square of twice the area in space, where F is the derivative of the map.
     squares: f64,
     d: UvVector,
     e: UvVector,
@@ -97,14 +95,14 @@ impl Corner {
         if twice > 0.0 { value } else { f64::INFINITY }
     }
 
-    /// Adds what the triangle shows at the corner's place.
+    /// Adds the energy of the triangle and its derivatives at the position of the corner.
     fn add(&self, q: Uv, look: &mut Look) {
         let flat = self.flat(q);
         look.energy += self.value(&flat);
         let Flat { twice, squares, d, e } = flat;
         look.room = look.room.min(twice);
         let [dd, de, ee] = self.metric;
-        // Derivatives of `squares` and `twice`.
+        // The derivatives of `squares` and `twice`.
         let gs = -2.0 * (ee * d - de * (d + e) + dd * e);
         let hs = 2.0 * (ee - 2.0 * de + dd);
         let gt = UvVector::new(d.y - e.y, e.x - d.x);
@@ -120,7 +118,7 @@ impl Corner {
     }
 }
 
-/// The triangles around a vertex, and where it is.
+/// The triangles around a vertex, and its position.
 struct Star<'a> {
     corners: &'a [Corner],
     at: Uv,
@@ -138,8 +136,8 @@ impl Star<'_> {
         look
     }
 
-    /// The share of a step that may be gone: a triangle's area is linear in the
-    /// place of one corner.
+    /// The largest allowed multiple of a step. The area of a triangle is linear in the position of
+    /// one corner.
     fn limit(&self, step: UvVector) -> f64 {
         let room = |c: &Corner| {
             let (d, e) = (c.a - self.at, c.b - self.at);
@@ -150,7 +148,7 @@ impl Star<'_> {
         self.corners.iter().map(room).fold(OVER, f64::min)
     }
 
-    /// Where the vertex moves.
+    /// The new position of the vertex.
     fn moved(&self, look: &Look, freedom: Freedom) -> Uv {
         let step = look.step(freedom);
         if !(step.x.is_finite() && step.y.is_finite()) {
@@ -169,7 +167,7 @@ impl Star<'_> {
 }
 
 impl Look {
-    /// The Newton step, with negative curvature taken for positive.
+    /// The Newton step. Negative curvature is replaced by its absolute value.
     fn step(&self, freedom: Freedom) -> UvVector {
         let (g, h) = (self.gradient, self.hessian);
         match freedom {
@@ -189,12 +187,13 @@ impl Look {
     }
 }
 
-/// Shorter steps that are tried where one does not lower the energy.
+/// The number of shorter steps that are tried if a step does not reduce the energy.
 const HALVINGS: usize = 4;
 
-/// The place to which vertex `v` moves from where it is `at`, as its neighbours are, and
-/// whether it went far. `corners` is for use in between.
-// Not inlined, which with two callers it would not be, it takes a tenth longer.
+/// The new position of vertex `v`, and whether it moved far. `at` gives the present positions of
+/// the vertex and its neighbours. `corners` is working memory.
+// Without this attribute the function is not inlined, because it has two callers. It then takes a
+// tenth longer.
 #[inline(always)]
 pub fn moved(
     surface: &Surface,
@@ -211,7 +210,7 @@ pub fn moved(
         let area = d.cross(&e).norm().max(THINNEST * longest).max(f64::MIN_POSITIVE);
         let weights = [a, b, v].map(|w| surface.weights[w as usize]);
         let least = weights.iter().copied().fold(f64::INFINITY, f64::min);
-        // A triangle of a skirt is as light as the skirt's vertices.
+        // A triangle of the scaffold has the weight of the scaffold's vertices.
         let weight = if least < 1.0 { 3.0 * least } else { weights.iter().sum() };
         let factors = [(1.0 - surface.round) * weight * area, 0.5 * surface.round * weight];
         Corner { metric, factors, a: at(a), b: at(b) }
@@ -224,15 +223,16 @@ pub fn moved(
     (place, (place - star.at).norm_squared() > FAR * FAR * look.room)
 }
 
-/// Going this share of the root of the smallest triangle's area is going far.
+/// A move is far if it exceeds this share of the square root of twice the area of the smallest
+/// triangle.
 const FAR: f64 = 0.05;
 
-/// Vertices in groups, no two of a group neighbours, so that those of a group
-/// can move at once.
+/// Divides vertices into groups without neighbours (graph colouring). The vertices of one group can
+/// move at the same time.
 pub fn groups(stars: &Stars, vertices: impl IntoIterator<Item = u32>) -> Vec<Vec<u32>> {
     let mut group = vec![u32::MAX; stars.len()];
     let mut groups: Vec<Vec<u32>> = Vec::new();
-    // The last vertex that had a neighbour in each group.
+    // For each group, the last vertex that has a neighbour in it.
     let mut beside: Vec<u32> = Vec::new();
     for v in vertices {
         for &w in stars.ring(v) {
@@ -251,8 +251,8 @@ pub fn groups(stars: &Stars, vertices: impl IntoIterator<Item = u32>) -> Vec<Vec
     groups
 }
 
-/// Moves every vertex of every group once; gives those that went far for the
-/// room that they have.
+/// Moves every vertex of every group once. Returns the vertices that moved far relative to the size
+/// of their triangles.
 pub fn sweep(surface: &Surface, stars: &Stars, groups: &[Vec<u32>], at: &mut [Uv]) -> Vec<u32> {
     let mut far = Vec::new();
     for group in groups {
@@ -281,7 +281,7 @@ mod tests {
 
     #[test]
     fn neighbours_are_in_different_groups_however_many_there_are() {
-        // All are neighbours of all, which no mesh has.
+        // All vertices are neighbours of each other. No mesh is like this.
         let stars = Stars::joined(100);
         let groups = groups(&stars, 0..100);
         assert_eq!(groups, (0..100).map(|v| vec![v]).collect::<Vec<_>>());

@@ -1,4 +1,4 @@
-//! A disk as the stars of its vertices, that can lose a vertex and get it back.
+//! A disk stored as the one-rings of its vertices, with half-edge collapses and vertex splits.
 
 use rayon::prelude::*;
 use smallvec::SmallVec;
@@ -6,35 +6,35 @@ use smallvec::SmallVec;
 use crate::geometry::VertexId;
 use crate::mesh::{Mesh, Rings};
 
-/// Some neighbours of a vertex. Almost all rings are short enough to stand where their
-/// vertex does: behind pointers they would lie all over the memory, since removals come
-/// from all over the mesh, and every look at one would wait for it.
+/// The one-ring of a vertex, or a part of it. Almost all rings are short enough to be stored in
+/// place. Behind pointers they would be scattered over the memory, because collapses happen all
+/// over the mesh, and every access would wait for the memory.
 pub type Ring = SmallVec<[u32; 12]>;
 
-/// For every vertex its neighbours in counter-clockwise order: all around an
-/// inner vertex, from the next to the former boundary vertex on the boundary.
-/// Two neighbours that follow each other make a triangle with the vertex.
+/// The neighbours of every vertex in counter-clockwise order (its one-ring, the link of the
+/// vertex). The ring of a boundary vertex starts at the next boundary vertex and ends at the
+/// previous one. Two consecutive neighbours form a triangle with the vertex.
 #[derive(Debug, Clone)]
 pub struct Stars {
     rings: Vec<Ring>,
     boundary: Vec<bool>,
 }
 
-/// A vertex taken out, whose triangles were replaced by a fan from one of its
-/// neighbours.
+/// A half-edge collapse: a vertex is removed, and a fan from one of its neighbours, the apex,
+/// replaces its triangles.
 #[derive(Debug, Clone)]
 pub struct Removal {
-    /// The vertex.
+    /// The removed vertex.
     pub vertex: u32,
-    /// Its ring. An inner vertex's begins with the fan's apex, a boundary
-    /// vertex's begins or ends with it.
+    /// Its ring. For an inner vertex it starts with the apex; for a boundary vertex it starts or
+    /// ends with the apex.
     pub ring: Ring,
-    /// Whether the apex comes last.
+    /// Whether the apex is the last entry.
     pub last: bool,
 }
 
 impl Removal {
-    /// The apex of the fan, and the path that it looks at, counter-clockwise.
+    /// The apex of the fan, and the other vertices of the ring in counter-clockwise order.
     pub fn fan(&self) -> (u32, &[u32]) {
         match &self.ring[..] {
             [path @ .., apex] if self.last => (*apex, path),
@@ -45,7 +45,7 @@ impl Removal {
 }
 
 impl Stars {
-    /// The stars of a disk, with its boundary.
+    /// The one-rings of a disk with the given boundary.
     pub fn new(mesh: &Mesh, outer: &[VertexId]) -> Self {
         let corners = Rings::new(mesh);
         let mut boundary = vec![false; mesh.points.len()];
@@ -62,8 +62,8 @@ impl Stars {
         Stars { rings: (0..boundary.len()).into_par_iter().map(ring).collect(), boundary }
     }
 
-    /// The stars of the vertices `left`, numbered in their order, and all vertices' new
-    /// numbers: `u32::MAX` of those that are not left.
+    /// The one-rings of the vertices `left`, renumbered in their order. The second value gives the
+    /// new number of each vertex, or `u32::MAX` for vertices that are not left.
     pub fn renumbered(&self, left: &[u32]) -> (Self, Vec<u32>) {
         let mut number = vec![u32::MAX; self.len()];
         left.iter().zip(0..).for_each(|(&v, new)| number[v as usize] = new);
@@ -75,12 +75,12 @@ impl Stars {
         (stars, number)
     }
 
-    /// How many vertices there are, those taken out included.
+    /// The number of vertices, including collapsed ones.
     pub fn len(&self) -> usize {
         self.rings.len()
     }
 
-    /// The neighbours of a vertex; none of one that was taken out.
+    /// The one-ring of a vertex; empty for a collapsed one.
     pub fn ring(&self, v: u32) -> &[u32] {
         &self.rings[v as usize]
     }
@@ -98,9 +98,8 @@ impl Stars {
         pairs.chain(closing.map(|(&a, &b)| (a, b)))
     }
 
-    /// What taking out `v` would be, with its `k`-th neighbour as the apex; none
-    /// if that would join vertices that are joined already, or join two of the
-    /// boundary across the inside.
+    /// The collapse of `v` into its `k`-th neighbour. `None` if it would add an edge that already
+    /// exists, or join two boundary vertices through the inside.
     pub fn removal(&self, v: u32, k: usize) -> Option<Removal> {
         let mut ring = Ring::from_slice(self.ring(v));
         let apex = ring[k];
@@ -112,7 +111,7 @@ impl Stars {
         }
         let removal = Removal { vertex: v, ring, last };
         let (_, path) = removal.fan();
-        // The ends of the path are the apex' neighbours through v's triangles.
+        // The ends of the path are already neighbours of the apex in the triangles of v.
         let closing = self.on_boundary(v);
         let new = if last { &path[..path.len() - 1] } else { &path[1..] };
         let new = if closing { new } else { &new[..new.len() - 1] };
@@ -125,12 +124,12 @@ impl Stars {
         new.iter().enumerate().all(free).then_some(removal)
     }
 
-    /// Takes vertices out, in the given order.
+    /// Makes collapses in the given order.
     pub fn remove(&mut self, removals: &[Removal]) {
         self.in_parts(|part| removals.iter().for_each(|removal| part.remove(removal)));
     }
 
-    /// Undoes removals, of those given the last one first; all later ones have been
+    /// Undoes collapses by vertex splits, the last one first. All later collapses must already be
     /// undone.
     pub fn restore(&mut self, removals: &[Removal]) {
         self.in_parts(|part| removals.iter().rev().for_each(|removal| part.restore(removal)));
@@ -146,14 +145,15 @@ impl Stars {
     }
 }
 
-/// Parts in which removals are made or undone at once, at the most: each looks at all.
+/// The largest number of parts of the mesh that are processed in parallel. Each part reads all
+/// collapses.
 const MOST_PARTS: usize = 8;
 
 /// The rings of vertices with consecutive numbers.
 struct Part<'a> {
     first: usize,
     rings: &'a mut [Ring],
-    /// Of all vertices.
+    /// The boundary marks of all vertices.
     boundary: &'a [bool],
 }
 
@@ -162,7 +162,7 @@ impl Part<'_> {
         self.rings.get_mut((v as usize).wrapping_sub(self.first))
     }
 
-    /// Makes a removal as far as it shows in these rings.
+    /// Makes the changes of a collapse to these rings.
     fn remove(&mut self, removal: &Removal) {
         let v = removal.vertex;
         let (apex, path) = removal.fan();
@@ -170,7 +170,7 @@ impl Part<'_> {
         let inner = !self.boundary[v as usize];
         if let Some(ring) = self.ring(apex) {
             let at = position(ring, v);
-            // The end of the path that is the apex' neighbour already stays.
+            // The end of the path that is already a neighbour of the apex stays in the ring.
             let new = match (inner, removal.last) {
                 (true, _) => &path[1..n - 1],
                 (false, false) => &path[1..],
@@ -194,7 +194,7 @@ impl Part<'_> {
         }
     }
 
-    /// Undoes a removal as far as it shows in these rings.
+    /// Undoes the changes of a collapse to these rings.
     fn restore(&mut self, removal: &Removal) {
         let v = removal.vertex;
         let (apex, path) = removal.fan();
@@ -244,7 +244,7 @@ fn position(ring: &[u32], v: u32) -> usize {
     ring.iter().position(|&w| w == v).unwrap_or(0)
 }
 
-/// Sides of a star's triangles, put one after the other.
+/// Chains the sides opposite to a vertex into its ring.
 fn chained(mut sides: SmallVec<[(u32, u32); 12]>) -> Ring {
     let first = sides.iter().position(|s| sides.iter().all(|t| t.1 != s.0)).unwrap_or(0);
     if sides.is_empty() {
@@ -292,15 +292,15 @@ pub mod tests {
     }
 
     impl Stars {
-        /// So many vertices, each a neighbour of all others.
+        /// `n` vertices, each of which is a neighbour of all others.
         pub fn joined(n: u32) -> Stars {
             let ring = |v: u32| (0..n).filter(|&w| w != v).collect();
             Stars { rings: (0..n).map(ring).collect(), boundary: vec![false; n as usize] }
         }
     }
 
-    /// Neighbours see each other, and those that follow each other around a
-    /// vertex are neighbours.
+    /// Checks that neighbourhood is symmetric and that consecutive neighbours of a vertex are
+    /// neighbours.
     fn check(stars: &Stars) {
         for v in 0..stars.len() as u32 {
             assert!(stars.ring(v).iter().all(|&w| stars.ring(w).contains(&v)), "{v}");
@@ -308,7 +308,7 @@ pub mod tests {
         }
     }
 
-    /// The rings, each turned so that the smallest comes first.
+    /// The rings, rotated so that the smallest entry comes first.
     fn turned(stars: &Stars) -> Vec<Vec<u32>> {
         let turn = |v: u32| {
             let mut ring = stars.ring(v).to_vec();
@@ -328,7 +328,8 @@ pub mod tests {
         let before = turned(&stars);
         let corners = [0, 6, 42, 48];
         let mut removals = Vec::new();
-        // Inner vertices towards every neighbour, boundary vertices both ways.
+        // Inner vertices are collapsed towards every neighbour, boundary vertices in both
+        // directions.
         for round in 0..4 {
             for v in (0..49).map(|v| v * 11 % 49).filter(|v| !corners.contains(v)) {
                 let ways = stars.ring(v).len();

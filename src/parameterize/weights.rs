@@ -1,5 +1,5 @@
-//! How much the surface counts, place by place: where it is curved sharply for
-//! its size a spline needs more knots, and the map should leave room for them.
+//! The weight of each part of the surface in the energy. A spline needs more knots where the
+//! surface is sharply curved for its size, and the map should leave space for them.
 
 use rayon::prelude::*;
 
@@ -7,50 +7,51 @@ use super::hierarchy::{self, Hierarchy};
 use super::stars::Removal;
 use crate::geometry::{Point, Vector};
 
-/// Weights of vertices, as means over the surface that each stands for.
+/// The weights of vertices, as means over the part of the surface that each vertex represents.
 #[derive(Debug, Clone, Default)]
 pub struct Weights {
-    /// The weight around each vertex.
+    /// The weight of each vertex.
     pub of: Vec<f64>,
-    /// How much surface each stands for, in any unit.
+    /// The amount of surface that each vertex represents, in any unit.
     mass: Vec<f64>,
 }
 
-/// A place whose radius of curvature is this share of the square root of the
-/// area counts twice as much as a flat one,
+/// A place has the weight 2 if its radius of curvature is this share of the square root of the
+/// area.
 const TIGHT: f64 = 1.0 / 28.0;
 
-/// but only if it is so many times as curved as the surface is in the mean: a
-/// rough surface has no places of its own.
+/// A place gets more weight only if its curvature exceeds this multiple of the mean curvature. A
+/// rough surface has no places that stand out.
 const UNUSUAL: f64 = 4.0;
 
-/// No place counts more.
+/// The largest weight.
 const MOST: f64 = 20.0;
 
-/// Weight of a skirt, which should give way.
+/// The weight of the scaffold, which should give way.
 const SKIRT: f64 = 0.01;
 
-/// Times that the curvature is averaged over the neighbours.
+/// The number of rounds in which the weights are averaged over neighbours.
 const ROUNDS: usize = 3;
 
 impl Weights {
-    /// All places count alike.
+    /// Equal weights.
     pub fn even(count: usize) -> Self {
         Weights { of: vec![1.0; count], mass: vec![1.0; count] }
     }
 
-    /// Gives the vertices from `first` on, which are a skirt's, next to none.
+    /// Gives the vertices from `first` on, which belong to the scaffold, the weight of the
+    /// scaffold.
     pub fn lighten(&mut self, first: usize) {
         self.of[first..].fill(SKIRT);
     }
 
-    /// Whether a vertex is a skirt's.
+    /// Whether a vertex belongs to the scaffold.
     pub fn is_light(&self, v: u32) -> bool {
         self.of[v as usize] < 1.0
     }
 
-    /// By the curvature of the mesh that is left in a hierarchy; `area` is the
-    /// surface's, in mm².
+    /// The weights by the curvature of the present mesh of a hierarchy. `area` is that of the
+    /// surface, in mm².
     pub fn by_curvature(points: &[Point], hierarchy: &Hierarchy, area: f64) -> Self {
         let mut weights = Weights::even(points.len());
         let (stars, left) = (&hierarchy.stars, &hierarchy.left);
@@ -84,18 +85,18 @@ impl Weights {
         weights
     }
 
-    /// Those of the vertices `left`, numbered by their order.
+    /// The weights of the vertices `left`, renumbered in their order.
     pub fn renumbered(&self, left: &[u32]) -> Self {
         let of = left.iter().map(|&v| self.of[v as usize]).collect();
         Weights { of, mass: left.iter().map(|&v| self.mass[v as usize]).collect() }
     }
 
-    /// The apex of a removed vertex' fan stands for it too.
+    /// Adds the surface that a collapsed vertex represents to the apex of its fan.
     pub fn lump(&mut self, removal: &Removal) {
         self.shift(removal, 1.0);
     }
 
-    /// The vertex stands for itself again.
+    /// Undoes [`Weights::lump`] when the vertex is split off again.
     pub fn unlump(&mut self, removal: &Removal) {
         self.shift(removal, -1.0);
     }
@@ -110,8 +111,8 @@ impl Weights {
         (self.of[apex], self.mass[apex]) = ((whole / mass).clamp(1.0, MOST), mass);
     }
 
-    /// Vertices that were not there when the curvature was taken weigh what their rings
-    /// do. None is in another's ring.
+    /// Gives vertices that were not present when the curvature was measured the mean weight of
+    /// their rings. No vertex is in the ring of another one.
     pub fn follow(&mut self, pass: &[Removal]) {
         let weigh = |removal: &Removal| {
             if self.is_light(removal.vertex) {
