@@ -16,7 +16,7 @@ use foldhash::{HashSet, HashSetExt};
 use formats::Soup;
 use rayon::prelude::*;
 
-use super::topology::Buckets;
+use super::edge_map::Buckets;
 use super::{EdgeMap, Mesh, caps, polygons, scale, spikes, weld};
 use crate::error::{Error, Result, of};
 use crate::geometry::VertexId;
@@ -81,7 +81,7 @@ pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
         return Err(Error::Empty("every face is degenerate or has a non-finite vertex".into()));
     }
     if !build.mm.is_normal() {
-        return Err(Error::Empty("its size in mm is beyond all numbers".into()));
+        return Err(Error::Empty("its size in mm exceeds the range of floating-point numbers".into()));
     }
     Ok(build)
 }
@@ -117,10 +117,10 @@ fn drop_duplicates(points: usize, triangles: &mut Vec<[VertexId; 3]>, repairs: &
     };
     let of_vertices = (0..points).into_par_iter().map_init(Vec::new, repeated);
     let repeated: Vec<usize> = of_vertices.flatten_iter().collect();
-    let mut doomed = vec![false; triangles.len()];
-    repeated.into_iter().for_each(|t| doomed[t] = true);
+    let mut dropped = vec![false; triangles.len()];
+    repeated.into_iter().for_each(|t| dropped[t] = true);
     let before = triangles.len();
-    let mut at = doomed.iter();
+    let mut at = dropped.iter();
     triangles.retain(|_| at.next() == Some(&false));
     count(repairs, "duplicate_faces", before - triangles.len());
 }
@@ -245,7 +245,7 @@ impl Build {
     /// any was dropped.
     fn drop_at_overfull_edges(&mut self) -> bool {
         let area = |t: usize| self.mesh.area_vector(self.mesh.triangles[t]).norm();
-        let mut doomed = HashSet::new();
+        let mut dropped = HashSet::new();
         for sides in self.edges.overfull() {
             let low = sides.iter().map(|&side| self.from(side as usize)).min();
             let (with, against): (Vec<usize>, Vec<usize>) =
@@ -255,19 +255,19 @@ impl Build {
                 .iter()
                 .map(|side| side / 3)
                 .min_by(|&x, &y| area(x).total_cmp(&area(y)).then(x.cmp(&y)));
-            doomed.extend(smallest);
+            dropped.extend(smallest);
         }
-        self.drop_triangles(&doomed);
-        count(&mut self.repairs, "faces_dropped_at_non_manifold_edges", doomed.len());
-        !doomed.is_empty()
+        self.drop_triangles(&dropped);
+        count(&mut self.repairs, "faces_dropped_at_non_manifold_edges", dropped.len());
+        !dropped.is_empty()
     }
 
     /// Drops the triangles with the given numbers. The edge map is out of date after the call.
-    pub(super) fn drop_triangles(&mut self, doomed: &HashSet<usize>) {
+    pub(super) fn drop_triangles(&mut self, dropped: &HashSet<usize>) {
         let mut t = 0;
         self.mesh.triangles.retain(|_| {
             t += 1;
-            !doomed.contains(&(t - 1))
+            !dropped.contains(&(t - 1))
         });
     }
 

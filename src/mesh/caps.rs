@@ -39,14 +39,14 @@ pub(super) fn flip(build: &mut Build) -> bool {
 fn round(build: &mut Build, flat: &[Option<usize>]) -> usize {
     let rings = Rings::new(&build.mesh);
     let mut touched = HashSet::new();
-    let mut doomed = HashSet::new();
+    let mut dropped = HashSet::new();
     let mut flipped = 0;
     for (t, k) in flat.iter().enumerate().filter_map(|(t, k)| k.map(|k| (t, k))) {
         let corners = build.mesh.triangles[t];
         let [p, q, r] = [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
         let Some(other) = build.edges.across(3 * t + k) else {
             if touched.insert(t) {
-                doomed.insert(t);
+                dropped.insert(t);
             }
             continue;
         };
@@ -67,8 +67,8 @@ fn round(build: &mut Build, flat: &[Option<usize>]) -> usize {
             flipped += 1;
         }
     }
-    build.drop_triangles(&doomed);
-    doomed.len() + flipped
+    build.drop_triangles(&dropped);
+    dropped.len() + flipped
 }
 
 /// The triangles that share a side with `t`.

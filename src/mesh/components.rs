@@ -7,8 +7,8 @@ use rstar::{AABB, RTree};
 use super::boundary::{self, Loop};
 use super::build::{Build, Repairs, count};
 use super::disk::Outer;
-use super::islands::{self, Candidate};
-use super::kind::Topology;
+use super::islands::{self, IslandCandidate};
+use super::topology::Topology;
 use super::{Disk, EdgeMap, Mesh, rims};
 use crate::error::{Error, Result};
 use crate::geometry::{Vector, VertexId};
@@ -64,7 +64,7 @@ pub struct Component {
     /// The number of triangles in all other components.
     pub left_out: usize,
     /// Components that may be islands in its holes, the largest first.
-    others: Vec<Candidate>,
+    others: Vec<IslandCandidate>,
 }
 
 impl Components {
@@ -149,7 +149,7 @@ impl Components {
     }
 
     /// The two-sided components near a mesh that are not dust.
-    fn candidates(&self, chosen: usize, mesh: &Mesh) -> Vec<Candidate> {
+    fn candidates(&self, chosen: usize, mesh: &Mesh) -> Vec<IslandCandidate> {
         let [low, high] = mesh.bounds();
         let margin = Vector::repeat(0.5 * mesh.diagonal());
         let around = AABB::from_corners((low - margin).into(), (high + margin).into());
@@ -157,7 +157,8 @@ impl Components {
         let mut near: Vec<usize> =
             near.filter(|n| *n != chosen && !self.twisted.contains(n)).collect();
         near.sort_unstable();
-        let part = |n| Candidate { component: n, build: small_part(&self.build, &self.pieces[n]) };
+        let part =
+            |n| IslandCandidate { component: n, build: small_part(&self.build, &self.pieces[n]) };
         near.into_iter().map(part).collect()
     }
 }
@@ -305,7 +306,7 @@ fn trim_bow_ties(build: &mut Build, taken: &HashSet<u32>) -> bool {
     }
     let loses = |(v, place): (usize, &u32)| best[place] != v || taken.contains(place);
     let loses: Vec<bool> = build.place.iter().enumerate().map(loses).collect();
-    let doomed: HashSet<usize> = build
+    let dropped: HashSet<usize> = build
         .mesh
         .triangles
         .iter()
@@ -313,10 +314,10 @@ fn trim_bow_ties(build: &mut Build, taken: &HashSet<u32>) -> bool {
         .filter(|(_, t)| t.iter().any(|v| loses[v.index()]))
         .map(|(i, _)| i)
         .collect();
-    if doomed.is_empty() || doomed.len() == build.mesh.triangles.len() {
+    if dropped.is_empty() || dropped.len() == build.mesh.triangles.len() {
         return false;
     }
-    build.drop_triangles(&doomed);
+    build.drop_triangles(&dropped);
     build.edges = EdgeMap::new(&build.mesh);
     while build.open_fans() {
         build.edges = EdgeMap::new(&build.mesh);

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 
 use super::boundary::{self, Loop};
-use super::kind::Topology;
+use super::topology::Topology;
 use super::{EdgeMap, Mesh};
 use crate::error::Result;
 use crate::geometry::{Point, Vector, VertexId, in_lengths};

@@ -11,9 +11,9 @@ mod build;
 mod caps;
 mod components;
 mod disk;
-mod halve;
+mod edge_map;
 mod islands;
-mod kind;
+mod midpoints;
 pub mod mls;
 mod neighbours;
 pub mod outline;
@@ -33,13 +33,13 @@ pub(crate) use adjacency::Adjacency;
 pub use build::{Build, Repairs, from_soup};
 pub use components::{Choice, Component, Components};
 pub use disk::{Disk, Island, Outer};
-pub(crate) use halve::Middles;
-pub use kind::Topology;
+pub(crate) use edge_map::Buckets;
+pub use edge_map::{EdgeMap, Rings};
+pub(crate) use midpoints::Middles;
 pub use neighbours::Neighbours;
 pub use parameterized::{Outline, Parameterized, Skirt};
 pub use patch::{FaceOrigin, Patch};
-pub(crate) use topology::Buckets;
-pub use topology::{EdgeMap, Rings};
+pub use topology::Topology;
 pub(crate) use triangles::{Triangles, nearest_on};
 
 use crate::geometry::{Point, Vector, VertexId, bounds};
@@ -58,7 +58,7 @@ pub struct Mesh {
 /// A vertex is treated as lying on a crease if an edge at it is this steep. The steepness is the
 /// cosine of the angle between the edge and the vertex normal; 0.43 belongs to a turn of more than
 /// a seventh of a full circle from this vertex to the next.
-const STEEP: f64 = 0.43;
+const CREASE_COSINE: f64 = 0.43;
 
 impl Mesh {
     /// The mesh with all lengths multiplied by a factor.
@@ -124,7 +124,7 @@ impl Mesh {
     /// without a normal, does not influence the curve.
     pub(crate) fn bend(&self, normals: &[Vector], a: VertexId, b: VertexId) -> (Vector, Vector) {
         let along = self.point(b) - self.point(a);
-        let steep = STEEP * along.norm();
+        let steep = CREASE_COSINE * along.norm();
         let [n, m] = [a, b].map(|v| {
             let normal = normals[v.index()];
             if along.dot(&normal).abs() < steep { normal } else { Vector::zeros() }

@@ -6,13 +6,13 @@ use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
 
 use crate::geometry::{Uv, orient2d};
 
-type Plane = ConstrainedDelaunayTriangulation<Point2<f64>>;
+type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
 /// The triangles inside closed outlines. A point is inside if a ray from it crosses the outlines an
 /// odd number of times. Corner numbers count the corners of the outlines in turn and then the
 /// `inner` points. Returns `None` if two sides cross or if nothing is inside.
 pub fn triangulate(outlines: &[&[Uv]], inner: &[Uv]) -> Option<Vec<[usize; 3]>> {
-    let mut plane = Plane::new();
+    let mut plane = Delaunay::new();
     // For each vertex of the triangulation, the number of a corner at this place.
     let mut corner = Vec::new();
     let mut vertices = Vec::new();
@@ -57,7 +57,12 @@ fn sides(
 
 /// Toggles the edges that lie on the side from `a` to `b`. These are several if other corners lie
 /// on the side.
-fn mark(plane: &Plane, a: FixedVertexHandle, b: FixedVertexHandle, odd: &mut [bool]) -> Option<()> {
+fn mark(
+    plane: &Delaunay,
+    a: FixedVertexHandle,
+    b: FixedVertexHandle,
+    odd: &mut [bool],
+) -> Option<()> {
     let at = |p: Point2<f64>| Uv::new(p.x, p.y);
     let goal = at(plane.vertex(b).position());
     let mut vertex = plane.vertex(a);
@@ -72,7 +77,7 @@ fn mark(plane: &Plane, a: FixedVertexHandle, b: FixedVertexHandle, odd: &mut [bo
 }
 
 /// The faces that are reached from outside across an odd number of marked edges.
-fn inside(plane: &Plane, odd: &[bool]) -> Vec<[FixedVertexHandle; 3]> {
+fn inside(plane: &Delaunay, odd: &[bool]) -> Vec<[FixedVertexHandle; 3]> {
     let mut is_inside: Vec<Option<bool>> = vec![None; plane.num_all_faces()];
     is_inside[plane.outer_face().fix().index()] = Some(false);
     let mut edges: Vec<_> = plane.convex_hull().map(|edge| (edge, false)).collect();

@@ -57,15 +57,15 @@ impl Patch {
     /// The patch as it was before its bays were closed, or `None` if none were closed.
     pub fn without_bays(&self) -> Option<Patch> {
         let outer = self.measured_outer.clone()?;
-        let is_land = |t: &usize| self.origin[*t] != FaceOrigin::Bay;
-        let land: Vec<usize> = (0..self.origin.len()).filter(is_land).collect();
-        let triangles: Vec<[VertexId; 3]> = land.iter().map(|&t| self.mesh.triangles[t]).collect();
+        let is_kept = |t: &usize| self.origin[*t] != FaceOrigin::Bay;
+        let kept: Vec<usize> = (0..self.origin.len()).filter(is_kept).collect();
+        let triangles: Vec<[VertexId; 3]> = kept.iter().map(|&t| self.mesh.triangles[t]).collect();
         // The vertices that were added to close bays come last.
         let count = triangles.iter().flatten().map(|v| v.index() + 1).max().unwrap_or(0);
         let points = self.mesh.points[..count].to_vec();
         Some(Patch {
             mesh: Mesh { points, triangles },
-            origin: land.iter().map(|&t| self.origin[t]).collect(),
+            origin: kept.iter().map(|&t| self.origin[t]).collect(),
             outer,
             measured_outer: None,
             measured: self.measured,

@@ -30,16 +30,16 @@ pub(super) fn drop(build: &mut Build) -> bool {
         return false;
     }
     let mut left = spikes.clone();
-    let mut doomed = HashSet::new();
+    let mut dropped = HashSet::new();
     let mut caps = Vec::new();
     while let Some(first) = left.pop_first() {
         let around = fans(&build.mesh, &rings, first, &mut left);
         if let Some(polygon) = outline(&build.mesh, &around, &spikes) {
             polygons::cut_up(&build.mesh.points, &polygon, &mut caps);
         }
-        doomed.extend(around.into_iter().map(|t| t as usize));
+        dropped.extend(around.into_iter().map(|t| t as usize));
     }
-    build.drop_triangles(&doomed);
+    build.drop_triangles(&dropped);
     build.mesh.triangles.append(&mut caps);
     build.edges = EdgeMap::new(&build.mesh);
     count(&mut build.repairs, "spikes_dropped", spikes.len());

@@ -93,7 +93,7 @@ impl Cloud {
 
     /// The cloud of a mesh's vertices.
     pub fn of(mesh: &Mesh, rings: &Rings) -> Self {
-        let normals = || steady_normals(mesh, rings);
+        let normals = || smoothed_normals(mesh, rings);
         let (near, normals) = rayon::join(|| Neighbours::new(&mesh.points), normals);
         Cloud { points: mesh.points.clone(), normals, near }
     }
@@ -120,7 +120,7 @@ impl Cloud {
 
 /// Vertex normals averaged over two rings of neighbours. Noise as large as the distance between
 /// points does not flip such a normal.
-pub fn steady_normals(mesh: &Mesh, rings: &Rings) -> Vec<Vector> {
+pub fn smoothed_normals(mesh: &Mesh, rings: &Rings) -> Vec<Vector> {
     let mut normals = mesh.vertex_normals();
     for _ in 0..2 {
         let mean = |i: usize| {

@@ -16,16 +16,16 @@ pub struct Plane {
 
 /// Value, half gradient and Gauss–Newton matrix of the energy of the plane. The unknowns are t, the
 /// tilt towards x and the tilt towards y.
-pub(super) struct Energy {
+pub(super) struct PlaneEnergy {
     pub(super) value: f64,
     gradient: Vector3<f64>,
     matrix: Matrix3<f64>,
 }
 
-pub(super) fn energy(r: Point, n: Vector, t: f64, around: &[Sample], h: f64) -> Energy {
+pub(super) fn energy(r: Point, n: Vector, t: f64, around: &[Sample], h: f64) -> PlaneEnergy {
     let (x, y) = plane_axes(n);
     let inverse = 1.0 / (h * h);
-    let mut e = Energy { value: 0.0, gradient: Vector3::zeros(), matrix: Matrix3::zeros() };
+    let mut e = PlaneEnergy { value: 0.0, gradient: Vector3::zeros(), matrix: Matrix3::zeros() };
     let mut sums = [0.0; 6];
     for p in around {
         let d = p.at - r;
@@ -53,7 +53,7 @@ pub(super) fn energy(r: Point, n: Vector, t: f64, around: &[Sample], h: f64) -> 
 
 /// The iteration stops when a step moves the plane by less than this share of h and turns it by
 /// less than this angle in radians.
-const SETTLED: f64 = 1e-3;
+const CONVERGED: f64 = 1e-3;
 
 /// Finds the plane that minimises the energy, by Gauss–Newton steps with the exact gradient. The
 /// iteration starts at (n, t) = (`normal`, 0). Each step is shortened until the energy decreases.
@@ -69,7 +69,7 @@ pub fn reference_plane(r: Point, normal: Vector, around: &[Sample], h: f64) -> O
         let damped = at.matrix + Matrix3::identity() * (1e-12 * at.matrix.trace());
         let step = -damped.cholesky()?.solve(&at.gradient);
         let (x, y) = plane_axes(n);
-        if step.x.abs() < SETTLED * h && step.yz().norm() < SETTLED {
+        if step.x.abs() < CONVERGED * h && step.yz().norm() < CONVERGED {
             // The step is so short that the energy need not be evaluated again.
             t = (t + step.x).clamp(-h, h);
             n = (n + step.y * x + step.z * y).normalize();

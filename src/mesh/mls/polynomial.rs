@@ -11,7 +11,7 @@ pub struct Polynomial {
     plane: Plane,
     axes: (Vector, Vector),
     /// The coefficients of the monomials, in the order of `monomials` and in units of h.
-    coefficients: [f64; ALL],
+    coefficients: [f64; MONOMIALS],
     h: f64,
     /// The variance of the value at the origin, if the points have variance 1.
     pub variance: f64,
@@ -28,12 +28,12 @@ pub struct Scatter {
 }
 
 /// The number of monomials up to the fourth degree.
-const ALL: usize = 15;
+const MONOMIALS: usize = 15;
 
 /// The monomials as means over the points of a sample. The first 3 are linear, the first 6
 /// quadratic, the first 10 cubic, and all 15 quartic. `spread` is the covariance xx, xy, yy.
 /// Moments of higher order are those of a normal distribution.
-fn monomials(x: f64, y: f64, [xx, xy, yy]: [f64; 3]) -> [f64; ALL] {
+fn monomials(x: f64, y: f64, [xx, xy, yy]: [f64; 3]) -> [f64; MONOMIALS] {
     let (x2, y2) = (x * x, y * y);
     [
         1.0,
@@ -81,15 +81,15 @@ impl Polynomial {
         with_scatter: bool,
     ) -> Option<(Polynomial, Scatter)> {
         let axes = plane_axes(plane.normal);
-        let rows: Vec<Row> = around.iter().map(|p| Row::new(p, plane, axes, h)).collect();
+        let rows: Vec<FitRow> = around.iter().map(|p| FitRow::new(p, plane, axes, h)).collect();
         let means = means(&rows);
-        let beside = beside(means);
-        let full = || solve::<15>(&rows, &beside, with_scatter);
+        let probes = probes(means);
+        let full = || solve::<15>(&rows, &probes, with_scatter);
         let full = if is_one_sided(means) { None } else { full() };
         let (coefficients, variance, scatter) = full
-            .or_else(|| solve::<10>(&rows, &beside, with_scatter))
-            .or_else(|| solve::<6>(&rows, &beside, with_scatter))
-            .or_else(|| solve::<3>(&rows, &beside, with_scatter))?;
+            .or_else(|| solve::<10>(&rows, &probes, with_scatter))
+            .or_else(|| solve::<6>(&rows, &probes, with_scatter))
+            .or_else(|| solve::<3>(&rows, &probes, with_scatter))?;
         let polynomial = Polynomial { plane: *plane, axes, coefficients, h, variance };
         Some((polynomial, Scatter { variance: scatter.variance * h * h, ..scatter }))
     }
@@ -139,14 +139,14 @@ impl Polynomial {
 }
 
 /// A sample in the frame of the plane, in units of h.
-struct Row {
-    monomials: [f64; ALL],
+struct FitRow {
+    monomials: [f64; MONOMIALS],
     height: f64,
     weight: f64,
     count: f64,
 }
 
-impl Row {
+impl FitRow {
     fn new(p: &Sample, plane: &Plane, (e1, e2): (Vector, Vector), h: f64) -> Self {
         let d = (p.at - plane.origin) / h;
         let spread = if p.weight > 1.0 {
@@ -156,7 +156,7 @@ impl Row {
         } else {
             [0.0; 3]
         };
-        Row {
+        FitRow {
             monomials: monomials(d.dot(&e1), d.dot(&e2), spread),
             height: d.dot(&plane.normal),
             weight: p.weight * (-d.norm_squared()).exp(),
@@ -176,14 +176,14 @@ impl Row {
 }
 
 /// The largest allowed variance of the polynomial's value beside the mean of the points.
-const UNSTEADY: f64 = 4.0;
+const MAX_PROBE_VARIANCE: f64 = 4.0;
 
 /// The distance of the places beside the mean of the points, in standard deviations of the points.
 /// With this value, none of the places lies on one of a few equally spaced rows.
-const BESIDE: f64 = 0.75;
+const PROBE_DISTANCE: f64 = 0.75;
 
 /// The weighted means of the first six monomials.
-fn means(rows: &[Row]) -> [f64; 6] {
+fn means(rows: &[FitRow]) -> [f64; 6] {
     let mut sums = [0.0; 6];
     for row in rows {
         sums.iter_mut().zip(row.monomials).for_each(|(sum, m)| *sum += row.weight * m);
@@ -198,34 +198,34 @@ fn is_one_sided([_, x, y, ..]: [f64; 6]) -> bool {
 
 /// Four places around the mean of the points, two along each column of a square root of their
 /// covariance. At least one of these directions leads away from any row.
-fn beside([_, x, y, xx, xy, yy]: [f64; 6]) -> [[f64; 2]; 4] {
+fn probes([_, x, y, xx, xy, yy]: [f64; 6]) -> [[f64; 2]; 4] {
     let (xx, xy, yy) = (xx - x * x, xy - x * y, yy - y * y);
     let first = xx.max(f64::MIN_POSITIVE).sqrt();
     let across = xy / first;
     let second = (yy - across * across).max(0.0).sqrt();
-    let [a, b, c] = [first, across, second].map(|part| BESIDE * part);
+    let [a, b, c] = [first, across, second].map(|part| PROBE_DISTANCE * part);
     [[x + a, y + b], [x - a, y - b], [x, y + c], [x, y - c]]
 }
 
 /// A fit: its coefficients, its variance at the origin, and its scatter in units of h if requested.
-type Fitted = ([f64; ALL], f64, Scatter);
+type Fitted = ([f64; MONOMIALS], f64, Scatter);
 
 /// Values that are added to the diagonal of a Gram matrix, as shares of its trace. The smallest one
 /// that keeps the fit from oscillating is used, because more damping distorts the shape that the
 /// points determine.
-const DAMPS: [f64; 6] = [1e-10, 1e-8, 1e-6, 1e-5, 1e-4, 1e-3];
+const DAMPINGS: [f64; 6] = [1e-10, 1e-8, 1e-6, 1e-5, 1e-4, 1e-3];
 
-/// The factor of a damped Gram matrix for which the fit does not oscillate at the places `beside`,
+/// The factor of a damped Gram matrix for which the fit does not oscillate at the places `probes`,
 /// and the variance of the fit at the origin.
-fn steady<const N: usize>(
+fn damped<const N: usize>(
     gram: &SMatrix<f64, N, N>,
-    rows: &[Row],
-    beside: &[[f64; 2]],
+    rows: &[FitRow],
+    probes: &[[f64; 2]],
 ) -> Option<(Cholesky<f64, Const<N>>, f64)>
 where
     Const<N>: DimName,
 {
-    for share in DAMPS {
+    for share in DAMPINGS {
         let damp = SMatrix::from_diagonal_element(share * gram.trace());
         let factor = (gram + damp).cholesky()?;
         let variance = |b: SVector<f64, N>| {
@@ -236,12 +236,12 @@ where
         if at_origin.is_nan() || at_origin > 1.0 {
             return None;
         }
-        let is_steady = |&[x, y]: &[f64; 2]| {
+        let is_stable = |&[x, y]: &[f64; 2]| {
             let b = first(&monomials(x, y, [0.0; 3]));
             // bᵀ G⁻¹ b is an upper bound that is cheap to compute.
-            leverage(&factor, b) <= UNSTEADY || variance(b) <= UNSTEADY
+            leverage(&factor, b) <= MAX_PROBE_VARIANCE || variance(b) <= MAX_PROBE_VARIANCE
         };
-        if beside.iter().all(is_steady) {
+        if probes.iter().all(is_stable) {
             return Some((factor, at_origin));
         }
     }
@@ -258,13 +258,13 @@ where
 }
 
 /// The first N monomials.
-fn first<const N: usize>(monomials: &[f64; ALL]) -> SVector<f64, N> {
+fn first<const N: usize>(monomials: &[f64; MONOMIALS]) -> SVector<f64, N> {
     SVector::from_fn(|i, _| monomials[i])
 }
 
 /// The weighted least-squares fit of the first N monomials, or `None` if it oscillates at the
-/// origin or at a place `beside` it.
-fn solve<const N: usize>(rows: &[Row], beside: &[[f64; 2]], with_scatter: bool) -> Option<Fitted>
+/// origin or at a place `probes` it.
+fn solve<const N: usize>(rows: &[FitRow], probes: &[[f64; 2]], with_scatter: bool) -> Option<Fitted>
 where
     Const<N>: DimName,
 {
@@ -281,15 +281,15 @@ where
         }
         right.axpy(row.height, &weighted, 1.0);
     }
-    let (factor, variance) = steady(&gram, rows, beside)?;
+    let (factor, variance) = damped(&gram, rows, probes)?;
     let c = factor.solve(&right);
     let mut scatter = Scatter::default();
     if with_scatter {
         let solved = factor.solve(&first(&monomials(0.0, 0.0, [0.0; 3])));
         scatter.influence = rows.iter().map(|r| r.weight * r.first::<N>().dot(&solved)).collect();
         // The expectation of Σ w r² is σ² (Σ w/count − Σ w²/count bᵀ G⁻¹ b).
-        let square = |r: &Row| r.weight * (r.height - r.first::<N>().dot(&c)).powi(2);
-        let free = |r: &Row| r.weight / r.count - r.noise() * leverage(&factor, r.first());
+        let square = |r: &FitRow| r.weight * (r.height - r.first::<N>().dot(&c)).powi(2);
+        let free = |r: &FitRow| r.weight / r.count - r.noise() * leverage(&factor, r.first());
         let total: f64 = rows.iter().map(|r| r.weight / r.count).sum();
         let freedom: f64 = rows.iter().map(free).sum();
         scatter.variance = rows.iter().map(square).sum::<f64>() / freedom.max(1e-3 * total);

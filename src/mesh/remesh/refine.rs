@@ -9,16 +9,16 @@ use super::{FOLDED, Sizes};
 use crate::geometry::{Point, Vector, unit_normal};
 
 /// An edge is divided if it is longer than this multiple of the wanted length there.
-const LONG: f64 = 1.4;
+const MAX_LENGTH_RATIO: f64 = 1.4;
 
 /// The triangulation has at most this multiple of the number of rim corners.
-const MOST_POINTS: usize = 40;
+const MAX_POINTS_RATIO: usize = 40;
 
 /// Two triangles count as flat if the cosine of the angle between them is at least this.
-const FLAT: f64 = 0.9;
+const FLAT_COSINE: f64 = 0.9;
 
 /// The largest number of rounds. Each round halves the longest edges.
-const ROUNDS: usize = 16;
+const MAX_ROUNDS: usize = 16;
 
 /// A triangulation over the corners of rims, which stay in place. The other points follow them.
 pub struct Triangulation {
@@ -35,10 +35,10 @@ impl Triangulation {
     /// Divides edges, flips them and moves points until all edges are short enough. Corners that
     /// are `joined` outside this triangulation are not joined by a flip.
     pub fn refine(&mut self, sizes: &Sizes, joined: impl Fn(usize, usize) -> bool) {
-        for _ in 0..ROUNDS {
+        for _ in 0..MAX_ROUNDS {
             let divided = self.divide(sizes);
             self.flip(&joined);
-            self.even_out();
+            self.smooth_points();
             if !divided {
                 break;
             }
@@ -55,13 +55,13 @@ impl Triangulation {
                 let [p, q] = ends.map(|v| self.points[v]);
                 ((q - p).norm() / sizes.at(nalgebra::center(&p, &q)), ends, beside)
             })
-            .filter(|edge| edge.0 > LONG)
+            .filter(|edge| edge.0 > MAX_LENGTH_RATIO)
             .collect();
         long.sort_unstable_by(|x, y| y.0.total_cmp(&x.0).then(x.1.cmp(&y.1)));
         let before = self.points.len();
         let mut changed = vec![false; self.triangles.len()];
         for (_, [a, b], [s, t]) in long {
-            if changed[s] || changed[t] || self.points.len() >= MOST_POINTS * self.rim {
+            if changed[s] || changed[t] || self.points.len() >= MAX_POINTS_RATIO * self.rim {
                 continue;
             }
             let new = self.points.len();
@@ -83,7 +83,7 @@ impl Triangulation {
         let may = |old: [[usize; 3]; 2], new: [[usize; 3]; 2]| {
             let [old, new] = [old, new].map(|pair| pair.map(|t| normal(points, t)));
             let facing = |n: &Vector| n.dot(&(old[0] + old[1])) > 0.0;
-            new[0].dot(&new[1]) >= old[0].dot(&old[1]).min(FLAT) && new.iter().all(facing)
+            new[0].dot(&new[1]) >= old[0].dot(&old[1]).min(FLAT_COSINE) && new.iter().all(facing)
         };
         let mut sides = Sides::of(&self.triangles);
         flip(points, &mut self.triangles, &mut sides, joined, may);
@@ -91,10 +91,10 @@ impl Triangulation {
 
     /// Moves points near folded sides until nothing folds or the points stop moving.
     pub fn unfold(&mut self, joined: impl Fn(usize, usize) -> bool) {
-        for _ in 0..ROUNDS {
+        for _ in 0..MAX_ROUNDS {
             let before = self.points.clone();
             self.flip(&joined);
-            self.even_out();
+            self.smooth_points();
             if self.points == before {
                 break;
             }
@@ -103,7 +103,7 @@ impl Triangulation {
 
     /// Moves each inner point towards the mean of its neighbours. A move is kept if no triangle
     /// turns far by it, or if it reduces the number of folded sides.
-    fn even_out(&mut self) {
+    fn smooth_points(&mut self) {
         let mut facets = Facets::new(self);
         let mut around: Vec<SmallVec<[usize; 8]>> = vec![SmallVec::new(); self.points.len()];
         for (number, t) in self.triangles.iter().enumerate() {

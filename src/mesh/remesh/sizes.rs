@@ -18,7 +18,7 @@ pub struct Sizes {
 const GROWTH: f64 = 0.15;
 
 /// The largest ratio of an edge length to that at the rim.
-const LONGEST: f64 = 5.0;
+const MAX_GROWTH: f64 = 5.0;
 
 impl Sizes {
     /// The edge lengths in a hole with these closed rims.
@@ -44,7 +44,7 @@ impl Sizes {
     pub fn at(&self, p: Point) -> f64 {
         let nearest = self.near.nearest(p);
         let size = self.sizes[nearest];
-        (size + GROWTH * (p - self.rim[nearest]).norm()).min(LONGEST * size.max(self.mean))
+        (size + GROWTH * (p - self.rim[nearest]).norm()).min(MAX_GROWTH * size.max(self.mean))
     }
 
     /// The numbers and distances of the rim's vertices within `radius` of `p`.
