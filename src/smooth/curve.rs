@@ -11,23 +11,23 @@
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
-use super::crossvalidation::{Tried, chosen};
+use super::crossvalidation::{SupportScore, chosen};
 use super::line::{quadratic, reference_line};
 use crate::geometry::{Point, Vector, plane_axes};
 use crate::mesh::mls::REACH;
 
 /// The supports that are tried, as multiples of the mean edge length of the loop.
-const TRIED: [f64; 7] = [2.0, 3.0, 4.5, 6.5, 9.5, 14.0, 20.0];
+const SUPPORTS: [f64; 7] = [2.0, 3.0, 4.5, 6.5, 9.5, 14.0, 20.0];
 
 /// Loops and parts of loops with fewer points than this are not smoothed.
-const FEWEST: usize = 8;
+const MIN_POINTS: usize = 8;
 
 /// The largest move of a point, in standard deviations of the noise. The stair steps that a coarse
 /// mesh makes of a straight rim are not noise, but up to this size they are smoothed as well.
-const FARTHEST: f64 = 5.0;
+const MAX_MOVE: f64 = 5.0;
 
 /// A loop of points on a surface.
-pub struct Rim<'a> {
+pub struct RimPoints<'a> {
     /// The points, in order.
     pub points: &'a [Point],
     /// The unit normals of the surface at the points.
@@ -37,7 +37,7 @@ pub struct Rim<'a> {
 }
 
 /// The points between two corners, or a whole loop.
-struct Piece {
+struct LoopPart {
     points: Vec<Point>,
     normals: Vec<Vector>,
     noise: Vec<f64>,
@@ -47,27 +47,27 @@ struct Piece {
 /// Smooths a closed loop with corners at the given positions. The part between two corners is
 /// smoothed separately, with fixed ends. Each corner then moves to the place where the smoothed
 /// parts meet. The support is the one that predicts left-out points best.
-pub fn smooth_loop(rim: &Rim, corners: &[usize]) -> Vec<Point> {
+pub fn smooth_loop(rim: &RimPoints, corners: &[usize]) -> Vec<Point> {
     let n = rim.points.len();
-    if n < FEWEST {
+    if n < MIN_POINTS {
         return rim.points.to_vec();
     }
     let mut out = match corners {
-        [] => rim.piece(0, n, true).smooth(),
+        [] => rim.part(0, n, true).smooth(),
         _ => rim.points.to_vec(),
     };
     for (k, &first) in corners.iter().enumerate() {
         let last = corners[(k + 1) % corners.len()];
         let count = (last + n - first - 1) % n + 2;
-        let smooth = rim.piece(first, count, false).smooth();
+        let smooth = rim.part(first, count, false).smooth();
         for (i, p) in smooth.into_iter().enumerate().take(count - 1).skip(1) {
             out[(first + i) % n] = p;
         }
     }
     for &corner in corners {
-        out[corner] = rim.meeting(&out, corner).unwrap_or(out[corner]);
+        out[corner] = rim.corner_position(&out, corner).unwrap_or(out[corner]);
     }
-    rim.even_out(&mut out, corners);
+    rim.spread_points(&mut out, corners);
     out
 }
 
@@ -78,11 +78,11 @@ const SPREADING: (usize, f64) = (12, 2.5);
 /// The number of edges on each side of a corner over which the loop is treated as straight.
 const STRAIGHT: usize = 4;
 
-impl Rim<'_> {
+impl RimPoints<'_> {
     /// Spreads points along the loop where noise has crowded them. In each round a point moves half
     /// the way to the middle of its neighbours, along the line through them, but in total no
     /// farther than the noise explains.
-    fn even_out(&self, points: &mut [Point], corners: &[usize]) {
+    fn spread_points(&self, points: &mut [Point], corners: &[usize]) {
         let n = points.len();
         let mut moved = vec![0.0; n];
         for _ in 0..SPREADING.0 {
@@ -101,7 +101,7 @@ impl Rim<'_> {
 
     /// The place where the smoothed sides of a corner meet, or `None` if it is farther from the
     /// measured corner than the noise explains.
-    fn meeting(&self, smooth: &[Point], corner: usize) -> Option<Point> {
+    fn corner_position(&self, smooth: &[Point], corner: usize) -> Option<Point> {
         let n = smooth.len();
         let normal = self.normals[corner];
         let (x, y) = plane_axes(normal);
@@ -116,14 +116,14 @@ impl Rim<'_> {
         // Solve p + s u = q + t v. Nearly parallel sides have no usable intersection.
         let turn = u.perp(&v);
         let met = p + (q - p).perp(&v) / turn * u;
-        let near = met.norm() <= FARTHEST * self.noise[corner] && turn.abs() > 0.3;
+        let near = met.norm() <= MAX_MOVE * self.noise[corner] && turn.abs() > 0.3;
         (near && n > 4 * STRAIGHT).then(|| raw + met.x * x + met.y * y)
     }
 
-    fn piece(&self, first: usize, count: usize, closed: bool) -> Piece {
+    fn part(&self, first: usize, count: usize, closed: bool) -> LoopPart {
         let n = self.points.len();
         let indices = || (0..count).map(|i| (first + i) % n);
-        Piece {
+        LoopPart {
             points: indices().map(|i| self.points[i]).collect(),
             normals: indices().map(|i| self.normals[i]).collect(),
             noise: indices().map(|i| self.noise[i]).collect(),
@@ -139,14 +139,14 @@ struct Move {
     leverage: f64,
 }
 
-impl Piece {
+impl LoopPart {
     fn smooth(&self) -> Vec<Point> {
-        if self.points.len() < FEWEST {
+        if self.points.len() < MIN_POINTS {
             return self.points.clone();
         }
         let h = self.support();
         let project = |i: usize| {
-            let farthest = FARTHEST * self.noise[i];
+            let farthest = MAX_MOVE * self.noise[i];
             let moved = self.project(i, h).map(|m| m.by.clamp(-farthest, farthest) * m.across);
             self.points[i] + moved.unwrap_or_else(Vector::zeros)
         };
@@ -162,12 +162,12 @@ impl Piece {
             let m = self.project(i, h)?;
             Some((m.by / (1.0 - m.leverage).max(0.1)).powi(2))
         };
-        let tried = TRIED.iter().map(|k| k * spacing).filter(|&h| h < length / 6.0);
-        let scored = tried.map(|h| Tried {
+        let tried = SUPPORTS.iter().map(|k| k * spacing).filter(|&h| h < length / 6.0);
+        let scored = tried.map(|h| SupportScore {
             h,
             squares: (0..n).into_par_iter().map(|i| left_out(i, h)).collect(),
         });
-        chosen(&scored.collect::<Vec<_>>()).unwrap_or(TRIED[0] * spacing)
+        chosen(&scored.collect::<Vec<_>>()).unwrap_or(SUPPORTS[0] * spacing)
     }
 
     fn project(&self, i: usize, h: f64) -> Option<Move> {
@@ -222,7 +222,7 @@ mod tests {
     fn smooth(points: &[Point], corners: &[usize], noise: f64) -> Vec<Point> {
         let normals = vec![Vector::z(); points.len()];
         let noise = vec![noise; points.len()];
-        smooth_loop(&Rim { points, normals: &normals, noise: &noise }, corners)
+        smooth_loop(&RimPoints { points, normals: &normals, noise: &noise }, corners)
     }
 
     fn rms_from_circle(points: &[Point]) -> f64 {

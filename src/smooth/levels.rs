@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::clusters::{Gathering, Grain};
+use super::clusters::{ClusterLevel, Neighbourhood};
 use crate::geometry::Point;
 use crate::mesh::mls::{Plane, Polynomial, REACH, Scatter, reference_plane};
 use crate::mesh::{Mesh, Rings};
@@ -20,97 +20,101 @@ const RATIO: f64 = 1.5;
 const LONGEST: f64 = 0.1;
 
 /// The radius of clusters, as a share of the support.
-const RADIUS: f64 = 0.3;
+const CLUSTER_RADIUS: f64 = 0.3;
 
 /// Vertices are not clustered if on average fewer than this many lie within the radius of a
 /// cluster, because clusters would hardly be fewer. The vertices are counted: noise as large as the
 /// distance between points doubles the lengths of edges, so these are no measure.
-const CROWD: f64 = 4.4;
+const MIN_CLUSTER_SIZE: f64 = 4.4;
 
 /// The number of vertices around which they are counted, approximately.
-const COUNTED: usize = 1000;
+const COUNTED_SAMPLES: usize = 1000;
 
 /// A support with its level of clusters.
 #[derive(Clone)]
-pub struct Level {
+pub struct SupportLevel {
     /// The support h, in mm.
     pub h: f64,
     /// The clusters that fits use as points.
-    pub grain: Arc<Grain>,
+    pub clusters: Arc<ClusterLevel>,
     /// The cluster of each vertex.
     pub cluster: Arc<Vec<u32>>,
 }
 
 /// The supports for a mesh in ascending order, with their clusters.
-pub fn levels(mesh: &Mesh, rings: &Rings, left_out: &[bool]) -> Vec<Level> {
+pub fn levels(mesh: &Mesh, rings: &Rings, left_out: &[bool]) -> Vec<SupportLevel> {
     let shortest = SHORTEST * mesh.mean_edge();
     let longest = (LONGEST * mesh.diagonal()).max(shortest);
-    let mut levels = vec![Level::finest(mesh, rings, left_out, shortest)];
+    let mut levels = vec![SupportLevel::finest(mesh, rings, left_out, shortest)];
     while let Some(last) = levels.last().filter(|last| last.h * RATIO <= longest) {
         levels.push(last.next(last.h * RATIO));
     }
     levels
 }
 
-impl Level {
+impl SupportLevel {
     /// The vertices themselves, for support `h`.
-    fn finest(mesh: &Mesh, rings: &Rings, left_out: &[bool], h: f64) -> Level {
+    fn finest(mesh: &Mesh, rings: &Rings, left_out: &[bool], h: f64) -> SupportLevel {
         let cluster = (0..mesh.points.len() as u32).collect();
-        Level {
+        SupportLevel {
             h,
-            grain: Arc::new(Grain::finest(mesh, rings, left_out)),
+            clusters: Arc::new(ClusterLevel::finest(mesh, rings, left_out)),
             cluster: Arc::new(cluster),
         }
     }
 
     /// The level for support `h`. It keeps the present clusters if coarser ones would hardly
     /// differ.
-    pub fn next(&self, h: f64) -> Level {
-        let is_finest = self.grain.samples.len() == self.cluster.len();
-        if is_finest && self.crowd(RADIUS * h) < CROWD {
-            return Level { h, grain: self.grain.clone(), cluster: self.cluster.clone() };
+    pub fn next(&self, h: f64) -> SupportLevel {
+        let is_finest = self.clusters.samples.len() == self.cluster.len();
+        if is_finest && self.mean_neighbours(CLUSTER_RADIUS * h) < MIN_CLUSTER_SIZE {
+            return SupportLevel {
+                h,
+                clusters: self.clusters.clone(),
+                cluster: self.cluster.clone(),
+            };
         }
-        let (grain, of) = self.grain.coarser(RADIUS * h);
+        let (clusters, of) = self.clusters.coarser(CLUSTER_RADIUS * h);
         let cluster = self.cluster.par_iter().map(|&c| of[c as usize]).collect();
-        Level { h, grain: Arc::new(grain), cluster: Arc::new(cluster) }
+        SupportLevel { h, clusters: Arc::new(clusters), cluster: Arc::new(cluster) }
     }
 
     /// The mean number of samples within a radius of a sample.
-    fn crowd(&self, radius: f64) -> f64 {
-        let (mut room, count) = (Gathering::default(), self.grain.samples.len());
-        let looked_at = (0..count).step_by(count.div_ceil(COUNTED).max(1));
+    fn mean_neighbours(&self, radius: f64) -> f64 {
+        let (mut scratch, count) = (Neighbourhood::default(), self.clusters.samples.len());
+        let looked_at = (0..count).step_by(count.div_ceil(COUNTED_SAMPLES).max(1));
         let of_each = looked_at.map(|c| {
-            self.grain.gather(c, radius / REACH, &mut room);
-            room.around.len() as f64
+            self.clusters.gather(c, radius / REACH, &mut scratch);
+            scratch.around.len() as f64
         });
         let (sum, looked_at) = of_each.fold((0.0, 0.0), |(sum, n), found| (sum + found, n + 1.0));
         sum / looked_at
     }
 
     /// Fits the polynomial around the position of cluster `c`.
-    pub fn fit(&self, c: usize, room: &mut Gathering) -> Option<Polynomial> {
-        Polynomial::fit(&self.plane(c, room)?, &room.around, self.h)
+    pub fn fit(&self, c: usize, scratch: &mut Neighbourhood) -> Option<Polynomial> {
+        Polynomial::fit(&self.plane(c, scratch)?, &scratch.around, self.h)
     }
 
     /// Fits the polynomial and estimates the noise of its points.
     pub fn fit_with_scatter(
         &self,
         c: usize,
-        room: &mut Gathering,
+        scratch: &mut Neighbourhood,
     ) -> Option<(Polynomial, Scatter)> {
-        Polynomial::fit_with_scatter(&self.plane(c, room)?, &room.around, self.h)
+        Polynomial::fit_with_scatter(&self.plane(c, scratch)?, &scratch.around, self.h)
     }
 
-    /// The reference plane of cluster `c`. The samples of its neighbourhood remain in `room`.
-    fn plane(&self, c: usize, room: &mut Gathering) -> Option<Plane> {
-        self.grain.gather(c, self.h, room);
-        let (at, normal) = (self.grain.samples[c].at, self.grain.normals[c]);
-        reference_plane(at, normal, &room.around, self.h)
+    /// The reference plane of cluster `c`. The samples of its neighbourhood remain in `scratch`.
+    fn plane(&self, c: usize, scratch: &mut Neighbourhood) -> Option<Plane> {
+        self.clusters.gather(c, self.h, scratch);
+        let (at, normal) = (self.clusters.samples[c].at, self.clusters.normals[c]);
+        reference_plane(at, normal, &scratch.around, self.h)
     }
 
     /// The weight of the polynomial of cluster `c` at `p`.
     pub fn weight(&self, c: usize, p: Point) -> f64 {
-        let radius = RADIUS * self.h;
-        (-(self.grain.samples[c].at - p).norm_squared() / (radius * radius)).exp()
+        let radius = CLUSTER_RADIUS * self.h;
+        (-(self.clusters.samples[c].at - p).norm_squared() / (radius * radius)).exp()
     }
 }

@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use crate::geometry::{Point, Vector, plane_axes};
 
 /// A line through the points around a place.
-pub struct Line {
+pub struct ReferenceLine {
     /// A point of the line.
     pub origin: Point,
     /// The unit direction of the line.
@@ -14,17 +14,18 @@ pub struct Line {
 
 /// Value, half gradient and Gauss–Newton matrices of the energy of the line. The unknowns are the
 /// shift of q and the tilt of u in each of the two directions across the line.
-struct Energy {
+struct LineEnergy {
     value: f64,
     gradient: [Vector2<f64>; 2],
     matrix: Matrix2<f64>,
 }
 
-fn energy(r: Point, q: Point, u: Vector, around: &[Point], h: f64) -> Energy {
+fn energy(r: Point, q: Point, u: Vector, around: &[Point], h: f64) -> LineEnergy {
     let (e1, e2) = plane_axes(u);
     let inverse = 1.0 / (h * h);
     let shift = q - r;
-    let mut e = Energy { value: 0.0, gradient: [Vector2::zeros(); 2], matrix: Matrix2::zeros() };
+    let mut e =
+        LineEnergy { value: 0.0, gradient: [Vector2::zeros(); 2], matrix: Matrix2::zeros() };
     let mut pull_along = 0.0;
     for p in around {
         let d = p - q;
@@ -51,7 +52,7 @@ fn energy(r: Point, q: Point, u: Vector, around: &[Point], h: f64) -> Energy {
 
 /// Finds the line that minimises the energy, by Gauss–Newton steps with the exact gradient. Each
 /// step is shortened until the energy decreases.
-pub fn reference_line(r: Point, around: &[Point], h: f64) -> Option<Line> {
+pub fn reference_line(r: Point, around: &[Point], h: f64) -> Option<ReferenceLine> {
     if around.len() < 4 {
         return None;
     }
@@ -86,7 +87,7 @@ pub fn reference_line(r: Point, around: &[Point], h: f64) -> Option<Line> {
             break;
         }
     }
-    Some(Line { origin: q, along: u })
+    Some(ReferenceLine { origin: q, along: u })
 }
 
 fn principal_direction(r: Point, around: &[Point], h: f64) -> Vector {
@@ -105,7 +106,7 @@ fn principal_direction(r: Point, around: &[Point], h: f64) -> Vector {
 
 /// The value at u = 0 of the weighted quadratics v(u) and w(u), and the leverage of a point at the
 /// origin.
-pub fn quadratic(line: &Line, around: &[Point], h: f64) -> Option<(Point, f64)> {
+pub fn quadratic(line: &ReferenceLine, around: &[Point], h: f64) -> Option<(Point, f64)> {
     let (e1, e2) = plane_axes(line.along);
     let mut gram = Matrix3::zeros();
     let mut right = [Vector3::zeros(); 2];

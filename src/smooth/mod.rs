@@ -11,10 +11,10 @@ mod crossvalidation;
 mod curve;
 mod levels;
 mod line;
+mod noise_detection;
 mod outliers;
 mod support;
 mod surface;
-mod telling;
 mod uncross;
 mod unfold;
 
@@ -27,8 +27,8 @@ use crate::error::{Error, Result, of};
 use crate::geometry::{Point, Vector, VertexId, in_lengths, length};
 use crate::mesh::{Disk, Mesh, Rings, boundary};
 use crate::rules;
-use levels::Level;
-use surface::Surface;
+use levels::SupportLevel;
+use surface::MlsSurface;
 
 /// The options of smoothing.
 #[derive(Debug, Clone, Default)]
@@ -190,7 +190,7 @@ pub fn smooth_with(disk: &Disk, options: &Options, course: &mut Course) -> Resul
         ring.iter().zip(feet).for_each(|(v, foot)| out.mesh.points[v.index()] = foot);
     }
     let named = matches!(options.corners, Corners::At(_));
-    let upright = unfold::Upright { projected, normals, corners: &report.corners, named };
+    let upright = unfold::UnfoldReference { projected, normals, corners: &report.corners, named };
     unfold::unfold(&mut out, &surface, upright);
     let pairs = out.mesh.points.par_iter().zip(&disk.mesh.points);
     let moved: Vec<f64> = pairs.map(|(p, q)| (p - q).norm()).collect();
@@ -206,12 +206,12 @@ fn smoothed_loop(
     points: &[Point],
     normals: &[Vector],
     noise: &[f64],
-    surface: &Surface,
+    surface: &MlsSurface,
 ) -> Vec<Point> {
     let line: Vec<Point> = ring.iter().map(|&v| points[v.index()]).collect();
     let normals: Vec<Vector> = ring.iter().map(|&v| normals[v.index()]).collect();
     let noise: Vec<f64> = ring.iter().map(|&v| noise[v.index()]).collect();
-    let rim = curve::Rim { points: &line, normals: &normals, noise: &noise };
+    let rim = curve::RimPoints { points: &line, normals: &normals, noise: &noise };
     let mut smooth = curve::smooth_loop(&rim, corners);
     uncross::uncross(&mut smooth, &line, &normals);
     // The projection onto the curve may have left the surface.
@@ -236,8 +236,8 @@ const MOST_REACHED: f64 = 0.5;
 
 /// The supports, the noise and the outliers of a scan.
 struct Examined {
-    levels: Vec<Level>,
-    choice: support::Choice,
+    levels: Vec<SupportLevel>,
+    choice: support::SupportField,
     /// Whether each vertex is an outlier.
     left_out: Vec<bool>,
 }
@@ -264,20 +264,20 @@ impl Examined {
 
     /// The surface with the supports that were found. Points move only where their residuals are
     /// noise.
-    fn surface(self, course: &mut Course) -> Result<Surface> {
-        let (finest, choice) = (self.levels[0].grain.clone(), self.choice);
-        let mut surface = Surface::new(finest, self.levels, choice.place, course)?;
-        surface.share = choice.told;
+    fn surface(self, course: &mut Course) -> Result<MlsSurface> {
+        let (finest, choice) = (self.levels[0].clusters.clone(), self.choice);
+        let mut surface = MlsSurface::new(finest, self.levels, choice.place, course)?;
+        surface.share = choice.noise_share;
         Ok(surface)
     }
 
     /// The surface with one support everywhere.
-    fn surface_of(self, mesh: &Mesh, h: f64) -> Result<Surface> {
+    fn surface_of(self, mesh: &Mesh, h: f64) -> Result<MlsSurface> {
         let finest = &self.levels[0];
         let level = finest.next(h);
         let place = vec![0.0; mesh.points.len()];
         let none = &mut course::untold;
-        let surface = Surface::new(finest.grain.clone(), vec![level], place, none)?;
+        let surface = MlsSurface::new(finest.clusters.clone(), vec![level], place, none)?;
         if surface.reached(mesh) < MOST_REACHED * mesh.points.len() as f64 {
             return Err(Error::Support { h, shortest: finest.h, longest: mesh.diagonal() });
         }

@@ -3,10 +3,10 @@
 
 use rayon::prelude::*;
 
-use super::levels::Level;
+use super::levels::SupportLevel;
 use super::median;
-use super::support::Choice;
-use super::surface::{NOWHERE, Surface};
+use super::support::SupportField;
+use super::surface::{MlsSurface, NOWHERE};
 use crate::course;
 use crate::error::Result;
 use crate::geometry::{Vector, VertexId};
@@ -19,14 +19,14 @@ const DEVIATIONS: f64 = 6.0;
 
 /// An outlier is farther from the surface than this multiple of the mean distance of its
 /// neighbours. Along a sharp edge, where the fit is poor, all points are far from the surface.
-const ALONE: f64 = 4.0;
+const MIN_NEIGHBOUR_RATIO: f64 = 4.0;
 
 /// A point nearer to the surface than this share of the mean edge length is not an outlier. On a
 /// scan without noise, fit errors may exceed the noise.
-const LEAST: f64 = 0.1;
+const MIN_DISTANCE: f64 = 0.1;
 
 /// The lowest level on which fits are stable enough for the detection.
-const STEADY: usize = 2;
+const STABLE_LEVEL: usize = 2;
 
 /// Points are examined only if they are farther from the mean of their neighbours than this
 /// multiple of the standard deviation.
@@ -38,13 +38,13 @@ const STICKS_OUT: f64 = 4.0;
 pub fn add(
     mesh: &Mesh,
     rings: &Rings,
-    levels: &[Level],
-    choice: &Choice,
+    levels: &[SupportLevel],
+    choice: &SupportField,
     left_out: &mut [bool],
 ) -> Result<bool> {
-    let least = LEAST * mesh.mean_edge();
+    let least = MIN_DISTANCE * mesh.mean_edge();
     let limit = |v: usize, deviations: f64| least.max(deviations * f64::from(choice.residual[v]));
-    let normals = &levels[0].grain.normals;
+    let normals = &levels[0].clusters.normals;
     let suspects: Vec<usize> = (0..mesh.points.len())
         .into_par_iter()
         .filter(|&v| !left_out[v] && sticks_out(mesh, rings, v, normals[v]) > limit(v, STICKS_OUT))
@@ -63,7 +63,7 @@ pub fn add(
         let (sum, count) = around
             .filter(|&w| !left_out[w])
             .fold((0.0, 0), |(sum, count), w| (sum + off(w), count + 1));
-        far * f64::from(count) > ALONE * sum
+        far * f64::from(count) > MIN_NEIGHBOUR_RATIO * sum
     };
     let found: Vec<usize> = suspects.into_par_iter().filter(is_outlier).collect();
     found.iter().for_each(|&v| left_out[v] = true);
@@ -82,16 +82,16 @@ fn sticks_out(mesh: &Mesh, rings: &Rings, v: usize, normal: Vector) -> f64 {
 fn surface_around(
     mesh: &Mesh,
     rings: &Rings,
-    levels: &[Level],
-    choice: &Choice,
+    levels: &[SupportLevel],
+    choice: &SupportField,
     suspects: &[usize],
-) -> Result<Surface> {
+) -> Result<MlsSurface> {
     let place = median(choice.place.iter().map(|&p| f64::from(p).round()).collect()) as f32;
-    let place = place.max(STEADY.min(levels.len() - 1) as f32);
+    let place = place.max(STABLE_LEVEL.min(levels.len() - 1) as f32);
     let mut places = vec![NOWHERE; mesh.points.len()];
     for &v in suspects {
         places[v] = place;
         rings.neighbours(mesh, VertexId::from(v)).for_each(|w| places[w.index()] = place);
     }
-    Surface::new(levels[0].grain.clone(), levels.to_vec(), places, &mut course::untold)
+    MlsSurface::new(levels[0].clusters.clone(), levels.to_vec(), places, &mut course::untold)
 }

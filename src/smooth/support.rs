@@ -9,34 +9,34 @@
 
 use rayon::prelude::*;
 
-use super::clusters::{Gathering, Rooms};
-use super::levels::Level;
+use super::clusters::{Neighbourhood, ScratchPool};
+use super::levels::SupportLevel;
+use super::noise_detection::{self, ResidualPair};
 use super::root_mean_square;
-use super::telling::{self, Pair};
 use crate::geometry::VertexId;
 use crate::mesh::Mesh;
 
 /// The number of vertices for each sampled place.
-const VERTICES: usize = 200;
+const VERTICES_PER_PLACE: usize = 200;
 
 /// The smallest and the largest number of sampled places. How often noise and curvature change does
 /// not depend on the density of the scan.
-const PLACES: [usize; 2] = [2_000, 10_000];
+const PLACE_COUNT: [usize; 2] = [2_000, 10_000];
 
 /// The residuals at the second level give the noise, because its fits have enough points. If their
 /// variance exceeds that at the first level by this factor, they show the shape, and the first
 /// level gives the noise.
-const SHAPE: f64 = 2.0;
+const SHAPE_RATIO: f64 = 2.0;
 
 /// The factor by which the differences that noise explains are enlarged, because they fluctuate.
-const CAUTION: f64 = 1.3;
+const NOISE_MARGIN: f64 = 1.3;
 
 /// Wider supports are not tried after one that differs from the one before it by more than this
 /// number of standard deviations.
-const CLEAR: f64 = 8.0;
+const CLEAR_DEVIATIONS: f64 = 8.0;
 
 /// The supports and the noise of a scan.
-pub struct Choice {
+pub struct SupportField {
     /// The level of each vertex. A fraction means a blend of two adjacent levels.
     pub place: Vec<f32>,
     /// The standard deviation in mm of the residuals around each vertex. They are noise, or shape
@@ -44,29 +44,29 @@ pub struct Choice {
     pub residual: Vec<f32>,
     /// The share of noise at each vertex: 1 where the residuals are noise, 0 where they cannot be
     /// distinguished from shape, and values between where such regions meet.
-    pub told: Vec<f32>,
+    pub noise_share: Vec<f32>,
 }
 
-impl Choice {
+impl SupportField {
     /// The standard deviation of the noise over the whole scan, in mm.
     pub fn noise(&self) -> f64 {
-        root_mean_square((0..self.told.len()).map(|v| self.noise_at(v)))
+        root_mean_square((0..self.noise_share.len()).map(|v| self.noise_at(v)))
     }
 
     /// The standard deviation of the noise around a vertex, in mm.
     pub fn noise_at(&self, v: usize) -> f64 {
-        f64::from(self.told[v]) * f64::from(self.residual[v])
+        f64::from(self.noise_share[v]) * f64::from(self.residual[v])
     }
 }
 
 /// The estimates at one place, one for each support that was tried: the height of the surface, and
 /// its variance if the points have variance 1.
-struct Trial {
+struct SupportTrial {
     heights: Vec<(f64, f64)>,
     /// The mean squared residuals at the two levels that show the noise.
     scatter: [f64; 2],
     /// The residuals at the first level of the place and of neighbouring vertices.
-    pairs: Vec<Pair>,
+    pairs: Vec<ResidualPair>,
 }
 
 /// The number of times that progress is reported.
@@ -75,14 +75,14 @@ const PARTS: usize = 4;
 /// Chooses the support of every vertex, and reports progress to `course`.
 pub fn choose<E>(
     mesh: &Mesh,
-    levels: &[Level],
+    levels: &[SupportLevel],
     course: &mut dyn FnMut(f64) -> Result<(), E>,
-) -> Result<Choice, E> {
+) -> Result<SupportField, E> {
     let sampling = sampling(mesh.points.len(), levels);
     let places = first_vertices(sampling);
-    let rooms = Rooms::default();
-    let look = |&v: &u32| rooms.with(|room| trial(mesh, levels, VertexId(v), room));
-    let mut trials: Vec<Trial> = Vec::with_capacity(places.len());
+    let scratch_pool = ScratchPool::default();
+    let look = |&v: &u32| scratch_pool.with(|scratch| trial(mesh, levels, VertexId(v), scratch));
+    let mut trials: Vec<SupportTrial> = Vec::with_capacity(places.len());
     for part in places.chunks(places.len().div_ceil(PARTS).max(1)) {
         trials.par_extend(part.par_iter().map(look));
         course(trials.len() as f64 / places.len() as f64)?;
@@ -102,21 +102,25 @@ pub fn choose<E>(
             .collect()
     };
     let deviation: Vec<f64> = noise.iter().map(|variance| variance.sqrt()).collect();
-    let pairs: Vec<&[Pair]> = trials.iter().map(|trial| trial.pairs.as_slice()).collect();
-    let told = telling::told(&pairs, |i| wider(&windows, i));
-    Ok(Choice { place: spread(&best), residual: spread(&deviation), told: spread(&told) })
+    let pairs: Vec<&[ResidualPair]> = trials.iter().map(|trial| trial.pairs.as_slice()).collect();
+    let noise_share = noise_detection::noise_share(&pairs, |i| wider(&windows, i));
+    Ok(SupportField {
+        place: spread(&best),
+        residual: spread(&deviation),
+        noise_share: spread(&noise_share),
+    })
 }
 
 /// The level that has about as many clusters as places are wanted.
-fn sampling(vertices: usize, levels: &[Level]) -> &Level {
-    let wanted = (vertices / VERTICES).clamp(PLACES[0], PLACES[1]);
-    let enough = levels.iter().rev().find(|level| level.grain.samples.len() >= wanted);
+fn sampling(vertices: usize, levels: &[SupportLevel]) -> &SupportLevel {
+    let wanted = (vertices / VERTICES_PER_PLACE).clamp(PLACE_COUNT[0], PLACE_COUNT[1]);
+    let enough = levels.iter().rev().find(|level| level.clusters.samples.len() >= wanted);
     enough.unwrap_or(&levels[0])
 }
 
 /// The first vertex of each cluster.
-fn first_vertices(level: &Level) -> Vec<u32> {
-    let mut first = vec![u32::MAX; level.grain.samples.len()];
+fn first_vertices(level: &SupportLevel) -> Vec<u32> {
+    let mut first = vec![u32::MAX; level.clusters.samples.len()];
     for (v, &c) in level.cluster.iter().enumerate() {
         first[c as usize] = first[c as usize].min(v as u32);
     }
@@ -124,9 +128,9 @@ fn first_vertices(level: &Level) -> Vec<u32> {
 }
 
 /// The neighbours of place `i`, their neighbours, and the place itself.
-fn window(level: &Level, i: usize) -> Vec<u32> {
-    let mut window: Vec<u32> = level.grain.near(i).to_vec();
-    window.extend(level.grain.near(i).iter().flat_map(|&j| level.grain.near(j as usize)));
+fn window(level: &SupportLevel, i: usize) -> Vec<u32> {
+    let mut window: Vec<u32> = level.clusters.near(i).to_vec();
+    window.extend(level.clusters.near(i).iter().flat_map(|&j| level.clusters.near(j as usize)));
     window.push(i as u32);
     window.sort_unstable();
     window.dedup();
@@ -142,18 +146,23 @@ fn wider(windows: &[Vec<u32>], i: usize) -> Vec<u32> {
     wide
 }
 
-fn trial(mesh: &Mesh, levels: &[Level], v: VertexId, room: &mut Gathering) -> Trial {
-    let (p, normal) = (mesh.point(v), levels[0].grain.normals[v.index()]);
-    let pairs = telling::pairs(mesh, &levels[0], v, room);
-    let mut trial = Trial { heights: Vec::new(), scatter: [f64::NAN; 2], pairs };
+fn trial(
+    mesh: &Mesh,
+    levels: &[SupportLevel],
+    v: VertexId,
+    scratch: &mut Neighbourhood,
+) -> SupportTrial {
+    let (p, normal) = (mesh.point(v), levels[0].clusters.normals[v.index()]);
+    let pairs = noise_detection::pairs(mesh, &levels[0], v, scratch);
+    let mut trial = SupportTrial { heights: Vec::new(), scatter: [f64::NAN; 2], pairs };
     for (k, level) in levels.iter().enumerate() {
         let cluster = level.cluster[v.index()] as usize;
         let fitted = match trial.scatter.get_mut(k) {
-            Some(place) => level.fit_with_scatter(cluster, room).map(|(fit, scatter)| {
+            Some(place) => level.fit_with_scatter(cluster, scratch).map(|(fit, scatter)| {
                 *place = scatter.variance;
                 fit
             }),
-            None => level.fit(cluster, room),
+            None => level.fit(cluster, scratch),
         };
         let Some(fit) = fitted else {
             // There are too few points; wider supports may have enough.
@@ -163,7 +172,7 @@ fn trial(mesh: &Mesh, levels: &[Level], v: VertexId, room: &mut Gathering) -> Tr
         let height = (fit.at(p).0 - p).dot(&normal);
         let last = trial.heights.last().copied();
         trial.heights.push((height, fit.variance));
-        let explained = |variance: f64| CLEAR * (trial.scatter[1] * variance).sqrt();
+        let explained = |variance: f64| CLEAR_DEVIATIONS * (trial.scatter[1] * variance).sqrt();
         if k > 1 && last.is_some_and(|(h, v)| (height - h).abs() > explained(v)) {
             break;
         }
@@ -172,29 +181,29 @@ fn trial(mesh: &Mesh, levels: &[Level], v: VertexId, room: &mut Gathering) -> Tr
 }
 
 /// The variance of the noise over a window.
-fn noise(trials: &[Trial], window: &[u32]) -> f64 {
+fn noise(trials: &[SupportTrial], window: &[u32]) -> f64 {
     let median = |k: usize| {
         let all = window.iter().map(|&i| trials[i as usize].scatter[k]);
         let all: Vec<f64> = all.filter(|scatter| scatter.is_finite()).collect();
         (!all.is_empty()).then(|| super::median(all))
     };
     match [median(0), median(1)] {
-        [Some(first), Some(second)] if second > SHAPE * first => first,
+        [Some(first), Some(second)] if second > SHAPE_RATIO * first => first,
         [first, second] => second.or(first).unwrap_or(0.0),
     }
 }
 
 /// The level with the smallest risk over a window, refined between levels.
-fn best(trials: &[Trial], window: &[u32], variance: f64) -> f64 {
+fn best(trials: &[SupportTrial], window: &[u32], variance: f64) -> f64 {
     let deepest = window.iter().map(|&i| trials[i as usize].heights.len()).min().unwrap_or(0);
-    let mean = |f: &dyn Fn(&Trial) -> f64| {
+    let mean = |f: &dyn Fn(&SupportTrial) -> f64| {
         window.iter().map(|&i| f(&trials[i as usize])).sum::<f64>() / window.len() as f64
     };
     let noise: Vec<f64> = (0..deepest).map(|k| variance * mean(&|t| t.heights[k].1)).collect();
     let bias = |k: usize| {
         let beyond = |i: usize| {
             let square = mean(&|t| (t.heights[k].0 - t.heights[i].0).powi(2));
-            square - CAUTION * (noise[i] - noise[k]).max(0.0)
+            square - NOISE_MARGIN * (noise[i] - noise[k]).max(0.0)
         };
         (0..k).filter(|&i| noise[i].is_finite()).map(beyond).fold(0.0, f64::max)
     };
@@ -219,11 +228,11 @@ fn vertex_of_parabola(risks: &[f64], least: usize) -> f64 {
 }
 
 /// The value at a vertex, blended from the values at the places around it.
-fn blended(sampling: &Level, values: &[f64], v: VertexId, mesh: &Mesh) -> f64 {
+fn blended(sampling: &SupportLevel, values: &[f64], v: VertexId, mesh: &Mesh) -> f64 {
     let own = sampling.cluster[v.index()] as usize;
     let p = mesh.point(v);
     let (mut weight, mut sum) = (1e-12, 1e-12 * values[own]);
-    let beside = sampling.grain.near(own).iter().map(|&c| c as usize);
+    let beside = sampling.clusters.near(own).iter().map(|&c| c as usize);
     for c in std::iter::once(own).chain(beside) {
         let w = sampling.weight(c, p);
         weight += w;

@@ -9,8 +9,8 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::clusters::{Grain, Rooms};
-use super::levels::Level;
+use super::clusters::{ClusterLevel, ScratchPool};
+use super::levels::SupportLevel;
 use super::median;
 use crate::course::Course;
 use crate::error::Result;
@@ -22,10 +22,10 @@ use crate::mesh::mls::{Polynomial, Projection};
 pub const NOWHERE: f32 = f32::INFINITY;
 
 /// The MLS surface of a scan.
-pub struct Surface {
-    levels: Vec<Level>,
+pub struct MlsSurface {
+    levels: Vec<SupportLevel>,
     /// The vertices of the scan.
-    finest: Arc<Grain>,
+    finest: Arc<ClusterLevel>,
     /// The level of each vertex. A fraction means a blend of two adjacent levels.
     place: Vec<f32>,
     /// The share of its way to the surface that each vertex moves.
@@ -45,12 +45,12 @@ const NONE: u32 = u32::MAX;
 /// The number of foot points that are computed between two progress reports.
 const AT_ONCE: usize = 1 << 17;
 
-impl Surface {
+impl MlsSurface {
     /// Fits the polynomials that the vertices need. `place` is the level of each vertex. Vertices
     /// move all the way to the surface.
     pub fn new(
-        finest: Arc<Grain>,
-        levels: Vec<Level>,
+        finest: Arc<ClusterLevel>,
+        levels: Vec<SupportLevel>,
         place: Vec<f32>,
         course: &mut Course,
     ) -> Result<Self> {
@@ -60,7 +60,7 @@ impl Surface {
             fits.push(Fits::new(level, k, &place));
         }
         let share = vec![1.0; place.len()];
-        Ok(Surface { levels, finest, place, share, fits })
+        Ok(MlsSurface { levels, finest, place, share, fits })
     }
 
     /// The foot points and normals of all vertices. A vertex with too few neighbours keeps its
@@ -136,7 +136,7 @@ impl Surface {
         let level = &self.levels[k];
         let own = level.cluster[v.index()] as usize;
         let (mut weight, mut point, mut normal) = (0.0, Vector::zeros(), Vector::zeros());
-        let beside = level.grain.near(own).iter().map(|&c| c as usize);
+        let beside = level.clusters.near(own).iter().map(|&c| c as usize);
         for c in std::iter::once(own).chain(beside) {
             let w = level.weight(c, p);
             if let Some(fit) = self.fits[k].get(c).filter(|_| w > 1e-6) {
@@ -156,12 +156,12 @@ fn split(place: f32) -> (usize, f64) {
 }
 
 impl Fits {
-    fn new(level: &Level, k: usize, place: &[f32]) -> Self {
+    fn new(level: &SupportLevel, k: usize, place: &[f32]) -> Self {
         let needed = needed(level, k, place);
-        let rooms = Rooms::default();
-        let fit = |&c: &u32| rooms.with(|room| level.fit(c as usize, room));
+        let scratch_pool = ScratchPool::default();
+        let fit = |&c: &u32| scratch_pool.with(|scratch| level.fit(c as usize, scratch));
         let fits: Vec<Option<Polynomial>> = needed.par_iter().map(fit).collect();
-        let mut number = vec![NONE; level.grain.samples.len()];
+        let mut number = vec![NONE; level.clusters.samples.len()];
         let mut all = Vec::with_capacity(needed.len());
         for (&c, fit) in needed.iter().zip(fits) {
             if let Some(fit) = fit {
@@ -179,14 +179,14 @@ impl Fits {
 
 /// The clusters of level `k` that contain, or are next to a cluster that contains, a vertex at this
 /// level.
-fn needed(level: &Level, k: usize, place: &[f32]) -> Vec<u32> {
-    let mut needed = vec![false; level.grain.samples.len()];
+fn needed(level: &SupportLevel, k: usize, place: &[f32]) -> Vec<u32> {
+    let mut needed = vec![false; level.clusters.samples.len()];
     for (&c, &place) in level.cluster.iter().zip(place) {
         needed[c as usize] |= (place - k as f32).abs() < 1.0;
     }
     let held: Vec<usize> = (0..needed.len()).filter(|&c| needed[c]).collect();
     for c in held {
-        level.grain.near(c).iter().for_each(|&beside| needed[beside as usize] = true);
+        level.clusters.near(c).iter().for_each(|&beside| needed[beside as usize] = true);
     }
     (0..needed.len() as u32).filter(|&c| needed[c as usize]).collect()
 }

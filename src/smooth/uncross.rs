@@ -7,7 +7,7 @@ use rstar::primitives::GeomWithData;
 use crate::geometry::{Point, Uv, Vector, plane_axes, segments_cross};
 
 /// The largest number of rounds. Each round moves the points half of the remaining way back.
-const ROUNDS: usize = 12;
+const MAX_ROUNDS: usize = 12;
 
 /// The number of vertices on each side of a crossing that move back with it.
 const AROUND: usize = 4;
@@ -16,7 +16,7 @@ const AROUND: usize = 4;
 /// until the loop does not cross itself. `normals` are the normals of the surface at the points.
 pub fn uncross(smooth: &mut [Point], before: &[Point], normals: &[Vector]) {
     let n = smooth.len();
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let mut back = vec![false; n];
         for i in crossed(smooth, normals) {
             (0..=2 * AROUND + 1).for_each(|k| back[(i + n + k - AROUND) % n] = true);

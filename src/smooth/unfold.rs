@@ -7,12 +7,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::surface::Surface;
+use super::surface::MlsSurface;
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::{Disk, Rings};
 
 /// The largest number of rounds.
-const ROUNDS: usize = 60;
+const MAX_ROUNDS: usize = 60;
 
 /// After this number of rounds, boundary vertices move back as well, for the same number of rounds.
 /// The two kinds of rounds then alternate, because the positions to which boundary vertices return
@@ -21,11 +21,11 @@ const PATIENCE: usize = 8;
 
 /// A triangle that was folded counts as repaired if it is at least as upright as a triangle whose
 /// height is a twentieth of its side.
-const UPRIGHT: f64 = 0.05;
+const MIN_UPRIGHTNESS: f64 = 0.05;
 
 /// The data of a disk whose vertices move along the surface.
 struct Sliding<'a> {
-    surface: &'a Surface,
+    surface: &'a MlsSurface,
     rings: Rings,
     /// For each boundary vertex its two neighbours on the loop.
     beside: Vec<Option<[VertexId; 2]>>,
@@ -36,7 +36,7 @@ struct Sliding<'a> {
 }
 
 /// The reference for the repair.
-pub struct Upright<'a> {
+pub struct UnfoldReference<'a> {
     /// The positions of the vertices after the projection onto the surface.
     pub projected: Vec<Point>,
     /// The unit normals of the surface at these positions.
@@ -51,7 +51,7 @@ pub struct Upright<'a> {
 /// Unfolds triangles. Inner vertices move towards the middle of their neighbours, and boundary
 /// vertices along their loop. Where a fold persists, boundary vertices move half the way back to
 /// their projected positions, for some rounds.
-pub fn unfold(disk: &mut Disk, surface: &Surface, by: Upright) {
+pub fn unfold(disk: &mut Disk, surface: &MlsSurface, by: UnfoldReference) {
     let projected = by.projected;
     let mut sliding = Sliding::new(disk, surface, by.normals, by.corners);
     let stays = |t: u32| disk.mesh.triangles[t as usize].iter().all(|&v| surface.keeps(v));
@@ -63,7 +63,7 @@ pub fn unfold(disk: &mut Disk, surface: &Surface, by: Upright) {
     let triangles = Marks::new(disk.mesh.triangles.len());
     // Vertices that may have left the surface since they were last projected.
     let mut off = Vec::new();
-    for round in 0..ROUNDS {
+    for round in 0..MAX_ROUNDS {
         if folded.is_empty() || round % PATIENCE == PATIENCE - 1 {
             off = vertices.unique(off.into_par_iter());
             sliding.settle(disk, &off);
@@ -116,7 +116,12 @@ impl Marks {
 }
 
 impl<'a> Sliding<'a> {
-    fn new(disk: &Disk, surface: &'a Surface, normals: Vec<Vector>, corners: &[VertexId]) -> Self {
+    fn new(
+        disk: &Disk,
+        surface: &'a MlsSurface,
+        normals: Vec<Vector>,
+        corners: &[VertexId],
+    ) -> Self {
         let mut beside = vec![None; disk.mesh.points.len()];
         for ring in disk.loops() {
             let n = ring.len();
@@ -149,7 +154,7 @@ impl<'a> Sliding<'a> {
         moved: &[u32],
         triangles: &Marks,
     ) -> Vec<u32> {
-        let lying = folded.into_par_iter().filter(|&t| self.uprightness(disk, t) < UPRIGHT);
+        let lying = folded.into_par_iter().filter(|&t| self.uprightness(disk, t) < MIN_UPRIGHTNESS);
         let mut all: Vec<u32> = lying.collect();
         let around = |&v: &u32| self.rings.triangles(VertexId(v)).iter().copied();
         let around = moved.par_iter().flat_map_iter(around);

@@ -9,15 +9,15 @@
 
 use rayon::prelude::*;
 
-use super::clusters::Gathering;
-use super::levels::Level;
+use super::clusters::Neighbourhood;
+use super::levels::SupportLevel;
 use super::median;
 use crate::geometry::VertexId;
 use crate::mesh::Mesh;
 
 /// The residuals at the two ends of an edge.
 #[derive(Debug, Clone, Copy)]
-pub struct Pair {
+pub struct ResidualPair {
     /// The residuals, in units in which noise with a variance of 1 mm² has variance 1.
     pub residuals: [f64; 2],
     /// The correlation that pure noise would have.
@@ -27,18 +27,18 @@ pub struct Pair {
 /// The residuals count as noise if noise makes up at least this share of their variance. Range
 /// scans have 0.9 and more. Meshes of smooth or faceted shapes without noise have less than 0.77.
 /// The exception is a saddle whose vertices have four and eight neighbours alternately.
-const SHARE: f64 = 0.8;
+const MIN_NOISE_SHARE: f64 = 0.8;
 
 /// The number of standard errors from which on a difference is significant.
-const SURE: f64 = 3.0;
+const SIGNIFICANT: f64 = 3.0;
 
 /// Residuals are limited to this number of standard deviations. Otherwise an edge of the object or
 /// an outlier could outweigh all other residuals.
-const FAR: f64 = 3.0;
+const MAX_RESIDUAL: f64 = 3.0;
 
 /// A polynomial may follow its own point so closely that less than this share of the noise variance
 /// is left. Such a residual is not used.
-const FREE: f64 = 0.01;
+const MIN_VARIANCE: f64 = 0.01;
 
 /// The residual of a vertex, as a linear combination of the heights of the points around it.
 struct Residual {
@@ -49,36 +49,47 @@ struct Residual {
 
 /// The residual pairs along the edges from a vertex to vertices with higher numbers. In this way no
 /// edge is used twice.
-pub fn pairs(mesh: &Mesh, finest: &Level, v: VertexId, room: &mut Gathering) -> Vec<Pair> {
-    let Some(own) = Residual::of(mesh, finest, v.0, room) else { return Vec::new() };
-    let beside = finest.grain.near(v.index()).iter().filter(|&&w| w > v.0);
-    let other = |&w: &u32| Residual::of(mesh, finest, w, room);
+pub fn pairs(
+    mesh: &Mesh,
+    finest: &SupportLevel,
+    v: VertexId,
+    scratch: &mut Neighbourhood,
+) -> Vec<ResidualPair> {
+    let Some(own) = Residual::of(mesh, finest, v.0, scratch) else { return Vec::new() };
+    let beside = finest.clusters.near(v.index()).iter().filter(|&&w| w > v.0);
+    let other = |&w: &u32| Residual::of(mesh, finest, w, scratch);
     beside.filter_map(other).map(|other| own.with(&other)).collect()
 }
 
 impl Residual {
     /// The residual of vertex `v`, divided by its standard deviation for points of variance 1.
-    fn of(mesh: &Mesh, finest: &Level, v: u32, room: &mut Gathering) -> Option<Residual> {
-        let (p, normal) = (mesh.point(VertexId(v)), finest.grain.normals[v as usize]);
-        let (fit, scatter) = finest.fit_with_scatter(v as usize, room)?;
+    fn of(
+        mesh: &Mesh,
+        finest: &SupportLevel,
+        v: u32,
+        scratch: &mut Neighbourhood,
+    ) -> Option<Residual> {
+        let (p, normal) = (mesh.point(VertexId(v)), finest.clusters.normals[v as usize]);
+        let (fit, scatter) = finest.fit_with_scatter(v as usize, scratch)?;
         let factor = |(&i, influence): (&u32, f64)| (i, influence - f64::from(u8::from(i == v)));
-        let mut factors: Vec<_> = room.numbers.iter().zip(scatter.influence).map(factor).collect();
+        let mut factors: Vec<_> =
+            scratch.numbers.iter().zip(scatter.influence).map(factor).collect();
         factors.sort_unstable_by_key(|(i, _)| *i);
         let variance: f64 = factors.iter().map(|(_, x)| x * x).sum();
         let deviation = variance.sqrt();
         factors.iter_mut().for_each(|(_, x)| *x /= deviation);
         let value = (fit.at(p).0 - p).dot(&normal) / deviation;
-        (variance > FREE).then_some(Residual { value, factors })
+        (variance > MIN_VARIANCE).then_some(Residual { value, factors })
     }
 
-    fn with(&self, other: &Residual) -> Pair {
+    fn with(&self, other: &Residual) -> ResidualPair {
         let mut left = other.factors.as_slice();
         let mut expected = 0.0;
         for (i, x) in &self.factors {
             left = &left[left.partition_point(|(j, _)| j < i)..];
             expected += left.first().filter(|(j, _)| j == i).map_or(0.0, |(_, y)| x * y);
         }
-        Pair { residuals: [self.value, other.value], expected }
+        ResidualPair { residuals: [self.value, other.value], expected }
     }
 }
 
@@ -86,28 +97,31 @@ impl Residual {
 /// noise. A single window is small; among many, some show noise by chance, or because the diagonals
 /// of a coarse mesh bend it to and fro. If the whole scan shows noise, all places do, except those
 /// whose `window` shows shape.
-pub fn told(pairs: &[&[Pair]], window: impl Fn(usize) -> Vec<u32> + Sync) -> Vec<f64> {
+pub fn noise_share(
+    pairs: &[&[ResidualPair]],
+    window: impl Fn(usize) -> Vec<u32> + Sync,
+) -> Vec<f64> {
     let excess = |places: &[u32]| -> f64 {
         let all = places.iter().flat_map(|&i| pairs[i as usize].iter().copied());
-        excess(&all.collect::<Vec<Pair>>())
+        excess(&all.collect::<Vec<ResidualPair>>())
     };
     let everywhere: Vec<u32> = (0..pairs.len() as u32).collect();
-    if excess(&everywhere) < SURE {
+    if excess(&everywhere) < SIGNIFICANT {
         return vec![0.0; pairs.len()];
     }
-    let is_noise = |i: usize| excess(&window(i)) > -SURE;
+    let is_noise = |i: usize| excess(&window(i)) > -SIGNIFICANT;
     (0..pairs.len()).into_par_iter().map(|i| f64::from(u8::from(is_noise(i)))).collect()
 }
 
-/// The amount in standard errors by which the share of noise exceeds [`SHARE`]; 0 if it is unknown.
-fn excess(pairs: &[Pair]) -> f64 {
+/// The amount in standard errors by which the share of noise exceeds [`MIN_NOISE_SHARE`]; 0 if it is unknown.
+fn excess(pairs: &[ResidualPair]) -> f64 {
     if pairs.is_empty() {
         return 0.0;
     }
     let count = pairs.len() as f64;
     let usual = median(pairs.iter().flat_map(|pair| pair.residuals).map(f64::abs).collect());
     // Half of a normal distribution lies within 0.6745 standard deviations.
-    let far = FAR * usual / 0.6745;
+    let far = MAX_RESIDUAL * usual / 0.6745;
     let near = || pairs.iter().map(|pair| pair.residuals.map(|x| x.clamp(-far, far)));
     let products: f64 = near().map(|[a, b]| a * b).sum();
     let squares: f64 = near().map(|[a, b]| 0.5 * (a * a + b * b)).sum();
@@ -116,7 +130,7 @@ fn excess(pairs: &[Pair]) -> f64 {
     }
     let expected = pairs.iter().map(|pair| pair.expected).sum::<f64>() / count;
     // The correlation of shape is 1; that of a mixture lies between the two.
-    let limit = 1.0 - SHARE * (1.0 - expected);
+    let limit = 1.0 - MIN_NOISE_SHARE * (1.0 - expected);
     (limit - products / squares) * count.sqrt()
 }
 
@@ -125,20 +139,20 @@ mod tests {
     use super::*;
 
     /// 40 places with 30 pairs each, with about this correlation. Noise has −0.3.
-    fn places(correlation: f64) -> Vec<Vec<Pair>> {
+    fn places(correlation: f64) -> Vec<Vec<ResidualPair>> {
         let share = |i: usize, step: f64| (i as f64 * step).fract();
         let random = |i: usize| share(i, 0.754_877_666) + share(i, 0.569_840_29) - 1.0;
         let pair = |i: usize| {
             let (a, b) = (random(2 * i), random(2 * i + 7919));
             let other = correlation * a + (1.0 - correlation * correlation).sqrt() * b;
-            Pair { residuals: [a, other], expected: -0.3 }
+            ResidualPair { residuals: [a, other], expected: -0.3 }
         };
         (0..40).map(|k| (0..30).map(|i| pair(30 * k + i)).collect()).collect()
     }
 
-    fn told_of(places: &[Vec<Pair>]) -> Vec<f64> {
-        let places: Vec<&[Pair]> = places.iter().map(Vec::as_slice).collect();
-        told(&places, |i| vec![i as u32])
+    fn told_of(places: &[Vec<ResidualPair>]) -> Vec<f64> {
+        let places: Vec<&[ResidualPair]> = places.iter().map(Vec::as_slice).collect();
+        noise_share(&places, |i| vec![i as u32])
     }
 
     #[test]
