@@ -42,7 +42,7 @@ impl<const D: usize> Curve<D> {
     /// [`Error::Input`] if the numbers of control points and basis functions differ.
     pub fn try_new(knots: KnotVector, control: Vec<SVector<f64, D>>) -> Result<Self> {
         if knots.functions() != control.len() {
-            return Err(Error::Input("a curve has not one control point a basis function"));
+            return Err(Error::Input("a curve needs one control point for each basis function"));
         }
         Ok(Curve::new(knots, control))
     }
@@ -55,7 +55,7 @@ impl Surface {
     /// [`Error::Input`] if the net does not have u.functions() × v.functions() control points.
     pub fn try_new(u: KnotVector, v: KnotVector, net: Vec<Vector>) -> Result<Self> {
         if u.functions() * v.functions() != net.len() {
-            return Err(Error::Input("a surface has not one control point a pair of functions"));
+            return Err(Error::Input("a surface needs one control point for each pair of basis functions"));
         }
         Ok(Surface::new(u, v, net))
     }

@@ -20,7 +20,7 @@ pub(crate) fn chords<T: Copy>(
     chord: f64,
 ) -> Vec<T> {
     let pieces = (FEWEST / breaks.len().max(1)).max(2);
-    let mut line = Line { at, place, chord, points: vec![at(breaks[0])] };
+    let mut line = ChordPolyline { at, place, chord, points: vec![at(breaks[0])] };
     for span in breaks.windows(2) {
         let t = |i: usize| span[0] + (span[1] - span[0]) * i as f64 / pieces as f64;
         for i in 0..pieces {
@@ -31,14 +31,14 @@ pub(crate) fn chords<T: Copy>(
     line.points
 }
 
-struct Line<'a, T, P> {
+struct ChordPolyline<'a, T, P> {
     at: &'a dyn Fn(f64) -> T,
     place: P,
     chord: f64,
     points: Vec<T>,
 }
 
-impl<T: Copy, P: Fn(&T) -> Point> Line<'_, T, P> {
+impl<T: Copy, P: Fn(&T) -> Point> ChordPolyline<'_, T, P> {
     /// Continues the polyline from `a`, where it ends, to `b`.
     fn refine(&mut self, a: f64, b: f64, halvings: usize) {
         let end = (self.at)(b);

@@ -23,12 +23,12 @@ const LAST_STEP: f64 = 1e-7;
 
 /// The step length of a coarse descent, as a share of a mean knot span. The error that Newton's
 /// method leaves is about the square of its last step.
-const CLOSE_STEP: f64 = 0.02;
+const COARSE_STEP: f64 = 0.02;
 
 /// The step length below which a coarse descent to a foot point ends.
 pub fn last_step(surface: &Surface) -> f64 {
     let [m, n] = surface.shape();
-    CLOSE_STEP / m.max(n) as f64
+    COARSE_STEP / m.max(n) as f64
 }
 
 /// Like [`foot_point`], but only the parameters with `moves` set may change; with one of them the

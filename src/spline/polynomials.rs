@@ -9,7 +9,7 @@ use super::surface::{Jet, Patch, Surface};
 use crate::geometry::{Point, Uv, Vector};
 
 /// Three coordinates and a zero. Processors add four numbers at once faster than three.
-type Lane = Vector4<f64>;
+type PaddedVector = Vector4<f64>;
 
 /// The polynomials. Evaluating one takes a third of the time of a B-spline, whose basis functions
 /// have to be computed first.
@@ -18,7 +18,7 @@ struct Polynomials {
     breaks: [Vec<f64>; 2],
     /// Cell (p, q) is at `p * down + q`, where `down` is the number of spans in v. Entry [l][k] is
     /// the coefficient of tˡ sᵏ.
-    cells: Vec<[[Lane; 4]; 4]>,
+    cells: Vec<[[PaddedVector; 4]; 4]>,
 }
 
 /// A form of the surface for many evaluations: polynomials if it is cubic in both directions, as
@@ -40,16 +40,16 @@ impl Polynomials {
     }
 }
 
-fn cell(surface: &Surface, [p, q]: [usize; 2], spans: &[Spans; 2]) -> [[Lane; 4]; 4] {
+fn cell(surface: &Surface, [p, q]: [usize; 2], spans: &[Spans; 2]) -> [[PaddedVector; 4]; 4] {
     let [u, v] = [&spans[0].all[p], &spans[1].all[q]];
     let row = |i: usize| combined(&v.basis, |j| surface.control(p + i, q + j).push(0.0));
-    let rows: [[Lane; 4]; 4] = std::array::from_fn(row);
+    let rows: [[PaddedVector; 4]; 4] = std::array::from_fn(row);
     std::array::from_fn(|l| combined(&u.basis, |i| rows[i][l]))
 }
 
 /// The coefficients of the polynomial Σ p_i B_i.
-fn combined(basis: &[Cubic; 4], points: impl Fn(usize) -> Lane) -> [Lane; 4] {
-    let mut sums = [Lane::zeros(); 4];
+fn combined(basis: &[Cubic; 4], points: impl Fn(usize) -> PaddedVector) -> [PaddedVector; 4] {
+    let mut sums = [PaddedVector::zeros(); 4];
     for (i, cubic) in basis.iter().enumerate() {
         let p = points(i);
         sums.iter_mut().zip(cubic).for_each(|(sum, c)| *sum += p * *c);
@@ -59,7 +59,7 @@ fn combined(basis: &[Cubic; 4], points: impl Fn(usize) -> Lane) -> [Lane; 4] {
 
 /// Evaluates a cubic and its first two derivatives.
 #[inline(always)]
-fn look(&[a, b, c, d]: &[Lane; 4], x: f64) -> [Lane; 3] {
+fn cubic_jet(&[a, b, c, d]: &[PaddedVector; 4], x: f64) -> [PaddedVector; 3] {
     let dx = d * x;
     [((c + dx) * x + b) * x + a, (c * 2.0 + dx * 3.0) * x + b, c * 2.0 + dx * 6.0]
 }
@@ -71,16 +71,16 @@ impl Patch for Polynomials {
         let cell = &self.cells[p * self.spans[1].all.len() + q];
         let x = u.local(at.x);
         // `map` on these arrays compiles to calls that copy them and take longer than the sums.
-        let [mut along, mut slopes, mut bends] = [[Lane::zeros(); 4]; 3];
+        let [mut along, mut slopes, mut bends] = [[PaddedVector::zeros(); 4]; 3];
         for l in 0..4 {
-            [along[l], slopes[l], bends[l]] = look(&cell[l], x);
+            [along[l], slopes[l], bends[l]] = cubic_jet(&cell[l], x);
         }
         let t = v.local(at.y);
-        let [s, sv, svv] = look(&along, t);
-        let [su, suv, _] = look(&slopes, t);
-        let [suu, ..] = look(&bends, t);
+        let [s, sv, svv] = cubic_jet(&along, t);
+        let [su, suv, _] = cubic_jet(&slopes, t);
+        let [suu, ..] = cubic_jet(&bends, t);
         let (a, b) = (1.0 / u.half(), 1.0 / v.half());
-        let vector = |lane: Lane, scale: f64| -> Vector { lane.xyz() * scale };
+        let vector = |lane: PaddedVector, scale: f64| -> Vector { lane.xyz() * scale };
         Jet {
             s: Point::from(s.xyz()),
             su: vector(su, a),

@@ -32,7 +32,7 @@ impl Samples {
     /// Checks that the samples can be fitted.
     pub(crate) fn check(&self) -> Result<()> {
         if self.is_empty() {
-            return Err(Error::Empty("there is nothing to fit".into()));
+            return Err(Error::Empty("there are no points to fit".into()));
         }
         if self.uv.len() != self.len() || self.weights.len() != self.len() {
             return Err(Error::Input("samples: points, parameters and weights differ in number"));
@@ -43,6 +43,6 @@ impl Samples {
         if places && weights && self.uv.par_iter().all(|at| at.iter().all(finite)) {
             return Ok(());
         }
-        Err(Error::Input("samples: a number is not finite, or a weight not above 0"))
+        Err(Error::Input("samples: a number is not finite, or a weight is not above 0"))
     }
 }

@@ -13,10 +13,10 @@ const NODES: [f64; 4] = [-1.0, -0.5, 0.5, 1.0 - 1e-9];
 /// other surfaces they are measured and not proved.
 const LEBESGUE: f64 = 5.0 / 3.0;
 
-/// A cell. The surface stays within [`Cell::spread`] of the parallelogram `centre + x · sides[0] +
+/// A cell. The surface stays within [`SurfaceCell::spread`] of the parallelogram `centre + x · sides[0] +
 /// y · sides[1]` with x and y from −1 to 1.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Cell {
+pub(super) struct SurfaceCell {
     pub low: Uv,
     pub high: Uv,
     pub centre: Point,
@@ -27,9 +27,9 @@ pub(super) struct Cell {
 }
 
 /// Bounds on the first and second derivatives of the surface. The parameters are scaled so that
-/// half a side of the cell has the length of the vector in [`Cell::sides`], in mm.
+/// half a side of the cell has the length of the vector in [`SurfaceCell::sides`], in mm.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Growth {
+pub(super) struct DerivativeBounds {
     /// A lower bound on the distance of two points whose scaled parameters are 1 apart; 0 if none
     /// is known.
     pub least: f64,
@@ -39,7 +39,7 @@ pub(super) struct Growth {
     pub bend: f64,
 }
 
-impl Growth {
+impl DerivativeBounds {
     /// Computes the bounds from the first derivatives at the centre, their variation over the cell,
     /// and the second derivatives.
     pub fn new(sides: &[Vector; 2], differ: [f64; 2], bend: [f64; 3]) -> Self {
@@ -48,7 +48,7 @@ impl Growth {
         let cosine = share(sides[0].dot(&sides[1]).abs(), a * b).min(1.0);
         let differ = share(differ[0], a).hypot(share(differ[1], b));
         let [uu, uv, vv] = [share(bend[0], a * a), share(bend[1], a * b), share(bend[2], b * b)];
-        Growth {
+        DerivativeBounds {
             least: ((1.0 - cosine).sqrt() - differ).max(0.0),
             most: (1.0 + cosine).sqrt() + differ,
             bend: 0.5 * (uu + vv) + (0.5 * (uu - vv)).hypot(uv),
@@ -68,35 +68,35 @@ impl Growth {
     }
 }
 
-impl Cell {
+impl SurfaceCell {
     /// The cell between two corners of the parameter plane. The surface must be smooth in it.
     pub fn measured<S: Patch + ?Sized>(surface: &S, low: Uv, high: Uv) -> Self {
         let half = 0.5 * (high - low);
         let middle = nalgebra::center(&low, &high);
         let centre = surface.jet(middle);
-        let mut looks = [[Vector::zeros(); 16]; 3];
+        let mut samples = [[Vector::zeros(); 16]; 3];
         for (n, look) in (0..16).map(|n| (n, [NODES[n / 4], NODES[n % 4]])) {
             let at = Uv::new(middle.x + half.x * look[0], middle.y + half.y * look[1]);
             let jet = surface.jet(at);
-            looks[0][n] = jet.suu * (half.x * half.x);
-            looks[1][n] = jet.suv * (half.x * half.y);
-            looks[2][n] = jet.svv * (half.y * half.y);
+            samples[0][n] = jet.suu * (half.x * half.x);
+            samples[1][n] = jet.suv * (half.x * half.y);
+            samples[2][n] = jet.svv * (half.y * half.y);
         }
         // A second derivative is linear in its own parameter, so the nodes bound it in this
         // direction.
         let factors = [LEBESGUE, LEBESGUE * LEBESGUE, LEBESGUE];
-        let bend = std::array::from_fn(|k| longest(&looks[k], factors[k]));
-        Cell::at(low, high, &centre, bend)
+        let bend = std::array::from_fn(|k| longest(&samples[k], factors[k]));
+        SurfaceCell::at(low, high, &centre, bend)
     }
 
     fn at(low: Uv, high: Uv, centre: &Jet, bend: [f64; 3]) -> Self {
         let half = 0.5 * (high - low);
         let sides = [centre.su * half.x, centre.sv * half.y];
-        Cell { low, high, centre: centre.s, sides, bend }
+        SurfaceCell { low, high, centre: centre.s, sides, bend }
     }
 
     /// Divides the cell into four quarters, or into two halves if one side is much shorter.
-    pub fn split<S: Patch + ?Sized>(&self, surface: &S) -> impl Iterator<Item = Cell> {
+    pub fn split<S: Patch + ?Sized>(&self, surface: &S) -> impl Iterator<Item = SurfaceCell> {
         let [a, b] = [0, 1].map(|k| self.sides[k].norm());
         let cuts = [a >= 0.5 * b, b >= 0.5 * a].map(|cut| if cut { 2 } else { 1 });
         let scale = cuts.map(|n| 1.0 / f64::from(n));
@@ -110,7 +110,7 @@ impl Cell {
             let (i, j) = (n / cuts[1], n % cuts[1]);
             let corner = |i, j| Uv::new(at(i, 0, low.x, high.x), at(j, 1, low.y, high.y));
             let (low, high) = (corner(i, j), corner(i + 1, j + 1));
-            Cell::at(low, high, &surface.jet(nalgebra::center(&low, &high)), bend)
+            SurfaceCell::at(low, high, &surface.jet(nalgebra::center(&low, &high)), bend)
         })
     }
 
@@ -124,8 +124,8 @@ impl Cell {
         [self.bend[0] + self.bend[1], self.bend[1] + self.bend[2]]
     }
 
-    pub fn growth(&self) -> Growth {
-        Growth::new(&self.sides, self.differ(), self.bend)
+    pub fn derivative_bounds(&self) -> DerivativeBounds {
+        DerivativeBounds::new(&self.sides, self.differ(), self.bend)
     }
 
     /// The lowest and highest corner of a box that contains the surface in the cell.
@@ -167,31 +167,40 @@ impl Cell {
 
     /// Whether the gradient of ½‖S − p‖² is proved not to vanish in the cell, so that the cell
     /// contains no foot point of `p`.
-    pub fn has_no_foot(&self, p: Point, growth: &Growth) -> bool {
+    pub fn has_no_foot(&self, p: Point, derivative_bounds: &DerivativeBounds) -> bool {
         let r = self.centre - p;
         let [a, b] = self.sides.map(|side| side.norm().max(f64::MIN_POSITIVE));
         let gradient = (r.dot(&self.sides[0]) / a).hypot(r.dot(&self.sides[1]) / b);
         let corner = a.hypot(b);
-        let away = r.norm() + growth.most * corner;
-        gradient > corner * (growth.most * growth.most + away * growth.bend)
+        let away = r.norm() + derivative_bounds.most * corner;
+        gradient
+            > corner
+                * (derivative_bounds.most * derivative_bounds.most + away * derivative_bounds.bend)
     }
 
     /// A lower bound on the distance of `p` from the cell, by the Taylor series at the point `foot`
     /// of the cell.
-    pub fn least_distance(&self, p: Point, foot: &Foot, growth: &Growth) -> f64 {
+    pub fn least_distance(
+        &self,
+        p: Point,
+        foot: &Foot,
+        derivative_bounds: &DerivativeBounds,
+    ) -> f64 {
         let r = foot.jet.s - p;
         let half = 0.5 * (self.high - self.low);
-        let (mut slope, mut square) = (0.0, 0.0);
+        let (mut remaining_gradient, mut square) = (0.0, 0.0);
         for (k, derivative) in [foot.jet.su, foot.jet.sv].iter().enumerate() {
             let gradient = r.dot(derivative);
             let (down, up) = (self.low[k] - foot.at[k], self.high[k] - foot.at[k]);
-            slope += (gradient * down).min(gradient * up).min(0.0);
+            remaining_gradient += (gradient * down).min(gradient * up).min(0.0);
             let farthest = up.max(-down);
             let scale = self.sides[k].norm() / half[k].max(f64::MIN_POSITIVE);
             square += (farthest * scale).powi(2);
         }
-        let hollow = (foot.distance * growth.bend - growth.least * growth.least).max(0.0);
-        (foot.distance.powi(2) + 2.0 * slope - hollow * square).max(0.0).sqrt()
+        let hollow = (foot.distance * derivative_bounds.bend
+            - derivative_bounds.least * derivative_bounds.least)
+            .max(0.0);
+        (foot.distance.powi(2) + 2.0 * remaining_gradient - hollow * square).max(0.0).sqrt()
     }
 }
 

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use super::cell::Cell;
+use super::cell::SurfaceCell;
 use crate::geometry::{Point, Uv, Vector};
 use crate::spline::Patch;
 use crate::spline::foot::Foot;
@@ -19,37 +19,37 @@ const MOST_PARTS: f64 = 32.0;
 /// The surface has a crease at a line if the derivatives on both sides differ by more than this
 /// share. On smooth surfaces they differ by what they change across the step between the two
 /// places.
-const SHARP: f64 = 1e-5;
+const CREASE: f64 = 1e-5;
 
 /// The distance of these two places from the line, as a share of the narrower strip.
 const BESIDE: f64 = 1e-8;
 
 /// The cells and the lines that separate them.
 #[derive(Debug)]
-pub(super) struct Grid {
+pub(super) struct CellGrid {
     /// The lines u = const and v = const, including the ends.
     pub lines: [Vec<f64>; 2],
     /// Which of these lines are creases or ends of the surface.
-    pub sharp: [Vec<bool>; 2],
+    pub creases: [Vec<bool>; 2],
     /// The cells; cell (i, j) is at `i * rows + j`.
-    pub cells: Vec<Cell>,
+    pub cells: Vec<SurfaceCell>,
     pub rows: usize,
 }
 
-impl Grid {
+impl CellGrid {
     pub fn new<S: Patch + ?Sized>(surface: &S) -> Self {
         let breaks = surface.breaks();
         let lines = [0, 1].map(|axis| lines(surface, &breaks, axis));
-        let sharp = [0, 1].map(|axis| sharp(surface, &lines, axis));
+        let creases = [0, 1].map(|axis| creases(surface, &lines, axis));
         let rows = lines[1].len() - 1;
         let corner = |i: usize, j: usize| Uv::new(lines[0][i], lines[1][j]);
         let of = |n: usize| {
             let (i, j) = (n / rows, n % rows);
-            Cell::measured(surface, corner(i, j), corner(i + 1, j + 1))
+            SurfaceCell::measured(surface, corner(i, j), corner(i + 1, j + 1))
         };
         let count = (lines[0].len() - 1) * rows;
         let cells = (0..count).into_par_iter().with_min_len(64).map(of).collect();
-        Grid { lines, sharp, cells, rows }
+        CellGrid { lines, creases, cells, rows }
     }
 
     /// The numbers of columns and rows of cells.
@@ -70,20 +70,21 @@ impl Grid {
     /// such a side the nearest point need not be a foot point.
     pub fn ends(&self, n: usize) -> [[bool; 2]; 2] {
         let at = [n / self.rows, n % self.rows];
-        [0, 1].map(|k| [self.sharp[k][at[k]], self.sharp[k][at[k] + 1]])
+        [0, 1].map(|k| [self.creases[k][at[k]], self.creases[k][at[k] + 1]])
     }
 
     /// The remaining gradient of ½‖S − p‖² at an approximate foot point, in mm; 0 at an exact one.
     /// Components that lead out of the domain are ignored.
-    pub fn slope(&self, p: Point, foot: &Foot) -> f64 {
+    pub fn remaining_gradient(&self, p: Point, foot: &Foot) -> f64 {
         let r = foot.jet.s - p;
         let along = |k: usize| {
             let derivative = [foot.jet.su, foot.jet.sv][k];
-            let slope = r.dot(&derivative) / derivative.norm().max(f64::MIN_POSITIVE);
+            let remaining_gradient = r.dot(&derivative) / derivative.norm().max(f64::MIN_POSITIVE);
             let line = &self.lines[k];
             let (first, last) = (line[0], line[line.len() - 1]);
-            let held = (foot.at[k] <= first && slope > 0.0) || (foot.at[k] >= last && slope < 0.0);
-            if held { 0.0 } else { slope }
+            let held = (foot.at[k] <= first && remaining_gradient > 0.0)
+                || (foot.at[k] >= last && remaining_gradient < 0.0);
+            if held { 0.0 } else { remaining_gradient }
         };
         along(0).hypot(along(1))
     }
@@ -120,18 +121,18 @@ fn lines<S: Patch + ?Sized>(surface: &S, breaks: &[Vec<f64>; 2], axis: usize) ->
 }
 
 /// Which lines of one axis are creases or ends of the surface.
-fn sharp<S: Patch + ?Sized>(surface: &S, lines: &[Vec<f64>; 2], axis: usize) -> Vec<bool> {
+fn creases<S: Patch + ?Sized>(surface: &S, lines: &[Vec<f64>; 2], axis: usize) -> Vec<bool> {
     let line = &lines[axis];
-    let is_sharp = |i: usize| {
+    let is_crease = |i: usize| {
         if i == 0 || i + 1 == line.len() {
             return true;
         }
         let step = BESIDE * (line[i] - line[i - 1]).min(line[i + 1] - line[i]);
         middles(&lines[1 - axis]).any(|across| {
             let [a, b] = [-step, step].map(|s| surface.jet(place(axis, line[i] + s, across)));
-            let differ = |a: Vector, b: Vector| (a - b).norm() > SHARP * (a.norm() + b.norm());
+            let differ = |a: Vector, b: Vector| (a - b).norm() > CREASE * (a.norm() + b.norm());
             differ(a.su, b.su) || differ(a.sv, b.sv)
         })
     };
-    (0..line.len()).into_par_iter().map(is_sharp).collect()
+    (0..line.len()).into_par_iter().map(is_crease).collect()
 }

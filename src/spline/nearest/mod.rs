@@ -5,11 +5,11 @@
 //! ([`tree`]) finds the cells that may contain a point nearer than the best known one. In such a
 //! cell the Taylor series at a foot point tells whether this foot point is the only one; if it
 //! cannot tell, the cell is divided. Most queries need none of this. Each cell has a distance up to
-//! which a foot point in it is proved to be the nearest place ([`safety`]).
+//! which a foot point in it is proved to be the nearest place ([`proof`]).
 
 mod cell;
 mod grid;
-mod safety;
+mod proof;
 mod tree;
 
 #[cfg(test)]
@@ -19,10 +19,10 @@ use super::Patch;
 pub(crate) use super::foot::Foot;
 use super::foot::descend;
 use crate::geometry::{Point, Uv};
-use cell::Cell;
-use grid::Grid;
-use safety::Safety;
-use tree::Tree;
+use cell::SurfaceCell;
+use grid::CellGrid;
+use proof::NearestProof;
+use tree::BoxTree;
 
 /// The relative accuracy of distances: this share of the diagonal, or of the distance if that is
 /// longer. Files are rounded more coarsely. A smaller value would make queries from places with
@@ -39,7 +39,7 @@ const LAST_STEP: f64 = 1e-5;
 
 /// The nearest place known so far.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Best {
+pub(crate) struct NearestPlace {
     /// Its parameter point.
     pub at: Uv,
     /// Its distance in mm.
@@ -48,22 +48,22 @@ pub(crate) struct Best {
 
 /// A search structure for the nearest points of a part of a surface.
 #[derive(Debug)]
-pub(crate) struct Search {
-    grid: Grid,
-    safety: Vec<Safety>,
-    tree: Tree,
+pub(crate) struct NearestSearch {
+    grid: CellGrid,
+    proofs: Vec<NearestProof>,
+    tree: BoxTree,
     exact: f64,
 }
 
-impl Search {
+impl NearestSearch {
     /// Builds the structure. Only cells for which `is_used` holds are searched; its arguments are
     /// the low and the high corner of the cell.
     pub fn new<S: Patch + ?Sized>(surface: &S, is_used: impl Fn(Uv, Uv) -> bool + Sync) -> Self {
-        let grid = Grid::new(surface);
-        let tree = Tree::new(&grid, is_used);
-        let safety = safety::all(&grid, &tree);
+        let grid = CellGrid::new(surface);
+        let tree = BoxTree::new(&grid, is_used);
+        let proofs = proof::all(&grid, &tree);
         let exact = EXACT * tree.diagonal();
-        Search { grid, safety, tree, exact }
+        NearestSearch { grid, proofs, tree, exact }
     }
 
     /// A lower bound on the distance of `p` from the part.
@@ -78,9 +78,14 @@ impl Search {
 
     /// Whether it is proved that no foot point except `foot` is nearer than `best` mm. `foot` must
     /// come from a descent on the whole surface.
-    pub fn settles(&self, p: Point, foot: &Foot, best: f64) -> bool {
-        let slope = self.grid.slope(p, foot);
-        self.safety[self.grid.find(foot.at)].settles(foot.distance, slope, best, self.exact)
+    pub fn proves_nearest(&self, p: Point, foot: &Foot, best: f64) -> bool {
+        let remaining_gradient = self.grid.remaining_gradient(p, foot);
+        self.proofs[self.grid.find(foot.at)].proves_nearest(
+            foot.distance,
+            remaining_gradient,
+            best,
+            self.exact,
+        )
     }
 
     /// The nearest of `best` and of all foot points for which `accepts` holds. Creases and ends of
@@ -89,35 +94,35 @@ impl Search {
         &self,
         surface: &S,
         p: Point,
-        best: Best,
+        best: NearestPlace,
         accepts: &dyn Fn(Uv) -> bool,
-    ) -> Best {
-        let mut visit = Visit { surface, p, best, accepts, exact: self.exact };
+    ) -> NearestPlace {
+        let mut search = CellSearch { surface, p, best, accepts, exact: self.exact };
         let mut next = 0;
         while let Some(node) = self.tree.nodes.get(next) {
-            if node.outside(p) >= visit.bound() {
+            if node.outside(p) >= search.bound() {
                 next = node.skip;
                 continue;
             }
             if let Some(i) = node.cell {
-                visit.cell(&self.grid.cells[i], self.grid.ends(i), MOST_HALVINGS);
+                search.cell(&self.grid.cells[i], self.grid.ends(i), MOST_HALVINGS);
             }
             next += 1;
         }
-        visit.best
+        search.best
     }
 }
 
 /// The state of a search over the cells.
-struct Visit<'a, S: ?Sized> {
+struct CellSearch<'a, S: ?Sized> {
     surface: &'a S,
     p: Point,
-    best: Best,
+    best: NearestPlace,
     accepts: &'a dyn Fn(Uv) -> bool,
     exact: f64,
 }
 
-impl<S: Patch + ?Sized> Visit<'_, S> {
+impl<S: Patch + ?Sized> CellSearch<'_, S> {
     /// Cells that are not nearer than this need not be searched.
     fn bound(&self) -> f64 {
         self.best.distance - self.exact.max(EXACT * self.best.distance)
@@ -125,23 +130,23 @@ impl<S: Patch + ?Sized> Visit<'_, S> {
 
     /// Searches a cell. `ends` tells at which sides, low and high in u and in v, the nearest point
     /// need not be a foot point.
-    fn cell(&mut self, cell: &Cell, ends: [[bool; 2]; 2], halvings: usize) {
+    fn cell(&mut self, cell: &SurfaceCell, ends: [[bool; 2]; 2], halvings: usize) {
         let (near, away) = cell.nearest(self.p);
         if away - cell.spread() >= self.bound() {
             return;
         }
-        let growth = cell.growth();
-        if ends == [[false; 2]; 2] && cell.has_no_foot(self.p, &growth) {
+        let derivative_bounds = cell.derivative_bounds();
+        if ends == [[false; 2]; 2] && cell.has_no_foot(self.p, &derivative_bounds) {
             return;
         }
-        let part = Part { surface: self.surface, low: cell.low, high: cell.high };
+        let part = CellRestriction { surface: self.surface, low: cell.low, high: cell.high };
         let last = LAST_STEP * (cell.high - cell.low).min();
         let foot = descend(&part, self.p, near, [true; 2], last);
         if foot.distance < self.best.distance && (self.accepts)(foot.at) {
-            self.best = Best { at: foot.at, distance: foot.distance };
+            self.best = NearestPlace { at: foot.at, distance: foot.distance };
         }
-        let is_only = foot.distance.max(self.best.distance) <= growth.reach();
-        let least = cell.least_distance(self.p, &foot, &growth);
+        let is_only = foot.distance.max(self.best.distance) <= derivative_bounds.reach();
+        let least = cell.least_distance(self.p, &foot, &derivative_bounds);
         let is_flat = cell.spread() <= 0.5 * self.exact;
         if is_only || least >= self.bound() || is_flat || halvings == 0 {
             return;
@@ -159,7 +164,7 @@ impl<S: Patch + ?Sized> Visit<'_, S> {
 }
 
 /// A surface restricted to a cell.
-struct Part<'a, S: ?Sized> {
+struct CellRestriction<'a, S: ?Sized> {
     surface: &'a S,
     low: Uv,
     high: Uv,
@@ -169,7 +174,7 @@ struct Part<'a, S: ?Sized> {
 /// a crease at this line.
 const BEFORE_END: f64 = 1e-12;
 
-impl<S: Patch + ?Sized> Patch for Part<'_, S> {
+impl<S: Patch + ?Sized> Patch for CellRestriction<'_, S> {
     fn jet(&self, at: Uv) -> super::Jet {
         self.surface.jet(at)
     }

@@ -8,7 +8,7 @@
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
-use super::piece::{Piece, run_on};
+use super::bezier_piece::{BezierPiece, run_on};
 use super::{Curve, LoopFault};
 use crate::geometry::{Uv, uv_bounds};
 
@@ -29,7 +29,7 @@ pub type Place = (LoopFault, Option<f64>);
 /// A loop that is proved to be closed, without cusps, and inside [0, 1]².
 #[derive(Debug, Clone)]
 pub struct Outline {
-    pieces: Vec<Piece>,
+    pieces: Vec<BezierPiece>,
     low: Uv,
     high: Uv,
 }
@@ -40,8 +40,8 @@ impl Outline {
     /// # Errors
     /// The fault and its parameter if the loop is open, has a cusp or leaves the domain.
     pub fn new(arcs: &[Curve<2>]) -> Result<Self, Place> {
-        let pieces = Piece::all(arcs).ok_or((LoopFault::Open, None))?;
-        let closed = |(i, p): (usize, &Piece)| {
+        let pieces = BezierPiece::all(arcs).ok_or((LoopFault::Open, None))?;
+        let closed = |(i, p): (usize, &BezierPiece)| {
             (p.end() - pieces[(i + 1) % pieces.len()].start()).amax() <= 1e-12
         };
         if !pieces.iter().enumerate().all(closed) {
@@ -58,7 +58,7 @@ impl Outline {
 
     /// The signed area of the polygon of chords, positive for a counter-clockwise loop.
     fn area(&self) -> f64 {
-        let cross = |p: &Piece| p.start().x * p.end().y - p.end().x * p.start().y;
+        let cross = |p: &BezierPiece| p.start().x * p.end().y - p.end().x * p.start().y;
         0.5 * self.pieces.iter().map(cross).sum::<f64>()
     }
 
@@ -70,9 +70,9 @@ impl Outline {
 }
 
 /// Divides pieces until each turns little and neighbours meet only at their common end.
-fn simple(pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
-    let mut todo: Vec<Piece> = pieces.into_iter().rev().collect();
-    let mut done: Vec<Piece> = Vec::with_capacity(todo.len());
+fn simple(pieces: Vec<BezierPiece>) -> Result<Vec<BezierPiece>, Place> {
+    let mut todo: Vec<BezierPiece> = pieces.into_iter().rev().collect();
+    let mut done: Vec<BezierPiece> = Vec::with_capacity(todo.len());
     while let Some(piece) = todo.pop() {
         let fine = piece.turns_little();
         let joined = done.last().is_none_or(|before| run_on(before, &piece));
@@ -92,7 +92,7 @@ fn simple(pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
 }
 
 /// Does the same for the last piece and the first.
-fn close(mut pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
+fn close(mut pieces: Vec<BezierPiece>) -> Result<Vec<BezierPiece>, Place> {
     while pieces.len() < 2 || !run_on(&pieces[pieces.len() - 1], &pieces[0]) {
         let Some(last) = pieces.pop() else { return Err((LoopFault::Open, None)) };
         if last.length() < SHORTEST {
@@ -136,15 +136,16 @@ pub fn misplaced(outlines: &[&Outline], nests: &[Nest]) -> Vec<(usize, Place)> {
 /// The places where loops come too near to each other or to themselves, as the position of the loop
 /// in `outlines` and the fault.
 pub fn crossings(outlines: &[&Outline]) -> Vec<(usize, Place)> {
-    let mut order: Vec<Entry> = Vec::new();
+    let mut order: Vec<PieceEntry> = Vec::new();
     for (ring, outline) in outlines.iter().enumerate() {
-        let entry = |(number, piece)| Entry::new(ring, number, piece);
+        let entry = |(number, piece)| PieceEntry::new(ring, number, piece);
         order.extend(outline.pieces.iter().enumerate().map(entry));
     }
     order.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
     let mut found = Vec::new();
     // Only pieces whose boxes overlap can come too near.
-    let place = |(k, e): (usize, &Entry)| GeomWithData::new(Rectangle::from_aabb(e.within(0.0)), k);
+    let place =
+        |(k, e): (usize, &PieceEntry)| GeomWithData::new(Rectangle::from_aabb(e.within(0.0)), k);
     let tree = RTree::bulk_load(order.iter().enumerate().map(place).collect());
     let mut near: Vec<usize> = Vec::new();
     for (k, a) in order.iter().enumerate() {
@@ -167,18 +168,18 @@ pub fn crossings(outlines: &[&Outline]) -> Vec<(usize, Place)> {
 }
 
 /// A piece among those of all loops, with its bounding box.
-struct Entry<'a> {
+struct PieceEntry<'a> {
     ring: usize,
     number: usize,
-    piece: &'a Piece,
+    piece: &'a BezierPiece,
     low: Uv,
     high: Uv,
 }
 
-impl<'a> Entry<'a> {
-    fn new(ring: usize, number: usize, piece: &'a Piece) -> Self {
+impl<'a> PieceEntry<'a> {
+    fn new(ring: usize, number: usize, piece: &'a BezierPiece) -> Self {
         let [low, high] = piece.bounds();
-        Entry { ring, number, piece, low, high }
+        PieceEntry { ring, number, piece, low, high }
     }
 
     /// The bounding box, enlarged by a margin on every side.

@@ -8,14 +8,14 @@ const CONE_COS: f64 = 0.5;
 
 /// A cubic Bézier curve over a range of the parameters of a loop.
 #[derive(Debug, Clone)]
-pub(super) struct Piece {
+pub(super) struct BezierPiece {
     range: [f64; 2],
     pub points: [Uv; 4],
 }
 
-impl Piece {
+impl BezierPiece {
     /// The pieces of cubic arcs, one for each knot span. `None` if an arc is not cubic.
-    pub fn all(arcs: &[Curve<2>]) -> Option<Vec<Piece>> {
+    pub fn all(arcs: &[Curve<2>]) -> Option<Vec<BezierPiece>> {
         let mut pieces = Vec::new();
         for arc in arcs {
             if arc.knots.degree() != 3 {
@@ -27,7 +27,7 @@ impl Piece {
                 let point = |t| Uv::from(arc.knots.blossom(span, &arc.control, t));
                 let points =
                     [&[a, a, a], &[a, a, b], &[a, b, b], &[b, b, b]].map(|t: &[f64; 3]| point(t));
-                pieces.push(Piece { range: [a, b], points });
+                pieces.push(BezierPiece { range: [a, b], points });
             }
         }
         (!pieces.is_empty()).then_some(pieces)
@@ -52,7 +52,7 @@ impl Piece {
     }
 
     /// The two halves, by de Casteljau's algorithm.
-    pub fn split(&self) -> [Piece; 2] {
+    pub fn split(&self) -> [BezierPiece; 2] {
         let [a, b, c, d] = self.points;
         let half = |p: &Uv, q: &Uv| nalgebra::center(p, q);
         let (ab, bc, cd) = (half(&a, &b), half(&b, &c), half(&c, &d));
@@ -60,8 +60,8 @@ impl Piece {
         let top = half(&abc, &bcd);
         let middle = self.middle();
         [
-            Piece { range: [self.range[0], middle], points: [a, ab, abc, top] },
-            Piece { range: [middle, self.range[1]], points: [top, bcd, cd, d] },
+            BezierPiece { range: [self.range[0], middle], points: [a, ab, abc, top] },
+            BezierPiece { range: [middle, self.range[1]], points: [top, bcd, cd, d] },
         ]
     }
 
@@ -101,7 +101,7 @@ impl Piece {
     }
 
     /// Whether the pieces are proved to be more than `clearance` apart.
-    pub fn is_apart(&self, other: &Piece, clearance: f64, shortest: f64) -> bool {
+    pub fn is_apart(&self, other: &BezierPiece, clearance: f64, shortest: f64) -> bool {
         let ([a, b], [c, d]) = (self.bounds(), other.bounds());
         let gap = (c - b).sup(&(a - d));
         if gap.max() > clearance {
@@ -130,7 +130,7 @@ impl Piece {
 
 /// Whether two consecutive pieces meet only at their common end. This holds if both advance in one
 /// common direction.
-pub(super) fn run_on(before: &Piece, after: &Piece) -> bool {
+pub(super) fn run_on(before: &BezierPiece, after: &BezierPiece) -> bool {
     let along = before.chord().normalize() + after.chord().normalize();
     before.directions().iter().chain(&after.directions()).all(|d| d.dot(&along) > 0.0)
 }
