@@ -5,10 +5,10 @@ use std::fmt;
 use rayon::prelude::*;
 
 use super::Deviation;
-use super::outline::Outline;
+use super::slab_polygon::SlabPolygon;
 use crate::geometry::{Point, Uv, bounds};
 use crate::spline::chords::chords;
-use crate::spline::nearest::{Best, EXACT, Foot, Search};
+use crate::spline::nearest::{EXACT, Foot, NearestPlace, NearestSearch};
 use crate::spline::{Curve, EdgeTree, Patch, Surface};
 
 /// A surface with the loops that trim it. Loops may be nested: holes in the face, islands in the
@@ -18,7 +18,7 @@ pub struct Face<'a, S> {
     /// The same surface in a form that is faster to evaluate, if there is one.
     quick: Option<Box<dyn Patch>>,
     trim: Trim,
-    search: Search,
+    search: NearestSearch,
 }
 
 impl<S: fmt::Debug> fmt::Debug for Face<'_, S> {
@@ -30,7 +30,7 @@ impl<S: fmt::Debug> fmt::Debug for Face<'_, S> {
 /// The trimming loops of a face.
 #[derive(Debug)]
 struct Trim {
-    outlines: Vec<Outline>,
+    outlines: Vec<SlabPolygon>,
     /// Whether a place that no loop surrounds is on the face.
     natural: bool,
     /// The sides of the polygons in space. `sides` has them in the parameter plane, in the same
@@ -40,7 +40,7 @@ struct Trim {
 }
 
 /// A corner of a polygon: its parameter point and its position in space.
-type Corner = (Uv, Point);
+type PolygonCorner = (Uv, Point);
 
 impl<'a> Face<'a, Surface> {
     /// The face that the given loops trim. A face that is `natural` ends where the surface ends;
@@ -61,8 +61,10 @@ impl<'a> Face<'a, Surface> {
             false => bounds(breaks),
         };
         let chord = EXACT * (high - low).norm();
-        let rings =
-            loops.par_iter().map(|arcs| ring(looks(surface, &quick), arcs, chord)).collect();
+        let rings = loops
+            .par_iter()
+            .map(|arcs| loop_polygon(evaluated(surface, &quick), arcs, chord))
+            .collect();
         Face::with(surface, quick, rings, natural)
     }
 
@@ -77,18 +79,19 @@ impl<'a> Face<'a, Surface> {
 impl<'a, S: Patch> Face<'a, S> {
     /// The face that closed polygons trim. A place is on the face depending on whether an odd or an
     /// even number of polygons contains it. Without polygons the face is the whole surface.
-    pub fn of_rings(surface: &'a S, rings: Vec<Vec<Corner>>, natural: bool) -> Self {
+    pub fn of_rings(surface: &'a S, rings: Vec<Vec<PolygonCorner>>, natural: bool) -> Self {
         Face::with(surface, surface.quick(), rings, natural)
     }
 
     fn with(
         surface: &'a S,
         quick: Option<Box<dyn Patch>>,
-        rings: Vec<Vec<Corner>>,
+        rings: Vec<Vec<PolygonCorner>>,
         natural: bool,
     ) -> Self {
         let trim = Trim::new(&rings, natural);
-        let search = Search::new(looks(surface, &quick), |low, high| trim.leaves(low, high));
+        let search =
+            NearestSearch::new(evaluated(surface, &quick), |low, high| trim.leaves(low, high));
         Face { surface, quick, trim, search }
     }
 
@@ -114,16 +117,16 @@ impl<'a, S: Patch> Face<'a, S> {
     /// The nearest point is a foot point on the face, or it lies on a trim curve. On a face that
     /// ends where the surface ends it may also lie at this end.
     pub fn nearest(&self, p: Point, start: Option<Uv>) -> (Uv, f64) {
-        let looks = looks(self.surface, &self.quick);
+        let evaluated = evaluated(self.surface, &self.quick);
         let start = start.unwrap_or_else(|| self.search.start(p));
-        let foot = Foot::find(looks, p, start);
-        let own = Best { at: foot.at, distance: foot.distance };
+        let foot = Foot::find(evaluated, p, start);
+        let own = NearestPlace { at: foot.at, distance: foot.distance };
         let is_on_face = self.contains(foot.at);
         let mut best = if is_on_face { own } else { self.trim.nearest(p).unwrap_or(own) };
-        if !self.search.settles(p, &foot, best.distance) {
+        if !self.search.proves_nearest(p, &foot, best.distance) {
             let edge = if is_on_face { self.trim.nearest(p) } else { None };
             best = edge.filter(|edge| edge.distance < best.distance).unwrap_or(best);
-            best = self.search.improve(looks, p, best, &|at| self.contains(at));
+            best = self.search.improve(evaluated, p, best, &|at| self.contains(at));
         }
         (best.at, best.distance)
     }
@@ -136,9 +139,9 @@ impl<'a, S: Patch> Face<'a, S> {
 }
 
 impl Trim {
-    fn new(rings: &[Vec<Corner>], natural: bool) -> Self {
+    fn new(rings: &[Vec<PolygonCorner>], natural: bool) -> Self {
         let sides = || rings.iter().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)));
-        let outlines = rings.par_iter().map(|ring| Outline::new(ring.iter().map(|c| c.0)));
+        let outlines = rings.par_iter().map(|ring| SlabPolygon::new(ring.iter().map(|c| c.0)));
         Trim {
             outlines: outlines.collect(),
             natural: natural || rings.is_empty(),
@@ -159,27 +162,27 @@ impl Trim {
     }
 
     /// The nearest point of the trim curves.
-    fn nearest(&self, p: Point) -> Option<Best> {
+    fn nearest(&self, p: Point) -> Option<NearestPlace> {
         let (side, share, distance) = self.edges.nearest(p)?;
         let [a, b] = self.sides[side];
-        Some(Best { at: a + share * (b - a), distance })
+        Some(NearestPlace { at: a + share * (b - a), distance })
     }
 }
 
 /// The form of the surface that is evaluated.
-fn looks<'a, S: Patch>(surface: &'a S, quick: &'a Option<Box<dyn Patch>>) -> &'a dyn Patch {
+fn evaluated<'a, S: Patch>(surface: &'a S, quick: &'a Option<Box<dyn Patch>>) -> &'a dyn Patch {
     quick.as_deref().unwrap_or(surface)
 }
 
 /// The polygon that approximates a loop.
-fn ring(surface: &dyn Patch, arcs: &[Curve<2>], chord: f64) -> Vec<Corner> {
+fn loop_polygon(surface: &dyn Patch, arcs: &[Curve<2>], chord: f64) -> Vec<PolygonCorner> {
     let mut ring = Vec::new();
     for arc in arcs {
         let at = |t: f64| {
             let uv = Uv::from(arc.point(t));
             (uv, surface.point(uv))
         };
-        ring.extend(chords(&arc.knots.breaks(), &at, |corner: &Corner| corner.1, chord));
+        ring.extend(chords(&arc.knots.breaks(), &at, |corner: &PolygonCorner| corner.1, chord));
         ring.pop();
     }
     ring

@@ -10,13 +10,13 @@ use crate::spline::{Patch, Surface, for_many_looks};
 
 /// The number of samples for each knot cell that a triangle spans in the parameter plane, along a
 /// side.
-const PLACES_A_CELL: f64 = 2.0;
+const SAMPLES_PER_CELL: f64 = 2.0;
 
 /// The largest number of samples along the side of a triangle.
-const MOST_PLACES: usize = 64;
+const MAX_SAMPLES: usize = 64;
 
 /// The approximate number of triangles that are sampled for the mean and the percentile.
-const LOOKED_AT: usize = 20_000;
+const SAMPLED_TRIANGLES: usize = 20_000;
 
 /// The distances of samples of a face from the triangles of the scan, in mm.
 #[derive(Debug, Clone, Default)]
@@ -77,7 +77,7 @@ pub(crate) struct Left {
 }
 
 /// The result for one triangle.
-struct Seen {
+struct TriangleDeviation {
     /// The position of the triangle in `triangles`.
     triangle: usize,
     /// The largest distance of its samples.
@@ -108,7 +108,7 @@ impl<'a> Between<'a> {
         if count == 0 {
             return FaceToScan::default();
         }
-        let step = count.div_ceil(LOOKED_AT);
+        let step = count.div_ceil(SAMPLED_TRIANGLES);
         let sample: Vec<usize> = (0..count).step_by(step).collect();
         let seen = self.seen(&sample, true, &is_on);
         let mut distances: Vec<f64> = seen.iter().map(|seen| seen.distance).collect();
@@ -130,7 +130,7 @@ impl<'a> Between<'a> {
             max: worst.distance,
             max_at: worst.at.coords.into(),
             chord_error: self.chord_error(worst.triangle),
-            beyond: self.misses(&bounds, tolerance, 1.0, &is_on).len(),
+            beyond: self.deviating(&bounds, tolerance, 1.0, &is_on).len(),
             triangles: count,
         }
     }
@@ -139,23 +139,23 @@ impl<'a> Between<'a> {
     /// their chord error.
     pub(crate) fn left(&self, tolerance: f64, share: f64) -> Vec<Left> {
         let everywhere = |_| true;
-        let left = |Seen { triangle: i, distance, .. }| Left {
+        let left = |TriangleDeviation { triangle: i, distance, .. }| Left {
             triangle: self.triangles[i],
             ratio: distance / (tolerance + self.chord_error(i)),
         };
-        let seen = self.misses(&self.bounds(&everywhere), tolerance, share, &everywhere);
+        let seen = self.deviating(&self.bounds(&everywhere), tolerance, share, &everywhere);
         seen.into_iter().map(left).collect()
     }
 
     /// The farthest samples on the face of such triangles. `bounds` are upper bounds on the
     /// distances.
-    fn misses(
+    fn deviating(
         &self,
         bounds: &[f64],
         tolerance: f64,
         share: f64,
         is_on: &(impl Fn(Uv) -> bool + Sync),
-    ) -> Vec<Seen> {
+    ) -> Vec<TriangleDeviation> {
         let allowed = |i: usize| share * (tolerance + self.chord_error(i));
         let far = |&i: &usize| bounds[i] > share * tolerance && bounds[i] > allowed(i);
         let far: Vec<usize> = (0..bounds.len()).filter(far).collect();
@@ -176,29 +176,29 @@ impl<'a> Between<'a> {
         which: &[usize],
         around: bool,
         is_on: &(impl Fn(Uv) -> bool + Sync),
-    ) -> Vec<Seen> {
+    ) -> Vec<TriangleDeviation> {
         let surface = for_many_looks(self.surface);
-        which.par_iter().map(|&i| self.look(i, around, &*surface, is_on)).collect()
+        which.par_iter().map(|&i| self.sample_triangle(i, around, &*surface, is_on)).collect()
     }
 
     /// Samples the surface at the centres of the parts into which a triangle is divided.
-    fn look(
+    fn sample_triangle(
         &self,
         i: usize,
         around: bool,
         surface: &(impl Patch + ?Sized),
         is_on: &impl Fn(Uv) -> bool,
-    ) -> Seen {
+    ) -> TriangleDeviation {
         let [a, b, c] = self.corners(i);
-        let along = PLACES_A_CELL * spanned([a, b, c], self.cells);
-        let n = (along.ceil() as usize).clamp(1, MOST_PLACES);
-        let mut seen = Seen { triangle: i, distance: 0.0, at: Point::origin() };
+        let along = SAMPLES_PER_CELL * spanned([a, b, c], self.cells);
+        let n = (along.ceil() as usize).clamp(1, MAX_SAMPLES);
+        let mut seen = TriangleDeviation { triangle: i, distance: 0.0, at: Point::origin() };
         for (x, y) in middles(n) {
             let at = a + (b - a) * x + (c - a) * y;
             let place = surface.point(at);
             let distance = if around { self.distance(place, i) } else { self.to(i, place) };
             if distance > seen.distance && is_on(at) {
-                seen = Seen { distance, at: place, ..seen };
+                seen = TriangleDeviation { distance, at: place, ..seen };
             }
         }
         seen
@@ -253,8 +253,8 @@ pub(crate) fn spanned([a, b, c]: [Uv; 3], cells: [f64; 2]) -> f64 {
     reach(0).max(reach(1))
 }
 
-fn farthest(seen: Vec<Seen>) -> Seen {
-    let none = Seen { triangle: 0, distance: 0.0, at: Point::origin() };
+fn farthest(seen: Vec<TriangleDeviation>) -> TriangleDeviation {
+    let none = TriangleDeviation { triangle: 0, distance: 0.0, at: Point::origin() };
     seen.into_iter().fold(none, |far, seen| if seen.distance > far.distance { seen } else { far })
 }
 

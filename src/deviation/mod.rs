@@ -4,7 +4,7 @@
 
 mod face;
 mod face_to_scan;
-mod outline;
+mod slab_polygon;
 
 pub use face::Face;
 pub use face_to_scan::FaceToScan;

@@ -18,11 +18,11 @@ pub type Miss = (Uv, f64);
 
 /// A span is halved in both directions unless the gain in one is smaller than this share of the
 /// gain in the other.
-const BOTH: f64 = 0.5;
+const BOTH_DIRECTIONS: f64 = 0.5;
 
 /// Only spans whose sum of misses is at least this share of the largest sum are halved. The next
 /// fit shows what a few lines achieve.
-const WORTH: f64 = 0.05;
+const MIN_SCORE_SHARE: f64 = 0.05;
 
 /// The limits on the knots that are inserted.
 #[derive(Debug, Clone, Copy)]
@@ -65,7 +65,7 @@ pub fn insert(
                 false => -1.0,
             });
             for axis in 0..2 {
-                if gain[axis] >= 0.0 && gain[axis] >= BOTH * gain[1 - axis] {
+                if gain[axis] >= 0.0 && gain[axis] >= BOTH_DIRECTIONS * gain[1 - axis] {
                     scores[axis][place[axis]] += size;
                 }
             }
@@ -86,7 +86,7 @@ pub fn insert(
     let mut breaks = jumps.breaks.clone();
     for &(score, axis, span) in &spans {
         let larger = (size[axis] + 1).saturating_mul(size[1 - axis]);
-        if score < WORTH * spans[0].0 || larger > bounds.most {
+        if score < MIN_SCORE_SHARE * spans[0].0 || larger > bounds.most {
             break;
         }
         if score < bounds.price * size[1 - axis] as f64 {

@@ -45,20 +45,23 @@ pub struct Report {
 
 /// Regions with fewer points than this are not divided. A bicubic polynomial has 16 coefficients,
 /// so it would nearly interpolate fewer points.
-const FEWEST: usize = 32;
+const MIN_POINTS: usize = 32;
 
 /// Places the knots of a bicubic surface over [0, 1]², first in u, then in v.
 pub fn place(samples: &Samples, options: &Options) -> ([KnotVector; 2], Report) {
-    let mut points: Vec<Sample> =
+    let mut points: Vec<ParameterPoint> =
         samples.uv.par_iter().zip(&samples.points).map(|(&uv, p)| (uv, p.coords)).collect();
     let root = Region { low: Uv::origin(), size: 1.0, depth: 0 };
-    let found = divide(&mut points, root, options);
-    let report =
-        Report { regions: found.regions, above_kappa: found.above_kappa, depth: found.depth };
+    let division = divide(&mut points, root, options);
+    let report = Report {
+        regions: division.regions,
+        above_kappa: division.above_kappa,
+        depth: division.depth,
+    };
     let [low, high] = uv_bounds(&samples.uv);
     let knots = [0, 1].map(|axis| {
         let unit = (1u64 << MAX_DEPTH) as f64;
-        let inner = found.cuts[axis].iter().map(|&c| c as f64 / unit);
+        let inner = division.cuts[axis].iter().map(|&c| c as f64 / unit);
         // Outside the range of the points the surface is only extrapolated.
         let inner = inner.filter(|&c| low[axis] < c && c < high[axis]);
         let breaks: Vec<f64> =
@@ -76,7 +79,7 @@ const BLOCK: usize = 1 << 14;
 const MAX_DEPTH: u32 = 40;
 
 /// A point with its parameter point.
-type Sample = (Uv, Vector);
+type ParameterPoint = (Uv, Vector);
 
 struct Region {
     low: Uv,
@@ -86,19 +89,19 @@ struct Region {
 
 /// The cuts in u and v in units of 2^−MAX_DEPTH, and the counts of regions.
 #[derive(Default)]
-struct Found {
+struct Division {
     cuts: [BTreeSet<u64>; 2],
     regions: usize,
     above_kappa: usize,
     depth: u32,
 }
 
-fn divide(points: &mut [Sample], region: Region, options: &Options) -> Found {
+fn divide(points: &mut [ParameterPoint], region: Region, options: &Options) -> Division {
     let fits = mean_error(points, &region) <= options.kappa;
     let depth = options.depth.min(MAX_DEPTH - 1);
-    if fits || region.depth >= depth || points.len() < FEWEST {
+    if fits || region.depth >= depth || points.len() < MIN_POINTS {
         let above_kappa = usize::from(!fits);
-        return Found { regions: 1, above_kappa, depth: region.depth, ..Found::default() };
+        return Division { regions: 1, above_kappa, depth: region.depth, ..Division::default() };
     }
     let half = 0.5 * region.size;
     let middle = region.low + nalgebra::Vector2::repeat(half);
@@ -112,7 +115,7 @@ fn divide(points: &mut [Sample], region: Region, options: &Options) -> Found {
         rayon::join(|| divide(p, r, options), || divide(q, s, options))
     };
     let ((a, b), (c, d)) = rayon::join(|| both(a, b, low.x), || both(c, d, middle.x));
-    let mut all = Found::default();
+    let mut all = Division::default();
     for part in [a, b, c, d] {
         all.regions += part.regions;
         all.above_kappa += part.above_kappa;
@@ -130,16 +133,16 @@ fn divide(points: &mut [Sample], region: Region, options: &Options) -> Found {
 /// Moves the points for which `first` holds to the front. The order within both parts is kept, so
 /// sums over them are the same in every run.
 fn split(
-    points: &mut [Sample],
+    points: &mut [ParameterPoint],
     first: impl Fn(Uv) -> bool + Sync,
-) -> (&mut [Sample], &mut [Sample]) {
+) -> (&mut [ParameterPoint], &mut [ParameterPoint]) {
     let count = points.par_iter().filter(|p| first(p.0)).count();
     points.par_sort_by_key(|p| !first(p.0));
     points.split_at_mut(count)
 }
 
 /// The mean distance of the points from their bicubic least-squares polynomial.
-fn mean_error(points: &[Sample], region: &Region) -> f64 {
+fn mean_error(points: &[ParameterPoint], region: &Region) -> f64 {
     if points.is_empty() {
         return 0.0;
     }
@@ -147,7 +150,7 @@ fn mean_error(points: &[Sample], region: &Region) -> f64 {
         let [u, v] = [uv.x - region.low.x, uv.y - region.low.y].map(|t| legendre(t / region.size));
         SVector::<f64, 16>::from_fn(|i, _| u[i / 4] * v[i % 4])
     };
-    let sums = |points: &[Sample]| {
+    let sums = |points: &[ParameterPoint]| {
         let mut gram = SMatrix::<f64, 16, 16>::zeros();
         let mut right = SMatrix::<f64, 16, 3>::zeros();
         for (uv, p) in points {
@@ -166,7 +169,7 @@ fn mean_error(points: &[Sample], region: &Region) -> f64 {
     let c: Matrix3xX<f64> = Matrix3xX::from_columns(
         &factor.solve(&right).row_iter().map(|r| r.transpose()).collect::<Vec<_>>(),
     );
-    let off = |(uv, p): &Sample| (&c * basis(*uv) - p).norm();
+    let off = |(uv, p): &ParameterPoint| (&c * basis(*uv) - p).norm();
     let blocks: Vec<f64> =
         points.par_chunks(BLOCK).map(|block| block.iter().map(off).sum()).collect();
     blocks.iter().sum::<f64>() / points.len() as f64

@@ -4,7 +4,7 @@ use crate::geometry::{Uv, ray_crosses, uv_bounds};
 
 /// A closed polygon that is indexed by strips of v (slab method: Dobkin, Lipton, 1976).
 #[derive(Debug, Clone)]
-pub struct Outline {
+pub struct SlabPolygon {
     corners: Vec<Uv>,
     low: Uv,
     high: Uv,
@@ -12,12 +12,12 @@ pub struct Outline {
     strips: Vec<Vec<u32>>,
 }
 
-impl Outline {
+impl SlabPolygon {
     pub(super) fn new(corners: impl Iterator<Item = Uv>) -> Self {
         let corners: Vec<Uv> = corners.collect();
         let [low, high] = uv_bounds(&corners);
         let count = (corners.len() / 4).clamp(1, 4096);
-        let mut outline = Outline { corners, low, high, strips: vec![Vec::new(); count] };
+        let mut outline = SlabPolygon { corners, low, high, strips: vec![Vec::new(); count] };
         for i in 0..outline.corners.len() {
             let (a, b) = outline.side(i);
             let strips = outline.strip(a.y.min(b.y))..=outline.strip(a.y.max(b.y));
@@ -76,7 +76,7 @@ mod tests {
             Uv::new(0.5 + radius * angle.cos(), 0.5 + radius * angle.sin())
         });
         let star: Vec<Uv> = star.collect();
-        let outline = Outline::new(star.iter().copied());
+        let outline = SlabPolygon::new(star.iter().copied());
         for k in 0..10_000 {
             let p = Uv::new(f64::from(k % 100) / 99.0, f64::from(k / 100) / 99.0);
             assert_eq!(outline.contains(p), is_inside(p, &star), "{p}");
