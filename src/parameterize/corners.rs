@@ -5,10 +5,10 @@ use crate::geometry::{Point, VertexId};
 use crate::mesh::{Mesh, boundary};
 
 /// The largest number of convex turns of the boundary that are candidates.
-const TURNS: usize = 24;
+const MAX_TURNS: usize = 24;
 
 /// The number of vertices at equal distances along the boundary that are candidates as well.
-const EVEN: usize = 16;
+const EVEN_CANDIDATES: usize = 16;
 
 /// The positions in the outer loop of the vertices nearest to the four points of the user, in the
 /// order of the loop. The vertex of the first point comes first.
@@ -32,7 +32,7 @@ pub fn given(mesh: &Mesh, outer: &[VertexId], points: &[Point; 4]) -> Result<[us
 }
 
 /// A boundary vertex that may become a corner.
-struct Candidate {
+struct CornerCandidate {
     position: usize,
     /// Its position along the loop, as a share of the length of the loop.
     at: f64,
@@ -41,7 +41,7 @@ struct Candidate {
 }
 
 /// The largest number of corner sets that are tried.
-const SETS: usize = 8;
+const MAX_SETS: usize = 8;
 
 /// Sets of four positions, the best first. A set is good if its turning angles are near right
 /// angles and its opposite sides have about equal lengths.
@@ -63,7 +63,7 @@ pub fn likely(mesh: &Mesh, outer: &[VertexId]) -> Result<Vec<[usize; 4]>> {
         }
     }
     rated.sort_by(|a, b| a.0.total_cmp(&b.0));
-    rated.truncate(SETS);
+    rated.truncate(MAX_SETS);
     let sets: Vec<_> = rated.into_iter().map(|(_, four)| four).collect();
     if sets.is_empty() { Err(Error::TooSmall(outer.len())) } else { Ok(sets) }
 }
@@ -71,14 +71,14 @@ pub fn likely(mesh: &Mesh, outer: &[VertexId]) -> Result<Vec<[usize; 4]>> {
 /// The cost of a set. A corner costs nothing if it is a right angle or sharper, and 1 if the
 /// boundary is straight there; concave places cost up to 1.5. Opposite sides cost half the
 /// logarithm of the ratio of their lengths.
-fn cost(four: [&Candidate; 4]) -> f64 {
+fn cost(four: [&CornerCandidate; 4]) -> f64 {
     let missing: f64 = four.iter().map(|c| (1.0 - c.turn).clamp(0.0, 1.5)).sum();
     let side = |k: usize| (four[(k + 1) % 4].at - four[k].at).rem_euclid(1.0).max(1e-9);
     let uneven = |k: usize| (side(k) / side(k + 2)).ln().abs();
     missing + 0.5 * (uneven(0) + uneven(1))
 }
 
-fn candidates(mesh: &Mesh, ring: &[VertexId]) -> Vec<Candidate> {
+fn candidates(mesh: &Mesh, ring: &[VertexId]) -> Vec<CornerCandidate> {
     let n = ring.len();
     let points: Vec<Point> = ring.iter().map(|&v| mesh.point(v)).collect();
     let lengths: Vec<f64> = boundary::sides(mesh, ring).collect();
@@ -92,7 +92,7 @@ fn candidates(mesh: &Mesh, ring: &[VertexId]) -> Vec<Candidate> {
         let normal = normals[ring[i].index()];
         let angle = normal.dot(&before.cross(&after)).signum() * before.angle(&after);
         let turn = angle / std::f64::consts::FRAC_PI_2;
-        all.push(Candidate { position: i, at: walked / total, turn });
+        all.push(CornerCandidate { position: i, at: walked / total, turn });
         walked += length;
     }
     let mut chosen = Vec::new();
@@ -101,7 +101,7 @@ fn candidates(mesh: &Mesh, ring: &[VertexId]) -> Vec<Candidate> {
         all[tip].turn = all[i].turn;
         chosen.push(tip);
     }
-    let step = n.div_ceil(EVEN).max(1);
+    let step = n.div_ceil(EVEN_CANDIDATES).max(1);
     let far = |i: &usize| chosen.iter().all(|&j| apart(&all, *i, j) > window / total);
     let even: Vec<usize> = (0..n).step_by(step).filter(far).collect();
     chosen.extend(even);
@@ -117,12 +117,12 @@ fn candidates(mesh: &Mesh, ring: &[VertexId]) -> Vec<Candidate> {
 }
 
 /// The sharpest convex turns. A turn counts only if it is the sharpest within a window.
-fn peaks(all: &[Candidate], window: f64) -> Vec<usize> {
+fn peaks(all: &[CornerCandidate], window: f64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..all.len()).filter(|&i| all[i].turn > 0.2).collect();
     order.sort_by(|&i, &j| all[j].turn.total_cmp(&all[i].turn).then(i.cmp(&j)));
     let mut kept: Vec<usize> = Vec::new();
     for i in order {
-        if kept.len() < TURNS && kept.iter().all(|&j| apart(all, i, j) > window) {
+        if kept.len() < MAX_TURNS && kept.iter().all(|&j| apart(all, i, j) > window) {
             kept.push(i);
         }
     }
@@ -130,7 +130,7 @@ fn peaks(all: &[Candidate], window: f64) -> Vec<usize> {
 }
 
 /// The distance between two boundary vertices along the loop, as a share of its length.
-fn apart(all: &[Candidate], i: usize, j: usize) -> f64 {
+fn apart(all: &[CornerCandidate], i: usize, j: usize) -> f64 {
     let d = (all[i].at - all[j].at).abs();
     d.min(1.0 - d)
 }

@@ -16,24 +16,24 @@ mod aggregates;
 mod bays;
 mod chords;
 mod coarse;
+mod compressed;
 mod corners;
-mod crushed;
-mod gaps;
-mod hierarchy;
-mod layout;
-mod level;
-mod map;
+mod insertion;
 mod mean_value;
 mod mend;
 mod multigrid;
+mod one_rings;
 mod outline;
+mod progressive_mesh;
 mod rectangle;
+mod rectangle_map;
 mod relax;
-mod skirt;
+mod scaffold;
 mod solve;
 mod sparse;
-mod stars;
+mod square_map;
 mod stretch;
+mod sweep_mesh;
 mod weights;
 
 use crate::course::{self, Course};
@@ -44,7 +44,7 @@ use crate::rules;
 
 pub use crate::mesh::{Outline, Parameterized, Skirt};
 pub use bays::Bays;
-pub use crushed::{Crushed, crushed};
+pub use compressed::{Crushed, crushed};
 pub use stretch::Stretch;
 
 /// The kind of map.
@@ -128,12 +128,12 @@ pub fn parameterize_with(
         return outline::map(patch, options, course);
     }
     let (patch, bays) = bays::close(patch.without_bays().unwrap_or(patch), None);
-    let share = |round: u32| f64::from(round) / f64::from(AGAIN + 1);
+    let share = |round: u32| f64::from(round) / f64::from(MAX_REMAPS + 1);
     let (mut map, mut report) =
         outline::map(patch, options, &mut course::part(course, share(0), share(1)))?;
     report.bays = bays;
     let free = Options { outline: Some(Outline::Free), ..options.clone() };
-    for round in 1..=AGAIN {
+    for round in 1..=MAX_REMAPS {
         if map.outline != Outline::Free || report.split_edges > 0 {
             break;
         }
@@ -144,7 +144,7 @@ pub fn parameterize_with(
         }
         let mut part = course::part(course, share(round), share(round + 1));
         let (next, how) = outline::map(patch, &free, &mut part)?;
-        if how.stretch.l2 > WORSE * report.stretch.l2 {
+        if how.stretch.l2 > MAX_STRETCH_GROWTH * report.stretch.l2 {
             break;
         }
         (map, report) = (next, Report { bays, ..how });
@@ -157,7 +157,7 @@ pub fn parameterize_with(
 
 /// The largest number of times that bays are closed again as the latest map shows them. The map
 /// changes with the bays.
-const AGAIN: u32 = 2;
+const MAX_REMAPS: u32 = 2;
 
 /// A new map is rejected if its stretch exceeds that of the map before by this factor.
-const WORSE: f64 = 1.02;
+const MAX_STRETCH_GROWTH: f64 = 1.02;

@@ -9,24 +9,24 @@ use faer::{MatMut, MatRef, Par};
 use rayon::prelude::*;
 
 use super::aggregates;
-use super::sparse::{self, BLOCK, Matrix, Pair};
+use super::sparse::{self, BLOCK, Matrix, UvPair};
 
 /// A system with at most this number of unknowns is solved directly.
-pub const FEW: usize = 500;
+pub const DIRECT_SIZE: usize = 500;
 
 /// A coarser level is used only if it has at most this share of the unknowns.
-const FEWER: f64 = 0.7;
+const MAX_COARSENING: f64 = 0.7;
 
 /// A linear system and a sequence of coarser systems that approximate it.
 #[derive(Debug)]
 pub struct Multigrid {
-    levels: Vec<Level>,
+    levels: Vec<GridLevel>,
     last: Lu<u32, f64>,
 }
 
 /// A system and its transfer to the next coarser one.
 #[derive(Debug)]
-struct Level {
+struct GridLevel {
     matrix: Matrix,
     diagonal: Vec<f64>,
     /// The maps from the unknowns of the next level to those of this one, and back.
@@ -38,11 +38,11 @@ impl Multigrid {
     /// Builds the levels for a square matrix with a positive diagonal. Returns `None` if the matrix
     /// is singular or too large for the memory, or if it cannot be coarsened.
     pub fn new(mut matrix: Matrix) -> Option<Self> {
-        let mut levels: Vec<Level> = Vec::new();
-        while matrix.nrows() > FEW {
-            let level = Level::new(matrix)?;
+        let mut levels: Vec<GridLevel> = Vec::new();
+        while matrix.nrows() > DIRECT_SIZE {
+            let level = GridLevel::new(matrix)?;
             let coarse = level.coarse()?;
-            let few = FEWER * level.diagonal.len() as f64;
+            let few = MAX_COARSENING * level.diagonal.len() as f64;
             if coarse.nrows() as f64 > few {
                 matrix = level.matrix;
                 break;
@@ -60,7 +60,7 @@ impl Multigrid {
     }
 
     /// Approximately solves the system of `level` for the right-hand side `b`, into `x`.
-    fn cycle(&self, level: usize, b: &[Pair], x: &mut [Pair], stack: &mut MemStack) {
+    fn cycle(&self, level: usize, b: &[UvPair], x: &mut [UvPair], stack: &mut MemStack) {
         let Some(here) = self.levels.get(level) else { return self.solve_last(b, x) };
         let (n, few) = (x.len(), here.prolongation.ncols());
         let (mut room, stack) = stack.make_with(n, |_| [0.0; 2]);
@@ -79,21 +79,22 @@ impl Multigrid {
         here.sweep(b, &room, x, true);
     }
 
-    fn solve_last(&self, b: &[Pair], x: &mut [Pair]) {
+    fn solve_last(&self, b: &[UvPair], x: &mut [UvPair]) {
         let right = faer::Mat::from_fn(b.len(), 2, |i, k| b[i][k]);
         let solution = self.last.solve(&right);
         x.iter_mut().enumerate().for_each(|(i, x)| *x = [solution[(i, 0)], solution[(i, 1)]]);
     }
 }
 
-impl Level {
+impl GridLevel {
     fn new(matrix: Matrix) -> Option<Self> {
         let on_it = |i: usize| sparse::row(&matrix, i).find(|e| e.0 == i).map_or(0.0, |e| e.1);
         let diagonal: Vec<f64> = (0..matrix.nrows()).into_par_iter().map(on_it).collect();
         let transposed = matrix.to_col_major().ok()?.into_transpose();
-        let [prolongation, back] = aggregates::slopes(&matrix, &transposed, &diagonal);
+        let [prolongation, back] =
+            aggregates::smoothed_prolongations(&matrix, &transposed, &diagonal);
         let restriction = back.to_col_major().ok()?.into_transpose();
-        Some(Level { matrix, diagonal, prolongation, restriction })
+        Some(GridLevel { matrix, diagonal, prolongation, restriction })
     }
 
     /// The matrix of the next coarser system: restriction times matrix times prolongation.
@@ -105,7 +106,7 @@ impl Level {
     }
 
     /// One Gauss–Seidel sweep from `old`, block by block. Within a block the new values are used.
-    fn sweep(&self, b: &[Pair], old: &[Pair], x: &mut [Pair], backwards: bool) {
+    fn sweep(&self, b: &[UvPair], old: &[UvPair], x: &mut [UvPair], backwards: bool) {
         x.par_chunks_mut(BLOCK).enumerate().for_each(|(k, block)| {
             let first = k * BLOCK;
             for place in 0..block.len() {
@@ -124,11 +125,11 @@ impl Level {
 }
 
 /// A column as a slice of pairs.
-fn pairs(column: MatRef<'_, f64>) -> Option<&[Pair]> {
+fn pairs(column: MatRef<'_, f64>) -> Option<&[UvPair]> {
     Some(column.col(0).try_as_col_major()?.as_slice().as_chunks().0)
 }
 
-fn pairs_mut(column: MatMut<'_, f64>) -> Option<&mut [Pair]> {
+fn pairs_mut(column: MatMut<'_, f64>) -> Option<&mut [UvPair]> {
     Some(column.col_mut(0).try_as_col_major_mut()?.as_slice_mut().as_chunks_mut().0)
 }
 
@@ -162,9 +163,9 @@ impl LinOp<f64> for Operator<'_> {
 
 impl LinOp<f64> for Multigrid {
     fn apply_scratch(&self, _: usize, _: Par) -> StackReq {
-        let of = |level: &Level| {
+        let of = |level: &GridLevel| {
             let pairs = level.matrix.nrows() + 2 * level.prolongation.ncols();
-            StackReq::new::<Pair>(pairs + 3)
+            StackReq::new::<UvPair>(pairs + 3)
         };
         StackReq::all_of(&self.levels.iter().map(of).collect::<Vec<_>>())
     }

@@ -1,9 +1,9 @@
 //! Decides whether the outer boundary is mapped to the sides of the square or left free inside it,
 //! and maps the patch.
 
-use super::map::{Map, Start};
+use super::square_map::{CoarseMap, SquareMap};
 use super::{Options, Outline, Parameterized, Report, Skirt};
-use super::{chords, gaps, mend, skirt, stars, stretch};
+use super::{chords, insertion, mend, one_rings, scaffold, stretch};
 use crate::course::Course;
 use crate::error::{Error, Result};
 use crate::mesh::{Bound, Mesh, Patch};
@@ -16,7 +16,7 @@ pub(super) fn map(
 ) -> Result<(Parameterized, Report)> {
     let must_be_free = options.outline == Some(Outline::Free);
     let may_be_free = options.may_be_free() && !must_be_free;
-    let is_ragged = || skirt::is_ragged(&patch.mesh, patch.loop_of(Bound::Outer));
+    let is_ragged = || scaffold::is_ragged(&patch.mesh, patch.loop_of(Bound::Outer));
     if must_be_free || may_be_free && is_ragged() {
         return left_free(patch, options, course);
     }
@@ -26,7 +26,7 @@ pub(super) fn map(
         None => (patch, None),
     };
     let split_edges = chords::split_chords(&mut patch);
-    let sides = Start::new(&patch.mesh, &patch.outer, patch.mesh.points.len(), options, course);
+    let sides = CoarseMap::new(&patch.mesh, &patch.outer, patch.mesh.points.len(), options, course);
     let sides = match sides {
         // A boundary that cannot be divided into four sides can still be mapped to a free curve.
         Err(Error::TooSmall(_) | Error::Singular(_)) if may_be_free => {
@@ -34,11 +34,11 @@ pub(super) fn map(
         }
         sides => sides?,
     };
-    if may_be_free && sides.excess() > LITTLE {
+    if may_be_free && sides.excess() > NEGLIGIBLE_EXCESS {
         let around = with_bays.as_ref().unwrap_or(&patch);
-        let (mesh, outer) = skirt::skirted(around);
-        let free = Start::new(&mesh, &outer, around.mesh.points.len(), options, course)?;
-        if free.excess() < WORTH * sides.excess() {
+        let (mesh, outer) = scaffold::surround(around);
+        let free = CoarseMap::new(&mesh, &outer, around.mesh.points.len(), options, course)?;
+        if free.excess() < MAX_REMAINING_EXCESS * sides.excess() {
             let map = free.map(options.method, MARGIN, course)?;
             let (patch, split_edges) = with_bays.map_or((patch, split_edges), |whole| (whole, 0));
             return Ok(reported(with_skirt(patch, &mesh, &map), &map, split_edges));
@@ -57,22 +57,22 @@ fn left_free(
     options: &Options,
     course: &mut Course,
 ) -> Result<(Parameterized, Report)> {
-    let (mesh, outer) = skirt::skirted(&patch);
-    let start = Start::new(&mesh, &outer, patch.mesh.points.len(), options, course)?;
+    let (mesh, outer) = scaffold::surround(&patch);
+    let start = CoarseMap::new(&mesh, &outer, patch.mesh.points.len(), options, course)?;
     let map = start.map(options.method, MARGIN, course)?;
     Ok(reported(with_skirt(patch, &mesh, &map), &map, 0))
 }
 
 /// The boundary is mapped to the sides without further trials if the stretch exceeds 1 by less than
 /// this.
-const LITTLE: f64 = 0.03;
+const NEGLIGIBLE_EXCESS: f64 = 0.03;
 
 /// The boundary is left free if this reduces the excess of the stretch over 1 to less than this
 /// share.
-const WORTH: f64 = 0.5;
+const MAX_REMAINING_EXCESS: f64 = 0.5;
 
 /// Combines a patch and its scaffold with their common map.
-fn with_skirt(patch: Patch, mesh: &Mesh, map: &Map) -> Parameterized {
+fn with_skirt(patch: Patch, mesh: &Mesh, map: &SquareMap) -> Parameterized {
     let mut uv = map.uv.clone();
     let skirt = Skirt {
         uv: uv.split_off(patch.mesh.points.len()),
@@ -84,13 +84,13 @@ fn with_skirt(patch: Patch, mesh: &Mesh, map: &Map) -> Parameterized {
 /// The patch with its map and report. Vertices are inserted where the map stretches it strongly.
 fn reported(
     mut patch: Parameterized,
-    map: &Map,
+    map: &SquareMap,
     mut split_edges: usize,
 ) -> (Parameterized, Report) {
     let mut mended = map.mended;
     if map.is_drawn_out {
-        split_edges += gaps::bridge(&mut patch);
-        mended += mend_again(&mut patch);
+        split_edges += insertion::insert_vertices(&mut patch);
+        mended += mend_after_insertion(&mut patch);
     }
     let stretch = stretch::measure(&patch.patch, &patch.uv);
     let flipped = flipped(&patch).len();
@@ -105,13 +105,13 @@ fn flipped(map: &Parameterized) -> Vec<[u32; 3]> {
 
 /// Repairs triangles that rounding inverts when vertices are inserted into edges. Returns their
 /// number.
-fn mend_again(map: &mut Parameterized) -> usize {
+fn mend_after_insertion(map: &mut Parameterized) -> usize {
     if flipped(map).is_empty() {
         return 0;
     }
     let Patch { mesh, outer, .. } = &map.patch;
     let triangles = mesh.triangles.iter().map(|t| t.map(|v| v.0));
-    mend::mend(&stars::Stars::new(mesh, outer), triangles, &mut map.uv).0
+    mend::mend(&one_rings::OneRings::new(mesh, outer), triangles, &mut map.uv).0
 }
 
 /// The share of the domain outside the scaffold that stays free at each side.
@@ -121,15 +121,15 @@ const MARGIN: f64 = 0.02;
 mod tests {
     use super::*;
     use crate::geometry::Uv;
-    use stars::tests::grid;
+    use one_rings::tests::grid;
 
     /// A grid on the square with some vertices moved onto others, as the map of a patch.
-    fn thrown(n: u32, swapped: [usize; 2], is_drawn_out: bool) -> (Parameterized, Map) {
+    fn thrown(n: u32, swapped: [usize; 2], is_drawn_out: bool) -> (Parameterized, SquareMap) {
         let patch = grid(n);
         let side = f64::from(n - 1);
         let mut uv: Vec<Uv> = patch.mesh.points.iter().map(|p| Uv::new(p.x, p.y) / side).collect();
         uv.swap(swapped[0], swapped[1]);
-        let map = Map { uv: uv.clone(), corners: [0; 4], mended: 0, is_drawn_out };
+        let map = SquareMap { uv: uv.clone(), corners: [0; 4], mended: 0, is_drawn_out };
         (Parameterized { patch, uv, outline: Outline::Sides, skirt: Skirt::default() }, map)
     }
 

@@ -12,7 +12,7 @@
 use nalgebra::Matrix2;
 use rayon::prelude::*;
 
-use super::stars::Stars;
+use super::one_rings::OneRings;
 use crate::geometry::{Point, Uv, UvVector};
 
 /// The directions in which a vertex may move.
@@ -29,7 +29,7 @@ pub enum Freedom {
 }
 
 /// The data of the energy, apart from the map.
-pub struct Surface<'a> {
+pub struct StretchEnergy<'a> {
     /// Points in space, one for each vertex.
     pub points: &'a [Point],
     /// The weight of the surface around each vertex.
@@ -38,7 +38,7 @@ pub struct Surface<'a> {
     pub freedom: &'a [Freedom],
     /// The weight of the convex energy term. With 0.1 the energy is rank-one convex up to a ratio
     /// of stretches of 6; with 0.25 beyond 10.
-    pub round: f64,
+    pub convex_weight: f64,
 }
 
 /// The smallest area with which a triangle enters the energy, as a share of its longest squared
@@ -46,14 +46,14 @@ pub struct Surface<'a> {
 const THINNEST: f64 = 0.02;
 
 /// A step may cover at most this share of the way to the place where a triangle would vanish.
-const SAFE: f64 = 0.8;
+const MAX_STEP_SHARE: f64 = 0.8;
 
 /// The over-relaxation factor of a step: it goes half as far again as the minimum of the star.
 /// Successive over-relaxation spreads changes faster over the mesh.
-const OVER: f64 = 1.5;
+const OVER_RELAXATION: f64 = 1.5;
 
 /// The energy of one triangle as a function of the position of one of its corners.
-pub struct Corner {
+pub struct CornerTerm {
     /// The squares and the dot product of the two sides at this corner, in space.
     metric: [f64; 3],
     /// The factors of the two terms of the energy.
@@ -63,7 +63,7 @@ pub struct Corner {
 }
 
 /// The energy at a position, its gradient and Hessian, and twice the area of the smallest triangle.
-struct Look {
+struct EnergyAt {
     energy: f64,
     gradient: UvVector,
     hessian: Matrix2<f64>,
@@ -71,7 +71,7 @@ struct Look {
 }
 
 /// The measures of one triangle in the plane, for a position of the corner.
-struct Flat {
+struct PlaneTriangle {
     /// Twice the area in the plane.
     twice: f64,
     /// |F|² times the square of twice the area in space, where F is the derivative of the map.
@@ -80,15 +80,15 @@ struct Flat {
     e: UvVector,
 }
 
-impl Corner {
-    fn flat(&self, q: Uv) -> Flat {
+impl CornerTerm {
+    fn flat(&self, q: Uv) -> PlaneTriangle {
         let (d, e) = (self.a - q, self.b - q);
         let [dd, de, ee] = self.metric;
         let squares = ee * d.norm_squared() - 2.0 * de * d.dot(&e) + dd * e.norm_squared();
-        Flat { twice: d.perp(&e), squares, d, e }
+        PlaneTriangle { twice: d.perp(&e), squares, d, e }
     }
 
-    fn value(&self, &Flat { twice, squares, .. }: &Flat) -> f64 {
+    fn value(&self, &PlaneTriangle { twice, squares, .. }: &PlaneTriangle) -> f64 {
         let [c, k] = self.factors;
         let inverse = 1.0 / twice;
         let value = squares * inverse * inverse * (c + k * squares * inverse);
@@ -96,11 +96,11 @@ impl Corner {
     }
 
     /// Adds the energy of the triangle and its derivatives at the position of the corner.
-    fn add(&self, q: Uv, look: &mut Look) {
+    fn add(&self, q: Uv, evaluate: &mut EnergyAt) {
         let flat = self.flat(q);
-        look.energy += self.value(&flat);
-        let Flat { twice, squares, d, e } = flat;
-        look.room = look.room.min(twice);
+        evaluate.energy += self.value(&flat);
+        let PlaneTriangle { twice, squares, d, e } = flat;
+        evaluate.room = evaluate.room.min(twice);
         let [dd, de, ee] = self.metric;
         // The derivatives of `squares` and `twice`.
         let gs = -2.0 * (ee * d - de * (d + e) + dd * e);
@@ -109,9 +109,9 @@ impl Corner {
         let i = 1.0 / twice;
         let [c, k] = self.factors.map(|f| f * i * i);
         let (k, s) = (k * i, squares);
-        look.gradient += (c + 2.0 * k * s) * gs - s * i * (2.0 * c + 3.0 * k * s) * gt;
+        evaluate.gradient += (c + 2.0 * k * s) * gs - s * i * (2.0 * c + 3.0 * k * s) * gt;
         let mixed = gs * gt.transpose();
-        look.hessian += Matrix2::from_diagonal_element((c + 2.0 * k * s) * hs)
+        evaluate.hessian += Matrix2::from_diagonal_element((c + 2.0 * k * s) * hs)
             + 2.0 * k * gs * gs.transpose()
             - i * (2.0 * c + 6.0 * k * s) * (mixed + mixed.transpose())
             + s * i * i * (6.0 * c + 12.0 * k * s) * gt * gt.transpose();
@@ -120,7 +120,7 @@ impl Corner {
 
 /// The triangles around a vertex, and its position.
 struct Star<'a> {
-    corners: &'a [Corner],
+    corners: &'a [CornerTerm],
     at: Uv,
 }
 
@@ -129,35 +129,35 @@ impl Star<'_> {
         self.corners.iter().map(|c| c.value(&c.flat(q))).sum()
     }
 
-    fn look(&self) -> Look {
+    fn evaluate(&self) -> EnergyAt {
         let (gradient, hessian) = (UvVector::zeros(), Matrix2::zeros());
-        let mut look = Look { energy: 0.0, gradient, hessian, room: f64::INFINITY };
-        self.corners.iter().for_each(|c| c.add(self.at, &mut look));
-        look
+        let mut evaluate = EnergyAt { energy: 0.0, gradient, hessian, room: f64::INFINITY };
+        self.corners.iter().for_each(|c| c.add(self.at, &mut evaluate));
+        evaluate
     }
 
     /// The largest allowed multiple of a step. The area of a triangle is linear in the position of
     /// one corner.
     fn limit(&self, step: UvVector) -> f64 {
-        let room = |c: &Corner| {
+        let room = |c: &CornerTerm| {
             let (d, e) = (c.a - self.at, c.b - self.at);
             let change = step.x * (d.y - e.y) + step.y * (e.x - d.x);
             let twice = d.x * e.y - d.y * e.x;
-            if change < 0.0 { SAFE * twice / -change } else { OVER }
+            if change < 0.0 { MAX_STEP_SHARE * twice / -change } else { OVER_RELAXATION }
         };
-        self.corners.iter().map(room).fold(OVER, f64::min)
+        self.corners.iter().map(room).fold(OVER_RELAXATION, f64::min)
     }
 
     /// The new position of the vertex.
-    fn moved(&self, look: &Look, freedom: Freedom) -> Uv {
-        let step = look.step(freedom);
+    fn moved(&self, evaluate: &EnergyAt, freedom: Freedom) -> Uv {
+        let step = evaluate.step(freedom);
         if !(step.x.is_finite() && step.y.is_finite()) {
             return self.at;
         }
         let mut share = self.limit(step);
-        for _ in 0..HALVINGS {
+        for _ in 0..MAX_SHORTENINGS {
             let there = self.at + share * step;
-            if self.energy(there) < look.energy {
+            if self.energy(there) < evaluate.energy {
                 return there;
             }
             share *= 0.4;
@@ -166,7 +166,7 @@ impl Star<'_> {
     }
 }
 
-impl Look {
+impl EnergyAt {
     /// The Newton step. Negative curvature is replaced by its absolute value.
     fn step(&self, freedom: Freedom) -> UvVector {
         let (g, h) = (self.gradient, self.hessian);
@@ -188,7 +188,7 @@ impl Look {
 }
 
 /// The number of shorter steps that are tried if a step does not reduce the energy.
-const HALVINGS: usize = 4;
+const MAX_SHORTENINGS: usize = 4;
 
 /// The new position of vertex `v`, and whether it moved far. `at` gives the present positions of
 /// the vertex and its neighbours. `corners` is working memory.
@@ -196,11 +196,11 @@ const HALVINGS: usize = 4;
 // tenth longer.
 #[inline(always)]
 pub fn moved(
-    surface: &Surface,
-    stars: &Stars,
+    surface: &StretchEnergy,
+    rings: &OneRings,
     v: u32,
     at: impl Fn(u32) -> Uv,
-    corners: &mut Vec<Corner>,
+    corners: &mut Vec<CornerTerm>,
 ) -> (Uv, bool) {
     let p = surface.points[v as usize];
     let corner = |(a, b): (u32, u32)| {
@@ -212,30 +212,31 @@ pub fn moved(
         let least = weights.iter().copied().fold(f64::INFINITY, f64::min);
         // A triangle of the scaffold has the weight of the scaffold's vertices.
         let weight = if least < 1.0 { 3.0 * least } else { weights.iter().sum() };
-        let factors = [(1.0 - surface.round) * weight * area, 0.5 * surface.round * weight];
-        Corner { metric, factors, a: at(a), b: at(b) }
+        let factors =
+            [(1.0 - surface.convex_weight) * weight * area, 0.5 * surface.convex_weight * weight];
+        CornerTerm { metric, factors, a: at(a), b: at(b) }
     };
     corners.clear();
-    corners.extend(stars.sides(v).map(corner));
+    corners.extend(rings.sides(v).map(corner));
     let star = Star { corners, at: at(v) };
-    let look = star.look();
-    let place = star.moved(&look, surface.freedom[v as usize]);
-    (place, (place - star.at).norm_squared() > FAR * FAR * look.room)
+    let evaluate = star.evaluate();
+    let place = star.moved(&evaluate, surface.freedom[v as usize]);
+    (place, (place - star.at).norm_squared() > FAR_MOVE * FAR_MOVE * evaluate.room)
 }
 
 /// A move is far if it exceeds this share of the square root of twice the area of the smallest
 /// triangle.
-const FAR: f64 = 0.05;
+const FAR_MOVE: f64 = 0.05;
 
 /// Divides vertices into groups without neighbours (graph colouring). The vertices of one group can
 /// move at the same time.
-pub fn groups(stars: &Stars, vertices: impl IntoIterator<Item = u32>) -> Vec<Vec<u32>> {
-    let mut group = vec![u32::MAX; stars.len()];
+pub fn groups(rings: &OneRings, vertices: impl IntoIterator<Item = u32>) -> Vec<Vec<u32>> {
+    let mut group = vec![u32::MAX; rings.len()];
     let mut groups: Vec<Vec<u32>> = Vec::new();
     // For each group, the last vertex that has a neighbour in it.
     let mut beside: Vec<u32> = Vec::new();
     for v in vertices {
-        for &w in stars.ring(v) {
+        for &w in rings.ring(v) {
             if let Some(last) = beside.get_mut(group[w as usize] as usize) {
                 *last = v;
             }
@@ -253,7 +254,12 @@ pub fn groups(stars: &Stars, vertices: impl IntoIterator<Item = u32>) -> Vec<Vec
 
 /// Moves every vertex of every group once. Returns the vertices that moved far relative to the size
 /// of their triangles.
-pub fn sweep(surface: &Surface, stars: &Stars, groups: &[Vec<u32>], at: &mut [Uv]) -> Vec<u32> {
+pub fn sweep(
+    surface: &StretchEnergy,
+    rings: &OneRings,
+    groups: &[Vec<u32>],
+    at: &mut [Uv],
+) -> Vec<u32> {
     let mut far = Vec::new();
     for group in groups {
         let shown: &[Uv] = at;
@@ -262,7 +268,7 @@ pub fn sweep(surface: &Surface, stars: &Stars, groups: &[Vec<u32>], at: &mut [Uv
             .with_min_len(256)
             .map_init(Vec::new, |corners, &v| {
                 let at = |w: u32| shown[w as usize];
-                moved(surface, stars, v, at, corners)
+                moved(surface, rings, v, at, corners)
             })
             .collect();
         for (&v, (place, is_far)) in group.iter().zip(places) {
@@ -282,8 +288,8 @@ mod tests {
     #[test]
     fn neighbours_are_in_different_groups_however_many_there_are() {
         // All vertices are neighbours of each other. No mesh is like this.
-        let stars = Stars::joined(100);
-        let groups = groups(&stars, 0..100);
+        let rings = OneRings::joined(100);
+        let groups = groups(&rings, 0..100);
         assert_eq!(groups, (0..100).map(|v| vec![v]).collect::<Vec<_>>());
     }
 }

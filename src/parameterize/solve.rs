@@ -5,7 +5,7 @@
 use faer::prelude::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 
-use super::stars::Stars;
+use super::one_rings::OneRings;
 use crate::error::{self, Result, Unsolved};
 use crate::geometry::{Point, Uv};
 
@@ -33,19 +33,19 @@ const SHORTEST: f64 = 1e-6;
 
 /// Moves each of the `inner` vertices to the mean of its neighbours with mean value weights. All
 /// others stay in place.
-pub fn mean_value(points: &[Point], stars: &Stars, inner: &[u32], at: &mut [Uv]) -> Result<()> {
-    solve(stars, inner, at, |v| shares(points[v as usize], stars.ring(v), points))
+pub fn mean_value(points: &[Point], rings: &OneRings, inner: &[u32], at: &mut [Uv]) -> Result<()> {
+    solve(rings, inner, at, |v| shares(points[v as usize], rings.ring(v), points))
 }
 
 /// Moves each of the `inner` vertices to the mean of its neighbours with even weights (Tutte). This
 /// does not depend on the shapes of the triangles.
-pub fn even(stars: &Stars, inner: &[u32], at: &mut [Uv]) -> Result<()> {
-    solve(stars, inner, at, |v| stars.ring(v).iter().map(|&w| (w, 1.0)).collect())
+pub fn even(rings: &OneRings, inner: &[u32], at: &mut [Uv]) -> Result<()> {
+    solve(rings, inner, at, |v| rings.ring(v).iter().map(|&w| (w, 1.0)).collect())
 }
 
 /// Solves by a sparse LU factorization, because mean value weights are not symmetric.
 fn solve(
-    stars: &Stars,
+    rings: &OneRings,
     inner: &[u32],
     at: &mut [Uv],
     shares: impl Fn(u32) -> Vec<(u32, f64)>,
@@ -55,7 +55,7 @@ fn solve(
     if n == 0 {
         return Ok(());
     }
-    let mut unknown = vec![u32::MAX; stars.len()];
+    let mut unknown = vec![u32::MAX; rings.len()];
     inner.iter().enumerate().for_each(|(i, &v)| unknown[v as usize] = i as u32);
     let mut triplets = Vec::with_capacity(7 * n);
     let mut right = faer::Mat::<f64>::zeros(n, 2);

@@ -7,7 +7,7 @@ use rayon::prelude::*;
 pub type Matrix = SparseRowMat<u32, f64>;
 
 /// Two unknowns, u and v, with the same matrix row.
-pub type Pair = [f64; 2];
+pub type UvPair = [f64; 2];
 
 /// The number of rows that one thread processes at a time. Some results depend on it, but not on
 /// the number of threads.
@@ -58,19 +58,19 @@ pub fn row(matrix: &Matrix, i: usize) -> impl Iterator<Item = (usize, f64)> + '_
 }
 
 /// The product of a row and a vector.
-pub fn product(matrix: &Matrix, i: usize, x: &[Pair]) -> Pair {
+pub fn product(matrix: &Matrix, i: usize, x: &[UvPair]) -> UvPair {
     row(matrix, i).fold([0.0; 2], |sum, (j, a)| [sum[0] + a * x[j][0], sum[1] + a * x[j][1]])
 }
 
 /// Replaces each entry of `out` by `make(index, entry)`.
-pub fn fill(out: &mut [Pair], make: impl Fn(usize, Pair) -> Pair + Sync + Send) {
+pub fn fill(out: &mut [UvPair], make: impl Fn(usize, UvPair) -> UvPair + Sync + Send) {
     out.par_chunks_mut(BLOCK).enumerate().for_each(|(k, block)| {
         block.iter_mut().enumerate().for_each(|(i, value)| *value = make(k * BLOCK + i, *value));
     });
 }
 
 /// Computes b − Ax into `out`.
-pub fn residual(matrix: &Matrix, b: &[Pair], x: &[Pair], out: &mut [Pair]) {
+pub fn residual(matrix: &Matrix, b: &[UvPair], x: &[UvPair], out: &mut [UvPair]) {
     fill(out, |i, _| {
         let ax = product(matrix, i, x);
         [b[i][0] - ax[0], b[i][1] - ax[1]]
@@ -78,6 +78,6 @@ pub fn residual(matrix: &Matrix, b: &[Pair], x: &[Pair], out: &mut [Pair]) {
 }
 
 /// Adds `step` to `x`.
-pub fn add(x: &mut [Pair], step: &[Pair]) {
+pub fn add(x: &mut [UvPair], step: &[UvPair]) {
     fill(x, |i, x| [x[0] + step[i][0], x[1] + step[i][1]]);
 }

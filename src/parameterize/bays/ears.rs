@@ -7,7 +7,7 @@ use std::f64::consts::{PI, TAU};
 use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 
 use super::STRAIGHT;
-use super::flat::Flat;
+use super::mapped_loop::MappedLoop;
 use crate::geometry::{Point, Uv, Vector, VertexId, unit_normal};
 use crate::mesh::Adjacency;
 
@@ -27,7 +27,7 @@ pub struct Ears<'a> {
     mesh: Adjacency<'a>,
     ring: &'a [VertexId],
     /// The loop on the map, if there is a map.
-    flat: Option<Flat>,
+    flat: Option<MappedLoop>,
     before: Vec<usize>,
     after: Vec<usize>,
     alive: Vec<bool>,
@@ -51,32 +51,32 @@ pub struct Ears<'a> {
 
 /// An ear that may be cut off. Ears with short bases that continue the surface beside them come
 /// first.
-struct Candidate {
+struct EarCandidate {
     cost: f64,
     ear: [usize; 3],
     normal: Vector,
     leans: bool,
 }
 
-impl Ord for Candidate {
+impl Ord for EarCandidate {
     fn cmp(&self, other: &Self) -> Ordering {
         other.cost.total_cmp(&self.cost).then(other.ear.cmp(&self.ear))
     }
 }
 
-impl PartialOrd for Candidate {
+impl PartialOrd for EarCandidate {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Candidate {
+impl PartialEq for EarCandidate {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Candidate {}
+impl Eq for EarCandidate {}
 
 impl<'a> Ears<'a> {
     pub fn new(mesh: Adjacency<'a>, ring: &'a [VertexId], map: Option<&[Uv]>) -> Self {
@@ -97,7 +97,7 @@ impl<'a> Ears<'a> {
         let mut ears = Ears {
             mesh,
             ring,
-            flat: map.map(|map| Flat::new(ring, map)),
+            flat: map.map(|map| MappedLoop::new(ring, map)),
             before: (0..n).map(|i| (i + n - 1) % n).collect(),
             after: (0..n).map(|i| (i + 1) % n).collect(),
             alive: vec![true; n],
@@ -127,12 +127,12 @@ impl<'a> Ears<'a> {
     /// Cuts off ears until the loop turns outwards nowhere more than on average. With a map, it
     /// does so until the loop turns to the right nowhere.
     pub fn close(&mut self) {
-        let mut heap: BinaryHeap<Candidate> =
+        let mut heap: BinaryHeap<EarCandidate> =
             (0..self.ring.len()).filter_map(|i| self.candidate(i)).collect();
         let (mut blocked, mut closed) = (Vec::new(), 0);
         // A place that turns outwards no more than the average may do so later, because the average
         // changes.
-        while let Some(Candidate { ear, normal, leans, .. }) = heap.pop() {
+        while let Some(EarCandidate { ear, normal, leans, .. }) = heap.pop() {
             let [p, v, n] = ear;
             let is_there = self.alive[v] && self.before[v] == p && self.after[v] == n;
             if is_there && self.bends(v) && self.is_new(p, n) {
@@ -147,8 +147,8 @@ impl<'a> Ears<'a> {
             // The vertices that blocked an ear may have been cut off since.
             if heap.is_empty() && closed < self.closed.len() {
                 closed = self.closed.len();
-                let again = std::mem::take(&mut blocked).into_iter();
-                heap.extend(again.filter(|&v| self.alive[v]).filter_map(|v| self.candidate(v)));
+                let unblocked = std::mem::take(&mut blocked).into_iter();
+                heap.extend(unblocked.filter(|&v| self.alive[v]).filter_map(|v| self.candidate(v)));
             }
         }
     }
@@ -159,7 +159,7 @@ impl<'a> Ears<'a> {
 
     /// The ear at a position. `None` if the loop does not turn outwards there, or if the ear leans
     /// and the map does not show a sharp tip.
-    fn candidate(&self, v: usize) -> Option<Candidate> {
+    fn candidate(&self, v: usize) -> Option<EarCandidate> {
         let ear = self.ear(v);
         let [p, v, n] = ear;
         if !self.bends(v) {
@@ -170,7 +170,7 @@ impl<'a> Ears<'a> {
         let cost = self.distance(p, n) * (2.0 - lean).powi(2);
         let leans = lean < LEANING;
         let may = !leans || self.flat.as_ref().is_some_and(|flat| flat.tip(ear) < SLIT);
-        may.then_some(Candidate { cost, ear, normal, leans })
+        may.then_some(EarCandidate { cost, ear, normal, leans })
     }
 
     /// Whether the loop turns to the right at a position, by more than on average.

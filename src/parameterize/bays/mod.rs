@@ -9,7 +9,7 @@
 //! span a wide curve are opened again.
 
 mod ears;
-mod flat;
+mod mapped_loop;
 #[cfg(test)]
 mod tests;
 
@@ -27,19 +27,19 @@ const STRAIGHT: f64 = 1e-3;
 
 /// A bay is closed only if its depth is at least this multiple of the mean edge length of the
 /// boundary.
-const SHALLOW: f64 = 1.0;
+const MIN_DEPTH: f64 = 1.0;
 
 /// A bay is closed only if its depth is at least this share of its width.
-const WIDE: f64 = 0.25;
+const MIN_DEPTH_RATIO: f64 = 0.25;
 
 /// A bay with triangles that lean is closed only if its depth is at least this share of the
 /// diagonal of the mesh. A straight continuation does no harm in a shallower one, and the surface
 /// need not fold there.
-const DEEP: f64 = 0.05;
+const MIN_LEANING_DEPTH: f64 = 0.05;
 
 /// A side across the opening of a bay is divided if it is longer than this multiple of the wanted
 /// edge length there.
-const LONG: f64 = 1.4;
+const MAX_LENGTH_RATIO: f64 = 1.4;
 
 /// The triangles that close the bays of an outer boundary. They exist only for the map; the face
 /// does not include them.
@@ -70,7 +70,7 @@ pub fn close(mut patch: Patch, map: Option<&[Uv]>) -> (Patch, Bays) {
 
 /// The points, triangles and new outer boundary that close bays. Points are numbered from the
 /// vertex count of the mesh on.
-struct Closing {
+struct BayClosure {
     points: Vec<Point>,
     triangles: Vec<[VertexId; 3]>,
     outer: Loop,
@@ -79,24 +79,24 @@ struct Closing {
 }
 
 /// Finds the triangles that close the bays of an outer boundary. `None` if there are no bays.
-fn closing(mesh: Adjacency, outer: &[VertexId], map: Option<&[Uv]>) -> Option<Closing> {
+fn closing(mesh: Adjacency, outer: &[VertexId], map: Option<&[Uv]>) -> Option<BayClosure> {
     let mut ears = Ears::new(mesh, outer, map);
     ears.close();
     let points = outer.iter().map(|&v| mesh.mesh.point(v)).collect();
-    let boundary = Boundary { mesh, outer, sizes: Sizes::new(&[points]) };
+    let boundary = MeasuredBoundary { mesh, outer, sizes: Sizes::new(&[points]) };
     // The new boundary: measured vertices, and sides across the openings of bays.
     let mut course = Vec::new();
     let left = ears.left();
     let nexts = left.iter().skip(1).copied().chain([left[0] + outer.len()]);
-    let mut mouths: Vec<[usize; 2]> = left.iter().zip(nexts).map(|(&i, j)| [i, j]).collect();
-    mouths.reverse();
-    while let Some([from, to]) = mouths.pop() {
+    let mut openings: Vec<[usize; 2]> = left.iter().zip(nexts).map(|(&i, j)| [i, j]).collect();
+    openings.reverse();
+    while let Some([from, to]) = openings.pop() {
         match ears.over(from, to) {
             None => course.push((from, None)),
             Some(_) if boundary.is_bay(from, to, ears.lean(from, to)) => {
                 course.push((from, Some(to)));
             }
-            Some(tip) => mouths.extend([[tip, to], [from, tip]]),
+            Some(tip) => openings.extend([[tip, to], [from, tip]]),
         }
     }
     let filled = |&(from, to): &(usize, Option<usize>)| {
@@ -104,7 +104,7 @@ fn closing(mesh: Adjacency, outer: &[VertexId], map: Option<&[Uv]>) -> Option<Cl
     };
     let filled: Vec<_> = course.par_iter().map(filled).collect();
     let (points, triangles, outer) = (Vec::new(), Vec::new(), Vec::new());
-    let mut closing = Closing { points, triangles, outer, count: 0 };
+    let mut closing = BayClosure { points, triangles, outer, count: 0 };
     for (from, surface) in filled {
         match surface {
             None => closing.outer.push(boundary.vertex(from)),
@@ -115,13 +115,13 @@ fn closing(mesh: Adjacency, outer: &[VertexId], map: Option<&[Uv]>) -> Option<Cl
 }
 
 /// The measured outer boundary. Positions on it may continue beyond its end.
-struct Boundary<'a> {
+struct MeasuredBoundary<'a> {
     mesh: Adjacency<'a>,
     outer: &'a [VertexId],
     sizes: Sizes,
 }
 
-impl Boundary<'_> {
+impl MeasuredBoundary<'_> {
     fn vertex(&self, i: usize) -> VertexId {
         self.outer[i % self.outer.len()]
     }
@@ -134,18 +134,18 @@ impl Boundary<'_> {
     /// them.
     fn is_bay(&self, from: usize, to: usize, leans: bool) -> bool {
         let (a, b) = (self.at(from), self.at(to));
-        let deep = if leans { DEEP * self.mesh.mesh.diagonal() } else { 0.0 };
-        let least = (SHALLOW * self.sizes.mean).max(WIDE * (b - a).norm()).max(deep);
+        let deep = if leans { MIN_LEANING_DEPTH * self.mesh.mesh.diagonal() } else { 0.0 };
+        let least = (MIN_DEPTH * self.sizes.mean).max(MIN_DEPTH_RATIO * (b - a).norm()).max(deep);
         (from..to).any(|i| segment_distance(self.at(i), a, b) >= least)
     }
 
     /// The points that divide the line across the opening of a bay.
-    fn mouth(&self, a: Point, b: Point, into: &mut Vec<Point>) {
+    fn opening(&self, a: Point, b: Point, into: &mut Vec<Point>) {
         let middle = nalgebra::center(&a, &b);
-        if (b - a).norm() > LONG * self.sizes.at(middle) {
-            self.mouth(a, middle, into);
+        if (b - a).norm() > MAX_LENGTH_RATIO * self.sizes.at(middle) {
+            self.opening(a, middle, into);
             into.push(middle);
-            self.mouth(middle, b, into);
+            self.opening(middle, b, into);
         }
     }
 
@@ -154,8 +154,8 @@ impl Boundary<'_> {
     /// second together.
     fn surface(&self, from: usize, to: usize, ears: &[[usize; 3]]) -> (Triangulation, [usize; 2]) {
         let mut points: Vec<Point> = (from..=to).map(|i| self.at(i)).collect();
-        let banks = points.len();
-        self.mouth(self.at(from), self.at(to), &mut points);
+        let side_count = points.len();
+        self.opening(self.at(from), self.at(to), &mut points);
         let rim = points.len();
         let n = self.outer.len();
         let local = |i: usize| (i + n - from % n) % n;
@@ -163,25 +163,25 @@ impl Boundary<'_> {
         for ear in ears {
             let [p, v, q] = ear.map(local);
             // The last ear is divided in the same way as the opening.
-            let mouth = if [p, q] == [0, banks - 1] { banks..rim } else { 0..0 };
-            let chain: Vec<usize> = std::iter::once(p).chain(mouth).chain([q]).collect();
+            let opening = if [p, q] == [0, side_count - 1] { side_count..rim } else { 0..0 };
+            let chain: Vec<usize> = std::iter::once(p).chain(opening).chain([q]).collect();
             triangles.extend(chain.windows(2).map(|side| [side[0], side[1], v]));
         }
         let normal =
             |k: usize| self.mesh.normal_at(self.vertex(from + k), self.vertex(from + k + 1));
         let beside: HashMap<(usize, usize), Vector> =
-            (0..banks - 1).filter_map(|k| Some(((k + 1, k), normal(k)?))).collect();
+            (0..side_count - 1).filter_map(|k| Some(((k + 1, k), normal(k)?))).collect();
         let mut surface = Triangulation { points, triangles, rim, beside };
         let joined = |a: usize, b: usize| {
-            a.max(b) < banks && self.mesh.joined(self.vertex(from + a), self.vertex(from + b))
+            a.max(b) < side_count && self.mesh.joined(self.vertex(from + a), self.vertex(from + b))
         };
         surface.refine(&self.sizes, joined);
         surface.unfold(joined);
-        (surface, [banks, rim])
+        (surface, [side_count, rim])
     }
 }
 
-impl Closing {
+impl BayClosure {
     /// Adds the triangles to a patch without closed bays. The new points follow its vertices.
     fn close_in(self, patch: &mut Patch) {
         patch.mesh.points.extend(self.points);
@@ -190,17 +190,22 @@ impl Closing {
         patch.measured_outer = Some(std::mem::replace(&mut patch.outer, self.outer));
     }
 
-    fn add(&mut self, boundary: &Boundary, from: usize, surface: (Triangulation, [usize; 2])) {
-        let (mut surface, [banks, rim]) = surface;
+    fn add(
+        &mut self,
+        boundary: &MeasuredBoundary,
+        from: usize,
+        surface: (Triangulation, [usize; 2]),
+    ) {
+        let (mut surface, [side_count, rim]) = surface;
         let first = boundary.mesh.mesh.points.len() + self.points.len();
-        let global = |k: usize| match k.checked_sub(banks) {
+        let global = |k: usize| match k.checked_sub(side_count) {
             None => boundary.vertex(from + k),
             Some(new) => VertexId::from(first + new),
         };
         self.triangles.extend(surface.triangles.iter().map(|t| t.map(global)));
         self.outer.push(boundary.vertex(from));
-        self.outer.extend((banks..rim).map(global));
-        self.points.extend(surface.points.drain(banks..));
+        self.outer.extend((side_count..rim).map(global));
+        self.points.extend(surface.points.drain(side_count..));
         self.count += 1;
     }
 }

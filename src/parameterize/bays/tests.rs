@@ -26,12 +26,12 @@ fn sheet(
 }
 
 /// A mesh and the triangles that close its bays.
-fn closed(mesh: &Mesh) -> (Mesh, Option<Closing>) {
+fn closed(mesh: &Mesh) -> (Mesh, Option<BayClosure>) {
     closed_on(mesh, None)
 }
 
 /// The same with bays found on a map.
-fn closed_on(mesh: &Mesh, map: Option<&[Uv]>) -> (Mesh, Option<Closing>) {
+fn closed_on(mesh: &Mesh, map: Option<&[Uv]>) -> (Mesh, Option<BayClosure>) {
     let outer = boundary::boundary_loops(mesh, &EdgeMap::new(mesh)).remove(0);
     let rings = Rings::new(mesh);
     let bays = closing(Adjacency { mesh, rings: &rings }, &outer, map);

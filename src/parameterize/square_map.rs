@@ -1,9 +1,9 @@
 //! The map of a disk to the unit square, in two steps: a coarse map, and its refinement.
 
-use super::hierarchy::Hierarchy;
-use super::layout::{self, Layout, Round};
+use super::one_rings::OneRings;
+use super::progressive_mesh::ProgressiveMesh;
 use super::rectangle::Rectangle;
-use super::stars::Stars;
+use super::rectangle_map::{self, ConvexWeight, RectangleMap};
 use super::weights::Weights;
 use super::{Method, Options, coarse, corners, mean_value, mend, stretch};
 use crate::course::{self, Course};
@@ -22,18 +22,18 @@ const COARSE: usize = 400;
 const STARTED: f64 = 0.35;
 
 /// A disk simplified to a few vertices, with their map.
-pub struct Start<'a> {
+pub struct CoarseMap<'a> {
     mesh: &'a Mesh,
     outer: Vec<u32>,
-    hierarchy: Hierarchy,
+    hierarchy: ProgressiveMesh,
     weights: Weights,
     weighed: usize,
     corners: [u32; 4],
-    first: coarse::First,
+    first: coarse::CoarseLayout,
 }
 
 /// A map to the unit square.
-pub struct Map {
+pub struct SquareMap {
     /// One parameter point for each vertex.
     pub uv: Vec<Uv>,
     /// The vertices at the corners. The first is at (0, 0).
@@ -44,7 +44,7 @@ pub struct Map {
     pub is_drawn_out: bool,
 }
 
-impl<'a> Start<'a> {
+impl<'a> CoarseMap<'a> {
     /// The coarse map with the best set of four corners. Vertices with numbers from `skirt` on
     /// belong to the scaffold.
     pub fn new(
@@ -62,18 +62,19 @@ impl<'a> Start<'a> {
         let points = &mesh.points;
         let mut kept = vec![false; points.len()];
         sets.iter().flatten().for_each(|&v| kept[v as usize] = true);
-        let mut hierarchy = Hierarchy::new(Stars::new(mesh, outer));
+        let mut hierarchy = ProgressiveMesh::new(OneRings::new(mesh, outer));
         let course = &mut course::part(course, 0.0, STARTED);
         hierarchy.coarsen(points, &kept, WEIGHED, |_| (), course)?;
-        let area = stretch::area(points, layout::triangles(&hierarchy.stars, &hierarchy.left));
-        let weighed = hierarchy.left.len();
+        let area =
+            stretch::area(points, rectangle_map::triangles(&hierarchy.rings, &hierarchy.remaining));
+        let weighed = hierarchy.remaining.len();
         let mut weights = Weights::by_curvature(points, &hierarchy, area);
         weights.lighten(skirt);
-        hierarchy.coarsen(points, &kept, COARSE, |removal| weights.lump(removal), course)?;
+        hierarchy.coarsen(points, &kept, COARSE, |collapse| weights.lump(collapse), course)?;
         let outer: Vec<u32> = outer.iter().map(|v| v.0).collect();
         let first = coarse::least_stretched(points, &outer, &hierarchy, &weights, &sets)?;
         let corners = sets[first.set];
-        Ok(Start { mesh, outer, hierarchy, weights, weighed, corners, first })
+        Ok(CoarseMap { mesh, outer, hierarchy, weights, weighed, corners, first })
     }
 
     /// The amount by which the L² stretch of the coarse map exceeds 1. The scaffold is ignored.
@@ -82,7 +83,7 @@ impl<'a> Start<'a> {
     }
 
     /// The map of all vertices. `margin` is the share of the square that stays free at each side.
-    pub fn map(mut self, method: Method, margin: f64, course: &mut Course) -> Result<Map> {
+    pub fn map(mut self, method: Method, margin: f64, course: &mut Course) -> Result<SquareMap> {
         let rectangle = Rectangle::new(&self.outer, &self.corners);
         let course = &mut course::part(course, STARTED, 1.0);
         let mut uv = match method {
@@ -94,14 +95,14 @@ impl<'a> Start<'a> {
             uv.iter_mut().for_each(|at| *at = at.map(|t| margin + (1.0 - 2.0 * margin) * t));
         }
         let triangles = self.mesh.triangles.iter().map(|t| t.map(|v| v.0));
-        let (mended, folded) = mend::mend(&self.hierarchy.stars, triangles, &mut uv);
+        let (mended, folded) = mend::mend(&self.hierarchy.rings, triangles, &mut uv);
         match folded.first() {
             Some(t) => {
                 Err(Error::Folded { count: folded.len(), at: self.mesh.points[t[0] as usize] })
             }
             None => {
-                let is_drawn_out = self.first.round == Round::FIRM;
-                Ok(Map { uv, corners: self.corners, mended, is_drawn_out })
+                let is_drawn_out = self.first.convex_weight == ConvexWeight::FIRM;
+                Ok(SquareMap { uv, corners: self.corners, mended, is_drawn_out })
             }
         }
     }
@@ -110,12 +111,14 @@ impl<'a> Start<'a> {
     fn least_stretch(&mut self, rectangle: &Rectangle, course: &mut Course) -> Result<Vec<Uv>> {
         let points = &self.mesh.points;
         let mut at = vec![Uv::origin(); points.len()];
-        let places = self.hierarchy.left.iter().zip(&self.first.at);
+        let places = self.hierarchy.remaining.iter().zip(&self.first.at);
         places.for_each(|(&v, &place)| at[v as usize] = place);
         let freedom = rectangle.freedom(points.len());
         let weights = std::mem::take(&mut self.weights);
-        let (weighed, size, round) = (self.weighed, self.first.size, self.first.round);
-        let mut layout = Layout { points, weights, weighed, freedom, size, at, round };
+        let (weighed, size, convex_weight) =
+            (self.weighed, self.first.size, self.first.convex_weight);
+        let mut layout =
+            RectangleMap { points, weights, weighed, freedom, size, at, convex_weight };
         layout.refine(&mut self.hierarchy, course)?;
         Ok(rectangle.to_unit_square(layout.size, &layout.at))
     }
@@ -126,7 +129,7 @@ impl<'a> Start<'a> {
         let mut at = vec![Uv::origin(); self.mesh.points.len()];
         let size = rectangle.lay(&self.mesh.points, 1.0, &mut at);
         let mut uv = rectangle.to_unit_square(size, &at);
-        mean_value::map(&self.mesh.points, &self.hierarchy.stars, &mut uv)?;
+        mean_value::map(&self.mesh.points, &self.hierarchy.rings, &mut uv)?;
         Ok(uv)
     }
 }

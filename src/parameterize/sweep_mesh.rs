@@ -8,34 +8,34 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::relax::{self, Freedom, Surface};
-use super::stars::Stars;
+use super::one_rings::OneRings;
+use super::relax::{self, Freedom, StretchEnergy};
 use crate::geometry::{Point, Uv};
 
 /// The remaining vertices of a mesh, renumbered.
-pub struct Level<'a> {
-    stars: Stars,
+pub struct SweepMesh<'a> {
+    rings: OneRings,
     points: Vec<Point>,
     weights: Vec<f64>,
     freedom: Vec<Freedom>,
     /// The weight of the convex energy term.
-    round: f64,
-    places: Vec<Place>,
+    convex_weight: f64,
+    places: Vec<AtomicUv>,
     groups: Vec<Vec<u32>>,
     /// The numbers of the vertices in the whole mesh.
-    left: &'a [u32],
+    remaining: &'a [u32],
 }
 
 /// A position that one thread writes while others read neighbouring ones.
-struct Place([AtomicU64; 2]);
+struct AtomicUv([AtomicU64; 2]);
 
 /// The number of vertices that one thread moves at a time. It does not depend on the number of
 /// threads.
 const CHUNK: usize = 64;
 
-impl Place {
+impl AtomicUv {
     fn new(at: Uv) -> Self {
-        Place([at.x, at.y].map(|t| AtomicU64::new(t.to_bits())))
+        AtomicUv([at.x, at.y].map(|t| AtomicU64::new(t.to_bits())))
     }
 
     // Threads synchronize between groups and then see all earlier writes.
@@ -50,41 +50,41 @@ impl Place {
     }
 }
 
-impl<'a> Level<'a> {
-    /// Copies the vertices `left`. They must have no other neighbours.
-    pub fn new(surface: &Surface, stars: &Stars, left: &'a [u32], at: &[Uv]) -> Self {
-        let (stars, _) = stars.renumbered(left);
-        let groups = relax::groups(&stars, 0..left.len() as u32);
-        Level {
-            points: left.iter().map(|&v| surface.points[v as usize]).collect(),
-            weights: left.iter().map(|&v| surface.weights[v as usize]).collect(),
-            freedom: left.iter().map(|&v| surface.freedom[v as usize]).collect(),
-            places: left.iter().map(|&v| Place::new(at[v as usize])).collect(),
-            round: surface.round,
-            stars,
+impl<'a> SweepMesh<'a> {
+    /// Copies the vertices `remaining`. They must have no other neighbours.
+    pub fn new(surface: &StretchEnergy, rings: &OneRings, remaining: &'a [u32], at: &[Uv]) -> Self {
+        let (rings, _) = rings.renumbered(remaining);
+        let groups = relax::groups(&rings, 0..remaining.len() as u32);
+        SweepMesh {
+            points: remaining.iter().map(|&v| surface.points[v as usize]).collect(),
+            weights: remaining.iter().map(|&v| surface.weights[v as usize]).collect(),
+            freedom: remaining.iter().map(|&v| surface.freedom[v as usize]).collect(),
+            places: remaining.iter().map(|&v| AtomicUv::new(at[v as usize])).collect(),
+            convex_weight: surface.convex_weight,
+            rings,
             groups,
-            left,
+            remaining,
         }
     }
 
     /// Moves every vertex once. Returns the numbers, in the whole mesh, of the vertices that moved
     /// far relative to the size of their triangles.
     pub fn sweep(&self) -> Vec<u32> {
-        let surface = Surface {
+        let surface = StretchEnergy {
             points: &self.points,
             weights: &self.weights,
             freedom: &self.freedom,
-            round: self.round,
+            convex_weight: self.convex_weight,
         };
         let moved = |chunk: &[u32]| {
             let (mut corners, mut far) = (Vec::new(), Vec::new());
             for &v in chunk {
                 // No other vertex of the group is a neighbour.
                 let at = |w: u32| self.places[w as usize].get();
-                let (to, is_far) = relax::moved(&surface, &self.stars, v, at, &mut corners);
+                let (to, is_far) = relax::moved(&surface, &self.rings, v, at, &mut corners);
                 self.places[v as usize].set(to);
                 if is_far {
-                    far.push(self.left[v as usize]);
+                    far.push(self.remaining[v as usize]);
                 }
             }
             far
@@ -96,47 +96,50 @@ impl<'a> Level<'a> {
 
     /// Writes the positions into those of the whole mesh.
     pub fn put_back(&self, at: &mut [Uv]) {
-        self.left.iter().zip(&self.places).for_each(|(&v, place)| at[v as usize] = place.get());
+        self.remaining
+            .iter()
+            .zip(&self.places)
+            .for_each(|(&v, place)| at[v as usize] = place.get());
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameterize::stars::tests::grid;
+    use crate::parameterize::one_rings::tests::grid;
 
     #[test]
     fn vertices_move_as_where_they_lie_among_the_others() {
         let n = 40;
         let patch = grid(n);
-        let mut stars = Stars::new(&patch.mesh, &patch.outer);
+        let mut rings = OneRings::new(&patch.mesh, &patch.outer);
         let out: Vec<u32> =
-            (0..n).map(|i| i * (n + 1)).filter(|v| !stars.on_boundary(*v)).collect();
+            (0..n).map(|i| i * (n + 1)).filter(|v| !rings.on_boundary(*v)).collect();
         for &v in out.iter().step_by(2) {
-            let removal = stars.removal(v, 0).unwrap();
-            stars.remove(&[removal]);
+            let collapse = rings.collapse(v, 0).unwrap();
+            rings.apply(&[collapse]);
         }
-        let left: Vec<u32> = (0..n * n).filter(|&v| !stars.ring(v).is_empty()).collect();
+        let remaining: Vec<u32> = (0..n * n).filter(|&v| !rings.ring(v).is_empty()).collect();
         let freedom: Vec<Freedom> = (0..n * n)
-            .map(|v| if stars.on_boundary(v) { Freedom::None } else { Freedom::Full })
+            .map(|v| if rings.on_boundary(v) { Freedom::None } else { Freedom::Full })
             .collect();
         let weights: Vec<f64> = (0..n * n).map(|v| 1.0 + f64::from(v % 7)).collect();
-        let surface = Surface {
+        let surface = StretchEnergy {
             points: &patch.mesh.points,
             weights: &weights,
             freedom: &freedom,
-            round: 0.25,
+            convex_weight: 0.25,
         };
         let start: Vec<Uv> = patch.mesh.points.iter().map(|p| Uv::new(p.x, p.y)).collect();
         let (mut whole, mut brought) = (start.clone(), start.clone());
-        let groups = relax::groups(&stars, left.iter().copied());
-        let level = Level::new(&surface, &stars, &left, &start);
+        let groups = relax::groups(&rings, remaining.iter().copied());
+        let level = SweepMesh::new(&surface, &rings, &remaining, &start);
         for _ in 0..3 {
-            let far = relax::sweep(&surface, &stars, &groups, &mut whole);
+            let far = relax::sweep(&surface, &rings, &groups, &mut whole);
             assert_eq!(level.sweep(), far);
         }
         level.put_back(&mut brought);
         assert_eq!(whole, brought);
-        assert!(whole != start && left.len() < start.len());
+        assert!(whole != start && remaining.len() < start.len());
     }
 }

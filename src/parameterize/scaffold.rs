@@ -43,18 +43,18 @@ pub fn is_ragged(mesh: &Mesh, outer: &[VertexId]) -> bool {
 
 /// The mesh of the patch with a scaffold, and the new outer boundary. The vertices and triangles of
 /// the scaffold follow those of the patch.
-pub fn skirted(patch: &Patch) -> (Mesh, Loop) {
+pub fn surround(patch: &Patch) -> (Mesh, Loop) {
     let mut mesh = patch.mesh.clone();
-    let course = Course::new(patch);
-    let (mut rim, mut places) = (patch.outer.clone(), course.shares());
+    let polyline = BoundaryPolyline::new(patch);
+    let (mut rim, mut places) = (patch.outer.clone(), polyline.shares());
     let mut out = 0.0;
     loop {
         let count = (rim.len() / 2).max(OUTERMOST / 2);
         let first = mesh.points.len();
-        mesh.points.extend(course.ring(count, &mut out));
+        mesh.points.extend(polyline.ring(count, &mut out));
         let ring: Loop = (first..first + count).map(VertexId::from).collect();
         let shares: Vec<f64> = (0..count).map(|j| j as f64 / count as f64).collect();
-        mesh.triangles.extend(zip(&rim, &places, &ring, &shares));
+        mesh.triangles.extend(triangles_between(&rim, &places, &ring, &shares));
         (rim, places) = (ring, shares);
         if count <= OUTERMOST {
             return (mesh, rim);
@@ -63,7 +63,7 @@ pub fn skirted(patch: &Patch) -> (Mesh, Loop) {
 }
 
 /// The boundary as a closed polyline, parameterized by length, with its integral.
-struct Course {
+struct BoundaryPolyline {
     stations: Vec<Station>,
     /// The length from the first station to each station. The last entry is the total length.
     lengths: Vec<f64>,
@@ -71,7 +71,7 @@ struct Course {
     integrals: Vec<Station>,
 }
 
-impl Course {
+impl BoundaryPolyline {
     fn new(patch: &Patch) -> Self {
         let normals = patch.mesh.vertex_normals();
         let station = |v: &VertexId| {
@@ -86,7 +86,7 @@ impl Course {
             lengths.push(lengths[i] + length);
             integrals.push(integrals[i] + 0.5 * length * (a + b));
         }
-        Course { stations, lengths, integrals }
+        BoundaryPolyline { stations, lengths, integrals }
     }
 
     fn whole(&self) -> f64 {
@@ -133,7 +133,7 @@ impl Course {
 
 /// The triangles between two closed loops with the same direction, where `outer` lies to the right
 /// of `inner`. The positions of the vertices are given as shares of the length of their loop.
-fn zip(
+fn triangles_between(
     inner: &[VertexId],
     inner_at: &[f64],
     outer: &[VertexId],
@@ -160,13 +160,13 @@ fn zip(
 mod tests {
     use super::*;
     use crate::mesh::FaceOrigin;
-    use crate::parameterize::stars::tests::grid;
+    use crate::parameterize::one_rings::tests::grid;
 
     #[test]
     fn a_skirt_makes_a_larger_disk() {
         for n in [4, 9, 40, 120] {
             let patch = grid(n);
-            let (mesh, outer) = skirted(&patch);
+            let (mesh, outer) = surround(&patch);
             let origin = vec![FaceOrigin::Measured; mesh.triangles.len()];
             let whole = Patch { mesh, outer, origin, ..patch.clone() };
             assert!(whole.is_disk(), "{n}");

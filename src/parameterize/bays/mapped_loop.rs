@@ -9,19 +9,19 @@ use super::STRAIGHT;
 use crate::geometry::{Uv, VertexId, orient2d};
 
 /// The positions of a closed loop on a map. The surface lies to its left.
-pub struct Flat {
+pub struct MappedLoop {
     uv: Vec<Uv>,
     tree: ImmutableKdTree<f64, 2>,
 }
 
-impl Flat {
+impl MappedLoop {
     /// The loop on a map, which must have a finite position for every vertex.
     pub fn new(ring: &[VertexId], map: &[Uv]) -> Self {
         let uv: Vec<Uv> = ring.iter().map(|v| map[v.index()]).collect();
         let places: Vec<[f64; 2]> = uv.iter().map(|p| p.coords.into()).collect();
         #[expect(clippy::expect_used, reason = "kiddo refuses only what is not finite")]
         let tree = ImmutableKdTree::new_from_slice(&places).expect("a map is finite");
-        Flat { uv, tree }
+        MappedLoop { uv, tree }
     }
 
     fn turn(&self, a: usize, b: usize, c: usize) -> f64 {
@@ -65,7 +65,7 @@ mod tests {
         let corners = [(0, 0), (9, 0), (9, 9), (6, 9), (4, 6), (6, 5), (5, 1), (3, 9), (0, 9)];
         let map = corners.map(|(u, v)| Uv::new(f64::from(u), f64::from(v)));
         let ring: Vec<VertexId> = (0..corners.len()).map(VertexId::from).collect();
-        let flat = Flat::new(&ring, &map);
+        let flat = MappedLoop::new(&ring, &map);
         assert!(!flat.bends([0, 1, 2]) && flat.tip([0, 1, 2]) == PI);
         let notch = [3, 6, 7];
         assert!(flat.bends(notch) && flat.tip(notch) < 0.5);

@@ -31,7 +31,7 @@ impl Display for Crushed {
         let ([m, n], at) = (self.spans, self.at);
         write!(
             f,
-            "the map crushes what sticks out: near ({:.3}, {:.3}, {:.3}) the tolerance needs knots as close as in a net of {m:.0} × {n:.0}; cut the scan there and convert the pieces, or raise --tolerance or --max-net",
+            "the map compresses a protruding part: near ({:.3}, {:.3}, {:.3}) the tolerance requires knots as close as in a net of {m:.0} × {n:.0}; cut the scan there and convert the pieces separately, or raise --tolerance or --max-net",
             at.x, at.y, at.z
         )
     }
@@ -39,7 +39,7 @@ impl Display for Crushed {
 
 /// The requirement of one triangle in one parameter: the middle of the triangle, and the number of
 /// spans per unit of the parameter.
-struct Need {
+struct KnotDemand {
     middle: f64,
     density: f64,
     triangle: usize,
@@ -60,9 +60,9 @@ pub fn crushed(map: &Parameterized, tolerance: f64, max_net: usize) -> Option<Cr
     let patch = &map.patch;
     let is_whole = |t: &usize| patch.mesh.triangles[*t].iter().all(|&v| patch.is_measured(v));
     let triangles: Vec<usize> = patch.measured_triangles().filter(is_whole).collect();
-    let needs: Vec<[Need; 2]> =
-        triangles.par_iter().map(|&t| needs(map, &normals, tolerance, t)).collect();
-    let along = |k: usize| spans(needs.iter().map(|need| &need[k]));
+    let demands: Vec<[KnotDemand; 2]> =
+        triangles.par_iter().map(|&t| demands(map, &normals, tolerance, t)).collect();
+    let along = |k: usize| spans(demands.iter().map(|demand| &demand[k]));
     let (along_u, along_v) = rayon::join(|| along(0), || along(1));
     if along_u.0 * along_v.0 <= max_net as f64 {
         return None;
@@ -72,19 +72,19 @@ pub fn crushed(map: &Parameterized, tolerance: f64, max_net: usize) -> Option<Cr
     Some(Crushed { spans: [along_u.0, along_v.0], at })
 }
 
-fn needs(map: &Parameterized, normals: &[Point], tolerance: f64, t: usize) -> [Need; 2] {
+fn demands(map: &Parameterized, normals: &[Point], tolerance: f64, t: usize) -> [KnotDemand; 2] {
     let corners = map.patch.mesh.triangles[t];
     let places = corners.map(|v| map.uv[v.index()]);
     let along = stretch::derivatives(map.patch.mesh.corners(corners), places, 0.0);
     let turn = stretch::derivatives(corners.map(|v| normals[v.index()]), places, 0.0);
-    let need = |k: usize| {
+    let demand = |k: usize| {
         let (along, turn) = ([along.2, along.3][k].norm(), [turn.2, turn.3][k].norm());
         // The number of spans per mm is (κ³ / 384 tolerance)^¼ with κ = turn / along.
         let density = (turn.powi(3) * along / (384.0 * tolerance)).powf(0.25);
         let middle = places.iter().map(|at| at[k]).sum::<f64>() / 3.0;
-        Need { middle, density: if density.is_finite() { density } else { 0.0 }, triangle: t }
+        KnotDemand { middle, density: if density.is_finite() { density } else { 0.0 }, triangle: t }
     };
-    [need(0), need(1)]
+    [demand(0), demand(1)]
 }
 
 /// The number of strips across a parameter in which the closest requirement is determined.
@@ -92,23 +92,23 @@ const STRIPS: usize = 256;
 
 /// In each strip, one in this number of triangles, but at least three, may require closer knots
 /// than the strip gets. Normals of single triangles are unreliable.
-const ROUGH: usize = 200;
+const OUTLIER_RATE: usize = 200;
 
 /// The required number of spans, and the triangle that requires the closest knots.
-fn spans<'a>(needs: impl Iterator<Item = &'a Need>) -> (f64, usize) {
-    let mut strips: Vec<Vec<&Need>> = (0..STRIPS).map(|_| Vec::new()).collect();
-    needs.for_each(|n| strips[((n.middle * STRIPS as f64) as usize).min(STRIPS - 1)].push(n));
+fn spans<'a>(demands: impl Iterator<Item = &'a KnotDemand>) -> (f64, usize) {
+    let mut strips: Vec<Vec<&KnotDemand>> = (0..STRIPS).map(|_| Vec::new()).collect();
+    demands.for_each(|n| strips[((n.middle * STRIPS as f64) as usize).min(STRIPS - 1)].push(n));
     let (mut sum, mut closest) = (0.0, (0.0, 0));
     for strip in &mut strips {
-        let rough = 3.max(strip.len() / ROUGH);
+        let rough = 3.max(strip.len() / OUTLIER_RATE);
         if strip.len() <= rough {
             continue;
         }
-        let (_, need, _) =
+        let (_, demand, _) =
             strip.select_nth_unstable_by(rough, |a, b| b.density.total_cmp(&a.density));
-        sum += need.density / STRIPS as f64;
-        if need.density > closest.0 {
-            closest = (need.density, need.triangle);
+        sum += demand.density / STRIPS as f64;
+        if demand.density > closest.0 {
+            closest = (demand.density, demand.triangle);
         }
     }
     (sum, closest.1)
