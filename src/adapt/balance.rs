@@ -10,7 +10,7 @@
 use super::deepest;
 use super::search::{Attempt, Search};
 use crate::error::Result;
-use crate::knots::{self, Bounds};
+use crate::knots::{self, InsertionLimits};
 
 /// What a control point must take off the sum of squares, in variances of the noise.
 const PRICE: f64 = 2.0;
@@ -47,7 +47,7 @@ impl Search<'_> {
     pub fn enrich(&mut self, start: Attempt) -> Result<Attempt> {
         let asked = &self.options.knots;
         let measured = self.target.measured();
-        let bounds = Bounds {
+        let bounds = InsertionLimits {
             depth: asked.depth.unwrap_or_else(|| deepest(measured) + DEEPER),
             most: self.most_for_noise(),
             price: PRICE,

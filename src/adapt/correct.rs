@@ -18,24 +18,24 @@ pub fn area(at: impl Fn(usize) -> Uv, triangle: [VertexId; 3]) -> f64 {
 }
 
 /// The parameters of vertices and, after them, of a skirt's.
-pub fn with_skirt<'a>(uv: &'a [Uv], skirt: &'a [Uv]) -> impl Fn(usize) -> Uv + 'a {
-    move |v| uv.get(v).copied().unwrap_or_else(|| skirt[v - uv.len()])
+pub fn with_scaffold<'a>(uv: &'a [Uv], scaffold: &'a [Uv]) -> impl Fn(usize) -> Uv + 'a {
+    move |v| uv.get(v).copied().unwrap_or_else(|| scaffold[v - uv.len()])
 }
 
 /// The parameters `uv`, `moved` to their feet. Vertices of triangles that would keep less
 /// than the share `least` of their [`area`] in the map as it was `made` stay where they
-/// were. Those that `skirt` is the places of come after them, and stay.
+/// were. Those that `scaffold` is the places of come after them, and stay.
 pub fn corrected(
     triangles: &[[VertexId; 3]],
     made: &[f64],
     least: f64,
     uv: Vec<Uv>,
     mut moved: Vec<Uv>,
-    skirt: &[Uv],
+    scaffold: &[Uv],
 ) -> Vec<Uv> {
     // Feet that are no numbers crush them, too.
     let crushed = |at: &[Uv], t: usize| {
-        let area = area(with_skirt(at, skirt), triangles[t]);
+        let area = area(with_scaffold(at, scaffold), triangles[t]);
         area.partial_cmp(&(least * made[t])).is_none_or(Ordering::is_lt)
     };
     // Only triangles with a vertex that has just been put back can turn now.

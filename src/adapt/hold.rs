@@ -6,7 +6,7 @@
 
 use super::places::{AIM, Maker};
 use super::search::{Attempt, LEAST_AREA, Search};
-use crate::deviation::Left;
+use crate::deviation::MissedTriangle;
 use crate::fit::{self, STIFFNESSES};
 use crate::geometry::Uv;
 
@@ -32,7 +32,7 @@ const MOST_CELLS: f64 = 256.0;
 /// Misses of an attempt.
 struct Misses {
     /// Triangles that it leaves by more than the aim.
-    left: Vec<Left>,
+    left: Vec<MissedTriangle>,
     /// Vertices and triangles beyond the tolerance that are more than may be.
     count: usize,
 }
@@ -112,7 +112,7 @@ impl Search<'_> {
     }
 
     /// Puts places where an attempt leaves triangles.
-    fn hold_places(&mut self, of: &Attempt, left: &[Left]) {
+    fn hold_places(&mut self, of: &Attempt, left: &[MissedTriangle]) {
         let mut places = std::mem::take(&mut self.target.places);
         places.hold(left, &self.maker(of), &self.target.measured_triangles);
         self.holds.truncate(self.target.uv().len());
@@ -121,7 +121,7 @@ impl Search<'_> {
     }
 
     /// An attempt's surface brought nearer to the vertices and the triangles that it misses.
-    fn mended(&mut self, from: &Attempt, left: &[Left]) -> Option<Attempt> {
+    fn mended(&mut self, from: &Attempt, left: &[MissedTriangle]) -> Option<Attempt> {
         self.take_up(from, LEAST_AREA);
         let limit = AIM_OF_VERTICES * self.goal.tolerance;
         self.target.press(&from.feet, limit);
@@ -144,14 +144,14 @@ impl Search<'_> {
     }
 
     /// Where on the map the places of triangles are.
-    fn around(&self, left: &[Left]) -> impl Iterator<Item = Uv> {
+    fn around(&self, left: &[MissedTriangle]) -> impl Iterator<Item = Uv> {
         let places = left.iter().flat_map(|left| self.target.places.of(left.triangle));
         places.map(|at| self.target.samples.uv[self.target.uv().len() + at])
     }
 
     /// The same surface over knots that vertices and triangles that it misses call for; `None`
     /// if there are none, or the user has named them.
-    fn refined(&self, of: &Attempt, left: &[Left]) -> Option<Attempt> {
+    fn refined(&self, of: &Attempt, left: &[MissedTriangle]) -> Option<Attempt> {
         if !self.options.knots.are_searched() {
             return None;
         }

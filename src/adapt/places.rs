@@ -6,7 +6,7 @@ use std::ops::Range;
 use foldhash::HashMap;
 
 use super::target::MOST_PRESSURE;
-use crate::deviation::{Left, middles, narrowest, spanned};
+use crate::deviation::{MissedTriangle, middles, narrowest, spanned};
 use crate::fit::Hold;
 use crate::geometry::{Point, Uv, Vector, VertexId};
 use crate::mesh::Mesh;
@@ -69,10 +69,10 @@ impl Places {
     /// Where a triangle has none yet, it gets them, and so do those beside it that span a
     /// knot cell, of those that were `measured`: what the surface leaves the one for would be
     /// the next.
-    pub fn hold(&mut self, left: &[Left], maker: &Maker, measured: &[usize]) {
+    pub fn hold(&mut self, left: &[MissedTriangle], maker: &Maker, measured: &[usize]) {
         let mesh = maker.mesh;
         let mut beside = vec![false; mesh.points.len()];
-        for &Left { triangle, ratio } in left {
+        for &MissedTriangle { triangle, ratio } in left {
             let held = self.of(triangle);
             let places = self.all[held.clone()].iter_mut();
             places.for_each(|place| place.weight *= (ratio / AIM).powi(2).min(MOST_PRESSURE));

@@ -6,7 +6,7 @@ use crate::course::Course;
 use crate::error::Result;
 use crate::fit::Hold;
 use crate::geometry::Uv;
-use crate::knots::Bounds;
+use crate::knots::InsertionLimits;
 use crate::spline::{KnotVector, Surface};
 use crate::{fit, knots, rules};
 
@@ -260,7 +260,7 @@ impl<'a> Search<'a> {
         more: impl Iterator<Item = knots::Miss>,
     ) -> [KnotVector; 2] {
         let asked = &self.options.knots;
-        let bounds = Bounds {
+        let bounds = InsertionLimits {
             depth: asked.depth.unwrap_or(rules::MOST_HALVINGS),
             most: if self.goal.named { asked.max_net } else { self.most_for_noise() },
             price: 0.0,

@@ -4,16 +4,16 @@
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
-use super::correct::{area, corrected, with_skirt};
+use super::correct::{area, corrected, with_scaffold};
 use super::places::Places;
 use super::weights::{CORNER, weights};
-use crate::deviation::{Between, Left};
+use crate::deviation::{MissedTriangle, SurfaceOverMesh};
 use crate::fit::Hold;
 use crate::geometry::{Point, Uv, Vector, VertexId, uv_bounds};
 use crate::knots::Miss;
 use crate::mesh::Bound;
 use crate::mesh::{Outline, Parameterized};
-use crate::spline::{Samples, Surface, foot_point_moving, for_many_looks, last_step};
+use crate::spline::{Samples, Surface, fast_evaluator, foot_point_moving, last_step};
 
 /// What is left of an outlier's weight: nothing that a fit would show.
 const OUTLIER_WEIGHT: f64 = 1e-6;
@@ -59,8 +59,8 @@ impl<'a> Target<'a> {
         let weights = weights(map, |v| corners.contains(&v.index()));
         let points = map.patch.mesh.points.clone();
         let (uv, open) = (map.uv.clone(), map.outline == Outline::Free);
-        let triangles = [&map.patch.mesh.triangles[..], &map.skirt.triangles].concat();
-        let at = with_skirt(&map.uv, &map.skirt.uv);
+        let triangles = [&map.patch.mesh.triangles[..], &map.scaffold.triangles].concat();
+        let at = with_scaffold(&map.uv, &map.scaffold.uv);
         let made = triangles.par_iter().map(|&t| area(&at, t)).collect();
         let samples = Samples { points, uv, weights: weights.clone(), open };
         let at_loops = at_loops(map);
@@ -124,9 +124,15 @@ impl<'a> Target<'a> {
 
     /// The measured triangles that a surface leaves by more than such a `share` of the
     /// tolerance and what a flat triangle misses itself, with the vertices at `uv`.
-    pub fn left(&self, surface: &Surface, uv: &[Uv], tolerance: f64, share: f64) -> Vec<Left> {
+    pub fn left(
+        &self,
+        surface: &Surface,
+        uv: &[Uv],
+        tolerance: f64,
+        share: f64,
+    ) -> Vec<MissedTriangle> {
         let mesh = &self.map.patch.mesh;
-        Between::new(mesh, &self.measured_triangles, uv, surface).left(tolerance, share)
+        SurfaceOverMesh::new(mesh, &self.measured_triangles, uv, surface).missed(tolerance, share)
     }
 
     /// Gives the vertices these parameters, and the places those between.
@@ -152,7 +158,7 @@ impl<'a> Target<'a> {
     /// The same, looked for from the given parameters.
     pub fn feet_from(&self, surface: &Surface, starts: &[Uv]) -> Feet {
         let last = last_step(surface);
-        let surface = for_many_looks(surface);
+        let surface = fast_evaluator(surface);
         let foot = |(&uv, &p): (&Uv, &Point)| {
             foot_point_moving(&*surface, p, uv, held(self.map, uv).map(|held| !held), last)
         };
@@ -216,7 +222,7 @@ impl<'a> Target<'a> {
 
     /// The parameters that the vertices may move to from those they have.
     pub fn corrected(&self, now: Vec<Uv>, wanted: Vec<Uv>, least: f64) -> Vec<Uv> {
-        corrected(&self.triangles, &self.made, least, now, wanted, &self.map.skirt.uv)
+        corrected(&self.triangles, &self.made, least, now, wanted, &self.map.scaffold.uv)
     }
 
     /// The same of vertices and places, which go where their vertices do.

@@ -9,14 +9,14 @@ use super::slab_polygon::SlabPolygon;
 use crate::geometry::{Point, Uv, bounds};
 use crate::spline::chords::chords;
 use crate::spline::nearest::{EXACT, Foot, NearestPlace, NearestSearch};
-use crate::spline::{Curve, EdgeTree, Patch, Surface};
+use crate::spline::{Curve, EdgeTree, ParametricSurface, Surface};
 
 /// A surface with the loops that trim it. Loops may be nested: holes in the face, islands in the
 /// holes, and so on.
 pub struct Face<'a, S> {
     surface: &'a S,
     /// The same surface in a form that is faster to evaluate, if there is one.
-    quick: Option<Box<dyn Patch>>,
+    fast_form: Option<Box<dyn ParametricSurface>>,
     trim: Trim,
     search: NearestSearch,
 }
@@ -52,7 +52,7 @@ impl<'a> Face<'a, Surface> {
         natural: bool,
     ) -> Self {
         let loops: Vec<&[Curve<2>]> = loops.collect();
-        let quick = surface.quick();
+        let fast_form = surface.fast_form();
         let breaks = loops.iter().copied().flatten().flat_map(|arc| {
             arc.knots.breaks().into_iter().map(|t| surface.point(Uv::from(arc.point(t))))
         });
@@ -63,9 +63,9 @@ impl<'a> Face<'a, Surface> {
         let chord = EXACT * (high - low).norm();
         let rings = loops
             .par_iter()
-            .map(|arcs| loop_polygon(evaluated(surface, &quick), arcs, chord))
+            .map(|arcs| loop_polygon(evaluated(surface, &fast_form), arcs, chord))
             .collect();
-        Face::with(surface, quick, rings, natural)
+        Face::with(surface, fast_form, rings, natural)
     }
 
     /// The deviation of points from the face. `starts` are parameter points near their foot points.
@@ -76,23 +76,23 @@ impl<'a> Face<'a, Surface> {
     }
 }
 
-impl<'a, S: Patch> Face<'a, S> {
+impl<'a, S: ParametricSurface> Face<'a, S> {
     /// The face that closed polygons trim. A place is on the face depending on whether an odd or an
     /// even number of polygons contains it. Without polygons the face is the whole surface.
     pub fn of_rings(surface: &'a S, rings: Vec<Vec<PolygonCorner>>, natural: bool) -> Self {
-        Face::with(surface, surface.quick(), rings, natural)
+        Face::with(surface, surface.fast_form(), rings, natural)
     }
 
     fn with(
         surface: &'a S,
-        quick: Option<Box<dyn Patch>>,
+        fast_form: Option<Box<dyn ParametricSurface>>,
         rings: Vec<Vec<PolygonCorner>>,
         natural: bool,
     ) -> Self {
         let trim = Trim::new(&rings, natural);
         let search =
-            NearestSearch::new(evaluated(surface, &quick), |low, high| trim.leaves(low, high));
-        Face { surface, quick, trim, search }
+            NearestSearch::new(evaluated(surface, &fast_form), |low, high| trim.leaves(low, high));
+        Face { surface, fast_form, trim, search }
     }
 
     /// The untrimmed surface.
@@ -117,7 +117,7 @@ impl<'a, S: Patch> Face<'a, S> {
     /// The nearest point is a foot point on the face, or it lies on a trim curve. On a face that
     /// ends where the surface ends it may also lie at this end.
     pub fn nearest(&self, p: Point, start: Option<Uv>) -> (Uv, f64) {
-        let evaluated = evaluated(self.surface, &self.quick);
+        let evaluated = evaluated(self.surface, &self.fast_form);
         let start = start.unwrap_or_else(|| self.search.start(p));
         let foot = Foot::find(evaluated, p, start);
         let own = NearestPlace { at: foot.at, distance: foot.distance };
@@ -170,12 +170,19 @@ impl Trim {
 }
 
 /// The form of the surface that is evaluated.
-fn evaluated<'a, S: Patch>(surface: &'a S, quick: &'a Option<Box<dyn Patch>>) -> &'a dyn Patch {
-    quick.as_deref().unwrap_or(surface)
+fn evaluated<'a, S: ParametricSurface>(
+    surface: &'a S,
+    fast_form: &'a Option<Box<dyn ParametricSurface>>,
+) -> &'a dyn ParametricSurface {
+    fast_form.as_deref().unwrap_or(surface)
 }
 
 /// The polygon that approximates a loop.
-fn loop_polygon(surface: &dyn Patch, arcs: &[Curve<2>], chord: f64) -> Vec<PolygonCorner> {
+fn loop_polygon(
+    surface: &dyn ParametricSurface,
+    arcs: &[Curve<2>],
+    chord: f64,
+) -> Vec<PolygonCorner> {
     let mut ring = Vec::new();
     for arc in arcs {
         let at = |t: f64| {

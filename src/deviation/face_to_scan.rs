@@ -5,8 +5,8 @@
 use rayon::prelude::*;
 
 use crate::geometry::{Point, Uv, Vector};
-use crate::mesh::{Mesh, Rings, nearest_on};
-use crate::spline::{Patch, Surface, for_many_looks};
+use crate::mesh::{Mesh, VertexRings, nearest_on};
+use crate::spline::{ParametricSurface, Surface, fast_evaluator};
 
 /// The number of samples for each knot cell that a triangle spans in the parameter plane, along a
 /// side.
@@ -55,21 +55,21 @@ impl FaceToScan {
 }
 
 /// A surface over the triangles of a mesh whose vertices have parameter points.
-pub(crate) struct Between<'a> {
+pub(crate) struct SurfaceOverMesh<'a> {
     mesh: &'a Mesh,
     /// The numbers of the triangles that are compared with the surface.
     triangles: &'a [usize],
     uv: &'a [Uv],
     surface: &'a Surface,
     /// The triangles around each vertex, by their positions in `triangles`.
-    rings: Rings,
+    rings: VertexRings,
     normals: Vec<Vector>,
     cells: [f64; 2],
 }
 
 /// A triangle from which the surface deviates.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Left {
+pub(crate) struct MissedTriangle {
     /// The number of the triangle in the mesh.
     pub triangle: usize,
     /// The deviation divided by the sum of the tolerance and the triangle's chord error.
@@ -85,7 +85,7 @@ struct TriangleDeviation {
     at: Point,
 }
 
-impl<'a> Between<'a> {
+impl<'a> SurfaceOverMesh<'a> {
     /// Prepares the comparison of the surface with some triangles.
     pub(crate) fn new(
         mesh: &'a Mesh,
@@ -98,8 +98,8 @@ impl<'a> Between<'a> {
             triangles: triangles.iter().map(|&t| mesh.triangles[t]).collect(),
         };
         let cells = narrowest(surface);
-        let (rings, normals) = (Rings::new(&part), part.vertex_normals());
-        Between { mesh, triangles, uv, surface, rings, normals, cells }
+        let (rings, normals) = (VertexRings::new(&part), part.vertex_normals());
+        SurfaceOverMesh { mesh, triangles, uv, surface, rings, normals, cells }
     }
 
     /// The distances over the face. Samples outside the face are left out.
@@ -137,9 +137,9 @@ impl<'a> Between<'a> {
 
     /// The triangles from which the surface deviates by more than `share` of the tolerance plus
     /// their chord error.
-    pub(crate) fn left(&self, tolerance: f64, share: f64) -> Vec<Left> {
+    pub(crate) fn missed(&self, tolerance: f64, share: f64) -> Vec<MissedTriangle> {
         let everywhere = |_| true;
-        let left = |TriangleDeviation { triangle: i, distance, .. }| Left {
+        let left = |TriangleDeviation { triangle: i, distance, .. }| MissedTriangle {
             triangle: self.triangles[i],
             ratio: distance / (tolerance + self.chord_error(i)),
         };
@@ -177,7 +177,7 @@ impl<'a> Between<'a> {
         around: bool,
         is_on: &(impl Fn(Uv) -> bool + Sync),
     ) -> Vec<TriangleDeviation> {
-        let surface = for_many_looks(self.surface);
+        let surface = fast_evaluator(self.surface);
         which.par_iter().map(|&i| self.sample_triangle(i, around, &*surface, is_on)).collect()
     }
 
@@ -186,7 +186,7 @@ impl<'a> Between<'a> {
         &self,
         i: usize,
         around: bool,
-        surface: &(impl Patch + ?Sized),
+        surface: &(impl ParametricSurface + ?Sized),
         is_on: &impl Fn(Uv) -> bool,
     ) -> TriangleDeviation {
         let [a, b, c] = self.corners(i);
@@ -289,7 +289,7 @@ mod tests {
         let triangles = vec![[0, 1, 2], [0, 2, 3]];
         let triangles = triangles.into_iter().map(|t| t.map(VertexId)).collect();
         let mesh = Mesh { points, triangles };
-        Between::new(&mesh, &[0, 1], &uv, &surface).report(tolerance, |_| true)
+        SurfaceOverMesh::new(&mesh, &[0, 1], &uv, &surface).report(tolerance, |_| true)
     }
 
     #[test]

@@ -8,7 +8,7 @@ mod slab_polygon;
 
 pub use face::Face;
 pub use face_to_scan::FaceToScan;
-pub(crate) use face_to_scan::{Between, Left, middles, narrowest, spanned};
+pub(crate) use face_to_scan::{MissedTriangle, SurfaceOverMesh, middles, narrowest, spanned};
 
 use crate::geometry::Point;
 use rayon::prelude::*;

@@ -26,7 +26,7 @@ const MIN_SCORE_SHARE: f64 = 0.05;
 
 /// The limits on the knots that are inserted.
 #[derive(Debug, Clone, Copy)]
-pub struct Bounds {
+pub struct InsertionLimits {
     /// Spans shorter than 2^−`depth` of the domain are not made.
     pub depth: u32,
     /// The largest number of control points of the net.
@@ -42,7 +42,7 @@ pub fn insert(
     surface: &Surface,
     misses: &[Miss],
     reach: [Uv; 2],
-    bounds: &Bounds,
+    bounds: &InsertionLimits,
 ) -> [KnotVector; 2] {
     let jumps = Jumps::new(surface);
     let shortest = 1.001 * 0.5f64.powi(bounds.depth.min(1000) as i32);
@@ -135,7 +135,7 @@ mod tests {
     use super::*;
     use crate::geometry::Vector;
 
-    const FREE: Bounds = Bounds { depth: 8, most: 1000, price: 0.0 };
+    const FREE: InsertionLimits = InsertionLimits { depth: 8, most: 1000, price: 0.0 };
 
     const ALL: [Uv; 2] = [Uv::new(0.0, 0.0), Uv::new(1.0, 1.0)];
 
@@ -169,10 +169,10 @@ mod tests {
         let s = gutter(KnotVector::uniform(3, 11), KnotVector::uniform(3, 11));
         let miss = [(Uv::new(0.2, 0.6), 1.0)];
         let same = [s.u.clone(), s.v.clone()];
-        assert_eq!(insert(&s, &miss, ALL, &Bounds { most: 121, ..FREE }), same);
-        assert_eq!(insert(&s, &miss, ALL, &Bounds { depth: 3, ..FREE }), same);
-        assert_eq!(insert(&s, &miss, ALL, &Bounds { price: 0.1, ..FREE }), same);
-        assert_ne!(insert(&s, &miss, ALL, &Bounds { price: 0.09, ..FREE }), same);
+        assert_eq!(insert(&s, &miss, ALL, &InsertionLimits { most: 121, ..FREE }), same);
+        assert_eq!(insert(&s, &miss, ALL, &InsertionLimits { depth: 3, ..FREE }), same);
+        assert_eq!(insert(&s, &miss, ALL, &InsertionLimits { price: 0.1, ..FREE }), same);
+        assert_ne!(insert(&s, &miss, ALL, &InsertionLimits { price: 0.09, ..FREE }), same);
     }
 
     #[test]

@@ -17,7 +17,7 @@ use rayon::prelude::*;
 use crate::geometry::{Uv, Vector, uv_bounds};
 use crate::spline::{KnotVector, Samples};
 
-pub use change::{Bounds, Miss, insert, remove};
+pub use change::{InsertionLimits, Miss, insert, remove};
 
 /// The options of knot placement.
 #[derive(Debug, Clone, Copy)]

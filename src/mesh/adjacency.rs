@@ -1,13 +1,13 @@
 //! Tests whether two vertices of a mesh are joined by an edge.
 
-use super::{Mesh, Rings};
+use super::{Mesh, VertexRings};
 use crate::geometry::{Vector, VertexId, unit_normal};
 
 /// A mesh with the triangles around its vertices.
 #[derive(Clone, Copy)]
 pub struct Adjacency<'a> {
     pub mesh: &'a Mesh,
-    pub rings: &'a Rings,
+    pub rings: &'a VertexRings,
 }
 
 impl Adjacency<'_> {

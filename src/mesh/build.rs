@@ -81,7 +81,9 @@ pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
         return Err(Error::Empty("every face is degenerate or has a non-finite vertex".into()));
     }
     if !build.mm.is_normal() {
-        return Err(Error::Empty("its size in mm exceeds the range of floating-point numbers".into()));
+        return Err(Error::Empty(
+            "its size in mm exceeds the range of floating-point numbers".into(),
+        ));
     }
     Ok(build)
 }

@@ -6,7 +6,7 @@ use foldhash::{HashSet, HashSetExt};
 use rayon::prelude::*;
 
 use super::build::{Build, count};
-use super::{EdgeMap, Mesh, Rings};
+use super::{EdgeMap, Mesh, VertexRings};
 use crate::geometry::VertexId;
 
 /// A triangle is a cap if its height is below this share of its longest side. The value is far
@@ -37,7 +37,7 @@ pub(super) fn flip(build: &mut Build) -> bool {
 /// Flips or drops caps of which no two share a triangle or a neighbour. Returns the number of caps
 /// that were removed.
 fn round(build: &mut Build, flat: &[Option<usize>]) -> usize {
-    let rings = Rings::new(&build.mesh);
+    let rings = VertexRings::new(&build.mesh);
     let mut touched = HashSet::new();
     let mut dropped = HashSet::new();
     let mut flipped = 0;

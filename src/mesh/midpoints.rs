@@ -13,9 +13,9 @@ fn edge(a: VertexId, b: VertexId) -> Edge {
 
 /// Edges with the vertices in their middles.
 #[derive(Default)]
-pub struct Middles(HashMap<Edge, VertexId>);
+pub struct EdgeMidpoints(HashMap<Edge, VertexId>);
 
-impl Middles {
+impl EdgeMidpoints {
     /// Adds a vertex to the mesh in the middle of each edge that one of the `sides` lies on.
     /// `place` gives its position.
     pub fn new(
@@ -23,16 +23,16 @@ impl Middles {
         sides: impl IntoIterator<Item = usize>,
         mut place: impl FnMut(&Mesh, VertexId, VertexId) -> Point,
     ) -> Self {
-        let mut middles = HashMap::new();
+        let mut midpoints = HashMap::new();
         for side in sides {
             let (a, b) = mesh.side(side);
-            middles.entry(edge(a, b)).or_insert_with(|| {
+            midpoints.entry(edge(a, b)).or_insert_with(|| {
                 let middle = place(mesh, a, b);
                 mesh.points.push(middle);
                 VertexId::from(mesh.points.len() - 1)
             });
         }
-        Middles(middles)
+        EdgeMidpoints(midpoints)
     }
 
     /// The number of halved edges.
@@ -48,7 +48,11 @@ impl Middles {
 impl Patch {
     /// Divides the triangles that have halved edges. The new vertices of boundary edges become part
     /// of the outer boundary. `touched` must ascend and name every triangle that has a halved edge.
-    pub(crate) fn divide(&mut self, middles: &Middles, touched: impl IntoIterator<Item = usize>) {
+    pub(crate) fn divide(
+        &mut self,
+        midpoints: &EdgeMidpoints,
+        touched: impl IntoIterator<Item = usize>,
+    ) {
         let old = std::mem::take(&mut self.mesh.triangles);
         let origins = std::mem::take(&mut self.origin);
         let mut touched = touched.into_iter().peekable();
@@ -56,21 +60,21 @@ impl Patch {
             let may_be_divided = touched.peek() == Some(&number);
             while touched.next_if_eq(&number).is_some() {}
             if may_be_divided {
-                self.mesh.triangles.extend(divided(t, middles));
+                self.mesh.triangles.extend(divided(t, midpoints));
             } else {
                 self.mesh.triangles.push(t);
             }
             self.origin.resize(self.mesh.triangles.len(), origin);
         }
         let next = self.outer.iter().cycle().skip(1);
-        let with_middle = |(&a, &b)| [Some(a), middles.of(a, b)];
+        let with_middle = |(&a, &b)| [Some(a), midpoints.of(a, b)];
         self.outer = self.outer.iter().zip(next).flat_map(with_middle).flatten().collect();
     }
 }
 
 /// The triangles into which a triangle is divided.
-fn divided(t: [VertexId; 3], middles: &Middles) -> Vec<[VertexId; 3]> {
-    let middle = |k: usize| middles.of(t[k % 3], t[(k + 1) % 3]);
+fn divided(t: [VertexId; 3], midpoints: &EdgeMidpoints) -> Vec<[VertexId; 3]> {
+    let middle = |k: usize| midpoints.of(t[k % 3], t[(k + 1) % 3]);
     let halved = (0..3).filter(|&k| middle(k).is_some()).count();
     // Start at a side for which the cases below apply: the only halved one, or the first of two
     // consecutive ones.

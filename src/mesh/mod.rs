@@ -2,7 +2,7 @@
 //! comes out, split into its connected components ([`Components`]). One component becomes a disk
 //! with holes ([`Disk`]), which later stages fill ([`Patch`]) and flatten ([`Parameterized`]).
 //!
-//! What several stages need lives here as well: adjacency ([`EdgeMap`], [`Rings`]), boundary loops
+//! What several stages need lives here as well: adjacency ([`EdgeMap`], [`VertexRings`]), boundary loops
 //! ([`boundary`]), neighbours in space ([`Neighbours`]) and moving least squares ([`mls`]).
 
 mod adjacency;
@@ -34,10 +34,10 @@ pub use build::{Build, Repairs, from_soup};
 pub use components::{Choice, Component, Components};
 pub use disk::{Disk, Island, Outer};
 pub(crate) use edge_map::Buckets;
-pub use edge_map::{EdgeMap, Rings};
-pub(crate) use midpoints::Middles;
+pub use edge_map::{EdgeMap, VertexRings};
+pub(crate) use midpoints::EdgeMidpoints;
 pub use neighbours::Neighbours;
-pub use parameterized::{Outline, Parameterized, Skirt};
+pub use parameterized::{Outline, Parameterized, Scaffold};
 pub use patch::{FaceOrigin, Patch};
 pub use topology::Topology;
 pub(crate) use triangles::{Triangles, nearest_on};

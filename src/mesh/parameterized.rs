@@ -24,7 +24,7 @@ pub struct Parameterized {
     /// Where the outer boundary is mapped to.
     pub outline: Outline,
     /// The triangles between the outer boundary and the square; empty for [`Outline::Sides`].
-    pub skirt: Skirt,
+    pub scaffold: Scaffold,
 }
 
 impl Parameterized {
@@ -44,7 +44,7 @@ impl Parameterized {
 /// As long as no triangle of the scaffold or of the patch is inverted, the boundary does not cross
 /// itself.
 #[derive(Debug, Clone, Default)]
-pub struct Skirt {
+pub struct Scaffold {
     /// The triangles. Vertex numbers count the vertices of the patch first and those of the
     /// scaffold after them.
     pub triangles: Vec<[VertexId; 3]>,

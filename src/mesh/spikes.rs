@@ -6,7 +6,7 @@ use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 use rayon::prelude::*;
 
 use super::build::{Build, count};
-use super::{EdgeMap, Mesh, Rings, polygons};
+use super::{EdgeMap, Mesh, VertexRings, polygons};
 use crate::geometry::{Point, Vector, VertexId, bounds};
 
 /// A vertex is a spike if its distance from each neighbour exceeds this multiple of the extent of
@@ -21,7 +21,7 @@ const REACH_AT_BOUNDARY: f64 = 4.0;
 /// Removes spikes. The hole that a spike leaves is closed by the polygon of its neighbours, unless
 /// it lies at a boundary. Returns whether there were any spikes.
 pub(super) fn drop(build: &mut Build) -> bool {
-    let rings = Rings::new(&build.mesh);
+    let rings = VertexRings::new(&build.mesh);
     let vertices = (0..build.mesh.points.len()).into_par_iter().map(VertexId::from);
     let spikes: BTreeSet<VertexId> = vertices
         .filter(|&v| may_be_spike(&build.mesh, &rings, v) && is_spike(&build.mesh, &rings, v))
@@ -50,7 +50,7 @@ pub(super) fn drop(build: &mut Build) -> bool {
 /// `left`.
 fn fans(
     mesh: &Mesh,
-    rings: &Rings,
+    rings: &VertexRings,
     first: VertexId,
     left: &mut BTreeSet<VertexId>,
 ) -> BTreeSet<u32> {
@@ -87,7 +87,7 @@ fn outline(mesh: &Mesh, around: &BTreeSet<u32>, spikes: &BTreeSet<VertexId>) -> 
 
 /// Whether some neighbours of `v` are much nearer to each other than to `v`. This quick test holds
 /// for every spike and for few other vertices.
-fn may_be_spike(mesh: &Mesh, rings: &Rings, v: VertexId) -> bool {
+fn may_be_spike(mesh: &Mesh, rings: &VertexRings, v: VertexId) -> bool {
     let (mut nearest, mut shortest) = (f64::MAX, f64::MAX);
     let p = mesh.point(v);
     for &t in rings.triangles(v) {
@@ -108,7 +108,7 @@ fn may_be_spike(mesh: &Mesh, rings: &Rings, v: VertexId) -> bool {
 
 /// Whether `v` is far from its neighbours, and each neighbour has triangles without `v`. Away from
 /// boundaries the neighbour farthest from the others is ignored, because it may be a spike itself.
-fn is_spike(mesh: &Mesh, rings: &Rings, v: VertexId) -> bool {
+fn is_spike(mesh: &Mesh, rings: &VertexRings, v: VertexId) -> bool {
     let mut foot: Vec<VertexId> = rings.neighbours(mesh, v).collect();
     foot.sort_unstable();
     foot.dedup();

@@ -5,7 +5,7 @@
 use foldhash::{HashMap, HashMapExt};
 use rayon::prelude::*;
 
-use crate::mesh::{Mesh, Middles, Patch};
+use crate::mesh::{EdgeMidpoints, Mesh, Patch};
 
 /// Splits the chords. Returns their number.
 pub fn split_chords(patch: &mut Patch) -> usize {
@@ -15,9 +15,9 @@ pub fn split_chords(patch: &mut Patch) -> usize {
         return 0;
     }
     let straight = |mesh: &Mesh, a, b| nalgebra::center(&mesh.point(a), &mesh.point(b));
-    let middles = Middles::new(&mut patch.mesh, chords, straight);
-    patch.divide(&middles, sides.into_iter().map(|side| side / 3));
-    middles.len()
+    let midpoints = EdgeMidpoints::new(&mut patch.mesh, chords, straight);
+    patch.divide(&midpoints, sides.into_iter().map(|side| side / 3));
+    midpoints.len()
 }
 
 /// The sides of triangles between two vertices of the outer boundary, in ascending order.

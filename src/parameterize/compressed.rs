@@ -12,21 +12,21 @@ use crate::geometry::Point;
 /// A region for which the map leaves too little space.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-pub struct Crushed {
+pub struct CompressedRegion {
     /// The numbers of knot spans in u and in v that the tolerance requires.
     pub spans: [f64; 2],
     /// The place that requires the closest knots.
     pub at: Point,
 }
 
-impl Crushed {
+impl CompressedRegion {
     /// The same region with all lengths multiplied by a factor.
     pub(crate) fn scaled(self, factor: f64) -> Self {
-        Crushed { at: self.at * factor, ..self }
+        CompressedRegion { at: self.at * factor, ..self }
     }
 }
 
-impl Display for Crushed {
+impl Display for CompressedRegion {
     fn fmt(&self, f: &mut Formatter) -> fmt::Result {
         let ([m, n], at) = (self.spans, self.at);
         write!(
@@ -54,7 +54,11 @@ struct KnotDemand {
 /// required distance of knots in u and in v at each triangle. A knot line runs across the whole
 /// patch, so the closest requirement along it decides. Roughness requires more knots than this
 /// estimate, so the test never reports a region wrongly.
-pub fn crushed(map: &Parameterized, tolerance: f64, max_net: usize) -> Option<Crushed> {
+pub fn compressed_region(
+    map: &Parameterized,
+    tolerance: f64,
+    max_net: usize,
+) -> Option<CompressedRegion> {
     let normals: Vec<Point> =
         map.patch.mesh.vertex_normals().into_iter().map(Point::from).collect();
     let patch = &map.patch;
@@ -69,7 +73,7 @@ pub fn crushed(map: &Parameterized, tolerance: f64, max_net: usize) -> Option<Cr
     }
     let (_, triangle) = if along_u.0 > along_v.0 { along_u } else { along_v };
     let at = map.patch.mesh.point(map.patch.mesh.triangles[triangle][0]);
-    Some(Crushed { spans: [along_u.0, along_v.0], at })
+    Some(CompressedRegion { spans: [along_u.0, along_v.0], at })
 }
 
 fn demands(map: &Parameterized, normals: &[Point], tolerance: f64, t: usize) -> [KnotDemand; 2] {

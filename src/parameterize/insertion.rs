@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use super::Parameterized;
 use super::stretch;
 use crate::geometry::{Point, Uv, UvVector, Vector, VertexId};
-use crate::mesh::{EdgeMap, FaceOrigin, Mesh, Middles, Patch};
+use crate::mesh::{EdgeMap, EdgeMidpoints, FaceOrigin, Mesh, Patch};
 
 /// A side is long if it exceeds this multiple of the distance between vertices on an even map.
 const LONG: f64 = 2.0;
@@ -44,7 +44,7 @@ impl Parameterized {
             halve(self, &sides, &mut normals);
         }
         let added = self.patch.mesh.points.len() - before;
-        for v in self.skirt.triangles.iter_mut().flatten().filter(|v| v.index() >= before) {
+        for v in self.scaffold.triangles.iter_mut().flatten().filter(|v| v.index() >= before) {
             *v = VertexId::from(v.index() + added);
         }
     }
@@ -67,7 +67,7 @@ impl Parameterized {
         let mut long: Vec<usize> = sides.filter(may_be).collect();
         if !long.is_empty() {
             let edges = EdgeMap::new(mesh);
-            let is_square = self.skirt.triangles.is_empty();
+            let is_square = self.scaffold.triangles.is_empty();
             long.retain(|&side| edges.across(side).map_or(is_square, is_measured));
         }
         long
@@ -88,6 +88,6 @@ fn halve(map: &mut Parameterized, sides: &[usize], normals: &mut Vec<Vector>) {
         normals.push(normal);
         nalgebra::center(&mesh.point(a), &mesh.point(b)) + bend
     };
-    let middles = Middles::new(&mut map.patch.mesh, sides.iter().copied(), middle);
-    map.patch.divide(&middles, sides.iter().map(|side| side / 3));
+    let midpoints = EdgeMidpoints::new(&mut map.patch.mesh, sides.iter().copied(), middle);
+    map.patch.divide(&midpoints, sides.iter().map(|side| side / 3));
 }

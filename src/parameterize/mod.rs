@@ -7,7 +7,7 @@
 //! limits of double precision. They are therefore solved on a coarse mesh of a few vertices. The
 //! other vertices are added from coarse to fine, and the stretch is reduced on the way.
 //!
-//! With [`Method::MeanValue`] the coordinates are solved on the whole mesh and not changed further.
+//! With [`MapMethod::MeanValue`] the coordinates are solved on the whole mesh and not changed further.
 //!
 //! The boundary may also be left free inside the square. This is done where it is ragged, and where
 //! straight sides would stretch the map far more than the surface requires.
@@ -42,14 +42,14 @@ use crate::geometry::Point;
 use crate::mesh::Patch;
 use crate::rules;
 
-pub use crate::mesh::{Outline, Parameterized, Skirt};
+pub use crate::mesh::{Outline, Parameterized, Scaffold};
 pub use bays::Bays;
-pub use compressed::{Crushed, crushed};
+pub use compressed::{CompressedRegion, compressed_region};
 pub use stretch::Stretch;
 
 /// The kind of map.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Method {
+pub enum MapMethod {
     /// The map with the least stretch, found by local moves from coarse to fine.
     #[default]
     LeastStretch,
@@ -68,16 +68,16 @@ pub struct Options {
     /// The place of the outer boundary. With `None`, the default, it is mapped to the sides of the
     /// square unless it is ragged, or the sides stretch the map far more than necessary, or the
     /// boundary cannot be divided into four sides; it is then left free. It is never left free by
-    /// default if `corners` are given or `method` is [`Method::MeanValue`].
+    /// default if `corners` are given or `method` is [`MapMethod::MeanValue`].
     pub outline: Option<Outline>,
-    /// The kind of map. The default is [`Method::LeastStretch`].
-    pub method: Method,
+    /// The kind of map. The default is [`MapMethod::LeastStretch`].
+    pub method: MapMethod,
 }
 
 impl Options {
     /// Whether the outer boundary may, or must, be left free inside the square.
     pub(crate) fn may_be_free(&self) -> bool {
-        let unsaid = self.corners.is_none() && self.method == Method::LeastStretch;
+        let unsaid = self.corners.is_none() && self.method == MapMethod::LeastStretch;
         self.outline.map_or(unsaid, |outline| outline == Outline::Free)
     }
 

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use smallvec::SmallVec;
 
 use crate::geometry::VertexId;
-use crate::mesh::{Mesh, Rings};
+use crate::mesh::{Mesh, VertexRings};
 
 /// The one-ring of a vertex, or a part of it. Almost all rings are short enough to be stored in
 /// place. Behind pointers they would be scattered over the memory, because collapses happen all
@@ -47,7 +47,7 @@ impl HalfEdgeCollapse {
 impl OneRings {
     /// The one-rings of a disk with the given boundary.
     pub fn new(mesh: &Mesh, outer: &[VertexId]) -> Self {
-        let corners = Rings::new(mesh);
+        let corners = VertexRings::new(mesh);
         let mut boundary = vec![false; mesh.points.len()];
         outer.iter().for_each(|v| boundary[v.index()] = true);
         let ring = |v: usize| {

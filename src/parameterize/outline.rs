@@ -2,7 +2,7 @@
 //! and maps the patch.
 
 use super::square_map::{CoarseMap, SquareMap};
-use super::{Options, Outline, Parameterized, Report, Skirt};
+use super::{Options, Outline, Parameterized, Report, Scaffold};
 use super::{chords, insertion, mend, one_rings, scaffold, stretch};
 use crate::course::Course;
 use crate::error::{Error, Result};
@@ -41,14 +41,14 @@ pub(super) fn map(
         if free.excess() < MAX_REMAINING_EXCESS * sides.excess() {
             let map = free.map(options.method, MARGIN, course)?;
             let (patch, split_edges) = with_bays.map_or((patch, split_edges), |whole| (whole, 0));
-            return Ok(reported(with_skirt(patch, &mesh, &map), &map, split_edges));
+            return Ok(reported(with_scaffold(patch, &mesh, &map), &map, split_edges));
         }
     }
     let map = sides.map(options.method, 0.0, course)?;
     let first = patch.outer.iter().position(|v| v.0 == map.corners[0]);
     patch.outer.rotate_left(first.unwrap_or(0));
-    let (uv, outline, skirt) = (map.uv.clone(), Outline::Sides, Skirt::default());
-    Ok(reported(Parameterized { patch, uv, outline, skirt }, &map, split_edges))
+    let (uv, outline, scaffold) = (map.uv.clone(), Outline::Sides, Scaffold::default());
+    Ok(reported(Parameterized { patch, uv, outline, scaffold }, &map, split_edges))
 }
 
 /// The map of a patch whose boundary is left free inside the square.
@@ -60,7 +60,7 @@ fn left_free(
     let (mesh, outer) = scaffold::surround(&patch);
     let start = CoarseMap::new(&mesh, &outer, patch.mesh.points.len(), options, course)?;
     let map = start.map(options.method, MARGIN, course)?;
-    Ok(reported(with_skirt(patch, &mesh, &map), &map, 0))
+    Ok(reported(with_scaffold(patch, &mesh, &map), &map, 0))
 }
 
 /// The boundary is mapped to the sides without further trials if the stretch exceeds 1 by less than
@@ -72,13 +72,13 @@ const NEGLIGIBLE_EXCESS: f64 = 0.03;
 const MAX_REMAINING_EXCESS: f64 = 0.5;
 
 /// Combines a patch and its scaffold with their common map.
-fn with_skirt(patch: Patch, mesh: &Mesh, map: &SquareMap) -> Parameterized {
+fn with_scaffold(patch: Patch, mesh: &Mesh, map: &SquareMap) -> Parameterized {
     let mut uv = map.uv.clone();
-    let skirt = Skirt {
+    let scaffold = Scaffold {
         uv: uv.split_off(patch.mesh.points.len()),
         triangles: mesh.triangles[patch.mesh.triangles.len()..].to_vec(),
     };
-    Parameterized { patch, uv, outline: Outline::Free, skirt }
+    Parameterized { patch, uv, outline: Outline::Free, scaffold }
 }
 
 /// The patch with its map and report. Vertices are inserted where the map stretches it strongly.
@@ -130,7 +130,7 @@ mod tests {
         let mut uv: Vec<Uv> = patch.mesh.points.iter().map(|p| Uv::new(p.x, p.y) / side).collect();
         uv.swap(swapped[0], swapped[1]);
         let map = SquareMap { uv: uv.clone(), corners: [0; 4], mended: 0, is_drawn_out };
-        (Parameterized { patch, uv, outline: Outline::Sides, skirt: Skirt::default() }, map)
+        (Parameterized { patch, uv, outline: Outline::Sides, scaffold: Scaffold::default() }, map)
     }
 
     #[test]

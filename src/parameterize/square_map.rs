@@ -5,7 +5,7 @@ use super::progressive_mesh::ProgressiveMesh;
 use super::rectangle::Rectangle;
 use super::rectangle_map::{self, ConvexWeight, RectangleMap};
 use super::weights::Weights;
-use super::{Method, Options, coarse, corners, mean_value, mend, stretch};
+use super::{MapMethod, Options, coarse, corners, mean_value, mend, stretch};
 use crate::course::{self, Course};
 use crate::error::{Error, Result};
 use crate::geometry::{Uv, VertexId};
@@ -45,12 +45,12 @@ pub struct SquareMap {
 }
 
 impl<'a> CoarseMap<'a> {
-    /// The coarse map with the best set of four corners. Vertices with numbers from `skirt` on
+    /// The coarse map with the best set of four corners. Vertices with numbers from `scaffold` on
     /// belong to the scaffold.
     pub fn new(
         mesh: &'a Mesh,
         outer: &[VertexId],
-        skirt: usize,
+        scaffold: usize,
         options: &Options,
         course: &mut Course,
     ) -> Result<Self> {
@@ -69,7 +69,7 @@ impl<'a> CoarseMap<'a> {
             stretch::area(points, rectangle_map::triangles(&hierarchy.rings, &hierarchy.remaining));
         let weighed = hierarchy.remaining.len();
         let mut weights = Weights::by_curvature(points, &hierarchy, area);
-        weights.lighten(skirt);
+        weights.lighten(scaffold);
         hierarchy.coarsen(points, &kept, COARSE, |collapse| weights.lump(collapse), course)?;
         let outer: Vec<u32> = outer.iter().map(|v| v.0).collect();
         let first = coarse::least_stretched(points, &outer, &hierarchy, &weights, &sets)?;
@@ -83,12 +83,12 @@ impl<'a> CoarseMap<'a> {
     }
 
     /// The map of all vertices. `margin` is the share of the square that stays free at each side.
-    pub fn map(mut self, method: Method, margin: f64, course: &mut Course) -> Result<SquareMap> {
+    pub fn map(mut self, method: MapMethod, margin: f64, course: &mut Course) -> Result<SquareMap> {
         let rectangle = Rectangle::new(&self.outer, &self.corners);
         let course = &mut course::part(course, STARTED, 1.0);
         let mut uv = match method {
-            Method::LeastStretch => self.least_stretch(&rectangle, course)?,
-            Method::MeanValue => self.mean_value(&rectangle)?,
+            MapMethod::LeastStretch => self.least_stretch(&rectangle, course)?,
+            MapMethod::MeanValue => self.mean_value(&rectangle)?,
         };
         // This comes before the verification, because rounding may invert slivers here as well.
         if margin > 0.0 {

@@ -28,7 +28,7 @@ const MIN_CURVATURE_RATIO: f64 = 4.0;
 const MAX_WEIGHT: f64 = 20.0;
 
 /// The weight of the scaffold, which should give way.
-const SKIRT: f64 = 0.01;
+const SCAFFOLD: f64 = 0.01;
 
 /// The number of rounds in which the weights are averaged over neighbours.
 const ROUNDS: usize = 3;
@@ -42,7 +42,7 @@ impl Weights {
     /// Gives the vertices from `first` on, which belong to the scaffold, the weight of the
     /// scaffold.
     pub fn lighten(&mut self, first: usize) {
-        self.of[first..].fill(SKIRT);
+        self.of[first..].fill(SCAFFOLD);
     }
 
     /// Whether a vertex belongs to the scaffold.

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 
 use crate::geometry::{Vector, VertexId};
 use crate::mesh::mls::{REACH, Sample, smoothed_normals};
-use crate::mesh::{Mesh, Rings};
+use crate::mesh::{Mesh, VertexRings};
 
 /// One level of the hierarchy.
 pub struct ClusterLevel {
@@ -62,7 +62,7 @@ const REMAINDER_SHARE: f64 = 0.25;
 
 impl ClusterLevel {
     /// The level of the vertices themselves. Vertices marked in `left_out` have no weight.
-    pub fn finest(mesh: &Mesh, rings: &Rings, left_out: &[bool]) -> Self {
+    pub fn finest(mesh: &Mesh, rings: &VertexRings, left_out: &[bool]) -> Self {
         let mut samples: Vec<Sample> = mesh.points.iter().map(|&p| p.into()).collect();
         for (sample, _) in samples.iter_mut().zip(left_out).filter(|(_, out)| **out) {
             sample.weight = 0.0;

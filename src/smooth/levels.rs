@@ -6,8 +6,8 @@ use rayon::prelude::*;
 
 use super::clusters::{ClusterLevel, Neighbourhood};
 use crate::geometry::Point;
-use crate::mesh::mls::{Plane, Polynomial, REACH, Scatter, reference_plane};
-use crate::mesh::{Mesh, Rings};
+use crate::mesh::mls::{Polynomial, REACH, ReferencePlane, Scatter, reference_plane};
+use crate::mesh::{Mesh, VertexRings};
 
 /// The smallest support, as a multiple of the mean edge length. With a smaller one a quadratic has
 /// too few points.
@@ -42,7 +42,7 @@ pub struct SupportLevel {
 }
 
 /// The supports for a mesh in ascending order, with their clusters.
-pub fn levels(mesh: &Mesh, rings: &Rings, left_out: &[bool]) -> Vec<SupportLevel> {
+pub fn levels(mesh: &Mesh, rings: &VertexRings, left_out: &[bool]) -> Vec<SupportLevel> {
     let shortest = SHORTEST * mesh.mean_edge();
     let longest = (LONGEST * mesh.diagonal()).max(shortest);
     let mut levels = vec![SupportLevel::finest(mesh, rings, left_out, shortest)];
@@ -54,7 +54,7 @@ pub fn levels(mesh: &Mesh, rings: &Rings, left_out: &[bool]) -> Vec<SupportLevel
 
 impl SupportLevel {
     /// The vertices themselves, for support `h`.
-    fn finest(mesh: &Mesh, rings: &Rings, left_out: &[bool], h: f64) -> SupportLevel {
+    fn finest(mesh: &Mesh, rings: &VertexRings, left_out: &[bool], h: f64) -> SupportLevel {
         let cluster = (0..mesh.points.len() as u32).collect();
         SupportLevel {
             h,
@@ -106,7 +106,7 @@ impl SupportLevel {
     }
 
     /// The reference plane of cluster `c`. The samples of its neighbourhood remain in `scratch`.
-    fn plane(&self, c: usize, scratch: &mut Neighbourhood) -> Option<Plane> {
+    fn plane(&self, c: usize, scratch: &mut Neighbourhood) -> Option<ReferencePlane> {
         self.clusters.gather(c, self.h, scratch);
         let (at, normal) = (self.clusters.samples[c].at, self.clusters.normals[c]);
         reference_plane(at, normal, &scratch.around, self.h)

@@ -25,7 +25,7 @@ use rayon::prelude::*;
 use crate::course::{self, Course};
 use crate::error::{Error, Result, of};
 use crate::geometry::{Point, Vector, VertexId, in_lengths, length};
-use crate::mesh::{Disk, Mesh, Rings, boundary};
+use crate::mesh::{Disk, Mesh, VertexRings, boundary};
 use crate::rules;
 use levels::SupportLevel;
 use surface::MlsSurface;
@@ -130,7 +130,7 @@ impl Report {
 /// residuals cannot be distinguished from shape. [`smooth`] finds the same value for a scan without
 /// outliers; this function does not leave outliers out.
 pub fn noise(mesh: &Mesh) -> f64 {
-    let levels = levels::levels(mesh, &Rings::new(mesh), &vec![false; mesh.points.len()]);
+    let levels = levels::levels(mesh, &VertexRings::new(mesh), &vec![false; mesh.points.len()]);
     let Ok(choice) = support::choose(mesh, &levels, &mut |_| Ok::<_, Infallible>(()));
     choice.noise()
 }
@@ -244,7 +244,7 @@ struct Examined {
 
 impl Examined {
     fn new(mesh: &Mesh, course: &mut Course) -> Result<Self> {
-        let rings = Rings::new(mesh);
+        let rings = VertexRings::new(mesh);
         let mut left_out = vec![false; mesh.points.len()];
         let mut levels = levels::levels(mesh, &rings, &left_out);
         course(LEVELLED)?;

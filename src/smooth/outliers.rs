@@ -10,7 +10,7 @@ use super::surface::{MlsSurface, NOWHERE};
 use crate::course;
 use crate::error::Result;
 use crate::geometry::{Vector, VertexId};
-use crate::mesh::{Mesh, Rings};
+use crate::mesh::{Mesh, VertexRings};
 
 /// An outlier is farther from the surface than this multiple of the standard deviation of the
 /// residuals around it. Fewer than one in a hundred million normally distributed residuals is as
@@ -37,7 +37,7 @@ const STICKS_OUT: f64 = 4.0;
 /// outliers were found.
 pub fn add(
     mesh: &Mesh,
-    rings: &Rings,
+    rings: &VertexRings,
     levels: &[SupportLevel],
     choice: &SupportField,
     left_out: &mut [bool],
@@ -71,7 +71,7 @@ pub fn add(
 }
 
 /// The distance of a vertex from the mean of its neighbours, along its normal.
-fn sticks_out(mesh: &Mesh, rings: &Rings, v: usize, normal: Vector) -> f64 {
+fn sticks_out(mesh: &Mesh, rings: &VertexRings, v: usize, normal: Vector) -> f64 {
     let p = mesh.points[v];
     let off = rings.neighbours(mesh, VertexId::from(v)).map(|w| (mesh.point(w) - p).dot(&normal));
     let (sum, count) = off.fold((0.0, 0), |(sum, count), d| (sum + d, count + 1));
@@ -81,7 +81,7 @@ fn sticks_out(mesh: &Mesh, rings: &Rings, v: usize, normal: Vector) -> f64 {
 /// The surface with the median support, near the suspects and their neighbours.
 fn surface_around(
     mesh: &Mesh,
-    rings: &Rings,
+    rings: &VertexRings,
     levels: &[SupportLevel],
     choice: &SupportField,
     suspects: &[usize],

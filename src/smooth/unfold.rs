@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::surface::MlsSurface;
 use crate::geometry::{Point, Vector, VertexId};
-use crate::mesh::{Disk, Rings};
+use crate::mesh::{Disk, VertexRings};
 
 /// The largest number of rounds.
 const MAX_ROUNDS: usize = 60;
@@ -26,7 +26,7 @@ const MIN_UPRIGHTNESS: f64 = 0.05;
 /// The data of a disk whose vertices move along the surface.
 struct Sliding<'a> {
     surface: &'a MlsSurface,
-    rings: Rings,
+    rings: VertexRings,
     /// For each boundary vertex its two neighbours on the loop.
     beside: Vec<Option<[VertexId; 2]>>,
     /// Which vertices are fixed.
@@ -132,7 +132,7 @@ impl<'a> Sliding<'a> {
         let mut pinned: Vec<bool> =
             (0..disk.mesh.points.len()).map(|v| surface.keeps(VertexId::from(v))).collect();
         corners.iter().for_each(|&v| pinned[v.index()] = true);
-        Sliding { surface, rings: Rings::new(&disk.mesh), beside, pinned, normals }
+        Sliding { surface, rings: VertexRings::new(&disk.mesh), beside, pinned, normals }
     }
 
     /// How far a triangle is from being folded: its area projected along the normal of the surface,

@@ -24,22 +24,22 @@ const MARGIN: f64 = 1e-7;
 const SHORTEST: f64 = 1e-7;
 
 /// A fault of a loop, with the parameter at which it occurs if there is a single one.
-pub type Place = (LoopFault, Option<f64>);
+pub type LocatedFault = (LoopFault, Option<f64>);
 
 /// A loop that is proved to be closed, without cusps, and inside [0, 1]².
 #[derive(Debug, Clone)]
-pub struct Outline {
+pub struct CertifiedLoop {
     pieces: Vec<BezierPiece>,
     low: Uv,
     high: Uv,
 }
 
-impl Outline {
+impl CertifiedLoop {
     /// Checks a loop of arcs. Each arc must start where the one before ends.
     ///
     /// # Errors
     /// The fault and its parameter if the loop is open, has a cusp or leaves the domain.
-    pub fn new(arcs: &[Curve<2>]) -> Result<Self, Place> {
+    pub fn new(arcs: &[Curve<2>]) -> Result<Self, LocatedFault> {
         let pieces = BezierPiece::all(arcs).ok_or((LoopFault::Open, None))?;
         let closed = |(i, p): (usize, &BezierPiece)| {
             (p.end() - pieces[(i + 1) % pieces.len()].start()).amax() <= 1e-12
@@ -53,7 +53,7 @@ impl Outline {
         }
         let corners: Vec<Uv> = pieces.iter().flat_map(|p| p.points).collect();
         let [low, high] = uv_bounds(&corners);
-        Ok(Outline { pieces, low, high })
+        Ok(CertifiedLoop { pieces, low, high })
     }
 
     /// The signed area of the polygon of chords, positive for a counter-clockwise loop.
@@ -70,7 +70,7 @@ impl Outline {
 }
 
 /// Divides pieces until each turns little and neighbours meet only at their common end.
-fn simple(pieces: Vec<BezierPiece>) -> Result<Vec<BezierPiece>, Place> {
+fn simple(pieces: Vec<BezierPiece>) -> Result<Vec<BezierPiece>, LocatedFault> {
     let mut todo: Vec<BezierPiece> = pieces.into_iter().rev().collect();
     let mut done: Vec<BezierPiece> = Vec::with_capacity(todo.len());
     while let Some(piece) = todo.pop() {
@@ -92,7 +92,7 @@ fn simple(pieces: Vec<BezierPiece>) -> Result<Vec<BezierPiece>, Place> {
 }
 
 /// Does the same for the last piece and the first.
-fn close(mut pieces: Vec<BezierPiece>) -> Result<Vec<BezierPiece>, Place> {
+fn close(mut pieces: Vec<BezierPiece>) -> Result<Vec<BezierPiece>, LocatedFault> {
     while pieces.len() < 2 || !run_on(&pieces[pieces.len() - 1], &pieces[0]) {
         let Some(last) = pieces.pop() else { return Err((LoopFault::Open, None)) };
         if last.length() < SHORTEST {
@@ -115,7 +115,7 @@ pub struct Nest {
 }
 
 /// The loops with the wrong direction or in the wrong position. No two loops may cross.
-pub fn misplaced(outlines: &[&Outline], nests: &[Nest]) -> Vec<(usize, Place)> {
+pub fn misplaced(outlines: &[&CertifiedLoop], nests: &[Nest]) -> Vec<(usize, LocatedFault)> {
     let mut found = Vec::new();
     for (i, (outline, nest)) in outlines.iter().zip(nests).enumerate() {
         let area = outline.area();
@@ -123,7 +123,7 @@ pub fn misplaced(outlines: &[&Outline], nests: &[Nest]) -> Vec<(usize, Place)> {
             found.push((i, (LoopFault::WrongWay, None)));
         }
         let start = outline.pieces[0].start();
-        let wrong = |(j, other): (usize, &&Outline)| {
+        let wrong = |(j, other): (usize, &&CertifiedLoop)| {
             j != i && other.holds(start) != nest.around.contains(&j)
         };
         if outlines.iter().enumerate().any(wrong) {
@@ -135,7 +135,7 @@ pub fn misplaced(outlines: &[&Outline], nests: &[Nest]) -> Vec<(usize, Place)> {
 
 /// The places where loops come too near to each other or to themselves, as the position of the loop
 /// in `outlines` and the fault.
-pub fn crossings(outlines: &[&Outline]) -> Vec<(usize, Place)> {
+pub fn crossings(outlines: &[&CertifiedLoop]) -> Vec<(usize, LocatedFault)> {
     let mut order: Vec<PieceEntry> = Vec::new();
     for (ring, outline) in outlines.iter().enumerate() {
         let entry = |(number, piece)| PieceEntry::new(ring, number, piece);
@@ -208,12 +208,12 @@ mod tests {
     }
 
     /// A clockwise square, or one in the opposite direction.
-    fn square(u: f64, r: f64, clockwise: bool) -> Outline {
+    fn square(u: f64, r: f64, clockwise: bool) -> CertifiedLoop {
         let mut corners = [(-r, -r), (-r, r), (r, r), (r, -r)];
         if !clockwise {
             corners.reverse();
         }
-        Outline::new(&ring(&corners.map(|(x, y)| (u + x, 0.5 + y)))).unwrap()
+        CertifiedLoop::new(&ring(&corners.map(|(x, y)| (u + x, 0.5 + y)))).unwrap()
     }
 
     #[test]
@@ -242,14 +242,14 @@ mod tests {
     #[test]
     fn loops_that_cross_themselves_or_the_edge_are_found() {
         let eight = ring(&[(0.2, 0.2), (0.8, 0.8), (0.8, 0.2), (0.2, 0.8)]);
-        let eight = Outline::new(&eight).unwrap();
+        let eight = CertifiedLoop::new(&eight).unwrap();
         assert_eq!(crossings(&[&eight])[0].1.0, LoopFault::CrossesItself);
         let spike = ring(&[(0.2, 0.2), (0.8, 0.2), (0.5, 0.2)]);
-        assert_eq!(Outline::new(&spike).unwrap_err().0, LoopFault::Cusp);
+        assert_eq!(CertifiedLoop::new(&spike).unwrap_err().0, LoopFault::Cusp);
         let beyond = ring(&[(0.2, 0.2), (0.2, 1.0), (0.8, 0.2)]);
-        assert_eq!(Outline::new(&beyond).unwrap_err().0, LoopFault::Leaves);
+        assert_eq!(CertifiedLoop::new(&beyond).unwrap_err().0, LoopFault::Leaves);
         let open = &ring(&[(0.2, 0.2), (0.2, 0.9), (0.8, 0.2)])[..2];
-        assert_eq!(Outline::new(open).unwrap_err().0, LoopFault::Open);
+        assert_eq!(CertifiedLoop::new(open).unwrap_err().0, LoopFault::Open);
     }
 
     #[test]
@@ -260,7 +260,7 @@ mod tests {
             let (p, q) = (UvVector::new(from, 0.5 + y), UvVector::new(1.0 - from, 0.5 + y));
             Curve::new(knots.clone(), vec![a, p, q, b])
         };
-        let lens = Outline::new(&[arc(0.4, 0.3), arc(-0.4, 0.7)]).unwrap();
+        let lens = CertifiedLoop::new(&[arc(0.4, 0.3), arc(-0.4, 0.7)]).unwrap();
         // The top of the arc is at 0.5 + 3/4 · 0.4.
         assert!(lens.holds(Uv::new(0.5, 0.7999)) && !lens.holds(Uv::new(0.5, 0.8001)));
         assert!(lens.area() < 0.0);

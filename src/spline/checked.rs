@@ -55,7 +55,9 @@ impl Surface {
     /// [`Error::Input`] if the net does not have u.functions() × v.functions() control points.
     pub fn try_new(u: KnotVector, v: KnotVector, net: Vec<Vector>) -> Result<Self> {
         if u.functions() * v.functions() != net.len() {
-            return Err(Error::Input("a surface needs one control point for each pair of basis functions"));
+            return Err(Error::Input(
+                "a surface needs one control point for each pair of basis functions",
+            ));
         }
         Ok(Surface::new(u, v, net))
     }

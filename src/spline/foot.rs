@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::{Jet, Patch, Surface};
+use super::{Jet, ParametricSurface, Surface};
 use crate::geometry::{Point, Uv};
 
 /// The parameter point of a local minimum of the distance from `p` to the surface, and this
@@ -13,7 +13,7 @@ use crate::geometry::{Point, Uv};
 /// parameter at the end of its range is fixed while the descent direction leads out of the range.
 /// The result is never farther than the point at `start`. Newton's last step is below 1e-7 of the
 /// domain, so the remaining error is far below 1e-10.
-pub fn foot_point<S: Patch + ?Sized>(surface: &S, p: Point, start: Uv) -> (Uv, f64) {
+pub fn foot_point<S: ParametricSurface + ?Sized>(surface: &S, p: Point, start: Uv) -> (Uv, f64) {
     foot_point_moving(surface, p, start, [true; 2], LAST_STEP)
 }
 
@@ -33,7 +33,7 @@ pub fn last_step(surface: &Surface) -> f64 {
 
 /// Like [`foot_point`], but only the parameters with `moves` set may change; with one of them the
 /// search stays on an iso-curve. The descent ends when a step is below `last_step`.
-pub fn foot_point_moving<S: Patch + ?Sized>(
+pub fn foot_point_moving<S: ParametricSurface + ?Sized>(
     surface: &S,
     p: Point,
     start: Uv,
@@ -57,13 +57,13 @@ pub(crate) struct Foot {
 
 impl Foot {
     /// The result of [`foot_point`], with the derivatives at the foot point.
-    pub fn find<S: Patch + ?Sized>(surface: &S, p: Point, start: Uv) -> Self {
+    pub fn find<S: ParametricSurface + ?Sized>(surface: &S, p: Point, start: Uv) -> Self {
         descend(surface, p, start, [true; 2], LAST_STEP)
     }
 }
 
 /// The descent of [`foot_point_moving`].
-pub(super) fn descend<S: Patch + ?Sized>(
+pub(super) fn descend<S: ParametricSurface + ?Sized>(
     surface: &S,
     p: Point,
     start: Uv,
@@ -112,7 +112,11 @@ pub(super) fn descend<S: Patch + ?Sized>(
 
 /// Which parameters may change. A parameter at the end of its range may not if the descent leads
 /// out of the range.
-fn free_axes<S: Patch + ?Sized>(surface: &S, at: Uv, gradient: Vector2<f64>) -> [bool; 2] {
+fn free_axes<S: ParametricSurface + ?Sized>(
+    surface: &S,
+    at: Uv,
+    gradient: Vector2<f64>,
+) -> [bool; 2] {
     let held =
         |x: f64, g: f64, (low, high): (f64, f64)| (x <= low && g > 0.0) || (x >= high && g < 0.0);
     let [u, v] = surface.ranges();

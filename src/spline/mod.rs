@@ -19,13 +19,13 @@ pub(crate) mod spans;
 mod surface;
 
 pub use crate::error::LoopFault;
-pub use certified_loop::{Nest, Outline, Place, crossings, misplaced};
+pub use certified_loop::{CertifiedLoop, LocatedFault, Nest, crossings, misplaced};
 pub use compose::{curve_on_surface, off_surface, pieces_on_surface};
 pub use curve::Curve;
 pub use edges::EdgeTree;
 pub use foot::{foot_point, foot_point_moving, last_step};
 pub use knots::{Basis, KnotVector, runs};
-pub(crate) use polynomials::for_many_looks;
+pub(crate) use polynomials::fast_evaluator;
 pub(crate) use refine::refined;
 pub use samples::Samples;
-pub use surface::{Jet, Patch, Surface};
+pub use surface::{Jet, ParametricSurface, Surface};

@@ -4,8 +4,8 @@
 use nalgebra::Vector4;
 use rayon::prelude::*;
 
-use super::spans::{Cubic, Span, Spans};
-use super::surface::{Jet, Patch, Surface};
+use super::spans::{Cubic, KnotSpans, Span};
+use super::surface::{Jet, ParametricSurface, Surface};
 use crate::geometry::{Point, Uv, Vector};
 
 /// Three coordinates and a zero. Processors add four numbers at once faster than three.
@@ -14,7 +14,7 @@ type PaddedVector = Vector4<f64>;
 /// The polynomials. Evaluating one takes a third of the time of a B-spline, whose basis functions
 /// have to be computed first.
 struct Polynomials {
-    spans: [Spans; 2],
+    spans: [KnotSpans; 2],
     breaks: [Vec<f64>; 2],
     /// Cell (p, q) is at `p * down + q`, where `down` is the number of spans in v. Entry [l][k] is
     /// the coefficient of tˡ sᵏ.
@@ -23,7 +23,7 @@ struct Polynomials {
 
 /// A form of the surface for many evaluations: polynomials if it is cubic in both directions, as
 /// the fits make it, and the surface itself otherwise.
-pub fn for_many_looks(surface: &Surface) -> Box<dyn Patch> {
+pub fn fast_evaluator(surface: &Surface) -> Box<dyn ParametricSurface> {
     match [&surface.u, &surface.v].iter().all(|knots| knots.degree() == 3) {
         true => Box::new(Polynomials::new(surface)),
         false => Box::new(surface.clone()),
@@ -32,7 +32,7 @@ pub fn for_many_looks(surface: &Surface) -> Box<dyn Patch> {
 
 impl Polynomials {
     fn new(surface: &Surface) -> Self {
-        let spans = [&surface.u, &surface.v].map(Spans::new);
+        let spans = [&surface.u, &surface.v].map(KnotSpans::new);
         let down = spans[1].all.len();
         let of = |c: usize| cell(surface, [c / down, c % down], &spans);
         let cells = (0..spans[0].all.len() * down).into_par_iter().with_min_len(64).map(of);
@@ -40,7 +40,7 @@ impl Polynomials {
     }
 }
 
-fn cell(surface: &Surface, [p, q]: [usize; 2], spans: &[Spans; 2]) -> [[PaddedVector; 4]; 4] {
+fn cell(surface: &Surface, [p, q]: [usize; 2], spans: &[KnotSpans; 2]) -> [[PaddedVector; 4]; 4] {
     let [u, v] = [&spans[0].all[p], &spans[1].all[q]];
     let row = |i: usize| combined(&v.basis, |j| surface.control(p + i, q + j).push(0.0));
     let rows: [[PaddedVector; 4]; 4] = std::array::from_fn(row);
@@ -64,7 +64,7 @@ fn cubic_jet(&[a, b, c, d]: &[PaddedVector; 4], x: f64) -> [PaddedVector; 3] {
     [((c + dx) * x + b) * x + a, (c * 2.0 + dx * 3.0) * x + b, c * 2.0 + dx * 6.0]
 }
 
-impl Patch for Polynomials {
+impl ParametricSurface for Polynomials {
     fn jet(&self, at: Uv) -> Jet {
         let [p, q] = [self.spans[0].find(at.x), self.spans[1].find(at.y)];
         let [u, v]: [&Span; 2] = [&self.spans[0].all[p], &self.spans[1].all[q]];

@@ -77,7 +77,7 @@ pub fn products(basis: &[Cubic; 4]) -> [Sextic; 10] {
 /// The spans of a cubic knot vector with single inner knots. The span of a parameter is found in
 /// constant time.
 #[derive(Debug, Clone)]
-pub struct Spans {
+pub struct KnotSpans {
     /// The spans. There are three fewer than basis functions.
     pub all: Vec<Span>,
     ends: Vec<f64>,
@@ -87,14 +87,14 @@ pub struct Spans {
     buckets: Vec<u32>,
 }
 
-impl Spans {
+impl KnotSpans {
     /// All spans of `knots`.
     pub fn new(knots: &KnotVector) -> Self {
         let all: Vec<Span> = (0..knots.functions() - 3).map(|n| Span::new(knots, n)).collect();
         let (low, high) = knots.range();
         let count = 2 * all.len();
         let at = |b: usize| low + (high - low) * b as f64 / count as f64;
-        Spans {
+        KnotSpans {
             ends: knots.knots()[3..=knots.functions()].to_vec(),
             low,
             scale: count as f64 / (high - low),
@@ -128,7 +128,7 @@ mod tests {
     #[test]
     fn spans_are_found_as_by_bisection() {
         let knots = uneven();
-        let spans = Spans::new(&knots);
+        let spans = KnotSpans::new(&knots);
         for i in -20..=1020 {
             let t = f64::from(i) / 1000.0;
             assert_eq!(spans.find(t) + 3, knots.span(t), "{t}");
@@ -138,7 +138,7 @@ mod tests {
     #[test]
     fn pieces_are_the_basis_functions_also_beyond_their_span() {
         let knots = uneven();
-        let spans = Spans::new(&knots);
+        let spans = KnotSpans::new(&knots);
         for (home, of) in [(2, 2), (3, 2), (1, 2)] {
             let span = &spans.all[home];
             let pieces = span.pieces(&knots, of);

@@ -1,6 +1,6 @@
 //! Tensor-product B-spline surfaces.
 
-use super::{Basis, KnotVector, for_many_looks};
+use super::{Basis, KnotVector, fast_evaluator};
 use crate::geometry::{Point, Uv, Vector};
 
 /// A tensor-product B-spline surface over the ranges of its two knot vectors.
@@ -95,7 +95,7 @@ impl Surface {
 
     /// The parameter point of the domain nearest to `at`.
     pub fn clamp(&self, at: Uv) -> Uv {
-        Patch::clamp(self, at)
+        ParametricSurface::clamp(self, at)
     }
 
     /// A bound on the speed: the largest distance in mm that a point moves per unit of u or of v.
@@ -118,7 +118,7 @@ impl Surface {
 }
 
 /// The operations of a surface that foot points and deviations use.
-pub trait Patch: Sync {
+pub trait ParametricSurface: Sync {
     /// The point and the first and second derivatives at `at`.
     fn jet(&self, at: Uv) -> Jet;
 
@@ -131,7 +131,7 @@ pub trait Patch: Sync {
     }
 
     /// The same surface in a form that is faster to evaluate, if there is one.
-    fn quick(&self) -> Option<Box<dyn Patch>> {
+    fn fast_form(&self) -> Option<Box<dyn ParametricSurface>> {
         None
     }
 
@@ -147,7 +147,7 @@ pub trait Patch: Sync {
     }
 }
 
-impl Patch for Surface {
+impl ParametricSurface for Surface {
     fn jet(&self, at: Uv) -> Jet {
         self.jet(at)
     }
@@ -160,11 +160,11 @@ impl Patch for Surface {
         [self.u.breaks(), self.v.breaks()]
     }
 
-    fn quick(&self) -> Option<Box<dyn Patch>> {
+    fn fast_form(&self) -> Option<Box<dyn ParametricSurface>> {
         let is_cubic = |knots: &KnotVector| {
             knots.degree() == 3 && knots.breaks().len() + 2 == knots.functions()
         };
-        (is_cubic(&self.u) && is_cubic(&self.v)).then(|| for_many_looks(self))
+        (is_cubic(&self.u) && is_cubic(&self.v)).then(|| fast_evaluator(self))
     }
 
     fn point(&self, at: Uv) -> Point {

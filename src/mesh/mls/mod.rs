@@ -10,13 +10,13 @@
 mod plane;
 mod polynomial;
 
-pub use plane::{Plane, reference_plane};
+pub use plane::{ReferencePlane, reference_plane};
 pub use polynomial::{Polynomial, Scatter};
 
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
-use super::{Mesh, Neighbours, Rings};
+use super::{Mesh, Neighbours, VertexRings};
 use crate::geometry::{Point, Vector, VertexId};
 
 /// Points beyond this multiple of h are left out. Their weight is below 0.7 %.
@@ -92,7 +92,7 @@ impl Cloud {
     }
 
     /// The cloud of a mesh's vertices.
-    pub fn of(mesh: &Mesh, rings: &Rings) -> Self {
+    pub fn of(mesh: &Mesh, rings: &VertexRings) -> Self {
         let normals = || smoothed_normals(mesh, rings);
         let (near, normals) = rayon::join(|| Neighbours::new(&mesh.points), normals);
         Cloud { points: mesh.points.clone(), normals, near }
@@ -120,7 +120,7 @@ impl Cloud {
 
 /// Vertex normals averaged over two rings of neighbours. Noise as large as the distance between
 /// points does not flip such a normal.
-pub fn smoothed_normals(mesh: &Mesh, rings: &Rings) -> Vec<Vector> {
+pub fn smoothed_normals(mesh: &Mesh, rings: &VertexRings) -> Vec<Vector> {
     let mut normals = mesh.vertex_normals();
     for _ in 0..2 {
         let mean = |i: usize| {

@@ -7,7 +7,7 @@ use crate::geometry::{Point, Vector, plane_axes};
 
 /// A plane through a point.
 #[derive(Debug, Clone, Copy)]
-pub struct Plane {
+pub struct ReferencePlane {
     /// The foot point of r on the plane.
     pub origin: Point,
     /// The unit normal.
@@ -59,7 +59,12 @@ const CONVERGED: f64 = 1e-3;
 /// iteration starts at (n, t) = (`normal`, 0). Each step is shortened until the energy decreases.
 /// The energy also decreases towards infinity, where the weights vanish; t is therefore limited to
 /// ±h. Returns `None` if there are fewer than three points or no start normal.
-pub fn reference_plane(r: Point, normal: Vector, around: &[Sample], h: f64) -> Option<Plane> {
+pub fn reference_plane(
+    r: Point,
+    normal: Vector,
+    around: &[Sample],
+    h: f64,
+) -> Option<ReferencePlane> {
     if around.len() < 3 || normal.norm_squared() < 0.5 {
         return None;
     }
@@ -91,5 +96,5 @@ pub fn reference_plane(r: Point, normal: Vector, around: &[Sample], h: f64) -> O
         let Some(better) = accepted else { break };
         (n, t, at) = better;
     }
-    Some(Plane { origin: r + t * n, normal: n })
+    Some(ReferencePlane { origin: r + t * n, normal: n })
 }

@@ -2,13 +2,13 @@
 
 use nalgebra::{Cholesky, Const, DimName, SMatrix, SVector};
 
-use super::{Plane, Sample};
+use super::{ReferencePlane, Sample};
 use crate::geometry::{Point, Vector, plane_axes};
 
 /// A polynomial over a plane, centred at the origin of the plane.
 #[derive(Debug, Clone, Copy)]
 pub struct Polynomial {
-    plane: Plane,
+    plane: ReferencePlane,
     axes: (Vector, Vector),
     /// The coefficients of the monomials, in the order of `monomials` and in units of h.
     coefficients: [f64; MONOMIALS],
@@ -61,13 +61,13 @@ impl Polynomial {
     /// for example, oscillates between the three rows of a line scanner that are in reach. The
     /// fourth degree is not used where the points lie to one side, as at a boundary, because it
     /// would oscillate freely.
-    pub fn fit(plane: &Plane, around: &[Sample], h: f64) -> Option<Polynomial> {
+    pub fn fit(plane: &ReferencePlane, around: &[Sample], h: f64) -> Option<Polynomial> {
         Some(Self::fitted(plane, around, h, false)?.0)
     }
 
     /// Like [`Polynomial::fit`], and also estimates the noise of the points.
     pub fn fit_with_scatter(
-        plane: &Plane,
+        plane: &ReferencePlane,
         around: &[Sample],
         h: f64,
     ) -> Option<(Polynomial, Scatter)> {
@@ -75,7 +75,7 @@ impl Polynomial {
     }
 
     fn fitted(
-        plane: &Plane,
+        plane: &ReferencePlane,
         around: &[Sample],
         h: f64,
         with_scatter: bool,
@@ -147,7 +147,7 @@ struct FitRow {
 }
 
 impl FitRow {
-    fn new(p: &Sample, plane: &Plane, (e1, e2): (Vector, Vector), h: f64) -> Self {
+    fn new(p: &Sample, plane: &ReferencePlane, (e1, e2): (Vector, Vector), h: f64) -> Self {
         let d = (p.at - plane.origin) / h;
         let spread = if p.weight > 1.0 {
             let spread = p.covariance() / (h * h);

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use crate::geometry::{Point, Uv, Vector, VertexId, segment_distance};
 use crate::mesh::boundary::Loop;
 use crate::mesh::remesh::{Sizes, Triangulation};
-use crate::mesh::{Adjacency, FaceOrigin, Patch, Rings};
+use crate::mesh::{Adjacency, FaceOrigin, Patch, VertexRings};
 use ears::Ears;
 
 /// Turning angles below this, in radians, count as zero.
@@ -57,7 +57,7 @@ pub struct Bays {
 /// along the boundary. The map is more reliable for bays that are deep or lie between strongly
 /// curved sides. No bay of the patch may be closed yet.
 pub fn close(mut patch: Patch, map: Option<&[Uv]>) -> (Patch, Bays) {
-    let rings = Rings::new(&patch.mesh);
+    let rings = VertexRings::new(&patch.mesh);
     let closing = closing(Adjacency { mesh: &patch.mesh, rings: &rings }, &patch.outer, map);
     let count = closing.as_ref().map_or(0, |closing| closing.count);
     if let Some(closing) = closing {

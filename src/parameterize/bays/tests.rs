@@ -1,6 +1,6 @@
 use super::*;
 use crate::geometry::unit_normal;
-use crate::mesh::{EdgeMap, Mesh, Rings, boundary};
+use crate::mesh::{EdgeMap, Mesh, VertexRings, boundary};
 
 /// A sheet of n × n squares over a surface, some of them left out.
 fn sheet(
@@ -33,7 +33,7 @@ fn closed(mesh: &Mesh) -> (Mesh, Option<BayClosure>) {
 /// The same with bays found on a map.
 fn closed_on(mesh: &Mesh, map: Option<&[Uv]>) -> (Mesh, Option<BayClosure>) {
     let outer = boundary::boundary_loops(mesh, &EdgeMap::new(mesh)).remove(0);
-    let rings = Rings::new(mesh);
+    let rings = VertexRings::new(mesh);
     let bays = closing(Adjacency { mesh, rings: &rings }, &outer, map);
     let mut whole = mesh.clone();
     if let Some(bays) = &bays {

@@ -2,7 +2,7 @@
 
 use crate::geometry::{Point, Uv, Vector};
 use crate::spline::foot::Foot;
-use crate::spline::{Jet, Patch};
+use crate::spline::{Jet, ParametricSurface};
 
 /// The places along each side of a cell, from −1 to 1, at which second derivatives are sampled. The
 /// last one lies just before the end, because the surface may have a knot there.
@@ -70,7 +70,7 @@ impl DerivativeBounds {
 
 impl SurfaceCell {
     /// The cell between two corners of the parameter plane. The surface must be smooth in it.
-    pub fn measured<S: Patch + ?Sized>(surface: &S, low: Uv, high: Uv) -> Self {
+    pub fn measured<S: ParametricSurface + ?Sized>(surface: &S, low: Uv, high: Uv) -> Self {
         let half = 0.5 * (high - low);
         let middle = nalgebra::center(&low, &high);
         let centre = surface.jet(middle);
@@ -96,7 +96,10 @@ impl SurfaceCell {
     }
 
     /// Divides the cell into four quarters, or into two halves if one side is much shorter.
-    pub fn split<S: Patch + ?Sized>(&self, surface: &S) -> impl Iterator<Item = SurfaceCell> {
+    pub fn split<S: ParametricSurface + ?Sized>(
+        &self,
+        surface: &S,
+    ) -> impl Iterator<Item = SurfaceCell> {
         let [a, b] = [0, 1].map(|k| self.sides[k].norm());
         let cuts = [a >= 0.5 * b, b >= 0.5 * a].map(|cut| if cut { 2 } else { 1 });
         let scale = cuts.map(|n| 1.0 / f64::from(n));

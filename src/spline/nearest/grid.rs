@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::cell::SurfaceCell;
 use crate::geometry::{Point, Uv, Vector};
-use crate::spline::Patch;
+use crate::spline::ParametricSurface;
 use crate::spline::foot::Foot;
 
 /// The mean change of a first derivative over a cell, as a share of the derivative. With smaller
@@ -37,7 +37,7 @@ pub(super) struct CellGrid {
 }
 
 impl CellGrid {
-    pub fn new<S: Patch + ?Sized>(surface: &S) -> Self {
+    pub fn new<S: ParametricSurface + ?Sized>(surface: &S) -> Self {
         let breaks = surface.breaks();
         let lines = [0, 1].map(|axis| lines(surface, &breaks, axis));
         let creases = [0, 1].map(|axis| creases(surface, &lines, axis));
@@ -99,7 +99,11 @@ fn place(axis: usize, along: f64, across: f64) -> Uv {
 }
 
 /// The lines of one axis.
-fn lines<S: Patch + ?Sized>(surface: &S, breaks: &[Vec<f64>; 2], axis: usize) -> Vec<f64> {
+fn lines<S: ParametricSurface + ?Sized>(
+    surface: &S,
+    breaks: &[Vec<f64>; 2],
+    axis: usize,
+) -> Vec<f64> {
     let strips: Vec<&[f64]> = breaks[axis].windows(2).collect();
     let parts = strips.par_iter().map(|strip| {
         let (length, middle) = (strip[1] - strip[0], 0.5 * (strip[0] + strip[1]));
@@ -121,7 +125,11 @@ fn lines<S: Patch + ?Sized>(surface: &S, breaks: &[Vec<f64>; 2], axis: usize) ->
 }
 
 /// Which lines of one axis are creases or ends of the surface.
-fn creases<S: Patch + ?Sized>(surface: &S, lines: &[Vec<f64>; 2], axis: usize) -> Vec<bool> {
+fn creases<S: ParametricSurface + ?Sized>(
+    surface: &S,
+    lines: &[Vec<f64>; 2],
+    axis: usize,
+) -> Vec<bool> {
     let line = &lines[axis];
     let is_crease = |i: usize| {
         if i == 0 || i + 1 == line.len() {

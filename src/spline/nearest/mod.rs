@@ -15,7 +15,7 @@ mod tree;
 #[cfg(test)]
 mod tests;
 
-use super::Patch;
+use super::ParametricSurface;
 pub(crate) use super::foot::Foot;
 use super::foot::descend;
 use crate::geometry::{Point, Uv};
@@ -58,7 +58,10 @@ pub(crate) struct NearestSearch {
 impl NearestSearch {
     /// Builds the structure. Only cells for which `is_used` holds are searched; its arguments are
     /// the low and the high corner of the cell.
-    pub fn new<S: Patch + ?Sized>(surface: &S, is_used: impl Fn(Uv, Uv) -> bool + Sync) -> Self {
+    pub fn new<S: ParametricSurface + ?Sized>(
+        surface: &S,
+        is_used: impl Fn(Uv, Uv) -> bool + Sync,
+    ) -> Self {
         let grid = CellGrid::new(surface);
         let tree = BoxTree::new(&grid, is_used);
         let proofs = proof::all(&grid, &tree);
@@ -90,7 +93,7 @@ impl NearestSearch {
 
     /// The nearest of `best` and of all foot points for which `accepts` holds. Creases and ends of
     /// the surface are searched as well.
-    pub fn improve<S: Patch + ?Sized>(
+    pub fn improve<S: ParametricSurface + ?Sized>(
         &self,
         surface: &S,
         p: Point,
@@ -122,7 +125,7 @@ struct CellSearch<'a, S: ?Sized> {
     exact: f64,
 }
 
-impl<S: Patch + ?Sized> CellSearch<'_, S> {
+impl<S: ParametricSurface + ?Sized> CellSearch<'_, S> {
     /// Cells that are not nearer than this need not be searched.
     fn bound(&self) -> f64 {
         self.best.distance - self.exact.max(EXACT * self.best.distance)
@@ -174,7 +177,7 @@ struct CellRestriction<'a, S: ?Sized> {
 /// a crease at this line.
 const BEFORE_END: f64 = 1e-12;
 
-impl<S: Patch + ?Sized> Patch for CellRestriction<'_, S> {
+impl<S: ParametricSurface + ?Sized> ParametricSurface for CellRestriction<'_, S> {
     fn jet(&self, at: Uv) -> super::Jet {
         self.surface.jet(at)
     }
