@@ -24,7 +24,7 @@ const PATIENCE: usize = 8;
 const MIN_UPRIGHTNESS: f64 = 0.05;
 
 /// The data of a disk whose vertices move along the surface.
-struct Sliding<'a> {
+struct TangentialSmoothing<'a> {
     surface: &'a MlsSurface,
     rings: VertexRings,
     /// For each boundary vertex its two neighbours on the loop.
@@ -53,35 +53,35 @@ pub struct UnfoldReference<'a> {
 /// their projected positions, for some rounds.
 pub fn unfold(disk: &mut Disk, surface: &MlsSurface, by: UnfoldReference) {
     let projected = by.projected;
-    let mut sliding = Sliding::new(disk, surface, by.normals, by.corners);
+    let mut smoothing = TangentialSmoothing::new(disk, surface, by.normals, by.corners);
     let stays = |t: u32| disk.mesh.triangles[t as usize].iter().all(|&v| surface.keeps(v));
     let mut folded: Vec<u32> = (0..disk.mesh.triangles.len() as u32)
         .into_par_iter()
-        .filter(|&t| !stays(t) && sliding.uprightness(disk, t) <= 0.0)
+        .filter(|&t| !stays(t) && smoothing.uprightness(disk, t) <= 0.0)
         .collect();
     let vertices = Marks::new(disk.mesh.points.len());
     let triangles = Marks::new(disk.mesh.triangles.len());
     // Vertices that may have left the surface since they were last projected.
-    let mut off = Vec::new();
+    let mut moved_off = Vec::new();
     for round in 0..MAX_ROUNDS {
         if folded.is_empty() || round % PATIENCE == PATIENCE - 1 {
-            off = vertices.unique(off.into_par_iter());
-            sliding.settle(disk, &off);
-            folded = sliding.still_folded(disk, folded, &off, &triangles);
-            off.clear();
+            moved_off = vertices.unique(moved_off.into_par_iter());
+            smoothing.project_back(disk, &moved_off);
+            folded = smoothing.still_folded(disk, folded, &moved_off, &triangles);
+            moved_off.clear();
         }
         if folded.is_empty() {
             return;
         }
         let corners = folded.par_iter().flat_map_iter(|&t| disk.mesh.triangles[t as usize]);
         let corners = vertices.unique(corners.map(|v| v.0));
-        let is_inner = |v: &u32| sliding.beside[*v as usize].is_none();
-        let around = |&v: &u32| sliding.rings.neighbours(&disk.mesh, VertexId(v)).map(|v| v.0);
+        let is_inner = |v: &u32| smoothing.beside[*v as usize].is_none();
+        let around = |&v: &u32| smoothing.rings.neighbours(&disk.mesh, VertexId(v)).map(|v| v.0);
         let inner = corners.par_iter().flat_map_iter(around).filter(is_inner);
         let mut moving = vertices.unique(corners.par_iter().copied().chain(inner));
-        moving.retain(|&v| !sliding.pinned[v as usize]);
+        moving.retain(|&v| !smoothing.pinned[v as usize]);
         if round == 2 * PATIENCE && !by.named {
-            corners.iter().for_each(|&v| sliding.pinned[v as usize] = surface.keeps(VertexId(v)));
+            corners.iter().for_each(|&v| smoothing.pinned[v as usize] = surface.keeps(VertexId(v)));
         }
         if round / PATIENCE % 2 == 1 {
             for &v in corners.iter().filter(|v| !is_inner(v)) {
@@ -89,11 +89,11 @@ pub fn unfold(disk: &mut Disk, surface: &MlsSurface, by: UnfoldReference) {
                 *p = nalgebra::center(p, &projected[v as usize]);
             }
         }
-        sliding.slide(disk, &moving);
-        folded = sliding.still_folded(disk, folded, &moving, &triangles);
-        off.extend(moving);
+        smoothing.smooth_tangentially(disk, &moving);
+        folded = smoothing.still_folded(disk, folded, &moving, &triangles);
+        moved_off.extend(moving);
     }
-    sliding.settle(disk, &vertices.unique(off.into_par_iter()));
+    smoothing.project_back(disk, &vertices.unique(moved_off.into_par_iter()));
 }
 
 /// Marks for finding repeated numbers. All are false between calls.
@@ -115,7 +115,7 @@ impl Marks {
     }
 }
 
-impl<'a> Sliding<'a> {
+impl<'a> TangentialSmoothing<'a> {
     fn new(
         disk: &Disk,
         surface: &'a MlsSurface,
@@ -132,7 +132,13 @@ impl<'a> Sliding<'a> {
         let mut pinned: Vec<bool> =
             (0..disk.mesh.points.len()).map(|v| surface.keeps(VertexId::from(v))).collect();
         corners.iter().for_each(|&v| pinned[v.index()] = true);
-        Sliding { surface, rings: VertexRings::new(&disk.mesh), beside, pinned, normals }
+        TangentialSmoothing {
+            surface,
+            rings: VertexRings::new(&disk.mesh),
+            beside,
+            pinned,
+            normals,
+        }
     }
 
     /// How far a triangle is from being folded: its area projected along the normal of the surface,
@@ -165,7 +171,7 @@ impl<'a> Sliding<'a> {
 
     /// Moves the vertices half the way to the middle of their neighbours, perpendicular to the
     /// surface normals.
-    fn slide(&self, disk: &mut Disk, vertices: &[u32]) {
+    fn smooth_tangentially(&self, disk: &mut Disk, vertices: &[u32]) {
         let target = |&v: &u32| {
             let v = VertexId(v);
             let (p, n) = (disk.mesh.point(v), self.normals[v.index()]);
@@ -186,7 +192,7 @@ impl<'a> Sliding<'a> {
     }
 
     /// Projects the vertices back onto the surface.
-    fn settle(&mut self, disk: &mut Disk, vertices: &[u32]) {
+    fn project_back(&mut self, disk: &mut Disk, vertices: &[u32]) {
         let foot = |&v: &u32| self.surface.project(VertexId(v), disk.mesh.point(VertexId(v)));
         let feet: Vec<_> = vertices.par_iter().map(foot).collect();
         for (&v, foot) in vertices.iter().zip(feet) {
