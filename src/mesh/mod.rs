@@ -2,8 +2,8 @@
 //! comes out, split into its connected components ([`Components`]). One component becomes a disk
 //! with holes ([`Disk`]), which later stages fill ([`Patch`]) and flatten ([`Parameterized`]).
 //!
-//! What several stages need lives here as well: adjacency ([`EdgeMap`], [`VertexRings`]), boundary loops
-//! ([`boundary`]), neighbours in space ([`Neighbours`]) and moving least squares ([`mls`]).
+//! What several stages need lives here as well: adjacency ([`EdgeMap`], [`VertexRings`]), boundary
+//! loops ([`boundary`]), neighbours in space ([`Neighbours`]) and moving least squares ([`mls`]).
 
 mod adjacency;
 pub mod boundary;

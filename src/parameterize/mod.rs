@@ -7,7 +7,8 @@
 //! limits of double precision. They are therefore solved on a coarse mesh of a few vertices. The
 //! other vertices are added from coarse to fine, and the stretch is reduced on the way.
 //!
-//! With [`MapMethod::MeanValue`] the coordinates are solved on the whole mesh and not changed further.
+//! With [`MapMethod::MeanValue`] the coordinates are solved on the whole mesh and not changed
+//! further.
 //!
 //! The boundary may also be left free inside the square. This is done where it is ragged, and where
 //! straight sides would stretch the map far more than the surface requires.
@@ -106,8 +107,8 @@ pub struct Report {
 /// Maps a patch to the unit square.
 ///
 /// # Errors
-/// - [`Error::Corners`](crate::Error::Corners) or [`Error::TooSmall`](crate::Error::TooSmall) if the
-///   outer boundary cannot be divided into four sides with these corners.
+/// - [`Error::Corners`](crate::Error::Corners) or [`Error::TooSmall`](crate::Error::TooSmall) if
+///   the outer boundary cannot be divided into four sides with these corners.
 /// - [`Error::Folded`](crate::Error::Folded) if triangles stay inverted.
 /// - [`Error::Option`](crate::Error::Option) if a corner is not a finite point.
 pub fn parameterize(patch: Patch, options: &Options) -> Result<(Parameterized, Report)> {

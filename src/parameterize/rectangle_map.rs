@@ -90,15 +90,15 @@ impl RectangleMap<'_> {
                 self.relax(hierarchy, sweeps);
                 relaxed = n;
             }
-            let mut back = Vec::new();
+            let mut split = Vec::new();
             if !hierarchy.refine(|pass| {
                 // The vertices of one pass are not neighbours, so they form one group.
                 self.place_pass(pass, n < self.weighed);
-                back = pass.iter().map(|collapse| collapse.vertex).collect();
+                split = pass.iter().map(|collapse| collapse.vertex).collect();
             }) {
                 break;
             }
-            self.propagate(&hierarchy.rings, vec![back], n);
+            self.propagate(&hierarchy.rings, vec![split], n);
         }
         self.relax(hierarchy, LAST_SWEEPS);
         Ok(())
@@ -124,9 +124,9 @@ impl RectangleMap<'_> {
         while !groups.is_empty() && moves < MAX_MOVES * count {
             moves += groups.iter().map(Vec::len).sum::<usize>();
             let (points, weights, freedom) = (self.points, &self.weights.of, &self.freedom);
-            let surface =
+            let energy =
                 StretchEnergy { points, weights, freedom, convex_weight: self.convex_weight.fine };
-            let far = relax::sweep(&surface, rings, &groups, &mut self.at);
+            let far = relax::sweep(&energy, rings, &groups, &mut self.at);
             let mut vertices: Vec<u32> = far
                 .par_iter()
                 .flat_map_iter(|&v| rings.ring(v).iter().copied())
@@ -141,13 +141,13 @@ impl RectangleMap<'_> {
     fn relax(&mut self, hierarchy: &ProgressiveMesh, sweeps: usize) {
         let convex_weight = self.convex_weight.with(hierarchy.remaining.len());
         let (points, weights, freedom) = (self.points, &self.weights.of, &self.freedom);
-        let surface = StretchEnergy { points, weights, freedom, convex_weight };
-        let level = SweepMesh::new(&surface, &hierarchy.rings, &hierarchy.remaining, &self.at);
+        let energy = StretchEnergy { points, weights, freedom, convex_weight };
+        let sweeping = SweepMesh::new(&energy, &hierarchy.rings, &hierarchy.remaining, &self.at);
         let mut far = Vec::new();
         for _ in 0..sweeps {
-            far = level.sweep();
+            far = sweeping.sweep();
         }
-        level.put_back(&mut self.at);
+        sweeping.put_back(&mut self.at);
         let groups = relax::groups(&hierarchy.rings, far);
         self.propagate(&hierarchy.rings, groups, hierarchy.remaining.len());
         self.turn_to_best_aspect(hierarchy);
@@ -236,7 +236,8 @@ const LAST_SWEEPS: usize = 2;
 /// A mesh with fewer vertices counts as coarse.
 const COARSE_MESH: usize = 5_000;
 
-/// The largest number of moves in [`RectangleMap::propagate`], as a multiple of the number of vertices.
+/// The largest number of moves in [`RectangleMap::propagate`], as a multiple of the number of
+/// vertices.
 const MAX_MOVES: usize = 2;
 
 /// A new vertex is placed no nearer to the apex than this power of one half.

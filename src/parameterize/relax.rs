@@ -96,11 +96,11 @@ impl CornerTerm {
     }
 
     /// Adds the energy of the triangle and its derivatives at the position of the corner.
-    fn add(&self, q: Uv, evaluate: &mut EnergyAt) {
+    fn add(&self, q: Uv, here: &mut EnergyAt) {
         let flat = self.flat(q);
-        evaluate.energy += self.value(&flat);
+        here.energy += self.value(&flat);
         let PlaneTriangle { twice, squares, d, e } = flat;
-        evaluate.room = evaluate.room.min(twice);
+        here.room = here.room.min(twice);
         let [dd, de, ee] = self.metric;
         // The derivatives of `squares` and `twice`.
         let gs = -2.0 * (ee * d - de * (d + e) + dd * e);
@@ -109,9 +109,9 @@ impl CornerTerm {
         let i = 1.0 / twice;
         let [c, k] = self.factors.map(|f| f * i * i);
         let (k, s) = (k * i, squares);
-        evaluate.gradient += (c + 2.0 * k * s) * gs - s * i * (2.0 * c + 3.0 * k * s) * gt;
+        here.gradient += (c + 2.0 * k * s) * gs - s * i * (2.0 * c + 3.0 * k * s) * gt;
         let mixed = gs * gt.transpose();
-        evaluate.hessian += Matrix2::from_diagonal_element((c + 2.0 * k * s) * hs)
+        here.hessian += Matrix2::from_diagonal_element((c + 2.0 * k * s) * hs)
             + 2.0 * k * gs * gs.transpose()
             - i * (2.0 * c + 6.0 * k * s) * (mixed + mixed.transpose())
             + s * i * i * (6.0 * c + 12.0 * k * s) * gt * gt.transpose();
@@ -131,9 +131,9 @@ impl Star<'_> {
 
     fn evaluate(&self) -> EnergyAt {
         let (gradient, hessian) = (UvVector::zeros(), Matrix2::zeros());
-        let mut evaluate = EnergyAt { energy: 0.0, gradient, hessian, room: f64::INFINITY };
-        self.corners.iter().for_each(|c| c.add(self.at, &mut evaluate));
-        evaluate
+        let mut here = EnergyAt { energy: 0.0, gradient, hessian, room: f64::INFINITY };
+        self.corners.iter().for_each(|c| c.add(self.at, &mut here));
+        here
     }
 
     /// The largest allowed multiple of a step. The area of a triangle is linear in the position of
@@ -149,15 +149,15 @@ impl Star<'_> {
     }
 
     /// The new position of the vertex.
-    fn moved(&self, evaluate: &EnergyAt, freedom: Freedom) -> Uv {
-        let step = evaluate.step(freedom);
+    fn moved(&self, here: &EnergyAt, freedom: Freedom) -> Uv {
+        let step = here.step(freedom);
         if !(step.x.is_finite() && step.y.is_finite()) {
             return self.at;
         }
         let mut share = self.limit(step);
         for _ in 0..MAX_SHORTENINGS {
             let there = self.at + share * step;
-            if self.energy(there) < evaluate.energy {
+            if self.energy(there) < here.energy {
                 return there;
             }
             share *= 0.4;
@@ -196,32 +196,32 @@ const MAX_SHORTENINGS: usize = 4;
 // tenth longer.
 #[inline(always)]
 pub fn moved(
-    surface: &StretchEnergy,
+    energy: &StretchEnergy,
     rings: &OneRings,
     v: u32,
     at: impl Fn(u32) -> Uv,
     corners: &mut Vec<CornerTerm>,
 ) -> (Uv, bool) {
-    let p = surface.points[v as usize];
+    let p = energy.points[v as usize];
     let corner = |(a, b): (u32, u32)| {
-        let (d, e) = (surface.points[a as usize] - p, surface.points[b as usize] - p);
+        let (d, e) = (energy.points[a as usize] - p, energy.points[b as usize] - p);
         let metric = [d.norm_squared(), d.dot(&e), e.norm_squared()];
         let longest = metric[0].max(metric[2]).max((e - d).norm_squared());
         let area = d.cross(&e).norm().max(THINNEST * longest).max(f64::MIN_POSITIVE);
-        let weights = [a, b, v].map(|w| surface.weights[w as usize]);
+        let weights = [a, b, v].map(|w| energy.weights[w as usize]);
         let least = weights.iter().copied().fold(f64::INFINITY, f64::min);
         // A triangle of the scaffold has the weight of the scaffold's vertices.
         let weight = if least < 1.0 { 3.0 * least } else { weights.iter().sum() };
         let factors =
-            [(1.0 - surface.convex_weight) * weight * area, 0.5 * surface.convex_weight * weight];
+            [(1.0 - energy.convex_weight) * weight * area, 0.5 * energy.convex_weight * weight];
         CornerTerm { metric, factors, a: at(a), b: at(b) }
     };
     corners.clear();
     corners.extend(rings.sides(v).map(corner));
     let star = Star { corners, at: at(v) };
-    let evaluate = star.evaluate();
-    let place = star.moved(&evaluate, surface.freedom[v as usize]);
-    (place, (place - star.at).norm_squared() > FAR_MOVE * FAR_MOVE * evaluate.room)
+    let here = star.evaluate();
+    let place = star.moved(&here, energy.freedom[v as usize]);
+    (place, (place - star.at).norm_squared() > FAR_MOVE * FAR_MOVE * here.room)
 }
 
 /// A move is far if it exceeds this share of the square root of twice the area of the smallest
@@ -255,7 +255,7 @@ pub fn groups(rings: &OneRings, vertices: impl IntoIterator<Item = u32>) -> Vec<
 /// Moves every vertex of every group once. Returns the vertices that moved far relative to the size
 /// of their triangles.
 pub fn sweep(
-    surface: &StretchEnergy,
+    energy: &StretchEnergy,
     rings: &OneRings,
     groups: &[Vec<u32>],
     at: &mut [Uv],
@@ -268,7 +268,7 @@ pub fn sweep(
             .with_min_len(256)
             .map_init(Vec::new, |corners, &v| {
                 let at = |w: u32| shown[w as usize];
-                moved(surface, rings, v, at, corners)
+                moved(energy, rings, v, at, corners)
             })
             .collect();
         for (&v, (place, is_far)) in group.iter().zip(places) {

@@ -52,15 +52,15 @@ impl AtomicUv {
 
 impl<'a> SweepMesh<'a> {
     /// Copies the vertices `remaining`. They must have no other neighbours.
-    pub fn new(surface: &StretchEnergy, rings: &OneRings, remaining: &'a [u32], at: &[Uv]) -> Self {
+    pub fn new(energy: &StretchEnergy, rings: &OneRings, remaining: &'a [u32], at: &[Uv]) -> Self {
         let (rings, _) = rings.renumbered(remaining);
         let groups = relax::groups(&rings, 0..remaining.len() as u32);
         SweepMesh {
-            points: remaining.iter().map(|&v| surface.points[v as usize]).collect(),
-            weights: remaining.iter().map(|&v| surface.weights[v as usize]).collect(),
-            freedom: remaining.iter().map(|&v| surface.freedom[v as usize]).collect(),
+            points: remaining.iter().map(|&v| energy.points[v as usize]).collect(),
+            weights: remaining.iter().map(|&v| energy.weights[v as usize]).collect(),
+            freedom: remaining.iter().map(|&v| energy.freedom[v as usize]).collect(),
             places: remaining.iter().map(|&v| AtomicUv::new(at[v as usize])).collect(),
-            convex_weight: surface.convex_weight,
+            convex_weight: energy.convex_weight,
             rings,
             groups,
             remaining,
@@ -70,7 +70,7 @@ impl<'a> SweepMesh<'a> {
     /// Moves every vertex once. Returns the numbers, in the whole mesh, of the vertices that moved
     /// far relative to the size of their triangles.
     pub fn sweep(&self) -> Vec<u32> {
-        let surface = StretchEnergy {
+        let energy = StretchEnergy {
             points: &self.points,
             weights: &self.weights,
             freedom: &self.freedom,
@@ -81,7 +81,7 @@ impl<'a> SweepMesh<'a> {
             for &v in chunk {
                 // No other vertex of the group is a neighbour.
                 let at = |w: u32| self.places[w as usize].get();
-                let (to, is_far) = relax::moved(&surface, &self.rings, v, at, &mut corners);
+                let (to, is_far) = relax::moved(&energy, &self.rings, v, at, &mut corners);
                 self.places[v as usize].set(to);
                 if is_far {
                     far.push(self.remaining[v as usize]);
@@ -124,7 +124,7 @@ mod tests {
             .map(|v| if rings.on_boundary(v) { Freedom::None } else { Freedom::Full })
             .collect();
         let weights: Vec<f64> = (0..n * n).map(|v| 1.0 + f64::from(v % 7)).collect();
-        let surface = StretchEnergy {
+        let energy = StretchEnergy {
             points: &patch.mesh.points,
             weights: &weights,
             freedom: &freedom,
@@ -133,12 +133,12 @@ mod tests {
         let start: Vec<Uv> = patch.mesh.points.iter().map(|p| Uv::new(p.x, p.y)).collect();
         let (mut whole, mut brought) = (start.clone(), start.clone());
         let groups = relax::groups(&rings, remaining.iter().copied());
-        let level = SweepMesh::new(&surface, &rings, &remaining, &start);
+        let sweeping = SweepMesh::new(&energy, &rings, &remaining, &start);
         for _ in 0..3 {
-            let far = relax::sweep(&surface, &rings, &groups, &mut whole);
-            assert_eq!(level.sweep(), far);
+            let far = relax::sweep(&energy, &rings, &groups, &mut whole);
+            assert_eq!(sweeping.sweep(), far);
         }
-        level.put_back(&mut brought);
+        sweeping.put_back(&mut brought);
         assert_eq!(whole, brought);
         assert!(whole != start && remaining.len() < start.len());
     }

@@ -113,7 +113,8 @@ pub fn noise_share(
     (0..pairs.len()).into_par_iter().map(|i| f64::from(u8::from(is_noise(i)))).collect()
 }
 
-/// The amount in standard errors by which the share of noise exceeds [`MIN_NOISE_SHARE`]; 0 if it is unknown.
+/// The amount in standard errors by which the share of noise exceeds [`MIN_NOISE_SHARE`]; 0 if it
+/// is unknown.
 fn excess(pairs: &[ResidualPair]) -> f64 {
     if pairs.is_empty() {
         return 0.0;

@@ -215,7 +215,7 @@ type Fitted = ([f64; MONOMIALS], f64, Scatter);
 /// points determine.
 const DAMPINGS: [f64; 6] = [1e-10, 1e-8, 1e-6, 1e-5, 1e-4, 1e-3];
 
-/// The factor of a damped Gram matrix for which the fit does not oscillate at the places `probes`,
+/// The factor of a damped Gram matrix for which the fit does not oscillate at the `probes`,
 /// and the variance of the fit at the origin.
 fn damped<const N: usize>(
     gram: &SMatrix<f64, N, N>,
@@ -263,7 +263,7 @@ fn first<const N: usize>(monomials: &[f64; MONOMIALS]) -> SVector<f64, N> {
 }
 
 /// The weighted least-squares fit of the first N monomials, or `None` if it oscillates at the
-/// origin or at a place `probes` it.
+/// origin or at one of the `probes`.
 fn solve<const N: usize>(rows: &[FitRow], probes: &[[f64; 2]], with_scatter: bool) -> Option<Fitted>
 where
     Const<N>: DimName,

@@ -13,8 +13,8 @@ const NODES: [f64; 4] = [-1.0, -0.5, 0.5, 1.0 - 1e-9];
 /// other surfaces they are measured and not proved.
 const LEBESGUE: f64 = 5.0 / 3.0;
 
-/// A cell. The surface stays within [`SurfaceCell::spread`] of the parallelogram `centre + x · sides[0] +
-/// y · sides[1]` with x and y from −1 to 1.
+/// A cell. The surface stays within [`SurfaceCell::spread`] of the parallelogram `centre + x ·
+/// sides[0] + y · sides[1]` with x and y from −1 to 1.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct SurfaceCell {
     pub low: Uv,

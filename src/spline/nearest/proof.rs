@@ -20,11 +20,11 @@ pub(super) struct NearestProof {
 
 impl NearestProof {
     /// Whether a foot point in this cell is proved to be the only place nearer than `best` mm, up
-    /// to an error of `exact` mm. `away` is its distance from the point, and `remaining_gradient` the remaining
-    /// gradient.
+    /// to an error of `exact` mm. `away` is its distance from the point, and `remaining_gradient`
+    /// the remaining gradient.
     ///
-    /// In the cell and its neighbours the Taylor series proves it, as in [`DerivativeBounds::reach`].
-    /// Everything else is farther than `gap` from the foot point.
+    /// In the cell and its neighbours the Taylor series proves it, as in
+    /// [`DerivativeBounds::reach`]. Everything else is farther than `gap` from the foot point.
     pub fn proves_nearest(
         &self,
         away: f64,
