@@ -8,7 +8,7 @@ use super::stretch;
 use super::weights::Weights;
 use rayon::prelude::*;
 
-use crate::course;
+use crate::progress;
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv};
 
@@ -96,7 +96,7 @@ impl Coarse {
         let area = stretch::area(&self.points, triangles(&self.rings, &hierarchy.remaining));
         let mut weights = self.weights.clone();
         let lump = |collapse: &HalfEdgeCollapse| weights.lump(collapse);
-        hierarchy.coarsen(&self.points, &kept, 0, lump, &mut course::untold)?;
+        hierarchy.coarsen(&self.points, &kept, 0, lump, &mut progress::ignore)?;
         let remaining = |v: &u32| !hierarchy.rings.ring(*v).is_empty();
         let few: Vec<u32> = self.outer.iter().copied().filter(remaining).collect();
         let rectangle = Rectangle::new(&few, corners);
@@ -108,7 +108,7 @@ impl Coarse {
         let mut layout =
             RectangleMap { points, weights, weighed, freedom, size, at, convex_weight };
         layout.solve(&hierarchy)?;
-        layout.refine(&mut hierarchy, &mut course::untold)?;
+        layout.refine(&mut hierarchy, &mut progress::ignore)?;
         let all =
             || without_scaffold(&layout.weights, triangles(&hierarchy.rings, &hierarchy.remaining));
         let stretch = stretch::of(&self.points, &layout.at, all());

@@ -37,7 +37,7 @@ mod stretch;
 mod sweep_mesh;
 mod weights;
 
-use crate::course::{self, Course};
+use crate::progress::{self, Progress};
 use crate::error::{Result, of};
 use crate::geometry::Point;
 use crate::mesh::Patch;
@@ -112,26 +112,26 @@ pub struct Report {
 /// - [`Error::Folded`](crate::Error::Folded) if triangles stay inverted.
 /// - [`Error::Option`](crate::Error::Option) if a corner is not a finite point.
 pub fn parameterize(patch: Patch, options: &Options) -> Result<(Parameterized, Report)> {
-    parameterize_with(patch, options, &mut course::untold)
+    parameterize_with(patch, options, &mut progress::ignore)
 }
 
-/// Like [`parameterize`], and reports progress to `course`.
+/// Like [`parameterize`], and reports progress to `progress`.
 ///
 /// # Errors
-/// Those of [`parameterize`], and any error that `course` returns.
+/// Those of [`parameterize`], and any error that `progress` returns.
 pub fn parameterize_with(
     patch: Patch,
     options: &Options,
-    course: &mut Course,
+    progress: &mut Progress,
 ) -> Result<(Parameterized, Report)> {
     options.check()?;
     if !options.may_be_free() {
-        return outline::map(patch, options, course);
+        return outline::map(patch, options, progress);
     }
     let (patch, bays) = bays::close(patch.without_bays().unwrap_or(patch), None);
     let share = |round: u32| f64::from(round) / f64::from(MAX_REMAPS + 1);
     let (mut map, mut report) =
-        outline::map(patch, options, &mut course::part(course, share(0), share(1)))?;
+        outline::map(patch, options, &mut progress::part(progress, share(0), share(1)))?;
     report.bays = bays;
     let free = Options { outline: Some(Outline::Free), ..options.clone() };
     for round in 1..=MAX_REMAPS {
@@ -143,7 +143,7 @@ pub fn parameterize_with(
         if patch.outer == map.patch.outer && patch.mesh.triangles == map.patch.mesh.triangles {
             break;
         }
-        let mut part = course::part(course, share(round), share(round + 1));
+        let mut part = progress::part(progress, share(round), share(round + 1));
         let (next, how) = outline::map(patch, &free, &mut part)?;
         if how.stretch.l2 > MAX_STRETCH_GROWTH * report.stretch.l2 {
             break;

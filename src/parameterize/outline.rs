@@ -4,7 +4,7 @@
 use super::square_map::{CoarseMap, SquareMap};
 use super::{Options, Outline, Parameterized, Report, Scaffold};
 use super::{chords, insertion, mend, one_rings, scaffold, stretch};
-use crate::course::Course;
+use crate::progress::Progress;
 use crate::error::{Error, Result};
 use crate::mesh::{Bound, Mesh, Patch};
 
@@ -12,13 +12,13 @@ use crate::mesh::{Bound, Mesh, Patch};
 pub(super) fn map(
     patch: Patch,
     options: &Options,
-    course: &mut Course,
+    progress: &mut Progress,
 ) -> Result<(Parameterized, Report)> {
     let must_be_free = options.outline == Some(Outline::Free);
     let may_be_free = options.may_be_free() && !must_be_free;
     let is_ragged = || scaffold::is_ragged(&patch.mesh, patch.loop_of(Bound::Outer));
     if must_be_free || may_be_free && is_ragged() {
-        return left_free(patch, options, course);
+        return left_free(patch, options, progress);
     }
     // A map to the sides uses the measured boundary. A free boundary uses that with closed bays.
     let (mut patch, with_bays) = match patch.without_bays() {
@@ -26,25 +26,25 @@ pub(super) fn map(
         None => (patch, None),
     };
     let split_edges = chords::split_chords(&mut patch);
-    let sides = CoarseMap::new(&patch.mesh, &patch.outer, patch.mesh.points.len(), options, course);
+    let sides = CoarseMap::new(&patch.mesh, &patch.outer, patch.mesh.points.len(), options, progress);
     let sides = match sides {
         // A boundary that cannot be divided into four sides can still be mapped to a free curve.
         Err(Error::TooSmall(_) | Error::Singular(_)) if may_be_free => {
-            return left_free(with_bays.unwrap_or(patch), options, course);
+            return left_free(with_bays.unwrap_or(patch), options, progress);
         }
         sides => sides?,
     };
     if may_be_free && sides.excess() > NEGLIGIBLE_EXCESS {
         let around = with_bays.as_ref().unwrap_or(&patch);
         let (mesh, outer) = scaffold::surround(around);
-        let free = CoarseMap::new(&mesh, &outer, around.mesh.points.len(), options, course)?;
+        let free = CoarseMap::new(&mesh, &outer, around.mesh.points.len(), options, progress)?;
         if free.excess() < MAX_REMAINING_EXCESS * sides.excess() {
-            let map = free.map(options.method, MARGIN, course)?;
+            let map = free.map(options.method, MARGIN, progress)?;
             let (patch, split_edges) = with_bays.map_or((patch, split_edges), |whole| (whole, 0));
             return Ok(reported(with_scaffold(patch, &mesh, &map), &map, split_edges));
         }
     }
-    let map = sides.map(options.method, 0.0, course)?;
+    let map = sides.map(options.method, 0.0, progress)?;
     let first = patch.outer.iter().position(|v| v.0 == map.corners[0]);
     patch.outer.rotate_left(first.unwrap_or(0));
     let (uv, outline, scaffold) = (map.uv.clone(), Outline::Sides, Scaffold::default());
@@ -55,11 +55,11 @@ pub(super) fn map(
 fn left_free(
     patch: Patch,
     options: &Options,
-    course: &mut Course,
+    progress: &mut Progress,
 ) -> Result<(Parameterized, Report)> {
     let (mesh, outer) = scaffold::surround(&patch);
-    let start = CoarseMap::new(&mesh, &outer, patch.mesh.points.len(), options, course)?;
-    let map = start.map(options.method, MARGIN, course)?;
+    let start = CoarseMap::new(&mesh, &outer, patch.mesh.points.len(), options, progress)?;
+    let map = start.map(options.method, MARGIN, progress)?;
     Ok(reported(with_scaffold(patch, &mesh, &map), &map, 0))
 }
 

@@ -5,7 +5,7 @@
 use rayon::prelude::*;
 
 use super::one_rings::{HalfEdgeCollapse, OneRings};
-use crate::course::Course;
+use crate::progress::Progress;
 use crate::error::Result;
 use crate::geometry::{Point, Vector};
 
@@ -41,10 +41,10 @@ impl ProgressiveMesh {
         kept: &[bool],
         target: usize,
         mut show: impl FnMut(&HalfEdgeCollapse),
-        course: &mut Course,
+        progress: &mut Progress,
     ) -> Result<()> {
         while self.remaining.len() > target {
-            course(1.0 - self.remaining.len() as f64 / self.rings.len() as f64)?;
+            progress(1.0 - self.remaining.len() as f64 / self.rings.len() as f64)?;
             let pass = self.pass(points, kept, target);
             let idle = (pass.len() as f64) < MIN_PASS_SHARE * self.remaining.len() as f64;
             let stays = |v: &u32| !self.rings.ring(*v).is_empty();

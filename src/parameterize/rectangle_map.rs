@@ -12,7 +12,7 @@ use super::relax::{self, Freedom, StretchEnergy};
 use super::sweep_mesh::SweepMesh;
 use super::weights::Weights;
 use super::{mend, solve, stretch};
-use crate::course::Course;
+use crate::progress::Progress;
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, UvVector, orient2d};
 
@@ -79,11 +79,11 @@ impl RectangleMap<'_> {
     }
 
     /// Undoes all collapses and relaxes the vertices to reduce the stretch.
-    pub fn refine(&mut self, hierarchy: &mut ProgressiveMesh, course: &mut Course) -> Result<()> {
+    pub fn refine(&mut self, hierarchy: &mut ProgressiveMesh, progress: &mut Progress) -> Result<()> {
         let mut relaxed = 0;
         loop {
             let n = hierarchy.remaining.len();
-            course(REFINED * n as f64 / self.at.len() as f64)?;
+            progress(REFINED * n as f64 / self.at.len() as f64)?;
             let (growth, sweeps) =
                 EFFORT.iter().find(|e| n <= e.0).map_or((2.0, 2), |e| (e.1, e.2));
             if n as f64 >= growth * relaxed as f64 {

@@ -6,7 +6,7 @@ use super::rectangle::Rectangle;
 use super::rectangle_map::{self, ConvexWeight, RectangleMap};
 use super::weights::Weights;
 use super::{MapMethod, Options, coarse, corners, mean_value, mend, stretch};
-use crate::course::{self, Course};
+use crate::progress::{self, Progress};
 use crate::error::{Error, Result};
 use crate::geometry::{Uv, VertexId};
 use crate::mesh::Mesh;
@@ -52,7 +52,7 @@ impl<'a> CoarseMap<'a> {
         outer: &[VertexId],
         scaffold: usize,
         options: &Options,
-        course: &mut Course,
+        progress: &mut Progress,
     ) -> Result<Self> {
         let sets = match &options.corners {
             Some(points) => vec![corners::given(mesh, outer, points)?],
@@ -63,14 +63,14 @@ impl<'a> CoarseMap<'a> {
         let mut kept = vec![false; points.len()];
         sets.iter().flatten().for_each(|&v| kept[v as usize] = true);
         let mut hierarchy = ProgressiveMesh::new(OneRings::new(mesh, outer));
-        let course = &mut course::part(course, 0.0, STARTED);
-        hierarchy.coarsen(points, &kept, WEIGHED, |_| (), course)?;
+        let progress = &mut progress::part(progress, 0.0, STARTED);
+        hierarchy.coarsen(points, &kept, WEIGHED, |_| (), progress)?;
         let area =
             stretch::area(points, rectangle_map::triangles(&hierarchy.rings, &hierarchy.remaining));
         let weighed = hierarchy.remaining.len();
         let mut weights = Weights::by_curvature(points, &hierarchy, area);
         weights.lighten(scaffold);
-        hierarchy.coarsen(points, &kept, COARSE, |collapse| weights.lump(collapse), course)?;
+        hierarchy.coarsen(points, &kept, COARSE, |collapse| weights.lump(collapse), progress)?;
         let outer: Vec<u32> = outer.iter().map(|v| v.0).collect();
         let first = coarse::least_stretched(points, &outer, &hierarchy, &weights, &sets)?;
         let corners = sets[first.set];
@@ -83,11 +83,11 @@ impl<'a> CoarseMap<'a> {
     }
 
     /// The map of all vertices. `margin` is the share of the square that stays free at each side.
-    pub fn map(mut self, method: MapMethod, margin: f64, course: &mut Course) -> Result<SquareMap> {
+    pub fn map(mut self, method: MapMethod, margin: f64, progress: &mut Progress) -> Result<SquareMap> {
         let rectangle = Rectangle::new(&self.outer, &self.corners);
-        let course = &mut course::part(course, STARTED, 1.0);
+        let progress = &mut progress::part(progress, STARTED, 1.0);
         let mut uv = match method {
-            MapMethod::LeastStretch => self.least_stretch(&rectangle, course)?,
+            MapMethod::LeastStretch => self.least_stretch(&rectangle, progress)?,
             MapMethod::MeanValue => self.mean_value(&rectangle)?,
         };
         // This comes before the verification, because rounding may invert slivers here as well.
@@ -108,7 +108,7 @@ impl<'a> CoarseMap<'a> {
     }
 
     /// Undoes all collapses and reduces the stretch on the way.
-    fn least_stretch(&mut self, rectangle: &Rectangle, course: &mut Course) -> Result<Vec<Uv>> {
+    fn least_stretch(&mut self, rectangle: &Rectangle, progress: &mut Progress) -> Result<Vec<Uv>> {
         let points = &self.mesh.points;
         let mut at = vec![Uv::origin(); points.len()];
         let places = self.hierarchy.remaining.iter().zip(&self.first.at);
@@ -119,7 +119,7 @@ impl<'a> CoarseMap<'a> {
             (self.weighed, self.first.size, self.first.convex_weight);
         let mut layout =
             RectangleMap { points, weights, weighed, freedom, size, at, convex_weight };
-        layout.refine(&mut self.hierarchy, course)?;
+        layout.refine(&mut self.hierarchy, progress)?;
         Ok(rectangle.to_unit_square(layout.size, &layout.at))
     }
 

@@ -22,7 +22,7 @@ use std::convert::Infallible;
 
 use rayon::prelude::*;
 
-use crate::course::{self, Course};
+use crate::progress::{self, Progress};
 use crate::error::{Error, Result, of};
 use crate::geometry::{Point, Vector, VertexId, in_lengths, length};
 use crate::mesh::{Disk, Mesh, VertexRings, boundary};
@@ -141,16 +141,16 @@ pub fn noise(mesh: &Mesh) -> f64 {
 /// - [`Error::Option`] if the support is not a length or a corner is not a finite point.
 /// - [`Error::Support`] if the support is so small or so large that no surface can be fitted.
 pub fn smooth(disk: &Disk, options: &Options) -> Result<(Disk, Report)> {
-    smooth_with(disk, options, &mut course::untold)
+    smooth_with(disk, options, &mut progress::ignore)
 }
 
-/// Like [`smooth`], and reports progress to `course`.
+/// Like [`smooth`], and reports progress to `progress`.
 ///
 /// # Errors
-/// Those of [`smooth`], and any error that `course` returns.
-pub fn smooth_with(disk: &Disk, options: &Options, course: &mut Course) -> Result<(Disk, Report)> {
+/// Those of [`smooth`], and any error that `progress` returns.
+pub fn smooth_with(disk: &Disk, options: &Options, progress: &mut Progress) -> Result<(Disk, Report)> {
     options.check()?;
-    let examined = Examined::new(&disk.mesh, &mut course::part(course, 0.0, EXAMINED))?;
+    let examined = Examined::new(&disk.mesh, &mut progress::part(progress, 0.0, EXAMINED))?;
     let noise: Vec<f64> =
         (0..disk.mesh.points.len()).map(|v| examined.choice.noise_at(v)).collect();
     let mut report = Report {
@@ -165,12 +165,12 @@ pub fn smooth_with(disk: &Disk, options: &Options, course: &mut Course) -> Resul
     };
     let mut out = disk.clone();
     let surface = match options.support {
-        Support::Auto => examined.surface(&mut course::part(course, EXAMINED, FITTED))?,
+        Support::Auto => examined.surface(&mut progress::part(progress, EXAMINED, FITTED))?,
         Support::Fixed(h) => examined.surface_of(&disk.mesh, h)?,
         Support::Off => return Ok((out, report)),
     };
     report.h = surface.median_support();
-    let onto = &mut course::part(course, FITTED, PROJECTED);
+    let onto = &mut progress::part(progress, FITTED, PROJECTED);
     let (projected, normals) = surface.feet(&disk.mesh, onto)?;
     out.mesh.points.clone_from(&projected);
     let rings: Vec<&boundary::Loop> = disk.loops().collect();
@@ -243,12 +243,12 @@ struct Examined {
 }
 
 impl Examined {
-    fn new(mesh: &Mesh, course: &mut Course) -> Result<Self> {
+    fn new(mesh: &Mesh, progress: &mut Progress) -> Result<Self> {
         let rings = VertexRings::new(mesh);
         let mut left_out = vec![false; mesh.points.len()];
         let mut levels = levels::levels(mesh, &rings, &left_out);
-        course(LEVELLED)?;
-        let choosing = &mut course::part(course, LEVELLED, 1.0);
+        progress(LEVELLED)?;
+        let choosing = &mut progress::part(progress, LEVELLED, 1.0);
         let mut choice = support::choose(mesh, &levels, choosing)?;
         // Outliers disturb the choice of supports with which they are detected, so both are
         // repeated.
@@ -257,16 +257,16 @@ impl Examined {
                 break;
             }
             levels = levels::levels(mesh, &rings, &left_out);
-            choice = support::choose(mesh, &levels, &mut course::untold)?;
+            choice = support::choose(mesh, &levels, &mut progress::ignore)?;
         }
         Ok(Examined { levels, choice, left_out })
     }
 
     /// The surface with the supports that were found. Points move only where their residuals are
     /// noise.
-    fn surface(self, course: &mut Course) -> Result<MlsSurface> {
+    fn surface(self, progress: &mut Progress) -> Result<MlsSurface> {
         let (finest, choice) = (self.levels[0].clusters.clone(), self.choice);
-        let mut surface = MlsSurface::new(finest, self.levels, choice.place, course)?;
+        let mut surface = MlsSurface::new(finest, self.levels, choice.place, progress)?;
         surface.share = choice.noise_share;
         Ok(surface)
     }
@@ -276,7 +276,7 @@ impl Examined {
         let finest = &self.levels[0];
         let level = finest.next(h);
         let place = vec![0.0; mesh.points.len()];
-        let none = &mut course::untold;
+        let none = &mut progress::ignore;
         let surface = MlsSurface::new(finest.clusters.clone(), vec![level], place, none)?;
         if surface.reached(mesh) < MOST_REACHED * mesh.points.len() as f64 {
             return Err(Error::Support { h, shortest: finest.h, longest: mesh.diagonal() });

@@ -7,7 +7,7 @@ use super::levels::SupportLevel;
 use super::median;
 use super::support::SupportField;
 use super::surface::{MlsSurface, NOWHERE};
-use crate::course;
+use crate::progress;
 use crate::error::Result;
 use crate::geometry::{Vector, VertexId};
 use crate::mesh::{Mesh, VertexRings};
@@ -93,5 +93,5 @@ fn surface_around(
         places[v] = place;
         rings.neighbours(mesh, VertexId::from(v)).for_each(|w| places[w.index()] = place);
     }
-    MlsSurface::new(levels[0].clusters.clone(), levels.to_vec(), places, &mut course::untold)
+    MlsSurface::new(levels[0].clusters.clone(), levels.to_vec(), places, &mut progress::ignore)
 }

@@ -72,11 +72,11 @@ struct SupportTrial {
 /// The number of times that progress is reported.
 const PARTS: usize = 4;
 
-/// Chooses the support of every vertex, and reports progress to `course`.
+/// Chooses the support of every vertex, and reports progress to `progress`.
 pub fn choose<E>(
     mesh: &Mesh,
     levels: &[SupportLevel],
-    course: &mut dyn FnMut(f64) -> Result<(), E>,
+    progress: &mut dyn FnMut(f64) -> Result<(), E>,
 ) -> Result<SupportField, E> {
     let sampling = sampling(mesh.points.len(), levels);
     let places = first_vertices(sampling);
@@ -85,7 +85,7 @@ pub fn choose<E>(
     let mut trials: Vec<SupportTrial> = Vec::with_capacity(places.len());
     for part in places.chunks(places.len().div_ceil(PARTS).max(1)) {
         trials.par_extend(part.par_iter().map(look));
-        course(trials.len() as f64 / places.len() as f64)?;
+        progress(trials.len() as f64 / places.len() as f64)?;
     }
     let windows: Vec<Vec<u32>> = (0..places.len()).map(|i| window(sampling, i)).collect();
     let noise: Vec<f64> = windows.iter().map(|w| noise(&trials, w)).collect();

@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::clusters::{ClusterLevel, ScratchPool};
 use super::levels::SupportLevel;
 use super::median;
-use crate::course::Course;
+use crate::progress::Progress;
 use crate::error::Result;
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::Mesh;
@@ -52,11 +52,11 @@ impl MlsSurface {
         finest: Arc<ClusterLevel>,
         levels: Vec<SupportLevel>,
         place: Vec<f32>,
-        course: &mut Course,
+        progress: &mut Progress,
     ) -> Result<Self> {
         let mut fits = Vec::with_capacity(levels.len());
         for (k, level) in levels.iter().enumerate() {
-            course(k as f64 / levels.len() as f64)?;
+            progress(k as f64 / levels.len() as f64)?;
             fits.push(Fits::new(level, k, &place));
         }
         let share = vec![1.0; place.len()];
@@ -65,7 +65,7 @@ impl MlsSurface {
 
     /// The foot points and normals of all vertices. A vertex with too few neighbours keeps its
     /// position.
-    pub fn feet(&self, mesh: &Mesh, course: &mut Course) -> Result<(Vec<Point>, Vec<Vector>)> {
+    pub fn feet(&self, mesh: &Mesh, progress: &mut Progress) -> Result<(Vec<Point>, Vec<Vector>)> {
         let foot = |v: usize| {
             let (p, v) = (mesh.points[v], VertexId::from(v));
             self.project(v, p).map_or((p, self.scan_normal(v)), |foot| (foot.point, foot.normal))
@@ -73,7 +73,7 @@ impl MlsSurface {
         let count = mesh.points.len();
         let (mut points, mut normals) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for first in (0..count).step_by(AT_ONCE) {
-            course(first as f64 / count as f64)?;
+            progress(first as f64 / count as f64)?;
             let feet = (first..count.min(first + AT_ONCE)).into_par_iter().map(foot);
             let (more_points, more_normals): (Vec<Point>, Vec<Vector>) = feet.unzip();
             points.extend(more_points);
