@@ -20,7 +20,7 @@ use std::path::Path;
 use scan2step::mesh::{
     self, Choice, Components, Disk, EdgeMap, FaceOrigin, Mesh, Outer, Patch, Repairs,
 };
-use scan2step::parameterize::{self, Method};
+use scan2step::parameterize::{self, MapMethod};
 use scan2step::{fill, smooth};
 use serde_json::{Map, json};
 use usage::{cpu_s, peak_rss_mb};
@@ -36,8 +36,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         [file, "--mesh"] => mesh(file, steps)?,
         [file, "--smooth", out] => smooth(file, out, steps)?,
         [file, "--fill", out] => fill(file, out, steps)?,
-        [file, "--map", "least-stretch"] => map(file, Method::LeastStretch, steps)?,
-        [file, "--map", "mean-value"] => map(file, Method::MeanValue, steps)?,
+        [file, "--map", "least-stretch"] => map(file, MapMethod::LeastStretch, steps)?,
+        [file, "--map", "mean-value"] => map(file, MapMethod::MeanValue, steps)?,
         _ => {
             return Err("FILE [--mesh | --smooth OUT.ply | --fill OUT.ply | \
                         --map least-stretch | --map mean-value]"
@@ -98,7 +98,7 @@ fn fill(file: &str, out: &str, mut steps: Steps) -> Result<(), Box<dyn Error>> {
     }))
 }
 
-fn map(file: &str, method: Method, mut steps: Steps) -> Result<(), Box<dyn Error>> {
+fn map(file: &str, method: MapMethod, mut steps: Steps) -> Result<(), Box<dyn Error>> {
     let (patch, _) = filled(file, &mut steps)?;
     let before = rounded(peak_rss_mb()?);
     let vertices = patch.mesh.points.len();

@@ -60,8 +60,7 @@ impl<I: Index> Cholesky<I> {
     }
 }
 
-/// The pattern of a symmetric matrix's lower triangle, analysed, and room for
-/// the work.
+/// The analysed sparsity pattern of the lower triangle of a symmetric matrix, with working memory.
 pub struct Pattern {
     pattern: SymbolicSparseColMat<usize>,
     symbolic: SymbolicCholesky<usize>,
@@ -70,16 +69,16 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// `starts` tells where in `rows` each column's entries begin, at and below
-    /// the diagonal, ascending; `order` in which order to eliminate. `None` if
-    /// there is no memory for it.
+    /// Analyses a pattern. Column j has its entries at `starts[j]..starts[j + 1]` of `rows`; they
+    /// ascend and lie on and below the diagonal. `order` is the elimination order. Returns `None`
+    /// if memory does not suffice.
     pub fn new(starts: Vec<usize>, rows: Vec<usize>, order: &[usize]) -> Option<Self> {
         let n = order.len();
         let mut inverse = vec![0; n];
         order.iter().enumerate().for_each(|(place, &i)| inverse[i] = place);
         let order = SymmetricOrdering::Custom(PermRef::new_checked(order, &inverse, n));
         let pattern = SymbolicSparseColMat::new_checked(n, n, starts, None, rows);
-        // Supernodal throughout: its factor shows the diagonal.
+        // A supernodal factor gives access to its diagonal.
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
@@ -93,9 +92,9 @@ impl Pattern {
         Some(Pattern { pattern, symbolic, room, factor })
     }
 
-    /// The logarithm of the determinant of the matrix with these entries, in
-    /// the pattern's order; `right` (three columns at most) is replaced by the
-    /// solution. `None` if the matrix is not positive definite.
+    /// Factorizes the matrix with the given entries, in the order of the pattern, and returns the
+    /// logarithm of its determinant. If `right` is given it is replaced by the solution; it may
+    /// have at most three columns. Returns `None` if the matrix is not positive definite.
     pub fn solve(&mut self, values: &[f64], right: Option<&mut Mat<f64>>) -> Option<f64> {
         let matrix = SparseColMatRef::new(self.pattern.as_ref(), values);
         let stack = MemStack::new(&mut self.room);
@@ -119,8 +118,8 @@ impl Pattern {
     }
 }
 
-/// An order of elimination in which factors are nearly as sparse as may be, for a pattern
-/// as [`Pattern::new`] takes it. `None` if there is no memory for it.
+/// An elimination order with little fill-in (approximate minimum degree), for a pattern as in
+/// [`Pattern::new`]. Returns `None` if memory does not suffice.
 pub fn least_degree(starts: &[usize], rows: &[usize]) -> Option<Vec<usize>> {
     let n = starts.len() - 1;
     let pattern = SymbolicSparseColMatRef::new_checked(n, n, starts, None, rows);
@@ -131,7 +130,8 @@ pub fn least_degree(starts: &[usize], rows: &[usize]) -> Option<Vec<usize>> {
     Some(order)
 }
 
-/// `None` without supernodes, which the pattern asks for.
+/// The logarithm of the determinant, or `None` if the factor is not supernodal. [`Pattern::new`]
+/// forces a supernodal factor.
 fn log_determinant(symbolic: &SymbolicCholesky<usize>, factor: &[f64]) -> Option<f64> {
     let SymbolicCholeskyRaw::Supernodal(nodes) = symbolic.raw() else { return None };
     let factor = SupernodalLltRef::new(nodes, factor);
@@ -145,7 +145,7 @@ mod tests {
 
     #[test]
     fn the_determinant_and_the_solution_of_a_chain_are_known() {
-        // Second differences with fixed ends: determinant n + 1.
+        // Second differences with fixed ends. The determinant is n + 1.
         let n = 50;
         let starts: Vec<usize> = (0..n).map(|j| 2 * j).chain([2 * n - 1]).collect();
         let rows: Vec<usize> = (0..2 * n - 1).map(|k| k / 2 + k % 2).collect();

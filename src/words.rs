@@ -1,7 +1,7 @@
-//! Figures as people read them.
+//! Numbers formatted for people.
 
-/// A length in mm with four significant digits, for people: scans are as large as
-/// a mountain and, with the wrong unit, as small as a grain.
+/// Formats a length in mm with four significant digits. Scans range from the size of a mountain to,
+/// with a wrong unit, the size of a grain.
 pub fn mm(length: f64) -> String {
     let digits = if length > 0.0 { 3 - length.log10().floor() as i32 } else { 0 };
     format!("{length:.*} mm", digits.clamp(0, 12) as usize)

@@ -8,7 +8,7 @@ use common::fixture;
 use formats::{Soup, cad, step};
 use rayon::ThreadPoolBuilder;
 use scan2step::mesh::{self, Choice, Components, Outer};
-use scan2step::parameterize::Method;
+use scan2step::parameterize::MapMethod;
 use scan2step::{Builder, Options, check, convert, inspect, measured, threads};
 
 #[test]
@@ -17,7 +17,7 @@ fn nothing_is_set_for_the_whole_process() {
     faer::disable_global_parallelism();
     let scan = formats::read_scan(&fixture("relief.ply")).expect("a scan");
     let default = Options::builder();
-    let mean_value = Options::builder().map(Method::MeanValue);
+    let mean_value = Options::builder().map(MapMethod::MeanValue);
     let expected = [&default, &mean_value].map(|options| face(&scan, options.clone()));
     for (options, expected) in [default.clone(), mean_value].into_iter().zip(&expected) {
         for threads in [1, 3] {

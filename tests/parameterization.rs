@@ -8,7 +8,7 @@ use formats::Soup;
 use scan2step::fill;
 use scan2step::geometry::{VertexId, orient2d};
 use scan2step::mesh::{self, Choice, Components, FaceOrigin, Outer, Patch, Repairs};
-use scan2step::parameterize::{self, Method, Options, Outline, Parameterized, Report};
+use scan2step::parameterize::{self, MapMethod, Options, Outline, Parameterized, Report};
 
 /// The patch of a soup without holes.
 fn patch(soup: &Soup) -> Patch {
@@ -63,7 +63,7 @@ fn mapped(soup: &Soup) -> (Parameterized, Report) {
 }
 
 fn mapped_by_mean_values(soup: &Soup) -> Report {
-    let options = Options { method: Method::MeanValue, ..Options::default() };
+    let options = Options { method: MapMethod::MeanValue, ..Options::default() };
     let (map, report) = parameterize::parameterize(patch(soup), &options).unwrap();
     assert_eq!(map.outline, Outline::Sides);
     check(&map);
@@ -165,11 +165,11 @@ fn a_clean_boundary_is_the_sides_unless_told_otherwise() {
 #[test]
 fn what_no_affordable_net_can_follow_is_told() {
     let [short, long] = [60.0, 600.0].map(|length| mapped(&finger(length)).0);
-    assert_eq!(parameterize::crushed(&short, 0.1, 1200), None);
-    let crushed = parameterize::crushed(&long, 0.1, 1200).expect("a finger too long");
+    assert_eq!(parameterize::compressed_region(&short, 0.1, 1200), None);
+    let crushed = parameterize::compressed_region(&long, 0.1, 1200).expect("a finger too long");
     assert!(crushed.spans[0] * crushed.spans[1] > 1200.0, "{crushed:?}");
     assert!(crushed.at.z > 590.0, "the tip is crushed most: {crushed:?}");
-    assert_eq!(parameterize::crushed(&long, 10.0, 1200), None);
+    assert_eq!(parameterize::compressed_region(&long, 10.0, 1200), None);
 }
 
 fn nose() -> Soup {

@@ -10,7 +10,7 @@ use scan2step::fill;
 use scan2step::geometry::{Point, UvVector};
 use scan2step::mesh::{self, Choice, Components, Disk, Outer, Repairs};
 use scan2step::smooth;
-use scan2step::spline::{Curve, KnotVector, Outline, crossings};
+use scan2step::spline::{CertifiedLoop, Curve, KnotVector, crossings};
 use scan2step::{Options, convert};
 
 /// Each is measured so many times, and the shortest counts.
@@ -106,7 +106,7 @@ fn loops(n: usize) -> Box<dyn FnMut()> {
         let (a, b) = (at(k), at((k + 1) % n));
         Curve::new(knots, (0..4).map(|t| a.lerp(&b, f64::from(t) / 3.0)).collect())
     };
-    let outline = Outline::new(&(0..n).map(arc).collect::<Vec<_>>()).expect("a loop");
+    let outline = CertifiedLoop::new(&(0..n).map(arc).collect::<Vec<_>>()).expect("a loop");
     Box::new(move || assert!(crossings(&[&outline]).is_empty()))
 }
 

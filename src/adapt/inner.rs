@@ -6,7 +6,7 @@ use std::ops::Range;
 use foldhash::HashMap;
 
 use super::moves::reweight::MOST_RAISE;
-use crate::deviation::{Left, middles, narrowest, spanned};
+use crate::deviation::{MissedTriangle, middles, narrowest, spanned};
 use crate::fit::Hold;
 use crate::geometry::{Point, Uv, Vector, VertexId};
 use crate::mesh::Mesh;
@@ -76,10 +76,10 @@ impl InnerSamples {
     /// Raises the weights of the samples of triangles that a surface leaves (Lawson's iteration).
     /// A triangle without samples gets them, and so do the triangles beside it that were
     /// `measured` and span a knot cell: the surface would leave those next.
-    pub fn hold(&mut self, left: &[Left], maker: &Maker, measured: &[usize]) {
+    pub fn hold(&mut self, left: &[MissedTriangle], maker: &Maker, measured: &[usize]) {
         let mesh = maker.mesh;
         let mut beside = vec![false; mesh.points.len()];
-        for &Left { triangle, ratio } in left {
+        for &MissedTriangle { triangle, ratio } in left {
             let held = self.of(triangle);
             let samples = self.all[held.clone()].iter_mut();
             samples.for_each(|sample| sample.weight *= (ratio / AIM).powi(2).min(MOST_RAISE));

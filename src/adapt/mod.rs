@@ -6,7 +6,7 @@
 //! over them still misses points, knot spans are halved: a region that a
 //! polynomial of its own fits need not be one that a spline, bound to its
 //! neighbours, can follow. If nobody named a tolerance, knots are weighed against the
-//! noise instead. Between fits the samples' parameters are corrected, and folds are taken out of
+//! noise instead. SurfaceOverMesh fits the samples' parameters are corrected, and folds are taken out of
 //! the last one.
 //!
 //! It has three parts. A state (`state.rs`) is all that a fit starts from, as a value: knots,

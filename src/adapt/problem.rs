@@ -5,14 +5,14 @@ use rayon::prelude::*;
 
 use super::attempt::FootPoints;
 use super::goal::Goal;
-use super::moves::correct::{area, movable, with_skirt};
+use super::moves::correct::{area, movable, with_scaffold};
 use super::options::Options;
 use super::weights::weights;
-use crate::deviation::{Between, Left};
+use crate::deviation::{MissedTriangle, SurfaceOverMesh};
 use crate::fit::Hold;
 use crate::geometry::{Point, Uv, Vector, VertexId};
 use crate::mesh::{Bound, Outline, Parameterized};
-use crate::spline::{Surface, foot_point_moving, for_many_looks, last_step};
+use crate::spline::{Surface, fast_evaluator, foot_point_moving, last_step};
 
 /// A map to fit a surface to, how, and to which goal.
 pub struct Problem<'a> {
@@ -23,7 +23,7 @@ pub struct Problem<'a> {
     pub measured_triangles: Vec<usize>,
     /// How the vertices hold a surface that slides along them.
     pub holds: Vec<Hold>,
-    /// The map's triangles, and then its skirt's.
+    /// The map's triangles, and then its scaffold's.
     triangles: Vec<[VertexId; 3]>,
     /// Twice their areas in the map as it was made.
     areas: Vec<f64>,
@@ -35,8 +35,8 @@ pub struct Problem<'a> {
 
 impl<'a> Problem<'a> {
     pub fn new(map: &'a Parameterized, options: &'a Options, goal: &'a Goal) -> Self {
-        let triangles = [&map.patch.mesh.triangles[..], &map.skirt.triangles].concat();
-        let at = with_skirt(&map.uv, &map.skirt.uv);
+        let triangles = [&map.patch.mesh.triangles[..], &map.scaffold.triangles].concat();
+        let at = with_scaffold(&map.uv, &map.scaffold.uv);
         let areas = triangles.par_iter().map(|&t| area(&at, t)).collect();
         Problem {
             map,
@@ -96,7 +96,7 @@ impl<'a> Problem<'a> {
     /// boundary vertices on their side.
     pub fn foot_points(&self, surface: &Surface, starts: &[Uv]) -> FootPoints {
         let last = last_step(surface);
-        let surface = for_many_looks(surface);
+        let surface = fast_evaluator(surface);
         let foot_point = |(&uv, &p): (&Uv, &Point)| {
             foot_point_moving(&*surface, p, uv, on_sides(self.map, uv).map(|side| !side), last)
         };
@@ -117,10 +117,10 @@ impl<'a> Problem<'a> {
     }
 
     /// The parameters that vertices at `now` may move to, towards the `wanted` ones, while every
-    /// triangle keeps the share `least_area` of its area on the map. The skirt's triangles count,
+    /// triangle keeps the share `least_area` of its area on the map. The scaffold's triangles count,
     /// too, because an outer boundary inside the domain might otherwise come to cross itself.
     pub fn corrected(&self, now: Vec<Uv>, wanted: Vec<Uv>, least_area: f64) -> Vec<Uv> {
-        movable(&self.triangles, &self.areas, least_area, now, wanted, &self.map.skirt.uv)
+        movable(&self.triangles, &self.areas, least_area, now, wanted, &self.map.scaffold.uv)
     }
 
     /// Which vertices at `uv` do not slide: those that are not at their foot points, and those of
@@ -137,10 +137,10 @@ impl<'a> Problem<'a> {
 
     /// The measured triangles that a surface leaves by more than such a `share` of the
     /// tolerance and what a flat triangle misses itself, with the vertices at `uv`.
-    pub fn left(&self, surface: &Surface, uv: &[Uv], share: f64) -> Vec<Left> {
+    pub fn left(&self, surface: &Surface, uv: &[Uv], share: f64) -> Vec<MissedTriangle> {
         let mesh = &self.map.patch.mesh;
-        let between = Between::new(mesh, &self.measured_triangles, uv, surface);
-        between.left(self.goal.tolerance, share)
+        let between = SurfaceOverMesh::new(mesh, &self.measured_triangles, uv, surface);
+        between.missed(self.goal.tolerance, share)
     }
 }
 

@@ -4,7 +4,7 @@
 
 use super::Bounds;
 use crate::error::BrepFault;
-use crate::spline::{Nest, Outline, crossings, misplaced};
+use crate::spline::{CertifiedLoop, Nest, crossings, misplaced};
 
 /// Checks the loops of all faces. Loops of different faces must not cross, either.
 pub(super) fn check(faces: &[Bounds]) -> Result<(), BrepFault> {
@@ -17,12 +17,12 @@ pub(super) fn check(faces: &[Bounds]) -> Result<(), BrepFault> {
             if pcurves.len() != edges.len() {
                 return Err(BrepFault::Pairs { face, ring });
             }
-            let outline = Outline::new(pcurves);
+            let outline = CertifiedLoop::new(pcurves);
             outlines.push(outline.map_err(|(fault, _)| BrepFault::Loop { face, ring, fault })?);
             names.push((face, ring));
         }
     }
-    let all: Vec<&Outline> = outlines.iter().collect();
+    let all: Vec<&CertifiedLoop> = outlines.iter().collect();
     let mut found = crossings(&all);
     let mut rest = &all[..];
     for bounds in faces {

@@ -9,7 +9,7 @@ use super::curve::Part;
 use super::surface::Domain;
 use crate::geometry::{Point, Uv, segment_distance};
 use crate::spline::chords::chords;
-use crate::spline::{Patch, foot_point};
+use crate::spline::{ParametricSurface, foot_point};
 
 /// A corner of a polygon: its parameter point, and its place on the surface.
 pub(super) type Corner = (Uv, Point);

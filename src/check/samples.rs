@@ -3,7 +3,7 @@
 use super::surface::Domain;
 use crate::deviation::Face;
 use crate::geometry::{Point, Uv};
-use crate::spline::Patch;
+use crate::spline::ParametricSurface;
 
 /// Samples of a face.
 #[derive(Debug, Default)]

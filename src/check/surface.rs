@@ -5,7 +5,7 @@ use formats::spline::{Basis, SplineCurve, SplineKnots, SplineSurface};
 use nalgebra::Vector4;
 
 use crate::geometry::{Point, Uv, Vector};
-use crate::spline::{Jet, KnotVector, Patch, Surface};
+use crate::spline::{Jet, KnotVector, ParametricSurface, Surface};
 
 /// A surface over a part of its parameter plane.
 #[derive(Debug)]
@@ -65,7 +65,7 @@ impl<'a> Domain<'a> {
     }
 }
 
-impl Patch for Domain<'_> {
+impl ParametricSurface for Domain<'_> {
     fn jet(&self, at: Uv) -> Jet {
         let here = jet(self.surface, at);
         if matches!(self.surface, CadSurface::Offset { .. }) { self.bent(here, at) } else { here }
@@ -75,14 +75,14 @@ impl Patch for Domain<'_> {
         self.ranges
     }
 
-    fn quick(&self) -> Option<Box<dyn Patch>> {
+    fn fast_form(&self) -> Option<Box<dyn ParametricSurface>> {
         let CadSurface::Spline(spline) = self.surface else { return None };
         if spline.weights().is_some() {
             return None;
         }
         let knots = |k: &SplineKnots| KnotVector::try_new(k.degree(), k.knots().to_vec()).ok();
         let net = spline.poles().iter().map(vector).collect();
-        Surface::try_new(knots(spline.u())?, knots(spline.v())?, net).ok()?.quick()
+        Surface::try_new(knots(spline.u())?, knots(spline.v())?, net).ok()?.fast_form()
     }
 
     fn breaks(&self) -> [Vec<f64>; 2] {

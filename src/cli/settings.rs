@@ -49,8 +49,8 @@ pub fn options(args: &Convert, scan: &Scan) -> Result<Options, Failure> {
             Outline::Trimmed => Some(parameterize::Outline::Free),
         })
         .map(match how.map {
-            Map::LeastStretch => parameterize::Method::LeastStretch,
-            Map::MeanValue => parameterize::Method::MeanValue,
+            Map::LeastStretch => parameterize::MapMethod::LeastStretch,
+            Map::MeanValue => parameterize::MapMethod::MeanValue,
         })
         .kappa(how.kappa)
         .depth(how.depth)

@@ -29,7 +29,7 @@ pub struct Conversion {
     /// How good the map is.
     pub parameterize: parameterize::Report,
     /// Where it leaves too little room for the tolerance.
-    pub crushed: Option<parameterize::Crushed>,
+    pub crushed: Option<parameterize::CompressedRegion>,
     /// Knots and fit.
     pub fit: Adapted,
     /// The tolerance that holds, in mm.

@@ -47,7 +47,7 @@ pub(super) fn face(
         &options.parameterize,
         &mut within("parameterize", watch),
     )?;
-    let crushed = parameterize::crushed(&map, tolerance, options.knots.max_net);
+    let crushed = parameterize::compressed_region(&map, tolerance, options.knots.max_net);
     watch(Stage::Parameterize(&map, crushed))?;
 
     let measured_count = map.patch.measured;
@@ -79,7 +79,7 @@ pub(super) fn face(
     let excused = if trim_options.keeps_vertices { 0.0 } else { trim_options.rim };
     let missed = missed(&face, &map, &fit_deviation, tolerance, excused);
     let seen = map.measured_triangles();
-    let between = deviation::Between::new(&map.patch.mesh, &seen, &map.uv, &surface);
+    let between = deviation::SurfaceOverMesh::new(&map.patch.mesh, &seen, &map.uv, &surface);
     let face_to_scan = between.report(tolerance, |at| face.contains(at));
     watch(Stage::Deviation)?;
 

@@ -1,7 +1,7 @@
 //! What is told of a conversion while it goes on.
 
 use crate::mesh::{Disk, Patch};
-use crate::parameterize::{Crushed, Parameterized};
+use crate::parameterize::{CompressedRegion, Parameterized};
 use crate::spline::Surface;
 use crate::{Result, trim};
 
@@ -17,7 +17,7 @@ pub enum Stage<'a> {
     Fill(&'a Patch),
     /// The filled mesh with parameters, and where it leaves too little room for
     /// the tolerance.
-    Parameterize(&'a Parameterized, Option<Crushed>),
+    Parameterize(&'a Parameterized, Option<CompressedRegion>),
     /// The fitted surface.
     Fit(&'a Surface),
     /// The loops: the outer one unless it is on the surface's sides, those of the

@@ -1,19 +1,19 @@
-//! How far points are from the trimmed face: Euclidean distances to foot
-//! points, to the trim curve where the foot falls into a hole. Islands in a hole
-//! are faces, too.
+//! Distances between points and a trimmed face. Points and a face go in; Euclidean distances to the
+//! nearest points of the face come out. These are foot points, or points of a trim curve if the
+//! foot point lies in a hole. Islands in a hole belong to the face.
 
 mod face;
 mod face_to_scan;
-mod outline;
+mod slab_polygon;
 
 pub use face::Face;
 pub use face_to_scan::FaceToScan;
-pub(crate) use face_to_scan::{Between, Left, middles, narrowest, spanned};
+pub(crate) use face_to_scan::{MissedTriangle, SurfaceOverMesh, middles, narrowest, spanned};
 
 use crate::geometry::Point;
 use rayon::prelude::*;
 
-/// Distances in mm, over a set of points.
+/// The distances of a set of points, in mm.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct Deviation {
@@ -25,16 +25,16 @@ pub struct Deviation {
     pub p99: f64,
     /// The largest.
     pub max: f64,
-    /// The point that has it.
+    /// The point with the largest distance.
     pub max_at: [f64; 3],
-    /// All of them, in the order of the points.
+    /// All distances, in the order of the points.
     pub distances: Vec<f64>,
     /// Which of the points are above the face, where that is known.
     above: Option<Vec<bool>>,
 }
 
 impl Deviation {
-    /// What is to be said of the distances of some points, in their order.
+    /// The statistics of the distances of some points. Both lists have the same order.
     pub fn of(points: &[Point], distances: Vec<f64>) -> Self {
         if distances.is_empty() {
             return Deviation::default();
@@ -70,7 +70,7 @@ impl Deviation {
         Some(self.distances.iter().zip(self.above.as_ref()?).map(signed).collect())
     }
 
-    /// The same with all lengths times a factor.
+    /// The deviation with all lengths multiplied by a factor.
     pub(crate) fn scaled(self, factor: f64) -> Self {
         Deviation {
             rms: factor * self.rms,
@@ -83,7 +83,7 @@ impl Deviation {
         }
     }
 
-    /// How many points are farther than `tolerance`.
+    /// The number of points whose distance exceeds `tolerance`.
     pub fn beyond(&self, tolerance: f64) -> usize {
         self.distances.iter().filter(|&&d| d > tolerance).count()
     }
@@ -104,7 +104,7 @@ mod tests {
         Surface::new(k.clone(), k.clone(), net.collect())
     }
 
-    /// A square loop around the middle.
+    /// A square loop around the middle of the domain.
     fn square(r: f64) -> Vec<Curve<2>> {
         let corner =
             [(-r, -r), (-r, r), (r, r), (r, -r)].map(|(u, v)| Vector2::new(0.5 + u, 0.5 + v));

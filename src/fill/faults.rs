@@ -179,7 +179,7 @@ fn side(corners: [Point; 4]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Rings;
+    use crate::mesh::VertexRings;
     use crate::mesh::mls::Cloud;
 
     /// The faults of a fill over the fifth point, or none, of a square with one
@@ -188,7 +188,7 @@ mod tests {
         let ids = |t: &[u32; 3]| t.map(VertexId);
         let points: Vec<Point> = points.iter().map(|p| Point::from(*p)).collect();
         let mesh = Mesh { points, triangles: measured.iter().map(ids).collect() };
-        let rings = Rings::new(&mesh);
+        let rings = VertexRings::new(&mesh);
         let cloud = Cloud::of(&mesh, &rings);
         let ground = Ground::new(&mesh);
         let around = Surroundings { mesh: &mesh, rings: &rings, cloud: &cloud, ground: &ground };

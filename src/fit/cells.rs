@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::weight::{Metric, Weight};
 use crate::geometry::{Uv, Vector};
 use crate::mesh::Buckets;
-use crate::spline::spans::Spans;
+use crate::spline::spans::KnotSpans;
 use crate::spline::{KnotVector, Samples};
 
 /// The knot cells of a net, and the samples in each.
@@ -18,7 +18,7 @@ pub struct Cells<'a> {
     /// Knot vectors in u and v.
     pub knots: [&'a KnotVector; 2],
     /// Their spans.
-    pub spans: [Spans; 2],
+    pub spans: [KnotSpans; 2],
     /// Where the net is counted from, so that sums do not suffer from a scan
     /// that lies far from the origin.
     pub origin: Vector,
@@ -37,7 +37,7 @@ impl<'a> Cells<'a> {
     /// Sorts the samples, stably, so that sums over a cell do not depend on
     /// anything but the input's order.
     pub fn new(samples: &'a Samples, knots: [&'a KnotVector; 2]) -> Self {
-        let spans = knots.map(Spans::new);
+        let spans = knots.map(KnotSpans::new);
         let down = spans[1].all.len();
         let home = |at: &Uv| (spans[0].find(at.x) * down + spans[1].find(at.y)) as u32;
         let homes: Vec<u32> = samples.uv.par_iter().map(home).collect();

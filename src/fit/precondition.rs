@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::normal::{Equations, Factor, Lane};
 use super::{fairing, tasks};
 use crate::error::Result;
-use crate::spline::spans::{PAIRS, Spans};
+use crate::spline::spans::{KnotSpans, PAIRS};
 
 /// The approximate inverse.
 pub struct Preconditioner {
@@ -47,7 +47,7 @@ impl Preconditioner {
     /// For equations over the given spans.
     /// `None` where so much of the net is held weakly that a direct solution of all is
     /// cheaper.
-    pub fn new(equations: &Equations, spans: &[Spans; 2]) -> Result<Option<Self>> {
+    pub fn new(equations: &Equations, spans: &[KnotSpans; 2]) -> Result<Option<Self>> {
         let [u, v] = spans.each_ref().map(mass);
         let even = u.iter().flat_map(|a| v.iter().map(move |b| a[0] * b[0]));
         let own = equations.diagonal();
@@ -134,7 +134,7 @@ fn around([nu, nv]: [usize; 2], chosen: impl Fn(usize) -> bool) -> Vec<u32> {
 }
 
 /// ∫ B_i B_{i+d} over all spans, at [i][d].
-fn mass(spans: &Spans) -> Vec<[f64; 4]> {
+fn mass(spans: &KnotSpans) -> Vec<[f64; 4]> {
     let mut band = vec![[0.0; 4]; spans.all.len() + 3];
     for (n, span) in spans.all.iter().enumerate() {
         for (value, (a, c)) in fairing::energies(span)[0].iter().zip(PAIRS) {

@@ -6,7 +6,7 @@
 
 use rayon::prelude::*;
 
-use super::sparse::{self, BLOCK, Matrix, Pair};
+use super::sparse::{self, BLOCK, Matrix, UvPair};
 
 /// When to stop.
 pub struct Limits {
@@ -23,10 +23,10 @@ pub struct Limits {
 /// is not finite where the method breaks down.
 pub fn solve(
     matrix: &Matrix,
-    mut precondition: impl FnMut(&[Pair], &mut [Pair]),
-    right: &[Pair],
+    mut precondition: impl FnMut(&[UvPair], &mut [UvPair]),
+    right: &[UvPair],
     limits: &Limits,
-) -> Vec<Pair> {
+) -> Vec<UvPair> {
     let zeros = || vec![[0.0; 2]; right.len()];
     let (mut x, mut r, mut p) = (zeros(), right.to_vec(), right.to_vec());
     let (mut direction, mut v, mut t) = (zeros(), zeros(), zeros());
@@ -60,12 +60,12 @@ pub fn solve(
     x
 }
 
-fn multiply(matrix: &Matrix, x: &[Pair], out: &mut [Pair]) {
+fn multiply(matrix: &Matrix, x: &[UvPair], out: &mut [UvPair]) {
     sparse::fill(out, |i, _| sparse::product(matrix, i, x));
 }
 
-fn dot(a: &[Pair], b: &[Pair]) -> f64 {
-    let of = |(a, b): (&[Pair], &[Pair])| -> f64 {
+fn dot(a: &[UvPair], b: &[UvPair]) -> f64 {
+    let of = |(a, b): (&[UvPair], &[UvPair])| -> f64 {
         a.iter().zip(b).map(|(a, b)| a[0] * b[0] + a[1] * b[1]).sum()
     };
     let blocks: Vec<f64> = a.par_chunks(BLOCK).zip(b.par_chunks(BLOCK)).map(of).collect();
@@ -86,7 +86,7 @@ mod tests {
         })
     }
 
-    fn right(n: usize) -> Vec<Pair> {
+    fn right(n: usize) -> Vec<UvPair> {
         (0..n).map(|i| [(0.7 * i as f64).sin(), (0.1 * i as f64).cos()]).collect()
     }
 
@@ -97,9 +97,9 @@ mod tests {
         let mut direct = faer::Mat::from_fn(n, 2, |i, k| right[i][k]);
         Lu::new(matrix.to_col_major().unwrap().as_ref()).unwrap().solve(&mut direct);
         let limits = Limits { residual: 1e-13, steps: 500 };
-        let none = |b: &[Pair], x: &mut [Pair]| x.copy_from_slice(b);
+        let none = |b: &[UvPair], x: &mut [UvPair]| x.copy_from_slice(b);
         // By the diagonal and what is below it.
-        let below = |b: &[Pair], x: &mut [Pair]| {
+        let below = |b: &[UvPair], x: &mut [UvPair]| {
             for i in 0..b.len() {
                 let before = if i > 0 { x[i - 1] } else { [0.0; 2] };
                 x[i] = [0, 1].map(|k| (b[i][k] + 1.9 * before[k]) / 3.0);
@@ -107,7 +107,8 @@ mod tests {
         };
         let plain = solve(&matrix, none, &right, &limits);
         for found in [plain, solve(&matrix, below, &right, &limits)] {
-            let off = |(i, x): (usize, &Pair)| (x[0] - direct[(i, 0)]).hypot(x[1] - direct[(i, 1)]);
+            let off =
+                |(i, x): (usize, &UvPair)| (x[0] - direct[(i, 0)]).hypot(x[1] - direct[(i, 1)]);
             let farthest = found.iter().enumerate().map(off).fold(0.0, f64::max);
             assert!(farthest < 1e-10, "{farthest}");
         }
@@ -118,7 +119,7 @@ mod tests {
 
     #[test]
     fn nothing_on_the_right_has_the_solution_zero() {
-        let none = |b: &[Pair], x: &mut [Pair]| x.copy_from_slice(b);
+        let none = |b: &[UvPair], x: &mut [UvPair]| x.copy_from_slice(b);
         let limits = Limits { residual: 1e-6, steps: 9 };
         assert_eq!(solve(&flow(5), none, &[[0.0; 2]; 5], &limits), [[0.0; 2]; 5]);
     }

@@ -1,4 +1,4 @@
-//! A multigrid cycle by smoothed aggregation, as a preconditioner of Krylov methods.
+//! A multigrid cycle by smoothed aggregation, used as a preconditioner of Krylov methods.
 
 use faer::Par;
 use faer::sparse::linalg::matmul::sparse_sparse_matmul;
@@ -6,18 +6,18 @@ use rayon::prelude::*;
 
 use super::aggregates;
 use super::lu::Lu;
-use super::sparse::{self, BLOCK, Matrix, Pair};
+use super::sparse::{self, BLOCK, Matrix, UvPair};
 
-/// A system of no more unknowns is solved directly.
-pub const FEW: usize = 500;
+/// A system with at most this number of unknowns is solved directly.
+pub const DIRECT_SIZE: usize = 500;
 
-/// A level worth having leaves this share of the unknowns at the most.
-const FEWER: f64 = 0.7;
+/// A coarser level is used only if it has at most this share of the unknowns.
+const MAX_COARSENING: f64 = 0.7;
 
-/// A system, and ever smaller ones that resemble it.
+/// A linear system and a sequence of coarser systems that approximate it.
 #[derive(Debug)]
 pub struct Multigrid {
-    levels: Vec<Level>,
+    levels: Vec<GridLevel>,
     last: Lu,
 }
 
@@ -25,30 +25,30 @@ pub struct Multigrid {
 /// sides of the next smaller system.
 #[derive(Debug)]
 pub struct Room {
-    x: Vec<Pair>,
-    coarse_b: Vec<Pair>,
-    coarse_x: Vec<Pair>,
+    x: Vec<UvPair>,
+    coarse_b: Vec<UvPair>,
+    coarse_x: Vec<UvPair>,
 }
 
-/// A system and how it becomes the next smaller one.
+/// A system and its transfer to the next coarser one.
 #[derive(Debug)]
-struct Level {
+struct GridLevel {
     matrix: Matrix,
     diagonal: Vec<f64>,
-    /// From the next level's unknowns to this one's, and back.
+    /// The maps from the unknowns of the next level to those of this one, and back.
     prolongation: Matrix,
     restriction: Matrix,
 }
 
 impl Multigrid {
-    /// For a square matrix whose diagonal is positive. `None` if that is singular, too
-    /// large for the memory, or no smaller system resembles it.
+    /// Builds the levels for a square matrix with a positive diagonal. Returns `None` if the matrix
+    /// is singular or too large for the memory, or if it cannot be coarsened.
     pub fn new(mut matrix: Matrix) -> Option<Self> {
-        let mut levels: Vec<Level> = Vec::new();
-        while matrix.nrows() > FEW {
-            let level = Level::new(matrix)?;
+        let mut levels: Vec<GridLevel> = Vec::new();
+        while matrix.nrows() > DIRECT_SIZE {
+            let level = GridLevel::new(matrix)?;
             let coarse = level.coarse()?;
-            let few = FEWER * level.diagonal.len() as f64;
+            let few = MAX_COARSENING * level.diagonal.len() as f64;
             if coarse.nrows() as f64 > few {
                 matrix = level.matrix;
                 break;
@@ -60,7 +60,7 @@ impl Multigrid {
         (!levels.is_empty()).then_some(Multigrid { levels, last })
     }
 
-    /// The largest system.
+    /// The matrix of the finest system.
     pub fn matrix(&self) -> &Matrix {
         &self.levels[0].matrix
     }
@@ -68,7 +68,7 @@ impl Multigrid {
     /// Room for [`Multigrid::apply`].
     pub fn room(&self) -> Vec<Room> {
         let zeros = |n: usize| vec![[0.0; 2]; n];
-        let of = |level: &Level| {
+        let of = |level: &GridLevel| {
             let (n, few) = (level.matrix.nrows(), level.prolongation.ncols());
             Room { x: zeros(n), coarse_b: zeros(few), coarse_x: zeros(few) }
         };
@@ -76,12 +76,12 @@ impl Multigrid {
     }
 
     /// Writes about what solves the largest system for `b` into `x`.
-    pub fn apply(&self, b: &[Pair], x: &mut [Pair], room: &mut [Room]) {
+    pub fn apply(&self, b: &[UvPair], x: &mut [UvPair], room: &mut [Room]) {
         self.cycle(&self.levels, b, x, room);
     }
 
     /// The same for the first of these levels.
-    fn cycle(&self, levels: &[Level], b: &[Pair], x: &mut [Pair], room: &mut [Room]) {
+    fn cycle(&self, levels: &[GridLevel], b: &[UvPair], x: &mut [UvPair], room: &mut [Room]) {
         let (Some((here, smaller)), Some((own, room))) =
             (levels.split_first(), room.split_first_mut())
         else {
@@ -101,35 +101,34 @@ impl Multigrid {
         here.sweep(b, &own.x, x, true);
     }
 
-    fn solve_last(&self, b: &[Pair], x: &mut [Pair]) {
+    fn solve_last(&self, b: &[UvPair], x: &mut [UvPair]) {
         let mut solution = faer::Mat::from_fn(b.len(), 2, |i, k| b[i][k]);
         self.last.solve(&mut solution);
         x.iter_mut().enumerate().for_each(|(i, x)| *x = [solution[(i, 0)], solution[(i, 1)]]);
     }
 }
 
-impl Level {
+impl GridLevel {
     fn new(matrix: Matrix) -> Option<Self> {
         let on_it = |i: usize| sparse::row(&matrix, i).find(|e| e.0 == i).map_or(0.0, |e| e.1);
         let diagonal: Vec<f64> = (0..matrix.nrows()).into_par_iter().map(on_it).collect();
         let transposed = matrix.to_col_major().ok()?.into_transpose();
-        let [prolongation, back] = aggregates::slopes(&matrix, &transposed, &diagonal);
+        let [prolongation, back] =
+            aggregates::smoothed_prolongations(&matrix, &transposed, &diagonal);
         let restriction = back.to_col_major().ok()?.into_transpose();
-        Some(Level { matrix, diagonal, prolongation, restriction })
+        Some(GridLevel { matrix, diagonal, prolongation, restriction })
     }
 
-    /// The next smaller system: the restriction of the matrix' product with the
-    /// prolongation.
+    /// The matrix of the next coarser system: restriction times matrix times prolongation.
     fn coarse(&self) -> Option<Matrix> {
         let product = |a, b| sparse_sparse_matmul(a, b, 1.0, Par::Seq).ok();
-        // Matrices by columns from those by rows: all are transposed.
+        // The product is computed on the transposed matrices, because these are stored by columns.
         let half = product(self.prolongation.transpose(), self.matrix.transpose())?;
         Some(product(half.as_ref(), self.restriction.transpose())?.into_transpose())
     }
 
-    /// Gauss and Seidel's method from `old`, block by block: within a block with its
-    /// own new values.
-    fn sweep(&self, b: &[Pair], old: &[Pair], x: &mut [Pair], backwards: bool) {
+    /// One Gauss–Seidel sweep from `old`, block by block. Within a block the new values are used.
+    fn sweep(&self, b: &[UvPair], old: &[UvPair], x: &mut [UvPair], backwards: bool) {
         x.par_chunks_mut(BLOCK).enumerate().for_each(|(k, block)| {
             let first = k * BLOCK;
             for place in 0..block.len() {

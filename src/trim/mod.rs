@@ -24,8 +24,8 @@ use crate::mesh::Bound;
 use crate::rules;
 use crate::spline::decimal;
 use crate::spline::{
-    Curve, EdgeTree, Nest, Outline, Place, Surface, crossings, curve_on_surface, misplaced,
-    off_surface, pieces_on_surface, runs,
+    CertifiedLoop, Curve, EdgeTree, LocatedFault, Nest, Surface, crossings, curve_on_surface,
+    misplaced, off_surface, pieces_on_surface, runs,
 };
 use course::Course;
 
@@ -277,11 +277,12 @@ fn uncrossed(surface: &Surface, rims: &[Rim], options: &Options) -> Result<Vec<V
 
 /// The faults of the loops: those of single ones, else those of loops that
 /// cross, else those of loops that are not in their places.
-fn wrong(arcs: &[Vec<Curve<2>>], nests: &[Nest]) -> Vec<(usize, Place)> {
-    let outlines: Vec<_> = arcs.par_iter().map(|arcs| Outline::new(arcs)).collect();
-    let single = |(i, o): (usize, &std::result::Result<_, Place>)| Some((i, *o.as_ref().err()?));
+fn wrong(arcs: &[Vec<Curve<2>>], nests: &[Nest]) -> Vec<(usize, LocatedFault)> {
+    let outlines: Vec<_> = arcs.par_iter().map(|arcs| CertifiedLoop::new(arcs)).collect();
+    let single =
+        |(i, o): (usize, &std::result::Result<_, LocatedFault>)| Some((i, *o.as_ref().err()?));
     let mut found: Vec<_> = outlines.iter().enumerate().filter_map(single).collect();
-    let outlines: Vec<&Outline> = outlines.iter().flatten().collect();
+    let outlines: Vec<&CertifiedLoop> = outlines.iter().flatten().collect();
     if found.is_empty() {
         found = crossings(&outlines);
     }

@@ -41,30 +41,30 @@ pub fn area(at: impl Fn(usize) -> Uv, triangle: [VertexId; 3]) -> f64 {
     orient2d(a, b, c)
 }
 
-/// The parameters of vertices and, after them, of a skirt's.
-pub fn with_skirt<'a>(uv: &'a [Uv], skirt: &'a [Uv]) -> impl Fn(usize) -> Uv + 'a {
-    move |v| uv.get(v).copied().unwrap_or_else(|| skirt[v - uv.len()])
+/// The parameters of vertices and, after them, of a scaffold's.
+pub fn with_scaffold<'a>(uv: &'a [Uv], scaffold: &'a [Uv]) -> impl Fn(usize) -> Uv + 'a {
+    move |v| uv.get(v).copied().unwrap_or_else(|| scaffold[v - uv.len()])
 }
 
 /// The parameters `uv`, `moved` to their foot points. Vertices of triangles that would keep less
 /// than the share `least` of their [`area`], which are `areas` on the map as it was made, stay
-/// where they were. The vertices of the `skirt` come after the others, and stay.
+/// where they were. The vertices of the `scaffold` come after the others, and stay.
 pub fn movable(
     triangles: &[[VertexId; 3]],
     areas: &[f64],
     least: f64,
     uv: Vec<Uv>,
     mut moved: Vec<Uv>,
-    skirt: &[Uv],
+    scaffold: &[Uv],
 ) -> Vec<Uv> {
     // Foot points that are no numbers crush them, too.
-    let crushed = |at: &[Uv], t: usize| {
-        let area = area(with_skirt(at, skirt), triangles[t]);
+    let compressed = |at: &[Uv], t: usize| {
+        let area = area(with_scaffold(at, scaffold), triangles[t]);
         area.partial_cmp(&(least * areas[t])).is_none_or(Ordering::is_lt)
     };
     // Only triangles with a vertex that has just been put back can turn now.
     let all = || (0..triangles.len()).into_par_iter();
-    let mut suspects: Vec<usize> = all().filter(|&t| crushed(&moved, t)).collect();
+    let mut suspects: Vec<usize> = all().filter(|&t| compressed(&moved, t)).collect();
     for _ in 0..ROUNDS {
         if suspects.is_empty() {
             return moved;
@@ -77,7 +77,7 @@ pub fn movable(
         }
         let is_back = |v: &VertexId| back.get(v.index()).is_some_and(|&back| back);
         let touched = |t: &usize| triangles[*t].iter().any(is_back);
-        suspects = all().filter(touched).filter(|&t| crushed(&moved, t)).collect();
+        suspects = all().filter(touched).filter(|&t| compressed(&moved, t)).collect();
     }
     uv
 }

@@ -8,7 +8,7 @@ use crate::adapt::attempt::Attempt;
 use crate::adapt::inner::Maker;
 use crate::adapt::problem::Problem;
 use crate::adapt::state::State;
-use crate::deviation::Left;
+use crate::deviation::MissedTriangle;
 use crate::fit::{self, STIFFNESSES};
 use crate::geometry::Uv;
 
@@ -18,7 +18,7 @@ const AIM_OF_VERTICES: f64 = 0.97;
 
 /// An attempt's surface brought nearer to the vertices that it misses and to the triangles that
 /// it has `left`. `None` if the equations have no solution without more folds.
-pub fn mend(problem: &Problem, of: &Attempt, left: &[Left]) -> Option<Attempt> {
+pub fn mend(problem: &Problem, of: &Attempt, left: &[MissedTriangle]) -> Option<Attempt> {
     let limit = AIM_OF_VERTICES * problem.goal.tolerance;
     let mut state = reweight(problem, of, limit, LEAST_AREA);
     let maker = maker(problem, of);
@@ -46,7 +46,7 @@ pub fn maker<'m>(problem: &'m Problem, of: &'m Attempt) -> Maker<'m> {
 }
 
 /// Where on the map the samples inside triangles are.
-pub fn around(state: &State, left: &[Left]) -> impl Iterator<Item = Uv> {
+pub fn around(state: &State, left: &[MissedTriangle]) -> impl Iterator<Item = Uv> {
     let inner = left.iter().flat_map(|left| state.inner.of(left.triangle));
     inner.map(|at| state.inner.all[at].uv(&state.uv))
 }

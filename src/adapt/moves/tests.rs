@@ -10,11 +10,11 @@ use crate::adapt::goal::Goal;
 use crate::adapt::options::Options;
 use crate::adapt::problem::Problem;
 use crate::adapt::state::State;
-use crate::deviation::Left;
+use crate::deviation::MissedTriangle;
 use crate::fit::{self, STIFFNESSES};
 use crate::geometry::{Point, Uv, VertexId};
-use crate::knots::Bounds;
-use crate::mesh::{FaceOrigin, Mesh, Outline, Parameterized, Patch, Skirt};
+use crate::knots::InsertionLimits;
+use crate::mesh::{FaceOrigin, Mesh, Outline, Parameterized, Patch, Scaffold};
 use crate::spline::{KnotVector, Surface};
 
 /// Vertices along each side of the sheet.
@@ -53,7 +53,7 @@ fn sheet() -> Parameterized {
         islands: Vec::new(),
     };
     let uv = (0..N * N).map(|v| Uv::new(wave(at(v).0), wave(at(v).1))).collect();
-    Parameterized { patch, uv, outline: Outline::Sides, skirt: Skirt::default() }
+    Parameterized { patch, uv, outline: Outline::Sides, scaffold: Scaffold::default() }
 }
 
 /// What is tried with a problem over a sheet, some points of which are lifted by so many mm.
@@ -99,7 +99,7 @@ fn a_move_leaves_what_it_is_given_and_needs_none_before_it() {
         let start = first(problem, 8);
         let all = |of: &State| (of.uv.clone(), of.weights.clone(), of.knots.clone());
         let before = all(&start.state);
-        let bounds = Bounds { depth: 10, most: 1000, price: 0.0 };
+        let bounds = InsertionLimits { depth: 10, most: 1000, price: 0.0 };
         let misses = start.misses(0.01);
         let alone = all(&insert(problem, &start, &misses, &bounds).unwrap());
         // Others in between change nothing.
@@ -175,7 +175,7 @@ fn outliers_are_rejected_where_smoothing_is_off_alone() {
 fn knots_are_inserted_where_points_are_missed() {
     with_problem(false, &[(MIDDLE, 1.0)], |problem| {
         let start = first(problem, 8);
-        let bounds = Bounds { depth: 10, most: 1000, price: 0.0 };
+        let bounds = InsertionLimits { depth: 10, most: 1000, price: 0.0 };
         let only = [(start.state.uv[MIDDLE], 1.0)];
         let state = insert(problem, &start, &only, &bounds).unwrap();
         let old = start.state.knots.each_ref().map(KnotVector::breaks);
@@ -186,7 +186,7 @@ fn knots_are_inserted_where_points_are_missed() {
         // The middle of the middle one of five spans.
         assert!(!new.is_empty() && new.iter().all(|b| (b - 0.5).abs() < 1e-9), "{new:?}");
         assert!(insert(problem, &start, &[], &bounds).is_none());
-        let full = Bounds { most: 64, ..bounds };
+        let full = InsertionLimits { most: 64, ..bounds };
         assert!(insert(problem, &start, &only, &full).is_none());
     });
 }
@@ -248,7 +248,8 @@ fn a_triangle_that_is_left_is_mended_with_inner_samples() {
         let before = left(&dented);
         assert!(!before.is_empty());
         let mended = mend(problem, &dented, &before).unwrap();
-        let worst = |left: &[Left]| left.iter().map(|left| left.ratio).fold(0.0, f64::max);
+        let worst =
+            |left: &[MissedTriangle]| left.iter().map(|left| left.ratio).fold(0.0, f64::max);
         let after = worst(&left(&mended));
         assert!(after < 0.2 * worst(&before), "{after} {}", worst(&before));
         for left in &before {

@@ -15,7 +15,7 @@ use crate::adapt::problem::Problem;
 use crate::adapt::run::FitRun;
 use crate::adapt::start::deepest;
 use crate::error::Result;
-use crate::knots::{Bounds, Miss};
+use crate::knots::{InsertionLimits, Miss};
 
 /// What a control point must take off the sum of squares, in variances of the noise (Akaike).
 const PRICE: f64 = 2.0;
@@ -25,7 +25,7 @@ const PRICE: f64 = 2.0;
 pub const POINTS_A_CONTROL_POINT: usize = 2;
 
 /// Halvings beyond those that leave one to four points of an even scan: parts of a scan may be
-/// denser, or crushed by the map, by a factor of four.
+/// denser, or compressed by the map, by a factor of four.
 const DEEPER: u32 = 2;
 
 /// The rounds in a row without a better score after which there are no more. One worse net may
@@ -55,7 +55,7 @@ pub fn largest_net(problem: &Problem) -> usize {
 fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
     let problem = run.problem;
     let depth = problem.options.knots.depth;
-    let bounds = Bounds {
+    let bounds = InsertionLimits {
         depth: depth.unwrap_or_else(|| deepest(problem.measured()) + DEEPER),
         most: largest_net(problem),
         price: PRICE,

@@ -10,7 +10,7 @@ use crate::adapt::problem::Problem;
 use crate::adapt::run::FitRun;
 use crate::adapt::state::State;
 use crate::error::Result;
-use crate::knots::Bounds;
+use crate::knots::InsertionLimits;
 use crate::rules;
 
 /// A round is idle if it brings neither the number of points beyond the tolerance down to this
@@ -71,9 +71,9 @@ pub fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
 }
 
 /// What bounds the knots that are inserted where points are missed.
-pub fn bounds(problem: &Problem) -> Bounds {
+pub fn bounds(problem: &Problem) -> InsertionLimits {
     let asked = &problem.options.knots;
-    Bounds {
+    InsertionLimits {
         depth: asked.depth.unwrap_or(rules::MOST_HALVINGS),
         most: if problem.goal.named { asked.max_net } else { noise::largest_net(problem) },
         price: 0.0,

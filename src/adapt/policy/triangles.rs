@@ -12,7 +12,7 @@ use crate::adapt::moves::mend::{around, maker, mend};
 use crate::adapt::moves::unfold::inverted;
 use crate::adapt::problem::Problem;
 use crate::adapt::state::State;
-use crate::deviation::Left;
+use crate::deviation::MissedTriangle;
 
 /// The most mends in a row that leave as much as those before. Most scans need less than six
 /// mends; the others have too few knots somewhere.
@@ -32,7 +32,7 @@ const MOST_CELLS: f64 = 256.0;
 /// Misses of an attempt.
 struct Misses {
     /// Triangles that it leaves by more than the aim.
-    left: Vec<Left>,
+    left: Vec<MissedTriangle>,
     /// Vertices and triangles beyond the tolerance that are more than may be.
     count: usize,
 }
@@ -105,7 +105,7 @@ fn is_hopeless(problem: &Problem, of: &Attempt, misses: &Misses) -> bool {
 
 /// The same surface over more knots, where it misses vertices and triangles; `None` if there are
 /// none to insert, or the user has named them.
-fn with_knots(problem: &Problem, of: &Attempt, left: &[Left]) -> Option<Attempt> {
+fn with_knots(problem: &Problem, of: &Attempt, left: &[MissedTriangle]) -> Option<Attempt> {
     if !problem.options.knots.are_searched() {
         return None;
     }

@@ -79,7 +79,7 @@ impl Builder {
     }
 
     /// Which map to the parameter plane is made.
-    pub fn map(mut self, method: parameterize::Method) -> Self {
+    pub fn map(mut self, method: parameterize::MapMethod) -> Self {
         self.0.parameterize.method = method;
         self
     }

@@ -35,7 +35,7 @@ use crate::mesh::{self, Mesh};
 /// What the fronts of all holes look at.
 pub struct Surroundings<'a> {
     pub mesh: &'a Mesh,
-    pub rings: &'a mesh::Rings,
+    pub rings: &'a mesh::VertexRings,
     pub cloud: &'a Cloud,
     pub ground: &'a Ground,
 }
@@ -43,7 +43,7 @@ pub struct Surroundings<'a> {
 impl Surroundings<'_> {
     /// Does something with all that is around the holes of a mesh.
     pub fn with<T>(mesh: &Mesh, what: impl FnOnce(&Surroundings) -> T) -> T {
-        let rings = mesh::Rings::new(mesh);
+        let rings = mesh::VertexRings::new(mesh);
         let (cloud, ground) = rayon::join(|| Cloud::of(mesh, &rings), || Ground::new(mesh));
         what(&Surroundings { mesh, rings: &rings, cloud: &cloud, ground: &ground })
     }
@@ -293,7 +293,7 @@ mod tests {
         let rims: Vec<&[VertexId]> = loops[1..].iter().map(Vec::as_slice).collect();
         let points = |r: &&[VertexId]| r.iter().map(|&v| mesh.point(v)).collect::<Vec<_>>();
         let sizes = Sizes::new(&rims.iter().map(points).collect::<Vec<_>>());
-        let rings = mesh::Rings::new(mesh);
+        let rings = mesh::VertexRings::new(mesh);
         let cloud = Cloud::of(mesh, &rings);
         let ground = Ground::new(mesh);
         let around = Surroundings { mesh, rings: &rings, cloud: &cloud, ground: &ground };

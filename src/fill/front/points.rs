@@ -39,7 +39,7 @@ const AT_ONCE: usize = 8;
 #[derive(Clone, Copy)]
 struct Local {
     middle: Point,
-    plane: mls::Plane,
+    plane: mls::ReferencePlane,
     polynomial: Option<Polynomial>,
     /// The edge length wanted there.
     reach: f64,

@@ -1,12 +1,13 @@
-//! A skirt around a ragged outer boundary, so that the boundary need not be the
-//! sides of the domain.
+//! A scaffold around a ragged outer boundary, so that the boundary need not lie on the sides of the
+//! domain.
 //!
-//! Tongues and bays pressed onto straight sides stretch beyond what a spline can
-//! follow. Rings of ever fewer vertices around the boundary, each along its mean
-//! over a wider window, end in an outline that sides can follow. The skirt shapes the
-//! map only: its triangles weigh little, so the boundary takes what form suits
-//! the surface, and since none of them may turn over it cannot cross itself
-//! (scaffolds: Jiang, Schaefer, Panozzo, 2017).
+//! Tongues and bays that are pressed onto straight sides stretch the map beyond what a spline can
+//! follow. Rings of vertices are therefore put around the boundary. Each ring has fewer vertices
+//! than the one before and follows the mean of the boundary over a wider window; the outermost ring
+//! can be mapped to four sides. The scaffold affects only the map. Its triangles have little
+//! weight, so the boundary takes the form that suits the surface. No scaffold triangle may be
+//! inverted, so the boundary cannot cross itself (Jiang, Schaefer, Panozzo, "Simplicial complex
+//! augmentation framework for bijective maps", 2017).
 
 use nalgebra::SVector;
 
@@ -14,25 +15,23 @@ use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::boundary::Loop;
 use crate::mesh::{Mesh, Patch};
 
-/// The outermost ring has no more vertices than this.
+/// The largest number of vertices of the outermost ring.
 const OUTERMOST: usize = 64;
 
-/// Vertices are means of the boundary over so many times their spacing.
+/// The width of the window for the mean, in distances between vertices of the ring.
 const WINDOW: f64 = 3.0;
 
-/// A boundary with fewer vertices is not ragged: it has no smooth course to tell
-/// teeth from.
+/// A boundary with fewer vertices does not count as ragged, because its smooth course is unknown.
 const FEWEST: usize = 64;
 
-/// A boundary is ragged if it is by this much longer than its mean over nine
-/// vertices. Square corners make 1.02 to 1.07.
+/// A boundary is ragged if its length exceeds that of its mean over nine vertices by this factor.
+/// Square corners give 1.02 to 1.07.
 const RAGGED: f64 = 1.1;
 
-/// A point of the boundary, or of its mean, with the surface's normal there.
+/// A point of the boundary or of its mean, followed by the normal of the surface there.
 type Station = SVector<f64, 6>;
 
-/// Whether the outer boundary has teeth, tongues and bays that four smooth sides
-/// cannot follow.
+/// Whether the outer boundary has teeth, tongues or bays that four smooth sides cannot follow.
 pub fn is_ragged(mesh: &Mesh, outer: &[VertexId]) -> bool {
     let n = outer.len();
     let at = |i: usize| mesh.point(outer[i % n]).coords;
@@ -42,20 +41,20 @@ pub fn is_ragged(mesh: &Mesh, outer: &[VertexId]) -> bool {
     n >= FEWEST && length(&at) > RAGGED * length(&mean)
 }
 
-/// The patch's mesh with a skirt, whose vertices and triangles follow the patch's,
-/// and the new outer boundary.
-pub fn skirted(patch: &Patch) -> (Mesh, Loop) {
+/// The mesh of the patch with a scaffold, and the new outer boundary. The vertices and triangles of
+/// the scaffold follow those of the patch.
+pub fn surround(patch: &Patch) -> (Mesh, Loop) {
     let mut mesh = patch.mesh.clone();
-    let course = Course::new(patch);
-    let (mut rim, mut places) = (patch.outer.clone(), course.shares());
+    let polyline = BoundaryPolyline::new(patch);
+    let (mut rim, mut places) = (patch.outer.clone(), polyline.shares());
     let mut out = 0.0;
     loop {
         let count = (rim.len() / 2).max(OUTERMOST / 2);
         let first = mesh.points.len();
-        mesh.points.extend(course.ring(count, &mut out));
+        mesh.points.extend(polyline.ring(count, &mut out));
         let ring: Loop = (first..first + count).map(VertexId::from).collect();
         let shares: Vec<f64> = (0..count).map(|j| j as f64 / count as f64).collect();
-        mesh.triangles.extend(zip(&rim, &places, &ring, &shares));
+        mesh.triangles.extend(triangles_between(&rim, &places, &ring, &shares));
         (rim, places) = (ring, shares);
         if count <= OUTERMOST {
             return (mesh, rim);
@@ -63,16 +62,16 @@ pub fn skirted(patch: &Patch) -> (Mesh, Loop) {
     }
 }
 
-/// The boundary as a closed line by length, with its integral.
-struct Course {
+/// The boundary as a closed polyline, parameterized by length, with its integral.
+struct BoundaryPolyline {
     stations: Vec<Station>,
-    /// Length from the first station; one more entry than stations.
+    /// The length from the first station to each station. The last entry is the total length.
     lengths: Vec<f64>,
-    /// Integral over the length from the first station.
+    /// The integral over the length from the first station to each station.
     integrals: Vec<Station>,
 }
 
-impl Course {
+impl BoundaryPolyline {
     fn new(patch: &Patch) -> Self {
         let normals = patch.mesh.vertex_normals();
         let station = |v: &VertexId| {
@@ -87,19 +86,19 @@ impl Course {
             lengths.push(lengths[i] + length);
             integrals.push(integrals[i] + 0.5 * length * (a + b));
         }
-        Course { stations, lengths, integrals }
+        BoundaryPolyline { stations, lengths, integrals }
     }
 
     fn whole(&self) -> f64 {
         self.lengths[self.stations.len()]
     }
 
-    /// The stations' shares of the length.
+    /// The positions of the stations as shares of the total length.
     fn shares(&self) -> Vec<f64> {
         self.lengths[..self.stations.len()].iter().map(|l| l / self.whole()).collect()
     }
 
-    /// The integral up to a length, which may be beyond the ends.
+    /// The integral from the first station up to a length, which may lie outside one round.
     fn integral(&self, length: f64) -> Station {
         let n = self.stations.len();
         let (turns, rest) = ((length / self.whole()).floor(), length.rem_euclid(self.whole()));
@@ -110,8 +109,8 @@ impl Course {
         turns * self.integrals[n] + self.integrals[i] + 0.5 * done * (a + here)
     }
 
-    /// `count` points along the mean of the boundary, pushed outwards in the
-    /// surface by a spacing more than the ring before, which was `out` mm out.
+    /// `count` points along the mean of the boundary. They are moved outwards in the surface, by
+    /// the spacing of the points more than the ring before, whose offset was `out` mm.
     fn ring(&self, count: usize, out: &mut f64) -> Vec<Point> {
         let window = WINDOW * self.whole() / count as f64;
         let mean = |j: usize| {
@@ -132,9 +131,9 @@ impl Course {
     }
 }
 
-/// The triangles between two closed loops with the same direction, `outer` to the
-/// right of `inner`, each with its vertices' shares of its length.
-fn zip(
+/// The triangles between two closed loops with the same direction, where `outer` lies to the right
+/// of `inner`. The positions of the vertices are given as shares of the length of their loop.
+fn triangles_between(
     inner: &[VertexId],
     inner_at: &[f64],
     outer: &[VertexId],
@@ -161,13 +160,13 @@ fn zip(
 mod tests {
     use super::*;
     use crate::mesh::FaceOrigin;
-    use crate::parameterize::stars::tests::grid;
+    use crate::parameterize::one_rings::tests::grid;
 
     #[test]
     fn a_skirt_makes_a_larger_disk() {
         for n in [4, 9, 40, 120] {
             let patch = grid(n);
-            let (mesh, outer) = skirted(&patch);
+            let (mesh, outer) = surround(&patch);
             let origin = vec![FaceOrigin::Measured; mesh.triangles.len()];
             let whole = Patch { mesh, outer, origin, ..patch.clone() };
             assert!(whole.is_disk(), "{n}");

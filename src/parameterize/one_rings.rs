@@ -1,40 +1,40 @@
-//! A disk as the stars of its vertices, that can lose a vertex and get it back.
+//! A disk stored as the one-rings of its vertices, with half-edge collapses and vertex splits.
 
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
 use crate::geometry::VertexId;
-use crate::mesh::{Mesh, Rings};
+use crate::mesh::{Mesh, VertexRings};
 
-/// Some neighbours of a vertex. Almost all rings are short enough to stand where their
-/// vertex does: behind pointers they would lie all over the memory, since removals come
-/// from all over the mesh, and every look at one would wait for it.
-pub type Ring = SmallVec<[u32; 12]>;
+/// The one-ring of a vertex, or a part of it. Almost all rings are short enough to be stored in
+/// place. Behind pointers they would be scattered over the memory, because collapses happen all
+/// over the mesh, and every access would wait for the memory.
+pub type OneRing = SmallVec<[u32; 12]>;
 
-/// For every vertex its neighbours in counter-clockwise order: all around an
-/// inner vertex, from the next to the former boundary vertex on the boundary.
-/// Two neighbours that follow each other make a triangle with the vertex.
+/// The neighbours of every vertex in counter-clockwise order (its one-ring, the link of the
+/// vertex). The ring of a boundary vertex starts at the next boundary vertex and ends at the
+/// previous one. Two consecutive neighbours form a triangle with the vertex.
 #[derive(Debug, Clone)]
-pub struct Stars {
-    rings: Vec<Ring>,
+pub struct OneRings {
+    rings: Vec<OneRing>,
     boundary: Vec<bool>,
 }
 
-/// A vertex taken out, whose triangles were replaced by a fan from one of its
-/// neighbours.
+/// A half-edge collapse: a vertex is removed, and a fan from one of its neighbours, the apex,
+/// replaces its triangles.
 #[derive(Debug, Clone)]
-pub struct Removal {
-    /// The vertex.
+pub struct HalfEdgeCollapse {
+    /// The removed vertex.
     pub vertex: u32,
-    /// Its ring. An inner vertex's begins with the fan's apex, a boundary
-    /// vertex's begins or ends with it.
-    pub ring: Ring,
-    /// Whether the apex comes last.
+    /// Its ring. For an inner vertex it starts with the apex; for a boundary vertex it starts or
+    /// ends with the apex.
+    pub ring: OneRing,
+    /// Whether the apex is the last entry.
     pub last: bool,
 }
 
-impl Removal {
-    /// The apex of the fan, and the path that it looks at, counter-clockwise.
+impl HalfEdgeCollapse {
+    /// The apex of the fan, and the other vertices of the ring in counter-clockwise order.
     pub fn fan(&self) -> (u32, &[u32]) {
         match &self.ring[..] {
             [path @ .., apex] if self.last => (*apex, path),
@@ -44,10 +44,10 @@ impl Removal {
     }
 }
 
-impl Stars {
-    /// The stars of a disk, with its boundary.
+impl OneRings {
+    /// The one-rings of a disk with the given boundary.
     pub fn new(mesh: &Mesh, outer: &[VertexId]) -> Self {
-        let corners = Rings::new(mesh);
+        let corners = VertexRings::new(mesh);
         let mut boundary = vec![false; mesh.points.len()];
         outer.iter().for_each(|v| boundary[v.index()] = true);
         let ring = |v: usize| {
@@ -59,28 +59,28 @@ impl Stars {
             };
             chained(corners.triangles(v).iter().map(side).collect())
         };
-        Stars { rings: (0..boundary.len()).into_par_iter().map(ring).collect(), boundary }
+        OneRings { rings: (0..boundary.len()).into_par_iter().map(ring).collect(), boundary }
     }
 
-    /// The stars of the vertices `left`, numbered in their order, and all vertices' new
-    /// numbers: `u32::MAX` of those that are not left.
+    /// The one-rings of the vertices `left`, renumbered in their order. The second value gives the
+    /// new number of each vertex, or `u32::MAX` for vertices that are not left.
     pub fn renumbered(&self, left: &[u32]) -> (Self, Vec<u32>) {
         let mut number = vec![u32::MAX; self.len()];
         left.iter().zip(0..).for_each(|(&v, new)| number[v as usize] = new);
         let ring = |v: &u32| self.ring(*v).iter().map(|&w| number[w as usize]).collect();
-        let stars = Stars {
+        let rings = OneRings {
             rings: left.par_iter().map(ring).collect(),
             boundary: left.iter().map(|&v| self.on_boundary(v)).collect(),
         };
-        (stars, number)
+        (rings, number)
     }
 
-    /// How many vertices there are, those taken out included.
+    /// The number of vertices, including collapsed ones.
     pub fn len(&self) -> usize {
         self.rings.len()
     }
 
-    /// The neighbours of a vertex; none of one that was taken out.
+    /// The one-ring of a vertex; empty for a collapsed one.
     pub fn ring(&self, v: u32) -> &[u32] {
         &self.rings[v as usize]
     }
@@ -98,11 +98,10 @@ impl Stars {
         pairs.chain(closing.map(|(&a, &b)| (a, b)))
     }
 
-    /// What taking out `v` would be, with its `k`-th neighbour as the apex; none
-    /// if that would join vertices that are joined already, or join two of the
-    /// boundary across the inside.
-    pub fn removal(&self, v: u32, k: usize) -> Option<Removal> {
-        let mut ring = Ring::from_slice(self.ring(v));
+    /// The collapse of `v` into its `k`-th neighbour. `None` if it would add an edge that already
+    /// exists, or join two boundary vertices through the inside.
+    pub fn collapse(&self, v: u32, k: usize) -> Option<HalfEdgeCollapse> {
+        let mut ring = OneRing::from_slice(self.ring(v));
         let apex = ring[k];
         let last = self.on_boundary(v) && k + 1 == ring.len();
         match self.on_boundary(v) {
@@ -110,9 +109,9 @@ impl Stars {
             true => (),
             false => ring.rotate_left(k),
         }
-        let removal = Removal { vertex: v, ring, last };
-        let (_, path) = removal.fan();
-        // The ends of the path are the apex' neighbours through v's triangles.
+        let collapse = HalfEdgeCollapse { vertex: v, ring, last };
+        let (_, path) = collapse.fan();
+        // The ends of the path are already neighbours of the apex in the triangles of v.
         let closing = self.on_boundary(v);
         let new = if last { &path[..path.len() - 1] } else { &path[1..] };
         let new = if closing { new } else { &new[..new.len() - 1] };
@@ -122,56 +121,57 @@ impl Stars {
             !self.ring(apex).contains(w)
                 && (along || !(self.on_boundary(apex) && self.on_boundary(*w)))
         };
-        new.iter().enumerate().all(free).then_some(removal)
+        new.iter().enumerate().all(free).then_some(collapse)
     }
 
-    /// Takes vertices out, in the given order.
-    pub fn remove(&mut self, removals: &[Removal]) {
-        self.in_parts(|part| removals.iter().for_each(|removal| part.remove(removal)));
+    /// Makes collapses in the given order.
+    pub fn apply(&mut self, collapses: &[HalfEdgeCollapse]) {
+        self.in_parts(|part| collapses.iter().for_each(|collapse| part.apply(collapse)));
     }
 
-    /// Undoes removals, of those given the last one first; all later ones have been
+    /// Undoes collapses by vertex splits, the last one first. All later collapses must already be
     /// undone.
-    pub fn restore(&mut self, removals: &[Removal]) {
-        self.in_parts(|part| removals.iter().rev().for_each(|removal| part.restore(removal)));
+    pub fn split(&mut self, collapses: &[HalfEdgeCollapse]) {
+        self.in_parts(|part| collapses.iter().rev().for_each(|collapse| part.split(collapse)));
     }
 
-    fn in_parts(&mut self, change: impl Fn(&mut Part) + Sync) {
+    fn in_parts(&mut self, change: impl Fn(&mut RingSlice) + Sync) {
         let parts = rayon::current_num_threads().min(MOST_PARTS);
         let share = self.rings.len().div_ceil(parts).max(1);
         let boundary = &self.boundary;
         self.rings.par_chunks_mut(share).enumerate().for_each(|(k, rings)| {
-            change(&mut Part { first: k * share, rings, boundary });
+            change(&mut RingSlice { first: k * share, rings, boundary });
         });
     }
 }
 
-/// Parts in which removals are made or undone at once, at the most: each looks at all.
+/// The largest number of parts of the mesh that are processed in parallel. Each part reads all
+/// collapses.
 const MOST_PARTS: usize = 8;
 
 /// The rings of vertices with consecutive numbers.
-struct Part<'a> {
+struct RingSlice<'a> {
     first: usize,
-    rings: &'a mut [Ring],
-    /// Of all vertices.
+    rings: &'a mut [OneRing],
+    /// The boundary marks of all vertices.
     boundary: &'a [bool],
 }
 
-impl Part<'_> {
-    fn ring(&mut self, v: u32) -> Option<&mut Ring> {
+impl RingSlice<'_> {
+    fn ring(&mut self, v: u32) -> Option<&mut OneRing> {
         self.rings.get_mut((v as usize).wrapping_sub(self.first))
     }
 
-    /// Makes a removal as far as it shows in these rings.
-    fn remove(&mut self, removal: &Removal) {
-        let v = removal.vertex;
-        let (apex, path) = removal.fan();
+    /// Makes the changes of a collapse to these rings.
+    fn apply(&mut self, collapse: &HalfEdgeCollapse) {
+        let v = collapse.vertex;
+        let (apex, path) = collapse.fan();
         let n = path.len();
         let inner = !self.boundary[v as usize];
         if let Some(ring) = self.ring(apex) {
             let at = position(ring, v);
-            // The end of the path that is the apex' neighbour already stays.
-            let new = match (inner, removal.last) {
+            // The end of the path that is already a neighbour of the apex stays in the ring.
+            let new = match (inner, collapse.last) {
                 (true, _) => &path[1..n - 1],
                 (false, false) => &path[1..],
                 (false, true) => &path[..n - 1],
@@ -182,7 +182,7 @@ impl Part<'_> {
         for (i, &w) in path.iter().enumerate() {
             let Some(ring) = self.ring(w) else { continue };
             let at = position(ring, v);
-            let joined = (i == 0 && !removal.last) || (i + 1 == n && (inner || removal.last));
+            let joined = (i == 0 && !collapse.last) || (i + 1 == n && (inner || collapse.last));
             if joined {
                 ring.remove(at);
             } else {
@@ -190,19 +190,19 @@ impl Part<'_> {
             }
         }
         if let Some(ring) = self.ring(v) {
-            *ring = Ring::new();
+            *ring = OneRing::new();
         }
     }
 
-    /// Undoes a removal as far as it shows in these rings.
-    fn restore(&mut self, removal: &Removal) {
-        let v = removal.vertex;
-        let (apex, path) = removal.fan();
+    /// Undoes the changes of a collapse to these rings.
+    fn split(&mut self, collapse: &HalfEdgeCollapse) {
+        let v = collapse.vertex;
+        let (apex, path) = collapse.fan();
         let n = path.len();
         let inner = !self.boundary[v as usize];
         let at_boundary = self.boundary[apex as usize];
         if let Some(ring) = self.ring(apex) {
-            match (inner, removal.last) {
+            match (inner, collapse.last) {
                 (true, _) => {
                     let first = position(ring, path[0]);
                     if !at_boundary {
@@ -226,16 +226,16 @@ impl Part<'_> {
         for (i, &w) in path.iter().enumerate() {
             let Some(ring) = self.ring(w) else { continue };
             let at = position(ring, apex);
-            if i == 0 && !removal.last {
+            if i == 0 && !collapse.last {
                 ring.insert(at, v);
-            } else if i + 1 == n && (inner || removal.last) {
+            } else if i + 1 == n && (inner || collapse.last) {
                 ring.insert(at + 1, v);
             } else {
                 ring[at] = v;
             }
         }
         if let Some(ring) = self.ring(v) {
-            ring.clone_from(&removal.ring);
+            ring.clone_from(&collapse.ring);
         }
     }
 }
@@ -244,11 +244,11 @@ fn position(ring: &[u32], v: u32) -> usize {
     ring.iter().position(|&w| w == v).unwrap_or(0)
 }
 
-/// Sides of a star's triangles, put one after the other.
-fn chained(mut sides: SmallVec<[(u32, u32); 12]>) -> Ring {
+/// Chains the sides opposite to a vertex into its ring.
+fn chained(mut sides: SmallVec<[(u32, u32); 12]>) -> OneRing {
     let first = sides.iter().position(|s| sides.iter().all(|t| t.1 != s.0)).unwrap_or(0);
     if sides.is_empty() {
-        return Ring::new();
+        return OneRing::new();
     }
     sides.swap(0, first);
     for i in 1..sides.len() {
@@ -256,7 +256,7 @@ fn chained(mut sides: SmallVec<[(u32, u32); 12]>) -> Ring {
             sides.swap(i, next);
         }
     }
-    let mut ring: Ring = sides.iter().map(|s| s.0).collect();
+    let mut ring: OneRing = sides.iter().map(|s| s.0).collect();
     let last = sides[sides.len() - 1].1;
     if last != ring[0] {
         ring.push(last);
@@ -291,63 +291,64 @@ pub mod tests {
         }
     }
 
-    impl Stars {
-        /// So many vertices, each a neighbour of all others.
-        pub fn joined(n: u32) -> Stars {
+    impl OneRings {
+        /// `n` vertices, each of which is a neighbour of all others.
+        pub fn joined(n: u32) -> OneRings {
             let ring = |v: u32| (0..n).filter(|&w| w != v).collect();
-            Stars { rings: (0..n).map(ring).collect(), boundary: vec![false; n as usize] }
+            OneRings { rings: (0..n).map(ring).collect(), boundary: vec![false; n as usize] }
         }
     }
 
-    /// Neighbours see each other, and those that follow each other around a
-    /// vertex are neighbours.
-    fn check(stars: &Stars) {
-        for v in 0..stars.len() as u32 {
-            assert!(stars.ring(v).iter().all(|&w| stars.ring(w).contains(&v)), "{v}");
-            assert!(stars.sides(v).all(|(a, b)| stars.sides(a).any(|side| side == (b, v))), "{v}");
+    /// Checks that neighbourhood is symmetric and that consecutive neighbours of a vertex are
+    /// neighbours.
+    fn check(rings: &OneRings) {
+        for v in 0..rings.len() as u32 {
+            assert!(rings.ring(v).iter().all(|&w| rings.ring(w).contains(&v)), "{v}");
+            assert!(rings.sides(v).all(|(a, b)| rings.sides(a).any(|side| side == (b, v))), "{v}");
         }
     }
 
-    /// The rings, each turned so that the smallest comes first.
-    fn turned(stars: &Stars) -> Vec<Vec<u32>> {
+    /// The rings, rotated so that the smallest entry comes first.
+    fn turned(rings: &OneRings) -> Vec<Vec<u32>> {
         let turn = |v: u32| {
-            let mut ring = stars.ring(v).to_vec();
+            let mut ring = rings.ring(v).to_vec();
             let least = (0..ring.len()).min_by_key(|&i| ring[i]).unwrap_or(0);
-            if !stars.on_boundary(v) {
+            if !rings.on_boundary(v) {
                 ring.rotate_left(least);
             }
             ring
         };
-        (0..stars.len() as u32).map(turn).collect()
+        (0..rings.len() as u32).map(turn).collect()
     }
 
     #[test]
     fn what_is_taken_out_can_be_put_back() {
         let patch = grid(7);
-        let mut stars = Stars::new(&patch.mesh, &patch.outer);
-        let before = turned(&stars);
+        let mut rings = OneRings::new(&patch.mesh, &patch.outer);
+        let before = turned(&rings);
         let corners = [0, 6, 42, 48];
-        let mut removals = Vec::new();
-        // Inner vertices towards every neighbour, boundary vertices both ways.
+        let mut collapses = Vec::new();
+        // Inner vertices are collapsed towards every neighbour, boundary vertices in both
+        // directions.
         for round in 0..4 {
             for v in (0..49).map(|v| v * 11 % 49).filter(|v| !corners.contains(v)) {
-                let ways = stars.ring(v).len();
-                let removal =
-                    (0..ways).find_map(|k| stars.removal(v, (k + round + v as usize) % ways));
-                if let Some(removal) = removal {
-                    stars.remove(std::slice::from_ref(&removal));
-                    check(&stars);
-                    removals.push(removal);
+                let ways = rings.ring(v).len();
+                let collapse =
+                    (0..ways).find_map(|k| rings.collapse(v, (k + round + v as usize) % ways));
+                if let Some(collapse) = collapse {
+                    rings.apply(std::slice::from_ref(&collapse));
+                    check(&rings);
+                    collapses.push(collapse);
                 }
             }
         }
-        assert!(removals.len() >= 40, "{}", removals.len());
-        let (first, rest) = removals.split_at(removals.len() / 2);
-        for removal in rest.iter().rev() {
-            stars.restore(std::slice::from_ref(removal));
-            check(&stars);
+        assert!(collapses.len() >= 40, "{}", collapses.len());
+        let (first, rest) = collapses.split_at(collapses.len() / 2);
+        for collapse in rest.iter().rev() {
+            rings.split(std::slice::from_ref(collapse));
+            check(&rings);
         }
-        stars.restore(first);
-        assert_eq!(turned(&stars), before);
+        rings.split(first);
+        assert_eq!(turned(&rings), before);
     }
 }

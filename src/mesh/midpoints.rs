@@ -1,4 +1,4 @@
-//! Triangles divided where some of their sides are halved.
+//! Subdivision of triangles whose sides are halved.
 
 use foldhash::{HashMap, HashMapExt};
 
@@ -11,30 +11,31 @@ fn edge(a: VertexId, b: VertexId) -> Edge {
     (a.min(b), a.max(b))
 }
 
-/// Edges and the vertices in their middles.
+/// Edges with the vertices in their middles.
 #[derive(Default)]
-pub struct Middles(HashMap<Edge, VertexId>);
+pub struct EdgeMidpoints(HashMap<Edge, VertexId>);
 
-impl Middles {
-    /// Adds a vertex to the mesh for each edge that has one of the `sides`.
+impl EdgeMidpoints {
+    /// Adds a vertex to the mesh in the middle of each edge that one of the `sides` lies on.
+    /// `place` gives its position.
     pub fn new(
         mesh: &mut Mesh,
         sides: impl IntoIterator<Item = usize>,
         mut place: impl FnMut(&Mesh, VertexId, VertexId) -> Point,
     ) -> Self {
-        let mut middles = HashMap::new();
+        let mut midpoints = HashMap::new();
         for side in sides {
             let (a, b) = mesh.side(side);
-            middles.entry(edge(a, b)).or_insert_with(|| {
+            midpoints.entry(edge(a, b)).or_insert_with(|| {
                 let middle = place(mesh, a, b);
                 mesh.points.push(middle);
                 VertexId::from(mesh.points.len() - 1)
             });
         }
-        Middles(middles)
+        EdgeMidpoints(midpoints)
     }
 
-    /// How many they are.
+    /// The number of halved edges.
     pub fn len(&self) -> usize {
         self.0.len()
     }
@@ -45,9 +46,13 @@ impl Middles {
 }
 
 impl Patch {
-    /// Divides the triangles that have such edges, and puts the middles of those on the
-    /// boundary into that. The triangles are among `touched`, which ascends.
-    pub(crate) fn divide(&mut self, middles: &Middles, touched: impl IntoIterator<Item = usize>) {
+    /// Divides the triangles that have halved edges. The new vertices of boundary edges become part
+    /// of the outer boundary. `touched` must ascend and name every triangle that has a halved edge.
+    pub(crate) fn divide(
+        &mut self,
+        midpoints: &EdgeMidpoints,
+        touched: impl IntoIterator<Item = usize>,
+    ) {
         let old = std::mem::take(&mut self.mesh.triangles);
         let origins = std::mem::take(&mut self.origin);
         let mut touched = touched.into_iter().peekable();
@@ -55,24 +60,24 @@ impl Patch {
             let may_be_divided = touched.peek() == Some(&number);
             while touched.next_if_eq(&number).is_some() {}
             if may_be_divided {
-                self.mesh.triangles.extend(divided(t, middles));
+                self.mesh.triangles.extend(divided(t, midpoints));
             } else {
                 self.mesh.triangles.push(t);
             }
             self.origin.resize(self.mesh.triangles.len(), origin);
         }
         let next = self.outer.iter().cycle().skip(1);
-        let with_middle = |(&a, &b)| [Some(a), middles.of(a, b)];
+        let with_middle = |(&a, &b)| [Some(a), midpoints.of(a, b)];
         self.outer = self.outer.iter().zip(next).flat_map(with_middle).flatten().collect();
     }
 }
 
-/// The triangles that a triangle becomes.
-fn divided(t: [VertexId; 3], middles: &Middles) -> Vec<[VertexId; 3]> {
-    let middle = |k: usize| middles.of(t[k % 3], t[(k + 1) % 3]);
+/// The triangles into which a triangle is divided.
+fn divided(t: [VertexId; 3], midpoints: &EdgeMidpoints) -> Vec<[VertexId; 3]> {
+    let middle = |k: usize| midpoints.of(t[k % 3], t[(k + 1) % 3]);
     let halved = (0..3).filter(|&k| middle(k).is_some()).count();
-    // Begin at a side for which the cases below read alike: the only halved
-    // one, or the first of two that follow each other.
+    // Start at a side for which the cases below apply: the only halved one, or the first of two
+    // consecutive ones.
     let start = (0..3).find(|&k| middle(k).is_some() && (halved != 2 || middle(k + 1).is_some()));
     let s = start.unwrap_or(0);
     let (a, b, c) = (t[s], t[(s + 1) % 3], t[(s + 2) % 3]);

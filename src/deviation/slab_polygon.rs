@@ -1,23 +1,23 @@
-//! Closed polygons of the parameter plane.
+//! Closed polygons of the parameter plane, with a fast point-in-polygon test.
 
 use crate::geometry::{Uv, ray_crosses, uv_bounds};
 
-/// A closed polygon that answers quickly what is inside.
+/// A closed polygon that is indexed by strips of v (slab method: Dobkin, Lipton, 1976).
 #[derive(Debug, Clone)]
-pub struct Outline {
+pub struct SlabPolygon {
     corners: Vec<Uv>,
     low: Uv,
     high: Uv,
-    /// The sides that cross each of some strips of equal width in v.
+    /// For each of some strips of equal width in v, the sides that cross it.
     strips: Vec<Vec<u32>>,
 }
 
-impl Outline {
+impl SlabPolygon {
     pub(super) fn new(corners: impl Iterator<Item = Uv>) -> Self {
         let corners: Vec<Uv> = corners.collect();
         let [low, high] = uv_bounds(&corners);
         let count = (corners.len() / 4).clamp(1, 4096);
-        let mut outline = Outline { corners, low, high, strips: vec![Vec::new(); count] };
+        let mut outline = SlabPolygon { corners, low, high, strips: vec![Vec::new(); count] };
         for i in 0..outline.corners.len() {
             let (a, b) = outline.side(i);
             let strips = outline.strip(a.y.min(b.y))..=outline.strip(a.y.max(b.y));
@@ -32,7 +32,7 @@ impl Outline {
 
     fn strip(&self, v: f64) -> usize {
         let share = (v - self.low.y) / (self.high.y - self.low.y);
-        // Of a flat polygon the share is no number, and the strip the first.
+        // For a polygon without height the share is NaN, and the strip is the first one.
         ((share * self.strips.len() as f64) as usize).min(self.strips.len() - 1)
     }
 
@@ -45,7 +45,8 @@ impl Outline {
         sides.filter(|&&i| ray_crosses(p, self.side(i as usize))).count() % 2 == 1
     }
 
-    /// Whether a side may cross the rectangle from `low` to `high`: the box around it does.
+    /// Whether a side may cross the rectangle from `low` to `high`. Only the bounding boxes of the
+    /// sides are tested.
     pub(super) fn meets(&self, low: Uv, high: Uv) -> bool {
         let apart = |a: Uv, b: Uv| {
             a.x.max(b.x) < low.x
@@ -75,7 +76,7 @@ mod tests {
             Uv::new(0.5 + radius * angle.cos(), 0.5 + radius * angle.sin())
         });
         let star: Vec<Uv> = star.collect();
-        let outline = Outline::new(star.iter().copied());
+        let outline = SlabPolygon::new(star.iter().copied());
         for k in 0..10_000 {
             let p = Uv::new(f64::from(k % 100) / 99.0, f64::from(k / 100) / 99.0);
             assert_eq!(outline.contains(p), is_inside(p, &star), "{p}");

@@ -1,24 +1,24 @@
-//! Vertices between those that a map draws far apart.
+//! Insertion of vertices between vertices that the map places far apart.
 //!
-//! A tube's rings, the farthest out the most, come to lie several knot cells apart on the
-//! square, and nothing would hold the surface between them.
+//! On the square, the rings of a tube lie several knot cells apart, most of all near the boundary.
+//! Without further vertices nothing would hold the surface between them.
 
 use rayon::prelude::*;
 
 use super::Parameterized;
 use super::stretch;
 use crate::geometry::{Point, Uv, UvVector, Vector, VertexId};
-use crate::mesh::{EdgeMap, FaceOrigin, Mesh, Middles, Patch};
+use crate::mesh::{EdgeMap, EdgeMidpoints, FaceOrigin, Mesh, Patch};
 
-/// A side is long if it is so many times as long as vertices are apart on an even map.
+/// A side is long if it exceeds this multiple of the distance between vertices on an even map.
 const LONG: f64 = 2.0;
 
-/// Rounds of halving at the most: beside a long side that stays, at a rim, there is always
-/// another long one.
+/// The largest number of rounds of halving. Next to a long side at a rim, which is not halved,
+/// there is always another long side.
 const MOST_ROUNDS: usize = 5;
 
-/// Halves sides that the map draws out. Returns how many vertices that makes.
-pub fn bridge(map: &mut Parameterized) -> usize {
+/// Halves sides that the map stretches. Returns the number of new vertices.
+pub fn insert_vertices(map: &mut Parameterized) -> usize {
     let before = map.patch.mesh.points.len();
     let width = stretch::measure(&map.patch, &map.uv).aspect.sqrt();
     let long = LONG / (map.patch.measured as f64).sqrt();
@@ -31,8 +31,8 @@ pub fn bridge(map: &mut Parameterized) -> usize {
 }
 
 impl Parameterized {
-    /// Halves the long sides, and `rounds` times at the most what then is long. The
-    /// middles are on the surface as its normals bend it.
+    /// Halves long sides in up to `rounds` rounds. The new vertices lie on the curved surface that
+    /// the vertex normals imply.
     pub(crate) fn halve(&mut self, rounds: usize, is_long: impl Fn(Uv, Uv) -> bool + Sync) {
         let before = self.patch.mesh.points.len();
         let mut normals = measured_normals(&self.patch);
@@ -44,14 +44,14 @@ impl Parameterized {
             halve(self, &sides, &mut normals);
         }
         let added = self.patch.mesh.points.len() - before;
-        for v in self.skirt.triangles.iter_mut().flatten().filter(|v| v.index() >= before) {
+        for v in self.scaffold.triangles.iter_mut().flatten().filter(|v| v.index() >= before) {
             *v = VertexId::from(v.index() + added);
         }
     }
 
-    /// The sides, ascending, that are long, told by the parameter points of their ends if
-    /// the vertices are at `uv`: those between two measured triangles or, where the domain
-    /// has the same, on the patch's boundary.
+    /// The sides that are long for the parameter points `uv` of the vertices, in ascending order.
+    /// Sides between two measured triangles are returned. Sides on the boundary are returned if the
+    /// patch fills the whole domain.
     pub(crate) fn long_sides(
         &self,
         uv: &[Uv],
@@ -67,14 +67,14 @@ impl Parameterized {
         let mut long: Vec<usize> = sides.filter(may_be).collect();
         if !long.is_empty() {
             let edges = EdgeMap::new(mesh);
-            let is_square = self.skirt.triangles.is_empty();
+            let is_square = self.scaffold.triangles.is_empty();
             long.retain(|&side| edges.across(side).map_or(is_square, is_measured));
         }
         long
     }
 }
 
-/// The normals of the vertices, those of fills left out.
+/// The normals of the vertices, computed from measured triangles only.
 fn measured_normals(patch: &Patch) -> Vec<Vector> {
     let triangles = patch.measured_triangles().map(|t| patch.mesh.triangles[t]).collect();
     Mesh { points: patch.mesh.points.clone(), triangles }.vertex_normals()
@@ -88,6 +88,6 @@ fn halve(map: &mut Parameterized, sides: &[usize], normals: &mut Vec<Vector>) {
         normals.push(normal);
         nalgebra::center(&mesh.point(a), &mesh.point(b)) + bend
     };
-    let middles = Middles::new(&mut map.patch.mesh, sides.iter().copied(), middle);
-    map.patch.divide(&middles, sides.iter().map(|side| side / 3));
+    let midpoints = EdgeMidpoints::new(&mut map.patch.mesh, sides.iter().copied(), middle);
+    map.patch.divide(&midpoints, sides.iter().map(|side| side / 3));
 }

@@ -1,44 +1,47 @@
-//! Closed loops of cubic arcs in the parameter plane: certified not to cross
-//! themselves or each other, and exact about what is inside.
+//! Closed loops of cubic arcs in the parameter plane. It is certified that they cross neither
+//! themselves nor each other, and point-in-loop tests are exact.
 //!
-//! A polygon of chords cannot tell whether two curves touch. Here a loop is cut
-//! into Bézier pieces until each is proved simple, and two pieces are apart
-//! only if boxes around their control points (which hold the curve) are.
+//! A polygon of chords cannot tell whether two curves touch. Here a loop is divided into Bézier
+//! pieces until each piece is proved to be simple. Two pieces are apart only if the boxes around
+//! their control points, which contain the curves, are apart.
 
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
-use super::piece::{Piece, run_on};
+use super::bezier_piece::{BezierPiece, run_on};
 use super::{Curve, LoopFault};
 use crate::geometry::{Uv, uv_bounds};
 
-/// How far, in (u, v), two loops must be apart, and a loop from itself:
-/// importers take what is nearer for touching.
+/// The smallest distance in (u, v) between two loops, and between different parts of a loop.
+/// Importers treat curves that are nearer as touching.
 const CLEARANCE: f64 = 1e-8;
 
-/// How near a loop may come to the edge of the domain: importers refuse a
-/// pcurve that leaves it, by however little.
+/// The smallest distance between a loop and the end of the domain. Importers refuse a pcurve that
+/// leaves the domain by any amount.
 const MARGIN: f64 = 1e-7;
 
-/// Pieces shorter than this share of a loop's parameters are not cut again.
+/// Pieces shorter than this share of a loop's parameter range are not divided further.
 const SHORTEST: f64 = 1e-7;
 
-/// A fault of a loop and, if it is at one place, the parameter.
-pub type Place = (LoopFault, Option<f64>);
+/// A fault of a loop, with the parameter at which it occurs if there is a single one.
+pub type LocatedFault = (LoopFault, Option<f64>);
 
-/// A loop that is proved to be closed, without cusps, and within [0, 1]².
+/// A loop that is proved to be closed, without cusps, and inside [0, 1]².
 #[derive(Debug, Clone)]
-pub struct Outline {
-    pieces: Vec<Piece>,
+pub struct CertifiedLoop {
+    pieces: Vec<BezierPiece>,
     low: Uv,
     high: Uv,
 }
 
-impl Outline {
-    /// The outline of arcs, each beginning where the one before ends.
-    pub fn new(arcs: &[Curve<2>]) -> Result<Self, Place> {
-        let pieces = Piece::all(arcs).ok_or((LoopFault::Open, None))?;
-        let closed = |(i, p): (usize, &Piece)| {
+impl CertifiedLoop {
+    /// Checks a loop of arcs. Each arc must start where the one before ends.
+    ///
+    /// # Errors
+    /// The fault and its parameter if the loop is open, has a cusp or leaves the domain.
+    pub fn new(arcs: &[Curve<2>]) -> Result<Self, LocatedFault> {
+        let pieces = BezierPiece::all(arcs).ok_or((LoopFault::Open, None))?;
+        let closed = |(i, p): (usize, &BezierPiece)| {
             (p.end() - pieces[(i + 1) % pieces.len()].start()).amax() <= 1e-12
         };
         if !pieces.iter().enumerate().all(closed) {
@@ -50,27 +53,26 @@ impl Outline {
         }
         let corners: Vec<Uv> = pieces.iter().flat_map(|p| p.points).collect();
         let [low, high] = uv_bounds(&corners);
-        Ok(Outline { pieces, low, high })
+        Ok(CertifiedLoop { pieces, low, high })
     }
 
-    /// Signed area of the chords, positive counter-clockwise.
+    /// The signed area of the polygon of chords, positive for a counter-clockwise loop.
     fn area(&self) -> f64 {
-        let cross = |p: &Piece| p.start().x * p.end().y - p.end().x * p.start().y;
+        let cross = |p: &BezierPiece| p.start().x * p.end().y - p.end().x * p.start().y;
         0.5 * self.pieces.iter().map(cross).sum::<f64>()
     }
 
-    /// Whether a point that is not on the loop is inside.
+    /// Whether a point that does not lie on the loop is inside it.
     fn holds(&self, p: Uv) -> bool {
         let boxed = self.low.x < p.x && p.x < self.high.x && self.low.y < p.y && p.y < self.high.y;
         boxed && self.pieces.iter().filter(|piece| piece.ray_crosses(p, SHORTEST)).count() % 2 == 1
     }
 }
 
-/// Cuts pieces until none turns far and no two neighbours can meet but at their
-/// common end.
-fn simple(pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
-    let mut todo: Vec<Piece> = pieces.into_iter().rev().collect();
-    let mut done: Vec<Piece> = Vec::with_capacity(todo.len());
+/// Divides pieces until each turns little and neighbours meet only at their common end.
+fn simple(pieces: Vec<BezierPiece>) -> Result<Vec<BezierPiece>, LocatedFault> {
+    let mut todo: Vec<BezierPiece> = pieces.into_iter().rev().collect();
+    let mut done: Vec<BezierPiece> = Vec::with_capacity(todo.len());
     while let Some(piece) = todo.pop() {
         let fine = piece.turns_little();
         let joined = done.last().is_none_or(|before| run_on(before, &piece));
@@ -80,7 +82,7 @@ fn simple(pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
             return Err((LoopFault::Cusp, Some(piece.middle())));
         } else {
             todo.extend(piece.split().into_iter().rev());
-            // Both sides of a sharp corner have to be cut.
+            // At a sharp corner the pieces on both sides have to be divided.
             if fine && let Some(before) = done.pop() {
                 todo.extend(before.split().into_iter().rev());
             }
@@ -89,8 +91,8 @@ fn simple(pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
     close(done)
 }
 
-/// The same for the last piece and the first.
-fn close(mut pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
+/// Does the same for the last piece and the first.
+fn close(mut pieces: Vec<BezierPiece>) -> Result<Vec<BezierPiece>, LocatedFault> {
     while pieces.len() < 2 || !run_on(&pieces[pieces.len() - 1], &pieces[0]) {
         let Some(last) = pieces.pop() else { return Err((LoopFault::Open, None)) };
         if last.length() < SHORTEST {
@@ -103,19 +105,17 @@ fn close(mut pieces: Vec<Piece>) -> Result<Vec<Piece>, Place> {
     Ok(pieces)
 }
 
-/// How a loop must lie among others.
+/// The required position of a loop among the other loops.
 #[derive(Debug, Clone, Default)]
 pub struct Nest {
-    /// The positions of the loops that it lies in; it lies in no others.
+    /// The loops that contain this one. No other loop may contain it.
     pub around: Vec<usize>,
-    /// Whether it runs clockwise, around a hole, or counter-clockwise, around a
-    /// face.
+    /// Whether the loop runs clockwise, around a hole, or counter-clockwise, around a face.
     pub clockwise: bool,
 }
 
-/// The loops that run the wrong way round or are not in their places; no two of
-/// them may cross.
-pub fn misplaced(outlines: &[&Outline], nests: &[Nest]) -> Vec<(usize, Place)> {
+/// The loops with the wrong direction or in the wrong position. No two loops may cross.
+pub fn misplaced(outlines: &[&CertifiedLoop], nests: &[Nest]) -> Vec<(usize, LocatedFault)> {
     let mut found = Vec::new();
     for (i, (outline, nest)) in outlines.iter().zip(nests).enumerate() {
         let area = outline.area();
@@ -123,7 +123,7 @@ pub fn misplaced(outlines: &[&Outline], nests: &[Nest]) -> Vec<(usize, Place)> {
             found.push((i, (LoopFault::WrongWay, None)));
         }
         let start = outline.pieces[0].start();
-        let wrong = |(j, other): (usize, &&Outline)| {
+        let wrong = |(j, other): (usize, &&CertifiedLoop)| {
             j != i && other.holds(start) != nest.around.contains(&j)
         };
         if outlines.iter().enumerate().any(wrong) {
@@ -133,18 +133,19 @@ pub fn misplaced(outlines: &[&Outline], nests: &[Nest]) -> Vec<(usize, Place)> {
     found
 }
 
-/// Where loops come too near to each other or to themselves: the loop's
-/// position, the fault, and where.
-pub fn crossings(outlines: &[&Outline]) -> Vec<(usize, Place)> {
-    let mut order: Vec<Entry> = Vec::new();
+/// The places where loops come too near to each other or to themselves, as the position of the loop
+/// in `outlines` and the fault.
+pub fn crossings(outlines: &[&CertifiedLoop]) -> Vec<(usize, LocatedFault)> {
+    let mut order: Vec<PieceEntry> = Vec::new();
     for (ring, outline) in outlines.iter().enumerate() {
-        let entry = |(number, piece)| Entry::new(ring, number, piece);
+        let entry = |(number, piece)| PieceEntry::new(ring, number, piece);
         order.extend(outline.pieces.iter().enumerate().map(entry));
     }
     order.sort_by(|a, b| a.low.x.total_cmp(&b.low.x));
     let mut found = Vec::new();
-    // Only pieces whose boxes meet can.
-    let place = |(k, e): (usize, &Entry)| GeomWithData::new(Rectangle::from_aabb(e.within(0.0)), k);
+    // Only pieces whose boxes overlap can come too near.
+    let place =
+        |(k, e): (usize, &PieceEntry)| GeomWithData::new(Rectangle::from_aabb(e.within(0.0)), k);
     let tree = RTree::bulk_load(order.iter().enumerate().map(place).collect());
     let mut near: Vec<usize> = Vec::new();
     for (k, a) in order.iter().enumerate() {
@@ -166,22 +167,22 @@ pub fn crossings(outlines: &[&Outline]) -> Vec<(usize, Place)> {
     found
 }
 
-/// A piece among those of all loops.
-struct Entry<'a> {
+/// A piece among those of all loops, with its bounding box.
+struct PieceEntry<'a> {
     ring: usize,
     number: usize,
-    piece: &'a Piece,
+    piece: &'a BezierPiece,
     low: Uv,
     high: Uv,
 }
 
-impl<'a> Entry<'a> {
-    fn new(ring: usize, number: usize, piece: &'a Piece) -> Self {
+impl<'a> PieceEntry<'a> {
+    fn new(ring: usize, number: usize, piece: &'a BezierPiece) -> Self {
         let [low, high] = piece.bounds();
-        Entry { ring, number, piece, low, high }
+        PieceEntry { ring, number, piece, low, high }
     }
 
-    /// The box around it, wider by a margin on every side.
+    /// The bounding box, enlarged by a margin on every side.
     fn within(&self, margin: f64) -> AABB<[f64; 2]> {
         let (low, high) = (self.low, self.high);
         AABB::from_corners([low.x - margin, low.y - margin], [high.x + margin, high.y + margin])
@@ -206,13 +207,13 @@ mod tests {
             .collect()
     }
 
-    /// A clockwise square, or one that runs the other way.
-    fn square(u: f64, r: f64, clockwise: bool) -> Outline {
+    /// A clockwise square, or one in the opposite direction.
+    fn square(u: f64, r: f64, clockwise: bool) -> CertifiedLoop {
         let mut corners = [(-r, -r), (-r, r), (r, r), (r, -r)];
         if !clockwise {
             corners.reverse();
         }
-        Outline::new(&ring(&corners.map(|(x, y)| (u + x, 0.5 + y)))).unwrap()
+        CertifiedLoop::new(&ring(&corners.map(|(x, y)| (u + x, 0.5 + y)))).unwrap()
     }
 
     #[test]
@@ -241,14 +242,14 @@ mod tests {
     #[test]
     fn loops_that_cross_themselves_or_the_edge_are_found() {
         let eight = ring(&[(0.2, 0.2), (0.8, 0.8), (0.8, 0.2), (0.2, 0.8)]);
-        let eight = Outline::new(&eight).unwrap();
+        let eight = CertifiedLoop::new(&eight).unwrap();
         assert_eq!(crossings(&[&eight])[0].1.0, LoopFault::CrossesItself);
         let spike = ring(&[(0.2, 0.2), (0.8, 0.2), (0.5, 0.2)]);
-        assert_eq!(Outline::new(&spike).unwrap_err().0, LoopFault::Cusp);
+        assert_eq!(CertifiedLoop::new(&spike).unwrap_err().0, LoopFault::Cusp);
         let beyond = ring(&[(0.2, 0.2), (0.2, 1.0), (0.8, 0.2)]);
-        assert_eq!(Outline::new(&beyond).unwrap_err().0, LoopFault::Leaves);
+        assert_eq!(CertifiedLoop::new(&beyond).unwrap_err().0, LoopFault::Leaves);
         let open = &ring(&[(0.2, 0.2), (0.2, 0.9), (0.8, 0.2)])[..2];
-        assert_eq!(Outline::new(open).unwrap_err().0, LoopFault::Open);
+        assert_eq!(CertifiedLoop::new(open).unwrap_err().0, LoopFault::Open);
     }
 
     #[test]
@@ -259,8 +260,8 @@ mod tests {
             let (p, q) = (UvVector::new(from, 0.5 + y), UvVector::new(1.0 - from, 0.5 + y));
             Curve::new(knots.clone(), vec![a, p, q, b])
         };
-        let lens = Outline::new(&[arc(0.4, 0.3), arc(-0.4, 0.7)]).unwrap();
-        // The arc's top is at 0.5 + 3/4 · 0.4.
+        let lens = CertifiedLoop::new(&[arc(0.4, 0.3), arc(-0.4, 0.7)]).unwrap();
+        // The top of the arc is at 0.5 + 3/4 · 0.4.
         assert!(lens.holds(Uv::new(0.5, 0.7999)) && !lens.holds(Uv::new(0.5, 0.8001)));
         assert!(lens.area() < 0.0);
     }

@@ -3,19 +3,19 @@
 use super::Curve;
 use crate::geometry::{Uv, UvVector, uv_bounds};
 
-/// Half the opening of the cone that a piece's directions lie in.
+/// The cosine of the half opening of the cone that contains the directions of a piece.
 const CONE_COS: f64 = 0.5;
 
-/// A cubic Bézier curve over a range of a loop's parameters.
+/// A cubic Bézier curve over a range of the parameters of a loop.
 #[derive(Debug, Clone)]
-pub(super) struct Piece {
+pub(super) struct BezierPiece {
     range: [f64; 2],
     pub points: [Uv; 4],
 }
 
-impl Piece {
-    /// The pieces of cubic arcs, one a knot span; `None` for other degrees.
-    pub fn all(arcs: &[Curve<2>]) -> Option<Vec<Piece>> {
+impl BezierPiece {
+    /// The pieces of cubic arcs, one for each knot span. `None` if an arc is not cubic.
+    pub fn all(arcs: &[Curve<2>]) -> Option<Vec<BezierPiece>> {
         let mut pieces = Vec::new();
         for arc in arcs {
             if arc.knots.degree() != 3 {
@@ -27,7 +27,7 @@ impl Piece {
                 let point = |t| Uv::from(arc.knots.blossom(span, &arc.control, t));
                 let points =
                     [&[a, a, a], &[a, a, b], &[a, b, b], &[b, b, b]].map(|t: &[f64; 3]| point(t));
-                pieces.push(Piece { range: [a, b], points });
+                pieces.push(BezierPiece { range: [a, b], points });
             }
         }
         (!pieces.is_empty()).then_some(pieces)
@@ -41,18 +41,18 @@ impl Piece {
         self.points[3]
     }
 
-    /// The parameter in the middle.
+    /// The parameter in the middle of the range.
     pub fn middle(&self) -> f64 {
         0.5 * (self.range[0] + self.range[1])
     }
 
-    /// The length in parameters.
+    /// The length of the parameter range.
     pub fn length(&self) -> f64 {
         self.range[1] - self.range[0]
     }
 
-    /// The two halves (de Casteljau).
-    pub fn split(&self) -> [Piece; 2] {
+    /// The two halves, by de Casteljau's algorithm.
+    pub fn split(&self) -> [BezierPiece; 2] {
         let [a, b, c, d] = self.points;
         let half = |p: &Uv, q: &Uv| nalgebra::center(p, q);
         let (ab, bc, cd) = (half(&a, &b), half(&b, &c), half(&c, &d));
@@ -60,17 +60,17 @@ impl Piece {
         let top = half(&abc, &bcd);
         let middle = self.middle();
         [
-            Piece { range: [self.range[0], middle], points: [a, ab, abc, top] },
-            Piece { range: [middle, self.range[1]], points: [top, bcd, cd, d] },
+            BezierPiece { range: [self.range[0], middle], points: [a, ab, abc, top] },
+            BezierPiece { range: [middle, self.range[1]], points: [top, bcd, cd, d] },
         ]
     }
 
-    /// A box that holds the piece.
+    /// A box that contains the piece.
     pub fn bounds(&self) -> [Uv; 2] {
         uv_bounds(&self.points)
     }
 
-    /// Control vectors of the derivative, which hold its directions.
+    /// The control vectors of the derivative. Every direction of the piece lies in their cone.
     fn directions(&self) -> [UvVector; 3] {
         [0, 1, 2].map(|i| self.points[i + 1] - self.points[i])
     }
@@ -79,7 +79,7 @@ impl Piece {
         self.end() - self.start()
     }
 
-    /// Whether the piece keeps within 60° of its chord: then it cannot meet
+    /// Whether every direction of the piece is within 60° of its chord. The piece then cannot cross
     /// itself.
     pub fn turns_little(&self) -> bool {
         let chord = self.chord();
@@ -90,7 +90,7 @@ impl Piece {
             })
     }
 
-    /// Whether it stays between `low` and `high` in both coordinates.
+    /// Whether both coordinates stay between `low` and `high`.
     pub fn is_within(&self, low: f64, high: f64, shortest: f64) -> bool {
         let fits = |p: &Uv| p.coords.min() >= low && p.coords.max() <= high;
         self.points.iter().all(fits)
@@ -100,8 +100,8 @@ impl Piece {
                 && self.split().iter().all(|half| half.is_within(low, high, shortest)))
     }
 
-    /// Whether the pieces are proved to be `clearance` apart.
-    pub fn is_apart(&self, other: &Piece, clearance: f64, shortest: f64) -> bool {
+    /// Whether the pieces are proved to be more than `clearance` apart.
+    pub fn is_apart(&self, other: &BezierPiece, clearance: f64, shortest: f64) -> bool {
         let ([a, b], [c, d]) = (self.bounds(), other.bounds());
         let gap = (c - b).sup(&(a - d));
         if gap.max() > clearance {
@@ -113,7 +113,7 @@ impl Piece {
             && larger.split().iter().all(|half| half.is_apart(smaller, clearance, shortest))
     }
 
-    /// Whether the ray from `p` towards growing u crosses it an odd number of
+    /// Whether the ray from `p` in the direction of increasing u crosses the piece an odd number of
     /// times.
     pub fn ray_crosses(&self, p: Uv, shortest: f64) -> bool {
         let [low, high] = self.bounds();
@@ -128,9 +128,9 @@ impl Piece {
     }
 }
 
-/// Whether two pieces, the second beginning where the first ends, meet nowhere
-/// else: both advance in one direction.
-pub(super) fn run_on(before: &Piece, after: &Piece) -> bool {
+/// Whether two consecutive pieces meet only at their common end. This holds if both advance in one
+/// common direction.
+pub(super) fn run_on(before: &BezierPiece, after: &BezierPiece) -> bool {
     let along = before.chord().normalize() + after.chord().normalize();
     before.directions().iter().chain(&after.directions()).all(|d| d.dot(&along) > 0.0)
 }
