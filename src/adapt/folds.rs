@@ -76,7 +76,7 @@ impl Search<'_> {
             return false;
         }
         self.take_up(attempt, LEAST_AREA);
-        let folded = fit::folded(surface, &self.target.samples, &self.holds);
+        let folded = fit::inverted_share(surface, &self.target.samples, &self.holds);
         let misses = || {
             let left = self.target.left(surface, uv, self.goal.tolerance, 1.0).len();
             left as f64 / self.target.measured_triangles.len().max(1) as f64
@@ -124,7 +124,7 @@ impl Search<'_> {
         let samples = &self.target.samples;
         let unfolded = fit::unfold(&start.surface, samples, &self.holds, &slide, stiffnesses);
         tried.folds = tried.folds.min(unfolded.before);
-        for fit::Found { surface, uv, folds } in unfolded.found {
+        for fit::UnfoldedSurface { surface, uv, folds } in unfolded.found {
             let attempt = self.attempted(surface, uv, start.fit);
             let beyond = attempt.beyond;
             // Later ones are closer to the samples.

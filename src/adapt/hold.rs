@@ -97,7 +97,7 @@ impl Search<'_> {
     fn turned(&mut self, of: &Attempt) -> usize {
         self.take_up(of, LEAST_AREA);
         let (samples, holds) = self.target.vertices(&self.holds);
-        fit::turned(&of.surface, &samples, holds)
+        fit::inverted_samples(&of.surface, &samples, holds)
     }
 
     /// What an attempt misses.

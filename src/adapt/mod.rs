@@ -229,7 +229,7 @@ fn finished(mut search: Search, known: Known) -> Result<(Surface, Adapted, Vec<U
     if search.options.method != fit::Method::Blend {
         let (unfolded, turned) = search.unfold(best)?;
         let (unfolded, turned) = search.hold(unfolded, turned);
-        let places = fit::places([&unfolded.surface.u, &unfolded.surface.v]);
+        let places = fit::jacobian_samples([&unfolded.surface.u, &unfolded.surface.v]);
         (best, folds) = (unfolded, Some(Folds { turned, places }));
     }
     search.target.set_uv(best.uv.clone());

@@ -4,7 +4,7 @@ use super::target::{Feet, Target};
 use super::{Goal, Options};
 use crate::course::Course;
 use crate::error::Result;
-use crate::fit::Hold;
+use crate::fit::TangentDistance;
 use crate::geometry::Uv;
 use crate::knots::Bounds;
 use crate::spline::{KnotVector, Surface};
@@ -62,7 +62,7 @@ pub struct Attempt {
 pub struct Search<'a> {
     /// What is fitted.
     pub target: Target<'a>,
-    pub(super) holds: Vec<Hold>,
+    pub(super) holds: Vec<TangentDistance>,
     idle_slides: usize,
     pub(super) options: &'a Options,
     pub(super) goal: &'a Goal,

@@ -8,7 +8,7 @@ use super::correct::{area, corrected, with_skirt};
 use super::places::Places;
 use super::weights::{CORNER, weights};
 use crate::deviation::{Between, Left};
-use crate::fit::Hold;
+use crate::fit::TangentDistance;
 use crate::geometry::{Point, Uv, Vector, VertexId, uv_bounds};
 use crate::knots::Miss;
 use crate::mesh::Bound;
@@ -110,7 +110,7 @@ impl<'a> Target<'a> {
     }
 
     /// The samples that are vertices, and how these hold a surface.
-    pub fn vertices<'h>(&self, holds: &'h [Hold]) -> (Samples, &'h [Hold]) {
+    pub fn vertices<'h>(&self, holds: &'h [TangentDistance]) -> (Samples, &'h [TangentDistance]) {
         let count = self.weights.len();
         let Samples { points, uv, weights, open } = &self.samples;
         let samples = Samples {
@@ -174,7 +174,7 @@ impl<'a> Target<'a> {
     /// How the vertices hold a surface that slides along them: by their normals, the
     /// outer boundary on the domain's sides across its course, too, and the corners
     /// altogether.
-    pub fn holds(&self) -> Vec<Hold> {
+    pub fn holds(&self) -> Vec<TangentDistance> {
         let patch = &self.map.patch;
         let normals = patch.mesh.vertex_normals();
         let mut along: Vec<Option<Vector>> = vec![None; normals.len()];
@@ -189,7 +189,7 @@ impl<'a> Target<'a> {
                 [false, false] => Matrix3::identity(),
                 _ => along.map_or(Matrix3::identity(), |t| Matrix3::identity() - t * t.transpose()),
             };
-            Hold { normal, metric, moves }
+            TangentDistance { normal, metric, moves }
         };
         self.uv().par_iter().zip(normals).zip(along).map(hold).collect()
     }

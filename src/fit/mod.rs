@@ -8,12 +8,12 @@ mod blend;
 mod cells;
 mod conjugate;
 mod fairing;
-mod hold;
 mod moments;
 mod normal;
 mod precondition;
 mod start;
 mod strips;
+mod tangent_distance;
 mod unfold;
 mod weight;
 
@@ -22,8 +22,11 @@ use normal::{Equations, Lane};
 use precondition::Preconditioner;
 use weight::Metric;
 
-pub(crate) use hold::Hold;
-pub(crate) use unfold::{Found, Mending, STIFFNESSES, folded, mend, places, turned, unfold};
+pub(crate) use tangent_distance::TangentDistance;
+pub(crate) use unfold::{
+    Mending, STIFFNESSES, UnfoldedSurface, inverted_samples, inverted_share, jacobian_samples,
+    mend, unfold,
+};
 
 use crate::error::{Error, Result};
 use crate::spline::{KnotVector, Samples, Surface};
@@ -80,10 +83,10 @@ pub fn fit(samples: &Samples, knots: [KnotVector; 2], method: Method) -> Result<
 pub(crate) fn refit(
     surface: &Surface,
     samples: &Samples,
-    holds: &[Hold],
+    holds: &[TangentDistance],
     stuck: &[bool],
 ) -> Option<Surface> {
-    let metric = |(hold, &stuck): (&Hold, &bool)| Metric::from(&hold.of(stuck));
+    let metric = |(hold, &stuck): (&TangentDistance, &bool)| Metric::from(&hold.of(stuck));
     let metrics: Vec<Metric> = holds.par_iter().zip(stuck).map(metric).collect();
     let cells = Cells::new(samples, [&surface.u, &surface.v]).with_metrics(&metrics);
     let equations = Equations::<Metric>::new(&cells);
@@ -210,9 +213,9 @@ mod tests {
         };
         let hold = |p: &Point| {
             let normal = normal(p);
-            Hold { normal, metric: normal * normal.transpose(), moves: [true; 2] }
+            TangentDistance { normal, metric: normal * normal.transpose(), moves: [true; 2] }
         };
-        let holds: Vec<Hold> = s.points.iter().map(hold).collect();
+        let holds: Vec<TangentDistance> = s.points.iter().map(hold).collect();
         s.uv = s.points.iter().zip(&s.uv).map(|(&p, &at)| foot_point(&first, p, at).0).collect();
         let refitted = |stuck: bool| {
             let stuck = vec![stuck; s.len()];

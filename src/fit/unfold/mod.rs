@@ -12,19 +12,19 @@
 //! samples' distances, across with full weight and along with little of it, a
 //! thin-plate energy, and the squares of what the surface spreads too little.
 
-mod part;
-mod places;
+mod coupled;
+mod jacobian;
 mod system;
 mod terms;
 mod work;
 
 use super::cells::Cells;
-use super::hold::Hold;
+use super::tangent_distance::TangentDistance;
 use crate::geometry::Uv;
 use crate::spline::{Samples, Surface};
-use places::{Places, Spot};
+use jacobian::{JacobianSample, JacobianSamples};
 
-pub use places::count as places;
+pub use jacobian::count as jacobian_samples;
 use work::Work;
 
 /// Rounds at the most with one stiffness, and those among them in which samples that may
@@ -49,12 +49,12 @@ pub struct Unfolded {
     /// where the surface spreads little.
     pub before: usize,
     /// Surfaces with fewer of them, each closer to the samples than those before.
-    pub found: Vec<Found>,
+    pub found: Vec<UnfoldedSurface>,
 }
 
 /// A surface with fewer folds.
 #[derive(Debug)]
-pub struct Found {
+pub struct UnfoldedSurface {
     /// The surface.
     pub surface: Surface,
     /// The samples' parameters on it.
@@ -68,16 +68,16 @@ pub struct Found {
 pub type Slide<'a> = dyn Fn(Vec<Uv>, Vec<Uv>) -> Vec<Uv> + 'a;
 
 /// The share of a surface's places that are turned over.
-pub fn folded(surface: &Surface, samples: &Samples, holds: &[Hold]) -> f64 {
-    let turned = turned(surface, samples, holds);
-    turned as f64 / places([&surface.u, &surface.v]) as f64
+pub fn inverted_share(surface: &Surface, samples: &Samples, holds: &[TangentDistance]) -> f64 {
+    let inverted = inverted_samples(surface, samples, holds);
+    inverted as f64 / jacobian_samples([&surface.u, &surface.v]) as f64
 }
 
 /// How many of a surface's places are turned over.
-pub fn turned(surface: &Surface, samples: &Samples, holds: &[Hold]) -> usize {
+pub fn inverted_samples(surface: &Surface, samples: &Samples, holds: &[TangentDistance]) -> usize {
     let cells = Cells::new(samples, [&surface.u, &surface.v]);
-    let places = Places::new(&cells, holds, &surface.net);
-    turned_of(&places.spots(&surface.net, |_, _| true))
+    let places = JacobianSamples::new(&cells, holds, &surface.net);
+    inverted_among(&places.spots(&surface.net, |_, _| true))
 }
 
 /// Takes folds out of a surface that was fitted to samples, with one of `stiffnesses`
@@ -86,14 +86,14 @@ pub fn turned(surface: &Surface, samples: &Samples, holds: &[Hold]) -> usize {
 pub fn unfold(
     surface: &Surface,
     samples: &Samples,
-    holds: &[Hold],
+    holds: &[TangentDistance],
     slide: &Slide,
     stiffnesses: &[f64],
 ) -> Unfolded {
     let cells = Cells::new(samples, [&surface.u, &surface.v]);
-    let places = Places::new(&cells, holds, &surface.net);
+    let places = JacobianSamples::new(&cells, holds, &surface.net);
     let spots = places.spots(&surface.net, |_, _| true);
-    let before = turned_of(&spots);
+    let before = inverted_among(&spots);
     if before == 0 {
         return Unfolded { before, found: Vec::new() };
     }
@@ -112,7 +112,7 @@ pub struct Mending<'a> {
     /// The first of these, by which it is told where the surface is turned over.
     pub vertices: &'a Samples,
     /// How the samples hold it.
-    pub holds: &'a [Hold],
+    pub holds: &'a [TangentDistance],
     /// Where they may move to.
     pub slide: &'a Slide<'a>,
     /// Where it is mended.
@@ -122,25 +122,25 @@ pub struct Mending<'a> {
 /// Brings a surface nearer to its samples around some parameter points, where it is to have
 /// no more places that are turned over than before. Only the control points around these
 /// points move, and those around folds that this makes. `None` if it cannot be.
-pub fn mend(of: &Mending, stiffness: f64) -> Option<Found> {
+pub fn mend(of: &Mending, stiffness: f64) -> Option<UnfoldedSurface> {
     let knots = [&of.surface.u, &of.surface.v];
     let cells = Cells::new(of.samples, knots);
     let seen = Cells::new(of.vertices, knots);
-    let places = Places::new(&seen, &of.holds[..of.vertices.len()], &of.surface.net);
+    let places = JacobianSamples::new(&seen, &of.holds[..of.vertices.len()], &of.surface.net);
     let mut work = Work::new(of.surface, &cells, of.holds);
     work.free_around(of.around);
     let mut spots = places.spots(&of.surface.net, |p, q| work.touches(p, q));
-    let before = turned_of(&spots);
+    let before = inverted_among(&spots);
     let mut best = None;
     for round in 0..ROUNDS {
         work.round(stiffness, &spots, of.slide)?;
         spots = places.spots(&work.surface.net, |p, q| work.touches(p, q));
-        let folds = turned_of(&spots);
+        let folds = inverted_among(&spots);
         if folds > before {
             work.widen(&spots);
             continue;
         }
-        best = Some(Found { surface: work.surface.clone(), uv: work.uv.clone(), folds });
+        best = Some(UnfoldedSurface { surface: work.surface.clone(), uv: work.uv.clone(), folds });
         if round + 1 >= MENDING {
             break;
         }
@@ -150,15 +150,15 @@ pub fn mend(of: &Mending, stiffness: f64) -> Option<Found> {
 
 /// Folds on their way out.
 struct Soften<'a> {
-    places: &'a Places<'a>,
-    spots: Vec<Spot>,
+    places: &'a JacobianSamples<'a>,
+    spots: Vec<JacobianSample>,
     slide: &'a Slide<'a>,
 }
 
 impl Soften<'_> {
     /// Rounds with one stiffness, and the best that came of them; `None` if nothing did.
-    fn step(&mut self, work: &mut Work, stiffness: f64) -> Option<Found> {
-        let mut best: Option<Found> = None;
+    fn step(&mut self, work: &mut Work, stiffness: f64) -> Option<UnfoldedSurface> {
+        let mut best: Option<UnfoldedSurface> = None;
         let mut last = ROUNDS;
         let mut round = 0;
         while round < last {
@@ -171,21 +171,25 @@ impl Soften<'_> {
                 break;
             }
             self.spots = self.places.spots(&work.surface.net, |p, q| work.touches(p, q));
-            let folds = turned_of(&self.spots);
+            let folds = inverted_among(&self.spots);
             if folds == 0 && best.as_ref().is_none_or(|best| best.folds > 0) {
                 last = last.min(round + SETTLING);
             }
             // Later ones are closer to the samples.
             if best.as_ref().is_none_or(|best| folds <= best.folds) {
-                best = Some(Found { surface: work.surface.clone(), uv: work.uv.clone(), folds });
+                best = Some(UnfoldedSurface {
+                    surface: work.surface.clone(),
+                    uv: work.uv.clone(),
+                    folds,
+                });
             }
         }
         best
     }
 }
 
-fn turned_of(spots: &[Spot]) -> usize {
-    spots.iter().filter(|s| s.is_turned()).count()
+fn inverted_among(spots: &[JacobianSample]) -> usize {
+    spots.iter().filter(|s| s.is_inverted()).count()
 }
 
 #[cfg(test)]
@@ -198,7 +202,7 @@ mod tests {
 
     /// A bump over the unit square with samples all over it, and two rows of its net pushed
     /// towards each other along the surface in the middle.
-    fn folded(push: f64, rows: [usize; 2]) -> (Surface, Samples, Vec<Hold>) {
+    fn folded(push: f64, rows: [usize; 2]) -> (Surface, Samples, Vec<TangentDistance>) {
         let knots = KnotVector::uniform(3, 20);
         let height = |x: f64, y: f64| 4.0 * (3.0 * x).sin() * (2.0 * y).cos();
         let at = |n: usize| (knots.greville(n / 20), knots.greville(n % 20));
@@ -220,7 +224,7 @@ mod tests {
             let edge = [x, y].map(|t| t == 0.0 || t == 1.0);
             let metric =
                 if edge[0] || edge[1] { Matrix3::identity() } else { normal * normal.transpose() };
-            holds.push(Hold { normal, metric, moves: edge.map(|edge| !edge) });
+            holds.push(TangentDistance { normal, metric, moves: edge.map(|edge| !edge) });
         }
         (surface, samples, holds)
     }
@@ -230,7 +234,7 @@ mod tests {
         let (surface, samples, holds) = folded(6.0, [9, 11]);
         let slide = |_: Vec<Uv>, wanted: Vec<Uv>| wanted;
         let mut done = unfold(&surface, &samples, &holds, &slide, &STIFFNESSES);
-        let Found { surface: flat, uv, folds } = done.found.swap_remove(0);
+        let UnfoldedSurface { surface: flat, uv, folds } = done.found.swap_remove(0);
         assert!(done.before > 0 && folds == 0, "{} {folds}", done.before);
         let off = |(uv, p): (&Uv, &Point)| (flat.point(*uv) - p).norm();
         let worst = uv.iter().zip(&samples.points).map(off).fold(0.0, f64::max);
@@ -276,7 +280,7 @@ mod tests {
                 jet.su.cross(&jet.sv).z < 0.0
             };
             assert_eq!((0..40_000).any(turned), turns, "{push}");
-            assert_eq!(super::folded(&surface, &samples, &holds) > 0.0, turns, "{push}");
+            assert_eq!(super::inverted_share(&surface, &samples, &holds) > 0.0, turns, "{push}");
         }
     }
 
@@ -293,7 +297,7 @@ mod tests {
         let (surface, samples, holds) = folded(6.0, [9, 11]);
         let stay = |now: Vec<Uv>, _: Vec<Uv>| now;
         let mut done = unfold(&surface, &samples, &holds, &stay, &STIFFNESSES);
-        let Found { surface: flat, uv, .. } = done.found.swap_remove(0);
+        let UnfoldedSurface { surface: flat, uv, .. } = done.found.swap_remove(0);
         assert_eq!(uv, samples.uv);
         let off = |(uv, p): (&Uv, &Point)| (flat.point(*uv) - p).norm();
         let worst = uv.iter().zip(&samples.points).map(off).fold(0.0, f64::max);

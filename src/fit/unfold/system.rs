@@ -4,7 +4,7 @@
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
-use super::part::Part;
+use super::coupled::Part;
 use crate::geometry::Vector;
 use crate::sets::Sets;
 

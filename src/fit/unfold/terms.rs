@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix3;
 
-use super::places::{ACROSS, LEAST, Spot};
+use super::jacobian::{ACROSS, JacobianSample, MIN_SPREAD};
 use super::system::{Cell, Strip};
 use super::work::Work;
 use crate::geometry::Vector;
@@ -16,7 +16,7 @@ pub struct Terms<'a> {
     /// The weight of the thin-plate energy.
     pub stiffness: f64,
     /// Where the surface spreads too little, strip by strip.
-    pub spots: &'a [Spot],
+    pub spots: &'a [JacobianSample],
     /// Which cells move, row by row.
     pub moves: &'a [bool],
     /// The samples in these, strip by strip and cell by cell: which cell, and which sample.
@@ -80,7 +80,7 @@ impl Terms<'_> {
     }
 
     /// What the surface spreads too little at a spot.
-    fn add_spot(&self, cell: &mut Cell, spot: &Spot) {
+    fn add_spot(&self, cell: &mut Cell, spot: &JacobianSample) {
         let weight = SPREAD * self.work.weight * self.work.area / (ACROSS * ACROSS) as f64;
         let [u, v] = &spot.functions;
         let across = spot.slopes[1].cross(&spot.facing);
@@ -88,7 +88,7 @@ impl Terms<'_> {
         let gradient: [Vector; 16] = std::array::from_fn(|k| {
             across * (u[1][k / 4] * v[0][k % 4]) + along * (u[0][k / 4] * v[1][k % 4])
         });
-        let missing = LEAST - spot.spread;
+        let missing = MIN_SPREAD - spot.spread;
         for (k, x) in gradient.iter().enumerate() {
             cell.pull(k, weight * missing * x);
             let rest = gradient.iter().enumerate().skip(k);

@@ -3,12 +3,12 @@
 use rayon::prelude::*;
 
 use super::Slide;
-use super::places::Spot;
+use super::jacobian::JacobianSample;
 use super::system::System;
 use super::terms::Terms;
 use crate::fit::cells::Cells;
 use crate::fit::fairing;
-use crate::fit::hold::Hold;
+use crate::fit::tangent_distance::TangentDistance;
 use crate::geometry::Uv;
 use crate::spline::spans::PAIRS;
 use crate::spline::{Surface, foot_point_moving, last_step};
@@ -27,7 +27,7 @@ pub struct Work<'a> {
     /// As it is now.
     pub surface: Surface,
     pub cells: &'a Cells<'a>,
-    pub holds: &'a [Hold],
+    pub holds: &'a [TangentDistance],
     /// The samples' parameters.
     pub uv: Vec<Uv>,
     /// Samples that may not slide.
@@ -52,7 +52,7 @@ pub struct Work<'a> {
 
 impl<'a> Work<'a> {
     /// A surface that nothing has moved yet.
-    pub fn new(surface: &Surface, cells: &'a Cells<'a>, holds: &'a [Hold]) -> Self {
+    pub fn new(surface: &Surface, cells: &'a Cells<'a>, holds: &'a [TangentDistance]) -> Self {
         let samples = cells.samples;
         let [across, down] = cells.counts();
         let lengths = net_lengths(surface);
@@ -84,7 +84,7 @@ impl<'a> Work<'a> {
     }
 
     /// Frees the control points around spots.
-    pub fn widen(&mut self, spots: &[Spot]) {
+    pub fn widen(&mut self, spots: &[JacobianSample]) {
         self.free_cells(spots.iter().map(|s| s.cell));
     }
 
@@ -110,9 +110,9 @@ impl<'a> Work<'a> {
 
     /// Lets samples that may not slide hold the surface across only, around spots where it
     /// stays turned over.
-    pub fn ease(&mut self, spots: &[Spot]) {
+    pub fn ease(&mut self, spots: &[JacobianSample]) {
         let [across, down] = self.cells.counts();
-        for [p, q] in spots.iter().filter(|s| s.is_turned()).map(|s| s.cell) {
+        for [p, q] in spots.iter().filter(|s| s.is_inverted()).map(|s| s.cell) {
             for p in p.saturating_sub(1)..(p + 2).min(across) {
                 self.eased[p * down + q.saturating_sub(1)..p * down + (q + 2).min(down)].fill(true);
             }
@@ -125,7 +125,7 @@ impl<'a> Work<'a> {
     }
 
     /// One step; `None` if there is no solution.
-    pub fn round(&mut self, stiffness: f64, spots: &[Spot], slide: &Slide) -> Option<()> {
+    pub fn round(&mut self, stiffness: f64, spots: &[JacobianSample], slide: &Slide) -> Option<()> {
         let mut system = match self.system.take().filter(|system| system.is_for(&self.free)) {
             Some(system) => system.cleared(),
             None => System::new(self.width(), &self.free)?,

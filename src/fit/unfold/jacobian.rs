@@ -5,7 +5,7 @@ use std::cmp::Ordering;
 use rayon::prelude::*;
 
 use crate::fit::cells::Cells;
-use crate::fit::hold::Hold;
+use crate::fit::tangent_distance::TangentDistance;
 use crate::geometry::{Uv, Vector};
 use crate::spline::KnotVector;
 
@@ -14,7 +14,7 @@ pub const ACROSS: usize = 6;
 
 /// Where a place spreads by less than this share of what is usual, finer places around it
 /// are looked at, this many to a step: a fold may be narrower than places are apart.
-const LITTLE: f64 = 0.5;
+const SUSPECT: f64 = 0.5;
 const FINER: usize = 4;
 
 /// The finer places of a cell along u and along v.
@@ -22,10 +22,10 @@ const FINEST: usize = (ACROSS - 1) * FINER + 1;
 
 /// The surface is to spread at a place by this share of what is usual around it,
 /// on the side that the samples face.
-pub const LEAST: f64 = 0.1;
+pub const MIN_SPREAD: f64 = 0.1;
 
 /// It counts as turned over where it spreads by less than this share.
-const TURNED: f64 = 0.01;
+const INVERTED: f64 = 0.01;
 
 /// Sweeps over the cells without samples.
 const SWEEPS: usize = 40;
@@ -37,7 +37,7 @@ pub type Functions = [[f64; 4]; 2];
 type Rows = [[Vector; 2]; 4];
 
 /// A place around which the surface spreads too little, moved to where it spreads least.
-pub struct Spot {
+pub struct JacobianSample {
     /// Its cell.
     pub cell: [usize; 2],
     /// The functions in u and in v.
@@ -50,17 +50,17 @@ pub struct Spot {
     pub spread: f64,
 }
 
-impl Spot {
+impl JacobianSample {
     /// Whether the surface is turned over, or all but is.
-    pub fn is_turned(&self) -> bool {
-        self.spread < TURNED
+    pub fn is_inverted(&self) -> bool {
+        self.spread < INVERTED
     }
 }
 
 /// The places of a net.
-pub struct Places<'a> {
+pub struct JacobianSamples<'a> {
     cells: &'a Cells<'a>,
-    holds: &'a [Hold],
+    holds: &'a [TangentDistance],
     /// The finer places along u and along v, each with the functions there.
     axes: [Vec<(f64, Functions)>; 2],
     /// The mean normal of a cell's samples; in a cell without any, one that changes
@@ -75,27 +75,36 @@ pub fn count(knots: [&KnotVector; 2]) -> usize {
     knots.map(|knots| ACROSS * (knots.breaks().len() - 1)).iter().product()
 }
 
-impl<'a> Places<'a> {
+impl<'a> JacobianSamples<'a> {
     /// The places of a net over `cells`, whose samples are held by `holds`.
-    pub fn new(cells: &'a Cells<'a>, holds: &'a [Hold], net: &[Vector]) -> Self {
+    pub fn new(cells: &'a Cells<'a>, holds: &'a [TangentDistance], net: &[Vector]) -> Self {
         let axes = cells.knots.map(along);
-        let mut places =
-            Places { cells, holds, axes, facings: facings(cells, holds), usual: Vec::new() };
+        let mut places = JacobianSamples {
+            cells,
+            holds,
+            axes,
+            facings: facings(cells, holds),
+            usual: Vec::new(),
+        };
         places.usual = places.usual(net);
         places
     }
 
     /// Places that spread too little in the cells that are `chosen`.
-    pub fn spots(&self, net: &[Vector], chosen: impl Fn(usize, usize) -> bool + Sync) -> Vec<Spot> {
+    pub fn spots(
+        &self,
+        net: &[Vector],
+        chosen: impl Fn(usize, usize) -> bool + Sync,
+    ) -> Vec<JacobianSample> {
         let [across, down] = self.cells.counts();
         let rows = (0..across).into_par_iter().map(|p| {
             let cells = (0..down).filter(|&q| chosen(p, q));
-            cells.flat_map(|q| self.in_cell(net, [p, q])).collect::<Vec<Spot>>()
+            cells.flat_map(|q| self.in_cell(net, [p, q])).collect::<Vec<JacobianSample>>()
         });
         rows.collect::<Vec<_>>().into_iter().flatten().collect()
     }
 
-    fn in_cell(&self, net: &[Vector], [p, q]: [usize; 2]) -> Vec<Spot> {
+    fn in_cell(&self, net: &[Vector], [p, q]: [usize; 2]) -> Vec<JacobianSample> {
         let number = p * self.cells.counts()[1] + q;
         let usual = self.usual[number];
         let slopes = self.slopes(net, [p, q]);
@@ -110,9 +119,9 @@ impl<'a> Places<'a> {
                 self.nearest(home, Uv::new(u, v))
             };
             let Some(facing) = between.unwrap_or_else(nearest) else { continue };
-            if facing.dot(&normal) < LITTLE * usual {
+            if facing.dot(&normal) < SUSPECT * usual {
                 let spot = self.least_around(net, [p, q], place, facing);
-                spots.extend(spot.filter(|spot| spot.spread < LEAST));
+                spots.extend(spot.filter(|spot| spot.spread < MIN_SPREAD));
             }
         }
         spots
@@ -126,7 +135,7 @@ impl<'a> Places<'a> {
         cell: [usize; 2],
         place: [usize; 2],
         facing: Vector,
-    ) -> Option<Spot> {
+    ) -> Option<JacobianSample> {
         let usual = self.usual[cell[0] * self.cells.counts()[1] + cell[1]];
         let [us, vs] = place.map(|k| k.saturating_sub(FINER / 2)..=(k + FINER / 2).min(FINEST - 1));
         let rows: Vec<Rows> = vs.clone().map(|b| self.rows(net, cell, b)).collect();
@@ -135,9 +144,9 @@ impl<'a> Places<'a> {
             let functions = self.place(cell, at).map(|(_, functions)| *functions);
             let slopes = slopes(rows, &functions[0]).map(|slope| slope / usual);
             let spread = facing.dot(&slopes[0].cross(&slopes[1])) * usual;
-            Spot { cell, functions, facing, slopes, spread }
+            JacobianSample { cell, functions, facing, slopes, spread }
         });
-        let least = |a: Spot, b: Spot| if b.spread < a.spread { b } else { a };
+        let least = |a: JacobianSample, b: JacobianSample| if b.spread < a.spread { b } else { a };
         spots.reduce(least)
     }
 
@@ -211,7 +220,7 @@ fn mean_product(slopes: &[[Vector; 2]]) -> f64 {
 
 /// The mean normals of all cells' samples, and between them the solution of
 /// Laplace's equation, or near it.
-fn facings(cells: &Cells, holds: &[Hold]) -> Vec<Vector> {
+fn facings(cells: &Cells, holds: &[TangentDistance]) -> Vec<Vector> {
     let [across, down] = cells.counts();
     let at = |c: usize| cells.indices(c / down, c % down);
     let mean = |c: usize| -> Vector {

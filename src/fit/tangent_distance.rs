@@ -9,7 +9,7 @@ const ALONG: f64 = 0.05;
 
 /// How a sample holds a surface.
 #[derive(Debug, Clone, Copy)]
-pub struct Hold {
+pub struct TangentDistance {
     /// The normal of what was measured there, of length 1.
     pub normal: Vector,
     /// The matrix of the squared distance that it is held by: of a plane, a line or a
@@ -19,7 +19,7 @@ pub struct Hold {
     pub moves: [bool; 2],
 }
 
-impl Hold {
+impl TangentDistance {
     /// The matrix of the squared distance, with little of what is along the surface. A
     /// sample whose parameters are stuck holds the surface in all directions.
     pub fn of(&self, stuck: bool) -> Matrix3<f64> {
