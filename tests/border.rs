@@ -221,7 +221,7 @@ fn rims_are_looked_at() {
     // A loop that is not closed, one without an edge, and one more edge than pcurves.
     let (arcs, edges) = (loops[0].pcurves.as_slice(), loops[0].edges.as_slice());
     for inner in [(&arcs[1..], &edges[1..]), (&arcs[..0], &edges[..0]), (&arcs[1..], edges)] {
-        let bounds = brep::Bounds { outer: None, inner: vec![inner] };
+        let bounds = brep::FaceBounds { outer: None, inner: vec![inner] };
         let built = brep::build(&plate, &[bounds], "plate", trim::EDGE_ACCURACY);
         assert!(matches!(built, Err(Error::Brep(_))));
     }

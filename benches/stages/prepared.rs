@@ -92,7 +92,7 @@ impl Prepared {
     /// The size of the STEP file.
     pub fn step(&self) -> Result<usize, Box<dyn Error>> {
         let inner = self.conversion.loops.iter().map(|l| (&l.pcurves[..], &l.edges[..]));
-        let face = brep::Bounds { outer: None, inner: inner.collect() };
+        let face = brep::FaceBounds { outer: None, inner: inner.collect() };
         let brep = brep::build(&self.conversion.surface, &[face], "scan", trim::EDGE_ACCURACY)?;
         let mut file = Vec::new();
         step::write(&brep, &step::Options::default(), &mut file)?;

@@ -1,17 +1,19 @@
-//! Whether the loops of faces on one surface lie in it as they must: closed, within the
-//! domain, without crossings, and inner ones within their outer one. What holds of any
-//! boundary representation is checked by [`formats::Brep::check`].
+//! Check of the loops of faces on one surface.
+//!
+//! Every loop must be closed, lie in the domain and not cross itself or another loop. Inner loops must
+//! lie in their outer loop. [`formats::Brep::check`] checks what every boundary representation must
+//! satisfy.
 
-use super::Bounds;
+use super::FaceBounds;
 use crate::error::BrepFault;
 use crate::spline::{Nest, Outline, crossings, misplaced};
 
-/// Checks the loops of all faces. Loops of different faces must not cross, either.
-pub(super) fn check(faces: &[Bounds]) -> Result<(), BrepFault> {
+/// Checks the loops of all faces. Loops of different faces must not cross each other, either.
+pub(super) fn check(faces: &[FaceBounds]) -> Result<(), BrepFault> {
     let mut outlines = Vec::new();
     let mut names = Vec::new();
     for (face, bounds) in faces.iter().enumerate() {
-        // The surface's own sides are loop 0 where there is no other outer loop.
+        // If there is no outer loop, the sides of the surface are loop 0.
         let loops = bounds.outer.iter().map(|l| (0, l)).chain((1..).zip(&bounds.inner));
         for (ring, (pcurves, edges)) in loops {
             if pcurves.len() != edges.len() {
@@ -41,9 +43,9 @@ pub(super) fn check(faces: &[Bounds]) -> Result<(), BrepFault> {
     }
 }
 
-/// The outer loop runs counter-clockwise, the inner ones clockwise, within it and
-/// beside each other.
-fn nests(bounds: &Bounds) -> Vec<Nest> {
+/// The required nesting of a face's loops: the outer loop runs counter-clockwise, and the inner loops
+/// run clockwise inside it and outside each other.
+fn nests(bounds: &FaceBounds) -> Vec<Nest> {
     let outer = bounds.outer.iter().map(|_| Nest::default());
     let around: Vec<usize> = bounds.outer.iter().map(|_| 0).collect();
     let inner = bounds.inner.iter().map(|_| Nest { around: around.clone(), clockwise: true });
@@ -68,8 +70,7 @@ mod tests {
 
     type Ring = (Vec<Curve<2>>, Vec<Curve<3>>);
 
-    /// A triangle's loop around (u, 0.5), clockwise; the other way round if `r` is
-    /// negative.
+    /// A triangular loop around (u, 0.5). It runs clockwise, or counter-clockwise if `r` is negative.
     fn triangle(surface: &Surface, u: f64, r: f64) -> Ring {
         let corners = [(-r, -r.abs()), (-r, r.abs()), (r, 0.0)];
         let at = |i: usize| UvVector::new(u + corners[i % 3].0, 0.5 + corners[i % 3].1);
@@ -84,7 +85,7 @@ mod tests {
 
     fn fault(surface: &Surface, inner: &[&Ring]) -> Option<BrepFault> {
         let inner = inner.iter().map(|(c, e)| (c.as_slice(), e.as_slice())).collect();
-        match build(surface, &[Bounds { outer: None, inner }], "plate", 1e-7) {
+        match build(surface, &[FaceBounds { outer: None, inner }], "plate", 1e-7) {
             Err(Error::Brep(fault)) => Some(fault),
             _ => None,
         }
