@@ -17,7 +17,7 @@ pub struct Error {
     /// What is wrong, in a few words, without the place.
     pub what: String,
     /// Where in the file, if the reader knows.
-    pub place: Option<Place>,
+    pub place: Option<Location>,
     /// One sentence that says what to do.
     pub help: String,
 }
@@ -25,7 +25,7 @@ pub struct Error {
 /// A place in a file, or in what the file describes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
-pub enum Place {
+pub enum Location {
     /// Line of a text file, counted from 1.
     Line(u64),
     /// Byte offset, counted from 0.
@@ -42,21 +42,21 @@ pub enum Place {
     Element(&'static str, u64),
 }
 
-impl fmt::Display for Place {
+impl fmt::Display for Location {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Place::Line(n) => write!(f, "line {n}"),
-            Place::Byte(n) => write!(f, "byte {n}"),
-            Place::Vertex(n) => write!(f, "vertex {n}"),
-            Place::Face(n) => write!(f, "face {n}"),
-            Place::Entity(n) => write!(f, "#{n}"),
-            Place::DirectoryEntry(n) => write!(f, "directory entry {n}"),
-            Place::Element(kind, n) => write!(f, "{kind} {n}"),
+            Location::Line(n) => write!(f, "line {n}"),
+            Location::Byte(n) => write!(f, "byte {n}"),
+            Location::Vertex(n) => write!(f, "vertex {n}"),
+            Location::Face(n) => write!(f, "face {n}"),
+            Location::Entity(n) => write!(f, "#{n}"),
+            Location::DirectoryEntry(n) => write!(f, "directory entry {n}"),
+            Location::Element(kind, n) => write!(f, "{kind} {n}"),
         }
     }
 }
 
-fn at(place: &Option<Place>) -> String {
+fn at(place: &Option<Location>) -> String {
     place.map(|p| format!(" ({p})")).unwrap_or_default()
 }
 
@@ -68,7 +68,7 @@ impl Error {
 
     /// The same error, at `place`.
     #[must_use]
-    pub fn at(mut self, place: Place) -> Self {
+    pub fn at(mut self, place: Location) -> Self {
         self.place = Some(place);
         self
     }

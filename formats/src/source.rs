@@ -5,7 +5,7 @@ use std::io::{self, BufRead as _, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use crate::unzip::Unzip;
-use crate::{Error, Place, Result};
+use crate::{Error, Location, Result};
 
 /// How much of a file recognition may look at.
 const HEAD: u64 = 8192;
@@ -35,12 +35,12 @@ pub(crate) struct Source {
     /// Whether that line had an end.
     pub(crate) ended_line: bool,
     eol: u8,
-    pieces: Pieces,
+    pieces: PendingLine,
 }
 
 /// A line with ends of the other kind within: `used` bytes of it are delivered.
 #[derive(Default)]
-struct Pieces {
+struct PendingLine {
     line: Vec<u8>,
     used: usize,
     ended: bool,
@@ -91,7 +91,7 @@ impl Source {
             stream: BufReader::with_capacity(64 << 10, stream),
             line: 0,
             ended_line: true,
-            pieces: Pieces::default(),
+            pieces: PendingLine::default(),
         })
     }
 
@@ -152,7 +152,7 @@ impl Source {
     /// An error at the last line delivered, if there was one.
     pub(crate) fn error(&self, what: impl Into<String>, help: impl Into<String>) -> Error {
         let error = Error::new(&self.path, what, help);
-        if self.line > 0 { error.at(Place::Line(self.line)) } else { error }
+        if self.line > 0 { error.at(Location::Line(self.line)) } else { error }
     }
 
     /// The error that reading itself failed: a bad disk, a cut gzip stream.

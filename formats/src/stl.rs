@@ -10,7 +10,7 @@ use crate::damage::{SEND_AS_BINARY, TextTrace};
 use crate::limits::check_room;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
-use crate::{Error, Place, Result, Soup};
+use crate::{Error, Location, Result, Soup};
 
 /// A binary file's free text, and the triangle count after it.
 const HEADER: usize = 80;
@@ -142,12 +142,12 @@ fn surplus(source: &Source, count: u32, length: u64) -> Error {
         _ => format!("has {length} bytes after the {count} triangles that it announces"),
     };
     let help = "Its triangle count is wrong, or it is several files in one: export it again.";
-    Error::new(&source.path, what, help).at(Place::Byte(HEADER as u64))
+    Error::new(&source.path, what, help).at(Location::Byte(HEADER as u64))
 }
 
 fn cut(source: &Source, triangle: u32, count: u32) -> Error {
     let what = format!("ends after {triangle} of its {count} triangles");
-    Error::new(&source.path, what, EXPORT_AGAIN).at(Place::Face(u64::from(triangle)))
+    Error::new(&source.path, what, EXPORT_AGAIN).at(Location::Face(u64::from(triangle)))
 }
 
 fn corner(record: &[u8; RECORD], at: usize) -> [f64; 3] {

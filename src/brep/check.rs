@@ -54,7 +54,7 @@ fn nests(bounds: &FaceBounds) -> Vec<Nest> {
 
 #[cfg(test)]
 mod tests {
-    use formats::brep::{Fault as Parts, Part};
+    use formats::brep::{BrepElement, ModelFault};
 
     use super::*;
     use crate::brep::build;
@@ -115,14 +115,17 @@ mod tests {
         moved.1[1].control[2].z += 1e-5;
         let off = fault(&plate, &[&moved]);
         assert!(
-            matches!(off, Some(BrepFault::Parts(Parts::OffSurface(Part::Use(0, 1, 1), _)))),
+            matches!(
+                off,
+                Some(BrepFault::Parts(ModelFault::OffSurface(BrepElement::Use(0, 1, 1), _)))
+            ),
             "{off:?}"
         );
         let mut longer = good.clone();
         longer.0[1].knots = KnotVector::clamped(3, &[1.0, 3.0], 1);
         let range = fault(&plate, &[&longer]);
         assert!(
-            matches!(range, Some(BrepFault::Parts(Parts::Range(Part::Use(0, 1, 1))))),
+            matches!(range, Some(BrepFault::Parts(ModelFault::Range(BrepElement::Use(0, 1, 1))))),
             "{range:?}"
         );
     }

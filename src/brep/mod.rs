@@ -43,7 +43,7 @@ pub fn build(
 ) -> Result<Brep> {
     check::check(faces).map_err(Error::Brep)?;
     let mut brep = Brep { name: name.to_owned(), uncertainty_mm, ..Brep::default() };
-    let on = brep.add_surface(brep::Surface::Spline(spline_surface(surface)?));
+    let on = brep.add_surface(brep::BrepSurface::Spline(spline_surface(surface)?));
     for bounds in faces {
         let outer = bounds.outer.map_or_else(|| outer_edges(surface), forwards);
         let mut loops = vec![add_loop(&mut brep, &outer)?];
@@ -81,7 +81,7 @@ fn add_loop(brep: &mut Brep, ring: &[Directed]) -> Result<Vec<EdgeUse>> {
         if !forward {
             ends.reverse();
         }
-        let edge = brep.add_edge(brep::Curve::Spline(spline(edge)?), ends);
+        let edge = brep.add_edge(brep::BrepCurve::Spline(spline(edge)?), ends);
         uses.push(EdgeUse { edge, forward: *forward, pcurve: spline(pcurve)? });
     }
     Ok(uses)

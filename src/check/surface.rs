@@ -4,7 +4,7 @@
 //! derivatives. Rational splines follow The NURBS Book (Piegl and Tiller 1997).
 
 use formats::cad::{CadCurve, CadSurface, CurveShape};
-use formats::spline::{Basis, SplineCurve, SplineKnots, SplineSurface};
+use formats::spline::{SplineBasis, SplineCurve, SplineKnots, SplineSurface};
 use nalgebra::Vector4;
 
 use crate::geometry::{Point, Uv, Vector};
@@ -183,7 +183,7 @@ fn curve_jet(curve: &CadCurve<3>, t: f64) -> [Vector; 3] {
 }
 
 fn spline_curve_jet(spline: &SplineCurve<3>, t: f64) -> [Vector; 3] {
-    let basis = Basis::new(spline.knots(), t);
+    let basis = SplineBasis::new(spline.knots(), t);
     let mut h = [Vector4::zeros(); 3];
     for j in 0..=spline.knots().degree() {
         let i = basis.first + j;
@@ -202,7 +202,7 @@ fn lifted([x, y, z]: [f64; 3], weight: f64) -> Vector4<f64> {
 }
 
 fn on_spline(spline: &SplineSurface, at: Uv) -> Jet {
-    let (bu, bv) = (Basis::new(spline.u(), at.x), Basis::new(spline.v(), at.y));
+    let (bu, bv) = (SplineBasis::new(spline.u(), at.x), SplineBasis::new(spline.v(), at.y));
     let row = spline.v().poles();
     // h[k][l] is the k-th derivative in u and the l-th in v of the homogeneous surface.
     let mut h = [[Vector4::zeros(); 3]; 3];

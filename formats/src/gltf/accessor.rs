@@ -8,7 +8,7 @@ use ::gltf::json::validation::Checked::Valid;
 
 use super::Gear;
 use crate::source::EXPORT_AGAIN;
-use crate::{Error, Place, Result};
+use crate::{Error, Location, Result};
 
 /// An accessor without a view is all zeros, at no cost to the file: only so many.
 const MOST_ZEROS: u64 = 250_000;
@@ -100,7 +100,7 @@ fn check<'a>(
     let size = (kind.size() * shape.multiplicity()) as u64;
     let offset = json.byte_offset.unwrap_or_default().0;
     if let Some(view) = json.buffer_view {
-        check_span(gear, index, view, Span { offset, count: json.count.0, size })?;
+        check_span(gear, index, view, ByteRange { offset, count: json.count.0, size })?;
     } else if json.sparse.is_none() {
         return Err(match gear.compression {
             Some(name) => super::compressed(gear.buffers.path, name),
@@ -116,7 +116,7 @@ fn check<'a>(
 }
 
 /// `count` items of `size` bytes, from `offset` in their view on.
-struct Span {
+struct ByteRange {
     offset: u64,
     count: u64,
     size: u64,
@@ -128,7 +128,7 @@ fn check_span<'a>(
     gear: &mut Gear<'a>,
     index: usize,
     view: Index<View>,
-    span: Span,
+    span: ByteRange,
 ) -> Result<(&'a View, u64)> {
     let root = gear.document.as_json();
     let Some(json) = root.buffer_views.get(view.value()) else {
@@ -139,7 +139,7 @@ fn check_span<'a>(
     if start.checked_add(json.byte_length.0).is_none_or(|end| end > length) {
         let error =
             Error::new(gear.buffers.path, "has a buffer view beyond its buffer", EXPORT_AGAIN);
-        return Err(error.at(Place::Element("bufferView", view.value() as u64)));
+        return Err(error.at(Location::Element("bufferView", view.value() as u64)));
     }
     let stride = json.byte_stride.map_or(0, |s| s.0 as u64);
     // Zero is the same as none, to the crate too.
@@ -171,10 +171,10 @@ fn check_sparse(
     if count == 0 || count > total {
         return Err(bad(gear, index, "is sparse, with a wrong count"));
     }
-    let values = Span { offset: sparse.values.byte_offset.0, count, size };
+    let values = ByteRange { offset: sparse.values.byte_offset.0, count, size };
     check_span(gear, index, sparse.values.buffer_view, values)?;
     let (offset, size) = (sparse.indices.byte_offset.0, kind.0.size() as u64);
-    let span = Span { offset, count, size };
+    let span = ByteRange { offset, count, size };
     let (view, stride) = check_span(gear, index, sparse.indices.buffer_view, span)?;
     let start = view.byte_offset.unwrap_or_default().0 + offset;
     let bytes = gear.buffers.get(view.buffer.value()).unwrap_or_default();
@@ -195,5 +195,5 @@ fn check_sparse(
 fn bad(gear: &Gear<'_>, index: usize, what: &str) -> Error {
     let what = format!("has an accessor that {what}");
     let error = Error::new(gear.buffers.path, what, EXPORT_AGAIN);
-    error.at(Place::Element("accessor", index as u64))
+    error.at(Location::Element("accessor", index as u64))
 }

@@ -14,7 +14,7 @@ use percent_encoding::percent_decode_str;
 
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::excerpt;
-use crate::{Error, Place, Result};
+use crate::{Error, Location, Result};
 
 /// All buffers together hold no more than this.
 const MOST_BYTES: u64 = 8 << 30;
@@ -151,7 +151,7 @@ impl<'a> Buffers<'a> {
 
     fn error(&self, index: usize, what: &str, help: &str) -> Error {
         let error = Error::new(self.path, format!("has a buffer that {what}"), help);
-        error.at(Place::Element("buffer", index as u64))
+        error.at(Location::Element("buffer", index as u64))
     }
 }
 

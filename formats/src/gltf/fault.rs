@@ -5,7 +5,7 @@ use ::gltf::json::mesh::Primitive;
 
 use super::{Gear, primitive};
 use crate::source::EXPORT_AGAIN;
-use crate::{Error, Place, Result};
+use crate::{Error, Location, Result};
 
 /// The error for a file whose scene, in which some mesh was `placed` or none,
 /// has no triangles: the first fault in what it holds, or what is missing.
@@ -42,7 +42,7 @@ fn check_references(gear: &Gear<'_>) -> Result<()> {
     let root = gear.document.as_json();
     let dangling = |kind, index: usize, what: String| {
         let error = Error::new(gear.buffers.path, what, EXPORT_AGAIN);
-        Err(error.at(Place::Element(kind, index as u64)))
+        Err(error.at(Location::Element(kind, index as u64)))
     };
     for (i, accessor) in root.accessors.iter().enumerate() {
         let view = accessor.buffer_view.map_or(0, |view| view.value());
@@ -90,5 +90,6 @@ fn check_counts(gear: &Gear<'_>, index: usize, primitive: &Primitive) -> Result<
         "has a mesh whose attributes differ in count: accessor {first} has {count} items, \
          accessor {other} has {wrong}"
     );
-    Err(Error::new(gear.buffers.path, what, EXPORT_AGAIN).at(Place::Element("mesh", index as u64)))
+    Err(Error::new(gear.buffers.path, what, EXPORT_AGAIN)
+        .at(Location::Element("mesh", index as u64)))
 }

@@ -8,7 +8,7 @@ use std::ops::Range;
 
 use crate::damage::{self, SEND_AS_BINARY};
 use crate::source::{EXPORT_AGAIN, Source};
-use crate::{Error, Place, Result};
+use crate::{Error, Location, Result};
 
 /// A header of three words.
 const HEADER: usize = 12;
@@ -41,7 +41,7 @@ fn read_bytes(source: &mut Source) -> Result<Vec<u8>> {
     let length = word(&source.head, 8).unwrap_or(0);
     if (length as usize) < HEADER + CHUNK {
         let what = format!("is no complete GLB file: it has {length} bytes by its header");
-        return Err(source.error(what, EXPORT_AGAIN).at(Place::Byte(8)));
+        return Err(source.error(what, EXPORT_AGAIN).at(Location::Byte(8)));
     }
     let mut bytes = Vec::new();
     let read = (&mut source.stream).take(u64::from(length)).read_to_end(&mut bytes);
@@ -110,5 +110,5 @@ fn word(bytes: &[u8], at: usize) -> Option<u32> {
 
 fn bad(source: &Source, what: &str, at: usize) -> Error {
     let what = format!("is no sound glTF 2.0 file: {what}");
-    source.error(what, EXPORT_AGAIN).at(Place::Byte(at as u64))
+    source.error(what, EXPORT_AGAIN).at(Location::Byte(at as u64))
 }

@@ -3,7 +3,7 @@
 use super::Gear;
 use super::scene::bad;
 use crate::source::EXPORT_AGAIN;
-use crate::{Error, Place, Result};
+use crate::{Error, Location, Result};
 
 /// The parent of each node. Every node has one at most, and none is below
 /// itself: in a loop no node is a root, so that it would get lost silently.
@@ -45,5 +45,5 @@ fn in_loop(parents: &[Option<usize>]) -> Option<usize> {
 
 fn two_parents(gear: &Gear<'_>, node: usize, [a, b]: [usize; 2]) -> Error {
     let what = format!("has a node that is in the scene twice, below node {a} and below node {b}");
-    Error::new(gear.buffers.path, what, EXPORT_AGAIN).at(Place::Element("node", node as u64))
+    Error::new(gear.buffers.path, what, EXPORT_AGAIN).at(Location::Element("node", node as u64))
 }

@@ -4,11 +4,11 @@ use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked::Valid;
 
 use super::scene::bad;
-use super::transform::Affine;
+use super::transform::NodeTransform;
 use super::{Gear, accessor};
 use crate::limits::check_room;
 use crate::source::EXPORT_AGAIN;
-use crate::{Error, Place, Result, Soup};
+use crate::{Error, Location, Result, Soup};
 
 /// A small file can place one mesh many times. So many bytes the soup may
 /// take whatever the file's size; more only in proportion.
@@ -21,10 +21,10 @@ pub(super) fn read(
     gear: &mut Gear<'_>,
     mesh: usize,
     primitive: &Primitive,
-    place: &Affine,
+    place: &NodeTransform,
     soup: &mut Soup,
 ) -> Result<()> {
-    let Some(Triangles { mode, corners, points }) = load(gear, mesh, primitive)? else {
+    let Some(IndexedTriangles { mode, corners, points }) = load(gear, mesh, primitive)? else {
         return Ok(());
     };
     check_budget(gear, soup, points.len(), corners.triangles(mode))?;
@@ -40,7 +40,7 @@ pub(super) fn read(
 
 /// Checks `primitive` as `read` does, and returns how many bytes it would take.
 pub(super) fn size(gear: &mut Gear<'_>, mesh: usize, primitive: &Primitive) -> Result<u64> {
-    if let Some(Triangles { mode, corners, points }) = load(gear, mesh, primitive)? {
+    if let Some(IndexedTriangles { mode, corners, points }) = load(gear, mesh, primitive)? {
         return Ok(bytes(points.len() as u64, corners.triangles(mode) as u64));
     }
     // Whatever it is, the numbers should be there.
@@ -54,13 +54,17 @@ pub(super) fn is_of_triangles(primitive: &Primitive) -> bool {
 }
 
 /// What a primitive consists of.
-struct Triangles {
+struct IndexedTriangles {
     mode: Mode,
-    corners: Corners,
+    corners: CornerIndices,
     points: Vec<[f64; 3]>,
 }
 
-fn load(gear: &mut Gear<'_>, mesh: usize, primitive: &Primitive) -> Result<Option<Triangles>> {
+fn load(
+    gear: &mut Gear<'_>,
+    mesh: usize,
+    primitive: &Primitive,
+) -> Result<Option<IndexedTriangles>> {
     let Valid(mode) = primitive.mode else {
         return Err(bad(gear, "mesh", mesh, "consists of an unknown kind of primitive"));
     };
@@ -80,8 +84,8 @@ fn load(gear: &mut Gear<'_>, mesh: usize, primitive: &Primitive) -> Result<Optio
         None => None,
     };
     let points = accessor::positions(gear, positions)?;
-    let corners = listed.map_or(Corners::All(points.len()), Corners::Listed);
-    Ok(Some(Triangles { mode, corners, points }))
+    let corners = listed.map_or(CornerIndices::All(points.len()), CornerIndices::Listed);
+    Ok(Some(IndexedTriangles { mode, corners, points }))
 }
 
 /// The vertex numbers in accessor `indices`, checked against how many
@@ -92,7 +96,7 @@ fn listed(gear: &mut Gear<'_>, indices: usize, positions: usize) -> Result<Vec<u
     if let Some(index) = list.iter().find(|&&i| u64::from(i) >= count) {
         let what = format!("has a triangle with vertex {index}, but only {count} vertices");
         let error = Error::new(gear.buffers.path, what, EXPORT_AGAIN);
-        return Err(error.at(Place::Element("accessor", indices as u64)));
+        return Err(error.at(Location::Element("accessor", indices as u64)));
     }
     Ok(list)
 }
@@ -107,23 +111,23 @@ fn mode_corners(mode: Mode, i: usize) -> [usize; 3] {
 }
 
 /// The vertex numbers of a primitive: given, or one vertex after the other.
-enum Corners {
+enum CornerIndices {
     Listed(Vec<u32>),
     All(usize),
 }
 
-impl Corners {
+impl CornerIndices {
     fn len(&self) -> usize {
         match self {
-            Corners::Listed(list) => list.len(),
-            Corners::All(count) => *count,
+            CornerIndices::Listed(list) => list.len(),
+            CornerIndices::All(count) => *count,
         }
     }
 
     fn get(&self, at: usize) -> u32 {
         match self {
-            Corners::Listed(list) => list[at],
-            Corners::All(_) => at as u32,
+            CornerIndices::Listed(list) => list[at],
+            CornerIndices::All(_) => at as u32,
         }
     }
 

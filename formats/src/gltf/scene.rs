@@ -1,9 +1,9 @@
 //! The nodes of the scene, and the meshes that they place.
 
-use super::transform::Affine;
+use super::transform::NodeTransform;
 use super::{Gear, graph, primitive};
 use crate::source::EXPORT_AGAIN;
-use crate::{Error, Place, Result, Soup};
+use crate::{Error, Location, Result, Soup};
 
 /// Reads the default scene into `soup`; whether it places any mesh.
 pub(super) fn read(gear: &mut Gear<'_>, soup: &mut Soup) -> Result<bool> {
@@ -11,8 +11,8 @@ pub(super) fn read(gear: &mut Gear<'_>, soup: &mut Soup) -> Result<bool> {
     let root = gear.document.as_json();
     let mut seen = vec![false; root.nodes.len()];
     // A stack, not recursion: the tree may be as deep as the file likes.
-    let mut open: Vec<(usize, Affine)> = Vec::new();
-    open.extend(roots(gear)?.into_iter().rev().map(|node| (node, Affine::IDENTITY)));
+    let mut open: Vec<(usize, NodeTransform)> = Vec::new();
+    open.extend(roots(gear)?.into_iter().rev().map(|node| (node, NodeTransform::IDENTITY)));
     while let Some((index, outer)) = open.pop() {
         let Some(node) = root.nodes.get(index) else {
             return Err(bad(gear, "node", index, "does not exist"));
@@ -21,7 +21,7 @@ pub(super) fn read(gear: &mut Gear<'_>, soup: &mut Soup) -> Result<bool> {
         if std::mem::replace(&mut seen[index], true) {
             return Err(bad(gear, "node", index, "is in the scene twice"));
         }
-        let place = outer.after(&Affine::of(node));
+        let place = outer.after(&NodeTransform::of(node));
         if !place.is_finite() {
             return Err(bad(gear, "node", index, "is scaled or moved to infinity"));
         }
@@ -50,7 +50,12 @@ fn roots(gear: &Gear<'_>) -> Result<Vec<usize>> {
     }
 }
 
-fn read_mesh(gear: &mut Gear<'_>, index: usize, place: &Affine, soup: &mut Soup) -> Result<()> {
+fn read_mesh(
+    gear: &mut Gear<'_>,
+    index: usize,
+    place: &NodeTransform,
+    soup: &mut Soup,
+) -> Result<()> {
     let Some(mesh) = gear.document.as_json().meshes.get(index) else {
         return Err(bad(gear, "mesh", index, "does not exist"));
     };
@@ -62,5 +67,5 @@ fn read_mesh(gear: &mut Gear<'_>, index: usize, place: &Affine, soup: &mut Soup)
 
 pub(super) fn bad(gear: &Gear<'_>, kind: &'static str, index: usize, what: &str) -> Error {
     let error = Error::new(gear.buffers.path, format!("has a {kind} that {what}"), EXPORT_AGAIN);
-    error.at(Place::Element(kind, index as u64))
+    error.at(Location::Element(kind, index as u64))
 }

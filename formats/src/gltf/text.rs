@@ -24,7 +24,7 @@ pub(super) type Scenes = Vec<Vec<u64>>;
 
 /// What is looked at here. Nothing of it is copied.
 #[derive(Deserialize)]
-struct Parts<'a> {
+struct JsonParts<'a> {
     #[serde(borrow)]
     asset: Option<&'a RawValue>,
     scenes: Option<&'a RawValue>,
@@ -84,7 +84,7 @@ fn objects(text: &[u8]) -> usize {
 /// Takes out what the crate need not see. `None` if that cannot be found: then
 /// the crate says why.
 fn prepare(source: &Source, text: &mut [u8]) -> Result<Option<Scenes>> {
-    let Ok(parts) = serde_json::from_slice::<Parts>(text) else { return Ok(None) };
+    let Ok(parts) = serde_json::from_slice::<JsonParts>(text) else { return Ok(None) };
     check_asset(source, &parts)?;
     let scenes = parts.scenes.map_or(Some(Vec::new()), read_scenes);
     let unneeded = [
@@ -126,7 +126,7 @@ fn empty(array: &mut [u8]) {
 }
 
 /// Checks the version, before the crate says what else is other than in 2.0.
-fn check_asset(source: &Source, parts: &Parts) -> Result<()> {
+fn check_asset(source: &Source, parts: &JsonParts) -> Result<()> {
     let asset = parts.asset.and_then(|asset| serde_json::from_str::<Asset>(asset.get()).ok());
     if let Some(asset) = asset {
         return check_version(source, &asset.version);

@@ -4,16 +4,16 @@ use ::gltf::json::Node;
 
 /// An affine map: the three columns of its matrix, and the translation.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Affine([[f64; 3]; 4]);
+pub(super) struct NodeTransform([[f64; 3]; 4]);
 
-impl Affine {
-    pub(super) const IDENTITY: Affine =
-        Affine([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]);
+impl NodeTransform {
+    pub(super) const IDENTITY: NodeTransform =
+        NodeTransform([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]);
 
     /// The transform that `node` has against its parent.
-    pub(super) fn of(node: &Node) -> Affine {
+    pub(super) fn of(node: &Node) -> NodeTransform {
         if let Some(m) = node.matrix {
-            return Affine([0, 4, 8, 12].map(|c| [m[c], m[c + 1], m[c + 2]].map(f64::from)));
+            return NodeTransform([0, 4, 8, 12].map(|c| [m[c], m[c + 1], m[c + 2]].map(f64::from)));
         }
         let [x, y, z, w] = unit(node.rotation.unwrap_or_default().0.map(f64::from));
         let scale = node.scale.unwrap_or([1.0; 3]).map(f64::from);
@@ -26,13 +26,13 @@ impl Affine {
         for (column, s) in columns.iter_mut().zip(scale) {
             *column = column.map(|v| v * s);
         }
-        Affine(columns)
+        NodeTransform(columns)
     }
 
     /// First `inner`, then this.
-    pub(super) fn after(&self, inner: &Affine) -> Affine {
+    pub(super) fn after(&self, inner: &NodeTransform) -> NodeTransform {
         let [a, b, c, origin] = inner.0;
-        Affine([self.turn(a), self.turn(b), self.turn(c), self.apply(origin)])
+        NodeTransform([self.turn(a), self.turn(b), self.turn(c), self.apply(origin)])
     }
 
     pub(super) fn apply(&self, point: [f64; 3]) -> [f64; 3] {

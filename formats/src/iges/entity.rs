@@ -4,7 +4,7 @@ use std::borrow::Cow;
 use std::io;
 
 use super::parameters::Parameters;
-use crate::brep::{PCurve, Surface};
+use crate::brep::{BrepSurface, PCurve};
 use crate::spline::{SplineCurve, SplineSurface};
 
 /// Points to an entity: the number of its first directory line.
@@ -19,8 +19,8 @@ impl std::fmt::Display for Pointer {
 
 /// An entity with what its directory entry says of it.
 pub(super) struct Entity<'a> {
-    pub body: Body<'a>,
-    pub status: Status,
+    pub body: EntityData<'a>,
+    pub status: EntityStatus,
     /// Up to eight letters and digits, which CAD programs show as a name.
     pub label: String,
     /// The name property that belongs to the entity.
@@ -32,7 +32,7 @@ pub(super) struct Entity<'a> {
 /// The status number of a directory entry (IGES 5.3, clause 2.2.4.4.9): all
 /// entities are visible; they differ in what they depend on and are used for.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Status {
+pub(super) enum EntityStatus {
     /// Stands for itself.
     Independent,
     /// Part of one parent.
@@ -47,21 +47,21 @@ pub(super) enum Status {
     Definition,
 }
 
-impl Status {
+impl EntityStatus {
     pub(super) fn number(self) -> &'static str {
         match self {
-            Status::Independent => "00000000",
-            Status::Part => "00010000",
-            Status::ParameterPlane => "00010500",
-            Status::PartWithParentsAttributes => "00010001",
-            Status::Member => "00020000",
-            Status::Definition => "00000200",
+            EntityStatus::Independent => "00000000",
+            EntityStatus::Part => "00010000",
+            EntityStatus::ParameterPlane => "00010500",
+            EntityStatus::PartWithParentsAttributes => "00010001",
+            EntityStatus::Member => "00020000",
+            EntityStatus::Definition => "00000200",
         }
     }
 }
 
 /// What an entity is made of.
-pub(super) enum Body<'a> {
+pub(super) enum EntityData<'a> {
     /// 102, a curve of curves.
     Composite(Vec<Pointer>),
     /// 126, a B-spline curve in space.
@@ -69,7 +69,7 @@ pub(super) enum Body<'a> {
     /// 126, a B-spline curve in a parameter plane.
     PCurve(Cow<'a, PCurve>),
     /// 128, a B-spline surface.
-    Surface(&'a Surface),
+    Surface(&'a BrepSurface),
     /// 142, a curve on a surface, given twice.
     OnSurface { surface: Pointer, flat: Pointer, space: Pointer },
     /// 144, a trimmed surface.
@@ -95,24 +95,24 @@ pub(super) enum Body<'a> {
     Shell { faces: Vec<(Pointer, bool)>, closed: bool },
 }
 
-impl Body<'_> {
+impl EntityData<'_> {
     /// Entity type and form number.
     pub(super) fn kind(&self) -> (u16, u16) {
         match self {
-            Body::Composite(_) => (102, 0),
-            Body::Curve(_) | Body::PCurve(_) => (126, 0),
-            Body::Surface(_) => (128, 0),
-            Body::OnSurface { .. } => (142, 0),
-            Body::Trimmed { .. } => (144, 0),
-            Body::Solid { .. } => (186, 0),
-            Body::Colour(_) => (314, 0),
-            Body::Group(_) => (402, 7),
-            Body::Name(_) => (406, 15),
-            Body::Vertices(_) => (502, 1),
-            Body::Edges { .. } => (504, 1),
-            Body::Loop { .. } => (508, 1),
-            Body::Face { .. } => (510, 1),
-            Body::Shell { closed, .. } => (514, if *closed { 1 } else { 2 }),
+            EntityData::Composite(_) => (102, 0),
+            EntityData::Curve(_) | EntityData::PCurve(_) => (126, 0),
+            EntityData::Surface(_) => (128, 0),
+            EntityData::OnSurface { .. } => (142, 0),
+            EntityData::Trimmed { .. } => (144, 0),
+            EntityData::Solid { .. } => (186, 0),
+            EntityData::Colour(_) => (314, 0),
+            EntityData::Group(_) => (402, 7),
+            EntityData::Name(_) => (406, 15),
+            EntityData::Vertices(_) => (502, 1),
+            EntityData::Edges { .. } => (504, 1),
+            EntityData::Loop { .. } => (508, 1),
+            EntityData::Face { .. } => (510, 1),
+            EntityData::Shell { closed, .. } => (514, if *closed { 1 } else { 2 }),
         }
     }
 }
@@ -132,42 +132,42 @@ impl Entity<'_> {
     }
 }
 
-impl Body<'_> {
+impl EntityData<'_> {
     fn compose(&self, p: &mut Parameters<'_>) -> io::Result<()> {
         match self {
-            Body::Composite(parts) | Body::Group(parts) => counted(p, parts),
-            Body::Curve(c) => {
+            EntityData::Composite(parts) | EntityData::Group(parts) => counted(p, parts),
+            EntityData::Curve(c) => {
                 curve(p, c, false)?;
                 points(p, c.poles())?;
                 curve_end(p, c, 0.0)
             }
-            Body::PCurve(c) => {
+            EntityData::PCurve(c) => {
                 curve(p, c, true)?;
                 c.poles().iter().try_for_each(|[u, v]| p.reals(&[*u, *v, 0.0]))?;
                 curve_end(p, c, 1.0)
             }
-            Body::Surface(Surface::Spline(s)) => surface(p, s),
-            Body::OnSurface { surface, flat, space } => on_surface(p, [surface, flat, space]),
-            Body::Trimmed { surface, loops } => trimmed(p, *surface, loops),
-            Body::Colour(percent) => p.reals(percent),
-            Body::Name(name) => {
+            EntityData::Surface(BrepSurface::Spline(s)) => surface(p, s),
+            EntityData::OnSurface { surface, flat, space } => on_surface(p, [surface, flat, space]),
+            EntityData::Trimmed { surface, loops } => trimmed(p, *surface, loops),
+            EntityData::Colour(percent) => p.reals(percent),
+            EntityData::Name(name) => {
                 p.add(1)?;
                 p.text(name)
             }
-            Body::Vertices(vertices) => {
+            EntityData::Vertices(vertices) => {
                 p.add(vertices.len())?;
                 points(p, vertices)
             }
-            Body::Edges { vertices, edges } => edge_list(p, *vertices, edges),
-            Body::Loop { edges, uses } => edge_loop(p, *edges, uses),
-            Body::Face { surface, loops } => {
+            EntityData::Edges { vertices, edges } => edge_list(p, *vertices, edges),
+            EntityData::Loop { edges, uses } => edge_loop(p, *edges, uses),
+            EntityData::Face { surface, loops } => {
                 p.add(surface)?;
                 p.add(loops.len())?;
                 p.add(1)?; // the first loop is the outer one
                 loops.iter().try_for_each(|l| p.add(l))
             }
-            Body::Shell { faces, .. } => shell(p, faces),
-            Body::Solid { outer, voids } => solid(p, *outer, voids),
+            EntityData::Shell { faces, .. } => shell(p, faces),
+            EntityData::Solid { outer, voids } => solid(p, *outer, voids),
         }
     }
 }

@@ -4,18 +4,18 @@ use super::statements::words;
 use crate::limits::check_room;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::excerpt;
-use crate::{Error, Place, Result, Soup};
+use crate::{Error, Location, Result, Soup};
 
 /// Reads faces; of their corners `1/2/3` only the vertex numbers.
 #[derive(Default)]
-pub(super) struct Faces {
+pub(super) struct FaceLines {
     /// The corners of the current face.
     corners: Vec<u32>,
     /// The greatest vertex number so far, and its line.
     greatest: (i64, u64),
 }
 
-impl Faces {
+impl FaceLines {
     /// Adds to `soup` the face that stands in the current line of `source`,
     /// with `count` vertices before it.
     pub(super) fn push(
@@ -37,7 +37,7 @@ impl Faces {
             return check_small(source);
         }
         check_room(&source.path, soup, 0, self.corners.len() as u64)
-            .map_err(|e| e.at(Place::Line(source.line)))?;
+            .map_err(|e| e.at(Location::Line(source.line)))?;
         soup.polygons.push(self.corners.iter().copied());
         Ok(())
     }
@@ -91,5 +91,5 @@ fn out_of_range(source: &Source, line: u64, number: i64, count: u64) -> Error {
         n if n < 0 => format!("has a face with vertex {n}, but only {count} vertices before it"),
         n => format!("has a face with vertex {n}, but only {count} vertices"),
     };
-    Error::new(&source.path, what, EXPORT_AGAIN).at(Place::Line(line))
+    Error::new(&source.path, what, EXPORT_AGAIN).at(Location::Line(line))
 }

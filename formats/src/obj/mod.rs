@@ -10,7 +10,7 @@ mod faces;
 mod statements;
 mod vertices;
 
-use self::faces::Faces;
+use self::faces::FaceLines;
 use self::statements::{Statement, Statements};
 use self::vertices::Vertices;
 use crate::source::Source;
@@ -35,7 +35,7 @@ fn is_number(word: &[u8]) -> bool {
 pub(crate) fn read(source: Source) -> Result<Soup> {
     let mut statements = Statements::new(source);
     let mut vertices = Vertices::default();
-    let mut faces = Faces::default();
+    let mut faces = FaceLines::default();
     let mut soup = Soup::default();
     let done = read_statements(&mut statements, &mut vertices, &mut faces, &mut soup);
     // A vertex that still waits stands before the place where reading stopped,
@@ -49,7 +49,7 @@ pub(crate) fn read(source: Source) -> Result<Soup> {
 fn read_statements(
     statements: &mut Statements,
     vertices: &mut Vertices,
-    faces: &mut Faces,
+    faces: &mut FaceLines,
     soup: &mut Soup,
 ) -> Result<()> {
     while statements.advance()? {

@@ -8,7 +8,7 @@ use super::statements::words;
 use crate::limits::check_room;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
-use crate::{Error, Place, Result, Soup};
+use crate::{Error, Location, Result, Soup};
 
 /// How many vertices tobj gets at a time: few enough to stay in the cache.
 const BATCH: usize = 4096;
@@ -62,7 +62,7 @@ impl Vertices {
     pub(super) fn flush(&mut self, source: &Source, soup: &mut Soup) -> Result<()> {
         let Some(&last) = self.lines.last() else { return Ok(()) };
         check_room(&source.path, soup, self.len() as u64, 0)
-            .map_err(|e| e.at(Place::Line(last)))?;
+            .map_err(|e| e.at(Location::Line(last)))?;
         self.write_list();
         self.text.extend_from_slice(&self.list);
         let mut rest = self.text.as_slice();
@@ -103,7 +103,7 @@ impl Vertices {
         };
         let error = Error::new(&source.path, what, number_help(&statement));
         match self.lines.get(statements.count()) {
-            Some(&line) => error.at(Place::Line(line)),
+            Some(&line) => error.at(Location::Line(line)),
             None => error,
         }
     }

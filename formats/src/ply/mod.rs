@@ -15,10 +15,10 @@ use ply_rs::ply::{ElementDef, Encoding, PropertyAccess, PropertyType, ScalarType
 
 use self::ascii::AsciiRows;
 use self::header::{Element, Header};
-use self::rows::{CHANNELS, Corners, Ignored, Position};
+use self::rows::{CHANNELS, Ignored, Position, VertexNumbers};
 use crate::limits::check_room;
 use crate::source::{EXPORT_AGAIN, Source};
-use crate::{Error, Place, Result, Soup};
+use crate::{Error, Location, Result, Soup};
 
 /// Whether `head` begins a PLY file: with a line of this one word. (The free
 /// text of a binary STL may begin with it too, but goes on.)
@@ -104,12 +104,12 @@ fn read_faces(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()>
         body,
         element,
         |name| name == list,
-        |source, i, row: Corners| {
+        |source, i, row: VertexNumbers| {
             check_room(&source.path, soup, 0, row.len() as u64)?;
             // Points and lines among the faces bound no surface.
             if row.len() >= 3 {
                 if let Some(c) = row.indices().find(|&c| vertex(c).is_none()) {
-                    return Err(negative(source, "face", c, Place::Face(i)));
+                    return Err(negative(source, "face", c, Location::Face(i)));
                 }
                 match row.triangle() {
                     // Nearly every face there is.
@@ -134,7 +134,7 @@ fn read_strips(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()
         body,
         element,
         |name| name == list,
-        |source, i, row: Corners| {
+        |source, i, row: VertexNumbers| {
             check_room(&source.path, soup, 0, 3 * row.len() as u64)?;
             let mut strip = Strip::default();
             for index in row.indices() {
@@ -142,7 +142,7 @@ fn read_strips(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()
                     Some(corner) => strip.push(corner, soup),
                     None if index == -1 => strip.seen = 0,
                     None => {
-                        let place = Place::Element("row of tristrips", i);
+                        let place = Location::Element("row of tristrips", i);
                         return Err(negative(source, "strip", index, place));
                     }
                 }
@@ -204,24 +204,24 @@ fn each_row<E: PropertyAccess>(
 }
 
 /// Why a row cannot be read.
-enum Failure {
+enum RowFailure {
     Ours(Error),
     Theirs(ParseError),
     End,
 }
 
-impl Failure {
+impl RowFailure {
     fn at(self, body: &Body, element: &Element, row: u64) -> Error {
         match self {
-            Failure::Ours(error) => error,
-            Failure::End => cut(body, element, row),
-            Failure::Theirs(e) if e.kind() == io::ErrorKind::UnexpectedEof => {
+            RowFailure::Ours(error) => error,
+            RowFailure::End => cut(body, element, row),
+            RowFailure::Theirs(e) if e.kind() == io::ErrorKind::UnexpectedEof => {
                 cut(body, element, row)
             }
-            Failure::Theirs(_) if body.encoding == Encoding::Ascii => {
+            RowFailure::Theirs(_) if body.encoding == Encoding::Ascii => {
                 body.ascii.unreadable(&body.source, &element.name)
             }
-            Failure::Theirs(e) => {
+            RowFailure::Theirs(e) => {
                 let what = format!("has a damaged row {row} of element {}: {e}", element.name);
                 Error::new(&body.source.path, what, EXPORT_AGAIN)
             }
@@ -235,18 +235,18 @@ fn read_row<E: PropertyAccess>(
     element: &Element,
     def: &ElementDef,
     wanted: impl Fn(&str) -> bool,
-) -> std::result::Result<E, Failure> {
+) -> std::result::Result<E, RowFailure> {
     let stream = &mut body.source.stream;
     let row = match body.encoding {
         Encoding::BinaryLittleEndian => parser.read_little_endian_element(stream, def),
         Encoding::BinaryBigEndian => parser.read_big_endian_element(stream, def),
         Encoding::Ascii => {
             let text = body.ascii.next(&mut body.source, element, wanted);
-            let text = text.map_err(Failure::Ours)?.ok_or(Failure::End)?;
+            let text = text.map_err(RowFailure::Ours)?.ok_or(RowFailure::End)?;
             parser.read_ascii_element(text, def)
         }
     };
-    row.map_err(Failure::Theirs)
+    row.map_err(RowFailure::Theirs)
 }
 
 /// The error that the file ends before the header's count is reached.
@@ -255,8 +255,8 @@ fn cut(body: &Body, element: &Element, row: u64) -> Error {
     let what = format!("ends after {row} of the {count} rows of element {name}");
     let error = Error::new(&body.source.path, what, EXPORT_AGAIN);
     match name.as_str() {
-        "vertex" => error.at(Place::Vertex(row)),
-        "face" => error.at(Place::Face(row)),
+        "vertex" => error.at(Location::Vertex(row)),
+        "face" => error.at(Location::Face(row)),
         _ => error,
     }
 }
@@ -290,7 +290,7 @@ fn check_indices(body: &Body, header: &Header, soup: &Soup) -> Result<()> {
                 .elements
                 .iter()
                 .any(|e| e.name == "face" && e.count == soup.polygons.len() as u64);
-            return Err(if counted { error.at(Place::Face(i as u64)) } else { error });
+            return Err(if counted { error.at(Location::Face(i as u64)) } else { error });
         }
     }
     Ok(())
@@ -305,7 +305,7 @@ fn vertex(index: i64) -> Option<u32> {
     u32::try_from(index).ok()
 }
 
-fn negative(source: &Source, of: &str, index: i64, place: Place) -> Error {
+fn negative(source: &Source, of: &str, index: i64, place: Location) -> Error {
     let what = format!("has a {of} with the negative vertex number {index}");
     Error::new(&source.path, what, EXPORT_AGAIN).at(place)
 }

@@ -45,12 +45,12 @@ impl PropertyAccess for Position {
 
 /// A face or strip: its list of vertex numbers. Those of type `int`, which
 /// nearly all files have, are parsed in place; `uint` alone needs more.
-pub(super) struct Corners {
+pub(super) struct VertexNumbers {
     ints: Vec<i32>,
     uints: Vec<u32>,
 }
 
-impl Corners {
+impl VertexNumbers {
     pub(super) fn len(&self) -> usize {
         self.ints.len() + self.uints.len()
     }
@@ -85,9 +85,9 @@ macro_rules! corner_lists {
     };
 }
 
-impl PropertyAccess for Corners {
+impl PropertyAccess for VertexNumbers {
     fn new() -> Self {
-        Corners { ints: Vec::new(), uints: Vec::new() }
+        VertexNumbers { ints: Vec::new(), uints: Vec::new() }
     }
 
     fn begin_list_int(&mut self, name: &str, _len: usize) -> BeginList<'_, i32> {

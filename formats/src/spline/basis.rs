@@ -8,14 +8,14 @@ const ROOM: usize = MAX_DEGREE + 1;
 /// The basis functions that are not zero at a parameter, and their first two
 /// derivatives; function `j` belongs to pole `first + j`.
 #[derive(Debug, Clone)]
-pub struct Basis {
+pub struct SplineBasis {
     /// The number of the first pole that matters.
     pub first: usize,
     /// `derivative[k][j]` is the `k`-th derivative of function `j`.
     pub derivative: [[f64; ROOM]; 3],
 }
 
-impl Basis {
+impl SplineBasis {
     /// At `t`, which is moved into the range if it is outside.
     pub fn new(knots: &SplineKnots, t: f64) -> Self {
         let (low, high) = knots.range();
@@ -38,7 +38,7 @@ impl Basis {
         } else {
             [0.0; ROOM]
         };
-        Basis { first: span - p, derivative: [row, first, second] }
+        SplineBasis { first: span - p, derivative: [row, first, second] }
     }
 }
 

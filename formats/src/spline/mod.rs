@@ -3,7 +3,7 @@
 
 mod basis;
 
-pub use basis::Basis;
+pub use basis::SplineBasis;
 
 /// OpenCASCADE's limit; other kernels' are no higher.
 pub(crate) const MAX_DEGREE: usize = 25;
@@ -149,13 +149,13 @@ impl<const D: usize> SplineCurve<D> {
 
     /// The point at `t`, which is moved into the range if it is outside.
     pub fn point(&self, t: f64) -> [f64; D] {
-        let (sum, weights) = self.sum(&Basis::new(&self.knots, t), 0);
+        let (sum, weights) = self.sum(&SplineBasis::new(&self.knots, t), 0);
         sum.map(|x| x / weights)
     }
 
     /// The derivative at `t`, which is moved into the range if it is outside.
     pub fn speed(&self, t: f64) -> [f64; D] {
-        let basis = Basis::new(&self.knots, t);
+        let basis = SplineBasis::new(&self.knots, t);
         let [(sum, weights), (mut speed, change)] = [0, 1].map(|k| self.sum(&basis, k));
         speed.iter_mut().zip(sum).for_each(|(s, x)| *s = (*s - change * x / weights) / weights);
         speed
@@ -163,7 +163,7 @@ impl<const D: usize> SplineCurve<D> {
 
     /// The sum of the poles by weight and by the `k`-th derivative of their functions, and that
     /// of the weights.
-    fn sum(&self, basis: &Basis, k: usize) -> ([f64; D], f64) {
+    fn sum(&self, basis: &SplineBasis, k: usize) -> ([f64; D], f64) {
         let (mut sum, mut weights) = ([0.0; D], 0.0);
         for j in 0..=self.knots.degree {
             let i = basis.first + j;
@@ -242,13 +242,14 @@ impl SplineSurface {
 
     /// The point at (u, v), which is moved into the ranges if it is outside.
     pub fn point(&self, u: f64, v: f64) -> [f64; 3] {
-        let (sum, weights) = self.sum([&Basis::new(&self.u, u), &Basis::new(&self.v, v)], [0, 0]);
+        let (sum, weights) =
+            self.sum([&SplineBasis::new(&self.u, u), &SplineBasis::new(&self.v, v)], [0, 0]);
         sum.map(|x| x / weights)
     }
 
     /// The point at (u, v), and the derivatives in u and in v.
     pub fn tangents(&self, u: f64, v: f64) -> [[f64; 3]; 3] {
-        let (of_u, of_v) = (Basis::new(&self.u, u), Basis::new(&self.v, v));
+        let (of_u, of_v) = (SplineBasis::new(&self.u, u), SplineBasis::new(&self.v, v));
         let sum = |derivative| self.sum([&of_u, &of_v], derivative);
         let (sums, weights) = sum([0, 0]);
         let point = sums.map(|x| x / weights);
@@ -259,7 +260,7 @@ impl SplineSurface {
 
     /// The sum of the poles by weight and by derivatives of their functions in u and in v, and
     /// that of the weights.
-    fn sum(&self, [of_u, of_v]: [&Basis; 2], [du, dv]: [usize; 2]) -> ([f64; 3], f64) {
+    fn sum(&self, [of_u, of_v]: [&SplineBasis; 2], [du, dv]: [usize; 2]) -> ([f64; 3], f64) {
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
         for i in 0..=self.u.degree {
             for j in 0..=self.v.degree {

@@ -8,15 +8,15 @@ use crate::number::StepReal;
 use crate::time_stamp;
 
 /// What is administered.
-pub(super) struct Parts {
+pub(super) struct ProductIds {
     pub product: Id,
     pub version: Id,
     pub definition: Id,
 }
 
 /// Writes the administrative data; nobody has approved a scan, and they say so.
-pub(super) fn write(file: &mut Part21<'_>, parts: &Parts, time_stamp: &str) -> io::Result<()> {
-    let Parts { product, version, definition } = *parts;
+pub(super) fn write(file: &mut Part21<'_>, parts: &ProductIds, time_stamp: &str) -> io::Result<()> {
+    let ProductIds { product, version, definition } = *parts;
     let level = add!(file, "SECURITY_CLASSIFICATION_LEVEL('unclassified')")?;
     let secrecy = add!(file, "SECURITY_CLASSIFICATION('','',{level})")?;
     add!(file, "CC_DESIGN_SECURITY_CLASSIFICATION({secrecy},({version}))")?;

@@ -2,8 +2,8 @@
 
 use std::io;
 
-use super::part21::{Id, List, Part21, Run, add, reals};
-use crate::brep::{Curve, PCurve, Surface};
+use super::part21::{Id, IdRange, List, Part21, add, reals};
+use crate::brep::{BrepCurve, BrepSurface, PCurve};
 use crate::number::{StepReal, distinct_knots};
 use crate::spline::SplineKnots;
 
@@ -17,8 +17,8 @@ fn point2(file: &mut Part21<'_>, [u, v]: [f64; 2]) -> io::Result<Id> {
 }
 
 /// `B_SPLINE_CURVE_WITH_KNOTS` in space.
-pub(super) fn curve(file: &mut Part21<'_>, curve: &Curve) -> io::Result<Id> {
-    let Curve::Spline(spline) = curve;
+pub(super) fn curve(file: &mut Part21<'_>, curve: &BrepCurve) -> io::Result<Id> {
+    let BrepCurve::Spline(spline) = curve;
     let poles = run(spline.poles(), |p| point(file, *p))?;
     let closed = spline.poles().first() == spline.poles().last();
     knotted_curve(file, poles, (spline.knots(), spline.weights()), closed)
@@ -35,7 +35,7 @@ pub(super) fn pcurve(file: &mut Part21<'_>, spline: &PCurve) -> io::Result<Id> {
 /// the order of the alphabet.
 fn knotted_curve(
     file: &mut Part21<'_>,
-    poles: Run,
+    poles: IdRange,
     (knots, weights): (&SplineKnots, Option<&[f64]>),
     closed: bool,
 ) -> io::Result<Id> {
@@ -62,8 +62,8 @@ fn knotted_curve(
 
 /// `B_SPLINE_SURFACE_WITH_KNOTS`; the first index of the net is u. A rational one is a
 /// complex entity, as a curve is.
-pub(super) fn surface(file: &mut Part21<'_>, surface: &Surface) -> io::Result<Id> {
-    let Surface::Spline(spline) = surface;
+pub(super) fn surface(file: &mut Part21<'_>, surface: &BrepSurface) -> io::Result<Id> {
+    let BrepSurface::Spline(spline) = surface;
     let (rows, columns) = (spline.u().poles(), spline.v().poles());
     let net: Vec<&[[f64; 3]]> = spline.poles().chunks(columns).collect();
     let poles = run(spline.poles(), |p| point(file, *p))?;
@@ -103,7 +103,7 @@ pub(super) fn logical(value: bool) -> &'static str {
 fn run<T>(
     items: impl IntoIterator<Item = T>,
     mut write: impl FnMut(T) -> io::Result<Id>,
-) -> io::Result<Run> {
+) -> io::Result<IdRange> {
     let mut items = items.into_iter();
     // A spline has poles.
     let first = items.next().ok_or(io::ErrorKind::InvalidInput)?;
@@ -113,5 +113,5 @@ fn run<T>(
         write(item)?;
         count += 1;
     }
-    Ok(Run { first, count })
+    Ok(IdRange { first, count })
 }

@@ -11,7 +11,7 @@ mod style;
 use std::io;
 
 use crate::brep::Brep;
-use part21::{Header, Part21};
+use part21::{FileHeader, Part21};
 
 /// Which application protocol a file claims to follow.
 ///
@@ -62,7 +62,7 @@ impl Default for Options {
 /// rules of [`Brep::check`]; otherwise those of `out`.
 pub fn write(brep: &Brep, options: &Options, out: &mut dyn io::Write) -> io::Result<()> {
     brep.check()?;
-    let header = Header {
+    let header = FileHeader {
         name: &brep.name,
         time_stamp: &options.time_stamp,
         originating_system: &options.originating_system,

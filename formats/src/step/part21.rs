@@ -16,7 +16,7 @@ impl fmt::Display for Id {
 }
 
 /// What the header section says (ISO 10303-21, clause 8).
-pub(super) struct Header<'a> {
+pub(super) struct FileHeader<'a> {
     pub name: &'a str,
     pub time_stamp: &'a str,
     pub originating_system: &'a str,
@@ -30,7 +30,7 @@ pub(super) struct Part21<'a> {
 }
 
 impl<'a> Part21<'a> {
-    pub(super) fn begin(out: &'a mut dyn io::Write, header: &Header<'_>) -> io::Result<Self> {
+    pub(super) fn begin(out: &'a mut dyn io::Write, header: &FileHeader<'_>) -> io::Result<Self> {
         let preprocessor = concat!("scan2step-formats ", env!("CARGO_PKG_VERSION"));
         write!(
             out,
@@ -152,20 +152,20 @@ pub(super) fn reals(values: &[f64]) -> List<impl Clone + IntoIterator<Item = Ste
 
 /// The names of `count` entities written in a row, the first being `first`.
 #[derive(Clone, Copy)]
-pub(super) struct Run {
+pub(super) struct IdRange {
     pub first: Id,
     pub count: usize,
 }
 
-impl Run {
+impl IdRange {
     pub(super) fn list(self) -> List<impl Clone + IntoIterator<Item = Id>> {
         let first = self.first.0;
         List((0..self.count as u64).map(move |i| Id(first + i)))
     }
 
     /// The `i`-th of the runs into which this one falls, `count` names each.
-    pub(super) fn part(self, i: usize, count: usize) -> Run {
-        Run { first: Id(self.first.0 + (i * count) as u64), count }
+    pub(super) fn part(self, i: usize, count: usize) -> IdRange {
+        IdRange { first: Id(self.first.0 + (i * count) as u64), count }
     }
 }
 

@@ -54,7 +54,7 @@ pub(super) fn write(file: &mut Part21<'_>, name: &str, options: &Options) -> io:
     let stage = add!(file, "{stage}('{life}',{context},'design')")?;
     let definition = add!(file, "PRODUCT_DEFINITION('design','',{version},{stage})")?;
     if controlled {
-        let parts = admin::Parts { product, version, definition };
+        let parts = admin::ProductIds { product, version, definition };
         admin::write(file, &parts, &options.time_stamp)?;
     }
     add!(file, "PRODUCT_DEFINITION_SHAPE('','',{definition})")

@@ -48,11 +48,11 @@ fn what_is_wrong_with_a_step_file_is_said() {
     let said = replaced("ADVANCED_FACE('',(#", "ADVANCED_FACE('',(#9999");
     assert!(said.contains("which is not in it"), "{said}");
     let said = replaced("VERTEX_POINT('',#", "VERTEX_POINT('',#1,#");
-    assert_eq!(said, "part: is APPLICATION_CONTEXT where CARTESIAN_POINT is due (#1)");
+    assert_eq!(said, "part: is APPLICATION_CONTEXT where CARTESIAN_POINT is expected (#1)");
     let said = replaced("VERTEX_POINT('',#", "VERTEX_POINT('',1.,#");
     assert!(said.contains("attribute 2 of VERTEX_POINT is not a reference (#"), "{said}");
     let said = replaced("OPEN_SHELL(", "OPEN_SHELF(");
-    assert!(said.contains("is OPEN_SHELF where a shell is due (#"), "{said}");
+    assert!(said.contains("is OPEN_SHELF where a shell is expected (#"), "{said}");
     assert_eq!(replaced("SHELL_BASED_SURFACE_MODEL", "GEOMETRIC_SET"), "part: has no faces");
     assert!(replaced("SI_UNIT(.MILLI.", "SI_UNIT(.FURLONG.").contains("is a unit of length"));
 }

@@ -9,7 +9,7 @@ mod model;
 
 use std::path::Path;
 
-use formats::brep::{Curve, Surface};
+use formats::brep::{BrepCurve, BrepSurface};
 use formats::cad::{CadModel, CadSurface, CurveShape, read_cad_from};
 use formats::iges::{self, Form};
 use formats::step::{self, Schema};
@@ -42,14 +42,16 @@ fn check_same(brep: &Brep, model: &CadModel) {
     assert_eq!(model.faces.len(), brep.faces.len());
     for (face, written) in model.faces.iter().zip(&brep.faces) {
         let CadSurface::Spline(surface) = &*face.surface else { panic!() };
-        let Surface::Spline(expected) = &brep.surfaces[written.surface.0] else { panic!() };
+        let BrepSurface::Spline(expected) = &brep.surfaces[written.surface.0] else { panic!() };
         assert_eq!(surface, expected);
         assert!(!face.natural);
         assert_eq!(face.loops.len(), written.loops.len());
         for (edges, uses) in face.loops.iter().zip(&written.loops) {
             assert_eq!(edges.len(), uses.len());
             for (edge, of_loop) in edges.iter().zip(uses) {
-                let Curve::Spline(expected) = &brep.edges[of_loop.edge.0].curve else { panic!() };
+                let BrepCurve::Spline(expected) = &brep.edges[of_loop.edge.0].curve else {
+                    panic!()
+                };
                 let CurveShape::Spline(found) = &edge.curve.as_ref().unwrap().shape else {
                     panic!()
                 };

@@ -1,7 +1,7 @@
 //! Binary files that went through a program for text, and STL files whose
 //! length is not what their count says.
 
-use formats::Place;
+use formats::Location;
 
 use crate::seeds;
 use crate::support::{gzip, polygons, refusal, soup};
@@ -91,7 +91,7 @@ fn stl_with_too_small_a_count_loses_nothing() {
         let word = format!("announces {count} triangles, but has {triangles} by its length");
         for file in [stl(count, triangles), gzip(&stl(count, triangles))] {
             let error = refusal("count.stl", file, &word);
-            assert_eq!(error.place, Some(Place::Byte(80)));
+            assert_eq!(error.place, Some(Location::Byte(80)));
         }
     }
     // Two files in one.

@@ -1,6 +1,6 @@
 //! OBJ: odd spellings, as exporters and hands write them.
 
-use formats::Place;
+use formats::Location;
 
 use crate::support::{polygons, refusal, soup};
 
@@ -56,14 +56,14 @@ fn words_that_are_no_numbers_are_refused() {
     for word in ["3.1+e2", "1,5", "1.2.3", "--1", "1e", "e5", "0x10", "1_000", "1.0f", "1d3", "."] {
         let text = format!("{SQUARE}v 9 {word} 9\nf 1 2 3\n");
         let error = refusal("word.obj", text, &format!("unreadable vertex \u{201c}v 9 {word} 9"));
-        assert_eq!(error.place, Some(Place::Line(5)), "{word}");
+        assert_eq!(error.place, Some(Location::Line(5)), "{word}");
     }
 }
 
 #[test]
 fn decimal_commas_are_refused_at_the_first() {
     let error = refusal("commas.obj", "# v 1,5\nv 42,794 -20,6071 -16,566\nf 1 1 1\n", "42,794");
-    assert_eq!(error.place, Some(Place::Line(2)));
+    assert_eq!(error.place, Some(Location::Line(2)));
     assert!(error.help.contains("decimal points"));
 }
 
@@ -132,7 +132,7 @@ fn faces_without_vertices_are_refused() {
         // With and without a line end: neither is a cut.
         for end in ["", "\n"] {
             let error = refusal("none.obj", format!("{face}{end}"), word);
-            assert_eq!(error.place, Some(Place::Line(1)), "{face}");
+            assert_eq!(error.place, Some(Location::Line(1)), "{face}");
         }
     }
 }
@@ -148,7 +148,7 @@ fn lines_go_on_after_a_backslash() {
     }
     // Errors name the line where the statement ends.
     let error = refusal("lines.obj", SQUARE.to_owned() + "f 1 \\\n2 \\\n9\n", "vertex 9");
-    assert_eq!(error.place, Some(Place::Line(7)));
+    assert_eq!(error.place, Some(Location::Line(7)));
     refusal("last.obj", SQUARE.to_owned() + "f 1 2 3\nf 1 2 \\", "middle of a face");
 }
 
@@ -193,7 +193,7 @@ fn ends_of_every_kind() {
     }
     for cut in ["v 1", "v 1 2", "v 1 2 -"] {
         let error = refusal("cut.obj", format!("{SQUARE}f 1 2 3\n{cut}"), "vertex");
-        assert_eq!(error.place, Some(Place::Line(6)), "{cut}");
+        assert_eq!(error.place, Some(Location::Line(6)), "{cut}");
     }
 }
 
@@ -246,6 +246,6 @@ fn line_ends_may_change() {
         }
     }
     let error = refusal("line.obj", SQUARE.to_owned() + "f 1 2 3\rf 1 2 x\rf 1 2 4\n", "x");
-    assert_eq!(error.place, Some(Place::Line(6)));
+    assert_eq!(error.place, Some(Location::Line(6)));
     refusal("cut.obj", SQUARE.to_owned() + "f 1 2 3\rf 1 2", "middle of a face");
 }

@@ -1,6 +1,6 @@
 //! STL: what it may contain, and what is refused.
 
-use formats::Place;
+use formats::Location;
 
 use crate::support::{polygons, read, refusal, soup};
 
@@ -91,14 +91,14 @@ fn points_without_a_number_are_kept() {
 #[test]
 fn cut_files_are_refused() {
     let error = refusal("cut.stl", binary("", 3, 2), "ends after 2 of its 3");
-    assert_eq!(error.place, Some(Place::Face(2)));
+    assert_eq!(error.place, Some(Location::Face(2)));
     refusal("huge.stl", binary("", u32::MAX, 1), "ends after 1");
     let text = ascii(TRIANGLE);
     let end = text.find("endsolid").expect("an end");
     let start = text.find('\n').expect("a line") + 1;
     for cut in start..end + 8 {
         let error = refusal("cut.stl", &text[..cut], "");
-        assert!(matches!(error.place, Some(Place::Line(_))), "{cut}: {error}");
+        assert!(matches!(error.place, Some(Location::Line(_))), "{cut}: {error}");
     }
 }
 
@@ -116,7 +116,7 @@ fn unsound_text_is_refused() {
     ];
     for (from, to) in swaps {
         let error = refusal("bad.stl", ascii(TRIANGLE).replacen(from, to, 1), "");
-        assert!(matches!(error.place, Some(Place::Line(_))), "{from}: {error}");
+        assert!(matches!(error.place, Some(Location::Line(_))), "{from}: {error}");
     }
 }
 
@@ -159,7 +159,7 @@ fn ascii_numbers_of_every_spelling() {
         assert_eq!(soup("number.stl", text).points[1], [value, 0., 0.], "{word}");
     }
     let comma = refusal("comma.stl", ascii(&TRIANGLE.replace("1.5", "1,5")), "vertex 1,5 0 0");
-    assert_eq!(comma.place, Some(Place::Line(5)));
+    assert_eq!(comma.place, Some(Location::Line(5)));
     assert!(comma.help.contains("decimal points"));
 }
 
@@ -190,7 +190,7 @@ fn solids_without_their_end_are_refused() {
     let whole = text.strip_suffix("endsolid a name\n").expect("an end");
     for end in ["", "\n\n", "endsoli"] {
         let error = refusal("open.stl", whole.to_owned() + end, "");
-        assert!(matches!(error.place, Some(Place::Line(_))), "{error}");
+        assert!(matches!(error.place, Some(Location::Line(_))), "{error}");
     }
     let error = refusal("open.stl", whole, "ends without endsolid");
     assert!(error.help.contains("endsolid"));
@@ -256,7 +256,7 @@ fn text_that_begins_otherwise_is_not_taken_for_binary() {
 fn a_point_alone_is_no_number() {
     for word in [".", "-.", "+.", ".e5", "-.e-5"] {
         let error = refusal("point.stl", ascii(&TRIANGLE.replace("1.5", word)), word);
-        assert_eq!(error.place, Some(Place::Line(5)), "{word}");
+        assert_eq!(error.place, Some(Location::Line(5)), "{word}");
     }
 }
 
@@ -273,7 +273,7 @@ fn line_ends_may_change() {
 fn text_of_another_beginning_is_refused_by_line() {
     let facets = ascii(TRIANGLE).split_once('\n').expect("a line").1.to_owned();
     let error = refusal("facets.stl", &facets, "endsolid a name");
-    assert_eq!(error.place, Some(Place::Line(8)));
+    assert_eq!(error.place, Some(Location::Line(8)));
     let error = refusal("words.stl", "Hello\nsolid\n", "no sound STL text at \u{201c}Hello");
-    assert_eq!(error.place, Some(Place::Line(1)));
+    assert_eq!(error.place, Some(Location::Line(1)));
 }

@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 use formats::Brep;
-use formats::brep::{Curve, Face, Shell, ShellId, Solid, Surface, VertexId};
+use formats::brep::{BrepCurve, BrepSurface, Face, Shell, ShellId, Solid, VertexId};
 use formats::spline::{SplineCurve, SplineKnots, SplineSurface};
 
 use crate::model::{against, along, bezier, bezier_curve};
@@ -20,7 +20,7 @@ pub fn add_box(brep: &mut Brep, low: [f64; 3], high: [f64; 3], hollow: bool) -> 
     let mut edges = std::collections::HashMap::new();
     for (a, b) in (0..8).flat_map(|a| (0..3).map(move |i| (a, a | 1 << i))).filter(|(a, b)| a != b)
     {
-        let curve = Curve::Spline(bezier_curve(vec![corner(a), corner(b)]));
+        let curve = BrepCurve::Spline(bezier_curve(vec![corner(a), corner(b)]));
         edges.insert((a, b), brep.add_edge(curve, [vertices[a], vertices[b]]));
     }
     // Corners of each side, counter-clockwise from outside.
@@ -43,7 +43,7 @@ pub fn add_box(brep: &mut Brep, low: [f64; 3], high: [f64; 3], hollow: bool) -> 
         let poles = [side[0], side[3], side[1], side[2]].map(corner).to_vec();
         let knots = SplineKnots::new(1, bezier(1), 2).unwrap();
         let surface = SplineSurface::new(knots.clone(), knots, poles, None).unwrap();
-        let surface = brep.add_surface(Surface::Spline(surface));
+        let surface = brep.add_surface(BrepSurface::Spline(surface));
         faces.push(brep.add_face(Face { surface, forward: true, loops }));
     }
     brep.add_shell(Shell { faces, closed: true })
@@ -102,7 +102,7 @@ pub fn torus(name: &str) -> Brep {
         .map(|k| brep.add_vertex([at(k / 2) * (large + small * at(k % 2)), 0.0, 0.0]))
         .collect();
     let curve = |poles: Vec<[f64; 3]>, weights: Vec<f64>| {
-        Curve::Spline(SplineCurve::new(3, bezier(3), poles, Some(weights)).unwrap())
+        BrepCurve::Spline(SplineCurve::new(3, bezier(3), poles, Some(weights)).unwrap())
     };
     // Half a turn at each j, from each i; half a tube at each i, from each j.
     let mut turns = Vec::new();
@@ -122,7 +122,7 @@ pub fn torus(name: &str) -> Brep {
         let (net, weights) = poles(i as f64 * PI, j as f64 * PI);
         let knots = SplineKnots::new(3, bezier(3), 4).unwrap();
         let surface = SplineSurface::new(knots.clone(), knots, net, Some(weights)).unwrap();
-        let surface = brep.add_surface(Surface::Spline(surface));
+        let surface = brep.add_surface(BrepSurface::Spline(surface));
         let line = |from, to| bezier_curve(vec![from, to]);
         let outer = vec![
             along(turns[k], line([0.0, 0.0], [1.0, 0.0])),

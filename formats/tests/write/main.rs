@@ -11,7 +11,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use formats::Brep;
-use formats::brep::{Curve, Surface};
+use formats::brep::{BrepCurve, BrepSurface};
 use formats::iges::{self as iges_format, Form};
 use formats::step::{self as step_format, Schema};
 
@@ -34,9 +34,9 @@ fn iges_file(brep: &Brep, form: Form) -> String {
 fn edges_lie_on_the_surface() {
     let brep = model::two_faces("");
     for face in &brep.faces {
-        let Surface::Spline(surface) = &brep.surfaces[face.surface.0] else { panic!() };
+        let BrepSurface::Spline(surface) = &brep.surfaces[face.surface.0] else { panic!() };
         for of_loop in face.loops.iter().flatten() {
-            let Curve::Spline(curve) = &brep.edges[of_loop.edge.0].curve else { panic!() };
+            let BrepCurve::Spline(curve) = &brep.edges[of_loop.edge.0].curve else { panic!() };
             for t in (0..=20).map(|i| f64::from(i) / 20.0) {
                 let [u, v] = of_loop.pcurve.point(t);
                 let (p, q) = (curve.point(t), surface.point(u, v));

@@ -2,7 +2,7 @@
 //! is a polynomial, so the image of a Bézier pcurve is a Bézier curve too.
 
 use formats::Brep;
-use formats::brep::{Curve, EdgeId, EdgeUse, Face, PCurve, Shell, Surface, VertexId};
+use formats::brep::{BrepCurve, BrepSurface, EdgeId, EdgeUse, Face, PCurve, Shell, VertexId};
 use formats::spline::{SplineCurve, SplineKnots, SplineSurface};
 
 pub const SIZE: f64 = 100.0;
@@ -47,7 +47,7 @@ fn point(u: f64, v: f64, shift: f64) -> [f64; 3] {
 /// Adds the edge between two vertices; at the rim the surface is flat.
 fn side(brep: &mut Brep, from: VertexId, to: VertexId) -> EdgeId {
     let poles = [from, to].map(|end| brep.vertices[end.0]).to_vec();
-    brep.add_edge(Curve::Spline(bezier_curve(poles)), [from, to])
+    brep.add_edge(BrepCurve::Spline(bezier_curve(poles)), [from, to])
 }
 
 pub fn along(edge: EdgeId, pcurve: PCurve) -> EdgeUse {
@@ -97,13 +97,13 @@ fn binomial(n: usize, k: usize) -> f64 {
 fn hole(brep: &mut Brep, center: (f64, f64), radius: f64, reversed: bool) -> Vec<EdgeUse> {
     let (above, mut below) = (half(center, radius, 1.0), half(center, radius, -1.0));
     let [left, right] = image(&above).ends().map(|end| brep.add_vertex(end));
-    let there = brep.add_edge(Curve::Spline(image(&above)), [left, right]);
+    let there = brep.add_edge(BrepCurve::Spline(image(&above)), [left, right]);
     let mut ends = [left, right];
     if !reversed {
         below = below.reversed();
         ends.reverse();
     }
-    let back = brep.add_edge(Curve::Spline(image(&below)), ends);
+    let back = brep.add_edge(BrepCurve::Spline(image(&below)), ends);
     vec![along(there, above), EdgeUse { edge: back, forward: !reversed, pcurve: below }]
 }
 
@@ -122,7 +122,7 @@ pub fn sheet(name: &str) -> Brep {
     ];
     let first = hole(&mut brep, (0.3, 0.4), 0.13, true);
     let second = hole(&mut brep, (0.7, 0.55), 0.1, false);
-    let surface = brep.add_surface(Surface::Spline(surface(0.0)));
+    let surface = brep.add_surface(BrepSurface::Spline(surface(0.0)));
     let face = brep.add_face(Face { surface, forward: true, loops: vec![outer, first, second] });
     brep.add_shell(Shell { faces: vec![face], closed: false });
     brep
@@ -139,7 +139,7 @@ fn add_neighbour(brep: &mut Brep) {
         along(sides[1], bezier_curve(vec![[1.0, 1.0], [0.0, 1.0]])),
         along(sides[2], bezier_curve(vec![[0.0, 1.0], [0.0, 0.0]])),
     ];
-    let surface = brep.add_surface(Surface::Spline(surface(SIZE)));
+    let surface = brep.add_surface(BrepSurface::Spline(surface(SIZE)));
     let face = brep.add_face(Face { surface, forward: true, loops: vec![outer] });
     brep.shells[0].faces.push(face);
 }

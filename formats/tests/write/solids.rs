@@ -1,7 +1,7 @@
 //! What is checked and written of solids.
 
 use formats::Brep;
-use formats::brep::{Curve, EdgeId, Face, FaceId, Fault, PCurve, ShellId, VertexId};
+use formats::brep::{BrepCurve, EdgeId, Face, FaceId, ModelFault, PCurve, ShellId, VertexId};
 use formats::spline::SplineCurve;
 
 use crate::bodies::{add_box, all, cube, empty, hollow, torus, two_bodies};
@@ -21,19 +21,19 @@ fn they_are_sound_and_have_their_volume() {
 #[test]
 fn broken_ones_are_refused() {
     type Break = fn(&mut Brep);
-    type Is = fn(&Fault) -> bool;
+    type Is = fn(&ModelFault) -> bool;
     let variants: [(&str, Brep, Break, Is); 16] = [
         (
             "a face is left out",
             cube(""),
             |b| b.shells[0].faces.truncate(5),
-            |f| matches!(f, Fault::Owners(..)),
+            |f| matches!(f, ModelFault::Owners(..)),
         ),
         (
             "a face is not there",
             cube(""),
             |b| drop(b.faces.pop()),
-            |f| matches!(f, Fault::Missing(..)),
+            |f| matches!(f, ModelFault::Missing(..)),
         ),
         (
             "open, but closed by its word",
@@ -42,7 +42,7 @@ fn broken_ones_are_refused() {
                 b.faces.pop();
                 b.shells[0].faces.pop();
             },
-            |f| matches!(f, Fault::Uses { uses: 1, .. }),
+            |f| matches!(f, ModelFault::Uses { uses: 1, .. }),
         ),
         (
             "a face in it twice",
@@ -52,45 +52,50 @@ fn broken_ones_are_refused() {
                 let face = b.add_face(twice);
                 b.shells[0].faces.push(face);
             },
-            |f| matches!(f, Fault::Uses { uses: 3, .. }),
+            |f| matches!(f, ModelFault::Uses { uses: 3, .. }),
         ),
-        ("a face looks inwards", cube(""), |b| turn(b, 0), |f| matches!(f, Fault::Turned { .. })),
+        (
+            "a face looks inwards",
+            cube(""),
+            |b| turn(b, 0),
+            |f| matches!(f, ModelFault::Turned { .. }),
+        ),
         (
             "all faces look inwards",
             cube(""),
             |b| (0..6).for_each(|face| turn(b, face)),
-            |f| matches!(f, Fault::InsideOut(..)),
+            |f| matches!(f, ModelFault::InsideOut(..)),
         ),
         (
             "a loop without one of its edges",
             cube(""),
             |b| drop(b.faces[0].loops[0].pop()),
-            |f| matches!(f, Fault::Open(_)),
+            |f| matches!(f, ModelFault::Open(_)),
         ),
         (
             "a vertex that is moved",
             torus(""),
             |b| b.vertices[0][2] += 1e-3,
-            |f| matches!(f, Fault::Vertex(..)),
+            |f| matches!(f, ModelFault::Vertex(..)),
         ),
         (
             "a vertex that is no number",
             cube(""),
             |b| b.vertices[0][2] = f64::NAN,
-            |f| matches!(f, Fault::NotFinite(_)),
+            |f| matches!(f, ModelFault::NotFinite(_)),
         ),
         (
             "an edge off its surface",
             torus(""),
             |b| {
-                let Curve::Spline(arc) = &b.edges[0].curve else { return };
+                let BrepCurve::Spline(arc) = &b.edges[0].curve else { return };
                 let mut poles = arc.poles().to_vec();
                 poles[2][2] += 1e-3;
                 let weights = arc.weights().map(<[f64]>::to_vec);
                 let arc = SplineCurve::new(3, bezier(3), poles, weights).unwrap();
-                b.edges[0].curve = Curve::Spline(arc);
+                b.edges[0].curve = BrepCurve::Spline(arc);
             },
-            |f| matches!(f, Fault::OffSurface(_, off) if *off > 1e-4),
+            |f| matches!(f, ModelFault::OffSurface(_, off) if *off > 1e-4),
         ),
         (
             "a pcurve over another range",
@@ -100,13 +105,13 @@ fn broken_ones_are_refused() {
                 let knots = vec![0.0, 0.0, 2.0, 2.0];
                 b.faces[0].loops[0][0].pcurve = PCurve::new(1, knots, poles, None).unwrap();
             },
-            |f| matches!(f, Fault::Range(_)),
+            |f| matches!(f, ModelFault::Range(_)),
         ),
         (
             "a face with its loop turned round",
             cube(""),
             |b| b.faces[0].forward = false,
-            |f| matches!(f, Fault::WrongWay(_)),
+            |f| matches!(f, ModelFault::WrongWay(_)),
         ),
         (
             "two boxes that share a corner",
@@ -117,7 +122,7 @@ fn broken_ones_are_refused() {
                 b.shells.pop();
                 b.solids.pop();
             },
-            |f| matches!(f, Fault::Pieces(_)),
+            |f| matches!(f, ModelFault::Pieces(_)),
         ),
         (
             "two corners that are one vertex",
@@ -128,7 +133,7 @@ fn broken_ones_are_refused() {
                 }
                 b.uncertainty_mm = 100.0;
             },
-            |f| matches!(f, Fault::Euler(_, 1)),
+            |f| matches!(f, ModelFault::Euler(_, 1)),
         ),
         (
             "a void outside",
@@ -137,13 +142,13 @@ fn broken_ones_are_refused() {
                 let void = add_box(b, [50.0; 3], [60.0; 3], true);
                 b.solids[0].voids.push(void);
             },
-            |f| matches!(f, Fault::Outside(..)),
+            |f| matches!(f, ModelFault::Outside(..)),
         ),
         (
             "an open shell in a solid",
             cube(""),
             |b| b.shells[0].closed = false,
-            |f| matches!(f, Fault::OpenShell(..)),
+            |f| matches!(f, ModelFault::OpenShell(..)),
         ),
     ];
     for (name, mut brep, damage, is) in variants {

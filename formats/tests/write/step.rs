@@ -4,7 +4,7 @@ use std::collections::BTreeSet;
 use std::io::ErrorKind;
 
 use formats::Brep;
-use formats::brep::{Fault, Surface};
+use formats::brep::{BrepSurface, ModelFault};
 use formats::step::{Options, Schema, write};
 
 use crate::model;
@@ -133,7 +133,7 @@ fn knots_stand_once_with_their_multiplicity() {
 #[test]
 fn poles_read_back_to_the_last_bit() {
     let brep = model::one_face("");
-    let Surface::Spline(surface) = &brep.surfaces[0] else { panic!() };
+    let BrepSurface::Spline(surface) = &brep.surfaces[0] else { panic!() };
     let bodies = entities(&step_file(&brep, Schema::Ap242));
     let start = bodies.iter().position(|b| b.starts_with("CARTESIAN_POINT")).unwrap();
     for (body, pole) in bodies[start..].iter().zip(surface.poles()) {
@@ -202,7 +202,7 @@ fn broken_promises_are_refused_before_anything_is_written() {
         assert!(out.is_empty());
         error.to_string()
     };
-    assert_eq!(break_it(|b| b.faces.clear()), Fault::Empty.to_string());
+    assert_eq!(break_it(|b| b.faces.clear()), ModelFault::Empty.to_string());
     assert_eq!(break_it(|b| b.uncertainty_mm = 0.0), "its uncertainty is 0 mm");
     let text = break_it(|b| b.faces[0].loops[0].reverse());
     assert_eq!(text, "the loop is open before edge 0 in loop 0 of face 0");

@@ -5,7 +5,7 @@ use std::cell::Cell;
 use std::path::Path;
 
 use super::parameters::{Delimiters, Parameters};
-use crate::{Error, Place, Result};
+use crate::{Error, Location, Result};
 
 const EXPORT_AGAIN: &str = "The file is damaged or was cut short: copy it or export it again.";
 
@@ -19,7 +19,7 @@ const READINGS: usize = 8;
 
 /// What a directory entry says of an entity.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Entry {
+pub(super) struct DirectoryEntry {
     pub(super) kind: i64,
     pub(super) form: i64,
     /// The directory entry of its matrix, or 0.
@@ -36,7 +36,7 @@ pub(super) struct Entry {
 pub(super) struct Deck<'a> {
     path: &'a Path,
     global: Vec<u8>,
-    pub(super) directory: Vec<Entry>,
+    pub(super) directory: Vec<DirectoryEntry>,
     parameters: Vec<&'a [u8]>,
     delimiters: Delimiters,
     budget: Cell<usize>,
@@ -72,7 +72,7 @@ impl<'a> Deck<'a> {
         let mut complete = false;
         for (number, line) in lines(bytes).filter(|(_, line)| !line.is_empty()) {
             last = number;
-            let at = Place::Line(number);
+            let at = Location::Line(number);
             match line.get(DATA) {
                 Some(b'S') => {}
                 Some(b'G') => deck.global.extend(&line[..DATA]),
@@ -80,7 +80,8 @@ impl<'a> Deck<'a> {
                     None => half = Some(line),
                     Some(first) => {
                         let what = "a directory entry that is not made of numbers";
-                        let entry = Entry::new(first, line).ok_or_else(|| deck.fault(what).at(at));
+                        let entry =
+                            DirectoryEntry::new(first, line).ok_or_else(|| deck.fault(what).at(at));
                         deck.directory.push(entry?);
                     }
                 },
@@ -100,7 +101,7 @@ impl<'a> Deck<'a> {
             }
         }
         if !complete || half.is_some() {
-            return Err(deck.fault("ends before its last section").at(Place::Line(last)));
+            return Err(deck.fault("ends before its last section").at(Location::Line(last)));
         }
         deck.budget.set(READINGS * deck.parameters.len());
         deck.delimiters = Delimiters::of_global(&deck.global)
@@ -113,7 +114,7 @@ impl<'a> Deck<'a> {
     }
 
     /// The entity whose directory entry has this number.
-    pub(super) fn entry(&self, pointer: i64) -> Result<Entry> {
+    pub(super) fn entry(&self, pointer: i64) -> Result<DirectoryEntry> {
         let at = usize::try_from(pointer).ok().filter(|p| p % 2 == 1).map(|p| p / 2);
         let found = at.and_then(|at| self.directory.get(at)).copied();
         let what = || format!("refers to directory entry {pointer}, which is not in it");
@@ -149,7 +150,7 @@ impl<'a> Deck<'a> {
     /// Something wrong in an entity; in the global section, if it is entity 0.
     pub(super) fn error(&self, pointer: i64, what: impl Into<String>) -> Error {
         match u64::try_from(pointer) {
-            Ok(at @ 1..) => self.fault(what).at(Place::DirectoryEntry(at)),
+            Ok(at @ 1..) => self.fault(what).at(Location::DirectoryEntry(at)),
             _ => self.fault(format!("global section: {}", what.into())),
         }
     }
@@ -161,7 +162,7 @@ impl<'a> Deck<'a> {
     }
 }
 
-impl Entry {
+impl DirectoryEntry {
     /// An entry of its two lines.
     fn new(first: &[u8], second: &[u8]) -> Option<Self> {
         // A field left empty is 0.
@@ -171,7 +172,7 @@ impl Entry {
         };
         let status = first.get(64..72)?;
         let natural = |n: i64| usize::try_from(n).ok();
-        Some(Entry {
+        Some(DirectoryEntry {
             kind: number(first, 0)?,
             form: number(second, 4)?,
             matrix: number(first, 6)?,

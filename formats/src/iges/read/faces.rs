@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::deck::Deck;
-use super::geometry::Geometry;
+use super::geometry::IgesGeometry;
 use super::parameters::Parameters;
 use super::shape::in_radians;
 use crate::Result;
@@ -12,25 +12,25 @@ use crate::cad::affine::Affine;
 use crate::cad::{CadEdge, CadFace, CadModel, CadShell};
 
 /// Reads faces.
-pub(super) struct Faces<'d> {
+pub(super) struct FaceReader<'d> {
     deck: &'d Deck<'d>,
-    geometry: Geometry<'d>,
-    edge_lists: HashMap<i64, Vec<Edge>>,
+    geometry: IgesGeometry<'d>,
+    edge_lists: HashMap<i64, Vec<ListedEdge>>,
     vertex_lists: HashMap<i64, Vec<[f64; 3]>>,
 }
 
 /// An edge of an edge list (504).
 #[derive(Clone, Copy)]
-struct Edge {
+struct ListedEdge {
     curve: i64,
     ends: [[f64; 3]; 2],
 }
 
-impl<'d> Faces<'d> {
+impl<'d> FaceReader<'d> {
     pub(super) fn new(deck: &'d Deck<'d>) -> Self {
-        Faces {
+        FaceReader {
             deck,
-            geometry: Geometry::new(deck),
+            geometry: IgesGeometry::new(deck),
             edge_lists: HashMap::new(),
             vertex_lists: HashMap::new(),
         }
@@ -70,7 +70,7 @@ impl<'d> Faces<'d> {
     fn on_surface(&mut self, pointer: i64, outer: &Affine) -> Result<Vec<CadEdge>> {
         let found = self.deck.entry(pointer)?.kind;
         if found != 142 {
-            let what = format!("is of type {found} where a curve on a surface (142) is due");
+            let what = format!("is of type {found} where a curve on a surface (142) is expected");
             return Err(self.deck.error(pointer, what));
         }
         let mut p = self.deck.parameters(pointer)?;
@@ -130,7 +130,7 @@ impl<'d> Faces<'d> {
     fn face(&mut self, pointer: i64, outer: &Affine) -> Result<CadFace> {
         let found = self.deck.entry(pointer)?.kind;
         if found != 510 {
-            let what = format!("is of type {found} where a face (510) is due");
+            let what = format!("is of type {found} where a face (510) is expected");
             return Err(self.deck.error(pointer, what));
         }
         let place = self.geometry.place(pointer, outer)?;
@@ -169,7 +169,7 @@ impl<'d> Faces<'d> {
             if vertex == 1 {
                 continue; // a pole
             }
-            let Edge { curve, ends } = self.edge(list, index)?;
+            let ListedEdge { curve, ends } = self.edge(list, index)?;
             let curves = self.geometry.curves(curve, place)?;
             let [curve] = &curves[..] else {
                 return Err(self.deck.unread(curve, "is an edge of several curves"));
@@ -192,7 +192,7 @@ impl<'d> Faces<'d> {
     }
 
     /// An edge of an edge list (504), counted from 1.
-    fn edge(&mut self, list: i64, index: usize) -> Result<Edge> {
+    fn edge(&mut self, list: i64, index: usize) -> Result<ListedEdge> {
         if !self.edge_lists.contains_key(&list) {
             let edges = self.edge_list(list)?;
             self.edge_lists.insert(list, edges);
@@ -205,7 +205,7 @@ impl<'d> Faces<'d> {
         item.ok_or_else(|| self.deck.error(list, format!("has no {what} {index}")))
     }
 
-    fn edge_list(&mut self, pointer: i64) -> Result<Vec<Edge>> {
+    fn edge_list(&mut self, pointer: i64) -> Result<Vec<ListedEdge>> {
         let mut p = self.deck.parameters(pointer)?;
         let count = p.count()?;
         let rows = p.several(count, |p| {
@@ -213,7 +213,7 @@ impl<'d> Faces<'d> {
         })?;
         let mut edges = Vec::with_capacity(rows.len());
         for (curve, [start, end]) in rows {
-            edges.push(Edge { curve, ends: [self.vertex(start)?, self.vertex(end)?] });
+            edges.push(ListedEdge { curve, ends: [self.vertex(start)?, self.vertex(end)?] });
         }
         Ok(edges)
     }

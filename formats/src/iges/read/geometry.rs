@@ -15,14 +15,14 @@ use crate::spline::{MAX_DEGREE, SplineCurve, SplineKnots, SplineSurface};
 const MAX_DEPTH: usize = 8;
 
 /// Reads geometry; a surface that is used twice is read once.
-pub(super) struct Geometry<'d> {
+pub(super) struct IgesGeometry<'d> {
     pub(super) deck: &'d Deck<'d>,
     surfaces: HashMap<i64, (Affine, Arc<CadSurface>)>,
 }
 
-impl<'d> Geometry<'d> {
+impl<'d> IgesGeometry<'d> {
     pub(super) fn new(deck: &'d Deck<'d>) -> Self {
-        Geometry { deck, surfaces: HashMap::new() }
+        IgesGeometry { deck, surfaces: HashMap::new() }
     }
 
     /// Where an entity is put by its matrices, and then by `outer`.
@@ -62,7 +62,7 @@ impl<'d> Geometry<'d> {
         if found == kind {
             return self.deck.parameters(pointer);
         }
-        Err(self.deck.error(pointer, format!("is of type {found} where {name} ({kind}) is due")))
+        Err(self.deck.error(pointer, format!("is of type {found} where {name} ({kind}) is expected")))
     }
 
     /// The curves in space that an entity is made of, in order.

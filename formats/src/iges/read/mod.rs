@@ -13,7 +13,7 @@ use crate::cad::affine::Affine;
 use crate::cad::{CadModel, CadSolid};
 use deck::Deck;
 pub(crate) use deck::is_iges;
-use faces::Faces;
+use faces::FaceReader;
 
 /// Reads every face that is shown in `bytes`, the content of the file at `path`.
 pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
@@ -21,7 +21,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
     let (sender, unit_mm) = global(&deck)?;
     let unit = Affine::scaling(unit_mm);
     let mut model = CadModel { name: name(&deck)?.unwrap_or(sender), ..CadModel::default() };
-    let mut faces = Faces::new(&deck);
+    let mut faces = FaceReader::new(&deck);
     let entries = || (1..).step_by(2).zip(&deck.directory).filter(|(_, e)| e.visible);
     let mut in_solids = Vec::new();
     for (pointer, entry) in entries() {

@@ -1,8 +1,8 @@
 //! The attributes of an entity, one after the other.
 
-use super::exchange::{Entity, Exchange};
+use super::exchange::{Exchange, Instance};
 use super::text::decoded;
-use super::value::{Record, Value};
+use super::value::{SimpleRecord, Value};
 use crate::Result;
 
 /// The attributes that are yet to be read of one entity.
@@ -15,8 +15,8 @@ pub(super) struct Attributes<'f, 'a> {
 }
 
 impl<'f, 'a> Attributes<'f, 'a> {
-    pub(super) fn new(file: &'f Exchange<'a>, id: u64, record: Record<'a>) -> Self {
-        let Record { name, values } = record;
+    pub(super) fn new(file: &'f Exchange<'a>, id: u64, record: SimpleRecord<'a>) -> Self {
+        let SimpleRecord { name, values } = record;
         Attributes { file, id, name, position: 0, values: values.into_iter() }
     }
 
@@ -167,12 +167,12 @@ impl<'a> Exchange<'a> {
         if found == name {
             return Ok(attributes);
         }
-        Err(self.error(id, format!("is {found} where {name} is due")))
+        Err(self.error(id, format!("is {found} where {name} is expected")))
     }
 
     /// The attributes that an entity has of its supertype or subtype `name`:
     /// a record of its own in a complex one.
-    pub(super) fn part(&self, entity: &mut Entity<'a>, name: &str) -> Option<Attributes<'_, 'a>> {
+    pub(super) fn part(&self, entity: &mut Instance<'a>, name: &str) -> Option<Attributes<'_, 'a>> {
         let at = entity.records.iter().position(|record| record.name == name)?;
         Some(Attributes::new(self, entity.id, entity.records.swap_remove(at)))
     }

@@ -8,8 +8,8 @@
 use std::cell::Cell;
 use std::path::Path;
 
-use super::value::{Cursor, Record};
-use crate::{Error, Place, Result};
+use super::value::{Cursor, SimpleRecord};
+use crate::{Error, Location, Result};
 
 /// What to do about a file that is no STEP file, or a broken one.
 pub(super) const EXPORT_AGAIN: &str =
@@ -27,9 +27,9 @@ pub(super) struct Exchange<'a> {
 }
 
 /// An entity instance: one record, or, of a complex one, several.
-pub(super) struct Entity<'a> {
+pub(super) struct Instance<'a> {
     pub(super) id: u64,
-    pub(super) records: Vec<Record<'a>>,
+    pub(super) records: Vec<SimpleRecord<'a>>,
 }
 
 impl<'a> Exchange<'a> {
@@ -86,7 +86,7 @@ impl<'a> Exchange<'a> {
     }
 
     /// Parses an entity.
-    pub(super) fn entity(&self, id: u64) -> Result<Entity<'a>> {
+    pub(super) fn entity(&self, id: u64) -> Result<Instance<'a>> {
         let found = self.index.binary_search_by_key(&id, |(id, _)| *id);
         let at = found.map(|i| self.index[i].1).map_err(|_| {
             let what = format!("refers to #{id}, which is not in it");
@@ -94,7 +94,7 @@ impl<'a> Exchange<'a> {
         })?;
         let mut cursor = Cursor { bytes: self.bytes, at };
         match cursor.instance() {
-            Ok(records) => Ok(Entity { id, records }),
+            Ok(records) => Ok(Instance { id, records }),
             Err(what) => Err(self.damaged(cursor.at, format!("#{id}: {what}"))),
         }
     }
@@ -108,18 +108,18 @@ impl<'a> Exchange<'a> {
 
     /// Something wrong in an entity.
     pub(super) fn error(&self, id: u64, what: impl Into<String>) -> Error {
-        Error::new(self.path, what, EXPORT_AGAIN).at(Place::Entity(id))
+        Error::new(self.path, what, EXPORT_AGAIN).at(Location::Entity(id))
     }
 
     /// Something that may stand in a file but is not read here.
     pub(super) fn unread(&self, id: u64, what: impl Into<String>) -> Error {
         let help = "Export trimmed B-spline faces, in one part, without placements.";
-        Error::new(self.path, what, help).at(Place::Entity(id))
+        Error::new(self.path, what, help).at(Location::Entity(id))
     }
 
     fn damaged(&self, at: usize, what: impl Into<String>) -> Error {
         let before = &self.bytes[..at.min(self.bytes.len())];
         let line = 1 + before.iter().filter(|b| **b == b'\n').count() as u64;
-        Error::new(self.path, what, EXPORT_AGAIN).at(Place::Line(line))
+        Error::new(self.path, what, EXPORT_AGAIN).at(Location::Line(line))
     }
 }

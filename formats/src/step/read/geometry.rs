@@ -13,7 +13,7 @@ use crate::spline::SplineCurve;
 const MAX_DEPTH: usize = 8;
 
 /// Reads geometry; a surface or a curve that is used twice is read once.
-pub(super) struct Geometry<'f, 'a> {
+pub(super) struct StepGeometry<'f, 'a> {
     pub(super) file: &'f Exchange<'a>,
     surfaces: HashMap<u64, Arc<CadSurface>>,
 }
@@ -24,9 +24,9 @@ struct Frame {
     axes: [[f64; 3]; 3],
 }
 
-impl<'f, 'a> Geometry<'f, 'a> {
+impl<'f, 'a> StepGeometry<'f, 'a> {
     pub(super) fn new(file: &'f Exchange<'a>) -> Self {
-        Geometry { file, surfaces: HashMap::new() }
+        StepGeometry { file, surfaces: HashMap::new() }
     }
 
     pub(super) fn point<const D: usize>(&self, id: u64) -> Result<[f64; D]> {

@@ -14,7 +14,7 @@ use std::path::Path;
 use crate::Result;
 use crate::cad::CadModel;
 use exchange::Exchange;
-use topology::Topology;
+use topology::TopologyReader;
 
 /// Reads the faces of every body in `bytes`, the content of the file at `path`.
 pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
@@ -30,7 +30,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
         attributes.skip(1)?;
         let items = attributes.references()?;
         let unit = unit_mm(&file, attributes.reference()?)?;
-        let mut topology = Topology::new(&file, unit, &mut seen);
+        let mut topology = TopologyReader::new(&file, unit, &mut seen);
         for item in items {
             topology.item(item, &mut model)?;
         }

@@ -1,12 +1,12 @@
 //! B-spline curves and surfaces, simple entities or, rational, complex ones.
 
 use super::attributes::Attributes;
-use super::geometry::Geometry;
+use super::geometry::StepGeometry;
 use crate::Result;
 use crate::cad::{CadCurve, CadSurface, CurveShape};
 use crate::spline::{MAX_DEGREE, SplineCurve, SplineKnots, SplineSurface};
 
-impl Geometry<'_, '_> {
+impl StepGeometry<'_, '_> {
     pub(super) fn spline<const D: usize>(&self, id: u64) -> Result<CadCurve<D>> {
         let mut entity = self.file.entity(id)?;
         let (base, knots, weights) = if entity.records.len() == 1 {
@@ -74,8 +74,8 @@ impl Geometry<'_, '_> {
         let poles = rows.into_iter().flatten().map(|p| self.point(p)).collect::<Result<_>>()?;
         let ([u_counts, v_counts], [u, v]) = (counts, values);
         let build = || {
-            let u = Knots { values: u, counts: u_counts }.expanded(p, m)?;
-            let v = Knots { values: v, counts: v_counts }.expanded(q, n)?;
+            let u = KnotList { values: u, counts: u_counts }.expanded(p, m)?;
+            let v = KnotList { values: v, counts: v_counts }.expanded(q, n)?;
             let (u, v) = (SplineKnots::new(p, u, m)?, SplineKnots::new(q, v, n)?);
             SplineSurface::new(u, v, poles, weights)
         };
@@ -84,20 +84,20 @@ impl Geometry<'_, '_> {
 }
 
 /// Knots as STEP has them: each once, with its multiplicity.
-struct Knots {
+struct KnotList {
     values: Vec<f64>,
     counts: Vec<usize>,
 }
 
-fn knots(attributes: &mut Attributes) -> Result<Knots> {
+fn knots(attributes: &mut Attributes) -> Result<KnotList> {
     let counts = attributes.counts()?;
-    Ok(Knots { values: attributes.reals()?, counts })
+    Ok(KnotList { values: attributes.reals()?, counts })
 }
 
-impl Knots {
+impl KnotList {
     /// Each as often as it counts, if that makes as many as are needed.
     fn expanded(&self, degree: usize, poles: usize) -> std::result::Result<Vec<f64>, String> {
-        let Knots { values, counts } = self;
+        let KnotList { values, counts } = self;
         if values.len() != counts.len() {
             return Err(format!("{} knots with {} multiplicities", values.len(), counts.len()));
         }

@@ -4,24 +4,24 @@ use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use super::exchange::Exchange;
-use super::geometry::Geometry;
+use super::geometry::StepGeometry;
 use crate::Result;
 use crate::cad::affine::Affine;
 use crate::cad::{CadCurve, CadEdge, CadFace, CadModel, CadShell, CadSolid, CadSurface};
 
 /// Reads the faces of one representation.
-pub(super) struct Topology<'f, 'a> {
+pub(super) struct TopologyReader<'f, 'a> {
     file: &'f Exchange<'a>,
-    geometry: Geometry<'f, 'a>,
+    geometry: StepGeometry<'f, 'a>,
     unit: Affine,
     surfaces: HashMap<u64, Arc<CadSurface>>,
-    edges: HashMap<u64, Arc<Edge>>,
+    edges: HashMap<u64, Arc<EdgeCurve>>,
     /// The faces that were read: one that two bodies share counts once.
     seen: &'f mut HashSet<u64>,
 }
 
 /// An edge, shared by its uses.
-struct Edge {
+struct EdgeCurve {
     curve: Option<Arc<CadCurve<3>>>,
     ends: [[f64; 3]; 2],
     /// Whether the edge runs from its start to its end along the curve.
@@ -30,11 +30,11 @@ struct Edge {
     pcurves: Vec<(u64, Arc<CadCurve<2>>)>,
 }
 
-impl<'f, 'a> Topology<'f, 'a> {
+impl<'f, 'a> TopologyReader<'f, 'a> {
     pub(super) fn new(file: &'f Exchange<'a>, unit_mm: f64, seen: &'f mut HashSet<u64>) -> Self {
-        Topology {
+        TopologyReader {
             file,
-            geometry: Geometry::new(file),
+            geometry: StepGeometry::new(file),
             unit: Affine::scaling(unit_mm),
             surfaces: HashMap::new(),
             edges: HashMap::new(),
@@ -86,7 +86,7 @@ impl<'f, 'a> Topology<'f, 'a> {
             attributes.skip(1)?;
         }
         if !matches!(kind, "OPEN_SHELL" | "CLOSED_SHELL" | "CONNECTED_FACE_SET") {
-            return Err(self.file.error(id, format!("is {kind} where a shell is due")));
+            return Err(self.file.error(id, format!("is {kind} where a shell is expected")));
         }
         let mut faces = Vec::new();
         for face in attributes.references()? {
@@ -174,7 +174,7 @@ impl<'f, 'a> Topology<'f, 'a> {
         })
     }
 
-    fn edge(&mut self, id: u64) -> Result<Arc<Edge>> {
+    fn edge(&mut self, id: u64) -> Result<Arc<EdgeCurve>> {
         if let Some(known) = self.edges.get(&id) {
             return Ok(known.clone());
         }
@@ -186,7 +186,7 @@ impl<'f, 'a> Topology<'f, 'a> {
         let along = attributes.logical()?;
         let (curve, pcurves) = self.edge_geometry(geometry)?;
         let ends = if along { ends } else { [ends[1], ends[0]] };
-        let edge = Arc::new(Edge { curve, ends, along, pcurves });
+        let edge = Arc::new(EdgeCurve { curve, ends, along, pcurves });
         self.edges.insert(id, edge.clone());
         Ok(edge)
     }

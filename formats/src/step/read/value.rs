@@ -8,7 +8,7 @@ const MAX_DEPTH: usize = 16;
 
 /// `KEYWORD(parameters)`.
 #[derive(Debug)]
-pub(super) struct Record<'a> {
+pub(super) struct SimpleRecord<'a> {
     pub(super) name: &'a str,
     pub(super) values: Vec<Value<'a>>,
 }
@@ -116,7 +116,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// The records of an entity instance, up to its semicolon.
-    pub(super) fn instance(&mut self) -> Parsed<Vec<Record<'a>>> {
+    pub(super) fn instance(&mut self) -> Parsed<Vec<SimpleRecord<'a>>> {
         let mut records = Vec::new();
         if self.take(b"(") {
             loop {
@@ -133,13 +133,13 @@ impl<'a> Cursor<'a> {
         if self.take(b";") { Ok(records) } else { Err(self.unexpected("a semicolon")) }
     }
 
-    fn record(&mut self) -> Parsed<Record<'a>> {
+    fn record(&mut self) -> Parsed<SimpleRecord<'a>> {
         let name = self.word();
         self.skip_blank();
         if name.is_empty() || !self.take(b"(") {
             return Err(self.unexpected("an entity's name and ("));
         }
-        Ok(Record { name, values: self.list(0)? })
+        Ok(SimpleRecord { name, values: self.list(0)? })
     }
 
     /// The rest of a list whose parenthesis is open.

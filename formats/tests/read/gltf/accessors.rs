@@ -1,6 +1,6 @@
 //! Numbers in buffers, of every kind.
 
-use formats::{Place, read_scan};
+use formats::{Location, read_scan};
 
 use super::{SQUARE, data_uri, good, json, square_bytes, with_buffer};
 use crate::support::{polygons, refused, soup};
@@ -46,7 +46,7 @@ fn restarts_are_refused() {
     for (kind, width, greatest) in WIDTHS {
         let case = with_buffer(&listed(kind, width, 5, &[0, 1, 2, greatest, 0, 2, 3]), &[]);
         let error = refused(read_scan(&case.path), &format!("vertex {greatest}, but only 4"));
-        assert_eq!(error.place, Some(Place::Element("accessor", 1)));
+        assert_eq!(error.place, Some(Location::Element("accessor", 1)));
     }
 }
 

@@ -1,6 +1,6 @@
 //! The chunks of a binary file.
 
-use formats::Place;
+use formats::Location;
 
 use super::{SQUARE, data_uri, glb, json, square_bytes, square_glb};
 use crate::support::{polygons, read, refusal, refused, soup};
@@ -38,9 +38,9 @@ fn binary_chunk_may_be_absent() {
     // An empty one is none either.
     check(file(0, &[(b"JSON", embedded.as_bytes()), (b"BIN\0", b"")]));
     let error = refusal("none.glb", file(0, &[(b"JSON", &inner())]), "buffer that has no data");
-    assert_eq!(error.place, Some(Place::Element("buffer", 0)));
+    assert_eq!(error.place, Some(Location::Element("buffer", 0)));
     let error = refusal("none.glb", glb(&String::from_utf8_lossy(&inner()), b""), "holds 0 of 60");
-    assert_eq!(error.place, Some(Place::Element("buffer", 0)));
+    assert_eq!(error.place, Some(Location::Element("buffer", 0)));
 }
 
 #[test]
@@ -153,7 +153,7 @@ fn binaries_damaged_as_text_are_refused() {
 fn unknown_chunks_before_the_binary_one_are_passed_over() {
     check(file(0, &[(b"JSON", &inner()), (b"more", b"1234"), (b"BIN\0", &square_bytes())]));
     let error = refusal("cut.glb", file(0, &[(b"JSON", &inner()), (b"more", b"")]), "no data");
-    assert_eq!(error.place, Some(Place::Element("buffer", 0)));
+    assert_eq!(error.place, Some(Location::Element("buffer", 0)));
 }
 
 #[test]

@@ -11,7 +11,7 @@ mod uris;
 
 use std::fs;
 
-use formats::{Place, Soup, read_scan};
+use formats::{Location, Soup, read_scan};
 
 use crate::support::{Case, case, refused};
 
@@ -74,7 +74,7 @@ fn good(swaps: &[(&str, &str)], bytes: &[u8]) -> Soup {
 }
 
 #[track_caller]
-fn bad(swaps: &[(&str, &str)], word: &str) -> Option<Place> {
+fn bad(swaps: &[(&str, &str)], word: &str) -> Option<Location> {
     refused(read_scan(&with_buffer(&json(swaps), &square_bytes()).path), word).place
 }
 

@@ -1,6 +1,6 @@
 //! Files that show nothing: what they lack, or what is wrong with them.
 
-use formats::Place;
+use formats::Location;
 
 use super::{SQUARE, bad, good, square_bytes};
 
@@ -29,7 +29,7 @@ fn what_is_missing_is_told() {
 /// A fault is told even of what no node places.
 #[test]
 fn the_first_fault_is_told() {
-    let element = |kind, i| Some(Place::Element(kind, i));
+    let element = |kind, i| Some(Location::Element(kind, i));
     for (from, to, word, place) in [
         (r#""count": 4"#, r#""count": 3"#, "vertex 3, but only 3", element("accessor", 1)),
         (r#""POSITION": 0"#, r#""POSITION": 7"#, "does not exist", element("accessor", 7)),
@@ -84,13 +84,13 @@ fn loops_outside_of_the_scene_are_refused() {
     let nodes =
         r#""nodes": [{"mesh": 0}, {"children": [3]}, {"children": [1]}, {"children": [2]}]"#;
     let place = bad(&[(r#""nodes": [{"mesh": 0}]"#, nodes)], "below itself");
-    assert_eq!(place, Some(Place::Element("node", 1)));
+    assert_eq!(place, Some(Location::Element("node", 1)));
     let nodes = r#""nodes": [{"mesh": 0}, {"children": [4]}]"#;
     let place = bad(&[(r#""nodes": [{"mesh": 0}]"#, nodes)], "does not exist");
-    assert_eq!(place, Some(Place::Element("node", 4)));
+    assert_eq!(place, Some(Location::Element("node", 4)));
     let nodes = r#""nodes": [{"mesh": 0}, {"children": [3]}, {"children": [3]}, {}]"#;
     let place = bad(&[(r#""nodes": [{"mesh": 0}]"#, nodes)], "below node 1 and below node 2");
-    assert_eq!(place, Some(Place::Element("node", 3)));
+    assert_eq!(place, Some(Location::Element("node", 3)));
 }
 
 #[test]

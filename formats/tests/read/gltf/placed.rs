@@ -1,6 +1,6 @@
 //! Meshes and nodes in odd arrangements, and JSON that is none of ours.
 
-use formats::Place;
+use formats::Location;
 
 use super::{BASE, SQUARE, bad, good, square_bytes};
 use crate::support::{polygons, refusal};
@@ -131,9 +131,9 @@ fn nodes_below_two_others_are_refused() {
     let nodes = r#""scenes": [{"nodes": [0, 1]}],
         "nodes": [{"children": [2]}, {"children": [2]}, {"mesh": 0}]"#;
     let place = bad(&[(SCENES, nodes)], "in the scene twice");
-    assert_eq!(place, Some(Place::Element("node", 2)));
+    assert_eq!(place, Some(Location::Element("node", 2)));
     let nodes = r#""scenes": [{"nodes": [0, 0]}], "nodes": [{"mesh": 0}]"#;
-    assert_eq!(bad(&[(SCENES, nodes)], "twice"), Some(Place::Element("node", 0)));
+    assert_eq!(bad(&[(SCENES, nodes)], "twice"), Some(Location::Element("node", 0)));
 }
 
 /// Without a scene no node of a loop is a root: it must not get lost.

@@ -1,6 +1,6 @@
 //! Rows: strips, lists, and rows that are not as the header says.
 
-use formats::Place;
+use formats::Location;
 
 use super::{LIST, POINTS, SQUARE, XYZ, ascii, binary, header};
 use crate::support::{polygons, refusal, soup};
@@ -69,7 +69,7 @@ fn lists_without_entries_are_passed_over() {
     let at = file.len() - 19;
     file[at] = 255;
     let error = refusal("derailed.ply", file, "ends after 0 of the 3");
-    assert_eq!(error.place, Some(Place::Face(0)));
+    assert_eq!(error.place, Some(Location::Face(0)));
 }
 
 #[test]
@@ -77,12 +77,12 @@ fn rows_that_disagree_with_the_header_are_refused() {
     let good = ascii("3 0 1 2\n3 0 2 3\n");
     let swaps = [
         // A column that the header does not have, and one that the rows do not.
-        ("3 0 1 2\n", "3 0 1 2 255\n", Some(Place::Line(14))),
-        ("1 1 0\n", "1 1 0 0 0 1\n", Some(Place::Line(12))),
-        ("float z\n", "float z\nproperty float q\n", Some(Place::Line(12))),
+        ("3 0 1 2\n", "3 0 1 2 255\n", Some(Location::Line(14))),
+        ("1 1 0\n", "1 1 0 0 0 1\n", Some(Location::Line(12))),
+        ("float z\n", "float z\nproperty float q\n", Some(Location::Line(12))),
         // A list whose length is too great, or too small.
-        ("3 0 1 2\n", "4 0 1 2\n", Some(Place::Line(15))),
-        ("3 0 1 2\n", "2 0 1 2\n", Some(Place::Line(14))),
+        ("3 0 1 2\n", "4 0 1 2\n", Some(Location::Line(15))),
+        ("3 0 1 2\n", "2 0 1 2\n", Some(Location::Line(14))),
     ];
     for (from, to, place) in swaps {
         let error = refusal("row.ply", good.replacen(from, to, 1), "more values in a row");
@@ -110,7 +110,7 @@ fn huge_counts_cost_nothing() {
         let at = square.windows(16).position(|w| w == b"element vertex 4").expect("vertices");
         let huge = [&square[..at], b"element vertex 4000000000", &square[at + 16..]].concat();
         let error = refusal("huge.ply", huge, "ends after 5 of the 4000000000");
-        assert_eq!(error.place, Some(Place::Vertex(5)));
+        assert_eq!(error.place, Some(Location::Vertex(5)));
     }
 }
 
@@ -135,7 +135,7 @@ fn strips_name_what_is_negative() {
     let rows: [&[i16]; 2] = [&[0, 1, 2], &[0, 1, 2, -2]];
     let file = strips("binary_big_endian", true, &rows);
     let error = refusal("negative.ply", file, "strip with the negative vertex number -2");
-    assert_eq!(error.place, Some(Place::Element("row of tristrips", 1)));
+    assert_eq!(error.place, Some(Location::Element("row of tristrips", 1)));
 }
 
 #[test]
@@ -143,6 +143,6 @@ fn a_point_alone_is_no_number() {
     for word in [".", "-.", ".e5"] {
         let text = ascii("3 0 1 2\n").replace("1 1 0\n", &format!("1 {word} 0\n"));
         let error = refusal("point.ply", text, "unreadable vertex");
-        assert_eq!(error.place, Some(Place::Line(12)), "{word}");
+        assert_eq!(error.place, Some(Location::Line(12)), "{word}");
     }
 }

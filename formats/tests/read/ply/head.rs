@@ -1,6 +1,6 @@
 //! Headers: what may stand in them, and what they announce.
 
-use formats::Place;
+use formats::Location;
 
 use super::{LIST, POINTS, SQUARE, XYZ, ascii, binary, header};
 use crate::support::{polygons, refusal, soup};
@@ -157,7 +157,7 @@ fn stray_header_lines_are_refused_by_line() {
         ("format ascii 1.0", "format ascii 1.0\nformat ascii 1.0", "unknown header line", 3),
     ] {
         let error = refusal("stray.ply", good.replacen(from, to, 1), word);
-        assert_eq!(error.place, Some(Place::Line(line)), "{to}");
+        assert_eq!(error.place, Some(Location::Line(line)), "{to}");
     }
 }
 

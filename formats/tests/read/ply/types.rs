@@ -1,6 +1,6 @@
 //! Every type of number, in both spellings and both byte orders.
 
-use formats::Place;
+use formats::Location;
 
 use super::{LIST, XYZ, ascii, header};
 use crate::support::{polygons, refusal, soup};
@@ -189,6 +189,6 @@ fn the_greatest_corner_is_out_of_range() {
         let at = file.len() - width;
         file[at..].fill(0xff);
         let error = refusal("range.ply", file, &format!("vertex {greatest}, but only 3"));
-        assert_eq!(error.place, Some(Place::Face(0)));
+        assert_eq!(error.place, Some(Location::Face(0)));
     }
 }
