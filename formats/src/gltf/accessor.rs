@@ -1,4 +1,4 @@
-//! Accessors, checked before the crate's readers see them.
+//! Accessors. They are checked completely before the readers of the gltf crate use them.
 
 use ::gltf::accessor::{Item, Iter};
 use ::gltf::json::Index;
@@ -10,10 +10,11 @@ use super::Gear;
 use crate::source::EXPORT_AGAIN;
 use crate::{Error, Location, Result};
 
-/// An accessor without a view is all zeros, at no cost to the file: only so many.
+/// The largest number of items of an accessor without a view. All its items are zero, and it takes no space
+/// in the file.
 const MOST_ZEROS: u64 = 250_000;
 
-/// The positions in accessor `index`, as `f64`.
+/// The positions in accessor `index` as `f64`.
 pub(super) fn positions(gear: &mut Gear<'_>, index: usize) -> Result<Vec<[f64; 3]>> {
     let (json, kind) = check(gear, index, Type::Vec3)?;
     let normalized = json.normalized;
@@ -27,7 +28,7 @@ pub(super) fn positions(gear: &mut Gear<'_>, index: usize) -> Result<Vec<[f64; 3
     }
 }
 
-/// A quantized coordinate; if `normalized`, `most` stands for 1.
+/// Converts a quantized coordinate. If it is `normalized`, `most` stands for 1.
 fn scaled<T: Into<f64>>(normalized: bool, most: f64) -> impl Fn(T) -> f64 {
     move |v| {
         if normalized { (v.into() / most).max(-1.0) } else { v.into() }
@@ -42,7 +43,7 @@ fn points<T: Item + Copy>(
     items::<[T; 3], _>(gear, index, |xyz| xyz.map(&number))
 }
 
-/// How many items accessor `index` says that it has.
+/// The number of items that accessor `index` declares.
 pub(super) fn count(gear: &Gear<'_>, index: usize) -> Option<u64> {
     gear.document.as_json().accessors.get(index).map(|json| json.count.0)
 }
@@ -50,7 +51,7 @@ pub(super) fn count(gear: &Gear<'_>, index: usize) -> Option<u64> {
 /// The vertex numbers in accessor `index`.
 pub(super) fn indices(gear: &mut Gear<'_>, index: usize) -> Result<Vec<u32>> {
     use ComponentType::{F32, I8, I16};
-    // Before the rest, which may not fit for this reason alone.
+    // This check comes first, because other checks may fail only for this reason.
     if let Some(json) = gear.document.as_json().accessors.get(index)
         && let (Valid(Type::Scalar), Valid(kind)) = (json.type_, &json.component_type)
         && matches!(kind.0, F32 | I8 | I16)
@@ -65,13 +66,13 @@ pub(super) fn indices(gear: &mut Gear<'_>, index: usize) -> Result<Vec<u32>> {
     }
 }
 
-/// The items of a checked accessor, through the crate.
+/// Reads the items of a checked accessor with the gltf crate.
 fn items<T: Item, U>(gear: &Gear<'_>, index: usize, f: impl Fn(T) -> U) -> Result<Vec<U>> {
     let lost = || bad(gear, index, "cannot be read");
     let accessor = gear.document.accessors().nth(index).ok_or_else(lost)?;
     let count = accessor.count();
     if count == 0 {
-        // The crate subtracts one from the count.
+        // The crate would subtract one from the count.
         return Ok(Vec::new());
     }
     let buffers = &gear.buffers;
@@ -80,7 +81,7 @@ fn items<T: Item, U>(gear: &Gear<'_>, index: usize, f: impl Fn(T) -> U) -> Resul
     if items.len() == count { Ok(items) } else { Err(lost()) }
 }
 
-/// Checks everything about accessor `index` that the crate would trust.
+/// Checks everything about accessor `index` that the crate trusts.
 fn check<'a>(
     gear: &mut Gear<'a>,
     index: usize,
@@ -115,15 +116,15 @@ fn check<'a>(
     Ok((json, kind))
 }
 
-/// `count` items of `size` bytes, from `offset` in their view on.
+/// `count` items of `size` bytes that begin at `offset` in their view.
 struct ByteRange {
     offset: u64,
     count: u64,
     size: u64,
 }
 
-/// Checks that the span is in its view, and the view in its buffer, which is
-/// loaded. Returns the view and its stride.
+/// Checks that the range is in its view and the view is in its buffer, and loads the buffer. Returns the view
+/// and its stride.
 fn check_span<'a>(
     gear: &mut Gear<'a>,
     index: usize,
@@ -142,7 +143,7 @@ fn check_span<'a>(
         return Err(error.at(Location::Element("bufferView", view.value() as u64)));
     }
     let stride = json.byte_stride.map_or(0, |s| s.0 as u64);
-    // Zero is the same as none, to the crate too.
+    // A stride of zero means none. The crate does the same.
     let stride = if stride == 0 { span.size } else { stride };
     if stride < span.size {
         return Err(bad(gear, index, "has items that overlap"));
@@ -155,8 +156,7 @@ fn check_span<'a>(
     Ok((json, stride))
 }
 
-/// Checks the replacements of a sparse accessor of `total` items. The crate
-/// would ignore those that are out of order.
+/// Checks the replacements of a sparse accessor of `total` items. The crate would ignore those out of order.
 fn check_sparse(
     gear: &mut Gear<'_>,
     index: usize,
@@ -180,7 +180,7 @@ fn check_sparse(
     let bytes = gear.buffers.get(view.buffer.value()).unwrap_or_default();
     let mut least = 0;
     for i in 0..count {
-        // In range: the span has been checked.
+        // The index is in range, because the range has been checked.
         let at = (start + i * stride) as usize;
         let item = bytes.get(at..at + size as usize).unwrap_or_default();
         let target = item.iter().rev().fold(0, |n, &byte| n << 8 | u64::from(byte));

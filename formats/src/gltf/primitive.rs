@@ -10,13 +10,13 @@ use crate::limits::check_room;
 use crate::source::EXPORT_AGAIN;
 use crate::{Error, Location, Result, Soup};
 
-/// A small file can place one mesh many times. So many bytes the soup may
-/// take whatever the file's size; more only in proportion.
+/// The number of bytes that the soup may always have. More bytes are allowed only in proportion to the size of
+/// the file, because a small file can contain many instances of one mesh.
 const FREE: u64 = 24 << 20;
 const PER_BYTE: u64 = 16;
 
-/// Appends the triangles of `primitive`, a part of mesh `mesh`, at `place`.
-/// Points and lines are none.
+/// Appends the triangles of `primitive`, which belongs to mesh `mesh`, transformed by `place`. Primitives of
+/// points and lines are skipped.
 pub(super) fn read(
     gear: &mut Gear<'_>,
     mesh: usize,
@@ -38,22 +38,22 @@ pub(super) fn read(
     Ok(())
 }
 
-/// Checks `primitive` as `read` does, and returns how many bytes it would take.
+/// Checks `primitive` as `read` does, and returns the number of bytes that it would take.
 pub(super) fn size(gear: &mut Gear<'_>, mesh: usize, primitive: &Primitive) -> Result<u64> {
     if let Some(IndexedTriangles { mode, corners, points }) = load(gear, mesh, primitive)? {
         return Ok(bytes(points.len() as u64, corners.triangles(mode) as u64));
     }
-    // Whatever it is, the numbers should be there.
+    // The indices must exist for every type of primitive.
     let indices = primitive.indices.map(|at| accessor::indices(gear, at.value()));
     Ok(indices.transpose()?.map_or(0, |list| 4 * list.len() as u64))
 }
 
-/// Whether `primitive` has faces, or should have.
+/// Whether `primitive` consists of triangles.
 pub(super) fn is_of_triangles(primitive: &Primitive) -> bool {
     matches!(primitive.mode, Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan))
 }
 
-/// What a primitive consists of.
+/// The data of a primitive of triangles.
 struct IndexedTriangles {
     mode: Mode,
     corners: CornerIndices,
@@ -72,7 +72,7 @@ fn load(
         return Ok(None);
     }
     let Some(positions) = primitive.attributes.get(&Valid(Semantic::Positions)) else {
-        // The specification leaves the meaning of this to extensions.
+        // The specification allows this only for extensions.
         return match gear.compression {
             Some(name) => Err(super::compressed(gear.buffers.path, name)),
             None => Ok(None),
@@ -88,8 +88,7 @@ fn load(
     Ok(Some(IndexedTriangles { mode, corners, points }))
 }
 
-/// The vertex numbers in accessor `indices`, checked against how many
-/// `positions` there are.
+/// The vertex indices in accessor `indices`. They are checked against the number of `positions`.
 fn listed(gear: &mut Gear<'_>, indices: usize, positions: usize) -> Result<Vec<u32>> {
     let list = accessor::indices(gear, indices)?;
     let Some(count) = accessor::count(gear, positions) else { return Ok(list) };
@@ -101,7 +100,7 @@ fn listed(gear: &mut Gear<'_>, indices: usize, positions: usize) -> Result<Vec<u
     Ok(list)
 }
 
-/// Which corners the `i`-th triangle has, in the specification's order.
+/// The corners of the `i`-th triangle in the order of the specification.
 fn mode_corners(mode: Mode, i: usize) -> [usize; 3] {
     match mode {
         Mode::TriangleStrip => [i, i + 1 + i % 2, i + 2 - i % 2],
@@ -110,7 +109,7 @@ fn mode_corners(mode: Mode, i: usize) -> [usize; 3] {
     }
 }
 
-/// The vertex numbers of a primitive: given, or one vertex after the other.
+/// The vertex indices of a primitive: a list, or all vertices in order.
 enum CornerIndices {
     Listed(Vec<u32>),
     All(usize),
@@ -139,12 +138,12 @@ impl CornerIndices {
     }
 }
 
-/// The bytes of so many points and triangles in a soup.
+/// The number of bytes that points and triangles take in a soup.
 fn bytes(points: u64, triangles: u64) -> u64 {
     24 * points + 16 * triangles
 }
 
-/// How many bytes the soup may take.
+/// The number of bytes that the soup may have.
 pub(super) fn budget(gear: &Gear<'_>) -> u64 {
     FREE.max(PER_BYTE * gear.buffers.bytes)
 }

@@ -1,23 +1,23 @@
-//! The nodes of the scene, and the meshes that they place.
+//! The nodes of the default scene and their meshes.
 
 use super::transform::NodeTransform;
 use super::{Gear, graph, primitive};
 use crate::source::EXPORT_AGAIN;
 use crate::{Error, Location, Result, Soup};
 
-/// Reads the default scene into `soup`; whether it places any mesh.
+/// Reads the default scene into `soup`. Returns whether it has a mesh.
 pub(super) fn read(gear: &mut Gear<'_>, soup: &mut Soup) -> Result<bool> {
     let mut placed = false;
     let root = gear.document.as_json();
     let mut seen = vec![false; root.nodes.len()];
-    // A stack, not recursion: the tree may be as deep as the file likes.
+    // A stack replaces recursion, because the tree may have any depth.
     let mut open: Vec<(usize, NodeTransform)> = Vec::new();
     open.extend(roots(gear)?.into_iter().rev().map(|node| (node, NodeTransform::IDENTITY)));
     while let Some((index, outer)) = open.pop() {
         let Some(node) = root.nodes.get(index) else {
             return Err(bad(gear, "node", index, "does not exist"));
         };
-        // Every node once: a scene may still list one, and one above it.
+        // Visit every node once. A scene may list both a node and its ancestor.
         if std::mem::replace(&mut seen[index], true) {
             return Err(bad(gear, "node", index, "is in the scene twice"));
         }
@@ -35,13 +35,13 @@ pub(super) fn read(gear: &mut Gear<'_>, soup: &mut Soup) -> Result<bool> {
     Ok(placed)
 }
 
-/// The roots of the default scene, of the first, or of all the nodes.
+/// The roots of the default scene. If there is none, those of the first scene, or of all nodes.
 fn roots(gear: &Gear<'_>) -> Result<Vec<usize>> {
     let parents = graph::parents(gear)?;
     let chosen = gear.document.as_json().scene.map(|scene| scene.value());
     let scene = chosen.unwrap_or(0);
     match gear.scenes.get(scene) {
-        // What is too great for this does not exist either.
+        // A number that does not fit is no existing node, either.
         Some(nodes) => {
             Ok(nodes.iter().map(|&i| usize::try_from(i).unwrap_or(usize::MAX)).collect())
         }

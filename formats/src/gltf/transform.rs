@@ -1,8 +1,8 @@
-//! Node transforms, in double precision.
+//! Transforms of nodes in double precision.
 
 use ::gltf::json::Node;
 
-/// An affine map: the three columns of its matrix, and the translation.
+/// An affine map: the three columns of its matrix and the translation.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct NodeTransform([[f64; 3]; 4]);
 
@@ -10,7 +10,7 @@ impl NodeTransform {
     pub(super) const IDENTITY: NodeTransform =
         NodeTransform([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]);
 
-    /// The transform that `node` has against its parent.
+    /// The transform of `node` relative to its parent.
     pub(super) fn of(node: &Node) -> NodeTransform {
         if let Some(m) = node.matrix {
             return NodeTransform([0, 4, 8, 12].map(|c| [m[c], m[c + 1], m[c + 2]].map(f64::from)));
@@ -29,7 +29,7 @@ impl NodeTransform {
         NodeTransform(columns)
     }
 
-    /// First `inner`, then this.
+    /// The composition: first `inner`, then this one.
     pub(super) fn after(&self, inner: &NodeTransform) -> NodeTransform {
         let [a, b, c, origin] = inner.0;
         NodeTransform([self.turn(a), self.turn(b), self.turn(c), self.apply(origin)])
@@ -44,7 +44,7 @@ impl NodeTransform {
         [0, 1, 2].map(|i| (0..3).map(|c| self.0[c][i] * v[c]).sum())
     }
 
-    /// Whether it turns right hands into left ones.
+    /// Whether the map reverses the orientation.
     pub(super) fn mirrors(&self) -> bool {
         let [a, b, c, _] = self.0;
         let cross =
@@ -57,9 +57,8 @@ impl NodeTransform {
     }
 }
 
-/// The quaternion `q` at unit length, for exporters round it, or forget to
-/// scale it, and the matrix made of it would shear. One of zeros turns nothing:
-/// that is what its matrix says, and what viewers show.
+/// The quaternion `q` with unit length. Exporters round it or do not normalize it, and then its matrix would
+/// shear. A zero quaternion stands for no rotation, as its matrix and viewers have it.
 fn unit(q: [f64; 4]) -> [f64; 4] {
     let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
     if length == 0.0 { q } else { q.map(|v| v / length) }

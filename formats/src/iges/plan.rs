@@ -1,4 +1,4 @@
-//! Which entities a file holds, in which order.
+//! The list of entities of a file in their order.
 
 use std::borrow::Cow;
 
@@ -7,7 +7,7 @@ use super::parameters::ascii;
 use crate::brep::{Brep, BrepCurve, EdgeUse, Face, FaceId, ShellId};
 use crate::spline::SplineCurve;
 
-/// Entities in the order of their directory entries.
+/// The entities in the order of their directory entries.
 struct Plan<'a> {
     entities: Vec<Entity<'a>>,
     label: String,
@@ -15,8 +15,8 @@ struct Plan<'a> {
     colour: Option<Pointer>,
 }
 
-/// Faces as trimmed surfaces (144), in a group (402) where there are several:
-/// some programs crash on more than one free entity.
+/// The faces as trimmed surfaces (144). Several of them are in a group (402), because some programs crash if
+/// there is more than one independent entity.
 pub(super) fn trimmed(brep: &Brep, colour: Option<[u8; 3]>) -> Vec<Entity<'_>> {
     let mut plan = Plan::new(&brep.name, colour);
     let surfaces = plan.surfaces(brep);
@@ -28,8 +28,8 @@ pub(super) fn trimmed(brep: &Brep, colour: Option<[u8; 3]>) -> Vec<Entity<'_>> {
     plan.entities
 }
 
-/// Solids (186), and open shells (514 form 2) for the sheets, over shared edges; in a group
-/// (402) where there are several.
+/// Solids (186) and open shells (514 form 2) for sheets, with shared edges. Several of them are in a group
+/// (402).
 pub(super) fn bodies(brep: &Brep, colour: Option<[u8; 3]>) -> Vec<Entity<'_>> {
     let mut plan = Plan::new(&brep.name, colour);
     let edges = plan.edge_list(brep);
@@ -82,14 +82,14 @@ impl<'a> Plan<'a> {
         Pointer(2 * self.entities.len() - 1)
     }
 
-    /// Adds an entity that people see, with label, name and colour.
+    /// Adds an entity that users see, with its label, name and colour.
     fn named(&mut self, status: EntityStatus, body: EntityData<'a>) -> Pointer {
         let (label, name, colour) = (self.label.clone(), self.name, self.colour);
         self.entities.push(Entity { body, status, label, name, colour });
         Pointer(2 * self.entities.len() - 1)
     }
 
-    /// Adds what is seen: one entity by itself, or several in a group.
+    /// Adds the root entities: a single one, or several in a group.
     fn roots(&mut self, bodies: Vec<EntityData<'a>>) {
         let alone = bodies.len() == 1;
         let status = if alone { EntityStatus::Independent } else { EntityStatus::Member };
@@ -150,8 +150,8 @@ impl<'a> Plan<'a> {
         for uses in loops_of_surface(data) {
             let mut listed = Vec::with_capacity(uses.len());
             for (EdgeUse { edge, pcurve, .. }, forward) in uses {
-                // Importers want the pcurve to run along the loop, even where
-                // the edge does not.
+                // Importers expect the pcurve in the direction of the loop, even if the edge has the opposite
+                // direction.
                 let pcurve = EntityData::PCurve(along(pcurve, forward));
                 let pcurve = self.add(EntityStatus::ParameterPlane, pcurve);
                 listed.push((edge.0, forward, pcurve));
@@ -162,8 +162,8 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// A face's loops, turned so that they suit the surface's normal: IGES says
-/// elsewhere, or not at all, that a face looks the other way.
+/// The loops of a face with the orientation for the normal of the surface. IGES stores elsewhere, or not at
+/// all, that a face has the opposite normal.
 fn loops_of_surface(data: &Face) -> Vec<Vec<(&EdgeUse, bool)>> {
     let mut loops = Vec::with_capacity(data.loops.len());
     for uses in &data.loops {
@@ -173,12 +173,12 @@ fn loops_of_surface(data: &Face) -> Vec<Vec<(&EdgeUse, bool)>> {
     loops
 }
 
-/// `curve`, or the same curve from its end to its start over the same range.
+/// `curve` if `forward`, otherwise the curve in the opposite direction over the same range.
 fn along<const D: usize>(curve: &SplineCurve<D>, forward: bool) -> Cow<'_, SplineCurve<D>> {
     if forward { Cow::Borrowed(curve) } else { Cow::Owned(curve.reversed()) }
 }
 
-/// At most eight letters and digits of a name.
+/// The first letters and digits of a name, at most eight.
 fn label(name: &str) -> String {
     let text = ascii(name);
     text.chars().filter(|c| c.is_ascii_alphanumeric() || *c == '_').take(8).collect()

@@ -1,5 +1,4 @@
-//! A file's 80-column lines: its global section, directory and parameters
-//! (IGES 5.3, clause 2.2.4).
+//! The lines of 80 columns of a file: its global section, directory and parameters (IGES 5.3, clause 2.2.4).
 
 use std::cell::Cell;
 use std::path::Path;
@@ -9,26 +8,26 @@ use crate::{Error, Location, Result};
 
 const EXPORT_AGAIN: &str = "The file is damaged or was cut short: copy it or export it again.";
 
-/// The columns of a line before its section's letter.
+/// The number of columns of a line before the letter of its section.
 const DATA: usize = 72;
-/// The columns of a parameter line that hold parameters.
+/// The number of columns of a parameter line that contain parameters.
 const PARAMETERS: usize = 64;
-/// A parameter line may be read this often: what many others refer to must not
-/// make a model out of proportion to its file.
+/// The number of times that a parameter line may be read on average. The limit keeps the size of the model in
+/// proportion to its file even if many entities refer to the same one.
 const READINGS: usize = 8;
 
-/// What a directory entry says of an entity.
+/// The directory entry of an entity.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct DirectoryEntry {
     pub(super) kind: i64,
     pub(super) form: i64,
-    /// The directory entry of its matrix, or 0.
+    /// The directory entry of the entity's matrix, or 0.
     pub(super) matrix: i64,
-    /// Whether it is shown.
+    /// Whether the entity is visible.
     pub(super) visible: bool,
-    /// Whether it is part of no other entity.
+    /// Whether the entity is not part of another one.
     pub(super) independent: bool,
-    /// Its first line of parameters, from 1, and how many it has.
+    /// The first line of parameters, counted from 1, and the number of lines.
     lines: [usize; 2],
 }
 
@@ -42,13 +41,13 @@ pub(super) struct Deck<'a> {
     budget: Cell<usize>,
 }
 
-/// The lines of a file and their numbers, whichever way they end.
+/// The lines of a file with any kind of line end, and their numbers.
 fn lines(bytes: &[u8]) -> impl Iterator<Item = (u64, &[u8])> {
     let feed = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
     (1..).zip(bytes.split(move |b| *b == feed).map(<[u8]>::trim_ascii_end))
 }
 
-/// Whether the file begins with a line as IGES has them.
+/// Whether the file begins with a line of an IGES file.
 pub(crate) fn is_iges(bytes: &[u8]) -> bool {
     let Some((_, first)) = lines(bytes).find(|(_, line)| !line.is_empty()) else { return false };
     let number = first.get(DATA + 1..).unwrap_or_default().trim_ascii();
@@ -113,7 +112,7 @@ impl<'a> Deck<'a> {
         Error::new(self.path, what, EXPORT_AGAIN)
     }
 
-    /// The entity whose directory entry has this number.
+    /// The directory entry with the number `pointer`.
     pub(super) fn entry(&self, pointer: i64) -> Result<DirectoryEntry> {
         let at = usize::try_from(pointer).ok().filter(|p| p % 2 == 1).map(|p| p / 2);
         let found = at.and_then(|at| self.directory.get(at)).copied();
@@ -125,7 +124,7 @@ impl<'a> Deck<'a> {
     pub(super) fn parameters(&self, pointer: i64) -> Result<Parameters<'_>> {
         let entry = self.entry(pointer)?;
         let [first, count] = entry.lines;
-        // Some programs do not say how many lines there are.
+        // Some programs omit the number of lines.
         let end = first.checked_add(count.max(1));
         let lines = end.and_then(|end| self.parameters.get(first..end));
         let lines =
@@ -147,7 +146,7 @@ impl<'a> Deck<'a> {
         Parameters::new(self, 0, rest, self.delimiters)
     }
 
-    /// Something wrong in an entity; in the global section, if it is entity 0.
+    /// An error in an entity. Entity 0 stands for the global section.
     pub(super) fn error(&self, pointer: i64, what: impl Into<String>) -> Error {
         match u64::try_from(pointer) {
             Ok(at @ 1..) => self.fault(what).at(Location::DirectoryEntry(at)),
@@ -155,7 +154,7 @@ impl<'a> Deck<'a> {
         }
     }
 
-    /// Something that may stand in a file but is not read here.
+    /// An error for valid content that is not supported.
     pub(super) fn unread(&self, pointer: i64, what: impl Into<String>) -> Error {
         let help = "Export trimmed B-spline faces, as trimmed surfaces (144) or shells (514).";
         Error { help: help.into(), ..self.error(pointer, what) }
@@ -163,9 +162,9 @@ impl<'a> Deck<'a> {
 }
 
 impl DirectoryEntry {
-    /// An entry of its two lines.
+    /// Parses an entry from its two lines.
     fn new(first: &[u8], second: &[u8]) -> Option<Self> {
-        // A field left empty is 0.
+        // An empty field is 0.
         let number = |line: &[u8], field: usize| {
             let text = std::str::from_utf8(line.get(8 * field..8 * field + 8)?).ok()?.trim();
             if text.is_empty() { Some(0) } else { text.parse::<i64>().ok() }

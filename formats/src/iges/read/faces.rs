@@ -1,4 +1,4 @@
-//! Trimmed surfaces (144) and the faces of shells (514).
+//! Reader of trimmed surfaces (144) and of the faces of shells (514).
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -36,18 +36,18 @@ impl<'d> FaceReader<'d> {
         }
     }
 
-    /// Where an entity is put.
+    /// The placement of an entity.
     pub(super) fn place(&self, pointer: i64, outer: &Affine) -> Result<Affine> {
         self.geometry.place(pointer, outer)
     }
 
-    /// 128 and its like by itself: a face as large as the surface.
+    /// Reads an independent surface, for example entity 128, as a face with the boundary of the surface.
     pub(super) fn whole(&mut self, pointer: i64, unit: &Affine) -> Result<CadFace> {
         let surface = self.geometry.surface(pointer, unit)?;
         Ok(CadFace { entity: name(pointer), surface, natural: true, loops: Vec::new() })
     }
 
-    /// 144.
+    /// Reads a trimmed surface (144).
     pub(super) fn trimmed(&mut self, pointer: i64, unit: &Affine) -> Result<CadFace> {
         let place = self.geometry.place(pointer, unit)?;
         let mut p = self.deck.parameters(pointer)?;
@@ -65,8 +65,7 @@ impl<'d> FaceReader<'d> {
         Ok(CadFace { entity: name(pointer), surface, natural: outer == 0, loops })
     }
 
-    /// 142: a loop, as pcurves or as curves in space, or as both where they
-    /// come in equal pieces.
+    /// Reads a loop (142). It has pcurves or curves in space. It has both if their numbers are equal.
     fn on_surface(&mut self, pointer: i64, outer: &Affine) -> Result<Vec<CadEdge>> {
         let found = self.deck.entry(pointer)?.kind;
         if found != 142 {
@@ -96,7 +95,7 @@ impl<'d> FaceReader<'d> {
         Ok(pcurves.into_iter().map(|pcurve| edge(None, vec![pcurve])).collect())
     }
 
-    /// 186: the shells of a solid, the outer one first.
+    /// The shells of a solid (186). The outer one comes first.
     pub(super) fn shells(&self, pointer: i64) -> Result<Vec<i64>> {
         let mut p = self.deck.parameters(pointer)?;
         let mut shells = vec![p.integer()?];
@@ -106,7 +105,7 @@ impl<'d> FaceReader<'d> {
         Ok(shells)
     }
 
-    /// 514: adds its faces and itself; its number.
+    /// Adds a shell (514) and its faces, and returns its number.
     pub(super) fn shell(
         &mut self,
         pointer: i64,
@@ -126,7 +125,7 @@ impl<'d> FaceReader<'d> {
         Ok(model.shells.len() - 1)
     }
 
-    /// 510.
+    /// Reads a face (510).
     fn face(&mut self, pointer: i64, outer: &Affine) -> Result<CadFace> {
         let found = self.deck.entry(pointer)?.kind;
         if found != 510 {
@@ -150,7 +149,7 @@ impl<'d> FaceReader<'d> {
         Ok(CadFace { entity: name(pointer), surface, natural: count == 0, loops })
     }
 
-    /// 508.
+    /// Reads a loop (508).
     fn edge_loop(&mut self, pointer: i64, place: &Affine) -> Result<Vec<CadEdge>> {
         let mut p = self.deck.parameters(pointer)?;
         let count = p.count()?;
@@ -182,9 +181,9 @@ impl<'d> FaceReader<'d> {
                 curve: Some(curve.clone()),
                 ends: Some(ends.map(|end| place.point(end))),
                 forward,
-                // One in pieces is found anew.
+                // A pcurve in several pieces is computed anew later.
                 pcurves: if pcurves.len() == 1 { pcurves } else { Vec::new() },
-                // They run along the loop, whichever way the edge runs.
+                // Pcurves have the direction of the loop, even if the edge has the opposite direction.
                 pcurve_forward: true,
             });
         }

@@ -1,4 +1,4 @@
-//! Curves and surfaces, in millimetres.
+//! Reader of curves and surfaces. Lengths are in millimetres.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -11,10 +11,10 @@ use crate::cad::affine::{Affine, cross, dot, unit};
 use crate::cad::{CadCurve, CadSurface, CurveShape};
 use crate::spline::{MAX_DEGREE, SplineCurve, SplineKnots, SplineSurface};
 
-/// Entities are made of others at most this deep.
+/// The largest depth of entities that consist of other entities.
 const MAX_DEPTH: usize = 8;
 
-/// Reads geometry; a surface that is used twice is read once.
+/// Reads geometry. A surface that is used several times is read once.
 pub(super) struct IgesGeometry<'d> {
     pub(super) deck: &'d Deck<'d>,
     surfaces: HashMap<i64, (Affine, Arc<CadSurface>)>,
@@ -25,7 +25,7 @@ impl<'d> IgesGeometry<'d> {
         IgesGeometry { deck, surfaces: HashMap::new() }
     }
 
-    /// Where an entity is put by its matrices, and then by `outer`.
+    /// The placement of an entity by its matrices, followed by `outer`.
     pub(super) fn place(&self, pointer: i64, outer: &Affine) -> Result<Affine> {
         let mut place = *outer;
         let mut matrices = Vec::new();
@@ -37,7 +37,7 @@ impl<'d> IgesGeometry<'d> {
             matrices.push(self.matrix(next)?);
             next = self.deck.entry(next)?.matrix;
         }
-        // The entity's own matrix comes first, then that matrix's.
+        // The matrix of the entity is applied first, then the matrix of that matrix.
         matrices.iter().rev().for_each(|matrix| place = place.after(matrix));
         Ok(place)
     }
@@ -65,13 +65,13 @@ impl<'d> IgesGeometry<'d> {
         Err(self.deck.error(pointer, format!("is of type {found} where {name} ({kind}) is expected")))
     }
 
-    /// The curves in space that an entity is made of, in order.
+    /// The curves in space that an entity consists of, in order.
     pub(super) fn curves(&self, pointer: i64, outer: &Affine) -> Result<Vec<Arc<CadCurve<3>>>> {
         let curves = self.pieces(pointer, Some(outer), 0)?;
         Ok(curves.into_iter().map(Arc::new).collect())
     }
 
-    /// The curves in a parameter plane that an entity is made of, in order.
+    /// The curves in a parameter plane that an entity consists of, in order.
     pub(super) fn pcurves(&self, pointer: i64) -> Result<Vec<Arc<CadCurve<2>>>> {
         let curves = self.pieces(pointer, None, 0)?;
         Ok(curves.into_iter().map(|curve| Arc::new(flat(curve))).collect())
@@ -103,7 +103,7 @@ impl<'d> IgesGeometry<'d> {
         Ok(all)
     }
 
-    /// One curve, where it is defined.
+    /// One curve in its own coordinates.
     fn curve(&self, pointer: i64) -> Result<CadCurve<3>> {
         let entry = self.deck.entry(pointer)?;
         let mut p = self.deck.parameters(pointer)?;
@@ -116,7 +116,7 @@ impl<'d> IgesGeometry<'d> {
                 let points = p.several(count, |p| match kind {
                     1 => Ok([p.real()?, p.real()?, level]),
                     2 => p.point(),
-                    // With a vector at every point.
+                    // Every point has a vector.
                     _ => p.point().inspect(|_| p.skip(3)),
                 })?;
                 let spline = SplineCurve::polyline(points);
@@ -151,7 +151,7 @@ impl<'d> IgesGeometry<'d> {
         Ok(CadCurve { shape: CurveShape::Spline(spline), range })
     }
 
-    /// A number of poles, given as the last one's index.
+    /// A number of poles. The file has the index of the last one.
     fn poles(&self, pointer: i64, p: &mut Parameters) -> Result<usize> {
         let last = p.count()?;
         let count = last.checked_add(1).filter(|n| *n < usize::MAX / 4);
@@ -177,7 +177,7 @@ impl<'d> IgesGeometry<'d> {
         Ok(surface)
     }
 
-    /// One surface, where it is defined.
+    /// One surface in its own coordinates.
     fn plain_surface(&self, pointer: i64, depth: usize) -> Result<CadSurface> {
         let entry = self.deck.entry(pointer)?;
         let mut p = self.deck.parameters(pointer)?;
@@ -199,7 +199,7 @@ impl<'d> IgesGeometry<'d> {
             }
             192 => {
                 let (origin, [x, y, z]) = self.frame(pointer, &mut p, 1)?;
-                // The radius stands between axis and reference direction.
+                // The radius is between the axis and the reference direction.
                 let radius = self.cylinder_radius(pointer)?;
                 let [x, y] = [x, y].map(|axis| axis.map(|e| radius * e));
                 Ok(CadSurface::Cylinder { origin, x, y, z })
@@ -211,8 +211,8 @@ impl<'d> IgesGeometry<'d> {
         }
     }
 
-    /// A plane of which only an equation is given, a x + b y + c z = d. Pcurves on
-    /// it mean nothing, since it has no axes.
+    /// A plane that is given by the equation a x + b y + c z = d. Pcurves on it have no meaning, because it has
+    /// no axes.
     fn plane(&self, pointer: i64, p: &mut Parameters) -> Result<CadSurface> {
         let (normal, d) = (p.point()?, p.real()?);
         let bad = || self.deck.error(pointer, "is a plane without a normal");
@@ -229,8 +229,8 @@ impl<'d> IgesGeometry<'d> {
         p.real()
     }
 
-    /// Origin and axes of a plane or cylinder: point, direction of z, `between`
-    /// other parameters, direction towards x.
+    /// The origin and the axes of a plane or cylinder. The file has a point, the direction of z, other
+    /// parameters `between`, and a direction for x.
     fn frame(
         &self,
         pointer: i64,
@@ -244,7 +244,7 @@ impl<'d> IgesGeometry<'d> {
         let bad = || self.deck.error(pointer, "has no proper axes");
         let z = unit(self.of_kind(z, 123, "a direction")?.point()?).ok_or_else(bad)?;
         let towards = match towards {
-            // Unparametrized: any will do.
+            // The surface has no parametrization, so any direction is possible.
             0 if z[0].abs() < 0.9 => [1.0, 0.0, 0.0],
             0 => [0.0, 1.0, 0.0],
             towards => self.of_kind(towards, 123, "a direction")?.point()?,
@@ -254,8 +254,8 @@ impl<'d> IgesGeometry<'d> {
         Ok((origin, [x, cross(z, x), z]))
     }
 
-    /// A tabulated cylinder: a curve over [0, 1] moved to a point that its own
-    /// start goes to.
+    /// A tabulated cylinder: a curve over [0, 1] that is extruded. The file has the point to which the start
+    /// of the curve moves.
     fn tabulated(&self, pointer: i64, mut p: Parameters) -> Result<CadSurface> {
         let (directrix, end) = (p.integer()?, p.point()?);
         let place = self.place(directrix, &Affine::scaling(1.0))?;

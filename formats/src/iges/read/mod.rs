@@ -1,4 +1,6 @@
-//! Reads IGES files: trimmed surfaces, and the faces of shells.
+//! Reader of IGES files.
+//!
+//! The input is the content of a file. The output is its trimmed surfaces and the faces of its shells.
 
 mod deck;
 mod faces;
@@ -15,7 +17,7 @@ use deck::Deck;
 pub(crate) use deck::is_iges;
 use faces::FaceReader;
 
-/// Reads every face that is shown in `bytes`, the content of the file at `path`.
+/// Reads every visible face in `bytes`, which is the content of the file at `path`.
 pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
     let deck = Deck::new(path, bytes)?;
     let (sender, unit_mm) = global(&deck)?;
@@ -37,7 +39,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
     }
     for (pointer, entry) in entries() {
         match entry.kind {
-            // A solid's matrix puts its shells.
+            // The matrix of a solid places its shells.
             514 if !in_solids.contains(&pointer) => {
                 faces.shell(pointer, &unit, &mut model)?;
             }
@@ -69,7 +71,7 @@ fn name(deck: &Deck) -> Result<Option<String>> {
     Ok(Some(p.string()))
 }
 
-/// The sender's name of what is in the file, and its unit in mm.
+/// The sender's name of the product, and the unit of length in mm.
 fn global(deck: &Deck) -> Result<(String, f64)> {
     let mut p = deck.global()?;
     let name = p.string();
@@ -85,11 +87,11 @@ fn global(deck: &Deck) -> Result<(String, f64)> {
     let Some((.., mm)) = known else {
         return Err(deck.error(0, format!("is in a unit that is not known: {flag} {named}")));
     };
-    // Lengths in the file are `scale` times the thing's own.
+    // Lengths in the file are `scale` times the real lengths.
     Ok((name, if scale > 0.0 { mm / scale } else { *mm }))
 }
 
-/// Number, name and length in mm (IGES 5.3, clause 2.2.4.3.14).
+/// The units: number, name and length in mm (IGES 5.3, clause 2.2.4.3.14).
 const UNITS: [(i64, &str, f64); 10] = [
     (1, "IN", 25.4),
     (1, "INCH", 25.4),
