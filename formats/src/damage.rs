@@ -1,9 +1,9 @@
 //! Detection of binary files that a program for text has damaged.
 //!
 //! Such a program inserts a carriage return before every line feed, or it interprets the bytes as
-//! characters and writes them as UTF-8, with U+FFFD for invalid ones. Both shift the following bytes,
-//! so that readers find invalid data. The input is bytes of a file. The output is a description of the
-//! damage.
+//! characters and writes them as UTF-8, with U+FFFD for invalid ones. Both shift the following
+//! bytes, so that readers find invalid data. The input is bytes of a file. The output is a
+//! description of the damage.
 
 use crate::Error;
 use crate::read::Format;
@@ -15,8 +15,8 @@ pub(crate) const SEND_AS_BINARY: &str =
 /// The least number of signs of damage in the head of a file. Fewer may occur by chance.
 const SIGNS: u64 = 4;
 
-/// Tests whether bytes can be such text. The bytes of an undamaged binary file soon fail the test, and
-/// the remaining bytes are skipped.
+/// Tests whether bytes can be such text. The bytes of an undamaged binary file soon fail the test,
+/// and the remaining bytes are skipped.
 pub(crate) struct TextTrace {
     /// Whether all bytes so far are UTF-8.
     utf8: bool,
@@ -69,9 +69,9 @@ impl TextTrace {
         self.letters
     }
 
-    /// The damage to a binary file that has `surplus` additional bytes. It is recognized if there is one
-    /// for each line feed, or if the number is that of the additional bytes of characters. `letters` of
-    /// them are before the proper end of the file.
+    /// The damage to a binary file that has `surplus` additional bytes. It is recognized if there
+    /// is one for each line feed, or if the number is that of the additional bytes of characters.
+    /// `letters` of them are before the proper end of the file.
     pub(crate) fn of_surplus(&self, surplus: u64, letters: u64) -> Option<&'static str> {
         if self.utf8 && letters > 0 {
             return Some(AS_LETTERS);

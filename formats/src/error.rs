@@ -6,8 +6,8 @@ use std::path::PathBuf;
 /// A result with an [`Error`].
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// An error of reading or writing a file. It says which file, what is wrong, at which place, and what
-/// the user can do about it.
+/// An error of reading or writing a file. It says which file, what is wrong, at which place, and
+/// what the user can do about it.
 #[derive(Debug, thiserror::Error)]
 #[error("{}: {what}{}", file.display(), at(place))]
 #[non_exhaustive]

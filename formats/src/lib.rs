@@ -1,7 +1,7 @@
 //! Readers of scans, and readers and writers of CAD files.
 //!
-//! A reader of scans returns exactly what a file contains: a [`Soup`] of polygons with the unit that
-//! the file declares. It does not weld or repair anything. A writer takes a [`Brep`]: faces on
+//! A reader of scans returns exactly what a file contains: a [`Soup`] of polygons with the unit
+//! that the file declares. It does not weld or repair anything. A writer takes a [`Brep`]: faces on
 //! B-spline surfaces in shells and solids, trimmed by edges with a pcurve for every use. The crate
 //! does not know how scan2step converts one into the other.
 

@@ -9,7 +9,8 @@ use std::fmt;
 /// A real number in the notation of ISO 10303-21, clause 6.4.2: `1.`, `0.25`, `1.5E-07`.
 pub(crate) struct StepReal(pub f64);
 
-/// A double-precision real number in the notation of IGES 5.3, clause 2.2.2.2: `1.`, `0.25`, `1.5D-07`.
+/// A double-precision real number in the notation of IGES 5.3, clause 2.2.2.2: `1.`, `0.25`,
+/// `1.5D-07`.
 pub(crate) struct IgesReal(pub f64);
 
 impl fmt::Display for StepReal {

@@ -1,7 +1,7 @@
 //! Reading of a scan in any supported format.
 //!
-//! The input is a file or a stream. The output is a [`Soup`]. The content decides on the format where
-//! possible, otherwise the extension of the name does.
+//! The input is a file or a stream. The output is a [`Soup`]. The content decides on the format
+//! where possible, otherwise the extension of the name does.
 
 use std::io::Read;
 use std::path::Path;
@@ -35,8 +35,8 @@ impl Format {
         recognise(&Source::open(path)?)
     }
 
-    /// The format that the extension of `path` stands for, if it stands for one. A second extension for
-    /// gzip is ignored. The file is not opened.
+    /// The format that the extension of `path` stands for, if it stands for one. A second extension
+    /// for gzip is ignored. The file is not opened.
     pub fn by_extension(path: &Path) -> Option<Format> {
         let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
         let name = name.strip_suffix(".gz").unwrap_or(&name);
@@ -53,9 +53,9 @@ impl Format {
 
 /// Reads the mesh in the file at `path`.
 ///
-/// The result has all points in the order of the file, including unused ones, and the polygons of three
-/// or more corners without any change. For a glTF file this is the default scene with the transforms of
-/// its nodes applied. Skins and morph targets are ignored.
+/// The result has all points in the order of the file, including unused ones, and the polygons of
+/// three or more corners without any change. For a glTF file this is the default scene with the
+/// transforms of its nodes applied. Skins and morph targets are ignored.
 ///
 /// # Errors
 /// The file cannot be read, is damaged, is inconsistent, requires an unsupported feature, or has no
@@ -67,12 +67,12 @@ pub fn read_scan(path: &Path) -> Result<Soup> {
 /// Reads a mesh from memory or any other stream as [`read_scan`] does. Use a
 /// [`Cursor`](std::io::Cursor) that owns the bytes to read from memory.
 ///
-/// Errors call the file `name`. Its extension decides on the format if the content is ambiguous. This
-/// is always the case for a binary STL, because only the length of a file identifies it, and a stream
-/// has no known length. No file with this name is opened.
+/// Errors call the file `name`. Its extension decides on the format if the content is ambiguous.
+/// This is always the case for a binary STL, because only the length of a file identifies it, and a
+/// stream has no known length. No file with this name is opened.
 ///
-/// `folder` is the folder in which a glTF file may have its buffers. With `None` it may not refer to any
-/// file. This is the right choice for content from an untrusted source.
+/// `folder` is the folder in which a glTF file may have its buffers. With `None` it may not refer
+/// to any file. This is the right choice for content from an untrusted source.
 ///
 /// ```
 /// let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -83,8 +83,8 @@ pub fn read_scan(path: &Path) -> Result<Soup> {
 /// ```
 ///
 /// # Errors
-/// The same as those of [`read_scan`]. In addition, a glTF file may need a buffer in another file although
-/// `folder` is `None`.
+/// The same as those of [`read_scan`]. In addition, a glTF file may need a buffer in another file
+/// although `folder` is `None`.
 pub fn read_scan_from(
     name: &Path,
     content: impl Read + 'static,
@@ -202,7 +202,8 @@ fn foreign(head: &[u8]) -> Option<(&'static str, &'static str)> {
     (begins("<!doctype html") || begins("<html")).then_some(("a web page (HTML)", help))
 }
 
-/// Whether `head` begins with the byte order mark of UTF-16, or with ASCII in two bytes per character.
+/// Whether `head` begins with the byte order mark of UTF-16, or with ASCII in two bytes per
+/// character.
 fn is_utf_16(head: &[u8]) -> bool {
     let pairs = head[..head.len().min(64)].as_chunks::<2>().0;
     let is_ascii = |byte: u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();

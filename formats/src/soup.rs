@@ -3,12 +3,13 @@
 /// The content of a scan file: points, polygons, and the unit of length if the format declares one.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Soup {
-    /// The points in the unit of the file. They may have non-finite coordinates, and some may not be
-    /// used by any polygon.
+    /// The points in the unit of the file. They may have non-finite coordinates, and some may not
+    /// be used by any polygon.
     pub points: Vec<[f64; 3]>,
     /// The polygons. Every index is a valid index into `points`.
     pub polygons: Polygons,
-    /// The unit that the format itself defines, for example metres for glTF. `None` if it defines none.
+    /// The unit that the format itself defines, for example metres for glTF. `None` if it defines
+    /// none.
     pub unit: Option<LengthUnit>,
     /// The mean colour of the points (sRGB). `None` if not every point has a colour.
     pub colour: Option<[u8; 3]>,

@@ -1,5 +1,5 @@
-//! A scan file that is open for reading. Gzip is decompressed, and the first bytes are available for the
-//! detection of the format.
+//! A scan file that is open for reading. Gzip is decompressed, and the first bytes are available
+//! for the detection of the format.
 
 use std::fs::File;
 use std::io::{self, BufRead as _, BufReader, Cursor, Read};
@@ -18,8 +18,8 @@ const MAX_LINE: u64 = 64 << 20;
 pub(crate) const EXPORT_AGAIN: &str =
     "The file is damaged or was cut short: copy or export it again, best as binary PLY.";
 
-/// A stream of the decompressed bytes of one file. Only a buffer is in memory, so that memory grows only
-/// with the data that a reader keeps.
+/// A stream of the decompressed bytes of one file. Only a buffer is in memory, so that memory grows
+/// only with the data that a reader keeps.
 pub(crate) struct Source {
     /// The path as the user gave it, for errors.
     pub(crate) path: PathBuf,
@@ -63,8 +63,8 @@ impl Source {
         Source::new(path, file, Some(meta.len()), folder.or(Some(Path::new("."))))
     }
 
-    /// Creates a source from `content`. Its length is `len` if that is known. It is decompressed if it
-    /// begins as a gzip file.
+    /// Creates a source from `content`. Its length is `len` if that is known. It is decompressed if
+    /// it begins as a gzip file.
     pub(crate) fn new(
         path: &Path,
         mut content: impl Read + 'static,
@@ -96,8 +96,8 @@ impl Source {
         })
     }
 
-    /// Stores the next line without its end in `line`. Returns `false` after the last line. A byte order
-    /// mark at the beginning of the file is removed.
+    /// Stores the next line without its end in `line`. Returns `false` after the last line. A byte
+    /// order mark at the beginning of the file is removed.
     pub(crate) fn next_line(&mut self, line: &mut Vec<u8>) -> Result<bool> {
         line.clear();
         let read = (&mut self.stream).take(MAX_LINE).read_until(self.eol, line);
@@ -167,8 +167,8 @@ fn take_head(from: &mut impl Read) -> io::Result<Vec<u8>> {
     Ok(head)
 }
 
-/// The byte that ends lines: `\r` in old Macintosh files, otherwise `\n`, perhaps after `\r`. The first
-/// line decides, because any byte may follow the header of a binary PLY file.
+/// The byte that ends lines: `\r` in old Macintosh files, otherwise `\n`, perhaps after `\r`. The
+/// first line decides, because any byte may follow the header of a binary PLY file.
 fn line_end(head: &[u8]) -> u8 {
     match head.iter().position(|b| matches!(b, b'\r' | b'\n')) {
         Some(i) if head[i] == b'\r' && head.get(i + 1) != Some(&b'\n') => b'\r',

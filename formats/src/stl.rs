@@ -1,7 +1,7 @@
 //! Reader of STL files, ASCII and binary.
 //!
-//! The crate stl_io 0.11 is not used, because it ends after the first of several solids, reads a binary
-//! file that begins with "solid" as text, and refuses upper case.
+//! The crate stl_io 0.11 is not used, because it ends after the first of several solids, reads a
+//! binary file that begins with "solid" as text, and refuses upper case.
 
 use std::io::{ErrorKind, Read};
 use std::str::SplitAsciiWhitespace;
@@ -12,7 +12,8 @@ use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
 use crate::{Error, Location, Result, Soup};
 
-/// The size in bytes of the free text at the beginning of a binary file. The number of triangles follows.
+/// The size in bytes of the free text at the beginning of a binary file. The number of triangles
+/// follows.
 const HEADER: usize = 80;
 const PREFIX: usize = HEADER + 4;
 
@@ -22,8 +23,8 @@ const RECORD: usize = 50;
 /// The largest number of bytes after the records that are examined.
 const MOST_SURPLUS: u64 = 64 << 20;
 
-/// Whether `head` is the beginning of an ASCII file. A binary file may begin with "solid", too, but it
-/// has a zero byte in its number of triangles at the latest.
+/// Whether `head` is the beginning of an ASCII file. A binary file may begin with "solid", too, but
+/// it has a zero byte in its number of triangles at the latest.
 pub(crate) fn is_ascii(head: &[u8]) -> bool {
     let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
     let solid = head.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
@@ -40,8 +41,8 @@ pub(crate) fn is_binary(head: &[u8], len: Option<u64>) -> bool {
     count > 0 && len == Some(PREFIX as u64 + count * RECORD as u64)
 }
 
-/// Whether `head` is any text. A binary file has zero bytes in its number of triangles. Text need not begin
-/// with "solid".
+/// Whether `head` is any text. A binary file has zero bytes in its number of triangles. Text need
+/// not begin with "solid".
 fn is_text(head: &[u8]) -> bool {
     let is_control = |b: &u8| b.is_ascii_control() && !b.is_ascii_whitespace() && *b != 0x1a;
     is_ascii(head) || !head.iter().any(is_control)
@@ -84,9 +85,9 @@ fn read_binary(mut source: Source) -> Result<Soup> {
     Ok(soup)
 }
 
-/// Checks the bytes after the records. Padding, text, and a few bytes such as a colour are accepted.
-/// Whole records and an appended second file are errors, because triangles would be lost. Additional
-/// bytes from a conversion to text are an error, too.
+/// Checks the bytes after the records. Padding, text, and a few bytes such as a colour are
+/// accepted. Whole records and an appended second file are errors, because triangles would be lost.
+/// Additional bytes from a conversion to text are an error, too.
 fn check_surplus(source: &mut Source, count: u32, mut trace: TextTrace) -> Result<()> {
     let letters = trace.letters();
     let tail = Tail::read(source, &mut trace)?;
@@ -166,8 +167,8 @@ fn skip_name(words: &mut SplitAsciiWhitespace) {
     while !is_facet(words) && words.next().is_some() {}
 }
 
-/// The reader of ASCII files. It processes words instead of lines: `vertex` and `endloop` define the mesh,
-/// and the other words only need to be present.
+/// The reader of ASCII files. It processes words instead of lines: `vertex` and `endloop` define
+/// the mesh, and the other words only need to be present.
 struct Ascii {
     source: Source,
     soup: Soup,

@@ -2,10 +2,10 @@
 
 use std::borrow::Cow;
 
-/// Converts `token` to a notation that both Rust and ply-rs read. There are digits on both sides of the
-/// point. NaN or infinity in any notation becomes a number that is too large for a double, so that it is
-/// read as infinity. (ply-rs does not know `nan`, and later stages treat all non-finite points in the same
-/// way.) A token that is not a number is returned unchanged.
+/// Converts `token` to a notation that both Rust and ply-rs read. There are digits on both sides of
+/// the point. NaN or infinity in any notation becomes a number that is too large for a double, so
+/// that it is read as infinity. (ply-rs does not know `nan`, and later stages treat all non-finite
+/// points in the same way.) A token that is not a number is returned unchanged.
 pub(crate) fn plain_number(token: &str) -> Cow<'_, str> {
     let digits = token.trim_start_matches(['+', '-']);
     let starts = digits.as_bytes().first().copied().unwrap_or(0);

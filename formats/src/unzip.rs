@@ -4,15 +4,15 @@ use std::io::{self, BufRead, BufReader, Read};
 
 use flate2::bufread::GzDecoder;
 
-/// The largest ratio of decompressed to compressed size. Scans are compressed to a half, or to a fiftieth for
-/// an ASCII STL of a regular grid. Gzip bombs are compressed to a thousandth.
+/// The largest ratio of decompressed to compressed size. Scans are compressed to a half, or to a
+/// fiftieth for an ASCII STL of a regular grid. Gzip bombs are compressed to a thousandth.
 const MOST_GROWTH: u64 = 100;
 
 /// The number of decompressed bytes that are always allowed.
 const FREE: u64 = 4 << 20;
 
-/// Decompresses a stream of one or more gzip members. Like gzip, it accepts zero bytes after them, which
-/// archives and tapes append.
+/// Decompresses a stream of one or more gzip members. Like gzip, it accepts zero bytes after them,
+/// which archives and tapes append.
 pub(crate) struct Unzip<R> {
     /// The current member. `None` at the end of the stream.
     member: Option<GzDecoder<Zipped<R>>>,

@@ -1,8 +1,8 @@
 //! Check of the loops of faces on one surface.
 //!
-//! Every loop must be closed, lie in the domain and not cross itself or another loop. Inner loops must
-//! lie in their outer loop. [`formats::Brep::check`] checks what every boundary representation must
-//! satisfy.
+//! Every loop must be closed, lie in the domain and not cross itself or another loop. Inner loops
+//! must lie in their outer loop. [`formats::Brep::check`] checks what every boundary representation
+//! must satisfy.
 
 use super::FaceBounds;
 use crate::error::BrepFault;
@@ -43,8 +43,8 @@ pub(super) fn check(faces: &[FaceBounds]) -> Result<(), BrepFault> {
     }
 }
 
-/// The required nesting of a face's loops: the outer loop runs counter-clockwise, and the inner loops
-/// run clockwise inside it and outside each other.
+/// The required nesting of a face's loops: the outer loop runs counter-clockwise, and the inner
+/// loops run clockwise inside it and outside each other.
 fn nests(bounds: &FaceBounds) -> Vec<Nest> {
     let outer = bounds.outer.iter().map(|_| Nest::default());
     let around: Vec<usize> = bounds.outer.iter().map(|_| 0).collect();
@@ -70,7 +70,8 @@ mod tests {
 
     type Ring = (Vec<Curve<2>>, Vec<Curve<3>>);
 
-    /// A triangular loop around (u, 0.5). It runs clockwise, or counter-clockwise if `r` is negative.
+    /// A triangular loop around (u, 0.5). It runs clockwise, or counter-clockwise if `r` is
+    /// negative.
     fn triangle(surface: &Surface, u: f64, r: f64) -> Ring {
         let corners = [(-r, -r.abs()), (-r, r.abs()), (r, 0.0)];
         let at = |i: usize| UvVector::new(u + corners[i % 3].0, 0.5 + corners[i % 3].1);

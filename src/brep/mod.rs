@@ -111,8 +111,8 @@ fn unsuited(what: String) -> Error {
 /// 0.9 % off with 20 spans, up to 0.3 % with 12 spans, and up to 6 % without division.
 const MAX_SPANS: usize = 12;
 
-/// The four sides of the surface, counter-clockwise from (0, 0): exact iso-curves with straight lines
-/// as pcurves. Each side is divided into edges of a few knot spans.
+/// The four sides of the surface, counter-clockwise from (0, 0): exact iso-curves with straight
+/// lines as pcurves. Each side is divided into edges of a few knot spans.
 pub fn outer_edges(surface: &Surface) -> Vec<(Curve<3>, Curve<2>, bool)> {
     let [nu, nv] = surface.shape();
     let along_u = |j: usize| {

@@ -29,8 +29,8 @@ impl<'a, const D: usize> CurveSegment<'a, D> {
         proper.then_some(CurveSegment { shape, range })
     }
 
-    /// The segment of a curve over a range. If the range of a spline does not contain it, the segment
-    /// is the whole spline.
+    /// The segment of a curve over a range. If the range of a spline does not contain it, the
+    /// segment is the whole spline.
     pub(super) fn over(curve: &'a CadCurve<D>, range: (f64, f64)) -> Option<Self> {
         let range = match &curve.shape {
             CurveShape::Spline(spline) => {

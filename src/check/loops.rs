@@ -22,8 +22,8 @@ pub(super) struct Tracer<'a> {
     pub(super) surface: &'a Domain<'a>,
     /// The largest distance of chords from curves, in mm.
     pub(super) chord: f64,
-    /// The largest distance, in mm, between two representations of an edge or between two edges that
-    /// should meet.
+    /// The largest distance, in mm, between two representations of an edge or between two edges
+    /// that should meet.
     pub(super) gap: f64,
     /// The largest distance found so far between an edge's curve in space and the trace of its
     /// pcurve, in mm.

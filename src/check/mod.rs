@@ -2,8 +2,8 @@
 //!
 //! The input is a CAD model and a mesh. The output is the distances in both directions: from every
 //! point of the scan to the faces, and from samples of the trimmed faces to the scan. The second
-//! direction shows holes that were not trimmed away. Edges are followed by chords, and nearest points
-//! are found by foot points on the surfaces.
+//! direction shows holes that were not trimmed away. Edges are followed by chords, and nearest
+//! points are found by foot points on the surfaces.
 
 mod curve;
 mod loops;
@@ -44,8 +44,8 @@ pub struct Report {
 
 /// The largest distance of chords from edges, as a share of the scan's diagonal.
 const CHORD: f64 = 1e-7;
-/// The largest gap between edges that should meet, or between curves that should coincide, as a share
-/// of the scan's diagonal. Importers close gaps of this size.
+/// The largest gap between edges that should meet, or between curves that should coincide, as a
+/// share of the scan's diagonal. Importers close gaps of this size.
 const GAP: f64 = 1e-4;
 /// The number of samples of the faces for every point of the scan.
 const SAMPLES: f64 = 2.0;

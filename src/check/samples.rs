@@ -1,7 +1,7 @@
 //! Samples that are spread evenly over a trimmed face.
 //!
-//! The input is a face and the wanted distance between samples. The output is points on the face with
-//! their parameters, and the area of the face.
+//! The input is a face and the wanted distance between samples. The output is points on the face
+//! with their parameters, and the area of the face.
 
 use super::surface::Domain;
 use crate::deviation::Face;
@@ -23,8 +23,8 @@ const MAX_PARTS: usize = 256;
 /// The least number of cells along an axis. A plane has only two break lines.
 const MIN_CELLS: usize = 4;
 
-/// A cell of the parameter plane: its lower corner, its size, and the numbers of parts into which it is
-/// divided.
+/// A cell of the parameter plane: its lower corner, its size, and the numbers of parts into which
+/// it is divided.
 struct SampleCell {
     from: Uv,
     size: [f64; 2],

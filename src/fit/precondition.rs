@@ -1,8 +1,8 @@
 //! A preconditioner: a cheap approximate inverse of the normal equations.
 //!
 //! If the samples were spread evenly over the domain, the matrix would be the Kronecker product of
-//! two band matrices, ∫ B_i B_i′ du and ∫ B_j B_j′ dv. Scaling to the true diagonal accounts for the
-//! uneven density of samples.
+//! two band matrices, ∫ B_i B_i′ du and ∫ B_j B_j′ dv. Scaling to the true diagonal accounts for
+//! the uneven density of samples.
 //!
 //! This is a bad approximation where the fairing term dominates. There and a few control points
 //! beyond, the equations are solved directly. The two inverses are added (additive Schwarz).

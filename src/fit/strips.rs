@@ -77,8 +77,8 @@ impl<W: Weight> StripSums<W> {
     }
 }
 
-/// The number of parts along u and along v into which a cell is divided to see whether samples cover
-/// it.
+/// The number of parts along u and along v into which a cell is divided to see whether samples
+/// cover it.
 const PARTS: f64 = 4.0;
 
 impl Census {

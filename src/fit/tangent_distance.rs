@@ -1,5 +1,5 @@
-//! The tangent-distance term of a sample (Wang, Pottmann, Liu 2006): distances normal to the surface
-//! count fully, and distances along it count little.
+//! The tangent-distance term of a sample (Wang, Pottmann, Liu 2006): distances normal to the
+//! surface count fully, and distances along it count little.
 
 use nalgebra::Matrix3;
 

@@ -36,8 +36,8 @@ const REWEIGHTED_FROM: f64 = 0.85;
 /// The largest factor by which the weight of a vertex grows at once.
 const MAX_FACTOR: f64 = 9.0;
 
-/// The largest weight of a vertex, where 1 is the weight at the start. The bound keeps the equations
-/// well conditioned.
+/// The largest weight of a vertex, where 1 is the weight at the start. The bound keeps the
+/// equations well conditioned.
 const MAX_WEIGHT: f64 = 1e3;
 
 impl LoopFit<'_> {

@@ -7,8 +7,8 @@ use super::{
     Solid,
 };
 
-/// The number of parts of each span at whose ends an edge and its pcurve are compared. The error of a
-/// cubic fit has its maxima between the ends of a span, and eight parts are enough to find each
+/// The number of parts of each span at whose ends an edge and its pcurve are compared. The error of
+/// a cubic fit has its maxima between the ends of a span, and eight parts are enough to find each
 /// maximum.
 const PARTS: usize = 8;
 
@@ -294,8 +294,8 @@ impl Brep {
     }
 }
 
-/// Groups of connected faces as disjoint sets. Each face refers to an earlier face of its group, and
-/// the first one refers to itself.
+/// Groups of connected faces as disjoint sets. Each face refers to an earlier face of its group,
+/// and the first one refers to itself.
 struct FaceGroups(Vec<usize>);
 
 impl FaceGroups {

@@ -1,13 +1,14 @@
 //! The boundary representation (B-rep) that the writers take.
 //!
-//! The elements are in lists and refer to each other by typed numbers: a face to its surface, a loop
-//! to its edges, an edge to its vertices, a shell to its faces, and a solid to its shells. Edges and
-//! surfaces are shared. An edge has one curve in space, however many faces use it, and several faces
-//! may lie on one surface. Each use of an edge has its own curve in the parameter plane of the face's
-//! surface, which is called its pcurve. Lengths are in millimetres. The model follows ISO 10303-42.
+//! The elements are in lists and refer to each other by typed numbers: a face to its surface, a
+//! loop to its edges, an edge to its vertices, a shell to its faces, and a solid to its shells.
+//! Edges and surfaces are shared. An edge has one curve in space, however many faces use it, and
+//! several faces may lie on one surface. Each use of an edge has its own curve in the parameter
+//! plane of the face's surface, which is called its pcurve. Lengths are in millimetres. The model
+//! follows ISO 10303-42.
 //!
-//! [`Brep::check`] checks whether the elements are consistent. The writers call it before they write
-//! anything.
+//! [`Brep::check`] checks whether the elements are consistent. The writers call it before they
+//! write anything.
 
 mod check;
 mod fault;
@@ -64,9 +65,10 @@ pub struct Brep {
     pub shells: Vec<Shell>,
     /// The bodies that shells bound.
     pub solids: Vec<Solid>,
-    /// A bound in mm on the distance between the representations of an edge: its curve in space, its
-    /// pcurve on each face, and its vertices. A value that is too small makes
-    /// [`check`](Brep::check) fail. A value that is too large makes CAD programs treat gaps as closed.
+    /// A bound in mm on the distance between the representations of an edge: its curve in space,
+    /// its pcurve on each face, and its vertices. A value that is too small makes
+    /// [`check`](Brep::check) fail. A value that is too large makes CAD programs treat gaps as
+    /// closed.
     pub uncertainty_mm: f64,
 }
 
@@ -100,11 +102,11 @@ pub enum BrepSurface {
 pub struct Face {
     /// The surface on which the face lies.
     pub surface: SurfaceId,
-    /// Whether the normal of the face is that of its surface, S_u × S_v. The normal of a solid's face
-    /// points out of the material.
+    /// Whether the normal of the face is that of its surface, S_u × S_v. The normal of a solid's
+    /// face points out of the material.
     pub forward: bool,
-    /// The outer loop, then the inner loops. Seen against the normal of the face, the outer loop runs
-    /// counter-clockwise and the inner loops run clockwise.
+    /// The outer loop, then the inner loops. Seen against the normal of the face, the outer loop
+    /// runs counter-clockwise and the inner loops run clockwise.
     pub loops: Vec<Vec<EdgeUse>>,
 }
 
@@ -115,8 +117,8 @@ pub struct EdgeUse {
     pub edge: EdgeId,
     /// Whether the loop runs in the direction of the edge's curve.
     pub forward: bool,
-    /// The edge in the parameter plane of the face. It has the range and the direction of the edge's
-    /// curve in either direction of the loop: S(pcurve(t)) is curve(t).
+    /// The edge in the parameter plane of the face. It has the range and the direction of the
+    /// edge's curve in either direction of the loop: S(pcurve(t)) is curve(t).
     pub pcurve: PCurve,
 }
 
@@ -169,8 +171,8 @@ impl Brep {
         ShellId(self.shells.len() - 1)
     }
 
-    /// Adds the elements of another model. The uncertainty becomes the larger one of the two. The name
-    /// does not change.
+    /// Adds the elements of another model. The uncertainty becomes the larger one of the two. The
+    /// name does not change.
     pub fn append(&mut self, other: Brep) {
         let [vertices, edges] = [self.vertices.len(), self.edges.len()];
         let [surfaces, faces, shells] = [self.surfaces.len(), self.faces.len(), self.shells.len()];

@@ -27,8 +27,8 @@ impl Brep {
     /// Adds an open or closed shell of truck.
     ///
     /// # Errors
-    /// A face is on a surface of revolution, an edge is an intersection curve, or the end of an edge
-    /// is not found on a surface.
+    /// A face is on a surface of revolution, an edge is an intersection curve, or the end of an
+    /// edge is not found on a surface.
     pub fn add_truck_shell(&mut self, shell: &truck::Shell) -> Result<ShellId, Refusal> {
         Taking { brep: self, vertices: HashMap::new(), edges: HashMap::new() }.shell(shell)
     }
@@ -174,7 +174,8 @@ impl Taking<'_> {
     }
 }
 
-/// The part of a plane that contains the given curves, and the images of the curves in its parameters.
+/// The part of a plane that contains the given curves, and the images of the curves in its
+/// parameters.
 fn on_plane<'a>(
     plane: &truck::Plane,
     curves: impl Iterator<Item = &'a BrepCurve>,

@@ -1,13 +1,13 @@
 //! The volume of a closed shell.
 //!
-//! The divergence theorem converts the volume integral to integrals over the faces, and Green's theorem
-//! converts these to integrals along the pcurves.
+//! The divergence theorem converts the volume integral to integrals over the faces, and Green's
+//! theorem converts these to integrals along the pcurves.
 
 use super::{Brep, BrepCurve, BrepSurface, EdgeUse, FaceId, PCurve, ShellId};
 use crate::spline::SplineSurface;
 
-/// The nodes and weights of Gauss–Legendre quadrature over [−1, 1]. It is exact up to degree 15. So it
-/// is exact for faces of degree 5 between lines of constant u or v.
+/// The nodes and weights of Gauss–Legendre quadrature over [−1, 1]. It is exact up to degree 15. So
+/// it is exact for faces of degree 5 between lines of constant u or v.
 const GAUSS: [(f64, f64); 4] = [
     (0.183_434_642_495_649_8, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887_3),
@@ -16,13 +16,13 @@ const GAUSS: [(f64, f64); 4] = [
 ];
 
 impl Brep {
-    /// The volume in mm³ that a closed shell encloses. It is negative if the normals of the faces point
-    /// inwards. It has no meaning if the shell is open. All numbers of the model must refer to existing
-    /// elements.
+    /// The volume in mm³ that a closed shell encloses. It is negative if the normals of the faces
+    /// point inwards. It has no meaning if the shell is open. All numbers of the model must refer
+    /// to existing elements.
     ///
-    /// The volume is exact except for rounding if the faces are polynomials of at most degree 5 and end
-    /// at lines of constant u or v. Otherwise the quadrature uses eight nodes in each span of each
-    /// pcurve, and 32 nodes in each span of a rational one.
+    /// The volume is exact except for rounding if the faces are polynomials of at most degree 5 and
+    /// end at lines of constant u or v. Otherwise the quadrature uses eight nodes in each span of
+    /// each pcurve, and 32 nodes in each span of a rational one.
     pub fn volume(&self, shell: ShellId) -> f64 {
         let [low, high] = self.bounds(shell);
         // The origin is in the middle of the shell, because a distant one would increase rounding.
@@ -86,8 +86,8 @@ fn pieces(surface: &SplineSurface, pcurve: &PCurve) -> Vec<f64> {
     divided(breaks, surface.weights().is_some() || pcurve.weights().is_some())
 }
 
-/// The number of parts of a rational span. The volume of half a torus in one span has a relative error of
-/// 5e-5 with one part, and of 1e-9 with four.
+/// The number of parts of a rational span. The volume of half a torus in one span has a relative
+/// error of 5e-5 with one part, and of 1e-9 with four.
 const PARTS: usize = 4;
 
 /// The ends of spans, or of the parts of rational spans.

@@ -1,10 +1,10 @@
 //! Readers of CAD files: the trimmed faces of STEP and IGES files.
 //!
-//! The readers return the faces of every shell and every trimmed surface. The surfaces may be B-spline
-//! surfaces (rational or not), planes, cylinders, surfaces of linear extrusion, and offsets of these.
-//! The edges may be lines, circles, ellipses, polylines and B-spline curves, with or without pcurves.
-//! A face on any other surface is an error that names it, because a missing face would look like a
-//! hole.
+//! The readers return the faces of every shell and every trimmed surface. The surfaces may be
+//! B-spline surfaces (rational or not), planes, cylinders, surfaces of linear extrusion, and
+//! offsets of these. The edges may be lines, circles, ellipses, polylines and B-spline curves, with
+//! or without pcurves. A face on any other surface is an error that names it, because a missing
+//! face would look like a hole.
 
 pub(crate) mod affine;
 mod model;
@@ -18,7 +18,8 @@ use crate::{Error, Result, iges, step};
 /// The size in bytes of the largest file that is read.
 const MOST_BYTES: u64 = 4 << 30;
 
-/// Reads the faces in the STEP or IGES file at `path`. The content of the file decides on the format.
+/// Reads the faces in the STEP or IGES file at `path`. The content of the file decides on the
+/// format.
 ///
 /// # Errors
 /// The file cannot be read, has neither format, is damaged, has no face, or has a face that is not

@@ -1,8 +1,9 @@
 //! The model of a CAD file: trimmed faces as the file contains them.
 //!
-//! The model is plain data. The caller evaluates curves and surfaces, computes pcurves and ranges that
-//! the file omits, and checks that the elements are consistent. Lengths are in millimetres in any unit
-//! of the file. Parameters are those of the file, because surfaces and lines are scaled instead.
+//! The model is plain data. The caller evaluates curves and surfaces, computes pcurves and ranges
+//! that the file omits, and checks that the elements are consistent. Lengths are in millimetres in
+//! any unit of the file. Parameters are those of the file, because surfaces and lines are scaled
+//! instead.
 
 use std::sync::Arc;
 
@@ -57,8 +58,8 @@ pub struct CadFace {
 pub struct CadEdge {
     /// The curve in space, if there is one.
     pub curve: Option<Arc<CadCurve<3>>>,
-    /// The points at which the edge begins and ends on the curve, in the direction of the curve. `None`
-    /// if the edge uses the whole range of the curve.
+    /// The points at which the edge begins and ends on the curve, in the direction of the curve.
+    /// `None` if the edge uses the whole range of the curve.
     pub ends: Option<[[f64; 3]; 2]>,
     /// Whether the loop runs in the direction of the curve.
     pub forward: bool,

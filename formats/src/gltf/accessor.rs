@@ -10,8 +10,8 @@ use super::Gear;
 use crate::source::EXPORT_AGAIN;
 use crate::{Error, Location, Result};
 
-/// The largest number of items of an accessor without a view. All its items are zero, and it takes no space
-/// in the file.
+/// The largest number of items of an accessor without a view. All its items are zero, and it takes
+/// no space in the file.
 const MOST_ZEROS: u64 = 250_000;
 
 /// The positions in accessor `index` as `f64`.
@@ -123,8 +123,8 @@ struct ByteRange {
     size: u64,
 }
 
-/// Checks that the range is in its view and the view is in its buffer, and loads the buffer. Returns the view
-/// and its stride.
+/// Checks that the range is in its view and the view is in its buffer, and loads the buffer.
+/// Returns the view and its stride.
 fn check_span<'a>(
     gear: &mut Gear<'a>,
     index: usize,
@@ -156,7 +156,8 @@ fn check_span<'a>(
     Ok((json, stride))
 }
 
-/// Checks the replacements of a sparse accessor of `total` items. The crate would ignore those out of order.
+/// Checks the replacements of a sparse accessor of `total` items. The crate would ignore those out
+/// of order.
 fn check_sparse(
     gear: &mut Gear<'_>,
     index: usize,

@@ -19,8 +19,8 @@ use crate::{Error, Location, Result};
 /// The largest size in bytes of all buffers together.
 const MOST_BYTES: u64 = 8 << 30;
 
-/// The buffers of a file. Each is loaded when it is first needed, so that buffers for textures or animations
-/// may be missing.
+/// The buffers of a file. Each is loaded when it is first needed, so that buffers for textures or
+/// animations may be missing.
 pub(super) struct Buffers<'a> {
     pub(super) path: &'a Path,
     /// The folder of buffers in other files. `None` for a stream.
@@ -35,8 +35,8 @@ pub(super) struct Buffers<'a> {
     pub(super) bytes: u64,
 }
 
-/// A loaded buffer: the first `length` of some bytes. The chunk of a GLB is padded, and no accessor may reach
-/// into the padding.
+/// A loaded buffer: the first `length` of some bytes. The chunk of a GLB is padded, and no accessor
+/// may reach into the padding.
 struct Loaded {
     bytes: Rc<Vec<u8>>,
     length: usize,

@@ -7,8 +7,8 @@ use super::{Gear, primitive};
 use crate::source::EXPORT_AGAIN;
 use crate::{Error, Location, Result};
 
-/// The error for a file whose scene has no triangles. `placed` tells whether the scene has a mesh. The error
-/// is the first fault of the content, or it says what is missing.
+/// The error for a file whose scene has no triangles. `placed` tells whether the scene has a mesh.
+/// The error is the first fault of the content, or it says what is missing.
 pub(super) fn explain(gear: &mut Gear<'_>, placed: bool) -> Error {
     let checked = check_references(gear).and_then(|()| check_meshes(gear));
     checked.err().unwrap_or_else(|| missing(gear, placed))

@@ -1,7 +1,7 @@
 //! The chunks of a binary glTF file (glTF 2.0 specification, section 4).
 //!
-//! The reader of the gltf crate is not used. It refuses chunks of unknown types, which the specification
-//! tells readers to ignore, and it copies the binary chunk.
+//! The reader of the gltf crate is not used. It refuses chunks of unknown types, which the
+//! specification tells readers to ignore, and it copies the binary chunk.
 
 use std::io::{BufRead as _, Read};
 use std::ops::Range;
@@ -88,8 +88,8 @@ fn chunk<'a>(
     }
 }
 
-/// Refuses a file that is longer than its header declares because its binary chunk, which is somewhere in
-/// `rest`, was converted to text.
+/// Refuses a file that is longer than its header declares because its binary chunk, which is
+/// somewhere in `rest`, was converted to text.
 fn check_damage(source: &mut Source, rest: &[u8]) -> Result<()> {
     let surplus = source.stream.fill_buf().map(|bytes| !bytes.is_empty());
     if !surplus.map_err(|e| source.io_error(&e))? {

@@ -5,8 +5,8 @@ use super::scene::bad;
 use crate::source::EXPORT_AGAIN;
 use crate::{Error, Location, Result};
 
-/// The parent of each node. Every node must have at most one parent and must not be its own ancestor. A cycle
-/// has no root, so its nodes would be lost without a message.
+/// The parent of each node. Every node must have at most one parent and must not be its own
+/// ancestor. A cycle has no root, so its nodes would be lost without a message.
 pub(super) fn parents(gear: &Gear<'_>) -> Result<Vec<Option<usize>>> {
     let nodes = &gear.document.as_json().nodes;
     let mut parents = vec![None; nodes.len()];
@@ -25,7 +25,8 @@ pub(super) fn parents(gear: &Gear<'_>) -> Result<Vec<Option<usize>>> {
     }
 }
 
-/// A node that is in a cycle. Every node is visited once, because the way up ends at a visited node.
+/// A node that is in a cycle. Every node is visited once, because the way up ends at a visited
+/// node.
 fn in_loop(parents: &[Option<usize>]) -> Option<usize> {
     let mut seen_from = vec![usize::MAX; parents.len()];
     for start in 0..parents.len() {

@@ -1,8 +1,9 @@
 //! Reader of glTF and GLB files.
 //!
-//! It uses the `gltf` crate without its `import` function, which leaves the folder of the file and needs
-//! textures. The crate parses the JSON and reads the accessors. It trusts both of them: wrong indices, offsets
-//! or counts make it panic or return nothing. So this module checks everything before it calls the crate.
+//! It uses the `gltf` crate without its `import` function, which leaves the folder of the file and
+//! needs textures. The crate parses the JSON and reads the accessors. It trusts both of them: wrong
+//! indices, offsets or counts make it panic or return nothing. So this module checks everything
+//! before it calls the crate.
 
 mod accessor;
 mod buffers;
@@ -55,8 +56,8 @@ pub(crate) fn read(mut source: Source) -> Result<Soup> {
         false => (read_text(&mut source)?, None),
     };
     let (root, scenes) = text::parse(&source, text)?;
-    // Do not use the validation of the crate. It would refuse quantized positions, and many faults that do not
-    // concern the mesh.
+    // Do not use the validation of the crate. It would refuse quantized positions, and many faults
+    // that do not concern the mesh.
     let document = Document::from_json_without_validation(root);
     let root = document.as_json();
     let compression = refuse_extensions(&source, root)?;
@@ -83,8 +84,8 @@ fn wrong_version(source: &Source, version: &str) -> Error {
     source.error(what, "Export it as glTF 2.0.")
 }
 
-/// Refuses required extensions that change the geometry and are not supported. Returns the name of a
-/// compression that the file uses but does not require.
+/// Refuses required extensions that change the geometry and are not supported. Returns the name of
+/// a compression that the file uses but does not require.
 fn refuse_extensions<'a>(source: &Source, root: &'a json::Root) -> Result<Option<&'a str>> {
     for name in root.extensions_required.iter().map(String::as_str) {
         if COMPRESSIONS.contains(&name) {

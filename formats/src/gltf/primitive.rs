@@ -10,13 +10,13 @@ use crate::limits::check_room;
 use crate::source::EXPORT_AGAIN;
 use crate::{Error, Location, Result, Soup};
 
-/// The number of bytes that the soup may always have. More bytes are allowed only in proportion to the size of
-/// the file, because a small file can contain many instances of one mesh.
+/// The number of bytes that the soup may always have. More bytes are allowed only in proportion to
+/// the size of the file, because a small file can contain many instances of one mesh.
 const FREE: u64 = 24 << 20;
 const PER_BYTE: u64 = 16;
 
-/// Appends the triangles of `primitive`, which belongs to mesh `mesh`, transformed by `place`. Primitives of
-/// points and lines are skipped.
+/// Appends the triangles of `primitive`, which belongs to mesh `mesh`, transformed by `place`.
+/// Primitives of points and lines are skipped.
 pub(super) fn read(
     gear: &mut Gear<'_>,
     mesh: usize,

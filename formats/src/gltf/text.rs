@@ -1,8 +1,8 @@
 //! Preparation of the JSON for the gltf crate.
 //!
-//! The crate requires elements that the specification does not require: the list of nodes of a scene, the node
-//! of an animation, the image of a texture. A mesh needs none of these, so they are removed. The remaining text
-//! stays at the same lines, because errors name them.
+//! The crate requires elements that the specification does not require: the list of nodes of a
+//! scene, the node of an animation, the image of a texture. A mesh needs none of these, so they are
+//! removed. The remaining text stays at the same lines, because errors name them.
 
 use std::ops::Range;
 
@@ -15,8 +15,8 @@ use super::wrong_version;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::{Error, Result};
 
-/// The largest number of JSON objects. An object takes at least two bytes in the file (`{}`), and a node takes
-/// 300 bytes in memory.
+/// The largest number of JSON objects. An object takes at least two bytes in the file (`{}`), and a
+/// node takes 300 bytes in memory.
 const MOST_OBJECTS: usize = 1 << 17;
 
 /// The root nodes of each scene.
@@ -80,8 +80,8 @@ fn objects(text: &[u8]) -> usize {
     text.iter().filter(|&&byte| byte == b'{').count()
 }
 
-/// Removes the parts that the crate does not need. `None` if the JSON cannot be parsed. Then the crate reports
-/// the error.
+/// Removes the parts that the crate does not need. `None` if the JSON cannot be parsed. Then the
+/// crate reports the error.
 fn prepare(source: &Source, text: &mut [u8]) -> Result<Option<Scenes>> {
     let Ok(parts) = serde_json::from_slice::<JsonParts>(text) else { return Ok(None) };
     check_asset(source, &parts)?;

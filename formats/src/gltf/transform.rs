@@ -57,8 +57,8 @@ impl NodeTransform {
     }
 }
 
-/// The quaternion `q` with unit length. Exporters round it or do not normalize it, and then its matrix would
-/// shear. A zero quaternion stands for no rotation, as its matrix and viewers have it.
+/// The quaternion `q` with unit length. Exporters round it or do not normalize it, and then its
+/// matrix would shear. A zero quaternion stands for no rotation, as its matrix and viewers have it.
 fn unit(q: [f64; 4]) -> [f64; 4] {
     let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
     if length == 0.0 { q } else { q.map(|v| v / length) }

@@ -29,8 +29,8 @@ pub(super) struct Entity<'a> {
     pub colour: Option<Pointer>,
 }
 
-/// The status number of a directory entry (IGES 5.3, clause 2.2.4.4.9). All entities are visible. They differ
-/// in their dependency and their use.
+/// The status number of a directory entry (IGES 5.3, clause 2.2.4.4.9). All entities are visible.
+/// They differ in their dependency and their use.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum EntityStatus {
     /// An independent entity.
@@ -86,11 +86,13 @@ pub(super) enum EntityData<'a> {
     Vertices(&'a [[f64; 3]]),
     /// 504, the edges: the curve and the vertices at its start and end.
     Edges { vertices: Pointer, edges: Vec<(Pointer, [usize; 2])> },
-    /// 508, a loop: for each use the number of the edge, whether the loop runs in its direction, and the pcurve.
+    /// 508, a loop: for each use the number of the edge, whether the loop runs in its direction,
+    /// and the pcurve.
     Loop { edges: Pointer, uses: Vec<(usize, bool, Pointer)> },
     /// 510, a face. Its outer loop comes first.
     Face { surface: Pointer, loops: Vec<Pointer> },
-    /// 514 form 1 or 2, a closed or an open shell: the faces, and whether they keep their orientation.
+    /// 514 form 1 or 2, a closed or an open shell: the faces, and whether they keep their
+    /// orientation.
     Shell { faces: Vec<(Pointer, bool)>, closed: bool },
 }
 

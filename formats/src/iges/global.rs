@@ -42,7 +42,8 @@ fn sender(p: &mut Parameters<'_>, brep: &Brep, options: &Options) -> io::Result<
     p.text(&options.file_name)?;
     p.text(&options.originating_system)?;
     p.text(concat!("scan2step-formats ", env!("CARGO_PKG_VERSION")))?;
-    // The bits of an integer, and the largest power of ten and the digits in single and in double precision.
+    // The bits of an integer, and the largest power of ten and the digits in single and in double
+    // precision.
     for limit in [32, 38, 6, 308, 15] {
         p.add(limit)?;
     }

@@ -53,13 +53,14 @@ impl Default for Options {
 
 /// Writes `brep` as one root entity: a solid, a shell, a trimmed surface, or a group of these.
 ///
-/// IGES is ASCII, so other characters of names become `_`. The directory comes before the parameters and has
-/// their numbers of lines. The parameters are composed twice so that they need not be kept in memory. The same
-/// input gives the same bytes. `out` should be buffered, because it receives small pieces.
+/// IGES is ASCII, so other characters of names become `_`. The directory comes before the
+/// parameters and has their numbers of lines. The parameters are composed twice so that they need
+/// not be kept in memory. The same input gives the same bytes. `out` should be buffered, because it
+/// receives small pieces.
 ///
 /// # Errors
-/// An error of kind `InvalidInput` before anything is written, if `brep` does not satisfy [`Brep::check`] or
-/// needs line numbers of more than seven digits. Otherwise the errors of `out`.
+/// An error of kind `InvalidInput` before anything is written, if `brep` does not satisfy
+/// [`Brep::check`] or needs line numbers of more than seven digits. Otherwise the errors of `out`.
 pub fn write(brep: &Brep, options: &Options, out: &mut dyn io::Write) -> io::Result<()> {
     brep.check()?;
     let entities = match options.form {

@@ -5,8 +5,8 @@ use std::io;
 
 use crate::number::IgesReal;
 
-/// Collects the parameters of one record in lines. Commas separate them, and a semicolon ends the record. A
-/// number never crosses the end of a line, but a string may.
+/// Collects the parameters of one record in lines. Commas separate them, and a semicolon ends the
+/// record. A number never crosses the end of a line, but a string may.
 pub(super) struct Parameters<'a> {
     width: usize,
     line: String,
@@ -47,8 +47,8 @@ impl<'a> Parameters<'a> {
         let text = ascii(text);
         // An empty string is an omitted parameter, because `0H` is not a valid constant.
         let whole = if text.is_empty() { ",".into() } else { format!("{}H{text},", text.len()) };
-        // A string crosses the end of a line only if it is longer than a line. OpenCASCADE fails if the line
-        // ends within the length of a string.
+        // A string crosses the end of a line only if it is longer than a line. OpenCASCADE fails if
+        // the line ends within the length of a string.
         if self.line.len() + whole.len().min(self.width) > self.width {
             self.flush()?;
         }

@@ -15,8 +15,8 @@ struct Plan<'a> {
     colour: Option<Pointer>,
 }
 
-/// The faces as trimmed surfaces (144). Several of them are in a group (402), because some programs crash if
-/// there is more than one independent entity.
+/// The faces as trimmed surfaces (144). Several of them are in a group (402), because some programs
+/// crash if there is more than one independent entity.
 pub(super) fn trimmed(brep: &Brep, colour: Option<[u8; 3]>) -> Vec<Entity<'_>> {
     let mut plan = Plan::new(&brep.name, colour);
     let surfaces = plan.surfaces(brep);
@@ -28,8 +28,8 @@ pub(super) fn trimmed(brep: &Brep, colour: Option<[u8; 3]>) -> Vec<Entity<'_>> {
     plan.entities
 }
 
-/// Solids (186) and open shells (514 form 2) for sheets, with shared edges. Several of them are in a group
-/// (402).
+/// Solids (186) and open shells (514 form 2) for sheets, with shared edges. Several of them are in
+/// a group (402).
 pub(super) fn bodies(brep: &Brep, colour: Option<[u8; 3]>) -> Vec<Entity<'_>> {
     let mut plan = Plan::new(&brep.name, colour);
     let edges = plan.edge_list(brep);
@@ -150,8 +150,8 @@ impl<'a> Plan<'a> {
         for uses in loops_of_surface(data) {
             let mut listed = Vec::with_capacity(uses.len());
             for (EdgeUse { edge, pcurve, .. }, forward) in uses {
-                // Importers expect the pcurve in the direction of the loop, even if the edge has the opposite
-                // direction.
+                // Importers expect the pcurve in the direction of the loop, even if the edge has
+                // the opposite direction.
                 let pcurve = EntityData::PCurve(along(pcurve, forward));
                 let pcurve = self.add(EntityStatus::ParameterPlane, pcurve);
                 listed.push((edge.0, forward, pcurve));
@@ -162,8 +162,8 @@ impl<'a> Plan<'a> {
     }
 }
 
-/// The loops of a face with the orientation for the normal of the surface. IGES stores elsewhere, or not at
-/// all, that a face has the opposite normal.
+/// The loops of a face with the orientation for the normal of the surface. IGES stores elsewhere,
+/// or not at all, that a face has the opposite normal.
 fn loops_of_surface(data: &Face) -> Vec<Vec<(&EdgeUse, bool)>> {
     let mut loops = Vec::with_capacity(data.loops.len());
     for uses in &data.loops {

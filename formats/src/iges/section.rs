@@ -40,15 +40,16 @@ pub(super) fn directory(
     for (i, (entity, lines)) in entities.iter().zip(lines).enumerate() {
         let (kind, form) = entity.body.kind();
         let (status, label, number) = (entity.status.number(), &entity.label, 2 * i + 1);
-        // The fields are type, parameters, structure, line font, level, view, matrix, label display, status.
+        // The fields are type, parameters, structure, line font, level, view, matrix, label
+        // display, status.
         writeln!(
             out,
             "{kind:8}{first_line:8}{0:8}{0:8}{0:8}{0:8}{0:8}{0:8}{status}D{number:7}",
             0
         )?;
-        // The fields are type, line weight, colour, number of parameter lines, form, two reserved ones, label,
-        // subscript. There is no subscript, because programs would append it to the label. The negative sign
-        // of a colour means that it is a pointer to a definition.
+        // The fields are type, line weight, colour, number of parameter lines, form, two reserved
+        // ones, label, subscript. There is no subscript, because programs would append it to the
+        // label. The negative sign of a colour means that it is a pointer to a definition.
         let next = number + 1;
         let colour = entity.colour.map_or("0".into(), |at| format!("-{at}"));
         writeln!(

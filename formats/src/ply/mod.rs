@@ -1,8 +1,8 @@
-//! PLY: our own header and token reader around ply-rs.
+//! Reader of PLY files.
 //!
-//! ply-rs reads the values, binary and ascii. It cannot have the header,
-//! whose lines it does not bound, whose duplicates it merges and whose Latin-1
-//! comments it refuses; nor the raw ascii body (see `ascii`).
+//! The ply-rs crate reads the values, binary and ASCII. This module reads the header, because
+//! ply-rs does not bound its lines, merges duplicates and refuses Latin-1 comments. It also
+//! prepares the ASCII body (see `ascii`).
 
 mod ascii;
 mod header;
@@ -20,8 +20,8 @@ use crate::limits::check_room;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::{Error, Location, Result, Soup};
 
-/// Whether `head` begins a PLY file: with a line of this one word. (The free
-/// text of a binary STL may begin with it too, but goes on.)
+/// Whether `head` is the beginning of a PLY file: a line with the single word `ply`. The free text
+/// of a binary STL may begin with this word, too, but then more text follows.
 pub(crate) fn is_ply(head: &[u8]) -> bool {
     let Some(rest) = head.strip_prefix(b"ply") else { return false };
     let end = rest.iter().position(|b| matches!(b, b'\r' | b'\n'));
@@ -45,7 +45,7 @@ pub(crate) fn read(mut source: Source) -> Result<Soup> {
     Ok(soup)
 }
 
-/// What comes after the header.
+/// The body of a file, which follows the header.
 struct Body {
     source: Source,
     encoding: Encoding,
@@ -74,14 +74,14 @@ fn read_points(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()
         sums.iter_mut().zip(row.rgb).for_each(|(sum, channel)| *sum += channel);
         Ok(())
     })?;
-    // A channel that is no number becomes 0.
+    // A channel that is not a number becomes 0.
     let mean = |scale: f64| sums.map(|sum| (sum / element.count as f64 * scale).round() as u8);
     soup.colour = scale.map(mean);
     Ok(())
 }
 
-/// What makes bytes of the channels of the vertices' colours, if they have all
-/// three: bytes themselves, or numbers up to 1.
+/// The factor that converts the channels of vertex colours to bytes. They may be bytes or numbers
+/// up to 1. `None` if a channel is missing.
 fn channel_scale(element: &Element) -> Option<f64> {
     let kinds = CHANNELS.map(|name| element.property(name).cloned());
     let all = |kinds_of: &[ScalarType]| {
@@ -106,13 +106,13 @@ fn read_faces(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()>
         |name| name == list,
         |source, i, row: VertexNumbers| {
             check_room(&source.path, soup, 0, row.len() as u64)?;
-            // Points and lines among the faces bound no surface.
+            // Points and lines among the faces bound no surface and are skipped.
             if row.len() >= 3 {
                 if let Some(c) = row.indices().find(|&c| vertex(c).is_none()) {
                     return Err(negative(source, "face", c, Location::Face(i)));
                 }
                 match row.triangle() {
-                    // Nearly every face there is.
+                    // Almost all faces are triangles.
                     Some(triangle) => soup.polygons.push(triangle),
                     None => soup.polygons.push(row.indices().filter_map(vertex)),
                 }
@@ -122,8 +122,7 @@ fn read_faces(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()>
     )
 }
 
-/// Triangle strips, as Stanford's archive has them: one long list in which -1
-/// starts a new strip.
+/// Reads triangle strips as in Stanford's archive: one long list in which -1 begins a new strip.
 fn read_strips(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()> {
     let list = match element.index_list() {
         Some(list) => list,
@@ -152,7 +151,7 @@ fn read_strips(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()
     )
 }
 
-/// The last two corners of a triangle strip, and how many there were.
+/// The last two corners of a triangle strip and the number of its corners.
 #[derive(Default)]
 struct Strip {
     last: [u32; 2],
@@ -173,7 +172,7 @@ impl Strip {
 }
 
 fn skip(body: &mut Body, element: &Element) -> Result<()> {
-    // ply-rs would make as many empty rows as the header claims.
+    // ply-rs would create as many empty rows as the header declares.
     if element.properties.is_empty() {
         return Ok(());
     }
@@ -186,7 +185,7 @@ fn skip(body: &mut Body, element: &Element) -> Result<()> {
     each_row(body, element, |_| false, |_, _, _: Ignored| Ok(()))
 }
 
-/// Reads the rows of `element` through ply-rs and hands each to `each`.
+/// Reads the rows of `element` with ply-rs and passes each one to `each`.
 fn each_row<E: PropertyAccess>(
     body: &mut Body,
     element: &Element,
@@ -203,7 +202,7 @@ fn each_row<E: PropertyAccess>(
     Ok(())
 }
 
-/// Why a row cannot be read.
+/// The reason why a row cannot be read.
 enum RowFailure {
     Ours(Error),
     Theirs(ParseError),
@@ -249,7 +248,7 @@ fn read_row<E: PropertyAccess>(
     row.map_err(RowFailure::Theirs)
 }
 
-/// The error that the file ends before the header's count is reached.
+/// The error that the file ends before the number of rows in the header is reached.
 fn cut(body: &Body, element: &Element, row: u64) -> Error {
     let (name, count) = (&element.name, element.count);
     let what = format!("ends after {row} of the {count} rows of element {name}");
@@ -261,7 +260,7 @@ fn cut(body: &Body, element: &Element, row: u64) -> Error {
     }
 }
 
-/// A header that promises less than the file has would lose faces silently.
+/// Checks that the file ends after the last row. Otherwise faces could be lost without an error.
 fn check_end(body: &mut Body) -> Result<()> {
     let source = &mut body.source;
     let mut rest = [0; 4096];
@@ -278,14 +277,15 @@ fn check_end(body: &mut Body) -> Result<()> {
     }
 }
 
-/// ply-rs checks no index; and faces may come before the vertices.
+/// Checks all vertex indices. ply-rs does not check them, and faces may come before the vertices.
 fn check_indices(body: &Body, header: &Header, soup: &Soup) -> Result<()> {
     let points = soup.points.len();
     for (i, polygon) in soup.polygons.iter().enumerate() {
         if let Some(&index) = polygon.iter().find(|&&c| c as usize >= points) {
             let what = format!("has a face with vertex {index}, but only {points} vertices");
             let error = Error::new(&body.source.path, what, EXPORT_AGAIN);
-            // Where faces were left out or strips unrolled the count is not the file's.
+            // If faces were skipped or strips were unrolled, the numbers of faces differ from those
+            // of the file.
             let counted = header
                 .elements
                 .iter()

@@ -1,13 +1,13 @@
-//! B-spline basis functions of any supported degree (Cox–de Boor recursion; The NURBS Book, Piegl and Tiller
-//! 1997).
+//! B-spline basis functions of any supported degree (Cox–de Boor recursion; The NURBS Book, Piegl
+//! and Tiller 1997).
 
 use super::{MAX_DEGREE, SplineKnots};
 
 /// The number of basis functions of the highest degree.
 const ROOM: usize = MAX_DEGREE + 1;
 
-/// The non-zero basis functions at a parameter and their first two derivatives. Function `j` belongs to pole
-/// `first + j`.
+/// The non-zero basis functions at a parameter and their first two derivatives. Function `j`
+/// belongs to pole `first + j`.
 #[derive(Debug, Clone)]
 pub struct SplineBasis {
     /// The index of the first pole with a non-zero function.
@@ -69,8 +69,8 @@ fn raise(row: &mut [f64; ROOM], k: &[f64], span: usize, d: usize, t: f64) {
     row[d] = saved;
 }
 
-/// Computes the derivatives of the functions of degree d from the functions of degree d − 1 (The NURBS Book,
-/// eq. 2.7).
+/// Computes the derivatives of the functions of degree d from the functions of degree d − 1 (The
+/// NURBS Book, eq. 2.7).
 fn differentiated(lower: &[f64; ROOM], k: &[f64], span: usize, d: usize) -> [f64; ROOM] {
     let mut upper = [0.0; ROOM];
     for r in 0..d {

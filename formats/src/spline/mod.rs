@@ -1,11 +1,12 @@
-//! B-spline curves and surfaces as in CAD files. They have any degree up to 25 and may be rational. The
-//! constructors check that knots, poles and weights are consistent.
+//! B-spline curves and surfaces as in CAD files. They have any degree up to 25 and may be rational.
+//! The constructors check that knots, poles and weights are consistent.
 
 mod basis;
 
 pub use basis::SplineBasis;
 
-/// The highest degree. This is the limit of OpenCASCADE, and other kernels do not have a higher one.
+/// The highest degree. This is the limit of OpenCASCADE, and other kernels do not have a higher
+/// one.
 pub(crate) const MAX_DEGREE: usize = 25;
 
 /// A non-decreasing knot vector and its degree from 1 to 25. It may be unclamped.
@@ -36,8 +37,8 @@ impl SplineKnots {
     /// Creates a knot vector for `poles` poles.
     ///
     /// # Errors
-    /// The number of knots is wrong, the knots decrease, are not finite or have an empty range, or the degree
-    /// is not from 1 to 25.
+    /// The number of knots is wrong, the knots decrease, are not finite or have an empty range, or
+    /// the degree is not from 1 to 25.
     pub fn new(degree: usize, knots: Vec<f64>, poles: usize) -> Result<Self, String> {
         if !(1..=MAX_DEGREE).contains(&degree) {
             return Err(format!("degree {degree}"));
@@ -160,8 +161,8 @@ impl<const D: usize> SplineCurve<D> {
         speed
     }
 
-    /// The sum of the poles, multiplied by their weights and the `k`-th derivatives of their functions, and
-    /// the same sum of the weights alone.
+    /// The sum of the poles, multiplied by their weights and the `k`-th derivatives of their
+    /// functions, and the same sum of the weights alone.
     fn sum(&self, basis: &SplineBasis, k: usize) -> ([f64; D], f64) {
         let (mut sum, mut weights) = ([0.0; D], 0.0);
         for j in 0..=self.knots.degree {
@@ -201,7 +202,8 @@ impl<const D: usize> SplineCurve<D> {
 }
 
 impl SplineSurface {
-    /// Creates a surface. Pole (i, j) is at the index `i * n + j`, where n is the number of poles in v.
+    /// Creates a surface. Pole (i, j) is at the index `i * n + j`, where n is the number of poles
+    /// in v.
     ///
     /// # Errors
     /// A description of the first inconsistency.
@@ -257,8 +259,8 @@ impl SplineSurface {
         [point, derivative(sum([1, 0])), derivative(sum([0, 1]))]
     }
 
-    /// The sum of the poles, multiplied by their weights and derivatives of their functions in u and in v, and
-    /// the same sum of the weights alone.
+    /// The sum of the poles, multiplied by their weights and derivatives of their functions in u
+    /// and in v, and the same sum of the weights alone.
     fn sum(&self, [of_u, of_v]: [&SplineBasis; 2], [du, dv]: [usize; 2]) -> ([f64; 3], f64) {
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
         for i in 0..=self.u.degree {

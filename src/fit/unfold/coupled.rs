@@ -13,7 +13,8 @@ use crate::geometry::Vector;
 pub struct CoupledPoints {
     /// The indices of the control points among the free ones, in ascending order.
     pub points: Vec<u32>,
-    /// The blocks of each point that are not empty. Those of a point begin at its entry of `starts`.
+    /// The blocks of each point that are not empty. Those of a point begin at its entry of
+    /// `starts`.
     blocks: Vec<u8>,
     starts: Vec<usize>,
     pattern: Pattern,

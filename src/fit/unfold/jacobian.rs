@@ -135,8 +135,8 @@ impl<'a> JacobianSamples<'a> {
         flagged
     }
 
-    /// The sample with the smallest Jacobian determinant among the finer samples that are nearest to
-    /// `place`.
+    /// The sample with the smallest Jacobian determinant among the finer samples that are nearest
+    /// to `place`.
     fn least_around(
         &self,
         net: &[Vector],

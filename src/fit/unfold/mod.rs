@@ -1,7 +1,7 @@
 //! Removal of folds from a fitted surface.
 //!
-//! The input is a surface, its samples and their tangent-distance terms. The output is surfaces with
-//! fewer folds, each closer to the samples than the one before.
+//! The input is a surface, its samples and their tangent-distance terms. The output is surfaces
+//! with fewer folds, each closer to the samples than the one before.
 //!
 //! Where there are fewer samples than control points, or where the map is narrow, a surface that
 //! follows the samples closely may fold back over itself within a knot span. Its normals are
@@ -44,15 +44,16 @@ const MIN_MENDING: usize = 6;
 /// samples.
 const SETTLING: usize = 3;
 
-/// Weights of the thin-plate energy of a cell, relative to the samples of a mean cell. They are used
-/// one after the other. The first removes most folds, and the last stays closest to the samples.
+/// Weights of the thin-plate energy of a cell, relative to the samples of a mean cell. They are
+/// used one after the other. The first removes most folds, and the last stays closest to the
+/// samples.
 pub const STIFFNESSES: [f64; 3] = [1e-2, 1e-3, 1e-4];
 
 /// The result of [`unfold`].
 #[derive(Debug)]
 pub struct Unfolded {
-    /// The number of inverted Jacobian samples of the original surface. There are 36 samples in each
-    /// cell. Around a sample with a small Jacobian determinant, finer samples are tested, too.
+    /// The number of inverted Jacobian samples of the original surface. There are 36 samples in
+    /// each cell. Around a sample with a small Jacobian determinant, finer samples are tested, too.
     pub before: usize,
     /// Surfaces with fewer inverted samples. Each one is closer to the samples than the one before.
     pub found: Vec<UnfoldedSurface>,

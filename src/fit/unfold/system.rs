@@ -65,8 +65,8 @@ impl BlockSystem {
         self.place.iter().zip(is_free).all(|(place, free)| place.is_some() == *free)
     }
 
-    /// The free control points from free point `a` on that couple with it: the numbers of the blocks
-    /// and the indices in `free`. Both are ascending.
+    /// The free control points from free point `a` on that couple with it: the numbers of the
+    /// blocks and the indices in `free`. Both are ascending.
     fn coupled(&self, a: usize) -> impl Iterator<Item = (usize, u32)> + '_ {
         let at = self.free[a];
         (SELF..COUPLED).filter_map(move |k| {

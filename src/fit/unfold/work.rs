@@ -1,5 +1,5 @@
-//! One round of the removal of folds: it assembles the equations around folds, solves them and moves
-//! the control points and the samples' parameters.
+//! One round of the removal of folds: it assembles the equations around folds, solves them and
+//! moves the control points and the samples' parameters.
 
 use rayon::prelude::*;
 

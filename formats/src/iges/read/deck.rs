@@ -1,4 +1,5 @@
-//! The lines of 80 columns of a file: its global section, directory and parameters (IGES 5.3, clause 2.2.4).
+//! The lines of 80 columns of a file: its global section, directory and parameters (IGES 5.3,
+//! clause 2.2.4).
 
 use std::cell::Cell;
 use std::path::Path;
@@ -12,8 +13,8 @@ const EXPORT_AGAIN: &str = "The file is damaged or was cut short: copy it or exp
 const DATA: usize = 72;
 /// The number of columns of a parameter line that contain parameters.
 const PARAMETERS: usize = 64;
-/// The number of times that a parameter line may be read on average. The limit keeps the size of the model in
-/// proportion to its file even if many entities refer to the same one.
+/// The number of times that a parameter line may be read on average. The limit keeps the size of
+/// the model in proportion to its file even if many entities refer to the same one.
 const READINGS: usize = 8;
 
 /// The directory entry of an entity.

@@ -41,7 +41,8 @@ impl<'d> FaceReader<'d> {
         self.geometry.place(pointer, outer)
     }
 
-    /// Reads an independent surface, for example entity 128, as a face with the boundary of the surface.
+    /// Reads an independent surface, for example entity 128, as a face with the boundary of the
+    /// surface.
     pub(super) fn whole(&mut self, pointer: i64, unit: &Affine) -> Result<CadFace> {
         let surface = self.geometry.surface(pointer, unit)?;
         Ok(CadFace { entity: name(pointer), surface, natural: true, loops: Vec::new() })
@@ -65,7 +66,8 @@ impl<'d> FaceReader<'d> {
         Ok(CadFace { entity: name(pointer), surface, natural: outer == 0, loops })
     }
 
-    /// Reads a loop (142). It has pcurves or curves in space. It has both if their numbers are equal.
+    /// Reads a loop (142). It has pcurves or curves in space. It has both if their numbers are
+    /// equal.
     fn on_surface(&mut self, pointer: i64, outer: &Affine) -> Result<Vec<CadEdge>> {
         let found = self.deck.entry(pointer)?.kind;
         if found != 142 {
@@ -183,7 +185,8 @@ impl<'d> FaceReader<'d> {
                 forward,
                 // A pcurve in several pieces is computed anew later.
                 pcurves: if pcurves.len() == 1 { pcurves } else { Vec::new() },
-                // Pcurves have the direction of the loop, even if the edge has the opposite direction.
+                // Pcurves have the direction of the loop, even if the edge has the opposite
+                // direction.
                 pcurve_forward: true,
             });
         }

@@ -62,7 +62,9 @@ impl<'d> IgesGeometry<'d> {
         if found == kind {
             return self.deck.parameters(pointer);
         }
-        Err(self.deck.error(pointer, format!("is of type {found} where {name} ({kind}) is expected")))
+        Err(self
+            .deck
+            .error(pointer, format!("is of type {found} where {name} ({kind}) is expected")))
     }
 
     /// The curves in space that an entity consists of, in order.
@@ -211,8 +213,8 @@ impl<'d> IgesGeometry<'d> {
         }
     }
 
-    /// A plane that is given by the equation a x + b y + c z = d. Pcurves on it have no meaning, because it has
-    /// no axes.
+    /// A plane that is given by the equation a x + b y + c z = d. Pcurves on it have no meaning,
+    /// because it has no axes.
     fn plane(&self, pointer: i64, p: &mut Parameters) -> Result<CadSurface> {
         let (normal, d) = (p.point()?, p.real()?);
         let bad = || self.deck.error(pointer, "is a plane without a normal");
@@ -229,8 +231,8 @@ impl<'d> IgesGeometry<'d> {
         p.real()
     }
 
-    /// The origin and the axes of a plane or cylinder. The file has a point, the direction of z, other
-    /// parameters `between`, and a direction for x.
+    /// The origin and the axes of a plane or cylinder. The file has a point, the direction of z,
+    /// other parameters `between`, and a direction for x.
     fn frame(
         &self,
         pointer: i64,
@@ -254,8 +256,8 @@ impl<'d> IgesGeometry<'d> {
         Ok((origin, [x, cross(z, x), z]))
     }
 
-    /// A tabulated cylinder: a curve over [0, 1] that is extruded. The file has the point to which the start
-    /// of the curve moves.
+    /// A tabulated cylinder: a curve over [0, 1] that is extruded. The file has the point to which
+    /// the start of the curve moves.
     fn tabulated(&self, pointer: i64, mut p: Parameters) -> Result<CadSurface> {
         let (directrix, end) = (p.integer()?, p.point()?);
         let place = self.place(directrix, &Affine::scaling(1.0))?;

@@ -1,6 +1,7 @@
 //! Reader of IGES files.
 //!
-//! The input is the content of a file. The output is its trimmed surfaces and the faces of its shells.
+//! The input is the content of a file. The output is its trimmed surfaces and the faces of its
+//! shells.
 
 mod deck;
 mod faces;

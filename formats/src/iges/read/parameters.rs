@@ -22,7 +22,8 @@ impl Default for Delimiters {
 }
 
 impl Delimiters {
-    /// Reads the first two parameters of the global section, which usually are `1H,,1H;,`. Both may be omitted.
+    /// Reads the first two parameters of the global section, which usually are `1H,,1H;,`. Both may
+    /// be omitted.
     pub(super) fn of_global(global: &[u8]) -> Option<Self> {
         let mut found = Delimiters::default();
         match *global {
@@ -156,7 +157,8 @@ fn tokens(text: &[u8], delimiters: Delimiters) -> std::result::Result<Vec<Range<
     }
 }
 
-/// The length of the text up to the next delimiter. Delimiters within a string (`5Ha,b;c`) do not count.
+/// The length of the text up to the next delimiter. Delimiters within a string (`5Ha,b;c`) do not
+/// count.
 fn length(text: &[u8], delimiters: Delimiters) -> std::result::Result<usize, String> {
     let digits = text.iter().take_while(|b| b.is_ascii_digit()).count();
     let mut from = 0;

@@ -65,8 +65,8 @@ pub(super) fn over_unit(spline: SplineCurve<3>) -> CadCurve<3> {
     CadCurve { shape: CurveShape::Spline(spline.over_unit()), range: None }
 }
 
-/// The approximate normal in the middle of the parameter range, which defines the side of an offset surface. It
-/// has any length. `None` if there is no middle.
+/// The approximate normal in the middle of the parameter range, which defines the side of an offset
+/// surface. It has any length. `None` if there is no middle.
 pub(super) fn middle_normal(surface: &CadSurface) -> Option<[f64; 3]> {
     match surface {
         CadSurface::Spline(spline) => {

@@ -1,4 +1,7 @@
-//! Reads STEP files: the trimmed faces of their shape representations.
+//! Reader of STEP files.
+//!
+//! The input is the content of a file. The output is the trimmed faces of its shape
+//! representations.
 
 mod attributes;
 mod exchange;
@@ -16,7 +19,7 @@ use crate::cad::CadModel;
 use exchange::Exchange;
 use topology::TopologyReader;
 
-/// Reads the faces of every body in `bytes`, the content of the file at `path`.
+/// Reads the faces of every body in `bytes`, which is the content of the file at `path`.
 pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
     let file = Exchange::new(path, bytes)?;
     check_placements(&file)?;
@@ -46,8 +49,8 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
     Ok(model)
 }
 
-/// The length of the unit of a representation's context, in mm; 1 where none is
-/// said, as other programs have it.
+/// The unit of length of a representation's context in mm. It is 1 if there is none, as in other
+/// programs.
 fn unit_mm(file: &Exchange, context: u64) -> Result<f64> {
     let mut entity = file.entity(context)?;
     let Some(mut assigned) = file.part(&mut entity, "GLOBAL_UNIT_ASSIGNED_CONTEXT") else {
@@ -61,7 +64,7 @@ fn unit_mm(file: &Exchange, context: u64) -> Result<f64> {
     Ok(1.0)
 }
 
-/// The length of a unit in metres; `None` if it is no unit of length.
+/// The length of a unit in metres. `None` if it is not a unit of length.
 fn length_unit(file: &Exchange, id: u64, depth: usize) -> Result<Option<f64>> {
     let mut entity = file.entity(id)?;
     if file.part(&mut entity, "LENGTH_UNIT").is_none() {
@@ -107,7 +110,7 @@ const PREFIXES: [(&str, f64); 8] = [
     ("HECTO", 1e2),
 ];
 
-/// Faces are read where they are defined: parts must not be put elsewhere.
+/// Checks that no part has a placement. Faces are read in their own coordinates.
 fn check_placements(file: &Exchange) -> Result<()> {
     for id in file.all(|word| word == "ITEM_DEFINED_TRANSFORMATION") {
         let mut attributes = file.of_type(id, "ITEM_DEFINED_TRANSFORMATION")?;
@@ -121,7 +124,7 @@ fn check_placements(file: &Exchange) -> Result<()> {
     Ok(())
 }
 
-/// The numbers of a placement: those of its point and its directions.
+/// The coordinates of a placement's point and directions.
 fn placement(file: &Exchange, id: u64) -> Result<Vec<f64>> {
     let mut attributes = file.of_type(id, "AXIS2_PLACEMENT_3D")?;
     attributes.skip(1)?;

@@ -1,4 +1,4 @@
-//! B-spline curves and surfaces, simple entities or, rational, complex ones.
+//! Reader of B-spline curves and surfaces. Rational ones are complex entity instances.
 
 use super::attributes::Attributes;
 use super::geometry::StepGeometry;
@@ -30,7 +30,7 @@ impl StepGeometry<'_, '_> {
         Ok(CadCurve { shape: CurveShape::Spline(spline), range: None })
     }
 
-    /// Degree and poles, and the three flags that follow them.
+    /// Reads the degree, the poles, and the three flags after them.
     fn spline_base<const D: usize>(
         &self,
         attributes: &mut Attributes,
@@ -83,7 +83,7 @@ impl StepGeometry<'_, '_> {
     }
 }
 
-/// Knots as STEP has them: each once, with its multiplicity.
+/// Knots as in STEP: distinct values with their multiplicities.
 struct KnotList {
     values: Vec<f64>,
     counts: Vec<usize>,
@@ -95,13 +95,13 @@ fn knots(attributes: &mut Attributes) -> Result<KnotList> {
 }
 
 impl KnotList {
-    /// Each as often as it counts, if that makes as many as are needed.
+    /// The knots repeated by their multiplicities. Their number must suit the degree and the poles.
     fn expanded(&self, degree: usize, poles: usize) -> std::result::Result<Vec<f64>, String> {
         let KnotList { values, counts } = self;
         if values.len() != counts.len() {
             return Err(format!("{} knots with {} multiplicities", values.len(), counts.len()));
         }
-        // Before anything as long as they say is made of them.
+        // Check the total before a list of this length is allocated.
         let total = counts.iter().fold(0usize, |sum, n| sum.saturating_add(*n));
         if degree > MAX_DEGREE || total != poles + degree + 1 {
             return Err(format!("{total} knots for {poles} poles of degree {degree}"));

@@ -1,4 +1,4 @@
-//! Faces, loops and edges (ISO 10303-42, clause 5), in millimetres.
+//! Reader of faces, loops and edges (ISO 10303-42, clause 5). Lengths are in millimetres.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
@@ -16,17 +16,17 @@ pub(super) struct TopologyReader<'f, 'a> {
     unit: Affine,
     surfaces: HashMap<u64, Arc<CadSurface>>,
     edges: HashMap<u64, Arc<EdgeCurve>>,
-    /// The faces that were read: one that two bodies share counts once.
+    /// The faces that have been read. A face that two bodies share counts once.
     seen: &'f mut HashSet<u64>,
 }
 
-/// An edge, shared by its uses.
+/// An edge, which all its uses share.
 struct EdgeCurve {
     curve: Option<Arc<CadCurve<3>>>,
     ends: [[f64; 3]; 2],
-    /// Whether the edge runs from its start to its end along the curve.
+    /// Whether the edge has the direction of its curve.
     along: bool,
-    /// Surface and curve in its parameter plane.
+    /// The surfaces and the curves in their parameter planes.
     pcurves: Vec<(u64, Arc<CadCurve<2>>)>,
 }
 
@@ -42,8 +42,8 @@ impl<'f, 'a> TopologyReader<'f, 'a> {
         }
     }
 
-    /// Adds what an item of a representation holds; items without faces, such as placements
-    /// and points, add nothing.
+    /// Adds the faces of an item of a representation. Items without faces, such as placements and
+    /// points, add nothing.
     pub(super) fn item(&mut self, id: u64, model: &mut CadModel) -> Result<()> {
         if self.file.entity(id)?.records.len() > 1 {
             return Ok(());
@@ -76,7 +76,7 @@ impl<'f, 'a> TopologyReader<'f, 'a> {
         }
     }
 
-    /// Adds a shell; its number.
+    /// Adds a shell and returns its number.
     fn shell(&mut self, id: u64, model: &mut CadModel) -> Result<usize> {
         let (mut kind, mut attributes) = self.file.simple(id)?;
         attributes.skip(1)?;
@@ -96,7 +96,7 @@ impl<'f, 'a> TopologyReader<'f, 'a> {
         Ok(model.shells.len() - 1)
     }
 
-    /// Adds a face; its number, or none if it is there already.
+    /// Adds a face and returns its number. `None` if the face has been added before.
     fn face(&mut self, id: u64, model: &mut CadModel) -> Result<Option<usize>> {
         let (kind, mut attributes) = self.file.simple(id)?;
         if !matches!(kind, "ADVANCED_FACE" | "FACE_SURFACE") {
@@ -130,7 +130,7 @@ impl<'f, 'a> TopologyReader<'f, 'a> {
         Ok(surface)
     }
 
-    /// The loop of a bound; none where it is a single vertex, a pole.
+    /// The loop of a bound. `None` if it is a single vertex, which is a pole of the surface.
     fn bound(&mut self, id: u64, surface: u64) -> Result<Option<Vec<CadEdge>>> {
         let (_, mut attributes) = self.file.simple(id)?;
         attributes.skip(1)?;
@@ -197,7 +197,7 @@ impl<'f, 'a> TopologyReader<'f, 'a> {
         Ok(self.unit.point(self.geometry.point(attributes.reference()?)?))
     }
 
-    /// The curve in space and the pcurves of an edge's geometry.
+    /// The curve in space and the pcurves of an edge.
     #[allow(clippy::type_complexity)]
     fn edge_geometry(
         &self,
@@ -221,7 +221,7 @@ impl<'f, 'a> TopologyReader<'f, 'a> {
         }
     }
 
-    /// A pcurve and its surface; none where only a surface is associated.
+    /// A pcurve and its surface. `None` if only a surface is associated.
     fn pcurve(&self, id: u64) -> Result<Option<(u64, Arc<CadCurve<2>>)>> {
         if self.file.entity(id)?.records.len() > 1 {
             return Ok(None);

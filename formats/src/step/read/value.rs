@@ -1,12 +1,12 @@
-//! Records and their parameters (ISO 10303-21, clauses 6 and 9).
+//! Parser of records and their parameters (ISO 10303-21, clauses 6 and 9).
 
 use crate::token::excerpt;
 
-/// Lists and typed parameters may be nested this deep; no schema goes deeper
-/// than three.
+/// The largest depth of nested lists and typed parameters. No schema has a depth of more than
+/// three.
 const MAX_DEPTH: usize = 16;
 
-/// `KEYWORD(parameters)`.
+/// A simple record: `KEYWORD(parameters)`.
 #[derive(Debug)]
 pub(super) struct SimpleRecord<'a> {
     pub(super) name: &'a str,
@@ -19,24 +19,24 @@ pub(super) enum Value<'a> {
     Reference(u64),
     Integer(i64),
     Real(f64),
-    /// A string as it stands between its apostrophes.
+    /// The text of a string between its apostrophes, with escapes.
     Text(&'a [u8]),
-    /// `.NAME.`, without its points.
+    /// The name of an enumeration value `.NAME.` without its points.
     Enumeration(&'a str),
-    /// `$`, `*` or binary data: nothing that is used here.
+    /// `$`, `*` or binary data, which are not used.
     Nothing,
     List(Vec<Value<'a>>),
-    /// `KEYWORD(value)`, of which only the value counts.
+    /// The value of a typed parameter `KEYWORD(value)`.
     Typed(Box<Value<'a>>),
 }
 
-/// A place in the text.
+/// A position in the text.
 pub(super) struct Cursor<'a> {
     pub(super) bytes: &'a [u8],
     pub(super) at: usize,
 }
 
-/// What a parser found, or what it did not like.
+/// The result of a parser, or a description of the error.
 type Parsed<T> = Result<T, String>;
 
 impl<'a> Cursor<'a> {
@@ -53,14 +53,14 @@ impl<'a> Cursor<'a> {
         self.bytes.get(self.at).copied().unwrap_or(0)
     }
 
-    /// Goes past `text` if it is next.
+    /// Skips `text` if it is next.
     pub(super) fn take(&mut self, text: &[u8]) -> bool {
         let is_next = self.rest().starts_with(text);
         self.at += if is_next { text.len() } else { 0 };
         is_next
     }
 
-    /// Goes past white space and comments.
+    /// Skips white space and comments.
     pub(super) fn skip_blank(&mut self) {
         loop {
             let blank = self.rest().iter().take_while(|b| b.is_ascii_whitespace()).count();
@@ -77,8 +77,8 @@ impl<'a> Cursor<'a> {
         self.at = end.map_or(self.bytes.len(), |i| self.at + i + 4);
     }
 
-    /// Goes past the next semicolon outside of strings and comments, if there is
-    /// one.
+    /// Skips everything up to and including the next semicolon outside of strings and comments.
+    /// Returns `false` if there is none.
     pub(super) fn skip_statement(&mut self) -> bool {
         loop {
             let telling = |b: &u8| matches!(b, b';' | b'\'' | b'/');
@@ -106,7 +106,7 @@ impl<'a> Cursor<'a> {
         text.parse().ok()
     }
 
-    /// The keyword that is next; empty where none is.
+    /// The next keyword. It is empty if there is none.
     pub(super) fn word(&mut self) -> &'a str {
         let is_letter = |b: &u8| b.is_ascii_alphanumeric() || matches!(b, b'_' | b'!' | b'-');
         let count = self.rest().iter().take_while(|b| is_letter(b)).count();
@@ -142,7 +142,7 @@ impl<'a> Cursor<'a> {
         Ok(SimpleRecord { name, values: self.list(0)? })
     }
 
-    /// The rest of a list whose parenthesis is open.
+    /// The rest of a list after its opening parenthesis.
     fn list(&mut self, depth: usize) -> Parsed<Vec<Value<'a>>> {
         if depth > MAX_DEPTH {
             return Err("lists in lists in lists without end".into());
@@ -219,7 +219,7 @@ impl<'a> Cursor<'a> {
         loop {
             let end = self.rest().iter().position(|b| *b == b'\'');
             self.at += end.ok_or("a string without an end")? + 1;
-            // Two apostrophes stand for one.
+            // Two apostrophes stand for one apostrophe.
             if !self.take(b"'") {
                 return Ok(Value::Text(&self.bytes[begin..self.at - 1]));
             }
