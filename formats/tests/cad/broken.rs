@@ -1,4 +1,4 @@
-//! Broken files: what is said of them, and that nothing worse happens.
+//! Broken CAD files: the errors, and that nothing panics.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -11,7 +11,7 @@ mod damage;
 
 use crate::{iges_file, model, read, step_file};
 
-/// What is said of a file.
+/// The error for a file.
 fn fault(text: &str) -> String {
     let Err(fault) = read(text) else { panic!("a broken file was read") };
     fault.to_string()
@@ -77,13 +77,13 @@ fn what_is_wrong_with_an_iges_file_is_said() {
     assert!(said.contains("names no delimiters"), "{said}");
 }
 
-/// Counts that claim what the file does not have.
+/// Counts that are larger than the content of the file.
 #[test]
 fn claims_are_not_believed() {
     let good = iges_file(&model::one_face("part"), Form::Brep);
     for (from, to) in [("502,8,", "502,9999999999,"), ("514,1,", "514,8888888888,")] {
         assert!(good.contains(from));
-        // The number takes other columns' place: the file stays 80 wide.
+        // The number replaces blanks, so that the lines still have 80 columns.
         let at = good.find(from).unwrap();
         let line = good[at..].lines().next().unwrap();
         let (data, rest) = line.split_at(64);
@@ -93,7 +93,7 @@ fn claims_are_not_believed() {
     }
 }
 
-/// How often each file is damaged.
+/// The number of times that each file is damaged.
 const ROUNDS: usize = 1_500;
 
 #[test]

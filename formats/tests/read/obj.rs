@@ -1,4 +1,4 @@
-//! OBJ: what it may contain, and what is refused.
+//! OBJ: supported features and errors.
 
 use formats::Location;
 
@@ -134,7 +134,7 @@ fn bad_vertices_are_refused_by_line() {
     assert!(comma.help.contains("decimal points"));
 }
 
-/// Vertices for more than one batch of those that tobj gets at a time.
+/// Vertices for more than one batch that tobj receives.
 fn many() -> String {
     (0..10_000).map(|i| format!("v {i} 0 .5\n")).collect()
 }

@@ -1,4 +1,4 @@
-//! OBJ: odd spellings, as exporters and hands write them.
+//! OBJ: unusual notations of exporters and users.
 
 use formats::Location;
 
@@ -7,7 +7,7 @@ use crate::support::{polygons, refusal, soup};
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 const POINTS: [[f64; 3]; 4] = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]];
 
-/// The polygons of the square with `faces`, which must leave its points alone.
+/// The polygons of the square with `faces`. The points must not change.
 #[track_caller]
 fn faces(faces: &str) -> Vec<Vec<u32>> {
     let soup = soup("odd.obj", SQUARE.to_owned() + faces);
@@ -80,7 +80,7 @@ fn corners_of_every_form() {
         "f -4 -3 -2 -1",
         "f -4/-9 -3//-9 -2/-9/-9 -1//",
         "f 1 -3 3/1 -1//-1",
-        // Numbers of texture points and normals do not matter, nor do zeros.
+        // The numbers of texture points and normals do not matter, and zeros do not, either.
         "f 1/0/0 2/0/0 3/0/0 4/0/0",
         "f 1/x/y 2 3 4",
         "f 01 +2 3 4",
@@ -99,8 +99,8 @@ fn corners_may_repeat() {
     );
 }
 
-/// The statement of releases before 3.0, which the specification still has
-/// readers take for `f`.
+/// The statement of releases before 3.0, which readers should treat as `f` according to the
+/// specification.
 #[test]
 fn old_face_outlines_are_faces() {
     assert_eq!(faces("fo 1 2 3\nf 1 3 4\n"), [[0, 1, 2], [0, 2, 3]]);
@@ -129,7 +129,7 @@ fn faces_without_vertices_are_refused() {
         ("f 1 2 3", "vertex 3, but only 0 vertices"),
         ("f 0/0/0 1/1/0 3/3/0", "vertex 0, but OBJ counts from 1"),
     ] {
-        // With and without a line end: neither is a cut.
+        // Files with and without a line end are both complete.
         for end in ["", "\n"] {
             let error = refusal("none.obj", format!("{face}{end}"), word);
             assert_eq!(error.place, Some(Location::Line(1)), "{face}");
@@ -226,11 +226,11 @@ fn only_vertices_and_faces_go_on() {
     }
     assert_eq!(faces("f 1 2 3 # last \\\nf 1 3 4\n"), [[0, 1, 2], [0, 2, 3]]);
     assert_eq!(faces("f 1 2 \\\n3 # last \\\nf 1 3 4\n"), [[0, 1, 2], [0, 2, 3]]);
-    // What other statements go on with is none of its own.
+    // The continuation of other statements is ignored.
     assert_eq!(faces("l 1 2 \\\n3 4\nf 1 2 3\n"), [[0, 1, 2]]);
 }
 
-/// Of files pasted together each may end its lines in its own way.
+/// A file that is joined from several files may have different line ends.
 #[test]
 fn line_ends_may_change() {
     let text = SQUARE.to_owned() + "f 1 2 3\nf 1 3 4\n";

@@ -1,4 +1,4 @@
-//! STL: what it may contain, and what is refused.
+//! STL: supported features and errors.
 
 use formats::Location;
 
@@ -194,7 +194,7 @@ fn solids_without_their_end_are_refused() {
     }
     let error = refusal("open.stl", whole, "ends without endsolid");
     assert!(error.help.contains("endsolid"));
-    // A cut number is not taken for a smaller one.
+    // A truncated number is not read as a smaller one.
     let cut = &whole[..whole.find("vertex 0 1e0").expect("a vertex") + 10];
     refusal("cut.stl", cut, "vertex 0 1");
 }
@@ -207,7 +207,7 @@ fn colours_of_a_binary_file_are_left_out() {
         file[84 + 50 * triangle..][48..50].fill(0xff);
     }
     assert_eq!(soup("colour.stl", &file).points, [CORNERS, CORNERS].concat());
-    // Even where every byte of the header is text.
+    // Even if every byte of the header is text.
     file[..80].fill(b'x');
     file[..6].copy_from_slice(b"solid ");
     assert_eq!(soup("colour.STL", &file).points, [CORNERS, CORNERS].concat());
@@ -224,8 +224,8 @@ fn binary_points_without_a_number_are_kept() {
     }
 }
 
-/// Sent as text, a binary file gets a byte more for each line feed, or three
-/// bytes for each that is no UTF-8: its end is not where it was.
+/// A binary file that is sent as text gets an additional byte for each line feed, or three bytes
+/// for each byte that is not UTF-8. So its end is at another position.
 #[test]
 fn binaries_damaged_as_text_are_refused() {
     let mut file = binary("made by hand", 2, 2);
@@ -237,7 +237,7 @@ fn binaries_damaged_as_text_are_refused() {
     refusal("mangled.stl", String::from_utf8_lossy(&file).as_bytes(), "");
 }
 
-/// Text that lacks its first word is no binary file of a billion triangles.
+/// Text without its first word is not a binary file with a billion triangles.
 #[test]
 fn text_that_begins_otherwise_is_not_taken_for_binary() {
     let text = ascii(TRIANGLE);
@@ -260,7 +260,7 @@ fn a_point_alone_is_no_number() {
     }
 }
 
-/// What follows a solid's name in its line is part of it.
+/// The text after a solid's name in its line belongs to the name.
 #[test]
 fn line_ends_may_change() {
     let text = ascii(TRIANGLE) + &ascii(TRIANGLE).replace('\n', "\r");

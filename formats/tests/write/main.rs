@@ -1,4 +1,4 @@
-//! What the STEP and IGES writers write.
+//! The files that the STEP and IGES writers write.
 
 mod bodies;
 mod iges;
@@ -29,7 +29,7 @@ fn iges_file(brep: &Brep, form: Form) -> String {
     String::from_utf8(out).unwrap()
 }
 
-/// The model keeps its promise: else the tests below would test nothing.
+/// The model must satisfy its own promise. Otherwise the other tests would test nothing.
 #[test]
 fn edges_lie_on_the_surface() {
     let brep = model::two_faces("");
@@ -46,8 +46,8 @@ fn edges_lie_on_the_surface() {
     }
 }
 
-/// Writes every kind of file into the directory `SCAN2STEP_WRITE_TO`, where
-/// the checks in tests/roundtrip can read them; does nothing without it.
+/// Writes every kind of file to the directory `SCAN2STEP_WRITE_TO`, where the checks in
+/// tests/roundtrip can read them. Without this variable it does nothing.
 #[test]
 fn example_files() {
     let Some(directory) = std::env::var_os("SCAN2STEP_WRITE_TO").map(PathBuf::from) else {

@@ -1,4 +1,4 @@
-//! What is checked and written of solids.
+//! Checking and writing of solids.
 
 use formats::Brep;
 use formats::brep::{BrepCurve, EdgeId, Face, FaceId, ModelFault, PCurve, ShellId, VertexId};
@@ -17,7 +17,7 @@ fn they_are_sound_and_have_their_volume() {
     }
 }
 
-/// Each broken variant of a sound part, and what is said of it.
+/// Broken variants of a valid part, each with its error.
 #[test]
 fn broken_ones_are_refused() {
     type Break = fn(&mut Brep);
@@ -156,7 +156,7 @@ fn broken_ones_are_refused() {
         damage(&mut brep);
         let fault = brep.check().expect_err(name);
         assert!(is(&fault), "{name}: {fault:?}");
-        // Nothing is written of it.
+        // Nothing is written of a broken part.
         let mut out = Vec::new();
         let error = formats::step::write(&brep, &Default::default(), &mut out).unwrap_err();
         assert_eq!((error.kind(), out.len()), (std::io::ErrorKind::InvalidInput, 0), "{name}");
@@ -196,7 +196,7 @@ fn step_names_solids_voids_and_shells() {
     assert_eq!([count(&file, "OPEN_SHELL"), count(&file, "CLOSED_SHELL")], [1, 1]);
 }
 
-/// truck takes our solids, finds them closed and manifold, and gives them back as they were.
+/// truck accepts our solids as closed and manifold, and the way back gives the same solids.
 #[test]
 fn they_go_to_truck_and_back() {
     for (name, brep, volume) in all() {
@@ -214,7 +214,7 @@ fn they_go_to_truck_and_back() {
     }
 }
 
-/// What truck has built becomes ours: its faces are planes.
+/// A solid that truck has built is converted. Its faces are planes.
 #[test]
 fn a_box_of_truck_is_taken_over() {
     use truck_modeling::{Point3, Vector3, builder};
@@ -231,7 +231,7 @@ fn a_box_of_truck_is_taken_over() {
 #[test]
 fn faces_on_one_surface_share_it() {
     let mut brep = crate::model::one_face("");
-    // An island in the first hole: the same edges the other way round.
+    // An island in the first hole: the same edges in the opposite direction.
     let mut island = brep.faces[0].loops[1].clone();
     island.reverse();
     island.iter_mut().for_each(|of_loop| of_loop.forward = !of_loop.forward);

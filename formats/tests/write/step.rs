@@ -1,4 +1,4 @@
-//! STEP files: structure, references, texts and numbers.
+//! STEP files: structure, references, strings and numbers.
 
 use std::collections::BTreeSet;
 use std::io::ErrorKind;
@@ -12,7 +12,7 @@ use crate::step_file;
 
 const SCHEMAS: [Schema; 3] = [Schema::Ap203, Schema::Ap214, Schema::Ap242];
 
-/// The bodies of the numbered entities, in their order.
+/// The content of the numbered entity instances in their order.
 fn entities(file: &str) -> Vec<String> {
     let (_, data) = file.split_once("DATA;\n").unwrap();
     let (data, _) = data.split_once("ENDSEC;").unwrap();
@@ -25,7 +25,7 @@ fn entities(file: &str) -> Vec<String> {
     bodies
 }
 
-/// The entities that a body refers to; strings do not count.
+/// The entity instances that a text refers to. Strings do not count.
 fn references(body: &str) -> Vec<usize> {
     let outside_strings = body.split('\'').step_by(2).collect::<String>();
     let names = outside_strings.split('#').skip(1);
@@ -55,7 +55,7 @@ fn header_names_the_schema() {
 
 #[test]
 fn references_are_defined_before_and_nothing_hangs_loose() {
-    // What ties other entities together, and so is referred to by nobody.
+    // Entities that connect other entities, so that nothing refers to them.
     let ties = [
         "APPLICATION_PROTOCOL_DEFINITION",
         "PRODUCT_RELATED_PRODUCT_CATEGORY",

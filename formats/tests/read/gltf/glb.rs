@@ -5,7 +5,7 @@ use formats::Location;
 use super::{SQUARE, data_uri, glb, json, square_bytes, square_glb};
 use crate::support::{polygons, read, refusal, refused, soup};
 
-/// A file of `chunks` whose header says that it has `length` bytes more.
+/// A file of `chunks` whose header declares `length` additional bytes.
 fn file(length: usize, chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
     let mut body = Vec::new();
     for (kind, data) in chunks {
@@ -17,7 +17,7 @@ fn file(length: usize, chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
     [b"glTF\x02\0\0\0", &total.to_le_bytes()[..], &body].concat()
 }
 
-/// The square's JSON for a binary file, padded with blanks.
+/// The JSON of the square for a binary file, padded with blanks.
 fn inner() -> Vec<u8> {
     let text = json(&[(r#", "uri": "a%20b/square.bin""#, "")]);
     format!("{text:<width$}", width = text.len().next_multiple_of(4)).into()
@@ -35,7 +35,7 @@ fn binary_chunk_may_be_absent() {
     let uri = data_uri(&square_bytes());
     let embedded = json(&[("a%20b/square.bin", &uri)]);
     check(file(0, &[(b"JSON", embedded.as_bytes())]));
-    // An empty one is none either.
+    // An empty chunk is not a binary chunk, either.
     check(file(0, &[(b"JSON", embedded.as_bytes()), (b"BIN\0", b"")]));
     let error = refusal("none.glb", file(0, &[(b"JSON", &inner())]), "buffer that has no data");
     assert_eq!(error.place, Some(Location::Element("buffer", 0)));
@@ -116,7 +116,7 @@ fn headers_alone_are_refused() {
     let empty = file(0, &[(b"JSON", b"")]);
     refusal("empty.glb", empty, "no sound glTF 2.0 file");
     refusal("broken.glb", file(0, &[(b"JSON", b"{]  ")]), "no sound glTF 2.0 file");
-    // Without "glTF" only the name says what it is.
+    // Without "glTF" only the name tells the format.
     refusal("zeros.glb", [0; 12], "no sound glTF 2.0 file");
     refusal("zeros", [0; 12], "no known mesh format");
 }
@@ -130,7 +130,7 @@ fn total_lengths_of_less_than_a_header_are_told() {
     }
 }
 
-/// Its header had five words, and its JSON no chunk.
+/// Its header had five words, and its JSON was not in a chunk.
 #[test]
 fn version_1_is_refused_by_name() {
     let head = b"glTF\x01\0\0\0\x28\0\0\0\x14\0\0\0\0\0\0\0";

@@ -1,4 +1,4 @@
-//! Files that show nothing: what they lack, or what is wrong with them.
+//! Files without triangles: what is missing or wrong.
 
 use formats::Location;
 
@@ -26,7 +26,7 @@ fn what_is_missing_is_told() {
     bad(&[(meshes, ""), (r#"[{"mesh": 0}]"#, "[{}]")], "it has no meshes");
 }
 
-/// A fault is told even of what no node places.
+/// Faults are reported even in meshes that no node uses.
 #[test]
 fn the_first_fault_is_told() {
     let element = |kind, i| Some(Location::Element(kind, i));
@@ -54,13 +54,13 @@ fn the_first_fault_is_told() {
     ] {
         assert_eq!(bad(&[(PLACES, ""), (from, to)], word), place, "{to}");
     }
-    // What no node places and is not needed may be as it likes.
+    // Meshes that no node uses may have faults if they are not needed.
     let more = r#""meshes": [{"primitives": [{"attributes": {"POSITION": 9}}]}, "#;
     let swaps = [(r#""meshes": ["#, more), (r#"{"mesh": 0}"#, r#"{"mesh": 1}"#)];
     assert_eq!(good(&swaps, &square_bytes()).points, SQUARE);
 }
 
-/// No more is read for it than a scene may hold.
+/// The search for faults reads no more than a scene may contain.
 #[test]
 fn faults_are_not_sought_without_bound() {
     let one = r#"{"primitives": [{"attributes": {"POSITION": 0}, "mode": 5}]},"#;

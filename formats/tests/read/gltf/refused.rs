@@ -1,4 +1,4 @@
-//! What is refused.
+//! Files that are refused.
 
 use formats::{Location, read_scan};
 
@@ -45,7 +45,7 @@ fn compression_is_refused_by_name() {
         let used = format!(r#""extensionsUsed": ["{name}"], "scene": 0"#);
         let required = used.replace("Used", "Required");
         bad(&[(r#""scene": 0"#, &required)], name);
-        // If it is not required there may be plain data too, or not.
+        // If the extension is not required, there may be plain data, too, or not.
         let plain = good(&[(r#""scene": 0"#, &used)], &square_bytes());
         assert_eq!(plain.points, SQUARE);
         bad(&[(r#""scene": 0"#, &used), (r#""bufferView": 0, "#, "")], name);
@@ -104,7 +104,7 @@ fn what_does_not_fit_is_refused() {
 
 #[test]
 fn small_files_do_not_expand_without_bound() {
-    // 300 nodes place one mesh of 40,000 triangles; all from zeros.
+    // 300 nodes use one mesh of 40,000 triangles that consists of zeros.
     let nodes = r#"{"mesh": 0},"#.repeat(300);
     let list: Vec<String> = (0..300).map(|i| i.to_string()).collect();
     let swaps = [

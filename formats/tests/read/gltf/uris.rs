@@ -1,4 +1,4 @@
-//! Where a file's buffers are.
+//! The places of a file's buffers.
 
 use std::fs;
 

@@ -1,4 +1,4 @@
-//! What is refused.
+//! Files that are refused.
 
 use formats::Location;
 
