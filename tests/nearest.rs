@@ -122,7 +122,7 @@ fn along(surface: &Surface, curve: &Curve<2>, p: Point) -> f64 {
     least(&away, (low, high), 600)
 }
 
-/// The minimum of a function between two parameters: samples, and golden sections around each
+/// The minimum of a function between two parameters: samples, and a ternary search around each
 /// sample that is less than its neighbours.
 fn least(of: &dyn Fn(f64) -> f64, (low, high): (f64, f64), count: u32) -> f64 {
     let step = (high - low) / f64::from(count);

@@ -1,8 +1,8 @@
 //! Random scans with every kind of damage, of any size and at any place, with random options.
 //!
-//! Every scan must become a valid face or an error that says why it does not. The cases are the same in
-//! every run, unless `PROPTEST_RNG_SEED` and `PROPTEST_CASES` ask for others. `regressions.rs` has cases
-//! that failed once.
+//! Every scan must become a valid face or an error that says why it does not. The cases are the
+//! same in every run, unless `PROPTEST_RNG_SEED` and `PROPTEST_CASES` ask for others.
+//! `regressions.rs` has cases that failed once.
 
 mod choices;
 #[cfg(feature = "cli")]
@@ -23,8 +23,8 @@ use proptest::test_runner::{Config, RngSeed, TestError, TestRunner};
 use scan::Scan;
 use scan2step::Options;
 
-/// Random cases. They are the same in every run, unless `PROPTEST_CASES` and `PROPTEST_RNG_SEED` ask for
-/// others.
+/// Random cases. They are the same in every run, unless `PROPTEST_CASES` and `PROPTEST_RNG_SEED`
+/// ask for others.
 fn runner(cases: u32) -> TestRunner {
     let mut config =
         Config { failure_persistence: None, max_shrink_iters: 300, ..Config::default() };
@@ -45,8 +45,8 @@ fn tell<T: std::fmt::Debug>(found: TestError<T>) {
     }
 }
 
-/// Checks that every scan becomes a valid face or an error, and that no stage refuses a scan for which
-/// `is_whole` holds. A share of more than `least` of the scans must become faces.
+/// Checks that every scan becomes a valid face or an error, and that no stage refuses a scan for
+/// which `is_whole` holds. A share of more than `least` of the scans must become faces.
 fn hold<T: std::fmt::Debug>(
     cases: u32,
     least: f64,

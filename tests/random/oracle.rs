@@ -16,11 +16,12 @@ static POOLS: LazyLock<[ThreadPool; 2]> = LazyLock::new(|| {
     [1, 2].map(|n| ThreadPoolBuilder::new().num_threads(n).build().expect("threads"))
 });
 
-/// A run that takes longer counts as hanging. The slowest runs are those of crumpled sheets with thousands
-/// of control points, which take more than a minute if other tests run at the same time.
+/// A run that takes longer counts as hanging. The slowest runs are those of crumpled sheets with
+/// thousands of control points, which take more than a minute if other tests run at the same time.
 const TIME_LIMIT: Duration = Duration::from_secs(180);
 
-/// Runs `work`. If it does not end within the time limit, prints `what` was tried and aborts the tests.
+/// Runs `work`. If it does not end within the time limit, prints `what` was tried and aborts the
+/// tests.
 pub fn within_time<T>(what: String, work: impl FnOnce() -> T) -> T {
     let (done, ended) = mpsc::channel::<()>();
     std::thread::spawn(move || {
@@ -38,9 +39,9 @@ pub fn within_time<T>(what: String, work: impl FnOnce() -> T) -> T {
     made
 }
 
-/// Whether a scan becomes a face. Then the face must be valid. Otherwise there must be an error that the
-/// user can understand. The result must be the same on one thread and on two. If the scan is `whole`, no
-/// stage may refuse it.
+/// Whether a scan becomes a face. Then the face must be valid. Otherwise there must be an error
+/// that the user can understand. The result must be the same on one thread and on two. If the scan
+/// is `whole`, no stage may refuse it.
 pub fn sound(soup: &Soup, options: &Options, whole: bool) -> Result<bool, TestCaseError> {
     let run = || {
         let mut measured = Mesh::default();
@@ -119,8 +120,8 @@ fn reads_back(c: &Conversion, file: &[u8], measured: &Mesh) -> Result<(), TestCa
     let loops: usize = c.brep.faces.iter().map(|face| face.loops.len()).sum();
     prop_assert_eq!(found.loops, loops);
     let (there, here) = (c.deviation.rms, found.scan_to_face.rms);
-    // Both search for the nearest point with different starts. Over the random sheets they differed by at
-    // most 0.6 % of the reported value, or 1e-6 of the diagonal.
+    // Both search for the nearest point with different starts. Over the random sheets they differed
+    // by at most 0.6 % of the reported value, or 1e-6 of the diagonal.
     let most = 1.01 * there + 1e-4 * measured.diagonal();
     prop_assert!(here <= most, "said {} mm, read back {} mm", there, here);
     prop_assert!(found.face_to_scan.max.is_finite() && found.area.is_finite());

@@ -25,8 +25,8 @@ fn sheet(size: [usize; 2], shape: Shape, place: Place) -> Scan {
     Scan { mesh: Mesh::Grid(size, 0.0), shape, damage: sound(), place, seed: 0 }
 }
 
-/// The rounding errors of large coordinates exceed the accuracy of edges. Spans were halved until the
-/// memory was full.
+/// The rounding errors of large coordinates exceed the accuracy of edges. Spans were halved until
+/// the memory was full.
 #[test]
 fn what_is_far_away_is_as_near_as_doubles_tell() {
     let options = Options::builder().outline(Outline::Free).build().expect("options");
@@ -57,8 +57,8 @@ fn edges_of_specks_are_on_them() {
     }
 }
 
-/// The surface is so steep in its parameters that their rounding errors move its points by more than the
-/// accuracy of edges. Spans were halved without end.
+/// The surface is so steep in its parameters that their rounding errors move its points by more
+/// than the accuracy of edges. Spans were halved without end.
 #[test]
 fn a_crumpled_needle_is_traced_as_near_as_doubles_tell() {
     let holes = vec![
@@ -80,8 +80,8 @@ fn a_crumpled_needle_is_traced_as_near_as_doubles_tell() {
     becomes_a_face(&scan, &Options::default());
 }
 
-/// A fill that was triangulated again in a plane had edges that the mesh already had, at the tips of a
-/// ragged rim. The parameterization failed at an inner vertex with two neighbours.
+/// A fill that was triangulated again in a plane had edges that the mesh already had, at the tips
+/// of a ragged rim. The parameterization failed at an inner vertex with two neighbours.
 #[test]
 fn fills_join_nothing_twice() {
     let holes = vec![
