@@ -106,7 +106,7 @@ fn errors_name_the_file_and_the_place() {
     let cut = fault(&text[..text.len() / 3 + inside]);
     assert!(cut.contains("broken.step: ends in the middle") && cut.contains("(line "), "{cut}");
     let other = fault(&text.replace("ADVANCED_FACE(", "FACE_OUTLINE("));
-    assert!(other.contains("is a face of a kind not read: FACE_OUTLINE (#"), "{other}");
+    assert!(other.contains("is a face of an unsupported kind: FACE_OUTLINE (#"), "{other}");
     // A loop with edges at the place of another face.
     let edges: Vec<_> = text.match_indices("EDGE_LOOP('',(#").collect();
     let (first, last) = (edges[0].0, edges[2].0);

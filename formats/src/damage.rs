@@ -89,7 +89,7 @@ impl TextTrace {
 }
 
 const AS_LETTERS: &str = "its bytes were converted to UTF-8 text";
-const AS_LINES: &str = "it was sent as text, with carriage returns put in";
+const AS_LINES: &str = "it was sent as text with additional carriage returns";
 
 /// The damage to binary data that begins with `bytes`.
 pub(crate) fn of(bytes: &[u8]) -> Option<&'static str> {

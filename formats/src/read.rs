@@ -134,7 +134,7 @@ fn recognise(source: &Source) -> Result<Format> {
     if obj::is_obj(after_mark(head)) {
         return Ok(Format::Obj);
     }
-    let unknown = || Error::new(&source.path, "is of no known mesh format", READABLE);
+    let unknown = || Error::new(&source.path, "is not in a known mesh format", READABLE);
     Format::by_extension(&source.path).ok_or_else(unknown)
 }
 

@@ -94,7 +94,7 @@ fn check_surplus(source: &mut Source, count: u32, mut trace: TextTrace) -> Resul
     let damage = (tail.length > 0).then(|| trace.of_surplus(tail.length, letters)).flatten();
     if let Some(damage) = damage {
         let what =
-            format!("is {} bytes longer than its {count} triangles, for {damage}", tail.length);
+            format!("is {} bytes longer than its {count} triangles, because {damage}", tail.length);
         return Err(Error::new(&source.path, what, SEND_AS_BINARY));
     }
     if tail.is_zero || tail.is_text || tail.length < RECORD as u64 {
@@ -136,10 +136,10 @@ fn surplus(source: &Source, count: u32, length: u64) -> Error {
     let (more, rest) = (length / RECORD as u64, length % RECORD as u64);
     let what = match rest {
         0 => format!(
-            "announces {count} triangles, but has {} by its length",
+            "declares {count} triangles, but its length is that of {}",
             u64::from(count) + more
         ),
-        _ => format!("has {length} bytes after the {count} triangles that it announces"),
+        _ => format!("has {length} bytes after the {count} triangles that it declares"),
     };
     let help = "Its triangle count is wrong, or it is several files in one: export it again.";
     Error::new(&source.path, what, help).at(Location::Byte(HEADER as u64))
@@ -261,7 +261,7 @@ impl Ascii {
 
     fn unreadable(&self, line: &str) -> Error {
         let text = excerpt(line.as_bytes());
-        let what = format!("is no sound STL text at \u{201c}{text}\u{201d}");
+        let what = format!("is not valid STL text at \u{201c}{text}\u{201d}");
         self.source.error(what, number_help(&text))
     }
 }

@@ -66,7 +66,7 @@ pub enum ModelFault {
     #[error("the loop in the parameter plane is open before {0}")]
     OpenInPlane(BrepElement),
     /// An outer loop runs clockwise, or an inner loop runs counter-clockwise.
-    #[error("{0} runs the wrong way round")]
+    #[error("{0} has the wrong orientation")]
     WrongWay(BrepElement),
     /// A face does not belong to exactly one shell, or a shell belongs to several solids.
     #[error("{0} is used {1} times")]
@@ -83,7 +83,7 @@ pub enum ModelFault {
     },
     /// Two faces that share an edge have opposite orientations.
     #[error(
-        "{} and {} look to different sides of {}",
+        "{} and {} have opposite orientations at {}",
         BrepElement::Face(faces[0].0), BrepElement::Face(faces[1].0), BrepElement::Edge(edge.0)
     )]
     Turned {
@@ -96,7 +96,7 @@ pub enum ModelFault {
     #[error("{0} belongs to several shells")]
     Shared(BrepElement),
     /// The faces of a shell are not connected.
-    #[error("{0} is in several pieces")]
+    #[error("{0} is not connected")]
     Pieces(BrepElement),
     /// A closed shell does not have the Euler number of a closed surface.
     #[error("{0} has the Euler number {1}, which should be an even number of at most 2")]

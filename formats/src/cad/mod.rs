@@ -31,7 +31,7 @@ pub fn read_cad(path: &Path) -> Result<CadModel> {
     };
     let length = std::fs::metadata(path).map_err(cannot)?.len();
     if length > MOST_BYTES {
-        let what = format!("has {length} bytes, more than are read of a CAD file");
+        let what = format!("has {length} bytes, which is more than the limit for CAD files");
         return Err(Error::new(path, what, "Export the faces in several files."));
     }
     read_cad_from(path, &std::fs::read(path).map_err(cannot)?)

@@ -108,7 +108,7 @@ fn check<'a>(
             None => bad(gear, index, "has no data"),
         });
     } else if json.count.0 > MOST_ZEROS {
-        return Err(bad(gear, index, "has more than 250,000 items out of nothing"));
+        return Err(bad(gear, index, "has more than 250,000 items without data"));
     }
     if let Some(sparse) = &json.sparse {
         check_sparse(gear, index, sparse, json.count.0, size)?;

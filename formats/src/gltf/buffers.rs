@@ -90,7 +90,7 @@ impl<'a> Buffers<'a> {
     fn fetch(&mut self, index: usize, uri: &str, length: u64) -> Result<Rc<Vec<u8>>> {
         let data = uri.get(..5).filter(|scheme| scheme.eq_ignore_ascii_case("data:"));
         if data.is_some() {
-            let unsound = || self.error(index, "is no sound data URI", EXPORT_AGAIN);
+            let unsound = || self.error(index, "is not a valid data URI", EXPORT_AGAIN);
             let decoded = decode_data(&uri[5..]).ok_or_else(unsound)?;
             return Ok(self.hold(decoded));
         }
@@ -112,8 +112,7 @@ impl<'a> Buffers<'a> {
     fn locate(&self, index: usize, relative: &Path) -> Result<PathBuf> {
         let Some(folder) = self.folder else {
             let name = excerpt(relative.to_string_lossy().as_bytes());
-            let what =
-                format!("is in another file ({name}), but of this one only a stream is here");
+            let what = format!("is in another file ({name}), but this file is read from a stream");
             return Err(self.error(index, &what, "Read it from its folder, or export one GLB."));
         };
         let missing = |e| self.missing(index, relative, &e);
@@ -124,7 +123,7 @@ impl<'a> Buffers<'a> {
             return Err(self.outside(index, &relative.to_string_lossy()));
         }
         if !file.is_file() {
-            return Err(self.error(index, "is in something that is no file", EXPORT_AGAIN));
+            return Err(self.error(index, "is not in a regular file", EXPORT_AGAIN));
         }
         Ok(file)
     }

@@ -40,7 +40,7 @@ fn read_bytes(source: &mut Source) -> Result<Vec<u8>> {
     }
     let length = word(&source.head, 8).unwrap_or(0);
     if (length as usize) < HEADER + CHUNK {
-        let what = format!("is no complete GLB file: it has {length} bytes by its header");
+        let what = format!("is not a complete GLB file: its header declares {length} bytes");
         return Err(source.error(what, EXPORT_AGAIN).at(Location::Byte(8)));
     }
     let mut bytes = Vec::new();
@@ -97,7 +97,7 @@ fn check_damage(source: &mut Source, rest: &[u8]) -> Result<()> {
     }
     match damage::of(rest) {
         Some(damage) => {
-            let what = format!("is longer than its header says, for {damage}");
+            let what = format!("is longer than its header declares, because {damage}");
             Err(source.error(what, SEND_AS_BINARY))
         }
         None => Ok(()),
@@ -109,6 +109,6 @@ fn word(bytes: &[u8], at: usize) -> Option<u32> {
 }
 
 fn bad(source: &Source, what: &str, at: usize) -> Error {
-    let what = format!("is no sound glTF 2.0 file: {what}");
+    let what = format!("is not a valid glTF 2.0 file: {what}");
     source.error(what, EXPORT_AGAIN).at(Location::Byte(at as u64))
 }

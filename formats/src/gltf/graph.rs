@@ -20,7 +20,7 @@ pub(super) fn parents(gear: &Gear<'_>) -> Result<Vec<Option<usize>>> {
         }
     }
     match in_loop(&parents) {
-        Some(node) => Err(bad(gear, "node", node, "is below itself")),
+        Some(node) => Err(bad(gear, "node", node, "is its own descendant")),
         None => Ok(parents),
     }
 }

@@ -143,5 +143,5 @@ fn check_version(source: &Source, version: &str) -> Result<()> {
 }
 
 fn unsound(source: &Source, why: impl std::fmt::Display) -> Error {
-    source.error(format!("is no sound glTF 2.0 file: {why}"), EXPORT_AGAIN)
+    source.error(format!("is not a valid glTF 2.0 file: {why}"), EXPORT_AGAIN)
 }

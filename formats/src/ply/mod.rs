@@ -269,7 +269,7 @@ fn check_end(body: &mut Body) -> Result<()> {
         let n = source.stream.read(&mut rest).map_err(|e| source.io_error(&e))?;
         if rest[..n].iter().any(surplus) {
             let help = "The header's counts do not match the content: export the scan again.";
-            return Err(source.error("has more data than its header announces", help));
+            return Err(source.error("has more data than its header declares", help));
         }
         if n == 0 {
             return Ok(());

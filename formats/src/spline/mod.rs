@@ -52,7 +52,7 @@ impl SplineKnots {
             return Err("knots that decrease, or are not finite".into());
         }
         if knots[degree] >= knots[poles] {
-            return Err("knots that span nothing".into());
+            return Err("knots with an empty range".into());
         }
         Ok(SplineKnots { degree, knots })
     }

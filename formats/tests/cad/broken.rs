@@ -34,7 +34,7 @@ fn what_is_wrong_with_a_step_file_is_said() {
         "{said}"
     );
     assert!(fault(&good.replace("END-ISO-10303-21;\n", "")).contains("ends in the middle"));
-    assert_eq!(replaced("#20=", "#21="), "part: #21 stands in it twice (line 34)");
+    assert_eq!(replaced("#20=", "#21="), "part: #21 is defined twice (line 34)");
     assert_eq!(
         replaced("(0.,0.2,0.4", "(0.,0.5,0.4").split(" (#").next().unwrap(),
         "part: knots that decrease, or are not finite"
@@ -44,9 +44,9 @@ fn what_is_wrong_with_a_step_file_is_said() {
     let said = replaced("(4,1,1,1,1,4)", "(4,1,1,1,1,999999999999)");
     assert!(said.contains("knots for 8 poles of degree 3"), "{said}");
     let said = replaced("B_SPLINE_SURFACE_WITH_KNOTS('',3,3", "TOROIDAL_SURFACE('',3,3");
-    assert!(said.contains("is a surface of a kind not read: TOROIDAL_SURFACE (#"), "{said}");
+    assert!(said.contains("is a surface of an unsupported kind: TOROIDAL_SURFACE (#"), "{said}");
     let said = replaced("ADVANCED_FACE('',(#", "ADVANCED_FACE('',(#9999");
-    assert!(said.contains("which is not in it"), "{said}");
+    assert!(said.contains("which it does not contain"), "{said}");
     let said = replaced("VERTEX_POINT('',#", "VERTEX_POINT('',#1,#");
     assert_eq!(said, "part: is APPLICATION_CONTEXT where CARTESIAN_POINT is expected (#1)");
     let said = replaced("VERTEX_POINT('',#", "VERTEX_POINT('',1.,#");
@@ -72,7 +72,7 @@ fn what_is_wrong_with_an_iges_file_is_said() {
     let said = replaced("128,7,7,3,3,", "128,7,7,9,3,");
     assert!(said.contains("directory entry"), "{said}");
     let said = replaced(",2,2HMM,", ",3,2HXX,");
-    assert!(said.contains("in a unit that is not known: 3 XX"), "{said}");
+    assert!(said.contains("in a unit that is unknown: 3 XX"), "{said}");
     let said = replaced("1H,,1H;,", "2H,,1H;,");
     assert!(said.contains("names no delimiters"), "{said}");
 }

@@ -70,12 +70,12 @@ fn glb_that_was_converted_is_refused_by_cause() {
     let at = file.len() - 64;
     file[at..at + 48].copy_from_slice(&b"\0\0\x80\xbf".repeat(12));
     soup("good.glb", &file);
-    refusal("sent.glb", as_utf_8(&file), "for its bytes were converted to UTF-8 text");
+    refusal("sent.glb", as_utf_8(&file), "because its bytes were converted to UTF-8 text");
     file[at..at + 48].copy_from_slice(&b"\0\0\n\x40".repeat(12));
     // Line feeds of the JSON do not count.
     file[..at].iter_mut().filter(|b| **b == b'\n').for_each(|b| *b = b' ');
     soup("good.glb", &file);
-    refusal("sent.glb", with_returns(&file), "carriage returns put in");
+    refusal("sent.glb", with_returns(&file), "additional carriage returns");
 }
 
 #[test]
@@ -88,7 +88,7 @@ fn gzip_that_was_converted_is_refused_by_cause() {
 #[test]
 fn stl_with_too_small_a_count_loses_nothing() {
     for (count, triangles) in [(0, 1), (0, 3), (1, 2), (5, 6), (2, 200)] {
-        let word = format!("announces {count} triangles, but has {triangles} by its length");
+        let word = format!("declares {count} triangles, but its length is that of {triangles}");
         for file in [stl(count, triangles), gzip(&stl(count, triangles))] {
             let error = refusal("count.stl", file, &word);
             assert_eq!(error.place, Some(Location::Byte(80)));

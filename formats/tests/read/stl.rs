@@ -43,7 +43,7 @@ fn all_of_it_may_be_one_line_and_end_as_in_dos() {
     let line = ascii(&TRIANGLE.repeat(2)).replace('\n', " ");
     assert_eq!(soup("line.stl", &line).points, [CORNERS, CORNERS].concat());
     assert_eq!(soup("dos.stl", ascii(TRIANGLE) + "\u{1a}").points, CORNERS);
-    refusal("cut.stl", ascii(TRIANGLE).replace("endfacet", "\u{1a}"), "no sound STL text");
+    refusal("cut.stl", ascii(TRIANGLE).replace("endfacet", "\u{1a}"), "not valid STL text");
 }
 
 #[test]
@@ -181,7 +181,7 @@ fn files_without_triangles_are_refused() {
         }
     }
     refusal("zero.stl", binary("", 0, 0), "neither points nor faces");
-    refusal("zero.stl", binary("", 0, 2), "announces 0 triangles, but has 2");
+    refusal("zero.stl", binary("", 0, 2), "declares 0 triangles, but its length is that of 2");
 }
 
 #[test]
@@ -274,6 +274,6 @@ fn text_of_another_beginning_is_refused_by_line() {
     let facets = ascii(TRIANGLE).split_once('\n').expect("a line").1.to_owned();
     let error = refusal("facets.stl", &facets, "endsolid a name");
     assert_eq!(error.place, Some(Location::Line(8)));
-    let error = refusal("words.stl", "Hello\nsolid\n", "no sound STL text at \u{201c}Hello");
+    let error = refusal("words.stl", "Hello\nsolid\n", "not valid STL text at \u{201c}Hello");
     assert_eq!(error.place, Some(Location::Line(1)));
 }

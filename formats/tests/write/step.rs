@@ -211,7 +211,7 @@ fn broken_promises_are_refused_before_anything_is_written() {
         hole.reverse();
         hole.iter_mut().for_each(|of_loop| of_loop.forward = !of_loop.forward);
     });
-    assert_eq!(text, "loop 1 of face 0 runs the wrong way round");
+    assert_eq!(text, "loop 1 of face 0 has the wrong orientation");
     let text = break_it(|b| b.edges[2].ends.reverse());
     assert!(text.starts_with("edge 2 ends 100 mm from its vertex"), "{text}");
 }

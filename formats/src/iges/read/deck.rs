@@ -117,7 +117,7 @@ impl<'a> Deck<'a> {
     pub(super) fn entry(&self, pointer: i64) -> Result<DirectoryEntry> {
         let at = usize::try_from(pointer).ok().filter(|p| p % 2 == 1).map(|p| p / 2);
         let found = at.and_then(|at| self.directory.get(at)).copied();
-        let what = || format!("refers to directory entry {pointer}, which is not in it");
+        let what = || format!("refers to directory entry {pointer}, which it does not contain");
         found.ok_or_else(|| self.fault(what()))
     }
 
@@ -131,7 +131,7 @@ impl<'a> Deck<'a> {
         let lines =
             lines.ok_or_else(|| self.error(pointer, "has parameters outside of the file"))?;
         let left = self.budget.get().checked_sub(lines.len());
-        self.budget.set(left.ok_or_else(|| self.error(pointer, "is used again and again"))?);
+        self.budget.set(left.ok_or_else(|| self.error(pointer, "is used too often"))?);
         let mut text = Vec::with_capacity(PARAMETERS * lines.len());
         lines.iter().for_each(|line| text.extend(*line));
         let mut parameters = Parameters::new(self, pointer, text, self.delimiters)?;

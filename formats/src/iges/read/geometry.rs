@@ -32,7 +32,7 @@ impl<'d> IgesGeometry<'d> {
         let mut next = self.deck.entry(pointer)?.matrix;
         while next != 0 {
             if matrices.len() == MAX_DEPTH {
-                return Err(self.deck.error(next, "is a matrix upon matrices without end"));
+                return Err(self.deck.error(next, "is a matrix with too many nested matrices"));
             }
             matrices.push(self.matrix(next)?);
             next = self.deck.entry(next)?.matrix;
@@ -52,7 +52,7 @@ impl<'d> IgesGeometry<'d> {
         let product = |i: usize, j: usize| dot(matrix.turn[i], matrix.turn[j]);
         let off = |i: usize, j: usize| (product(i, j) - f64::from(u8::from(i == j))).abs() > 1e-6;
         if (0..9).any(|k| off(k / 3, k % 3)) {
-            return Err(self.deck.unread(pointer, "is a matrix that does not keep lengths"));
+            return Err(self.deck.unread(pointer, "is a matrix that does not preserve lengths"));
         }
         Ok(matrix)
     }
@@ -94,7 +94,7 @@ impl<'d> IgesGeometry<'d> {
             }]);
         }
         if depth == MAX_DEPTH {
-            return Err(self.deck.error(pointer, "is a curve of curves without end"));
+            return Err(self.deck.error(pointer, "is a composite curve that is nested too deeply"));
         }
         let mut p = self.deck.parameters(pointer)?;
         let count = p.count()?;
@@ -134,7 +134,7 @@ impl<'d> IgesGeometry<'d> {
             126 => self.spline(pointer, p),
             kind => {
                 let form = entry.form;
-                let what = format!("is a curve of a type not read: {kind} form {form}");
+                let what = format!("is a curve of an unsupported type: {kind} form {form}");
                 Err(self.deck.unread(pointer, what))
             }
         }
@@ -207,7 +207,7 @@ impl<'d> IgesGeometry<'d> {
                 Ok(CadSurface::Cylinder { origin, x, y, z })
             }
             kind => {
-                let what = format!("is a surface of a type not read: {kind}");
+                let what = format!("is a surface of an unsupported type: {kind}");
                 Err(self.deck.unread(pointer, what))
             }
         }

@@ -32,7 +32,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
             144 => model.faces.push(faces.trimmed(pointer, &unit)?),
             186 => in_solids.extend(faces.shells(pointer)?),
             143 | 408 => {
-                let what = format!("is of a type not read: {}", entry.kind);
+                let what = format!("is of an unsupported type: {}", entry.kind);
                 return Err(deck.unread(pointer, what));
             }
             _ => {}
@@ -86,7 +86,7 @@ fn global(deck: &Deck) -> Result<(String, f64)> {
         flag => *number == flag,
     });
     let Some((.., mm)) = known else {
-        return Err(deck.error(0, format!("is in a unit that is not known: {flag} {named}")));
+        return Err(deck.error(0, format!("is in an unknown unit: {flag} {named}")));
     };
     // Lengths in the file are `scale` times the real lengths.
     Ok((name, if scale > 0.0 { mm / scale } else { *mm }))

@@ -65,7 +65,7 @@ impl<'a> Exchange<'a> {
             file.index.sort_unstable();
         }
         if let Some(twice) = file.index.windows(2).find(|w| w[0].0 == w[1].0) {
-            let what = format!("#{} stands in it twice", twice[1].0);
+            let what = format!("#{} is defined twice", twice[1].0);
             return Err(file.damaged(twice[1].1, what));
         }
         Ok(file)
@@ -77,7 +77,7 @@ impl<'a> Exchange<'a> {
             return Ok(());
         }
         let at = if begin < self.bytes.len() { begin } else { self.bytes.len() };
-        Err(self.damaged(at, "ends in the middle: what begins here has no end"))
+        Err(self.damaged(at, "is incomplete: the text that begins here has no end"))
     }
 
     /// The entity instances whose first keyword is `wanted`.
@@ -90,7 +90,7 @@ impl<'a> Exchange<'a> {
     pub(super) fn entity(&self, id: u64) -> Result<Instance<'a>> {
         let found = self.index.binary_search_by_key(&id, |(id, _)| *id);
         let at = found.map(|i| self.index[i].1).map_err(|_| {
-            let what = format!("refers to #{id}, which is not in it");
+            let what = format!("refers to #{id}, which it does not contain");
             Error::new(self.path, what, EXPORT_AGAIN)
         })?;
         let mut cursor = Cursor { bytes: self.bytes, at };
@@ -103,7 +103,7 @@ impl<'a> Exchange<'a> {
     /// Counts `parts` of an entity instance as read.
     pub(super) fn spend(&self, id: u64, parts: usize) -> Result<()> {
         let left = self.budget.get().checked_sub(parts);
-        self.budget.set(left.ok_or_else(|| self.error(id, "is used again and again"))?);
+        self.budget.set(left.ok_or_else(|| self.error(id, "is used too often"))?);
         Ok(())
     }
 

@@ -140,7 +140,9 @@ impl<'f, 'a> StepGeometry<'f, 'a> {
                 // The end points of the edge that uses it define the part.
                 self.curve_at(attributes.reference()?, depth + 1)
             }
-            other => Err(self.file.unread(id, format!("is a curve of a kind not read: {other}"))),
+            other => {
+                Err(self.file.unread(id, format!("is a curve of an unsupported kind: {other}")))
+            }
         }
     }
 
@@ -193,7 +195,9 @@ impl<'f, 'a> StepGeometry<'f, 'a> {
                 // surface.
                 self.surface_at(attributes.reference()?, depth + 1).map(Arc::unwrap_or_clone)
             }
-            other => Err(self.file.unread(id, format!("is a surface of a kind not read: {other}"))),
+            other => {
+                Err(self.file.unread(id, format!("is a surface of an unsupported kind: {other}")))
+            }
         }
     }
 }

@@ -76,7 +76,7 @@ fn length_unit(file: &Exchange, id: u64, depth: usize) -> Result<Option<f64>> {
         let found = PREFIXES.iter().find(|(known, _)| *known == prefix);
         return match found {
             Some((_, factor)) if name == "METRE" => Ok(Some(*factor)),
-            _ => Err(bad("that is not known")),
+            _ => Err(bad("that is unknown")),
         };
     }
     let Some(mut conversion) = file.part(&mut entity, "CONVERSION_BASED_UNIT") else {
@@ -88,14 +88,14 @@ fn length_unit(file: &Exchange, id: u64, depth: usize) -> Result<Option<f64>> {
     let mut measure = ["LENGTH_MEASURE_WITH_UNIT", "MEASURE_WITH_UNIT"]
         .iter()
         .find_map(|name| file.part(&mut measure, name))
-        .ok_or_else(|| bad("that is not known"))?;
+        .ok_or_else(|| bad("that is unknown"))?;
     let (factor, base) = (measure.real()?, measure.reference()?);
     if depth > 4 {
         return Err(bad("that is defined by itself"));
     }
     match length_unit(file, base, depth + 1)? {
         Some(metres) if factor > 0.0 => Ok(Some(factor * metres)),
-        _ => Err(bad("that is not known")),
+        _ => Err(bad("that is unknown")),
     }
 }
 
@@ -118,7 +118,7 @@ fn check_placements(file: &Exchange) -> Result<()> {
         let from = placement(file, attributes.reference()?)?;
         let to = placement(file, attributes.reference()?)?;
         if from.iter().zip(&to).any(|(a, b)| (a - b).abs() > 1e-9) {
-            return Err(file.unread(id, "puts a part in another place, which is not read"));
+            return Err(file.unread(id, "gives a part a placement, which is not supported"));
         }
     }
     Ok(())

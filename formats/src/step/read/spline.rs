@@ -15,7 +15,7 @@ impl StepGeometry<'_, '_> {
             let base = self.spline_base(&mut all)?;
             (base, knots(&mut all)?, None)
         } else {
-            let missing = || self.file.unread(id, "is no B-spline curve with knots");
+            let missing = || self.file.unread(id, "is not a B-spline curve with knots");
             let mut part = |name| self.file.part(&mut entity, name);
             let base = self.spline_base(&mut part("B_SPLINE_CURVE").ok_or_else(missing)?)?;
             let knots = knots(&mut part("B_SPLINE_CURVE_WITH_KNOTS").ok_or_else(missing)?)?;
@@ -46,7 +46,7 @@ impl StepGeometry<'_, '_> {
     pub(super) fn spline_surface(&self, id: u64) -> Result<CadSurface> {
         let mut entity = self.file.entity(id)?;
         let simple = entity.records.len() == 1;
-        let missing = || self.file.unread(id, "is no B-spline surface with knots");
+        let missing = || self.file.unread(id, "is not a B-spline surface with knots");
         let name = "B_SPLINE_SURFACE_WITH_KNOTS";
         let mut base = if simple {
             let mut all = self.file.of_type(id, name)?;
@@ -69,7 +69,7 @@ impl StepGeometry<'_, '_> {
         let weights = weights.map(|mut w| w.real_rows()).transpose()?;
         let (m, n) = (rows.len(), rows.first().map_or(0, Vec::len));
         if rows.iter().any(|row| row.len() != n) {
-            return Err(self.file.error(id, "has rows of unlike length"));
+            return Err(self.file.error(id, "has rows of different lengths"));
         }
         let poles = rows.into_iter().flatten().map(|p| self.point(p)).collect::<Result<_>>()?;
         let ([u_counts, v_counts], [u, v]) = (counts, values);

@@ -71,7 +71,9 @@ impl<'f, 'a> TopologyReader<'f, 'a> {
             }
             "OPEN_SHELL" | "CLOSED_SHELL" | "CONNECTED_FACE_SET" => self.shell(id, model).map(drop),
             "ADVANCED_FACE" | "FACE_SURFACE" => self.face(id, model).map(drop),
-            "MAPPED_ITEM" => Err(self.file.unread(id, "puts a part in a place, which is not read")),
+            "MAPPED_ITEM" => {
+                Err(self.file.unread(id, "gives a part a placement, which is not supported"))
+            }
             _ => Ok(()),
         }
     }
@@ -100,7 +102,7 @@ impl<'f, 'a> TopologyReader<'f, 'a> {
     fn face(&mut self, id: u64, model: &mut CadModel) -> Result<Option<usize>> {
         let (kind, mut attributes) = self.file.simple(id)?;
         if !matches!(kind, "ADVANCED_FACE" | "FACE_SURFACE") {
-            return Err(self.file.unread(id, format!("is a face of a kind not read: {kind}")));
+            return Err(self.file.unread(id, format!("is a face of an unsupported kind: {kind}")));
         }
         if !self.seen.insert(id) {
             return Ok(None);
@@ -140,7 +142,7 @@ impl<'f, 'a> TopologyReader<'f, 'a> {
             "VERTEX_LOOP" => return Ok(None),
             "EDGE_LOOP" => {}
             other => {
-                let what = format!("is a loop of a kind not read: {other}");
+                let what = format!("is a loop of an unsupported kind: {other}");
                 return Err(self.file.unread(ring, what));
             }
         }
@@ -237,7 +239,7 @@ impl<'f, 'a> TopologyReader<'f, 'a> {
         attributes.skip(1)?;
         let items = attributes.references()?;
         let [curve] = items[..] else {
-            return Err(self.file.error(representation, "has not one pcurve"));
+            return Err(self.file.error(representation, "does not have exactly one pcurve"));
         };
         Ok(Some((surface, Arc::new(self.geometry.curve(curve)?))))
     }

@@ -145,7 +145,7 @@ impl<'a> Cursor<'a> {
     /// The rest of a list after its opening parenthesis.
     fn list(&mut self, depth: usize) -> Parsed<Vec<Value<'a>>> {
         if depth > MAX_DEPTH {
-            return Err("lists in lists in lists without end".into());
+            return Err("lists that are nested too deeply".into());
         }
         let mut values = Vec::new();
         self.skip_blank();
@@ -209,7 +209,7 @@ impl<'a> Cursor<'a> {
         let mut values = self.list(depth + 1)?;
         match (values.pop(), values.is_empty()) {
             (Some(value), true) => Ok(Value::Typed(Box::new(value))),
-            _ => Err(format!("{name} has not one parameter")),
+            _ => Err(format!("{name} does not have exactly one parameter")),
         }
     }
 
@@ -237,7 +237,7 @@ impl<'a> Cursor<'a> {
         } else {
             text.parse().ok().filter(|x: &f64| x.is_finite()).map(Value::Real)
         };
-        let value = value.ok_or_else(|| format!("{} is no number", excerpt(digits)))?;
+        let value = value.ok_or_else(|| format!("{} is not a number", excerpt(digits)))?;
         self.at += count;
         Ok(value)
     }
@@ -278,9 +278,9 @@ mod tests {
         let fault = |text: &str| Cursor::new(text.as_bytes()).instance().unwrap_err();
         assert_eq!(fault("A(1"), "a comma or ) was expected where the line ends");
         assert_eq!(fault("A(1 2);"), "a comma or ) was expected instead of 2);");
-        assert_eq!(fault("A(1.2.3);"), "1.2.3 is no number");
+        assert_eq!(fault("A(1.2.3);"), "1.2.3 is not a number");
         assert_eq!(fault("A('x);"), "a string without an end");
-        assert_eq!(fault("A(1e999);"), "1e999 is no number");
+        assert_eq!(fault("A(1e999);"), "1e999 is not a number");
         assert!(fault(&format!("A({}", "(".repeat(99_999))).contains("without end"));
     }
 }

@@ -78,7 +78,7 @@ fn chunks_in_the_wrong_order_are_refused() {
         &[(b"JSON", &json), (b"JSON", &json)],
         &[(b"more", &bytes), (b"JSON", &json)],
     ] {
-        refusal("order.glb", file(0, chunks), "no sound glTF 2.0 file");
+        refusal("order.glb", file(0, chunks), "not a valid glTF 2.0 file");
     }
 }
 
@@ -88,10 +88,10 @@ fn wrong_chunk_lengths_are_refused() {
     let json_length = u32::from_le_bytes([good[12], good[13], good[14], good[15]]);
     let binary_length = 20 + json_length as usize;
     for (at, length, word) in [
-        (12, 0, "no sound glTF 2.0 file"),
-        (12, 4, "no sound glTF 2.0 file"),
-        (12, json_length - 4, "no sound glTF 2.0 file"),
-        (12, json_length + 4, "no sound glTF 2.0 file"),
+        (12, 0, "not a valid glTF 2.0 file"),
+        (12, 4, "not a valid glTF 2.0 file"),
+        (12, json_length - 4, "not a valid glTF 2.0 file"),
+        (12, json_length + 4, "not a valid glTF 2.0 file"),
         (12, 1 << 31, "length exceeds"),
         (binary_length, 0, "holds 0 of 60"),
         (binary_length, 56, "holds 56 of 60"),
@@ -114,10 +114,10 @@ fn headers_alone_are_refused() {
         refusal("head.glb", file, "no complete GLB file");
     }
     let empty = file(0, &[(b"JSON", b"")]);
-    refusal("empty.glb", empty, "no sound glTF 2.0 file");
-    refusal("broken.glb", file(0, &[(b"JSON", b"{]  ")]), "no sound glTF 2.0 file");
+    refusal("empty.glb", empty, "not a valid glTF 2.0 file");
+    refusal("broken.glb", file(0, &[(b"JSON", b"{]  ")]), "not a valid glTF 2.0 file");
     // Without "glTF" only the name tells the format.
-    refusal("zeros.glb", [0; 12], "no sound glTF 2.0 file");
+    refusal("zeros.glb", [0; 12], "not a valid glTF 2.0 file");
     refusal("zeros", [0; 12], "no known mesh format");
 }
 

@@ -83,7 +83,7 @@ fn faults_are_not_sought_without_bound() {
 fn loops_outside_of_the_scene_are_refused() {
     let nodes =
         r#""nodes": [{"mesh": 0}, {"children": [3]}, {"children": [1]}, {"children": [2]}]"#;
-    let place = bad(&[(r#""nodes": [{"mesh": 0}]"#, nodes)], "below itself");
+    let place = bad(&[(r#""nodes": [{"mesh": 0}]"#, nodes)], "is its own descendant");
     assert_eq!(place, Some(Location::Element("node", 1)));
     let nodes = r#""nodes": [{"mesh": 0}, {"children": [4]}]"#;
     let place = bad(&[(r#""nodes": [{"mesh": 0}]"#, nodes)], "does not exist");

@@ -143,7 +143,7 @@ fn loops_without_a_scene_are_refused() {
         r#""nodes": [{"children": [1]}, {"children": [2]}, {"mesh": 0, "children": [0]}]"#,
         r#""nodes": [{"mesh": 0}, {"mesh": 0, "children": [1]}]"#,
     ] {
-        bad(&[(SCENES, nodes)], "below itself");
+        bad(&[(SCENES, nodes)], "is its own descendant");
     }
 }
 
@@ -181,14 +181,14 @@ fn json_of_the_wrong_types_is_refused_by_line() {
         (r#", "count": 4"#, "", 8),
         (r#""type": "VEC3""#, r#""type": "VEC3","#, 8),
     ] {
-        bad(&[(from, to)], "no sound glTF 2.0 file: ");
+        bad(&[(from, to)], "not a valid glTF 2.0 file: ");
         bad(&[(from, to)], &format!("at line {line} "));
     }
     for text in ["{}", "{\"name\": \"scan2step\"}", "{", "{\"asset\": {}}", "{ v 0 0 0"] {
-        refusal("other.gltf", text, "no sound glTF 2.0 file");
+        refusal("other.gltf", text, "not a valid glTF 2.0 file");
     }
     for cut in 1..BASE.len() - 1 {
-        refusal("cut.gltf", &BASE[..cut], "no sound glTF 2.0 file");
+        refusal("cut.gltf", &BASE[..cut], "not a valid glTF 2.0 file");
     }
 }
 

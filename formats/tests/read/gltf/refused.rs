@@ -93,8 +93,8 @@ fn what_does_not_fit_is_refused() {
         (r#""scene": 0"#, r#""scene": 1"#, "scene that", Some(Location::Element("scene", 1))),
         (r#""mesh": 0"#, r#""mesh": 0, "scale": [1e39, 1, 1]"#, "", None),
         (r#""version": "2.0""#, r#""version": "1.0""#, "version 1.0", None),
-        (r#""asset""#, r#""assets""#, "no sound glTF", None),
-        (r#""scenes": ["#, r#""scenes": ]"#, "no sound glTF", None),
+        (r#""asset""#, r#""assets""#, "not a valid glTF", None),
+        (r#""scenes": ["#, r#""scenes": ]"#, "not a valid glTF", None),
     ];
     for (from, to, word, place) in cases {
         let found = bad(&[(from, to)], word);

@@ -93,7 +93,7 @@ fn deep_and_cyclic_trees_end() {
         r#""nodes": [{"mesh": 0, "children": [0]}]"#,
         r#""nodes": [{"children": [1]}, {"children": [0], "mesh": 0}]"#,
     ] {
-        let place = bad(&[(one, nodes)], "below itself");
+        let place = bad(&[(one, nodes)], "is its own descendant");
         assert!(matches!(place, Some(Location::Element("node", _))));
     }
     let nodes = r#""nodes": [{"children": [1, 1]}, {"mesh": 0}]"#;

@@ -87,10 +87,10 @@ fn data_of_every_media_type() {
     for (uri, word) in [
         ("data:;base64,", "holds 0 of 36"),
         ("data:;base64,AAAA", "holds 3 of 36"),
-        ("data:;base64,AAAAA", "no sound data URI"),
-        ("data:;base64,AA AA", "no sound data URI"),
-        ("data:;base64", "no sound data URI"),
-        ("data:", "no sound data URI"),
+        ("data:;base64,AAAAA", "not a valid data URI"),
+        ("data:;base64,AA AA", "not a valid data URI"),
+        ("data:;base64", "not a valid data URI"),
+        ("data:", "not a valid data URI"),
     ] {
         let error = refusal("data.gltf", one_triangle(uri), word);
         assert_eq!(error.place, Some(Location::Element("buffer", 0)), "{uri}");

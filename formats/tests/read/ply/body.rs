@@ -96,7 +96,7 @@ fn rows_that_disagree_with_the_header_are_refused() {
 #[test]
 fn more_rows_than_announced_are_refused() {
     let good = ascii("3 0 1 2\n");
-    let word = "more data than its header announces";
+    let word = "more data than its header declares";
     refusal("rows.ply", good.clone() + "3 0 2 3\n", word);
     refusal("text.ply", good.clone() + "the end\n", word);
     // DOS programs end text with their own mark.
