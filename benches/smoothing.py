@@ -82,7 +82,7 @@ def true_boundary(truth):
 
 
 def folded(name, points, triangles):
-    """Triangles whose normal looks away from the true surface's nearby."""
+    """The triangles whose normals are opposite to that of the true surface nearby."""
     import numpy as np
     import virtual_scan as vs
     from scipy.spatial import cKDTree

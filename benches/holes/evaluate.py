@@ -125,7 +125,7 @@ def measure(name, options, folder, vs):
 
 
 def message(run):
-    """What the program said last, unless all went well."""
+    """The last message of the program, unless the run succeeded."""
     said = [line for line in run.stderr if not runs.STAGE.match(line)]
     errors = [line for line in said if line.startswith(("error", "thread", "tolerance not"))]
     if run.code == 0:
@@ -134,7 +134,7 @@ def message(run):
 
 
 def report(file):
-    """What the report says of the holes and of the input."""
+    """The report's figures of the holes and of the input."""
     if not file.exists():
         return None
     whole = json.loads(file.read_text())
@@ -172,7 +172,7 @@ def judge(mesh, case):
 
 
 def figures(vertices, samples, folded, angles, cuts, edges):
-    """Of one hole or of all."""
+    """The figures of one hole or of all holes."""
     rms = lambda x: float(np.sqrt(np.mean(np.square(x)))) if len(x) else None
     most = lambda x: float(np.max(x)) if len(x) else None
     return {
@@ -221,7 +221,7 @@ def sampled(mesh, truth):
 
 
 def cutting(mesh):
-    """Which filled faces cut filled ones, and which measured ones."""
+    """The filled faces that intersect filled faces, and those that intersect measured faces."""
     cuts = {kind: np.zeros(len(mesh.fill), bool) for kind in ("fill", "measured")}
     place = np.full(len(mesh.triangles), -1)
     place[mesh.fill] = np.arange(len(mesh.fill))
@@ -234,7 +234,7 @@ def cutting(mesh):
 
 
 def at_edges(mesh):
-    """Figures of edges, and the hole that each belongs to."""
+    """Figures of edges, and the hole that each edge belongs to."""
     from scipy.spatial import cKDTree
 
     kind, faces = meshes.kinds(mesh), mesh.edges.faces

@@ -121,7 +121,7 @@ def smoothed(case, options, folder):
 
 
 def read_ply(path):
-    """Of a stage before the fill; None of others."""
+    """The points and triangles of a stage before the fill. None for other files."""
     text, end, data = path.read_bytes().partition(b"end_header\n")
     if not end or b"origin" in text or b"double x" not in text:
         return None
@@ -183,7 +183,7 @@ def measure(peer, case, scan, options, folder):
 
 
 def judged(scan, case, out):
-    """Joins what was parted, and judges."""
+    """Joins the vertices that were separated, and evaluates the result."""
     points, given, of = scan
     known = len(of)
     number = np.concatenate([of, len(points) + np.arange(len(out["points"]) - known)])
@@ -221,7 +221,7 @@ def row(r):
     return "| " + " | ".join(cells + [""] * (len(COLUMNS) - len(cells))) + " |"
 
 
-# The process of a peer.
+# The process of another program.
 
 
 def fill(peer, given, filled):
@@ -250,7 +250,7 @@ def cgal(points, triangles, continuity):
         vertex.set_id(number)
         p = vertex.point()
         places[number] = p.x(), p.y(), p.z()
-    # The lists of a Polyhedron_3 grow at their end: the scan's are the first.
+    # The lists of a Polyhedron_3 grow at their end, so the vertices of the scan come first.
     added = [corners(face) for _, face in fresh]
     hole.append(np.array([k for k, _ in fresh], int))
     assert mesh.size_of_facets() == len(triangles) + len(added)
@@ -260,7 +260,7 @@ def cgal(points, triangles, continuity):
 
 
 def polyhedron(points, triangles):
-    """By a file: point by point is slow."""
+    """Uses a file, because single points are slow."""
     from CGAL.CGAL_Polyhedron_3 import Polyhedron_3
 
     with tempfile.NamedTemporaryFile("w", suffix=".off") as file:
@@ -275,8 +275,8 @@ def polyhedron(points, triangles):
 
 
 def cgal_rims(mesh):
-    """A halfedge of each boundary loop, and the loop's length."""
-    # The vertex that a border halfedge points to tells it: handles have no hash.
+    """A halfedge of each boundary loop, and the length of the loop."""
+    # The vertex that a border halfedge points to identifies it, because handles have no hash.
     for number, vertex in enumerate(mesh.vertices()):
         vertex.set_id(number)
     seen = set()
@@ -323,7 +323,7 @@ def meshlib(points, triangles, splits):
         number[mine] = k
     places = mrmeshnumpy.getNumpyVerts(mesh).astype(float)
     n = len(points)
-    # Single precision there.
+    # These are in single precision.
     assert np.abs(places[:n] - points).max() < 1e-4
     places[:n] = points
     return {"points": places, "triangles": all_triangles, "hole": number, "refused": refused,
@@ -339,7 +339,7 @@ def meshlab(points, triangles):
     rims = sorted(rim_sizes(edges, len(points)))
     length = np.linalg.norm(np.diff(points[edges.ends], axis=1)[:, 0], axis=1).mean()
     begun = time.process_time()
-    # All but the longest, in edges.
+    # All loops except the longest one, in edges.
     whole.meshing_close_holes(maxholesize=int(rims[-2] + 1), refinehole=True,
                               refineholeedgelen=pymeshlab.PureValue(length))
     seconds = time.process_time() - begun
@@ -353,7 +353,7 @@ def meshlab(points, triangles):
 
 
 def rim_sizes(edges, count):
-    """Edges of each boundary loop."""
+    """The edges of each boundary loop."""
     rim = edges.ends[edges.uses == 1]
     graph = coo_array((np.ones(len(rim), bool), rim.T), shape=2 * [count])
     return np.unique(connected_components(graph, directed=False)[1][rim[:, 0]], return_counts=True)[1]

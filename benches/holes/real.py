@@ -86,7 +86,7 @@ def faults(mesh, cuts, edges):
 
 
 def crossed_rims(mesh, numbers):
-    """Holes whose measured faces at the rim cut each other, or fold."""
+    """The holes whose measured faces at the rim intersect or fold."""
     kind, sides = meshes.kinds(mesh), mesh.edges
     own = np.flatnonzero(kind == 0)
     folded = sides.ends[own[meshes.bends(mesh, own) > FOLD]]
@@ -100,7 +100,7 @@ def crossed_rims(mesh, numbers):
 
 
 def holes(mesh, cuts, edges):
-    """What the pictures are sorted by: the worst holes first."""
+    """The order of the pictures: the worst holes come first."""
     of_face, of_edge = mesh.hole[mesh.fill], edges["hole"]["inside"]
     sharp = edges["values"]["inside"] > FOLD
     for hole in np.unique(of_face):

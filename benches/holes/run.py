@@ -35,7 +35,7 @@ class Run:
 
 
 def convert(program, scan, folder, arguments, timeout, until_fill=False, stages=True):
-    """One run; the files go to the folder, the report to report.json in it."""
+    """One run. Its files are in the folder, and its report is report.json there."""
     folder.mkdir(parents=True, exist_ok=True)
     command = [program, "convert", scan, folder / "out.step", "--verbose", "--color", "never",
                "--report", folder / "report.json", *arguments]
@@ -65,7 +65,7 @@ def listen(process, run):
 
 
 def cpu_s(pid, otherwise):
-    """User and system time of all threads of another process so far."""
+    """The user and system time of all threads of another process so far."""
     try:
         return time.clock_gettime((~pid << 3) | 2)
     except OSError:

@@ -12,7 +12,7 @@ SHARED = Path(__file__).resolve().parents[3] / "shared"
 
 
 def virtual_scan(shared=None):
-    """The module, or the end of the program."""
+    """Imports the module, or ends the program."""
     if "virtual_scan" in sys.modules:
         return sys.modules["virtual_scan"]
     folder = Path(shared or SHARED)
@@ -45,41 +45,41 @@ class Grid:
         return np.divmod(np.arange(self.n * self.m), self.m)
 
     def quads(self):
-        """Middles of the quads; triangles q and q + quads belong to quad q."""
+        """The centres of the quads. Triangles q and q + quads belong to quad q."""
         i, j = np.divmod(np.arange((self.n - 1) * (self.m - 1)), self.m - 1)
         return i + 0.5, j + 0.5
 
     def middles(self):
-        """Middles of the triangles."""
+        """The centres of the triangles."""
         i, j = self.vertices()
         return i[self.triangles].mean(1), j[self.triangles].mean(1)
 
     def cut(self, shape):
-        """Takes away the vertices in the shape, and their triangles."""
+        """Removes the vertices in the shape and their triangles."""
         gone = np.zeros(len(self.points), bool)
         gone[: self.n * self.m] = shape(*self.vertices())
         self.kept &= ~gone[self.triangles].any(1)
         return self
 
     def cut_quads(self, shape):
-        """Takes away the quads in the shape."""
+        """Removes the quads in the shape."""
         gone = np.tile(shape(*self.quads()), 2)
         self.kept[: len(gone)] &= ~gone
         return self
 
     def cut_triangles(self, shape, share=1.0):
-        """Takes away a share of the triangles in the shape, at random."""
+        """Removes a random share of the triangles in the shape."""
         some = self.random.random(len(self.triangles)) < share
         self.kept &= ~(shape(*self.middles()) & some)
         return self
 
     def quad(self, i, j):
-        """The number of its first triangle, and of its second."""
+        """The numbers of its first and second triangle."""
         first = i * (self.m - 1) + j
         return first, first + (self.n - 1) * (self.m - 1)
 
     def set_diagonal(self, i, j, from_lowest):
-        """Cuts a quad along the diagonal that begins at (i, j), or the other."""
+        """Divides a quad along the diagonal that begins at (i, j), or along the other one."""
         a, d = i * self.m + j, i * self.m + j + 1
         b, c = a + self.m, d + self.m
         halves = ([a, b, c], [a, c, d]) if from_lowest else ([a, b, d], [b, c, d])
@@ -87,7 +87,7 @@ class Grid:
             self.triangles[t] = half
 
     def add_vertex(self, uv, lift=0.0):
-        """A vertex on the surface, or lifted off it."""
+        """Adds a vertex on the surface, or at a distance from it."""
         u, v = np.array([uv[0]]), np.array([uv[1]])
         point = self.seen(u, v)[0]
         if lift:
@@ -117,7 +117,7 @@ class Grid:
         return sides[single], np.repeat(kept, 3)[single]
 
     def done(self):
-        """Points, triangles."""
+        """The points and the triangles."""
         triangles = self.triangles[self.kept]
         used = np.unique(triangles)
         number = np.zeros(len(self.points), np.int64)
@@ -145,7 +145,7 @@ def lobed(ci, cj, r, lobes, depth, turn=0.7):
 
 
 def line(i0, j0, i1, j1, half):
-    """Within half a width of a segment."""
+    """The points within half a width of a segment."""
     def inside(i, j):
         di, dj = i1 - i0, j1 - j0
         t = np.clip(((i - i0) * di + (j - j0) * dj) / (di * di + dj * dj), 0, 1)

@@ -58,7 +58,7 @@ class Parametric:
 
 
 class Sphere:
-    """A sphere about the origin, the normal outwards."""
+    """A sphere around the origin with an outward normal."""
 
     def __init__(self, radius):
         self.radius = radius
@@ -83,13 +83,13 @@ def unit(a):
 
 
 def saddle(u, v):
-    """Slopes of 2 at the sides."""
+    """A surface with slopes of 2 at the sides."""
     x, y = 100 * (u - 0.5), 100 * (v - 0.5)
     return np.stack([x, y, (x * x - y * y) / 50], -1)
 
 
 def egg_crate(u, v):
-    """Bumps 20 mm apart with slopes up to 1.9."""
+    """Bumps at distances of 20 mm with slopes of up to 1.9."""
     x, y = 100 * u, 100 * v
     return np.stack([x, y, 6 * np.sin(x / 3.2) * np.sin(y / 3.2)], -1)
 

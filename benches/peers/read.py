@@ -77,7 +77,7 @@ def command(job, ours, files):
 
 
 def measure(command):
-    """What the command printed, with its CPU and wall time."""
+    """The output of the command with its CPU and wall-clock time."""
     begun = time.perf_counter()
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     printed = process.stdout.read()

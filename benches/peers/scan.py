@@ -16,13 +16,13 @@ import numpy as np
 
 NOISE_MM = 0.02
 
-# Centre in the unit square and radius; the last two make a ring.
+# The centres in the unit square and the radii. The last two make a ring.
 HOLES = [(0.3, 0.35, 0.05), (0.7, 0.25, 0.03), (0.25, 0.75, 0.02)]
 RING = (0.7, 0.7, 0.02, 0.04)
 
 
 def relief(side):
-    """Points and triangles."""
+    """The points and the triangles."""
     random = np.random.default_rng(1)
     v, u = np.divmod(np.arange(side * side), side) / np.float64(side - 1)
     u, v = (w + random.uniform(-0.3, 0.3, w.size) / side for w in (u, v))
