@@ -68,11 +68,11 @@ mod tests {
         Surface::new(k.clone(), k.clone(), net.map(|p| 100.0 * p).collect())
     }
 
-    type Ring = (Vec<Curve<2>>, Vec<Curve<3>>);
+    type TestLoop = (Vec<Curve<2>>, Vec<Curve<3>>);
 
     /// A triangular loop around (u, 0.5). It runs clockwise, or counter-clockwise if `r` is
     /// negative.
-    fn triangle(surface: &Surface, u: f64, r: f64) -> Ring {
+    fn triangle(surface: &Surface, u: f64, r: f64) -> TestLoop {
         let corners = [(-r, -r.abs()), (-r, r.abs()), (r, 0.0)];
         let at = |i: usize| UvVector::new(u + corners[i % 3].0, 0.5 + corners[i % 3].1);
         let side = |i: usize| {
@@ -84,7 +84,7 @@ mod tests {
         (pcurves, edges)
     }
 
-    fn fault(surface: &Surface, inner: &[&Ring]) -> Option<BrepFault> {
+    fn fault(surface: &Surface, inner: &[&TestLoop]) -> Option<BrepFault> {
         let inner = inner.iter().map(|(c, e)| (c.as_slice(), e.as_slice())).collect();
         match build(surface, &[FaceBounds { outer: None, inner }], "plate", 1e-7) {
             Err(Error::Brep(fault)) => Some(fault),
@@ -98,7 +98,7 @@ mod tests {
         let good = triangle(&plate, 0.3, 0.1);
         assert_eq!(fault(&plate, &[&good, &triangle(&plate, 0.7, 0.1)]), None);
 
-        let wrong = |inner: &[&Ring]| match fault(&plate, inner) {
+        let wrong = |inner: &[&TestLoop]| match fault(&plate, inner) {
             Some(BrepFault::Loop { fault, .. }) => Some(fault),
             _ => None,
         };

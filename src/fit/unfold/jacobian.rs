@@ -87,15 +87,15 @@ impl<'a> JacobianSamples<'a> {
     /// The Jacobian samples of a net over `cells`. `holds` has the normals of the samples.
     pub fn new(cells: &'a KnotCells<'a>, holds: &'a [TangentDistance], net: &[Vector]) -> Self {
         let axes = cells.knots.map(along);
-        let mut places = JacobianSamples {
+        let mut samples = JacobianSamples {
             cells,
             holds,
             axes,
             facings: facings(cells, holds),
             usual: Vec::new(),
         };
-        places.usual = places.usual(net);
-        places
+        samples.usual = samples.usual(net);
+        samples
     }
 
     /// The samples in the `chosen` cells whose Jacobian determinant is too small.
@@ -147,15 +147,16 @@ impl<'a> JacobianSamples<'a> {
         let usual = self.usual[cell[0] * self.cells.counts()[1] + cell[1]];
         let [us, vs] = place.map(|k| k.saturating_sub(FINER / 2)..=(k + FINER / 2).min(FINEST - 1));
         let rows: Vec<Rows> = vs.clone().map(|b| self.rows(net, cell, b)).collect();
-        let flagged = us.flat_map(|a| vs.clone().zip(&rows).map(move |(b, rows)| ([a, b], rows)));
-        let flagged = flagged.map(|(at, rows)| {
+        let candidates =
+            us.flat_map(|a| vs.clone().zip(&rows).map(move |(b, rows)| ([a, b], rows)));
+        let candidates = candidates.map(|(at, rows)| {
             let functions = self.place(cell, at).map(|(_, functions)| *functions);
             let slopes = slopes(rows, &functions[0]).map(|slope| slope / usual);
             let spread = facing.dot(&slopes[0].cross(&slopes[1])) * usual;
             JacobianSample { cell, functions, facing, slopes, spread }
         });
         let least = |a: JacobianSample, b: JacobianSample| if b.spread < a.spread { b } else { a };
-        flagged.reduce(least)
+        candidates.reduce(least)
     }
 
     /// The parameters of a finer sample of a cell in u and in v, with the basis functions there.

@@ -83,8 +83,8 @@ pub fn inverted_share(surface: &Surface, samples: &Samples, holds: &[TangentDist
 /// The number of a surface's Jacobian samples that are inverted.
 pub fn inverted_samples(surface: &Surface, samples: &Samples, holds: &[TangentDistance]) -> usize {
     let cells = KnotCells::new(samples, [&surface.u, &surface.v]);
-    let places = JacobianSamples::new(&cells, holds, &surface.net);
-    inverted_among(&places.flagged(&surface.net, |_, _| true))
+    let jacobians = JacobianSamples::new(&cells, holds, &surface.net);
+    inverted_among(&jacobians.flagged(&surface.net, |_, _| true))
 }
 
 /// Removes folds from a surface that was fitted to samples. It uses the `stiffnesses` one after the
@@ -98,15 +98,15 @@ pub fn unfold(
     stiffnesses: &[f64],
 ) -> Unfolded {
     let cells = KnotCells::new(samples, [&surface.u, &surface.v]);
-    let places = JacobianSamples::new(&cells, holds, &surface.net);
-    let flagged = places.flagged(&surface.net, |_, _| true);
+    let jacobians = JacobianSamples::new(&cells, holds, &surface.net);
+    let flagged = jacobians.flagged(&surface.net, |_, _| true);
     let before = inverted_among(&flagged);
     if before == 0 {
         return Unfolded { before, found: Vec::new() };
     }
     let mut work = Work::new(surface, &cells, holds);
-    let mut soften = Soften { places: &places, flagged, slide };
-    let found = stiffnesses.iter().map_while(|&stiffness| soften.step(&mut work, stiffness));
+    let mut removal = FoldRemoval { jacobians: &jacobians, flagged, slide };
+    let found = stiffnesses.iter().map_while(|&stiffness| removal.step(&mut work, stiffness));
     Unfolded { before, found: found.filter(|found| found.folds < before).collect() }
 }
 
@@ -133,15 +133,15 @@ pub fn mend(of: &Mending, stiffness: f64) -> Option<UnfoldedSurface> {
     let knots = [&of.surface.u, &of.surface.v];
     let cells = KnotCells::new(of.samples, knots);
     let seen = KnotCells::new(of.vertices, knots);
-    let places = JacobianSamples::new(&seen, &of.holds[..of.vertices.len()], &of.surface.net);
+    let jacobians = JacobianSamples::new(&seen, &of.holds[..of.vertices.len()], &of.surface.net);
     let mut work = Work::new(of.surface, &cells, of.holds);
     work.free_around(of.around);
-    let mut flagged = places.flagged(&of.surface.net, |p, q| work.touches(p, q));
+    let mut flagged = jacobians.flagged(&of.surface.net, |p, q| work.touches(p, q));
     let before = inverted_among(&flagged);
     let mut best = None;
     for round in 0..MAX_ROUNDS {
         work.round(stiffness, &flagged, of.slide)?;
-        flagged = places.flagged(&work.surface.net, |p, q| work.touches(p, q));
+        flagged = jacobians.flagged(&work.surface.net, |p, q| work.touches(p, q));
         let folds = inverted_among(&flagged);
         if folds > before {
             work.widen(&flagged);
@@ -156,13 +156,13 @@ pub fn mend(of: &Mending, stiffness: f64) -> Option<UnfoldedSurface> {
 }
 
 /// The state of the removal of folds.
-struct Soften<'a> {
-    places: &'a JacobianSamples<'a>,
+struct FoldRemoval<'a> {
+    jacobians: &'a JacobianSamples<'a>,
     flagged: Vec<JacobianSample>,
     slide: &'a Slide<'a>,
 }
 
-impl Soften<'_> {
+impl FoldRemoval<'_> {
     /// Runs rounds with one stiffness and returns the best surface. `None` if there is none.
     fn step(&mut self, work: &mut Work, stiffness: f64) -> Option<UnfoldedSurface> {
         let mut best: Option<UnfoldedSurface> = None;
@@ -177,7 +177,7 @@ impl Soften<'_> {
             if work.round(stiffness, &self.flagged, self.slide).is_none() {
                 break;
             }
-            self.flagged = self.places.flagged(&work.surface.net, |p, q| work.touches(p, q));
+            self.flagged = self.jacobians.flagged(&work.surface.net, |p, q| work.touches(p, q));
             let folds = inverted_among(&self.flagged);
             if folds == 0 && best.as_ref().is_none_or(|best| best.folds > 0) {
                 last = last.min(round + SETTLING);

@@ -137,14 +137,14 @@ impl StripEquations<'_> {
     /// The equations of the control points of cell `q`.
     pub fn cell(&mut self, q: usize) -> CellEquations<'_> {
         let at = |k: usize| self.place[k / 4 * self.width + q + k % 4];
-        let places = std::array::from_fn(|k| at(k).map(|n| n as usize - self.from));
-        CellEquations { places, blocks: self.blocks, right: self.right }
+        let indices = std::array::from_fn(|k| at(k).map(|n| n as usize - self.from));
+        CellEquations { indices, blocks: self.blocks, right: self.right }
     }
 }
 
 /// The equations of a cell's 16 control points, which are numbered row by row.
 pub struct CellEquations<'a> {
-    places: [Option<usize>; 16],
+    indices: [Option<usize>; 16],
     blocks: &'a mut [CouplingBlocks],
     right: &'a mut [Vector],
 }
@@ -152,7 +152,7 @@ pub struct CellEquations<'a> {
 impl CellEquations<'_> {
     /// Adds to the right-hand side of control point `k` if it is free.
     pub fn pull(&mut self, k: usize, force: Vector) {
-        if let Some(n) = self.places[k] {
+        if let Some(n) = self.indices[k] {
             self.right[n] += force;
         }
     }
@@ -160,7 +160,7 @@ impl CellEquations<'_> {
     /// Adds a block to row `k` and column `l`, and the transposed block to row `l` and column `k`.
     /// `l` must not be less than `k`.
     pub fn couple(&mut self, k: usize, l: usize, block: &Matrix3<f64>) {
-        if let (Some(n), Some(_)) = (self.places[k], self.places[l]) {
+        if let (Some(n), Some(_)) = (self.indices[k], self.indices[l]) {
             self.blocks[n][7 * (l / 4 - k / 4) + SELF + l % 4 - k % 4] += block;
         }
     }
