@@ -1,5 +1,5 @@
-"""What benches are made of: the programs, built, and virtual scans, whose true
-surface is known, by examples/virtual_scan.
+"""The inputs of benches: built programs, and virtual scans with known true surfaces from
+examples/virtual_scan.
 """
 
 import json

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""How scan2step maps surfaces to the square: flips, L2 stretch, and how well a
-uniform 26 x 26 net fits on the parameters.
+"""Measures the maps of scan2step to the square: inverted triangles, L2 stretch, and the
+error of a fit with a uniform 26 x 26 net at the parameters.
 
     python3 -B benches/parameterize.py PROGRAM [--shared FOLDER]
 
-Needs numpy and scipy. The virtual scans are left out, aloud, where the folder
-with virtual_scan.py is absent.
+The script needs numpy and scipy. It omits the virtual scans and says so if the folder with
+virtual_scan.py is missing.
 """
 import argparse
 import json

@@ -1,18 +1,18 @@
-"""Scans with holes of every shape, of which the true surface is known.
+"""Scans with holes of every shape and known true surfaces.
 
     python3 -m venv VENV
     VENV/bin/pip install numpy scipy
     VENV/bin/python benches/holes/cases.py --list
     VENV/bin/python benches/holes/cases.py FOLDER [--only PATTERN] [--seed K] [--shared DIR]
 
-Writes FOLDER/NAME.ply (binary, millimetres) for every case whose name matches
-the pattern (as of a shell: 'touching-*'). `evaluate.py` runs them.
+The script writes FOLDER/NAME.ply (binary, millimetres) for every case whose name
+matches the shell pattern, for example 'touching-*'. `evaluate.py` runs the cases.
 
-Needs virtual_scan.py, which is not part of the project: in ../shared beside the
-checkout or in DIR; without it the exit code is 2.
+It needs virtual_scan.py, which is not part of the project, in ../shared beside the
+checkout or in DIR. Without it the exit code is 2.
 
-Names are FAMILY-VARIANT; those that end in -noisy have the noise of a scanner,
-the others none. A case is a function of the seed that gives a `Case`.
+Names are FAMILY-VARIANT. Cases that end in -noisy have the noise of a scanner, and
+the others have none. A case is a function that returns a `Case` for a seed.
 """
 
 import argparse
@@ -36,9 +36,9 @@ SURFACES = {"paper": "sheet", "roll": "roll", "relief": "relief"}
 
 @dataclass
 class Case:
-    """A scan; `truth` is of surfaces.py; `outer` is a place on the outer
-    boundary. `arguments` are for scan2step convert. Of a `timing` case only the
-    time counts: it ends after the fill."""
+    """A scan. `truth` is a surface of surfaces.py, and `outer` is a place on the
+    outer boundary. `arguments` are those of scan2step convert. For a `timing` case
+    only the time is measured, and the run ends after the fill."""
 
     points: np.ndarray
     triangles: np.ndarray
@@ -56,8 +56,8 @@ def case(name):
 
 
 def on_grids(name, *bases):
-    """Registers a cutter(grid) as a case on each of the bases; the first has
-    the plain name. 'paper', 'roll', 'relief', or as 'paper-noisy'."""
+    """Registers a cutter(grid) as a case on each of the bases 'paper', 'roll',
+    'relief', or for example 'paper-noisy'. The first one has the plain name."""
     def register(cut):
         for base in bases:
             suffix = "" if base == bases[0] else f"-{base}"
@@ -293,8 +293,8 @@ def islands_many(grid):
 
 @on_grids("islands-touching", "paper")
 def islands_touching(grid):
-    """An island that touches the rim at one vertex, and one that touches it
-    along a side too short to hold it."""
+    """An island that touches the rim at one vertex, and another one that touches it
+    along a side that is too short to attach it."""
     c = grid.n // 2
     hole = box(c - 20, c + 20, c - 20, c + 20)
     bridged = less(box(c + 8, c + 20, c, c + 8), box(c + 19, c + 20, c + 1, c + 8))
@@ -622,7 +622,7 @@ def hundred_ten(seed):
 
 @case("hundred-lobed")
 def hundred_lobed(seed):
-    """A hundred round-ish holes of about 1,000 rim vertices each, in 4 million
+    """A hundred almost round holes with about 1,000 rim vertices each in 4 million
     points."""
     return lobes(seed, 10, 10)
 

@@ -1,8 +1,8 @@
-"""Triangles that cut each other, of those that are near.
+"""Intersections of triangles that are near each other.
 
-Signs of volumes in double precision, with what is below a billionth of the
-triangles' size taken for zero; triangles in one plane are told by separating
-axes. Sharing a corner or a side is no cut, unless more than that is shared.
+The test uses the signs of volumes in double precision. Values below a billionth of
+the triangles' size count as zero. Triangles in one plane are tested with separating
+axes. A shared corner or side is not an intersection, unless more than that is shared.
 """
 
 import numpy as np
@@ -15,8 +15,8 @@ AT_ONCE = 200_000
 
 
 def cutting_pairs(points, triangles, fill):
-    """Pairs of triangles that cut each other, the first of `fill`. Looked for
-    are those near `fill`, so give it one hole at a time."""
+    """Pairs of triangles that intersect. The first one is of `fill`. Only triangles
+    near `fill` are tested, so call this for one hole at a time."""
     pairs = near_pairs(points, triangles, fill)
     found = [part[cut(points, triangles, part)] for part in np.array_split(
         pairs, max(1, len(pairs) // AT_ONCE))]

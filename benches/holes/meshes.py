@@ -1,4 +1,4 @@
-"""A filled mesh, as `scan2step convert --stages` writes it, and what it is:
+"""A filled mesh that `scan2step convert --stages` has written, and its properties:
 topology, angles, lengths, folds.
 """
 
@@ -12,8 +12,8 @@ TYPES = {"double": "<f8", "float": "<f4", "uchar": "u1", "int": "<i4"}
 
 
 class Filled:
-    """`hole` is the number of the hole a face fills, -1 of a measured one;
-    `added` says of a vertex that it was not measured."""
+    """`hole` is the number of the hole that a face fills, or -1 for a measured face.
+    `added` tells for each vertex whether the fill has added it."""
 
     def __init__(self, points, triangles, added, hole):
         self.points, self.triangles = points, triangles
@@ -29,8 +29,8 @@ class Filled:
 
 
 class Edges:
-    """Edges of triangles: `of_side` is the edge of side k of triangle t at
-    [t, k]; `faces` two triangles of each, the second -1 where there is none."""
+    """Edges of triangles. `of_side` has the edge of side k of triangle t at [t, k].
+    `faces` has two triangles of each edge. The second is -1 if there is none."""
 
     def __init__(self, triangles, count):
         sides = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)

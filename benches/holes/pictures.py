@@ -1,8 +1,8 @@
 """Two views of a filled hole as PNG: from its normal, and from the side.
 
-Measured faces are grey, those of islands blue, the fill orange, and what of
-the fill looks away red; sides are dark. No library draws: the pictures are a
-raster of the triangles, the nearest on top.
+Measured faces are grey, faces of islands are blue, and the fill is orange. Filled faces
+with the opposite normal are red. Sides are dark. The pictures are a raster of the
+triangles with the nearest one on top and need no library.
 """
 
 import struct
@@ -85,8 +85,8 @@ def coloured(mesh, faces, island, normal):
 
 
 def fragments(corners):
-    """Every pixel that every triangle covers: face, pixel, depth, and whether
-    it is at a side."""
+    """Every pixel that a triangle covers: the face, the pixel, the depth, and whether it
+    is at a side."""
     low = np.clip(np.floor(corners[:, :, :2].min(1)), 0, SIZE - 1).astype(int)
     high = np.clip(np.ceil(corners[:, :, :2].max(1)), 0, SIZE - 1).astype(int)
     width, height = (high - low + 1).T

@@ -1,6 +1,6 @@
-"""Scans to cut holes into: sampled grids of a true surface.
+"""Scans that get holes: sampled grids of a true surface.
 
-Needs virtual_scan.py, which is not part of the project.
+This needs virtual_scan.py, which is not part of the project.
 """
 
 import sys
@@ -26,10 +26,10 @@ def virtual_scan(shared=None):
 
 
 class Grid:
-    """A jittered n x m sampling of a surface, of which parts are taken away.
+    """A jittered n x m sampling of a surface, from which parts are removed.
 
-    Places are grid coordinates (i, j): vertices are at integers, the middles of
-    quads between them. A shape is a function of (i, j) that says what is inside.
+    Places are grid coordinates (i, j). Vertices are at integers, and the centres of
+    quads are between them. A shape is a function that tells whether (i, j) is inside.
     """
 
     def __init__(self, surface, n, m, noise=0.0, seed=0, warp=None):
@@ -104,8 +104,8 @@ class Grid:
         self.kept = np.append(self.kept, True)
 
     def rim(self):
-        """Sides (a, b) of kept triangles that have no other, and those
-        triangles; the outer boundary is left out."""
+        """The sides (a, b) of kept triangles without a second triangle, and these
+        triangles. The outer boundary is omitted."""
         kept = np.flatnonzero(self.kept)
         t = self.triangles[kept]
         sides = t[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)

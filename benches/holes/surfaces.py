@@ -1,7 +1,7 @@
-"""True surfaces: what a scan, and a fill, should have been.
+"""The true surfaces of scans and fills.
 
-A truth has `foot(points)`: the distance of each point to the surface, and the
-surface's unit normal at its foot point.
+A true surface has `foot(points)`: the distance of each point from the surface, and the
+unit normal of the surface at the foot point.
 """
 
 import functools
@@ -15,8 +15,8 @@ STEP = 1e-6
 
 
 class Parametric:
-    """A surface f(u, v) over the unit square: the nearest of many samples, then
-    Newton's steps in (u, v)."""
+    """A surface f(u, v) over the unit square. Foot points are found by Newton steps in
+    (u, v) from the nearest of many samples."""
 
     def __init__(self, f):
         self.f = f

@@ -1,13 +1,13 @@
-"""The fit beside other programs, and beside the truth of virtual scans.
+"""Compares the fit with other programs and with the truth of virtual scans.
 
     VENV/bin/python benches/peers/fit.py [ours|gismo|fitpack|geomdl|freecad|linear|paper ...]
 
-`run.py` says how VENV is made. Prints Markdown tables: CPU seconds of all threads,
-of the fit alone, and root mean square distance of the surface from the true one,
-outside the holes and in them. Samples have their true parameters; holes are not
-filled. Peers are run on the largest case each finishes in reasonable time. `linear`
-shows the cost as points and nets grow, `paper` the comparison of section 3.5.1 of
-Tekumalla and Cohen (2005). Needs Linux.
+`run.py` explains how to make VENV. The script prints Markdown tables: the CPU seconds of all
+threads for the fit alone, and the root mean square distance of the surface from the true one,
+outside the holes and in them. Samples have their true parameters, and holes are not filled.
+Each program runs on the largest case that it finishes in a reasonable time. `linear` shows the
+growth of the cost with points and nets. `paper` is the comparison of section 3.5.1 of Tekumalla
+and Cohen (2005). The script needs Linux.
 """
 
 import json

@@ -1,10 +1,10 @@
-"""One fit by one peer, in a process of its own; `fit.py` runs it.
+"""One fit by one other program in its own process. `fit.py` runs it.
 
     python benches/peers/fit_peers.py gismo|fitpack|geomdl|freecad SAMPLES.npz N OUT.npy
 
-SAMPLES holds uv and p; the surface has N x N control points over uniform knots
-in [0, 1]. OUT gets what truth is compared with: the surface at `at`. Prints CPU
-seconds of all threads, of the fit alone.
+SAMPLES has uv and p. The surface has N x N control points over uniform knots in [0, 1]. The
+script writes the surface at the points `at` to OUT, where it is compared with the truth, and
+prints the CPU seconds of all threads for the fit alone.
 """
 
 import json

@@ -1,11 +1,11 @@
-"""One task with one peer, in a process of its own; `read.py` runs it.
+"""One task with one other program in its own process. `read.py` runs it.
 
     python benches/peers/read_peers.py trimesh|open3d|pymeshlab import|read|mesh [FILE]
 
-Prints one line of JSON: what came out, and the process's peak memory in MB
-(10^6 bytes). "mesh" welds what coincides, drops degenerate and duplicate
-triangles, opens or drops what is not manifold, makes the orientation
-consistent, and counts components and boundary loops.
+The script prints one line of JSON with the result and the peak memory of the process in MB (10^6
+bytes). "mesh" welds coincident vertices, removes degenerate and duplicate triangles, opens or
+removes non-manifold parts, makes the orientation consistent, and counts components and boundary
+loops.
 """
 
 import json

@@ -1,9 +1,9 @@
-"""Opens a report in a headless Chromium and does with it what a user would.
+"""Opens a report in a headless Chromium and uses it as a user would.
 
 look.py CHROMIUM CHROMEDRIVER REPORT.html FOLDER
 
-Writes screenshots into FOLDER and prints one JSON object: what the page says of
-itself, and what the console said. Speaks WebDriver, which is JSON over HTTP.
+The script writes screenshots to FOLDER and prints one JSON object with the contents of the page and
+the messages of the console. It uses WebDriver, which is JSON over HTTP.
 """
 
 import base64

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Opens a STEP or IGES file with FreeCAD and says what came out.
+"""Opens a STEP or IGES file with FreeCAD and describes the result.
 
     /usr/bin/python3 check_freecad.py FILE
     freecadcmd check_freecad.py FILE
 
-Prints one JSON object. One file a process: FreeCAD 0.20 may crash on the
-second IGES file. Besides looking at the shape it does what people do next:
-cut it with a box, thicken it, extrude it. Lengths are millimetres.
+The script prints one JSON object. Each process reads only one file, because FreeCAD 0.20 may crash on
+the second IGES file. The script also does the typical next steps of a user: it cuts the shape with a
+box, thickens it and extrudes it. Lengths are in millimetres.
 """
 
 import glob
@@ -130,8 +130,8 @@ def area(shape):
 
 
 def offset(shape):
-    """A shell of constant thickness over each face. OpenCASCADE offsets shells
-    and faces, but no compound of them."""
+    """A shell of constant thickness over each face. OpenCASCADE offsets shells and faces,
+    but not compounds of them."""
     size = shape.BoundBox.DiagonalLength
     sheets = shape.Shells or shape.Faces if shape.ShapeType == "Compound" else [shape]
     return all(sound(s.makeOffsetShape(0.005 * size, 1e-3, fill=True)) for s in sheets)

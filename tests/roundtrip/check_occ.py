@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Reads a STEP or IGES file with OpenCASCADE and says what came out.
+"""Reads a STEP or IGES file with OpenCASCADE and describes the result.
 
     python check_occ.py FILE [--points POINTS.txt]
 
-Prints one JSON object. Needs cadquery-ocp-novtk 7.9 and numpy. One file a
-process: some importers keep state.
+The script prints one JSON object. It needs cadquery-ocp-novtk 7.9 and numpy. Each process reads only
+one file, because some importers keep state.
 
-OpenCASCADE heals what it reads, and silently. So the file is read twice, as
-everybody does and with healing off; "valid_unhealed", "oriented_loops" and
-"loops" speak of the second reading. Lengths are millimetres.
+OpenCASCADE heals shapes without a message. So the file is read twice: with the defaults, and with
+healing off. "valid_unhealed", "oriented_loops" and "loops" belong to the second reading. Lengths are in
+millimetres.
 """
 
 import argparse

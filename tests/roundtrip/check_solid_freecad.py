@@ -4,7 +4,7 @@ the cut.
 
     /usr/bin/python3 check_solid_freecad.py FILE
 
-Prints one JSON object. Lengths are millimetres.
+The script prints one JSON object. Lengths are in millimetres.
 """
 
 import json
