@@ -156,7 +156,7 @@ pub enum BrepFault {
     Spline(String),
     /// The parts do not suit each other.
     #[error("{0}")]
-    Parts(formats::brep::Fault),
+    Parts(formats::brep::ModelFault),
 }
 
 /// What can be wrong with one loop.

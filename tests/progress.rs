@@ -1,4 +1,4 @@
-//! What shows while a run goes on.
+//! The progress that a run shows.
 #![cfg(unix)]
 
 mod common;
@@ -12,7 +12,7 @@ fn folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a temporary folder")
 }
 
-/// Stages that tell how far they have come.
+/// The stages that report their progress.
 const LONG: [&str; 4] = ["smooth", "fill", "parameterize", "fit"];
 
 #[test]
@@ -73,7 +73,7 @@ fn a_run_can_be_stopped_after_each_stage() {
     }
 }
 
-/// What a terminal gets of a run, by util-linux' `script`.
+/// The output of a run on a terminal, by the program `script` of util-linux.
 fn on_a_terminal(command: &str) -> String {
     let mut script = Command::new("script");
     script.args(["--quiet", "--return", "--command", command, "/dev/null"]);
@@ -90,7 +90,7 @@ fn the_bar_moves_within_stages_on_a_terminal() {
     let step = folder.path().join("a.step");
     let program = env!("CARGO_BIN_EXE_scan2step");
     let said = on_a_terminal(&format!("'{program}' convert '{}' '{}'", arg(&scan), arg(&step)));
-    // Of each frame the stage and the filled half cells of the bar.
+    // The stage and the filled half cells of the bar in each frame.
     let frame = |line: &str| {
         let filled = line.matches('━').count() * 2 + line.matches('╸').count();
         let name = LONG.iter().find(|name| line.contains(&format!(" {name} ")));

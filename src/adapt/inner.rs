@@ -7,7 +7,7 @@ use foldhash::HashMap;
 
 use super::moves::reweight::MOST_RAISE;
 use crate::deviation::{MissedTriangle, middles, narrowest, spanned};
-use crate::fit::Hold;
+use crate::fit::TangentDistance;
 use crate::geometry::{Point, Uv, Vector, VertexId};
 use crate::mesh::Mesh;
 use crate::spline::{KnotVector, Surface};
@@ -38,7 +38,7 @@ pub struct InnerSample {
     /// Where it is.
     pub point: Point,
     /// How it holds the surface.
-    pub hold: Hold,
+    pub hold: TangentDistance,
     /// Its weight in a fit.
     pub weight: f64,
 }
@@ -115,7 +115,12 @@ pub struct Maker<'a> {
 
 impl<'a> Maker<'a> {
     /// One for a surface over a mesh with vertices at `uv`, whose normals are those of `holds`.
-    pub fn new(mesh: &'a Mesh, holds: &[Hold], uv: &'a [Uv], surface: &'a Surface) -> Self {
+    pub fn new(
+        mesh: &'a Mesh,
+        holds: &[TangentDistance],
+        uv: &'a [Uv],
+        surface: &'a Surface,
+    ) -> Self {
         let normals = holds.iter().map(|hold| hold.normal).collect();
         let (knots, cells) = ([&surface.u, &surface.v], narrowest(surface));
         Maker { mesh, normals, uv, knots, cells }
@@ -147,7 +152,7 @@ impl<'a> Maker<'a> {
                 corners,
                 shares,
                 point: Point::from(flat + bent),
-                hold: Hold { normal, metric, moves: [true; 2] },
+                hold: TangentDistance { normal, metric, moves: [true; 2] },
                 weight,
             }
         }));

@@ -9,7 +9,7 @@ use super::moves::correct::{area, movable, with_scaffold};
 use super::options::Options;
 use super::weights::weights;
 use crate::deviation::{MissedTriangle, SurfaceOverMesh};
-use crate::fit::Hold;
+use crate::fit::TangentDistance;
 use crate::geometry::{Point, Uv, Vector, VertexId};
 use crate::mesh::{Bound, Outline, Parameterized};
 use crate::spline::{Surface, fast_evaluator, foot_point_moving, last_step};
@@ -22,7 +22,7 @@ pub struct Problem<'a> {
     /// The numbers of the map's triangles that were measured.
     pub measured_triangles: Vec<usize>,
     /// How the vertices hold a surface that slides along them.
-    pub holds: Vec<Hold>,
+    pub holds: Vec<TangentDistance>,
     /// The map's triangles, and then its scaffold's.
     triangles: Vec<[VertexId; 3]>,
     /// Twice their areas in the map as it was made.
@@ -146,7 +146,7 @@ impl<'a> Problem<'a> {
 
 /// How the vertices hold a surface that slides along them: across their normals, the outer
 /// boundary on the domain's sides across its course, too, and the corners in all directions.
-fn holds(map: &Parameterized) -> Vec<Hold> {
+fn holds(map: &Parameterized) -> Vec<TangentDistance> {
     let patch = &map.patch;
     let normals = patch.mesh.vertex_normals();
     let mut along: Vec<Option<Vector>> = vec![None; normals.len()];
@@ -161,7 +161,7 @@ fn holds(map: &Parameterized) -> Vec<Hold> {
             [false, false] => Matrix3::identity(),
             _ => along.map_or(Matrix3::identity(), |t| Matrix3::identity() - t * t.transpose()),
         };
-        Hold { normal, metric, moves }
+        TangentDistance { normal, metric, moves }
     };
     map.uv.par_iter().zip(normals).zip(along).map(hold).collect()
 }

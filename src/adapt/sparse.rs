@@ -30,7 +30,7 @@ pub fn needs_vertices(problem: &Problem, of: &Attempt, uv: &[Uv]) -> bool {
         return false;
     }
     let state = correct(problem, of, LEAST_AREA);
-    let folded = fit::folded(surface, &state.samples(problem), &state.holds(problem));
+    let folded = fit::inverted_share(surface, &state.samples(problem), &state.holds(problem));
     let misses = || {
         let left = problem.left(surface, uv, 1.0).len();
         left as f64 / problem.measured_triangles.len().max(1) as f64

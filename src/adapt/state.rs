@@ -6,7 +6,7 @@ use super::inner::InnerSamples;
 use super::moves::correct::LEAST_AREA;
 use super::moves::reject;
 use super::problem::Problem;
-use crate::fit::Hold;
+use crate::fit::TangentDistance;
 use crate::geometry::Uv;
 use crate::spline::{KnotVector, Samples};
 
@@ -68,7 +68,7 @@ impl State {
     }
 
     /// How the vertices and, after them, the inner samples hold a surface that slides along them.
-    pub fn holds<'a>(&self, problem: &'a Problem) -> Cow<'a, [Hold]> {
+    pub fn holds<'a>(&self, problem: &'a Problem) -> Cow<'a, [TangentDistance]> {
         if self.inner.all.is_empty() {
             return Cow::Borrowed(&problem.holds);
         }

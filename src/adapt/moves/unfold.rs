@@ -22,7 +22,7 @@ pub fn unfold(problem: &Problem, of: &Attempt, stiffnesses: &[f64]) -> WithoutFo
     let samples = state.samples(problem);
     let holds = state.holds(problem);
     let unfolded = fit::unfold(&of.surface, &samples, &holds, &slide, stiffnesses);
-    let attempt = |found: fit::Found| {
+    let attempt = |found: fit::UnfoldedSurface| {
         (Attempt::moved(problem, &state, found.surface, found.uv, of.fit), found.folds)
     };
     WithoutFolds {
@@ -34,5 +34,5 @@ pub fn unfold(problem: &Problem, of: &Attempt, stiffnesses: &[f64]) -> WithoutFo
 /// How many Jacobian samples of an attempt's surface are inverted.
 pub fn inverted(problem: &Problem, of: &Attempt) -> usize {
     let state = correct(problem, of, LEAST_AREA);
-    fit::turned(&of.surface, &state.vertices(problem), &problem.holds)
+    fit::inverted_samples(&of.surface, &state.vertices(problem), &problem.holds)
 }

@@ -74,7 +74,7 @@ pub fn finish(run: &mut FitRun, best: Attempt) -> Result<(Attempt, Option<Folds>
     }
     let (best, inverted) = folds::take_out(run, best)?;
     let (best, inverted) = triangles::hold(run.problem, best, inverted);
-    let samples = fit::places([&best.surface.u, &best.surface.v]);
+    let samples = fit::jacobian_samples([&best.surface.u, &best.surface.v]);
     Ok((best, Some(Folds { inverted, samples })))
 }
 

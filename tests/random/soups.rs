@@ -1,4 +1,4 @@
-//! Polygons between points that may be anywhere, or nowhere.
+//! Random polygon soups, whose points may be anywhere or not finite.
 
 use formats::Soup;
 use proptest::prelude::*;
@@ -7,7 +7,7 @@ use proptest::prelude::*;
 pub fn polygons() -> impl Strategy<Value = Soup> {
     let points = prop::collection::vec(prop::array::uniform3(coordinate()), 1..16);
     let polygons = prop::collection::vec(prop::collection::vec(0..16_u32, 0..6), 0..40);
-    // Some name points that are not there.
+    // Some polygons refer to points that do not exist.
     let beyond = prop::bool::weighted(0.05).prop_map(u32::from);
     (points, polygons, beyond).prop_map(|(points, polygons, beyond)| {
         let count = points.len() as u32 + beyond;

@@ -1,4 +1,4 @@
-//! What random scans have found, each by itself.
+//! Regressions: random cases that failed once.
 
 use scan2step::geometry::Point;
 use scan2step::mesh::Outer;
@@ -6,12 +6,12 @@ use scan2step::parameterize::Outline;
 use scan2step::{Options, fit};
 
 use crate::common::virtual_scan::Star;
-use crate::judge;
+use crate::oracle;
 use crate::scan::{Damage, Place, Scan, sound};
 use crate::sheet::{Mesh, Shape};
 
 fn becomes_a_face(scan: &Scan, options: &Options) {
-    match judge::sound(&scan.soup(), options, false) {
+    match oracle::sound(&scan.soup(), options, false) {
         Ok(became) => assert!(became, "{scan:?}"),
         Err(why) => panic!("{why}: {scan:?}"),
     }
@@ -25,8 +25,8 @@ fn sheet(size: [usize; 2], shape: Shape, place: Place) -> Scan {
     Scan { mesh: Mesh::Grid(size, 0.0), shape, damage: sound(), place, seed: 0 }
 }
 
-/// Coordinates of so many mm that their roundings exceed the accuracy of edges: these
-/// were halved until memory was full.
+/// The rounding errors of large coordinates exceed the accuracy of edges. Spans were halved until
+/// the memory was full.
 #[test]
 fn what_is_far_away_is_as_near_as_doubles_tell() {
     let options = Options::builder().outline(Outline::Free).build().expect("options");
@@ -36,7 +36,7 @@ fn what_is_far_away_is_as_near_as_doubles_tell() {
     }
 }
 
-/// Parameters rounded to so many digits that it moved the edges of what is large.
+/// Parameters were rounded to a number of digits that moved the edges of a large face.
 #[test]
 fn hundreds_of_metres_are_no_bug() {
     let options = Options::builder().outline(Outline::Free).fit(fit::Method::Blend);
@@ -47,7 +47,7 @@ fn hundreds_of_metres_are_no_bug() {
     }
 }
 
-/// Edges were as far off the surface of a speck as off that of a hall.
+/// The distance of edges from a tiny surface was as large as for a large surface.
 #[test]
 fn edges_of_specks_are_on_them() {
     let options = Options::builder().outline(Outline::Free).build().expect("options");
@@ -57,8 +57,8 @@ fn edges_of_specks_are_on_them() {
     }
 }
 
-/// A surface so steep in its parameters that their roundings move its points by more
-/// than the accuracy of edges: these were halved without end.
+/// The surface is so steep in its parameters that their rounding errors move its points by more
+/// than the accuracy of edges. Spans were halved without end.
 #[test]
 fn a_crumpled_needle_is_traced_as_near_as_doubles_tell() {
     let holes = vec![
@@ -80,9 +80,8 @@ fn a_crumpled_needle_is_traced_as_near_as_doubles_tell() {
     becomes_a_face(&scan, &Options::default());
 }
 
-/// A fill that was triangulated anew in a plane joined vertices that the mesh joins,
-/// at the tips of a ragged rim: an inner vertex with two neighbours was the end of the
-/// parameterization.
+/// A fill that was triangulated again in a plane had edges that the mesh already had, at the tips
+/// of a ragged rim. The parameterization failed at an inner vertex with two neighbours.
 #[test]
 fn fills_join_nothing_twice() {
     let holes = vec![
@@ -106,7 +105,7 @@ fn fills_join_nothing_twice() {
     becomes_a_face(&scan, &options.build().expect("options"));
 }
 
-/// A tolerance that needles of folds allow nowhere: folds were taken out again and again.
+/// Needle-shaped folds prevent the tolerance everywhere. Folds were removed again and again.
 #[test]
 fn a_needle_within_a_hair_ends() {
     let holes = vec![star([0.1943771623078975, 0.6740623086366038], 0.10577045530523801, 2.0)];

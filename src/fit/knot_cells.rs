@@ -1,4 +1,7 @@
-//! Samples sorted by the knot cell that holds them.
+//! Samples sorted by knot cell.
+//!
+//! The input is samples and two knot vectors. The output is the list of samples in each cell of the
+//! knot grid, with their positions in the cell.
 
 use rayon::prelude::*;
 
@@ -9,33 +12,33 @@ use crate::spline::spans::KnotSpans;
 use crate::spline::{KnotVector, Samples};
 
 /// The knot cells of a net, and the samples in each.
-pub struct Cells<'a> {
+pub struct KnotCells<'a> {
     /// The samples.
     pub samples: &'a Samples,
-    /// How distances from them count in different directions; none where that is all
-    /// the same.
+    /// The matrices by which the distances from the samples are weighted. Empty if distances in all
+    /// directions count equally.
     pub metrics: &'a [Metric],
     /// Knot vectors in u and v.
     pub knots: [&'a KnotVector; 2],
-    /// Their spans.
+    /// The spans of the knot vectors.
     pub spans: [KnotSpans; 2],
-    /// Where the net is counted from, so that sums do not suffer from a scan
-    /// that lies far from the origin.
+    /// The origin of the net in the equations. It is near the samples, so that sums stay accurate
+    /// for a scan that is far from the origin of the coordinates.
     pub origin: Vector,
     homes: Buckets,
 }
 
-/// A sample in a cell: its place in the cell, (−1, −1) to (1, 1), its weight,
-/// and its point less the origin.
-pub struct Local<W> {
+/// A sample in a cell: its position in the cell from (−1, −1) to (1, 1), its weight, and its point
+/// relative to the origin.
+pub struct CellSample<W> {
     pub place: Uv,
     pub weight: W,
     pub point: Vector,
 }
 
-impl<'a> Cells<'a> {
-    /// Sorts the samples, stably, so that sums over a cell do not depend on
-    /// anything but the input's order.
+impl<'a> KnotCells<'a> {
+    /// Sorts the samples by cell. The order of samples within a cell is the order of the input, so
+    /// that sums over a cell do not depend on the number of threads.
     pub fn new(samples: &'a Samples, knots: [&'a KnotVector; 2]) -> Self {
         let spans = knots.map(KnotSpans::new);
         let down = spans[1].all.len();
@@ -44,36 +47,40 @@ impl<'a> Cells<'a> {
         let count = spans[0].all.len() * down;
         let homes = Buckets::new(count, homes.len(), |i| homes[i as usize]);
         let origin = origin(samples);
-        Cells { samples, metrics: &[], knots, spans, origin, homes }
+        KnotCells { samples, metrics: &[], knots, spans, origin, homes }
     }
 
-    /// The same, each sample's distance counting by a matrix of its own.
+    /// The same cells with a weight matrix for each sample.
     pub fn with_metrics(self, metrics: &'a [Metric]) -> Self {
-        Cells { metrics, ..self }
+        KnotCells { metrics, ..self }
     }
 
-    /// How many cells there are in u and in v. Knots inside are single, so a
-    /// net of n control points has n − 3 cells.
+    /// The number of cells in u and in v. Inner knots are simple, so a net of n control points has
+    /// n − 3 cells.
     pub fn counts(&self) -> [usize; 2] {
         self.spans.each_ref().map(|s| s.all.len())
     }
 
-    /// How many samples cell (p, q) has.
+    /// The number of samples in cell (p, q).
     pub fn count(&self, p: usize, q: usize) -> usize {
         self.indices(p, q).len()
     }
 
-    /// The samples in cell (p, q), by their index.
+    /// The indices of the samples in cell (p, q).
     pub fn indices(&self, p: usize, q: usize) -> &[u32] {
         self.homes.of(p * self.counts()[1] + q)
     }
 
     /// The samples in cell (p, q).
-    pub fn samples<W: Weight>(&self, p: usize, q: usize) -> impl Iterator<Item = Local<W>> + '_ {
+    pub fn samples<W: Weight>(
+        &self,
+        p: usize,
+        q: usize,
+    ) -> impl Iterator<Item = CellSample<W>> + '_ {
         let (u, v) = (&self.spans[0].all[p], &self.spans[1].all[q]);
         self.indices(p, q).iter().map(move |&i| {
             let (i, at) = (i as usize, self.samples.uv[i as usize]);
-            Local {
+            CellSample {
                 place: Uv::new(u.local(at.x), v.local(at.y)),
                 weight: W::of(self, i),
                 point: self.samples.points[i].coords - self.origin,
@@ -81,7 +88,7 @@ impl<'a> Cells<'a> {
         })
     }
 
-    /// The places of the samples in cell (p, q).
+    /// The positions of the samples in cell (p, q), from (−1, −1) to (1, 1).
     pub fn places(&self, p: usize, q: usize) -> impl Iterator<Item = Uv> + '_ {
         let (u, v) = (&self.spans[0].all[p], &self.spans[1].all[q]);
         self.indices(p, q).iter().map(move |&i| {
@@ -91,12 +98,12 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// So many samples tell where about their middle is.
-const FEW: usize = 1 << 12;
+/// The number of samples that suffice to estimate the mean of all samples.
+const ORIGIN_SAMPLES: usize = 1 << 12;
 
 /// The mean of some of the samples.
 fn origin(samples: &Samples) -> Vector {
-    let few = samples.points.iter().step_by(samples.len().div_ceil(FEW).max(1));
+    let few = samples.points.iter().step_by(samples.len().div_ceil(ORIGIN_SAMPLES).max(1));
     let (sum, count) = few.fold((Vector::zeros(), 0.0), |(sum, n), p| (sum + p.coords, n + 1.0));
     sum / f64::max(count, 1.0)
 }

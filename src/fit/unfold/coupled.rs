@@ -1,26 +1,29 @@
-//! The equations of control points that couple, directly or by way of others.
+//! The equations of one connected component of control points: points that couple directly or
+//! through other points. They are solved by sparse Cholesky.
 
 use faer::Mat;
 use nalgebra::Matrix3;
 
-use super::system::Blocks;
+use super::system::CouplingBlocks;
 use crate::cholesky::{Pattern, least_degree};
 use crate::geometry::Vector;
 
-/// Their pattern, analysed once: rounds change the entries alone.
-pub struct Part {
-    /// The control points, as places among those that are free, growing.
+/// A connected component of the free control points. The sparsity pattern of its equations is
+/// analysed once, because rounds change only the entries.
+pub struct CoupledPoints {
+    /// The indices of the control points among the free ones, in ascending order.
     pub points: Vec<u32>,
-    /// Of each point its blocks that count; where they begin for each is in `starts`.
+    /// The blocks of each point that are not empty. Those of a point begin at its entry of
+    /// `starts`.
     blocks: Vec<u8>,
     starts: Vec<usize>,
     pattern: Pattern,
     values: Vec<f64>,
 }
 
-impl Part {
-    /// `coupled` tells with which ones not before it a point couples, and by which block.
-    /// `None` if there is no memory for the factor.
+impl CoupledPoints {
+    /// Analyses the pattern. `coupled` returns the points from a point on that it couples with, and
+    /// the number of the block for each. `None` if there is not enough memory for the factor.
     pub fn new<I: Iterator<Item = (usize, u32)>>(
         points: Vec<u32>,
         coupled: impl Fn(usize) -> I,
@@ -35,7 +38,7 @@ impl Part {
         }
         let order = least_degree(&starts, &others)?;
         let order: Vec<usize> = order.iter().flat_map(|p| (0..3).map(move |x| 3 * p + x)).collect();
-        // Three columns a point, each from the diagonal on.
+        // Each point has three columns, which begin at the diagonal.
         let (mut columns, mut rows) = (vec![0], Vec::new());
         for of in starts.windows(2) {
             for x in 0..3 {
@@ -46,11 +49,11 @@ impl Part {
             }
         }
         let pattern = Pattern::new(columns, rows, &order)?;
-        Some(Part { points, blocks, starts, pattern, values: Vec::new() })
+        Some(CoupledPoints { points, blocks, starts, pattern, values: Vec::new() })
     }
 
-    /// The steps of its points; `None` if the equations are singular.
-    pub fn solve(&mut self, blocks: &[Blocks], right: &[Vector]) -> Option<Vec<Vector>> {
+    /// The steps of the points. `None` if the equations are singular.
+    pub fn solve(&mut self, blocks: &[CouplingBlocks], right: &[Vector]) -> Option<Vec<Vector>> {
         self.values.clear();
         for (&a, of) in self.points.iter().zip(self.starts.windows(2)) {
             for x in 0..3 {

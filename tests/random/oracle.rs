@@ -1,4 +1,4 @@
-//! What must hold of every conversion.
+//! The oracle: what must be true of every conversion.
 
 use std::path::Path;
 use std::sync::{LazyLock, mpsc};
@@ -11,21 +11,22 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use scan2step::mesh::Mesh;
 use scan2step::{Conversion, Error, Options, Stage, check, convert};
 
-/// Pools of one thread and of two.
+/// Pools with one thread and with two threads.
 static POOLS: LazyLock<[ThreadPool; 2]> = LazyLock::new(|| {
     [1, 2].map(|n| ThreadPoolBuilder::new().num_threads(n).build().expect("threads"))
 });
 
-/// A run that takes longer does not end. The slowest case takes about half a minute alone, and
-/// the limit leaves room for a machine that is slow or busy.
-const HUNG: Duration = Duration::from_secs(1200);
+/// A run that takes longer counts as hanging. The slowest case takes about half a minute alone. The
+/// limit leaves room for a slow or busy machine.
+const TIME_LIMIT: Duration = Duration::from_secs(1200);
 
-/// Ends the tests with a word on what was tried if the work does not end.
-pub fn hung<T>(what: String, work: impl FnOnce() -> T) -> T {
+/// Runs `work`. If it does not end within the time limit, prints `what` was tried and aborts the
+/// tests.
+pub fn within_time<T>(what: String, work: impl FnOnce() -> T) -> T {
     let (done, ended) = mpsc::channel::<()>();
     std::thread::spawn(move || {
         let begun = std::time::Instant::now();
-        if ended.recv_timeout(HUNG) == Err(mpsc::RecvTimeoutError::Timeout) {
+        if ended.recv_timeout(TIME_LIMIT) == Err(mpsc::RecvTimeoutError::Timeout) {
             eprintln!("it hangs: {what}");
             std::process::abort();
         }
@@ -38,8 +39,9 @@ pub fn hung<T>(what: String, work: impl FnOnce() -> T) -> T {
     made
 }
 
-/// Whether a scan becomes a face, which is sound then, or else a user's error; on one
-/// thread and on two the same. One that is `whole` no stage may refuse.
+/// Whether a scan becomes a face. Then the face must be valid. Otherwise there must be an error
+/// that the user can understand. The result must be the same on one thread and on two. If the scan
+/// is `whole`, no stage may refuse it.
 pub fn sound(soup: &Soup, options: &Options, whole: bool) -> Result<bool, TestCaseError> {
     let run = || {
         let mut measured = Mesh::default();
@@ -86,7 +88,7 @@ pub fn step(conversion: &Conversion) -> Vec<u8> {
     file
 }
 
-/// Every number of the result is one.
+/// Checks that every number of the result is finite.
 fn numbers(c: &Conversion) -> Result<(), TestCaseError> {
     let edges = c.loops.iter().flat_map(|l| &l.edges).flat_map(|e| &e.control);
     let net = c.surface.net.iter().chain(edges).flat_map(|p| p.iter());
@@ -108,7 +110,7 @@ fn numbers(c: &Conversion) -> Result<(), TestCaseError> {
     Ok(())
 }
 
-/// The file has what was made, and lies where the conversion says.
+/// Checks that the file has the faces of the conversion, at the reported distance from the scan.
 fn reads_back(c: &Conversion, file: &[u8], measured: &Mesh) -> Result<(), TestCaseError> {
     let failed = |what: String| TestCaseError::fail(what);
     let model = formats::cad::read_cad_from(Path::new("a.step"), file);
@@ -118,8 +120,8 @@ fn reads_back(c: &Conversion, file: &[u8], measured: &Mesh) -> Result<(), TestCa
     let loops: usize = c.brep.faces.iter().map(|face| face.loops.len()).sum();
     prop_assert_eq!(found.loops, loops);
     let (there, here) = (c.deviation.rms, found.scan_to_face.rms);
-    // Both look for the nearest point, from elsewhere. Over the random sheets they were apart by
-    // 0.6 % of what is said, or 1e-6 of the diagonal, at the most.
+    // Both search for the nearest point with different starts. Over the random sheets they differed
+    // by at most 0.6 % of the reported value, or 1e-6 of the diagonal.
     let most = 1.01 * there + 1e-4 * measured.diagonal();
     prop_assert!(here <= most, "said {} mm, read back {} mm", there, here);
     prop_assert!(found.face_to_scan.max.is_finite() && found.area.is_finite());

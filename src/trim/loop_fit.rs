@@ -1,76 +1,83 @@
-//! The course of one trim loop: knots where the rim needs them.
+//! The fit of one trim loop.
+//!
+//! The input is a rim and the surface. The output is a closed curve in (u, v) whose knots are dense
+//! where the rim needs them: spans are halved until the curve stays in its room around the rim.
 
 use std::borrow::Cow;
 use std::collections::BTreeSet;
 
-use super::closed::{Knots, Polygon, arcs, fit};
+use super::closed::{ClosedKnots, ClosedPolygon, arcs, fit};
 use super::{Options, Rim, corners, needles};
 use crate::geometry::{Point, Uv, segment_distance};
 use crate::spline::{Curve, Jet, Surface, foot_point};
 
-/// Spans that a loop begins with.
+/// The number of spans that a loop starts with.
 const FIRST_SPANS: f64 = 6.0;
 
-/// Spans are no shorter than this share of a mean edge, or of the tolerance where
-/// that is less: a tooth's tip is rounded over a span.
-const SHORTEST: f64 = 0.0125;
+/// The shortest span, as a share of a mean edge of the rim. The tip of a tooth is rounded over one
+/// span.
+const SHORTEST_OF_EDGE: f64 = 0.0125;
+
+/// The shortest span, as a share of the tolerance. It applies where this is shorter than
+/// [`SHORTEST_OF_EDGE`].
 const SHORTEST_OF_TOLERANCE: f64 = 0.125;
 
-/// The same of a loop that need not follow every tooth: spans of a tenth of an edge pass
-/// every vertex within a share of it.
+/// The shortest span of a loop that need not follow every tooth, as a share of a mean edge. Spans
+/// of a tenth of an edge pass every vertex at a fraction of an edge.
 const SHORTEST_FAIR: f64 = 0.1;
 
-/// But where the loop would cross itself or another one, or the tolerance is below all
-/// sense, they are no shorter than this share of an edge.
+/// The shortest span of all, as a share of a mean edge. It applies where the loop would cross
+/// itself or another loop, and where the tolerance is extremely small.
 const SHORTEST_EVER: f64 = 1e-3;
 
-/// The nearest place is looked for within so many mean edges, on so many chords each
-/// way.
+/// The nearest point of the curve is searched within this many mean edges in each direction.
 const AROUND: f64 = 3.0;
+
+/// The number of chords in each direction on which the nearest point is searched.
 const CHORDS: i32 = 24;
 
-/// Corners of this kind at the most: where more would be needed, needles go.
-const MOST_SHARP: usize = 32;
+/// The largest number of additional corners. If more are needed, needles are removed instead.
+const MAX_SHARP: usize = 32;
 
-/// Rounds of halving: more than enough to come from a sixth to the shortest.
-const ROUNDS: usize = 40;
+/// The largest number of rounds of halving. This is more than enough to come from a sixth of the
+/// loop to the shortest span.
+const MAX_ROUNDS: usize = 40;
 
-/// A loop as it stands.
+/// The current state of a loop.
 #[derive(Debug, Clone)]
-pub struct Course<'a> {
+pub struct LoopFit<'a> {
     surface: &'a Surface,
     rim: Cow<'a, Rim>,
-    pub(super) polygon: Polygon,
-    /// The surface at the polygon's corners.
+    pub(super) polygon: ClosedPolygon,
+    /// The surface and its derivatives at the polygon's corners.
     pub(super) jets: Vec<Jet>,
-    /// How far, in mm, the curve may be from each of them within the surface.
+    /// How far the curve may be from each corner, measured on the surface in mm.
     pub(super) room: Vec<f64>,
-    pub(super) knots: Knots,
-    /// Shorter spans, by their parameters, are not made.
+    pub(super) knots: ClosedKnots,
+    /// The length of the shortest span, as a difference of parameters.
     shortest: f64,
-    /// Position of the rim's vertex at parameter 0.
+    /// The position of the rim's vertex at parameter 0.
     first: usize,
+    /// Whether the polygon consists of the parameter points of the map instead of foot points.
     on_map: bool,
-    /// Vertices of the rim at which the loop has a corner, though the rim bends too
-    /// little for one.
+    /// Vertices of the rim at which the loop has a corner although corner detection found none.
     sharp: Vec<usize>,
     pub(super) curve: Curve<2>,
-    /// Whether the curve shall have as few knots as the room lets it.
+    /// Whether the curve has as few knots as its room allows.
     is_fair: bool,
-    /// The curve as it was before knots were taken out.
-    thick: Option<(Knots, Curve<2>)>,
+    /// The knots and the curve before knots were removed.
+    before_removal: Option<(ClosedKnots, Curve<2>)>,
 }
 
-impl<'a> Course<'a> {
-    /// The loop with the fewest knots that is within the tolerance of the rim. `None`:
-    /// the rim is a point.
+impl<'a> LoopFit<'a> {
+    /// Fits the loop of a rim. `None` if the rim is a single point.
     pub fn new(surface: &'a Surface, rim: &'a Rim, options: &Options) -> Option<Self> {
-        Course::around(surface, Cow::Borrowed(rim), options, false, Vec::new())
+        LoopFit::around(surface, Cow::Borrowed(rim), options, false, Vec::new())
     }
 
-    /// Rim vertices are taken at their feet on the surface, or, if `on_map`, at
-    /// the parameter points that the map gave them: feet of a ragged rim can run
-    /// across each other, those cannot.
+    /// Fits the loop to the foot points of the rim's vertices, or, if `on_map`, to the parameter
+    /// points that the map gave them. The foot points of a ragged rim can cross each other, but
+    /// the points of the map cannot.
     fn around(
         surface: &'a Surface,
         rim: Cow<'a, Rim>,
@@ -98,19 +105,19 @@ impl<'a> Course<'a> {
         let (walked, total) = lengths(&points)?;
         let parameters: Vec<f64> = walked.iter().map(|s| s / total).collect();
         let corners: Vec<f64> = corners.iter().map(|&i| parameters[i - first]).collect();
-        let knots = Knots { breaks: first_breaks(&corners), corners };
+        let knots = ClosedKnots { breaks: first_breaks(&corners), corners };
         let jets = uv.iter().map(|&at| surface.jet(at)).collect();
         let weights = vec![1.0; uv.len()];
-        let polygon = Polygon { parameters, uv, weights };
+        let polygon = ClosedPolygon { parameters, uv, weights };
         let curve = fit(&polygon, &knots)?;
         let edge = 1.0 / polygon.uv.len() as f64;
         let shortest = match options.is_fair() && !options.keeps_vertices {
             true => SHORTEST_FAIR * edge,
-            false => (SHORTEST * edge)
+            false => (SHORTEST_OF_EDGE * edge)
                 .min(SHORTEST_OF_TOLERANCE * options.tolerance / total)
                 .max(SHORTEST_EVER * edge),
         };
-        let mut course = Course {
+        let mut loop_fit = LoopFit {
             surface,
             rim,
             polygon,
@@ -123,21 +130,22 @@ impl<'a> Course<'a> {
             sharp,
             curve,
             is_fair: options.is_fair(),
-            thick: None,
+            before_removal: None,
         };
-        course.follow();
-        if course.is_fair {
-            let thick = (course.knots.clone(), course.curve.clone());
-            course.take_room();
-            course.thin();
-            course.thick = Some(thick);
+        loop_fit.follow();
+        if loop_fit.is_fair {
+            let before_removal = (loop_fit.knots.clone(), loop_fit.curve.clone());
+            loop_fit.widen_room();
+            loop_fit.remove_knots();
+            loop_fit.before_removal = Some(before_removal);
         }
-        Some(course)
+        Some(loop_fit)
     }
 
-    /// Halves spans until the curve is everywhere in its room, or they are the shortest.
+    /// Halves spans until the curve is in its room everywhere or the spans have the shortest
+    /// length.
     fn follow(&mut self) {
-        for _ in 0..ROUNDS {
+        for _ in 0..MAX_ROUNDS {
             let far = self.spans_beyond(self.shortest);
             if far.is_empty() || self.halve(far).is_none() {
                 break;
@@ -145,24 +153,28 @@ impl<'a> Course<'a> {
         }
     }
 
-    /// The arcs of the loop.
+    /// The arcs of the loop in the parameter plane.
     pub fn arcs(&self) -> Vec<Curve<2>> {
         arcs(&self.curve, &self.knots)
     }
 
-    /// The rim's vertex next to a parameter.
+    /// The rim's vertex that follows a parameter.
     pub fn vertex(&self, t: f64) -> Point {
         let n = self.rim.points.len();
         self.rim.points[(self.first + self.polygon.before(t).min(n - 1)) % n]
     }
 
-    /// Gives the loop the knots back that were taken out; then lets it follow its rim more
-    /// closely around places; where it does so
-    /// already, or there are none, along the map's parameter points; then with a corner
-    /// at the first of the places, which may be the tip of a slit; last, needles left
-    /// out. `None`: none of this can be.
+    /// Makes the loop follow its rim more closely around the parameters `places`, where it has a
+    /// fault. It takes the first of these measures that is possible:
+    /// 1. It restores the knots that were removed.
+    /// 2. It halves the spans around the places.
+    /// 3. It fits the loop to the parameter points of the map.
+    /// 4. It adds a corner at the first place, which may be the tip of a slit.
+    /// 5. It removes needles from the rim.
+    ///
+    /// `None` if none of them is possible.
     pub fn tighten(&mut self, places: &[Option<f64>], options: &Options) -> Option<()> {
-        if let Some((knots, curve)) = self.thick.take() {
+        if let Some((knots, curve)) = self.before_removal.take() {
             (self.knots, self.curve) = (knots, curve);
             self.polygon.weights.fill(1.0);
             return Some(());
@@ -173,7 +185,7 @@ impl<'a> Course<'a> {
             return Some(());
         }
         let tip = places.iter().flatten().next().map(|&t| self.nearest(t));
-        let new_tip = tip.filter(|tip| !self.sharp.contains(tip) && self.sharp.len() < MOST_SHARP);
+        let new_tip = tip.filter(|tip| !self.sharp.contains(tip) && self.sharp.len() < MAX_SHARP);
         let (rim, sharp) = match new_tip {
             _ if !self.on_map => (self.rim.clone(), Vec::new()),
             Some(tip) => (self.rim.clone(), [&self.sharp[..], &[tip]].concat()),
@@ -185,11 +197,11 @@ impl<'a> Course<'a> {
                 (Cow::Owned(self.rim.only(&kept)), Vec::new())
             }
         };
-        *self = Course::around(self.surface, rim, options, true, sharp)?;
+        *self = LoopFit::around(self.surface, rim, options, true, sharp)?;
         Some(())
     }
 
-    /// The rim's vertex nearest to a parameter, on either side of it.
+    /// The rim's vertex nearest to a parameter, before or after it.
     fn nearest(&self, t: f64) -> usize {
         let n = self.rim.points.len();
         let after = self.polygon.before(t);
@@ -204,8 +216,8 @@ impl<'a> Course<'a> {
         (breaks[i], breaks.get(i + 1).copied().unwrap_or(1.0))
     }
 
-    /// Spans that leave their room and whose halves would be longer than `least`. A vertex at
-    /// a knot, as at a corner, is held by the spans on both sides.
+    /// The spans that leave their room and whose halves would be longer than `least`. A vertex at a
+    /// knot, for example at a corner, belongs to the spans on both sides.
     pub(super) fn spans_beyond(&self, least: f64) -> Vec<usize> {
         let n = self.polygon.uv.len();
         let far = |&i: &usize| {
@@ -215,7 +227,7 @@ impl<'a> Course<'a> {
             let mut held = (self.polygon.before(a)..end).chain(at_end.then_some(end % n));
             self.is_longer(i, least)
                 && (held.any(|k| self.distance(k) > self.room[k])
-                    || self.is_fair && self.leaves_rim(a, b) > 1.0)
+                    || self.is_fair && self.share_of_room(a, b) > 1.0)
         };
         (0..self.knots.breaks.len()).filter(far).collect()
     }
@@ -226,8 +238,8 @@ impl<'a> Course<'a> {
         b - a > 2.0 * least
     }
 
-    /// The distance in mm of corner `k` of the polygon from the curve on the surface: from the
-    /// place with its parameter, or the nearest one around.
+    /// The distance in mm of corner `k` of the polygon from the curve on the surface: the distance
+    /// at its own parameter, or the smallest one nearby.
     pub(super) fn distance(&self, k: usize) -> f64 {
         let t = self.polygon.parameters[k];
         let off = |t: f64| {
@@ -245,7 +257,7 @@ impl<'a> Course<'a> {
         chords.fold(same, f64::min)
     }
 
-    /// The span that holds `t` and its neighbours, those that may be halved.
+    /// The span that contains `t` and its two neighbours, without those too short to be halved.
     fn spans_around(&self, t: f64) -> impl Iterator<Item = usize> + '_ {
         let n = self.knots.breaks.len();
         let i = self.knots.breaks.partition_point(|&b| b <= t).max(1) - 1;
@@ -254,7 +266,7 @@ impl<'a> Course<'a> {
         around.filter(move |&i| self.is_longer(i, least))
     }
 
-    /// Halves spans; `None`, and all as it was, if that makes no curve.
+    /// Halves spans and fits the curve again. `None`, with nothing changed, if the fit is singular.
     fn halve(&mut self, spans: impl IntoIterator<Item = usize>) -> Option<()> {
         let mut knots = self.knots.clone();
         let halves = spans.into_iter().map(|i| self.span(i)).map(|(a, b)| 0.5 * (a + b));
@@ -266,7 +278,7 @@ impl<'a> Course<'a> {
     }
 }
 
-/// Spans of about equal length between corners.
+/// The knots that a loop starts with: spans of about equal length between corners.
 fn first_breaks(corners: &[f64]) -> Vec<f64> {
     let mut ends = if corners.is_empty() { vec![0.0] } else { corners.to_vec() };
     ends.push(1.0);
@@ -278,8 +290,8 @@ fn first_breaks(corners: &[f64]) -> Vec<f64> {
     ends.windows(2).flat_map(spans).collect()
 }
 
-/// Lengths from point 0 to each point along a closed polygon, and all around it;
-/// `None` if that is no positive number. Points that coincide are kept apart.
+/// The lengths along a closed polygon from point 0 to each point, and the total length. `None` if
+/// the total is not a positive finite number. Coincident points get a small distance.
 fn lengths(points: &[Point]) -> Option<(Vec<f64>, f64)> {
     let n = points.len();
     let side = |i: usize| (points[(i + 1) % n] - points[i]).norm();
