@@ -17,10 +17,11 @@ pub struct Limits {
 }
 
 /// Solves `matrix` x = `right` from x = 0. u and v are the unknowns of one system.
-/// `precondition` writes about the solution for its first vector into its second one.
+/// `precondition` takes a right side and overwrites a second vector with an approximate
+/// solution for it.
 ///
-/// The result is the best that was found: the caller looks at what residual it leaves. It
-/// is not finite where the method breaks down.
+/// The result is what the last step came to. The caller must look at the residual that it
+/// leaves; the numbers are not finite where the method breaks down.
 pub fn solve(
     matrix: &Matrix,
     mut precondition: impl FnMut(&[UvPair], &mut [UvPair]),
