@@ -104,7 +104,7 @@ fn errors_name_the_file_and_the_place() {
     let third = &text[text.len() / 3..];
     let inside = third.find(",(").expect("a list within a record") + 1;
     let cut = fault(&text[..text.len() / 3 + inside]);
-    assert!(cut.contains("broken.step: ends in the middle") && cut.contains("(line "), "{cut}");
+    assert!(cut.contains("broken.step: is incomplete") && cut.contains("(line "), "{cut}");
     let other = fault(&text.replace("ADVANCED_FACE(", "FACE_OUTLINE("));
     assert!(other.contains("is a face of an unsupported kind: FACE_OUTLINE (#"), "{other}");
     // A loop with edges at the place of another face.

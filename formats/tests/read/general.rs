@@ -21,7 +21,7 @@ fn content_goes_before_extension() {
 fn extension_decides_where_content_is_silent() {
     let comments = "# comment\n".repeat(2000);
     assert_eq!(soup("late.obj", format!("{comments}{OBJ}")).points.len(), 3);
-    refusal("late.txt", format!("{comments}{OBJ}"), "no known mesh format");
+    refusal("late.txt", format!("{comments}{OBJ}"), "not in a known mesh format");
     assert_eq!(
         Format::of(&case("A.OBJ.GZ", gzip(comments.as_bytes())).path).ok(),
         Some(Format::Obj)
@@ -60,7 +60,7 @@ fn damaged_gzip_is_refused() {
 fn gzip_bombs_cost_little() {
     // Each of them would have a gigabyte after complete decompression.
     let zeros = gzip(&vec![0; 64 << 20]).repeat(16);
-    refusal("bomb.gz", &zeros, "no known mesh format");
+    refusal("bomb.gz", &zeros, "not in a known mesh format");
     refusal("bomb.obj.gz", &zeros, "100 times");
     let header = b"ply\nformat ascii 1.0\ncomment ";
     let header = [gzip(header), zeros].concat();
@@ -72,7 +72,7 @@ fn gzip_bombs_cost_little() {
 #[test]
 fn what_is_no_mesh_is_refused_by_name() {
     refusal("nothing.ply", "", "is empty");
-    refusal("words.txt", "Hello", "no known mesh format");
+    refusal("words.txt", "Hello", "not in a known mesh format");
     refusal("cloud.pcd", "# .PCD v0.7\nVERSION 0.7\n", "PCD");
     refusal("model.3mf", b"PK\x03\x04\0\0", "ZIP");
     refusal("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "has points but no faces");
@@ -154,7 +154,7 @@ fn gzip_by_name_only() {
     // Without points at the beginning, only the name tells the format.
     let late = "# comment\n".repeat(2000) + OBJ;
     assert_eq!(soup("scan.obj.gz", &late).points.len(), 3);
-    refusal("scan.gz", late, "no known mesh format");
+    refusal("scan.gz", late, "not in a known mesh format");
 }
 
 #[test]

@@ -281,6 +281,6 @@ mod tests {
         assert_eq!(fault("A(1.2.3);"), "1.2.3 is not a number");
         assert_eq!(fault("A('x);"), "a string without an end");
         assert_eq!(fault("A(1e999);"), "1e999 is not a number");
-        assert!(fault(&format!("A({}", "(".repeat(99_999))).contains("without end"));
+        assert!(fault(&format!("A({}", "(".repeat(99_999))).contains("nested too deeply"));
     }
 }

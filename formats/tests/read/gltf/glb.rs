@@ -111,14 +111,14 @@ fn headers_alone_are_refused() {
         for end in 12..length.min(20) as usize {
             refusal("head.glb", &file[..end], "");
         }
-        refusal("head.glb", file, "no complete GLB file");
+        refusal("head.glb", file, "not a complete GLB file");
     }
     let empty = file(0, &[(b"JSON", b"")]);
     refusal("empty.glb", empty, "not a valid glTF 2.0 file");
     refusal("broken.glb", file(0, &[(b"JSON", b"{]  ")]), "not a valid glTF 2.0 file");
     // Without "glTF" only the name tells the format.
     refusal("zeros.glb", [0; 12], "not a valid glTF 2.0 file");
-    refusal("zeros", [0; 12], "no known mesh format");
+    refusal("zeros", [0; 12], "not in a known mesh format");
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn total_lengths_of_less_than_a_header_are_told() {
     for length in 0..20u8 {
         let mut file = square_glb(&[]);
         file[8..12].copy_from_slice(&[length, 0, 0, 0]);
-        refusal("short.glb", file, "no complete GLB file");
+        refusal("short.glb", file, "not a complete GLB file");
     }
 }
 
