@@ -1,4 +1,4 @@
-"""Fills the holes of the cases of cases.py with scan2step, and says how well.
+"""Fills the holes of the cases in cases.py with scan2step, and measures the fills.
 
     python3 -m venv VENV
     VENV/bin/pip install numpy scipy
@@ -6,11 +6,11 @@
     VENV/bin/python benches/holes/evaluate.py target/release/scan2step [--only PATTERN]
         [--seed K] [--json FILE] [--pictures DIR] [--timed] [--shared DIR]
 
-Prints a Markdown table, a row a case; --json has the same and more, of every
-hole. Judged is the mesh after the fill, whatever becomes of it later: where a
-later stage fails, its exit code is told, and the message below the table.
-Meshes of more than 200 MB are timed and not judged. Needs Linux. CPU seconds are
-of all threads, and hardly depend on what else the machine does.
+Prints a Markdown table with a row for each case; --json has more, for each hole.
+The mesh after the fill is measured. If a later stage fails, the row has its exit
+code, and the message is below the table. Meshes of more than 200 MB are timed
+only. Needs Linux. CPU seconds are those of all threads, and hardly depend on what
+else the machine does.
 
 What the columns mean, lengths in mm, angles in degrees:
 

@@ -1,5 +1,5 @@
-"""Fills the holes of real scans with scan2step, and judges what can be judged
-without a true surface: cuts, topology, angles, seams. With pictures.
+"""Fills the holes of real scans with scan2step, and measures what needs no true
+surface: intersections, topology, angles and seams. Draws pictures.
 
     VENV/bin/python benches/holes/real.py target/release/scan2step SCAN... [--pictures DIR]
         [--most N] [--work DIR]

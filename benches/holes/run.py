@@ -1,9 +1,8 @@
-"""Runs scan2step on a scan and watches it: its stages' times, and the filled
-mesh even where a later stage fails.
+"""Runs scan2step on a scan, and keeps the times of its stages and the filled mesh.
 
-The program takes the stages' files back when it fails. While it runs they are
-in their folder under temporary names: each gets a second name as soon as it
-appears, and the fill's is found among them by its header.
+The program deletes the files of its stages if a later stage fails. While it
+runs they have temporary names, so each file gets a second name here as soon as
+it appears. The filled mesh is found among them by its header.
 """
 
 import os
@@ -17,14 +16,14 @@ from pathlib import Path
 
 from meshes import is_filled
 
-STAGE = re.compile(r"^(\w+)\s+([0-9.]+) s$")
+STAGE = re.compile(r"^(\w+)\s+([0-9.]+) s(?:\s|$)")
 LOOK_EVERY_S = 0.003
 
 
 @dataclass
 class Run:
-    """`code` is the exit code, None if it was ended here; `seconds` and
-    `cpu_s` are of each stage that ended."""
+    """`code` is the exit code, or None if the program was ended here. `seconds` and
+    `cpu_s` have one entry for each stage that is done."""
 
     code: int | None = None
     ended: str = ""
@@ -35,7 +34,7 @@ class Run:
 
 
 def convert(program, scan, folder, arguments, timeout, until_fill=False, stages=True):
-    """One run; the files go to the folder, the report to report.json in it."""
+    """One run. All files go to the folder, and the report to report.json in it."""
     folder.mkdir(parents=True, exist_ok=True)
     command = [program, "convert", scan, folder / "out.step", "--verbose", "--color", "never",
                "--report", folder / "report.json", *arguments]
