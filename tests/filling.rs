@@ -8,7 +8,7 @@ use std::collections::{HashMap, HashSet};
 use common::random::Random;
 use common::virtual_scan::{Star, VirtualScan, paper_scan, rolled_sheet, sheet};
 use formats::Soup;
-use scan2step::fill::{self, Method};
+use scan2step::fill::{self, Strategy};
 use scan2step::geometry::{Vector, VertexId};
 use scan2step::mesh::{self, Choice, Components, Disk, FaceOrigin, Outer, Patch, Repairs};
 use scan2step::smooth::{self, Support};
@@ -134,7 +134,7 @@ fn folds(patch: &Patch) -> usize {
 #[test]
 fn holes_in_steep_waves_are_filled_without_a_fold() {
     let mut random = Random(1);
-    let mut methods = HashSet::new();
+    let mut strategies = HashSet::new();
     for _ in 0..12 {
         let disk = disk(&waves(&mut random));
         let points = disk.mesh.points.clone();
@@ -143,11 +143,11 @@ fn holes_in_steep_waves_are_filled_without_a_fold() {
         assert_eq!(folds(&patch), 0);
         for hole in &report.holes {
             assert_eq!(hole.faults.count(), 0, "{hole:?}");
-            methods.insert(format!("{:?}", hole.method));
+            strategies.insert(format!("{:?}", hole.strategy));
         }
     }
     // Not all holes can be closed in the same way.
-    assert!(methods.len() > 2, "{methods:?}");
+    assert!(strategies.len() > 2, "{strategies:?}");
 }
 
 /// Two bowls, one upside down above the other, whose bottoms would cross. They are a strip that is
@@ -225,7 +225,7 @@ fn a_clean_hole_is_filled_as_if_it_were_measured() {
     let scan = VirtualScan::new(sheet, [90, 90], 0.0, vec![hole], 1);
     let (rms, report) = rms_of_fill(&scan, Support::Off);
     assert!(rms < 0.002, "{rms}");
-    assert_eq!(report.holes[0].method, Method::Front);
+    assert_eq!(report.holes[0].strategy, Strategy::Front);
 }
 
 #[test]

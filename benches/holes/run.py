@@ -17,7 +17,7 @@ from pathlib import Path
 
 from meshes import is_filled
 
-STAGE = re.compile(r"^(\w+)\s+([0-9.]+) s$")
+STAGE = re.compile(r"^(\w+)\s+([0-9.]+) s(?:\s|$)")
 LOOK_EVERY_S = 0.003
 
 

@@ -1,7 +1,7 @@
 //! The run in figures. Lengths are mm; `docs/report.schema.json` has every key.
 
 use scan2step::deviation::{Deviation, FaceToScan};
-use scan2step::{Conversion, InputReport, fill::Method, fit, mesh::Bound};
+use scan2step::{Conversion, InputReport, fill::Strategy, fit, mesh::Bound};
 use serde_json::{Value, json};
 
 use super::Context;
@@ -100,11 +100,11 @@ fn holes(c: &Conversion) -> Vec<Value> {
             "added_vertices": hole.added_vertices,
             "added_triangles": hole.added_triangles,
             "trimmed": trimmed,
-            "method": match hole.method {
-                Method::Front => "front",
-                Method::WideEars => "wide ears",
-                Method::Led => "led front",
-                Method::LeastArea => "least area",
+            "method": match hole.strategy {
+                Strategy::Front => "front",
+                Strategy::WideEars => "wide ears",
+                Strategy::GuidedFront => "guided front",
+                Strategy::LeastArea => "least area",
             },
             "folds": hole.faults.folds,
             "cuts": hole.faults.cuts,

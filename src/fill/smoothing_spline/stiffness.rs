@@ -1,28 +1,28 @@
-//! How stiff a smoothing spline is, by restricted likelihood.
+//! The stiffness of a smoothing spline, by restricted maximum likelihood (REML).
 
 use std::collections::HashMap;
 
 use faer::Mat;
 
-use super::Held;
+use super::Energies;
 use super::grid::{Grid, ON_CELL, cell_energy, values};
 use super::overlaps::{Overlaps, order, runs};
 use crate::cholesky::Pattern;
 use crate::geometry::Uv;
 
-/// Of λ₂ and λ₄, where all forms have the same trace: powers of √10.
+/// λ₂ and λ₄ as exponents of √10, for forms that are scaled to the same trace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub struct Exponents(pub i32, pub i32);
 
 impl Exponents {
-    /// Where to begin to search.
-    pub fn first(held: Held) -> Self {
-        Exponents(0, if held == Held::Both { 2 } else { LOWEST })
+    /// Where the search begins.
+    pub fn first(energies: Energies) -> Self {
+        Exponents(0, if energies == Energies::Both { 2 } else { LOWEST })
     }
 
-    /// The same stiffness on a grid of half the width.
-    pub fn on_half_the_width(self, held: Held) -> Self {
-        Exponents(self.0 + 2, if held == Held::Both { self.1 + 5 } else { LOWEST })
+    /// The same stiffness on a grid with cells of half the width.
+    pub fn on_half_the_width(self, energies: Energies) -> Self {
+        Exponents(self.0 + 2, if energies == Energies::Both { self.1 + 5 } else { LOWEST })
     }
 
     fn weights(self) -> [f64; 2] {
@@ -38,57 +38,54 @@ impl Exponents {
     }
 }
 
-/// The normal equations and the energies, entry by entry of one pattern.
-pub struct Equations<const D: usize> {
+/// The normal equations and the energies, all with one sparsity pattern.
+pub struct PenalizedSystem<const D: usize> {
     pattern: Pattern,
-    /// Of the points, J₂ and J₄.
-    entries: [Vec<f64>; FORMS],
+    /// The entries of three forms: the squared distances to the points, J₂ and J₄.
+    entries: [Vec<f64>; 3],
     diagonal: Vec<usize>,
     right: Mat<f64>,
     squares: f64,
-    /// Dimension of the functions without energy.
+    /// The dimension of the functions without energy.
     free: f64,
     freedom: f64,
-    /// Likelihoods that have been found …
+    /// The likelihoods that are known.
     known: HashMap<Exponents, f64>,
-    /// … and, by the difference of the exponents, the logarithms of the
-    /// determinants of the energies with λ₂ = 1.
+    /// The logarithms of the determinant of the energy with λ₂ = 1 that are known, by the
+    /// difference of the two exponents.
     priors: HashMap<i32, f64>,
 }
 
 /// A point in a cell.
-struct Placed<const D: usize> {
+struct PointInCell<const D: usize> {
     cell: usize,
     place: [f64; 2],
     value: [f64; D],
 }
 
-/// A form in a cell's functions.
+/// A quadratic form in the functions of a cell.
 type CellForm = [[f64; ON_CELL]; ON_CELL];
 
-const FORMS: usize = 3;
-
-/// Dimension of the functions without energy on a part: linear ones.
-const FREE: usize = 3;
-
-/// The exponents that are searched, from here …
+/// The least exponent of the search: a stiffness of 1e-9 interpolates.
 const LOWEST: i32 = -18;
-/// … to here.
+/// The greatest exponent of the search: a stiffness of 1e6 leaves a plane.
 const HIGHEST: i32 = 12;
 
-impl<const D: usize> Equations<D> {
+impl<const D: usize> PenalizedSystem<D> {
     pub fn new(grid: &Grid, points: &[(Uv, [f64; D])]) -> Option<Self> {
-        let free = FREE * grid.parts();
+        // On each part of the grid the functions without energy are the linear ones.
+        let free = 3 * grid.parts();
         let placed = points.iter().filter_map(|(uv, value)| Some((grid.cell_of(*uv)?, value)));
-        let mut placed: Vec<_> =
-            placed.map(|((cell, place), value)| Placed { cell, place, value: *value }).collect();
+        let mut placed: Vec<_> = placed
+            .map(|((cell, place), value)| PointInCell { cell, place, value: *value })
+            .collect();
         if placed.len() <= 4 * free {
             return None;
         }
         placed.sort_by_key(|p| p.cell);
         let overlaps = Overlaps::new(grid);
         let Overlaps { starts, rows, .. } = &overlaps;
-        let mut equations = Equations {
+        let mut equations = PenalizedSystem {
             entries: std::array::from_fn(|_| vec![0.0; rows.len()]),
             diagonal: starts[..grid.count].to_vec(),
             pattern: Pattern::new(starts.clone(), rows.clone(), &order(grid))?,
@@ -117,12 +114,12 @@ impl<const D: usize> Equations<D> {
         Some(equations)
     }
 
-    /// The points of one cell: their part of the right-hand side, and the upper
-    /// triangle of their form in the cell's functions.
-    fn add_points(&mut self, functions: &[u32; ON_CELL], points: &[Placed<D>]) -> CellForm {
+    /// Adds the points of one cell to the right-hand side, and returns the upper triangle of
+    /// their form in the functions of the cell.
+    fn add_points(&mut self, functions: &[u32; ON_CELL], points: &[PointInCell<D>]) -> CellForm {
         let mut sum = [[0.0; ON_CELL]; ON_CELL];
         let mut right = [[0.0; D]; ON_CELL];
-        for Placed { place, value, .. } in points {
+        for PointInCell { place, value, .. } in points {
             let b = values(*place);
             for (q, (row, x)) in sum.iter_mut().zip(b).enumerate() {
                 row[q..].iter_mut().zip(&b[q..]).for_each(|(entry, y)| *entry += x * y);
@@ -137,11 +134,11 @@ impl<const D: usize> Equations<D> {
         sum
     }
 
-    /// Gives all forms the trace n.
+    /// Scales all forms to the trace n.
     fn scale(&mut self) {
         let n = self.diagonal.len() as f64;
         let trace = |form: usize| self.diagonal.iter().map(|&d| self.entries[form][d]).sum::<f64>();
-        let by: [f64; FORMS] = std::array::from_fn(|form| n / trace(form));
+        let by: [f64; 3] = std::array::from_fn(|form| n / trace(form));
         self.squares *= by[0];
         self.right *= faer::Scale(by[0]);
         for (entries, by) in self.entries.iter_mut().zip(by) {
@@ -149,19 +146,18 @@ impl<const D: usize> Equations<D> {
         }
     }
 
-    /// A pattern search for the exponents of λ₂ and λ₄, which goes on in a
-    /// direction as long as that is better. `None` where there is no solution
-    /// for any.
-    pub fn most_likely(&mut self, start: Exponents, held: Held) -> Option<Exponents> {
+    /// The exponents of greatest likelihood, by a pattern search that goes on in a direction as
+    /// long as the likelihood grows. `None` if no stiffness has a solution.
+    pub fn most_likely(&mut self, start: Exponents, energies: Energies) -> Option<Exponents> {
         let mut best = Exponents(start.0.min(HIGHEST), start.1.min(HIGHEST));
         let mut likelihood = self.likelihood(best);
         let mut step = 4;
         let mut directions = vec![(-1, 0), (1, 0)];
-        if held == Held::Both {
+        if energies == Energies::Both {
             directions.extend([(0, -1), (0, 1)]);
         }
-        // To a decade: the length over which the spline smooths is known to a
-        // third by then.
+        // Steps of a decade suffice: the length over which the spline smooths is then known
+        // to a third.
         while step > 1 {
             let ahead = |by: (i32, i32)| best.moved((step * by.0, step * by.1));
             let tried = directions.iter().map(|&by| self.likelihood(ahead(by))).enumerate();
@@ -169,7 +165,7 @@ impl<const D: usize> Equations<D> {
             match better {
                 Some((at, found)) => {
                     (best, likelihood) = (ahead(directions[at]), found);
-                    // What was good may be so once more.
+                    // Try this direction first next time.
                     directions[..=at].rotate_right(1);
                 }
                 None => step /= 2,
@@ -183,8 +179,8 @@ impl<const D: usize> Equations<D> {
         Some((0..x.nrows()).map(|i| std::array::from_fn(|d| x[(i, d)])).collect())
     }
 
-    /// Twice the restricted log-likelihood, but for a constant; −∞ where it
-    /// cannot be had or is not asked for.
+    /// Twice the restricted log-likelihood, up to a constant. −∞ outside of the range of the
+    /// search, and where the equations have no solution.
     fn likelihood(&mut self, place: Exponents) -> f64 {
         if !place.is_searched() {
             return f64::NEG_INFINITY;
@@ -203,8 +199,7 @@ impl<const D: usize> Equations<D> {
         Some(D as f64 * (prior - log) - self.freedom * squares.ln())
     }
 
-    /// The logarithm of the determinant, the solution, and the penalised sum
-    /// of squares.
+    /// The logarithm of the determinant, the solution, and the penalized sum of squares.
     fn solve(&mut self, place: Exponents) -> Option<(f64, Mat<f64>, f64)> {
         let values = self.form(1.0, place.weights(), 1e-13);
         let mut x = self.right.clone();
@@ -216,8 +211,8 @@ impl<const D: usize> Equations<D> {
         Some((log, x, (self.squares - explained).max(1e-15 * self.squares)))
     }
 
-    /// The form of the points and λ₂ J₂ + λ₄ J₄, with a share of these on the
-    /// diagonal.
+    /// `points` times the form of the points, plus λ₂ J₂ + λ₄ J₄, plus `diagonal` times the
+    /// sum of these weights on the diagonal.
     fn form(&self, points: f64, [a, b]: [f64; 2], diagonal: f64) -> Vec<f64> {
         let [known, second, fourth] = &self.entries;
         let energies = second.iter().zip(fourth).map(|(x, y)| a * x + b * y);
@@ -226,9 +221,9 @@ impl<const D: usize> Equations<D> {
         sum
     }
 
-    /// The logarithm of the determinant of the energy on what is not free: with
-    /// ε on the diagonal it is that of the whole, less that of ε's on the free
-    /// functions. It is had from λ₂ = 1.
+    /// The logarithm of the determinant of the energy on the functions that have energy. With
+    /// ε on the diagonal it is that of all functions minus that of ε on the free ones. It is
+    /// computed for λ₂ = 1 and scaled.
     fn log_energy(&mut self, place: Exponents) -> Option<f64> {
         const EPSILON: f64 = 1e-11;
         let ratio = place.1 - place.0;

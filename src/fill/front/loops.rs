@@ -1,15 +1,15 @@
-//! The front's edges: closed rings of nodes, in the direction of the rim, with
-//! a grid over space to find the near ones.
+//! The edges of the front: closed loops of nodes in the direction of the rim, and a
+//! hash grid over space that finds the edges near a point.
 //!
-//! A vertex may stand in several nodes, one for each gap around it that is
-//! still open.
+//! A vertex has one node for each gap around it that is still open, so it can have
+//! several.
 
 use foldhash::{HashMap, HashMapExt};
 
-use super::blocks::meet;
+use crate::fill::box_blocks::overlap;
 use crate::geometry::{Point, VertexId};
 
-/// A place on a ring: a vertex, and the edge that leaves it.
+/// A vertex on a loop, and the edge from it to the next node.
 #[derive(Debug, Clone, Copy)]
 struct Node {
     vertex: VertexId,
@@ -19,41 +19,41 @@ struct Node {
     alive: bool,
 }
 
-/// The grid's cells, in mean edges.
+/// The width of a grid cell in mean edge lengths. It changes the time only: smaller cells
+/// hold an edge several times, larger ones give more edges to look at.
 const CELL: f64 = 3.0;
 
-/// Closed rings of nodes.
+/// The closed loops of the front.
 #[derive(Debug)]
-pub struct Rings {
+pub struct FrontLoops {
     nodes: Vec<Node>,
     alive: usize,
-    /// The nodes that were left at the last renewal, and those since.
+    /// The nodes that were alive at the last call of `renew`, and all newer ones.
     recent: Vec<usize>,
-    /// Nodes, and the boxes of their edges, by the cells that these pass.
+    /// The nodes whose edges pass each cell, with the bounding boxes of these edges.
     grid: HashMap<u64, Vec<(usize, [Point; 2])>>,
     cell: f64,
 }
 
-impl Rings {
-    /// Rings over `loops`.
-    pub fn new(loops: &[Vec<(VertexId, Point)>]) -> Self {
+impl FrontLoops {
+    /// The loops of a front that has not advanced yet.
+    pub fn new(rims: &[Vec<(VertexId, Point)>]) -> Self {
         let (nodes, recent, grid) = (Vec::new(), Vec::new(), HashMap::new());
-        let mut rings = Rings { nodes, alive: 0, recent, grid, cell: 1.0 };
-        for ring in loops {
-            let (first, n) = (rings.nodes.len(), ring.len());
-            for (i, &(vertex, at)) in ring.iter().enumerate() {
+        let mut loops = FrontLoops { nodes, alive: 0, recent, grid, cell: 1.0 };
+        for rim in rims {
+            let (first, n) = (loops.nodes.len(), rim.len());
+            for (i, &(vertex, at)) in rim.iter().enumerate() {
                 let (before, after) = (first + (i + n - 1) % n, first + (i + 1) % n);
-                rings.nodes.push(Node { vertex, at, before, after, alive: true });
+                loops.nodes.push(Node { vertex, at, before, after, alive: true });
             }
-            rings.alive += n;
-            rings.recent.extend(first..first + n);
+            loops.alive += n;
+            loops.recent.extend(first..first + n);
         }
-        rings.renew();
-        rings
+        loops.renew();
+        loops
     }
 
-    /// Forgets the nodes that are no more, and fits the grid to the edges that
-    /// are left.
+    /// Forgets removed nodes, and fits the grid to the edges that are left.
     pub fn renew(&mut self) {
         self.recent = self.all().collect();
         let lengths = self.recent.iter().map(|&node| {
@@ -70,12 +70,12 @@ impl Rings {
         }
     }
 
-    /// The number of nodes left.
+    /// The number of nodes that are alive.
     pub fn len(&self) -> usize {
         self.alive
     }
 
-    /// The nodes left.
+    /// The nodes that are alive.
     pub fn all(&self) -> impl Iterator<Item = usize> + '_ {
         self.recent.iter().copied().filter(|&node| self.nodes[node].alive)
     }
@@ -100,41 +100,41 @@ impl Rings {
         self.nodes[node].before
     }
 
-    /// The ends of the edge that leaves a node.
+    /// The ends of the edge from a node to the next one.
     pub fn edge(&self, node: usize) -> (Point, Point) {
         (self.at(node), self.at(self.after(node)))
     }
 
-    /// The ring of a node, from it on.
-    pub fn ring(&self, node: usize) -> Vec<usize> {
-        let mut ring = vec![node];
-        while self.after(ring[ring.len() - 1]) != node {
-            ring.push(self.after(ring[ring.len() - 1]));
+    /// The nodes of one loop in order, beginning with `node`.
+    pub fn loop_from(&self, node: usize) -> Vec<usize> {
+        let mut nodes = vec![node];
+        while self.after(nodes[nodes.len() - 1]) != node {
+            nodes.push(self.after(nodes[nodes.len() - 1]));
         }
-        ring
+        nodes
     }
 
-    /// Whether the ring of a node is a triangle.
+    /// Whether the loop of a node is a triangle.
     pub fn is_triangle(&self, node: usize) -> bool {
         self.after(self.after(self.after(node))) == node
     }
 
-    /// Takes a node out and joins its neighbours.
-    pub fn cut(&mut self, node: usize) {
+    /// Removes a node and joins its neighbours.
+    pub fn remove_node(&mut self, node: usize) {
         let Node { before, after, .. } = self.nodes[node];
         self.link(before, after);
         self.remove(node);
         self.enter(before);
     }
 
-    /// Takes a ring's nodes out.
-    pub fn drop_ring(&mut self, node: usize) {
-        for node in self.ring(node) {
+    /// Removes all nodes of a loop.
+    pub fn remove_loop(&mut self, node: usize) {
+        for node in self.loop_from(node) {
             self.remove(node);
         }
     }
 
-    /// Puts a new vertex in the edge that leaves `node`; returns its node.
+    /// Inserts a new vertex after `node` and returns its node.
     pub fn insert(&mut self, node: usize, vertex: VertexId, at: Point) -> usize {
         let after = self.after(node);
         let new = self.push(vertex, at);
@@ -145,9 +145,8 @@ impl Rings {
         new
     }
 
-    /// Replaces the edge that leaves `node` by two, to and from the vertex of
-    /// `apex`, which thereby stands in one node more: one ring becomes two, or
-    /// two rings one.
+    /// Replaces the edge after `node` by two edges, to and from the vertex of `apex`. That
+    /// vertex gets one more node. One loop becomes two, or two loops become one.
     pub fn pinch(&mut self, node: usize, apex: usize) {
         let (after, before) = (self.after(node), self.before(apex));
         let new = self.push(self.vertex(apex), self.at(apex));
@@ -157,11 +156,11 @@ impl Rings {
         [node, before, new].into_iter().for_each(|node| self.enter(node));
     }
 
-    /// Cuts the surface's gap open along a path from `from` to `to`, which are
-    /// on two rings; `path` holds the inner vertices. The rings become one,
-    /// with the path in it twice.
+    /// Joins two loops along a path from node `from` on one to node `to` on the other.
+    /// `path` has the vertices between the two. The joint loop passes the path twice, once
+    /// in each direction.
     pub fn bridge(&mut self, from: usize, to: usize, path: &[(VertexId, Point)]) {
-        // … from  path  to … round … to'  path back  from' …
+        // from, path, to, the rest of that loop, to again, path backwards, from again.
         let (after_from, before_to) = (self.after(from), self.before(to));
         let back_to = self.push(self.vertex(to), self.at(to));
         let back_from = self.push(self.vertex(from), self.at(from));
@@ -185,35 +184,35 @@ impl Rings {
         self.enter(back_from);
     }
 
-    /// The nodes whose edges may come within `radius` of `centre`, ascending.
+    /// The nodes whose edges can come within `radius` of `centre`, in ascending order.
     pub fn near(&self, centre: Point, radius: f64) -> Vec<usize> {
-        // Of its cells much is farther away.
+        // The cells reach farther than this box.
         let place = [-radius, radius].map(|r| centre.map(|x| x + r));
-        // Edges may pass a cell between the places where they were entered.
+        // `enter` samples an edge every half cell, so it can miss a cell by a quarter.
         let reach = radius + 0.25 * self.cell;
         let [low, high] = [-reach, reach].map(|r| self.key(centre.map(|x| x + r)));
         let wide = (0..3).map(|k| f64::from(high[k] - low[k]) + 1.0).product::<f64>();
         if wide > self.alive as f64 {
-            return self.all().filter(|&node| meet(&self.extent(node), &place)).collect();
+            return self.all().filter(|&node| overlap(&self.extent(node), &place)).collect();
         }
         let mut found = Vec::with_capacity(32);
         for x in low[0]..=high[0] {
             for y in low[1]..=high[1] {
                 for z in low[2]..=high[2] {
                     let here = self.grid.get(&packed([x, y, z])).into_iter().flatten();
-                    let near = here.filter(|entry| meet(&entry.1, &place)).map(|entry| entry.0);
+                    let near = here.filter(|entry| overlap(&entry.1, &place)).map(|entry| entry.0);
                     found.extend(near.filter(|&node| self.nodes[node].alive));
                 }
             }
         }
         found.sort_unstable();
         found.dedup();
-        // Entries stay where an edge has been.
-        found.retain(|&node| meet(&self.extent(node), &place));
+        // The grid still has entries of edges that have changed.
+        found.retain(|&node| overlap(&self.extent(node), &place));
         found
     }
 
-    /// The box of the edge that leaves a node.
+    /// The bounding box of the edge after a node.
     fn extent(&self, node: usize) -> [Point; 2] {
         let (p, q) = self.edge(node);
         [p.inf(&q), p.sup(&q)]
@@ -241,8 +240,8 @@ impl Rings {
         [0, 1, 2].map(|k| (p[k] / self.cell).floor() as i32)
     }
 
-    /// Enters a node's edge in the cells that it passes. Entries of edges that
-    /// are no more stay; they are told by the nodes.
+    /// Enters the edge after a node in the cells that it passes. Old entries stay; `near`
+    /// drops them.
     fn enter(&mut self, node: usize) {
         let (p, q) = self.edge(node);
         let steps = (2.0 * (q - p).norm() / self.cell).ceil().max(1.0) as usize;
@@ -257,7 +256,7 @@ impl Rings {
     }
 }
 
-/// A cell's key; far cells may share it.
+/// The key of a cell. Two cells that are far apart can have the same key.
 fn packed(cell: [i32; 3]) -> u64 {
     cell.into_iter().fold(0, |key, x| key << 21 | (x as u64 & 0x1f_ffff))
 }
@@ -274,37 +273,37 @@ mod tests {
         (0..n).map(|i| (VertexId(first + i), at(i))).collect()
     }
 
-    fn vertices(rings: &Rings, node: usize) -> Vec<u32> {
-        rings.ring(node).iter().map(|&n| rings.vertex(n).0).collect()
+    fn vertices(loops: &FrontLoops, node: usize) -> Vec<u32> {
+        loops.loop_from(node).iter().map(|&n| loops.vertex(n).0).collect()
     }
 
     #[test]
-    fn a_pinch_splits_a_ring_and_joins_two() {
-        let mut rings = Rings::new(&[polygon(0, 6)]);
-        rings.pinch(0, 3);
-        assert_eq!(vertices(&rings, 0), [0, 3, 4, 5]);
-        assert_eq!(vertices(&rings, 1), [1, 2, 3]);
-        assert!(rings.is_triangle(1));
-        let mut rings = Rings::new(&[polygon(0, 3), polygon(10, 3)]);
-        rings.pinch(0, 4);
-        assert_eq!(vertices(&rings, 0), [0, 11, 12, 10, 11, 1, 2]);
+    fn a_pinch_splits_a_loop_and_joins_two() {
+        let mut loops = FrontLoops::new(&[polygon(0, 6)]);
+        loops.pinch(0, 3);
+        assert_eq!(vertices(&loops, 0), [0, 3, 4, 5]);
+        assert_eq!(vertices(&loops, 1), [1, 2, 3]);
+        assert!(loops.is_triangle(1));
+        let mut loops = FrontLoops::new(&[polygon(0, 3), polygon(10, 3)]);
+        loops.pinch(0, 4);
+        assert_eq!(vertices(&loops, 0), [0, 11, 12, 10, 11, 1, 2]);
     }
 
     #[test]
-    fn a_bridge_makes_one_ring_of_two() {
-        let mut rings = Rings::new(&[polygon(0, 3), polygon(10, 3)]);
-        rings.bridge(0, 3, &[(VertexId(20), Point::origin())]);
-        assert_eq!(vertices(&rings, 0), [0, 20, 10, 11, 12, 10, 20, 0, 1, 2]);
-        assert_eq!(rings.len(), 10);
+    fn a_bridge_makes_one_loop_of_two() {
+        let mut loops = FrontLoops::new(&[polygon(0, 3), polygon(10, 3)]);
+        loops.bridge(0, 3, &[(VertexId(20), Point::origin())]);
+        assert_eq!(vertices(&loops, 0), [0, 20, 10, 11, 12, 10, 20, 0, 1, 2]);
+        assert_eq!(loops.len(), 10);
     }
 
     #[test]
     fn near_edges_are_found() {
-        let mut rings = Rings::new(&[polygon(0, 200)]);
-        assert!(rings.near(Point::new(1.0, 0.0, 0.0), 0.1).contains(&0));
-        assert!(rings.near(Point::origin(), 0.2).is_empty());
-        rings.cut(0);
-        assert!(!rings.near(Point::new(1.0, 0.0, 0.0), 0.1).contains(&0));
-        assert!(rings.near(Point::new(1.0, 0.0, 0.0), 0.1).contains(&199));
+        let mut loops = FrontLoops::new(&[polygon(0, 200)]);
+        assert!(loops.near(Point::new(1.0, 0.0, 0.0), 0.1).contains(&0));
+        assert!(loops.near(Point::origin(), 0.2).is_empty());
+        loops.remove_node(0);
+        assert!(!loops.near(Point::new(1.0, 0.0, 0.0), 0.1).contains(&0));
+        assert!(loops.near(Point::new(1.0, 0.0, 0.0), 0.1).contains(&199));
     }
 }

@@ -1,30 +1,30 @@
-//! The triangulation of one fill, and how its triangles are made better: by
-//! flips towards Delaunay's, measured in space, and by moves within the
-//! surface. Neither turns a triangle over in the chart.
+//! The triangulation of one fill with a chart: a point in the plane for each vertex. Its triangles are improved by edge flips towards a Delaunay triangulation in space
+//! and by moving vertices within the surface. Neither inverts a triangle in the chart.
 
 use foldhash::{HashSet, HashSetExt};
 
 use crate::geometry::{Point, Uv, orient2d};
 use crate::mesh::remesh::flips::{self, Sides};
 
-/// A triangulated fill. Its first `fixed` vertices are the rims'.
+/// A triangulated fill. Its first `fixed` vertices are those of the rims.
 #[derive(Debug, Clone)]
-pub struct Sheet {
-    /// Places in the chart.
+pub struct ChartedFill {
+    /// The vertices in the chart.
     pub uv: Vec<Uv>,
-    /// Places in space.
+    /// The vertices in space.
     pub points: Vec<Point>,
-    /// How many of the vertices stay where they are.
+    /// The number of vertices that do not move.
     pub fixed: usize,
     pub triangles: Vec<[usize; 3]>,
 }
 
-/// Flips and moves follow each other this often.
+/// The rounds of flips and moves. With 2 the rms over the hole bench is 3 % less, with 8 it is 4 %
+/// more, and the least angles are a degree larger or smaller.
 const ROUNDS: usize = 4;
 
-impl Sheet {
-    /// How many triangles are turned over, or flat, in the chart.
-    pub fn turned(&self) -> usize {
+impl ChartedFill {
+    /// The number of triangles that are inverted or have no area in the chart.
+    pub fn inverted(&self) -> usize {
         self.triangles.iter().filter(|t| !self.is_upright(**t)).count()
     }
 
@@ -37,8 +37,7 @@ impl Sheet {
         self.triangles.iter().map(area).sum()
     }
 
-    /// Tells of places in the chart whether the sheet covers them, to within a
-    /// length.
+    /// A test whether the fill covers a point of the chart, to within the length `within`.
     pub fn covered(&self, within: f64) -> impl Fn(Uv) -> bool + use<> {
         let key = move |p: Uv| [p.x, p.y].map(|x| (x / within).floor() as i64);
         let mut cells = HashSet::new();
@@ -58,9 +57,9 @@ impl Sheet {
         is_upright(t.map(|v| self.uv[v]))
     }
 
-    /// Flips edges and moves the inner vertices until the triangles are well
-    /// shaped. `surface` gives the place in space of one in the chart;
-    /// `joined` tells of vertices that are joined elsewhere.
+    /// Flips edges and moves the inner vertices to improve the shape of the triangles.
+    /// `surface` maps the chart to space; `joined` says whether two vertices are joined by an
+    /// edge outside of this fill.
     pub fn improve(
         &mut self,
         surface: impl Fn(Uv) -> Option<Point>,
@@ -77,14 +76,14 @@ impl Sheet {
     fn flip(&mut self, sides: &mut Sides, joined: impl Fn(usize, usize) -> bool) {
         let uv = &self.uv;
         let upright = |t: &[usize; 3]| is_upright(t.map(|v| uv[v]));
-        // Upright, or at least not worse than they were.
+        // A flip may leave inverted triangles only where there were some before.
         let may = |old: [[usize; 3]; 2], new: [[usize; 3]; 2]| {
             new.iter().all(upright) || !old.iter().all(upright)
         };
         flips::flip(&self.points, &mut self.triangles, sides, joined, may);
     }
 
-    /// Moves each inner vertex towards the mean of its triangles' centres.
+    /// Moves each inner vertex to the mean of the centres of its triangles, weighted by area.
     fn relax(&mut self, surface: impl Fn(Uv) -> Option<Point>) {
         let numbered = self.triangles.iter().enumerate();
         let mut around: Vec<(usize, usize)> = numbered
@@ -93,11 +92,11 @@ impl Sheet {
             .collect();
         around.sort_unstable();
         for around in around.chunk_by(|x, y| x.0 == y.0) {
-            self.centre(around[0].0, around, &surface);
+            self.move_vertex(around[0].0, around, &surface);
         }
     }
 
-    fn centre(
+    fn move_vertex(
         &mut self,
         v: usize,
         around: &[(usize, usize)],
@@ -115,14 +114,14 @@ impl Sheet {
             return;
         }
         let old = (self.uv[v], self.points[v]);
-        let turned = |sheet: &Sheet| {
-            around.iter().filter(|a| !sheet.is_upright(sheet.triangles[a.1])).count()
+        let inverted = |fill: &ChartedFill| {
+            around.iter().filter(|a| !fill.is_upright(fill.triangles[a.1])).count()
         };
-        let before = turned(self);
+        let before = inverted(self);
         let target = Uv::from(sum / total);
         for share in [1.0, 0.5, 0.25] {
             self.uv[v] = old.0 + share * (target - old.0);
-            if turned(self) <= before
+            if inverted(self) <= before
                 && let Some(point) = surface(self.uv[v])
             {
                 self.points[v] = point;
@@ -141,9 +140,8 @@ fn is_upright([a, b, c]: [Uv; 3]) -> bool {
 mod tests {
     use super::*;
 
-    /// Slivers over a square: a fan from one corner to points on the diagonal's
-    /// far side.
-    fn fan() -> Sheet {
+    /// A polygon of 20 sides with 30 points in one small place, which makes slivers.
+    fn fan() -> ChartedFill {
         let outline = (0..20).map(|i| {
             let angle = std::f64::consts::TAU * f64::from(i) / 20.0;
             Uv::new(angle.cos(), angle.sin())
@@ -153,42 +151,42 @@ mod tests {
         let outline = uv[..20].to_vec();
         let triangles = crate::mesh::outline::triangulate(&[&outline], &uv[20..]).unwrap();
         let points = uv.iter().map(|p| Point::new(p.x, p.y, 0.0)).collect();
-        Sheet { uv, points, fixed: 20, triangles }
+        ChartedFill { uv, points, fixed: 20, triangles }
     }
 
-    fn least_angle(sheet: &Sheet) -> f64 {
+    fn least_angle(fill: &ChartedFill) -> f64 {
         let cotangents = |t: &[usize; 3]| {
             (0..3)
-                .map(|k| [0, 1, 2].map(|i| sheet.points[t[(k + i) % 3]]))
+                .map(|k| [0, 1, 2].map(|i| fill.points[t[(k + i) % 3]]))
                 .map(|[v, p, q]| flips::cotangent(v, p, q))
                 .fold(0.0, f64::max)
         };
-        let widest = sheet.triangles.iter().map(cotangents).fold(0.0, f64::max);
+        let widest = fill.triangles.iter().map(cotangents).fold(0.0, f64::max);
         (1.0 / widest).atan().to_degrees()
     }
 
     #[test]
     fn slivers_become_good_triangles() {
-        let mut sheet = fan();
-        let before = least_angle(&sheet);
-        let (count, points) = (sheet.triangles.len(), sheet.points.len());
+        let mut fill = fan();
+        let before = least_angle(&fill);
+        let (count, points) = (fill.triangles.len(), fill.points.len());
         for _ in 0..10 {
-            sheet.improve(|uv| Some(Point::new(uv.x, uv.y, 0.0)), |_, _| false);
+            fill.improve(|uv| Some(Point::new(uv.x, uv.y, 0.0)), |_, _| false);
         }
-        assert!(before < 2.0 && least_angle(&sheet) > 15.0, "{before} {}", least_angle(&sheet));
-        assert_eq!((sheet.turned(), sheet.triangles.len(), sheet.points.len()), (0, count, points));
-        let area: f64 = sheet.area();
+        assert!(before < 2.0 && least_angle(&fill) > 15.0, "{before} {}", least_angle(&fill));
+        assert_eq!((fill.inverted(), fill.triangles.len(), fill.points.len()), (0, count, points));
+        let area: f64 = fill.area();
         assert!((area - 10.0 * (std::f64::consts::TAU / 20.0).sin()).abs() < 1e-12);
     }
 
     #[test]
     fn vertices_joined_elsewhere_are_not_joined_again() {
-        let mut sheet = fan();
-        let sides = |s: &Sheet| {
+        let mut fill = fan();
+        let sides = |s: &ChartedFill| {
             Sides::of(&s.triangles).inner().filter(|e| e.0.iter().all(|&v| v < 20)).count()
         };
-        let before = sides(&sheet);
-        sheet.improve(|uv| Some(Point::new(uv.x, uv.y, 0.0)), |_, _| true);
-        assert!(sides(&sheet) <= before);
+        let before = sides(&fill);
+        fill.improve(|uv| Some(Point::new(uv.x, uv.y, 0.0)), |_, _| true);
+        assert!(sides(&fill) <= before);
     }
 }
