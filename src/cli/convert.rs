@@ -11,7 +11,7 @@ use super::output::{self, Pending};
 use super::progress::Progress;
 use super::report::{self, Shown};
 use super::stages::Stages;
-use super::{Failure, Outcome, cad, hints, memory, settings, talk};
+use super::{Failure, Outcome, cad, hints, memory, messages, settings};
 
 /// Reads, converts, writes.
 pub fn run(args: &Convert) -> Result<Outcome, Failure> {
@@ -20,13 +20,13 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     let mut progress = Progress::new(voice, args.manner.verbose);
     let stages = args.stages.as_deref().map(Stages::new).transpose()?;
     let scan = Scan::read(&args.piece)?;
-    progress.ended("read", &talk::came_in(&scan));
+    progress.ended("read", &messages::came_in(&scan));
     memory::check(args, &scan)?;
     let options = settings::options(args, &scan)?;
     let (scan, components) = scan.components()?;
-    talk::assumed(&progress, &scan);
+    messages::assumed(&progress, &scan);
     let repaired = components.repairs().clone();
-    repaired.iter().for_each(|repair| talk::repaired(&progress, repair));
+    repaired.iter().for_each(|repair| messages::repaired(&progress, repair));
     let mut run = Run {
         args,
         progress,
@@ -42,8 +42,8 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     progress.ended("write", "");
     for c in &conversions {
         let at_rims = c.input.repairs.iter().filter(|(kind, _)| !repaired.contains_key(*kind));
-        at_rims.for_each(|repair| talk::repaired(&progress, repair));
-        talk::found(&progress, args, c);
+        at_rims.for_each(|repair| messages::repaired(&progress, repair));
+        messages::found(&progress, args, c);
     }
     let hints = hints::all(args, &scan, &conversions);
     let context = report::Context {
@@ -60,10 +60,10 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     // Every file is complete by now; putting them in place comes last.
     let stages = stages.map_or(Vec::new(), |s| s.pending);
     Pending::publish(stages.into_iter().chain(reports).chain(files).collect())?;
-    conversions.iter().for_each(|c| talk::result(&progress, args, c));
+    conversions.iter().for_each(|c| messages::result(&progress, args, c));
     let new = hints.iter().filter(|hint| !said.iter().any(|said| hint.ends_with(said)));
     new.for_each(|hint| progress.hint(hint));
-    Ok(conversions.iter().fold(Outcome::Done, |all, c| all.and(talk::verdict(args, c))))
+    Ok(conversions.iter().fold(Outcome::Done, |all, c| all.and(messages::verdict(args, c))))
 }
 
 /// A run between reading and writing.
@@ -96,7 +96,7 @@ impl Run<'_> {
                     self.progress.within(name, share);
                     return Ok(());
                 }
-                self.progress.ended(stage.name(), &talk::made(&stage));
+                self.progress.ended(stage.name(), &messages::made(&stage));
                 if let Stage::Parameterize(_, Some(found)) = &stage {
                     // Before the time for it is spent.
                     let hint = found.to_string();

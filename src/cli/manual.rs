@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, CommandFactory};
 
 use super::args::Cli;
-use super::{Failure, Outcome, leftovers, output, streams};
+use super::{Failure, Outcome, output, streams, temp_files};
 
 /// Options of `completions`.
 #[derive(Debug, Args)]
@@ -43,7 +43,7 @@ pub fn man(args: &Man) -> Result<Outcome, Failure> {
         rendered.map_err(|e| output::failed("scan2step.1".as_ref(), e))?;
         return print(&page);
     };
-    let written = leftovers::folder(folder).and_then(|()| {
+    let written = temp_files::folder(folder).and_then(|()| {
         clap_mangen::generate_to(Cli::command().disable_help_subcommand(true), folder)
     });
     written.map_err(|e| output::failed(folder, e))?;

@@ -4,14 +4,13 @@ mod args;
 mod batch;
 mod cad;
 mod check;
-mod children;
 mod convert;
 mod hints;
 mod input;
 mod inspect;
-mod leftovers;
 mod manual;
 mod memory;
+mod messages;
 mod output;
 mod places;
 mod progress;
@@ -19,7 +18,8 @@ mod report;
 mod settings;
 mod stages;
 mod streams;
-mod talk;
+mod subprocess;
+mod temp_files;
 
 use std::process::ExitCode;
 
@@ -62,7 +62,7 @@ pub fn run() -> ExitCode {
     let matches = args::Cli::command().get_matches();
     let args = args::Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
     // Where signals cannot be heeded, a stopped run leaves its temporary files.
-    if let Err(e) = leftovers::sweep_when_stopped() {
+    if let Err(e) = temp_files::sweep_when_stopped() {
         streams::say(format_args!("note: Ctrl-C will leave temporary files: {e}"));
     }
     let colour = args.command.colour();
@@ -86,7 +86,7 @@ pub fn run() -> ExitCode {
         Ok(Outcome::Missed) => ExitCode::from(3),
         Ok(Outcome::Failed) => ExitCode::FAILURE,
         Err(failure) => {
-            leftovers::sweep();
+            temp_files::sweep();
             tell(&failure, colour, FAILED)
         }
     }

@@ -8,7 +8,7 @@ use formats::Error;
 use sha2::{Digest, Sha256};
 use tempfile::NamedTempFile;
 
-use super::leftovers;
+use super::temp_files;
 
 /// A file that is complete but not yet in its place.
 pub struct Pending {
@@ -101,7 +101,7 @@ fn temporary(path: &Path) -> std::io::Result<NamedTempFile> {
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    leftovers::made(|| {
+    temp_files::made(|| {
         let file = builder.tempfile_in(folder)?;
         let path = file.path().to_owned();
         Ok((file, path))
@@ -112,7 +112,7 @@ impl Pending {
     /// Puts files in their places: all of them, even if the run is stopped
     /// meanwhile.
     pub fn publish(files: Vec<Pending>) -> Result<(), Error> {
-        leftovers::uninterrupted(|| {
+        temp_files::uninterrupted(|| {
             files.into_iter().try_for_each(|Pending { file, path, .. }| {
                 file.persist(&path).map(drop).map_err(|e| {
                     let help = "check that it is not a folder and can be replaced";

@@ -9,8 +9,8 @@ use scan2step::spline::{KnotVector, Surface};
 use scan2step::{Stage, trim::TrimLoop};
 use serde_json::json;
 
-use super::leftovers;
 use super::output::{self, Pending};
+use super::temp_files;
 
 /// Writes the stages' files; they are published with the run's other files.
 pub struct Stages {
@@ -21,7 +21,7 @@ pub struct Stages {
 impl Stages {
     /// Stages go to `folder`, which is made if it does not exist.
     pub fn new(folder: &Path) -> Result<Self, formats::Error> {
-        leftovers::folder(folder).map_err(|e| {
+        temp_files::folder(folder).map_err(|e| {
             let help = "name a folder that can be made and written to";
             formats::Error::new(folder, format!("cannot be made: {e}"), help)
         })?;

@@ -9,7 +9,7 @@ use serde_json::Value;
 
 use super::record::{self, Figures, Output, Record, Stamp};
 use super::scans::Scan;
-use crate::cli::{children, leftovers, output};
+use crate::cli::{output, subprocess, temp_files};
 
 /// What all scans of a batch have in common.
 pub struct Job {
@@ -62,7 +62,7 @@ impl Job {
         };
         let (cad, reports) = (files(&self.cad), files(&self.reports));
         if let Some(folder) = self.out.join(&scan.name).parent() {
-            leftovers::folder(folder).map_err(|e| output::failed(folder, e))?;
+            temp_files::folder(folder).map_err(|e| output::failed(folder, e))?;
         }
         let mut command = Command::new(&self.program);
         command.args(["convert", "--quiet", "--color=never"]).args(&self.options);
@@ -76,7 +76,7 @@ impl Job {
             let help = "check that the program can still be started";
             formats::Error::new(&scan.path, format!("cannot be converted: {e}"), help)
         };
-        let ended = children::run(&mut command).map_err(failed)?;
+        let ended = subprocess::run(&mut command).map_err(failed)?;
         record.exit_code = exit_code(ended.status);
         let said = String::from_utf8_lossy(&ended.stderr);
         if !matches!(record.exit_code, 0 | 3) {

@@ -12,7 +12,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use clap::{ArgMatches, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::{Failure, Outcome, leftovers, output, streams};
+use super::{Failure, Outcome, output, streams, temp_files};
 use args::Batch;
 use job::Job;
 use record::Record;
@@ -23,7 +23,7 @@ use summary::{Row, Status};
 pub fn run(args: &Batch, matches: &ArgMatches) -> Result<Outcome, Failure> {
     let folder = args.out.join(record::FOLDER);
     let scans = scans::find(&args.scans, &args.out)?;
-    leftovers::folder(&folder).map_err(|e| output::failed(&folder, e))?;
+    temp_files::folder(&folder).map_err(|e| output::failed(&folder, e))?;
     let job = job(args, matches)?;
     let mine: Vec<usize> =
         (0..scans.len()).filter(|&k| args.shard.is_none_or(|shard| shard.has(k))).collect();

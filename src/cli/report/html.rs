@@ -26,7 +26,7 @@ const SCRIPT: &str = concat!(
     include_str!("page/shaders.js"),
     include_str!("page/scene.js"),
     include_str!("page/paint.js"),
-    include_str!("page/hands.js"),
+    include_str!("page/controls.js"),
 );
 
 /// Writes the page for a scan called `name`, with a still picture as PNG.
