@@ -105,6 +105,7 @@ pub mod mesh;
 pub mod parameterize;
 #[cfg(feature = "picture")]
 pub mod picture;
+pub mod report;
 pub mod rules;
 mod sets;
 pub mod smooth;
@@ -114,8 +115,9 @@ pub mod words;
 
 pub use adapt::{Adapted, KnotOptions};
 pub use convert::{
-    Builder, Conversion, Cut, InputReport, Inspection, Measured, Missed, Options, Stage, convert,
-    convert_component, convert_file, cut, inspect, measured,
+    Builder, Conversion, Cut, InputReport, Inspection, Measured, Memory, Missed, Options,
+    ScanPlace, Stage, convert, convert_component, convert_components, convert_file, cut, inspect,
+    joined, measured,
 };
 pub use course::Course;
 pub use error::{Error, Result};

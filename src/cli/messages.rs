@@ -1,13 +1,14 @@
 //! The messages of `convert`: what it read, what each stage made, and the result.
 
 use scan2step::mesh::{Bound, FaceOrigin, Patch};
-use scan2step::words::mm;
+use scan2step::report::Source;
+use scan2step::words::{mm, plural};
 use scan2step::{Conversion, Stage};
 
 use super::args::{Component, Convert};
 use super::input::Scan;
 use super::progress::Progress;
-use super::{Outcome, plural, streams};
+use super::{Outcome, streams};
 
 /// What a stage made, in one line.
 pub fn made(stage: &Stage) -> String {
@@ -42,16 +43,17 @@ fn count(patch: &Patch, of: impl Fn(&FaceOrigin) -> bool) -> usize {
 
 /// The counts of the scan's file.
 pub fn came_in(scan: &Scan) -> String {
-    let [vertices, triangles] = scan.counts;
+    let Source { vertices, triangles, .. } = scan.source;
     format!("{}: {vertices} vertices, {triangles} triangles", scan.path.display())
 }
 
 /// Says which unit the scan has, if it is not declared as mm.
 pub fn assumed(progress: &Progress, scan: &Scan) {
-    if scan.unit_assumed {
+    let Source { unit, unit_assumed, .. } = scan.source;
+    if unit_assumed {
         progress.say("units: the file does not say; assuming mm (--units to change)");
-    } else if scan.unit.in_mm() != 1.0 {
-        progress.say(&format!("units: {}", scan.unit.symbol()));
+    } else if unit.in_mm() != 1.0 {
+        progress.say(&format!("units: {}", unit.symbol()));
     }
 }
 

@@ -5,11 +5,9 @@ mod batch;
 mod cad;
 mod check;
 mod convert;
-mod hints;
 mod input;
 mod inspect;
 mod manual;
-mod memory;
 mod messages;
 mod output;
 mod places;
@@ -139,8 +137,4 @@ impl args::Command {
             _ => Ok(()),
         }
     }
-}
-
-fn plural(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }

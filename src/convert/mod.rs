@@ -2,6 +2,7 @@
 //! far there is one, `face.rs`: a component of a scan becomes one face, with others for the
 //! islands in its holes.
 
+mod components;
 mod conversion;
 pub mod cut;
 mod face;
@@ -10,20 +11,25 @@ mod goal;
 mod hints;
 mod input;
 mod lengths;
+mod memory;
 mod options;
+mod places;
 mod stage;
 
+pub use components::{convert_components, joined};
 pub use conversion::{Conversion, Missed};
 pub use cut::Cut;
 pub use file::convert_file;
 pub use input::{InputReport, Inspection, Measured, inspect, measured};
+pub use memory::Memory;
 pub use options::{Builder, Options};
+pub use places::ScanPlace;
 pub use stage::Stage;
 
 use formats::Soup;
 
-use crate::Result;
 use crate::mesh::{self, Components};
+use crate::{Error, Result};
 
 /// Converts one component of a scan. `watch` is shown what each stage made, and how far
 /// long ones have come; an error of its own stops the conversion.
@@ -38,8 +44,10 @@ pub fn convert(
     options: &Options,
     watch: &mut dyn FnMut(Stage) -> Result<()>,
 ) -> Result<Conversion> {
+    options.max_memory.map_or(Ok(()), |most| Memory::of(soup, options).check(most))?;
+    let options = options.resolved(soup)?;
     let scan = Components::new(mesh::from_soup(soup, options.unit_of(soup))?);
-    convert_component(&scan, options, watch)
+    convert_component(&scan, &options, watch)
 }
 
 /// Converts one component of a mesh: readers → **mesh → smooth → fill →
@@ -47,12 +55,16 @@ pub fn convert(
 /// unit is that which it was made with.
 ///
 /// # Errors
-/// Those of [`convert`], but for the mesh.
+/// Those of [`convert`], but for the mesh. [`Error::Input`]: the options name places in the terms
+/// of the scan's file, and [`Options::resolved`] was not called.
 pub fn convert_component(
     scan: &Components,
     options: &Options,
     watch: &mut dyn FnMut(Stage) -> Result<()>,
 ) -> Result<Conversion> {
+    if options.places.are_open() {
+        return Err(Error::Input("resolve the places of the options with the scan's soup first"));
+    }
     // Sparse factorizations sum in an order that depends on the threads; the
     // same bytes on any number of them matter more.
     faer::set_global_parallelism(faer::Par::Seq);

@@ -53,12 +53,12 @@ pub enum Component {
 }
 
 impl Component {
-    /// Which they are. All are those besides dust and islands in holes of others.
+    /// The components that it names.
     pub fn of(self, scan: &Components, outer: Outer) -> Vec<Choice> {
         match self {
             Component::Largest => vec![Choice::Largest],
             Component::Number(n) => vec![Choice::Number(n)],
-            Component::All => scan.without_islands(outer).into_iter().map(Choice::Number).collect(),
+            Component::All => scan.all(outer),
         }
     }
 }
