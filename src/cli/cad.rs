@@ -34,10 +34,11 @@ pub fn write(
     Ok(files)
 }
 
-/// The last second of the year 9999, past which there is no such time stamp.
+/// The last second of the year 9999. A time stamp has four digits for the year.
 const LAST: u64 = 253_402_300_799;
 
-/// SOURCE_DATE_EPOCH, or the epoch itself: the same input gives the same bytes.
+/// The time stamp of files: SOURCE_DATE_EPOCH, or 1970 without it, so that the same input gives
+/// the same bytes.
 pub fn time_stamp() -> Result<String, Failure> {
     let asked = std::env::var_os("SOURCE_DATE_EPOCH").unwrap_or_else(|| "0".into());
     let seconds = asked.to_str().and_then(|s| s.parse().ok()).filter(|s| *s <= LAST);

@@ -9,7 +9,7 @@ use super::args::{Check, Component};
 use super::input::{self, Scan};
 use super::{Failure, Outcome, streams};
 
-/// Reads both, measures, prints.
+/// Reads the CAD file and the scan, measures them against each other, and prints the result.
 pub fn run(args: &Check) -> Result<Outcome, Failure> {
     let model = read_cad(&args.cad)?;
     let scan = Scan::read(&args.piece)?;

@@ -14,7 +14,7 @@ use super::report;
 use super::stages::Stages;
 use super::{Failure, Outcome, cad, messages, settings};
 
-/// Reads, converts, writes.
+/// Reads a scan, converts it and writes all files.
 pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     check_outputs(args)?;
     let voice = if args.manner.quiet { None } else { Some(args.manner.color.is_on()) };
@@ -156,8 +156,8 @@ fn chosen(args: &Convert, scan: &Components, outer: Outer, progress: &Progress) 
     chosen
 }
 
-/// Two outputs at one place, or one over the scan, would destroy each other; and
-/// a folder that cannot be written to is better said before the work than after.
+/// Refuses two outputs of the same name, an output that would replace the scan, and a folder
+/// that cannot be written to, before the long work begins.
 fn check_outputs(args: &Convert) -> Result<(), Failure> {
     let real = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let scan = real(&args.piece.scan);

@@ -8,7 +8,7 @@ use super::args::Inspect;
 use super::input::{self, Scan};
 use super::{Failure, Outcome, streams};
 
-/// Reads, repairs, looks, prints.
+/// Reads and repairs a scan, and prints what it is.
 pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
     let scan = Scan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;
@@ -61,7 +61,7 @@ fn kind(found: &Inspection) -> String {
     }
 }
 
-/// How many holes are listed one by one.
+/// The number of holes that have a line of their own: a screen has room for the rest.
 const LISTED: usize = 12;
 
 /// A line for the outer loop and for each of the longest holes.

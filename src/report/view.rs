@@ -39,6 +39,7 @@ pub struct FaceView {
     /// Distances of all points of the scan as measured.
     pub(super) measured: Vec<f32>,
     /// Distances of the same points, smoothed.
+    #[cfg(feature = "html")]
     pub(super) smoothed: Vec<f32>,
     /// The face as triangles; `None` if it could not be triangulated.
     #[cfg(feature = "html")]
@@ -87,6 +88,7 @@ impl ViewRecorder {
             triangles: disk.mesh.triangles.len(),
             rims,
             measured,
+            #[cfg(feature = "html")]
             smoothed,
             #[cfg(feature = "html")]
             face: triangulated(c, &outlines, &uv, &scan, parts),
