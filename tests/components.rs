@@ -144,7 +144,7 @@ fn places_are_looked_up_in_the_soup() {
 #[test]
 fn a_scan_that_may_need_too_much_memory_is_refused_before_the_work() {
     let soup = sheets(&[8]);
-    let options = Options::builder().max_memory(25_000_000).build().expect("options");
+    let options = Options::builder().max_memory(25_000_000_u64).build().expect("options");
     let mut seen = 0;
     let made = convert(&soup, &options, &mut |_| {
         seen += 1;
@@ -154,6 +154,6 @@ fn a_scan_that_may_need_too_much_memory_is_refused_before_the_work() {
         panic!("{made:?}")
     };
     assert_eq!((allowed, vertices, triangles, seen), (25_000_000, 81, 128, 0));
-    let options = Options::builder().max_memory(1_000_000_000).build().expect("options");
+    let options = Options::builder().max_memory(1_000_000_000_u64).build().expect("options");
     assert!(convert(&soup, &options, &mut |_| Ok(())).is_ok());
 }

@@ -9,8 +9,8 @@ use common::fixture;
 use formats::{LengthUnit, Soup};
 use jsonschema::Validator;
 use scan2step::mesh::{self, Components};
-use scan2step::report::{OutputFile, Report, Settings, Source, StageFigures};
-use scan2step::{Builder, Conversion, Options, ScanPlace, convert, convert_components};
+use scan2step::report::{OutputFile, Report, Settings, Source};
+use scan2step::{Builder, Conversion, Options, convert, convert_components};
 use serde_json::Value;
 
 fn schema() -> Validator {
@@ -22,7 +22,7 @@ fn relief() -> Soup {
     formats::read_scan(&fixture("relief.ply")).expect("a scan")
 }
 
-/// A scan with the options that it is converted with.
+/// The report of a conversion of a scan with some options.
 fn report(file: &Path, soup: &Soup, options: &Options) -> Report {
     let conversion = convert(soup, options, &mut |_| Ok(())).expect("a face");
     report_of(&[conversion], file, soup, options)
@@ -92,6 +92,8 @@ fn several_faces_stand_in_a_list_and_the_first_one_beside() {
 /// Fills in what only the run of the program knows: its times and its files.
 #[cfg(feature = "cli")]
 fn fill_in(report: &mut Report, program: &Value) {
+    use scan2step::report::StageFigures;
+
     let number = |value: &Value| value.as_f64().expect("a number");
     let text = |value: &Value| value.as_str().expect("text").to_owned();
     report.seconds = number(&program["seconds"]);
@@ -117,7 +119,7 @@ fn fill_in(report: &mut Report, program: &Value) {
 #[cfg(feature = "cli")]
 #[test]
 fn the_library_and_the_program_write_the_same_bytes() {
-    use scan2step::{Cut, fit, parameterize, smooth};
+    use scan2step::{Cut, ScanPlace, fit, parameterize, smooth};
 
     let (scan, soup) = (fixture("relief.ply"), relief());
     let places = |vertices: [usize; 4]| vertices.map(ScanPlace::Vertex).to_vec();
@@ -145,7 +147,7 @@ fn the_library_and_the_program_write_the_same_bytes() {
             &["--kappa", "0.1", "--depth", "3", "--smooth", "4", "--fill-only-holes-below", "60"],
             new()
                 .kappa(0.1)
-                .depth(3)
+                .depth(3_u32)
                 .smooth(smooth::Support::Fixed(4.0))
                 .cut(Cut::FromLength(60.0)),
         ),

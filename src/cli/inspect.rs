@@ -61,7 +61,7 @@ fn kind(found: &Inspection) -> String {
     }
 }
 
-/// The number of holes that have a line of their own: a screen has room for the rest.
+/// The number of holes that have a line of their own, so that the text fits on a screen.
 const LISTED: usize = 12;
 
 /// A line for the outer loop and for each of the longest holes.

@@ -11,7 +11,24 @@ use crate::mesh::{Choice, Components};
 /// error of its own stops the conversion.
 ///
 /// [`Components::all`] names all components that are worth a face. [`joined`] puts the faces
-/// into one B-rep.
+/// into one B-rep:
+///
+/// ```no_run
+/// use scan2step::formats::{self, step};
+/// use scan2step::mesh::{self, Components};
+/// use scan2step::{Options, convert_components, joined};
+///
+/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
+/// let soup = formats::read_scan("parts.ply".as_ref())?;
+/// let options = Options::builder().tolerance(0.1).build()?;
+/// let scan = Components::new(mesh::from_soup(&soup, 1.0)?);
+/// let all = scan.all(options.outer());
+/// let conversions = convert_components(&scan, &all, &options, &mut |_, _| Ok(()))?;
+/// let brep = joined("parts", &conversions);
+/// step::write(&brep, &step::Options::default(), &mut std::fs::File::create("parts.step")?)?;
+/// # Ok(())
+/// # }
+/// ```
 ///
 /// # Errors
 /// Those of [`convert_component`], for the first component that cannot be converted.

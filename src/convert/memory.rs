@@ -108,7 +108,7 @@ mod tests {
         assert_eq!(largest(|options| options.net([20, 30])), 600);
         assert_eq!(largest(|options| options.tolerance(0.1)), 5000);
         assert_eq!(largest(|options| options.kappa(0.1)), 5000);
-        assert_eq!(largest(|options| options.depth(6)), 5000);
+        assert_eq!(largest(|options| options.depth(6_u32)), 5000);
     }
 
     #[test]

@@ -5,10 +5,6 @@
 
 use std::io::{self, Write};
 
-use crate::Conversion;
-use crate::picture::colour::encoded;
-use crate::picture::scale::{DISTANCE, SIGNED, colour};
-use crate::words::mm;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use minijinja::value::{Serde, ValueKind};
@@ -18,6 +14,10 @@ use serde_json::{Value, json};
 use super::histogram::Histogram;
 use super::scale::{Ends, short};
 use super::{FaceView, Report, file_name, plane, scene};
+use crate::Conversion;
+use crate::picture::colour::encoded;
+use crate::picture::scale::{DISTANCE, SIGNED, colour};
+use crate::words::mm;
 
 /// The page's program, in parts that share one function.
 const SCRIPT: &str = concat!(

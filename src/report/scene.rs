@@ -1,16 +1,16 @@
 //! The scene that the page's script draws: arrays of little-endian numbers in base64.
 
-use crate::Conversion;
-use crate::brep::outer_edges;
-use crate::geometry::{Point, Vector, VertexId};
-use crate::mesh::Mesh;
-use crate::picture::{Camera, polyline, scale};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
 use super::FaceView;
 use super::scale::Ends;
+use crate::Conversion;
+use crate::brep::outer_edges;
+use crate::geometry::{Point, Vector, VertexId};
+use crate::mesh::Mesh;
+use crate::picture::{Camera, polyline, scale};
 
 /// The scene as JSON. Points are mm from `middle`, so that single precision suffices for a scan
 /// far from the origin.

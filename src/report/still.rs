@@ -2,6 +2,11 @@
 
 use std::io;
 
+use nalgebra::Vector3;
+
+use super::FaceView;
+use super::histogram::Histogram;
+use super::scale::{Ends, short};
 use crate::Conversion;
 use crate::deviation::Deviation;
 use crate::geometry::Point;
@@ -11,13 +16,7 @@ use crate::picture::lines::{Lines, Pen};
 use crate::picture::scale::{SIGNED, colour};
 use crate::picture::text::{Style, Type};
 use crate::picture::{Camera, Image, sheet};
-use crate::words::mm;
-use nalgebra::Vector3;
-
-use super::FaceView;
-use super::histogram::Histogram;
-use super::scale::{Ends, short};
-use crate::words::plural;
+use crate::words::{mm, plural};
 
 /// Pixels of the picture.
 const SIZE: [usize; 2] = [1600, 1000];
