@@ -7,6 +7,7 @@ use faer::sparse::linalg::{LltError, LuError};
 
 use crate::geometry::{Bound, Point};
 use crate::rules;
+use crate::words::bytes;
 
 /// A result of the pipeline.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -36,6 +37,31 @@ pub enum Error {
         asked: usize,
         /// How many there are.
         count: usize,
+    },
+    /// The scan has no vertex with the number that an option names.
+    #[error("there is no vertex {asked}; the scan has {count}")]
+    Vertex {
+        /// The number, counted from 0.
+        asked: usize,
+        /// How many vertices the file has.
+        count: usize,
+    },
+    /// The conversion may need more memory than the caller allows.
+    #[error(
+        "may need {} for {vertices} vertices, {triangles} triangles and up to {control_points} control points; --max-memory allows {}",
+        bytes(*needed), bytes(*allowed)
+    )]
+    MaxMemory {
+        /// Bytes that it may need.
+        needed: u64,
+        /// Bytes that the caller allows.
+        allowed: u64,
+        /// Vertices of the scan.
+        vertices: usize,
+        /// Triangles of the scan.
+        triangles: usize,
+        /// The largest number of control points.
+        control_points: usize,
     },
     /// The component has one side only.
     #[error("the surface is one-sided (a Möbius strip is in it) and cannot be oriented")]
@@ -262,6 +288,10 @@ impl Error {
             }
             Error::Component { count, .. } => {
                 format!("choose a `component` from 0 to {}, or the largest", count.saturating_sub(1))
+            }
+            Error::Vertex { .. } => "count vertices as the file does, from 0".into(),
+            Error::MaxMemory { .. } => {
+                "allow more, bound the net with a smaller `max_net`, or thin the scan".into()
             }
             Error::NotOrientable => "cut the strip open, or choose another `component`".into(),
             Error::NotADisk { loops: 0, .. } => {

@@ -68,6 +68,10 @@
 //! | trim | [`cut::rims`], [`trim::trim`] | both | trim loops |
 //! | brep | [`cut::faces`], [`brep::build`] | these | what `formats` writes |
 //!
+//! [`convert_components`] converts several components of a scan, and [`joined`] puts their faces
+//! into one B-rep. [`report::Report`] has the figures of conversions, [`Memory`] estimates the
+//! memory that one takes before it begins.
+//!
 //! [`deviation::Face`] tells how far points are from the face; [`check::check`] how far
 //! a CAD file is from a scan.
 //!
@@ -78,8 +82,15 @@
 //!
 //! # Features
 //!
-//! `cli` (default) is the program; `picture`, which it implies, the module of that name.
-//! A library does without: `default-features = false`.
+//! | feature | what it adds | packages |
+//! | --- | --- | --- |
+//! | `cli` (default) | the program; it implies the others | clap, indicatif and others |
+//! | `serde` | `serde::Serialize` for the types of [`report`] | serde |
+//! | `json` | reports as JSON text | serde, serde_json |
+//! | `picture` | the module `picture`, and the picture of a report | ab_glyph, dejavu, png |
+//! | `html` | the page of a report | those of `json` and `picture`, minijinja, base64 |
+//!
+//! A library leaves out the program: `default-features = false`.
 //!
 //! # Errors and versions
 //!
@@ -110,6 +121,7 @@ pub mod parameterize;
 #[cfg(feature = "picture")]
 pub mod picture;
 mod progress;
+pub mod report;
 pub mod rules;
 mod sets;
 pub mod smooth;
@@ -120,8 +132,9 @@ pub mod words;
 
 pub use adapt::{Adapted, KnotOptions};
 pub use convert::{
-    Builder, Conversion, Cut, InputReport, Inspection, Measured, Missed, Observer, Options, Stage,
-    convert, convert_component, convert_file, cut, inspect, measured,
+    Builder, Conversion, Cut, InputReport, Inspection, Measured, Memory, Missed, Observer, Options,
+    ScanPlace, Stage, convert, convert_component, convert_components, convert_file, cut, inspect,
+    joined, measured,
 };
 pub use error::{Error, Result};
 pub use progress::Progress;

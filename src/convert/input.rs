@@ -72,7 +72,7 @@ impl InputReport {
 pub(crate) fn disk(scan: &Components, options: &Options) -> Result<(Disk, InputReport)> {
     let chosen = scan.take(options.component)?;
     let mut input = InputReport::new(scan, &chosen);
-    let disk = chosen.into_own_disk(options.outer, &mut input.repairs)?;
+    let disk = chosen.into_own_disk(options.outer(), &mut input.repairs)?;
     input.count_islands(&disk, &scan.sizes());
     Ok((disk, input))
 }

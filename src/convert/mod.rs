@@ -2,6 +2,7 @@
 //! far there is one, `face.rs`: a component of a scan becomes one face, with others for the
 //! islands in its holes.
 
+mod components;
 mod conversion;
 pub mod cut;
 mod face;
@@ -10,20 +11,25 @@ mod goal;
 mod hints;
 mod input;
 mod lengths;
+mod memory;
 mod options;
+mod places;
 mod stage;
 
+pub use components::{convert_components, joined};
 pub use conversion::{Conversion, Missed};
 pub use cut::Cut;
 pub use file::convert_file;
 pub use input::{InputReport, Inspection, Measured, inspect, measured};
+pub use memory::Memory;
 pub use options::{Builder, Options};
+pub use places::ScanPlace;
 pub use stage::{Observer, Stage};
 
 use formats::Soup;
 
 use crate::mesh::{self, Components};
-use crate::{Result, threads};
+use crate::{Error, Result, threads};
 
 /// Converts one component of a scan. `watch` is shown what each stage made, and how far
 /// long ones have come. It stops the conversion with an error of its own, such as
@@ -35,9 +41,11 @@ use crate::{Result, threads};
 /// # Errors
 /// What stops a stage, or what `watch` answers.
 pub fn convert(soup: &Soup, options: &Options, watch: &mut Observer) -> Result<Conversion> {
+    options.max_memory.map_or(Ok(()), |most| Memory::of(soup, options).check(most))?;
+    let options = options.resolved(soup)?;
     threads::run(options.threads, || {
         let scan = Components::new(mesh::from_soup(soup, options.unit_of(soup))?);
-        component(&scan, options, watch)
+        component(&scan, &options, watch)
     })?
 }
 
@@ -46,12 +54,16 @@ pub fn convert(soup: &Soup, options: &Options, watch: &mut Observer) -> Result<C
 /// unit is that which it was made with.
 ///
 /// # Errors
-/// Those of [`convert`], but for the mesh.
+/// Those of [`convert`], but for the mesh. [`Error::Input`]: the options name places in the terms
+/// of the scan's file, and [`Options::resolved`] was not called.
 pub fn convert_component(
     scan: &Components,
     options: &Options,
     watch: &mut Observer,
 ) -> Result<Conversion> {
+    if options.places.are_open() {
+        return Err(Error::Input("resolve the places of the options with the scan's soup first"));
+    }
     threads::run(options.threads, || component(scan, options, watch))?
 }
 

@@ -3,7 +3,7 @@
 use crate::mesh::{Disk, Patch};
 use crate::parameterize::{CompressedRegion, Parameterized};
 use crate::spline::Surface;
-use crate::{Result, trim};
+use crate::{Conversion, Result, trim};
 
 /// A stage that has just ended, with what it made, or one that goes on.
 #[derive(Debug)]
@@ -27,6 +27,8 @@ pub enum Stage<'a> {
     Brep,
     /// The deviation.
     Deviation,
+    /// One of several components is converted ([`convert_components`](crate::convert_components)).
+    Done(&'a Conversion),
     /// The stage of that name goes on, and has about so large a share of its time behind
     /// it: more than it was told of before.
     Within(&'static str, f64),
@@ -49,6 +51,7 @@ impl Stage<'_> {
             Stage::Trim(..) => "trim",
             Stage::Brep => "brep",
             Stage::Deviation => "deviation",
+            Stage::Done(_) => "done",
             Stage::Within(name, _) => name,
         }
     }

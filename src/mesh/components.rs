@@ -101,7 +101,12 @@ impl Components {
         self.pieces.iter().map(Vec::len).collect()
     }
 
-    /// The components that are neither dust nor islands of another component.
+    /// The components that are worth a face: all but dust and islands of others.
+    pub fn all(&self, outer: Outer) -> Vec<Choice> {
+        self.without_islands(outer).into_iter().map(Choice::Number).collect()
+    }
+
+    /// The components besides dust that are no island of another one.
     pub fn without_islands(&self, outer: Outer) -> Vec<usize> {
         let mut found = HashSet::new();
         for n in 0..self.sizeable() {

@@ -1,4 +1,4 @@
-//! Files to write; their extensions say what they are.
+//! Files to write. The extension of a name gives the format.
 
 use std::path::PathBuf;
 

@@ -1,4 +1,4 @@
-//! Which scan, and which piece of it.
+//! Options that choose a scan and its components.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use super::choices::Unit;
 use super::colour::Colour;
 use crate::cli::places::Place;
 
-/// How large a scan is.
+/// The unit of a scan.
 #[derive(Debug, Args)]
 pub struct Scale {
     /// Unit of the scan's numbers [default: metres for glTF, else mm]
@@ -17,20 +17,20 @@ pub struct Scale {
     pub units: Option<Unit>,
 }
 
-/// What to look at, of a scan.
+/// The scan and its outer boundary.
 #[derive(Debug, Args)]
 pub struct Piece {
     /// The scan.
     pub scan: PathBuf,
     #[command(flatten)]
     pub scale: Scale,
-    /// A place on the boundary loop that is the outer one: a vertex index,
-    /// counted from 0, or a point in the scan's numbers [default: the longest loop that does not run around a hole]
+    /// A place on the outer boundary loop: a vertex index, counted from 0, or a point in the
+    /// scan's numbers [default: the longest loop that does not run around a hole]
     #[arg(long, value_name = "V|x,y,z", allow_hyphen_values = true)]
     pub outer: Option<Place>,
 }
 
-/// Options of the commands that look at a scan.
+/// Options of the commands that print what they find.
 #[derive(Debug, Args)]
 pub struct Look {
     /// Print one JSON object; lengths are mm
@@ -44,7 +44,7 @@ pub struct Look {
     pub color: Colour,
 }
 
-/// Which pieces of a scan.
+/// Components of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Component {
     Largest,
@@ -53,12 +53,12 @@ pub enum Component {
 }
 
 impl Component {
-    /// Which they are. All are those besides dust and islands in holes of others.
+    /// The components that it names.
     pub fn of(self, scan: &Components, outer: Outer) -> Vec<Choice> {
         match self {
             Component::Largest => vec![Choice::Largest],
             Component::Number(n) => vec![Choice::Number(n)],
-            Component::All => scan.without_islands(outer).into_iter().map(Choice::Number).collect(),
+            Component::All => scan.all(outer),
         }
     }
 }

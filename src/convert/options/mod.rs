@@ -7,8 +7,9 @@ pub use builder::Builder;
 use formats::{LengthUnit, Soup};
 
 use super::Cut;
+use super::places::NamedPlaces;
 use crate::adapt::KnotOptions;
-use crate::error::{Result, of};
+use crate::error::{Error, Result, of};
 use crate::geometry::{Point, in_lengths, length};
 use crate::{adapt, fill, fit, mesh, parameterize, rules, smooth, trim};
 
@@ -43,6 +44,8 @@ pub struct Options {
     pub(crate) rim_tolerance: Option<f64>,
     pub(crate) cut: Cut,
     pub(crate) threads: Option<usize>,
+    pub(crate) max_memory: Option<u64>,
+    pub(crate) places: NamedPlaces,
 }
 
 impl Default for Options {
@@ -62,6 +65,8 @@ impl Default for Options {
             rim_tolerance: None,
             cut: Cut::default(),
             threads: None,
+            max_memory: None,
+            places: NamedPlaces::default(),
         }
     }
 }
@@ -78,14 +83,25 @@ impl Options {
         Options { component, ..self.clone() }
     }
 
-    /// Which boundary loop is the outer one.
+    /// Which boundary loop is the outer one: the one named, else the one with the first of the
+    /// corners that are named.
     pub fn outer(&self) -> mesh::Outer {
-        self.outer
+        match (self.outer, self.corners()) {
+            (mesh::Outer::Auto, Some([first, ..])) => mesh::Outer::Near(first),
+            (outer, _) => outer,
+        }
     }
 
     /// The points, in mm, next to which the corners of the domain lie, if they are named.
     pub fn corners(&self) -> Option<[Point; 4]> {
         self.parameterize.corners
+    }
+
+    /// The unit of the scan's numbers, if one is named that has a name.
+    pub fn unit(&self) -> Option<LengthUnit> {
+        use LengthUnit::{Centimetre, Inch, Metre, Millimetre};
+        let mm = self.unit_mm?;
+        [Millimetre, Centimetre, Metre, Inch].into_iter().find(|unit| unit.in_mm() == mm)
     }
 
     /// The length of a soup's unit in mm: the one named, else its own, else a millimetre.
@@ -132,6 +148,9 @@ impl Options {
         self.unit_mm.map_or(Ok(()), rules::length).map_err(of("unit"))?;
         if let mesh::Outer::Near(place) = self.outer {
             rules::points(&[place]).map_err(of("outer"))?;
+        }
+        if self.places.corners.as_ref().is_some_and(|corners| corners.len() != 4) {
+            return Err(Error::Corners("not four places".into()));
         }
         self.smooth.check()?;
         self.fill.check()?;

@@ -1,23 +1,22 @@
-//! A still picture of the report, for people without a browser.
+//! A still picture of the report, for documents and for people without a browser.
 
 use std::io;
 
 use nalgebra::Vector3;
-use scan2step::Conversion;
-use scan2step::deviation::Deviation;
-use scan2step::geometry::Point;
-use scan2step::picture::canvas::Canvas;
-use scan2step::picture::colour::{BACKGROUND, INK, encoded, linear, srgb};
-use scan2step::picture::lines::{Lines, Pen};
-use scan2step::picture::scale::{SIGNED, colour};
-use scan2step::picture::text::{Style, Type};
-use scan2step::picture::{Camera, Image, sheet};
-use scan2step::words::mm;
 
+use super::FaceView;
 use super::histogram::Histogram;
-use super::shown::Shown;
-use super::{Ends, short};
-use crate::cli::plural;
+use super::scale::{Ends, short};
+use crate::Conversion;
+use crate::deviation::Deviation;
+use crate::geometry::Point;
+use crate::picture::canvas::Canvas;
+use crate::picture::colour::{BACKGROUND, INK, encoded, linear, srgb};
+use crate::picture::lines::{Lines, Pen};
+use crate::picture::scale::{SIGNED, colour};
+use crate::picture::text::{Style, Type};
+use crate::picture::{Camera, Image, sheet};
+use crate::words::{mm, plural};
 
 /// Pixels of the picture.
 const SIZE: [usize; 2] = [1600, 1000];
@@ -39,67 +38,71 @@ const SMALL: Style = Style { size: 20.0, bold: false, colour: MUTED };
 /// How far the small pictures are turned from the large one.
 const TURN: f64 = 0.7;
 
-/// The scan coloured by its deviation from three sides, the histogram under the
-/// same colours, and the figures that matter, as PNG.
-pub fn png(name: &str, scene: &[(&Conversion, &Shown)]) -> io::Result<Vec<u8>> {
+/// Draws a picture of 1600 × 1000 pixels as PNG: the scan from three sides in the colours of its
+/// deviation from the face, the histogram of the deviation, and the figures that matter most.
+/// `name` stands above them.
+///
+/// # Errors
+/// The font cannot be read, or the image cannot be encoded.
+pub fn picture_png(name: &str, faces: &[(&Conversion, &FaceView)]) -> io::Result<Vec<u8>> {
     let letters = Type::new().map_err(io::Error::other)?;
     let mut page = Page { image: Image::blank(SIZE, BACKGROUND), letters };
-    let end = Ends::of(scene).measured;
-    page.head(name, scene);
-    if let Some((_, first)) = scene.first() {
-        let extent = || scene.iter().flat_map(|(_, s)| s.scan.mesh.points.iter().copied());
+    let end = Ends::of(faces).measured;
+    page.head(name, faces);
+    if let Some((_, first)) = faces.first() {
+        let extent = || faces.iter().flat_map(|(_, s)| s.scan.mesh.points.iter().copied());
         let size = [COLUMN - MARGIN, SIZE[1] - TOP - 10];
         let camera = Camera::facing(&first.scan.mesh, extent(), size);
-        page.image.lay(&view(scene, &camera, size, end), [MARGIN / 2, TOP]);
+        page.image.lay(&view(faces, &camera, size, end), [MARGIN / 2, TOP]);
         for (x, turn) in [(COLUMN, -TURN), (COLUMN + ASIDE[0] + 20, TURN)] {
             let aside = camera.aside(turn, extent(), ASIDE);
-            page.image.lay(&view(scene, &aside, ASIDE, end), [x, TOP]);
+            page.image.lay(&view(faces, &aside, ASIDE, end), [x, TOP]);
         }
     }
-    let distances = scene.iter().flat_map(|(_, s)| s.measured.iter().copied());
+    let distances = faces.iter().flat_map(|(_, s)| s.measured.iter().copied());
     let top = TOP + ASIDE[1] + 60;
     let histogram = Histogram::of(distances, end);
-    page.histogram(&histogram, scene.len(), tolerance(scene), [COLUMN, top]);
-    page.figures(scene, [COLUMN as f32, (top + BARS[1] + 130) as f32]);
+    page.histogram(&histogram, faces.len(), tolerance(faces), [COLUMN, top]);
+    page.figures(faces, [COLUMN as f32, (top + BARS[1] + 130) as f32]);
     let mut bytes = Vec::new();
     page.image.write(&mut bytes)?;
     Ok(bytes)
 }
 
 /// The tolerance, where all parts have the same.
-fn tolerance(scene: &[(&Conversion, &Shown)]) -> Option<f64> {
-    let (first, _) = scene.first()?;
-    scene.iter().all(|(c, _)| c.tolerance == first.tolerance).then_some(first.tolerance)
+fn tolerance(faces: &[(&Conversion, &FaceView)]) -> Option<f64> {
+    let (first, _) = faces.first()?;
+    faces.iter().all(|(c, _)| c.tolerance == first.tolerance).then_some(first.tolerance)
 }
 
 /// Root mean square, 95th percentile and largest of the distances from all faces.
-fn together(scene: &[(&Conversion, &Shown)], of: fn(&Conversion) -> &Deviation) -> [f64; 3] {
+fn together(faces: &[(&Conversion, &FaceView)], of: fn(&Conversion) -> &Deviation) -> [f64; 3] {
     let figures = |d: &Deviation| [d.rms, d.p95, d.max];
-    if let [(only, _)] = scene {
+    if let [(only, _)] = faces {
         return figures(of(only));
     }
-    let all: Vec<f64> = scene.iter().flat_map(|(c, _)| &of(c).distances).copied().collect();
+    let all: Vec<f64> = faces.iter().flat_map(|(c, _)| &of(c).distances).copied().collect();
     // Where the farthest is, its ring shows.
     figures(&Deviation::of(&vec![Point::origin(); all.len()], all))
 }
 
 /// The percentage of all smoothed points that keep their face's tolerance.
-fn within(scene: &[(&Conversion, &Shown)]) -> f64 {
-    let sum = |of: fn(&Conversion) -> usize| scene.iter().map(|(c, _)| of(c)).sum::<usize>() as f64;
+fn within(faces: &[(&Conversion, &FaceView)]) -> f64 {
+    let sum = |of: fn(&Conversion) -> usize| faces.iter().map(|(c, _)| of(c)).sum::<usize>() as f64;
     let beyond = sum(|c| c.missed.points);
     100.0 - 100.0 * beyond / sum(|c| c.fit_deviation.distances.len()).max(1.0)
 }
 
 /// The scan from one side.
-fn view(scene: &[(&Conversion, &Shown)], camera: &Camera, size: [usize; 2], end: f64) -> Image {
+fn view(faces: &[(&Conversion, &FaceView)], camera: &Camera, size: [usize; 2], end: f64) -> Image {
     let mut canvas = Canvas::new(size);
-    for (_, shown) in scene {
-        let share = |v: scan2step::geometry::VertexId| {
+    for (_, shown) in faces {
+        let share = |v: crate::geometry::VertexId| {
             0.5 + 0.5 * f64::from(shown.measured[shown.scan.old[v.index()]]) / end
         };
         sheet::draw_coloured(&mut canvas, &shown.scan.mesh, camera, &SIGNED, share);
     }
-    for (conversion, shown) in scene {
+    for (conversion, shown) in faces {
         let rims = shown.rims.iter();
         let rims = sheet::rims(&canvas, &shown.scan.mesh, rims, camera, Pen::solid(1.4));
         rims.ink(&mut canvas, linear(INK));
@@ -147,19 +150,19 @@ impl Page {
     }
 
     /// What was converted, and the result in a line.
-    fn head(&mut self, name: &str, scene: &[(&Conversion, &Shown)]) {
+    fn head(&mut self, name: &str, faces: &[(&Conversion, &FaceView)]) {
         let width = (SIZE[0] - 2 * MARGIN) as f32;
         let title = self.letters.fit(name, TITLE, width);
         self.write(&title, [MARGIN as f32, 62.0], TITLE);
-        let vertices: usize = scene.iter().map(|(c, _)| c.input.vertices).sum();
-        let triangles: usize = scene.iter().map(|(_, s)| s.triangles).sum();
-        let cut: usize = scene.iter().map(|(c, _)| c.trimmed.iter().filter(|t| **t).count()).sum();
-        let net = match scene {
+        let vertices: usize = faces.iter().map(|(c, _)| c.input.vertices).sum();
+        let triangles: usize = faces.iter().map(|(_, s)| s.triangles).sum();
+        let cut: usize = faces.iter().map(|(c, _)| c.trimmed.iter().filter(|t| **t).count()).sum();
+        let net = match faces {
             [(c, _)] => {
                 let [m, n] = c.surface.shape();
                 format!("{m} × {n} control points")
             }
-            _ => plural(scene.len(), "face"),
+            _ => plural(faces.len(), "face"),
         };
         let cut = plural(cut, "hole");
         let line = format!("{vertices} points, {triangles} triangles  ·  {net}, {cut} cut out");
@@ -207,18 +210,18 @@ impl Page {
         self.write(&note, [x as f32, foot + 28.0], SMALL);
     }
 
-    fn figures(&mut self, scene: &[(&Conversion, &Shown)], [x, y]: [f32; 2]) {
+    fn figures(&mut self, faces: &[(&Conversion, &FaceView)], [x, y]: [f32; 2]) {
         let line = |of| {
-            let [rms, p95, max] = together(scene, of).map(mm);
+            let [rms, p95, max] = together(faces, of).map(mm);
             format!("rms {rms}  ·  95 % {p95}  ·  max {max}")
         };
-        let tolerance = tolerance(scene).map_or("each face its own".into(), mm);
+        let tolerance = tolerance(faces).map_or("each face its own".into(), mm);
         let rows = [
             ("as measured", line(|c| &c.deviation)),
             ("smoothed", line(|c| &c.fit_deviation)),
             (
                 "tolerance",
-                format!("{tolerance}, which {:.2} % of the smoothed keep", within(scene)),
+                format!("{tolerance}, which {:.2} % of the smoothed keep", within(faces)),
             ),
         ];
         for (k, (label, text)) in rows.iter().enumerate() {

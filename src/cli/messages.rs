@@ -1,15 +1,16 @@
-//! What `convert` says of a scan and of what became of it.
+//! The messages of `convert`: what it read, what each stage made, and the result.
 
 use scan2step::mesh::{Bound, FaceOrigin, Patch};
-use scan2step::words::mm;
+use scan2step::report::Source;
+use scan2step::words::{mm, plural};
 use scan2step::{Conversion, Stage};
 
 use super::args::{Component, Convert};
 use super::input::Scan;
 use super::progress::Progress;
-use super::{Outcome, plural, streams};
+use super::{Outcome, streams};
 
-/// What a stage made.
+/// What a stage made, in one line.
 pub fn made(stage: &Stage) -> String {
     match stage {
         Stage::Mesh(disk) => {
@@ -40,27 +41,28 @@ fn count(patch: &Patch, of: impl Fn(&FaceOrigin) -> bool) -> usize {
     patch.origin.iter().filter(|origin| of(origin)).count()
 }
 
-/// What the file has.
+/// The counts of the scan's file.
 pub fn came_in(scan: &Scan) -> String {
-    let [vertices, triangles] = scan.counts;
+    let Source { vertices, triangles, .. } = scan.source;
     format!("{}: {vertices} vertices, {triangles} triangles", scan.path.display())
 }
 
-/// What was assumed of it.
+/// Says which unit the scan has, if it is not declared as mm.
 pub fn assumed(progress: &Progress, scan: &Scan) {
-    if scan.unit_assumed {
+    let Source { unit, unit_assumed, .. } = scan.source;
+    if unit_assumed {
         progress.say("units: the file does not say; assuming mm (--units to change)");
-    } else if scan.unit.in_mm() != 1.0 {
-        progress.say(&format!("units: {}", scan.unit.symbol()));
+    } else if unit.in_mm() != 1.0 {
+        progress.say(&format!("units: {}", unit.symbol()));
     }
 }
 
-/// What was repaired.
+/// Says what was repaired, and how often.
 pub fn repaired(progress: &Progress, (kind, count): (&&str, &usize)) {
     progress.say(&format!("repaired: {count} {}", kind.replace('_', " ")));
 }
 
-/// What was found on the way, and assumed where the user did not say.
+/// Says what the conversion left out and kept, and which tolerance it chose.
 pub fn found(progress: &Progress, args: &Convert, c: &Conversion) {
     if c.input.left_out > 0 && args.how.component != Component::All {
         progress.say(&format!(
@@ -85,7 +87,7 @@ pub fn found(progress: &Progress, args: &Convert, c: &Conversion) {
     }
 }
 
-/// Why the tolerance is what it is where nobody named it.
+/// Why a tolerance that the user did not name has its value.
 fn why(c: &Conversion) -> String {
     match c.smooth.noise {
         0.0 => "from what flat triangles miss, as the scan shows no noise".into(),
@@ -123,7 +125,7 @@ pub fn result(progress: &Progress, args: &Convert, c: &Conversion) {
     }
 }
 
-/// Says it where a tolerance that the user named is not met.
+/// Says so if the face misses a tolerance that the user named.
 pub fn verdict(args: &Convert, c: &Conversion) -> Outcome {
     if args.how.tolerance.is_none() || c.tolerance_met(args.how.outliers / 100.0) {
         return Outcome::Done;

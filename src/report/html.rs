@@ -1,8 +1,7 @@
 //! The report as one page that needs nothing else: no network, no other file.
 //!
-//! Figures, tables and drawings stand in the page as text and SVG, and a still
-//! picture where the scan would turn, so that it can be read where neither WebGL
-//! nor scripts run.
+//! Figures, tables and drawings are text and SVG. A still picture takes the place of the scan
+//! that turns, so that a browser without WebGL or scripts shows the page, too.
 
 use std::io::{self, Write};
 
@@ -10,15 +9,15 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use minijinja::value::{Serde, ValueKind};
 use minijinja::{AutoEscape, Environment, UndefinedBehavior, context};
-use scan2step::Conversion;
-use scan2step::picture::colour::encoded;
-use scan2step::picture::scale::{DISTANCE, SIGNED, colour};
-use scan2step::words::mm;
 use serde_json::{Value, json};
 
 use super::histogram::Histogram;
-use super::shown::Shown;
-use super::{Ends, data, plane, short};
+use super::scale::{Ends, short};
+use super::{FaceView, Report, file_name, plane, scene};
+use crate::Conversion;
+use crate::picture::colour::encoded;
+use crate::picture::scale::{DISTANCE, SIGNED, colour};
+use crate::words::mm;
 
 /// The page's program, in parts that share one function.
 const SCRIPT: &str = concat!(
@@ -26,44 +25,58 @@ const SCRIPT: &str = concat!(
     include_str!("page/shaders.js"),
     include_str!("page/scene.js"),
     include_str!("page/paint.js"),
-    include_str!("page/hands.js"),
+    include_str!("page/controls.js"),
 );
 
-/// Writes the page for a scan called `name`, with a still picture as PNG.
-pub fn write(
+impl Report {
+    /// Writes the report as a page for a browser: one file that needs nothing else. `faces` are
+    /// the conversions of the report, in its order, and `still` is a picture of them
+    /// ([`picture_png`](super::picture_png)).
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write_html(
+        &self,
+        faces: &[(&Conversion, &FaceView)],
+        still: &[u8],
+        out: &mut dyn Write,
+    ) -> io::Result<()> {
+        let page = page(&self.name(), &self.to_value(), faces, still);
+        out.write_all(page.map_err(io::Error::other)?.as_bytes())
+    }
+}
+
+/// The text of the page.
+fn page(
     name: &str,
     figures: &Value,
-    scene: &[(&Conversion, &Shown)],
+    faces: &[(&Conversion, &FaceView)],
     still: &[u8],
-    out: &mut dyn Write,
-) -> io::Result<()> {
-    let ends = Ends::of(scene);
+) -> Result<String, minijinja::Error> {
+    let ends = Ends::of(faces);
     // With one component the report itself has its figures.
     let of_parts = figures["components"].as_array();
-    let part = |(k, (c, shown)): (usize, &(&Conversion, &Shown))| {
+    let part = |(k, (c, shown)): (usize, &(&Conversion, &FaceView))| {
         json!({
             "figures": of_parts.and_then(|parts| parts.get(k)).unwrap_or(figures),
             "plane": plane::svg(k, c, shown),
-            "measured": histogram(&shown.measured, ends.measured, c.tolerance),
-            "smoothed": histogram(&shown.smoothed, ends.smoothed, c.tolerance),
+            "measured": histograms(&shown.measured, ends.measured, c.tolerance),
+            "smoothed": histograms(&shown.smoothed, ends.smoothed, c.tolerance),
             "drawn": shown.scan.mesh.triangles.len(),
             "triangles": shown.triangles,
             "face": shown.face.is_some(),
         })
     };
-    let parts: Vec<Value> = scene.iter().enumerate().map(part).collect();
-    let page = environment().and_then(|environment| {
-        environment.get_template("report.html")?.render(context! {
-            name,
-            report => Serde(figures),
-            parts => Serde(&parts),
-            still => STANDARD.encode(still),
-            scene => Serde(data::scene(scene, &ends)),
-            style => include_str!("page/report.css"),
-            script => SCRIPT,
-        })
-    });
-    out.write_all(page.map_err(io::Error::other)?.as_bytes())
+    let parts: Vec<Value> = faces.iter().enumerate().map(part).collect();
+    environment()?.get_template("report.html")?.render(context! {
+        name,
+        report => Serde(figures),
+        parts => Serde(&parts),
+        still => STANDARD.encode(still),
+        scene => Serde(scene::scene(faces, &ends)),
+        style => include_str!("page/report.css"),
+        script => SCRIPT,
+    })
 }
 
 fn environment() -> Result<Environment<'static>, minijinja::Error> {
@@ -78,17 +91,17 @@ fn environment() -> Result<Environment<'static>, minijinja::Error> {
     });
     environment.add_filter("option", option);
     environment.add_filter("words", |s: String| s.replace('_', " "));
-    environment.add_filter("file", |s: String| super::file_name(s.as_ref()));
+    environment.add_filter("file", |s: String| file_name(&s));
     environment.add_template("report.html", include_str!("page/report.html"))?;
     Ok(environment)
 }
 
-/// A number as text; what is none, as a dash.
+/// A number as text, or a dash for a value that is no number.
 fn of_number(x: &minijinja::Value, text: impl Fn(f64) -> String) -> String {
     f64::try_from(x.clone()).map_or_else(|_| "–".into(), text)
 }
 
-/// What was given for an option.
+/// The value of an option as text.
 fn option(value: minijinja::Value) -> String {
     match value.kind() {
         ValueKind::None => "not given".into(),
@@ -111,7 +124,7 @@ fn grouped(x: f64) -> String {
 }
 
 /// Both histograms of some distances, as the template draws them.
-fn histogram(distances: &[f32], end: f64, tolerance: f64) -> Value {
+fn histograms(distances: &[f32], end: f64, tolerance: f64) -> Value {
     let histogram = Histogram::of(distances.iter().copied(), end);
     let hex = |scale: &[u32; 9], share: f64| {
         let [r, g, b] = encoded(colour(scale, share));

@@ -1,23 +1,23 @@
-//! Processes that a run starts, which end with it.
+//! Processes that a run starts. They end when the run is stopped.
 
 use std::io;
 use std::process::{Command, Output, Stdio};
 use std::sync::{Mutex, PoisonError};
 
-use super::leftovers;
+use super::temp_files;
 
-/// Those that are running.
+/// The numbers of the running processes.
 static RUNNING: Mutex<Vec<u32>> = Mutex::new(Vec::new());
 
 fn change(what: impl FnOnce(&mut Vec<u32>)) {
     what(&mut RUNNING.lock().unwrap_or_else(PoisonError::into_inner));
 }
 
-/// Runs a command to its end and returns what it said.
+/// Runs a command to its end and returns what it wrote to standard error.
 pub fn run(command: &mut Command) -> io::Result<Output> {
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
-    // None starts any more once the run is being stopped.
-    let child = leftovers::uninterrupted(|| {
+    // No process starts once the run is being stopped.
+    let child = temp_files::uninterrupted(|| {
         let child = command.spawn()?;
         change(|running| running.push(child.id()));
         io::Result::Ok(child)
@@ -28,7 +28,7 @@ pub fn run(command: &mut Command) -> io::Result<Output> {
     output
 }
 
-/// Has all that are running clear up and end, and waits for them.
+/// Asks all running processes to remove their temporary files and end, and waits for them.
 #[cfg(unix)]
 pub fn stop() {
     use rustix::process::{Pid, Signal, kill_process};
@@ -37,12 +37,12 @@ pub fn stop() {
     change(|running| {
         for &id in running.iter() {
             if let Some(pid) = Pid::from_raw(id as i32) {
-                // It may have ended by itself.
+                // The process may have ended already.
                 let _ = kill_process(pid, Signal::TERM);
             }
         }
     });
-    // They have nothing to do but to remove files.
+    // Ten seconds suffice, because the processes only remove files.
     let begun = Instant::now();
     let mut some = true;
     while some && begun.elapsed() < Duration::from_secs(10) {

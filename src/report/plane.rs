@@ -1,19 +1,19 @@
-//! The parameter plane as SVG: knot lines, trim loops.
+//! A drawing of the parameter plane as SVG: knot lines and trim loops.
 
 use std::fmt::Write;
 
-use scan2step::Conversion;
-use scan2step::geometry::Uv;
+use crate::Conversion;
+use crate::geometry::Uv;
 
-use super::shown::Shown;
+use super::FaceView;
 
 /// Units of the drawing for the longer side.
 const SIDE: f64 = 1000.0;
 
 /// The drawing of one part; `number` makes its loops' names unique.
-pub fn svg(number: usize, c: &Conversion, shown: &Shown) -> String {
+pub fn svg(number: usize, c: &Conversion, shown: &FaceView) -> String {
     let ((u0, u1), (v0, v1)) = (c.surface.u.range(), c.surface.v.range());
-    // As wide as the patch is on the scan, but not a thread.
+    // The proportion of the patch on the scan, but no narrower than 1 to 4.
     let aspect = c.parameterize.stretch.aspect;
     let aspect = if aspect.is_finite() { aspect.clamp(0.25, 4.0) } else { 1.0 };
     let (width, height) = if aspect > 1.0 { (SIDE, SIDE / aspect) } else { (SIDE * aspect, SIDE) };
@@ -26,7 +26,7 @@ pub fn svg(number: usize, c: &Conversion, shown: &Shown) -> String {
     for v in c.surface.v.breaks() {
         let _ = write!(lines, "M0 {:.1}H{width:.1}", y(v));
     }
-    // The more lines there are, the fainter each.
+    // Many lines are drawn fainter than few.
     let faint = (24.0 / lines.matches('M').count() as f64).clamp(0.15, 0.6);
     let mut loops = String::new();
     let sides = format!("M0 0H{width:.1}V{height:.1}H0Z");

@@ -1,13 +1,13 @@
-//! How often which distance occurs.
+//! Histograms of signed distances.
 
 /// Counts of signed distances in bins of equal width.
 pub struct Histogram {
-    /// The bins go from −`end` to `end`, in mm; what is beyond is in the outermost.
+    /// The bins go from −`end` to `end`, in mm. The outermost bins have the distances beyond.
     pub end: f64,
     pub counts: Vec<usize>,
 }
 
-/// Bins from −end to end.
+/// Bins from −end to end: an even number, so that 0 is between two of them.
 const BINS: usize = 80;
 
 impl Histogram {
@@ -20,7 +20,8 @@ impl Histogram {
         Histogram { end, counts }
     }
 
-    /// The same without signs: half as many bins, from 0 to `end`.
+    /// The counts without signs: half as many bins, from 0 to `end`.
+    #[cfg(any(test, feature = "html"))]
     pub fn absolute(&self) -> Vec<usize> {
         let half = self.counts.len() / 2;
         (0..half).map(|k| self.counts[half + k] + self.counts[half - 1 - k]).collect()

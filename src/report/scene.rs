@@ -1,24 +1,24 @@
-//! What the page's own program draws: typed arrays, little-endian, in base64.
+//! The scene that the page's script draws: arrays of little-endian numbers in base64.
 
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
-use scan2step::Conversion;
-use scan2step::brep::outer_edges;
-use scan2step::geometry::{Point, Vector, VertexId};
-use scan2step::mesh::Mesh;
-use scan2step::picture::{Camera, polyline, scale};
 use serde_json::{Value, json};
 
-use super::Ends;
-use super::shown::Shown;
+use super::FaceView;
+use super::scale::Ends;
+use crate::Conversion;
+use crate::brep::outer_edges;
+use crate::geometry::{Point, Vector, VertexId};
+use crate::mesh::Mesh;
+use crate::picture::{Camera, polyline, scale};
 
-/// The scene as JSON. Places are mm from `middle`, so that numbers of single
-/// precision do for a scan far from the origin.
-pub fn scene(scene: &[(&Conversion, &Shown)], ends: &Ends) -> Value {
-    let extent = || scene.iter().flat_map(|(_, s)| s.scan.mesh.points.iter().copied());
-    let [low, high] = scan2step::geometry::bounds(extent());
+/// The scene as JSON. Points are mm from `middle`, so that single precision suffices for a scan
+/// far from the origin.
+pub fn scene(faces: &[(&Conversion, &FaceView)], ends: &Ends) -> Value {
+    let extent = || faces.iter().flat_map(|(_, s)| s.scan.mesh.points.iter().copied());
+    let [low, high] = crate::geometry::bounds(extent());
     let middle = low + 0.5 * (high - low);
-    let axes = scene.first().map(|(_, s)| {
+    let axes = faces.first().map(|(_, s)| {
         Camera::facing(&s.scan.mesh, extent(), [1000, 800]).axes().map(<[f64; 3]>::from)
     });
     json!({
@@ -28,11 +28,11 @@ pub fn scene(scene: &[(&Conversion, &Shown)], ends: &Ends) -> Value {
         "end": { "measured": ends.measured, "smoothed": ends.smoothed },
         "signed": scale::SIGNED,
         "distance": scale::DISTANCE,
-        "parts": scene.iter().map(|(c, s)| part(c, s, middle)).collect::<Vec<_>>(),
+        "parts": faces.iter().map(|(c, s)| part(c, s, middle)).collect::<Vec<_>>(),
     })
 }
 
-fn part(c: &Conversion, shown: &Shown, middle: Point) -> Value {
+fn part(c: &Conversion, shown: &FaceView, middle: Point) -> Value {
     let values = |all: &[f32]| floats(shown.scan.old.iter().map(|&v| all[v]));
     let loops = c.loops.iter().zip(&shown.outlines).map(|(ring, outline)| {
         let points = outline.iter().chain(outline.first()).map(|&uv| c.surface.point(uv));

@@ -1,14 +1,14 @@
-//! What a run that is stopped must not leave behind: temporary files, and folders
-//! that it made.
+//! The temporary files and the new folders of a run. They are removed when the run fails or
+//! is stopped.
 
 use std::io;
 use std::path::{Path, PathBuf};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 #[cfg(unix)]
-use super::{children, streams};
+use super::{streams, subprocess};
 
-/// What was made so far. Who holds the lock is not interrupted.
+/// What the run has made so far. A signal waits until this lock is free.
 static MADE: Mutex<Made> = Mutex::new(Made { files: Vec::new(), folders: Vec::new() });
 
 struct Made {
@@ -17,8 +17,8 @@ struct Made {
 }
 
 impl Made {
-    /// Removes the files, then the folders that are empty. Those that are in their
-    /// places by now have no file under the temporary name any more.
+    /// Removes the files, then the folders that are empty. A file that was already renamed to
+    /// its final name is kept, because nothing has the temporary name any more.
     fn sweep(&mut self) {
         for file in self.files.drain(..) {
             let _ = std::fs::remove_file(file);
@@ -30,7 +30,7 @@ impl Made {
 }
 
 fn lock() -> MutexGuard<'static, Made> {
-    // A panic while it was held leaves nothing half done.
+    // The lists are valid even if a thread panicked while it held the lock.
     MADE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
@@ -42,7 +42,7 @@ pub fn made<T>(make: impl FnOnce() -> io::Result<(T, PathBuf)>) -> io::Result<T>
     Ok(file)
 }
 
-/// Makes a folder and those it is in, and remembers them.
+/// Makes a folder and its missing parents, and remembers those that it made.
 pub fn folder(path: &Path) -> io::Result<()> {
     let mut made = lock();
     let missing: Vec<&Path> = path.ancestors().take_while(|p| !p.exists()).collect();
@@ -51,19 +51,18 @@ pub fn folder(path: &Path) -> io::Result<()> {
     std::fs::create_dir_all(path)
 }
 
-/// Does what must not be stopped halfway.
+/// Does work that no signal may interrupt.
 pub fn uninterrupted<T>(work: impl FnOnce() -> T) -> T {
     let _held = lock();
     work()
 }
 
-/// Clears up after a run that failed.
+/// Removes what a failed run has left.
 pub fn sweep() {
     lock().sweep();
 }
 
-/// From now on Ctrl-C and the like clear up before they end the program, as they
-/// would have without.
+/// From now on the run removes its temporary files when Ctrl-C or another signal ends it.
 #[cfg(unix)]
 pub fn sweep_when_stopped() -> io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
@@ -74,9 +73,9 @@ pub fn sweep_when_stopped() -> io::Result<()> {
     let mut signals = Signals::new(heeded)?;
     std::thread::Builder::new().name("signals".into()).spawn(move || {
         if let Some(signal) = signals.forever().next() {
-            // Held to the end: nothing new may appear.
+            // Hold the lock until the end, so that no new file appears.
             let mut made = lock();
-            children::stop();
+            subprocess::stop();
             made.sweep();
             streams::say("\nstopped; no unfinished file is left");
             let _ = emulate_default_handler(signal);
@@ -86,14 +85,14 @@ pub fn sweep_when_stopped() -> io::Result<()> {
     Ok(())
 }
 
-/// Without signals there is nothing to heed.
+/// This system has no signals to wait for.
 #[cfg(not(unix))]
 pub fn sweep_when_stopped() -> io::Result<()> {
     Ok(())
 }
 
-/// A bit for every signal that whoever started the program had it ignore, as
-/// nohup does; 0 where the system does not tell.
+/// The signals that the program was started to ignore, as with nohup: one bit for each.
+/// 0 if the system does not say.
 #[cfg(unix)]
 fn ignored_signals() -> u64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
