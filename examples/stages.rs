@@ -10,7 +10,7 @@ use std::error::Error;
 
 use formats::{Brep, Soup, step};
 use scan2step::adapt::{self, Goal};
-use scan2step::deviation::Face;
+use scan2step::deviation::TrimmedFace;
 use scan2step::mesh::{self, Choice, Components, Outer};
 use scan2step::{Options, brep, convert, cut, fill, parameterize, smooth, trim};
 
@@ -66,7 +66,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("write: {} bytes", file.len());
 
     let arcs = loops.iter().map(|l| l.pcurves.as_slice());
-    let face = Face::new(&surface, arcs, !cut::has_outline(&loops));
+    let face = TrimmedFace::new(&surface, arcs, !cut::has_outline(&loops));
     // The deviations of the smoothed points, to which the goal applies, and of the measured points.
     let count = map.patch.measured;
     let smoothed = face.deviation(&map.patch.mesh.points[..count], &map.uv[..count]);

@@ -72,7 +72,7 @@
 //! into one B-rep. [`report::Report`] has the figures of conversions, [`Memory`] estimates the
 //! memory that one takes before it begins.
 //!
-//! [`deviation::Face`] tells how far points are from the face; [`check::check`] how far
+//! [`deviation::TrimmedFace`] tells how far points are from the face; [`check::check`] how far
 //! a CAD file is from a scan.
 //!
 //! # Threads

@@ -6,7 +6,7 @@ mod random;
 use nalgebra::Vector2;
 use random::Random;
 use rayon::prelude::*;
-use scan2step::deviation::Face;
+use scan2step::deviation::TrimmedFace;
 use scan2step::geometry::{Point, Uv, Vector};
 use scan2step::spline::{Curve, EdgeTree, KnotVector, Surface, foot_point};
 
@@ -82,7 +82,7 @@ fn trims() -> Vec<(Vec<Vec<Curve<2>>>, bool)> {
 }
 
 /// Samples of the surface, each with whether it is on the face.
-fn samples(face: &Face<Surface>) -> Vec<(Uv, Point, bool)> {
+fn samples(face: &TrimmedFace<Surface>) -> Vec<(Uv, Point, bool)> {
     let at = |n: usize| [n / SIDE, n % SIDE].map(|i| i as f64 / (SIDE - 1) as f64);
     let all = (0..SIDE * SIDE).into_par_iter().map(|n| {
         let [u, v] = at(n);
@@ -95,7 +95,7 @@ fn samples(face: &Face<Surface>) -> Vec<(Uv, Point, bool)> {
 /// The distance by brute force: foot points are searched from every sample whose cell may contain
 /// the nearest one, and the trim curves are searched by samples and golden sections.
 fn brute(
-    face: &Face<Surface>,
+    face: &TrimmedFace<Surface>,
     samples: &[(Uv, Point, bool)],
     curves: &[&Curve<2>],
     p: Point,
@@ -162,7 +162,7 @@ fn the_nearest_point_is_that_of_brute_force() {
     for (name, shape) in SHAPES {
         for (loops, natural) in trims() {
             let surface = surface(shape, &mut random);
-            let face = Face::new(&surface, loops.iter().map(Vec::as_slice), natural);
+            let face = TrimmedFace::new(&surface, loops.iter().map(Vec::as_slice), natural);
             let samples = samples(&face);
             let curves: Vec<&Curve<2>> = loops.iter().flatten().collect();
             let points = points(&surface, &mut random, 150);
@@ -193,7 +193,7 @@ fn a_bad_start_on_another_sheet_does_not_matter() {
     };
     let greville = |n: usize| hem(u.greville(n / 12), v.greville(n % 12));
     let surface = Surface::new(u.clone(), v.clone(), (0..40 * 12).map(greville).collect());
-    let face = Face::new(&surface, std::iter::empty(), true);
+    let face = TrimmedFace::new(&surface, std::iter::empty(), true);
     let mut trapped = 0;
     for i in 0..200 {
         let at = Uv::new(0.55 + 0.002 * f64::from(i), 0.1 + 0.004 * f64::from(i));
@@ -215,7 +215,7 @@ fn any_number_of_threads_finds_the_same_bits() {
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let face = Face::new(&surface, loops.iter().map(Vec::as_slice), true);
+            let face = TrimmedFace::new(&surface, loops.iter().map(Vec::as_slice), true);
             face.deviation(&points, &starts).distances
         })
     };

@@ -9,7 +9,7 @@ use common::fixture;
 use formats::{LengthUnit, Soup};
 use jsonschema::Validator;
 use scan2step::mesh::{self, Components};
-use scan2step::report::{OutputFile, Report, Settings, Source};
+use scan2step::report::{OutputFile, Report, ScanSource, Settings};
 use scan2step::{Builder, Conversion, Options, convert, convert_components};
 use serde_json::Value;
 
@@ -29,7 +29,7 @@ fn report(file: &Path, soup: &Soup, options: &Options) -> Report {
 }
 
 fn report_of(made: &[Conversion], file: &Path, soup: &Soup, options: &Options) -> Report {
-    let source = Source::of(file.display().to_string(), soup, options);
+    let source = ScanSource::of(file.display().to_string(), soup, options);
     Report::of(made, &source, Settings::of(options, &source))
 }
 
@@ -79,7 +79,7 @@ fn several_faces_stand_in_a_list_and_the_first_one_beside() {
     // One component would leave out a large part of the scan, as the default option does.
     assert!(report.hints.iter().any(|hint| hint.contains("--component all")), "{report:?}");
     let settings = report.settings.clone().of_all_components();
-    let source = Source::of("two.obj", &soup, &options);
+    let source = ScanSource::of("two.obj", &soup, &options);
     let report = Report::of(&made, &source, settings);
     assert!(report.hints.iter().all(|hint| !hint.contains("--component all")), "{report:?}");
     let value: Value = serde_json::from_str(&report.to_json()).expect("JSON");

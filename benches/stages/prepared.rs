@@ -4,7 +4,7 @@ use std::error::Error;
 use std::io::Cursor;
 
 use formats::{Soup, step};
-use scan2step::deviation::{Deviation, Face};
+use scan2step::deviation::{Deviation, TrimmedFace};
 use scan2step::mesh::{self, Bound, Components, Disk, Outer, Patch};
 use scan2step::parameterize::Parameterized;
 use scan2step::spline::{KnotVector, Samples};
@@ -84,7 +84,7 @@ impl Prepared {
 
     pub fn deviation(&self) -> Deviation {
         let loops = self.conversion.loops.iter().map(|l| l.pcurves.as_slice());
-        let face = Face::new(&self.conversion.surface, loops, true);
+        let face = TrimmedFace::new(&self.conversion.surface, loops, true);
         let points = &self.measured.mesh.points;
         face.deviation(points, &self.map.uv[..points.len()])
     }

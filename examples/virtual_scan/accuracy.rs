@@ -3,7 +3,7 @@
 use std::error::Error;
 
 use formats::Soup;
-use scan2step::deviation::Face;
+use scan2step::deviation::TrimmedFace;
 use scan2step::geometry::{Point, Uv};
 use scan2step::mesh::{Bound, Disk, Patch};
 use scan2step::{Conversion, Options, Stage, convert};
@@ -61,7 +61,7 @@ fn on_face(conversion: &Conversion) -> Vec<Point> {
     let surface = &conversion.surface;
     let natural = conversion.loops.iter().all(|l| l.of != Bound::Outer);
     let loops = conversion.loops.iter().map(|l| l.pcurves.as_slice());
-    let face = Face::new(surface, loops, natural);
+    let face = TrimmedFace::new(surface, loops, natural);
     let ((u0, u1), (v0, v1)) = (surface.u.range(), surface.v.range());
     let along =
         |(from, to): (f64, f64), i: usize| from + (to - from) * (i as f64 + 0.5) / SIDE as f64;

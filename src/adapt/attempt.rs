@@ -66,9 +66,10 @@ impl Attempt {
         self.foot_points.rms_without(&self.state.outliers)
     }
 
-    /// The vertices beyond the tolerance: their parameters, and their distances in tolerances.
-    pub fn misses(&self, tolerance: f64) -> Vec<Miss> {
-        let measured = self.foot_points.measured().zip(&self.state.uv);
+    /// The vertices beyond the tolerance: the parameters `uv` that they have in the next fit, and
+    /// their distances in tolerances.
+    pub fn misses(&self, uv: &[Uv], tolerance: f64) -> Vec<Miss> {
+        let measured = self.foot_points.measured().zip(uv);
         measured.filter(|(d, _)| *d > tolerance).map(|(d, &uv)| (uv, d / tolerance)).collect()
     }
 }

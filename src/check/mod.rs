@@ -13,7 +13,7 @@ mod surface;
 use formats::cad::{CadFace, CadModel};
 use rayon::prelude::*;
 
-use crate::deviation::{Deviation, Face};
+use crate::deviation::{Deviation, TrimmedFace};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, uv_bounds};
 use crate::mesh::{Mesh, Triangles};
@@ -69,8 +69,9 @@ fn measure(model: &CadModel, scan: &Mesh) -> Result<Report> {
     let (rings, off) = rings(model, &domains, diagonal)?;
     let parts: Vec<Domain> = domains.iter().zip(&rings).zip(&model.faces).map(bounded).collect();
     let faces = parts.iter().zip(rings).zip(&model.faces);
-    let faces: Vec<Face<Domain>> =
-        faces.map(|((domain, rings), face)| Face::of_rings(domain, rings, face.natural)).collect();
+    let faces: Vec<TrimmedFace<Domain>> = faces
+        .map(|((domain, rings), face)| TrimmedFace::of_rings(domain, rings, face.natural))
+        .collect();
     let spacing = spacing(scan);
     let each = faces.par_iter().map(|face| FaceSamples::of(face, spacing, MAX_SAMPLES));
     let samples: Vec<FaceSamples> = each.collect();
@@ -134,10 +135,11 @@ fn spacing(scan: &Mesh) -> f64 {
 }
 
 /// The distance of `p` from the nearest face, in mm.
-fn distance(faces: &[Face<Domain>], p: Point) -> f64 {
-    let mut order: Vec<(f64, &Face<Domain>)> = faces.iter().map(|f| (f.outside(p), f)).collect();
+fn distance(faces: &[TrimmedFace<Domain>], p: Point) -> f64 {
+    let mut order: Vec<(f64, &TrimmedFace<Domain>)> =
+        faces.iter().map(|f| (f.outside(p), f)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let nearer = |best: f64, (outside, face): (f64, &Face<Domain>)| {
+    let nearer = |best: f64, (outside, face): (f64, &TrimmedFace<Domain>)| {
         if outside < best { best.min(face.nearest(p, None).1) } else { best }
     };
     order.into_iter().fold(f64::INFINITY, nearer)

@@ -4,7 +4,7 @@
 //! with their parameters, and the area of the face.
 
 use super::surface::Domain;
-use crate::deviation::Face;
+use crate::deviation::TrimmedFace;
 use crate::geometry::{Point, Uv};
 use crate::spline::ParametricSurface;
 
@@ -33,7 +33,7 @@ struct SampleCell {
 
 impl FaceSamples {
     /// Samples at distances of about `spacing` mm. There are at most about `most` of them.
-    pub(super) fn of(face: &Face<Domain>, spacing: f64, most: f64) -> Self {
+    pub(super) fn of(face: &TrimmedFace<Domain>, spacing: f64, most: f64) -> Self {
         let mut spacing = spacing;
         let mut cells = cells(face.surface(), spacing);
         // Enlarge the spacing if the face is much larger than the scan, perhaps in a wrong unit.
@@ -50,7 +50,7 @@ impl FaceSamples {
         samples
     }
 
-    fn add(&mut self, face: &Face<Domain>, cell: &SampleCell) {
+    fn add(&mut self, face: &TrimmedFace<Domain>, cell: &SampleCell) {
         let SampleCell { from, size: [du, dv], parts: [m, n] } = *cell;
         let piece = du * dv / (m * n) as f64;
         for k in 0..m * n {

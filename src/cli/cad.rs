@@ -8,7 +8,7 @@ use formats::{iges, step};
 use scan2step::Conversion;
 
 use super::Failure;
-use super::args::{CadFile, CadKind, Convert, Iges, Schema};
+use super::args::{CadFile, CadKind, Convert, Iges, StepSchema};
 use super::output::{self, Pending};
 
 /// Writes the faces of all conversions into every file that was asked for.
@@ -55,11 +55,11 @@ fn system() -> String {
 }
 
 /// The schema as the writer takes it.
-pub fn schema(schema: Schema) -> step::Schema {
+pub fn schema(schema: StepSchema) -> step::Schema {
     match schema {
-        Schema::Ap203 => step::Schema::Ap203,
-        Schema::Ap214 => step::Schema::Ap214,
-        Schema::Ap242 => step::Schema::Ap242,
+        StepSchema::Ap203 => step::Schema::Ap203,
+        StepSchema::Ap214 => step::Schema::Ap214,
+        StepSchema::Ap242 => step::Schema::Ap242,
     }
 }
 

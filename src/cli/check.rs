@@ -5,7 +5,7 @@ use scan2step::check;
 use scan2step::report::{CheckFigures, CheckedScan, DistanceFigures};
 use scan2step::words::{mm, plural};
 
-use super::args::{Check, Component};
+use super::args::{Check, ComponentChoice};
 use super::input::{self, Scan};
 use super::{Failure, Outcome, streams};
 
@@ -71,8 +71,11 @@ fn as_text(args: &Check, figures: &CheckFigures) -> String {
         format!("  units         {}{assumed}", scan.units),
     ];
     if scan.left_out_triangles > 0 {
-        let all =
-            if args.component == Component::All { "" } else { "; --component all takes every one" };
+        let all = if args.component == ComponentChoice::All {
+            ""
+        } else {
+            "; --component all takes every one"
+        };
         lines.push(format!(
             "  components    {} of {}, without {} in the others{all}",
             scan.components_measured,

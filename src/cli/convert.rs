@@ -6,10 +6,10 @@ use scan2step::mesh::{Choice, Components, Outer};
 use scan2step::report::{FaceView, OutputFile, Report, StageFigures, ViewRecorder};
 use scan2step::{Conversion, Memory, Options, Stage};
 
-use super::args::{Component, Convert};
+use super::args::{ComponentChoice, Convert};
 use super::input::{self, Scan};
 use super::output::{self, Pending};
-use super::progress::{self, Progress, StageTime};
+use super::progress::{self, ProgressDisplay, StageTime};
 use super::report;
 use super::stages::Stages;
 use super::{Failure, Outcome, cad, messages, settings};
@@ -18,7 +18,7 @@ use super::{Failure, Outcome, cad, messages, settings};
 pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     check_outputs(args)?;
     let voice = if args.manner.quiet { None } else { Some(args.manner.color.is_on()) };
-    let mut progress = Progress::new(voice, args.manner.verbose, args.progress);
+    let mut progress = ProgressDisplay::new(voice, args.manner.verbose, args.progress);
     let stages = args.stages.as_deref().map(Stages::new).transpose()?;
     let scan = Scan::read(&args.piece)?;
     progress.ended("read", &messages::came_in(&scan));
@@ -84,7 +84,7 @@ fn is_drawn(args: &Convert) -> bool {
 /// A run between reading and writing.
 struct Run<'a> {
     args: &'a Convert,
-    progress: Progress,
+    progress: ProgressDisplay,
     stages: Option<Stages>,
     /// What the pictures of reports show, one view for each conversion, if any was asked for.
     views: Vec<FaceView>,
@@ -143,9 +143,14 @@ impl Run<'_> {
 }
 
 /// The components to convert.
-fn chosen(args: &Convert, scan: &Components, outer: Outer, progress: &Progress) -> Vec<Choice> {
+fn chosen(
+    args: &Convert,
+    scan: &Components,
+    outer: Outer,
+    progress: &ProgressDisplay,
+) -> Vec<Choice> {
     let chosen = args.how.component.of(scan, outer);
-    if args.how.component == Component::All && chosen.len() < scan.count() {
+    if args.how.component == ComponentChoice::All && chosen.len() < scan.count() {
         let rest = match scan.sizeable() - chosen.len() {
             0 => "the rest is dust",
             _ if scan.sizeable() == scan.count() => "the rest are islands in holes of these",

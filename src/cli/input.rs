@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use formats::{LengthUnit, Soup};
 use scan2step::Options;
 use scan2step::mesh::{self, Components, Outer};
-use scan2step::report::Source;
+use scan2step::report::ScanSource;
 
 use super::Failure;
 use super::args::Piece;
@@ -14,7 +14,7 @@ use super::args::Piece;
 pub struct Scan {
     pub path: PathBuf,
     /// Its unit, and the counts of the file.
-    pub source: Source,
+    pub source: ScanSource,
     /// The mean colour of its vertices, if they have one.
     pub colour: Option<[u8; 3]>,
     soup: Soup,
@@ -24,7 +24,7 @@ impl Scan {
     pub fn read(piece: &Piece) -> Result<Scan, Failure> {
         let soup = formats::read_scan(&piece.scan)?;
         let declared = piece.scale.units.map(LengthUnit::from).or(soup.unit);
-        let source = Source {
+        let source = ScanSource {
             file: piece.scan.display().to_string(),
             unit: declared.unwrap_or(LengthUnit::Millimetre),
             unit_assumed: declared.is_none(),

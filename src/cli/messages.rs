@@ -1,11 +1,11 @@
 //! The messages of `convert`: what it read, what each stage made, and the result.
 
 use scan2step::mesh::{Bound, FaceOrigin, Patch};
-use scan2step::report::Source;
+use scan2step::report::ScanSource;
 use scan2step::words::{mm, plural};
 use scan2step::{Conversion, Stage};
 
-use super::args::{Component, Convert};
+use super::args::{ComponentChoice, Convert};
 use super::input::Scan;
 use super::progress::Progress;
 use super::{Outcome, streams};
@@ -43,13 +43,13 @@ fn count(patch: &Patch, of: impl Fn(&FaceOrigin) -> bool) -> usize {
 
 /// The counts of the scan's file.
 pub fn came_in(scan: &Scan) -> String {
-    let Source { vertices, triangles, .. } = scan.source;
+    let ScanSource { vertices, triangles, .. } = scan.source;
     format!("{}: {vertices} vertices, {triangles} triangles", scan.path.display())
 }
 
 /// Says which unit the scan has, if it is not declared as mm.
-pub fn assumed(progress: &Progress, scan: &Scan) {
-    let Source { unit, unit_assumed, .. } = scan.source;
+pub fn assumed(progress: &ProgressDisplay, scan: &Scan) {
+    let ScanSource { unit, unit_assumed, .. } = scan.source;
     if unit_assumed {
         progress.say("units: the file does not say; assuming mm (--units to change)");
     } else if unit.in_mm() != 1.0 {
@@ -58,13 +58,13 @@ pub fn assumed(progress: &Progress, scan: &Scan) {
 }
 
 /// Says what was repaired, and how often.
-pub fn repaired(progress: &Progress, (kind, count): (&&str, &usize)) {
+pub fn repaired(progress: &ProgressDisplay, (kind, count): (&&str, &usize)) {
     progress.say(&format!("repaired: {count} {}", kind.replace('_', " ")));
 }
 
 /// Says what the conversion left out and kept, and which tolerance it chose.
-pub fn found(progress: &Progress, args: &Convert, c: &Conversion) {
-    if c.input.left_out > 0 && args.how.component != Component::All {
+pub fn found(progress: &ProgressDisplay, args: &Convert, c: &Conversion) {
+    if c.input.left_out > 0 && args.how.component != ComponentChoice::All {
         progress.say(&format!(
             "component: 1 of {}, {} triangles; left out {} triangles in the others",
             c.input.components, c.input.triangles, c.input.left_out
@@ -109,7 +109,7 @@ fn quality(c: &Conversion) -> String {
 }
 
 /// The result in one line.
-pub fn result(progress: &Progress, args: &Convert, c: &Conversion) {
+pub fn result(progress: &ProgressDisplay, args: &Convert, c: &Conversion) {
     let [m, n] = c.surface.shape();
     let files = args.out.iter().map(|f| &f.path).chain(args.report.iter().map(|f| &f.path));
     let files: Vec<_> = files.map(|path| path.display().to_string()).collect();

@@ -14,7 +14,7 @@ pub struct Place(pub ScanPlace);
 
 /// Where smoothing keeps a corner.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Corners {
+pub enum NamedCorners {
     Auto,
     None,
     At(Places),
@@ -55,14 +55,14 @@ fn point(text: &str) -> Result<ScanPlace, String> {
     if point.iter().all(|x| x.is_finite()) { Ok(ScanPlace::Point(point)) } else { Err(wrong()) }
 }
 
-impl FromStr for Corners {
+impl FromStr for NamedCorners {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
         match text {
-            "auto" => Ok(Corners::Auto),
-            "none" => Ok(Corners::None),
-            places => places.parse().map(Corners::At),
+            "auto" => Ok(NamedCorners::Auto),
+            "none" => Ok(NamedCorners::None),
+            places => places.parse().map(NamedCorners::At),
         }
     }
 }

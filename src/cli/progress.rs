@@ -47,7 +47,7 @@ struct Step<'a> {
 
 /// The clock and the voice of a run.
 #[derive(Debug)]
-pub struct Progress {
+pub struct ProgressDisplay {
     /// Whether to speak in colours; `None`: not at all.
     voice: Option<bool>,
     verbose: bool,
@@ -61,7 +61,7 @@ pub struct Progress {
     pub stages: Vec<StageTime>,
 }
 
-impl Progress {
+impl ProgressDisplay {
     /// The clock starts. `voice` says whether to speak in colours, or not at all; `steps` how
     /// to show how far the run has come, which lines of JSON do in a silent run, too.
     pub fn new(voice: Option<bool>, verbose: bool, steps: Steps) -> Self {
@@ -82,7 +82,7 @@ impl Progress {
         }
         bar.set_message(STAGES[0].0);
         bar.enable_steady_tick(Duration::from_millis(120));
-        Progress {
+        ProgressDisplay {
             voice,
             verbose,
             steps,
@@ -173,7 +173,7 @@ impl Progress {
     }
 }
 
-impl Drop for Progress {
+impl Drop for ProgressDisplay {
     /// A run that failed leaves no bar over its error.
     fn drop(&mut self) {
         self.finish();

@@ -12,21 +12,21 @@ use super::output::{self, Pending};
 #[derive(Debug, Clone)]
 pub struct ReportFile {
     pub path: PathBuf,
-    pub kind: Kind,
+    pub kind: ReportFormat,
 }
 
 /// Its format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum Kind {
+pub enum ReportFormat {
     Json,
     Html,
     Png,
 }
 
-impl Kind {
+impl ReportFormat {
     /// Whether it shows meshes, and not only figures.
     pub fn is_picture(self) -> bool {
-        self != Kind::Json
+        self != ReportFormat::Json
     }
 }
 
@@ -51,10 +51,10 @@ pub fn write(
         };
         still = picture_png(name, &faces).map_err(failed)?;
     }
-    let content = |kind: Kind, out: &mut dyn Write| match kind {
-        Kind::Json => report.write_json(out),
-        Kind::Html => report.write_html(&faces, &still, out),
-        Kind::Png => out.write_all(&still),
+    let content = |kind: ReportFormat, out: &mut dyn Write| match kind {
+        ReportFormat::Json => report.write_json(out),
+        ReportFormat::Html => report.write_html(&faces, &still, out),
+        ReportFormat::Png => out.write_all(&still),
     };
     files.iter().map(|f| output::write(&f.path, |out| content(f.kind, out))).collect()
 }

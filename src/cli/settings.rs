@@ -5,7 +5,7 @@ use scan2step::report::Settings;
 use scan2step::{Cut, Options, fit, parameterize, smooth};
 
 use super::Failure;
-use super::args::{Component, Convert, Fit, Map, Outline};
+use super::args::{ComponentChoice, Convert, Fit, Map, OutlineChoice};
 use super::cad::{self, part_name};
 use super::input::{Scan, stopped};
 use super::places::Corners;
@@ -19,23 +19,23 @@ pub fn options(args: &Convert) -> Result<Options, Failure> {
         (false, None) => Cut::All,
     };
     let boundary_corner_places = match &how.boundary_corners {
-        Corners::At(places) => Some(places.0.clone()),
-        Corners::Auto | Corners::None => None,
+        NamedCorners::At(places) => Some(places.0.clone()),
+        NamedCorners::Auto | NamedCorners::None => None,
     };
     let mut options = Options::builder()
         .name(part_name(&args.piece.scan))
         .outer_place(args.piece.outer.map(|place| place.0))
         .smooth(how.smooth)
         .boundary_corners(match how.boundary_corners {
-            Corners::None => smooth::Corners::None,
-            Corners::Auto | Corners::At(_) => smooth::Corners::Auto,
+            NamedCorners::None => smooth::Corners::None,
+            NamedCorners::Auto | NamedCorners::At(_) => smooth::Corners::Auto,
         })
         .boundary_corner_places(boundary_corner_places)
         .corner_places(args.corners.clone().map(|places| places.0))
         .outline(match how.outline {
-            Outline::Auto => None,
-            Outline::Sides => Some(parameterize::Outline::Sides),
-            Outline::Trimmed => Some(parameterize::Outline::Free),
+            OutlineChoice::Auto => None,
+            OutlineChoice::Sides => Some(parameterize::Outline::Sides),
+            OutlineChoice::Trimmed => Some(parameterize::Outline::Free),
         })
         .map(match how.map {
             Map::LeastStretch => parameterize::MapMethod::LeastStretch,
@@ -57,7 +57,7 @@ pub fn options(args: &Convert) -> Result<Options, Failure> {
     if let Some(unit) = args.piece.scale.units {
         options = options.unit(unit.into());
     }
-    if let Component::Number(number) = how.component {
+    if let ComponentChoice::Number(number) = how.component {
         options = options.component(Choice::Number(number));
     }
     options.build().map_err(|e| stopped(&args.piece.scan, &e))
@@ -67,7 +67,7 @@ pub fn options(args: &Convert) -> Result<Options, Failure> {
 pub fn settings(args: &Convert, options: &Options, scan: &Scan) -> Settings {
     let mut settings = Settings::of(options, &scan.source)
         .of_files(cad::schema(args.how.schema), cad::form(args.how.iges));
-    if args.how.component == Component::All {
+    if args.how.component == ComponentChoice::All {
         settings = settings.of_all_components();
     }
     // As the user wrote it: a share times 100 may differ in its last digit.

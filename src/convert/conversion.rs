@@ -2,7 +2,7 @@
 
 use formats::Brep;
 
-use crate::mesh::Vertices;
+use crate::mesh::VertexMap;
 use crate::spline::Surface;
 use crate::words::mm;
 use crate::{Adapted, InputReport, deviation, fill, parameterize, smooth, trim};
@@ -59,7 +59,7 @@ pub struct Conversion {
     /// names that they have on the command line.
     pub hints: Vec<String>,
     /// Which point each vertex of the scan became.
-    pub(super) vertices: Vertices,
+    pub(super) vertices: VertexMap,
 }
 
 impl Conversion {

@@ -72,7 +72,8 @@ pub(super) fn face(
     let brep = brep::build(&placed, &faces, &options.name, trim::edge_accuracy(&placed))?;
     watch(Stage::Brep)?;
 
-    let face = deviation::Face::new(&surface, loops.iter().map(|l| l.pcurves.as_slice()), natural);
+    let face =
+        deviation::TrimmedFace::new(&surface, loops.iter().map(|l| l.pcurves.as_slice()), natural);
     let starts = &map.uv[..measured_count];
     let fit_deviation = face.deviation(&map.patch.mesh.points[..measured_count], starts);
     let deviation = face.deviation(&measured.mesh.points, starts);
@@ -112,7 +113,7 @@ pub(super) fn face(
 /// The smoothed points that miss the tolerance, but for those that a loop cuts off by no more
 /// than `excused`.
 fn missed(
-    face: &deviation::Face<Surface>,
+    face: &deviation::TrimmedFace<Surface>,
     map: &Parameterized,
     deviation: &deviation::Deviation,
     tolerance: f64,

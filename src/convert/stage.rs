@@ -65,12 +65,12 @@ pub(super) fn within<'a>(
     name: &'static str,
     watch: &'a mut Observer,
 ) -> impl FnMut(f64) -> Result<()> + 'a {
-    let mut told = 0.0;
+    let mut reported = 0.0;
     move |share| {
-        if share < told + STEP {
+        if share < reported + STEP {
             return Ok(());
         }
-        told = share.min(1.0);
-        watch(Stage::Within(name, told))
+        reported = share.min(1.0);
+        watch(Stage::Within(name, reported))
     }
 }

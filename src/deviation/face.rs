@@ -13,7 +13,7 @@ use crate::spline::{Curve, EdgeTree, ParametricSurface, Surface};
 
 /// A surface with the loops that trim it. Loops may be nested: holes in the face, islands in the
 /// holes, and so on.
-pub struct Face<'a, S> {
+pub struct TrimmedFace<'a, S> {
     surface: &'a S,
     /// The same surface in a form that is faster to evaluate, if there is one.
     fast_form: Option<Box<dyn ParametricSurface>>,
@@ -21,9 +21,12 @@ pub struct Face<'a, S> {
     search: NearestSearch,
 }
 
-impl<S: fmt::Debug> fmt::Debug for Face<'_, S> {
+impl<S: fmt::Debug> fmt::Debug for TrimmedFace<'_, S> {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.debug_struct("Face").field("surface", &self.surface).field("trim", &self.trim).finish()
+        f.debug_struct("TrimmedFace")
+            .field("surface", &self.surface)
+            .field("trim", &self.trim)
+            .finish()
     }
 }
 
@@ -42,7 +45,7 @@ struct Trim {
 /// A corner of a polygon: its parameter point and its position in space.
 type PolygonCorner = (Uv, Point);
 
-impl<'a> Face<'a, Surface> {
+impl<'a> TrimmedFace<'a, Surface> {
     /// The face that the given loops trim. A face that is `natural` ends where the surface ends;
     /// only the loops of holes and islands are then given. Otherwise the outer loop is given as
     /// well.
@@ -65,7 +68,7 @@ impl<'a> Face<'a, Surface> {
             .par_iter()
             .map(|arcs| loop_polygon(evaluated(surface, &fast_form), arcs, chord))
             .collect();
-        Face::with(surface, fast_form, rings, natural)
+        TrimmedFace::with(surface, fast_form, rings, natural)
     }
 
     /// The deviation of points from the face, and the side of the face that each point is on.
@@ -86,11 +89,11 @@ impl<'a> Face<'a, Surface> {
     }
 }
 
-impl<'a, S: ParametricSurface> Face<'a, S> {
+impl<'a, S: ParametricSurface> TrimmedFace<'a, S> {
     /// The face that closed polygons trim. A place is on the face depending on whether an odd or an
     /// even number of polygons contains it. Without polygons the face is the whole surface.
     pub fn of_rings(surface: &'a S, rings: Vec<Vec<PolygonCorner>>, natural: bool) -> Self {
-        Face::with(surface, surface.fast_form(), rings, natural)
+        TrimmedFace::with(surface, surface.fast_form(), rings, natural)
     }
 
     fn with(
@@ -102,7 +105,7 @@ impl<'a, S: ParametricSurface> Face<'a, S> {
         let trim = Trim::new(&rings, natural);
         let search =
             NearestSearch::new(evaluated(surface, &fast_form), |low, high| trim.leaves(low, high));
-        Face { surface, fast_form, trim, search }
+        TrimmedFace { surface, fast_form, trim, search }
     }
 
     /// The untrimmed surface.
@@ -115,7 +118,7 @@ impl<'a, S: ParametricSurface> Face<'a, S> {
         self.trim.contains(at)
     }
 
-    /// The distance of `p` from the face in mm, as [`Face::nearest`] computes it.
+    /// The distance of `p` from the face in mm, as [`TrimmedFace::nearest`] computes it.
     pub fn distance(&self, p: Point, start: Uv) -> f64 {
         self.nearest(p, Some(start)).1
     }

@@ -6,7 +6,7 @@ mod face;
 mod face_to_scan;
 mod slab_polygon;
 
-pub use face::Face;
+pub use face::TrimmedFace;
 pub use face_to_scan::FaceToScan;
 pub(crate) use face_to_scan::{MissedTriangle, SurfaceOverMesh, middles, narrowest, spanned};
 
@@ -115,7 +115,7 @@ mod tests {
     fn over_a_hole_the_distance_is_to_its_rim() {
         let surface = plate();
         let arcs = square(0.1);
-        let face = Face::new(&surface, std::iter::once(arcs.as_slice()), true);
+        let face = TrimmedFace::new(&surface, std::iter::once(arcs.as_slice()), true);
         let d = |x: f64, y: f64, z: f64| face.distance(Point::new(x, y, z), Uv::new(0.5, 0.5));
         assert!((d(5.0, 4.5, 0.0) - 0.5).abs() < 1e-12);
         assert!((d(2.0, 5.0, 0.25) - 0.25).abs() < 1e-12);
@@ -126,7 +126,7 @@ mod tests {
     fn beyond_an_outer_loop_there_is_no_face() {
         let surface = plate();
         let loops = [square(0.4), square(0.1)];
-        let face = Face::new(&surface, loops.iter().map(Vec::as_slice), false);
+        let face = TrimmedFace::new(&surface, loops.iter().map(Vec::as_slice), false);
         let d = |x: f64, z: f64| face.distance(Point::new(x, 5.0, z), Uv::new(0.5, 0.5));
         assert!((d(9.5, 0.0) - 0.5).abs() < 1e-12, "beyond the outer loop");
         assert!((d(8.5, 0.25) - 0.25).abs() < 1e-12, "on the face");
@@ -137,7 +137,7 @@ mod tests {
     fn an_island_is_a_face_and_a_hole_in_it_is_not() {
         let surface = plate();
         let loops = [square(0.1), square(0.4), square(0.3)];
-        let face = Face::new(&surface, loops.iter().map(Vec::as_slice), true);
+        let face = TrimmedFace::new(&surface, loops.iter().map(Vec::as_slice), true);
         let d = |x: f64, z: f64| face.distance(Point::new(x, 5.0, z), Uv::new(0.5, 0.5));
         assert!((d(9.5, 0.5) - 0.5).abs() < 1e-12);
         assert!((d(8.9, 0.0) - 0.1).abs() < 1e-12, "in the hole, near its rim");

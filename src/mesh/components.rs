@@ -9,7 +9,7 @@ use super::build::{Build, Repairs, count};
 use super::disk::Outer;
 use super::islands::{self, IslandCandidate};
 use super::topology::Topology;
-use super::vertices::Vertices;
+use super::vertices::VertexMap;
 use super::{Disk, EdgeMap, Mesh, rims};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Vector, VertexId};
@@ -137,8 +137,8 @@ impl Components {
 
     /// Which of these points each vertex of the scan became. They are points of the mesh, in
     /// its own lengths, each at a place of its own.
-    pub(crate) fn vertices(&self, points: &[Point]) -> Vertices {
-        Vertices::new(&self.build, points)
+    pub(crate) fn vertices(&self, points: &[Point]) -> VertexMap {
+        VertexMap::new(&self.build, points)
     }
 
     /// Extracts one component.

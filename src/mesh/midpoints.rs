@@ -5,15 +5,15 @@ use foldhash::{HashMap, HashMapExt};
 use super::{Mesh, Patch};
 use crate::geometry::{Point, VertexId};
 
-type Edge = (VertexId, VertexId);
+type VertexPair = (VertexId, VertexId);
 
-fn edge(a: VertexId, b: VertexId) -> Edge {
+fn edge(a: VertexId, b: VertexId) -> VertexPair {
     (a.min(b), a.max(b))
 }
 
 /// Edges with the vertices in their middles.
 #[derive(Default)]
-pub struct EdgeMidpoints(HashMap<Edge, VertexId>);
+pub struct EdgeMidpoints(HashMap<VertexPair, VertexId>);
 
 impl EdgeMidpoints {
     /// Adds a vertex to the mesh in the middle of each edge that one of the `sides` lies on.

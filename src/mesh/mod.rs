@@ -42,7 +42,7 @@ pub use parameterized::{Outline, Parameterized, Scaffold};
 pub use patch::{FaceOrigin, Patch};
 pub use topology::Topology;
 pub(crate) use triangles::{Triangles, nearest_on};
-pub(crate) use vertices::Vertices;
+pub(crate) use vertices::VertexMap;
 
 use crate::geometry::{Point, Vector, VertexId, bounds};
 

@@ -11,12 +11,12 @@ use crate::geometry::Point;
 
 /// For each vertex of the scan the point that it became.
 #[derive(Debug, Clone, Default)]
-pub(crate) struct Vertices {
+pub(crate) struct VertexMap {
     /// Positions of the points, or [`NOWHERE`].
     points: Vec<u32>,
 }
 
-impl Vertices {
+impl VertexMap {
     /// `points` are some of the mesh, each at a place of its own. They have the mesh's own
     /// coordinates, by which they are found.
     pub(super) fn new(build: &Build, points: &[Point]) -> Self {
@@ -33,7 +33,7 @@ impl Vertices {
             }
         }
         let point = |&place: &u32| at_place.get(place as usize).copied().unwrap_or(NOWHERE);
-        Vertices { points: build.vertices.iter().map(point).collect() }
+        VertexMap { points: build.vertices.iter().map(point).collect() }
     }
 
     /// The position of the point that a vertex of the scan became, if it became one.

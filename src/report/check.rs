@@ -2,7 +2,7 @@
 
 use formats::cad::CadModel;
 
-use super::{DeviationFigures, Source, VERSION};
+use super::{DeviationFigures, ScanSource, VERSION};
 use crate::check;
 use crate::deviation::Deviation;
 
@@ -136,7 +136,7 @@ impl CheckFigures {
 
 impl CheckedScan {
     /// `measured` of the `components` of a scan, without so many triangles in the others.
-    pub fn of(source: &Source, components: usize, measured: usize, left_out: usize) -> Self {
+    pub fn of(source: &ScanSource, components: usize, measured: usize, left_out: usize) -> Self {
         CheckedScan {
             file: source.file.clone(),
             units: source.unit.symbol(),

@@ -1,6 +1,6 @@
 //! The figures of one face.
 
-use super::{InputFigures, Source};
+use super::{InputFigures, ScanSource};
 use crate::deviation::{Deviation, FaceToScan};
 use crate::mesh::Bound;
 use crate::{Conversion, fill, fit};
@@ -225,7 +225,7 @@ pub struct TrimOf {
 impl FaceFigures {
     /// The figures of one conversion of a scan. The share `outliers` of points may exceed the
     /// tolerance.
-    pub fn of(c: &Conversion, source: &Source, outliers: f64) -> Self {
+    pub fn of(c: &Conversion, source: &ScanSource, outliers: f64) -> Self {
         FaceFigures {
             input: InputFigures::of(&c.input, source),
             noise_mm: c.smooth.noise,

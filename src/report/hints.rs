@@ -1,13 +1,17 @@
 //! What could be better, and what the user can do about it: the hints of each face, and those
 //! that concern the scan as a whole.
 
-use super::{Setting, Settings, Source};
+use super::{ScanSource, Setting, Settings};
 use crate::Conversion;
 use crate::geometry::bounds;
 use crate::words::mm;
 
 /// The hints of some conversions of one scan.
-pub(super) fn of(conversions: &[Conversion], source: &Source, settings: &Settings) -> Vec<String> {
+pub(super) fn of(
+    conversions: &[Conversion],
+    source: &ScanSource,
+    settings: &Settings,
+) -> Vec<String> {
     let mut hints: Vec<String> = odd_size(source, conversions).into_iter().collect();
     for (k, c) in conversions.iter().enumerate() {
         let part = if conversions.len() > 1 { format!("component {k}: ") } else { String::new() };
@@ -21,7 +25,7 @@ pub(super) fn of(conversions: &[Conversion], source: &Source, settings: &Setting
 /// house.
 const LIKELY_SIZES: [f64; 2] = [5.0, 50_000.0];
 
-fn odd_size(source: &Source, conversions: &[Conversion]) -> Option<String> {
+fn odd_size(source: &ScanSource, conversions: &[Conversion]) -> Option<String> {
     let points = conversions.iter().flat_map(|c| &c.surface.net);
     let [low, high] = bounds(points.map(|&p| p.into()));
     let across = (high - low).norm();

@@ -7,7 +7,7 @@ use crate::{InputReport, Inspection, Options};
 
 /// A scan as it was read.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Source {
+pub struct ScanSource {
     /// The file as the caller named it.
     pub file: String,
     /// The unit of its numbers.
@@ -20,13 +20,13 @@ pub struct Source {
     pub triangles: usize,
 }
 
-impl Source {
+impl ScanSource {
     /// The scan that `soup` was read from, with the unit that a conversion with these options
     /// takes. A length that is no unit of its own ([`Builder::unit_mm`](crate::Builder::unit_mm))
     /// counts as millimetres.
     pub fn of(file: impl Into<String>, soup: &Soup, options: &Options) -> Self {
         let declared = options.unit().or(soup.unit);
-        Source {
+        ScanSource {
             file: file.into(),
             unit: declared.unwrap_or(LengthUnit::Millimetre),
             unit_assumed: declared.is_none(),
@@ -69,7 +69,7 @@ pub struct InputFigures {
 
 impl InputFigures {
     /// The figures of one component of a scan.
-    pub fn of(input: &InputReport, source: &Source) -> Self {
+    pub fn of(input: &InputReport, source: &ScanSource) -> Self {
         InputFigures {
             file: source.file.clone(),
             units: source.unit.symbol(),
@@ -127,7 +127,7 @@ pub struct RimFigures {
 
 impl InspectionFigures {
     /// The figures of what [`inspect`](crate::inspect) found.
-    pub fn of(found: &Inspection, source: &Source) -> Self {
+    pub fn of(found: &Inspection, source: &ScanSource) -> Self {
         let rim = |(i, &(length_mm, vertices)): (usize, &(f64, usize))| RimFigures {
             length_mm,
             vertices,

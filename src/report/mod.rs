@@ -1,7 +1,7 @@
 //! Reports: what a conversion did and how well, as types, text, a page and a picture.
 //!
 //! [`Report`] goes in front of all of them: it is made of one or more [`Conversion`]s, the
-//! [`Source`] that they came from and the [`Settings`] that they were made with. The program's
+//! [`ScanSource`] that they came from and the [`Settings`] that they were made with. The program's
 //! `--report FILE` writes the same types, and `docs/report.schema.json` describes them.
 //!
 //! | feature | what it adds |
@@ -43,7 +43,7 @@ pub use figures::{
     DeviationFigures, FaceFigures, FaceToScanFigures, FillFigures, FitFigures, HoleFigures,
     MapFigures, SmoothFigures, TrimFigures, TrimOf,
 };
-pub use input::{InputFigures, InspectionFigures, RimFigures, Source};
+pub use input::{InputFigures, InspectionFigures, RimFigures, ScanSource};
 pub use settings::{Setting, Settings};
 #[cfg(feature = "picture")]
 pub use still::picture_png;
@@ -56,7 +56,7 @@ use crate::Conversion;
 ///
 /// ```
 /// use scan2step::formats::{LengthUnit, Soup};
-/// use scan2step::report::{Report, Settings, Source};
+/// use scan2step::report::{Report, Settings, ScanSource};
 /// use scan2step::{Options, convert};
 ///
 /// # fn main() -> scan2step::Result<()> {
@@ -71,7 +71,7 @@ use crate::Conversion;
 /// let options = Options::builder().tolerance(0.1).build()?;
 /// let conversion = convert(&soup, &options, &mut |_| Ok(()))?;
 ///
-/// let source = Source::of("sheet.ply", &soup, &options);
+/// let source = ScanSource::of("sheet.ply", &soup, &options);
 /// let settings = Settings::of(&options, &source);
 /// let report = Report::of(&[conversion], &source, settings);
 /// let face = &report.faces[0];
@@ -142,7 +142,7 @@ const VERSION: &str = env!("CARGO_PKG_VERSION");
 impl Report {
     /// The report of some conversions of one scan. Stages, outputs, seconds and memory are
     /// empty or 0 until the caller fills them in.
-    pub fn of(conversions: &[Conversion], source: &Source, settings: Settings) -> Self {
+    pub fn of(conversions: &[Conversion], source: &ScanSource, settings: Settings) -> Self {
         let outliers = settings.outliers / 100.0;
         Report {
             scan2step: VERSION,

@@ -2,7 +2,7 @@
 
 use formats::{iges, step};
 
-use super::Source;
+use super::ScanSource;
 use super::figures::fit_method;
 use crate::geometry::Point;
 use crate::mesh::{Choice, Outer};
@@ -69,7 +69,7 @@ pub enum Setting<T> {
 impl Settings {
     /// The settings that some options stand for. Files have the default schema and form until
     /// [`Settings::of_files`] names others.
-    pub fn of(options: &Options, source: &Source) -> Self {
+    pub fn of(options: &Options, source: &ScanSource) -> Self {
         let at = |points: &[Point]| -> Vec<ScanPlace> {
             let numbers = |p: &Point| ScanPlace::Point((p / source.unit.in_mm()).into());
             points.iter().map(numbers).collect()

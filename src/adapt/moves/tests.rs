@@ -100,7 +100,7 @@ fn a_move_leaves_what_it_is_given_and_needs_none_before_it() {
         let all = |of: &State| (of.uv.clone(), of.weights.clone(), of.knots.clone());
         let before = all(&start.state);
         let bounds = InsertionLimits { depth: 10, most: 1000, price: 0.0 };
-        let misses = start.misses(0.01);
+        let misses = start.misses(&start.state.uv, 0.01);
         let alone = all(&insert(problem, &start, &misses, &bounds).unwrap());
         // Others in between change nothing.
         reweight(problem, &start, 0.01, FIRM_AREA);

@@ -21,7 +21,7 @@ const MOST_ROUNDS: usize = 8;
 const GIVEN_UP: f64 = 0.01;
 
 /// What became of an attempt's folds.
-struct Tried {
+struct UnfoldTrial {
     /// The fewest inverted Jacobian samples.
     inverted: usize,
     /// The attempt with these that keeps the goal, …
@@ -40,7 +40,7 @@ pub fn take_out(run: &mut FitRun, start: Attempt) -> Result<(Attempt, usize)> {
     let mut best: Option<(Attempt, usize)> = None;
     for round in 0..=MOST_ROUNDS {
         let now = finer.as_ref().unwrap_or(&start);
-        let Tried { inverted, found, lost } = unfolded(problem, now);
+        let UnfoldTrial { inverted, found, lost } = unfolded(problem, now);
         before.get_or_insert(inverted);
         // Once there is a surface with fewer folds, knots are inserted one more time.
         let is_second = best.is_some();
@@ -64,7 +64,7 @@ fn with_knots_for(run: &mut FitRun, now: &Attempt, mut lost: Attempt) -> Result<
     let problem = run.problem;
     let tolerance = problem.goal.tolerance;
     let bounds = tolerance::bounds(problem);
-    let Some(knots) = finer_knots(&lost, &lost.misses(tolerance), &bounds) else {
+    let Some(knots) = finer_knots(&lost, &lost.misses(&lost.state.uv, tolerance), &bounds) else {
         return Ok(None);
     };
     let next = run.fit(State { knots, ..correct(problem, now, FIRM_AREA) })?;
@@ -80,8 +80,8 @@ fn with_knots_for(run: &mut FitRun, now: &Attempt, mut lost: Attempt) -> Result<
 
 /// Tries to take folds out over the same net; if a tolerance is named, in gentler
 /// ways, too, that start with less stiffness and more weight on the points that are lost.
-fn unfolded(problem: &Problem, start: &Attempt) -> Tried {
-    let mut tried = Tried { inverted: usize::MAX, found: None, lost: None };
+fn unfolded(problem: &Problem, start: &Attempt) -> UnfoldTrial {
+    let mut tried = UnfoldTrial { inverted: usize::MAX, found: None, lost: None };
     let mut start = start.clone();
     let ways = if problem.goal.named { STIFFNESSES.len() } else { 1 };
     for way in 0..ways {
@@ -98,7 +98,7 @@ fn unfolded(problem: &Problem, start: &Attempt) -> Tried {
 }
 
 /// Tries one way to take folds out.
-fn try_way(problem: &Problem, start: &Attempt, stiffnesses: &[f64], tried: &mut Tried) {
+fn try_way(problem: &Problem, start: &Attempt, stiffnesses: &[f64], tried: &mut UnfoldTrial) {
     let given_up = if problem.goal.named { 0 } else { problem.share(GIVEN_UP) };
     let most = start.beyond(problem).0.max(problem.spared()) + given_up;
     let unfolded = unfold(problem, start, stiffnesses);

@@ -54,7 +54,8 @@ pub fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
         if run.hindrance.is_some() {
             break;
         }
-        let misses = now.misses(problem.goal.tolerance);
+        let next_uv = now.corrected(problem, FIRM_AREA);
+        let misses = now.misses(&next_uv, problem.goal.tolerance);
         let Some(state) = insert(problem, now, &misses, &bounds(problem)) else { break };
         let next = fit_reweighted(run, state)?;
         let (after, before) = (next.beyond(problem), best.beyond(problem));

@@ -109,7 +109,8 @@ fn with_knots(problem: &Problem, of: &Attempt, left: &[MissedTriangle]) -> Optio
     if !problem.options.knots.are_searched() {
         return None;
     }
-    let mut misses = of.misses(problem.goal.tolerance);
+    let next_uv = of.corrected(problem, FIRM_AREA);
+    let mut misses = of.misses(&next_uv, problem.goal.tolerance);
     misses.extend(around(&of.state, left).map(|at| (at, 1.0)));
     let knots = finer_knots(of, &misses, &tolerance::bounds(problem))?;
     let surface = of.surface.over(knots.clone());

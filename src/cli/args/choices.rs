@@ -34,7 +34,7 @@ pub enum Steps {
 
 /// Where the outer boundary goes.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum Outline {
+pub enum OutlineChoice {
     /// The sides; a trim loop if the boundary is ragged, or if the sides stretch the map far
     /// more or cannot be made
     Auto,
@@ -66,7 +66,7 @@ pub enum Fit {
 
 /// A STEP schema on the command line.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum Schema {
+pub enum StepSchema {
     Ap203,
     Ap214,
     Ap242,

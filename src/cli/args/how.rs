@@ -2,10 +2,10 @@
 
 use clap::Args;
 
-use super::choices::{Fit, Iges, Map, Outline, Schema};
+use super::choices::{Fit, Iges, Map, OutlineChoice, StepSchema};
 use super::colour::Colour;
 use super::numbers::{depth, extent, max_net, net, percentage, positive, support};
-use super::pieces::{Component, component};
+use super::pieces::{ComponentChoice, component};
 use crate::cli::places::Corners;
 
 /// Options of the conversion, which `convert` and `batch` share.
@@ -26,8 +26,8 @@ pub struct How {
     pub rim_tolerance: Option<f64>,
     /// Where the outer boundary goes: the four sides of the surface, or a trim loop inside it,
     /// as for holes
-    #[arg(long, value_enum, default_value_t = Outline::Auto)]
-    pub outline: Outline,
+    #[arg(long, value_enum, default_value_t = OutlineChoice::Auto)]
+    pub outline: OutlineChoice,
     /// Map of the scan to the parameter plane; mean values leave too little room for parts
     /// that stick out
     #[arg(long, value_enum, default_value_t = Map::LeastStretch)]
@@ -35,7 +35,7 @@ pub struct How {
     /// Where smoothing keeps a corner of the boundary: auto, none, or places as
     /// in --corners
     #[arg(long, value_name = "LIST|auto|none", default_value = "auto", allow_hyphen_values = true)]
-    pub boundary_corners: Corners,
+    pub boundary_corners: NamedCorners,
     /// Support of the smoothing, in mm, or auto, or off
     #[arg(long, value_name = "LEN|auto|off", default_value = "auto", value_parser = support)]
     pub smooth: scan2step::smooth::Support,
@@ -63,10 +63,10 @@ pub struct How {
     pub keep_fills: bool,
     /// Component of the scan: largest, all, or a number (0 is the largest)
     #[arg(long, value_name = "largest|all|N", default_value = "largest", value_parser = component)]
-    pub component: Component,
+    pub component: ComponentChoice,
     /// STEP schema
-    #[arg(long, value_enum, default_value_t = Schema::Ap242)]
-    pub schema: Schema,
+    #[arg(long, value_enum, default_value_t = StepSchema::Ap242)]
+    pub schema: StepSchema,
     /// IGES form: trimmed surfaces (144) or a shell (514)
     #[arg(long, value_enum, default_value_t = Iges::Trimmed)]
     pub iges: Iges,

@@ -12,11 +12,11 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use scan2step::mesh::Choice;
 
-pub use choices::{Fit, Iges, Map, Outline, Schema, Steps};
+pub use choices::{Fit, Iges, Map, OutlineChoice, StepSchema, Steps};
 pub use colour::Colour;
 pub use files::{CadFile, CadKind};
 pub use how::{How, Manner};
-pub use pieces::{Component, Look, Piece, Scale};
+pub use pieces::{ComponentChoice, Look, Piece, Scale};
 
 use super::batch::args::Batch;
 use super::manual::{Completions, Man};
@@ -104,7 +104,7 @@ pub struct Check {
     /// Components of the scan that the faces are measured against: largest, all, or a number
     /// (0 is the largest), as for `convert`
     #[arg(long, value_name = "largest|all|N", default_value = "largest", value_parser = component)]
-    pub component: Component,
+    pub component: ComponentChoice,
     #[command(flatten)]
     pub look: Look,
 }

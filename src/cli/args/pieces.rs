@@ -46,35 +46,38 @@ pub struct Look {
 
 /// Components of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Component {
+pub enum ComponentChoice {
     Largest,
     All,
     Number(usize),
 }
 
-impl Component {
+impl ComponentChoice {
     /// The components that it names.
     pub fn of(self, scan: &Components, outer: Outer) -> Vec<Choice> {
         match self {
-            Component::Largest => vec![Choice::Largest],
-            Component::Number(n) => vec![Choice::Number(n)],
-            Component::All => scan.all(outer),
+            ComponentChoice::Largest => vec![Choice::Largest],
+            ComponentChoice::Number(n) => vec![Choice::Number(n)],
+            ComponentChoice::All => scan.all(outer),
         }
     }
 }
 
-pub fn component(text: &str) -> Result<Component, String> {
+pub fn component(text: &str) -> Result<ComponentChoice, String> {
     match text {
-        "largest" => Ok(Component::Largest),
-        "all" => Ok(Component::All),
-        n => n.parse().map(Component::Number).map_err(|_| "not largest, all or a number".into()),
+        "largest" => Ok(ComponentChoice::Largest),
+        "all" => Ok(ComponentChoice::All),
+        n => n
+            .parse()
+            .map(ComponentChoice::Number)
+            .map_err(|_| "not largest, all or a number".into()),
     }
 }
 
 pub fn one_component(text: &str) -> Result<Choice, String> {
     match component(text) {
-        Ok(Component::Largest) => Ok(Choice::Largest),
-        Ok(Component::Number(n)) => Ok(Choice::Number(n)),
+        Ok(ComponentChoice::Largest) => Ok(Choice::Largest),
+        Ok(ComponentChoice::Number(n)) => Ok(Choice::Number(n)),
         _ => Err("not largest or a number".into()),
     }
 }

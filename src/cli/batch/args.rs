@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{ArgMatches, Args, Command, ValueEnum, parser::ValueSource};
 
 use crate::cli::args::{How, Manner, Scale};
-use crate::cli::report::Kind;
+use crate::cli::report::ReportFormat;
 
 /// Options of `batch`.
 #[derive(Debug, Args)]
@@ -26,7 +26,7 @@ pub struct Batch {
     pub format: Formats,
     /// Also write reports: html, json or png, or several (html,png)
     #[arg(long, value_enum, value_name = "KIND", value_delimiter = ',')]
-    pub report: Vec<Kind>,
+    pub report: Vec<ReportFormat>,
     /// Convert a part of the scans: 3/16 is the third of sixteen parts, which can run at the
     /// same time
     #[arg(long, value_name = "K/N", value_parser = shard)]
