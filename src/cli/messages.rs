@@ -7,7 +7,7 @@ use scan2step::{Conversion, Stage};
 
 use super::args::{ComponentChoice, Convert};
 use super::input::Scan;
-use super::progress::Progress;
+use super::progress::ProgressDisplay;
 use super::{Outcome, streams};
 
 /// What a stage made, in one line.

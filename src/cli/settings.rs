@@ -8,7 +8,7 @@ use super::Failure;
 use super::args::{ComponentChoice, Convert, Fit, Map, OutlineChoice};
 use super::cad::{self, part_name};
 use super::input::{Scan, stopped};
-use super::places::Corners;
+use super::places::NamedCorners;
 
 /// The options of the library.
 pub fn options(args: &Convert) -> Result<Options, Failure> {

@@ -6,7 +6,7 @@ use super::choices::{Fit, Iges, Map, OutlineChoice, StepSchema};
 use super::colour::Colour;
 use super::numbers::{depth, extent, max_net, net, percentage, positive, support};
 use super::pieces::{ComponentChoice, component};
-use crate::cli::places::Corners;
+use crate::cli::places::NamedCorners;
 
 /// Options of the conversion, which `convert` and `batch` share.
 #[derive(Debug, Args)]
