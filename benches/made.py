@@ -1,5 +1,5 @@
-"""What benches are made of: the programs, built, and virtual scans, whose true
-surface is known, by examples/virtual_scan.
+"""The inputs of benches: built programs, and virtual scans with known true surfaces from
+examples/virtual_scan.
 """
 
 import json
@@ -26,7 +26,7 @@ def virtual_scan(name, *task):
 
 
 def scan(name, path):
-    """Writes a scan as PLY."""
+    """Writes a scan as a PLY file."""
     virtual_scan(name, path)
     return path
 
@@ -38,7 +38,7 @@ def samples(name):
 
 
 def places(name):
-    """Parameter points all over the surface, and which are in holes."""
+    """Parameter points all over the surface, and whether each is in a hole."""
     table = numbers(name, "places", 3)
     return table[:, :2].copy(), table[:, 2] > 0
 
@@ -52,7 +52,7 @@ def numbers(name, task, columns):
 
 
 def rms(name, points):
-    """Root mean square distance of points from the true surface, in mm."""
+    """The root mean square distance of points from the true surface, in mm."""
     import numpy as np
 
     with tempfile.TemporaryDirectory() as folder:
@@ -61,7 +61,7 @@ def rms(name, points):
 
 
 def read_ply(path):
-    """Points and triangles of a mesh that examples/measure wrote."""
+    """The points and triangles of a mesh that examples/measure wrote."""
     import numpy as np
 
     head, body = path.read_bytes().split(b"end_header\n", 1)

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""How scan2step maps surfaces to the square: flips, L2 stretch, and how well a
-uniform 26 x 26 net fits on the parameters.
+"""Measures the maps of scan2step to the square: inverted triangles, L2 stretch, and the
+error of a fit with a uniform 26 x 26 net at the parameters.
 
     python3 -B benches/parameterize.py PROGRAM [--shared FOLDER]
 
-Needs numpy and scipy. The virtual scans are left out, aloud, where the folder
-with virtual_scan.py is absent.
+The script needs numpy and scipy. It omits the virtual scans and says so if the folder with
+virtual_scan.py is missing.
 """
 import argparse
 import json
@@ -22,7 +22,7 @@ from scipy.sparse.linalg import splu
 
 
 def grid(n, m, surface, seed=0):
-    """A grid of n x m points, its diagonals at random."""
+    """A grid of n x m points with random diagonals."""
     u, v = (t.ravel() for t in np.meshgrid(np.linspace(0, 1, n), np.linspace(0, 1, m), indexing="ij"))
     i = np.arange(n * m).reshape(n, m)
     a, b, c, d = i[:-1, :-1].ravel(), i[1:, :-1].ravel(), i[1:, 1:].ravel(), i[:-1, 1:].ravel()
@@ -38,7 +38,7 @@ def nose(u, v):
 
 
 def disk(u, v):
-    """The square to a disk of radius 1, ring by ring."""
+    """Maps the square to a disk of radius 1, ring by ring."""
     a, b = 2 * u - 1, 2 * v - 1
     k = np.maximum(abs(a), abs(b)) / np.maximum(np.hypot(a, b), 1e-12)
     return a * k, b * k
@@ -63,7 +63,7 @@ def bowl(depth):
 
 
 def finger(length):
-    """A round finger, 10 mm thick, on a disk."""
+    """A round finger with a thickness of 10 mm on a disk."""
     def surface(u, v):
         x, y = disk(u, v)
         r = np.maximum(np.hypot(x, y), 1e-12)
@@ -101,7 +101,7 @@ def write_ply(path, points, triangles):
 
 
 def read_stage(path):
-    """Points, parameters, measured triangles."""
+    """The points, the parameters and the measured triangles."""
     data = path.read_bytes()
     start = data.index(b"end_header\n") + len(b"end_header\n")
     counts = [int(line.split()[2]) for line in data[:start].decode().splitlines() if line.startswith("element")]
@@ -115,7 +115,7 @@ def read_stage(path):
 
 
 def stretch(points, uv, triangles):
-    """L2 stretch on the rectangle that stretches least, and flips."""
+    """The L2 stretch on the rectangle of least stretch, and the number of inverted triangles."""
     p, q, r = (points[triangles[:, k]] for k in range(3))
     a, d, e = uv[triangles[:, 0]], uv[triangles[:, 1]], uv[triangles[:, 2]]
     d, e = d - a, e - a
@@ -128,7 +128,7 @@ def stretch(points, uv, triangles):
 
 
 def fit_rms(points, uv, n=26):
-    """Of a uniform least-squares fit, at the same parameters."""
+    """The error of a uniform least-squares fit at the same parameters."""
     knots = np.r_[[0.0] * 3, np.linspace(0, 1, n - 2), [1.0] * 3]
     u, v = (BSpline.design_matrix(uv[:, k], knots, 3) for k in range(2))
     (iu, iv), (du, dv) = ([b.indices.reshape(-1, 4) for b in (u, v)], [b.data.reshape(-1, 4) for b in (u, v)])

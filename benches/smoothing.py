@@ -1,17 +1,16 @@
-"""Smoothing against the truth of virtual scans.
+"""Compares smoothing with the truth of virtual scans.
 
     python3 -m venv VENV
     VENV/bin/pip install numpy scipy
     VENV/bin/python benches/smoothing.py [SCAN[:NOISE[:SEED]] ...]
 
-Prints a Markdown table: root mean square distances to the true surface over all
-vertices, before and after; of the smoothed outer boundary to the true boundary
-curve; how far vertices were moved; triangles that look away from the true side,
-before and after; CPU seconds of all threads for a million points, and the
-process's peak memory.
+The script prints a Markdown table: the root mean square distances from the true surface over all
+vertices, before and after; that of the smoothed outer boundary from the true boundary curve; how far
+vertices were moved; the triangles whose normals are opposite to the true ones, before and after; the
+CPU seconds of all threads for a million points; and the peak memory of the process.
 
-The scans are made by virtual_scan.py, which is not part of the project; without
-it (../shared beside the checkout) nothing is measured, and that is said.
+virtual_scan.py makes the scans. It is not part of the project. If it is not in ../shared beside the
+checkout, the script measures nothing and says so.
 """
 
 import json
@@ -82,7 +81,7 @@ def true_boundary(truth):
 
 
 def folded(name, points, triangles):
-    """Triangles whose normal looks away from the true surface's nearby."""
+    """The triangles whose normals are opposite to that of the true surface nearby."""
     import numpy as np
     import virtual_scan as vs
     from scipy.spatial import cKDTree

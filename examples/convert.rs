@@ -1,8 +1,8 @@
-//! A scan becomes a CAD file: the whole program in twenty lines.
+//! Converts a scan to a CAD file: the whole program in twenty lines.
 //!
 //! cargo run --release --example convert -- SCAN OUT.step [TOLERANCE]
 //!
-//! Prints how far the scan's points are from the face.
+//! It prints the distances of the scan's points from the face.
 
 use std::error::Error;
 
@@ -15,7 +15,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let tolerance: Option<f64> = rest.first().map(|mm| mm.parse()).transpose()?;
 
-    // A unit that the file does not declare is named here, too: `.unit(LengthUnit::Metre)`.
+    // If the file does not declare its unit, set it here: `.unit(LengthUnit::Metre)`.
     let options = Options::builder().name(scan).tolerance(tolerance).build()?;
     let conversion = convert_file(scan, out, &options)?;
     let (off, kept) = (&conversion.deviation, conversion.tolerance_met(0.0));

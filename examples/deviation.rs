@@ -1,5 +1,5 @@
-//! How far a CAD file is from a scan, whoever wrote the file: every point of the scan
-//! from the trimmed faces, and samples of these from the scan.
+//! Measures the distances between a CAD file of any program and a scan: from every point of the
+//! scan to the trimmed faces, and from samples of the faces to the scan.
 //!
 //! cargo run --release --example deviation -- CAD SCAN
 

@@ -1,12 +1,12 @@
-//! Fits a net to points whose parameters are given: `benches/peers/fit.py` sets the
-//! figures beside those of other programs and beside the truth.
+//! Fits a net to points with given parameters. `benches/peers/fit.py` compares the figures with
+//! those of other programs and with the truth.
 //!
 //! cargo run --release --example fit -- SAMPLES M N METHOD [OUT]
 //!
-//! SAMPLES holds five doubles a point, u v x y z. Prints one line of JSON: CPU
-//! seconds of all threads and of the clock, steps, and root mean square distance
-//! at equal parameters. OUT gets the control net, three doubles a point. Needs
-//! Linux for the CPU time.
+//! SAMPLES has five doubles for each point: u v x y z. The example prints one line of JSON with the
+//! CPU seconds of all threads, the wall-clock seconds, the steps, and the root mean square distance
+//! at equal parameters. It writes the control net to OUT, with three doubles for each point. It
+//! needs Linux for the CPU time.
 
 mod usage;
 
@@ -33,7 +33,6 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let samples = read(file)?;
     let knots = [KnotVector::cubic(m.parse()?)?, KnotVector::cubic(n.parse()?)?];
-    faer::set_global_parallelism(faer::Par::Seq);
     let (cpu, clock) = (cpu_s()?, Instant::now());
     let (surface, report) = fit::fit(&samples, knots, method)?;
     let (cpu, clock) = (cpu_s()? - cpu, clock.elapsed().as_secs_f64());

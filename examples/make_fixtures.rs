@@ -1,4 +1,4 @@
-//! Writes the fixtures: virtual scans whose true surface the tests know.
+//! Writes the fixtures, which are virtual scans with known true surfaces.
 //!
 //! cargo run --example make_fixtures
 

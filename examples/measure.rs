@@ -1,14 +1,13 @@
-//! Measures the stages up to the parameterization: `benches/peers/read.py`, `benches/peers/fill.py`
-//! and `benches/smoothing.py` set the figures beside those of other programs and
-//! beside the truth.
+//! Measures the stages up to the parameterization. `benches/peers/read.py`, `benches/peers/fill.py`
+//! and `benches/smoothing.py` compare the figures with those of other programs and with the truth.
 //!
 //! cargo run --release --example measure -- FILE [--mesh | --smooth OUT.ply | --fill OUT.ply |
 //!     --map least-stretch | --map mean-value]
 //!
-//! Prints one line of JSON. `--smooth` writes the smoothed mesh, and beside it
-//! `OUT.loops.json`, its boundary loops; `--fill` the filled mesh, what was measured
-//! first. Needs Linux: times are CPU seconds of all
-//! threads and the peak is the process's, both from /proc.
+//! The example prints one line of JSON. `--smooth` writes the smoothed mesh, and its boundary loops
+//! to `OUT.loops.json`. `--fill` writes the filled mesh, in which the measured triangles come
+//! first. The example needs Linux: the CPU seconds of all threads and the peak memory of the
+//! process are from /proc.
 
 mod usage;
 
@@ -20,7 +19,7 @@ use std::path::Path;
 use scan2step::mesh::{
     self, Choice, Components, Disk, EdgeMap, FaceOrigin, Mesh, Outer, Patch, Repairs,
 };
-use scan2step::parameterize::{self, Method};
+use scan2step::parameterize::{self, MapMethod};
 use scan2step::{fill, smooth};
 use serde_json::{Map, json};
 use usage::{cpu_s, peak_rss_mb};
@@ -30,14 +29,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<&str> = args.iter().map(String::as_str).collect();
     let steps = Steps { cpu_s: Map::new(), begun: cpu_s()? };
     match args[..] {
-        // What the process costs without any work.
+        // The memory of the process before any work.
         [] => println!("{}", json!({ "peak_rss_mb": rounded(peak_rss_mb()?) })),
         [file] => read(file, steps)?,
         [file, "--mesh"] => mesh(file, steps)?,
         [file, "--smooth", out] => smooth(file, out, steps)?,
         [file, "--fill", out] => fill(file, out, steps)?,
-        [file, "--map", "least-stretch"] => map(file, Method::LeastStretch, steps)?,
-        [file, "--map", "mean-value"] => map(file, Method::MeanValue, steps)?,
+        [file, "--map", "least-stretch"] => map(file, MapMethod::LeastStretch, steps)?,
+        [file, "--map", "mean-value"] => map(file, MapMethod::MeanValue, steps)?,
         _ => {
             return Err("FILE [--mesh | --smooth OUT.ply | --fill OUT.ply | \
                         --map least-stretch | --map mean-value]"
@@ -98,7 +97,7 @@ fn fill(file: &str, out: &str, mut steps: Steps) -> Result<(), Box<dyn Error>> {
     }))
 }
 
-fn map(file: &str, method: Method, mut steps: Steps) -> Result<(), Box<dyn Error>> {
+fn map(file: &str, method: MapMethod, mut steps: Steps) -> Result<(), Box<dyn Error>> {
     let (patch, _) = filled(file, &mut steps)?;
     let before = rounded(peak_rss_mb()?);
     let vertices = patch.mesh.points.len();
@@ -111,7 +110,7 @@ fn map(file: &str, method: Method, mut steps: Steps) -> Result<(), Box<dyn Error
     }))
 }
 
-/// The smoothed scan, its holes filled.
+/// The smoothed scan with filled holes.
 fn filled(file: &str, steps: &mut Steps) -> Result<(Patch, fill::Report), Box<dyn Error>> {
     let (disk, _) = disk(file)?;
     steps.end("mesh")?;
@@ -124,7 +123,7 @@ fn filled(file: &str, steps: &mut Steps) -> Result<(Patch, fill::Report), Box<dy
     Ok(filled)
 }
 
-/// The largest component of a scan, and what was repaired.
+/// The largest component of a scan, and its repairs.
 fn disk(file: &str) -> Result<(Disk, Repairs), Box<dyn Error>> {
     let soup = formats::read_scan(Path::new(file))?;
     let scan = Components::new(mesh::from_soup(&soup, 1.0)?);
@@ -134,7 +133,7 @@ fn disk(file: &str) -> Result<(Disk, Repairs), Box<dyn Error>> {
     Ok((disk, repairs))
 }
 
-/// Binary PLY: doubles and ints.
+/// Writes a binary PLY file of doubles and ints.
 fn write_ply(mesh: &Mesh, out: &str) -> Result<(), Box<dyn Error>> {
     let mut file = BufWriter::new(fs::File::create(out)?);
     let (points, triangles) = (&mesh.points, &mesh.triangles);
@@ -158,7 +157,7 @@ fn write_ply(mesh: &Mesh, out: &str) -> Result<(), Box<dyn Error>> {
     Ok(file.flush()?)
 }
 
-/// What each step took, in CPU seconds.
+/// The CPU seconds of each step.
 struct Steps {
     cpu_s: Map<String, serde_json::Value>,
     begun: f64,

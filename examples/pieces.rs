@@ -1,5 +1,5 @@
-//! Every piece of a scan in a file of its own, all on one reading; what cannot be
-//! converted is said, and the rest goes on.
+//! Converts every piece of a scan to its own file. The scan is read once. If a piece cannot be
+//! converted, the example prints the error and continues with the next one.
 //!
 //! cargo run --release --example pieces -- SCAN FOLDER
 
@@ -18,7 +18,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let soup = formats::read_scan(Path::new(scan))?;
     let unit = soup.unit.unwrap_or(LengthUnit::Millimetre);
     let pieces = Components::new(mesh::from_soup(&soup, unit.in_mm())?);
-    // Dust, and islands in the holes of others, are no pieces of their own.
+    // Dust, and islands in the holes of other components, are not separate pieces.
     for number in pieces.without_islands(Outer::Auto) {
         let piece = Choice::Number(number);
         let options =

@@ -1,4 +1,4 @@
-//! A solid that is modelled with truck becomes a STEP and an IGES file, and truck gets it back.
+//! Models a solid with truck, writes it as a STEP and an IGES file, and converts it back to truck.
 //!
 //! cargo run --release --example solid -- OUT.step OUT.igs
 
@@ -11,11 +11,11 @@ use formats::brep::ShellId;
 use formats::{iges, step};
 use truck_modeling::{Face, ParametricSurface, Point3, Solid, Surface, Vector3, Wire, builder};
 
-/// The corners of an angle's profile, in mm.
+/// The corners of the profile of an angle section, in mm.
 const PROFILE: [[f64; 2]; 6] =
     [[0.0, 0.0], [40.0, 0.0], [40.0, 5.0], [5.0, 5.0], [5.0, 30.0], [0.0, 30.0]];
 
-/// An angle of steel, 50 mm long.
+/// A steel angle section with a length of 50 mm.
 fn angle() -> Result<Solid, Box<dyn Error>> {
     let corners = PROFILE.map(|[x, y]| builder::vertex(Point3::new(x, y, 0.0)));
     let side = |k: usize| builder::line(&corners[k], &corners[(k + 1) % corners.len()]);
@@ -40,7 +40,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     iges::write(&brep, &options, &mut file)?;
     file.flush()?;
 
-    // truck evaluates what is ours.
+    // truck evaluates the converted solid.
     let back = brep.truck_solid(&brep.solids[0])?;
     for face in back.face_iter() {
         let Surface::BSplineSurface(surface) = face.surface() else { continue };

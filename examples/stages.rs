@@ -1,26 +1,27 @@
-//! One's own mesh, stage by stage: what `scan2step::convert` does, for whoever wants
-//! to look between the stages, to change what they pass on, or to put another in.
+//! Calls every stage by hand, as `scan2step::convert` does. Use this to look at the output of a
+//! stage, to change it, or to insert another stage.
 //!
 //! cargo run --release --example stages
 //!
-//! Makes a wavy sheet of 60 × 40 mm with noise and a round hole, and a STEP file of it
-//! in memory: the same bytes that `convert` makes. Prints a line a stage.
+//! The example makes a wavy sheet of 60 × 40 mm with noise and a round hole, and a STEP file of it
+//! in memory. The bytes are the same as those of `convert`. It prints a line for each stage.
 
 use std::error::Error;
 
 use formats::{Brep, Soup, step};
 use scan2step::adapt::{self, Goal};
-use scan2step::deviation::Face;
+use scan2step::deviation::TrimmedFace;
 use scan2step::mesh::{self, Choice, Components, Outer};
 use scan2step::{Options, brep, convert, cut, fill, parameterize, smooth, trim};
 
-/// Standard deviation of the noise, and the tolerance, in mm.
+/// The standard deviation of the noise, and the tolerance, in mm.
 const NOISE: f64 = 0.02;
 const TOLERANCE: f64 = 3.0 * NOISE;
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // Mesh: vertices at one place become one, faults are repaired, a piece is chosen. From
-    // here on lengths are the scan's own by a power of two, of which one is so many mm.
+    // Mesh: vertices at the same place become one, faults are repaired, and a component is chosen.
+    // From here on, lengths are those of the scan times a power of two. One such unit is `mm`
+    // millimetres.
     let pieces = Components::new(mesh::from_soup(&scan(), 1.0)?);
     let mm = pieces.mm();
     let mut repairs = pieces.repairs().clone();
@@ -39,8 +40,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (mut map, mapping) = parameterize::parameterize(patch, &how)?;
     println!("parameterize: stretch {:.2}", mapping.stretch.l2);
 
-    // Knots and fit, again and again until the goal is reached. `knots::place` and
-    // `fit::fit` are the single steps. Without a tolerance it were `Goal::of_scan`.
+    // Knots and fit are repeated until the goal is reached. `knots::place` and `fit::fit` are the
+    // single steps. Without a tolerance, use `Goal::of_scan`.
     let tolerance = TOLERANCE / mm;
     let goal = Goal::named(tolerance, 0.0);
     let (surface, fitting) = adapt::fit(&mut map, &adapt::Options::default(), &goal)?;
@@ -48,8 +49,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let [m, n] = surface.shape();
     println!("fit: {m} × {n} control points after {} fits", fitting.rounds);
 
-    // Loops are found on the surface, and traced on it in mm: how near edges must be to it
-    // is a matter of millimetres.
+    // The loops are found on the surface and traced on it in mm, because the accuracy of edges is a
+    // number of mm.
     let cut_out = vec![true; filling.holes.len()];
     let rims = cut::rims(&map, &cut_out);
     let how = trim::Options::of_rims(&rims, tolerance, goal.named);
@@ -65,8 +66,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     println!("write: {} bytes", file.len());
 
     let arcs = loops.iter().map(|l| l.pcurves.as_slice());
-    let face = Face::new(&surface, arcs, !cut::has_outline(&loops));
-    // Of the points as they were smoothed, which the goal is for, and as measured.
+    let face = TrimmedFace::new(&surface, arcs, !cut::has_outline(&loops));
+    // The deviations of the smoothed points, to which the goal applies, and of the measured points.
     let count = map.patch.measured;
     let smoothed = face.deviation(&map.patch.mesh.points[..count], &map.uv[..count]);
     let measured_off = face.deviation(&measured.mesh.points, &map.uv[..count]);
@@ -88,7 +89,7 @@ fn step_file(brep: &Brep) -> Result<Vec<u8>, Box<dyn Error>> {
     Ok(file)
 }
 
-/// The sheet, as a soup of polygons: squares serve as well as triangles.
+/// The sheet as a soup of polygons. The polygons may be squares.
 fn scan() -> Soup {
     let (columns, rows) = (61, 41);
     let mut soup = Soup::default();
@@ -109,7 +110,7 @@ fn scan() -> Soup {
     soup
 }
 
-/// Deterministic noise of standard deviation 1: the sum of twelve even numbers.
+/// Deterministic noise with the standard deviation 1: the sum of twelve uniform random numbers.
 fn noise() -> impl FnMut() -> f64 {
     let mut state = 1_u64;
     let mut even = move || {

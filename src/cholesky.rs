@@ -1,19 +1,66 @@
-//! Cholesky factors of matrices with one and the same pattern, with their
-//! determinants.
+//! Cholesky factors of sparse matrices: [`Cholesky`] of one matrix, and [`Pattern`] of many
+//! with one and the same pattern, with their determinants.
+//!
+//! Both work on the thread that calls them. faer would share the work as a setting of the
+//! whole process says, and the order of its sums would depend on the number of threads.
 
 use faer::dyn_stack::{MemBuffer, MemStack};
 use faer::perm::PermRef;
-use faer::sparse::linalg::SupernodalThreshold;
-use faer::sparse::linalg::amd;
 use faer::sparse::linalg::cholesky::{
-    CholeskySymbolicParams, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
+    CholeskySymbolicParams, LltRef, SymbolicCholesky, SymbolicCholeskyRaw, SymmetricOrdering,
     factorize_symbolic_cholesky, supernodal::SupernodalLltRef,
 };
+use faer::sparse::linalg::{LltError, SupernodalThreshold, amd};
 use faer::sparse::{SparseColMatRef, SymbolicSparseColMat, SymbolicSparseColMatRef};
-use faer::{Conj, Mat, Par, Side};
+use faer::{Conj, Index, Mat, Par, Side};
 
-/// The pattern of a symmetric matrix's lower triangle, analysed, and room for
-/// the work.
+/// The Cholesky factor of a sparse symmetric matrix.
+#[derive(Debug)]
+pub struct Cholesky<I: Index> {
+    symbolic: SymbolicCholesky<I>,
+    factor: Vec<f64>,
+}
+
+impl<I: Index> Cholesky<I> {
+    /// Reads the lower triangle of the matrix.
+    ///
+    /// # Errors
+    /// The matrix is not positive definite, or there is no memory for the factor.
+    pub fn new(matrix: SparseColMatRef<'_, I, f64>) -> Result<Self, LltError> {
+        let (side, params) = (Side::Lower, CholeskySymbolicParams::default());
+        let order = SymmetricOrdering::Amd;
+        let symbolic = factorize_symbolic_cholesky(matrix.symbolic(), side, order, params)?;
+        let mut factor = Vec::new();
+        factor.try_reserve_exact(symbolic.len_val())?;
+        factor.resize(symbolic.len_val(), 0.0);
+        let room = symbolic.factorize_numeric_llt_scratch::<f64>(Par::Seq, Default::default());
+        let mut room = MemBuffer::try_new(room)?;
+        symbolic.factorize_numeric_llt(
+            &mut factor,
+            matrix,
+            side,
+            Default::default(),
+            Par::Seq,
+            MemStack::new(&mut room),
+            Default::default(),
+        )?;
+        Ok(Cholesky { symbolic, factor })
+    }
+
+    /// Replaces the right sides, one a column, by their solutions.
+    pub fn solve(&self, right: &mut Mat<f64>) {
+        let room = self.symbolic.solve_in_place_scratch::<f64>(right.ncols(), Par::Seq);
+        let mut room = MemBuffer::new(room);
+        LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
+            Conj::No,
+            right.as_mut(),
+            Par::Seq,
+            MemStack::new(&mut room),
+        );
+    }
+}
+
+/// The analysed sparsity pattern of the lower triangle of a symmetric matrix, with working memory.
 pub struct Pattern {
     pattern: SymbolicSparseColMat<usize>,
     symbolic: SymbolicCholesky<usize>,
@@ -22,16 +69,16 @@ pub struct Pattern {
 }
 
 impl Pattern {
-    /// `starts` tells where in `rows` each column's entries begin, at and below
-    /// the diagonal, ascending; `order` in which order to eliminate. `None` if
-    /// there is no memory for it.
+    /// Analyses a pattern. Column j has its entries at `starts[j]..starts[j + 1]` of `rows`; they
+    /// ascend and lie on and below the diagonal. `order` is the elimination order. Returns `None`
+    /// if memory does not suffice.
     pub fn new(starts: Vec<usize>, rows: Vec<usize>, order: &[usize]) -> Option<Self> {
         let n = order.len();
         let mut inverse = vec![0; n];
         order.iter().enumerate().for_each(|(place, &i)| inverse[i] = place);
         let order = SymmetricOrdering::Custom(PermRef::new_checked(order, &inverse, n));
         let pattern = SymbolicSparseColMat::new_checked(n, n, starts, None, rows);
-        // Supernodal throughout: its factor shows the diagonal.
+        // A supernodal factor gives access to its diagonal.
         let params = CholeskySymbolicParams {
             supernodal_flop_ratio_threshold: SupernodalThreshold::FORCE_SUPERNODAL,
             ..Default::default()
@@ -45,9 +92,9 @@ impl Pattern {
         Some(Pattern { pattern, symbolic, room, factor })
     }
 
-    /// The logarithm of the determinant of the matrix with these entries, in
-    /// the pattern's order; `right` (three columns at most) is replaced by the
-    /// solution. `None` if the matrix is not positive definite.
+    /// Factorizes the matrix with the given entries, in the order of the pattern, and returns the
+    /// logarithm of its determinant. If `right` is given it is replaced by the solution; it may
+    /// have at most three columns. Returns `None` if the matrix is not positive definite.
     pub fn solve(&mut self, values: &[f64], right: Option<&mut Mat<f64>>) -> Option<f64> {
         let matrix = SparseColMatRef::new(self.pattern.as_ref(), values);
         let stack = MemStack::new(&mut self.room);
@@ -71,8 +118,8 @@ impl Pattern {
     }
 }
 
-/// An order of elimination in which factors are nearly as sparse as may be, for a pattern
-/// as [`Pattern::new`] takes it. `None` if there is no memory for it.
+/// An elimination order with little fill-in (approximate minimum degree), for a pattern as in
+/// [`Pattern::new`]. Returns `None` if memory does not suffice.
 pub fn least_degree(starts: &[usize], rows: &[usize]) -> Option<Vec<usize>> {
     let n = starts.len() - 1;
     let pattern = SymbolicSparseColMatRef::new_checked(n, n, starts, None, rows);
@@ -83,7 +130,8 @@ pub fn least_degree(starts: &[usize], rows: &[usize]) -> Option<Vec<usize>> {
     Some(order)
 }
 
-/// `None` without supernodes, which the pattern asks for.
+/// The logarithm of the determinant, or `None` if the factor is not supernodal. [`Pattern::new`]
+/// forces a supernodal factor.
 fn log_determinant(symbolic: &SymbolicCholesky<usize>, factor: &[f64]) -> Option<f64> {
     let SymbolicCholeskyRaw::Supernodal(nodes) = symbolic.raw() else { return None };
     let factor = SupernodalLltRef::new(nodes, factor);
@@ -97,7 +145,7 @@ mod tests {
 
     #[test]
     fn the_determinant_and_the_solution_of_a_chain_are_known() {
-        // Second differences with fixed ends: determinant n + 1.
+        // Second differences with fixed ends. The determinant is n + 1.
         let n = 50;
         let starts: Vec<usize> = (0..n).map(|j| 2 * j).chain([2 * n - 1]).collect();
         let rows: Vec<usize> = (0..2 * n - 1).map(|k| k / 2 + k % 2).collect();

@@ -7,6 +7,7 @@ use faer::sparse::linalg::{LltError, LuError};
 
 use crate::geometry::{Bound, Point};
 use crate::rules;
+use crate::words::bytes;
 
 /// A result of the pipeline.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -36,6 +37,31 @@ pub enum Error {
         asked: usize,
         /// How many there are.
         count: usize,
+    },
+    /// The scan has no vertex with the number that an option names.
+    #[error("there is no vertex {asked}; the scan has {count}")]
+    Vertex {
+        /// The number, counted from 0.
+        asked: usize,
+        /// How many vertices the file has.
+        count: usize,
+    },
+    /// The conversion may need more memory than the caller allows.
+    #[error(
+        "may need {} for {vertices} vertices, {triangles} triangles and up to {control_points} control points; --max-memory allows {}",
+        bytes(*needed), bytes(*allowed)
+    )]
+    MaxMemory {
+        /// Bytes that it may need.
+        needed: u64,
+        /// Bytes that the caller allows.
+        allowed: u64,
+        /// Vertices of the scan.
+        vertices: usize,
+        /// Triangles of the scan.
+        triangles: usize,
+        /// The largest number of control points.
+        control_points: usize,
     },
     /// The component has one side only.
     #[error("the surface is one-sided (a Möbius strip is in it) and cannot be oriented")]
@@ -95,6 +121,12 @@ pub enum Error {
         /// What is wrong with the value.
         fault: rules::Fault,
     },
+    /// The caller stopped it: a callback answered so.
+    #[error("stopped")]
+    Stopped,
+    /// The system starts no more threads.
+    #[error("the threads cannot be started: {0}")]
+    Threads(String),
     /// What a stage was given does not fit together.
     #[error("{0}")]
     Input(&'static str),
@@ -150,7 +182,7 @@ pub enum BrepFault {
     Spline(String),
     /// The parts do not suit each other.
     #[error("{0}")]
-    Parts(formats::brep::Fault),
+    Parts(formats::brep::ModelFault),
 }
 
 /// What can be wrong with one loop.
@@ -245,7 +277,8 @@ impl Error {
         self
     }
 
-    /// One sentence that says what the user can do.
+    /// One sentence that says what the user can do. Options stand in backticks, with the names
+    /// that they have in [`Builder`](crate::Builder).
     pub fn help(&self) -> String {
         match self {
             Error::File(e) => e.help.clone(),
@@ -254,44 +287,50 @@ impl Error {
                 "check the export: the scan must be a triangle mesh with finite coordinates".into()
             }
             Error::Component { count, .. } => {
-                format!("choose --component 0 to {}, or largest", count.saturating_sub(1))
+                format!("choose a `component` from 0 to {}, or the largest", count.saturating_sub(1))
             }
-            Error::NotOrientable => "cut the strip open, or choose another --component".into(),
+            Error::Vertex { .. } => "count vertices as the file does, from 0".into(),
+            Error::MaxMemory { .. } => {
+                "allow more, bound the net with a smaller `max_net`, or thin the scan".into()
+            }
+            Error::NotOrientable => "cut the strip open, or choose another `component`".into(),
             Error::NotADisk { loops: 0, .. } => {
                 "cut the closed surface open along a seam, and convert the pieces one by one".into()
             }
             Error::NotADisk { .. } => {
-                "cut the handles open so that one sheet is left, or choose another --component".into()
+                "cut the handles open so that one sheet is left, or choose another `component`".into()
             }
             Error::Corners(_) => {
-                "give four different vertices of the outer boundary with --corners, or leave the option out".into()
+                "give four different vertices of the outer boundary as `corners`, or leave the option out".into()
             }
             Error::TooSmall(_) => {
-                "let the boundary be a trim loop (--outline auto, and no --corners), scan it finer, or choose another --component; if all its triangles are loose (inspect counts the pieces), merge vertices that are close before the export".into()
+                "let the boundary be a trim loop (name neither `outline` nor `corners`), scan it finer, or choose another `component`; if all its triangles are loose (inspect counts the pieces), merge vertices that are close before the export".into()
             }
             Error::Support { shortest, longest, .. } => format!(
-                "name a --smooth between the spacing of the points and a share of the scan, \
-                 {shortest:.3} to {:.3} say, or auto",
+                "name a `smooth` between the spacing of the points and a share of the scan, \
+                 {shortest:.3} to {:.3} mm say, or leave the option out",
                 0.2 * longest
             ),
             Error::Fill { .. } => "repair or remesh the scan around that hole".into(),
             Error::Folded { .. } => "repair or remesh the scan around that place".into(),
             Error::Singular(_) => "remesh the scan: it has degenerate triangles".into(),
             Error::Memory(_) => {
-                "name a larger --tolerance, or a smaller --max-net, or thin the scan".into()
+                "name a larger `tolerance`, or a smaller `max_net`, or thin the scan".into()
             }
             Error::Option { fault: rules::Fault::LargeNet { .. }, .. } => {
-                "name a smaller --net, or a larger --max-net".into()
+                "name a smaller `net`, or a larger `max_net`".into()
             }
             Error::Option { option, .. } => {
-                format!("give another value for {option}, or leave the option out")
+                format!("give another value for `{option}`, or leave the option out")
             }
+            Error::Stopped => "start it again to get a result".into(),
+            Error::Threads(_) => "name fewer `threads`".into(),
             Error::Input(_) => "hand on what the stage before made".into(),
             Error::Trim { of: Bound::Outer, .. } => {
-                "lay the outer boundary on the sides (--outline sides), or name a smaller --tolerance".into()
+                "lay the outer boundary on the sides (`outline`), or name a smaller `tolerance`".into()
             }
             Error::Trim { .. } => {
-                "keep that hole filled (--fill-only-holes-below, --keep-fills), or name a smaller --tolerance".into()
+                "keep that hole filled (`cut`), or name a smaller `tolerance`".into()
             }
             Error::Cad { .. } => "repair the face in a CAD program, and export it again".into(),
             Error::Brep(_) => "please report this scan as a bug".into(),

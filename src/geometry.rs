@@ -1,23 +1,23 @@
-//! The types that keep a point in space, a point in the parameter plane and
-//! an index apart, and the names of boundary loops.
+//! Types for points in space, points in the parameter plane, vertex indices and boundary loops,
+//! with elementary geometric functions.
 
 use std::fmt;
 
-/// A point in space, in mm.
+/// A point in space. The unit is mm, or the pipeline's unit of length inside `convert`.
 pub type Point = nalgebra::Point3<f64>;
-/// A direction or displacement in space, in mm.
+/// A direction or displacement in space, in the unit of [`Point`].
 pub type Vector = nalgebra::Vector3<f64>;
-/// A point of the parameter plane, in [0, 1]² on a patch.
+/// A point of the parameter plane. On a patch it lies in [0, 1]².
 pub type Uv = nalgebra::Point2<f64>;
 /// A displacement in the parameter plane.
 pub type UvVector = nalgebra::Vector2<f64>;
 
-/// The index of a vertex of a mesh.
+/// The number of a vertex of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct VertexId(pub u32);
 
 impl VertexId {
-    /// The index as one into a slice of per-vertex values.
+    /// The number as an index into a slice of per-vertex values.
     pub fn index(self) -> usize {
         self.0 as usize
     }
@@ -29,24 +29,24 @@ impl From<usize> for VertexId {
     }
 }
 
-/// A boundary loop of what was measured of a patch.
+/// A boundary loop of the measured part of a patch.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Bound {
     /// The outer boundary.
     Outer,
-    /// The rim of a hole, by its number.
+    /// The rim of the hole with this number.
     Hole(usize),
-    /// The rim of an island, by the number of the hole that it is in and its own.
+    /// The rim of an island.
     Island {
-        /// The hole.
+        /// The number of the hole that contains the island.
         hole: usize,
-        /// The island.
+        /// The number of the island.
         number: usize,
     },
 }
 
 impl Bound {
-    /// The hole, or that of the island.
+    /// The number of the hole, or of the hole that contains the island.
     pub fn hole(self) -> Option<usize> {
         match self {
             Bound::Outer => None,
@@ -54,7 +54,7 @@ impl Bound {
         }
     }
 
-    /// The island.
+    /// The number of the island.
     pub fn island(self) -> Option<usize> {
         match self {
             Bound::Island { number, .. } => Some(number),
@@ -73,36 +73,35 @@ impl fmt::Display for Bound {
     }
 }
 
-/// Twice the signed area of the triangle `a b c`, its sign exact (Shewchuk's
-/// adaptive predicate): positive where the corners run counter-clockwise.
+/// Twice the signed area of the triangle `a b c`. It is positive if the corners run
+/// counter-clockwise. The sign is exact (Shewchuk's adaptive predicate).
 pub fn orient2d(a: Uv, b: Uv, c: Uv) -> f64 {
     let coord = |p: Uv| robust::Coord { x: p.x, y: p.y };
     robust::orient2d(coord(a), coord(b), coord(c))
 }
 
-/// Whether the segments `a b` and `c d` cross at an inner point of both.
+/// Whether the segments `a b` and `c d` cross at a point inside both.
 pub fn segments_cross(a: Uv, b: Uv, c: Uv, d: Uv) -> bool {
     let side = |p: Uv, q: Uv, r: Uv| orient2d(p, q, r);
     side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
 }
 
-/// Any unit vector perpendicular to the unit vector `n`, and the one that
-/// completes the two to a right-handed frame (x, y, n).
+/// A unit vector perpendicular to the unit vector `n`, and the vector that completes them to a
+/// right-handed frame (x, y, n).
 pub fn plane_axes(n: Vector) -> (Vector, Vector) {
     let helper = if n.x.abs() < 0.6 { Vector::x() } else { Vector::y() };
     let x = n.cross(&helper).normalize();
     (x, n.cross(&x))
 }
 
-/// A plane with axes: the local parameter plane of a neighbourhood, or the one
-/// across the direction in which a hole is looked at. Points are projected along
-/// its normal.
+/// A plane with a frame, onto which points are projected along its normal. It serves as the local
+/// parameter plane of a neighbourhood and as the projection plane of a hole.
 #[derive(Debug, Clone, Copy)]
 pub struct LocalPlane {
     origin: Point,
     x: Vector,
     y: Vector,
-    /// Unit normal.
+    /// The unit normal.
     pub normal: Vector,
 }
 
@@ -113,29 +112,29 @@ impl LocalPlane {
         LocalPlane { origin, x, y, normal }
     }
 
-    /// The projection of `p`.
+    /// The projection of `p`, in coordinates of the plane.
     pub fn flat(&self, p: Point) -> Uv {
         let d = p - self.origin;
         Uv::new(d.dot(&self.x), d.dot(&self.y))
     }
 
-    /// How far `p` is above the plane.
+    /// The signed distance of `p` from the plane.
     pub fn height(&self, p: Point) -> f64 {
         (p - self.origin).dot(&self.normal)
     }
 
-    /// The point above `uv` at a height.
+    /// The point above `uv` at the given height.
     pub fn lift(&self, uv: Uv, height: f64) -> Point {
         self.origin + uv.x * self.x + uv.y * self.y + height * self.normal
     }
 }
 
-/// The unit normal of a triangle, by the right-hand rule; `None` if it has no area.
+/// The unit normal of a triangle by the right-hand rule, or `None` if the triangle has no area.
 pub fn unit_normal([a, b, c]: [Point; 3]) -> Option<Vector> {
     (b - a).cross(&(c - a)).try_normalize(0.0)
 }
 
-/// The lowest and the highest coordinates of some points; the origin of none.
+/// The lowest and the highest coordinates of some points, or the origin twice if there are none.
 pub fn bounds(mut points: impl Iterator<Item = Point>) -> [Point; 2] {
     let first = points.next().unwrap_or_else(Point::origin);
     points.fold([first; 2], |[low, high], p| [low.inf(&p), high.sup(&p)])
@@ -148,8 +147,8 @@ pub fn segment_distance(p: Point, a: Point, b: Point) -> f64 {
     (p - (a + along * t.clamp(0.0, 1.0))).norm()
 }
 
-/// Whether the ray from `p` towards growing u crosses the side `a b` of a
-/// polygon. A point is inside where an odd number of sides is crossed.
+/// Whether the ray from `p` in the direction of increasing u crosses the side `a b` of a polygon. A
+/// point is inside if the ray crosses an odd number of sides.
 pub fn ray_crosses(p: Uv, (a, b): (Uv, Uv)) -> bool {
     (a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)
 }
@@ -160,19 +159,19 @@ pub fn is_inside(p: Uv, polygon: &[Uv]) -> bool {
     polygon.iter().zip(nexts).filter(|&(&a, &b)| ray_crosses(p, (a, b))).count() % 2 == 1
 }
 
-/// The lowest and the highest coordinates of some points of the parameter
-/// plane; the origin of none.
+/// The lowest and the highest coordinates of some points of the parameter plane, or the origin
+/// twice if there are none.
 pub fn uv_bounds(points: &[Uv]) -> [Uv; 2] {
     let first = points.first().copied().unwrap_or_else(Uv::origin);
     points.iter().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)])
 }
-/// A length that is given in mm, in lengths of so many `mm`. It stays one, however small or
-/// large these are.
+/// Converts a length from mm to a unit of `mm` millimetres. The result is always a positive, finite
+/// length.
 pub(crate) fn length(x: f64, mm: f64) -> f64 {
     (x / mm).clamp(f64::MIN_POSITIVE, f64::MAX)
 }
 
-/// The same of a place.
+/// Converts a point from mm to a unit of `mm` millimetres. The result is always finite.
 pub(crate) fn in_lengths(place: Point, mm: f64) -> Point {
     place.map(|x| (x / mm).clamp(-f64::MAX, f64::MAX))
 }

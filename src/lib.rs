@@ -55,7 +55,7 @@
 //!
 //! Each stage is a function with options and a report of its own, to be called with
 //! one's own mesh, between others, or alone; `examples/stages.rs` calls all of them. Those
-//! that take long have a second one, `smooth_with` and the like, that tells a [`Course`]
+//! that take long have a second one, `smooth_with` and the like, that tells a [`Progress`]
 //! how far it has come.
 //!
 //! | stage | function | from | makes |
@@ -68,13 +68,29 @@
 //! | trim | [`cut::rims`], [`trim::trim`] | both | trim loops |
 //! | brep | [`cut::faces`], [`brep::build`] | these | what `formats` writes |
 //!
-//! [`deviation::Face`] tells how far points are from the face; [`check::check`] how far
+//! [`convert_components`] converts several components of a scan, and [`joined`] puts their faces
+//! into one B-rep. [`report::Report`] has the figures of conversions, [`Memory`] estimates the
+//! memory that one takes before it begins.
+//!
+//! [`deviation::TrimmedFace`] tells how far points are from the face; [`check::check`] how far
 //! a CAD file is from a scan.
+//!
+//! # Threads
+//!
+//! The loops of a conversion are shared by threads that end with it, or by those of the
+//! caller's pool ([`threads`]). Nothing is set for the whole process.
 //!
 //! # Features
 //!
-//! `cli` (default) is the program; `picture`, which it implies, the module of that name.
-//! A library does without: `default-features = false`.
+//! | feature | what it adds | packages |
+//! | --- | --- | --- |
+//! | `cli` (default) | the program; it implies the others | clap, indicatif and others |
+//! | `serde` | `serde::Serialize` for the types of [`report`] | serde |
+//! | `json` | reports as JSON text | serde, serde_json |
+//! | `picture` | the module `picture`, and the picture of a report | ab_glyph, dejavu, png |
+//! | `html` | the page of a report | those of `json` and `picture`, minijinja, base64 |
+//!
+//! A library leaves out the program: `default-features = false`.
 //!
 //! # Errors and versions
 //!
@@ -94,7 +110,6 @@ pub mod brep;
 pub mod check;
 mod cholesky;
 mod convert;
-mod course;
 pub mod deviation;
 pub mod error;
 pub mod fill;
@@ -105,19 +120,23 @@ pub mod mesh;
 pub mod parameterize;
 #[cfg(feature = "picture")]
 pub mod picture;
+mod progress;
+pub mod report;
 pub mod rules;
 mod sets;
 pub mod smooth;
 pub mod spline;
+pub mod threads;
 pub mod trim;
 pub mod words;
 
 pub use adapt::{Adapted, KnotOptions};
 pub use convert::{
-    Builder, Conversion, Cut, InputReport, Inspection, Measured, Missed, Options, Stage, convert,
-    convert_component, convert_file, cut, inspect, measured,
+    Builder, Conversion, Cut, InputReport, Inspection, Measured, Memory, Missed, Observer, Options,
+    ScanPlace, Stage, convert, convert_component, convert_components, convert_file, cut, inspect,
+    joined, measured,
 };
-pub use course::Course;
 pub use error::{Error, Result};
+pub use progress::Progress;
 // What this library's own items take and give; no second version of them gets in.
 pub use {formats, nalgebra};

@@ -1,7 +1,7 @@
-//! The command line of scan2step: arguments, progress, reports, exit codes.
+//! The command line of scan2step.
 
 #![deny(clippy::expect_used, clippy::panic, clippy::unreachable, clippy::unwrap_used)]
-// They panic where nobody listens any more.
+// These macros panic if the other end of the stream is closed.
 #![deny(clippy::print_stderr, clippy::print_stdout)]
 
 mod cli;

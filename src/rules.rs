@@ -1,58 +1,65 @@
-//! What the numbers of options must be. Options, stages and the command line all
-//! ask here, so that every rule is said once.
+//! The rules for the values of options. The option builders, the stages and the command line all
+//! check values here, so that every rule exists once.
 
 use std::f64::consts::PI;
 
 use crate::geometry::Point;
 
-/// What is wrong with the value of an option.
+/// A violation of a rule.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum Fault {
     /// A length must be finite and above 0.
     #[error("not a length above 0")]
     Length,
-    /// A length that may be 0 must be finite and not below.
+    /// A length that may be 0 must be finite and not negative.
     #[error("not a length of 0 or more")]
     Extent,
-    /// A share must be 0 or more and below 1.
+    /// A share must be at least 0 and below 1.
     #[error("not a share from 0 to below 1")]
     Share,
-    /// An angle of the front must be between 0 and π.
+    /// An angle of the advancing front must be between 0 and π.
     #[error("not an angle between 0 and π")]
     Angle,
     /// A point must have finite coordinates.
     #[error("not a point with finite coordinates")]
     Point,
-    /// The domain is halved [`MOST_HALVINGS`] times at the most.
+    /// The domain may be halved at most [`MOST_HALVINGS`] times.
     #[error("not a number of halvings from 0 to {MOST_HALVINGS}")]
     Depth,
-    /// A bicubic net has four control points a side at least.
+    /// A bicubic net must have at least four control points in each direction.
     #[error("a bicubic net has at least 4x4 control points")]
     SmallNet,
-    /// A net has more control points than it may have.
+    /// A net has more control points than allowed.
     #[error("a net of {} × {} control points exceeds the bound of {most}", net[0], net[1])]
     LargeNet {
-        /// Control points along u and v.
+        /// The numbers of control points in u and in v.
         net: [usize; 2],
-        /// The bound.
+        /// The largest allowed number of control points.
         most: usize,
     },
-    /// The bound on a net must be from 16 to [`MOST_CONTROL_POINTS`].
+    /// The limit on the size of a net must be between 16 and [`MOST_CONTROL_POINTS`].
     #[error("not a number of control points from {LEAST_CONTROL_POINTS} to {MOST_CONTROL_POINTS}")]
     MaxNet,
+    /// There are 1 to [`MOST_THREADS`] threads.
+    #[error("not a number of threads from 1 to {MOST_THREADS}")]
+    Threads,
 }
 
-/// The result of a rule.
+/// The result of a check.
 pub type Result<T> = std::result::Result<T, Fault>;
 
-/// Spans are halved down to 2^−20 of the domain.
+/// The largest number of halvings. Spans are then 2^−20 of the domain.
 pub const MOST_HALVINGS: u32 = 20;
 
-/// The largest net that may be asked for; its fit takes some 80 GB.
+/// The largest net that may be requested. Its fit takes about 80 GB of memory.
 pub const MOST_CONTROL_POINTS: usize = 1 << 24;
 
-/// The shortest side of a bicubic net, and the smallest net.
+/// The largest number of threads that may be asked for. Far more cores than this share no
+/// memory, and each thread takes 8 MB of address space for its stack.
+pub const MOST_THREADS: usize = 1024;
+
+/// The smallest number of control points of a bicubic net in one direction, and in total.
 const SIDE: usize = 4;
 const LEAST_CONTROL_POINTS: usize = SIDE * SIDE;
 
@@ -60,48 +67,53 @@ fn must(holds: bool, fault: Fault) -> Result<()> {
     if holds { Ok(()) } else { Err(fault) }
 }
 
-/// A length above 0, in mm.
+/// Checks that a length in mm is above 0.
 pub fn length(mm: f64) -> Result<()> {
     must(mm > 0.0 && mm.is_finite(), Fault::Length)
 }
 
-/// A length of 0 or more, in mm.
+/// Checks that a length in mm is 0 or more.
 pub fn extent(mm: f64) -> Result<()> {
     must(mm >= 0.0 && mm.is_finite(), Fault::Extent)
 }
 
-/// A share of points.
+/// Checks a share of points.
 pub fn share(share: f64) -> Result<()> {
     must((0.0..1.0).contains(&share), Fault::Share)
 }
 
-/// An angle of the front, in radians.
+/// Checks an angle of the advancing front, in radians.
 pub fn angle(radians: f64) -> Result<()> {
     must(radians > 0.0 && radians < PI, Fault::Angle)
 }
 
-/// Places in space.
+/// Checks that points are finite.
 pub fn points(points: &[Point]) -> Result<()> {
     must(points.iter().flat_map(|p| p.iter()).all(|x| x.is_finite()), Fault::Point)
 }
 
-/// Halvings of the domain.
+/// Checks a number of halvings of the domain.
 pub fn depth(halvings: u32) -> Result<()> {
     must(halvings <= MOST_HALVINGS, Fault::Depth)
 }
 
-/// Control points of a net along u or v.
+/// Checks the number of control points of a net in u or in v.
 pub fn side(control_points: usize) -> Result<()> {
     must(control_points >= SIDE, Fault::SmallNet)
 }
 
-/// The bound on the control points of a net.
+/// Checks the limit on the number of control points of a net.
 pub fn max_net(control_points: usize) -> Result<()> {
     let allowed = LEAST_CONTROL_POINTS..=MOST_CONTROL_POINTS;
     must(allowed.contains(&control_points), Fault::MaxNet)
 }
 
-/// A net of no more than `most` control points.
+/// Threads that share the work.
+pub fn threads(count: usize) -> Result<()> {
+    must((1..=MOST_THREADS).contains(&count), Fault::Threads)
+}
+
+/// Checks that a net has at least 4 × 4 and in total at most `most` control points.
 pub fn net(net: [usize; 2], most: usize) -> Result<()> {
     net.into_iter().try_for_each(side)?;
     must(net[0].saturating_mul(net[1]) <= most, Fault::LargeNet { net, most })

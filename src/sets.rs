@@ -1,15 +1,15 @@
-//! Things that belong together, by pairs that do.
+//! Disjoint sets (union-find).
 
-/// Union-find: each set is known by the first of its members.
+/// Disjoint sets of the numbers below n. The smallest member of a set represents it.
 pub struct Sets(Vec<u32>);
 
 impl Sets {
-    /// As many sets of one member each.
+    /// Makes `n` sets with one member each.
     pub fn new(n: usize) -> Self {
         Sets((0..n as u32).collect())
     }
 
-    /// The first member of the set of `i`.
+    /// The smallest member of the set that contains `i`.
     pub fn find(&mut self, mut i: usize) -> usize {
         while self.0[i] as usize != i {
             self.0[i] = self.0[self.0[i] as usize];
@@ -18,13 +18,13 @@ impl Sets {
         i
     }
 
-    /// Makes one set of those of `i` and `j`.
+    /// Joins the sets that contain `i` and `j`.
     pub fn join(&mut self, i: usize, j: usize) {
         let (i, j) = (self.find(i), self.find(j));
         self.0[i.max(j)] = i.min(j) as u32;
     }
 
-    /// The members of each set, in growing order; sets in the order of their first ones.
+    /// The members of each set in ascending order. The sets are ordered by their first members.
     pub fn members(mut self) -> Vec<Vec<u32>> {
         let (mut sets, mut number) = (Vec::<Vec<u32>>::new(), vec![0; self.0.len()]);
         for i in 0..self.0.len() {

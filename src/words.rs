@@ -1,15 +1,46 @@
-//! Figures as people read them.
+//! Numbers formatted for people.
 
-/// A length in mm with four significant digits, for people: scans are as large as
-/// a mountain and, with the wrong unit, as small as a grain.
+/// Formats a length in mm with four significant digits. Scans range from the size of a mountain to,
+/// with a wrong unit, the size of a grain.
 pub fn mm(length: f64) -> String {
     let digits = if length > 0.0 { 3 - length.log10().floor() as i32 } else { 0 };
     format!("{length:.*} mm", digits.clamp(0, 12) as usize)
 }
 
+/// A number of bytes in units of 1000, with one digit behind the point: "65.5 MB".
+pub fn bytes(count: u64) -> String {
+    const UNITS: [&str; 6] = ["kB", "MB", "GB", "TB", "PB", "EB"];
+    if count < 1000 {
+        return format!("{count} B");
+    }
+    // A value that rounds to 1000.0 stays in its unit.
+    let power = count.ilog10() / 3;
+    let unit = UNITS.get(power as usize - 1).copied().unwrap_or("EB");
+    format!("{:.1} {unit}", count as f64 / 1000f64.powi(power as i32))
+}
+
+/// A count of things by their name: "1 hole", "2 holes".
+pub fn plural(count: usize, name: &str) -> String {
+    format!("{count} {name}{}", if count == 1 { "" } else { "s" })
+}
+
 #[cfg(test)]
 mod tests {
-    use super::mm;
+    use super::{bytes, mm, plural};
+
+    #[test]
+    fn bytes_have_the_largest_unit_below_them() {
+        assert_eq!(bytes(0), "0 B");
+        assert_eq!(bytes(999), "999 B");
+        assert_eq!(bytes(1000), "1.0 kB");
+        assert_eq!(bytes(65_456_999), "65.5 MB");
+        assert_eq!(bytes(u64::MAX), "18.4 EB");
+    }
+
+    #[test]
+    fn one_thing_is_no_plural() {
+        assert_eq!([0, 1, 2].map(|n| plural(n, "hole")), ["0 holes", "1 hole", "2 holes"]);
+    }
 
     #[test]
     fn lengths_have_four_digits() {

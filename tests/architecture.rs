@@ -1,4 +1,5 @@
-//! The drawing of dependencies in `docs/architecture.md` against what the rooms import.
+//! Comparison of the drawing of dependencies in `docs/architecture.md` with the imports of the
+//! rooms.
 
 mod common;
 
@@ -8,10 +9,10 @@ use std::path::{Path, PathBuf};
 
 use common::root;
 
-/// What each room uses.
+/// The rooms that each room uses.
 type Arrows = BTreeMap<String, BTreeSet<String>>;
 
-/// The second drawing of the document: arrows between groups of rooms.
+/// The arrows between groups of rooms in the second drawing of the document.
 fn drawn() -> Arrows {
     let text = fs::read_to_string(root().join("docs/architecture.md")).expect("the document");
     let drawing = text.split("```mermaid").nth(2).expect("a second drawing");
@@ -26,13 +27,13 @@ fn drawn() -> Arrows {
     arrows
 }
 
-/// The rooms on one side of an arrow, without what is written in their boxes.
+/// The rooms on one side of an arrow, without the text of their boxes.
 fn rooms(side: &str) -> Vec<String> {
     let name = |room: &str| room.split('[').next().unwrap_or_default().trim().to_owned();
     side.split(" & ").map(name).collect()
 }
 
-/// What the rooms of `src` import, their tests left out.
+/// The imports of the rooms of `src` without their tests.
 fn imported() -> Arrows {
     let source = root().join("src");
     let library = fs::read_to_string(source.join("lib.rs")).expect("the library");
@@ -40,7 +41,7 @@ fn imported() -> Arrows {
     for file in files(&source) {
         let place = file.strip_prefix(&source).expect("below src").to_string_lossy().into_owned();
         let room = place.split('/').next().unwrap_or_default().trim_end_matches(".rs").to_owned();
-        // The program stands outside of the library.
+        // The program is not part of the library.
         if matches!(room.as_str(), "main" | "cli" | "lib") || place.ends_with("tests.rs") {
             continue;
         }
@@ -64,7 +65,7 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     each.flatten().filter(|path| path.extension().is_some_and(|end| end == "rs")).collect()
 }
 
-/// What follows `crate::`: one name, or the first ones in braces.
+/// The names after `crate::`: a single one, or the first ones in braces.
 fn uses(code: &str) -> BTreeSet<String> {
     let mut names = BTreeSet::new();
     for rest in code.split("crate::").skip(1) {
@@ -108,7 +109,7 @@ fn exported_by(library: &str, name: &str) -> String {
     exports.next().map_or(name.to_owned(), word)
 }
 
-/// All rooms that a room leads to.
+/// All rooms that a room uses directly or through others.
 fn reached(arrows: &Arrows, from: &str) -> BTreeSet<String> {
     let mut found = BTreeSet::new();
     let mut left = vec![from.to_owned()];

@@ -1,5 +1,4 @@
-//! `scan2step batch` from outside: failures, resuming, shards, names, summaries;
-//! and what clap makes of the arguments.
+//! `scan2step batch` from outside: failures, resuming, shards, names, summaries, and the arguments.
 
 mod common;
 
@@ -15,14 +14,14 @@ fn program(args: &[&str], folder: &Path) -> Output {
     command.output().expect("the program runs")
 }
 
-/// Runs `batch` in a folder; returns its exit code and what it said.
+/// Runs `batch` in a folder and returns its exit code and output.
 fn batch(folder: &Path, args: &[&str]) -> (Option<i32>, String) {
     let output = program(&[&["batch"], args].concat(), folder);
     let said = [output.stdout, output.stderr].map(|s| String::from_utf8_lossy(&s).into_owned());
     (output.status.code(), said.concat())
 }
 
-/// A small wavy sheet with a hole; its height tells it from others.
+/// A small wavy sheet with a hole. Different heights make different scans.
 fn sheet(path: &Path, height: f64) {
     std::fs::create_dir_all(path.parent().expect("a folder")).expect("a folder");
     let (side, ply) = (14, path.extension().is_some_and(|e| e == "ply"));
@@ -53,7 +52,7 @@ fn sheet(path: &Path, height: f64) {
     std::fs::write(path, head + &points + &rows).expect("a scan");
 }
 
-/// Three scans, of which the middle one is broken.
+/// Three scans. The second one is broken.
 fn three() -> tempfile::TempDir {
     let folder = tempfile::tempdir().expect("a temporary folder");
     sheet(&folder.path().join("scans/a.ply"), 1.0);
@@ -63,7 +62,7 @@ fn three() -> tempfile::TempDir {
     folder
 }
 
-/// A value of every scan of the summary.
+/// A value of every scan in the summary.
 fn each(folder: &Path, key: &str) -> Vec<Value> {
     let summary = json(&folder.join("cad/summary.json"));
     let scans = summary["scans"].as_array().expect("scans");
@@ -120,19 +119,19 @@ fn what_is_there_is_skipped_until_something_changes() {
     };
     assert_eq!(run(&[]).0, "ok failed ok");
     let first = (each(path, "seconds"), modified(path.join("cad/a.step")));
-    // What failed is tried again; how fast, how loud or where changes nothing.
+    // A failed scan is tried again. Options for speed, messages and folders change nothing.
     let (status, said) = run(&["--threads", "1", "-v"]);
     assert_eq!(status, "skipped failed skipped", "{said}");
     assert_eq!(each(path, "exit_code"), [0, 1, 0]);
     assert_eq!(each(path, "seconds")[0], first.0[0]);
     assert_eq!(modified(path.join("cad/a.step")), first.1);
-    // A scan that is mended, one that is touched, one whose file is gone.
+    // A corrected scan, one with a new time, and one whose file is missing.
     sheet(&path.join("scans/b.ply"), 0.5);
     let scan = std::fs::read(path.join("scans/a.ply")).expect("a scan");
     std::fs::write(path.join("scans/a.ply"), scan).expect("a scan");
     std::fs::remove_file(path.join("cad/deep/c.step")).expect("a file");
     assert_eq!(run(&[]).0, "skipped ok ok");
-    // Another scan of the same size, other options, force.
+    // Another scan of the same size, other options, and `--force`.
     let scan = std::fs::read_to_string(path.join("scans/deep/c.obj")).expect("a scan");
     let other = scan.replacen("v 0 0 0\n", "v 0 0 1\n", 1);
     assert_ne!(scan, other);
@@ -145,7 +144,7 @@ fn what_is_there_is_skipped_until_something_changes() {
     assert!(path.join("cad/deep/c.igs").is_file());
 }
 
-/// Who opens a pipe that nobody writes to waits for ever.
+/// A program that opens a pipe without a writer waits forever.
 #[cfg(unix)]
 #[test]
 fn pipes_are_no_scans_of_patterns_and_folders() {
@@ -161,7 +160,7 @@ fn pipes_are_no_scans_of_patterns_and_folders() {
     }
 }
 
-/// The numbers of a glTF file are in another one, which may change by itself.
+/// The numbers of a glTF file are in another file, which may change alone.
 #[test]
 fn a_scan_in_two_files_is_known_by_both() {
     let folder = tempfile::tempdir().expect("a temporary folder");
@@ -216,7 +215,7 @@ fn shards_share_the_work_and_the_summary() {
     let shard = |k| ["scans", "--out", "cad", "--shard", k];
     assert_eq!(batch(path, &shard("2/3")).0, Some(0));
     assert_eq!(each(path, "status"), ["pending", "ok", "pending", "pending", "ok"]);
-    // Two at once.
+    // Two runs at the same time.
     std::thread::scope(|scope| {
         for k in ["1/3", "3/3"] {
             scope.spawn(move || assert_eq!(batch(path, &shard(k)).0, Some(0)));
@@ -237,7 +236,7 @@ fn scans_of_the_same_stem_get_names_of_their_own() {
     for scan in ["one/a.ply", "one/a.obj", "two/a.ply", "two/.hidden.ply"] {
         sheet(&path.join(scan), 1.0);
     }
-    // However they are named.
+    // The same scans with other names for their paths.
     for (out, scans) in [
         ("1", &["."][..]),
         ("2", &["one", "two"]),
@@ -262,10 +261,10 @@ fn exit_codes_say_how_it_went() {
     assert_eq!(code, Some(3), "{said}");
     assert!(said.contains("note: tolerance not met: "), "{said}");
     assert_eq!(each(path, "status"), ["missed", "missed"]);
-    // Skipped, it is still missed.
+    // A skipped scan still misses its tolerance.
     assert_eq!(run(&missed).0, Some(3));
     assert_eq!(run(&["scans", "--net", "4x4", "--tolerance", "1e-6"]).0, Some(1));
-    // A scan that is not there fails alone.
+    // A missing scan fails alone.
     let (code, said) = run(&["scans/none.ply", "scans/a.ply"]);
     assert_eq!(code, Some(1), "{said}");
     assert_eq!(each(path, "status"), ["ok", "failed"]);
@@ -296,7 +295,7 @@ fn a_scan_that_may_need_too_much_memory_is_refused_before_the_work() {
     assert_eq!(code, Some(1), "{said}");
     assert!(said.contains("error: scans/a.ply: may need ") && said.contains("help: "), "{said}");
     assert_eq!(run("100MB", &[]).0, Some(0));
-    // The largest net counts: a named tolerance may take it.
+    // The bound assumes the largest net, because a named tolerance may need it.
     assert_eq!(run("100MB", &["--tolerance", "0.5"]).0, Some(1));
     assert_eq!(run("100MB", &["--tolerance", "0.5", "--max-net", "1000"]).0, Some(0));
     assert_eq!(run("much", &[]).0, Some(2));
@@ -312,13 +311,13 @@ fn a_batch_that_is_stopped_goes_on_where_it_was() {
     let path = folder.path();
     sheet(&path.join("scans/a.ply"), 1.0);
     common::large_scan(&path.join("scans"));
-    // What a shell runs in the background may have to ignore the signal.
+    // A program that a shell runs in the background may have to ignore the signal.
     let mut run = Command::new("env");
     run.args(["--default-signal=INT", env!("CARGO_BIN_EXE_scan2step"), "batch", "scans"]);
     run.args(["--out", "cad", "--quiet"]).current_dir(path);
     let mut run = run.spawn().expect("the program runs");
     let begun = Instant::now();
-    // The large one has begun: its file has a temporary name by now.
+    // The large scan has begun, because its file has a temporary name by now.
     let unfinished = || {
         let of_large = |name: &String| name.ends_with(".part");
         path.join("cad/a.step").is_file()

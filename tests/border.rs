@@ -1,5 +1,5 @@
-//! What a caller of the library may hand in wrongly is answered with an error, of the
-//! kind that the documentation names, and never with a panic.
+//! Every invalid argument of a library call gives an error of the documented kind and never a
+//! panic.
 
 use formats::Soup;
 use scan2step::adapt::{self, Goal};
@@ -12,7 +12,7 @@ use scan2step::{Builder, Cut, Error, Options, brep, convert, fill, fit, paramete
 
 const NONSENSE: [f64; 4] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0];
 
-/// A sheet of n × n squares of 1 mm with a hole of four.
+/// A sheet of n × n squares of 1 mm with a hole of four squares.
 fn sheet(n: u32) -> Soup {
     let mut soup = Soup::default();
     let m = n + 1;
@@ -129,7 +129,7 @@ fn a_soup_of_ones_own_may_be_nonsense() {
     for mm in NONSENSE.into_iter().chain([0.0]) {
         assert_eq!(option(mesh::from_soup(&soup, mm)), ("unit", Fault::Length));
     }
-    // Too few corners, repeated ones, places that are none: repaired.
+    // Too few corners, repeated corners, and non-finite points are repaired.
     soup.polygons.push([]);
     soup.polygons.push([1]);
     soup.polygons.push([1, 2]);
@@ -218,10 +218,11 @@ fn rims_are_looked_at() {
     for n in [1, 2] {
         assert!(matches!(trim(&[around(n, None)], 0.1), Err(Error::Trim { .. })), "{n}");
     }
-    // A loop that is not closed, one without an edge, and one more edge than pcurves.
+    // A loop that is not closed, a loop without an edge, and a loop with one edge more than
+    // pcurves.
     let (arcs, edges) = (loops[0].pcurves.as_slice(), loops[0].edges.as_slice());
     for inner in [(&arcs[1..], &edges[1..]), (&arcs[..0], &edges[..0]), (&arcs[1..], edges)] {
-        let bounds = brep::Bounds { outer: None, inner: vec![inner] };
+        let bounds = brep::FaceBounds { outer: None, inner: vec![inner] };
         let built = brep::build(&plate, &[bounds], "plate", trim::EDGE_ACCURACY);
         assert!(matches!(built, Err(Error::Brep(_))));
     }

@@ -1,4 +1,4 @@
-//! The report's page in a real browser, without a window.
+//! The page of the report in a real browser without a window.
 
 mod common;
 
@@ -8,7 +8,7 @@ use std::process::Command;
 use common::{arg, converted, fixture, root};
 use serde_json::Value;
 
-/// The first of some programs that there is.
+/// The first of several programs that exists.
 fn program(names: &[&str], what: &str) -> PathBuf {
     let places = std::env::var_os("PATH").unwrap_or_default();
     let own = root().join("target/browser");
@@ -19,7 +19,7 @@ fn program(names: &[&str], what: &str) -> PathBuf {
     found.unwrap_or_else(|| panic!("{what} is absent; tests/run installs it"))
 }
 
-/// What a user sees of a report, and its screenshots.
+/// The visible parts of a report, and its screenshots.
 struct Looked {
     said: Value,
     shots: tempfile::TempDir,
@@ -62,7 +62,7 @@ impl Looked {
         one.iter().zip(&two).filter(far).count() as f64 / one.len() as f64
     }
 
-    /// The share of pixels of a screenshot that are so.
+    /// The share of pixels of a screenshot that satisfy a condition.
     fn share(&self, name: &str, is: fn([u8; 3]) -> bool) -> f64 {
         let pixels = self.shot(name);
         pixels.iter().filter(|p| is(**p)).count() as f64 / pixels.len() as f64
@@ -107,7 +107,7 @@ fn a_page_renders_turns_and_says_no_error() {
         ("front", "hole"),
     ] {
         let changed = looked.changed(one, two);
-        // A hole's rim and a net are lines only.
+        // The rim of a hole and a net consist only of lines.
         assert!(changed > 0.002, "{one} and {two} differ in {changed} of their pixels");
     }
     assert!(looked.changed("front", "turned") > 0.1);

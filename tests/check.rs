@@ -1,4 +1,4 @@
-//! `scan2step check` from outside: what it measures, says, and returns.
+//! `scan2step check` from outside: its measurements, messages and exit codes.
 
 mod common;
 #[path = "../formats/tests/read/mutations/damage.rs"]
@@ -19,7 +19,7 @@ fn said(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).into_owned()
 }
 
-/// The relief as STEP, its report beside it.
+/// The relief as STEP with its report beside it.
 fn relief_step(folder: &Path, options: &[&str]) -> PathBuf {
     let (step, report) = (folder.join("a.step"), folder.join("a.json"));
     let mut args = vec![arg(&step), "--report", arg(&report), "--quiet"];
@@ -41,7 +41,7 @@ fn the_file_deviates_as_the_conversion_said() {
             number(&report, &format!("/deviation/{key}")),
             number(&found, &format!("/scan_to_face/{key}")),
         );
-        // Rims are followed by other chords.
+        // The chords along rims are different.
         assert!((there - here).abs() <= 1e-3 * there, "{key}: {here} instead of {there}");
     }
     assert_eq!(found["cad"]["name"], "relief");
@@ -60,11 +60,11 @@ fn a_hole_that_is_not_cut_out_shows() {
     let rim = number(&json(&folder.path().join("a.json")), "/rim_tolerance_mm");
     let filled = checked(&relief_step(folder.path(), &["--keep-fills"]), &scan);
     let worst = |found, way: &str| number(found, &format!("/{way}/max_mm"));
-    // The smaller hole is 7 mm from its rim to its middle.
-    // A loop may add as much as a rim is uncertain.
+    // The middle of the smaller hole is 7 mm from its rim. A loop may add a region as wide as the
+    // uncertainty of the rim.
     assert!(worst(&cut, "face_to_scan") < rim + 0.3, "{rim}");
     assert!(worst(&filled, "face_to_scan") > 5.0);
-    // It may cut off as much.
+    // It may also cut off such a region.
     assert!((worst(&cut, "scan_to_face") - worst(&filled, "scan_to_face")).abs() < rim + 0.1);
 }
 
@@ -104,10 +104,10 @@ fn errors_name_the_file_and_the_place() {
     let third = &text[text.len() / 3..];
     let inside = third.find(",(").expect("a list within a record") + 1;
     let cut = fault(&text[..text.len() / 3 + inside]);
-    assert!(cut.contains("broken.step: ends in the middle") && cut.contains("(line "), "{cut}");
+    assert!(cut.contains("broken.step: is incomplete") && cut.contains("(line "), "{cut}");
     let other = fault(&text.replace("ADVANCED_FACE(", "FACE_OUTLINE("));
-    assert!(other.contains("is a face of a kind not read: FACE_OUTLINE (#"), "{other}");
-    // A loop whose edges are those of another face's place.
+    assert!(other.contains("is a face of an unsupported kind: FACE_OUTLINE (#"), "{other}");
+    // A loop with edges at the place of another face.
     let edges: Vec<_> = text.match_indices("EDGE_LOOP('',(#").collect();
     let (first, last) = (edges[0].0, edges[2].0);
     let list = |at: usize| text[at..].split(')').next().expect("a list").to_owned();
@@ -117,7 +117,7 @@ fn errors_name_the_file_and_the_place() {
     assert!(said(&check(&["none.step", arg(&scan)])).contains("none.step: cannot be opened"));
 }
 
-/// A clean scan's own file is as near as its fit says, whichever the format.
+/// The deviation of a clean scan's own file is that of its fit, in every format.
 #[test]
 fn every_format_says_the_same() {
     let folder = folder();
@@ -142,10 +142,10 @@ fn every_format_says_the_same() {
     assert!((max - said).abs() < 1e-3 * said, "said {said}: {}", found[0]);
 }
 
-/// How often each file is damaged.
+/// The number of times that each file is damaged.
 const ROUNDS: usize = 100;
 
-/// Numbers that are wrong make faces that are wrong, and nothing worse.
+/// Wrong numbers make wrong faces but no panic.
 #[test]
 fn damaged_files_are_survived() {
     let folder = folder();
@@ -176,8 +176,8 @@ fn damaged_files_are_survived() {
     }
 }
 
-/// A pipe, 12 mm thick, bent around a radius of 20 mm by a share of a turn in 20 rows of
-/// quads, open at both ends.
+/// A pipe with a thickness of 12 mm. It is bent around a radius of 20 mm by a share of a turn, has
+/// 20 rows of quads, and is open at both ends.
 fn bend(path: &Path, share: f64, around: usize) {
     let mut obj = String::new();
     for n in 0..around * 21 {
@@ -193,7 +193,7 @@ fn bend(path: &Path, share: f64, around: usize) {
     std::fs::write(path, obj).expect("it can be written");
 }
 
-/// How far the face of a bent pipe is from its scan, and what the run says.
+/// The distance of the face of a bent pipe from its scan, and the messages of the run.
 fn bent(folder: &Path, share: f64, around: usize) -> (f64, Output) {
     let [scan, step] = ["a.obj", "a.step"].map(|name| folder.join(name));
     bend(&scan, share, around);
@@ -204,10 +204,11 @@ fn bent(folder: &Path, share: f64, around: usize) -> (f64, Output) {
 #[test]
 fn a_pipe_is_followed_between_its_points() {
     let folder = folder();
-    // Without vertices between those that the map draws apart it leaves them by 0.8 mm.
+    // Without vertices between those that the map draws apart, the distance would be 0.8 mm.
     let (off, _) = bent(folder.path(), 0.25, 80);
     assert!(off < 0.25, "{off}");
-    // Without vertices where the net is finer than the map's triangles, by 0.28 mm.
+    // Without vertices where the net is finer than the triangles of the map, the distance would be
+    // 0.28 mm.
     let (off, _) = bent(folder.path(), 0.5, 40);
     assert!(off < 0.2, "{off}");
 }
@@ -216,7 +217,8 @@ fn a_pipe_is_followed_between_its_points() {
 fn a_face_that_leaves_the_scan_between_its_points_misses_its_tolerance() {
     let folder = folder();
     let (off, run) = bent(folder.path(), 0.75, 40);
-    // A known limit: the face leaves the scan by 0.2 mm and more. The run says so, and where.
+    // This is a known limit: the face leaves the scan by 0.2 mm and more. The run says so and names
+    // the place.
     assert!(off > 0.2 && run.status.code() == Some(3), "{off}");
     assert!(said(&run).contains("the face is farther than"), "{}", said(&run));
     relief_step(folder.path(), &[]);

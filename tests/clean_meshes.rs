@@ -1,5 +1,4 @@
-//! Smoothing leaves clean meshes alone, however coarse, and still finds the noise of
-//! noisy ones.
+//! Smoothing does not change clean meshes, however coarse, and still finds the noise of noisy ones.
 
 #[path = "common/tessellations.rs"]
 mod tessellations;
@@ -17,17 +16,17 @@ fn disk(points: Vec<[f64; 3]>, triangles: &[[u32; 3]]) -> Disk {
     largest.into_disk(Outer::Auto, &mut Repairs::new()).expect("a disk")
 }
 
-/// Kinds of tessellations of a surface. Halving edges where needed does not end on the wavy
-/// sheet, whose isolines have no constant speed.
+/// Kinds of tessellations of a surface. The halving of edges does not end on the wavy sheet,
+/// because the speed along its isolines is not constant.
 fn kinds_of(name: &str) -> impl Iterator<Item = Kind> {
     let is_wavy = name == "wavy sheet";
     KINDS.into_iter().filter(move |kind| *kind != Kind::Adaptive || !is_wavy)
 }
 
-/// Vertices of a mesh at the most, for the time that it takes.
+/// The largest number of vertices of a mesh, to limit the time.
 const MOST: usize = 8_000;
 
-/// Chord errors, as shares of the scan's diagonal.
+/// Chord errors as shares of the scan's diagonal.
 const CHORDS: [f64; 2] = [0.01, 0.001];
 
 #[test]
@@ -45,7 +44,7 @@ fn smooth_surfaces_are_left_alone_however_they_are_tessellated() {
             for share in CHORDS {
                 let chord = share * size;
                 let mesh = Tessellation::new(truth, kind, chord, &mut random);
-                // Cells twenty times as long as wide are very many on the finest.
+                // Cells that are twenty times as long as wide are very many on the finest mesh.
                 if mesh.uv.len() > MOST {
                     continue;
                 }
@@ -65,8 +64,8 @@ fn smooth_surfaces_are_left_alone_however_they_are_tessellated() {
             }
         }
     }
-    // Not reached yet: a saddle whose edges are halved where needed. Its vertices have four
-    // and eight neighbours by turns. It is moved by 0.12 of the chord error of 0.001.
+    // The limit is not reached yet for a saddle with halved edges, whose vertices have alternately
+    // four and eight neighbours. It is moved by 0.12 of the chord error of 0.001.
     assert!(
         worst.len() <= 1 && worst.iter().all(|w| w.starts_with("saddle Adaptive")),
         "{worst:#?}"
@@ -80,9 +79,10 @@ fn noise_is_found_on_every_kind_of_tessellation() {
     let (mut worst, mut looked_at) = (Vec::new(), 0);
     for (name, truth) in SURFACES {
         for kind in kinds_of(name) {
-            // Fine enough for the shape to be small beside the noise.
+            // The mesh is fine enough for the shape to be small beside the noise.
             let mesh = Tessellation::new(truth, kind, 0.01, &mut random);
-            // A few hundred vertices do not tell; very many take long and tell no more.
+            // A few hundred vertices are not enough to find the noise. Very many need a long time
+            // without more information.
             let is_enough = (1000..MOST).contains(&mesh.uv.len());
             for share in [1.0 / 3.0, 0.05].into_iter().filter(|_| is_enough) {
                 let noise = share * mesh.edge();

@@ -107,7 +107,7 @@ fn the_same_input_gives_the_same_bytes() {
     }
 }
 
-/// Neither the language, nor the time and its zone, nor the folder is in a file.
+/// No file depends on the language, the time, the time zone or the folder.
 #[test]
 fn the_surroundings_give_the_same_bytes() {
     let around = [("C", "UTC", "x"), ("de_DE.UTF-8", "Asia/Kolkata", "y z")];
@@ -202,7 +202,7 @@ fn the_smallest_scan_is_a_square() {
     std::fs::write(path("square.obj"), square).expect("a file");
     converted(&[arg(&path("square.obj")), arg(&path("a.step"))]);
     std::fs::write(path("triangle.obj"), &square[..square.len() - 8]).expect("a file");
-    // Three vertices are no four sides, but they are a trim loop.
+    // Three vertices do not have four sides, but they make a trim loop.
     let report = path("a.json");
     converted(&[arg(&path("triangle.obj")), arg(&path("a.step")), "--report", arg(&report)]);
     assert_eq!(json(&report)["parameterize"]["outline"], "free");
@@ -322,7 +322,7 @@ fn holes_can_stay_filled() {
     assert_eq!(cut(&run(&["--fill-only-holes-below", &between])), 1);
 }
 
-/// The relief twice, 200 mm apart, and a speck of dust.
+/// The relief twice at a distance of 200 mm, and a speck of dust.
 fn two_sheets_and_dust(folder: &Path) -> std::path::PathBuf {
     let scan = common::virtual_scan::relief_scan();
     let mut text = String::new();
@@ -369,7 +369,8 @@ fn every_component_becomes_a_face_when_asked() {
     let missing = convert(&[arg(&scan), arg(&step), "--component", "3"]);
     assert_eq!(missing.status.code(), Some(1));
 
-    // Both faces against the larger sheet alone, which is said, and against both.
+    // Both faces are compared with only the larger sheet, which the program says, and with both
+    // sheets.
     let check = |component: &str| {
         let options = ["--component", component, "--tolerance", "1"];
         let output = common::check(&[&[arg(&step), arg(&scan)], &options[..]].concat());
@@ -450,7 +451,7 @@ fn what_could_be_better_is_hinted_at() {
     assert!(!converted(&[arg(&small), arg(&step), "--units", "m"]).contains("across"));
 }
 
-/// Waves that six points a period show, and no more.
+/// Waves that are sampled with only six points per period.
 #[test]
 fn shape_that_few_points_show_is_kept() {
     let folder = folder();
@@ -468,7 +469,7 @@ fn shape_that_few_points_show_is_kept() {
     std::fs::write(&scan, text).expect("a scan");
     let run = |options: &[&str]| {
         let fixed = [arg(&scan), arg(&step), "--tolerance", "0.5", "--report", arg(&report)];
-        // Between so few points no tolerance can be held, and the run may say so.
+        // With so few points no tolerance can be satisfied between them, and the run may say so.
         let output = convert(&[&fixed, options].concat());
         let said = String::from_utf8_lossy(&output.stderr);
         assert!(matches!(output.status.code(), Some(0 | 3)), "{said}");

@@ -1,4 +1,4 @@
-//! The examples for users of the library, run as they run them.
+//! The examples for users of the library, run in the way of a user.
 
 mod common;
 
@@ -7,8 +7,8 @@ use std::process::{Command, Output};
 
 use common::{arg, fixture, root};
 
-/// Builds an example as this test was built, and runs it. What `cargo test` leaves in
-/// the target's folder may be older than the library.
+/// Builds an example with the features of this test and runs it. An example from `cargo test` in
+/// the target folder may be older than the library.
 fn run(name: &str, args: &[&str]) -> Output {
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
@@ -22,7 +22,7 @@ fn run(name: &str, args: &[&str]) -> Output {
     command.arg("--").args(args).output().expect("cargo runs")
 }
 
-/// The same, which must succeed; returns what it printed.
+/// The same. The example must succeed. Returns its output.
 fn printed(name: &str, args: &[&str]) -> String {
     let output = run(name, args);
     let said = String::from_utf8_lossy(&output.stderr);
@@ -47,7 +47,7 @@ fn a_scan_converts_and_its_deviation_is_measured() {
     let said = printed("convert", &[arg(&scan), arg(&step), "0.2"]);
     assert!(said.ends_with("within tolerance: true\n"), "{said}");
     assert!(starts_a_step_file(&step));
-    // Read back from the file it is what the conversion said.
+    // The deviation of the file is the one that the conversion has printed.
     let found = printed("deviation", &[arg(&step), arg(&scan)]);
     assert!((after(&found, "scan to face: rms ") - after(&said, "rms ")).abs() < 1e-3, "{found}");
     assert!(found.starts_with("1 face, 3 loops"), "two holes and the outer one: {found}");
@@ -75,7 +75,7 @@ fn a_solid_of_truck_becomes_a_file() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let [step, iges] = ["angle.step", "angle.igs"].map(|name| folder.path().join(name));
     let said = printed("solid", &[arg(&step), arg(&iges)]);
-    // 40 × 5 and 25 × 5 mm, 50 mm long.
+    // 40 × 5 mm and 25 × 5 mm, 50 mm long.
     assert!(said.starts_with("8 faces, 16250.000 mm³\n"), "{said}");
     assert_eq!(said.lines().filter(|line| line.starts_with("a face through")).count(), 8);
     assert!(starts_a_step_file(&step) && iges.exists());
@@ -93,7 +93,7 @@ fn every_piece_gets_a_file_or_a_reason() {
         let a = 1 + k / 11 * 12 + k % 11;
         text += &format!("f {a} {} {} {}\n", a + 1, a + 13, a + 12);
     }
-    // And an octahedron, which is closed.
+    // An octahedron, which is closed.
     for [x, y, z] in [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]] {
         text += &format!("v {} {} {}\n", x + 30, y, z);
     }

@@ -1,11 +1,11 @@
-//! `convert_file`: a file in, a file out, or an error that names it.
+//! `convert_file`: a file is converted to a file, or there is an error that names it.
 
 mod common;
 
 use common::fixture;
 use scan2step::{Options, convert_file};
 
-/// The names in a folder.
+/// The names of the files in a folder.
 fn names(folder: &std::path::Path) -> Vec<String> {
     let names = folder.read_dir().expect("a folder");
     names.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect()

@@ -1,5 +1,5 @@
-//! Filling: whatever the holes, the result is a disk whose fills lie inside
-//! their rims; and it lies near the true surface.
+//! Filling: for any holes the result is a disk, the fills lie inside their rims, and they are near
+//! the true surface.
 
 mod common;
 
@@ -8,7 +8,7 @@ use std::collections::{HashMap, HashSet};
 use common::random::Random;
 use common::virtual_scan::{Star, VirtualScan, paper_scan, rolled_sheet, sheet};
 use formats::Soup;
-use scan2step::fill::{self, Method};
+use scan2step::fill::{self, Strategy};
 use scan2step::geometry::{Vector, VertexId};
 use scan2step::mesh::{self, Choice, Components, Disk, FaceOrigin, Outer, Patch, Repairs};
 use scan2step::smooth::{self, Support};
@@ -18,8 +18,8 @@ fn disk(soup: &Soup) -> Disk {
     scan.take(Choice::Largest).unwrap().into_disk(Outer::Auto, &mut Repairs::new()).unwrap()
 }
 
-/// A bumpy square of 40 × 40 cells, its points shaken by `noise` cells, with a
-/// dozen random walks cut out of it.
+/// A bumpy square of 40 × 40 cells. Its points are moved by up to `noise` cells, and a dozen random
+/// walks are cut out of it.
 fn moth_eaten(random: &mut Random, noise: f64) -> Soup {
     let n = 40;
     let mut cut = HashSet::new();
@@ -38,7 +38,7 @@ fn moth_eaten(random: &mut Random, noise: f64) -> Soup {
     })
 }
 
-/// A square of n × n cells, but for those that are cut out.
+/// A square of n × n cells without those that are cut out.
 fn grid(n: usize, cut: &HashSet<[usize; 2]>, mut at: impl FnMut(usize, usize) -> [f64; 3]) -> Soup {
     let mut soup = Soup::default();
     soup.points.extend((0..=n).flat_map(|i| (0..=n).map(move |j| (i, j))).map(|(i, j)| at(i, j)));
@@ -52,8 +52,8 @@ fn grid(n: usize, cut: &HashSet<[usize; 2]>, mut at: impl FnMut(usize, usize) ->
     soup
 }
 
-/// Each hole's fill has the hole's rim for its boundary, and that of its
-/// islands, and inside the fill every side two triangles.
+/// Checks that the boundary of each hole's fill consists of the rim of the hole and those of its
+/// islands, and that every inner side has two triangles.
 fn check(patch: &Patch, report: &fill::Report) {
     assert!(patch.is_disk());
     for (number, hole) in report.holes.iter().enumerate() {
@@ -91,8 +91,7 @@ fn random_holes_are_filled_to_a_disk() {
     assert!(holes > 200, "{holes}");
 }
 
-/// Steep waves with half a dozen round holes cut out, which cannot be seen whole
-/// from one side.
+/// Steep waves with six round holes that are not visible as a whole from one side.
 fn waves(random: &mut Random) -> Soup {
     let n = 48;
     let mut cut = HashSet::new();
@@ -113,8 +112,8 @@ fn waves(random: &mut Random) -> Soup {
     })
 }
 
-/// At how many sides of its fills a patch folds, by the normals of the triangles
-/// there.
+/// The number of sides at which the fills of a patch fold, according to the normals of the
+/// triangles.
 fn folds(patch: &Patch) -> usize {
     let mesh = &patch.mesh;
     let normal = |t: &[VertexId; 3]| {
@@ -135,7 +134,7 @@ fn folds(patch: &Patch) -> usize {
 #[test]
 fn holes_in_steep_waves_are_filled_without_a_fold() {
     let mut random = Random(1);
-    let mut methods = HashSet::new();
+    let mut strategies = HashSet::new();
     for _ in 0..12 {
         let disk = disk(&waves(&mut random));
         let points = disk.mesh.points.clone();
@@ -144,20 +143,20 @@ fn holes_in_steep_waves_are_filled_without_a_fold() {
         assert_eq!(folds(&patch), 0);
         for hole in &report.holes {
             assert_eq!(hole.faults.count(), 0, "{hole:?}");
-            methods.insert(format!("{:?}", hole.method));
+            strategies.insert(format!("{:?}", hole.strategy));
         }
     }
-    // Not all can be closed in one and the same way.
-    assert!(methods.len() > 2, "{methods:?}");
+    // Not all holes can be closed in the same way.
+    assert!(strategies.len() > 2, "{strategies:?}");
 }
 
-/// Two bowls, one upon the other upside down, whose bottoms would cross, as a strip that
-/// is bent round at one side; both bottoms are missing.
+/// Two bowls, one upside down above the other, whose bottoms would cross. They are a strip that is
+/// bent at one side. Both bottoms are missing.
 fn waist() -> Soup {
     let (n, m, half) = (30, 80, 30.0);
     let place = |i: usize, j: usize| {
         let (x, y) = (i as f64 - 0.5 * n as f64, j as f64);
-        // Up over the first bowl, round, and back over the second.
+        // The strip goes up over the first bowl, around the bend, and back over the second bowl.
         let (side, along) = if y <= half { (1.0, y) } else { (-1.0, (m as f64 - y).min(half)) };
         let depth = (x / 15.0).powi(2) + ((along - 15.0) / 15.0).powi(2);
         let turn = (y - half).clamp(0.0, m as f64 - 2.0 * half) / (m as f64 - 2.0 * half);
@@ -194,8 +193,8 @@ fn fills_on_both_sides_of_a_thin_wall_do_not_cut_each_other() {
     check(&patch, &report);
     assert_eq!(report.holes.len(), 2);
     assert_eq!((folds(&patch), report.holes.iter().map(|h| h.faults.count()).sum()), (0, 0));
-    // Each by itself would go on to where its bowl is deepest, beyond the other's; the
-    // second gives way.
+    // Each fill alone would continue beyond the other one to where its bowl is deepest. The second
+    // fill gives way.
     let heights = |hole: u32| {
         let numbered = patch.mesh.triangles.iter().zip(&patch.origin);
         let own = numbered.filter(move |(_, o)| **o == FaceOrigin::Hole(hole));
@@ -205,8 +204,8 @@ fn fills_on_both_sides_of_a_thin_wall_do_not_cut_each_other() {
     assert!(heights(1).fold(f64::MIN, f64::max) < -0.5);
 }
 
-/// Fills a virtual scan, smoothed before or not; the rms distance of what was
-/// added to the true surface.
+/// Fills a virtual scan, smoothed before or not, and returns the rms distance of the new vertices
+/// from the true surface.
 fn rms_of_fill(scan: &VirtualScan, support: Support) -> (f64, fill::Report) {
     let mut soup = Soup { points: scan.points.clone(), ..Soup::default() };
     scan.triangles.iter().for_each(|t| soup.polygons.push(*t));
@@ -226,7 +225,7 @@ fn a_clean_hole_is_filled_as_if_it_were_measured() {
     let scan = VirtualScan::new(sheet, [90, 90], 0.0, vec![hole], 1);
     let (rms, report) = rms_of_fill(&scan, Support::Off);
     assert!(rms < 0.002, "{rms}");
-    assert_eq!(report.holes[0].method, Method::Front);
+    assert_eq!(report.holes[0].strategy, Strategy::Front);
 }
 
 #[test]

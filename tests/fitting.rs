@@ -1,4 +1,4 @@
-//! The fit: what it reproduces, what it bridges, and what adapts it.
+//! The fit: what it reproduces, how it bridges gaps, and how it adapts.
 
 mod common;
 
@@ -77,7 +77,7 @@ fn bicubic_data_are_reproduced_over_any_knots() {
         for method in METHODS {
             let (surface, _) = fit(&s, knots.clone(), method).expect("a fit");
             let off = furthest(&surface, exact, |_| true);
-            // Polynomials continued over the neighbours are badly conditioned.
+            // Polynomials that are extrapolated over the neighbours are badly conditioned.
             let limit = if method == Method::Blend { 1e-4 } else { 2e-6 };
             assert!(off < limit, "seed {seed}, {method:?}: {off}");
         }
@@ -92,7 +92,7 @@ fn refined_reaches_the_optimum_whatever_the_knots_and_gaps() {
         let noise: Vec<Vector> = (0..3000).map(|_| Vector::z() * (random.next() - 0.5)).collect();
         let mut s = s;
         s.points.iter_mut().zip(&noise).for_each(|(p, n)| *p += n);
-        // Every other scan has a hole, and is dense in one corner.
+        // Every other scan has a hole and is dense in one corner.
         let s =
             if seed % 2 == 0 { s } else { without(&s, |at| (at - Uv::new(0.6, 0.4)).norm() < 0.2) };
         let knots = [random.knots(), random.knots()];
@@ -139,7 +139,7 @@ fn holes_in_a_plane_stay_plane_and_those_in_waves_do_not_swing() {
         assert!(off < 1e-3, "{method:?}: {off} off the plane");
         let s = without(&samples(30_000, &mut Random(8), wavy), gap);
         let (surface, _) = fit(&s, knots(), method).expect("a fit");
-        // Nothing is known of the wave in the gap, but what its rim has.
+        // The wave in the gap is unknown except for its rim.
         let off = furthest(&surface, wavy, |_| true);
         assert!(off < 12.0, "{method:?}: {off} off a wave of 6 mm");
         let beside = furthest(&surface, wavy, |at| !gap(at) && at.x < 0.9);
@@ -206,7 +206,7 @@ fn the_same_net_on_any_number_of_threads() {
 struct Run {
     scan: VirtualScan,
     conversion: Conversion,
-    /// The measured vertices, smoothed, and those of the outer boundary.
+    /// The measured vertices after smoothing, and those of the outer boundary.
     vertices: Vec<(Point, Uv)>,
     outer: Vec<(Point, Uv)>,
 }
@@ -311,7 +311,7 @@ fn outliers_pull_nothing_where_smoothing_is_off() {
         [(sheet as Truth, [90, 90], 0.1, 0.03), (relief, [150, 120], 0.06, 0.025)]
     {
         let mut scan = VirtualScan::new(truth, size, noise, Vec::new(), 17);
-        // One vertex of a hundred, up to 3 mm off along the scanner's rays.
+        // One vertex of a hundred is moved by up to 3 mm along the scanner's rays.
         let mut random = Random(9);
         for p in &mut scan.points {
             p[2] += if random.next() < 0.01 { 6.0 * (random.next() - 0.5) } else { 0.0 };
@@ -352,7 +352,7 @@ fn a_tolerance_below_the_noise_is_told_and_not_followed() {
     };
     let below = converted(2.0 * noise);
     let told = below.fit.hindrance.expect("noise in the way");
-    // What the net still misses of the shape counts, too.
+    // The part of the shape that the net still misses counts, too.
     assert!((0.95..1.2).contains(&(told / noise)), "{told}");
     let shape = below.surface.shape();
     assert!(!below.tolerance_met(0.0) && shape.iter().product::<usize>() < 4900 / 2, "{shape:?}");

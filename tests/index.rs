@@ -1,5 +1,4 @@
-//! The topology of the collected scans, where they are to be had, against their
-//! index.
+//! The topology of the collected scans compared with their index, if they are present.
 
 mod common;
 
@@ -8,7 +7,7 @@ use std::collections::HashMap;
 use common::shared;
 use scan2step::mesh::{self, Choice, Components};
 
-/// A row of the index, by its column's name.
+/// A row of the index by the names of its columns.
 type Row = HashMap<String, String>;
 
 fn index(text: &str) -> Vec<Row> {
@@ -21,17 +20,17 @@ fn index(text: &str) -> Vec<Row> {
     lines.map(row).collect()
 }
 
-/// Whether the index counts what we count: it leaves duplicate and degenerate
-/// faces in, and cuts at an edge with three faces though one of them may go.
+/// Whether the index counts in the same way as we do. It keeps duplicate and degenerate faces, and
+/// it opens an edge with three faces even if one of them is removed here.
 fn comparable(row: &Row) -> bool {
     let none = ["nonmanifold_edges", "degenerate_faces", "duplicate_faces"];
     let orderly = none.iter().all(|name| row[*name] == "0");
-    // Fans it does not know.
+    // It does not support fans.
     orderly && !row["largest_genus"].is_empty()
 }
 
-/// What is refused although the index has its topology, and why: compressed or with
-/// corners that are no vertices.
+/// Scans that are refused although the index has their topology, and the reasons: they are
+/// compressed, or some corners are not vertices.
 const REFUSED: [(&str, &str); 5] = [
     ("D/gltf_duck_draco/Duck.gltf", "KHR_draco_mesh_compression"),
     ("E/issue-140-zero-face-idx.obj", "a face with vertex 0"),

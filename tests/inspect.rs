@@ -1,5 +1,4 @@
-//! `scan2step inspect`, and what repairs make of meshes that are out of order:
-//! one trouble a case, rebuilt small.
+//! `scan2step inspect`, and the repairs of faulty meshes. Each case is a small mesh with one fault.
 
 mod common;
 
@@ -27,8 +26,8 @@ impl Obj {
         writeln!(self.text, "f {}", corners.join(" ")).expect("text grows");
     }
 
-    /// A sheet of n × n squares in a plane of height z, each cut in two; the
-    /// number of its first vertex. Squares for which `hole` holds are left out.
+    /// Adds a sheet of n × n squares in a plane of height z and returns the number of its first
+    /// vertex. Each square has two triangles. Squares for which `hole` is true are omitted.
     fn sheet(&mut self, n: usize, z: f64, hole: impl Fn(usize, usize) -> bool) -> usize {
         let first = self.vertices + 1;
         for i in 0..(n + 1) * (n + 1) {
@@ -42,7 +41,8 @@ impl Obj {
         first
     }
 
-    /// A torus of m × n squares, turned once over on its way round if `klein`.
+    /// Adds a torus of m × n squares. If `klein`, it is reversed once on its way around, so that it
+    /// is a Klein bottle.
     fn tube(&mut self, m: usize, n: usize) {
         let first = self.vertices + 1;
         for (i, j) in (0..m * n).map(|k| (k / n, k % n)) {
@@ -57,7 +57,7 @@ impl Obj {
         }
     }
 
-    /// What `inspect --json` says of it.
+    /// The output of `inspect --json`.
     fn inspected(&self) -> Value {
         let folder = tempfile::tempdir().expect("a temporary folder");
         let path = folder.path().join("scan.obj");
@@ -70,8 +70,8 @@ fn solid(_: usize, _: usize) -> bool {
     false
 }
 
-/// Holds components, boundary loops, genus and whether it is a disk with holes
-/// against `expected`.
+/// Compares the components, the boundary loops, the genus and whether the mesh is a disk with holes
+/// with `expected`.
 #[track_caller]
 fn is(found: &Value, expected: (usize, usize, f64, bool)) {
     let (components, loops, genus, disk) = expected;
@@ -143,7 +143,7 @@ fn polygons_are_cut_up_within_their_outline() {
     is(&found, (1, 1, 0.0, true));
     repaired(&found, &[("polygons_triangulated", 1)]);
     assert_eq!(found["triangles"], 6);
-    // The perimeter in the slanted plane: no triangle bridges the notch.
+    // The perimeter in the slanted plane. No triangle bridges the notch.
     let along = |dx: f64| dx * (1.0f64 + 0.25 * 0.25).sqrt();
     let perimeter = 2.0 * along(6.0) + 5.0 * 2.0 + 3.0 * 2.0;
     assert!((length(&found["loops"][0]) - perimeter).abs() < 1e-9, "{found}");
@@ -215,7 +215,7 @@ fn a_fin_is_cut_off_and_the_sheet_stays_whole() {
 fn sheets_that_meet_in_an_edge_come_apart() {
     let mut scan = Obj::default();
     scan.sheet(4, 0.0, solid);
-    // Upright through an edge in the middle of the first.
+    // A sheet upright through an edge in the middle of the first one.
     let row = |scan: &mut Obj, y: f64, z: f64| [0., 1., 2., 3.].map(|x| scan.vertex(x, y, z));
     let (low, high) = (row(&mut scan, 2.5, -1.0), row(&mut scan, 2.5, 1.0));
     let [left, right] = [0., 3.].map(|x| scan.vertex(x, 2.5, 0.0));
@@ -244,7 +244,7 @@ fn holes_that_touch_have_one_rim() {
     let mut scan = Obj::default();
     scan.sheet(6, 0.0, |x, y| (x, y) == (2, 2) || (x, y) == (3, 3));
     let found = scan.inspected();
-    // Opened, the vertex that they share makes one rim of the two.
+    // After it is opened, the shared vertex joins the two rims to one.
     is(&found, (1, 2, 0.0, true));
     assert_eq!(found["repairs"]["opened_vertices"], 1);
 }
@@ -305,7 +305,7 @@ fn surfaces_that_are_no_disk_are_named() {
 #[test]
 fn the_user_may_name_the_outer_loop_and_the_piece() {
     let mut scan = Obj::default();
-    // A slot whose rim is longer than the outer boundary: teeth of a comb.
+    // A slot whose rim is longer than the outer boundary, with the teeth of a comb.
     let first = scan.sheet(12, 0.0, |x, y| {
         (1..11).contains(&x) && (y == 1 || x % 2 == 1 && (2..11).contains(&y))
     });

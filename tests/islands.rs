@@ -1,5 +1,4 @@
-//! Islands: which components lie in a hole of another one, and what becomes of
-//! them.
+//! Islands: which components lie in a hole of another one, and the resulting faces.
 
 mod common;
 
@@ -11,12 +10,13 @@ use formats::Soup;
 use scan2step::mesh::{self, Bound, Choice, Components, Disk, Mesh, Outer, Patch, Repairs};
 use scan2step::{Conversion, Cut, Options, Stage, convert};
 
-/// Sheets of n × n squares, each cut in two.
+/// Sheets of n × n squares with two triangles each.
 #[derive(Default)]
 struct Sheets(Soup);
 
 impl Sheets {
-    /// The plate of 40 × 40 with a hole from 10 to 30 each way, 2400 triangles.
+    /// The plate of 40 × 40 squares with a hole from 10 to 30 in each direction. It has 2400
+    /// triangles.
     fn plate() -> Self {
         let hole = |i: usize| (10..30).contains(&i);
         let mut sheets = Sheets::default();
@@ -24,7 +24,7 @@ impl Sheets {
         sheets
     }
 
-    /// A sheet, with its corners and only the squares that `kept` names.
+    /// A sheet with its corners and only the squares for which `kept` is true.
     fn add(
         &mut self,
         n: usize,
@@ -44,12 +44,12 @@ impl Sheets {
         self
     }
 
-    /// A square of n × n with its lowest corner at a place.
+    /// A square of n × n with its lowest corner at a given place.
     fn square(&mut self, n: usize, [x, y, z]: [f64; 3]) -> &mut Self {
         self.add(n, |a, b| [x + a, y + b, z], |_, _| true)
     }
 
-    /// A frame of n × n around a hole that begins `width` from its sides.
+    /// A frame of n × n with a hole at the distance `width` from its sides.
     fn frame(&mut self, n: usize, width: usize, [x, y]: [f64; 2]) -> &mut Self {
         let inner = width..n - width;
         let kept = |i, j| !(inner.contains(&i) && inner.contains(&j));
@@ -60,7 +60,7 @@ impl Sheets {
         Components::new(mesh::from_soup(&self.0, 1.0).expect("a sound mesh"))
     }
 
-    /// The largest sheet as a disk, and what was repaired for it.
+    /// The largest sheet as a disk, and its repairs.
     fn disk(&self) -> (Disk, Repairs) {
         let mut repairs = Repairs::new();
         let largest = self.components().take(Choice::Largest).expect("there is one");
@@ -77,7 +77,7 @@ impl Sheets {
     }
 }
 
-/// How many pieces a mesh falls into: triangles joined at their corners.
+/// The number of connected parts of a mesh. Triangles are connected at their corners.
 fn pieces(mesh: &Mesh) -> usize {
     let mut label: Vec<usize> = (0..mesh.points.len()).collect();
     let mut changed = true;
@@ -108,7 +108,7 @@ fn a_square_in_the_hole_is_an_island() {
 
 #[test]
 fn what_is_beside_above_or_over_the_rim_is_none() {
-    // The hole's half width is 10.
+    // Half of the width of the hole is 10.
     Sheets::plate().square(8, [16.0, 16.0, 9.9]).has_islands(&[128]);
     Sheets::plate().square(8, [16.0, 16.0, 10.1]).has_islands(&[]);
     Sheets::plate().square(8, [50.0, 16.0, 0.0]).has_islands(&[]);
@@ -150,7 +150,7 @@ fn islands_lie_in_holes_of_islands() {
     }
 }
 
-/// Two holes on opposite sides of a roll, an island in each.
+/// Two holes on opposite sides of a roll with an island in each.
 #[test]
 fn islands_behind_each_other_do_not_overlap() {
     let roll = |x: f64, y: f64| {
@@ -208,7 +208,7 @@ fn convert_with(cut: Cut) -> (Conversion, Patch) {
     (conversion.expect("it converts"), filled.expect("a filled mesh"))
 }
 
-/// How many loops each face has.
+/// The number of loops of each face.
 fn loops(conversion: &Conversion) -> Vec<usize> {
     conversion.brep.faces.iter().map(|face| face.loops.len()).collect()
 }
@@ -225,8 +225,8 @@ fn an_island_becomes_a_face_of_the_same_surface() {
     let places: Vec<_> = conversion.loops.iter().map(|l| (l.of, l.within)).collect();
     let isle = Bound::Island { hole: 0, number: 0 };
     assert_eq!(places, [(Bound::Hole(0), None), (isle, Some(0)), (Bound::Hole(1), Some(1))]);
-    // The island's vertices come last. Were it no face, they would be as far
-    // from one as the rim of the hole is.
+    // The vertices of the island come last. If it were not a face, their distance from one would be
+    // that of the rim of the hole.
     let own: HashSet<_> = island.rim.iter().map(|v| v.index()).collect();
     let first = *own.iter().min().expect("a rim");
     let inner = (first..patch.measured).filter(|v| !own.contains(v));
@@ -236,14 +236,14 @@ fn an_island_becomes_a_face_of_the_same_surface() {
         count += 1;
     }
     assert!(count > 150, "{count}");
-    // A loop may cut off those next to the rim by as much as this is uncertain.
+    // A loop may cut off the vertices next to the rim as far as the rim is uncertain.
     assert!(worst < 1.2 * conversion.rim_tolerance, "{worst} {}", conversion.rim_tolerance);
 }
 
 #[test]
 fn an_island_in_a_hole_that_stays_filled_is_part_of_the_face() {
     assert_eq!(loops(&convert_with(Cut::None).0), [1]);
-    // Only the wide hole: the one in the island stays filled.
+    // Only the wide hole is cut out. The one in the island stays filled.
     assert_eq!(loops(&convert_with(Cut::FromLength(60.0)).0), [2, 1]);
 }
 

@@ -1,4 +1,4 @@
-//! Nearest points of trimmed faces, against brute force.
+//! Nearest points of trimmed faces compared with brute force.
 
 #[path = "common/random.rs"]
 mod random;
@@ -6,17 +6,17 @@ mod random;
 use nalgebra::Vector2;
 use random::Random;
 use rayon::prelude::*;
-use scan2step::deviation::Face;
+use scan2step::deviation::TrimmedFace;
 use scan2step::geometry::{Point, Uv, Vector};
 use scan2step::spline::{Curve, EdgeTree, KnotVector, Surface, foot_point};
 
-/// Distances agree to this share of the diagonal.
+/// The largest difference of distances as a share of the diagonal.
 const SAME: f64 = 1e-6;
 
-/// Samples along a side of the domain, for brute force.
+/// The number of samples along a side of the domain for brute force.
 const SIDE: usize = 300;
 
-/// Knots with single inner ones, whose spans differ up to tenfold.
+/// Knots with simple inner ones whose spans differ up to tenfold.
 fn knots(random: &mut Random, spans: usize) -> KnotVector {
     let mut breaks = vec![0.0];
     for _ in 0..spans {
@@ -58,7 +58,7 @@ fn surface(shape: Shape, random: &mut Random) -> Surface {
     Surface::new(u, v, net)
 }
 
-/// A closed loop of one cubic arc around a place, with waves.
+/// A closed wavy loop of one cubic arc around a place.
 fn round(middle: Uv, radius: f64, waves: f64) -> Vec<Curve<2>> {
     let n = 24;
     let knots = KnotVector::new(3, (0..n + 7).map(f64::from).collect());
@@ -70,7 +70,7 @@ fn round(middle: Uv, radius: f64, waves: f64) -> Vec<Curve<2>> {
     vec![Curve::new(knots, control.collect())]
 }
 
-/// Loops, and whether the face goes as far as the surface.
+/// Loops, and whether the face extends to the boundary of the surface.
 fn trims() -> Vec<(Vec<Vec<Curve<2>>>, bool)> {
     let at = |x: f64, y: f64, r: f64, w: f64| round(Uv::new(x, y), r, w);
     vec![
@@ -82,7 +82,7 @@ fn trims() -> Vec<(Vec<Vec<Curve<2>>>, bool)> {
 }
 
 /// Samples of the surface, each with whether it is on the face.
-fn samples(face: &Face<Surface>) -> Vec<(Uv, Point, bool)> {
+fn samples(face: &TrimmedFace<Surface>) -> Vec<(Uv, Point, bool)> {
     let at = |n: usize| [n / SIDE, n % SIDE].map(|i| i as f64 / (SIDE - 1) as f64);
     let all = (0..SIDE * SIDE).into_par_iter().map(|n| {
         let [u, v] = at(n);
@@ -92,10 +92,10 @@ fn samples(face: &Face<Surface>) -> Vec<(Uv, Point, bool)> {
     all.collect()
 }
 
-/// The distance by brute force: feet searched from every sample whose cell may win, and
-/// the trim curves by samples and golden sections.
+/// The distance by brute force: foot points are searched from every sample whose cell may contain
+/// the nearest one, and the trim curves are searched by samples and golden sections.
 fn brute(
-    face: &Face<Surface>,
+    face: &TrimmedFace<Surface>,
     samples: &[(Uv, Point, bool)],
     curves: &[&Curve<2>],
     p: Point,
@@ -115,15 +115,15 @@ fn brute(
     best
 }
 
-/// The distance to a trim curve.
+/// The distance from a trim curve.
 fn along(surface: &Surface, curve: &Curve<2>, p: Point) -> f64 {
     let (low, high) = curve.knots.range();
     let away = |t: f64| (surface.point(Uv::from(curve.point(t.clamp(low, high)))) - p).norm();
     least(&away, (low, high), 600)
 }
 
-/// The least value of a function between two places: by samples, and thirds around each
-/// that is less than those beside it.
+/// The minimum of a function between two parameters: samples, and a ternary search around each
+/// sample that is less than its neighbours.
 fn least(of: &dyn Fn(f64) -> f64, (low, high): (f64, f64), count: u32) -> f64 {
     let step = (high - low) / f64::from(count);
     let all: Vec<f64> = (0..=count).map(|i| of(low + step * f64::from(i))).collect();
@@ -143,8 +143,7 @@ fn least(of: &dyn Fn(f64) -> f64, (low, high): (f64, f64), count: u32) -> f64 {
     best
 }
 
-/// Points near the surface and far from it, and places from which to begin, of which most
-/// are bad ones.
+/// Points near the surface and far from it, and starts of the search, most of which are bad.
 fn points(surface: &Surface, random: &mut Random, count: usize) -> Vec<(Point, Uv)> {
     let place = |random: &mut Random| Uv::new(random.share(), random.share());
     let one = |_| {
@@ -163,7 +162,7 @@ fn the_nearest_point_is_that_of_brute_force() {
     for (name, shape) in SHAPES {
         for (loops, natural) in trims() {
             let surface = surface(shape, &mut random);
-            let face = Face::new(&surface, loops.iter().map(Vec::as_slice), natural);
+            let face = TrimmedFace::new(&surface, loops.iter().map(Vec::as_slice), natural);
             let samples = samples(&face);
             let curves: Vec<&Curve<2>> = loops.iter().flatten().collect();
             let points = points(&surface, &mut random, 150);
@@ -183,8 +182,8 @@ fn the_nearest_point_is_that_of_brute_force() {
     }
 }
 
-/// As a car's door: two sheets of one face 4 mm apart, and points of one whose starts are
-/// on the other. Newton's method from there ends on the wrong sheet.
+/// Two sheets of one face at a distance of 4 mm, as in a car's door. The starts of points of one
+/// sheet are on the other. Newton's method would end on the wrong sheet.
 #[test]
 fn a_bad_start_on_another_sheet_does_not_matter() {
     let (u, v) = (KnotVector::uniform(3, 40), KnotVector::uniform(3, 12));
@@ -194,7 +193,7 @@ fn a_bad_start_on_another_sheet_does_not_matter() {
     };
     let greville = |n: usize| hem(u.greville(n / 12), v.greville(n % 12));
     let surface = Surface::new(u.clone(), v.clone(), (0..40 * 12).map(greville).collect());
-    let face = Face::new(&surface, std::iter::empty(), true);
+    let face = TrimmedFace::new(&surface, std::iter::empty(), true);
     let mut trapped = 0;
     for i in 0..200 {
         let at = Uv::new(0.55 + 0.002 * f64::from(i), 0.1 + 0.004 * f64::from(i));
@@ -216,7 +215,7 @@ fn any_number_of_threads_finds_the_same_bits() {
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         pool.install(|| {
-            let face = Face::new(&surface, loops.iter().map(Vec::as_slice), true);
+            let face = TrimmedFace::new(&surface, loops.iter().map(Vec::as_slice), true);
             face.deviation(&points, &starts).distances
         })
     };

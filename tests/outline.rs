@@ -100,8 +100,7 @@ fn a_named_tolerance_holds_up_to_the_outer_loop() {
     }
 }
 
-/// Beyond its samples the surface goes on as it was, without folds, and the net does
-/// not run away.
+/// Beyond its samples the surface continues smoothly without folds, and its net stays near.
 #[test]
 fn the_surface_is_calm_beyond_the_outer_loop() {
     for scan in [relief_scan(), ragged_scan()] {
@@ -120,11 +119,11 @@ fn the_surface_is_calm_beyond_the_outer_loop() {
     }
 }
 
-/// Where the boundary is clean the surface is as good as with four sides.
+/// If the boundary is clean, the surface is as accurate as with four sides.
 #[test]
 fn the_truth_is_met_as_well_as_with_sides() {
     let holes = relief_scan().holes;
-    // The knots that are found, and the error with them, change with the noise.
+    // The chosen knots, and with them the error, depend on the noise.
     let scans =
         [1, 2, 3, 4].map(|seed| VirtualScan::new(relief, [70, 60], 0.06, holes.clone(), seed));
     let square = |outline| {
@@ -156,7 +155,7 @@ fn the_same_loop_on_any_number_of_threads() {
     assert_eq!(on(1), on(2));
 }
 
-/// The triangles of a patch that have such an origin.
+/// The triangles of a patch with a given origin.
 fn count(patch: &Patch, of: fn(&FaceOrigin) -> bool) -> usize {
     patch.origin.iter().filter(|origin| of(origin)).count()
 }

@@ -1,5 +1,5 @@
-//! Parameterization: whatever the disk, no triangle is turned over, the boundary
-//! is the square's, and sheets that stick out are not crushed.
+//! Parameterization: for any disk no triangle is inverted, the boundary is that of the square, and
+//! parts that stick out are not compressed too much.
 
 mod common;
 
@@ -8,7 +8,7 @@ use formats::Soup;
 use scan2step::fill;
 use scan2step::geometry::{VertexId, orient2d};
 use scan2step::mesh::{self, Choice, Components, FaceOrigin, Outer, Patch, Repairs};
-use scan2step::parameterize::{self, Method, Options, Outline, Parameterized, Report};
+use scan2step::parameterize::{self, MapMethod, Options, Outline, Parameterized, Report};
 
 /// The patch of a soup without holes.
 fn patch(soup: &Soup) -> Patch {
@@ -19,8 +19,7 @@ fn patch(soup: &Soup) -> Patch {
     fill::fill(disk, &points, &fill::Options::default()).unwrap().0
 }
 
-/// A grid of n × m vertices, the diagonals as they come; `point` is given
-/// numbers from 0 to 1.
+/// A grid of n × m vertices with random diagonals. `point` receives numbers from 0 to 1.
 fn grid(n: usize, m: usize, point: impl Fn(f64, f64) -> [f64; 3]) -> Soup {
     let mut random = Random(7);
     let mut soup = Soup::default();
@@ -37,7 +36,7 @@ fn grid(n: usize, m: usize, point: impl Fn(f64, f64) -> [f64; 3]) -> Soup {
     soup
 }
 
-/// The triangles that are not gone.
+/// The triangles that remain.
 fn without(soup: &Soup, gone: impl Fn(&[u32]) -> bool) -> Soup {
     let mut rest = Soup { points: soup.points.clone(), ..Soup::default() };
     let kept = soup.polygons.iter().filter(|t| !gone(t));
@@ -45,7 +44,7 @@ fn without(soup: &Soup, gone: impl Fn(&[u32]) -> bool) -> Soup {
     rest
 }
 
-/// The square to a disk of radius 1, ring by ring.
+/// Maps the square to a disk of radius 1, ring by ring.
 fn round(u: f64, v: f64) -> [f64; 2] {
     let (a, b) = (2.0 * u - 1.0, 2.0 * v - 1.0);
     let ring = a.abs().max(b.abs()) / a.hypot(b).max(1e-12);
@@ -63,7 +62,7 @@ fn mapped(soup: &Soup) -> (Parameterized, Report) {
 }
 
 fn mapped_by_mean_values(soup: &Soup) -> Report {
-    let options = Options { method: Method::MeanValue, ..Options::default() };
+    let options = Options { method: MapMethod::MeanValue, ..Options::default() };
     let (map, report) = parameterize::parameterize(patch(soup), &options).unwrap();
     assert_eq!(map.outline, Outline::Sides);
     check(&map);
@@ -77,13 +76,13 @@ fn check_upright(map: &Parameterized) {
     }
 }
 
-/// No triangle is turned over, and all is well inside the square.
+/// Checks that no triangle is inverted and that all vertices are inside the square.
 fn check_free(map: &Parameterized) {
     check_upright(map);
     assert!(map.uv.iter().all(|at| [at.x, at.y].iter().all(|t| (0.01..0.99).contains(t))));
 }
 
-/// No triangle is turned over, and the boundary runs once around the square.
+/// Checks that no triangle is inverted and that the boundary runs once around the square.
 fn check(map: &Parameterized) {
     check_upright(map);
     let outer: Vec<_> = map.patch.outer.iter().map(|v| map.uv[v.index()]).collect();
@@ -111,7 +110,7 @@ fn flat_and_rolled_sheets_are_laid_out_as_they_are() {
     assert!(report.stretch.l2 < 1.001, "{:?}", report.stretch);
 }
 
-/// A round finger, 10 mm thick, on a disk.
+/// A round finger with a thickness of 10 mm on a disk.
 fn finger(length: f64) -> Soup {
     grid(121, 121, |u, v| {
         let [x, y] = round(u, v);
@@ -127,7 +126,7 @@ fn finger(length: f64) -> Soup {
     })
 }
 
-/// A sheet with a border of tongues and bays, some of them deep.
+/// A sheet with a boundary of tongues and bays. Some bays are deep.
 fn ragged() -> Soup {
     let sheet = grid(81, 61, |u, v| [80.0 * u, 60.0 * v, 8.0 * (3.0 * u).sin() * (2.0 * v).cos()]);
     let mean = |soup: &Soup, t: &[u32], k: usize| {
@@ -165,11 +164,11 @@ fn a_clean_boundary_is_the_sides_unless_told_otherwise() {
 #[test]
 fn what_no_affordable_net_can_follow_is_told() {
     let [short, long] = [60.0, 600.0].map(|length| mapped(&finger(length)).0);
-    assert_eq!(parameterize::crushed(&short, 0.1, 1200), None);
-    let crushed = parameterize::crushed(&long, 0.1, 1200).expect("a finger too long");
+    assert_eq!(parameterize::compressed_region(&short, 0.1, 1200), None);
+    let crushed = parameterize::compressed_region(&long, 0.1, 1200).expect("a finger too long");
     assert!(crushed.spans[0] * crushed.spans[1] > 1200.0, "{crushed:?}");
     assert!(crushed.at.z > 590.0, "the tip is crushed most: {crushed:?}");
-    assert_eq!(parameterize::crushed(&long, 10.0, 1200), None);
+    assert_eq!(parameterize::compressed_region(&long, 10.0, 1200), None);
 }
 
 fn nose() -> Soup {
@@ -181,7 +180,8 @@ fn nose() -> Soup {
 
 #[test]
 fn mean_values_are_the_papers() {
-    // A plane's are its own coordinates; a nose is crushed, as other programs' are.
+    // The parameters of a plane are its own coordinates. A nose is compressed, as by other
+    // programs.
     let plane = grid(61, 41, |u, v| [60.0 * u, 40.0 * v, 0.0]);
     let stretch = mapped_by_mean_values(&plane).stretch;
     assert!((stretch.l2 - 1.0).abs() < 1e-9 && stretch.max < 1.0 + 1e-6, "{stretch:?}");
@@ -202,7 +202,7 @@ fn what_sticks_out_is_not_crushed() {
     });
     let stretch = mapped(&cap).1.stretch;
     assert!(stretch.l2 < 1.13 && stretch.max < 2.5, "cap {stretch:?}");
-    // A glove's finger, six times as long as wide.
+    // A finger of a glove that is six times as long as wide.
     let finger = finger(60.0);
     let stretch = mapped(&finger).1.stretch;
     assert!(stretch.l2 < 1.5 && stretch.max < 6.0, "finger {stretch:?}");
@@ -210,7 +210,7 @@ fn what_sticks_out_is_not_crushed() {
 
 #[test]
 fn a_tongue_on_a_narrow_neck_gets_its_room() {
-    // A square, and another that hangs on by two cells.
+    // A square with another one that is attached by two cells.
     let mut soup = grid(61, 21, |u, v| [60.0 * u, 20.0 * v, 0.0]);
     let gone = |soup: &Soup, t: &[u32]| {
         let [x, y] =
@@ -224,7 +224,7 @@ fn a_tongue_on_a_narrow_neck_gets_its_room() {
 
 #[test]
 fn degenerate_triangles_do_not_fold_it() {
-    // Slivers of 0.01°, and edges of 10,000 to 1.
+    // Slivers of 0.01°, and edges whose lengths differ by a factor of 10,000.
     let thin = |t: f64| (t * 20.0).floor() / 20.0 + 1e-4 * (t * 20.0).fract();
     let slivers = grid(41, 41, |u, v| [100.0 * thin(u), 100.0 * v, 5.0 * (6.0 * v).sin()]);
     mapped(&slivers);
@@ -245,7 +245,7 @@ fn random_scraps_never_fold() {
         for p in &mut soup.points {
             p.iter_mut().for_each(|x| *x += rough * random.share() / n as f64);
         }
-        // Bites from the boundary, ears and bays with them.
+        // Bites from the boundary, with ears and bays.
         let holes: Vec<[f64; 3]> = (0..random.below(6))
             .map(|_| [random.share(), f64::from(random.below(2) as u32), 0.3 * random.share()])
             .collect();
@@ -287,7 +287,7 @@ fn named_corners_are_the_corners() {
     assert!((first - scan2step::geometry::Point::new(15.0, 0.0, 0.0)).norm() < 1.0, "{first}");
 }
 
-/// A bent pipe, open at both ends.
+/// A bent pipe that is open at both ends.
 fn pipe() -> Soup {
     let (around, along) = (60_u32, 24_u32);
     let mut soup = Soup::default();
@@ -326,12 +326,12 @@ fn a_pipe_gets_vertices_where_its_map_draws_it_out() {
         let measured = all.filter(|(_, origin)| **origin == FaceOrigin::Measured);
         let sides = measured.clone().flat_map(|(t, _)| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
         let long = sides.filter(is_long).filter(|side| !is_on_rim(side)).count();
-        // The open end of the pipe counts as a bay, as in every conversion that leaves the
-        // boundary free. Around it 738 sides of 1,500 points are left; on a map without that bay,
-        // which no conversion makes, no more than 150 were.
+        // The open end of the pipe counts as a bay, as in every conversion with a free boundary.
+        // Around it, 738 sides of 1,500 points remain. A test in `src/parameterize/outline.rs` has a
+        // map without this bay and holds it to a tenth.
         let most = if outline == Outline::Free { patch.measured / 2 } else { 0 };
         assert!(long <= most, "{outline:?} {long}");
-        // They are on the pipe, not on chords of it, which are up to 0.03 mm off.
+        // They are on the pipe and not on its chords, which are up to 0.03 mm off.
         for v in measured.flat_map(|(t, _)| t) {
             let p = patch.mesh.point(*v);
             let off = (p.x.hypot(p.y) - 20.0).hypot(p.z) - 6.0;

@@ -1,14 +1,14 @@
-//! Real scans, where they are to be had: they are not part of the project.
+//! Real scans, if they are present. They are not part of the project.
 
 mod common;
 
 use common::importers::{freecad, opencascade};
 use common::{arg, convert, converted, json, number, shared};
 
-/// Scans of class A that differ in kind, with their holes: a shell, the
-/// underside of a range scanner's figure, a car's body with its openings, a wavy
-/// sheet, a roof. The car's running boards fold a little at the patch's edge,
-/// which the Boolean argument check finds.
+/// Scans of class A of different kinds, with their numbers of holes: a shell, the underside of a
+/// range scanner's figure, a car's body with its openings, a wavy sheet, and a roof. The running
+/// boards of the car fold a little at the edge of the patch, which the check of Boolean arguments
+/// finds.
 const CONVERTED: [(&str, usize, bool); 5] = [
     ("scallop_shell.obj.gz", 0, true),
     ("bunny_bottom.ply.gz", 4, true),
@@ -42,8 +42,8 @@ fn a_named_tolerance_leaves_room_for_a_surface_without_folds() {
     let Some(scan) = shared("scans/A/bunny_flank.obj.gz") else { return };
     let folder = tempfile::tempdir().expect("a temporary folder");
     let [step, report] = ["a.step", "a.json"].map(|n| folder.path().join(n));
-    // A thousandth of its diagonal. Over the smallest net that keeps this, 27 places
-    // are turned over, and no other surface over it keeps it.
+    // The tolerance is a thousandth of the diagonal. Over the smallest net that satisfies it, 27
+    // Jacobian samples are inverted, and no other surface over this net satisfies it.
     let asked = ["--tolerance", "0.000141064"];
     converted(&[&[arg(&scan), arg(&step), "--report", arg(&report)], &asked[..]].concat());
     let r = json(&report);
@@ -52,8 +52,8 @@ fn a_named_tolerance_leaves_room_for_a_surface_without_folds() {
     assert_eq!(opencascade(&step, None)["argument_check"], true);
 }
 
-/// Scans whose triangles the map draws out over several knot cells, and a thousandth of their
-/// diagonals: over the knots that their points need, the face leaves some of these triangles.
+/// Scans whose triangles the map stretches over several knot cells, and a thousandth of their
+/// diagonals. Over the knots that their points need, the face leaves some of these triangles.
 const DRAWN_OUT: [(&str, &str); 2] =
     [("bunny_bottom.ply.gz", "0.000152814"), ("lion_head.obj.gz", "0.0014467")];
 

@@ -26,7 +26,7 @@ fn report(scan: &Path, options: &[&str]) -> Value {
     json(&report)
 }
 
-/// A scan of two sheets, one a little larger.
+/// A scan of two sheets, one of which is a little larger.
 fn two_sheets(folder: &Path) -> PathBuf {
     let mut text = String::new();
     for (n, x) in [(6, 0.0), (5, 100.0)] {
@@ -68,14 +68,14 @@ fn reports_are_as_the_schema_has_them() {
         assert!(wrong.is_empty(), "{options:?}: {wrong:#?}");
     }
     let named = report(&relief, &["--net", "9x8"]);
-    // Knots of a net have no κ, and no knot is repeated.
+    // A given net has no κ, and no knot is repeated.
     assert_eq!(named["fit"]["kappa_mm"], Value::Null);
     assert_eq!(named["fit"]["places"], 6 * 6 * (9 - 3) * (8 - 3));
     let all = report(&two, &["--component", "all"]);
     assert_eq!(all["components"].as_array().map(Vec::len), Some(2));
 }
 
-/// Every object in a value, by the way to it.
+/// Every object in a value with its path.
 fn objects(value: &Value, way: &str, found: &mut Vec<String>) {
     match value {
         Value::Object(fields) => {
@@ -123,7 +123,7 @@ fn the_schema_refuses_a_missing_key_and_one_with_another_name() {
     }
 }
 
-/// The page and the picture of a scan, in a folder of its own.
+/// The page and the picture of a scan in their own folder.
 fn page_and_picture(scan: &Path, options: &[&str]) -> (String, Vec<u8>) {
     let folder = folder();
     let path = |name: &str| folder.path().join(name);
@@ -134,8 +134,7 @@ fn page_and_picture(scan: &Path, options: &[&str]) -> (String, Vec<u8>) {
     (page, std::fs::read(picture).expect("the picture"))
 }
 
-/// A page without its table of times, the only thing that may differ from run to
-/// run.
+/// A page without its table of times, which is the only part that may differ between runs.
 fn without_times(page: &str) -> String {
     let (front, rest) = page.split_once("id=\"times\"").expect("the table of times");
     let (_, back) = rest.split_once("</section>").expect("its end");
@@ -158,7 +157,7 @@ fn a_page_needs_nothing_but_itself() {
         assert!(!page.contains(reach), "{reach}");
     }
     assert!(page.contains("default-src 'none'"), "nothing may be loaded");
-    // What is read without scripts.
+    // The content that is visible without scripts.
     for words in ["<svg class=\"plane\"", "<svg class=\"histogram", "cut out", "data:image/png"] {
         assert!(page.contains(words), "{words}");
     }
@@ -189,7 +188,7 @@ fn pixels(picture: Vec<u8>) -> Vec<u8> {
 fn all_components_are_in_one_picture_and_on_one_page() {
     let folder = folder();
     let two = two_sheets(folder.path());
-    // Columns, of the large picture, in which there is anything at all.
+    // The columns of the large picture that are not empty.
     let drawn = |component: &str| {
         let (page, picture) = page_and_picture(&two, &["--component", component]);
         let pixels = pixels(picture);

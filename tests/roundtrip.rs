@@ -1,4 +1,4 @@
-//! The round trip: files written, imported by OpenCASCADE and by FreeCAD.
+//! The round trip: written files are imported by OpenCASCADE and FreeCAD.
 
 mod common;
 
@@ -10,17 +10,17 @@ use common::{arg, checked, converted, fixture, json, number};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 
-/// What is expected of a scan's CAD face.
+/// The expected properties of a scan's CAD face.
 struct Expected<'a> {
     scan: &'a VirtualScan,
-    /// Rms distance of true points from the imported face, in mm, at the most.
+    /// The largest rms distance of true points from the imported face, in mm.
     rms: f64,
-    /// How much larger, of the part's size, its bounding box may be. Importers take
-    /// the box of the part of the surface between the loop's extreme parameters.
+    /// The allowed excess of its bounding box, as a share of the part's size. Importers use the box
+    /// of the surface between the extreme parameters of the loop.
     larger: f64,
 }
 
-/// Converts `input` to STEP and to both forms of IGES, and has each checked.
+/// Converts `input` to STEP and to both forms of IGES, and checks each file.
 fn round_trip(input: &Path, options: &[&str], expected: &Expected) -> Value {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = |name: &str| folder.path().join(name);
@@ -41,8 +41,8 @@ fn round_trip(input: &Path, options: &[&str], expected: &Expected) -> Value {
     report
 }
 
-/// The true area of what is converted, in mm²: triangles that hang on by one side
-/// or one vertex are not.
+/// The true area of the converted part in mm². Triangles that are attached by one side or one
+/// vertex are excluded.
 fn true_area(scan: &VirtualScan, report: &Value) -> f64 {
     let dropped = |kind: &str| report["input"]["repairs"][kind].as_f64().unwrap_or(0.0);
     let gone = dropped("rim_triangles_trimmed") + dropped("faces_dropped_at_bow_ties");
@@ -59,7 +59,7 @@ fn check_opencascade(path: &Path, valid_unhealed: bool, area: f64, expected: &Ex
     is("faces", faces.into());
     is("wires_inner", inner.into());
     is("valid", true.into());
-    // A 144 is put together by healing; without it none is valid.
+    // Healing assembles a 144. Without it none is valid.
     is("valid_unhealed", valid_unhealed.into());
     is("argument_check", true.into());
     is("oriented_loops", true.into());
@@ -79,15 +79,15 @@ fn check_freecad(path: &Path, area: f64, expected: &Expected) {
     is("wires_inner", inner.into());
     is("valid", true.into());
     is("check", Value::Null);
-    // What people do next: cut the face with a box, offset it, extrude it.
+    // Typical next steps of users: cut the face with a box, offset it, extrude it.
     is("boolean_ok", true.into());
     is("offset_ok", true.into());
     is("extrude_ok", true.into());
-    // By a tessellation.
+    // The volume comes from a tessellation.
     check_size(&found, expected, (area, 0.01));
 }
 
-/// Area, within a share of it, and bounding box, in mm, against the truth.
+/// Compares the area, within a relative error, and the bounding box in mm with the truth.
 fn check_size(found: &Value, expected: &Expected, (area, share): (f64, f64)) {
     let ratio = number(found, "/area") / area;
     assert!((ratio - 1.0).abs() < share, "{ratio} of the true area, {area} mm²");
@@ -166,8 +166,8 @@ fn a_ragged_outer_boundary_is_cut_along() {
     round_trip(&input, &options, &Expected { scan: &scan, rms: 0.03, larger: 0.05 });
 }
 
-/// The paper's results: about 8,100 noisy points, one hole, rough boundary,
-/// 13 × 13 net, blended local fits.
+/// The results of the paper: about 8,100 noisy points, one hole, a rough boundary, a net of 13 ×
+/// 13, and blended local fits.
 #[test]
 fn the_papers_run() {
     let scan = paper_scan();
@@ -179,7 +179,7 @@ fn the_papers_run() {
     assert_eq!(report["fit"]["method"], "blend");
 }
 
-/// A scan in a file of its own.
+/// A scan in its own file.
 fn written(scan: &VirtualScan, folder: &Path) -> PathBuf {
     let input = folder.join("scan.ply");
     let mut file = std::fs::File::create(&input).expect("a temporary file");
@@ -187,11 +187,11 @@ fn written(scan: &VirtualScan, folder: &Path) -> PathBuf {
     input
 }
 
-/// How far FreeCAD moves faces, in mm.
+/// The distance by which FreeCAD moves faces, in mm.
 const MOVED: f64 = 0.5;
 
-/// Scan → ours → OpenCASCADE, FreeCAD → their STEP and IGES → ours: what comes
-/// back is what was written, and what was done to it is what was asked for.
+/// The way from a scan through our files, OpenCASCADE and FreeCAD and their STEP and IGES files
+/// back to us. The result must be what was written, with the operations that were asked for.
 fn there_and_back(scan: &VirtualScan, rms: f64) {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let file = |name: &str| folder.path().join(name);
@@ -227,14 +227,14 @@ fn there_and_back(scan: &VirtualScan, rms: f64) {
     }
     for thick in both("fc-thick") {
         assert!(number(&thick, "/cad/faces") > 2.0);
-        // Both sheets of it, and the walls.
+        // Both sheets, and the walls.
         assert!(number(&thick, "/cad/area_mm2") > 2.0 * number(&areas, "/fc-plain") * 0.99);
         let off = |found| number(found, "/scan_to_face/rms_mm");
         assert!(off(&thick) <= 1.02 * off(&ours), "{thick}");
     }
 }
 
-/// Whether what another program wrote is the face that it read.
+/// Whether the file of another program has the face that it read.
 fn check_same(ours: &Value, theirs: &Value, name: &str) {
     for key in ["/cad/faces", "/cad/loops"] {
         assert_eq!(number(ours, key), number(theirs, key), "{name}: {key}");
@@ -279,8 +279,7 @@ fn a_rolled_sheet_there_and_back() {
     there_and_back(&rolled_scan(), 0.03);
 }
 
-/// The checks above can fail: a hole that the scan has but the face does not
-/// is noticed.
+/// The checks above can fail: they notice a hole of the scan that the face does not have.
 #[test]
 fn a_filled_hole_is_noticed() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -1,4 +1,4 @@
-//! Smoothing, against the truth of virtual scans of many noises.
+//! Smoothing compared with the truth of virtual scans with many kinds of noise.
 
 mod common;
 
@@ -18,7 +18,7 @@ fn disk(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Disk {
     largest.into_disk(Outer::Auto, &mut Repairs::new()).expect("a disk")
 }
 
-/// A scan, smoothed, and where its vertices truly are.
+/// A smoothed scan, and the true positions of its vertices.
 struct Case {
     name: &'static str,
     noise: f64,
@@ -61,7 +61,7 @@ fn rms(scan: &VirtualScan, points: &[Point]) -> f64 {
 }
 
 impl Case {
-    /// Triangles that look the other way than they truly do.
+    /// The number of triangles whose normals are opposite to the true ones.
     fn flipped(&self, disk: &Disk) -> usize {
         let turned = |t: &&[VertexId; 3]| {
             let [a, b, c] = t.map(|v| self.truth[v.index()]);
@@ -70,7 +70,7 @@ impl Case {
         disk.mesh.triangles.iter().filter(turned).count()
     }
 
-    /// Root mean square distance of the outer boundary from the true one.
+    /// The root mean square distance of the outer boundary from the true one.
     fn outer_rms(&self, disk: &Disk) -> f64 {
         let side = |k: usize| (0..=4000).map(move |i| (k, f64::from(i) / 4000.0));
         let edge: Vec<Point> = (0..4)
@@ -94,7 +94,7 @@ fn the_surface_is_found_under_the_noise() {
             "{} {}: rms {raw:.4} → {smooth:.4}, outer boundary {:.4} → {:.4} mm, h {:.2}",
             case.name, case.noise, outer.0, outer.1, case.report.h
         );
-        // A spacing of 1 mm holds fewer points a shape the smaller the noise.
+        // With a spacing of 1 mm, a shape with less noise has fewer points.
         assert!(smooth < 0.3 * raw, "{}, {}: {raw} → {smooth}", case.name, case.noise);
         assert!(outer.1 < 0.5 * outer.0, "{}, {}: {outer:?}", case.name, case.noise);
         let found = case.report.noise;
@@ -126,7 +126,7 @@ fn a_clean_scan_is_left_alone() {
 
 #[test]
 fn rows_far_apart_let_no_surface_swing_between_them() {
-    // As line scanners make them: points eleven times as close along a line.
+    // Scans as of line scanners. Points are eleven times as dense along a line.
     for (size, seed) in [([400, 36], 3), ([36, 400], 4)] {
         let scan = VirtualScan::new(sheet, size, 0.1, Vec::new(), seed);
         let raw = disk(&scan.points, &scan.triangles);
@@ -157,7 +157,7 @@ fn outliers_are_left_out() {
     assert!((report.noise / 0.05 - 1.0).abs() < 0.15, "{}", report.noise);
 }
 
-/// A sheet rolled up twice with a gap of 1.5 mm.
+/// A sheet that is rolled up twice with a gap of 1.5 mm.
 fn scroll(u: f64, v: f64) -> [f64; 3] {
     let angle = 4.0 * std::f64::consts::PI * u;
     let radius = 12.0 + 1.5 * angle / std::f64::consts::TAU;

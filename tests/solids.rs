@@ -1,4 +1,4 @@
-//! Solids built by hand: written, read back, imported by OpenCASCADE and by FreeCAD.
+//! Solids that are built by hand: written, read back, and imported by OpenCASCADE and FreeCAD.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! Each stage against the truth of a virtual scan.
+//! Each stage compared with the truth of a virtual scan.
 
 mod common;
 
@@ -11,7 +11,7 @@ use scan2step::spline::{KnotVector, Samples, pieces_on_surface};
 use scan2step::{Conversion, Options, Stage, convert, fit};
 use std::sync::LazyLock;
 
-/// What the stages made of a scan.
+/// The results of the stages for a scan.
 struct Run {
     filled: Patch,
     map: Parameterized,
@@ -38,7 +38,8 @@ fn run(scan: &VirtualScan, options: &Options) -> Run {
     Run { filled: filled.expect("a filled mesh"), map: map.expect("parameters"), conversion }
 }
 
-/// The three scans, each converted once: name, scan, noise in mm, stages.
+/// The three scans, each of which is converted once: the name, the scan, the noise in mm, and the
+/// stages.
 static RUNS: LazyLock<Vec<(&str, VirtualScan, f64, Run)>> = LazyLock::new(|| {
     let scans = [
         ("relief", relief_scan(), 0.06),
@@ -125,8 +126,9 @@ fn trim_loops_follow_the_rims_on_the_surface() {
     }
 }
 
-/// The paper: 2,500 points, 13 × 13 net, blended local fits against the global
-/// fit at the same knots and parameters; 0.098 / 0.047 = 2.09 on its data.
+/// The comparison of the paper: 2,500 points, a net of 13 × 13, and blended local fits against the
+/// global fit at the same knots and parameters. On the data of the paper the ratio is 0.098 / 0.047
+/// = 2.09.
 #[test]
 fn the_papers_comparison() {
     let scan = VirtualScan::new(sheet, [50, 50], 0.0, Vec::new(), 4);

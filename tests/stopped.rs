@@ -1,4 +1,4 @@
-//! Runs that are stopped, and disks that take no more: nothing is left behind.
+//! Stopped runs and full disks. Nothing is left behind.
 #![cfg(unix)]
 
 mod common;
@@ -14,13 +14,13 @@ fn folder() -> tempfile::TempDir {
     tempfile::tempdir().expect("a temporary folder")
 }
 
-/// Starts a run that writes stages, and sends it a signal once it has written a
-/// part of them; returns the signal that ended it and what it said.
+/// Starts a run that writes stages and sends it a signal after it has written some of them. Returns
+/// the signal that ended it and its messages.
 fn stopped(folder: &Path, signal: &str) -> (Option<i32>, String) {
     let scan = large_scan(folder);
     let path = |name: &str| folder.join(name);
     let (step, page, stages) = (path("a.step"), path("a.html"), path("new/stages"));
-    // Under nohup, or in the background, tests inherit that signals are ignored.
+    // Under nohup or in the background, tests inherit that signals are ignored.
     let mut run = Command::new("env");
     run.args(["--default-signal=HUP,INT", env!("CARGO_BIN_EXE_scan2step")]);
     run.args(["convert", arg(&scan), arg(&step), "--report", arg(&page), "--stages", arg(&stages)]);
@@ -57,15 +57,14 @@ fn what_was_there_before_a_run_was_stopped_stays() {
     std::fs::create_dir_all(folder.path().join("new/stages/mine")).expect("a folder");
     std::fs::write(folder.path().join("a.step"), "precious").expect("a file");
     let path = folder.path();
-    // Something is there already: the run is stopped as soon as it is up.
+    // A file exists already, so the run is stopped as soon as it has started.
     stopped(path, "-TERM");
     assert_eq!(files(path), ["a.step", "large.stl", "new"]);
     assert_eq!(files(&path.join("new/stages")), ["mine"]);
     assert_eq!(std::fs::read_to_string(path.join("a.step")).expect("a file"), "precious");
 }
 
-/// A limit on the size of files stands for a full disk: both end a write with an
-/// error.
+/// A limit on the size of files replaces a full disk. Both end a write with an error.
 #[test]
 fn a_full_disk_is_an_error_and_leaves_nothing_behind() {
     let folder = folder();
@@ -77,7 +76,7 @@ fn a_full_disk_is_an_error_and_leaves_nothing_behind() {
         ("c.step", &["--net", "5x5", "--report", "c.html"]),
     ] {
         let mut run = Command::new("sh");
-        // In blocks of 512 bytes; ignored, the signal becomes an error.
+        // The limit is in blocks of 512 bytes. If the signal is ignored, it becomes an error.
         run.args(["-c", "trap '' XFSZ; ulimit -f 64; exec \"$@\"", "sh"]);
         run.args([env!("CARGO_BIN_EXE_scan2step"), "convert", arg(&fixture("relief.ply")), out]);
         let output = run.args(options).current_dir(folder.path()).output().expect("sh runs");
@@ -129,8 +128,8 @@ fn a_link_to_a_file_stays_a_link() {
     assert!(written.starts_with("ISO-10303-21"));
 }
 
-/// Standard error that takes nothing is no reason to stop; standard output that takes
-/// nothing is one, unless its reader has seen enough.
+/// If standard error cannot be written, the run continues. If standard output cannot be written,
+/// the run stops, unless its reader has closed it.
 #[cfg(target_os = "linux")]
 #[test]
 fn messages_may_be_lost_and_results_may_not() {

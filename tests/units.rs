@@ -1,5 +1,5 @@
-//! The same scan in other units, or times a power of two, becomes the same face up to that
-//! factor, and everything that is said of it, too.
+//! The same scan in other units, or multiplied by a power of two, becomes the same face up to that
+//! factor. The same is true of all reported figures.
 
 use std::fmt::Debug;
 
@@ -11,7 +11,7 @@ use scan2step::{Builder, Conversion, Cut, Error, Options, Stage, convert, mesh, 
 /// A factor that is exact in binary.
 const FACTOR: f64 = 1024.0;
 
-/// A wavy sheet of 36 × 24 with rough points and a hole, with lengths times a factor.
+/// A wavy sheet of 36 × 24 with rough points and a hole. All lengths are multiplied by a factor.
 fn sheet(factor: f64) -> Soup {
     let (m, n) = (37_u32, 25_u32);
     let mut soup = Soup::default();
@@ -33,7 +33,7 @@ fn sheet(factor: f64) -> Soup {
     soup
 }
 
-/// A conversion, and the points that its stages showed.
+/// A conversion and the points that its stages showed.
 fn converted(soup: &Soup, options: Builder) -> (Conversion, Vec<Vec<Point>>) {
     let options = options.build().expect("sound options");
     let mut seen = Vec::new();
@@ -50,14 +50,14 @@ fn converted(soup: &Soup, options: Builder) -> (Conversion, Vec<Vec<Point>>) {
     (convert(soup, &options, &mut watch).expect("a face"), seen)
 }
 
-/// The numbers that are no counts, in what is printed of something.
+/// The numbers except counts in the printed form of a value.
 fn numbers(of: &dyn Debug) -> Vec<f64> {
     let text = format!("{of:?}");
     let words = text.split(|c: char| !(c.is_ascii_alphanumeric() || "+-.".contains(c)));
     words.filter(|w| w.contains(['.', 'e'])).filter_map(|w| w.parse().ok()).collect()
 }
 
-/// What of a conversion is lengths, and what is not.
+/// The lengths of a conversion, and the values that are not lengths.
 fn lengths(c: &Conversion) -> Vec<Vec<f64>> {
     let all: [&dyn Debug; 9] = [
         &c.surface.net,
@@ -79,8 +79,8 @@ fn rest(c: &Conversion) -> String {
     format!("{:?}", (pcurves, knots, &c.input, &c.trimmed, &c.parameterize, &c.fit.knots))
 }
 
-/// Whether the second conversion is the first one, all lengths times `factor`, but for so
-/// large a share of a length.
+/// Whether the second conversion is the first one with all lengths multiplied by `factor`, within a
+/// relative error of a length.
 fn are_alike(
     a: &(Conversion, Vec<Vec<Point>>),
     b: &(Conversion, Vec<Vec<Point>>),
@@ -97,7 +97,8 @@ fn are_alike(
     for (a, b) in a.1.iter().flatten().zip(b.1.iter().flatten()) {
         assert!((0..3).all(|k| alike(a[k], b[k])), "{a} {b}");
     }
-    // Edges are traced in mm, as near as CAD needs them, and rims measured from them.
+    // Edges are traced in mm with the accuracy that CAD needs, and distances from rims are measured
+    // from them.
     for (a, b) in a.0.trim.iter().zip(&b.0.trim) {
         assert!((factor * a.max_from_rim - b.max_from_rim).abs() < 3e-7 * factor.max(1.0));
     }
@@ -149,7 +150,7 @@ fn what_is_named_in_mm_is_meant_in_mm() {
     are_alike(&a, &converted(&sheet(FACTOR), options(FACTOR)), FACTOR, 0.0);
     let b = converted(&sheet(1.0), options(25.4).unit(LengthUnit::Inch));
     are_alike(&a, &b, 25.4, 1e-9);
-    // As they were named, to the last digit.
+    // The values must be the given ones to the last digit.
     let named = (0.3 * 25.4, Some(0.2 * 25.4), 2.5 * 25.4);
     assert_eq!((b.0.tolerance, b.0.fit.kappa, b.0.smooth.h), named);
 }
@@ -199,7 +200,7 @@ fn errors_speak_of_mm() {
     let one = support(1.0);
     assert!(one[0] == 0.1 && one[2] > 43.0 && one[2] < 44.0, "{one:?}");
     assert_eq!(support(FACTOR), one.map(|x| FACTOR * x));
-    // One of the caller's own is left alone.
+    // A setting of the caller is not changed.
     let own = Error::Support { h: 1.0, shortest: 2.0, longest: 3.0 };
     let mut own = Some(own);
     let answer = convert(&sheet(1.0), &Options::default(), &mut |_| own.take().map_or(Ok(()), Err));

@@ -1,8 +1,8 @@
-//! Whether searches take a time in proportion to what they look through: CPU time for each
-//! element at n elements and at four times as many.
+//! Measures whether the time of searches is proportional to their number of elements: the CPU time
+//! per element for n elements and for four times as many.
 //!
-//! cargo bench --bench growth                 all, in a minute
-//! cargo bench --bench growth -- shells       what has this in its name
+//! cargo bench --bench growth                 all searches, in a minute
+//! cargo bench --bench growth -- shells       searches with this in their name
 
 use cpu_time::ProcessTime;
 use formats::{Brep, Soup};
@@ -10,14 +10,14 @@ use scan2step::fill;
 use scan2step::geometry::{Point, UvVector};
 use scan2step::mesh::{self, Choice, Components, Disk, Outer, Repairs};
 use scan2step::smooth;
-use scan2step::spline::{Curve, KnotVector, Outline, crossings};
+use scan2step::spline::{CertifiedLoop, Curve, KnotVector, crossings};
 use scan2step::{Options, convert};
 
-/// Each is measured so many times, and the shortest counts.
+/// The number of measurements. The shortest one counts.
 const TIMES: usize = 3;
 
-/// A search, how many elements it looks through first, and what it takes to look through
-/// some: it prepares that many, and gives what is to be timed.
+/// A search, its first number of elements, and the function that prepares a number of elements and
+/// returns what is measured.
 type Case = (&'static str, usize, fn(usize) -> Box<dyn FnMut()>);
 
 const CASES: [Case; 5] = [
@@ -40,7 +40,7 @@ fn main() {
     }
 }
 
-/// CPU time, in µs, for one of some elements.
+/// The CPU time in µs per element.
 fn each(n: usize, prepare: fn(usize) -> Box<dyn FnMut()>) -> f64 {
     let once = |_| {
         let mut work = prepare(n);
@@ -51,8 +51,8 @@ fn each(n: usize, prepare: fn(usize) -> Box<dyn FnMut()>) -> f64 {
     1e6 * (0..TIMES).map(once).fold(f64::INFINITY, f64::min) / n as f64
 }
 
-/// A sheet of squares of 1 mm, each cut in two, with its lower corner somewhere, and
-/// without the squares that are left out.
+/// A sheet of squares of 1 mm with two triangles each. Its lower corner is at a given place, and
+/// some squares are omitted.
 fn sheet(
     soup: &mut Soup,
     [m, n]: [usize; 2],
@@ -78,7 +78,7 @@ fn disk(soup: &Soup) -> Disk {
     largest.into_disk(Outer::Auto, &mut Repairs::new()).expect("a disk")
 }
 
-/// Every piece of a scan is taken out by itself.
+/// Takes every component of a scan out separately.
 fn pieces(n: usize) -> Box<dyn FnMut()> {
     let mut soup = Soup::default();
     let side = (n as f64).sqrt().ceil() as usize;
@@ -106,7 +106,7 @@ fn loops(n: usize) -> Box<dyn FnMut()> {
         let (a, b) = (at(k), at((k + 1) % n));
         Curve::new(knots, (0..4).map(|t| a.lerp(&b, f64::from(t) / 3.0)).collect())
     };
-    let outline = Outline::new(&(0..n).map(arc).collect::<Vec<_>>()).expect("a loop");
+    let outline = CertifiedLoop::new(&(0..n).map(arc).collect::<Vec<_>>()).expect("a loop");
     Box::new(move || assert!(crossings(&[&outline]).is_empty()))
 }
 
@@ -124,7 +124,7 @@ fn shells(n: usize) -> Box<dyn FnMut()> {
     })
 }
 
-/// A strip along y is smoothed, which looks for crossings of its rim.
+/// Smooths a strip along y, which searches for crossings of its rim.
 fn rims(n: usize) -> Box<dyn FnMut()> {
     let mut soup = Soup::default();
     sheet(&mut soup, [2, n], [0.0; 2], |_, _| false);
@@ -135,7 +135,7 @@ fn rims(n: usize) -> Box<dyn FnMut()> {
     })
 }
 
-/// A hole with islands is filled.
+/// Fills a hole with islands.
 fn islands(n: usize) -> Box<dyn FnMut()> {
     let mut soup = Soup::default();
     let side = (n as f64).sqrt().round() as usize;

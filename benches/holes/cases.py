@@ -1,18 +1,18 @@
-"""Scans with holes of every shape, of which the true surface is known.
+"""Scans with holes of every shape and known true surfaces.
 
     python3 -m venv VENV
     VENV/bin/pip install numpy scipy
     VENV/bin/python benches/holes/cases.py --list
     VENV/bin/python benches/holes/cases.py FOLDER [--only PATTERN] [--seed K] [--shared DIR]
 
-Writes FOLDER/NAME.ply (binary, millimetres) for every case whose name matches
-the pattern (as of a shell: 'touching-*'). `evaluate.py` runs them.
+The script writes FOLDER/NAME.ply (binary, millimetres) for every case whose name
+matches the shell pattern, for example 'touching-*'. `evaluate.py` runs the cases.
 
-Needs virtual_scan.py, which is not part of the project: in ../shared beside the
-checkout or in DIR; without it the exit code is 2.
+It needs virtual_scan.py, which is not part of the project, in ../shared beside the
+checkout or in DIR. Without it the exit code is 2.
 
-Names are FAMILY-VARIANT; those that end in -noisy have the noise of a scanner,
-the others none. A case is a function of the seed that gives a `Case`.
+Names are FAMILY-VARIANT. Cases that end in -noisy have the noise of a scanner, and
+the others have none. A case is a function that returns a `Case` for a seed.
 """
 
 import argparse
@@ -28,7 +28,7 @@ from scans import Grid, any_of, box, disc, less, line, lobed, ring, virtual_scan
 
 CASES = {}
 
-# Of the scans that virtual_scan.py names.
+# The scans that virtual_scan.py names.
 NOISE_MM = {"paper": 0.15, "roll": 0.05, "relief": 0.08}
 SIDES = {"paper": 90, "roll": 200, "relief": 250}
 SURFACES = {"paper": "sheet", "roll": "roll", "relief": "relief"}
@@ -36,9 +36,9 @@ SURFACES = {"paper": "sheet", "roll": "roll", "relief": "relief"}
 
 @dataclass
 class Case:
-    """A scan; `truth` is of surfaces.py; `outer` is a place on the outer
-    boundary. `arguments` are for scan2step convert. Of a `timing` case only the
-    time counts: it ends after the fill."""
+    """A scan. `truth` is a surface of surfaces.py, and `outer` is a place on the
+    outer boundary. `arguments` are those of scan2step convert. For a `timing` case
+    only the time is measured, and the run ends after the fill."""
 
     points: np.ndarray
     triangles: np.ndarray
@@ -56,8 +56,8 @@ def case(name):
 
 
 def on_grids(name, *bases):
-    """Registers a cutter(grid) as a case on each of the bases; the first has
-    the plain name. 'paper', 'roll', 'relief', or as 'paper-noisy'."""
+    """Registers a cutter(grid) as a case on each of the bases 'paper', 'roll',
+    'relief', or for example 'paper-noisy'. The first one has the plain name."""
     def register(cut):
         for base in bases:
             suffix = "" if base == bases[0] else f"-{base}"
@@ -83,7 +83,7 @@ def finished(grid, **more):
     return Case(*grid.done(), surfaces.Parametric(grid.surface), grid.points[0], **more)
 
 
-# Plain: what virtual_scan.py has.
+# Plain: the cases of virtual_scan.py.
 
 
 def plain(scan, noise, seed):
@@ -97,7 +97,7 @@ for scan in ["paper8100", "roll40k", "relief250k"]:
     CASES[f"plain-{scan}-noisy"] = lambda seed, scan=scan: plain(scan, None, seed)
 
 
-# Adjacent: a single strip of triangles between holes.
+# Adjacent: one strip of triangles between holes.
 
 
 @on_grids("adjacent-pair", "paper", "paper-noisy", "roll", "roll-noisy")
@@ -128,7 +128,7 @@ def adjacent_pie(grid):
 
 @on_grids("adjacent-nested", "paper", "paper-noisy")
 def adjacent_nested(grid):
-    """A C around a disc, a strip between and one at its mouth."""
+    """A C around a disc, with a strip between them and another strip at its opening."""
     c = grid.n // 2
     wall = less(ring(c, c, 11, 22), line(c, c, c + 40, c, 1.5))
     grid.cut(any_of(disc(c, c, 8), wall))
@@ -160,7 +160,7 @@ def touching_chain(grid):
 
 @on_grids("touching-ring", "paper", "paper-noisy", "roll")
 def touching_ring(grid):
-    """Squares around a middle that only vertices hold."""
+    """Squares around a centre that is attached only by vertices."""
     c = grid.n // 2
     steps = [(2, 0), (1, 1), (0, 2), (-1, 1), (-2, 0), (-1, -1), (0, -2), (1, -1)]
     at = [(c + 8 * a, c + 8 * b) for a, b in steps]
@@ -177,7 +177,7 @@ def touching_checker(grid):
 
 @on_grids("touching-itself", "paper", "paper-noisy")
 def touching_itself(grid):
-    """A ring hole closed but for one vertex: the middle hangs on a vertex."""
+    """A ring-shaped hole that is closed except for one vertex, so that its centre is attached by it."""
     c = grid.n // 2
     hole = ring(c, c, 8, 18)
     neck = any_of(box(c - 1, c + 1, c + 6, c + 12), box(c - 1, c + 1, c + 14, c + 20))
@@ -186,7 +186,7 @@ def touching_itself(grid):
 
 @on_grids("touching-three", "paper", "paper-noisy")
 def touching_three(grid):
-    """Three holes at one vertex."""
+    """Three holes that share one vertex."""
     c = grid.n // 2
     edges = [(-1, -1), (0, 1), (1, 0)]
     fan = [lambda i, j, a=a, b=b: (np.arctan2(i - c, j - c) - np.arctan2(a, b)) % (2 * np.pi) < 0.8
@@ -210,12 +210,12 @@ def touching_bay(grid):
     grid.cut_quads(any_of(box(0, 10, c - 6, c), box(10, 22, c, c + 12)))
 
 
-# Bays: the outer boundary goes far in.
+# Bays: the outer boundary has deep concavities.
 
 
 @on_grids("bay-fjord", "paper", "paper-noisy", "roll")
 def bay_fjord(grid):
-    """With a hole on either side, a strip away."""
+    """A bay with a hole on either side at the distance of a strip."""
     n, c = grid.n, grid.n // 2
     bay = box(0, 0.7 * n, c - 1, c + 1)
     grid.cut(any_of(bay, box(0.3 * n, 0.5 * n, c - 14, c - 4), box(0.3 * n, 0.5 * n, c + 4, c + 14)))
@@ -223,21 +223,21 @@ def bay_fjord(grid):
 
 @on_grids("bay-bulb", "paper", "paper-noisy")
 def bay_bulb(grid):
-    """A mouth of one quad, wide inside; a hole beside it."""
+    """A bay with an opening of one quad that is wide inside, and a hole beside it."""
     c = grid.n // 2
     grid.cut_quads(any_of(box(0, c, c, c + 1), disc(c, c, 14), disc(c, c + 30, 8)))
 
 
 @on_grids("bay-comb", "paper", "roll-noisy")
 def bay_comb(grid):
-    """Many fjords, with a hole at the end of each."""
+    """Many narrow bays with a hole at the end of each."""
     n, m = grid.n, grid.m
     at = range(10, m - 10, 9)
     fjords = [box(0, n // 2, j, j + 2) for j in at]
     grid.cut(any_of(*fjords, *[box(n // 2 + 3, n // 2 + 9, j - 2, j + 4) for j in at]))
 
 
-# Islands: pieces inside a hole that nothing joins to the rest.
+# Islands: pieces inside a hole that are not connected to the rest.
 
 
 @on_grids("islands-one", "paper", "paper-noisy", "roll", "roll-noisy", "relief")
@@ -269,14 +269,14 @@ def islands_nested(grid):
 
 @on_grids("islands-near", "paper", "paper-noisy", "roll")
 def islands_near(grid):
-    """An edge and a half from the rim at its nearest."""
+    """The smallest distance from the rim is an edge and a half."""
     c = grid.n // 2
     grid.cut_quads(less(disc(c, c, 18), disc(c + 7.5, c, 9)))
 
 
 @on_grids("islands-tiny", "paper", "paper-noisy")
 def islands_tiny(grid):
-    """Of one, two and eight triangles."""
+    """Islands of one, two and eight triangles."""
     c = grid.n // 2
     grid.cut_quads(less(disc(c, c, 18), box(c - 6, c - 5, c, c + 1), box(c + 4, c + 6, c - 6, c - 4)))
     one = grid.quad(c, c + 7)[0]
@@ -285,7 +285,7 @@ def islands_tiny(grid):
 
 @on_grids("islands-many", "roll", "roll-noisy")
 def islands_many(grid):
-    """A hole with thirty islands, each a few triangles."""
+    """A hole with thirty islands of a few triangles each."""
     c = grid.n // 2
     at = np.mgrid[c - 40 : c + 41 : 14, c - 40 : c + 41 : 14].reshape(2, -1).T
     grid.cut(less(disc(c, c, 58), *[disc(i, j, 3) for i, j in at]))
@@ -293,8 +293,8 @@ def islands_many(grid):
 
 @on_grids("islands-touching", "paper")
 def islands_touching(grid):
-    """An island that touches the rim at one vertex, and one that touches it
-    along a side too short to hold it."""
+    """An island that touches the rim at one vertex, and another one that touches it
+    along a side that is too short to attach it."""
     c = grid.n // 2
     hole = box(c - 20, c + 20, c - 20, c + 20)
     bridged = less(box(c + 8, c + 20, c, c + 8), box(c + 19, c + 20, c + 1, c + 8))
@@ -314,7 +314,7 @@ def lace_regular(grid):
 
 @on_grids("lace-random", "paper", "paper-noisy", "roll", "relief-noisy")
 def lace_random(grid):
-    """Some grow together, and some touch."""
+    """Some holes merge, and some touch."""
     margin = 0.022 * grid.n + 3
     at = grid.random.uniform(margin, grid.n - 1 - margin, (150, 2))
     radii = grid.random.uniform(0.6, 0.022 * grid.n, 150)
@@ -328,11 +328,11 @@ def lace_tight(grid):
     grid.cut(lambda i, j: inside(i, j) & (i % 5 > 1) & (j % 5 > 1))
 
 
-# Fins: what sticks out from a rim into the hole.
+# Fins: parts that stick out from a rim into the hole.
 
 
 def with_fins(grid, count, reach, lift=0.0):
-    """Single triangles on sides of the rim, towards the middle."""
+    """Single triangles on sides of the rim that point to the centre."""
     c, r = grid.n // 2, grid.n // 6
     grid.cut(disc(c, c, r))
     sides, _ = grid.rim()
@@ -355,13 +355,13 @@ def fins_needles(grid):
 
 @on_grids("fins-lifted", "paper")
 def fins_lifted(grid):
-    """Their tips are 5 mm off the surface."""
+    """The tips are 5 mm off the surface."""
     with_fins(grid, 6, 0.15, lift=5.0)
 
 
 @on_grids("fins-tongues", "paper", "paper-noisy", "roll")
 def fins_tongues(grid):
-    """Strips one quad wide, one reaching almost across."""
+    """Strips with a width of one quad, one of which almost crosses the hole."""
     c, r = grid.n // 2, 20
     tongues = [box(c, c + 1, c - r - 2, c + r - 2), box(c - 30, c - 6, c - 8, c - 7),
                box(c - 30, c - 6, c + 8, c + 9), box(c + 6, c + 30, c + 3, c + 4)]
@@ -370,7 +370,7 @@ def fins_tongues(grid):
 
 @on_grids("fins-strips", "paper", "paper-noisy")
 def fins_strips(grid):
-    """Diagonal strips of single triangles, corner to corner."""
+    """Diagonal strips of single triangles that touch at corners."""
     c, r = grid.n // 2, 18
     strips = [line(c - 30, c - 25 + 12 * k, c - 4, c + 1 + 12 * k, 0.45) for k in range(3)]
     grid.cut_triangles(less(disc(c, c, r), *strips))
@@ -378,7 +378,7 @@ def fins_strips(grid):
 
 @on_grids("fins-dangling", "paper")
 def fins_dangling(grid):
-    """Triangles that hang on the rim by a vertex."""
+    """Triangles that are attached to the rim by a vertex."""
     c, r = grid.n // 2, 15
     grid.cut(disc(c, c, r))
     sides, _ = grid.rim()
@@ -392,7 +392,7 @@ def fins_dangling(grid):
 
 @on_grids("fins-spikes", "paper", "paper-noisy")
 def fins_spikes(grid):
-    """Rim vertices thrown 4 mm off the surface."""
+    """Rim vertices that are moved 4 mm off the surface."""
     c = grid.n // 2
     grid.cut(disc(c, c, 15))
     sides, _ = grid.rim()
@@ -406,7 +406,7 @@ def fins_spikes(grid):
 
 @on_grids("ragged-bitten", "paper", "paper-noisy", "roll", "roll-noisy")
 def ragged_bitten(grid):
-    """Faces along the rim are gone at random."""
+    """Faces along the rim are missing at random."""
     c, r = grid.n // 2, grid.n // 6
     grid.cut_triangles(disc(c, c, r))
     grid.cut_triangles(disc(c, c, r + 3), 0.45)
@@ -415,7 +415,7 @@ def ragged_bitten(grid):
 
 @on_grids("ragged-moth", "paper", "roll-noisy")
 def ragged_moth(grid):
-    """A quarter of all triangles of a region is gone."""
+    """A quarter of all triangles of a region is missing."""
     c = grid.n // 2
     grid.cut_triangles(disc(c, c, grid.n // 5), 0.25)
 
@@ -429,7 +429,7 @@ def ragged_fjords(grid):
 
 @on_grids("ragged-slit", "paper", "paper-noisy", "relief", "relief-noisy")
 def ragged_slit(grid):
-    """One and two quads wide, straight and slanting."""
+    """Slits with a width of one and two quads, straight and oblique."""
     n, m = grid.n, grid.m
     slanting = line(0.55 * n, 0.1 * m, 0.9 * n, 0.9 * m, 0.8)
     grid.cut_quads(any_of(box(n // 5, n // 5 + 1, 0.1 * m, 0.9 * m), slanting))
@@ -438,7 +438,7 @@ def ragged_slit(grid):
 
 @on_grids("ragged-crack", "paper", "roll")
 def ragged_crack(grid):
-    """Gaping by a fiftieth of an edge."""
+    """Slits with a width of a fiftieth of an edge."""
     i, span = grid.n // 2, np.arange(grid.m // 5, 4 * grid.m // 5)
     for j in span:
         old = i * grid.m + j
@@ -479,7 +479,7 @@ def ragged_dumbbell(grid):
 
 @on_grids("ragged-zigzag", "paper", "roll-noisy")
 def ragged_zigzag(grid):
-    """A band that turns back on itself five times, two quads between."""
+    """A band that turns back five times with two quads between the turns."""
     grid.cut(any_of(*zigzag(20, 18, 54, 5)))
 
 
@@ -543,7 +543,7 @@ CASES["wide-dome-noisy"] = lambda seed: dome(seed, 0.1, 0.6)
 CASES["wide-dome-30"] = lambda seed: dome(seed, 0.0, 0.3)
 
 
-# Graded: long edges and short ones on one rim.
+# Graded: long and short edges on one rim.
 
 
 def graded(seed, noise, n, m, warp, shape):
@@ -552,7 +552,7 @@ def graded(seed, noise, n, m, warp, shape):
 
 
 def ten_to_one(u, v):
-    """Edges in u grow tenfold over half of the range."""
+    """The edges in u grow tenfold over half of the range."""
     a = np.log(100)
     return np.expm1(a * np.clip(u, -1, 2)) / np.expm1(a), v
 
@@ -599,7 +599,7 @@ def hundred(seed, rows, columns, cell, shape):
 
 @case("hundred-slits")
 def hundred_slits(seed):
-    """A hundred slits two quads wide, 1,000 rim vertices each."""
+    """A hundred slits with a width of two quads and 1,000 rim vertices each."""
     return hundred(seed, 50, 2, (6, 506), box(3, 3, 4, 500))
 
 
@@ -616,13 +616,13 @@ def lobes(seed, rows, columns):
 
 @case("hundred-ten")
 def hundred_ten(seed):
-    """Ten of the hundred."""
+    """Ten of the hundred holes."""
     return lobes(seed, 2, 5)
 
 
 @case("hundred-lobed")
 def hundred_lobed(seed):
-    """A hundred round-ish holes of about 1,000 rim vertices each, in 4 million
+    """A hundred almost round holes with about 1,000 rim vertices each in 4 million
     points."""
     return lobes(seed, 10, 10)
 

@@ -1,4 +1,4 @@
-"""Fills the holes of the cases of cases.py with scan2step, and says how well.
+"""Fills the holes of the cases of cases.py with scan2step and measures the fills.
 
     python3 -m venv VENV
     VENV/bin/pip install numpy scipy
@@ -6,35 +6,35 @@
     VENV/bin/python benches/holes/evaluate.py target/release/scan2step [--only PATTERN]
         [--seed K] [--json FILE] [--pictures DIR] [--timed] [--shared DIR]
 
-Prints a Markdown table, a row a case; --json has the same and more, of every
-hole. Judged is the mesh after the fill, whatever becomes of it later: where a
-later stage fails, its exit code is told, and the message below the table.
-Meshes of more than 200 MB are timed and not judged. Needs Linux. CPU seconds are
-of all threads, and hardly depend on what else the machine does.
+The script prints a Markdown table with a row for each case. --json has the same and
+more for every hole. The mesh after the fill is measured. If a later stage fails, the
+table has its exit code, and the message is below the table. For meshes of more than
+200 MB, only the time is measured. The script needs Linux. CPU seconds are those of
+all threads and hardly depend on other programs.
 
-What the columns mean, lengths in mm, angles in degrees:
+The columns are as follows. Lengths are in mm, and angles are in degrees.
 
-holes, method   holes that were filled; how, as the report says ('?': no report)
-lost            measured triangles of the scan that the filled mesh has no more
-exit            the program's exit code; 'end' where it was ended here
+holes, method   holes that were filled; the method in the report ('?': no report)
+lost            measured triangles of the scan that the filled mesh does not have
+exit            the exit code of the program; 'end' if this script ended it
 rms, max        distance of added vertices to the true surface
-area rms, max   the same of points spread evenly over the filled faces
-folded          filled faces that look away from the true side (those without
-                area, too); in brackets measured ones
-cuts            filled faces that cut another filled one / a measured one
+area rms, max   the same for points that are spread evenly over the filled faces
+folded          filled faces whose normal is opposite to the true one, or which have
+                no area; in brackets the measured ones
+cuts            filled faces that intersect another filled one / a measured one
 edges           edges with more than two faces
 fans            vertices with more than one fan of faces
-loops           boundary loops: 1 is right; 'not the outer' where it is the wrong
-                one (the program takes the longest; --outer names the right one)
-turned          edges whose two faces disagree about what is outside
+loops           boundary loops: 1 is right; 'not the outer' if it is the wrong one
+                (the program uses the longest one; --outer names the right one)
+turned          edges whose two faces have opposite orientations
 angles          least angle of filled triangles: percentiles 0, 1, 5, 50
 edge/rim        length of edges inside the fill to that of the nearest rim's
                 edge: percentiles 5, 50, 95
 seam            angle across rims: median, 95th percentile; in brackets that of
                 measured edges at the rim
-fill s, CPU     wall and CPU seconds of the fill stage; with --timed, and in the
-                hundred-* cases, in a run without --stages (else they include
-                writing a mesh)
+fill s, CPU     wall-clock and CPU seconds of the fill stage; with --timed, and in
+                the hundred-* cases, in a run without --stages (otherwise they
+                include the writing of a mesh)
 """
 
 import argparse
@@ -125,7 +125,7 @@ def measure(name, options, folder, vs):
 
 
 def message(run):
-    """What the program said last, unless all went well."""
+    """The last message of the program, unless the run succeeded."""
     said = [line for line in run.stderr if not runs.STAGE.match(line)]
     errors = [line for line in said if line.startswith(("error", "thread", "tolerance not"))]
     if run.code == 0:
@@ -134,7 +134,7 @@ def message(run):
 
 
 def report(file):
-    """What the report says of the holes and of the input."""
+    """The report's figures of the holes and of the input."""
     if not file.exists():
         return None
     whole = json.loads(file.read_text())
@@ -172,7 +172,7 @@ def judge(mesh, case):
 
 
 def figures(vertices, samples, folded, angles, cuts, edges):
-    """Of one hole or of all."""
+    """The figures of one hole or of all holes."""
     rms = lambda x: float(np.sqrt(np.mean(np.square(x)))) if len(x) else None
     most = lambda x: float(np.max(x)) if len(x) else None
     return {
@@ -195,8 +195,8 @@ def percentiles(values, which):
 
 
 def looked_at(mesh, truth):
-    """Which side of the truth faces look to. The mesh may be turned over as a
-    whole: the measured faces say."""
+    """The side of the true surface that the faces face. The whole mesh may be
+    inverted, which the measured faces show."""
     normal = truth.foot(mesh.centroids)[1]
     side = dot(mesh.normals, normal)
     if np.median(side[mesh.measured]) < 0:
@@ -207,8 +207,8 @@ def looked_at(mesh, truth):
 
 
 def sampled(mesh, truth):
-    """Points spread over the fill by area: the number of the filled face of
-    each, and its distance to the truth."""
+    """Points that are spread over the fill by area: the number of the filled face
+    and the distance from the true surface for each."""
     if len(mesh.fill) == 0 or mesh.areas[mesh.fill].sum() == 0:
         return np.empty(0, int), np.empty(0)
     random = np.random.default_rng(0)
@@ -221,7 +221,7 @@ def sampled(mesh, truth):
 
 
 def cutting(mesh):
-    """Which filled faces cut filled ones, and which measured ones."""
+    """The filled faces that intersect filled faces, and those that intersect measured faces."""
     cuts = {kind: np.zeros(len(mesh.fill), bool) for kind in ("fill", "measured")}
     place = np.full(len(mesh.triangles), -1)
     place[mesh.fill] = np.arange(len(mesh.fill))
@@ -234,7 +234,7 @@ def cutting(mesh):
 
 
 def at_edges(mesh):
-    """Figures of edges, and the hole that each belongs to."""
+    """Figures of edges, and the hole that each edge belongs to."""
     from scipy.spatial import cKDTree
 
     kind, faces = meshes.kinds(mesh), mesh.edges.faces

@@ -1,8 +1,8 @@
-"""Triangles that cut each other, of those that are near.
+"""Intersections of triangles that are near each other.
 
-Signs of volumes in double precision, with what is below a billionth of the
-triangles' size taken for zero; triangles in one plane are told by separating
-axes. Sharing a corner or a side is no cut, unless more than that is shared.
+The test uses the signs of volumes in double precision. Values below a billionth of
+the triangles' size count as zero. Triangles in one plane are tested with separating
+axes. A shared corner or side is not an intersection, unless more than that is shared.
 """
 
 import numpy as np
@@ -15,8 +15,8 @@ AT_ONCE = 200_000
 
 
 def cutting_pairs(points, triangles, fill):
-    """Pairs of triangles that cut each other, the first of `fill`. Looked for
-    are those near `fill`, so give it one hole at a time."""
+    """Pairs of triangles that intersect. The first one is of `fill`. Only triangles
+    near `fill` are tested, so call this for one hole at a time."""
     pairs = near_pairs(points, triangles, fill)
     found = [part[cut(points, triangles, part)] for part in np.array_split(
         pairs, max(1, len(pairs) // AT_ONCE))]
@@ -24,14 +24,14 @@ def cutting_pairs(points, triangles, fill):
 
 
 def near_pairs(points, triangles, fill):
-    """Pairs whose boxes overlap, each once, at least one of `fill`."""
+    """The pairs whose boxes overlap, each once. At least one of each pair is of `fill`."""
     corners = points[triangles]
     low, high = corners.min(1), corners.max(1)
     middle, reach = (low + high) / 2, np.linalg.norm(high - low, axis=1) / 2
     size = np.ceil(np.log2(np.maximum(reach, 1e-12))).astype(int)
     in_fill = np.zeros(len(triangles), bool)
     in_fill[fill] = True
-    # Only what is at the fill can be near it.
+    # Only faces at the fill can be near it.
     box_low, box_high = low[fill].min(0), high[fill].max(0)
     at_fill = ((low <= box_high) & (high >= box_low)).all(1)
     found = [np.empty((0, 2), int)]
@@ -51,7 +51,7 @@ def near_pairs(points, triangles, fill):
 
 
 def neighbours(tree, places, within):
-    """Numbers in the tree and among the places."""
+    """The numbers in the tree and among the places."""
     lists = tree.query_ball_point(places, within, workers=2)
     counts = np.fromiter(map(len, lists), int, len(lists))
     if counts.sum() == 0:
@@ -60,7 +60,7 @@ def neighbours(tree, places, within):
 
 
 def cut(points, triangles, pairs):
-    """Whether the triangles of each pair cut each other."""
+    """Whether the triangles of each pair intersect."""
     if len(pairs) == 0:
         return np.zeros(0, bool)
     a, b = triangles[pairs[:, 0]], triangles[pairs[:, 1]]
@@ -86,14 +86,14 @@ def extent(p):
 
 
 def heights(p, q):
-    """Of the corners of q over the plane of p."""
+    """The heights of the corners of q over the plane of p."""
     normal = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
     normal /= np.maximum(np.linalg.norm(normal, axis=1, keepdims=True), 1e-300)
     return np.einsum("ijk,ik->ij", q - p[:, :1], normal)
 
 
 def pierces(side, p, size):
-    """Whether a side goes through the inside of a triangle."""
+    """Whether a side passes through the inside of a triangle."""
     least = NOTHING * size**3
     volume = lambda a, b, c, d: dot(np.cross(b - a, c - a), d - a)
     s, t = side[:, 0], side[:, 1]
@@ -106,7 +106,7 @@ def pierces(side, p, size):
 
 
 def overlap(p, q, size):
-    """Of triangles in one plane: whether no side's line parts them."""
+    """For triangles in one plane: whether no line of a side separates them."""
     if len(p) == 0:
         return np.zeros(0, bool)
     normal = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])

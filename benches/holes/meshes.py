@@ -1,4 +1,4 @@
-"""A filled mesh, as `scan2step convert --stages` writes it, and what it is:
+"""A filled mesh that `scan2step convert --stages` has written, and its properties:
 topology, angles, lengths, folds.
 """
 
@@ -12,8 +12,8 @@ TYPES = {"double": "<f8", "float": "<f4", "uchar": "u1", "int": "<i4"}
 
 
 class Filled:
-    """`hole` is the number of the hole a face fills, -1 of a measured one;
-    `added` says of a vertex that it was not measured."""
+    """`hole` is the number of the hole that a face fills, or -1 for a measured face.
+    `added` tells for each vertex whether the fill has added it."""
 
     def __init__(self, points, triangles, added, hole):
         self.points, self.triangles = points, triangles
@@ -29,8 +29,8 @@ class Filled:
 
 
 class Edges:
-    """Edges of triangles: `of_side` is the edge of side k of triangle t at
-    [t, k]; `faces` two triangles of each, the second -1 where there is none."""
+    """Edges of triangles. `of_side` has the edge of side k of triangle t at [t, k].
+    `faces` has two triangles of each edge. The second is -1 if there is none."""
 
     def __init__(self, triangles, count):
         sides = triangles[:, [[0, 1], [1, 2], [2, 0]]].reshape(-1, 2)
@@ -39,7 +39,7 @@ class Edges:
         self.of_side = inverse.reshape(-1, 3)
         self.ends = np.stack(np.divmod(unique, count), 1)
         forward = np.bincount(inverse, sides[:, 0] < sides[:, 1], len(unique))
-        # Of two triangles that agree, one runs forward and one backward.
+        # In two triangles with the same orientation, the edge has opposite directions.
         self.disagree = (self.uses == 2) & (forward != 1)
         order = np.argsort(inverse, kind="stable")
         first = np.concatenate([[0], np.cumsum(self.uses)[:-1]])
@@ -49,7 +49,7 @@ class Edges:
 
 
 def read_filled(path):
-    """None if the file is not that of the fill stage, or not complete."""
+    """None if the file is not that of the fill stage, or is not complete."""
     data = np.memmap(path, np.uint8, "r")
     found = layout(bytes(data[:1000]))
     if found is None:
@@ -64,13 +64,13 @@ def read_filled(path):
 
 
 def is_filled(head, size):
-    """Whether these first bytes, of a file of that size, are of a complete one."""
+    """Whether these first bytes of a file of this size belong to a complete file."""
     found = layout(head)
     return found is not None and size >= found[0] + sum(t.itemsize * n for n, t in found[1:])
 
 
 def layout(head):
-    """Where the data begin, and number and type of vertices and of faces."""
+    """The start of the data, and the numbers and types of vertices and of faces."""
     text, end, _ = head.partition(b"end_header\n")
     if not end or b"uchar origin" not in text or b"double u" in text:
         return None
@@ -81,7 +81,7 @@ def layout(head):
 
 
 def topology(mesh):
-    """What is wrong with it; a disk has 0, 0, 0, and 1 loop and component."""
+    """The faults of the mesh. A disk has 0, 0, 0, and 1 loop and component."""
     edges = mesh.edges
     return {
         "nonmanifold_edges": int((edges.uses > 2).sum()),
@@ -94,7 +94,7 @@ def topology(mesh):
 
 
 def fans(mesh):
-    """Fans of triangles at each vertex: corners joined across shared sides."""
+    """The fans of triangles at each vertex: corners that are joined across shared sides."""
     t, edges = mesh.triangles, mesh.edges
     joins = []
     for end in (0, 1):
@@ -128,7 +128,7 @@ def is_boundary(mesh, place):
 
 
 def components(mesh, faces):
-    """A number for each of the faces: its piece, joined across edges."""
+    """The number of each face's component, which is connected across edges."""
     within = np.full(len(mesh.triangles) + 1, -1)
     within[faces] = np.arange(len(faces))
     pairs = within[mesh.edges.faces]
@@ -138,13 +138,13 @@ def components(mesh, faces):
 
 
 def islands(mesh):
-    """The measured faces that are not of the largest measured piece."""
+    """The measured faces that are not in the largest measured component."""
     label = components(mesh, mesh.measured)
     return mesh.measured[label != np.bincount(label).argmax()]
 
 
 def min_angles(mesh, faces):
-    """Of each face, in degrees; 0 of those without area."""
+    """The smallest angle of each face in degrees. It is 0 for faces without area."""
     corners = mesh.points[mesh.triangles[faces]]
     least = np.full(len(faces), 180.0)
     for k in range(3):
@@ -160,12 +160,12 @@ def lengths(mesh, which):
 
 
 def bends(mesh, which):
-    """Angle between the normals on either side of each edge, in degrees."""
+    """The angle between the normals on both sides of each edge, in degrees."""
     a, b = (mesh.normals[mesh.edges.faces[which, k]] for k in (0, 1))
     return np.degrees(np.arctan2(np.linalg.norm(np.cross(a, b), axis=1), dot(a, b)))
 
 
 def kinds(mesh):
-    """Of each edge how many faces of the fill it has, -1 unless it has two."""
+    """The number of filled faces of each edge, or -1 unless it has two faces."""
     filled = (mesh.hole >= 0)[mesh.edges.faces].sum(1)
     return np.where(mesh.edges.uses == 2, filled, -1)

@@ -1,5 +1,5 @@
-"""Fills the holes of the cases of cases.py with CGAL and with MeshLib, and says
-how well, in the figures of evaluate.py.
+"""Fills the holes of the cases of cases.py with other programs and measures the fills
+with the figures of evaluate.py.
 
     python3 -m venv VENV
     VENV/bin/pip install -r benches/peers/requirements.txt
@@ -7,28 +7,29 @@ how well, in the figures of evaluate.py.
     VENV/bin/python benches/holes/peers.py target/release/scan2step [--only PATTERN]
         [--peers LIST] [--seed K] [--json FILE] [--largest] [--shared DIR]
 
-Prints a Markdown table, a row a case and peer; --json has the same and more.
+The script prints a Markdown table with a row for each case and program. --json has the
+same and more.
 
-The peers get the scan as it is; of the -noisy cases, as scan2step smoothed it
-(its 2-smooth.ply, without islands and loose rim triangles). Vertices where
-several fans meet are parted first, and joined again before the fill is judged.
-Every boundary loop is filled but the longest: where an island is left, its rim,
-too, which no peer can tell from a hole; --largest leaves the islands out.
+The programs get the original scan. For the -noisy cases they get the scan that scan2step
+has smoothed (its 2-smooth.ply, without islands and loose rim triangles). Vertices where
+several fans meet are separated first, and joined again before the fill is measured. Every
+boundary loop except the longest is filled. This includes the rims of islands, which the
+programs cannot distinguish from holes. --largest omits the islands.
 
 cgal-c1         triangulate_refine_and_fair_hole, density sqrt(2), continuity 1
 cgal-c2         the same, continuity 2
-meshlib         fillHoleNicely, defaults but for maxEdgeLen, the mean edge of the
-                rim, and maxEdgeSplits, which limits nothing. It splits longer
-                edges of the rim, too, and thus measured faces beside it: 'lost'
+meshlib         fillHoleNicely with defaults, except for maxEdgeLen, which is the mean
+                edge of the rim, and maxEdgeSplits, which has no limit. It also splits
+                longer edges of the rim and the measured faces beside them: 'lost'
 meshlib-1000    the same with the default of maxEdgeSplits, 1000
 meshlab         meshing_close_holes, refined to the mean edge of the scan; it does not
-                say which face is of which hole
+                tell which face belongs to which hole
 
-Each runs in a process of its own: 'timeout', 'signal N' and 'error' are results.
-A refused hole is one that the peer left open, a lost triangle one of the scan,
-as the peer got it, that is no more. `s` is of the fills alone, CPU seconds of all
-threads. The other columns are those of evaluate.py. CGAL computes in double
-precision, MeshLib and MeshLab in single.
+Each program runs in its own process. 'timeout', 'signal N' and 'error' are results. A
+refused hole is one that the program left open. A lost triangle is one of the input that
+the output does not have. `s` is the CPU seconds of all threads for the fills alone. The
+other columns are those of evaluate.py. CGAL computes in double precision, and MeshLib and
+MeshLab compute in single precision.
 """
 
 import argparse
@@ -91,9 +92,8 @@ def arguments():
 
 
 def prepared(name, case, options, folder):
-    """Points and triangles that the peers get, of manifold vertices, and of each
-    vertex the number that it had before it was parted. None where scan2step
-    failed."""
+    """The points and triangles that the programs get, with manifold vertices, and the
+    number of each vertex before it was separated. None if scan2step failed."""
     points, triangles = case.points, case.triangles
     if name.endswith("-noisy"):
         points, triangles = smoothed(case, options, folder) or (None, None)
@@ -106,8 +106,8 @@ def prepared(name, case, options, folder):
 
 
 def smoothed(case, options, folder):
-    """What scan2step made of the scan before it filled; also where it fails
-    later and takes its files back."""
+    """The output of scan2step before the fill, even if it fails later and removes its
+    files."""
     file = folder / "scan.ply"
     virtual_scan(options.shared).write_ply(file, case.points, case.triangles)
     runs.convert(options.program, file, folder / "run", case.arguments, options.timeout,
@@ -121,7 +121,7 @@ def smoothed(case, options, folder):
 
 
 def read_ply(path):
-    """Of a stage before the fill; None of others."""
+    """The points and triangles of a stage before the fill. None for other files."""
     text, end, data = path.read_bytes().partition(b"end_header\n")
     if not end or b"origin" in text or b"double x" not in text:
         return None
@@ -145,8 +145,8 @@ def largest(points, triangles):
 
 
 def part(triangles, count):
-    """Gives each fan of triangles at a vertex a vertex of its own; says of the
-    vertices which they were. Expects no edge of more than two triangles."""
+    """Gives each fan of triangles at a vertex its own vertex, and returns the former
+    number of each vertex. No edge may have more than two triangles."""
     edges = meshes.Edges(triangles, count)
     two = np.flatnonzero(edges.uses == 2)
     joins = []
@@ -183,7 +183,7 @@ def measure(peer, case, scan, options, folder):
 
 
 def judged(scan, case, out):
-    """Joins what was parted, and judges."""
+    """Joins the vertices that were separated, and evaluates the result."""
     points, given, of = scan
     known = len(of)
     number = np.concatenate([of, len(points) + np.arange(len(out["points"]) - known)])
@@ -221,7 +221,7 @@ def row(r):
     return "| " + " | ".join(cells + [""] * (len(COLUMNS) - len(cells))) + " |"
 
 
-# The process of a peer.
+# The process of another program.
 
 
 def fill(peer, given, filled):
@@ -250,7 +250,7 @@ def cgal(points, triangles, continuity):
         vertex.set_id(number)
         p = vertex.point()
         places[number] = p.x(), p.y(), p.z()
-    # The lists of a Polyhedron_3 grow at their end: the scan's are the first.
+    # The lists of a Polyhedron_3 grow at their end, so the vertices of the scan come first.
     added = [corners(face) for _, face in fresh]
     hole.append(np.array([k for k, _ in fresh], int))
     assert mesh.size_of_facets() == len(triangles) + len(added)
@@ -260,7 +260,7 @@ def cgal(points, triangles, continuity):
 
 
 def polyhedron(points, triangles):
-    """By a file: point by point is slow."""
+    """Uses a file, because single points are slow."""
     from CGAL.CGAL_Polyhedron_3 import Polyhedron_3
 
     with tempfile.NamedTemporaryFile("w", suffix=".off") as file:
@@ -275,8 +275,8 @@ def polyhedron(points, triangles):
 
 
 def cgal_rims(mesh):
-    """A halfedge of each boundary loop, and the loop's length."""
-    # The vertex that a border halfedge points to tells it: handles have no hash.
+    """A halfedge of each boundary loop, and the length of the loop."""
+    # The vertex that a border halfedge points to identifies it, because handles have no hash.
     for number, vertex in enumerate(mesh.vertices()):
         vertex.set_id(number)
     seen = set()
@@ -323,7 +323,7 @@ def meshlib(points, triangles, splits):
         number[mine] = k
     places = mrmeshnumpy.getNumpyVerts(mesh).astype(float)
     n = len(points)
-    # Single precision there.
+    # These are in single precision.
     assert np.abs(places[:n] - points).max() < 1e-4
     places[:n] = points
     return {"points": places, "triangles": all_triangles, "hole": number, "refused": refused,
@@ -339,7 +339,7 @@ def meshlab(points, triangles):
     rims = sorted(rim_sizes(edges, len(points)))
     length = np.linalg.norm(np.diff(points[edges.ends], axis=1)[:, 0], axis=1).mean()
     begun = time.process_time()
-    # All but the longest, in edges.
+    # All loops except the longest one, in edges.
     whole.meshing_close_holes(maxholesize=int(rims[-2] + 1), refinehole=True,
                               refineholeedgelen=pymeshlab.PureValue(length))
     seconds = time.process_time() - begun
@@ -353,7 +353,7 @@ def meshlab(points, triangles):
 
 
 def rim_sizes(edges, count):
-    """Edges of each boundary loop."""
+    """The edges of each boundary loop."""
     rim = edges.ends[edges.uses == 1]
     graph = coo_array((np.ones(len(rim), bool), rim.T), shape=2 * [count])
     return np.unique(connected_components(graph, directed=False)[1][rim[:, 0]], return_counts=True)[1]

@@ -1,8 +1,8 @@
 """Two views of a filled hole as PNG: from its normal, and from the side.
 
-Measured faces are grey, those of islands blue, the fill orange, and what of
-the fill looks away red; sides are dark. No library draws: the pictures are a
-raster of the triangles, the nearest on top.
+Measured faces are grey, faces of islands are blue, and the fill is orange. Filled faces
+with the opposite normal are red. Sides are dark. The pictures are a raster of the
+triangles with the nearest one on top and need no library.
 """
 
 import struct
@@ -22,7 +22,7 @@ AROUND = 1.25
 
 
 def draw(mesh, result, folder, most):
-    """The worst holes, most of them at the most; and all together."""
+    """The worst holes, at most `most` of them, and all holes together."""
     folder.mkdir(parents=True, exist_ok=True)
     island = np.zeros(len(mesh.triangles), bool)
     island[meshes.islands(mesh)] = True
@@ -35,7 +35,7 @@ def draw(mesh, result, folder, most):
 
 
 def near(mesh, fill):
-    """The faces about a hole."""
+    """The faces around a hole."""
     points = mesh.points[mesh.triangles[fill]].reshape(-1, 3)
     middle = (points.min(0) + points.max(0)) / 2
     reach = AROUND * np.linalg.norm(points - middle, axis=1).max()
@@ -53,7 +53,7 @@ def views(mesh, fill, faces, island):
 
 
 def mean_normal(mesh, fill):
-    """Of the measured faces at the hole: the fill may be anything."""
+    """The normal of the measured faces at the hole, because the fill may be wrong."""
     about = near(mesh, fill)
     about = about[mesh.hole[about] < 0]
     about = about if len(about) else fill
@@ -61,7 +61,7 @@ def mean_normal(mesh, fill):
 
 
 def view(mesh, faces, island, axes):
-    """An image; the axes are to the right, up, and to the eye."""
+    """An image. The axes point to the right, up, and to the viewer."""
     corners = mesh.points[mesh.triangles[faces]] @ axes.T
     low, high = corners.min((0, 1)), corners.max((0, 1))
     scale = (SIZE - 20) / max(high[:2] - low[:2])
@@ -85,8 +85,8 @@ def coloured(mesh, faces, island, normal):
 
 
 def fragments(corners):
-    """Every pixel that every triangle covers: face, pixel, depth, and whether
-    it is at a side."""
+    """Every pixel that a triangle covers: the face, the pixel, the depth, and whether it
+    is at a side."""
     low = np.clip(np.floor(corners[:, :, :2].min(1)), 0, SIZE - 1).astype(int)
     high = np.clip(np.ceil(corners[:, :, :2].max(1)), 0, SIZE - 1).astype(int)
     width, height = (high - low + 1).T
@@ -98,14 +98,14 @@ def fragments(corners):
     inside = (weights >= 0).all(1)
     face, at, weights = face[inside], at[inside], weights[inside]
     depth = (weights * corners[face][:, :, 2]).sum(1)
-    # Sides are lines only where triangles are large enough to show between.
+    # Sides are drawn as lines only if triangles are large enough.
     edge = (weights * across[face]).min(1) < 0.5
     edge &= across[face].min(1) > 3
     return face, at[:, 1] * SIZE + at[:, 0], depth, edge
 
 
 def barycentric(corners, face, at):
-    """Weights of the corners, and the heights of the triangles over their sides."""
+    """The weights of the corners, and the heights of the triangles over their sides."""
     a, b, c = (corners[:, k, :2] for k in range(3))
     cross = lambda p, q: p[..., 0] * q[..., 1] - p[..., 1] * q[..., 0]
     double = cross(b - a, c - a)

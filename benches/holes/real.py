@@ -1,13 +1,13 @@
-"""Fills the holes of real scans with scan2step, and judges what can be judged
-without a true surface: cuts, topology, angles, seams. With pictures.
+"""Fills the holes of real scans with scan2step, and measures the properties that need no
+true surface: intersections, topology, angles, seams. It can make pictures.
 
     VENV/bin/python benches/holes/real.py target/release/scan2step SCAN... [--pictures DIR]
         [--most N] [--work DIR]
 
-Columns as in evaluate.py; 'folds' are edges inside the fill whose faces turn by more
-than 107 degrees / the same at rims. 'crossed' are faults (folds and cuts) of holes
-whose measured faces at the rim cut each other or fold: there no fill is free of them;
-they are not among the others.
+The columns are those of evaluate.py. 'folds' are edges inside the fill whose faces turn by
+more than 107 degrees / the same at rims. 'crossed' are faults (folds and intersections) of
+holes whose measured faces at the rim intersect or fold. No fill is free of faults there.
+They are not included in the other columns.
 """
 
 import argparse
@@ -74,8 +74,8 @@ def row(scan, options, folder):
 
 
 def faults(mesh, cuts, edges):
-    """Cuts and folds of the holes whose rims are in order, and the faults of the
-    others."""
+    """The intersections and folds of holes with valid rims, and the faults of the other
+    holes."""
     crossed = np.array(sorted(crossed_rims(mesh, np.unique(mesh.hole[mesh.fill]))), int)
     count = lambda hole, bad: (int((bad & ~np.isin(hole, crossed)).sum()),
                                int((bad & np.isin(hole, crossed)).sum()))
@@ -86,7 +86,7 @@ def faults(mesh, cuts, edges):
 
 
 def crossed_rims(mesh, numbers):
-    """Holes whose measured faces at the rim cut each other, or fold."""
+    """The holes whose measured faces at the rim intersect or fold."""
     kind, sides = meshes.kinds(mesh), mesh.edges
     own = np.flatnonzero(kind == 0)
     folded = sides.ends[own[meshes.bends(mesh, own) > FOLD]]
@@ -100,7 +100,7 @@ def crossed_rims(mesh, numbers):
 
 
 def holes(mesh, cuts, edges):
-    """What the pictures are sorted by: the worst holes first."""
+    """The order of the pictures: the worst holes come first."""
     of_face, of_edge = mesh.hole[mesh.fill], edges["hole"]["inside"]
     sharp = edges["values"]["inside"] > FOLD
     for hole in np.unique(of_face):

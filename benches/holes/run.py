@@ -1,9 +1,9 @@
-"""Runs scan2step on a scan and watches it: its stages' times, and the filled
-mesh even where a later stage fails.
+"""Runs scan2step on a scan and watches it. Returns the times of its stages, and the filled
+mesh even if a later stage fails.
 
-The program takes the stages' files back when it fails. While it runs they are
-in their folder under temporary names: each gets a second name as soon as it
-appears, and the fill's is found among them by its header.
+The program removes the files of the stages when it fails. While it runs, they are in their
+folder with temporary names. This script gives each of them a second name as soon as it
+appears, and finds the file of the fill by its header.
 """
 
 import os
@@ -17,14 +17,14 @@ from pathlib import Path
 
 from meshes import is_filled
 
-STAGE = re.compile(r"^(\w+)\s+([0-9.]+) s$")
+STAGE = re.compile(r"^(\w+)\s+([0-9.]+) s(?:\s|$)")
 LOOK_EVERY_S = 0.003
 
 
 @dataclass
 class Run:
-    """`code` is the exit code, None if it was ended here; `seconds` and
-    `cpu_s` are of each stage that ended."""
+    """`code` is the exit code, or None if this script ended the run. `seconds` and
+    `cpu_s` are those of each stage that ended."""
 
     code: int | None = None
     ended: str = ""
@@ -35,7 +35,7 @@ class Run:
 
 
 def convert(program, scan, folder, arguments, timeout, until_fill=False, stages=True):
-    """One run; the files go to the folder, the report to report.json in it."""
+    """One run. Its files are in the folder, and its report is report.json there."""
     folder.mkdir(parents=True, exist_ok=True)
     command = [program, "convert", scan, folder / "out.step", "--verbose", "--color", "never",
                "--report", folder / "report.json", *arguments]
@@ -65,7 +65,7 @@ def listen(process, run):
 
 
 def cpu_s(pid, otherwise):
-    """User and system time of all threads of another process so far."""
+    """The user and system time of all threads of another process so far."""
     try:
         return time.clock_gettime((~pid << 3) | 2)
     except OSError:

@@ -1,6 +1,6 @@
-"""Scans to cut holes into: sampled grids of a true surface.
+"""Scans that get holes: sampled grids of a true surface.
 
-Needs virtual_scan.py, which is not part of the project.
+This needs virtual_scan.py, which is not part of the project.
 """
 
 import sys
@@ -12,7 +12,7 @@ SHARED = Path(__file__).resolve().parents[3] / "shared"
 
 
 def virtual_scan(shared=None):
-    """The module, or the end of the program."""
+    """Imports the module, or ends the program."""
     if "virtual_scan" in sys.modules:
         return sys.modules["virtual_scan"]
     folder = Path(shared or SHARED)
@@ -26,10 +26,10 @@ def virtual_scan(shared=None):
 
 
 class Grid:
-    """A jittered n x m sampling of a surface, of which parts are taken away.
+    """A jittered n x m sampling of a surface, from which parts are removed.
 
-    Places are grid coordinates (i, j): vertices are at integers, the middles of
-    quads between them. A shape is a function of (i, j) that says what is inside.
+    Places are grid coordinates (i, j). Vertices are at integers, and the centres of
+    quads are between them. A shape is a function that tells whether (i, j) is inside.
     """
 
     def __init__(self, surface, n, m, noise=0.0, seed=0, warp=None):
@@ -45,41 +45,41 @@ class Grid:
         return np.divmod(np.arange(self.n * self.m), self.m)
 
     def quads(self):
-        """Middles of the quads; triangles q and q + quads belong to quad q."""
+        """The centres of the quads. Triangles q and q + quads belong to quad q."""
         i, j = np.divmod(np.arange((self.n - 1) * (self.m - 1)), self.m - 1)
         return i + 0.5, j + 0.5
 
     def middles(self):
-        """Middles of the triangles."""
+        """The centres of the triangles."""
         i, j = self.vertices()
         return i[self.triangles].mean(1), j[self.triangles].mean(1)
 
     def cut(self, shape):
-        """Takes away the vertices in the shape, and their triangles."""
+        """Removes the vertices in the shape and their triangles."""
         gone = np.zeros(len(self.points), bool)
         gone[: self.n * self.m] = shape(*self.vertices())
         self.kept &= ~gone[self.triangles].any(1)
         return self
 
     def cut_quads(self, shape):
-        """Takes away the quads in the shape."""
+        """Removes the quads in the shape."""
         gone = np.tile(shape(*self.quads()), 2)
         self.kept[: len(gone)] &= ~gone
         return self
 
     def cut_triangles(self, shape, share=1.0):
-        """Takes away a share of the triangles in the shape, at random."""
+        """Removes a random share of the triangles in the shape."""
         some = self.random.random(len(self.triangles)) < share
         self.kept &= ~(shape(*self.middles()) & some)
         return self
 
     def quad(self, i, j):
-        """The number of its first triangle, and of its second."""
+        """The numbers of its first and second triangle."""
         first = i * (self.m - 1) + j
         return first, first + (self.n - 1) * (self.m - 1)
 
     def set_diagonal(self, i, j, from_lowest):
-        """Cuts a quad along the diagonal that begins at (i, j), or the other."""
+        """Divides a quad along the diagonal that begins at (i, j), or along the other one."""
         a, d = i * self.m + j, i * self.m + j + 1
         b, c = a + self.m, d + self.m
         halves = ([a, b, c], [a, c, d]) if from_lowest else ([a, b, d], [b, c, d])
@@ -87,7 +87,7 @@ class Grid:
             self.triangles[t] = half
 
     def add_vertex(self, uv, lift=0.0):
-        """A vertex on the surface, or lifted off it."""
+        """Adds a vertex on the surface, or at a distance from it."""
         u, v = np.array([uv[0]]), np.array([uv[1]])
         point = self.seen(u, v)[0]
         if lift:
@@ -104,8 +104,8 @@ class Grid:
         self.kept = np.append(self.kept, True)
 
     def rim(self):
-        """Sides (a, b) of kept triangles that have no other, and those
-        triangles; the outer boundary is left out."""
+        """The sides (a, b) of kept triangles without a second triangle, and these
+        triangles. The outer boundary is omitted."""
         kept = np.flatnonzero(self.kept)
         t = self.triangles[kept]
         sides = t[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2)
@@ -117,7 +117,7 @@ class Grid:
         return sides[single], np.repeat(kept, 3)[single]
 
     def done(self):
-        """Points, triangles."""
+        """The points and the triangles."""
         triangles = self.triangles[self.kept]
         used = np.unique(triangles)
         number = np.zeros(len(self.points), np.int64)
@@ -145,7 +145,7 @@ def lobed(ci, cj, r, lobes, depth, turn=0.7):
 
 
 def line(i0, j0, i1, j1, half):
-    """Within half a width of a segment."""
+    """The points within half a width of a segment."""
     def inside(i, j):
         di, dj = i1 - i0, j1 - j0
         t = np.clip(((i - i0) * di + (j - j0) * dj) / (di * di + dj * dj), 0, 1)

@@ -1,7 +1,7 @@
-"""True surfaces: what a scan, and a fill, should have been.
+"""The true surfaces of scans and fills.
 
-A truth has `foot(points)`: the distance of each point to the surface, and the
-surface's unit normal at its foot point.
+A true surface has `foot(points)`: the distance of each point from the surface, and the
+unit normal of the surface at the foot point.
 """
 
 import functools
@@ -15,8 +15,8 @@ STEP = 1e-6
 
 
 class Parametric:
-    """A surface f(u, v) over the unit square: the nearest of many samples, then
-    Newton's steps in (u, v)."""
+    """A surface f(u, v) over the unit square. Foot points are found by Newton steps in
+    (u, v) from the nearest of many samples."""
 
     def __init__(self, f):
         self.f = f
@@ -58,7 +58,7 @@ class Parametric:
 
 
 class Sphere:
-    """A sphere about the origin, the normal outwards."""
+    """A sphere around the origin with an outward normal."""
 
     def __init__(self, radius):
         self.radius = radius
@@ -83,13 +83,13 @@ def unit(a):
 
 
 def saddle(u, v):
-    """Slopes of 2 at the sides."""
+    """A surface with slopes of 2 at the sides."""
     x, y = 100 * (u - 0.5), 100 * (v - 0.5)
     return np.stack([x, y, (x * x - y * y) / 50], -1)
 
 
 def egg_crate(u, v):
-    """Bumps 20 mm apart with slopes up to 1.9."""
+    """Bumps at distances of 20 mm with slopes of up to 1.9."""
     x, y = 100 * u, 100 * v
     return np.stack([x, y, 6 * np.sin(x / 3.2) * np.sin(y / 3.2)], -1)
 

@@ -1,12 +1,12 @@
-"""The fill beside CGAL, MeshLib and MeshLab, and beside the truth of virtual scans.
+"""Compares the fill with CGAL, MeshLib and MeshLab, and with the truth of virtual scans.
 
     VENV/bin/python benches/peers/fill.py [SCAN ...]
 
-`run.py` says how VENV is made. Prints a Markdown table: CPU seconds of all threads,
-of the fills alone, holes left open, vertices added, and their root mean square
-distance to the true surface. All get the same mesh: the scan as scan2step smoothed
-it. scan2step besides has what was measured, from which it finds the noise.
-`benches/holes/peers.py` says how the peers are asked. Needs Linux.
+`run.py` explains how to make VENV. The script prints a Markdown table: the CPU seconds of
+all threads for the fills alone, the holes left open, the added vertices, and their root mean
+square distance from the true surface. All programs get the same mesh, which is the scan
+smoothed by scan2step. scan2step also has the measured points, from which it computes the
+noise. `benches/holes/peers.py` explains how the programs are called. The script needs Linux.
 """
 
 import json

@@ -1,13 +1,13 @@
-"""The fit beside other programs, and beside the truth of virtual scans.
+"""Compares the fit with other programs and with the truth of virtual scans.
 
     VENV/bin/python benches/peers/fit.py [ours|gismo|fitpack|geomdl|freecad|linear|paper ...]
 
-`run.py` says how VENV is made. Prints Markdown tables: CPU seconds of all threads,
-of the fit alone, and root mean square distance of the surface from the true one,
-outside the holes and in them. Samples have their true parameters; holes are not
-filled. Peers are run on the largest case each finishes in reasonable time. `linear`
-shows the cost as points and nets grow, `paper` the comparison of section 3.5.1 of
-Tekumalla and Cohen (2005). Needs Linux.
+`run.py` explains how to make VENV. The script prints Markdown tables: the CPU seconds of all
+threads for the fit alone, and the root mean square distance of the surface from the true one,
+outside the holes and in them. Samples have their true parameters, and holes are not filled.
+Each program runs on the largest case that it finishes in a reasonable time. `linear` shows the
+growth of the cost with points and nets. `paper` is the comparison of section 3.5.1 of Tekumalla
+and Cohen (2005). The script needs Linux.
 """
 
 import json
@@ -24,7 +24,7 @@ sys.path[:0] = [str(HERE), str(HERE.parent)]
 import made
 
 CASES = [(scan, n) for scan in ("relief250k", "relief1m") for n in (67, 131, 259)]
-# Which case each slower peer is measured on; geomdl takes whole grids only.
+# The case on which each slower program is measured. geomdl needs complete grids.
 SLOW = {"fitpack": ("relief250k", 35), "geomdl": ("grid250k", 35), "freecad": ("roll40k", 13)}
 NETS = (13, 35, 67, 131, 259, 515)
 REPEATS = 3
@@ -58,14 +58,14 @@ class Bench:
         self.program, self.folder, self.made = made.built("fit"), folder, {}
 
     def scan(self, name):
-        """Files of samples, and the places where surfaces are compared."""
+        """The files of samples, and the points at which surfaces are compared."""
         import numpy as np
 
         if name in self.made:
             return self.made[name]
         uv, points = made.samples(name)
         if name.startswith("grid"):
-            # Row by row again; a point is shaken by less than half a step.
+            # The order is row by row again. A point is displaced by less than half a step.
             side = round(len(uv) ** 0.5) - 1
             order = np.lexsort(np.round(uv.T[::-1] * side))
             uv, points = uv[order], points[order]

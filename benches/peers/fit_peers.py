@@ -1,10 +1,10 @@
-"""One fit by one peer, in a process of its own; `fit.py` runs it.
+"""One fit by one other program in its own process. `fit.py` runs it.
 
     python benches/peers/fit_peers.py gismo|fitpack|geomdl|freecad SAMPLES.npz N OUT.npy
 
-SAMPLES holds uv and p; the surface has N x N control points over uniform knots
-in [0, 1]. OUT gets what truth is compared with: the surface at `at`. Prints CPU
-seconds of all threads, of the fit alone.
+SAMPLES has uv and p. The surface has N x N control points over uniform knots in [0, 1]. The
+script writes the surface at the points `at` to OUT, where it is compared with the truth, and
+prints the CPU seconds of all threads for the fit alone.
 """
 
 import json
@@ -21,7 +21,7 @@ def uniform(n):
 
 
 def spline(net, n, at):
-    """A surface with n x n control points (and 3) at parameters."""
+    """A surface with n x n control points (and 3) at the given parameters."""
     from scipy.interpolate import BSpline
 
     knots, net = uniform(n), net.reshape(n, n, 3)
@@ -55,7 +55,7 @@ def fitpack(uv, p, n, at):
 
 
 def geomdl(uv, p, n, at):
-    """Takes grids only, and finds parameters of its own: compared at those."""
+    """It needs grids and computes its own parameters, at which it is compared."""
     from geomdl import fitting
 
     side = int(round(len(p) ** 0.5))
@@ -65,7 +65,7 @@ def geomdl(uv, p, n, at):
 
 
 def freecad(uv, p, n, at):
-    """Takes points only, and projects them; runs in FreeCAD's own Python."""
+    """It needs only points, which it projects. It runs in FreeCAD's own Python."""
     import ReverseEngineering
 
     points = [tuple(x) for x in p.tolist()]
@@ -80,7 +80,7 @@ def main(peer, samples, n, out):
     if surface is not None:
         np.save(out, surface)
     print(json.dumps({"cpu_s": cpu}), flush=True)
-    # FreeCAD's console would go on waiting for input.
+    # FreeCAD's console would wait for more input.
     os._exit(0)
 
 

@@ -1,17 +1,15 @@
-"""Compares reading scans and making meshes of them with trimesh, Open3D and
-MeshLab (pymeshlab).
+"""Compares reading scans and making meshes with trimesh, Open3D and MeshLab (pymeshlab).
 
     VENV/bin/python benches/peers/read.py [--folder FOLDER] [--runs N] [--ours PROGRAM]
 
-`run.py` says how VENV is made. Prints Markdown tables. The scan, of a million points and two million triangles,
-is written to FOLDER (target/peers if not given) the first time. PROGRAM is an
-examples/measure that is built already. Needs Linux.
+`run.py` explains how to make VENV. The script prints Markdown tables. It writes the scan, which
+has a million points and two million triangles, to FOLDER (default: target/peers) the first time.
+PROGRAM is a built examples/measure. The script needs Linux.
 
-Every task runs in a process of its own, N times (3 if not given), and each
-figure is the least of its runs. CPU seconds are user and system time of all
-threads, start and end of the process included; MB are 10^6 bytes of peak
-resident memory. "Less import" takes off what the process costs that only
-imports the tool.
+Every task runs N times (default: 3) in its own process, and each figure is the smallest of its
+runs. CPU seconds are the user and system time of all threads, including the start and the end of
+the process. MB are 10^6 bytes of peak resident memory. "Less import" means minus the cost of a
+process that only imports the tool.
 """
 
 import argparse
@@ -77,7 +75,7 @@ def command(job, ours, files):
 
 
 def measure(command):
-    """What the command printed, with its CPU and wall time."""
+    """The output of the command with its CPU and wall-clock time."""
     begun = time.perf_counter()
     process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
     printed = process.stdout.read()

@@ -1,11 +1,11 @@
-"""One task with one peer, in a process of its own; `read.py` runs it.
+"""One task with one other program in its own process. `read.py` runs it.
 
     python benches/peers/read_peers.py trimesh|open3d|pymeshlab import|read|mesh [FILE]
 
-Prints one line of JSON: what came out, and the process's peak memory in MB
-(10^6 bytes). "mesh" welds what coincides, drops degenerate and duplicate
-triangles, opens or drops what is not manifold, makes the orientation
-consistent, and counts components and boundary loops.
+The script prints one line of JSON with the result and the peak memory of the process in MB (10^6
+bytes). "mesh" welds coincident vertices, removes degenerate and duplicate triangles, opens or
+removes non-manifold parts, makes the orientation consistent, and counts components and boundary
+loops.
 """
 
 import json
@@ -22,10 +22,10 @@ def with_trimesh(task, path):
     if task == "read":
         return counts(len(mesh.vertices), len(mesh.faces))
     mesh.merge_vertices()
-    # Without a height only those that have no area.
+    # Without a height it removes only faces without area.
     mesh.update_faces(mesh.nondegenerate_faces(height=None))
     mesh.update_faces(mesh.unique_faces())
-    # Only looks where, as in this scan, no triangle is turned; else it walks.
+    # It only tests if no triangle is inverted, as in this scan. Otherwise it walks.
     trimesh.repair.fix_winding(mesh)
     components = mesh.body_count
     manifold = bool(numpy.bincount(mesh.edges_unique_inverse).max() <= 2)
@@ -60,7 +60,7 @@ def with_pymeshlab(task, path):
     if task == "import":
         return {}
     meshes = pymeshlab.MeshSet()
-    # Of STL it welds the vertices as it reads, unless told not to.
+    # For STL it welds the vertices while reading, unless it is told not to.
     options = {"unify_vertices": False} if path.endswith(".stl") else {}
     meshes.load_new_mesh(path, **options)
     if task == "read":
@@ -95,7 +95,7 @@ def loops(components, euler):
 
 
 def peak_rss_mb():
-    # Not ru_maxrss, which begins with the peak of the process that started this one.
+    # ru_maxrss is not used, because it begins with the peak of the parent process.
     with open("/proc/self/status") as status:
         line = next(line for line in status if line.startswith("VmHWM:"))
     return int(line.split()[1]) * 1024 / 1e6

@@ -1,15 +1,14 @@
-"""scan2step beside other programs, all of them from PyPI or Debian.
+"""Compares scan2step with other programs, all of which are from PyPI or Debian.
 
     python3.11 -m venv VENV
     VENV/bin/pip install -r benches/peers/requirements.txt
     VENV/bin/python benches/peers/run.py [read|fill|fit ...]
 
-Makes its scans itself, runs every program on them in a process of its own, and
-prints Markdown tables: CPU seconds and their ratio to scan2step's in the same run,
-and the distance to the true surface where there is one. All three take some twenty
-minutes. Each can be run by itself, with options of its own: read.py, fill.py,
-fit.py. FreeCAD, for its row, is looked for as freecadcmd (Debian:
-freecad-python3). Needs Linux.
+The script makes its scans, runs every program on them in its own process, and prints Markdown
+tables: the CPU seconds, their ratio to those of scan2step in the same run, and the distance from
+the true surface if there is one. All three comparisons take about twenty minutes. Each of them is a
+script with its own options: read.py, fill.py, fit.py. FreeCAD is searched as freecadcmd (Debian:
+freecad-python3). The script needs Linux.
 """
 
 import sys

@@ -1,10 +1,10 @@
-"""Writes the scan that is measured, in every format.
+"""Writes the scan of the comparison in every format.
 
     python benches/peers/scan.py FOLDER [SIDE]
 
-A relief of 100 x 80 mm as a grid of SIDE x SIDE points (1000 if not given),
-jittered and noisy, with holes and, in one of them, an island. The numbers are
-the same in all formats: float32, six decimals in OBJ.
+The scan is a relief of 100 x 80 mm as a grid of SIDE x SIDE points (default: 1000). It is jittered
+and noisy and has holes, one of which has an island. The numbers are the same in all formats:
+float32, or six decimals in OBJ.
 """
 
 import json
@@ -16,13 +16,13 @@ import numpy as np
 
 NOISE_MM = 0.02
 
-# Centre in the unit square and radius; the last two make a ring.
+# The centres in the unit square and the radii. The last two make a ring.
 HOLES = [(0.3, 0.35, 0.05), (0.7, 0.25, 0.03), (0.25, 0.75, 0.02)]
 RING = (0.7, 0.7, 0.02, 0.04)
 
 
 def relief(side):
-    """Points and triangles."""
+    """The points and the triangles."""
     random = np.random.default_rng(1)
     v, u = np.divmod(np.arange(side * side), side) / np.float64(side - 1)
     u, v = (w + random.uniform(-0.3, 0.3, w.size) / side for w in (u, v))
@@ -50,8 +50,8 @@ def relief(side):
 
 
 def without_bow_ties(triangles, count):
-    """Drops triangles until no vertex has two gaps in its ring: a vertex has
-    as many triangles as edges, or one less on the boundary."""
+    """Removes triangles until no vertex has two gaps in its one-ring. A vertex has as
+    many triangles as edges, or one less on the boundary."""
     while True:
         sides = np.sort(triangles[:, [0, 1, 1, 2, 2, 0]].reshape(-1, 2), axis=1)
         edges = np.unique(sides[:, 0] * count + sides[:, 1])

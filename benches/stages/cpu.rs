@@ -1,4 +1,4 @@
-//! CPU time of all threads, which hardly depends on what else the machine does.
+//! The CPU time of all threads. Other programs on the machine hardly change it.
 
 use std::time::Duration;
 
@@ -6,7 +6,7 @@ use cpu_time::ProcessTime;
 use criterion::Throughput;
 use criterion::measurement::{Measurement, ValueFormatter, WallTime};
 
-/// What the process has used, user and system time.
+/// The user and system time that the process has used.
 pub struct CpuTime;
 
 impl Measurement for CpuTime {
@@ -38,7 +38,7 @@ impl Measurement for CpuTime {
     }
 }
 
-/// As times of the clock are written.
+/// Times are printed in the same way as wall-clock times.
 struct AsTime;
 
 impl ValueFormatter for AsTime {

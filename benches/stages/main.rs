@@ -1,10 +1,10 @@
-//! Every stage by itself and the whole, on virtual scans with three holes.
+//! Measures each stage and the whole conversion on virtual scans with three holes.
 //!
 //! cargo bench                                      10⁴ and 10⁵ points, in some minutes
-//! cargo bench -- smooth                            what has this in its name
+//! cargo bench -- smooth                            stages with this in their name
 //! SCAN2STEP_BENCH=large cargo bench -- relief4m   10⁶ and 4·10⁶ points, too
 //!
-//! Times are CPU seconds of all threads. Throughput is in measured points.
+//! Times are CPU seconds of all threads. The throughput is in measured points.
 
 mod cpu;
 #[path = "../../examples/virtual_scan/named.rs"]
@@ -27,7 +27,7 @@ use cpu::CpuTime;
 use prepared::Prepared;
 use tasks::{TASKS, ended};
 
-/// Points of the whole grids, and the scans.
+/// The number of points of the complete grids, and the names of the scans.
 const SIZES: [(u64, &str); 2] = [(10_000, "relief10k"), (100_000, "relief100k")];
 const LARGE: [(u64, &str); 2] = [(1_000_000, "relief1m"), (4_000_000, "relief4m")];
 
@@ -35,7 +35,7 @@ fn stages(criterion: &mut Criterion<CpuTime>) {
     let large = std::env::var("SCAN2STEP_BENCH").is_ok_and(|size| size == "large");
     let more = if large { &LARGE[..] } else { &[] };
     for &(points, name) in SIZES.iter().chain(more) {
-        // Made for the first bench that the filter leaves.
+        // The input is prepared when the first bench that passes the filter runs.
         let prepared = OnceCell::new();
         for (stage, task) in TASKS {
             let mut group = criterion.benchmark_group(stage);

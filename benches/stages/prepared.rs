@@ -1,10 +1,10 @@
-//! What each stage is given: what the stages before it make of a scan.
+//! The input of each stage: the output of the stages before it for a scan.
 
 use std::error::Error;
 use std::io::Cursor;
 
 use formats::{Soup, step};
-use scan2step::deviation::{Deviation, Face};
+use scan2step::deviation::{Deviation, TrimmedFace};
 use scan2step::mesh::{self, Bound, Components, Disk, Outer, Patch};
 use scan2step::parameterize::Parameterized;
 use scan2step::spline::{KnotVector, Samples};
@@ -12,9 +12,9 @@ use scan2step::{Conversion, Options, Stage, brep, convert, fill, knots, trim};
 
 use crate::named;
 
-/// A converted scan, and what its stages were given.
+/// A converted scan and the inputs of its stages.
 pub struct Prepared {
-    /// The scan's file.
+    /// The file of the scan.
     pub ply: Vec<u8>,
     pub soup: Soup,
     pub options: Options,
@@ -77,22 +77,22 @@ impl Prepared {
         scan.take(mesh::Choice::Largest)?.into_disk(Outer::Auto, &mut repairs)
     }
 
-    /// The knots over which the surface was fitted.
+    /// The knots of the final fit.
     pub fn net(&self) -> [KnotVector; 2] {
         [self.conversion.surface.u.clone(), self.conversion.surface.v.clone()]
     }
 
     pub fn deviation(&self) -> Deviation {
         let loops = self.conversion.loops.iter().map(|l| l.pcurves.as_slice());
-        let face = Face::new(&self.conversion.surface, loops, true);
+        let face = TrimmedFace::new(&self.conversion.surface, loops, true);
         let points = &self.measured.mesh.points;
         face.deviation(points, &self.map.uv[..points.len()])
     }
 
-    /// The size of the STEP file.
+    /// The size of the STEP file in bytes.
     pub fn step(&self) -> Result<usize, Box<dyn Error>> {
         let inner = self.conversion.loops.iter().map(|l| (&l.pcurves[..], &l.edges[..]));
-        let face = brep::Bounds { outer: None, inner: inner.collect() };
+        let face = brep::FaceBounds { outer: None, inner: inner.collect() };
         let brep = brep::build(&self.conversion.surface, &[face], "scan", trim::EDGE_ACCURACY)?;
         let mut file = Vec::new();
         step::write(&brep, &step::Options::default(), &mut file)?;
@@ -117,7 +117,7 @@ fn samples(map: &Parameterized) -> Samples {
     samples
 }
 
-/// The holes' rims. These scans have no others: their outer boundary is straight
+/// The rims of the holes. These scans have no other rims, because their outer boundary is straight
 /// enough for the sides.
 fn rims(map: &Parameterized) -> Vec<trim::Rim> {
     let rim = |hole| {

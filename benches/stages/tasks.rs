@@ -1,4 +1,4 @@
-//! What is measured.
+//! The measured tasks.
 
 use std::fmt::Display;
 use std::hint::black_box;
@@ -14,7 +14,7 @@ use crate::prepared::{Prepared, read};
 /// Measures one stage of a scan.
 pub type Task = fn(&mut Bencher<CpuTime>, &Prepared);
 
-/// The stages in their order, and the whole.
+/// The stages in their order, and the whole conversion.
 pub const TASKS: [(&str, Task); 12] = [
     ("read", |b, p| run(b, || p.ply.clone(), read)),
     ("mesh", |b, p| run(b, || (), |()| p.disk())),
@@ -42,8 +42,8 @@ pub const TASKS: [(&str, Task); 12] = [
     ("convert", |b, p| run(b, || (), |()| convert(&p.soup, &p.options, &mut |_| Ok(())))),
 ];
 
-/// Measures a stage that may fail, which ends the run: a time of a failure says
-/// nothing. What goes in is made, and what comes out dropped, beside the measurement.
+/// Measures a stage that may fail. A failure ends the run, because its time has no meaning. The
+/// input is prepared and the output is dropped outside of the measurement.
 fn run<I, O, E: Display>(
     bencher: &mut Bencher<CpuTime>,
     given: impl FnMut() -> I,
@@ -52,7 +52,8 @@ fn run<I, O, E: Display>(
     bencher.iter_batched(given, |input| ended(stage(input)), BatchSize::PerIteration);
 }
 
-/// All of knots and fits until the tolerance holds, in a whole run: from the end of the parameterization to that of the last fit.
+/// All knots and fits of a whole run until the tolerance is satisfied: the time from the end of the
+/// parameterization to the end of the last fit.
 fn knots_and_fits(bencher: &mut Bencher<CpuTime>, prepared: &Prepared) {
     bencher.iter_custom(|count| {
         let mut total = Duration::ZERO;
@@ -71,7 +72,7 @@ fn knots_and_fits(bencher: &mut Bencher<CpuTime>, prepared: &Prepared) {
     });
 }
 
-/// The result, or the end of the program.
+/// Returns the result or ends the program.
 pub fn ended<T, E: Display>(result: Result<T, E>) -> T {
     result.unwrap_or_else(|error| {
         eprintln!("error: {error}");

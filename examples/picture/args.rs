@@ -1,4 +1,4 @@
-//! The command line.
+//! The command line of the example.
 
 use std::path::PathBuf;
 
@@ -45,7 +45,7 @@ pub enum Mode {
 }
 
 impl Args {
-    /// The size asked for, or one that suits the mode.
+    /// The given size, or a size that suits the mode.
     pub fn size(&self) -> [usize; 2] {
         self.size.unwrap_or(match self.mode {
             Mode::Pair | Mode::Smooth => [1600, 800],
@@ -55,7 +55,7 @@ impl Args {
     }
 }
 
-/// Sides that give a legible picture and a frame buffer of at most 2 GB.
+/// The allowed sides in pixels. They give a legible picture and a frame buffer of at most 2 GB.
 const SIDES: std::ops::RangeInclusive<usize> = 160..=4096;
 
 fn size(text: &str) -> Result<[usize; 2], String> {

@@ -1,4 +1,4 @@
-//! The scan, coloured by its distance from the face, and the colour bar.
+//! The scan in the colours of its distance from the face, and the colour bar.
 
 use scan2step::picture::camera::Camera;
 use scan2step::picture::canvas::Canvas;
@@ -25,7 +25,7 @@ pub fn picture(
     sheet::draw_coloured(&mut canvas, mesh, &camera, &DISTANCE, |v| {
         distances[v.index()] / legend.end
     });
-    // One sheet behind another has the same colours.
+    // A sheet behind another one has the same colours.
     let rims = sheet::rims(&canvas, mesh, scene.measured.loops(), &camera, Pen::solid(1.3));
     rims.ink(&mut canvas, linear(INK));
     Ok(canvas.image().beside(legend.image()))
@@ -33,7 +33,7 @@ pub fn picture(
 
 /// The colour bar.
 struct Legend {
-    /// The distance at its upper end, in mm.
+    /// The distance at the upper end of the bar, in mm.
     end: f64,
     high: String,
     height: usize,
@@ -44,8 +44,8 @@ struct Legend {
 const LOW: &str = "0 mm";
 
 impl Legend {
-    /// A scale up to the 99th percentile: one stray point would make all
-    /// others look alike.
+    /// The scale ends at the 99th percentile, because a single outlier would make all other points
+    /// look alike.
     fn new(scene: &Scene, height: usize) -> Result<Legend, Box<dyn std::error::Error>> {
         let end = rounded_up(scene.conversion.deviation.p99);
         let style = Style { size: height as f32 / 40.0, bold: false, colour: INK };

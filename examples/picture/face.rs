@@ -1,4 +1,4 @@
-//! The trimmed face, without and with its control net.
+//! The trimmed face with and without its control net.
 
 use rayon::prelude::*;
 use scan2step::geometry::{Point, Uv, Vector};
@@ -12,14 +12,14 @@ use scan2step::picture::image::Image;
 use scan2step::picture::lines::{Lines, Pen};
 use scan2step::picture::occlusion;
 
-/// Cells of the tessellation in u and in v.
+/// The number of cells of the tessellation in u and in v.
 const CELLS: usize = 640;
 
 const EDGE: Pen = Pen::solid(2.1);
 
-/// How far, as a share of the picture's height, the net may be behind the face
-/// and still be drawn as if it were in front: it keeps near the face, on both
-/// sides, and would come out in tatters.
+/// The net is drawn in front of the face if it is behind it by less than this share of the
+/// picture's height. It stays near the face on both sides and would be visible only in pieces
+/// otherwise.
 const SUNK: f64 = 0.04;
 
 /// The face with its edges.
@@ -29,7 +29,7 @@ pub fn picture(scene: &Scene, camera: &Camera, size: [usize; 2]) -> Image {
     canvas.image()
 }
 
-/// The face with its edges under its control net.
+/// The face with its edges and its control net.
 pub fn picture_with_net(scene: &Scene, camera: &Camera, size: [usize; 2]) -> Image {
     let mut canvas = Canvas::new(size);
     draw(&mut canvas, scene, camera);
@@ -62,7 +62,7 @@ fn sheet(canvas: &mut Canvas, scene: &Scene, camera: &Camera) {
                 let places = t.map(|c| c.at);
                 let front = shows_front(places);
                 canvas.triangle(places, |w| {
-                    // Left out where the loop says, not where triangles end.
+                    // The loop decides which points are omitted, not the ends of triangles.
                     if cut.contains(Uv::from(blend(w, t.map(|c| c.uv.coords)))) {
                         return None;
                     }
@@ -109,12 +109,12 @@ fn edges(canvas: &Canvas, scene: &Scene, camera: &Camera) -> Lines {
     lines
 }
 
-/// The control net, faint behind the face.
+/// The control net, which is faint behind the face.
 fn net(canvas: &Canvas, scene: &Scene, camera: &Camera) -> Lines {
     let surface = scene.surface();
     let [m, n] = surface.shape();
     let at = |i: usize, j: usize| camera.project(&Point::from(surface.control(i, j)));
-    // Of a net of hundreds of rows, full lines would leave nothing to be seen.
+    // Full lines of a net with hundreds of rows would hide everything.
     let width = (80.0 / m.max(n) as f64).clamp(0.4, 1.5);
     let sunk = SUNK * (canvas.height / SAMPLES) as f64;
     let pen = Pen { width, seen: 0.95, hidden: 0.12, sunk };

@@ -1,4 +1,4 @@
-//! A trim loop on the face, and the rim that it follows.
+//! A trim loop on the face and the rim that it follows.
 
 use crate::face;
 use crate::scene::Scene;
@@ -9,7 +9,7 @@ use scan2step::picture::colour::{linear, srgb};
 use scan2step::picture::image::Image;
 use scan2step::picture::lines::{Lines, Pen};
 
-/// The face around a hole, with the rim's vertices as smoothing left them.
+/// The face around a hole with the smoothed vertices of the rim.
 pub fn picture(scene: &Scene, size: [usize; 2]) -> Image {
     let camera = around_hole(scene, size, 1.35);
     let mut canvas = Canvas::new(size);
@@ -21,7 +21,7 @@ pub fn picture(scene: &Scene, size: [usize; 2]) -> Image {
 
 fn rims(canvas: &Canvas, scene: &Scene, camera: &Camera) -> Lines {
     let mesh = &scene.smoothed.mesh;
-    // The tolerance is less than a dot, but vertices may lie below the face.
+    // The tolerance is less than the size of a dot, but vertices may lie below the face.
     let pen = Pen { sunk: 8.0, ..Pen::solid(5.0) };
     let mut lines = Lines::over(canvas);
     for &v in scene.smoothed.holes.iter().flatten() {

@@ -23,7 +23,7 @@ use scan2step::picture::image::Image;
 use scene::Scene;
 
 fn main() -> ExitCode {
-    // Prints the usage and exits with 2 where the arguments are wrong.
+    // This prints the usage and exits with 2 if the arguments are wrong.
     let args = Args::parse();
     match run(&args) {
         Ok(()) => ExitCode::SUCCESS,
@@ -52,9 +52,9 @@ fn run(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// The scan at the left, the face at the right.
+/// The scan on the left and the face on the right.
 fn pair(scene: &Scene, [width, height]: [usize; 2]) -> Image {
-    // Both halves have one size, so that one camera serves both.
+    // Both halves have the same size, so that they share one camera.
     let half = [width / 2, height];
     let camera = Camera::facing(&scene.measured.mesh, scene.extent(), half);
     let left = scan::canvas(&scene.measured.mesh, &camera, half).image();
@@ -63,7 +63,7 @@ fn pair(scene: &Scene, [width, height]: [usize; 2]) -> Image {
         .beside(right)
 }
 
-/// The face under its control net.
+/// The face with its control net.
 fn net(scene: &Scene, size: [usize; 2]) -> Image {
     let net = scene.conversion.surface.net.iter().map(|&p| p.into());
     let camera = Camera::facing(&scene.measured.mesh, scene.extent().chain(net), size);

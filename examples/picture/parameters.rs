@@ -1,4 +1,4 @@
-//! The parameter plane.
+//! Pictures of the parameter plane.
 
 use scan2step::geometry::{Uv, Vector};
 use scan2step::mesh::FaceOrigin;
@@ -10,14 +10,14 @@ use scan2step::picture::colour::{linear, srgb};
 use scan2step::picture::image::Image;
 use scan2step::picture::lines::{Lines, Pen};
 
-/// Share of the picture's shorter side that stays free on every side.
+/// The margin on every side as a share of the picture's shorter side.
 const MARGIN: f64 = 0.05;
 
-/// Where parameter points are in the picture: u to the right, v up.
+/// Maps parameter points to the picture: u to the right, v upwards.
 struct Plane {
     low: Uv,
     middle: [f64; 2],
-    /// Pixels for the whole range of u and of v.
+    /// The number of pixels for the whole range of u and of v.
     side: f64,
     range: [f64; 2],
 }
@@ -53,7 +53,7 @@ pub fn picture(scene: &Scene, size: [usize; 2]) -> Image {
     canvas.image()
 }
 
-/// The mesh in the parameter plane by itself.
+/// The mesh in the parameter plane.
 pub fn map(scene: &Scene, size: [usize; 2]) -> Image {
     map_on(scene, &Plane::new(scene, size), size).image()
 }
@@ -65,7 +65,7 @@ fn map_on(scene: &Scene, plane: &Plane, size: [usize; 2]) -> Canvas {
     canvas
 }
 
-/// The mesh: measured triangles white, filled ones tinted.
+/// The mesh: measured triangles are white, and filled ones are tinted.
 fn triangles(canvas: &mut Canvas, scene: &Scene, plane: &Plane) {
     let (white, tint) = (linear(srgb(0xffffff)), linear(FILLED));
     for (t, origin) in scene.map.patch.mesh.triangles.iter().zip(&scene.map.patch.origin) {
@@ -74,7 +74,7 @@ fn triangles(canvas: &mut Canvas, scene: &Scene, plane: &Plane) {
     }
 }
 
-/// The sides of the triangles, the fainter the smaller they are.
+/// The sides of the triangles. Smaller triangles have fainter sides.
 fn sides(canvas: &Canvas, scene: &Scene, plane: &Plane) -> Lines {
     let mesh = &scene.map.patch.mesh;
     let mean = plane.side / (0.5 * mesh.triangles.len() as f64).sqrt();
@@ -111,7 +111,7 @@ fn knot_lines(canvas: &Canvas, scene: &Scene, plane: &Plane) -> Lines {
     lines
 }
 
-/// The trim loops and the domain's sides.
+/// The trim loops and the sides of the domain.
 fn loops(canvas: &Canvas, scene: &Scene, plane: &Plane) -> Lines {
     let pen = Pen::flat(2.2, 1.0);
     let mut lines = Lines::over(canvas);

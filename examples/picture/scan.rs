@@ -1,4 +1,4 @@
-//! A mesh of the scan.
+//! Pictures of the scan's mesh.
 
 use scan2step::mesh::Mesh;
 use scan2step::picture::camera::Camera;
@@ -6,7 +6,7 @@ use scan2step::picture::canvas::Canvas;
 use scan2step::picture::colour::plaster;
 use scan2step::picture::{occlusion, sheet};
 
-/// A mesh in plaster.
+/// A mesh in the colour of plaster.
 pub fn canvas(mesh: &Mesh, camera: &Camera, size: [usize; 2]) -> Canvas {
     let material = plaster();
     let mut canvas = Canvas::new(size);

@@ -1,4 +1,4 @@
-//! What there is to show: a conversion, with the meshes of its stages.
+//! The content of the pictures: a conversion and the meshes of its stages.
 
 use std::path::Path;
 
@@ -11,13 +11,13 @@ use scan2step::{Conversion, Options, Stage, brep, convert};
 
 /// A converted scan.
 pub struct Scene {
-    /// The cleaned mesh, as measured.
+    /// The repaired measured mesh.
     pub measured: Disk,
-    /// The mesh, smoothed.
+    /// The smoothed mesh.
     pub smoothed: Disk,
     /// The filled mesh with its parameter points.
     pub map: Parameterized,
-    /// The face and how good it is.
+    /// The face and its quality.
     pub conversion: Conversion,
 }
 
@@ -47,12 +47,12 @@ impl Scene {
         &self.conversion.surface
     }
 
-    /// Points that have to be in the picture: the scan's and the face's edges.
+    /// The points that must be in the picture: those of the scan and of the face's edges.
     pub fn extent(&self) -> impl Iterator<Item = Point> {
         self.measured.mesh.points.iter().copied().chain(self.edges().into_iter().flatten())
     }
 
-    /// The four sides of the patch, as polylines.
+    /// The four sides of the patch as polylines.
     pub fn edges(&self) -> Vec<Vec<Point>> {
         let edges = brep::outer_edges(self.surface());
         edges
@@ -61,7 +61,7 @@ impl Scene {
             .collect()
     }
 
-    /// The trim loops in the parameter plane, as closed polylines.
+    /// The trim loops in the parameter plane as closed polylines.
     pub fn loops(&self) -> Vec<Vec<Uv>> {
         outlines(&self.conversion.loops)
     }

@@ -1,4 +1,4 @@
-//! The meshes of the first stages: with their rims, smoothed, filled, mapped.
+//! Pictures of the first stages: the mesh with its rims, smoothed, filled, and mapped.
 
 use scan2step::geometry::Point;
 use scan2step::mesh::{Disk, FaceOrigin, Mesh};
@@ -15,12 +15,12 @@ use scan2step::picture::{occlusion, sheet};
 const OUTER: [u8; 3] = srgb(0x1f5fae);
 const HOLE: [u8; 3] = srgb(0xb3261e);
 const MEASURED: [u8; 3] = srgb(0xe9e4da);
-/// What fills a hole.
+/// The colour of fills.
 pub const FILLED: [u8; 3] = srgb(0xf2b36b);
 
 const RIM: Pen = Pen::solid(3.0);
 
-/// The measured mesh: the outer boundary blue, the rims of holes red.
+/// The measured mesh. Its outer boundary is blue, and the rims of holes are red.
 pub fn mesh(scene: &Scene, size: [usize; 2]) -> Image {
     let disk = &scene.measured;
     let camera = Camera::facing(&disk.mesh, scene.extent(), size);
@@ -32,7 +32,7 @@ pub fn mesh(scene: &Scene, size: [usize; 2]) -> Image {
     canvas.image()
 }
 
-/// The mesh as measured at the left, smoothed at the right, around a hole.
+/// The measured mesh on the left and the smoothed mesh on the right, around a hole.
 pub fn smooth(scene: &Scene, [width, height]: [usize; 2]) -> Image {
     let half = [width / 2, height];
     let camera = around_hole(scene, half, 2.5);
@@ -40,7 +40,7 @@ pub fn smooth(scene: &Scene, [width, height]: [usize; 2]) -> Image {
     picture(&scene.measured).beside(picture(&scene.smoothed))
 }
 
-/// A filled hole, every triangle with its sides.
+/// A filled hole with the sides of all triangles.
 pub fn fill(scene: &Scene, size: [usize; 2]) -> Image {
     let patch = &scene.map.patch;
     let camera = around_hole(scene, size, 1.35);
@@ -69,8 +69,8 @@ fn sides(canvas: &Canvas, mesh: &Mesh, camera: &Camera) -> Lines {
     lines
 }
 
-/// A camera on the longest rim, and on as much around it as `times` its size has;
-/// on everything where there is no hole.
+/// A camera that shows the longest rim and `times` its size around it, or the whole mesh if there
+/// is no hole.
 pub fn around_hole(scene: &Scene, size: [usize; 2], times: f64) -> Camera {
     let disk = &scene.measured;
     let Some(rim) = disk.holes.iter().max_by_key(|rim| rim.len()) else {

@@ -1,9 +1,9 @@
-//! Which parameter points are cut out of the face.
+//! Test whether parameter points are cut out of the face.
 
 use scan2step::geometry::{Uv, ray_crosses};
 
-/// The inside of the trim loops, with its sides sorted into rows of v so that
-/// a test looks at a few only.
+/// The inside of the trim loops. The sides are sorted into rows of v, so that a test examines only
+/// a few of them.
 pub struct CutOut {
     rows: Vec<Vec<[Uv; 2]>>,
     range: (f64, f64),
@@ -26,8 +26,8 @@ impl CutOut {
         cut
     }
 
-    /// Whether a point is inside: whether a ray from it crosses the loops an
-    /// odd number of times.
+    /// Whether a point is inside, which means that a ray from it crosses the loops an odd number of
+    /// times.
     pub fn contains(&self, p: Uv) -> bool {
         let over = |[a, b]: &&[Uv; 2]| ray_crosses(p, (*a, *b));
         self.rows[self.row(p.y)].iter().filter(over).count() % 2 == 1

@@ -1,22 +1,17 @@
-//! What a process has used so far, as Linux tells it.
+//! The resources that a process has used so far, as Linux reports them.
 //!
-//! Not every example asks for all of it.
+//! Not every example uses all functions.
 #![allow(dead_code)]
 
 use std::error::Error;
 use std::fs;
 
-/// CPU seconds of all threads so far.
+/// The CPU seconds of all threads so far, including threads that have ended.
 pub fn cpu_s() -> Result<f64, Box<dyn Error>> {
-    let mut ns = 0.0;
-    for task in fs::read_dir("/proc/self/task")? {
-        let stat = fs::read_to_string(task?.path().join("schedstat"))?;
-        ns += stat.split(' ').next().unwrap_or_default().parse::<f64>()?;
-    }
-    Ok(ns / 1e9)
+    Ok(cpu_time::ProcessTime::try_now()?.as_duration().as_secs_f64())
 }
 
-/// The process's peak resident memory so far, in MB (10⁶ bytes).
+/// The peak resident memory of the process so far, in MB (10⁶ bytes).
 pub fn peak_rss_mb() -> Result<f64, Box<dyn Error>> {
     let status = fs::read_to_string("/proc/self/status")?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:")).ok_or("no VmHWM")?;

@@ -1,25 +1,25 @@
-//! How far what each stage makes is from the true surface.
+//! The distances of the output of each stage from the true surface.
 
 use std::error::Error;
 
 use formats::Soup;
-use scan2step::deviation::Face;
+use scan2step::deviation::TrimmedFace;
 use scan2step::geometry::{Point, Uv};
 use scan2step::mesh::{Bound, Disk, Patch};
 use scan2step::{Conversion, Options, Stage, convert};
 
 use crate::virtual_scan::VirtualScan;
 
-/// Samples of the face along a side of its domain.
+/// The number of samples of the face along a side of its domain.
 const SIDE: usize = 200;
 
-/// Points that are measured of a mesh at the most.
+/// The largest number of points of a mesh that are measured.
 const MOST: usize = 50_000;
 
-/// A row of a Markdown table: the scan, its points, its noise as found; root mean
-/// square distances to the true surface, in mm, of the points as measured and
-/// smoothed, of the points that fills added, and of the trimmed face, and of this the
-/// largest; the tolerance and the control net.
+/// A row of a Markdown table: the scan, its number of points, the noise found; the root mean square
+/// distances in mm to the true surface of the measured points, of the smoothed points, of the
+/// points of fills, and of the trimmed face; the largest distance of the face; the tolerance and
+/// the control net.
 pub fn row(name: &str, scan: &VirtualScan) -> Result<String, Box<dyn Error>> {
     let mut soup = Soup::default();
     soup.points.clone_from(&scan.points);
@@ -56,12 +56,12 @@ pub fn row(name: &str, scan: &VirtualScan) -> Result<String, Box<dyn Error>> {
     ))
 }
 
-/// Points of the trimmed face, evenly over its domain.
+/// Points that are spread evenly over the domain of the trimmed face.
 fn on_face(conversion: &Conversion) -> Vec<Point> {
     let surface = &conversion.surface;
     let natural = conversion.loops.iter().all(|l| l.of != Bound::Outer);
     let loops = conversion.loops.iter().map(|l| l.pcurves.as_slice());
-    let face = Face::new(surface, loops, natural);
+    let face = TrimmedFace::new(surface, loops, natural);
     let ((u0, u1), (v0, v1)) = (surface.u.range(), surface.v.range());
     let along =
         |(from, to): (f64, f64), i: usize| from + (to - from) * (i as f64 + 0.5) / SIDE as f64;

@@ -1,5 +1,5 @@
-//! Makes virtual scans, whose true surface is known, and measures against it: for
-//! `benches/` and for whoever wants to see the figures of the docs.
+//! Makes virtual scans with known true surfaces and measures the distance from them, for `benches/`
+//! and to reproduce the figures of the documents.
 //!
 //! cargo run --release --example virtual_scan -- NAME OUT.ply
 //! cargo run --release --example virtual_scan -- NAME samples OUT
@@ -7,12 +7,12 @@
 //! cargo run --release --example virtual_scan -- NAME rms POINTS
 //! cargo run --release --example virtual_scan -- NAME accuracy
 //!
-//! The first writes the scan, in mm. `samples` writes its points with their true
-//! parameters, five doubles a point, u v x y z, as `examples/fit.rs` reads them;
-//! `places` 300 × 300 parameter points, three doubles each, u v and whether the scan
-//! has a hole there. `rms` reads points, three doubles each, and prints how far they
-//! are from the true surface, in mm. `accuracy` converts the scan and says as much of what
-//! every stage makes, as a row of a table.
+//! The first command writes the scan in mm. `samples` writes its points with their true parameters:
+//! five doubles for each point, u v x y z, as `examples/fit.rs` reads them. `places` writes 300 ×
+//! 300 parameter points: three doubles for each, u v and whether the scan has a hole there. `rms`
+//! reads points with three doubles each and prints their root mean square distance from the true
+//! surface in mm. `accuracy` converts the scan and prints the distances of the output of every
+//! stage as a row of a table.
 
 mod accuracy;
 mod named;
@@ -24,7 +24,7 @@ use std::error::Error;
 use std::fs::{self, File};
 use std::io::{BufWriter, Write};
 
-/// Places along a side where surfaces are compared.
+/// The number of points along a side at which surfaces are compared.
 const PLACES: usize = 300;
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -1,9 +1,9 @@
-//! The scans by name, as benches and docs speak of them.
+//! The named scans of benches and documents.
 
 use crate::virtual_scan::{Star, Truth, VirtualScan, paper_scan, sheet};
 
-/// What can be asked for: a name, the surface, points along a side, the noise in mm
-/// and the holes. `grid250k` is for programs that take whole grids only.
+/// The available scans: the name, the surface, the points along a side, the noise in mm, and the
+/// holes. `grid250k` is for programs that need complete grids.
 const SCANS: [(&str, Truth, usize, f64, &[Star]); 8] = [
     ("paper2500", sheet, 50, 0.0, &[]),
     ("roll40k", roll, 200, 0.05, &ROLL_HOLES),
@@ -28,13 +28,13 @@ const RELIEF_HOLES: [Star; 3] = [
     Star { centre: [0.72, 0.5], radius: 0.03, arms: 5.0 },
 ];
 
-/// The names, for those who ask for another one.
+/// All names, for error messages.
 pub fn names() -> String {
     let named = SCANS.iter().map(|scan| scan.0);
     named.chain(["paper8100"]).collect::<Vec<_>>().join(", ")
 }
 
-/// The scan of that name, the same in every run.
+/// The scan with the given name. It is the same in every run.
 pub fn scan(name: &str) -> Option<VirtualScan> {
     if name == "paper8100" {
         return Some(paper_scan());
@@ -43,7 +43,8 @@ pub fn scan(name: &str) -> Option<VirtualScan> {
     Some(VirtualScan::new(truth, [side, side], noise, holes.to_vec(), 1))
 }
 
-/// Three quarters of a rippled barrel, 80 mm thick and 120 mm long: it overhangs.
+/// Three quarters of a rippled barrel with a thickness of 80 mm and a length of 120 mm. It
+/// overhangs.
 fn roll(u: f64, v: f64) -> [f64; 3] {
     let (angle, y) = (1.5 * std::f64::consts::PI * (u - 0.5), 120.0 * (v - 0.5));
     let ripples = 1.5 * (5.0 * angle).sin() * (y / 12.0).cos();
@@ -51,7 +52,7 @@ fn roll(u: f64, v: f64) -> [f64; 3] {
     [radius * angle.sin(), y, radius * angle.cos()]
 }
 
-/// A face-like relief of 160 × 220 mm: a broad form, a steep nose, eyes, and fine
+/// A relief of 160 × 220 mm that resembles a face: a broad form, a steep nose, eyes, and fine
 /// wrinkles in one quarter.
 fn relief(u: f64, v: f64) -> [f64; 3] {
     let (x, y) = (160.0 * (u - 0.5), 220.0 * (v - 0.5));

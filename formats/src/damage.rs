@@ -1,29 +1,30 @@
-//! Binary files that went through a program for text.
+//! Detection of binary files that a program for text has damaged.
 //!
-//! Such a program puts a carriage return before every line feed, or takes the
-//! bytes for letters and writes them as UTF-8, those that are none as U+FFFD.
-//! Either shifts what follows, so that the readers stumble over nonsense.
+//! Such a program inserts a carriage return before every line feed, or it interprets the bytes as
+//! characters and writes them as UTF-8, with U+FFFD for invalid ones. Both shift the following
+//! bytes, so that readers find invalid data. The input is bytes of a file. The output is a
+//! description of the damage.
 
 use crate::Error;
 use crate::read::Format;
 
-/// What to do about it.
+/// The advice for such files.
 pub(crate) const SEND_AS_BINARY: &str =
     "Copy or download it again as a binary file, not as text, or send it zipped.";
 
-/// Fewer signs than these in the head of a file may be chance.
+/// The least number of signs of damage in the head of a file. Fewer may occur by chance.
 const SIGNS: u64 = 4;
 
-/// Looks through bytes for whether they can be text of that kind. Those of a
-/// sound binary file soon turn out not to be, and are passed over then.
+/// Tests whether bytes can be such text. The bytes of an undamaged binary file soon fail the test,
+/// and the remaining bytes are skipped.
 pub(crate) struct TextTrace {
-    /// Whether everything is UTF-8 so far.
+    /// Whether all bytes so far are UTF-8.
     utf8: bool,
-    /// How many bytes of the current letter are yet to come.
+    /// The number of missing bytes of the current character.
     due: u8,
-    /// Letters that are not ASCII.
+    /// The number of characters that are not ASCII.
     letters: u64,
-    /// Whether a carriage return stands before each line feed so far.
+    /// Whether there has been a carriage return before each line feed.
     pairs: bool,
     feeds: u64,
     last: u8,
@@ -68,9 +69,9 @@ impl TextTrace {
         self.letters
     }
 
-    /// What was done to a binary file, if it has so many bytes too many: one
-    /// for each line feed, or those that letters, `letters` of them before its
-    /// proper end, take more.
+    /// The damage to a binary file that has `surplus` additional bytes. It is recognized if there
+    /// is one for each line feed, or if the number is that of the additional bytes of characters.
+    /// `letters` of them are before the proper end of the file.
     pub(crate) fn of_surplus(&self, surplus: u64, letters: u64) -> Option<&'static str> {
         if self.utf8 && letters > 0 {
             return Some(AS_LETTERS);
@@ -78,7 +79,7 @@ impl TextTrace {
         (self.pairs && self.feeds == surplus).then_some(AS_LINES)
     }
 
-    /// The same for a file of which only this is known.
+    /// The damage to a binary file of which only a part is known.
     pub(crate) fn of_part(&self) -> Option<&'static str> {
         if self.utf8 && self.letters >= SIGNS {
             return Some(AS_LETTERS);
@@ -88,16 +89,16 @@ impl TextTrace {
 }
 
 const AS_LETTERS: &str = "its bytes were converted to UTF-8 text";
-const AS_LINES: &str = "it was sent as text, with carriage returns put in";
+const AS_LINES: &str = "it was sent as text with additional carriage returns";
 
-/// What was done to binary data that is or begins with `bytes`.
+/// The damage to binary data that begins with `bytes`.
 pub(crate) fn of(bytes: &[u8]) -> Option<&'static str> {
     let mut trace = TextTrace::new();
     trace.push(bytes);
     trace.of_part()
 }
 
-/// The same error, but with its true cause if that shows in the file's head.
+/// Replaces the cause of an error by damage to the file, if the head of the file shows it.
 pub(crate) fn explain(mut error: Error, format: Format, head: &[u8]) -> Error {
     if let Some(damage) = binary_part(format, head).and_then(of) {
         error.what = format!("{}, for {damage}", error.what);
@@ -106,7 +107,7 @@ pub(crate) fn explain(mut error: Error, format: Format, head: &[u8]) -> Error {
     error
 }
 
-/// What stands in `head` after the text that a binary file begins with.
+/// The bytes of `head` after the text at the beginning of a binary file.
 fn binary_part(format: Format, head: &[u8]) -> Option<&[u8]> {
     let after = |word: &[u8]| {
         let at = head.windows(word.len()).position(|w| w == word)?;

@@ -1,12 +1,12 @@
-//! The files at scan2step's two ends: readers of scans and writers of CAD.
+//! Readers of scans, and readers and writers of CAD files.
 //!
-//! Readers deliver what a file says, and no more: a [`Soup`] of polygons with
-//! its declared unit, unwelded and unrepaired, or a cloud of [`Points`]. Writers take a [`Brep`]: faces on
-//! B-spline surfaces, trimmed by edges with a pcurve for every use, in shells and
-//! solids. The crate knows nothing of what happens between the two.
+//! A reader of scans returns exactly what a file contains: a [`Soup`] of polygons with the unit
+//! that the file declares, or a cloud of [`Points`]. It does not weld or repair anything. A writer takes a [`Brep`]: faces on
+//! B-spline surfaces in shells and solids, trimmed by edges with a pcurve for every use. The crate
+//! does not know how scan2step converts one into the other.
 
 #![deny(missing_docs)]
-// Whatever a file says is answered with an error.
+// Whatever a file contains, the readers return an error and do not panic.
 #![deny(clippy::expect_used, clippy::panic, clippy::unreachable, clippy::unwrap_used)]
 
 pub mod brep;
@@ -32,12 +32,12 @@ mod token;
 mod unzip;
 
 pub use brep::Brep;
-pub use error::{Error, Place, Result};
+pub use error::{Error, Location, Result};
 pub use points::{Content, PointFormat, Points, read_content, read_points, read_points_from};
 pub use read::{Format, read_scan, read_scan_from};
 pub use soup::{LengthUnit, Soup};
 
-/// The example of the README is a test, too.
+/// The example of the README is also a test.
 #[cfg(doctest)]
 #[doc = include_str!("../README.md")]
 struct Readme;

@@ -1,10 +1,10 @@
-//! What fits into a [`Soup`](crate::Soup), which counts in 32 bits.
+//! The limits of a [`Soup`](crate::Soup), which has 32-bit indices.
 
 use std::path::Path;
 
 use crate::{Error, Result, Soup};
 
-/// That `points` more points and `corners` more corners fit into `soup`.
+/// Checks that `points` more points and `corners` more corners fit into `soup`.
 pub(crate) fn check_room(path: &Path, soup: &Soup, points: u64, corners: u64) -> Result<()> {
     let most = soup.points.len() as u64 + points;
     let most = most.max(soup.polygons.corner_count() as u64 + corners);

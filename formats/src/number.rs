@@ -1,15 +1,16 @@
-//! Real numbers as exchange files want them.
+//! The text of real numbers in exchange files.
 //!
-//! Both formats get the fewest digits that read back as the same `f64`: fewer
-//! move a trim curve off its surface by more than the importers' Boolean check
-//! bears. Both want a decimal point in every real.
+//! STEP and IGES get the fewest digits that read back as the same `f64`. With fewer digits, the
+//! distance of a trim curve from its surface would exceed what the Boolean operations of importers
+//! accept. Both formats require a decimal point in every real number.
 
 use std::fmt;
 
-/// A real of ISO 10303-21, clause 6.4.2: `1.`, `0.25`, `1.5E-07`.
+/// A real number in the notation of ISO 10303-21, clause 6.4.2: `1.`, `0.25`, `1.5E-07`.
 pub(crate) struct StepReal(pub f64);
 
-/// A double-precision real of IGES 5.3, clause 2.2.2.2: `1.`, `0.25`, `1.5D-07`.
+/// A double-precision real number in the notation of IGES 5.3, clause 2.2.2.2: `1.`, `0.25`,
+/// `1.5D-07`.
 pub(crate) struct IgesReal(pub f64);
 
 impl fmt::Display for StepReal {
@@ -49,9 +50,9 @@ fn scientific(x: f64, letter: char, f: &mut fmt::Formatter<'_>) -> fmt::Result {
     write!(f, "{mantissa}{point}{letter}{sign}{digits:0>2}")
 }
 
-/// The distinct knots of a knot vector and how often each stands in it.
+/// The distinct knots of a knot vector and the multiplicity of each.
 ///
-/// Compares exactly: a net of a thousand rows may well have knots closer than 1e-6.
+/// Knots are compared exactly, because a net of a thousand rows may have knots closer than 1e-6.
 pub(crate) fn distinct_knots(knots: &[f64]) -> (Vec<f64>, Vec<usize>) {
     let mut distinct = Vec::with_capacity(knots.len());
     let mut counts: Vec<usize> = Vec::with_capacity(knots.len());

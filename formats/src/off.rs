@@ -4,7 +4,7 @@
 use crate::limits::check_room;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
-use crate::{Place, Result, Soup};
+use crate::{Location, Result, Soup};
 
 /// Whether `head` begins an OFF file: with its keyword, which may have prefixes
 /// for what the vertices have besides a position.
@@ -31,12 +31,12 @@ fn without_comment(line: &[u8]) -> &[u8] {
 }
 
 pub(crate) fn read(source: Source) -> Result<Soup> {
-    let mut lines = Lines { source, line: Vec::new() };
+    let mut lines = TextLines { source, line: Vec::new() };
     let [vertices, faces] = read_head(&mut lines)?;
     let mut soup = Soup::default();
     for i in 0..vertices {
         if !lines.advance()? {
-            return Err(lines.cut("vertices", i, vertices).at(Place::Vertex(i)));
+            return Err(lines.cut("vertices", i, vertices).at(Location::Vertex(i)));
         }
         check_room(&lines.source.path, &soup, 1, 0)?;
         soup.points.push(lines.position()?);
@@ -44,7 +44,7 @@ pub(crate) fn read(source: Source) -> Result<Soup> {
     let mut corners = Vec::new();
     for i in 0..faces {
         if !lines.advance()? {
-            return Err(lines.cut("faces", i, faces).at(Place::Face(i)));
+            return Err(lines.cut("faces", i, faces).at(Location::Face(i)));
         }
         lines.corners(vertices, &mut corners)?;
         check_room(&lines.source.path, &soup, 0, corners.len() as u64)?;
@@ -61,12 +61,12 @@ pub(crate) fn read(source: Source) -> Result<Soup> {
 }
 
 /// The lines that hold something, without their comments.
-struct Lines {
+struct TextLines {
     source: Source,
     line: Vec<u8>,
 }
 
-impl Lines {
+impl TextLines {
     /// Goes to the next line, if there is one.
     fn advance(&mut self) -> Result<bool> {
         while self.source.next_text_line(&mut self.line)? {
@@ -131,8 +131,8 @@ fn integer(word: &[u8]) -> Option<u64> {
 
 /// Reads the keyword, if it is there, and the numbers of vertices and faces. The
 /// number of edges, which follows, is wrong in most files and not needed.
-fn read_head(lines: &mut Lines) -> Result<[u64; 2]> {
-    let no_counts = |lines: &Lines| {
+fn read_head(lines: &mut TextLines) -> Result<[u64; 2]> {
+    let no_counts = |lines: &TextLines| {
         lines.source.error("has no numbers of vertices and faces in its header", EXPORT_AGAIN)
     };
     if !lines.advance()? {

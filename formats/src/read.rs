@@ -1,4 +1,7 @@
-//! Reading a scan of whichever format.
+//! Reading of a scan in any supported format.
+//!
+//! The input is a file or a stream. The output is a [`Soup`]. The content decides on the format
+//! where possible, otherwise the extension of the name does.
 
 use std::io::Read;
 use std::path::Path;
@@ -10,32 +13,32 @@ use crate::{Error, Result, Soup, damage, gltf, obj, off, ply, stl};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Format {
-    /// Stanford polygon file, ascii or binary.
+    /// Stanford polygon format, ASCII or binary.
     Ply,
     /// Wavefront OBJ.
     Obj,
     /// glTF 2.0 as JSON text.
     Gltf,
-    /// glTF 2.0 in one binary file.
+    /// glTF 2.0 as one binary file.
     Glb,
-    /// Stereolithography, ascii or binary.
+    /// Stereolithography format, ASCII or binary.
     Stl,
     /// Object File Format of Geomview, as text.
     Off,
 }
 
 impl Format {
-    /// The format of the file at `path`: what its content says or, where that
-    /// is silent, what its extension says.
+    /// The format of the file at `path`. The content of the file decides. If it is ambiguous, the
+    /// extension does.
     ///
     /// # Errors
-    /// The file cannot be opened, or is of no format that is read here.
+    /// The file cannot be opened, or its format is not supported.
     pub fn of(path: &Path) -> Result<Format> {
         recognise(&Source::open(path)?)
     }
 
-    /// The format that the extension of `path` means, gzipped or not, if it means
-    /// one. The file is not looked at.
+    /// The format that the extension of `path` stands for, if it stands for one. A second extension
+    /// for gzip is ignored. The file is not opened.
     pub fn by_extension(path: &Path) -> Option<Format> {
         let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
         let name = name.strip_suffix(".gz").unwrap_or(&name);
@@ -51,29 +54,28 @@ impl Format {
     }
 }
 
-/// Reads the mesh in the file at `path`: its points in the file's order,
-/// unused ones included, and its polygons (of three corners or more) as they
-/// are. Of a glTF file that is the default scene, with the nodes' transforms
-/// applied, but neither skins nor morph targets.
+/// Reads the mesh in the file at `path`.
+///
+/// The result has all points in the order of the file, including unused ones, and the polygons of
+/// three or more corners without any change. For a glTF file this is the default scene with the
+/// transforms of its nodes applied. Skins and morph targets are ignored.
 ///
 /// # Errors
-/// The file cannot be read, is damaged, contradicts itself, needs what is not
-/// supported, or has no polygons. Memory grows with what the file really
-/// holds, whatever it claims.
+/// The file cannot be read, is damaged, is inconsistent, requires an unsupported feature, or has no
+/// polygons. The memory depends on the actual content of the file, whatever counts it claims.
 pub fn read_scan(path: &Path) -> Result<Soup> {
     read(Source::open(path)?)
 }
 
-/// Reads a mesh as [`read_scan`] does, but from memory or any other stream.
-/// Bytes in memory come as a [`Cursor`](std::io::Cursor) that owns them.
+/// Reads a mesh from memory or any other stream as [`read_scan`] does. Use a
+/// [`Cursor`](std::io::Cursor) that owns the bytes to read from memory.
 ///
-/// `name` is what errors call the file, and by its extension a content is
-/// recognised that does not tell its format itself. A binary STL never does
-/// here: it is known by its length, and a stream has none. No file of that
-/// name is touched.
+/// Errors call the file `name`. Its extension decides on the format if the content is ambiguous.
+/// This is always the case for a binary STL, because only the length of a file identifies it, and a
+/// stream has no known length. No file with this name is opened.
 ///
-/// `folder` is where a glTF file may have its buffers. With `None` it may not
-/// refer to any file, which is right for content whose origin is not trusted.
+/// `folder` is the folder in which a glTF file may have its buffers. With `None` it may not refer
+/// to any file. This is the right choice for content from an untrusted source.
 ///
 /// ```
 /// let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
@@ -84,7 +86,7 @@ pub fn read_scan(path: &Path) -> Result<Soup> {
 /// ```
 ///
 /// # Errors
-/// Those of [`read_scan`]; and a glTF file needs a buffer in another file
+/// The same as those of [`read_scan`]. In addition, a glTF file may need a buffer in another file
 /// although `folder` is `None`.
 pub fn read_scan_from(
     name: &Path,
@@ -138,17 +140,17 @@ fn recognise(source: &Source) -> Result<Format> {
     if let Some((foreign, help)) = foreign(head) {
         return Err(Error::new(&source.path, format!("is {foreign}"), help));
     }
-    // Last, for any text may have a line that looks like a vertex.
+    // OBJ is tested last, because any text may have a line that looks like a vertex.
     if obj::is_obj(after_mark(head)) {
         return Ok(Format::Obj);
     }
-    let unknown = || Error::new(&source.path, "is of no known mesh format", READABLE);
+    let unknown = || Error::new(&source.path, "is not in a known mesh format", READABLE);
     Format::by_extension(&source.path).ok_or_else(unknown)
 }
 
 pub(crate) fn by_content(source: &Source) -> Option<Format> {
     let head = source.head.as_slice();
-    // First, for it may begin with any word.
+    // STL is tested first, because a binary file may begin with any word.
     if stl::is_binary(head, source.len) || stl::is_ascii(head) {
         return Some(Format::Stl);
     }
@@ -163,17 +165,16 @@ pub(crate) fn by_content(source: &Source) -> Option<Format> {
         return Some(Format::Off);
     }
     let begins = text.iter().find(|b| !b.is_ascii_whitespace());
-    // In UTF-16 a NUL comes next.
+    // A NUL byte after the brace would mean UTF-16.
     (begins == Some(&b'{') && !text.contains(&0)).then_some(Format::Gltf)
 }
 
-/// `head` without the byte order mark that editors put before text.
+/// `head` without the byte order mark that some editors insert before text.
 pub(crate) fn after_mark(head: &[u8]) -> &[u8] {
     head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head)
 }
 
-/// What the file is, if it is something that is often mistaken for a mesh, and
-/// what to do about it.
+/// The format of a file that is often mistaken for a mesh, and what to do about it.
 pub(crate) fn foreign(head: &[u8]) -> Option<(&'static str, &'static str)> {
     let known: [(&[u8], &str); 7] = [
         (b"PK\x03\x04", "a ZIP archive (perhaps 3MF)"),
@@ -198,7 +199,7 @@ pub(crate) fn foreign(head: &[u8]) -> Option<(&'static str, &'static str)> {
     if is_utf_16(head) {
         return Some(("UTF-16 text", UTF_8));
     }
-    // Gzip's second byte is no UTF-8.
+    // The second byte of gzip is not UTF-8, so that a conversion replaced it.
     if head.starts_with(b"\x1f\xef\xbf\xbd") {
         return Some(("gzipped, but its bytes were converted to text", damage::SEND_AS_BINARY));
     }
@@ -213,7 +214,8 @@ pub(crate) fn foreign(head: &[u8]) -> Option<(&'static str, &'static str)> {
     (begins("<!doctype html") || begins("<html")).then_some(("a web page (HTML)", help))
 }
 
-/// Whether it begins with UTF-16's mark, or with ASCII in two bytes a letter.
+/// Whether `head` begins with the byte order mark of UTF-16, or with ASCII in two bytes per
+/// character.
 fn is_utf_16(head: &[u8]) -> bool {
     let pairs = head[..head.len().min(64)].as_chunks::<2>().0;
     let is_ascii = |byte: u8| byte.is_ascii_graphic() || byte.is_ascii_whitespace();

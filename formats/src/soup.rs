@@ -1,21 +1,21 @@
-//! Polygons as a file has them: nothing welded, nothing repaired.
+//! The polygons of a file without any welding or repair (a polygon soup).
 
-/// What a scan file says: points, polygons over them, and the unit of the
-/// numbers where the format declares one.
+/// The content of a scan file: points, polygons, and the unit of length if the format declares one.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Soup {
-    /// Positions, in the file's unit. May hold non-finite numbers and points
-    /// that no polygon uses.
+    /// The points in the unit of the file. They may have non-finite coordinates, and some may not
+    /// be used by any polygon.
     pub points: Vec<[f64; 3]>,
-    /// The polygons; every index is a valid index into `points`.
+    /// The polygons. Every index is a valid index into `points`.
     pub polygons: Polygons,
-    /// The unit that the format itself fixes (glTF: metres), else `None`.
+    /// The unit that the format itself defines, for example metres for glTF. `None` if it defines
+    /// none.
     pub unit: Option<LengthUnit>,
-    /// The mean colour of the points where they have one each (sRGB).
+    /// The mean colour of the points (sRGB). `None` if not every point has a colour.
     pub colour: Option<[u8; 3]>,
 }
 
-/// Polygons of any size in two flat arrays.
+/// Polygons with any numbers of corners in two flat arrays.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Polygons {
     corners: Vec<u32>,
@@ -23,23 +23,23 @@ pub struct Polygons {
 }
 
 impl Polygons {
-    /// Appends one polygon, its corners in the file's order.
+    /// Appends one polygon. Its corners are in the order of the file.
     pub fn push(&mut self, corners: impl IntoIterator<Item = u32>) {
         self.corners.extend(corners);
         self.ends.push(self.corners.len() as u32);
     }
 
-    /// How many polygons there are.
+    /// The number of polygons.
     pub fn len(&self) -> usize {
         self.ends.len()
     }
 
-    /// How many corners the polygons have together.
+    /// The number of corners of all polygons.
     pub fn corner_count(&self) -> usize {
         self.corners.len()
     }
 
-    /// How many triangles the polygons make, each cut into a fan.
+    /// The number of triangles if each polygon is divided into a fan.
     pub fn triangle_count(&self) -> usize {
         self.iter().map(|corners| corners.len().saturating_sub(2)).sum()
     }
@@ -49,18 +49,18 @@ impl Polygons {
         self.ends.is_empty()
     }
 
-    /// The corners of each polygon, in the file's order.
+    /// The corners of each polygon in the order of the file.
     pub fn iter(&self) -> impl Iterator<Item = &[u32]> {
         let starts = std::iter::once(0).chain(self.ends.iter().copied());
         starts.zip(&self.ends).map(|(a, &b)| &self.corners[a as usize..b as usize])
     }
 }
 
-/// A unit of length that a scan's numbers can have.
+/// The unit of length of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum LengthUnit {
-    /// Millimetres, the unit of everything after the readers.
+    /// Millimetres. All stages after the readers use this unit.
     Millimetre,
     /// Centimetres.
     Centimetre,
@@ -71,7 +71,7 @@ pub enum LengthUnit {
 }
 
 impl LengthUnit {
-    /// How many millimetres one unit is.
+    /// The length of one unit in millimetres.
     pub fn in_mm(self) -> f64 {
         match self {
             LengthUnit::Millimetre => 1.0,
@@ -81,7 +81,7 @@ impl LengthUnit {
         }
     }
 
-    /// The unit's abbreviation, as the command line spells it.
+    /// The abbreviation of the unit, as on the command line.
     pub fn symbol(self) -> &'static str {
         match self {
             LengthUnit::Millimetre => "mm",

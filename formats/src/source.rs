@@ -1,53 +1,54 @@
-//! A scan file opened for reading: gunzipped, with its head in view.
+//! A scan file that is open for reading. Gzip is decompressed, and the first bytes are available
+//! for the detection of the format.
 
 use std::fs::File;
 use std::io::{self, BufRead as _, BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use crate::unzip::Unzip;
-use crate::{Error, Place, Result};
+use crate::{Error, Location, Result};
 
-/// How much of a file recognition may look at.
+/// The number of bytes that the detection of the format can use.
 const HEAD: u64 = 8192;
 
-/// No line of a sane scan is longer; a gzip bomb without line ends is.
+/// The largest length of a line in bytes. It bounds the memory for a gzip bomb without line ends.
 const MAX_LINE: u64 = 64 << 20;
 
-/// What to do about a file that is cut or damaged.
+/// The advice for a truncated or damaged file.
 pub(crate) const EXPORT_AGAIN: &str =
     "The file is damaged or was cut short: copy or export it again, best as binary PLY.";
 
-/// A stream of the (unzipped) bytes of one file. Nothing is held but a buffer,
-/// so that memory grows only with what a reader keeps.
+/// A stream of the decompressed bytes of one file. Only a buffer is in memory, so that memory grows
+/// only with the data that a reader keeps.
 pub(crate) struct Source {
-    /// The path as the user named it, for errors.
+    /// The path as the user gave it, for errors.
     pub(crate) path: PathBuf,
-    /// Where the files are that this one refers to, if it may refer to any.
+    /// The folder of the files that this file refers to. `None` if it may not refer to any.
     pub(crate) folder: Option<PathBuf>,
-    /// The first bytes, which `stream` delivers as well.
+    /// The first bytes. `stream` delivers them, too.
     pub(crate) head: Vec<u8>,
-    /// The length of the content if the file is not gzipped.
+    /// The length of the content in bytes, if the file is not compressed.
     pub(crate) len: Option<u64>,
     /// The content from its first byte on.
     pub(crate) stream: BufReader<Box<dyn Read>>,
-    /// How many lines `next_line` has delivered: the number of the last one.
+    /// The number of lines that `next_line` has returned, which is the number of the last line.
     pub(crate) line: u64,
-    /// Whether that line had an end.
+    /// Whether the last line had a line end.
     pub(crate) ended_line: bool,
     eol: u8,
-    pieces: Pieces,
+    pieces: PendingLine,
 }
 
-/// A line with ends of the other kind within: `used` bytes of it are delivered.
+/// A line that contains line ends of another kind. `used` bytes of it have been returned.
 #[derive(Default)]
-struct Pieces {
+struct PendingLine {
     line: Vec<u8>,
     used: usize,
     ended: bool,
 }
 
 impl Source {
-    /// Opens the file at `path`, which may refer to files beside it.
+    /// Opens the file at `path`. It may refer to files in the same folder.
     pub(crate) fn open(path: &Path) -> Result<Source> {
         let cannot = |e: io::Error| {
             let what = format!("cannot be opened: {e}");
@@ -62,8 +63,8 @@ impl Source {
         Source::new(path, file, Some(meta.len()), folder.or(Some(Path::new("."))))
     }
 
-    /// A source of `content`, of `len` bytes if that is known, which is
-    /// unzipped if its first bytes are gzip's.
+    /// Creates a source from `content`. Its length is `len` if that is known. It is decompressed if
+    /// it begins as a gzip file.
     pub(crate) fn new(
         path: &Path,
         mut content: impl Read + 'static,
@@ -91,12 +92,12 @@ impl Source {
             stream: BufReader::with_capacity(64 << 10, stream),
             line: 0,
             ended_line: true,
-            pieces: Pieces::default(),
+            pieces: PendingLine::default(),
         })
     }
 
-    /// Puts the next line into `line`, without its end; `false` after the last.
-    /// A byte order mark before the first one is left out.
+    /// Stores the next line without its end in `line`. Returns `false` after the last line. A byte
+    /// order mark at the beginning of the file is removed.
     pub(crate) fn next_line(&mut self, line: &mut Vec<u8>) -> Result<bool> {
         line.clear();
         let read = (&mut self.stream).take(MAX_LINE).read_until(self.eol, line);
@@ -118,8 +119,7 @@ impl Source {
         Ok(read > 0)
     }
 
-    /// The same for files that are text to their end: a line may end in `\n`,
-    /// `\r\n` or `\r`, whatever the first one ends in.
+    /// The same for files that consist of text only. Each line may end with `\n`, `\r\n` or `\r`.
     pub(crate) fn next_text_line(&mut self, line: &mut Vec<u8>) -> Result<bool> {
         if self.pieces.used < self.pieces.line.len() {
             self.line += 1;
@@ -129,7 +129,7 @@ impl Source {
         let more = self.next_line(line)?;
         let other = if self.eol == b'\n' { b'\r' } else { b'\n' };
         if self.eol == b'\r' && line.first() == Some(&other) {
-            // The second half of the `\r\n` that ended the line before.
+            // This is the second byte of the `\r\n` at the end of the previous line.
             line.remove(0);
         }
         if line.contains(&other) {
@@ -149,13 +149,13 @@ impl Source {
         self.ended_line = end.is_some() || self.pieces.ended;
     }
 
-    /// An error at the last line delivered, if there was one.
+    /// An error at the last line that was returned, if there was one.
     pub(crate) fn error(&self, what: impl Into<String>, help: impl Into<String>) -> Error {
         let error = Error::new(&self.path, what, help);
-        if self.line > 0 { error.at(Place::Line(self.line)) } else { error }
+        if self.line > 0 { error.at(Location::Line(self.line)) } else { error }
     }
 
-    /// The error that reading itself failed: a bad disk, a cut gzip stream.
+    /// An error of reading itself, for example a bad disk or a truncated gzip stream.
     pub(crate) fn io_error(&self, e: &io::Error) -> Error {
         Error::new(&self.path, format!("cannot be read to its end: {e}"), EXPORT_AGAIN)
     }
@@ -167,9 +167,8 @@ fn take_head(from: &mut impl Read) -> io::Result<Vec<u8>> {
     Ok(head)
 }
 
-/// The byte that ends lines: `\r` alone in old Macintosh files, else `\n`
-/// (perhaps after `\r`). The first line decides, for in a binary PLY file any
-/// byte may follow the header.
+/// The byte that ends lines: `\r` in old Macintosh files, otherwise `\n`, perhaps after `\r`. The
+/// first line decides, because any byte may follow the header of a binary PLY file.
 fn line_end(head: &[u8]) -> u8 {
     match head.iter().position(|b| matches!(b, b'\r' | b'\n')) {
         Some(i) if head[i] == b'\r' && head.get(i + 1) != Some(&b'\n') => b'\r',

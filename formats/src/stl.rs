@@ -1,7 +1,7 @@
-//! STL, ascii and binary.
+//! Reader of STL files, ASCII and binary.
 //!
-//! Our own reader: stl_io 0.11 ends at the first of several solids, takes a
-//! binary file that begins with "solid" for text, and refuses upper case.
+//! The crate stl_io 0.11 is not used, because it ends after the first of several solids, reads a
+//! binary file that begins with "solid" as text, and refuses upper case.
 
 use std::io::{ErrorKind, Read};
 use std::str::SplitAsciiWhitespace;
@@ -10,28 +10,29 @@ use crate::damage::{SEND_AS_BINARY, TextTrace};
 use crate::limits::check_room;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
-use crate::{Error, Place, Result, Soup};
+use crate::{Error, Location, Result, Soup};
 
-/// A binary file's free text, and the triangle count after it.
+/// The size in bytes of the free text at the beginning of a binary file. The number of triangles
+/// follows.
 const HEADER: usize = 80;
 const PREFIX: usize = HEADER + 4;
 
-/// A normal, three corners and an attribute.
+/// The size in bytes of a triangle: a normal, three corners and an attribute.
 const RECORD: usize = 50;
 
-/// What follows the records is not looked through beyond this.
+/// The largest number of bytes after the records that are examined.
 const MOST_SURPLUS: u64 = 64 << 20;
 
-/// Whether `head` begins an ascii file. A binary one may begin with "solid"
-/// too, but it has a zero byte at the latest in its triangle count.
+/// Whether `head` is the beginning of an ASCII file. A binary file may begin with "solid", too, but
+/// it has a zero byte in its number of triangles at the latest.
 pub(crate) fn is_ascii(head: &[u8]) -> bool {
     let head = head.strip_prefix(b"\xef\xbb\xbf").unwrap_or(head).trim_ascii_start();
     let solid = head.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"solid"));
     solid && head.get(5).is_none_or(u8::is_ascii_whitespace) && !head.contains(&0)
 }
 
-/// Whether a file of `len` bytes that begins with `head` has just the length
-/// that its triangle count asks for. (There is no other mark.)
+/// Whether a file of `len` bytes that begins with `head` has exactly the length for its number of
+/// triangles. A binary file has no other mark.
 pub(crate) fn is_binary(head: &[u8], len: Option<u64>) -> bool {
     let Some(count) = head.get(HEADER..PREFIX) else {
         return false;
@@ -40,8 +41,8 @@ pub(crate) fn is_binary(head: &[u8], len: Option<u64>) -> bool {
     count > 0 && len == Some(PREFIX as u64 + count * RECORD as u64)
 }
 
-/// Whether `head` is text, whatever it says: a binary file has zeros in its
-/// count, and text lines may begin otherwise than with "solid".
+/// Whether `head` is any text. A binary file has zero bytes in its number of triangles. Text need
+/// not begin with "solid".
 fn is_text(head: &[u8]) -> bool {
     let is_control = |b: &u8| b.is_ascii_control() && !b.is_ascii_whitespace() && *b != 0x1a;
     is_ascii(head) || !head.iter().any(is_control)
@@ -84,17 +85,16 @@ fn read_binary(mut source: Source) -> Result<Soup> {
     Ok(soup)
 }
 
-/// Checks what follows the records. Padding, text, and a few bytes (a colour)
-/// are left alone. Whole records must not get lost, nor a second file that was
-/// appended to the first; and a file with bytes too many is no longer what it
-/// was if they came in by a conversion to text.
+/// Checks the bytes after the records. Padding, text, and a few bytes such as a colour are
+/// accepted. Whole records and an appended second file are errors, because triangles would be lost.
+/// Additional bytes from a conversion to text are an error, too.
 fn check_surplus(source: &mut Source, count: u32, mut trace: TextTrace) -> Result<()> {
     let letters = trace.letters();
     let tail = Tail::read(source, &mut trace)?;
     let damage = (tail.length > 0).then(|| trace.of_surplus(tail.length, letters)).flatten();
     if let Some(damage) = damage {
         let what =
-            format!("is {} bytes longer than its {count} triangles, for {damage}", tail.length);
+            format!("is {} bytes longer than its {count} triangles, because {damage}", tail.length);
         return Err(Error::new(&source.path, what, SEND_AS_BINARY));
     }
     if tail.is_zero || tail.is_text || tail.length < RECORD as u64 {
@@ -105,7 +105,7 @@ fn check_surplus(source: &mut Source, count: u32, mut trace: TextTrace) -> Resul
     Err(surplus(source, count, length))
 }
 
-/// What follows the records.
+/// The bytes after the records.
 struct Tail {
     length: u64,
     is_zero: bool,
@@ -131,23 +131,23 @@ impl Tail {
     }
 }
 
-/// The error that so many bytes follow the last of `count` triangles.
+/// The error that `length` bytes follow the last of `count` triangles.
 fn surplus(source: &Source, count: u32, length: u64) -> Error {
     let (more, rest) = (length / RECORD as u64, length % RECORD as u64);
     let what = match rest {
         0 => format!(
-            "announces {count} triangles, but has {} by its length",
+            "declares {count} triangles, but its length is that of {}",
             u64::from(count) + more
         ),
-        _ => format!("has {length} bytes after the {count} triangles that it announces"),
+        _ => format!("has {length} bytes after the {count} triangles that it declares"),
     };
     let help = "Its triangle count is wrong, or it is several files in one: export it again.";
-    Error::new(&source.path, what, help).at(Place::Byte(HEADER as u64))
+    Error::new(&source.path, what, help).at(Location::Byte(HEADER as u64))
 }
 
 fn cut(source: &Source, triangle: u32, count: u32) -> Error {
     let what = format!("ends after {triangle} of its {count} triangles");
-    Error::new(&source.path, what, EXPORT_AGAIN).at(Place::Face(u64::from(triangle)))
+    Error::new(&source.path, what, EXPORT_AGAIN).at(Location::Face(u64::from(triangle)))
 }
 
 fn corner(record: &[u8; RECORD], at: usize) -> [f64; 3] {
@@ -158,7 +158,7 @@ fn corner(record: &[u8; RECORD], at: usize) -> [f64; 3] {
     })
 }
 
-/// A name has any words, and goes on to the line's end or to the first facet.
+/// Skips a name. It may have any words, and it ends at the end of the line or at the first facet.
 fn skip_name(words: &mut SplitAsciiWhitespace) {
     let is_facet = |words: &SplitAsciiWhitespace| {
         let mut ahead = words.clone();
@@ -167,12 +167,12 @@ fn skip_name(words: &mut SplitAsciiWhitespace) {
     while !is_facet(words) && words.next().is_some() {}
 }
 
-/// The ascii reader. It goes by words, not by lines: `vertex` and `endloop`
-/// carry the mesh, and the other words only have to be there.
+/// The reader of ASCII files. It processes words instead of lines: `vertex` and `endloop` define
+/// the mesh, and the other words only need to be present.
 struct Ascii {
     source: Source,
     soup: Soup,
-    /// The first corner of the facet at hand.
+    /// The first corner of the current facet.
     first: usize,
     in_facet: bool,
     in_solid: bool,
@@ -204,13 +204,13 @@ impl Ascii {
                     self.set_solid(true, line)?;
                     skip_name(&mut words);
                 }
-                // The rest of the line is a name, of any words.
+                // The rest of the line is a name of any words.
                 "endsolid" => return self.set_solid(false, line),
-                // The end of text, for DOS.
+                // This character marks the end of text in DOS.
                 "\u{1a}" if !self.in_solid => return Ok(()),
                 "facet" => self.set_facet(true, line)?,
                 "endfacet" => self.set_facet(false, line)?,
-                // The normal is wrong as often as not: the corners tell it.
+                // The normal is often wrong. The corners define it.
                 "normal" => drop(words.by_ref().take(3).count()),
                 "outer" | "loop" => {}
                 "vertex" => self.vertex(words.by_ref().take(3), line)?,
@@ -253,7 +253,7 @@ impl Ascii {
         if end < self.first + 3 {
             return Err(self.unreadable(line));
         }
-        // In range: `check_room` has looked at every corner.
+        // The number is in range, because `check_room` has checked every corner.
         self.soup.polygons.push(self.first as u32..end as u32);
         self.first = end;
         Ok(())
@@ -261,7 +261,7 @@ impl Ascii {
 
     fn unreadable(&self, line: &str) -> Error {
         let text = excerpt(line.as_bytes());
-        let what = format!("is no sound STL text at \u{201c}{text}\u{201d}");
+        let what = format!("is not valid STL text at \u{201c}{text}\u{201d}");
         self.source.error(what, number_help(&text))
     }
 }

@@ -1,7 +1,7 @@
-//! ISO 8601 time stamps, for formats that spell them differently.
+//! ISO 8601 time stamps for formats with other notations.
 
-/// Year, month, day, hour, minute, second of an ISO 8601 time stamp; what it
-/// does not say is that of 1970-01-01T00:00:00.
+/// The year, month, day, hour, minute and second of an ISO 8601 time stamp. Missing fields are
+/// those of 1970-01-01T00:00:00.
 pub(crate) fn fields(time_stamp: &str) -> [u32; 6] {
     let mut fields = [1970, 1, 1, 0, 0, 0];
     let numbers = time_stamp.split(|c: char| !c.is_ascii_digit()).filter(|s| !s.is_empty());

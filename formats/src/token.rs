@@ -1,12 +1,11 @@
-//! Numbers as mesh exporters spell them.
+//! Numbers in the notations of mesh exporters.
 
 use std::borrow::Cow;
 
-/// `token` in a spelling that both Rust and ply-rs read: digits on both sides
-/// of the point, and NaN or infinity in any dialect as a number too large for
-/// a double, which is read as an infinity. (ply-rs knows no `nan`, and to the
-/// pipeline every non-finite point is the same: no point.) What is no number
-/// comes back as it is.
+/// Converts `token` to a notation that both Rust and ply-rs read. There are digits on both sides of
+/// the point. NaN or infinity in any notation becomes a number that is too large for a double, so
+/// that it is read as infinity. (ply-rs does not know `nan`, and later stages treat all non-finite
+/// points in the same way.) A token that is not a number is returned unchanged.
 pub(crate) fn plain_number(token: &str) -> Cow<'_, str> {
     let digits = token.trim_start_matches(['+', '-']);
     let starts = digits.as_bytes().first().copied().unwrap_or(0);
@@ -20,7 +19,7 @@ pub(crate) fn plain_number(token: &str) -> Cow<'_, str> {
     let sign = &token[..token.len() - digits.len()];
     let zero = if starts == b'.' { "0" } else { "" };
     let (mantissa, exponent) = digits.split_at(digits.find(['e', 'E']).unwrap_or(digits.len()));
-    // A point alone is no zero.
+    // A point without digits is not a number.
     if !mantissa.contains(|c: char| c.is_ascii_digit()) {
         return Cow::Borrowed(token);
     }
@@ -30,7 +29,7 @@ pub(crate) fn plain_number(token: &str) -> Cow<'_, str> {
 
 fn non_finite<'a>(token: &'a str, digits: &str) -> Cow<'a, str> {
     let word = digits.to_ascii_lowercase();
-    // "1.#QNAN" and its like are Microsoft's.
+    // "1.#QNAN" and similar words come from Microsoft's libraries.
     let known = ["nan", "inf", "1.#ind", "1.#inf", "1.#qnan", "1.#snan"];
     match known.iter().any(|k| word.starts_with(k)) {
         true if token.starts_with('-') => Cow::Borrowed("-1e999"),
@@ -39,7 +38,7 @@ fn non_finite<'a>(token: &'a str, digits: &str) -> Cow<'a, str> {
     }
 }
 
-/// What to advise about text that should be a number.
+/// The advice for text that should be a number.
 pub(crate) fn number_help(text: &str) -> &'static str {
     if text.contains(',') {
         "Export again with decimal points instead of decimal commas."
@@ -48,7 +47,7 @@ pub(crate) fn number_help(text: &str) -> &'static str {
     }
 }
 
-/// The beginning of `text`, short and printable, to show in an error.
+/// The beginning of `text` as short printable text for an error.
 pub(crate) fn excerpt(text: &[u8]) -> String {
     let text = String::from_utf8_lossy(&text[..text.len().min(160)]).into_owned();
     let clean: String = text.trim().chars().map(|c| if c.is_control() { ' ' } else { c }).collect();

@@ -1,20 +1,20 @@
-//! Gzip, with a bound on what comes out of how little.
+//! Decompression of gzip with a bound on the ratio of output to input.
 
 use std::io::{self, BufRead, BufReader, Read};
 
 use flate2::bufread::GzDecoder;
 
-/// Scans shrink to a half or, as ascii STL of a regular grid, to a fiftieth;
-/// bombs to a thousandth.
+/// The largest ratio of decompressed to compressed size. Scans are compressed to a half, or to a
+/// fiftieth for an ASCII STL of a regular grid. Gzip bombs are compressed to a thousandth.
 const MOST_GROWTH: u64 = 100;
 
-/// So much may come out in any case.
+/// The number of decompressed bytes that are always allowed.
 const FREE: u64 = 4 << 20;
 
-/// Unzips a stream of one or more gzip members and the zero bytes, if any,
-/// that an archive or a tape put behind them, as gzip does.
+/// Decompresses a stream of one or more gzip members. Like gzip, it accepts zero bytes after them,
+/// which archives and tapes append.
 pub(crate) struct Unzip<R> {
-    /// The member being read; none once the stream is through.
+    /// The current member. `None` at the end of the stream.
     member: Option<GzDecoder<Zipped<R>>>,
     unzipped: u64,
 }

@@ -4,28 +4,34 @@ use crate::geometry::{VertexId, unit_normal};
 use crate::mesh::Parameterized;
 use crate::mesh::{EdgeMap, FaceOrigin, Patch};
 
-/// Weight of a vertex that was not measured.
+/// Weight of a vertex that was not measured: it holds the surface where nothing else does, and
+/// yields to measured vertices beside it.
 const FILLED: f64 = 0.3;
 
-/// Weight of one that closes a bay. Nothing of it is in the face; it keeps the surface
-/// from running wild where nothing else holds it, and shall not be felt elsewhere.
+/// Weight of a vertex that closes a bay. Nothing of it is in the face. It keeps the surface
+/// from running wild where nothing else holds it, and a hundredth of a filled vertex is not felt
+/// elsewhere.
 const BAY: f64 = 3e-3;
 
-/// Weight of a bay's vertices near a fold, which are no guide.
+/// Weight of a bay's vertices near a fold, which are no guide: just above 0, as equations need
+/// it.
 const ASTRAY: f64 = 3e-7;
 
-/// The cosine of the angle between triangles of a bay, or beside it, from which on it
-/// counts as folded there …
+/// A bay counts as folded where two triangles of it, or one beside it, have normals with a
+/// smaller cosine between them: over an edge of a smooth sheet
+/// they do not turn by 73 degrees.
 const FOLDED: f64 = 0.3;
 
-/// … and how many rings of vertices around are near.
+/// So many rings of vertices around a fold are near it: it reaches beyond the edge at which it
+/// shows.
 const NEAR: usize = 2;
 
-/// Weight of a vertex of the patch's boundary, as a multiple. Where the surface ends,
-/// or goes on without samples, few of them beside it hold it.
+/// Weight of a vertex of the patch's boundary, as a multiple. An inner vertex has neighbours on
+/// all sides that hold the surface with it; at the boundary few do.
 const SIDE: f64 = 4.0;
 
-/// Weight of a corner of the domain, which the patch is to meet, as a multiple.
+/// Weight of a corner of the domain, as a multiple: so much that the surface all but passes
+/// through it. The corner of the net is then moved into it.
 pub const CORNER: f64 = 1e3;
 
 /// The weights of a map's vertices; `is_corner` tells those in the domain's corners.

@@ -1,28 +1,30 @@
-//! Whether the loops of faces on one surface lie in it as they must: closed, within the
-//! domain, without crossings, and inner ones within their outer one. What holds of any
-//! boundary representation is checked by [`formats::Brep::check`].
+//! Check of the loops of faces on one surface.
+//!
+//! Every loop must be closed, lie in the domain and not cross itself or another loop. Inner loops
+//! must lie in their outer loop. [`formats::Brep::check`] checks what every boundary representation
+//! must satisfy.
 
-use super::Bounds;
+use super::FaceBounds;
 use crate::error::BrepFault;
-use crate::spline::{Nest, Outline, crossings, misplaced};
+use crate::spline::{CertifiedLoop, Nest, crossings, misplaced};
 
-/// Checks the loops of all faces. Loops of different faces must not cross, either.
-pub(super) fn check(faces: &[Bounds]) -> Result<(), BrepFault> {
+/// Checks the loops of all faces. Loops of different faces must not cross each other, either.
+pub(super) fn check(faces: &[FaceBounds]) -> Result<(), BrepFault> {
     let mut outlines = Vec::new();
     let mut names = Vec::new();
     for (face, bounds) in faces.iter().enumerate() {
-        // The surface's own sides are loop 0 where there is no other outer loop.
+        // If there is no outer loop, the sides of the surface are loop 0.
         let loops = bounds.outer.iter().map(|l| (0, l)).chain((1..).zip(&bounds.inner));
         for (ring, (pcurves, edges)) in loops {
             if pcurves.len() != edges.len() {
                 return Err(BrepFault::Pairs { face, ring });
             }
-            let outline = Outline::new(pcurves);
+            let outline = CertifiedLoop::new(pcurves);
             outlines.push(outline.map_err(|(fault, _)| BrepFault::Loop { face, ring, fault })?);
             names.push((face, ring));
         }
     }
-    let all: Vec<&Outline> = outlines.iter().collect();
+    let all: Vec<&CertifiedLoop> = outlines.iter().collect();
     let mut found = crossings(&all);
     let mut rest = &all[..];
     for bounds in faces {
@@ -41,9 +43,9 @@ pub(super) fn check(faces: &[Bounds]) -> Result<(), BrepFault> {
     }
 }
 
-/// The outer loop runs counter-clockwise, the inner ones clockwise, within it and
-/// beside each other.
-fn nests(bounds: &Bounds) -> Vec<Nest> {
+/// The required nesting of a face's loops: the outer loop runs counter-clockwise, and the inner
+/// loops run clockwise inside it and outside each other.
+fn nests(bounds: &FaceBounds) -> Vec<Nest> {
     let outer = bounds.outer.iter().map(|_| Nest::default());
     let around: Vec<usize> = bounds.outer.iter().map(|_| 0).collect();
     let inner = bounds.inner.iter().map(|_| Nest { around: around.clone(), clockwise: true });
@@ -52,7 +54,7 @@ fn nests(bounds: &Bounds) -> Vec<Nest> {
 
 #[cfg(test)]
 mod tests {
-    use formats::brep::{Fault as Parts, Part};
+    use formats::brep::{BrepElement, ModelFault};
 
     use super::*;
     use crate::brep::build;
@@ -66,11 +68,11 @@ mod tests {
         Surface::new(k.clone(), k.clone(), net.map(|p| 100.0 * p).collect())
     }
 
-    type Ring = (Vec<Curve<2>>, Vec<Curve<3>>);
+    type TestLoop = (Vec<Curve<2>>, Vec<Curve<3>>);
 
-    /// A triangle's loop around (u, 0.5), clockwise; the other way round if `r` is
+    /// A triangular loop around (u, 0.5). It runs clockwise, or counter-clockwise if `r` is
     /// negative.
-    fn triangle(surface: &Surface, u: f64, r: f64) -> Ring {
+    fn triangle(surface: &Surface, u: f64, r: f64) -> TestLoop {
         let corners = [(-r, -r.abs()), (-r, r.abs()), (r, 0.0)];
         let at = |i: usize| UvVector::new(u + corners[i % 3].0, 0.5 + corners[i % 3].1);
         let side = |i: usize| {
@@ -82,9 +84,9 @@ mod tests {
         (pcurves, edges)
     }
 
-    fn fault(surface: &Surface, inner: &[&Ring]) -> Option<BrepFault> {
+    fn fault(surface: &Surface, inner: &[&TestLoop]) -> Option<BrepFault> {
         let inner = inner.iter().map(|(c, e)| (c.as_slice(), e.as_slice())).collect();
-        match build(surface, &[Bounds { outer: None, inner }], "plate", 1e-7) {
+        match build(surface, &[FaceBounds { outer: None, inner }], "plate", 1e-7) {
             Err(Error::Brep(fault)) => Some(fault),
             _ => None,
         }
@@ -96,7 +98,7 @@ mod tests {
         let good = triangle(&plate, 0.3, 0.1);
         assert_eq!(fault(&plate, &[&good, &triangle(&plate, 0.7, 0.1)]), None);
 
-        let wrong = |inner: &[&Ring]| match fault(&plate, inner) {
+        let wrong = |inner: &[&TestLoop]| match fault(&plate, inner) {
             Some(BrepFault::Loop { fault, .. }) => Some(fault),
             _ => None,
         };
@@ -114,14 +116,17 @@ mod tests {
         moved.1[1].control[2].z += 1e-5;
         let off = fault(&plate, &[&moved]);
         assert!(
-            matches!(off, Some(BrepFault::Parts(Parts::OffSurface(Part::Use(0, 1, 1), _)))),
+            matches!(
+                off,
+                Some(BrepFault::Parts(ModelFault::OffSurface(BrepElement::Use(0, 1, 1), _)))
+            ),
             "{off:?}"
         );
         let mut longer = good.clone();
         longer.0[1].knots = KnotVector::clamped(3, &[1.0, 3.0], 1);
         let range = fault(&plate, &[&longer]);
         assert!(
-            matches!(range, Some(BrepFault::Parts(Parts::Range(Part::Use(0, 1, 1))))),
+            matches!(range, Some(BrepFault::Parts(ModelFault::Range(BrepElement::Use(0, 1, 1))))),
             "{range:?}"
         );
     }

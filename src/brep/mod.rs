@@ -1,6 +1,9 @@
-//! The boundary representation: faces on the fitted surface. Their outer loops are its four
-//! sides, as exact iso-curves, or trim loops; every hole has a loop of edges, and an
-//! island in a hole is another face on the same surface.
+//! The boundary representation of a trimmed surface.
+//!
+//! The input is the fitted surface and the loops of its faces. The output is a checked
+//! [`formats::Brep`]. The outer loop of a face is a trim loop or the four sides of the surface as
+//! exact iso-curves. Every hole is an inner loop. An island in a hole is another face on the same
+//! surface.
 
 mod check;
 
@@ -12,28 +15,35 @@ use nalgebra::{SVector, Vector2};
 use crate::error::{BrepFault, Error, Result};
 use crate::spline::{Curve, KnotVector, Surface, runs};
 
-/// An edge, its pcurve, and whether its loop runs along it.
+/// An edge, its pcurve, and whether the loop runs in the direction of the edge.
 type Directed = (Curve<3>, Curve<2>, bool);
 
-/// A closed loop: its arcs in the parameter plane and the edges they trace.
+/// A closed loop: its pcurves and the edges in space that they trace.
 pub type Arcs<'a> = (&'a [Curve<2>], &'a [Curve<3>]);
 
-/// What bounds one face of the surface.
+/// The loops that bound one face of the surface.
 #[derive(Debug, Clone, Default)]
-pub struct Bounds<'a> {
-    /// The outer loop, counter-clockwise in (u, v); `None`: the surface's sides.
+pub struct FaceBounds<'a> {
+    /// The outer loop, counter-clockwise in (u, v). `None` stands for the sides of the surface.
     pub outer: Option<Arcs<'a>>,
     /// The inner loops, clockwise in (u, v).
     pub inner: Vec<Arcs<'a>>,
 }
 
-/// The B-rep of faces that lie on one surface, checked: every loop is closed,
-/// oriented and inside the domain, none crosses itself or another one, and every
-/// edge is on the surface within `uncertainty_mm`. Else [`Error::Brep`].
-pub fn build(surface: &Surface, faces: &[Bounds], name: &str, uncertainty_mm: f64) -> Result<Brep> {
+/// Builds and checks the B-rep of faces that lie on one surface.
+///
+/// # Errors
+/// [`Error::Brep`] if a loop is open, runs the wrong way, leaves the domain, or crosses itself or
+/// another loop, or if an edge is farther from the surface than `uncertainty_mm`.
+pub fn build(
+    surface: &Surface,
+    faces: &[FaceBounds],
+    name: &str,
+    uncertainty_mm: f64,
+) -> Result<Brep> {
     check::check(faces).map_err(Error::Brep)?;
     let mut brep = Brep { name: name.to_owned(), uncertainty_mm, ..Brep::default() };
-    let on = brep.add_surface(brep::Surface::Spline(spline_surface(surface)?));
+    let on = brep.add_surface(brep::BrepSurface::Spline(spline_surface(surface)?));
     for bounds in faces {
         let outer = bounds.outer.map_or_else(|| outer_edges(surface), forwards);
         let mut loops = vec![add_loop(&mut brep, &outer)?];
@@ -46,19 +56,19 @@ pub fn build(surface: &Surface, faces: &[Bounds], name: &str, uncertainty_mm: f6
     Ok(brep)
 }
 
-/// The edges of a loop that runs along all of its arcs.
+/// The edges of a loop that runs in the direction of all its edges.
 fn forwards((pcurves, edges): Arcs) -> Vec<Directed> {
     let along = |(e, c): (&Curve<3>, &Curve<2>)| (e.clone(), c.clone(), true);
     edges.iter().zip(pcurves).map(along).collect()
 }
 
-/// Adds a face that is a shell of its own: faces on one surface share no edges.
+/// Adds a face with its own shell. Faces on the same surface share no edges.
 fn add_sheet(brep: &mut Brep, surface: SurfaceId, loops: Vec<Vec<EdgeUse>>) {
     let face = brep.add_face(Face { surface, forward: true, loops });
     brep.add_shell(Shell { faces: vec![face], closed: false });
 }
 
-/// Adds the edges of a closed loop; neighbouring edges share their vertex.
+/// Adds the edges of a closed loop. Neighbouring edges share a vertex.
 fn add_loop(brep: &mut Brep, ring: &[Directed]) -> Result<Vec<EdgeUse>> {
     let start = |(edge, _, forward): &Directed| {
         let end = if *forward { edge.control.first() } else { edge.control.last() };
@@ -71,7 +81,7 @@ fn add_loop(brep: &mut Brep, ring: &[Directed]) -> Result<Vec<EdgeUse>> {
         if !forward {
             ends.reverse();
         }
-        let edge = brep.add_edge(brep::Curve::Spline(spline(edge)?), ends);
+        let edge = brep.add_edge(brep::BrepCurve::Spline(spline(edge)?), ends);
         uses.push(EdgeUse { edge, forward: *forward, pcurve: spline(pcurve)? });
     }
     Ok(uses)
@@ -96,13 +106,13 @@ fn unsuited(what: String) -> Error {
     Error::Brep(BrepFault::Spline(what))
 }
 
-/// Knot spans of an edge on a side at the most: CAD systems integrate along the side of a
-/// thickened face with a bounded number of places. With 20 spans the sides' areas were up to
-/// 0.9 % off in OpenCASCADE, with 12 up to 0.3 %, undivided up to 6 %.
-const MOST_SPANS: usize = 12;
+/// The largest number of knot spans of an edge on a side. CAD systems integrate along the side of a
+/// thickened face with a limited number of points. In OpenCASCADE the areas of the sides were up to
+/// 0.9 % off with 20 spans, up to 0.3 % with 12 spans, and up to 6 % without division.
+const MAX_SPANS: usize = 12;
 
-/// The four sides of the patch, counter-clockwise from (0, 0), each in as many parts as it
-/// takes: exact iso-curves, with lines of the parameter plane as pcurves.
+/// The four sides of the surface, counter-clockwise from (0, 0): exact iso-curves with straight
+/// lines as pcurves. Each side is divided into edges of a few knot spans.
 pub fn outer_edges(surface: &Surface) -> Vec<(Curve<3>, Curve<2>, bool)> {
     let [nu, nv] = surface.shape();
     let along_u = |j: usize| {
@@ -123,14 +133,14 @@ pub fn outer_edges(surface: &Surface) -> Vec<(Curve<3>, Curve<2>, bool)> {
     sides
 }
 
-/// The parts of a side, in the order in which the outer loop goes through them; `at` gives the
-/// parameter point of each place on it.
+/// The edges of a side in the order of the outer loop. `at` maps a parameter of the side to its
+/// parameter point on the surface.
 fn parts(
     side: &Curve<3>,
     at: &dyn Fn(f64) -> Vector2<f64>,
     forward: bool,
 ) -> Vec<(Curve<3>, Curve<2>, bool)> {
-    let ends = runs(&side.knots.breaks(), MOST_SPANS, 1);
+    let ends = runs(&side.knots.breaks(), MAX_SPANS, 1);
     let part = |w: &[f64]| {
         let line = Curve::new(KnotVector::clamped(1, w, 1), vec![at(w[0]), at(w[1])]);
         (side.part(w[0], w[1]), line, forward)

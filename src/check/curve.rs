@@ -1,19 +1,22 @@
-//! Points of a CAD file's curves.
+//! Points of the curves of a CAD file.
+//!
+//! The input is a curve and what the file says about the part that an edge uses. The output is the
+//! parameter range of this part and points on it.
 
 use formats::cad::{CadCurve, CurveShape};
 use formats::spline::SplineCurve;
 use nalgebra::SVector;
 
-/// A curve and the part of it that an edge is.
+/// The segment of a curve that an edge uses.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Part<'a, const D: usize> {
+pub(super) struct CurveSegment<'a, const D: usize> {
     shape: &'a CurveShape<D>,
     pub(super) range: (f64, f64),
 }
 
-impl<'a, const D: usize> Part<'a, D> {
-    /// The part of a curve that the file names by parameters, else by its end
-    /// points, else the whole; `None` where an endless curve has neither.
+impl<'a, const D: usize> CurveSegment<'a, D> {
+    /// The segment of a curve. The file gives it by parameters or by its end points. If it gives
+    /// neither, the segment is the whole curve. `None` if an unbounded curve has neither.
     pub(super) fn new(curve: &'a CadCurve<D>, ends: Option<[[f64; D]; 2]>) -> Option<Self> {
         let shape = &curve.shape;
         let range = match (curve.range, ends, shape) {
@@ -23,10 +26,11 @@ impl<'a, const D: usize> Part<'a, D> {
             (None, None, _) => return None,
         };
         let proper = range.0 < range.1 && range.0.is_finite() && range.1.is_finite();
-        proper.then_some(Part { shape, range })
+        proper.then_some(CurveSegment { shape, range })
     }
 
-    /// The same shape over another range; a spline's own range bounds it.
+    /// The segment of a curve over a range. If the range of a spline does not contain it, the
+    /// segment is the whole spline.
     pub(super) fn over(curve: &'a CadCurve<D>, range: (f64, f64)) -> Option<Self> {
         let range = match &curve.shape {
             CurveShape::Spline(spline) => {
@@ -36,15 +40,16 @@ impl<'a, const D: usize> Part<'a, D> {
             }
             _ => range,
         };
-        Part::new(&CadCurve { shape: curve.shape.clone(), range: Some(range) }, None)?;
-        Some(Part { shape: &curve.shape, range })
+        CurveSegment::new(&CadCurve { shape: curve.shape.clone(), range: Some(range) }, None)?;
+        Some(CurveSegment { shape: &curve.shape, range })
     }
 
     pub(super) fn point(&self, t: f64) -> SVector<f64, D> {
         point(self.shape, t)
     }
 
-    /// Parameters between which the curve is smooth, and no part of it turns far.
+    /// The ends of the segment and the knots between them. The curve is smooth between these
+    /// parameters.
     pub(super) fn breaks(&self) -> Vec<f64> {
         let (a, b) = self.range;
         let mut breaks = vec![a];
@@ -71,7 +76,7 @@ fn on_spline<const D: usize>(spline: &SplineCurve<D>, t: f64) -> SVector<f64, D>
     SVector::from(spline.point(t))
 }
 
-/// The parameters of two points of a curve, the first being the lower one.
+/// The parameters of two points of a curve. The first is the lower one.
 fn between<const D: usize>(
     shape: &CurveShape<D>,
     [from, to]: [SVector<f64, D>; 2],
@@ -89,7 +94,7 @@ fn between<const D: usize>(
                 along(y).atan2(along(x))
             };
             let (start, mut end) = (at(from), at(to));
-            // The same point twice is the whole ellipse.
+            // If both points are the same, the segment is the whole ellipse.
             if end <= start || (to - from).norm() <= 1e-9 * x.norm() {
                 end = start + (end - start).rem_euclid(std::f64::consts::TAU);
                 let closed = end - start < 1e-9;
@@ -101,7 +106,7 @@ fn between<const D: usize>(
     }
 }
 
-/// Ends that are those of the curve are told from others by this share of its
+/// A point coincides with an end of a curve if their distance is at most this share of the curve's
 /// size.
 const SAME: f64 = 1e-5;
 
@@ -117,7 +122,7 @@ fn between_on_spline<const D: usize>(
     let is_at = |t: f64, p: SVector<f64, D>| (on_spline(spline, t) - p).norm() <= same;
     let start = if is_at(low, from) { low } else { nearest(spline, from) };
     let end = if is_at(high, to) { high } else { nearest(spline, to) };
-    // A closed curve that is cut elsewhere than the edge begins.
+    // If the edge of a closed curve begins elsewhere than the curve, use the whole curve.
     if start < end { (start, end) } else { (low, high) }
 }
 
@@ -135,7 +140,7 @@ fn nearest<const D: usize>(spline: &SplineCurve<D>, p: SVector<f64, D>) -> f64 {
             }
         }
     }
-    // Between the samples beside it, by thirds.
+    // Ternary search between the two neighbouring samples.
     let (low, high) = spline.knots().range();
     let (mut a, mut b) = ((best - width).max(low), (best + width).min(high));
     for _ in 0..80 {

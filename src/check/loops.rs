@@ -1,43 +1,47 @@
-//! Loops of edges as closed polygons on their surface.
+//! Conversion of loops of edges to closed polygons on their surface.
+//!
+//! The input is the edges of a loop as a CAD file has them: a curve in space, pcurves, or both. The
+//! output is a closed polygon of parameter points whose chords are near the edges.
 
 use std::sync::Arc;
 
 use formats::cad::{CadCurve, CadEdge};
 use nalgebra::Point2;
 
-use super::curve::Part;
+use super::curve::CurveSegment;
 use super::surface::Domain;
 use crate::geometry::{Point, Uv, segment_distance};
 use crate::spline::chords::chords;
-use crate::spline::{Patch, foot_point};
+use crate::spline::{ParametricSurface, foot_point};
 
-/// A corner of a polygon: its parameter point, and its place on the surface.
-pub(super) type Corner = (Uv, Point);
+/// A corner of a polygon: its parameter point and its point on the surface.
+pub(super) type TracePoint = (Uv, Point);
 
-/// Makes polygons of loops.
+/// Converts loops to polygons.
 pub(super) struct Tracer<'a> {
     pub(super) surface: &'a Domain<'a>,
-    /// How near chords keep to curves, in mm.
+    /// The largest distance of chords from curves, in mm.
     pub(super) chord: f64,
-    /// How far apart two descriptions of one edge may be, in mm, or two edges
+    /// The largest distance, in mm, between two representations of an edge or between two edges
     /// that should meet.
     pub(super) gap: f64,
-    /// The farthest that an edge's curve in space is from its pcurve's trace.
+    /// The largest distance found so far between an edge's curve in space and the trace of its
+    /// pcurve, in mm.
     pub(super) off_surface: f64,
 }
 
-/// How many places of an edge are looked at.
-const LOOKED_AT: usize = 64;
+/// The number of points of an edge that are compared with its other representation.
+const COMPARED: usize = 64;
 
 impl Tracer<'_> {
-    /// The polygon of a loop, without its first corner again at its end.
+    /// The polygon of a loop. The first corner is not repeated at the end.
     ///
     /// # Errors
-    /// An edge has no curve at all or is not on the surface, or the loop does not
-    /// close in the parameter plane.
-    pub(super) fn polygon(&mut self, edges: &[CadEdge]) -> Result<Vec<Corner>, String> {
-        let mut all: Vec<Corner> = Vec::new();
-        // Where a loop begins with a seam nothing says which of its sides is meant.
+    /// An edge has no curve or is not on the surface, or the loop does not close in the parameter
+    /// plane.
+    pub(super) fn polygon(&mut self, edges: &[CadEdge]) -> Result<Vec<TracePoint>, String> {
+        let mut all: Vec<TracePoint> = Vec::new();
+        // Do not begin with a seam edge, because nothing tells which of its two pcurves is meant.
         let first = edges.iter().position(|edge| edge.pcurves.len() < 2).unwrap_or(0);
         for edge in edges[first..].iter().chain(&edges[..first]) {
             let last = all.last().map(|c| c.0);
@@ -57,18 +61,17 @@ impl Tracer<'_> {
             (Some(&end), Some(&start)) => self.check_joint(end, start)?,
             _ => return Err("it has a loop without edges".into()),
         }
-        let is_finite = |c: &Corner| c.0.iter().chain(c.1.iter()).all(|x| x.is_finite());
+        let is_finite = |c: &TracePoint| c.0.iter().chain(c.1.iter()).all(|x| x.is_finite());
         if !all.iter().all(is_finite) {
-            return Err("a loop runs to where numbers end".into());
+            return Err("a loop has a point with infinite coordinates".into());
         }
         all.dedup_by_key(|c| c.0);
         Ok(all)
     }
 
-    /// Whether two corners that follow each other are one place, and so is what
-    /// is between them in the parameter plane (all of it, where a pole's edge was
-    /// left out).
-    fn check_joint(&self, end: Corner, start: Corner) -> Result<(), String> {
+    /// Checks that two consecutive corners are the same point in space, and that the line between
+    /// their parameter points is, too. This line is long where the file omits the edge of a pole.
+    fn check_joint(&self, end: TracePoint, start: TracePoint) -> Result<(), String> {
         let between = [0.25, 0.5, 0.75].map(|s| self.surface.point(end.0 + s * (start.0 - end.0)));
         let farthest = between.iter().chain([&start.1]).map(|p| (p - end.1).norm());
         if farthest.fold(0.0, f64::max) <= self.gap {
@@ -78,11 +81,11 @@ impl Tracer<'_> {
         Err(format!("a loop does not close on its surface, near ({x:.3}, {y:.3}, {z:.3}) mm"))
     }
 
-    /// The polyline of an edge along its loop, which is at `last` so far.
-    fn edge(&mut self, edge: &CadEdge, last: Option<Uv>) -> Result<Vec<Corner>, String> {
+    /// The polyline of an edge in the direction of its loop. `last` is the end of the loop so far.
+    fn edge(&mut self, edge: &CadEdge, last: Option<Uv>) -> Result<Vec<TracePoint>, String> {
         let curve = match &edge.curve {
             Some(curve) => {
-                let part = Part::new(curve, edge.ends);
+                let part = CurveSegment::new(curve, edge.ends);
                 Some(part.ok_or("an edge has no length")?)
             }
             None => None,
@@ -102,7 +105,7 @@ impl Tracer<'_> {
                 return Ok(trace);
             }
         }
-        // No pcurve, or one that is not the curve's: the curve is the master.
+        // There is no pcurve, or it does not agree with the curve in space. Project the latter.
         let projected = self.projected(&line, last);
         let off = projected.iter().zip(&line).map(|(c, p)| (c.1 - p).norm()).fold(0.0, f64::max);
         if off > self.gap {
@@ -113,39 +116,39 @@ impl Tracer<'_> {
     }
 
     /// The polyline of a pcurve.
-    fn trace(&self, pcurve: &Part<2>) -> Vec<Corner> {
+    fn trace(&self, pcurve: &CurveSegment<2>) -> Vec<TracePoint> {
         let at = |t: f64| {
             let uv = Uv::from(pcurve.point(t));
             (uv, self.surface.point(uv))
         };
-        chords(&pcurve.breaks(), &at, |c: &Corner| c.1, self.chord)
+        chords(&pcurve.breaks(), &at, |c: &TracePoint| c.1, self.chord)
     }
 
-    /// The farthest that a curve is from its pcurve's trace at equal parameter, if
-    /// they have one in common.
-    fn apart(&self, pcurve: &Part<2>, curve: &Part<3>, same_way: bool) -> f64 {
+    /// The largest distance of a curve from the trace of its pcurve at equal parameters. It is
+    /// infinite if they do not have the same range.
+    fn apart(&self, pcurve: &CurveSegment<2>, curve: &CurveSegment<3>, same_way: bool) -> f64 {
         if pcurve.range != curve.range {
             return f64::INFINITY;
         }
         let (a, b) = curve.range;
         let off = |i: usize| {
-            let t = a + (b - a) * i as f64 / (4 * LOOKED_AT) as f64;
+            let t = a + (b - a) * i as f64 / (4 * COMPARED) as f64;
             let on_surface = self.surface.point(Uv::from(pcurve.point(t)));
             let t = if same_way { t } else { a + (b - t) };
             (Point::from(curve.point(t)) - on_surface).norm()
         };
-        (0..=4 * LOOKED_AT).map(off).fold(0.0, f64::max)
+        (0..=4 * COMPARED).map(off).fold(0.0, f64::max)
     }
 
     /// The polyline of a curve in space.
-    fn chords(&self, curve: &Part<3>, forward: bool) -> Vec<Point> {
+    fn chords(&self, curve: &CurveSegment<3>, forward: bool) -> Vec<Point> {
         let at = |t: f64| Point::from(curve.point(t));
         along(chords(&curve.breaks(), &at, |p| *p, self.chord), forward)
     }
 
-    /// The feet on the surface of a line's points, each searched from the one
-    /// before.
-    fn projected(&self, line: &[Point], last: Option<Uv>) -> Vec<Corner> {
+    /// The foot points of a polyline's points on the surface. The search for each one starts at the
+    /// previous one.
+    fn projected(&self, line: &[Point], last: Option<Uv>) -> Vec<TracePoint> {
         let mut at = last.unwrap_or_else(|| self.nearest_start(line[0]));
         line.iter()
             .map(|&p| {
@@ -155,7 +158,7 @@ impl Tracer<'_> {
             .collect()
     }
 
-    /// A parameter point near the foot of `p`: the best of many.
+    /// A parameter point near the foot point of `p`: the nearest one of a grid.
     fn nearest_start(&self, p: Point) -> Uv {
         let axes = self.surface.breaks().map(|breaks| samples(&breaks));
         let mut best = (f64::INFINITY, Uv::origin());
@@ -171,30 +174,34 @@ impl Tracer<'_> {
     }
 }
 
-/// The pcurve of an edge; of a seam's two, the one that goes on where the loop is.
-fn chosen<'a>(edge: &'a CadEdge, curve: Option<&Part<3>>, last: Option<Uv>) -> Option<Part<'a, 2>> {
+/// The pcurve of an edge. A seam edge has two. Then it is the one that continues the loop.
+fn chosen<'a>(
+    edge: &'a CadEdge,
+    curve: Option<&CurveSegment<3>>,
+    last: Option<Uv>,
+) -> Option<CurveSegment<'a, 2>> {
     let part = |pcurve: &'a Arc<CadCurve<2>>| match (pcurve.range, curve) {
-        (None, Some(curve)) => Part::over(pcurve, curve.range),
-        _ => Part::new(pcurve, None),
+        (None, Some(curve)) => CurveSegment::over(pcurve, curve.range),
+        _ => CurveSegment::new(pcurve, None),
     };
-    let start = |p: &Part<2>| {
+    let start = |p: &CurveSegment<2>| {
         let t = if edge.pcurve_forward { p.range.0 } else { p.range.1 };
         Uv::from(p.point(t))
     };
-    let parts: Vec<Part<2>> = edge.pcurves.iter().filter_map(part).collect();
+    let parts: Vec<CurveSegment<2>> = edge.pcurves.iter().filter_map(part).collect();
     match (&parts[..], last) {
         ([first, second, ..], Some(last)) => {
-            let away = |p: &Part<2>| (start(p) - last).norm();
+            let away = |p: &CurveSegment<2>| (start(p) - last).norm();
             Some(if away(second) < away(first) { *second } else { *first })
         }
-        // By custom the first is that of the use along the edge.
+        // By convention the first pcurve belongs to the use along the edge.
         ([_, second, ..], None) if !edge.pcurve_forward => Some(*second),
         ([first, ..], _) => Some(*first),
         ([], _) => None,
     }
 }
 
-/// Parameters that cover an axis; of an endless one, an angle's.
+/// Parameters that cover an axis. For an unbounded axis they cover the range of an angle.
 fn samples(breaks: &[f64]) -> Vec<f64> {
     let (Some(&low), Some(&high)) = (breaks.first(), breaks.last()) else { return Vec::new() };
     if !low.is_finite() || !high.is_finite() {
@@ -212,12 +219,12 @@ fn along<T>(mut line: Vec<T>, forward: bool) -> Vec<T> {
     line
 }
 
-/// The farthest that some corners of a trace, evenly chosen, are from a line.
-fn distance_between(trace: &[Corner], line: &[Point]) -> f64 {
-    let step = trace.len().div_ceil(LOOKED_AT);
-    let looked_at = trace.iter().step_by(step).chain(trace.last());
+/// The largest distance of evenly chosen corners of a trace from a polyline.
+fn distance_between(trace: &[TracePoint], line: &[Point]) -> f64 {
+    let step = trace.len().div_ceil(COMPARED);
+    let compared = trace.iter().step_by(step).chain(trace.last());
     let nearest = |p: Point| {
         line.windows(2).map(|w| segment_distance(p, w[0], w[1])).fold(f64::INFINITY, f64::min)
     };
-    looked_at.map(|c| nearest(c.1)).fold(0.0, f64::max)
+    compared.map(|c| nearest(c.1)).fold(0.0, f64::max)
 }

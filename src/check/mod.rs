@@ -1,6 +1,9 @@
-//! How far a CAD file's faces are from a scan, in both directions: every point
-//! of the scan from the faces, and samples of the trimmed faces from the scan, so
-//! that a hole that was not cut out shows.
+//! Comparison of the faces of a CAD file with a scan.
+//!
+//! The input is a CAD model and a mesh. The output is the distances in both directions: from every
+//! point of the scan to the faces, and from samples of the trimmed faces to the scan. The second
+//! direction shows holes that were not trimmed away. Edges are followed by chords, and nearest
+//! points are found by foot points on the surfaces.
 
 mod curve;
 mod loops;
@@ -10,63 +13,68 @@ mod surface;
 use formats::cad::{CadFace, CadModel};
 use rayon::prelude::*;
 
-use crate::deviation::{Deviation, Face};
+use crate::deviation::{Deviation, TrimmedFace};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, uv_bounds};
 use crate::mesh::{Mesh, Triangles};
-use loops::{Corner, Tracer};
-use samples::Samples;
+use crate::threads;
+use loops::{TracePoint, Tracer};
+use samples::FaceSamples;
 use surface::Domain;
 
-/// What was found. Lengths are mm.
+/// The result of [`check`]. Lengths are in mm.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Report {
-    /// How many faces the file has.
+    /// The number of faces of the file.
     pub faces: usize,
-    /// How many loops trim them.
+    /// The number of loops that trim the faces.
     pub loops: usize,
-    /// Their area, in mm².
+    /// The area of the faces in mm².
     pub area: f64,
-    /// The farthest that an edge's curve is from its pcurve's trace on the
-    /// surface. Where the two have no parameter in common less than `resolution`
-    /// is not told from nothing.
+    /// The largest distance of an edge's curve from the trace of its pcurve on the surface. If the
+    /// two curves have no common parameter, values below `resolution` have no meaning.
     pub max_off_surface: f64,
-    /// How near the chords are that stand for edges.
+    /// The largest distance of the chords from the edges that they approximate.
     pub resolution: f64,
-    /// The scan's points, from the faces.
+    /// The distances of the scan's points from the faces.
     pub scan_to_face: Deviation,
-    /// Samples of the faces, from the scan's triangles.
+    /// The distances of samples of the faces from the scan's triangles.
     pub face_to_scan: Deviation,
 }
 
-/// Chords keep to edges within this share of the scan's diagonal.
+/// The largest distance of chords from edges, as a share of the scan's diagonal.
 const CHORD: f64 = 1e-7;
-/// Edges that should meet, or curves that should be one, are within this share of
-/// it; importers heal as much.
+/// The largest gap between edges that should meet, or between curves that should coincide, as a
+/// share of the scan's diagonal. Importers close gaps of this size.
 const GAP: f64 = 1e-4;
-/// Samples of the faces, for every point of the scan, about.
+/// The number of samples of the faces for every point of the scan.
 const SAMPLES: f64 = 2.0;
-/// At the least, and at the most.
-const FEWEST: f64 = 20_000.0;
-const MOST: f64 = 4_000_000.0;
+/// The least number of samples of all faces.
+const MIN_SAMPLES: f64 = 20_000.0;
+/// The largest number of samples of all faces.
+const MAX_SAMPLES: f64 = 4_000_000.0;
 
-/// Measures the faces of a CAD file against a scan.
+/// Measures the distances between the faces of a CAD file and a scan.
 ///
 /// # Errors
-/// A face cannot be put together: an edge off its surface, a loop that does not
-/// close.
+/// [`Error::Cad`] if a face is invalid: an edge is off its surface, or a loop does not close.
 pub fn check(model: &CadModel, scan: &Mesh) -> Result<Report> {
+    threads::run(None, || measure(model, scan))?
+}
+
+fn measure(model: &CadModel, scan: &Mesh) -> Result<Report> {
     let diagonal = scan.diagonal();
     let domains: Vec<Domain> = model.faces.iter().map(|f| Domain::whole(&f.surface)).collect();
     let (rings, off) = rings(model, &domains, diagonal)?;
     let parts: Vec<Domain> = domains.iter().zip(&rings).zip(&model.faces).map(bounded).collect();
     let faces = parts.iter().zip(rings).zip(&model.faces);
-    let faces: Vec<Face<Domain>> =
-        faces.map(|((domain, rings), face)| Face::of_rings(domain, rings, face.natural)).collect();
+    let faces: Vec<TrimmedFace<Domain>> = faces
+        .map(|((domain, rings), face)| TrimmedFace::of_rings(domain, rings, face.natural))
+        .collect();
     let spacing = spacing(scan);
-    let each = faces.par_iter().map(|face| Samples::of(face, spacing, MOST));
-    let samples: Vec<Samples> = each.collect();
+    let each = faces.par_iter().map(|face| FaceSamples::of(face, spacing, MAX_SAMPLES));
+    let samples: Vec<FaceSamples> = each.collect();
 
     let to_faces = scan.points.par_iter().map(|&p| distance(&faces, p)).collect();
     let triangles = Triangles::new(scan);
@@ -83,18 +91,17 @@ pub fn check(model: &CadModel, scan: &Mesh) -> Result<Report> {
     })
 }
 
-/// The polygons of every face's loops, and the farthest that an edge is off its
-/// surface.
+/// The polygons of every face's loops, and the largest distance of an edge from its surface.
 fn rings(
     model: &CadModel,
     domains: &[Domain],
     diagonal: f64,
-) -> Result<(Vec<Vec<Vec<Corner>>>, f64)> {
+) -> Result<(Vec<Vec<Vec<TracePoint>>>, f64)> {
     let (mut rings, mut off) = (Vec::with_capacity(domains.len()), 0.0);
     for (face, domain) in model.faces.iter().zip(domains) {
         let cad = |what| Error::Cad { entity: face.entity.clone(), what };
         if face.natural && !domain.is_bounded() {
-            return Err(cad("it has no bounds, and its surface neither".into()));
+            return Err(cad("it has no bounds, and its surface has none, either".into()));
         }
         let mut tracer = Tracer {
             surface: domain,
@@ -110,27 +117,29 @@ fn rings(
     Ok((rings, off))
 }
 
-/// The part of a surface that a face's loops bound.
+/// The part of a surface's domain that the loops of a face bound.
 fn bounded<'a>(
-    ((domain, rings), face): ((&Domain<'a>, &Vec<Vec<Corner>>), &CadFace),
+    ((domain, rings), face): ((&Domain<'a>, &Vec<Vec<TracePoint>>), &CadFace),
 ) -> Domain<'a> {
     let endless = [f64::NEG_INFINITY, f64::INFINITY].map(|x| Uv::new(x, x));
     let corners: Vec<Uv> = rings.iter().flatten().map(|c| c.0).collect();
     domain.within(if face.natural { endless } else { uv_bounds(&corners) })
 }
 
-/// How far apart samples are, in mm: so that there are enough for the scan.
+/// The distance between samples of the faces in mm, from the area and the number of points of the
+/// scan.
 fn spacing(scan: &Mesh) -> f64 {
     let area: f64 = scan.triangles.iter().map(|t| 0.5 * scan.area_vector(*t).norm()).sum();
-    let count = (SAMPLES * scan.points.len() as f64).clamp(FEWEST, MOST);
+    let count = (SAMPLES * scan.points.len() as f64).clamp(MIN_SAMPLES, MAX_SAMPLES);
     (area / count).sqrt().max(f64::MIN_POSITIVE)
 }
 
-/// The distance of `p` from the nearest face.
-fn distance(faces: &[Face<Domain>], p: Point) -> f64 {
-    let mut order: Vec<(f64, &Face<Domain>)> = faces.iter().map(|f| (f.outside(p), f)).collect();
+/// The distance of `p` from the nearest face, in mm.
+fn distance(faces: &[TrimmedFace<Domain>], p: Point) -> f64 {
+    let mut order: Vec<(f64, &TrimmedFace<Domain>)> =
+        faces.iter().map(|f| (f.outside(p), f)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let nearer = |best: f64, (outside, face): (f64, &Face<Domain>)| {
+    let nearer = |best: f64, (outside, face): (f64, &TrimmedFace<Domain>)| {
         if outside < best { best.min(face.nearest(p, None).1) } else { best }
     };
     order.into_iter().fold(f64::INFINITY, nearer)

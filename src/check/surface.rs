@@ -1,43 +1,45 @@
-//! Points and derivatives of a CAD file's surfaces.
+//! Points and derivatives of the surfaces of a CAD file.
+//!
+//! The input is a surface and a parameter point. The output is the point with its first and second
+//! derivatives. Rational splines follow The NURBS Book (Piegl and Tiller 1997).
 
 use formats::cad::{CadCurve, CadSurface, CurveShape};
-use formats::spline::{Basis, SplineCurve, SplineKnots, SplineSurface};
+use formats::spline::{SplineBasis, SplineCurve, SplineKnots, SplineSurface};
 use nalgebra::Vector4;
 
 use crate::geometry::{Point, Uv, Vector};
-use crate::spline::{Jet, KnotVector, Patch, Surface};
+use crate::spline::{Jet, KnotVector, ParametricSurface, Surface};
 
-/// A surface over a part of its parameter plane.
+/// A surface over a rectangle of its parameter plane.
 #[derive(Debug)]
 pub(super) struct Domain<'a> {
     surface: &'a CadSurface,
     ranges: [(f64, f64); 2],
 }
 
-/// First derivatives are compared so far apart, as a share of the range: what is rounded
-/// and what the third derivative adds are then both small.
+/// The step of finite differences of first derivatives, as a share of the range. At this step the
+/// rounding error and the truncation error are both small.
 const DIFFERENCE: f64 = 1e-4;
 
 impl<'a> Domain<'a> {
-    /// The surface as far as it goes.
+    /// The surface over its whole range.
     pub(super) fn whole(surface: &'a CadSurface) -> Self {
         Domain { surface, ranges: ranges(surface) }
     }
 
-    /// The part of it within the rectangle from `low` to `high`.
+    /// The part of the surface within the rectangle from `low` to `high`.
     pub(super) fn within(&self, [low, high]: [Uv; 2]) -> Self {
         let part = |(from, to): (f64, f64), a: f64, b: f64| (a.clamp(from, to), b.clamp(from, to));
         let [u, v] = self.ranges;
         Domain { surface: self.surface, ranges: [part(u, low.x, high.x), part(v, low.y, high.y)] }
     }
 
-    /// Whether it ends somewhere.
+    /// Whether the range is finite in both parameters.
     pub(super) fn is_bounded(&self) -> bool {
         self.ranges.iter().all(|(from, to)| from.is_finite() && to.is_finite())
     }
 
-    /// How far on in u the surface comes back to where it was, if it does and has
-    /// no end there.
+    /// The period in u, if the surface is periodic.
     pub(super) fn period(&self) -> Option<f64> {
         let round = |surface: &CadSurface| matches!(surface, CadSurface::Cylinder { .. });
         match self.surface {
@@ -46,8 +48,8 @@ impl<'a> Domain<'a> {
         }
     }
 
-    /// A jet with second derivatives from differences of first ones, whose error is a
-    /// millionth of them.
+    /// Adds second derivatives to a jet by finite differences of first derivatives. Their relative
+    /// error is about a millionth.
     fn bent(&self, mut jet: Jet, at: Uv) -> Jet {
         let [u, v] = [0, 1].map(|axis| {
             let (from, to) = self.ranges[axis];
@@ -65,7 +67,7 @@ impl<'a> Domain<'a> {
     }
 }
 
-impl Patch for Domain<'_> {
+impl ParametricSurface for Domain<'_> {
     fn jet(&self, at: Uv) -> Jet {
         let here = jet(self.surface, at);
         if matches!(self.surface, CadSurface::Offset { .. }) { self.bent(here, at) } else { here }
@@ -75,14 +77,14 @@ impl Patch for Domain<'_> {
         self.ranges
     }
 
-    fn quick(&self) -> Option<Box<dyn Patch>> {
+    fn fast_form(&self) -> Option<Box<dyn ParametricSurface>> {
         let CadSurface::Spline(spline) = self.surface else { return None };
         if spline.weights().is_some() {
             return None;
         }
         let knots = |k: &SplineKnots| KnotVector::try_new(k.degree(), k.knots().to_vec()).ok();
         let net = spline.poles().iter().map(vector).collect();
-        Surface::try_new(knots(spline.u())?, knots(spline.v())?, net).ok()?.quick()
+        Surface::try_new(knots(spline.u())?, knots(spline.v())?, net).ok()?.fast_form()
     }
 
     fn breaks(&self) -> [Vec<f64>; 2] {
@@ -150,8 +152,8 @@ fn jet(surface: &CadSurface, at: Uv) -> Jet {
     }
 }
 
-/// The jet of an offset. Its second derivatives would need third ones of the base: they
-/// are left to [`Domain::bent`].
+/// The jet of an offset surface. Its second derivatives would need third derivatives of the base
+/// surface, so [`Domain::bent`] computes them.
 fn offset(base: &Jet, distance: f64) -> Jet {
     let n = base.su.cross(&base.sv);
     let length = n.norm();
@@ -165,7 +167,7 @@ fn offset(base: &Jet, distance: f64) -> Jet {
     Jet { s: base.s + unit * distance, su: base.su + turn(nu), sv: base.sv + turn(nv), ..*base }
 }
 
-/// Value, first and second derivative of a quotient A / w.
+/// The point and the first and second derivatives of a curve.
 fn curve_jet(curve: &CadCurve<3>, t: f64) -> [Vector; 3] {
     match &curve.shape {
         CurveShape::Line { origin, direction } => {
@@ -181,7 +183,7 @@ fn curve_jet(curve: &CadCurve<3>, t: f64) -> [Vector; 3] {
 }
 
 fn spline_curve_jet(spline: &SplineCurve<3>, t: f64) -> [Vector; 3] {
-    let basis = Basis::new(spline.knots(), t);
+    let basis = SplineBasis::new(spline.knots(), t);
     let mut h = [Vector4::zeros(); 3];
     for j in 0..=spline.knots().degree() {
         let i = basis.first + j;
@@ -200,9 +202,9 @@ fn lifted([x, y, z]: [f64; 3], weight: f64) -> Vector4<f64> {
 }
 
 fn on_spline(spline: &SplineSurface, at: Uv) -> Jet {
-    let (bu, bv) = (Basis::new(spline.u(), at.x), Basis::new(spline.v(), at.y));
+    let (bu, bv) = (SplineBasis::new(spline.u(), at.x), SplineBasis::new(spline.v(), at.y));
     let row = spline.v().poles();
-    // h[k][l]: k-th derivative in u, l-th in v, of the homogeneous surface.
+    // h[k][l] is the k-th derivative in u and the l-th in v of the homogeneous surface.
     let mut h = [[Vector4::zeros(); 3]; 3];
     for i in 0..=spline.u().degree() {
         let mut inner = [Vector4::zeros(); 3];
@@ -218,7 +220,7 @@ fn on_spline(spline: &SplineSurface, at: Uv) -> Jet {
     quotient(&h)
 }
 
-/// The jet of the surface whose homogeneous one is given (NURBS Book, eq. 4.20).
+/// The jet of a rational surface from its homogeneous derivatives (The NURBS Book, eq. 4.20).
 fn quotient(h: &[[Vector4<f64>; 3]; 3]) -> Jet {
     let w = h[0][0].w;
     let s = h[0][0].xyz() / w;

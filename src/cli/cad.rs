@@ -4,11 +4,11 @@ use std::io::Write;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-use formats::{Brep, iges, step};
+use formats::{iges, step};
 use scan2step::Conversion;
 
 use super::Failure;
-use super::args::{CadFile, CadKind, Convert, Iges, Schema};
+use super::args::{CadFile, CadKind, Convert, Iges, StepSchema};
 use super::output::{self, Pending};
 
 /// Writes the faces of all conversions into every file that was asked for.
@@ -19,8 +19,7 @@ pub fn write(
 ) -> Result<Vec<Pending>, Failure> {
     let stamp = time_stamp()?;
     let step_options = step::Options { colour, ..step_options(args, &stamp) };
-    let mut brep = Brep { name: part_name(&args.piece.scan), ..Brep::default() };
-    conversions.iter().for_each(|conversion| brep.append(conversion.brep.clone()));
+    let brep = scan2step::joined(part_name(&args.piece.scan), conversions);
     let mut files = Vec::new();
     for CadFile { path, kind } in &args.out {
         let content = |out: &mut dyn Write| match kind {
@@ -35,10 +34,11 @@ pub fn write(
     Ok(files)
 }
 
-/// The last second of the year 9999, past which there is no such time stamp.
+/// The last second of the year 9999. A time stamp has four digits for the year.
 const LAST: u64 = 253_402_300_799;
 
-/// SOURCE_DATE_EPOCH, or the epoch itself: the same input gives the same bytes.
+/// The time stamp of files: SOURCE_DATE_EPOCH, or 1970 without it, so that the same input gives
+/// the same bytes.
 pub fn time_stamp() -> Result<String, Failure> {
     let asked = std::env::var_os("SOURCE_DATE_EPOCH").unwrap_or_else(|| "0".into());
     let seconds = asked.to_str().and_then(|s| s.parse().ok()).filter(|s| *s <= LAST);
@@ -54,13 +54,26 @@ fn system() -> String {
     format!("scan2step {}", env!("CARGO_PKG_VERSION"))
 }
 
+/// The schema as the writer takes it.
+pub fn schema(schema: StepSchema) -> step::Schema {
+    match schema {
+        StepSchema::Ap203 => step::Schema::Ap203,
+        StepSchema::Ap214 => step::Schema::Ap214,
+        StepSchema::Ap242 => step::Schema::Ap242,
+    }
+}
+
+/// The form as the writer takes it.
+pub fn form(form: Iges) -> iges::Form {
+    match form {
+        Iges::Trimmed => iges::Form::Trimmed,
+        Iges::Brep => iges::Form::Brep,
+    }
+}
+
 fn step_options(args: &Convert, stamp: &str) -> step::Options {
     step::Options {
-        schema: match args.how.schema {
-            Schema::Ap203 => step::Schema::Ap203,
-            Schema::Ap214 => step::Schema::Ap214,
-            Schema::Ap242 => step::Schema::Ap242,
-        },
+        schema: schema(args.how.schema),
         time_stamp: stamp.to_owned(),
         originating_system: system(),
         ..Default::default()
@@ -70,10 +83,7 @@ fn step_options(args: &Convert, stamp: &str) -> step::Options {
 fn iges_options(args: &Convert, stamp: &str, path: &Path) -> iges::Options {
     let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned());
     iges::Options {
-        form: match args.how.iges {
-            Iges::Trimmed => iges::Form::Trimmed,
-            Iges::Brep => iges::Form::Brep,
-        },
+        form: form(args.how.iges),
         time_stamp: stamp.to_owned(),
         file_name: file_name.unwrap_or_default(),
         originating_system: system(),

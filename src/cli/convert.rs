@@ -2,119 +2,143 @@
 
 use std::path::Path;
 
-use scan2step::mesh::Components;
-use scan2step::{Conversion, Options, Stage, mesh};
+use scan2step::mesh::{Choice, Components, Outer};
+use scan2step::report::{FaceView, OutputFile, Report, StageFigures, ViewRecorder};
+use scan2step::{Conversion, Memory, Options, Stage};
 
-use super::args::{Component, Convert};
+use super::args::{ComponentChoice, Convert};
 use super::input::{self, Scan};
 use super::output::{self, Pending};
-use super::progress::Progress;
-use super::report::{self, Shown};
+use super::progress::{self, ProgressDisplay, StageTime};
+use super::report;
 use super::stages::Stages;
-use super::{Failure, Outcome, cad, hints, memory, settings, talk};
+use super::{Failure, Outcome, cad, messages, settings};
 
-/// Reads, converts, writes.
+/// Reads a scan, converts it and writes all files.
 pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     check_outputs(args)?;
     let voice = if args.manner.quiet { None } else { Some(args.manner.color.is_on()) };
-    let mut progress = Progress::new(voice, args.manner.verbose);
+    let mut progress = ProgressDisplay::new(voice, args.manner.verbose, args.progress);
     let stages = args.stages.as_deref().map(Stages::new).transpose()?;
     let scan = Scan::read(&args.piece)?;
-    progress.ended("read", &talk::came_in(&scan));
-    memory::check(args, &scan)?;
-    let options = settings::options(args, &scan)?;
+    progress.ended("read", &messages::came_in(&scan));
+    let named = settings::options(args)?;
+    check_memory(args, &scan, &named)?;
+    let options = scan.resolved(&named)?;
     let (scan, components) = scan.components()?;
-    talk::assumed(&progress, &scan);
+    messages::assumed(&progress, &scan);
     let repaired = components.repairs().clone();
-    repaired.iter().for_each(|repair| talk::repaired(&progress, repair));
-    let mut run = Run {
-        args,
-        progress,
-        stages,
-        conversions: Vec::new(),
-        shown: Vec::new(),
-        said: Vec::new(),
-    };
-    run.convert(&components, &options)?;
+    repaired.iter().for_each(|repair| messages::repaired(&progress, repair));
+    let mut run = Run { args, progress, stages, views: Vec::new(), given: Vec::new() };
+    let conversions = run.convert(&components, &options)?;
     drop(components);
-    let Run { mut progress, stages, conversions, shown, said, .. } = run;
+    let Run { mut progress, stages, views, given, .. } = run;
     let files = cad::write(args, &conversions, scan.colour)?;
     progress.ended("write", "");
     for c in &conversions {
         let at_rims = c.input.repairs.iter().filter(|(kind, _)| !repaired.contains_key(*kind));
-        at_rims.for_each(|repair| talk::repaired(&progress, repair));
-        talk::found(&progress, args, c);
+        at_rims.for_each(|repair| messages::repaired(&progress, repair));
+        messages::found(&progress, args, c);
     }
-    let hints = hints::all(args, &scan, &conversions);
-    let context = report::Context {
-        scan: &scan,
-        options: settings::as_json(args),
-        hints: hints.clone(),
-        tolerance_named: args.how.tolerance.is_some(),
-        outliers_pct: args.how.outliers,
-        outputs: args.out.iter().map(|f| f.path.as_path()).zip(&files).collect(),
-        progress: &progress,
-    };
-    let reports = report::write(&args.report, &conversions, &shown, &context)?;
+    let mut report =
+        Report::of(&conversions, &scan.source, settings::settings(args, &named, &scan));
+    report.outputs = args.out.iter().zip(&files).map(|(f, file)| output(&f.path, file)).collect();
+    report.stages = progress.stages.iter().map(stage).collect();
+    report.seconds = progress.seconds();
+    report.peak_rss_mb = progress::peak_rss_mb();
+    let reports = report::write(&args.report, &scan.name(), &report, &conversions, &views)?;
     progress.finish();
-    // Every file is complete by now; putting them in place comes last.
+    // Put all files in their places last, when every one is complete.
     let stages = stages.map_or(Vec::new(), |s| s.pending);
     Pending::publish(stages.into_iter().chain(reports).chain(files).collect())?;
-    conversions.iter().for_each(|c| talk::result(&progress, args, c));
-    let new = hints.iter().filter(|hint| !said.iter().any(|said| hint.ends_with(said)));
+    conversions.iter().for_each(|c| messages::result(&progress, args, c));
+    let new = report.hints.iter().filter(|hint| !given.iter().any(|given| hint.ends_with(given)));
     new.for_each(|hint| progress.hint(hint));
-    Ok(conversions.iter().fold(Outcome::Done, |all, c| all.and(talk::verdict(args, c))))
+    Ok(conversions.iter().fold(Outcome::Done, |all, c| all.and(messages::verdict(args, c))))
+}
+
+/// A stage for the report.
+fn stage(time: &StageTime) -> StageFigures {
+    let &StageTime { name, seconds, peak_rss_mb } = time;
+    StageFigures { name: name.into(), seconds, peak_rss_mb }
+}
+
+/// A CAD file for the report.
+fn output(path: &Path, file: &Pending) -> OutputFile {
+    OutputFile { file: path.display().to_string(), bytes: file.bytes, sha256: file.sha256.clone() }
+}
+
+/// Refuses a run that may need more memory than the user allows.
+fn check_memory(args: &Convert, scan: &Scan, options: &Options) -> Result<(), Failure> {
+    let Some(allowed) = args.manner.max_memory else { return Ok(()) };
+    let counts = [scan.source.vertices, scan.source.triangles];
+    let memory = Memory { is_drawn: is_drawn(args), ..Memory::of_counts(counts, options) };
+    memory.check(allowed.as_u64()).map_err(|e| input::stopped(&scan.path, &e))
+}
+
+/// Whether a report shows the scan.
+fn is_drawn(args: &Convert) -> bool {
+    args.report.iter().any(|file| file.kind.is_picture())
 }
 
 /// A run between reading and writing.
 struct Run<'a> {
     args: &'a Convert,
-    progress: Progress,
+    progress: ProgressDisplay,
     stages: Option<Stages>,
-    conversions: Vec<Conversion>,
-    /// What the pictures of reports show, where any was asked for.
-    shown: Vec<Shown>,
-    /// Hints that were given on the way.
-    said: Vec<String>,
+    /// What the pictures of reports show, one view for each conversion, if any was asked for.
+    views: Vec<FaceView>,
+    /// Hints that were given while stages ran.
+    given: Vec<String>,
 }
 
 impl Run<'_> {
     /// Converts the components that were asked for.
-    fn convert(&mut self, components: &Components, options: &Options) -> Result<(), Failure> {
+    fn convert(
+        &mut self,
+        components: &Components,
+        options: &Options,
+    ) -> Result<Vec<Conversion>, Failure> {
         let chosen = chosen(self.args, components, options.outer(), &self.progress);
         self.progress.expect(chosen.len());
-        let pictured = self.args.report.iter().any(|file| file.kind.is_picture());
-        for &component in &chosen {
-            if let (Some(s), Some(root), true) =
-                (&mut self.stages, &self.args.stages, chosen.len() > 1)
-            {
-                s.component(root, self.conversions.len())?;
+        let mut recorder = is_drawn(self.args).then(ViewRecorder::default);
+        let mut watch = |number: usize, stage: Stage| -> scan2step::Result<()> {
+            if let Some(recorder) = &mut recorder {
+                recorder.see(&stage);
+                if let Stage::Done(conversion) = stage {
+                    let recorder = std::mem::take(recorder);
+                    self.views.push(recorder.view(conversion, chosen.len())?);
+                }
             }
-            let mut seen = pictured.then(report::Watch::default);
-            let mut watch = |stage: Stage| -> scan2step::Result<()> {
-                if let Stage::Within(name, share) = stage {
-                    self.progress.within(name, share);
-                    return Ok(());
-                }
-                self.progress.ended(stage.name(), &talk::made(&stage));
-                if let Stage::Parameterize(_, Some(found)) = &stage {
-                    // Before the time for it is spent.
-                    let hint = found.to_string();
-                    self.progress.hint(&hint);
-                    self.said.push(hint);
-                }
-                if let Some(seen) = &mut seen {
-                    seen.see(&stage);
-                }
-                Ok(self.stages.as_mut().map_or(Ok(()), |s| s.write(&stage))?)
-            };
-            let options = options.of_component(component);
-            let converted = scan2step::convert_component(components, &options, &mut watch);
-            let converted = converted.map_err(|e| input::stopped(&self.args.piece.scan, &e))?;
-            self.shown.extend(seen.map(|seen| seen.shown(&converted, chosen.len())));
-            self.conversions.push(converted);
+            self.see((number, chosen.len()), &stage)
+        };
+        let done = scan2step::convert_components(components, &chosen, options, &mut watch);
+        done.map_err(|e| input::stopped(&self.args.piece.scan, &e))
+    }
+
+    /// Says what a stage made of one of several components, and writes its file.
+    fn see(&mut self, (number, count): (usize, usize), stage: &Stage) -> scan2step::Result<()> {
+        match stage {
+            Stage::Within(name, share) => {
+                self.progress.within(name, *share);
+                return Ok(());
+            }
+            Stage::Done(_) => return Ok(()),
+            _ => self.progress.ended(stage.name(), &messages::made(stage)),
         }
-        Ok(())
+        if let Stage::Parameterize(_, Some(found)) = stage {
+            // Tell the user before the long fit begins.
+            let hint = found.to_string();
+            self.progress.hint(&hint);
+            self.given.push(hint);
+        }
+        let (Some(stages), Some(root)) = (&mut self.stages, &self.args.stages) else {
+            return Ok(());
+        };
+        if let (Stage::Mesh(_), true) = (stage, count > 1) {
+            stages.component(root, number)?;
+        }
+        Ok(stages.write(stage)?)
     }
 }
 
@@ -122,11 +146,11 @@ impl Run<'_> {
 fn chosen(
     args: &Convert,
     scan: &Components,
-    outer: mesh::Outer,
-    progress: &Progress,
-) -> Vec<mesh::Choice> {
+    outer: Outer,
+    progress: &ProgressDisplay,
+) -> Vec<Choice> {
     let chosen = args.how.component.of(scan, outer);
-    if args.how.component == Component::All && chosen.len() < scan.count() {
+    if args.how.component == ComponentChoice::All && chosen.len() < scan.count() {
         let rest = match scan.sizeable() - chosen.len() {
             0 => "the rest is dust",
             _ if scan.sizeable() == scan.count() => "the rest are islands in holes of these",
@@ -137,8 +161,8 @@ fn chosen(
     chosen
 }
 
-/// Two outputs at one place, or one over the scan, would destroy each other; and
-/// a folder that cannot be written to is better said before the work than after.
+/// Refuses two outputs of the same name, an output that would replace the scan, and a folder
+/// that cannot be written to, before the long work begins.
 fn check_outputs(args: &Convert) -> Result<(), Failure> {
     let real = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     let scan = real(&args.piece.scan);

@@ -1,14 +1,15 @@
 //! `scan2step inspect`: what a scan is.
 
 use scan2step::Inspection;
+use scan2step::report::InspectionFigures;
 use scan2step::words::mm;
-use serde_json::{Value, json};
 
 use super::args::Inspect;
 use super::input::{self, Scan};
-use super::{Failure, Outcome, report, streams};
+use super::spelling::spelled;
+use super::{Failure, Outcome, streams};
 
-/// Reads, repairs, looks, prints.
+/// Reads and repairs a scan, and prints what it is.
 pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
     let scan = Scan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;
@@ -16,7 +17,7 @@ pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
     let found = scan2step::inspect(components, args.component, outer);
     let found = found.map_err(|e| input::stopped(&scan.path, &e))?;
     let text = if args.look.json {
-        format!("{:#}\n", as_json(&scan, &found))
+        InspectionFigures::of(&found, &scan.source).to_json()
     } else {
         as_text(&scan, &found)
     };
@@ -24,37 +25,16 @@ pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
-fn as_json(scan: &Scan, found: &Inspection) -> Value {
-    let mut object = report::input(&found.input, scan);
-    let loops = found.loops.iter().enumerate().map(|(i, (length, vertices))| {
-        json!({ "length_mm": length, "vertices": vertices, "outer": found.outer == Some(i) })
-    });
-    let genus = found.topology.genus();
-    let more = json!({
-        // A whole number where the surface has two sides.
-        "genus": if genus.fract() == 0.0 { json!(genus as i64) } else { json!(genus) },
-        "orientable": found.topology.orientable,
-        "disk": found.topology.is_disk(),
-        "loops": loops.collect::<Vec<_>>(),
-        "bounds_mm": found.bounds,
-        "left_out_triangles": found.input.left_out,
-        "noise_mm": found.noise,
-    });
-    if let (Some(object), Value::Object(more)) = (object.as_object_mut(), more) {
-        object.extend(more);
-    }
-    object
-}
-
 fn as_text(scan: &Scan, found: &Inspection) -> String {
     let input = &found.input;
     let [low, high] = found.bounds;
     let [x, y, z] = [0, 1, 2].map(|k| high[k] - low[k]);
-    let assumed = if scan.unit_assumed { " (assumed; --units to change)" } else { "" };
+    let source = &scan.source;
+    let assumed = if source.unit_assumed { " (assumed; --units to change)" } else { "" };
     let mut lines = vec![
         format!("{}", scan.path.display()),
-        format!("  file        {} vertices, {} triangles", scan.counts[0], scan.counts[1]),
-        format!("  units       {}{assumed}", scan.unit.symbol()),
+        format!("  file        {} vertices, {} triangles", source.vertices, source.triangles),
+        format!("  units       {}{assumed}", source.unit.symbol()),
         format!(
             "  component   1 of {}: {} vertices, {} triangles, {x:.4} × {y:.4} × {z:.4} mm",
             input.components, input.vertices, input.triangles
@@ -78,11 +58,11 @@ fn kind(found: &Inspection) -> String {
     match found.topology.check_disk() {
         Ok(()) if found.loops.len() == 1 => "a disk without holes".into(),
         Ok(()) => format!("a disk with {} holes", found.loops.len() - 1),
-        Err(e) => format!("cannot become a face: {e}; {}", e.help()),
+        Err(e) => format!("cannot become a face: {e}; {}", spelled(&e.help())),
     }
 }
 
-/// How many holes are listed one by one.
+/// The number of holes that have a line of their own, so that the text fits on a screen.
 const LISTED: usize = 12;
 
 /// A line for the outer loop and for each of the longest holes.

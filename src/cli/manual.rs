@@ -1,11 +1,12 @@
-//! `scan2step completions` and `scan2step man`: what clap makes of the arguments.
+//! `scan2step completions` and `scan2step man`: shell completions and manual pages, which clap
+//! makes of the arguments.
 
 use std::path::PathBuf;
 
 use clap::{Args, CommandFactory};
 
 use super::args::Cli;
-use super::{Failure, Outcome, leftovers, output, streams};
+use super::{Failure, Outcome, output, streams, temp_files};
 
 /// Options of `completions`.
 #[derive(Debug, Args)]
@@ -23,19 +24,19 @@ pub struct Completions {
 #[command(after_help = "Examples:\n  scan2step man | man -l -\n  \
     scan2step man ~/.local/share/man/man1")]
 pub struct Man {
-    /// Folder for a page for each command; made if need be [default: the main
-    /// page is printed]
+    /// Folder for the pages of all commands; it is made if it does not exist [default: print
+    /// the main page]
     pub dir: Option<PathBuf>,
 }
 
-/// Prints what completes the arguments.
+/// Prints the completion script.
 pub fn completions(args: &Completions) -> Result<Outcome, Failure> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "scan2step", &mut script);
     print(&script)
 }
 
-/// Prints the main page, or writes all.
+/// Prints the main page, or writes the pages of all commands.
 pub fn man(args: &Man) -> Result<Outcome, Failure> {
     let Some(folder) = &args.dir else {
         let mut page = Vec::new();
@@ -43,7 +44,7 @@ pub fn man(args: &Man) -> Result<Outcome, Failure> {
         rendered.map_err(|e| output::failed("scan2step.1".as_ref(), e))?;
         return print(&page);
     };
-    let written = leftovers::folder(folder).and_then(|()| {
+    let written = temp_files::folder(folder).and_then(|()| {
         clap_mangen::generate_to(Cli::command().disable_help_subcommand(true), folder)
     });
     written.map_err(|e| output::failed(folder, e))?;

@@ -1,42 +1,41 @@
-//! The commands of scan2step.
+//! The commands of scan2step: arguments, progress, messages, files and exit codes.
 
 mod args;
 mod batch;
 mod cad;
 mod check;
-mod children;
 mod convert;
-mod hints;
 mod input;
 mod inspect;
-mod leftovers;
 mod manual;
-mod memory;
+mod messages;
 mod output;
 mod places;
 mod progress;
 mod report;
 mod settings;
+mod spelling;
 mod stages;
 mod streams;
-mod talk;
+mod subprocess;
+mod temp_files;
 
 use std::process::ExitCode;
 
 use clap::{CommandFactory, FromArgMatches};
 
-/// What a run says at its end.
+/// The result of a run that did not fail as a whole.
 enum Outcome {
-    /// All that was asked holds.
+    /// Everything that was asked for is done.
     Done,
     /// Files were written, but a tolerance that the user named is not met.
     Missed,
-    /// Of many scans one failed, which was said.
+    /// At least one of many scans failed. Its message was already shown.
     Failed,
 }
 
 impl Outcome {
-    /// The worse of both.
+    /// The worse of two outcomes.
     fn and(self, other: Outcome) -> Outcome {
         match (&self, &other) {
             (Outcome::Failed, _) | (Outcome::Missed, Outcome::Done) => self,
@@ -61,12 +60,12 @@ impl From<formats::Error> for Failure {
 pub fn run() -> ExitCode {
     let matches = args::Cli::command().get_matches();
     let args = args::Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
-    // Where signals cannot be heeded, a stopped run leaves its temporary files.
-    if let Err(e) = leftovers::sweep_when_stopped() {
+    // Without signal handling a stopped run leaves its temporary files.
+    if let Err(e) = temp_files::sweep_when_stopped() {
         streams::say(format_args!("note: Ctrl-C will leave temporary files: {e}"));
     }
     let colour = args.command.colour();
-    // Part of how the program is called, like an option.
+    // An environment variable with a wrong value is a usage error, like an option.
     if let Err(failure) = args.command.check_surroundings() {
         return tell(&failure, colour, USAGE);
     }
@@ -86,38 +85,33 @@ pub fn run() -> ExitCode {
         Ok(Outcome::Missed) => ExitCode::from(3),
         Ok(Outcome::Failed) => ExitCode::FAILURE,
         Err(failure) => {
-            leftovers::sweep();
+            temp_files::sweep();
             tell(&failure, colour, FAILED)
         }
     }
 }
 
-/// Runs a command on one of the threads that it may use. From outside, each of the
-/// thousands of loops that they share would have to wake one and wait for it.
+/// Runs a command on one of the pool's own threads. Called from outside the pool, each of the
+/// thousands of parallel loops would have to wake a thread and wait for it.
 fn among(
     threads: Option<u16>,
     command: impl FnOnce() -> Result<Outcome, Failure> + Send,
 ) -> Result<Outcome, Failure> {
-    let threads = threads.map_or(0, usize::from);
-    let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(STACK);
-    pool.build_global()
-        .map_err(|e| Failure { error: e.to_string(), help: "name fewer --threads".into() })?;
-    rayon::scope(|_| command())
+    scan2step::threads::run(threads.map(usize::from), command)
+        .map_err(|e| Failure { error: e.to_string(), help: e.help() })?
 }
 
-/// Bytes of a thread's stack, as the main thread's has.
-const STACK: usize = 8 << 20;
-
-/// Exit codes of a run that came to nothing, and of one that was called wrongly.
+/// Exit codes: the run failed; the program was called wrongly.
 const FAILED: u8 = 1;
 const USAGE: u8 = 2;
 
-/// Says what is wrong.
+/// Prints what is wrong and what to do.
 fn tell(failure: &Failure, colour: args::Colour, code: u8) -> ExitCode {
     let (red, blue, plain) =
         if colour.is_on() { ("\x1b[1;31m", "\x1b[1;36m", "\x1b[0m") } else { ("", "", "") };
-    streams::say(format_args!("{red}error{plain}: {}", failure.error));
-    streams::say(format_args!("{blue}help{plain}: {}", failure.help));
+    let [error, help] = [&failure.error, &failure.help].map(|text| spelling::spelled(text));
+    streams::say(format_args!("{red}error{plain}: {error}"));
+    streams::say(format_args!("{blue}help{plain}: {help}"));
     ExitCode::from(code)
 }
 
@@ -132,15 +126,11 @@ impl args::Command {
         }
     }
 
-    /// Whether the environment that a command heeds makes sense.
+    /// Checks the environment variables that a command reads.
     fn check_surroundings(&self) -> Result<(), Failure> {
         match self {
             Self::Convert(_) | Self::Batch(_) => cad::time_stamp().map(|_| ()),
             _ => Ok(()),
         }
     }
-}
-
-fn plural(n: usize, what: &str) -> String {
-    format!("{n} {what}{}", if n == 1 { "" } else { "s" })
 }

@@ -1,5 +1,5 @@
-//! Files appear whole or not at all: each is written under a temporary name
-//! beside its place and renamed once all are complete.
+//! Output files, which appear complete or not at all. Each is written under a temporary name in
+//! its folder. When all of them are complete, they are renamed.
 
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -8,9 +8,9 @@ use formats::Error;
 use sha2::{Digest, Sha256};
 use tempfile::NamedTempFile;
 
-use super::leftovers;
+use super::temp_files;
 
-/// A file that is complete but not yet in its place.
+/// A complete file that still has its temporary name.
 pub struct Pending {
     file: NamedTempFile,
     path: PathBuf,
@@ -20,7 +20,7 @@ pub struct Pending {
     pub sha256: String,
 }
 
-/// Counts and hashes what goes through it.
+/// A writer that counts and hashes the bytes that it passes on.
 struct Tally<W> {
     inner: W,
     bytes: u64,
@@ -40,7 +40,7 @@ impl<W: Write> Write for Tally<W> {
     }
 }
 
-/// Whether a file can be made at `path`, as far as can be told without making it.
+/// Checks whether a file can be made at `path`, by making a temporary file beside it.
 pub fn check(path: &Path) -> Result<(), Error> {
     let target = target(path)?;
     temporary(&target).map(drop).map_err(|e| failed(path, e))
@@ -68,17 +68,17 @@ pub fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// What cannot be written, and why.
+/// The error of a file that cannot be written.
 pub fn failed(path: &Path, e: std::io::Error) -> Error {
-    // Of a temporary file only what is wrong matters, not its name.
+    // The error of a temporary file contains its name, which tells the user nothing.
     let wrong =
         e.get_ref().and_then(|wrapped| wrapped.source()).map_or(e.to_string(), |e| e.to_string());
     let help = "check that the folder exists, can be written to and has room";
     Error::new(path, format!("cannot be written: {wrong}"), help)
 }
 
-/// The file that a path means: through links, and none that is not a file. A
-/// device, a pipe or a folder would be lost if a file were put in its place.
+/// The file that a path leads to, links followed. A device, a pipe or a folder is refused,
+/// because the rename would replace it.
 fn target(path: &Path) -> Result<PathBuf, Error> {
     let target = std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
     if target.exists() && !target.is_file() {
@@ -88,20 +88,19 @@ fn target(path: &Path) -> Result<PathBuf, Error> {
     Ok(target)
 }
 
-/// A temporary file beside a path, which goes when it is dropped or the run is
-/// stopped.
+/// A temporary file beside a path. It is deleted when it is dropped or the run is stopped.
 fn temporary(path: &Path) -> std::io::Result<NamedTempFile> {
     let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let mut builder = tempfile::Builder::new();
     builder.prefix(".scan2step-").suffix(".part");
     #[cfg(unix)]
     {
-        // A temporary file is private by default; the result is an ordinary
-        // file, which the user's umask narrows.
+        // A temporary file is private by default. The result has the rights of an ordinary
+        // file, which the user's umask limits.
         use std::os::unix::fs::PermissionsExt;
         builder.permissions(std::fs::Permissions::from_mode(0o666));
     }
-    leftovers::made(|| {
+    temp_files::made(|| {
         let file = builder.tempfile_in(folder)?;
         let path = file.path().to_owned();
         Ok((file, path))
@@ -109,10 +108,9 @@ fn temporary(path: &Path) -> std::io::Result<NamedTempFile> {
 }
 
 impl Pending {
-    /// Puts files in their places: all of them, even if the run is stopped
-    /// meanwhile.
+    /// Renames files to their final names: all of them, even if the run is stopped meanwhile.
     pub fn publish(files: Vec<Pending>) -> Result<(), Error> {
-        leftovers::uninterrupted(|| {
+        temp_files::uninterrupted(|| {
             files.into_iter().try_for_each(|Pending { file, path, .. }| {
                 file.persist(&path).map(drop).map_err(|e| {
                     let help = "check that it is not a folder and can be replaced";

@@ -3,7 +3,9 @@
 use std::time::{Duration, Instant};
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use serde::Serialize;
 
+use super::args::Steps;
 use super::streams;
 
 /// Seconds and memory of one stage.
@@ -32,12 +34,24 @@ const STAGES: [(&str, u64); 10] = [
 /// Steps of the bar for each of these.
 const FINE: u64 = 100;
 
+/// A line of `--progress json`.
+#[derive(Serialize)]
+struct Step<'a> {
+    /// The stage that goes on, or has ended.
+    stage: &'a str,
+    /// About what share of its time it has behind it; 1 where it has ended.
+    share: f64,
+    /// Seconds since it began.
+    seconds: f64,
+}
+
 /// The clock and the voice of a run.
 #[derive(Debug)]
-pub struct Progress {
+pub struct ProgressDisplay {
     /// Whether to speak in colours; `None`: not at all.
     voice: Option<bool>,
     verbose: bool,
+    steps: Steps,
     begun: Instant,
     stage_begun: Instant,
     /// Shown on a terminal only.
@@ -47,14 +61,15 @@ pub struct Progress {
     pub stages: Vec<StageTime>,
 }
 
-impl Progress {
-    /// The clock starts. `voice` says whether to speak in colours, or not at all.
-    pub fn new(voice: Option<bool>, verbose: bool) -> Self {
+impl ProgressDisplay {
+    /// The clock starts. `voice` says whether to speak in colours, or not at all; `steps` how
+    /// to show how far the run has come, which lines of JSON do in a silent run, too.
+    pub fn new(voice: Option<bool>, verbose: bool, steps: Steps) -> Self {
         let now = Instant::now();
-        let target = match voice {
+        let target = match (voice, steps) {
             // Hidden by itself where standard error is no terminal.
-            Some(_) => ProgressDrawTarget::stderr(),
-            None => ProgressDrawTarget::hidden(),
+            (Some(_), Steps::Bar) => ProgressDrawTarget::stderr(),
+            _ => ProgressDrawTarget::hidden(),
         };
         let bar = ProgressBar::with_draw_target(Some(length(1)), target);
         let looks = if voice == Some(true) {
@@ -67,9 +82,10 @@ impl Progress {
         }
         bar.set_message(STAGES[0].0);
         bar.enable_steady_tick(Duration::from_millis(120));
-        Progress {
+        ProgressDisplay {
             voice,
             verbose,
+            steps,
             begun: now,
             stage_begun: now,
             bar,
@@ -110,8 +126,13 @@ impl Progress {
         let seconds = self.stage_begun.elapsed().as_secs_f64();
         let peak_rss_mb = peak_rss_mb();
         let memory = if self.verbose { format!("{peak_rss_mb:9.0} MB") } else { String::new() };
-        let line = format!("{name:13}{seconds:7.2} s{memory}  {made}");
-        self.say(&self.paint(line.trim_end(), "2"));
+        match self.steps {
+            Steps::Bar => {
+                let line = format!("{name:13}{seconds:7.2} s{memory}  {made}");
+                self.say(&self.paint(line.trim_end(), "2"));
+            }
+            Steps::Json => self.step(name, 1.0),
+        }
         self.stages.push(StageTime { name, seconds, peak_rss_mb });
         if let Some(k) = place(name) {
             self.passed += STAGES[k].1;
@@ -123,8 +144,22 @@ impl Progress {
 
     /// A stage has come so far.
     pub fn within(&self, name: &str, share: f64) {
+        // The end of a stage has a line of its own.
+        if self.steps == Steps::Json && share < 1.0 {
+            self.step(name, share);
+        }
         let length = place(name).map_or(0, |k| FINE * STAGES[k].1);
         self.bar.set_position(FINE * self.passed + (share * length as f64) as u64);
+    }
+
+    /// Writes a line of JSON.
+    fn step(&self, stage: &str, share: f64) {
+        let seconds = self.stage_begun.elapsed().as_secs_f64();
+        let [share, seconds] = [share, seconds].map(|x| (1000.0 * x).floor() / 1000.0);
+        // A struct of a name and two numbers can be written as JSON.
+        if let Ok(line) = serde_json::to_string(&Step { stage, share, seconds }) {
+            streams::say(line);
+        }
     }
 
     /// Takes the bar away.
@@ -138,7 +173,7 @@ impl Progress {
     }
 }
 
-impl Drop for Progress {
+impl Drop for ProgressDisplay {
     /// A run that failed leaves no bar over its error.
     fn drop(&mut self) {
         self.finish();

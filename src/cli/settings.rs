@@ -1,56 +1,45 @@
 //! What the user chose: as the library takes it, and as reports say it.
 
-use clap::ValueEnum;
-use scan2step::mesh::Outer;
+use scan2step::mesh::Choice;
+use scan2step::report::Settings;
 use scan2step::{Cut, Options, fit, parameterize, smooth};
-use serde_json::{Value, json};
 
 use super::Failure;
-use super::args::{Component, Convert, Fit, Map, Outline};
-use super::cad::part_name;
+use super::args::{ComponentChoice, Convert, Fit, Map, OutlineChoice};
+use super::cad::{self, part_name};
 use super::input::{Scan, stopped};
-use super::places::{Corners, Place, Places};
+use super::places::NamedCorners;
 
-/// What the pipeline takes.
-pub fn options(args: &Convert, scan: &Scan) -> Result<Options, Failure> {
-    let resolve = |places: &Places| scan.resolve(places);
-    let corners = args.corners.as_ref().map(resolve).transpose()?;
-    let corners = corners.map(|c| {
-        <[_; 4]>::try_from(c)
-            .map_err(|_| failure(args, "--corners: not four corners", "name exactly four"))
-    });
-    let corners = corners.transpose()?;
-    // The loop that has the corners is the outer one, unless another is named.
-    let outer = match (scan.outer(&args.piece)?, corners) {
-        (Outer::Auto, Some([first, ..])) => Outer::Near(first),
-        (outer, _) => outer,
-    };
-    let boundary_corners = match &args.how.boundary_corners {
-        Corners::Auto => smooth::Corners::Auto,
-        Corners::None => smooth::Corners::None,
-        Corners::At(places) => smooth::Corners::At(resolve(places)?),
-    };
-    let cut = match (args.how.keep_fills, args.how.fill_only_holes_below) {
+/// The options of the library.
+pub fn options(args: &Convert) -> Result<Options, Failure> {
+    let how = &args.how;
+    let cut = match (how.keep_fills, how.fill_only_holes_below) {
         (true, _) => Cut::None,
         (false, Some(length)) => Cut::FromLength(length),
         (false, None) => Cut::All,
     };
-    let how = &args.how;
-    let options = Options::builder()
+    let boundary_corner_places = match &how.boundary_corners {
+        NamedCorners::At(places) => Some(places.0.clone()),
+        NamedCorners::Auto | NamedCorners::None => None,
+    };
+    let mut options = Options::builder()
         .name(part_name(&args.piece.scan))
-        .unit(scan.unit)
-        .outer(outer)
+        .outer_place(args.piece.outer.map(|place| place.0))
         .smooth(how.smooth)
-        .boundary_corners(boundary_corners)
-        .corners(corners)
+        .boundary_corners(match how.boundary_corners {
+            NamedCorners::None => smooth::Corners::None,
+            NamedCorners::Auto | NamedCorners::At(_) => smooth::Corners::Auto,
+        })
+        .boundary_corner_places(boundary_corner_places)
+        .corner_places(args.corners.clone().map(|places| places.0))
         .outline(match how.outline {
-            Outline::Auto => None,
-            Outline::Sides => Some(parameterize::Outline::Sides),
-            Outline::Trimmed => Some(parameterize::Outline::Free),
+            OutlineChoice::Auto => None,
+            OutlineChoice::Sides => Some(parameterize::Outline::Sides),
+            OutlineChoice::Trimmed => Some(parameterize::Outline::Free),
         })
         .map(match how.map {
-            Map::LeastStretch => parameterize::Method::LeastStretch,
-            Map::MeanValue => parameterize::Method::MeanValue,
+            Map::LeastStretch => parameterize::MapMethod::LeastStretch,
+            Map::MeanValue => parameterize::MapMethod::MeanValue,
         })
         .kappa(how.kappa)
         .depth(how.depth)
@@ -65,61 +54,23 @@ pub fn options(args: &Convert, scan: &Scan) -> Result<Options, Failure> {
         .rim_tolerance(how.rim_tolerance)
         .outliers(how.outliers / 100.0)
         .cut(cut);
+    if let Some(unit) = args.piece.scale.units {
+        options = options.unit(unit.into());
+    }
+    if let ComponentChoice::Number(number) = how.component {
+        options = options.component(Choice::Number(number));
+    }
     options.build().map_err(|e| stopped(&args.piece.scan, &e))
 }
 
-fn failure(args: &Convert, what: &str, help: &str) -> Failure {
-    Failure { error: format!("{}: {what}", args.piece.scan.display()), help: help.into() }
-}
-
-/// The same for reports, by the options' names. What is found on the scan is
-/// `null`.
-pub fn as_json(args: &Convert) -> Value {
-    let places = |places: &Places| match places {
-        Places::Vertices(v) => json!(v),
-        Places::Points(p) => json!(p),
-    };
-    let place = |place: Place| match place {
-        Place::Vertex(v) => json!([v]),
-        Place::Point(p) => json!([p]),
-    };
-    json!({
-        "units": args.piece.scale.units.map(name),
-        "outer": args.piece.outer.map(place),
-        "tolerance": args.how.tolerance,
-        "rim_tolerance": args.how.rim_tolerance,
-        "outliers": args.how.outliers,
-        "corners": args.corners.as_ref().map(places),
-        "outline": name(args.how.outline),
-        "map": name(args.how.map),
-        "boundary_corners": match &args.how.boundary_corners {
-            Corners::Auto => json!("auto"),
-            Corners::None => json!("none"),
-            Corners::At(at) => places(at),
-        },
-        "smooth": match args.how.smooth {
-            smooth::Support::Auto => json!("auto"),
-            smooth::Support::Off => json!("off"),
-            smooth::Support::Fixed(h) => json!(h),
-        },
-        "fit": name(args.how.fit),
-        "kappa": args.how.kappa,
-        "depth": args.how.depth,
-        "net": args.how.net,
-        "max_net": args.how.max_net,
-        "fill_only_holes_below": args.how.fill_only_holes_below,
-        "keep_fills": args.how.keep_fills,
-        "component": match args.how.component {
-            Component::Largest => json!("largest"),
-            Component::All => json!("all"),
-            Component::Number(n) => json!(n),
-        },
-        "schema": name(args.how.schema),
-        "iges": name(args.how.iges),
-    })
-}
-
-/// The name that a value has on the command line.
-fn name(value: impl ValueEnum) -> Option<String> {
-    value.to_possible_value().map(|v| v.get_name().to_owned())
+/// The same for reports.
+pub fn settings(args: &Convert, options: &Options, scan: &Scan) -> Settings {
+    let mut settings = Settings::of(options, &scan.source)
+        .of_files(cad::schema(args.how.schema), cad::form(args.how.iges));
+    if args.how.component == ComponentChoice::All {
+        settings = settings.of_all_components();
+    }
+    // As the user wrote it: a share times 100 may differ in its last digit.
+    settings.outliers = args.how.outliers;
+    settings
 }

@@ -1,4 +1,4 @@
-//! `--stages DIR`: what each stage made, for looking at and measuring.
+//! `--stages DIR`: a file of what each stage made.
 
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -9,26 +9,26 @@ use scan2step::spline::{KnotVector, Surface};
 use scan2step::{Stage, trim::TrimLoop};
 use serde_json::json;
 
-use super::leftovers;
 use super::output::{self, Pending};
+use super::temp_files;
 
-/// Writes the stages' files; they are published with the run's other files.
+/// Writes the stages' files under temporary names, until the run puts all its files in place.
 pub struct Stages {
     folder: PathBuf,
     pub pending: Vec<Pending>,
 }
 
 impl Stages {
-    /// Stages go to `folder`, which is made if it does not exist.
+    /// Writes into `folder`, which is made if it does not exist.
     pub fn new(folder: &Path) -> Result<Self, formats::Error> {
-        leftovers::folder(folder).map_err(|e| {
+        temp_files::folder(folder).map_err(|e| {
             let help = "name a folder that can be made and written to";
             formats::Error::new(folder, format!("cannot be made: {e}"), help)
         })?;
         Ok(Stages { folder: folder.to_owned(), pending: Vec::new() })
     }
 
-    /// The stages of one of several components go into a folder of its own.
+    /// Continues in a folder of its own for one of several components.
     pub fn component(&mut self, root: &Path, number: usize) -> Result<(), formats::Error> {
         let of_component = Stages::new(&root.join(format!("component-{number}")))?;
         self.folder = of_component.folder;

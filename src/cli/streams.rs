@@ -1,4 +1,4 @@
-//! Standard error and standard output: where nobody listens any more a run goes on.
+//! Standard error and standard output. A run continues if the other end of one is closed.
 
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
@@ -6,14 +6,13 @@ use std::path::Path;
 
 use super::{Failure, output};
 
-/// Says a line on standard error. Where that cannot be written to, there is no other
-/// place to say so.
+/// Prints a line on standard error. If that fails, there is no other place to report it.
 pub fn say(line: impl Display) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
-/// Prints what was asked for on standard output. A reader that has gone has what it
-/// wanted; a disk that is full is a failure.
+/// Prints a result on standard output. A closed pipe is no failure, because its reader has read
+/// what it wanted. A full disk is one.
 pub fn print(text: &[u8]) -> Result<(), Failure> {
     let mut out = std::io::stdout();
     match out.write_all(text).and_then(|()| out.flush()) {

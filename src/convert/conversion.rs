@@ -2,6 +2,7 @@
 
 use formats::Brep;
 
+use crate::mesh::VertexMap;
 use crate::spline::Surface;
 use crate::words::mm;
 use crate::{Adapted, InputReport, deviation, fill, parameterize, smooth, trim};
@@ -28,7 +29,7 @@ pub struct Conversion {
     /// How good the map is.
     pub parameterize: parameterize::Report,
     /// Where it leaves too little room for the tolerance.
-    pub crushed: Option<parameterize::Crushed>,
+    pub crushed: Option<parameterize::CompressedRegion>,
     /// Knots and fit.
     pub fit: Adapted,
     /// The tolerance that holds, in mm.
@@ -57,9 +58,20 @@ pub struct Conversion {
     /// What could be better, and what to do about it: a sentence each. Options have the
     /// names that they have on the command line.
     pub hints: Vec<String>,
+    /// Which point each vertex of the scan became.
+    pub(super) vertices: VertexMap,
 }
 
 impl Conversion {
+    /// The point of the face's mesh that a vertex of the scan became: its position among the
+    /// distances of [`deviation`](Self::deviation) and [`fit_deviation`](Self::fit_deviation).
+    /// Vertices are counted from 0, in the order of the soup or of the file. All at one place
+    /// became one point. `None` if the vertex was left out: no triangle has it, it is not
+    /// finite, or it belongs to another component or to a triangle that was dropped.
+    pub fn point_of(&self, vertex: usize) -> Option<usize> {
+        self.vertices.point_of(vertex)
+    }
+
     /// Whether the face keeps its tolerance. Where it is named, all but the share `outliers`
     /// of the smoothed points must be within it, and as many of the triangles, which the face
     /// may leave by their chord error besides. Where nobody named one, all but as many points

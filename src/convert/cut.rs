@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::brep::{Arcs, Bounds};
+use crate::brep::{Arcs, FaceBounds};
 use crate::mesh::{Bound, Patch};
 use crate::mesh::{Outline, Parameterized};
 use crate::trim::{Rim, TrimLoop};
@@ -87,11 +87,11 @@ impl Cutter<'_> {
 
 /// The faces that the loops bound: that within the outer boundary first, which is
 /// a loop or the surface's sides, then each island's.
-pub fn faces(loops: &[TrimLoop]) -> Vec<Bounds<'_>> {
+pub fn faces(loops: &[TrimLoop]) -> Vec<FaceBounds<'_>> {
     let is_hole = |l: &TrimLoop| matches!(l.of, Bound::Hole(_));
     let face = |outer: Option<usize>| {
         let inner = loops.iter().filter(|l| is_hole(l) && l.within == outer);
-        Bounds { outer: outer.map(|i| arcs(&loops[i])), inner: inner.map(arcs).collect() }
+        FaceBounds { outer: outer.map(|i| arcs(&loops[i])), inner: inner.map(arcs).collect() }
     };
     let sides = (!has_outline(loops)).then_some(None);
     let outer = (0..loops.len()).filter(|&i| !is_hole(&loops[i]));

@@ -8,7 +8,7 @@
 use rayon::prelude::*;
 
 use super::conversion::{Conversion, Missed};
-use super::stage::{Stage, within};
+use super::stage::{Observer, Stage, within};
 use super::{Options, cut, input};
 use crate::adapt::Goal;
 use crate::mesh::Components;
@@ -20,7 +20,7 @@ use crate::{Result, adapt, brep, deviation, fill, parameterize, smooth, spline, 
 pub(super) fn face(
     scan: &Components,
     options: &Options,
-    watch: &mut dyn FnMut(Stage) -> Result<()>,
+    watch: &mut Observer,
 ) -> Result<Conversion> {
     let mm = scan.mm();
     let (measured, input) = input::disk(scan, options)?;
@@ -47,7 +47,7 @@ pub(super) fn face(
         &options.parameterize,
         &mut within("parameterize", watch),
     )?;
-    let crushed = parameterize::crushed(&map, tolerance, options.knots.max_net);
+    let crushed = parameterize::compressed_region(&map, tolerance, options.knots.max_net);
     watch(Stage::Parameterize(&map, crushed))?;
 
     let measured_count = map.patch.measured;
@@ -72,14 +72,15 @@ pub(super) fn face(
     let brep = brep::build(&placed, &faces, &options.name, trim::edge_accuracy(&placed))?;
     watch(Stage::Brep)?;
 
-    let face = deviation::Face::new(&surface, loops.iter().map(|l| l.pcurves.as_slice()), natural);
+    let face =
+        deviation::TrimmedFace::new(&surface, loops.iter().map(|l| l.pcurves.as_slice()), natural);
     let starts = &map.uv[..measured_count];
     let fit_deviation = face.deviation(&map.patch.mesh.points[..measured_count], starts);
     let deviation = face.deviation(&measured.mesh.points, starts);
     let excused = if trim_options.keeps_vertices { 0.0 } else { trim_options.rim };
     let missed = missed(&face, &map, &fit_deviation, tolerance, excused);
     let seen = map.measured_triangles();
-    let between = deviation::Between::new(&map.patch.mesh, &seen, &map.uv, &surface);
+    let between = deviation::SurfaceOverMesh::new(&map.patch.mesh, &seen, &map.uv, &surface);
     let face_to_scan = between.report(tolerance, |at| face.contains(at));
     watch(Stage::Deviation)?;
 
@@ -104,6 +105,7 @@ pub(super) fn face(
         outer: outer.map(|(control, off)| (control, mm * off)),
         trim,
         rim_tolerance: mm * trim_options.rim,
+        vertices: scan.vertices(&measured.mesh.points),
         hints: Vec::new(),
     })
 }
@@ -111,7 +113,7 @@ pub(super) fn face(
 /// The smoothed points that miss the tolerance, but for those that a loop cuts off by no more
 /// than `excused`.
 fn missed(
-    face: &deviation::Face<Surface>,
+    face: &deviation::TrimmedFace<Surface>,
     map: &Parameterized,
     deviation: &deviation::Deviation,
     tolerance: f64,

@@ -10,7 +10,7 @@ use crate::{Conversion, Error, Options, Result, convert};
 
 /// A format of CAD files.
 #[derive(Clone, Copy)]
-enum Kind {
+enum CadFormat {
     Step,
     Iges,
 }
@@ -34,11 +34,11 @@ pub fn convert_file(
     let of_scan = |error| Error::Scan { file: scan.to_owned(), error: Box::new(error) };
     let conversion = convert(&soup, options, &mut |_| Ok(())).map_err(of_scan)?;
     let content = |to: &mut dyn Write| match kind {
-        Kind::Step => {
+        CadFormat::Step => {
             let options = step::Options { colour, ..step::Options::default() };
             step::write(&conversion.brep, &options, to)
         }
-        Kind::Iges => {
+        CadFormat::Iges => {
             let file_name = out.file_name().unwrap_or_default().to_string_lossy().into_owned();
             let options = iges::Options { colour, file_name, ..iges::Options::default() };
             iges::write(&conversion.brep, &options, to)
@@ -52,11 +52,11 @@ pub fn convert_file(
 }
 
 /// What the name of a file says that it is.
-fn kind(out: &Path) -> Result<Kind> {
+fn kind(out: &Path) -> Result<CadFormat> {
     let extension = out.extension().map(|e| e.to_string_lossy().to_lowercase());
     match extension.as_deref() {
-        Some("step" | "stp") => Ok(Kind::Step),
-        Some("igs" | "iges") => Ok(Kind::Iges),
+        Some("step" | "stp") => Ok(CadFormat::Step),
+        Some("igs" | "iges") => Ok(CadFormat::Iges),
         _ => {
             let help = "name a file that ends in one of these";
             Err(formats::Error::new(out, "not .step, .stp, .igs or .iges", help).into())

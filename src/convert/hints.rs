@@ -116,9 +116,9 @@ fn stretched(c: &Conversion) -> Option<String> {
 
 /// Where the face itself folds CAD cannot offset or cut it.
 fn folded(c: &Conversion) -> Option<String> {
-    let Folds { turned, places, .. } = c.fit.folds.filter(|folds| folds.turned > 0)?;
+    let Folds { inverted, samples, .. } = c.fit.folds.filter(|folds| folds.inverted > 0)?;
     Some(format!(
-        "the surface is turned over at {turned} of {places} places, which offsets and Boolean operations in CAD may not survive; a coarser --tolerance, or cutting the scan where it is ragged, leaves fewer"
+        "the surface is turned over at {inverted} of {samples} places, which offsets and Boolean operations in CAD may not survive; a coarser --tolerance, or cutting the scan where it is ragged, leaves fewer"
     ))
 }
 

@@ -1,7 +1,7 @@
 //! What came in: the chosen component of a scan, looked at and made a disk.
 
 use crate::mesh::{Choice, Component, Components, Disk, Mesh, Outer, Repairs, Topology, boundary};
-use crate::{Options, Result, smooth};
+use crate::{Options, Result, smooth, threads};
 
 /// What came in.
 #[derive(Debug, Clone)]
@@ -72,7 +72,7 @@ impl InputReport {
 pub(crate) fn disk(scan: &Components, options: &Options) -> Result<(Disk, InputReport)> {
     let chosen = scan.take(options.component)?;
     let mut input = InputReport::new(scan, &chosen);
-    let disk = chosen.into_own_disk(options.outer, &mut input.repairs)?;
+    let disk = chosen.into_own_disk(options.outer(), &mut input.repairs)?;
     input.count_islands(&disk, &scan.sizes());
     Ok((disk, input))
 }
@@ -94,6 +94,10 @@ pub struct Measured {
 /// # Errors
 /// There is no such component.
 pub fn measured(scan: &Components, components: &[Choice], outer: Outer) -> Result<Measured> {
+    threads::run(None, || gather(scan, components, outer))?
+}
+
+fn gather(scan: &Components, components: &[Choice], outer: Outer) -> Result<Measured> {
     let mut mesh = Mesh { points: Vec::new(), triangles: Vec::new() };
     let mut left_out = scan.sizes();
     for &component in components {
@@ -115,6 +119,10 @@ pub fn measured(scan: &Components, components: &[Choice], outer: Outer) -> Resul
 /// # Errors
 /// There is no such component.
 pub fn inspect(scan: Components, component: Choice, outer: Outer) -> Result<Inspection> {
+    threads::run(None, || look_at(scan, component, outer))?
+}
+
+fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspection> {
     let chosen = scan.take(component)?;
     let mut input = InputReport::new(&scan, &chosen);
     let sizes = scan.sizes();

@@ -1,13 +1,13 @@
 //! The border between the lengths that the pipeline works in and mm, which are its
 //! caller's.
 
-use super::{Conversion, Stage};
+use super::{Conversion, Observer, Stage};
 use crate::smooth::Support;
 use crate::{Error, Options, Result};
 
 /// Shows a caller in mm what stages made in other lengths.
 pub(crate) struct Shown<'a> {
-    watch: &'a mut dyn FnMut(Stage) -> Result<()>,
+    watch: &'a mut Observer<'a>,
     mm: f64,
     /// Whether the caller answered with an error.
     stopped: bool,
@@ -15,7 +15,7 @@ pub(crate) struct Shown<'a> {
 
 impl<'a> Shown<'a> {
     /// One of the pipeline's lengths is so many `mm`.
-    pub(crate) fn new(watch: &'a mut dyn FnMut(Stage) -> Result<()>, mm: f64) -> Self {
+    pub(crate) fn new(watch: &'a mut Observer<'a>, mm: f64) -> Self {
         Shown { watch, mm, stopped: false }
     }
 

@@ -2,6 +2,7 @@
 //! far there is one, `face.rs`: a component of a scan becomes one face, with others for the
 //! islands in its holes.
 
+mod components;
 mod conversion;
 pub mod cut;
 mod face;
@@ -10,36 +11,42 @@ mod goal;
 mod hints;
 mod input;
 mod lengths;
+mod memory;
 mod options;
+mod places;
 mod stage;
 
+pub use components::{convert_components, joined};
 pub use conversion::{Conversion, Missed};
 pub use cut::Cut;
 pub use file::convert_file;
 pub use input::{InputReport, Inspection, Measured, inspect, measured};
+pub use memory::Memory;
 pub use options::{Builder, Options};
-pub use stage::Stage;
+pub use places::ScanPlace;
+pub use stage::{Observer, Stage};
 
 use formats::Soup;
 
-use crate::Result;
 use crate::mesh::{self, Components};
+use crate::{Error, Result, threads};
 
 /// Converts one component of a scan. `watch` is shown what each stage made, and how far
-/// long ones have come; an error of its own stops the conversion.
+/// long ones have come. It stops the conversion with an error of its own, such as
+/// [`Error::Stopped`](crate::Error::Stopped).
 ///
-/// The work is shared by rayon's threads. On one of them (within `rayon::scope`) small
-/// scans take a tenth less time, since no thread has to be woken for each loop.
+/// The work is shared by as many threads as [`Builder::threads`] says. `watch` is called on
+/// one of them.
 ///
 /// # Errors
 /// What stops a stage, or what `watch` answers.
-pub fn convert(
-    soup: &Soup,
-    options: &Options,
-    watch: &mut dyn FnMut(Stage) -> Result<()>,
-) -> Result<Conversion> {
-    let scan = Components::new(mesh::from_soup(soup, options.unit_of(soup))?);
-    convert_component(&scan, options, watch)
+pub fn convert(soup: &Soup, options: &Options, watch: &mut Observer) -> Result<Conversion> {
+    options.max_memory.map_or(Ok(()), |most| Memory::of(soup, options).check(most))?;
+    let options = options.resolved(soup)?;
+    threads::run(options.threads, || {
+        let scan = Components::new(mesh::from_soup(soup, options.unit_of(soup))?);
+        component(&scan, &options, watch)
+    })?
 }
 
 /// Converts one component of a mesh: readers → **mesh → smooth → fill →
@@ -47,15 +54,21 @@ pub fn convert(
 /// unit is that which it was made with.
 ///
 /// # Errors
-/// Those of [`convert`], but for the mesh.
+/// Those of [`convert`], but for the mesh. [`Error::Input`]: the options name places in the terms
+/// of the scan's file, and [`Options::resolved`] was not called.
 pub fn convert_component(
     scan: &Components,
     options: &Options,
-    watch: &mut dyn FnMut(Stage) -> Result<()>,
+    watch: &mut Observer,
 ) -> Result<Conversion> {
-    // Sparse factorizations sum in an order that depends on the threads; the
-    // same bytes on any number of them matter more.
-    faer::set_global_parallelism(faer::Par::Seq);
+    if options.places.are_open() {
+        return Err(Error::Input("resolve the places of the options with the scan's soup first"));
+    }
+    threads::run(options.threads, || component(scan, options, watch))?
+}
+
+/// The same on the thread that calls.
+fn component(scan: &Components, options: &Options, watch: &mut Observer) -> Result<Conversion> {
     let mut shown = lengths::Shown::new(watch, scan.mm());
     let own = options.in_lengths(scan.mm());
     match face::face(scan, &own, &mut |stage| shown.see(stage)) {

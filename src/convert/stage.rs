@@ -1,9 +1,9 @@
 //! What is told of a conversion while it goes on.
 
 use crate::mesh::{Disk, Patch};
-use crate::parameterize::{Crushed, Parameterized};
+use crate::parameterize::{CompressedRegion, Parameterized};
 use crate::spline::Surface;
-use crate::{Result, trim};
+use crate::{Conversion, Result, trim};
 
 /// A stage that has just ended, with what it made, or one that goes on.
 #[derive(Debug)]
@@ -17,7 +17,7 @@ pub enum Stage<'a> {
     Fill(&'a Patch),
     /// The filled mesh with parameters, and where it leaves too little room for
     /// the tolerance.
-    Parameterize(&'a Parameterized, Option<Crushed>),
+    Parameterize(&'a Parameterized, Option<CompressedRegion>),
     /// The fitted surface.
     Fit(&'a Surface),
     /// The loops: the outer one unless it is on the surface's sides, those of the
@@ -27,10 +27,17 @@ pub enum Stage<'a> {
     Brep,
     /// The deviation.
     Deviation,
+    /// One of several components is converted ([`convert_components`](crate::convert_components)).
+    Done(&'a Conversion),
     /// The stage of that name goes on, and has about so large a share of its time behind
     /// it: more than it was told of before.
     Within(&'static str, f64),
 }
+
+/// A callback that sees each [`Stage`]. An error of its own stops the conversion, and is what
+/// [`convert`](crate::convert) answers: [`Error::Stopped`](crate::Error::Stopped) where its
+/// caller wants no more. It is called on one of the threads that share the work.
+pub type Observer<'a> = dyn FnMut(Stage) -> Result<()> + Send + 'a;
 
 impl Stage<'_> {
     /// Its name, as reports and progress have it.
@@ -44,6 +51,7 @@ impl Stage<'_> {
             Stage::Trim(..) => "trim",
             Stage::Brep => "brep",
             Stage::Deviation => "deviation",
+            Stage::Done(_) => "done",
             Stage::Within(name, _) => name,
         }
     }
@@ -55,14 +63,14 @@ const STEP: f64 = 0.01;
 /// Tells `watch` how far a stage has come: forwards only, and not at every step.
 pub(super) fn within<'a>(
     name: &'static str,
-    watch: &'a mut dyn FnMut(Stage) -> Result<()>,
+    watch: &'a mut Observer,
 ) -> impl FnMut(f64) -> Result<()> + 'a {
-    let mut told = 0.0;
+    let mut reported = 0.0;
     move |share| {
-        if share < told + STEP {
+        if share < reported + STEP {
             return Ok(());
         }
-        told = share.min(1.0);
-        watch(Stage::Within(name, told))
+        reported = share.min(1.0);
+        watch(Stage::Within(name, reported))
     }
 }

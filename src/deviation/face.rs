@@ -1,56 +1,61 @@
-//! A trimmed face, and how far from it points are.
+//! A trimmed face, and the distances of points from it.
 
 use std::fmt;
 
 use rayon::prelude::*;
 
 use super::Deviation;
-use super::outline::Outline;
+use super::slab_polygon::SlabPolygon;
 use crate::geometry::{Point, Uv, bounds};
 use crate::spline::chords::chords;
-use crate::spline::nearest::{Best, EXACT, Foot, Search};
-use crate::spline::{Curve, EdgeTree, Patch, Surface};
+use crate::spline::nearest::{EXACT, Foot, NearestPlace, NearestSearch};
+use crate::spline::{Curve, EdgeTree, ParametricSurface, Surface};
 
-/// A surface and the loops that trim it: holes cut out of it, islands left in
-/// them, and so on.
-pub struct Face<'a, S> {
+/// A surface with the loops that trim it. Loops may be nested: holes in the face, islands in the
+/// holes, and so on.
+pub struct TrimmedFace<'a, S> {
     surface: &'a S,
-    /// The same surface in a form that is looked at faster, if there is one.
-    quick: Option<Box<dyn Patch>>,
+    /// The same surface in a form that is faster to evaluate, if there is one.
+    fast_form: Option<Box<dyn ParametricSurface>>,
     trim: Trim,
-    search: Search,
+    search: NearestSearch,
 }
 
-impl<S: fmt::Debug> fmt::Debug for Face<'_, S> {
+impl<S: fmt::Debug> fmt::Debug for TrimmedFace<'_, S> {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        f.debug_struct("Face").field("surface", &self.surface).field("trim", &self.trim).finish()
+        f.debug_struct("TrimmedFace")
+            .field("surface", &self.surface)
+            .field("trim", &self.trim)
+            .finish()
     }
 }
 
-/// What trims a face.
+/// The trimming loops of a face.
 #[derive(Debug)]
 struct Trim {
-    outlines: Vec<Outline>,
-    /// Whether the surface itself is the face where no loop runs around.
+    outlines: Vec<SlabPolygon>,
+    /// Whether a place that no loop surrounds is on the face.
     natural: bool,
-    /// The sides of the outlines in space, and in the same order in the parameter plane.
+    /// The sides of the polygons in space. `sides` has them in the parameter plane, in the same
+    /// order.
     edges: EdgeTree,
     sides: Vec<[Uv; 2]>,
 }
 
-/// A corner of a polygon: its parameter point, and its place on the surface.
-type Corner = (Uv, Point);
+/// A corner of a polygon: its parameter point and its position in space.
+type PolygonCorner = (Uv, Point);
 
-impl<'a> Face<'a, Surface> {
-    /// The face that loops trim: those of holes and of islands and, unless the
-    /// face is `natural` and goes as far as the surface, the outer one.
+impl<'a> TrimmedFace<'a, Surface> {
+    /// The face that the given loops trim. A face that is `natural` ends where the surface ends;
+    /// only the loops of holes and islands are then given. Otherwise the outer loop is given as
+    /// well.
     pub fn new<'b>(
         surface: &'a Surface,
         loops: impl Iterator<Item = &'b [Curve<2>]>,
         natural: bool,
     ) -> Self {
         let loops: Vec<&[Curve<2>]> = loops.collect();
-        let quick = surface.quick();
+        let fast_form = surface.fast_form();
         let breaks = loops.iter().copied().flatten().flat_map(|arc| {
             arc.knots.breaks().into_iter().map(|t| surface.point(Uv::from(arc.point(t))))
         });
@@ -59,39 +64,51 @@ impl<'a> Face<'a, Surface> {
             false => bounds(breaks),
         };
         let chord = EXACT * (high - low).norm();
-        let rings =
-            loops.par_iter().map(|arcs| ring(looks(surface, &quick), arcs, chord)).collect();
-        Face::with(surface, quick, rings, natural)
+        let rings = loops
+            .par_iter()
+            .map(|arcs| loop_polygon(evaluated(surface, &fast_form), arcs, chord))
+            .collect();
+        TrimmedFace::with(surface, fast_form, rings, natural)
     }
 
-    /// The deviation of points whose parameter points are given.
+    /// The deviation of points from the face, and the side of the face that each point is on.
+    /// `starts` are parameter points near their foot points.
     pub fn deviation(&self, points: &[Point], starts: &[Uv]) -> Deviation {
-        let each = points.par_iter().zip(starts);
-        let distances = each.map(|(&p, &start)| self.nearest(p, Some(start)).1);
-        Deviation::of(points, distances.collect())
+        let each = points.par_iter().zip(starts).map(|(&p, &start)| {
+            let (at, distance) = self.nearest(p, Some(start));
+            (distance, self.is_above(p, at))
+        });
+        let (distances, above): (Vec<f64>, Vec<bool>) = each.unzip();
+        Deviation::of(points, distances).with_sides(above)
+    }
+
+    /// Whether a point is on the side of the surface's normal at `at`, or on the surface.
+    fn is_above(&self, p: Point, at: Uv) -> bool {
+        let jet = self.surface.jet(at);
+        (p - jet.s).dot(&jet.su.cross(&jet.sv)) >= 0.0
     }
 }
 
-impl<'a, S: Patch> Face<'a, S> {
-    /// The face that closed polygons trim; each corner is given by its parameter
-    /// point and its place on the surface. Between an odd number of them and an
-    /// even one the face ends. Without any it is the whole surface.
-    pub fn of_rings(surface: &'a S, rings: Vec<Vec<Corner>>, natural: bool) -> Self {
-        Face::with(surface, surface.quick(), rings, natural)
+impl<'a, S: ParametricSurface> TrimmedFace<'a, S> {
+    /// The face that closed polygons trim. A place is on the face depending on whether an odd or an
+    /// even number of polygons contains it. Without polygons the face is the whole surface.
+    pub fn of_rings(surface: &'a S, rings: Vec<Vec<PolygonCorner>>, natural: bool) -> Self {
+        TrimmedFace::with(surface, surface.fast_form(), rings, natural)
     }
 
     fn with(
         surface: &'a S,
-        quick: Option<Box<dyn Patch>>,
-        rings: Vec<Vec<Corner>>,
+        fast_form: Option<Box<dyn ParametricSurface>>,
+        rings: Vec<Vec<PolygonCorner>>,
         natural: bool,
     ) -> Self {
         let trim = Trim::new(&rings, natural);
-        let search = Search::new(looks(surface, &quick), |low, high| trim.leaves(low, high));
-        Face { surface, quick, trim, search }
+        let search =
+            NearestSearch::new(evaluated(surface, &fast_form), |low, high| trim.leaves(low, high));
+        TrimmedFace { surface, fast_form, trim, search }
     }
 
-    /// The surface that is trimmed.
+    /// The untrimmed surface.
     pub fn surface(&self) -> &'a S {
         self.surface
     }
@@ -101,42 +118,43 @@ impl<'a, S: Patch> Face<'a, S> {
         self.trim.contains(at)
     }
 
-    /// The distance of `p` in mm, as [`Face::nearest`] has it.
+    /// The distance of `p` from the face in mm, as [`TrimmedFace::nearest`] computes it.
     pub fn distance(&self, p: Point, start: Uv) -> f64 {
         self.nearest(p, Some(start)).1
     }
 
-    /// The parameter point of the face's nearest point to `p`, and its distance in mm,
-    /// exact to 1e-7 of the face's diagonal or of the distance, whichever is longer. From
-    /// a good `start` the search takes a fraction of the time.
+    /// The parameter point of the point of the face nearest to `p`, and its distance in mm. The
+    /// distance is exact to 1e-7 of the diagonal of the face, or of the distance if that is larger.
+    /// A good `start` reduces the time to a fraction.
     ///
-    /// The nearest point is a foot on the surface that is on the face, or else it is on a
-    /// trim curve or, of a face that goes as far as the surface, at the surface's end.
+    /// The nearest point is a foot point on the face, or it lies on a trim curve. On a face that
+    /// ends where the surface ends it may also lie at this end.
     pub fn nearest(&self, p: Point, start: Option<Uv>) -> (Uv, f64) {
-        let looks = looks(self.surface, &self.quick);
+        let evaluated = evaluated(self.surface, &self.fast_form);
         let start = start.unwrap_or_else(|| self.search.start(p));
-        let foot = Foot::find(looks, p, start);
-        let own = Best { at: foot.at, distance: foot.distance };
+        let foot = Foot::find(evaluated, p, start);
+        let own = NearestPlace { at: foot.at, distance: foot.distance };
         let is_on_face = self.contains(foot.at);
         let mut best = if is_on_face { own } else { self.trim.nearest(p).unwrap_or(own) };
-        if !self.search.settles(p, &foot, best.distance) {
+        if !self.search.proves_nearest(p, &foot, best.distance) {
             let edge = if is_on_face { self.trim.nearest(p) } else { None };
             best = edge.filter(|edge| edge.distance < best.distance).unwrap_or(best);
-            best = self.search.improve(looks, p, best, &|at| self.contains(at));
+            best = self.search.improve(evaluated, p, best, &|at| self.contains(at));
         }
         (best.at, best.distance)
     }
 
-    /// How far `p` at least is from the face, in mm: from a box that holds it.
+    /// A lower bound on the distance of `p` from the face in mm: its distance from a box around the
+    /// face.
     pub(crate) fn outside(&self, p: Point) -> f64 {
         self.search.outside(p)
     }
 }
 
 impl Trim {
-    fn new(rings: &[Vec<Corner>], natural: bool) -> Self {
+    fn new(rings: &[Vec<PolygonCorner>], natural: bool) -> Self {
         let sides = || rings.iter().flat_map(|ring| ring.iter().zip(ring.iter().cycle().skip(1)));
-        let outlines = rings.par_iter().map(|ring| Outline::new(ring.iter().map(|c| c.0)));
+        let outlines = rings.par_iter().map(|ring| SlabPolygon::new(ring.iter().map(|c| c.0)));
         Trim {
             outlines: outlines.collect(),
             natural: natural || rings.is_empty(),
@@ -150,34 +168,41 @@ impl Trim {
         around.is_multiple_of(2) == self.natural
     }
 
-    /// Whether it may leave something of the rectangle from `low` to `high`.
+    /// Whether a part of the rectangle from `low` to `high` may be on the face.
     fn leaves(&self, low: Uv, high: Uv) -> bool {
         let middle = nalgebra::center(&low, &high);
         self.outlines.iter().any(|outline| outline.meets(low, high)) || self.contains(middle)
     }
 
-    /// The nearest place of the trim curves.
-    fn nearest(&self, p: Point) -> Option<Best> {
+    /// The nearest point of the trim curves.
+    fn nearest(&self, p: Point) -> Option<NearestPlace> {
         let (side, share, distance) = self.edges.nearest(p)?;
         let [a, b] = self.sides[side];
-        Some(Best { at: a + share * (b - a), distance })
+        Some(NearestPlace { at: a + share * (b - a), distance })
     }
 }
 
-/// What is looked at.
-fn looks<'a, S: Patch>(surface: &'a S, quick: &'a Option<Box<dyn Patch>>) -> &'a dyn Patch {
-    quick.as_deref().unwrap_or(surface)
+/// The form of the surface that is evaluated.
+fn evaluated<'a, S: ParametricSurface>(
+    surface: &'a S,
+    fast_form: &'a Option<Box<dyn ParametricSurface>>,
+) -> &'a dyn ParametricSurface {
+    fast_form.as_deref().unwrap_or(surface)
 }
 
-/// The polygon of a loop.
-fn ring(surface: &dyn Patch, arcs: &[Curve<2>], chord: f64) -> Vec<Corner> {
+/// The polygon that approximates a loop.
+fn loop_polygon(
+    surface: &dyn ParametricSurface,
+    arcs: &[Curve<2>],
+    chord: f64,
+) -> Vec<PolygonCorner> {
     let mut ring = Vec::new();
     for arc in arcs {
         let at = |t: f64| {
             let uv = Uv::from(arc.point(t));
             (uv, surface.point(uv))
         };
-        ring.extend(chords(&arc.knots.breaks(), &at, |corner: &Corner| corner.1, chord));
+        ring.extend(chords(&arc.knots.breaks(), &at, |corner: &PolygonCorner| corner.1, chord));
         ring.pop();
     }
     ring

@@ -1,45 +1,47 @@
-//! How far a face is from the triangles that it was made of, between their corners: a face
-//! that passes near every point of a scan may still leave it where points are sparse.
+//! Distances from a face to the triangles of the scan from which it was made. A face that passes
+//! near every vertex of a scan may still be far from the triangles between sparse vertices. The
+//! face is sampled over the parameter triangle of each scan triangle.
 
 use rayon::prelude::*;
 
 use crate::geometry::{Point, Uv, Vector};
-use crate::mesh::{Mesh, Rings, nearest_on};
-use crate::spline::{Patch, Surface, for_many_looks};
+use crate::mesh::{Mesh, VertexRings, nearest_on};
+use crate::spline::{ParametricSurface, Surface, fast_evaluator};
 
-/// Places of a face, in a triangle's room on the map, for each knot cell that it spans.
-const PLACES_A_CELL: f64 = 2.0;
+/// The number of samples for each knot cell that a triangle spans in the parameter plane, along a
+/// side.
+const SAMPLES_PER_CELL: f64 = 2.0;
 
-/// Places along a triangle's side at the most.
-const MOST_PLACES: usize = 64;
+/// The largest number of samples along the side of a triangle.
+const MAX_SAMPLES: usize = 64;
 
-/// Triangles that are looked at for the mean and the percentile, about.
-const LOOKED_AT: usize = 20_000;
+/// The approximate number of triangles that are sampled for the mean and the percentile.
+const SAMPLED_TRIANGLES: usize = 20_000;
 
-/// How far places of a face are from the scan's triangles, in mm.
+/// The distances of samples of a face from the triangles of the scan, in mm.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct FaceToScan {
-    /// Root mean square over an even sample of the triangles.
+    /// The root mean square over an even sample of the triangles.
     pub rms: f64,
-    /// 95th percentile over the same.
+    /// The 95th percentile over the same sample.
     pub p95: f64,
-    /// The largest.
+    /// The largest distance.
     pub max: f64,
-    /// The place that has it.
+    /// The sample that has the largest distance.
     pub max_at: [f64; 3],
-    /// How far flat triangles are from the surface that they stand for, there: what the
-    /// place may be off besides the tolerance.
+    /// The chord error at this sample: an estimate of the distance between the flat triangles and
+    /// the surface that they represent. A distance may exceed the tolerance by this amount.
     pub chord_error: f64,
-    /// How many of the scan's triangles the face leaves by more than the tolerance and their
+    /// The number of triangles from which the face deviates by more than the tolerance plus their
     /// chord error.
     pub beyond: usize,
-    /// How many triangles were looked at.
+    /// The number of triangles that were sampled.
     pub triangles: usize,
 }
 
 impl FaceToScan {
-    /// The same with all lengths times a factor.
+    /// The same distances with all lengths multiplied by a factor.
     pub(crate) fn scaled(self, factor: f64) -> Self {
         FaceToScan {
             rms: factor * self.rms,
@@ -52,39 +54,39 @@ impl FaceToScan {
     }
 }
 
-/// A surface over the triangles of a mesh, whose vertices have parameter points.
-pub(crate) struct Between<'a> {
+/// A surface over the triangles of a mesh whose vertices have parameter points.
+pub(crate) struct SurfaceOverMesh<'a> {
     mesh: &'a Mesh,
-    /// The numbers of the triangles that are looked at.
+    /// The numbers of the triangles that are compared with the surface.
     triangles: &'a [usize],
     uv: &'a [Uv],
     surface: &'a Surface,
-    /// The triangles around each vertex, by their positions among those looked at.
-    rings: Rings,
+    /// The triangles around each vertex, by their positions in `triangles`.
+    rings: VertexRings,
     normals: Vec<Vector>,
     cells: [f64; 2],
 }
 
-/// A triangle that a surface leaves.
+/// A triangle from which the surface deviates.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Left {
-    /// Its number in the mesh.
+pub(crate) struct MissedTriangle {
+    /// The number of the triangle in the mesh.
     pub triangle: usize,
-    /// How far, of the tolerance and its chord error.
+    /// The deviation divided by the sum of the tolerance and the triangle's chord error.
     pub ratio: f64,
 }
 
-/// What a triangle's places say.
-struct Seen {
-    /// The triangle's position among those looked at.
+/// The result for one triangle.
+struct TriangleDeviation {
+    /// The position of the triangle in `triangles`.
     triangle: usize,
-    /// The farthest place's distance.
+    /// The largest distance of its samples.
     distance: f64,
     at: Point,
 }
 
-impl<'a> Between<'a> {
-    /// Looks at the surface in the room that some triangles have on the map.
+impl<'a> SurfaceOverMesh<'a> {
+    /// Prepares the comparison of the surface with some triangles.
     pub(crate) fn new(
         mesh: &'a Mesh,
         triangles: &'a [usize],
@@ -96,17 +98,17 @@ impl<'a> Between<'a> {
             triangles: triangles.iter().map(|&t| mesh.triangles[t]).collect(),
         };
         let cells = narrowest(surface);
-        let (rings, normals) = (Rings::new(&part), part.vertex_normals());
-        Between { mesh, triangles, uv, surface, rings, normals, cells }
+        let (rings, normals) = (VertexRings::new(&part), part.vertex_normals());
+        SurfaceOverMesh { mesh, triangles, uv, surface, rings, normals, cells }
     }
 
-    /// The figures of the face; places that are not on it are left out.
+    /// The distances over the face. Samples outside the face are left out.
     pub(crate) fn report(&self, tolerance: f64, is_on: impl Fn(Uv) -> bool + Sync) -> FaceToScan {
         let count = self.triangles.len();
         if count == 0 {
             return FaceToScan::default();
         }
-        let step = count.div_ceil(LOOKED_AT);
+        let step = count.div_ceil(SAMPLED_TRIANGLES);
         let sample: Vec<usize> = (0..count).step_by(step).collect();
         let seen = self.seen(&sample, true, &is_on);
         let mut distances: Vec<f64> = seen.iter().map(|seen| seen.distance).collect();
@@ -115,7 +117,7 @@ impl<'a> Between<'a> {
         let place = (95 * distances.len()).div_ceil(100).max(1) - 1;
         let p95 = *distances.select_nth_unstable_by(place, f64::total_cmp).1;
         let mut worst = farthest(seen);
-        // All others are no farther than what is told at once.
+        // No other triangle can have a larger distance than the bounds that are cheap to compute.
         let bounds = self.bounds(&is_on);
         let more: Vec<usize> = (0..count).filter(|&i| bounds[i] > worst.distance).collect();
         let more = farthest(self.seen(&more, true, &is_on));
@@ -128,32 +130,32 @@ impl<'a> Between<'a> {
             max: worst.distance,
             max_at: worst.at.coords.into(),
             chord_error: self.chord_error(worst.triangle),
-            beyond: self.misses(&bounds, tolerance, 1.0, &is_on).len(),
+            beyond: self.deviating(&bounds, tolerance, 1.0, &is_on).len(),
             triangles: count,
         }
     }
 
-    /// The triangles that the surface leaves by more than that share of the tolerance and their
-    /// chord error.
-    pub(crate) fn left(&self, tolerance: f64, share: f64) -> Vec<Left> {
+    /// The triangles from which the surface deviates by more than `share` of the tolerance plus
+    /// their chord error.
+    pub(crate) fn missed(&self, tolerance: f64, share: f64) -> Vec<MissedTriangle> {
         let everywhere = |_| true;
-        let left = |Seen { triangle: i, distance, .. }| Left {
+        let left = |TriangleDeviation { triangle: i, distance, .. }| MissedTriangle {
             triangle: self.triangles[i],
             ratio: distance / (tolerance + self.chord_error(i)),
         };
-        let seen = self.misses(&self.bounds(&everywhere), tolerance, share, &everywhere);
+        let seen = self.deviating(&self.bounds(&everywhere), tolerance, share, &everywhere);
         seen.into_iter().map(left).collect()
     }
 
-    /// The farthest places of such triangles, of those that are on the face; no distance is
-    /// more than its bound.
-    fn misses(
+    /// The farthest samples on the face of such triangles. `bounds` are upper bounds on the
+    /// distances.
+    fn deviating(
         &self,
         bounds: &[f64],
         tolerance: f64,
         share: f64,
         is_on: &(impl Fn(Uv) -> bool + Sync),
-    ) -> Vec<Seen> {
+    ) -> Vec<TriangleDeviation> {
         let allowed = |i: usize| share * (tolerance + self.chord_error(i));
         let far = |&i: &usize| bounds[i] > share * tolerance && bounds[i] > allowed(i);
         let far: Vec<usize> = (0..bounds.len()).filter(far).collect();
@@ -161,53 +163,54 @@ impl<'a> Between<'a> {
         seen.filter(|seen| seen.distance > allowed(seen.triangle)).collect()
     }
 
-    /// No place in a triangle's room is farther from the scan than this.
+    /// For each triangle an upper bound on the distance between its samples and the scan.
     fn bounds(&self, is_on: &(impl Fn(Uv) -> bool + Sync)) -> Vec<f64> {
         let all: Vec<usize> = (0..self.triangles.len()).collect();
         self.seen(&all, false, is_on).into_iter().map(|seen| seen.distance).collect()
     }
 
-    /// Looks at some triangles; `around` them, too, for the nearest one of each place.
+    /// The results for some triangles. With `around`, each sample is compared with neighbouring
+    /// triangles as well.
     fn seen(
         &self,
         which: &[usize],
         around: bool,
         is_on: &(impl Fn(Uv) -> bool + Sync),
-    ) -> Vec<Seen> {
-        let surface = for_many_looks(self.surface);
-        which.par_iter().map(|&i| self.look(i, around, &*surface, is_on)).collect()
+    ) -> Vec<TriangleDeviation> {
+        let surface = fast_evaluator(self.surface);
+        which.par_iter().map(|&i| self.sample_triangle(i, around, &*surface, is_on)).collect()
     }
 
-    /// Looks at the places in the middles of the parts into which a triangle is divided.
-    fn look(
+    /// Samples the surface at the centres of the parts into which a triangle is divided.
+    fn sample_triangle(
         &self,
         i: usize,
         around: bool,
-        surface: &(impl Patch + ?Sized),
+        surface: &(impl ParametricSurface + ?Sized),
         is_on: &impl Fn(Uv) -> bool,
-    ) -> Seen {
+    ) -> TriangleDeviation {
         let [a, b, c] = self.corners(i);
-        let along = PLACES_A_CELL * spanned([a, b, c], self.cells);
-        let n = (along.ceil() as usize).clamp(1, MOST_PLACES);
-        let mut seen = Seen { triangle: i, distance: 0.0, at: Point::origin() };
+        let along = SAMPLES_PER_CELL * spanned([a, b, c], self.cells);
+        let n = (along.ceil() as usize).clamp(1, MAX_SAMPLES);
+        let mut seen = TriangleDeviation { triangle: i, distance: 0.0, at: Point::origin() };
         for (x, y) in middles(n) {
             let at = a + (b - a) * x + (c - a) * y;
             let place = surface.point(at);
             let distance = if around { self.distance(place, i) } else { self.to(i, place) };
             if distance > seen.distance && is_on(at) {
-                seen = Seen { distance, at: place, ..seen };
+                seen = TriangleDeviation { distance, at: place, ..seen };
             }
         }
         seen
     }
 
-    /// The parameter points of the corners of the `i`-th triangle.
+    /// The parameter points of the corners of triangle `i`.
     fn corners(&self, i: usize) -> [Uv; 3] {
         self.mesh.triangles[self.triangles[i]].map(|v| self.uv[v.index()])
     }
 
-    /// The distance of a place from the triangles around the `i`-th one: from its own, and
-    /// from those around the nearest corner on as long as they are nearer.
+    /// The distance from a place to the triangles near triangle `i`. The search moves to the
+    /// nearest triangle around the present one until none is nearer.
     fn distance(&self, p: Point, i: usize) -> f64 {
         let (mut best, mut now) = (self.to(i, p), i);
         loop {
@@ -222,7 +225,7 @@ impl<'a> Between<'a> {
         }
     }
 
-    /// The distance of a place from the `i`-th triangle.
+    /// The distance from a place to triangle `i`.
     fn to(&self, i: usize, p: Point) -> f64 {
         let corners = self.mesh.corners(self.mesh.triangles[self.triangles[i]]);
         (nearest_on(corners, p) - p).norm()
@@ -233,14 +236,15 @@ impl<'a> Between<'a> {
     }
 }
 
-/// The widths of a surface's narrowest knot spans.
+/// The widths of the narrowest knot spans of a surface in u and in v.
 pub(crate) fn narrowest(surface: &Surface) -> [f64; 2] {
     let narrowest =
         |breaks: Vec<f64>| breaks.windows(2).map(|w| w[1] - w[0]).fold(f64::INFINITY, f64::min);
     [surface.u.breaks(), surface.v.breaks()].map(narrowest)
 }
 
-/// How many cells, so wide, a triangle spans along u or v.
+/// The larger of the numbers of cells that a triangle spans along u and along v. `cells` are the
+/// widths of a cell.
 pub(crate) fn spanned([a, b, c]: [Uv; 3], cells: [f64; 2]) -> f64 {
     let reach = |k: usize| {
         let side = |p: Uv, q: Uv| (p[k] - q[k]).abs();
@@ -249,13 +253,13 @@ pub(crate) fn spanned([a, b, c]: [Uv; 3], cells: [f64; 2]) -> f64 {
     reach(0).max(reach(1))
 }
 
-fn farthest(seen: Vec<Seen>) -> Seen {
-    let none = Seen { triangle: 0, distance: 0.0, at: Point::origin() };
+fn farthest(seen: Vec<TriangleDeviation>) -> TriangleDeviation {
+    let none = TriangleDeviation { triangle: 0, distance: 0.0, at: Point::origin() };
     seen.into_iter().fold(none, |far, seen| if seen.distance > far.distance { seen } else { far })
 }
 
-/// The middles of the n² parts into which lines parallel to its sides divide a triangle, as
-/// shares of two of its sides.
+/// The centres of the n² parts into which lines parallel to its sides divide a triangle, in
+/// coordinates along two of its sides.
 pub(crate) fn middles(n: usize) -> impl Iterator<Item = (f64, f64)> {
     let third = 1.0 / (3.0 * n as f64);
     let at = move |i: usize, j: usize, up: f64| {
@@ -273,7 +277,7 @@ mod tests {
     use crate::geometry::VertexId;
     use crate::spline::KnotVector;
 
-    /// A plate of 30 × 30 mm that bulges by `high` mm between four points of a mesh.
+    /// A plate of 30 × 30 mm with a bulge of `high` mm between four points of a mesh.
     fn report(high: f64, tolerance: f64) -> FaceToScan {
         let k = KnotVector::uniform(3, 8);
         let bulge = |n: usize| if n == 8 * 3 + 4 { high } else { 0.0 };
@@ -285,7 +289,7 @@ mod tests {
         let triangles = vec![[0, 1, 2], [0, 2, 3]];
         let triangles = triangles.into_iter().map(|t| t.map(VertexId)).collect();
         let mesh = Mesh { points, triangles };
-        Between::new(&mesh, &[0, 1], &uv, &surface).report(tolerance, |_| true)
+        SurfaceOverMesh::new(&mesh, &[0, 1], &uv, &surface).report(tolerance, |_| true)
     }
 
     #[test]
@@ -293,7 +297,7 @@ mod tests {
         let flat = report(0.0, 0.1);
         assert!(flat.max < 1e-12 && flat.beyond == 0, "{flat:?}");
         let bulging = report(2.0, 0.1);
-        // The middle of the bulge is at (4/9)² of the control point's height.
+        // The height of the middle of the bulge is (4/9)² of that of the control point.
         assert!((bulging.max - 8.0 / 9.0).abs() < 0.1, "{bulging:?}");
         assert!(bulging.beyond > 0 && bulging.chord_error < 1e-9, "{bulging:?}");
     }

@@ -1,19 +1,19 @@
-//! How far points are from the trimmed face: Euclidean distances to foot
-//! points, to the trim curve where the foot falls into a hole. Islands in a hole
-//! are faces, too.
+//! Distances between points and a trimmed face. Points and a face go in; Euclidean distances to the
+//! nearest points of the face come out. These are foot points, or points of a trim curve if the
+//! foot point lies in a hole. Islands in a hole belong to the face.
 
 mod face;
 mod face_to_scan;
-mod outline;
+mod slab_polygon;
 
-pub use face::Face;
+pub use face::TrimmedFace;
 pub use face_to_scan::FaceToScan;
-pub(crate) use face_to_scan::{Between, Left, middles, narrowest, spanned};
+pub(crate) use face_to_scan::{MissedTriangle, SurfaceOverMesh, middles, narrowest, spanned};
 
 use crate::geometry::Point;
 use rayon::prelude::*;
 
-/// Distances in mm, over a set of points.
+/// The distances of a set of points, in mm.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct Deviation {
@@ -25,14 +25,16 @@ pub struct Deviation {
     pub p99: f64,
     /// The largest.
     pub max: f64,
-    /// The point that has it.
+    /// The point with the largest distance.
     pub max_at: [f64; 3],
-    /// All of them, in the order of the points.
+    /// All distances, in the order of the points.
     pub distances: Vec<f64>,
+    /// Which of the points are above the face, where that is known.
+    above: Option<Vec<bool>>,
 }
 
 impl Deviation {
-    /// What is to be said of the distances of some points, in their order.
+    /// The statistics of the distances of some points. Both lists have the same order.
     pub fn of(points: &[Point], distances: Vec<f64>) -> Self {
         if distances.is_empty() {
             return Deviation::default();
@@ -50,10 +52,25 @@ impl Deviation {
             max: distances[worst],
             max_at: points[worst].coords.into(),
             distances,
+            above: None,
         }
     }
 
-    /// The same with all lengths times a factor.
+    /// The same with the points that are above the face.
+    fn with_sides(self, above: Vec<bool>) -> Self {
+        Deviation { above: Some(above), ..self }
+    }
+
+    /// The distances with signs, in the order of the points: positive above the face, on the
+    /// side that the triangles of the scan face. The sign is that of the normal of the surface
+    /// at the nearest place of the face. `None` where sides are not known: the face is one of
+    /// a CAD file, or the distances are those of [`Deviation::of`].
+    pub fn signed(&self) -> Option<Vec<f64>> {
+        let signed = |(&d, &above): (&f64, &bool)| if above { d } else { -d };
+        Some(self.distances.iter().zip(self.above.as_ref()?).map(signed).collect())
+    }
+
+    /// The deviation with all lengths multiplied by a factor.
     pub(crate) fn scaled(self, factor: f64) -> Self {
         Deviation {
             rms: factor * self.rms,
@@ -62,10 +79,11 @@ impl Deviation {
             max: factor * self.max,
             max_at: self.max_at.map(|x| factor * x),
             distances: self.distances.iter().map(|d| factor * d).collect(),
+            above: self.above,
         }
     }
 
-    /// How many points are farther than `tolerance`.
+    /// The number of points whose distance exceeds `tolerance`.
     pub fn beyond(&self, tolerance: f64) -> usize {
         self.distances.iter().filter(|&&d| d > tolerance).count()
     }
@@ -86,7 +104,7 @@ mod tests {
         Surface::new(k.clone(), k.clone(), net.collect())
     }
 
-    /// A square loop around the middle.
+    /// A square loop around the middle of the domain.
     fn square(r: f64) -> Vec<Curve<2>> {
         let corner =
             [(-r, -r), (-r, r), (r, r), (r, -r)].map(|(u, v)| Vector2::new(0.5 + u, 0.5 + v));
@@ -97,7 +115,7 @@ mod tests {
     fn over_a_hole_the_distance_is_to_its_rim() {
         let surface = plate();
         let arcs = square(0.1);
-        let face = Face::new(&surface, std::iter::once(arcs.as_slice()), true);
+        let face = TrimmedFace::new(&surface, std::iter::once(arcs.as_slice()), true);
         let d = |x: f64, y: f64, z: f64| face.distance(Point::new(x, y, z), Uv::new(0.5, 0.5));
         assert!((d(5.0, 4.5, 0.0) - 0.5).abs() < 1e-12);
         assert!((d(2.0, 5.0, 0.25) - 0.25).abs() < 1e-12);
@@ -108,7 +126,7 @@ mod tests {
     fn beyond_an_outer_loop_there_is_no_face() {
         let surface = plate();
         let loops = [square(0.4), square(0.1)];
-        let face = Face::new(&surface, loops.iter().map(Vec::as_slice), false);
+        let face = TrimmedFace::new(&surface, loops.iter().map(Vec::as_slice), false);
         let d = |x: f64, z: f64| face.distance(Point::new(x, 5.0, z), Uv::new(0.5, 0.5));
         assert!((d(9.5, 0.0) - 0.5).abs() < 1e-12, "beyond the outer loop");
         assert!((d(8.5, 0.25) - 0.25).abs() < 1e-12, "on the face");
@@ -119,7 +137,7 @@ mod tests {
     fn an_island_is_a_face_and_a_hole_in_it_is_not() {
         let surface = plate();
         let loops = [square(0.1), square(0.4), square(0.3)];
-        let face = Face::new(&surface, loops.iter().map(Vec::as_slice), true);
+        let face = TrimmedFace::new(&surface, loops.iter().map(Vec::as_slice), true);
         let d = |x: f64, z: f64| face.distance(Point::new(x, 5.0, z), Uv::new(0.5, 0.5));
         assert!((d(9.5, 0.5) - 0.5).abs() < 1e-12);
         assert!((d(8.9, 0.0) - 0.1).abs() < 1e-12, "in the hole, near its rim");

@@ -1,17 +1,16 @@
-//! The measured points around a hole, from which its fill takes its shape.
+//! The band of measured points around a hole. They give the fill its shape.
 
 use std::collections::VecDeque;
 
 use foldhash::HashSet;
 
-use super::front::Hole;
+use super::front::OpenHole;
 use crate::geometry::{Point, VertexId};
 
-/// The vertices that a walk over the mesh from the rims reaches without going
-/// farther from them than `width`, or over vertices that are not `wanted`, in
-/// the walk's order.
+/// The vertices around a hole, in breadth-first order from its rims: those that edges reach
+/// over `wanted` vertices at most `width` from the rims.
 pub fn band(
-    Hole { around, rims, sizes }: Hole,
+    OpenHole { around, rims, sizes }: OpenHole,
     width: f64,
     wanted: impl Fn(VertexId) -> bool,
 ) -> Vec<VertexId> {
@@ -29,27 +28,26 @@ pub fn band(
     band
 }
 
-/// How wide a band a hole's fill is taken from: wide enough for its curvature
-/// to be seen, which for a hole of half width `radius` is about as far again,
-/// but less for wide holes, whose long rims have points enough.
+/// The width of the band. To show the curvature over a hole of half width `radius` it must be
+/// about as wide as that. For wide holes it is less, because their long rims have many points.
 pub fn width(radius: f64, edge: f64) -> f64 {
     (0.8 * (radius * radius.min(12.0 * edge)).sqrt()).max(6.0 * edge)
 }
 
-/// The points as they were measured, if smoothing has not moved them much
-/// farther than the noise: their deviations are independent, those of the
-/// smoothed ones are not, and a fit would take these for shape.
-pub struct Measured<'a> {
+/// The points as they were measured. Their errors are independent. Those of smoothed points are
+/// not, and a fit would take them for shape.
+pub struct MeasuredPoints<'a> {
     pub points: &'a [Point],
     pub noise: f64,
 }
 
-/// Farther from the smoothed surface than this many standard deviations of the
-/// noise, a point is an outlier.
+/// A measured point is an outlier if smoothing has moved it by more than this many standard
+/// deviations of the noise, which a normal error is once in 16,000 points. With less, good points
+/// are replaced by smoothed ones, which fits take for shape.
 const OUTLIER: f64 = 4.0;
 
-impl Measured<'_> {
-    /// The measured place of a vertex, or its smoothed one if the scanner erred.
+impl MeasuredPoints<'_> {
+    /// The measured position of a vertex, or the smoothed one if it is an outlier.
     pub fn point(&self, v: VertexId, smoothed: Point) -> Point {
         let p = self.points[v.index()];
         if (p - smoothed).norm() <= OUTLIER * self.noise { p } else { smoothed }

@@ -1,50 +1,51 @@
-//! What is wrong with a fill: sides at which it folds over, itself or the
-//! measured surface, and triangles that cut each other, or measured ones.
+//! Faults of a fill: edges at which it folds over itself or over the measured surface, and
+//! triangles that intersect each other or measured ones.
 
 use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 use rayon::prelude::*;
 use robust::{Coord3D, orient3d};
 
-use super::blocks::{Block, Blocks, Numbered, meet};
-use super::cells::Cells;
+use super::box_blocks::{BoxBlock, BoxBlocks, NumberedBox, overlap};
+use super::box_grid::BoxGrid;
 use super::front::{Fill, Surroundings};
 use crate::geometry::{Point, Vector, VertexId, unit_normal};
 use crate::mesh::Mesh;
 use crate::mesh::remesh::FOLDED;
 
-/// A cell of the grid of triangles, in mean sides.
+/// The width of a grid cell in mean sides of the triangles. It changes the time only.
 const CELL: f64 = 2.0;
 
-/// What is wrong with a fill.
+/// The faults of a fill.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Faults {
-    /// Sides at which it folds, inside or at its rims.
+    /// Edges at which it folds, inside or at its rims: the normals of the two triangles differ
+    /// by more than 107°.
     pub folds: usize,
-    /// Pairs of triangles that cut each other, one of them of the fill at least.
+    /// Pairs of triangles that intersect. At least one of each pair is in the fill.
     pub cuts: usize,
 }
 
 impl Faults {
-    /// All faults together.
+    /// The number of all faults.
     pub fn count(self) -> usize {
         self.folds + self.cuts
     }
 }
 
-/// The triangles of a mesh, where fills may run into them.
-pub struct Ground(Cells);
+/// The measured triangles, which a fill must not intersect.
+pub struct Obstacles(BoxGrid);
 
-impl Ground {
+impl Obstacles {
     pub fn new(mesh: &Mesh) -> Self {
         let side = |t: &[VertexId; 3]| (mesh.point(t[1]) - mesh.point(t[0])).norm();
         let mean = mesh.triangles.iter().map(side).sum::<f64>() / mesh.triangles.len() as f64;
         let extents = mesh.triangles.par_iter().map(|t| extent(t.map(|v| mesh.point(v))));
-        Ground(Cells::new(extents.collect(), CELL * mean.max(f64::MIN_POSITIVE)))
+        Obstacles(BoxGrid::new(extents.collect(), CELL * mean.max(f64::MIN_POSITIVE)))
     }
 }
 
-/// The box around a triangle.
+/// The bounding box of a triangle.
 pub fn extent([a, b, c]: [Point; 3]) -> [Point; 2] {
     [a.inf(&b).inf(&c), a.sup(&b).sup(&c)]
 }
@@ -52,11 +53,11 @@ pub fn extent([a, b, c]: [Point; 3]) -> [Point; 2] {
 /// The faults of a fill.
 pub fn find(around: &Surroundings, fill: &Fill) -> Faults {
     let at = |v: VertexId| place(around.mesh, &fill.points, v);
-    let judge = Judge { around, fill, at: &at };
-    Faults { folds: judge.folds(), cuts: judge.cuts() }
+    let finder = FaultFinder { around, fill, at: &at };
+    Faults { folds: finder.folds(), cuts: finder.cuts() }
 }
 
-/// Where a vertex of a mesh is, or one of those added after its own.
+/// The position of a vertex of a mesh, or of one of those that are added to it.
 pub fn place(mesh: &Mesh, added: &[Point], v: VertexId) -> Point {
     match v.index().checked_sub(mesh.points.len()) {
         None => mesh.point(v),
@@ -64,10 +65,10 @@ pub fn place(mesh: &Mesh, added: &[Point], v: VertexId) -> Point {
     }
 }
 
-/// Whether a fill joins two vertices that are joined already, by another of its
-/// triangles or, off its rims, by the mesh: with such a side the whole is no surface.
+/// Whether an edge of a fill exists already, in another of its triangles or in the mesh (but
+/// for the rims). With such an edge the result is not a manifold.
 pub fn joins_twice(around: &Surroundings, fill: &Fill, rims: &[&[VertexId]]) -> bool {
-    // The hole lies to the right of its rims.
+    // The hole is to the right of its rims.
     let along = |rim: &&[VertexId]| {
         let next = rim.iter().cycle().skip(1);
         next.copied().zip(rim.iter().copied()).collect::<Vec<_>>()
@@ -78,13 +79,13 @@ pub fn joins_twice(around: &Surroundings, fill: &Fill, rims: &[&[VertexId]]) -> 
     all.any(|(v, w)| !sides.insert((v, w)) || (!rims.contains(&(v, w)) && around.joined(v, w)))
 }
 
-struct Judge<'a> {
+struct FaultFinder<'a> {
     around: &'a Surroundings<'a>,
     fill: &'a Fill,
     at: &'a dyn Fn(VertexId) -> Point,
 }
 
-impl Judge<'_> {
+impl FaultFinder<'_> {
     fn normal(&self, t: [VertexId; 3]) -> Vector {
         unit_normal(t.map(self.at)).unwrap_or_default()
     }
@@ -97,7 +98,7 @@ impl Judge<'_> {
         }
         let is_folded = |(&(v, w), normal): (&(VertexId, VertexId), &Vector)| {
             let beside = match sides.get(&(w, v)) {
-                // Of each side inside one of the two counts.
+                // Count an inner edge once.
                 Some(_) if v > w => return false,
                 Some(beside) => Some(*beside),
                 None => self.around.normal_at(v, w),
@@ -110,18 +111,19 @@ impl Judge<'_> {
     fn cuts(&self) -> usize {
         let own = &self.fill.triangles;
         let extents = (0..).zip(own.iter().map(|t| extent(t.map(self.at))));
-        let fill = Blocks::new(extents.collect());
+        let fill = BoxBlocks::new(extents.collect());
         let mut count = 0;
         fill.pairs(|s, t| count += usize::from(self.cut(own[s as usize], own[t as usize])));
-        count + fill.blocks.iter().map(|block| self.ground_cuts(block)).sum::<usize>()
+        count + fill.blocks.iter().map(|block| self.cuts_of_measured(block)).sum::<usize>()
     }
 
-    /// How often a block of the fill's triangles cuts measured ones.
-    fn ground_cuts(&self, block: &Block) -> usize {
+    /// The number of pairs of a triangle in a block of the fill and a measured one that
+    /// intersect.
+    fn cuts_of_measured(&self, block: &BoxBlock) -> usize {
         let (mesh, own) = (self.around.mesh, &self.fill.triangles);
-        let near = self.around.ground.0.meeting(block.extent);
-        let cut_by = |(number, place): Numbered| {
-            let met = block.members.iter().filter(|m| meet(&place, &m.1));
+        let near = self.around.obstacles.0.overlapping(block.extent);
+        let cut_by = |(number, place): NumberedBox| {
+            let met = block.members.iter().filter(|m| overlap(&place, &m.1));
             let other = mesh.triangles[number as usize];
             met.filter(|m| self.cut(own[m.0 as usize], other)).count()
         };
@@ -133,8 +135,8 @@ impl Judge<'_> {
     }
 }
 
-/// Whether a side of one of two triangles goes through the other; what they share
-/// does not count.
+/// Whether an edge of one of two triangles goes through the other. Edges that end at a common
+/// vertex do not count.
 pub fn cut([s, t]: [[VertexId; 3]; 2], [at_s, at_t]: [[Point; 3]; 2]) -> bool {
     let shared = s.iter().filter(|v| t.contains(v)).count();
     if shared > 1 || is_beside(at_s, at_t) || is_beside(at_t, at_s) {
@@ -149,8 +151,8 @@ pub fn cut([s, t]: [[VertexId; 3]; 2], [at_s, at_t]: [[Point; 3]; 2]) -> bool {
     pierces(s, at_s, t, at_t) || pierces(t, at_t, s, at_s)
 }
 
-/// Whether a triangle lies, but for rounding, beyond one side of another, seen
-/// from above this one, as those next to it do.
+/// Whether a triangle is beyond a side of another one, seen along the normal of the latter, up
+/// to rounding. Neighbours are.
 fn is_beside([a, b, c]: [Point; 3], other: [Point; 3]) -> bool {
     let normal = (b - a).cross(&(c - a));
     let rounding = 1e-12 * normal.norm();
@@ -161,7 +163,7 @@ fn is_beside([a, b, c]: [Point; 3], other: [Point; 3]) -> bool {
     })
 }
 
-/// Whether a segment goes through a triangle's inside.
+/// Whether a segment goes through the interior of a triangle.
 fn goes_through([p, q]: [Point; 2], [a, b, c]: [Point; 3]) -> bool {
     if side([a, b, c, p]) * side([a, b, c, q]) >= 0.0 {
         return false;
@@ -170,7 +172,7 @@ fn goes_through([p, q]: [Point; 2], [a, b, c]: [Point; 3]) -> bool {
     around.iter().all(|x| *x > 0.0) || around.iter().all(|x| *x < 0.0)
 }
 
-/// On which side of a triangle a fourth point is, by its sign.
+/// The side of a triangle on which a fourth point is, as the sign of the result.
 fn side(corners: [Point; 4]) -> f64 {
     let [a, b, c, d] = corners.map(|p| Coord3D { x: p.x, y: p.y, z: p.z });
     orient3d(a, b, c, d)
@@ -179,21 +181,21 @@ fn side(corners: [Point; 4]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::Rings;
+    use crate::mesh::VertexRings;
     use crate::mesh::mls::Cloud;
 
-    /// The faults of a fill over the fifth point, or none, of a square with one
-    /// measured triangle.
+    /// The faults of a fill beside some measured triangles.
     fn faults(points: &[[f64; 3]], measured: &[[u32; 3]], triangles: &[[u32; 3]]) -> Faults {
         let ids = |t: &[u32; 3]| t.map(VertexId);
         let points: Vec<Point> = points.iter().map(|p| Point::from(*p)).collect();
         let mesh = Mesh { points, triangles: measured.iter().map(ids).collect() };
-        let rings = Rings::new(&mesh);
+        let rings = VertexRings::new(&mesh);
         let cloud = Cloud::of(&mesh, &rings);
-        let ground = Ground::new(&mesh);
-        let around = Surroundings { mesh: &mesh, rings: &rings, cloud: &cloud, ground: &ground };
+        let obstacles = Obstacles::new(&mesh);
+        let around =
+            Surroundings { mesh: &mesh, rings: &rings, cloud: &cloud, obstacles: &obstacles };
         let triangles = triangles.iter().map(ids).collect();
-        let fill = Fill { points: vec![], triangles, wide_ears: 0, spanned: 0 };
+        let fill = Fill { points: vec![], triangles, wide_ears: 0 };
         find(&around, &fill)
     }
 
@@ -214,15 +216,15 @@ mod tests {
     }
 
     #[test]
-    fn triangles_cut_where_a_side_goes_through() {
+    fn triangles_intersect_where_a_side_goes_through() {
         let more = [[3.0, 1.0, -1.0], [3.0, 1.0, 1.0], [9.0, 5.0, 1.0], [9.0, 9.0, 0.0]];
         let points = [&SQUARE[..], &more].concat();
         let cuts = |measured: &[[u32; 3]], fill: &[[u32; 3]]| faults(&points, measured, fill).cuts;
         assert_eq!(cuts(&[[4, 5, 6]], &[[0, 1, 2]]), 1);
         assert_eq!(cuts(&[[1, 2, 7]], &[[0, 1, 2], [4, 5, 6]]), 2);
-        // Neighbours share a side or a corner and do not cut.
+        // Neighbours that share a side or a corner do not intersect.
         assert_eq!(cuts(&[[1, 7, 2]], &[[0, 1, 2], [0, 4, 1]]), 0);
-        // A corner shared, the opposite side through it.
+        // They share a corner, and the opposite side goes through.
         assert_eq!(cuts(&[[0, 4, 5]], &[[0, 1, 2]]), 1);
     }
 }

@@ -1,27 +1,28 @@
-//! The triangulation of least area of a rim (Barequet & Sharir 1995, "Filling
-//! gaps in the boundary of a polyhedron"), with sharp edges dear (Liepa 2003,
-//! "Filling holes in meshes"), and its triangles divided to the edge length
-//! wanted. It stays near the rim, however that winds.
+//! The triangulation of least area of a closed polygon (Barequet & Sharir 1995, "Filling gaps
+//! in the boundary of a polyhedron"), with a cost for folded edges (as in Liepa 2003, "Filling
+//! holes in meshes"), refined to the target edge length. It stays near the polygon, whatever
+//! the shape of this.
 
 use crate::geometry::{Point, Vector};
 use crate::mesh::remesh::{Sizes, Triangulation};
 
-/// The time it takes grows with the cube of a polygon's corners: one of more is
-/// cut into one of so many, and what this leaves along its sides.
+/// The most corners that are triangulated at once, because the time grows with the cube of
+/// their number. Of a larger polygon every second corner, or third and so on, is triangulated,
+/// and then the corners between two of these.
 const MOST_CORNERS: usize = 600;
 
-/// Spans a closed polygon, counter-clockwise seen from the side to which its
-/// triangles shall look. `beside` its sides the surface's triangles have these
-/// unit normals; `joined` tells of corners that are joined already, or are the
-/// same. `None` where the numbers are not finite.
-pub fn span(
+/// Triangulates a closed polygon, which is counter-clockwise seen from the outer side of the
+/// surface. `beside` has the unit normal of the surface beside each side; `joined` says
+/// whether two corners are joined by an edge already, or are the same vertex. `None` if a
+/// number is not finite.
+pub fn triangulate(
     rim: &[Point],
     beside: &[Vector],
     joined: impl Fn(usize, usize) -> bool,
     sizes: &Sizes,
 ) -> Option<Triangulation> {
-    let polygon = Polygon { rim, beside, joined: &joined };
-    let triangles = polygon.triangulate();
+    let polygon = RimPolygon { rim, beside, joined: &joined };
+    let triangles = polygon.triangles();
     let (points, triangles) = triangles.map_or_else(|| fan(rim), |t| (rim.to_vec(), t));
     let of_side = |i: usize| ((i, (i + 1) % rim.len()), beside[i]);
     let beside = (0..rim.len()).map(of_side).collect();
@@ -30,7 +31,7 @@ pub fn span(
     surface.points.iter().all(|p| p.iter().all(|x| x.is_finite())).then_some(surface)
 }
 
-/// Triangles between the sides and the corners' mean: no corners are joined.
+/// A fan of triangles around the mean of the corners, which joins no two of them.
 fn fan(rim: &[Point]) -> (Vec<Point>, Vec<[usize; 3]>) {
     let n = rim.len();
     let mean = rim.iter().map(|p| p.coords).sum::<Vector>() / n as f64;
@@ -38,24 +39,24 @@ fn fan(rim: &[Point]) -> (Vec<Point>, Vec<[usize; 3]>) {
     (points, (0..n).map(|i| [i, (i + 1) % n, n]).collect())
 }
 
-struct Polygon<'a> {
+struct RimPolygon<'a> {
     rim: &'a [Point],
     beside: &'a [Vector],
     joined: &'a dyn Fn(usize, usize) -> bool,
 }
 
-/// Of a part of a polygon between two corners: the cost of closing it, the
-/// corner of the triangle at the chord between them, and that one's normal.
+/// The part of a polygon between two corners: the least cost of its triangulation, and the
+/// third corner and the normal of its triangle at the chord between the two.
 #[derive(Clone, Copy)]
-struct Part {
+struct SubPolygon {
     cost: f64,
     apex: usize,
     normal: Vector,
 }
 
-impl Polygon<'_> {
-    /// `None` if no triangulation is allowed.
-    fn triangulate(&self) -> Option<Vec<[usize; 3]>> {
+impl RimPolygon<'_> {
+    /// `None` if every triangulation would join two corners that are joined already.
+    fn triangles(&self) -> Option<Vec<[usize; 3]>> {
         let n = self.rim.len();
         let step = n.div_ceil(MOST_CORNERS);
         let corners: Vec<usize> = (0..n).step_by(step).collect();
@@ -73,7 +74,7 @@ impl Polygon<'_> {
         Some(triangles)
     }
 
-    /// The triangulation of least area over some of the corners.
+    /// The triangulation of least cost over some of the corners.
     fn least(&self, corners: &[usize]) -> Option<Vec<[usize; 3]>> {
         let n = corners.len();
         let at = |i: usize| self.rim[corners[i]];
@@ -81,8 +82,9 @@ impl Polygon<'_> {
             let (v, w) = (corners[i], corners[(i + 1) % n]);
             if (v + 1) % self.rim.len() == w { self.beside[v] } else { Vector::zeros() }
         };
-        let side = |i: usize| Part { cost: 0.0, apex: 0, normal: beside(i) };
-        let mut best = vec![Part { cost: f64::INFINITY, apex: 0, normal: Vector::zeros() }; n * n];
+        let side = |i: usize| SubPolygon { cost: 0.0, apex: 0, normal: beside(i) };
+        let mut best =
+            vec![SubPolygon { cost: f64::INFINITY, apex: 0, normal: Vector::zeros() }; n * n];
         (0..n).for_each(|i| best[i * n + (i + 1) % n] = side(i));
         let last = side(n - 1);
         for (i, j) in (2..n).flat_map(|gap| (0..n - gap).map(move |i| (i, i + gap))) {
@@ -91,7 +93,7 @@ impl Polygon<'_> {
                 continue;
             }
             let chord = at(j) - at(i);
-            let mut least = Part { cost: f64::INFINITY, ..last };
+            let mut least = SubPolygon { cost: f64::INFINITY, ..last };
             for k in i + 1..j {
                 let (left, right) = (&best[i * n + k], &best[k * n + j]);
                 let cross = (at(k) - at(i)).cross(&chord);
@@ -107,7 +109,7 @@ impl Polygon<'_> {
                 let closing = if whole { fold(&last.normal, j, i) } else { 0.0 };
                 let cost = bound + fold(&left.normal, i, k) + fold(&right.normal, k, j) + closing;
                 if cost < least.cost {
-                    least = Part { cost, apex: k, normal };
+                    least = SubPolygon { cost, apex: k, normal };
                 }
             }
             best[i * n + j] = least;
@@ -116,7 +118,7 @@ impl Polygon<'_> {
         let mut open = vec![(0, n - 1)];
         while let Some((i, j)) = open.pop() {
             if j - i > 1 {
-                let Part { cost, apex, .. } = best[i * n + j];
+                let SubPolygon { cost, apex, .. } = best[i * n + j];
                 if !cost.is_finite() {
                     return None;
                 }
@@ -132,7 +134,7 @@ impl Polygon<'_> {
 mod tests {
     use super::*;
 
-    /// Two arcs of a bent strip.
+    /// The outline of a bent strip: two arcs.
     fn strip(n: usize) -> Vec<Point> {
         let at = |i: usize, z: f64| {
             let angle = 4.0 * i as f64 / (n - 1) as f64;
@@ -142,13 +144,13 @@ mod tests {
     }
 
     #[test]
-    fn a_bent_strip_is_spanned_along_itself() {
+    fn a_bent_strip_is_triangulated_along_itself() {
         for (n, within) in [(40, 0.02), (900, 0.2)] {
             let rim = strip(n);
             let outwards = |p: &Point| Vector::new(p.x, p.y, 0.0).normalize();
             let beside: Vec<Vector> = rim.iter().map(outwards).collect();
             let sizes = Sizes::new(std::slice::from_ref(&rim));
-            let strip = span(&rim, &beside, |_, _| false, &sizes).unwrap();
+            let strip = triangulate(&rim, &beside, |_, _| false, &sizes).unwrap();
             assert_eq!(strip.triangles.len(), 2 * strip.points.len() - rim.len() - 2);
             let area = |t: &[usize; 3]| {
                 let [a, b, c] = t.map(|v| strip.points[v]);
@@ -167,8 +169,8 @@ mod tests {
         };
         let rim: Vec<Point> = (0..500).map(at).collect();
         let sizes = Sizes::new(std::slice::from_ref(&rim));
-        let disk = span(&rim, &vec![Vector::z(); 500], |_, _| false, &sizes).unwrap();
-        // At the rim's spacing there would be 20,000.
+        let disk = triangulate(&rim, &vec![Vector::z(); 500], |_, _| false, &sizes).unwrap();
+        // With edges as short as those of the rim there would be 20,000.
         assert!((600..6000).contains(&disk.points.len()), "{}", disk.points.len());
     }
 
@@ -178,8 +180,8 @@ mod tests {
         let beside = vec![Vector::zeros(); rim.len()];
         let sizes = Sizes::new(std::slice::from_ref(&rim));
         for allowed in [|_, _| false, |i: usize, j: usize| i.min(j) == 0] {
-            let spanned = span(&rim, &beside, |i, j| !allowed(i, j), &sizes).unwrap();
-            let sides = spanned.triangles.iter();
+            let surface = triangulate(&rim, &beside, |i, j| !allowed(i, j), &sizes).unwrap();
+            let sides = surface.triangles.iter();
             let sides = sides.flat_map(|t| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
             for (i, j) in sides.filter(|s| s.0.max(s.1) < 8) {
                 assert!(allowed(i, j) || (i + 1) % 8 == j || (j + 1) % 8 == i, "{i} {j}");

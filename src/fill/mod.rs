@@ -1,45 +1,57 @@
 //! Hole filling by an advancing front (Tekumalla & Cohen 2005, section 3.2).
 //!
-//! Each hole is filled by itself from the measured points around it, so holes
-//! do not depend on each other's order.
+//! A [`Disk`] with holes goes in, and a [`Patch`] without holes comes out. Each hole is
+//! triangulated by a front that advances from its rim (`front`), or else by the
+//! triangulation of least area (`least_area`). The new vertices are then placed on a smoothing
+//! spline through the measured points around the hole (`shape`, `smoothing_spline`). Several
+//! strategies are tried in turn until a fill has no fault (`strategies`, `faults`).
+//!
+//! Each hole is filled by itself from the measured points around it, so the order of the holes
+//! does not matter, unless two fills intersect (`intersections`).
 
-mod apart;
 mod band;
-mod blocks;
-mod cells;
-mod close;
-mod develop;
-mod fair;
+mod box_blocks;
+mod box_grid;
+mod charted;
 mod faults;
 mod front;
+mod intersections;
 mod least_area;
-mod outlines;
-mod plane;
-mod ring;
-mod sheet;
+mod numbering;
+mod rigid_layout;
+mod rim_outlines;
+mod shape;
 mod smoothing_spline;
+mod strategies;
 
-use band::Measured;
-use close::Closed;
+use band::MeasuredPoints;
 pub use faults::Faults;
 use rayon::prelude::*;
+use strategies::ClosedHole;
 
-use crate::course::{self, Course};
 use crate::error::{Error, Result, of};
 use crate::geometry::{Point, VertexId};
 use crate::mesh::{Disk, FaceOrigin, Mesh, Patch, boundary};
+use crate::progress::{self, Progress};
 use crate::rules;
 
-/// How to fill.
+/// Options of the filling.
 #[derive(Debug, Clone)]
 pub struct Options {
-    /// Ears of the front with a smaller angle than this are closed, in
-    /// radians. The paper's φ: 5π/9.
+    /// The angle of the hole, in radians, below which a corner of the front is closed by one
+    /// triangle: φ in the paper, by default 5π/9. Smaller angles give more and narrower
+    /// triangles. Larger ones give fewer and wider triangles, which follow the surface less
+    /// well.
     pub ear_angle: f64,
-    /// The support h of the MLS approximations at the least, in mm, but no more
-    /// than four edges; two or three edges are taken where that is more.
+    /// The support radius h of the smoothing, in mm; by default 0, for a mesh that was not
+    /// smoothed. The MLS approximations of the front have at least this support, but no more
+    /// than four edge lengths. With too small a value the front follows the noise; with a
+    /// larger one it needs more time and follows small features less.
     pub support: f64,
-    /// The standard deviation of the measured points' noise, in mm.
+    /// The standard deviation of the noise of the measured points, in mm; by default 0. Measured
+    /// points that smoothing has moved by more than four times as much count as outliers, and
+    /// their smoothed positions are used. With too small a value all are used smoothed, and a
+    /// fill takes some noise for shape; with too large a value outliers bend it.
     pub noise: f64,
 }
 
@@ -57,81 +69,77 @@ impl Options {
     }
 }
 
-/// How a hole was closed.
+/// How a hole was triangulated.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Method {
-    /// By the front alone.
+pub enum Strategy {
+    /// The advancing front.
     Front,
-    /// The front came to a halt, and ears wider than φ were closed for it.
+    /// The advancing front, which also had to close corners wider than φ.
     WideEars,
-    /// The front went astray, and was led over the surface that the points
-    /// around the hole make likely.
-    Led,
-    /// Fronts could not close it without a fold or a cut; the triangulation of
-    /// least area does, or does with fewer.
+    /// An advancing front that was guided by the smoothing spline through the points around the
+    /// hole.
+    GuidedFront,
+    /// The triangulation of least area.
     LeastArea,
 }
 
-/// One filled hole.
+/// A filled hole.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Hole {
-    /// Vertices of the rim.
+    /// The number of vertices of its rim.
     pub rim_vertices: usize,
-    /// Length of the rim, in mm.
+    /// The length of its rim, in mm.
     pub rim_length: f64,
-    /// Islands in it.
+    /// The number of islands in it.
     pub islands: usize,
-    /// Vertices added.
+    /// The number of vertices that were added.
     pub added_vertices: usize,
-    /// Triangles added.
+    /// The number of triangles that were added.
     pub added_triangles: usize,
-    /// How it was closed.
-    pub method: Method,
-    /// What is wrong with it nevertheless.
+    /// How it was triangulated.
+    pub strategy: Strategy,
+    /// The faults that remain.
     pub faults: Faults,
 }
 
-/// What was filled, in the order of the disk's holes.
+/// The filled holes.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct Report {
-    /// The holes.
+    /// The holes, in the order of the holes of the disk.
     pub holes: Vec<Hole>,
 }
 
 impl Report {
-    /// The same with all lengths times a factor.
+    /// The report with all lengths multiplied by `factor`.
     pub(crate) fn scaled(mut self, factor: f64) -> Self {
         self.holes.iter_mut().for_each(|hole| hole.rim_length *= factor);
         self
     }
 }
 
-/// The share of its time after which what is around the holes is usually known.
-const SURROUNDED: f64 = 0.5;
+/// The number of holes that are filled in parallel between two reports of progress.
+const HOLES_A_STEP: usize = 32;
 
-/// Holes that are filled before it is told how many are.
-const AT_ONCE: usize = 32;
-
-/// Fills all holes of a disk. `measured` are its points as the scanner gave them, before smoothing.
+/// Fills all holes of a disk. `measured` are the points of its mesh before smoothing.
 ///
 /// # Errors
-/// [`Error::Fill`]: a hole that cannot be filled. [`Error::Option`]: an option that
-/// cannot be. [`Error::Input`]: not as many measured points as the disk has.
+/// [`Error::Fill`]: a hole cannot be filled. [`Error::Option`]: an option is out of range.
+/// [`Error::Input`]: the number of measured points is not that of the points of the disk.
 pub fn fill(disk: Disk, measured: &[Point], options: &Options) -> Result<(Patch, Report)> {
-    fill_with(disk, measured, options, &mut course::untold)
+    fill_with(disk, measured, options, &mut progress::ignore)
 }
 
-/// The same, telling how far it has come.
+/// The same as [`fill`], with reports of progress.
 ///
 /// # Errors
-/// Those of [`fill`], and what `course` answers.
+/// Those of [`fill`], and the errors of `progress`.
 pub fn fill_with(
     disk: Disk,
     measured: &[Point],
     options: &Options,
-    course: &mut Course,
+    progress: &mut Progress,
 ) -> Result<(Patch, Report)> {
     options.check()?;
     if measured.len() != disk.mesh.points.len() {
@@ -142,16 +150,16 @@ pub fn fill_with(
         let rims: Vec<&[VertexId]> = std::iter::once(disk.holes[hole].as_slice())
             .chain(islands(hole).map(|island| island.rim.as_slice()))
             .collect();
-        let measured = Measured { points: measured, noise: options.noise };
-        close::close(around, &measured, &rims, options)
+        let measured = MeasuredPoints { points: measured, noise: options.noise };
+        strategies::close(around, &measured, &rims, options)
             .ok_or_else(|| Error::Fill { hole, at: disk.mesh.point(rims[0][0]) })
     };
     let fills = front::Surroundings::with(&disk.mesh, |around| {
         let count = disk.holes.len();
-        let mut fills: Vec<Closed> = Vec::with_capacity(count);
+        let mut fills: Vec<ClosedHole> = Vec::with_capacity(count);
         loop {
-            course(SURROUNDED + (1.0 - SURROUNDED) * fills.len() as f64 / count.max(1) as f64)?;
-            let some = fills.len()..count.min(fills.len() + AT_ONCE);
+            progress(fills.len() as f64 / count.max(1) as f64)?;
+            let some = fills.len()..count.min(fills.len() + HOLES_A_STEP);
             let closed: Result<Vec<_>> =
                 some.into_par_iter().map(|hole| fill(around, measured, hole)).collect();
             fills.extend(closed?);
@@ -159,7 +167,7 @@ pub fn fill_with(
                 break;
             }
         }
-        apart::part(around, measured, &mut fills, |mesh, measured, holes| {
+        intersections::separate(around, measured, &mut fills, |mesh, measured, holes| {
             front::Surroundings::with(mesh, |around| {
                 holes.par_iter().map(|&hole| fill(around, measured, hole)).collect()
             })
@@ -167,7 +175,7 @@ pub fn fill_with(
         Ok::<_, Error>(fills)
     })?;
     let Disk { mesh, outer, holes: rims, islands, .. } = disk;
-    let mut whole = Whole::new(mesh);
+    let mut whole = PatchBuilder::new(mesh);
     let mut report = Report::default();
     for (number, (closed, rim)) in fills.into_iter().zip(&rims).enumerate() {
         let fill = closed.fill;
@@ -177,42 +185,38 @@ pub fn fill_with(
             islands: islands.iter().filter(|island| island.hole == number).count(),
             added_vertices: fill.points.len(),
             added_triangles: fill.triangles.len(),
-            method: closed.method,
+            strategy: closed.strategy,
             faults: closed.faults,
         });
         whole.add(fill.points, &fill.triangles, FaceOrigin::Hole(number as u32));
     }
-    let Whole { mesh, measured, origin } = whole;
+    let PatchBuilder { mesh, measured, origin } = whole;
     let patch = Patch { mesh, measured, origin, outer, measured_outer: None, rims, islands };
     debug_assert!(patch.is_disk(), "filling leaves a disk");
     Ok((patch, report))
 }
 
-/// The measured mesh with the fills so far.
-struct Whole {
+/// The measured mesh with the fills that have been added.
+struct PatchBuilder {
     mesh: Mesh,
     measured: usize,
     origin: Vec<FaceOrigin>,
 }
 
-impl Whole {
+impl PatchBuilder {
     fn new(mesh: Mesh) -> Self {
         let origin = vec![FaceOrigin::Measured; mesh.triangles.len()];
-        Whole { measured: mesh.points.len(), mesh, origin }
+        PatchBuilder { measured: mesh.points.len(), mesh, origin }
     }
 
-    /// What number a vertex of the next fill has in the whole; fills number their points
-    /// from the measured ones on.
-    fn number(&self) -> impl Fn(VertexId) -> VertexId + use<> {
-        let (measured, shift) = (self.measured, (self.mesh.points.len() - self.measured) as u32);
-        move |v| VertexId(v.0 + if v.index() < measured { 0 } else { shift })
-    }
-
-    /// Adds a fill.
+    /// Adds the points and triangles of a fill. The numbers of its new vertices follow those of
+    /// the measured ones.
     fn add(&mut self, points: Vec<Point>, triangles: &[[VertexId; 3]], origin: FaceOrigin) {
-        let number = self.number();
+        let shift = (self.mesh.points.len() - self.measured) as u32;
+        let number =
+            |v: VertexId| VertexId(v.0 + if v.index() < self.measured { 0 } else { shift });
         self.mesh.points.extend(points);
-        self.mesh.triangles.extend(triangles.iter().map(|t| t.map(&number)));
+        self.mesh.triangles.extend(triangles.iter().map(|t| t.map(number)));
         self.origin.resize(self.mesh.triangles.len(), origin);
     }
 }

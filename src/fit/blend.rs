@@ -1,55 +1,56 @@
-//! Blended local fits (Tekumalla & Cohen 2005, section 3.5).
+//! Blended local fits (Tekumalla and Cohen 2005, section 3.5).
 //!
-//! A knot cell's 16 coefficients are those of the weighted least-squares fit
-//! to the points of the cell and its eight neighbours, with full weight inside
-//! the cell and a Gaussian flank as wide as the neighbour beyond. The 16 basis
-//! functions are the polynomials that the B-splines are on the cell, continued
-//! outside it: cut off at the cell, as a literal reading of the paper has it,
-//! the flanks' points would pull the fit towards zero. A control point is the
-//! mean of the estimates by the cells that it belongs to, each with the weight
-//! that its points give it there: a diagonal entry of the cell's Gram matrix.
+//! The input is samples sorted by knot cell. The output is a control net and a weight for each
+//! control point.
 //!
-//! A flank depends on a point's place in its own cell alone, so that one visit a
-//! point yields all that its nine cells need: sums of powers under each of the
-//! nine windows.
+//! Each knot cell gets 16 coefficients from a weighted least-squares fit to the points of the cell
+//! and its eight neighbours. The weight is 1 inside the cell. Outside it falls off as a Gaussian
+//! over the width of the neighbour. The 16 basis functions are the polynomials of the B-splines on
+//! the cell, extrapolated beyond it. A literal reading of the paper would cut them off at the cell,
+//! and then the points outside would pull the fit towards zero. A control point is the weighted
+//! mean of the estimates of all cells that it belongs to. The weight of an estimate is the diagonal
+//! entry of the cell's Gram matrix.
+//!
+//! The Gaussian depends only on the position of a point in its own cell. So one visit to each point
+//! yields everything that its nine cells need: sums of powers under each of the nine windows.
 
 use nalgebra::{SMatrix, SVector};
 use rayon::prelude::*;
 
-use super::cells::Cells;
+use super::knot_cells::KnotCells;
 use super::moments::{Moments, powers};
-use super::normal::Lane;
+use super::normal::PaddedPoint;
 use crate::spline::spans::{Cubic, PAIRS, Sextic, Span, products};
 
 type Gram = SMatrix<f64, 16, 16>;
 type Coefficients = SMatrix<f64, 16, 3>;
 
-/// The control net, and each control point's weight: none where there are no
-/// points to say anything about it.
-pub fn fit(cells: &Cells) -> (Vec<Lane>, Vec<f64>) {
+/// Computes the control net and the weight of each control point. The weight is 0 where no samples
+/// determine the control point.
+pub fn fit(cells: &KnotCells) -> (Vec<PaddedPoint>, Vec<f64>) {
     let [across, down] = cells.counts();
     let mut blend = Blend::new(across, down);
     let strip = |p: usize| -> Vec<Windowed> {
         (0..down).into_par_iter().map(|q| Windowed::new(cells, p, q)).collect()
     };
-    // Three strips of cells are in memory at a time.
+    // Only three strips of cells are in memory at a time.
     let mut around = [None, None, Some(strip(0))];
     for p in 0..across {
         around.rotate_left(1);
         around[2] = (p + 1 < across).then(|| strip(p + 1));
         let local = |q: usize| local_fit(cells, &around, p, q);
-        let fits: Vec<Local> = (0..down).into_par_iter().map(local).collect();
+        let fits: Vec<LocalFit> = (0..down).into_par_iter().map(local).collect();
         fits.iter().enumerate().for_each(|(q, fit)| blend.add(p, q, fit));
     }
     (blend.net(), blend.weights)
 }
 
-/// The sums over one cell's points under the windows of the cells before it, its
-/// own, and of those after it: `[u][v]`.
+/// The sums over the points of one cell under nine windows, `[u][v]`: those of the cells before it,
+/// of itself, and of the cells after it.
 struct Windowed([[Moments; 3]; 3]);
 
 impl Windowed {
-    fn new(cells: &Cells, p: usize, q: usize) -> Self {
+    fn new(cells: &KnotCells, p: usize, q: usize) -> Self {
         let mut sums = [0; 3].map(|_| [0; 3].map(|_| Moments::zero()));
         for sample in cells.samples::<f64>(p, q) {
             let (s, t) = (powers(sample.place.x), powers(sample.place.y));
@@ -64,24 +65,30 @@ impl Windowed {
     }
 }
 
-/// The paper's windows over the cell before, the own and the one after, at a
-/// place from −1 to 1 in the own: 1 inside, exp(−d²/(w/2)²) at a distance d
-/// beyond a side, where w is the width of the neighbour there.
+/// The windows of the previous cell, of the cell itself and of the next cell, at a position from
+/// −1 to 1 in the cell. A window is 1 inside its cell and exp(−d²/(w/2)²) at the distance d outside
+/// it, where w is the width of the neighbour (from the paper).
 fn windows(s: f64) -> [f64; 3] {
     [(-(1.0 + s) * (1.0 + s)).exp(), 1.0, (-(1.0 - s) * (1.0 - s)).exp()]
 }
 
-/// What one cell's points say of the 16 control points of the cell.
-struct Local {
+/// The estimates of one cell for its 16 control points.
+struct LocalFit {
     coefficients: Coefficients,
-    /// With what weight: the diagonal of the Gram matrix. Zeros where there are no points.
+    /// The weights of the estimates: the diagonal of the Gram matrix. They are 0 if there are no
+    /// points.
     weights: SVector<f64, 16>,
 }
 
-/// Points that a local fit needs, one a coefficient; a fit to fewer counts less.
-const FEWEST: f64 = 16.0;
+/// The number of points from which on a local fit has full weight: one for each coefficient.
+const FULL_SUPPORT: f64 = 16.0;
 
-fn local_fit(cells: &Cells, around: &[Option<Vec<Windowed>>; 3], p: usize, q: usize) -> Local {
+fn local_fit(
+    cells: &KnotCells,
+    around: &[Option<Vec<Windowed>>; 3],
+    p: usize,
+    q: usize,
+) -> LocalFit {
     let (mut gram, mut right, mut count) = (Products::zeros(), Coefficients::zeros(), 0);
     let [across, down] = cells.counts();
     for (dp, strip) in around.iter().enumerate().filter(|(dp, _)| (1..=across).contains(&(p + dp)))
@@ -97,25 +104,24 @@ fn local_fit(cells: &Cells, around: &[Option<Vec<Windowed>>; 3], p: usize, q: us
         }
     }
     if count == 0 {
-        return Local { coefficients: Coefficients::zeros(), weights: SVector::zeros() };
+        return LocalFit { coefficients: Coefficients::zeros(), weights: SVector::zeros() };
     }
     let mut local = solve(cells, p, q, &full(&gram), &right);
-    local.weights *= (count as f64 / FEWEST).min(1.0).powi(2);
+    local.weights *= (count as f64 / FULL_SUPPORT).min(1.0).powi(2);
     local
 }
 
-/// Sums of products of two functions in u, by their place in [`PAIRS`], and two
-/// in v.
+/// Sums of products of two functions in u and two functions in v, indexed by [`PAIRS`].
 type Products = SMatrix<f64, 10, 10>;
 
-/// The four functions of one span as polynomials over another.
+/// The four basis functions of one span as polynomials over another span.
 struct Continued {
     basis: [Cubic; 4],
     products: [Sextic; 10],
 }
 
 impl Continued {
-    fn new(cells: &Cells, axis: usize, to: usize, of: usize) -> Self {
+    fn new(cells: &KnotCells, axis: usize, to: usize, of: usize) -> Self {
         let span: &Span = &cells.spans[axis].all[to];
         let basis = if to == of { span.basis } else { span.pieces(cells.knots[axis], of) };
         Continued { products: products(&basis), basis }
@@ -164,12 +170,11 @@ fn full(products: &Products) -> Gram {
     gram
 }
 
-/// The coefficients that the points determine, and for the rest of the space
-/// those of the points' plane: a spline over the Greville abscissae reproduces
-/// it. The plane's pull vanishes with the points' number; few points determine
-/// the continued polynomials so badly that they would throw the control points
-/// far off.
-fn solve(cells: &Cells, p: usize, q: usize, gram: &Gram, right: &Coefficients) -> Local {
+/// Solves for the coefficients of a cell. The regression plane of the points determines what the
+/// points leave open. It is a spline over the Greville abscissae. The plane has a small weight that
+/// vanishes with the number of points. Without it, few points determine the extrapolated
+/// polynomials so badly that control points would lie far away.
+fn solve(cells: &KnotCells, p: usize, q: usize, gram: &Gram, right: &Coefficients) -> LocalFit {
     let plane = SMatrix::<f64, 16, 3>::from_fn(|k, c| {
         let [u, v] = [(0, p + k / 4), (1, q + k % 4)];
         [1.0, cells.knots[0].greville(u.1), cells.knots[1].greville(v.1)][c]
@@ -183,47 +188,52 @@ fn solve(cells: &Cells, p: usize, q: usize, gram: &Gram, right: &Coefficients) -
     let weak = pull * gram.trace() / 16.0;
     match (gram + Gram::identity() * weak).cholesky() {
         Some(f) => {
-            Local { coefficients: f.solve(&(right + prior * weak)), weights: gram.diagonal() }
+            LocalFit { coefficients: f.solve(&(right + prior * weak)), weights: gram.diagonal() }
         }
-        None => Local { coefficients: prior, weights: SVector::zeros() },
+        None => LocalFit { coefficients: prior, weights: SVector::zeros() },
     }
 }
 
-/// The weighted means of what the cells say.
+/// The weighted means of the estimates of all cells.
 struct Blend {
     counts: [usize; 2],
-    sums: Vec<Lane>,
+    sums: Vec<PaddedPoint>,
     weights: Vec<f64>,
 }
 
 impl Blend {
     fn new(across: usize, down: usize) -> Self {
         let size = (across + 3) * (down + 3);
-        Blend { counts: [across, down], sums: vec![Lane::zeros(); size], weights: vec![0.0; size] }
+        Blend {
+            counts: [across, down],
+            sums: vec![PaddedPoint::zeros(); size],
+            weights: vec![0.0; size],
+        }
     }
 
-    fn add(&mut self, p: usize, q: usize, local: &Local) {
+    fn add(&mut self, p: usize, q: usize, local: &LocalFit) {
         let [across, down] = self.counts;
         for k in (0..16).filter(|k| {
             estimators(p + k / 4, across).contains(&p) && estimators(q + k % 4, down).contains(&q)
         }) {
             let at = (p + k / 4) * (down + 3) + q + k % 4;
             let row = local.coefficients.row(k);
-            self.sums[at] += Lane::new(row[0], row[1], row[2], 0.0) * local.weights[k];
+            self.sums[at] += PaddedPoint::new(row[0], row[1], row[2], 0.0) * local.weights[k];
             self.weights[at] += local.weights[k];
         }
     }
 
-    fn net(&self) -> Vec<Lane> {
-        let mean = |(sum, &w): (&Lane, &f64)| if w > 0.0 { sum / w } else { Lane::zeros() };
+    fn net(&self) -> Vec<PaddedPoint> {
+        let mean =
+            |(sum, &w): (&PaddedPoint, &f64)| if w > 0.0 { sum / w } else { PaddedPoint::zeros() };
         self.sums.iter().zip(&self.weights).map(mean).collect()
     }
 }
 
-/// The cells, along one parameter, whose estimates of control point `i` are
-/// averaged: all four that its function reaches into, but at the ends, where the
-/// last two come from the last cell. The paper takes the middle two, and halves
-/// of them; weights of their own let the outer ones help.
+/// The cells along one parameter whose estimates of control point `i` are averaged. These are all
+/// four cells in the support of its basis function. The last two control points at either end come
+/// from the last cell alone. The paper averages the middle two cells with equal weights. The
+/// weights of the estimates make it possible to use the outer ones, too.
 fn estimators(i: usize, cells: usize) -> std::ops::Range<usize> {
     match i {
         1 => 0..1,

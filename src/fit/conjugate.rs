@@ -1,56 +1,62 @@
-//! Conjugate gradients on the normal equations.
+//! Preconditioned conjugate gradients on the normal equations.
+//!
+//! The input is the equations, an approximate inverse and a net to start at. The output is a net
+//! nearer to the least-squares optimum.
 
 use rayon::prelude::*;
 
-use super::normal::{Equations, Lane};
+use super::normal::{NormalEquations, PaddedPoint};
 use super::precondition::Preconditioner;
 use super::weight::Weight;
 use super::{TASK, tasks};
 
-/// Steps at the most. Equations that need more have wide regions without
-/// samples, and are solved faster directly.
+/// The largest number of steps. Equations that need more have wide regions without samples, and the
+/// direct solver is faster for them.
 const MAX_STEPS: usize = 60;
 
-/// The solve ends when what two steps gained is this share of the sum of squares
-/// left: the root mean square is within half of it of the optimum's.
+/// The solution is accurate enough when the gain of two steps is below this share of the remaining
+/// sum of squares. Then the root mean square error is within half of this share of the optimum.
 const GAIN: f64 = 1e-4;
 
-/// What is left is known up to this share of the sum of squares at the start. Data
-/// that are exact to that are followed until two steps gain no more than ...
+/// The relative rounding error of the remaining sum of squares, as a share of the sum of squares at
+/// the start.
 const ROUNDING: f64 = 1e-12;
 
-/// ... this share.
+/// For data whose residual is below [`ROUNDING`], the solution is accurate enough when the gain of
+/// two steps is below this share of the sum of squares at the start.
 const EXACT: f64 = 1e-24;
 
-/// The net of the least-squares optimum, and the steps taken; `None` where it
-/// takes too many.
+/// Returns the net of the least-squares optimum and the number of steps. `None` if it takes too
+/// many steps.
 pub fn solve(
-    equations: &Equations,
+    equations: &NormalEquations,
     inverse: &Preconditioner,
-    start: Vec<Lane>,
-) -> Option<(Vec<Lane>, usize)> {
+    start: Vec<PaddedPoint>,
+) -> Option<(Vec<PaddedPoint>, usize)> {
     let (net, steps, done) = improve(equations, inverse, start)?;
     done.then_some((net, steps))
 }
 
-/// A net nearer to the optimum than the one given, the steps taken, and whether it is
-/// the optimum; `None` if numbers ran out of range.
+/// Returns a net nearer to the optimum than `start`, the number of steps, and whether the net is
+/// the optimum. `None` if a number overflows.
 pub fn improve<W: Weight>(
-    equations: &Equations<W>,
+    equations: &NormalEquations<W>,
     inverse: &Preconditioner,
-    start: Vec<Lane>,
-) -> Option<(Vec<Lane>, usize, bool)> {
+    start: Vec<PaddedPoint>,
+) -> Option<(Vec<PaddedPoint>, usize, bool)> {
     let (nu, nv) = (equations.shape[0], equations.shape[1]);
-    let rows = |v: &mut Vec<Lane>, f: &(dyn Fn(usize, &mut [Lane]) -> Lane + Sync)| -> Lane {
+    let rows = |v: &mut Vec<PaddedPoint>,
+                f: &(dyn Fn(usize, &mut [PaddedPoint]) -> PaddedPoint + Sync)|
+     -> PaddedPoint {
         let rows = v.par_chunks_mut(nv).enumerate().with_min_len(tasks(nv));
-        // Summed in the order of the rows, whatever thread did them.
+        // The sum is in the order of the rows, so it does not depend on the number of threads.
         rows.map(|(i, row)| f(i, row)).collect::<Vec<_>>().into_iter().sum()
     };
-    let zeros = || vec![Lane::zeros(); nu * nv];
+    let zeros = || vec![PaddedPoint::zeros(); nu * nv];
     let (mut x, mut r) = (start, zeros());
     let (mut z, mut p, mut ap) = (zeros(), zeros(), zeros());
-    let mut rz = Lane::zeros();
-    // The sum of squares of a net is that of zeros less x · (b + r).
+    let mut rz = PaddedPoint::zeros();
+    // The sum of squares of a net x is that of the zero net minus x · (b + r).
     let known = rows(&mut r, &|i, r| {
         equations.row_times(i, &x, r);
         let (b, x) = (&equations.right[i * nv..][..nv], &x[i * nv..][..nv]);
@@ -67,7 +73,7 @@ pub fn improve<W: Weight>(
         rows(&mut p, &|i, p| {
             let z = &z[i * nv..][..nv];
             p.iter_mut().zip(z).for_each(|(p, z)| *p = z + beta.component_mul(p));
-            Lane::zeros()
+            PaddedPoint::zeros()
         });
         let bends = W::coupled(rows(&mut ap, &|i, ap| {
             equations.row_times(i, &p, ap);
@@ -94,10 +100,10 @@ pub fn improve<W: Weight>(
     Some((x, MAX_STEPS, false))
 }
 
-fn dot(a: &[Lane], b: &[Lane]) -> Lane {
-    a.iter().zip(b).fold(Lane::zeros(), |sum, (x, y)| sum + x.component_mul(y))
+fn dot(a: &[PaddedPoint], b: &[PaddedPoint]) -> PaddedPoint {
+    a.iter().zip(b).fold(PaddedPoint::zeros(), |sum, (x, y)| sum + x.component_mul(y))
 }
 
-fn ratio(a: Lane, b: Lane) -> Lane {
+fn ratio(a: PaddedPoint, b: PaddedPoint) -> PaddedPoint {
     a.zip_map(&b, |x, y| if y > 0.0 { x / y } else { 0.0 })
 }

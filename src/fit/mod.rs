@@ -1,92 +1,96 @@
-//! Fitting a bicubic B-spline surface to points with parameters.
+//! Fit of a bicubic B-spline surface to points with parameters.
 //!
-//! Three ways, over the same knots: blended local fits (Tekumalla & Cohen
-//! 2005, section 3.5), the global least-squares fit by a sparse direct solver,
-//! and the same least-squares problem solved by conjugate gradients.
+//! The input is samples with parameters and weights, and two knot vectors. The output is the
+//! surface. There are three methods: blended local fits (Tekumalla and Cohen 2005, section 3.5),
+//! the global least-squares fit by a sparse direct solver, and the same least-squares problem
+//! solved by preconditioned conjugate gradients.
 
 mod blend;
-mod cells;
 mod conjugate;
 mod fairing;
-mod hold;
+mod knot_cells;
 mod moments;
 mod normal;
 mod precondition;
 mod start;
 mod strips;
+mod tangent_distance;
 mod unfold;
 mod weight;
 
-use cells::Cells;
-use normal::{Equations, Lane};
+use knot_cells::KnotCells;
+use normal::{NormalEquations, PaddedPoint};
 use precondition::Preconditioner;
 use weight::Metric;
 
-pub(crate) use hold::Hold;
-pub(crate) use unfold::{Found, Mending, STIFFNESSES, folded, mend, places, turned, unfold};
+pub(crate) use tangent_distance::TangentDistance;
+pub(crate) use unfold::{
+    Mending, STIFFNESSES, UnfoldedSurface, inverted_samples, inverted_share, jacobian_samples,
+    mend, unfold,
+};
 
 use crate::error::{Error, Result};
 use crate::spline::{KnotVector, Samples, Surface};
 use rayon::prelude::*;
 
-/// How to fit.
+/// The method of the fit. The default is [`Method::Refined`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Method {
-    /// The paper's blended local fits.
+    /// Blended local fits (Tekumalla and Cohen 2005). They are the fastest and the least accurate.
     Blend,
-    /// Least squares by conjugate gradients, within 0.1% of the optimum.
+    /// Least squares by conjugate gradients. The error is within 0.1 % of the optimum.
     #[default]
     Refined,
-    /// Sparse global least squares.
+    /// Least squares by a sparse direct solver. It needs the most time and memory.
     Global,
 }
 
-/// How the fit went.
+/// The result of a fit besides the surface.
 #[derive(Debug, Clone, Copy)]
 #[non_exhaustive]
 pub struct Report {
-    /// The method used.
+    /// The method that was used.
     pub method: Method,
-    /// Steps of conjugate gradients (0 for the other methods).
+    /// The number of steps of conjugate gradients. It is 0 for the other methods.
     pub steps: usize,
 }
 
-/// Fits a surface over the given knot vectors, both cubic.
+/// Fits a surface over the given knot vectors in u and v. Both must be cubic.
 ///
 /// # Errors
-/// [`Error::Empty`]: there are no samples. [`Error::Input`]: knots or samples that
-/// cannot be. [`Error::Singular`]: the equations have no solution.
+/// [`Error::Empty`] if there are no samples. [`Error::Input`] if a knot vector is not cubic or the
+/// samples are invalid. [`Error::Singular`] if the equations have no solution.
 pub fn fit(samples: &Samples, knots: [KnotVector; 2], method: Method) -> Result<(Surface, Report)> {
     samples.check()?;
     let [u, v] = knots;
     if [&u, &v].iter().any(|k| k.degree() != 3) {
         return Err(Error::Input("a knot vector is not cubic"));
     }
-    let cells = Cells::new(samples, [&u, &v]);
+    let cells = KnotCells::new(samples, [&u, &v]);
     let (net, steps) = match method {
         Method::Blend => blend(&cells)?,
-        Method::Refined => optimum(&Equations::new(&cells), &cells)?,
-        Method::Global => (Equations::new(&cells).solve_directly()?, 0),
+        Method::Refined => optimum(&NormalEquations::new(&cells), &cells)?,
+        Method::Global => (NormalEquations::new(&cells).solve_directly()?, 0),
     };
     let net = net.iter().map(|p| p.xyz() + cells.origin).collect();
     let surface = Surface::new(u, v, net);
     Ok((surface, Report { method, steps }))
 }
 
-/// Fits a surface again by the distances across it, near which samples may slide along it
-/// (tangent distance minimization: Wang, Pottmann, Liu, 2006): a step of Gauss and Newton,
-/// damped by what the distances along it count. Where samples are `stuck` they all count.
-/// `None` if the equations have no solution.
+/// Fits a surface again with tangent distances (Wang, Pottmann, Liu 2006): distances normal to the
+/// surface count fully, and distances along it count little, so that samples may slide. This is
+/// one Gauss–Newton step that the tangential distances damp. For `stuck` samples the distances in
+/// all directions count fully. `None` if the equations have no solution.
 pub(crate) fn refit(
     surface: &Surface,
     samples: &Samples,
-    holds: &[Hold],
+    holds: &[TangentDistance],
     stuck: &[bool],
 ) -> Option<Surface> {
-    let metric = |(hold, &stuck): (&Hold, &bool)| Metric::from(&hold.of(stuck));
+    let metric = |(hold, &stuck): (&TangentDistance, &bool)| Metric::from(&hold.of(stuck));
     let metrics: Vec<Metric> = holds.par_iter().zip(stuck).map(metric).collect();
-    let cells = Cells::new(samples, [&surface.u, &surface.v]).with_metrics(&metrics);
-    let equations = Equations::<Metric>::new(&cells);
+    let cells = KnotCells::new(samples, [&surface.u, &surface.v]).with_metrics(&metrics);
+    let equations = NormalEquations::<Metric>::new(&cells);
     let even = equations.mean();
     let inverse = match Preconditioner::new(&even, &cells.spans).ok()? {
         Some(inverse) => inverse,
@@ -98,25 +102,24 @@ pub(crate) fn refit(
     Some(Surface::new(surface.u.clone(), surface.v.clone(), net))
 }
 
-/// Mean distance, in mm, between a sample and the surface at the sample's
-/// parameter.
+/// The mean distance in mm between the samples and the surface at their parameters.
 pub fn mean_error(surface: &Surface, samples: &Samples) -> f64 {
     let at = samples.uv.par_iter().zip(&samples.points);
     let off: Vec<f64> = at.map(|(&at, p)| (surface.point(at) - p).norm()).collect();
     off.iter().sum::<f64>() / off.len().max(1) as f64
 }
 
-/// Blended local fits, bridged where there are no samples.
-fn blend(cells: &Cells) -> Result<(Vec<Lane>, usize)> {
+/// Blended local fits. The fairing term determines the control points that have no samples.
+fn blend(cells: &KnotCells) -> Result<(Vec<PaddedPoint>, usize)> {
     let (net, weights) = blend::fit(cells);
     if weights.iter().all(|&w| w > 0.0) {
         return Ok((net, 0));
     }
-    optimum(&Equations::holding(&net, &weights, cells), cells)
+    optimum(&NormalEquations::holding(&net, &weights, cells), cells)
 }
 
-/// The solution by conjugate gradients, or directly where that takes too long.
-fn optimum(equations: &Equations, cells: &Cells) -> Result<(Vec<Lane>, usize)> {
+/// The solution by conjugate gradients, or by the direct solver if they take too many steps.
+fn optimum(equations: &NormalEquations, cells: &KnotCells) -> Result<(Vec<PaddedPoint>, usize)> {
     let inverse = Preconditioner::new(equations, &cells.spans)?;
     let solve = |inverse| conjugate::solve(equations, &inverse, start::of(cells));
     match inverse.and_then(solve) {
@@ -125,10 +128,10 @@ fn optimum(equations: &Equations, cells: &Cells) -> Result<(Vec<Lane>, usize)> {
     }
 }
 
-/// So many control points are worth a task of their own.
+/// The number of control points that a parallel task processes.
 const TASK: usize = 1 << 14;
 
-/// How many rows of `width` control points are.
+/// The number of rows of `width` control points that a task processes.
 fn tasks(width: usize) -> usize {
     (TASK / width).max(1)
 }
@@ -183,7 +186,7 @@ mod tests {
         assert!(blend >= global, "{blend} {global}");
     }
 
-    /// Root mean square distance between the samples and their feet.
+    /// The root mean square distance between the samples and their foot points.
     fn off(surface: &Surface, s: &Samples) -> f64 {
         let squares =
             s.points.iter().zip(&s.uv).map(|(&p, &at)| foot_point(surface, p, at).1.powi(2));
@@ -210,9 +213,9 @@ mod tests {
         };
         let hold = |p: &Point| {
             let normal = normal(p);
-            Hold { normal, metric: normal * normal.transpose(), moves: [true; 2] }
+            TangentDistance { normal, metric: normal * normal.transpose(), moves: [true; 2] }
         };
-        let holds: Vec<Hold> = s.points.iter().map(hold).collect();
+        let holds: Vec<TangentDistance> = s.points.iter().map(hold).collect();
         s.uv = s.points.iter().zip(&s.uv).map(|(&p, &at)| foot_point(&first, p, at).0).collect();
         let refitted = |stuck: bool| {
             let stuck = vec![stuck; s.len()];

@@ -1,17 +1,16 @@
-//! Sums of powers over the samples of one knot cell.
+//! Moments of the samples of one knot cell: sums of products of powers.
 //!
-//! A B-spline is a cubic on a cell, so that everything least squares needs to
-//! know of the cell's samples are Σ w sᵏ tˡ, k, l ≤ 6, and Σ w sᵏ tˡ p, k, l ≤ 3:
-//! 49 + 48 sums, a visit a sample, whatever is fitted afterwards.
+//! A B-spline is a cubic polynomial on a cell. So least squares needs only the sums Σ w sᵏ tˡ for
+//! k, l ≤ 6 and Σ w sᵏ tˡ p for k, l ≤ 3. These are 49 + 48 sums, and each sample is visited once.
 
-use super::cells::Cells;
+use super::knot_cells::KnotCells;
 use super::weight::Weight;
 use crate::geometry::Vector;
 
 /// The sums of one cell.
 #[derive(Debug, Clone)]
 pub struct Moments<W = f64> {
-    /// `gram[l][k]` = Σ w sᵏ tˡ; the last column is not needed.
+    /// `gram[l][k]` = Σ w sᵏ tˡ. The last column is not used.
     pub gram: [[W; 8]; 7],
     /// `right[axis][l][k]` = Σ w sᵏ tˡ p.
     pub right: [[[f64; 4]; 4]; 3],
@@ -20,13 +19,13 @@ pub struct Moments<W = f64> {
 }
 
 impl<W: Weight> Moments<W> {
-    /// Nothing summed.
+    /// The sums over no samples.
     pub fn zero() -> Self {
         Moments { gram: [[W::ZERO; 8]; 7], right: [[[0.0; 4]; 4]; 3], squares: 0.0 }
     }
 
     /// The sums over cell (p, q).
-    pub fn of(cells: &Cells, p: usize, q: usize) -> Self {
+    pub fn of(cells: &KnotCells, p: usize, q: usize) -> Self {
         let mut sums = Moments::zero();
         for sample in cells.samples::<W>(p, q) {
             let (s, t) = (powers(sample.place.x), powers(sample.place.y));
@@ -36,8 +35,8 @@ impl<W: Weight> Moments<W> {
         sums
     }
 
-    /// Adds a sample, but for its square: the powers of its place, its weight and
-    /// its point.
+    /// Adds a sample to all sums except `squares`. The arguments are its weight, the powers of its
+    /// position, and its point.
     pub fn add(&mut self, weight: W, s: &[f64; 8], t: &[f64; 8], point: Vector) {
         for (row, t) in self.gram.iter_mut().zip(t) {
             let wt = weight * *t;

@@ -1,65 +1,67 @@
-//! The normal equations of the global least-squares fit, with the fairing term.
+//! The normal equations of the global least-squares fit with the fairing term.
+//!
+//! The input is samples sorted by knot cell. The output is the sparse symmetric system, which this
+//! module also factors and solves by sparse Cholesky.
 
-use faer::prelude::Solve;
-use faer::sparse::linalg::solvers::Llt;
 use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::Vector4;
 use rayon::prelude::*;
 
-use super::cells::Cells;
 use super::fairing::{self, Fairing};
-use super::strips::Strip;
+use super::knot_cells::KnotCells;
+use super::strips::StripSums;
 use super::weight::Weight;
+use crate::cholesky::Cholesky;
 use crate::error::{self, Result};
 use crate::spline::spans::{PAIRS, Span};
 
-/// A control point in the solvers: its coordinates and a zero.
-pub type Lane = Vector4<f64>;
+/// A control point in the solvers: its three coordinates and a zero.
+pub type PaddedPoint = Vector4<f64>;
 
-/// Least squares plus a fairing term, as one sparse symmetric system.
+/// Least squares plus a fairing term as one sparse symmetric system.
 ///
-/// The functions are products, and so is every sum over samples in one cell of
-/// two of them: B_i B_i′ (u) · B_j B_j′ (v) is the same for (i, j), (i′, j′) and
-/// for (i, j′), (i′, j). Of the 49 couplings of a control point 16 are left.
-pub struct Equations<W = f64> {
-    /// Control points in u and v.
+/// The basis functions are tensor products. So the product of two of them,
+/// B_i B_i′ (u) · B_j B_j′ (v), is the same for (i, j), (i′, j′) and for (i, j′), (i′, j). Because
+/// of this and of symmetry, 16 of the 49 couplings of a control point are stored.
+pub struct NormalEquations<W = f64> {
+    /// The numbers of control points in u and v.
     pub shape: [usize; 2],
     /// `bands[(4 i + d) nv + j][e]` couples (i, j) with (i + d, j + e), and (i, j + e)
     /// with (i + d, j).
     bands: Vec<[W; 4]>,
     /// The right-hand side.
-    pub right: Vec<Lane>,
-    /// Σ w p², the residual of a net of zeros.
+    pub right: Vec<PaddedPoint>,
+    /// Σ w p², which is the residual of the zero net.
     pub squares: f64,
-    /// What of the diagonal is due to the fairing term.
+    /// The part of the diagonal that comes from the fairing term.
     pub unsupported: Vec<f64>,
 }
 
-/// Every control point is held at the samples' centre with this share of what the
-/// fairing term adds to its diagonal.
+/// The weight that holds every control point at the centre of the samples, as a share of the
+/// fairing term's diagonal. It makes the equations regular if the samples do not determine a plane.
 const ANCHOR: f64 = 1e-11;
 
-impl<W: Weight> Equations<W> {
-    /// Sums up the samples, a visit each.
-    pub fn new(cells: &Cells) -> Self {
+impl<W: Weight> NormalEquations<W> {
+    /// Sums up the samples. Each sample is visited once.
+    pub fn new(cells: &KnotCells) -> Self {
         let strips = strips(cells);
-        let mut equations = Equations::fairing(&strips, cells);
+        let mut equations = NormalEquations::fairing(&strips, cells);
         let spans = &cells.spans[0].all;
         equations.rows().for_each(|(i, (bands, right))| {
             for p in strips_of(i, strips.len()) {
-                Row { span: &spans[p], number: i - p }.add_strip(&strips[p], bands, right);
+                SpanFunction { span: &spans[p], number: i - p }.add_strip(&strips[p], bands, right);
             }
         });
         equations.squares = strips.iter().map(|s| s.squares).sum();
         equations
     }
 
-    fn fairing(strips: &[Strip<W>], cells: &Cells) -> Self {
+    fn fairing(strips: &[StripSums<W>], cells: &KnotCells) -> Self {
         let [nu, nv] = cells.counts().map(|n| n + 3);
-        let mut equations = Equations {
+        let mut equations = NormalEquations {
             shape: [nu, nv],
             bands: vec![[W::ZERO; 4]; 4 * nu * nv],
-            right: vec![Lane::zeros(); nu * nv],
+            right: vec![PaddedPoint::zeros(); nu * nv],
             squares: 0.0,
             unsupported: Vec::new(),
         };
@@ -67,11 +69,11 @@ impl<W: Weight> Equations<W> {
         let spans = &cells.spans[0].all;
         equations.rows().for_each(|(i, (bands, _))| {
             for p in strips_of(i, strips.len()) {
-                Row { span: &spans[p], number: i - p }.add_fairing(&fairing[p], bands);
+                SpanFunction { span: &spans[p], number: i - p }.add_fairing(&fairing[p], bands);
             }
         });
         equations.unsupported = equations.diagonal();
-        // The term alone leaves planes open, and samples may be too few to tell one.
+        // The term alone does not determine a plane, and the samples may be too few for it.
         for at in 0..nu * nv {
             let anchor = W::even(ANCHOR * equations.unsupported[at]);
             equations.bands[4 * nv * (at / nv) + at % nv][0] += anchor;
@@ -79,38 +81,38 @@ impl<W: Weight> Equations<W> {
         equations
     }
 
-    /// The rows of the net, each with its couplings and its right-hand side.
+    /// The rows of the net, with the couplings and the right-hand side of each row.
     fn rows(
         &mut self,
-    ) -> impl IndexedParallelIterator<Item = (usize, (&mut [[W; 4]], &mut [Lane]))> {
+    ) -> impl IndexedParallelIterator<Item = (usize, (&mut [[W; 4]], &mut [PaddedPoint]))> {
         let nv = self.shape[1];
         self.bands.par_chunks_mut(4 * nv).zip(self.right.par_chunks_mut(nv)).enumerate()
     }
 
-    /// The couplings of rows i and i + d of the net.
+    /// The couplings between rows i and i + d of the net.
     fn band(&self, i: usize, d: usize) -> &[[W; 4]] {
         let nv = self.shape[1];
         &self.bands[(4 * i + d) * nv..][..nv]
     }
 
-    /// The diagonal.
+    /// The diagonal of the matrix, averaged over all directions.
     pub fn diagonal(&self) -> Vec<f64> {
         (0..self.shape[0]).flat_map(|i| self.band(i, 0).iter().map(|b| b[0].mean())).collect()
     }
 
-    /// Row `i` of the matrix times a net.
-    pub fn row_times(&self, i: usize, net: &[Lane], out: &mut [Lane]) {
+    /// Multiplies the rows of the matrix that belong to row `i` of the net with a net.
+    pub fn row_times(&self, i: usize, net: &[PaddedPoint], out: &mut [PaddedPoint]) {
         let [nu, nv] = self.shape;
-        out.fill(Lane::zeros());
+        out.fill(PaddedPoint::zeros());
         for other in i.saturating_sub(3)..(i + 4).min(nu) {
             let band = self.band(i.min(other), i.abs_diff(other));
             add_band(band, &net[other * nv..][..nv], out);
         }
     }
 
-    /// The same with each matrix's mean over all directions for a weight.
-    pub fn mean(&self) -> Equations {
-        Equations {
+    /// The equations with the mean over all directions instead of each matrix.
+    pub fn mean(&self) -> NormalEquations {
+        NormalEquations {
             shape: self.shape,
             bands: self.bands.par_iter().map(|band| band.map(W::mean)).collect(),
             right: Vec::new(),
@@ -120,11 +122,11 @@ impl<W: Weight> Equations<W> {
     }
 }
 
-impl Equations {
-    /// Holds every control point of a net where it is with a weight of its own,
-    /// by the fairing term alone where that is zero.
-    pub fn holding(net: &[Lane], weights: &[f64], cells: &Cells) -> Self {
-        let mut equations = Equations::fairing(&strips(cells), cells);
+impl NormalEquations {
+    /// Equations that hold every control point of a net in place with its own weight. Where the
+    /// weight is 0, the fairing term alone determines the control point.
+    pub fn holding(net: &[PaddedPoint], weights: &[f64], cells: &KnotCells) -> Self {
+        let mut equations = NormalEquations::fairing(&strips(cells), cells);
         let nv = equations.shape[1];
         for (at, (p, &w)) in net.iter().zip(weights).enumerate() {
             equations.bands[4 * nv * (at / nv) + at % nv][0] += w;
@@ -135,13 +137,13 @@ impl Equations {
     }
 
     /// The solution by sparse Cholesky.
-    pub fn solve_directly(&self) -> Result<Vec<Lane>> {
+    pub fn solve_directly(&self) -> Result<Vec<PaddedPoint>> {
         let [nu, nv] = self.shape;
         Ok(self.factor((0..(nu * nv) as u32).collect())?.solve(&self.right))
     }
 
-    /// Cholesky factor of the rows and columns of some control points, in
-    /// growing order.
+    /// The Cholesky factor of the rows and columns of some control points, which must be in
+    /// ascending order.
     pub fn factor(&self, points: Vec<u32>) -> Result<Factor> {
         let [nu, nv] = self.shape;
         let mut number = vec![u32::MAX; nu * nv];
@@ -172,46 +174,46 @@ impl Equations {
         let matrix = SparseColMat::<u32, f64>::try_new_from_triplets(n, n, &triplets)
             .map_err(|why| failed(why.into()))?;
         drop(triplets);
-        matrix
-            .sp_cholesky(faer::Side::Lower)
-            .map(|llt| Factor { points, llt })
+        Cholesky::new(matrix.as_ref())
+            .map(|cholesky| Factor { points, cholesky })
             .map_err(|why| failed(why.into()))
     }
 }
 
-/// A direct solver for some of the control points.
+/// A direct solver for a subset of the control points.
 pub struct Factor {
     points: Vec<u32>,
-    llt: Llt<u32, f64>,
+    cholesky: Cholesky<u32>,
 }
 
 impl Factor {
-    /// The control points, in growing order.
+    /// The control points in ascending order.
     pub fn points(&self) -> &[u32] {
         &self.points
     }
 
-    /// The solution for these points, the others held at zero. `right` has an
-    /// entry for every control point.
-    pub fn solve(&self, right: &[Lane]) -> Vec<Lane> {
+    /// The solution for these points if all others are zero. `right` has an entry for every control
+    /// point.
+    pub fn solve(&self, right: &[PaddedPoint]) -> Vec<PaddedPoint> {
         let of = |n: usize, axis: usize| right[self.points[n] as usize][axis];
-        let x = self.llt.solve(&faer::Mat::from_fn(self.points.len(), 3, of));
-        (0..x.nrows()).map(|n| Lane::new(x[(n, 0)], x[(n, 1)], x[(n, 2)], 0.0)).collect()
+        let mut x = faer::Mat::from_fn(self.points.len(), 3, of);
+        self.cholesky.solve(&mut x);
+        (0..x.nrows()).map(|n| PaddedPoint::new(x[(n, 0)], x[(n, 1)], x[(n, 2)], 0.0)).collect()
     }
 }
 
-fn strips<W: Weight>(cells: &Cells) -> Vec<Strip<W>> {
-    (0..cells.counts()[0]).into_par_iter().map(|p| Strip::new(cells, p)).collect()
+fn strips<W: Weight>(cells: &KnotCells) -> Vec<StripSums<W>> {
+    (0..cells.counts()[0]).into_par_iter().map(|p| StripSums::new(cells, p)).collect()
 }
 
-/// The strips of cells, of `count`, that row `i` of the net reaches into.
+/// Those of `count` strips of cells that row `i` of the net influences.
 fn strips_of(i: usize, count: usize) -> std::ops::Range<usize> {
     i.saturating_sub(3)..(i + 1).min(count)
 }
 
-/// Adds a symmetric matrix of bandwidth 3, `band[j][e]` its entry (j, j + e),
-/// times `x`.
-fn add_band<W: Weight>(band: &[[W; 4]], x: &[Lane], out: &mut [Lane]) {
+/// Adds to `out` the product of `x` and a symmetric matrix of bandwidth 3 whose entry (j, j + e) is
+/// `band[j][e]`.
+fn add_band<W: Weight>(band: &[[W; 4]], x: &[PaddedPoint], out: &mut [PaddedPoint]) {
     let n = x.len();
     for j in 0..n {
         let mut sum = out[j] + band[j][0].times(&x[j]);
@@ -233,21 +235,26 @@ fn add_band<W: Weight>(band: &[[W; 4]], x: &[Lane], out: &mut [Lane]) {
     }
 }
 
-/// Function `number` of a span, which belongs to the row of the net in question.
-struct Row<'a> {
+/// Basis function `number` of a span. It belongs to one row of the net.
+struct SpanFunction<'a> {
     span: &'a Span,
     number: usize,
 }
 
-impl Row<'_> {
-    /// The pairs that the function is the first of: (place in [`PAIRS`], how
-    /// much further the second one is).
+impl SpanFunction<'_> {
+    /// The pairs whose first function this is: the index in [`PAIRS`], and the difference between
+    /// the numbers of the two functions.
     fn pairs(&self) -> impl Iterator<Item = (usize, usize)> + '_ {
         let pairs = PAIRS.iter().enumerate();
         pairs.filter(|(_, (a, _))| *a == self.number).map(|(n, (a, c))| (n, c - a))
     }
 
-    fn add_strip<W: Weight>(&self, strip: &Strip<W>, bands: &mut [[W; 4]], right: &mut [Lane]) {
+    fn add_strip<W: Weight>(
+        &self,
+        strip: &StripSums<W>,
+        bands: &mut [[W; 4]],
+        right: &mut [PaddedPoint],
+    ) {
         let nv = right.len();
         for (pair, d) in self.pairs() {
             let product = &self.span.products[pair];

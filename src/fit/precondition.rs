@@ -1,66 +1,66 @@
-//! A cheap, close inverse of the normal equations: samples spread evenly over
-//! the domain would make the matrix the Kronecker product of two band matrices,
-//! ∫ B_i B_i′ du and ∫ B_j B_j′ dv. How many samples there are here and there is
-//! made up for by scaling to the true diagonal.
+//! A preconditioner: a cheap approximate inverse of the normal equations.
 //!
-//! Where the fairing term rules the matrix is nothing like that. There, and a few
-//! control points beyond, the equations are solved directly: the two inverses are
-//! added up (additive Schwarz).
+//! If the samples were spread evenly over the domain, the matrix would be the Kronecker product of
+//! two band matrices, ∫ B_i B_i′ du and ∫ B_j B_j′ dv. Scaling to the true diagonal accounts for
+//! the uneven density of samples.
+//!
+//! This is a bad approximation where the fairing term dominates. There and a few control points
+//! beyond, the equations are solved directly. The two inverses are added (additive Schwarz).
 
 use rayon::prelude::*;
 
-use super::normal::{Equations, Factor, Lane};
+use super::normal::{Factor, NormalEquations, PaddedPoint};
 use super::{fairing, tasks};
 use crate::error::Result;
-use crate::spline::spans::{PAIRS, Spans};
+use crate::spline::spans::{KnotSpans, PAIRS};
 
 /// The approximate inverse.
 pub struct Preconditioner {
-    /// That of samples spread evenly.
+    /// The inverse for evenly spread samples.
     even: Option<Even>,
-    /// For the points that samples hold weakly or not at all.
+    /// The inverse for the control points that samples determine weakly or not at all.
     weak: Option<Factor>,
 }
 
-/// The inverse of a Kronecker product, scaled.
+/// The scaled inverse of a Kronecker product.
 struct Even {
     u: Band,
     v: Band,
     scale: Vec<f64>,
 }
 
-/// A control point is held weakly where the fairing term makes up this share of
-/// its diagonal, and ...
+/// Samples determine a control point weakly if the fairing term makes up more than this share of
+/// its diagonal.
 const WEAK: f64 = 0.05;
 
-/// ... not at all where it makes up this one.
+/// Samples do not determine a control point at all if the fairing term makes up more than this
+/// share of its diagonal.
 const FREE: f64 = 0.5;
 
-/// How far around weak points the equations are solved directly.
+/// The number of rows and columns around weak points for which the equations are solved directly.
 const OVERLAP: usize = 3;
 
-/// Nets of which more than one in so many points are held weakly are not worth
-/// preconditioning.
-const MOST_WEAK: usize = 5;
+/// If more than one in this many control points is determined weakly, a direct solution of the
+/// whole net is cheaper than the preconditioner.
+const WEAK_SHARE: usize = 5;
 
 impl Preconditioner {
-    /// For equations over the given spans.
-    /// `None` where so much of the net is held weakly that a direct solution of all is
-    /// cheaper.
-    pub fn new(equations: &Equations, spans: &[Spans; 2]) -> Result<Option<Self>> {
+    /// The preconditioner of equations over the given spans. `None` if so many control points are
+    /// determined weakly that a direct solution of the whole net is cheaper.
+    pub fn new(equations: &NormalEquations, spans: &[KnotSpans; 2]) -> Result<Option<Self>> {
         let [u, v] = spans.each_ref().map(mass);
         let even = u.iter().flat_map(|a| v.iter().map(move |b| a[0] * b[0]));
         let own = equations.diagonal();
         let shares: Vec<f64> =
             equations.unsupported.iter().zip(&own).map(|(fairing, all)| fairing / all).collect();
         let scale = even.zip(&own).zip(&shares).map(|((even, own), &share)| {
-            // Neither is it held where there is no matrix at all.
+            // A control point with an empty row of the matrix is not determined, either.
             let held = share < FREE && *own > 0.0;
             if held { (even / own).sqrt() } else { 0.0 }
         });
         let scale = scale.collect();
         let weak = around(equations.shape, |at| shares[at] > WEAK);
-        if MOST_WEAK * weak.len() > own.len() {
+        if WEAK_SHARE * weak.len() > own.len() {
             return Ok(None);
         }
         let weak = (!weak.is_empty()).then(|| equations.factor(weak)).transpose()?;
@@ -68,19 +68,18 @@ impl Preconditioner {
         Ok(Some(Preconditioner { even, weak }))
     }
 
-    /// The exact inverse of equations that are not worth preconditioning, for others that
-    /// are near them.
-    pub fn direct(equations: &Equations) -> Result<Self> {
+    /// The exact inverse of `equations`. It serves as a preconditioner for similar equations.
+    pub fn direct(equations: &NormalEquations) -> Result<Self> {
         let count = equations.shape[0] * equations.shape[1];
         let all = equations.factor((0..count as u32).collect())?;
         Ok(Preconditioner { even: None, weak: Some(all) })
     }
 
-    /// The inverse times `r`.
-    pub fn apply(&self, r: &[Lane], z: &mut [Lane]) {
+    /// Stores the product of the approximate inverse and `r` in `z`.
+    pub fn apply(&self, r: &[PaddedPoint], z: &mut [PaddedPoint]) {
         match &self.even {
             Some(even) => even.apply(r, z),
-            None => z.fill(Lane::zeros()),
+            None => z.fill(PaddedPoint::zeros()),
         }
         if let Some(weak) = &self.weak {
             let corrections = weak.solve(r);
@@ -90,7 +89,7 @@ impl Preconditioner {
 }
 
 impl Even {
-    fn apply(&self, r: &[Lane], z: &mut [Lane]) {
+    fn apply(&self, r: &[PaddedPoint], z: &mut [PaddedPoint]) {
         let (nu, nv) = (self.u.0.len(), self.v.0.len());
         let columns = |first: usize, count: usize| {
             let mut part = Vec::with_capacity(nu * count);
@@ -103,7 +102,7 @@ impl Even {
         };
         let width = tasks(nu).min(nv);
         let starts: Vec<usize> = (0..nv).step_by(width).collect();
-        let parts: Vec<Vec<Lane>> =
+        let parts: Vec<Vec<PaddedPoint>> =
             starts.into_par_iter().map(|j| columns(j, width.min(nv - j))).collect();
         let rows = z.par_chunks_mut(nv).zip(self.scale.par_chunks(nv)).enumerate();
         rows.with_min_len(tasks(nv)).for_each(|(i, (row, scale))| {
@@ -119,8 +118,7 @@ impl Even {
     }
 }
 
-/// The points of a net of which some within [`OVERLAP`] rows and columns are
-/// chosen, in growing order.
+/// The points of a net within [`OVERLAP`] rows and columns of a chosen point, in ascending order.
 fn around([nu, nv]: [usize; 2], chosen: impl Fn(usize) -> bool) -> Vec<u32> {
     let mut near = vec![false; nu * nv];
     for at in (0..nu * nv).filter(|&at| chosen(at)) {
@@ -133,8 +131,8 @@ fn around([nu, nv]: [usize; 2], chosen: impl Fn(usize) -> bool) -> Vec<u32> {
     (0..near.len()).filter(|&at| near[at]).map(|at| at as u32).collect()
 }
 
-/// ∫ B_i B_{i+d} over all spans, at [i][d].
-fn mass(spans: &Spans) -> Vec<[f64; 4]> {
+/// The mass matrix: ∫ B_i B_{i+d} over all spans, at `[i][d]`.
+fn mass(spans: &KnotSpans) -> Vec<[f64; 4]> {
     let mut band = vec![[0.0; 4]; spans.all.len() + 3];
     for (n, span) in spans.all.iter().enumerate() {
         for (value, (a, c)) in fairing::energies(span)[0].iter().zip(PAIRS) {
@@ -144,8 +142,8 @@ fn mass(spans: &Spans) -> Vec<[f64; 4]> {
     band
 }
 
-/// Cholesky factor of a symmetric matrix of bandwidth 3: `[i][0]` is one over
-/// entry (i, i), `[i][d]` is entry (i, i − d).
+/// The Cholesky factor of a symmetric matrix of bandwidth 3: `[i][0]` is the reciprocal of entry
+/// (i, i), and `[i][d]` is entry (i, i − d).
 struct Band(Vec<[f64; 4]>);
 
 impl Band {
@@ -167,8 +165,8 @@ impl Band {
         Band(l)
     }
 
-    /// Solves in place for `count` columns, which `x` holds row by row.
-    fn solve_columns(&self, x: &mut [Lane], count: usize) {
+    /// Solves in place for `count` columns that `x` contains row by row.
+    fn solve_columns(&self, x: &mut [PaddedPoint], count: usize) {
         let n = self.0.len();
         for (i, l) in self.0.iter().enumerate() {
             let (before, row) = x.split_at_mut(i * count);
@@ -200,12 +198,13 @@ mod tests {
     #[test]
     fn band_factors_solve() {
         let upper: Vec<[f64; 4]> = (0..9).map(|i| [9.0 + f64::from(i), 2.0, -1.0, 0.5]).collect();
-        let truth: Vec<Lane> = (0..18).map(|i| Lane::repeat(f64::from(i * i % 7))).collect();
+        let truth: Vec<PaddedPoint> =
+            (0..18).map(|i| PaddedPoint::repeat(f64::from(i * i % 7))).collect();
         let entry = |i: usize, j: usize| {
             let (low, d) = (i.min(j), i.abs_diff(j));
             if d < 4 { upper[low][d] } else { 0.0 }
         };
-        let mut x: Vec<Lane> =
+        let mut x: Vec<PaddedPoint> =
             (0..18).map(|n| (0..9).map(|j| truth[2 * j + n % 2] * entry(n / 2, j)).sum()).collect();
         Band::new(upper.clone()).solve_columns(&mut x, 2);
         assert!(x.iter().zip(&truth).all(|(x, t)| (x - t).amax() < 1e-12));

@@ -1,46 +1,46 @@
-//! What the normal equations need to know of one strip of knot cells, those
-//! between two neighbouring knots in u: sums over its samples that are already
-//! B-splines in v and still powers in u.
+//! Sums over the samples of one strip of knot cells, for the normal equations.
+//!
+//! A strip is the cells between two neighbouring knots in u. The output is sums over its samples of
+//! products of B-splines in v and powers in u.
 
 use nalgebra::Matrix3;
 
-use super::cells::{Cells, Local};
+use super::knot_cells::{CellSample, KnotCells};
 use super::moments::Moments;
 use super::weight::Weight;
 use crate::geometry::Vector;
 use crate::spline::spans::{PAIRS, Span};
 
-/// The sums of one strip; entry j of the lists belongs to control points (·, j).
-pub struct Strip<W> {
+/// The sums of one strip. Entry j of the lists belongs to control points (·, j).
+pub struct StripSums<W> {
     /// `gram[j][k][d]` = Σ w sᵏ B_j(v) B_{j+d}(v).
     pub gram: Vec<[[W; 4]; 7]>,
     /// `right[j][axis][k]` = Σ w sᵏ B_j(v) p.
     pub right: Vec<[[f64; 4]; 3]>,
     /// Σ w p².
     pub squares: f64,
-    /// What each cell's samples look like.
+    /// Statistics of each cell's samples.
     pub cells: Vec<Census>,
 }
 
-/// A cell's samples at a glance.
+/// Statistics of a cell's samples.
 #[derive(Debug, Clone, Copy)]
 pub struct Census {
     /// Σ w.
     pub weight: f64,
-    /// How many there are; fewer where they leave parts of the cell empty.
+    /// The number of samples, reduced if they leave parts of the cell empty.
     pub covering: f64,
-    /// The share of its parts that have no sample.
-    pub bare: f64,
-    /// Mean change of p, in mm, with s and with t, where there are samples
-    /// enough to tell.
+    /// The share of the cell's parts that have no sample.
+    pub unsupported: f64,
+    /// The mean change of p with s and with t, in mm, if there are enough samples.
     pub slopes: Option<[f64; 2]>,
 }
 
-impl<W: Weight> Strip<W> {
+impl<W: Weight> StripSums<W> {
     /// The sums of strip `p`.
-    pub fn new(cells: &Cells, p: usize) -> Self {
+    pub fn new(cells: &KnotCells, p: usize) -> Self {
         let down = cells.counts()[1];
-        let mut strip = Strip {
+        let mut strip = StripSums {
             gram: vec![[[W::ZERO; 4]; 7]; down + 3],
             right: vec![[[0.0; 4]; 3]; down + 3],
             squares: 0.0,
@@ -77,11 +77,12 @@ impl<W: Weight> Strip<W> {
     }
 }
 
-/// A cell is looked at in this many parts along u and v.
+/// The number of parts along u and along v into which a cell is divided to see whether samples
+/// cover it.
 const PARTS: f64 = 4.0;
 
 impl Census {
-    fn new<W: Weight>(moments: &Moments<W>, cells: &Cells, p: usize, q: usize) -> Self {
+    fn new<W: Weight>(moments: &Moments<W>, cells: &KnotCells, p: usize, q: usize) -> Self {
         let mut seen = 0u16;
         for at in cells.places(p, q) {
             let part = |x: f64| ((x + 1.0) * 0.5 * PARTS).clamp(0.0, PARTS - 1.0) as u16;
@@ -94,26 +95,26 @@ impl Census {
         Census {
             weight: moments.gram[0][0].mean(),
             covering: cells.count(p, q) as f64 * share.powi(3),
-            bare: 1.0 - share,
+            unsupported: 1.0 - share,
             slopes: slopes(cells, p, q),
         }
     }
 }
 
-/// So many samples of a cell tell how long it is.
-const ENOUGH: usize = 64;
+/// The number of samples that suffice to measure the lengths of a cell.
+const SLOPE_SAMPLES: usize = 64;
 
-/// Length of the gradient of p along s and t, by least squares on a plane.
-fn slopes(cells: &Cells, p: usize, q: usize) -> Option<[f64; 2]> {
-    let step = cells.count(p, q).div_ceil(ENOUGH).max(1);
+/// The lengths of the derivatives of p in s and in t, from a least-squares fit of an affine map.
+fn slopes(cells: &KnotCells, p: usize, q: usize) -> Option<[f64; 2]> {
+    let step = cells.count(p, q).div_ceil(SLOPE_SAMPLES).max(1);
     let mut gram = Matrix3::zeros();
     let mut right = Matrix3::zeros();
-    for Local { place, weight, point } in cells.samples::<f64>(p, q).step_by(step) {
+    for CellSample { place, weight, point } in cells.samples::<f64>(p, q).step_by(step) {
         let plane = Vector::new(1.0, place.x, place.y);
         gram += weight * plane * plane.transpose();
         right += weight * plane * point.transpose();
     }
-    // Spread about the mean; a third of the weight is that of a full cell.
+    // The variance about the mean. That of a full cell is a third of the weight.
     let w = gram[(0, 0)];
     let spread = |a: usize, b: usize| gram[(a, b)] - gram[(0, a)] * gram[(0, b)] / w;
     let (ss, st, tt) = (spread(1, 1), spread(1, 2), spread(2, 2));

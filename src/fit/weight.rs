@@ -1,37 +1,37 @@
-//! How much a sample's distance from the surface counts: the same in all directions, by
-//! a number, or more across the surface than along it, by a matrix.
+//! Weights of samples. A number weights distances in all directions equally. A symmetric matrix
+//! weights normal distances more than tangential ones.
 
 use std::ops::{AddAssign, Mul};
 
 use nalgebra::Matrix3;
 
-use super::cells::Cells;
-use super::normal::Lane;
+use super::knot_cells::KnotCells;
+use super::normal::PaddedPoint;
 use crate::geometry::Vector;
 
-/// A weight, and what sums of them, times products of functions, do to control points.
+/// A weight of a sample, or a sum of weights times products of basis functions.
 pub trait Weight: Copy + Send + Sync + AddAssign + Mul<f64, Output = Self> {
-    /// None.
+    /// The weight 0.
     const ZERO: Self;
 
-    /// The same in all directions.
+    /// A weight that is equal in all directions.
     fn even(weight: f64) -> Self;
 
-    /// That of sample `i`.
-    fn of(cells: &Cells, i: usize) -> Self;
+    /// The weight of sample `i`.
+    fn of(cells: &KnotCells, i: usize) -> Self;
 
     /// The mean over all directions.
     fn mean(self) -> f64;
 
-    /// Of a sample at `p`.
+    /// The weight times a sample's point.
     fn pull(self, p: Vector) -> Vector;
 
-    /// Of a control point.
-    fn times(self, x: &Lane) -> Lane;
+    /// The weight times a control point.
+    fn times(self, x: &PaddedPoint) -> PaddedPoint;
 
-    /// Sums over control points, one for each coordinate, as steps of conjugate gradients
-    /// need them.
-    fn coupled(sums: Lane) -> Lane;
+    /// Converts sums over control points, one for each coordinate, for the step lengths of
+    /// conjugate gradients. Coordinates that a matrix couples have one common step length.
+    fn coupled(sums: PaddedPoint) -> PaddedPoint;
 }
 
 impl Weight for f64 {
@@ -41,7 +41,7 @@ impl Weight for f64 {
         weight
     }
 
-    fn of(cells: &Cells, i: usize) -> f64 {
+    fn of(cells: &KnotCells, i: usize) -> f64 {
         cells.samples.weights[i]
     }
 
@@ -53,17 +53,17 @@ impl Weight for f64 {
         self * p
     }
 
-    fn times(self, x: &Lane) -> Lane {
+    fn times(self, x: &PaddedPoint) -> PaddedPoint {
         x * self
     }
 
-    /// The coordinates are systems of their own with one matrix.
-    fn coupled(sums: Lane) -> Lane {
+    /// The coordinates are independent systems with the same matrix.
+    fn coupled(sums: PaddedPoint) -> PaddedPoint {
         sums
     }
 }
 
-/// A symmetric matrix: its entries xx, yy, zz, xy, yz, zx.
+/// A symmetric matrix with the entries xx, yy, zz, xy, yz, zx.
 #[derive(Debug, Clone, Copy)]
 pub struct Metric([f64; 6]);
 
@@ -94,7 +94,7 @@ impl Weight for Metric {
         Metric([weight, weight, weight, 0.0, 0.0, 0.0])
     }
 
-    fn of(cells: &Cells, i: usize) -> Metric {
+    fn of(cells: &KnotCells, i: usize) -> Metric {
         cells.metrics[i] * cells.samples.weights[i]
     }
 
@@ -106,9 +106,9 @@ impl Weight for Metric {
         self.times(&p.push(0.0)).xyz()
     }
 
-    fn times(self, x: &Lane) -> Lane {
+    fn times(self, x: &PaddedPoint) -> PaddedPoint {
         let [xx, yy, zz, xy, yz, zx] = self.0;
-        Lane::new(
+        PaddedPoint::new(
             xx * x[0] + xy * x[1] + zx * x[2],
             xy * x[0] + yy * x[1] + yz * x[2],
             zx * x[0] + yz * x[1] + zz * x[2],
@@ -116,8 +116,8 @@ impl Weight for Metric {
         )
     }
 
-    fn coupled(sums: Lane) -> Lane {
-        // In equal parts, so that the lanes add up to it.
-        Lane::repeat(sums.mean())
+    fn coupled(sums: PaddedPoint) -> PaddedPoint {
+        // Equal parts, so that the sum over the coordinates stays the same.
+        PaddedPoint::repeat(sums.mean())
     }
 }

@@ -1,9 +1,9 @@
-//! Knot lines put in where a surface misses points, and taken out where they
-//! bring nothing.
+//! Insertion of knot lines where a surface misses points, and removal of knot lines with little
+//! effect.
 //!
-//! A net pays for every line across its whole width, so that it matters which way
-//! a span is halved: where the surface bends along u more sharply than its knots
-//! there let it, lines in v are no help.
+//! A knot line adds control points across the whole net, so the direction in which a span is halved
+//! matters. If the surface bends along u more sharply than its knots allow there, lines in v do not
+//! help.
 
 use rayon::prelude::*;
 
@@ -12,38 +12,37 @@ use super::jumps::Jumps;
 use crate::geometry::Uv;
 use crate::spline::{KnotVector, Surface};
 
-/// A place that a surface misses, and by how much; what is twice as far counts
-/// twice.
+/// A place at which the surface misses a point, and the distance. The distance is the weight of the
+/// place.
 pub type Miss = (Uv, f64);
 
-/// A span is halved along both parameters where neither is this much better.
-const BOTH: f64 = 0.5;
+/// A span is halved in both directions unless the gain in one is smaller than this share of the
+/// gain in the other.
+const BOTH_DIRECTIONS: f64 = 0.5;
 
-/// Spans are halved down to this share of the misses of the worst: what a few
-/// lines settle is seen after the next fit.
-const WORTH: f64 = 0.05;
+/// Only spans whose sum of misses is at least this share of the largest sum are halved. The next
+/// fit shows what a few lines achieve.
+const MIN_SCORE_SHARE: f64 = 0.05;
 
-/// What bounds the knots that are put in.
+/// The limits on the knots that are inserted.
 #[derive(Debug, Clone, Copy)]
-pub struct Bounds {
-    /// Spans stay longer than 2^−`depth`.
+pub struct InsertionLimits {
+    /// Spans shorter than 2^−`depth` of the domain are not made.
     pub depth: u32,
-    /// Control points of the net at the most.
+    /// The largest number of control points of the net.
     pub most: usize,
-    /// Misses of a span's points, at the least, for each control point that its halving
-    /// costs.
+    /// The smallest sum of misses of a span for each control point that halving the span adds.
     pub price: f64,
 }
 
-/// The knot vectors with a knot in the middle of the spans that misses call for,
-/// the worst first. The same vectors where nothing can be done. Of a span only the part
-/// counts that is between the lowest and the highest parameters that any point has,
-/// `reach`.
+/// The knot vectors with a knot in the middle of the spans with large misses, the largest first.
+/// They are unchanged if no span can be halved. Only the part of a span inside `reach` is
+/// considered; `reach` holds the lowest and the highest parameters of all points.
 pub fn insert(
     surface: &Surface,
     misses: &[Miss],
     reach: [Uv; 2],
-    bounds: &Bounds,
+    bounds: &InsertionLimits,
 ) -> [KnotVector; 2] {
     let jumps = Jumps::new(surface);
     let shortest = 1.001 * 0.5f64.powi(bounds.depth.min(1000) as i32);
@@ -66,7 +65,7 @@ pub fn insert(
                 false => -1.0,
             });
             for axis in 0..2 {
-                if gain[axis] >= 0.0 && gain[axis] >= BOTH * gain[1 - axis] {
+                if gain[axis] >= 0.0 && gain[axis] >= BOTH_DIRECTIONS * gain[1 - axis] {
                     scores[axis][place[axis]] += size;
                 }
             }
@@ -87,7 +86,7 @@ pub fn insert(
     let mut breaks = jumps.breaks.clone();
     for &(score, axis, span) in &spans {
         let larger = (size[axis] + 1).saturating_mul(size[1 - axis]);
-        if score < WORTH * spans[0].0 || larger > bounds.most {
+        if score < MIN_SCORE_SHARE * spans[0].0 || larger > bounds.most {
             break;
         }
         if score < bounds.price * size[1 - axis] as f64 {
@@ -103,8 +102,9 @@ pub fn insert(
     })
 }
 
-/// The knot vectors without that share of the inner knot lines which do the least
-/// for the surface, no two of them neighbours, and how many these are.
+/// The knot vectors without the given share of the inner knot lines, and the number of removed
+/// lines. Lines with the smallest effect on the surface are removed first, but no two neighbouring
+/// lines.
 pub fn remove(surface: &Surface, share: f64) -> ([KnotVector; 2], usize) {
     let jumps = Jumps::new(surface);
     let mut lines: Vec<(f64, usize, usize)> = Vec::new();
@@ -135,11 +135,11 @@ mod tests {
     use super::*;
     use crate::geometry::Vector;
 
-    const FREE: Bounds = Bounds { depth: 8, most: 1000, price: 0.0 };
+    const FREE: InsertionLimits = InsertionLimits { depth: 8, most: 1000, price: 0.0 };
 
     const ALL: [Uv; 2] = [Uv::new(0.0, 0.0), Uv::new(1.0, 1.0)];
 
-    /// A sheet that bends along u only, and along it near 0 only.
+    /// A sheet that bends along u only, and only near u = 0.
     fn gutter(u: KnotVector, v: KnotVector) -> Surface {
         let mut net = Vec::new();
         for i in 0..u.functions() {
@@ -169,10 +169,10 @@ mod tests {
         let s = gutter(KnotVector::uniform(3, 11), KnotVector::uniform(3, 11));
         let miss = [(Uv::new(0.2, 0.6), 1.0)];
         let same = [s.u.clone(), s.v.clone()];
-        assert_eq!(insert(&s, &miss, ALL, &Bounds { most: 121, ..FREE }), same);
-        assert_eq!(insert(&s, &miss, ALL, &Bounds { depth: 3, ..FREE }), same);
-        assert_eq!(insert(&s, &miss, ALL, &Bounds { price: 0.1, ..FREE }), same);
-        assert_ne!(insert(&s, &miss, ALL, &Bounds { price: 0.09, ..FREE }), same);
+        assert_eq!(insert(&s, &miss, ALL, &InsertionLimits { most: 121, ..FREE }), same);
+        assert_eq!(insert(&s, &miss, ALL, &InsertionLimits { depth: 3, ..FREE }), same);
+        assert_eq!(insert(&s, &miss, ALL, &InsertionLimits { price: 0.1, ..FREE }), same);
+        assert_ne!(insert(&s, &miss, ALL, &InsertionLimits { price: 0.09, ..FREE }), same);
     }
 
     #[test]

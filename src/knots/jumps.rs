@@ -1,26 +1,26 @@
-//! Where a cubic spline surface bends as sharply as its knots let it.
+//! The effect of each knot line on a cubic spline surface.
 //!
-//! The third derivative of a cubic is constant between two knots and jumps at
-//! them. Jump times length cubed, in mm, is what a knot line does for the surface
-//! (it would be off by a share of that without it) and, on the lines around a
-//! span, what a knot in its middle could still do.
+//! The third derivative of a cubic spline is constant between two knots and jumps at them. The jump
+//! times the cubed length of a span, in mm, measures how far the surface would move without the
+//! knot line. Measured at the lines around a span, it estimates what a knot in the middle of the
+//! span could achieve.
 
 use rayon::prelude::*;
 
 use crate::geometry::{Uv, Vector};
 use crate::spline::{Jet, Surface};
 
-/// Jumps of a surface's third derivatives across its knot lines.
+/// The jumps of the third derivatives of a surface across its knot lines.
 pub struct Jumps {
     /// Breakpoints in u and v.
     pub breaks: [Vec<f64>; 2],
-    /// `at[axis][line][span]`: for every inner knot line of the axis, and every span
-    /// of the other, the jump in mm a cubed parameter unit.
+    /// `at[axis][line][span]` is the jump across an inner knot line of `axis` in a span of the
+    /// other axis, in mm per cubed parameter unit.
     at: [Vec<Vec<f64>>; 2],
 }
 
 impl Jumps {
-    /// The jumps in the middles of the spans.
+    /// Computes the jumps in the middles of the spans.
     pub fn new(surface: &Surface) -> Self {
         let breaks = [surface.u.breaks(), surface.v.breaks()];
         let along_u = |u: f64, v: f64| Uv::new(u, v);
@@ -32,16 +32,16 @@ impl Jumps {
         Jumps { breaks, at }
     }
 
-    /// What inner line `line` (from 0) of an axis does for the surface at the most,
-    /// in mm.
+    /// The largest effect on the surface of inner line `line` of an axis, in mm. Lines are counted
+    /// from 0.
     pub fn of_line(&self, axis: usize, line: usize) -> f64 {
         let b = &self.breaks[axis][line..line + 3];
         let length = ((b[1] - b[0]) * (b[2] - b[1])).powf(1.5);
         length * self.at[axis][line].iter().copied().fold(0.0, f64::max)
     }
 
-    /// What a line in the middle of span `place[axis]` could do in cell `place`;
-    /// infinite where the axis has no line yet.
+    /// The effect in cell `place` that a line in the middle of span `place[axis]` could have. It is
+    /// infinite if the axis has no inner line yet.
     pub fn of_cell(&self, axis: usize, place: [usize; 2]) -> f64 {
         let (span, other) = (place[axis], place[1 - axis]);
         let length = self.breaks[axis][span + 1] - self.breaks[axis][span];
@@ -78,11 +78,11 @@ mod tests {
 
     #[test]
     fn a_cubic_with_one_break_jumps_there_only() {
-        // x = u, z = (u − ½)³ beyond ½ and 0 before: a jump of 6.
+        // x = u; z = (u − ½)³ beyond ½ and 0 before it. The third derivative jumps by 6.
         let u = KnotVector::clamped(3, &[0.0, 0.25, 0.5, 1.0], 1);
         let v = KnotVector::uniform(3, 5);
         let polar = |a: [f64; 3]| -> f64 {
-            // The blossom of the piece that holds the middle of the three knots.
+            // The blossom of the piece that contains the middle one of the three knots.
             if a[1] < 0.5 || a[0] < 0.5 { 0.0 } else { a.iter().map(|t| t - 0.5).product() }
         };
         let mut net = Vec::new();

@@ -1,8 +1,10 @@
-//! Knot placement by hierarchical subdivision (Tekumalla & Cohen 2005, section
-//! 3.4): a region of the domain is halved in u and v until a bicubic
-//! polynomial fits its points with a mean error of at most κ, or a depth is
-//! reached. The sides of all regions, carried across the domain, are the
-//! knots. A fit shows where more are needed, and which are not.
+//! Knot placement by hierarchical subdivision (Tekumalla & Cohen 2005, section 3.4). Points with
+//! parameters go in; the knot vectors of a bicubic surface come out.
+//!
+//! A region of the domain is halved in u and v until a bicubic polynomial fits its points with a
+//! mean error of at most κ, or until a depth is reached. The sides of all regions, extended across
+//! the domain, are the knots. After a fit, [`insert`] adds knots where more are needed and
+//! [`remove`] removes those with little effect.
 
 mod change;
 mod jumps;
@@ -15,47 +17,52 @@ use rayon::prelude::*;
 use crate::geometry::{Uv, Vector, uv_bounds};
 use crate::spline::{KnotVector, Samples};
 
-pub use change::{Bounds, Miss, insert, remove};
+pub use change::{InsertionLimits, Miss, insert, remove};
 
-/// Where to stop dividing.
+/// The options of knot placement.
 #[derive(Debug, Clone, Copy)]
 pub struct Options {
-    /// The paper's κ: mean Euclidean distance, in mm, of a region's points
-    /// from its polynomial, below which it is not divided.
+    /// The κ of the paper, in mm: a region is not divided if the mean Euclidean distance of its
+    /// points from its polynomial is at most this. A value below the noise divides every region
+    /// down to `depth`; a large value leaves details unresolved.
     pub kappa: f64,
-    /// Halvings at the most. 0 leaves one region.
+    /// The largest number of halvings; 0 leaves a single region. Each further halving may double
+    /// the number of knots in both directions.
     pub depth: u32,
 }
 
-/// What was placed.
+/// The result of knot placement.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct Report {
-    /// Regions that were not divided further.
+    /// The number of regions that were not divided further.
     pub regions: usize,
-    /// Those among them that are not within κ.
+    /// The number of these regions whose mean error exceeds κ.
     pub above_kappa: usize,
-    /// The deepest division made.
+    /// The largest number of halvings that was made.
     pub depth: u32,
 }
 
-/// Regions with fewer points than this are not divided: a bicubic polynomial
-/// has 16 coefficients and would pass through them.
-const FEWEST: usize = 32;
+/// Regions with fewer points than this are not divided. A bicubic polynomial has 16 coefficients,
+/// so it would nearly interpolate fewer points.
+const MIN_POINTS: usize = 32;
 
-/// The knot vectors in u and v over [0, 1], bicubic.
+/// Places the knots of a bicubic surface over [0, 1]², first in u, then in v.
 pub fn place(samples: &Samples, options: &Options) -> ([KnotVector; 2], Report) {
-    let mut points: Vec<Sample> =
+    let mut points: Vec<ParameterPoint> =
         samples.uv.par_iter().zip(&samples.points).map(|(&uv, p)| (uv, p.coords)).collect();
     let root = Region { low: Uv::origin(), size: 1.0, depth: 0 };
-    let found = divide(&mut points, root, options);
-    let report =
-        Report { regions: found.regions, above_kappa: found.above_kappa, depth: found.depth };
+    let division = divide(&mut points, root, options);
+    let report = Report {
+        regions: division.regions,
+        above_kappa: division.above_kappa,
+        depth: division.depth,
+    };
     let [low, high] = uv_bounds(&samples.uv);
     let knots = [0, 1].map(|axis| {
         let unit = (1u64 << MAX_DEPTH) as f64;
-        let inner = found.cuts[axis].iter().map(|&c| c as f64 / unit);
-        // Beyond all points the surface only goes on as it was.
+        let inner = division.cuts[axis].iter().map(|&c| c as f64 / unit);
+        // Outside the range of the points the surface is only extrapolated.
         let inner = inner.filter(|&c| low[axis] < c && c < high[axis]);
         let breaks: Vec<f64> =
             std::iter::once(0.0).chain(inner).chain(std::iter::once(1.0)).collect();
@@ -64,14 +71,15 @@ pub fn place(samples: &Samples, options: &Options) -> ([KnotVector; 2], Report) 
     (knots, report)
 }
 
-/// Points that one thread sums at a time, whatever the number of threads.
+/// The number of points that one thread sums at a time. It does not depend on the number of
+/// threads.
 const BLOCK: usize = 1 << 14;
 
-/// Depth at which cuts would no longer be exact binary fractions.
+/// The depth at which cuts would no longer be exact binary fractions.
 const MAX_DEPTH: u32 = 40;
 
 /// A point with its parameter point.
-type Sample = (Uv, Vector);
+type ParameterPoint = (Uv, Vector);
 
 struct Region {
     low: Uv,
@@ -79,21 +87,21 @@ struct Region {
     depth: u32,
 }
 
-/// Cuts in u and v in units of 2^−MAX_DEPTH, and counts.
+/// The cuts in u and v in units of 2^−MAX_DEPTH, and the counts of regions.
 #[derive(Default)]
-struct Found {
+struct Division {
     cuts: [BTreeSet<u64>; 2],
     regions: usize,
     above_kappa: usize,
     depth: u32,
 }
 
-fn divide(points: &mut [Sample], region: Region, options: &Options) -> Found {
+fn divide(points: &mut [ParameterPoint], region: Region, options: &Options) -> Division {
     let fits = mean_error(points, &region) <= options.kappa;
     let depth = options.depth.min(MAX_DEPTH - 1);
-    if fits || region.depth >= depth || points.len() < FEWEST {
+    if fits || region.depth >= depth || points.len() < MIN_POINTS {
         let above_kappa = usize::from(!fits);
-        return Found { regions: 1, above_kappa, depth: region.depth, ..Found::default() };
+        return Division { regions: 1, above_kappa, depth: region.depth, ..Division::default() };
     }
     let half = 0.5 * region.size;
     let middle = region.low + nalgebra::Vector2::repeat(half);
@@ -107,7 +115,7 @@ fn divide(points: &mut [Sample], region: Region, options: &Options) -> Found {
         rayon::join(|| divide(p, r, options), || divide(q, s, options))
     };
     let ((a, b), (c, d)) = rayon::join(|| both(a, b, low.x), || both(c, d, middle.x));
-    let mut all = Found::default();
+    let mut all = Division::default();
     for part in [a, b, c, d] {
         all.regions += part.regions;
         all.above_kappa += part.above_kappa;
@@ -122,19 +130,19 @@ fn divide(points: &mut [Sample], region: Region, options: &Options) -> Found {
     all
 }
 
-/// Moves the points for which `first` holds to the front, the order within
-/// both parts kept, so that sums over them are the same in every run.
+/// Moves the points for which `first` holds to the front. The order within both parts is kept, so
+/// sums over them are the same in every run.
 fn split(
-    points: &mut [Sample],
+    points: &mut [ParameterPoint],
     first: impl Fn(Uv) -> bool + Sync,
-) -> (&mut [Sample], &mut [Sample]) {
+) -> (&mut [ParameterPoint], &mut [ParameterPoint]) {
     let count = points.par_iter().filter(|p| first(p.0)).count();
     points.par_sort_by_key(|p| !first(p.0));
     points.split_at_mut(count)
 }
 
-/// Mean distance of the points from their bicubic least-squares polynomial.
-fn mean_error(points: &[Sample], region: &Region) -> f64 {
+/// The mean distance of the points from their bicubic least-squares polynomial.
+fn mean_error(points: &[ParameterPoint], region: &Region) -> f64 {
     if points.is_empty() {
         return 0.0;
     }
@@ -142,7 +150,7 @@ fn mean_error(points: &[Sample], region: &Region) -> f64 {
         let [u, v] = [uv.x - region.low.x, uv.y - region.low.y].map(|t| legendre(t / region.size));
         SVector::<f64, 16>::from_fn(|i, _| u[i / 4] * v[i % 4])
     };
-    let sums = |points: &[Sample]| {
+    let sums = |points: &[ParameterPoint]| {
         let mut gram = SMatrix::<f64, 16, 16>::zeros();
         let mut right = SMatrix::<f64, 16, 3>::zeros();
         for (uv, p) in points {
@@ -155,19 +163,19 @@ fn mean_error(points: &[Sample], region: &Region) -> f64 {
     let blocks: Vec<_> = points.par_chunks(BLOCK).map(sums).collect();
     let mut gram: SMatrix<f64, 16, 16> = blocks.iter().map(|block| block.0).sum();
     let right: SMatrix<f64, 16, 3> = blocks.iter().map(|block| block.1).sum();
-    // Where points do not determine all coefficients the smallest will do.
+    // Where the points do not determine all coefficients, the smallest ones are taken.
     gram += SMatrix::<f64, 16, 16>::identity() * (1e-10 * gram.trace());
     let Some(factor) = gram.cholesky() else { return f64::INFINITY };
     let c: Matrix3xX<f64> = Matrix3xX::from_columns(
         &factor.solve(&right).row_iter().map(|r| r.transpose()).collect::<Vec<_>>(),
     );
-    let off = |(uv, p): &Sample| (&c * basis(*uv) - p).norm();
+    let off = |(uv, p): &ParameterPoint| (&c * basis(*uv) - p).norm();
     let blocks: Vec<f64> =
         points.par_chunks(BLOCK).map(|block| block.iter().map(off).sum()).collect();
     blocks.iter().sum::<f64>() / points.len() as f64
 }
 
-/// Legendre polynomials of degree 0 to 3 over [0, 1].
+/// The Legendre polynomials of degree 0 to 3 over [0, 1].
 fn legendre(t: f64) -> [f64; 4] {
     let x = 2.0 * t - 1.0;
     [1.0, x, 1.5 * x * x - 0.5, (2.5 * x * x - 1.5) * x]

@@ -1,23 +1,24 @@
-//! Which vertices of a mesh its edges join.
+//! Tests whether two vertices of a mesh are joined by an edge.
 
-use super::{Mesh, Rings};
+use super::{Mesh, VertexRings};
 use crate::geometry::{Vector, VertexId, unit_normal};
 
-/// A mesh, and which triangles are around its vertices.
+/// A mesh with the triangles around its vertices.
 #[derive(Clone, Copy)]
 pub struct Adjacency<'a> {
     pub mesh: &'a Mesh,
-    pub rings: &'a Rings,
+    pub rings: &'a VertexRings,
 }
 
 impl Adjacency<'_> {
-    /// Whether the mesh joins two vertices; new ones it does not.
+    /// Whether an edge of the mesh joins two vertices. Vertices beyond those of the mesh are not
+    /// joined.
     pub fn joined(&self, v: VertexId, w: VertexId) -> bool {
         let measured = v.index().max(w.index()) < self.mesh.points.len();
         measured && self.rings.neighbours(self.mesh, v).any(|x| x == w)
     }
 
-    /// The unit normal of a triangle of the mesh between two vertices.
+    /// The unit normal of a triangle of the mesh that has both vertices.
     pub fn normal_at(&self, v: VertexId, w: VertexId) -> Option<Vector> {
         if v.index().max(w.index()) >= self.mesh.points.len() {
             return None;

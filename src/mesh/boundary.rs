@@ -1,17 +1,16 @@
-//! Boundary loops, and lengths along them.
+//! Boundary loops of a mesh, and measurements along them.
 
 use std::collections::HashMap;
 
 use super::{EdgeMap, Mesh};
 use crate::geometry::{Point, Vector, VertexId};
 
-/// A closed loop of boundary vertices, in the direction in which the
-/// triangles run along it: the surface lies to the left.
+/// A closed loop of boundary vertices in the direction of the triangles' sides. The surface lies to
+/// its left.
 pub type Loop = Vec<VertexId>;
 
-/// The boundary loops of a mesh, each begun at its lowest vertex, ordered by
-/// that vertex. Every vertex must have at most one boundary side leaving it
-/// (the builder opens those that have more).
+/// The boundary loops of a mesh. Each starts at its lowest vertex, and they are ordered by that
+/// vertex. At most one boundary side may leave each vertex; [`super::from_soup`] ensures this.
 pub fn boundary_loops(mesh: &Mesh, edges: &EdgeMap) -> Vec<Loop> {
     let mut next: HashMap<VertexId, VertexId> = HashMap::new();
     let mut starts = Vec::new();
@@ -41,27 +40,27 @@ pub fn length(mesh: &Mesh, ring: &[VertexId]) -> f64 {
     sides(mesh, ring).sum()
 }
 
-/// The vector area of a closed loop, in mm²: along the normal of a surface whose
-/// boundary it is, which lies to its left.
+/// The vector area of a closed loop, in mm². It points along the normal of a surface that has the
+/// loop as its boundary and lies to its left.
 pub fn area(mesh: &Mesh, ring: &[VertexId]) -> Vector {
     let at = |i: usize| mesh.point(ring[i % ring.len()]) - mesh.point(ring[0]);
     0.5 * (1..ring.len()).map(|i| at(i).cross(&at(i + 1))).sum::<Vector>()
 }
 
-/// The lengths of the loop's edges: from each vertex to the next one.
+/// The lengths of the loop's edges, each from a vertex to the next one.
 pub fn sides<'a>(mesh: &'a Mesh, ring: &'a [VertexId]) -> impl Iterator<Item = f64> + 'a {
     let nexts = ring.iter().cycle().skip(1);
     ring.iter().zip(nexts).map(|(&a, &b)| (mesh.point(b) - mesh.point(a)).norm())
 }
 
-/// The directions in which a closed loop comes to point `i` and leaves it,
-/// each the mean over an arm of length `window` mm along the loop, so that
-/// noise and stair steps much shorter than that do not count.
+/// The directions in which a closed loop arrives at point `i` and leaves it. Each is a mean over
+/// `window` mm along the loop, so noise and stair steps much shorter than that have little
+/// influence.
 pub fn arms(points: &[Point], i: usize, window: f64) -> [Vector; 2] {
     [-arm(points, i, window, points.len() - 1), arm(points, i, window, 1)]
 }
 
-/// The sum of the displacements from point `i` to those within `window`.
+/// The sum of the displacements from point `i` to the points within `window` mm along the loop.
 fn arm(points: &[Point], i: usize, window: f64, step: usize) -> Vector {
     let n = points.len();
     let (mut sum, mut length, mut j) = (Vector::zeros(), 0.0, i);
@@ -77,9 +76,9 @@ fn arm(points: &[Point], i: usize, window: f64, step: usize) -> Vector {
     sum
 }
 
-/// The tip of the corner near point `i` of a closed loop: of the points within
-/// half a window, the one that sticks out farthest between the two arms. The
-/// turn alone is nearly the same for a tip's neighbours.
+/// The tip of the corner near point `i` of a closed loop: the point within half a window that lies
+/// farthest outward between the two directions of [`arms`]. The turning angle alone would not
+/// single out the tip, because its neighbours have nearly the same angle.
 pub fn tip(points: &[Point], i: usize, window: f64) -> usize {
     let [before, after] = arms(points, i, window).map(|d| d.try_normalize(0.0).unwrap_or(d));
     let outward = before - after;

@@ -1,11 +1,14 @@
 //! From a soup of polygons to an oriented, edge-manifold mesh.
 //!
-//! Steps, each counted in [`Repairs`]: vertices that are not finite go, with
-//! their faces; vertices at the same place become one; polygons are cut into
-//! triangles; degenerate and duplicate triangles go; orientation is made
-//! consistent over every component; edges with more than two triangles and
-//! vertices with more than one fan are opened; spikes are taken off and
-//! triangles without area flipped away.
+//! The steps are as follows, and [`Repairs`] counts what each of them changes:
+//!
+//! - Vertices that are not finite are removed, with their faces.
+//! - Vertices at the same place are merged.
+//! - Polygons are cut into triangles.
+//! - Degenerate and duplicate triangles are removed.
+//! - Every component is oriented consistently.
+//! - Edges with more than two triangles, and vertices with more than one fan, are opened.
+//! - Spikes are removed, and triangles without area are flipped away.
 
 use std::collections::BTreeMap;
 
@@ -13,43 +16,46 @@ use foldhash::{HashSet, HashSetExt};
 use formats::Soup;
 use rayon::prelude::*;
 
-use super::topology::Buckets;
+use super::edge_map::Buckets;
 use super::{EdgeMap, Mesh, caps, polygons, scale, spikes, weld};
 use crate::error::{Error, Result, of};
 use crate::geometry::VertexId;
 use crate::rules;
 use crate::sets::Sets;
 
-/// What was repaired: kind and count. Kinds that did not occur are absent.
+/// The repairs that were made, as kind and count. A kind that did not occur is absent.
 pub type Repairs = BTreeMap<&'static str, usize>;
 
-/// A mesh made from a soup. Every component is edge-manifold, every vertex has
-/// one fan of triangles, and the orientation is consistent except across the
-/// sides of the triangles listed in `twisted`.
+/// A mesh made from a soup. Every component is edge-manifold, and every vertex has one fan of
+/// triangles. The orientation is consistent, except across the sides of the triangles listed in
+/// `twisted`.
 #[derive(Debug)]
 pub struct Build {
-    /// All components, in lengths of `mm`.
+    /// All components. One unit of length is `mm` millimetres.
     pub mesh: Mesh,
-    /// For each vertex, the place it had before vertices were opened: vertices
-    /// with the same number are copies of one vertex of the scan.
+    /// For each vertex, the place that it had before vertices were opened. Vertices with the same
+    /// number are copies of one vertex of the scan.
     pub place: Vec<u32>,
-    /// Triangles whose orientation cannot agree with a neighbour's.
+    /// For each point of the soup its number in `place`, or `u32::MAX` for one of no use.
+    pub vertices: Vec<u32>,
+    /// Triangles whose orientation cannot agree with that of a neighbour.
     pub twisted: Vec<usize>,
-    /// What was repaired.
+    /// The repairs that were made.
     pub repairs: Repairs,
-    /// How many mm one length of `mesh` is: the scan's unit by the power of two that gives
-    /// every scan the same size.
+    /// The length in mm of one unit of `mesh`. It is the unit of the scan times the power of two
+    /// that gives every scan the same size.
     pub mm: f64,
-    /// Who borders on whom in `mesh`.
+    /// The adjacency of `mesh`.
     pub(super) edges: EdgeMap,
 }
 
-/// Builds the mesh; `mm` is the length of the soup's unit in mm. The mesh has the soup's own
-/// numbers by a power of two, and [`Build::mm`] says what they are in mm.
+/// Builds the mesh; `mm` is the length of the soup's unit in mm. The coordinates of the mesh are
+/// those of the soup times a power of two, and [`Build::mm`] is the length of their unit.
 ///
 /// # Errors
-/// [`Error::Empty`]: no triangle is left, or none that has a size in mm. [`Error::Option`]: a unit that is no length.
-/// [`Error::Input`]: a polygon has a corner that is not among the points.
+/// - [`Error::Empty`] if no triangle is left, or if the mesh is too small or too large in mm.
+/// - [`Error::Option`] if the unit is not a length.
+/// - [`Error::Input`] if a polygon has a corner that is not among the points.
 pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
     rules::length(mm).map_err(of("unit"))?;
     if soup.polygons.iter().flatten().any(|&corner| corner as usize >= soup.points.len()) {
@@ -63,6 +69,7 @@ pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
     drop_duplicates(welded.points.len(), &mut triangles, &mut repairs);
     let place = (0..welded.points.len() as u32).collect();
     let mut build = Build::new(Mesh { points: welded.points, triangles }, place);
+    build.vertices = welded.number;
     build.repairs = repairs;
     build.mm = mm / factor;
     build.make_manifold();
@@ -77,12 +84,14 @@ pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
         return Err(Error::Empty("every face is degenerate or has a non-finite vertex".into()));
     }
     if !build.mm.is_normal() {
-        return Err(Error::Empty("its size in mm is beyond all numbers".into()));
+        return Err(Error::Empty(
+            "its size in mm exceeds the range of floating-point numbers".into(),
+        ));
     }
     Ok(build)
 }
 
-/// Counts a repair that happened.
+/// Adds to the count of a repair.
 pub(super) fn count(repairs: &mut Repairs, kind: &'static str, n: usize) {
     if n > 0 {
         *repairs.entry(kind).or_default() += n;
@@ -96,7 +105,7 @@ fn drop_degenerate(triangles: &mut Vec<[VertexId; 3]>, repairs: &mut Repairs) {
     count(repairs, "degenerate_faces", before - triangles.len());
 }
 
-/// Drops triangles that repeat an earlier one, in whichever orientation.
+/// Drops triangles that repeat an earlier one in either orientation.
 fn drop_duplicates(points: usize, triangles: &mut Vec<[VertexId; 3]>, repairs: &mut Repairs) {
     let sorted = |t: u32| {
         let mut corners = triangles[t as usize];
@@ -113,23 +122,24 @@ fn drop_duplicates(points: usize, triangles: &mut Vec<[VertexId; 3]>, repairs: &
     };
     let of_vertices = (0..points).into_par_iter().map_init(Vec::new, repeated);
     let repeated: Vec<usize> = of_vertices.flatten_iter().collect();
-    let mut doomed = vec![false; triangles.len()];
-    repeated.into_iter().for_each(|t| doomed[t] = true);
+    let mut dropped = vec![false; triangles.len()];
+    repeated.into_iter().for_each(|t| dropped[t] = true);
     let before = triangles.len();
-    let mut at = doomed.iter();
+    let mut at = dropped.iter();
     triangles.retain(|_| at.next() == Some(&false));
     count(repairs, "duplicate_faces", before - triangles.len());
 }
 
 impl Build {
-    /// A mesh that nothing has been done to yet.
+    /// A mesh without any repairs.
     pub(super) fn new(mesh: Mesh, place: Vec<u32>) -> Self {
         let edges = EdgeMap::new(&mesh);
-        Build { mesh, place, twisted: Vec::new(), repairs: Repairs::new(), mm: 1.0, edges }
+        let (vertices, twisted, repairs) = (Vec::new(), Vec::new(), Repairs::new());
+        Build { mesh, place, vertices, twisted, repairs, mm: 1.0, edges }
     }
 
-    /// Orients, and opens what is not manifold, until all is. The edge map is up to date
-    /// before and after it.
+    /// Orients the triangles and opens what is not manifold, until everything is. The edge map must
+    /// be up to date before the call and is up to date after it.
     pub(super) fn make_manifold(&mut self) {
         count(&mut self.repairs, "opened_edges", self.edges.overfull().len());
         loop {
@@ -141,8 +151,8 @@ impl Build {
         }
     }
 
-    /// Walks over every component and turns triangles to agree with the first
-    /// one; the larger part of a component keeps its orientation.
+    /// Traverses every component and flips triangles to agree with the first one. The orientation
+    /// that most triangles of a component have is kept.
     fn orient(&mut self) {
         self.twisted.clear();
         if self.edges.is_oriented(&self.mesh) {
@@ -192,8 +202,8 @@ impl Build {
         self.mesh.triangles[side / 3][side % 3]
     }
 
-    /// Gives every fan of triangles around a vertex a vertex of its own; says
-    /// whether any vertex had more than one.
+    /// Gives every fan of triangles around a vertex its own vertex. Returns whether any vertex had
+    /// more than one fan.
     pub(super) fn open_fans(&mut self) -> bool {
         if self.twisted.is_empty() && self.edges.has_single_fans(&self.mesh) {
             return false;
@@ -204,7 +214,7 @@ impl Build {
             let Some(other) = self.edges.across(side).filter(|&other| side < other) else {
                 continue;
             };
-            // Across a twisted side both triangles run the same way.
+            // Across a twisted side both triangles run in the same direction.
             if self.from(side) == self.from(other) {
                 fans.join(side, other);
                 fans.join(next(side), next(other));
@@ -213,7 +223,7 @@ impl Build {
                 fans.join(next(side), other);
             }
         }
-        // The fan that keeps each vertex, and the vertices of the others.
+        // The fan that keeps the vertex, and the new vertices of the other fans.
         let mut owner: Vec<u32> = vec![u32::MAX; self.mesh.points.len()];
         let mut copies = BTreeMap::new();
         for corner in 0..3 * self.mesh.triangles.len() {
@@ -235,13 +245,13 @@ impl Build {
         !copies.is_empty()
     }
 
-    /// Drops the smallest triangle of every edge that has too many though its
-    /// vertices have one fan each. Of those that run along the edge in the
-    /// direction in which most do, so that the last two run in opposite ones.
-    /// Says whether it dropped any.
+    /// Drops the smallest triangle at every edge that has more than two triangles although its
+    /// vertices have one fan each. Only triangles that run along the edge in the more frequent
+    /// direction are candidates, so that the last two run in opposite directions. Returns whether
+    /// any was dropped.
     fn drop_at_overfull_edges(&mut self) -> bool {
         let area = |t: usize| self.mesh.area_vector(self.mesh.triangles[t]).norm();
-        let mut doomed = HashSet::new();
+        let mut dropped = HashSet::new();
         for sides in self.edges.overfull() {
             let low = sides.iter().map(|&side| self.from(side as usize)).min();
             let (with, against): (Vec<usize>, Vec<usize>) =
@@ -251,32 +261,32 @@ impl Build {
                 .iter()
                 .map(|side| side / 3)
                 .min_by(|&x, &y| area(x).total_cmp(&area(y)).then(x.cmp(&y)));
-            doomed.extend(smallest);
+            dropped.extend(smallest);
         }
-        self.drop_triangles(&doomed);
-        count(&mut self.repairs, "faces_dropped_at_non_manifold_edges", doomed.len());
-        !doomed.is_empty()
+        self.drop_triangles(&dropped);
+        count(&mut self.repairs, "faces_dropped_at_non_manifold_edges", dropped.len());
+        !dropped.is_empty()
     }
 
-    /// Drops the triangles with the given numbers. The edge map is out of date
-    /// after it.
-    pub(super) fn drop_triangles(&mut self, doomed: &HashSet<usize>) {
+    /// Drops the triangles with the given numbers. The edge map is out of date after the call.
+    pub(super) fn drop_triangles(&mut self, dropped: &HashSet<usize>) {
         let mut t = 0;
         self.mesh.triangles.retain(|_| {
             t += 1;
-            !doomed.contains(&(t - 1))
+            !dropped.contains(&(t - 1))
         });
     }
 
-    /// The components that the triangles given make.
+    /// Extracts complete components, given by their triangles.
     pub(super) fn part(&self, triangles: &[usize]) -> Build {
         let (mesh, old) = self.mesh.part(triangles.iter().copied());
         let place = old.into_iter().map(|v| self.place[v]).collect();
         let edges = self.edges.part(triangles);
-        Build { mesh, place, twisted: Vec::new(), repairs: Repairs::new(), mm: self.mm, edges }
+        let (vertices, twisted, repairs) = (Vec::new(), Vec::new(), Repairs::new());
+        Build { mesh, place, vertices, twisted, repairs, mm: self.mm, edges }
     }
 
-    /// Drops vertices without a triangle; the others keep their order.
+    /// Drops vertices that no triangle uses. The others keep their order.
     fn drop_unused_vertices(&mut self) {
         let mut used = vec![false; self.mesh.points.len()];
         self.mesh.triangles.iter().flatten().for_each(|v| used[v.index()] = true);

@@ -1,20 +1,20 @@
-//! Triangles without area whose corners are three different vertices on one
-//! line ("caps"). Dropping one would leave a slit; flipping its longest side
-//! gives two triangles that have the vertex on that side for a corner.
+//! Removal of caps: triangles without area whose corners are three different vertices on one line.
+//! Dropping a cap would leave a slit. Flipping its longest side instead gives two triangles that
+//! have the vertex on this side as a corner.
 
 use foldhash::{HashSet, HashSetExt};
 use rayon::prelude::*;
 
 use super::build::{Build, count};
-use super::{EdgeMap, Mesh, Rings};
+use super::{EdgeMap, Mesh, VertexRings};
 use crate::geometry::VertexId;
 
-/// A triangle is flat when its height is less than this share of its longest
-/// side: far below what single precision resolves.
+/// A triangle is a cap if its height is below this share of its longest side. The value is far
+/// below the resolution of single precision.
 const FLAT: f64 = 1e-9;
 
-/// Flips caps away, or drops those whose longest side is on the boundary; a cap
-/// that can do neither stays. Says whether it changed anything.
+/// Flips caps away. A cap whose longest side is on the boundary is dropped instead; a cap that can
+/// be neither flipped nor dropped stays. Returns whether the mesh changed.
 pub(super) fn flip(build: &mut Build) -> bool {
     let mut gone = 0;
     loop {
@@ -34,19 +34,19 @@ pub(super) fn flip(build: &mut Build) -> bool {
     gone > 0
 }
 
-/// Deals with caps of which no two share a triangle or a neighbour. Every one
-/// that it counts is a flat triangle fewer.
+/// Flips or drops caps of which no two share a triangle or a neighbour. Returns the number of caps
+/// that were removed.
 fn round(build: &mut Build, flat: &[Option<usize>]) -> usize {
-    let rings = Rings::new(&build.mesh);
+    let rings = VertexRings::new(&build.mesh);
     let mut touched = HashSet::new();
-    let mut doomed = HashSet::new();
+    let mut dropped = HashSet::new();
     let mut flipped = 0;
     for (t, k) in flat.iter().enumerate().filter_map(|(t, k)| k.map(|k| (t, k))) {
         let corners = build.mesh.triangles[t];
         let [p, q, r] = [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
         let Some(other) = build.edges.across(3 * t + k) else {
             if touched.insert(t) {
-                doomed.insert(t);
+                dropped.insert(t);
             }
             continue;
         };
@@ -67,8 +67,8 @@ fn round(build: &mut Build, flat: &[Option<usize>]) -> usize {
             flipped += 1;
         }
     }
-    build.drop_triangles(&doomed);
-    doomed.len() + flipped
+    build.drop_triangles(&dropped);
+    dropped.len() + flipped
 }
 
 /// The triangles that share a side with `t`.
@@ -76,8 +76,8 @@ fn around(build: &Build, t: usize) -> Vec<usize> {
     (3 * t..3 * t + 3).filter_map(|side| build.edges.across(side)).map(|side| side / 3).collect()
 }
 
-/// The side that the cap's third corner lies on, if the triangle is one.
-/// (Where that corner is as good as one of the ends, a flip gains nothing.)
+/// The longest side of the triangle, if the triangle is a cap. A triangle whose third corner
+/// coincides with an end of this side is not a cap, because a flip would not improve it.
 fn longest_if_flat(mesh: &Mesh, t: [VertexId; 3]) -> Option<usize> {
     let [a, b, c] = mesh.corners(t);
     let squares = [(b - a).norm_squared(), (c - b).norm_squared(), (a - c).norm_squared()];
@@ -92,8 +92,8 @@ mod tests {
     use super::*;
     use crate::geometry::Point;
 
-    /// A square whose lower side has a vertex in its middle, that only a flat
-    /// triangle joins to the rest.
+    /// A square with a vertex in the middle of its lower side. Only a flat triangle joins this
+    /// vertex to the rest.
     fn square_with_cap(outside: bool) -> Build {
         let mut points = vec![[0., 0., 0.], [2., 0., 0.], [2., 2., 0.], [0., 2., 0.], [1., 0., 0.]];
         let mut triangles = vec![[0, 1, 2], [0, 2, 3], [1, 0, 4]];

@@ -1,4 +1,4 @@
-//! The pieces of a mesh, and the one that is converted.
+//! The connected components of a mesh, and the extraction of one of them as a disk.
 
 use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 use rstar::primitives::GeomWithData;
@@ -7,24 +7,25 @@ use rstar::{AABB, RTree};
 use super::boundary::{self, Loop};
 use super::build::{Build, Repairs, count};
 use super::disk::Outer;
-use super::islands::{self, Candidate};
-use super::kind::Topology;
+use super::islands::{self, IslandCandidate};
+use super::topology::Topology;
+use super::vertices::VertexMap;
 use super::{Disk, EdgeMap, Mesh, rims};
 use crate::error::{Error, Result};
-use crate::geometry::{Vector, VertexId};
+use crate::geometry::{Point, Vector, VertexId};
 
-/// Which component of the scan becomes the face.
+/// The rule that selects the component to convert.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Choice {
-    /// The one with the most triangles.
+    /// The component with the most triangles.
     #[default]
     Largest,
-    /// The n-th largest, counted from 0.
+    /// The n-th largest component, counted from 0.
     Number(usize),
 }
 
 impl Choice {
-    /// Which one it is, counted from the largest.
+    /// The number of the component, where the largest one is 0.
     pub fn number(self) -> usize {
         match self {
             Choice::Largest => 0,
@@ -33,38 +34,38 @@ impl Choice {
     }
 }
 
-/// A scan's mesh and the pieces it falls into.
+/// The mesh of a scan, divided into its connected components.
 #[derive(Debug)]
 pub struct Components {
     build: Build,
-    /// Triangles of each, ascending; the largest component first.
+    /// The triangles of each component in ascending order. The largest component comes first.
     pieces: Vec<Vec<usize>>,
-    /// Those that have one side only.
+    /// The components that have only one side.
     twisted: HashSet<usize>,
-    /// Where the first triangle of each but dust begins, with its number.
+    /// The first corner of each component that is not dust, with the number of the component.
     begins: RTree<GeomWithData<[f64; 3], usize>>,
     dust: usize,
 }
 
-/// A component with a smaller share of all triangles is taken out in a time that does not
-/// depend on the rest, so that taking out every one takes no more than sixteen times as
-/// long as looking at all.
+/// Components with less than one sixteenth of all triangles are extracted in a time that does not
+/// depend on the size of the mesh. At most sixteen components are larger. Extracting every
+/// component therefore takes at most about sixteen times as long as reading the mesh once.
 const SMALL: usize = 16;
 
-/// A component with fewer triangles than this, and than this share of the
-/// largest one's, is dust.
+/// A component is dust if it has fewer triangles than the first value and less than the second
+/// value's share of the triangles of the largest component.
 const DUST: (usize, f64) = (64, 0.01);
 
-/// One component by itself.
+/// One component, extracted from the mesh.
 #[derive(Debug)]
 pub struct Component {
     build: Build,
-    /// What kind of surface it is.
+    /// The topology of the component.
     pub topology: Topology,
-    /// Triangles in all other components.
+    /// The number of triangles in all other components.
     pub left_out: usize,
-    /// Those that may be islands in its holes, the largest first.
-    others: Vec<Candidate>,
+    /// Components that may be islands in its holes, the largest first.
+    others: Vec<IslandCandidate>,
 }
 
 impl Components {
@@ -85,26 +86,31 @@ impl Components {
         Components { build, pieces, twisted, begins, dust }
     }
 
-    /// How many there are.
+    /// The number of components.
     pub fn count(&self) -> usize {
         self.pieces.len()
     }
 
-    /// How many there are besides dust. Dust comes last.
+    /// The number of components that are not dust. Dust comes last in the order of components.
     pub fn sizeable(&self) -> usize {
         self.pieces.len() - self.dust
     }
 
-    /// How many triangles each has.
+    /// The number of triangles of each component.
     pub fn sizes(&self) -> Vec<usize> {
         self.pieces.iter().map(Vec::len).collect()
+    }
+
+    /// The components that are worth a face: all but dust and islands of others.
+    pub fn all(&self, outer: Outer) -> Vec<Choice> {
+        self.without_islands(outer).into_iter().map(Choice::Number).collect()
     }
 
     /// The components besides dust that are no island of another one.
     pub fn without_islands(&self, outer: Outer) -> Vec<usize> {
         let mut found = HashSet::new();
         for n in 0..self.sizeable() {
-            // The islands of an island are those of the piece around it.
+            // The islands of an island are already found with the piece around it.
             if !found.contains(&n) {
                 found.extend(self.islands_of(n, outer));
             }
@@ -112,24 +118,33 @@ impl Components {
         (0..self.sizeable()).filter(|n| !found.contains(n)).collect()
     }
 
-    /// The components that are islands of one.
+    /// The components that are islands of the given one.
     fn islands_of(&self, component: usize, outer: Outer) -> Vec<usize> {
         let taken = self.take(Choice::Number(component)).ok().filter(|c| !c.others.is_empty());
         let disk = taken.and_then(|c| c.into_disk(outer, &mut Repairs::new()).ok());
         disk.map_or(Vec::new(), |d| d.islands.iter().map(|island| island.component).collect())
     }
 
-    /// What was repaired in the scan.
+    /// The repairs made in the whole scan.
     pub fn repairs(&self) -> &Repairs {
         &self.build.repairs
     }
 
-    /// How many mm one length of the mesh is.
+    /// The length in mm of one unit of the mesh.
     pub fn mm(&self) -> f64 {
         self.build.mm
     }
 
-    /// Takes one component.
+    /// Which of these points each vertex of the scan became. They are points of the mesh, in
+    /// its own lengths, each at a place of its own.
+    pub(crate) fn vertices(&self, points: &[Point]) -> VertexMap {
+        VertexMap::new(&self.build, points)
+    }
+
+    /// Extracts one component.
+    ///
+    /// # Errors
+    /// [`Error::Component`] if there is no component with this number.
     pub fn take(&self, choice: Choice) -> Result<Component> {
         let asked = choice.number();
         let piece =
@@ -145,8 +160,8 @@ impl Components {
         Ok(Component { build, topology, left_out, others })
     }
 
-    /// The two-sided components besides dust that begin near another one.
-    fn candidates(&self, chosen: usize, mesh: &Mesh) -> Vec<Candidate> {
+    /// The two-sided components near a mesh that are not dust.
+    fn candidates(&self, chosen: usize, mesh: &Mesh) -> Vec<IslandCandidate> {
         let [low, high] = mesh.bounds();
         let margin = Vector::repeat(0.5 * mesh.diagonal());
         let around = AABB::from_corners((low - margin).into(), (high + margin).into());
@@ -154,7 +169,8 @@ impl Components {
         let mut near: Vec<usize> =
             near.filter(|n| *n != chosen && !self.twisted.contains(n)).collect();
         near.sort_unstable();
-        let part = |n| Candidate { component: n, build: small_part(&self.build, &self.pieces[n]) };
+        let part =
+            |n| IslandCandidate { component: n, build: small_part(&self.build, &self.pieces[n]) };
         near.into_iter().map(part).collect()
     }
 }
@@ -165,12 +181,12 @@ impl Component {
         self.own_mesh().clone().scaled(self.mm())
     }
 
-    /// The same in the lengths of the pipeline.
+    /// Its triangles and points in the pipeline's unit of length.
     pub(crate) fn own_mesh(&self) -> &Mesh {
         &self.build.mesh
     }
 
-    /// How many mm one of those lengths is.
+    /// The length in mm of the pipeline's unit.
     pub(crate) fn mm(&self) -> f64 {
         self.build.mm
     }
@@ -180,25 +196,25 @@ impl Component {
         boundary::boundary_loops(&self.build.mesh, &self.build.edges)
     }
 
-    /// Which of them is the outer one.
+    /// The position of the outer loop among `loops`.
     pub fn outer(&self, outer: Outer, loops: &[Loop]) -> usize {
         outer.in_lengths(self.mm()).among(&self.build.mesh, &self.build.edges, loops)
     }
 
-    /// The component as a disk with holes, in mm, cleaned at its rims: of the fans
-    /// that meet at one place (a bow-tie) the largest stays, and triangles that
-    /// hang on by one side go. Other components that lie in its holes come with
-    /// it as islands. What was dropped is added to `repairs`.
+    /// Makes a disk with holes of the component, in mm, and cleans its rims. Where several fans
+    /// meet at one place (a bow-tie), only the largest is kept. Triangles that share a single side
+    /// with the rest are removed. Other components that lie in its holes are added as islands. The
+    /// removals are added to `repairs`.
+    ///
+    /// # Errors
+    /// Those of [`Topology::check_disk`], and [`Error::Empty`] if nothing is left.
     pub fn into_disk(self, outer: Outer, repairs: &mut Repairs) -> Result<Disk> {
         let mm = self.mm();
         Ok(self.into_own_disk(outer.in_lengths(mm), repairs)?.scaled(mm))
     }
 
-    /// The same in the lengths of the mesh ([`Components::mm`]), which the outer loop's place
-    /// has, too.
-    ///
-    /// # Errors
-    /// Those of [`Component::into_disk`].
+    /// Like [`Component::into_disk`], but in the unit of the mesh ([`Components::mm`]). The point
+    /// of `outer` is in this unit, too.
     pub fn into_own_disk(self, outer: Outer, repairs: &mut Repairs) -> Result<Disk> {
         self.topology.check_disk()?;
         let mut taken = HashSet::new();
@@ -208,8 +224,8 @@ impl Component {
     }
 }
 
-/// A disk of a component, cleaned at its rims: what touches another piece, at a
-/// place that is `taken`, goes too. The places on its boundary are taken then.
+/// Makes a disk of a component and cleans its rims. Triangles at a place in `taken` touch another
+/// piece and are removed. The places on the boundary of the disk are added to `taken`.
 pub(super) fn clean(
     mut build: Build,
     outer: Outer,
@@ -230,8 +246,8 @@ pub(super) fn clean(
     Ok(disk)
 }
 
-/// A component by itself, as [`Build::part`] makes it, in a time that does not
-/// depend on the size of the rest.
+/// Extracts a component as [`Build::part`] does, in a time that does not depend on the size of the
+/// whole mesh.
 fn small_part(build: &Build, triangles: &[usize]) -> Build {
     let corners = triangles.iter().map(|&t| build.mesh.triangles[t]);
     let mut old: Vec<VertexId> = corners.clone().flatten().collect();
@@ -245,7 +261,7 @@ fn small_part(build: &Build, triangles: &[usize]) -> Build {
     Build::new(mesh, old.iter().map(|v| build.place[v.index()]).collect())
 }
 
-/// The pieces that have one side only.
+/// The components that have only one side.
 fn twisted(build: &Build, pieces: &[Vec<usize>]) -> HashSet<usize> {
     if build.twisted.is_empty() {
         return HashSet::new();
@@ -255,7 +271,7 @@ fn twisted(build: &Build, pieces: &[Vec<usize>]) -> HashSet<usize> {
     (0..pieces.len()).filter(is_twisted).collect()
 }
 
-/// The triangles of each component, ascending; the largest component first.
+/// The triangles of each component in ascending order. The largest component comes first.
 fn pieces(build: &Build) -> Vec<Vec<usize>> {
     let n = build.mesh.triangles.len();
     let mut seen = vec![false; n];
@@ -281,18 +297,18 @@ fn pieces(build: &Build) -> Vec<Vec<usize>> {
     pieces
 }
 
-/// One round; says whether anything was dropped. At a place that another piece
-/// has taken no fan stays.
+/// Removes the smaller fans at every place with several fans, and all fans at places that another
+/// piece has taken. Returns whether anything was removed; the caller repeats it until nothing is.
 fn trim_bow_ties(build: &mut Build, taken: &HashSet<u32>) -> bool {
     if taken.is_empty() && build.place.is_sorted_by(|a, b| a < b) {
-        // No place has two fans.
+        // Every place has a single fan.
         return false;
     }
     let mut fan_size = vec![0u32; build.mesh.points.len()];
     for v in build.mesh.triangles.iter().flatten() {
         fan_size[v.index()] += 1;
     }
-    // The largest fan at each place; of equal ones the first.
+    // The largest fan at each place; the first one among fans of equal size.
     let mut best = HashMap::with_capacity(build.place.len());
     for (v, &place) in build.place.iter().enumerate() {
         let incumbent = best.entry(place).or_insert(v);
@@ -302,7 +318,7 @@ fn trim_bow_ties(build: &mut Build, taken: &HashSet<u32>) -> bool {
     }
     let loses = |(v, place): (usize, &u32)| best[place] != v || taken.contains(place);
     let loses: Vec<bool> = build.place.iter().enumerate().map(loses).collect();
-    let doomed: HashSet<usize> = build
+    let dropped: HashSet<usize> = build
         .mesh
         .triangles
         .iter()
@@ -310,10 +326,10 @@ fn trim_bow_ties(build: &mut Build, taken: &HashSet<u32>) -> bool {
         .filter(|(_, t)| t.iter().any(|v| loses[v.index()]))
         .map(|(i, _)| i)
         .collect();
-    if doomed.is_empty() || doomed.len() == build.mesh.triangles.len() {
+    if dropped.is_empty() || dropped.len() == build.mesh.triangles.len() {
         return false;
     }
-    build.drop_triangles(&doomed);
+    build.drop_triangles(&dropped);
     build.edges = EdgeMap::new(&build.mesh);
     while build.open_fans() {
         build.edges = EdgeMap::new(&build.mesh);

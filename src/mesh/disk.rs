@@ -1,63 +1,63 @@
-//! A mesh known to be a disk with holes, in which may be islands.
+//! A mesh that is known to be a disk with holes. The holes may contain islands.
 
 use std::collections::HashMap;
 use std::ops::Range;
 
 use super::boundary::{self, Loop};
-use super::kind::Topology;
+use super::topology::Topology;
 use super::{EdgeMap, Mesh};
 use crate::error::Result;
 use crate::geometry::{Point, Vector, VertexId, in_lengths};
 
-/// Which boundary loop is the outer one.
+/// The rule that selects the outer boundary loop.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Outer {
-    /// The longest of those that run around their surface. A hole's rim runs
-    /// around the hole, however long its ragged shape makes it.
+    /// The longest of the loops that run around their surface. The rim of a hole runs around the
+    /// hole, so it is never chosen, however long its ragged shape makes it.
     #[default]
     Auto,
-    /// The one with the vertex nearest to this point.
+    /// The loop with the vertex nearest to this point.
     Near(Point),
 }
 
-/// An oriented mesh of genus 0 with at least one boundary loop, and the islands
-/// in its holes: pieces of genus 0 themselves.
+/// An oriented mesh of genus 0 with at least one boundary loop, together with the islands in its
+/// holes. An island is a piece of genus 0 as well.
 #[derive(Debug, Clone)]
 pub struct Disk {
-    /// The triangles and points: those of the disk, then of each island.
+    /// The triangles and points: those of the disk first, then those of each island.
     pub mesh: Mesh,
-    /// The outer boundary loop, the surface to its left.
+    /// The outer boundary loop; the surface lies to its left.
     pub outer: Loop,
-    /// The rims of the holes, the surface to their left, in the order of
-    /// their lowest vertices: those of the disk, then of each island.
+    /// The rims of the holes; the surface lies to their left. The holes of the disk come first,
+    /// then those of each island. Within a piece they are ordered by their lowest vertices.
     pub holes: Vec<Loop>,
-    /// The islands, in the order in which `mesh` has them.
+    /// The islands, in the order in which `mesh` holds them.
     pub islands: Vec<Island>,
 }
 
-/// A piece of the surface by itself, in a hole of another one.
+/// A separate piece of the surface that lies in a hole of another piece.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Island {
-    /// Which component of the scan it is, the largest being 0.
+    /// The number of its component; the largest component of the scan is 0.
     pub component: usize,
-    /// The hole that it lies in: a position among the disk's holes.
+    /// The hole in which the island lies, as a position in [`Disk::holes`].
     pub hole: usize,
-    /// Its outer boundary loop, the surface to its left.
+    /// The outer boundary loop of the island; the surface lies to its left.
     pub rim: Loop,
-    /// Its own holes: positions among the disk's.
+    /// The holes of the island, as positions in [`Disk::holes`].
     pub holes: Range<usize>,
-    /// How many triangles it has.
+    /// The number of its triangles.
     pub triangles: usize,
 }
 
 impl Disk {
-    /// The same with all lengths times a factor.
+    /// The disk with all lengths multiplied by a factor.
     pub(crate) fn scaled(self, factor: f64) -> Self {
         Disk { mesh: self.mesh.scaled(factor), ..self }
     }
 
-    /// Checks the topology of a connected, oriented mesh by its Euler
-    /// characteristic.
+    /// Makes a disk of a connected, oriented mesh. The Euler characteristic decides whether it is
+    /// one.
     pub(super) fn new(mesh: Mesh, edges: &EdgeMap, outer: Outer) -> Result<Self> {
         Topology::new(&mesh, edges, true).check_disk()?;
         let mut loops = boundary::boundary_loops(&mesh, edges);
@@ -65,13 +65,13 @@ impl Disk {
         Ok(Disk { mesh, outer, holes: loops, islands: Vec::new() })
     }
 
-    /// All loops: the outer one, the rims of the holes and those of the islands.
+    /// All boundary loops: the outer one, the rims of the holes, and those of the islands.
     pub fn loops(&self) -> impl Iterator<Item = &Loop> {
         let islands = self.islands.iter().map(|island| &island.rim);
         std::iter::once(&self.outer).chain(&self.holes).chain(islands)
     }
 
-    /// Puts another disk into a hole of this one or of its islands.
+    /// Puts another disk into a hole of this disk or of one of its islands.
     pub(super) fn add_island(&mut self, component: usize, hole: usize, island: Disk) {
         let first = self.mesh.points.len() as u32;
         let shifted = |ring: Loop| ring.into_iter().map(|v| VertexId(v.0 + first)).collect();
@@ -87,7 +87,7 @@ impl Disk {
 }
 
 impl Outer {
-    /// The same in lengths of so many `mm`.
+    /// The rule with its point expressed in lengths of `mm` each.
     pub(crate) fn in_lengths(self, mm: f64) -> Self {
         match self {
             Outer::Auto => Outer::Auto,
@@ -95,7 +95,7 @@ impl Outer {
         }
     }
 
-    /// The position of the outer loop among all.
+    /// The position of the outer loop among `loops`.
     pub fn among(self, mesh: &Mesh, edges: &EdgeMap, loops: &[Loop]) -> usize {
         let rank: Vec<(i32, f64)> = match self {
             Outer::Auto => {
@@ -116,12 +116,12 @@ impl Outer {
     }
 }
 
-/// A loop turns one way or the other only if its vector area has this share of
-/// the normals beside it.
+/// A loop has a clear sense of rotation if its vector area is at least this share of what the
+/// normals beside it would allow.
 const CLEAR: f64 = 0.3;
 
-/// 1 if a loop runs around the surface beside it, counter-clockwise seen from
-/// outside, −1 if around a hole in it, 0 where that cannot be told: around a
+/// The sense of rotation of a loop: 1 if it runs around the surface beside it, counter-clockwise
+/// seen from outside; −1 if it runs around a hole; 0 if neither is clear, as at the end of a
 /// sleeve.
 pub(super) fn turn(mesh: &Mesh, normals: &HashMap<VertexId, Vector>, ring: &Loop) -> i32 {
     let beside = |(v, side): (&VertexId, f64)| side * normals.get(v).copied().unwrap_or_default();
@@ -131,8 +131,8 @@ pub(super) fn turn(mesh: &Mesh, normals: &HashMap<VertexId, Vector>, ring: &Loop
     i32::from(share > CLEAR) - i32::from(share < -CLEAR)
 }
 
-/// The unit normal of the triangle at each boundary edge, by the vertex that
-/// the edge leaves.
+/// The unit normal of the triangle at each boundary edge. The key is the vertex at which the edge
+/// starts.
 pub(super) fn open_side_normals(mesh: &Mesh, edges: &EdgeMap) -> HashMap<VertexId, Vector> {
     let normal = |side: usize| {
         let t = mesh.triangles[side / 3];
@@ -145,8 +145,8 @@ pub(super) fn open_side_normals(mesh: &Mesh, edges: &EdgeMap) -> HashMap<VertexI
 mod tests {
     use super::*;
 
-    /// A square of 20 × 20 cells with a comb cut out of it, whose rim is longer
-    /// than the square's.
+    /// A square of 20 × 20 cells with a comb-shaped hole whose rim is longer than the square's
+    /// boundary.
     fn combed() -> Mesh {
         let n = 21;
         let is_cut = |i: usize, j: usize| {

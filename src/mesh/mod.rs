@@ -1,5 +1,9 @@
-//! Triangle meshes: from a soup of polygons to an oriented, edge-manifold
-//! mesh, and from that to a disk with holes.
+//! Triangle meshes. A soup of polygons goes in ([`from_soup`]). An oriented, edge-manifold mesh
+//! comes out, split into its connected components ([`Components`]). One component becomes a disk
+//! with holes ([`Disk`]), which later stages fill ([`Patch`]) and flatten ([`Parameterized`]).
+//!
+//! What several stages need lives here as well: adjacency ([`EdgeMap`], [`VertexRings`]), boundary
+//! loops ([`boundary`]), neighbours in space ([`Neighbours`]) and moving least squares ([`mls`]).
 
 mod adjacency;
 pub mod boundary;
@@ -7,9 +11,9 @@ mod build;
 mod caps;
 mod components;
 mod disk;
-mod halve;
+mod edge_map;
 mod islands;
-mod kind;
+mod midpoints;
 pub mod mls;
 mod neighbours;
 pub mod outline;
@@ -22,6 +26,7 @@ mod scale;
 mod spikes;
 mod topology;
 mod triangles;
+mod vertices;
 mod weld;
 
 pub use crate::geometry::Bound;
@@ -29,20 +34,21 @@ pub(crate) use adjacency::Adjacency;
 pub use build::{Build, Repairs, from_soup};
 pub use components::{Choice, Component, Components};
 pub use disk::{Disk, Island, Outer};
-pub(crate) use halve::Middles;
-pub use kind::Topology;
+pub(crate) use edge_map::Buckets;
+pub use edge_map::{EdgeMap, VertexRings};
+pub(crate) use midpoints::EdgeMidpoints;
 pub use neighbours::Neighbours;
-pub use parameterized::{Outline, Parameterized, Skirt};
+pub use parameterized::{Outline, Parameterized, Scaffold};
 pub use patch::{FaceOrigin, Patch};
-pub(crate) use topology::Buckets;
-pub use topology::{EdgeMap, Rings};
+pub use topology::Topology;
 pub(crate) use triangles::{Triangles, nearest_on};
+pub(crate) use vertices::VertexMap;
 
 use crate::geometry::{Point, Vector, VertexId, bounds};
 
-/// An oriented triangle mesh: no edge has more than two triangles, and two
-/// triangles run along their common edge in opposite directions. One's own comes from
-/// [`from_soup`], which makes it so; what takes a mesh takes that for granted.
+/// An oriented triangle mesh. No edge has more than two triangles, and two triangles run along
+/// their common edge in opposite directions. [`from_soup`] makes such a mesh of any soup. Functions
+/// that take a mesh rely on these properties and do not check them.
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
     /// Positions, in mm.
@@ -51,18 +57,19 @@ pub struct Mesh {
     pub triangles: Vec<[VertexId; 3]>,
 }
 
-/// A vertex is on a crease if an edge at it runs as steeply against its normal: more than a
-/// seventh of a round turn to the next vertex.
-const STEEP: f64 = 0.43;
+/// A vertex is treated as lying on a crease if an edge at it is this steep. The steepness is the
+/// cosine of the angle between the edge and the vertex normal; 0.43 belongs to a turn of more than
+/// a seventh of a full circle from this vertex to the next.
+const CREASE_COSINE: f64 = 0.43;
 
 impl Mesh {
-    /// The same with all lengths times a factor.
+    /// The mesh with all lengths multiplied by a factor.
     pub(crate) fn scaled(mut self, factor: f64) -> Self {
         self.points.iter_mut().for_each(|p| *p *= factor);
         self
     }
 
-    /// Adds the points and triangles of another mesh behind its own.
+    /// Appends the points and triangles of another mesh.
     pub fn append(&mut self, other: &Mesh) {
         let first = self.points.len();
         self.points.extend(&other.points);
@@ -113,25 +120,27 @@ impl Mesh {
         normals
     }
 
-    /// From the middle between two vertices to that of the curve between them on a surface
-    /// with these `normals` (Vlachos, Peters, Boyd, Mitchell: Curved PN triangles, 2001), and
-    /// the normal there. A vertex on a crease has no say, nor one without a normal.
+    /// Returns the vector from the middle of an edge to the middle of the curve above it, and the
+    /// surface normal there. The curve lies on a smooth surface with these vertex `normals`
+    /// (Vlachos, Peters, Boyd, Mitchell: Curved PN triangles, 2001). A vertex on a crease, or one
+    /// without a normal, does not influence the curve.
     pub(crate) fn bend(&self, normals: &[Vector], a: VertexId, b: VertexId) -> (Vector, Vector) {
         let along = self.point(b) - self.point(a);
-        let steep = STEEP * along.norm();
+        let steep = CREASE_COSINE * along.norm();
         let [n, m] = [a, b].map(|v| {
             let normal = normals[v.index()];
             if along.dot(&normal).abs() < steep { normal } else { Vector::zeros() }
         });
         let bend = (along.dot(&m) * m - along.dot(&n) * n) / 8.0;
-        // A cubic leans half as far, and the other way, in the middle as at its ends in the mean.
+        // The slope of a cubic in its middle is minus one half of the mean slope at its ends.
         let lean = along.dot(&(n + m)) / along.norm_squared();
         let normal = n + m - 1.5 * lean * along;
         (bend, normal.try_normalize(0.0).unwrap_or_else(Vector::zeros))
     }
 
-    /// How far a triangle is from a smooth surface with these `normals` through its corners, in
-    /// mm: an eighth of an edge's length times the angle between the normals at its ends.
+    /// Estimates in mm how far a triangle is from a smooth surface through its corners with these
+    /// vertex `normals`. The estimate for an edge is an eighth of its length times the angle
+    /// between the normals at its ends; the largest of the three edges counts.
     pub(crate) fn chord_error(&self, normals: &[Vector], t: [VertexId; 3]) -> f64 {
         let edge = |k: usize| {
             let [a, b] = [t[k], t[(k + 1) % 3]];
@@ -149,7 +158,7 @@ impl Mesh {
         (squares.sum::<f64>() / self.triangles.len().max(1) as f64).sqrt()
     }
 
-    /// The mean length of the triangles' edges, in mm (inner edges count twice).
+    /// The mean length of the triangles' edges, in mm. Inner edges count twice.
     pub fn mean_edge(&self) -> f64 {
         let sides = |t: &[VertexId; 3]| {
             let [a, b, c] = self.corners(*t);
@@ -158,7 +167,7 @@ impl Mesh {
         self.triangles.iter().map(sides).sum::<f64>() / (3 * self.triangles.len()).max(1) as f64
     }
 
-    /// The lowest and the highest coordinates; the origin of an empty mesh.
+    /// The lowest and the highest coordinates, or the origin twice for an empty mesh.
     pub fn bounds(&self) -> [Point; 2] {
         bounds(self.points.iter().copied())
     }
@@ -169,8 +178,9 @@ impl Mesh {
         (high - low).norm()
     }
 
-    /// The triangles with the given numbers, by themselves: the vertices that
-    /// they have, in their old order, and for each the number it had.
+    /// Extracts the triangles with the given numbers. The new mesh keeps only the vertices that
+    /// these triangles use, in their old order. The second value gives the old number of each new
+    /// vertex.
     pub fn part(&self, triangles: impl Iterator<Item = usize>) -> (Mesh, Vec<usize>) {
         let triangles: Vec<_> = triangles.map(|t| self.triangles[t]).collect();
         let mut used = vec![false; self.points.len()];

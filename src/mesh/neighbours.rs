@@ -1,11 +1,11 @@
-//! Neighbourhoods in space, by kiddo's k-d tree.
+//! Neighbour search in space, with the k-d tree of the crate kiddo.
 
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use nalgebra::Rotation3;
 
 use crate::geometry::{Point, Vector};
 
-/// Finds the points of a fixed cloud that lie within a radius.
+/// Finds the points of a fixed cloud within a radius of a place.
 pub struct Neighbours {
     tree: ImmutableKdTree<f64, 3>,
     turn: Rotation3<f64>,
@@ -18,11 +18,11 @@ impl std::fmt::Debug for Neighbours {
 }
 
 impl Neighbours {
-    /// Builds the tree. The points must be finite and at least one.
+    /// Builds the tree. There must be at least one point, and all points must be finite.
     ///
-    /// Scans repeat coordinates (a gridded range map has columns of equal x),
-    /// which makes the tree's splits degenerate and its build slow; so the
-    /// points are turned by a rotation about no special axis first.
+    /// Scans repeat coordinates: a gridded range map, for example, has columns of equal x. Equal
+    /// coordinates make the splits of the tree degenerate and its construction slow. The points are
+    /// therefore rotated about an arbitrary axis first.
     pub fn new(points: &[Point]) -> Self {
         let turn = Rotation3::new(Vector::new(0.61, -0.37, 0.83));
         let turned: Vec<[f64; 3]> = points.iter().map(|p| (turn * p).coords.into()).collect();
@@ -32,8 +32,8 @@ impl Neighbours {
         Neighbours { tree, turn }
     }
 
-    /// Puts the indices of the points within `radius` of `at` into `found`,
-    /// ascending, so that sums over them do not depend on the tree's shape.
+    /// Replaces `found` by the indices of the points within `radius` of `at`. They ascend, so sums
+    /// over them do not depend on the shape of the tree.
     pub fn within(&self, at: Point, radius: f64, found: &mut Vec<u32>) {
         let centre: [f64; 3] = (self.turn * at).coords.into();
         found.clear();

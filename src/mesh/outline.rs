@@ -1,18 +1,19 @@
-//! What lies inside closed outlines in the plane, as triangles.
+//! Triangulates the region inside closed polygons in the plane, by a constrained Delaunay
+//! triangulation.
 
 use spade::handles::FixedVertexHandle;
 use spade::{ConstrainedDelaunayTriangulation, Point2, Triangulation as _};
 
 use crate::geometry::{Uv, orient2d};
 
-type Plane = ConstrainedDelaunayTriangulation<Point2<f64>>;
+type Delaunay = ConstrainedDelaunayTriangulation<Point2<f64>>;
 
-/// The triangles inside closed outlines (where a ray crosses them an odd number
-/// of times), over the outlines' corners in turn and then the inner points;
-/// `None` if two sides cross, or if nothing is inside.
+/// The triangles inside closed outlines. A point is inside if a ray from it crosses the outlines an
+/// odd number of times. Corner numbers count the corners of the outlines in turn and then the
+/// `inner` points. Returns `None` if two sides cross or if nothing is inside.
 pub fn triangulate(outlines: &[&[Uv]], inner: &[Uv]) -> Option<Vec<[usize; 3]>> {
-    let mut plane = Plane::new();
-    // For each vertex of the triangulation a corner at its place.
+    let mut plane = Delaunay::new();
+    // For each vertex of the triangulation, the number of a corner at this place.
     let mut corner = Vec::new();
     let mut vertices = Vec::new();
     for (k, p) in outlines.iter().copied().flatten().chain(inner).enumerate() {
@@ -38,7 +39,7 @@ pub fn triangulate(outlines: &[&[Uv]], inner: &[Uv]) -> Option<Vec<[usize; 3]>> 
     (!triangles.is_empty()).then_some(triangles)
 }
 
-/// The sides of the outlines that have a length.
+/// The sides of the outlines that have a length above zero.
 fn sides(
     outlines: &[&[Uv]],
     vertices: &[FixedVertexHandle],
@@ -54,9 +55,14 @@ fn sides(
     sides
 }
 
-/// Toggles the edges on the side from `a` to `b`: several where other corners
-/// lie on it.
-fn mark(plane: &Plane, a: FixedVertexHandle, b: FixedVertexHandle, odd: &mut [bool]) -> Option<()> {
+/// Toggles the edges that lie on the side from `a` to `b`. These are several if other corners lie
+/// on the side.
+fn mark(
+    plane: &Delaunay,
+    a: FixedVertexHandle,
+    b: FixedVertexHandle,
+    odd: &mut [bool],
+) -> Option<()> {
     let at = |p: Point2<f64>| Uv::new(p.x, p.y);
     let goal = at(plane.vertex(b).position());
     let mut vertex = plane.vertex(a);
@@ -70,8 +76,8 @@ fn mark(plane: &Plane, a: FixedVertexHandle, b: FixedVertexHandle, odd: &mut [bo
     Some(())
 }
 
-/// The faces that are reached from outside over an odd number of odd edges.
-fn inside(plane: &Plane, odd: &[bool]) -> Vec<[FixedVertexHandle; 3]> {
+/// The faces that are reached from outside across an odd number of marked edges.
+fn inside(plane: &Delaunay, odd: &[bool]) -> Vec<[FixedVertexHandle; 3]> {
     let mut is_inside: Vec<Option<bool>> = vec![None; plane.num_all_faces()];
     is_inside[plane.outer_face().fix().index()] = Some(false);
     let mut edges: Vec<_> = plane.convex_hull().map(|edge| (edge, false)).collect();
@@ -89,7 +95,7 @@ fn inside(plane: &Plane, odd: &[bool]) -> Vec<[FixedVertexHandle; 3]> {
             faces.push(face);
         }
     }
-    // In an order that does not depend on the walk.
+    // The order must not depend on the order of the traversal.
     faces.sort_unstable_by_key(|face| face.fix().index());
     faces.iter().map(|face| face.vertices().map(|v| v.fix())).collect()
 }

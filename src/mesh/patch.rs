@@ -1,4 +1,4 @@
-//! A disk whose holes are filled, with the memory of what was measured.
+//! A disk whose holes are filled. It remembers which triangles and vertices were measured.
 
 use std::ops::Range;
 
@@ -7,39 +7,39 @@ use super::disk::Island;
 use super::{EdgeMap, Mesh, Topology};
 use crate::geometry::{Bound, VertexId};
 
-/// Where a triangle comes from.
+/// The origin of a triangle.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum FaceOrigin {
-    /// The scanner saw it.
+    /// The triangle was measured by the scanner.
     Measured,
-    /// It fills the hole of that number.
+    /// The triangle fills the hole with this number.
     Hole(u32),
-    /// It closes a bay of the outer boundary.
+    /// The triangle closes a bay, which is a concavity of the outer boundary.
     Bay,
 }
 
-/// A disk without holes. Its first `measured` vertices are the scan's, in the
-/// scan's order; those after them were added.
+/// A disk without holes. Its first `measured` vertices are those of the scan, in the order of the
+/// scan. Vertices added by later stages follow them.
 #[derive(Debug, Clone)]
 pub struct Patch {
     /// The triangles and points.
     pub mesh: Mesh,
-    /// How many of the vertices were measured.
+    /// The number of measured vertices.
     pub measured: usize,
-    /// Where each triangle comes from.
+    /// The origin of each triangle.
     pub origin: Vec<FaceOrigin>,
-    /// The boundary, the surface to its left.
+    /// The boundary of the mesh; the surface lies to its left.
     pub outer: Loop,
-    /// The measured outer boundary, if bays of it were closed.
+    /// The outer boundary of the measured surface, if bays of it were closed.
     pub measured_outer: Option<Loop>,
-    /// The rims of the measured holes, the measured surface to their left.
+    /// The rims of the measured holes; the measured surface lies to their left.
     pub rims: Vec<Loop>,
-    /// The measured islands in them; the fill joins each to the rest.
+    /// The measured islands in the holes. The fill joins each island to the surrounding surface.
     pub islands: Vec<Island>,
 }
 
 impl Patch {
-    /// The same with all lengths times a factor.
+    /// The patch with all lengths multiplied by a factor.
     pub(crate) fn scaled(self, factor: f64) -> Self {
         Patch { mesh: self.mesh.scaled(factor), ..self }
     }
@@ -49,23 +49,23 @@ impl Patch {
         v.index() < self.measured
     }
 
-    /// The numbers of the triangles that were measured.
+    /// The numbers of the measured triangles.
     pub fn measured_triangles(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.origin.len()).filter(|&t| self.origin[t] == FaceOrigin::Measured)
     }
 
-    /// The patch as it was before its bays were closed. `None`: none were.
+    /// The patch as it was before its bays were closed, or `None` if none were closed.
     pub fn without_bays(&self) -> Option<Patch> {
         let outer = self.measured_outer.clone()?;
-        let is_land = |t: &usize| self.origin[*t] != FaceOrigin::Bay;
-        let land: Vec<usize> = (0..self.origin.len()).filter(is_land).collect();
-        let triangles: Vec<[VertexId; 3]> = land.iter().map(|&t| self.mesh.triangles[t]).collect();
-        // What closes bays comes last.
+        let is_kept = |t: &usize| self.origin[*t] != FaceOrigin::Bay;
+        let kept: Vec<usize> = (0..self.origin.len()).filter(is_kept).collect();
+        let triangles: Vec<[VertexId; 3]> = kept.iter().map(|&t| self.mesh.triangles[t]).collect();
+        // The vertices that were added to close bays come last.
         let count = triangles.iter().flatten().map(|v| v.index() + 1).max().unwrap_or(0);
         let points = self.mesh.points[..count].to_vec();
         Some(Patch {
             mesh: Mesh { points, triangles },
-            origin: land.iter().map(|&t| self.origin[t]).collect(),
+            origin: kept.iter().map(|&t| self.origin[t]).collect(),
             outer,
             measured_outer: None,
             measured: self.measured,
@@ -74,7 +74,7 @@ impl Patch {
         })
     }
 
-    /// A loop, the measured surface to its left.
+    /// A boundary loop of the measured surface, which lies to its left.
     pub fn loop_of(&self, bound: Bound) -> &Loop {
         match bound {
             Bound::Outer => self.measured_outer.as_ref().unwrap_or(&self.outer),
@@ -83,13 +83,13 @@ impl Patch {
         }
     }
 
-    /// The holes that are not in an island: positions among `rims`.
+    /// The holes that do not lie in an island, as positions in `rims`.
     pub fn own_holes(&self) -> Range<usize> {
         0..self.islands.first().map_or(self.rims.len(), |island| island.holes.start)
     }
 
-    /// Whether the mesh is edge-manifold and oriented, with Euler characteristic 1 and the
-    /// one boundary loop that it should have. For checks in debug builds.
+    /// Whether the mesh is edge-manifold and oriented, has Euler characteristic 1, and has `outer`
+    /// as its only boundary loop. Debug builds check this.
     pub fn is_disk(&self) -> bool {
         let edges = EdgeMap::new(&self.mesh);
         let topology = Topology::new(&self.mesh, &edges, true);

@@ -1,11 +1,10 @@
-//! Polygons become triangles.
+//! Triangulation of polygons.
 //!
-//! A polygon that is convex in the plane it lies in, by exact predicates, is
-//! fanned. Any other is triangulated by the constrained Delaunay triangulation
-//! of its outline, of which the triangles inside remain (where a ray crosses
-//! the outline an odd number of times); an outline that runs along an edge
-//! twice, as the cut to an island does, counts it twice. An outline that crosses
-//! itself bounds nothing, and is fanned for want of better.
+//! A polygon that is convex in its plane, by exact predicates, becomes a fan of triangles. Any
+//! other polygon is triangulated by the constrained Delaunay triangulation of its outline. The
+//! triangles inside the outline remain, where inside means that a ray crosses the outline an odd
+//! number of times. An outline may run along an edge twice, as the cut to an island does; such an
+//! edge counts twice. An outline that crosses itself bounds no region; it becomes a fan as well.
 
 use formats::Soup;
 
@@ -14,7 +13,7 @@ use super::outline;
 use super::weld::{NOWHERE, Welded};
 use crate::geometry::{Point, Uv, Vector, VertexId, orient2d};
 
-/// The triangles of all polygons, in their order.
+/// The triangles of all polygons, in the order of the polygons.
 pub(super) fn triangulate(
     soup: &Soup,
     welded: &Welded,
@@ -45,7 +44,7 @@ pub(super) fn triangulate(
     triangles
 }
 
-/// Appends the triangles of one polygon; `false` if its outline crosses itself.
+/// Appends the triangles of one polygon. Returns `false` if the outline crosses itself.
 pub(super) fn cut_up(points: &[Point], polygon: &[u32], into: &mut Vec<[VertexId; 3]>) -> bool {
     let flat = flatten(points, polygon);
     let fan = |k| [0, k - 1, k];
@@ -60,8 +59,8 @@ pub(super) fn cut_up(points: &[Point], polygon: &[u32], into: &mut Vec<[VertexId
     sound
 }
 
-/// The polygon seen along the axis that is nearest to its normal (Newell's), so
-/// that it runs counter-clockwise; the coordinates stay exact.
+/// Projects the polygon along the coordinate axis nearest to its normal (Newell's method), so that
+/// it runs counter-clockwise. The projected coordinates are exact.
 fn flatten(points: &[Point], polygon: &[u32]) -> Vec<Uv> {
     let at = |k: usize| points[polygon[k % polygon.len()] as usize];
     let origin = at(0);
@@ -79,11 +78,12 @@ fn flatten(points: &[Point], polygon: &[u32]) -> Vec<Uv> {
     (0..polygon.len()).map(|k| Uv::new(at(k)[u], at(k)[v])).collect()
 }
 
-/// Whether the polygon turns left at every corner, and once around in all.
+/// Whether the polygon turns left at every corner and winds around its interior once.
 fn is_convex(flat: &[Uv]) -> bool {
     let n = flat.len();
     let left = |k: usize| orient2d(flat[k], flat[(k + 1) % n], flat[(k + 2) % n]) > 0.0;
-    // Seen from its first corner a star that turns left only goes back and forth.
+    // A star polygon turns left at every corner, too. Seen from its first corner, however, its
+    // sides go back and forth.
     let fanned = (2..n).all(|k| orient2d(flat[0], flat[k - 1], flat[k]) > 0.0);
     fanned && (0..n).all(left)
 }

@@ -1,31 +1,30 @@
-//! Ragged rims: triangles that hang on the rest by one side.
+//! Removal of ragged rims: triangles that share only one side with the rest of the mesh.
 //!
-//! Scanners leave them where they cut off, as teeth of noise. On a boundary
-//! that is smoothed into a curve their tips would be drawn back through their
-//! own bases, so they go first.
+//! Scanners leave such teeth where their view ends. Smoothing would pull the tip of a tooth back
+//! through its own base, so teeth are removed before the boundary is smoothed.
 
 use foldhash::{HashSet, HashSetExt};
 
 use super::{Disk, EdgeMap, Mesh, Outer};
 use crate::error::Result;
 
-/// A triangle at the outer boundary whose tip has at least this angle may be a
-/// corner of the object and stays.
-const CORNER: f64 = 75.0 * std::f64::consts::PI / 180.0;
+/// A triangle at the outer boundary whose tip has at least this angle is kept, because it may be a
+/// corner of the object. The value is 75° in radians.
+const MIN_CORNER_ANGLE: f64 = 75.0 * std::f64::consts::PI / 180.0;
 
-/// A tooth of several triangles is taken back this far.
-const ROUNDS: usize = 3;
+/// A tooth may consist of several triangles; this many are removed at most, one in each round.
+const MAX_ROUNDS: usize = 3;
 
-/// The disk without hanging triangles, and how many there were.
+/// Removes hanging triangles from a disk. Returns the disk and the number of removed triangles.
 pub(super) fn trim_hanging(mut disk: Disk, outer: Outer) -> Result<(Disk, usize)> {
     let mut trimmed = 0;
-    for _ in 0..ROUNDS {
-        let doomed = hanging(&disk);
-        if doomed.is_empty() || 2 * doomed.len() > disk.mesh.triangles.len() {
+    for _ in 0..MAX_ROUNDS {
+        let dropped = hanging(&disk);
+        if dropped.is_empty() || 2 * dropped.len() > disk.mesh.triangles.len() {
             break;
         }
-        trimmed += doomed.len();
-        let kept = (0..disk.mesh.triangles.len()).filter(|&t| !doomed.contains(&(t as u32)));
+        trimmed += dropped.len();
+        let kept = (0..disk.mesh.triangles.len()).filter(|&t| !dropped.contains(&(t as u32)));
         let (mesh, _) = disk.mesh.part(kept);
         let edges = EdgeMap::new(&mesh);
         disk = Disk::new(mesh, &edges, outer)?;
@@ -33,38 +32,38 @@ pub(super) fn trim_hanging(mut disk: Disk, outer: Outer) -> Result<(Disk, usize)
     Ok((disk, trimmed))
 }
 
-/// In place of a triangle: none, or more than one.
+/// Entries in place of a triangle's number: a vertex has no triangle, or more than one.
 const NONE: u32 = u32::MAX;
 const MANY: u32 = u32::MAX - 1;
 
-/// For each vertex its triangle, if it has but one.
-fn alone(mesh: &Mesh) -> Vec<u32> {
-    let mut alone = vec![NONE; mesh.points.len()];
+/// For each vertex the number of its triangle, if it has exactly one.
+fn single_triangles(mesh: &Mesh) -> Vec<u32> {
+    let mut single_triangles = vec![NONE; mesh.points.len()];
     for (t, v) in (0..).zip(&mesh.triangles).flat_map(|(t, corners)| corners.map(|v| (t, v))) {
-        let of = &mut alone[v.index()];
+        let of = &mut single_triangles[v.index()];
         *of = if *of == NONE { t } else { MANY };
     }
-    alone
+    single_triangles
 }
 
-/// Triangles with a tip that no other triangle has.
+/// The triangles with a tip that no other triangle uses.
 fn hanging(disk: &Disk) -> HashSet<u32> {
-    let alone = alone(&disk.mesh);
-    let mut doomed = HashSet::new();
+    let single_triangles = single_triangles(&disk.mesh);
+    let mut dropped = HashSet::new();
     let loops = std::iter::once((&disk.outer, true)).chain(disk.holes.iter().map(|h| (h, false)));
     for (ring, outer) in loops {
-        // Two hanging triangles may share a base's end, but a ring of three or
-        // fewer would vanish.
+        // Two hanging triangles may share an end of their bases. A ring of three or fewer of them
+        // would vanish.
         for (i, &tip) in ring.iter().enumerate().filter(|_| ring.len() > 4) {
             let before = ring[(i + ring.len() - 1) % ring.len()];
             let after = ring[(i + 1) % ring.len()];
-            let t = alone[tip.index()];
-            if t < MANY && !(outer && disk.mesh.angle(before, tip, after) >= CORNER) {
-                doomed.insert(t);
+            let t = single_triangles[tip.index()];
+            if t < MANY && !(outer && disk.mesh.angle(before, tip, after) >= MIN_CORNER_ANGLE) {
+                dropped.insert(t);
             }
         }
     }
-    doomed
+    dropped
 }
 
 #[cfg(test)]

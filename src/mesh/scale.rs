@@ -1,21 +1,22 @@
-//! The lengths that the pipeline works in: the scan's own numbers by a power of two.
+//! The pipeline's unit of length. The coordinates of the scan are multiplied by a power of two that
+//! gives every scan about the same size.
 //!
-//! Such a factor is exact, and with it every scan has the same size. So neither the unit
-//! of the numbers nor a factor of a power of two changes any digit of what is computed.
+//! Such a factor is exact. Neither the unit of the file nor a factor of a power of two between two
+//! files therefore changes any digit of the result.
 
 use formats::Soup;
 
 use super::weld::is_usable;
 
-/// The largest extent of a scaled scan is at least two to the power of this, and less
-/// than twice as much: about that of the scans, in mm, that the stages were tuned on.
+/// The largest extent of a scaled scan is at least two to this power and less than twice as much.
+/// This is about the extent in mm of the scans on which the stages were tuned.
 const SIZE: i32 = 6;
 
-/// Two to a power beyond this is no normal number, or its inverse is none.
+/// Two to a power beyond this, or its inverse, is not a normal floating-point number.
 const LARGEST: i32 = 1000;
 
-/// The power of two that brings the largest extent of what the polygons use, and of what is
-/// no farther than is usable if a unit is so many `mm`, to the size of all scans.
+/// The power of two that gives the scan its standard size. Only points that polygons use and that
+/// [`is_usable`] accepts are measured; `mm` is the length of their unit in mm.
 pub(super) fn to_size(soup: &Soup, mm: f64) -> f64 {
     let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
     let corners = soup.polygons.iter().flatten().map(|&corner| &soup.points[corner as usize]);
@@ -29,8 +30,8 @@ pub(super) fn to_size(soup: &Soup, mm: f64) -> f64 {
     if extent > 0.0 { 2f64.powi((SIZE - exponent(extent)).clamp(-LARGEST, LARGEST)) } else { 1.0 }
 }
 
-/// The largest power of two that is no more than a number above 0, by its bits: a
-/// logarithm may be rounded up to the next.
+/// The exponent of the largest power of two that is at most `x`, for `x` above 0. It is read from
+/// the bits, because a logarithm may be rounded up to the next integer.
 fn exponent(x: f64) -> i32 {
     (x.to_bits() >> (f64::MANTISSA_DIGITS - 1)) as i32 - (f64::MAX_EXP - 1)
 }
@@ -47,7 +48,7 @@ mod tests {
             let mut soup =
                 Soup { points: vec![[5.0, 0.0, 0.0], [5.0, extent, 0.0]], ..Soup::default() };
             soup.points.extend([[f64::NAN; 3], [1e70, 0.0, 0.0], [9e9, 0.0, 0.0]]);
-            // A place that no polygon uses says nothing.
+            // A place that no polygon uses is ignored.
             soup.polygons.push([0, 1, 2, 3]);
             assert_eq!(to_size(&soup, 1.0), factor, "{extent}");
         }

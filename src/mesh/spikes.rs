@@ -1,4 +1,4 @@
-//! Spikes: single vertices that a scanner threw far off the surface.
+//! Removal of spikes: single vertices that a scanner placed far off the surface.
 
 use std::collections::BTreeSet;
 
@@ -6,21 +6,22 @@ use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 use rayon::prelude::*;
 
 use super::build::{Build, count};
-use super::{EdgeMap, Mesh, Rings, polygons};
+use super::{EdgeMap, Mesh, VertexRings, polygons};
 use crate::geometry::{Point, Vector, VertexId, bounds};
 
-/// A vertex is a spike when its distance from all its neighbours is more than
-/// this many times their extent. The tip of a needle that is real has neighbours
-/// of its own kind on the way down.
+/// A vertex is a spike if its distance from each neighbour exceeds this multiple of the extent of
+/// all its neighbours. A real needle is not a spike, because vertices along its side are neighbours
+/// of its tip.
 const REACH: f64 = 3.0;
 
-/// The same at a boundary, where two triangles on a short side stick out often.
+/// The limit at a boundary. It is larger because two triangles on a short side often stick out
+/// there.
 const REACH_AT_BOUNDARY: f64 = 4.0;
 
-/// Takes spikes off and closes what is left by the polygon of their neighbours,
-/// unless they stand at a boundary. Says whether there were any.
+/// Removes spikes. The hole that a spike leaves is closed by the polygon of its neighbours, unless
+/// it lies at a boundary. Returns whether there were any spikes.
 pub(super) fn drop(build: &mut Build) -> bool {
-    let rings = Rings::new(&build.mesh);
+    let rings = VertexRings::new(&build.mesh);
     let vertices = (0..build.mesh.points.len()).into_par_iter().map(VertexId::from);
     let spikes: BTreeSet<VertexId> = vertices
         .filter(|&v| may_be_spike(&build.mesh, &rings, v) && is_spike(&build.mesh, &rings, v))
@@ -29,26 +30,27 @@ pub(super) fn drop(build: &mut Build) -> bool {
         return false;
     }
     let mut left = spikes.clone();
-    let mut doomed = HashSet::new();
+    let mut dropped = HashSet::new();
     let mut caps = Vec::new();
     while let Some(first) = left.pop_first() {
         let around = fans(&build.mesh, &rings, first, &mut left);
         if let Some(polygon) = outline(&build.mesh, &around, &spikes) {
             polygons::cut_up(&build.mesh.points, &polygon, &mut caps);
         }
-        doomed.extend(around.into_iter().map(|t| t as usize));
+        dropped.extend(around.into_iter().map(|t| t as usize));
     }
-    build.drop_triangles(&doomed);
+    build.drop_triangles(&dropped);
     build.mesh.triangles.append(&mut caps);
     build.edges = EdgeMap::new(&build.mesh);
     count(&mut build.repairs, "spikes_dropped", spikes.len());
     true
 }
 
-/// The triangles of a spike and of those beside it, which are taken from `left`.
+/// The triangles of a spike and of all spikes connected to it. These spikes are removed from
+/// `left`.
 fn fans(
     mesh: &Mesh,
-    rings: &Rings,
+    rings: &VertexRings,
     first: VertexId,
     left: &mut BTreeSet<VertexId>,
 ) -> BTreeSet<u32> {
@@ -61,7 +63,7 @@ fn fans(
     around
 }
 
-/// The one ring of sides that face the spikes, if it is one and closed.
+/// The loop of sides that face the spikes, if there is exactly one loop and it is closed.
 fn outline(mesh: &Mesh, around: &BTreeSet<u32>, spikes: &BTreeSet<VertexId>) -> Option<Vec<u32>> {
     let mut next = HashMap::new();
     for &t in around {
@@ -83,9 +85,9 @@ fn outline(mesh: &Mesh, around: &BTreeSet<u32>, spikes: &BTreeSet<VertexId>) -> 
     (at == start && next.is_empty()).then_some(ring)
 }
 
-/// Whether some neighbours of `v` are nearer to each other than to it by far. No
-/// spike is without, and nearly all other vertices are.
-fn may_be_spike(mesh: &Mesh, rings: &Rings, v: VertexId) -> bool {
+/// Whether some neighbours of `v` are much nearer to each other than to `v`. This quick test holds
+/// for every spike and for few other vertices.
+fn may_be_spike(mesh: &Mesh, rings: &VertexRings, v: VertexId) -> bool {
     let (mut nearest, mut shortest) = (f64::MAX, f64::MAX);
     let p = mesh.point(v);
     for &t in rings.triangles(v) {
@@ -104,10 +106,9 @@ fn may_be_spike(mesh: &Mesh, rings: &Rings, v: VertexId) -> bool {
     nearest > REACH * REACH * shortest
 }
 
-/// Whether `v` stands far off its neighbours, and these on other triangles too.
-/// Away from boundaries the neighbour that stands out most does not count: it
-/// may be a spike itself.
-fn is_spike(mesh: &Mesh, rings: &Rings, v: VertexId) -> bool {
+/// Whether `v` is far from its neighbours, and each neighbour has triangles without `v`. Away from
+/// boundaries the neighbour farthest from the others is ignored, because it may be a spike itself.
+fn is_spike(mesh: &Mesh, rings: &VertexRings, v: VertexId) -> bool {
     let mut foot: Vec<VertexId> = rings.neighbours(mesh, v).collect();
     foot.sort_unstable();
     foot.dedup();
@@ -126,13 +127,13 @@ fn is_spike(mesh: &Mesh, rings: &Rings, v: VertexId) -> bool {
     reach(&foot) > REACH || foot.len() > 3 && reach(&without_farthest(mesh, foot)) > REACH
 }
 
-/// The diagonal of the box around some vertices.
+/// The diagonal of the bounding box of some vertices.
 fn extent(mesh: &Mesh, vertices: &[VertexId]) -> f64 {
     let [low, high] = bounds(vertices.iter().map(|&v| mesh.point(v)));
     (high - low).norm()
 }
 
-/// The vertices but the one that is farthest from the others' centre.
+/// The vertices without the one that is farthest from their centre.
 fn without_farthest(mesh: &Mesh, mut vertices: Vec<VertexId>) -> Vec<VertexId> {
     let sum: Vector = vertices.iter().map(|&v| mesh.point(v).coords).sum();
     let centre = Point::from(sum / vertices.len() as f64);
@@ -147,7 +148,7 @@ fn without_farthest(mesh: &Mesh, mut vertices: Vec<VertexId>) -> Vec<VertexId> {
 mod tests {
     use super::*;
 
-    /// A grid of 7 × 7 points with one at another height.
+    /// A grid of 7 × 7 points, one of them at another height.
     fn grid(x: u32, y: u32, height: f64) -> Build {
         let mut mesh = Mesh::default();
         for i in 0..49 {

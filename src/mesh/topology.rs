@@ -1,249 +1,78 @@
-//! Who borders on whom.
+//! The topology of a component: orientability, Euler characteristic and number of boundary loops.
 
-use std::sync::atomic::{AtomicU32, Ordering};
+use std::collections::BTreeMap;
 
-use rayon::prelude::*;
+use super::{EdgeMap, Mesh, boundary};
+use crate::error::{Error, Result};
 
-use super::Mesh;
-use crate::geometry::VertexId;
-
-/// For each side of each triangle, the side it is glued to.
-///
-/// Side `3 t + k` of the mesh runs from corner `k` of triangle `t` to corner
-/// `k + 1`.
-#[derive(Debug)]
-pub struct EdgeMap {
-    glued: Vec<u32>,
-    overfull: Vec<Vec<u32>>,
+/// The topology of a connected surface.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct Topology {
+    /// Whether the surface has two sides. A Möbius strip has one.
+    pub orientable: bool,
+    /// Vertices − edges + triangles.
+    pub euler: i64,
+    /// The number of boundary loops.
+    pub loops: usize,
 }
 
-const OPEN: u32 = u32::MAX;
-
-impl EdgeMap {
-    /// Glues every two sides that join the same two vertices, in whichever
-    /// direction, where no third side does.
-    pub fn new(mesh: &Mesh) -> Self {
-        let ends = |side: u32| {
-            let (t, k) = (side as usize / 3, side as usize % 3);
-            let (a, b) = (mesh.triangles[t][k].0, mesh.triangles[t][(k + 1) % 3].0);
-            (a.min(b), a.max(b))
+impl Topology {
+    /// The topology of a connected mesh that is edge- and vertex-manifold.
+    pub(super) fn new(mesh: &Mesh, edges: &EdgeMap, orientable: bool) -> Self {
+        let open = edges.open_sides().count();
+        let edge_count = (3 * mesh.triangles.len() + open) / 2;
+        let euler = (mesh.points.len() + mesh.triangles.len()) as i64 - edge_count as i64;
+        let loops = if orientable {
+            boundary::boundary_loops(mesh, edges).len()
+        } else {
+            unoriented_loops(mesh, edges)
         };
-        let count = 3 * mesh.triangles.len();
-        let by_lower = Buckets::new(mesh.points.len(), count, |side| ends(side).0);
-        // Each side is of one vertex's edges, so no two threads write the same place.
-        let glued: Vec<AtomicU32> = (0..count).into_par_iter().map(|_| OPEN.into()).collect();
-        let glue = |(x, y): (u32, u32)| glued[x as usize].store(y, Ordering::Relaxed);
-        let glue_at = |bucket: &mut Vec<(u32, u32)>, v: usize| {
-            bucket.clear();
-            bucket.extend(by_lower.of(v).iter().map(|&side| (ends(side).1, side)));
-            bucket.sort_unstable();
-            let mut overfull = Vec::new();
-            for same in bucket.chunk_by(|x, y| x.0 == y.0) {
-                match *same {
-                    [_] => {}
-                    [(_, x), (_, y)] => [(x, y), (y, x)].into_iter().for_each(glue),
-                    _ => overfull.push(same.iter().map(|&(_, side)| side).collect()),
-                }
-            }
-            overfull
-        };
-        let vertices = (0..mesh.points.len()).into_par_iter();
-        let overfull = vertices.map_init(Vec::new, glue_at).flatten_iter().collect();
-        EdgeMap { glued: glued.into_iter().map(AtomicU32::into_inner).collect(), overfull }
+        Topology { orientable, euler, loops }
     }
 
-    /// That of the triangles given, none of which borders on another one.
-    pub(super) fn part(&self, triangles: &[usize]) -> Self {
-        let mut number = vec![OPEN; self.glued.len() / 3];
-        triangles.iter().enumerate().for_each(|(new, &t)| number[t] = new as u32);
-        let renumbered = |side: usize| match self.glued[side] {
-            OPEN => OPEN,
-            other => 3 * number[other as usize / 3] + other % 3,
-        };
-        let glued = triangles.iter().flat_map(|t| [0, 1, 2].map(|k| renumbered(3 * t + k)));
-        EdgeMap { glued: glued.collect(), overfull: Vec::new() }
+    /// The genus. For a two-sided surface it is the number of handles. For a one-sided surface it
+    /// is half the number of cross-caps, so a Möbius strip has 0.5.
+    pub fn genus(&self) -> f64 {
+        (2 - self.loops as i64 - self.euler) as f64 / 2.0
     }
 
-    /// The side that `side` is glued to, unless it lies on the boundary.
-    pub fn across(&self, side: usize) -> Option<usize> {
-        let other = self.glued[side];
-        (other != OPEN).then_some(other as usize)
+    /// Whether the surface is a disk with any number of holes.
+    pub fn is_disk(&self) -> bool {
+        self.check_disk().is_ok()
     }
 
-    /// Boundary sides in ascending order.
-    pub fn open_sides(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.glued.len()).filter(|&s| self.glued[s] == OPEN)
-    }
-
-    /// Whether glued sides run in opposite directions, everywhere.
-    pub(super) fn is_oriented(&self, mesh: &Mesh) -> bool {
-        let from = |side: usize| mesh.triangles[side / 3][side % 3];
-        let opposite = |s| self.across(s).is_none_or(|other| from(s) != from(other));
-        (0..self.glued.len()).into_par_iter().all(opposite)
-    }
-
-    /// Whether the triangles around each vertex of an oriented mesh are all reached from
-    /// one of them over sides at the vertex.
-    pub(super) fn has_single_fans(&self, mesh: &Mesh) -> bool {
-        let none = |_| [AtomicU32::new(0), AtomicU32::new(0)];
-        let of_vertices: Vec<[AtomicU32; 2]> =
-            (0..mesh.points.len()).into_par_iter().map(none).collect();
-        (0..self.glued.len()).into_par_iter().for_each(|corner| {
-            let [count, first] = &of_vertices[mesh.triangles[corner / 3][corner % 3].index()];
-            count.fetch_add(1, Ordering::Relaxed);
-            // Any of its corners will do.
-            first.store(corner as u32, Ordering::Relaxed);
-        });
-        of_vertices.into_par_iter().all(|[count, first]| match count.into_inner() {
-            0 => true,
-            count => self.fan(first.into_inner() as usize) == count,
-        })
-    }
-
-    /// How many corners there are at a vertex that are reached from one of them.
-    fn fan(&self, first: usize) -> u32 {
-        let turned = |corner: usize, by: usize| corner / 3 * 3 + (corner % 3 + by) % 3;
-        let mut count = 1;
-        let mut corner = first;
-        while let Some(other) = self.across(corner) {
-            corner = turned(other, 1);
-            if corner == first {
-                return count;
-            }
-            count += 1;
+    /// Succeeds for a disk with any number of holes.
+    ///
+    /// # Errors
+    /// [`Error::NotOrientable`] for a one-sided surface, [`Error::NotADisk`] for a closed surface
+    /// or one with handles.
+    pub fn check_disk(&self) -> Result<()> {
+        if !self.orientable {
+            return Err(Error::NotOrientable);
         }
-        corner = first;
-        while let Some(other) = self.across(turned(corner, 2)) {
-            corner = other;
-            count += 1;
+        if self.genus() > 0.0 || self.loops == 0 {
+            return Err(Error::NotADisk { genus: self.genus() as usize, loops: self.loops });
         }
-        count
-    }
-
-    /// The sides of each edge that more than two triangles share. None of them
-    /// is glued.
-    pub(super) fn overfull(&self) -> &[Vec<u32>] {
-        &self.overfull
-    }
-
-    /// Follows the swap of triangle `t`'s corners 1 and 2, which turns it over.
-    pub(super) fn turn_over(&mut self, t: usize) {
-        self.glued.swap(3 * t, 3 * t + 2);
-        for side in [3 * t, 3 * t + 2] {
-            if let Some(other) = self.across(side) {
-                self.glued[other] = side as u32;
-            }
-        }
-        for side in self.overfull.iter_mut().flatten().filter(|s| **s as usize / 3 == t) {
-            *side = 3 * t as u32 + 2 - *side % 3;
-        }
+        Ok(())
     }
 }
 
-/// Numbers sorted into buckets, ascending in each.
-#[derive(Debug)]
-pub(crate) struct Buckets {
-    starts: Vec<u32>,
-    members: Vec<u32>,
-}
-
-/// Shares of the buckets that are filled at once, at the most.
-const MOST_SHARES: usize = 8;
-
-impl Buckets {
-    /// Puts each of the numbers below `count` into the bucket that `bucket`
-    /// names, of `buckets`.
-    pub(crate) fn new(buckets: usize, count: usize, bucket: impl Fn(u32) -> u32 + Sync) -> Self {
-        // Each thread looks at all numbers, and keeps those for its share of the buckets.
-        let threads = rayon::current_num_threads().min(MOST_SHARES);
-        let share = buckets.div_ceil(threads).max(1);
-        let mut starts = vec![0u32; buckets + 1];
-        starts[1..].par_chunks_mut(share).enumerate().for_each(|(k, counts)| {
-            for i in 0..count as u32 {
-                if let Some(count) = counts.get_mut((bucket(i) as usize).wrapping_sub(k * share)) {
-                    *count += 1;
-                }
-            }
-        });
-        for i in 1..starts.len() {
-            starts[i] += starts[i - 1];
-        }
-        let mut members = vec![0; count];
-        let mut left = &mut members[..];
-        let mut shares = Vec::new();
-        for first in (0..buckets).step_by(share) {
-            let next = &starts[first..(first + share).min(buckets)];
-            let end = starts[first + next.len()];
-            let (mine, others) = left.split_at_mut((end - next[0]) as usize);
-            shares.push((first, next.to_vec(), mine));
-            left = others;
-        }
-        shares.par_iter_mut().for_each(|(first, next, members)| {
-            let start = next[0];
-            for i in 0..count as u32 {
-                if let Some(next) = next.get_mut((bucket(i) as usize).wrapping_sub(*first)) {
-                    members[(*next - start) as usize] = i;
-                    *next += 1;
-                }
-            }
-        });
-        Buckets { starts, members }
+/// Counts boundary loops of a mesh whose triangles are not consistently oriented.
+fn unoriented_loops(mesh: &Mesh, edges: &EdgeMap) -> usize {
+    let mut next: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
+    for side in edges.open_sides() {
+        let t = mesh.triangles[side / 3];
+        let (a, b) = (t[side % 3].0, t[(side % 3 + 1) % 3].0);
+        next.entry(a).or_default().push(b);
+        next.entry(b).or_default().push(a);
     }
-
-    /// The numbers in a bucket.
-    pub(crate) fn of(&self, bucket: usize) -> &[u32] {
-        &self.members[self.starts[bucket] as usize..self.starts[bucket + 1] as usize]
-    }
-}
-
-/// For each vertex its neighbours along edges, and its triangles.
-#[derive(Debug)]
-pub struct Rings {
-    corners: Buckets,
-}
-
-impl Rings {
-    /// Lists the triangles of every vertex, in ascending order.
-    pub fn new(mesh: &Mesh) -> Self {
-        let vertex = |corner: u32| mesh.triangles[corner as usize / 3][corner as usize % 3].0;
-        let mut corners = Buckets::new(mesh.points.len(), 3 * mesh.triangles.len(), vertex);
-        corners.members.iter_mut().for_each(|corner| *corner /= 3);
-        Rings { corners }
-    }
-
-    /// The triangles around a vertex.
-    pub fn triangles(&self, v: VertexId) -> &[u32] {
-        self.corners.of(v.index())
-    }
-
-    /// The vertices that share a triangle with `v`, each as often as it does.
-    pub fn neighbours<'a>(
-        &'a self,
-        mesh: &'a Mesh,
-        v: VertexId,
-    ) -> impl Iterator<Item = VertexId> + 'a {
-        let corners = self.triangles(v).iter().flat_map(|&t| mesh.triangles[t as usize]);
-        corners.filter(move |&w| w != v)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn buckets_keep_the_order_with_any_number_of_threads() {
-        let bucket = |i: u32| i.wrapping_mul(2_654_435_761) % 11;
-        for threads in [1, 2, 3, 16] {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            // Bucket 11 stays empty, and so are all of none.
-            let (all, none) =
-                pool.install(|| (Buckets::new(12, 1000, bucket), Buckets::new(3, 0, bucket)));
-            for b in 0..12 {
-                let expected: Vec<u32> = (0..1000).filter(|&i| bucket(i) == b).collect();
-                assert_eq!(all.of(b as usize), expected, "{threads} threads, bucket {b}");
-            }
-            assert!((0..3).all(|b| none.of(b).is_empty()));
+    let mut loops = 0;
+    while let Some((_, mut front)) = next.pop_first() {
+        loops += 1;
+        while let Some(v) = front.pop() {
+            front.extend(next.remove(&v).into_iter().flatten());
         }
     }
+    loops
 }

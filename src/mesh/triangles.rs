@@ -1,11 +1,11 @@
-//! The triangles of a mesh, and how far points are from them.
+//! Distances from points to the triangles of a mesh, by an R-tree.
 
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
 use super::Mesh;
 use crate::geometry::{Point, bounds};
 
-/// The triangles of a mesh.
+/// The triangles of a mesh, indexed by their positions.
 pub struct Triangles(RTree<Triangle>);
 
 struct Triangle {
@@ -20,9 +20,10 @@ impl Triangles {
         Triangles(RTree::bulk_load(triangles.collect()))
     }
 
-    /// The distance of `p` from the nearest one, in mm, and its number.
+    /// The distance from `p` to the nearest triangle, in mm, and the number of this triangle.
     pub fn nearest(&self, p: Point) -> (f64, usize) {
-        // `nearest_neighbor` misses the nearest one where distances are all but equal.
+        // `nearest_neighbor` of rstar can miss the nearest triangle where distances are nearly
+        // equal.
         let nearest = self.0.nearest_neighbor_iter(p.coords.into()).next();
         nearest.map_or((f64::INFINITY, 0), |t| ((nearest_on(t.corners, p) - p).norm(), t.number))
     }
@@ -44,7 +45,7 @@ impl PointDistance for Triangle {
     }
 }
 
-/// A triangle's point nearest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
+/// The point of a triangle nearest to `p` (Ericson, Real-Time Collision Detection, 5.1.5).
 pub(crate) fn nearest_on([a, b, c]: [Point; 3], p: Point) -> Point {
     let (ab, ac) = (b - a, c - a);
     let (d1, d2) = (ab.dot(&(p - a)), ac.dot(&(p - a)));

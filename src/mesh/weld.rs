@@ -1,4 +1,4 @@
-//! Vertices at the same place become one.
+//! Merges vertices at the same place.
 
 use std::hash::BuildHasher;
 
@@ -9,33 +9,34 @@ use hashbrown::HashTable;
 use super::build::{Repairs, count};
 use crate::geometry::Point;
 
-/// The number in [`Welded::number`] of a point that is of no use.
+/// Entry of [`Welded::number`] for a point that cannot be used.
 pub(super) const NOWHERE: u32 = u32::MAX;
 
-/// Coordinates beyond this, in mm, are as bad as infinite ones: their products
-/// overflow.
+/// Points with a coordinate beyond this, in mm, are treated like infinite ones. Products of larger
+/// coordinates overflow.
 const FARTHEST: f64 = 1e60;
 
-/// Whether a point has a place, if its unit is so many `mm`.
+/// Whether a point can be used, if its unit is `mm` millimetres long.
 pub(super) fn is_usable(p: &[f64; 3], mm: f64) -> bool {
-    // NaN is no less than anything.
+    // The comparison is false for NaN.
     p.iter().all(|x| (x * mm).abs() < FARTHEST)
 }
 
-/// The places of a soup's points.
+/// The distinct places of a soup's points.
 pub(super) struct Welded {
-    /// In the lengths of the pipeline, each once, in the order of the file.
+    /// The places in the pipeline's unit of length, without repetition, in the order of the file.
     pub(super) points: Vec<Point>,
     /// For each point of the soup the number of its place, or [`NOWHERE`].
     pub(super) number: Vec<u32>,
 }
 
-/// Multiplies the points, whose unit is so many `mm`, by a power of two, and finds those
-/// that coincide: bit for bit, but that −0 is 0.
+/// Scales the points by a power of two and finds those that coincide. Points coincide if their
+/// coordinates are equal bit for bit; −0 counts as 0. The unit of the soup is `mm` millimetres
+/// long.
 pub(super) fn weld(soup: &Soup, mm: f64, factor: f64, repairs: &mut Repairs) -> Welded {
     let mut welded = Welded { points: Vec::new(), number: Vec::with_capacity(soup.points.len()) };
     let hash = |p: &Point| FixedState::default().hash_one([p.x, p.y, p.z].map(f64::to_bits));
-    // A surface has half as many places as triangles.
+    // A surface has about half as many vertices as triangles.
     let places = soup.points.len().min(soup.polygons.len());
     let mut seen: HashTable<u32> = HashTable::with_capacity(places);
     let mut nowhere = 0;
@@ -45,7 +46,7 @@ pub(super) fn weld(soup: &Soup, mm: f64, factor: f64, repairs: &mut Repairs) -> 
             welded.number.push(NOWHERE);
             continue;
         }
-        // Adding zero makes −0 and +0 the same place.
+        // Adding zero turns −0 into +0.
         let p = Point::from(p.map(|x| x * factor + 0.0));
         let points = &mut welded.points;
         let same = |&i: &u32| points[i as usize] == p;

@@ -1,27 +1,31 @@
-//! Unknowns gathered into few (Vaněk, Mandel, Brezina, "Algebraic multigrid by
+//! Aggregation of unknowns for algebraic multigrid (Vaněk, Mandel, Brezina, "Algebraic multigrid by
 //! smoothed aggregation", 1996).
 
 use super::sparse::{self, Matrix};
 
-/// An entry is strong if its square is more than this share of the product of the
-/// diagonal's at both ends.
-const STRONG: f64 = 0.08 * 0.08;
+/// The threshold of the strength of a connection. An off-diagonal entry is strong if its square
+/// exceeds this share of the product of the two diagonal entries.
+const STRENGTH: f64 = 0.08 * 0.08;
 
-/// The step of Jacobi's method that makes the aggregates' steps slopes.
-const STEP: f64 = 2.0 / 3.0;
+/// The damping of the Jacobi step that smooths the prolongation.
+const JACOBI_DAMPING: f64 = 2.0 / 3.0;
 
-/// No aggregate yet.
+/// Marks a row without an aggregate.
 const NONE: u32 = u32::MAX;
 
-/// What the values of the aggregates come to at each row, steps smoothed once; and the
-/// same for the transposed matrix, whose transpose takes residuals to the aggregates.
-pub fn slopes(matrix: &Matrix, transposed: &Matrix, diagonal: &[f64]) -> [Matrix; 2] {
+/// The smoothed prolongation from the aggregates to the rows. The second matrix is the same for the
+/// transposed system; its transpose restricts residuals to the aggregates.
+pub fn smoothed_prolongations(
+    matrix: &Matrix,
+    transposed: &Matrix,
+    diagonal: &[f64],
+) -> [Matrix; 2] {
     let (of, count) = aggregates(matrix, diagonal);
     let smoothed = |matrix: &Matrix| {
         sparse::from_rows([diagonal.len(), count], |i, entries| {
             entries.push((of[i], 1.0));
             for (j, a) in sparse::row(matrix, i) {
-                let value = -STEP * a / diagonal[i];
+                let value = -JACOBI_DAMPING * a / diagonal[i];
                 match entries.iter_mut().find(|e| e.0 == of[j]) {
                     Some(entry) => entry.1 += value,
                     None => entries.push((of[j], value)),
@@ -32,13 +36,14 @@ pub fn slopes(matrix: &Matrix, transposed: &Matrix, diagonal: &[f64]) -> [Matrix
     [smoothed(matrix), smoothed(transposed)]
 }
 
-/// The aggregate of each row, and how many there are: stars of strong entries that do
-/// not touch each other, what is next to them, and what is left.
+/// The aggregate of each row, and the number of aggregates. First come the rows with all their
+/// strong connections, where these do not overlap. Neighbouring rows join them, and the remaining
+/// rows form further aggregates.
 fn aggregates(matrix: &Matrix, diagonal: &[f64]) -> (Vec<u32>, usize) {
     let n = diagonal.len();
     let strong = |i: usize| {
         sparse::row(matrix, i)
-            .filter(move |&(j, a)| j != i && a * a > STRONG * diagonal[i] * diagonal[j])
+            .filter(move |&(j, a)| j != i && a * a > STRENGTH * diagonal[i] * diagonal[j])
     };
     let mut of = vec![NONE; n];
     let mut count = 0;
@@ -50,11 +55,11 @@ fn aggregates(matrix: &Matrix, diagonal: &[f64]) -> (Vec<u32>, usize) {
             count += 1;
         }
     }
-    let stars = of.clone();
-    for i in (0..n).filter(|&i| stars[i] == NONE) {
-        let beside = strong(i).filter(|&(j, _)| stars[j] != NONE);
+    let cores = of.clone();
+    for i in (0..n).filter(|&i| cores[i] == NONE) {
+        let beside = strong(i).filter(|&(j, _)| cores[j] != NONE);
         if let Some((j, _)) = beside.min_by(|a, b| a.1.total_cmp(&b.1)) {
-            of[i] = stars[j];
+            of[i] = cores[j];
         }
     }
     for i in 0..n {

@@ -1,13 +1,13 @@
-//! Chords, inner edges that join two boundary vertices, get a vertex in their
-//! middle each: one whose ends are on one side of the rectangle would be mapped
-//! onto that side, and everything beyond it too.
+//! Splitting of chords. A chord is an inner edge between two boundary vertices. If both ends were
+//! on one side of the rectangle, the chord and everything beyond it would be mapped onto this side.
+//! Each chord therefore gets a vertex in its middle.
 
 use foldhash::{HashMap, HashMapExt};
 use rayon::prelude::*;
 
-use crate::mesh::{Mesh, Middles, Patch};
+use crate::mesh::{EdgeMidpoints, Mesh, Patch};
 
-/// Splits the chords; returns how many there were.
+/// Splits the chords. Returns their number.
 pub fn split_chords(patch: &mut Patch) -> usize {
     let sides = between_outer(patch);
     let chords = chords(patch, &sides);
@@ -15,12 +15,12 @@ pub fn split_chords(patch: &mut Patch) -> usize {
         return 0;
     }
     let straight = |mesh: &Mesh, a, b| nalgebra::center(&mesh.point(a), &mesh.point(b));
-    let middles = Middles::new(&mut patch.mesh, chords, straight);
-    patch.divide(&middles, sides.into_iter().map(|side| side / 3));
-    middles.len()
+    let midpoints = EdgeMidpoints::new(&mut patch.mesh, chords, straight);
+    patch.divide(&midpoints, sides.into_iter().map(|side| side / 3));
+    midpoints.len()
 }
 
-/// The sides of triangles that join two outer vertices, ascending.
+/// The sides of triangles between two vertices of the outer boundary, in ascending order.
 fn between_outer(patch: &Patch) -> Vec<usize> {
     let mut outer = vec![false; patch.mesh.points.len()];
     patch.outer.iter().for_each(|v| outer[v.index()] = true);
@@ -33,7 +33,7 @@ fn between_outer(patch: &Patch) -> Vec<usize> {
         .collect()
 }
 
-/// Those of them that are no sides of the boundary.
+/// Those of `sides` that do not lie on the boundary.
 fn chords(patch: &Patch, sides: &[usize]) -> Vec<usize> {
     let edge = |side: usize| {
         let (a, b) = patch.mesh.side(side);

@@ -1,115 +1,125 @@
-//! Corners, and a first map, on a coarse version of the patch.
+//! Selects the corners and computes a first map, on a coarse version of the patch.
 
-use super::hierarchy::Hierarchy;
-use super::layout::{Layout, Round, heavy, triangles};
+use super::one_rings::{HalfEdgeCollapse, OneRings};
+use super::progressive_mesh::ProgressiveMesh;
 use super::rectangle::Rectangle;
-use super::stars::{Removal, Stars};
+use super::rectangle_map::{ConvexWeight, RectangleMap, triangles, without_scaffold};
 use super::stretch;
 use super::weights::Weights;
 use rayon::prelude::*;
 
-use crate::course;
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv};
+use crate::progress;
 
-/// A coarse version of the patch, its vertices numbered anew.
+/// A coarse version of the patch with renumbered vertices.
 pub struct Coarse {
     points: Vec<Point>,
-    stars: Stars,
+    rings: OneRings,
     outer: Vec<u32>,
     weights: Weights,
-    round: Round,
+    convex_weight: ConvexWeight,
 }
 
 /// A map of the coarse version.
-pub struct First {
-    /// Which of the sets of corners it has.
+pub struct CoarseLayout {
+    /// The position of its corners in the list of corner sets.
     pub set: usize,
-    /// Width and height of the rectangle, in mm.
+    /// The width and the height of the rectangle, in mm.
     pub size: [f64; 2],
-    /// The vertices' places in it, in the order of those left.
+    /// The positions of the remaining vertices in the rectangle, in their order.
     pub at: Vec<Uv>,
-    /// Its L² stretch, a skirt left out.
+    /// The L² stretch without the scaffold.
     pub stretch: f64,
-    /// The share of the energy's convex term that it was made with.
-    pub round: Round,
-    /// The share of it that is stretched more than [`DRAWN`] one way.
-    drawn: f64,
+    /// The weight of the convex energy term with which the map was made.
+    pub convex_weight: ConvexWeight,
+    /// The share of its area with a ratio of stretches above [`STRONG_STRETCH`].
+    stretched_share: f64,
 }
 
-/// Triangles are drawn out if the map stretches them so many times as much one way as the
-/// other.
-const DRAWN: f64 = 6.0;
+/// A triangle is strongly stretched if the map stretches it by this factor more in one direction
+/// than in the other.
+const STRONG_STRETCH: f64 = 6.0;
 
-/// A map of more drawn-out triangles than this share of its area is made again, firmer:
-/// in finer ones they would take ever more of it.
-const MUCH: f64 = 0.1;
+/// If strongly stretched triangles cover more than this share of the map, it is recomputed with a
+/// larger weight of the convex term. On finer meshes such triangles would take ever more of the
+/// area.
+const MAX_STRETCHED_SHARE: f64 = 0.1;
 
-/// The map that stretches least of those whose corners are one of the `sets`,
-/// on the mesh that is left in a hierarchy; a firmer one if that draws much of it out.
-/// `outer` is its finest boundary.
+/// The map with the least stretch among those with one of the corner `sets`, on the coarsest mesh
+/// of a hierarchy. It is recomputed with a larger weight of the convex term if strongly stretched
+/// triangles cover much of it. `outer` is the boundary of the finest mesh.
 pub fn least_stretched(
     points: &[Point],
     outer: &[u32],
-    hierarchy: &Hierarchy,
+    hierarchy: &ProgressiveMesh,
     weights: &Weights,
     sets: &[[u32; 4]],
-) -> Result<First> {
-    let (stars, number) = hierarchy.stars.renumbered(&hierarchy.left);
+) -> Result<CoarseLayout> {
+    let (rings, number) = hierarchy.rings.renumbered(&hierarchy.remaining);
     let outer = outer.iter().map(|&v| number[v as usize]).filter(|&v| v != u32::MAX);
     let mut coarse = Coarse {
-        points: hierarchy.left.iter().map(|&v| points[v as usize]).collect(),
-        stars,
+        points: hierarchy.remaining.iter().map(|&v| points[v as usize]).collect(),
+        rings,
         outer: outer.collect(),
-        weights: weights.renumbered(&hierarchy.left),
-        round: Round::USUAL,
+        weights: weights.renumbered(&hierarchy.remaining),
+        convex_weight: ConvexWeight::USUAL,
     };
     let sets: Vec<[u32; 4]> = sets.iter().map(|set| set.map(|v| number[v as usize])).collect();
     let usual = coarse.best(&sets)?;
-    if usual.drawn <= MUCH {
+    if usual.stretched_share <= MAX_STRETCHED_SHARE {
         return Ok(usual);
     }
-    coarse.round = Round::FIRM;
+    coarse.convex_weight = ConvexWeight::FIRM;
     coarse.best(&sets)
 }
 
 impl Coarse {
-    /// The map that stretches least.
-    fn best(&self, sets: &[[u32; 4]]) -> Result<First> {
+    /// The map with the least stretch.
+    fn best(&self, sets: &[[u32; 4]]) -> Result<CoarseLayout> {
         let maps = sets.par_iter().enumerate().map(|(i, set)| self.map(i, set));
-        let maps: Vec<Result<First>> = maps.collect();
-        let least = |a: Result<First>, b: Result<First>| match (&a, &b) {
+        let maps: Vec<Result<CoarseLayout>> = maps.collect();
+        let least = |a: Result<CoarseLayout>, b: Result<CoarseLayout>| match (&a, &b) {
             (Ok(one), Ok(two)) if two.stretch.total_cmp(&one.stretch).is_lt() => b,
             (Err(_), Ok(_)) => b,
             _ => a,
         };
-        // Where no set has a map, the first says why.
+        // If no set of corners gives a map, the error of the first set is returned.
         maps.into_iter().reduce(least).unwrap_or(Err(Error::TooSmall(self.outer.len())))
     }
 
     /// The map with the given vertices as corners.
-    fn map(&self, set: usize, corners: &[u32; 4]) -> Result<First> {
-        let mut hierarchy = Hierarchy::new(self.stars.clone());
+    fn map(&self, set: usize, corners: &[u32; 4]) -> Result<CoarseLayout> {
+        let mut hierarchy = ProgressiveMesh::new(self.rings.clone());
         let mut kept = vec![false; self.points.len()];
         corners.iter().for_each(|&v| kept[v as usize] = true);
-        let area = stretch::area(&self.points, triangles(&self.stars, &hierarchy.left));
+        let area = stretch::area(&self.points, triangles(&self.rings, &hierarchy.remaining));
         let mut weights = self.weights.clone();
-        let lump = |removal: &Removal| weights.lump(removal);
-        hierarchy.coarsen(&self.points, &kept, 0, lump, &mut course::untold)?;
-        let left = |v: &u32| !hierarchy.stars.ring(*v).is_empty();
-        let few: Vec<u32> = self.outer.iter().copied().filter(left).collect();
+        let lump = |collapse: &HalfEdgeCollapse| weights.lump(collapse);
+        hierarchy.coarsen(&self.points, &kept, 0, lump, &mut progress::ignore)?;
+        let remaining = |v: &u32| !hierarchy.rings.ring(*v).is_empty();
+        let few: Vec<u32> = self.outer.iter().copied().filter(remaining).collect();
         let rectangle = Rectangle::new(&few, corners);
         let mut at = vec![Uv::origin(); self.points.len()];
         let size = rectangle.lay(&self.points, area, &mut at);
         let freedom = Rectangle::new(&self.outer, corners).freedom(at.len());
         let (points, weighed) = (&self.points, self.points.len());
-        let round = self.round;
-        let mut layout = Layout { points, weights, weighed, freedom, size, at, round };
+        let convex_weight = self.convex_weight;
+        let mut layout =
+            RectangleMap { points, weights, weighed, freedom, size, at, convex_weight };
         layout.solve(&hierarchy)?;
-        layout.refine(&mut hierarchy, &mut course::untold)?;
-        let all = || heavy(&layout.weights, triangles(&hierarchy.stars, &hierarchy.left));
+        layout.refine(&mut hierarchy, &mut progress::ignore)?;
+        let all =
+            || without_scaffold(&layout.weights, triangles(&hierarchy.rings, &hierarchy.remaining));
         let stretch = stretch::of(&self.points, &layout.at, all());
-        let drawn = stretch::drawn_out(&self.points, &layout.at, all(), DRAWN);
-        Ok(First { set, size: layout.size, at: layout.at, stretch, round, drawn })
+        let stretched_share = stretch::drawn_out(&self.points, &layout.at, all(), STRONG_STRETCH);
+        Ok(CoarseLayout {
+            set,
+            size: layout.size,
+            at: layout.at,
+            stretch,
+            convex_weight,
+            stretched_share,
+        })
     }
 }

@@ -1,17 +1,20 @@
-//! The four boundary vertices that become the corners of the square.
+//! Selection of the four boundary vertices that are mapped to the corners of the square.
 
 use crate::error::{Error, Result};
 use crate::geometry::{Point, VertexId};
 use crate::mesh::{Mesh, boundary};
 
-/// The boundary's convex turns that are considered, at the most.
-const TURNS: usize = 24;
+/// The largest number of convex turns of the boundary that are candidates.
+const MAX_TURNS: usize = 24;
 
-/// Vertices at equal distances along the boundary that are considered besides.
-const EVEN: usize = 16;
+/// The number of vertices at equal distances along the boundary that are candidates as well.
+const EVEN_CANDIDATES: usize = 16;
 
-/// Positions in the outer loop nearest to the user's four points, turned so
-/// that the first point's comes first.
+/// The positions in the outer loop of the vertices nearest to the four points of the user, in the
+/// order of the loop. The vertex of the first point comes first.
+///
+/// # Errors
+/// [`Error::Corners`] if two points have the same nearest vertex.
 pub fn given(mesh: &Mesh, outer: &[VertexId], points: &[Point; 4]) -> Result<[usize; 4]> {
     let nearest = |p: &Point| {
         let distance = |i: &usize| (mesh.point(outer[*i]) - p).norm_squared();
@@ -29,19 +32,22 @@ pub fn given(mesh: &Mesh, outer: &[VertexId], points: &[Point; 4]) -> Result<[us
 }
 
 /// A boundary vertex that may become a corner.
-struct Candidate {
+struct CornerCandidate {
     position: usize,
-    /// Length along the loop, as a share of the whole.
+    /// Its position along the loop, as a share of the length of the loop.
     at: f64,
-    /// How far it turns, as a share of a right angle: 1 for a square corner.
+    /// The turning angle as a share of a right angle; 1 for a square corner.
     turn: f64,
 }
 
-/// Sets of four corners that are tried at the most.
-const SETS: usize = 8;
+/// The largest number of corner sets that are tried.
+const MAX_SETS: usize = 8;
 
-/// Sets of four positions, the best first: those whose turns are nearest to
-/// right angles and whose opposite sides are most equal in length.
+/// Sets of four positions, the best first. A set is good if its turning angles are near right
+/// angles and its opposite sides have about equal lengths.
+///
+/// # Errors
+/// [`Error::TooSmall`] if the boundary has fewer than four candidates.
 pub fn likely(mesh: &Mesh, outer: &[VertexId]) -> Result<Vec<[usize; 4]>> {
     let candidates = candidates(mesh, outer);
     let n = candidates.len();
@@ -57,21 +63,22 @@ pub fn likely(mesh: &Mesh, outer: &[VertexId]) -> Result<Vec<[usize; 4]>> {
         }
     }
     rated.sort_by(|a, b| a.0.total_cmp(&b.0));
-    rated.truncate(SETS);
+    rated.truncate(MAX_SETS);
     let sets: Vec<_> = rated.into_iter().map(|(_, four)| four).collect();
     if sets.is_empty() { Err(Error::TooSmall(outer.len())) } else { Ok(sets) }
 }
 
-/// Lower is better: a right angle or a sharper one costs nothing, a straight or concave place
-/// one, and opposite sides of unequal length the logarithm of their ratio.
-fn cost(four: [&Candidate; 4]) -> f64 {
+/// The cost of a set. A corner costs nothing if it is a right angle or sharper, and 1 if the
+/// boundary is straight there; concave places cost up to 1.5. Opposite sides cost half the
+/// logarithm of the ratio of their lengths.
+fn cost(four: [&CornerCandidate; 4]) -> f64 {
     let missing: f64 = four.iter().map(|c| (1.0 - c.turn).clamp(0.0, 1.5)).sum();
     let side = |k: usize| (four[(k + 1) % 4].at - four[k].at).rem_euclid(1.0).max(1e-9);
     let uneven = |k: usize| (side(k) / side(k + 2)).ln().abs();
     missing + 0.5 * (uneven(0) + uneven(1))
 }
 
-fn candidates(mesh: &Mesh, ring: &[VertexId]) -> Vec<Candidate> {
+fn candidates(mesh: &Mesh, ring: &[VertexId]) -> Vec<CornerCandidate> {
     let n = ring.len();
     let points: Vec<Point> = ring.iter().map(|&v| mesh.point(v)).collect();
     let lengths: Vec<f64> = boundary::sides(mesh, ring).collect();
@@ -85,7 +92,7 @@ fn candidates(mesh: &Mesh, ring: &[VertexId]) -> Vec<Candidate> {
         let normal = normals[ring[i].index()];
         let angle = normal.dot(&before.cross(&after)).signum() * before.angle(&after);
         let turn = angle / std::f64::consts::FRAC_PI_2;
-        all.push(Candidate { position: i, at: walked / total, turn });
+        all.push(CornerCandidate { position: i, at: walked / total, turn });
         walked += length;
     }
     let mut chosen = Vec::new();
@@ -94,12 +101,12 @@ fn candidates(mesh: &Mesh, ring: &[VertexId]) -> Vec<Candidate> {
         all[tip].turn = all[i].turn;
         chosen.push(tip);
     }
-    let step = n.div_ceil(EVEN).max(1);
+    let step = n.div_ceil(EVEN_CANDIDATES).max(1);
     let far = |i: &usize| chosen.iter().all(|&j| apart(&all, *i, j) > window / total);
     let even: Vec<usize> = (0..n).step_by(step).filter(far).collect();
     chosen.extend(even);
     if chosen.len() < 4 {
-        // So few vertices that windows overlap: take as many as there are.
+        // There are so few vertices that windows overlap. All of them become candidates.
         chosen.extend((0..n).step_by(step));
     }
     chosen.sort_unstable();
@@ -109,21 +116,21 @@ fn candidates(mesh: &Mesh, ring: &[VertexId]) -> Vec<Candidate> {
     all
 }
 
-/// The sharpest convex turns that are the sharpest within a window.
-fn peaks(all: &[Candidate], window: f64) -> Vec<usize> {
+/// The sharpest convex turns. A turn counts only if it is the sharpest within a window.
+fn peaks(all: &[CornerCandidate], window: f64) -> Vec<usize> {
     let mut order: Vec<usize> = (0..all.len()).filter(|&i| all[i].turn > 0.2).collect();
     order.sort_by(|&i, &j| all[j].turn.total_cmp(&all[i].turn).then(i.cmp(&j)));
     let mut kept: Vec<usize> = Vec::new();
     for i in order {
-        if kept.len() < TURNS && kept.iter().all(|&j| apart(all, i, j) > window) {
+        if kept.len() < MAX_TURNS && kept.iter().all(|&j| apart(all, i, j) > window) {
             kept.push(i);
         }
     }
     kept
 }
 
-/// How far two boundary vertices are from each other, as a share of the loop.
-fn apart(all: &[Candidate], i: usize, j: usize) -> f64 {
+/// The distance between two boundary vertices along the loop, as a share of its length.
+fn apart(all: &[CornerCandidate], i: usize, j: usize) -> f64 {
     let d = (all[i].at - all[j].at).abs();
     d.min(1.0 - d)
 }

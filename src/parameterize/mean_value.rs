@@ -1,65 +1,61 @@
-//! The paper's map: every inner vertex the mean of its neighbours by mean value
-//! weights (Floater 2003), all of them at once.
+//! The map of the paper: every inner vertex is the mean of its neighbours with mean value weights
+//! (Floater 2003). All vertices are solved for at once.
 
-use faer::Par;
-use faer::dyn_stack::{MemBuffer, MemStack};
-use faer::matrix_free::bicgstab::{BicgParams, bicgstab, bicgstab_scratch};
-use faer::matrix_free::{IdentityPrecond, LinOp};
-use faer::{MatMut, MatRef};
 use rayon::prelude::*;
 
-use super::multigrid::{FEW, Multigrid, Operator};
+use super::bicgstab::{self, Limits};
+use super::multigrid::{DIRECT_SIZE, Multigrid};
+use super::one_rings::OneRings;
 use super::solve;
-use super::sparse::{self, Matrix, Pair};
-use super::stars::Stars;
+use super::sparse::{self, Matrix, UvPair};
 use crate::error::Result;
 use crate::geometry::{Point, Uv};
 
-/// Every vertex is nearer than this to where it should be, as the last correction
-/// tells; the square's side is 1.
-const NEAR: f64 = 1e-12;
+/// The iteration ends when the last correction moves no vertex by more than this. The side of the
+/// square is 1.
+const MAX_CORRECTION: f64 = 1e-12;
 
-/// The residual that a round of BiCGStab leaves, as a share of the one before.
-const ROUND: f64 = 1e-6;
+/// The reduction of the residual in one round of BiCGStab.
+const ROUND_REDUCTION: f64 = 1e-6;
 
-/// Steps of a round, and rounds, at the most.
-const MOST: [usize; 2] = [60, 8];
+/// The largest number of steps in a round, and the largest number of rounds.
+const MAX_STEPS: [usize; 2] = [60, 8];
 
-/// Times that the rows' scales are balanced.
+/// The number of balancing steps of the scales of the rows.
 const BALANCING: usize = 10;
 
-/// Moves the inner vertices to where each is its neighbours' mean by mean value
-/// weights; the boundary is where it should be.
+/// Moves the inner vertices to the solution: each is the mean of its neighbours with mean value
+/// weights. The boundary must already be in place.
 ///
-/// By BiCGStab (van der Vorst 1992) with a multigrid cycle as its preconditioner, and
-/// directly where there are few vertices or that does not settle.
-pub fn map(points: &[Point], stars: &Stars, at: &mut [Uv]) -> Result<()> {
-    let inner: Vec<u32> = (0..stars.len() as u32)
-        .filter(|&v| !stars.on_boundary(v) && !stars.ring(v).is_empty())
+/// The solver is BiCGStab (van der Vorst 1992), preconditioned by a multigrid cycle. A direct
+/// solver is used for few vertices, or if the iteration does not converge.
+pub fn map(points: &[Point], rings: &OneRings, at: &mut [Uv]) -> Result<()> {
+    let inner: Vec<u32> = (0..rings.len() as u32)
+        .filter(|&v| !rings.on_boundary(v) && !rings.ring(v).is_empty())
         .collect();
-    let many = inner.len() > FEW;
-    match many.then(|| System::new(points, stars, &inner, at).iterated()).flatten() {
+    let many = inner.len() > DIRECT_SIZE;
+    match many.then(|| MeanValueSystem::new(points, rings, &inner, at).iterated()).flatten() {
         Some(found) => {
             inner.iter().zip(found).for_each(|(&v, x)| at[v as usize] = x.into());
             Ok(())
         }
-        None => solve::mean_value(points, stars, &inner, at),
+        None => solve::mean_value(points, rings, &inner, at),
     }
 }
 
-/// The equations.
-struct System {
+/// The linear equations of the map.
+struct MeanValueSystem {
     matrix: Matrix,
-    right: Vec<Pair>,
+    right: Vec<UvPair>,
 }
 
-impl System {
-    fn new(points: &[Point], stars: &Stars, inner: &[u32], at: &[Uv]) -> Self {
-        let mut unknown = vec![u32::MAX; stars.len()];
+impl MeanValueSystem {
+    fn new(points: &[Point], rings: &OneRings, inner: &[u32], at: &[Uv]) -> Self {
+        let mut unknown = vec![u32::MAX; rings.len()];
         inner.iter().enumerate().for_each(|(i, &v)| unknown[v as usize] = i as u32);
         let shares = |i: usize| {
             let v = inner[i];
-            solve::shares(points[v as usize], stars.ring(v), points)
+            solve::shares(points[v as usize], rings.ring(v), points)
         };
         let matrix = sparse::from_rows([inner.len(); 2], |i, entries| {
             let shares = shares(i);
@@ -69,7 +65,7 @@ impl System {
         });
         let right = |i: usize| {
             let on_boundary = |w: &u32| unknown[*w as usize] == u32::MAX;
-            if !stars.ring(inner[i]).iter().any(on_boundary) {
+            if !rings.ring(inner[i]).iter().any(on_boundary) {
                 return [0.0; 2];
             }
             let known = shares(i).into_iter().filter(|s| unknown[s.0 as usize] == u32::MAX);
@@ -79,12 +75,12 @@ impl System {
             })
         };
         let right = (0..inner.len()).into_par_iter().map(right).collect();
-        System { matrix, right }
+        MeanValueSystem { matrix, right }
     }
 
-    /// Scales rows until columns, too, nearly sum to nothing, as those of a symmetric
-    /// matrix do: slivers make some rows thousands of times as heavy as others, and smaller
-    /// systems would resemble those alone.
+    /// Scales rows until the columns, too, nearly sum to zero, as those of a symmetric matrix do.
+    /// Slivers make some rows thousands of times as heavy as others, and the coarse systems would
+    /// represent only those rows.
     fn balance(&mut self) -> Option<()> {
         let columns = self.matrix.to_col_major().ok()?.into_transpose();
         let mut scales = vec![1.0; self.right.len()];
@@ -108,42 +104,26 @@ impl System {
         Some(())
     }
 
-    /// The solution, if rounds of BiCGStab come near enough to it.
-    fn iterated(mut self) -> Option<Vec<Pair>> {
+    /// The solution, or `None` if BiCGStab does not converge.
+    fn iterated(mut self) -> Option<Vec<UvPair>> {
         self.balance()?;
         let grid = Multigrid::new(self.matrix)?;
-        let (matrix, n) = (Operator(grid.matrix()), self.right.len());
-        let none = IdentityPrecond { dim: 2 * n };
-        let parameters =
-            BicgParams { rel_tolerance: ROUND, max_iters: MOST[0], ..Default::default() };
-        let room = bicgstab_scratch(none, &grid, &matrix, 1, Par::Seq);
-        let mut room = MemBuffer::try_new(room).ok()?;
-        let room = MemStack::new(&mut room);
-        let mut x = vec![[0.0; 2]; n];
+        let mut room = grid.room();
+        let limits = Limits { residual: ROUND_REDUCTION, steps: MAX_STEPS[0] };
+        let mut x = vec![[0.0; 2]; self.right.len()];
         let (mut step, mut residual) = (x.clone(), self.right.clone());
-        for _ in 0..MOST[1] {
-            // From zero, but not told so: faer 0.24 then starts from memory not set.
-            step.fill([0.0; 2]);
-            // Whether a round ends by its tolerance or not, what it came to counts.
-            let _ = bicgstab(
-                column_mut(&mut step),
-                none,
-                &grid,
-                &matrix,
-                column(&residual),
-                parameters,
-                |_| (),
-                Par::Seq,
-                room,
-            );
-            sparse::add(&mut x, &step);
+        for _ in 0..MAX_STEPS[1] {
+            // Whether a round ends by its residual or not, what it came to counts.
+            let round = |b: &[UvPair], x: &mut [UvPair]| grid.apply(b, x, &mut room);
+            let found = bicgstab::solve(grid.matrix(), round, &residual, &limits);
+            sparse::add(&mut x, 1.0, &found);
             sparse::residual(grid.matrix(), &self.right, &x, &mut residual);
-            grid.apply(column_mut(&mut step), column(&residual), Par::Seq, room);
+            grid.apply(&residual, &mut step, &mut room);
             let farthest = step.as_flattened().iter().fold(0.0, |m: f64, s| m.max(s.abs()));
             if !step.as_flattened().iter().all(|s| s.is_finite()) {
                 return None;
             }
-            if farthest < NEAR {
+            if farthest < MAX_CORRECTION {
                 return Some(x);
             }
         }
@@ -151,48 +131,39 @@ impl System {
     }
 }
 
-fn column(pairs: &[Pair]) -> MatRef<'_, f64> {
-    MatRef::from_column_major_slice(pairs.as_flattened(), 2 * pairs.len(), 1)
-}
-
-fn column_mut(pairs: &mut [Pair]) -> MatMut<'_, f64> {
-    let count = 2 * pairs.len();
-    MatMut::from_column_major_slice_mut(pairs.as_flattened_mut(), count, 1)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameterize::stars::tests::grid;
+    use crate::parameterize::one_rings::tests::grid;
 
-    /// A wavy grid of 60 × 60 points, `thin` times as narrow in every fifth column, its
-    /// boundary laid on the square's.
-    fn sheet(thin: f64) -> (Vec<Point>, Stars, Vec<Uv>) {
+    /// A wavy grid of 60 × 60 points. Every fifth column is narrower by the factor `thin`. The
+    /// boundary is placed on that of the square.
+    fn sheet(thin: f64) -> (Vec<Point>, OneRings, Vec<Uv>) {
         let patch = grid(60);
-        let stars = Stars::new(&patch.mesh, &patch.outer);
+        let rings = OneRings::new(&patch.mesh, &patch.outer);
         let at: Vec<Uv> = patch.mesh.points.iter().map(|p| Uv::new(p.x, p.y) / 59.0).collect();
         let bent = |p: &Point| {
             let x = p.x - (1.0 - 1.0 / thin) * (p.x / 5.0).floor();
             Point::new(x, p.y, 4.0 * (0.4 * p.x).sin() * (0.3 * p.y).cos())
         };
-        (patch.mesh.points.iter().map(bent).collect(), stars, at)
+        (patch.mesh.points.iter().map(bent).collect(), rings, at)
     }
 
-    fn lost(stars: &Stars, at: &[Uv]) -> Vec<Uv> {
-        let start = |v: usize| if stars.on_boundary(v as u32) { at[v] } else { Uv::origin() };
+    fn lost(rings: &OneRings, at: &[Uv]) -> Vec<Uv> {
+        let start = |v: usize| if rings.on_boundary(v as u32) { at[v] } else { Uv::origin() };
         (0..at.len()).map(start).collect()
     }
 
     #[test]
     fn rounds_come_to_the_direct_solution() {
         for thin in [1.0, 1e4] {
-            let (points, stars, at) = sheet(thin);
-            let inner: Vec<u32> = (0..at.len() as u32).filter(|&v| !stars.on_boundary(v)).collect();
+            let (points, rings, at) = sheet(thin);
+            let inner: Vec<u32> = (0..at.len() as u32).filter(|&v| !rings.on_boundary(v)).collect();
             let mut direct = at.clone();
-            solve::mean_value(&points, &stars, &inner, &mut direct).unwrap();
-            let system = System::new(&points, &stars, &inner, &lost(&stars, &at));
+            solve::mean_value(&points, &rings, &inner, &mut direct).unwrap();
+            let system = MeanValueSystem::new(&points, &rings, &inner, &lost(&rings, &at));
             let found = system.iterated().expect("rounds that settle");
-            let far = |(&v, x): (&u32, &Pair)| (direct[v as usize] - Uv::from(*x)).norm();
+            let far = |(&v, x): (&u32, &UvPair)| (direct[v as usize] - Uv::from(*x)).norm();
             let farthest = inner.iter().zip(&found).map(far).fold(0.0, f64::max);
             assert!(farthest < 1e-11, "{thin}: {farthest}");
         }
@@ -200,11 +171,11 @@ mod tests {
 
     #[test]
     fn threads_do_not_matter() {
-        let (points, stars, at) = sheet(10.0);
+        let (points, rings, at) = sheet(10.0);
         let on = |threads| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let mut at = lost(&stars, &at);
-            pool.install(|| map(&points, &stars, &mut at)).unwrap();
+            let mut at = lost(&rings, &at);
+            pool.install(|| map(&points, &rings, &mut at)).unwrap();
             at.iter().map(|p| [p.x.to_bits(), p.y.to_bits()]).collect::<Vec<_>>()
         };
         assert_eq!(on(1), on(3));

@@ -1,10 +1,10 @@
-//! Triangles that rounding turned over, turned back.
+//! Repair of triangles that rounding has inverted.
 //!
-//! Every move on the way to a map is one that turns nothing over, but slivers can
-//! be lost to the last bit when the rectangle is made a square.
+//! No step on the way to a map inverts a triangle. Slivers may still be inverted in the last bit
+//! when the rectangle is scaled to a square.
 
+use super::one_rings::OneRings;
 use super::solve;
-use super::stars::Stars;
 use crate::geometry::{Uv, orient2d};
 
 /// The triangles that do not run counter-clockwise, by an exact predicate.
@@ -16,11 +16,11 @@ pub fn inverted(triangles: impl Iterator<Item = [u32; 3]>, at: &[Uv]) -> Vec<[u3
     triangles.filter(flipped).collect()
 }
 
-/// Maps the surroundings of inverted triangles anew by even weights, wider and
-/// wider ones until nothing is inverted: with all inner vertices that is Tutte's
-/// map, which does not fold. Gives how many were inverted, and those that still are.
+/// Remaps the surroundings of inverted triangles with even weights. The surroundings grow until no
+/// triangle is inverted; with all inner vertices this is Tutte's map, which does not fold. Returns
+/// the number of inverted triangles, and those that could not be repaired.
 pub fn mend(
-    stars: &Stars,
+    rings: &OneRings,
     triangles: impl Iterator<Item = [u32; 3]> + Clone,
     at: &mut [Uv],
 ) -> (usize, Vec<[u32; 3]>) {
@@ -28,9 +28,9 @@ pub fn mend(
     let count = folded.len();
     let (mut reach, mut last) = (1, 0);
     while !folded.is_empty() {
-        let region = within(stars, &folded, reach);
+        let region = within(rings, &folded, reach);
         let before: Vec<Uv> = region.iter().map(|&v| at[v as usize]).collect();
-        let solved = solve::even(stars, &region, at).is_ok();
+        let solved = solve::even(rings, &region, at).is_ok();
         let left = inverted(triangles.clone(), at);
         if solved && left.len() < folded.len() {
             (folded, reach, last) = (left, 1, 0);
@@ -45,9 +45,9 @@ pub fn mend(
     (count, folded)
 }
 
-/// The inner vertices that are no more than so many edges away.
-fn within(stars: &Stars, folded: &[[u32; 3]], reach: usize) -> Vec<u32> {
-    let mut seen = vec![false; stars.len()];
+/// The inner vertices within `reach` edges of the folded triangles.
+fn within(rings: &OneRings, folded: &[[u32; 3]], reach: usize) -> Vec<u32> {
+    let mut seen = vec![false; rings.len()];
     let mut region = Vec::new();
     let mut front: Vec<u32> = folded.iter().flatten().copied().collect();
     for _ in 0..=reach {
@@ -55,8 +55,8 @@ fn within(stars: &Stars, folded: &[[u32; 3]], reach: usize) -> Vec<u32> {
         if front.is_empty() {
             break;
         }
-        region.extend(front.iter().copied().filter(|&v| !stars.on_boundary(v)));
-        front = front.iter().flat_map(|&v| stars.ring(v)).copied().collect();
+        region.extend(front.iter().copied().filter(|&v| !rings.on_boundary(v)));
+        front = front.iter().flat_map(|&v| rings.ring(v)).copied().collect();
     }
     region.sort_unstable();
     region
@@ -65,28 +65,28 @@ fn within(stars: &Stars, folded: &[[u32; 3]], reach: usize) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameterize::stars::tests::grid;
+    use crate::parameterize::one_rings::tests::grid;
 
     const N: u32 = 12;
 
-    /// A grid on the unit square, some of its vertices thrown about.
-    fn thrown(vertices: impl Iterator<Item = u32>) -> (Stars, Vec<[u32; 3]>, Vec<Uv>) {
+    /// A grid on the unit square with some vertices moved far away.
+    fn thrown(vertices: impl Iterator<Item = u32>) -> (OneRings, Vec<[u32; 3]>, Vec<Uv>) {
         let patch = grid(N);
-        let stars = Stars::new(&patch.mesh, &patch.outer);
+        let rings = OneRings::new(&patch.mesh, &patch.outer);
         let triangles: Vec<_> = patch.mesh.triangles.iter().map(|t| t.map(|v| v.0)).collect();
         let side = f64::from(N - 1);
         let mut at: Vec<Uv> = patch.mesh.points.iter().map(|p| Uv::new(p.x, p.y) / side).collect();
         vertices
-            .filter(|&v| !stars.on_boundary(v))
+            .filter(|&v| !rings.on_boundary(v))
             .for_each(|v| at[v as usize] = Uv::new(0.9, 0.2));
-        (stars, triangles, at)
+        (rings, triangles, at)
     }
 
     fn check(vertices: impl Iterator<Item = u32>) {
-        let (stars, triangles, mut at) = thrown(vertices);
+        let (rings, triangles, mut at) = thrown(vertices);
         let count = inverted(triangles.iter().copied(), &at).len();
         assert!(count > 0);
-        assert_eq!(mend(&stars, triangles.iter().copied(), &mut at), (count, vec![]));
+        assert_eq!(mend(&rings, triangles.iter().copied(), &mut at), (count, vec![]));
         assert!(inverted(triangles.iter().copied(), &at).is_empty());
     }
 
@@ -103,10 +103,10 @@ mod tests {
 
     #[test]
     fn a_boundary_that_goes_back_is_told() {
-        let (stars, triangles, mut at) = thrown(std::iter::empty());
+        let (rings, triangles, mut at) = thrown(std::iter::empty());
         at.swap(2, 3);
         let before = at.clone();
-        assert!(!mend(&stars, triangles.iter().copied(), &mut at).1.is_empty());
+        assert!(!mend(&rings, triangles.iter().copied(), &mut at).1.is_empty());
         assert_eq!(at, before);
     }
 }

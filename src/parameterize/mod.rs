@@ -1,81 +1,86 @@
-//! Parameterization (Tekumalla & Cohen 2005, section 3.3): the boundary goes
-//! to the unit square, the inside follows by mean value coordinates (Floater
-//! 2003), and what stretch that leaves is taken out.
+//! Parameterization (Tekumalla & Cohen 2005, section 3.3). A patch goes in; the same patch with a
+//! parameter point in the unit square for every vertex comes out. The boundary is mapped to the
+//! square, the inside follows by mean value coordinates (Floater 2003), and the remaining stretch
+//! is reduced.
 //!
-//! Mean value coordinates on a fixed square crush what sticks out of the patch,
-//! down to where double precision loses it. So they are solved on a mesh of a
-//! few vertices, and the stretch is taken out while the others come back, coarse
-//! to fine.
+//! Mean value coordinates on a fixed square compress protruding parts of the patch, down to the
+//! limits of double precision. They are therefore solved on a coarse mesh of a few vertices. The
+//! other vertices are added from coarse to fine, and the stretch is reduced on the way.
 //!
-//! On request mean value coordinates are solved on the whole mesh and left as they are.
+//! With [`MapMethod::MeanValue`] the coordinates are solved on the whole mesh and not changed
+//! further.
 //!
-//! Where the boundary is ragged, or straight sides would stretch the map far more than
-//! the surface asks for, it is left free inside the square.
+//! The boundary may also be left free inside the square. This is done where it is ragged, and where
+//! straight sides would stretch the map far more than the surface requires.
 
 mod aggregates;
 mod bays;
+mod bicgstab;
 mod chords;
 mod coarse;
+mod compressed;
 mod corners;
-mod crushed;
-mod gaps;
-mod hierarchy;
-mod layout;
-mod level;
-mod map;
+mod insertion;
+mod lu;
 mod mean_value;
 mod mend;
 mod multigrid;
+mod one_rings;
 mod outline;
+mod progressive_mesh;
 mod rectangle;
+mod rectangle_map;
 mod relax;
-mod skirt;
+mod scaffold;
 mod solve;
 mod sparse;
-mod stars;
+mod square_map;
 mod stretch;
+mod sweep_mesh;
 mod weights;
 
-use crate::course::{self, Course};
 use crate::error::{Result, of};
 use crate::geometry::Point;
 use crate::mesh::Patch;
+use crate::progress::{self, Progress};
 use crate::rules;
 
-pub use crate::mesh::{Outline, Parameterized, Skirt};
+pub use crate::mesh::{Outline, Parameterized, Scaffold};
 pub use bays::Bays;
-pub use crushed::{Crushed, crushed};
+pub use compressed::{CompressedRegion, compressed_region};
 pub use stretch::Stretch;
 
-/// Which map is made.
+/// The kind of map.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Method {
-    /// The one that stretches least, by local moves from coarse to fine.
+pub enum MapMethod {
+    /// The map with the least stretch, found by local moves from coarse to fine.
     #[default]
     LeastStretch,
-    /// The paper's: mean value coordinates with the sides by chord length. It crushes
-    /// what sticks out.
+    /// The map of the paper: mean value coordinates, with the boundary placed by chord length. It
+    /// compresses protruding parts.
     MeanValue,
 }
 
-/// How to parameterize.
+/// The options of parameterization.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// Points next to which the four corners of the domain lie, in any
-    /// direction around; the first becomes (0, 0). `None`: found.
+    /// Four points, in mm, near the corners of the domain, in either direction around it. The
+    /// vertex nearest to the first point is mapped to (0, 0). With `None`, the default, the corners
+    /// are found.
     pub corners: Option<[Point; 4]>,
-    /// Where the outer boundary goes. `None`: to the sides, unless it is ragged, or
-    /// they stretch the map far more than is needed, or cannot be made, and neither
-    /// corners nor mean values are asked for.
+    /// The place of the outer boundary. With `None`, the default, it is mapped to the sides of the
+    /// square unless it is ragged, or the sides stretch the map far more than necessary, or the
+    /// boundary cannot be divided into four sides; it is then left free. It is never left free by
+    /// default if `corners` are given or `method` is [`MapMethod::MeanValue`].
     pub outline: Option<Outline>,
-    /// Which map is made.
-    pub method: Method,
+    /// The kind of map. The default is [`MapMethod::LeastStretch`].
+    pub method: MapMethod,
 }
 
 impl Options {
     /// Whether the outer boundary may, or must, be left free inside the square.
     pub(crate) fn may_be_free(&self) -> bool {
-        let unsaid = self.corners.is_none() && self.method == Method::LeastStretch;
+        let unsaid = self.corners.is_none() && self.method == MapMethod::LeastStretch;
         self.outline.map_or(unsaid, |outline| outline == Outline::Free)
     }
 
@@ -84,54 +89,54 @@ impl Options {
     }
 }
 
-/// How good the map is.
+/// The quality of the map.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct Report {
-    /// Inverted triangles, by an exact predicate.
+    /// The number of inverted triangles, by an exact predicate.
     pub flipped: usize,
-    /// Triangles that rounding had inverted and that were mended.
+    /// The number of triangles that rounding had inverted and that were repaired.
     pub mended: usize,
-    /// Vertices put on edges that joined two boundary vertices through the inside, or that
-    /// the map draws out.
+    /// The number of vertices that were inserted into edges. These edges joined two boundary
+    /// vertices through the inside, or the map stretched them strongly.
     pub split_edges: usize,
-    /// How the measured triangles are stretched.
+    /// The stretch of the measured triangles.
     pub stretch: Stretch,
-    /// The bays of the outer boundary that the map goes around.
+    /// The bays of the outer boundary that were closed for the map.
     pub bays: Bays,
 }
 
 /// Maps a patch to the unit square.
 ///
 /// # Errors
-/// [`Error::Corners`](crate::Error::Corners), [`Error::TooSmall`](crate::Error::TooSmall):
-/// the outer boundary cannot be four sides with these corners.
-/// [`Error::Folded`](crate::Error::Folded): triangles stay inverted.
-/// [`Error::Option`](crate::Error::Option): a corner that is no point.
+/// - [`Error::Corners`](crate::Error::Corners) or [`Error::TooSmall`](crate::Error::TooSmall) if
+///   the outer boundary cannot be divided into four sides with these corners.
+/// - [`Error::Folded`](crate::Error::Folded) if triangles stay inverted.
+/// - [`Error::Option`](crate::Error::Option) if a corner is not a finite point.
 pub fn parameterize(patch: Patch, options: &Options) -> Result<(Parameterized, Report)> {
-    parameterize_with(patch, options, &mut course::untold)
+    parameterize_with(patch, options, &mut progress::ignore)
 }
 
-/// The same, telling how far it has come.
+/// Like [`parameterize`], and reports progress to `progress`.
 ///
 /// # Errors
-/// Those of [`parameterize`], and what `course` answers.
+/// Those of [`parameterize`], and any error that `progress` returns.
 pub fn parameterize_with(
     patch: Patch,
     options: &Options,
-    course: &mut Course,
+    progress: &mut Progress,
 ) -> Result<(Parameterized, Report)> {
     options.check()?;
     if !options.may_be_free() {
-        return outline::map(patch, options, course);
+        return outline::map(patch, options, progress);
     }
     let (patch, bays) = bays::close(patch.without_bays().unwrap_or(patch), None);
-    let share = |round: u32| f64::from(round) / f64::from(AGAIN + 1);
+    let share = |round: u32| f64::from(round) / f64::from(MAX_REMAPS + 1);
     let (mut map, mut report) =
-        outline::map(patch, options, &mut course::part(course, share(0), share(1)))?;
+        outline::map(patch, options, &mut progress::part(progress, share(0), share(1)))?;
     report.bays = bays;
     let free = Options { outline: Some(Outline::Free), ..options.clone() };
-    for round in 1..=AGAIN {
+    for round in 1..=MAX_REMAPS {
         if map.outline != Outline::Free || report.split_edges > 0 {
             break;
         }
@@ -140,9 +145,9 @@ pub fn parameterize_with(
         if patch.outer == map.patch.outer && patch.mesh.triangles == map.patch.mesh.triangles {
             break;
         }
-        let mut part = course::part(course, share(round), share(round + 1));
+        let mut part = progress::part(progress, share(round), share(round + 1));
         let (next, how) = outline::map(patch, &free, &mut part)?;
-        if how.stretch.l2 > WORSE * report.stretch.l2 {
+        if how.stretch.l2 > MAX_STRETCH_GROWTH * report.stretch.l2 {
             break;
         }
         (map, report) = (next, Report { bays, ..how });
@@ -153,8 +158,9 @@ pub fn parameterize_with(
     Ok((map, report))
 }
 
-/// How often bays are closed anew as the map shows them: with those the map has another form.
-const AGAIN: u32 = 2;
+/// The largest number of times that bays are closed again as the latest map shows them. The map
+/// changes with the bays.
+const MAX_REMAPS: u32 = 2;
 
-/// A map that stretches so much more than the one before is worse.
-const WORSE: f64 = 1.02;
+/// A new map is rejected if its stretch exceeds that of the map before by this factor.
+const MAX_STRETCH_GROWTH: f64 = 1.02;

@@ -1,48 +1,54 @@
-//! A multigrid cycle by smoothed aggregation, as a preconditioner of Krylov methods.
+//! A multigrid cycle by smoothed aggregation, used as a preconditioner of Krylov methods.
 
-use faer::dyn_stack::{MemStack, StackReq};
-use faer::matrix_free::{LinOp, Precond};
-use faer::prelude::Solve;
+use faer::Par;
 use faer::sparse::linalg::matmul::sparse_sparse_matmul;
-use faer::sparse::linalg::solvers::Lu;
-use faer::{MatMut, MatRef, Par};
 use rayon::prelude::*;
 
 use super::aggregates;
-use super::sparse::{self, BLOCK, Matrix, Pair};
+use super::lu::Lu;
+use super::sparse::{self, BLOCK, Matrix, UvPair};
 
-/// A system of no more unknowns is solved directly.
-pub const FEW: usize = 500;
+/// A system with at most this number of unknowns is solved directly.
+pub const DIRECT_SIZE: usize = 500;
 
-/// A level worth having leaves this share of the unknowns at the most.
-const FEWER: f64 = 0.7;
+/// A coarser level is used only if it has at most this share of the unknowns.
+const MAX_COARSENING: f64 = 0.7;
 
-/// A system, and ever smaller ones that resemble it.
+/// A linear system and a sequence of coarser systems that approximate it.
 #[derive(Debug)]
 pub struct Multigrid {
-    levels: Vec<Level>,
-    last: Lu<u32, f64>,
+    levels: Vec<GridLevel>,
+    last: Lu,
 }
 
-/// A system and how it becomes the next smaller one.
+/// What a cycle writes on one level: the solution before a sweep or its residual, and both
+/// sides of the next smaller system.
 #[derive(Debug)]
-struct Level {
+pub struct Room {
+    x: Vec<UvPair>,
+    coarse_b: Vec<UvPair>,
+    coarse_x: Vec<UvPair>,
+}
+
+/// A system and its transfer to the next coarser one.
+#[derive(Debug)]
+struct GridLevel {
     matrix: Matrix,
     diagonal: Vec<f64>,
-    /// From the next level's unknowns to this one's, and back.
+    /// The maps from the unknowns of the next level to those of this one, and back.
     prolongation: Matrix,
     restriction: Matrix,
 }
 
 impl Multigrid {
-    /// For a square matrix whose diagonal is positive. `None` if that is singular, too
-    /// large for the memory, or no smaller system resembles it.
+    /// Builds the levels for a square matrix with a positive diagonal. Returns `None` if the matrix
+    /// is singular or too large for the memory, or if it cannot be coarsened.
     pub fn new(mut matrix: Matrix) -> Option<Self> {
-        let mut levels: Vec<Level> = Vec::new();
-        while matrix.nrows() > FEW {
-            let level = Level::new(matrix)?;
+        let mut levels: Vec<GridLevel> = Vec::new();
+        while matrix.nrows() > DIRECT_SIZE {
+            let level = GridLevel::new(matrix)?;
             let coarse = level.coarse()?;
-            let few = FEWER * level.diagonal.len() as f64;
+            let few = MAX_COARSENING * level.diagonal.len() as f64;
             if coarse.nrows() as f64 > few {
                 matrix = level.matrix;
                 break;
@@ -50,64 +56,79 @@ impl Multigrid {
             levels.push(level);
             matrix = coarse;
         }
-        let last = matrix.to_col_major().ok()?.sp_lu().ok()?;
+        let last = Lu::new(matrix.to_col_major().ok()?.as_ref()).ok()?;
         (!levels.is_empty()).then_some(Multigrid { levels, last })
     }
 
-    /// The largest system.
+    /// The matrix of the finest system.
     pub fn matrix(&self) -> &Matrix {
         &self.levels[0].matrix
     }
 
-    /// About what solves `level` for `b`, into `x`.
-    fn cycle(&self, level: usize, b: &[Pair], x: &mut [Pair], stack: &mut MemStack) {
-        let Some(here) = self.levels.get(level) else { return self.solve_last(b, x) };
-        let (n, few) = (x.len(), here.prolongation.ncols());
-        let (mut room, stack) = stack.make_with(n, |_| [0.0; 2]);
-        x.fill([0.0; 2]);
-        here.sweep(b, &room, x, false);
-        sparse::residual(&here.matrix, b, x, &mut room);
-        let (mut coarse_b, stack) = stack.make_with(few, |_| [0.0; 2]);
-        sparse::fill(&mut coarse_b, |i, _| sparse::product(&here.restriction, i, &room));
-        let (mut coarse_x, stack) = stack.make_with(few, |_| [0.0; 2]);
-        self.cycle(level + 1, &coarse_b, &mut coarse_x, stack);
-        sparse::fill(x, |i, x| {
-            let step = sparse::product(&here.prolongation, i, &coarse_x);
-            [x[0] + step[0], x[1] + step[1]]
-        });
-        room.copy_from_slice(x);
-        here.sweep(b, &room, x, true);
+    /// Room for [`Multigrid::apply`].
+    pub fn room(&self) -> Vec<Room> {
+        let zeros = |n: usize| vec![[0.0; 2]; n];
+        let of = |level: &GridLevel| {
+            let (n, few) = (level.matrix.nrows(), level.prolongation.ncols());
+            Room { x: zeros(n), coarse_b: zeros(few), coarse_x: zeros(few) }
+        };
+        self.levels.iter().map(of).collect()
     }
 
-    fn solve_last(&self, b: &[Pair], x: &mut [Pair]) {
-        let right = faer::Mat::from_fn(b.len(), 2, |i, k| b[i][k]);
-        let solution = self.last.solve(&right);
+    /// Writes about what solves the largest system for `b` into `x`.
+    pub fn apply(&self, b: &[UvPair], x: &mut [UvPair], room: &mut [Room]) {
+        self.cycle(&self.levels, b, x, room);
+    }
+
+    /// The same for the first of these levels.
+    fn cycle(&self, levels: &[GridLevel], b: &[UvPair], x: &mut [UvPair], room: &mut [Room]) {
+        let (Some((here, smaller)), Some((own, room))) =
+            (levels.split_first(), room.split_first_mut())
+        else {
+            return self.solve_last(b, x);
+        };
+        x.fill([0.0; 2]);
+        own.x.fill([0.0; 2]);
+        here.sweep(b, &own.x, x, false);
+        sparse::residual(&here.matrix, b, x, &mut own.x);
+        sparse::fill(&mut own.coarse_b, |i, _| sparse::product(&here.restriction, i, &own.x));
+        self.cycle(smaller, &own.coarse_b, &mut own.coarse_x, room);
+        sparse::fill(x, |i, x| {
+            let step = sparse::product(&here.prolongation, i, &own.coarse_x);
+            [x[0] + step[0], x[1] + step[1]]
+        });
+        own.x.copy_from_slice(x);
+        here.sweep(b, &own.x, x, true);
+    }
+
+    fn solve_last(&self, b: &[UvPair], x: &mut [UvPair]) {
+        let mut solution = faer::Mat::from_fn(b.len(), 2, |i, k| b[i][k]);
+        self.last.solve(&mut solution);
         x.iter_mut().enumerate().for_each(|(i, x)| *x = [solution[(i, 0)], solution[(i, 1)]]);
     }
 }
 
-impl Level {
+impl GridLevel {
     fn new(matrix: Matrix) -> Option<Self> {
         let on_it = |i: usize| sparse::row(&matrix, i).find(|e| e.0 == i).map_or(0.0, |e| e.1);
         let diagonal: Vec<f64> = (0..matrix.nrows()).into_par_iter().map(on_it).collect();
         let transposed = matrix.to_col_major().ok()?.into_transpose();
-        let [prolongation, back] = aggregates::slopes(&matrix, &transposed, &diagonal);
+        let [prolongation, back] =
+            aggregates::smoothed_prolongations(&matrix, &transposed, &diagonal);
         let restriction = back.to_col_major().ok()?.into_transpose();
-        Some(Level { matrix, diagonal, prolongation, restriction })
+        Some(GridLevel { matrix, diagonal, prolongation, restriction })
     }
 
-    /// The next smaller system: the restriction of the matrix' product with the
-    /// prolongation.
+    /// The matrix of the next coarser system: restriction times matrix times prolongation.
     fn coarse(&self) -> Option<Matrix> {
         let product = |a, b| sparse_sparse_matmul(a, b, 1.0, Par::Seq).ok();
-        // Matrices by columns from those by rows: all are transposed.
+        // The product is computed on the transposed matrices, because these are stored by columns.
         let half = product(self.prolongation.transpose(), self.matrix.transpose())?;
         Some(product(half.as_ref(), self.restriction.transpose())?.into_transpose())
     }
 
-    /// Gauss and Seidel's method from `old`, block by block: within a block with its
-    /// own new values.
-    fn sweep(&self, b: &[Pair], old: &[Pair], x: &mut [Pair], backwards: bool) {
+    /// One Gauss–Seidel sweep from `old`, block by block. Within a block the new values are used.
+    fn sweep(&self, b: &[UvPair], old: &[UvPair], x: &mut [UvPair], backwards: bool) {
         x.par_chunks_mut(BLOCK).enumerate().for_each(|(k, block)| {
             let first = k * BLOCK;
             for place in 0..block.len() {
@@ -124,70 +145,3 @@ impl Level {
         });
     }
 }
-
-/// A column of pairs.
-fn pairs(column: MatRef<'_, f64>) -> Option<&[Pair]> {
-    Some(column.col(0).try_as_col_major()?.as_slice().as_chunks().0)
-}
-
-fn pairs_mut(column: MatMut<'_, f64>) -> Option<&mut [Pair]> {
-    Some(column.col_mut(0).try_as_col_major_mut()?.as_slice_mut().as_chunks_mut().0)
-}
-
-/// The largest system's matrix for columns of pairs.
-#[derive(Debug)]
-pub struct Operator<'a>(pub &'a Matrix);
-
-impl LinOp<f64> for Operator<'_> {
-    fn apply_scratch(&self, _: usize, _: Par) -> StackReq {
-        StackReq::EMPTY
-    }
-
-    fn nrows(&self) -> usize {
-        2 * self.0.nrows()
-    }
-
-    fn ncols(&self) -> usize {
-        2 * self.0.ncols()
-    }
-
-    fn apply(&self, out: MatMut<'_, f64>, x: MatRef<'_, f64>, _: Par, _: &mut MemStack) {
-        if let (Some(out), Some(x)) = (pairs_mut(out), pairs(x)) {
-            sparse::fill(out, |i, _| sparse::product(self.0, i, x));
-        }
-    }
-
-    fn conj_apply(&self, out: MatMut<'_, f64>, x: MatRef<'_, f64>, par: Par, room: &mut MemStack) {
-        self.apply(out, x, par, room);
-    }
-}
-
-impl LinOp<f64> for Multigrid {
-    fn apply_scratch(&self, _: usize, _: Par) -> StackReq {
-        let of = |level: &Level| {
-            let pairs = level.matrix.nrows() + 2 * level.prolongation.ncols();
-            StackReq::new::<Pair>(pairs + 3)
-        };
-        StackReq::all_of(&self.levels.iter().map(of).collect::<Vec<_>>())
-    }
-
-    fn nrows(&self) -> usize {
-        2 * self.matrix().nrows()
-    }
-
-    fn ncols(&self) -> usize {
-        self.nrows()
-    }
-
-    fn apply(&self, out: MatMut<'_, f64>, b: MatRef<'_, f64>, _: Par, room: &mut MemStack) {
-        if let (Some(x), Some(b)) = (pairs_mut(out), pairs(b)) {
-            self.cycle(0, b, x, room);
-        }
-    }
-
-    fn conj_apply(&self, out: MatMut<'_, f64>, b: MatRef<'_, f64>, par: Par, room: &mut MemStack) {
-        self.apply(out, b, par, room);
-    }
-}
-
-impl Precond<f64> for Multigrid {}

@@ -1,19 +1,19 @@
-//! The rectangle that a patch is mapped to, and the boundary's place on it.
+//! The rectangle to which a patch is mapped, and the boundary on its sides.
 
 use super::relax::Freedom;
 use crate::geometry::{Point, Uv};
 
-/// A closed loop of vertices, four of which are the corners of a rectangle:
-/// bottom, right, top and left of it follow each other counter-clockwise.
+/// A closed loop of vertices, four of which are the corners of a rectangle. The bottom, right, top
+/// and left sides follow each other counter-clockwise.
 pub struct Rectangle {
-    /// The loop, from the first corner on.
+    /// The loop, starting at the first corner.
     outer: Vec<u32>,
-    /// The corners' positions in it, ascending.
+    /// The positions of the corners in the loop, in ascending order.
     corners: [usize; 4],
 }
 
 impl Rectangle {
-    /// The loop `outer`, with four of its vertices, in its order, as corners.
+    /// The loop `outer` with four of its vertices, in its order, as corners.
     pub fn new(outer: &[u32], corners: &[u32; 4]) -> Self {
         let position = |outer: &[u32], c| outer.iter().position(|&v| v == c).unwrap_or(0);
         let mut outer = outer.to_vec();
@@ -23,7 +23,7 @@ impl Rectangle {
         Rectangle { outer, corners }
     }
 
-    /// The vertices of each side, from corner to corner, both included.
+    /// The vertices of each side, including both corners.
     fn sides(&self) -> [impl Iterator<Item = u32> + Clone + '_; 4] {
         let n = self.outer.len();
         [0, 1, 2, 3].map(|k| {
@@ -32,7 +32,7 @@ impl Rectangle {
         })
     }
 
-    /// How each of `count` vertices may move.
+    /// The directions in which each of `count` vertices may move.
     pub fn freedom(&self, count: usize) -> Vec<Freedom> {
         let mut freedom = vec![Freedom::Full; count];
         for (side, along) in
@@ -44,9 +44,9 @@ impl Rectangle {
         freedom
     }
 
-    /// Places the boundary by chord length along the sides of a rectangle with
-    /// as much area as the surface, its aspect that of the sides' mean lengths;
-    /// returns width and height.
+    /// Places the boundary by chord length on the sides of a rectangle. The rectangle has the given
+    /// area, and its aspect ratio is that of the mean lengths of opposite sides. Returns width and
+    /// height.
     pub fn lay(&self, points: &[Point], area: f64, at: &mut [Uv]) -> [f64; 2] {
         let chord = |(a, b): (u32, u32)| (points[b as usize] - points[a as usize]).norm();
         let chords = self.sides().map(|side| {
@@ -73,8 +73,8 @@ impl Rectangle {
         [width, height]
     }
 
-    /// Scales places in a rectangle of that size to the unit square, the
-    /// boundary onto its sides to the last bit.
+    /// Scales positions in a rectangle to the unit square. The boundary is placed exactly on its
+    /// sides.
     pub fn to_unit_square(&self, size: [f64; 2], at: &[Uv]) -> Vec<Uv> {
         let mut uv: Vec<Uv> = at.iter().map(|p| Uv::new(p.x / size[0], p.y / size[1])).collect();
         for (k, side) in self.sides().into_iter().enumerate() {

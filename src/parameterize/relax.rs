@@ -1,128 +1,126 @@
-//! Moves of single vertices in the parameter plane that take stretch out.
+//! Relaxation: moves of single vertices in the parameter plane that reduce the stretch.
 //!
-//! The energy is the square of the L² stretch (Sander, Snyder, Gortler, Hoppe,
-//! "Texture mapping progressive meshes", 2001): ∫ |F|² / det² F over the surface,
-//! where F is the derivative of the map to the plane. That is not rank-one
-//! convex where a map stretches one way 3.8 times as much as the other, and
-//! there its minima crack into creases (the "parameter cracks" of the
-//! literature). A share of ½ |F|⁴ / det³ F, which is polyconvex, equal where the
-//! map is conformal and scales alike, mends that. Both grow beyond bounds where
-//! a triangle vanishes, and a step that would turn one over is not made.
+//! The energy is the square of the L² stretch (Sander, Snyder, Gortler, Hoppe, "Texture mapping
+//! progressive meshes", 2001): ∫ |F|² / det² F over the surface, where F is the derivative of the
+//! map to the plane. This energy is not rank-one convex where the map stretches by more than 3.8
+//! times as much in one direction as in the other. Its minima form creases there, which the
+//! literature calls parameter cracks. A share of ½ |F|⁴ / det³ F is therefore mixed in. This term
+//! is polyconvex, equals the first one where the map is conformal, and scales in the same way. Both
+//! terms tend to infinity as the area of a triangle tends to zero, and a step that would invert a
+//! triangle is not made.
 
 use nalgebra::Matrix2;
 use rayon::prelude::*;
 
-use super::stars::Stars;
+use super::one_rings::OneRings;
 use crate::geometry::{Point, Uv, UvVector};
 
-/// How a vertex may move.
+/// The directions in which a vertex may move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Freedom {
-    /// It is a corner.
+    /// None: the vertex is a corner.
     None,
-    /// It is on a side that runs along x.
+    /// Along x: the vertex is on a horizontal side.
     AlongX,
-    /// It is on a side that runs along y.
+    /// Along y: the vertex is on a vertical side.
     AlongY,
-    /// It is inside.
+    /// All directions: the vertex is inside.
     Full,
 }
 
-/// What the energy depends on besides the map.
-pub struct Surface<'a> {
-    /// Points in space, one a vertex.
+/// The data of the energy, apart from the map.
+pub struct StretchEnergy<'a> {
+    /// Points in space, one for each vertex.
     pub points: &'a [Point],
-    /// How much the surface around each vertex counts.
+    /// The weight of the surface around each vertex.
     pub weights: &'a [f64],
-    /// How each vertex may move.
+    /// The directions in which each vertex may move.
     pub freedom: &'a [Freedom],
-    /// The share of the energy's convex term. With a tenth the energy is rank-one
-    /// convex up to a ratio of stretches of 6, with a quarter beyond 10.
-    pub round: f64,
+    /// The weight of the convex energy term. With 0.1 the energy is rank-one convex up to a ratio
+    /// of stretches of 6; with 0.25 beyond 10.
+    pub convex_weight: f64,
 }
 
-/// Triangles count as if their area were this share of their longest side's
-/// square at least.
+/// The smallest area with which a triangle enters the energy, as a share of its longest squared
+/// side.
 const THINNEST: f64 = 0.02;
 
-/// The share of the way to where a triangle vanishes that a step may go.
-const SAFE: f64 = 0.8;
+/// A step may cover at most this share of the way to the place where a triangle would vanish.
+const MAX_STEP_SHARE: f64 = 0.8;
 
-/// A step goes beyond the star's own minimum by half, as successive
-/// over-relaxation does, so that distant parts hear of each other sooner.
-const OVER: f64 = 1.5;
+/// The over-relaxation factor of a step: it goes half as far again as the minimum of the star.
+/// Successive over-relaxation spreads changes faster over the mesh.
+const OVER_RELAXATION: f64 = 1.5;
 
-/// One triangle as seen from one of its corners.
-pub struct Corner {
-    /// Squares and product of its two sides from the corner.
+/// The energy of one triangle as a function of the position of one of its corners.
+pub struct CornerTerm {
+    /// The squares and the dot product of the two sides at this corner, in space.
     metric: [f64; 3],
-    /// Factors of the energy's two terms.
+    /// The factors of the two terms of the energy.
     factors: [f64; 2],
     a: Uv,
     b: Uv,
 }
 
-/// The energy at a place, its gradient and Hessian there, and twice the area of the
-/// smallest triangle.
-struct Look {
+/// The energy at a position, its gradient and Hessian, and twice the area of the smallest triangle.
+struct EnergyAt {
     energy: f64,
     gradient: UvVector,
     hessian: Matrix2<f64>,
     room: f64,
 }
 
-/// One triangle's measures in the plane, for the corner's place.
-struct Flat {
-    /// Twice its area.
+/// The measures of one triangle in the plane, for a position of the corner.
+struct PlaneTriangle {
+    /// Twice the area in the plane.
     twice: f64,
-    /// |F|² times the square of twice its area in space, where F is the map's
-    /// derivative.
+    /// |F|² times the square of twice the area in space, where F is the derivative of the map.
     squares: f64,
     d: UvVector,
     e: UvVector,
 }
 
-impl Corner {
-    fn flat(&self, q: Uv) -> Flat {
+impl CornerTerm {
+    fn flat(&self, q: Uv) -> PlaneTriangle {
         let (d, e) = (self.a - q, self.b - q);
         let [dd, de, ee] = self.metric;
         let squares = ee * d.norm_squared() - 2.0 * de * d.dot(&e) + dd * e.norm_squared();
-        Flat { twice: d.perp(&e), squares, d, e }
+        PlaneTriangle { twice: d.perp(&e), squares, d, e }
     }
 
-    fn value(&self, &Flat { twice, squares, .. }: &Flat) -> f64 {
+    fn value(&self, &PlaneTriangle { twice, squares, .. }: &PlaneTriangle) -> f64 {
         let [c, k] = self.factors;
         let inverse = 1.0 / twice;
         let value = squares * inverse * inverse * (c + k * squares * inverse);
         if twice > 0.0 { value } else { f64::INFINITY }
     }
 
-    /// Adds what the triangle shows at the corner's place.
-    fn add(&self, q: Uv, look: &mut Look) {
+    /// Adds the energy of the triangle and its derivatives at the position of the corner.
+    fn add(&self, q: Uv, here: &mut EnergyAt) {
         let flat = self.flat(q);
-        look.energy += self.value(&flat);
-        let Flat { twice, squares, d, e } = flat;
-        look.room = look.room.min(twice);
+        here.energy += self.value(&flat);
+        let PlaneTriangle { twice, squares, d, e } = flat;
+        here.room = here.room.min(twice);
         let [dd, de, ee] = self.metric;
-        // Derivatives of `squares` and `twice`.
+        // The derivatives of `squares` and `twice`.
         let gs = -2.0 * (ee * d - de * (d + e) + dd * e);
         let hs = 2.0 * (ee - 2.0 * de + dd);
         let gt = UvVector::new(d.y - e.y, e.x - d.x);
         let i = 1.0 / twice;
         let [c, k] = self.factors.map(|f| f * i * i);
         let (k, s) = (k * i, squares);
-        look.gradient += (c + 2.0 * k * s) * gs - s * i * (2.0 * c + 3.0 * k * s) * gt;
+        here.gradient += (c + 2.0 * k * s) * gs - s * i * (2.0 * c + 3.0 * k * s) * gt;
         let mixed = gs * gt.transpose();
-        look.hessian += Matrix2::from_diagonal_element((c + 2.0 * k * s) * hs)
+        here.hessian += Matrix2::from_diagonal_element((c + 2.0 * k * s) * hs)
             + 2.0 * k * gs * gs.transpose()
             - i * (2.0 * c + 6.0 * k * s) * (mixed + mixed.transpose())
             + s * i * i * (6.0 * c + 12.0 * k * s) * gt * gt.transpose();
     }
 }
 
-/// The triangles around a vertex, and where it is.
+/// The triangles around a vertex, and its position.
 struct Star<'a> {
-    corners: &'a [Corner],
+    corners: &'a [CornerTerm],
     at: Uv,
 }
 
@@ -131,35 +129,35 @@ impl Star<'_> {
         self.corners.iter().map(|c| c.value(&c.flat(q))).sum()
     }
 
-    fn look(&self) -> Look {
+    fn evaluate(&self) -> EnergyAt {
         let (gradient, hessian) = (UvVector::zeros(), Matrix2::zeros());
-        let mut look = Look { energy: 0.0, gradient, hessian, room: f64::INFINITY };
-        self.corners.iter().for_each(|c| c.add(self.at, &mut look));
-        look
+        let mut here = EnergyAt { energy: 0.0, gradient, hessian, room: f64::INFINITY };
+        self.corners.iter().for_each(|c| c.add(self.at, &mut here));
+        here
     }
 
-    /// The share of a step that may be gone: a triangle's area is linear in the
-    /// place of one corner.
+    /// The largest allowed multiple of a step. The area of a triangle is linear in the position of
+    /// one corner.
     fn limit(&self, step: UvVector) -> f64 {
-        let room = |c: &Corner| {
+        let room = |c: &CornerTerm| {
             let (d, e) = (c.a - self.at, c.b - self.at);
             let change = step.x * (d.y - e.y) + step.y * (e.x - d.x);
             let twice = d.x * e.y - d.y * e.x;
-            if change < 0.0 { SAFE * twice / -change } else { OVER }
+            if change < 0.0 { MAX_STEP_SHARE * twice / -change } else { OVER_RELAXATION }
         };
-        self.corners.iter().map(room).fold(OVER, f64::min)
+        self.corners.iter().map(room).fold(OVER_RELAXATION, f64::min)
     }
 
-    /// Where the vertex moves.
-    fn moved(&self, look: &Look, freedom: Freedom) -> Uv {
-        let step = look.step(freedom);
+    /// The new position of the vertex.
+    fn moved(&self, here: &EnergyAt, freedom: Freedom) -> Uv {
+        let step = here.step(freedom);
         if !(step.x.is_finite() && step.y.is_finite()) {
             return self.at;
         }
         let mut share = self.limit(step);
-        for _ in 0..HALVINGS {
+        for _ in 0..MAX_SHORTENINGS {
             let there = self.at + share * step;
-            if self.energy(there) < look.energy {
+            if self.energy(there) < here.energy {
                 return there;
             }
             share *= 0.4;
@@ -168,8 +166,8 @@ impl Star<'_> {
     }
 }
 
-impl Look {
-    /// The Newton step, with negative curvature taken for positive.
+impl EnergyAt {
+    /// The Newton step. Negative curvature is replaced by its absolute value.
     fn step(&self, freedom: Freedom) -> UvVector {
         let (g, h) = (self.gradient, self.hessian);
         match freedom {
@@ -189,53 +187,56 @@ impl Look {
     }
 }
 
-/// Shorter steps that are tried where one does not lower the energy.
-const HALVINGS: usize = 4;
+/// The number of shorter steps that are tried if a step does not reduce the energy.
+const MAX_SHORTENINGS: usize = 4;
 
-/// The place to which vertex `v` moves from where it is `at`, as its neighbours are, and
-/// whether it went far. `corners` is for use in between.
-// Not inlined, which with two callers it would not be, it takes a tenth longer.
+/// The new position of vertex `v`, and whether it moved far. `at` gives the present positions of
+/// the vertex and its neighbours. `corners` is working memory.
+// Without this attribute the function is not inlined, because it has two callers. It then takes a
+// tenth longer.
 #[inline(always)]
 pub fn moved(
-    surface: &Surface,
-    stars: &Stars,
+    energy: &StretchEnergy,
+    rings: &OneRings,
     v: u32,
     at: impl Fn(u32) -> Uv,
-    corners: &mut Vec<Corner>,
+    corners: &mut Vec<CornerTerm>,
 ) -> (Uv, bool) {
-    let p = surface.points[v as usize];
+    let p = energy.points[v as usize];
     let corner = |(a, b): (u32, u32)| {
-        let (d, e) = (surface.points[a as usize] - p, surface.points[b as usize] - p);
+        let (d, e) = (energy.points[a as usize] - p, energy.points[b as usize] - p);
         let metric = [d.norm_squared(), d.dot(&e), e.norm_squared()];
         let longest = metric[0].max(metric[2]).max((e - d).norm_squared());
         let area = d.cross(&e).norm().max(THINNEST * longest).max(f64::MIN_POSITIVE);
-        let weights = [a, b, v].map(|w| surface.weights[w as usize]);
+        let weights = [a, b, v].map(|w| energy.weights[w as usize]);
         let least = weights.iter().copied().fold(f64::INFINITY, f64::min);
-        // A triangle of a skirt is as light as the skirt's vertices.
+        // A triangle of the scaffold has the weight of the scaffold's vertices.
         let weight = if least < 1.0 { 3.0 * least } else { weights.iter().sum() };
-        let factors = [(1.0 - surface.round) * weight * area, 0.5 * surface.round * weight];
-        Corner { metric, factors, a: at(a), b: at(b) }
+        let factors =
+            [(1.0 - energy.convex_weight) * weight * area, 0.5 * energy.convex_weight * weight];
+        CornerTerm { metric, factors, a: at(a), b: at(b) }
     };
     corners.clear();
-    corners.extend(stars.sides(v).map(corner));
+    corners.extend(rings.sides(v).map(corner));
     let star = Star { corners, at: at(v) };
-    let look = star.look();
-    let place = star.moved(&look, surface.freedom[v as usize]);
-    (place, (place - star.at).norm_squared() > FAR * FAR * look.room)
+    let here = star.evaluate();
+    let place = star.moved(&here, energy.freedom[v as usize]);
+    (place, (place - star.at).norm_squared() > FAR_MOVE * FAR_MOVE * here.room)
 }
 
-/// Going this share of the root of the smallest triangle's area is going far.
-const FAR: f64 = 0.05;
+/// A move is far if it exceeds this share of the square root of twice the area of the smallest
+/// triangle.
+const FAR_MOVE: f64 = 0.05;
 
-/// Vertices in groups, no two of a group neighbours, so that those of a group
-/// can move at once.
-pub fn groups(stars: &Stars, vertices: impl IntoIterator<Item = u32>) -> Vec<Vec<u32>> {
-    let mut group = vec![u32::MAX; stars.len()];
+/// Divides vertices into groups without neighbours (graph colouring). The vertices of one group can
+/// move at the same time.
+pub fn groups(rings: &OneRings, vertices: impl IntoIterator<Item = u32>) -> Vec<Vec<u32>> {
+    let mut group = vec![u32::MAX; rings.len()];
     let mut groups: Vec<Vec<u32>> = Vec::new();
-    // The last vertex that had a neighbour in each group.
+    // For each group, the last vertex that has a neighbour in it.
     let mut beside: Vec<u32> = Vec::new();
     for v in vertices {
-        for &w in stars.ring(v) {
+        for &w in rings.ring(v) {
             if let Some(last) = beside.get_mut(group[w as usize] as usize) {
                 *last = v;
             }
@@ -251,9 +252,14 @@ pub fn groups(stars: &Stars, vertices: impl IntoIterator<Item = u32>) -> Vec<Vec
     groups
 }
 
-/// Moves every vertex of every group once; gives those that went far for the
-/// room that they have.
-pub fn sweep(surface: &Surface, stars: &Stars, groups: &[Vec<u32>], at: &mut [Uv]) -> Vec<u32> {
+/// Moves every vertex of every group once. Returns the vertices that moved far relative to the size
+/// of their triangles.
+pub fn sweep(
+    energy: &StretchEnergy,
+    rings: &OneRings,
+    groups: &[Vec<u32>],
+    at: &mut [Uv],
+) -> Vec<u32> {
     let mut far = Vec::new();
     for group in groups {
         let shown: &[Uv] = at;
@@ -262,7 +268,7 @@ pub fn sweep(surface: &Surface, stars: &Stars, groups: &[Vec<u32>], at: &mut [Uv
             .with_min_len(256)
             .map_init(Vec::new, |corners, &v| {
                 let at = |w: u32| shown[w as usize];
-                moved(surface, stars, v, at, corners)
+                moved(energy, rings, v, at, corners)
             })
             .collect();
         for (&v, (place, is_far)) in group.iter().zip(places) {
@@ -281,9 +287,9 @@ mod tests {
 
     #[test]
     fn neighbours_are_in_different_groups_however_many_there_are() {
-        // All are neighbours of all, which no mesh has.
-        let stars = Stars::joined(100);
-        let groups = groups(&stars, 0..100);
+        // All vertices are neighbours of each other. No mesh is like this.
+        let rings = OneRings::joined(100);
+        let groups = groups(&rings, 0..100);
         assert_eq!(groups, (0..100).map(|v| vec![v]).collect::<Vec<_>>());
     }
 }

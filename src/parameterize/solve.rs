@@ -1,23 +1,24 @@
-//! Mean value coordinates (Floater, "Mean value coordinates", 2003): every
-//! inner vertex is the weighted mean of its neighbours.
+//! Linear maps in which every inner vertex is a weighted mean of its neighbours: mean value
+//! coordinates (Floater, "Mean value coordinates", 2003) and even weights (Tutte, "How to draw a
+//! graph", 1963).
 
-use faer::prelude::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 
-use super::stars::Stars;
+use super::lu::Lu;
+use super::one_rings::OneRings;
 use crate::error::{self, Result, Unsolved};
 use crate::geometry::{Point, Uv};
 
-/// The weights of the neighbours `ring`, all around the point `p`:
-/// (tan(α/2) + tan(β/2)) / ‖q − p‖ with the angles at p on both sides of the
-/// edge to q. All are positive, so the map is a convex combination.
+/// The mean value weights of the neighbours `ring` around the point `p`: (tan(α/2) + tan(β/2)) / ‖q
+/// − p‖, where α and β are the angles at p on the two sides of the edge to q. All weights are
+/// positive, so the map is a convex combination.
 pub fn shares(p: Point, ring: &[u32], points: &[Point]) -> Vec<(u32, f64)> {
     let n = ring.len();
     let away: Vec<_> = ring.iter().map(|&w| points[w as usize] - p).collect();
     let longest = away.iter().map(|d| d.norm()).fold(f64::MIN_POSITIVE, f64::max);
     let length = |i: usize| away[i % n].norm().max(SHORTEST * longest);
-    // tan(α/2) = sin α / (1 + cos α), bounded where a needle's angle comes near
-    // a half turn, and from below where it vanishes.
+    // tan(α/2) = sin α / (1 + cos α). It is bounded above for needles whose angle is nearly a half
+    // turn, and below where the angle vanishes.
     let tangent = |i: usize| {
         let (d, e) = (away[i % n], away[(i + 1) % n]);
         let product = length(i) * length(i + 1);
@@ -27,23 +28,24 @@ pub fn shares(p: Point, ring: &[u32], points: &[Point]) -> Vec<(u32, f64)> {
     ring.iter().enumerate().map(|(i, &w)| (w, share(i))).collect()
 }
 
-/// Edges count as if they were this share of the star's longest at least.
+/// The smallest edge length that is used, as a share of the longest edge at the vertex.
 const SHORTEST: f64 = 1e-6;
 
-/// Moves the `inner` vertices to where each is its neighbours' mean by mean value
-/// weights, with all others held.
-pub fn mean_value(points: &[Point], stars: &Stars, inner: &[u32], at: &mut [Uv]) -> Result<()> {
-    solve(stars, inner, at, |v| shares(points[v as usize], stars.ring(v), points))
+/// Moves each of the `inner` vertices to the mean of its neighbours with mean value weights. All
+/// others stay in place.
+pub fn mean_value(points: &[Point], rings: &OneRings, inner: &[u32], at: &mut [Uv]) -> Result<()> {
+    solve(rings, inner, at, |v| shares(points[v as usize], rings.ring(v), points))
 }
 
-/// The same by even weights (Tutte), which no shape of a triangle can spoil.
-pub fn even(stars: &Stars, inner: &[u32], at: &mut [Uv]) -> Result<()> {
-    solve(stars, inner, at, |v| stars.ring(v).iter().map(|&w| (w, 1.0)).collect())
+/// Moves each of the `inner` vertices to the mean of its neighbours with even weights (Tutte). This
+/// does not depend on the shapes of the triangles.
+pub fn even(rings: &OneRings, inner: &[u32], at: &mut [Uv]) -> Result<()> {
+    solve(rings, inner, at, |v| rings.ring(v).iter().map(|&w| (w, 1.0)).collect())
 }
 
-/// Sparse LU, since mean value weights are not symmetric.
+/// Solves by a sparse LU factorization, because mean value weights are not symmetric.
 fn solve(
-    stars: &Stars,
+    rings: &OneRings,
     inner: &[u32],
     at: &mut [Uv],
     shares: impl Fn(u32) -> Vec<(u32, f64)>,
@@ -53,7 +55,7 @@ fn solve(
     if n == 0 {
         return Ok(());
     }
-    let mut unknown = vec![u32::MAX; stars.len()];
+    let mut unknown = vec![u32::MAX; rings.len()];
     inner.iter().enumerate().for_each(|(i, &v)| unknown[v as usize] = i as u32);
     let mut triplets = Vec::with_capacity(7 * n);
     let mut right = faer::Mat::<f64>::zeros(n, 2);
@@ -75,9 +77,9 @@ fn solve(
     let matrix = SparseColMat::<u32, f64>::try_new_from_triplets(n, n, &triplets);
     let matrix = matrix.map_err(|why| failed(why.into()))?;
     drop(triplets);
-    let solution = matrix.sp_lu().map_err(|why| failed(why.into()))?.solve(&right);
+    Lu::new(matrix.as_ref()).map_err(|why| failed(why.into()))?.solve(&mut right);
     for (i, &v) in inner.iter().enumerate() {
-        at[v as usize] = Uv::new(solution[(i, 0)], solution[(i, 1)]);
+        at[v as usize] = Uv::new(right[(i, 0)], right[(i, 1)]);
     }
     let finite = |p: &Uv| p.x.is_finite() && p.y.is_finite();
     let all = inner.iter().all(|&v| finite(&at[v as usize]));

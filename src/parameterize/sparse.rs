@@ -1,20 +1,20 @@
-//! Sparse matrices by rows, and what they make of a plane's points.
+//! Sparse matrices stored by rows, applied to vectors of points in the plane.
 
 use faer::sparse::{SparseRowMat, SymbolicSparseRowMat};
 use rayon::prelude::*;
 
-/// A sparse matrix by rows, the columns of each in ascending order.
+/// A sparse matrix by rows. The columns of each row ascend.
 pub type Matrix = SparseRowMat<u32, f64>;
 
-/// Two unknowns, u and v, that share the rows of a matrix.
-pub type Pair = [f64; 2];
+/// Two unknowns, u and v, with the same matrix row.
+pub type UvPair = [f64; 2];
 
-/// Rows that one thread takes at a time. Where results depend on it, it is this
-/// and not the number of threads that counts.
+/// The number of rows that one thread processes at a time. Some results depend on it, but not on
+/// the number of threads.
 pub const BLOCK: usize = 1 << 13;
 
-/// A matrix from its rows: `row` puts pairs of column and value, no column twice, into
-/// an empty vector.
+/// Builds a matrix from its rows. `row` fills an empty vector with pairs of column and value,
+/// without repeating a column.
 pub fn from_rows(
     size: [usize; 2],
     row: impl Fn(usize, &mut Vec<(u32, f64)>) + Sync + Send,
@@ -57,27 +57,27 @@ pub fn row(matrix: &Matrix, i: usize) -> impl Iterator<Item = (usize, f64)> + '_
     columns.zip(&matrix.val()[range]).map(|(&j, &a)| (j as usize, a))
 }
 
-/// A row times a vector.
-pub fn product(matrix: &Matrix, i: usize, x: &[Pair]) -> Pair {
+/// The product of a row and a vector.
+pub fn product(matrix: &Matrix, i: usize, x: &[UvPair]) -> UvPair {
     row(matrix, i).fold([0.0; 2], |sum, (j, a)| [sum[0] + a * x[j][0], sum[1] + a * x[j][1]])
 }
 
-/// Puts into each place of `out` what its number and its value make.
-pub fn fill(out: &mut [Pair], make: impl Fn(usize, Pair) -> Pair + Sync + Send) {
+/// Replaces each entry of `out` by `make(index, entry)`.
+pub fn fill(out: &mut [UvPair], make: impl Fn(usize, UvPair) -> UvPair + Sync + Send) {
     out.par_chunks_mut(BLOCK).enumerate().for_each(|(k, block)| {
         block.iter_mut().enumerate().for_each(|(i, value)| *value = make(k * BLOCK + i, *value));
     });
 }
 
-/// b − Ax, into `out`.
-pub fn residual(matrix: &Matrix, b: &[Pair], x: &[Pair], out: &mut [Pair]) {
+/// Computes b − Ax into `out`.
+pub fn residual(matrix: &Matrix, b: &[UvPair], x: &[UvPair], out: &mut [UvPair]) {
     fill(out, |i, _| {
         let ax = product(matrix, i, x);
         [b[i][0] - ax[0], b[i][1] - ax[1]]
     });
 }
 
-/// Adds `step` to `x`.
-pub fn add(x: &mut [Pair], step: &[Pair]) {
-    fill(x, |i, x| [x[0] + step[i][0], x[1] + step[i][1]]);
+/// Adds `factor` times `step` to `x`.
+pub fn add(x: &mut [UvPair], factor: f64, step: &[UvPair]) {
+    fill(x, |i, x| [0, 1].map(|k| x[k] + factor * step[i][k]));
 }

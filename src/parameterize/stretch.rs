@@ -1,34 +1,33 @@
-//! How a map stretches (Sander, Snyder, Gortler, Hoppe, "Texture mapping
-//! progressive meshes", 2001).
+//! The stretch of a map (Sander, Snyder, Gortler, Hoppe, "Texture mapping progressive meshes",
+//! 2001).
 
 use rayon::prelude::*;
 
 use crate::geometry::{Point, Uv, Vector};
 use crate::mesh::Patch;
 
-/// Stretch of the map from the parameter plane to the measured triangles,
-/// normalised to 1 for an isometry. The plane is scaled to the rectangle that
-/// stretches least, since a map to the square is one to any rectangle.
+/// The stretch of the map from the parameter plane to the measured triangles. It is 1 for an
+/// isometry. The unit square is first scaled to the rectangle with the least stretch.
 #[derive(Debug, Clone, Copy, Default)]
 #[non_exhaustive]
 pub struct Stretch {
-    /// Root mean square over directions and (area-weighted) triangles.
+    /// The root mean square of the stretch over directions and area-weighted triangles.
     pub l2: f64,
-    /// The largest singular value of any triangle's map.
+    /// The largest singular value of the map of any triangle.
     pub max: f64,
-    /// Width over height of the rectangle.
+    /// The ratio of width to height of the rectangle.
     pub aspect: f64,
 }
 
-/// Of one triangle: area in space, area in the plane, ∂S/∂u, ∂S/∂v.
+/// For one triangle: its area in space, its area in the plane, ∂S/∂u and ∂S/∂v.
 pub type Derivatives = (f64, f64, Vector, Vector);
 
-/// A triangle's map is taken for no flatter than this share of the mean, so
-/// that one lost to rounding still has a stretch.
+/// The smallest area of a triangle in the plane, as a share of the mean. A triangle that rounding
+/// has flattened then still has a finite stretch.
 const FLATTEST: f64 = 1e-14;
 
-/// Of one triangle from its corners' places; twice the area in the plane counts as
-/// `least` at the least.
+/// The derivatives on one triangle, from the positions of its corners. Twice its area in the plane
+/// is taken to be at least `least`.
 pub fn derivatives([p, q, r]: [Point; 3], [a, b, c]: [Uv; 3], least: f64) -> Derivatives {
     let (d, e) = (b - a, c - a);
     let twice = (d.x * e.y - d.y * e.x).max(least);
@@ -37,16 +36,16 @@ pub fn derivatives([p, q, r]: [Point; 3], [a, b, c]: [Uv; 3], least: f64) -> Der
     (0.5 * (q - p).cross(&(r - p)).norm(), 0.5 * twice, su, sv)
 }
 
-/// Things that one thread sums at a time, whatever the number of threads.
+/// The number of items that one thread sums at a time. It does not depend on the number of threads.
 const BLOCK: usize = 1 << 14;
 
-/// Things in blocks, for sums of blocks.
+/// Divides items into blocks whose sums are computed in parallel.
 pub fn blocks<T: Sync>(all: &[T]) -> impl IndexedParallelIterator<Item = &[T]> {
     all.par_chunks(BLOCK)
 }
 
-/// By how much the parameter plane should widen, its area kept, for the least
-/// stretch; of triangles in blocks.
+/// The factor by which the width of the parameter plane should grow, with constant area, for the
+/// least stretch. The triangles are given in blocks.
 pub fn best_width(
     points: &[Point],
     at: &[Uv],
@@ -55,13 +54,12 @@ pub fn best_width(
     least(together(blocks.map(|block| sums(derivatives_of(points, at, block))))).0
 }
 
-/// The L² stretch of a map, on the rectangle that stretches least.
+/// The L² stretch of a map, on the rectangle with the least stretch.
 pub fn of(points: &[Point], at: &[Uv], triangles: impl Iterator<Item = [u32; 3]>) -> f64 {
     least(sums(derivatives_of(points, at, triangles))).1
 }
 
-/// The share of a map's area that is stretched more than `ratio` times as much one way as
-/// the other.
+/// The share of a map's area on which the ratio of the two stretches exceeds `ratio`.
 pub fn drawn_out(
     points: &[Point],
     at: &[Uv],
@@ -105,8 +103,8 @@ fn derivatives_of(
     })
 }
 
-/// Area in space and in the plane, and the integrals of |∂S/∂u|² and |∂S/∂v|²
-/// over the former.
+/// The area in space, the area in the plane, and the integrals of |∂S/∂u|² and |∂S/∂v|² over the
+/// area in space.
 fn sums(all: impl Iterator<Item = Derivatives>) -> [f64; 4] {
     let add = |[a, f, u, v]: [f64; 4], t: Derivatives| {
         [a + t.0, f + t.1, u + t.0 * t.2.norm_squared(), v + t.0 * t.3.norm_squared()]
@@ -114,22 +112,22 @@ fn sums(all: impl Iterator<Item = Derivatives>) -> [f64; 4] {
     all.fold([0.0; 4], add)
 }
 
-/// The sums of all blocks.
+/// The sum over all blocks.
 fn together(blocks: impl IndexedParallelIterator<Item = [f64; 4]>) -> [f64; 4] {
     let blocks: Vec<[f64; 4]> = blocks.collect();
     blocks.iter().fold([0.0; 4], |sum, block| std::array::from_fn(|k| sum[k] + block[k]))
 }
 
-/// From these sums the width w of the rectangle w × 1/w that stretches least,
-/// and its L² stretch.
+/// The width w of the rectangle w × 1/w with the least stretch, computed from these sums, and its
+/// L² stretch.
 fn least([area, flat, along_u, along_v]: [f64; 4]) -> (f64, f64) {
-    // The best has w⁴ = along_u / along_v.
+    // The minimum is at w⁴ = along_u / along_v.
     let w = (along_u / along_v).powf(0.25);
     let squares = 0.5 * (along_u / (w * w) + along_v * w * w) / area;
     (w, (flat / area).sqrt() * squares.sqrt())
 }
 
-/// Measures the stretch.
+/// Measures the stretch of a map.
 pub fn measure(patch: &Patch, uv: &[Uv]) -> Stretch {
     let flattest = FLATTEST / uv.len() as f64;
     let of = |t: usize| {

@@ -1,124 +1,125 @@
-//! How much the surface counts, place by place: where it is curved sharply for
-//! its size a spline needs more knots, and the map should leave room for them.
+//! The weight of each part of the surface in the energy. A spline needs more knots where the
+//! surface is sharply curved for its size, and the map should leave space for them.
 
 use rayon::prelude::*;
 
-use super::hierarchy::{self, Hierarchy};
-use super::stars::Removal;
+use super::one_rings::HalfEdgeCollapse;
+use super::progressive_mesh::{self, ProgressiveMesh};
 use crate::geometry::{Point, Vector};
 
-/// Weights of vertices, as means over the surface that each stands for.
+/// The weights of vertices, as means over the part of the surface that each vertex represents.
 #[derive(Debug, Clone, Default)]
 pub struct Weights {
-    /// The weight around each vertex.
+    /// The weight of each vertex.
     pub of: Vec<f64>,
-    /// How much surface each stands for, in any unit.
+    /// The amount of surface that each vertex represents, in any unit.
     mass: Vec<f64>,
 }
 
-/// A place whose radius of curvature is this share of the square root of the
-/// area counts twice as much as a flat one,
-const TIGHT: f64 = 1.0 / 28.0;
+/// A place has the weight 2 if its radius of curvature is this share of the square root of the
+/// area.
+const SHARP_RADIUS: f64 = 1.0 / 28.0;
 
-/// but only if it is so many times as curved as the surface is in the mean: a
-/// rough surface has no places of its own.
-const UNUSUAL: f64 = 4.0;
+/// A place gets more weight only if its curvature exceeds this multiple of the mean curvature. A
+/// rough surface has no places that stand out.
+const MIN_CURVATURE_RATIO: f64 = 4.0;
 
-/// No place counts more.
-const MOST: f64 = 20.0;
+/// The largest weight.
+const MAX_WEIGHT: f64 = 20.0;
 
-/// Weight of a skirt, which should give way.
-const SKIRT: f64 = 0.01;
+/// The weight of the scaffold, which should give way.
+const SCAFFOLD: f64 = 0.01;
 
-/// Times that the curvature is averaged over the neighbours.
+/// The number of rounds in which the weights are averaged over neighbours.
 const ROUNDS: usize = 3;
 
 impl Weights {
-    /// All places count alike.
+    /// Equal weights.
     pub fn even(count: usize) -> Self {
         Weights { of: vec![1.0; count], mass: vec![1.0; count] }
     }
 
-    /// Gives the vertices from `first` on, which are a skirt's, next to none.
+    /// Gives the vertices from `first` on, which belong to the scaffold, the weight of the
+    /// scaffold.
     pub fn lighten(&mut self, first: usize) {
-        self.of[first..].fill(SKIRT);
+        self.of[first..].fill(SCAFFOLD);
     }
 
-    /// Whether a vertex is a skirt's.
+    /// Whether a vertex belongs to the scaffold.
     pub fn is_light(&self, v: u32) -> bool {
         self.of[v as usize] < 1.0
     }
 
-    /// By the curvature of the mesh that is left in a hierarchy; `area` is the
-    /// surface's, in mm².
-    pub fn by_curvature(points: &[Point], hierarchy: &Hierarchy, area: f64) -> Self {
+    /// The weights by the curvature of the present mesh of a hierarchy. `area` is that of the
+    /// surface, in mm².
+    pub fn by_curvature(points: &[Point], hierarchy: &ProgressiveMesh, area: f64) -> Self {
         let mut weights = Weights::even(points.len());
-        let (stars, left) = (&hierarchy.stars, &hierarchy.left);
+        let (rings, remaining) = (&hierarchy.rings, &hierarchy.remaining);
         let mut normals = vec![Vector::zeros(); points.len()];
         let found: Vec<Vector> =
-            left.par_iter().map(|&v| hierarchy::normal(points, stars, v)).collect();
-        left.iter().zip(found).for_each(|(&v, normal)| normals[v as usize] = normal);
+            remaining.par_iter().map(|&v| progressive_mesh::normal(points, rings, v)).collect();
+        remaining.iter().zip(found).for_each(|(&v, normal)| normals[v as usize] = normal);
         let bend = |&v: &u32| {
             let turn = |&w: &u32| {
                 let away = (points[w as usize] - points[v as usize]).norm_squared();
                 let turn = (normals[w as usize] - normals[v as usize]).norm_squared();
                 turn / away.max(f64::MIN_POSITIVE)
             };
-            let ring = stars.ring(v);
+            let ring = rings.ring(v);
             (ring.iter().map(turn).sum::<f64>() / ring.len().max(1) as f64).sqrt()
         };
-        let bends: Vec<f64> = left.par_iter().map(bend).collect();
+        let bends: Vec<f64> = remaining.par_iter().map(bend).collect();
         let mean = bends.iter().sum::<f64>() / bends.len().max(1) as f64;
-        let tight = (1.0 / (TIGHT * area.sqrt())).max(UNUSUAL * mean);
-        let of = bends.iter().map(|bend| 1.0 + (bend / tight).powi(3).min(MOST - 1.0));
-        left.iter().zip(of).for_each(|(&v, weight)| weights.of[v as usize] = weight);
+        let tight = (1.0 / (SHARP_RADIUS * area.sqrt())).max(MIN_CURVATURE_RATIO * mean);
+        let of = bends.iter().map(|bend| 1.0 + (bend / tight).powi(3).min(MAX_WEIGHT - 1.0));
+        remaining.iter().zip(of).for_each(|(&v, weight)| weights.of[v as usize] = weight);
         for _ in 0..ROUNDS {
             let mean = |&v: &u32| {
-                let ring = stars.ring(v);
+                let ring = rings.ring(v);
                 let sum: f64 = ring.iter().map(|&w| weights.of[w as usize]).sum();
                 0.5 * (weights.of[v as usize] + sum / ring.len().max(1) as f64)
             };
-            let of: Vec<f64> = left.par_iter().map(mean).collect();
-            left.iter().zip(of).for_each(|(&v, weight)| weights.of[v as usize] = weight);
+            let of: Vec<f64> = remaining.par_iter().map(mean).collect();
+            remaining.iter().zip(of).for_each(|(&v, weight)| weights.of[v as usize] = weight);
         }
         weights
     }
 
-    /// Those of the vertices `left`, numbered by their order.
-    pub fn renumbered(&self, left: &[u32]) -> Self {
-        let of = left.iter().map(|&v| self.of[v as usize]).collect();
-        Weights { of, mass: left.iter().map(|&v| self.mass[v as usize]).collect() }
+    /// The weights of the vertices `remaining`, renumbered in their order.
+    pub fn renumbered(&self, remaining: &[u32]) -> Self {
+        let of = remaining.iter().map(|&v| self.of[v as usize]).collect();
+        Weights { of, mass: remaining.iter().map(|&v| self.mass[v as usize]).collect() }
     }
 
-    /// The apex of a removed vertex' fan stands for it too.
-    pub fn lump(&mut self, removal: &Removal) {
-        self.shift(removal, 1.0);
+    /// Adds the surface that a collapsed vertex represents to the apex of its fan.
+    pub fn lump(&mut self, collapse: &HalfEdgeCollapse) {
+        self.shift(collapse, 1.0);
     }
 
-    /// The vertex stands for itself again.
-    pub fn unlump(&mut self, removal: &Removal) {
-        self.shift(removal, -1.0);
+    /// Undoes [`Weights::lump`] when the vertex is split off again.
+    pub fn unlump(&mut self, collapse: &HalfEdgeCollapse) {
+        self.shift(collapse, -1.0);
     }
 
-    fn shift(&mut self, removal: &Removal, sign: f64) {
-        if self.is_light(removal.vertex) || self.is_light(removal.fan().0) {
+    fn shift(&mut self, collapse: &HalfEdgeCollapse, sign: f64) {
+        if self.is_light(collapse.vertex) || self.is_light(collapse.fan().0) {
             return;
         }
-        let (apex, v) = (removal.fan().0 as usize, removal.vertex as usize);
+        let (apex, v) = (collapse.fan().0 as usize, collapse.vertex as usize);
         let mass = self.mass[apex] + sign * self.mass[v];
         let whole = self.of[apex] * self.mass[apex] + sign * self.of[v] * self.mass[v];
-        (self.of[apex], self.mass[apex]) = ((whole / mass).clamp(1.0, MOST), mass);
+        (self.of[apex], self.mass[apex]) = ((whole / mass).clamp(1.0, MAX_WEIGHT), mass);
     }
 
-    /// Vertices that were not there when the curvature was taken weigh what their rings
-    /// do. None is in another's ring.
-    pub fn follow(&mut self, pass: &[Removal]) {
-        let weigh = |removal: &Removal| {
-            if self.is_light(removal.vertex) {
-                return self.of[removal.vertex as usize];
+    /// Gives vertices that were not present when the curvature was measured the mean weight of
+    /// their rings. No vertex is in the ring of another one.
+    pub fn follow(&mut self, pass: &[HalfEdgeCollapse]) {
+        let weigh = |collapse: &HalfEdgeCollapse| {
+            if self.is_light(collapse.vertex) {
+                return self.of[collapse.vertex as usize];
             }
-            let sum: f64 = removal.ring.iter().map(|&w| self.of[w as usize].max(1.0)).sum();
-            sum / removal.ring.len().max(1) as f64
+            let sum: f64 = collapse.ring.iter().map(|&w| self.of[w as usize].max(1.0)).sum();
+            sum / collapse.ring.len().max(1) as f64
         };
         let found: Vec<f64> = pass.par_iter().with_min_len(64).map(weigh).collect();
         pass.iter().zip(found).for_each(|(r, weight)| self.of[r.vertex as usize] = weight);

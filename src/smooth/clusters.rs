@@ -1,68 +1,68 @@
-//! A scan at several grains: its vertices, and coarser and coarser clusters of
-//! them that grow along the mesh's edges.
+//! A hierarchy of clusters of a scan's vertices. The finest level is the vertices themselves;
+//! clusters of coarser levels grow along the edges of the mesh.
 //!
-//! A fit with a wide support takes clusters for points, each with its number of
-//! points, their mean and their covariance: it costs as much as one with a
-//! narrow support, and is as exact (see [`Sample`]). Neighbourhoods follow the
-//! mesh, so that none reaches through a wall or over a gap to another sheet.
+//! A fit with a wide support uses clusters in place of points. Each cluster has a number of points,
+//! a mean and a covariance (see [`Sample`]). Such a fit costs as much as one with a narrow support
+//! and is as exact as one to the points. Neighbourhoods follow the mesh, so none reaches through a
+//! wall or across a gap to another sheet.
 
 use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
 use crate::geometry::{Vector, VertexId};
-use crate::mesh::mls::{REACH, Sample, steady_normals};
-use crate::mesh::{Mesh, Rings};
+use crate::mesh::mls::{REACH, Sample, smoothed_normals};
+use crate::mesh::{Mesh, VertexRings};
 
-/// One grain.
-pub struct Grain {
+/// One level of the hierarchy.
+pub struct ClusterLevel {
     /// The clusters.
     pub samples: Vec<Sample>,
-    /// Their mean unit normals.
+    /// The mean unit normals of the clusters.
     pub normals: Vec<Vector>,
-    /// Which clusters share an edge: those of cluster i stand at
-    /// `starts[i]..starts[i + 1]`.
+    /// The adjacency of the clusters: the neighbours of cluster i are at `starts[i]..starts[i + 1]`
+    /// of `near`. Two clusters are neighbours if they share an edge of the mesh.
     starts: Vec<u32>,
     near: Vec<u32>,
 }
 
-/// Room for the gathering of one neighbourhood.
+/// Working memory for the gathering of one neighbourhood.
 #[derive(Default)]
-pub struct Gathering {
+pub struct Neighbourhood {
     stamp: u32,
     seen: Vec<u32>,
     found: Vec<u32>,
-    /// The samples around.
+    /// The samples of the neighbourhood.
     pub around: Vec<Sample>,
-    /// Their numbers.
+    /// The numbers of these clusters.
     pub numbers: Vec<u32>,
 }
 
-/// Rooms, kept between gatherings: each is as large as the grain.
+/// A pool of working memory, kept between gatherings because each piece is as large as the level.
 #[derive(Default)]
-pub struct Rooms(Mutex<Vec<Gathering>>);
+pub struct ScratchPool(Mutex<Vec<Neighbourhood>>);
 
-impl Rooms {
-    /// Does something in a room that nobody else uses meanwhile.
-    pub fn with<T>(&self, work: impl FnOnce(&mut Gathering) -> T) -> T {
+impl ScratchPool {
+    /// Runs `work` with working memory that no other thread uses meanwhile.
+    pub fn with<T>(&self, work: impl FnOnce(&mut Neighbourhood) -> T) -> T {
         let free = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let taken = free().pop();
-        let mut room = taken.unwrap_or_default();
-        let done = work(&mut room);
-        free().push(room);
+        let mut scratch = taken.unwrap_or_default();
+        let done = work(&mut scratch);
+        free().push(scratch);
         done
     }
 }
 
 const FREE: u32 = u32::MAX;
 
-/// A cluster with less than this share of the points that those beside it have
-/// faces as they do.
-const LEFT_OVER: f64 = 0.25;
+/// A cluster is a remainder if it has less than this share of the mean number of points of its
+/// neighbours. A remainder takes its normal from its neighbours.
+const REMAINDER_SHARE: f64 = 0.25;
 
-impl Grain {
-    /// The vertices themselves. Those that `left_out` lists count for nothing.
-    pub fn finest(mesh: &Mesh, rings: &Rings, left_out: &[bool]) -> Self {
+impl ClusterLevel {
+    /// The level of the vertices themselves. Vertices marked in `left_out` have no weight.
+    pub fn finest(mesh: &Mesh, rings: &VertexRings, left_out: &[bool]) -> Self {
         let mut samples: Vec<Sample> = mesh.points.iter().map(|&p| p.into()).collect();
         for (sample, _) in samples.iter_mut().zip(left_out).filter(|(_, out)| **out) {
             sample.weight = 0.0;
@@ -71,12 +71,12 @@ impl Grain {
             near.extend(rings.neighbours(mesh, VertexId::from(v)).map(|w| w.0));
         };
         let (starts, near) = adjacency(mesh.points.len(), around);
-        Grain { samples, normals: steady_normals(mesh, rings), starts, near }
+        ClusterLevel { samples, normals: smoothed_normals(mesh, rings), starts, near }
     }
 
-    /// Clusters of those of this grain that lie within `radius` of the first
-    /// of them, and for each of this grain the number of its cluster.
-    pub fn coarser(&self, radius: f64) -> (Grain, Vec<u32>) {
+    /// Joins the clusters of this level that lie within `radius` of a seed. Returns the coarser
+    /// level, and for each cluster of this level the number of its coarser cluster.
+    pub fn coarser(&self, radius: f64) -> (ClusterLevel, Vec<u32>) {
         let mut cluster = vec![FREE; self.samples.len()];
         let mut members: Vec<u32> = Vec::with_capacity(self.samples.len());
         let mut ends = Vec::new();
@@ -100,18 +100,19 @@ impl Grain {
             );
         };
         let (starts, near) = adjacency(of.len(), around);
-        let mut grain = Grain { samples: samples.collect(), normals: Vec::new(), starts, near };
-        // The normals of a few points left over between clusters may be noise.
+        let mut clusters =
+            ClusterLevel { samples: samples.collect(), normals: Vec::new(), starts, near };
+        // A few points left between clusters may have normals that are mostly noise.
         let normal = |c: usize| {
-            let beside = || grain.near(c).iter().map(|&b| b as usize);
-            let mean = beside().map(|b| grain.samples[b].weight).sum::<f64>()
-                / grain.near(c).len().max(1) as f64;
-            let is_left_over = grain.samples[c].weight < LEFT_OVER * mean;
-            let sum = if is_left_over { beside().map(|b| sums[b]).sum() } else { sums[c] };
+            let beside = || clusters.near(c).iter().map(|&b| b as usize);
+            let mean = beside().map(|b| clusters.samples[b].weight).sum::<f64>()
+                / clusters.near(c).len().max(1) as f64;
+            let is_remainder = clusters.samples[c].weight < REMAINDER_SHARE * mean;
+            let sum = if is_remainder { beside().map(|b| sums[b]).sum() } else { sums[c] };
             sum.try_normalize(1e-12).unwrap_or(self.normals[of[c][0] as usize])
         };
-        grain.normals = (0..of.len()).into_par_iter().map(normal).collect();
-        (grain, cluster)
+        clusters.normals = (0..of.len()).into_par_iter().map(normal).collect();
+        (clusters, cluster)
     }
 
     fn grow(
@@ -138,48 +139,48 @@ impl Grain {
         }
     }
 
-    /// The clusters that share an edge with the `i`-th.
+    /// The neighbours of cluster `i`.
     pub fn near(&self, i: usize) -> &[u32] {
         &self.near[self.starts[i] as usize..self.starts[i + 1] as usize]
     }
 
-    /// Gathers the samples within reach of cluster `c`'s place that are reached
-    /// from it over others of them. Those whose normal looks the other way lie
-    /// on another sheet and bar the way.
-    pub fn gather(&self, c: usize, h: f64, room: &mut Gathering) {
+    /// Gathers the samples within reach of cluster `c` that are connected to it through other such
+    /// samples. Samples whose normal faces the opposite way lie on another sheet and block the way.
+    pub fn gather(&self, c: usize, h: f64, scratch: &mut Neighbourhood) {
         let (at, normal) = (self.samples[c].at, self.normals[c]);
         let reach = (REACH * h).powi(2);
-        // What grains of other sizes left there is older than any stamp to come.
-        if room.seen.len() < self.samples.len() {
-            room.seen.resize(self.samples.len(), 0);
+        // Stamps left by levels of other sizes are older than every stamp to come.
+        if scratch.seen.len() < self.samples.len() {
+            scratch.seen.resize(self.samples.len(), 0);
         }
-        room.stamp += 1;
-        room.found.clear();
-        room.found.push(c as u32);
-        room.seen[c] = room.stamp;
+        scratch.stamp += 1;
+        scratch.found.clear();
+        scratch.found.push(c as u32);
+        scratch.seen[c] = scratch.stamp;
         let mut done = 0;
-        while let Some(&i) = room.found.get(done) {
+        while let Some(&i) = scratch.found.get(done) {
             done += 1;
             for &j in self.near(i as usize) {
                 let k = j as usize;
-                if room.seen[k] != room.stamp {
-                    room.seen[k] = room.stamp;
+                if scratch.seen[k] != scratch.stamp {
+                    scratch.seen[k] = scratch.stamp;
                     let close = (self.samples[k].at - at).norm_squared() <= reach;
                     if close && self.normals[k].dot(&normal) > 0.0 {
-                        room.found.push(j);
+                        scratch.found.push(j);
                     }
                 }
             }
         }
-        room.numbers.clear();
+        scratch.numbers.clear();
         let counts = |i: &u32| self.samples[*i as usize].weight > 0.0;
-        room.numbers.extend(room.found.iter().filter(|i| counts(i)));
-        room.around.clear();
-        room.around.extend(room.numbers.iter().map(|&i| self.samples[i as usize]));
+        scratch.numbers.extend(scratch.found.iter().filter(|i| counts(i)));
+        scratch.around.clear();
+        scratch.around.extend(scratch.numbers.iter().map(|&i| self.samples[i as usize]));
     }
 }
 
-/// For each of `count` things those that `around` lists, but itself, each once.
+/// The adjacency lists of `count` items. `around` lists the neighbours of an item; repetitions and
+/// the item itself are removed.
 fn adjacency(count: usize, around: impl Fn(usize, &mut Vec<u32>) + Sync) -> (Vec<u32>, Vec<u32>) {
     let block = |first: usize| {
         let (mut ends, mut near, mut some) = (Vec::new(), Vec::new(), Vec::new());
@@ -206,7 +207,7 @@ fn adjacency(count: usize, around: impl Fn(usize, &mut Vec<u32>) + Sync) -> (Vec
     (starts, near)
 }
 
-/// Things whose neighbours one thread lists at a time.
+/// The number of items whose neighbours one thread lists at a time.
 const BLOCK: usize = 1 << 13;
 
 #[cfg(test)]
@@ -226,7 +227,7 @@ mod tests {
         let mut normals = vec![Vector::z(); n * n];
         normals[5 * n + 6] = Vector::new(0.6, 0.0, -0.8);
         let samples = (0..n * n).map(|v| point(v).into()).collect();
-        let (coarse, of) = Grain { samples, normals, starts, near }.coarser(2.5);
+        let (coarse, of) = ClusterLevel { samples, normals, starts, near }.coarser(2.5);
         let own = of[5 * n + 6] as usize;
         assert_eq!(coarse.samples[own].weight, 1.0);
         assert!(coarse.normals[own].z > 0.5, "{}", coarse.normals[own]);

@@ -1,17 +1,17 @@
-//! Where a boundary loop has a corner.
+//! Detection of corners of a boundary loop.
 
 use crate::geometry::{Point, VertexId};
 use crate::mesh::{Mesh, boundary};
 
-/// A boundary that turns by more than this within the window has a corner.
+/// A boundary has a corner where its direction turns by more than this angle. The value is 45°.
 const TURN: f64 = std::f64::consts::FRAC_PI_4;
 
-/// A loop shorter than this many windows is all curve.
+/// A loop shorter than this multiple of the window has no corners.
 const SHORTEST: f64 = 12.0;
 
-/// Positions in the loop, ascending, at which it turns by more than 45°
-/// between the arms of length `window` mm on both sides: noise and stair steps
-/// much shorter than an arm do not count.
+/// The positions of corners in the loop, in ascending order. At a corner the direction turns by
+/// more than 45° between the two arms of length `window` mm on its sides. Noise and stair steps
+/// much shorter than an arm have little influence.
 pub fn find(mesh: &Mesh, ring: &[VertexId], window: f64) -> Vec<usize> {
     let points: Vec<Point> = ring.iter().map(|&v| mesh.point(v)).collect();
     let n = points.len();
@@ -27,14 +27,13 @@ pub fn find(mesh: &Mesh, ring: &[VertexId], window: f64) -> Vec<usize> {
     tips
 }
 
-/// The angle between the arms' directions.
+/// The angle between the directions of the two arms.
 fn turn(points: &[Point], i: usize, window: f64) -> f64 {
     let [before, after] = boundary::arms(points, i, window);
     before.angle(&after)
 }
 
-/// Whether no vertex within a window of `i` turns more (the first of equal
-/// ones counts).
+/// Whether no vertex within a window of `i` turns more. The first of equal vertices is the peak.
 fn is_peak(points: &[Point], turns: &[f64], i: usize, window: f64) -> bool {
     let n = points.len();
     let mut length = 0.0;

@@ -1,92 +1,88 @@
-//! The boundary step: each point of a loop onto its MLS curve (section 3.1).
+//! Smoothing of the boundary: each point of a loop is projected onto its MLS curve (section 3.1).
 //!
-//! The reference line through q, the foot of r, along u minimises
-//! Σ ‖(pᵢ − q) − ⟨pᵢ − q, u⟩ u‖² θ(‖pᵢ − q‖) over q and u, non-linear since
-//! the weights move with q. Over that line the parametric quadratic
-//! (u, v(u), w(u)) is fitted; its value at u = 0 is the projection. Only points
-//! of the same piece of the loop, between two corners, take part.
+//! The reference line through q, the foot point of r, in direction u minimises Σ ‖(pᵢ − q) − ⟨pᵢ −
+//! q, u⟩ u‖² θ(‖pᵢ − q‖) over q and u. This problem is non-linear, because the weights move with q.
+//! A parametric quadratic (u, v(u), w(u)) is fitted over that line; its value at u = 0 is the
+//! projection. Only points between the same two corners of the loop take part.
 //!
-//! The loop lies on the surface already. So a point moves in the surface only,
-//! across the loop, and no farther than noise explains: the rim of a clean scan
-//! stays as it is.
+//! The loop already lies on the surface. A point therefore moves only within the surface and across
+//! the loop, and no farther than the noise explains. The rim of a scan without noise does not move.
 
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
-use super::crossvalidation::{Tried, chosen};
+use super::crossvalidation::{SupportScore, chosen};
 use super::line::{quadratic, reference_line};
 use crate::geometry::{Point, Vector, plane_axes};
 use crate::mesh::mls::REACH;
 
-/// Supports tried, in mean edge lengths of the loop.
-const TRIED: [f64; 7] = [2.0, 3.0, 4.5, 6.5, 9.5, 14.0, 20.0];
+/// The supports that are tried, as multiples of the mean edge length of the loop.
+const SUPPORTS: [f64; 7] = [2.0, 3.0, 4.5, 6.5, 9.5, 14.0, 20.0];
 
-/// Loops with fewer points than this are left alone.
-const FEWEST: usize = 8;
+/// Loops and parts of loops with fewer points than this are not smoothed.
+const MIN_POINTS: usize = 8;
 
-/// A point moves by so many standard deviations of the noise at the most. (The
-/// stair steps of a rim, which a coarse mesh makes of a line, are no noise, but
-/// are taken for it as far as that.)
-const FARTHEST: f64 = 5.0;
+/// The largest move of a point, in standard deviations of the noise. The stair steps that a coarse
+/// mesh makes of a straight rim are not noise, but up to this size they are smoothed as well.
+const MAX_MOVE: f64 = 5.0;
 
 /// A loop of points on a surface.
-pub struct Rim<'a> {
+pub struct RimPoints<'a> {
     /// The points, in order.
     pub points: &'a [Point],
-    /// The surface's unit normals there.
+    /// The unit normals of the surface at the points.
     pub normals: &'a [Vector],
-    /// The standard deviations of the noise there, in mm.
+    /// The standard deviations of the noise at the points, in mm.
     pub noise: &'a [f64],
 }
 
-/// A run of points between two corners, or a whole loop.
-struct Piece {
+/// The points between two corners, or a whole loop.
+struct LoopPart {
     points: Vec<Point>,
     normals: Vec<Vector>,
     noise: Vec<f64>,
     closed: bool,
 }
 
-/// The smoothed points of a closed loop that keeps the corners at the given
-/// positions: each piece is smoothed by itself, its ends fixed; then the corners
-/// go where the pieces meet. The support is the one that predicts left-out points
-/// best.
-pub fn smooth_loop(rim: &Rim, corners: &[usize]) -> Vec<Point> {
+/// Smooths a closed loop with corners at the given positions. The part between two corners is
+/// smoothed separately, with fixed ends. Each corner then moves to the place where the smoothed
+/// parts meet. The support is the one that predicts left-out points best.
+pub fn smooth_loop(rim: &RimPoints, corners: &[usize]) -> Vec<Point> {
     let n = rim.points.len();
-    if n < FEWEST {
+    if n < MIN_POINTS {
         return rim.points.to_vec();
     }
     let mut out = match corners {
-        [] => rim.piece(0, n, true).smooth(),
+        [] => rim.part(0, n, true).smooth(),
         _ => rim.points.to_vec(),
     };
     for (k, &first) in corners.iter().enumerate() {
         let last = corners[(k + 1) % corners.len()];
         let count = (last + n - first - 1) % n + 2;
-        let smooth = rim.piece(first, count, false).smooth();
+        let smooth = rim.part(first, count, false).smooth();
         for (i, p) in smooth.into_iter().enumerate().take(count - 1).skip(1) {
             out[(first + i) % n] = p;
         }
     }
     for &corner in corners {
-        out[corner] = rim.meeting(&out, corner).unwrap_or(out[corner]);
+        out[corner] = rim.corner_position(&out, corner).unwrap_or(out[corner]);
     }
-    rim.even_out(&mut out, corners);
+    rim.spread_points(&mut out, corners);
     out
 }
 
-/// Rounds in which the points are spread along the loop, and how far each may
-/// go, in standard deviations of the noise.
+/// The number of rounds in which points are spread along the loop, and the largest total move of a
+/// point in these rounds, in standard deviations of the noise.
 const SPREADING: (usize, f64) = (12, 2.5);
 
-/// The sides of a corner are taken for straight over this many edges.
+/// The number of edges on each side of a corner over which the loop is treated as straight.
 const STRAIGHT: usize = 4;
 
-impl Rim<'_> {
-    /// Spreads the points along the loop where noise has crowded them: each
-    /// goes half of the way to the middle of its neighbours, along the line
-    /// through these, but no farther than noise explains.
-    fn even_out(&self, points: &mut [Point], corners: &[usize]) {
+impl RimPoints<'_> {
+    /// Spreads points along the loop where noise has crowded them. In each round a point moves half
+    /// the way to the middle of its neighbours, along the line through them, but in total no
+    /// farther than the noise explains.
+    fn spread_points(&self, points: &mut [Point], corners: &[usize]) {
         let n = points.len();
         let mut moved = vec![0.0; n];
         for _ in 0..SPREADING.0 {
@@ -103,9 +99,9 @@ impl Rim<'_> {
         }
     }
 
-    /// Where the smoothed sides of a corner meet: a better place for it than its
-    /// own, unless that is farther off than noise explains.
-    fn meeting(&self, smooth: &[Point], corner: usize) -> Option<Point> {
+    /// The place where the smoothed sides of a corner meet, or `None` if it is farther from the
+    /// measured corner than the noise explains.
+    fn corner_position(&self, smooth: &[Point], corner: usize) -> Option<Point> {
         let n = smooth.len();
         let normal = self.normals[corner];
         let (x, y) = plane_axes(normal);
@@ -117,17 +113,17 @@ impl Rim<'_> {
         let side = |near: usize, far: usize| (flat(near), (flat(near) - flat(far)).normalize());
         let (p, u) = side(corner + n - 1, corner + n - 1 - STRAIGHT);
         let (q, v) = side(corner + 1, corner + 1 + STRAIGHT);
-        // p + s u = q + t v; sides that hardly turn meet nowhere near.
+        // Solve p + s u = q + t v. Nearly parallel sides have no usable intersection.
         let turn = u.perp(&v);
         let met = p + (q - p).perp(&v) / turn * u;
-        let near = met.norm() <= FARTHEST * self.noise[corner] && turn.abs() > 0.3;
+        let near = met.norm() <= MAX_MOVE * self.noise[corner] && turn.abs() > 0.3;
         (near && n > 4 * STRAIGHT).then(|| raw + met.x * x + met.y * y)
     }
 
-    fn piece(&self, first: usize, count: usize, closed: bool) -> Piece {
+    fn part(&self, first: usize, count: usize, closed: bool) -> LoopPart {
         let n = self.points.len();
         let indices = || (0..count).map(|i| (first + i) % n);
-        Piece {
+        LoopPart {
             points: indices().map(|i| self.points[i]).collect(),
             normals: indices().map(|i| self.normals[i]).collect(),
             noise: indices().map(|i| self.noise[i]).collect(),
@@ -136,28 +132,28 @@ impl Rim<'_> {
     }
 }
 
-/// How far the projection moves a point across the loop in the surface.
+/// The move that the projection makes, in the surface and across the loop.
 struct Move {
     across: Vector,
     by: f64,
     leverage: f64,
 }
 
-impl Piece {
+impl LoopPart {
     fn smooth(&self) -> Vec<Point> {
-        if self.points.len() < FEWEST {
+        if self.points.len() < MIN_POINTS {
             return self.points.clone();
         }
         let h = self.support();
         let project = |i: usize| {
-            let farthest = FARTHEST * self.noise[i];
+            let farthest = MAX_MOVE * self.noise[i];
             let moved = self.project(i, h).map(|m| m.by.clamp(-farthest, farthest) * m.across);
             self.points[i] + moved.unwrap_or_else(Vector::zeros)
         };
         (0..self.points.len()).into_par_iter().map(project).collect()
     }
 
-    /// By leave-one-out cross-validation.
+    /// The support that leave-one-out cross-validation selects.
     fn support(&self) -> f64 {
         let n = self.points.len();
         let length: f64 = (1..n).map(|i| (self.points[i] - self.points[i - 1]).norm()).sum();
@@ -166,12 +162,12 @@ impl Piece {
             let m = self.project(i, h)?;
             Some((m.by / (1.0 - m.leverage).max(0.1)).powi(2))
         };
-        let tried = TRIED.iter().map(|k| k * spacing).filter(|&h| h < length / 6.0);
-        let scored = tried.map(|h| Tried {
+        let tried = SUPPORTS.iter().map(|k| k * spacing).filter(|&h| h < length / 6.0);
+        let scored = tried.map(|h| SupportScore {
             h,
             squares: (0..n).into_par_iter().map(|i| left_out(i, h)).collect(),
         });
-        chosen(&scored.collect::<Vec<_>>()).unwrap_or(TRIED[0] * spacing)
+        chosen(&scored.collect::<Vec<_>>()).unwrap_or(SUPPORTS[0] * spacing)
     }
 
     fn project(&self, i: usize, h: f64) -> Option<Move> {
@@ -183,7 +179,7 @@ impl Piece {
         Some(Move { across, by: (point - r).dot(&across), leverage })
     }
 
-    /// The points within reach along the piece.
+    /// The points within reach along this part of the loop.
     fn around(&self, i: usize, h: f64) -> Vec<Point> {
         let n = self.points.len();
         let mut around = vec![self.points[i]];
@@ -208,7 +204,7 @@ impl Piece {
 mod tests {
     use super::*;
 
-    /// A deterministic stand-in for noise: mean 0, about ±1.
+    /// A deterministic substitute for noise with mean 0 and values of about ±1.
     fn jitter(i: usize) -> f64 {
         ((i * 7919 % 104_729) as f64 * 0.618_034).fract() * 2.0 - 1.0
     }
@@ -226,7 +222,7 @@ mod tests {
     fn smooth(points: &[Point], corners: &[usize], noise: f64) -> Vec<Point> {
         let normals = vec![Vector::z(); points.len()];
         let noise = vec![noise; points.len()];
-        smooth_loop(&Rim { points, normals: &normals, noise: &noise }, corners)
+        smooth_loop(&RimPoints { points, normals: &normals, noise: &noise }, corners)
     }
 
     fn rms_from_circle(points: &[Point]) -> f64 {

@@ -1,31 +1,31 @@
-//! The reference line of an MLS curve and the quadratic over it (section 3.1).
+//! The reference line of an MLS curve, and the quadratic over it (section 3.1).
 
 use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 use crate::geometry::{Point, Vector, plane_axes};
 
 /// A line through the points around a place.
-pub struct Line {
-    /// A point of it.
+pub struct ReferenceLine {
+    /// A point of the line.
     pub origin: Point,
-    /// Its unit direction.
+    /// The unit direction of the line.
     pub along: Vector,
 }
 
-/// Value, half gradient and Gauss–Newton matrices of the line's energy. The
-/// unknowns are, for each of the two directions across the line, the shift of
-/// q and the tilt of u.
-struct Energy {
+/// Value, half gradient and Gauss–Newton matrices of the energy of the line. The unknowns are the
+/// shift of q and the tilt of u in each of the two directions across the line.
+struct LineEnergy {
     value: f64,
     gradient: [Vector2<f64>; 2],
     matrix: Matrix2<f64>,
 }
 
-fn energy(r: Point, q: Point, u: Vector, around: &[Point], h: f64) -> Energy {
+fn energy(r: Point, q: Point, u: Vector, around: &[Point], h: f64) -> LineEnergy {
     let (e1, e2) = plane_axes(u);
     let inverse = 1.0 / (h * h);
     let shift = q - r;
-    let mut e = Energy { value: 0.0, gradient: [Vector2::zeros(); 2], matrix: Matrix2::zeros() };
+    let mut e =
+        LineEnergy { value: 0.0, gradient: [Vector2::zeros(); 2], matrix: Matrix2::zeros() };
     let mut pull_along = 0.0;
     for p in around {
         let d = p - q;
@@ -34,7 +34,7 @@ fn energy(r: Point, q: Point, u: Vector, around: &[Point], h: f64) -> Energy {
         let far = across.norm_squared();
         let weight = (-d.norm_squared() * inverse).exp();
         e.value += weight * far;
-        // The parts with `inverse` are those of the moving weights.
+        // The terms with `inverse` come from the weights, which move with q.
         let moving = weight * far * inverse;
         pull_along += moving * s;
         for k in 0..2 {
@@ -43,17 +43,16 @@ fn energy(r: Point, q: Point, u: Vector, around: &[Point], h: f64) -> Energy {
         }
         e.matrix += weight * Matrix2::new(1.0, s, s, s * s);
     }
-    // Tilting u by δ moves q, which stays on the plane through r across u, by
-    // −⟨q − r, δ⟩ u.
+    // q stays on the plane through r across u. Tilting u by δ therefore moves q by −⟨q − r, δ⟩ u.
     for (k, axis) in [e1, e2].iter().enumerate() {
         e.gradient[k].y -= shift.dot(axis) * pull_along;
     }
     e
 }
 
-/// The line of the non-linear minimisation, by Gauss–Newton with the exact
-/// gradient, each step shortened until the energy falls.
-pub fn reference_line(r: Point, around: &[Point], h: f64) -> Option<Line> {
+/// Finds the line that minimises the energy, by Gauss–Newton steps with the exact gradient. Each
+/// step is shortened until the energy decreases.
+pub fn reference_line(r: Point, around: &[Point], h: f64) -> Option<ReferenceLine> {
     if around.len() < 4 {
         return None;
     }
@@ -88,7 +87,7 @@ pub fn reference_line(r: Point, around: &[Point], h: f64) -> Option<Line> {
             break;
         }
     }
-    Some(Line { origin: q, along: u })
+    Some(ReferenceLine { origin: q, along: u })
 }
 
 fn principal_direction(r: Point, around: &[Point], h: f64) -> Vector {
@@ -105,9 +104,9 @@ fn principal_direction(r: Point, around: &[Point], h: f64) -> Vector {
     eigen.eigenvectors.column(largest).into_owned()
 }
 
-/// The value at u = 0 of the weighted quadratics v(u) and w(u), and its
-/// leverage for a point at the origin.
-pub fn quadratic(line: &Line, around: &[Point], h: f64) -> Option<(Point, f64)> {
+/// The value at u = 0 of the weighted quadratics v(u) and w(u), and the leverage of a point at the
+/// origin.
+pub fn quadratic(line: &ReferenceLine, around: &[Point], h: f64) -> Option<(Point, f64)> {
     let (e1, e2) = plane_axes(line.along);
     let mut gram = Matrix3::zeros();
     let mut right = [Vector3::zeros(); 2];

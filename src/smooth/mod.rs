@@ -1,7 +1,9 @@
-//! Smoothing (Tekumalla & Cohen 2005, section 3.1): every point is projected
-//! onto the MLS surface of its neighbourhood; then every boundary loop is
-//! projected onto its MLS curve, corners kept, and laid back on the surface;
-//! last, triangles that the moves have folded are turned back.
+//! Smoothing (Tekumalla & Cohen 2005, section 3.1). A disk goes in; a disk with the same topology
+//! and smoothed vertices comes out, with a [`Report`].
+//!
+//! Every point is projected onto the MLS surface of its neighbourhood. Then every boundary loop is
+//! projected onto its MLS curve, with its corners kept, and projected back onto the surface. Last,
+//! triangles that these moves have folded are unfolded.
 
 mod clusters;
 mod corners;
@@ -9,10 +11,10 @@ mod crossvalidation;
 mod curve;
 mod levels;
 mod line;
+mod noise_detection;
 mod outliers;
 mod support;
 mod surface;
-mod telling;
 mod uncross;
 mod unfold;
 
@@ -20,20 +22,21 @@ use std::convert::Infallible;
 
 use rayon::prelude::*;
 
-use crate::course::{self, Course};
 use crate::error::{Error, Result, of};
 use crate::geometry::{Point, Vector, VertexId, in_lengths, length};
-use crate::mesh::{Disk, Mesh, Rings, boundary};
+use crate::mesh::{Disk, Mesh, VertexRings, boundary};
+use crate::progress::{self, Progress};
 use crate::rules;
-use levels::Level;
-use surface::Surface;
+use levels::SupportLevel;
+use surface::MlsSurface;
 
-/// How to smooth.
+/// The options of smoothing.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// The support h of the weights, or how to find it.
+    /// The support h of the MLS weights, or the rule that finds it. The default is
+    /// [`Support::Auto`].
     pub support: Support,
-    /// Where the boundary keeps a corner.
+    /// The corners that boundary smoothing keeps. The default is [`Corners::Auto`].
     pub corners: Corners,
 }
 
@@ -49,53 +52,54 @@ impl Options {
     }
 }
 
-/// The support of the MLS weights θ(x) = exp(−x²/h²).
+/// The support of the MLS weights θ(x) = exp(−x²/h²). A support that is too small leaves noise; one
+/// that is too large flattens the shape.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Support {
-    /// Found on the scan: it follows the noise and the curvature. Points whose noise is
-    /// not told from shape stay where they are.
+    /// The support is found on the scan and follows its noise and curvature. Points are not moved
+    /// where their residuals cannot be distinguished from shape.
     #[default]
     Auto,
-    /// h in mm.
+    /// A fixed support h, in mm. [`smooth`] fails if it is so small or so large that most points
+    /// have no fit.
     Fixed(f64),
-    /// No smoothing at all.
+    /// No smoothing.
     Off,
 }
 
-/// The corners that the smoothing of a boundary keeps.
+/// The corners that the smoothing of a boundary keeps. Other corners are rounded.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub enum Corners {
-    /// Found by their turning angle.
+    /// Corners are found by their turning angle.
     #[default]
     Auto,
-    /// None: every loop is smooth all around.
+    /// No corners: every loop is treated as smooth all around.
     None,
-    /// The boundary vertices nearest to these points.
+    /// The boundary vertices nearest to these points, which are in mm.
     At(Vec<Point>),
 }
 
-/// What smoothing did. Lengths are mm.
+/// The results of smoothing. Lengths are in mm.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct Report {
-    /// The support, where it changes over the scan its median; 0 with smoothing
-    /// off.
+    /// The support. If it varies over the scan this is the median; 0 if smoothing is off.
     pub h: f64,
-    /// Standard deviation of the scan's noise along the normal; 0 where none is told
-    /// from shape.
+    /// The standard deviation of the scan's noise along the normal; 0 if residuals cannot be
+    /// distinguished from shape.
     pub noise: f64,
-    /// Points that no surface explains, which were left out of all fits.
+    /// The number of outliers, which are left out of all fits.
     pub outliers: usize,
-    /// Root mean square of how far the points were moved.
+    /// The root mean square of the distances by which points were moved.
     pub moved_rms: f64,
-    /// How far the farthest was moved.
+    /// The largest distance by which a point was moved.
     pub moved_max: f64,
-    /// Corners kept, over all loops.
+    /// The corners that were kept, over all loops.
     pub corners: Vec<VertexId>,
 }
 
 impl Options {
-    /// The same in lengths of so many `mm`.
+    /// The options with lengths expressed in units of `mm` millimetres.
     pub(crate) fn in_lengths(&self, mm: f64) -> Self {
         let support = match self.support {
             Support::Fixed(h) => Support::Fixed(length(h, mm)),
@@ -110,7 +114,7 @@ impl Options {
 }
 
 impl Report {
-    /// The same with all lengths times a factor.
+    /// The report with all lengths multiplied by a factor.
     pub(crate) fn scaled(self, factor: f64) -> Self {
         Report {
             h: factor * self.h,
@@ -122,31 +126,35 @@ impl Report {
     }
 }
 
-/// The noise of a scan: the standard deviation of its points along the normal, 0 where
-/// it is not told from shape.
-/// [`smooth`] finds the same where the scan has no outliers; here they count.
+/// Estimates the noise of a scan: the standard deviation of its points along the normal, or 0 if
+/// residuals cannot be distinguished from shape. [`smooth`] finds the same value for a scan without
+/// outliers; this function does not leave outliers out.
 pub fn noise(mesh: &Mesh) -> f64 {
-    let levels = levels::levels(mesh, &Rings::new(mesh), &vec![false; mesh.points.len()]);
+    let levels = levels::levels(mesh, &VertexRings::new(mesh), &vec![false; mesh.points.len()]);
     let Ok(choice) = support::choose(mesh, &levels, &mut |_| Ok::<_, Infallible>(()));
     choice.noise()
 }
 
-/// Smooths a disk. Its topology stays as it is.
+/// Smooths a disk. The topology does not change.
 ///
 /// # Errors
-/// [`Error::Option`]: a support that is no length, a corner that is no point.
-/// [`Error::Support`]: a support so short, or so long, that no surface can be fitted.
+/// - [`Error::Option`] if the support is not a length or a corner is not a finite point.
+/// - [`Error::Support`] if the support is so small or so large that no surface can be fitted.
 pub fn smooth(disk: &Disk, options: &Options) -> Result<(Disk, Report)> {
-    smooth_with(disk, options, &mut course::untold)
+    smooth_with(disk, options, &mut progress::ignore)
 }
 
-/// The same, telling how far it has come.
+/// Like [`smooth`], and reports progress to `progress`.
 ///
 /// # Errors
-/// Those of [`smooth`], and what `course` answers.
-pub fn smooth_with(disk: &Disk, options: &Options, course: &mut Course) -> Result<(Disk, Report)> {
+/// Those of [`smooth`], and any error that `progress` returns.
+pub fn smooth_with(
+    disk: &Disk,
+    options: &Options,
+    progress: &mut Progress,
+) -> Result<(Disk, Report)> {
     options.check()?;
-    let examined = Examined::new(&disk.mesh, &mut course::part(course, 0.0, EXAMINED))?;
+    let examined = Examined::new(&disk.mesh, &mut progress::part(progress, 0.0, EXAMINED))?;
     let noise: Vec<f64> =
         (0..disk.mesh.points.len()).map(|v| examined.choice.noise_at(v)).collect();
     let mut report = Report {
@@ -161,16 +169,16 @@ pub fn smooth_with(disk: &Disk, options: &Options, course: &mut Course) -> Resul
     };
     let mut out = disk.clone();
     let surface = match options.support {
-        Support::Auto => examined.surface(&mut course::part(course, EXAMINED, FITTED))?,
+        Support::Auto => examined.surface(&mut progress::part(progress, EXAMINED, FITTED))?,
         Support::Fixed(h) => examined.surface_of(&disk.mesh, h)?,
         Support::Off => return Ok((out, report)),
     };
     report.h = surface.median_support();
-    let onto = &mut course::part(course, FITTED, PROJECTED);
+    let onto = &mut progress::part(progress, FITTED, PROJECTED);
     let (projected, normals) = surface.feet(&disk.mesh, onto)?;
     out.mesh.points.clone_from(&projected);
     let rings: Vec<&boundary::Loop> = disk.loops().collect();
-    // They share no vertices.
+    // The loops share no vertices.
     let smoothed = rings.par_iter().map(|ring| {
         let kept = match &options.corners {
             Corners::Auto => corners::find(&out.mesh, ring, 2.0 * report.h),
@@ -186,7 +194,7 @@ pub fn smooth_with(disk: &Disk, options: &Options, course: &mut Course) -> Resul
         ring.iter().zip(feet).for_each(|(v, foot)| out.mesh.points[v.index()] = foot);
     }
     let named = matches!(options.corners, Corners::At(_));
-    let upright = unfold::Upright { projected, normals, corners: &report.corners, named };
+    let upright = unfold::UnfoldReference { projected, normals, corners: &report.corners, named };
     unfold::unfold(&mut out, &surface, upright);
     let pairs = out.mesh.points.par_iter().zip(&disk.mesh.points);
     let moved: Vec<f64> = pairs.map(|(p, q)| (p - q).norm()).collect();
@@ -195,84 +203,85 @@ pub fn smooth_with(disk: &Disk, options: &Options, course: &mut Course) -> Resul
     Ok((out, report))
 }
 
-/// The points of a loop on a surface, smoothed along it.
+/// The points of a loop on a surface, smoothed along the loop.
 fn smoothed_loop(
     ring: &boundary::Loop,
     corners: &[usize],
     points: &[Point],
     normals: &[Vector],
     noise: &[f64],
-    surface: &Surface,
+    surface: &MlsSurface,
 ) -> Vec<Point> {
     let line: Vec<Point> = ring.iter().map(|&v| points[v.index()]).collect();
     let normals: Vec<Vector> = ring.iter().map(|&v| normals[v.index()]).collect();
     let noise: Vec<f64> = ring.iter().map(|&v| noise[v.index()]).collect();
-    let rim = curve::Rim { points: &line, normals: &normals, noise: &noise };
+    let rim = curve::RimPoints { points: &line, normals: &normals, noise: &noise };
     let mut smooth = curve::smooth_loop(&rim, corners);
     uncross::uncross(&mut smooth, &line, &normals);
-    // The curve's projection may have left the surface.
+    // The projection onto the curve may have left the surface.
     let foot = |(&v, &p): (&VertexId, &Point)| surface.project(v, p).map_or(p, |foot| foot.point);
     ring.par_iter().zip(&smooth).map(foot).collect()
 }
 
-/// Shares of its time after which a scan is usually examined, polynomials are fitted to
-/// it, and its points are on them.
+/// Progress estimates: the shares of the total time after which the supports and the noise are
+/// known, the polynomials are fitted, and the points are projected.
 const EXAMINED: f64 = 0.45;
 const FITTED: f64 = 0.65;
 const PROJECTED: f64 = 0.75;
 
-/// How often outliers are looked for at the most.
+/// The largest number of rounds of outlier detection.
 const OUTLIER_ROUNDS: usize = 3;
 
-/// The share of the time for examination that levels take.
+/// Progress estimate: the share of the first phase that the clustering takes.
 const LEVELLED: f64 = 0.2;
 
-/// A support that is named has to smooth this share of a scan's points.
+/// A fixed support must be able to smooth at least this share of the points.
 const MOST_REACHED: f64 = 0.5;
 
-/// A scan whose supports, noise and outliers are known.
+/// The supports, the noise and the outliers of a scan.
 struct Examined {
-    levels: Vec<Level>,
-    choice: support::Choice,
-    /// Which vertices are outliers.
+    levels: Vec<SupportLevel>,
+    choice: support::SupportField,
+    /// Whether each vertex is an outlier.
     left_out: Vec<bool>,
 }
 
 impl Examined {
-    fn new(mesh: &Mesh, course: &mut Course) -> Result<Self> {
-        let rings = Rings::new(mesh);
+    fn new(mesh: &Mesh, progress: &mut Progress) -> Result<Self> {
+        let rings = VertexRings::new(mesh);
         let mut left_out = vec![false; mesh.points.len()];
         let mut levels = levels::levels(mesh, &rings, &left_out);
-        course(LEVELLED)?;
-        let choosing = &mut course::part(course, LEVELLED, 1.0);
+        progress(LEVELLED)?;
+        let choosing = &mut progress::part(progress, LEVELLED, 1.0);
         let mut choice = support::choose(mesh, &levels, choosing)?;
-        // Outliers disturb the choice by which they are found.
+        // Outliers disturb the choice of supports with which they are detected, so both are
+        // repeated.
         for _ in 0..OUTLIER_ROUNDS {
             if !outliers::add(mesh, &rings, &levels, &choice, &mut left_out)? {
                 break;
             }
             levels = levels::levels(mesh, &rings, &left_out);
-            choice = support::choose(mesh, &levels, &mut course::untold)?;
+            choice = support::choose(mesh, &levels, &mut progress::ignore)?;
         }
         Ok(Examined { levels, choice, left_out })
     }
 
-    /// The surface under the supports that were found, for those points to go to whose
-    /// noise is told from shape.
-    fn surface(self, course: &mut Course) -> Result<Surface> {
-        let (finest, choice) = (self.levels[0].grain.clone(), self.choice);
-        let mut surface = Surface::new(finest, self.levels, choice.place, course)?;
-        surface.share = choice.told;
+    /// The surface with the supports that were found. Points move only where their residuals are
+    /// noise.
+    fn surface(self, progress: &mut Progress) -> Result<MlsSurface> {
+        let (finest, choice) = (self.levels[0].clusters.clone(), self.choice);
+        let mut surface = MlsSurface::new(finest, self.levels, choice.place, progress)?;
+        surface.share = choice.noise_share;
         Ok(surface)
     }
 
-    /// The surface under one support.
-    fn surface_of(self, mesh: &Mesh, h: f64) -> Result<Surface> {
+    /// The surface with one support everywhere.
+    fn surface_of(self, mesh: &Mesh, h: f64) -> Result<MlsSurface> {
         let finest = &self.levels[0];
         let level = finest.next(h);
         let place = vec![0.0; mesh.points.len()];
-        let none = &mut course::untold;
-        let surface = Surface::new(finest.grain.clone(), vec![level], place, none)?;
+        let none = &mut progress::ignore;
+        let surface = MlsSurface::new(finest.clusters.clone(), vec![level], place, none)?;
         if surface.reached(mesh) < MOST_REACHED * mesh.points.len() as f64 {
             return Err(Error::Support { h, shortest: finest.h, longest: mesh.diagonal() });
         }
@@ -290,7 +299,7 @@ fn root_mean_square(values: impl ExactSizeIterator<Item = f64>) -> f64 {
     (values.map(|x| x * x).sum::<f64>() / n).sqrt()
 }
 
-/// The positions in `ring` of the user's corners: each goes to the loop that
+/// The positions in `ring` of the corners that the user gave. Each corner belongs to the loop that
 /// has the vertex nearest to it.
 fn nearest_positions(disk: &Disk, ring: &[VertexId], corners: &[Point]) -> Vec<usize> {
     let nearest_in = |ring: &[VertexId], p: &Point| {

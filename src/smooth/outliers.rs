@@ -1,49 +1,50 @@
-//! Points that no surface explains: each far off the one that its neighbours
-//! lie on, while these are not.
+//! Detection of outliers: points that are far from the surface through their neighbours while these
+//! neighbours are not.
 
 use rayon::prelude::*;
 
-use super::levels::Level;
+use super::levels::SupportLevel;
 use super::median;
-use super::support::Choice;
-use super::surface::{NOWHERE, Surface};
-use crate::course;
+use super::support::SupportField;
+use super::surface::{MlsSurface, NOWHERE};
 use crate::error::Result;
 use crate::geometry::{Vector, VertexId};
-use crate::mesh::{Mesh, Rings};
+use crate::mesh::{Mesh, VertexRings};
+use crate::progress;
 
-/// So many standard deviations of the residuals around: in a normal distribution not
-/// one point of a hundred million is as far off.
+/// An outlier is farther from the surface than this multiple of the standard deviation of the
+/// residuals around it. Fewer than one in a hundred million normally distributed residuals is as
+/// large.
 const DEVIATIONS: f64 = 6.0;
 
-/// So many times as far off as the neighbours are: along a sharp edge, where the
-/// fit has to fail, all are far off.
-const ALONE: f64 = 4.0;
+/// An outlier is farther from the surface than this multiple of the mean distance of its
+/// neighbours. Along a sharp edge, where the fit is poor, all points are far from the surface.
+const MIN_NEIGHBOUR_RATIO: f64 = 4.0;
 
-/// Nothing nearer to the surface than this share of the mean edge is an outlier:
-/// a fit may miss a clean scan by more than its noise.
-const LEAST: f64 = 0.1;
+/// A point nearer to the surface than this share of the mean edge length is not an outlier. On a
+/// scan without noise, fit errors may exceed the noise.
+const MIN_DISTANCE: f64 = 0.1;
 
-/// The lowest level that is steady enough to show an outlier.
-const STEADY: usize = 2;
+/// The lowest level on which fits are stable enough for the detection.
+const STABLE_LEVEL: usize = 2;
 
-/// Points that stick out of their neighbours' mean by less than so many standard
-/// deviations need no closer look.
+/// Points are examined only if they are farther from the mean of their neighbours than this
+/// multiple of the standard deviation.
 const STICKS_OUT: f64 = 4.0;
 
-/// Marks the outliers in `left_out`, by their distances from the surface of the
-/// scan's median support: where it is narrow it may be so for an outlier's sake.
-/// Says whether there are more than before.
+/// Marks outliers in `left_out`, by their distances from the surface with the median support of the
+/// scan. A locally narrow support may itself be the effect of an outlier. Returns whether new
+/// outliers were found.
 pub fn add(
     mesh: &Mesh,
-    rings: &Rings,
-    levels: &[Level],
-    choice: &Choice,
+    rings: &VertexRings,
+    levels: &[SupportLevel],
+    choice: &SupportField,
     left_out: &mut [bool],
 ) -> Result<bool> {
-    let least = LEAST * mesh.mean_edge();
+    let least = MIN_DISTANCE * mesh.mean_edge();
     let limit = |v: usize, deviations: f64| least.max(deviations * f64::from(choice.residual[v]));
-    let normals = &levels[0].grain.normals;
+    let normals = &levels[0].clusters.normals;
     let suspects: Vec<usize> = (0..mesh.points.len())
         .into_par_iter()
         .filter(|&v| !left_out[v] && sticks_out(mesh, rings, v, normals[v]) > limit(v, STICKS_OUT))
@@ -62,35 +63,35 @@ pub fn add(
         let (sum, count) = around
             .filter(|&w| !left_out[w])
             .fold((0.0, 0), |(sum, count), w| (sum + off(w), count + 1));
-        far * f64::from(count) > ALONE * sum
+        far * f64::from(count) > MIN_NEIGHBOUR_RATIO * sum
     };
     let found: Vec<usize> = suspects.into_par_iter().filter(is_outlier).collect();
     found.iter().for_each(|&v| left_out[v] = true);
     Ok(!found.is_empty())
 }
 
-/// How far a vertex is off its neighbours' mean, along its normal.
-fn sticks_out(mesh: &Mesh, rings: &Rings, v: usize, normal: Vector) -> f64 {
+/// The distance of a vertex from the mean of its neighbours, along its normal.
+fn sticks_out(mesh: &Mesh, rings: &VertexRings, v: usize, normal: Vector) -> f64 {
     let p = mesh.points[v];
     let off = rings.neighbours(mesh, VertexId::from(v)).map(|w| (mesh.point(w) - p).dot(&normal));
     let (sum, count) = off.fold((0.0, 0), |(sum, count), d| (sum + d, count + 1));
     sum.abs() / f64::from(count.max(1))
 }
 
-/// The surface of the median support, near the suspects and their neighbours.
+/// The surface with the median support, near the suspects and their neighbours.
 fn surface_around(
     mesh: &Mesh,
-    rings: &Rings,
-    levels: &[Level],
-    choice: &Choice,
+    rings: &VertexRings,
+    levels: &[SupportLevel],
+    choice: &SupportField,
     suspects: &[usize],
-) -> Result<Surface> {
+) -> Result<MlsSurface> {
     let place = median(choice.place.iter().map(|&p| f64::from(p).round()).collect()) as f32;
-    let place = place.max(STEADY.min(levels.len() - 1) as f32);
+    let place = place.max(STABLE_LEVEL.min(levels.len() - 1) as f32);
     let mut places = vec![NOWHERE; mesh.points.len()];
     for &v in suspects {
         places[v] = place;
         rings.neighbours(mesh, VertexId::from(v)).for_each(|w| places[w.index()] = place);
     }
-    Surface::new(levels[0].grain.clone(), levels.to_vec(), places, &mut course::untold)
+    MlsSurface::new(levels[0].clusters.clone(), levels.to_vec(), places, &mut progress::ignore)
 }

@@ -1,92 +1,91 @@
-//! The support h, and the noise, from the scan itself.
+//! The support h and the noise, estimated from the scan.
 //!
-//! Small h leaves noise, large h flattens. At a sample of places the surface is
-//! estimated with every support. A wider one is biased by as much as it differs
-//! from narrower ones beyond what their noise explains (Goldenshluger and
-//! Lepski, "Bandwidth selection in kernel density estimation", Annals of
-//! Statistics 2011); bias and noise together, averaged over places side by side,
-//! are least at the support that is taken. It changes over the scan as slowly as
-//! the samples stand apart.
+//! A small h leaves noise; a large h flattens the shape. At a sample of places the surface is
+//! estimated with every support. A wide support is biased by the amount by which it differs from
+//! narrower ones beyond what their noise explains (Goldenshluger and Lepski, "Bandwidth selection
+//! in kernel density estimation", Annals of Statistics 2011). The support with the smallest sum of
+//! squared bias and variance, averaged over neighbouring places, is chosen. It varies over the scan
+//! no faster than the distance between the places allows.
 
 use rayon::prelude::*;
 
-use super::clusters::{Gathering, Rooms};
-use super::levels::Level;
+use super::clusters::{Neighbourhood, ScratchPool};
+use super::levels::SupportLevel;
+use super::noise_detection::{self, ResidualPair};
 use super::root_mean_square;
-use super::telling::{self, Pair};
 use crate::geometry::VertexId;
 use crate::mesh::Mesh;
 
-/// Places that are looked at: one for so many vertices,
-const VERTICES: usize = 200;
+/// The number of vertices for each sampled place.
+const VERTICES_PER_PLACE: usize = 200;
 
-/// and no fewer, nor many more, than this: how often noise and curvature change does
-/// not depend on how densely they are scanned.
-const PLACES: [usize; 2] = [2_000, 10_000];
+/// The smallest and the largest number of sampled places. How often noise and curvature change does
+/// not depend on the density of the scan.
+const PLACE_COUNT: [usize; 2] = [2_000, 10_000];
 
-/// The residuals at the second level give the noise, since it has a good number
-/// of points. Where they are this many times those at the first one, it is the
-/// shape that they show, and the first one has to do.
-const SHAPE: f64 = 2.0;
+/// The residuals at the second level give the noise, because its fits have enough points. If their
+/// variance exceeds that at the first level by this factor, they show the shape, and the first
+/// level gives the noise.
+const SHAPE_RATIO: f64 = 2.0;
 
-/// What noise explains is overrated by this much, since it fluctuates.
-const CAUTION: f64 = 1.3;
+/// The factor by which the differences that noise explains are enlarged, because they fluctuate.
+const NOISE_MARGIN: f64 = 1.3;
 
-/// A wider support that differs from the one before it by more than this many
-/// standard deviations need not be followed by still wider ones.
-const CLEAR: f64 = 8.0;
+/// Wider supports are not tried after one that differs from the one before it by more than this
+/// number of standard deviations.
+const CLEAR_DEVIATIONS: f64 = 8.0;
 
-/// What was found.
-pub struct Choice {
-    /// For each vertex the level to take; between two, both.
+/// The supports and the noise of a scan.
+pub struct SupportField {
+    /// The level of each vertex. A fraction means a blend of two adjacent levels.
     pub place: Vec<f32>,
-    /// For each vertex the standard deviation of the residuals around, in mm: of the
-    /// noise, or of what polynomials miss of the shape.
+    /// The standard deviation in mm of the residuals around each vertex. They are noise, or shape
+    /// that the polynomials miss.
     pub residual: Vec<f32>,
-    /// For each vertex 1 where the residuals around are noise, 0 where they are not told
-    /// from shape, and between where these places meet.
-    pub told: Vec<f32>,
+    /// The share of noise at each vertex: 1 where the residuals are noise, 0 where they cannot be
+    /// distinguished from shape, and values between where such regions meet.
+    pub noise_share: Vec<f32>,
 }
 
-impl Choice {
+impl SupportField {
     /// The standard deviation of the noise over the whole scan, in mm.
     pub fn noise(&self) -> f64 {
-        root_mean_square((0..self.told.len()).map(|v| self.noise_at(v)))
+        root_mean_square((0..self.noise_share.len()).map(|v| self.noise_at(v)))
     }
 
     /// The standard deviation of the noise around a vertex, in mm.
     pub fn noise_at(&self, v: usize) -> f64 {
-        f64::from(self.told[v]) * f64::from(self.residual[v])
+        f64::from(self.noise_share[v]) * f64::from(self.residual[v])
     }
 }
 
-/// The estimates at one place, with each support as far as they were tried: the
-/// surface's height, and its variance where the points' is 1.
-struct Trial {
+/// The estimates at one place, one for each support that was tried: the height of the surface, and
+/// its variance if the points have variance 1.
+struct SupportTrial {
     heights: Vec<(f64, f64)>,
-    /// Mean squares of the residuals at the two levels that show the noise.
+    /// The mean squared residuals at the two levels that show the noise.
     scatter: [f64; 2],
-    /// Residuals at the first level, of the place and of vertices beside it.
-    pairs: Vec<Pair>,
+    /// The residuals at the first level of the place and of neighbouring vertices.
+    pairs: Vec<ResidualPair>,
 }
 
-/// Parts of the places that are looked at before it is told how far that has come.
+/// The number of times that progress is reported.
 const PARTS: usize = 4;
 
-/// Chooses the support for every vertex. `course` is told how far that has come.
+/// Chooses the support of every vertex, and reports progress to `progress`.
 pub fn choose<E>(
     mesh: &Mesh,
-    levels: &[Level],
-    course: &mut dyn FnMut(f64) -> Result<(), E>,
-) -> Result<Choice, E> {
+    levels: &[SupportLevel],
+    progress: &mut dyn FnMut(f64) -> Result<(), E>,
+) -> Result<SupportField, E> {
     let sampling = sampling(mesh.points.len(), levels);
     let places = first_vertices(sampling);
-    let rooms = Rooms::default();
-    let look = |&v: &u32| rooms.with(|room| trial(mesh, levels, VertexId(v), room));
-    let mut trials: Vec<Trial> = Vec::with_capacity(places.len());
+    let scratch_pool = ScratchPool::default();
+    let look = |&v: &u32| scratch_pool.with(|scratch| trial(mesh, levels, VertexId(v), scratch));
+    let mut trials: Vec<SupportTrial> = Vec::with_capacity(places.len());
     for part in places.chunks(places.len().div_ceil(PARTS).max(1)) {
         trials.par_extend(part.par_iter().map(look));
-        course(trials.len() as f64 / places.len() as f64)?;
+        progress(trials.len() as f64 / places.len() as f64)?;
     }
     let windows: Vec<Vec<u32>> = (0..places.len()).map(|i| window(sampling, i)).collect();
     let noise: Vec<f64> = windows.iter().map(|w| noise(&trials, w)).collect();
@@ -103,38 +102,42 @@ pub fn choose<E>(
             .collect()
     };
     let deviation: Vec<f64> = noise.iter().map(|variance| variance.sqrt()).collect();
-    let pairs: Vec<&[Pair]> = trials.iter().map(|trial| trial.pairs.as_slice()).collect();
-    let told = telling::told(&pairs, |i| wider(&windows, i));
-    Ok(Choice { place: spread(&best), residual: spread(&deviation), told: spread(&told) })
+    let pairs: Vec<&[ResidualPair]> = trials.iter().map(|trial| trial.pairs.as_slice()).collect();
+    let noise_share = noise_detection::noise_share(&pairs, |i| wider(&windows, i));
+    Ok(SupportField {
+        place: spread(&best),
+        residual: spread(&deviation),
+        noise_share: spread(&noise_share),
+    })
 }
 
-/// The level whose clusters are about as many as places are wanted.
-fn sampling(vertices: usize, levels: &[Level]) -> &Level {
-    let wanted = (vertices / VERTICES).clamp(PLACES[0], PLACES[1]);
-    let enough = levels.iter().rev().find(|level| level.grain.samples.len() >= wanted);
+/// The level that has about as many clusters as places are wanted.
+fn sampling(vertices: usize, levels: &[SupportLevel]) -> &SupportLevel {
+    let wanted = (vertices / VERTICES_PER_PLACE).clamp(PLACE_COUNT[0], PLACE_COUNT[1]);
+    let enough = levels.iter().rev().find(|level| level.clusters.samples.len() >= wanted);
     enough.unwrap_or(&levels[0])
 }
 
 /// The first vertex of each cluster.
-fn first_vertices(level: &Level) -> Vec<u32> {
-    let mut first = vec![u32::MAX; level.grain.samples.len()];
+fn first_vertices(level: &SupportLevel) -> Vec<u32> {
+    let mut first = vec![u32::MAX; level.clusters.samples.len()];
     for (v, &c) in level.cluster.iter().enumerate() {
         first[c as usize] = first[c as usize].min(v as u32);
     }
     first
 }
 
-/// The places beside the `i`-th, and beside these.
-fn window(level: &Level, i: usize) -> Vec<u32> {
-    let mut window: Vec<u32> = level.grain.near(i).to_vec();
-    window.extend(level.grain.near(i).iter().flat_map(|&j| level.grain.near(j as usize)));
+/// The neighbours of place `i`, their neighbours, and the place itself.
+fn window(level: &SupportLevel, i: usize) -> Vec<u32> {
+    let mut window: Vec<u32> = level.clusters.near(i).to_vec();
+    window.extend(level.clusters.near(i).iter().flat_map(|&j| level.clusters.near(j as usize)));
     window.push(i as u32);
     window.sort_unstable();
     window.dedup();
     window
 }
 
-/// The places of all windows around those of the `i`-th one.
+/// The places of the windows of all places in the window of place `i`.
 fn wider(windows: &[Vec<u32>], i: usize) -> Vec<u32> {
     let mut wide: Vec<u32> =
         windows[i].iter().flat_map(|&j| windows[j as usize].iter().copied()).collect();
@@ -143,28 +146,33 @@ fn wider(windows: &[Vec<u32>], i: usize) -> Vec<u32> {
     wide
 }
 
-fn trial(mesh: &Mesh, levels: &[Level], v: VertexId, room: &mut Gathering) -> Trial {
-    let (p, normal) = (mesh.point(v), levels[0].grain.normals[v.index()]);
-    let pairs = telling::pairs(mesh, &levels[0], v, room);
-    let mut trial = Trial { heights: Vec::new(), scatter: [f64::NAN; 2], pairs };
+fn trial(
+    mesh: &Mesh,
+    levels: &[SupportLevel],
+    v: VertexId,
+    scratch: &mut Neighbourhood,
+) -> SupportTrial {
+    let (p, normal) = (mesh.point(v), levels[0].clusters.normals[v.index()]);
+    let pairs = noise_detection::pairs(mesh, &levels[0], v, scratch);
+    let mut trial = SupportTrial { heights: Vec::new(), scatter: [f64::NAN; 2], pairs };
     for (k, level) in levels.iter().enumerate() {
         let cluster = level.cluster[v.index()] as usize;
         let fitted = match trial.scatter.get_mut(k) {
-            Some(place) => level.fit_with_scatter(cluster, room).map(|(fit, scatter)| {
+            Some(place) => level.fit_with_scatter(cluster, scratch).map(|(fit, scatter)| {
                 *place = scatter.variance;
                 fit
             }),
-            None => level.fit(cluster, room),
+            None => level.fit(cluster, scratch),
         };
         let Some(fit) = fitted else {
-            // Too few points; wider ones may have enough.
+            // There are too few points; wider supports may have enough.
             trial.heights.push((0.0, f64::INFINITY));
             continue;
         };
         let height = (fit.at(p).0 - p).dot(&normal);
         let last = trial.heights.last().copied();
         trial.heights.push((height, fit.variance));
-        let explained = |variance: f64| CLEAR * (trial.scatter[1] * variance).sqrt();
+        let explained = |variance: f64| CLEAR_DEVIATIONS * (trial.scatter[1] * variance).sqrt();
         if k > 1 && last.is_some_and(|(h, v)| (height - h).abs() > explained(v)) {
             break;
         }
@@ -173,29 +181,29 @@ fn trial(mesh: &Mesh, levels: &[Level], v: VertexId, room: &mut Gathering) -> Tr
 }
 
 /// The variance of the noise over a window.
-fn noise(trials: &[Trial], window: &[u32]) -> f64 {
+fn noise(trials: &[SupportTrial], window: &[u32]) -> f64 {
     let median = |k: usize| {
         let all = window.iter().map(|&i| trials[i as usize].scatter[k]);
         let all: Vec<f64> = all.filter(|scatter| scatter.is_finite()).collect();
         (!all.is_empty()).then(|| super::median(all))
     };
     match [median(0), median(1)] {
-        [Some(first), Some(second)] if second > SHAPE * first => first,
+        [Some(first), Some(second)] if second > SHAPE_RATIO * first => first,
         [first, second] => second.or(first).unwrap_or(0.0),
     }
 }
 
-/// The level of least risk over a window, refined between levels.
-fn best(trials: &[Trial], window: &[u32], variance: f64) -> f64 {
+/// The level with the smallest risk over a window, refined between levels.
+fn best(trials: &[SupportTrial], window: &[u32], variance: f64) -> f64 {
     let deepest = window.iter().map(|&i| trials[i as usize].heights.len()).min().unwrap_or(0);
-    let mean = |f: &dyn Fn(&Trial) -> f64| {
+    let mean = |f: &dyn Fn(&SupportTrial) -> f64| {
         window.iter().map(|&i| f(&trials[i as usize])).sum::<f64>() / window.len() as f64
     };
     let noise: Vec<f64> = (0..deepest).map(|k| variance * mean(&|t| t.heights[k].1)).collect();
     let bias = |k: usize| {
         let beyond = |i: usize| {
             let square = mean(&|t| (t.heights[k].0 - t.heights[i].0).powi(2));
-            square - CAUTION * (noise[i] - noise[k]).max(0.0)
+            square - NOISE_MARGIN * (noise[i] - noise[k]).max(0.0)
         };
         (0..k).filter(|&i| noise[i].is_finite()).map(beyond).fold(0.0, f64::max)
     };
@@ -205,8 +213,8 @@ fn best(trials: &[Trial], window: &[u32], variance: f64) -> f64 {
     least as f64 + vertex_of_parabola(&risks, least)
 }
 
-/// Where, between −½ and ½, the parabola through the logarithms of three risks
-/// around the least is lowest.
+/// The minimum, between −½ and ½, of the parabola through the logarithms of three risks around the
+/// smallest one.
 fn vertex_of_parabola(risks: &[f64], least: usize) -> f64 {
     let Some(before) = least.checked_sub(1).and_then(|k| risks.get(k)) else { return 0.0 };
     let Some(after) = risks.get(least + 1) else { return 0.0 };
@@ -219,12 +227,12 @@ fn vertex_of_parabola(risks: &[f64], least: usize) -> f64 {
     }
 }
 
-/// A value of the places, between them by nearness.
-fn blended(sampling: &Level, values: &[f64], v: VertexId, mesh: &Mesh) -> f64 {
+/// The value at a vertex, blended from the values at the places around it.
+fn blended(sampling: &SupportLevel, values: &[f64], v: VertexId, mesh: &Mesh) -> f64 {
     let own = sampling.cluster[v.index()] as usize;
     let p = mesh.point(v);
     let (mut weight, mut sum) = (1e-12, 1e-12 * values[own]);
-    let beside = sampling.grain.near(own).iter().map(|&c| c as usize);
+    let beside = sampling.clusters.near(own).iter().map(|&c| c as usize);
     for c in std::iter::once(own).chain(beside) {
         let w = sampling.weight(c, p);
         weight += w;

@@ -1,34 +1,34 @@
-//! The surface step: each point onto the MLS surface of its neighbourhood.
+//! Smoothing of the surface: each point is projected onto the MLS surface of its neighbourhood.
 //!
-//! One polynomial is fitted around each cluster of points; a point is projected
-//! onto those of its own cluster and the ones beside it, and the feet are
-//! blended by nearness. Where the support changes over the scan, the feet of two
-//! levels are blended.
+//! One polynomial is fitted around each cluster of points. A point is projected onto the
+//! polynomials of its own cluster and of the neighbouring clusters, and the foot points are blended
+//! with weights that decrease with distance. Where the support varies over the scan, the foot
+//! points on two levels are blended.
 
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::clusters::{Grain, Rooms};
-use super::levels::Level;
+use super::clusters::{ClusterLevel, ScratchPool};
+use super::levels::SupportLevel;
 use super::median;
-use crate::course::Course;
 use crate::error::Result;
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::Mesh;
 use crate::mesh::mls::{Polynomial, Projection};
+use crate::progress::Progress;
 
-/// The place of a vertex that the surface need not reach.
+/// The level of a vertex at which the surface is not needed.
 pub const NOWHERE: f32 = f32::INFINITY;
 
-/// The surface that a scan's points lie on.
-pub struct Surface {
-    levels: Vec<Level>,
-    /// The scan's vertices.
-    finest: Arc<Grain>,
-    /// For each vertex the level it takes; between two it takes both.
+/// The MLS surface of a scan.
+pub struct MlsSurface {
+    levels: Vec<SupportLevel>,
+    /// The vertices of the scan.
+    finest: Arc<ClusterLevel>,
+    /// The level of each vertex. A fraction means a blend of two adjacent levels.
     place: Vec<f32>,
-    /// For each vertex the share of its way to the surface that it goes.
+    /// The share of its way to the surface that each vertex moves.
     pub share: Vec<f32>,
     fits: Vec<Fits>,
 }
@@ -42,30 +42,30 @@ struct Fits {
 
 const NONE: u32 = u32::MAX;
 
-/// Feet that are found before it is told how many are.
+/// The number of foot points that are computed between two progress reports.
 const AT_ONCE: usize = 1 << 17;
 
-impl Surface {
-    /// Fits what the vertices need, each at the level `place` of its own. They go all of
-    /// their way to the surface.
+impl MlsSurface {
+    /// Fits the polynomials that the vertices need. `place` is the level of each vertex. Vertices
+    /// move all the way to the surface.
     pub fn new(
-        finest: Arc<Grain>,
-        levels: Vec<Level>,
+        finest: Arc<ClusterLevel>,
+        levels: Vec<SupportLevel>,
         place: Vec<f32>,
-        course: &mut Course,
+        progress: &mut Progress,
     ) -> Result<Self> {
         let mut fits = Vec::with_capacity(levels.len());
         for (k, level) in levels.iter().enumerate() {
-            course(k as f64 / levels.len() as f64)?;
+            progress(k as f64 / levels.len() as f64)?;
             fits.push(Fits::new(level, k, &place));
         }
         let share = vec![1.0; place.len()];
-        Ok(Surface { levels, finest, place, share, fits })
+        Ok(MlsSurface { levels, finest, place, share, fits })
     }
 
-    /// The feet of all vertices. A vertex with too few neighbours stays where it
-    /// is.
-    pub fn feet(&self, mesh: &Mesh, course: &mut Course) -> Result<(Vec<Point>, Vec<Vector>)> {
+    /// The foot points and normals of all vertices. A vertex with too few neighbours keeps its
+    /// position.
+    pub fn feet(&self, mesh: &Mesh, progress: &mut Progress) -> Result<(Vec<Point>, Vec<Vector>)> {
         let foot = |v: usize| {
             let (p, v) = (mesh.points[v], VertexId::from(v));
             self.project(v, p).map_or((p, self.scan_normal(v)), |foot| (foot.point, foot.normal))
@@ -73,7 +73,7 @@ impl Surface {
         let count = mesh.points.len();
         let (mut points, mut normals) = (Vec::with_capacity(count), Vec::with_capacity(count));
         for first in (0..count).step_by(AT_ONCE) {
-            course(first as f64 / count as f64)?;
+            progress(first as f64 / count as f64)?;
             let feet = (first..count.min(first + AT_ONCE)).into_par_iter().map(foot);
             let (more_points, more_normals): (Vec<Point>, Vec<Vector>) = feet.unzip();
             points.extend(more_points);
@@ -82,13 +82,13 @@ impl Surface {
         Ok((points, normals))
     }
 
-    /// How many of the vertices have polynomials to go to.
+    /// The number of vertices for which there is a polynomial.
     pub fn reached(&self, mesh: &Mesh) -> f64 {
         let points = mesh.points.par_iter().enumerate();
         points.filter(|(v, p)| self.project(VertexId::from(*v), **p).is_some()).count() as f64
     }
 
-    /// The median of the vertices' supports, in mm.
+    /// The median of the supports of the vertices, in mm.
     pub fn median_support(&self) -> f64 {
         median(self.place.iter().map(|&place| self.support(place)).collect())
     }
@@ -99,20 +99,20 @@ impl Surface {
         self.levels[k].h * above.powf(share)
     }
 
-    /// The normal of the scan at a vertex, averaged over the points around.
+    /// The normal of the scan at a vertex, averaged over neighbouring points.
     fn scan_normal(&self, v: VertexId) -> Vector {
         self.finest.normals[v.index()]
     }
 
-    /// Moves `p`, which lies near vertex `v`, by the vertex's share of the way to the
-    /// surface. `None` where too few points are near.
+    /// Moves `p`, which is near vertex `v`, towards the surface by the vertex's share of the way.
+    /// `None` if too few points are near.
     pub fn project(&self, v: VertexId, p: Point) -> Option<Projection> {
         let foot = self.foot(v, p)?;
         let share = f64::from(self.share[v.index()]);
         Some(Projection { point: p + share * (foot.point - p), ..foot })
     }
 
-    /// Whether a vertex stays where it is.
+    /// Whether a vertex does not move.
     pub fn keeps(&self, v: VertexId) -> bool {
         self.share[v.index()] == 0.0
     }
@@ -136,7 +136,7 @@ impl Surface {
         let level = &self.levels[k];
         let own = level.cluster[v.index()] as usize;
         let (mut weight, mut point, mut normal) = (0.0, Vector::zeros(), Vector::zeros());
-        let beside = level.grain.near(own).iter().map(|&c| c as usize);
+        let beside = level.clusters.near(own).iter().map(|&c| c as usize);
         for c in std::iter::once(own).chain(beside) {
             let w = level.weight(c, p);
             if let Some(fit) = self.fits[k].get(c).filter(|_| w > 1e-6) {
@@ -150,18 +150,18 @@ impl Surface {
     }
 }
 
-/// A level, and the share of the next one.
+/// The lower of two levels, and the share of the upper one.
 fn split(place: f32) -> (usize, f64) {
     (place as usize, f64::from(place.fract()))
 }
 
 impl Fits {
-    fn new(level: &Level, k: usize, place: &[f32]) -> Self {
+    fn new(level: &SupportLevel, k: usize, place: &[f32]) -> Self {
         let needed = needed(level, k, place);
-        let rooms = Rooms::default();
-        let fit = |&c: &u32| rooms.with(|room| level.fit(c as usize, room));
+        let scratch_pool = ScratchPool::default();
+        let fit = |&c: &u32| scratch_pool.with(|scratch| level.fit(c as usize, scratch));
         let fits: Vec<Option<Polynomial>> = needed.par_iter().map(fit).collect();
-        let mut number = vec![NONE; level.grain.samples.len()];
+        let mut number = vec![NONE; level.clusters.samples.len()];
         let mut all = Vec::with_capacity(needed.len());
         for (&c, fit) in needed.iter().zip(fits) {
             if let Some(fit) = fit {
@@ -177,15 +177,16 @@ impl Fits {
     }
 }
 
-/// The clusters of level `k` that hold, or stand beside, a vertex that takes it.
-fn needed(level: &Level, k: usize, place: &[f32]) -> Vec<u32> {
-    let mut needed = vec![false; level.grain.samples.len()];
+/// The clusters of level `k` that contain, or are next to a cluster that contains, a vertex at this
+/// level.
+fn needed(level: &SupportLevel, k: usize, place: &[f32]) -> Vec<u32> {
+    let mut needed = vec![false; level.clusters.samples.len()];
     for (&c, &place) in level.cluster.iter().zip(place) {
         needed[c as usize] |= (place - k as f32).abs() < 1.0;
     }
     let held: Vec<usize> = (0..needed.len()).filter(|&c| needed[c]).collect();
     for c in held {
-        level.grain.near(c).iter().for_each(|&beside| needed[beside as usize] = true);
+        level.clusters.near(c).iter().for_each(|&beside| needed[beside as usize] = true);
     }
     (0..needed.len() as u32).filter(|&c| needed[c as usize]).collect()
 }

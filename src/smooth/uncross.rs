@@ -1,23 +1,22 @@
-//! A boundary loop that smoothing has drawn across itself, at a slot narrower
-//! than the support, is taken back there.
+//! Repair of boundary loops that smoothing has drawn across themselves. This happens at a slot that
+//! is narrower than the support.
 
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
 use crate::geometry::{Point, Uv, Vector, plane_axes, segments_cross};
 
-/// Rounds at the most; each takes back half of what is left.
-const ROUNDS: usize = 12;
+/// The largest number of rounds. Each round moves the points half of the remaining way back.
+const MAX_ROUNDS: usize = 12;
 
-/// Vertices on each side of a crossing that go back with it.
+/// The number of vertices on each side of a crossing that move back with it.
 const AROUND: usize = 4;
 
-/// Moves the points of `smooth` around each crossing back towards `before`,
-/// the loop as it was, until it does not cross itself. `normals` are the
-/// surface's at the points.
+/// Moves the points of `smooth` near each crossing back towards `before`, the unsmoothed loop,
+/// until the loop does not cross itself. `normals` are the normals of the surface at the points.
 pub fn uncross(smooth: &mut [Point], before: &[Point], normals: &[Vector]) {
     let n = smooth.len();
-    for _ in 0..ROUNDS {
+    for _ in 0..MAX_ROUNDS {
         let mut back = vec![false; n];
         for i in crossed(smooth, normals) {
             (0..=2 * AROUND + 1).for_each(|k| back[(i + n + k - AROUND) % n] = true);
@@ -31,8 +30,8 @@ pub fn uncross(smooth: &mut [Point], before: &[Point], normals: &[Vector]) {
     }
 }
 
-/// The edges, by their first vertex, that cross another one, seen along the
-/// normal.
+/// The edges that cross another edge when they are projected along the normal. An edge is given by
+/// its first vertex.
 fn crossed(points: &[Point], normals: &[Vector]) -> Vec<usize> {
     let n = points.len();
     let lengths: Vec<f64> = (0..n).map(|i| (points[(i + 1) % n] - points[i]).norm()).collect();
@@ -41,8 +40,9 @@ fn crossed(points: &[Point], normals: &[Vector]) -> Vec<usize> {
     let tree: RTree<GeomWithData<[f64; 3], usize>> = RTree::bulk_load(places.collect());
     let mut found = Vec::new();
     for i in 0..n {
-        // Edges whose first vertices are farther apart cannot meet. Each pair is found from
-        // its longer edge; a mean one is allowed for as the banks may lie one above the other.
+        // Edges whose first vertices are farther apart cannot cross. Each pair is found from its
+        // longer edge. The reach is at least twice the mean length, because the two sides may lie
+        // one above the other.
         let reach = 2.0 * lengths[i].max(mean);
         let near = tree.locate_within_distance(points[i].into(), reach * reach);
         for j in near.map(|place| place.data) {
@@ -74,7 +74,7 @@ mod tests {
     #[test]
     fn a_slot_that_was_drawn_shut_opens_again() {
         let p = |x: f64, y: f64| Point::new(x, y, 0.0);
-        // A square with a slot from the right; then the slot's banks swapped.
+        // A square with a slot from the right. Then the two sides of the slot are swapped.
         let slot = [(10., 5.2), (8., 5.2), (6., 5.2), (6., 4.8), (8., 4.8), (10., 4.8)];
         let outside = [(10., 0.), (5., 0.), (0., 0.), (0., 5.), (0., 10.), (5., 10.), (10., 10.)];
         let before: Vec<Point> = slot.iter().chain(&outside).map(|&(x, y)| p(x, y)).collect();

@@ -1,86 +1,87 @@
-//! Projections move vertices by about the noise; where that is near the point
-//! spacing, or where a boundary was drawn in over its neighbours, triangles
-//! come to lie upside down. They are turned back by sliding their vertices
-//! along the surface, which itself stays where it is.
+//! Repair of folded triangles. Projections move vertices by about the size of the noise. Where this
+//! is near the distance between points, or where a boundary was drawn in over its neighbours,
+//! triangles end upside down. Their vertices are moved along the surface until the triangles are
+//! upright; the surface itself does not change.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use rayon::prelude::*;
 
-use super::surface::Surface;
+use super::surface::MlsSurface;
 use crate::geometry::{Point, Vector, VertexId};
-use crate::mesh::{Disk, Rings};
+use crate::mesh::{Disk, VertexRings};
 
-/// Rounds of sliding at the most.
-const ROUNDS: usize = 60;
+/// The largest number of rounds.
+const MAX_ROUNDS: usize = 60;
 
-/// Rounds after which boundary vertices have to give way too, for as many; then by turns,
-/// since the places that they go back to may be what is folded.
+/// After this number of rounds, boundary vertices move back as well, for the same number of rounds.
+/// The two kinds of rounds then alternate, because the positions to which boundary vertices return
+/// may be the cause of a fold.
 const PATIENCE: usize = 8;
 
-/// A triangle that was folded is let go when it is at least as upright as one
-/// whose height is a twentieth of its side.
-const UPRIGHT: f64 = 0.05;
+/// A triangle that was folded counts as repaired if it is at least as upright as a triangle whose
+/// height is a twentieth of its side.
+const MIN_UPRIGHTNESS: f64 = 0.05;
 
-/// What of a disk slides.
-struct Sliding<'a> {
-    surface: &'a Surface,
-    rings: Rings,
-    /// For each vertex its neighbours on its boundary loop, if it is on one.
+/// The data of a disk whose vertices move along the surface.
+struct TangentialSmoothing<'a> {
+    surface: &'a MlsSurface,
+    rings: VertexRings,
+    /// For each boundary vertex its two neighbours on the loop.
     beside: Vec<Option<[VertexId; 2]>>,
-    /// Which vertices stay.
+    /// Which vertices are fixed.
     pinned: Vec<bool>,
-    /// The surface's normals at the vertices.
+    /// The normals of the surface at the vertices.
     normals: Vec<Vector>,
 }
 
-/// What unfolding goes by.
-pub struct Upright<'a> {
-    /// Where the surface step put the vertices.
+/// The reference for the repair.
+pub struct UnfoldReference<'a> {
+    /// The positions of the vertices after the projection onto the surface.
     pub projected: Vec<Point>,
-    /// The surface's unit normals there.
+    /// The unit normals of the surface at these positions.
     pub normals: Vec<Vector>,
-    /// Vertices that stay, …
+    /// The corners of the boundary, which are fixed.
     pub corners: &'a [VertexId],
-    /// … but those of them that were not named, where a fold does.
+    /// Whether the user named the corners. Corners that were found automatically are released if a
+    /// fold persists.
     pub named: bool,
 }
 
-/// Turns folded triangles back. Inner vertices slide towards the middle of their
-/// neighbours, and boundary vertices along their loop; where that does not help,
-/// boundary vertices go half of the way back to where the surface step put them, for
-/// some rounds.
-pub fn unfold(disk: &mut Disk, surface: &Surface, by: Upright) {
+/// Unfolds triangles. Inner vertices move towards the middle of their neighbours, and boundary
+/// vertices along their loop. Where a fold persists, boundary vertices move half the way back to
+/// their projected positions, for some rounds.
+pub fn unfold(disk: &mut Disk, surface: &MlsSurface, by: UnfoldReference) {
     let projected = by.projected;
-    let mut sliding = Sliding::new(disk, surface, by.normals, by.corners);
+    let mut smoothing = TangentialSmoothing::new(disk, surface, by.normals, by.corners);
     let stays = |t: u32| disk.mesh.triangles[t as usize].iter().all(|&v| surface.keeps(v));
     let mut folded: Vec<u32> = (0..disk.mesh.triangles.len() as u32)
         .into_par_iter()
-        .filter(|&t| !stays(t) && sliding.uprightness(disk, t) <= 0.0)
+        .filter(|&t| !stays(t) && smoothing.uprightness(disk, t) <= 0.0)
         .collect();
     let vertices = Marks::new(disk.mesh.points.len());
     let triangles = Marks::new(disk.mesh.triangles.len());
-    // Vertices that have slid off the surface by now.
-    let mut off = Vec::new();
-    for round in 0..ROUNDS {
+    // Vertices that may have left the surface since they were last projected.
+    let mut moved_off = Vec::new();
+    for round in 0..MAX_ROUNDS {
         if folded.is_empty() || round % PATIENCE == PATIENCE - 1 {
-            off = vertices.unique(off.into_par_iter());
-            sliding.settle(disk, &off);
-            folded = sliding.still_folded(disk, folded, &off, &triangles);
-            off.clear();
+            moved_off = vertices.unique(moved_off.into_par_iter());
+            smoothing.project_back(disk, &moved_off);
+            folded = smoothing.still_folded(disk, folded, &moved_off, &triangles);
+            moved_off.clear();
         }
         if folded.is_empty() {
             return;
         }
         let corners = folded.par_iter().flat_map_iter(|&t| disk.mesh.triangles[t as usize]);
         let corners = vertices.unique(corners.map(|v| v.0));
-        let is_inner = |v: &u32| sliding.beside[*v as usize].is_none();
-        let around = |&v: &u32| sliding.rings.neighbours(&disk.mesh, VertexId(v)).map(|v| v.0);
+        let is_inner = |v: &u32| smoothing.beside[*v as usize].is_none();
+        let around = |&v: &u32| smoothing.rings.neighbours(&disk.mesh, VertexId(v)).map(|v| v.0);
         let inner = corners.par_iter().flat_map_iter(around).filter(is_inner);
         let mut moving = vertices.unique(corners.par_iter().copied().chain(inner));
-        moving.retain(|&v| !sliding.pinned[v as usize]);
+        moving.retain(|&v| !smoothing.pinned[v as usize]);
         if round == 2 * PATIENCE && !by.named {
-            corners.iter().for_each(|&v| sliding.pinned[v as usize] = surface.keeps(VertexId(v)));
+            corners.iter().for_each(|&v| smoothing.pinned[v as usize] = surface.keeps(VertexId(v)));
         }
         if round / PATIENCE % 2 == 1 {
             for &v in corners.iter().filter(|v| !is_inner(v)) {
@@ -88,23 +89,23 @@ pub fn unfold(disk: &mut Disk, surface: &Surface, by: Upright) {
                 *p = nalgebra::center(p, &projected[v as usize]);
             }
         }
-        sliding.slide(disk, &moving);
-        folded = sliding.still_folded(disk, folded, &moving, &triangles);
-        off.extend(moving);
+        smoothing.smooth_tangentially(disk, &moving);
+        folded = smoothing.still_folded(disk, folded, &moving, &triangles);
+        moved_off.extend(moving);
     }
-    sliding.settle(disk, &vertices.unique(off.into_par_iter()));
+    smoothing.project_back(disk, &vertices.unique(moved_off.into_par_iter()));
 }
 
-/// Room to tell which numbers came before; all false between calls.
+/// Marks for finding repeated numbers. All are false between calls.
 struct Marks(Vec<AtomicBool>);
 
 impl Marks {
-    /// Room for numbers below `count`.
+    /// Marks for numbers below `count`.
     fn new(count: usize) -> Self {
         Marks((0..count).map(|_| AtomicBool::new(false)).collect())
     }
 
-    /// The numbers, each once, ascending.
+    /// The distinct numbers, in ascending order.
     fn unique(&self, numbers: impl ParallelIterator<Item = u32>) -> Vec<u32> {
         let is_new = |n: &u32| !self.0[*n as usize].swap(true, Ordering::Relaxed);
         let mut numbers: Vec<u32> = numbers.filter(is_new).collect();
@@ -114,8 +115,13 @@ impl Marks {
     }
 }
 
-impl<'a> Sliding<'a> {
-    fn new(disk: &Disk, surface: &'a Surface, normals: Vec<Vector>, corners: &[VertexId]) -> Self {
+impl<'a> TangentialSmoothing<'a> {
+    fn new(
+        disk: &Disk,
+        surface: &'a MlsSurface,
+        normals: Vec<Vector>,
+        corners: &[VertexId],
+    ) -> Self {
         let mut beside = vec![None; disk.mesh.points.len()];
         for ring in disk.loops() {
             let n = ring.len();
@@ -126,11 +132,17 @@ impl<'a> Sliding<'a> {
         let mut pinned: Vec<bool> =
             (0..disk.mesh.points.len()).map(|v| surface.keeps(VertexId::from(v))).collect();
         corners.iter().for_each(|&v| pinned[v.index()] = true);
-        Sliding { surface, rings: Rings::new(&disk.mesh), beside, pinned, normals }
+        TangentialSmoothing {
+            surface,
+            rings: VertexRings::new(&disk.mesh),
+            beside,
+            pinned,
+            normals,
+        }
     }
 
-    /// How far a triangle is from being folded: its area seen along the
-    /// surface's normal, as a share of its sides' squares.
+    /// How far a triangle is from being folded: its area projected along the normal of the surface,
+    /// as a share of the squares of its sides. It is negative for a folded triangle.
     fn uprightness(&self, disk: &Disk, t: u32) -> f64 {
         let t = disk.mesh.triangles[t as usize];
         let up: Vector = t.iter().map(|v| self.normals[v.index()]).sum();
@@ -139,8 +151,8 @@ impl<'a> Sliding<'a> {
         disk.mesh.area_vector(t).dot(&up) / (up.norm() * squares).max(f64::MIN_POSITIVE)
     }
 
-    /// Of the triangles that were folded those that are not upright yet, and
-    /// of those around the vertices that moved the ones that are folded now.
+    /// The triangles of `folded` that are not upright yet, and the triangles around moved vertices
+    /// that are folded now.
     fn still_folded(
         &self,
         disk: &Disk,
@@ -148,7 +160,7 @@ impl<'a> Sliding<'a> {
         moved: &[u32],
         triangles: &Marks,
     ) -> Vec<u32> {
-        let lying = folded.into_par_iter().filter(|&t| self.uprightness(disk, t) < UPRIGHT);
+        let lying = folded.into_par_iter().filter(|&t| self.uprightness(disk, t) < MIN_UPRIGHTNESS);
         let mut all: Vec<u32> = lying.collect();
         let around = |&v: &u32| self.rings.triangles(VertexId(v)).iter().copied();
         let around = moved.par_iter().flat_map_iter(around);
@@ -157,9 +169,9 @@ impl<'a> Sliding<'a> {
         triangles.unique(all.into_par_iter())
     }
 
-    /// Moves the vertices half of the way to the middle of their neighbours, across the
-    /// surface's normals.
-    fn slide(&self, disk: &mut Disk, vertices: &[u32]) {
+    /// Moves the vertices half the way to the middle of their neighbours, perpendicular to the
+    /// surface normals.
+    fn smooth_tangentially(&self, disk: &mut Disk, vertices: &[u32]) {
         let target = |&v: &u32| {
             let v = VertexId(v);
             let (p, n) = (disk.mesh.point(v), self.normals[v.index()]);
@@ -179,8 +191,8 @@ impl<'a> Sliding<'a> {
         vertices.iter().zip(targets).for_each(|(&v, p)| disk.mesh.points[v as usize] = p);
     }
 
-    /// Puts the vertices back onto the surface.
-    fn settle(&mut self, disk: &mut Disk, vertices: &[u32]) {
+    /// Projects the vertices back onto the surface.
+    fn project_back(&mut self, disk: &mut Disk, vertices: &[u32]) {
         let foot = |&v: &u32| self.surface.project(VertexId(v), disk.mesh.point(VertexId(v)));
         let feet: Vec<_> = vertices.par_iter().map(foot).collect();
         for (&v, foot) in vertices.iter().zip(feet) {

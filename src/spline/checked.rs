@@ -1,5 +1,5 @@
-//! Splines made of numbers from elsewhere: the same as the constructors of their own
-//! files, which take for granted what is looked at here.
+//! Constructors that check their arguments and return errors. The constructors in the files of the
+//! types themselves panic on unsuitable arguments.
 
 use nalgebra::SVector;
 
@@ -11,8 +11,8 @@ impl KnotVector {
     /// A knot vector from its degree, 1 to 5, and its knots.
     ///
     /// # Errors
-    /// [`Error::Input`]: knots that decrease, are not finite, fewer than
-    /// 2 (degree + 1), or no span for the basis.
+    /// [`Error::Input`] if there are fewer than 2 (degree + 1) knots, if the knots decrease or are
+    /// not finite, or if no span is left on which the basis is complete.
     pub fn try_new(degree: usize, knots: Vec<f64>) -> Result<Self> {
         let enough = (1..=5).contains(&degree) && knots.len() >= 2 * (degree + 1);
         let ascend = knots.windows(2).all(|w| w[0] <= w[1]) && knots.iter().all(|t| t.is_finite());
@@ -22,11 +22,11 @@ impl KnotVector {
         Ok(KnotVector::new(degree, knots))
     }
 
-    /// The clamped knot vector of degree 3 over [0, 1] with `control_points` functions
-    /// and spans of equal length.
+    /// The clamped cubic knot vector over [0, 1] with `control_points` basis functions and spans of
+    /// equal length.
     ///
     /// # Errors
-    /// [`Error::Input`]: fewer than four control points.
+    /// [`Error::Input`] if there are fewer than four control points.
     pub fn cubic(control_points: usize) -> Result<Self> {
         match control_points {
             0..4 => Err(Error::Input("a cubic B-spline has at least four control points")),
@@ -39,23 +39,25 @@ impl<const D: usize> Curve<D> {
     /// A curve from its knots and control points.
     ///
     /// # Errors
-    /// [`Error::Input`]: not one control point a basis function.
+    /// [`Error::Input`] if the numbers of control points and basis functions differ.
     pub fn try_new(knots: KnotVector, control: Vec<SVector<f64, D>>) -> Result<Self> {
         if knots.functions() != control.len() {
-            return Err(Error::Input("a curve has not one control point a basis function"));
+            return Err(Error::Input("a curve needs one control point for each basis function"));
         }
         Ok(Curve::new(knots, control))
     }
 }
 
 impl Surface {
-    /// A surface from its knots and net, of which v runs first.
+    /// A surface from its knots and its control net, in which the index along v runs faster.
     ///
     /// # Errors
-    /// [`Error::Input`]: a net of another size than u.functions() × v.functions().
+    /// [`Error::Input`] if the net does not have u.functions() × v.functions() control points.
     pub fn try_new(u: KnotVector, v: KnotVector, net: Vec<Vector>) -> Result<Self> {
         if u.functions() * v.functions() != net.len() {
-            return Err(Error::Input("a surface has not one control point a pair of functions"));
+            return Err(Error::Input(
+                "a surface needs one control point for each pair of basis functions",
+            ));
         }
         Ok(Surface::new(u, v, net))
     }

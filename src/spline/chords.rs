@@ -1,17 +1,18 @@
-//! Curves as chords.
+//! Approximation of curves by polylines.
 
 use crate::geometry::{Point, segment_distance};
 
-/// Halvings of a chord at the most.
+/// The largest number of times that a chord is halved.
 const MOST_HALVINGS: usize = 16;
 
-/// Pieces that a curve is cut into at least: a wave may cross its chord in the middle.
+/// The smallest number of chords for a whole curve. A wave may cross a single chord in its middle,
+/// where the error would then appear to be zero.
 const FEWEST: usize = 32;
 
-/// Points of a curve, so near each other that chords keep to it within `chord` mm. It is
-/// smooth between its `breaks`; `place` is where a point of it is in space.
+/// Points of a curve such that the chords between them stay within `chord` mm of the curve. The
+/// curve must be smooth between its `breaks`; `place` gives the position of a point in space.
 ///
-/// Four pieces of each chord are looked at, so this is measured and not proved.
+/// The distance is measured at three inner points of each chord, so the bound is not proved.
 pub(crate) fn chords<T: Copy>(
     breaks: &[f64],
     at: &dyn Fn(f64) -> T,
@@ -19,7 +20,7 @@ pub(crate) fn chords<T: Copy>(
     chord: f64,
 ) -> Vec<T> {
     let pieces = (FEWEST / breaks.len().max(1)).max(2);
-    let mut line = Line { at, place, chord, points: vec![at(breaks[0])] };
+    let mut line = ChordPolyline { at, place, chord, points: vec![at(breaks[0])] };
     for span in breaks.windows(2) {
         let t = |i: usize| span[0] + (span[1] - span[0]) * i as f64 / pieces as f64;
         for i in 0..pieces {
@@ -30,15 +31,15 @@ pub(crate) fn chords<T: Copy>(
     line.points
 }
 
-struct Line<'a, T, P> {
+struct ChordPolyline<'a, T, P> {
     at: &'a dyn Fn(f64) -> T,
     place: P,
     chord: f64,
     points: Vec<T>,
 }
 
-impl<T: Copy, P: Fn(&T) -> Point> Line<'_, T, P> {
-    /// Goes on from `a`, where the line is, to `b`.
+impl<T: Copy, P: Fn(&T) -> Point> ChordPolyline<'_, T, P> {
+    /// Continues the polyline from `a`, where it ends, to `b`.
     fn refine(&mut self, a: f64, b: f64, halvings: usize) {
         let end = (self.at)(b);
         let from = self.points.last().map_or_else(|| (self.place)(&(self.at)(a)), &self.place);

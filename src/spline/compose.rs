@@ -5,22 +5,21 @@ use nalgebra::{SVector, Vector3};
 use super::{Curve, KnotVector, Surface};
 use crate::geometry::{Uv, Vector};
 
-/// The pieces may be halved this often.
+/// The largest number of times that a piece is halved.
 const MAX_HALVINGS: usize = 24;
 
-/// After so many halvings another one that does not halve the error is the last:
-/// roundings do not get less.
+/// After this number of halvings, a halving that does not at least halve the error is the last one.
+/// The remaining error is then due to rounding.
 const SURE_HALVINGS: usize = 10;
 
-/// The 3D curve C with |C(t) − S(c(t))| ≤ `eps` mm for the pcurve `c`, at the
-/// same parameter: a quintic with triple knots, so C².
+/// The curve C in space with |C(t) − S(c(t))| ≤ `eps` mm for the pcurve `c`, at the same parameter.
+/// C is a quintic with triple knots and therefore C².
 ///
-/// Between the pcurve's knots and the places where it crosses a knot line of
-/// the surface S∘c is a polynomial (of degree up to 18), so there a Hermite
-/// quintic (position, two derivatives at both ends) converges with the sixth
-/// power of the piece's length; pieces are halved until samples agree within
-/// `eps` / 4. On an importer that checks only a few points a coarser curve
-/// would claim more than it keeps.
+/// Between the knots of the pcurve and its crossings of knot lines of the surface, S∘c is a
+/// polynomial of degree up to 18. On such a piece the Hermite quintic, which has the position and
+/// two derivatives at both ends, converges with the sixth power of the length of the piece. Pieces
+/// are halved until samples agree within `eps` / 4. Some importers check only a few points; with a
+/// coarser bound a curve could pass their check and still exceed `eps` elsewhere.
 pub fn curve_on_surface(surface: &Surface, c: &Curve<2>, eps: f64) -> Curve<3> {
     let breaks = pieces_on_surface(surface, c);
     let mut knots = vec![breaks[0]];
@@ -32,9 +31,9 @@ pub fn curve_on_surface(surface: &Surface, c: &Curve<2>, eps: f64) -> Curve<3> {
     assemble(&knots, &pieces)
 }
 
-/// The farthest, in mm, that an edge is from its pcurve's trace at the same
-/// parameter, of 17 places on each of the edge's knot spans. Not a number if it
-/// is at one of them.
+/// The largest distance in mm between an edge and the trace of its pcurve at the same parameter. It
+/// is measured at 17 places on each knot span of the edge. The result is NaN if the distance is NaN
+/// at one of them.
 pub fn off_surface(surface: &Surface, pcurve: &Curve<2>, edge: &Curve<3>) -> f64 {
     let mut worst: f64 = 0.0;
     for span in edge.knots.breaks().windows(2) {
@@ -50,8 +49,8 @@ pub fn off_surface(surface: &Surface, pcurve: &Curve<2>, edge: &Curve<3>) -> f64
     worst
 }
 
-/// The ends of the pieces of a pcurve over which it traces polynomials: its own knots and its
-/// crossings of the surface's knot lines.
+/// The ends of the pieces of a pcurve on which it traces polynomials: its own knots and its
+/// crossings of the knot lines of the surface.
 pub fn pieces_on_surface(surface: &Surface, c: &Curve<2>) -> Vec<f64> {
     let own = c.knots.breaks();
     let mut all = own.clone();
@@ -63,8 +62,8 @@ pub fn pieces_on_surface(surface: &Surface, c: &Curve<2>) -> Vec<f64> {
     all.sort_by(f64::total_cmp);
     let (first, last) = c.knots.range();
     let least = 1e-9 * (last - first);
-    // Knots of the pcurve are kept exactly; a crossing next to one is not
-    // needed. The ends stay the ends.
+    // Knots of the pcurve are kept exactly; a crossing next to one is not needed. The first and the
+    // last break stay the ends of the range.
     let mut breaks: Vec<f64> = Vec::with_capacity(all.len());
     for t in all {
         if breaks.last().is_none_or(|&b| t - b > least) {
@@ -77,8 +76,9 @@ pub fn pieces_on_surface(surface: &Surface, c: &Curve<2>) -> Vec<f64> {
     breaks
 }
 
-/// Parameters in (a, b), one polynomial piece, at which coordinate `axis` is one
-/// of the ascending `levels`: found between samples and bisected.
+/// Parameters in (a, b) at which coordinate `axis` equals one of the ascending `levels`. The curve
+/// must be a single polynomial there. Crossings are bracketed between samples and found by
+/// bisection.
 fn crossings(c: &Curve<2>, axis: usize, levels: &[f64], a: f64, b: f64, found: &mut Vec<f64>) {
     const SAMPLES: usize = 16;
     let at = |i: usize| a + (b - a) * i as f64 / SAMPLES as f64;
@@ -105,7 +105,7 @@ fn crossings(c: &Curve<2>, axis: usize, levels: &[f64], a: f64, b: f64, found: &
     }
 }
 
-/// Position and two derivatives of S∘c at `t`, by the chain rule.
+/// Position and first two derivatives of S∘c at `t`, by the chain rule.
 fn composed(surface: &Surface, c: &Curve<2>, t: f64) -> [Vector; 3] {
     let [p, d, dd] = c.derivatives(t);
     let j = surface.jet(Uv::from(p));
@@ -114,7 +114,8 @@ fn composed(surface: &Surface, c: &Curve<2>, t: f64) -> [Vector; 3] {
     [j.s.coords, first, bend + j.su * dd.x + j.sv * dd.y]
 }
 
-/// The Bézier points of the quintic with the given ends over a length of `w`.
+/// The Bézier points of the quintic with the given position and derivatives at both ends of a range
+/// of length `w`.
 fn hermite(a: &[Vector; 3], b: &[Vector; 3], w: f64) -> [Vector; 6] {
     let (first, second) = (w / 5.0, w * w / 20.0);
     [
@@ -154,7 +155,7 @@ fn refine(
         let exact = surface.point(Uv::from(c.point(a + s * (b - a)))).coords;
         (bezier(&quintic, s) - exact).norm()
     };
-    // What is not a number does not become one by halving, and counts as nothing here.
+    // A NaN error does not become a number by halving; it is ignored here.
     let worst = (1..12).map(off).fold(0.0, f64::max);
     let stuck = halvings + SURE_HALVINGS <= MAX_HALVINGS && worst > 0.5 * before;
     if halvings == 0 || worst <= eps || stuck {
@@ -167,8 +168,9 @@ fn refine(
     refine(surface, c, middle, b, eps, (halvings - 1, worst), knots, pieces);
 }
 
-/// The piece that a control point's five knots lie around. Where these reach over
-/// two, both give the same, and the longer one with fewer roundings.
+/// The piece from which control point `i` is computed: one that its five knots touch. If these
+/// knots touch two pieces, both give the same point, and the longer piece gives it with less
+/// rounding.
 fn piece_of(i: usize, breaks: &[f64]) -> usize {
     let last = breaks.len() - 2;
     let piece = (i / 3).saturating_sub(usize::from(i.is_multiple_of(3))).min(last);
@@ -177,8 +179,8 @@ fn piece_of(i: usize, breaks: &[f64]) -> usize {
     if shared && length(piece - 1) > length(piece) { piece - 1 } else { piece }
 }
 
-/// One B-spline with triple inner knots from Hermite pieces: control point i
-/// is the blossom of a piece at five consecutive knots.
+/// Joins Hermite pieces into one B-spline with triple inner knots. Control point i is the blossom
+/// of a piece at five consecutive knots.
 fn assemble(breaks: &[f64], pieces: &[[Vector; 6]]) -> Curve<3> {
     let knots = KnotVector::clamped(5, breaks, 3);
     let control: Vec<Vector3<f64>> = (0..knots.functions())

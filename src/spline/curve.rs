@@ -1,4 +1,4 @@
-//! B-spline curves in space (D = 3) or in the parameter plane (D = 2).
+//! B-spline curves in space (D = 3) and in the parameter plane (D = 2).
 
 use nalgebra::SVector;
 
@@ -9,26 +9,27 @@ use super::KnotVector;
 pub struct Curve<const D: usize> {
     /// The knot vector.
     pub knots: KnotVector,
-    /// The control points, one a basis function.
+    /// The control points, one for each basis function.
     pub control: Vec<SVector<f64, D>>,
 }
 
 impl<const D: usize> Curve<D> {
-    /// A curve; there must be as many control points as basis functions.
+    /// A curve from its knots and control points.
     ///
     /// # Panics
-    /// Where there are not; [`Curve::try_new`] does not panic.
+    /// Panics if the numbers of control points and basis functions differ. [`Curve::try_new`]
+    /// returns an error instead.
     pub fn new(knots: KnotVector, control: Vec<SVector<f64, D>>) -> Self {
         assert_eq!(knots.functions(), control.len(), "control points");
         Curve { knots, control }
     }
 
-    /// The line from `a` to `b` over [0, 1].
+    /// The straight line from `a` to `b`, over [0, 1].
     pub fn line(a: SVector<f64, D>, b: SVector<f64, D>) -> Self {
         Curve::new(KnotVector::clamped(1, &[0.0, 1.0], 1), vec![a, b])
     }
 
-    /// Value, first and second derivative at `t`.
+    /// The value and the first and second derivatives at `t`.
     pub fn derivatives(&self, t: f64) -> [SVector<f64, D>; 3] {
         let b = self.knots.basis(t);
         let control = &self.control[b.first..=b.first + self.knots.degree()];
@@ -41,7 +42,8 @@ impl<const D: usize> Curve<D> {
         self.derivatives(t)[0]
     }
 
-    /// The part from `a` to `b`, as a clamped curve with the same parameters.
+    /// The part of the curve between the parameters `a` and `b`, as a clamped curve with unchanged
+    /// parameters.
     pub fn part(&self, a: f64, b: f64) -> Self {
         let p = self.knots.degree();
         let mut breaks = vec![a];
@@ -50,9 +52,9 @@ impl<const D: usize> Curve<D> {
         self.recast(KnotVector::clamped(p, &breaks, 1))
     }
 
-    /// The same curve over another knot vector of the same degree whose spans
-    /// each lie in one span of this curve. Control point i is the blossom at
-    /// the knots i + 1 … i + degree, of the polynomial on a span among them.
+    /// The same curve over another knot vector of the same degree. Each span of the new vector must
+    /// lie in one span of this curve. Control point i is the blossom at the knots i + 1 … i +
+    /// degree of the polynomial on a span among them.
     fn recast(&self, knots: KnotVector) -> Self {
         let p = knots.degree();
         let control = (0..knots.functions())

@@ -1,14 +1,15 @@
-//! Coordinates with no more digits than mean something.
+//! Rounding of coordinates to decimals.
 //!
-//! A file has every coordinate with as many digits as read back the same number,
-//! and what a fit computes takes 17. Rounded to a billionth of a millimetre,
-//! a hundredth of what importers tell from nothing, it takes two thirds of them.
+//! A file holds every coordinate with enough digits to read back the same number. The results of
+//! a fit need 17 digits. Rounded to a billionth of a millimetre, which is a hundredth of the
+//! smallest distance that importers distinguish, they need about two thirds of these digits.
 
 use super::{Curve, Surface};
 
 impl Surface {
-    /// The surface of a scan with that diagonal, its control points rounded to as many digits
-    /// as a billionth of a millimetre has in a scan of 100 mm.
+    /// The surface with rounded control points. `diagonal` is the diagonal of the scan; a scan of
+    /// 100 mm is rounded to a billionth of a millimetre, and others in proportion, by powers of
+    /// ten.
     #[must_use]
     pub fn rounded(mut self, diagonal: f64) -> Self {
         let steps = steps(diagonal);
@@ -22,24 +23,25 @@ fn steps(diagonal: f64) -> f64 {
     power(digits.clamp(9.0, 22.0))
 }
 
-/// An edge may be off its surface by so many times what its control points are rounded to.
+/// The allowed distance of an edge from its surface, as a multiple of the step to which its control
+/// points are rounded.
 const FINE: f64 = 100.0;
 
-/// Rounds the control points of an edge, which may be off its surface by `accuracy` in mm.
+/// Rounds the control points of an edge. `accuracy` is the allowed distance from its surface in mm.
 pub(crate) fn lengths(edge: &mut Curve<3>, accuracy: f64) {
     curve(edge, power((FINE / accuracy).log10().ceil().clamp(0.0, 22.0)));
 }
 
-/// The digits of a parameter in [0, 1]: a trillionth of a surface's side is less than the
-/// digits of its control points tell.
+/// The number of decimals of a parameter in [0, 1]. A trillionth of the side of a surface is
+/// shorter than the rounding step of its control points.
 const PARAMETER_DIGITS: f64 = 12.0;
 
-/// Rounds a curve in the parameter plane. Its edge in space is traced afterwards.
+/// Rounds a curve in the parameter plane. The edge in space must be traced after it.
 pub(crate) fn parameters(arc: &mut Curve<2>) {
     curve(arc, power(PARAMETER_DIGITS));
 }
 
-/// 10 to the power of some digits.
+/// 10 to the power of `digits`.
 fn power(digits: f64) -> f64 {
     10f64.powi(digits as i32)
 }
@@ -48,10 +50,10 @@ fn curve<const D: usize>(curve: &mut Curve<D>, steps: f64) {
     curve.control.iter_mut().for_each(|p| *p = p.map(|x| round(x, steps)));
 }
 
-/// The double next to the decimal next to `x`.
+/// The floating-point number nearest to the decimal nearest to `x`.
 fn round(x: f64, steps: f64) -> f64 {
     let scaled = x * steps;
-    // Larger ones have no digits there.
+    // Larger numbers have no digits after this decimal place.
     if scaled.abs() < 1e15 { scaled.round() / steps } else { x }
 }
 

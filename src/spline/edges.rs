@@ -1,4 +1,4 @@
-//! How far points are from curves in space.
+//! Distances from points to curves in space, by an R-tree of chords.
 
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
@@ -7,17 +7,17 @@ use super::chords::chords;
 use super::nearest::EXACT;
 use crate::geometry::{Point, bounds, segment_distance};
 
-/// Curves in space that answer quickly how far a point is from the nearest of them.
+/// Curves in space, indexed for queries of the distance from a point to the nearest curve.
 ///
-/// They are cut into chords that keep to them within 1e-7 of the diagonal of the box around
-/// them, and so are distances. A look takes logarithmic time.
+/// The curves are replaced by chords within 1e-7 of the diagonal of their bounding box, so
+/// distances have this error. A query takes logarithmic time.
 #[derive(Debug)]
 pub struct EdgeTree {
     sides: RTree<Side>,
 }
 
 impl EdgeTree {
-    /// The tree of some curves.
+    /// Builds the tree of some curves.
     pub fn new(edges: &[Curve<3>]) -> Self {
         let control = edges.iter().flat_map(|edge| edge.control.iter().map(|&p| Point::from(p)));
         let [low, high] = bounds(control);
@@ -30,21 +30,22 @@ impl EdgeTree {
         EdgeTree::of_sides(lines.iter().flat_map(|line| line.windows(2).map(|s| [s[0], s[1]])))
     }
 
-    /// The tree of straight pieces, each from its start to its end.
+    /// Builds the tree of line segments, each given by its start and its end.
     pub(crate) fn of_sides(sides: impl Iterator<Item = [Point; 2]>) -> Self {
         let sides = sides.enumerate().map(|(number, ends)| Side { ends, number });
         EdgeTree { sides: RTree::bulk_load(sides.collect()) }
     }
 
-    /// The distance in mm from `p` to the nearest curve; infinite if there is none.
+    /// The distance in mm from `p` to the nearest curve, or infinity if there is no curve.
     pub fn distance(&self, p: Point) -> f64 {
         self.nearest(p).map_or(f64::INFINITY, |near| near.2)
     }
 
-    /// The number of the piece that is nearest to `p`, at which share of it, and how far
-    /// that is.
+    /// The number of the segment nearest to `p`, the position along it from 0 to 1, and the
+    /// distance.
     pub(crate) fn nearest(&self, p: Point) -> Option<(usize, f64, f64)> {
-        // `nearest_neighbor` prunes by bounds that rounding may turn against the nearest one.
+        // `nearest_neighbor` of rstar prunes by bounds that rounding may turn against the nearest
+        // segment.
         let side = self.sides.nearest_neighbor_iter(p.coords.into()).next()?;
         let ([a, b], along) = (side.ends, side.ends[1] - side.ends[0]);
         let share = (p - a).dot(&along) / along.norm_squared().max(f64::MIN_POSITIVE);
@@ -52,7 +53,7 @@ impl EdgeTree {
     }
 }
 
-/// A straight piece of a curve.
+/// A chord of a curve.
 #[derive(Debug, Clone, Copy)]
 struct Side {
     ends: [Point; 2],

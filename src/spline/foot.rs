@@ -1,39 +1,39 @@
-//! Foot points: where on a surface a point in space is nearest.
+//! Foot points: the parameters at which a surface is nearest to a point in space.
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::{Jet, Patch, Surface};
+use super::{Jet, ParametricSurface, Surface};
 use crate::geometry::{Point, Uv};
 
-/// The parameter of a local minimum of the distance from `p` to the surface,
-/// reached downhill from `start` inside the domain, and that distance in mm.
+/// The parameter point of a local minimum of the distance from `p` to the surface, and this
+/// distance in mm. The descent starts at `start` and stays inside the domain.
 ///
-/// Newton's method on ½‖S(u,v) − p‖²; where the Hessian is not positive it is
-/// replaced by the Gauss–Newton matrix, and a step that does not come nearer is
-/// halved. A parameter that sits on the domain's edge and wants out is held
-/// there. The result is never farther than `start`'s own point; Newton's last
-/// step is below 1e-7 of the domain, so that what is left is far below 1e-10.
-pub fn foot_point<S: Patch + ?Sized>(surface: &S, p: Point, start: Uv) -> (Uv, f64) {
+/// Newton's method is applied to ½‖S(u,v) − p‖². Where the Hessian is not positive definite it is
+/// replaced by the Gauss–Newton matrix. A step that does not reduce the distance is halved. A
+/// parameter at the end of its range is fixed while the descent direction leads out of the range.
+/// The result is never farther than the point at `start`. Newton's last step is below 1e-7 of the
+/// domain, so the remaining error is far below 1e-10.
+pub fn foot_point<S: ParametricSurface + ?Sized>(surface: &S, p: Point, start: Uv) -> (Uv, f64) {
     foot_point_moving(surface, p, start, [true; 2], LAST_STEP)
 }
 
-/// Steps at the most, and the step that is the last.
+/// The largest number of steps, and the length of a step below which the descent ends.
 const STEPS: usize = 30;
 const LAST_STEP: f64 = 1e-7;
 
-/// A step of this share of a mean knot span is close: Newton's method leaves about its
-/// square.
-const CLOSE_STEP: f64 = 0.02;
+/// The step length of a coarse descent, as a share of a mean knot span. The error that Newton's
+/// method leaves is about the square of its last step.
+const COARSE_STEP: f64 = 0.02;
 
-/// The last step to a place close to the foot.
+/// The step length below which a coarse descent to a foot point ends.
 pub fn last_step(surface: &Surface) -> f64 {
     let [m, n] = surface.shape();
-    CLOSE_STEP / m.max(n) as f64
+    COARSE_STEP / m.max(n) as f64
 }
 
-/// The same where only the parameters that `moves` names may change: on an iso-curve, if
-/// it is one of them. A step below `last_step` is the last.
-pub fn foot_point_moving<S: Patch + ?Sized>(
+/// Like [`foot_point`], but only the parameters with `moves` set may change; with one of them the
+/// search stays on an iso-curve. The descent ends when a step is below `last_step`.
+pub fn foot_point_moving<S: ParametricSurface + ?Sized>(
     surface: &S,
     p: Point,
     start: Uv,
@@ -44,26 +44,26 @@ pub fn foot_point_moving<S: Patch + ?Sized>(
     (foot.at, foot.distance)
 }
 
-/// Where a descent ended.
+/// The result of a descent.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Foot {
     /// The parameter point.
     pub at: Uv,
-    /// The surface there.
+    /// Point and derivatives of the surface there.
     pub jet: Jet,
-    /// How far that is, in mm.
+    /// The distance in mm.
     pub distance: f64,
 }
 
 impl Foot {
-    /// What [`foot_point`] finds.
-    pub fn find<S: Patch + ?Sized>(surface: &S, p: Point, start: Uv) -> Self {
+    /// The result of [`foot_point`], with the derivatives at the foot point.
+    pub fn find<S: ParametricSurface + ?Sized>(surface: &S, p: Point, start: Uv) -> Self {
         descend(surface, p, start, [true; 2], LAST_STEP)
     }
 }
 
 /// The descent of [`foot_point_moving`].
-pub(super) fn descend<S: Patch + ?Sized>(
+pub(super) fn descend<S: ParametricSurface + ?Sized>(
     surface: &S,
     p: Point,
     start: Uv,
@@ -95,7 +95,7 @@ pub(super) fn descend<S: Patch + ?Sized>(
                 break Some((next, there, d));
             }
             share *= 0.5;
-            // A step as small as the last fails by rounding only.
+            // A step below the last step length fails only because of rounding.
             if share < 1e-3 || (share * step).amax() < last_step {
                 break None;
             }
@@ -110,8 +110,13 @@ pub(super) fn descend<S: Patch + ?Sized>(
     Foot { at, jet, distance: distance.sqrt() }
 }
 
-/// Which parameters may move: not one at an edge that the descent leads out of.
-fn free_axes<S: Patch + ?Sized>(surface: &S, at: Uv, gradient: Vector2<f64>) -> [bool; 2] {
+/// Which parameters may change. A parameter at the end of its range may not if the descent leads
+/// out of the range.
+fn free_axes<S: ParametricSurface + ?Sized>(
+    surface: &S,
+    at: Uv,
+    gradient: Vector2<f64>,
+) -> [bool; 2] {
     let held =
         |x: f64, g: f64, (low, high): (f64, f64)| (x <= low && g > 0.0) || (x >= high && g < 0.0);
     let [u, v] = surface.ranges();

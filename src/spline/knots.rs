@@ -2,7 +2,7 @@
 
 use nalgebra::SVector;
 
-/// Room for the basis functions of degrees up to 5.
+/// The largest number of basis functions on a span, for degrees up to 5.
 const ROOM: usize = 6;
 
 /// A non-decreasing sequence of knots and a degree of at most 5.
@@ -12,34 +12,33 @@ pub struct KnotVector {
     knots: Vec<f64>,
 }
 
-/// The basis functions that are not zero on one knot span, and their first two
-/// derivatives. Function `j` belongs to control point `first + j`.
+/// The basis functions that do not vanish on one knot span, with their first two derivatives.
+/// Function `j` belongs to control point `first + j`.
 #[derive(Debug, Clone, Copy)]
 pub struct Basis {
-    /// The control point of the first function.
+    /// The control point of the first basis function.
     pub first: usize,
-    /// `derivative[k][j]`: k-th derivative of function j.
+    /// `derivative[k][j]` is the k-th derivative of function j.
     pub derivative: [[f64; ROOM]; 3],
 }
 
 impl KnotVector {
-    /// A knot vector of any kind; `knots` must not decrease and hold at least
-    /// 2 (degree + 1) numbers.
+    /// A knot vector of any kind.
     ///
     /// # Panics
-    /// Where they do not; [`KnotVector::try_new`] does not panic.
+    /// Panics if the degree exceeds 5, if there are fewer than 2 (degree + 1) knots, or if the
+    /// knots decrease. [`KnotVector::try_new`] returns an error instead.
     pub fn new(degree: usize, knots: Vec<f64>) -> Self {
         assert!(degree < ROOM && knots.len() >= 2 * (degree + 1), "degree {degree}");
         assert!(knots.windows(2).all(|w| w[0] <= w[1]), "knots must not decrease");
         KnotVector { degree, knots }
     }
 
-    /// The clamped ("open") knot vector over increasing breakpoints, the inner
-    /// ones of multiplicity `inner`: n spans of single knots make n + degree
-    /// basis functions.
+    /// The clamped ("open") knot vector over increasing breakpoints. Inner breakpoints have
+    /// multiplicity `inner`. With single inner knots, n spans have n + degree basis functions.
     ///
     /// # Panics
-    /// With fewer than two breakpoints, or some that decrease.
+    /// Panics if there are fewer than two breakpoints or if they decrease.
     pub fn clamped(degree: usize, breaks: &[f64], inner: usize) -> Self {
         assert!(breaks.len() >= 2, "a knot vector has at least one span");
         let mut knots = vec![breaks[0]; degree + 1];
@@ -50,12 +49,12 @@ impl KnotVector {
         KnotVector::new(degree, knots)
     }
 
-    /// The clamped knot vector of `control_points` functions over [0, 1] with
-    /// spans of equal length.
+    /// The clamped knot vector over [0, 1] with `control_points` basis functions and spans of equal
+    /// length.
     ///
     /// # Panics
-    /// With no more control points than the degree; [`KnotVector::cubic`] does not
-    /// panic.
+    /// Panics unless there are more control points than the degree. [`KnotVector::cubic`] returns
+    /// an error instead.
     pub fn uniform(degree: usize, control_points: usize) -> Self {
         let spans = control_points - degree;
         let breaks: Vec<f64> = (0..=spans).map(|i| i as f64 / spans as f64).collect();
@@ -72,7 +71,7 @@ impl KnotVector {
         &self.knots
     }
 
-    /// How many basis functions, and so control points, there are.
+    /// The number of basis functions, which is the number of control points.
     pub fn functions(&self) -> usize {
         self.knots.len() - self.degree - 1
     }
@@ -82,15 +81,15 @@ impl KnotVector {
         (self.knots[self.degree], self.knots[self.functions()])
     }
 
-    /// The distinct knots inside the range, its ends included.
+    /// The distinct knots inside the range, including its ends.
     pub fn breaks(&self) -> Vec<f64> {
         let mut breaks = self.knots[self.degree..=self.functions()].to_vec();
         breaks.dedup();
         breaks
     }
 
-    /// The number i of the non-empty knot span [tᵢ, tᵢ₊₁) that holds `t`; the
-    /// last one also holds its end, and the outer ones what lies beyond.
+    /// The number i of the non-empty knot span [tᵢ, tᵢ₊₁) that contains `t`. The last span also
+    /// contains its end. Parameters outside the range belong to the first or the last span.
     pub fn span(&self, t: f64) -> usize {
         let inner = &self.knots[self.degree + 1..self.functions()];
         let mut i = self.degree + inner.partition_point(|&k| k <= t);
@@ -105,12 +104,12 @@ impl KnotVector {
         self.basis_in(self.span(t), t)
     }
 
-    /// The polynomials that the basis functions are on span `span`, at any
-    /// `t`: outside the span they are continued.
+    /// The polynomials to which the basis functions are equal on span `span`, evaluated at any `t`.
+    /// Outside the span they are extrapolated.
     pub fn basis_in(&self, span: usize, t: f64) -> Basis {
         let p = self.degree;
         let around = &self.knots[span + 1 - p..=span + p];
-        // Loops of known length are unrolled, which makes this thrice as fast.
+        // The compiler unrolls loops of known length, which makes this three times as fast.
         let derivative = match p {
             3 => derivatives::<3>(3, around, t),
             p => derivatives::<{ ROOM - 1 }>(p, around, t),
@@ -118,15 +117,14 @@ impl KnotVector {
         Basis { first: span - p, derivative }
     }
 
-    /// Where control point `i` stands for the identity: the mean of the knots
-    /// that its function straddles (Greville abscissa).
+    /// The Greville abscissa of control point `i`: the mean of the knots inside the support of its
+    /// basis function.
     pub fn greville(&self, i: usize) -> f64 {
         self.knots[i + 1..=i + self.degree].iter().sum::<f64>() / self.degree as f64
     }
 
-    /// The blossom of the spline's polynomial on `span`, at `degree`
-    /// arguments, from its control points (de Boor's algorithm with a
-    /// parameter of its own on every level).
+    /// The blossom of the polynomial on `span` at `degree` arguments, computed from the control
+    /// points by de Boor's algorithm with a separate parameter on every level.
     pub fn blossom<const D: usize>(
         &self,
         span: usize,
@@ -148,13 +146,13 @@ impl KnotVector {
     }
 }
 
-/// The functions of degree `p` ≤ P on a span, and their first two derivatives, from
-/// the p knots before the span's end and the p after its start (NURBS Book, A2.2
-/// and eq. 2.7).
+/// The basis functions of degree `p` ≤ P on a span, and their first two derivatives. `knots` are
+/// the p knots before the end of the span and the p knots after its start (NURBS Book, A2.2 and eq.
+/// 2.7).
 #[inline]
 fn derivatives<const P: usize>(p: usize, knots: &[f64], t: f64) -> [[f64; ROOM]; 3] {
-    // table[d]: the d + 1 functions of degree d on the span; over[d]: one over the
-    // lengths that those of degree d − 1 straddle.
+    // table[d] holds the d + 1 functions of degree d on the span. over[d] holds the reciprocal
+    // lengths of the supports of the functions of degree d − 1.
     let mut table = [[0.0; ROOM]; ROOM];
     let mut over = [[0.0; ROOM]; ROOM];
     table[0][0] = 1.0;
@@ -185,8 +183,8 @@ fn derivatives<const P: usize>(p: usize, knots: &[f64], t: f64) -> [[f64; ROOM];
     all
 }
 
-/// The ends of runs of spans between `breaks`: about equal ones, each of `most` spans at the
-/// most, and `least` runs at the least.
+/// Divides the spans between `breaks` into runs of about equal numbers of spans, and returns the
+/// ends of the runs. A run has at most `most` spans, and there are at least `least` runs.
 pub fn runs(breaks: &[f64], most: usize, least: usize) -> Vec<f64> {
     let spans = breaks.len() - 1;
     let count = spans.div_ceil(most).max(least);

@@ -1,7 +1,8 @@
-//! B-spline curves and surfaces: evaluation, foot points, and curves on
-//! surfaces. Notation and algorithms follow Piegl & Tiller, "The NURBS Book"
-//! (1997), chapters 2 to 5.
+//! B-spline curves and surfaces: evaluation, foot points, nearest points, and curves on surfaces.
+//! Notation and algorithms follow Piegl & Tiller, "The NURBS Book" (1997), chapters 2 to 5.
 
+mod bezier_piece;
+mod certified_loop;
 mod checked;
 pub(crate) mod chords;
 mod compose;
@@ -11,8 +12,6 @@ mod edges;
 mod foot;
 mod knots;
 pub(crate) mod nearest;
-mod outline;
-mod piece;
 mod polynomials;
 mod refine;
 mod samples;
@@ -20,13 +19,13 @@ pub(crate) mod spans;
 mod surface;
 
 pub use crate::error::LoopFault;
+pub use certified_loop::{CertifiedLoop, LocatedFault, Nest, crossings, misplaced};
 pub use compose::{curve_on_surface, off_surface, pieces_on_surface};
 pub use curve::Curve;
 pub use edges::EdgeTree;
 pub use foot::{foot_point, foot_point_moving, last_step};
 pub use knots::{Basis, KnotVector, runs};
-pub use outline::{Nest, Outline, Place, crossings, misplaced};
-pub(crate) use polynomials::for_many_looks;
+pub(crate) use polynomials::fast_evaluator;
 pub(crate) use refine::refined;
 pub use samples::Samples;
-pub use surface::{Jet, Patch, Surface};
+pub use surface::{Jet, ParametricSurface, Surface};

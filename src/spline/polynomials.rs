@@ -1,28 +1,29 @@
-//! A bicubic surface as a polynomial on each knot cell: what foot points of many samples
-//! are looked for on.
+//! A bicubic surface in power form, with one polynomial for each knot cell. Foot points of many
+//! samples are searched on this form, because it is faster to evaluate.
 
 use nalgebra::Vector4;
 use rayon::prelude::*;
 
-use super::spans::{Cubic, Span, Spans};
-use super::surface::{Jet, Patch, Surface};
+use super::spans::{Cubic, KnotSpans, Span};
+use super::surface::{Jet, ParametricSurface, Surface};
 use crate::geometry::{Point, Uv, Vector};
 
-/// Coordinates and a zero, which processors add faster than three.
-type Lane = Vector4<f64>;
+/// Three coordinates and a zero. Processors add four numbers at once faster than three.
+type PaddedVector = Vector4<f64>;
 
-/// Its polynomials. A look at one costs a third of one at B-splines, whose functions have
-/// to be found first.
+/// The polynomials. Evaluating one takes a third of the time of a B-spline, whose basis functions
+/// have to be computed first.
 struct Polynomials {
-    spans: [Spans; 2],
+    spans: [KnotSpans; 2],
     breaks: [Vec<f64>; 2],
-    /// Cell (p, q) at `p * down + q`: of tˡ sᵏ, at [l][k].
-    cells: Vec<[[Lane; 4]; 4]>,
+    /// Cell (p, q) is at `p * down + q`, where `down` is the number of spans in v. Entry [l][k] is
+    /// the coefficient of tˡ sᵏ.
+    cells: Vec<[[PaddedVector; 4]; 4]>,
 }
 
-/// The surface for many looks: by its polynomials where it is cubic both ways, as fits
-/// make it.
-pub fn for_many_looks(surface: &Surface) -> Box<dyn Patch> {
+/// A form of the surface for many evaluations: polynomials if it is cubic in both directions, as
+/// the fits make it, and the surface itself otherwise.
+pub fn fast_evaluator(surface: &Surface) -> Box<dyn ParametricSurface> {
     match [&surface.u, &surface.v].iter().all(|knots| knots.degree() == 3) {
         true => Box::new(Polynomials::new(surface)),
         false => Box::new(surface.clone()),
@@ -31,7 +32,7 @@ pub fn for_many_looks(surface: &Surface) -> Box<dyn Patch> {
 
 impl Polynomials {
     fn new(surface: &Surface) -> Self {
-        let spans = [&surface.u, &surface.v].map(Spans::new);
+        let spans = [&surface.u, &surface.v].map(KnotSpans::new);
         let down = spans[1].all.len();
         let of = |c: usize| cell(surface, [c / down, c % down], &spans);
         let cells = (0..spans[0].all.len() * down).into_par_iter().with_min_len(64).map(of);
@@ -39,16 +40,16 @@ impl Polynomials {
     }
 }
 
-fn cell(surface: &Surface, [p, q]: [usize; 2], spans: &[Spans; 2]) -> [[Lane; 4]; 4] {
+fn cell(surface: &Surface, [p, q]: [usize; 2], spans: &[KnotSpans; 2]) -> [[PaddedVector; 4]; 4] {
     let [u, v] = [&spans[0].all[p], &spans[1].all[q]];
     let row = |i: usize| combined(&v.basis, |j| surface.control(p + i, q + j).push(0.0));
-    let rows: [[Lane; 4]; 4] = std::array::from_fn(row);
+    let rows: [[PaddedVector; 4]; 4] = std::array::from_fn(row);
     std::array::from_fn(|l| combined(&u.basis, |i| rows[i][l]))
 }
 
-/// The coefficients of Σ p_i B_i.
-fn combined(basis: &[Cubic; 4], points: impl Fn(usize) -> Lane) -> [Lane; 4] {
-    let mut sums = [Lane::zeros(); 4];
+/// The coefficients of the polynomial Σ p_i B_i.
+fn combined(basis: &[Cubic; 4], points: impl Fn(usize) -> PaddedVector) -> [PaddedVector; 4] {
+    let mut sums = [PaddedVector::zeros(); 4];
     for (i, cubic) in basis.iter().enumerate() {
         let p = points(i);
         sums.iter_mut().zip(cubic).for_each(|(sum, c)| *sum += p * *c);
@@ -56,30 +57,30 @@ fn combined(basis: &[Cubic; 4], points: impl Fn(usize) -> Lane) -> [Lane; 4] {
     sums
 }
 
-/// A cubic with its first two derivatives.
+/// Evaluates a cubic and its first two derivatives.
 #[inline(always)]
-fn look(&[a, b, c, d]: &[Lane; 4], x: f64) -> [Lane; 3] {
+fn cubic_jet(&[a, b, c, d]: &[PaddedVector; 4], x: f64) -> [PaddedVector; 3] {
     let dx = d * x;
     [((c + dx) * x + b) * x + a, (c * 2.0 + dx * 3.0) * x + b, c * 2.0 + dx * 6.0]
 }
 
-impl Patch for Polynomials {
+impl ParametricSurface for Polynomials {
     fn jet(&self, at: Uv) -> Jet {
         let [p, q] = [self.spans[0].find(at.x), self.spans[1].find(at.y)];
         let [u, v]: [&Span; 2] = [&self.spans[0].all[p], &self.spans[1].all[q]];
         let cell = &self.cells[p * self.spans[1].all.len() + q];
         let x = u.local(at.x);
-        // Arrays are mapped by calls that copy them, which here takes longer than sums do.
-        let [mut along, mut slopes, mut bends] = [[Lane::zeros(); 4]; 3];
+        // `map` on these arrays compiles to calls that copy them and take longer than the sums.
+        let [mut along, mut slopes, mut bends] = [[PaddedVector::zeros(); 4]; 3];
         for l in 0..4 {
-            [along[l], slopes[l], bends[l]] = look(&cell[l], x);
+            [along[l], slopes[l], bends[l]] = cubic_jet(&cell[l], x);
         }
         let t = v.local(at.y);
-        let [s, sv, svv] = look(&along, t);
-        let [su, suv, _] = look(&slopes, t);
-        let [suu, ..] = look(&bends, t);
+        let [s, sv, svv] = cubic_jet(&along, t);
+        let [su, suv, _] = cubic_jet(&slopes, t);
+        let [suu, ..] = cubic_jet(&bends, t);
         let (a, b) = (1.0 / u.half(), 1.0 / v.half());
-        let vector = |lane: Lane, scale: f64| -> Vector { lane.xyz() * scale };
+        let vector = |lane: PaddedVector, scale: f64| -> Vector { lane.xyz() * scale };
         Jet {
             s: Point::from(s.xyz()),
             su: vector(su, a),

@@ -1,19 +1,19 @@
-//! The same surface over more knots.
+//! Knot refinement: the same surface over a finer knot vector.
 
 use nalgebra::SVector;
 
 use super::{KnotVector, Surface};
 
 impl Surface {
-    /// The same surface over more knots; those that it has are among them.
+    /// The same surface over finer knot vectors, which must contain the present knots.
     pub(crate) fn over(&self, [u, v]: [KnotVector; 2]) -> Self {
         let net = refined(&self.net, [&self.u, &self.v], [&u, &v]);
         Surface::new(u, v, net)
     }
 }
 
-/// The net of the same surface over more knots, put in along v and then along u; the knots
-/// that it had are among them.
+/// The control net of the same surface over finer knot vectors, refined along v first and then
+/// along u. The new vectors must contain the old knots.
 pub fn refined<const D: usize>(
     net: &[SVector<f64, D>],
     from: [&KnotVector; 2],
@@ -31,8 +31,8 @@ pub fn refined<const D: usize>(
     all
 }
 
-/// A curve's control points over more knots: blossoms of the piece where a new function
-/// begins (Oslo algorithm: Cohen, Lyche, Riesenfeld, 1980).
+/// The control points of a curve over a finer knot vector. Each is a blossom of the piece at the
+/// start of the new basis function (Oslo algorithm: Cohen, Lyche, Riesenfeld, 1980).
 fn inserted<const D: usize>(
     control: &[SVector<f64, D>],
     from: &KnotVector,

@@ -1,38 +1,38 @@
-//! Points with the parameters at which a surface should pass them.
+//! Points with the parameters at which a surface should pass through them.
 
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv};
 
-/// Weighted points with parameters; the lists run in parallel.
+/// Weighted points with parameters. The lists have equal lengths.
 #[derive(Debug, Clone, Default)]
 pub struct Samples {
     /// Points in mm.
     pub points: Vec<Point>,
     /// Their parameter points.
     pub uv: Vec<Uv>,
-    /// Their weights in a least-squares fit, positive.
+    /// Their positive weights in a least-squares fit.
     pub weights: Vec<f64>,
-    /// Whether they end inside the domain, and the surface goes on beyond them.
+    /// Whether the points end inside the domain, so that the surface continues beyond them.
     pub open: bool,
 }
 
 impl Samples {
-    /// How many points there are.
+    /// The number of points.
     pub fn len(&self) -> usize {
         self.points.len()
     }
 
-    /// Whether there is none.
+    /// Whether there are no points.
     pub fn is_empty(&self) -> bool {
         self.points.is_empty()
     }
 
-    /// Whether they can be fitted.
+    /// Checks that the samples can be fitted.
     pub(crate) fn check(&self) -> Result<()> {
         if self.is_empty() {
-            return Err(Error::Empty("there is nothing to fit".into()));
+            return Err(Error::Empty("there are no points to fit".into()));
         }
         if self.uv.len() != self.len() || self.weights.len() != self.len() {
             return Err(Error::Input("samples: points, parameters and weights differ in number"));
@@ -43,6 +43,6 @@ impl Samples {
         if places && weights && self.uv.par_iter().all(|at| at.iter().all(finite)) {
             return Ok(());
         }
-        Err(Error::Input("samples: a number is not finite, or a weight not above 0"))
+        Err(Error::Input("samples: a number is not finite, or a weight is not above 0"))
     }
 }

@@ -1,32 +1,32 @@
-//! The pieces of one knot vector as polynomials: what a sum of powers over a
-//! span's samples has to be multiplied with to become a sum over B-splines.
+//! The basis functions of a cubic knot vector as polynomials on each span. With them a sum of
+//! powers over the samples of a span becomes a sum over B-splines.
 
 use super::KnotVector;
 
-/// Pairs (a, c), a ≤ c, of the four functions on a span: those that are
-/// `c − a` apart follow each other.
+/// The pairs (a, c), a ≤ c, of the four basis functions on a span, ordered by the difference `c −
+/// a`.
 pub const PAIRS: [(usize, usize); 10] =
     [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (1, 2), (2, 3), (0, 2), (1, 3), (0, 3)];
 
-/// Coefficients of a cubic, of 1 to s³.
+/// Coefficients of a cubic, of the powers 1 to s³.
 pub type Cubic = [f64; 4];
 
-/// Coefficients of a product of two cubics, of 1 to s⁶, and a zero.
+/// Coefficients of a product of two cubics, of the powers 1 to s⁶, followed by a zero.
 pub type Sextic = [f64; 8];
 
-/// One knot span. `s` runs over it from −1 to 1.
+/// One knot span. Its local parameter `s` runs from −1 to 1.
 #[derive(Debug, Clone)]
 pub struct Span {
     middle: f64,
     half: f64,
-    /// The four functions on the span as polynomials of s.
+    /// The four basis functions on the span as polynomials in s.
     pub basis: [Cubic; 4],
-    /// The products of [`PAIRS`] as polynomials of s.
+    /// The products of [`PAIRS`] as polynomials in s.
     pub products: [Sextic; 10],
 }
 
 impl Span {
-    /// Span `[tᵢ, tᵢ₊₁)` of a cubic knot vector, i = `number` + 3.
+    /// Span `[tᵢ, tᵢ₊₁)` of a cubic knot vector, where i = `number` + 3.
     fn new(knots: &KnotVector, number: usize) -> Self {
         let (low, high) = (knots.knots()[number + 3], knots.knots()[number + 4]);
         let (middle, half) = (0.5 * (low + high), 0.5 * (high - low));
@@ -38,8 +38,8 @@ impl Span {
         span
     }
 
-    /// The polynomials that the functions are on span `number`, continued to
-    /// this span, in its s.
+    /// The polynomials to which the basis functions are equal on span `number`, extrapolated to
+    /// this span and expressed in its s.
     pub fn pieces(&self, knots: &KnotVector, number: usize) -> [Cubic; 4] {
         let h = self.half;
         let [value, slope, bend] = knots.basis_in(number + 3, self.middle).derivative;
@@ -50,12 +50,12 @@ impl Span {
         })
     }
 
-    /// The place of parameter `t` in the span.
+    /// The local parameter of parameter `t`.
     pub fn local(&self, t: f64) -> f64 {
         (t - self.middle) / self.half
     }
 
-    /// Half of the span's length.
+    /// Half the length of the span.
     pub fn half(&self) -> f64 {
         self.half
     }
@@ -74,27 +74,27 @@ pub fn products(basis: &[Cubic; 4]) -> [Sextic; 10] {
     })
 }
 
-/// The spans of a cubic knot vector with single inner knots, and a way to find
-/// a parameter's span in constant time.
+/// The spans of a cubic knot vector with single inner knots. The span of a parameter is found in
+/// constant time.
 #[derive(Debug, Clone)]
-pub struct Spans {
-    /// The spans, one less each three functions.
+pub struct KnotSpans {
+    /// The spans. There are three fewer than basis functions.
     pub all: Vec<Span>,
     ends: Vec<f64>,
     low: f64,
     scale: f64,
-    /// A span from which a bucket's parameters are not far.
+    /// For each bucket of parameters, a span near them.
     buckets: Vec<u32>,
 }
 
-impl Spans {
+impl KnotSpans {
     /// All spans of `knots`.
     pub fn new(knots: &KnotVector) -> Self {
         let all: Vec<Span> = (0..knots.functions() - 3).map(|n| Span::new(knots, n)).collect();
         let (low, high) = knots.range();
         let count = 2 * all.len();
         let at = |b: usize| low + (high - low) * b as f64 / count as f64;
-        Spans {
+        KnotSpans {
             ends: knots.knots()[3..=knots.functions()].to_vec(),
             low,
             scale: count as f64 / (high - low),
@@ -103,8 +103,7 @@ impl Spans {
         }
     }
 
-    /// The number of the span that holds `t`, as [`KnotVector::span`] has it
-    /// less 3.
+    /// The number of the span that contains `t`, which is that of [`KnotVector::span`] minus 3.
     pub fn find(&self, t: f64) -> usize {
         let bucket = ((t - self.low) * self.scale).max(0.0) as usize;
         let mut n = self.buckets[bucket.min(self.buckets.len() - 1)] as usize;
@@ -129,7 +128,7 @@ mod tests {
     #[test]
     fn spans_are_found_as_by_bisection() {
         let knots = uneven();
-        let spans = Spans::new(&knots);
+        let spans = KnotSpans::new(&knots);
         for i in -20..=1020 {
             let t = f64::from(i) / 1000.0;
             assert_eq!(spans.find(t) + 3, knots.span(t), "{t}");
@@ -139,7 +138,7 @@ mod tests {
     #[test]
     fn pieces_are_the_basis_functions_also_beyond_their_span() {
         let knots = uneven();
-        let spans = Spans::new(&knots);
+        let spans = KnotSpans::new(&knots);
         for (home, of) in [(2, 2), (3, 2), (1, 2)] {
             let span = &spans.all[home];
             let pieces = span.pieces(&knots, of);

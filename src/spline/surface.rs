@@ -1,54 +1,55 @@
 //! Tensor-product B-spline surfaces.
 
-use super::{Basis, KnotVector, for_many_looks};
+use super::{Basis, KnotVector, fast_evaluator};
 use crate::geometry::{Point, Uv, Vector};
 
-/// A tensor-product B-spline surface over the range of its two knot vectors.
+/// A tensor-product B-spline surface over the ranges of its two knot vectors.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Surface {
     /// Knot vector in u.
     pub u: KnotVector,
     /// Knot vector in v.
     pub v: KnotVector,
-    /// The control net: point (i, j) at `i * v.functions() + j`, in mm.
+    /// The control net, in mm. Point (i, j) is at `i * v.functions() + j`.
     pub net: Vec<Vector>,
 }
 
-/// Point and derivatives of a surface at one parameter point.
+/// The point and the derivatives of a surface at one parameter point.
 #[derive(Debug, Clone, Copy)]
 pub struct Jet {
     /// The point.
     pub s: Point,
-    /// First derivative in u, in mm a unit of u.
+    /// The first derivative in u, in mm per unit of u.
     pub su: Vector,
-    /// First derivative in v.
+    /// The first derivative in v.
     pub sv: Vector,
-    /// Second derivative in u.
+    /// The second derivative in u.
     pub suu: Vector,
-    /// Mixed derivative.
+    /// The mixed second derivative.
     pub suv: Vector,
-    /// Second derivative in v.
+    /// The second derivative in v.
     pub svv: Vector,
 }
 
 impl Surface {
-    /// The same with all lengths times a factor.
+    /// The surface with all lengths multiplied by a factor.
     #[must_use]
     pub fn scaled(mut self, factor: f64) -> Self {
         self.net.iter_mut().for_each(|p| *p *= factor);
         self
     }
 
-    /// A surface; the net must have u.functions() × v.functions() points.
+    /// A surface from its knot vectors and control net.
     ///
     /// # Panics
-    /// Where it has not; [`Surface::try_new`] does not panic.
+    /// Panics if the net does not have u.functions() × v.functions() control points.
+    /// [`Surface::try_new`] returns an error instead.
     pub fn new(u: KnotVector, v: KnotVector, net: Vec<Vector>) -> Self {
         assert_eq!(u.functions() * v.functions(), net.len(), "control net");
         Surface { u, v, net }
     }
 
-    /// How many control points the net has in u and in v.
+    /// The numbers of control points in u and in v.
     pub fn shape(&self) -> [usize; 2] {
         [self.u.functions(), self.v.functions()]
     }
@@ -58,7 +59,7 @@ impl Surface {
         self.net[i * self.v.functions() + j]
     }
 
-    /// The point at `at`.
+    /// The point at the parameter point `at`.
     pub fn point(&self, at: Uv) -> Point {
         let (bu, bv) = (self.u.basis(at.x), self.v.basis(at.y));
         let rows =
@@ -66,7 +67,7 @@ impl Surface {
         Point::from(rows.sum::<Vector>())
     }
 
-    /// Point, first and second derivatives at `at`.
+    /// The point and the first and second derivatives at the parameter point `at`.
     pub fn jet(&self, at: Uv) -> Jet {
         let (bu, bv) = (self.u.basis(at.x), self.v.basis(at.y));
         let mut sums = [Vector::zeros(); 6];
@@ -80,7 +81,7 @@ impl Surface {
         Jet { s: Point::from(s), su, sv, suu, suv, svv }
     }
 
-    /// Value and derivatives in v of row `i` of the net.
+    /// The value and the derivatives in v of row `i` of the net.
     fn row(&self, i: usize, bv: &Basis) -> [Vector; 3] {
         let start = i * self.v.functions() + bv.first;
         let mut sums = [Vector::zeros(); 3];
@@ -92,13 +93,13 @@ impl Surface {
         sums
     }
 
-    /// The nearest parameter point inside the domain.
+    /// The parameter point of the domain nearest to `at`.
     pub fn clamp(&self, at: Uv) -> Uv {
-        Patch::clamp(self, at)
+        ParametricSurface::clamp(self, at)
     }
 
-    /// At most so many mm a point moves for a unit of u or of v: the longest control
-    /// vector of the first derivatives.
+    /// A bound on the speed: the largest distance in mm that a point moves per unit of u or of v.
+    /// It is the length of the longest control vector of the first derivatives.
     pub fn speed(&self) -> f64 {
         let [m, n] = self.shape();
         let step = |knots: &KnotVector, i: usize, from: Vector, to: Vector| {
@@ -116,21 +117,21 @@ impl Surface {
     }
 }
 
-/// What foot points and deviations need of a surface.
-pub trait Patch: Sync {
-    /// Point, first and second derivatives at `at`.
+/// The operations of a surface that foot points and deviations use.
+pub trait ParametricSurface: Sync {
+    /// The point and the first and second derivatives at `at`.
     fn jet(&self, at: Uv) -> Jet;
 
-    /// The ranges of u and of v; they may be endless.
+    /// The ranges of u and of v. They may be infinite.
     fn ranges(&self) -> [(f64, f64); 2];
 
-    /// Lines u = const and v = const between which it is smooth, its ends included.
+    /// The lines u = const and v = const between which the surface is smooth, including its ends.
     fn breaks(&self) -> [Vec<f64>; 2] {
         self.ranges().map(|(low, high)| vec![low, high])
     }
 
-    /// The same surface in a form that is looked at faster, if there is one.
-    fn quick(&self) -> Option<Box<dyn Patch>> {
+    /// The same surface in a form that is faster to evaluate, if there is one.
+    fn fast_form(&self) -> Option<Box<dyn ParametricSurface>> {
         None
     }
 
@@ -139,14 +140,14 @@ pub trait Patch: Sync {
         self.jet(at).s
     }
 
-    /// The nearest parameter point inside the domain.
+    /// The parameter point of the domain nearest to `at`.
     fn clamp(&self, at: Uv) -> Uv {
         let [(u0, u1), (v0, v1)] = self.ranges();
         Uv::new(at.x.clamp(u0, u1), at.y.clamp(v0, v1))
     }
 }
 
-impl Patch for Surface {
+impl ParametricSurface for Surface {
     fn jet(&self, at: Uv) -> Jet {
         self.jet(at)
     }
@@ -159,11 +160,11 @@ impl Patch for Surface {
         [self.u.breaks(), self.v.breaks()]
     }
 
-    fn quick(&self) -> Option<Box<dyn Patch>> {
+    fn fast_form(&self) -> Option<Box<dyn ParametricSurface>> {
         let is_cubic = |knots: &KnotVector| {
             knots.degree() == 3 && knots.breaks().len() + 2 == knots.functions()
         };
-        (is_cubic(&self.u) && is_cubic(&self.v)).then(|| for_many_looks(self))
+        (is_cubic(&self.u) && is_cubic(&self.v)).then(|| fast_evaluator(self))
     }
 
     fn point(&self, at: Uv) -> Point {

@@ -1,34 +1,37 @@
-//! Closed cubic B-splines through closed polygons of the parameter plane.
+//! Least-squares fit of a closed cubic B-spline to a closed polygon of the parameter plane.
+//!
+//! The input is a weighted polygon and the knots. The output is the curve over [0, 1] and its
+//! division into clamped arcs.
 
-use faer::prelude::Solve;
 use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::Vector2;
 
+use crate::cholesky::Cholesky;
 use crate::geometry::Uv;
 use crate::spline::{Curve, KnotVector, runs};
 
-/// Samples a knot span at the least.
-const SAMPLES: usize = 6;
+/// The least number of samples of a knot span.
+const MIN_SAMPLES: usize = 6;
 
-/// A closed polygon over [0, 1]: corner i is at `parameters[i]`, the first one
-/// at 0 and, again, at 1.
+/// A closed polygon over [0, 1]. Corner i has the parameter `parameters[i]`. The first corner is
+/// at 0 and again at 1.
 #[derive(Debug, Clone)]
-pub struct Polygon {
+pub struct ClosedPolygon {
     /// Ascending parameters.
     pub parameters: Vec<f64>,
     /// The corners.
     pub uv: Vec<Uv>,
-    /// How much each corner, and what is beside it, counts in a fit.
+    /// The weight of each corner in a fit. Between corners the weight is interpolated linearly.
     pub weights: Vec<f64>,
 }
 
-impl Polygon {
-    /// How many corners are before parameter `t`.
+impl ClosedPolygon {
+    /// The number of corners before parameter `t`.
     pub fn before(&self, t: f64) -> usize {
         self.parameters.partition_point(|&p| p < t)
     }
 
-    /// The point at `t`, and its weight.
+    /// The point at `t` and its weight.
     fn at(&self, t: f64) -> (Uv, f64) {
         let n = self.uv.len();
         let i = self.parameters.partition_point(|&p| p <= t).clamp(1, n) - 1;
@@ -40,17 +43,17 @@ impl Polygon {
     }
 }
 
-/// Where a closed curve's knots are.
+/// The knots of a closed curve.
 #[derive(Debug, Clone)]
-pub struct Knots {
+pub struct ClosedKnots {
     /// Distinct knots in [0, 1), ascending from 0.
     pub breaks: Vec<f64>,
-    /// Those of them at which the curve has a corner; 0 is one of them if any is.
+    /// The knots at which the curve has a corner. If there are any, 0 is one of them.
     pub corners: Vec<f64>,
 }
 
-impl Knots {
-    /// The knot vector unrolled, so that its range is [0, 1]; corners are triple
+impl ClosedKnots {
+    /// The knot vector of the closed curve as an ordinary spline over [0, 1]. Corners are triple
     /// knots.
     fn unrolled(&self) -> KnotVector {
         let times = |t: &f64| if self.corners.contains(t) { 3 } else { 1 };
@@ -63,16 +66,16 @@ impl Knots {
     }
 }
 
-/// The least-squares curve through a closed polygon, by the weighted integral over the
-/// parameter, as an ordinary B-spline whose range is [0, 1]. There must be at
-/// least four knots. `None` if the equations are singular.
-pub fn fit(polygon: &Polygon, knots: &Knots) -> Option<Curve<2>> {
+/// Fits a curve to a closed polygon by least squares: it minimizes the weighted integral of the
+/// squared distance over the parameter. The result is an ordinary B-spline over [0, 1]. There must
+/// be at least four knots. `None` if the equations are singular.
+pub fn fit(polygon: &ClosedPolygon, knots: &ClosedKnots) -> Option<Curve<2>> {
     let vector = knots.unrolled();
     let n = vector.functions() - 3;
     let mut entries = Vec::new();
     let mut right = faer::Mat::<f64>::zeros(n, 2);
     for span in vector.breaks().windows(2) {
-        let count = SAMPLES.max(3 * (polygon.before(span[1]) - polygon.before(span[0])));
+        let count = MIN_SAMPLES.max(3 * (polygon.before(span[1]) - polygon.before(span[0])));
         let step = (span[1] - span[0]) / count as f64;
         let mut gram = [[0.0; 4]; 4];
         let first = vector.basis(0.5 * (span[0] + span[1])).first;
@@ -94,21 +97,21 @@ pub fn fit(polygon: &Polygon, knots: &Knots) -> Option<Curve<2>> {
         }
     }
     let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(n, n, &entries).ok()?;
-    let solved = matrix.sp_cholesky(faer::Side::Lower).ok()?.solve(&right);
-    let control = |i: usize| Vector2::new(solved[(i % n, 0)], solved[(i % n, 1)]);
+    Cholesky::new(matrix.as_ref()).ok()?.solve(&mut right);
+    let control = |i: usize| Vector2::new(right[(i % n, 0)], right[(i % n, 1)]);
     let control: Vec<Vector2<f64>> = (0..n + 3).map(control).collect();
     let finite = control.iter().all(|p| p.x.is_finite() && p.y.is_finite());
     finite.then(|| Curve::new(vector, control))
 }
 
-/// Spans of an arc at the most. CAD systems integrate along an edge with a bounded number of
-/// places: OpenCASCADE with 61, five for each of so many cubic spans. With 48 spans the areas
-/// of real sheets were up to 7 % off, with 16 up to 0.4 %.
-const MOST_SPANS: usize = 12;
+/// The largest number of spans of an arc. CAD systems integrate along an edge with a limited number
+/// of points. OpenCASCADE uses 61 points, which is five for each of twelve cubic spans. With 48
+/// spans the areas of real sheets were up to 7 % off, with 16 spans up to 0.4 %.
+const MAX_SPANS: usize = 12;
 
-/// The closed curve as clamped arcs from corner to corner, long ones divided at knots.
-/// An edge needs two different ends, so that there are two arcs at the least.
-pub fn arcs(curve: &Curve<2>, knots: &Knots) -> Vec<Curve<2>> {
+/// Divides the closed curve into clamped arcs from corner to corner. Long arcs are divided again
+/// at knots. There are at least two arcs, because an edge needs two different ends.
+pub fn arcs(curve: &Curve<2>, knots: &ClosedKnots) -> Vec<Curve<2>> {
     let mut ends = if knots.corners.is_empty() { vec![0.0] } else { knots.corners.clone() };
     let least = if ends.len() < 2 { 2 } else { 1 };
     ends.push(1.0);
@@ -118,7 +121,7 @@ pub fn arcs(curve: &Curve<2>, knots: &Knots) -> Vec<Curve<2>> {
         let mut breaks = vec![w[0]];
         breaks.extend(knots.breaks.iter().copied().filter(inside));
         breaks.push(w[1]);
-        let mut ends = runs(&breaks, MOST_SPANS, least);
+        let mut ends = runs(&breaks, MAX_SPANS, least);
         ends.pop();
         cuts.extend(ends);
     }
@@ -130,10 +133,10 @@ pub fn arcs(curve: &Curve<2>, knots: &Knots) -> Vec<Curve<2>> {
 mod tests {
     use super::*;
 
-    fn polygon(n: usize, at: impl Fn(f64) -> (f64, f64)) -> Polygon {
+    fn polygon(n: usize, at: impl Fn(f64) -> (f64, f64)) -> ClosedPolygon {
         let parameters: Vec<f64> = (0..n).map(|i| i as f64 / n as f64).collect();
         let uv = parameters.iter().map(|&t| at(t)).map(|(u, v)| Uv::new(u, v)).collect();
-        Polygon { parameters, uv, weights: vec![1.0; n] }
+        ClosedPolygon { parameters, uv, weights: vec![1.0; n] }
     }
 
     #[test]
@@ -141,7 +144,7 @@ mod tests {
         let angle = |t: f64| std::f64::consts::TAU * t;
         let circle = polygon(60, |t| (0.5 + 0.2 * angle(t).cos(), 0.5 - 0.2 * angle(t).sin()));
         let breaks = (0..8).map(|i| f64::from(i) / 8.0).collect();
-        let knots = Knots { breaks, corners: vec![] };
+        let knots = ClosedKnots { breaks, corners: vec![] };
         let curve = fit(&circle, &knots).unwrap();
         for (t, p) in circle.parameters.iter().zip(&circle.uv) {
             assert!((curve.point(*t) - p.coords).norm() < 1e-3);
@@ -160,7 +163,7 @@ mod tests {
             (a.0 + s * (b.0 - a.0), a.1 + s * (b.1 - a.1))
         });
         let quarters = vec![0.0, 0.25, 0.5, 0.75];
-        let knots = Knots { breaks: quarters.clone(), corners: quarters };
+        let knots = ClosedKnots { breaks: quarters.clone(), corners: quarters };
         let sides = arcs(&fit(&square, &knots).unwrap(), &knots);
         assert_eq!(sides.len(), 4);
         for (side, (u, v)) in sides.iter().zip(corners) {

@@ -1,32 +1,35 @@
-//! Corners of a rim.
+//! Corner detection on a rim.
+//!
+//! The input is a closed polyline. The output is the positions of its corners: vertices where the
+//! line turns by a large angle both at a coarse and at a fine scale.
 
 use crate::geometry::Point;
 
-/// A corner turns by at least this much, in radians, between its arms.
+/// A corner turns by at least this angle, in radians, between its two arms.
 const TURN: f64 = 0.9;
 
-/// Arms half as long see at least this share of the turn; of a round bend they
-/// see half.
+/// At a corner, arms of half the length see at least this share of the turn. At a round bend they
+/// see only half of it.
 const SHARP: f64 = 0.75;
 
-/// Arms have at least this many mean edges, so that the teeth of a rim do not
-/// count, and are at least so long a share of the loop.
+/// The length of the arms: at least this many mean edges, so that the teeth of a rim do not count
+/// as corners, and at least this share of the loop.
 const ARM: (f64, f64) = (6.0, 1.0 / 16.0);
 
-/// A loop has at most this many; of more the sharpest ones count. Where it turns
-/// besides, the curve is round, as its knots allow.
-const MOST: usize = 4;
+/// The largest number of corners of a loop. If there are more, the sharpest ones are kept, and the
+/// curve rounds the others as far as its knots allow.
+const MAX_CORNERS: usize = 4;
 
-/// Positions of the corners of a closed loop, ascending. `walked[i]` is the
-/// length from point 0 to point i, `total` that of the loop, in mm.
+/// Returns the positions of the corners of a closed polyline in ascending order. `walked[i]` is the
+/// length from point 0 to point i, and `total` is the length of the whole loop, both in mm.
 pub fn find(points: &[Point], walked: &[f64], total: f64) -> Vec<usize> {
     let n = points.len();
     let arm = (ARM.0 * total / n as f64).max(ARM.1 * total);
-    // A square's arms are no longer than its sides.
+    // The arms of a square's corners must not be longer than its sides.
     if arm > 0.25 * total {
         return Vec::new();
     }
-    let ring = Ring { points, walked, total };
+    let ring = ClosedPolyline { points, walked, total };
     let turns: Vec<f64> = (0..n).map(|i| ring.turn(i, 0.5 * arm)).collect();
     let sharp = |&i: &usize| {
         let whole = ring.turn(i, arm);
@@ -35,18 +38,18 @@ pub fn find(points: &[Point], walked: &[f64], total: f64) -> Vec<usize> {
     let mut found: Vec<usize> =
         (0..n).filter(sharp).filter(|&i| ring.is_peak(&turns, i, arm)).collect();
     found.sort_by(|&i, &j| turns[j].total_cmp(&turns[i]));
-    found.truncate(MOST);
+    found.truncate(MAX_CORNERS);
     found.sort_unstable();
     found
 }
 
-struct Ring<'a> {
+struct ClosedPolyline<'a> {
     points: &'a [Point],
     walked: &'a [f64],
     total: f64,
 }
 
-impl Ring<'_> {
+impl ClosedPolyline<'_> {
     /// The point at length `s` along the loop.
     fn at(&self, s: f64) -> Point {
         let n = self.points.len();
@@ -58,14 +61,14 @@ impl Ring<'_> {
         self.points[i] + share * (self.points[(i + 1) % n] - self.points[i])
     }
 
-    /// The angle between the arms of a length that come to point `i` and leave it.
+    /// The angle in radians between the arm that arrives at point `i` and the arm that leaves it.
+    /// Both arms have the length `arm`.
     fn turn(&self, i: usize, arm: f64) -> f64 {
         let (here, s) = (self.points[i], self.walked[i]);
         (here - self.at(s - arm)).angle(&(self.at(s + arm) - here))
     }
 
-    /// Whether no point within an arm's length turns more (the first of equal ones
-    /// counts).
+    /// Whether no point within an arm's length turns more. Among equal points the first counts.
     fn is_peak(&self, turns: &[f64], i: usize, arm: f64) -> bool {
         let n = turns.len();
         let ahead = |j: usize| (self.walked[j % n] - self.walked[i]).rem_euclid(self.total);
@@ -80,7 +83,7 @@ impl Ring<'_> {
 mod tests {
     use super::*;
 
-    /// Corners found on a closed curve of `n` points with teeth of half an edge.
+    /// The number of corners found on a closed curve of `n` points with teeth of half an edge.
     fn count(n: usize, teeth: f64, at: impl Fn(f64) -> [f64; 2]) -> usize {
         let point = |i: usize| {
             let [x, y] = at(i as f64 / n as f64);
@@ -97,7 +100,7 @@ mod tests {
         find(&points, &walked, total).len()
     }
 
-    /// A polygon with so many sides around the unit circle.
+    /// A regular polygon with `k` sides in the unit circle.
     fn sides(k: usize, t: f64) -> [f64; 2] {
         let corner = |i: usize| {
             let a = std::f64::consts::TAU * i as f64 / k as f64;

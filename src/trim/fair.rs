@@ -1,43 +1,54 @@
-//! A loop that is as fair as the uncertainty of its rim lets it be: it stays within some room
-//! around the rim, in both directions, with as few knots as it can.
+//! Knot removal for fair loops.
+//!
+//! The input is a loop that follows its rim closely. The output is a loop with as few knots as
+//! possible that stays within its room around the rim: every vertex is near the curve, and every
+//! point of the curve is near the rim. After each removal the vertices are reweighted by Lawson's
+//! iteration.
 
 use super::closed::fit;
-use super::course::Course;
+use super::loop_fit::LoopFit;
 use crate::geometry::{Point, segment_distance};
 
-/// The curve is compared with the rim at so many places an edge of this, and with so many
-/// edges each way: the rim is a polygon, and a fair curve passes its teeth near the middle.
+/// The number of points of the curve for each edge of the rim that are compared with the rim.
 const PLACES_AN_EDGE: f64 = 2.0;
+
+/// The number of edges in each direction that a point of the curve is compared with. A fair curve
+/// passes the teeth of the polygon near the middle, so that the nearest edge can be a neighbour.
 const SIDES: usize = 3;
 
-/// Of so many knots that follow each other one is taken out at a time, so that the spans
-/// that this joins lie apart.
+/// In one step, one of this many consecutive knots is removed, so that the joined spans are not
+/// neighbours.
 const STRIDE: usize = 3;
 
-/// Rounds over all knots at the most. Each takes out about a third of what is left to take.
-const ROUNDS: usize = 8;
+/// The largest number of rounds over all knots. Each round removes about a third of the knots that
+/// can still be removed.
+const MAX_ROUNDS: usize = 8;
 
-/// A closed cubic needs as many spans.
-const LEAST_SPANS: usize = 4;
+/// A closed cubic spline needs at least this many spans.
+const MIN_SPANS: usize = 4;
 
-/// Fits with other weights after a knot was taken out, at the most.
-const PRESSES: usize = 3;
+/// The largest number of fits with new weights after knots were removed.
+const REWEIGHTINGS: usize = 3;
 
-/// A vertex gets more weight from this share of its room on, at most so many times as much at
-/// once, and at most so many times as much as others: the equations keep their digits.
-const PRESSED: f64 = 0.85;
-const MOST_PRESSURE: f64 = 9.0;
-const MOST_WEIGHT: f64 = 1e3;
+/// A vertex gets more weight if its distance from the curve exceeds this share of its room.
+const REWEIGHTED_FROM: f64 = 0.85;
 
-impl Course<'_> {
-    /// The farthest that the curve between two parameters is from the rim, as a share of its
-    /// room there, at places between the vertices.
-    pub(super) fn leaves_rim(&self, a: f64, b: f64) -> f64 {
+/// The largest factor by which the weight of a vertex grows at once.
+const MAX_FACTOR: f64 = 9.0;
+
+/// The largest weight of a vertex, where 1 is the weight at the start. The bound keeps the
+/// equations well conditioned.
+const MAX_WEIGHT: f64 = 1e3;
+
+impl LoopFit<'_> {
+    /// The largest distance of the curve between two parameters from the rim, as a share of the
+    /// room at the same place.
+    pub(super) fn share_of_room(&self, a: f64, b: f64) -> f64 {
         self.places(a, b).map(|(share, _)| share).fold(0.0, f64::max)
     }
 
-    /// Places between two parameters: how far the curve is from the rim there, as a share of
-    /// its room, and the vertex before.
+    /// Points of the curve between two parameters. Each item has the distance of the point from
+    /// the rim, as a share of its room, and the vertex before it.
     fn places(&self, a: f64, b: f64) -> impl Iterator<Item = (f64, usize)> + '_ {
         let n = self.polygon.uv.len();
         let count = (PLACES_AN_EDGE * (b - a) * n as f64).ceil().max(2.0) as usize;
@@ -56,9 +67,9 @@ impl Course<'_> {
         })
     }
 
-    /// Gives vertices that the curve cannot come near enough to, however short its spans, the
-    /// room that it takes.
-    pub(super) fn take_room(&mut self) {
+    /// Widens the room of vertices that the curve does not come near enough to even with its
+    /// shortest spans.
+    pub(super) fn widen_room(&mut self) {
         let mut room = self.room.clone();
         for i in self.spans_beyond(0.0) {
             let (a, b) = self.span(i);
@@ -69,30 +80,31 @@ impl Course<'_> {
         self.room = room;
     }
 
-    /// Takes out knots, those at corners left, as long as the curve stays in its room.
-    pub(super) fn thin(&mut self) {
-        for _ in 0..ROUNDS {
+    /// Removes knots as long as the curve stays in its room. Knots at corners stay.
+    pub(super) fn remove_knots(&mut self) {
+        for _ in 0..MAX_ROUNDS {
             let before = self.knots.breaks.len();
-            (0..STRIDE).for_each(|first| self.thin_from(first));
+            (0..STRIDE).for_each(|first| self.remove_every_third(first));
             if self.knots.breaks.len() == before {
                 break;
             }
         }
     }
 
-    /// The same for one knot of each few, from the `first` on.
-    fn thin_from(&mut self, first: usize) {
+    /// Removes one of every [`STRIDE`] knots, beginning with knot `first`, as far as the curve
+    /// stays in its room.
+    fn remove_every_third(&mut self, first: usize) {
         let (knots, curve) = (self.knots.clone(), self.curve.clone());
         let weights = self.polygon.weights.clone();
         let is_held = |t: &f64| *t == 0.0 || knots.corners.contains(t);
         let chosen = knots.breaks.iter().skip(first).step_by(STRIDE);
         let mut out: Vec<f64> = chosen.copied().filter(|t| !is_held(t)).collect();
-        // Knots in and beside spans that leave their room are put back, until none does.
-        while !out.is_empty() && knots.breaks.len() - out.len() >= LEAST_SPANS {
+        // Put back the knots in and beside spans that leave their room, until no span does.
+        while !out.is_empty() && knots.breaks.len() - out.len() >= MIN_SPANS {
             self.knots.breaks.clone_from(&knots.breaks);
             self.knots.breaks.retain(|t| !out.contains(t));
             self.polygon.weights.clone_from(&weights);
-            let Some(far) = self.pressed() else { break };
+            let Some(far) = self.reweighted() else { break };
             if far.is_empty() {
                 return;
             }
@@ -106,21 +118,21 @@ impl Course<'_> {
         (self.knots, self.curve, self.polygon.weights) = (knots, curve, weights);
     }
 
-    /// Fits the curve over its knots, again with more weight on vertices that it is far from
-    /// (Lawson's iteration towards the smallest maximum), and returns the ranges of the spans
-    /// that leave their room all the same.
-    fn pressed(&mut self) -> Option<Vec<(f64, f64)>> {
+    /// Fits the curve over its knots and repeats the fit with more weight on vertices that are far
+    /// from it (Lawson's iteration, which tends to the smallest maximum). Returns the parameter
+    /// ranges of the spans that still leave their room. `None` if a fit is singular.
+    fn reweighted(&mut self) -> Option<Vec<(f64, f64)>> {
         self.curve = fit(&self.polygon, &self.knots)?;
         let mut far = self.spans_beyond(0.0);
-        for _ in 0..PRESSES {
+        for _ in 0..REWEIGHTINGS {
             if far.is_empty() {
                 break;
             }
             for k in 0..self.room.len() {
-                let share = self.distance(k) / (PRESSED * self.room[k]);
+                let share = self.distance(k) / (REWEIGHTED_FROM * self.room[k]);
                 if share > 1.0 {
                     let weight = &mut self.polygon.weights[k];
-                    *weight = (*weight * share.powi(2).min(MOST_PRESSURE)).min(MOST_WEIGHT);
+                    *weight = (*weight * share.powi(2).min(MAX_FACTOR)).min(MAX_WEIGHT);
                 }
             }
             self.curve = fit(&self.polygon, &self.knots)?;

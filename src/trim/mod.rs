@@ -1,17 +1,18 @@
-//! Trimming: every hole's rim, every island's, and the outer boundary where it is
-//! cut along, as a closed curve in (u, v) and as edges in space that
-//! lie on the surface.
+//! Trim loops along the rims of holes and islands and along the outer boundary.
 //!
-//! The paper only says that the surface over a hole is trimmed away. Here the
-//! rim's vertices are projected onto the fitted surface and a closed cubic
-//! B-spline is fitted to the polygon of their parameter points: with corners
-//! where the rim has corners, with as few knots as keep it near the rim, and
-//! with more where it would cross itself, another loop or the edge of the patch.
+//! The input is the fitted surface and the rims as polygons. The output is one [`TrimLoop`] for
+//! each rim: closed curves in (u, v) and the edges in space that they trace on the surface.
+//!
+//! Tekumalla and Cohen (2005) only say that the surface over a hole is trimmed away. Here the
+//! vertices of a rim are projected onto the surface, and a closed cubic B-spline is fitted by
+//! least squares to the polygon of their parameter points. The spline has a corner where the rim
+//! has one. It has as few knots as keep it near the rim, and more where it would cross itself,
+//! another loop or the edge of the patch.
 
 mod closed;
 mod corners;
-mod course;
 mod fair;
+mod loop_fit;
 mod needles;
 
 use std::collections::BTreeMap;
@@ -24,165 +25,172 @@ use crate::mesh::Bound;
 use crate::rules;
 use crate::spline::decimal;
 use crate::spline::{
-    Curve, EdgeTree, Nest, Outline, Place, Surface, crossings, curve_on_surface, misplaced,
-    off_surface, pieces_on_surface, runs,
+    CertifiedLoop, Curve, EdgeTree, LocatedFault, Nest, Surface, crossings, curve_on_surface,
+    misplaced, off_surface, pieces_on_surface, runs,
 };
-use course::Course;
+use loop_fit::LoopFit;
 
-/// How near trim curves keep to rims.
+/// Options of [`trim`]: how near trim curves keep to rims.
 #[derive(Debug, Clone, Copy)]
 pub struct Options {
-    /// The tolerance of the face, in mm.
+    /// The tolerance of the face, in mm. Where [`keeps_vertices`](Self::keeps_vertices) is set
+    /// or [`rim`](Self::rim) is 0, it also bounds the distance of the loop from the vertices.
+    /// A small value makes loops with many control points. A large value lets loops cut off
+    /// details of the rim.
     pub tolerance: f64,
-    /// How far, in mm, a loop may be from its rim: a scan does not tell better where it
-    /// ends. Within this the loop has as few control points as it can. At 0 the loop follows
-    /// every tooth of its rim that is larger than half of the tolerance.
+    /// How far a loop may be from its rim, in mm. A scan does not show more exactly where it
+    /// ends. Within this distance the loop has as few control points as possible. A large value
+    /// makes smooth loops that pass over details. At 0 the loop follows every tooth of its rim
+    /// that is larger than half of the tolerance.
     pub rim: f64,
-    /// Whether every vertex of a rim must be within the tolerance of the face, although the
-    /// loop may be farther than that from the rim.
+    /// Whether every vertex of a rim must be within the tolerance of the face, even if
+    /// [`rim`](Self::rim) would allow a larger distance.
     pub keeps_vertices: bool,
 }
 
-/// A loop that follows every tooth keeps to its rim within this share of the tolerance.
-const SHARE: f64 = 0.5;
+/// A loop that follows every tooth stays within this share of the tolerance from its rim.
+const UNFAIR_SHARE: f64 = 0.5;
 
-/// One that keeps its vertices within the tolerance uses this share of what that leaves:
-/// it may cut off vertices beside the rim by a little more than those on it.
+/// A fair loop that keeps its vertices within the tolerance uses this share of the remaining
+/// room. The rest is a reserve, because the loop may cut off vertices beside the rim by a little
+/// more than vertices on it.
 const KEPT_SHARE: f64 = 0.7;
 
-/// Where the surface misses a vertex so far that the tolerance leaves less, a loop has room
-/// of this share of the tolerance around the vertex's foot.
+/// The least room around the foot point of a vertex, as a share of the tolerance. It applies
+/// where the surface is so far from the vertex that the tolerance would leave less room.
 const LEAST_SHARE: f64 = 0.1;
 
-/// The same where the rim tolerance rules. Less would make short spans where the surface
-/// misses the rim, which no loop can mend.
-const LEAST_OF_RIM: f64 = 0.5;
+/// The least room as a share of the rim tolerance, for loops that need not keep their vertices.
+/// A smaller share makes short spans where the surface is off the rim, which no loop can correct.
+const LEAST_RIM_SHARE: f64 = 0.5;
 
-/// Where a scan ends is uncertain by this share of its edges there: a scanner sees the last
-/// point up to a whole edge before the end, half of one in the mean.
-const UNCERTAIN: f64 = 0.5;
+/// The uncertainty of a rim, as a share of its edge length. A scanner measures its last point up
+/// to one edge length before the end of the part, which is half an edge length on average.
+const RIM_UNCERTAINTY: f64 = 0.5;
 
 impl Options {
-    /// What suits some rims where nobody says how near loops shall be: half the median edge of
-    /// the rims, or the tolerance if that is more. A tolerance that the user names binds
-    /// the vertices at the rims, too.
+    /// Default options for the given rims. The rim tolerance is half of the median edge length
+    /// of the rims, or `tolerance` if that is larger. If the user has `named` the tolerance,
+    /// it also binds the vertices of the rims.
     pub fn of_rims(rims: &[Rim], tolerance: f64, named: bool) -> Self {
-        let rim = (UNCERTAIN * median_edge(rims)).max(tolerance);
+        let rim = (RIM_UNCERTAINTY * median_edge(rims)).max(tolerance);
         Options { tolerance, rim, keeps_vertices: named }
     }
 
-    /// How far, in mm, a vertex may be off the surface if a trim curve is to have room
-    /// around its foot within the tolerance.
+    /// The largest distance of a vertex from the surface, in mm, that leaves a trim curve room
+    /// around the vertex's foot point within the tolerance.
     pub fn most_off(tolerance: f64) -> f64 {
         tolerance * (1.0 - LEAST_SHARE * LEAST_SHARE).sqrt()
     }
 
-    /// Whether loops have as few control points as they can.
+    /// Whether loops have as few control points as possible.
     fn is_fair(&self) -> bool {
         self.rim > 0.0
     }
 
-    /// How far a trim curve may be, within the surface, from the foot of a vertex
-    /// that is `off` the surface.
+    /// How far a trim curve may be from the foot point of a vertex, measured on the surface in
+    /// mm. The vertex is at the distance `off` from the surface.
     fn room(&self, off: f64) -> f64 {
         let left = |of: f64| (of.powi(2) - off.powi(2)).max(0.0).sqrt();
         let within = left(self.tolerance).max(LEAST_SHARE * self.tolerance);
         match (self.is_fair(), self.keeps_vertices) {
-            (false, _) => within.min(SHARE * self.tolerance),
+            (false, _) => within.min(UNFAIR_SHARE * self.tolerance),
             (true, true) => (KEPT_SHARE * within).min(self.rim),
-            (true, false) => left(self.rim).max(LEAST_OF_RIM * self.rim),
+            (true, false) => left(self.rim).max(LEAST_RIM_SHARE * self.rim),
         }
     }
 }
 
-/// A rim to cut along: vertices in order, the measured surface to their left, with
-/// the parameter points that the parameterization gave them.
+/// A rim to trim along: vertices in order with the measured surface to their left, and the
+/// parameter points that the parameterization gave them.
 #[derive(Debug, Clone)]
 pub struct Rim {
-    /// Which rim.
+    /// Which boundary of the mesh this is.
     pub of: Bound,
-    /// The position, among all rims, of the next one around this one: of an
-    /// island its hole's, of a hole that of the island that it is in, or else the
-    /// outer one, if there is a rim of that. It comes before this one.
+    /// The index of the next rim around this one, which must come before this one. For an
+    /// island it is the rim of its hole. For a hole it is the rim of the island around it, or
+    /// the outer rim if there is one.
     pub within: Option<usize>,
-    /// Its vertices.
+    /// The vertices, in mm.
     pub points: Vec<Point>,
-    /// Their parameter points.
+    /// The parameter points of the vertices, one for each vertex.
     pub uv: Vec<Uv>,
 }
 
 impl Rim {
-    /// The rim with the vertices at some positions only.
+    /// The rim with only the vertices at the given positions.
     fn only(&self, kept: &[usize]) -> Rim {
         let points = kept.iter().map(|&i| self.points[i]).collect();
         Rim { points, uv: kept.iter().map(|&i| self.uv[i]).collect(), ..*self }
     }
 
-    /// The same with all lengths times a factor.
+    /// The rim with all lengths multiplied by a factor.
     #[must_use]
     pub fn scaled(mut self, factor: f64) -> Rim {
         self.points.iter_mut().for_each(|p| p.coords *= factor);
         self
     }
 
-    /// Whether it can be the rim at this position.
+    /// Checks that this rim can be at this position in the list of rims.
     fn check(&self, position: usize) -> Result<()> {
         if self.points.is_empty() || self.points.len() != self.uv.len() {
-            return Err(Error::Input("a rim has not one parameter point a vertex"));
+            return Err(Error::Input("a rim does not have one parameter point for each vertex"));
         }
         match self.within {
             Some(around) if around >= position => {
-                Err(Error::Input("a rim is within one that does not come before it"))
+                Err(Error::Input("a rim is within a rim that does not come before it"))
             }
             _ => Ok(()),
         }
     }
 }
 
-/// The arcs of a rim's loop, around a hole clockwise in (u, v), around an island and
-/// the whole patch counter-clockwise, each with the edge that it traces on the
-/// surface at the same parameter.
+/// The closed loop of a rim: pcurves in (u, v), each with the edge that it traces on the surface
+/// at the same parameter. The loop of a hole runs clockwise in (u, v). The loops of an island and
+/// of the outer boundary run counter-clockwise.
 #[derive(Debug, Clone)]
 pub struct TrimLoop {
-    /// Which rim's.
+    /// Which boundary of the mesh this is the loop of.
     pub of: Bound,
-    /// The position, among all loops, of the next one around this one.
+    /// The index of the next loop around this one.
     pub within: Option<usize>,
     /// The arcs in the parameter plane.
     pub pcurves: Vec<Curve<2>>,
-    /// The edges in space.
+    /// The edges in space, in mm, one for each pcurve.
     pub edges: Vec<Curve<3>>,
 }
 
-/// How a loop turned out. Lengths are mm.
+/// The quality of one loop. Lengths are in mm.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct LoopReport {
-    /// Which rim's loop.
+    /// Which boundary of the mesh the loop belongs to.
     pub of: Bound,
-    /// Control points of the pcurves.
+    /// The number of control points of all pcurves.
     pub control_points: usize,
-    /// The farthest that an edge is from S(pcurve(t)).
+    /// The largest distance between an edge and S(pcurve(t)).
     pub max_off_surface: f64,
-    /// The farthest that a rim vertex is from the edges.
+    /// The largest distance of a rim vertex from the edges.
     pub max_from_rim: f64,
 }
 
-/// How near a 3D edge is to its pcurve's trace, in mm. Importers test whether
-/// the two agree, and Boolean operations fail where they do not.
+/// The largest distance between a 3D edge and the trace of its pcurve, in mm. Importers test
+/// whether the two agree, and Boolean operations fail where they do not.
 pub const EDGE_ACCURACY: f64 = 1e-7;
 
-/// Edges of what is smaller than 0.1 mm are as near for its size as of that.
+/// The same distance as a share of the size of the surface. It applies to surfaces smaller than
+/// 0.1 mm.
 const EDGE_SHARE: f64 = 1e-6;
 
-/// Evaluating a surface and an edge on it at one place makes them differ by some
-/// roundings; by fewer than this.
+/// A bound on the number of rounding errors by which a surface and an edge on it differ at the
+/// same parameter.
 const ROUNDINGS: f64 = 128.0;
 
-/// How near edges are to their pcurves' traces on a surface, in mm: [`EDGE_ACCURACY`],
-/// a share of the surface's size where it is tiny, and what doubles can tell where it
-/// is so large, so far from the origin (kilometres) or so steep in its parameters that
-/// they cannot tell that.
+/// The largest distance between edges and the traces of their pcurves on a surface, in mm.
+///
+/// It is [`EDGE_ACCURACY`] as a rule. For a tiny surface it is a share of the surface's size. For
+/// a surface that is so large, so far from the origin (kilometres) or so steep in its parameters
+/// that double precision does not suffice, it is a multiple of the rounding error.
 pub fn edge_accuracy(surface: &Surface) -> f64 {
     let [low, high] = bounds(surface.net.iter().map(|&p| Point::from(p)));
     let wanted = EDGE_ACCURACY.min(EDGE_SHARE * (high - low).norm());
@@ -191,15 +199,15 @@ pub fn edge_accuracy(surface: &Surface) -> f64 {
     wanted.max(ROUNDINGS * rounded).max(f64::MIN_POSITIVE)
 }
 
-/// Rounds in which loops that cross are tightened.
-const ROUNDS: usize = 100;
+/// The largest number of rounds in which faulty loops are tightened.
+const MAX_ROUNDS: usize = 100;
 
-/// The trim loops of the given rims.
+/// Computes the trim loops of the given rims, in the order of the rims.
 ///
 /// # Errors
-/// [`Error::Trim`]: a loop that crosses itself, another one or the edge of the patch.
-/// [`Error::Option`]: a tolerance that is no length. [`Error::Input`]: a rim without
-/// a parameter point a vertex, or within one that does not come before it.
+/// [`Error::Trim`] if a loop crosses itself, another loop or the edge of the patch.
+/// [`Error::Option`] if a tolerance is not a valid length. [`Error::Input`] if a rim does not have
+/// one parameter point for each vertex, or is within a rim that does not come before it.
 pub fn trim(
     surface: &Surface,
     rims: &[Rim],
@@ -208,10 +216,10 @@ pub fn trim(
     Ok(trace(surface, rims, arcs(surface, rims, options)?))
 }
 
-/// The arcs of each rim's loop in the parameter plane.
+/// Computes the arcs of each rim's loop in the parameter plane.
 ///
 /// # Errors
-/// Those of [`trim`].
+/// The same as those of [`trim`].
 pub fn arcs(surface: &Surface, rims: &[Rim], options: &Options) -> Result<Vec<Vec<Curve<2>>>> {
     rules::length(options.tolerance).map_err(of("tolerance"))?;
     rules::extent(options.rim).map_err(of("rim_tolerance"))?;
@@ -221,8 +229,8 @@ pub fn arcs(surface: &Surface, rims: &[Rim], options: &Options) -> Result<Vec<Ve
     Ok(arcs)
 }
 
-/// The loops whose arcs are given, with their edges in space. The surface and the rims may
-/// be those that the arcs were found on with all lengths times a factor.
+/// Computes the edges in space of loops whose arcs are given. The surface and the rims may be
+/// scaled copies of those that the arcs were computed for.
 pub fn trace(
     surface: &Surface,
     rims: &[Rim],
@@ -234,7 +242,7 @@ pub fn trace(
     both.collect::<Vec<_>>().into_iter().unzip()
 }
 
-/// The median length of the edges of some rims, in mm; 0 if there are none.
+/// The median edge length of the given rims, in mm. It is 0 if there are no rims.
 pub fn median_edge(rims: &[Rim]) -> f64 {
     let edges = |rim: &Rim| {
         let next = rim.points.iter().cycle().skip(1);
@@ -248,40 +256,42 @@ pub fn median_edge(rims: &[Rim]) -> f64 {
     *lengths.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
-/// The arcs of all loops, none of which crosses another one, itself or the edge
+/// Fits all loops and tightens them until none of them crosses itself, another loop or the edge
 /// of the patch.
 fn uncrossed(surface: &Surface, rims: &[Rim], options: &Options) -> Result<Vec<Vec<Curve<2>>>> {
     let nests: Vec<Nest> = rims.iter().map(|rim| nest(rims, rim)).collect();
-    let begun = |rim| {
-        let course = Course::new(surface, rim, options);
-        course.ok_or_else(|| refusal(rim, "is a point", rim.points[0]))
+    let initial = |rim| {
+        let loop_fit = LoopFit::new(surface, rim, options);
+        loop_fit.ok_or_else(|| refusal(rim, "is a point", rim.points[0]))
     };
-    let mut courses: Vec<Course> = rims.par_iter().map(begun).collect::<Result<_>>()?;
+    let mut fits: Vec<LoopFit> = rims.par_iter().map(initial).collect::<Result<_>>()?;
     let mut round = 0;
     loop {
-        let arcs: Vec<Vec<Curve<2>>> = courses.par_iter().map(Course::arcs).collect();
-        let wrong = wrong(&arcs, &nests);
-        let Some(&(first, (fault, at))) = wrong.first() else { return Ok(arcs) };
+        let arcs: Vec<Vec<Curve<2>>> = fits.par_iter().map(LoopFit::arcs).collect();
+        let faults = faults(&arcs, &nests);
+        let Some(&(first, (fault, at))) = faults.first() else { return Ok(arcs) };
         let mut places: BTreeMap<usize, Vec<Option<f64>>> = BTreeMap::new();
-        wrong.iter().for_each(|(i, (_, at))| places.entry(*i).or_default().push(*at));
-        // Where two loops cross it is enough that one of them gives way.
-        let give_way = |(i, at): (usize, Vec<_>)| courses[i].tighten(&at, options).is_some();
+        faults.iter().for_each(|(i, (_, at))| places.entry(*i).or_default().push(*at));
+        // Where two loops cross, it is enough that one of them is tightened.
+        let give_way = |(i, at): (usize, Vec<_>)| fits[i].tighten(&at, options).is_some();
         let better = places.into_iter().map(give_way).filter(|&given| given).count() > 0;
         round += 1;
-        if round == ROUNDS || !better {
-            let place = at.map_or(rims[first].points[0], |t| courses[first].vertex(t));
+        if round == MAX_ROUNDS || !better {
+            let place = at.map_or(rims[first].points[0], |t| fits[first].vertex(t));
             return Err(refusal(&rims[first], &fault.to_string(), place));
         }
     }
 }
 
-/// The faults of the loops: those of single ones, else those of loops that
-/// cross, else those of loops that are not in their places.
-fn wrong(arcs: &[Vec<Curve<2>>], nests: &[Nest]) -> Vec<(usize, Place)> {
-    let outlines: Vec<_> = arcs.par_iter().map(|arcs| Outline::new(arcs)).collect();
-    let single = |(i, o): (usize, &std::result::Result<_, Place>)| Some((i, *o.as_ref().err()?));
+/// The faults of the loops. If single loops have faults, only those are returned. Otherwise these
+/// are the crossings of loops, and if there are none, the loops that lie on the wrong side of
+/// another one.
+fn faults(arcs: &[Vec<Curve<2>>], nests: &[Nest]) -> Vec<(usize, LocatedFault)> {
+    let outlines: Vec<_> = arcs.par_iter().map(|arcs| CertifiedLoop::new(arcs)).collect();
+    let single =
+        |(i, o): (usize, &std::result::Result<_, LocatedFault>)| Some((i, *o.as_ref().err()?));
     let mut found: Vec<_> = outlines.iter().enumerate().filter_map(single).collect();
-    let outlines: Vec<&Outline> = outlines.iter().flatten().collect();
+    let outlines: Vec<&CertifiedLoop> = outlines.iter().flatten().collect();
     if found.is_empty() {
         found = crossings(&outlines);
     }
@@ -295,8 +305,8 @@ fn refusal(rim: &Rim, fault: &str, at: Point) -> Error {
     Error::Trim { of: rim.of, fault: fault.to_owned(), at }
 }
 
-/// How the loop of a rim must lie: clockwise around a hole, counter-clockwise
-/// around what was measured.
+/// The orientation and nesting that the loop of a rim must have: clockwise around a hole,
+/// counter-clockwise around measured material.
 fn nest(rims: &[Rim], rim: &Rim) -> Nest {
     let around: Vec<usize> = std::iter::successors(rim.within, |&i| rims[i].within).collect();
     Nest { clockwise: matches!(rim.of, Bound::Hole(_)), around }
@@ -321,14 +331,14 @@ fn traced(
     (TrimLoop { of, within, pcurves, edges }, report)
 }
 
-/// Polynomial pieces of an edge at the most. CAD systems integrate along an edge with a bounded
-/// number of places: the sides of extruded edges of loops were up to 0.12 % off in OpenCASCADE
-/// with twenty pieces, and up to 2.7 % undivided.
-const MOST_PIECES: usize = 16;
+/// The largest number of polynomial pieces of an edge. CAD systems integrate along an edge with a
+/// limited number of points. In OpenCASCADE the areas of extruded loop edges were up to 0.12 % off
+/// with twenty pieces, and up to 2.7 % off without division.
+const MAX_PIECES: usize = 16;
 
-/// A pcurve in parts, each with the edge in space that it traces.
+/// Divides a pcurve into parts and computes the edge in space that each part traces.
 fn divided(surface: &Surface, pcurve: &Curve<2>, accuracy: f64) -> Vec<(Curve<2>, Curve<3>)> {
-    let ends = runs(&pieces_on_surface(surface, pcurve), MOST_PIECES, 1);
+    let ends = runs(&pieces_on_surface(surface, pcurve), MAX_PIECES, 1);
     let part = |w: &[f64]| {
         let part = pcurve.part(w[0], w[1]);
         let mut edge = curve_on_surface(surface, &part, accuracy);
@@ -338,7 +348,7 @@ fn divided(surface: &Surface, pcurve: &Curve<2>, accuracy: f64) -> Vec<(Curve<2>
     ends.windows(2).map(part).collect()
 }
 
-/// The farthest of `points` from the edges, in mm.
+/// The largest distance of any of `points` from the edges, in mm.
 pub fn distance_to_edges(points: &[Point], edges: &[Curve<3>]) -> f64 {
     let tree = EdgeTree::new(edges);
     points.par_iter().map(|&p| tree.distance(p)).reduce(|| 0.0, f64::max)

@@ -1,25 +1,28 @@
-//! Slits and spikes of a rim that are too thin for a curve to run around.
+//! Removal of needles: slits and spikes of a rim that are too thin for a curve to run around.
+//!
+//! The input is a closed polygon of parameter points. The output is the positions of the vertices
+//! to keep.
 
 use crate::geometry::Uv;
 
-/// A needle is no wider than this share of its shorter side.
+/// A needle is at most as wide as this share of its shorter side.
 const WIDTH: f64 = 0.01;
 
-/// A rim keeps at least as many vertices.
-const LEAST: usize = 4;
+/// A rim keeps at least this many vertices.
+const MIN_VERTICES: usize = 4;
 
-/// The positions of a closed polygon's corners without the tips of needles: what runs
-/// to a tip and straight back encloses next to nothing.
+/// Returns the positions of a closed polygon's corners without the tips of needles. A needle runs
+/// to its tip and straight back, so that it encloses almost no area.
 pub fn without(uv: &[Uv]) -> Vec<usize> {
     let mut kept: Vec<usize> = (0..uv.len()).collect();
     let mut first = 0;
-    while kept.len() > LEAST {
+    while kept.len() > MIN_VERTICES {
         let n = kept.len();
         let at = |i: usize| uv[kept[i % n]];
         let tip = (first..n).find(|&i| is_tip(at(i + n - 1), at(i), at(i + 1)));
         let Some(tip) = tip else { break };
         kept.remove(tip);
-        // Of those before it only its neighbour can be one now.
+        // Among the vertices before it, only its neighbour can have become a tip.
         first = if tip + 1 == n { 0 } else { tip.saturating_sub(1) };
     }
     kept

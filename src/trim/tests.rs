@@ -1,4 +1,4 @@
-//! Rims on a plate of 200 mm × 100 mm whose loops are known.
+//! Tests on a plate of 200 mm × 100 mm with rims whose loops are known.
 
 use std::f64::consts::TAU;
 
@@ -18,7 +18,7 @@ fn plate() -> Surface {
     Surface::new(k.clone(), k.clone(), net.collect())
 }
 
-/// A rim through the surface's points at `at(0)`, `at(1 / n)` and so on.
+/// A rim through the surface's points at `at(0)`, `at(1 / n)`, `at(2 / n)` and so on.
 fn rim(surface: &Surface, n: usize, at: impl Fn(f64) -> (f64, f64)) -> Rim {
     let uv: Vec<Uv> = (0..n).map(|i| at(i as f64 / n as f64)).map(|(u, v)| Uv::new(u, v)).collect();
     let points = uv.iter().map(|&at| surface.point(at)).collect();
@@ -46,10 +46,10 @@ fn knots_come_where_the_rim_needs_them() {
     let smooth = loops(&plate, &[rim(&plate, 600, round(0.5, 0.5, |_| 10.0))]);
     let ragged = loops(&plate, &[rim(&plate, 600, round(0.5, 0.5, tooth))]);
     for (ring, report) in [&smooth[0], &ragged[0]] {
-        // Twelve spans an edge at the most.
+        // An edge has at most twelve spans.
         assert!(ring.pcurves.iter().all(|arc| arc.control.len() <= 15));
         assert!(report.max_off_surface < EDGE_ACCURACY);
-        // The distance that rules the knots is one to first order.
+        // The distance that decides on knots is exact only to first order.
         assert!(report.max_from_rim < 0.025, "{report:?}");
     }
     assert_eq!(smooth[0].0.edges.len(), 2);
@@ -75,7 +75,7 @@ fn a_fair_loop_passes_teeth_in_the_middle_and_keeps_to_its_room() {
             assert!((r - 10.0).abs() < 0.05, "{r}");
         }
     }
-    // Where vertices must stay within the tolerance, it has to follow the teeth.
+    // If the vertices must stay within the tolerance, the loop has to follow the teeth.
     let strict = Options { keeps_vertices: true, ..fair };
     let (_, reports) = trim(&plate, &[ragged], &strict).unwrap();
     assert!(reports[0].control_points > 300 && reports[0].max_from_rim < 0.041, "{reports:?}");
@@ -108,7 +108,7 @@ fn a_side_that_misses_its_corner_is_divided_not_the_next_one() {
         let (ring, report) = &loops(&plate, &[rim(&plate, 100, side)])[0];
         assert_eq!(ring.edges.len(), 4);
         // The room that the loop has, to first order.
-        let room = 1.005 * SHARE * OPTIONS.tolerance;
+        let room = 1.005 * UNFAIR_SHARE * OPTIONS.tolerance;
         assert!(report.max_from_rim < room, "{high} {report:?}");
     }
 }

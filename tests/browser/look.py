@@ -1,9 +1,9 @@
-"""Opens a report in a headless Chromium and does with it what a user would.
+"""Opens a report in a headless Chromium and uses it as a user would.
 
 look.py CHROMIUM CHROMEDRIVER REPORT.html FOLDER
 
-Writes screenshots into FOLDER and prints one JSON object: what the page says of
-itself, and what the console said. Speaks WebDriver, which is JSON over HTTP.
+The script writes screenshots to FOLDER and prints one JSON object with the contents of the page and
+the messages of the console. It uses WebDriver, which is JSON over HTTP.
 """
 
 import base64
@@ -45,7 +45,7 @@ def call(method, url, body=None):
 
 
 def start(driver):
-    """The driver's address, once it listens."""
+    """The address of the driver as soon as it listens."""
     for line in driver.stdout:
         if "started successfully on port" in line:
             return "http://127.0.0.1:" + line.rstrip().rstrip(".").rsplit(" ", 1)[1]
@@ -63,7 +63,7 @@ class Browser:
         call("POST", self.url + "/url", {"url": pathlib.Path(path).resolve().as_uri()})
 
     def script(self, text):
-        # Once the next frame has been drawn.
+        # Wait until the next frame has been drawn.
         body = (
             "const done = arguments[arguments.length - 1];"
             f"const value = (() => {{ {text} }})();"
@@ -94,7 +94,7 @@ class Browser:
 
     def log(self):
         entries = call("POST", self.url + "/se/log", {"type": "browser"})
-        # Said of the screenshots: software rendering is slow to be read back.
+        # This concerns the screenshots: software rendering is read back slowly.
         ours = "GPU stall due to ReadPixels"
         return [entry["message"] for entry in entries if ours not in entry["message"]]
 
@@ -144,7 +144,7 @@ def look(browser):
     browser.shot("net")
     for name in ["#show-scan", "#show-face", "#show-net", "input[value=signed]", "input[value=measured]"]:
         browser.click(name)
-    # The number under the pointer, a little beside the middle if a hole is there.
+    # The number under the pointer, a little beside the centre if there is a hole.
     readouts = []
     for dx in (0, 90, -90, 160, -160):
         browser.pointer([move(x + dx, y + dx / 3), move(x + dx + 1, y + dx / 3)])
@@ -193,7 +193,7 @@ def main():
             browser.close()
             time.sleep(0.3)
         with tempfile.TemporaryDirectory() as profile:
-            # Small, and without WebGL.
+            # A small window without WebGL.
             off = [f for f in FLAGS if "swiftshader" not in f] + ["--disable-3d-apis"]
             browser = Browser(address, off + [f"--user-data-dir={profile}"], (500, 900))
             browser.open(report)

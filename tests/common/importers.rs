@@ -1,4 +1,4 @@
-//! OpenCASCADE and FreeCAD, each in a process of its own.
+//! OpenCASCADE and FreeCAD, each in its own process.
 
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -7,7 +7,7 @@ use serde_json::Value;
 
 use super::root;
 
-/// What OpenCASCADE finds in a file; with `points`, also their distances.
+/// The properties of a file in OpenCASCADE. With `points`, it also returns their distances.
 pub fn opencascade(file: &Path, points: Option<&[[f64; 3]]>) -> Value {
     let mut command = opencascade_script("check_occ.py");
     command.arg(file);
@@ -20,22 +20,22 @@ pub fn opencascade(file: &Path, points: Option<&[[f64; 3]]>) -> Value {
     answer(command)
 }
 
-/// What OpenCASCADE finds in the file of a solid, without healing.
+/// The properties of a solid's file in OpenCASCADE without healing.
 pub fn opencascade_solid(file: &Path) -> Value {
     let mut command = opencascade_script("check_solid_occ.py");
     command.arg(file);
     answer(command)
 }
 
-/// What FreeCAD makes of the file of a solid, and of operations on it; `None` where it is to
-/// be done without.
+/// The properties of a solid's file in FreeCAD, and the results of operations on it. `None` if
+/// FreeCAD is absent on purpose.
 pub fn freecad_solid(file: &Path) -> Option<Value> {
     let mut command = freecad_script("check_solid_freecad.py")?;
     command.arg(file);
     Some(answer(command))
 }
 
-/// Has OpenCASCADE read a file and write it again into a folder.
+/// Lets OpenCASCADE read a file and write it to a folder again.
 pub fn rewrite_opencascade(file: &Path, folder: &Path) {
     let mut command = opencascade_script("rewrite_occ.py");
     run(command.arg(file).arg(folder));
@@ -53,23 +53,23 @@ fn opencascade_script(name: &str) -> Command {
     command
 }
 
-/// What FreeCAD finds in a file; `None` where it is to be done without.
+/// The properties of a file in FreeCAD. `None` if FreeCAD is absent on purpose.
 pub fn freecad(file: &Path) -> Option<Value> {
     let mut command = freecad_script("check_freecad.py")?;
     command.arg(file);
     Some(answer(command))
 }
 
-/// Has FreeCAD cut, offset and thicken the face in a file and write the results
-/// into a folder; their areas. `None` where it is to be done without.
+/// Lets FreeCAD cut, offset and thicken the face in a file and write the results to a folder.
+/// Returns their areas. `None` if FreeCAD is absent on purpose.
 pub fn rewrite_freecad(file: &Path, folder: &Path, distance: f64) -> Option<Value> {
     let mut command = freecad_script("rewrite_freecad.py")?;
     command.arg(file).arg(folder).arg(distance.to_string());
     Some(answer(command))
 }
 
-/// `FREECAD_LIB` is the folder of FreeCAD's modules where that is not Debian's, or
-/// `none`: there is no FreeCAD.
+/// `FREECAD_LIB` is the folder of FreeCAD's modules if it is not that of Debian. The value `none`
+/// means that there is no FreeCAD.
 fn freecad_script(name: &str) -> Option<Command> {
     let library = Path::new("/usr/lib/freecad-python3/lib");
     let set = std::env::var_os("FREECAD_LIB").map(PathBuf::from);
@@ -91,13 +91,13 @@ fn script(name: &str) -> PathBuf {
     root().join("tests/roundtrip").join(name)
 }
 
-/// What an importer prints, as JSON.
+/// The output of an importer as JSON.
 fn answer(mut command: Command) -> Value {
     let text = run(&mut command);
     serde_json::from_str(&text).unwrap_or_else(|e| panic!("{command:?}: {e} in {text}"))
 }
 
-/// Runs an importer, which must succeed; what it prints.
+/// Runs an importer, which must succeed, and returns its output.
 fn run(command: &mut Command) -> String {
     let output = command.output().expect("the importer runs");
     let said = String::from_utf8_lossy(&output.stderr);

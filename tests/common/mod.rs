@@ -1,6 +1,6 @@
-//! What the tests share: virtual scans, the program, the importers.
+//! Code that the tests share: virtual scans, the program, the importers.
 //!
-//! Not every test uses every part.
+//! No test uses all of it.
 #![allow(dead_code, unused_imports)]
 
 pub mod importers;
@@ -15,12 +15,12 @@ use std::path::{Path, PathBuf};
 pub use program::*;
 use serde_json::Value;
 
-/// The project's folder.
+/// The folder of the project.
 pub fn root() -> &'static Path {
     Path::new(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// A file of `fixtures/`.
+/// A file in `fixtures/`.
 pub fn fixture(name: &str) -> PathBuf {
     root().join("fixtures").join(name)
 }
@@ -30,16 +30,16 @@ pub fn arg(path: &Path) -> &str {
     path.to_str().expect("test paths are Unicode")
 }
 
-/// A JSON file.
+/// Reads a JSON file.
 pub fn json(path: &Path) -> Value {
     let text = std::fs::read_to_string(path).expect("the report was written");
     serde_json::from_str(&text).expect("the report is JSON")
 }
 
-/// A file name that is a program where it is not text.
+/// A file name that would be a program if it were not text.
 pub const PLANTED: &str = "<img src=x onerror=planted=1>&\"'<script>planted=1<.ply";
 
-/// Writes a wavy sheet of 720,000 triangles into a folder.
+/// Writes a wavy sheet of 720,000 triangles to a folder.
 pub fn large_scan(folder: &Path) -> PathBuf {
     let scan = folder.join("large.stl");
     let side = 600_u32;
@@ -62,7 +62,7 @@ pub fn large_scan(folder: &Path) -> PathBuf {
     scan
 }
 
-/// The names of the files in a folder, sorted.
+/// The sorted names of the files in a folder.
 pub fn files(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).expect("a folder");
     let name = |e: std::io::Result<std::fs::DirEntry>| {
@@ -73,7 +73,7 @@ pub fn files(folder: &Path) -> Vec<String> {
     names
 }
 
-/// A number of a JSON value, by pointer.
+/// A number of a JSON value by its pointer.
 pub fn number(value: &Value, pointer: &str) -> f64 {
     let found = value.pointer(pointer).and_then(Value::as_f64);
     found.unwrap_or_else(|| panic!("no number at {pointer} in {value}"))
@@ -84,7 +84,7 @@ pub fn points(path: &Path) -> Vec<[f64; 3]> {
     formats::read_scan(path).expect("the stage is a readable PLY").points
 }
 
-/// The scans that are not part of the project, where they are to be had.
+/// The folder of scans that are not part of the project, if it is present.
 pub fn shared(path: &str) -> Option<PathBuf> {
     let found = root().join("../shared").join(path);
     if !found.exists() {

@@ -1,4 +1,4 @@
-//! The program, run as a user runs it.
+//! Runs of the program in the way of a user.
 
 use std::path::Path;
 use std::process::{Command, Output};
@@ -20,7 +20,7 @@ pub fn inspect(args: &[&str]) -> Output {
     command.arg("inspect").args(args).output().expect("the program runs")
 }
 
-/// What it says of a scan as JSON.
+/// The output of `inspect` for a scan as JSON.
 pub fn inspected(scan: &Path) -> Value {
     let output = inspect(&[arg(scan), "--json"]);
     let said = String::from_utf8_lossy(&output.stderr);
@@ -34,7 +34,7 @@ pub fn check(args: &[&str]) -> Output {
     command.arg("check").args(args).output().expect("the program runs")
 }
 
-/// What it says of a CAD file and a scan as JSON.
+/// The output of `check` for a CAD file and a scan as JSON.
 pub fn checked(cad: &Path, scan: &Path) -> Value {
     let output = check(&[arg(cad), arg(scan), "--json"]);
     let said = String::from_utf8_lossy(&output.stderr);
@@ -42,7 +42,7 @@ pub fn checked(cad: &Path, scan: &Path) -> Value {
     serde_json::from_slice(&output.stdout).expect("it prints JSON")
 }
 
-/// `convert`, which must succeed; returns what it said.
+/// Runs `convert`, which must succeed, and returns its messages.
 pub fn converted(args: &[&str]) -> String {
     let output = convert(args);
     let said = String::from_utf8_lossy(&output.stderr).into_owned();

@@ -1,10 +1,10 @@
-//! Tessellations of known smooth surfaces, with vertices exactly on them.
+//! Tessellations of known smooth surfaces. All vertices are exactly on the surface.
 
 use std::collections::HashMap;
 use std::f64::consts::PI;
 
-/// A true surface over [0, 1]², about 100 mm wide. Its isolines have constant speed, so
-/// that the middle of a chord lies under the middle of its arc.
+/// A true surface over [0, 1]² with a width of about 100 mm. Its isolines have constant speed, so
+/// that the midpoint of a chord lies under the midpoint of its arc.
 pub type Truth = fn(f64, f64) -> [f64; 3];
 
 pub const SURFACES: [(&str, Truth); 5] = [
@@ -40,25 +40,25 @@ fn wavy(u: f64, v: f64) -> [f64; 3] {
     [100.0 * u, 100.0 * v, 5.0 * (9.0 * u).sin() * (8.0 * v).cos()]
 }
 
-/// How a surface is cut into triangles.
+/// The kinds of tessellations.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Kind {
     /// A grid of square cells.
     Regular,
-    /// The same with its inner vertices strewn.
+    /// A grid of square cells with displaced inner vertices.
     Jittered,
-    /// Cells twenty times as long as they are wide.
+    /// Cells that are twenty times as long as wide.
     Thin,
-    /// A regular grid, some of whose edges are split near one of their ends.
+    /// A regular grid. Some of its edges are split near one end.
     Slivers,
-    /// Edges halved only where the surface needs it.
+    /// Edges that are halved only where the surface needs it.
     Adaptive,
 }
 
 pub const KINDS: [Kind; 5] =
     [Kind::Regular, Kind::Jittered, Kind::Thin, Kind::Slivers, Kind::Adaptive];
 
-/// Vertices by their parameters, and triangles.
+/// The parameters of vertices, and triangles.
 #[derive(Clone)]
 pub struct Tessellation {
     pub truth: Truth,
@@ -67,7 +67,7 @@ pub struct Tessellation {
 }
 
 impl Tessellation {
-    /// A tessellation whose edges miss the surface by `chord` mm at the most.
+    /// A tessellation whose edges are at most `chord` mm from the surface.
     pub fn new(truth: Truth, kind: Kind, chord: f64, random: &mut Random) -> Self {
         let needed = [0, 1].map(|k| cells(truth, k, chord));
         let long = [0, 1].map(|k| length(truth, k));
@@ -78,7 +78,7 @@ impl Tessellation {
             Kind::Regular => Self::grid(truth, [0, 1].map(|k| count(k, shortest))),
             Kind::Jittered => Self::grid(truth, [0, 1].map(|k| count(k, shortest))).strewn(random),
             Kind::Thin => {
-                // Long where the surface is least curved, and short across.
+                // Long in the direction of least curvature, and short across it.
                 let k = usize::from(edge[1] > edge[0]);
                 let across = edge[1 - k].min(edge[k].min(long[k] / 2.0) / 20.0);
                 let mut cells = [0; 2];
@@ -90,7 +90,7 @@ impl Tessellation {
                 let grid = Self::grid(truth, [0, 1].map(|k| count(k, shortest)));
                 let mut split = HashMap::new();
                 for t in &grid.triangles {
-                    // The first of the edges of two triangles is their diagonal.
+                    // The first edge of two triangles is their diagonal.
                     if random.uniform() < 0.4 {
                         split.insert(sorted(t[0], t[1]), 0.04);
                     }
@@ -101,7 +101,7 @@ impl Tessellation {
         }
     }
 
-    /// A grid of so many cells.
+    /// A grid with the given numbers of cells.
     pub fn grid(truth: Truth, [n, m]: [usize; 2]) -> Self {
         let at = |i: usize, j: usize| [i as f64 / n as f64, j as f64 / m as f64];
         let uv = (0..=n).flat_map(|i| (0..=m).map(move |j| at(i, j))).collect();
@@ -141,7 +141,7 @@ impl Tessellation {
         }
     }
 
-    /// Splits edges, each at a share of its length, and their triangles with them.
+    /// Splits edges, each at a share of its length, and the triangles beside them.
     fn split(&self, edges: &HashMap<[u32; 2], f64>) -> Self {
         let mut uv = self.uv.clone();
         let mut order: Vec<(&[u32; 2], &f64)> = edges.iter().collect();
@@ -168,13 +168,13 @@ impl Tessellation {
         Tessellation { truth: self.truth, uv, triangles }
     }
 
-    /// The vertices, off the surface by noise in every direction.
+    /// The vertices with noise in every direction.
     pub fn points(&self, noise: f64, random: &mut Random) -> Vec<[f64; 3]> {
         let at = |&[u, v]: &[f64; 2]| (self.truth)(u, v).map(|x| x + noise * random.normal());
         self.uv.iter().map(at).collect()
     }
 
-    /// The median of its triangles' shortest edges, in mm.
+    /// The median of the shortest edges of all triangles, in mm.
     pub fn edge(&self) -> f64 {
         let at = |v: u32| (self.truth)(self.uv[v as usize][0], self.uv[v as usize][1]);
         let shortest = |t: &[u32; 3]| {
@@ -195,19 +195,19 @@ fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     (0..3).map(|k| (a[k] - b[k]).powi(2)).sum::<f64>().sqrt()
 }
 
-/// How far a chord is from the surface in the middle.
+/// The distance of a chord from the surface at its midpoint.
 fn missed(truth: Truth, a: [f64; 2], b: [f64; 2]) -> f64 {
     let (p, q) = (truth(a[0], a[1]), truth(b[0], b[1]));
     let middle = truth(0.5 * (a[0] + b[0]), 0.5 * (a[1] + b[1]));
     distance([0, 1, 2].map(|k| 0.5 * (p[k] + q[k])), middle)
 }
 
-/// The isoline along parameter `k` that is so far along the other.
+/// The isoline along parameter `k` at a given value of the other parameter.
 fn on(k: usize, along: f64, beside: f64) -> [f64; 2] {
     if k == 0 { [along, beside] } else { [beside, along] }
 }
 
-/// The fewest cells along parameter `k` whose chords are good enough.
+/// The least number of cells along parameter `k` for the wanted chord error.
 fn cells(truth: Truth, k: usize, chord: f64) -> usize {
     let good = |n: &usize| {
         let at = |i: usize| i as f64 / *n as f64;
@@ -227,7 +227,7 @@ fn length(truth: Truth, k: usize) -> f64 {
     (0..100).map(|i| distance(point(i), point(i + 1))).sum()
 }
 
-/// A generator of its own, so that the meshes are always the same.
+/// A random generator of its own, so that the meshes are the same in every run.
 pub struct Random(pub u64);
 
 impl Random {

@@ -1,17 +1,16 @@
-//! Virtual scans: what a scanner would have seen of a known true surface.
+//! Virtual scans: the scan of a known true surface.
 //!
-//! A grid over the parameter square, jittered, with Gaussian noise in space,
-//! and holes where vertices are missing. Everything is deterministic, so the
-//! fixtures that `cargo run --example make_fixtures` writes are always the same.
+//! A virtual scan is a grid over the parameter square. Its vertices are displaced, have Gaussian
+//! noise in space, and are missing in the holes. Everything is deterministic, so `cargo run
+//! --example make_fixtures` always writes the same fixtures.
 
 use std::io::{self, Write};
 
 /// A true surface over [0, 1]².
 pub type Truth = fn(f64, f64) -> [f64; 3];
 
-/// A region of the parameter square that the scanner missed: a star around a
-/// centre with a mean radius, an amplitude and a number of arms. A star in a star
-/// is an island.
+/// A region of the parameter square that the scanner missed: a star with a centre, a mean radius,
+/// an amplitude and a number of arms. A star inside a star is an island.
 #[derive(Debug, Clone, Copy)]
 pub struct Star {
     pub centre: [f64; 2],
@@ -26,21 +25,21 @@ impl Star {
     }
 }
 
-/// A scan and what is true of it.
+/// A scan and its true values.
 #[derive(Debug, Clone)]
 pub struct VirtualScan {
     pub truth: Truth,
     pub holes: Vec<Star>,
-    /// Regions at the border that the scanner missed, too.
+    /// The regions that the scanner missed, including those at the border.
     pub bays: Vec<Star>,
-    /// Measured points, in mm.
+    /// The measured points in mm.
     pub points: Vec<[f64; 3]>,
-    /// Where in the parameter square each was measured.
+    /// The true parameters of each point.
     pub uv: Vec<[f64; 2]>,
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// A relief of 100 × 80 mm: a dome, a ridge, waves in one corner.
+/// A relief of 100 × 80 mm with a dome, a ridge, and waves in one corner.
 pub fn relief(u: f64, v: f64) -> [f64; 3] {
     let (x, y) = (100.0 * (u - 0.5), 80.0 * (v - 0.5));
     let dome = 18.0 * (-(x * x + y * y) / 1800.0).exp();
@@ -50,23 +49,21 @@ pub fn relief(u: f64, v: f64) -> [f64; 3] {
     [x, y, dome + ridge + waves]
 }
 
-/// Three quarters of a rippled barrel: it overhangs, so no projection to a
-/// plane is one-to-one.
+/// Three quarters of a rippled barrel. It overhangs, so no projection to a plane is one-to-one.
 pub fn rolled_sheet(u: f64, v: f64) -> [f64; 3] {
     let (angle, y) = (1.5 * std::f64::consts::PI * (u - 0.5), 90.0 * (v - 0.5));
     let radius = 30.0 + 4.0 * (y / 20.0).cos() + 1.2 * (4.0 * angle).sin() * (y / 12.0).cos();
     [radius * angle.sin(), y, radius * angle.cos()]
 }
 
-/// The wavy sheet of 100 × 100 mm with a bump on which the paper's figures are
-/// compared.
+/// The wavy sheet of 100 × 100 mm with a bump, for the comparison of the paper's figures.
 pub fn sheet(u: f64, v: f64) -> [f64; 3] {
     let (x, y) = (100.0 * u, 100.0 * v);
     let bump = 5.0 * (-((x - 60.0).powi(2) + (y - 40.0).powi(2)) / 200.0).exp();
     [x, y, 8.0 * (x / 15.0).sin() * (y / 18.0).cos() + bump]
 }
 
-/// The fixture `relief.ply`: noise of 0.06 mm, two holes.
+/// The fixture `relief.ply` with a noise of 0.06 mm and two holes.
 pub fn relief_scan() -> VirtualScan {
     let holes = vec![
         Star { centre: [0.33, 0.35], radius: 0.10, arms: 3.0 },
@@ -75,20 +72,21 @@ pub fn relief_scan() -> VirtualScan {
     VirtualScan::new(relief, [70, 60], 0.06, holes, 1)
 }
 
-/// The fixture `rolled_sheet.obj`: noise of 0.05 mm, one hole.
+/// The fixture `rolled_sheet.obj` with a noise of 0.05 mm and one hole.
 pub fn rolled_scan() -> VirtualScan {
     let holes = vec![Star { centre: [0.45, 0.55], radius: 0.10, arms: 4.0 }];
     VirtualScan::new(rolled_sheet, [80, 60], 0.05, holes, 2)
 }
 
-/// The paper's run: 8,100 points less a hole, noise of 0.15 mm, hence a rough
-/// boundary.
+/// The experiment of the paper: 8,100 points minus a hole, and a noise of 0.15 mm, which makes the
+/// boundary rough.
 pub fn paper_scan() -> VirtualScan {
     let holes = vec![Star { centre: [0.35, 0.62], radius: 0.10, arms: 5.0 }];
     VirtualScan::new(sheet, [90, 90], 0.15, holes, 3)
 }
 
-/// The relief with two holes and a ragged border: bays, and teeth three edges deep.
+/// The relief with two holes and a ragged border, which has bays and teeth that are three edges
+/// deep.
 pub fn ragged_scan() -> VirtualScan {
     let star = |centre, radius, arms| Star { centre, radius, arms };
     let holes = vec![star([0.35, 0.4], 0.10, 3.0), star([0.68, 0.62], 0.07, 5.0)];
@@ -101,7 +99,7 @@ pub fn ragged_scan() -> VirtualScan {
     VirtualScan::cut(relief, [90, 80], 0.03, (holes, bays, 3), 21)
 }
 
-/// The relief with a wide hole, in it an island, and in that a hole.
+/// The relief with a wide hole, an island in it, and a hole in the island.
 pub fn island_scan() -> VirtualScan {
     let holes = vec![
         Star { centre: [0.48, 0.5], radius: 0.26, arms: 3.0 },
@@ -117,8 +115,8 @@ impl VirtualScan {
         VirtualScan::cut(truth, size, noise, (holes, Vec::new(), 0), seed)
     }
 
-    /// The same with bays cut into the border, and into all of it teeth so many
-    /// vertices wide and deep.
+    /// The same with bays in the border, and with teeth along the whole border. The width and the
+    /// depth of the teeth are numbers of vertices.
     pub fn cut(
         truth: Truth,
         [n, m]: [usize; 2],
@@ -179,8 +177,7 @@ impl VirtualScan {
         scan
     }
 
-    /// The area of the measured triangles with their corners where they truly
-    /// are, in mm².
+    /// The area in mm² of the measured triangles with their corners at the true positions.
     pub fn true_area(&self) -> f64 {
         let place = |v: u32| {
             let [u, w] = self.uv[v as usize];
@@ -193,7 +190,7 @@ impl VirtualScan {
         self.triangles.iter().map(area).sum()
     }
 
-    /// How many faces the scan makes, and how many inner loops they have.
+    /// The number of faces of the scan, and the number of their inner loops.
     pub fn faces_and_inner_loops(&self) -> (usize, usize) {
         let around = |star: &Star| {
             let [u, v] = star.centre;
@@ -204,7 +201,7 @@ impl VirtualScan {
         (1 + islands, self.holes.len() - islands)
     }
 
-    /// Points of the true surface well away from the holes and the edge.
+    /// Points of the true surface that are not near the holes or the edge.
     pub fn true_points(&self, n: usize) -> Vec<[f64; 3]> {
         let first = if self.bays.is_empty() { 0.02 } else { 0.06 };
         let at = |i: usize| first + (1.0 - 2.0 * first) * i as f64 / (n - 1) as f64;
@@ -221,15 +218,15 @@ impl VirtualScan {
         grid.filter(far).map(|(u, v)| (self.truth)(u, v)).collect()
     }
 
-    /// Root mean square distance of points from the true surface, in mm.
+    /// The root mean square distance of points from the true surface, in mm.
     pub fn rms(&self, points: impl Iterator<Item = [f64; 3]>) -> f64 {
         let distances = self.distances(points);
         let squares: f64 = distances.iter().map(|d| d * d).sum();
         (squares / distances.len().max(1) as f64).sqrt()
     }
 
-    /// Distances of points from the true surface, in mm: from the nearest of a grid
-    /// of samples, by Newton steps in (u, v).
+    /// The distances of points from the true surface, in mm. Newton steps in (u, v) start at the
+    /// nearest sample of a grid.
     pub fn distances(&self, points: impl Iterator<Item = [f64; 3]>) -> Vec<f64> {
         const GRID: usize = 100;
         let step = 1.0 / GRID as f64;
@@ -265,7 +262,7 @@ impl VirtualScan {
         best
     }
 
-    /// Writes a binary PLY of floats.
+    /// Writes a binary PLY file of floats.
     pub fn write_ply(&self, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "ply\nformat binary_little_endian 1.0\ncomment virtual scan, millimetres")?;
         writeln!(out, "element vertex {}", self.points.len())?;
@@ -284,7 +281,7 @@ impl VirtualScan {
         Ok(())
     }
 
-    /// Writes an OBJ.
+    /// Writes an OBJ file.
     pub fn write_obj(&self, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "# virtual scan, millimetres")?;
         for [x, y, z] in &self.points {
@@ -297,7 +294,7 @@ impl VirtualScan {
     }
 }
 
-/// A small generator (xorshift64*), the same on every machine.
+/// A small random generator (xorshift64*). It is the same on every machine.
 struct Random(u64);
 
 impl Random {
@@ -308,7 +305,7 @@ impl Random {
         (self.0.wrapping_mul(0x2545_F491_4F6C_DD1D) >> 11) as f64 / (1u64 << 53) as f64
     }
 
-    /// Standard normal, by Box and Muller.
+    /// A standard normal random number by the method of Box and Muller.
     fn normal(&mut self) -> f64 {
         let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
         radius * (std::f64::consts::TAU * self.uniform()).cos()

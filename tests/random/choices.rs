@@ -1,4 +1,4 @@
-//! Options, each of which a user may choose.
+//! Options as a user may choose them.
 
 use std::f64::consts::PI;
 
@@ -11,7 +11,7 @@ use scan2step::{Cut, Options, fit};
 
 use crate::scan::Scan;
 
-/// Options; lengths are shares of the scan's size, places of its parameter square.
+/// Options. Lengths are shares of the scan's size, and places are those of its parameter square.
 #[derive(Debug, Clone)]
 pub struct Choices {
     tolerance: Option<f64>,
@@ -43,7 +43,7 @@ struct Places {
     outer: Option<[f64; 2]>,
 }
 
-/// A length from a millionth of the scan's size to ten times it.
+/// A length from a millionth of the scan's size to ten times its size.
 fn length() -> impl Strategy<Value = f64> {
     (-6.0..1.0).prop_map(|e| 10f64.powf(e))
 }

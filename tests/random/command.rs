@@ -1,4 +1,4 @@
-//! The program's options, with whatever may be typed for a value.
+//! The options of the program with arbitrary text as values.
 
 use std::process::Command;
 
@@ -26,7 +26,8 @@ const OPTIONS: [&str; 16] = [
     "--outline",
 ];
 
-/// Numbers, lists and words; none asks for a net that would take a machine's memory.
+/// Numbers, lists and words. None of them asks for a net that needs the memory of the whole
+/// machine.
 const VALUES: [&str; 36] = [
     "",
     " ",
@@ -77,7 +78,7 @@ fn any_value_for_any_option() {
     let held = runner(400).run(&prop::collection::vec(typed, 1..3), |typed| {
         let mut run = Command::new(env!("CARGO_BIN_EXE_scan2step"));
         run.args(["convert", "a.ply", "a.step", "--quiet"]).current_dir(folder.path());
-        // A net without a bound takes seconds to miss a tolerance of nearly nothing.
+        // A net without a bound takes seconds to miss an extremely small tolerance.
         if typed.iter().all(|(option, _)| *option != "--max-net") {
             run.args(["--max-net", "2000"]);
         }

@@ -1,20 +1,20 @@
-//! Whatever comes in, out comes a face that is sound, or an error that says why not:
-//! random scans of every kind of damage, at any size and place, with random options.
+//! Random scans with every kind of damage, of any size and at any place, with random options.
 //!
-//! The same cases every time, unless `PROPTEST_RNG_SEED` and `PROPTEST_CASES` name
-//! others. What they once found is in `found.rs`.
+//! Every scan must become a valid face or an error that says why it does not. The cases are the
+//! same in every run, unless `PROPTEST_RNG_SEED` and `PROPTEST_CASES` ask for others.
+//! `regressions.rs` has cases that failed once.
 
 mod choices;
 #[cfg(feature = "cli")]
 mod command;
 #[path = "../common/mod.rs"]
 mod common;
-mod found;
-mod judge;
-mod loose;
+mod oracle;
 mod places;
+mod regressions;
 mod scan;
 mod sheet;
+mod soups;
 
 use choices::Choices;
 use formats::Soup;
@@ -23,8 +23,8 @@ use proptest::test_runner::{Config, RngSeed, TestError, TestRunner};
 use scan::Scan;
 use scan2step::Options;
 
-/// Random cases, always the same ones; `PROPTEST_CASES` and `PROPTEST_RNG_SEED` ask
-/// for others.
+/// Random cases. They are the same in every run, unless `PROPTEST_CASES` and `PROPTEST_RNG_SEED`
+/// ask for others.
 fn runner(cases: u32) -> TestRunner {
     let mut config =
         Config { failure_persistence: None, max_shrink_iters: 300, ..Config::default() };
@@ -37,7 +37,7 @@ fn runner(cases: u32) -> TestRunner {
     TestRunner::new(config)
 }
 
-/// Fails with the smallest case that was found.
+/// Fails with the smallest failing case.
 fn tell<T: std::fmt::Debug>(found: TestError<T>) {
     match found {
         TestError::Fail(why, case) => panic!("{why}\n{case:?}"),
@@ -45,8 +45,8 @@ fn tell<T: std::fmt::Debug>(found: TestError<T>) {
     }
 }
 
-/// Holds that every scan becomes a sound face or an error, and one that is `whole` no
-/// error of a stage; and that no smaller share than `least` become faces.
+/// Checks that every scan becomes a valid face or an error, and that no stage refuses a scan for
+/// which `is_whole` holds. A share of more than `least` of the scans must become faces.
 fn hold<T: std::fmt::Debug>(
     cases: u32,
     least: f64,
@@ -60,7 +60,8 @@ fn hold<T: std::fmt::Debug>(
         tried.set(tried.get() + 1);
         let (soup, options) = soup(&scan);
         let whole = is_whole(&scan);
-        let became = judge::hung(format!("{scan:?}"), || judge::sound(&soup, &options, whole));
+        let became =
+            oracle::within_time(format!("{scan:?}"), || oracle::sound(&soup, &options, whole));
         faces.set(faces.get() + u32::from(became?));
         Ok(())
     });
@@ -73,7 +74,7 @@ fn hold<T: std::fmt::Debug>(
 #[test]
 fn sheets_with_damage_of_every_kind() {
     let soup = |scan: &Scan| (scan.soup(), Options::default());
-    // All 70 do.
+    // All 70 scans become faces.
     hold(70, 0.95, scan::damaged(), Scan::is_whole, soup);
 }
 
@@ -81,7 +82,7 @@ fn sheets_with_damage_of_every_kind() {
 fn any_options_for_any_sheet() {
     let scans = (scan::damaged(), choices::any());
     let soup = |(scan, choices): &(Scan, _)| (scan.soup(), Choices::options(choices, scan));
-    // Options may ask for what cannot be: 39 of 70 become faces.
+    // Options may ask for the impossible. 39 of 70 scans become faces.
     hold(70, 0.5, scans, |_| false, soup);
 }
 
@@ -89,14 +90,16 @@ fn any_options_for_any_sheet() {
 fn meshes_of_a_few_triangles() {
     let scans = (scan::tiny(), choices::any());
     let soup = |(scan, choices): &(Scan, _)| (scan.soup(), Choices::options(choices, scan));
-    // 141 of 250 do.
+    // 141 of 250 scans become faces.
     hold(250, 0.5, scans, |_| false, soup);
 }
 
 #[test]
 fn polygons_between_any_points() {
-    let held = runner(250).run(&loose::polygons(), |soup| {
-        judge::hung(format!("{soup:?}"), || judge::sound(&soup, &Options::default(), false))?;
+    let held = runner(250).run(&soups::polygons(), |soup| {
+        oracle::within_time(format!("{soup:?}"), || {
+            oracle::sound(&soup, &Options::default(), false)
+        })?;
         Ok(())
     });
     held.unwrap_or_else(tell);

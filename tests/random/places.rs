@@ -1,4 +1,4 @@
-//! The same scan elsewhere, or larger, becomes the same face there.
+//! The same scan at another place or with another size becomes the same face.
 
 use scan2step::{Conversion, Options, convert};
 
@@ -16,11 +16,10 @@ fn face(place: Place, tolerance: Option<f64>) -> Conversion {
     convert(&scan.soup(), &options, &mut |_| Ok(())).expect("it becomes a face")
 }
 
-/// Nets and figures are nearly the same for the size. Not to the last digit: which
-/// support smooths, and where a rim has corners, may hang on a rounding. Of the
-/// deviation it is the most that 95 of 100 points have. Without a tolerance it matters
-/// against the noise how far a fit stays from smoothed points: nets that are equally good
-/// differ in it.
+/// Nets and figures are almost the same relative to the size. They are not exactly the same,
+/// because rounding may decide on the support of the smoothing and on the corners of a rim. The
+/// 95th percentile of the deviation is compared. Without a tolerance, the distance of a fit from
+/// smoothed points matters relative to the noise, and equally good nets differ in it.
 fn same(place: Place, tolerance: Option<f64>, room: f64) {
     let here = face(Place { scale: 100.0, away: 0.0, turned: 0.0 }, tolerance);
     let there = face(place, tolerance);

@@ -7,8 +7,8 @@ use crate::common::random::Random;
 use crate::common::virtual_scan::Star;
 use crate::sheet::{self, Mesh, Shape, Triangles};
 
-/// A scan: a sheet, and what is wrong with it. Shares are of the triangles or points,
-/// lengths of the shape, which is 1 across, before it is scaled and moved.
+/// A scan: a sheet and its damage. Shares are shares of the triangles or points. Lengths are
+/// relative to the shape, whose size is 1 before it is scaled and moved.
 #[derive(Debug, Clone)]
 pub struct Scan {
     pub mesh: Mesh,
@@ -20,34 +20,34 @@ pub struct Scan {
 
 #[derive(Debug, Clone)]
 pub struct Damage {
-    /// Places where triangles are missing; one in another is an island.
+    /// Regions where triangles are missing. A region inside another one is an island.
     pub holes: Vec<Star>,
-    /// Noise, in edges.
+    /// The noise as a share of an edge.
     pub noise: f64,
-    /// Triangles that are lost anywhere.
+    /// The share of triangles that are missing anywhere.
     pub lost: f64,
-    /// Triangles that look the other way.
+    /// The share of triangles with the opposite orientation.
     pub flipped: f64,
-    /// Triangles with points of their own.
+    /// The share of triangles with their own points.
     pub torn: f64,
-    /// Points far away.
+    /// The share of points that are far away.
     pub outliers: f64,
-    /// Triangles that are there twice.
+    /// The share of triangles that occur twice.
     pub doubled: f64,
-    /// Pieces of the scan.
+    /// The number of pieces of the scan.
     pub copies: usize,
 }
 
-/// Where it is, and how large.
+/// The place and the size of a scan.
 #[derive(Debug, Clone, Copy)]
 pub struct Place {
     pub scale: f64,
-    /// How far away, in sizes of the scan.
+    /// The distance from the origin in sizes of the scan.
     pub away: f64,
     pub turned: f64,
 }
 
-/// Scans of up to some thousand triangles.
+/// Scans of up to some thousands of triangles.
 pub fn damaged() -> impl Strategy<Value = Scan> {
     (sheet::meshes(), sheet::shapes(), damages(), places(), any::<u64>())
         .prop_map(|(mesh, shape, damage, place, seed)| Scan { mesh, shape, damage, place, seed })
@@ -71,7 +71,7 @@ pub fn sound() -> Damage {
     Damage { holes: vec![], noise, lost, flipped, torn, outliers, doubled, copies: 1 }
 }
 
-/// Mostly nothing, else up to `most`.
+/// Usually nothing, otherwise up to `most`.
 fn rare(most: f64) -> impl Strategy<Value = f64> {
     prop_oneof![3 => Just(0.0), 1 => 0.0..most]
 }
@@ -105,19 +105,19 @@ fn places() -> impl Strategy<Value = Place> {
 }
 
 impl Scan {
-    /// Whether it is a sheet as a scanner makes one, with holes and some noise, whose
-    /// triangles all are there and do not run over each other.
+    /// Whether it is a sheet as from a scanner: it has holes and some noise, no other triangles are
+    /// missing, and no triangles overlap.
     pub fn is_whole(&self) -> bool {
         let Damage { noise, lost, flipped, torn, outliers, doubled, .. } = self.damage;
         let is_even = match self.mesh {
-            // Vertices that move by half a square may turn triangles over.
+            // Vertices that move by half a square may invert triangles.
             Mesh::Grid(_, moved) => moved < 0.45,
             Mesh::Delaunay(_) => true,
         };
         is_even && noise <= 0.1 && [lost, flipped, torn, outliers, doubled] == [0.0; 5]
     }
 
-    /// What a reader would deliver of it.
+    /// The output of a reader for this scan.
     pub fn soup(&self) -> Soup {
         let mut random = Random(self.seed);
         let (uv, triangles) = self.mesh.build(&mut random);
@@ -179,7 +179,7 @@ impl Scan {
 }
 
 impl Place {
-    /// A point of the shape, turned, moved and scaled.
+    /// A point of the shape after it is rotated, moved and scaled.
     pub fn of(self, [x, y, z]: [f64; 3]) -> [f64; 3] {
         let (sin, cos) = self.turned.sin_cos();
         let (x, z) = (cos * x - sin * z, sin * x + cos * z);

@@ -1,33 +1,33 @@
-//! Triangulated parameter squares, and the shapes they are bent to.
+//! Triangulated parameter squares and the shapes that they are bent to.
 
 use proptest::prelude::*;
 use spade::{DelaunayTriangulation, Point2, Triangulation};
 
 use crate::common::random::Random;
 
-/// How the parameter square is cut into triangles.
+/// The triangulation of the parameter square.
 #[derive(Debug, Clone, Copy)]
 pub enum Mesh {
-    /// So many squares along both directions, moved by a share of a square.
+    /// A grid with the given numbers of squares whose vertices are moved by a share of a square.
     Grid([usize; 2], f64),
-    /// The Delaunay triangles of so many random points.
+    /// The Delaunay triangulation of a number of random points.
     Delaunay(usize),
 }
 
-/// What the square is bent to.
+/// The shape that the square is bent to.
 #[derive(Debug, Clone, Copy)]
 pub enum Shape {
     Plane,
     Waves,
-    /// This share of a full turn.
+    /// A cylinder with the given share of a full turn.
     Cylinder(f64),
-    /// All but a cap of this share.
+    /// A sphere without a cap of the given share.
     Sphere(f64),
-    /// A strip whose one side is so many times the other.
+    /// A strip whose sides have the given ratio.
     Needle(f64),
     /// A roof with a sharp ridge.
     Roof,
-    /// A strip whose end is turned by half a turn, so that it folds over itself.
+    /// A strip whose end is twisted by half a turn, so that it folds over itself.
     Twisted,
 }
 
@@ -51,11 +51,11 @@ pub fn shapes() -> impl Strategy<Value = Shape> {
     ]
 }
 
-/// Corners of triangles.
+/// The corners of triangles.
 pub type Triangles = Vec<[u32; 3]>;
 
 impl Mesh {
-    /// The points in the parameter square, and the triangles.
+    /// The points in the parameter square and the triangles.
     pub fn build(self, random: &mut Random) -> (Vec<[f64; 2]>, Triangles) {
         match self {
             Mesh::Grid(size, moved) => grid(size, moved, random),
@@ -63,7 +63,7 @@ impl Mesh {
         }
     }
 
-    /// The length of an edge, about, as a share of the square's side.
+    /// The approximate length of an edge as a share of the side of the square.
     pub fn edge(self) -> f64 {
         match self {
             Mesh::Grid([m, n], _) => 1.0 / m.max(n) as f64,
@@ -96,7 +96,7 @@ fn delaunay(count: usize, random: &mut Random) -> (Vec<[f64; 2]>, Triangles) {
 }
 
 impl Shape {
-    /// A point of the shape, which is about 1 across.
+    /// A point of the shape, whose size is about 1.
     pub fn at(self, [u, v]: [f64; 2]) -> [f64; 3] {
         use std::f64::consts::{PI, TAU};
         match self {
@@ -106,7 +106,7 @@ impl Shape {
                 let (sin, cos) = (share * TAU * u).sin_cos();
                 [0.5 * cos, 0.5 * sin, v]
             }
-            // The square becomes a disk, the disk the sphere without its cap.
+            // The square is mapped to a disk, and the disk to the sphere without its cap.
             Shape::Sphere(cap) => {
                 let (x, y) = (2.0 * u - 1.0, 2.0 * v - 1.0);
                 let (r, angle) = (x.abs().max(y.abs()), y.atan2(x));

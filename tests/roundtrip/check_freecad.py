@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Opens a STEP or IGES file with FreeCAD and says what came out.
+"""Opens a STEP or IGES file with FreeCAD and describes the result.
 
     /usr/bin/python3 check_freecad.py FILE
     freecadcmd check_freecad.py FILE
 
-Prints one JSON object. One file a process: FreeCAD 0.20 may crash on the
-second IGES file. Besides looking at the shape it does what people do next:
-cut it with a box, thicken it, extrude it. Lengths are millimetres.
+The script prints one JSON object. Each process reads only one file, because FreeCAD 0.20 may crash on
+the second IGES file. The script also does the typical next steps of a user: it cuts the shape with a
+box, thickens it and extrudes it. Lengths are in millimetres.
 """
 
 import glob
@@ -14,7 +14,7 @@ import json
 import os
 import sys
 
-# Importers print to stdout; keep the real one for the answer.
+# Importers print to stdout. Keep the real one for the result.
 ANSWER = os.fdopen(os.dup(1), "w")
 os.dup2(2, 1)
 
@@ -38,7 +38,7 @@ def find_freecad():
     ):
         candidates += sorted(glob.glob(pattern))
     found = [c for c in candidates if glob.glob(os.path.join(c, "FreeCAD*.so"))]
-    # Debian keeps Python's part and the rest apart; both must be on the path.
+    # In Debian, the Python part and the rest are in different folders. Both must be on the path.
     rest = [c for c in candidates if os.path.isdir(c) and c not in found]
     if not found:
         raise SystemExit("FreeCAD's Python modules are nowhere; set FREECAD_LIB")
@@ -52,7 +52,7 @@ import Part  # noqa: E402
 
 
 def load(path):
-    """A document with what FreeCAD's "open" makes of the file."""
+    """The document that FreeCAD's "open" creates from the file."""
     document = FreeCAD.newDocument("check")
     import Import
 
@@ -61,13 +61,13 @@ def load(path):
 
 
 def shapes_of(document):
-    """Objects with a shape that are not just parts of another one."""
+    """The objects with a shape that are not parts of another object."""
     found = []
     for thing in document.Objects:
         shape = getattr(thing, "Shape", None)
         if shape is None or shape.isNull():
             continue
-        # A compound links to the objects it is made of; those are its parts.
+        # A compound links to its parts.
         part = any(owner.TypeId.startswith("Part::") for owner in thing.InList)
         if thing.TypeId.startswith("Part::") and not part:
             found.append(thing)
@@ -75,7 +75,7 @@ def shapes_of(document):
 
 
 def attempt(what):
-    """The result of `what()`, or the error's text."""
+    """The result of `what()`, or the text of the error."""
     try:
         return what()
     except Exception as error:  # FreeCAD raises all sorts
@@ -83,7 +83,7 @@ def attempt(what):
 
 
 def bounding_box(shape):
-    """The tight one, without triangulation; 0.20 refuses the second argument."""
+    """The tight bounding box without triangulation. 0.20 refuses the second argument."""
     for arguments in ((False, False), (False,)):
         try:
             return shape.optimalBoundingBox(*arguments)
@@ -93,7 +93,7 @@ def bounding_box(shape):
 
 
 def check(shape):
-    """FreeCAD's "Check geometry" with the Boolean check; None is good."""
+    """FreeCAD's "Check geometry" with the Boolean check. None means valid."""
     try:
         shape.check(True)
     except Exception as error:
@@ -102,12 +102,12 @@ def check(shape):
 
 
 def sound(shape):
-    """Whether an operation's result is something people could go on with."""
+    """Whether a user could continue with the result of an operation."""
     return bool(not shape.isNull() and shape.Faces and shape.isValid())
 
 
 def cut(shape):
-    """The shape without the half of it that a box covers."""
+    """The shape without the half that a box covers."""
     box = bounding_box(shape)
     margin = box.DiagonalLength * 0.1 + 1.0
     corner = FreeCAD.Vector(box.XMin - margin, box.YMin - margin, box.ZMin - margin)
@@ -124,14 +124,14 @@ def cut(shape):
 
 
 def area(shape):
-    """By a fine tessellation: FreeCAD's own figure is 5% off where a loop is ragged."""
+    """The area by a fine tessellation. FreeCAD's own figure is 5 % off for ragged loops."""
     fine = 2e-4 * bounding_box(shape).DiagonalLength
     return MeshPart.meshFromShape(Shape=shape, LinearDeflection=fine, AngularDeflection=1.0).Area
 
 
 def offset(shape):
-    """A shell of constant thickness over each face. OpenCASCADE offsets shells
-    and faces, but no compound of them."""
+    """A shell of constant thickness over each face. OpenCASCADE offsets shells and faces,
+    but not compounds of them."""
     size = shape.BoundBox.DiagonalLength
     sheets = shape.Shells or shape.Faces if shape.ShapeType == "Compound" else [shape]
     return all(sound(s.makeOffsetShape(0.005 * size, 1e-3, fill=True)) for s in sheets)

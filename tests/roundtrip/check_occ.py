@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Reads a STEP or IGES file with OpenCASCADE and says what came out.
+"""Reads a STEP or IGES file with OpenCASCADE and describes the result.
 
     python check_occ.py FILE [--points POINTS.txt]
 
-Prints one JSON object. Needs cadquery-ocp-novtk 7.9 and numpy. One file a
-process: some importers keep state.
+The script prints one JSON object. It needs cadquery-ocp-novtk 7.9 and numpy. Each process reads only
+one file, because some importers keep state.
 
-OpenCASCADE heals what it reads, and silently. So the file is read twice, as
-everybody does and with healing off; "valid_unhealed", "oriented_loops" and
-"loops" speak of the second reading. Lengths are millimetres.
+OpenCASCADE heals shapes without a message. So the file is read twice: with the defaults, and with
+healing off. "valid_unhealed", "oriented_loops" and "loops" belong to the second reading. Lengths are in
+millimetres.
 """
 
 import argparse
@@ -17,7 +17,7 @@ import os
 import re
 import sys
 
-# OpenCASCADE prints to stdout; keep the real one for the answer.
+# OpenCASCADE prints to stdout. Keep the real one for the result.
 ANSWER = os.fdopen(os.dup(1), "w")
 os.dup2(2, 1)
 
@@ -57,7 +57,7 @@ from OCP.TopoDS import TopoDS, TopoDS_Iterator
 from OCP.TopTools import TopTools_IndexedMapOfShape
 from OCP.gp import gp_Pnt, gp_Pnt2d, gp_Vec
 
-# Everything the shape healing of the readers may do, without its "Mode".
+# Everything that the shape healing of the readers may do, without its "Mode".
 FIXES = """
 FixFreeShell FixFreeFace FixFreeWire FixSameParameter FixSolid FixShellOrientation
 CreateOpenSolid FixShell FixFaceOrientation FixFace FixWire FixOrientation
@@ -77,10 +77,10 @@ def is_step(path):
 
 
 def read(path, heal):
-    """The reader after the transfer, its number of roots, and the shape."""
+    """The reader after the transfer, the number of its roots, and the shape."""
     reader = STEPControl_Reader() if is_step(path) else IGESControl_Reader()
     if not is_step(path):
-        # Entities that are not visible do not count.
+        # Invisible entities do not count.
         Interface_Static.SetIVal_s("read.iges.onlyvisible", 1)
     if str(reader.ReadFile(path)).rsplit(".", 1)[-1] != "IFSelect_RetDone":
         raise SystemExit(f"{path}: cannot be read")
@@ -126,7 +126,7 @@ def forward(face):
 
 
 def signed_area(wire, face):
-    """Of a loop in (u, v): positive where it runs counter-clockwise."""
+    """The signed area of a loop in (u, v). It is positive if the loop runs counter-clockwise."""
     area = 0.0
     for edge in children(wire, TopAbs_EDGE):
         curve = BRepAdaptor_Curve2d(TopoDS.Edge_s(edge), face)
@@ -140,7 +140,7 @@ def signed_area(wire, face):
 
 
 def loops_of(shape):
-    """Signed areas of each face's loops, the one the importer calls outer first."""
+    """The signed areas of each face's loops. The outer loop of the importer comes first."""
     found = []
     for face in map(forward, faces_of(shape)):
         wires = [TopoDS.Wire_s(w) for w in children(face, TopAbs_WIRE)]
@@ -155,7 +155,7 @@ def oriented(loops):
 
 
 def argument_faults(shape):
-    """What the Boolean operations' own check dislikes (FreeCAD's "Check geometry")."""
+    """The faults from the check of the Boolean operations (FreeCAD's "Check geometry")."""
     check = BOPAlgo_ArgumentAnalyzer()
     check.SetShape1(shape)
     check.StopOnFirstFaulty = False
@@ -186,13 +186,13 @@ def tolerance(shapes):
 
 def area_of(shape):
     properties = GProp_GProps()
-    # Without a bound the area of a trimmed face comes out wrong by up to 0.4%.
+    # Without a bound, the area of a trimmed face is wrong by up to 0.4 %.
     BRepGProp.SurfaceProperties_s(shape, properties, 1e-5, False)
     return properties.Mass()
 
 
 def file_faults(reader, path):
-    """What OpenCASCADE's check of each entity against its type finds."""
+    """The faults from OpenCASCADE's check of each entity against its type."""
     model = reader.StepModel() if is_step(path) else reader.IGESModel()
     checks = Interface_CheckTool(model).CompleteCheckList()
     checks.Start()
@@ -227,7 +227,7 @@ def entities(reader, path):
 
 
 def decoded(name):
-    """Part 21's escapes of characters beyond ASCII, where they are still there."""
+    """Decodes the Part 21 escapes of non-ASCII characters, if they are still there."""
     def characters(match):
         width = 4 if match[1] == "2" else 8
         digits = match[2]
@@ -238,7 +238,7 @@ def decoded(name):
 
 
 def name_of(reader, path):
-    """The product's name, or the name property of a shown IGES entity."""
+    """The name of the product, or the name property of a visible IGES entity."""
     for entity in entities(reader, path):
         if isinstance(entity, StepBasic_Product):
             return decoded(entity.Name().ToCString())
@@ -272,7 +272,7 @@ def pcurves_in_file(reader, path):
 
 
 def pcurves_kept(shape, keys):
-    """How many uses of edges have a pcurve of the file, of how many."""
+    """The number of uses of edges with a pcurve of the file, and of all uses."""
     kept = uses = 0
     for face in map(forward, faces_of(shape)):
         surface_edges = [e for w in children(face, TopAbs_WIRE) for e in children(w, TopAbs_EDGE)]
@@ -324,7 +324,7 @@ def solve(ata, atb):
 
 
 def foot_on_surface(surface, target, u, v, bounds):
-    """Gauss-Newton from a near sample; the best (distance, u, v) on its way."""
+    """Gauss-Newton steps from a near sample. Returns the best (distance, u, v)."""
     best = (np.inf, u, v)
     p, du, dv = gp_Pnt(), gp_Vec(), gp_Vec()
     for _ in range(12):
@@ -343,12 +343,12 @@ def foot_on_surface(surface, target, u, v, bounds):
 
 
 class FaceProbe:
-    """Distances to one trimmed face."""
+    """The distances to one trimmed face."""
 
     def __init__(self, face):
         self.face = forward(face)
         self.surface = BRep_Tool.Surface_s(self.face)
-        # Out beyond the edges counts as on them within this.
+        # Points beyond the edges count as on them within this distance.
         self.classifier = BRepTopAdaptor_FClass2d(self.face, 1e-9)
         self.bounds = BRepTools.UVBounds_s(self.face)
         count = 300
@@ -456,6 +456,6 @@ def main():
 
 if __name__ == "__main__":
     main()
-    # Some of OpenCASCADE's destructors crash at exit, after the answer.
+    # Some of OpenCASCADE's destructors crash at exit, after the result.
     sys.stderr.flush()
     os._exit(0)

@@ -4,7 +4,7 @@ the cut.
 
     /usr/bin/python3 check_solid_freecad.py FILE
 
-Prints one JSON object. Lengths are millimetres.
+The script prints one JSON object. Lengths are in millimetres.
 """
 
 import json
@@ -17,7 +17,7 @@ import Part
 
 
 def cut(shape):
-    """The part of the shape beyond a plane that is no face of it."""
+    """The part of the shape beyond a plane that contains no face of it."""
     box = shape.BoundBox
     size = FreeCAD.Vector(box.XLength * 0.53, box.YLength + 2, box.ZLength + 2)
     corner = FreeCAD.Vector(box.XMin - 1, box.YMin - 1, box.ZMin - 1)
@@ -25,7 +25,7 @@ def cut(shape):
 
 
 def rounded(shape):
-    """The shape with an edge of the cut, the first that can be, rounded."""
+    """The shape with one edge of the cut rounded: the first one that can be."""
     plane = min(vertex.X for vertex in shape.Vertexes)
     for edge in shape.Edges:
         if all(abs(vertex.X - plane) < 1e-6 for vertex in edge.Vertexes):

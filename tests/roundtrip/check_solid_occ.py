@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Reads a solid's STEP or IGES file with OpenCASCADE, healing off, and says what came out.
+"""Reads a solid's STEP or IGES file with OpenCASCADE without healing and describes the result.
 
     python check_solid_occ.py FILE
 
-Prints one JSON object. Lengths are millimetres.
+The script prints one JSON object. Lengths are in millimetres.
 """
 
 import json

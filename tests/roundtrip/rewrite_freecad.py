@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Does to a STEP file what people do next in FreeCAD, and writes the results.
+"""Does the typical next steps of a user with a STEP file in FreeCAD, and writes the results.
 
     /usr/bin/python3 rewrite_freecad.py FILE FOLDER DISTANCE
 
-Writes FOLDER/NAME.step and NAME.igs, where NAME is fc-plain (as it is), fc-cut
-(the half that a box leaves), fc-offset (DISTANCE mm above), fc-thick (the solid
-between the two). Prints their areas in mm² as a JSON object.
+The script writes FOLDER/NAME.step and NAME.igs, where NAME is fc-plain (unchanged), fc-cut (the half
+that a box leaves), fc-offset (DISTANCE mm above) or fc-thick (the solid between the two). It prints
+their areas in mm² as a JSON object.
 """
 
 import json

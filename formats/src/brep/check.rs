@@ -1,42 +1,48 @@
-//! What must hold of a boundary representation before it is written.
+//! Checks of a boundary representation before it is written.
+//!
+//! The input is a [`Brep`]. The output is the first [`ModelFault`], if there is one.
 
-use super::{Brep, Curve, EdgeId, Face, FaceId, Fault, Part, Shell, ShellId, Solid, Surface};
+use super::{
+    Brep, BrepCurve, BrepElement, BrepSurface, EdgeId, Face, FaceId, ModelFault, Shell, ShellId,
+    Solid,
+};
 
-/// Places in each span of an edge or a pcurve where both are compared. The error of a cubic
-/// fit has its maxima between the ends of a span, and eight parts meet each of them.
+/// The number of parts of each span at whose ends an edge and its pcurve are compared. The error of
+/// a cubic fit has its maxima between the ends of a span, and eight parts are enough to find each
+/// maximum.
 const PARTS: usize = 8;
 
-/// A loop in the parameter plane is closed if its gaps are smaller than this share of the
-/// surface's range: what decimal digits leave of parameters.
+/// A loop in the parameter plane is closed if its gaps are smaller than this share of the surface's
+/// range. Parameters that were rounded to decimal digits have errors of this size.
 const CLOSED: f64 = 1e-9;
 
-type Checked = Result<(), Fault>;
+type Checked = Result<(), ModelFault>;
 
 impl Brep {
-    /// Whether the parts suit each other:
+    /// Checks the model:
     ///
-    /// - Every number names a part, and every face belongs to one shell. Coordinates are finite
-    ///   and knots clamped.
-    /// - Every edge ends at its vertices, and is on each of its surfaces where its pcurves
-    ///   say, within the uncertainty.
-    /// - Every loop is closed, in space and in the parameter plane, stays in the
-    ///   surface's range, and runs the right way round.
-    /// - The faces of a shell hang together and look to one side. An edge is used once or
-    ///   twice, in a closed shell twice, in opposite directions. A closed shell has the Euler
-    ///   number of a closed surface.
-    /// - The shells of a solid are closed and look out of its material, and its voids are in
-    ///   the box around its outer shell.
+    /// - Every number refers to an existing element, and every face belongs to one shell.
+    ///   Coordinates are finite, and knots are clamped.
+    /// - Every edge ends at its vertices. It agrees with each of its pcurves on the surface within
+    ///   the uncertainty.
+    /// - Every loop is closed in space and in the parameter plane, stays in the range of the
+    ///   surface, and has the right orientation.
+    /// - The faces of a shell are connected and have the same orientation. An edge is used once or
+    ///   twice in an open shell, and twice in opposite directions in a closed shell. A closed shell
+    ///   has the Euler number of a closed surface.
+    /// - The shells of a solid are closed and face outwards from the material. Its voids are in the
+    ///   bounding box of its outer shell.
     ///
-    /// Whether loops or faces cross each other is not looked at.
+    /// It does not check whether loops or faces cross each other.
     ///
     /// # Errors
-    /// The first fault found.
-    pub fn check(&self) -> Result<(), Fault> {
+    /// The first fault that is found.
+    pub fn check(&self) -> Result<(), ModelFault> {
         if self.faces.is_empty() {
-            return Err(Fault::Empty);
+            return Err(ModelFault::Empty);
         }
         if !(self.uncertainty_mm.is_finite() && self.uncertainty_mm > 0.0) {
-            return Err(Fault::Uncertainty(self.uncertainty_mm));
+            return Err(ModelFault::Uncertainty(self.uncertainty_mm));
         }
         self.check_numbers()?;
         self.check_owners()?;
@@ -48,83 +54,83 @@ impl Brep {
         self.solids.iter().enumerate().try_for_each(|(n, solid)| self.check_solid(n, solid))
     }
 
-    /// Whether all parts that are named are there.
+    /// Checks that all numbers refer to existing elements.
     fn check_numbers(&self) -> Checked {
-        let there = |by: Part, named: Part, is: bool| match is {
+        let there = |by: BrepElement, named: BrepElement, is: bool| match is {
             true => Ok(()),
-            false => Err(Fault::Missing(by, named)),
+            false => Err(ModelFault::Missing(by, named)),
         };
         for (n, edge) in self.edges.iter().enumerate() {
             for end in edge.ends {
                 let is = end.0 < self.vertices.len();
-                there(Part::Edge(n), Part::Vertex(end.0), is)?;
+                there(BrepElement::Edge(n), BrepElement::Vertex(end.0), is)?;
             }
         }
         for (n, face) in self.faces.iter().enumerate() {
             let is = face.surface.0 < self.surfaces.len();
-            there(Part::Face(n), Part::Surface(face.surface.0), is)?;
+            there(BrepElement::Face(n), BrepElement::Surface(face.surface.0), is)?;
             for EdgeId(edge) in face.loops.iter().flatten().map(|of_loop| of_loop.edge) {
-                there(Part::Face(n), Part::Edge(edge), edge < self.edges.len())?;
+                there(BrepElement::Face(n), BrepElement::Edge(edge), edge < self.edges.len())?;
             }
         }
         for (n, shell) in self.shells.iter().enumerate() {
             for FaceId(face) in &shell.faces {
-                there(Part::Shell(n), Part::Face(*face), *face < self.faces.len())?;
+                there(BrepElement::Shell(n), BrepElement::Face(*face), *face < self.faces.len())?;
             }
         }
         for (n, solid) in self.solids.iter().enumerate() {
             for ShellId(shell) in solid.shells() {
-                there(Part::Solid(n), Part::Shell(shell), shell < self.shells.len())?;
+                there(BrepElement::Solid(n), BrepElement::Shell(shell), shell < self.shells.len())?;
             }
         }
         Ok(())
     }
 
-    /// Whether every face belongs to one shell, and every shell to one solid at most.
+    /// Checks that every face belongs to one shell, and every shell to at most one solid.
     fn check_owners(&self) -> Checked {
         let mut faces = vec![0; self.faces.len()];
         self.shells.iter().flat_map(|shell| &shell.faces).for_each(|face| faces[face.0] += 1);
         if let Some(face) = faces.iter().position(|&owners| owners != 1) {
-            return Err(Fault::Owners(Part::Face(face), faces[face]));
+            return Err(ModelFault::Owners(BrepElement::Face(face), faces[face]));
         }
         let mut shells = vec![0; self.shells.len()];
         self.solids.iter().flat_map(Solid::shells).for_each(|shell| shells[shell.0] += 1);
         match shells.iter().position(|&owners| owners > 1) {
-            Some(shell) => Err(Fault::Owners(Part::Shell(shell), shells[shell])),
+            Some(shell) => Err(ModelFault::Owners(BrepElement::Shell(shell), shells[shell])),
             None => Ok(()),
         }
     }
 
-    /// Whether coordinates are finite, knots clamped, and edges end at their vertices.
+    /// Checks that coordinates are finite, knots are clamped, and edges end at their vertices.
     fn check_geometry(&self) -> Checked {
         let finite = |vertex: &[f64; 3]| vertex.iter().all(|x| x.is_finite());
         if let Some(vertex) = self.vertices.iter().position(|vertex| !finite(vertex)) {
-            return Err(Fault::NotFinite(Part::Vertex(vertex)));
+            return Err(ModelFault::NotFinite(BrepElement::Vertex(vertex)));
         }
-        for (n, Surface::Spline(surface)) in self.surfaces.iter().enumerate() {
+        for (n, BrepSurface::Spline(surface)) in self.surfaces.iter().enumerate() {
             if !(surface.u().are_clamped() && surface.v().are_clamped()) {
-                return Err(Fault::Unclamped(Part::Surface(n)));
+                return Err(ModelFault::Unclamped(BrepElement::Surface(n)));
             }
         }
         for (n, edge) in self.edges.iter().enumerate() {
-            let Curve::Spline(curve) = &edge.curve;
+            let BrepCurve::Spline(curve) = &edge.curve;
             if !curve.knots().are_clamped() {
-                return Err(Fault::Unclamped(Part::Edge(n)));
+                return Err(ModelFault::Unclamped(BrepElement::Edge(n)));
             }
             for (end, vertex) in curve.ends().into_iter().zip(edge.ends) {
                 let off = distance(end, self.vertices[vertex.0]);
                 if off > self.uncertainty_mm {
-                    return Err(Fault::Vertex(Part::Edge(n), off));
+                    return Err(ModelFault::Vertex(BrepElement::Edge(n), off));
                 }
             }
         }
         Ok(())
     }
 
-    /// Whether the loops of a face are closed and lie on its surface.
+    /// Checks that the loops of a face are closed and lie on its surface.
     fn check_face(&self, number: usize, face: &Face) -> Checked {
         if face.loops.is_empty() {
-            return Err(Fault::Nothing(Part::Face(number)));
+            return Err(ModelFault::Nothing(BrepElement::Face(number)));
         }
         for ring in 0..face.loops.len() {
             self.check_loop(number, face, ring)?;
@@ -135,11 +141,11 @@ impl Brep {
     fn check_loop(&self, number: usize, face: &Face, ring: usize) -> Checked {
         let uses = &face.loops[ring];
         let Some(last) = uses.last() else {
-            return Err(Fault::Nothing(Part::Loop(number, ring)));
+            return Err(ModelFault::Nothing(BrepElement::Loop(number, ring)));
         };
-        let Surface::Spline(surface) = &self.surfaces[face.surface.0];
+        let BrepSurface::Spline(surface) = &self.surfaces[face.surface.0];
         let ranges = [surface.u().range(), surface.v().range()];
-        // The vertex and the parameters at which the edge before ends.
+        // The vertex and the parameter point at which the previous edge ends.
         let end = |of_loop: &super::EdgeUse| {
             let at = usize::from(of_loop.forward);
             (self.edges[of_loop.edge.0].ends[at], of_loop.pcurve.ends()[at])
@@ -147,16 +153,16 @@ impl Brep {
         let mut before = end(last);
         let mut area = 0.0;
         for (n, of_loop) in uses.iter().enumerate() {
-            let part = Part::Use(number, ring, n);
+            let part = BrepElement::Use(number, ring, n);
             self.check_use(of_loop, surface, part)?;
             let at = usize::from(!of_loop.forward);
             if self.edges[of_loop.edge.0].ends[at] != before.0 {
-                return Err(Fault::Open(part));
+                return Err(ModelFault::Open(part));
             }
             let start = of_loop.pcurve.ends()[at];
             let gap = |k: usize| (start[k] - before.1[k]).abs() / (ranges[k].1 - ranges[k].0);
             if gap(0).max(gap(1)) > CLOSED {
-                return Err(Fault::OpenInPlane(part));
+                return Err(ModelFault::OpenInPlane(part));
             }
             before = end(of_loop);
             area += enclosed(&of_loop.pcurve) * if of_loop.forward { 1.0 } else { -1.0 };
@@ -164,28 +170,28 @@ impl Brep {
         if (area > 0.0) == ((ring == 0) == face.forward) {
             return Ok(());
         }
-        Err(Fault::WrongWay(Part::Loop(number, ring)))
+        Err(ModelFault::WrongWay(BrepElement::Loop(number, ring)))
     }
 
-    /// Whether an edge is where its pcurve says.
+    /// Checks that an edge agrees with its pcurve.
     fn check_use(
         &self,
         of_loop: &super::EdgeUse,
         surface: &crate::spline::SplineSurface,
-        part: Part,
+        part: BrepElement,
     ) -> Checked {
-        let Curve::Spline(curve) = &self.edges[of_loop.edge.0].curve;
+        let BrepCurve::Spline(curve) = &self.edges[of_loop.edge.0].curve;
         let pcurve = &of_loop.pcurve;
         if !pcurve.knots().are_clamped() {
-            return Err(Fault::Unclamped(part));
+            return Err(ModelFault::Unclamped(part));
         }
         if pcurve.knots().range() != curve.knots().range() {
-            return Err(Fault::Range(part));
+            return Err(ModelFault::Range(part));
         }
         let ranges = [surface.u().range(), surface.v().range()];
         let outside =
             |pole: &[f64; 2]| (0..2).any(|k| pole[k] < ranges[k].0 || pole[k] > ranges[k].1);
-        // Poles may be outside where the curve is not.
+        // Poles may be outside of the range although the curve is inside.
         let leaves = pcurve.poles().iter().any(outside);
         let mut breaks = curve.knots().breaks();
         breaks.extend(pcurve.knots().breaks());
@@ -197,37 +203,37 @@ impl Brep {
                 let t = span[0] + (span[1] - span[0]) * k as f64 / PARTS as f64;
                 let at = pcurve.point(t);
                 if leaves && outside(&at) {
-                    return Err(Fault::Leaves(part));
+                    return Err(ModelFault::Leaves(part));
                 }
                 worst = worst.max(distance(surface.point(at[0], at[1]), curve.point(t)));
             }
         }
-        if worst > self.uncertainty_mm { Err(Fault::OffSurface(part, worst)) } else { Ok(()) }
+        if worst > self.uncertainty_mm { Err(ModelFault::OffSurface(part, worst)) } else { Ok(()) }
     }
 
-    /// Whether the faces of each shell meet as they must.
+    /// Checks that the faces of each shell share edges correctly.
     fn check_shells(&self) -> Checked {
         let mut shell_of = vec![0; self.faces.len()];
         for (n, shell) in self.shells.iter().enumerate() {
             shell.faces.iter().for_each(|face| shell_of[face.0] = n);
         }
-        let mut pieces = Pieces::new(self.faces.len());
+        let mut pieces = FaceGroups::new(self.faces.len());
         for (edge, uses) in self.uses().into_iter().enumerate() {
             let Some(&(first, _)) = uses.first() else { continue };
             let shell = ShellId(shell_of[first.0]);
             if uses.iter().any(|(face, _)| shell_of[face.0] != shell.0) {
-                return Err(Fault::Shared(Part::Edge(edge)));
+                return Err(ModelFault::Shared(BrepElement::Edge(edge)));
             }
             let closed = self.shells[shell.0].closed;
             match uses[..] {
                 [_] if !closed => {}
                 [(a, of_a), (b, of_b)] => {
                     if of_a.forward == of_b.forward {
-                        return Err(Fault::Turned { faces: [a, b], edge: EdgeId(edge) });
+                        return Err(ModelFault::Turned { faces: [a, b], edge: EdgeId(edge) });
                     }
                     pieces.join(a.0, b.0);
                 }
-                _ => return Err(Fault::Uses { shell, edge: EdgeId(edge), uses: uses.len() }),
+                _ => return Err(ModelFault::Uses { shell, edge: EdgeId(edge), uses: uses.len() }),
             }
         }
         for (n, shell) in self.shells.iter().enumerate() {
@@ -236,14 +242,14 @@ impl Brep {
         Ok(())
     }
 
-    /// Whether a shell is in one piece, and closed where it says so.
-    fn check_shell(&self, number: usize, shell: &Shell, pieces: &mut Pieces) -> Checked {
+    /// Checks that a shell is connected, and that it is closed if it is declared closed.
+    fn check_shell(&self, number: usize, shell: &Shell, pieces: &mut FaceGroups) -> Checked {
         let Some(first) = shell.faces.first() else {
-            return Err(Fault::Nothing(Part::Shell(number)));
+            return Err(ModelFault::Nothing(BrepElement::Shell(number)));
         };
         let head = pieces.head(first.0);
         if shell.faces.iter().any(|face| pieces.head(face.0) != head) {
-            return Err(Fault::Pieces(Part::Shell(number)));
+            return Err(ModelFault::Pieces(BrepElement::Shell(number)));
         }
         if !shell.closed {
             return Ok(());
@@ -256,48 +262,48 @@ impl Brep {
         let mut vertices: Vec<_> = edges.iter().flat_map(|e| self.edges[e.0].ends).collect();
         vertices.sort_unstable();
         vertices.dedup();
-        // A face with inner loops is a disk less as many disks.
+        // A face with n inner loops is a disk minus n disks.
         let disks: i64 = faces().map(|face| 2 - face.loops.len() as i64).sum();
         let euler = vertices.len() as i64 - edges.len() as i64 + disks;
         if euler > 2 || euler % 2 != 0 {
-            return Err(Fault::Euler(Part::Shell(number), euler));
+            return Err(ModelFault::Euler(BrepElement::Shell(number), euler));
         }
         Ok(())
     }
 
-    /// Whether the shells of a solid are closed and look out of its material.
+    /// Checks that the shells of a solid are closed and face outwards from its material.
     fn check_solid(&self, number: usize, solid: &Solid) -> Checked {
-        let [part, outer] = [Part::Solid(number), Part::Shell(solid.outer.0)];
+        let [part, outer] = [BrepElement::Solid(number), BrepElement::Shell(solid.outer.0)];
         let around = self.bounds(solid.outer);
         for shell in solid.shells() {
-            let of_solid = Part::Shell(shell.0);
+            let of_solid = BrepElement::Shell(shell.0);
             if !self.shells[shell.0].closed {
-                return Err(Fault::OpenShell(part, of_solid));
+                return Err(ModelFault::OpenShell(part, of_solid));
             }
             let is_outer = shell == solid.outer;
             if (self.volume(shell) > 0.0) != is_outer {
-                return Err(Fault::InsideOut(of_solid, part));
+                return Err(ModelFault::InsideOut(of_solid, part));
             }
             let [low, high] = self.bounds(shell);
             let inside = (0..3).all(|k| around[0][k] < low[k] && high[k] < around[1][k]);
             if !is_outer && !inside {
-                return Err(Fault::Outside(of_solid, outer));
+                return Err(ModelFault::Outside(of_solid, outer));
             }
         }
         Ok(())
     }
 }
 
-/// Faces in groups that hang together: each leads to a former one of its group, and the
-/// first one to itself.
-struct Pieces(Vec<usize>);
+/// Groups of connected faces as disjoint sets. Each face refers to an earlier face of its group,
+/// and the first one refers to itself.
+struct FaceGroups(Vec<usize>);
 
-impl Pieces {
+impl FaceGroups {
     fn new(faces: usize) -> Self {
-        Pieces((0..faces).collect())
+        FaceGroups((0..faces).collect())
     }
 
-    /// The first face of a face's group. What was passed leads on more directly then.
+    /// The first face of a face's group. The path to it is shortened.
     fn head(&mut self, mut face: usize) -> usize {
         while self.0[face] != face {
             self.0[face] = self.0[self.0[face]];
@@ -314,11 +320,12 @@ impl Pieces {
 
 fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     let square: f64 = (0..3).map(|k| (a[k] - b[k]).powi(2)).sum();
-    // Not a number is no better than far.
+    // A distance that is not a number counts as infinite.
     if square.is_nan() { f64::INFINITY } else { square.sqrt() }
 }
 
-/// What a pcurve adds to the area that its loop encloses, about: it is taken at some places.
+/// The approximate contribution of a pcurve to the area that its loop encloses, from points of the
+/// curve.
 fn enclosed(pcurve: &super::PCurve) -> f64 {
     let breaks = pcurve.knots().breaks();
     let spans = breaks.windows(2);

@@ -1,12 +1,12 @@
-//! What can be wrong with a boundary representation.
+//! The faults of a boundary representation.
 
 use std::fmt;
 
 use super::{EdgeId, FaceId, ShellId};
 
-/// A part of a [`Brep`](super::Brep), by its numbers.
+/// An element of a [`Brep`](super::Brep), given by its numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Part {
+pub enum BrepElement {
     /// A vertex.
     Vertex(usize),
     /// An edge.
@@ -15,9 +15,9 @@ pub enum Part {
     Surface(usize),
     /// A face.
     Face(usize),
-    /// A loop of a face; 0 is the outer one.
+    /// A loop of a face: the number of the face and of the loop. Loop 0 is the outer one.
     Loop(usize, usize),
-    /// A use of an edge in a loop of a face.
+    /// A use of an edge: the number of the face, of the loop, and of the use in the loop.
     Use(usize, usize, usize),
     /// A shell.
     Shell(usize),
@@ -25,65 +25,66 @@ pub enum Part {
     Solid(usize),
 }
 
-/// Why a [`Brep`](super::Brep) is not written.
+/// The reason why a [`Brep`](super::Brep) is not written.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum Fault {
-    /// It has no face.
+pub enum ModelFault {
+    /// The model has no face.
     #[error("it has no face")]
     Empty,
-    /// The bound on the distance between representations is no positive length.
+    /// The uncertainty is not a positive length.
     #[error("its uncertainty is {0} mm")]
     Uncertainty(f64),
-    /// A part names another one that is not there.
-    #[error("{0} names {1}, which is not there")]
-    Missing(Part, Part),
+    /// An element refers to another one that does not exist.
+    #[error("{0} refers to {1}, which does not exist")]
+    Missing(BrepElement, BrepElement),
     /// A coordinate is infinite or not a number.
     #[error("{0} is not finite")]
-    NotFinite(Part),
-    /// A curve or a surface does not begin and end at its outermost poles.
+    NotFinite(BrepElement),
+    /// A curve or a surface does not begin and end at its first and last poles.
     #[error("the knots of {0} are not clamped")]
-    Unclamped(Part),
-    /// A face has no loop, or a loop no edge.
+    Unclamped(BrepElement),
+    /// A face has no loop, or a loop has no edge.
     #[error("{0} is empty")]
-    Nothing(Part),
-    /// A vertex is not where the edge's curve ends.
+    Nothing(BrepElement),
+    /// A vertex is not at the end of the edge's curve.
     #[error("{0} ends {1} mm from its vertex")]
-    Vertex(Part, f64),
-    /// A pcurve has another parameter range than its edge.
-    #[error("the pcurve of {0} has another range than its edge")]
-    Range(Part),
-    /// A pcurve leaves the surface's parameter range.
+    Vertex(BrepElement, f64),
+    /// A pcurve and its edge have different parameter ranges.
+    #[error("the pcurve of {0} has a different range from its edge")]
+    Range(BrepElement),
+    /// A pcurve leaves the parameter range of its surface.
     #[error("the pcurve of {0} leaves its surface")]
-    Leaves(Part),
-    /// A pcurve on its surface is farther from the edge's curve than the uncertainty.
+    Leaves(BrepElement),
+    /// The distance between the trace of a pcurve on its surface and the edge's curve exceeds the
+    /// uncertainty.
     #[error("{0} is {1} mm off its surface")]
-    OffSurface(Part, f64),
-    /// An edge of a loop begins at another vertex than the edge before it ends at.
+    OffSurface(BrepElement, f64),
+    /// An edge of a loop does not begin at the vertex at which the previous edge ends.
     #[error("the loop is open before {0}")]
-    Open(Part),
-    /// A pcurve of a loop begins elsewhere than the pcurve before it ends.
+    Open(BrepElement),
+    /// A pcurve of a loop does not begin where the previous pcurve ends.
     #[error("the loop in the parameter plane is open before {0}")]
-    OpenInPlane(Part),
-    /// An outer loop runs clockwise, or an inner one counter-clockwise.
-    #[error("{0} runs the wrong way round")]
-    WrongWay(Part),
-    /// A face, or a shell, belongs to none or to several of what it must belong to one of.
+    OpenInPlane(BrepElement),
+    /// An outer loop runs clockwise, or an inner loop runs counter-clockwise.
+    #[error("{0} has the wrong orientation")]
+    WrongWay(BrepElement),
+    /// A face does not belong to exactly one shell, or a shell belongs to several solids.
     #[error("{0} is used {1} times")]
-    Owners(Part, usize),
-    /// An edge is used by a number of loops that its shell does not allow.
-    #[error("{} of {} is used {uses} times", Part::Edge(edge.0), Part::Shell(shell.0))]
+    Owners(BrepElement, usize),
+    /// The number of uses of an edge is not allowed in its shell.
+    #[error("{} of {} is used {uses} times", BrepElement::Edge(edge.0), BrepElement::Shell(shell.0))]
     Uses {
         /// The shell.
         shell: ShellId,
         /// The edge.
         edge: EdgeId,
-        /// How often it is used.
+        /// The number of uses.
         uses: usize,
     },
-    /// Two faces that meet in an edge look to different sides.
+    /// Two faces that share an edge have opposite orientations.
     #[error(
-        "{} and {} look to different sides of {}",
-        Part::Face(faces[0].0), Part::Face(faces[1].0), Part::Edge(edge.0)
+        "{} and {} have opposite orientations at {}",
+        BrepElement::Face(faces[0].0), BrepElement::Face(faces[1].0), BrepElement::Edge(edge.0)
     )]
     Turned {
         /// The faces.
@@ -91,43 +92,43 @@ pub enum Fault {
         /// The edge.
         edge: EdgeId,
     },
-    /// An edge is used by faces of several shells.
+    /// Faces of several shells use the same edge.
     #[error("{0} belongs to several shells")]
-    Shared(Part),
-    /// The faces of a shell do not hang together.
-    #[error("{0} is in several pieces")]
-    Pieces(Part),
-    /// Vertices, edges, faces and loops of a closed shell do not make a closed surface.
-    #[error("{0} has the Euler number {1}: an even number, 2 at the most, is due")]
-    Euler(Part, i64),
-    /// A solid names a shell that is open.
-    #[error("{0} names {1}, which is open")]
-    OpenShell(Part, Part),
-    /// The faces of a shell look into the material.
+    Shared(BrepElement),
+    /// The faces of a shell are not connected.
+    #[error("{0} is not connected")]
+    Pieces(BrepElement),
+    /// A closed shell does not have the Euler number of a closed surface.
+    #[error("{0} has the Euler number {1}, which should be an even number of at most 2")]
+    Euler(BrepElement, i64),
+    /// A solid refers to a shell that is open.
+    #[error("{0} refers to {1}, which is open")]
+    OpenShell(BrepElement, BrepElement),
+    /// The faces of a shell face into the material.
     #[error("{0} of {1} is turned inside out")]
-    InsideOut(Part, Part),
-    /// A void is not within the shell around it.
+    InsideOut(BrepElement, BrepElement),
+    /// A void is not inside the outer shell.
     #[error("{0} is not within {1}")]
-    Outside(Part, Part),
+    Outside(BrepElement, BrepElement),
 }
 
-impl fmt::Display for Part {
+impl fmt::Display for BrepElement {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Part::Vertex(n) => write!(f, "vertex {n}"),
-            Part::Edge(n) => write!(f, "edge {n}"),
-            Part::Surface(n) => write!(f, "surface {n}"),
-            Part::Face(n) => write!(f, "face {n}"),
-            Part::Loop(face, n) => write!(f, "loop {n} of face {face}"),
-            Part::Use(face, ring, n) => write!(f, "edge {n} in loop {ring} of face {face}"),
-            Part::Shell(n) => write!(f, "shell {n}"),
-            Part::Solid(n) => write!(f, "solid {n}"),
+            BrepElement::Vertex(n) => write!(f, "vertex {n}"),
+            BrepElement::Edge(n) => write!(f, "edge {n}"),
+            BrepElement::Surface(n) => write!(f, "surface {n}"),
+            BrepElement::Face(n) => write!(f, "face {n}"),
+            BrepElement::Loop(face, n) => write!(f, "loop {n} of face {face}"),
+            BrepElement::Use(face, ring, n) => write!(f, "edge {n} in loop {ring} of face {face}"),
+            BrepElement::Shell(n) => write!(f, "shell {n}"),
+            BrepElement::Solid(n) => write!(f, "solid {n}"),
         }
     }
 }
 
-impl From<Fault> for std::io::Error {
-    fn from(fault: Fault) -> Self {
+impl From<ModelFault> for std::io::Error {
+    fn from(fault: ModelFault) -> Self {
         std::io::Error::new(std::io::ErrorKind::InvalidInput, fault)
     }
 }

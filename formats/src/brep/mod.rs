@@ -1,25 +1,26 @@
-//! The boundary representation that the writers take.
+//! The boundary representation (B-rep) that the writers take.
 //!
-//! Parts stand in lists and name each other by typed numbers: a face names its surface, a
-//! loop its edges, an edge its vertices, a shell its faces, a solid its shells. Edges and
-//! surfaces are shared: an edge has one curve in space, however many faces meet in it, and
-//! several faces may lie on one surface. Each use of an edge has its own curve in the
-//! parameter plane of the face's surface, its pcurve. Lengths are millimetres.
+//! The elements are in lists and refer to each other by typed numbers: a face to its surface, a
+//! loop to its edges, an edge to its vertices, a shell to its faces, and a solid to its shells.
+//! Edges and surfaces are shared. An edge has one curve in space, however many faces use it, and
+//! several faces may lie on one surface. Each use of an edge has its own curve in the parameter
+//! plane of the face's surface, which is called its pcurve. Lengths are in millimetres. The model
+//! follows ISO 10303-42.
 //!
-//! [`Brep::check`] says whether the parts suit each other. The writers check before they
-//! write a byte.
+//! [`Brep::check`] checks whether the elements are consistent. The writers call it before they
+//! write anything.
 
 mod check;
 mod fault;
 mod truck;
 mod volume;
 
-pub use fault::{Fault, Part};
+pub use fault::{BrepElement, ModelFault};
 pub use truck::Refusal;
 
 use crate::spline::{SplineCurve, SplineSurface};
 
-/// Declares the number of a part in its list.
+/// Declares a type for the number of an element in its list.
 macro_rules! number {
     ($(#[$doc:meta] $name:ident)*) => {$(
         #[$doc]
@@ -44,44 +45,46 @@ number! {
 /// A curve in the parameter plane (u, v) of a face's surface.
 pub type PCurve = SplineCurve<2>;
 
-/// What is written to one file.
+/// The model that is written to one file.
 ///
-/// Shells that no solid names stand for themselves, as sheets. Each face belongs to one
-/// shell, and each shell to one solid at most.
+/// Each face belongs to one shell, and each shell to at most one solid. A shell that belongs to no
+/// solid is a sheet.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Brep {
-    /// The part's name, any Unicode. CAD programs show it in their tree.
+    /// The name of the part in any Unicode characters. CAD programs show it in their tree.
     pub name: String,
-    /// Points where edges end.
+    /// The points at which edges end.
     pub vertices: Vec<[f64; 3]>,
-    /// Curves between vertices, in which faces meet or end.
+    /// The curves between vertices that bound faces.
     pub edges: Vec<Edge>,
-    /// What faces lie on.
-    pub surfaces: Vec<Surface>,
-    /// Bounded parts of surfaces.
+    /// The surfaces on which faces lie.
+    pub surfaces: Vec<BrepSurface>,
+    /// The bounded parts of surfaces.
     pub faces: Vec<Face>,
-    /// Faces that hang together.
+    /// The sets of connected faces.
     pub shells: Vec<Shell>,
-    /// Bodies bounded by shells.
+    /// The bodies that shells bound.
     pub solids: Vec<Solid>,
-    /// An honest bound in mm on the distance between the representations of one edge: its
-    /// curve in space, its pcurve on each face, and its vertices.
+    /// A bound in mm on the distance between the representations of an edge: its curve in space,
+    /// its pcurve on each face, and its vertices. A value that is too small makes
+    /// [`check`](Brep::check) fail. A value that is too large makes CAD programs treat gaps as
+    /// closed.
     pub uncertainty_mm: f64,
 }
 
 /// A curve and the vertices at its start and at its end.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Edge {
-    /// The points of the edge, over the whole of the curve's range.
-    pub curve: Curve,
-    /// The vertex at the start of the curve and that at its end: the same one if it is closed.
+    /// The curve. The edge uses its whole range.
+    pub curve: BrepCurve,
+    /// The vertices at the start and at the end of the curve. They are the same if it is closed.
     pub ends: [VertexId; 2],
 }
 
 /// The curve of an edge.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub enum Curve {
+pub enum BrepCurve {
     /// A B-spline curve, rational or not.
     Spline(SplineCurve<3>),
 }
@@ -89,7 +92,7 @@ pub enum Curve {
 /// The surface of a face.
 #[derive(Debug, Clone, PartialEq)]
 #[non_exhaustive]
-pub enum Surface {
+pub enum BrepSurface {
     /// A B-spline surface, rational or not.
     Spline(SplineSurface),
 }
@@ -97,13 +100,13 @@ pub enum Surface {
 /// A part of a surface, bounded by loops.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Face {
-    /// What it lies on.
+    /// The surface on which the face lies.
     pub surface: SurfaceId,
-    /// Whether the face looks where its surface's normal S_u × S_v looks. A face of a solid
-    /// looks out of the material.
+    /// Whether the normal of the face is that of its surface, S_u × S_v. The normal of a solid's
+    /// face points out of the material.
     pub forward: bool,
-    /// The outer loop, then the inner ones. Seen from where the face looks, the outer loop runs
-    /// counter-clockwise and the inner ones run clockwise.
+    /// The outer loop, then the inner loops. Seen against the normal of the face, the outer loop
+    /// runs counter-clockwise and the inner loops run clockwise.
     pub loops: Vec<Vec<EdgeUse>>,
 }
 
@@ -112,23 +115,23 @@ pub struct Face {
 pub struct EdgeUse {
     /// The edge.
     pub edge: EdgeId,
-    /// Whether the loop runs along the edge's curve.
+    /// Whether the loop runs in the direction of the edge's curve.
     pub forward: bool,
-    /// The edge in the face's parameter plane. It has the range and the direction of the
-    /// edge's curve, whichever way the loop runs: S(pcurve(t)) is curve(t).
+    /// The edge in the parameter plane of the face. It has the range and the direction of the
+    /// edge's curve in either direction of the loop: S(pcurve(t)) is curve(t).
     pub pcurve: PCurve,
 }
 
-/// Faces that hang together by edges.
+/// A set of faces that are connected by edges.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Shell {
     /// The faces.
     pub faces: Vec<FaceId>,
-    /// Whether the faces close it: each edge is then used twice, in opposite directions.
+    /// Whether the shell is closed. Then each edge is used twice in opposite directions.
     pub closed: bool,
 }
 
-/// A body. All its faces look out of the material.
+/// A body. The normals of all its faces point out of the material.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Solid {
     /// The closed shell around it.
@@ -145,13 +148,13 @@ impl Brep {
     }
 
     /// Adds an edge.
-    pub fn add_edge(&mut self, curve: Curve, ends: [VertexId; 2]) -> EdgeId {
+    pub fn add_edge(&mut self, curve: BrepCurve, ends: [VertexId; 2]) -> EdgeId {
         self.edges.push(Edge { curve, ends });
         EdgeId(self.edges.len() - 1)
     }
 
     /// Adds a surface.
-    pub fn add_surface(&mut self, surface: Surface) -> SurfaceId {
+    pub fn add_surface(&mut self, surface: BrepSurface) -> SurfaceId {
         self.surfaces.push(surface);
         SurfaceId(self.surfaces.len() - 1)
     }
@@ -168,8 +171,8 @@ impl Brep {
         ShellId(self.shells.len() - 1)
     }
 
-    /// Adds the parts of another model. The uncertainty becomes the larger one of both; the
-    /// name stays.
+    /// Adds the elements of another model. The uncertainty becomes the larger one of the two. The
+    /// name does not change.
     pub fn append(&mut self, other: Brep) {
         let [vertices, edges] = [self.vertices.len(), self.edges.len()];
         let [surfaces, faces, shells] = [self.surfaces.len(), self.faces.len(), self.shells.len()];
@@ -198,14 +201,14 @@ impl Brep {
         self.uncertainty_mm = self.uncertainty_mm.max(other.uncertainty_mm);
     }
 
-    /// The shells that no solid names.
+    /// The shells that belong to no solid.
     pub fn sheets(&self) -> impl Iterator<Item = ShellId> {
         let solids = self.solids.iter();
         let named: Vec<ShellId> = solids.flat_map(Solid::shells).collect();
         (0..self.shells.len()).map(ShellId).filter(move |shell| !named.contains(shell))
     }
 
-    /// For each edge its uses: the face and the use in one of its loops.
+    /// The uses of each edge: the face and the use in one of its loops.
     pub fn uses(&self) -> Vec<Vec<(FaceId, &EdgeUse)>> {
         let mut uses = vec![Vec::new(); self.edges.len()];
         for (number, face) in self.faces.iter().enumerate() {
@@ -218,15 +221,15 @@ impl Brep {
         uses
     }
 
-    /// The largest absolute coordinate of vertices and of poles of surfaces.
+    /// The largest absolute coordinate of all vertices and poles of surfaces.
     pub(crate) fn reach(&self) -> f64 {
-        let poles = self.surfaces.iter().flat_map(|Surface::Spline(surface)| surface.poles());
+        let poles = self.surfaces.iter().flat_map(|BrepSurface::Spline(surface)| surface.poles());
         self.vertices.iter().chain(poles).flatten().fold(0.0, |reach, x| x.abs().max(reach))
     }
 }
 
 impl Solid {
-    /// All its shells, the outer one first.
+    /// All shells of the solid. The outer one comes first.
     pub fn shells(&self) -> impl Iterator<Item = ShellId> {
         std::iter::once(self.outer).chain(self.voids.iter().copied())
     }

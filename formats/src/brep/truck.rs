@@ -1,8 +1,8 @@
-//! Shells and solids of truck become ours, and ours become truck's.
+//! Conversion of shells and solids between truck-modeling and this crate.
 //!
-//! truck has no curves in parameter planes. On a plane a pcurve is an image of the edge's
-//! curve; on a B-spline surface it is taken to be straight between its ends, which
-//! [`Brep::check`] confirms or not.
+//! truck has no pcurves. On a plane, the pcurve is the image of the edge's curve. On a B-spline
+//! surface, the pcurve is assumed to be straight between its ends, and [`Brep::check`] finds out
+//! whether this is right.
 
 use std::collections::HashMap;
 use std::collections::hash_map::Entry;
@@ -10,31 +10,33 @@ use std::collections::hash_map::Entry;
 use truck_modeling as truck;
 use truck_modeling::{InnerSpace, SearchParameter};
 
-use super::{Brep, Curve, EdgeId, EdgeUse, Face, PCurve, Shell, ShellId, Solid, Surface, VertexId};
+use super::{
+    Brep, BrepCurve, BrepSurface, EdgeId, EdgeUse, Face, PCurve, Shell, ShellId, Solid, VertexId,
+};
 use crate::spline::{SplineCurve, SplineKnots, SplineSurface};
 
-/// Why a model cannot be taken over.
+/// The reason why a model cannot be converted.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Refusal(String);
 
-/// Newton's steps to the parameters of a point.
+/// The largest number of Newton steps to the parameters of a point.
 const STEPS: usize = 100;
 
 impl Brep {
-    /// Adds an open or closed shell of truck's.
+    /// Adds an open or closed shell of truck.
     ///
     /// # Errors
-    /// A face is on a surface of revolution, an edge is an intersection curve, or the end of
-    /// an edge is not found on a surface.
+    /// A face is on a surface of revolution, an edge is an intersection curve, or the end of an
+    /// edge is not found on a surface.
     pub fn add_truck_shell(&mut self, shell: &truck::Shell) -> Result<ShellId, Refusal> {
         Taking { brep: self, vertices: HashMap::new(), edges: HashMap::new() }.shell(shell)
     }
 
-    /// Adds a solid of truck's.
+    /// Adds a solid of truck.
     ///
     /// # Errors
-    /// Those of [`Brep::add_truck_shell`].
+    /// The same as those of [`Brep::add_truck_shell`].
     pub fn add_truck_solid(&mut self, solid: &truck::Solid) -> Result<(), Refusal> {
         let mut taking = Taking { brep: self, vertices: HashMap::new(), edges: HashMap::new() };
         let shells = solid.boundaries().iter().map(|shell| taking.shell(shell));
@@ -44,7 +46,7 @@ impl Brep {
         Ok(())
     }
 
-    /// A shell as truck has it: without pcurves.
+    /// Converts a shell to truck. The result has no pcurves.
     ///
     /// # Errors
     /// An edge is closed, or truck refuses a face.
@@ -55,7 +57,7 @@ impl Brep {
             let [front, back] = edge.ends.map(|end| &vertices[end.0]);
             truck::Edge::try_new(front, back, truck_curve(&edge.curve)).map_err(refused)
         };
-        // Edges of other shells may be of a kind that truck has not.
+        // Edges of other shells may be of a kind that truck does not have.
         let mut edges: HashMap<EdgeId, truck::Edge> = HashMap::new();
         let mut faces = Vec::new();
         for face in self.shells[shell.0].faces.iter().map(|face| &self.faces[face.0]) {
@@ -66,7 +68,7 @@ impl Brep {
             }
             let of_loop = |u: &EdgeUse| {
                 let edge = &edges[&u.edge];
-                // A face that looks the other way is turned as a whole below.
+                // A face with the opposite normal is inverted as a whole below.
                 if u.forward == face.forward { edge.clone() } else { edge.inverse() }
             };
             let wire = |uses: &Vec<EdgeUse>| -> truck::Wire {
@@ -87,17 +89,17 @@ impl Brep {
         Ok(faces.into())
     }
 
-    /// A solid as truck has it: truck checks that its shells are closed and manifold.
+    /// Converts a solid to truck, which checks that its shells are closed and manifold.
     ///
     /// # Errors
-    /// Those of [`Brep::truck_shell`], and what truck refuses.
+    /// The same as those of [`Brep::truck_shell`], and truck may refuse the shells.
     pub fn truck_solid(&self, solid: &Solid) -> Result<truck::Solid, Refusal> {
         let shells = solid.shells().map(|shell| self.truck_shell(shell));
         truck::Solid::try_new(shells.collect::<Result<_, _>>()?).map_err(refused)
     }
 }
 
-/// Parts of truck's that have been taken over.
+/// The elements of truck that have been converted.
 struct Taking<'a> {
     brep: &'a mut Brep,
     vertices: HashMap<truck::VertexID, VertexId>,
@@ -140,7 +142,7 @@ impl Taking<'_> {
                 return Err(Refusal("a face on a surface of revolution".into()));
             }
         };
-        let surface = self.brep.add_surface(Surface::Spline(surface));
+        let surface = self.brep.add_surface(BrepSurface::Spline(surface));
         let mut of_edges = numbers.into_iter().zip(pcurves);
         let of_wire = |wire: &truck::Wire| {
             let uses = wire.iter().zip(of_edges.by_ref());
@@ -172,10 +174,11 @@ impl Taking<'_> {
     }
 }
 
-/// The part of a plane that some curves on it span, and their images in its parameters.
+/// The part of a plane that contains the given curves, and the images of the curves in its
+/// parameters.
 fn on_plane<'a>(
     plane: &truck::Plane,
-    curves: impl Iterator<Item = &'a Curve>,
+    curves: impl Iterator<Item = &'a BrepCurve>,
 ) -> Result<(SplineSurface, Vec<PCurve>), Refusal> {
     let (x, y) = (plane.u_axis(), plane.v_axis());
     let across = x.cross(y);
@@ -185,7 +188,7 @@ fn on_plane<'a>(
         [from.cross(y).dot(across) / area, x.cross(from).dot(across) / area]
     };
     let pcurves: Vec<PCurve> =
-        curves.map(|Curve::Spline(curve)| curve.clone().mapped(at)).collect();
+        curves.map(|BrepCurve::Spline(curve)| curve.clone().mapped(at)).collect();
     let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
     for pole in pcurves.iter().flat_map(PCurve::poles) {
         for k in 0..2 {
@@ -201,9 +204,9 @@ fn on_plane<'a>(
     Ok((surface.map_err(Refusal)?, pcurves))
 }
 
-/// The pcurve of an edge along a straight line in the parameter plane.
+/// The pcurve of an edge that is a straight line in the parameter plane.
 fn straight(
-    Curve::Spline(curve): &Curve,
+    BrepCurve::Spline(curve): &BrepCurve,
     find: impl Fn(truck::Point3) -> Option<(f64, f64)>,
 ) -> Result<PCurve, Refusal> {
     let end = |p: [f64; 3]| {
@@ -215,7 +218,7 @@ fn straight(
     PCurve::new(1, vec![a, a, b, b], vec![start?, end?], None).map_err(Refusal)
 }
 
-fn our_curve(curve: truck::Curve) -> Result<Curve, Refusal> {
+fn our_curve(curve: truck::Curve) -> Result<BrepCurve, Refusal> {
     let spline = match curve {
         truck::Curve::Line(line) => polynomial_curve(&line.to_bspline()),
         truck::Curve::BSplineCurve(curve) => polynomial_curve(&curve),
@@ -226,7 +229,7 @@ fn our_curve(curve: truck::Curve) -> Result<Curve, Refusal> {
         }
         truck::Curve::IntersectionCurve(_) => Err(Refusal("an intersection curve".into())),
     };
-    spline.map(Curve::Spline)
+    spline.map(BrepCurve::Spline)
 }
 
 fn polynomial_curve(curve: &truck::BSplineCurve<truck::Point3>) -> Result<SplineCurve<3>, Refusal> {
@@ -271,7 +274,7 @@ fn knot_vec(knots: &SplineKnots) -> truck::KnotVec {
     truck::KnotVec::from(knots.knots().to_vec())
 }
 
-fn truck_curve(Curve::Spline(curve): &Curve) -> truck::Curve {
+fn truck_curve(BrepCurve::Spline(curve): &BrepCurve) -> truck::Curve {
     let knots = knot_vec(curve.knots());
     match curve.weights() {
         None => {
@@ -286,7 +289,7 @@ fn truck_curve(Curve::Spline(curve): &Curve) -> truck::Curve {
     }
 }
 
-fn truck_surface(Surface::Spline(surface): &Surface) -> truck::Surface {
+fn truck_surface(BrepSurface::Spline(surface): &BrepSurface) -> truck::Surface {
     let knots = (knot_vec(surface.u()), knot_vec(surface.v()));
     let row = surface.v().poles();
     match surface.weights() {

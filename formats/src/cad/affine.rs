@@ -1,10 +1,10 @@
-//! Turning, moving and scaling: a file's unit, and where it puts things.
+//! Similarity transforms: the unit of a file and the placement of its entities.
 
 use std::sync::Arc;
 
 use super::model::{CadCurve, CadSurface, CurveShape};
 
-/// x ↦ scale · (turn x + shift): `turn` keeps lengths, but may mirror.
+/// The map x ↦ scale · (turn x + shift). `turn` preserves lengths but may mirror.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(crate) struct Affine {
     pub(crate) turn: [[f64; 3]; 3],
@@ -13,13 +13,13 @@ pub(crate) struct Affine {
 }
 
 impl Affine {
-    /// Scales alone.
+    /// A scaling.
     pub(crate) fn scaling(scale: f64) -> Self {
         let turn = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
         Affine { turn, shift: [0.0; 3], scale }
     }
 
-    /// First `inner` (its scale left out), then this.
+    /// The composition: first `inner` without its scale, then this one.
     pub(crate) fn after(&self, inner: &Affine) -> Affine {
         let row = |i: usize| {
             [0, 1, 2].map(|j| (0..3).map(|k| self.turn[i][k] * inner.turn[k][j]).sum::<f64>())
@@ -91,7 +91,7 @@ pub(crate) fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
-/// `a` at the length 1; `None` where it has none.
+/// The unit vector in the direction of `a`. `None` if `a` has no direction.
 pub(crate) fn unit(a: [f64; 3]) -> Option<[f64; 3]> {
     let length = dot(a, a).sqrt();
     (length.is_finite() && length > 0.0).then(|| a.map(|x| x / length))

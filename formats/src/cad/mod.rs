@@ -1,10 +1,10 @@
-//! Reading CAD files: STEP and IGES, the trimmed faces in them.
+//! Readers of CAD files: the trimmed faces of STEP and IGES files.
 //!
-//! Read are the faces of every shell and every trimmed surface on B-spline
-//! surfaces (rational or not), planes, cylinders, surfaces of linear extrusion
-//! and offsets of these, with edges on lines, circles, ellipses, polylines and
-//! B-spline curves, with pcurves or without. A face on anything else is an error
-//! that names it: a face left out in silence would look like a hole.
+//! The readers return the faces of every shell and every trimmed surface. The surfaces may be
+//! B-spline surfaces (rational or not), planes, cylinders, surfaces of linear extrusion, and
+//! offsets of these. The edges may be lines, circles, ellipses, polylines and B-spline curves, with
+//! or without pcurves. A face on any other surface is an error that names it, because a missing
+//! face would look like a hole.
 
 pub(crate) mod affine;
 mod model;
@@ -15,16 +15,15 @@ pub use model::{CadCurve, CadEdge, CadFace, CadModel, CadShell, CadSolid, CadSur
 
 use crate::{Error, Result, iges, step};
 
-/// Larger files are refused.
+/// The size in bytes of the largest file that is read.
 const MOST_BYTES: u64 = 4 << 30;
 
-/// Reads the faces in the STEP or IGES file at `path`; its content says which it
-/// is.
+/// Reads the faces in the STEP or IGES file at `path`. The content of the file decides on the
+/// format.
 ///
 /// # Errors
-/// The file cannot be read, is neither, is damaged, has no face, or one that is
-/// not read here. Memory grows with what the file really holds, whatever it
-/// claims.
+/// The file cannot be read, has neither format, is damaged, has no face, or has a face that is not
+/// supported. The memory depends on the actual content of the file, whatever counts it claims.
 pub fn read_cad(path: &Path) -> Result<CadModel> {
     let cannot = |e: std::io::Error| {
         let what = format!("cannot be opened: {e}");
@@ -32,17 +31,16 @@ pub fn read_cad(path: &Path) -> Result<CadModel> {
     };
     let length = std::fs::metadata(path).map_err(cannot)?.len();
     if length > MOST_BYTES {
-        let what = format!("has {length} bytes, more than are read of a CAD file");
+        let what = format!("has {length} bytes, which is more than the limit for CAD files");
         return Err(Error::new(path, what, "Export the faces in several files."));
     }
     read_cad_from(path, &std::fs::read(path).map_err(cannot)?)
 }
 
-/// Reads CAD faces as [`read_cad`] does, but from memory; `name` is what errors
-/// call the file.
+/// Reads CAD faces from memory as [`read_cad`] does. Errors call the file `name`.
 ///
 /// # Errors
-/// Those of [`read_cad`].
+/// The same as those of [`read_cad`].
 pub fn read_cad_from(name: &Path, bytes: &[u8]) -> Result<CadModel> {
     let head = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
     let text = head.trim_ascii_start();

@@ -1,9 +1,9 @@
-//! What a CAD file holds: trimmed faces as the file gives them.
+//! The model of a CAD file: trimmed faces as the file contains them.
 //!
-//! Data only, and in the file's own terms: who measures on them evaluates them,
-//! finds what a file leaves out (pcurves, ranges), and checks that the parts
-//! agree. Lengths are millimetres, whatever the file's unit; parameters are the
-//! file's, since surfaces and lines are scaled instead.
+//! The model is plain data. The caller evaluates curves and surfaces, computes pcurves and ranges
+//! that the file omits, and checks that the elements are consistent. Lengths are in millimetres in
+//! any unit of the file. Parameters are those of the file, because surfaces and lines are scaled
+//! instead.
 
 use std::sync::Arc;
 
@@ -12,22 +12,22 @@ use crate::spline::{SplineCurve, SplineSurface};
 /// The faces of a CAD file.
 #[derive(Debug, Clone, Default)]
 pub struct CadModel {
-    /// The part's name, where the file has one.
+    /// The name of the part. It is empty if the file has none.
     pub name: String,
-    /// Every face of every body, in the file's order.
+    /// Every face of every body, in the order of the file.
     pub faces: Vec<CadFace>,
-    /// The shells, by which the file groups faces. A face may belong to none.
+    /// The shells of the file. A face may belong to none.
     pub shells: Vec<CadShell>,
-    /// The solids, by which the file groups shells. A shell may belong to none.
+    /// The solids of the file. A shell may belong to none.
     pub solids: Vec<CadSolid>,
 }
 
-/// Faces that hang together.
+/// A set of connected faces.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct CadShell {
     /// The numbers of its faces in [`CadModel::faces`].
     pub faces: Vec<usize>,
-    /// Whether the file says that it is closed.
+    /// Whether the file declares the shell as closed.
     pub closed: bool,
 }
 
@@ -43,11 +43,11 @@ pub struct CadSolid {
 /// A trimmed surface.
 #[derive(Debug, Clone)]
 pub struct CadFace {
-    /// What the file calls it: `#17`, `directory entry 5`.
+    /// The name of the face in the file, for example `#17` or `directory entry 5`.
     pub entity: String,
-    /// What it lies on; faces may share one.
+    /// The surface, which several faces may share.
     pub surface: Arc<CadSurface>,
-    /// Whether the surface's own edges bound it, and `loops` only cut holes.
+    /// Whether the outer boundary is that of the surface, so that `loops` only cut holes.
     pub natural: bool,
     /// The loops, in any order.
     pub loops: Vec<Vec<CadEdge>>,
@@ -58,46 +58,46 @@ pub struct CadFace {
 pub struct CadEdge {
     /// The curve in space, if there is one.
     pub curve: Option<Arc<CadCurve<3>>>,
-    /// Where the edge begins and ends on that curve, in the curve's direction.
-    /// `None`: it is the whole of the curve's range.
+    /// The points at which the edge begins and ends on the curve, in the direction of the curve.
+    /// `None` if the edge uses the whole range of the curve.
     pub ends: Option<[[f64; 3]; 2]>,
-    /// Whether the loop runs along the curve.
+    /// Whether the loop runs in the direction of the curve.
     pub forward: bool,
-    /// Curves in the parameter plane; two for a seam, of which this use has one.
+    /// The curves in the parameter plane. A seam edge has two, and this use has one of them.
     pub pcurves: Vec<Arc<CadCurve<2>>>,
-    /// Whether the loop runs along them.
+    /// Whether the loop runs in the direction of the pcurves.
     pub pcurve_forward: bool,
 }
 
 /// A curve in space (D = 3) or in a parameter plane (D = 2).
 #[derive(Debug, Clone, PartialEq)]
 pub struct CadCurve<const D: usize> {
-    /// Its points.
+    /// The geometry of the curve.
     pub shape: CurveShape<D>,
-    /// From where to where; `None` where the file says it by end points only.
+    /// The range of parameters. `None` if the file gives only end points.
     pub range: Option<(f64, f64)>,
 }
 
 /// The kinds of curves.
 #[derive(Debug, Clone, PartialEq)]
 pub enum CurveShape<const D: usize> {
-    /// origin + t direction.
+    /// The line origin + t direction.
     Line {
         /// The point at t = 0.
         origin: [f64; D],
-        /// The way that a unit of t goes.
+        /// The derivative in t.
         direction: [f64; D],
     },
-    /// centre + cos(t) x + sin(t) y: circles, too.
+    /// The ellipse or circle centre + cos(t) x + sin(t) y.
     Ellipse {
-        /// The middle.
+        /// The centre.
         centre: [f64; D],
-        /// The half axis at t = 0.
+        /// The semi-axis at t = 0.
         x: [f64; D],
-        /// The half axis at t = π/2.
+        /// The semi-axis at t = π/2.
         y: [f64; D],
     },
-    /// A B-spline curve, over the whole of its knots' range if none is said.
+    /// A B-spline curve. If the range is not given, it is that of its knots.
     Spline(SplineCurve<D>),
 }
 
@@ -106,38 +106,38 @@ pub enum CurveShape<const D: usize> {
 pub enum CadSurface {
     /// A B-spline surface.
     Spline(SplineSurface),
-    /// origin + u x + v y.
+    /// The plane origin + u x + v y.
     Plane {
         /// The point at (0, 0).
         origin: [f64; 3],
-        /// The way that a unit of u goes.
+        /// The derivative in u.
         x: [f64; 3],
-        /// The way that a unit of v goes.
+        /// The derivative in v.
         y: [f64; 3],
     },
-    /// origin + cos(u) x + sin(u) y + v z.
+    /// The cylinder origin + cos(u) x + sin(u) y + v z.
     Cylinder {
         /// The point of the axis at v = 0.
         origin: [f64; 3],
-        /// The radius at u = 0.
+        /// The radius vector at u = 0.
         x: [f64; 3],
-        /// The radius at u = π/2.
+        /// The radius vector at u = π/2.
         y: [f64; 3],
-        /// The way that a unit of v goes.
+        /// The derivative in v.
         z: [f64; 3],
     },
-    /// curve(u) + v vector.
+    /// The surface of linear extrusion curve(u) + v vector.
     Extrusion {
-        /// The curve that is moved.
+        /// The curve that is extruded.
         curve: CadCurve<3>,
-        /// The way that a unit of v goes.
+        /// The derivative in v.
         vector: [f64; 3],
     },
-    /// A surface moved along its unit normal, Sᵤ × Sᵥ.
+    /// An offset of a surface along its unit normal, which has the direction of Sᵤ × Sᵥ.
     Offset {
-        /// The surface at distance 0.
+        /// The surface at the distance 0.
         base: Arc<CadSurface>,
-        /// How far, in mm.
+        /// The distance in mm.
         distance: f64,
     },
 }

@@ -1,4 +1,4 @@
-//! Accessors, checked before the crate's readers see them.
+//! Accessors. They are checked completely before the readers of the gltf crate use them.
 
 use ::gltf::accessor::{Item, Iter};
 use ::gltf::json::Index;
@@ -8,12 +8,13 @@ use ::gltf::json::validation::Checked::Valid;
 
 use super::Gear;
 use crate::source::EXPORT_AGAIN;
-use crate::{Error, Place, Result};
+use crate::{Error, Location, Result};
 
-/// An accessor without a view is all zeros, at no cost to the file: only so many.
+/// The largest number of items of an accessor without a view. All its items are zero, and it takes
+/// no space in the file.
 const MOST_ZEROS: u64 = 250_000;
 
-/// The positions in accessor `index`, as `f64`.
+/// The positions in accessor `index` as `f64`.
 pub(super) fn positions(gear: &mut Gear<'_>, index: usize) -> Result<Vec<[f64; 3]>> {
     let (json, kind) = check(gear, index, Type::Vec3)?;
     let normalized = json.normalized;
@@ -27,7 +28,7 @@ pub(super) fn positions(gear: &mut Gear<'_>, index: usize) -> Result<Vec<[f64; 3
     }
 }
 
-/// A quantized coordinate; if `normalized`, `most` stands for 1.
+/// Converts a quantized coordinate. If it is `normalized`, `most` stands for 1.
 fn scaled<T: Into<f64>>(normalized: bool, most: f64) -> impl Fn(T) -> f64 {
     move |v| {
         if normalized { (v.into() / most).max(-1.0) } else { v.into() }
@@ -42,7 +43,7 @@ fn points<T: Item + Copy>(
     items::<[T; 3], _>(gear, index, |xyz| xyz.map(&number))
 }
 
-/// How many items accessor `index` says that it has.
+/// The number of items that accessor `index` declares.
 pub(super) fn count(gear: &Gear<'_>, index: usize) -> Option<u64> {
     gear.document.as_json().accessors.get(index).map(|json| json.count.0)
 }
@@ -50,7 +51,7 @@ pub(super) fn count(gear: &Gear<'_>, index: usize) -> Option<u64> {
 /// The vertex numbers in accessor `index`.
 pub(super) fn indices(gear: &mut Gear<'_>, index: usize) -> Result<Vec<u32>> {
     use ComponentType::{F32, I8, I16};
-    // Before the rest, which may not fit for this reason alone.
+    // This check comes first, because other checks may fail only for this reason.
     if let Some(json) = gear.document.as_json().accessors.get(index)
         && let (Valid(Type::Scalar), Valid(kind)) = (json.type_, &json.component_type)
         && matches!(kind.0, F32 | I8 | I16)
@@ -65,13 +66,13 @@ pub(super) fn indices(gear: &mut Gear<'_>, index: usize) -> Result<Vec<u32>> {
     }
 }
 
-/// The items of a checked accessor, through the crate.
+/// Reads the items of a checked accessor with the gltf crate.
 fn items<T: Item, U>(gear: &Gear<'_>, index: usize, f: impl Fn(T) -> U) -> Result<Vec<U>> {
     let lost = || bad(gear, index, "cannot be read");
     let accessor = gear.document.accessors().nth(index).ok_or_else(lost)?;
     let count = accessor.count();
     if count == 0 {
-        // The crate subtracts one from the count.
+        // The crate would subtract one from the count.
         return Ok(Vec::new());
     }
     let buffers = &gear.buffers;
@@ -80,7 +81,7 @@ fn items<T: Item, U>(gear: &Gear<'_>, index: usize, f: impl Fn(T) -> U) -> Resul
     if items.len() == count { Ok(items) } else { Err(lost()) }
 }
 
-/// Checks everything about accessor `index` that the crate would trust.
+/// Checks everything about accessor `index` that the crate trusts.
 fn check<'a>(
     gear: &mut Gear<'a>,
     index: usize,
@@ -100,14 +101,14 @@ fn check<'a>(
     let size = (kind.size() * shape.multiplicity()) as u64;
     let offset = json.byte_offset.unwrap_or_default().0;
     if let Some(view) = json.buffer_view {
-        check_span(gear, index, view, Span { offset, count: json.count.0, size })?;
+        check_span(gear, index, view, ByteRange { offset, count: json.count.0, size })?;
     } else if json.sparse.is_none() {
         return Err(match gear.compression {
             Some(name) => super::compressed(gear.buffers.path, name),
             None => bad(gear, index, "has no data"),
         });
     } else if json.count.0 > MOST_ZEROS {
-        return Err(bad(gear, index, "has more than 250,000 items out of nothing"));
+        return Err(bad(gear, index, "has more than 250,000 items without data"));
     }
     if let Some(sparse) = &json.sparse {
         check_sparse(gear, index, sparse, json.count.0, size)?;
@@ -115,20 +116,20 @@ fn check<'a>(
     Ok((json, kind))
 }
 
-/// `count` items of `size` bytes, from `offset` in their view on.
-struct Span {
+/// `count` items of `size` bytes that begin at `offset` in their view.
+struct ByteRange {
     offset: u64,
     count: u64,
     size: u64,
 }
 
-/// Checks that the span is in its view, and the view in its buffer, which is
-/// loaded. Returns the view and its stride.
+/// Checks that the range is in its view and the view is in its buffer, and loads the buffer.
+/// Returns the view and its stride.
 fn check_span<'a>(
     gear: &mut Gear<'a>,
     index: usize,
     view: Index<View>,
-    span: Span,
+    span: ByteRange,
 ) -> Result<(&'a View, u64)> {
     let root = gear.document.as_json();
     let Some(json) = root.buffer_views.get(view.value()) else {
@@ -139,10 +140,10 @@ fn check_span<'a>(
     if start.checked_add(json.byte_length.0).is_none_or(|end| end > length) {
         let error =
             Error::new(gear.buffers.path, "has a buffer view beyond its buffer", EXPORT_AGAIN);
-        return Err(error.at(Place::Element("bufferView", view.value() as u64)));
+        return Err(error.at(Location::Element("bufferView", view.value() as u64)));
     }
     let stride = json.byte_stride.map_or(0, |s| s.0 as u64);
-    // Zero is the same as none, to the crate too.
+    // A stride of zero means none. The crate does the same.
     let stride = if stride == 0 { span.size } else { stride };
     if stride < span.size {
         return Err(bad(gear, index, "has items that overlap"));
@@ -155,8 +156,8 @@ fn check_span<'a>(
     Ok((json, stride))
 }
 
-/// Checks the replacements of a sparse accessor of `total` items. The crate
-/// would ignore those that are out of order.
+/// Checks the replacements of a sparse accessor of `total` items. The crate would ignore those out
+/// of order.
 fn check_sparse(
     gear: &mut Gear<'_>,
     index: usize,
@@ -171,16 +172,16 @@ fn check_sparse(
     if count == 0 || count > total {
         return Err(bad(gear, index, "is sparse, with a wrong count"));
     }
-    let values = Span { offset: sparse.values.byte_offset.0, count, size };
+    let values = ByteRange { offset: sparse.values.byte_offset.0, count, size };
     check_span(gear, index, sparse.values.buffer_view, values)?;
     let (offset, size) = (sparse.indices.byte_offset.0, kind.0.size() as u64);
-    let span = Span { offset, count, size };
+    let span = ByteRange { offset, count, size };
     let (view, stride) = check_span(gear, index, sparse.indices.buffer_view, span)?;
     let start = view.byte_offset.unwrap_or_default().0 + offset;
     let bytes = gear.buffers.get(view.buffer.value()).unwrap_or_default();
     let mut least = 0;
     for i in 0..count {
-        // In range: the span has been checked.
+        // The index is in range, because the range has been checked.
         let at = (start + i * stride) as usize;
         let item = bytes.get(at..at + size as usize).unwrap_or_default();
         let target = item.iter().rev().fold(0, |n, &byte| n << 8 | u64::from(byte));
@@ -195,5 +196,5 @@ fn check_sparse(
 fn bad(gear: &Gear<'_>, index: usize, what: &str) -> Error {
     let what = format!("has an accessor that {what}");
     let error = Error::new(gear.buffers.path, what, EXPORT_AGAIN);
-    error.at(Place::Element("accessor", index as u64))
+    error.at(Location::Element("accessor", index as u64))
 }

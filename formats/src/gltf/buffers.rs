@@ -1,4 +1,4 @@
-//! The bytes that a glTF file refers to.
+//! The buffers that a glTF file refers to.
 
 use std::collections::BTreeMap;
 use std::fs::File;
@@ -14,29 +14,29 @@ use percent_encoding::percent_decode_str;
 
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::excerpt;
-use crate::{Error, Place, Result};
+use crate::{Error, Location, Result};
 
-/// All buffers together hold no more than this.
+/// The largest size in bytes of all buffers together.
 const MOST_BYTES: u64 = 8 << 30;
 
-/// The buffers of a file, each loaded when it is first needed: what only
-/// textures or animations use need not be there.
+/// The buffers of a file. Each is loaded when it is first needed, so that buffers for textures or
+/// animations may be missing.
 pub(super) struct Buffers<'a> {
     pub(super) path: &'a Path,
-    /// Where buffers may be that are files; a stream has no such place.
+    /// The folder of buffers in other files. `None` for a stream.
     folder: Option<&'a Path>,
     declared: &'a [json::Buffer],
     loaded: Vec<Option<Loaded>>,
-    /// What files hold: many buffers may name one, but it is held once.
+    /// The contents of files. Many buffers may refer to one file, but its content is stored once.
     files: BTreeMap<PathBuf, Rc<Vec<u8>>>,
-    /// The binary chunk of a GLB: buffer 0, unless that has a URI.
+    /// The binary chunk of a GLB. It is buffer 0, unless that has a URI.
     blob: Option<Vec<u8>>,
-    /// How many bytes are loaded.
+    /// The number of bytes that are loaded.
     pub(super) bytes: u64,
 }
 
-/// A buffer: the first `length` of some bytes, for a GLB's chunk is padded,
-/// and nothing may reach into the padding.
+/// A loaded buffer: the first `length` of some bytes. The chunk of a GLB is padded, and no accessor
+/// may reach into the padding.
 struct Loaded {
     bytes: Rc<Vec<u8>>,
     length: usize,
@@ -50,7 +50,7 @@ impl<'a> Buffers<'a> {
         Buffers { path: &source.path, folder, declared: json, loaded, files, blob, bytes: 0 }
     }
 
-    /// The content of a buffer that `load` has loaded.
+    /// The content of a buffer. `None` if it has not been loaded.
     pub(super) fn get(&self, index: usize) -> Option<&[u8]> {
         let loaded = self.loaded.get(index)?.as_ref()?;
         loaded.bytes.get(..loaded.length)
@@ -90,7 +90,7 @@ impl<'a> Buffers<'a> {
     fn fetch(&mut self, index: usize, uri: &str, length: u64) -> Result<Rc<Vec<u8>>> {
         let data = uri.get(..5).filter(|scheme| scheme.eq_ignore_ascii_case("data:"));
         if data.is_some() {
-            let unsound = || self.error(index, "is no sound data URI", EXPORT_AGAIN);
+            let unsound = || self.error(index, "is not a valid data URI", EXPORT_AGAIN);
             let decoded = decode_data(&uri[5..]).ok_or_else(unsound)?;
             return Ok(self.hold(decoded));
         }
@@ -108,28 +108,27 @@ impl<'a> Buffers<'a> {
         Ok(bytes)
     }
 
-    /// The file at `relative`, if it is one and in the folder.
+    /// The path of the file `relative`. It must exist in the folder.
     fn locate(&self, index: usize, relative: &Path) -> Result<PathBuf> {
         let Some(folder) = self.folder else {
             let name = excerpt(relative.to_string_lossy().as_bytes());
-            let what =
-                format!("is in another file ({name}), but of this one only a stream is here");
+            let what = format!("is in another file ({name}), but this file is read from a stream");
             return Err(self.error(index, &what, "Read it from its folder, or export one GLB."));
         };
         let missing = |e| self.missing(index, relative, &e);
         let folder = folder.canonicalize().map_err(missing)?;
         let file = folder.join(relative).canonicalize().map_err(missing)?;
-        // A link could lead out although the URI does not.
+        // A link could lead out of the folder although the URI does not.
         if !file.starts_with(&folder) {
             return Err(self.outside(index, &relative.to_string_lossy()));
         }
         if !file.is_file() {
-            return Err(self.error(index, "is in something that is no file", EXPORT_AGAIN));
+            return Err(self.error(index, "is not in a regular file", EXPORT_AGAIN));
         }
         Ok(file)
     }
 
-    /// As much of `file` as any buffer wants.
+    /// Reads as much of `file` as the largest buffer in it needs.
     fn read_file(&self, file: &Path) -> io::Result<Vec<u8>> {
         let wanted = self.declared.iter().map(|json| json.byte_length.0).max().unwrap_or(0);
         let wanted = wanted.min(MOST_BYTES.saturating_sub(self.bytes));
@@ -151,11 +150,11 @@ impl<'a> Buffers<'a> {
 
     fn error(&self, index: usize, what: &str, help: &str) -> Error {
         let error = Error::new(self.path, format!("has a buffer that {what}"), help);
-        error.at(Place::Element("buffer", index as u64))
+        error.at(Location::Element("buffer", index as u64))
     }
 }
 
-/// The path that `uri` names, if it stays below the file's folder.
+/// The path that `uri` refers to, if it is below the folder of the file.
 fn relative(uri: &str) -> Option<PathBuf> {
     let path = percent_decode_str(uri).decode_utf8().ok()?;
     // A colon ends a scheme or a drive letter; a backslash separates on Windows.
@@ -164,7 +163,7 @@ fn relative(uri: &str) -> Option<PathBuf> {
     (!strange && !leaves).then(|| path.split('/').collect())
 }
 
-/// What comes after `data:`: a type and, after a comma, the bytes.
+/// Decodes the text after `data:`, which is a type and, after a comma, the bytes.
 fn decode_data(text: &str) -> Option<Vec<u8>> {
     let (kind, data) = text.split_once(',')?;
     let data: Vec<u8> = percent_decode_str(data).collect();

@@ -1,14 +1,14 @@
-//! Why a file shows nothing.
+//! The reason why a file contains no triangles.
 
 use ::gltf::json::Root;
 use ::gltf::json::mesh::Primitive;
 
 use super::{Gear, primitive};
 use crate::source::EXPORT_AGAIN;
-use crate::{Error, Place, Result};
+use crate::{Error, Location, Result};
 
-/// The error for a file whose scene, in which some mesh was `placed` or none,
-/// has no triangles: the first fault in what it holds, or what is missing.
+/// The error for a file whose scene has no triangles. `placed` tells whether the scene has a mesh.
+/// The error is the first fault of the content, or it says what is missing.
 pub(super) fn explain(gear: &mut Gear<'_>, placed: bool) -> Error {
     let checked = check_references(gear).and_then(|()| check_meshes(gear));
     checked.err().unwrap_or_else(|| missing(gear, placed))
@@ -37,12 +37,12 @@ fn has_faces(root: &Root) -> bool {
     root.meshes.iter().flat_map(|mesh| &mesh.primitives).any(primitive::is_of_triangles)
 }
 
-/// Checks that what accessors and buffer views refer to exists.
+/// Checks that accessors and buffer views refer to existing elements.
 fn check_references(gear: &Gear<'_>) -> Result<()> {
     let root = gear.document.as_json();
     let dangling = |kind, index: usize, what: String| {
         let error = Error::new(gear.buffers.path, what, EXPORT_AGAIN);
-        Err(error.at(Place::Element(kind, index as u64)))
+        Err(error.at(Location::Element(kind, index as u64)))
     };
     for (i, accessor) in root.accessors.iter().enumerate() {
         let view = accessor.buffer_view.map_or(0, |view| view.value());
@@ -61,7 +61,7 @@ fn check_references(gear: &Gear<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Reads all meshes as if they were placed.
+/// Checks all meshes as if the scene contained them.
 fn check_meshes(gear: &mut Gear<'_>) -> Result<()> {
     let document = gear.document;
     let mut taken = 0;
@@ -69,7 +69,7 @@ fn check_meshes(gear: &mut Gear<'_>) -> Result<()> {
         for primitive in &mesh.primitives {
             check_counts(gear, i, primitive)?;
             taken += primitive::size(gear, i, primitive)?;
-            // Many meshes may share their data: so much and no more is read.
+            // Many meshes may share their data, so the amount that is read has a limit.
             if taken > primitive::budget(gear) {
                 return Ok(());
             }
@@ -78,8 +78,7 @@ fn check_meshes(gear: &mut Gear<'_>) -> Result<()> {
     Ok(())
 }
 
-/// Checks that the attributes of a part of mesh `index` are of equally many
-/// vertices.
+/// Checks that all attributes of a primitive of mesh `index` have the same number of vertices.
 fn check_counts(gear: &Gear<'_>, index: usize, primitive: &Primitive) -> Result<()> {
     let accessors = &gear.document.as_json().accessors;
     let accessor = |i: usize| accessors.get(i).map(|accessor| (i, accessor.count.0));
@@ -90,5 +89,6 @@ fn check_counts(gear: &Gear<'_>, index: usize, primitive: &Primitive) -> Result<
         "has a mesh whose attributes differ in count: accessor {first} has {count} items, \
          accessor {other} has {wrong}"
     );
-    Err(Error::new(gear.buffers.path, what, EXPORT_AGAIN).at(Place::Element("mesh", index as u64)))
+    Err(Error::new(gear.buffers.path, what, EXPORT_AGAIN)
+        .at(Location::Element("mesh", index as u64)))
 }

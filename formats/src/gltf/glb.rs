@@ -1,26 +1,26 @@
-//! The chunks of a binary glTF file.
+//! The chunks of a binary glTF file (glTF 2.0 specification, section 4).
 //!
-//! Not through the crate: its reader refuses chunks of unknown kinds, which
-//! the specification has readers ignore, and copies the binary one.
+//! The reader of the gltf crate is not used. It refuses chunks of unknown types, which the
+//! specification tells readers to ignore, and it copies the binary chunk.
 
 use std::io::{BufRead as _, Read};
 use std::ops::Range;
 
 use crate::damage::{self, SEND_AS_BINARY};
 use crate::source::{EXPORT_AGAIN, Source};
-use crate::{Error, Place, Result};
+use crate::{Error, Location, Result};
 
-/// A header of three words.
+/// The size in bytes of the header, which has three words.
 const HEADER: usize = 12;
 
-/// The length and the kind that a chunk begins with.
+/// The size in bytes of the length and the type at the beginning of a chunk.
 const CHUNK: usize = 8;
 
 pub(super) fn is_glb(head: &[u8]) -> bool {
     head.starts_with(b"glTF")
 }
 
-/// The JSON and the binary chunk, if there is one.
+/// Returns the JSON and the binary chunk, if there is one.
 pub(super) fn read(source: &mut Source) -> Result<(Vec<u8>, Option<Vec<u8>>)> {
     let mut bytes = read_bytes(source)?;
     let (json, after) = json(source, &bytes)?;
@@ -32,7 +32,7 @@ pub(super) fn read(source: &mut Source) -> Result<(Vec<u8>, Option<Vec<u8>>)> {
     Ok((json, Some(bytes)))
 }
 
-/// As much of the file as its header says.
+/// Reads as many bytes of the file as its header declares.
 fn read_bytes(source: &mut Source) -> Result<Vec<u8>> {
     let version = word(&source.head, 4).unwrap_or(2);
     if version != 2 {
@@ -40,8 +40,8 @@ fn read_bytes(source: &mut Source) -> Result<Vec<u8>> {
     }
     let length = word(&source.head, 8).unwrap_or(0);
     if (length as usize) < HEADER + CHUNK {
-        let what = format!("is no complete GLB file: it has {length} bytes by its header");
-        return Err(source.error(what, EXPORT_AGAIN).at(Place::Byte(8)));
+        let what = format!("is not a complete GLB file: its header declares {length} bytes");
+        return Err(source.error(what, EXPORT_AGAIN).at(Location::Byte(8)));
     }
     let mut bytes = Vec::new();
     let read = (&mut source.stream).take(u64::from(length)).read_to_end(&mut bytes);
@@ -53,7 +53,7 @@ fn read_bytes(source: &mut Source) -> Result<Vec<u8>> {
     Err(source.error(what, EXPORT_AGAIN))
 }
 
-/// Where the JSON is, and where the next chunk begins.
+/// The range of the JSON, and the start of the next chunk.
 fn json(source: &Source, bytes: &[u8]) -> Result<(Range<usize>, usize)> {
     match chunk(source, bytes, HEADER)? {
         Some((b"JSON", data)) => Ok((data.clone(), data.end)),
@@ -61,7 +61,7 @@ fn json(source: &Source, bytes: &[u8]) -> Result<(Range<usize>, usize)> {
     }
 }
 
-/// Where the binary chunk is, among those from byte `at` on.
+/// The range of the binary chunk among the chunks from byte `at` on.
 fn binary(source: &Source, bytes: &[u8], mut at: usize) -> Result<Option<Range<usize>>> {
     while let Some((kind, data)) = chunk(source, bytes, at)? {
         match kind {
@@ -73,7 +73,7 @@ fn binary(source: &Source, bytes: &[u8], mut at: usize) -> Result<Option<Range<u
     Ok(None)
 }
 
-/// The kind and the place of the chunk that begins at byte `at`, if one does.
+/// The type and the range of the chunk that begins at byte `at`, if there is one.
 fn chunk<'a>(
     source: &Source,
     bytes: &'a [u8],
@@ -88,7 +88,7 @@ fn chunk<'a>(
     }
 }
 
-/// Refuses a file that is longer than its header says since its binary chunk,
+/// Refuses a file that is longer than its header declares because its binary chunk, which is
 /// somewhere in `rest`, was converted to text.
 fn check_damage(source: &mut Source, rest: &[u8]) -> Result<()> {
     let surplus = source.stream.fill_buf().map(|bytes| !bytes.is_empty());
@@ -97,7 +97,7 @@ fn check_damage(source: &mut Source, rest: &[u8]) -> Result<()> {
     }
     match damage::of(rest) {
         Some(damage) => {
-            let what = format!("is longer than its header says, for {damage}");
+            let what = format!("is longer than its header declares, because {damage}");
             Err(source.error(what, SEND_AS_BINARY))
         }
         None => Ok(()),
@@ -109,6 +109,6 @@ fn word(bytes: &[u8], at: usize) -> Option<u32> {
 }
 
 fn bad(source: &Source, what: &str, at: usize) -> Error {
-    let what = format!("is no sound glTF 2.0 file: {what}");
-    source.error(what, EXPORT_AGAIN).at(Place::Byte(at as u64))
+    let what = format!("is not a valid glTF 2.0 file: {what}");
+    source.error(what, EXPORT_AGAIN).at(Location::Byte(at as u64))
 }

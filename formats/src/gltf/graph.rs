@@ -1,12 +1,12 @@
-//! That the nodes are trees, those of no scene too.
+//! Check that the nodes are a forest, including nodes outside of all scenes.
 
 use super::Gear;
 use super::scene::bad;
 use crate::source::EXPORT_AGAIN;
-use crate::{Error, Place, Result};
+use crate::{Error, Location, Result};
 
-/// The parent of each node. Every node has one at most, and none is below
-/// itself: in a loop no node is a root, so that it would get lost silently.
+/// The parent of each node. Every node must have at most one parent and must not be its own
+/// ancestor. A cycle has no root, so its nodes would be lost without a message.
 pub(super) fn parents(gear: &Gear<'_>) -> Result<Vec<Option<usize>>> {
     let nodes = &gear.document.as_json().nodes;
     let mut parents = vec![None; nodes.len()];
@@ -20,13 +20,13 @@ pub(super) fn parents(gear: &Gear<'_>) -> Result<Vec<Option<usize>>> {
         }
     }
     match in_loop(&parents) {
-        Some(node) => Err(bad(gear, "node", node, "is below itself")),
+        Some(node) => Err(bad(gear, "node", node, "is its own descendant")),
         None => Ok(parents),
     }
 }
 
-/// A node that is in a loop. Every node is visited once: the way up ends where
-/// another one went already.
+/// A node that is in a cycle. Every node is visited once, because the way up ends at a visited
+/// node.
 fn in_loop(parents: &[Option<usize>]) -> Option<usize> {
     let mut seen_from = vec![usize::MAX; parents.len()];
     for start in 0..parents.len() {
@@ -45,5 +45,5 @@ fn in_loop(parents: &[Option<usize>]) -> Option<usize> {
 
 fn two_parents(gear: &Gear<'_>, node: usize, [a, b]: [usize; 2]) -> Error {
     let what = format!("has a node that is in the scene twice, below node {a} and below node {b}");
-    Error::new(gear.buffers.path, what, EXPORT_AGAIN).at(Place::Element("node", node as u64))
+    Error::new(gear.buffers.path, what, EXPORT_AGAIN).at(Location::Element("node", node as u64))
 }

@@ -1,9 +1,9 @@
-//! glTF and GLB: the `gltf` crate without its `import`, which leaves the
-//! file's folder and needs the textures.
+//! Reader of glTF and GLB files.
 //!
-//! The crate parses the JSON and reads the accessors. It trusts both: indices,
-//! offsets and counts that do not fit make it panic or silently read nothing.
-//! So nothing of it is asked that was not checked here before.
+//! It uses the `gltf` crate without its `import` function, which leaves the folder of the file and
+//! needs textures. The crate parses the JSON and reads the accessors. It trusts both of them: wrong
+//! indices, offsets or counts make it panic or return nothing. So this module checks everything
+//! before it calls the crate.
 
 mod accessor;
 mod buffers;
@@ -26,11 +26,11 @@ use crate::source::Source;
 use crate::token::excerpt;
 use crate::{Error, LengthUnit, Result, Soup};
 
-/// Compressions of geometry: what needs them cannot be read.
+/// Compressions of geometry. Files that require them cannot be read.
 const COMPRESSIONS: [&str; 3] =
     ["KHR_draco_mesh_compression", "EXT_meshopt_compression", "KHR_meshopt_compression"];
 
-/// Extensions that a file may require without the geometry changing.
+/// Extensions that a file may require because they do not change the geometry.
 const HARMLESS: [&str; 7] = [
     "KHR_materials_",
     "KHR_texture_",
@@ -41,12 +41,12 @@ const HARMLESS: [&str; 7] = [
     "KHR_xmp",
 ];
 
-/// The parts of the crate's document that the readers share.
+/// The data that the readers of this module share.
 struct Gear<'a> {
     document: &'a Document,
     scenes: Scenes,
     buffers: Buffers<'a>,
-    /// Of one that is used, if any: it explains data that is not there.
+    /// The name of a compression that the file uses, if any. It explains missing data.
     compression: Option<&'a str>,
 }
 
@@ -56,8 +56,8 @@ pub(crate) fn read(mut source: Source) -> Result<Soup> {
         false => (read_text(&mut source)?, None),
     };
     let (root, scenes) = text::parse(&source, text)?;
-    // Without the crate's validation: it would refuse quantized positions,
-    // and much that does not concern the mesh.
+    // Do not use the validation of the crate. It would refuse quantized positions, and many faults
+    // that do not concern the mesh.
     let document = Document::from_json_without_validation(root);
     let root = document.as_json();
     let compression = refuse_extensions(&source, root)?;
@@ -71,7 +71,7 @@ pub(crate) fn read(mut source: Source) -> Result<Soup> {
     Ok(soup)
 }
 
-/// A file that is all JSON, which is no longer than a GLB can be.
+/// Reads a file that consists of JSON only. Its largest size is that of a GLB.
 fn read_text(source: &mut Source) -> Result<Vec<u8>> {
     let mut text = Vec::new();
     let read = (&mut source.stream).take(u64::from(u32::MAX)).read_to_end(&mut text);
@@ -84,8 +84,8 @@ fn wrong_version(source: &Source, version: &str) -> Error {
     source.error(what, "Export it as glTF 2.0.")
 }
 
-/// Refuses what changes the geometry in ways that are not read here. Returns
-/// the name of a compression that the file could do without.
+/// Refuses required extensions that change the geometry and are not supported. Returns the name of
+/// a compression that the file uses but does not require.
 fn refuse_extensions<'a>(source: &Source, root: &'a json::Root) -> Result<Option<&'a str>> {
     for name in root.extensions_required.iter().map(String::as_str) {
         if COMPRESSIONS.contains(&name) {

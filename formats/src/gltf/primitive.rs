@@ -4,27 +4,27 @@ use ::gltf::json::mesh::{Mode, Primitive, Semantic};
 use ::gltf::json::validation::Checked::Valid;
 
 use super::scene::bad;
-use super::transform::Affine;
+use super::transform::NodeTransform;
 use super::{Gear, accessor};
 use crate::limits::check_room;
 use crate::source::EXPORT_AGAIN;
-use crate::{Error, Place, Result, Soup};
+use crate::{Error, Location, Result, Soup};
 
-/// A small file can place one mesh many times. So many bytes the soup may
-/// take whatever the file's size; more only in proportion.
+/// The number of bytes that the soup may always have. More bytes are allowed only in proportion to
+/// the size of the file, because a small file can contain many instances of one mesh.
 const FREE: u64 = 24 << 20;
 const PER_BYTE: u64 = 16;
 
-/// Appends the triangles of `primitive`, a part of mesh `mesh`, at `place`.
-/// Points and lines are none.
+/// Appends the triangles of `primitive`, which belongs to mesh `mesh`, transformed by `place`.
+/// Primitives of points and lines are skipped.
 pub(super) fn read(
     gear: &mut Gear<'_>,
     mesh: usize,
     primitive: &Primitive,
-    place: &Affine,
+    place: &NodeTransform,
     soup: &mut Soup,
 ) -> Result<()> {
-    let Some(Triangles { mode, corners, points }) = load(gear, mesh, primitive)? else {
+    let Some(IndexedTriangles { mode, corners, points }) = load(gear, mesh, primitive)? else {
         return Ok(());
     };
     check_budget(gear, soup, points.len(), corners.triangles(mode))?;
@@ -38,29 +38,33 @@ pub(super) fn read(
     Ok(())
 }
 
-/// Checks `primitive` as `read` does, and returns how many bytes it would take.
+/// Checks `primitive` as `read` does, and returns the number of bytes that it would take.
 pub(super) fn size(gear: &mut Gear<'_>, mesh: usize, primitive: &Primitive) -> Result<u64> {
-    if let Some(Triangles { mode, corners, points }) = load(gear, mesh, primitive)? {
+    if let Some(IndexedTriangles { mode, corners, points }) = load(gear, mesh, primitive)? {
         return Ok(bytes(points.len() as u64, corners.triangles(mode) as u64));
     }
-    // Whatever it is, the numbers should be there.
+    // The indices must exist for every type of primitive.
     let indices = primitive.indices.map(|at| accessor::indices(gear, at.value()));
     Ok(indices.transpose()?.map_or(0, |list| 4 * list.len() as u64))
 }
 
-/// Whether `primitive` has faces, or should have.
+/// Whether `primitive` consists of triangles.
 pub(super) fn is_of_triangles(primitive: &Primitive) -> bool {
     matches!(primitive.mode, Valid(Mode::Triangles | Mode::TriangleStrip | Mode::TriangleFan))
 }
 
-/// What a primitive consists of.
-struct Triangles {
+/// The data of a primitive of triangles.
+struct IndexedTriangles {
     mode: Mode,
-    corners: Corners,
+    corners: CornerIndices,
     points: Vec<[f64; 3]>,
 }
 
-fn load(gear: &mut Gear<'_>, mesh: usize, primitive: &Primitive) -> Result<Option<Triangles>> {
+fn load(
+    gear: &mut Gear<'_>,
+    mesh: usize,
+    primitive: &Primitive,
+) -> Result<Option<IndexedTriangles>> {
     let Valid(mode) = primitive.mode else {
         return Err(bad(gear, "mesh", mesh, "consists of an unknown kind of primitive"));
     };
@@ -68,7 +72,7 @@ fn load(gear: &mut Gear<'_>, mesh: usize, primitive: &Primitive) -> Result<Optio
         return Ok(None);
     }
     let Some(positions) = primitive.attributes.get(&Valid(Semantic::Positions)) else {
-        // The specification leaves the meaning of this to extensions.
+        // The specification allows this only for extensions.
         return match gear.compression {
             Some(name) => Err(super::compressed(gear.buffers.path, name)),
             None => Ok(None),
@@ -80,24 +84,23 @@ fn load(gear: &mut Gear<'_>, mesh: usize, primitive: &Primitive) -> Result<Optio
         None => None,
     };
     let points = accessor::positions(gear, positions)?;
-    let corners = listed.map_or(Corners::All(points.len()), Corners::Listed);
-    Ok(Some(Triangles { mode, corners, points }))
+    let corners = listed.map_or(CornerIndices::All(points.len()), CornerIndices::Listed);
+    Ok(Some(IndexedTriangles { mode, corners, points }))
 }
 
-/// The vertex numbers in accessor `indices`, checked against how many
-/// `positions` there are.
+/// The vertex indices in accessor `indices`. They are checked against the number of `positions`.
 fn listed(gear: &mut Gear<'_>, indices: usize, positions: usize) -> Result<Vec<u32>> {
     let list = accessor::indices(gear, indices)?;
     let Some(count) = accessor::count(gear, positions) else { return Ok(list) };
     if let Some(index) = list.iter().find(|&&i| u64::from(i) >= count) {
         let what = format!("has a triangle with vertex {index}, but only {count} vertices");
         let error = Error::new(gear.buffers.path, what, EXPORT_AGAIN);
-        return Err(error.at(Place::Element("accessor", indices as u64)));
+        return Err(error.at(Location::Element("accessor", indices as u64)));
     }
     Ok(list)
 }
 
-/// Which corners the `i`-th triangle has, in the specification's order.
+/// The corners of the `i`-th triangle in the order of the specification.
 fn mode_corners(mode: Mode, i: usize) -> [usize; 3] {
     match mode {
         Mode::TriangleStrip => [i, i + 1 + i % 2, i + 2 - i % 2],
@@ -106,24 +109,24 @@ fn mode_corners(mode: Mode, i: usize) -> [usize; 3] {
     }
 }
 
-/// The vertex numbers of a primitive: given, or one vertex after the other.
-enum Corners {
+/// The vertex indices of a primitive: a list, or all vertices in order.
+enum CornerIndices {
     Listed(Vec<u32>),
     All(usize),
 }
 
-impl Corners {
+impl CornerIndices {
     fn len(&self) -> usize {
         match self {
-            Corners::Listed(list) => list.len(),
-            Corners::All(count) => *count,
+            CornerIndices::Listed(list) => list.len(),
+            CornerIndices::All(count) => *count,
         }
     }
 
     fn get(&self, at: usize) -> u32 {
         match self {
-            Corners::Listed(list) => list[at],
-            Corners::All(_) => at as u32,
+            CornerIndices::Listed(list) => list[at],
+            CornerIndices::All(_) => at as u32,
         }
     }
 
@@ -135,12 +138,12 @@ impl Corners {
     }
 }
 
-/// The bytes of so many points and triangles in a soup.
+/// The number of bytes that points and triangles take in a soup.
 fn bytes(points: u64, triangles: u64) -> u64 {
     24 * points + 16 * triangles
 }
 
-/// How many bytes the soup may take.
+/// The number of bytes that the soup may have.
 pub(super) fn budget(gear: &Gear<'_>) -> u64 {
     FREE.max(PER_BYTE * gear.buffers.bytes)
 }

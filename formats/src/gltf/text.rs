@@ -1,9 +1,8 @@
-//! The JSON, made such that the crate reads it.
+//! Preparation of the JSON for the gltf crate.
 //!
-//! The crate demands what the specification does not: that a scene has a list
-//! of nodes, an animation a node, a texture an image. Of most of it a mesh
-//! needs nothing, so that the crate gets to see none of it. What remains stays
-//! where it is in the text, for errors name its line.
+//! The crate requires elements that the specification does not require: the list of nodes of a
+//! scene, the node of an animation, the image of a texture. A mesh needs none of these, so they are
+//! removed. The remaining text stays at the same lines, because errors name them.
 
 use std::ops::Range;
 
@@ -16,15 +15,16 @@ use super::wrong_version;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::{Error, Result};
 
-/// An object takes two bytes in the file (`{}`), and 300 as a node in memory.
+/// The largest number of JSON objects. An object takes at least two bytes in the file (`{}`), and a
+/// node takes 300 bytes in memory.
 const MOST_OBJECTS: usize = 1 << 17;
 
 /// The root nodes of each scene.
 pub(super) type Scenes = Vec<Vec<u64>>;
 
-/// What is looked at here. Nothing of it is copied.
+/// The parts of the JSON that this module examines. They are not copied.
 #[derive(Deserialize)]
-struct Parts<'a> {
+struct JsonParts<'a> {
     #[serde(borrow)]
     asset: Option<&'a RawValue>,
     scenes: Option<&'a RawValue>,
@@ -51,7 +51,7 @@ struct Scene {
     nodes: Vec<u64>,
 }
 
-/// Parses `text`; the scenes are not in the root.
+/// Parses `text`. The scenes are returned separately and are not in the root.
 pub(super) fn parse(source: &Source, mut text: Vec<u8>) -> Result<(Root, Scenes)> {
     if text.starts_with(b"\xef\xbb\xbf") {
         text[..3].fill(b' ');
@@ -75,16 +75,15 @@ pub(super) fn parse(source: &Source, mut text: Vec<u8>) -> Result<(Root, Scenes)
     Ok((root, scenes))
 }
 
-/// How many objects there may be. A brace in a name counts too, which does no
-/// harm.
+/// An upper bound on the number of objects. A brace in a name counts, too, which does no harm.
 fn objects(text: &[u8]) -> usize {
     text.iter().filter(|&&byte| byte == b'{').count()
 }
 
-/// Takes out what the crate need not see. `None` if that cannot be found: then
-/// the crate says why.
+/// Removes the parts that the crate does not need. `None` if the JSON cannot be parsed. Then the
+/// crate reports the error.
 fn prepare(source: &Source, text: &mut [u8]) -> Result<Option<Scenes>> {
-    let Ok(parts) = serde_json::from_slice::<Parts>(text) else { return Ok(None) };
+    let Ok(parts) = serde_json::from_slice::<JsonParts>(text) else { return Ok(None) };
     check_asset(source, &parts)?;
     let scenes = parts.scenes.map_or(Some(Vec::new()), read_scenes);
     let unneeded = [
@@ -112,26 +111,26 @@ fn read_scenes(part: &RawValue) -> Option<Scenes> {
     Some(scenes.into_iter().map(|scene| scene.nodes).collect())
 }
 
-/// Where `part` is in `text`, of which it is a part.
+/// The range of `part`, which must be a slice of `text`.
 fn span(text: &[u8], part: &RawValue) -> Range<usize> {
     let start = part.get().as_ptr().addr() - text.as_ptr().addr();
     start..start + part.get().len()
 }
 
-/// Makes an array an empty one of as many lines.
+/// Replaces an array by an empty one with the same number of lines.
 fn empty(array: &mut [u8]) {
     if let [b'[', inner @ .., b']'] = array {
         inner.iter_mut().filter(|b| !matches!(b, b'\r' | b'\n')).for_each(|b| *b = b' ');
     }
 }
 
-/// Checks the version, before the crate says what else is other than in 2.0.
-fn check_asset(source: &Source, parts: &Parts) -> Result<()> {
+/// Checks the version before the crate reports other differences from version 2.0.
+fn check_asset(source: &Source, parts: &JsonParts) -> Result<()> {
     let asset = parts.asset.and_then(|asset| serde_json::from_str::<Asset>(asset.get()).ok());
     if let Some(asset) = asset {
         return check_version(source, &asset.version);
     }
-    // Version 1 had objects where there are arrays now, and need not be named.
+    // Version 1 had objects instead of arrays, and such a file need not declare its version.
     let lists = [parts.nodes, parts.meshes, parts.accessors, parts.scenes];
     if lists.into_iter().flatten().any(|list| list.get().starts_with('{')) {
         return check_version(source, "1.0");
@@ -144,5 +143,5 @@ fn check_version(source: &Source, version: &str) -> Result<()> {
 }
 
 fn unsound(source: &Source, why: impl std::fmt::Display) -> Error {
-    source.error(format!("is no sound glTF 2.0 file: {why}"), EXPORT_AGAIN)
+    source.error(format!("is not a valid glTF 2.0 file: {why}"), EXPORT_AGAIN)
 }

@@ -1,19 +1,19 @@
-//! Node transforms, in double precision.
+//! Transforms of nodes in double precision.
 
 use ::gltf::json::Node;
 
-/// An affine map: the three columns of its matrix, and the translation.
+/// An affine map: the three columns of its matrix and the translation.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Affine([[f64; 3]; 4]);
+pub(super) struct NodeTransform([[f64; 3]; 4]);
 
-impl Affine {
-    pub(super) const IDENTITY: Affine =
-        Affine([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]);
+impl NodeTransform {
+    pub(super) const IDENTITY: NodeTransform =
+        NodeTransform([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [0.0; 3]]);
 
-    /// The transform that `node` has against its parent.
-    pub(super) fn of(node: &Node) -> Affine {
+    /// The transform of `node` relative to its parent.
+    pub(super) fn of(node: &Node) -> NodeTransform {
         if let Some(m) = node.matrix {
-            return Affine([0, 4, 8, 12].map(|c| [m[c], m[c + 1], m[c + 2]].map(f64::from)));
+            return NodeTransform([0, 4, 8, 12].map(|c| [m[c], m[c + 1], m[c + 2]].map(f64::from)));
         }
         let [x, y, z, w] = unit(node.rotation.unwrap_or_default().0.map(f64::from));
         let scale = node.scale.unwrap_or([1.0; 3]).map(f64::from);
@@ -26,13 +26,13 @@ impl Affine {
         for (column, s) in columns.iter_mut().zip(scale) {
             *column = column.map(|v| v * s);
         }
-        Affine(columns)
+        NodeTransform(columns)
     }
 
-    /// First `inner`, then this.
-    pub(super) fn after(&self, inner: &Affine) -> Affine {
+    /// The composition: first `inner`, then this one.
+    pub(super) fn after(&self, inner: &NodeTransform) -> NodeTransform {
         let [a, b, c, origin] = inner.0;
-        Affine([self.turn(a), self.turn(b), self.turn(c), self.apply(origin)])
+        NodeTransform([self.turn(a), self.turn(b), self.turn(c), self.apply(origin)])
     }
 
     pub(super) fn apply(&self, point: [f64; 3]) -> [f64; 3] {
@@ -44,7 +44,7 @@ impl Affine {
         [0, 1, 2].map(|i| (0..3).map(|c| self.0[c][i] * v[c]).sum())
     }
 
-    /// Whether it turns right hands into left ones.
+    /// Whether the map reverses the orientation.
     pub(super) fn mirrors(&self) -> bool {
         let [a, b, c, _] = self.0;
         let cross =
@@ -57,9 +57,8 @@ impl Affine {
     }
 }
 
-/// The quaternion `q` at unit length, for exporters round it, or forget to
-/// scale it, and the matrix made of it would shear. One of zeros turns nothing:
-/// that is what its matrix says, and what viewers show.
+/// The quaternion `q` with unit length. Exporters round it or do not normalize it, and then its
+/// matrix would shear. A zero quaternion stands for no rotation, as its matrix and viewers have it.
 fn unit(q: [f64; 4]) -> [f64; 4] {
     let length = q.iter().map(|v| v * v).sum::<f64>().sqrt();
     if length == 0.0 { q } else { q.map(|v| v / length) }

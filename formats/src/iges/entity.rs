@@ -1,13 +1,13 @@
-//! The entities that a file may hold, and their parameters.
+//! The entities that the writer uses, and their parameters (IGES 5.3, chapter 4).
 
 use std::borrow::Cow;
 use std::io;
 
 use super::parameters::Parameters;
-use crate::brep::{PCurve, Surface};
+use crate::brep::{BrepSurface, PCurve};
 use crate::spline::{SplineCurve, SplineSurface};
 
-/// Points to an entity: the number of its first directory line.
+/// A pointer to an entity: the number of its first directory line.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) struct Pointer(pub usize);
 
@@ -17,64 +17,64 @@ impl std::fmt::Display for Pointer {
     }
 }
 
-/// An entity with what its directory entry says of it.
+/// An entity and the fields of its directory entry.
 pub(super) struct Entity<'a> {
-    pub body: Body<'a>,
-    pub status: Status,
-    /// Up to eight letters and digits, which CAD programs show as a name.
+    pub body: EntityData<'a>,
+    pub status: EntityStatus,
+    /// At most eight letters and digits that CAD programs show as a name.
     pub label: String,
-    /// The name property that belongs to the entity.
+    /// The name property of the entity.
     pub name: Option<Pointer>,
-    /// The definition of its colour.
+    /// The colour definition of the entity.
     pub colour: Option<Pointer>,
 }
 
-/// The status number of a directory entry (IGES 5.3, clause 2.2.4.4.9): all
-/// entities are visible; they differ in what they depend on and are used for.
+/// The status number of a directory entry (IGES 5.3, clause 2.2.4.4.9). All entities are visible.
+/// They differ in their dependency and their use.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Status {
-    /// Stands for itself.
+pub(super) enum EntityStatus {
+    /// An independent entity.
     Independent,
-    /// Part of one parent.
+    /// A part of one parent.
     Part,
-    /// Part of one parent, a curve in a parameter plane.
+    /// A part of one parent that is a curve in a parameter plane.
     ParameterPlane,
-    /// Part of a parent whose own attributes hold for it.
+    /// A part of one parent whose attributes apply to it.
     PartWithParentsAttributes,
-    /// Member of a group.
+    /// A member of a group.
     Member,
-    /// Says how others look.
+    /// A definition of the appearance of other entities.
     Definition,
 }
 
-impl Status {
+impl EntityStatus {
     pub(super) fn number(self) -> &'static str {
         match self {
-            Status::Independent => "00000000",
-            Status::Part => "00010000",
-            Status::ParameterPlane => "00010500",
-            Status::PartWithParentsAttributes => "00010001",
-            Status::Member => "00020000",
-            Status::Definition => "00000200",
+            EntityStatus::Independent => "00000000",
+            EntityStatus::Part => "00010000",
+            EntityStatus::ParameterPlane => "00010500",
+            EntityStatus::PartWithParentsAttributes => "00010001",
+            EntityStatus::Member => "00020000",
+            EntityStatus::Definition => "00000200",
         }
     }
 }
 
-/// What an entity is made of.
-pub(super) enum Body<'a> {
-    /// 102, a curve of curves.
+/// The parameters of an entity.
+pub(super) enum EntityData<'a> {
+    /// 102, a composite curve.
     Composite(Vec<Pointer>),
     /// 126, a B-spline curve in space.
     Curve(Cow<'a, SplineCurve<3>>),
     /// 126, a B-spline curve in a parameter plane.
     PCurve(Cow<'a, PCurve>),
     /// 128, a B-spline surface.
-    Surface(&'a Surface),
-    /// 142, a curve on a surface, given twice.
+    Surface(&'a BrepSurface),
+    /// 142, a curve on a surface, as a pcurve and as a curve in space.
     OnSurface { surface: Pointer, flat: Pointer, space: Pointer },
     /// 144, a trimmed surface.
     Trimmed { surface: Pointer, loops: Vec<Pointer> },
-    /// 186, a solid: its shells, whose faces look out of the material.
+    /// 186, a solid: its shells, whose normals point out of the material.
     Solid { outer: Pointer, voids: Vec<Pointer> },
     /// 314, a colour in percent of red, green and blue.
     Colour([f64; 3]),
@@ -84,46 +84,47 @@ pub(super) enum Body<'a> {
     Name(&'a str),
     /// 502, the vertices.
     Vertices(&'a [[f64; 3]]),
-    /// 504, the edges: curve, start and end.
+    /// 504, the edges: the curve and the vertices at its start and end.
     Edges { vertices: Pointer, edges: Vec<(Pointer, [usize; 2])> },
-    /// 508, a loop: number of the edge, whether along it, pcurve.
+    /// 508, a loop: for each use the number of the edge, whether the loop runs in its direction,
+    /// and the pcurve.
     Loop { edges: Pointer, uses: Vec<(usize, bool, Pointer)> },
-    /// 510, a face, its outer loop first.
+    /// 510, a face. Its outer loop comes first.
     Face { surface: Pointer, loops: Vec<Pointer> },
-    /// 514 form 1 or 2, a closed or an open shell: faces, and whether they keep their
-    /// direction.
+    /// 514 form 1 or 2, a closed or an open shell: the faces, and whether they keep their
+    /// orientation.
     Shell { faces: Vec<(Pointer, bool)>, closed: bool },
 }
 
-impl Body<'_> {
-    /// Entity type and form number.
+impl EntityData<'_> {
+    /// The entity type and form number.
     pub(super) fn kind(&self) -> (u16, u16) {
         match self {
-            Body::Composite(_) => (102, 0),
-            Body::Curve(_) | Body::PCurve(_) => (126, 0),
-            Body::Surface(_) => (128, 0),
-            Body::OnSurface { .. } => (142, 0),
-            Body::Trimmed { .. } => (144, 0),
-            Body::Solid { .. } => (186, 0),
-            Body::Colour(_) => (314, 0),
-            Body::Group(_) => (402, 7),
-            Body::Name(_) => (406, 15),
-            Body::Vertices(_) => (502, 1),
-            Body::Edges { .. } => (504, 1),
-            Body::Loop { .. } => (508, 1),
-            Body::Face { .. } => (510, 1),
-            Body::Shell { closed, .. } => (514, if *closed { 1 } else { 2 }),
+            EntityData::Composite(_) => (102, 0),
+            EntityData::Curve(_) | EntityData::PCurve(_) => (126, 0),
+            EntityData::Surface(_) => (128, 0),
+            EntityData::OnSurface { .. } => (142, 0),
+            EntityData::Trimmed { .. } => (144, 0),
+            EntityData::Solid { .. } => (186, 0),
+            EntityData::Colour(_) => (314, 0),
+            EntityData::Group(_) => (402, 7),
+            EntityData::Name(_) => (406, 15),
+            EntityData::Vertices(_) => (502, 1),
+            EntityData::Edges { .. } => (504, 1),
+            EntityData::Loop { .. } => (508, 1),
+            EntityData::Face { .. } => (510, 1),
+            EntityData::Shell { closed, .. } => (514, if *closed { 1 } else { 2 }),
         }
     }
 }
 
 impl Entity<'_> {
-    /// Composes the whole record: type, parameters, pointers to properties.
+    /// Composes the whole record: the type, the parameters, and the pointers to properties.
     pub(super) fn compose(&self, mut p: Parameters<'_>) -> io::Result<()> {
         p.add(self.body.kind().0)?;
         self.body.compose(&mut p)?;
         if let Some(name) = self.name {
-            // No associativities, one property (clause 2.2.4.5.2).
+            // There are no associativities and one property (clause 2.2.4.5.2).
             p.add(0)?;
             p.add(1)?;
             p.add(name)?;
@@ -132,42 +133,42 @@ impl Entity<'_> {
     }
 }
 
-impl Body<'_> {
+impl EntityData<'_> {
     fn compose(&self, p: &mut Parameters<'_>) -> io::Result<()> {
         match self {
-            Body::Composite(parts) | Body::Group(parts) => counted(p, parts),
-            Body::Curve(c) => {
+            EntityData::Composite(parts) | EntityData::Group(parts) => counted(p, parts),
+            EntityData::Curve(c) => {
                 curve(p, c, false)?;
                 points(p, c.poles())?;
                 curve_end(p, c, 0.0)
             }
-            Body::PCurve(c) => {
+            EntityData::PCurve(c) => {
                 curve(p, c, true)?;
                 c.poles().iter().try_for_each(|[u, v]| p.reals(&[*u, *v, 0.0]))?;
                 curve_end(p, c, 1.0)
             }
-            Body::Surface(Surface::Spline(s)) => surface(p, s),
-            Body::OnSurface { surface, flat, space } => on_surface(p, [surface, flat, space]),
-            Body::Trimmed { surface, loops } => trimmed(p, *surface, loops),
-            Body::Colour(percent) => p.reals(percent),
-            Body::Name(name) => {
+            EntityData::Surface(BrepSurface::Spline(s)) => surface(p, s),
+            EntityData::OnSurface { surface, flat, space } => on_surface(p, [surface, flat, space]),
+            EntityData::Trimmed { surface, loops } => trimmed(p, *surface, loops),
+            EntityData::Colour(percent) => p.reals(percent),
+            EntityData::Name(name) => {
                 p.add(1)?;
                 p.text(name)
             }
-            Body::Vertices(vertices) => {
+            EntityData::Vertices(vertices) => {
                 p.add(vertices.len())?;
                 points(p, vertices)
             }
-            Body::Edges { vertices, edges } => edge_list(p, *vertices, edges),
-            Body::Loop { edges, uses } => edge_loop(p, *edges, uses),
-            Body::Face { surface, loops } => {
+            EntityData::Edges { vertices, edges } => edge_list(p, *vertices, edges),
+            EntityData::Loop { edges, uses } => edge_loop(p, *edges, uses),
+            EntityData::Face { surface, loops } => {
                 p.add(surface)?;
                 p.add(loops.len())?;
                 p.add(1)?; // the first loop is the outer one
                 loops.iter().try_for_each(|l| p.add(l))
             }
-            Body::Shell { faces, .. } => shell(p, faces),
-            Body::Solid { outer, voids } => solid(p, *outer, voids),
+            EntityData::Shell { faces, .. } => shell(p, faces),
+            EntityData::Solid { outer, voids } => solid(p, *outer, voids),
         }
     }
 }
@@ -181,7 +182,7 @@ fn points(p: &mut Parameters<'_>, points: &[[f64; 3]]) -> io::Result<()> {
     points.iter().try_for_each(|point| p.reals(point))
 }
 
-/// The weights of poles; all are 1 in a polynomial.
+/// Writes the weights of poles. They are all 1 for a polynomial.
 fn weights(p: &mut Parameters<'_>, weights: Option<&[f64]>, poles: usize) -> io::Result<()> {
     match weights {
         Some(weights) => p.reals(weights),
@@ -189,7 +190,7 @@ fn weights(p: &mut Parameters<'_>, weights: Option<&[f64]>, poles: usize) -> io:
     }
 }
 
-/// Entity 126 up to its poles.
+/// Writes entity 126 up to its poles.
 fn curve<const D: usize>(
     p: &mut Parameters<'_>,
     c: &SplineCurve<D>,
@@ -199,7 +200,7 @@ fn curve<const D: usize>(
     p.add(poles.len() - 1)?;
     p.add(c.knots().degree())?;
     let closed = poles.first() == poles.last();
-    // Planar, closed, polynomial, periodic.
+    // The flags are planar, closed, polynomial, periodic.
     for flag in [planar, closed, c.weights().is_none(), false] {
         p.add(u8::from(flag))?;
     }
@@ -207,7 +208,7 @@ fn curve<const D: usize>(
     weights(p, c.weights(), poles.len())
 }
 
-/// Entity 126 after its poles: range, and the normal of a planar curve.
+/// Writes entity 126 after its poles: the range and the normal of a planar curve.
 fn curve_end<const D: usize>(
     p: &mut Parameters<'_>,
     c: &SplineCurve<D>,
@@ -217,7 +218,7 @@ fn curve_end<const D: usize>(
     p.reals(&[start, end, 0.0, 0.0, normal_z])
 }
 
-/// Entity 128: in the net the first index, that of u, runs fastest.
+/// Writes entity 128. The first index of the net, which is that of u, changes fastest.
 fn surface(p: &mut Parameters<'_>, s: &SplineSurface) -> io::Result<()> {
     let (rows, columns) = (s.u().poles(), s.v().poles());
     for number in [rows - 1, columns - 1, s.u().degree(), s.v().degree()] {
@@ -226,7 +227,7 @@ fn surface(p: &mut Parameters<'_>, s: &SplineSurface) -> io::Result<()> {
     let net: Vec<&[[f64; 3]]> = s.poles().chunks(columns).collect();
     let u_closed = net.first() == net.last();
     let v_closed = net.iter().all(|row| row.first() == row.last());
-    // Closed in u and v, polynomial, periodic in u and v.
+    // The flags are closed in u and v, polynomial, periodic in u and v.
     for flag in [u_closed, v_closed, s.weights().is_none(), false, false] {
         p.add(u8::from(flag))?;
     }
@@ -240,7 +241,7 @@ fn surface(p: &mut Parameters<'_>, s: &SplineSurface) -> io::Result<()> {
     p.reals(&[u.0, u.1, v.0, v.1])
 }
 
-/// Entity 186: each shell with a flag that its faces look out of the material.
+/// Writes entity 186: each shell with a flag that its normals point out of the material.
 fn solid(p: &mut Parameters<'_>, outer: Pointer, voids: &[Pointer]) -> io::Result<()> {
     p.add(outer)?;
     p.add(1)?;
@@ -258,7 +259,7 @@ fn on_surface(p: &mut Parameters<'_>, parts: [&Pointer; 3]) -> io::Result<()> {
     p.add(3) // both curves are equally good
 }
 
-/// Entity 144 with an explicit outer loop (N1 = 1).
+/// Writes entity 144 with an explicit outer loop (N1 = 1).
 fn trimmed(p: &mut Parameters<'_>, surface: Pointer, loops: &[Pointer]) -> io::Result<()> {
     p.add(surface)?;
     p.add(1)?;

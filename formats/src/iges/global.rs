@@ -1,4 +1,4 @@
-//! Start and global sections (IGES 5.3, clauses 2.2.4.2 and 2.2.4.3).
+//! The start and global sections (IGES 5.3, clauses 2.2.4.2 and 2.2.4.3).
 
 use std::io;
 
@@ -9,13 +9,13 @@ use crate::time_stamp;
 
 const WIDTH: usize = 72;
 
-/// Writes what people read; the number of lines.
+/// Writes the start section, which is for human readers. Returns the number of lines.
 pub(super) fn start(out: &mut dyn io::Write) -> io::Result<usize> {
     writeln!(out, "{:WIDTH$}S{:7}", "Trimmed B-spline surfaces in millimetres", 1)?;
     Ok(1)
 }
 
-/// Writes the 26 global parameters; the number of lines.
+/// Writes the 26 global parameters. Returns the number of lines.
 pub(super) fn write(
     brep: &Brep,
     options: &Options,
@@ -34,7 +34,7 @@ pub(super) fn write(
     Ok(number)
 }
 
-/// Parameters 1 to 12: delimiters, names, and what numbers the sender has.
+/// Writes parameters 1 to 12: the delimiters, the names, and the number formats of the sender.
 fn sender(p: &mut Parameters<'_>, brep: &Brep, options: &Options) -> io::Result<()> {
     p.text(",")?;
     p.text(";")?;
@@ -42,15 +42,15 @@ fn sender(p: &mut Parameters<'_>, brep: &Brep, options: &Options) -> io::Result<
     p.text(&options.file_name)?;
     p.text(&options.originating_system)?;
     p.text(concat!("scan2step-formats ", env!("CARGO_PKG_VERSION")))?;
-    // Bits of an integer; largest power of ten and digits of single and of
-    // double precision.
+    // The bits of an integer, and the largest power of ten and the digits in single and in double
+    // precision.
     for limit in [32, 38, 6, 308, 15] {
         p.add(limit)?;
     }
     p.text(&brep.name)
 }
 
-/// Parameters 13 to 26: scale, units, time, resolution, size, version.
+/// Writes parameters 13 to 26: scale, units, time, resolution, size and version.
 fn model(p: &mut Parameters<'_>, time: &str, resolution: f64, reach: f64) -> io::Result<()> {
     p.real(1.0)?;
     p.add(2)?; // millimetres
@@ -68,7 +68,7 @@ fn model(p: &mut Parameters<'_>, time: &str, resolution: f64, reach: f64) -> io:
     p.text("") // no application protocol
 }
 
-/// A time stamp as IGES spells it: `19700101.000000`.
+/// A time stamp in the notation of IGES: `19700101.000000`.
 fn time(time_stamp: &str) -> String {
     let [year, month, day, hour, minute, second] = time_stamp::fields(time_stamp);
     format!("{year:04}{month:02}{day:02}.{hour:02}{minute:02}{second:02}")

@@ -1,5 +1,7 @@
-//! Writes IGES files: version 5.3 of the Initial Graphics Exchange
-//! Specification, in its fixed 80-column ASCII form.
+//! Writer of IGES files.
+//!
+//! The input is a [`Brep`]. The output is a file of version 5.3 of the Initial Graphics Exchange
+//! Specification in the fixed ASCII form with 80 columns.
 
 mod entity;
 mod global;
@@ -12,29 +14,28 @@ use std::io;
 
 use crate::brep::Brep;
 
-/// How a file says that a surface is trimmed.
+/// The representation of trimmed surfaces in a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Form {
-    /// Trimmed surfaces (entity 144), which every program reads; faces share
-    /// no edges.
+    /// Trimmed surfaces (entity 144), which share no edges. Every program reads them.
     #[default]
     Trimmed,
     /// Solids (entity 186) and open shells (entity 514 form 2), whose faces share edges.
     Brep,
 }
 
-/// What an IGES file says besides its geometry.
+/// The content of an IGES file besides its geometry.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Options {
-    /// Trimmed surfaces or a shell.
+    /// The representation of trimmed surfaces. The default is [`Form::Trimmed`].
     pub form: Form,
-    /// ISO 8601 date and time, for instance `1970-01-01T00:00:00`.
+    /// The ISO 8601 date and time, for example `1970-01-01T00:00:00`.
     pub time_stamp: String,
-    /// The file's own name.
+    /// The name of the file itself.
     pub file_name: String,
-    /// The program the data come from, with its version.
+    /// The name and the version of the program that created the data.
     pub originating_system: String,
-    /// The faces' colour (sRGB).
+    /// The colour of the faces (sRGB). `None` writes no colour.
     pub colour: Option<[u8; 3]>,
 }
 
@@ -50,18 +51,16 @@ impl Default for Options {
     }
 }
 
-/// Writes `brep` as one root entity: a solid, a shell, a trimmed surface, or a group of
-/// these.
+/// Writes `brep` as one root entity: a solid, a shell, a trimmed surface, or a group of these.
 ///
-/// IGES is ASCII, so other characters of names become `_`. The directory
-/// stands before the parameters and says how many lines these take; they are
-/// composed twice rather than kept. The same input gives the same bytes.
-/// Buffer `out`: it gets small pieces.
+/// IGES is ASCII, so other characters of names become `_`. The directory comes before the
+/// parameters and has their numbers of lines. The parameters are composed twice so that they need
+/// not be kept in memory. The same input gives the same bytes. `out` should be buffered, because it
+/// receives small pieces.
 ///
 /// # Errors
-/// Of kind `InvalidInput`, before anything is written, where `brep` breaks the
-/// rules of [`Brep::check`] or is too large for seven
-/// digits of line numbers; otherwise those of `out`.
+/// An error of kind `InvalidInput` before anything is written, if `brep` does not satisfy
+/// [`Brep::check`] or needs line numbers of more than seven digits. Otherwise the errors of `out`.
 pub fn write(brep: &Brep, options: &Options, out: &mut dyn io::Write) -> io::Result<()> {
     brep.check()?;
     let entities = match options.form {

@@ -1,13 +1,12 @@
-//! Free-format parameters in lines of limited width.
+//! Writer of free-format parameters in lines of limited width (IGES 5.3, clause 2.2.3).
 
 use std::fmt::{self, Write as _};
 use std::io;
 
 use crate::number::IgesReal;
 
-/// Collects the parameters of one record, separated by commas and closed by a
-/// semicolon, into lines (IGES 5.3, clause 2.2.3). Numbers never cross the end
-/// of a line; strings may.
+/// Collects the parameters of one record in lines. Commas separate them, and a semicolon ends the
+/// record. A number never crosses the end of a line, but a string may.
 pub(super) struct Parameters<'a> {
     width: usize,
     line: String,
@@ -16,7 +15,7 @@ pub(super) struct Parameters<'a> {
 }
 
 impl<'a> Parameters<'a> {
-    /// `finish_line` gets each line as it is full.
+    /// Begins a record. `finish_line` receives each complete line.
     pub(super) fn new(
         width: usize,
         finish_line: &'a mut dyn FnMut(&str) -> io::Result<()>,
@@ -43,13 +42,13 @@ impl<'a> Parameters<'a> {
         values.iter().try_for_each(|&x| self.real(x))
     }
 
-    /// Appends a string with its length (Hollerith, clause 2.2.2.4).
+    /// Appends a string with its length (a Hollerith constant, clause 2.2.2.4).
     pub(super) fn text(&mut self, text: &str) -> io::Result<()> {
         let text = ascii(text);
-        // An empty string is a parameter left out: `0H` is no constant.
+        // An empty string is an omitted parameter, because `0H` is not a valid constant.
         let whole = if text.is_empty() { ",".into() } else { format!("{}H{text},", text.len()) };
-        // One that need not cross the end of a line does not: OpenCASCADE
-        // stumbles where the length itself is cut in two.
+        // A string crosses the end of a line only if it is longer than a line. OpenCASCADE fails if
+        // the line ends within the length of a string.
         if self.line.len() + whole.len().min(self.width) > self.width {
             self.flush()?;
         }
@@ -62,7 +61,7 @@ impl<'a> Parameters<'a> {
         Ok(())
     }
 
-    /// Closes the record.
+    /// Ends the record.
     pub(super) fn end(mut self) -> io::Result<()> {
         self.line.pop();
         self.line.push(';');
@@ -76,7 +75,7 @@ impl<'a> Parameters<'a> {
     }
 }
 
-/// `text` in printable ASCII, `_` standing for everything else.
+/// `text` in printable ASCII. All other characters become `_`.
 pub(super) fn ascii(text: &str) -> String {
     text.chars().map(|c| if matches!(c, ' '..='~') { c } else { '_' }).collect()
 }

@@ -1,17 +1,16 @@
-//! Directory, parameter and terminate sections (IGES 5.3, clause 2.2.4.4 to
-//! 2.2.4.6).
+//! The directory, parameter and terminate sections (IGES 5.3, clauses 2.2.4.4 to 2.2.4.6).
 
 use std::io;
 
 use super::entity::Entity;
 use super::parameters::Parameters;
 
-/// The parameter section's free columns.
+/// The number of columns for parameters in a line of the parameter section.
 const WIDTH: usize = 64;
-/// What seven columns hold.
+/// The largest number of seven digits.
 const MAX_LINES: usize = 9_999_999;
 
-/// How many lines the parameters of each entity take.
+/// The number of lines that the parameters of each entity take.
 pub(super) fn count_lines(entities: &[Entity<'_>]) -> io::Result<Vec<usize>> {
     let mut lines = Vec::with_capacity(entities.len());
     for entity in entities {
@@ -31,7 +30,7 @@ pub(super) fn count_lines(entities: &[Entity<'_>]) -> io::Result<Vec<usize>> {
     Ok(lines)
 }
 
-/// Writes two lines an entity, of ten fields each.
+/// Writes two lines of ten fields for each entity.
 pub(super) fn directory(
     entities: &[Entity<'_>],
     lines: &[usize],
@@ -41,16 +40,16 @@ pub(super) fn directory(
     for (i, (entity, lines)) in entities.iter().zip(lines).enumerate() {
         let (kind, form) = entity.body.kind();
         let (status, label, number) = (entity.status.number(), &entity.label, 2 * i + 1);
-        // Type, parameters, structure, line font, level, view, matrix, label
+        // The fields are type, parameters, structure, line font, level, view, matrix, label
         // display, status.
         writeln!(
             out,
             "{kind:8}{first_line:8}{0:8}{0:8}{0:8}{0:8}{0:8}{0:8}{status}D{number:7}",
             0
         )?;
-        // Type, line weight, colour, parameter lines, form, reserved twice,
-        // label, subscript. Programs would append a subscript to the label.
-        // A colour's definition is told from one of the standard's by its sign.
+        // The fields are type, line weight, colour, number of parameter lines, form, two reserved
+        // ones, label, subscript. There is no subscript, because programs would append it to the
+        // label. The negative sign of a colour means that it is a pointer to a definition.
         let next = number + 1;
         let colour = entity.colour.map_or("0".into(), |at| format!("-{at}"));
         writeln!(
@@ -63,7 +62,7 @@ pub(super) fn directory(
     Ok(())
 }
 
-/// Writes the parameters, each line with a pointer back to the directory.
+/// Writes the parameters. Each line has a pointer back to the directory.
 pub(super) fn parameters(entities: &[Entity<'_>], out: &mut dyn io::Write) -> io::Result<()> {
     let mut number = 0;
     for (i, entity) in entities.iter().enumerate() {
@@ -77,7 +76,7 @@ pub(super) fn parameters(entities: &[Entity<'_>], out: &mut dyn io::Write) -> io
     Ok(())
 }
 
-/// Writes the last line: how many lines each section has.
+/// Writes the last line, which has the number of lines of each section.
 pub(super) fn terminate(counts: [usize; 4], out: &mut dyn io::Write) -> io::Result<()> {
     let [s, g, d, p] = counts;
     writeln!(out, "S{s:7}G{g:7}D{d:7}P{p:7}{:40}T{:7}", "", 1)?;

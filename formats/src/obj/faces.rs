@@ -1,23 +1,23 @@
-//! The faces of an OBJ file.
+//! Reader of the faces of an OBJ file.
 
 use super::statements::words;
 use crate::limits::check_room;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::excerpt;
-use crate::{Error, Place, Result, Soup};
+use crate::{Error, Location, Result, Soup};
 
-/// Reads faces; of their corners `1/2/3` only the vertex numbers.
+/// Reads face statements. Of a corner `1/2/3` it reads only the vertex number.
 #[derive(Default)]
-pub(super) struct Faces {
+pub(super) struct FaceLines {
     /// The corners of the current face.
     corners: Vec<u32>,
-    /// The greatest vertex number so far, and its line.
+    /// The largest vertex number so far and its line.
     greatest: (i64, u64),
 }
 
-impl Faces {
-    /// Adds to `soup` the face that stands in the current line of `source`,
-    /// with `count` vertices before it.
+impl FaceLines {
+    /// Adds the face in the current line of `source` to `soup`. There are `count` vertices before
+    /// this line.
     pub(super) fn push(
         &mut self,
         source: &Source,
@@ -37,22 +37,22 @@ impl Faces {
             return check_small(source);
         }
         check_room(&source.path, soup, 0, self.corners.len() as u64)
-            .map_err(|e| e.at(Place::Line(source.line)))?;
+            .map_err(|e| e.at(Location::Line(source.line)))?;
         soup.polygons.push(self.corners.iter().copied());
         Ok(())
     }
 
     fn push_corner(&mut self, number: i64, count: u64, line: u64) {
         let index = if number < 0 { count as i64 + number } else { number - 1 };
-        // A face may come before its vertices, so that a number too great for
-        // the soup is found only at the end.
+        // A face may come before its vertices, so the largest number can be checked only at the
+        // end.
         if number >= self.greatest.0 {
             self.greatest = (number, line);
         }
         self.corners.push(index as u32);
     }
 
-    /// That the file has all the vertices that its faces name.
+    /// Checks that the file has all vertices that its faces refer to.
     pub(super) fn check_greatest(&self, source: &Source, soup: &Soup) -> Result<()> {
         let (number, line) = self.greatest;
         let count = soup.points.len() as u64;
@@ -75,8 +75,8 @@ fn unreadable(source: &Source, word: &[u8]) -> Error {
     source.error(what, EXPORT_AGAIN)
 }
 
-/// Points and lines among the faces bound no surface and are left out, but a
-/// last line without its end may be half a triangle.
+/// Points and lines among the faces bound no surface and are skipped. But a last line without a
+/// line end may be half of a triangle, which is an error.
 fn check_small(source: &Source) -> Result<()> {
     if !source.ended_line {
         return Err(source.error("ends in the middle of a face", EXPORT_AGAIN));
@@ -84,12 +84,12 @@ fn check_small(source: &Source) -> Result<()> {
     Ok(())
 }
 
-/// What to say of a vertex number that no vertex has.
+/// The error for a vertex number that no vertex has.
 fn out_of_range(source: &Source, line: u64, number: i64, count: u64) -> Error {
     let what = match number {
         0 => "has a face with vertex 0, but OBJ counts from 1".into(),
         n if n < 0 => format!("has a face with vertex {n}, but only {count} vertices before it"),
         n => format!("has a face with vertex {n}, but only {count} vertices"),
     };
-    Error::new(&source.path, what, EXPORT_AGAIN).at(Place::Line(line))
+    Error::new(&source.path, what, EXPORT_AGAIN).at(Location::Line(line))
 }

@@ -1,16 +1,16 @@
-//! OBJ: tobj for the vertices, behind a filter.
+//! Reader of OBJ files.
 //!
-//! tobj renumbers the vertices by first use, drops unused ones, splits a file
-//! at groups and materials, and holds 80 bytes a triangle until the file is
-//! over. It is therefore handed nothing but the `v` statements, some thousand
-//! at a time (`vertices`). Faces are only whole numbers, which have to be
-//! checked here anyway, where the line is known (`faces`).
+//! The tobj crate reads only the vertices. For a whole file it would renumber the vertices in the
+//! order of their use, remove unused ones, split the file at groups and materials, and keep 80
+//! bytes per triangle in memory until the end. So it receives only the `v` statements, some
+//! thousands at a time (`vertices`). Faces are only integers, which must be checked here in any
+//! case, where the line is known (`faces`).
 
 mod faces;
 mod statements;
 mod vertices;
 
-use self::faces::Faces;
+use self::faces::FaceLines;
 use self::statements::{Statement, Statements};
 use self::vertices::Vertices;
 use crate::source::Source;
@@ -35,11 +35,11 @@ fn is_number(word: &[u8]) -> bool {
 pub(crate) fn read(source: Source) -> Result<Soup> {
     let mut statements = Statements::new(source);
     let mut vertices = Vertices::default();
-    let mut faces = Faces::default();
+    let mut faces = FaceLines::default();
     let mut soup = Soup::default();
     let done = read_statements(&mut statements, &mut vertices, &mut faces, &mut soup);
-    // A vertex that still waits stands before the place where reading stopped,
-    // and so its error comes first.
+    // The vertices that wait are before the place where reading stopped, so their errors come
+    // first.
     vertices.flush(statements.source(), &mut soup)?;
     done?;
     faces.check_greatest(statements.source(), &soup)?;
@@ -49,7 +49,7 @@ pub(crate) fn read(source: Source) -> Result<Soup> {
 fn read_statements(
     statements: &mut Statements,
     vertices: &mut Vertices,
-    faces: &mut Faces,
+    faces: &mut FaceLines,
     soup: &mut Soup,
 ) -> Result<()> {
     while statements.advance()? {

@@ -3,15 +3,14 @@
 use crate::Result;
 use crate::source::{EXPORT_AGAIN, Source};
 
-/// A statement that is continued on many lines is bounded like a line.
+/// The largest length in bytes of a statement that continues on several lines.
 const MAX_STATEMENT: usize = 64 << 20;
 
-/// A statement, and what follows its keyword.
+/// A statement and the text after its keyword.
 pub(super) enum Statement<'a> {
     Vertex(&'a [u8]),
     Face(&'a [u8]),
-    /// One that does not make the mesh; it alone may hold other text than
-    /// ASCII.
+    /// A statement that does not define the mesh. Only such statements may contain non-ASCII text.
     Other,
 }
 
@@ -35,10 +34,9 @@ impl Statements {
         statement(&self.text)
     }
 
-    /// Reads a line and, of a vertex or a face, those that continue it;
-    /// `false` after the last. After other lines the next one stands for
-    /// itself: a name or a path may well end in a backslash, and the vertex
-    /// after it would be lost.
+    /// Reads the next statement. Returns `false` after the last one. A vertex or a face may
+    /// continue on several lines. Other statements may not, because a name or a path may end with a
+    /// backslash, and the vertex in the next line would be lost.
     pub(super) fn advance(&mut self) -> Result<bool> {
         let more = self.source.next_text_line(&mut self.text)?;
         let Some(mut end) = continued(&self.text) else { return Ok(more) };
@@ -67,21 +65,21 @@ fn statement(text: &[u8]) -> Statement<'_> {
     let ends = |rest: &[u8]| rest.first().is_none_or(u8::is_ascii_whitespace);
     match text.trim_ascii_start() {
         [b'v', rest @ ..] if ends(rest) => Statement::Vertex(rest),
-        // `fo`: a face, before version 3.0.
+        // `fo` was the keyword of a face before version 3.0.
         [b'f', b'o', rest @ ..] | [b'f', rest @ ..] if ends(rest) => Statement::Face(rest),
         _ => Statement::Other,
     }
 }
 
-/// The length of `line` without the backslash at its end, if it has one:
-/// editors leave blanks after it. A comment ends with its line.
+/// The length of `line` without the backslash at its end, if it has one. Blanks may follow the
+/// backslash. A comment never continues.
 fn continued(line: &[u8]) -> Option<usize> {
     let rest = line.trim_ascii_end().strip_suffix(b"\\")?;
     let comment = line.split(u8::is_ascii_whitespace).any(|word| word.starts_with(b"#"));
     (!comment).then_some(rest.len())
 }
 
-/// The words of `text` up to a comment. (`1.#IND`, a NaN, begins none.)
+/// The words of `text` up to a comment. The NaN `1.#IND` does not begin a comment.
 pub(super) fn words(text: &[u8]) -> impl Iterator<Item = &[u8]> {
     let words = text.split(u8::is_ascii_whitespace).filter(|word| !word.is_empty());
     words.take_while(|word| word[0] != b'#')

@@ -1,4 +1,4 @@
-//! The vertices of an OBJ file, which tobj reads.
+//! Reader of the vertices of an OBJ file with tobj.
 
 use std::io::Write as _;
 
@@ -8,24 +8,24 @@ use super::statements::words;
 use crate::limits::check_room;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
-use crate::{Error, Place, Result, Soup};
+use crate::{Error, Location, Result, Soup};
 
-/// How many vertices tobj gets at a time: few enough to stay in the cache.
+/// The number of vertices that tobj receives at a time. So few stay in the cache.
 const BATCH: usize = 4096;
 
-/// It gets them earlier if their text is longer than any sane numbers.
+/// The length of text in bytes after which tobj receives fewer vertices.
 const LONG: usize = 1 << 20;
 
 /// Vertices that wait for tobj.
 #[derive(Default)]
 pub(super) struct Vertices {
-    /// A statement `v x y z` for each. A weight or a colour is left out, for
-    /// tobj would divide by the weight.
+    /// A statement `v x y z` for each vertex. A weight or a colour is omitted, because tobj would
+    /// divide by the weight.
     text: Vec<u8>,
-    /// The line of each in the file.
+    /// The line of each vertex in the file.
     lines: Vec<u64>,
-    /// The statement `f 1 2 3 …` of as many corners: tobj delivers vertices
-    /// that a face uses, in the order of their use.
+    /// The statement `f 1 2 3 …` with all these vertices. tobj returns only vertices that a face
+    /// uses, in the order of their use.
     list: Vec<u8>,
     listed: usize,
 }
@@ -39,7 +39,7 @@ impl Vertices {
         self.lines.len() >= BATCH || self.text.len() >= LONG
     }
 
-    /// Adds the vertex that stands in the current line of `source`.
+    /// Adds the vertex in the current line of `source`.
     pub(super) fn push(&mut self, source: &Source, text: &[u8]) -> Result<()> {
         let mut words = words(text);
         let start = self.text.len();
@@ -58,11 +58,11 @@ impl Vertices {
         Ok(())
     }
 
-    /// Has tobj read what waits, and adds it to the points of `soup`.
+    /// Reads the waiting vertices with tobj and adds them to the points of `soup`.
     pub(super) fn flush(&mut self, source: &Source, soup: &mut Soup) -> Result<()> {
         let Some(&last) = self.lines.last() else { return Ok(()) };
         check_room(&source.path, soup, self.len() as u64, 0)
-            .map_err(|e| e.at(Place::Line(last)))?;
+            .map_err(|e| e.at(Location::Line(last)))?;
         self.write_list();
         self.text.extend_from_slice(&self.list);
         let mut rest = self.text.as_slice();
@@ -75,7 +75,8 @@ impl Vertices {
         Ok(())
     }
 
-    /// Makes the list fit; only the last one has another length.
+    /// Adjusts the face statement to the number of vertices. Only the last batch has another
+    /// number.
     fn write_list(&mut self) {
         if self.listed == self.lines.len() {
             return;
@@ -84,14 +85,14 @@ impl Vertices {
         self.list.clear();
         self.list.push(b'f');
         for number in 1..=self.listed {
-            // Writing into memory does not fail.
+            // Writing to memory does not fail.
             let _ = write!(self.list, " {number}");
         }
         self.list.push(b'\n');
     }
 
-    /// The error for what tobj refused. It names no line, but it reads one
-    /// line at a time, so that the last of the bytes taken tell it.
+    /// The error for text that tobj refused. It does not name a line, but it reads one line at a
+    /// time, so the number of bytes that it has taken gives the line.
     fn refusal(&self, source: &Source, e: LoadError, taken: usize) -> Error {
         let mut statements = self.text[..taken].split_inclusive(|&b| b == b'\n');
         let statement = excerpt(statements.next_back().unwrap_or_default());
@@ -103,7 +104,7 @@ impl Vertices {
         };
         let error = Error::new(&source.path, what, number_help(&statement));
         match self.lines.get(statements.count()) {
-            Some(&line) => error.at(Place::Line(line)),
+            Some(&line) => error.at(Location::Line(line)),
             None => error,
         }
     }
@@ -114,18 +115,18 @@ fn load(text: &mut &[u8], count: usize) -> std::result::Result<Vec<f64>, LoadErr
     let (models, _) =
         tobj::load_obj_buf(text, &LoadOptions::default(), |_| Ok(Default::default()))?;
     let positions = models.into_iter().next().map(|model| model.mesh.positions);
-    // Any other number of them is not to be expected.
+    // tobj should return exactly this number of coordinates.
     positions.filter(|p| p.len() == 3 * count).ok_or(LoadError::GenericFailure)
 }
 
-/// Adds `word` in a spelling that tobj reads.
+/// Adds `word` in a notation that tobj reads.
 fn push_number(text: &mut Vec<u8>, word: &[u8]) {
     let usual = |b: &u8| matches!(b, b'0'..=b'9' | b'.' | b'-' | b'+' | b'e' | b'E');
     if word.iter().all(usual) {
         return text.extend_from_slice(word);
     }
     let word = String::from_utf8_lossy(word);
-    // tobj also splits at white space that is none in ASCII.
+    // tobj also splits at white space outside of ASCII.
     let word = plain_number(word.trim()).replace(char::is_whitespace, "?");
     text.extend_from_slice(word.as_bytes());
 }

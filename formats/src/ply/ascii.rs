@@ -1,7 +1,7 @@
-//! Rows of an ascii body, put into words that ply-rs reads.
+//! Conversion of the rows of an ASCII body to words that ply-rs reads.
 //!
-//! ply-rs takes a row to be exactly one line, refuses blank lines and `.5`,
-//! `5.` and `nan`, and drops surplus values without a word.
+//! ply-rs expects exactly one row in a line. It refuses blank lines and `.5`, `5.` and `nan`, and
+//! it ignores additional values without an error.
 
 use ply_rs::ply::PropertyType;
 
@@ -10,7 +10,7 @@ use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
 use crate::{Error, Result};
 
-/// The current line, how much of it is used, and the row made of it.
+/// The current line, the number of its bytes that are used, and the current row.
 #[derive(Default)]
 pub(super) struct AsciiRows {
     line: Vec<u8>,
@@ -19,8 +19,8 @@ pub(super) struct AsciiRows {
 }
 
 impl AsciiRows {
-    /// The next row of `element`, with the wanted columns only; `None` if the
-    /// file ends before it is complete.
+    /// The next row of `element` with only the wanted columns. `None` if the file ends before the
+    /// row is complete.
     pub(super) fn next(
         &mut self,
         source: &mut Source,
@@ -53,15 +53,14 @@ impl AsciiRows {
         Ok(Some(&self.row))
     }
 
-    /// The error that the current line holds something that is no number.
+    /// The error that the current line contains a word that is not a number.
     pub(super) fn unreadable(&self, source: &Source, element: &str) -> Error {
         let text = excerpt(&self.line);
         let help = number_help(&text);
         source.error(format!("has an unreadable {element} \u{201c}{text}\u{201d}"), help)
     }
 
-    /// The next token, from the next lines if this one is used up. If it is
-    /// to be kept it is added to the row.
+    /// The next token, which may be in a later line. If `keep`, it is added to the row.
     fn token(&mut self, source: &mut Source, keep: bool) -> Result<Option<&[u8]>> {
         let (start, end) = loop {
             if let Some(span) = next_span(&self.line, self.used) {

@@ -1,4 +1,4 @@
-//! The header, read with bounds and checked before anything trusts it.
+//! Reader of the header. Its size has bounds, and it is checked before other modules use it.
 
 use ply_rs::ply::{ElementDef, Encoding, PropertyDef, PropertyType, ScalarType};
 
@@ -6,11 +6,12 @@ use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::excerpt;
 use crate::{Error, Result};
 
-/// Bounds far above any real header, so that a hostile one costs nothing.
+/// The largest number of lines of a header. It is far above that of real headers, and it bounds the
+/// cost of a hostile one.
 const MAX_LINES: u64 = 10_000;
 const MAX_LINE: usize = 1 << 16;
 
-/// What the header announces.
+/// The content of the header.
 pub(super) struct Header {
     pub(super) encoding: Encoding,
     pub(super) elements: Vec<Element>,
@@ -25,7 +26,7 @@ impl Header {
     }
 }
 
-/// An announced element: a table with named columns.
+/// An element that the header declares: a table with named columns.
 pub(super) struct Element {
     pub(super) name: String,
     pub(super) count: u64,
@@ -33,18 +34,18 @@ pub(super) struct Element {
 }
 
 impl Element {
-    /// The type of the property called `name`.
+    /// The type of the property `name`.
     pub(super) fn property(&self, name: &str) -> Option<&PropertyType> {
         self.properties.iter().find(|(n, _)| n == name).map(|(_, t)| t)
     }
 
-    /// The name of the list that holds a face's corners.
+    /// The name of the list of a face's corners.
     pub(super) fn index_list(&self) -> Option<&'static str> {
         let is_list = |name: &&str| matches!(self.property(name), Some(PropertyType::List(..)));
         ["vertex_indices", "vertex_index"].into_iter().find(is_list)
     }
 
-    /// The bytes of a binary row, if it has no list.
+    /// The size in bytes of a binary row, if it has no list.
     pub(super) fn size(&self) -> Option<u64> {
         self.properties
             .iter()
@@ -55,10 +56,10 @@ impl Element {
             .sum()
     }
 
-    /// The element as ply-rs shall see it: unwanted columns of a binary body
-    /// renamed, so that nobody takes them for wanted ones; in ascii, where
-    /// `ascii` leaves them out, gone, and coordinates read as doubles whatever
-    /// the header calls them, since the digits are there.
+    /// The definition of the element for ply-rs. In a binary body, unwanted columns are renamed, so
+    /// that they are not read. In an ASCII body they are removed, because `ascii` omits them.
+    /// There, coordinates are read as doubles for any declared type, because the file has the
+    /// digits.
     pub(super) fn definition(&self, code: Encoding, wanted: impl Fn(&str) -> bool) -> ElementDef {
         let ascii = code == Encoding::Ascii;
         let mut def = ElementDef::new(self.name.clone());
@@ -87,14 +88,14 @@ fn bytes(scalar: &ScalarType) -> u64 {
     }
 }
 
-/// Reads up to and with `end_header`, and not a byte further.
+/// Reads up to the end of the line `end_header`, and no further byte.
 pub(super) fn read(source: &mut Source) -> Result<Header> {
     let mut encoding = None;
     let mut elements = Vec::new();
     let mut infos = Vec::new();
     let mut line = Vec::new();
     while next_line(source, &mut line)? {
-        // Only comments may hold other text than ASCII, and they are skipped.
+        // Only comments may contain non-ASCII text, and they are skipped.
         let text = String::from_utf8_lossy(&line);
         let mut words = text.split_ascii_whitespace();
         match words.next() {

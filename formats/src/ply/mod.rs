@@ -1,8 +1,8 @@
-//! PLY: our own header and token reader around ply-rs.
+//! Reader of PLY files.
 //!
-//! ply-rs reads the values, binary and ascii. It cannot have the header,
-//! whose lines it does not bound, whose duplicates it merges and whose Latin-1
-//! comments it refuses; nor the raw ascii body (see `ascii`).
+//! The ply-rs crate reads the values, binary and ASCII. This module reads the header, because
+//! ply-rs does not bound its lines, merges duplicates and refuses Latin-1 comments. It also
+//! prepares the ASCII body (see `ascii`).
 
 mod ascii;
 mod header;
@@ -16,14 +16,14 @@ use ply_rs::ply::{ElementDef, Encoding, PropertyAccess, PropertyType, ScalarType
 
 use self::ascii::AsciiRows;
 use self::header::{Element, Header};
-use self::rows::{CHANNELS, Corners, Ignored, Position};
+use self::rows::{CHANNELS, Ignored, Position, VertexNumbers};
 use crate::limits::check_room;
 use crate::points::Content;
 use crate::source::{EXPORT_AGAIN, Source};
-use crate::{Error, Place, Result, Soup};
+use crate::{Error, Location, Result, Soup};
 
-/// Whether `head` begins a PLY file: with a line of this one word. (The free
-/// text of a binary STL may begin with it too, but goes on.)
+/// Whether `head` is the beginning of a PLY file: a line with the single word `ply`. The free text
+/// of a binary STL may begin with this word, too, but then more text follows.
 pub(crate) fn is_ply(head: &[u8]) -> bool {
     let Some(rest) = head.strip_prefix(b"ply") else { return false };
     let end = rest.iter().position(|b| matches!(b, b'\r' | b'\n'));
@@ -65,7 +65,7 @@ fn read_mesh(mut body: Body, header: &Header) -> Result<Soup> {
     Ok(soup)
 }
 
-/// What comes after the header.
+/// The body of a file, which follows the header.
 struct Body {
     source: Source,
     encoding: Encoding,
@@ -94,14 +94,14 @@ fn read_points(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()
         sums.iter_mut().zip(row.rgb).for_each(|(sum, channel)| *sum += channel);
         Ok(())
     })?;
-    // A channel that is no number becomes 0.
+    // A channel that is not a number becomes 0.
     let mean = |scale: f64| sums.map(|sum| (sum / element.count as f64 * scale).round() as u8);
     soup.colour = scale.map(mean);
     Ok(())
 }
 
-/// What makes bytes of the channels of the vertices' colours, if they have all
-/// three: bytes themselves, or numbers up to 1.
+/// The factor that converts the channels of vertex colours to bytes. They may be bytes or numbers
+/// up to 1. `None` if a channel is missing.
 fn channel_scale(element: &Element) -> Option<f64> {
     let kinds = CHANNELS.map(|name| element.property(name).cloned());
     let all = |kinds_of: &[ScalarType]| {
@@ -124,15 +124,15 @@ fn read_faces(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()>
         body,
         element,
         |name| name == list,
-        |source, i, row: Corners| {
+        |source, i, row: VertexNumbers| {
             check_room(&source.path, soup, 0, row.len() as u64)?;
-            // Points and lines among the faces bound no surface.
+            // Points and lines among the faces bound no surface and are skipped.
             if row.len() >= 3 {
                 if let Some(c) = row.indices().find(|&c| vertex(c).is_none()) {
-                    return Err(negative(source, "face", c, Place::Face(i)));
+                    return Err(negative(source, "face", c, Location::Face(i)));
                 }
                 match row.triangle() {
-                    // Nearly every face there is.
+                    // Almost all faces are triangles.
                     Some(triangle) => soup.polygons.push(triangle),
                     None => soup.polygons.push(row.indices().filter_map(vertex)),
                 }
@@ -142,8 +142,7 @@ fn read_faces(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()>
     )
 }
 
-/// Triangle strips, as Stanford's archive has them: one long list in which -1
-/// starts a new strip.
+/// Reads triangle strips as in Stanford's archive: one long list in which -1 begins a new strip.
 fn read_strips(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()> {
     let list = match element.index_list() {
         Some(list) => list,
@@ -154,7 +153,7 @@ fn read_strips(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()
         body,
         element,
         |name| name == list,
-        |source, i, row: Corners| {
+        |source, i, row: VertexNumbers| {
             check_room(&source.path, soup, 0, 3 * row.len() as u64)?;
             let mut strip = Strip::default();
             for index in row.indices() {
@@ -162,7 +161,7 @@ fn read_strips(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()
                     Some(corner) => strip.push(corner, soup),
                     None if index == -1 => strip.seen = 0,
                     None => {
-                        let place = Place::Element("row of tristrips", i);
+                        let place = Location::Element("row of tristrips", i);
                         return Err(negative(source, "strip", index, place));
                     }
                 }
@@ -172,7 +171,7 @@ fn read_strips(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()
     )
 }
 
-/// The last two corners of a triangle strip, and how many there were.
+/// The last two corners of a triangle strip and the number of its corners.
 #[derive(Default)]
 struct Strip {
     last: [u32; 2],
@@ -193,7 +192,7 @@ impl Strip {
 }
 
 fn skip(body: &mut Body, element: &Element) -> Result<()> {
-    // ply-rs would make as many empty rows as the header claims.
+    // ply-rs would create as many empty rows as the header declares.
     if element.properties.is_empty() {
         return Ok(());
     }
@@ -206,7 +205,7 @@ fn skip(body: &mut Body, element: &Element) -> Result<()> {
     each_row(body, element, |_| false, |_, _, _: Ignored| Ok(()))
 }
 
-/// Reads the rows of `element` through ply-rs and hands each to `each`.
+/// Reads the rows of `element` with ply-rs and passes each one to `each`.
 fn each_row<E: PropertyAccess>(
     body: &mut Body,
     element: &Element,
@@ -223,25 +222,25 @@ fn each_row<E: PropertyAccess>(
     Ok(())
 }
 
-/// Why a row cannot be read.
-enum Failure {
+/// The reason why a row cannot be read.
+enum RowFailure {
     Ours(Error),
     Theirs(ParseError),
     End,
 }
 
-impl Failure {
+impl RowFailure {
     fn at(self, body: &Body, element: &Element, row: u64) -> Error {
         match self {
-            Failure::Ours(error) => error,
-            Failure::End => cut(body, element, row),
-            Failure::Theirs(e) if e.kind() == io::ErrorKind::UnexpectedEof => {
+            RowFailure::Ours(error) => error,
+            RowFailure::End => cut(body, element, row),
+            RowFailure::Theirs(e) if e.kind() == io::ErrorKind::UnexpectedEof => {
                 cut(body, element, row)
             }
-            Failure::Theirs(_) if body.encoding == Encoding::Ascii => {
+            RowFailure::Theirs(_) if body.encoding == Encoding::Ascii => {
                 body.ascii.unreadable(&body.source, &element.name)
             }
-            Failure::Theirs(e) => {
+            RowFailure::Theirs(e) => {
                 let what = format!("has a damaged row {row} of element {}: {e}", element.name);
                 Error::new(&body.source.path, what, EXPORT_AGAIN)
             }
@@ -255,33 +254,33 @@ fn read_row<E: PropertyAccess>(
     element: &Element,
     def: &ElementDef,
     wanted: impl Fn(&str) -> bool,
-) -> std::result::Result<E, Failure> {
+) -> std::result::Result<E, RowFailure> {
     let stream = &mut body.source.stream;
     let row = match body.encoding {
         Encoding::BinaryLittleEndian => parser.read_little_endian_element(stream, def),
         Encoding::BinaryBigEndian => parser.read_big_endian_element(stream, def),
         Encoding::Ascii => {
             let text = body.ascii.next(&mut body.source, element, wanted);
-            let text = text.map_err(Failure::Ours)?.ok_or(Failure::End)?;
+            let text = text.map_err(RowFailure::Ours)?.ok_or(RowFailure::End)?;
             parser.read_ascii_element(text, def)
         }
     };
-    row.map_err(Failure::Theirs)
+    row.map_err(RowFailure::Theirs)
 }
 
-/// The error that the file ends before the header's count is reached.
+/// The error that the file ends before the number of rows in the header is reached.
 fn cut(body: &Body, element: &Element, row: u64) -> Error {
     let (name, count) = (&element.name, element.count);
     let what = format!("ends after {row} of the {count} rows of element {name}");
     let error = Error::new(&body.source.path, what, EXPORT_AGAIN);
     match name.as_str() {
-        "vertex" => error.at(Place::Vertex(row)),
-        "face" => error.at(Place::Face(row)),
+        "vertex" => error.at(Location::Vertex(row)),
+        "face" => error.at(Location::Face(row)),
         _ => error,
     }
 }
 
-/// A header that promises less than the file has would lose faces silently.
+/// Checks that the file ends after the last row. Otherwise faces could be lost without an error.
 fn check_end(body: &mut Body) -> Result<()> {
     let source = &mut body.source;
     let mut rest = [0; 4096];
@@ -290,7 +289,7 @@ fn check_end(body: &mut Body) -> Result<()> {
         let n = source.stream.read(&mut rest).map_err(|e| source.io_error(&e))?;
         if rest[..n].iter().any(surplus) {
             let help = "The header's counts do not match the content: export the scan again.";
-            return Err(source.error("has more data than its header announces", help));
+            return Err(source.error("has more data than its header declares", help));
         }
         if n == 0 {
             return Ok(());
@@ -298,19 +297,20 @@ fn check_end(body: &mut Body) -> Result<()> {
     }
 }
 
-/// ply-rs checks no index; and faces may come before the vertices.
+/// Checks all vertex indices. ply-rs does not check them, and faces may come before the vertices.
 fn check_indices(body: &Body, header: &Header, soup: &Soup) -> Result<()> {
     let points = soup.points.len();
     for (i, polygon) in soup.polygons.iter().enumerate() {
         if let Some(&index) = polygon.iter().find(|&&c| c as usize >= points) {
             let what = format!("has a face with vertex {index}, but only {points} vertices");
             let error = Error::new(&body.source.path, what, EXPORT_AGAIN);
-            // Where faces were left out or strips unrolled the count is not the file's.
+            // If faces were skipped or strips were unrolled, the numbers of faces differ from those
+            // of the file.
             let counted = header
                 .elements
                 .iter()
                 .any(|e| e.name == "face" && e.count == soup.polygons.len() as u64);
-            return Err(if counted { error.at(Place::Face(i as u64)) } else { error });
+            return Err(if counted { error.at(Location::Face(i as u64)) } else { error });
         }
     }
     Ok(())
@@ -325,7 +325,7 @@ fn vertex(index: i64) -> Option<u32> {
     u32::try_from(index).ok()
 }
 
-fn negative(source: &Source, of: &str, index: i64, place: Place) -> Error {
+fn negative(source: &Source, of: &str, index: i64, place: Location) -> Error {
     let what = format!("has a {of} with the negative vertex number {index}");
     Error::new(&source.path, what, EXPORT_AGAIN).at(place)
 }

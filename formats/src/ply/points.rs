@@ -7,11 +7,11 @@
 use ply_rs::ply::{PropertyAccess, PropertyAccessResult, PropertyType};
 
 use super::header::{Element, Header};
-use super::rows::Corners;
+use super::rows::VertexNumbers;
 use super::{Body, check_end, each_row, no_list, skip, vertex};
-use crate::points::{Builder, Grid, GridShape, Note, Order, ScanEnd};
+use crate::points::{GridShape, Note, Order, PointsBuilder, ScanEnd, ScanGrid};
 use crate::source::EXPORT_AGAIN;
-use crate::{Error, Place, Points, Result};
+use crate::{Error, Location, Points, Result};
 
 const GRID: &str = "range_grid";
 
@@ -24,7 +24,7 @@ pub(super) fn is_cloud(header: &Header) -> bool {
 pub(super) fn read(mut body: Body, header: &Header) -> Result<Points> {
     let vertices = header.elements.iter().find(|e| e.name == "vertex");
     let has_normals = vertices.is_some_and(|e| NORMAL.iter().all(|name| has(e, name)));
-    let mut builder = Builder::new(&body.source.path, has_normals);
+    let mut builder = PointsBuilder::new(&body.source.path, has_normals);
     let has_grid = header.elements.iter().any(|e| e.name == GRID && e.count > 0);
     builder.begin_scan(has_grid);
     let mut cells = None;
@@ -54,7 +54,7 @@ fn has(element: &Element, name: &str) -> bool {
     matches!(element.property(name), Some(PropertyType::Scalar(_)))
 }
 
-fn read_points(body: &mut Body, element: &Element, builder: &mut Builder) -> Result<()> {
+fn read_points(body: &mut Body, element: &Element, builder: &mut PointsBuilder) -> Result<()> {
     for axis in ["x", "y", "z"] {
         if !has(element, axis) {
             let what = format!("has vertices without {axis}");
@@ -62,13 +62,13 @@ fn read_points(body: &mut Body, element: &Element, builder: &mut Builder) -> Res
         }
     }
     let wanted = |name: &str| matches!(name, "x" | "y" | "z") || NORMAL.contains(&name);
-    each_row(body, element, wanted, |_, _, row: Row| builder.push(row.xyz, row.normal))?;
+    each_row(body, element, wanted, |_, _, row: PointRow| builder.push(row.xyz, row.normal))?;
     let names = element.properties.iter().map(|(name, _)| name.as_str());
     builder.cloud().lost.count(names, element.count);
     Ok(())
 }
 
-/// The vertex number of each cell, or [`Grid::EMPTY`].
+/// The vertex number of each cell, or [`ScanGrid::EMPTY`].
 fn read_grid(body: &mut Body, element: &Element) -> Result<Vec<u32>> {
     let list = element.index_list().ok_or_else(|| no_list(body, element))?;
     let mut cells = Vec::new();
@@ -76,12 +76,12 @@ fn read_grid(body: &mut Body, element: &Element) -> Result<Vec<u32>> {
         body,
         element,
         |name| name == list,
-        |source, i, row: Corners| {
+        |source, i, row: VertexNumbers| {
             let index = row.indices().next();
-            let cell = index.map_or(Some(Grid::EMPTY), vertex);
+            let cell = index.map_or(Some(ScanGrid::EMPTY), vertex);
             let cell = cell.ok_or_else(|| {
                 let what = "has a cell of its range grid with a negative vertex number";
-                Error::new(&source.path, what, EXPORT_AGAIN).at(Place::Element("cell", i))
+                Error::new(&source.path, what, EXPORT_AGAIN).at(Location::Element("cell", i))
             })?;
             cells.push(cell);
             Ok(())
@@ -91,11 +91,11 @@ fn read_grid(body: &mut Body, element: &Element) -> Result<Vec<u32>> {
 }
 
 fn check_grid(body: &Body, cells: &[u32], vertices: u64) -> Result<()> {
-    let wrong = |&cell: &u32| cell != Grid::EMPTY && u64::from(cell) >= vertices;
+    let wrong = |&cell: &u32| cell != ScanGrid::EMPTY && u64::from(cell) >= vertices;
     let Some(i) = cells.iter().position(wrong) else { return Ok(()) };
     let what = format!("has a range grid with vertex {}, but only {vertices} vertices", cells[i]);
     let error = Error::new(&body.source.path, what, EXPORT_AGAIN);
-    Err(error.at(Place::Element("cell", i as u64)))
+    Err(error.at(Location::Element("cell", i as u64)))
 }
 
 /// How the cells form a grid, if the header says it and the counts agree.
@@ -107,12 +107,12 @@ fn shape(header: &Header, cells: Vec<u32>) -> Option<GridShape> {
 }
 
 /// A vertex of a cloud. What the file does not have stays zero.
-struct Row {
+struct PointRow {
     xyz: [f64; 3],
     normal: [f64; 3],
 }
 
-impl Row {
+impl PointRow {
     fn set(&mut self, name: &str, value: f64) -> PropertyAccessResult {
         match name {
             "x" => self.xyz[0] = value,
@@ -127,9 +127,9 @@ impl Row {
     }
 }
 
-impl PropertyAccess for Row {
+impl PropertyAccess for PointRow {
     fn new() -> Self {
-        Row { xyz: [0.0; 3], normal: [0.0; 3] }
+        PointRow { xyz: [0.0; 3], normal: [0.0; 3] }
     }
 
     super::rows::coordinates!(set_char: i8, set_uchar: u8, set_short: i16, set_ushort: u16,

@@ -2,13 +2,13 @@
 
 use ply_rs::ply::{BeginList, PropertyAccess, PropertyAccessResult};
 
-/// A vertex: its position and, if it has one, its colour.
+/// A vertex: its position and its colour, if it has one.
 pub(super) struct Position {
     pub(super) xyz: [f64; 3],
     pub(super) rgb: [f64; 3],
 }
 
-/// What the channels of a vertex's colour are called.
+/// The names of the channels of a vertex colour.
 pub(super) const CHANNELS: [&str; 3] = ["red", "green", "blue"];
 
 impl Position {
@@ -44,14 +44,14 @@ impl PropertyAccess for Position {
         set_int: i32, set_uint: u32, set_float: f32, set_double: f64);
 }
 
-/// A face or strip: its list of vertex numbers. Those of type `int`, which
-/// nearly all files have, are parsed in place; `uint` alone needs more.
-pub(super) struct Corners {
+/// The list of vertex numbers of a face or strip. Almost all files have the type `int`, which is
+/// parsed in place. Only `uint` needs a second list.
+pub(super) struct VertexNumbers {
     ints: Vec<i32>,
     uints: Vec<u32>,
 }
 
-impl Corners {
+impl VertexNumbers {
     pub(super) fn len(&self) -> usize {
         self.ints.len() + self.uints.len()
     }
@@ -70,7 +70,7 @@ impl Corners {
 }
 
 fn holds_corners(name: &str) -> bool {
-    // Unwanted lists were renamed in the definition.
+    // The definition has renamed unwanted lists.
     matches!(name, "vertex_indices" | "vertex_index")
 }
 
@@ -86,9 +86,9 @@ macro_rules! corner_lists {
     };
 }
 
-impl PropertyAccess for Corners {
+impl PropertyAccess for VertexNumbers {
     fn new() -> Self {
-        Corners { ints: Vec::new(), uints: Vec::new() }
+        VertexNumbers { ints: Vec::new(), uints: Vec::new() }
     }
 
     fn begin_list_int(&mut self, name: &str, _len: usize) -> BeginList<'_, i32> {
@@ -110,7 +110,7 @@ impl PropertyAccess for Corners {
     }
 }
 
-/// A row of an element that nobody needs.
+/// A row of an element that is not needed.
 pub(super) struct Ignored;
 
 impl PropertyAccess for Ignored {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::{Grid, Points, Pose, Scan};
+use super::{PointScan, Points, Pose, ScanGrid};
 use crate::{Error, Result};
 
 /// A cloud whose middle is farther from zero than so many of its extents gets an
@@ -15,7 +15,7 @@ const FAR: f64 = 100.0;
 const LARGE_MM: f64 = 1e6;
 
 /// Collects points, and leaves out those that are none.
-pub(crate) struct Builder {
+pub(crate) struct PointsBuilder {
     path: PathBuf,
     points: Points,
     /// What the positions are relative to while the file is read.
@@ -23,7 +23,7 @@ pub(crate) struct Builder {
     /// The first position of the scan at hand.
     first: usize,
     /// What became of each record of the scan at hand, if a grid needs it: the
-    /// index of its position or [`Grid::EMPTY`].
+    /// index of its position or [`ScanGrid::EMPTY`].
     records: Option<Vec<u32>>,
     /// How many points of the scan at hand are at exactly 0 0 0.
     zeros: u64,
@@ -51,15 +51,15 @@ pub(crate) enum Order {
     /// The records of one column follow each other.
     Columns,
     /// The cells of one row follow each other, and each names its record or is
-    /// [`Grid::EMPTY`].
+    /// [`ScanGrid::EMPTY`].
     Indexed(Vec<u32>),
 }
 
-impl Builder {
+impl PointsBuilder {
     /// A builder of points, with normals if `has_normals`.
-    pub(crate) fn new(path: &Path, has_normals: bool) -> Builder {
+    pub(crate) fn new(path: &Path, has_normals: bool) -> PointsBuilder {
         let normals = has_normals.then(Vec::new);
-        Builder {
+        PointsBuilder {
             path: path.to_path_buf(),
             points: Points { normals, ..Points::default() },
             base: [0.0; 3],
@@ -85,10 +85,10 @@ impl Builder {
     pub(crate) fn push(&mut self, xyz: [f64; 3], normal: [f64; 3]) -> Result<()> {
         if !xyz.iter().all(|x| x.is_finite()) {
             self.points.lost.not_finite += 1;
-            return self.record(Grid::EMPTY);
+            return self.record(ScanGrid::EMPTY);
         }
         let index = self.points.len();
-        if index >= Grid::EMPTY as usize {
+        if index >= ScanGrid::EMPTY as usize {
             return Err(self.too_many());
         }
         self.zeros += u64::from(xyz == [0.0; 3]);
@@ -103,12 +103,12 @@ impl Builder {
     /// Adds a record for which the scanner saw nothing.
     pub(crate) fn push_nothing(&mut self) -> Result<()> {
         self.points.lost.at_zero += 1;
-        self.record(Grid::EMPTY)
+        self.record(ScanGrid::EMPTY)
     }
 
     fn record(&mut self, index: u32) -> Result<()> {
         let Some(records) = &mut self.records else { return Ok(()) };
-        if records.len() >= Grid::EMPTY as usize {
+        if records.len() >= ScanGrid::EMPTY as usize {
             return Err(self.too_many());
         }
         records.push(index);
@@ -129,12 +129,12 @@ impl Builder {
         let grid = self.records.take().zip(end.grid).and_then(|(records, shape)| {
             let (rows, columns) = (shape.rows, shape.columns);
             let cells = cells(records, &shape)?;
-            Some(Grid { rows, columns, cells })
+            Some(ScanGrid { rows, columns, cells })
         });
         let pose = end.pose.map(|pose| self.place(pose)).transpose()?;
         let viewpoint = end.viewpoint.map(|v| minus(v, self.base));
         let points = self.first..self.points.len();
-        self.points.scans.push(Scan { points, viewpoint, pose, grid });
+        self.points.scans.push(PointScan { points, viewpoint, pose, grid });
         Ok(())
     }
 
@@ -152,7 +152,7 @@ impl Builder {
         for old in self.first..cloud.positions.len() {
             let is_zero = cloud.positions[old] == [0.0; 3];
             if self.records.is_some() {
-                new_index.push(if is_zero { Grid::EMPTY } else { kept as u32 });
+                new_index.push(if is_zero { ScanGrid::EMPTY } else { kept as u32 });
             }
             if !is_zero {
                 cloud.positions[kept] = cloud.positions[old];
@@ -166,7 +166,7 @@ impl Builder {
         if let Some(normals) = &mut cloud.normals {
             normals.truncate(kept);
         }
-        for record in self.records.iter_mut().flatten().filter(|r| **r != Grid::EMPTY) {
+        for record in self.records.iter_mut().flatten().filter(|r| **r != ScanGrid::EMPTY) {
             *record = new_index[*record as usize - self.first];
         }
     }
@@ -274,7 +274,7 @@ fn cells(records: Vec<u32>, shape: &GridShape) -> Option<Vec<u32>> {
         Order::Columns => return None,
         Order::Indexed(cells) => {
             let point = |&record: &u32| records.get(record as usize).copied();
-            cells.iter().map(|cell| point(cell).unwrap_or(Grid::EMPTY)).collect()
+            cells.iter().map(|cell| point(cell).unwrap_or(ScanGrid::EMPTY)).collect()
         }
     };
     (filled.len() == count).then_some(filled)

@@ -16,7 +16,7 @@ mod text;
 use std::fmt;
 use std::ops::Range;
 
-pub(crate) use builder::{Builder, GridShape, Order, ScanEnd};
+pub(crate) use builder::{GridShape, Order, PointsBuilder, ScanEnd};
 pub(crate) use column::Column;
 pub use read::{Content, PointFormat, read_content, read_points, read_points_from};
 
@@ -38,7 +38,7 @@ pub struct Points {
     /// are the file's. A normal is zero where the file has no finite one.
     pub normals: Option<Vec<[f32; 3]>>,
     /// The scans, in the file's order. Together they hold every position once.
-    pub scans: Vec<Scan>,
+    pub scans: Vec<PointScan>,
     /// The unit of the format: metres for PTS and PTX (by custom, see
     /// [`Note::MetresByCustom`]), and `None` for formats without a unit.
     pub unit: Option<LengthUnit>,
@@ -71,7 +71,7 @@ impl Points {
 
 /// The points that a scanner measured from one place.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Scan {
+pub struct PointScan {
     /// The indices of the scan's positions. The range is empty if the scanner saw
     /// nothing.
     pub points: Range<usize>,
@@ -83,7 +83,7 @@ pub struct Scan {
     pub pose: Option<Pose>,
     /// The grid in which the scanner measured, if the file has one. A file may
     /// claim a grid that its points do not form.
-    pub grid: Option<Grid>,
+    pub grid: Option<ScanGrid>,
 }
 
 /// An affine map from a scanner's frame to the frame of the cloud:
@@ -104,17 +104,17 @@ impl Pose {
 
 /// A raster of rows and columns with at most one point in each cell.
 #[derive(Debug, Clone, PartialEq, Eq)]
-pub struct Grid {
+pub struct ScanGrid {
     /// The number of rows, at least two.
     pub rows: usize,
     /// The number of columns, at least two.
     pub columns: usize,
-    /// For each cell the index of its position, or [`Grid::EMPTY`]. The cells of
+    /// For each cell the index of its position, or [`ScanGrid::EMPTY`]. The cells of
     /// one row follow each other. There are `rows * columns` cells.
     pub cells: Vec<u32>,
 }
 
-impl Grid {
+impl ScanGrid {
     /// The content of a cell without a point.
     pub const EMPTY: u32 = u32::MAX;
 
@@ -125,7 +125,7 @@ impl Grid {
             return None;
         }
         let cell = self.cells.get(row * self.columns + column).copied();
-        cell.filter(|&point| point != Grid::EMPTY)
+        cell.filter(|&point| point != ScanGrid::EMPTY)
     }
 }
 

@@ -7,10 +7,10 @@
 //! the scanner's frame, an intensity, and perhaps a colour. `0 0 0` means that
 //! the scanner saw nothing.
 
-use super::{Builder, GridShape, Note, Order, Points, Pose, ScanEnd};
+use super::{GridShape, Note, Order, Points, PointsBuilder, Pose, ScanEnd};
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
-use crate::{Error, LengthUnit, Place, Result};
+use crate::{Error, LengthUnit, Location, Result};
 
 /// A placement whose volume is less than this part of what its axes span is flat.
 /// Rounded rotations keep all of it to three digits.
@@ -28,7 +28,7 @@ pub(super) fn is_ptx(head: &[u8]) -> bool {
 }
 
 pub(super) fn read(source: Source) -> Result<Points> {
-    let builder = Builder::new(&source.path, false);
+    let builder = PointsBuilder::new(&source.path, false);
     let mut reader = Reader { source, line: Vec::new(), builder, scans: 0 };
     while reader.advance()? {
         reader.read_scan()?;
@@ -43,7 +43,7 @@ pub(super) fn read(source: Source) -> Result<Points> {
 struct Reader {
     source: Source,
     line: Vec<u8>,
-    builder: Builder,
+    builder: PointsBuilder,
     /// How many scans were read.
     scans: u64,
 }
@@ -132,7 +132,7 @@ impl Reader {
             if !self.advance()? {
                 let what = format!("ends after {i} of the {count} cells of scan {}", self.scans);
                 let error = Error::new(&self.source.path, what, EXPORT_AGAIN);
-                return Err(error.at(Place::Element("cell", i)));
+                return Err(error.at(Location::Element("cell", i)));
             }
             let cell = numbers::<3>(&self.line).filter(|(_, count)| matches!(count, 3 | 4 | 6 | 7));
             let Some((xyz, columns)) = cell else {

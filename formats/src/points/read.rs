@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use super::{Builder, Points, ScanEnd, pcd, ptx, text};
+use super::{Points, PointsBuilder, ScanEnd, pcd, ptx, text};
 use crate::read::{self, READABLE, after_mark, by_content, foreign};
 use crate::source::Source;
 use crate::{Error, Format, Result, Soup, ply};
@@ -162,7 +162,7 @@ fn recognise(source: &Source) -> Result<Option<PointFormat>> {
 
 /// The points of a mesh format that has no faces.
 fn from_soup(path: &Path, soup: Soup) -> Result<Points> {
-    let mut builder = Builder::new(path, false);
+    let mut builder = PointsBuilder::new(path, false);
     builder.cloud().unit = soup.unit;
     builder.begin_scan(false);
     for xyz in soup.points {

@@ -1,22 +1,23 @@
-//! B-spline basis functions of any degree that a CAD file may have.
+//! B-spline basis functions of any supported degree (Cox–de Boor recursion; The NURBS Book, Piegl
+//! and Tiller 1997).
 
 use super::{MAX_DEGREE, SplineKnots};
 
-/// Room for the functions of the highest degree.
+/// The number of basis functions of the highest degree.
 const ROOM: usize = MAX_DEGREE + 1;
 
-/// The basis functions that are not zero at a parameter, and their first two
-/// derivatives; function `j` belongs to pole `first + j`.
+/// The non-zero basis functions at a parameter and their first two derivatives. Function `j`
+/// belongs to pole `first + j`.
 #[derive(Debug, Clone)]
-pub struct Basis {
-    /// The number of the first pole that matters.
+pub struct SplineBasis {
+    /// The index of the first pole with a non-zero function.
     pub first: usize,
     /// `derivative[k][j]` is the `k`-th derivative of function `j`.
     pub derivative: [[f64; ROOM]; 3],
 }
 
-impl Basis {
-    /// At `t`, which is moved into the range if it is outside.
+impl SplineBasis {
+    /// Evaluates the functions at `t`, which is clamped to the range.
     pub fn new(knots: &SplineKnots, t: f64) -> Self {
         let (low, high) = knots.range();
         let (t, p, k) = (t.clamp(low, high), knots.degree(), knots.knots());
@@ -38,11 +39,11 @@ impl Basis {
         } else {
             [0.0; ROOM]
         };
-        Basis { first: span - p, derivative: [row, first, second] }
+        SplineBasis { first: span - p, derivative: [row, first, second] }
     }
 }
 
-/// The non-empty knot span that holds `t`.
+/// The index of the non-empty knot span that contains `t`.
 fn span(knots: &SplineKnots, t: f64) -> usize {
     let k = knots.knots();
     let (first, last) = (knots.degree(), knots.poles() - 1);
@@ -56,7 +57,7 @@ fn span(knots: &SplineKnots, t: f64) -> usize {
     span
 }
 
-/// From the functions of degree d − 1 to those of degree d (Cox and de Boor).
+/// Computes the functions of degree d from those of degree d − 1 (Cox–de Boor recursion).
 fn raise(row: &mut [f64; ROOM], k: &[f64], span: usize, d: usize, t: f64) {
     let mut saved = 0.0;
     for r in 0..d {
@@ -68,8 +69,8 @@ fn raise(row: &mut [f64; ROOM], k: &[f64], span: usize, d: usize, t: f64) {
     row[d] = saved;
 }
 
-/// From coefficients over the functions of degree d − 1 to those of the
-/// derivative of the functions of degree d (NURBS Book, eq. 2.7).
+/// Computes the derivatives of the functions of degree d from the functions of degree d − 1 (The
+/// NURBS Book, eq. 2.7).
 fn differentiated(lower: &[f64; ROOM], k: &[f64], span: usize, d: usize) -> [f64; ROOM] {
     let mut upper = [0.0; ROOM];
     for r in 0..d {

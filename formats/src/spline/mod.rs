@@ -1,15 +1,15 @@
-//! B-spline curves and surfaces, as CAD files hold them: of any degree up to 25, rational
-//! or not. A constructor refuses parts that do not suit each other.
+//! B-spline curves and surfaces as in CAD files. They have any degree up to 25 and may be rational.
+//! The constructors check that knots, poles and weights are consistent.
 
 mod basis;
 
-pub use basis::Basis;
+pub use basis::SplineBasis;
 
-/// OpenCASCADE's limit; other kernels' are no higher.
+/// The highest degree. This is the limit of OpenCASCADE, and other kernels do not have a higher
+/// one.
 pub(crate) const MAX_DEGREE: usize = 25;
 
-/// A knot vector that does not decrease, and its degree, from 1 to 25. It may be
-/// unclamped.
+/// A non-decreasing knot vector and its degree from 1 to 25. It may be unclamped.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SplineKnots {
     degree: usize,
@@ -34,11 +34,11 @@ pub struct SplineSurface {
 }
 
 impl SplineKnots {
-    /// A knot vector for `poles` poles.
+    /// Creates a knot vector for `poles` poles.
     ///
     /// # Errors
-    /// It has not the right number of knots; they decrease, are not finite, or
-    /// span nothing; the degree is not from 1 to 25.
+    /// The number of knots is wrong, the knots decrease, are not finite or have an empty range, or
+    /// the degree is not from 1 to 25.
     pub fn new(degree: usize, knots: Vec<f64>, poles: usize) -> Result<Self, String> {
         if !(1..=MAX_DEGREE).contains(&degree) {
             return Err(format!("degree {degree}"));
@@ -52,7 +52,7 @@ impl SplineKnots {
             return Err("knots that decrease, or are not finite".into());
         }
         if knots[degree] >= knots[poles] {
-            return Err("knots that span nothing".into());
+            return Err("knots with an empty range".into());
         }
         Ok(SplineKnots { degree, knots })
     }
@@ -67,39 +67,39 @@ impl SplineKnots {
         &self.knots
     }
 
-    /// How many poles belong to it.
+    /// The number of poles for this knot vector.
     pub fn poles(&self) -> usize {
         self.knots.len() - self.degree - 1
     }
 
-    /// The range on which the basis is complete.
+    /// The range of parameters, on which the basis functions sum to 1.
     pub fn range(&self) -> (f64, f64) {
         (self.knots[self.degree], self.knots[self.poles()])
     }
 
-    /// Whether the curve begins at its first pole and ends at its last one.
+    /// Whether a curve over these knots begins at its first pole and ends at its last pole.
     pub fn are_clamped(&self) -> bool {
         let (low, high) = self.range();
         self.knots[0] == low && self.knots[self.knots.len() - 1] == high
     }
 
-    /// The same knots from the end to the start, over the same range.
+    /// The knots in reverse order over the same range.
     fn reversed(&self) -> SplineKnots {
         let (first, last) = (self.knots[0], self.knots[self.knots.len() - 1]);
-        // The ends must stay what they are to the last bit.
+        // The ends must stay exactly the same.
         let mirror = |&t: &f64| if t == first { last } else { first + (last - t) };
         let knots = self.knots.iter().rev().map(mirror).collect();
         SplineKnots { degree: self.degree, knots }
     }
 
-    /// The same knots over [0, 1].
+    /// The knots scaled to the range [0, 1].
     fn over_unit(mut self) -> SplineKnots {
         let (a, b) = self.range();
         self.knots.iter_mut().for_each(|t| *t = (*t - a) / (b - a));
         self
     }
 
-    /// The distinct knots of that range.
+    /// The distinct knots of the range.
     pub fn breaks(&self) -> Vec<f64> {
         let mut breaks = self.knots[self.degree..=self.poles()].to_vec();
         breaks.dedup();
@@ -108,10 +108,10 @@ impl SplineKnots {
 }
 
 impl<const D: usize> SplineCurve<D> {
-    /// A curve; `weights`, if any, must be positive.
+    /// Creates a curve. `weights`, if there are any, must be positive.
     ///
     /// # Errors
-    /// What does not suit.
+    /// A description of the first inconsistency.
     pub fn new(
         degree: usize,
         knots: Vec<f64>,
@@ -123,7 +123,7 @@ impl<const D: usize> SplineCurve<D> {
         Ok(SplineCurve { knots, poles, weights })
     }
 
-    /// The line that joins some points, two at least: the polyline over 0, 1, 2 …
+    /// The polyline through at least two points, with the parameters 0, 1, 2 and so on.
     pub(crate) fn polyline(poles: Vec<[f64; D]>) -> Result<Self, String> {
         let n = poles.len();
         let inner = (0..n).map(|i| i as f64);
@@ -132,38 +132,38 @@ impl<const D: usize> SplineCurve<D> {
         SplineCurve::new(1, knots, poles, None)
     }
 
-    /// Its knot vector.
+    /// The knot vector.
     pub fn knots(&self) -> &SplineKnots {
         &self.knots
     }
 
-    /// Its control points.
+    /// The control points.
     pub fn poles(&self) -> &[[f64; D]] {
         &self.poles
     }
 
-    /// Their weights; `None`: it is polynomial.
+    /// The weights of the control points. `None` if the curve is polynomial.
     pub fn weights(&self) -> Option<&[f64]> {
         self.weights.as_deref()
     }
 
-    /// The point at `t`, which is moved into the range if it is outside.
+    /// The point at `t`, which is clamped to the range.
     pub fn point(&self, t: f64) -> [f64; D] {
-        let (sum, weights) = self.sum(&Basis::new(&self.knots, t), 0);
+        let (sum, weights) = self.sum(&SplineBasis::new(&self.knots, t), 0);
         sum.map(|x| x / weights)
     }
 
-    /// The derivative at `t`, which is moved into the range if it is outside.
+    /// The derivative at `t`, which is clamped to the range.
     pub fn speed(&self, t: f64) -> [f64; D] {
-        let basis = Basis::new(&self.knots, t);
+        let basis = SplineBasis::new(&self.knots, t);
         let [(sum, weights), (mut speed, change)] = [0, 1].map(|k| self.sum(&basis, k));
         speed.iter_mut().zip(sum).for_each(|(s, x)| *s = (*s - change * x / weights) / weights);
         speed
     }
 
-    /// The sum of the poles by weight and by the `k`-th derivative of their functions, and that
-    /// of the weights.
-    fn sum(&self, basis: &Basis, k: usize) -> ([f64; D], f64) {
+    /// The sum of the poles, multiplied by their weights and the `k`-th derivatives of their
+    /// functions, and the same sum of the weights alone.
+    fn sum(&self, basis: &SplineBasis, k: usize) -> ([f64; D], f64) {
         let (mut sum, mut weights) = ([0.0; D], 0.0);
         for j in 0..=self.knots.degree {
             let i = basis.first + j;
@@ -174,13 +174,13 @@ impl<const D: usize> SplineCurve<D> {
         (sum, weights)
     }
 
-    /// The point at the start of the range and that at its end.
+    /// The points at the start and at the end of the range.
     pub fn ends(&self) -> [[f64; D]; 2] {
         let (start, end) = self.knots.range();
         [self.point(start), self.point(end)]
     }
 
-    /// The same curve from its end to its start, over the same range.
+    /// The curve in the opposite direction over the same range.
     #[must_use]
     pub fn reversed(&self) -> Self {
         let poles = self.poles.iter().rev().copied().collect();
@@ -188,24 +188,25 @@ impl<const D: usize> SplineCurve<D> {
         SplineCurve { knots: self.knots.reversed(), poles, weights }
     }
 
-    /// The curve with each pole taken through `map`, which must be affine.
+    /// The image of the curve under `map`, which must be affine.
     #[must_use]
     pub fn mapped<const E: usize>(self, map: impl Fn([f64; D]) -> [f64; E]) -> SplineCurve<E> {
         let poles = self.poles.into_iter().map(map).collect();
         SplineCurve { knots: self.knots, poles, weights: self.weights }
     }
 
-    /// The same curve with its parameters over [0, 1].
+    /// The same curve with parameters over [0, 1].
     pub(crate) fn over_unit(self) -> Self {
         SplineCurve { knots: self.knots.over_unit(), ..self }
     }
 }
 
 impl SplineSurface {
-    /// A surface; pole (i, j) stands at `i * number in v + j`.
+    /// Creates a surface. Pole (i, j) is at the index `i * n + j`, where n is the number of poles
+    /// in v.
     ///
     /// # Errors
-    /// What does not suit.
+    /// A description of the first inconsistency.
     pub fn new(
         u: SplineKnots,
         v: SplineKnots,
@@ -230,25 +231,26 @@ impl SplineSurface {
         &self.v
     }
 
-    /// The control net, the index of v running fastest.
+    /// The control net. The index of v changes fastest.
     pub fn poles(&self) -> &[[f64; 3]] {
         &self.poles
     }
 
-    /// The weights, likewise; `None`: it is polynomial.
+    /// The weights in the same order. `None` if the surface is polynomial.
     pub fn weights(&self) -> Option<&[f64]> {
         self.weights.as_deref()
     }
 
-    /// The point at (u, v), which is moved into the ranges if it is outside.
+    /// The point at (u, v), which is clamped to the ranges.
     pub fn point(&self, u: f64, v: f64) -> [f64; 3] {
-        let (sum, weights) = self.sum([&Basis::new(&self.u, u), &Basis::new(&self.v, v)], [0, 0]);
+        let (sum, weights) =
+            self.sum([&SplineBasis::new(&self.u, u), &SplineBasis::new(&self.v, v)], [0, 0]);
         sum.map(|x| x / weights)
     }
 
-    /// The point at (u, v), and the derivatives in u and in v.
+    /// The point at (u, v) and the derivatives in u and in v.
     pub fn tangents(&self, u: f64, v: f64) -> [[f64; 3]; 3] {
-        let (of_u, of_v) = (Basis::new(&self.u, u), Basis::new(&self.v, v));
+        let (of_u, of_v) = (SplineBasis::new(&self.u, u), SplineBasis::new(&self.v, v));
         let sum = |derivative| self.sum([&of_u, &of_v], derivative);
         let (sums, weights) = sum([0, 0]);
         let point = sums.map(|x| x / weights);
@@ -257,9 +259,9 @@ impl SplineSurface {
         [point, derivative(sum([1, 0])), derivative(sum([0, 1]))]
     }
 
-    /// The sum of the poles by weight and by derivatives of their functions in u and in v, and
-    /// that of the weights.
-    fn sum(&self, [of_u, of_v]: [&Basis; 2], [du, dv]: [usize; 2]) -> ([f64; 3], f64) {
+    /// The sum of the poles, multiplied by their weights and derivatives of their functions in u
+    /// and in v, and the same sum of the weights alone.
+    fn sum(&self, [of_u, of_v]: [&SplineBasis; 2], [du, dv]: [usize; 2]) -> ([f64; 3], f64) {
         let (mut sum, mut weights) = ([0.0; 3], 0.0);
         for i in 0..=self.u.degree {
             for j in 0..=self.v.degree {
@@ -273,7 +275,7 @@ impl SplineSurface {
         (sum, weights)
     }
 
-    /// The surface with each pole taken through `map`, which must be affine.
+    /// The image of the surface under `map`, which must be affine.
     #[must_use]
     pub fn mapped(mut self, map: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
         self.poles.iter_mut().for_each(|pole| *pole = map(*pole));
@@ -281,7 +283,7 @@ impl SplineSurface {
     }
 }
 
-/// The weights, or none where all are the same.
+/// The weights, or `None` if all are equal.
 fn checked<const D: usize>(
     poles: &[[f64; D]],
     weights: Option<Vec<f64>>,

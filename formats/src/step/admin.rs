@@ -1,5 +1,5 @@
-//! The persons, dates, approvals and security classification that AP203
-//! (ISO 10303-203, clause 5.2) demands of every product version.
+//! The persons, dates, approvals and security classification that AP203 (ISO 10303-203, clause 5.2)
+//! requires for every version of a product.
 
 use std::io;
 
@@ -7,16 +7,16 @@ use super::part21::{Id, Part21, add};
 use crate::number::StepReal;
 use crate::time_stamp;
 
-/// What is administered.
-pub(super) struct Parts {
+/// The entities that the administrative data refer to.
+pub(super) struct ProductIds {
     pub product: Id,
     pub version: Id,
     pub definition: Id,
 }
 
-/// Writes the administrative data; nobody has approved a scan, and they say so.
-pub(super) fn write(file: &mut Part21<'_>, parts: &Parts, time_stamp: &str) -> io::Result<()> {
-    let Parts { product, version, definition } = *parts;
+/// Writes the administrative data. They say that nobody has approved the product.
+pub(super) fn write(file: &mut Part21<'_>, parts: &ProductIds, time_stamp: &str) -> io::Result<()> {
+    let ProductIds { product, version, definition } = *parts;
     let level = add!(file, "SECURITY_CLASSIFICATION_LEVEL('unclassified')")?;
     let secrecy = add!(file, "SECURITY_CLASSIFICATION('','',{level})")?;
     add!(file, "CC_DESIGN_SECURITY_CLASSIFICATION({secrecy},({version}))")?;
@@ -47,7 +47,7 @@ pub(super) fn write(file: &mut Part21<'_>, parts: &Parts, time_stamp: &str) -> i
     Ok(())
 }
 
-/// A person and an organisation: the entities must be, what they say is open.
+/// Writes a person and an organisation. The entities are required, but their content is free.
 fn someone(file: &mut Part21<'_>) -> io::Result<Id> {
     let person = add!(file, "PERSON('','unknown',$,$,$,$)")?;
     let organization = add!(file, "ORGANIZATION('','unknown','')")?;

@@ -1,9 +1,9 @@
-//! B-spline curves and surfaces (ISO 10303-42, clause 4).
+//! Writer of B-spline curves and surfaces (ISO 10303-42, clause 4).
 
 use std::io;
 
-use super::part21::{Id, List, Part21, Run, add, reals};
-use crate::brep::{Curve, PCurve, Surface};
+use super::part21::{Id, IdRange, List, Part21, add, reals};
+use crate::brep::{BrepCurve, BrepSurface, PCurve};
 use crate::number::{StepReal, distinct_knots};
 use crate::spline::SplineKnots;
 
@@ -16,26 +16,26 @@ fn point2(file: &mut Part21<'_>, [u, v]: [f64; 2]) -> io::Result<Id> {
     add!(file, "CARTESIAN_POINT('',({},{}))", StepReal(u), StepReal(v))
 }
 
-/// `B_SPLINE_CURVE_WITH_KNOTS` in space.
-pub(super) fn curve(file: &mut Part21<'_>, curve: &Curve) -> io::Result<Id> {
-    let Curve::Spline(spline) = curve;
+/// Writes a `B_SPLINE_CURVE_WITH_KNOTS` in space.
+pub(super) fn curve(file: &mut Part21<'_>, curve: &BrepCurve) -> io::Result<Id> {
+    let BrepCurve::Spline(spline) = curve;
     let poles = run(spline.poles(), |p| point(file, *p))?;
     let closed = spline.poles().first() == spline.poles().last();
     knotted_curve(file, poles, (spline.knots(), spline.weights()), closed)
 }
 
-/// `B_SPLINE_CURVE_WITH_KNOTS` in a parameter plane.
+/// Writes a `B_SPLINE_CURVE_WITH_KNOTS` in a parameter plane.
 pub(super) fn pcurve(file: &mut Part21<'_>, spline: &PCurve) -> io::Result<Id> {
     let poles = run(spline.poles(), |p| point2(file, *p))?;
     let closed = spline.poles().first() == spline.poles().last();
     knotted_curve(file, poles, (spline.knots(), spline.weights()), closed)
 }
 
-/// A rational curve is a complex entity: its supertypes and `RATIONAL_B_SPLINE_CURVE`, in
-/// the order of the alphabet.
+/// Writes a curve. A rational one is a complex entity instance that consists of its supertypes and
+/// `RATIONAL_B_SPLINE_CURVE` in alphabetical order.
 fn knotted_curve(
     file: &mut Part21<'_>,
-    poles: Run,
+    poles: IdRange,
     (knots, weights): (&SplineKnots, Option<&[f64]>),
     closed: bool,
 ) -> io::Result<Id> {
@@ -60,10 +60,10 @@ fn knotted_curve(
     }
 }
 
-/// `B_SPLINE_SURFACE_WITH_KNOTS`; the first index of the net is u. A rational one is a
-/// complex entity, as a curve is.
-pub(super) fn surface(file: &mut Part21<'_>, surface: &Surface) -> io::Result<Id> {
-    let Surface::Spline(spline) = surface;
+/// Writes a `B_SPLINE_SURFACE_WITH_KNOTS`. The first index of the net is that of u. A rational
+/// surface is a complex entity instance, as for a curve.
+pub(super) fn surface(file: &mut Part21<'_>, surface: &BrepSurface) -> io::Result<Id> {
+    let BrepSurface::Spline(spline) = surface;
     let (rows, columns) = (spline.u().poles(), spline.v().poles());
     let net: Vec<&[[f64; 3]]> = spline.poles().chunks(columns).collect();
     let poles = run(spline.poles(), |p| point(file, *p))?;
@@ -99,13 +99,13 @@ pub(super) fn logical(value: bool) -> &'static str {
     if value { ".T." } else { ".F." }
 }
 
-/// Writes each of `items` as one entity.
+/// Writes each of `items` as one entity instance.
 fn run<T>(
     items: impl IntoIterator<Item = T>,
     mut write: impl FnMut(T) -> io::Result<Id>,
-) -> io::Result<Run> {
+) -> io::Result<IdRange> {
     let mut items = items.into_iter();
-    // A spline has poles.
+    // A spline has at least one pole.
     let first = items.next().ok_or(io::ErrorKind::InvalidInput)?;
     let first = write(first)?;
     let mut count = 1;
@@ -113,5 +113,5 @@ fn run<T>(
         write(item)?;
         count += 1;
     }
-    Ok(Run { first, count })
+    Ok(IdRange { first, count })
 }

@@ -1,4 +1,7 @@
-//! Writes STEP files: ISO 10303-21 with the schema of AP203, AP214 or AP242.
+//! Writer of STEP files.
+//!
+//! The input is a [`Brep`]. The output is a file of ISO 10303-21 with the schema of AP203, AP214 or
+//! AP242.
 
 mod admin;
 mod geometry;
@@ -11,33 +14,34 @@ mod style;
 use std::io;
 
 use crate::brep::Brep;
-use part21::{Header, Part21};
+use part21::{FileHeader, Part21};
 
-/// Which application protocol a file claims to follow.
+/// The application protocol of a file. The default is AP242.
 ///
-/// The geometry is the same in all three; header, contexts and administrative
-/// data differ.
+/// The geometry is the same in all three. The header, the contexts and the administrative data
+/// differ.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Schema {
-    /// ISO 10303-203 `CONFIG_CONTROL_DESIGN`, for old programs.
+    /// ISO 10303-203 `CONFIG_CONTROL_DESIGN`. It is for old programs.
     Ap203,
     /// ISO 10303-214 `AUTOMOTIVE_DESIGN`.
     Ap214,
-    /// ISO 10303-242 managed model based 3D engineering.
+    /// ISO 10303-242 managed model-based 3D engineering.
     #[default]
     Ap242,
 }
 
-/// What a STEP file says besides its geometry.
+/// The content of a STEP file besides its geometry.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Options {
     /// The application protocol.
     pub schema: Schema,
-    /// ISO 8601 date and time, for instance `1970-01-01T00:00:00`.
+    /// The ISO 8601 date and time, for example `1970-01-01T00:00:00`.
     pub time_stamp: String,
-    /// The program the data come from, with its version.
+    /// The name and the version of the program that created the data.
     pub originating_system: String,
-    /// The faces' colour (sRGB). AP203 knows none, and its files have none.
+    /// The colour of the faces (sRGB). `None` writes no colour. AP203 has no colours, so it is
+    /// ignored there.
     pub colour: Option<[u8; 3]>,
 }
 
@@ -54,15 +58,15 @@ impl Default for Options {
 
 /// Writes `brep` as one product: its solids, and its sheets as a surface model.
 ///
-/// Entities leave as they are numbered; nothing is kept but one line. The same
-/// input gives the same bytes. Buffer `out`: it gets small pieces.
+/// Each entity instance is written as soon as it has a number, so that only one line is in memory.
+/// The same input gives the same bytes. `out` should be buffered, because it receives small pieces.
 ///
 /// # Errors
-/// Of kind `InvalidInput`, before anything is written, where `brep` breaks the
-/// rules of [`Brep::check`]; otherwise those of `out`.
+/// An error of kind `InvalidInput` before anything is written, if `brep` does not satisfy
+/// [`Brep::check`]. Otherwise the errors of `out`.
 pub fn write(brep: &Brep, options: &Options, out: &mut dyn io::Write) -> io::Result<()> {
     brep.check()?;
-    let header = Header {
+    let header = FileHeader {
         name: &brep.name,
         time_stamp: &options.time_stamp,
         originating_system: &options.originating_system,

@@ -1,4 +1,4 @@
-//! The exchange structure of ISO 10303-21: header, numbered entities, strings.
+//! Writer of the exchange structure of ISO 10303-21: header, numbered entity instances, strings.
 
 use std::fmt::{self, Write as _};
 use std::io;
@@ -15,22 +15,22 @@ impl fmt::Display for Id {
     }
 }
 
-/// What the header section says (ISO 10303-21, clause 8).
-pub(super) struct Header<'a> {
+/// The content of the header section (ISO 10303-21, clause 8).
+pub(super) struct FileHeader<'a> {
     pub name: &'a str,
     pub time_stamp: &'a str,
     pub originating_system: &'a str,
     pub schema: &'a str,
 }
 
-/// A file in the making: every entity is written as it is numbered.
+/// A file that is being written. Every entity instance is written as soon as it has a number.
 pub(super) struct Part21<'a> {
     out: &'a mut dyn io::Write,
     last: u64,
 }
 
 impl<'a> Part21<'a> {
-    pub(super) fn begin(out: &'a mut dyn io::Write, header: &Header<'_>) -> io::Result<Self> {
+    pub(super) fn begin(out: &'a mut dyn io::Write, header: &FileHeader<'_>) -> io::Result<Self> {
         let preprocessor = concat!("scan2step-formats ", env!("CARGO_PKG_VERSION"));
         write!(
             out,
@@ -46,7 +46,7 @@ impl<'a> Part21<'a> {
         Ok(Part21 { out, last: 0 })
     }
 
-    /// Writes one entity and returns its name.
+    /// Writes one entity instance and returns its name.
     pub(super) fn add(&mut self, body: fmt::Arguments<'_>) -> io::Result<Id> {
         self.last += 1;
         writeln!(self.out, "#{}={body};", self.last)?;
@@ -59,13 +59,13 @@ impl<'a> Part21<'a> {
     }
 }
 
-/// `add!(file, "ENTITY({})", x)`: [`Part21::add`] with a format string.
+/// Calls [`Part21::add`] with a format string: `add!(file, "ENTITY({})", x)`.
 macro_rules! add {
     ($file:expr, $($body:tt)+) => { $file.add(format_args!($($body)+)) };
 }
 pub(super) use add;
 
-/// A string in apostrophes, escaped (ISO 10303-21, clause 6.4.3).
+/// A string in apostrophes with escapes (ISO 10303-21, clause 6.4.3).
 pub(super) struct Text<'a>(pub &'a str);
 
 impl fmt::Display for Text<'_> {
@@ -92,7 +92,7 @@ impl fmt::Display for Text<'_> {
     }
 }
 
-/// How many bytes a character takes inside a string, and its escapes.
+/// The number of bytes that a character takes in a string, which decides on its escape.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Alphabet {
     Basic,
@@ -122,7 +122,7 @@ impl Alphabet {
     }
 }
 
-/// A parenthesised list, broken into lines that people can read.
+/// A list in parentheses that is divided into readable lines.
 pub(super) struct List<I>(pub I);
 
 impl<I, T> fmt::Display for List<I>
@@ -145,27 +145,27 @@ where
     }
 }
 
-/// A list of reals.
+/// A list of real numbers.
 pub(super) fn reals(values: &[f64]) -> List<impl Clone + IntoIterator<Item = StepReal>> {
     List(values.iter().map(|&x| StepReal(x)))
 }
 
-/// The names of `count` entities written in a row, the first being `first`.
+/// The names of `count` consecutive entity instances that begin with `first`.
 #[derive(Clone, Copy)]
-pub(super) struct Run {
+pub(super) struct IdRange {
     pub first: Id,
     pub count: usize,
 }
 
-impl Run {
+impl IdRange {
     pub(super) fn list(self) -> List<impl Clone + IntoIterator<Item = Id>> {
         let first = self.first.0;
         List((0..self.count as u64).map(move |i| Id(first + i)))
     }
 
-    /// The `i`-th of the runs into which this one falls, `count` names each.
-    pub(super) fn part(self, i: usize, count: usize) -> Run {
-        Run { first: Id(self.first.0 + (i * count) as u64), count }
+    /// The `i`-th part of this range, if each part has `count` names.
+    pub(super) fn part(self, i: usize, count: usize) -> IdRange {
+        IdRange { first: Id(self.first.0 + (i * count) as u64), count }
     }
 }
 

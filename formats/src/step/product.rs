@@ -1,12 +1,11 @@
-//! The product structure around a shape (ISO 10303-41), as each application
-//! protocol wants it.
+//! The product structure around a shape (ISO 10303-41) for each application protocol.
 
 use std::io;
 
 use super::part21::{Id, Part21, Text, add};
 use super::{Options, Schema, admin};
 
-/// The schema identifier of the header, with its ASN.1 object identifier.
+/// The schema identifier of the header with its ASN.1 object identifier.
 pub(super) fn file_schema(schema: Schema) -> &'static str {
     match schema {
         Schema::Ap203 => "CONFIG_CONTROL_DESIGN",
@@ -32,8 +31,8 @@ fn application(schema: Schema) -> (&'static str, &'static str, u16) {
     }
 }
 
-/// Writes everything from `APPLICATION_CONTEXT` to `PRODUCT_DEFINITION_SHAPE`
-/// and returns the latter.
+/// Writes all entities from `APPLICATION_CONTEXT` to `PRODUCT_DEFINITION_SHAPE` and returns the
+/// latter.
 pub(super) fn write(file: &mut Part21<'_>, name: &str, options: &Options) -> io::Result<Id> {
     let (application, schema, year) = application(options.schema);
     let context = add!(file, "APPLICATION_CONTEXT('{application}')")?;
@@ -54,7 +53,7 @@ pub(super) fn write(file: &mut Part21<'_>, name: &str, options: &Options) -> io:
     let stage = add!(file, "{stage}('{life}',{context},'design')")?;
     let definition = add!(file, "PRODUCT_DEFINITION('design','',{version},{stage})")?;
     if controlled {
-        let parts = admin::Parts { product, version, definition };
+        let parts = admin::ProductIds { product, version, definition };
         admin::write(file, &parts, &options.time_stamp)?;
     }
     add!(file, "PRODUCT_DEFINITION_SHAPE('','',{definition})")

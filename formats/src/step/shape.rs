@@ -1,5 +1,5 @@
-//! The shape: vertices, edges, faces, shells, solids and their representation
-//! (ISO 10303-42, clause 5; ISO 10303-509 and 10303-514).
+//! Writer of the shape: vertices, edges, faces, shells, solids and their representation (ISO
+//! 10303-42, clause 5; ISO 10303-509 and 10303-514).
 
 use std::io;
 
@@ -9,8 +9,8 @@ use super::style;
 use crate::brep::{Brep, Edge, EdgeUse, Face, FaceId, ShellId, Solid};
 use crate::number::StepReal;
 
-/// Writes the shape, ties it to the product's `PRODUCT_DEFINITION_SHAPE`, and
-/// gives it its colour.
+/// Writes the shape, connects it to the product's `PRODUCT_DEFINITION_SHAPE`, and gives it its
+/// colour.
 pub(super) fn write(
     file: &mut Part21<'_>,
     brep: &Brep,
@@ -36,7 +36,7 @@ pub(super) fn write(
     let kind = match (brep.solids.is_empty(), sheets.is_empty()) {
         (true, _) => "MANIFOLD_SURFACE_SHAPE_REPRESENTATION",
         (false, true) => "ADVANCED_BREP_SHAPE_REPRESENTATION",
-        // Each of the others has models of one kind only.
+        // The other representations allow only one kind of model.
         (false, false) => "SHAPE_REPRESENTATION",
     };
     let items: Vec<Id> = models.iter().copied().chain([origin]).collect();
@@ -45,8 +45,8 @@ pub(super) fn write(
     colour.map_or(Ok(()), |colour| style::write(file, &models, colour, space))
 }
 
-/// `MANIFOLD_SOLID_BREP`, or `BREP_WITH_VOIDS` if it has any. The faces of all its shells
-/// look out of the material, as ISO 10303-42 wants them.
+/// Writes a `MANIFOLD_SOLID_BREP`, or a `BREP_WITH_VOIDS` if the solid has voids. The normals of
+/// all faces point out of the material, as ISO 10303-42 requires.
 fn solid(file: &mut Part21<'_>, solid: &Solid, shells: &[Id], name: &str) -> io::Result<Id> {
     let (name, outer) = (Text(name), shells[solid.outer.0]);
     if solid.voids.is_empty() {
@@ -59,7 +59,7 @@ fn solid(file: &mut Part21<'_>, solid: &Solid, shells: &[Id], name: &str) -> io:
     add!(file, "BREP_WITH_VOIDS({name},{outer},{})", List(&voids))
 }
 
-/// The geometric context: three dimensions, millimetres, an uncertainty.
+/// Writes the geometric context: three dimensions, millimetres, and the uncertainty.
 fn space(file: &mut Part21<'_>, uncertainty: f64) -> io::Result<Id> {
     let length = add!(file, "(LENGTH_UNIT()NAMED_UNIT(*)SI_UNIT(.MILLI.,.METRE.))")?;
     let angle = add!(file, "(NAMED_UNIT(*)PLANE_ANGLE_UNIT()SI_UNIT($,.RADIAN.))")?;
@@ -85,7 +85,7 @@ fn origin(file: &mut Part21<'_>) -> io::Result<Id> {
     add!(file, "AXIS2_PLACEMENT_3D('',{point},{z},{x})")
 }
 
-/// An `OPEN_SHELL` or a `CLOSED_SHELL` for every shell.
+/// Writes an `OPEN_SHELL` or a `CLOSED_SHELL` for every shell.
 fn shells(file: &mut Part21<'_>, brep: &Brep, plane: Id) -> io::Result<Vec<Id>> {
     let mut surfaces = Vec::with_capacity(brep.surfaces.len());
     for surface in &brep.surfaces {
@@ -105,7 +105,7 @@ fn shells(file: &mut Part21<'_>, brep: &Brep, plane: Id) -> io::Result<Vec<Id>> 
     Ok(shells)
 }
 
-/// An `EDGE_CURVE` for every edge, between `VERTEX_POINT`s that edges share.
+/// Writes an `EDGE_CURVE` for every edge between `VERTEX_POINT`s that edges share.
 fn edges(file: &mut Part21<'_>, brep: &Brep, surfaces: &[Id], plane: Id) -> io::Result<Vec<Id>> {
     let mut vertices = Vec::with_capacity(brep.vertices.len());
     for vertex in &brep.vertices {
@@ -125,11 +125,11 @@ fn edges(file: &mut Part21<'_>, brep: &Brep, surfaces: &[Id], plane: Id) -> io::
     Ok(edges)
 }
 
-/// A use of an edge: the face, what its surface is called, and the use in a loop.
+/// A use of an edge: the face, the name of its surface, and the use in a loop.
 type Use<'a> = (FaceId, Id, &'a EdgeUse);
 
-/// `SURFACE_CURVE` (`SEAM_CURVE` where a face uses the edge twice): the 3D
-/// curve, and a `PCURVE` for every use.
+/// Writes a `SURFACE_CURVE`, or a `SEAM_CURVE` if a face uses the edge twice. It has the 3D curve
+/// and a `PCURVE` for every use.
 fn edge_geometry(
     file: &mut Part21<'_>,
     edge: &Edge,
@@ -148,7 +148,7 @@ fn edge_geometry(
     add!(file, "{kind}('',{curve},{},.PCURVE_S1.)", List(&pcurves))
 }
 
-/// `ADVANCED_FACE`, the outer bound first.
+/// Writes an `ADVANCED_FACE`. The outer bound comes first.
 fn face(file: &mut Part21<'_>, data: &Face, surface: Id, edges: &[Id]) -> io::Result<Id> {
     let mut bounds = Vec::with_capacity(data.loops.len());
     for (i, uses) in data.loops.iter().enumerate() {

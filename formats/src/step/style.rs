@@ -1,11 +1,11 @@
-//! Colour (ISO 10303-46).
+//! Writer of colours (ISO 10303-46).
 
 use std::io;
 
 use super::part21::{Id, List, Part21, add};
 use crate::number::StepReal;
 
-/// Gives items a colour, on both of their sides.
+/// Gives items a colour on both of their sides.
 pub(super) fn write(
     file: &mut Part21<'_>,
     items: &[Id],

@@ -1,4 +1,4 @@
-//! Broken files: what is said of them, and that nothing worse happens.
+//! Broken CAD files: the errors, and that nothing panics.
 
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
@@ -11,7 +11,7 @@ mod damage;
 
 use crate::{iges_file, model, read, step_file};
 
-/// What is said of a file.
+/// The error for a file.
 fn fault(text: &str) -> String {
     let Err(fault) = read(text) else { panic!("a broken file was read") };
     fault.to_string()
@@ -29,12 +29,9 @@ fn what_is_wrong_with_a_step_file_is_said() {
     let cut = &good[..good.len() / 2];
     let line = cut.lines().count();
     let said = fault(cut);
-    assert!(
-        said.contains("ends in the middle") && said.contains(&format!("line {line}")),
-        "{said}"
-    );
-    assert!(fault(&good.replace("END-ISO-10303-21;\n", "")).contains("ends in the middle"));
-    assert_eq!(replaced("#20=", "#21="), "part: #21 stands in it twice (line 34)");
+    assert!(said.contains("is incomplete") && said.contains(&format!("line {line}")), "{said}");
+    assert!(fault(&good.replace("END-ISO-10303-21;\n", "")).contains("is incomplete"));
+    assert_eq!(replaced("#20=", "#21="), "part: #21 is defined twice (line 34)");
     assert_eq!(
         replaced("(0.,0.2,0.4", "(0.,0.5,0.4").split(" (#").next().unwrap(),
         "part: knots that decrease, or are not finite"
@@ -44,15 +41,15 @@ fn what_is_wrong_with_a_step_file_is_said() {
     let said = replaced("(4,1,1,1,1,4)", "(4,1,1,1,1,999999999999)");
     assert!(said.contains("knots for 8 poles of degree 3"), "{said}");
     let said = replaced("B_SPLINE_SURFACE_WITH_KNOTS('',3,3", "TOROIDAL_SURFACE('',3,3");
-    assert!(said.contains("is a surface of a kind not read: TOROIDAL_SURFACE (#"), "{said}");
+    assert!(said.contains("is a surface of an unsupported kind: TOROIDAL_SURFACE (#"), "{said}");
     let said = replaced("ADVANCED_FACE('',(#", "ADVANCED_FACE('',(#9999");
-    assert!(said.contains("which is not in it"), "{said}");
+    assert!(said.contains("which it does not contain"), "{said}");
     let said = replaced("VERTEX_POINT('',#", "VERTEX_POINT('',#1,#");
-    assert_eq!(said, "part: is APPLICATION_CONTEXT where CARTESIAN_POINT is due (#1)");
+    assert_eq!(said, "part: is APPLICATION_CONTEXT where CARTESIAN_POINT is expected (#1)");
     let said = replaced("VERTEX_POINT('',#", "VERTEX_POINT('',1.,#");
     assert!(said.contains("attribute 2 of VERTEX_POINT is not a reference (#"), "{said}");
     let said = replaced("OPEN_SHELL(", "OPEN_SHELF(");
-    assert!(said.contains("is OPEN_SHELF where a shell is due (#"), "{said}");
+    assert!(said.contains("is OPEN_SHELF where a shell is expected (#"), "{said}");
     assert_eq!(replaced("SHELL_BASED_SURFACE_MODEL", "GEOMETRIC_SET"), "part: has no faces");
     assert!(replaced("SI_UNIT(.MILLI.", "SI_UNIT(.FURLONG.").contains("is a unit of length"));
 }
@@ -72,18 +69,18 @@ fn what_is_wrong_with_an_iges_file_is_said() {
     let said = replaced("128,7,7,3,3,", "128,7,7,9,3,");
     assert!(said.contains("directory entry"), "{said}");
     let said = replaced(",2,2HMM,", ",3,2HXX,");
-    assert!(said.contains("in a unit that is not known: 3 XX"), "{said}");
+    assert!(said.contains("in an unknown unit: 3 XX"), "{said}");
     let said = replaced("1H,,1H;,", "2H,,1H;,");
     assert!(said.contains("names no delimiters"), "{said}");
 }
 
-/// Counts that claim what the file does not have.
+/// Counts that are larger than the content of the file.
 #[test]
 fn claims_are_not_believed() {
     let good = iges_file(&model::one_face("part"), Form::Brep);
     for (from, to) in [("502,8,", "502,9999999999,"), ("514,1,", "514,8888888888,")] {
         assert!(good.contains(from));
-        // The number takes other columns' place: the file stays 80 wide.
+        // The number replaces blanks, so that the lines still have 80 columns.
         let at = good.find(from).unwrap();
         let line = good[at..].lines().next().unwrap();
         let (data, rest) = line.split_at(64);
@@ -93,7 +90,7 @@ fn claims_are_not_believed() {
     }
 }
 
-/// How often each file is damaged.
+/// The number of times that each file is damaged.
 const ROUNDS: usize = 1_500;
 
 #[test]

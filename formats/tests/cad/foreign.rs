@@ -1,12 +1,12 @@
-//! Files as other programs write them: the same faces, spelled otherwise.
+//! Files in the styles of other programs: the same faces in other notations.
 
 use formats::cad::{CadSurface, CurveShape};
 use formats::iges::Form;
 
 use crate::{check_same, files, iges_file, model, read, step_file};
 
-/// A file of ours with its entities' numbers far apart and backwards, its lists
-/// broken otherwise, and comments in it.
+/// A file of ours with numbers of entities that are far apart and descending, other line breaks in
+/// lists, and comments.
 fn scattered(step: &str) -> String {
     let (head, rest) = step.split_once("DATA;\n").unwrap();
     let (data, tail) = rest.split_once("ENDSEC;").unwrap();
@@ -94,7 +94,7 @@ fn a_weighted_surface_is_read() {
 #[test]
 fn edges_may_be_without_pcurves() {
     let step = step_file(&model::one_face("part"));
-    // SURFACE_CURVE('',#1,(#2),.PCURVE_S1.) → the curve alone.
+    // SURFACE_CURVE('',#1,(#2),.PCURVE_S1.) becomes the curve alone.
     let mut plain = String::new();
     let mut curves = Vec::new();
     for statement in step.split_inclusive(";\n") {
@@ -125,7 +125,7 @@ fn iges_may_choose_its_delimiters() {
     }
 }
 
-/// A line with `#` and `!` for comma and semicolon, but not in strings.
+/// A line with `#` and `!` instead of comma and semicolon outside of strings.
 fn redelimited(line: &str) -> String {
     let section = line.as_bytes()[72];
     if !matches!(section, b'G' | b'P') {
@@ -144,7 +144,7 @@ fn matrices_put_what_they_belong_to() {
     let file = iges_file(&brep, Form::Brep);
     let count = file.lines().filter(|l| l.as_bytes()[72] == b'D').count();
     let lines = file.lines().filter(|l| l.as_bytes()[72] == b'P').count();
-    // A quarter turn about z and a shift, for the shell.
+    // A quarter turn about z and a translation of the shell.
     let pointer = count + 1;
     let directory = format!(
         "{:8}{:8}{:8}{:8}{:8}{:8}{:8}{:8}00010000D{pointer:7}\n{:8}{:8}{:8}{:8}{:8}{:32}D{:7}\n",
@@ -212,7 +212,7 @@ fn lines_and_circles_are_read() {
     let CadSurface::Plane { origin, x, y } = *model.faces[0].surface else { panic!() };
     assert_eq!((origin, x, y), ([0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]));
     let edge = &model.faces[0].loops[0][0];
-    // Against the edge, in a bound against its loop.
+    // The loop runs against the edge, and the bound runs against its loop.
     assert!(edge.forward);
     let CurveShape::Ellipse { centre, x, y } = edge.curve.as_ref().unwrap().shape else { panic!() };
     assert_eq!((centre, x, y), ([0.0; 3], [2.0, 0.0, 0.0], [0.0, 2.0, 0.0]));
@@ -220,7 +220,7 @@ fn lines_and_circles_are_read() {
 
 #[test]
 fn the_angle_on_an_iges_cylinder_is_in_degrees() {
-    // A cylinder as OpenCASCADE writes it: one face, a seam.
+    // A cylinder in the style of OpenCASCADE: one face with a seam.
     let parameters = [
         (514, 1, "514,1,3,1;"),
         (510, 1, "510,5,1,1,13;"),

@@ -1,5 +1,4 @@
-//! What is read of STEP and IGES files: our own, and as other programs write
-//! them.
+//! Reading of STEP and IGES files: our own files, and files in the style of other programs.
 
 mod broken;
 mod foreign;
@@ -9,7 +8,7 @@ mod model;
 
 use std::path::Path;
 
-use formats::brep::{Curve, Surface};
+use formats::brep::{BrepCurve, BrepSurface};
 use formats::cad::{CadModel, CadSurface, CurveShape, read_cad_from};
 use formats::iges::{self, Form};
 use formats::step::{self, Schema};
@@ -32,24 +31,26 @@ fn read(text: &str) -> Result<CadModel> {
     read_cad_from(Path::new("part"), text.as_bytes())
 }
 
-/// Every form of a part's file.
+/// Every kind of file of a part.
 fn files(brep: &Brep) -> [String; 3] {
     [step_file(brep), iges_file(brep, Form::Trimmed), iges_file(brep, Form::Brep)]
 }
 
-/// What is read is what was written, to the last bit.
+/// The model that is read must be exactly the one that was written.
 fn check_same(brep: &Brep, model: &CadModel) {
     assert_eq!(model.faces.len(), brep.faces.len());
     for (face, written) in model.faces.iter().zip(&brep.faces) {
         let CadSurface::Spline(surface) = &*face.surface else { panic!() };
-        let Surface::Spline(expected) = &brep.surfaces[written.surface.0] else { panic!() };
+        let BrepSurface::Spline(expected) = &brep.surfaces[written.surface.0] else { panic!() };
         assert_eq!(surface, expected);
         assert!(!face.natural);
         assert_eq!(face.loops.len(), written.loops.len());
         for (edges, uses) in face.loops.iter().zip(&written.loops) {
             assert_eq!(edges.len(), uses.len());
             for (edge, of_loop) in edges.iter().zip(uses) {
-                let Curve::Spline(expected) = &brep.edges[of_loop.edge.0].curve else { panic!() };
+                let BrepCurve::Spline(expected) = &brep.edges[of_loop.edge.0].curve else {
+                    panic!()
+                };
                 let CurveShape::Spline(found) = &edge.curve.as_ref().unwrap().shape else {
                     panic!()
                 };
@@ -85,8 +86,8 @@ fn names_read_back() {
 
 #[test]
 fn a_loop_runs_where_its_face_has_it() {
-    // Reversed edges and a face that looks the other way: the first corner of
-    // each pcurve, along the loop, is the last one of the pcurve before.
+    // Edges are reversed, and a face has the opposite normal. The first corner of each pcurve in
+    // the direction of the loop is the last corner of the previous pcurve.
     for brep in [model::two_faces(""), model::inverted("")] {
         for file in files(&brep) {
             for face in read(&file).unwrap().faces {
@@ -101,7 +102,7 @@ fn a_loop_runs_where_its_face_has_it() {
     }
 }
 
-/// Where an edge's pcurve begins and ends along its loop.
+/// The ends of an edge's pcurve in the direction of its loop.
 fn ends(edge: &formats::cad::CadEdge) -> [[f64; 2]; 2] {
     let CurveShape::Spline(pcurve) = &edge.pcurves[0].shape else { panic!() };
     let (first, last) = (pcurve.poles()[0], pcurve.poles()[pcurve.poles().len() - 1]);

@@ -1,4 +1,4 @@
-//! Files that unzip to far more than they are.
+//! Files that decompress to far more than their size.
 
 use crate::Judge;
 use crate::support::gzip;
@@ -6,7 +6,7 @@ use crate::support::gzip;
 pub fn judge(judge: &mut Judge) {
     let mut huge = gzip(b"v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     let end = huge.len();
-    // The length of what was zipped, modulo 2^32.
+    // The length of the original content modulo 2^32.
     huge[end - 4..].fill(0xff);
     judge.judge_made("size.obj.gz", "gzip with a false size", huge);
     let stl = [&[0; 80][..], &[0xff; 4]].concat();

@@ -1,8 +1,8 @@
-//! Honest files of the shortest things that make much in memory.
+//! Valid files with the shortest elements that take much memory.
 
 use crate::Judge;
 
-/// Their size: enough to see how many bytes each byte takes.
+/// The size of the files. It is large enough to measure the memory for each byte.
 const SIZE: usize = 8 << 20;
 
 fn fill(head: &str, piece: &str, tail: &str) -> String {
@@ -82,7 +82,7 @@ fn gltf(judge: &mut Judge) {
         let text = fill(&format!(r#"{begin}"{key}":["#), &piece, &format!("{item}]}}"));
         judge.judge_made("list.gltf", &format!("dense {key} of glTF"), text);
     }
-    // As many as are let through.
+    // The largest number that is allowed.
     let nodes = format!(r#"{begin}"nodes":[{}{{}}]}}"#, "{},".repeat(131_000));
     judge.judge_made("nodes.gltf", "131,000 nodes of glTF", nodes);
     let primitive = r#"{"attributes":{}},"#;

@@ -1,4 +1,4 @@
-//! Small files that claim to be great.
+//! Small files that declare large contents.
 
 use std::fs;
 
@@ -89,7 +89,7 @@ fn gltf(judge: &mut Judge) {
             assert!(text.contains(from));
             let file = text.replacen(from, &to.replace("COUNT", count), 1);
             judge.judge_made("lie.gltf", &format!("glTF, {count} for {from}"), &file);
-            // The same mesh once more, and very often.
+            // The same mesh with many more instances.
             for nodes in [2, 3000] {
                 let title = format!("glTF {nodes} times, {count} for {from}");
                 judge.judge_made("lie.gltf", &title, placed(&file, nodes));
@@ -102,7 +102,7 @@ fn gltf(judge: &mut Judge) {
     }
 }
 
-/// Many buffers that are all in one file.
+/// Many buffers in one file.
 fn gltf_buffers(judge: &mut Judge) {
     const SIZE: usize = 4 << 20;
     let list = |item: fn(usize) -> String| (0..200).map(item).collect::<Vec<_>>().join(",");
@@ -123,7 +123,7 @@ fn gltf_buffers(judge: &mut Judge) {
     judge.judge("glTF, 200 buffers in one file", &case.path);
 }
 
-/// `file` with its mesh placed by so many nodes.
+/// `file` in which this number of `nodes` uses its mesh.
 fn placed(file: &str, nodes: usize) -> String {
     let places = vec![r#"{"mesh": 0}"#; nodes].join(",");
     let list: Vec<String> = (0..nodes).map(|i| i.to_string()).collect();

@@ -1,4 +1,4 @@
-//! Memory grows with what a file holds, never with what it claims.
+//! The memory grows with the actual content of a file, never with what it declares.
 
 mod bombs;
 #[path = "../points/seeds.rs"]
@@ -20,15 +20,14 @@ use std::path::Path;
 
 use formats::{Result, read_scan};
 
-/// Bytes that reading may take: so many for each byte of the file, and so
-/// many in any case.
+/// The number of bytes that reading may take: a factor for each byte of the file, and a constant.
 const PER_BYTE: usize = 16;
 const FREE: usize = 64 << 20;
 
-/// Files that take less are not told of.
+/// Files that take less memory are not printed.
 const WORTH_TELLING: usize = 8 << 20;
 
-/// Reads files and keeps what broke the bound.
+/// Reads files and collects those that exceed the bound.
 #[derive(Default)]
 struct Judge {
     guilty: Vec<String>,
@@ -61,10 +60,10 @@ impl Judge {
     }
 }
 
-/// What the files have in common, and the function that judges them.
+/// A group of files and the function that checks it.
 type Group = (&'static str, fn(&mut Judge));
 
-/// One test, for the allocator counts what all threads do.
+/// There is only one test, because the allocator counts the memory of all threads.
 #[test]
 fn memory_grows_with_the_bytes_read() {
     let groups: [Group; 7] = [
@@ -86,7 +85,7 @@ fn memory_grows_with_the_bytes_read() {
     assert!(guilty.is_empty(), "\n{}", guilty.join("\n"));
 }
 
-/// The seeds, and those with their digits made great ones.
+/// The seeds, and the seeds with large numbers instead of their digits.
 fn judge_seeds(judge: &mut Judge) {
     for (name, content) in seeds::all() {
         judge.judge_made(name, name, &content);
@@ -105,7 +104,7 @@ fn judge_crashes(judge: &mut Judge) {
     judge_folder(judge, &Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/read/crashes"));
 }
 
-/// The broken and odd ones of the collected scans.
+/// The broken and unusual files among the collected scans.
 fn judge_scans(judge: &mut Judge) {
     let Some(folder) = support::scans() else {
         eprintln!("SKIPPED: the collected scans (../../shared/scans) are not there");
@@ -115,7 +114,7 @@ fn judge_scans(judge: &mut Judge) {
     judge_folder(judge, &folder.join("E"));
 }
 
-/// The files in `folder` and below.
+/// The files in `folder` and its subfolders.
 fn judge_folder(judge: &mut Judge, folder: &Path) {
     for entry in fs::read_dir(folder).expect("a folder") {
         let path = entry.expect("an entry").path();

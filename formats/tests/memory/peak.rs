@@ -1,4 +1,4 @@
-//! An allocator that counts: how much is live, and how much was at most.
+//! A counting allocator: the current and the largest number of allocated bytes.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicUsize, Ordering::Relaxed};
@@ -16,7 +16,7 @@ fn grow(size: usize) {
     PEAK.fetch_max(live, Relaxed);
 }
 
-// SAFETY: the system's allocator does everything; here is only counted.
+// SAFETY: all calls go to the system's allocator. This code only counts.
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
         grow(layout.size());
@@ -28,7 +28,7 @@ unsafe impl GlobalAlloc for Counting {
         unsafe { System.alloc_zeroed(layout) }
     }
 
-    // Not counted twice: what is large enough to matter moves by its pages.
+    // This is not counted twice, because large blocks are moved by their pages.
     unsafe fn realloc(&self, old: *mut u8, layout: Layout, size: usize) -> *mut u8 {
         LIVE.fetch_sub(layout.size(), Relaxed);
         grow(size);
@@ -41,8 +41,8 @@ unsafe impl GlobalAlloc for Counting {
     }
 }
 
-/// How many bytes more than before were live at the worst moment of `work`.
-/// Meaningful only while no other thread works.
+/// The largest number of additional bytes that were allocated during `work`. It is meaningful only
+/// if no other thread is working.
 pub fn of<T>(work: impl FnOnce() -> T) -> (usize, T) {
     let before = LIVE.load(Relaxed);
     PEAK.store(before, Relaxed);

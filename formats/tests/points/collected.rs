@@ -7,7 +7,7 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use formats::points::Grid;
+use formats::points::ScanGrid;
 use formats::{Points, read_points};
 
 /// What another program reads from a file.
@@ -108,7 +108,7 @@ fn differences(cloud: &Points, expected: &Expected) -> Vec<String> {
     let sum: f64 = (0..cloud.len()).flat_map(|i| cloud.absolute(i)).sum();
     let grid = cloud.scans[0].grid.as_ref();
     let found = grid.map(|grid| (grid.rows, grid.columns));
-    let filled = grid.map(|grid| grid.cells.iter().filter(|&&c| c != Grid::EMPTY).count());
+    let filled = grid.map(|grid| grid.cells.iter().filter(|&&c| c != ScanGrid::EMPTY).count());
     let wrong = [
         (cloud.len() != expected.points, format!("{} points", cloud.len())),
         (cloud.lost.not_finite != expected.not_finite, format!("{:?}", cloud.lost)),

@@ -1,6 +1,6 @@
 //! PCD: the three encodings, grids, and what its header may say.
 
-use formats::points::{Grid, Note};
+use formats::points::{Note, ScanGrid};
 
 use crate::seeds::{ASCII_PCD, columns, columns_without_padding, packed, pcd, records};
 use crate::support::{cloud, places, refusal};
@@ -30,7 +30,7 @@ fn every_encoding_reads_the_same() {
         assert_eq!(scan.viewpoint, Some([0.0, 0.0, -1.0]));
         let grid = scan.grid.as_ref().expect("a grid");
         assert_eq!((grid.rows, grid.columns), (2, 3));
-        assert_eq!(grid.cells, [0, 1, Grid::EMPTY, 2, 3, 4]);
+        assert_eq!(grid.cells, [0, 1, ScanGrid::EMPTY, 2, 3, 4]);
         assert_eq!((grid.point(1, 0), grid.point(0, 2), grid.point(2, 0)), (Some(2), None, None));
         assert_eq!(cloud.lost.not_finite, 1);
         assert_eq!(cloud.lost.colours, 6);

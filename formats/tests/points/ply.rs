@@ -1,6 +1,6 @@
 //! PLY without faces.
 
-use formats::points::{Grid, Note};
+use formats::points::{Note, ScanGrid};
 use formats::{Content, LengthUnit, read_content, read_scan};
 
 use crate::seeds;
@@ -31,7 +31,7 @@ fn a_range_grid_is_read() {
     let grid = cloud.scans[0].grid.as_ref().expect("a grid");
     assert_eq!((grid.rows, grid.columns), (2, 3));
     // The vertex that is no number leaves an empty cell.
-    let nothing = Grid::EMPTY;
+    let nothing = ScanGrid::EMPTY;
     assert_eq!(grid.cells, [0, nothing, 1, nothing, 2, nothing]);
 }
 

@@ -1,7 +1,7 @@
 //! PTX: scans with their poses and grids.
 
 use formats::LengthUnit;
-use formats::points::{Grid, Note};
+use formats::points::{Note, ScanGrid};
 
 use crate::support::{cloud, places, refusal};
 
@@ -21,7 +21,7 @@ fn cells_go_down_the_columns() {
     assert_eq!(cloud.len(), 5);
     let grid = cloud.scans[0].grid.as_ref().expect("a grid");
     assert_eq!((grid.rows, grid.columns), (3, 2));
-    assert_eq!(grid.cells, [0, 2, 1, 3, Grid::EMPTY, 4]);
+    assert_eq!(grid.cells, [0, 2, 1, 3, ScanGrid::EMPTY, 4]);
     assert_eq!((cloud.lost.at_zero, cloud.lost.intensities), (1, 5));
     assert_eq!((cloud.unit, cloud.notes), (Some(LengthUnit::Metre), vec![Note::MetresByCustom]));
 }

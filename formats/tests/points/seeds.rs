@@ -4,7 +4,7 @@
 use std::io::{Cursor, Write};
 use std::path::Path;
 
-use formats::points::Grid;
+use formats::points::ScanGrid;
 use formats::{Points, Result, read_points_from};
 
 /// Reads `content` and checks what a cloud promises.
@@ -26,7 +26,7 @@ pub fn read_soundly(name: &str, content: &[u8]) -> Result<Points> {
         let Some(grid) = &scan.grid else { continue };
         assert!(grid.rows > 1 && grid.columns > 1);
         assert_eq!(grid.cells.len(), grid.rows * grid.columns);
-        let mut cells = grid.cells.iter().filter(|&&cell| cell != Grid::EMPTY);
+        let mut cells = grid.cells.iter().filter(|&&cell| cell != ScanGrid::EMPTY);
         assert!(cells.all(|&cell| scan.points.contains(&(cell as usize))));
     }
     assert_eq!(next, points.len());

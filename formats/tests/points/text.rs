@@ -145,7 +145,7 @@ fn few_bad_lines_are_counted_and_many_refused() {
     assert_eq!((cloud.len(), cloud.lost.unreadable_lines), (300, 3));
     let many = format!("{good}1 2 3 4\n1 2\n1 2 x\n1\u{202f}2 3\n");
     let error = refusal("scan.xyz", many, "4 of 304 lines that are no points, first");
-    assert_eq!(error.place, Some(formats::Place::Line(301)));
+    assert_eq!(error.place, Some(formats::Location::Line(301)));
     refusal("ragged.csv", "x,y,z\n1,2,3\n4,5\n6,7,8,9\n", "2 of 3 lines");
 }
 

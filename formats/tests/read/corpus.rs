@@ -1,4 +1,4 @@
-//! The collected scans, against their index.
+//! The collected scans compared with their index.
 
 use std::fs;
 use std::panic::catch_unwind;
@@ -8,7 +8,7 @@ use formats::{Result, Soup, read_scan};
 
 use crate::support::{scans, triangles};
 
-/// Good files that are refused on purpose, and why.
+/// Valid files that are refused on purpose, and the reasons.
 const REFUSED: [(&str, &str); 8] = [
     ("D/ply_int_coords.ply", "no faces"),
     ("D/ply_list_element_points.ply", "no faces"),
@@ -20,16 +20,16 @@ const REFUSED: [(&str, &str); 8] = [
     ("D/number_formats.obj", "3.1+e2 is no number"),
 ];
 
-/// Where we differ from the program that counted.
+/// Files for which the program that made the index counted differently.
 const OTHER_COUNTS: [(&str, usize, usize); 3] = [
-    // It welded the corners of this one.
+    // It welded the corners of this file.
     ("D/stl_two_solids.stl", 72, 24),
-    // It knows no fans.
+    // It does not support fans.
     ("D/gltf_mode_fan/Mesh_PrimitiveMode_05.gltf", 4, 2),
     ("D/gltf_mode_fan_indexed/Mesh_PrimitiveMode_12.gltf", 4, 2),
 ];
 
-/// Broken files for the program that counted, but not for us.
+/// Files that are broken for the program that made the index, but not for us.
 const SOUND: [(&str, usize, usize); 1] = [
     // It lost the vertex after the byte order mark.
     ("E/e_bom_crlf.obj.gz", 7575, 14852),
@@ -39,9 +39,9 @@ const SOUND: [(&str, usize, usize); 1] = [
 struct Scan {
     class: String,
     path: String,
-    /// Vertices and triangles, if it could be read.
+    /// The numbers of vertices and triangles, if the file could be read.
     counts: Option<(usize, usize)>,
-    /// How many faces have vertex numbers out of range.
+    /// The number of faces with vertex numbers out of range.
     bad_faces: usize,
 }
 
@@ -65,7 +65,7 @@ fn index(folder: &Path) -> Vec<Scan> {
     lines.map(row).collect()
 }
 
-/// What is wrong with how a scan of class A or D was read.
+/// The differences between a scan of class A or D and its row.
 fn judge_good(scan: &Scan, read: &Result<Soup>) -> Option<String> {
     let refused = REFUSED.iter().any(|(path, _)| *path == scan.path);
     let other = OTHER_COUNTS.iter().find(|(path, ..)| *path == scan.path);
@@ -78,7 +78,7 @@ fn judge_good(scan: &Scan, read: &Result<Soup>) -> Option<String> {
     }
 }
 
-/// The same for class E: what is broken may be refused, but not misread.
+/// The same for class E. A broken file may be refused but not read wrongly.
 fn judge_broken(scan: &Scan, read: &Result<Soup>) -> Option<String> {
     if let Some(&(_, v, f)) = SOUND.iter().find(|(path, ..)| *path == scan.path) {
         return match read {

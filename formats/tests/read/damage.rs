@@ -1,12 +1,12 @@
-//! Binary files that went through a program for text, and STL files whose
-//! length is not what their count says.
+//! Binary files that a program for text has damaged, and STL files whose length does not agree with
+//! their number of triangles.
 
-use formats::Place;
+use formats::Location;
 
 use crate::seeds;
 use crate::support::{gzip, polygons, refusal, soup};
 
-/// Triangles with negative numbers, and with as many line feeds.
+/// Triangles with negative numbers. Each of them has a line feed.
 fn stl(count: u32, triangles: u16) -> Vec<u8> {
     let mut file = [&[b' '; 80][..], &count.to_le_bytes()].concat();
     for i in 0..triangles {
@@ -33,7 +33,7 @@ fn as_utf_8(file: &[u8]) -> Vec<u8> {
 
 #[test]
 fn stl_that_was_converted_is_refused_by_cause() {
-    // Of 50 line feeds the surplus is just one record.
+    // The additional bytes for 50 line feeds are exactly one record.
     for triangles in [1, 2, 3, 50, 200] {
         let good = stl(triangles.into(), triangles);
         assert_eq!(polygons(&soup("good.stl", &good)).len(), usize::from(triangles));
@@ -66,16 +66,16 @@ fn ply_that_was_converted_is_refused_by_cause() {
 fn glb_that_was_converted_is_refused_by_cause() {
     let (_, mut file) =
         seeds::all().into_iter().find(|(name, _)| *name == "nodes.glb").expect("one");
-    // Its positions are 48 of the last 64 bytes.
+    // The positions are 48 of the last 64 bytes.
     let at = file.len() - 64;
     file[at..at + 48].copy_from_slice(&b"\0\0\x80\xbf".repeat(12));
     soup("good.glb", &file);
-    refusal("sent.glb", as_utf_8(&file), "for its bytes were converted to UTF-8 text");
+    refusal("sent.glb", as_utf_8(&file), "because its bytes were converted to UTF-8 text");
     file[at..at + 48].copy_from_slice(&b"\0\0\n\x40".repeat(12));
-    // Not those of the JSON.
+    // Line feeds of the JSON do not count.
     file[..at].iter_mut().filter(|b| **b == b'\n').for_each(|b| *b = b' ');
     soup("good.glb", &file);
-    refusal("sent.glb", with_returns(&file), "carriage returns put in");
+    refusal("sent.glb", with_returns(&file), "additional carriage returns");
 }
 
 #[test]
@@ -88,10 +88,10 @@ fn gzip_that_was_converted_is_refused_by_cause() {
 #[test]
 fn stl_with_too_small_a_count_loses_nothing() {
     for (count, triangles) in [(0, 1), (0, 3), (1, 2), (5, 6), (2, 200)] {
-        let word = format!("announces {count} triangles, but has {triangles} by its length");
+        let word = format!("declares {count} triangles, but its length is that of {triangles}");
         for file in [stl(count, triangles), gzip(&stl(count, triangles))] {
             let error = refusal("count.stl", file, &word);
-            assert_eq!(error.place, Some(Place::Byte(80)));
+            assert_eq!(error.place, Some(Location::Byte(80)));
         }
     }
     // Two files in one.

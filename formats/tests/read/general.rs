@@ -1,4 +1,4 @@
-//! Recognition, gzip, and files that are no mesh.
+//! Detection of formats, gzip, and files that are not meshes.
 
 use std::fs;
 use std::io::Write;
@@ -21,7 +21,7 @@ fn content_goes_before_extension() {
 fn extension_decides_where_content_is_silent() {
     let comments = "# comment\n".repeat(2000);
     assert_eq!(soup("late.obj", format!("{comments}{OBJ}")).points.len(), 3);
-    refusal("late.txt", format!("{comments}{OBJ}"), "no known mesh format");
+    refusal("late.txt", format!("{comments}{OBJ}"), "not in a known mesh format");
     assert_eq!(
         Format::of(&case("A.OBJ.GZ", gzip(comments.as_bytes())).path).ok(),
         Some(Format::Obj)
@@ -33,12 +33,12 @@ fn gzip_is_unwrapped_by_content() {
     for name in ["scan.obj.gz", "scan.obj", "scan"] {
         assert_eq!(soup(name, gzip(OBJ.as_bytes())).points.len(), 3);
     }
-    // Several members are one file.
+    // Several gzip members are one file.
     let (a, b) = OBJ.split_at(20);
     let members = [gzip(a.as_bytes()), gzip(b.as_bytes())].concat();
     assert_eq!(soup("scan.obj.gz", members.clone()).points.len(), 3);
 
-    // Archives and tapes pad with zeros, more of them than a buffer holds.
+    // Archives and tapes append zeros, here more than a buffer contains.
     let padded = [members.clone(), vec![0; 70_000]].concat();
     assert_eq!(soup("scan.obj.gz", padded).points.len(), 3);
     let between = [gzip(a.as_bytes()), vec![0; 512], gzip(b.as_bytes())].concat();
@@ -58,9 +58,9 @@ fn damaged_gzip_is_refused() {
 
 #[test]
 fn gzip_bombs_cost_little() {
-    // A gigabyte each, if one were to unzip it all.
+    // Each of them would have a gigabyte after complete decompression.
     let zeros = gzip(&vec![0; 64 << 20]).repeat(16);
-    refusal("bomb.gz", &zeros, "no known mesh format");
+    refusal("bomb.gz", &zeros, "not in a known mesh format");
     refusal("bomb.obj.gz", &zeros, "100 times");
     let header = b"ply\nformat ascii 1.0\ncomment ";
     let header = [gzip(header), zeros].concat();
@@ -72,7 +72,7 @@ fn gzip_bombs_cost_little() {
 #[test]
 fn what_is_no_mesh_is_refused_by_name() {
     refusal("nothing.ply", "", "is empty");
-    refusal("words.txt", "Hello", "no known mesh format");
+    refusal("words.txt", "Hello", "not in a known mesh format");
     refusal("cloud.pcd", "# .PCD v0.7\nVERSION 0.7\n", "PCD");
     refusal("model.3mf", b"PK\x03\x04\0\0", "ZIP");
     refusal("points.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n", "has points but no faces");
@@ -111,7 +111,7 @@ fn content_of_every_format_goes_before_extension() {
             assert_eq!(soup.points, [[0., 0., 0.], [1., 0., 0.], [0., 1., 0.]]);
             assert_eq!(polygons(&soup), [[0, 1, 2]]);
         }
-        // A binary STL is known by its length, which a zipped one does not tell.
+        // A binary STL is recognized by its length, which is unknown for a compressed file.
         let soup = soup("scan.stl.gz", gzip(&file));
         assert_eq!(polygons(&soup), [[0, 1, 2]], "{format:?}");
     }
@@ -120,7 +120,7 @@ fn content_of_every_format_goes_before_extension() {
 const ASCII_STL: &str = "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n\
                          vertex 0 1 0\nendloop\nendfacet\nendsolid\n";
 
-/// The triangle's nine coordinates.
+/// The nine coordinates of the triangle.
 fn floats() -> Vec<u8> {
     [0., 0., 0., 1., 0., 0., 0., 1., 0f32].iter().flat_map(|v| v.to_le_bytes()).collect()
 }
@@ -151,10 +151,10 @@ fn glb() -> Vec<u8> {
 fn gzip_by_name_only() {
     assert_eq!(soup("scan.obj.gz", OBJ).points.len(), 3);
     assert_eq!(soup("scan.gz", OBJ).points.len(), 3);
-    // Without points at its beginning only the name tells what it is.
+    // Without points at the beginning, only the name tells the format.
     let late = "# comment\n".repeat(2000) + OBJ;
     assert_eq!(soup("scan.obj.gz", &late).points.len(), 3);
-    refusal("scan.gz", late, "no known mesh format");
+    refusal("scan.gz", late, "not in a known mesh format");
 }
 
 #[test]
@@ -163,7 +163,7 @@ fn gzip_headers_of_every_kind() {
     let mut zip = named.mtime(1).write(Vec::new(), flate2::Compression::none());
     zip.write_all(OBJ.as_bytes()).expect("zipped");
     assert_eq!(soup("scan.obj.gz", zip.finish().expect("zipped")).points.len(), 3);
-    // Members without content, at either end.
+    // Members without content at either end.
     let members = [gzip(b""), gzip(OBJ.as_bytes()), gzip(b"")].concat();
     assert_eq!(soup("scan.obj.gz", members).points.len(), 3);
     refusal("scan.obj.gz", gzip(b""), "is empty");
@@ -202,7 +202,7 @@ fn strangers_are_refused_by_name() {
             ["scan.ply", "scan.obj", "scan.stl", "scan.glb", "scan.gltf", "scan.pcd", "scan"]
         {
             let error = refusal(name, content, word);
-            // A cloud that is converted is refused again, for it still has no faces.
+            // A point cloud is refused again after a conversion, because it still has no faces.
             let help =
                 if ["PCD", "E57", "LAS"].contains(&word) { "Mesh the points" } else { "Convert" };
             assert!(error.help.contains(help), "{name}: {error}");
@@ -211,7 +211,7 @@ fn strangers_are_refused_by_name() {
     }
 }
 
-/// Text in two bytes a letter, with the mark that editors put before it.
+/// Text with two bytes per character and the byte order mark that editors write.
 fn utf_16(text: &str, bytes: fn(u16) -> [u8; 2]) -> Vec<u8> {
     ["\u{feff}", text].iter().flat_map(|t| t.encode_utf16()).flat_map(bytes).collect()
 }

@@ -1,5 +1,5 @@
-//! The readers: every feature and every refusal, on small files made here;
-//! the collected scans; and random damage.
+//! The readers: every feature and every error with small files that are made here, the collected
+//! scans, and random damage.
 
 mod corpus;
 mod damage;

@@ -1,5 +1,5 @@
-//! Random damage: no reader may panic, whatever it makes of it. The fuzzers
-//! (`formats/fuzz`) look further; what they found is replayed here.
+//! Random damage: no reader may panic. The fuzzers (`formats/fuzz`) search further, and the files
+//! that they found are read here.
 
 use std::fs;
 use std::path::Path;
@@ -9,7 +9,7 @@ use damage::{Random, damage};
 
 mod damage;
 
-/// How often each file is damaged.
+/// The number of times that each file is damaged.
 const ROUNDS: usize = 20_000;
 
 #[test]
@@ -32,7 +32,7 @@ fn damaged_files_are_survived() {
     }
 }
 
-/// Each file in `crashes` once broke a reader; its extension names the format.
+/// Each file in `crashes` has broken a reader. The extension names the format.
 #[test]
 fn old_crashes_are_survived() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/read/crashes");

@@ -1,6 +1,6 @@
-//! OBJ: what it may contain, and what is refused.
+//! OBJ: supported features and errors.
 
-use formats::Place;
+use formats::Location;
 
 use crate::support::{polygons, refusal, soup};
 
@@ -98,7 +98,7 @@ fn small_faces_are_left_out_but_not_at_a_cut() {
     let soup = soup("small.obj", square("f 1\nf 1 2\nf\nf 1 2 3\nf 3 4\n"));
     assert_eq!(polygons(&soup), [[0, 1, 2]]);
     let error = refusal("cut.obj", square("f 1 2 3\nf 3 4"), "middle of a face");
-    assert_eq!(error.place, Some(Place::Line(6)));
+    assert_eq!(error.place, Some(Location::Line(6)));
 }
 
 #[test]
@@ -114,7 +114,7 @@ fn bad_vertex_numbers_are_refused_by_line() {
         ("f 1 2 //3", "unreadable corner"),
     ] {
         let error = refusal("range.obj", square(&format!("f 1 2 3\n{face}\nf 2 3 4\n")), word);
-        assert_eq!(error.place, Some(Place::Line(6)), "{face}");
+        assert_eq!(error.place, Some(Location::Line(6)), "{face}");
     }
 }
 
@@ -128,13 +128,13 @@ fn bad_vertices_are_refused_by_line() {
         ("v . 0 0", "unreadable vertex"),
     ] {
         let error = refusal("bad.obj", square(&format!("{vertex}\nf 1 2 3\n")), word);
-        assert_eq!(error.place, Some(Place::Line(5)), "{vertex}");
+        assert_eq!(error.place, Some(Location::Line(5)), "{vertex}");
     }
     let comma = refusal("comma.obj", square("v 1,5 0,5 2,0\n"), "unreadable vertex");
     assert!(comma.help.contains("decimal points"));
 }
 
-/// Vertices for more than one batch of those that tobj gets at a time.
+/// Vertices for more than one batch that tobj receives.
 fn many() -> String {
     (0..10_000).map(|i| format!("v {i} 0 .5\n")).collect()
 }
@@ -150,7 +150,7 @@ fn many_vertices_keep_order_and_lines() {
         let mut lines: Vec<&str> = many.lines().collect();
         lines[bad - 1] = "v 1 2 -";
         let error = refusal("many.obj", lines.join("\n"), "\u{201c}v 1 2 -\u{201d}");
-        assert_eq!(error.place, Some(Place::Line(bad as u64)));
+        assert_eq!(error.place, Some(Location::Line(bad as u64)));
     }
 }
 
@@ -159,10 +159,10 @@ fn the_first_of_two_errors_is_told() {
     for second in ["f 1 2 x", "f 1 2 0", "v 1 2", "v 1 2 4-", "f 1 2"] {
         let text = square(&format!("\nv 1 2 3-\nf 1 2 3\n{second}"));
         let error = refusal("two.obj", text, "v 1 2 3-");
-        assert_eq!(error.place, Some(Place::Line(6)), "{second}");
+        assert_eq!(error.place, Some(Location::Line(6)), "{second}");
     }
     let error = refusal("two.obj", square("f 1 2 9\nf 1 2 x\n"), "corner \u{201c}x");
-    assert_eq!(error.place, Some(Place::Line(6)));
+    assert_eq!(error.place, Some(Location::Line(6)));
 }
 
 #[test]
@@ -170,7 +170,7 @@ fn only_ascii_white_space_parts_numbers() {
     for space in ['\u{b}', '\u{85}', '\u{a0}', '\u{2003}'] {
         let text = square(&format!("v 1{space}2 3 4\nf 1 2 3\n"));
         let error = refusal("space.obj", text, "unreadable vertex");
-        assert_eq!(error.place, Some(Place::Line(5)), "{space:?}");
+        assert_eq!(error.place, Some(Location::Line(5)), "{space:?}");
         let text = square(&format!("v 1 {space}2 3{space} 4\nf 1 2 3\n"));
         assert_eq!(soup("space.obj", text).points[4], [1., 2., 3.], "{space:?}");
     }
@@ -182,5 +182,5 @@ fn numbers_may_have_any_length() {
     let text = format!("v 1 2 3\nv 1.{digits} {digits}2 3\nv 1 2 3.{digits}1\nf 1 2 3\n");
     assert_eq!(soup("long.obj", text).points, [[1., 2., 3.]; 3]);
     let error = refusal("long.obj", format!("v 1 2 3\nv 1 {digits}x 3\n"), "\u{201c}v 1 000");
-    assert_eq!(error.place, Some(Place::Line(2)));
+    assert_eq!(error.place, Some(Location::Line(2)));
 }

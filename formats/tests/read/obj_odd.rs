@@ -1,13 +1,13 @@
-//! OBJ: odd spellings, as exporters and hands write them.
+//! OBJ: unusual notations of exporters and users.
 
-use formats::Place;
+use formats::Location;
 
 use crate::support::{polygons, refusal, soup};
 
 const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 const POINTS: [[f64; 3]; 4] = [[0., 0., 0.], [1., 0., 0.], [1., 1., 0.], [0., 1., 0.]];
 
-/// The polygons of the square with `faces`, which must leave its points alone.
+/// The polygons of the square with `faces`. The points must not change.
 #[track_caller]
 fn faces(faces: &str) -> Vec<Vec<u32>> {
     let soup = soup("odd.obj", SQUARE.to_owned() + faces);
@@ -56,14 +56,14 @@ fn words_that_are_no_numbers_are_refused() {
     for word in ["3.1+e2", "1,5", "1.2.3", "--1", "1e", "e5", "0x10", "1_000", "1.0f", "1d3", "."] {
         let text = format!("{SQUARE}v 9 {word} 9\nf 1 2 3\n");
         let error = refusal("word.obj", text, &format!("unreadable vertex \u{201c}v 9 {word} 9"));
-        assert_eq!(error.place, Some(Place::Line(5)), "{word}");
+        assert_eq!(error.place, Some(Location::Line(5)), "{word}");
     }
 }
 
 #[test]
 fn decimal_commas_are_refused_at_the_first() {
     let error = refusal("commas.obj", "# v 1,5\nv 42,794 -20,6071 -16,566\nf 1 1 1\n", "42,794");
-    assert_eq!(error.place, Some(Place::Line(2)));
+    assert_eq!(error.place, Some(Location::Line(2)));
     assert!(error.help.contains("decimal points"));
 }
 
@@ -80,7 +80,7 @@ fn corners_of_every_form() {
         "f -4 -3 -2 -1",
         "f -4/-9 -3//-9 -2/-9/-9 -1//",
         "f 1 -3 3/1 -1//-1",
-        // Numbers of texture points and normals do not matter, nor do zeros.
+        // The numbers of texture points and normals do not matter, and zeros do not, either.
         "f 1/0/0 2/0/0 3/0/0 4/0/0",
         "f 1/x/y 2 3 4",
         "f 01 +2 3 4",
@@ -99,8 +99,8 @@ fn corners_may_repeat() {
     );
 }
 
-/// The statement of releases before 3.0, which the specification still has
-/// readers take for `f`.
+/// The statement of releases before 3.0, which readers should treat as `f` according to the
+/// specification.
 #[test]
 fn old_face_outlines_are_faces() {
     assert_eq!(faces("fo 1 2 3\nf 1 3 4\n"), [[0, 1, 2], [0, 2, 3]]);
@@ -129,10 +129,10 @@ fn faces_without_vertices_are_refused() {
         ("f 1 2 3", "vertex 3, but only 0 vertices"),
         ("f 0/0/0 1/1/0 3/3/0", "vertex 0, but OBJ counts from 1"),
     ] {
-        // With and without a line end: neither is a cut.
+        // Files with and without a line end are both complete.
         for end in ["", "\n"] {
             let error = refusal("none.obj", format!("{face}{end}"), word);
-            assert_eq!(error.place, Some(Place::Line(1)), "{face}");
+            assert_eq!(error.place, Some(Location::Line(1)), "{face}");
         }
     }
 }
@@ -148,7 +148,7 @@ fn lines_go_on_after_a_backslash() {
     }
     // Errors name the line where the statement ends.
     let error = refusal("lines.obj", SQUARE.to_owned() + "f 1 \\\n2 \\\n9\n", "vertex 9");
-    assert_eq!(error.place, Some(Place::Line(7)));
+    assert_eq!(error.place, Some(Location::Line(7)));
     refusal("last.obj", SQUARE.to_owned() + "f 1 2 3\nf 1 2 \\", "middle of a face");
 }
 
@@ -193,7 +193,7 @@ fn ends_of_every_kind() {
     }
     for cut in ["v 1", "v 1 2", "v 1 2 -"] {
         let error = refusal("cut.obj", format!("{SQUARE}f 1 2 3\n{cut}"), "vertex");
-        assert_eq!(error.place, Some(Place::Line(6)), "{cut}");
+        assert_eq!(error.place, Some(Location::Line(6)), "{cut}");
     }
 }
 
@@ -226,11 +226,11 @@ fn only_vertices_and_faces_go_on() {
     }
     assert_eq!(faces("f 1 2 3 # last \\\nf 1 3 4\n"), [[0, 1, 2], [0, 2, 3]]);
     assert_eq!(faces("f 1 2 \\\n3 # last \\\nf 1 3 4\n"), [[0, 1, 2], [0, 2, 3]]);
-    // What other statements go on with is none of its own.
+    // The continuation of other statements is ignored.
     assert_eq!(faces("l 1 2 \\\n3 4\nf 1 2 3\n"), [[0, 1, 2]]);
 }
 
-/// Of files pasted together each may end its lines in its own way.
+/// A file that is joined from several files may have different line ends.
 #[test]
 fn line_ends_may_change() {
     let text = SQUARE.to_owned() + "f 1 2 3\nf 1 3 4\n";
@@ -246,6 +246,6 @@ fn line_ends_may_change() {
         }
     }
     let error = refusal("line.obj", SQUARE.to_owned() + "f 1 2 3\rf 1 2 x\rf 1 2 4\n", "x");
-    assert_eq!(error.place, Some(Place::Line(6)));
+    assert_eq!(error.place, Some(Location::Line(6)));
     refusal("cut.obj", SQUARE.to_owned() + "f 1 2 3\rf 1 2", "middle of a face");
 }

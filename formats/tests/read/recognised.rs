@@ -1,4 +1,4 @@
-//! Files that begin like others.
+//! Files that begin like files of another format.
 
 use formats::Format;
 
@@ -34,7 +34,7 @@ fn binary_stl_begins_with_any_word() {
             assert_eq!(Format::of(&case.path).ok(), Some(Format::Stl), "{header}");
             assert_eq!(polygons(&soup(name, stl(header))), [[0, 1, 2]], "{header}");
         }
-        // If it is longer, only the name tells what it is.
+        // If the file is longer, only the name tells the format.
         if header.starts_with("solid") || header.starts_with("ply ") {
             let longer = [stl(header), vec![0; 7]].concat();
             assert_eq!(polygons(&soup("scan.stl", longer)), [[0, 1, 2]], "{header}");

@@ -1,5 +1,4 @@
-//! Small sound files of every format, to be damaged: by the tests here, and
-//! by the fuzzers (`formats/fuzz`), which begin from them.
+//! Small valid files of every format, which the tests here and the fuzzers (`formats/fuzz`) damage.
 
 use std::io::{Cursor, Write};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -10,7 +9,8 @@ use formats::{Result, Soup, read_scan_from};
 /// Reads `content` and checks what a soup promises.
 ///
 /// # Panics
-/// The promise is broken, or the reader panics.
+///
+/// The soup breaks its promise, or the reader panics.
 pub fn read_soundly(name: &str, content: &[u8]) -> Result<Soup> {
     let cursor = Cursor::new(content.to_vec());
     let soup = read_scan_from(Path::new(name), cursor, None)?;
@@ -22,16 +22,16 @@ pub fn read_soundly(name: &str, content: &[u8]) -> Result<Soup> {
     Ok(soup)
 }
 
-/// The same, but a panic is told as what it says.
+/// The same, but a panic becomes an error with its message.
 pub fn survive(name: &str, content: &[u8]) -> std::result::Result<Result<Soup>, String> {
     let read = catch_unwind(AssertUnwindSafe(|| read_soundly(name, content)));
     read.map_err(|_| format!("{name}: {}", content.escape_ascii()))
 }
 
-/// A file: its name, and what it holds.
+/// A file: its name and its content.
 pub type Seed = (&'static str, Vec<u8>);
 
-/// Every seed; each can be read.
+/// All seeds. Each of them can be read.
 pub fn all() -> Vec<Seed> {
     let mut seeds = vec![
         ("rows.ply", ascii_ply()),
@@ -87,7 +87,7 @@ const FACES_FIRST: &str = "ply\nformat ascii 1.0\nelement face 3\nproperty list 
     vertex_index\nproperty list uchar float uv\nelement vertex 3\nproperty int8 x\nproperty \
     uint16 y\nproperty int z\nend_header\n3 0 1 2 1 .5\n2 0 1 0\n0 0\n0 0 0\n1 0 0\n0 1 -1\n";
 
-/// The same mesh as the ascii one's, in either order of bytes.
+/// The mesh of the ASCII file in either byte order.
 fn binary_ply(big: bool) -> Vec<u8> {
     let order = |mut bytes: Vec<u8>| {
         if big {
@@ -146,7 +146,7 @@ const GLTF: &str = r#"{"asset":{"version":"2.0"},"scene":0,"scenes":[{"nodes":[0
     "type":"VEC3","sparse":{"count":1,"indices":{"bufferView":2,"componentType":5121},
     "values":{"bufferView":0,"byteOffset":12}}}]}"#;
 
-/// Quantized positions, fans and strips, data in base64, zeros out of nothing.
+/// Quantized positions, fans and strips, data in base64, and an accessor of zeros.
 const PACKED: &str = r#"{"asset":{"version":"2.0"},"nodes":[{"mesh":0,"rotation":[0,0,1,0],
     "translation":[1,2,3]}],"extensionsRequired":["KHR_mesh_quantization"],
     "extensionsUsed":["KHR_mesh_quantization"],"meshes":[{"primitives":[{"attributes":

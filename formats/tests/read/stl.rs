@@ -1,6 +1,6 @@
-//! STL: what it may contain, and what is refused.
+//! STL: supported features and errors.
 
-use formats::Place;
+use formats::Location;
 
 use crate::support::{polygons, read, refusal, soup};
 
@@ -43,7 +43,7 @@ fn all_of_it_may_be_one_line_and_end_as_in_dos() {
     let line = ascii(&TRIANGLE.repeat(2)).replace('\n', " ");
     assert_eq!(soup("line.stl", &line).points, [CORNERS, CORNERS].concat());
     assert_eq!(soup("dos.stl", ascii(TRIANGLE) + "\u{1a}").points, CORNERS);
-    refusal("cut.stl", ascii(TRIANGLE).replace("endfacet", "\u{1a}"), "no sound STL text");
+    refusal("cut.stl", ascii(TRIANGLE).replace("endfacet", "\u{1a}"), "not valid STL text");
 }
 
 #[test]
@@ -91,14 +91,14 @@ fn points_without_a_number_are_kept() {
 #[test]
 fn cut_files_are_refused() {
     let error = refusal("cut.stl", binary("", 3, 2), "ends after 2 of its 3");
-    assert_eq!(error.place, Some(Place::Face(2)));
+    assert_eq!(error.place, Some(Location::Face(2)));
     refusal("huge.stl", binary("", u32::MAX, 1), "ends after 1");
     let text = ascii(TRIANGLE);
     let end = text.find("endsolid").expect("an end");
     let start = text.find('\n').expect("a line") + 1;
     for cut in start..end + 8 {
         let error = refusal("cut.stl", &text[..cut], "");
-        assert!(matches!(error.place, Some(Place::Line(_))), "{cut}: {error}");
+        assert!(matches!(error.place, Some(Location::Line(_))), "{cut}: {error}");
     }
 }
 
@@ -116,7 +116,7 @@ fn unsound_text_is_refused() {
     ];
     for (from, to) in swaps {
         let error = refusal("bad.stl", ascii(TRIANGLE).replacen(from, to, 1), "");
-        assert!(matches!(error.place, Some(Place::Line(_))), "{from}: {error}");
+        assert!(matches!(error.place, Some(Location::Line(_))), "{from}: {error}");
     }
 }
 
@@ -159,7 +159,7 @@ fn ascii_numbers_of_every_spelling() {
         assert_eq!(soup("number.stl", text).points[1], [value, 0., 0.], "{word}");
     }
     let comma = refusal("comma.stl", ascii(&TRIANGLE.replace("1.5", "1,5")), "vertex 1,5 0 0");
-    assert_eq!(comma.place, Some(Place::Line(5)));
+    assert_eq!(comma.place, Some(Location::Line(5)));
     assert!(comma.help.contains("decimal points"));
 }
 
@@ -181,7 +181,7 @@ fn files_without_triangles_are_refused() {
         }
     }
     refusal("zero.stl", binary("", 0, 0), "neither points nor faces");
-    refusal("zero.stl", binary("", 0, 2), "announces 0 triangles, but has 2");
+    refusal("zero.stl", binary("", 0, 2), "declares 0 triangles, but its length is that of 2");
 }
 
 #[test]
@@ -190,11 +190,11 @@ fn solids_without_their_end_are_refused() {
     let whole = text.strip_suffix("endsolid a name\n").expect("an end");
     for end in ["", "\n\n", "endsoli"] {
         let error = refusal("open.stl", whole.to_owned() + end, "");
-        assert!(matches!(error.place, Some(Place::Line(_))), "{error}");
+        assert!(matches!(error.place, Some(Location::Line(_))), "{error}");
     }
     let error = refusal("open.stl", whole, "ends without endsolid");
     assert!(error.help.contains("endsolid"));
-    // A cut number is not taken for a smaller one.
+    // A truncated number is not read as a smaller one.
     let cut = &whole[..whole.find("vertex 0 1e0").expect("a vertex") + 10];
     refusal("cut.stl", cut, "vertex 0 1");
 }
@@ -207,7 +207,7 @@ fn colours_of_a_binary_file_are_left_out() {
         file[84 + 50 * triangle..][48..50].fill(0xff);
     }
     assert_eq!(soup("colour.stl", &file).points, [CORNERS, CORNERS].concat());
-    // Even where every byte of the header is text.
+    // Even if every byte of the header is text.
     file[..80].fill(b'x');
     file[..6].copy_from_slice(b"solid ");
     assert_eq!(soup("colour.STL", &file).points, [CORNERS, CORNERS].concat());
@@ -224,8 +224,8 @@ fn binary_points_without_a_number_are_kept() {
     }
 }
 
-/// Sent as text, a binary file gets a byte more for each line feed, or three
-/// bytes for each that is no UTF-8: its end is not where it was.
+/// A binary file that is sent as text gets an additional byte for each line feed, or three bytes
+/// for each byte that is not UTF-8. So its end is at another position.
 #[test]
 fn binaries_damaged_as_text_are_refused() {
     let mut file = binary("made by hand", 2, 2);
@@ -237,7 +237,7 @@ fn binaries_damaged_as_text_are_refused() {
     refusal("mangled.stl", String::from_utf8_lossy(&file).as_bytes(), "");
 }
 
-/// Text that lacks its first word is no binary file of a billion triangles.
+/// Text without its first word is not a binary file with a billion triangles.
 #[test]
 fn text_that_begins_otherwise_is_not_taken_for_binary() {
     let text = ascii(TRIANGLE);
@@ -256,11 +256,11 @@ fn text_that_begins_otherwise_is_not_taken_for_binary() {
 fn a_point_alone_is_no_number() {
     for word in [".", "-.", "+.", ".e5", "-.e-5"] {
         let error = refusal("point.stl", ascii(&TRIANGLE.replace("1.5", word)), word);
-        assert_eq!(error.place, Some(Place::Line(5)), "{word}");
+        assert_eq!(error.place, Some(Location::Line(5)), "{word}");
     }
 }
 
-/// What follows a solid's name in its line is part of it.
+/// The text after a solid's name in its line belongs to the name.
 #[test]
 fn line_ends_may_change() {
     let text = ascii(TRIANGLE) + &ascii(TRIANGLE).replace('\n', "\r");
@@ -273,7 +273,7 @@ fn line_ends_may_change() {
 fn text_of_another_beginning_is_refused_by_line() {
     let facets = ascii(TRIANGLE).split_once('\n').expect("a line").1.to_owned();
     let error = refusal("facets.stl", &facets, "endsolid a name");
-    assert_eq!(error.place, Some(Place::Line(8)));
-    let error = refusal("words.stl", "Hello\nsolid\n", "no sound STL text at \u{201c}Hello");
-    assert_eq!(error.place, Some(Place::Line(1)));
+    assert_eq!(error.place, Some(Location::Line(8)));
+    let error = refusal("words.stl", "Hello\nsolid\n", "not valid STL text at \u{201c}Hello");
+    assert_eq!(error.place, Some(Location::Line(1)));
 }

@@ -17,7 +17,7 @@ fn a_stream_reads_as_its_file_does() {
     for (name, content) in seeds::all() {
         let soup = from(name, &content, None).unwrap_or_else(|e| panic!("{e}"));
         let file = read_scan(&case(name, &content).path).unwrap_or_else(|e| panic!("{e}"));
-        // As text, for there are points that are no numbers.
+        // The comparison is textual, because some coordinates are not numbers.
         assert_eq!(format!("{soup:?}"), format!("{file:?}"));
     }
 }
@@ -43,7 +43,7 @@ fn a_stream_refers_to_files_only_if_told_where() {
     let buffer = case("zeros.bin", [0; 36]);
     let folder = buffer.path.parent().expect("a folder");
     assert_eq!(from("scan.gltf", GLTF, Some(folder)).expect("readable").points.len(), 3);
-    // The name alone opens nothing.
+    // The name alone does not open a file.
     let name = folder.join("scan.gltf").to_string_lossy().into_owned();
     refused(from(&name, GLTF, None), "zeros.bin");
     let outside = GLTF.replace("zeros.bin", "../zeros.bin");

@@ -1,4 +1,4 @@
-//! Files to read, and what to expect of them.
+//! Files to read, and their expected results.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -31,7 +31,7 @@ pub fn soup(name: &str, content: impl AsRef<[u8]>) -> Soup {
     read(name, content).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// The error of a file that must be refused; it has help and mentions `word`.
+/// The error of a file that must be refused. It has help and mentions `word`.
 #[track_caller]
 pub fn refusal(name: &str, content: impl AsRef<[u8]>, word: &str) -> Error {
     refused(read(name, content), word)
@@ -49,12 +49,12 @@ pub fn polygons(soup: &Soup) -> Vec<Vec<u32>> {
     soup.polygons.iter().map(<[u32]>::to_vec).collect()
 }
 
-/// The triangles after fan triangulation.
+/// The triangles after each polygon is divided into a fan.
 pub fn triangles(soup: &Soup) -> usize {
     soup.polygons.iter().map(|p| p.len() - 2).sum()
 }
 
-/// The folder of collected scans, if this checkout has it beside it.
+/// The folder of collected scans, if it is beside this checkout.
 pub fn scans() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../shared/scans");
     folder.join("INDEX.tsv").is_file().then_some(folder)

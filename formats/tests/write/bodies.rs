@@ -1,9 +1,9 @@
-//! Solids built by hand from B-spline faces.
+//! Solids that are built by hand from B-spline faces.
 
 use std::f64::consts::PI;
 
 use formats::Brep;
-use formats::brep::{Curve, Face, Shell, ShellId, Solid, Surface, VertexId};
+use formats::brep::{BrepCurve, BrepSurface, Face, Shell, ShellId, Solid, VertexId};
 use formats::spline::{SplineCurve, SplineKnots, SplineSurface};
 
 use crate::model::{against, along, bezier, bezier_curve};
@@ -12,7 +12,7 @@ pub fn empty(name: &str) -> Brep {
     Brep { name: name.into(), uncertainty_mm: 1e-7, ..Brep::default() }
 }
 
-/// Adds a closed shell around a box: six bilinear faces that look outwards, or inwards where
+/// Adds a closed shell around a box: six bilinear faces whose normals point outwards, or inwards if
 /// the box is `hollow`.
 pub fn add_box(brep: &mut Brep, low: [f64; 3], high: [f64; 3], hollow: bool) -> ShellId {
     let corner = |k: usize| [0, 1, 2].map(|i| if k >> i & 1 == 1 { high[i] } else { low[i] });
@@ -20,10 +20,10 @@ pub fn add_box(brep: &mut Brep, low: [f64; 3], high: [f64; 3], hollow: bool) -> 
     let mut edges = std::collections::HashMap::new();
     for (a, b) in (0..8).flat_map(|a| (0..3).map(move |i| (a, a | 1 << i))).filter(|(a, b)| a != b)
     {
-        let curve = Curve::Spline(bezier_curve(vec![corner(a), corner(b)]));
+        let curve = BrepCurve::Spline(bezier_curve(vec![corner(a), corner(b)]));
         edges.insert((a, b), brep.add_edge(curve, [vertices[a], vertices[b]]));
     }
-    // Corners of each side, counter-clockwise from outside.
+    // The corners of each side, counter-clockwise seen from outside.
     let sides =
         [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
     let mut faces = Vec::new();
@@ -43,7 +43,7 @@ pub fn add_box(brep: &mut Brep, low: [f64; 3], high: [f64; 3], hollow: bool) -> 
         let poles = [side[0], side[3], side[1], side[2]].map(corner).to_vec();
         let knots = SplineKnots::new(1, bezier(1), 2).unwrap();
         let surface = SplineSurface::new(knots.clone(), knots, poles, None).unwrap();
-        let surface = brep.add_surface(Surface::Spline(surface));
+        let surface = brep.add_surface(BrepSurface::Spline(surface));
         faces.push(brep.add_face(Face { surface, forward: true, loops }));
     }
     brep.add_shell(Shell { faces, closed: true })
@@ -56,7 +56,7 @@ pub fn cube(name: &str) -> Brep {
     brep
 }
 
-/// A box in a box: what is between them is solid.
+/// A box inside a box. The material is between them.
 pub fn hollow(name: &str) -> Brep {
     let mut brep = cube(name);
     let void = add_box(&mut brep, [5.0; 3], [25.0, 15.0, 8.0], true);
@@ -73,7 +73,7 @@ pub fn two_bodies(name: &str) -> Brep {
 
 pub const RADII: [f64; 2] = [40.0, 15.0];
 
-/// Poles and weights of half a circle of radius 1 from angle `start`, which is 0 or π: a
+/// The poles and weights of a semicircle of radius 1 from the angle `start`, which is 0 or π, as a
 /// rational cubic without inner knots.
 fn half_circle(start: f64) -> Vec<([f64; 2], f64)> {
     let side = start.cos();
@@ -82,8 +82,8 @@ fn half_circle(start: f64) -> Vec<([f64; 2], f64)> {
     poles.map(|([x, y], weight)| ([side * x, side * y], weight)).to_vec()
 }
 
-/// A torus of four faces, each half around and half across, exact as rational surfaces.
-/// Its edges are shared; it has four vertices and eight edges.
+/// A torus of four faces as exact rational surfaces. Each face covers half of both circles. The
+/// torus has four vertices and eight shared edges.
 pub fn torus(name: &str) -> Brep {
     let mut brep = empty(name);
     let [large, small] = RADII;
@@ -97,14 +97,15 @@ pub fn torus(name: &str) -> Brep {
         each.map(pole).unzip::<_, _, Vec<_>, Vec<_>>()
     };
     let at = |k: usize| if k.is_multiple_of(2) { 1.0 } else { -1.0 };
-    // Vertex (i, j) is at angle i π around and j π across.
+    // Vertex (i, j) is at the angle i π around the axis and j π around the tube.
     let vertices: Vec<VertexId> = (0..4)
         .map(|k| brep.add_vertex([at(k / 2) * (large + small * at(k % 2)), 0.0, 0.0]))
         .collect();
     let curve = |poles: Vec<[f64; 3]>, weights: Vec<f64>| {
-        Curve::Spline(SplineCurve::new(3, bezier(3), poles, Some(weights)).unwrap())
+        BrepCurve::Spline(SplineCurve::new(3, bezier(3), poles, Some(weights)).unwrap())
     };
-    // Half a turn at each j, from each i; half a tube at each i, from each j.
+    // The semicircles around the axis at each j, from each i, and the semicircles around the tube
+    // at each i, from each j.
     let mut turns = Vec::new();
     let mut tubes = Vec::new();
     for k in 0..4 {
@@ -122,7 +123,7 @@ pub fn torus(name: &str) -> Brep {
         let (net, weights) = poles(i as f64 * PI, j as f64 * PI);
         let knots = SplineKnots::new(3, bezier(3), 4).unwrap();
         let surface = SplineSurface::new(knots.clone(), knots, net, Some(weights)).unwrap();
-        let surface = brep.add_surface(Surface::Spline(surface));
+        let surface = brep.add_surface(BrepSurface::Spline(surface));
         let line = |from, to| bezier_curve(vec![from, to]);
         let outer = vec![
             along(turns[k], line([0.0, 0.0], [1.0, 0.0])),
@@ -137,7 +138,7 @@ pub fn torus(name: &str) -> Brep {
     brep
 }
 
-/// Name, model and volume.
+/// The name, the model and the volume.
 pub fn all() -> [(&'static str, Brep, f64); 4] {
     let [large, small] = RADII;
     let torus_volume = 2.0 * PI * PI * large * small * small;

@@ -1,4 +1,4 @@
-//! IGES files: columns, sections, pointers, and what the entities say.
+//! IGES files: columns, sections, pointers, and the content of entities.
 
 use formats::Brep;
 use formats::iges::{Form, Options, write};
@@ -8,13 +8,13 @@ use crate::model;
 
 const FORMS: [Form; 2] = [Form::Trimmed, Form::Brep];
 
-/// An entity as its directory entry and its parameters describe it.
+/// An entity from its directory entry and its parameters.
 struct Record {
     kind: u32,
     form: u32,
     status: String,
     label: String,
-    /// Without the leading entity type.
+    /// The parameters without the entity type.
     parameters: Vec<String>,
 }
 
@@ -30,7 +30,7 @@ impl Record {
         (0..self.parameters.len()).map(|i| self.number(i)).collect()
     }
 
-    /// First and last pole of a B-spline curve (126).
+    /// The first and last poles of a B-spline curve (126).
     fn ends(&self) -> [[f64; 3]; 2] {
         assert_eq!(self.kind, 126);
         let n = self.numbers();
@@ -46,7 +46,7 @@ impl Record {
     }
 }
 
-/// Lines of one section, without their sequence numbers, which are checked.
+/// The lines of one section without their sequence numbers, which are checked.
 fn section(file: &str, letter: char) -> Vec<&str> {
     let lines = file.lines().filter(|l| l.as_bytes()[72] == letter as u8);
     let mut found = Vec::new();
@@ -57,8 +57,7 @@ fn section(file: &str, letter: char) -> Vec<&str> {
     found
 }
 
-/// Splits free-format parameters; strings lose their length, numbers the blanks
-/// before them.
+/// Splits free-format parameters. The lengths of strings and the blanks before numbers are removed.
 fn split(text: &str) -> Vec<String> {
     let mut rest = text;
     let mut found = Vec::new();

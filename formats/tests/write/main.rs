@@ -1,4 +1,4 @@
-//! What the STEP and IGES writers write.
+//! The files that the STEP and IGES writers write.
 
 mod bodies;
 mod iges;
@@ -11,7 +11,7 @@ use std::fs;
 use std::path::PathBuf;
 
 use formats::Brep;
-use formats::brep::{Curve, Surface};
+use formats::brep::{BrepCurve, BrepSurface};
 use formats::iges::{self as iges_format, Form};
 use formats::step::{self as step_format, Schema};
 
@@ -29,14 +29,14 @@ fn iges_file(brep: &Brep, form: Form) -> String {
     String::from_utf8(out).unwrap()
 }
 
-/// The model keeps its promise: else the tests below would test nothing.
+/// The model must satisfy its own promise. Otherwise the other tests would test nothing.
 #[test]
 fn edges_lie_on_the_surface() {
     let brep = model::two_faces("");
     for face in &brep.faces {
-        let Surface::Spline(surface) = &brep.surfaces[face.surface.0] else { panic!() };
+        let BrepSurface::Spline(surface) = &brep.surfaces[face.surface.0] else { panic!() };
         for of_loop in face.loops.iter().flatten() {
-            let Curve::Spline(curve) = &brep.edges[of_loop.edge.0].curve else { panic!() };
+            let BrepCurve::Spline(curve) = &brep.edges[of_loop.edge.0].curve else { panic!() };
             for t in (0..=20).map(|i| f64::from(i) / 20.0) {
                 let [u, v] = of_loop.pcurve.point(t);
                 let (p, q) = (curve.point(t), surface.point(u, v));
@@ -46,8 +46,8 @@ fn edges_lie_on_the_surface() {
     }
 }
 
-/// Writes every kind of file into the directory `SCAN2STEP_WRITE_TO`, where
-/// the checks in tests/roundtrip can read them; does nothing without it.
+/// Writes every kind of file to the directory `SCAN2STEP_WRITE_TO`, where the checks in
+/// tests/roundtrip can read them. Without this variable it does nothing.
 #[test]
 fn example_files() {
     let Some(directory) = std::env::var_os("SCAN2STEP_WRITE_TO").map(PathBuf::from) else {

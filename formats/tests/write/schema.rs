@@ -1,10 +1,9 @@
-//! Every entity of a STEP file against what its schema says of it.
+//! Comparison of every entity of a STEP file with its schema.
 //!
-//! The table below is for AP203 (`config_control_design`), AP214 (edition 3) and
-//! AP242 (edition 1): number and types of the attributes as the EXPRESS schemas
-//! have them, with the entities that we write where a type may be several. It
-//! was made by a program that reads those schemas; our files held against them
-//! without a fault.
+//! The table below is for AP203 (`config_control_design`), AP214 (edition 3) and AP242 (edition 1).
+//! It has the number and types of the attributes as in the EXPRESS schemas. If several types are
+//! possible, it has the entities that we write. A program that reads these schemas made the table,
+//! and our files passed its check without a fault.
 
 use std::collections::HashMap;
 
@@ -13,9 +12,9 @@ use formats::step::{self, Schema};
 use crate::model;
 use crate::step_file;
 
-/// `S` string, `I` integer, `R` real, `L` logical, `E` enumeration, `M` measure,
-/// `*` derived; `?` before what may be `$`; `[ ]` a list of at least one; else an
-/// entity of one of these types.
+/// `S` is a string, `I` an integer, `R` a real number, `L` a logical value, `E` an enumeration, `M`
+/// a measure, and `*` a derived attribute. `?` precedes an attribute that may be `$`. `[ ]` is a
+/// list of at least one item. Everything else is an entity of one of these types.
 const ATTRIBUTES: &[(&str, &str)] = &[
     ("ADVANCED_FACE", "S [FACE_BOUND|FACE_OUTER_BOUND] B_SPLINE_SURFACE_WITH_KNOTS L"),
     ("APPLICATION_CONTEXT", "S"),
@@ -131,10 +130,10 @@ const ATTRIBUTES: &[(&str, &str)] = &[
     ("VERTEX_POINT", "S CARTESIAN_POINT"),
 ];
 
-/// An entity's records: each its name and its attributes.
+/// The records of an entity instance, each with its name and its attributes.
 type Records = Vec<(String, Vec<String>)>;
 
-/// `text` cut at the commas that are in no string and no list.
+/// `text` split at the commas outside of strings and lists.
 fn cut(text: &str) -> Vec<String> {
     let (mut parts, mut depth, mut quoted) = (vec![String::new()], 0, false);
     for c in text.chars().filter(|c| *c != '\n') {
@@ -196,7 +195,7 @@ fn holds(value: &str, kind: &str, all: &HashMap<String, Records>) -> bool {
     }
 }
 
-/// What does not suit the schema.
+/// The violations of the schema.
 fn faults(file: &str) -> Vec<String> {
     let known: HashMap<&str, &str> = ATTRIBUTES.iter().copied().collect();
     let data = file.split_once("DATA;\n").unwrap().1.split_once("ENDSEC;").unwrap().0;
@@ -205,7 +204,7 @@ fn faults(file: &str) -> Vec<String> {
         statements.map(|(id, body)| (id.to_owned(), records(body))).collect();
     let mut faults = Vec::new();
     for (id, records) in &all {
-        // A complex one has its records in the order of the alphabet.
+        // The records of a complex instance are in alphabetical order.
         if !records.is_sorted_by_key(|(name, _)| name) {
             faults.push(format!("{id}: {records:?}"));
         }
@@ -241,7 +240,7 @@ fn colours_are_as_the_schemas_have_them() {
         step::write(&model::one_face("part"), &options, &mut out).unwrap();
         let file = String::from_utf8(out).unwrap();
         assert_eq!(faults(&file), Vec::<String>::new(), "{schema:?}");
-        // AP203 has no words for it.
+        // AP203 does not have these entities.
         assert_eq!(file.contains("COLOUR_RGB('',1.,0.2,0.)"), schema != Schema::Ap203);
     }
 }

@@ -1,7 +1,7 @@
-//! What is checked and written of solids.
+//! Checking and writing of solids.
 
 use formats::Brep;
-use formats::brep::{Curve, EdgeId, Face, FaceId, Fault, PCurve, ShellId, VertexId};
+use formats::brep::{BrepCurve, EdgeId, Face, FaceId, ModelFault, PCurve, ShellId, VertexId};
 use formats::spline::SplineCurve;
 
 use crate::bodies::{add_box, all, cube, empty, hollow, torus, two_bodies};
@@ -17,23 +17,23 @@ fn they_are_sound_and_have_their_volume() {
     }
 }
 
-/// Each broken variant of a sound part, and what is said of it.
+/// Broken variants of a valid part, each with its error.
 #[test]
 fn broken_ones_are_refused() {
     type Break = fn(&mut Brep);
-    type Is = fn(&Fault) -> bool;
+    type Is = fn(&ModelFault) -> bool;
     let variants: [(&str, Brep, Break, Is); 16] = [
         (
             "a face is left out",
             cube(""),
             |b| b.shells[0].faces.truncate(5),
-            |f| matches!(f, Fault::Owners(..)),
+            |f| matches!(f, ModelFault::Owners(..)),
         ),
         (
             "a face is not there",
             cube(""),
             |b| drop(b.faces.pop()),
-            |f| matches!(f, Fault::Missing(..)),
+            |f| matches!(f, ModelFault::Missing(..)),
         ),
         (
             "open, but closed by its word",
@@ -42,7 +42,7 @@ fn broken_ones_are_refused() {
                 b.faces.pop();
                 b.shells[0].faces.pop();
             },
-            |f| matches!(f, Fault::Uses { uses: 1, .. }),
+            |f| matches!(f, ModelFault::Uses { uses: 1, .. }),
         ),
         (
             "a face in it twice",
@@ -52,45 +52,50 @@ fn broken_ones_are_refused() {
                 let face = b.add_face(twice);
                 b.shells[0].faces.push(face);
             },
-            |f| matches!(f, Fault::Uses { uses: 3, .. }),
+            |f| matches!(f, ModelFault::Uses { uses: 3, .. }),
         ),
-        ("a face looks inwards", cube(""), |b| turn(b, 0), |f| matches!(f, Fault::Turned { .. })),
+        (
+            "a face looks inwards",
+            cube(""),
+            |b| turn(b, 0),
+            |f| matches!(f, ModelFault::Turned { .. }),
+        ),
         (
             "all faces look inwards",
             cube(""),
             |b| (0..6).for_each(|face| turn(b, face)),
-            |f| matches!(f, Fault::InsideOut(..)),
+            |f| matches!(f, ModelFault::InsideOut(..)),
         ),
         (
             "a loop without one of its edges",
             cube(""),
             |b| drop(b.faces[0].loops[0].pop()),
-            |f| matches!(f, Fault::Open(_)),
+            |f| matches!(f, ModelFault::Open(_)),
         ),
         (
             "a vertex that is moved",
             torus(""),
             |b| b.vertices[0][2] += 1e-3,
-            |f| matches!(f, Fault::Vertex(..)),
+            |f| matches!(f, ModelFault::Vertex(..)),
         ),
         (
             "a vertex that is no number",
             cube(""),
             |b| b.vertices[0][2] = f64::NAN,
-            |f| matches!(f, Fault::NotFinite(_)),
+            |f| matches!(f, ModelFault::NotFinite(_)),
         ),
         (
             "an edge off its surface",
             torus(""),
             |b| {
-                let Curve::Spline(arc) = &b.edges[0].curve else { return };
+                let BrepCurve::Spline(arc) = &b.edges[0].curve else { return };
                 let mut poles = arc.poles().to_vec();
                 poles[2][2] += 1e-3;
                 let weights = arc.weights().map(<[f64]>::to_vec);
                 let arc = SplineCurve::new(3, bezier(3), poles, weights).unwrap();
-                b.edges[0].curve = Curve::Spline(arc);
+                b.edges[0].curve = BrepCurve::Spline(arc);
             },
-            |f| matches!(f, Fault::OffSurface(_, off) if *off > 1e-4),
+            |f| matches!(f, ModelFault::OffSurface(_, off) if *off > 1e-4),
         ),
         (
             "a pcurve over another range",
@@ -100,13 +105,13 @@ fn broken_ones_are_refused() {
                 let knots = vec![0.0, 0.0, 2.0, 2.0];
                 b.faces[0].loops[0][0].pcurve = PCurve::new(1, knots, poles, None).unwrap();
             },
-            |f| matches!(f, Fault::Range(_)),
+            |f| matches!(f, ModelFault::Range(_)),
         ),
         (
             "a face with its loop turned round",
             cube(""),
             |b| b.faces[0].forward = false,
-            |f| matches!(f, Fault::WrongWay(_)),
+            |f| matches!(f, ModelFault::WrongWay(_)),
         ),
         (
             "two boxes that share a corner",
@@ -117,7 +122,7 @@ fn broken_ones_are_refused() {
                 b.shells.pop();
                 b.solids.pop();
             },
-            |f| matches!(f, Fault::Pieces(_)),
+            |f| matches!(f, ModelFault::Pieces(_)),
         ),
         (
             "two corners that are one vertex",
@@ -128,7 +133,7 @@ fn broken_ones_are_refused() {
                 }
                 b.uncertainty_mm = 100.0;
             },
-            |f| matches!(f, Fault::Euler(_, 1)),
+            |f| matches!(f, ModelFault::Euler(_, 1)),
         ),
         (
             "a void outside",
@@ -137,13 +142,13 @@ fn broken_ones_are_refused() {
                 let void = add_box(b, [50.0; 3], [60.0; 3], true);
                 b.solids[0].voids.push(void);
             },
-            |f| matches!(f, Fault::Outside(..)),
+            |f| matches!(f, ModelFault::Outside(..)),
         ),
         (
             "an open shell in a solid",
             cube(""),
             |b| b.shells[0].closed = false,
-            |f| matches!(f, Fault::OpenShell(..)),
+            |f| matches!(f, ModelFault::OpenShell(..)),
         ),
     ];
     for (name, mut brep, damage, is) in variants {
@@ -151,7 +156,7 @@ fn broken_ones_are_refused() {
         damage(&mut brep);
         let fault = brep.check().expect_err(name);
         assert!(is(&fault), "{name}: {fault:?}");
-        // Nothing is written of it.
+        // Nothing is written of a broken part.
         let mut out = Vec::new();
         let error = formats::step::write(&brep, &Default::default(), &mut out).unwrap_err();
         assert_eq!((error.kind(), out.len()), (std::io::ErrorKind::InvalidInput, 0), "{name}");
@@ -191,7 +196,7 @@ fn step_names_solids_voids_and_shells() {
     assert_eq!([count(&file, "OPEN_SHELL"), count(&file, "CLOSED_SHELL")], [1, 1]);
 }
 
-/// truck takes our solids, finds them closed and manifold, and gives them back as they were.
+/// truck accepts our solids as closed and manifold, and the way back gives the same solids.
 #[test]
 fn they_go_to_truck_and_back() {
     for (name, brep, volume) in all() {
@@ -209,7 +214,7 @@ fn they_go_to_truck_and_back() {
     }
 }
 
-/// What truck has built becomes ours: its faces are planes.
+/// A solid that truck has built is converted. Its faces are planes.
 #[test]
 fn a_box_of_truck_is_taken_over() {
     use truck_modeling::{Point3, Vector3, builder};
@@ -226,7 +231,7 @@ fn a_box_of_truck_is_taken_over() {
 #[test]
 fn faces_on_one_surface_share_it() {
     let mut brep = crate::model::one_face("");
-    // An island in the first hole: the same edges the other way round.
+    // An island in the first hole: the same edges in the opposite direction.
     let mut island = brep.faces[0].loops[1].clone();
     island.reverse();
     island.iter_mut().for_each(|of_loop| of_loop.forward = !of_loop.forward);

@@ -1,10 +1,10 @@
-//! STEP files: structure, references, texts and numbers.
+//! STEP files: structure, references, strings and numbers.
 
 use std::collections::BTreeSet;
 use std::io::ErrorKind;
 
 use formats::Brep;
-use formats::brep::{Fault, Surface};
+use formats::brep::{BrepSurface, ModelFault};
 use formats::step::{Options, Schema, write};
 
 use crate::model;
@@ -12,7 +12,7 @@ use crate::step_file;
 
 const SCHEMAS: [Schema; 3] = [Schema::Ap203, Schema::Ap214, Schema::Ap242];
 
-/// The bodies of the numbered entities, in their order.
+/// The content of the numbered entity instances in their order.
 fn entities(file: &str) -> Vec<String> {
     let (_, data) = file.split_once("DATA;\n").unwrap();
     let (data, _) = data.split_once("ENDSEC;").unwrap();
@@ -25,7 +25,7 @@ fn entities(file: &str) -> Vec<String> {
     bodies
 }
 
-/// The entities that a body refers to; strings do not count.
+/// The entity instances that a text refers to. Strings do not count.
 fn references(body: &str) -> Vec<usize> {
     let outside_strings = body.split('\'').step_by(2).collect::<String>();
     let names = outside_strings.split('#').skip(1);
@@ -55,7 +55,7 @@ fn header_names_the_schema() {
 
 #[test]
 fn references_are_defined_before_and_nothing_hangs_loose() {
-    // What ties other entities together, and so is referred to by nobody.
+    // Entities that connect other entities, so that nothing refers to them.
     let ties = [
         "APPLICATION_PROTOCOL_DEFINITION",
         "PRODUCT_RELATED_PRODUCT_CATEGORY",
@@ -133,7 +133,7 @@ fn knots_stand_once_with_their_multiplicity() {
 #[test]
 fn poles_read_back_to_the_last_bit() {
     let brep = model::one_face("");
-    let Surface::Spline(surface) = &brep.surfaces[0] else { panic!() };
+    let BrepSurface::Spline(surface) = &brep.surfaces[0] else { panic!() };
     let bodies = entities(&step_file(&brep, Schema::Ap242));
     let start = bodies.iter().position(|b| b.starts_with("CARTESIAN_POINT")).unwrap();
     for (body, pole) in bodies[start..].iter().zip(surface.poles()) {
@@ -202,7 +202,7 @@ fn broken_promises_are_refused_before_anything_is_written() {
         assert!(out.is_empty());
         error.to_string()
     };
-    assert_eq!(break_it(|b| b.faces.clear()), Fault::Empty.to_string());
+    assert_eq!(break_it(|b| b.faces.clear()), ModelFault::Empty.to_string());
     assert_eq!(break_it(|b| b.uncertainty_mm = 0.0), "its uncertainty is 0 mm");
     let text = break_it(|b| b.faces[0].loops[0].reverse());
     assert_eq!(text, "the loop is open before edge 0 in loop 0 of face 0");
@@ -211,7 +211,7 @@ fn broken_promises_are_refused_before_anything_is_written() {
         hole.reverse();
         hole.iter_mut().for_each(|of_loop| of_loop.forward = !of_loop.forward);
     });
-    assert_eq!(text, "loop 1 of face 0 runs the wrong way round");
+    assert_eq!(text, "loop 1 of face 0 has the wrong orientation");
     let text = break_it(|b| b.edges[2].ends.reverse());
     assert!(text.starts_with("edge 2 ends 100 mm from its vertex"), "{text}");
 }

@@ -1,4 +1,4 @@
-//! Options with a few names for their values.
+//! Options whose values are a few words.
 
 use clap::ValueEnum;
 use formats::LengthUnit;
@@ -23,11 +23,20 @@ impl From<Unit> for LengthUnit {
     }
 }
 
-/// What becomes of the outer boundary.
+/// How a run shows its progress.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Steps {
+    /// A bar, on a terminal
+    Bar,
+    /// A line of JSON for each step, with --quiet, too: {"stage":"fit","share":0.61,"seconds":1.5}
+    Json,
+}
+
+/// Where the outer boundary goes.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum Outline {
-    /// The sides, unless the boundary is ragged, or they stretch the map far more or
-    /// cannot be made
+pub enum OutlineChoice {
+    /// The sides; a trim loop if the boundary is ragged, or if the sides stretch the map far
+    /// more or cannot be made
     Auto,
     /// The four sides of the surface
     Sides,
@@ -38,7 +47,7 @@ pub enum Outline {
 /// A map to the parameter plane on the command line.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum Map {
-    /// The one that stretches least
+    /// The map of least stretch
     LeastStretch,
     /// Mean value coordinates (Floater), as in the paper
     MeanValue,
@@ -57,7 +66,7 @@ pub enum Fit {
 
 /// A STEP schema on the command line.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum Schema {
+pub enum StepSchema {
     Ap203,
     Ap214,
     Ap242,

@@ -1,10 +1,10 @@
-//! Whether messages have colours.
+//! Colours of messages.
 
 use std::io::IsTerminal;
 
 use clap::ValueEnum;
 
-/// When to colour.
+/// When messages have colours.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum Colour {
     Auto,

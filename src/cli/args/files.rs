@@ -1,8 +1,8 @@
-//! Files to write; their extensions say what they are.
+//! Files to write. The extension of a name gives the format.
 
 use std::path::PathBuf;
 
-use crate::cli::report::{Kind, ReportFile};
+use crate::cli::report::{ReportFile, ReportFormat};
 
 /// A CAD file to write.
 #[derive(Debug, Clone)]
@@ -34,9 +34,9 @@ pub fn cad_file(path: &str) -> Result<CadFile, String> {
 
 pub fn report_file(path: &str) -> Result<ReportFile, String> {
     let kind = match extension(path).as_str() {
-        "json" => Kind::Json,
-        "html" | "htm" => Kind::Html,
-        "png" => Kind::Png,
+        "json" => ReportFormat::Json,
+        "html" | "htm" => ReportFormat::Html,
+        "png" => ReportFormat::Png,
         _ => return Err("not .json, .html or .png".into()),
     };
     Ok(ReportFile { path: path.into(), kind })

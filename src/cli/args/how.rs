@@ -1,95 +1,94 @@
-//! What `convert` and `batch` have in common.
+//! The options that `convert` and `batch` share.
 
 use clap::Args;
 
-use super::choices::{Fit, Iges, Map, Outline, Schema};
+use super::choices::{Fit, Iges, Map, OutlineChoice, StepSchema};
 use super::colour::Colour;
 use super::numbers::{depth, extent, max_net, net, percentage, positive, support};
-use super::pieces::{Component, component};
-use crate::cli::places::Corners;
+use super::pieces::{ComponentChoice, component};
+use crate::cli::places::NamedCorners;
 
-/// How a scan becomes a face: what `convert` and `batch` have in common.
+/// Options of the conversion, which `convert` and `batch` share.
 #[derive(Debug, Args)]
 pub struct How {
-    /// Farthest that a point of the smoothed scan may be from the face, in mm, and a place of
-    /// the face from the scan's triangles, besides what flat triangles miss themselves
-    /// [default: three times the noise of the scan]
+    /// Largest distance of a smoothed point from the face, in mm, and of the face from the
+    /// scan's triangles, to which the error of flat triangles is added [default: three times
+    /// the noise of the scan]
     #[arg(long, value_name = "LEN", value_parser = positive)]
     pub tolerance: Option<f64>,
     /// Percentage of points that may exceed the tolerance
     #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage)]
     pub outliers: f64,
-    /// How far a trim loop may be from the measured rim, in mm; 0 follows every tooth
-    /// [default: half of the scan's median edge at the rims, or the tolerance if that is more;
-    /// a tolerance that is named binds loops, too]
+    /// Largest distance of a trim loop from the measured rim, in mm; 0 follows every tooth
+    /// [default: half of the scan's median edge at the rims, or the tolerance if that is larger;
+    /// a named tolerance holds for loops, too]
     #[arg(long, value_name = "LEN", value_parser = extent)]
     pub rim_tolerance: Option<f64>,
-    /// What becomes of the outer boundary: the four sides of the surface, or a trim
-    /// loop inside it, as holes have them
-    #[arg(long, value_enum, default_value_t = Outline::Auto)]
-    pub outline: Outline,
-    /// How the scan is laid out in the parameter plane; mean values crush what sticks
-    /// out
+    /// Where the outer boundary goes: the four sides of the surface, or a trim loop inside it,
+    /// as for holes
+    #[arg(long, value_enum, default_value_t = OutlineChoice::Auto)]
+    pub outline: OutlineChoice,
+    /// Map of the scan to the parameter plane; mean values leave too little room for parts
+    /// that stick out
     #[arg(long, value_enum, default_value_t = Map::LeastStretch)]
     pub map: Map,
     /// Where smoothing keeps a corner of the boundary: auto, none, or places as
     /// in --corners
     #[arg(long, value_name = "LIST|auto|none", default_value = "auto", allow_hyphen_values = true)]
-    pub boundary_corners: Corners,
+    pub boundary_corners: NamedCorners,
     /// Support of the smoothing, in mm, or auto, or off
     #[arg(long, value_name = "LEN|auto|off", default_value = "auto", value_parser = support)]
     pub smooth: scan2step::smooth::Support,
-    /// How to fit
+    /// Method of the fit
     #[arg(long, value_enum, default_value_t = Fit::Refined)]
     pub fit: Fit,
-    /// Mean distance, in mm, above which a region gets more knots [default:
-    /// from the tolerance]
+    /// Mean distance of a region, in mm, above which it gets more knots [default: from the
+    /// tolerance]
     #[arg(long, value_name = "LEN", value_parser = positive)]
     pub kappa: Option<f64>,
-    /// Halvings of the domain at the most [default: from the number of points]
+    /// Largest number of times that the domain is halved [default: from the number of points]
     #[arg(long, value_name = "N", value_parser = depth)]
     pub depth: Option<u32>,
     /// A uniform control net, as 13x13; overrides --kappa and --depth
     #[arg(long, value_name = "MxN", value_parser = net)]
     pub net: Option<[usize; 2]>,
-    /// Control points of the face at the most
+    /// Largest number of control points of the face
     #[arg(long, value_name = "N", default_value_t = 250_000, value_parser = max_net)]
     pub max_net: usize,
-    /// Leave holes filled whose rim is shorter than this, in mm; cut out the
-    /// others
+    /// Fill holes whose rim is shorter than this, in mm, and cut out the others
     #[arg(long, value_name = "LEN", value_parser = positive, conflicts_with = "keep_fills")]
     pub fill_only_holes_below: Option<f64>,
-    /// Leave all holes filled
+    /// Fill all holes, and cut none out
     #[arg(long)]
     pub keep_fills: bool,
-    /// Which piece of the scan: largest, all, or a number (0 is the largest)
+    /// Component of the scan: largest, all, or a number (0 is the largest)
     #[arg(long, value_name = "largest|all|N", default_value = "largest", value_parser = component)]
-    pub component: Component,
+    pub component: ComponentChoice,
     /// STEP schema
-    #[arg(long, value_enum, default_value_t = Schema::Ap242)]
-    pub schema: Schema,
+    #[arg(long, value_enum, default_value_t = StepSchema::Ap242)]
+    pub schema: StepSchema,
     /// IGES form: trimmed surfaces (144) or a shell (514)
     #[arg(long, value_enum, default_value_t = Iges::Trimmed)]
     pub iges: Iges,
 }
 
-/// How a run goes about its work, which leaves the files as they are.
+/// Options of a run that do not change its files.
 #[derive(Debug, Args)]
 pub struct Manner {
     /// Threads [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     pub threads: Option<u16>,
-    /// Refuse a scan that may need more memory than this, as 4G; told from its counts
-    /// and the largest net, once it is read
+    /// Refuse a scan that may need more memory than this, as 4G; the estimate uses the
+    /// counts of the scan and the largest net
     #[arg(long, value_name = "SIZE")]
     pub max_memory: Option<bytesize::ByteSize>,
-    /// Say nothing but errors, and that a named tolerance is not met
+    /// Print errors only, and a note if a named tolerance is not met
     #[arg(long, conflicts_with = "verbose")]
     pub quiet: bool,
     /// Colours in messages
     #[arg(long, value_enum, default_value_t = Colour::Auto)]
     pub color: Colour,
-    /// Say more
+    /// Print more
     #[arg(short, long)]
     pub verbose: bool,
 }

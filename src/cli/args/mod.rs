@@ -12,11 +12,11 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use scan2step::mesh::Choice;
 
-pub use choices::{Fit, Iges, Map, Outline, Schema};
+pub use choices::{Fit, Iges, Map, OutlineChoice, StepSchema, Steps};
 pub use colour::Colour;
 pub use files::{CadFile, CadKind};
 pub use how::{How, Manner};
-pub use pieces::{Component, Look, Piece, Scale};
+pub use pieces::{ComponentChoice, Look, Piece, Scale};
 
 use super::batch::args::Batch;
 use super::manual::{Completions, Man};
@@ -45,23 +45,22 @@ pub enum Command {
     /// Convert one scan to one or more CAD files.
     ///
     /// The scan is a triangle mesh: .ply, .obj, .gltf, .glb or .stl, each also
-    /// gzipped. The output's format is its extension's.
+    /// gzipped. The extension of an output gives its format.
     Convert(Box<Convert>),
-    /// Say what a scan is: counts, units, components, boundary loops, genus,
-    /// noise, and what had to be repaired.
+    /// Print what a scan is: counts, units, components, boundary loops, genus, noise and
+    /// repairs.
     Inspect(Inspect),
     /// Measure a CAD file against a scan, in both directions.
     ///
-    /// The file is read back from disk, whoever wrote it: the distance of every
-    /// point of the scan from the trimmed faces, and of samples of these from
-    /// the scan, so that a hole that is not cut out shows.
+    /// The file is read from disk, whichever program wrote it. Every point of the scan is
+    /// measured from the trimmed faces, and samples of the faces from the scan. A hole that is
+    /// not cut out shows in the second direction.
     Check(Check),
-    /// Convert many scans: go on after a failure, resume where it stopped.
+    /// Convert many scans: continue after a failure, resume an earlier run.
     ///
-    /// Every scan of the folders (and the folders in these), patterns and files
-    /// becomes a CAD file in one folder, which gets a summary.csv and a
-    /// summary.json, too. What is there from an earlier run is skipped, as long as
-    /// scan, options and program are the same.
+    /// Every scan of the folders (and the folders in these), patterns and files becomes a CAD
+    /// file in one folder, with a summary.csv and a summary.json. A scan that an earlier run
+    /// has converted is skipped if scan, options and program are the same.
     Batch(Box<Batch>),
     /// Print a script that completes commands and options in a shell.
     Completions(Completions),
@@ -77,7 +76,7 @@ pub enum Command {
 pub struct Inspect {
     #[command(flatten)]
     pub piece: Piece,
-    /// Which piece of the scan: largest, or a number (0 is the largest)
+    /// Component of the scan: largest, or a number (0 is the largest)
     #[arg(long, value_name = "largest|N", default_value = "largest", value_parser = one_component)]
     pub component: Choice,
     #[command(flatten)]
@@ -95,17 +94,17 @@ pub struct Check {
     pub cad: PathBuf,
     #[command(flatten)]
     pub piece: Piece,
-    /// Farthest that a point of the scan may be from the faces, and a sample of
-    /// these from the scan, in mm
+    /// Largest distance of a point of the scan from the faces, and of a sample of the faces
+    /// from the scan, in mm
     #[arg(long, value_name = "LEN", value_parser = positive)]
     pub tolerance: Option<f64>,
     /// Percentage of points, and of samples, that may exceed the tolerance
     #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage)]
     pub outliers: f64,
-    /// Which pieces of the scan the faces are measured against, as `convert`
-    /// counts them: largest, all, or a number (0 is the largest)
+    /// Components of the scan that the faces are measured against: largest, all, or a number
+    /// (0 is the largest), as for `convert`
     #[arg(long, value_name = "largest|all|N", default_value = "largest", value_parser = component)]
-    pub component: Component,
+    pub component: ComponentChoice,
     #[command(flatten)]
     pub look: Look,
 }
@@ -135,6 +134,9 @@ pub struct Convert {
     /// Write each stage's mesh into this folder
     #[arg(long, value_name = "DIR")]
     pub stages: Option<PathBuf>,
+    /// How standard error shows how far the run has come
+    #[arg(long, value_enum, default_value_t = Steps::Bar)]
+    pub progress: Steps,
     #[command(flatten)]
     pub how: How,
     #[command(flatten)]

@@ -1,11 +1,11 @@
-//! Options that are numbers. Which ones may be, the library knows.
+//! Options that are numbers. The rules of the library say which values are valid.
 
 use std::str::FromStr;
 
 use scan2step::rules::{self, Fault};
 use scan2step::smooth::Support;
 
-/// A number for which a rule holds.
+/// A number that a rule allows.
 fn sound<T: FromStr + Copy>(
     text: &str,
     rule: impl FnOnce(T) -> Result<(), Fault>,
@@ -38,7 +38,7 @@ pub fn percentage(text: &str) -> Result<f64, String> {
     }
 }
 
-/// Halvings of the domain.
+/// A number of halvings of the domain.
 pub fn depth(text: &str) -> Result<u32, String> {
     sound(text, rules::depth)
 }

@@ -1,4 +1,4 @@
-//! Which scan, and which piece of it.
+//! Options that choose a scan and its components.
 
 use std::path::PathBuf;
 
@@ -9,7 +9,7 @@ use super::choices::Unit;
 use super::colour::Colour;
 use crate::cli::places::Place;
 
-/// How large a scan is.
+/// The unit of a scan.
 #[derive(Debug, Args)]
 pub struct Scale {
     /// Unit of the scan's numbers [default: metres for glTF, else mm]
@@ -17,20 +17,20 @@ pub struct Scale {
     pub units: Option<Unit>,
 }
 
-/// What to look at, of a scan.
+/// The scan and its outer boundary.
 #[derive(Debug, Args)]
 pub struct Piece {
     /// The scan.
     pub scan: PathBuf,
     #[command(flatten)]
     pub scale: Scale,
-    /// A place on the boundary loop that is the outer one: a vertex index,
-    /// counted from 0, or a point in the scan's numbers [default: the longest loop that does not run around a hole]
+    /// A place on the outer boundary loop: a vertex index, counted from 0, or a point in the
+    /// scan's numbers [default: the longest loop that does not run around a hole]
     #[arg(long, value_name = "V|x,y,z", allow_hyphen_values = true)]
     pub outer: Option<Place>,
 }
 
-/// Options of the commands that look at a scan.
+/// Options of the commands that print what they find.
 #[derive(Debug, Args)]
 pub struct Look {
     /// Print one JSON object; lengths are mm
@@ -44,37 +44,40 @@ pub struct Look {
     pub color: Colour,
 }
 
-/// Which pieces of a scan.
+/// Components of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Component {
+pub enum ComponentChoice {
     Largest,
     All,
     Number(usize),
 }
 
-impl Component {
-    /// Which they are. All are those besides dust and islands in holes of others.
+impl ComponentChoice {
+    /// The components that it names.
     pub fn of(self, scan: &Components, outer: Outer) -> Vec<Choice> {
         match self {
-            Component::Largest => vec![Choice::Largest],
-            Component::Number(n) => vec![Choice::Number(n)],
-            Component::All => scan.without_islands(outer).into_iter().map(Choice::Number).collect(),
+            ComponentChoice::Largest => vec![Choice::Largest],
+            ComponentChoice::Number(n) => vec![Choice::Number(n)],
+            ComponentChoice::All => scan.all(outer),
         }
     }
 }
 
-pub fn component(text: &str) -> Result<Component, String> {
+pub fn component(text: &str) -> Result<ComponentChoice, String> {
     match text {
-        "largest" => Ok(Component::Largest),
-        "all" => Ok(Component::All),
-        n => n.parse().map(Component::Number).map_err(|_| "not largest, all or a number".into()),
+        "largest" => Ok(ComponentChoice::Largest),
+        "all" => Ok(ComponentChoice::All),
+        n => n
+            .parse()
+            .map(ComponentChoice::Number)
+            .map_err(|_| "not largest, all or a number".into()),
     }
 }
 
 pub fn one_component(text: &str) -> Result<Choice, String> {
     match component(text) {
-        Ok(Component::Largest) => Ok(Choice::Largest),
-        Ok(Component::Number(n)) => Ok(Choice::Number(n)),
+        Ok(ComponentChoice::Largest) => Ok(Choice::Largest),
+        Ok(ComponentChoice::Number(n)) => Ok(Choice::Number(n)),
         _ => Err("not largest or a number".into()),
     }
 }

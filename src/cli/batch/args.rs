@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{ArgMatches, Args, Command, ValueEnum, parser::ValueSource};
 
 use crate::cli::args::{How, Manner, Scale};
-use crate::cli::report::Kind;
+use crate::cli::report::ReportFormat;
 
 /// Options of `batch`.
 #[derive(Debug, Args)]
@@ -18,24 +18,24 @@ pub struct Batch {
     /// Folders with scans, patterns ('scans/**/*.ply'), or scans.
     #[arg(required = true, value_name = "DIR|GLOB")]
     pub scans: Vec<PathBuf>,
-    /// Folder for the CAD files, reports and summaries; made if need be
+    /// Folder for the CAD files, reports and summaries; it is made if it does not exist
     #[arg(long, value_name = "DIR")]
     pub out: PathBuf,
     /// Format of the CAD files
     #[arg(long, value_enum, default_value_t = Formats::Step)]
     pub format: Formats,
-    /// Write reports, too: html, json or png, or several (html,png)
+    /// Also write reports: html, json or png, or several (html,png)
     #[arg(long, value_enum, value_name = "KIND", value_delimiter = ',')]
-    pub report: Vec<Kind>,
-    /// Do a part of the work: 3/16 is the third of sixteen, each of which can run at
-    /// the same time as the others
+    pub report: Vec<ReportFormat>,
+    /// Convert a part of the scans: 3/16 is the third of sixteen parts, which can run at the
+    /// same time
     #[arg(long, value_name = "K/N", value_parser = shard)]
     pub shard: Option<Shard>,
-    /// Convert again what is there from an earlier run
+    /// Convert again what an earlier run has converted
     #[arg(long)]
     pub force: bool,
-    /// Scans at once; they share the cores evenly, unless --threads says how many threads
-    /// each has
+    /// Number of scans at the same time; they share the cores evenly, unless --threads gives
+    /// the threads of each
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
     pub jobs: u16,
     #[command(flatten)]
@@ -65,16 +65,16 @@ impl Formats {
     }
 }
 
-/// A part of the work.
+/// One of several parts of the scans.
 #[derive(Debug, Clone, Copy)]
 pub struct Shard {
-    /// From 1.
+    /// The part, counted from 1.
     number: usize,
     of: usize,
 }
 
 impl Shard {
-    /// Whether the scan at this place of the sorted list, from 0, is in the shard.
+    /// Whether the scan at this position of the sorted list, counted from 0, is in the shard.
     pub fn has(self, place: usize) -> bool {
         place % self.of == self.number - 1
     }
@@ -87,7 +87,7 @@ fn shard(text: &str) -> Result<Shard, String> {
     if (1..=of).contains(&number) { Ok(shard) } else { Err("counts from 1/N to N/N".into()) }
 }
 
-/// The options that the user gave to `batch` and every `convert` is to have.
+/// The options of `batch` that are passed on to every `convert`.
 pub fn passed_on(matches: &ArgMatches) -> Vec<String> {
     let shared = How::augment_args(Scale::augment_args(Command::new("shared")));
     let mut options = Vec::new();

@@ -1,5 +1,5 @@
-//! One scan of a batch: `convert` as a process of its own, so that whatever
-//! befalls it, memory that runs out included, befalls no other scan.
+//! One scan of a batch. `convert` runs as a process of its own, so that a crash, or memory that
+//! runs out, affects no other scan.
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, ExitStatus};
@@ -9,9 +9,9 @@ use serde_json::Value;
 
 use super::record::{self, Figures, Output, Record, Stamp};
 use super::scans::Scan;
-use crate::cli::{children, leftovers, output};
+use crate::cli::{output, subprocess, temp_files};
 
-/// What all scans of a batch have in common.
+/// The settings that all scans of a batch share.
 pub struct Job {
     pub program: PathBuf,
     pub out: PathBuf,
@@ -20,21 +20,21 @@ pub struct Job {
     pub reports: Vec<String>,
     /// Options of `convert`.
     pub options: Vec<String>,
-    /// By what records know whether the files would be the same.
+    /// What decides, besides the scan, whether files of an earlier run are the same.
     pub fingerprint: Vec<String>,
     pub threads: Option<u16>,
-    /// Bytes that a scan may need.
+    /// The largest number of bytes that a scan may need.
     pub memory: Option<u64>,
 }
 
 impl Job {
-    /// Converts a scan and records what became of it.
+    /// Converts a scan and records the result.
     pub fn run(&self, scan: &Scan) -> Record {
         let begun = Instant::now();
         let mut record = Record {
             scan2step: env!("CARGO_PKG_VERSION").into(),
             file: scan.path.display().to_string(),
-            // Before the work: who changes the scan meanwhile has it done again.
+            // Taken before the work: a scan that changes meanwhile is converted again.
             input: Stamp::of(&scan.path).unwrap_or_default(),
             options: self.fingerprint.clone(),
             exit_code: 1,
@@ -62,7 +62,7 @@ impl Job {
         };
         let (cad, reports) = (files(&self.cad), files(&self.reports));
         if let Some(folder) = self.out.join(&scan.name).parent() {
-            leftovers::folder(folder).map_err(|e| output::failed(folder, e))?;
+            temp_files::folder(folder).map_err(|e| output::failed(folder, e))?;
         }
         let mut command = Command::new(&self.program);
         command.args(["convert", "--quiet", "--color=never"]).args(&self.options);
@@ -76,7 +76,7 @@ impl Job {
             let help = "check that the program can still be started";
             formats::Error::new(&scan.path, format!("cannot be converted: {e}"), help)
         };
-        let ended = children::run(&mut command).map_err(failed)?;
+        let ended = subprocess::run(&mut command).map_err(failed)?;
         record.exit_code = exit_code(ended.status);
         let said = String::from_utf8_lossy(&ended.stderr);
         if !matches!(record.exit_code, 0 | 3) {
@@ -99,7 +99,8 @@ impl Job {
     }
 }
 
-/// As shells have it: who was ended by a signal has 128 and its number.
+/// The exit code as shells give it: 128 and the signal's number for a process that a signal
+/// ended.
 fn exit_code(status: ExitStatus) -> i32 {
     #[cfg(unix)]
     if let Some(signal) = std::os::unix::process::ExitStatusExt::signal(&status) {
@@ -108,7 +109,7 @@ fn exit_code(status: ExitStatus) -> i32 {
     status.code().unwrap_or(1)
 }
 
-/// The name with an extension more; a point in it is its own.
+/// The name with one more extension. A point in the name is part of it.
 fn with_extension(name: &Path, extension: &str) -> PathBuf {
     let mut name = name.as_os_str().to_owned();
     name.push(".");

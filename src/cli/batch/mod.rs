@@ -12,18 +12,18 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use clap::{ArgMatches, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
-use super::{Failure, Outcome, leftovers, output, streams};
+use super::{Failure, Outcome, output, streams, temp_files};
 use args::Batch;
 use job::Job;
 use record::Record;
 use scans::Scan;
 use summary::{Row, Status};
 
-/// Finds the scans, converts those that need it, sums up.
+/// Finds the scans, converts those that need it, and writes the summaries.
 pub fn run(args: &Batch, matches: &ArgMatches) -> Result<Outcome, Failure> {
     let folder = args.out.join(record::FOLDER);
     let scans = scans::find(&args.scans, &args.out)?;
-    leftovers::folder(&folder).map_err(|e| output::failed(&folder, e))?;
+    temp_files::folder(&folder).map_err(|e| output::failed(&folder, e))?;
     let job = job(args, matches)?;
     let mine: Vec<usize> =
         (0..scans.len()).filter(|&k| args.shard.is_none_or(|shard| shard.has(k))).collect();
@@ -56,7 +56,7 @@ pub fn run(args: &Batch, matches: &ArgMatches) -> Result<Outcome, Failure> {
     }))
 }
 
-/// Converts a scan unless that was done.
+/// Converts a scan unless an earlier run has done so.
 fn one(job: &Job, scan: &Scan, force: bool) -> Row {
     let earlier = Record::read(&job.out, scan).filter(|_| !force);
     let earlier = earlier.filter(|record| record.holds(&job.out, scan, &job.fingerprint));
@@ -81,14 +81,14 @@ fn job(args: &Batch, matches: &ArgMatches) -> Result<Job, Failure> {
     let fingerprint = options.iter().chain(&cad).chain(&reports).cloned().chain(stamp.ok());
     let fingerprint = fingerprint.collect();
     let cores = std::thread::available_parallelism().map_or(1, |n| n.get());
-    // Scans at once share the cores, unless the user says otherwise.
+    // Scans that run at the same time share the cores, unless the user names the threads.
     let shared = (args.jobs > 1).then(|| (cores / usize::from(args.jobs)).clamp(1, 1024) as u16);
     let threads = args.manner.threads.or(shared);
     let memory = args.manner.max_memory.map(|size| size.as_u64());
     Ok(Job { memory, program, out: args.out.clone(), cad, reports, options, fingerprint, threads })
 }
 
-/// What is said of each scan.
+/// The messages about each scan.
 struct Voice {
     bar: ProgressBar,
     quiet: bool,
@@ -108,7 +108,7 @@ impl Voice {
         Voice { bar, quiet, verbose: args.manner.verbose }
     }
 
-    /// Says how a scan stands: errors always, the rest unless the run is quiet.
+    /// Prints the status of a scan. A quiet run prints errors only.
     fn say(&self, row: &Row) {
         self.bar.inc(1);
         let (place, of) = (self.bar.position(), self.bar.length().unwrap_or(0));

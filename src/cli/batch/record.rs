@@ -1,5 +1,5 @@
-//! What became of one scan, as a small file of its own: shards that run at once
-//! share none, and a run that is stopped loses no more than the scan it is at.
+//! The result of one scan as a small file of its own. Shards that run at the same time share no
+//! file, and a run that is stopped loses only the scan that it is converting.
 
 use std::fs::File;
 use std::io;
@@ -17,14 +17,14 @@ use crate::cli::output::{self, Pending};
 /// The folder of records in the output folder.
 pub const FOLDER: &str = ".scan2step";
 
-/// What became of one scan.
+/// The result of one scan.
 #[derive(Debug, Clone, Serialize, Deserialize)]
 pub struct Record {
     pub scan2step: String,
     pub file: String,
     pub input: Stamp,
     pub options: Vec<String>,
-    /// Of `convert`.
+    /// The exit code of `convert`.
     pub exit_code: i32,
     pub seconds: f64,
     #[serde(flatten)]
@@ -35,10 +35,10 @@ pub struct Record {
     pub outputs: Vec<Output>,
 }
 
-/// How well a scan was converted; of several components, the worst.
+/// How well a scan was converted. For several components these are the largest values.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Figures {
-    /// Of each component.
+    /// Control points of each component.
     pub net: Vec<[u64; 2]>,
     pub rms_mm: Option<f64>,
     pub max_mm: Option<f64>,
@@ -55,25 +55,24 @@ pub struct Output {
     pub sha256: String,
 }
 
-/// By what a scan is known again.
+/// What identifies the content of a scan.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Stamp {
     bytes: u64,
-    /// Since 1970; `None` where it does not tell all.
+    /// The time of the last change, since 1970; `None` if the scan has other files besides.
     modified_ns: Option<u128>,
     sha256: String,
 }
 
 impl Stamp {
-    /// Of a scan that can be read.
+    /// The stamp of a scan that can be read.
     pub fn of(scan: &Path) -> Option<Stamp> {
         let meta = std::fs::metadata(scan).ok()?;
         let modified_ns = (!has_parts(scan)).then(|| modified_ns(&meta)).flatten();
         Some(Stamp { bytes: meta.len(), modified_ns, sha256: content(scan)? })
     }
 
-    /// Whether the scan still is what it was; its content is read only where its
-    /// time differs.
+    /// Whether the scan is unchanged. Its content is read only if its time differs.
     fn holds(&self, scan: &Path) -> bool {
         let Ok(meta) = std::fs::metadata(scan) else { return false };
         let untouched = self.modified_ns.is_some() && self.modified_ns == modified_ns(&meta);
@@ -86,12 +85,12 @@ fn modified_ns(meta: &std::fs::Metadata) -> Option<u128> {
     Some(since.as_nanos())
 }
 
-/// glTF may keep its numbers in other files.
+/// Whether the scan may have its numbers in other files, as glTF does.
 fn has_parts(scan: &Path) -> bool {
     matches!(Format::by_extension(scan), Some(Format::Gltf | Format::Glb))
 }
 
-/// A hash of what the scan says, wherever it keeps it.
+/// A hash of the scan's content, other files included.
 fn content(scan: &Path) -> Option<String> {
     if !has_parts(scan) {
         return hash_of(scan).ok().map(|(_, sha256)| sha256);
@@ -122,7 +121,7 @@ impl Output {
 }
 
 impl Figures {
-    /// From the report of `convert`.
+    /// The figures in the report of `convert`.
     pub fn of(report: &Value) -> Figures {
         let parts = match report.get("components").and_then(Value::as_array) {
             Some(parts) => parts.iter().collect(),
@@ -147,22 +146,22 @@ impl Figures {
     }
 }
 
-/// Where a file about a scan is, of the records. Names may hold folders, and a
-/// folder may be called what a file is: their hashes are all different.
+/// The path of a record about a scan. Scans in different folders can have the same name, so a
+/// hash of the whole name distinguishes them.
 pub fn path(out: &Path, scan: &Scan, extension: &str) -> PathBuf {
     let key = output::hexadecimal(&Sha256::digest(scan.name.as_os_str().as_encoded_bytes()));
     out.join(FOLDER).join(format!("{}.{extension}", &key[..32]))
 }
 
 impl Record {
-    /// What an earlier run made of a scan, if one did.
+    /// The record of an earlier run, if there is one.
     pub fn read(out: &Path, scan: &Scan) -> Option<Record> {
         let text = std::fs::read(path(out, scan, "json")).ok()?;
-        // One that cannot be read is none: the scan is converted again.
+        // If it cannot be read, the scan is converted again.
         serde_json::from_slice(&text).ok()
     }
 
-    /// Puts the record in its place, whole.
+    /// Writes the record.
     pub fn write(&self, out: &Path, scan: &Scan) -> Result<(), formats::Error> {
         let file = output::write(&path(out, scan, "json"), |to| {
             serde_json::to_writer_pretty(&mut *to, self)?;
@@ -171,8 +170,8 @@ impl Record {
         Pending::publish(vec![file])
     }
 
-    /// Whether nothing needs to be done: the files are there, and the same scan,
-    /// options and program would make the same.
+    /// Whether the scan need not be converted again: the files are there, and scan, options and
+    /// program are the same.
     pub fn holds(&self, out: &Path, scan: &Scan, options: &[String]) -> bool {
         let there = |output: &Output| {
             let meta = std::fs::metadata(out.join(&output.file));

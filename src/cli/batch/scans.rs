@@ -1,4 +1,4 @@
-//! The scans of a batch, in order, and the names of what they become.
+//! The scans of a batch, in order, and the names of their outputs.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
@@ -12,18 +12,18 @@ use crate::cli::cad::part_name;
 /// A scan of a batch.
 #[derive(Debug, Clone)]
 pub struct Scan {
-    /// As the user would write it.
+    /// The path as the user would write it.
     pub path: PathBuf,
-    /// What its outputs are called in the output folder, without extensions; no
-    /// other scan of the batch has the same.
+    /// The name of its outputs in the output folder, without extensions. No other scan of the
+    /// batch has the same.
     pub name: PathBuf,
 }
 
-/// A scan and its place on the disk, in order of the places.
+/// The paths of scans by their places on the disk, in the order of the places.
 type Found = BTreeMap<PathBuf, PathBuf>;
 
-/// All scans that the arguments mean, sorted. Their names keep the folders below
-/// the one that all arguments have in common.
+/// All scans that the arguments name, sorted. Their names include the folders below the one
+/// that all arguments share.
 pub fn find(arguments: &[PathBuf], out: &Path) -> Result<Vec<Scan>, Failure> {
     let mut found = Found::new();
     let mut roots = Vec::new();
@@ -51,7 +51,7 @@ fn failure(of: &str, what: &str) -> Failure {
     Failure { error: format!("{of}: {what}"), help: help.into() }
 }
 
-/// What an argument means, and the folder that names are kept from.
+/// The folder from which an argument's names are counted, and the paths that it stands for.
 fn expanded(argument: &Path) -> Result<(PathBuf, Vec<PathBuf>), Failure> {
     let fail = |what: &str| failure(&argument.display().to_string(), what);
     let text = argument.to_string_lossy();
@@ -68,7 +68,7 @@ fn expanded(argument: &Path) -> Result<(PathBuf, Vec<PathBuf>), Failure> {
             argument.components().take_while(|c| !is_pattern(&c.as_os_str().to_string_lossy()));
         return Ok((plain.collect(), matches));
     }
-    // A scan that is not there fails by itself, without the others.
+    // A scan that does not exist fails later, by itself.
     if !argument.exists() && Format::by_extension(argument).is_none() {
         return Err(fail("no such file or folder"));
     }
@@ -76,18 +76,19 @@ fn expanded(argument: &Path) -> Result<(PathBuf, Vec<PathBuf>), Failure> {
     Ok((folder.to_owned(), vec![argument.to_owned()]))
 }
 
-/// Of what a pattern matches, only files that are scans by name are meant, and links
-/// that lead nowhere, which fail by themselves; a pipe would wait for ever.
+/// Whether a match of a pattern is a file with the extension of a scan. A broken link counts,
+/// and fails later by itself. A pipe does not count, because reading it could wait for ever.
 fn is_scan(path: &Path) -> bool {
     Format::by_extension(path).is_some() && path.metadata().map_or(true, |meta| meta.is_file())
 }
 
-/// The scans in a folder and those in it, but for hidden ones and the output's.
+/// Finds the scans in a folder and its subfolders. Hidden folders and the output folder are left
+/// out.
 fn walk(folder: &Path, out: &Path, found: &mut Found) -> Result<(), Failure> {
     let out = out.canonicalize().ok();
     let entries = WalkDir::new(folder).follow_links(true).into_iter().filter_entry(|entry| {
         let hidden = entry.depth() > 0 && entry.file_name().to_string_lossy().starts_with('.');
-        // The scans' own folder may be the output's.
+        // The output may go to the folder of the scans themselves.
         let output = entry.depth() > 0
             && entry.file_type().is_dir()
             && out.is_some()
@@ -98,7 +99,7 @@ fn walk(folder: &Path, out: &Path, found: &mut Found) -> Result<(), Failure> {
         let path = match entry {
             Ok(entry) if entry.file_type().is_file() => entry.into_path(),
             Ok(_) => continue,
-            // A link that leads nowhere is a scan that fails, if it is one.
+            // A broken link with the extension of a scan fails later, by itself.
             Err(e) => match e.path().filter(|path| path.is_symlink()) {
                 Some(path) => path.to_owned(),
                 None => return Err(failure(&folder.display().to_string(), &e.to_string())),
@@ -111,24 +112,24 @@ fn walk(folder: &Path, out: &Path, found: &mut Found) -> Result<(), Failure> {
     Ok(())
 }
 
-/// A folder as the disk has it.
+/// The real path of a folder, links followed.
 fn place(folder: &Path) -> Result<PathBuf, Failure> {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     folder.canonicalize().map_err(|e| failure(&folder.display().to_string(), &e.to_string()))
 }
 
-/// A file in its folder; where it is a link, the link is its place.
+/// The real path of a file's folder, with the file's name. A link to a file is not followed.
 fn place_of_file(path: &Path) -> Result<PathBuf, Failure> {
     Ok(place(path.parent().unwrap_or(Path::new("")))?.join(path.file_name().unwrap_or_default()))
 }
 
-/// The folder that two folders have in common.
+/// The deepest folder that contains both folders.
 fn common(a: &Path, b: &Path) -> PathBuf {
     a.components().zip(b.components()).take_while(|(a, b)| a == b).map(|(a, _)| a).collect()
 }
 
-/// Scans are called what they are without extension; those that would be called the
-/// same keep it, and so does who would be called what one of these then is.
+/// Names scans by their files without extensions. Scans that would have the same name keep the
+/// extension, and so does a scan whose name is taken by one of these.
 fn named(found: Found, base: &Path) -> Vec<Scan> {
     let full = |place: &Path| place.strip_prefix(base).unwrap_or(place).to_owned();
     let mut names: BTreeMap<PathBuf, PathBuf> = found

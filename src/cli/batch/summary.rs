@@ -1,4 +1,4 @@
-//! What became of all scans of a batch: a table, `summary.csv`, `summary.json`.
+//! The results of all scans of a batch: a table, `summary.csv`, `summary.json`.
 
 use std::fs::File;
 use std::io::Write;
@@ -15,7 +15,7 @@ use super::scans::Scan;
 use crate::cli::output::{self, Pending};
 use crate::cli::streams;
 
-/// How a scan stands.
+/// The status of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Status {
@@ -24,14 +24,14 @@ pub enum Status {
     /// Converted, but a tolerance that the user named is not met.
     Missed,
     Failed,
-    /// There already; the record says how it went.
+    /// An earlier run has converted it.
     Skipped,
-    /// Another shard's, which has not come to it yet.
+    /// Another shard has it, and has not converted it yet.
     Pending,
 }
 
 impl Status {
-    /// What a record says.
+    /// The status that a record stands for.
     pub fn of(record: &Record) -> Status {
         match record.exit_code {
             0 => Status::Ok,
@@ -58,9 +58,9 @@ pub struct Row {
     pub record: Option<Record>,
 }
 
-/// Writes both summaries. Of scans that this run did not come to, `done` is `None`
-/// and their records say how they stand. Shards that end at the same time take
-/// turns, so that the last one sees all records.
+/// Writes both summaries. `done` is `None` for a scan that this run did not convert; its record
+/// gives its status. Shards that end at the same time take turns, so that the last one reads all
+/// records.
 pub fn write(
     out: &Path,
     scans: &[Scan],
@@ -68,8 +68,8 @@ pub fn write(
 ) -> Result<Vec<Row>, formats::Error> {
     let path = out.join(FOLDER).join("lock");
     let lock = File::create(&path).map_err(|e| output::failed(&path, e))?;
-    // Some network drives have no locks. There a later run puts right what two that
-    // ended at the same time got wrong.
+    // Some network drives have no locks. Two shards that end at the same time may then miss one
+    // another's records; a later run writes the summary again.
     if let Err(e) = lock.lock() {
         streams::say(format_args!(
             "note: {}: {e}; shards that end at the same time may miss one another in the summary",
@@ -93,7 +93,7 @@ pub fn write(
     Ok(rows)
 }
 
-/// How many scans stand so.
+/// How many scans have a status.
 pub fn count(rows: &[Row], status: Status) -> usize {
     rows.iter().filter(|row| row.status == status).count()
 }
@@ -129,7 +129,7 @@ fn as_json(rows: &[Row]) -> serde_json::Value {
     })
 }
 
-/// A number, or nothing.
+/// A value as text, or nothing.
 fn number<T: ToString>(x: Option<T>) -> String {
     x.map_or(String::new(), |x| x.to_string())
 }

@@ -3,7 +3,7 @@
 use formats::LengthUnit;
 
 use super::Options;
-use crate::convert::Cut;
+use crate::convert::{Cut, ScanPlace};
 use crate::error::Result;
 use crate::geometry::Point;
 use crate::{fit, mesh, parameterize, smooth};
@@ -46,6 +46,12 @@ impl Builder {
         self
     }
 
+    /// The same by a vertex of the file, or by a point in the scan's own numbers.
+    pub fn outer_place(mut self, place: impl Into<Option<ScanPlace>>) -> Self {
+        self.0.places.outer = place.into();
+        self
+    }
+
     /// The support of the smoothing.
     pub fn smooth(mut self, support: smooth::Support) -> Self {
         self.0.smooth.support = support;
@@ -55,6 +61,12 @@ impl Builder {
     /// Where smoothing keeps a corner of the boundary.
     pub fn boundary_corners(mut self, corners: smooth::Corners) -> Self {
         self.0.smooth.corners = corners;
+        self
+    }
+
+    /// The same by vertices of the file, or by points in the scan's own numbers.
+    pub fn boundary_corner_places(mut self, places: impl Into<Option<Vec<ScanPlace>>>) -> Self {
+        self.0.places.boundary_corners = places.into();
         self
     }
 
@@ -72,6 +84,12 @@ impl Builder {
         self
     }
 
+    /// The same four corners by vertices of the file, or by points in the scan's own numbers.
+    pub fn corner_places(mut self, places: impl Into<Option<Vec<ScanPlace>>>) -> Self {
+        self.0.places.corners = places.into();
+        self
+    }
+
     /// Where the outer boundary goes.
     pub fn outline(mut self, outline: impl Into<Option<parameterize::Outline>>) -> Self {
         self.0.parameterize.outline = outline.into();
@@ -79,7 +97,7 @@ impl Builder {
     }
 
     /// Which map to the parameter plane is made.
-    pub fn map(mut self, method: parameterize::Method) -> Self {
+    pub fn map(mut self, method: parameterize::MapMethod) -> Self {
         self.0.parameterize.method = method;
         self
     }
@@ -144,9 +162,26 @@ impl Builder {
         self
     }
 
+    /// How many threads share the work, from 1 to 1024. They end with the conversion, whose
+    /// result has the same bytes on any number of them. Without: the pool of the thread that
+    /// calls, or a thread for each core ([`threads::run`](crate::threads::run)).
+    pub fn threads(mut self, count: impl Into<Option<usize>>) -> Self {
+        self.0.threads = count.into();
+        self
+    }
+
+    /// The number of bytes that the conversion may need, by the estimate of
+    /// [`Memory`](crate::Memory). [`convert`](crate::convert) refuses a scan that may need
+    /// more before its work begins. Without: no bound.
+    pub fn max_memory(mut self, bytes: impl Into<Option<u64>>) -> Self {
+        self.0.max_memory = bytes.into();
+        self
+    }
+
     /// The options.
     ///
     /// # Errors
+    /// [`Error::Corners`](crate::Error::Corners): not four places are named as corners.
     /// [`Error::Option`](crate::Error::Option): the first value that cannot be; lengths
     /// must be above 0, numbers finite, nets within their bounds
     /// ([`rules`](crate::rules)).

@@ -7,8 +7,9 @@ pub use builder::Builder;
 use formats::{LengthUnit, Soup};
 
 use super::Cut;
+use super::places::NamedPlaces;
 use crate::adapt::KnotOptions;
-use crate::error::{Result, of};
+use crate::error::{Error, Result, of};
 use crate::geometry::{Point, in_lengths, length};
 use crate::{adapt, fill, fit, mesh, parameterize, rules, smooth, trim};
 
@@ -42,6 +43,9 @@ pub struct Options {
     pub(crate) outliers: f64,
     pub(crate) rim_tolerance: Option<f64>,
     pub(crate) cut: Cut,
+    pub(crate) threads: Option<usize>,
+    pub(crate) max_memory: Option<u64>,
+    pub(crate) places: NamedPlaces,
 }
 
 impl Default for Options {
@@ -60,6 +64,9 @@ impl Default for Options {
             outliers: 0.0,
             rim_tolerance: None,
             cut: Cut::default(),
+            threads: None,
+            max_memory: None,
+            places: NamedPlaces::default(),
         }
     }
 }
@@ -76,14 +83,25 @@ impl Options {
         Options { component, ..self.clone() }
     }
 
-    /// Which boundary loop is the outer one.
+    /// Which boundary loop is the outer one: the one named, else the one with the first of the
+    /// corners that are named.
     pub fn outer(&self) -> mesh::Outer {
-        self.outer
+        match (self.outer, self.corners()) {
+            (mesh::Outer::Auto, Some([first, ..])) => mesh::Outer::Near(first),
+            (outer, _) => outer,
+        }
     }
 
     /// The points, in mm, next to which the corners of the domain lie, if they are named.
     pub fn corners(&self) -> Option<[Point; 4]> {
         self.parameterize.corners
+    }
+
+    /// The unit of the scan's numbers, if one is named that has a name.
+    pub fn unit(&self) -> Option<LengthUnit> {
+        use LengthUnit::{Centimetre, Inch, Metre, Millimetre};
+        let mm = self.unit_mm?;
+        [Millimetre, Centimetre, Metre, Inch].into_iter().find(|unit| unit.in_mm() == mm)
     }
 
     /// The length of a soup's unit in mm: the one named, else its own, else a millimetre.
@@ -131,6 +149,9 @@ impl Options {
         if let mesh::Outer::Near(place) = self.outer {
             rules::points(&[place]).map_err(of("outer"))?;
         }
+        if self.places.corners.as_ref().is_some_and(|corners| corners.len() != 4) {
+            return Err(Error::Corners("not four places".into()));
+        }
         self.smooth.check()?;
         self.fill.check()?;
         self.parameterize.check()?;
@@ -141,6 +162,7 @@ impl Options {
         if let Cut::FromLength(length) = self.cut {
             rules::extent(length).map_err(of("cut"))?;
         }
+        self.threads.map_or(Ok(()), rules::threads).map_err(of("threads"))?;
         Ok(())
     }
 }

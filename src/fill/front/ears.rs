@@ -1,68 +1,68 @@
-//! Ears: corners of the front that a triangle closes.
+//! Ears of the front: corners that one triangle can close.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
 
-use super::{Front, Way};
+use super::{Advance, Front};
 
 impl Front<'_> {
     /// The nodes before, at and after `node`.
     fn ear(&self, node: usize) -> [usize; 3] {
-        [self.rings.before(node), node, self.rings.after(node)]
+        [self.loops.before(node), node, self.loops.after(node)]
     }
 
-    /// The hole's angle at a node, in the plane across the normal there.
+    /// The angle of the hole at a node, in the tangent plane there.
     fn angle(&self, node: usize) -> f64 {
-        let [a, b, c] = self.ear(node).map(|n| self.rings.at(n));
-        self.plane(b, self.normal(self.rings.vertex(node))).angle(a, b, c)
+        let [a, b, c] = self.ear(node).map(|n| self.loops.at(n));
+        self.plane(b, self.normal(self.loops.vertex(node))).angle(a, b, c)
     }
 
     /// Whether the ear at a node may be closed.
     fn may_close(&self, node: usize) -> bool {
         let ear = self.ear(node);
-        let [a, _, c] = ear.map(|n| self.rings.vertex(n));
+        let [a, _, c] = ear.map(|n| self.loops.vertex(n));
         if self.joined(a, c) {
             return false;
         }
-        let [a, b, c] = ear.map(|n| self.rings.at(n));
-        self.is_free([c, b, a], b, self.normal(self.rings.vertex(node)))
+        let [a, b, c] = ear.map(|n| self.loops.at(n));
+        self.is_free([c, b, a], b, self.normal(self.loops.vertex(node)))
     }
 
-    /// Closes an ear; returns the nodes whose angle it changed.
+    /// Closes an ear and returns the nodes whose angles this has changed.
     fn close(&mut self, node: usize) -> Vec<usize> {
         let [a, b, c] = self.ear(node);
-        let [u, v, w] = [a, b, c].map(|n| self.rings.vertex(n));
+        let [u, v, w] = [a, b, c].map(|n| self.loops.vertex(n));
         self.add([w, v, u]);
-        self.rings.cut(b);
+        self.loops.remove_node(b);
         if self.close_triangle(a) { vec![] } else { vec![a, c] }
     }
 
-    /// Fills the ring of a node if it is a triangle.
+    /// Closes the loop of a node if it is a triangle, and says whether it did.
     pub(super) fn close_triangle(&mut self, node: usize) -> bool {
-        let is_triangle = self.rings.is_triangle(node);
+        let is_triangle = self.loops.is_triangle(node);
         if is_triangle {
-            let [a, b, c] = self.ear(node).map(|n| self.rings.vertex(n));
+            let [a, b, c] = self.ear(node).map(|n| self.loops.vertex(n));
             self.add([c, b, a]);
-            self.rings.drop_ring(node);
+            self.loops.remove_loop(node);
         }
         is_triangle
     }
 
-    /// Closes ears below `angle`, the narrowest first, until none is left;
-    /// returns how many.
+    /// Closes all ears below `angle`, the narrowest first, and returns their number.
     pub(super) fn close_ears(&mut self, angle: f64) -> usize {
         let before = self.fill.triangles.len();
+        // The bits of numbers from 0 on have the order of the numbers.
         let ear = |front: &Self, node: usize| {
-            let beside = [front.rings.before(node), front.rings.after(node)];
-            let ear = Reverse(Ear { angle: front.angle(node), node, beside });
-            (ear.0.angle < angle).then_some(ear)
+            let beside = [front.loops.before(node), front.loops.after(node)];
+            let own = front.angle(node);
+            (own < angle).then(|| Reverse(((own + 0.0).to_bits(), node, beside)))
         };
-        let mut order: BinaryHeap<Reverse<Ear>> =
-            self.rings.all().filter_map(|node| ear(self, node)).collect();
-        while let Some(Reverse(Ear { node, beside, .. })) = order.pop() {
-            // Ears that have changed since were entered anew.
-            let now = [self.rings.before(node), self.rings.after(node)];
-            if !self.rings.is_alive(node) || now != beside {
+        let mut order: BinaryHeap<_> =
+            self.loops.all().filter_map(|node| ear(self, node)).collect();
+        while let Some(Reverse((_, node, beside))) = order.pop() {
+            // If the ear has changed since, it has a newer entry.
+            let now = [self.loops.before(node), self.loops.after(node)];
+            if !self.loops.is_alive(node) || now != beside {
                 continue;
             }
             if self.close_triangle(node) || !self.may_close(node) {
@@ -74,10 +74,11 @@ impl Front<'_> {
         self.fill.triangles.len() - before
     }
 
-    /// For a front that has come to a halt: raises φ until an ear can be closed,
-    /// or else spans a ring of a led front by least area; another has gone
-    /// astray.
+    /// For a round that added no triangle: raises φ until an ear can be closed. If there is
+    /// none, closes a loop of a guided front by least area. `None` for any other front.
     pub(super) fn close_wide_ears(&mut self, angle: f64) -> Option<()> {
+        /// The steps from φ to 180°, of 13° each. Fewer can close wider ears than needed. One
+        /// and twelve steps change no fill of the hole bench.
         const STEPS: i32 = 6;
         for step in 1..=STEPS {
             let share = f64::from(step) / f64::from(STEPS);
@@ -87,40 +88,12 @@ impl Front<'_> {
                 return Some(());
             }
         }
-        match self.way {
-            Way::Mls(_) => None,
-            Way::Led(_) => {
-                let node = self.rings.all().next()?;
-                self.span(node)
+        match self.by {
+            Advance::Mls(_) => None,
+            Advance::Guided(_) => {
+                let node = self.loops.all().next()?;
+                self.close_by_least_area(node)
             }
         }
     }
 }
-
-/// An ear in the order of its angle.
-struct Ear {
-    angle: f64,
-    node: usize,
-    /// The nodes before and after it.
-    beside: [usize; 2],
-}
-
-impl Ord for Ear {
-    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
-        self.angle.total_cmp(&other.angle).then(self.node.cmp(&other.node))
-    }
-}
-
-impl PartialOrd for Ear {
-    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
-        Some(self.cmp(other))
-    }
-}
-
-impl PartialEq for Ear {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other).is_eq()
-    }
-}
-
-impl Eq for Ear {}

@@ -1,4 +1,4 @@
-//! What the front cannot close is spanned at once.
+//! Closing a whole loop at once by the triangulation of least area.
 
 use foldhash::{HashSet, HashSetExt};
 
@@ -7,22 +7,22 @@ use crate::fill::least_area;
 use crate::geometry::{Point, Vector, VertexId};
 
 impl Front<'_> {
-    /// Closes the ring of a node by the triangulation of least area. `None` if it
-    /// would join two vertices twice: around an island a ring comes by a vertex
-    /// more than once.
-    pub(super) fn span(&mut self, node: usize) -> Option<()> {
+    /// Closes the loop of a node by the triangulation of least area. `None` if it would join
+    /// two vertices twice, which can happen because the loop passes a bridge to an island in
+    /// both directions.
+    pub(super) fn close_by_least_area(&mut self, node: usize) -> Option<()> {
         if self.close_triangle(node) {
             return Some(());
         }
-        // The hole lies to the right of its rim.
-        let nodes: Vec<usize> = self.rings.ring(node).into_iter().rev().collect();
-        let ring: Vec<VertexId> = nodes.iter().map(|&n| self.rings.vertex(n)).collect();
-        let rim: Vec<Point> = nodes.iter().map(|&n| self.rings.at(n)).collect();
+        // The hole is to the right of its rim.
+        let nodes: Vec<usize> = self.loops.loop_from(node).into_iter().rev().collect();
+        let ring: Vec<VertexId> = nodes.iter().map(|&n| self.loops.vertex(n)).collect();
+        let rim: Vec<Point> = nodes.iter().map(|&n| self.loops.at(n)).collect();
         let next = |i: usize| ring[(i + 1) % ring.len()];
         let beside = |i: usize| self.around.normal_at(ring[i], next(i)).unwrap_or_default();
         let beside: Vec<Vector> = (0..ring.len()).map(beside).collect();
         let joined = |i: usize, j: usize| self.joined(ring[i], ring[j]);
-        let surface = least_area::span(&rim, &beside, joined, self.sizes)?;
+        let surface = least_area::triangulate(&rim, &beside, joined, self.sizes)?;
         let mean = ring.iter().map(|&v| self.normal(v)).sum::<Vector>();
         let normal = mean.try_normalize(1e-12).unwrap_or(Vector::z());
         let inner = surface.points[rim.len()..].iter();
@@ -36,8 +36,7 @@ impl Front<'_> {
             return None;
         }
         triangles.into_iter().for_each(|t| self.add(t));
-        self.rings.drop_ring(node);
-        self.fill.spanned += 1;
+        self.loops.remove_loop(node);
         Some(())
     }
 }

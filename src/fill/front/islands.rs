@@ -1,5 +1,5 @@
-//! Islands are bridged to the rim, by the shortest path, which then is an edge of
-//! the front on both sides.
+//! Bridges from islands to the rim by the shortest path. The front passes a bridge on both
+//! sides.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -10,28 +10,28 @@ use rstar::{PointDistance, RTree};
 use super::Front;
 use crate::geometry::VertexId;
 
-/// A vertex of a rim: where it is, and its number among the nodes of the rings.
-type Node = GeomWithData<[f64; 3], usize>;
+/// A vertex of a rim: its position, and the number of its node in the front.
+type RimNode = GeomWithData<[f64; 3], usize>;
 
 impl Front<'_> {
-    /// Joins every island to the rim or to an island that is joined already, the nearest
-    /// pair of vertices first.
+    /// Joins every island to the rim, or to an island that is joined already. The nearest pair
+    /// of vertices comes first.
     pub(super) fn bridge_islands(&mut self, rims: &[&[VertexId]]) {
         let mut starts = vec![0];
         rims.iter().for_each(|rim| starts.push(starts[starts.len() - 1] + rim.len()));
         let nodes = |ring: usize| starts[ring]..starts[ring + 1];
         let ring_of = |node: usize| starts.partition_point(|&start| start <= node) - 1;
-        let places: Vec<Node> = (0..starts[rims.len()])
-            .map(|node| GeomWithData::new(self.rings.at(node).into(), node))
+        let places: Vec<RimNode> = (0..starts[rims.len()])
+            .map(|node| GeomWithData::new(self.loops.at(node).into(), node))
             .collect();
         let mut left = RTree::bulk_load(places[starts[1]..].to_vec());
         let mut is_joined = vec![false; rims.len()];
-        // How far each joined vertex is from the nearest one that was left when it was asked:
-        // no farther than from the nearest that is left now.
+        // For each joined vertex the distance to the vertex that was nearest when it was looked
+        // up. This is a lower bound, because islands are only removed from the tree.
         let mut nearest = BinaryHeap::new();
-        let ask = |left: &RTree<Node>, from: usize| {
+        let ask = |left: &RTree<RimNode>, from: usize| {
             let to = left.nearest_neighbor(*places[from].geom())?;
-            // Squares of distances are positive, and such numbers are ordered as their bits.
+            // The bits of positive floating-point numbers have the order of the numbers.
             let squared = to.distance_2(places[from].geom()).to_bits();
             Some(Reverse((squared, from, to.data)))
         };
@@ -55,11 +55,10 @@ impl Front<'_> {
         }
     }
 
-    /// Bridges two rings by a straight path with vertices at the edge length
-    /// wanted.
+    /// Bridges two loops by a straight path with vertices at the target edge length.
     fn bridge(&mut self, from: usize, to: usize) {
         let ends =
-            [from, to].map(|node| (self.rings.at(node), self.normal(self.rings.vertex(node))));
+            [from, to].map(|node| (self.loops.at(node), self.normal(self.loops.vertex(node))));
         let [(p, n), (q, m)] = ends;
         let size = self.sizes.at(nalgebra::center(&p, &q)).max(0.1 * self.sizes.mean);
         let steps = (((q - p).norm() / size).round() as usize).clamp(1, self.most_points.max(2));
@@ -70,10 +69,10 @@ impl Front<'_> {
             let at = p + share * (q - p);
             path.push((self.add_point(at, normal), at));
         }
-        let ends = [self.rings.vertex(from), self.rings.vertex(to)];
+        let ends = [self.loops.vertex(from), self.loops.vertex(to)];
         let chain: Vec<VertexId> =
             [ends[0]].into_iter().chain(path.iter().map(|p| p.0)).chain([ends[1]]).collect();
         self.edges.extend(chain.windows(2).map(|e| (e[0].min(e[1]), e[0].max(e[1]))));
-        self.rings.bridge(from, to, &path);
+        self.loops.bridge(from, to, &path);
     }
 }

@@ -1,45 +1,48 @@
-//! The grid that a smoothing spline lives on: quartic B-splines, and their
-//! thin-plate energies.
+//! The grid of a smoothing spline: its quartic B-splines, and their thin-plate energies.
 
 use std::collections::{BTreeMap, HashSet};
 
 use crate::geometry::{Uv, UvVector};
 use crate::sets::Sets;
 
+/// The degree of the B-splines. The energy of fourth order needs fourth derivatives.
 pub const DEGREE: usize = 4;
-/// B-splines that do not vanish on an interval; squared, on a cell.
+/// The number of B-splines that are not zero on an interval.
 pub const ON_INTERVAL: usize = DEGREE + 1;
+/// The number of products of two that are not zero on a cell.
 pub const ON_CELL: usize = ON_INTERVAL * ON_INTERVAL;
 
-/// The widest grid, in cells.
+/// The most cells of a grid, which bounds its memory to some 100 MB. Wider grids get larger
+/// cells.
 const MOST_CELLS: f64 = 4e6;
 
-/// A grid of more functions than this is judged by a sample …
+/// The stiffness for a grid of more functions than this is found on a sample of about so many.
 const SAMPLE: usize = 700;
 
-/// … of square blocks, so many cells wide.
+/// The sample consists of square blocks of cells, with this many cells along each side.
 const BLOCK: usize = 12;
 
-/// The cells that the spline lives on, and its functions by cell.
+/// The live cells, on which the spline is defined, and the functions on each.
 pub struct Grid {
     low: Uv,
     cell: f64,
-    /// Of each cell of the bounding rectangle, by columns of `height` cells,
-    /// where in `functions` its own begin.
+    /// The index in `on_cells` of each cell of the bounding rectangle, in columns of `height`
+    /// cells. `None` for a cell that is not live.
     cells: Vec<Option<u32>>,
     height: usize,
-    /// The functions on each live cell, ascending.
+    /// The functions on each live cell, in ascending order.
     pub on_cells: Vec<[u32; ON_CELL]>,
-    /// The functions' places in the lattice of all, by columns, ascending.
+    /// The place of each function in the lattice of the whole rectangle, column by column, in
+    /// ascending order.
     places: Vec<u32>,
-    /// How many functions there are.
+    /// The number of functions.
     pub count: usize,
 }
 
 impl Grid {
-    /// The cells in which a point lies and those that are `also` wanted, by their
-    /// centre and width, with their neighbours: what a function at the fringe
-    /// costs in energy must not end where the points do, or it goes its own way.
+    /// The cells that have a point, those for whose centre and width `also` is true, and the
+    /// neighbours of both. Without the neighbours the energy would end where the points end,
+    /// and would not hold the functions there.
     pub fn new<const D: usize>(
         points: &[(Uv, [f64; D])],
         also: impl Fn(Uv, f64) -> bool,
@@ -54,7 +57,7 @@ impl Grid {
             return None;
         }
         let cell = cell.max((size.x * size.y / MOST_CELLS).sqrt());
-        // A margin, so that every place has neighbours.
+        // A margin, so that every cell with a point has neighbours.
         low -= UvVector::repeat(1.5 * cell);
         let [width, height] = [size.x, size.y].map(|s| (s / cell).ceil() as usize + 4);
         let mut own = vec![false; width * height];
@@ -106,14 +109,14 @@ impl Grid {
         self.count = self.places.len();
     }
 
-    /// The functions' places in the lattice of all, column and row.
+    /// The column and row of each function in the lattice.
     pub fn lattice(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         let rows = (self.height + DEGREE) as u32;
         self.places.iter().map(move |place| [place / rows, place % rows])
     }
 
-    /// Of a large grid some blocks, spread over it, from which to tell how stiff
-    /// the whole shall be.
+    /// Some blocks of a large grid, spread over it, on which to find the stiffness. `None` for
+    /// a small grid.
     pub fn sample(&self) -> Option<Grid> {
         if self.count <= SAMPLE {
             return None;
@@ -126,7 +129,7 @@ impl Grid {
         }
         let average = self.on_cells.len() / blocks.len();
         blocks.retain(|_, cells| 2 * *cells >= average);
-        // A block of cells has about twice as many functions.
+        // Blocks have about twice as many functions as cells, because of their borders.
         let step = (2 * self.on_cells.len()).div_ceil(SAMPLE).min(blocks.len());
         let chosen: HashSet<_> = blocks.into_keys().skip(step / 2).step_by(step).collect();
         let own = |at: usize| live(&at) && chosen.contains(&block(at));
@@ -141,7 +144,7 @@ impl Grid {
         Some(part)
     }
 
-    /// Into how many parts without a common function the grid falls.
+    /// The number of parts of the grid that have no function in common.
     pub fn parts(&self) -> usize {
         let mut sets = Sets::new(self.count);
         for functions in &self.on_cells {
@@ -150,7 +153,7 @@ impl Grid {
         (0..self.count).filter(|&i| sets.find(i) == i).count()
     }
 
-    /// The cell of a place, and the place in it from 0 to 1.
+    /// The live cell at `uv`, and the place in it from 0 to 1.
     pub fn cell_of(&self, uv: Uv) -> Option<(usize, [f64; 2])> {
         let d = (uv - self.low) / self.cell;
         let inside = d.x >= 0.0 && d.y >= 0.0 && d.y < self.height as f64;
@@ -162,20 +165,20 @@ impl Grid {
         Some((live as usize, [d.x - i as f64, d.y - j as f64]))
     }
 
-    /// The functions that do not vanish at a place, and their values.
+    /// The functions that are not zero at `uv`, and their values.
     pub fn functions(&self, uv: Uv) -> Option<(&[u32; ON_CELL], [f64; ON_CELL])> {
         let (cell, place) = self.cell_of(uv)?;
         Some((&self.on_cells[cell], values(place)))
     }
 }
 
-/// The values of a cell's functions at a place in it.
+/// The values of the functions of a cell at a place in it.
 pub fn values([s, t]: [f64; 2]) -> [f64; ON_CELL] {
     let (a, b) = (basis(s, DEGREE), basis(t, DEGREE));
     std::array::from_fn(|k| a[k / ON_INTERVAL] * b[k % ON_INTERVAL])
 }
 
-/// The uniform B-splines of a degree on [0, 1], the one that ends there first.
+/// The uniform B-splines of a degree that are not zero on [0, 1], by where they end.
 fn basis(t: f64, degree: usize) -> [f64; ON_INTERVAL] {
     let mut b = [0.0; ON_INTERVAL];
     b[0] = 1.0;
@@ -190,7 +193,7 @@ fn basis(t: f64, degree: usize) -> [f64; ON_INTERVAL] {
     b
 }
 
-/// Their derivatives of order `m`: differences of the splines of degree − m.
+/// Their derivatives of order `m`: differences of the splines of degree `DEGREE − m`.
 fn derivatives(t: f64, m: usize) -> [f64; ON_INTERVAL] {
     let mut b = basis(t, DEGREE - m);
     for _ in 0..m {
@@ -201,7 +204,7 @@ fn derivatives(t: f64, m: usize) -> [f64; ON_INTERVAL] {
     b
 }
 
-/// Nodes and weights of Gauss's quadrature on [0, 1], exact to degree 9.
+/// Nodes and weights of Gauss's quadrature on [0, 1], exact up to degree 9.
 const GAUSS: [(f64, f64); 5] = [
     (0.046_910_077_030_668, 0.118_463_442_528_094_5),
     (0.230_765_344_947_158_5, 0.239_314_335_249_683_2),
@@ -210,7 +213,7 @@ const GAUSS: [(f64, f64); 5] = [
     (0.953_089_922_969_332, 0.118_463_442_528_094_5),
 ];
 
-/// The energy of order `m` of a cell, as a form in its functions' coefficients.
+/// The energy of order `m` of a cell, as a quadratic form in the coefficients of its functions.
 pub fn cell_energy(m: usize) -> [[f64; ON_CELL]; ON_CELL] {
     let along = |k: usize| {
         let mut sum = [[0.0; ON_INTERVAL]; ON_INTERVAL];

@@ -1,85 +1,83 @@
-//! The surface that the points around a hole make likely: a smoothing spline
-//! over a chart.
+//! The most likely surface through the points around a hole: a smoothing spline over a
+//! chart.
 //!
 //! It minimises Σ |f(uᵢ) − pᵢ|² + λ₂ J₂(f) + λ₄ J₄(f), where Jₘ is the integral
-//! over the chart of the squared m-th derivatives: the thin-plate energies of
-//! second order, which holds wide holes flat, and of fourth, by which the
-//! curvature goes on across them. How stiff
-//! it is, is not set but found: λ₂ and λ₄ are those of greatest restricted
-//! likelihood (REML; Wahba 1985, "A comparison of GCV and GML for choosing the
-//! smoothing parameter", and Patterson & Thompson 1971), which takes f for a
-//! random function and the deviations for independent. On clean points it
-//! interpolates, on noisy ones it averages over as many as the shape allows.
+//! over the chart of the squared m-th derivatives. J₂ is the thin-plate energy, which keeps
+//! wide holes flat; J₄ is the energy of fourth order, which continues the curvature across
+//! them. λ₂ and λ₄ are found by restricted maximum likelihood (REML; Wahba 1985, "A comparison
+//! of GCV and GML for choosing the smoothing parameter", and Patterson & Thompson 1971), which
+//! takes f for a random function and the deviations for independent. The spline interpolates
+//! clean points, and averages noisy ones over as many as the shape allows.
 //!
-//! f is a quartic tensor-product B-spline on a uniform grid, only as wide as
-//! the points and the hole.
+//! f is a quartic tensor-product B-spline on a uniform grid that covers the points and the
+//! hole.
 
 mod grid;
-mod likelihood;
 mod overlaps;
+mod stiffness;
 
 use crate::geometry::Uv;
 use grid::Grid;
-use likelihood::{Equations, Exponents};
+use stiffness::{Exponents, PenalizedSystem};
 
-/// A grid of more functions than this is not made finer.
+/// A grid is refined only if the finer one has no more than about this many functions, because
+/// the time of the fit grows with the power 1.5 of their number.
 const MOST_FUNCTIONS: usize = 4000;
 
-/// An energy of at least this exponent smooths over what a grid's cells cannot
-/// show.
+/// With an exponent of at least this the energies smooth over more than a cell, so a finer
+/// grid would give the same surface.
 const FREE_OF_GRID: i32 = -8;
 
-/// Which energies hold a spline.
+/// The energies of a spline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Held {
-    /// Those of both orders: curvature goes on.
+pub enum Energies {
+    /// Those of both orders. The curvature continues across a hole.
     Both,
-    /// That of second order alone, which never swings out.
-    Flat,
+    /// That of second order. A surface that is known badly does not swing out.
+    Second,
 }
 
 /// A smoothing spline with `D` components.
 pub struct SmoothingSpline<const D: usize> {
     grid: Grid,
-    /// Coefficients of the grid's functions.
+    /// The coefficients of the functions of the grid.
     coefficients: Vec<[f64; D]>,
 }
 
 impl<const D: usize> SmoothingSpline<D> {
-    /// Fits `points` on a grid of about `cell` wide cells, which reaches
-    /// over them and over the cells of which `also` says so, by their centre and
-    /// width, and those around. The grid shall not be what smooths: it
-    /// is made finer, down to `narrowest` cells, until the energies do. `None`
-    /// where the points are too few.
+    /// Fits `points` on a grid with cells of the width `cell`. The grid covers the points, the
+    /// cells for whose centre and width `also` is true, and their neighbours. The energies
+    /// shall smooth, not the grid: it is refined, down to cells of the width `narrowest`,
+    /// until they do. `None` if there are too few points.
     pub fn fit(
         points: &[(Uv, [f64; D])],
         also: impl Fn(Uv, f64) -> bool,
         mut cell: f64,
         narrowest: f64,
-        held: Held,
+        energies: Energies,
     ) -> Option<Self> {
-        let mut start = Exponents::first(held);
+        let mut start = Exponents::first(energies);
         loop {
             let grid = Grid::new(points, &also, cell)?;
             let sample = grid.sample();
-            let mut equations = Equations::new(sample.as_ref().unwrap_or(&grid), points)?;
-            let stiffness = equations.most_likely(start, held)?;
+            let mut equations = PenalizedSystem::new(sample.as_ref().unwrap_or(&grid), points)?;
+            let stiffness = equations.most_likely(start, energies)?;
             let finer = (0.5 * cell).max(narrowest);
             let is_free = stiffness.0.max(stiffness.1) >= FREE_OF_GRID;
             if is_free || finer > 0.99 * cell || 4 * grid.count > MOST_FUNCTIONS {
                 if sample.is_some() {
-                    equations = Equations::new(&grid, points)?;
+                    equations = PenalizedSystem::new(&grid, points)?;
                 }
                 let coefficients = equations.coefficients(stiffness)?;
                 return Some(SmoothingSpline { grid, coefficients });
             }
             // The same stiffness, on a grid of half the width.
-            start = stiffness.on_half_the_width(held);
+            start = stiffness.on_half_the_width(energies);
             cell = finer;
         }
     }
 
-    /// The value at `uv`; `None` outside of the grid.
+    /// The value at `uv`, or `None` outside of the grid.
     pub fn at(&self, uv: Uv) -> Option<[f64; D]> {
         let (functions, values) = self.grid.functions(uv)?;
         let mut sum = [0.0; D];
@@ -109,10 +107,10 @@ mod tests {
     }
 
     #[test]
-    fn a_clean_surface_goes_on_over_the_hole() {
+    fn a_clean_surface_is_continued_over_the_hole() {
         let f = |x: f64, y: f64| (1.3 * x).sin() * (0.8 * y).cos();
         let spline =
-            SmoothingSpline::fit(&ring(f), |p, _| p.coords.norm() < 1.0, 0.3, 0.1, Held::Both)
+            SmoothingSpline::fit(&ring(f), |p, _| p.coords.norm() < 1.0, 0.3, 0.1, Energies::Both)
                 .unwrap();
         for p in inside() {
             let [z] = spline.at(p).unwrap();
@@ -121,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_is_known_for_what_it_is() {
+    fn noise_is_averaged() {
         let mut state = 7u64;
         let mut noise = || {
             let uniform = (0..12).map(|_| {
@@ -134,7 +132,7 @@ mod tests {
         let mut points = ring(f);
         points.iter_mut().for_each(|p| p.1[0] += noise());
         let spline =
-            SmoothingSpline::fit(&points, |p, _| p.coords.norm() < 1.0, 0.3, 0.1, Held::Both)
+            SmoothingSpline::fit(&points, |p, _| p.coords.norm() < 1.0, 0.3, 0.1, Energies::Both)
                 .unwrap();
         let squares = points.iter().map(|(p, z)| (spline.at(*p).unwrap()[0] - z[0]).powi(2));
         let deviation = (squares.sum::<f64>() / points.len() as f64).sqrt();

@@ -1,30 +1,28 @@
-//! Which functions of a grid share a cell: the pattern of its forms.
+//! The pairs of functions that share a cell: the sparsity pattern of quadratic forms.
 
 use std::ops::Range;
 
 use super::grid::{DEGREE, Grid, ON_CELL, ON_INTERVAL};
 
-/// How far apart in the lattice two functions can be that share a cell, from
-/// one to a later one: so many steps.
+/// The number of steps in the lattice from a function to a later one that shares a cell.
 const STEPS: usize = DEGREE * WIDE + DEGREE + 1;
 
-/// Rows of the lattice that can be reached, ahead and back.
+/// The rows of the lattice, before and after, that have functions with a common cell.
 const WIDE: usize = 2 * DEGREE + 1;
 
-/// The step in the lattice from the `q`-th function of a cell to the `p`-th,
-/// which is not before it.
+/// The step in the lattice from the `q`-th function of a cell to the `p`-th, for p ≥ q.
 const fn step(p: usize, q: usize) -> usize {
     (p / ON_INTERVAL - q / ON_INTERVAL) * WIDE + p % ON_INTERVAL - q % ON_INTERVAL
 }
 
-/// For each function the later ones with which it shares a cell, itself first:
-/// the lower triangle of a symmetric form, column by column.
+/// For each function itself and the later ones with which it shares a cell: the lower
+/// triangle of a symmetric matrix, column by column.
 pub struct Overlaps {
-    /// Where each function's column starts, and the end.
+    /// Where the column of each function starts, and where the last one ends.
     pub starts: Vec<usize>,
-    /// The rows of the columns.
+    /// The rows of the entries.
     pub rows: Vec<usize>,
-    /// Of each function the place of a step's entry in its column.
+    /// For each function, where in its column the entry of each step is.
     places: Vec<[u8; STEPS]>,
 }
 
@@ -64,8 +62,8 @@ impl Overlaps {
         overlaps
     }
 
-    /// Where the entries of a run of a cell's functions and its `q`-th are: one
-    /// after the other, as the functions are in their column of the lattice.
+    /// The entries of the `q`-th function of a cell and a run of its functions. They are
+    /// consecutive, as the functions are in their column of the lattice.
     pub fn slots(&self, functions: &[u32; ON_CELL], q: usize, run: &Range<usize>) -> Range<usize> {
         let column = functions[q] as usize;
         let first = self.starts[column] + usize::from(self.places[column][step(run.start, q)]);
@@ -73,18 +71,18 @@ impl Overlaps {
     }
 }
 
-/// A cell's functions and those of each column of the lattice that are not before
-/// them.
+/// For each function of a cell the runs of functions, one a column of the lattice, that are
+/// not before it.
 pub fn runs() -> impl Iterator<Item = (usize, Range<usize>)> {
     let columns = |q: usize| (q / ON_INTERVAL..ON_INTERVAL).map(|c| c * ON_INTERVAL);
     (0..ON_CELL).flat_map(move |q| columns(q).map(move |c| (q, c.max(q)..c + ON_INTERVAL)))
 }
 
-/// Sets of fewer functions are not divided further.
+/// Sets of fewer functions are not divided. It changes the time only.
 const SMALL: usize = 48;
 
-/// An order of elimination that keeps factors sparse: by nested dissection of
-/// the lattice (George 1973), with separators as wide as functions reach.
+/// An order of elimination that keeps factors sparse: nested dissection of the lattice
+/// (George 1973), with separators as wide as the functions.
 pub fn order(grid: &Grid) -> Vec<usize> {
     let mut functions: Vec<([u32; 2], usize)> = grid.lattice().zip(0..).collect();
     dissect(&mut functions);

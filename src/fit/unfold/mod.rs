@@ -1,191 +1,202 @@
-//! Taking folds out of a fitted surface.
+//! Removal of folds from a fitted surface.
 //!
-//! Where samples are fewer than control points, or where the map is thin, a surface
-//! that follows them closely may run back over itself within a knot span: its
-//! normals turn over, though no sample is far from it. CAD systems offset such a
-//! face to both of its sides. Samples say less than least squares take from them:
-//! across the surface they hold it, along it they might slide (tangent distance
-//! minimization: Wang, Pottmann, Liu, 2006). That leaves room enough to spread the
-//! control points around a fold until none is left.
+//! The input is a surface, its samples and their tangent-distance terms. The output is surfaces
+//! with fewer folds, each closer to the samples than the one before.
 //!
-//! Only control points near folds move. Each round is a Gauss–Newton step on the
-//! samples' distances, across with full weight and along with little of it, a
-//! thin-plate energy, and the squares of what the surface spreads too little.
+//! Where there are fewer samples than control points, or where the map is narrow, a surface that
+//! follows the samples closely may fold back over itself within a knot span. Its normals are
+//! inverted there although no sample is far from it. CAD systems offset such a face to both of its
+//! sides. Plain least squares constrain the surface more than the samples do: a sample holds the
+//! surface in the normal direction, but it may slide along it (tangent distance minimization: Wang,
+//! Pottmann, Liu 2006). This freedom is enough to spread the control points around a fold until the
+//! fold is gone.
+//!
+//! Only control points near folds move. Each round is a Gauss–Newton step on three terms: the
+//! tangent distances of the samples, a thin-plate energy, and the squares by which Jacobian
+//! determinants fall short of a least value.
 
-mod part;
-mod places;
+mod coupled;
+mod jacobian;
 mod system;
 mod terms;
 mod work;
 
-use super::cells::Cells;
-use super::hold::Hold;
+use super::knot_cells::KnotCells;
+use super::tangent_distance::TangentDistance;
 use crate::geometry::Uv;
 use crate::spline::{Samples, Surface};
-use places::{Places, Spot};
+use jacobian::{JacobianSample, JacobianSamples};
 
-pub use places::count as places;
+pub use jacobian::count as jacobian_samples;
 use work::Work;
 
-/// Rounds at the most with one stiffness, and those among them in which samples that may
-/// not slide hold the surface in all directions.
-const ROUNDS: usize = 16;
-const FIRM: usize = 8;
+/// The largest number of rounds with one stiffness.
+const MAX_ROUNDS: usize = 16;
 
-/// Rounds of a mend at the least: each takes half of the way, so that a sixty-fourth is left.
-const MENDING: usize = 6;
+/// The number of rounds in which samples that may not slide hold the surface in all directions.
+const HOLD_ROUNDS: usize = 8;
 
-/// Rounds after the first one without folds.
+/// The least number of rounds of a mend. Each round takes half of a step, so that a sixty-fourth of
+/// the way is left.
+const MIN_MENDING: usize = 6;
+
+/// The number of rounds after the first round without folds. They bring the surface closer to the
+/// samples.
 const SETTLING: usize = 3;
 
-/// Weights of the thin-plate energy of a cell, of a mean cell's samples, one after the
-/// other: the first takes out most folds, the last keeps closest to the samples.
+/// Weights of the thin-plate energy of a cell, relative to the samples of a mean cell. They are
+/// used one after the other. The first removes most folds, and the last stays closest to the
+/// samples.
 pub const STIFFNESSES: [f64; 3] = [1e-2, 1e-3, 1e-4];
 
-/// What a surface with folds has become.
+/// The result of [`unfold`].
 #[derive(Debug)]
 pub struct Unfolded {
-    /// Places that were turned over, of 36 in each cell, each looked at around it, too,
-    /// where the surface spreads little.
+    /// The number of inverted Jacobian samples of the original surface. There are 36 samples in
+    /// each cell. Around a sample with a small Jacobian determinant, finer samples are tested, too.
     pub before: usize,
-    /// Surfaces with fewer of them, each closer to the samples than those before.
-    pub found: Vec<Found>,
+    /// Surfaces with fewer inverted samples. Each one is closer to the samples than the one before.
+    pub found: Vec<UnfoldedSurface>,
 }
 
 /// A surface with fewer folds.
 #[derive(Debug)]
-pub struct Found {
+pub struct UnfoldedSurface {
     /// The surface.
     pub surface: Surface,
-    /// The samples' parameters on it.
+    /// The parameters of the samples on the surface.
     pub uv: Vec<Uv>,
-    /// Places that are turned over.
+    /// The number of inverted Jacobian samples.
     pub folds: usize,
 }
 
-/// Takes the samples' parameters and those that they should move to, and says which they
-/// may move to.
+/// A function that takes the current and the wanted parameters of the samples and returns the
+/// parameters that they may have. It keeps the map of the samples from folding.
 pub type Slide<'a> = dyn Fn(Vec<Uv>, Vec<Uv>) -> Vec<Uv> + 'a;
 
-/// The share of a surface's places that are turned over.
-pub fn folded(surface: &Surface, samples: &Samples, holds: &[Hold]) -> f64 {
-    let turned = turned(surface, samples, holds);
-    turned as f64 / places([&surface.u, &surface.v]) as f64
+/// The share of a surface's Jacobian samples that are inverted.
+pub fn inverted_share(surface: &Surface, samples: &Samples, holds: &[TangentDistance]) -> f64 {
+    let inverted = inverted_samples(surface, samples, holds);
+    inverted as f64 / jacobian_samples([&surface.u, &surface.v]) as f64
 }
 
-/// How many of a surface's places are turned over.
-pub fn turned(surface: &Surface, samples: &Samples, holds: &[Hold]) -> usize {
-    let cells = Cells::new(samples, [&surface.u, &surface.v]);
-    let places = Places::new(&cells, holds, &surface.net);
-    turned_of(&places.spots(&surface.net, |_, _| true))
+/// The number of a surface's Jacobian samples that are inverted.
+pub fn inverted_samples(surface: &Surface, samples: &Samples, holds: &[TangentDistance]) -> usize {
+    let cells = KnotCells::new(samples, [&surface.u, &surface.v]);
+    let jacobians = JacobianSamples::new(&cells, holds, &surface.net);
+    inverted_among(&jacobians.flagged(&surface.net, |_, _| true))
 }
 
-/// Takes folds out of a surface that was fitted to samples, with one of `stiffnesses`
-/// after the other. Samples that may not `slide` hold it in all directions, as far as
-/// folds do not stay for that.
+/// Removes folds from a surface that was fitted to samples. It uses the `stiffnesses` one after the
+/// other. Samples that `slide` does not let move hold the surface in all directions, unless a fold
+/// remains because of that.
 pub fn unfold(
     surface: &Surface,
     samples: &Samples,
-    holds: &[Hold],
+    holds: &[TangentDistance],
     slide: &Slide,
     stiffnesses: &[f64],
 ) -> Unfolded {
-    let cells = Cells::new(samples, [&surface.u, &surface.v]);
-    let places = Places::new(&cells, holds, &surface.net);
-    let spots = places.spots(&surface.net, |_, _| true);
-    let before = turned_of(&spots);
+    let cells = KnotCells::new(samples, [&surface.u, &surface.v]);
+    let jacobians = JacobianSamples::new(&cells, holds, &surface.net);
+    let flagged = jacobians.flagged(&surface.net, |_, _| true);
+    let before = inverted_among(&flagged);
     if before == 0 {
         return Unfolded { before, found: Vec::new() };
     }
     let mut work = Work::new(surface, &cells, holds);
-    let mut soften = Soften { places: &places, spots, slide };
-    let found = stiffnesses.iter().map_while(|&stiffness| soften.step(&mut work, stiffness));
+    let mut removal = FoldRemoval { jacobians: &jacobians, flagged, slide };
+    let found = stiffnesses.iter().map_while(|&stiffness| removal.step(&mut work, stiffness));
     Unfolded { before, found: found.filter(|found| found.folds < before).collect() }
 }
 
-/// What a surface is mended by.
+/// The input of [`mend`].
 pub struct Mending<'a> {
     /// The surface.
     pub surface: &'a Surface,
-    /// What it is to be nearer to.
+    /// The samples that the surface should be nearer to.
     pub samples: &'a Samples,
-    /// The first of these, by which it is told where the surface is turned over.
+    /// The first of the samples. Their normals decide where the surface is inverted.
     pub vertices: &'a Samples,
-    /// How the samples hold it.
-    pub holds: &'a [Hold],
-    /// Where they may move to.
+    /// The tangent-distance terms of the samples.
+    pub holds: &'a [TangentDistance],
+    /// Decides to which parameters the samples may move.
     pub slide: &'a Slide<'a>,
-    /// Where it is mended.
+    /// The parameter points around which the surface is mended.
     pub around: &'a [Uv],
 }
 
-/// Brings a surface nearer to its samples around some parameter points, where it is to have
-/// no more places that are turned over than before. Only the control points around these
-/// points move, and those around folds that this makes. `None` if it cannot be.
-pub fn mend(of: &Mending, stiffness: f64) -> Option<Found> {
+/// Brings a surface nearer to its samples around some parameter points. The result has no more
+/// inverted Jacobian samples than before. Only the control points around these points move, and
+/// those around new folds. `None` if this is not possible.
+pub fn mend(of: &Mending, stiffness: f64) -> Option<UnfoldedSurface> {
     let knots = [&of.surface.u, &of.surface.v];
-    let cells = Cells::new(of.samples, knots);
-    let seen = Cells::new(of.vertices, knots);
-    let places = Places::new(&seen, &of.holds[..of.vertices.len()], &of.surface.net);
+    let cells = KnotCells::new(of.samples, knots);
+    let seen = KnotCells::new(of.vertices, knots);
+    let jacobians = JacobianSamples::new(&seen, &of.holds[..of.vertices.len()], &of.surface.net);
     let mut work = Work::new(of.surface, &cells, of.holds);
     work.free_around(of.around);
-    let mut spots = places.spots(&of.surface.net, |p, q| work.touches(p, q));
-    let before = turned_of(&spots);
+    let mut flagged = jacobians.flagged(&of.surface.net, |p, q| work.touches(p, q));
+    let before = inverted_among(&flagged);
     let mut best = None;
-    for round in 0..ROUNDS {
-        work.round(stiffness, &spots, of.slide)?;
-        spots = places.spots(&work.surface.net, |p, q| work.touches(p, q));
-        let folds = turned_of(&spots);
+    for round in 0..MAX_ROUNDS {
+        work.round(stiffness, &flagged, of.slide)?;
+        flagged = jacobians.flagged(&work.surface.net, |p, q| work.touches(p, q));
+        let folds = inverted_among(&flagged);
         if folds > before {
-            work.widen(&spots);
+            work.widen(&flagged);
             continue;
         }
-        best = Some(Found { surface: work.surface.clone(), uv: work.uv.clone(), folds });
-        if round + 1 >= MENDING {
+        best = Some(UnfoldedSurface { surface: work.surface.clone(), uv: work.uv.clone(), folds });
+        if round + 1 >= MIN_MENDING {
             break;
         }
     }
     best
 }
 
-/// Folds on their way out.
-struct Soften<'a> {
-    places: &'a Places<'a>,
-    spots: Vec<Spot>,
+/// The state of the removal of folds.
+struct FoldRemoval<'a> {
+    jacobians: &'a JacobianSamples<'a>,
+    flagged: Vec<JacobianSample>,
     slide: &'a Slide<'a>,
 }
 
-impl Soften<'_> {
-    /// Rounds with one stiffness, and the best that came of them; `None` if nothing did.
-    fn step(&mut self, work: &mut Work, stiffness: f64) -> Option<Found> {
-        let mut best: Option<Found> = None;
-        let mut last = ROUNDS;
+impl FoldRemoval<'_> {
+    /// Runs rounds with one stiffness and returns the best surface. `None` if there is none.
+    fn step(&mut self, work: &mut Work, stiffness: f64) -> Option<UnfoldedSurface> {
+        let mut best: Option<UnfoldedSurface> = None;
+        let mut last = MAX_ROUNDS;
         let mut round = 0;
         while round < last {
-            work.widen(&self.spots);
-            if round >= FIRM {
-                work.ease(&self.spots);
+            work.widen(&self.flagged);
+            if round >= HOLD_ROUNDS {
+                work.ease(&self.flagged);
             }
             round += 1;
-            if work.round(stiffness, &self.spots, self.slide).is_none() {
+            if work.round(stiffness, &self.flagged, self.slide).is_none() {
                 break;
             }
-            self.spots = self.places.spots(&work.surface.net, |p, q| work.touches(p, q));
-            let folds = turned_of(&self.spots);
+            self.flagged = self.jacobians.flagged(&work.surface.net, |p, q| work.touches(p, q));
+            let folds = inverted_among(&self.flagged);
             if folds == 0 && best.as_ref().is_none_or(|best| best.folds > 0) {
                 last = last.min(round + SETTLING);
             }
-            // Later ones are closer to the samples.
+            // Later surfaces are closer to the samples.
             if best.as_ref().is_none_or(|best| folds <= best.folds) {
-                best = Some(Found { surface: work.surface.clone(), uv: work.uv.clone(), folds });
+                best = Some(UnfoldedSurface {
+                    surface: work.surface.clone(),
+                    uv: work.uv.clone(),
+                    folds,
+                });
             }
         }
         best
     }
 }
 
-fn turned_of(spots: &[Spot]) -> usize {
-    spots.iter().filter(|s| s.is_turned()).count()
+fn inverted_among(flagged: &[JacobianSample]) -> usize {
+    flagged.iter().filter(|s| s.is_inverted()).count()
 }
 
 #[cfg(test)]
@@ -196,9 +207,9 @@ mod tests {
     use crate::geometry::{Point, Vector};
     use crate::spline::KnotVector;
 
-    /// A bump over the unit square with samples all over it, and two rows of its net pushed
-    /// towards each other along the surface in the middle.
-    fn folded(push: f64, rows: [usize; 2]) -> (Surface, Samples, Vec<Hold>) {
+    /// A bump over the unit square with samples everywhere. In the middle, two rows of its net are
+    /// pushed towards each other along the surface.
+    fn folded(push: f64, rows: [usize; 2]) -> (Surface, Samples, Vec<TangentDistance>) {
         let knots = KnotVector::uniform(3, 20);
         let height = |x: f64, y: f64| 4.0 * (3.0 * x).sin() * (2.0 * y).cos();
         let at = |n: usize| (knots.greville(n / 20), knots.greville(n % 20));
@@ -220,7 +231,7 @@ mod tests {
             let edge = [x, y].map(|t| t == 0.0 || t == 1.0);
             let metric =
                 if edge[0] || edge[1] { Matrix3::identity() } else { normal * normal.transpose() };
-            holds.push(Hold { normal, metric, moves: edge.map(|edge| !edge) });
+            holds.push(TangentDistance { normal, metric, moves: edge.map(|edge| !edge) });
         }
         (surface, samples, holds)
     }
@@ -230,7 +241,7 @@ mod tests {
         let (surface, samples, holds) = folded(6.0, [9, 11]);
         let slide = |_: Vec<Uv>, wanted: Vec<Uv>| wanted;
         let mut done = unfold(&surface, &samples, &holds, &slide, &STIFFNESSES);
-        let Found { surface: flat, uv, folds } = done.found.swap_remove(0);
+        let UnfoldedSurface { surface: flat, uv, folds } = done.found.swap_remove(0);
         assert!(done.before > 0 && folds == 0, "{} {folds}", done.before);
         let off = |(uv, p): (&Uv, &Point)| (flat.point(*uv) - p).norm();
         let worst = uv.iter().zip(&samples.points).map(off).fold(0.0, f64::max);
@@ -260,14 +271,14 @@ mod tests {
         let off = |of: &Surface| (of.point(at) - surface.point(at)).norm();
         assert!(off(&mended.surface) < 0.1 * off(&dented), "{}", off(&mended.surface));
         assert_eq!(mended.folds, 0);
-        // Four rows and columns around the cell move, and the four that reach into it.
+        // The four rows and columns of the cell move, and four more on each side.
         for n in (0..400).filter(|n| (n / 20_usize).abs_diff(8) > 8) {
             assert_eq!(mended.surface.net[n], dented.net[n], "{n}");
         }
     }
 
     #[test]
-    fn a_fold_narrower_than_places_are_apart_is_found() {
+    fn a_fold_narrower_than_the_distance_of_samples_is_found() {
         for (push, turns) in [(3.3, false), (3.55, true)] {
             let (surface, samples, holds) = folded(push, [9, 10]);
             let turned = |n: usize| {
@@ -276,7 +287,7 @@ mod tests {
                 jet.su.cross(&jet.sv).z < 0.0
             };
             assert_eq!((0..40_000).any(turned), turns, "{push}");
-            assert_eq!(super::folded(&surface, &samples, &holds) > 0.0, turns, "{push}");
+            assert_eq!(super::inverted_share(&surface, &samples, &holds) > 0.0, turns, "{push}");
         }
     }
 
@@ -293,7 +304,7 @@ mod tests {
         let (surface, samples, holds) = folded(6.0, [9, 11]);
         let stay = |now: Vec<Uv>, _: Vec<Uv>| now;
         let mut done = unfold(&surface, &samples, &holds, &stay, &STIFFNESSES);
-        let Found { surface: flat, uv, .. } = done.found.swap_remove(0);
+        let UnfoldedSurface { surface: flat, uv, .. } = done.found.swap_remove(0);
         assert_eq!(uv, samples.uv);
         let off = |(uv, p): (&Uv, &Point)| (flat.point(*uv) - p).norm();
         let worst = uv.iter().zip(&samples.points).map(off).fold(0.0, f64::max);

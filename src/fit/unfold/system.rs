@@ -1,56 +1,57 @@
-//! The equations for some control points of a net, the others held: three
-//! coordinates each, which couple.
+//! The equations for steps of some control points of a net while the others stay in place. Each
+//! point has three coordinates, which couple.
 
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
-use super::part::Part;
+use super::coupled::CoupledPoints;
 use crate::geometry::Vector;
 use crate::sets::Sets;
 
-/// A control point couples with those up to three rows further and three columns
-/// to either side, …
+/// The number of control points that a control point is stored as coupled with: those up to three
+/// rows further and three columns to either side.
 const COUPLED: usize = 28;
 
-/// … among which this one is itself.
+/// The index of the control point itself among these.
 const SELF: usize = 3;
 
-/// What a control point has with each of those that it couples with.
-pub type Blocks = [Matrix3<f64>; COUPLED];
+/// The matrices that couple a control point with each of these.
+pub type CouplingBlocks = [Matrix3<f64>; COUPLED];
 
 /// Symmetric equations for steps of the control points that are free.
-pub struct System {
+pub struct BlockSystem {
     width: usize,
-    /// The free control points in growing order.
+    /// The free control points in ascending order.
     pub free: Vec<usize>,
-    /// The place in `free` of a control point.
+    /// The index in `free` of each control point.
     place: Vec<Option<u32>>,
-    blocks: Vec<Blocks>,
+    blocks: Vec<CouplingBlocks>,
     right: Vec<Vector>,
-    /// Of those that couple, each solved by itself.
-    parts: Vec<Part>,
+    /// The connected components, which are solved independently.
+    parts: Vec<CoupledPoints>,
 }
 
-impl System {
-    /// Equations without terms; `width` control points are in a row of the net. `None` if
-    /// there is no memory for their solution.
+impl BlockSystem {
+    /// Equations without terms. A row of the net has `width` control points. `None` if there is not
+    /// enough memory for the solution.
     pub fn new(width: usize, is_free: &[bool]) -> Option<Self> {
         let free: Vec<usize> = (0..is_free.len()).filter(|&at| is_free[at]).collect();
         let mut place = vec![None; is_free.len()];
         free.iter().zip(0..).for_each(|(&at, n)| place[at] = Some(n));
         let mut system =
-            System { width, free, place, blocks: vec![], right: vec![], parts: vec![] };
+            BlockSystem { width, free, place, blocks: vec![], right: vec![], parts: vec![] };
         let mut sets = Sets::new(system.free.len());
         for a in 0..system.free.len() {
             system.coupled(a).for_each(|(_, b)| sets.join(a, b as usize));
         }
         let sets = sets.members().into_par_iter();
-        let parts: Option<_> = sets.map(|of| Part::new(of, |a| system.coupled(a))).collect();
+        let parts: Option<_> =
+            sets.map(|of| CoupledPoints::new(of, |a| system.coupled(a))).collect();
         system.parts = parts?;
         Some(system.cleared())
     }
 
-    /// The same without terms.
+    /// The same equations without terms.
     pub fn cleared(mut self) -> Self {
         self.blocks.clear();
         self.blocks.resize(self.free.len(), [Matrix3::zeros(); COUPLED]);
@@ -59,13 +60,13 @@ impl System {
         self
     }
 
-    /// Whether these control points are free, and no others.
+    /// Whether exactly these control points are free.
     pub fn is_for(&self, is_free: &[bool]) -> bool {
         self.place.iter().zip(is_free).all(|(place, free)| place.is_some() == *free)
     }
 
-    /// The free control points not before one of them that couple with it: which ones of
-    /// its blocks, and their places in `free`, both growing.
+    /// The free control points from free point `a` on that couple with it: the numbers of the
+    /// blocks and the indices in `free`. Both are ascending.
     fn coupled(&self, a: usize) -> impl Iterator<Item = (usize, u32)> + '_ {
         let at = self.free[a];
         (SELF..COUPLED).filter_map(move |k| {
@@ -75,14 +76,14 @@ impl System {
         })
     }
 
-    /// Keeps each control point where it is, with a weight.
+    /// Adds a term that keeps each control point in place with a weight.
     pub fn anchor(&mut self, weight: f64) {
         self.blocks.iter_mut().for_each(|of| of[SELF] += Matrix3::identity() * weight);
     }
 
-    /// Every fourth strip of cells from one on: no two of them reach into the same rows of
-    /// the net.
-    pub fn strips(&mut self, first: usize) -> Vec<Strip<'_>> {
+    /// The equations of every fourth strip of cells, beginning with strip `first`. No two of these
+    /// strips influence the same rows of the net, so that they can be filled in parallel.
+    pub fn strips(&mut self, first: usize) -> Vec<StripEquations<'_>> {
         let (width, rows) = (self.width, self.place.len() / self.width);
         let begin = |row: usize| self.free.partition_point(|&at| at < row * width);
         let (mut blocks, mut right) = (&mut self.blocks[..], &mut self.right[..]);
@@ -93,13 +94,20 @@ impl System {
             let own = blocks.split_at_mut(from - done).1.split_at_mut(to - from);
             let forces = right.split_at_mut(from - done).1.split_at_mut(to - from);
             let place = &self.place[number * width..(number + 4) * width];
-            strips.push(Strip { number, width, place, from, blocks: own.0, right: forces.0 });
+            strips.push(StripEquations {
+                number,
+                width,
+                place,
+                from,
+                blocks: own.0,
+                right: forces.0,
+            });
             (blocks, right, done) = (own.1, forces.1, to);
         }
         strips
     }
 
-    /// The steps, in the order of `free`; `None` if the equations are singular.
+    /// The steps in the order of `free`. `None` if the equations are singular.
     pub fn solve(&mut self) -> Option<Vec<Vector>> {
         let (blocks, right) = (&self.blocks, &self.right);
         let solved = self.parts.par_iter_mut().map(|part| part.solve(blocks, right));
@@ -112,47 +120,47 @@ impl System {
     }
 }
 
-/// The equations of the four rows of the net that a strip of cells reaches into.
-pub struct Strip<'a> {
-    /// Its number, counted along u.
+/// The equations of the four rows of the net that a strip of cells influences.
+pub struct StripEquations<'a> {
+    /// The number of the strip, counted along u.
     pub number: usize,
     width: usize,
-    /// The places of these rows' control points.
+    /// The indices among the free control points of those in these rows.
     place: &'a [Option<u32>],
-    /// The first of these places.
+    /// The first of these indices.
     from: usize,
-    blocks: &'a mut [Blocks],
+    blocks: &'a mut [CouplingBlocks],
     right: &'a mut [Vector],
 }
 
-impl Strip<'_> {
+impl StripEquations<'_> {
     /// The equations of the control points of cell `q`.
-    pub fn cell(&mut self, q: usize) -> Cell<'_> {
+    pub fn cell(&mut self, q: usize) -> CellEquations<'_> {
         let at = |k: usize| self.place[k / 4 * self.width + q + k % 4];
-        let places = std::array::from_fn(|k| at(k).map(|n| n as usize - self.from));
-        Cell { places, blocks: self.blocks, right: self.right }
+        let indices = std::array::from_fn(|k| at(k).map(|n| n as usize - self.from));
+        CellEquations { indices, blocks: self.blocks, right: self.right }
     }
 }
 
-/// The equations of a cell's 16 control points, numbered row by row.
-pub struct Cell<'a> {
-    places: [Option<usize>; 16],
-    blocks: &'a mut [Blocks],
+/// The equations of a cell's 16 control points, which are numbered row by row.
+pub struct CellEquations<'a> {
+    indices: [Option<usize>; 16],
+    blocks: &'a mut [CouplingBlocks],
     right: &'a mut [Vector],
 }
 
-impl Cell<'_> {
-    /// Adds to the right-hand side of a control point, if it is free.
+impl CellEquations<'_> {
+    /// Adds to the right-hand side of control point `k` if it is free.
     pub fn pull(&mut self, k: usize, force: Vector) {
-        if let Some(n) = self.places[k] {
+        if let Some(n) = self.indices[k] {
             self.right[n] += force;
         }
     }
 
-    /// Adds to the block of row `k` and column `l`, and the transposed one to that
-    /// of row `l` and column `k`. `l` must not be before `k`.
+    /// Adds a block to row `k` and column `l`, and the transposed block to row `l` and column `k`.
+    /// `l` must not be less than `k`.
     pub fn couple(&mut self, k: usize, l: usize, block: &Matrix3<f64>) {
-        if let (Some(n), Some(_)) = (self.places[k], self.places[l]) {
+        if let (Some(n), Some(_)) = (self.indices[k], self.indices[l]) {
             self.blocks[n][7 * (l / 4 - k / 4) + SELF + l % 4 - k % 4] += block;
         }
     }
@@ -167,11 +175,11 @@ mod tests {
     fn free_points_are_solved_for_and_others_stay() {
         let (rows, width) = (5, 6);
         let is_free: Vec<bool> = (0..rows * width).map(|n| n % 4 > 0).collect();
-        let mut system = System::new(width, &is_free).unwrap();
+        let mut system = BlockSystem::new(width, &is_free).unwrap();
         let mut dense = DMatrix::<f64>::zeros(3 * rows * width, 3 * rows * width);
         let mut pulled = vec![0.0; 3 * rows * width];
         let number = |k: usize| ((k * 7919) % 101) as f64 / 101.0 - 0.5;
-        // A sum of squares of random sums over the cells' points.
+        // The terms are squares of random linear functions of the cells' control points.
         for (n, (p, q)) in (0..6).map(|n| (n / 3, n % 3)).enumerate() {
             let at: Vec<usize> = (0..16).map(|k| (p + k / 4) * width + q + k % 4).collect();
             let g: Vec<Vector> =

@@ -1,48 +1,49 @@
-//! The terms of one round's equations, cell by cell.
+//! The terms of the equations of one round, cell by cell: tangent distances of samples, thin-plate
+//! energy, and Jacobian determinants that are too small.
 
 use nalgebra::Matrix3;
 
-use super::places::{ACROSS, LEAST, Spot};
-use super::system::{Cell, Strip};
+use super::jacobian::{ACROSS, JacobianSample, MIN_SPREAD};
+use super::system::{CellEquations, StripEquations};
 use super::work::Work;
 use crate::geometry::Vector;
 
-/// The weight of what a cell spreads too little.
+/// The weight of a Jacobian determinant that is too small, relative to the samples of a mean cell.
 const SPREAD: f64 = 3.0;
 
-/// What the equations of a round are made of.
+/// The data that the equations of a round are assembled from.
 pub struct Terms<'a> {
     pub work: &'a Work<'a>,
     /// The weight of the thin-plate energy.
     pub stiffness: f64,
-    /// Where the surface spreads too little, strip by strip.
-    pub spots: &'a [Spot],
+    /// The Jacobian samples whose determinant is too small, strip by strip.
+    pub flagged: &'a [JacobianSample],
     /// Which cells move, row by row.
     pub moves: &'a [bool],
-    /// The samples in these, strip by strip and cell by cell: which cell, and which sample.
+    /// The samples in these cells, strip by strip and cell by cell: the cell and the sample.
     pub near: &'a [Vec<(usize, usize)>],
 }
 
 impl Terms<'_> {
-    /// Adds those of a strip.
-    pub fn add(&self, mut strip: Strip) {
+    /// Adds the terms of a strip.
+    pub fn add(&self, mut strip: StripEquations) {
         let (p, down) = (strip.number, self.work.cells.counts()[1]);
         let moves = &self.moves[p * down..(p + 1) * down];
         let mut near = self.near[p].chunk_by(|a, b| a.0 == b.0).peekable();
         for q in (0..down).filter(|&q| moves[q]) {
-            let mut form = Form::default();
+            let mut form = QuadraticForm::default();
             for &(_, i) in near.next_if(|of| of[0].0 == q).unwrap_or_default() {
                 self.add_sample(&mut form, [p, q], i);
             }
             self.add_plate(&mut form, [p, q]);
             form.put(&mut strip.cell(q));
         }
-        let first = self.spots.partition_point(|spot| spot.cell[0] < p);
-        let spots = self.spots[first..].iter().take_while(|spot| spot.cell[0] == p);
-        spots.for_each(|spot| self.add_spot(&mut strip.cell(spot.cell[1]), spot));
+        let first = self.flagged.partition_point(|jacobian| jacobian.cell[0] < p);
+        let flagged = self.flagged[first..].iter().take_while(|jacobian| jacobian.cell[0] == p);
+        flagged.for_each(|jacobian| self.add_jacobian(&mut strip.cell(jacobian.cell[1]), jacobian));
     }
 
-    fn add_sample(&self, form: &mut Form, [p, q]: [usize; 2], i: usize) {
+    fn add_sample(&self, form: &mut QuadraticForm, [p, q]: [usize; 2], i: usize) {
         let work = self.work;
         let (at, hold) = (work.uv[i], &work.holds[i]);
         let [u, v] = [work.surface.u.basis_in(p + 3, at.x), work.surface.v.basis_in(q + 3, at.y)]
@@ -60,8 +61,8 @@ impl Terms<'_> {
         }
     }
 
-    /// The thin-plate energy of a cell.
-    fn add_plate(&self, form: &mut Form, [p, q]: [usize; 2]) {
+    /// Adds the thin-plate energy of a cell.
+    fn add_plate(&self, form: &mut QuadraticForm, [p, q]: [usize; 2]) {
         let work = self.work;
         let (x, y) = (work.halves[0][p], work.halves[1][q]);
         let weight = self.stiffness * work.weight * x.min(y).powi(4);
@@ -79,16 +80,17 @@ impl Terms<'_> {
         }
     }
 
-    /// What the surface spreads too little at a spot.
-    fn add_spot(&self, cell: &mut Cell, spot: &Spot) {
+    /// Adds the square by which the Jacobian determinant of a sample falls short of
+    /// [`MIN_SPREAD`].
+    fn add_jacobian(&self, cell: &mut CellEquations, jacobian: &JacobianSample) {
         let weight = SPREAD * self.work.weight * self.work.area / (ACROSS * ACROSS) as f64;
-        let [u, v] = &spot.functions;
-        let across = spot.slopes[1].cross(&spot.facing);
-        let along = spot.facing.cross(&spot.slopes[0]);
+        let [u, v] = &jacobian.functions;
+        let across = jacobian.slopes[1].cross(&jacobian.facing);
+        let along = jacobian.facing.cross(&jacobian.slopes[0]);
         let gradient: [Vector; 16] = std::array::from_fn(|k| {
             across * (u[1][k / 4] * v[0][k % 4]) + along * (u[0][k / 4] * v[1][k % 4])
         });
-        let missing = LEAST - spot.spread;
+        let missing = MIN_SPREAD - jacobian.spread;
         for (k, x) in gradient.iter().enumerate() {
             cell.pull(k, weight * missing * x);
             let rest = gradient.iter().enumerate().skip(k);
@@ -96,14 +98,14 @@ impl Terms<'_> {
         }
     }
 
-    /// The control points of a cell, row by row.
+    /// The control points of a cell row by row.
     fn control(&self, [p, q]: [usize; 2]) -> [Vector; 16] {
         let surface = &self.work.surface;
         std::array::from_fn(|k| surface.net[(p + k / 4) * surface.v.functions() + q + k % 4])
     }
 }
 
-/// Pairs of a cell's control points, those of one with itself included.
+/// The pairs of a cell's control points, including the pair of each point with itself.
 const COUPLES: [(usize, usize); 136] = couples();
 
 const fn couples() -> [(usize, usize); 136] {
@@ -117,24 +119,24 @@ const fn couples() -> [(usize, usize); 136] {
     couples
 }
 
-/// The entries of a symmetric matrix, those on the diagonal first.
+/// The entries of a symmetric matrix. Those on the diagonal come first.
 const ENTRIES: [(usize, usize); 6] = [(0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2)];
 
-/// A symmetric form in a cell's control points, and the forces on them.
-struct Form {
-    /// Of the [`ENTRIES`] one after the other, for each of the [`COUPLES`].
+/// A quadratic form in a cell's control points and the forces on them.
+struct QuadraticForm {
+    /// For each of the [`ENTRIES`], the sums of all [`COUPLES`].
     sums: [[f64; COUPLES.len()]; ENTRIES.len()],
     forces: [Vector; 16],
 }
 
-impl Default for Form {
+impl Default for QuadraticForm {
     fn default() -> Self {
-        Form { sums: [[0.0; COUPLES.len()]; ENTRIES.len()], forces: [Vector::zeros(); 16] }
+        QuadraticForm { sums: [[0.0; COUPLES.len()]; ENTRIES.len()], forces: [Vector::zeros(); 16] }
     }
 }
 
-impl Form {
-    fn put(&self, cell: &mut Cell) {
+impl QuadraticForm {
+    fn put(&self, cell: &mut CellEquations) {
         self.forces.iter().enumerate().for_each(|(k, force)| cell.pull(k, *force));
         for (n, (k, l)) in COUPLES.into_iter().enumerate() {
             let [xx, yy, zz, xy, xz, yz] = self.sums.each_ref().map(|sums| sums[n]);

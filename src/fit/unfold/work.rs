@@ -1,58 +1,61 @@
-//! One step after the other: the equations around folds, and their solution.
+//! One round of the removal of folds: it assembles the equations around folds, solves them and
+//! moves the control points and the samples' parameters.
 
 use rayon::prelude::*;
 
 use super::Slide;
-use super::places::Spot;
-use super::system::System;
+use super::jacobian::JacobianSample;
+use super::system::BlockSystem;
 use super::terms::Terms;
-use crate::fit::cells::Cells;
 use crate::fit::fairing;
-use crate::fit::hold::Hold;
+use crate::fit::knot_cells::KnotCells;
+use crate::fit::tangent_distance::TangentDistance;
 use crate::geometry::Uv;
 use crate::spline::spans::PAIRS;
 use crate::spline::{Surface, foot_point_moving, last_step};
 
-/// The share of a step that is taken: folds are not linear.
-const SHARE: f64 = 0.5;
+/// The share of a Gauss–Newton step that is taken. Full steps overshoot because the Jacobian
+/// determinant is not linear.
+const DAMPING: f64 = 0.5;
 
-/// What keeps control points in place that nothing else holds.
+/// The weight that keeps control points in place that no other term determines, as a share of the
+/// samples in a mean cell.
 const ANCHOR: f64 = 1e-6;
 
-/// How many rows and columns around the cells with folds move, too.
+/// The number of rows and columns around cells with folds that move, too.
 const AROUND: usize = 4;
 
-/// A surface on its way.
+/// The current state of the surface and its samples.
 pub struct Work<'a> {
-    /// As it is now.
+    /// The current surface.
     pub surface: Surface,
-    pub cells: &'a Cells<'a>,
-    pub holds: &'a [Hold],
-    /// The samples' parameters.
+    pub cells: &'a KnotCells<'a>,
+    pub holds: &'a [TangentDistance],
+    /// The current parameters of the samples.
     pub uv: Vec<Uv>,
-    /// Samples that may not slide.
+    /// The samples that may not slide.
     pub stuck: Vec<bool>,
-    /// Control points that move.
+    /// The control points that move.
     free: Vec<bool>,
-    /// The equations for these, as soon as there were any.
-    system: Option<System>,
-    /// Cells whose samples need not hold the surface in all directions.
+    /// The equations of the last round, reused if the same control points are free.
+    system: Option<BlockSystem>,
+    /// The cells whose stuck samples need not hold the surface in all directions.
     pub eased: Vec<bool>,
-    /// Samples' weight in a mean cell.
+    /// The weight of the samples in a mean cell.
     pub weight: f64,
-    /// Half lengths of the spans in u and in v, in mm: parameters times the mean length
-    /// of the net.
+    /// The half lengths of the spans in u and in v, in mm: parameters times the mean length of the
+    /// net.
     pub halves: [Vec<f64>; 2],
-    /// Area of a mean cell, in mm².
+    /// The area of a mean cell in mm².
     pub area: f64,
-    /// Of each span's functions the integrals of products, of their first and of their
-    /// second derivatives.
+    /// For each span, the integrals of products of its basis functions, of their first derivatives
+    /// and of their second derivatives.
     pub energies: [Vec<[[[f64; 4]; 4]; 3]>; 2],
 }
 
 impl<'a> Work<'a> {
-    /// A surface that nothing has moved yet.
-    pub fn new(surface: &Surface, cells: &'a Cells<'a>, holds: &'a [Hold]) -> Self {
+    /// The state before the first round.
+    pub fn new(surface: &Surface, cells: &'a KnotCells<'a>, holds: &'a [TangentDistance]) -> Self {
         let samples = cells.samples;
         let [across, down] = cells.counts();
         let lengths = net_lengths(surface);
@@ -83,9 +86,9 @@ impl<'a> Work<'a> {
         self.surface.v.functions()
     }
 
-    /// Frees the control points around spots.
-    pub fn widen(&mut self, spots: &[Spot]) {
-        self.free_cells(spots.iter().map(|s| s.cell));
+    /// Frees the control points around Jacobian samples.
+    pub fn widen(&mut self, flagged: &[JacobianSample]) {
+        self.free_cells(flagged.iter().map(|s| s.cell));
     }
 
     /// Frees the control points around parameter points.
@@ -108,38 +111,43 @@ impl<'a> Work<'a> {
         }
     }
 
-    /// Lets samples that may not slide hold the surface across only, around spots where it
-    /// stays turned over.
-    pub fn ease(&mut self, spots: &[Spot]) {
+    /// Lets stuck samples hold the surface only in the normal direction around samples that remain
+    /// inverted.
+    pub fn ease(&mut self, flagged: &[JacobianSample]) {
         let [across, down] = self.cells.counts();
-        for [p, q] in spots.iter().filter(|s| s.is_turned()).map(|s| s.cell) {
+        for [p, q] in flagged.iter().filter(|s| s.is_inverted()).map(|s| s.cell) {
             for p in p.saturating_sub(1)..(p + 2).min(across) {
                 self.eased[p * down + q.saturating_sub(1)..p * down + (q + 2).min(down)].fill(true);
             }
         }
     }
 
-    /// Whether cell (p, q) moves.
+    /// Whether a control point of cell (p, q) is free.
     pub fn touches(&self, p: usize, q: usize) -> bool {
         (p..p + 4).any(|i| self.free[i * self.width() + q..][..4].iter().any(|&f| f))
     }
 
-    /// One step; `None` if there is no solution.
-    pub fn round(&mut self, stiffness: f64, spots: &[Spot], slide: &Slide) -> Option<()> {
+    /// Takes one step. `None` if the equations have no solution.
+    pub fn round(
+        &mut self,
+        stiffness: f64,
+        flagged: &[JacobianSample],
+        slide: &Slide,
+    ) -> Option<()> {
         let mut system = match self.system.take().filter(|system| system.is_for(&self.free)) {
             Some(system) => system.cleared(),
-            None => System::new(self.width(), &self.free)?,
+            None => BlockSystem::new(self.width(), &self.free)?,
         };
         let moves = self.moving();
         let near = self.near(&moves);
-        let terms = Terms { work: self, stiffness, spots, moves: &moves, near: &near };
+        let terms = Terms { work: self, stiffness, flagged, moves: &moves, near: &near };
         for first in 0..4 {
             system.strips(first).into_par_iter().for_each(|strip| terms.add(strip));
         }
         system.anchor(ANCHOR * self.weight);
         let steps = system.solve()?;
         for (&at, step) in system.free.iter().zip(steps) {
-            self.surface.net[at] += SHARE * step;
+            self.surface.net[at] += DAMPING * step;
         }
         self.system = Some(system);
         let last = last_step(&self.surface);
@@ -156,14 +164,14 @@ impl<'a> Work<'a> {
         Some(())
     }
 
-    /// Which cells move, row by row.
+    /// Whether each cell moves, row by row.
     fn moving(&self) -> Vec<bool> {
         let [across, down] = self.cells.counts();
         (0..across * down).map(|c| self.touches(c / down, c % down)).collect()
     }
 
-    /// The samples in cells that move, strip by strip and cell by cell, each with the
-    /// number of its cell in the strip.
+    /// The samples in cells that move, strip by strip and cell by cell. Each has the number of its
+    /// cell in the strip.
     fn near(&self, moves: &[bool]) -> Vec<Vec<(usize, usize)>> {
         let [u, v] = &self.cells.spans;
         let [across, down] = self.cells.counts();
@@ -177,7 +185,7 @@ impl<'a> Work<'a> {
     }
 }
 
-/// Sums over [`PAIRS`] as a symmetric matrix.
+/// Converts sums over [`PAIRS`] to a symmetric matrix.
 fn full(pairs: [f64; 10]) -> [[f64; 4]; 4] {
     let mut matrix = [[0.0; 4]; 4];
     for ((a, c), value) in PAIRS.into_iter().zip(pairs) {
@@ -187,7 +195,7 @@ fn full(pairs: [f64; 10]) -> [[f64; 4]; 4] {
     matrix
 }
 
-/// Mean lengths of a net's rows along u and along v, in mm a unit of the parameter.
+/// The mean lengths of a net's rows along u and along v, in mm per unit of the parameter.
 fn net_lengths(surface: &Surface) -> [f64; 2] {
     let [rows, width] = surface.shape();
     let step = |a: usize, b: usize| (surface.net[b] - surface.net[a]).norm();

@@ -1,29 +1,28 @@
-//! Moving least squares: what surface the points around a place lie on
-//! (Tekumalla & Cohen 2005, "MLS Projection Procedure").
+//! Moving least squares. Points around a place go in; the surface that they lie on near this
+//! place comes out (Tekumalla & Cohen 2005, "MLS Projection Procedure").
 //!
-//! Two steps. The reference plane through q = r + t n minimises
-//! Σ ⟨n, pᵢ − r − t n⟩² θ(‖pᵢ − r − t n‖) over n and t, a non-linear problem
-//! since the weights move with the plane; then a polynomial (the paper's is
-//! bi-quadratic, this one has all terms up to the fourth degree) is
-//! fitted over that plane with weights θ(‖pᵢ − q‖). The projection of r is the
-//! polynomial's value at q. θ(x) = exp(−x²/h²).
+//! The projection of a point r has two steps. First, the reference plane through q = r + t n
+//! minimises Σ ⟨n, pᵢ − r − t n⟩² θ(‖pᵢ − r − t n‖) over n and t. This problem is non-linear,
+//! because the weights move with the plane. Then a polynomial is fitted over this plane with the
+//! weights θ(‖pᵢ − q‖). The polynomial of the paper is bi-quadratic; this one has all terms up to
+//! the fourth degree. The projection of r is the value of the polynomial at q. θ(x) = exp(−x²/h²).
 
 mod plane;
 mod polynomial;
 
-pub use plane::{Plane, reference_plane};
+pub use plane::{ReferencePlane, reference_plane};
 pub use polynomial::{Polynomial, Scatter};
 
 use nalgebra::Matrix3;
 use rayon::prelude::*;
 
-use super::{Mesh, Neighbours, Rings};
+use super::{Mesh, Neighbours, VertexRings};
 use crate::geometry::{Point, Vector, VertexId};
 
-/// Beyond this many h the weight is below 0.7% and the point is left out.
+/// Points beyond this multiple of h are left out. Their weight is below 0.7 %.
 pub const REACH: f64 = 2.25;
 
-/// Points with normals, ready for projections onto the surface they sample.
+/// Points with normals, indexed for projections onto the surface that they sample.
 #[derive(Debug)]
 pub struct Cloud {
     points: Vec<Point>,
@@ -31,24 +30,24 @@ pub struct Cloud {
     near: Neighbours,
 }
 
-/// The foot of a projection.
+/// The result of a projection.
 #[derive(Debug, Clone, Copy)]
 pub struct Projection {
     /// The point on the local polynomial.
     pub point: Point,
-    /// The local polynomial's unit normal there.
+    /// The unit normal of the local polynomial at this point.
     pub normal: Vector,
 }
 
-/// A point that takes part in a fit, or several that are taken as one.
+/// A point that takes part in a fit, or several points that are merged into one.
 #[derive(Debug, Clone, Copy)]
 pub struct Sample {
-    /// Where it is; of several the mean.
+    /// Its position, or the mean position of the merged points.
     pub at: Point,
-    /// How many points it stands for.
+    /// The number of points that it represents.
     pub weight: f64,
-    /// The covariance of these, xx, yy, zz, xy, yz, zx, by which a fit to their
-    /// mean stays as exact as one to each of them.
+    /// The covariance of the merged points as xx, yy, zz, xy, yz, zx. With it a fit to the mean is
+    /// as exact as a fit to the single points.
     pub spread: [f32; 6],
 }
 
@@ -59,8 +58,8 @@ impl From<Point> for Sample {
 }
 
 impl Sample {
-    /// Several samples as one. Where none has any weight it is at the first's
-    /// place.
+    /// Merges several samples into one. If none has any weight, the result is at the first one's
+    /// position.
     pub fn merged(samples: impl Iterator<Item = Sample> + Clone) -> Sample {
         let first = samples.clone().next().map_or(Point::origin(), |s| s.at);
         let (mut weight, mut sum, mut squares) = (0.0, Vector::zeros(), Matrix3::zeros());
@@ -86,15 +85,15 @@ impl Sample {
 }
 
 impl Cloud {
-    /// A cloud of points with (roughly) known unit normals.
+    /// A cloud of points with approximately known unit normals.
     pub fn new(points: Vec<Point>, normals: Vec<Vector>) -> Self {
         let near = Neighbours::new(&points);
         Cloud { points, normals, near }
     }
 
     /// The cloud of a mesh's vertices.
-    pub fn of(mesh: &Mesh, rings: &Rings) -> Self {
-        let normals = || steady_normals(mesh, rings);
+    pub fn of(mesh: &Mesh, rings: &VertexRings) -> Self {
+        let normals = || smoothed_normals(mesh, rings);
         let (near, normals) = rayon::join(|| Neighbours::new(&mesh.points), normals);
         Cloud { points: mesh.points.clone(), normals, near }
     }
@@ -109,8 +108,8 @@ impl Cloud {
         (self.points[self.near.nearest(p)] - p).norm()
     }
 
-    /// Adds the points within `radius` of `r` to `around`. Those whose normal
-    /// looks the other way lie on another sheet and are left out.
+    /// Appends the points within `radius` of `r` to `around`. Points whose normal faces the
+    /// opposite way lie on another sheet and are left out.
     pub fn gather(&self, r: Point, normal: Vector, radius: f64, around: &mut Vec<Sample>) {
         let mut found = Vec::new();
         self.near.within(r, radius, &mut found);
@@ -119,9 +118,9 @@ impl Cloud {
     }
 }
 
-/// Vertex normals, averaged over two rings so that noise near the point
-/// spacing does not turn them around.
-pub fn steady_normals(mesh: &Mesh, rings: &Rings) -> Vec<Vector> {
+/// Vertex normals averaged over two rings of neighbours. Noise as large as the distance between
+/// points does not flip such a normal.
+pub fn smoothed_normals(mesh: &Mesh, rings: &VertexRings) -> Vec<Vector> {
     let mut normals = mesh.vertex_normals();
     for _ in 0..2 {
         let mean = |i: usize| {

@@ -5,27 +5,27 @@ use nalgebra::{Matrix3, Vector3};
 use super::Sample;
 use crate::geometry::{Point, Vector, plane_axes};
 
-/// A plane with a frame.
+/// A plane through a point.
 #[derive(Debug, Clone, Copy)]
-pub struct Plane {
-    /// The foot of r on the plane.
+pub struct ReferencePlane {
+    /// The foot point of r on the plane.
     pub origin: Point,
-    /// Unit normal.
+    /// The unit normal.
     pub normal: Vector,
 }
 
-/// Value, half gradient and Gauss–Newton matrix of the plane's energy in the
-/// unknowns (t, tilt towards x, tilt towards y).
-pub(super) struct Energy {
+/// Value, half gradient and Gauss–Newton matrix of the energy of the plane. The unknowns are t, the
+/// tilt towards x and the tilt towards y.
+pub(super) struct PlaneEnergy {
     pub(super) value: f64,
     gradient: Vector3<f64>,
     matrix: Matrix3<f64>,
 }
 
-pub(super) fn energy(r: Point, n: Vector, t: f64, around: &[Sample], h: f64) -> Energy {
+pub(super) fn energy(r: Point, n: Vector, t: f64, around: &[Sample], h: f64) -> PlaneEnergy {
     let (x, y) = plane_axes(n);
     let inverse = 1.0 / (h * h);
-    let mut e = Energy { value: 0.0, gradient: Vector3::zeros(), matrix: Matrix3::zeros() };
+    let mut e = PlaneEnergy { value: 0.0, gradient: Vector3::zeros(), matrix: Matrix3::zeros() };
     let mut sums = [0.0; 6];
     for p in around {
         let d = p.at - r;
@@ -33,7 +33,7 @@ pub(super) fn energy(r: Point, n: Vector, t: f64, around: &[Sample], h: f64) -> 
         let s = height - t;
         let weight = p.weight * (-(d.norm_squared() - 2.0 * t * height + t * t) * inverse).exp();
         let (a, b) = (d.dot(&x), d.dot(&y));
-        // The second terms are those of the moving weights.
+        // The second terms come from the weights, which move with the plane.
         let by_t = weight * (s - s * s * s * inverse);
         let by_tilt = weight * (s + s * s * t * inverse);
         e.value += weight * s * s;
@@ -51,15 +51,20 @@ pub(super) fn energy(r: Point, n: Vector, t: f64, around: &[Sample], h: f64) -> 
     e
 }
 
-/// The plane is settled when a step moves it by less than this share of h, and
-/// turns it by less than this.
-const SETTLED: f64 = 1e-3;
+/// The iteration stops when a step moves the plane by less than this share of h and turns it by
+/// less than this angle in radians.
+const CONVERGED: f64 = 1e-3;
 
-/// The plane of the non-linear minimisation, by Gauss–Newton with the exact
-/// gradient from (n, t) = (`normal`, 0), each step shortened until the energy
-/// falls. The energy also falls towards infinity, where the weights vanish, so
-/// t stays within h.
-pub fn reference_plane(r: Point, normal: Vector, around: &[Sample], h: f64) -> Option<Plane> {
+/// Finds the plane that minimises the energy, by Gauss–Newton steps with the exact gradient. The
+/// iteration starts at (n, t) = (`normal`, 0). Each step is shortened until the energy decreases.
+/// The energy also decreases towards infinity, where the weights vanish; t is therefore limited to
+/// ±h. Returns `None` if there are fewer than three points or no start normal.
+pub fn reference_plane(
+    r: Point,
+    normal: Vector,
+    around: &[Sample],
+    h: f64,
+) -> Option<ReferencePlane> {
     if around.len() < 3 || normal.norm_squared() < 0.5 {
         return None;
     }
@@ -69,8 +74,8 @@ pub fn reference_plane(r: Point, normal: Vector, around: &[Sample], h: f64) -> O
         let damped = at.matrix + Matrix3::identity() * (1e-12 * at.matrix.trace());
         let step = -damped.cholesky()?.solve(&at.gradient);
         let (x, y) = plane_axes(n);
-        if step.x.abs() < SETTLED * h && step.yz().norm() < SETTLED {
-            // So short that there is no need to see whether the energy falls.
+        if step.x.abs() < CONVERGED * h && step.yz().norm() < CONVERGED {
+            // The step is so short that the energy need not be evaluated again.
             t = (t + step.x).clamp(-h, h);
             n = (n + step.y * x + step.z * y).normalize();
             break;
@@ -91,5 +96,5 @@ pub fn reference_plane(r: Point, normal: Vector, around: &[Sample], h: f64) -> O
         let Some(better) = accepted else { break };
         (n, t, at) = better;
     }
-    Some(Plane { origin: r + t * n, normal: n })
+    Some(ReferencePlane { origin: r + t * n, normal: n })
 }

@@ -1,39 +1,39 @@
-//! The polynomial over a reference plane.
+//! The polynomial over a reference plane, fitted by weighted least squares.
 
 use nalgebra::{Cholesky, Const, DimName, SMatrix, SVector};
 
-use super::{Plane, Sample};
+use super::{ReferencePlane, Sample};
 use crate::geometry::{Point, Vector, plane_axes};
 
-/// A polynomial over a plane, around its origin.
+/// A polynomial over a plane, centred at the origin of the plane.
 #[derive(Debug, Clone, Copy)]
 pub struct Polynomial {
-    plane: Plane,
+    plane: ReferencePlane,
     axes: (Vector, Vector),
-    /// Of the monomials in units of h, in their order.
-    coefficients: [f64; ALL],
+    /// The coefficients of the monomials, in the order of `monomials` and in units of h.
+    coefficients: [f64; MONOMIALS],
     h: f64,
-    /// The variance of its value at the origin, where the points' variance is 1.
+    /// The variance of the value at the origin, if the points have variance 1.
     pub variance: f64,
 }
 
-/// What the points around a polynomial show of their noise.
+/// An estimate of the noise of the points around a polynomial.
 #[derive(Debug, Clone, Default)]
 pub struct Scatter {
-    /// The mean square of the points' distances from it along the normal, as free of
-    /// the fit's own freedom as of the weights. It estimates the noise's variance.
+    /// The estimated variance of the noise along the normal: the weighted mean square of the
+    /// residuals, corrected for the degrees of freedom of the fit.
     pub variance: f64,
-    /// By how much the value at the origin rises with each point's height.
+    /// The derivative of the value at the origin with respect to the height of each point.
     pub influence: Vec<f64>,
 }
 
 /// The number of monomials up to the fourth degree.
-const ALL: usize = 15;
+const MONOMIALS: usize = 15;
 
-/// The monomials, as means over a sample's points: the first 3 are linear, the
-/// first 6 quadratic, the first 10 cubic, all 15 quartic. `spread` is the
-/// covariance xx, xy, yy; moments of higher order are a normal distribution's.
-fn monomials(x: f64, y: f64, [xx, xy, yy]: [f64; 3]) -> [f64; ALL] {
+/// The monomials as means over the points of a sample. The first 3 are linear, the first 6
+/// quadratic, the first 10 cubic, and all 15 quartic. `spread` is the covariance xx, xy, yy.
+/// Moments of higher order are those of a normal distribution.
+fn monomials(x: f64, y: f64, [xx, xy, yy]: [f64; 3]) -> [f64; MONOMIALS] {
     let (x2, y2) = (x * x, y * y);
     [
         1.0,
@@ -55,19 +55,19 @@ fn monomials(x: f64, y: f64, [xx, xy, yy]: [f64; 3]) -> [f64; ALL] {
 }
 
 impl Polynomial {
-    /// The polynomial of highest degree that the points determine: of total
-    /// degree four, which has the bi-quadratic ones among it, else three, two or
-    /// one. One is determined when its value at the origin is steadier than a
-    /// single point. What would swing beside it, as a cubic does between the three
-    /// rows of a line scanner that are in reach, is damped. Where the points lie
-    /// to one side, as at a boundary, the fourth degree would swing freely.
-    pub fn fit(plane: &Plane, around: &[Sample], h: f64) -> Option<Polynomial> {
+    /// Fits the polynomial of the highest total degree that the points determine: four, three, two
+    /// or one. A polynomial is determined if the variance of its value at the origin is below that
+    /// of a single point. Components that would oscillate beside the points are damped. A cubic,
+    /// for example, oscillates between the three rows of a line scanner that are in reach. The
+    /// fourth degree is not used where the points lie to one side, as at a boundary, because it
+    /// would oscillate freely.
+    pub fn fit(plane: &ReferencePlane, around: &[Sample], h: f64) -> Option<Polynomial> {
         Some(Self::fitted(plane, around, h, false)?.0)
     }
 
-    /// The same with what the points show of their noise.
+    /// Like [`Polynomial::fit`], and also estimates the noise of the points.
     pub fn fit_with_scatter(
-        plane: &Plane,
+        plane: &ReferencePlane,
         around: &[Sample],
         h: f64,
     ) -> Option<(Polynomial, Scatter)> {
@@ -75,27 +75,26 @@ impl Polynomial {
     }
 
     fn fitted(
-        plane: &Plane,
+        plane: &ReferencePlane,
         around: &[Sample],
         h: f64,
         with_scatter: bool,
     ) -> Option<(Polynomial, Scatter)> {
         let axes = plane_axes(plane.normal);
-        let rows: Vec<Row> = around.iter().map(|p| Row::new(p, plane, axes, h)).collect();
+        let rows: Vec<FitRow> = around.iter().map(|p| FitRow::new(p, plane, axes, h)).collect();
         let means = means(&rows);
-        let beside = beside(means);
-        let full = || solve::<15>(&rows, &beside, with_scatter);
+        let probes = probes(means);
+        let full = || solve::<15>(&rows, &probes, with_scatter);
         let full = if is_one_sided(means) { None } else { full() };
         let (coefficients, variance, scatter) = full
-            .or_else(|| solve::<10>(&rows, &beside, with_scatter))
-            .or_else(|| solve::<6>(&rows, &beside, with_scatter))
-            .or_else(|| solve::<3>(&rows, &beside, with_scatter))?;
+            .or_else(|| solve::<10>(&rows, &probes, with_scatter))
+            .or_else(|| solve::<6>(&rows, &probes, with_scatter))
+            .or_else(|| solve::<3>(&rows, &probes, with_scatter))?;
         let polynomial = Polynomial { plane: *plane, axes, coefficients, h, variance };
         Some((polynomial, Scatter { variance: scatter.variance * h * h, ..scatter }))
     }
 
-    /// The point of the polynomial that lies off `p` along the plane's normal,
-    /// and the unit normal there.
+    /// The point of the polynomial above `p` along the normal of the plane, and its unit normal.
     pub fn at(&self, p: Point) -> (Point, Vector) {
         let n = self.plane.normal;
         let (e1, e2) = self.axes;
@@ -139,16 +138,16 @@ impl Polynomial {
     }
 }
 
-/// A sample in the plane's frame, in units of h.
-struct Row {
-    monomials: [f64; ALL],
+/// A sample in the frame of the plane, in units of h.
+struct FitRow {
+    monomials: [f64; MONOMIALS],
     height: f64,
     weight: f64,
     count: f64,
 }
 
-impl Row {
-    fn new(p: &Sample, plane: &Plane, (e1, e2): (Vector, Vector), h: f64) -> Self {
+impl FitRow {
+    fn new(p: &Sample, plane: &ReferencePlane, (e1, e2): (Vector, Vector), h: f64) -> Self {
         let d = (p.at - plane.origin) / h;
         let spread = if p.weight > 1.0 {
             let spread = p.covariance() / (h * h);
@@ -157,7 +156,7 @@ impl Row {
         } else {
             [0.0; 3]
         };
-        Row {
+        FitRow {
             monomials: monomials(d.dot(&e1), d.dot(&e2), spread),
             height: d.dot(&plane.normal),
             weight: p.weight * (-d.norm_squared()).exp(),
@@ -169,21 +168,22 @@ impl Row {
         first(&self.monomials)
     }
 
-    /// What its noise weighs: a mean of several points has less by their number.
+    /// The weight of its noise. The mean of several points has less noise in proportion to their
+    /// number.
     fn noise(&self) -> f64 {
         self.weight * self.weight / self.count
     }
 }
 
-/// Beside the points' mean, the variance of a polynomial's value may be so much.
-const UNSTEADY: f64 = 4.0;
+/// The largest allowed variance of the polynomial's value beside the mean of the points.
+const MAX_PROBE_VARIANCE: f64 = 4.0;
 
-/// How far from the points' mean that is looked at, in standard deviations of theirs:
-/// on none of a few equal rows.
-const BESIDE: f64 = 0.75;
+/// The distance of the places beside the mean of the points, in standard deviations of the points.
+/// With this value, none of the places lies on one of a few equally spaced rows.
+const PROBE_DISTANCE: f64 = 0.75;
 
 /// The weighted means of the first six monomials.
-fn means(rows: &[Row]) -> [f64; 6] {
+fn means(rows: &[FitRow]) -> [f64; 6] {
     let mut sums = [0.0; 6];
     for row in rows {
         sums.iter_mut().zip(row.monomials).for_each(|(sum, m)| *sum += row.weight * m);
@@ -191,41 +191,41 @@ fn means(rows: &[Row]) -> [f64; 6] {
     sums.map(|sum| sum / sums[0])
 }
 
-/// Whether the points' mean is farther from the origin than a fifth of h.
+/// Whether the mean of the points is farther from the origin than a fifth of h.
 fn is_one_sided([_, x, y, ..]: [f64; 6]) -> bool {
     x.hypot(y) > 0.2
 }
 
-/// Four places around the points' mean, two along each column of a square root of
-/// their covariance: one of these leads out of any row.
-fn beside([_, x, y, xx, xy, yy]: [f64; 6]) -> [[f64; 2]; 4] {
+/// Four places around the mean of the points, two along each column of a square root of their
+/// covariance. At least one of these directions leads away from any row.
+fn probes([_, x, y, xx, xy, yy]: [f64; 6]) -> [[f64; 2]; 4] {
     let (xx, xy, yy) = (xx - x * x, xy - x * y, yy - y * y);
     let first = xx.max(f64::MIN_POSITIVE).sqrt();
     let across = xy / first;
     let second = (yy - across * across).max(0.0).sqrt();
-    let [a, b, c] = [first, across, second].map(|part| BESIDE * part);
+    let [a, b, c] = [first, across, second].map(|part| PROBE_DISTANCE * part);
     [[x + a, y + b], [x - a, y - b], [x, y + c], [x, y - c]]
 }
 
-/// A fit: its coefficients, its variance at the origin, and its scatter in units
-/// of h, if that is wanted.
-type Fitted = ([f64; ALL], f64, Scatter);
+/// A fit: its coefficients, its variance at the origin, and its scatter in units of h if requested.
+type Fitted = ([f64; MONOMIALS], f64, Scatter);
 
-/// What is added to a Gram matrix's diagonal, in shares of its trace: as little of it as
-/// makes the fit steady. More takes from the shape that the points do determine.
-const DAMPS: [f64; 6] = [1e-10, 1e-8, 1e-6, 1e-5, 1e-4, 1e-3];
+/// Values that are added to the diagonal of a Gram matrix, as shares of its trace. The smallest one
+/// that keeps the fit from oscillating is used, because more damping distorts the shape that the
+/// points determine.
+const DAMPINGS: [f64; 6] = [1e-10, 1e-8, 1e-6, 1e-5, 1e-4, 1e-3];
 
-/// A damped Gram matrix, factored, that makes the fit steady `beside` the points' mean,
-/// and the fit's variance at the origin.
-fn steady<const N: usize>(
+/// The factor of a damped Gram matrix for which the fit does not oscillate at the `probes`,
+/// and the variance of the fit at the origin.
+fn damped<const N: usize>(
     gram: &SMatrix<f64, N, N>,
-    rows: &[Row],
-    beside: &[[f64; 2]],
+    rows: &[FitRow],
+    probes: &[[f64; 2]],
 ) -> Option<(Cholesky<f64, Const<N>>, f64)>
 where
     Const<N>: DimName,
 {
-    for share in DAMPS {
+    for share in DAMPINGS {
         let damp = SMatrix::from_diagonal_element(share * gram.trace());
         let factor = (gram + damp).cholesky()?;
         let variance = |b: SVector<f64, N>| {
@@ -236,19 +236,19 @@ where
         if at_origin.is_nan() || at_origin > 1.0 {
             return None;
         }
-        let is_steady = |&[x, y]: &[f64; 2]| {
+        let is_stable = |&[x, y]: &[f64; 2]| {
             let b = first(&monomials(x, y, [0.0; 3]));
-            // bᵀ G⁻¹ b is a bound that costs little.
-            leverage(&factor, b) <= UNSTEADY || variance(b) <= UNSTEADY
+            // bᵀ G⁻¹ b is an upper bound that is cheap to compute.
+            leverage(&factor, b) <= MAX_PROBE_VARIANCE || variance(b) <= MAX_PROBE_VARIANCE
         };
-        if beside.iter().all(is_steady) {
+        if probes.iter().all(is_stable) {
             return Some((factor, at_origin));
         }
     }
     None
 }
 
-/// bᵀ G⁻¹ b, which is |L⁻¹ b|².
+/// bᵀ G⁻¹ b, computed as |L⁻¹ b|².
 fn leverage<const N: usize>(factor: &Cholesky<f64, Const<N>>, mut b: SVector<f64, N>) -> f64
 where
     Const<N>: DimName,
@@ -258,13 +258,13 @@ where
 }
 
 /// The first N monomials.
-fn first<const N: usize>(monomials: &[f64; ALL]) -> SVector<f64, N> {
+fn first<const N: usize>(monomials: &[f64; MONOMIALS]) -> SVector<f64, N> {
     SVector::from_fn(|i, _| monomials[i])
 }
 
-/// The weighted least-squares fit of the first N monomials, if it is steady at the
-/// origin and at places `beside` it.
-fn solve<const N: usize>(rows: &[Row], beside: &[[f64; 2]], with_scatter: bool) -> Option<Fitted>
+/// The weighted least-squares fit of the first N monomials, or `None` if it oscillates at the
+/// origin or at one of the `probes`.
+fn solve<const N: usize>(rows: &[FitRow], probes: &[[f64; 2]], with_scatter: bool) -> Option<Fitted>
 where
     Const<N>: DimName,
 {
@@ -281,15 +281,15 @@ where
         }
         right.axpy(row.height, &weighted, 1.0);
     }
-    let (factor, variance) = steady(&gram, rows, beside)?;
+    let (factor, variance) = damped(&gram, rows, probes)?;
     let c = factor.solve(&right);
     let mut scatter = Scatter::default();
     if with_scatter {
         let solved = factor.solve(&first(&monomials(0.0, 0.0, [0.0; 3])));
         scatter.influence = rows.iter().map(|r| r.weight * r.first::<N>().dot(&solved)).collect();
-        // Σ w r² has the expectation σ² (Σ w/count − Σ w²/count bᵀ G⁻¹ b).
-        let square = |r: &Row| r.weight * (r.height - r.first::<N>().dot(&c)).powi(2);
-        let free = |r: &Row| r.weight / r.count - r.noise() * leverage(&factor, r.first());
+        // The expectation of Σ w r² is σ² (Σ w/count − Σ w²/count bᵀ G⁻¹ b).
+        let square = |r: &FitRow| r.weight * (r.height - r.first::<N>().dot(&c)).powi(2);
+        let free = |r: &FitRow| r.weight / r.count - r.noise() * leverage(&factor, r.first());
         let total: f64 = rows.iter().map(|r| r.weight / r.count).sum();
         let freedom: f64 = rows.iter().map(free).sum();
         scatter.variance = rows.iter().map(square).sum::<f64>() / freedom.max(1e-3 * total);

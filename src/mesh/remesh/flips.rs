@@ -1,4 +1,4 @@
-//! Flips of a triangulation's sides towards Delaunay's, measured in space.
+//! Edge flips that bring a triangulation in space closer to a Delaunay triangulation.
 
 use smallvec::SmallVec;
 
@@ -6,12 +6,13 @@ use crate::geometry::Point;
 
 /// The triangle to the left of each directed side.
 pub struct Sides {
-    /// For each vertex where its sides lead to, and the triangles to their left.
+    /// For each vertex, the ends of the sides that start there and the triangles to their left.
     leaving: Vec<SmallVec<[(u32, u32); 8]>>,
 }
 
 impl Sides {
-    /// The sides of triangles; of two triangles to the left of one the later counts.
+    /// The sides of the triangles. If two triangles have the same directed side, the later one is
+    /// stored.
     pub fn of(triangles: &[[usize; 3]]) -> Self {
         let count = triangles.iter().flatten().max().map_or(0, |last| last + 1);
         let mut sides = Sides { leaving: vec![SmallVec::new(); count] };
@@ -25,7 +26,8 @@ impl Sides {
         leaving.iter().find(|side| side.0 as usize == b).map(|side| side.1 as usize)
     }
 
-    /// All sides between two triangles, one way, with these: first the one to the left.
+    /// All sides between two triangles, each in one direction, with both triangles. The triangle to
+    /// the left comes first.
     pub fn inner(&self) -> impl Iterator<Item = ([usize; 2], [usize; 2])> + '_ {
         let leaving = self.leaving.iter().enumerate();
         let all = leaving.flat_map(|(a, to)| to.iter().map(move |&(b, s)| (a, b as usize, s)));
@@ -55,9 +57,9 @@ pub fn cotangent(v: Point, p: Point, q: Point) -> f64 {
     x.dot(&y) / x.cross(&y).norm().max(f64::MIN_POSITIVE)
 }
 
-/// Flips every side whose opposite angles sum to more than π, if two new
-/// triangles `may` be in the place of two old ones, and their new side's ends are
-/// not `joined` elsewhere.
+/// Flips every side whose opposite angles sum to more than π. A flip is made only if `may` accepts
+/// the two new triangles in place of the two old ones, and if the ends of the new side are not
+/// `joined` outside this triangulation.
 pub fn flip(
     points: &[Point],
     triangles: &mut [[usize; 3]],
@@ -67,7 +69,7 @@ pub fn flip(
 ) {
     let each = triangles.iter().flat_map(|t| (0..3).map(|k| (t[k], t[(k + 1) % 3])));
     let mut open: Vec<_> = each.filter(|&(a, b)| a < b && sides.get(b, a).is_some()).collect();
-    // In space flips could go round in circles.
+    // The number of flips is limited, because flips in space could continue in a cycle.
     let mut most = 10 * open.len();
     while let Some((a, b)) = open.pop() {
         let (Some(s), Some(t)) = (sides.get(a, b), sides.get(b, a)) else { continue };
@@ -95,7 +97,7 @@ fn opposite(t: [usize; 3], a: usize, b: usize) -> usize {
     t.into_iter().find(|&v| v != a && v != b).unwrap_or(t[0])
 }
 
-/// Whether the side a b between c and d is not Delaunay's, clearly.
+/// Whether the side a b between c and d clearly violates the Delaunay criterion.
 fn gains(points: &[Point], corners: [usize; 4]) -> bool {
     let [a, b, c, d] = corners.map(|v| points[v]);
     cotangent(c, a, b) + cotangent(d, b, a) < -1e-9

@@ -1,6 +1,7 @@
-//! Triangulations in space that get the edge lengths wanted and a good shape: long edges are
-//! divided, edges flipped towards Delaunay's, and inner points moved to the mean of their
-//! neighbours. What fills holes and closes bays is made with these.
+//! Remeshing of triangulations in space. A coarse triangulation and the wanted edge lengths go in;
+//! a triangulation with these edge lengths and well-shaped triangles comes out. Long edges are
+//! divided, edges are flipped towards the Delaunay criterion, and inner points move to the mean of
+//! their neighbours. The stages use it for the triangles that fill holes and close bays.
 
 pub mod flips;
 mod refine;
@@ -9,6 +10,6 @@ mod sizes;
 pub use refine::Triangulation;
 pub use sizes::Sizes;
 
-/// The surface folds at a side where the cosine of the angle between the normals of its
-/// triangles is less than this: they turn by more than 107°.
+/// The surface folds at a side if the cosine of the angle between the normals of its triangles is
+/// below this value. The normals then differ by more than 107°.
 pub const FOLDED: f64 = -0.3;

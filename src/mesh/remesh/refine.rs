@@ -1,5 +1,5 @@
-//! Triangles divided to the edge length wanted, and made good by flips and
-//! moves in space, where there is no chart to do so in.
+//! Refinement of a triangulation to given edge lengths. All operations work in space, because there
+//! is no parameter plane yet.
 
 use foldhash::HashMap;
 use smallvec::SmallVec;
@@ -8,45 +8,45 @@ use super::flips::{Sides, flip};
 use super::{FOLDED, Sizes};
 use crate::geometry::{Point, Vector, unit_normal};
 
-/// Edges longer than this, in edge lengths wanted there, are divided.
-const LONG: f64 = 1.4;
+/// An edge is divided if it is longer than this multiple of the wanted length there.
+const MAX_LENGTH_RATIO: f64 = 1.4;
 
-/// No more points than so many times the rim's.
-const MOST_POINTS: usize = 40;
+/// The triangulation has at most this multiple of the number of rim corners.
+const MAX_POINTS_RATIO: usize = 40;
 
-/// The cosine of the angle between triangles that count as flat.
-const FLAT: f64 = 0.9;
+/// Two triangles count as flat if the cosine of the angle between them is at least this.
+const FLAT_COSINE: f64 = 0.9;
 
-/// A round halves the longest edges.
-const ROUNDS: usize = 16;
+/// The largest number of rounds. Each round halves the longest edges.
+const MAX_ROUNDS: usize = 16;
 
-/// A triangulation over rims' corners, which stay, and the points after them.
+/// A triangulation over the corners of rims, which stay in place. The other points follow them.
 pub struct Triangulation {
     pub points: Vec<Point>,
     pub triangles: Vec<[usize; 3]>,
-    /// How many corners the rims have.
+    /// The number of rim corners.
     pub rim: usize,
-    /// The unit normals of what is beside the rims' sides, these in the direction
-    /// of the surface's own triangles.
+    /// The unit normals of the surface beyond the sides of the rims. The keys are the sides in the
+    /// direction of this triangulation's triangles.
     pub beside: HashMap<(usize, usize), Vector>,
 }
 
 impl Triangulation {
-    /// Divides edges, flips and moves, until all are as long as wanted. Corners
-    /// that are `joined` elsewhere are not joined here.
+    /// Divides edges, flips them and moves points until all edges are short enough. Corners that
+    /// are `joined` outside this triangulation are not joined by a flip.
     pub fn refine(&mut self, sizes: &Sizes, joined: impl Fn(usize, usize) -> bool) {
-        for _ in 0..ROUNDS {
+        for _ in 0..MAX_ROUNDS {
             let divided = self.divide(sizes);
             self.flip(&joined);
-            self.even_out();
+            self.smooth_points();
             if !divided {
                 break;
             }
         }
     }
 
-    /// Divides long edges, the longest first, no two of one triangle; says
-    /// whether there were any.
+    /// Divides long edges, the longest first, and at most one for each triangle. Returns whether
+    /// any edge was divided.
     fn divide(&mut self, sizes: &Sizes) -> bool {
         let sides = Sides::of(&self.triangles);
         let mut long: Vec<(f64, [usize; 2], [usize; 2])> = sides
@@ -55,13 +55,13 @@ impl Triangulation {
                 let [p, q] = ends.map(|v| self.points[v]);
                 ((q - p).norm() / sizes.at(nalgebra::center(&p, &q)), ends, beside)
             })
-            .filter(|edge| edge.0 > LONG)
+            .filter(|edge| edge.0 > MAX_LENGTH_RATIO)
             .collect();
         long.sort_unstable_by(|x, y| y.0.total_cmp(&x.0).then(x.1.cmp(&y.1)));
         let before = self.points.len();
         let mut changed = vec![false; self.triangles.len()];
         for (_, [a, b], [s, t]) in long {
-            if changed[s] || changed[t] || self.points.len() >= MOST_POINTS * self.rim {
+            if changed[s] || changed[t] || self.points.len() >= MAX_POINTS_RATIO * self.rim {
                 continue;
             }
             let new = self.points.len();
@@ -77,34 +77,33 @@ impl Triangulation {
         self.points.len() > before
     }
 
-    /// Flips edges where both triangles go on looking about where they did.
+    /// Flips edges where both new triangles face about the same way as the old ones.
     fn flip(&mut self, joined: impl Fn(usize, usize) -> bool) {
         let points = &self.points;
         let may = |old: [[usize; 3]; 2], new: [[usize; 3]; 2]| {
             let [old, new] = [old, new].map(|pair| pair.map(|t| normal(points, t)));
             let facing = |n: &Vector| n.dot(&(old[0] + old[1])) > 0.0;
-            new[0].dot(&new[1]) >= old[0].dot(&old[1]).min(FLAT) && new.iter().all(facing)
+            new[0].dot(&new[1]) >= old[0].dot(&old[1]).min(FLAT_COSINE) && new.iter().all(facing)
         };
         let mut sides = Sides::of(&self.triangles);
         flip(points, &mut self.triangles, &mut sides, joined, may);
     }
 
-    /// Moves points near sides at which the surface folds until it does not, or
-    /// they settle.
+    /// Moves points near folded sides until nothing folds or the points stop moving.
     pub fn unfold(&mut self, joined: impl Fn(usize, usize) -> bool) {
-        for _ in 0..ROUNDS {
+        for _ in 0..MAX_ROUNDS {
             let before = self.points.clone();
             self.flip(&joined);
-            self.even_out();
+            self.smooth_points();
             if self.points == before {
                 break;
             }
         }
     }
 
-    /// Moves each inner point towards the mean of its neighbours, where no triangle
-    /// turns away by that, or the surface folds at fewer sides then.
-    fn even_out(&mut self) {
+    /// Moves each inner point towards the mean of its neighbours. A move is kept if no triangle
+    /// turns far by it, or if it reduces the number of folded sides.
+    fn smooth_points(&mut self) {
         let mut facets = Facets::new(self);
         let mut around: Vec<SmallVec<[usize; 8]>> = vec![SmallVec::new(); self.points.len()];
         for (number, t) in self.triangles.iter().enumerate() {
@@ -140,17 +139,17 @@ impl Triangulation {
     }
 }
 
-/// What is across a triangle's side.
+/// What lies across a side of a triangle.
 #[derive(Clone, Copy)]
 enum Across {
     /// Another triangle.
     Triangle(usize),
-    /// What is beside a rim, with its normal.
+    /// The surface beyond a rim, with its normal.
     Rim(Vector),
     Nothing,
 }
 
-/// How the triangles face, and what is across their sides.
+/// The normals of the triangles, and what lies across their sides.
 struct Facets {
     normals: Vec<Vector>,
     across: Vec<[Across; 3]>,
@@ -176,8 +175,7 @@ impl Facets {
         }
     }
 
-    /// At how many sides of some triangles the surface folds; those between two
-    /// of them count twice.
+    /// The number of folded sides of some triangles. A side between two of them counts twice.
     fn folds(&self, triangles: &[usize]) -> usize {
         let at = |&t: &usize| {
             let folds = |across: &&Across| match across {

@@ -1,50 +1,50 @@
-//! How long the edges of a triangulation within rims shall be.
+//! The wanted edge lengths of a triangulation within rims.
 
 use crate::geometry::Point;
 use crate::mesh::Neighbours;
 
-/// Edge lengths graded from the rim: where the rim is fine so is the fill, and
-/// away from it, where nothing was measured, edges grow slowly.
+/// Edge lengths graded from the rim. The fill is as fine as the rim beside it. Away from the rim,
+/// where nothing was measured, edges become slowly longer.
 #[derive(Debug)]
 pub struct Sizes {
     near: Neighbours,
     rim: Vec<Point>,
     sizes: Vec<f64>,
-    /// The mean over the rim: a in the paper.
+    /// The mean edge length of the rims.
     pub mean: f64,
 }
 
-/// By how much an edge may be longer a unit of length farther from the rim.
+/// The increase of the edge length for each unit of distance from the rim.
 const GROWTH: f64 = 0.15;
 
-/// How much longer than at the rim it becomes at most.
-const LONGEST: f64 = 5.0;
+/// The largest ratio of an edge length to that at the rim.
+const MAX_GROWTH: f64 = 5.0;
 
 impl Sizes {
-    /// The sizes in a hole with these closed rims.
+    /// The edge lengths in a hole with these closed rims.
     pub fn new(rims: &[Vec<Point>]) -> Self {
         let mut sizes = Vec::new();
         for rim in rims {
             let n = rim.len();
             let side = |i: usize| (rim[(i + 1) % n] - rim[i % n]).norm();
-            // The mean of four edges: one short edge shall not be answered by
-            // as small triangles all around it.
+            // The length at a vertex is the mean of four edges. A single short edge therefore does
+            // not cause small triangles around it.
             let here = (0..n).map(|i| (0..4).map(|k| side(i + n * 2 + k - 2)).sum::<f64>() / 4.0);
             sizes.extend(here);
         }
         let rim: Vec<Point> = rims.concat();
         let mean = sizes.iter().sum::<f64>() / sizes.len() as f64;
         let near = Neighbours::new(&rim);
-        // None so small that it would count for nothing among the others.
+        // No length may be so small that it is negligible beside the others.
         let sizes = sizes.into_iter().map(|s| s.max(1e-3 * mean)).collect();
         Sizes { near, rim, sizes, mean }
     }
 
-    /// The length that an edge at `p` shall have.
+    /// The wanted length of an edge at `p`.
     pub fn at(&self, p: Point) -> f64 {
         let nearest = self.near.nearest(p);
         let size = self.sizes[nearest];
-        (size + GROWTH * (p - self.rim[nearest]).norm()).min(LONGEST * size.max(self.mean))
+        (size + GROWTH * (p - self.rim[nearest]).norm()).min(MAX_GROWTH * size.max(self.mean))
     }
 
     /// The numbers and distances of the rim's vertices within `radius` of `p`.
@@ -58,7 +58,7 @@ impl Sizes {
         found.iter().map(move |&i| (i as usize, (p - self.rim[i as usize]).norm()))
     }
 
-    /// The distance from the rim's vertices.
+    /// The distance from `p` to the nearest rim vertex.
     pub fn depth(&self, p: Point) -> f64 {
         (p - self.rim[self.near.nearest(p)]).norm()
     }

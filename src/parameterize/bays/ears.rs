@@ -1,4 +1,4 @@
-//! Ears of an outer boundary, closed from the bottoms of its bays outwards.
+//! Ears of an outer boundary, cut off from the inner ends of its bays outwards.
 
 use std::cmp::Ordering;
 use std::collections::BinaryHeap;
@@ -7,73 +7,76 @@ use std::f64::consts::{PI, TAU};
 use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 
 use super::STRAIGHT;
-use super::flat::Flat;
+use super::mapped_loop::MappedLoop;
 use crate::geometry::{Point, Uv, Vector, VertexId, unit_normal};
 use crate::mesh::Adjacency;
 
-/// An ear whose cosine to what is beside it is less leans over …
+/// An ear leans if the cosine of the angle between its normal and that of the surface beside it is
+/// less than this.
 const LEANING: f64 = -0.3;
 
-/// … as only those may that a map shows with sharper tips, in radians.
+/// A leaning ear is cut off only if the map shows a tip angle below this one. The value is 150° in
+/// radians.
 const SLIT: f64 = 5.0 / 6.0 * PI;
 
-/// Tips are no sharper, in radians, where the surface overlaps itself.
+/// The smallest tip angle that is used, in radians, where the surface overlaps itself.
 const SHARP: f64 = 1e-3;
 
-/// A closed loop, shortened ear by ear.
+/// A closed loop that is shortened ear by ear.
 pub struct Ears<'a> {
     mesh: Adjacency<'a>,
     ring: &'a [VertexId],
-    /// As it lies on a map, if there is one.
-    flat: Option<Flat>,
+    /// The loop on the map, if there is a map.
+    flat: Option<MappedLoop>,
     before: Vec<usize>,
     after: Vec<usize>,
     alive: Vec<bool>,
-    /// The angle of the surface at each place.
+    /// The angle of the surface at each position of the loop.
     angles: Vec<f64>,
-    /// The normal to the left of the side that leaves each place.
+    /// The normal of the surface to the left of the side that leaves each position.
     beside: Vec<Vector>,
-    /// The length of the side that leaves each place.
+    /// The length of the side that leaves each position.
     lengths: Vec<f64>,
-    /// The sum of π less the angles, and that of the lengths.
+    /// The sum of π minus the angles, and the sum of the lengths.
     turning: f64,
     length: f64,
     sides: HashSet<(usize, usize)>,
-    /// Ears: the places before, at and after their tips.
+    /// The ears that were cut off, as the positions before, at and after their tips.
     closed: Vec<[usize; 3]>,
-    /// Their tips, by the places beside these.
+    /// The tips of these ears, by the positions before and after them.
     tips: HashMap<[usize; 2], usize>,
-    /// The tips of those that lean over.
+    /// The tips of the ears that lean.
     leaning: Vec<usize>,
 }
 
-/// An ear that might be closed, short ones that go on as what is beside them first.
-struct Candidate {
+/// An ear that may be cut off. Ears with short bases that continue the surface beside them come
+/// first.
+struct EarCandidate {
     cost: f64,
     ear: [usize; 3],
     normal: Vector,
     leans: bool,
 }
 
-impl Ord for Candidate {
+impl Ord for EarCandidate {
     fn cmp(&self, other: &Self) -> Ordering {
         other.cost.total_cmp(&self.cost).then(other.ear.cmp(&self.ear))
     }
 }
 
-impl PartialOrd for Candidate {
+impl PartialOrd for EarCandidate {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Candidate {
+impl PartialEq for EarCandidate {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Candidate {}
+impl Eq for EarCandidate {}
 
 impl<'a> Ears<'a> {
     pub fn new(mesh: Adjacency<'a>, ring: &'a [VertexId], map: Option<&[Uv]>) -> Self {
@@ -94,7 +97,7 @@ impl<'a> Ears<'a> {
         let mut ears = Ears {
             mesh,
             ring,
-            flat: map.map(|map| Flat::new(ring, map)),
+            flat: map.map(|map| MappedLoop::new(ring, map)),
             before: (0..n).map(|i| (i + n - 1) % n).collect(),
             after: (0..n).map(|i| (i + 1) % n).collect(),
             alive: vec![true; n],
@@ -121,14 +124,15 @@ impl<'a> Ears<'a> {
         (self.at(j) - self.at(i)).norm()
     }
 
-    /// Closes ears until the loop turns nowhere more outwards than it does on the whole; on
-    /// a map, nowhere to the right.
+    /// Cuts off ears until the loop turns outwards nowhere more than on average. With a map, it
+    /// does so until the loop turns to the right nowhere.
     pub fn close(&mut self) {
-        let mut heap: BinaryHeap<Candidate> =
+        let mut heap: BinaryHeap<EarCandidate> =
             (0..self.ring.len()).filter_map(|i| self.candidate(i)).collect();
         let (mut blocked, mut closed) = (Vec::new(), 0);
-        // What bends inwards no more than the whole may do so later, as that changes.
-        while let Some(Candidate { ear, normal, leans, .. }) = heap.pop() {
+        // A place that turns outwards no more than the average may do so later, because the average
+        // changes.
+        while let Some(EarCandidate { ear, normal, leans, .. }) = heap.pop() {
             let [p, v, n] = ear;
             let is_there = self.alive[v] && self.before[v] == p && self.after[v] == n;
             if is_there && self.bends(v) && self.is_new(p, n) {
@@ -140,11 +144,11 @@ impl<'a> Ears<'a> {
                     blocked.push(v);
                 }
             }
-            // What lay in the way may have been closed since.
+            // The vertices that blocked an ear may have been cut off since.
             if heap.is_empty() && closed < self.closed.len() {
                 closed = self.closed.len();
-                let again = std::mem::take(&mut blocked).into_iter();
-                heap.extend(again.filter(|&v| self.alive[v]).filter_map(|v| self.candidate(v)));
+                let unblocked = std::mem::take(&mut blocked).into_iter();
+                heap.extend(unblocked.filter(|&v| self.alive[v]).filter_map(|v| self.candidate(v)));
             }
         }
     }
@@ -153,9 +157,9 @@ impl<'a> Ears<'a> {
         [self.before[v], v, self.after[v]]
     }
 
-    /// The ear at a place, unless the loop does not bend there or the ear would lean over
-    /// without need.
-    fn candidate(&self, v: usize) -> Option<Candidate> {
+    /// The ear at a position. `None` if the loop does not turn outwards there, or if the ear leans
+    /// and the map does not show a sharp tip.
+    fn candidate(&self, v: usize) -> Option<EarCandidate> {
         let ear = self.ear(v);
         let [p, v, n] = ear;
         if !self.bends(v) {
@@ -166,10 +170,10 @@ impl<'a> Ears<'a> {
         let cost = self.distance(p, n) * (2.0 - lean).powi(2);
         let leans = lean < LEANING;
         let may = !leans || self.flat.as_ref().is_some_and(|flat| flat.tip(ear) < SLIT);
-        may.then_some(Candidate { cost, ear, normal, leans })
+        may.then_some(EarCandidate { cost, ear, normal, leans })
     }
 
-    /// Whether the loop turns to the right at a place, more than on the whole.
+    /// Whether the loop turns to the right at a position, by more than on average.
     fn bends(&self, v: usize) -> bool {
         if let Some(flat) = &self.flat {
             return flat.bends(self.ear(v));
@@ -179,19 +183,20 @@ impl<'a> Ears<'a> {
         self.angles[v] - PI > STRAIGHT + share * around
     }
 
-    /// Whether nothing lies in an ear, as far as a map shows that.
+    /// Whether no vertex of the loop lies in an ear, as far as a map shows it.
     fn is_free(&self, ear: [usize; 3]) -> bool {
         self.flat.as_ref().is_none_or(|flat| flat.is_free(ear, |i| self.alive[i]))
     }
 
-    /// Whether nothing joins two places yet, and more than a triangle is left.
+    /// Whether two positions are not joined yet, and more than a triangle is left of the loop.
     fn is_new(&self, p: usize, n: usize) -> bool {
         let joined = || self.mesh.joined(self.ring[p], self.ring[n]);
         p != n && self.after[n] != p && !self.sides.contains(&(p.min(n), p.max(n))) && !joined()
     }
 
-    /// Closes an ear as if it were flat and went on with the surface: over a strongly
-    /// curved one chords in space are so short that all the boundary would seem a bay.
+    /// Cuts off an ear. Its lengths and angles are those of a flat ear that continues the surface.
+    /// Chords in space would not do: over a strongly curved surface they are so short that all of
+    /// the boundary would appear to be a bay.
     fn cut(&mut self, ear: [usize; 3], normal: Vector) {
         let [p, v, n] = ear;
         let in_space = self.mesh.mesh.angle(self.ring[p], self.ring[v], self.ring[n]);
@@ -213,30 +218,30 @@ impl<'a> Ears<'a> {
         self.tips.insert([p, n], v);
     }
 
-    /// Whether a place lies between two others, counted on beyond the loop's end.
+    /// Whether a position lies between two others. Positions continue beyond the end of the loop.
     fn is_between(&self, v: usize, from: usize, to: usize) -> bool {
         let n = self.ring.len();
         (from + 1..to).contains(&v) || from < v + n && v + n < to
     }
 
-    /// The ears whose tips lie between two places.
+    /// The ears whose tips lie between two positions.
     pub fn within(&self, from: usize, to: usize) -> Vec<[usize; 3]> {
         self.closed.iter().filter(|ear| self.is_between(ear[1], from, to)).copied().collect()
     }
 
-    /// Whether an ear leans over whose tip lies between two places.
+    /// Whether an ear between two positions leans.
     pub fn lean(&self, from: usize, to: usize) -> bool {
         self.leaning.iter().any(|&v| self.is_between(v, from, to))
     }
 
-    /// The tip of the ear that was closed between two places.
+    /// The tip of the ear that was cut off between two positions.
     pub fn over(&self, from: usize, to: usize) -> Option<usize> {
         let n = self.ring.len();
         let tip = *self.tips.get(&[from % n, to % n])?;
         Some(if tip < from { tip + n } else { tip })
     }
 
-    /// The places that are left, in the direction of the loop.
+    /// The remaining positions, in the direction of the loop.
     pub fn left(&self) -> Vec<usize> {
         (0..self.ring.len()).filter(|&i| self.alive[i]).collect()
     }

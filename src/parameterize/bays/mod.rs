@@ -1,14 +1,15 @@
-//! Bays of a ragged outer boundary, closed so that what is left has a smooth course
-//! that four sides can follow.
+//! Closes the bays of a ragged outer boundary for the map. A bay is a concavity of the boundary. A
+//! patch goes in; the patch with triangles in its bays comes out. Its new boundary is smooth enough
+//! to be mapped to four sides.
 //!
-//! Where a surface goes on beyond the scan without anything to hold it, its parts on
-//! the two banks of a bay run through each other, and teeth on straight sides stretch
-//! the map. So ears between the banks are closed, shortest first, until the boundary
-//! turns nowhere more outwards than it does on the whole: on the flat that is the
-//! convex hull. Ears that span no more than a wide curve are opened again.
+//! Nothing holds the fitted surface beyond the scan, so without this its parts on the two sides of
+//! a bay would intersect each other there, and teeth on straight sides would stretch the map. Ears
+//! between the two sides of a bay are cut off, shortest first, until the boundary turns outwards
+//! nowhere more than on average. On a flat sheet the result is the convex hull. Regions that only
+//! span a wide curve are opened again.
 
 mod ears;
-mod flat;
+mod mapped_loop;
 #[cfg(test)]
 mod tests;
 
@@ -18,42 +19,45 @@ use rayon::prelude::*;
 use crate::geometry::{Point, Uv, Vector, VertexId, segment_distance};
 use crate::mesh::boundary::Loop;
 use crate::mesh::remesh::{Sizes, Triangulation};
-use crate::mesh::{Adjacency, FaceOrigin, Patch, Rings};
+use crate::mesh::{Adjacency, FaceOrigin, Patch, VertexRings};
 use ears::Ears;
 
-/// Turning by less, in radians, is none.
+/// Turning angles below this, in radians, count as zero.
 const STRAIGHT: f64 = 1e-3;
 
-/// Bays less deep, in mean edges of the boundary, are left …
-const SHALLOW: f64 = 1.0;
+/// A bay is closed only if its depth is at least this multiple of the mean edge length of the
+/// boundary.
+const MIN_DEPTH: f64 = 1.0;
 
-/// … as those are whose depth is a smaller share of their width.
-const WIDE: f64 = 0.25;
+/// A bay is closed only if its depth is at least this share of its width.
+const MIN_DEPTH_RATIO: f64 = 0.25;
 
-/// Those with triangles that lean over are closed from this share of the mesh's diagonal
-/// on: less deep, what goes on straight does no harm there, and the surface need not fold.
-const DEEP: f64 = 0.05;
+/// A bay with triangles that lean is closed only if its depth is at least this share of the
+/// diagonal of the mesh. A straight continuation does no harm in a shallower one, and the surface
+/// need not fold there.
+const MIN_LEANING_DEPTH: f64 = 0.05;
 
-/// Sides across mouths are divided that are longer, in edges wanted there.
-const LONG: f64 = 1.4;
+/// A side across the opening of a bay is divided if it is longer than this multiple of the wanted
+/// edge length there.
+const MAX_LENGTH_RATIO: f64 = 1.4;
 
-/// What closes bays of an outer boundary, so that a map can go around them. It is there for
-/// the map alone: no part of the face is there.
+/// The triangles that close the bays of an outer boundary. They exist only for the map; the face
+/// does not include them.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 #[non_exhaustive]
 pub struct Bays {
-    /// How many were closed.
+    /// The number of closed bays.
     pub count: usize,
-    /// Triangles added.
+    /// The number of added triangles.
     pub added_triangles: usize,
 }
 
-/// Closes the bays of a patch's outer boundary: those that a map of it shows, a place in the
-/// plane for every vertex, or, without one, those that the surface's angles along the boundary
-/// do. What these say of bays that are deep, or between strongly curved banks, a map knows
-/// better. None must be closed yet.
+/// Closes the bays of the outer boundary of a patch. `map` has a position in the plane for every
+/// vertex, and the bays are found on it. Without a map they are found by the angles of the surface
+/// along the boundary. The map is more reliable for bays that are deep or lie between strongly
+/// curved sides. No bay of the patch may be closed yet.
 pub fn close(mut patch: Patch, map: Option<&[Uv]>) -> (Patch, Bays) {
-    let rings = Rings::new(&patch.mesh);
+    let rings = VertexRings::new(&patch.mesh);
     let closing = closing(Adjacency { mesh: &patch.mesh, rings: &rings }, &patch.outer, map);
     let count = closing.as_ref().map_or(0, |closing| closing.count);
     if let Some(closing) = closing {
@@ -64,34 +68,35 @@ pub fn close(mut patch: Patch, map: Option<&[Uv]>) -> (Patch, Bays) {
     (patch, Bays { count, added_triangles: added })
 }
 
-/// Points, numbered from the mesh's vertex count on, triangles, and the new outer boundary.
-struct Closing {
+/// The points, triangles and new outer boundary that close bays. Points are numbered from the
+/// vertex count of the mesh on.
+struct BayClosure {
     points: Vec<Point>,
     triangles: Vec<[VertexId; 3]>,
     outer: Loop,
-    /// How many bays were closed.
+    /// The number of closed bays.
     count: usize,
 }
 
-/// What closes the bays of an outer boundary. `None`: it has none.
-fn closing(mesh: Adjacency, outer: &[VertexId], map: Option<&[Uv]>) -> Option<Closing> {
+/// Finds the triangles that close the bays of an outer boundary. `None` if there are no bays.
+fn closing(mesh: Adjacency, outer: &[VertexId], map: Option<&[Uv]>) -> Option<BayClosure> {
     let mut ears = Ears::new(mesh, outer, map);
     ears.close();
     let points = outer.iter().map(|&v| mesh.mesh.point(v)).collect();
-    let boundary = Boundary { mesh, outer, sizes: Sizes::new(&[points]) };
-    // What the new boundary runs over: measured vertices, or across a bay's mouth.
+    let boundary = MeasuredBoundary { mesh, outer, sizes: Sizes::new(&[points]) };
+    // The new boundary: measured vertices, and sides across the openings of bays.
     let mut course = Vec::new();
     let left = ears.left();
     let nexts = left.iter().skip(1).copied().chain([left[0] + outer.len()]);
-    let mut mouths: Vec<[usize; 2]> = left.iter().zip(nexts).map(|(&i, j)| [i, j]).collect();
-    mouths.reverse();
-    while let Some([from, to]) = mouths.pop() {
+    let mut openings: Vec<[usize; 2]> = left.iter().zip(nexts).map(|(&i, j)| [i, j]).collect();
+    openings.reverse();
+    while let Some([from, to]) = openings.pop() {
         match ears.over(from, to) {
             None => course.push((from, None)),
             Some(_) if boundary.is_bay(from, to, ears.lean(from, to)) => {
                 course.push((from, Some(to)));
             }
-            Some(tip) => mouths.extend([[tip, to], [from, tip]]),
+            Some(tip) => openings.extend([[tip, to], [from, tip]]),
         }
     }
     let filled = |&(from, to): &(usize, Option<usize>)| {
@@ -99,7 +104,7 @@ fn closing(mesh: Adjacency, outer: &[VertexId], map: Option<&[Uv]>) -> Option<Cl
     };
     let filled: Vec<_> = course.par_iter().map(filled).collect();
     let (points, triangles, outer) = (Vec::new(), Vec::new(), Vec::new());
-    let mut closing = Closing { points, triangles, outer, count: 0 };
+    let mut closing = BayClosure { points, triangles, outer, count: 0 };
     for (from, surface) in filled {
         match surface {
             None => closing.outer.push(boundary.vertex(from)),
@@ -109,14 +114,14 @@ fn closing(mesh: Adjacency, outer: &[VertexId], map: Option<&[Uv]>) -> Option<Cl
     (closing.count > 0).then_some(closing)
 }
 
-/// The measured outer boundary; places on it are counted on beyond its end.
-struct Boundary<'a> {
+/// The measured outer boundary. Positions on it may continue beyond its end.
+struct MeasuredBoundary<'a> {
     mesh: Adjacency<'a>,
     outer: &'a [VertexId],
     sizes: Sizes,
 }
 
-impl Boundary<'_> {
+impl MeasuredBoundary<'_> {
     fn vertex(&self, i: usize) -> VertexId {
         self.outer[i % self.outer.len()]
     }
@@ -125,59 +130,59 @@ impl Boundary<'_> {
         self.mesh.mesh.point(self.vertex(i))
     }
 
-    /// Whether what is between two places reaches in far enough from the straight line
-    /// between them.
+    /// Whether the boundary between two positions is deep enough inside the straight line between
+    /// them.
     fn is_bay(&self, from: usize, to: usize, leans: bool) -> bool {
         let (a, b) = (self.at(from), self.at(to));
-        let deep = if leans { DEEP * self.mesh.mesh.diagonal() } else { 0.0 };
-        let least = (SHALLOW * self.sizes.mean).max(WIDE * (b - a).norm()).max(deep);
+        let deep = if leans { MIN_LEANING_DEPTH * self.mesh.mesh.diagonal() } else { 0.0 };
+        let least = (MIN_DEPTH * self.sizes.mean).max(MIN_DEPTH_RATIO * (b - a).norm()).max(deep);
         (from..to).any(|i| segment_distance(self.at(i), a, b) >= least)
     }
 
-    /// The points that divide the line across a mouth.
-    fn mouth(&self, a: Point, b: Point, into: &mut Vec<Point>) {
+    /// The points that divide the line across the opening of a bay.
+    fn opening(&self, a: Point, b: Point, into: &mut Vec<Point>) {
         let middle = nalgebra::center(&a, &b);
-        if (b - a).norm() > LONG * self.sizes.at(middle) {
-            self.mouth(a, middle, into);
+        if (b - a).norm() > MAX_LENGTH_RATIO * self.sizes.at(middle) {
+            self.opening(a, middle, into);
             into.push(middle);
-            self.mouth(middle, b, into);
+            self.opening(middle, b, into);
         }
     }
 
-    /// A bay as a surface over the vertices on its banks, the points across its mouth,
-    /// and those inside; with how many there are of the first and of the first two.
+    /// The triangulation of a bay. Its points are the vertices on the sides of the bay, the points
+    /// across its opening, and inner points. The two numbers count the first, and the first and
+    /// second together.
     fn surface(&self, from: usize, to: usize, ears: &[[usize; 3]]) -> (Triangulation, [usize; 2]) {
         let mut points: Vec<Point> = (from..=to).map(|i| self.at(i)).collect();
-        let banks = points.len();
-        self.mouth(self.at(from), self.at(to), &mut points);
+        let side_count = points.len();
+        self.opening(self.at(from), self.at(to), &mut points);
         let rim = points.len();
         let n = self.outer.len();
         let local = |i: usize| (i + n - from % n) % n;
         let mut triangles = Vec::new();
         for ear in ears {
             let [p, v, q] = ear.map(local);
-            // The last ear is divided as the mouth is.
-            let mouth = if [p, q] == [0, banks - 1] { banks..rim } else { 0..0 };
-            let chain: Vec<usize> = std::iter::once(p).chain(mouth).chain([q]).collect();
+            // The last ear is divided in the same way as the opening.
+            let opening = if [p, q] == [0, side_count - 1] { side_count..rim } else { 0..0 };
+            let chain: Vec<usize> = std::iter::once(p).chain(opening).chain([q]).collect();
             triangles.extend(chain.windows(2).map(|side| [side[0], side[1], v]));
         }
         let normal =
             |k: usize| self.mesh.normal_at(self.vertex(from + k), self.vertex(from + k + 1));
         let beside: HashMap<(usize, usize), Vector> =
-            (0..banks - 1).filter_map(|k| Some(((k + 1, k), normal(k)?))).collect();
+            (0..side_count - 1).filter_map(|k| Some(((k + 1, k), normal(k)?))).collect();
         let mut surface = Triangulation { points, triangles, rim, beside };
         let joined = |a: usize, b: usize| {
-            a.max(b) < banks && self.mesh.joined(self.vertex(from + a), self.vertex(from + b))
+            a.max(b) < side_count && self.mesh.joined(self.vertex(from + a), self.vertex(from + b))
         };
         surface.refine(&self.sizes, joined);
         surface.unfold(joined);
-        (surface, [banks, rim])
+        (surface, [side_count, rim])
     }
 }
 
-impl Closing {
-    /// Closes them in a patch that has none closed yet, whose vertices end where the
-    /// points begin.
+impl BayClosure {
+    /// Adds the triangles to a patch without closed bays. The new points follow its vertices.
     fn close_in(self, patch: &mut Patch) {
         patch.mesh.points.extend(self.points);
         patch.mesh.triangles.extend(self.triangles);
@@ -185,17 +190,22 @@ impl Closing {
         patch.measured_outer = Some(std::mem::replace(&mut patch.outer, self.outer));
     }
 
-    fn add(&mut self, boundary: &Boundary, from: usize, surface: (Triangulation, [usize; 2])) {
-        let (mut surface, [banks, rim]) = surface;
+    fn add(
+        &mut self,
+        boundary: &MeasuredBoundary,
+        from: usize,
+        surface: (Triangulation, [usize; 2]),
+    ) {
+        let (mut surface, [side_count, rim]) = surface;
         let first = boundary.mesh.mesh.points.len() + self.points.len();
-        let global = |k: usize| match k.checked_sub(banks) {
+        let global = |k: usize| match k.checked_sub(side_count) {
             None => boundary.vertex(from + k),
             Some(new) => VertexId::from(first + new),
         };
         self.triangles.extend(surface.triangles.iter().map(|t| t.map(global)));
         self.outer.push(boundary.vertex(from));
-        self.outer.extend((banks..rim).map(global));
-        self.points.extend(surface.points.drain(banks..));
+        self.outer.extend((side_count..rim).map(global));
+        self.points.extend(surface.points.drain(side_count..));
         self.count += 1;
     }
 }

@@ -1,8 +1,8 @@
 use super::*;
 use crate::geometry::unit_normal;
-use crate::mesh::{EdgeMap, Mesh, Rings, boundary};
+use crate::mesh::{EdgeMap, Mesh, VertexRings, boundary};
 
-/// A sheet of n × n squares without some, over a surface.
+/// A sheet of n × n squares over a surface, some of them left out.
 fn sheet(
     n: usize,
     is_there: impl Fn(usize, usize) -> bool,
@@ -25,15 +25,15 @@ fn sheet(
     Mesh { points, triangles }
 }
 
-/// A mesh and what closes its bays.
-fn closed(mesh: &Mesh) -> (Mesh, Option<Closing>) {
+/// A mesh and the triangles that close its bays.
+fn closed(mesh: &Mesh) -> (Mesh, Option<BayClosure>) {
     closed_on(mesh, None)
 }
 
-/// The same as a map shows them.
-fn closed_on(mesh: &Mesh, map: Option<&[Uv]>) -> (Mesh, Option<Closing>) {
+/// The same with bays found on a map.
+fn closed_on(mesh: &Mesh, map: Option<&[Uv]>) -> (Mesh, Option<BayClosure>) {
     let outer = boundary::boundary_loops(mesh, &EdgeMap::new(mesh)).remove(0);
-    let rings = Rings::new(mesh);
+    let rings = VertexRings::new(mesh);
     let bays = closing(Adjacency { mesh, rings: &rings }, &outer, map);
     let mut whole = mesh.clone();
     if let Some(bays) = &bays {
@@ -43,7 +43,7 @@ fn closed_on(mesh: &Mesh, map: Option<&[Uv]>) -> (Mesh, Option<Closing>) {
     (whole, bays)
 }
 
-/// Whether a mesh is a disk whose boundary is the loop.
+/// Whether a mesh is a disk with the loop as its boundary.
 fn is_disk(mesh: &Mesh, outer: &Loop) -> bool {
     let loops = boundary::boundary_loops(mesh, &EdgeMap::new(mesh));
     let start = loops[0].iter().position(|v| *v == outer[0]).unwrap_or(0);
@@ -74,7 +74,7 @@ fn a_combs_gaps_are_closed_flat() {
 fn straight_and_wide_boundaries_have_no_bays() {
     let flat = |x: f64, y: f64| [x, y, 0.0];
     assert!(closed(&sheet(20, |_, _| true, flat)).1.is_none());
-    // Nor has a sheet that is bent to three quarters of a tube, its ends with teeth.
+    // The same holds for a sheet bent to three quarters of a tube whose ends have teeth.
     let bent = |x: f64, y: f64| {
         let angle = 0.1 * x;
         [10.0 * angle.cos(), y, -10.0 * angle.sin()]
@@ -99,7 +99,7 @@ fn a_bay_in_a_bent_sheet_is_closed_beside_it() {
     assert!(bays.points.iter().all(|p| (p.z - 2.0 * (0.2 * p.x).sin()).abs() < 1.5));
 }
 
-/// A sheet of n × n squares without some, over a surface; and flat, as its map.
+/// A sheet of n × n squares over a surface, some of them left out, and its flat map.
 fn mapped(
     n: usize,
     is_there: impl Fn(usize, usize) -> bool,
@@ -111,7 +111,7 @@ fn mapped(
 
 #[test]
 fn a_slit_whose_bank_hangs_over_is_closed_if_it_is_deep() {
-    // What is right of the slit leans over what is left of it, the more the farther out.
+    // The part to the right of the slit leans over the part to its left, increasingly outwards.
     let slit = |from: f64, steep: f64| {
         let over = move |x: f64, y: f64| {
             let out = if x > 15.5 { (y - from).max(0.0) } else { 0.0 };
@@ -131,7 +131,8 @@ fn a_slit_whose_bank_hangs_over_is_closed_if_it_is_deep() {
 
 #[test]
 fn on_a_map_ears_are_not_closed_over_a_tongue_between_them() {
-    // A bay with a tongue in it: what is beside the tongue comes first, then what is above.
+    // A bay with a tongue in it. The regions beside the tongue are closed first, then the region
+    // above it.
     let is_there = |i: usize, j: usize| j < 8 || !(8..24).contains(&i) || i == 14 && j < 20;
     let (mesh, map) = mapped(32, is_there, |x, y| [x, y, 0.0]);
     let (whole, bays) = closed_on(&mesh, Some(&map));
@@ -146,7 +147,7 @@ fn on_a_map_ears_are_not_closed_over_a_tongue_between_them() {
     assert!((0.5 * area - 1024.0).abs() < 1e-6, "{area}");
 }
 
-/// Bays that angles along the boundary make out go where the map shows none.
+/// Bays that the angles along the boundary suggest are opened again if the map does not show them.
 #[test]
 fn a_map_without_bays_opens_those_that_were_closed() {
     let is_there = |i: usize, j: usize| j < 8 || i % 7 < 4;

@@ -1,61 +1,63 @@
-//! The cells of a surface: between its break lines, cut up where it turns far between two.
+//! The division of a surface into cells. Cell borders are the break lines of the surface; strips in
+//! which the surface turns far are divided further.
 
 use rayon::prelude::*;
 
-use super::cell::Cell;
+use super::cell::SurfaceCell;
 use crate::geometry::{Point, Uv, Vector};
-use crate::spline::Patch;
+use crate::spline::ParametricSurface;
 use crate::spline::foot::Foot;
 
-/// On average a first derivative changes by less than this share of itself over a cell:
-/// then its cells tell about as much as if they were cut up further.
+/// The mean change of a first derivative over a cell, as a share of the derivative. With smaller
+/// cells the bounds would hardly improve.
 const MOST_CHANGE: f64 = 0.5;
 
-/// A strip between two break lines is cut into so many at the most: cells that need more
-/// are cut up when a point is near.
+/// The largest number of parts into which a strip between two break lines is divided. Cells that
+/// need a finer division are divided during a search.
 const MOST_PARTS: f64 = 32.0;
 
-/// Derivatives on both sides of a line that differ by more than this share are those of
-/// a sharp bend; of smooth surfaces they differ by the step across the line.
-const SHARP: f64 = 1e-5;
+/// The surface has a crease at a line if the derivatives on both sides differ by more than this
+/// share. On smooth surfaces they differ by what they change across the step between the two
+/// places.
+const CREASE: f64 = 1e-5;
 
-/// Looks at both sides of a line are so many widths of a strip away from it.
+/// The distance of these two places from the line, as a share of the narrower strip.
 const BESIDE: f64 = 1e-8;
 
-/// The cells, and the lines that part them.
+/// The cells and the lines that separate them.
 #[derive(Debug)]
-pub(super) struct Grid {
-    /// Lines u = const and v = const, the ends included.
+pub(super) struct CellGrid {
+    /// The lines u = const and v = const, including the ends.
     pub lines: [Vec<f64>; 2],
-    /// Which of them the surface bends sharply or ends at.
-    pub sharp: [Vec<bool>; 2],
-    /// The cell (i, j) at `i * rows + j`.
-    pub cells: Vec<Cell>,
+    /// Which of these lines are creases or ends of the surface.
+    pub creases: [Vec<bool>; 2],
+    /// The cells; cell (i, j) is at `i * rows + j`.
+    pub cells: Vec<SurfaceCell>,
     pub rows: usize,
 }
 
-impl Grid {
-    pub fn new<S: Patch + ?Sized>(surface: &S) -> Self {
+impl CellGrid {
+    pub fn new<S: ParametricSurface + ?Sized>(surface: &S) -> Self {
         let breaks = surface.breaks();
         let lines = [0, 1].map(|axis| lines(surface, &breaks, axis));
-        let sharp = [0, 1].map(|axis| sharp(surface, &lines, axis));
+        let creases = [0, 1].map(|axis| creases(surface, &lines, axis));
         let rows = lines[1].len() - 1;
         let corner = |i: usize, j: usize| Uv::new(lines[0][i], lines[1][j]);
         let of = |n: usize| {
             let (i, j) = (n / rows, n % rows);
-            Cell::measured(surface, corner(i, j), corner(i + 1, j + 1))
+            SurfaceCell::measured(surface, corner(i, j), corner(i + 1, j + 1))
         };
         let count = (lines[0].len() - 1) * rows;
         let cells = (0..count).into_par_iter().with_min_len(64).map(of).collect();
-        Grid { lines, sharp, cells, rows }
+        CellGrid { lines, creases, cells, rows }
     }
 
-    /// How many columns and rows of cells there are.
+    /// The numbers of columns and rows of cells.
     pub fn shape(&self) -> [usize; 2] {
         [self.lines[0].len() - 1, self.rows]
     }
 
-    /// The cell that holds a parameter point.
+    /// The cell that contains a parameter point.
     pub fn find(&self, at: Uv) -> usize {
         let of = |k: usize| {
             let inner = &self.lines[k][1..self.lines[k].len() - 1];
@@ -64,24 +66,25 @@ impl Grid {
         of(0) * self.rows + of(1)
     }
 
-    /// At which sides of a cell, low and high in u and in v, the surface bends sharply or
-    /// ends: there the nearest place need not be a foot.
+    /// Which sides of a cell are creases or ends of the surface, low and high in u and in v. On
+    /// such a side the nearest point need not be a foot point.
     pub fn ends(&self, n: usize) -> [[bool; 2]; 2] {
         let at = [n / self.rows, n % self.rows];
-        [0, 1].map(|k| [self.sharp[k][at[k]], self.sharp[k][at[k] + 1]])
+        [0, 1].map(|k| [self.creases[k][at[k]], self.creases[k][at[k] + 1]])
     }
 
-    /// The gradient of ½‖S − p‖² at a foot, in mm: 0 at an exact one. What leads out of the
-    /// surface does not count.
-    pub fn slope(&self, p: Point, foot: &Foot) -> f64 {
+    /// The remaining gradient of ½‖S − p‖² at an approximate foot point, in mm; 0 at an exact one.
+    /// Components that lead out of the domain are ignored.
+    pub fn remaining_gradient(&self, p: Point, foot: &Foot) -> f64 {
         let r = foot.jet.s - p;
         let along = |k: usize| {
             let derivative = [foot.jet.su, foot.jet.sv][k];
-            let slope = r.dot(&derivative) / derivative.norm().max(f64::MIN_POSITIVE);
+            let remaining_gradient = r.dot(&derivative) / derivative.norm().max(f64::MIN_POSITIVE);
             let line = &self.lines[k];
             let (first, last) = (line[0], line[line.len() - 1]);
-            let held = (foot.at[k] <= first && slope > 0.0) || (foot.at[k] >= last && slope < 0.0);
-            if held { 0.0 } else { slope }
+            let held = (foot.at[k] <= first && remaining_gradient > 0.0)
+                || (foot.at[k] >= last && remaining_gradient < 0.0);
+            if held { 0.0 } else { remaining_gradient }
         };
         along(0).hypot(along(1))
     }
@@ -95,8 +98,12 @@ fn place(axis: usize, along: f64, across: f64) -> Uv {
     if axis == 0 { Uv::new(along, across) } else { Uv::new(across, along) }
 }
 
-/// The lines of an axis.
-fn lines<S: Patch + ?Sized>(surface: &S, breaks: &[Vec<f64>; 2], axis: usize) -> Vec<f64> {
+/// The lines of one axis.
+fn lines<S: ParametricSurface + ?Sized>(
+    surface: &S,
+    breaks: &[Vec<f64>; 2],
+    axis: usize,
+) -> Vec<f64> {
     let strips: Vec<&[f64]> = breaks[axis].windows(2).collect();
     let parts = strips.par_iter().map(|strip| {
         let (length, middle) = (strip[1] - strip[0], 0.5 * (strip[0] + strip[1]));
@@ -117,19 +124,23 @@ fn lines<S: Patch + ?Sized>(surface: &S, breaks: &[Vec<f64>; 2], axis: usize) ->
     inner.chain(breaks[axis].last().copied()).collect()
 }
 
-/// Which lines of an axis the surface bends sharply or ends at.
-fn sharp<S: Patch + ?Sized>(surface: &S, lines: &[Vec<f64>; 2], axis: usize) -> Vec<bool> {
+/// Which lines of one axis are creases or ends of the surface.
+fn creases<S: ParametricSurface + ?Sized>(
+    surface: &S,
+    lines: &[Vec<f64>; 2],
+    axis: usize,
+) -> Vec<bool> {
     let line = &lines[axis];
-    let is_sharp = |i: usize| {
+    let is_crease = |i: usize| {
         if i == 0 || i + 1 == line.len() {
             return true;
         }
         let step = BESIDE * (line[i] - line[i - 1]).min(line[i + 1] - line[i]);
         middles(&lines[1 - axis]).any(|across| {
             let [a, b] = [-step, step].map(|s| surface.jet(place(axis, line[i] + s, across)));
-            let differ = |a: Vector, b: Vector| (a - b).norm() > SHARP * (a.norm() + b.norm());
+            let differ = |a: Vector, b: Vector| (a - b).norm() > CREASE * (a.norm() + b.norm());
             differ(a.su, b.su) || differ(a.sv, b.sv)
         })
     };
-    (0..line.len()).into_par_iter().map(is_sharp).collect()
+    (0..line.len()).into_par_iter().map(is_crease).collect()
 }

@@ -1,144 +1,155 @@
-//! The nearest point of a surface: certified, not only a local one.
+//! The globally nearest point of a surface, with a certificate.
 //!
-//! The surface is cut into cells on which its derivatives are bounded ([`cell`]), and a
-//! tree of boxes finds those that may hold a nearer point than the one known ([`tree`]). In
-//! such a cell the Taylor series at a foot tells whether it is the only one; where it does
-//! not, the cell is cut up. For most points none of this is needed: each cell knows how far
-//! a point may be from a foot in it, so that no other place can be nearer ([`safety`]).
+//! A surface and a point go in; the nearest place comes out, exact to [`EXACT`]. The surface is
+//! divided into cells with bounds on its derivatives ([`cell`]). A tree of bounding boxes
+//! ([`tree`]) finds the cells that may contain a point nearer than the best known one. In such a
+//! cell the Taylor series at a foot point tells whether this foot point is the only one; if it
+//! cannot tell, the cell is divided. Most queries need none of this. Each cell has a distance up to
+//! which a foot point in it is proved to be the nearest place ([`proof`]).
 
 mod cell;
 mod grid;
-mod safety;
+mod proof;
 mod tree;
 
 #[cfg(test)]
 mod tests;
 
-use super::Patch;
+use super::ParametricSurface;
 pub(crate) use super::foot::Foot;
 use super::foot::descend;
 use crate::geometry::{Point, Uv};
-use cell::Cell;
-use grid::Grid;
-use safety::Safety;
-use tree::Tree;
+use cell::SurfaceCell;
+use grid::CellGrid;
+use proof::NearestProof;
+use tree::BoxTree;
 
-/// Distances are exact to this share of the diagonal, or of the distance where that is
-/// longer: files round to more, and distances of points that see one place as far as
-/// another (the centre of a sphere) would take for ever.
+/// The relative accuracy of distances: this share of the diagonal, or of the distance if that is
+/// longer. Files are rounded more coarsely. A smaller value would make queries from places with
+/// many equally near points, such as the centre of a sphere, take very long.
 pub(crate) const EXACT: f64 = 1e-7;
 
-/// Cells are halved so often at the most: what is left is below the resolution of doubles.
+/// The largest number of times that a cell is halved. Smaller cells are below the resolution of
+/// floating-point numbers.
 const MOST_HALVINGS: usize = 24;
 
-/// Newton's last step in a cell, as a share of its side. What is left of the gradient is
-/// part of the bound.
+/// Newton's last step in a cell, as a share of its side. The bounds account for the remaining
+/// gradient.
 const LAST_STEP: f64 = 1e-5;
 
-/// The nearest place that is known.
+/// The nearest place known so far.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Best {
+pub(crate) struct NearestPlace {
     /// Its parameter point.
     pub at: Uv,
-    /// How far it is, in mm.
+    /// Its distance in mm.
     pub distance: f64,
 }
 
-/// Finds nearest points of a part of a surface.
+/// A search structure for the nearest points of a part of a surface.
 #[derive(Debug)]
-pub(crate) struct Search {
-    grid: Grid,
-    safety: Vec<Safety>,
-    tree: Tree,
+pub(crate) struct NearestSearch {
+    grid: CellGrid,
+    proofs: Vec<NearestProof>,
+    tree: BoxTree,
     exact: f64,
 }
 
-impl Search {
-    /// A search of the cells, given by corners, that `is_used` names.
-    pub fn new<S: Patch + ?Sized>(surface: &S, is_used: impl Fn(Uv, Uv) -> bool + Sync) -> Self {
-        let grid = Grid::new(surface);
-        let tree = Tree::new(&grid, is_used);
-        let safety = safety::all(&grid, &tree);
+impl NearestSearch {
+    /// Builds the structure. Only cells for which `is_used` holds are searched; its arguments are
+    /// the low and the high corner of the cell.
+    pub fn new<S: ParametricSurface + ?Sized>(
+        surface: &S,
+        is_used: impl Fn(Uv, Uv) -> bool + Sync,
+    ) -> Self {
+        let grid = CellGrid::new(surface);
+        let tree = BoxTree::new(&grid, is_used);
+        let proofs = proof::all(&grid, &tree);
         let exact = EXACT * tree.diagonal();
-        Search { grid, safety, tree, exact }
+        NearestSearch { grid, proofs, tree, exact }
     }
 
-    /// How far `p` at least is from the part.
+    /// A lower bound on the distance of `p` from the part.
     pub fn outside(&self, p: Point) -> f64 {
         self.tree.outside(p)
     }
 
-    /// A place to begin at where none is known: in a cell whose box is near.
+    /// A start for a descent if none is known: a place in a cell whose box is near `p`.
     pub fn start(&self, p: Point) -> Uv {
         self.tree.near(p).map_or_else(Uv::origin, |i| self.grid.cells[i].nearest(p).0)
     }
 
-    /// Whether no foot but `foot`, which was found on the whole surface, is nearer than
-    /// `best` mm.
-    pub fn settles(&self, p: Point, foot: &Foot, best: f64) -> bool {
-        let slope = self.grid.slope(p, foot);
-        self.safety[self.grid.find(foot.at)].settles(foot.distance, slope, best, self.exact)
+    /// Whether it is proved that no foot point except `foot` is nearer than `best` mm. `foot` must
+    /// come from a descent on the whole surface.
+    pub fn proves_nearest(&self, p: Point, foot: &Foot, best: f64) -> bool {
+        let remaining_gradient = self.grid.remaining_gradient(p, foot);
+        self.proofs[self.grid.find(foot.at)].proves_nearest(
+            foot.distance,
+            remaining_gradient,
+            best,
+            self.exact,
+        )
     }
 
-    /// The nearest of `best` and of all feet that `accepts`; where the surface has an end
-    /// that belongs to the part, also of the places there.
-    pub fn improve<S: Patch + ?Sized>(
+    /// The nearest of `best` and of all foot points for which `accepts` holds. Creases and ends of
+    /// the surface are searched as well.
+    pub fn improve<S: ParametricSurface + ?Sized>(
         &self,
         surface: &S,
         p: Point,
-        best: Best,
+        best: NearestPlace,
         accepts: &dyn Fn(Uv) -> bool,
-    ) -> Best {
-        let mut visit = Visit { surface, p, best, accepts, exact: self.exact };
+    ) -> NearestPlace {
+        let mut search = CellSearch { surface, p, best, accepts, exact: self.exact };
         let mut next = 0;
         while let Some(node) = self.tree.nodes.get(next) {
-            if node.outside(p) >= visit.bound() {
+            if node.outside(p) >= search.bound() {
                 next = node.skip;
                 continue;
             }
             if let Some(i) = node.cell {
-                visit.cell(&self.grid.cells[i], self.grid.ends(i), MOST_HALVINGS);
+                search.cell(&self.grid.cells[i], self.grid.ends(i), MOST_HALVINGS);
             }
             next += 1;
         }
-        visit.best
+        search.best
     }
 }
 
-/// What is known while cells are visited.
-struct Visit<'a, S: ?Sized> {
+/// The state of a search over the cells.
+struct CellSearch<'a, S: ?Sized> {
     surface: &'a S,
     p: Point,
-    best: Best,
+    best: NearestPlace,
     accepts: &'a dyn Fn(Uv) -> bool,
     exact: f64,
 }
 
-impl<S: Patch + ?Sized> Visit<'_, S> {
-    /// What is not nearer than this need not be looked at.
+impl<S: ParametricSurface + ?Sized> CellSearch<'_, S> {
+    /// Cells that are not nearer than this need not be searched.
     fn bound(&self) -> f64 {
         self.best.distance - self.exact.max(EXACT * self.best.distance)
     }
 
-    /// Looks at a cell. `ends` tells at which of its sides, low and high in u and in v, the
-    /// nearest place need not be a foot.
-    fn cell(&mut self, cell: &Cell, ends: [[bool; 2]; 2], halvings: usize) {
+    /// Searches a cell. `ends` tells at which sides, low and high in u and in v, the nearest point
+    /// need not be a foot point.
+    fn cell(&mut self, cell: &SurfaceCell, ends: [[bool; 2]; 2], halvings: usize) {
         let (near, away) = cell.nearest(self.p);
         if away - cell.spread() >= self.bound() {
             return;
         }
-        let growth = cell.growth();
-        if ends == [[false; 2]; 2] && cell.has_no_foot(self.p, &growth) {
+        let derivative_bounds = cell.derivative_bounds();
+        if ends == [[false; 2]; 2] && cell.has_no_foot(self.p, &derivative_bounds) {
             return;
         }
-        let part = Part { surface: self.surface, low: cell.low, high: cell.high };
+        let part = CellRestriction { surface: self.surface, low: cell.low, high: cell.high };
         let last = LAST_STEP * (cell.high - cell.low).min();
         let foot = descend(&part, self.p, near, [true; 2], last);
         if foot.distance < self.best.distance && (self.accepts)(foot.at) {
-            self.best = Best { at: foot.at, distance: foot.distance };
+            self.best = NearestPlace { at: foot.at, distance: foot.distance };
         }
-        let is_only = foot.distance.max(self.best.distance) <= growth.reach();
-        let least = cell.least_distance(self.p, &foot, &growth);
+        let is_only = foot.distance.max(self.best.distance) <= derivative_bounds.reach();
+        let least = cell.least_distance(self.p, &foot, &derivative_bounds);
         let is_flat = cell.spread() <= 0.5 * self.exact;
         if is_only || least >= self.bound() || is_flat || halvings == 0 {
             return;
@@ -155,17 +166,18 @@ impl<S: Patch + ?Sized> Visit<'_, S> {
     }
 }
 
-/// A surface within a cell.
-struct Part<'a, S: ?Sized> {
+/// A surface restricted to a cell.
+struct CellRestriction<'a, S: ?Sized> {
     surface: &'a S,
     low: Uv,
     high: Uv,
 }
 
-/// A cell ends before the knot line at its end, beyond which the surface may turn off.
+/// The share of its side by which a cell ends before the knot line at its end. The surface may have
+/// a crease at this line.
 const BEFORE_END: f64 = 1e-12;
 
-impl<S: Patch + ?Sized> Patch for Part<'_, S> {
+impl<S: ParametricSurface + ?Sized> ParametricSurface for CellRestriction<'_, S> {
     fn jet(&self, at: Uv) -> super::Jet {
         self.surface.jet(at)
     }

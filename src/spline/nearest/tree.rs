@@ -1,63 +1,63 @@
-//! Boxes around cells and around halves of the grid.
+//! Bounding boxes of cells and of halves of the grid.
 
-use super::grid::Grid;
+use super::grid::CellGrid;
 use crate::geometry::{Point, Uv};
 use rayon::prelude::*;
 
-/// A box in the tree. The one after it in the list is its first child.
+/// A box of the tree. The node after it in the list is its first child.
 #[derive(Debug)]
-pub(super) struct Node {
+pub(super) struct BoxNode {
     pub low: Point,
     pub high: Point,
-    /// The node that follows those below this one.
+    /// The number of the first node after the descendants of this node.
     pub skip: usize,
-    /// The cell, of a leaf.
+    /// The cell, if this node is a leaf.
     pub cell: Option<usize>,
 }
 
-impl Node {
-    /// How far `p` is from the box.
+impl BoxNode {
+    /// The distance from `p` to the box.
     pub fn outside(&self, p: Point) -> f64 {
         (p.sup(&self.low).inf(&self.high) - p).norm()
     }
 
-    /// How far another box is from this one.
+    /// The distance from another box to this one.
     pub fn apart(&self, [low, high]: &[Point; 2]) -> f64 {
         (self.low - high).sup(&(low - self.high)).map(|x| x.max(0.0)).norm()
     }
 }
 
-/// The boxes in the order of a walk, parents before children.
+/// The boxes in depth-first order, parents before children.
 #[derive(Debug)]
-pub(super) struct Tree {
-    pub nodes: Vec<Node>,
+pub(super) struct BoxTree {
+    pub nodes: Vec<BoxNode>,
 }
 
-impl Tree {
-    /// Of the cells that `is_used` names by their corners.
-    pub fn new(grid: &Grid, is_used: impl Fn(Uv, Uv) -> bool + Sync) -> Self {
+impl BoxTree {
+    /// The tree of the cells for which `is_used` holds.
+    pub fn new(grid: &CellGrid, is_used: impl Fn(Uv, Uv) -> bool + Sync) -> Self {
         let used = grid.cells.par_iter().with_min_len(64).map(|c| is_used(c.low, c.high));
         let used: Vec<bool> = used.collect();
-        let mut tree = Tree { nodes: Vec::with_capacity(2 * grid.cells.len()) };
+        let mut tree = BoxTree { nodes: Vec::with_capacity(2 * grid.cells.len()) };
         let [columns, rows] = grid.shape();
         tree.add(grid, &used, [0, columns], [0, rows]);
         tree
     }
 
-    /// Adds the cells of a rectangle of the grid; tells whether there are any.
-    fn add(&mut self, grid: &Grid, used: &[bool], i: [usize; 2], j: [usize; 2]) -> bool {
+    /// Adds the cells of a rectangle of the grid. Returns whether there are any.
+    fn add(&mut self, grid: &CellGrid, used: &[bool], i: [usize; 2], j: [usize; 2]) -> bool {
         let node = self.nodes.len();
         let (wide, high) = (i[1] - i[0], j[1] - j[0]);
         if wide == 1 && high == 1 {
             let cell = i[0] * grid.rows + j[0];
             if used[cell] {
                 let [low, high] = grid.cells[cell].bounds();
-                self.nodes.push(Node { low, high, skip: node + 1, cell: Some(cell) });
+                self.nodes.push(BoxNode { low, high, skip: node + 1, cell: Some(cell) });
             }
             return used[cell];
         }
         let [low, high_end] = [f64::INFINITY, f64::NEG_INFINITY].map(|x| Point::new(x, x, x));
-        self.nodes.push(Node { low, high: high_end, skip: 0, cell: None });
+        self.nodes.push(BoxNode { low, high: high_end, skip: 0, cell: None });
         let halves = |[a, b]: [usize; 2]| [[a, (a + b) / 2], [(a + b) / 2, b]];
         let mut some = false;
         for k in 0..2 {
@@ -81,17 +81,17 @@ impl Tree {
         some
     }
 
-    /// The diagonal of the box around everything.
+    /// The diagonal of the box around all cells.
     pub fn diagonal(&self) -> f64 {
         self.nodes.first().map_or(0.0, |root| (root.high - root.low).norm())
     }
 
-    /// How far `p` is from that box.
+    /// The distance from `p` to this box.
     pub fn outside(&self, p: Point) -> f64 {
         self.nodes.first().map_or(f64::INFINITY, |root| root.outside(p))
     }
 
-    /// A cell whose box is near `p`, the nearer half being taken each time.
+    /// A cell whose box is near `p`. The descent takes the nearer child of each node.
     pub fn near(&self, p: Point) -> Option<usize> {
         let key = |n: usize| {
             let node = &self.nodes[n];

@@ -1,34 +1,34 @@
-//! A file's 80-column lines: its global section, directory and parameters
-//! (IGES 5.3, clause 2.2.4).
+//! The lines of 80 columns of a file: its global section, directory and parameters (IGES 5.3,
+//! clause 2.2.4).
 
 use std::cell::Cell;
 use std::path::Path;
 
 use super::parameters::{Delimiters, Parameters};
-use crate::{Error, Place, Result};
+use crate::{Error, Location, Result};
 
 const EXPORT_AGAIN: &str = "The file is damaged or was cut short: copy it or export it again.";
 
-/// The columns of a line before its section's letter.
+/// The number of columns of a line before the letter of its section.
 const DATA: usize = 72;
-/// The columns of a parameter line that hold parameters.
+/// The number of columns of a parameter line that contain parameters.
 const PARAMETERS: usize = 64;
-/// A parameter line may be read this often: what many others refer to must not
-/// make a model out of proportion to its file.
+/// The number of times that a parameter line may be read on average. The limit keeps the size of
+/// the model in proportion to its file even if many entities refer to the same one.
 const READINGS: usize = 8;
 
-/// What a directory entry says of an entity.
+/// The directory entry of an entity.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Entry {
+pub(super) struct DirectoryEntry {
     pub(super) kind: i64,
     pub(super) form: i64,
-    /// The directory entry of its matrix, or 0.
+    /// The directory entry of the entity's matrix, or 0.
     pub(super) matrix: i64,
-    /// Whether it is shown.
+    /// Whether the entity is visible.
     pub(super) visible: bool,
-    /// Whether it is part of no other entity.
+    /// Whether the entity is not part of another one.
     pub(super) independent: bool,
-    /// Its first line of parameters, from 1, and how many it has.
+    /// The first line of parameters, counted from 1, and the number of lines.
     lines: [usize; 2],
 }
 
@@ -36,19 +36,19 @@ pub(super) struct Entry {
 pub(super) struct Deck<'a> {
     path: &'a Path,
     global: Vec<u8>,
-    pub(super) directory: Vec<Entry>,
+    pub(super) directory: Vec<DirectoryEntry>,
     parameters: Vec<&'a [u8]>,
     delimiters: Delimiters,
     budget: Cell<usize>,
 }
 
-/// The lines of a file and their numbers, whichever way they end.
+/// The lines of a file with any kind of line end, and their numbers.
 fn lines(bytes: &[u8]) -> impl Iterator<Item = (u64, &[u8])> {
     let feed = if bytes.contains(&b'\n') { b'\n' } else { b'\r' };
     (1..).zip(bytes.split(move |b| *b == feed).map(<[u8]>::trim_ascii_end))
 }
 
-/// Whether the file begins with a line as IGES has them.
+/// Whether the file begins with a line of an IGES file.
 pub(crate) fn is_iges(bytes: &[u8]) -> bool {
     let Some((_, first)) = lines(bytes).find(|(_, line)| !line.is_empty()) else { return false };
     let number = first.get(DATA + 1..).unwrap_or_default().trim_ascii();
@@ -72,7 +72,7 @@ impl<'a> Deck<'a> {
         let mut complete = false;
         for (number, line) in lines(bytes).filter(|(_, line)| !line.is_empty()) {
             last = number;
-            let at = Place::Line(number);
+            let at = Location::Line(number);
             match line.get(DATA) {
                 Some(b'S') => {}
                 Some(b'G') => deck.global.extend(&line[..DATA]),
@@ -80,7 +80,8 @@ impl<'a> Deck<'a> {
                     None => half = Some(line),
                     Some(first) => {
                         let what = "a directory entry that is not made of numbers";
-                        let entry = Entry::new(first, line).ok_or_else(|| deck.fault(what).at(at));
+                        let entry =
+                            DirectoryEntry::new(first, line).ok_or_else(|| deck.fault(what).at(at));
                         deck.directory.push(entry?);
                     }
                 },
@@ -100,7 +101,7 @@ impl<'a> Deck<'a> {
             }
         }
         if !complete || half.is_some() {
-            return Err(deck.fault("ends before its last section").at(Place::Line(last)));
+            return Err(deck.fault("ends before its last section").at(Location::Line(last)));
         }
         deck.budget.set(READINGS * deck.parameters.len());
         deck.delimiters = Delimiters::of_global(&deck.global)
@@ -112,11 +113,11 @@ impl<'a> Deck<'a> {
         Error::new(self.path, what, EXPORT_AGAIN)
     }
 
-    /// The entity whose directory entry has this number.
-    pub(super) fn entry(&self, pointer: i64) -> Result<Entry> {
+    /// The directory entry with the number `pointer`.
+    pub(super) fn entry(&self, pointer: i64) -> Result<DirectoryEntry> {
         let at = usize::try_from(pointer).ok().filter(|p| p % 2 == 1).map(|p| p / 2);
         let found = at.and_then(|at| self.directory.get(at)).copied();
-        let what = || format!("refers to directory entry {pointer}, which is not in it");
+        let what = || format!("refers to directory entry {pointer}, which it does not contain");
         found.ok_or_else(|| self.fault(what()))
     }
 
@@ -124,13 +125,13 @@ impl<'a> Deck<'a> {
     pub(super) fn parameters(&self, pointer: i64) -> Result<Parameters<'_>> {
         let entry = self.entry(pointer)?;
         let [first, count] = entry.lines;
-        // Some programs do not say how many lines there are.
+        // Some programs omit the number of lines.
         let end = first.checked_add(count.max(1));
         let lines = end.and_then(|end| self.parameters.get(first..end));
         let lines =
             lines.ok_or_else(|| self.error(pointer, "has parameters outside of the file"))?;
         let left = self.budget.get().checked_sub(lines.len());
-        self.budget.set(left.ok_or_else(|| self.error(pointer, "is used again and again"))?);
+        self.budget.set(left.ok_or_else(|| self.error(pointer, "is used too often"))?);
         let mut text = Vec::with_capacity(PARAMETERS * lines.len());
         lines.iter().for_each(|line| text.extend(*line));
         let mut parameters = Parameters::new(self, pointer, text, self.delimiters)?;
@@ -146,32 +147,32 @@ impl<'a> Deck<'a> {
         Parameters::new(self, 0, rest, self.delimiters)
     }
 
-    /// Something wrong in an entity; in the global section, if it is entity 0.
+    /// An error in an entity. Entity 0 stands for the global section.
     pub(super) fn error(&self, pointer: i64, what: impl Into<String>) -> Error {
         match u64::try_from(pointer) {
-            Ok(at @ 1..) => self.fault(what).at(Place::DirectoryEntry(at)),
+            Ok(at @ 1..) => self.fault(what).at(Location::DirectoryEntry(at)),
             _ => self.fault(format!("global section: {}", what.into())),
         }
     }
 
-    /// Something that may stand in a file but is not read here.
+    /// An error for valid content that is not supported.
     pub(super) fn unread(&self, pointer: i64, what: impl Into<String>) -> Error {
         let help = "Export trimmed B-spline faces, as trimmed surfaces (144) or shells (514).";
         Error { help: help.into(), ..self.error(pointer, what) }
     }
 }
 
-impl Entry {
-    /// An entry of its two lines.
+impl DirectoryEntry {
+    /// Parses an entry from its two lines.
     fn new(first: &[u8], second: &[u8]) -> Option<Self> {
-        // A field left empty is 0.
+        // An empty field is 0.
         let number = |line: &[u8], field: usize| {
             let text = std::str::from_utf8(line.get(8 * field..8 * field + 8)?).ok()?.trim();
             if text.is_empty() { Some(0) } else { text.parse::<i64>().ok() }
         };
         let status = first.get(64..72)?;
         let natural = |n: i64| usize::try_from(n).ok();
-        Some(Entry {
+        Some(DirectoryEntry {
             kind: number(first, 0)?,
             form: number(second, 4)?,
             matrix: number(first, 6)?,

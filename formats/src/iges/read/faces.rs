@@ -1,10 +1,10 @@
-//! Trimmed surfaces (144) and the faces of shells (514).
+//! Reader of trimmed surfaces (144) and of the faces of shells (514).
 
 use std::collections::HashMap;
 use std::sync::Arc;
 
 use super::deck::Deck;
-use super::geometry::Geometry;
+use super::geometry::IgesGeometry;
 use super::parameters::Parameters;
 use super::shape::in_radians;
 use crate::Result;
@@ -12,42 +12,43 @@ use crate::cad::affine::Affine;
 use crate::cad::{CadEdge, CadFace, CadModel, CadShell};
 
 /// Reads faces.
-pub(super) struct Faces<'d> {
+pub(super) struct FaceReader<'d> {
     deck: &'d Deck<'d>,
-    geometry: Geometry<'d>,
-    edge_lists: HashMap<i64, Vec<Edge>>,
+    geometry: IgesGeometry<'d>,
+    edge_lists: HashMap<i64, Vec<ListedEdge>>,
     vertex_lists: HashMap<i64, Vec<[f64; 3]>>,
 }
 
 /// An edge of an edge list (504).
 #[derive(Clone, Copy)]
-struct Edge {
+struct ListedEdge {
     curve: i64,
     ends: [[f64; 3]; 2],
 }
 
-impl<'d> Faces<'d> {
+impl<'d> FaceReader<'d> {
     pub(super) fn new(deck: &'d Deck<'d>) -> Self {
-        Faces {
+        FaceReader {
             deck,
-            geometry: Geometry::new(deck),
+            geometry: IgesGeometry::new(deck),
             edge_lists: HashMap::new(),
             vertex_lists: HashMap::new(),
         }
     }
 
-    /// Where an entity is put.
+    /// The placement of an entity.
     pub(super) fn place(&self, pointer: i64, outer: &Affine) -> Result<Affine> {
         self.geometry.place(pointer, outer)
     }
 
-    /// 128 and its like by itself: a face as large as the surface.
+    /// Reads an independent surface, for example entity 128, as a face with the boundary of the
+    /// surface.
     pub(super) fn whole(&mut self, pointer: i64, unit: &Affine) -> Result<CadFace> {
         let surface = self.geometry.surface(pointer, unit)?;
         Ok(CadFace { entity: name(pointer), surface, natural: true, loops: Vec::new() })
     }
 
-    /// 144.
+    /// Reads a trimmed surface (144).
     pub(super) fn trimmed(&mut self, pointer: i64, unit: &Affine) -> Result<CadFace> {
         let place = self.geometry.place(pointer, unit)?;
         let mut p = self.deck.parameters(pointer)?;
@@ -65,12 +66,12 @@ impl<'d> Faces<'d> {
         Ok(CadFace { entity: name(pointer), surface, natural: outer == 0, loops })
     }
 
-    /// 142: a loop, as pcurves or as curves in space, or as both where they
-    /// come in equal pieces.
+    /// Reads a loop (142). It has pcurves or curves in space. It has both if their numbers are
+    /// equal.
     fn on_surface(&mut self, pointer: i64, outer: &Affine) -> Result<Vec<CadEdge>> {
         let found = self.deck.entry(pointer)?.kind;
         if found != 142 {
-            let what = format!("is of type {found} where a curve on a surface (142) is due");
+            let what = format!("is of type {found} where a curve on a surface (142) is expected");
             return Err(self.deck.error(pointer, what));
         }
         let mut p = self.deck.parameters(pointer)?;
@@ -96,7 +97,7 @@ impl<'d> Faces<'d> {
         Ok(pcurves.into_iter().map(|pcurve| edge(None, vec![pcurve])).collect())
     }
 
-    /// 186: the shells of a solid, the outer one first.
+    /// The shells of a solid (186). The outer one comes first.
     pub(super) fn shells(&self, pointer: i64) -> Result<Vec<i64>> {
         let mut p = self.deck.parameters(pointer)?;
         let mut shells = vec![p.integer()?];
@@ -106,7 +107,7 @@ impl<'d> Faces<'d> {
         Ok(shells)
     }
 
-    /// 514: adds its faces and itself; its number.
+    /// Adds a shell (514) and its faces, and returns its number.
     pub(super) fn shell(
         &mut self,
         pointer: i64,
@@ -126,11 +127,11 @@ impl<'d> Faces<'d> {
         Ok(model.shells.len() - 1)
     }
 
-    /// 510.
+    /// Reads a face (510).
     fn face(&mut self, pointer: i64, outer: &Affine) -> Result<CadFace> {
         let found = self.deck.entry(pointer)?.kind;
         if found != 510 {
-            let what = format!("is of type {found} where a face (510) is due");
+            let what = format!("is of type {found} where a face (510) is expected");
             return Err(self.deck.error(pointer, what));
         }
         let place = self.geometry.place(pointer, outer)?;
@@ -150,7 +151,7 @@ impl<'d> Faces<'d> {
         Ok(CadFace { entity: name(pointer), surface, natural: count == 0, loops })
     }
 
-    /// 508.
+    /// Reads a loop (508).
     fn edge_loop(&mut self, pointer: i64, place: &Affine) -> Result<Vec<CadEdge>> {
         let mut p = self.deck.parameters(pointer)?;
         let count = p.count()?;
@@ -169,7 +170,7 @@ impl<'d> Faces<'d> {
             if vertex == 1 {
                 continue; // a pole
             }
-            let Edge { curve, ends } = self.edge(list, index)?;
+            let ListedEdge { curve, ends } = self.edge(list, index)?;
             let curves = self.geometry.curves(curve, place)?;
             let [curve] = &curves[..] else {
                 return Err(self.deck.unread(curve, "is an edge of several curves"));
@@ -182,9 +183,10 @@ impl<'d> Faces<'d> {
                 curve: Some(curve.clone()),
                 ends: Some(ends.map(|end| place.point(end))),
                 forward,
-                // One in pieces is found anew.
+                // A pcurve in several pieces is computed anew later.
                 pcurves: if pcurves.len() == 1 { pcurves } else { Vec::new() },
-                // They run along the loop, whichever way the edge runs.
+                // Pcurves have the direction of the loop, even if the edge has the opposite
+                // direction.
                 pcurve_forward: true,
             });
         }
@@ -192,7 +194,7 @@ impl<'d> Faces<'d> {
     }
 
     /// An edge of an edge list (504), counted from 1.
-    fn edge(&mut self, list: i64, index: usize) -> Result<Edge> {
+    fn edge(&mut self, list: i64, index: usize) -> Result<ListedEdge> {
         if !self.edge_lists.contains_key(&list) {
             let edges = self.edge_list(list)?;
             self.edge_lists.insert(list, edges);
@@ -205,7 +207,7 @@ impl<'d> Faces<'d> {
         item.ok_or_else(|| self.deck.error(list, format!("has no {what} {index}")))
     }
 
-    fn edge_list(&mut self, pointer: i64) -> Result<Vec<Edge>> {
+    fn edge_list(&mut self, pointer: i64) -> Result<Vec<ListedEdge>> {
         let mut p = self.deck.parameters(pointer)?;
         let count = p.count()?;
         let rows = p.several(count, |p| {
@@ -213,7 +215,7 @@ impl<'d> Faces<'d> {
         })?;
         let mut edges = Vec::with_capacity(rows.len());
         for (curve, [start, end]) in rows {
-            edges.push(Edge { curve, ends: [self.vertex(start)?, self.vertex(end)?] });
+            edges.push(ListedEdge { curve, ends: [self.vertex(start)?, self.vertex(end)?] });
         }
         Ok(edges)
     }

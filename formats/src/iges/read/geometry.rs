@@ -1,4 +1,4 @@
-//! Curves and surfaces, in millimetres.
+//! Reader of curves and surfaces. Lengths are in millimetres.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -11,33 +11,33 @@ use crate::cad::affine::{Affine, cross, dot, unit};
 use crate::cad::{CadCurve, CadSurface, CurveShape};
 use crate::spline::{MAX_DEGREE, SplineCurve, SplineKnots, SplineSurface};
 
-/// Entities are made of others at most this deep.
+/// The largest depth of entities that consist of other entities.
 const MAX_DEPTH: usize = 8;
 
-/// Reads geometry; a surface that is used twice is read once.
-pub(super) struct Geometry<'d> {
+/// Reads geometry. A surface that is used several times is read once.
+pub(super) struct IgesGeometry<'d> {
     pub(super) deck: &'d Deck<'d>,
     surfaces: HashMap<i64, (Affine, Arc<CadSurface>)>,
 }
 
-impl<'d> Geometry<'d> {
+impl<'d> IgesGeometry<'d> {
     pub(super) fn new(deck: &'d Deck<'d>) -> Self {
-        Geometry { deck, surfaces: HashMap::new() }
+        IgesGeometry { deck, surfaces: HashMap::new() }
     }
 
-    /// Where an entity is put by its matrices, and then by `outer`.
+    /// The placement of an entity by its matrices, followed by `outer`.
     pub(super) fn place(&self, pointer: i64, outer: &Affine) -> Result<Affine> {
         let mut place = *outer;
         let mut matrices = Vec::new();
         let mut next = self.deck.entry(pointer)?.matrix;
         while next != 0 {
             if matrices.len() == MAX_DEPTH {
-                return Err(self.deck.error(next, "is a matrix upon matrices without end"));
+                return Err(self.deck.error(next, "is a matrix with too many nested matrices"));
             }
             matrices.push(self.matrix(next)?);
             next = self.deck.entry(next)?.matrix;
         }
-        // The entity's own matrix comes first, then that matrix's.
+        // The matrix of the entity is applied first, then the matrix of that matrix.
         matrices.iter().rev().for_each(|matrix| place = place.after(matrix));
         Ok(place)
     }
@@ -52,7 +52,7 @@ impl<'d> Geometry<'d> {
         let product = |i: usize, j: usize| dot(matrix.turn[i], matrix.turn[j]);
         let off = |i: usize, j: usize| (product(i, j) - f64::from(u8::from(i == j))).abs() > 1e-6;
         if (0..9).any(|k| off(k / 3, k % 3)) {
-            return Err(self.deck.unread(pointer, "is a matrix that does not keep lengths"));
+            return Err(self.deck.unread(pointer, "is a matrix that does not preserve lengths"));
         }
         Ok(matrix)
     }
@@ -62,16 +62,18 @@ impl<'d> Geometry<'d> {
         if found == kind {
             return self.deck.parameters(pointer);
         }
-        Err(self.deck.error(pointer, format!("is of type {found} where {name} ({kind}) is due")))
+        Err(self
+            .deck
+            .error(pointer, format!("is of type {found} where {name} ({kind}) is expected")))
     }
 
-    /// The curves in space that an entity is made of, in order.
+    /// The curves in space that an entity consists of, in order.
     pub(super) fn curves(&self, pointer: i64, outer: &Affine) -> Result<Vec<Arc<CadCurve<3>>>> {
         let curves = self.pieces(pointer, Some(outer), 0)?;
         Ok(curves.into_iter().map(Arc::new).collect())
     }
 
-    /// The curves in a parameter plane that an entity is made of, in order.
+    /// The curves in a parameter plane that an entity consists of, in order.
     pub(super) fn pcurves(&self, pointer: i64) -> Result<Vec<Arc<CadCurve<2>>>> {
         let curves = self.pieces(pointer, None, 0)?;
         Ok(curves.into_iter().map(|curve| Arc::new(flat(curve))).collect())
@@ -92,7 +94,7 @@ impl<'d> Geometry<'d> {
             }]);
         }
         if depth == MAX_DEPTH {
-            return Err(self.deck.error(pointer, "is a curve of curves without end"));
+            return Err(self.deck.error(pointer, "is a composite curve that is nested too deeply"));
         }
         let mut p = self.deck.parameters(pointer)?;
         let count = p.count()?;
@@ -103,7 +105,7 @@ impl<'d> Geometry<'d> {
         Ok(all)
     }
 
-    /// One curve, where it is defined.
+    /// One curve in its own coordinates.
     fn curve(&self, pointer: i64) -> Result<CadCurve<3>> {
         let entry = self.deck.entry(pointer)?;
         let mut p = self.deck.parameters(pointer)?;
@@ -116,7 +118,7 @@ impl<'d> Geometry<'d> {
                 let points = p.several(count, |p| match kind {
                     1 => Ok([p.real()?, p.real()?, level]),
                     2 => p.point(),
-                    // With a vector at every point.
+                    // Every point has a vector.
                     _ => p.point().inspect(|_| p.skip(3)),
                 })?;
                 let spline = SplineCurve::polyline(points);
@@ -132,7 +134,7 @@ impl<'d> Geometry<'d> {
             126 => self.spline(pointer, p),
             kind => {
                 let form = entry.form;
-                let what = format!("is a curve of a type not read: {kind} form {form}");
+                let what = format!("is a curve of an unsupported type: {kind} form {form}");
                 Err(self.deck.unread(pointer, what))
             }
         }
@@ -151,7 +153,7 @@ impl<'d> Geometry<'d> {
         Ok(CadCurve { shape: CurveShape::Spline(spline), range })
     }
 
-    /// A number of poles, given as the last one's index.
+    /// A number of poles. The file has the index of the last one.
     fn poles(&self, pointer: i64, p: &mut Parameters) -> Result<usize> {
         let last = p.count()?;
         let count = last.checked_add(1).filter(|n| *n < usize::MAX / 4);
@@ -177,7 +179,7 @@ impl<'d> Geometry<'d> {
         Ok(surface)
     }
 
-    /// One surface, where it is defined.
+    /// One surface in its own coordinates.
     fn plain_surface(&self, pointer: i64, depth: usize) -> Result<CadSurface> {
         let entry = self.deck.entry(pointer)?;
         let mut p = self.deck.parameters(pointer)?;
@@ -199,20 +201,20 @@ impl<'d> Geometry<'d> {
             }
             192 => {
                 let (origin, [x, y, z]) = self.frame(pointer, &mut p, 1)?;
-                // The radius stands between axis and reference direction.
+                // The radius is between the axis and the reference direction.
                 let radius = self.cylinder_radius(pointer)?;
                 let [x, y] = [x, y].map(|axis| axis.map(|e| radius * e));
                 Ok(CadSurface::Cylinder { origin, x, y, z })
             }
             kind => {
-                let what = format!("is a surface of a type not read: {kind}");
+                let what = format!("is a surface of an unsupported type: {kind}");
                 Err(self.deck.unread(pointer, what))
             }
         }
     }
 
-    /// A plane of which only an equation is given, a x + b y + c z = d. Pcurves on
-    /// it mean nothing, since it has no axes.
+    /// A plane that is given by the equation a x + b y + c z = d. Pcurves on it have no meaning,
+    /// because it has no axes.
     fn plane(&self, pointer: i64, p: &mut Parameters) -> Result<CadSurface> {
         let (normal, d) = (p.point()?, p.real()?);
         let bad = || self.deck.error(pointer, "is a plane without a normal");
@@ -229,8 +231,8 @@ impl<'d> Geometry<'d> {
         p.real()
     }
 
-    /// Origin and axes of a plane or cylinder: point, direction of z, `between`
-    /// other parameters, direction towards x.
+    /// The origin and the axes of a plane or cylinder. The file has a point, the direction of z,
+    /// other parameters `between`, and a direction for x.
     fn frame(
         &self,
         pointer: i64,
@@ -244,7 +246,7 @@ impl<'d> Geometry<'d> {
         let bad = || self.deck.error(pointer, "has no proper axes");
         let z = unit(self.of_kind(z, 123, "a direction")?.point()?).ok_or_else(bad)?;
         let towards = match towards {
-            // Unparametrized: any will do.
+            // The surface has no parametrization, so any direction is possible.
             0 if z[0].abs() < 0.9 => [1.0, 0.0, 0.0],
             0 => [0.0, 1.0, 0.0],
             towards => self.of_kind(towards, 123, "a direction")?.point()?,
@@ -254,8 +256,8 @@ impl<'d> Geometry<'d> {
         Ok((origin, [x, cross(z, x), z]))
     }
 
-    /// A tabulated cylinder: a curve over [0, 1] moved to a point that its own
-    /// start goes to.
+    /// A tabulated cylinder: a curve over [0, 1] that is extruded. The file has the point to which
+    /// the start of the curve moves.
     fn tabulated(&self, pointer: i64, mut p: Parameters) -> Result<CadSurface> {
         let (directrix, end) = (p.integer()?, p.point()?);
         let place = self.place(directrix, &Affine::scaling(1.0))?;

@@ -1,4 +1,7 @@
-//! Reads IGES files: trimmed surfaces, and the faces of shells.
+//! Reader of IGES files.
+//!
+//! The input is the content of a file. The output is its trimmed surfaces and the faces of its
+//! shells.
 
 mod deck;
 mod faces;
@@ -13,15 +16,15 @@ use crate::cad::affine::Affine;
 use crate::cad::{CadModel, CadSolid};
 use deck::Deck;
 pub(crate) use deck::is_iges;
-use faces::Faces;
+use faces::FaceReader;
 
-/// Reads every face that is shown in `bytes`, the content of the file at `path`.
+/// Reads every visible face in `bytes`, which is the content of the file at `path`.
 pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
     let deck = Deck::new(path, bytes)?;
     let (sender, unit_mm) = global(&deck)?;
     let unit = Affine::scaling(unit_mm);
     let mut model = CadModel { name: name(&deck)?.unwrap_or(sender), ..CadModel::default() };
-    let mut faces = Faces::new(&deck);
+    let mut faces = FaceReader::new(&deck);
     let entries = || (1..).step_by(2).zip(&deck.directory).filter(|(_, e)| e.visible);
     let mut in_solids = Vec::new();
     for (pointer, entry) in entries() {
@@ -29,7 +32,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
             144 => model.faces.push(faces.trimmed(pointer, &unit)?),
             186 => in_solids.extend(faces.shells(pointer)?),
             143 | 408 => {
-                let what = format!("is of a type not read: {}", entry.kind);
+                let what = format!("is of an unsupported type: {}", entry.kind);
                 return Err(deck.unread(pointer, what));
             }
             _ => {}
@@ -37,7 +40,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
     }
     for (pointer, entry) in entries() {
         match entry.kind {
-            // A solid's matrix puts its shells.
+            // The matrix of a solid places its shells.
             514 if !in_solids.contains(&pointer) => {
                 faces.shell(pointer, &unit, &mut model)?;
             }
@@ -69,7 +72,7 @@ fn name(deck: &Deck) -> Result<Option<String>> {
     Ok(Some(p.string()))
 }
 
-/// The sender's name of what is in the file, and its unit in mm.
+/// The sender's name of the product, and the unit of length in mm.
 fn global(deck: &Deck) -> Result<(String, f64)> {
     let mut p = deck.global()?;
     let name = p.string();
@@ -83,13 +86,13 @@ fn global(deck: &Deck) -> Result<(String, f64)> {
         flag => *number == flag,
     });
     let Some((.., mm)) = known else {
-        return Err(deck.error(0, format!("is in a unit that is not known: {flag} {named}")));
+        return Err(deck.error(0, format!("is in an unknown unit: {flag} {named}")));
     };
-    // Lengths in the file are `scale` times the thing's own.
+    // Lengths in the file are `scale` times the real lengths.
     Ok((name, if scale > 0.0 { mm / scale } else { *mm }))
 }
 
-/// Number, name and length in mm (IGES 5.3, clause 2.2.4.3.14).
+/// The units: number, name and length in mm (IGES 5.3, clause 2.2.4.3.14).
 const UNITS: [(i64, &str, f64); 10] = [
     (1, "IN", 25.4),
     (1, "INCH", 25.4),

@@ -1,4 +1,4 @@
-//! Free-format parameters (IGES 5.3, clause 2.2.2 and 2.2.3).
+//! Reader of free-format parameters (IGES 5.3, clauses 2.2.2 and 2.2.3).
 
 use std::ops::Range;
 
@@ -6,12 +6,12 @@ use super::deck::Deck;
 use crate::Result;
 use crate::token::excerpt;
 
-/// What parts parameters and what ends a record.
+/// The characters that separate parameters and end a record.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Delimiters {
     parameter: u8,
     record: u8,
-    /// How much of the global section says so.
+    /// The number of bytes of the global section that define them.
     pub(super) length: usize,
 }
 
@@ -22,8 +22,8 @@ impl Default for Delimiters {
 }
 
 impl Delimiters {
-    /// The first two parameters of the global section, `1H,,1H;,` where they are
-    /// the usual ones. Both may be left out.
+    /// Reads the first two parameters of the global section, which usually are `1H,,1H;,`. Both may
+    /// be omitted.
     pub(super) fn of_global(global: &[u8]) -> Option<Self> {
         let mut found = Delimiters::default();
         match *global {
@@ -44,12 +44,12 @@ impl Delimiters {
     }
 }
 
-/// The parameters that are yet to be read of one record.
+/// The remaining parameters of a record.
 pub(super) struct Parameters<'d> {
     deck: &'d Deck<'d>,
     pointer: i64,
     text: Vec<u8>,
-    /// Where each parameter stands in the text.
+    /// The range of each parameter in the text.
     tokens: std::vec::IntoIter<Range<usize>>,
     position: usize,
 }
@@ -65,7 +65,7 @@ impl<'d> Parameters<'d> {
         Ok(Parameters { deck, pointer, text, tokens: tokens.into_iter(), position: 0 })
     }
 
-    /// The next parameter; empty where it is left out, or all that follow are.
+    /// The next parameter. It is empty if it is omitted.
     fn next(&mut self) -> &[u8] {
         self.position += 1;
         let range = self.tokens.next().unwrap_or(0..0);
@@ -83,7 +83,7 @@ impl<'d> Parameters<'d> {
         }
     }
 
-    /// A whole number or a pointer; 0 where it is left out.
+    /// An integer or a pointer. It is 0 if it is omitted.
     pub(super) fn integer(&mut self) -> Result<i64> {
         let token = self.next();
         if token.is_empty() {
@@ -93,13 +93,13 @@ impl<'d> Parameters<'d> {
         number.map_or_else(|| self.wrong("whole number"), Ok)
     }
 
-    /// How many there are of something.
+    /// A number of items.
     pub(super) fn count(&mut self) -> Result<usize> {
         let number = self.integer()?;
         usize::try_from(number).or_else(|_| self.wrong("count"))
     }
 
-    /// A real; 0 where it is left out.
+    /// A real number. It is 0 if it is omitted.
     pub(super) fn real(&mut self) -> Result<f64> {
         let token = self.next();
         if token.is_empty() {
@@ -114,7 +114,7 @@ impl<'d> Parameters<'d> {
         Ok([self.real()?, self.real()?, self.real()?])
     }
 
-    /// As many of something as `count` says, if there are as many at all.
+    /// Reads `count` items, if the record is long enough.
     pub(super) fn several<T>(
         &mut self,
         count: usize,
@@ -137,7 +137,7 @@ impl<'d> Parameters<'d> {
     }
 }
 
-/// Where the parameters stand, up to the end of the record.
+/// The ranges of the parameters up to the end of the record.
 fn tokens(text: &[u8], delimiters: Delimiters) -> std::result::Result<Vec<Range<usize>>, String> {
     let mut tokens = Vec::new();
     let mut at = 0;
@@ -157,7 +157,8 @@ fn tokens(text: &[u8], delimiters: Delimiters) -> std::result::Result<Vec<Range<
     }
 }
 
-/// How far the next delimiter is. Within a string (`5Ha,b;c`) there is none.
+/// The length of the text up to the next delimiter. Delimiters within a string (`5Ha,b;c`) do not
+/// count.
 fn length(text: &[u8], delimiters: Delimiters) -> std::result::Result<usize, String> {
     let digits = text.iter().take_while(|b| b.is_ascii_digit()).count();
     let mut from = 0;

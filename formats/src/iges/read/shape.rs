@@ -1,4 +1,4 @@
-//! Shapes made of what an entity says.
+//! Conversion of the parameters of entities to shapes.
 
 use super::parameters::Parameters;
 use crate::Result;
@@ -6,7 +6,7 @@ use crate::cad::affine::cross;
 use crate::cad::{CadCurve, CadSurface, CurveShape};
 use crate::spline::{SplineCurve, SplineKnots};
 
-/// A net whose index of u runs fastest, with that of v running fastest.
+/// Converts a net in which the index of u changes fastest to one in which the index of v does.
 pub(super) fn turned<T: Copy>(net: &[T], m: usize, n: usize) -> Vec<T> {
     (0..m * n).map(|k| net[k / n + m * (k % n)]).collect()
 }
@@ -30,7 +30,7 @@ pub(super) fn arc(p: &mut Parameters) -> Result<CadCurve<3>> {
     Ok(CadCurve { shape, range: Some((from, to)) })
 }
 
-/// A curve without its z.
+/// The projection of a curve to its x and y coordinates.
 pub(super) fn flat(curve: CadCurve<3>) -> CadCurve<2> {
     let cut = |p: [f64; 3]| [p[0], p[1]];
     let shape = match curve.shape {
@@ -45,7 +45,7 @@ pub(super) fn flat(curve: CadCurve<3>) -> CadCurve<2> {
     CadCurve { shape, range: curve.range }
 }
 
-/// The same pcurve with its first coordinate, in degrees, in radians.
+/// Converts the first coordinate of a pcurve from degrees to radians.
 pub(super) fn in_radians(curve: &CadCurve<2>) -> CadCurve<2> {
     let turn = |[u, v]: [f64; 2]| [u.to_radians(), v];
     let shape = match curve.shape.clone() {
@@ -65,8 +65,8 @@ pub(super) fn over_unit(spline: SplineCurve<3>) -> CadCurve<3> {
     CadCurve { shape: CurveShape::Spline(spline.over_unit()), range: None }
 }
 
-/// About the normal in the middle of the parameters, where an offset says on
-/// which side it is; of any length. `None` where there is no middle.
+/// The approximate normal in the middle of the parameter range, which defines the side of an offset
+/// surface. It has any length. `None` if there is no middle.
 pub(super) fn middle_normal(surface: &CadSurface) -> Option<[f64; 3]> {
     match surface {
         CadSurface::Spline(spline) => {
@@ -83,7 +83,7 @@ pub(super) fn middle_normal(surface: &CadSurface) -> Option<[f64; 3]> {
     }
 }
 
-/// Two neighbouring poles that matter in the middle of the range.
+/// Two neighbouring poles that influence the middle of the range.
 fn middle_poles(knots: &SplineKnots) -> [usize; 2] {
     let (low, high) = knots.range();
     let span = knots.knots().partition_point(|t| *t <= 0.5 * (low + high));

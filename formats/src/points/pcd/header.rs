@@ -21,7 +21,7 @@ pub(super) enum Encoding {
 }
 
 /// What the header announces.
-pub(super) struct Header {
+pub(super) struct PcdHeader {
     pub(super) encoding: Encoding,
     pub(super) fields: Vec<Field>,
     pub(super) points: u64,
@@ -46,7 +46,7 @@ impl Field {
     }
 }
 
-impl Header {
+impl PcdHeader {
     /// The bytes of a binary record.
     pub(super) fn record(&self) -> usize {
         // At most `MAX_RECORD`.
@@ -76,8 +76,8 @@ impl Header {
 }
 
 /// Reads up to and with the `DATA` line, and not a byte further.
-pub(super) fn read(source: &mut Source) -> Result<Header> {
-    let mut lines = Lines::default();
+pub(super) fn read(source: &mut Source) -> Result<PcdHeader> {
+    let mut lines = HeaderLines::default();
     let mut line = Vec::new();
     loop {
         if !source.next_line(&mut line)? {
@@ -104,7 +104,7 @@ pub(super) fn read(source: &mut Source) -> Result<Header> {
 
 /// The values of the lines.
 #[derive(Default)]
-struct Lines {
+struct HeaderLines {
     fields: Vec<String>,
     sizes: Vec<String>,
     types: Vec<String>,
@@ -115,7 +115,7 @@ struct Lines {
     viewpoint: Option<[f64; 3]>,
 }
 
-impl Lines {
+impl HeaderLines {
     fn set<'a>(
         &mut self,
         source: &Source,
@@ -143,7 +143,7 @@ impl Lines {
         Ok(())
     }
 
-    fn header(mut self, source: &Source, encoding: Encoding) -> Result<Header> {
+    fn header(mut self, source: &Source, encoding: Encoding) -> Result<PcdHeader> {
         let fields = self.checked_fields(source)?;
         let record = fields.iter().fold(0, |sum: u64, field| sum.saturating_add(field.bytes()));
         if record > MAX_RECORD {
@@ -153,7 +153,7 @@ impl Lines {
         let points = self.points.or_else(|| width.checked_mul(height));
         let points = points.ok_or_else(|| bad(source, "too many points"))?;
         let viewpoint = self.viewpoint.take();
-        Ok(Header { encoding, fields, points, width, height, viewpoint })
+        Ok(PcdHeader { encoding, fields, points, width, height, viewpoint })
     }
 
     fn checked_fields(&self, source: &Source) -> Result<Vec<Field>> {

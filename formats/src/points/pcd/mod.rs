@@ -7,13 +7,13 @@ mod value;
 
 use std::io::{ErrorKind, Read};
 
-use self::header::{Encoding, Header};
+use self::header::{Encoding, PcdHeader};
 use self::value::Slot;
-use super::{Builder, GridShape, Note, Order, Points, ScanEnd};
+use super::{GridShape, Note, Order, Points, PointsBuilder, ScanEnd};
 use crate::damage::{self, SEND_AS_BINARY};
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
-use crate::{Error, Place, Result};
+use crate::{Error, Location, Result};
 
 /// Whether `head` begins a PCD file: with its usual comment, or with a line that
 /// only its header has.
@@ -50,13 +50,13 @@ fn read_points(mut source: Source) -> Result<Points> {
     };
     let normal = header.slots(["normal_x", "normal_y", "normal_z"]);
     let normal = normal.or_else(|| header.slots(["nx", "ny", "nz"]));
-    let mut builder = Builder::new(&source.path, normal.is_some());
+    let mut builder = PointsBuilder::new(&source.path, normal.is_some());
     let grid = grid(&header);
     builder.begin_scan(grid.is_some());
     if grid.is_none() && header.is_organised() {
         builder.cloud().notes.push(Note::GridIgnored);
     }
-    let mut body = Body { source, header, slots: Slots { position, normal }, builder };
+    let mut body = PcdBody { source, header, slots: Slots { position, normal }, builder };
     match body.header.encoding {
         Encoding::Ascii => body.read_ascii()?,
         Encoding::Binary => body.read_binary()?,
@@ -72,7 +72,7 @@ fn read_points(mut source: Source) -> Result<Points> {
     body.builder.finish()
 }
 
-fn grid(header: &Header) -> Option<GridShape> {
+fn grid(header: &PcdHeader) -> Option<GridShape> {
     let fits = header.width.checked_mul(header.height) == Some(header.points);
     let rows = usize::try_from(header.height).ok()?;
     let columns = usize::try_from(header.width).ok()?;
@@ -87,14 +87,14 @@ struct Slots {
 }
 
 /// What comes after the header.
-struct Body {
+struct PcdBody {
     source: Source,
-    header: Header,
+    header: PcdHeader,
     slots: Slots,
-    builder: Builder,
+    builder: PointsBuilder,
 }
 
-impl Body {
+impl PcdBody {
     fn read_ascii(&mut self) -> Result<()> {
         let count: u64 = self.header.fields.iter().map(|field| field.count).sum();
         let mut line = Vec::new();
@@ -219,7 +219,7 @@ impl Body {
     fn cut(&self, point: u64) -> Error {
         let what = format!("ends after {point} of its {} points", self.header.points);
         let error = Error::new(&self.source.path, what, EXPORT_AGAIN);
-        error.at(Place::Element("point", point))
+        error.at(Location::Element("point", point))
     }
 
     /// A header that promises less than the file has would lose points silently.

@@ -10,10 +10,10 @@ mod layout;
 
 use self::dialect::Dialect;
 use self::layout::Layout;
-use super::{Builder, Note, Points, ScanEnd};
+use super::{Note, Points, PointsBuilder, ScanEnd};
 use crate::source::Source;
 use crate::token::{excerpt, number_help};
-use crate::{LengthUnit, Place, Result};
+use crate::{LengthUnit, Location, Result};
 
 /// So many lines of numbers decide what the columns hold.
 const SAMPLE: usize = 100;
@@ -50,9 +50,9 @@ pub(super) fn read(mut source: Source, is_pts: bool) -> Result<Points> {
         let help = "Export again with decimal points, or with semicolons between the columns.";
         return Err(source.error("seems to have commas between and within its numbers", help));
     }
-    let mut builder = Builder::new(&source.path, shape.layout.normal.is_some());
+    let mut builder = PointsBuilder::new(&source.path, shape.layout.normal.is_some());
     builder.begin_scan(false);
-    let mut rows = Rows { source, shape, builder, counts: Counts::default() };
+    let mut rows = TextRows { source, shape, builder, counts: Counts::default() };
     rows.read()?;
     rows.finish(is_pts)
 }
@@ -135,14 +135,14 @@ struct Counts {
     last_is_cut: bool,
 }
 
-struct Rows {
+struct TextRows {
     source: Source,
     shape: Shape,
-    builder: Builder,
+    builder: PointsBuilder,
     counts: Counts,
 }
 
-impl Rows {
+impl TextRows {
     fn read(&mut self) -> Result<()> {
         let mut line = Vec::new();
         while self.source.next_text_line(&mut line)? {
@@ -218,7 +218,7 @@ impl Rows {
             true => number_help(text),
             false => "Each line must have the same columns of numbers: export it again.",
         };
-        Err(self.source.error(what, help).at(Place::Line(*line)))
+        Err(self.source.error(what, help).at(Location::Line(*line)))
     }
 }
 

@@ -1,11 +1,11 @@
-//! The attributes of an entity, one after the other.
+//! Reader of the attributes of an entity instance, one after the other.
 
-use super::exchange::{Entity, Exchange};
+use super::exchange::{Exchange, Instance};
 use super::text::decoded;
-use super::value::{Record, Value};
+use super::value::{SimpleRecord, Value};
 use crate::Result;
 
-/// The attributes that are yet to be read of one entity.
+/// The remaining attributes of an entity instance.
 pub(super) struct Attributes<'f, 'a> {
     file: &'f Exchange<'a>,
     pub(super) id: u64,
@@ -15,8 +15,8 @@ pub(super) struct Attributes<'f, 'a> {
 }
 
 impl<'f, 'a> Attributes<'f, 'a> {
-    pub(super) fn new(file: &'f Exchange<'a>, id: u64, record: Record<'a>) -> Self {
-        let Record { name, values } = record;
+    pub(super) fn new(file: &'f Exchange<'a>, id: u64, record: SimpleRecord<'a>) -> Self {
+        let SimpleRecord { name, values } = record;
         Attributes { file, id, name, position: 0, values: values.into_iter() }
     }
 
@@ -31,7 +31,7 @@ impl<'f, 'a> Attributes<'f, 'a> {
         Err(self.file.error(self.id, what))
     }
 
-    /// Goes past an attribute.
+    /// Skips `count` attributes.
     pub(super) fn skip(&mut self, count: usize) -> Result<()> {
         (0..count).try_for_each(|_| self.next().map(drop))
     }
@@ -43,7 +43,7 @@ impl<'f, 'a> Attributes<'f, 'a> {
         }
     }
 
-    /// A reference, or nothing.
+    /// A reference, or `None` if there is none.
     pub(super) fn option(&mut self) -> Result<Option<u64>> {
         match self.next()? {
             Value::Reference(id) => Ok(Some(id)),
@@ -102,7 +102,7 @@ impl<'f, 'a> Attributes<'f, 'a> {
         list.into_iter().map(|value| self.number(value)).collect()
     }
 
-    /// Lists of reals, one after the other.
+    /// A list of lists of real numbers as one list.
     pub(super) fn real_rows(&mut self) -> Result<Vec<f64>> {
         let Value::List(rows) = self.next()? else { return self.wrong("a list") };
         let mut all = Vec::new();
@@ -124,7 +124,7 @@ impl<'f, 'a> Attributes<'f, 'a> {
         }
     }
 
-    /// An enumeration's name; empty where there is none.
+    /// The name of an enumeration value. It is empty if there is none.
     pub(super) fn word(&mut self) -> Result<&'a str> {
         match self.next()? {
             Value::Enumeration(word) => Ok(word),
@@ -141,7 +141,7 @@ impl<'f, 'a> Attributes<'f, 'a> {
         }
     }
 
-    /// A string; empty where there is none.
+    /// A string. It is empty if there is none.
     pub(super) fn text(&mut self) -> Result<String> {
         match self.next()? {
             Value::Text(text) => Ok(decoded(text)),
@@ -152,7 +152,7 @@ impl<'f, 'a> Attributes<'f, 'a> {
 }
 
 impl<'a> Exchange<'a> {
-    /// The name of an entity of one record and its attributes.
+    /// The keyword and the attributes of a simple entity instance, which has one record.
     pub(super) fn simple(&self, id: u64) -> Result<(&'a str, Attributes<'_, 'a>)> {
         let mut entity = self.entity(id)?;
         match (entity.records.pop(), entity.records.is_empty()) {
@@ -161,18 +161,18 @@ impl<'a> Exchange<'a> {
         }
     }
 
-    /// The attributes of an entity that must be of a type.
+    /// The attributes of an entity instance, which must have the type `name`.
     pub(super) fn of_type(&self, id: u64, name: &str) -> Result<Attributes<'_, 'a>> {
         let (found, attributes) = self.simple(id)?;
         if found == name {
             return Ok(attributes);
         }
-        Err(self.error(id, format!("is {found} where {name} is due")))
+        Err(self.error(id, format!("is {found} where {name} is expected")))
     }
 
-    /// The attributes that an entity has of its supertype or subtype `name`:
-    /// a record of its own in a complex one.
-    pub(super) fn part(&self, entity: &mut Entity<'a>, name: &str) -> Option<Attributes<'_, 'a>> {
+    /// The attributes that an entity instance has from its supertype or subtype `name`. In a
+    /// complex instance they are a separate record.
+    pub(super) fn part(&self, entity: &mut Instance<'a>, name: &str) -> Option<Attributes<'_, 'a>> {
         let at = entity.records.iter().position(|record| record.name == name)?;
         Some(Attributes::new(self, entity.id, entity.records.swap_remove(at)))
     }

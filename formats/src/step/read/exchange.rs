@@ -1,35 +1,36 @@
-//! The exchange structure of ISO 10303-21, read: an index of the entities, each
-//! parsed when it is asked for.
+//! Reader of the exchange structure of ISO 10303-21: an index of the entity instances. Each
+//! instance is parsed when it is needed.
 //!
-//! The crate for it, ruststep 0.4, refuses apostrophes in strings, names line 8
-//! for every error, and takes 4.3 s of CPU and 830 MB for a file of 105 MB; the
-//! index over it takes 0.2 s and 20 MB besides the file.
+//! The crate ruststep 0.4 is not used. It refuses apostrophes in strings, names line 8 for every
+//! error, and takes 4.3 s of CPU time and 830 MB of memory for a file of 105 MB. The index takes
+//! 0.2 s, and 20 MB in addition to the file.
 
 use std::cell::Cell;
 use std::path::Path;
 
-use super::value::{Cursor, Record};
-use crate::{Error, Place, Result};
+use super::value::{Cursor, SimpleRecord};
+use crate::{Error, Location, Result};
 
-/// What to do about a file that is no STEP file, or a broken one.
+/// The advice for a file that is damaged or is not a STEP file.
 pub(super) const EXPORT_AGAIN: &str =
     "The file is damaged or was cut short: copy it or export it again.";
 
-/// A file in memory and where its entities are.
+/// A file in memory and the positions of its entity instances.
 pub(super) struct Exchange<'a> {
     path: &'a Path,
     bytes: &'a [u8],
-    /// The number of each entity and where its value begins, by number.
+    /// The number of each entity instance and the position of its value, in ascending order of the
+    /// numbers.
     index: Vec<(u64, usize)>,
-    /// How many more parts may be read: parts that many others share must not
-    /// make a model out of proportion to its file.
+    /// The number of parts that may still be read. The limit keeps the size of the model in
+    /// proportion to its file even if many entities refer to the same parts.
     budget: Cell<usize>,
 }
 
-/// An entity instance: one record, or, of a complex one, several.
-pub(super) struct Entity<'a> {
+/// An entity instance. A simple one has one record, and a complex one has several.
+pub(super) struct Instance<'a> {
     pub(super) id: u64,
-    pub(super) records: Vec<Record<'a>>,
+    pub(super) records: Vec<SimpleRecord<'a>>,
 }
 
 impl<'a> Exchange<'a> {
@@ -64,7 +65,7 @@ impl<'a> Exchange<'a> {
             file.index.sort_unstable();
         }
         if let Some(twice) = file.index.windows(2).find(|w| w[0].0 == w[1].0) {
-            let what = format!("#{} stands in it twice", twice[1].0);
+            let what = format!("#{} is defined twice", twice[1].0);
             return Err(file.damaged(twice[1].1, what));
         }
         Ok(file)
@@ -76,50 +77,50 @@ impl<'a> Exchange<'a> {
             return Ok(());
         }
         let at = if begin < self.bytes.len() { begin } else { self.bytes.len() };
-        Err(self.damaged(at, "ends in the middle: what begins here has no end"))
+        Err(self.damaged(at, "is incomplete: the text that begins here has no end"))
     }
 
-    /// The entities whose value begins with a word that is `wanted`.
+    /// The entity instances whose first keyword is `wanted`.
     pub(super) fn all(&self, wanted: impl Fn(&str) -> bool) -> impl Iterator<Item = u64> {
         let is = move |at: usize| wanted(Cursor { bytes: self.bytes, at }.word());
         self.index.iter().filter(move |(_, at)| is(*at)).map(|(id, _)| *id)
     }
 
-    /// Parses an entity.
-    pub(super) fn entity(&self, id: u64) -> Result<Entity<'a>> {
+    /// Parses an entity instance.
+    pub(super) fn entity(&self, id: u64) -> Result<Instance<'a>> {
         let found = self.index.binary_search_by_key(&id, |(id, _)| *id);
         let at = found.map(|i| self.index[i].1).map_err(|_| {
-            let what = format!("refers to #{id}, which is not in it");
+            let what = format!("refers to #{id}, which it does not contain");
             Error::new(self.path, what, EXPORT_AGAIN)
         })?;
         let mut cursor = Cursor { bytes: self.bytes, at };
         match cursor.instance() {
-            Ok(records) => Ok(Entity { id, records }),
+            Ok(records) => Ok(Instance { id, records }),
             Err(what) => Err(self.damaged(cursor.at, format!("#{id}: {what}"))),
         }
     }
 
-    /// Counts `parts` of an entity as read.
+    /// Counts `parts` of an entity instance as read.
     pub(super) fn spend(&self, id: u64, parts: usize) -> Result<()> {
         let left = self.budget.get().checked_sub(parts);
-        self.budget.set(left.ok_or_else(|| self.error(id, "is used again and again"))?);
+        self.budget.set(left.ok_or_else(|| self.error(id, "is used too often"))?);
         Ok(())
     }
 
-    /// Something wrong in an entity.
+    /// An error in an entity instance.
     pub(super) fn error(&self, id: u64, what: impl Into<String>) -> Error {
-        Error::new(self.path, what, EXPORT_AGAIN).at(Place::Entity(id))
+        Error::new(self.path, what, EXPORT_AGAIN).at(Location::Entity(id))
     }
 
-    /// Something that may stand in a file but is not read here.
+    /// An error for valid content that is not supported.
     pub(super) fn unread(&self, id: u64, what: impl Into<String>) -> Error {
         let help = "Export trimmed B-spline faces, in one part, without placements.";
-        Error::new(self.path, what, help).at(Place::Entity(id))
+        Error::new(self.path, what, help).at(Location::Entity(id))
     }
 
     fn damaged(&self, at: usize, what: impl Into<String>) -> Error {
         let before = &self.bytes[..at.min(self.bytes.len())];
         let line = 1 + before.iter().filter(|b| **b == b'\n').count() as u64;
-        Error::new(self.path, what, EXPORT_AGAIN).at(Place::Line(line))
+        Error::new(self.path, what, EXPORT_AGAIN).at(Location::Line(line))
     }
 }

@@ -1,4 +1,4 @@
-//! Points, curves and surfaces (ISO 10303-42, clause 4), in the file's unit.
+//! Reader of points, curves and surfaces (ISO 10303-42, clause 4) in the unit of the file.
 
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -9,24 +9,25 @@ use crate::cad::affine::{cross, dot, unit};
 use crate::cad::{CadCurve, CadSurface, CurveShape};
 use crate::spline::SplineCurve;
 
-/// A curve is made of curves, or a surface of surfaces, at most this deep.
+/// The largest depth of curves that consist of other curves, and of surfaces that consist of other
+/// surfaces.
 const MAX_DEPTH: usize = 8;
 
-/// Reads geometry; a surface or a curve that is used twice is read once.
-pub(super) struct Geometry<'f, 'a> {
+/// Reads geometry. A surface or a curve that is used several times is read once.
+pub(super) struct StepGeometry<'f, 'a> {
     pub(super) file: &'f Exchange<'a>,
     surfaces: HashMap<u64, Arc<CadSurface>>,
 }
 
-/// The x, y and z axes of a placement, and its origin.
+/// The axes x, y and z of a placement and its origin.
 struct Frame {
     origin: [f64; 3],
     axes: [[f64; 3]; 3],
 }
 
-impl<'f, 'a> Geometry<'f, 'a> {
+impl<'f, 'a> StepGeometry<'f, 'a> {
     pub(super) fn new(file: &'f Exchange<'a>) -> Self {
-        Geometry { file, surfaces: HashMap::new() }
+        StepGeometry { file, surfaces: HashMap::new() }
     }
 
     pub(super) fn point<const D: usize>(&self, id: u64) -> Result<[f64; D]> {
@@ -78,7 +79,7 @@ impl<'f, 'a> Geometry<'f, 'a> {
         Ok(Frame { origin, axes: [x, cross(z, x), z] })
     }
 
-    /// The origin of a placement and its axes x and y.
+    /// The origin and the axes x and y of a placement.
     fn flat_frame<const D: usize>(&self, id: u64) -> Result<[[f64; D]; 3]> {
         let mut frame = [[0.0; D]; 3];
         if D == 3 {
@@ -136,10 +137,12 @@ impl<'f, 'a> Geometry<'f, 'a> {
             }
             "TRIMMED_CURVE" if depth < MAX_DEPTH => {
                 attributes.skip(1)?;
-                // Who refers to it says by end points which part is meant.
+                // The end points of the edge that uses it define the part.
                 self.curve_at(attributes.reference()?, depth + 1)
             }
-            other => Err(self.file.unread(id, format!("is a curve of a kind not read: {other}"))),
+            other => {
+                Err(self.file.unread(id, format!("is a curve of an unsupported kind: {other}")))
+            }
         }
     }
 
@@ -188,10 +191,13 @@ impl<'f, 'a> Geometry<'f, 'a> {
                 Ok(CadSurface::Offset { base, distance: attributes.real()? })
             }
             "RECTANGULAR_TRIMMED_SURFACE" if depth < MAX_DEPTH => {
-                // Its own loops bound the face; the parameters are the basis's.
+                // The loops of the face bound it, and its parameters are those of the basis
+                // surface.
                 self.surface_at(attributes.reference()?, depth + 1).map(Arc::unwrap_or_clone)
             }
-            other => Err(self.file.unread(id, format!("is a surface of a kind not read: {other}"))),
+            other => {
+                Err(self.file.unread(id, format!("is a surface of an unsupported kind: {other}")))
+            }
         }
     }
 }

@@ -1,4 +1,7 @@
-//! Reads STEP files: the trimmed faces of their shape representations.
+//! Reader of STEP files.
+//!
+//! The input is the content of a file. The output is the trimmed faces of its shape
+//! representations.
 
 mod attributes;
 mod exchange;
@@ -14,9 +17,9 @@ use std::path::Path;
 use crate::Result;
 use crate::cad::CadModel;
 use exchange::Exchange;
-use topology::Topology;
+use topology::TopologyReader;
 
-/// Reads the faces of every body in `bytes`, the content of the file at `path`.
+/// Reads the faces of every body in `bytes`, which is the content of the file at `path`.
 pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
     let file = Exchange::new(path, bytes)?;
     check_placements(&file)?;
@@ -30,7 +33,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
         attributes.skip(1)?;
         let items = attributes.references()?;
         let unit = unit_mm(&file, attributes.reference()?)?;
-        let mut topology = Topology::new(&file, unit, &mut seen);
+        let mut topology = TopologyReader::new(&file, unit, &mut seen);
         for item in items {
             topology.item(item, &mut model)?;
         }
@@ -46,8 +49,8 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<CadModel> {
     Ok(model)
 }
 
-/// The length of the unit of a representation's context, in mm; 1 where none is
-/// said, as other programs have it.
+/// The unit of length of a representation's context in mm. It is 1 if there is none, as in other
+/// programs.
 fn unit_mm(file: &Exchange, context: u64) -> Result<f64> {
     let mut entity = file.entity(context)?;
     let Some(mut assigned) = file.part(&mut entity, "GLOBAL_UNIT_ASSIGNED_CONTEXT") else {
@@ -61,7 +64,7 @@ fn unit_mm(file: &Exchange, context: u64) -> Result<f64> {
     Ok(1.0)
 }
 
-/// The length of a unit in metres; `None` if it is no unit of length.
+/// The length of a unit in metres. `None` if it is not a unit of length.
 fn length_unit(file: &Exchange, id: u64, depth: usize) -> Result<Option<f64>> {
     let mut entity = file.entity(id)?;
     if file.part(&mut entity, "LENGTH_UNIT").is_none() {
@@ -73,7 +76,7 @@ fn length_unit(file: &Exchange, id: u64, depth: usize) -> Result<Option<f64>> {
         let found = PREFIXES.iter().find(|(known, _)| *known == prefix);
         return match found {
             Some((_, factor)) if name == "METRE" => Ok(Some(*factor)),
-            _ => Err(bad("that is not known")),
+            _ => Err(bad("that is unknown")),
         };
     }
     let Some(mut conversion) = file.part(&mut entity, "CONVERSION_BASED_UNIT") else {
@@ -85,14 +88,14 @@ fn length_unit(file: &Exchange, id: u64, depth: usize) -> Result<Option<f64>> {
     let mut measure = ["LENGTH_MEASURE_WITH_UNIT", "MEASURE_WITH_UNIT"]
         .iter()
         .find_map(|name| file.part(&mut measure, name))
-        .ok_or_else(|| bad("that is not known"))?;
+        .ok_or_else(|| bad("that is unknown"))?;
     let (factor, base) = (measure.real()?, measure.reference()?);
     if depth > 4 {
         return Err(bad("that is defined by itself"));
     }
     match length_unit(file, base, depth + 1)? {
         Some(metres) if factor > 0.0 => Ok(Some(factor * metres)),
-        _ => Err(bad("that is not known")),
+        _ => Err(bad("that is unknown")),
     }
 }
 
@@ -107,7 +110,7 @@ const PREFIXES: [(&str, f64); 8] = [
     ("HECTO", 1e2),
 ];
 
-/// Faces are read where they are defined: parts must not be put elsewhere.
+/// Checks that no part has a placement. Faces are read in their own coordinates.
 fn check_placements(file: &Exchange) -> Result<()> {
     for id in file.all(|word| word == "ITEM_DEFINED_TRANSFORMATION") {
         let mut attributes = file.of_type(id, "ITEM_DEFINED_TRANSFORMATION")?;
@@ -115,13 +118,13 @@ fn check_placements(file: &Exchange) -> Result<()> {
         let from = placement(file, attributes.reference()?)?;
         let to = placement(file, attributes.reference()?)?;
         if from.iter().zip(&to).any(|(a, b)| (a - b).abs() > 1e-9) {
-            return Err(file.unread(id, "puts a part in another place, which is not read"));
+            return Err(file.unread(id, "gives a part a placement, which is not supported"));
         }
     }
     Ok(())
 }
 
-/// The numbers of a placement: those of its point and its directions.
+/// The coordinates of a placement's point and directions.
 fn placement(file: &Exchange, id: u64) -> Result<Vec<f64>> {
     let mut attributes = file.of_type(id, "AXIS2_PLACEMENT_3D")?;
     attributes.skip(1)?;

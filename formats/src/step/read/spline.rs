@@ -1,12 +1,12 @@
-//! B-spline curves and surfaces, simple entities or, rational, complex ones.
+//! Reader of B-spline curves and surfaces. Rational ones are complex entity instances.
 
 use super::attributes::Attributes;
-use super::geometry::Geometry;
+use super::geometry::StepGeometry;
 use crate::Result;
 use crate::cad::{CadCurve, CadSurface, CurveShape};
 use crate::spline::{MAX_DEGREE, SplineCurve, SplineKnots, SplineSurface};
 
-impl Geometry<'_, '_> {
+impl StepGeometry<'_, '_> {
     pub(super) fn spline<const D: usize>(&self, id: u64) -> Result<CadCurve<D>> {
         let mut entity = self.file.entity(id)?;
         let (base, knots, weights) = if entity.records.len() == 1 {
@@ -15,7 +15,7 @@ impl Geometry<'_, '_> {
             let base = self.spline_base(&mut all)?;
             (base, knots(&mut all)?, None)
         } else {
-            let missing = || self.file.unread(id, "is no B-spline curve with knots");
+            let missing = || self.file.unread(id, "is not a B-spline curve with knots");
             let mut part = |name| self.file.part(&mut entity, name);
             let base = self.spline_base(&mut part("B_SPLINE_CURVE").ok_or_else(missing)?)?;
             let knots = knots(&mut part("B_SPLINE_CURVE_WITH_KNOTS").ok_or_else(missing)?)?;
@@ -30,7 +30,7 @@ impl Geometry<'_, '_> {
         Ok(CadCurve { shape: CurveShape::Spline(spline), range: None })
     }
 
-    /// Degree and poles, and the three flags that follow them.
+    /// Reads the degree, the poles, and the three flags after them.
     fn spline_base<const D: usize>(
         &self,
         attributes: &mut Attributes,
@@ -46,7 +46,7 @@ impl Geometry<'_, '_> {
     pub(super) fn spline_surface(&self, id: u64) -> Result<CadSurface> {
         let mut entity = self.file.entity(id)?;
         let simple = entity.records.len() == 1;
-        let missing = || self.file.unread(id, "is no B-spline surface with knots");
+        let missing = || self.file.unread(id, "is not a B-spline surface with knots");
         let name = "B_SPLINE_SURFACE_WITH_KNOTS";
         let mut base = if simple {
             let mut all = self.file.of_type(id, name)?;
@@ -69,13 +69,13 @@ impl Geometry<'_, '_> {
         let weights = weights.map(|mut w| w.real_rows()).transpose()?;
         let (m, n) = (rows.len(), rows.first().map_or(0, Vec::len));
         if rows.iter().any(|row| row.len() != n) {
-            return Err(self.file.error(id, "has rows of unlike length"));
+            return Err(self.file.error(id, "has rows of different lengths"));
         }
         let poles = rows.into_iter().flatten().map(|p| self.point(p)).collect::<Result<_>>()?;
         let ([u_counts, v_counts], [u, v]) = (counts, values);
         let build = || {
-            let u = Knots { values: u, counts: u_counts }.expanded(p, m)?;
-            let v = Knots { values: v, counts: v_counts }.expanded(q, n)?;
+            let u = KnotList { values: u, counts: u_counts }.expanded(p, m)?;
+            let v = KnotList { values: v, counts: v_counts }.expanded(q, n)?;
             let (u, v) = (SplineKnots::new(p, u, m)?, SplineKnots::new(q, v, n)?);
             SplineSurface::new(u, v, poles, weights)
         };
@@ -83,25 +83,25 @@ impl Geometry<'_, '_> {
     }
 }
 
-/// Knots as STEP has them: each once, with its multiplicity.
-struct Knots {
+/// Knots as in STEP: distinct values with their multiplicities.
+struct KnotList {
     values: Vec<f64>,
     counts: Vec<usize>,
 }
 
-fn knots(attributes: &mut Attributes) -> Result<Knots> {
+fn knots(attributes: &mut Attributes) -> Result<KnotList> {
     let counts = attributes.counts()?;
-    Ok(Knots { values: attributes.reals()?, counts })
+    Ok(KnotList { values: attributes.reals()?, counts })
 }
 
-impl Knots {
-    /// Each as often as it counts, if that makes as many as are needed.
+impl KnotList {
+    /// The knots repeated by their multiplicities. Their number must suit the degree and the poles.
     fn expanded(&self, degree: usize, poles: usize) -> std::result::Result<Vec<f64>, String> {
-        let Knots { values, counts } = self;
+        let KnotList { values, counts } = self;
         if values.len() != counts.len() {
             return Err(format!("{} knots with {} multiplicities", values.len(), counts.len()));
         }
-        // Before anything as long as they say is made of them.
+        // Check the total before a list of this length is allocated.
         let total = counts.iter().fold(0usize, |sum, n| sum.saturating_add(*n));
         if degree > MAX_DEGREE || total != poles + degree + 1 {
             return Err(format!("{total} knots for {poles} poles of degree {degree}"));

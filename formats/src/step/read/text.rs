@@ -1,6 +1,6 @@
-//! Strings unescaped.
+//! Decoding of strings (ISO 10303-21, clause 6.4.3).
 
-/// A string's characters (ISO 10303-21, clause 6.4.3).
+/// The characters of a string without escapes.
 pub(super) fn decoded(text: &[u8]) -> String {
     let text = String::from_utf8_lossy(text).replace("''", "'").replace(['\r', '\n'], "");
     let mut out = String::new();
@@ -14,7 +14,7 @@ pub(super) fn decoded(text: &[u8]) -> String {
     out + rest
 }
 
-/// The characters of the escape that `text` begins with, and its length.
+/// The characters and the length of the escape at the beginning of `text`.
 fn escape(text: &str) -> (String, usize) {
     let wide = |width: usize| {
         let (digits, _) = text[4..].split_once("\\X0\\")?;

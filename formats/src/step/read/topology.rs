@@ -1,40 +1,40 @@
-//! Faces, loops and edges (ISO 10303-42, clause 5), in millimetres.
+//! Reader of faces, loops and edges (ISO 10303-42, clause 5). Lengths are in millimetres.
 
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
 use super::exchange::Exchange;
-use super::geometry::Geometry;
+use super::geometry::StepGeometry;
 use crate::Result;
 use crate::cad::affine::Affine;
 use crate::cad::{CadCurve, CadEdge, CadFace, CadModel, CadShell, CadSolid, CadSurface};
 
 /// Reads the faces of one representation.
-pub(super) struct Topology<'f, 'a> {
+pub(super) struct TopologyReader<'f, 'a> {
     file: &'f Exchange<'a>,
-    geometry: Geometry<'f, 'a>,
+    geometry: StepGeometry<'f, 'a>,
     unit: Affine,
     surfaces: HashMap<u64, Arc<CadSurface>>,
-    edges: HashMap<u64, Arc<Edge>>,
-    /// The faces that were read: one that two bodies share counts once.
+    edges: HashMap<u64, Arc<EdgeCurve>>,
+    /// The faces that have been read. A face that two bodies share counts once.
     seen: &'f mut HashSet<u64>,
 }
 
-/// An edge, shared by its uses.
-struct Edge {
+/// An edge, which all its uses share.
+struct EdgeCurve {
     curve: Option<Arc<CadCurve<3>>>,
     ends: [[f64; 3]; 2],
-    /// Whether the edge runs from its start to its end along the curve.
+    /// Whether the edge has the direction of its curve.
     along: bool,
-    /// Surface and curve in its parameter plane.
+    /// The surfaces and the curves in their parameter planes.
     pcurves: Vec<(u64, Arc<CadCurve<2>>)>,
 }
 
-impl<'f, 'a> Topology<'f, 'a> {
+impl<'f, 'a> TopologyReader<'f, 'a> {
     pub(super) fn new(file: &'f Exchange<'a>, unit_mm: f64, seen: &'f mut HashSet<u64>) -> Self {
-        Topology {
+        TopologyReader {
             file,
-            geometry: Geometry::new(file),
+            geometry: StepGeometry::new(file),
             unit: Affine::scaling(unit_mm),
             surfaces: HashMap::new(),
             edges: HashMap::new(),
@@ -42,8 +42,8 @@ impl<'f, 'a> Topology<'f, 'a> {
         }
     }
 
-    /// Adds what an item of a representation holds; items without faces, such as placements
-    /// and points, add nothing.
+    /// Adds the faces of an item of a representation. Items without faces, such as placements and
+    /// points, add nothing.
     pub(super) fn item(&mut self, id: u64, model: &mut CadModel) -> Result<()> {
         if self.file.entity(id)?.records.len() > 1 {
             return Ok(());
@@ -71,12 +71,14 @@ impl<'f, 'a> Topology<'f, 'a> {
             }
             "OPEN_SHELL" | "CLOSED_SHELL" | "CONNECTED_FACE_SET" => self.shell(id, model).map(drop),
             "ADVANCED_FACE" | "FACE_SURFACE" => self.face(id, model).map(drop),
-            "MAPPED_ITEM" => Err(self.file.unread(id, "puts a part in a place, which is not read")),
+            "MAPPED_ITEM" => {
+                Err(self.file.unread(id, "gives a part a placement, which is not supported"))
+            }
             _ => Ok(()),
         }
     }
 
-    /// Adds a shell; its number.
+    /// Adds a shell and returns its number.
     fn shell(&mut self, id: u64, model: &mut CadModel) -> Result<usize> {
         let (mut kind, mut attributes) = self.file.simple(id)?;
         attributes.skip(1)?;
@@ -86,7 +88,7 @@ impl<'f, 'a> Topology<'f, 'a> {
             attributes.skip(1)?;
         }
         if !matches!(kind, "OPEN_SHELL" | "CLOSED_SHELL" | "CONNECTED_FACE_SET") {
-            return Err(self.file.error(id, format!("is {kind} where a shell is due")));
+            return Err(self.file.error(id, format!("is {kind} where a shell is expected")));
         }
         let mut faces = Vec::new();
         for face in attributes.references()? {
@@ -96,11 +98,11 @@ impl<'f, 'a> Topology<'f, 'a> {
         Ok(model.shells.len() - 1)
     }
 
-    /// Adds a face; its number, or none if it is there already.
+    /// Adds a face and returns its number. `None` if the face has been added before.
     fn face(&mut self, id: u64, model: &mut CadModel) -> Result<Option<usize>> {
         let (kind, mut attributes) = self.file.simple(id)?;
         if !matches!(kind, "ADVANCED_FACE" | "FACE_SURFACE") {
-            return Err(self.file.unread(id, format!("is a face of a kind not read: {kind}")));
+            return Err(self.file.unread(id, format!("is a face of an unsupported kind: {kind}")));
         }
         if !self.seen.insert(id) {
             return Ok(None);
@@ -130,7 +132,7 @@ impl<'f, 'a> Topology<'f, 'a> {
         Ok(surface)
     }
 
-    /// The loop of a bound; none where it is a single vertex, a pole.
+    /// The loop of a bound. `None` if it is a single vertex, which is a pole of the surface.
     fn bound(&mut self, id: u64, surface: u64) -> Result<Option<Vec<CadEdge>>> {
         let (_, mut attributes) = self.file.simple(id)?;
         attributes.skip(1)?;
@@ -140,7 +142,7 @@ impl<'f, 'a> Topology<'f, 'a> {
             "VERTEX_LOOP" => return Ok(None),
             "EDGE_LOOP" => {}
             other => {
-                let what = format!("is a loop of a kind not read: {other}");
+                let what = format!("is a loop of an unsupported kind: {other}");
                 return Err(self.file.unread(ring, what));
             }
         }
@@ -174,7 +176,7 @@ impl<'f, 'a> Topology<'f, 'a> {
         })
     }
 
-    fn edge(&mut self, id: u64) -> Result<Arc<Edge>> {
+    fn edge(&mut self, id: u64) -> Result<Arc<EdgeCurve>> {
         if let Some(known) = self.edges.get(&id) {
             return Ok(known.clone());
         }
@@ -186,7 +188,7 @@ impl<'f, 'a> Topology<'f, 'a> {
         let along = attributes.logical()?;
         let (curve, pcurves) = self.edge_geometry(geometry)?;
         let ends = if along { ends } else { [ends[1], ends[0]] };
-        let edge = Arc::new(Edge { curve, ends, along, pcurves });
+        let edge = Arc::new(EdgeCurve { curve, ends, along, pcurves });
         self.edges.insert(id, edge.clone());
         Ok(edge)
     }
@@ -197,7 +199,7 @@ impl<'f, 'a> Topology<'f, 'a> {
         Ok(self.unit.point(self.geometry.point(attributes.reference()?)?))
     }
 
-    /// The curve in space and the pcurves of an edge's geometry.
+    /// The curve in space and the pcurves of an edge.
     #[allow(clippy::type_complexity)]
     fn edge_geometry(
         &self,
@@ -221,7 +223,7 @@ impl<'f, 'a> Topology<'f, 'a> {
         }
     }
 
-    /// A pcurve and its surface; none where only a surface is associated.
+    /// A pcurve and its surface. `None` if only a surface is associated.
     fn pcurve(&self, id: u64) -> Result<Option<(u64, Arc<CadCurve<2>>)>> {
         if self.file.entity(id)?.records.len() > 1 {
             return Ok(None);
@@ -237,7 +239,7 @@ impl<'f, 'a> Topology<'f, 'a> {
         attributes.skip(1)?;
         let items = attributes.references()?;
         let [curve] = items[..] else {
-            return Err(self.file.error(representation, "has not one pcurve"));
+            return Err(self.file.error(representation, "does not have exactly one pcurve"));
         };
         Ok(Some((surface, Arc::new(self.geometry.curve(curve)?))))
     }

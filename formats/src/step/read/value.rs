@@ -1,14 +1,14 @@
-//! Records and their parameters (ISO 10303-21, clauses 6 and 9).
+//! Parser of records and their parameters (ISO 10303-21, clauses 6 and 9).
 
 use crate::token::excerpt;
 
-/// Lists and typed parameters may be nested this deep; no schema goes deeper
-/// than three.
+/// The largest depth of nested lists and typed parameters. No schema has a depth of more than
+/// three.
 const MAX_DEPTH: usize = 16;
 
-/// `KEYWORD(parameters)`.
+/// A simple record: `KEYWORD(parameters)`.
 #[derive(Debug)]
-pub(super) struct Record<'a> {
+pub(super) struct SimpleRecord<'a> {
     pub(super) name: &'a str,
     pub(super) values: Vec<Value<'a>>,
 }
@@ -19,24 +19,24 @@ pub(super) enum Value<'a> {
     Reference(u64),
     Integer(i64),
     Real(f64),
-    /// A string as it stands between its apostrophes.
+    /// The text of a string between its apostrophes, with escapes.
     Text(&'a [u8]),
-    /// `.NAME.`, without its points.
+    /// The name of an enumeration value `.NAME.` without its points.
     Enumeration(&'a str),
-    /// `$`, `*` or binary data: nothing that is used here.
+    /// `$`, `*` or binary data, which are not used.
     Nothing,
     List(Vec<Value<'a>>),
-    /// `KEYWORD(value)`, of which only the value counts.
+    /// The value of a typed parameter `KEYWORD(value)`.
     Typed(Box<Value<'a>>),
 }
 
-/// A place in the text.
+/// A position in the text.
 pub(super) struct Cursor<'a> {
     pub(super) bytes: &'a [u8],
     pub(super) at: usize,
 }
 
-/// What a parser found, or what it did not like.
+/// The result of a parser, or a description of the error.
 type Parsed<T> = Result<T, String>;
 
 impl<'a> Cursor<'a> {
@@ -53,14 +53,14 @@ impl<'a> Cursor<'a> {
         self.bytes.get(self.at).copied().unwrap_or(0)
     }
 
-    /// Goes past `text` if it is next.
+    /// Skips `text` if it is next.
     pub(super) fn take(&mut self, text: &[u8]) -> bool {
         let is_next = self.rest().starts_with(text);
         self.at += if is_next { text.len() } else { 0 };
         is_next
     }
 
-    /// Goes past white space and comments.
+    /// Skips white space and comments.
     pub(super) fn skip_blank(&mut self) {
         loop {
             let blank = self.rest().iter().take_while(|b| b.is_ascii_whitespace()).count();
@@ -77,8 +77,8 @@ impl<'a> Cursor<'a> {
         self.at = end.map_or(self.bytes.len(), |i| self.at + i + 4);
     }
 
-    /// Goes past the next semicolon outside of strings and comments, if there is
-    /// one.
+    /// Skips everything up to and including the next semicolon outside of strings and comments.
+    /// Returns `false` if there is none.
     pub(super) fn skip_statement(&mut self) -> bool {
         loop {
             let telling = |b: &u8| matches!(b, b';' | b'\'' | b'/');
@@ -106,7 +106,7 @@ impl<'a> Cursor<'a> {
         text.parse().ok()
     }
 
-    /// The keyword that is next; empty where none is.
+    /// The next keyword. It is empty if there is none.
     pub(super) fn word(&mut self) -> &'a str {
         let is_letter = |b: &u8| b.is_ascii_alphanumeric() || matches!(b, b'_' | b'!' | b'-');
         let count = self.rest().iter().take_while(|b| is_letter(b)).count();
@@ -116,7 +116,7 @@ impl<'a> Cursor<'a> {
     }
 
     /// The records of an entity instance, up to its semicolon.
-    pub(super) fn instance(&mut self) -> Parsed<Vec<Record<'a>>> {
+    pub(super) fn instance(&mut self) -> Parsed<Vec<SimpleRecord<'a>>> {
         let mut records = Vec::new();
         if self.take(b"(") {
             loop {
@@ -133,19 +133,19 @@ impl<'a> Cursor<'a> {
         if self.take(b";") { Ok(records) } else { Err(self.unexpected("a semicolon")) }
     }
 
-    fn record(&mut self) -> Parsed<Record<'a>> {
+    fn record(&mut self) -> Parsed<SimpleRecord<'a>> {
         let name = self.word();
         self.skip_blank();
         if name.is_empty() || !self.take(b"(") {
             return Err(self.unexpected("an entity's name and ("));
         }
-        Ok(Record { name, values: self.list(0)? })
+        Ok(SimpleRecord { name, values: self.list(0)? })
     }
 
-    /// The rest of a list whose parenthesis is open.
+    /// The rest of a list after its opening parenthesis.
     fn list(&mut self, depth: usize) -> Parsed<Vec<Value<'a>>> {
         if depth > MAX_DEPTH {
-            return Err("lists in lists in lists without end".into());
+            return Err("lists that are nested too deeply".into());
         }
         let mut values = Vec::new();
         self.skip_blank();
@@ -209,7 +209,7 @@ impl<'a> Cursor<'a> {
         let mut values = self.list(depth + 1)?;
         match (values.pop(), values.is_empty()) {
             (Some(value), true) => Ok(Value::Typed(Box::new(value))),
-            _ => Err(format!("{name} has not one parameter")),
+            _ => Err(format!("{name} does not have exactly one parameter")),
         }
     }
 
@@ -219,7 +219,7 @@ impl<'a> Cursor<'a> {
         loop {
             let end = self.rest().iter().position(|b| *b == b'\'');
             self.at += end.ok_or("a string without an end")? + 1;
-            // Two apostrophes stand for one.
+            // Two apostrophes stand for one apostrophe.
             if !self.take(b"'") {
                 return Ok(Value::Text(&self.bytes[begin..self.at - 1]));
             }
@@ -237,7 +237,7 @@ impl<'a> Cursor<'a> {
         } else {
             text.parse().ok().filter(|x: &f64| x.is_finite()).map(Value::Real)
         };
-        let value = value.ok_or_else(|| format!("{} is no number", excerpt(digits)))?;
+        let value = value.ok_or_else(|| format!("{} is not a number", excerpt(digits)))?;
         self.at += count;
         Ok(value)
     }
@@ -278,9 +278,9 @@ mod tests {
         let fault = |text: &str| Cursor::new(text.as_bytes()).instance().unwrap_err();
         assert_eq!(fault("A(1"), "a comma or ) was expected where the line ends");
         assert_eq!(fault("A(1 2);"), "a comma or ) was expected instead of 2);");
-        assert_eq!(fault("A(1.2.3);"), "1.2.3 is no number");
+        assert_eq!(fault("A(1.2.3);"), "1.2.3 is not a number");
         assert_eq!(fault("A('x);"), "a string without an end");
-        assert_eq!(fault("A(1e999);"), "1e999 is no number");
-        assert!(fault(&format!("A({}", "(".repeat(99_999))).contains("without end"));
+        assert_eq!(fault("A(1e999);"), "1e999 is not a number");
+        assert!(fault(&format!("A({}", "(".repeat(99_999))).contains("nested too deeply"));
     }
 }

@@ -1,11 +1,11 @@
-//! Numbers in buffers, of every kind.
+//! Numbers in buffers of every type.
 
-use formats::{Place, read_scan};
+use formats::{Location, read_scan};
 
 use super::{SQUARE, data_uri, good, json, square_bytes, with_buffer};
 use crate::support::{polygons, refused, soup};
 
-/// The square, its corner list replaced by `corners` of the given type.
+/// The square whose index list is replaced by `corners` of the given type.
 fn listed(kind: u32, width: usize, mode: u32, corners: &[u32]) -> String {
     let mut bytes = square_bytes()[..48].to_vec();
     corners.iter().for_each(|i| bytes.extend(&i.to_le_bytes()[..width]));
@@ -31,7 +31,7 @@ fn modes_with_corners_of_every_width() {
         assert_eq!(read(4, &[0, 1, 2, 0, 2, 3]), [[0, 1, 2], [0, 2, 3]]);
         assert_eq!(read(5, &[1, 2, 0, 3]), [[1, 2, 0], [2, 3, 0]]);
         assert_eq!(read(6, &[3, 0, 1, 2]), [[0, 1, 3], [1, 2, 3]]);
-        // What is left over makes no triangle.
+        // The remaining corners are not a triangle.
         assert_eq!(read(4, &[0, 1, 2, 3, 0]), [[0, 1, 2]]);
         for (mode, corners) in [(0, 4), (1, 4), (2, 4), (3, 4), (4, 2), (5, 2), (6, 2)] {
             let case = with_buffer(&listed(kind, width, mode, &vec![0; corners]), &[]);
@@ -40,13 +40,13 @@ fn modes_with_corners_of_every_width() {
     }
 }
 
-/// Other than in WebGL the greatest number starts no new strip.
+/// Unlike in WebGL, the largest number does not begin a new strip.
 #[test]
 fn restarts_are_refused() {
     for (kind, width, greatest) in WIDTHS {
         let case = with_buffer(&listed(kind, width, 5, &[0, 1, 2, greatest, 0, 2, 3]), &[]);
         let error = refused(read_scan(&case.path), &format!("vertex {greatest}, but only 4"));
-        assert_eq!(error.place, Some(Place::Element("accessor", 1)));
+        assert_eq!(error.place, Some(Location::Element("accessor", 1)));
     }
 }
 
@@ -118,7 +118,7 @@ fn quantized_positions_of_every_type() {
     }
 }
 
-/// The square with its points 1 and 3 replaced, as Khronos's example has it.
+/// The square with points 1 and 3 replaced, as in Khronos's example.
 #[test]
 fn sparse_positions_of_every_width() {
     for (kind, width, _) in WIDTHS {
@@ -147,7 +147,7 @@ fn sparse_positions_of_every_width() {
 
 #[test]
 fn sparse_corners() {
-    // The sixth corner, 3, becomes 1: with a base, and without one.
+    // The sixth corner, 3, becomes 1, with a base and without one.
     let sparse = r#""type": "SCALAR", "sparse": {"count": 1,
         "indices": {"bufferView": 2, "componentType": 5121},
         "values": {"bufferView": 2, "byteOffset": 4}}"#;
@@ -193,7 +193,7 @@ fn points_without_a_number_are_kept() {
 
 #[test]
 fn one_accessor_for_many_and_many_for_one() {
-    // The strip and the list share the points; each brings its own copy.
+    // The strip and the list share the points. Each of them has its own copy.
     let two = r#"[{"attributes": {"POSITION": 0}, "mode": 5}, {"attributes""#;
     let soup = good(&[(r#"[{"attributes""#, two)], &square_bytes());
     assert_eq!(soup.points, [SQUARE, SQUARE].concat());

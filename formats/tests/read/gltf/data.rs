@@ -100,7 +100,7 @@ fn quantized_positions() {
     }
 }
 
-/// The square's third point moved, as a sparse accessor.
+/// The square with a moved third point as a sparse accessor.
 fn sparse(base: &str, index: u8, count: u64) -> String {
     let point = [0, 0, 0, 0x41, 0, 0, 0x80, 0x3f, 0, 0, 0, 0];
     let uri = data_uri(&[&[index, 0, 0, 0][..], &point].concat());
@@ -135,5 +135,5 @@ fn sparse_positions() {
     refused(read(&sparse("", 2, 2)), "beyond its buffer view");
     refused(read(&sparse("", 2, 9)), "wrong count");
     let many = sparse("", 2, 1).replace(r#""count": 4"#, r#""count": 4000000000"#);
-    refused(read(&many), "out of nothing");
+    refused(read(&many), "items without data");
 }

@@ -1,11 +1,11 @@
 //! The chunks of a binary file.
 
-use formats::Place;
+use formats::Location;
 
 use super::{SQUARE, data_uri, glb, json, square_bytes, square_glb};
 use crate::support::{polygons, read, refusal, refused, soup};
 
-/// A file of `chunks` whose header says that it has `length` bytes more.
+/// A file of `chunks` whose header declares `length` additional bytes.
 fn file(length: usize, chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
     let mut body = Vec::new();
     for (kind, data) in chunks {
@@ -17,7 +17,7 @@ fn file(length: usize, chunks: &[(&[u8; 4], &[u8])]) -> Vec<u8> {
     [b"glTF\x02\0\0\0", &total.to_le_bytes()[..], &body].concat()
 }
 
-/// The square's JSON for a binary file, padded with blanks.
+/// The JSON of the square for a binary file, padded with blanks.
 fn inner() -> Vec<u8> {
     let text = json(&[(r#", "uri": "a%20b/square.bin""#, "")]);
     format!("{text:<width$}", width = text.len().next_multiple_of(4)).into()
@@ -35,12 +35,12 @@ fn binary_chunk_may_be_absent() {
     let uri = data_uri(&square_bytes());
     let embedded = json(&[("a%20b/square.bin", &uri)]);
     check(file(0, &[(b"JSON", embedded.as_bytes())]));
-    // An empty one is none either.
+    // An empty chunk is not a binary chunk, either.
     check(file(0, &[(b"JSON", embedded.as_bytes()), (b"BIN\0", b"")]));
     let error = refusal("none.glb", file(0, &[(b"JSON", &inner())]), "buffer that has no data");
-    assert_eq!(error.place, Some(Place::Element("buffer", 0)));
+    assert_eq!(error.place, Some(Location::Element("buffer", 0)));
     let error = refusal("none.glb", glb(&String::from_utf8_lossy(&inner()), b""), "holds 0 of 60");
-    assert_eq!(error.place, Some(Place::Element("buffer", 0)));
+    assert_eq!(error.place, Some(Location::Element("buffer", 0)));
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn chunks_in_the_wrong_order_are_refused() {
         &[(b"JSON", &json), (b"JSON", &json)],
         &[(b"more", &bytes), (b"JSON", &json)],
     ] {
-        refusal("order.glb", file(0, chunks), "no sound glTF 2.0 file");
+        refusal("order.glb", file(0, chunks), "not a valid glTF 2.0 file");
     }
 }
 
@@ -88,10 +88,10 @@ fn wrong_chunk_lengths_are_refused() {
     let json_length = u32::from_le_bytes([good[12], good[13], good[14], good[15]]);
     let binary_length = 20 + json_length as usize;
     for (at, length, word) in [
-        (12, 0, "no sound glTF 2.0 file"),
-        (12, 4, "no sound glTF 2.0 file"),
-        (12, json_length - 4, "no sound glTF 2.0 file"),
-        (12, json_length + 4, "no sound glTF 2.0 file"),
+        (12, 0, "not a valid glTF 2.0 file"),
+        (12, 4, "not a valid glTF 2.0 file"),
+        (12, json_length - 4, "not a valid glTF 2.0 file"),
+        (12, json_length + 4, "not a valid glTF 2.0 file"),
         (12, 1 << 31, "length exceeds"),
         (binary_length, 0, "holds 0 of 60"),
         (binary_length, 56, "holds 56 of 60"),
@@ -111,14 +111,14 @@ fn headers_alone_are_refused() {
         for end in 12..length.min(20) as usize {
             refusal("head.glb", &file[..end], "");
         }
-        refusal("head.glb", file, "no complete GLB file");
+        refusal("head.glb", file, "not a complete GLB file");
     }
     let empty = file(0, &[(b"JSON", b"")]);
-    refusal("empty.glb", empty, "no sound glTF 2.0 file");
-    refusal("broken.glb", file(0, &[(b"JSON", b"{]  ")]), "no sound glTF 2.0 file");
-    // Without "glTF" only the name says what it is.
-    refusal("zeros.glb", [0; 12], "no sound glTF 2.0 file");
-    refusal("zeros", [0; 12], "no known mesh format");
+    refusal("empty.glb", empty, "not a valid glTF 2.0 file");
+    refusal("broken.glb", file(0, &[(b"JSON", b"{]  ")]), "not a valid glTF 2.0 file");
+    // Without "glTF" only the name tells the format.
+    refusal("zeros.glb", [0; 12], "not a valid glTF 2.0 file");
+    refusal("zeros", [0; 12], "not in a known mesh format");
 }
 
 #[test]
@@ -126,11 +126,11 @@ fn total_lengths_of_less_than_a_header_are_told() {
     for length in 0..20u8 {
         let mut file = square_glb(&[]);
         file[8..12].copy_from_slice(&[length, 0, 0, 0]);
-        refusal("short.glb", file, "no complete GLB file");
+        refusal("short.glb", file, "not a complete GLB file");
     }
 }
 
-/// Its header had five words, and its JSON no chunk.
+/// Its header had five words, and its JSON was not in a chunk.
 #[test]
 fn version_1_is_refused_by_name() {
     let head = b"glTF\x01\0\0\0\x28\0\0\0\x14\0\0\0\0\0\0\0";
@@ -153,7 +153,7 @@ fn binaries_damaged_as_text_are_refused() {
 fn unknown_chunks_before_the_binary_one_are_passed_over() {
     check(file(0, &[(b"JSON", &inner()), (b"more", b"1234"), (b"BIN\0", &square_bytes())]));
     let error = refusal("cut.glb", file(0, &[(b"JSON", &inner()), (b"more", b"")]), "no data");
-    assert_eq!(error.place, Some(Place::Element("buffer", 0)));
+    assert_eq!(error.place, Some(Location::Element("buffer", 0)));
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! glTF and GLB: what they may contain, and what is refused.
+//! glTF and GLB: supported features and errors.
 
 mod accessors;
 mod data;
@@ -11,7 +11,7 @@ mod uris;
 
 use std::fs;
 
-use formats::{Place, Soup, read_scan};
+use formats::{Location, Soup, read_scan};
 
 use crate::support::{Case, case, refused};
 
@@ -36,7 +36,7 @@ const BASE: &str = r#"{
     {"bufferView": 1, "componentType": 5123, "count": 6, "type": "SCALAR"}]
 }"#;
 
-/// `BASE` with text swapped; every swap must find its text.
+/// `BASE` with replaced text. Every replacement must find its text.
 #[track_caller]
 fn json(swaps: &[(&str, &str)]) -> String {
     let mut text = BASE.to_owned();
@@ -47,7 +47,7 @@ fn json(swaps: &[(&str, &str)]) -> String {
     text
 }
 
-/// A triangle without indices, its three points in the buffer at `uri`.
+/// A triangle without indices. Its three points are in the buffer at `uri`.
 fn one_triangle(uri: &str) -> String {
     json(&[
         ("a%20b/square.bin", uri),
@@ -74,7 +74,7 @@ fn good(swaps: &[(&str, &str)], bytes: &[u8]) -> Soup {
 }
 
 #[track_caller]
-fn bad(swaps: &[(&str, &str)], word: &str) -> Option<Place> {
+fn bad(swaps: &[(&str, &str)], word: &str) -> Option<Location> {
     refused(read_scan(&with_buffer(&json(swaps), &square_bytes()).path), word).place
 }
 
@@ -97,7 +97,7 @@ fn square_glb(swaps: &[(&str, &str)]) -> Vec<u8> {
     glb(&json(&[&[no_uri], swaps].concat()), &square_bytes())
 }
 
-/// A data URI, percent-encoded because that needs no encoder.
+/// A data URI. It is percent-encoded because this needs no encoder.
 fn data_uri(bytes: &[u8]) -> String {
     let text: String = bytes.iter().map(|b| format!("%{b:02x}")).collect();
     format!("data:application/octet-stream,{text}")

@@ -1,6 +1,6 @@
-//! Files that show nothing: what they lack, or what is wrong with them.
+//! Files without triangles: what is missing or wrong.
 
-use formats::Place;
+use formats::Location;
 
 use super::{SQUARE, bad, good, square_bytes};
 
@@ -26,10 +26,10 @@ fn what_is_missing_is_told() {
     bad(&[(meshes, ""), (r#"[{"mesh": 0}]"#, "[{}]")], "it has no meshes");
 }
 
-/// A fault is told even of what no node places.
+/// Faults are reported even in meshes that no node uses.
 #[test]
 fn the_first_fault_is_told() {
-    let element = |kind, i| Some(Place::Element(kind, i));
+    let element = |kind, i| Some(Location::Element(kind, i));
     for (from, to, word, place) in [
         (r#""count": 4"#, r#""count": 3"#, "vertex 3, but only 3", element("accessor", 1)),
         (r#""POSITION": 0"#, r#""POSITION": 7"#, "does not exist", element("accessor", 7)),
@@ -54,13 +54,13 @@ fn the_first_fault_is_told() {
     ] {
         assert_eq!(bad(&[(PLACES, ""), (from, to)], word), place, "{to}");
     }
-    // What no node places and is not needed may be as it likes.
+    // Meshes that no node uses may have faults if they are not needed.
     let more = r#""meshes": [{"primitives": [{"attributes": {"POSITION": 9}}]}, "#;
     let swaps = [(r#""meshes": ["#, more), (r#"{"mesh": 0}"#, r#"{"mesh": 1}"#)];
     assert_eq!(good(&swaps, &square_bytes()).points, SQUARE);
 }
 
-/// No more is read for it than a scene may hold.
+/// The search for faults reads no more than a scene may contain.
 #[test]
 fn faults_are_not_sought_without_bound() {
     let one = r#"{"primitives": [{"attributes": {"POSITION": 0}, "mode": 5}]},"#;
@@ -83,14 +83,14 @@ fn faults_are_not_sought_without_bound() {
 fn loops_outside_of_the_scene_are_refused() {
     let nodes =
         r#""nodes": [{"mesh": 0}, {"children": [3]}, {"children": [1]}, {"children": [2]}]"#;
-    let place = bad(&[(r#""nodes": [{"mesh": 0}]"#, nodes)], "below itself");
-    assert_eq!(place, Some(Place::Element("node", 1)));
+    let place = bad(&[(r#""nodes": [{"mesh": 0}]"#, nodes)], "is its own descendant");
+    assert_eq!(place, Some(Location::Element("node", 1)));
     let nodes = r#""nodes": [{"mesh": 0}, {"children": [4]}]"#;
     let place = bad(&[(r#""nodes": [{"mesh": 0}]"#, nodes)], "does not exist");
-    assert_eq!(place, Some(Place::Element("node", 4)));
+    assert_eq!(place, Some(Location::Element("node", 4)));
     let nodes = r#""nodes": [{"mesh": 0}, {"children": [3]}, {"children": [3]}, {}]"#;
     let place = bad(&[(r#""nodes": [{"mesh": 0}]"#, nodes)], "below node 1 and below node 2");
-    assert_eq!(place, Some(Place::Element("node", 3)));
+    assert_eq!(place, Some(Location::Element("node", 3)));
 }
 
 #[test]

@@ -1,6 +1,6 @@
-//! Meshes and nodes in odd arrangements, and JSON that is none of ours.
+//! Meshes and nodes in unusual arrangements, and unusual JSON.
 
-use formats::Place;
+use formats::Location;
 
 use super::{BASE, SQUARE, bad, good, square_bytes};
 use crate::support::{polygons, refusal};
@@ -70,7 +70,7 @@ fn transforms_without_a_number_are_refused() {
     }
     let nodes = r#""nodes": [{"mesh": 0, "scale": [1e30, 1, 1]},
         {"children": [0], "scale": [1e38, 1, 1]}]"#;
-    // Far, but still a number: what to make of it is not the reader's.
+    // This is far away but still a number. Later stages decide about it.
     assert!(placed(nodes).iter().flatten().all(|v| v.is_finite()));
 }
 
@@ -99,7 +99,7 @@ fn scenes_without_meshes_are_refused() {
     }
 }
 
-/// A scene need not have nodes: Blender writes its empty ones so.
+/// A scene need not have nodes. Blender writes empty scenes like this.
 #[test]
 fn scenes_without_a_list_of_nodes_are_sound() {
     let empty =
@@ -109,7 +109,7 @@ fn scenes_without_a_list_of_nodes_are_sound() {
     bad(&[(SCENES, only)], "no triangles in its default scene");
 }
 
-/// What extensions animate need not be a node.
+/// The target of an animation by an extension need not be a node.
 #[test]
 fn animations_without_a_node_are_left_alone() {
     let nodes = r#""nodes": [{"mesh": 0}], "animations": [{"samplers": [{"input": 1, "output": 1}],
@@ -131,19 +131,19 @@ fn nodes_below_two_others_are_refused() {
     let nodes = r#""scenes": [{"nodes": [0, 1]}],
         "nodes": [{"children": [2]}, {"children": [2]}, {"mesh": 0}]"#;
     let place = bad(&[(SCENES, nodes)], "in the scene twice");
-    assert_eq!(place, Some(Place::Element("node", 2)));
+    assert_eq!(place, Some(Location::Element("node", 2)));
     let nodes = r#""scenes": [{"nodes": [0, 0]}], "nodes": [{"mesh": 0}]"#;
-    assert_eq!(bad(&[(SCENES, nodes)], "twice"), Some(Place::Element("node", 0)));
+    assert_eq!(bad(&[(SCENES, nodes)], "twice"), Some(Location::Element("node", 0)));
 }
 
-/// Without a scene no node of a loop is a root: it must not get lost.
+/// Without a scene, no node of a cycle is a root. It must not be lost.
 #[test]
 fn loops_without_a_scene_are_refused() {
     for nodes in [
         r#""nodes": [{"children": [1]}, {"children": [2]}, {"mesh": 0, "children": [0]}]"#,
         r#""nodes": [{"mesh": 0}, {"mesh": 0, "children": [1]}]"#,
     ] {
-        bad(&[(SCENES, nodes)], "below itself");
+        bad(&[(SCENES, nodes)], "is its own descendant");
     }
 }
 
@@ -181,18 +181,18 @@ fn json_of_the_wrong_types_is_refused_by_line() {
         (r#", "count": 4"#, "", 8),
         (r#""type": "VEC3""#, r#""type": "VEC3","#, 8),
     ] {
-        bad(&[(from, to)], "no sound glTF 2.0 file: ");
+        bad(&[(from, to)], "not a valid glTF 2.0 file: ");
         bad(&[(from, to)], &format!("at line {line} "));
     }
     for text in ["{}", "{\"name\": \"scan2step\"}", "{", "{\"asset\": {}}", "{ v 0 0 0"] {
-        refusal("other.gltf", text, "no sound glTF 2.0 file");
+        refusal("other.gltf", text, "not a valid glTF 2.0 file");
     }
     for cut in 1..BASE.len() - 1 {
-        refusal("cut.gltf", &BASE[..cut], "no sound glTF 2.0 file");
+        refusal("cut.gltf", &BASE[..cut], "not a valid glTF 2.0 file");
     }
 }
 
-/// Its lists were objects then, and its version need not be given.
+/// Its lists were objects, and its version need not be declared.
 #[test]
 fn version_1_is_refused_by_name() {
     let old = r#"{"accessors": {"a": {"bufferView": "b", "componentType": 5126, "count": 3,
@@ -215,7 +215,7 @@ fn later_versions_are_read_if_they_are_of_2() {
     }
 }
 
-/// Rounded or not scaled at all, a rotation shall not shear.
+/// A rotation that is rounded or not normalized must not shear.
 #[test]
 fn rotations_are_made_unit_length() {
     for length in ["0.9", "1", "1e-20", "7e15"] {
@@ -225,14 +225,15 @@ fn rotations_are_made_unit_length() {
         let off = points.as_flattened().iter().zip(turned.as_flattened()).map(|(a, b)| a - b);
         assert!(off.map(f64::abs).fold(0.0, f64::max) < 1e-12, "{length}: {points:?}");
     }
-    // Without a length there is no axis, and nothing to turn about.
+    // An axis without length defines no rotation.
     assert_eq!(placed(r#""nodes": [{"mesh": 0, "rotation": [0, 0, 0, 0]}]"#), SQUARE);
-    // Too large for a single: serde_json says so, or, without its float_roundtrip, which
-    // other crates turn on for it, the reader.
+    // The number is too large for single precision. serde_json reports this. Without its feature
+    // float_roundtrip, which other crates enable for it, the reader reports it.
     bad(&[(SCENES, r#""nodes": [{"mesh": 0, "rotation": [0, 0, 1e39, 0]}]"#)], "");
 }
 
-/// What the crate would refuse of them is not looked at; but lines stay lines.
+/// Faults of such elements, which the crate would refuse, are ignored. The numbers of lines stay
+/// the same.
 #[test]
 fn what_no_mesh_needs_is_passed_over() {
     for part in ["animations", "cameras", "images", "materials", "samplers", "skins", "textures"] {

@@ -1,6 +1,6 @@
-//! What is refused.
+//! Files that are refused.
 
-use formats::{Place, read_scan};
+use formats::{Location, read_scan};
 
 use super::{SQUARE, bad, glb, good, json, square_bytes, square_glb, with_buffer};
 use crate::support::{case, refusal, refused, soup};
@@ -23,9 +23,9 @@ fn buffers_stay_in_the_folder() {
         "%ff",
     ] {
         let place = bad(&[("a%20b/square.bin", uri)], "outside of the file's folder");
-        assert_eq!(place, Some(Place::Element("buffer", 0)), "{uri}");
+        assert_eq!(place, Some(Location::Element("buffer", 0)), "{uri}");
     }
-    bad(&[("a%20b/square.bin", "a%20b")], "no file");
+    bad(&[("a%20b/square.bin", "a%20b")], "not in a regular file");
     bad(&[("a%20b/square.bin", "absent.bin")], "absent.bin");
 }
 
@@ -45,7 +45,7 @@ fn compression_is_refused_by_name() {
         let used = format!(r#""extensionsUsed": ["{name}"], "scene": 0"#);
         let required = used.replace("Used", "Required");
         bad(&[(r#""scene": 0"#, &required)], name);
-        // If it is not required there may be plain data too, or not.
+        // If the extension is not required, there may be plain data, too, or not.
         let plain = good(&[(r#""scene": 0"#, &used)], &square_bytes());
         assert_eq!(plain.points, SQUARE);
         bad(&[(r#""scene": 0"#, &used), (r#""bufferView": 0, "#, "")], name);
@@ -58,11 +58,11 @@ fn compression_is_refused_by_name() {
 
 #[test]
 fn what_does_not_fit_is_refused() {
-    let accessor = |i| Some(Place::Element("accessor", i));
-    let view = |i| Some(Place::Element("bufferView", i));
-    let buffer = |i| Some(Place::Element("buffer", i));
+    let accessor = |i| Some(Location::Element("accessor", i));
+    let view = |i| Some(Location::Element("bufferView", i));
+    let buffer = |i| Some(Location::Element("buffer", i));
     let huge = "18446744073709551615";
-    let cases: &[(&str, &str, &str, Option<Place>)] = &[
+    let cases: &[(&str, &str, &str, Option<Location>)] = &[
         (r#""count": 4"#, r#""count": 5"#, "beyond its buffer view", accessor(0)),
         (r#""count": 4"#, r#""count": 3"#, "vertex 3, but only 3", accessor(1)),
         (r#""count": 4"#, r#""count": 0"#, "vertex 0, but only 0", accessor(1)),
@@ -88,13 +88,13 @@ fn what_does_not_fit_is_refused() {
         (r#""componentType": 5123"#, r#""componentType": 5126"#, "unsigned", accessor(1)),
         (r#""type": "VEC3""#, r#""type": "VEC9""#, "unknown type", accessor(0)),
         ("\"byteLength\": 48", "\"byteLength\": 48, \"byteStride\": 8", "overlap", accessor(0)),
-        (r#""mesh": 0"#, r#""mesh": 1"#, "mesh that", Some(Place::Element("mesh", 1))),
-        (r#""nodes": [0]"#, r#""nodes": [1]"#, "node that", Some(Place::Element("node", 1))),
-        (r#""scene": 0"#, r#""scene": 1"#, "scene that", Some(Place::Element("scene", 1))),
+        (r#""mesh": 0"#, r#""mesh": 1"#, "mesh that", Some(Location::Element("mesh", 1))),
+        (r#""nodes": [0]"#, r#""nodes": [1]"#, "node that", Some(Location::Element("node", 1))),
+        (r#""scene": 0"#, r#""scene": 1"#, "scene that", Some(Location::Element("scene", 1))),
         (r#""mesh": 0"#, r#""mesh": 0, "scale": [1e39, 1, 1]"#, "", None),
         (r#""version": "2.0""#, r#""version": "1.0""#, "version 1.0", None),
-        (r#""asset""#, r#""assets""#, "no sound glTF", None),
-        (r#""scenes": ["#, r#""scenes": ]"#, "no sound glTF", None),
+        (r#""asset""#, r#""assets""#, "not a valid glTF", None),
+        (r#""scenes": ["#, r#""scenes": ]"#, "not a valid glTF", None),
     ];
     for (from, to, word, place) in cases {
         let found = bad(&[(from, to)], word);
@@ -104,7 +104,7 @@ fn what_does_not_fit_is_refused() {
 
 #[test]
 fn small_files_do_not_expand_without_bound() {
-    // 300 nodes place one mesh of 40,000 triangles; all from zeros.
+    // 300 nodes use one mesh of 40,000 triangles that consists of zeros.
     let nodes = r#"{"mesh": 0},"#.repeat(300);
     let list: Vec<String> = (0..300).map(|i| i.to_string()).collect();
     let swaps = [

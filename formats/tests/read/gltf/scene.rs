@@ -1,6 +1,6 @@
 //! Scenes, nodes and primitives.
 
-use formats::Place;
+use formats::Location;
 
 use super::{SQUARE, bad, good, square_bytes};
 use crate::support::polygons;
@@ -93,10 +93,10 @@ fn deep_and_cyclic_trees_end() {
         r#""nodes": [{"mesh": 0, "children": [0]}]"#,
         r#""nodes": [{"children": [1]}, {"children": [0], "mesh": 0}]"#,
     ] {
-        let place = bad(&[(one, nodes)], "below itself");
-        assert!(matches!(place, Some(Place::Element("node", _))));
+        let place = bad(&[(one, nodes)], "is its own descendant");
+        assert!(matches!(place, Some(Location::Element("node", _))));
     }
     let nodes = r#""nodes": [{"children": [1, 1]}, {"mesh": 0}]"#;
     let place = bad(&[(one, nodes)], "twice, below node 0 and below node 0");
-    assert_eq!(place, Some(Place::Element("node", 1)));
+    assert_eq!(place, Some(Location::Element("node", 1)));
 }

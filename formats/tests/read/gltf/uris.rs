@@ -1,8 +1,8 @@
-//! Where a file's buffers are.
+//! The places of a file's buffers.
 
 use std::fs;
 
-use formats::{Place, read_scan};
+use formats::{Location, read_scan};
 
 use super::{SQUARE, bad, data_uri, json, one_triangle, square_bytes};
 use crate::support::{case, polygons, refusal, refused, soup};
@@ -37,7 +37,7 @@ fn absent_files_are_refused_by_name() {
     for uri in ["absent.bin", "a%20b/absent.bin", "absent/square.bin", "BoxTextured0.bin"] {
         let name = uri.replace("%20", " ");
         let place = bad(&[("a%20b/square.bin", uri)], &name);
-        assert_eq!(place, Some(Place::Element("buffer", 0)), "{uri}");
+        assert_eq!(place, Some(Location::Element("buffer", 0)), "{uri}");
     }
     let error = refusal("alone.gltf", json(&[]), "square.bin");
     assert!(error.help.contains("beside the glTF file"));
@@ -53,7 +53,7 @@ fn files_may_be_longer_than_declared_but_not_shorter() {
         fs::write(&file, &square_bytes()[..length]).expect("a buffer");
         let word = format!("holds {length} of 60 bytes");
         let error = refused(read_scan(&case.path), &word);
-        assert_eq!(error.place, Some(Place::Element("buffer", 0)));
+        assert_eq!(error.place, Some(Location::Element("buffer", 0)));
     }
 }
 
@@ -87,12 +87,12 @@ fn data_of_every_media_type() {
     for (uri, word) in [
         ("data:;base64,", "holds 0 of 36"),
         ("data:;base64,AAAA", "holds 3 of 36"),
-        ("data:;base64,AAAAA", "no sound data URI"),
-        ("data:;base64,AA AA", "no sound data URI"),
-        ("data:;base64", "no sound data URI"),
-        ("data:", "no sound data URI"),
+        ("data:;base64,AAAAA", "not a valid data URI"),
+        ("data:;base64,AA AA", "not a valid data URI"),
+        ("data:;base64", "not a valid data URI"),
+        ("data:", "not a valid data URI"),
     ] {
         let error = refusal("data.gltf", one_triangle(uri), word);
-        assert_eq!(error.place, Some(Place::Element("buffer", 0)), "{uri}");
+        assert_eq!(error.place, Some(Location::Element("buffer", 0)), "{uri}");
     }
 }

@@ -12,7 +12,7 @@ impl Random {
     }
 }
 
-/// Bytes that mean something to some format.
+/// Bytes that have a meaning in some format.
 const TELLING: &[u8] = b"\0\x01\x7f\x80\xff\n\r \t-+.0159eEvf/#\\\"{}[],:";
 
 /// Damages a file in one to five places.
@@ -26,7 +26,7 @@ pub fn damage(file: &mut Vec<u8>, random: &mut Random) {
             (3, Some(_)) => drop(file.remove(at)),
             (4, _) => file.insert(at, byte),
             (_, Some(_)) if random.below(4) == 0 => file.truncate(at),
-            // A piece of the file once more, elsewhere.
+            // A part of the file is repeated elsewhere.
             _ => {
                 let end = file.len().min(at + random.below(24));
                 let piece = file[at..end].to_vec();

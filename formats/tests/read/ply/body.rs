@@ -1,11 +1,11 @@
-//! Rows: strips, lists, and rows that are not as the header says.
+//! Rows: strips, lists, and rows that do not agree with the header.
 
-use formats::Place;
+use formats::Location;
 
 use super::{LIST, POINTS, SQUARE, XYZ, ascii, binary, header};
 use crate::support::{polygons, refusal, soup};
 
-/// Binary strips over the square, their numbers of type short.
+/// Binary strips over the square. Their vertex numbers have the type short.
 fn strips(name: &str, swap: bool, rows: &[&[i16]]) -> Vec<u8> {
     let square = binary(name, swap);
     let count = rows.len();
@@ -65,30 +65,30 @@ fn lists_without_entries_are_passed_over() {
     file.extend(&square[square.len() - 17..]);
     file.push(0);
     assert_eq!(polygons(&soup("zero.ply", file.clone())), [[0, 1, 2, 3]]);
-    // A wrong length derails all that follows.
+    // A wrong length shifts everything that follows.
     let at = file.len() - 19;
     file[at] = 255;
     let error = refusal("derailed.ply", file, "ends after 0 of the 3");
-    assert_eq!(error.place, Some(Place::Face(0)));
+    assert_eq!(error.place, Some(Location::Face(0)));
 }
 
 #[test]
 fn rows_that_disagree_with_the_header_are_refused() {
     let good = ascii("3 0 1 2\n3 0 2 3\n");
     let swaps = [
-        // A column that the header does not have, and one that the rows do not.
-        ("3 0 1 2\n", "3 0 1 2 255\n", Some(Place::Line(14))),
-        ("1 1 0\n", "1 1 0 0 0 1\n", Some(Place::Line(12))),
-        ("float z\n", "float z\nproperty float q\n", Some(Place::Line(12))),
-        // A list whose length is too great, or too small.
-        ("3 0 1 2\n", "4 0 1 2\n", Some(Place::Line(15))),
-        ("3 0 1 2\n", "2 0 1 2\n", Some(Place::Line(14))),
+        // A column that is missing in the header, and a column that is missing in the rows.
+        ("3 0 1 2\n", "3 0 1 2 255\n", Some(Location::Line(14))),
+        ("1 1 0\n", "1 1 0 0 0 1\n", Some(Location::Line(12))),
+        ("float z\n", "float z\nproperty float q\n", Some(Location::Line(12))),
+        // A list with a length that is too large or too small.
+        ("3 0 1 2\n", "4 0 1 2\n", Some(Location::Line(15))),
+        ("3 0 1 2\n", "2 0 1 2\n", Some(Location::Line(14))),
     ];
     for (from, to, place) in swaps {
         let error = refusal("row.ply", good.replacen(from, to, 1), "more values in a row");
         assert_eq!(error.place, place, "{to}");
     }
-    // A list that only the header has: the next row's first number is none.
+    // A list that only the header has. The first number of the next row is not a valid length.
     let list = good.replace("float z\n", &format!("float z\n{LIST}"));
     refusal("list.ply", list.replace("1 0 0\n", ".5 0 0\n"), "unreadable vertex");
 }
@@ -96,10 +96,10 @@ fn rows_that_disagree_with_the_header_are_refused() {
 #[test]
 fn more_rows_than_announced_are_refused() {
     let good = ascii("3 0 1 2\n");
-    let word = "more data than its header announces";
+    let word = "more data than its header declares";
     refusal("rows.ply", good.clone() + "3 0 2 3\n", word);
     refusal("text.ply", good.clone() + "the end\n", word);
-    // DOS programs end text with a mark of its own.
+    // DOS programs end text with their own mark.
     assert_eq!(soup("dos.ply", good + "\x1a").points, SQUARE);
 }
 
@@ -110,12 +110,12 @@ fn huge_counts_cost_nothing() {
         let at = square.windows(16).position(|w| w == b"element vertex 4").expect("vertices");
         let huge = [&square[..at], b"element vertex 4000000000", &square[at + 16..]].concat();
         let error = refusal("huge.ply", huge, "ends after 5 of the 4000000000");
-        assert_eq!(error.place, Some(Place::Vertex(5)));
+        assert_eq!(error.place, Some(Location::Vertex(5)));
     }
 }
 
-/// Sent as text, a binary file gets a byte more for each line feed, or three
-/// bytes for each that is no UTF-8.
+/// A binary file that is sent as text gets an additional byte for each line feed, or three bytes
+/// for each byte that is not UTF-8.
 #[test]
 fn binaries_damaged_as_text_are_refused() {
     let elements = format!("element vertex 11\n{XYZ}element face 1\n{LIST}");
@@ -135,7 +135,7 @@ fn strips_name_what_is_negative() {
     let rows: [&[i16]; 2] = [&[0, 1, 2], &[0, 1, 2, -2]];
     let file = strips("binary_big_endian", true, &rows);
     let error = refusal("negative.ply", file, "strip with the negative vertex number -2");
-    assert_eq!(error.place, Some(Place::Element("row of tristrips", 1)));
+    assert_eq!(error.place, Some(Location::Element("row of tristrips", 1)));
 }
 
 #[test]
@@ -143,6 +143,6 @@ fn a_point_alone_is_no_number() {
     for word in [".", "-.", ".e5"] {
         let text = ascii("3 0 1 2\n").replace("1 1 0\n", &format!("1 {word} 0\n"));
         let error = refusal("point.ply", text, "unreadable vertex");
-        assert_eq!(error.place, Some(Place::Line(12)), "{word}");
+        assert_eq!(error.place, Some(Location::Line(12)), "{word}");
     }
 }

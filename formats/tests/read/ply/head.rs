@@ -1,6 +1,6 @@
-//! Headers: what may stand in them, and what they announce.
+//! Headers: their content and what they declare.
 
-use formats::Place;
+use formats::Location;
 
 use super::{LIST, POINTS, SQUARE, XYZ, ascii, binary, header};
 use crate::support::{polygons, refusal, soup};
@@ -17,7 +17,7 @@ fn comments_stand_anywhere() {
     }
 }
 
-/// Rhinoceros ends the header's lines with CR alone, and binary rows follow.
+/// Rhinoceros ends the lines of the header with CR alone, and binary rows follow.
 #[test]
 fn line_ends_of_binary_headers() {
     let elements = format!("element vertex 4\nproperty uchar t\n{XYZ}element face 1\n{LIST}");
@@ -63,7 +63,7 @@ fn spaces_and_tabs_separate() {
     assert_eq!(soup("spaces.ply", odd).points, SQUARE);
 }
 
-/// Editors on Windows put a byte order mark there.
+/// Editors on Windows write a byte order mark there.
 #[test]
 fn byte_order_mark_before_the_header() {
     let text = "\u{feff}".to_owned() + &ascii("3 0 1 2\n");
@@ -129,7 +129,7 @@ fn points_alone_are_refused() {
     for (more, rows) in [
         ("", ""),
         (&*format!("element face 0\n{LIST}"), ""),
-        // A range image names its rows so, and not faces.
+        // A range image uses this name for its rows instead of faces.
         (&*format!("element range_grid 2\n{LIST}"), "1 0\n0\n"),
         (lists, "3 0 1 2 1.1\n"),
     ] {
@@ -157,7 +157,7 @@ fn stray_header_lines_are_refused_by_line() {
         ("format ascii 1.0", "format ascii 1.0\nformat ascii 1.0", "unknown header line", 3),
     ] {
         let error = refusal("stray.ply", good.replacen(from, to, 1), word);
-        assert_eq!(error.place, Some(Place::Line(line)), "{to}");
+        assert_eq!(error.place, Some(Location::Line(line)), "{to}");
     }
 }
 

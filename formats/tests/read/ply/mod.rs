@@ -1,4 +1,4 @@
-//! PLY: what it may contain; and helpers for what is refused.
+//! PLY: supported features, and helpers for errors.
 
 mod body;
 mod head;
@@ -16,14 +16,14 @@ fn header(format: &str, rest: &str) -> String {
     format!("ply\nformat {format} 1.0\n{rest}end_header\n")
 }
 
-/// An ascii file with four vertices and `faces`.
+/// An ASCII file with four vertices and `faces`.
 fn ascii(faces: &str) -> String {
     let count = faces.lines().count();
     let elements = format!("element vertex 4\n{XYZ}element face {count}\n{LIST}");
     header("ascii", &elements) + POINTS + faces
 }
 
-/// A binary square of one quad, every number through `order`.
+/// A binary square of one quad. `order` converts every number.
 fn binary(name: &str, swap: bool) -> Vec<u8> {
     let order = |mut bytes: Vec<u8>| {
         if swap {

@@ -1,6 +1,6 @@
-//! What is refused.
+//! Files that are refused.
 
-use formats::Place;
+use formats::Location;
 
 use super::{ascii, binary, header};
 use crate::support::{read, refusal};
@@ -8,9 +8,9 @@ use crate::support::{read, refusal};
 #[test]
 fn bad_vertex_numbers_are_refused() {
     let error = refusal("range.ply", ascii("3 0 1 2\n3 0 1 4\n"), "vertex 4, but only 4");
-    assert_eq!(error.place, Some(Place::Face(1)));
+    assert_eq!(error.place, Some(Location::Face(1)));
     let error = refusal("negative.ply", ascii("3 0 1 2\n3 0 1 -1\n"), "negative");
-    assert_eq!(error.place, Some(Place::Face(1)));
+    assert_eq!(error.place, Some(Location::Face(1)));
 }
 
 #[test]
@@ -35,7 +35,7 @@ fn bad_headers_are_refused() {
     for (from, to, word) in swaps {
         assert!(good.contains(from));
         let error = refusal("header.ply", good.replacen(from, to, 1), word);
-        assert!(matches!(error.place, Some(Place::Line(_)) | None), "{error}");
+        assert!(matches!(error.place, Some(Location::Line(_)) | None), "{error}");
     }
     refusal("open.ply", "ply\nformat ascii 1.0\n", "no end_header");
     refusal("long.ply", format!("ply\ncomment {}", "x".repeat(1 << 20)), "endless header");
@@ -51,7 +51,7 @@ fn wrong_counts_are_refused() {
     refusal("many.ply", good.clone() + "3 0 2 3\n", "more data");
     let row = good.replace("1 1 0\n", "1 1 0 255\n");
     let error = refusal("row.ply", row, "more values");
-    assert_eq!(error.place, Some(Place::Line(12)));
+    assert_eq!(error.place, Some(Location::Line(12)));
     refusal("list.ply", good.replace("3 0 1 2", "4000000000 0 1 2"), "ends after 0");
     refusal("list.ply", good.replace("3 0 1 2", "-3 0 1 2"), "unreadable face");
     let number = refusal("word.ply", good.replace("1 1 0", "1 1,5 0"), "unreadable vertex");
@@ -65,7 +65,7 @@ fn cut_binaries_are_refused() {
         let body = file.len() - (48 + 17);
         for cut in body..file.len() {
             let error = refusal("cut.ply", &file[..cut], "ends after");
-            assert!(matches!(error.place, Some(Place::Vertex(_) | Place::Face(0))));
+            assert!(matches!(error.place, Some(Location::Vertex(_) | Location::Face(0))));
         }
         let mut long = file.clone();
         long.extend([0; 9]);

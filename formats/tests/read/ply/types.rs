@@ -1,6 +1,6 @@
-//! Every type of number, in both spellings and both byte orders.
+//! Every type of number, with both names and both byte orders.
 
-use formats::Place;
+use formats::Location;
 
 use super::{LIST, XYZ, ascii, header};
 use crate::support::{polygons, refusal, soup};
@@ -16,7 +16,7 @@ const KINDS: [[&str; 2]; 8] = [
     ["double", "float64"],
 ];
 
-/// How many of the types are integers.
+/// The number of integer types.
 const INTEGERS: usize = 6;
 
 const ORDERS: [(&str, bool); 2] = [("binary_little_endian", false), ("binary_big_endian", true)];
@@ -36,8 +36,8 @@ fn number(kind: usize, value: i64, swap: bool) -> Vec<u8> {
     bytes
 }
 
-/// A triangle at (0,0,9), (7,0,9), (0,100,9): its coordinates of type `xyz`,
-/// its list's length of type `count` and its corners of type `corner`.
+/// A triangle at (0,0,9), (7,0,9), (0,100,9). Its coordinates have the type `xyz`, the length of
+/// its list has the type `count`, and its corners have the type `corner`.
 fn triangle(
     order: (&str, bool),
     xyz: [usize; 2],
@@ -189,6 +189,6 @@ fn the_greatest_corner_is_out_of_range() {
         let at = file.len() - width;
         file[at..].fill(0xff);
         let error = refusal("range.ply", file, &format!("vertex {greatest}, but only 3"));
-        assert_eq!(error.place, Some(Place::Face(0)));
+        assert_eq!(error.place, Some(Location::Face(0)));
     }
 }

@@ -1,0 +1,135 @@
+//! The messages of `convert`: what it read, what each stage made, and the result.
+
+use scan2step::mesh::{Bound, FaceOrigin, Patch};
+use scan2step::report::ScanSource;
+use scan2step::words::{mm, plural};
+use scan2step::{Conversion, Stage};
+
+use super::args::{ComponentChoice, Convert};
+use super::input::Scan;
+use super::progress::ProgressDisplay;
+use super::{Outcome, streams};
+
+/// What a stage made, in one line.
+pub fn made(stage: &Stage) -> String {
+    match stage {
+        Stage::Mesh(disk) => {
+            let (points, triangles) = (disk.mesh.points.len(), disk.mesh.triangles.len());
+            let holes = plural(disk.holes.len(), "hole");
+            format!("{points} vertices, {triangles} triangles, {holes}")
+        }
+        Stage::Fill(patch) => {
+            let filled = count(patch, |origin| matches!(origin, FaceOrigin::Hole(_)));
+            let holes = plural(patch.rims.len(), "hole");
+            format!("{holes} filled with {}", plural(filled, "triangle"))
+        }
+        Stage::Parameterize(map, _) => match count(&map.patch, |o| *o == FaceOrigin::Bay) {
+            0 => String::new(),
+            bays => format!("around bays with {}", plural(bays, "triangle")),
+        },
+        Stage::Fit(surface) => {
+            let [m, n] = surface.shape();
+            format!("{m} × {n} control points")
+        }
+        Stage::Trim(_, loops) => plural(loops.len(), "trim loop"),
+        _ => String::new(),
+    }
+}
+
+/// The triangles of a patch that have such an origin.
+fn count(patch: &Patch, of: impl Fn(&FaceOrigin) -> bool) -> usize {
+    patch.origin.iter().filter(|origin| of(origin)).count()
+}
+
+/// The counts of the scan's file.
+pub fn came_in(scan: &Scan) -> String {
+    let ScanSource { vertices, triangles, .. } = scan.source;
+    format!("{}: {vertices} vertices, {triangles} triangles", scan.path.display())
+}
+
+/// Says which unit the scan has, if it is not declared as mm.
+pub fn assumed(progress: &ProgressDisplay, scan: &Scan) {
+    let ScanSource { unit, unit_assumed, .. } = scan.source;
+    if unit_assumed {
+        progress.say("units: the file does not say; assuming mm (--units to change)");
+    } else if unit.in_mm() != 1.0 {
+        progress.say(&format!("units: {}", unit.symbol()));
+    }
+}
+
+/// Says what was repaired, and how often.
+pub fn repaired(progress: &ProgressDisplay, (kind, count): (&&str, &usize)) {
+    progress.say(&format!("repaired: {count} {}", kind.replace('_', " ")));
+}
+
+/// Says what the conversion left out and kept, and which tolerance it chose.
+pub fn found(progress: &ProgressDisplay, args: &Convert, c: &Conversion) {
+    if c.input.left_out > 0 && args.how.component != ComponentChoice::All {
+        progress.say(&format!(
+            "component: 1 of {}, {} triangles; left out {} triangles in the others",
+            c.input.components, c.input.triangles, c.input.left_out
+        ));
+    }
+    if c.input.islands > 0 {
+        let triangles = c.input.island_triangles;
+        progress.say(&format!("islands: {} kept, {triangles} triangles", c.input.islands));
+    }
+    if c.smooth.outliers > 0 {
+        progress
+            .say(&format!("smooth: {} left out of the fits", plural(c.smooth.outliers, "outlier")));
+    }
+    if !c.tolerance_named {
+        progress.say(&format!(
+            "tolerance: {}, {} (--tolerance to change)",
+            mm(c.tolerance),
+            why(c)
+        ));
+    }
+}
+
+/// Why a tolerance that the user did not name has its value.
+fn why(c: &Conversion) -> String {
+    match c.smooth.noise {
+        0.0 => "from what flat triangles miss, as the scan shows no noise".into(),
+        noise if c.tolerance > 3.01 * noise => {
+            format!("1/10,000 of the scan's size, as its noise is only {}", mm(noise))
+        }
+        noise => format!("three times the noise of {}", mm(noise)),
+    }
+}
+
+/// Whether the face is as good as the scan, in a sentence.
+fn quality(c: &Conversion) -> String {
+    let all = c.fit_deviation.distances.len();
+    let within = 100.0 * (1.0 - c.missed.points as f64 / all.max(1) as f64);
+    format!(
+        "the face is as good as the scan: {within:.2} % of the points are within {} of it",
+        mm(c.tolerance)
+    )
+}
+
+/// The result in one line.
+pub fn result(progress: &ProgressDisplay, args: &Convert, c: &Conversion) {
+    let [m, n] = c.surface.shape();
+    let files = args.out.iter().map(|f| &f.path).chain(args.report.iter().map(|f| &f.path));
+    let files: Vec<_> = files.map(|path| path.display().to_string()).collect();
+    progress.result(&format!(
+        "{m} × {n} control points, rms {}, max {}, {} cut out → {}",
+        mm(c.fit_deviation.rms),
+        mm(c.fit_deviation.max),
+        plural(c.loops.iter().filter(|l| matches!(l.of, Bound::Hole(_))).count(), "hole"),
+        files.join(", ")
+    ));
+    if !c.tolerance_named && c.tolerance_met(args.how.outliers / 100.0) {
+        progress.say(&quality(c));
+    }
+}
+
+/// Says so if the face misses a tolerance that the user named.
+pub fn verdict(args: &Convert, c: &Conversion) -> Outcome {
+    if args.how.tolerance.is_none() || c.tolerance_met(args.how.outliers / 100.0) {
+        return Outcome::Done;
+    }
+    streams::say(format_args!("tolerance not met: {}", c.beyond()));
+    Outcome::Missed
+}

@@ -1,0 +1,83 @@
+//! Places on the scan that a user names by a vertex or by coordinates.
+
+use formats::Soup;
+
+use super::Options;
+use crate::geometry::Point;
+use crate::mesh::Outer;
+use crate::{Error, Result, smooth};
+
+/// A place on the scan, in the terms of its file.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(untagged))]
+pub enum ScanPlace {
+    /// A vertex. The file counts them from 0 ([`Soup::points`]).
+    Vertex(usize),
+    /// A point, in the scan's own numbers.
+    Point([f64; 3]),
+}
+
+impl ScanPlace {
+    /// The place in mm, for a scan whose numbers are so many `mm`.
+    ///
+    /// # Errors
+    /// [`Error::Vertex`]: the scan has no such vertex.
+    pub fn resolve(self, soup: &Soup, mm: f64) -> Result<Point> {
+        let point = match self {
+            ScanPlace::Point(point) => point,
+            ScanPlace::Vertex(asked) => {
+                let count = soup.points.len();
+                *soup.points.get(asked).ok_or(Error::Vertex { asked, count })?
+            }
+        };
+        Ok(Point::from(point.map(|x| x * mm)))
+    }
+}
+
+/// The places that options name in the terms of the scan's file. They become points in mm once
+/// the scan is known.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub(crate) struct NamedPlaces {
+    pub(crate) outer: Option<ScanPlace>,
+    pub(crate) corners: Option<Vec<ScanPlace>>,
+    pub(crate) boundary_corners: Option<Vec<ScanPlace>>,
+    /// Whether the other options have the points of these places.
+    pub(crate) resolved: bool,
+}
+
+impl NamedPlaces {
+    /// Whether there are places of which the points are not known yet.
+    pub(crate) fn are_open(&self) -> bool {
+        let any = self.outer.is_some() || self.corners.is_some() || self.boundary_corners.is_some();
+        any && !self.resolved
+    }
+}
+
+impl Options {
+    /// The same with the points of all places that were named in the terms of the scan's file:
+    /// [`Builder::outer_place`](crate::Builder::outer_place) and the like.
+    /// [`convert`](crate::convert) does this by itself;
+    /// [`convert_component`](crate::convert_component) has no soup to look the places up in.
+    ///
+    /// # Errors
+    /// [`Error::Vertex`]: the scan has no such vertex.
+    pub fn resolved(&self, soup: &Soup) -> Result<Options> {
+        let mm = self.unit_of(soup);
+        let all = |places: &Vec<ScanPlace>| -> Result<Vec<Point>> {
+            places.iter().map(|place| place.resolve(soup, mm)).collect()
+        };
+        let mut options = self.clone();
+        options.places.resolved = true;
+        if let Some(place) = self.places.outer {
+            options.outer = Outer::Near(place.resolve(soup, mm)?);
+        }
+        if let Some(places) = &self.places.corners {
+            let wrong = |_| Error::Corners("not four places".into());
+            options.parameterize.corners = Some(all(places)?.try_into().map_err(wrong)?);
+        }
+        if let Some(places) = &self.places.boundary_corners {
+            options.smooth.corners = smooth::Corners::At(all(places)?);
+        }
+        Ok(options)
+    }
+}

@@ -1,0 +1,149 @@
+//! The report of `check`: how far a CAD file is from a scan.
+
+use formats::cad::CadModel;
+
+use super::{DeviationFigures, ScanSource, VERSION};
+use crate::check;
+use crate::deviation::Deviation;
+
+/// How far the faces of a CAD file and a scan are from each other.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct CheckFigures {
+    /// The version of this library.
+    pub scan2step: &'static str,
+    /// The CAD file.
+    pub cad: CadFigures,
+    /// The scan.
+    pub scan: CheckedScan,
+    /// Distances of the scan's points from the faces.
+    pub scan_to_face: DistanceFigures,
+    /// Distances of samples of the faces from the scan's triangles.
+    pub face_to_scan: DistanceFigures,
+    /// The tolerance that was asked for, if one was.
+    pub tolerance_mm: Option<f64>,
+    /// The percentage of points, and of samples, that may exceed it.
+    pub outliers_pct: f64,
+    /// Whether both directions keep the tolerance.
+    pub tolerance_met: bool,
+}
+
+/// What a CAD file has.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct CadFigures {
+    /// The file as the caller named it.
+    pub file: String,
+    /// The part's name; empty if it has none.
+    pub name: String,
+    /// Faces.
+    pub faces: usize,
+    /// Loops of all the faces.
+    pub loops: usize,
+    /// Area of all the faces.
+    pub area_mm2: f64,
+    /// The farthest that an edge is from the surface of its face.
+    pub max_off_surface_mm: f64,
+    /// How far the chords that stand for edges may be from them.
+    pub resolution_mm: f64,
+}
+
+/// The part of a scan that faces were measured against.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct CheckedScan {
+    /// The file as the caller named it.
+    pub file: String,
+    /// The symbol of the unit of its numbers.
+    pub units: &'static str,
+    /// Whether neither the file nor the caller names the unit.
+    pub units_assumed: bool,
+    /// Components of the scan.
+    pub components: usize,
+    /// Components that the faces were measured against.
+    pub components_measured: usize,
+    /// Triangles in the other components.
+    pub left_out_triangles: usize,
+}
+
+/// Distances in one direction.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct DistanceFigures {
+    /// Mean, percentiles and the largest distance.
+    #[cfg_attr(feature = "serde", serde(flatten))]
+    pub deviation: DeviationFigures,
+    /// How many points were measured.
+    pub points: usize,
+    /// How many of them exceed the tolerance, if one was asked for.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub beyond: Option<usize>,
+}
+
+impl DistanceFigures {
+    fn of(d: &Deviation, tolerance: Option<f64>) -> Self {
+        DistanceFigures {
+            deviation: DeviationFigures::of(d),
+            points: d.distances.len(),
+            beyond: tolerance.map(|tolerance| d.beyond(tolerance)),
+        }
+    }
+
+    /// Whether at most so many percent of the points exceed the tolerance. Without a tolerance
+    /// they do.
+    pub fn keeps(&self, outliers_pct: f64) -> bool {
+        let most = outliers_pct / 100.0 * self.points as f64;
+        self.beyond.is_none_or(|beyond| beyond as f64 <= most)
+    }
+}
+
+impl CheckFigures {
+    /// The figures of what [`check::check`] found between the model read from `file` and a
+    /// scan. `tolerance` is mm.
+    pub fn of(
+        found: &check::Report,
+        (file, model): (impl Into<String>, &CadModel),
+        scan: CheckedScan,
+        tolerance: Option<f64>,
+        outliers_pct: f64,
+    ) -> Self {
+        let [scan_to_face, face_to_scan] = [&found.scan_to_face, &found.face_to_scan]
+            .map(|deviation| DistanceFigures::of(deviation, tolerance));
+        let tolerance_met = scan_to_face.keeps(outliers_pct) && face_to_scan.keeps(outliers_pct);
+        CheckFigures {
+            scan2step: VERSION,
+            cad: CadFigures {
+                file: file.into(),
+                name: model.name.clone(),
+                faces: found.faces,
+                loops: found.loops,
+                area_mm2: found.area,
+                max_off_surface_mm: found.max_off_surface,
+                resolution_mm: found.resolution,
+            },
+            scan,
+            scan_to_face,
+            face_to_scan,
+            tolerance_mm: tolerance,
+            outliers_pct,
+            tolerance_met,
+        }
+    }
+}
+
+impl CheckedScan {
+    /// `measured` of the `components` of a scan, without so many triangles in the others.
+    pub fn of(source: &ScanSource, components: usize, measured: usize, left_out: usize) -> Self {
+        CheckedScan {
+            file: source.file.clone(),
+            units: source.unit.symbol(),
+            units_assumed: source.unit_assumed,
+            components,
+            components_measured: measured,
+            left_out_triangles: left_out,
+        }
+    }
+}

@@ -1,0 +1,157 @@
+//! The scan of a report: its file, and the component that was converted or looked at.
+
+use formats::{LengthUnit, Soup};
+
+use crate::mesh::Repairs;
+use crate::{InputReport, Inspection, Options};
+
+/// A scan as it was read.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ScanSource {
+    /// The file as the caller named it.
+    pub file: String,
+    /// The unit of its numbers.
+    pub unit: LengthUnit,
+    /// Whether neither the file nor the caller names the unit.
+    pub unit_assumed: bool,
+    /// Vertices of the file, as they are before any repair.
+    pub vertices: usize,
+    /// Triangles of the file. A polygon of n corners counts as n − 2.
+    pub triangles: usize,
+}
+
+impl ScanSource {
+    /// The scan that `soup` was read from, with the unit that a conversion with these options
+    /// takes. A length that is no unit of its own ([`Builder::unit_mm`](crate::Builder::unit_mm))
+    /// counts as millimetres.
+    pub fn of(file: impl Into<String>, soup: &Soup, options: &Options) -> Self {
+        let declared = options.unit().or(soup.unit);
+        ScanSource {
+            file: file.into(),
+            unit: declared.unwrap_or(LengthUnit::Millimetre),
+            unit_assumed: declared.is_none(),
+            vertices: soup.points.len(),
+            triangles: soup.polygons.triangle_count(),
+        }
+    }
+}
+
+/// The scan's file and the component of it.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct InputFigures {
+    /// The file as the caller named it.
+    pub file: String,
+    /// The symbol of the unit of its numbers.
+    pub units: &'static str,
+    /// Whether neither the file nor the caller names the unit.
+    pub units_assumed: bool,
+    /// Vertices of the file, as they are before any repair.
+    pub file_vertices: usize,
+    /// Triangles of the file. A polygon of n corners counts as n − 2.
+    pub file_triangles: usize,
+    /// Vertices of the component.
+    pub vertices: usize,
+    /// Triangles of the component.
+    pub triangles: usize,
+    /// Components of the scan.
+    pub components: usize,
+    /// Other components that lie in the holes of this one and belong to the face.
+    pub islands: usize,
+    /// Triangles of these.
+    pub island_triangles: usize,
+    /// Boundary loops of the component.
+    pub boundary_loops: usize,
+    /// What was repaired: kind and count.
+    pub repairs: Repairs,
+}
+
+impl InputFigures {
+    /// The figures of one component of a scan.
+    pub fn of(input: &InputReport, source: &ScanSource) -> Self {
+        InputFigures {
+            file: source.file.clone(),
+            units: source.unit.symbol(),
+            units_assumed: source.unit_assumed,
+            file_vertices: source.vertices,
+            file_triangles: source.triangles,
+            vertices: input.vertices,
+            triangles: input.triangles,
+            components: input.components,
+            islands: input.islands,
+            island_triangles: input.island_triangles,
+            boundary_loops: input.boundary_loops,
+            repairs: input.repairs.clone(),
+        }
+    }
+}
+
+/// What a component of a scan is, without a conversion: the report of `inspect`.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct InspectionFigures {
+    /// The scan's file and the component.
+    #[cfg_attr(feature = "serde", serde(flatten))]
+    pub input: InputFigures,
+    /// The genus: handles of a two-sided surface, a whole number; half the cross-caps of a
+    /// one-sided surface.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize_genus"))]
+    pub genus: f64,
+    /// Whether the surface has two sides.
+    pub orientable: bool,
+    /// Whether the surface is a disk with holes, and can become a face.
+    pub disk: bool,
+    /// The boundary loops. The list is empty for a one-sided surface.
+    pub loops: Vec<RimFigures>,
+    /// The lowest and the highest coordinates.
+    pub bounds_mm: [[f64; 3]; 2],
+    /// Triangles in the components left out.
+    pub left_out_triangles: usize,
+    /// Standard deviation of the noise along the normal.
+    pub noise_mm: f64,
+}
+
+/// A boundary loop of a scan.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct RimFigures {
+    /// Its length.
+    pub length_mm: f64,
+    /// Its vertices.
+    pub vertices: usize,
+    /// Whether it is the outer loop; the others are the rims of holes.
+    pub outer: bool,
+}
+
+impl InspectionFigures {
+    /// The figures of what [`inspect`](crate::inspect) found.
+    pub fn of(found: &Inspection, source: &ScanSource) -> Self {
+        let rim = |(i, &(length_mm, vertices)): (usize, &(f64, usize))| RimFigures {
+            length_mm,
+            vertices,
+            outer: found.outer == Some(i),
+        };
+        InspectionFigures {
+            input: InputFigures::of(&found.input, source),
+            genus: found.topology.genus(),
+            orientable: found.topology.orientable,
+            disk: found.topology.is_disk(),
+            loops: found.loops.iter().enumerate().map(rim).collect(),
+            bounds_mm: found.bounds,
+            left_out_triangles: found.input.left_out,
+            noise_mm: found.noise,
+        }
+    }
+}
+
+/// A whole number without a decimal point, as the genus of a two-sided surface is.
+#[cfg(feature = "serde")]
+fn serialize_genus<S: serde::Serializer>(genus: &f64, serializer: S) -> Result<S::Ok, S::Error> {
+    if genus.fract() == 0.0 {
+        serializer.serialize_i64(*genus as i64)
+    } else {
+        serializer.serialize_f64(*genus)
+    }
+}

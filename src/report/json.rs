@@ -1,0 +1,48 @@
+//! Reports as JSON text.
+
+use std::io::{self, Write};
+
+use serde_json::Value;
+
+use super::{CheckFigures, InspectionFigures, Report};
+
+impl Report {
+    /// The report as JSON, with a line feed at the end. `docs/report.schema.json` describes it.
+    /// Keys are sorted; numbers that are not finite are `null`.
+    pub fn to_json(&self) -> String {
+        format!("{:#}\n", self.to_value())
+    }
+
+    /// Writes the same text.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write_json(&self, out: &mut dyn Write) -> io::Result<()> {
+        out.write_all(self.to_json().as_bytes())
+    }
+
+    /// The report as a JSON value.
+    pub fn to_value(&self) -> Value {
+        value(self)
+    }
+}
+
+impl InspectionFigures {
+    /// The figures as JSON, as `inspect --json` prints them.
+    pub fn to_json(&self) -> String {
+        format!("{:#}\n", value(self))
+    }
+}
+
+impl CheckFigures {
+    /// The figures as JSON, as `check --json` prints them.
+    pub fn to_json(&self) -> String {
+        format!("{:#}\n", value(self))
+    }
+}
+
+/// A report as a JSON value. It only has fields with names, numbers and text, of which none is
+/// refused.
+fn value(report: &impl serde::Serialize) -> Value {
+    serde_json::to_value(report).unwrap_or(Value::Null)
+}

@@ -1,0 +1,190 @@
+//! Reports: what a conversion did and how well, as types, text, a page and a picture.
+//!
+//! [`Report`] goes in front of all of them: it is made of one or more [`Conversion`]s, the
+//! [`ScanSource`] that they came from and the [`Settings`] that they were made with. The program's
+//! `--report FILE` writes the same types, and `docs/report.schema.json` describes them.
+//!
+//! | feature | what it adds |
+//! | --- | --- |
+//! | none | the types: [`Report`], [`FaceFigures`] and their parts |
+//! | `serde` | `serde::Serialize` for all of them |
+//! | `json` | `Report::to_json`, the text of `--report FILE.json` |
+//! | `picture` | `FaceView` and `picture_png`, the picture of `--report FILE.png` |
+//! | `html` | `Report::write_html`, the page of `--report FILE.html` |
+//!
+//! Lengths are millimetres, points are x, y, z. Each field has the name that the JSON has.
+
+mod check;
+mod figures;
+mod hints;
+mod input;
+#[cfg(feature = "json")]
+mod json;
+mod settings;
+
+#[cfg(feature = "picture")]
+mod histogram;
+#[cfg(feature = "picture")]
+mod scale;
+#[cfg(feature = "picture")]
+mod still;
+#[cfg(feature = "picture")]
+mod view;
+
+#[cfg(feature = "html")]
+mod html;
+#[cfg(feature = "html")]
+mod plane;
+#[cfg(feature = "html")]
+mod scene;
+
+pub use check::{CadFigures, CheckFigures, CheckedScan, DistanceFigures};
+pub use figures::{
+    DeviationFigures, FaceFigures, FaceToScanFigures, FillFigures, FitFigures, HoleFigures,
+    MapFigures, SmoothFigures, TrimFigures, TrimOf,
+};
+pub use input::{InputFigures, InspectionFigures, RimFigures, ScanSource};
+pub use settings::{Setting, Settings};
+#[cfg(feature = "picture")]
+pub use still::picture_png;
+#[cfg(feature = "picture")]
+pub use view::{FaceView, ViewRecorder};
+
+use crate::Conversion;
+
+/// What a run was asked for, what it made and how well.
+///
+/// ```
+/// use scan2step::formats::{LengthUnit, Soup};
+/// use scan2step::report::{Report, Settings, ScanSource};
+/// use scan2step::{Options, convert};
+///
+/// # fn main() -> scan2step::Result<()> {
+/// // A flat sheet of 20 × 20 cm.
+/// let mut soup = Soup { unit: Some(LengthUnit::Centimetre), ..Soup::default() };
+/// for k in 0..21 * 21 {
+///     soup.points.push([f64::from(k % 21), f64::from(k / 21), 0.0]);
+/// }
+/// for a in (0..21 * 20).filter(|a| a % 21 < 20) {
+///     soup.polygons.push([a, a + 1, a + 22, a + 21]);
+/// }
+/// let options = Options::builder().tolerance(0.1).build()?;
+/// let conversion = convert(&soup, &options, &mut |_| Ok(()))?;
+///
+/// let source = ScanSource::of("sheet.ply", &soup, &options);
+/// let settings = Settings::of(&options, &source);
+/// let report = Report::of(&[conversion], &source, settings);
+/// let face = &report.faces[0];
+/// assert_eq!(face.input.units, "cm");
+/// assert!(face.tolerance_met && face.fit.max_mm < 0.1);
+/// // With the feature `json`: std::fs::write("sheet.json", report.to_json())?;
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Report {
+    /// The version of this library.
+    pub scan2step: &'static str,
+    /// The figures of each face, in the order of the conversions. In the JSON the figures of
+    /// the first face stand beside the other fields, and all are in `components` if there are
+    /// several.
+    #[cfg_attr(feature = "serde", serde(flatten, serialize_with = "serialize_faces"))]
+    pub faces: Vec<FaceFigures>,
+    /// Whether the caller named the tolerance.
+    pub tolerance_named: bool,
+    /// The percentage of points that may exceed the tolerance.
+    pub outliers_pct: f64,
+    /// What the caller asked for; `options` in the JSON.
+    #[cfg_attr(feature = "serde", serde(rename = "options"))]
+    pub settings: Settings,
+    /// What could be better, and what to do about it: one sentence each. Options have the
+    /// names that they have on the command line.
+    pub hints: Vec<String>,
+    /// How long each stage took. The caller fills it in, as it has the clock.
+    pub stages: Vec<StageFigures>,
+    /// The files that were written. The caller fills it in.
+    pub outputs: Vec<OutputFile>,
+    /// Seconds since the run began. The caller fills it in.
+    pub seconds: f64,
+    /// The largest resident memory of the process, in MB (10⁶ bytes). The caller fills it in.
+    pub peak_rss_mb: f64,
+}
+
+/// What one stage took.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct StageFigures {
+    /// Its name ([`Stage::name`](crate::Stage::name)), or "read" or "write".
+    pub name: String,
+    /// How long it took.
+    pub seconds: f64,
+    /// The largest resident memory of the process up to its end, in MB (10⁶ bytes).
+    pub peak_rss_mb: f64,
+}
+
+/// A file that a run has written.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+pub struct OutputFile {
+    /// The file as the caller named it.
+    pub file: String,
+    /// Its length.
+    pub bytes: u64,
+    /// The SHA-256 of its content, in hexadecimal.
+    pub sha256: String,
+}
+
+/// The version of this library.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
+
+impl Report {
+    /// The report of some conversions of one scan. Stages, outputs, seconds and memory are
+    /// empty or 0 until the caller fills them in.
+    pub fn of(conversions: &[Conversion], source: &ScanSource, settings: Settings) -> Self {
+        let outliers = settings.outliers / 100.0;
+        Report {
+            scan2step: VERSION,
+            faces: conversions.iter().map(|c| FaceFigures::of(c, source, outliers)).collect(),
+            tolerance_named: settings.tolerance.is_some(),
+            outliers_pct: settings.outliers,
+            hints: hints::of(conversions, source, &settings),
+            settings,
+            stages: Vec::new(),
+            outputs: Vec::new(),
+            seconds: 0.0,
+            peak_rss_mb: 0.0,
+        }
+    }
+
+    /// The name of the scan's file without its folder; empty if there is no face.
+    #[cfg(feature = "html")]
+    fn name(&self) -> String {
+        self.faces.first().map_or(String::new(), |face| file_name(&face.input.file))
+    }
+}
+
+/// The name of a file without its folder.
+#[cfg(feature = "html")]
+fn file_name(path: &str) -> String {
+    let path = std::path::Path::new(path);
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}
+
+/// The figures of the first face, and all of them if there are several.
+#[cfg(feature = "serde")]
+fn serialize_faces<S: serde::Serializer>(
+    faces: &[FaceFigures],
+    serializer: S,
+) -> Result<S::Ok, S::Error> {
+    #[derive(serde::Serialize)]
+    struct Faces<'a> {
+        #[serde(flatten)]
+        first: Option<&'a FaceFigures>,
+        #[serde(skip_serializing_if = "Option::is_none")]
+        components: Option<&'a [FaceFigures]>,
+    }
+    let components = (faces.len() > 1).then_some(faces);
+    serde::Serialize::serialize(&Faces { first: faces.first(), components }, serializer)
+}

@@ -1,0 +1,45 @@
+//! The ends of colour scales, and numbers beside them.
+
+use super::FaceView;
+use crate::Conversion;
+use crate::deviation::Deviation;
+use crate::picture::scale::rounded_up;
+
+/// The ends of the colour scales, in mm.
+pub(super) struct Ends {
+    pub measured: f64,
+    #[cfg(feature = "html")]
+    pub smoothed: f64,
+}
+
+/// The end of a scale as a multiple of the 95th percentile of the distances. The few points
+/// that are farthest would make all others look alike.
+const SPREAD: f64 = 1.3;
+
+/// The tolerance is put on the scale unless it is more than this multiple of that end: the
+/// distances would have no colours then.
+const NEAR: f64 = 3.0;
+
+impl Ends {
+    pub fn of(faces: &[(&Conversion, &FaceView)]) -> Ends {
+        Ends {
+            measured: end(faces, |c| &c.deviation),
+            #[cfg(feature = "html")]
+            smoothed: end(faces, |c| &c.fit_deviation),
+        }
+    }
+}
+
+fn end(faces: &[(&Conversion, &FaceView)], of: fn(&Conversion) -> &Deviation) -> f64 {
+    let tolerance = faces.iter().map(|(c, _)| c.tolerance).fold(0.0, f64::max);
+    let most = SPREAD * faces.iter().map(|(c, _)| of(c).p95).fold(0.0, f64::max);
+    let with_tolerance = 1.1 * tolerance;
+    rounded_up(if with_tolerance < NEAR * most { most.max(with_tolerance) } else { most })
+}
+
+/// A number with three significant digits, without zeros at the end.
+pub(super) fn short(x: f64) -> String {
+    let digits = if x > 0.0 { 2 - x.log10().floor() as i32 } else { 0 };
+    let text = format!("{x:.*}", digits.clamp(0, 14) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}

@@ -1,0 +1,155 @@
+//! What the caller asked for, by the names that options have on the command line.
+
+use formats::{iges, step};
+
+use super::ScanSource;
+use super::figures::fit_method;
+use crate::geometry::Point;
+use crate::mesh::{Choice, Outer};
+use crate::smooth::{Corners, Support};
+use crate::{Cut, Options, ScanPlace, parameterize};
+
+/// What the caller asked for. `None`, and "auto", leave it to what is found on the scan.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct Settings {
+    /// The symbol of the unit of the scan's numbers.
+    pub units: Option<&'static str>,
+    /// A place on the outer boundary loop: one item.
+    pub outer: Option<Vec<ScanPlace>>,
+    /// The farthest that a point of the smoothed scan may be from the face, in mm.
+    pub tolerance: Option<f64>,
+    /// How far a trim loop may be from the measured rim, in mm.
+    pub rim_tolerance: Option<f64>,
+    /// The percentage of points that may exceed the tolerance.
+    pub outliers: f64,
+    /// The four corners of the domain.
+    pub corners: Option<Vec<ScanPlace>>,
+    /// Where the outer boundary goes: "auto", "sides" or "trimmed".
+    pub outline: &'static str,
+    /// The map to the parameter plane: "least-stretch" or "mean-value".
+    pub map: &'static str,
+    /// Where smoothing keeps a corner of the boundary: "auto", "none" or places.
+    pub boundary_corners: Setting<Vec<ScanPlace>>,
+    /// Support of the smoothing: "auto", "off" or a length in mm.
+    pub smooth: Setting<f64>,
+    /// How to fit: "blend", "refined" or "global".
+    pub fit: &'static str,
+    /// The paper's κ, in mm.
+    pub kappa: Option<f64>,
+    /// The largest number of times that the domain is halved.
+    pub depth: Option<u32>,
+    /// Control points of a uniform net along u and v.
+    pub net: Option<[usize; 2]>,
+    /// The largest number of control points.
+    pub max_net: usize,
+    /// Holes with a rim shorter than this, in mm, stay filled.
+    pub fill_only_holes_below: Option<f64>,
+    /// Whether all holes stay filled.
+    pub keep_fills: bool,
+    /// Which component: "largest", "all" or a number.
+    pub component: Setting<usize>,
+    /// The schema of STEP files: "ap203", "ap214" or "ap242".
+    pub schema: &'static str,
+    /// The form of IGES files: "trimmed" or "brep".
+    pub iges: &'static str,
+}
+
+/// One of a few words, or a value.
+#[derive(Debug, Clone, Copy, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize), serde(untagged))]
+pub enum Setting<T> {
+    /// One of the words that the option knows.
+    Word(&'static str),
+    /// A value.
+    Value(T),
+}
+
+impl Settings {
+    /// The settings that some options stand for. Files have the default schema and form until
+    /// [`Settings::of_files`] names others.
+    pub fn of(options: &Options, source: &ScanSource) -> Self {
+        let at = |points: &[Point]| -> Vec<ScanPlace> {
+            let numbers = |p: &Point| ScanPlace::Point((p / source.unit.in_mm()).into());
+            points.iter().map(numbers).collect()
+        };
+        let named = &options.places;
+        let outer = match options.outer {
+            Outer::Near(place) => Some(at(&[place])),
+            Outer::Auto => None,
+        };
+        Settings {
+            units: options.unit().map(|unit| unit.symbol()),
+            outer: named.outer.map(|place| vec![place]).or(outer),
+            tolerance: options.tolerance,
+            rim_tolerance: options.rim_tolerance,
+            outliers: 100.0 * options.outliers,
+            corners: named.corners.clone().or(options.parameterize.corners.map(|c| at(&c))),
+            outline: match options.parameterize.outline {
+                None => "auto",
+                Some(parameterize::Outline::Sides) => "sides",
+                Some(parameterize::Outline::Free) => "trimmed",
+            },
+            map: match options.parameterize.method {
+                parameterize::MapMethod::LeastStretch => "least-stretch",
+                parameterize::MapMethod::MeanValue => "mean-value",
+            },
+            boundary_corners: match (&named.boundary_corners, &options.smooth.corners) {
+                (Some(places), _) => Setting::Value(places.clone()),
+                (None, Corners::Auto) => Setting::Word("auto"),
+                (None, Corners::None) => Setting::Word("none"),
+                (None, Corners::At(points)) => Setting::Value(at(points)),
+            },
+            smooth: match options.smooth.support {
+                Support::Auto => Setting::Word("auto"),
+                Support::Off => Setting::Word("off"),
+                Support::Fixed(h) => Setting::Value(h),
+            },
+            fit: fit_method(options.method),
+            kappa: options.knots.kappa,
+            depth: options.knots.depth,
+            net: options.knots.net,
+            max_net: options.knots.max_net,
+            fill_only_holes_below: match options.cut {
+                Cut::FromLength(length) => Some(length),
+                Cut::All | Cut::None => None,
+            },
+            keep_fills: options.cut == Cut::None,
+            component: match options.component {
+                Choice::Largest => Setting::Word("largest"),
+                Choice::Number(n) => Setting::Value(n),
+            },
+            schema: schema(step::Schema::default()),
+            iges: form(iges::Form::default()),
+        }
+    }
+
+    /// The same with all components, as [`convert_components`](crate::convert_components)
+    /// takes those of [`Components::all`](crate::mesh::Components::all).
+    #[must_use]
+    pub fn of_all_components(self) -> Self {
+        Settings { component: Setting::Word("all"), ..self }
+    }
+
+    /// The same with the schema and the form of the files that were written.
+    #[must_use]
+    pub fn of_files(self, step: step::Schema, iges: iges::Form) -> Self {
+        Settings { schema: schema(step), iges: form(iges), ..self }
+    }
+}
+
+fn schema(schema: step::Schema) -> &'static str {
+    match schema {
+        step::Schema::Ap203 => "ap203",
+        step::Schema::Ap214 => "ap214",
+        step::Schema::Ap242 => "ap242",
+    }
+}
+
+fn form(form: iges::Form) -> &'static str {
+    match form {
+        iges::Form::Trimmed => "trimmed",
+        iges::Form::Brep => "brep",
+    }
+}

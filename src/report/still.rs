@@ -1,0 +1,234 @@
+//! A still picture of the report, for documents and for people without a browser.
+
+use std::io;
+
+use nalgebra::Vector3;
+
+use super::FaceView;
+use super::histogram::Histogram;
+use super::scale::{Ends, short};
+use crate::Conversion;
+use crate::deviation::Deviation;
+use crate::geometry::Point;
+use crate::picture::canvas::Canvas;
+use crate::picture::colour::{BACKGROUND, INK, encoded, linear, srgb};
+use crate::picture::lines::{Lines, Pen};
+use crate::picture::scale::{SIGNED, colour};
+use crate::picture::text::{Style, Type};
+use crate::picture::{Camera, Image, sheet};
+use crate::words::{mm, plural};
+
+/// Pixels of the picture.
+const SIZE: [usize; 2] = [1600, 1000];
+
+/// Where things are, in pixels of a picture of the usual size.
+const MARGIN: usize = 40;
+const TOP: usize = 130;
+const COLUMN: usize = 1090;
+const ASIDE: [usize; 2] = [225, 260];
+const BARS: [usize; 2] = [470, 300];
+
+const MUTED: [u8; 3] = srgb(0x5f6b78);
+const LINE: [u8; 3] = srgb(0xd5dae0);
+
+const TITLE: Style = Style { size: 40.0, bold: true, colour: INK };
+const TEXT: Style = Style { size: 24.0, bold: false, colour: INK };
+const SMALL: Style = Style { size: 20.0, bold: false, colour: MUTED };
+
+/// How far the small pictures are turned from the large one.
+const TURN: f64 = 0.7;
+
+/// Draws a picture of 1600 × 1000 pixels as PNG: the scan from three sides in the colours of its
+/// deviation from the face, the histogram of the deviation, and the figures that matter most.
+/// `name` stands above them.
+///
+/// # Errors
+/// The font cannot be read, or the image cannot be encoded.
+pub fn picture_png(name: &str, faces: &[(&Conversion, &FaceView)]) -> io::Result<Vec<u8>> {
+    let letters = Type::new().map_err(io::Error::other)?;
+    let mut page = Page { image: Image::blank(SIZE, BACKGROUND), letters };
+    let end = Ends::of(faces).measured;
+    page.head(name, faces);
+    if let Some((_, first)) = faces.first() {
+        let extent = || faces.iter().flat_map(|(_, s)| s.scan.mesh.points.iter().copied());
+        let size = [COLUMN - MARGIN, SIZE[1] - TOP - 10];
+        let camera = Camera::facing(&first.scan.mesh, extent(), size);
+        page.image.lay(&view(faces, &camera, size, end), [MARGIN / 2, TOP]);
+        for (x, turn) in [(COLUMN, -TURN), (COLUMN + ASIDE[0] + 20, TURN)] {
+            let aside = camera.aside(turn, extent(), ASIDE);
+            page.image.lay(&view(faces, &aside, ASIDE, end), [x, TOP]);
+        }
+    }
+    let distances = faces.iter().flat_map(|(_, s)| s.measured.iter().copied());
+    let top = TOP + ASIDE[1] + 60;
+    let histogram = Histogram::of(distances, end);
+    page.histogram(&histogram, faces.len(), tolerance(faces), [COLUMN, top]);
+    page.figures(faces, [COLUMN as f32, (top + BARS[1] + 130) as f32]);
+    let mut bytes = Vec::new();
+    page.image.write(&mut bytes)?;
+    Ok(bytes)
+}
+
+/// The tolerance, where all parts have the same.
+fn tolerance(faces: &[(&Conversion, &FaceView)]) -> Option<f64> {
+    let (first, _) = faces.first()?;
+    faces.iter().all(|(c, _)| c.tolerance == first.tolerance).then_some(first.tolerance)
+}
+
+/// Root mean square, 95th percentile and largest of the distances from all faces.
+fn together(faces: &[(&Conversion, &FaceView)], of: fn(&Conversion) -> &Deviation) -> [f64; 3] {
+    let figures = |d: &Deviation| [d.rms, d.p95, d.max];
+    if let [(only, _)] = faces {
+        return figures(of(only));
+    }
+    let all: Vec<f64> = faces.iter().flat_map(|(c, _)| &of(c).distances).copied().collect();
+    // Where the farthest is, its ring shows.
+    figures(&Deviation::of(&vec![Point::origin(); all.len()], all))
+}
+
+/// The percentage of all smoothed points that keep their face's tolerance.
+fn within(faces: &[(&Conversion, &FaceView)]) -> f64 {
+    let sum = |of: fn(&Conversion) -> usize| faces.iter().map(|(c, _)| of(c)).sum::<usize>() as f64;
+    let beyond = sum(|c| c.missed.points);
+    100.0 - 100.0 * beyond / sum(|c| c.fit_deviation.distances.len()).max(1.0)
+}
+
+/// The scan from one side.
+fn view(faces: &[(&Conversion, &FaceView)], camera: &Camera, size: [usize; 2], end: f64) -> Image {
+    let mut canvas = Canvas::new(size);
+    for (_, shown) in faces {
+        let share = |v: crate::geometry::VertexId| {
+            0.5 + 0.5 * f64::from(shown.measured[shown.scan.old[v.index()]]) / end
+        };
+        sheet::draw_coloured(&mut canvas, &shown.scan.mesh, camera, &SIGNED, share);
+    }
+    for (conversion, shown) in faces {
+        let rims = shown.rims.iter();
+        let rims = sheet::rims(&canvas, &shown.scan.mesh, rims, camera, Pen::solid(1.4));
+        rims.ink(&mut canvas, linear(INK));
+        let worst = ring(&canvas, camera, conversion.deviation.max_at.into());
+        worst.ink(&mut canvas, linear(INK));
+    }
+    canvas.image()
+}
+
+/// A ring around the worst point, seen from everywhere.
+fn ring(canvas: &Canvas, camera: &Camera, at: Point) -> Lines {
+    let middle = camera.project(&at);
+    let radius = 0.012 * SIZE[1] as f64;
+    let corner = |k: u32| {
+        let angle = f64::from(k) * std::f64::consts::TAU / 48.0;
+        middle + radius * Vector3::new(angle.cos(), angle.sin(), 0.0)
+    };
+    let mut lines = Lines::over(canvas);
+    lines.polyline(canvas, (0..=48).map(corner), Pen::flat(2.2, 1.0));
+    lines
+}
+
+struct Page {
+    image: Image,
+    letters: Type,
+}
+
+impl Page {
+    fn write(&mut self, text: &str, at: [f32; 2], style: Style) {
+        self.letters.write(&mut self.image, text, at, style);
+    }
+
+    fn centred(&mut self, text: &str, at: [f32; 2], style: Style) {
+        let width = self.letters.width(text, style);
+        // What would run over the page's edge ends there.
+        let most = SIZE[0] as f32 - 8.0 - width;
+        self.write(text, [(at[0] - 0.5 * width).min(most), at[1]], style);
+    }
+
+    /// As large as the style has it, or as there is room for up to the margin.
+    fn write_within(&mut self, text: &str, at: [f32; 2], style: Style) {
+        let room = (SIZE[0] - MARGIN) as f32 - at[0];
+        let share = (room / self.letters.width(text, style)).min(1.0);
+        self.write(text, at, Style { size: style.size * share, ..style });
+    }
+
+    /// What was converted, and the result in a line.
+    fn head(&mut self, name: &str, faces: &[(&Conversion, &FaceView)]) {
+        let width = (SIZE[0] - 2 * MARGIN) as f32;
+        let title = self.letters.fit(name, TITLE, width);
+        self.write(&title, [MARGIN as f32, 62.0], TITLE);
+        let vertices: usize = faces.iter().map(|(c, _)| c.input.vertices).sum();
+        let triangles: usize = faces.iter().map(|(_, s)| s.triangles).sum();
+        let cut: usize = faces.iter().map(|(c, _)| c.trimmed.iter().filter(|t| **t).count()).sum();
+        let net = match faces {
+            [(c, _)] => {
+                let [m, n] = c.surface.shape();
+                format!("{m} × {n} control points")
+            }
+            _ => plural(faces.len(), "face"),
+        };
+        let cut = plural(cut, "hole");
+        let line = format!("{vertices} points, {triangles} triangles  ·  {net}, {cut} cut out");
+        self.write(&line, [MARGIN as f32, 102.0], Style { colour: MUTED, ..TEXT });
+        self.image.fill([MARGIN, TOP - 8], [SIZE[0] - 2 * MARGIN, 2], LINE);
+    }
+
+    /// Bars in the colours of the map, over their scale.
+    fn histogram(
+        &mut self,
+        histogram: &Histogram,
+        faces: usize,
+        tolerance: Option<f64>,
+        [x, y]: [usize; 2],
+    ) {
+        let [width, height] = BARS;
+        let title = "Deviation of the scan from the face, mm";
+        self.write(title, [x as f32, y as f32 - 14.0], Style { bold: true, ..SMALL });
+        let most = histogram.counts.iter().copied().max().unwrap_or(0).max(1);
+        let edge = |k: usize| x + k * width / histogram.counts.len();
+        for (k, &count) in histogram.counts.iter().enumerate() {
+            let share = (k as f64 + 0.5) / histogram.counts.len() as f64;
+            let tall = (height * count).div_ceil(most);
+            let paint = encoded(colour(&SIGNED, share));
+            let size = edge(k + 1) - edge(k);
+            self.image.fill([edge(k), y + height - tall], [size, tall], paint);
+            self.image.fill([edge(k), y + height + 4], [size, 16], paint);
+        }
+        let at = |d: f64| x as f64 + (0.5 + 0.5 * d / histogram.end) * width as f64;
+        let foot = (y + height + 44) as f32;
+        for (d, sign) in [(-1.0_f64, "–"), (-0.5, "–"), (0.0, ""), (0.5, "+"), (1.0, "+")] {
+            let text = format!("{sign}{}", short(d.abs() * histogram.end));
+            self.centred(&text, [at(d * histogram.end) as f32, foot], SMALL);
+        }
+        let mut note = String::new();
+        if let Some(tolerance) = tolerance.filter(|t| *t < histogram.end) {
+            for d in [-tolerance, tolerance] {
+                for dash in (0..height + 20).step_by(12) {
+                    self.image.fill([at(d) as usize, y + dash], [2, 7], INK);
+                }
+            }
+            note = format!("dashed: tolerance, ±{}  ·  ", short(tolerance));
+        }
+        note += if faces == 1 { "ring: the farthest point" } else { "rings: the farthest points" };
+        self.write(&note, [x as f32, foot + 28.0], SMALL);
+    }
+
+    fn figures(&mut self, faces: &[(&Conversion, &FaceView)], [x, y]: [f32; 2]) {
+        let line = |of| {
+            let [rms, p95, max] = together(faces, of).map(mm);
+            format!("rms {rms}  ·  95 % {p95}  ·  max {max}")
+        };
+        let tolerance = tolerance(faces).map_or("each face its own".into(), mm);
+        let rows = [
+            ("as measured", line(|c| &c.deviation)),
+            ("smoothed", line(|c| &c.fit_deviation)),
+            (
+                "tolerance",
+                format!("{tolerance}, which {:.2} % of the smoothed keep", within(faces)),
+            ),
+        ];
+        for (k, (label, text)) in rows.iter().enumerate() {
+            let y = y + 30.0 * k as f32;
+            let style = Style { size: 17.5, ..SMALL };
+            self.write(label, [x, y], style);
+            self.write_within(text, [x + 104.0, y], Style { colour: INK, ..style });
+        }
+    }
+}
