@@ -23,7 +23,7 @@ fn headers_may_be_written_in_many_ways() {
     }
     // The keyword tells it under any name, and the name where it is not there.
     assert_eq!(soup("scan.ply", format!("OFF\n4 2 5\n{BODY}")).points, POINTS);
-    refusal("scan", format!("4 2 0\n{BODY}"), "no known mesh format");
+    refusal("scan", format!("4 2 0\n{BODY}"), "not in a known mesh format");
 }
 
 #[test]
