@@ -101,7 +101,7 @@ pub(crate) fn of(bytes: &[u8]) -> Option<&'static str> {
 /// Replaces the cause of an error by damage to the file, if the head of the file shows it.
 pub(crate) fn explain(mut error: Error, format: Format, head: &[u8]) -> Error {
     if let Some(damage) = binary_part(format, head).and_then(of) {
-        error.what = format!("{}, for {damage}", error.what);
+        error.what = format!("{}, because {damage}", error.what);
         error.help = SEND_AS_BINARY.into();
     }
     error

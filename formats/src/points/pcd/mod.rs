@@ -36,7 +36,7 @@ fn explain(mut error: Error, head: &[u8]) -> Error {
     let start = head.windows(word.len()).position(|w| w == word).map(|at| at + word.len());
     let line = start.and_then(|at| Some(at + 1 + head[at..].iter().position(|&b| b == b'\n')?));
     if let Some(damage) = line.and_then(|at| damage::of(&head[at..])) {
-        error.what = format!("{}, for {damage}", error.what);
+        error.what = format!("{}, because {damage}", error.what);
         error.help = SEND_AS_BINARY.into();
     }
     error
