@@ -119,6 +119,9 @@ impl Report {
     }
 }
 
+/// Progress estimate: measuring what is around the holes takes half of the time of the stage.
+const SURROUNDINGS_SHARE: f64 = 0.5;
+
 /// The number of holes that are filled in parallel between two reports of progress.
 const HOLES_A_STEP: usize = 32;
 
@@ -158,7 +161,8 @@ pub fn fill_with(
         let count = disk.holes.len();
         let mut fills: Vec<ClosedHole> = Vec::with_capacity(count);
         loop {
-            progress(fills.len() as f64 / count.max(1) as f64)?;
+            let filled = fills.len() as f64 / count.max(1) as f64;
+            progress(SURROUNDINGS_SHARE + (1.0 - SURROUNDINGS_SHARE) * filled)?;
             let some = fills.len()..count.min(fills.len() + HOLES_A_STEP);
             let closed: Result<Vec<_>> =
                 some.into_par_iter().map(|hole| fill(around, measured, hole)).collect();
