@@ -6,8 +6,8 @@
 //! over them still misses points, knot spans are halved: a region that a
 //! polynomial of its own fits need not be one that a spline, bound to its
 //! neighbours, can follow. If nobody named a tolerance, knots are weighed against the
-//! noise instead. SurfaceOverMesh fits the samples' parameters are corrected, and folds are taken out of
-//! the last one.
+//! noise instead. Between fits, the parameters of the samples are corrected. Folds are removed from
+//! the last surface.
 //!
 //! It has three parts. A state (`state.rs`) is all that a fit starts from, as a value: knots,
 //! parameters, weights, outliers. Moves (`moves/`) make new states from what a fit has shown. A
