@@ -41,7 +41,7 @@ pub fn area(at: impl Fn(usize) -> Uv, triangle: [VertexId; 3]) -> f64 {
     orient2d(a, b, c)
 }
 
-/// The parameters of vertices and, after them, of a scaffold's.
+/// The parameters of vertices, followed by those of the vertices of a scaffold.
 pub fn with_scaffold<'a>(uv: &'a [Uv], scaffold: &'a [Uv]) -> impl Fn(usize) -> Uv + 'a {
     move |v| uv.get(v).copied().unwrap_or_else(|| scaffold[v - uv.len()])
 }
@@ -57,7 +57,7 @@ pub fn movable(
     mut moved: Vec<Uv>,
     scaffold: &[Uv],
 ) -> Vec<Uv> {
-    // Foot points that are no numbers crush them, too.
+    // A NaN foot point also counts as a compressed triangle.
     let compressed = |at: &[Uv], t: usize| {
         let area = area(with_scaffold(at, scaffold), triangles[t]);
         area.partial_cmp(&(least * areas[t])).is_none_or(Ordering::is_lt)

@@ -3,8 +3,8 @@
 
 use super::{HOPELESS, hindrance, noise, remove_knots};
 use crate::adapt::attempt::Attempt;
-use crate::adapt::moves::correct::FIRM_AREA;
-use crate::adapt::moves::insert::insert;
+use crate::adapt::moves::correct::{FIRM_AREA, correct};
+use crate::adapt::moves::insert::finer_knots;
 use crate::adapt::moves::reweight::reweight;
 use crate::adapt::problem::Problem;
 use crate::adapt::run::FitRun;
@@ -54,10 +54,10 @@ pub fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
         if run.hindrance.is_some() {
             break;
         }
-        let next_uv = now.corrected(problem, FIRM_AREA);
-        let misses = now.misses(&next_uv, problem.goal.tolerance);
-        let Some(state) = insert(problem, now, &misses, &bounds(problem)) else { break };
-        let next = fit_reweighted(run, state)?;
+        let state = correct(problem, now, FIRM_AREA);
+        let misses = now.misses(&state.uv, problem.goal.tolerance);
+        let Some(knots) = finer_knots(now, &misses, &bounds(problem)) else { break };
+        let next = fit_reweighted(run, State { knots, ..state })?;
         let (after, before) = (next.beyond(problem), best.beyond(problem));
         let has_gained =
             after.0 as f64 <= WORTHWHILE * before.0 as f64 || after.1 <= WORTHWHILE * before.1;
