@@ -19,7 +19,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let pieces = Components::new(mesh::from_soup(&soup, unit.in_mm())?);
     let measured = scan2step::measured(&pieces, &[Choice::Largest], Outer::Auto)?;
 
-    let found = check(&model, &measured.mesh)?;
+    let found = check(&model, &measured.mesh, measured.points.as_deref())?;
     println!("{} face, {} loops, {:.1} mm²", found.faces, found.loops, found.area);
     for (what, off) in
         [("scan to face", &found.scan_to_face), ("face to scan", &found.face_to_scan)]

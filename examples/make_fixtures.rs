@@ -14,5 +14,6 @@ fn main() -> io::Result<()> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("fixtures");
     let create = |name: &str| File::create(folder.join(name)).map(BufWriter::new);
     virtual_scan::relief_scan().write_ply(&mut create("relief.ply")?)?;
+    virtual_scan::relief_scan().write_xyz(&mut create("relief.xyz")?)?;
     virtual_scan::rolled_scan().write_obj(&mut create("rolled_sheet.obj")?)
 }

@@ -109,6 +109,7 @@ pub mod adapt;
 pub mod brep;
 pub mod check;
 mod cholesky;
+pub mod cloud;
 mod convert;
 pub mod deviation;
 pub mod error;
@@ -133,8 +134,8 @@ pub mod words;
 pub use adapt::{Adapted, KnotOptions};
 pub use convert::{
     Builder, Conversion, Cut, InputReport, Inspection, Measured, Memory, Missed, Observer, Options,
-    ScanPlace, Stage, convert, convert_component, convert_components, convert_file, cut, inspect,
-    joined, measured,
+    ScanPlace, Stage, cloud_components, convert, convert_cloud, convert_component,
+    convert_components, convert_file, cut, inspect, joined, measured,
 };
 pub use error::{Error, Result};
 pub use progress::Progress;

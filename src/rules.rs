@@ -41,6 +41,9 @@ pub enum Fault {
     /// The limit on the size of a net must be between 16 and [`MOST_CONTROL_POINTS`].
     #[error("not a number of control points from {LEAST_CONTROL_POINTS} to {MOST_CONTROL_POINTS}")]
     MaxNet,
+    /// A cloud has at least [`LEAST_POINTS`] points.
+    #[error("not a number of points from {LEAST_POINTS} on")]
+    MaxPoints,
     /// There are 1 to [`MOST_THREADS`] threads.
     #[error("not a number of threads from 1 to {MOST_THREADS}")]
     Threads,
@@ -59,6 +62,9 @@ pub const MOST_CONTROL_POINTS: usize = 1 << 24;
 /// memory, and each thread takes 8 MB of address space for its stack.
 pub const MOST_THREADS: usize = 1024;
 
+/// The smallest number of points of a cloud. Fewer do not tell a surface from its noise.
+pub const LEAST_POINTS: usize = 100;
+
 /// The smallest number of control points of a bicubic net in one direction, and in total.
 const SIDE: usize = 4;
 const LEAST_CONTROL_POINTS: usize = SIDE * SIDE;
@@ -75,6 +81,11 @@ pub fn length(mm: f64) -> Result<()> {
 /// Checks that a length in mm is 0 or more.
 pub fn extent(mm: f64) -> Result<()> {
     must(mm >= 0.0 && mm.is_finite(), Fault::Extent)
+}
+
+/// Checks a bound on the points of a cloud.
+pub fn max_points(count: usize) -> Result<()> {
+    must(count >= LEAST_POINTS, Fault::MaxPoints)
 }
 
 /// Checks a share of points.

@@ -166,7 +166,7 @@ fn damaged_files_are_survived() {
             damage::damage(&mut file, &mut random);
             let check = || {
                 let model = formats::cad::read_cad_from(out, &file).ok()?;
-                scan2step::check::check(&model, &mesh).ok()
+                scan2step::check::check(&model, &mesh, None).ok()
             };
             let found = catch_unwind(AssertUnwindSafe(check));
             measured +=

@@ -55,7 +55,7 @@ fn look_at(scan: &Soup, file: &[u8]) {
     let step = folder.path().join("face.step");
     std::fs::write(&step, file).expect("a file");
     let model = cad::read_cad(&step).expect("a face");
-    let found = check::check(&model, &of.mesh).expect("it is measured");
+    let found = check::check(&model, &of.mesh, None).expect("it is measured");
     assert_eq!((found.faces, found.scan_to_face.distances.len()), (1, of.mesh.points.len()));
 }
 

@@ -55,15 +55,16 @@ const MIN_SAMPLES: f64 = 20_000.0;
 /// The largest number of samples of all faces.
 const MAX_SAMPLES: f64 = 4_000_000.0;
 
-/// Measures the distances between the faces of a CAD file and a scan.
+/// Measures the distances between the faces of a CAD file and a scan. `points` are the measured
+/// points, if the scan's mesh was made of a cloud.
 ///
 /// # Errors
 /// [`Error::Cad`] if a face is invalid: an edge is off its surface, or a loop does not close.
-pub fn check(model: &CadModel, scan: &Mesh) -> Result<Report> {
-    threads::run(None, || measure(model, scan))?
+pub fn check(model: &CadModel, scan: &Mesh, points: Option<&[Point]>) -> Result<Report> {
+    threads::run(None, || measure(model, scan, points.unwrap_or(&scan.points)))?
 }
 
-fn measure(model: &CadModel, scan: &Mesh) -> Result<Report> {
+fn measure(model: &CadModel, scan: &Mesh, measured: &[Point]) -> Result<Report> {
     let diagonal = scan.diagonal();
     let domains: Vec<Domain> = model.faces.iter().map(|f| Domain::whole(&f.surface)).collect();
     let (rings, off) = rings(model, &domains, diagonal)?;
@@ -76,7 +77,7 @@ fn measure(model: &CadModel, scan: &Mesh) -> Result<Report> {
     let each = faces.par_iter().map(|face| FaceSamples::of(face, spacing, MAX_SAMPLES));
     let samples: Vec<FaceSamples> = each.collect();
 
-    let to_faces = scan.points.par_iter().map(|&p| distance(&faces, p)).collect();
+    let to_faces = measured.par_iter().map(|&p| distance(&faces, p)).collect();
     let triangles = Triangles::new(scan);
     let points: Vec<Point> = samples.iter().flat_map(|s| s.points.iter().copied()).collect();
     let to_scan = points.par_iter().map(|&p| triangles.nearest(p).0).collect();
@@ -86,7 +87,7 @@ fn measure(model: &CadModel, scan: &Mesh) -> Result<Report> {
         area: samples.iter().map(|s| s.area).sum(),
         max_off_surface: off,
         resolution: CHORD * diagonal,
-        scan_to_face: Deviation::of(&scan.points, to_faces),
+        scan_to_face: Deviation::of(measured, to_faces),
         face_to_scan: Deviation::of(&points, to_scan),
     })
 }

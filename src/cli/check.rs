@@ -5,7 +5,7 @@ use scan2step::check;
 use scan2step::report::{CheckFigures, CheckedScan, DistanceFigures};
 use scan2step::words::{mm, plural};
 
-use super::args::{Check, ComponentChoice};
+use super::args::{Check, ComponentChoice, Origin};
 use super::input::{self, Scan};
 use super::{Failure, Outcome, streams};
 
@@ -14,14 +14,20 @@ pub fn run(args: &Check) -> Result<Outcome, Failure> {
     let model = read_cad(&args.cad)?;
     let scan = Scan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;
-    let (scan, components) = scan.components()?;
+    let options = scan.options(&args.piece)?;
+    let (scan, components) = scan.components(&options, &mut |_| Ok(()))?;
     let chosen = args.component.of(&components, outer);
     let measured = scan2step::measured(&components, &chosen, outer);
     let measured = measured.map_err(|e| input::stopped(&scan.path, &e))?;
     let (count, left_out) = (components.count(), measured.left_out);
     let piece = CheckedScan::of(&scan.source, count, chosen.len(), left_out);
     drop(components);
-    let found = check::check(&model, &measured.mesh).map_err(|e| input::stopped(&args.cad, &e))?;
+    let measured = match (args.piece.cloud.origin, &scan.source.cloud) {
+        (Origin::Keep, Some(cloud)) => measured.translated(cloud.origin_mm),
+        _ => measured,
+    };
+    let found = check::check(&model, &measured.mesh, measured.points.as_deref());
+    let found = found.map_err(|e| input::stopped(&args.cad, &e))?;
     let cad = (args.cad.display().to_string(), &model);
     let figures = CheckFigures::of(&found, cad, piece, args.tolerance, args.outliers);
     let text = if args.look.json { figures.to_json() } else { as_text(args, &figures) };

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use scan2step::mesh::{Choice, Components, Outer};
-use scan2step::report::{FaceView, OutputFile, Report, StageFigures, ViewRecorder};
+use scan2step::report::{FaceView, OutputFile, Report, ScanSource, StageFigures, ViewRecorder};
 use scan2step::{Conversion, Memory, Options, Stage};
 
 use super::args::{ComponentChoice, Convert};
@@ -19,14 +19,16 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     check_outputs(args)?;
     let voice = if args.manner.quiet { None } else { Some(args.manner.color.is_on()) };
     let mut progress = ProgressDisplay::new(voice, args.manner.verbose, args.progress);
-    let stages = args.stages.as_deref().map(Stages::new).transpose()?;
+    let mut stages = args.stages.as_deref().map(Stages::new).transpose()?;
     let scan = Scan::read(&args.piece)?;
     progress.ended("read", &messages::came_in(&scan));
+    scan.notes.iter().for_each(|note| progress.say(&format!("read: {note}")));
     let named = settings::options(args)?;
     check_memory(args, &scan, &named)?;
     let options = scan.resolved(&named)?;
-    let (scan, components) = scan.components()?;
+    let (scan, components) = mesh(scan, &options, &mut progress, &mut stages)?;
     messages::assumed(&progress, &scan);
+    messages::cloud(&progress, &scan);
     let repaired = components.repairs().clone();
     repaired.iter().for_each(|repair| messages::repaired(&progress, repair));
     let mut run = Run { args, progress, stages, views: Vec::new(), given: Vec::new() };
@@ -57,6 +59,27 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     Ok(conversions.iter().fold(Outcome::Done, |all, c| all.and(messages::verdict(args, c))))
 }
 
+/// Makes the mesh of a scan. For a cloud this is a stage with a file and a time of its own.
+fn mesh(
+    scan: Scan,
+    options: &Options,
+    progress: &mut ProgressDisplay,
+    stages: &mut Option<Stages>,
+) -> Result<(Scan, Components), Failure> {
+    let mut within = |share| {
+        progress.within("cloud", share);
+        Ok(())
+    };
+    let (scan, components) = scan.components(options, &mut within)?;
+    if let Some(raw) = components.raw_points() {
+        if let Some(stages) = stages {
+            stages.points(raw, components.mm())?;
+        }
+        progress.ended("cloud", &messages::meshed(&components));
+    }
+    Ok((scan, components))
+}
+
 /// A stage for the report.
 fn stage(time: &StageTime) -> StageFigures {
     let &StageTime { name, seconds, peak_rss_mb } = time;
@@ -71,8 +94,12 @@ fn output(path: &Path, file: &Pending) -> OutputFile {
 /// Refuses a run that may need more memory than the user allows.
 fn check_memory(args: &Convert, scan: &Scan, options: &Options) -> Result<(), Failure> {
     let Some(allowed) = args.manner.max_memory else { return Ok(()) };
-    let counts = [scan.source.vertices, scan.source.triangles];
-    let memory = Memory { is_drawn: is_drawn(args), ..Memory::of_counts(counts, options) };
+    let ScanSource { vertices, triangles, cloud, .. } = &scan.source;
+    let memory = match cloud {
+        Some(_) => Memory::of_cloud(*vertices, options),
+        None => Memory::of_counts([*vertices, *triangles], options),
+    };
+    let memory = Memory { is_drawn: is_drawn(args), ..memory };
     memory.check(allowed.as_u64()).map_err(|e| input::stopped(&scan.path, &e))
 }
 

@@ -2,36 +2,45 @@
 
 use std::path::{Path, PathBuf};
 
-use formats::{LengthUnit, Soup};
-use scan2step::Options;
+use formats::{Content, Soup};
 use scan2step::mesh::{self, Components, Outer};
 use scan2step::report::ScanSource;
+use scan2step::{Options, Progress};
 
 use super::Failure;
 use super::args::Piece;
 
-/// A scan that was read. Its soup is dropped once the mesh is made.
+/// A scan that was read: a mesh or a cloud of points. Its content is dropped once the mesh is made.
 pub struct Scan {
     pub path: PathBuf,
-    /// Its unit, and the counts of the file.
+    /// Its unit, the counts of the file, and what is known of a cloud.
     pub source: ScanSource,
     /// The mean colour of its vertices, if they have one.
     pub colour: Option<[u8; 3]>,
-    soup: Soup,
+    /// What the user should know about how the file was read.
+    pub notes: Vec<String>,
+    content: Content,
 }
 
 impl Scan {
     pub fn read(piece: &Piece) -> Result<Scan, Failure> {
-        let soup = formats::read_scan(&piece.scan)?;
-        let declared = piece.scale.units.map(LengthUnit::from).or(soup.unit);
-        let source = ScanSource {
-            file: piece.scan.display().to_string(),
-            unit: declared.unwrap_or(LengthUnit::Millimetre),
-            unit_assumed: declared.is_none(),
-            vertices: soup.points.len(),
-            triangles: soup.polygons.triangle_count(),
+        let content = formats::read_content(&piece.scan)?;
+        let named = piece.cloud.options(&piece.scale).build();
+        let named = named.map_err(|e| stopped(&piece.scan, &e))?;
+        let file = piece.scan.display().to_string();
+        let (source, colour, notes) = match &content {
+            Content::Mesh(soup) => (ScanSource::of(file, soup, &named), soup.colour, Vec::new()),
+            Content::Points(cloud) => {
+                (ScanSource::of_cloud(file, cloud, &named), None, cloud.remarks())
+            }
         };
-        Ok(Scan { path: piece.scan.clone(), source, colour: soup.colour, soup })
+        Ok(Scan { path: piece.scan.clone(), source, colour, notes, content })
+    }
+
+    /// The options that decide how its mesh is made.
+    pub fn options(&self, piece: &Piece) -> Result<Options, Failure> {
+        let options = piece.cloud.options(&piece.scale).build();
+        options.map_err(|e| stopped(&self.path, &e))
     }
 
     /// The name of its file without the folder.
@@ -42,23 +51,43 @@ impl Scan {
 
     /// The options with the points of the places that they name.
     pub fn resolved(&self, options: &Options) -> Result<Options, Failure> {
-        options.resolved(&self.soup).map_err(|e| stopped(&self.path, &e))
+        let resolved = match &self.content {
+            Content::Mesh(soup) => options.resolved(soup),
+            Content::Points(cloud) => options.resolved_in_cloud(cloud),
+        };
+        resolved.map_err(|e| stopped(&self.path, &e))
     }
 
     /// The outer loop that the user named.
     pub fn outer(&self, piece: &Piece) -> Result<Outer, Failure> {
         let Some(place) = piece.outer else { return Ok(Outer::Auto) };
-        let place = place.0.resolve(&self.soup, self.source.unit.in_mm());
+        let mm = self.source.unit.in_mm();
+        let place = match &self.content {
+            Content::Mesh(soup) => place.0.resolve(soup, mm),
+            Content::Points(cloud) => place.0.resolve_in_cloud(cloud, mm),
+        };
         place.map(Outer::Near).map_err(|e| stopped(&self.path, &e))
     }
 
-    /// The mesh and its components. The soup is dropped.
-    pub fn components(mut self) -> Result<(Scan, Components), Failure> {
-        let soup = std::mem::take(&mut self.soup);
-        let build = mesh::from_soup(&soup, self.source.unit.in_mm());
-        let build = build.map_err(|e| stopped(&self.path, &e))?;
-        drop(soup);
-        Ok((self, Components::new(build)))
+    /// The mesh and its components. The content of the file is dropped.
+    pub fn components(
+        mut self,
+        options: &Options,
+        progress: &mut Progress,
+    ) -> Result<(Scan, Components), Failure> {
+        let content = std::mem::replace(&mut self.content, Content::Mesh(Soup::default()));
+        let components = match content {
+            Content::Mesh(soup) => {
+                mesh::from_soup(&soup, self.source.unit.in_mm()).map(Components::new)
+            }
+            Content::Points(cloud) => {
+                scan2step::cloud_components(cloud, options, progress).map(|(components, report)| {
+                    self.source = self.source.clone().meshed(&report);
+                    components
+                })
+            }
+        };
+        components.map_err(|e| stopped(&self.path, &e)).map(|components| (self, components))
     }
 }
 

@@ -1,19 +1,20 @@
 //! `scan2step inspect`: what a scan is.
 
 use scan2step::Inspection;
-use scan2step::report::InspectionFigures;
-use scan2step::words::mm;
+use scan2step::report::{CloudFigures, InspectionFigures, ScanFigures, likely_unit};
+use scan2step::words::{mm, plural};
 
 use super::args::Inspect;
 use super::input::{self, Scan};
 use super::spelling::spelled;
-use super::{Failure, Outcome, streams};
+use super::{Failure, Outcome, messages, streams};
 
 /// Reads and repairs a scan, and prints what it is.
 pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
     let scan = Scan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;
-    let (scan, components) = scan.components()?;
+    let options = scan.options(&args.piece)?;
+    let (scan, components) = scan.components(&options, &mut |_| Ok(()))?;
     let found = scan2step::inspect(components, args.component, outer);
     let found = found.map_err(|e| input::stopped(&scan.path, &e))?;
     let text = if args.look.json {
@@ -33,24 +34,59 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
     let assumed = if source.unit_assumed { " (assumed; --units to change)" } else { "" };
     let mut lines = vec![
         format!("{}", scan.path.display()),
-        format!("  file        {} vertices, {} triangles", source.vertices, source.triangles),
+        format!("  file        {}", messages::counts(source)),
         format!("  units       {}{assumed}", source.unit.symbol()),
+    ];
+    lines.extend(source.cloud.iter().flat_map(cloud));
+    lines.extend(likely_unit(source, found.bounds).map(|hint| format!("  hint        {hint}")));
+    lines.extend([
         format!(
             "  component   1 of {}: {} vertices, {} triangles, {x:.4} × {y:.4} × {z:.4} mm",
             input.components, input.vertices, input.triangles
         ),
         format!("  surface     {}", kind(found)),
-    ];
+    ]);
     lines.extend(loops(found));
     if input.islands > 0 {
         let (count, triangles) = (input.islands, input.island_triangles);
         lines.push(format!("  islands     {count} in its holes, {triangles} triangles"));
     }
     lines.push(format!("  noise       {}", mm(found.noise)));
+    lines.extend(scan.notes.iter().map(|note| format!("  note        {note}")));
     for (kind, count) in &input.repairs {
         lines.push(format!("  repaired    {count} {}", kind.replace('_', " ")));
     }
     lines.join("\n") + "\n"
+}
+
+/// A line for each scan of a cloud, and what was found when its mesh was made.
+fn cloud(cloud: &CloudFigures) -> Vec<String> {
+    let place = |[x, y, z]: [f64; 3]| format!("({x:.3}, {y:.3}, {z:.3})");
+    let scan = |(number, scan): (usize, &ScanFigures)| {
+        let grid = scan.grid.map(|[rows, columns]| format!("grid of {rows} × {columns}"));
+        let seen = scan.viewpoint_mm.map(|at| format!("seen from {}", place(at)));
+        let extent = scan.bounds_mm.map(|[low, high]| {
+            let [x, y, z] = [0, 1, 2].map(|k| high[k] - low[k]);
+            format!("{x:.4} × {y:.4} × {z:.4} mm")
+        });
+        let parts = [Some(format!("{} points", scan.points)), extent, grid, seen];
+        format!("  scan {number:<7}{}", parts.into_iter().flatten().collect::<Vec<_>>().join(", "))
+    };
+    let mut lines: Vec<String> = cloud.scans.iter().enumerate().map(scan).collect();
+    if cloud.origin_mm != [0.0; 3] {
+        lines.push(format!("  origin      {} mm", place(cloud.origin_mm)));
+    }
+    lines.extend(cloud.mesh.as_ref().map(|mesh| {
+        format!(
+            "  points      {} apart, noise {}, {}, {}; mesh by {}",
+            mm(mesh.spacing_mm),
+            mm(mesh.noise_mm),
+            plural(mesh.outliers, "outlier"),
+            plural(mesh.duplicates, "duplicate"),
+            mesh.mesher
+        )
+    }));
+    lines
 }
 
 /// What the surface is, and whether it can become a face.

@@ -1,6 +1,6 @@
 //! The messages of `convert`: what it read, what each stage made, and the result.
 
-use scan2step::mesh::{Bound, FaceOrigin, Patch};
+use scan2step::mesh::{Bound, Components, FaceOrigin, Patch};
 use scan2step::report::ScanSource;
 use scan2step::words::{mm, plural};
 use scan2step::{Conversion, Stage};
@@ -41,17 +41,49 @@ fn count(patch: &Patch, of: impl Fn(&FaceOrigin) -> bool) -> usize {
     patch.origin.iter().filter(|origin| of(origin)).count()
 }
 
-/// The counts of the scan's file.
+/// The scan's file and its counts.
 pub fn came_in(scan: &Scan) -> String {
-    let ScanSource { vertices, triangles, .. } = scan.source;
-    format!("{}: {vertices} vertices, {triangles} triangles", scan.path.display())
+    format!("{}: {}", scan.path.display(), counts(&scan.source))
+}
+
+/// The counts of a scan's file.
+pub fn counts(source: &ScanSource) -> String {
+    let ScanSource { vertices, triangles, cloud, .. } = source;
+    match cloud {
+        Some(cloud) if cloud.scans.len() > 1 => {
+            format!("{vertices} points of {} scans", cloud.scans.len())
+        }
+        Some(_) => format!("{vertices} points"),
+        None => format!("{vertices} vertices, {triangles} triangles"),
+    }
+}
+
+/// What a mesh that was made of a cloud has.
+pub fn meshed(components: &Components) -> String {
+    let triangles: usize = components.sizes().iter().sum();
+    format!("{triangles} triangles, {}", plural(components.sizeable(), "component"))
+}
+
+/// Says what was found in a cloud of points.
+pub fn cloud(progress: &ProgressDisplay, scan: &Scan) {
+    let Some(cloud) = &scan.source.cloud else { return };
+    if cloud.origin_mm != [0.0; 3] {
+        let [x, y, z] = cloud.origin_mm;
+        progress.say(&format!("origin: coordinates are measured from ({x}, {y}, {z}) mm"));
+    }
+    let Some(mesh) = &cloud.mesh else { return };
+    progress.say(&format!("points: {} apart, noise {}", mm(mesh.spacing_mm), mm(mesh.noise_mm)));
+    if mesh.outliers > 0 {
+        progress.say(&format!("points: {} left out", plural(mesh.outliers, "outlier")));
+    }
 }
 
 /// Says which unit the scan has, if it is not declared as mm.
 pub fn assumed(progress: &ProgressDisplay, scan: &Scan) {
     let ScanSource { unit, unit_assumed, .. } = scan.source;
     if unit_assumed {
-        progress.say("units: the file does not say; assuming mm (--units to change)");
+        let unit = unit.symbol();
+        progress.say(&format!("units: the file does not say; assuming {unit} (--units to change)"));
     } else if unit.in_mm() != 1.0 {
         progress.say(&format!("units: {}", unit.symbol()));
     }
@@ -89,7 +121,7 @@ pub fn found(progress: &ProgressDisplay, args: &Convert, c: &Conversion) {
 
 /// Why a tolerance that the user did not name has its value.
 fn why(c: &Conversion) -> String {
-    match c.smooth.noise {
+    match c.noise {
         0.0 => "from what flat triangles miss, as the scan shows no noise".into(),
         noise if c.tolerance > 3.01 * noise => {
             format!("1/10,000 of the scan's size, as its noise is only {}", mm(noise))

@@ -17,9 +17,11 @@ pub struct StageTime {
 }
 
 /// The stages in order, each with its share of the time that most runs take. The
-/// first and the last are passed once, the others for every component.
-const STAGES: [(&str, u64); 10] = [
+/// first two and the last are passed once, the others for every component. A mesh passes the
+/// second at once.
+const STAGES: [(&str, u64); 11] = [
     ("read", 3),
+    ("cloud", 10),
     ("mesh", 4),
     ("smooth", 15),
     ("fill", 10),
@@ -187,8 +189,8 @@ fn place(name: &str) -> Option<usize> {
 
 /// The bar's length for a number of components.
 fn length(components: u64) -> u64 {
-    let [(_, first), each @ .., (_, last)] = STAGES;
-    FINE * (first + last + components * each.iter().map(|(_, share)| share).sum::<u64>())
+    let [(_, first), (_, cloud), each @ .., (_, last)] = STAGES;
+    FINE * (first + cloud + last + components * each.iter().map(|(_, share)| share).sum::<u64>())
 }
 
 /// The process's peak resident memory so far, in MB (10⁶ bytes); 0 where the

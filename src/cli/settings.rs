@@ -22,7 +22,8 @@ pub fn options(args: &Convert) -> Result<Options, Failure> {
         NamedCorners::At(places) => Some(places.0.clone()),
         NamedCorners::Auto | NamedCorners::None => None,
     };
-    let mut options = Options::builder()
+    let options = args.piece.cloud.options(&args.piece.scale);
+    let mut options = options
         .name(part_name(&args.piece.scan))
         .outer_place(args.piece.outer.map(|place| place.0))
         .smooth(how.smooth)
@@ -54,9 +55,6 @@ pub fn options(args: &Convert) -> Result<Options, Failure> {
         .rim_tolerance(how.rim_tolerance)
         .outliers(how.outliers / 100.0)
         .cut(cut);
-    if let Some(unit) = args.piece.scale.units {
-        options = options.unit(unit.into());
-    }
     if let ComponentChoice::Number(number) = how.component {
         options = options.component(Choice::Number(number));
     }

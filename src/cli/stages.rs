@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use scan2step::geometry::{Uv, VertexId};
-use scan2step::mesh::{Bound, FaceOrigin, Mesh, Patch};
+use scan2step::mesh::{Bound, FaceOrigin, Mesh, Patch, RawPoints};
 use scan2step::spline::{KnotVector, Surface};
 use scan2step::{Stage, trim::TrimLoop};
 use serde_json::json;
@@ -47,6 +47,23 @@ impl Stages {
             Stage::Trim(face, loops) => self.put("5-surface.json", |out| surface(out, face, loops)),
             _ => Ok(()),
         }
+    }
+
+    /// Writes the points that a mesh was made of. The mesh has so many `mm` to its unit.
+    pub fn points(&mut self, raw: &RawPoints, mm: f64) -> Result<(), formats::Error> {
+        self.put("0-points.ply", |out| {
+            let count = raw.all().count();
+            writeln!(out, "ply\nformat binary_little_endian 1.0\ncomment scan2step, millimetres")?;
+            writeln!(out, "element vertex {count}")?;
+            for property in ["double x", "double y", "double z", "uchar used"] {
+                writeln!(out, "property {property}")?;
+            }
+            writeln!(out, "end_header")?;
+            raw.all().try_for_each(|(p, is_used)| {
+                doubles(out, (mm * p.coords).as_slice())?;
+                out.write_all(&[u8::from(is_used)])
+            })
+        })
     }
 
     fn put(

@@ -49,7 +49,8 @@ pub fn convert_components(
 
 /// The faces of several conversions in one B-rep: each component is a shell of its own.
 pub fn joined(name: impl Into<String>, conversions: &[Conversion]) -> Brep {
-    let mut all = Brep { name: name.into(), ..Brep::default() };
+    let description = conversions.first().map_or(String::new(), |c| c.brep.description.clone());
+    let mut all = Brep { name: name.into(), description, ..Brep::default() };
     conversions.iter().for_each(|conversion| all.append(conversion.brep.clone()));
     all
 }

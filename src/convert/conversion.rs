@@ -45,8 +45,16 @@ pub struct Conversion {
     /// Deviation of the smoothed points from the trimmed face; the tolerance
     /// is held against it.
     pub fit_deviation: deviation::Deviation,
-    /// Deviation of the points as they were measured.
+    /// Deviation of the points as they were measured: of the vertices of the scan's mesh, or of
+    /// the points of the cloud that the mesh was made of.
     pub deviation: deviation::Deviation,
+    /// Deviation of the vertices of the mesh, if it was made of a cloud.
+    pub(crate) vertex_deviation: Option<deviation::Deviation>,
+    /// Standard deviation of the noise of the measured points along the normal, in mm.
+    pub noise: f64,
+    /// Where the places of the conversion are measured from in the scan's own frame, in mm: zero,
+    /// or a point near a cloud that is far from zero.
+    pub origin: [f64; 3],
     /// The outer boundary on the surface's sides: control points of its edges,
     /// and the farthest, in mm, that a smoothed boundary vertex is from them.
     /// `None`: it is one of the loops.
@@ -63,8 +71,31 @@ pub struct Conversion {
 }
 
 impl Conversion {
-    /// The point of the face's mesh that a vertex of the scan became: its position among the
-    /// distances of [`deviation`](Self::deviation) and [`fit_deviation`](Self::fit_deviation).
+    /// The same with the B-rep in the scan's own frame if `keeps_origin`, and else with a note in
+    /// the B-rep that says where its own frame lies.
+    pub(super) fn placed(mut self, keeps_origin: bool) -> Self {
+        if self.origin == [0.0; 3] {
+            return self;
+        }
+        if keeps_origin {
+            self.brep = self.brep.translated(self.origin);
+        } else {
+            let [x, y, z] = self.origin;
+            self.brep.description = format!("Coordinates are measured from ({x}, {y}, {z}) mm.");
+        }
+        self
+    }
+
+    /// Deviation of the vertices of the scan's mesh before smoothing, in the order of
+    /// [`fit_deviation`](Self::fit_deviation). It is [`deviation`](Self::deviation) unless the mesh
+    /// was made of a cloud.
+    pub fn vertex_deviation(&self) -> &deviation::Deviation {
+        self.vertex_deviation.as_ref().unwrap_or(&self.deviation)
+    }
+
+    /// The point that a vertex of the scan became: its position among the distances of
+    /// [`deviation`](Self::deviation), and of [`fit_deviation`](Self::fit_deviation) unless the
+    /// scan is a cloud. The vertices of a cloud are its points.
     /// Vertices are counted from 0, in the order of the soup or of the file. All at one place
     /// became one point. `None` if the vertex was left out: no triangle has it, it is not
     /// finite, or it belongs to another component or to a triangle that was dropped.

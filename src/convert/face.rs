@@ -29,7 +29,9 @@ pub(super) fn face(
     let (smoothed, smooth) =
         smooth::smooth_with(&measured, &options.smooth, &mut within("smooth", watch))?;
     watch(Stage::Smooth(&smoothed))?;
-    let goal = Goal::of(options, &measured.mesh, smooth.noise);
+    // Smoothing sees what noise a mesh of a cloud has left, and the cloud had more.
+    let noise = scan.raw_points().map_or(smooth.noise, |raw| raw.noise().max(smooth.noise));
+    let goal = Goal::of(options, &measured.mesh, noise);
     let tolerance = options.tolerance.unwrap_or(goal.tolerance);
 
     let fill_options =
@@ -76,7 +78,10 @@ pub(super) fn face(
         deviation::TrimmedFace::new(&surface, loops.iter().map(|l| l.pcurves.as_slice()), natural);
     let starts = &map.uv[..measured_count];
     let fit_deviation = face.deviation(&map.patch.mesh.points[..measured_count], starts);
-    let deviation = face.deviation(&measured.mesh.points, starts);
+    let raw = scan.measured_points(&measured.mesh.points);
+    let deviation = face.deviation(&raw.points, &raw.of_vertices(starts));
+    let of_vertices = || face.deviation(&measured.mesh.points, starts).scaled(mm);
+    let vertex_deviation = raw.vertex_of.as_ref().map(|_| of_vertices());
     let excused = if trim_options.keeps_vertices { 0.0 } else { trim_options.rim };
     let missed = missed(&face, &map, &fit_deviation, tolerance, excused);
     let seen = map.measured_triangles();
@@ -105,7 +110,10 @@ pub(super) fn face(
         outer: outer.map(|(control, off)| (control, mm * off)),
         trim,
         rim_tolerance: mm * trim_options.rim,
-        vertices: scan.vertices(&measured.mesh.points),
+        vertex_deviation,
+        noise: mm * noise,
+        origin: scan.raw_points().map_or([0.0; 3], |raw| raw.origin().map(|x| mm * x)),
+        vertices: raw.map,
         hints: Vec::new(),
     })
 }

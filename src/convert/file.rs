@@ -4,9 +4,10 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use formats::{iges, step};
+use formats::{Content, iges, step};
 
-use crate::{Conversion, Error, Options, Result, convert};
+use super::convert_cloud;
+use crate::{Conversion, Error, Options, Result, Stage, convert};
 
 /// A format of CAD files.
 #[derive(Clone, Copy)]
@@ -15,7 +16,7 @@ enum CadFormat {
     Iges,
 }
 
-/// Reads a scan, converts it and writes the face: STEP, or IGES where the name of `out` ends
+/// Reads a mesh or a cloud of points, converts it and writes the face: STEP, or IGES where the name of `out` ends
 /// so (`.step`, `.stp`, `.igs`, `.iges`). The file appears whole or not at all: it is written
 /// under another name in the same folder first.
 ///
@@ -29,10 +30,12 @@ pub fn convert_file(
 ) -> Result<Conversion> {
     let (scan, out) = (scan.as_ref(), out.as_ref());
     let kind = kind(out)?;
-    let soup = formats::read_scan(scan)?;
-    let colour = soup.colour;
     let of_scan = |error| Error::Scan { file: scan.to_owned(), error: Box::new(error) };
-    let conversion = convert(&soup, options, &mut |_| Ok(())).map_err(of_scan)?;
+    let watch = &mut |_: Stage| Ok(());
+    let (conversion, colour) = match formats::read_content(scan)? {
+        Content::Mesh(soup) => (convert(&soup, options, watch).map_err(of_scan)?, soup.colour),
+        Content::Points(cloud) => (convert_cloud(cloud, options, watch).map_err(of_scan)?, None),
+    };
     let content = |to: &mut dyn Write| match kind {
         CadFormat::Step => {
             let options = step::Options { colour, ..step::Options::default() };

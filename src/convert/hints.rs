@@ -58,7 +58,7 @@ const MOVED: f64 = 2.0;
 
 /// The tolerance is held against smoothed points.
 fn flattened(options: &Options, c: &Conversion) -> Option<String> {
-    let (points, [off, noise]) = (c.deviation.distances.len(), [c.deviation.max, c.smooth.noise]);
+    let (points, [off, noise]) = (c.deviation.distances.len(), [c.deviation.max, c.noise]);
     let what = match options.smooth.support {
         _ if off <= c.tolerance || c.smooth.moved_max == 0.0 => return None,
         Support::Auto if points < FEW_POINTS => format!(
@@ -146,7 +146,7 @@ const BELOW_NOISE: f64 = 0.1;
 
 fn loose(options: &Options, c: &Conversion) -> Option<String> {
     let tolerance = options.tolerance?;
-    let noise = c.smooth.noise;
+    let noise = c.noise;
     if noise <= 0.0 {
         return None;
     }

@@ -1,6 +1,9 @@
 //! What came in: the chosen component of a scan, looked at and made a disk.
 
-use crate::mesh::{Choice, Component, Components, Disk, Mesh, Outer, Repairs, Topology, boundary};
+use crate::geometry::{Point, Vector};
+use crate::mesh::{
+    Choice, Component, Components, Disk, Mesh, Outer, RawPoints, Repairs, Topology, boundary,
+};
 use crate::{Options, Result, smooth, threads};
 
 /// What came in.
@@ -77,14 +80,27 @@ pub(crate) fn disk(scan: &Components, options: &Options) -> Result<(Disk, InputR
     Ok((disk, input))
 }
 
-/// Components of a scan as they were measured.
+/// Components of a scan as they were measured. Lengths are mm.
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct Measured {
     /// Their points and triangles.
     pub mesh: Mesh,
+    /// The points of the cloud that the mesh was made of, outliers left out; `None` if the scan is
+    /// a mesh.
+    pub points: Option<Vec<Point>>,
     /// Triangles in the components left out.
     pub left_out: usize,
+}
+
+impl Measured {
+    /// The same moved by a vector.
+    #[must_use]
+    pub fn translated(mut self, by: [f64; 3]) -> Self {
+        let points = self.mesh.points.iter_mut().chain(self.points.iter_mut().flatten());
+        points.for_each(|p| *p += Vector::from(by));
+        self
+    }
 }
 
 /// The points and triangles of components as they were measured: those that a
@@ -98,20 +114,25 @@ pub fn measured(scan: &Components, components: &[Choice], outer: Outer) -> Resul
 }
 
 fn gather(scan: &Components, components: &[Choice], outer: Outer) -> Result<Measured> {
+    let mm = scan.mm();
     let mut mesh = Mesh { points: Vec::new(), triangles: Vec::new() };
     let mut left_out = scan.sizes();
     for &component in components {
         let chosen = scan.take(component)?;
         left_out[component.number()] = 0;
         if chosen.topology.check_disk().is_err() {
-            mesh.append(&chosen.mesh());
+            mesh.append(chosen.own_mesh());
             continue;
         }
-        let disk = chosen.into_disk(outer, &mut Repairs::new())?;
+        let disk = chosen.into_own_disk(outer.in_lengths(mm), &mut Repairs::new())?;
         mesh.append(&disk.mesh);
         disk.islands.iter().for_each(|island| left_out[island.component] = 0);
     }
-    Ok(Measured { mesh, left_out: left_out.iter().sum() })
+    let points = scan.raw_points().map(|_| {
+        let raw = scan.measured_points(&mesh.points).points;
+        raw.iter().map(|p| mm * p).collect()
+    });
+    Ok(Measured { mesh: mesh.scaled(mm), points, left_out: left_out.iter().sum() })
 }
 
 /// Looks at one component of a scan, of whatever topology it is.
@@ -126,6 +147,7 @@ fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspecti
     let chosen = scan.take(component)?;
     let mut input = InputReport::new(&scan, &chosen);
     let sizes = scan.sizes();
+    let raw_noise = scan.raw_points().map_or(0.0, RawPoints::noise);
     drop(scan);
     let (mesh, mm) = (chosen.own_mesh(), chosen.mm());
     let rings = if chosen.topology.orientable { chosen.loops() } else { Vec::new() };
@@ -134,7 +156,7 @@ fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspecti
         loops: rings.iter().map(|ring| (mm * boundary::length(mesh, ring), ring.len())).collect(),
         outer: (!rings.is_empty()).then(|| chosen.outer(outer, &rings)),
         bounds: mesh.bounds().map(|p| (mm * p.coords).into()),
-        noise: mm * smooth::noise(mesh),
+        noise: mm * smooth::noise(mesh).max(raw_noise),
         input: input.clone(),
     };
     if inspection.topology.is_disk() {

@@ -2,6 +2,7 @@
 //! far there is one, `face.rs`: a component of a scan becomes one face, with others for the
 //! islands in its holes.
 
+mod cloud;
 mod components;
 mod conversion;
 pub mod cut;
@@ -16,6 +17,7 @@ mod options;
 mod places;
 mod stage;
 
+pub use cloud::{cloud_components, convert_cloud};
 pub use components::{convert_components, joined};
 pub use conversion::{Conversion, Missed};
 pub use cut::Cut;
@@ -44,7 +46,7 @@ pub fn convert(soup: &Soup, options: &Options, watch: &mut Observer) -> Result<C
     options.max_memory.map_or(Ok(()), |most| Memory::of(soup, options).check(most))?;
     let options = options.resolved(soup)?;
     threads::run(options.threads, || {
-        let scan = Components::new(mesh::from_soup(soup, options.unit_of(soup))?);
+        let scan = Components::new(mesh::from_soup(soup, options.unit_of(soup.unit))?);
         component(&scan, &options, watch)
     })?
 }
@@ -73,7 +75,7 @@ fn component(scan: &Components, options: &Options, watch: &mut Observer) -> Resu
     let own = options.in_lengths(scan.mm());
     match face::face(scan, &own, &mut |stage| shown.see(stage)) {
         Ok(conversion) => {
-            let conversion = conversion.with_named(options);
+            let conversion = conversion.with_named(options).placed(options.keeps_origin);
             Ok(Conversion { hints: hints::of(&conversion, options), ..conversion })
         }
         Err(error) => Err(shown.in_mm(error).with_named(options)),

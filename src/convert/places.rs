@@ -1,6 +1,6 @@
 //! Places on the scan that a user names by a vertex or by coordinates.
 
-use formats::Soup;
+use formats::{Points, Soup};
 
 use super::Options;
 use crate::geometry::Point;
@@ -11,23 +11,37 @@ use crate::{Error, Result, smooth};
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize), serde(untagged))]
 pub enum ScanPlace {
-    /// A vertex. The file counts them from 0 ([`Soup::points`]).
+    /// A vertex of a mesh or a point of a cloud. The file counts them from 0 ([`Soup::points`],
+    /// [`Points::positions`]).
     Vertex(usize),
     /// A point, in the scan's own numbers.
     Point([f64; 3]),
 }
 
 impl ScanPlace {
-    /// The place in mm, for a scan whose numbers are so many `mm`.
+    /// The place in mm, for a mesh whose numbers are so many `mm`.
     ///
     /// # Errors
     /// [`Error::Vertex`]: the scan has no such vertex.
     pub fn resolve(self, soup: &Soup, mm: f64) -> Result<Point> {
+        self.among(&soup.points, [0.0; 3], mm)
+    }
+
+    /// The place in mm from the cloud's origin, for a cloud whose numbers are so many `mm`. Its
+    /// vertices are its points.
+    ///
+    /// # Errors
+    /// [`Error::Vertex`]: the cloud has no such point.
+    pub fn resolve_in_cloud(self, cloud: &Points, mm: f64) -> Result<Point> {
+        self.among(&cloud.positions, cloud.origin, mm)
+    }
+
+    fn among(self, points: &[[f64; 3]], origin: [f64; 3], mm: f64) -> Result<Point> {
         let point = match self {
-            ScanPlace::Point(point) => point,
+            ScanPlace::Point(point) => [0, 1, 2].map(|k| point[k] - origin[k]),
             ScanPlace::Vertex(asked) => {
-                let count = soup.points.len();
-                *soup.points.get(asked).ok_or(Error::Vertex { asked, count })?
+                let count = points.len();
+                *points.get(asked).ok_or(Error::Vertex { asked, count })?
             }
         };
         Ok(Point::from(point.map(|x| x * mm)))
@@ -62,14 +76,27 @@ impl Options {
     /// # Errors
     /// [`Error::Vertex`]: the scan has no such vertex.
     pub fn resolved(&self, soup: &Soup) -> Result<Options> {
-        let mm = self.unit_of(soup);
+        let mm = self.unit_of(soup.unit);
+        self.resolved_by(&|place| place.resolve(soup, mm))
+    }
+
+    /// The same for a cloud. [`convert_cloud`](crate::convert_cloud) does this by itself.
+    ///
+    /// # Errors
+    /// [`Error::Vertex`]: the cloud has no such point.
+    pub fn resolved_in_cloud(&self, cloud: &Points) -> Result<Options> {
+        let mm = self.unit_of(cloud.unit);
+        self.resolved_by(&|place| place.resolve_in_cloud(cloud, mm))
+    }
+
+    fn resolved_by(&self, resolve: &dyn Fn(ScanPlace) -> Result<Point>) -> Result<Options> {
         let all = |places: &Vec<ScanPlace>| -> Result<Vec<Point>> {
-            places.iter().map(|place| place.resolve(soup, mm)).collect()
+            places.iter().map(|&place| resolve(place)).collect()
         };
         let mut options = self.clone();
         options.places.resolved = true;
         if let Some(place) = self.places.outer {
-            options.outer = Outer::Near(place.resolve(soup, mm)?);
+            options.outer = Outer::Near(resolve(place)?);
         }
         if let Some(places) = &self.places.corners {
             let wrong = |_| Error::Corners("not four places".into());

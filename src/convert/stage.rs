@@ -3,12 +3,14 @@
 use crate::mesh::{Disk, Patch};
 use crate::parameterize::{CompressedRegion, Parameterized};
 use crate::spline::Surface;
-use crate::{Conversion, Result, trim};
+use crate::{Conversion, Result, cloud, trim};
 
 /// A stage that has just ended, with what it made, or one that goes on.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Stage<'a> {
+    /// What was found in a cloud of points, of which a mesh was made.
+    Cloud(&'a cloud::Report),
     /// The cleaned mesh.
     Mesh(&'a Disk),
     /// The smoothed mesh.
@@ -43,6 +45,7 @@ impl Stage<'_> {
     /// Its name, as reports and progress have it.
     pub fn name(&self) -> &'static str {
         match self {
+            Stage::Cloud(_) => "cloud",
             Stage::Mesh(_) => "mesh",
             Stage::Smooth(_) => "smooth",
             Stage::Fill(_) => "fill",

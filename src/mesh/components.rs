@@ -8,6 +8,7 @@ use super::boundary::{self, Loop};
 use super::build::{Build, Repairs, count};
 use super::disk::Outer;
 use super::islands::{self, IslandCandidate};
+use super::raw_points::{MeasuredPoints, RawPoints};
 use super::topology::Topology;
 use super::vertices::VertexMap;
 use super::{Disk, EdgeMap, Mesh, rims};
@@ -45,6 +46,8 @@ pub struct Components {
     /// The first corner of each component that is not dust, with the number of the component.
     begins: RTree<GeomWithData<[f64; 3], usize>>,
     dust: usize,
+    /// What was measured, if the mesh was made of a cloud.
+    raw: Option<RawPoints>,
 }
 
 /// Components with less than one sixteenth of all triangles are extracted in a time that does not
@@ -83,7 +86,20 @@ impl Components {
         };
         let sizeable = &pieces[..pieces.len() - dust];
         let begins = RTree::bulk_load(sizeable.iter().enumerate().map(begin).collect());
-        Components { build, pieces, twisted, begins, dust }
+        Components { build, pieces, twisted, begins, dust, raw: None }
+    }
+
+    /// The same with the points that the mesh was made of. `unit` is the length in mm of the unit
+    /// of these points and of the soup.
+    #[must_use]
+    pub fn with_raw_points(self, raw: RawPoints, unit: f64) -> Self {
+        let raw = Some(raw.scaled(unit / self.mm()));
+        Components { raw, ..self }
+    }
+
+    /// The points that the mesh was made of, in its unit of length, if it was made of a cloud.
+    pub fn raw_points(&self) -> Option<&RawPoints> {
+        self.raw.as_ref()
     }
 
     /// The number of components.
@@ -135,10 +151,15 @@ impl Components {
         self.build.mm
     }
 
-    /// Which of these points each vertex of the scan became. They are points of the mesh, in
-    /// its own lengths, each at a place of its own.
-    pub(crate) fn vertices(&self, points: &[Point]) -> VertexMap {
-        VertexMap::new(&self.build, points)
+    /// What was measured of a face that has these vertices: points of the cloud that the mesh was
+    /// made of, or else the vertices themselves. They are points of the mesh, in its own lengths,
+    /// each at a place of its own.
+    pub(crate) fn measured_points<'a>(&self, vertices: &'a [Point]) -> MeasuredPoints<'a> {
+        let map = VertexMap::new(&self.build, vertices);
+        match &self.raw {
+            Some(raw) => raw.of_face(&map),
+            None => MeasuredPoints { points: vertices.into(), vertex_of: None, map },
+        }
     }
 
     /// Extracts one component.

@@ -36,6 +36,11 @@ impl VertexMap {
         VertexMap { points: build.vertices.iter().map(point).collect() }
     }
 
+    /// For each vertex the position of its point, or [`NOWHERE`].
+    pub(super) fn of_numbers(points: Vec<u32>) -> Self {
+        VertexMap { points }
+    }
+
     /// The position of the point that a vertex of the scan became, if it became one.
     pub(crate) fn point_of(&self, vertex: usize) -> Option<usize> {
         self.points.get(vertex).filter(|&&point| point != NOWHERE).map(|&point| point as usize)

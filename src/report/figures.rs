@@ -228,7 +228,7 @@ impl FaceFigures {
     pub fn of(c: &Conversion, source: &ScanSource, outliers: f64) -> Self {
         FaceFigures {
             input: InputFigures::of(&c.input, source),
-            noise_mm: c.smooth.noise,
+            noise_mm: c.noise,
             tolerance_mm: c.tolerance,
             tolerance_met: c.tolerance_met(outliers),
             smooth: SmoothFigures {

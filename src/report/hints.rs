@@ -3,7 +3,7 @@
 
 use super::{ScanSource, Setting, Settings};
 use crate::Conversion;
-use crate::geometry::bounds;
+use crate::geometry::{Vector, bounds};
 use crate::words::mm;
 
 /// The hints of some conversions of one scan.
@@ -27,13 +27,22 @@ const LIKELY_SIZES: [f64; 2] = [5.0, 50_000.0];
 
 fn odd_size(source: &ScanSource, conversions: &[Conversion]) -> Option<String> {
     let points = conversions.iter().flat_map(|c| &c.surface.net);
-    let [low, high] = bounds(points.map(|&p| p.into()));
-    let across = (high - low).norm();
+    likely_unit(source, bounds(points.map(|&p| p.into())).map(|p| p.coords.into()))
+}
+
+/// Advice to name the unit of a scan, if its unit was assumed and makes its size unlikely. The
+/// bounds of the scan are mm.
+pub fn likely_unit(source: &ScanSource, [low, high]: [[f64; 3]; 2]) -> Option<String> {
+    let across = (Vector::from(high) - Vector::from(low)).norm();
     let is_likely = (LIKELY_SIZES[0]..LIKELY_SIZES[1]).contains(&across);
     (source.unit_assumed && !is_likely).then(|| {
+        let others: Vec<_> =
+            ["mm", "cm", "m", "in"].into_iter().filter(|u| *u != source.unit.symbol()).collect();
         format!(
-            "the scan is {} across if its numbers are mm; --units m, cm or in if they are not",
-            mm(across)
+            "the scan is {} across if its numbers are {}; --units {} if they are not",
+            mm(across),
+            source.unit.symbol(),
+            others.join(", ").replacen(", in", " or in", 1)
         )
     })
 }

@@ -1,9 +1,11 @@
 //! The scan of a report: its file, and the component that was converted or looked at.
 
-use formats::{LengthUnit, Soup};
+use formats::points::Note;
+use formats::{LengthUnit, Points, Soup};
 
+use super::{CloudFigures, CloudMeshFigures};
 use crate::mesh::Repairs;
-use crate::{InputReport, Inspection, Options};
+use crate::{InputReport, Inspection, Options, cloud};
 
 /// A scan as it was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -18,6 +20,8 @@ pub struct ScanSource {
     pub vertices: usize,
     /// Triangles of the file. A polygon of n corners counts as n − 2.
     pub triangles: usize,
+    /// The cloud, if the file holds points without triangles.
+    pub cloud: Option<CloudFigures>,
 }
 
 impl ScanSource {
@@ -32,7 +36,33 @@ impl ScanSource {
             unit_assumed: declared.is_none(),
             vertices: soup.points.len(),
             triangles: soup.polygons.triangle_count(),
+            cloud: None,
         }
+    }
+
+    /// The same for a cloud of points. Its vertices are its points. Formats that name no unit, but
+    /// whose programs write metres, count as formats whose unit is assumed.
+    pub fn of_cloud(file: impl Into<String>, cloud: &Points, options: &Options) -> Self {
+        let declared = options.unit().or(cloud.unit);
+        let unit = declared.unwrap_or(LengthUnit::Millimetre);
+        let by_custom = cloud.notes.contains(&Note::MetresByCustom) && options.unit().is_none();
+        ScanSource {
+            file: file.into(),
+            unit,
+            unit_assumed: declared.is_none() || by_custom,
+            vertices: cloud.len(),
+            triangles: 0,
+            cloud: Some(CloudFigures::of(cloud, unit.in_mm())),
+        }
+    }
+
+    /// The same once a mesh was made of the cloud.
+    #[must_use]
+    pub fn meshed(mut self, report: &cloud::Report) -> Self {
+        if let Some(cloud) = &mut self.cloud {
+            cloud.mesh = Some(CloudMeshFigures::of(report, self.unit.in_mm()));
+        }
+        self
     }
 }
 
@@ -51,6 +81,16 @@ pub struct InputFigures {
     pub file_vertices: usize,
     /// Triangles of the file. A polygon of n corners counts as n − 2.
     pub file_triangles: usize,
+    /// Points of the file, if it holds a cloud.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub points: Option<usize>,
+    /// How a mesh was made of the cloud ([`cloud::Mesher`](crate::cloud::Mesher)): "grid" or
+    /// "stars".
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub mesher: Option<&'static str>,
+    /// The cloud, if the file holds one.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub cloud: Option<CloudFigures>,
     /// Vertices of the component.
     pub vertices: usize,
     /// Triangles of the component.
@@ -76,6 +116,9 @@ impl InputFigures {
             units_assumed: source.unit_assumed,
             file_vertices: source.vertices,
             file_triangles: source.triangles,
+            points: source.cloud.as_ref().map(|cloud| cloud.points),
+            mesher: source.cloud.as_ref().and_then(|cloud| Some(cloud.mesh.as_ref()?.mesher)),
+            cloud: source.cloud.clone(),
             vertices: input.vertices,
             triangles: input.triangles,
             components: input.components,

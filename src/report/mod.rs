@@ -15,6 +15,7 @@
 //! Lengths are millimetres, points are x, y, z. Each field has the name that the JSON has.
 
 mod check;
+mod cloud;
 mod figures;
 mod hints;
 mod input;
@@ -39,10 +40,12 @@ mod plane;
 mod scene;
 
 pub use check::{CadFigures, CheckFigures, CheckedScan, DistanceFigures};
+pub use cloud::{CloudFigures, CloudMeshFigures, ScanFigures};
 pub use figures::{
     DeviationFigures, FaceFigures, FaceToScanFigures, FillFigures, FitFigures, HoleFigures,
     MapFigures, SmoothFigures, TrimFigures, TrimOf,
 };
+pub use hints::likely_unit;
 pub use input::{InputFigures, InspectionFigures, RimFigures, ScanSource};
 pub use settings::{Setting, Settings};
 #[cfg(feature = "picture")]

@@ -23,7 +23,7 @@ const NEAR: f64 = 3.0;
 impl Ends {
     pub fn of(faces: &[(&Conversion, &FaceView)]) -> Ends {
         Ends {
-            measured: end(faces, |c| &c.deviation),
+            measured: end(faces, Conversion::vertex_deviation),
             #[cfg(feature = "html")]
             smoothed: end(faces, |c| &c.fit_deviation),
         }

@@ -16,6 +16,14 @@ use crate::{Cut, Options, ScanPlace, parameterize};
 pub struct Settings {
     /// The symbol of the unit of the scan's numbers.
     pub units: Option<&'static str>,
+    /// The distance in mm to which a cloud of points is thinned.
+    pub spacing: Option<f64>,
+    /// The largest number of points of a cloud.
+    pub max_points: Option<usize>,
+    /// The scan of a cloud with several, counted from 0.
+    pub scan: Option<usize>,
+    /// Where the result lies if a cloud is far from zero: "local" or "keep".
+    pub origin: &'static str,
     /// A place on the outer boundary loop: one item.
     pub outer: Option<Vec<ScanPlace>>,
     /// The farthest that a point of the smoothed scan may be from the face, in mm.
@@ -81,6 +89,10 @@ impl Settings {
         };
         Settings {
             units: options.unit().map(|unit| unit.symbol()),
+            spacing: options.cloud.spacing,
+            max_points: options.cloud.max_points,
+            scan: options.cloud.scan,
+            origin: if options.keeps_origin { "keep" } else { "local" },
             outer: named.outer.map(|place| vec![place]).or(outer),
             tolerance: options.tolerance,
             rim_tolerance: options.rim_tolerance,

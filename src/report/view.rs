@@ -68,7 +68,7 @@ impl ViewRecorder {
     /// of this conversion.
     pub fn view(self, c: &Conversion, parts: usize) -> Result<FaceView> {
         let ViewRecorder { measured: disk, smoothed, uv } = self;
-        let count = c.deviation.distances.len();
+        let count = c.fit_deviation.distances.len();
         let has_all = |disk: &Disk| {
             disk.mesh.points.len() == count && smoothed.len() == count && uv.len() >= count
         };
@@ -77,7 +77,7 @@ impl ViewRecorder {
         let signs = |points: &[Point], d: &Deviation| {
             signed(&c.surface, points, &uv[..count], &d.distances)
         };
-        let measured = signs(&disk.mesh.points, &c.deviation);
+        let measured = signs(&disk.mesh.points, c.vertex_deviation());
         let smoothed = signs(&smoothed, &c.fit_deviation);
         let worst = [&measured, &smoothed].map(|d| worst(d));
         let scan = thin(&disk.mesh, MOST_TRIANGLES / parts.max(1), &worst);
@@ -111,7 +111,7 @@ fn triangulated(
 ) -> Option<Mesh> {
     let mut inner: Vec<Uv> = scan.old.iter().filter_map(|&v| uv.get(v).copied()).collect();
     if c.trimmed.contains(&false) {
-        inner.extend(uv.get(c.deviation.distances.len()..).unwrap_or_default());
+        inner.extend(uv.get(c.fit_deviation.distances.len()..).unwrap_or_default());
     }
     let step = (inner.len() * parts).div_ceil(MOST_FACE_POINTS).max(1);
     let inner: Vec<Uv> = inner.into_iter().step_by(step).collect();

@@ -281,6 +281,12 @@ impl VirtualScan {
         Ok(())
     }
 
+    /// Writes the points alone as columns of text.
+    pub fn write_xyz(&self, out: &mut dyn Write) -> io::Result<()> {
+        writeln!(out, "// virtual scan, millimetres: x y z")?;
+        self.points.iter().try_for_each(|[x, y, z]| writeln!(out, "{x:.4} {y:.4} {z:.4}"))
+    }
+
     /// Writes an OBJ file.
     pub fn write_obj(&self, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "# virtual scan, millimetres")?;

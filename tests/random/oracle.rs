@@ -116,7 +116,7 @@ fn reads_back(c: &Conversion, file: &[u8], measured: &Mesh) -> Result<(), TestCa
     let model = formats::cad::read_cad_from(Path::new("a.step"), file);
     let model = model.map_err(|e| failed(e.to_string()))?;
     prop_assert_eq!(model.faces.len(), c.brep.faces.len());
-    let found = check::check(&model, measured).map_err(|e| failed(e.to_string()))?;
+    let found = check::check(&model, measured, None).map_err(|e| failed(e.to_string()))?;
     let loops: usize = c.brep.faces.iter().map(|face| face.loops.len()).sum();
     prop_assert_eq!(found.loops, loops);
     let (there, here) = (c.deviation.rms, found.scan_to_face.rms);

@@ -10,9 +10,14 @@ use crate::time_stamp;
 const WIDTH: usize = 72;
 
 /// Writes the start section, which is for human readers. Returns the number of lines.
-pub(super) fn start(out: &mut dyn io::Write) -> io::Result<usize> {
+pub(super) fn start(description: &str, out: &mut dyn io::Write) -> io::Result<usize> {
     writeln!(out, "{:WIDTH$}S{:7}", "Trimmed B-spline surfaces in millimetres", 1)?;
-    Ok(1)
+    let plain = |c: char| if c.is_ascii_graphic() || c == ' ' { c } else { '_' };
+    let text: Vec<char> = description.chars().map(plain).collect();
+    for (number, line) in (2..).zip(text.chunks(WIDTH)) {
+        writeln!(out, "{:WIDTH$}S{number:7}", line.iter().collect::<String>())?;
+    }
+    Ok(1 + text.len().div_ceil(WIDTH))
 }
 
 /// Writes the 26 global parameters. Returns the number of lines.

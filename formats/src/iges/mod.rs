@@ -68,7 +68,7 @@ pub fn write(brep: &Brep, options: &Options, out: &mut dyn io::Write) -> io::Res
         Form::Brep => plan::bodies(brep, options.colour),
     };
     let lines = section::count_lines(&entities)?;
-    let start = global::start(out)?;
+    let start = global::start(&brep.description, out)?;
     let global = global::write(brep, options, brep.reach(), out)?;
     section::directory(&entities, &lines, out)?;
     section::parameters(&entities, out)?;

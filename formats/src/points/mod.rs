@@ -11,6 +11,7 @@ mod column;
 mod pcd;
 mod ptx;
 mod read;
+mod remarks;
 mod text;
 
 use std::fmt;

@@ -73,7 +73,7 @@ pub fn write(brep: &Brep, options: &Options, out: &mut dyn io::Write) -> io::Res
         schema: product::file_schema(options.schema),
     };
     let mut file = Part21::begin(out, &header)?;
-    let definition = product::write(&mut file, &brep.name, options)?;
+    let definition = product::write(&mut file, brep, options)?;
     let colour = options.colour.filter(|_| options.schema != Schema::Ap203);
     shape::write(&mut file, brep, (definition, colour))?;
     file.end()

@@ -4,6 +4,7 @@ use std::io;
 
 use super::part21::{Id, Part21, Text, add};
 use super::{Options, Schema, admin};
+use crate::brep::Brep;
 
 /// The schema identifier of the header with its ASN.1 object identifier.
 pub(super) fn file_schema(schema: Schema) -> &'static str {
@@ -33,7 +34,7 @@ fn application(schema: Schema) -> (&'static str, &'static str, u16) {
 
 /// Writes all entities from `APPLICATION_CONTEXT` to `PRODUCT_DEFINITION_SHAPE` and returns the
 /// latter.
-pub(super) fn write(file: &mut Part21<'_>, name: &str, options: &Options) -> io::Result<Id> {
+pub(super) fn write(file: &mut Part21<'_>, brep: &Brep, options: &Options) -> io::Result<Id> {
     let (application, schema, year) = application(options.schema);
     let context = add!(file, "APPLICATION_CONTEXT('{application}')")?;
     add!(
@@ -41,7 +42,7 @@ pub(super) fn write(file: &mut Part21<'_>, name: &str, options: &Options) -> io:
         "APPLICATION_PROTOCOL_DEFINITION('international standard','{schema}',{year},{context})"
     )?;
     let controlled = options.schema == Schema::Ap203;
-    let product = product(file, name, context, controlled)?;
+    let product = product(file, brep, context, controlled)?;
     let version = if controlled {
         let kind = "PRODUCT_DEFINITION_FORMATION_WITH_SPECIFIED_SOURCE";
         add!(file, "{kind}('1','',{product},.NOT_KNOWN.)")?
@@ -59,11 +60,11 @@ pub(super) fn write(file: &mut Part21<'_>, name: &str, options: &Options) -> io:
     add!(file, "PRODUCT_DEFINITION_SHAPE('','',{definition})")
 }
 
-fn product(file: &mut Part21<'_>, name: &str, context: Id, controlled: bool) -> io::Result<Id> {
+fn product(file: &mut Part21<'_>, brep: &Brep, context: Id, controlled: bool) -> io::Result<Id> {
     let kind = if controlled { "MECHANICAL_CONTEXT" } else { "PRODUCT_CONTEXT" };
     let discipline = add!(file, "{kind}('',{context},'mechanical')")?;
-    let name = Text(name);
-    let product = add!(file, "PRODUCT({name},{name},'',({discipline}))")?;
+    let (name, description) = (Text(&brep.name), Text(&brep.description));
+    let product = add!(file, "PRODUCT({name},{name},{description},({discipline}))")?;
     if controlled {
         let part = add!(file, "PRODUCT_CATEGORY('part','')")?;
         let detail = add!(file, "PRODUCT_RELATED_PRODUCT_CATEGORY('detail','',({product}))")?;

@@ -23,6 +23,15 @@ impl From<Unit> for LengthUnit {
     }
 }
 
+/// Where the result lies if a cloud is far from zero.
+#[derive(Debug, Clone, Copy, ValueEnum)]
+pub enum Origin {
+    /// Near zero; the report and the file say from where its coordinates are measured
+    Local,
+    /// Where the cloud is
+    Keep,
+}
+
 /// How a run shows its progress.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum Steps {

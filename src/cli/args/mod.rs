@@ -12,11 +12,11 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use scan2step::mesh::Choice;
 
-pub use choices::{Fit, Iges, Map, OutlineChoice, StepSchema, Steps};
+pub use choices::{Fit, Iges, Map, Origin, OutlineChoice, StepSchema, Steps};
 pub use colour::Colour;
 pub use files::{CadFile, CadKind};
 pub use how::{How, Manner};
-pub use pieces::{ComponentChoice, Look, Piece, Scale};
+pub use pieces::{CloudArgs, ComponentChoice, Look, Piece, Scale};
 
 use super::batch::args::Batch;
 use super::manual::{Completions, Man};
@@ -44,8 +44,9 @@ pub struct Cli {
 pub enum Command {
     /// Convert one scan to one or more CAD files.
     ///
-    /// The scan is a triangle mesh: .ply, .obj, .gltf, .glb or .stl, each also
-    /// gzipped. The extension of an output gives its format.
+    /// The scan is a mesh (.ply, .obj, .gltf, .glb, .stl or .off) or a cloud of points (.ply
+    /// without faces, .xyz, .txt, .asc, .csv, .pts, .ptx or .pcd), each also gzipped. The
+    /// extension of an output gives its format.
     Convert(Box<Convert>),
     /// Print what a scan is: counts, units, components, boundary loops, genus, noise and
     /// repairs.

@@ -48,6 +48,11 @@ pub fn max_net(text: &str) -> Result<usize, String> {
     sound(text, rules::max_net)
 }
 
+/// The bound on the points of a cloud.
+pub fn max_points(text: &str) -> Result<usize, String> {
+    sound(text, rules::max_points)
+}
+
 /// The support of the smoothing.
 pub fn support(text: &str) -> Result<Support, String> {
     match text {

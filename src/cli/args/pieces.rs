@@ -4,9 +4,11 @@ use std::path::PathBuf;
 
 use clap::Args;
 use scan2step::mesh::{Choice, Components, Outer};
+use scan2step::{Builder, Options};
 
-use super::choices::Unit;
+use super::choices::{Origin, Unit};
 use super::colour::Colour;
+use super::numbers::{max_points, positive};
 use crate::cli::places::Place;
 
 /// The unit of a scan.
@@ -17,6 +19,25 @@ pub struct Scale {
     pub units: Option<Unit>,
 }
 
+/// Options of scans that are clouds of points.
+#[derive(Debug, Args)]
+pub struct CloudArgs {
+    /// Thin a cloud of points to this distance between neighbours, in mm [default: to what its
+    /// noise lets one tell]
+    #[arg(long, value_name = "LEN", value_parser = positive)]
+    pub spacing: Option<f64>,
+    /// Take at most so many points of a cloud, spread evenly [default: all]
+    #[arg(long, value_name = "N", value_parser = max_points)]
+    pub max_points: Option<usize>,
+    /// Take one scan of a cloud with several, counted from 0; `inspect` lists them [default: all
+    /// together]
+    #[arg(long = "scan", value_name = "N")]
+    pub scan_number: Option<usize>,
+    /// Where the result lies if a cloud is far from zero: near zero, or where the cloud is
+    #[arg(long, value_enum, default_value_t = Origin::Local)]
+    pub origin: Origin,
+}
+
 /// The scan and its outer boundary.
 #[derive(Debug, Args)]
 pub struct Piece {
@@ -24,6 +45,8 @@ pub struct Piece {
     pub scan: PathBuf,
     #[command(flatten)]
     pub scale: Scale,
+    #[command(flatten)]
+    pub cloud: CloudArgs,
     /// A place on the outer boundary loop: a vertex index, counted from 0, or a point in the
     /// scan's numbers [default: the longest loop that does not run around a hole]
     #[arg(long, value_name = "V|x,y,z", allow_hyphen_values = true)]
@@ -42,6 +65,18 @@ pub struct Look {
     /// Colours in messages
     #[arg(long, value_enum, default_value_t = Colour::Auto)]
     pub color: Colour,
+}
+
+impl CloudArgs {
+    /// The options of the library that they stand for, with the unit that was named.
+    pub fn options(&self, scale: &Scale) -> Builder {
+        let options = Options::builder()
+            .spacing(self.spacing)
+            .max_points(self.max_points)
+            .scan_number(self.scan_number)
+            .keeps_origin(matches!(self.origin, Origin::Keep));
+        scale.units.map_or(options.clone(), |unit| options.unit(unit.into()))
+    }
 }
 
 /// Components of a scan.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{ArgMatches, Args, Command, ValueEnum, parser::ValueSource};
 
-use crate::cli::args::{How, Manner, Scale};
+use crate::cli::args::{CloudArgs, How, Manner, Scale};
 use crate::cli::report::ReportFormat;
 
 /// Options of `batch`.
@@ -40,6 +40,8 @@ pub struct Batch {
     pub jobs: u16,
     #[command(flatten)]
     pub scale: Scale,
+    #[command(flatten)]
+    pub cloud: CloudArgs,
     #[command(flatten)]
     pub how: How,
     #[command(flatten)]
@@ -89,7 +91,8 @@ fn shard(text: &str) -> Result<Shard, String> {
 
 /// The options of `batch` that are passed on to every `convert`.
 pub fn passed_on(matches: &ArgMatches) -> Vec<String> {
-    let shared = How::augment_args(Scale::augment_args(Command::new("shared")));
+    let of_scan = CloudArgs::augment_args(Scale::augment_args(Command::new("shared")));
+    let shared = How::augment_args(of_scan);
     let mut options = Vec::new();
     for option in shared.get_arguments() {
         let (Some(long), id) = (option.get_long(), option.get_id().as_str()) else { continue };

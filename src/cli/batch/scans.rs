@@ -3,7 +3,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
-use formats::Format;
+use formats::{Format, PointFormat};
 use walkdir::WalkDir;
 
 use crate::cli::Failure;
@@ -47,7 +47,7 @@ pub fn find(arguments: &[PathBuf], out: &Path) -> Result<Vec<Scan>, Failure> {
 }
 
 fn failure(of: &str, what: &str) -> Failure {
-    let help = "name folders, patterns or files of .ply, .obj, .gltf, .glb or .stl, also .gz";
+    let help = "name folders, patterns or files of meshes or clouds of points, as .ply or .xyz.gz";
     Failure { error: format!("{of}: {what}"), help: help.into() }
 }
 
@@ -69,17 +69,22 @@ fn expanded(argument: &Path) -> Result<(PathBuf, Vec<PathBuf>), Failure> {
         return Ok((plain.collect(), matches));
     }
     // A scan that does not exist fails later, by itself.
-    if !argument.exists() && Format::by_extension(argument).is_none() {
+    if !argument.exists() && !has_scan_name(argument) {
         return Err(fail("no such file or folder"));
     }
     let folder = argument.parent().unwrap_or(Path::new(""));
     Ok((folder.to_owned(), vec![argument.to_owned()]))
 }
 
+/// Whether a file has the extension of a mesh or of a cloud of points.
+fn has_scan_name(path: &Path) -> bool {
+    Format::by_extension(path).is_some() || PointFormat::by_extension(path).is_some()
+}
+
 /// Whether a match of a pattern is a file with the extension of a scan. A broken link counts,
 /// and fails later by itself. A pipe does not count, because reading it could wait for ever.
 fn is_scan(path: &Path) -> bool {
-    Format::by_extension(path).is_some() && path.metadata().map_or(true, |meta| meta.is_file())
+    has_scan_name(path) && path.metadata().map_or(true, |meta| meta.is_file())
 }
 
 /// Finds the scans in a folder and its subfolders. Hidden folders and the output folder are left
@@ -105,7 +110,7 @@ fn walk(folder: &Path, out: &Path, found: &mut Found) -> Result<(), Failure> {
                 None => return Err(failure(&folder.display().to_string(), &e.to_string())),
             },
         };
-        if Format::by_extension(&path).is_some() {
+        if has_scan_name(&path) {
             found.entry(place_of_file(&path)?).or_insert(path);
         }
     }

@@ -34,6 +34,32 @@ impl Builder {
         self
     }
 
+    /// Thins a cloud of points to this distance between neighbours, in mm. Without: to what its
+    /// noise lets one tell.
+    pub fn spacing(mut self, mm: impl Into<Option<f64>>) -> Self {
+        self.0.cloud.spacing = mm.into();
+        self
+    }
+
+    /// Takes at most so many points of a cloud, spread evenly. Without: all of them.
+    pub fn max_points(mut self, count: impl Into<Option<usize>>) -> Self {
+        self.0.cloud.max_points = count.into();
+        self
+    }
+
+    /// Takes one scan of a cloud with several, counted from 0. Without: all of them together.
+    pub fn scan_number(mut self, number: impl Into<Option<usize>>) -> Self {
+        self.0.cloud.scan = number.into();
+        self
+    }
+
+    /// Whether the face of a cloud that is far from the origin lies where the cloud is. Without:
+    /// it lies near the origin, which CAD programs need to keep its digits.
+    pub fn keeps_origin(mut self, keeps: bool) -> Self {
+        self.0.keeps_origin = keeps;
+        self
+    }
+
     /// Which piece of the scan. Without: the largest.
     pub fn component(mut self, component: mesh::Choice) -> Self {
         self.0.component = component;

@@ -4,14 +4,14 @@ mod builder;
 
 pub use builder::Builder;
 
-use formats::{LengthUnit, Soup};
+use formats::LengthUnit;
 
 use super::Cut;
 use super::places::NamedPlaces;
 use crate::adapt::KnotOptions;
 use crate::error::{Error, Result, of};
 use crate::geometry::{Point, in_lengths, length};
-use crate::{adapt, fill, fit, mesh, parameterize, rules, smooth, trim};
+use crate::{adapt, cloud, fill, fit, mesh, parameterize, rules, smooth, trim};
 
 /// What [`convert`](crate::convert) is asked for. [`Options::default`] finds
 /// everything on the scan, whose numbers have the unit that it declares, or are millimetres; [`Options::builder`]
@@ -32,6 +32,8 @@ use crate::{adapt, fill, fit, mesh, parameterize, rules, smooth, trim};
 pub struct Options {
     pub(crate) name: String,
     pub(crate) unit_mm: Option<f64>,
+    pub(crate) cloud: cloud::Options,
+    pub(crate) keeps_origin: bool,
     pub(crate) component: mesh::Choice,
     pub(crate) outer: mesh::Outer,
     pub(crate) smooth: smooth::Options,
@@ -53,6 +55,8 @@ impl Default for Options {
         Options {
             name: "scan".into(),
             unit_mm: None,
+            cloud: cloud::Options::default(),
+            keeps_origin: false,
             component: mesh::Choice::default(),
             outer: mesh::Outer::default(),
             smooth: smooth::Options::default(),
@@ -104,9 +108,10 @@ impl Options {
         [Millimetre, Centimetre, Metre, Inch].into_iter().find(|unit| unit.in_mm() == mm)
     }
 
-    /// The length of a soup's unit in mm: the one named, else its own, else a millimetre.
-    pub(crate) fn unit_of(&self, soup: &Soup) -> f64 {
-        self.unit_mm.or(soup.unit.map(LengthUnit::in_mm)).unwrap_or(1.0)
+    /// The length of a scan's unit in mm: the one named, else the one that the scan declares, else
+    /// a millimetre.
+    pub(crate) fn unit_of(&self, declared: Option<LengthUnit>) -> f64 {
+        self.unit_mm.or(declared.map(LengthUnit::in_mm)).unwrap_or(1.0)
     }
 
     /// The same in lengths of so many `mm`. What `fill` is told of noise and support is
@@ -152,6 +157,7 @@ impl Options {
         if self.places.corners.as_ref().is_some_and(|corners| corners.len() != 4) {
             return Err(Error::Corners("not four places".into()));
         }
+        self.cloud.check()?;
         self.smooth.check()?;
         self.fill.check()?;
         self.parameterize.check()?;

@@ -1,0 +1,56 @@
+//! The way from a cloud of points to the components of a mesh, which go on as those of a meshed
+//! scan do: cloud → mesh.
+
+use formats::Points;
+
+use super::{Conversion, Observer, Options, Stage, convert_component, stage};
+use crate::cloud::{self, Report};
+use crate::geometry::Point;
+use crate::mesh::{self, Components, RawPoints};
+use crate::progress::Progress;
+use crate::{Memory, Result, threads};
+
+/// Converts one component of a cloud of points, as [`convert`](crate::convert) does for a mesh.
+/// The tolerance follows the noise of the points, and [`Conversion::deviation`] is measured
+/// against them. Lengths and places of the result are mm from the cloud's origin, unless
+/// [`Builder::keeps_origin`](crate::Builder::keeps_origin) puts the face into its own place.
+///
+/// # Errors
+/// What stops a stage, or what `watch` answers.
+pub fn convert_cloud(cloud: Points, options: &Options, watch: &mut Observer) -> Result<Conversion> {
+    let memory = Memory::of_cloud(cloud.len(), options);
+    options.max_memory.map_or(Ok(()), |most| memory.check(most))?;
+    let options = options.resolved_in_cloud(&cloud)?;
+    threads::run(options.threads, || {
+        let (scan, report) = components_of(cloud, &options, &mut stage::within("cloud", watch))?;
+        watch(Stage::Cloud(&report))?;
+        convert_component(&scan, &options, watch)
+    })?
+}
+
+/// Makes a mesh of a cloud of points, and tells what was found. The points stay with the mesh
+/// ([`Components::raw_points`]). The report has the lengths of the cloud's unit.
+///
+/// # Errors
+/// Those of [`cloud::triangulate`] and of [`mesh::from_soup`], or what `progress` answers.
+pub fn cloud_components(
+    cloud: Points,
+    options: &Options,
+    progress: &mut Progress,
+) -> Result<(Components, Report)> {
+    threads::run(options.threads, || components_of(cloud, options, progress))?
+}
+
+fn components_of(
+    cloud: Points,
+    options: &Options,
+    progress: &mut Progress,
+) -> Result<(Components, Report)> {
+    let unit = options.unit_of(cloud.unit);
+    let meshed = cloud::triangulate(&cloud, &options.cloud.in_lengths(unit), progress)?;
+    let build = mesh::from_soup(&meshed.soup, unit)?;
+    drop(meshed.soup);
+    let points = cloud.positions.into_iter().map(Point::from).collect();
+    let raw = RawPoints::new(points, meshed.vertex_of, meshed.report.noise).at(cloud.origin);
+    Ok((Components::new(build).with_raw_points(raw, unit), meshed.report))
+}

@@ -1,0 +1,117 @@
+//! The points that a scanner measured, where the vertices of the mesh are other points.
+//!
+//! A mesh that was made of a cloud has fewer vertices than the cloud has points, and at smoothed
+//! places. Deviations are measured against the points themselves, and the tolerance follows their
+//! noise. So both stay with the mesh.
+
+use std::borrow::Cow;
+
+use super::vertices::VertexMap;
+use super::weld::NOWHERE;
+use crate::geometry::Point;
+
+/// Points of a cloud, each with the vertex of the mesh that stands for it.
+#[derive(Debug, Clone)]
+pub struct RawPoints {
+    points: Vec<Point>,
+    vertex_of: Vec<u32>,
+    noise: f64,
+    origin: [f64; 3],
+}
+
+/// The points that were measured of one face: those of the cloud, or the vertices of its mesh.
+#[derive(Debug)]
+pub(crate) struct MeasuredPoints<'a> {
+    /// The points, in the unit of the mesh.
+    pub(crate) points: Cow<'a, [Point]>,
+    /// For each point the vertex of the face's mesh that stands for it. `None` if the points are
+    /// these vertices.
+    pub(crate) vertex_of: Option<Vec<u32>>,
+    /// Which of the points each vertex of the file became.
+    pub(crate) map: VertexMap,
+}
+
+impl RawPoints {
+    /// Points, and for each the vertex of the soup that stands for it, or `u32::MAX` if there is
+    /// none, as for an outlier. The standard deviation of the noise has the unit of the points,
+    /// which is that of the soup.
+    pub fn new(points: Vec<Point>, vertex_of: Vec<u32>, noise: f64) -> Self {
+        RawPoints { points, vertex_of, noise, origin: [0.0; 3] }
+    }
+
+    /// The same for points that are measured from such an origin, in the unit of the points.
+    #[must_use]
+    pub fn at(self, origin: [f64; 3]) -> Self {
+        RawPoints { origin, ..self }
+    }
+
+    /// Where the points are measured from, in their unit.
+    pub fn origin(&self) -> [f64; 3] {
+        self.origin
+    }
+
+    /// The standard deviation of the noise, in the unit of the points.
+    pub fn noise(&self) -> f64 {
+        self.noise
+    }
+
+    /// All points, each with whether a vertex of the mesh stands for it. None does for an outlier.
+    pub fn all(&self) -> impl Iterator<Item = (Point, bool)> {
+        let pairs = self.points.iter().zip(&self.vertex_of);
+        pairs.map(|(point, vertex)| (*point, *vertex != NOWHERE))
+    }
+
+    /// The same with all lengths multiplied by a factor.
+    pub(super) fn scaled(mut self, factor: f64) -> Self {
+        self.points.iter_mut().for_each(|p| *p *= factor);
+        let origin = self.origin.map(|x| factor * x);
+        RawPoints { noise: factor * self.noise, origin, ..self }
+    }
+
+    /// The points of the face whose vertices are found in `vertices`.
+    pub(super) fn of_face(&self, vertices: &VertexMap) -> MeasuredPoints<'static> {
+        let (mut points, mut vertex_of) = (Vec::new(), Vec::new());
+        let mut map = vec![NOWHERE; self.points.len()];
+        for (i, (&point, &vertex)) in self.points.iter().zip(&self.vertex_of).enumerate() {
+            if let Some(vertex) = vertices.point_of(vertex as usize) {
+                map[i] = points.len() as u32;
+                points.push(point);
+                vertex_of.push(vertex as u32);
+            }
+        }
+        MeasuredPoints {
+            points: points.into(),
+            vertex_of: Some(vertex_of),
+            map: VertexMap::of_numbers(map),
+        }
+    }
+}
+
+impl MeasuredPoints<'_> {
+    /// A value of each point's vertex, for each point.
+    pub(crate) fn of_vertices<'b, T: Copy>(&self, values: &'b [T]) -> Cow<'b, [T]> {
+        match &self.vertex_of {
+            None => values.into(),
+            Some(vertex_of) => vertex_of.iter().map(|&v| values[v as usize]).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_face_has_the_points_whose_vertices_it_has() {
+        let points = (0..5).map(|i| Point::new(f64::from(i), 0.0, 0.0)).collect();
+        let raw = RawPoints::new(points, vec![1, 0, NOWHERE, 2, 1], 0.5).scaled(2.0);
+        assert_eq!(raw.noise(), 1.0);
+        assert_eq!(raw.all().filter(|(_, is_used)| *is_used).count(), 4);
+        // Vertex 0 of the soup is not on this face.
+        let face = raw.of_face(&VertexMap::of_numbers(vec![NOWHERE, 0, 1]));
+        assert_eq!(face.points.iter().map(|p| p.x).collect::<Vec<_>>(), [0.0, 6.0, 8.0]);
+        assert_eq!(face.of_vertices(&[10, 20]).as_ref(), [10, 20, 10]);
+        let positions: Vec<_> = (0..5).map(|i| face.map.point_of(i)).collect();
+        assert_eq!(positions, [Some(0), None, None, Some(1), Some(2)]);
+    }
+}

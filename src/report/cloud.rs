@@ -1,0 +1,100 @@
+//! The figures of a cloud of points and of the mesh that was made of it.
+
+use formats::Points;
+
+use crate::cloud;
+
+/// A cloud of points as it was read, and how it became a mesh.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct CloudFigures {
+    /// Valid points of the file.
+    pub points: usize,
+    /// Points of the file that are not valid.
+    pub invalid_points: u64,
+    /// The scans of the file, in its order.
+    pub scans: Vec<ScanFigures>,
+    /// Where the places of the report are measured from in the scan's own frame.
+    pub origin_mm: [f64; 3],
+    /// How the mesh was made; `None` until it is.
+    #[cfg_attr(feature = "serde", serde(flatten))]
+    pub mesh: Option<CloudMeshFigures>,
+}
+
+/// One scan of a cloud.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct ScanFigures {
+    /// Valid points.
+    pub points: usize,
+    /// Rows and columns of the scanner's grid, if the file has one.
+    pub grid: Option<[usize; 2]>,
+    /// Where the scanner stood, if the file says so.
+    pub viewpoint_mm: Option<[f64; 3]>,
+    /// The lowest and the highest coordinates; `None` if there is no point.
+    pub bounds_mm: Option<[[f64; 3]; 2]>,
+}
+
+/// How a mesh was made of a cloud.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct CloudMeshFigures {
+    /// How it was made ([`cloud::Mesher`]): "grid" or "stars".
+    pub mesher: &'static str,
+    /// The median distance between neighbouring points.
+    pub spacing_mm: f64,
+    /// Standard deviation of the points' noise along the normal.
+    pub noise_mm: f64,
+    /// Points that were left out as outliers.
+    pub outliers: usize,
+    /// Points at the place of another one.
+    pub duplicates: usize,
+}
+
+impl CloudFigures {
+    /// The figures of a cloud before a mesh is made of it. Its unit is so many `mm`.
+    pub(super) fn of(cloud: &Points, mm: f64) -> Self {
+        let in_mm = |p: [f64; 3]| p.map(|x| mm * x);
+        let scan = |scan: &formats::points::PointScan| {
+            let points = &cloud.positions[scan.points.clone()];
+            ScanFigures {
+                points: points.len(),
+                grid: scan.grid.as_ref().map(|grid| [grid.rows, grid.columns]),
+                viewpoint_mm: scan.viewpoint.map(in_mm),
+                bounds_mm: bounds(points).map(|bounds| bounds.map(in_mm)),
+            }
+        };
+        CloudFigures {
+            points: cloud.len(),
+            invalid_points: cloud.lost.points(),
+            scans: cloud.scans.iter().map(scan).collect(),
+            origin_mm: in_mm(cloud.origin),
+            mesh: None,
+        }
+    }
+}
+
+impl CloudMeshFigures {
+    /// The figures of a mesh that was made of a cloud whose unit is so many `mm`.
+    pub(super) fn of(report: &cloud::Report, mm: f64) -> Self {
+        CloudMeshFigures {
+            mesher: "stars",
+            spacing_mm: mm * report.spacing,
+            noise_mm: mm * report.noise,
+            outliers: report.outliers,
+            duplicates: report.duplicates,
+        }
+    }
+}
+
+/// The lowest and the highest coordinates.
+fn bounds(points: &[[f64; 3]]) -> Option<[[f64; 3]; 2]> {
+    let first = points.first()?;
+    let wider = |[low, high]: [[f64; 3]; 2], p: &[f64; 3]| {
+        [[0, 1, 2].map(|k| low[k].min(p[k])), [0, 1, 2].map(|k| high[k].max(p[k]))]
+    };
+    Some(points.iter().fold([*first, *first], wider))
+}
