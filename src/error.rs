@@ -166,6 +166,14 @@ pub enum CloudFault {
     /// All points are at the same place.
     #[error("all points of the cloud are at the same place")]
     OnePlace,
+    /// The cloud has no scan of the number that an option names.
+    #[error("the cloud has no scan {asked}; it has {count}")]
+    Scan {
+        /// The number, counted from 0.
+        asked: usize,
+        /// The number of scans.
+        count: usize,
+    },
     /// Most points are on lines.
     #[error("the points of the cloud are on lines and not on a surface")]
     Line,
@@ -314,6 +322,9 @@ impl Error {
             }
             Error::Cloud(CloudFault::Few(_) | CloudFault::OnePlace) => {
                 "export more points: a surface takes at least 100 different ones".into()
+            }
+            Error::Cloud(CloudFault::Scan { count, .. }) => {
+                format!("choose a `scan` from 0 to {}", count.saturating_sub(1))
             }
             Error::Cloud(CloudFault::Line) => {
                 "scan the surface with lines that are as close to each other as the points on them".into()

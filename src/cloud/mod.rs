@@ -10,10 +10,12 @@
 mod manifold;
 mod nearest_lists;
 mod noise;
+mod options;
 mod order;
 mod outliers;
 mod project;
 mod quadric;
+mod select;
 mod sides;
 mod thin;
 mod voronoi;
@@ -21,11 +23,12 @@ mod votes;
 
 use formats::{Points, Soup};
 
-use crate::error::{CloudFault, Error, Result, of};
+use crate::error::{CloudFault, Error, Result};
 use crate::mesh::{Mesh, Neighbours};
 use crate::progress::Progress;
-use crate::rules;
+use crate::rules::LEAST_POINTS;
 use nearest_lists::NearestLists;
+pub use options::Options;
 use order::Ordered;
 
 /// The vertex of a point that has none.
@@ -34,25 +37,8 @@ pub const LEFT_OUT: u32 = u32::MAX;
 /// The number of points that a thread takes at a time.
 const CHUNK: usize = 1024;
 
-/// The smallest number of different points that are taken for the scan of a surface.
-const FEWEST_POINTS: usize = 100;
-
 /// The largest share of outliers among the points of a surface.
 const MOST_OUTLIERS: f64 = 0.1;
-
-/// How triangles are made of points.
-#[derive(Debug, Clone, Default)]
-pub struct Options {
-    /// Points closer than this, in the unit of the cloud, become one vertex. By default it is half
-    /// of the spacing.
-    pub spacing: Option<f64>,
-}
-
-impl Options {
-    fn check(&self) -> Result<()> {
-        self.spacing.map_or(Ok(()), |spacing| rules::length(spacing).map_err(of("spacing")))
-    }
-}
 
 /// The triangles of a cloud.
 #[derive(Debug, Clone)]
@@ -106,6 +92,17 @@ pub fn triangulate(
     progress: &mut Progress,
 ) -> Result<Triangulation> {
     options.check()?;
+    match select::selection(cloud, options)? {
+        Some(part) => {
+            let of_part = of_all(&part.points, options, progress)?;
+            Ok(part.of_whole(of_part, cloud.len()))
+        }
+        None => of_all(cloud, options, progress),
+    }
+}
+
+/// Makes triangles of all points of a cloud.
+fn of_all(cloud: &Points, options: &Options, progress: &mut Progress) -> Result<Triangulation> {
     if let Some(triangulation) = along_grid(cloud) {
         return Ok(triangulation);
     }
@@ -121,7 +118,7 @@ fn along_grid(_cloud: &Points) -> Option<Triangulation> {
 fn scattered(cloud: &Points, _options: &Options, progress: &mut Progress) -> Result<Triangulation> {
     let ordered = Ordered::new(&cloud.positions);
     let points = &ordered.points;
-    if points.len() < FEWEST_POINTS {
+    if points.len() < LEAST_POINTS {
         return Err(fault(few(points.len())));
     }
     let near = Neighbours::new(points);
