@@ -30,6 +30,9 @@ pub enum Error {
     /// No triangle is left once unusable ones are dropped.
     #[error("no usable triangle: {0}")]
     Empty(String),
+    /// A cloud of points is not the scan of a surface.
+    #[error("{0}")]
+    Cloud(CloudFault),
     /// The asked-for component does not exist.
     #[error("there is no component {asked}; the scan has {count}")]
     Component {
@@ -151,6 +154,29 @@ pub enum Error {
     /// The boundary representation breaks one of its own rules.
     #[error("boundary representation: {0}")]
     Brep(BrepFault),
+}
+
+/// Why a cloud of points is not the scan of a surface.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
+#[non_exhaustive]
+pub enum CloudFault {
+    /// There are too few points for a surface.
+    #[error("the cloud has {0} different points, too few for a surface")]
+    Few(usize),
+    /// All points are at the same place.
+    #[error("all points of the cloud are at the same place")]
+    OnePlace,
+    /// Most points are on lines.
+    #[error("the points of the cloud are on lines and not on a surface")]
+    Line,
+    /// Many points are not near any surface.
+    #[error("{outliers} of {points} points of the cloud are not near any surface")]
+    Outliers {
+        /// The number of points that are not near a surface.
+        outliers: usize,
+        /// The number of different points.
+        points: usize,
+    },
 }
 
 /// A rule that a boundary representation breaks. Faces, loops and edges are
@@ -285,6 +311,15 @@ impl Error {
             Error::Scan { error, .. } => error.help(),
             Error::Empty(_) => {
                 "check the export: the scan must be a triangle mesh with finite coordinates".into()
+            }
+            Error::Cloud(CloudFault::Few(_) | CloudFault::OnePlace) => {
+                "export more points: a surface takes at least 100 different ones".into()
+            }
+            Error::Cloud(CloudFault::Line) => {
+                "scan the surface with lines that are as close to each other as the points on them".into()
+            }
+            Error::Cloud(CloudFault::Outliers { .. }) => {
+                "remove what is not the surface, such as plants and reflections, from the cloud".into()
             }
             Error::Component { count, .. } => {
                 format!("choose a `component` from 0 to {}, or the largest", count.saturating_sub(1))

@@ -109,6 +109,7 @@ pub mod adapt;
 pub mod brep;
 pub mod check;
 mod cholesky;
+pub mod cloud;
 mod convert;
 pub mod deviation;
 pub mod error;

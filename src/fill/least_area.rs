@@ -4,7 +4,7 @@
 //! the shape of this.
 
 use crate::geometry::{Point, Vector};
-use crate::mesh::remesh::{Sizes, Triangulation};
+use crate::mesh::remesh::{RimTriangulation, Sizes};
 
 /// The most corners that are triangulated at once, because the time grows with the cube of
 /// their number. Of a larger polygon every second corner, or third and so on, is triangulated,
@@ -20,13 +20,13 @@ pub fn triangulate(
     beside: &[Vector],
     joined: impl Fn(usize, usize) -> bool,
     sizes: &Sizes,
-) -> Option<Triangulation> {
+) -> Option<RimTriangulation> {
     let polygon = RimPolygon { rim, beside, joined: &joined };
     let triangles = polygon.triangles();
     let (points, triangles) = triangles.map_or_else(|| fan(rim), |t| (rim.to_vec(), t));
     let of_side = |i: usize| ((i, (i + 1) % rim.len()), beside[i]);
     let beside = (0..rim.len()).map(of_side).collect();
-    let mut surface = Triangulation { points, triangles, rim: rim.len(), beside };
+    let mut surface = RimTriangulation { points, triangles, rim: rim.len(), beside };
     surface.refine(sizes, |i, j| i.max(j) < rim.len() && joined(i, j));
     surface.points.iter().all(|p| p.iter().all(|x| x.is_finite())).then_some(surface)
 }

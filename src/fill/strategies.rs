@@ -12,7 +12,7 @@ use super::shape::Shaper;
 use super::smoothing_spline::Energies;
 use super::{Options, Strategy};
 use crate::geometry::{Point, VertexId};
-use crate::mesh::remesh::{Sizes, Triangulation};
+use crate::mesh::remesh::{RimTriangulation, Sizes};
 
 /// The fill of a hole, and how it was made.
 pub struct ClosedHole {
@@ -92,7 +92,7 @@ fn unfolded(hole: OpenHole, best: ClosedHole) -> ClosedHole {
     });
     let (points, triangles) = numbering.numbered(&best.fill);
     let rim = numbering.rim.len();
-    let mut surface = Triangulation { points, triangles, rim, beside: beside.collect() };
+    let mut surface = RimTriangulation { points, triangles, rim, beside: beside.collect() };
     surface.unfold(|i, j| numbering.joined(i, j));
     let fill = numbering.fill(surface.points, &surface.triangles, &best.fill);
     let faults = faults::find(hole.around, &fill);

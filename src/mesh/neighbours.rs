@@ -1,5 +1,7 @@
 //! Neighbour search in space, with the k-d tree of the crate kiddo.
 
+use std::num::NonZero;
+
 use kiddo::{ImmutableKdTree, SquaredEuclidean};
 use nalgebra::Rotation3;
 
@@ -45,6 +47,16 @@ impl Neighbours {
             .execute();
         found.extend(hits.into_iter().map(|hit| hit.item));
         found.sort_unstable();
+    }
+
+    /// Replaces `found` by the indices of the `count` points nearest to `at`, each with its squared
+    /// distance, nearest first. There are fewer if the cloud has fewer.
+    pub fn nearest_n(&self, at: Point, count: usize, found: &mut Vec<(u32, f64)>) {
+        let centre: [f64; 3] = (self.turn * at).coords.into();
+        found.clear();
+        let Some(count) = NonZero::new(count) else { return };
+        let hits = self.tree.query(&centre).nearest_n::<SquaredEuclidean<f64>>(count).execute();
+        found.extend(hits.into_iter().map(|hit| (hit.item, hit.distance)));
     }
 
     /// The index of the point nearest to `at`.

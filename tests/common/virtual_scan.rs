@@ -124,7 +124,7 @@ impl VirtualScan {
         (holes, bays, teeth): (Vec<Star>, Vec<Star>, usize),
         seed: u64,
     ) -> Self {
-        let mut random = Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1);
+        let mut random = Random::new(seed);
         let mut all = Vec::with_capacity(n * m);
         for i in 0..n {
             for j in 0..m {
@@ -295,10 +295,16 @@ impl VirtualScan {
 }
 
 /// A small random generator (xorshift64*). It is the same on every machine.
-struct Random(u64);
+pub struct Random(u64);
 
 impl Random {
-    fn uniform(&mut self) -> f64 {
+    /// A generator whose numbers follow from the seed.
+    pub fn new(seed: u64) -> Self {
+        Random(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1)
+    }
+
+    /// A random number from 0 to 1.
+    pub fn uniform(&mut self) -> f64 {
         self.0 ^= self.0 >> 12;
         self.0 ^= self.0 << 25;
         self.0 ^= self.0 >> 27;
@@ -306,7 +312,7 @@ impl Random {
     }
 
     /// A standard normal random number by the method of Box and Muller.
-    fn normal(&mut self) -> f64 {
+    pub fn normal(&mut self) -> f64 {
         let radius = (-2.0 * (1.0 - self.uniform()).ln()).sqrt();
         radius * (std::f64::consts::TAU * self.uniform()).cos()
     }

@@ -21,7 +21,7 @@ const FLAT_COSINE: f64 = 0.9;
 const MAX_ROUNDS: usize = 16;
 
 /// A triangulation over the corners of rims, which stay in place. The other points follow them.
-pub struct Triangulation {
+pub struct RimTriangulation {
     pub points: Vec<Point>,
     pub triangles: Vec<[usize; 3]>,
     /// The number of rim corners.
@@ -31,7 +31,7 @@ pub struct Triangulation {
     pub beside: HashMap<(usize, usize), Vector>,
 }
 
-impl Triangulation {
+impl RimTriangulation {
     /// Divides edges, flips them and moves points until all edges are short enough. Corners that
     /// are `joined` outside this triangulation are not joined by a flip.
     pub fn refine(&mut self, sizes: &Sizes, joined: impl Fn(usize, usize) -> bool) {
@@ -156,7 +156,7 @@ struct Facets {
 }
 
 impl Facets {
-    fn new(surface: &Triangulation) -> Self {
+    fn new(surface: &RimTriangulation) -> Self {
         let sides = Sides::of(&surface.triangles);
         let across = |&t: &[usize; 3]| {
             [0, 1, 2].map(|k| {

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use crate::geometry::{Point, Uv, Vector, VertexId, segment_distance};
 use crate::mesh::boundary::Loop;
-use crate::mesh::remesh::{Sizes, Triangulation};
+use crate::mesh::remesh::{RimTriangulation, Sizes};
 use crate::mesh::{Adjacency, FaceOrigin, Patch, VertexRings};
 use ears::Ears;
 
@@ -152,7 +152,12 @@ impl MeasuredBoundary<'_> {
     /// The triangulation of a bay. Its points are the vertices on the sides of the bay, the points
     /// across its opening, and inner points. The two numbers count the first, and the first and
     /// second together.
-    fn surface(&self, from: usize, to: usize, ears: &[[usize; 3]]) -> (Triangulation, [usize; 2]) {
+    fn surface(
+        &self,
+        from: usize,
+        to: usize,
+        ears: &[[usize; 3]],
+    ) -> (RimTriangulation, [usize; 2]) {
         let mut points: Vec<Point> = (from..=to).map(|i| self.at(i)).collect();
         let side_count = points.len();
         self.opening(self.at(from), self.at(to), &mut points);
@@ -171,7 +176,7 @@ impl MeasuredBoundary<'_> {
             |k: usize| self.mesh.normal_at(self.vertex(from + k), self.vertex(from + k + 1));
         let beside: HashMap<(usize, usize), Vector> =
             (0..side_count - 1).filter_map(|k| Some(((k + 1, k), normal(k)?))).collect();
-        let mut surface = Triangulation { points, triangles, rim, beside };
+        let mut surface = RimTriangulation { points, triangles, rim, beside };
         let joined = |a: usize, b: usize| {
             a.max(b) < side_count && self.mesh.joined(self.vertex(from + a), self.vertex(from + b))
         };
@@ -194,7 +199,7 @@ impl BayClosure {
         &mut self,
         boundary: &MeasuredBoundary,
         from: usize,
-        surface: (Triangulation, [usize; 2]),
+        surface: (RimTriangulation, [usize; 2]),
     ) {
         let (mut surface, [side_count, rim]) = surface;
         let first = boundary.mesh.mesh.points.len() + self.points.len();
