@@ -29,6 +29,12 @@ pub(super) fn from_triangles(vertices: &[SurfacePoint], triangles: &[[u32; 3]]) 
     (mesh, dust)
 }
 
+/// Gives every vertex of an oriented mesh one fan, and closes small loops.
+pub(super) fn mend(mesh: &mut Mesh) {
+    while keep_one_fan(mesh) {}
+    close_small_loops(mesh);
+}
+
 /// Where a vertex has several fans of triangles, the largest stays. Returns whether there was one.
 fn keep_one_fan(mesh: &mut Mesh) -> bool {
     let rings = VertexRings::new(mesh);

@@ -7,6 +7,7 @@
 //! Boltcheva, Lévy 2017), and those are taken on which neighbours agree. The surface goes through
 //! the middle of layers, and nothing has to be known about normals or radii.
 
+mod grid;
 mod manifold;
 mod nearest_lists;
 mod noise;
@@ -20,6 +21,8 @@ mod voronoi;
 mod votes;
 
 use formats::{Points, Soup};
+
+pub use grid::{GridDoubt, GridUse, Outside};
 
 use crate::error::{CloudFault, Error, Result, of};
 use crate::mesh::{Mesh, Neighbours};
@@ -92,6 +95,8 @@ pub struct Report {
     pub triangles: usize,
     /// Triangles that were dropped because their component is small.
     pub dropped: usize,
+    /// What became of the grid of the scan.
+    pub grid: GridUse,
 }
 
 /// Makes triangles of a cloud of points.
@@ -106,15 +111,14 @@ pub fn triangulate(
     progress: &mut Progress,
 ) -> Result<Triangulation> {
     options.check()?;
-    if let Some(triangulation) = along_grid(cloud) {
-        return Ok(triangulation);
+    match grid::triangulate_grid(cloud, options) {
+        Ok(triangulation) => Ok(triangulation),
+        Err(grid) => {
+            let mut triangulation = scattered(cloud, options, progress)?;
+            triangulation.report.grid = grid;
+            Ok(triangulation)
+        }
     }
-    scattered(cloud, options, progress)
-}
-
-/// The triangles along the grid of a cloud that has one: a single scan whose grid is believed.
-fn along_grid(_cloud: &Points) -> Option<Triangulation> {
-    None
 }
 
 /// The triangles of points without a grid.

@@ -9,7 +9,8 @@
 
 use rayon::prelude::*;
 
-use super::raster::{Cell, GridStep, Raster, median};
+use super::raster::{Cell, GridStep, Raster};
+use crate::cloud::noise::median;
 use crate::geometry::Vector;
 
 /// An edge may be a jump from this multiple of the median around it. A lower value tests noise of a

@@ -1,12 +1,12 @@
-//! Triangles along the grid of a scan. A cloud with one of its scans goes in; triangles over the
-//! cloud's points come out, with the spacing and the noise, or the reason why the grid is not
-//! believed.
+//! Triangles along the grid of a scan. A cloud of one scan goes in; triangles over its points come
+//! out, with the spacing and the noise, or the reason why its grid is not followed.
 //!
 //! The grid says which points are neighbours, so noise cannot mislead the triangles. They are cut
 //! at jumps of depth ([`jumps`]), as Turk and Levoy ("Zippered polygon meshes from range images",
 //! 1994) do, with another rule for what a jump is. The first and the last column of a scan all
-//! around are not joined.
+//! around are not joined. The points stay where they were measured.
 
+mod belief;
 mod cells;
 mod facing;
 mod jumps;
@@ -15,104 +15,136 @@ mod raster;
 #[cfg(test)]
 mod tests;
 
-use formats::Points;
 use formats::points::PointScan;
+use formats::{Points, Soup};
 
+pub use belief::GridDoubt;
 pub use facing::Outside;
 
+use super::noise::median;
+use super::order::WorkFrame;
+use super::{LEFT_OUT, Options, Report, Triangulation, manifold};
 use crate::geometry::{Point, VertexId};
-use crate::mesh::Neighbours;
+use crate::mesh::Mesh;
+use facing::ScannerHints;
 use jumps::GridEdges;
-use raster::{GridStep, Raster, median};
+use raster::Raster;
 
-/// The triangles along a grid.
-#[derive(Debug)]
-pub(super) struct GridMesh {
-    /// Indices of the cloud's points, counter-clockwise seen from the side that the scanner saw.
-    pub(super) triangles: Vec<[VertexId; 3]>,
-    /// The median spacing of the points: the square root of the area for each of them.
-    pub(super) spacing: f64,
-    /// The standard deviation of the points along the normal.
-    pub(super) noise: f64,
-    /// The number of edges that were cut because of a jump of depth.
-    pub(super) cut: usize,
-    /// What decided which side is outside.
-    pub(super) outside: Outside,
+/// What became of the grid of a cloud.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum GridUse {
+    /// No scan has a grid.
+    #[default]
+    Absent,
+    /// The triangles follow the grid.
+    Followed {
+        /// The number of its edges that were cut because of a jump of depth.
+        cut: usize,
+        /// What decided which side of the surface is outside.
+        outside: Outside,
+    },
+    /// The grid is not followed, because it is not believed.
+    Doubted(GridDoubt),
+    /// The grids are not followed, because the cloud has several scans.
+    Several,
+    /// The grid is not followed, because another spacing was named.
+    OtherSpacing,
 }
 
-/// Why a grid is not believed.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-pub enum GridDoubt {
-    /// Two cells have the same point, or a cell has a point that does not exist.
-    #[error("two of its cells have the same point")]
-    Repeated,
-    /// Neighbours in the grid are not neighbours in space.
-    #[error("neighbours in it are not neighbours in space")]
-    MadeUp,
-    /// Hardly any patch of 5 × 5 cells is complete.
-    #[error("too many of its cells are empty")]
-    Sparse,
-}
-
-/// Edges of a true grid are at most this multiple of the distance of nearest neighbours, in the
-/// median. A tilted surface takes it to 2, a made-up grid to 10 and more.
-const LONGEST_EDGE: f64 = 3.0;
-
-/// Makes triangles along the grid of scan `number`.
+/// Makes triangles along the grid of a cloud.
 ///
 /// # Errors
-/// The reason why the grid is not believed. A scan without a grid or without points has one that
-/// is too sparse.
-pub(super) fn triangulate_grid(cloud: &Points, number: usize) -> Result<GridMesh, GridDoubt> {
-    let scan = cloud.scans.get(number).ok_or(GridDoubt::Sparse)?;
-    let grid = scan.grid.as_ref().ok_or(GridDoubt::Sparse)?;
-    let raster = Raster::new(cloud, grid).ok_or(GridDoubt::Repeated)?;
-    if !has_near_neighbours(cloud, scan, &raster) {
-        return Err(GridDoubt::MadeUp);
+/// The reason why no grid is followed.
+pub(super) fn triangulate_grid(
+    cloud: &Points,
+    options: &Options,
+) -> Result<Triangulation, GridUse> {
+    let scan = match cloud.scans.as_slice() {
+        [scan] if scan.grid.is_some() => scan,
+        scans if scans.iter().all(|scan| scan.grid.is_none()) => return Err(GridUse::Absent),
+        _ => return Err(GridUse::Several),
+    };
+    if options.spacing.is_some() {
+        return Err(GridUse::OtherSpacing);
     }
-    let edges = GridEdges::new(&raster);
-    let mut triangles = cells::triangles(&raster, &edges);
-    let spacing = spacing(cloud, &triangles);
-    let noise = noise::measure(&raster, &edges, scan.points.len(), spacing);
-    let noise = noise.ok_or(GridDoubt::Sparse)?;
-    let outside = facing::face_scanner(cloud, scan, &mut triangles);
-    Ok(GridMesh { triangles, spacing, noise, cut: edges.cut(), outside })
+    let frame = WorkFrame::new(&cloud.positions);
+    let mut surface = GridSurface::new(cloud, scan, &frame).map_err(GridUse::Doubted)?;
+    manifold::mend(&mut surface.mesh);
+    Ok(finished(cloud, &frame, &surface))
 }
 
-/// The number of points whose nearest neighbours are looked at. The share of such points is known
-/// to 3 %, and true and made-up grids differ by far more.
-const LOOKED_AT: usize = 1000;
+/// The triangles along a grid. Lengths are those of the work.
+struct GridSurface {
+    /// All points of the cloud, and the triangles, which are counter-clockwise seen from the side
+    /// that the scanner saw.
+    mesh: Mesh,
+    /// The median spacing of the points: the square root of the area for each of them.
+    spacing: f64,
+    /// The standard deviation of the points along the normal.
+    noise: f64,
+    /// The number of edges that were cut because of a jump of depth.
+    cut: usize,
+    /// What decided which side is outside.
+    outside: Outside,
+}
 
-/// Whether neighbours in the grid are neighbours in space: at least half of the points have no
-/// other point within the median edge divided by [`LONGEST_EDGE`].
-fn has_near_neighbours(cloud: &Points, scan: &PointScan, raster: &Raster) -> bool {
-    let mut lengths = raster.lengths(GridStep::Column);
-    lengths.extend(raster.lengths(GridStep::Row));
-    lengths.retain(|length| !length.is_nan());
-    let Some(edge) = median(&mut lengths) else { return false };
-    let Some(positions) = cloud.positions.get(scan.points.clone()) else { return false };
-    let points: Vec<Point> = positions.iter().map(|&p| Point::from(p)).collect();
-    if points.is_empty() {
-        return false;
+impl GridSurface {
+    fn new(cloud: &Points, scan: &PointScan, frame: &WorkFrame) -> Result<Self, GridDoubt> {
+        let grid = scan.grid.as_ref().ok_or(GridDoubt::Sparse)?;
+        let points: Vec<Point> = cloud.positions.iter().map(|&p| frame.inward(p)).collect();
+        let raster = Raster::new(&points, grid).ok_or(GridDoubt::Repeated)?;
+        if !belief::has_near_neighbours(&points, &raster) {
+            return Err(GridDoubt::MadeUp);
+        }
+        let edges = GridEdges::new(&raster);
+        let triangles = cells::triangles(&raster, &edges);
+        let spacing = spacing(&points, &triangles);
+        let noise = noise::measure(&raster, &edges, spacing).ok_or(GridDoubt::Sparse)?;
+        let mut mesh = Mesh { points, triangles };
+        let hints = ScannerHints {
+            viewpoint: scan.viewpoint.map(|place| frame.inward(place)),
+            normals: cloud.normals.as_deref(),
+            zero: frame.inward(cloud.origin.map(|x| -x)),
+        };
+        let outside = facing::face_scanner(&mut mesh, &hints);
+        Ok(GridSurface { mesh, spacing, noise, cut: edges.cut(), outside })
     }
-    let near = Neighbours::new(&points);
-    let mut found = Vec::new();
-    let mut looked_at = points.iter().step_by(points.len().div_ceil(LOOKED_AT));
-    let count = looked_at.len();
-    let is_alone = |p: &&Point| {
-        near.within(**p, edge / LONGEST_EDGE, &mut found);
-        found.len() <= 1
-    };
-    2 * looked_at.by_ref().filter(is_alone).count() >= count
 }
 
 /// The median over the triangles of the root of twice their area: a point has two triangles.
-fn spacing(cloud: &Points, triangles: &[[VertexId; 3]]) -> f64 {
-    let point = |v: VertexId| Point::from(cloud.positions[v.index()]);
+fn spacing(points: &[Point], triangles: &[[VertexId; 3]]) -> f64 {
     let side = |t: &[VertexId; 3]| {
-        let [a, b, c] = t.map(point);
+        let [a, b, c] = t.map(|v| points[v.index()]);
         (b - a).cross(&(c - a)).norm().sqrt()
     };
     let mut sides: Vec<f64> = triangles.iter().map(side).collect();
     median(&mut sides).unwrap_or(0.0)
+}
+
+/// The result, with only those points that triangles use.
+fn finished(cloud: &Points, frame: &WorkFrame, surface: &GridSurface) -> Triangulation {
+    let mut soup = Soup { unit: cloud.unit, ..Soup::default() };
+    let mut vertex_of = vec![LEFT_OUT; cloud.len()];
+    surface.mesh.triangles.iter().flatten().for_each(|v| vertex_of[v.index()] = 0);
+    for (position, vertex) in cloud.positions.iter().zip(&mut vertex_of) {
+        if *vertex != LEFT_OUT {
+            *vertex = soup.points.len() as u32;
+            soup.points.push(*position);
+        }
+    }
+    for t in &surface.mesh.triangles {
+        soup.polygons.push(t.map(|v| vertex_of[v.index()]));
+    }
+    let report = Report {
+        points: cloud.len(),
+        outliers: cloud.len() - soup.points.len(),
+        spacing: frame.length(surface.spacing),
+        noise: frame.length(surface.noise),
+        vertices: soup.points.len(),
+        triangles: soup.polygons.len(),
+        grid: GridUse::Followed { cut: surface.cut, outside: surface.outside },
+        ..Report::default()
+    };
+    Triangulation { soup, vertex_of, report }
 }

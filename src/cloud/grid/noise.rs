@@ -10,7 +10,8 @@
 use rayon::prelude::*;
 
 use super::jumps::GridEdges;
-use super::raster::{Cell, GridStep, Raster, median};
+use super::raster::{Cell, GridStep, Raster};
+use crate::cloud::noise::median;
 use crate::geometry::{Point, Vector};
 
 /// The cells along a side of a patch. Three leave too few degrees of freedom, seven bend more than
@@ -28,12 +29,8 @@ const FLAT: f64 = 1e-3;
 
 /// The noise along the normal in the unit of the cloud, or `None` if patches cover too little of
 /// the points. It is measured on patches that are not flat, if these cover enough.
-pub(super) fn measure(
-    raster: &Raster,
-    edges: &GridEdges,
-    points: usize,
-    spacing: f64,
-) -> Option<f64> {
+pub(super) fn measure(raster: &Raster, edges: &GridEdges, spacing: f64) -> Option<f64> {
+    let points = raster.cells().filter(|&cell| raster.index(cell).is_some()).count();
     let rows = (0..raster.rows() / SIDE).into_par_iter();
     let of_row = |row| {
         let columns = 0..raster.columns() / SIDE;

@@ -1,7 +1,6 @@
 //! The points of one scan as a raster. A cloud and one of its grids go in; the point of every
 //! cell, the steps between neighbouring cells, and the checks of the grid itself come out.
 
-use formats::Points;
 use formats::points::ScanGrid;
 
 use crate::geometry::{Point, Vector};
@@ -18,18 +17,18 @@ pub(super) enum GridStep {
 /// A row and a column.
 pub(super) type Cell = (usize, usize);
 
-/// A cloud seen through one of its grids.
+/// The points of a cloud seen through one of its grids.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Raster<'a> {
-    positions: &'a [[f64; 3]],
+    points: &'a [Point],
     grid: &'a ScanGrid,
 }
 
 impl<'a> Raster<'a> {
     /// The raster, or `None` if two cells have the same point or a cell has a point that the cloud
     /// does not have.
-    pub(super) fn new(cloud: &'a Points, grid: &'a ScanGrid) -> Option<Self> {
-        let mut used = vec![false; cloud.positions.len()];
+    pub(super) fn new(points: &'a [Point], grid: &'a ScanGrid) -> Option<Self> {
+        let mut used = vec![false; points.len()];
         for &point in grid.cells.iter().filter(|&&point| point != ScanGrid::EMPTY) {
             let used = used.get_mut(point as usize)?;
             if *used {
@@ -37,7 +36,7 @@ impl<'a> Raster<'a> {
             }
             *used = true;
         }
-        Some(Raster { positions: &cloud.positions, grid })
+        Some(Raster { points, grid })
     }
 
     /// The number of rows.
@@ -68,8 +67,7 @@ impl<'a> Raster<'a> {
 
     /// The point in a cell.
     pub(super) fn point(&self, cell: Cell) -> Option<Point> {
-        let position = self.positions.get(self.index(cell)? as usize)?;
-        Some(Point::from(*position))
+        self.points.get(self.index(cell)? as usize).copied()
     }
 
     /// The cell that is `count` steps away, if the grid has it.
@@ -92,11 +90,4 @@ impl<'a> Raster<'a> {
         let length = |cell| self.displacement(cell, step, 1).map_or(f64::NAN, |d| d.norm());
         self.cells().map(length).collect()
     }
-}
-
-/// The median of some numbers without NaN, or `None` if there are none. Of an even number it is the
-/// higher one of the middle. It changes the order of the numbers.
-pub(super) fn median(numbers: &mut [f64]) -> Option<f64> {
-    let middle = numbers.len() / 2;
-    (!numbers.is_empty()).then(|| *numbers.select_nth_unstable_by(middle, f64::total_cmp).1)
 }

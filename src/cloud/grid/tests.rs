@@ -59,14 +59,28 @@ impl Random {
     }
 }
 
-fn mesh(cloud: &Points) -> GridMesh {
-    triangulate_grid(cloud, 0).unwrap()
+/// The triangles along the grid before they are mended, with lengths in the unit of the cloud.
+fn surface(cloud: &Points) -> Result<GridSurface, GridDoubt> {
+    let frame = WorkFrame::new(&cloud.positions);
+    let mut surface = GridSurface::new(cloud, &cloud.scans[0], &frame)?;
+    surface.spacing = frame.length(surface.spacing);
+    surface.noise = frame.length(surface.noise);
+    Ok(surface)
+}
+
+fn mesh(cloud: &Points) -> GridSurface {
+    surface(cloud).unwrap()
+}
+
+fn points(cloud: &Points) -> Vec<Point> {
+    cloud.positions.iter().map(|&p| Point::from(p)).collect()
 }
 
 /// The edges of a cloud's grid of which `is_step` says that they cross a step: how many there are,
 /// how many are cut, and how many others are cut.
 fn cut_edges(cloud: &Points, is_step: impl Fn(Cell, Cell) -> bool) -> [usize; 3] {
-    let raster = Raster::new(cloud, cloud.scans[0].grid.as_ref().unwrap()).unwrap();
+    let points = points(cloud);
+    let raster = Raster::new(&points, cloud.scans[0].grid.as_ref().unwrap()).unwrap();
     let edges = GridEdges::new(&raster);
     let mut counts = [0; 3];
     for step in [GridStep::Column, GridStep::Row] {
@@ -134,7 +148,8 @@ fn steep_flanks_stay() {
 /// How many edges of a cloud's grid are longer than a multiple of the median of all, and how many
 /// of these are across a step.
 fn longer(cloud: &Points, multiple: f64, is_step: impl Fn(Cell, Cell) -> bool) -> [usize; 2] {
-    let raster = Raster::new(cloud, cloud.scans[0].grid.as_ref().unwrap()).unwrap();
+    let points = points(cloud);
+    let raster = Raster::new(&points, cloud.scans[0].grid.as_ref().unwrap()).unwrap();
     let steps = [GridStep::Column, GridStep::Row];
     let mut all: Vec<f64> = steps.iter().flat_map(|&step| raster.lengths(step)).collect();
     all.retain(|length| !length.is_nan());
@@ -202,7 +217,7 @@ fn a_column_is_cut_from_the_floor_that_is_seen_at_a_low_angle() {
 fn every_square_has_two_triangles() {
     let cloud = relief([30, 40], 0.0, |x, y| Some(hills(x, y)));
     let mesh = mesh(&cloud);
-    assert_eq!(mesh.triangles.len(), 2 * 29 * 39);
+    assert_eq!(mesh.mesh.triangles.len(), 2 * 29 * 39);
     assert_eq!(mesh.cut, 0);
     assert!((mesh.spacing - 1.0).abs() < 0.1, "{}", mesh.spacing);
 }
@@ -213,8 +228,8 @@ fn a_missing_cell_costs_four_triangles() {
         relief([9, 9], 0.0, |x, y| ((-y as usize, x as usize) != missing).then_some(0.0))
     };
     // Inside: three of four points make one triangle. In the corner: one triangle is left.
-    assert_eq!(mesh(&flat((6, 6))).triangles.len(), 2 * 64 - 4);
-    assert_eq!(mesh(&flat((0, 8))).triangles.len(), 2 * 64 - 1);
+    assert_eq!(mesh(&flat((6, 6))).mesh.triangles.len(), 2 * 64 - 4);
+    assert_eq!(mesh(&flat((0, 8))).mesh.triangles.len(), 2 * 64 - 1);
 }
 
 #[test]
@@ -223,15 +238,15 @@ fn a_point_before_the_surface_is_cut_off() {
     let mesh = mesh(&cloud);
     assert_eq!(mesh.cut, 4);
     let far = 7 * 15 + 7;
-    assert!(mesh.triangles.iter().flatten().all(|v| v.0 != far));
-    assert_eq!(mesh.triangles.len(), 2 * 14 * 14 - 4);
+    assert!(mesh.mesh.triangles.iter().flatten().all(|v| v.0 != far));
+    assert_eq!(mesh.mesh.triangles.len(), 2 * 14 * 14 - 4);
 }
 
 #[test]
 fn the_shorter_diagonal_is_taken() {
     // A ridge from one corner to the other is kept only by the diagonals along it.
     let cloud = relief([9, 9], 0.0, |x, y| Some(-(x + y).abs()));
-    for [a, b, c] in mesh(&cloud).triangles {
+    for [a, b, c] in mesh(&cloud).mesh.triangles {
         let cell = |v: VertexId| (v.0 / 9, v.0 % 9);
         let above = [a, b, c].map(cell).iter().any(|(row, column)| row > column);
         let below = [a, b, c].map(cell).iter().any(|(row, column)| row < column);
@@ -252,21 +267,21 @@ fn all_around() -> Points {
 #[test]
 fn a_scan_all_around_is_not_joined_with_itself() {
     let mesh = mesh(&all_around());
-    assert_eq!(mesh.triangles.len(), 2 * 39 * 89);
+    assert_eq!(mesh.mesh.triangles.len(), 2 * 39 * 89);
     let column = |v: &VertexId| v.0 % 90;
     let joins =
         |t: &[VertexId; 3]| t.iter().any(|v| column(v) == 0) && t.iter().any(|v| column(v) == 89);
-    assert!(!mesh.triangles.iter().any(joins));
+    assert!(!mesh.mesh.triangles.iter().any(joins));
 }
 
 /// The share of triangles that are counter-clockwise seen from a place.
-fn seen_from(cloud: &Points, mesh: &GridMesh, place: [f64; 3]) -> f64 {
+fn seen_from(cloud: &Points, mesh: &GridSurface, place: [f64; 3]) -> f64 {
     let point = |v: VertexId| Point::from(cloud.positions[v.index()]);
     let is_seen = |t: &&[VertexId; 3]| {
         let [a, b, c] = t.map(point);
         (b - a).cross(&(c - a)).dot(&(Point::from(place) - a)) > 0.0
     };
-    mesh.triangles.iter().filter(is_seen).count() as f64 / mesh.triangles.len() as f64
+    mesh.mesh.triangles.iter().filter(is_seen).count() as f64 / mesh.mesh.triangles.len() as f64
 }
 
 #[test]
@@ -349,23 +364,76 @@ fn made_up_grids_are_not_believed() {
     let cloud = scan(40, 50, |_| {
         Some([50.0 * random.uniform(), 40.0 * random.uniform(), random.uniform()])
     });
-    assert_eq!(triangulate_grid(&cloud, 0).unwrap_err(), GridDoubt::MadeUp);
+    assert_eq!(surface(&cloud).err().unwrap(), GridDoubt::MadeUp);
 }
 
 #[test]
 fn grids_that_are_none_are_not_believed() {
     let mut twice = relief([20, 20], 0.0, |_, _| Some(0.0));
     twice.scans[0].grid.as_mut().unwrap().cells[7] = 8;
-    assert_eq!(triangulate_grid(&twice, 0).unwrap_err(), GridDoubt::Repeated);
+    assert_eq!(surface(&twice).err().unwrap(), GridDoubt::Repeated);
     let mut beyond = relief([20, 20], 0.0, |_, _| Some(0.0));
     beyond.scans[0].grid.as_mut().unwrap().cells[7] = 400;
-    assert_eq!(triangulate_grid(&beyond, 0).unwrap_err(), GridDoubt::Repeated);
+    assert_eq!(surface(&beyond).err().unwrap(), GridDoubt::Repeated);
     // Blocks of three by three cells between empty rows and columns.
     let is_empty = |x: f64| (x as i64).rem_euclid(4) == 0;
     let blocks = |x, y| (!is_empty(x) && !is_empty(y)).then_some(0.0);
-    let sparse = triangulate_grid(&relief([60, 60], 0.0, blocks), 0);
-    assert_eq!(sparse.unwrap_err(), GridDoubt::Sparse);
+    let sparse = surface(&relief([60, 60], 0.0, blocks));
+    assert_eq!(sparse.err().unwrap(), GridDoubt::Sparse);
     let empty = scan(20, 20, |_| None);
-    assert!(triangulate_grid(&empty, 0).is_err());
-    assert_eq!(triangulate_grid(&Points::default(), 0).unwrap_err(), GridDoubt::Sparse);
+    assert_eq!(surface(&empty).err().unwrap(), GridDoubt::MadeUp);
+}
+
+#[test]
+fn the_vertices_are_the_points_and_missing_cells_are_closed() {
+    let cloud = relief([30, 30], 0.1, |x, y| ((x, y) != (12.0, -12.0)).then(|| hills(x, y)));
+    let made = triangulate_grid(&cloud, &Options::default()).unwrap();
+    assert_eq!(made.soup.points, cloud.positions);
+    assert_eq!(made.soup.polygons.len(), 2 * 29 * 29 - 2);
+    assert!(made.vertex_of.iter().enumerate().all(|(i, &vertex)| vertex == i as u32));
+    assert_eq!(
+        made.report.grid,
+        GridUse::Followed { cut: 0, outside: Outside::Viewpoint },
+        "{:?}",
+        made.report
+    );
+}
+
+#[test]
+fn a_point_without_neighbours_has_no_vertex() {
+    let cloud = relief([30, 30], 0.0, |x, y| Some(if (x, y) == (7.0, -7.0) { 30.0 } else { 0.0 }));
+    let made = triangulate_grid(&cloud, &Options::default()).unwrap();
+    assert_eq!(made.vertex_of.iter().filter(|&&vertex| vertex == LEFT_OUT).count(), 1);
+    assert_eq!((made.report.outliers, made.soup.points.len()), (1, 899));
+    // The place behind it is closed.
+    assert_eq!(made.soup.polygons.len(), 2 * 29 * 29 - 2);
+}
+
+#[test]
+fn the_unit_and_the_place_do_not_matter() {
+    let plain = relief([40, 40], 0.1, |x, y| Some(hills(x, y)));
+    let reference = triangulate_grid(&plain, &Options::default()).unwrap();
+    for scale in [1e-200, 1e200] {
+        let mut cloud = plain.clone();
+        cloud.positions.iter_mut().flatten().for_each(|x| *x *= scale);
+        cloud.scans[0].viewpoint = plain.scans[0].viewpoint.map(|v| v.map(|x| x * scale));
+        let made = triangulate_grid(&cloud, &Options::default()).unwrap();
+        assert_eq!(made.soup.polygons, reference.soup.polygons);
+        let ratio = made.report.noise / scale / reference.report.noise;
+        assert!((ratio - 1.0).abs() < 1e-6, "{ratio}");
+    }
+}
+
+#[test]
+fn only_the_grid_of_a_single_scan_is_followed() {
+    let one = relief([20, 20], 0.0, |_, _| Some(0.0));
+    let refusal = |cloud: &Points, spacing| triangulate_grid(cloud, &Options { spacing }).err();
+    assert_eq!(refusal(&one, None), None);
+    assert_eq!(refusal(&one, Some(3.0)), Some(GridUse::OtherSpacing));
+    let mut two = one.clone();
+    two.scans.push(PointScan { points: 400..400, ..PointScan::default() });
+    assert_eq!(refusal(&two, None), Some(GridUse::Several));
+    two.scans[0].grid = None;
+    assert_eq!(refusal(&two, None), Some(GridUse::Absent));
+    assert_eq!(refusal(&Points::default(), None), Some(GridUse::Absent));
 }
