@@ -1,6 +1,7 @@
 //! Virtual clouds: the points of virtual scans without their triangles, with what real clouds have.
 
-use scan2step::formats::{PointScan, Points, Soup};
+use scan2step::formats::{Points, Soup};
+use scan2step::formats::points::PointScan;
 use scan2step::nalgebra::{Point3, Vector3};
 
 use super::virtual_scan::{Random, Star, Truth, VirtualScan};
