@@ -7,6 +7,7 @@
 //! Boltcheva, Lévy 2017), and those are taken on which neighbours agree. The surface goes through
 //! the middle of layers, and nothing has to be known about normals or radii.
 
+mod close;
 mod grid;
 mod manifold;
 mod nearest_lists;
@@ -28,6 +29,7 @@ use crate::error::{CloudFault, Error, Result, of};
 use crate::mesh::{Mesh, Neighbours};
 use crate::progress::Progress;
 use crate::rules;
+use manifold::ManifoldMesh;
 use nearest_lists::NearestLists;
 use order::Ordered;
 
@@ -95,6 +97,8 @@ pub struct Report {
     pub triangles: usize,
     /// Triangles that were dropped because their component is small.
     pub dropped: usize,
+    /// Triangles at which the surface was cut, because it had one side only.
+    pub one_sided: usize,
     /// What became of the grid of the scan.
     pub grid: GridUse,
 }
@@ -149,18 +153,17 @@ fn scattered(cloud: &Points, _options: &Options, progress: &mut Progress) -> Res
     if outliers as f64 > MOST_OUTLIERS * points.len() as f64 {
         return Err(fault(CloudFault::Outliers { outliers, points: points.len() }));
     }
-    let noise = noise::of_points(&first, k);
+    let noise = noise::deviation(points, &lists, &first, &outlier);
     let kept = thin::thin(&first, &spacing, noise, &lists, &outlier);
     let vertices = project::again(&kept.kept, points, &lists, &first, &outlier);
     drop(lists);
-    let noise = noise::of_points(&vertices, k);
     progress(0.6)?;
     let stars = voronoi::VoronoiStars::new(&vertices);
     progress(0.8)?;
     let elected = votes::elect(&stars, &vertices);
     drop(stars);
     progress(0.9)?;
-    let (mut mesh, dropped) = manifold::from_triangles(&vertices, &elected);
+    let ManifoldMesh { mut mesh, dust, one_sided } = ManifoldMesh::new(&vertices, &elected);
     sides::face_scanner(&mut mesh, cloud, &ordered.first, &kept.kept);
     let mut of_spacing = spacing;
     let report = Report {
@@ -171,7 +174,8 @@ fn scattered(cloud: &Points, _options: &Options, progress: &mut Progress) -> Res
         spacing: ordered.frame.length(noise::median(&mut of_spacing).unwrap_or(0.0)),
         noise: ordered.frame.length(noise),
         neighbours: k,
-        dropped,
+        dropped: dust,
+        one_sided,
         ..Report::default()
     };
     Ok(finished(cloud, &ordered, &kept.vertex, &mesh, report))

@@ -21,9 +21,10 @@ use formats::{Points, Soup};
 pub use belief::GridDoubt;
 pub use facing::Outside;
 
+use super::manifold::ManifoldMesh;
 use super::noise::median;
 use super::order::WorkFrame;
-use super::{LEFT_OUT, Options, Report, Triangulation, manifold};
+use super::{LEFT_OUT, Options, Report, Triangulation};
 use crate::geometry::{Point, VertexId};
 use crate::mesh::Mesh;
 use facing::ScannerHints;
@@ -70,7 +71,7 @@ pub(super) fn triangulate_grid(
     }
     let frame = WorkFrame::new(&cloud.positions);
     let mut surface = GridSurface::new(cloud, scan, &frame).map_err(GridUse::Doubted)?;
-    manifold::mend(&mut surface.mesh);
+    surface.mesh = ManifoldMesh::with_all_pieces(surface.mesh).mesh;
     Ok(finished(cloud, &frame, &surface))
 }
 
