@@ -14,7 +14,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -33,11 +32,10 @@ struct Bound {
 
     template <typename Reconstruction, typename Cell>
     double operator()(const Reconstruction& front, Cell& cell, const int& index) const {
-        if (front.triangulation().is_infinite(cell)) return HUGE_VAL;
         for (int i = 1; i <= 3; ++i) {
             const Point& p = cell->vertex((index + i) % 4)->point();
             const Point& q = cell->vertex((index + i % 3 + 1) % 4)->point();
-            if (CGAL::squared_distance(p, q) > longest * longest) return HUGE_VAL;
+            if (CGAL::squared_distance(p, q) > longest * longest) return front.infinity();
         }
         return front.smallest_radius_delaunay_sphere(cell, index);
     }
