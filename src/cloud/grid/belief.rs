@@ -12,9 +12,10 @@ use crate::mesh::Neighbours;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 #[non_exhaustive]
 pub enum GridDoubt {
-    /// Two cells have the same point, or a cell has a point that does not exist.
-    #[error("two of its cells have the same point")]
-    Repeated,
+    /// Two cells have the same point, a cell has a point that does not exist, or the number of cells
+    /// is not that of rows times columns.
+    #[error("its cells contradict each other or the points")]
+    Inconsistent,
     /// Neighbours in the grid are not neighbours in space.
     #[error("neighbours in it are not neighbours in space")]
     MadeUp,

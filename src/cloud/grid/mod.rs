@@ -94,7 +94,7 @@ impl GridSurface {
     fn new(cloud: &Points, scan: &PointScan, frame: &WorkFrame) -> Result<Self, GridDoubt> {
         let grid = scan.grid.as_ref().ok_or(GridDoubt::Sparse)?;
         let points: Vec<Point> = cloud.positions.iter().map(|&p| frame.inward(p)).collect();
-        let raster = Raster::new(&points, grid).ok_or(GridDoubt::Repeated)?;
+        let raster = Raster::new(&points, grid).ok_or(GridDoubt::Inconsistent)?;
         if !belief::has_near_neighbours(&points, &raster) {
             return Err(GridDoubt::MadeUp);
         }
@@ -105,7 +105,7 @@ impl GridSurface {
         let mut mesh = Mesh { points, triangles };
         let hints = ScannerHints {
             viewpoint: scan.viewpoint.map(|place| frame.inward(place)),
-            normals: cloud.normals.as_deref(),
+            normals: cloud.normals.as_deref().filter(|normals| normals.len() == cloud.len()),
             zero: frame.inward(cloud.origin.map(|x| -x)),
         };
         let outside = facing::face_scanner(&mut mesh, &hints);

@@ -25,9 +25,12 @@ pub(super) struct Raster<'a> {
 }
 
 impl<'a> Raster<'a> {
-    /// The raster, or `None` if two cells have the same point or a cell has a point that the cloud
-    /// does not have.
+    /// The raster, or `None` if two cells have the same point, if a cell has a point that the cloud
+    /// does not have, or if the number of cells is not that of rows times columns.
     pub(super) fn new(points: &'a [Point], grid: &'a ScanGrid) -> Option<Self> {
+        if grid.rows.checked_mul(grid.columns) != Some(grid.cells.len()) {
+            return None;
+        }
         let mut used = vec![false; points.len()];
         for &point in grid.cells.iter().filter(|&&point| point != ScanGrid::EMPTY) {
             let used = used.get_mut(point as usize)?;

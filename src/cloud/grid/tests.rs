@@ -310,6 +310,10 @@ fn without_a_viewpoint_normals_zero_or_rows_decide() {
         assert_eq!(mesh.outside, Outside::Normals);
         assert_eq!(seen_from(&cloud, &mesh, [0.0, 0.0, 5.0 + 100.0 * f64::from(side)]), 1.0);
     }
+    // Too few normals are none.
+    let mut few = plain.clone();
+    few.normals = Some(vec![[0.0, 0.0, 1.0]; 7]);
+    assert_eq!(mesh(&few).outside, Outside::Zero);
     let of_zero = mesh(&plain);
     assert_eq!(of_zero.outside, Outside::Zero);
     assert_eq!(seen_from(&plain, &of_zero, [0.0; 3]), 1.0);
@@ -371,10 +375,13 @@ fn made_up_grids_are_not_believed() {
 fn grids_that_are_none_are_not_believed() {
     let mut twice = relief([20, 20], 0.0, |_, _| Some(0.0));
     twice.scans[0].grid.as_mut().unwrap().cells[7] = 8;
-    assert_eq!(surface(&twice).err().unwrap(), GridDoubt::Repeated);
+    assert_eq!(surface(&twice).err().unwrap(), GridDoubt::Inconsistent);
     let mut beyond = relief([20, 20], 0.0, |_, _| Some(0.0));
     beyond.scans[0].grid.as_mut().unwrap().cells[7] = 400;
-    assert_eq!(surface(&beyond).err().unwrap(), GridDoubt::Repeated);
+    assert_eq!(surface(&beyond).err().unwrap(), GridDoubt::Inconsistent);
+    let mut rows = relief([20, 20], 0.0, |_, _| Some(0.0));
+    rows.scans[0].grid.as_mut().unwrap().rows = usize::MAX;
+    assert_eq!(surface(&rows).err().unwrap(), GridDoubt::Inconsistent);
     // Blocks of three by three cells between empty rows and columns.
     let is_empty = |x: f64| (x as i64).rem_euclid(4) == 0;
     let blocks = |x, y| (!is_empty(x) && !is_empty(y)).then_some(0.0);
