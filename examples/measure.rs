@@ -1,10 +1,11 @@
-//! Measures the stages up to the parameterization. `benches/peers/read.py`, `benches/peers/fill.py`
-//! and `benches/smoothing.py` compare the figures with those of other programs and with the truth.
+//! Measures the stages up to the parameterization. `benches/peers/read.py`, `fill.py` and
+//! `clouds.py` beside it, and `benches/smoothing.py` compare the figures with those of other programs and with the truth.
 //!
-//! cargo run --release --example measure -- FILE [--mesh | --smooth OUT.ply | --fill OUT.ply |
-//!     --map least-stretch | --map mean-value]
+//! cargo run --release --example measure -- FILE [--mesh | --cloud OUT.ply | --smooth OUT.ply |
+//!     --fill OUT.ply | --map least-stretch | --map mean-value]
 //!
-//! The example prints one line of JSON. `--smooth` writes the smoothed mesh, and its boundary loops
+//! The example prints one line of JSON. `--cloud` takes a cloud of points and writes its triangles,
+//! with vertices relative to the origin of the cloud. `--smooth` writes the smoothed mesh, and its boundary loops
 //! to `OUT.loops.json`. `--fill` writes the filled mesh, in which the measured triangles come
 //! first. The example needs Linux: the CPU seconds of all threads and the peak memory of the
 //! process are from /proc.
@@ -16,11 +17,12 @@ use std::fs;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
+use scan2step::geometry::{Point, VertexId};
 use scan2step::mesh::{
     self, Choice, Components, Disk, EdgeMap, FaceOrigin, Mesh, Outer, Patch, Repairs,
 };
 use scan2step::parameterize::{self, MapMethod};
-use scan2step::{fill, smooth};
+use scan2step::{cloud, fill, smooth};
 use serde_json::{Map, json};
 use usage::{cpu_s, peak_rss_mb};
 
@@ -33,12 +35,13 @@ fn main() -> Result<(), Box<dyn Error>> {
         [] => println!("{}", json!({ "peak_rss_mb": rounded(peak_rss_mb()?) })),
         [file] => read(file, steps)?,
         [file, "--mesh"] => mesh(file, steps)?,
+        [file, "--cloud", out] => cloud(file, out, steps)?,
         [file, "--smooth", out] => smooth(file, out, steps)?,
         [file, "--fill", out] => fill(file, out, steps)?,
         [file, "--map", "least-stretch"] => map(file, MapMethod::LeastStretch, steps)?,
         [file, "--map", "mean-value"] => map(file, MapMethod::MeanValue, steps)?,
         _ => {
-            return Err("FILE [--mesh | --smooth OUT.ply | --fill OUT.ply | \
+            return Err("FILE [--mesh | --cloud OUT.ply | --smooth OUT.ply | --fill OUT.ply | \
                         --map least-stretch | --map mean-value]"
                 .into());
         }
@@ -68,6 +71,23 @@ fn mesh(file: &str, mut steps: Steps) -> Result<(), Box<dyn Error>> {
         "task": "mesh", "vertices": vertices, "triangles": triangles,
         "components": components.count(), "loops": loops, "manifold": true,
         "repairs": components.repairs(),
+    }))
+}
+
+fn cloud(file: &str, out: &str, mut steps: Steps) -> Result<(), Box<dyn Error>> {
+    let points = formats::read_points(Path::new(file))?;
+    steps.end("read")?;
+    let options = cloud::Options::default();
+    let made = cloud::triangulate(&points, &options, &mut |_| Ok(()))?;
+    steps.end("cloud")?;
+    let triangles = made.soup.polygons.iter().map(|t| [t[0], t[1], t[2]].map(VertexId)).collect();
+    let points = made.soup.points.iter().map(|&p| Point::from(p)).collect();
+    write_ply(&Mesh { points, triangles }, out)?;
+    let report = &made.report;
+    steps.print(json!({
+        "task": "cloud", "points": report.points, "vertices": report.vertices,
+        "triangles": report.triangles, "outliers": report.outliers, "spacing": report.spacing,
+        "noise": report.noise, "grid": format!("{:?}", report.grid),
     }))
 }
 

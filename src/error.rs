@@ -185,6 +185,9 @@ pub enum CloudFault {
         /// The number of different points.
         points: usize,
     },
+    /// Not even one triangle was found.
+    #[error("the points of the cloud make no triangle")]
+    NoTriangle,
 }
 
 /// A rule that a boundary representation breaks. Faces, loops and edges are
@@ -331,6 +334,9 @@ impl Error {
             }
             Error::Cloud(CloudFault::Outliers { .. }) => {
                 "remove what is not the surface, such as plants and reflections, from the cloud".into()
+            }
+            Error::Cloud(CloudFault::NoTriangle) => {
+                "name a smaller `spacing`, or scan the surface with more points".into()
             }
             Error::Component { count, .. } => {
                 format!("choose a `component` from 0 to {}, or the largest", count.saturating_sub(1))

@@ -4,10 +4,11 @@ use crate::virtual_scan::{Star, Truth, VirtualScan, paper_scan, sheet};
 
 /// The available scans: the name, the surface, the points along a side, the noise in mm, and the
 /// holes. `grid250k` is for programs that need complete grids.
-const SCANS: [(&str, Truth, usize, f64, &[Star]); 8] = [
+const SCANS: [(&str, Truth, usize, f64, &[Star]); 9] = [
     ("paper2500", sheet, 50, 0.0, &[]),
     ("roll40k", roll, 200, 0.05, &ROLL_HOLES),
     ("relief10k", relief, 100, 0.08, &RELIEF_HOLES),
+    ("relief60k", relief, 250, 0.08, &RELIEF_HOLES),
     ("relief100k", relief, 316, 0.08, &RELIEF_HOLES),
     ("relief250k", relief, 500, 0.08, &RELIEF_HOLES),
     ("relief1m", relief, 1000, 0.08, &RELIEF_HOLES),

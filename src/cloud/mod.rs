@@ -7,6 +7,8 @@
 //! Boltcheva, Lévy 2017), and those are taken on which neighbours agree. The surface goes through
 //! the middle of layers, and nothing has to be known about normals or radii.
 
+mod close;
+mod grid;
 mod manifold;
 mod nearest_lists;
 mod noise;
@@ -15,6 +17,7 @@ mod order;
 mod outliers;
 mod project;
 mod quadric;
+mod scattered;
 mod select;
 mod sides;
 mod thin;
@@ -23,22 +26,17 @@ mod votes;
 
 use formats::{Points, Soup};
 
-use crate::error::{CloudFault, Error, Result};
-use crate::mesh::{Mesh, Neighbours};
-use crate::progress::Progress;
-use crate::rules::LEAST_POINTS;
-use nearest_lists::NearestLists;
+pub use grid::{GridDoubt, GridUse, Outside};
 pub use options::Options;
-use order::Ordered;
+
+use crate::error::{Error, Result};
+use crate::progress::Progress;
 
 /// The vertex of a point that has none.
 pub const LEFT_OUT: u32 = u32::MAX;
 
-/// The number of points that a thread takes at a time.
+/// The number of points that a thread takes at a time, so that it seldom waits for others.
 const CHUNK: usize = 1024;
-
-/// The largest share of outliers among the points of a surface.
-const MOST_OUTLIERS: f64 = 0.1;
 
 /// The triangles of a cloud.
 #[derive(Debug, Clone)]
@@ -78,13 +76,18 @@ pub struct Report {
     pub triangles: usize,
     /// Triangles that were dropped because their component is small.
     pub dropped: usize,
+    /// Triangles at which the surface was cut, because it had one side only.
+    pub one_sided: usize,
+    /// What became of the grid of the scan.
+    pub grid: GridUse,
 }
 
 /// Makes triangles of a cloud of points.
 ///
 /// # Errors
 /// - [`Error::Cloud`] if the points are not those of a surface.
-/// - [`Error::Option`] if the spacing is not a length.
+/// - [`Error::Option`] if an option has a value that cannot be.
+/// - [`Error::Input`] if a coordinate is not finite, or if the cloud is too large to be numbered.
 /// - What `progress` answers.
 pub fn triangulate(
     cloud: &Points,
@@ -92,6 +95,7 @@ pub fn triangulate(
     progress: &mut Progress,
 ) -> Result<Triangulation> {
     options.check()?;
+    check(cloud)?;
     match select::selection(cloud, options)? {
         Some(part) => {
             let of_part = of_all(&part.points, options, progress)?;
@@ -103,103 +107,26 @@ pub fn triangulate(
 
 /// Makes triangles of all points of a cloud.
 fn of_all(cloud: &Points, options: &Options, progress: &mut Progress) -> Result<Triangulation> {
-    if let Some(triangulation) = along_grid(cloud) {
-        return Ok(triangulation);
+    match grid::triangulate_grid(cloud, options) {
+        Ok(triangulation) => Ok(triangulation),
+        Err(grid) => {
+            let mut triangulation = scattered::triangulate(cloud, options, progress)?;
+            triangulation.report.grid = grid;
+            Ok(triangulation)
+        }
     }
-    scattered(cloud, options, progress)
 }
 
-/// The triangles along the grid of a cloud that has one: a single scan whose grid is believed.
-fn along_grid(_cloud: &Points) -> Option<Triangulation> {
-    None
-}
+/// The largest number of points. The stars need one bit of 32 for themselves.
+const MOST_POINTS: usize = 1 << 31;
 
-/// The triangles of points without a grid.
-fn scattered(cloud: &Points, _options: &Options, progress: &mut Progress) -> Result<Triangulation> {
-    let ordered = Ordered::new(&cloud.positions);
-    let points = &ordered.points;
-    if points.len() < LEAST_POINTS {
-        return Err(fault(few(points.len())));
+/// Checks what the readers promise.
+fn check(cloud: &Points) -> Result<()> {
+    if cloud.positions.as_flattened().iter().any(|x| !x.is_finite()) {
+        return Err(Error::Input("a point of the cloud has a coordinate that is not finite"));
     }
-    let near = Neighbours::new(points);
-    let k = noise::neighbour_count(points, &near);
-    progress(0.1)?;
-    let lists = NearestLists::new(points, &near, k);
-    drop(near);
-    progress(0.4)?;
-    let spacing = outliers::spacings(points, &lists);
-    let mut outlier = outliers::lonely(&spacing, &lists);
-    let first = project::all(points, &lists);
-    let lines = first.iter().filter(|s| s.on_line).count();
-    if lines as f64 > (1.0 - MOST_OUTLIERS) * points.len() as f64 {
-        return Err(fault(CloudFault::Line));
+    if cloud.len() >= MOST_POINTS {
+        return Err(Error::Input("the cloud has more points than can be numbered"));
     }
-    let far = outliers::far(&first, &lists);
-    for (i, is_far) in far.iter().enumerate() {
-        outlier[i] |= *is_far && first[i].moved.abs() > spacing[i];
-    }
-    let outliers = outlier.iter().filter(|o| **o).count();
-    if outliers as f64 > MOST_OUTLIERS * points.len() as f64 {
-        return Err(fault(CloudFault::Outliers { outliers, points: points.len() }));
-    }
-    let noise = noise::of_points(&first, k);
-    let kept = thin::thin(&first, &spacing, noise, &lists, &outlier);
-    let vertices = project::again(&kept.kept, points, &lists, &first, &outlier);
-    drop(lists);
-    let noise = noise::of_points(&vertices, k);
-    progress(0.6)?;
-    let stars = voronoi::VoronoiStars::new(&vertices);
-    progress(0.8)?;
-    let elected = votes::elect(&stars, &vertices);
-    drop(stars);
-    progress(0.9)?;
-    let (mut mesh, dropped) = manifold::from_triangles(&vertices, &elected);
-    sides::face_scanner(&mut mesh, cloud, &ordered.first, &kept.kept);
-    let mut of_spacing = spacing;
-    let report = Report {
-        points: cloud.len(),
-        duplicates: cloud.len() - points.len(),
-        outliers,
-        thinned: points.len() - outliers - kept.kept.len(),
-        spacing: ordered.frame.length(noise::median(&mut of_spacing).unwrap_or(0.0)),
-        noise: ordered.frame.length(noise),
-        neighbours: k,
-        dropped,
-        ..Report::default()
-    };
-    Ok(finished(cloud, &ordered, &kept.vertex, &mesh, report))
-}
-
-fn fault(fault: CloudFault) -> Error {
-    Error::Cloud(fault)
-}
-
-fn few(points: usize) -> CloudFault {
-    if points <= 1 { CloudFault::OnePlace } else { CloudFault::Few(points) }
-}
-
-/// The result, with only those vertices that triangles use.
-fn finished(
-    cloud: &Points,
-    ordered: &Ordered,
-    vertex: &[u32],
-    mesh: &Mesh,
-    mut report: Report,
-) -> Triangulation {
-    let mut soup = Soup { unit: cloud.unit, ..Soup::default() };
-    let mut number = vec![LEFT_OUT; mesh.points.len()];
-    mesh.triangles.iter().flatten().for_each(|v| number[v.index()] = 0);
-    for (place, number) in mesh.points.iter().zip(&mut number).filter(|(_, n)| **n == 0) {
-        *number = soup.points.len() as u32;
-        soup.points.push(ordered.frame.outward(place));
-    }
-    for t in &mesh.triangles {
-        soup.polygons.push(t.map(|v| number[v.index()]));
-    }
-    (report.vertices, report.triangles) = (soup.points.len(), soup.polygons.len());
-    let of_point = |&i: &u32| match vertex[i as usize] {
-        LEFT_OUT => LEFT_OUT,
-        v => number[v as usize],
-    };
-    Triangulation { soup, vertex_of: ordered.number.iter().map(of_point).collect(), report }
+    Ok(())
 }

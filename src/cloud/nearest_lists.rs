@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::CHUNK;
+use super::project::SurfacePoint;
 use crate::geometry::Point;
 use crate::mesh::Neighbours;
 
@@ -25,6 +26,32 @@ impl NearestLists {
             }
         });
         NearestLists { flat, k }
+    }
+
+    /// The number of neighbours of each point.
+    pub fn count(&self) -> usize {
+        self.k
+    }
+
+    /// Replaces `found` by the `k` points whose projected places are nearest to that of point `i`,
+    /// with the squares of their distances, and returns the largest distance. They are looked for
+    /// among the neighbours of neighbours. Point `i` is one of them.
+    pub fn nearest_of_two_rings(
+        &self,
+        i: usize,
+        surface: &[SurfacePoint],
+        left_out: &[bool],
+        found: &mut Vec<(f64, u32)>,
+    ) -> f64 {
+        let ring = self.of(i).iter();
+        let two_rings = ring.flat_map(|&j| self.of(j as usize)).chain(self.of(i)).copied();
+        let squared = |j: u32| (surface[j as usize].place - surface[i].place).norm_squared();
+        found.clear();
+        found.extend(two_rings.filter(|&j| !left_out[j as usize]).map(|j| (squared(j), j)));
+        found.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        found.dedup();
+        found.truncate(self.k);
+        found.last().map_or(0.0, |&(squared, _)| squared.sqrt())
     }
 
     /// The neighbours of point `i`.

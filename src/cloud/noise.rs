@@ -1,52 +1,91 @@
 //! The noise of a cloud, and how many neighbours it takes to find the surface through it.
+//!
+//! Both are measured at a sample of the points, and the median over the sample counts. Outliers and
+//! edges of the object are at few of these places and do not change it.
 
+use super::nearest_lists::NearestLists;
 use super::project::{SurfacePoint, farthest, first};
 use super::quadric::Rows;
 use crate::geometry::Point;
 use crate::mesh::Neighbours;
 
 /// The numbers of neighbours that are tried, fewest first. 24 smooth little; with 96 the noise may
-/// be as large as the spacing.
+/// be larger than the spacing.
 const COUNTS: [usize; 3] = [24, 48, 96];
 
-/// The radius of a neighbourhood must be this many standard deviations of the noise. Below, the
-/// points form a ball and not a disk, and the normal is lost.
-const LEAST_RADIUS: f64 = 4.0;
+/// The radius of a neighbourhood must be this many standard deviations of the noise. Below 4 the
+/// points are a ball and not a disk, and normals are lost; more smooths more than is needed.
+const LEAST_RADIUS: f64 = 5.0;
 
-/// The number of points that are looked at.
-const TRIALS: usize = 2000;
+/// The share of the places at which the radius may be less.
+const NARROW: f64 = 0.1;
+
+/// The number of places at which the noise is measured. The median over them is 2 % off.
+const PLACES: usize = 4000;
 
 /// The number of neighbours that the noise asks for.
 pub(super) fn neighbour_count(points: &[Point], near: &Neighbours) -> usize {
-    let step = points.len().div_ceil(TRIALS);
-    let enough = |&k: &usize| {
+    let enough = |&&k: &&usize| {
         let (mut found, mut rows) = (Vec::new(), Rows::default());
-        let mut ratios: Vec<f64> = Vec::new();
-        for i in (0..points.len()).step_by(step) {
-            near.nearest_n(points[i], k + 1, &mut found);
-            let list: Vec<u32> =
-                found.iter().map(|f| f.0).filter(|&j| j as usize != i).take(k).collect();
-            let fit = first(i, points, &list, &mut rows);
-            ratios.extend(fit.variance.map(|v| farthest(points[i], points, &list) / v.sqrt()));
+        let mut ratios = Vec::new();
+        for i in sample(points.len()) {
+            let own = points[i];
+            near.nearest_n(own, k + 1, &mut found);
+            let others = found.iter().map(|f| f.0).filter(|&j| j as usize != i);
+            let list: Vec<u32> = others.take(k).collect();
+            let radius = farthest(own, points, &list);
+            let surface = first(own, points, &list, &mut rows);
+            let others = list.iter().map(|&j| points[j as usize]);
+            let variance = rows.variance(surface.place, surface.normal, radius, others);
+            ratios.extend(variance.map(|v| radius / v.sqrt()));
         }
-        median(&mut ratios).is_none_or(|ratio| ratio >= LEAST_RADIUS)
+        quantile(&mut ratios, NARROW).is_none_or(|ratio| ratio >= LEAST_RADIUS)
     };
-    COUNTS.iter().find(|k| enough(k)).copied().unwrap_or(COUNTS[COUNTS.len() - 1])
+    COUNTS.iter().find(enough).copied().unwrap_or(COUNTS[COUNTS.len() - 1])
 }
 
-/// The standard deviation of the noise of points that were projected by `k` neighbours, from the
-/// median of the local variances. A few outliers and edges of the object do not change it.
-pub(super) fn of_points(surface: &[SurfacePoint], k: usize) -> f64 {
-    let mut variances: Vec<f64> = surface.iter().filter_map(|s| s.variance).collect();
-    // The median of a chi-squared distribution as a share of its mean (Wilson, Hilferty 1931). With
-    // the weights exp(−4 d²/r²) it has about k/3 − 5 degrees of freedom.
-    let freedom = k as f64 / 2.0 - 4.0;
-    let share = (1.0 - 2.0 / (9.0 * freedom)).powi(3);
+/// Some of `count` numbers, evenly spaced.
+fn sample(count: usize) -> impl Iterator<Item = usize> {
+    (0..count).step_by(count.div_ceil(PLACES).max(1))
+}
+
+/// The standard deviation of the points' noise along the normal.
+///
+/// The lists have the points that were measured near each other. Points with equal noise are among
+/// them more often than by chance, which would make the noise look smaller. The neighbours are
+/// therefore chosen anew by their projected places.
+pub(super) fn deviation(
+    points: &[Point],
+    lists: &NearestLists,
+    surface: &[SurfacePoint],
+    left_out: &[bool],
+) -> f64 {
+    let (mut around, mut rows) = (Vec::new(), Rows::default());
+    let mut variances = Vec::new();
+    for i in sample(points.len()).filter(|&i| !left_out[i]) {
+        let own = &surface[i];
+        let radius = lists.nearest_of_two_rings(i, surface, left_out, &mut around);
+        let raw = around.iter().map(|&(_, j)| points[j as usize]);
+        variances.extend(rows.variance(own.place, own.normal, radius, raw));
+    }
+    // The median of a chi-squared distribution as a share of its mean (Wilson, Hilferty 1931).
+    let share = (1.0 - 2.0 / (9.0 * freedom(lists.count()))).powi(3);
     median(&mut variances).map_or(0.0, |v| (v / share).sqrt())
+}
+
+/// The degrees of freedom of the variance around a quadric through `count` points with the weights
+/// exp(−4 d²/r²). The weights count as half as many points, and the quadric takes six.
+fn freedom(count: usize) -> f64 {
+    0.5 * count as f64 - 4.0
+}
+
+/// The value below which this share of the values is. The values change their order.
+fn quantile(values: &mut [f64], share: f64) -> Option<f64> {
+    let at = (share * values.len() as f64) as usize;
+    (at < values.len()).then(|| *values.select_nth_unstable_by(at, f64::total_cmp).1)
 }
 
 /// The upper median. The values change their order.
 pub(super) fn median(values: &mut [f64]) -> Option<f64> {
-    let middle = values.len() / 2;
-    (!values.is_empty()).then(|| *values.select_nth_unstable_by(middle, f64::total_cmp).1)
+    quantile(values, 0.5)
 }

@@ -29,7 +29,8 @@ pub(super) struct WorkFrame {
 }
 
 impl WorkFrame {
-    fn new(positions: &[[f64; 3]]) -> Self {
+    /// The map for points at these positions.
+    pub fn new(positions: &[[f64; 3]]) -> Self {
         let largest = positions.par_iter().map(largest_coordinate).reduce(|| 0.0, f64::max);
         let mut frame = WorkFrame { factor: inverse_size(largest), middle: Vector::zeros() };
         let [low, high] = bounds(positions.iter().map(|&p| frame.inward(p)));
@@ -37,7 +38,8 @@ impl WorkFrame {
         frame
     }
 
-    fn inward(&self, p: [f64; 3]) -> Point {
+    /// The coordinates of the work for a point of the cloud.
+    pub fn inward(&self, p: [f64; 3]) -> Point {
         Point::from(Vector::from(p) * self.factor - self.middle)
     }
 

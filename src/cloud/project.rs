@@ -18,48 +18,45 @@ pub(super) struct SurfacePoint {
     pub normal: Vector,
     /// The distance from the measured place, with its sign along the normal.
     pub moved: f64,
-    /// The variance of the neighbours' noise along the normal.
-    pub variance: Option<f64>,
     /// Whether the neighbours are on a line, so that the normal says nothing.
     pub on_line: bool,
 }
 
-/// Projects point `i` by a plane through its neighbours and a quadric over it. The point itself
-/// does not take part, so an outlier cannot draw the surface to itself.
-pub(super) fn first(i: usize, points: &[Point], list: &[u32], rows: &mut Rows) -> SurfacePoint {
-    let own = points[i];
+impl SurfacePoint {
+    fn new(from: Point, normal: Vector, on_line: bool, fit: Option<Quadric>) -> Self {
+        match fit {
+            Some(Quadric { height, normal: turned }) => {
+                let place = from + height * normal;
+                SurfacePoint { place, normal: turned, moved: height, on_line }
+            }
+            None => SurfacePoint { place: from, normal, moved: 0.0, on_line },
+        }
+    }
+}
+
+/// Projects a place onto the surface of the points in the list, by a plane through them and a
+/// quadric over it. The point at the place itself is not in its list, so an outlier cannot draw
+/// the surface to itself.
+pub(super) fn first(own: Point, points: &[Point], list: &[u32], rows: &mut Rows) -> SurfacePoint {
     let radius = farthest(own, points, list);
     let others = || list.iter().map(|&j| points[j as usize]);
     let plane = PrincipalPlane::fit(others().map(|p| {
         let d = p - own;
         (weight(d.norm_squared(), radius), d)
     }));
-    let fit = Quadric::fit(own, plane.normal, radius, others(), rows);
-    surface_point(own, plane.normal, plane.is_line, fit)
+    let fit = rows.fit(own, plane.normal, radius, others());
+    SurfacePoint::new(own, plane.normal, plane.is_line, fit)
 }
 
-/// The distance from a place to the farthest of some points.
+/// The distance from a place to the farthest point in a list.
 pub(super) fn farthest(from: Point, points: &[Point], list: &[u32]) -> f64 {
     let squared = list.iter().map(|&j| (points[j as usize] - from).norm_squared());
     squared.fold(0.0, f64::max).sqrt()
 }
 
-fn surface_point(own: Point, normal: Vector, on_line: bool, fit: Option<Quadric>) -> SurfacePoint {
-    match fit {
-        Some(fit) => SurfacePoint {
-            place: own + fit.height * normal,
-            normal: fit.normal,
-            moved: fit.height,
-            variance: fit.variance,
-            on_line,
-        },
-        None => SurfacePoint { place: own, normal, moved: 0.0, variance: None, on_line },
-    }
-}
-
 /// Projects all points for the first time.
 pub(super) fn all(points: &[Point], lists: &NearestLists) -> Vec<SurfacePoint> {
-    let project = |rows: &mut Rows, i| first(i, points, lists.of(i), rows);
+    let project = |rows: &mut Rows, i: usize| first(points[i], points, lists.of(i), rows);
     let numbers = (0..points.len()).into_par_iter().with_min_len(CHUNK);
     numbers.map_init(Rows::default, project).collect()
 }
@@ -76,12 +73,12 @@ pub(super) fn again(
     let project = |rows: &mut Rows, &i: &u32| {
         let i = i as usize;
         let list = lists.of(i);
-        let radius = farthest(points[i], points, list);
         let all = list.iter().map(|&j| j as usize).chain([i]);
         let used = all.filter(|&j| !left_out[j]).map(|j| points[j]);
         let from = first[i];
-        let fit = Quadric::fit(from.place, from.normal, radius, used, rows);
-        surface_point(from.place, from.normal, from.on_line, fit)
+        let radius = farthest(points[i], points, list);
+        let fit = rows.fit(from.place, from.normal, radius, used);
+        SurfacePoint::new(from.place, from.normal, from.on_line, fit)
     };
     chosen.par_iter().with_min_len(CHUNK).map_init(Rows::default, project).collect()
 }

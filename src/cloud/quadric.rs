@@ -1,6 +1,6 @@
 //! Local fits: a plane by weighted principal components, and a quadric over it.
 
-use nalgebra::{SMatrix, SVector};
+use nalgebra::{Cholesky, Const, DimName, Matrix3, SMatrix, SVector};
 
 use crate::geometry::{Point, Vector, plane_axes};
 
@@ -19,8 +19,8 @@ pub(super) struct PrincipalPlane {
     pub is_line: bool,
 }
 
-/// The second extent of points on a line is at most this share of the first one. Variances of
-/// a sheet that is a thousand times as long as wide are at a ratio of 1e-6.
+/// The second variance of points on a line is at most this share of the first one. A strip that is a
+/// thousand times as long as wide has this ratio.
 const LINE_RATIO: f64 = 1e-6;
 
 impl PrincipalPlane {
@@ -36,19 +36,15 @@ impl PrincipalPlane {
         }
         let mean = sum / total;
         let [xx, yy, zz, xy, yz, zx] = squares.map(|s| s / total);
-        let m =
-            nalgebra::Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz) - mean * mean.transpose();
-        let eigen = m.symmetric_eigen();
+        let eigen = (Matrix3::new(xx, xy, zx, xy, yy, yz, zx, yz, zz) - mean * mean.transpose())
+            .symmetric_eigen();
         let mut order = [0, 1, 2];
         order.sort_unstable_by(|&a, &b| eigen.eigenvalues[a].total_cmp(&eigen.eigenvalues[b]));
+        let [_, second, first] = order.map(|k| eigen.eigenvalues[k]);
         let normal = eigen.eigenvectors.column(order[0]).into_owned();
-        let extents = order.map(|k| eigen.eigenvalues[k]);
-        PrincipalPlane { normal, is_line: extents[1] <= LINE_RATIO * extents[2] }
+        PrincipalPlane { normal, is_line: second <= LINE_RATIO * first }
     }
 }
-
-/// The coefficients of 1, x, y, x², xy and y².
-type Coefficients6 = SVector<f64, 6>;
 
 /// A quadric over a plane, fitted by weighted least squares.
 pub(super) struct Quadric {
@@ -56,14 +52,12 @@ pub(super) struct Quadric {
     pub height: f64,
     /// The unit normal of the quadric there.
     pub normal: Vector,
-    /// An estimate without bias of the variance of the heights of the points, or `None` if the
-    /// points are too few for one.
-    pub variance: Option<f64>,
 }
 
-/// A neighbour in the plane: its coordinates in units of the radius, and its weight.
+/// A neighbour in the plane, in units of the radius: the monomials 1, x, y, x², xy and y², the
+/// height and the weight.
 struct Row {
-    terms: Coefficients6,
+    monomials: SVector<f64, 6>,
     height: f64,
     weight: f64,
 }
@@ -74,87 +68,116 @@ impl Row {
         // The distance in the plane, and not that in space: otherwise points far above and below
         // would count less, and the noise would look smaller than it is.
         let weight = weight(u * u + v * v, 1.0);
-        Row {
-            terms: SVector::from([1.0, u, v, u * u, u * v, v * v]),
-            height: d.dot(&normal),
-            weight,
-        }
+        let monomials = SVector::from([1.0, u, v, u * u, u * v, v * v]);
+        Row { monomials, height: d.dot(&normal), weight }
+    }
+
+    fn first<const N: usize>(&self) -> SVector<f64, N> {
+        SVector::from_fn(|k, _| self.monomials[k])
     }
 }
 
-/// Rows of one fit, to be used again.
+/// The neighbours of one place, as the rows of a least-squares problem. They are kept to be filled
+/// again for the next place.
 #[derive(Default)]
 pub(super) struct Rows(Vec<Row>);
 
-impl Quadric {
-    /// Fits a quadric over the plane through `origin` with this unit `normal`. A plane is fitted
-    /// in place of the quadric where the points do not determine one at the origin: its height
-    /// there would vary more than that of a single point. `None` if not even a plane is determined.
-    pub fn fit(
+impl Rows {
+    /// Fills the rows with points around `origin`.
+    fn fill(
+        &mut self,
         origin: Point,
         normal: Vector,
         radius: f64,
         points: impl Iterator<Item = Point>,
-        rows: &mut Rows,
-    ) -> Option<Quadric> {
+    ) {
         let axes = plane_axes(normal);
         let inverse = 1.0 / radius;
-        rows.0.clear();
-        rows.0.extend(points.map(|p| Row::new((p - origin) * inverse, axes, normal)));
-        let solved = solve::<6>(&rows.0).or_else(|| solve::<3>(&rows.0))?;
-        let [height, by_x, by_y] = solved.first;
-        Some(Quadric {
-            height: radius * height,
-            normal: (normal - by_x * axes.0 - by_y * axes.1).normalize(),
-            variance: solved.variance.map(|v| v * radius * radius),
-        })
+        self.0.clear();
+        self.0.extend(points.map(|p| Row::new((p - origin) * inverse, axes, normal)));
     }
-}
 
-/// The height and the two slopes at the origin, and the variance of the points' heights.
-struct Solved {
-    first: [f64; 3],
-    variance: Option<f64>,
-}
+    /// Fits a quadric over the plane through `origin` with this unit `normal`. A plane is fitted
+    /// in place of the quadric where the points do not determine one at the origin: its height
+    /// there would vary more than that of a single point. `None` if not even a plane is determined.
+    pub fn fit(
+        &mut self,
+        origin: Point,
+        normal: Vector,
+        radius: f64,
+        points: impl Iterator<Item = Point>,
+    ) -> Option<Quadric> {
+        self.fill(origin, normal, radius, points);
+        let [height, by_x, by_y] = self.solve::<6>().or_else(|| self.solve::<3>())?;
+        let (x, y) = plane_axes(normal);
+        let normal = (normal - by_x * x - by_y * y).normalize();
+        Some(Quadric { height: radius * height, normal })
+    }
 
-/// The fit of the first N terms. `None` if they are not determined.
-fn solve<const N: usize>(rows: &[Row]) -> Option<Solved> {
-    let mut gram = SMatrix::<f64, N, N>::zeros();
-    // Σ w² b bᵀ, from which the variance of the fit follows.
-    let mut noise = SMatrix::<f64, N, N>::zeros();
-    let mut right = SVector::<f64, N>::zeros();
-    let (mut total, mut squares) = (0.0, 0.0);
-    for row in rows {
-        let b = row.terms.fixed_rows::<N>(0);
-        for j in 0..N {
-            let wb = row.weight * b[j];
-            for i in j..N {
-                gram[(i, j)] += wb * b[i];
-                noise[(i, j)] += row.weight * wb * b[i];
-            }
-            right[j] += wb * row.height;
+    /// An estimate without bias of the variance of the points' noise along the normal. `None` if
+    /// the points are too few or too uneven for a quadric.
+    pub fn variance(
+        &mut self,
+        origin: Point,
+        normal: Vector,
+        radius: f64,
+        points: impl Iterator<Item = Point>,
+    ) -> Option<f64> {
+        self.fill(origin, normal, radius, points);
+        let (factor, c) = self.system::<6>()?;
+        let (mut squares, mut freedom, mut total) = (0.0, 0.0, 0.0);
+        for row in &self.0 {
+            let b = row.first::<6>();
+            squares += row.weight * (row.height - b.dot(&c)).powi(2);
+            // The expectation of Σ w r² is σ² (Σ w − Σ w² bᵀ G⁻¹ b).
+            freedom += row.weight - row.weight.powi(2) * b.dot(&factor.solve(&b));
+            total += row.weight;
         }
-        total += row.weight;
-        squares += row.weight * row.height * row.height;
+        (freedom > LEAST_FREEDOM * total).then(|| radius * radius * squares / freedom)
     }
-    noise.fill_upper_triangle_with_lower_triangle();
-    let damping = 1e-12 * gram.trace();
-    (0..N).for_each(|i| gram[(i, i)] += damping);
-    let factor = nalgebra::Cholesky::new(gram)?;
-    let c = factor.solve(&right);
-    let spread = factor.solve(&noise);
-    let at_origin = factor.solve(&SVector::<f64, N>::from_fn(|i, _| f64::from(u8::from(i == 0))));
-    // The variance of the height at the origin, if that of the points is 1.
-    let certainty = at_origin.dot(&(noise * at_origin));
-    if certainty.is_nan() || certainty > 1.0 {
-        return None;
+
+    /// The factor of the normal equations of the first N monomials, and the coefficients.
+    fn system<const N: usize>(&self) -> Option<(Cholesky<f64, Const<N>>, SVector<f64, N>)>
+    where
+        Const<N>: DimName,
+    {
+        let mut gram = SMatrix::<f64, N, N>::zeros();
+        let mut right = SVector::<f64, N>::zeros();
+        for row in &self.0 {
+            let b = row.first::<N>();
+            let weighted = row.weight * b;
+            // The lower triangle is all that the factorization reads.
+            for j in 0..N {
+                for i in j..N {
+                    gram[(i, j)] += b[j] * weighted[i];
+                }
+            }
+            right.axpy(row.height, &weighted, 1.0);
+        }
+        let damping = DAMPING * gram.trace();
+        (0..N).for_each(|i| gram[(i, i)] += damping);
+        let factor = gram.cholesky()?;
+        let coefficients = factor.solve(&right);
+        Some((factor, coefficients))
     }
-    // The expectation of Σ w r² is σ² (Σ w − Σ w² bᵀ G⁻¹ b).
-    let freedom = total - spread.trace();
-    let residual = (squares - right.dot(&c)).max(0.0);
-    let variance = (freedom > LEAST_FREEDOM * total).then(|| residual / freedom);
-    Some(Solved { first: [c[0], c[1], c[2]], variance })
+
+    /// The height and the two slopes at the origin. `None` if the points do not determine them.
+    fn solve<const N: usize>(&self) -> Option<[f64; 3]>
+    where
+        Const<N>: DimName,
+    {
+        let (factor, c) = self.system::<N>()?;
+        let influence = factor.solve(&SVector::from_fn(|i, _| f64::from(u8::from(i == 0))));
+        let square = |row: &Row| (row.weight * row.first::<N>().dot(&influence)).powi(2);
+        // The variance of the height at the origin, if that of the points is 1.
+        let variance: f64 = self.0.iter().map(square).sum();
+        (variance <= 1.0).then(|| [c[0], c[1], c[2]])
+    }
 }
+
+/// The share of the trace that is added to the diagonal of the normal equations. It makes the
+/// factorization of a singular matrix succeed, and changes a fit that is determined by nothing.
+const DAMPING: f64 = 1e-12;
 
 /// Below this share of degrees of freedom the residuals are rounding errors.
 const LEAST_FREEDOM: f64 = 1e-3;

@@ -55,10 +55,10 @@ fn one_scan(cloud: &Points, asked: usize) -> Result<Selection> {
     let range = scan.points.clone();
     let first = range.start as u32;
     let cell = |&cell: &u32| if cell == ScanGrid::EMPTY { cell } else { cell - first };
-    let grid = scan.grid.as_ref().map(|grid| ScanGrid {
-        cells: grid.cells.iter().map(cell).collect(),
-        ..grid.clone()
-    });
+    let grid = scan
+        .grid
+        .as_ref()
+        .map(|grid| ScanGrid { cells: grid.cells.iter().map(cell).collect(), ..grid.clone() });
     let points = Points {
         positions: cloud.positions[range.clone()].to_vec(),
         normals: cloud.normals.as_ref().map(|normals| normals[range.clone()].to_vec()),
@@ -98,8 +98,7 @@ fn evenly(cloud: &Points, most: usize) -> Selection {
             axes.fold(std::cmp::Ordering::Equal, std::cmp::Ordering::then).then(i.cmp(&j))
         };
         let keyed = |i: u32| (if extent > 0.0 { key(few, &place(i)) } else { 0 }, i);
-        let mut all: Vec<(u64, u32)> =
-            (0..cloud.len() as u32).into_par_iter().map(keyed).collect();
+        let mut all: Vec<(u64, u32)> = (0..cloud.len() as u32).into_par_iter().map(keyed).collect();
         all.par_sort_unstable_by(|a, b| a.0.cmp(&b.0).then_with(|| order(a.1, b.1)));
         all.dedup_by_key(|(key, _)| *key);
         let mut numbers: Vec<u32> = all.into_iter().map(|(_, i)| i).collect();

@@ -34,5 +34,5 @@ fn outward(cloud: &Points, point: usize) -> Option<Vector> {
     let scan = cloud.scans.iter().find(|scan| scan.points.contains(&point));
     let scanner = scan.and_then(|scan| scan.viewpoint);
     let to_scanner = scanner.map(|s| Vector::from(s) - Vector::from(cloud.positions[point]));
-    to_scanner.or_else(|| Some(Vector::from(cloud.normals.as_ref()?[point].map(f64::from))))
+    to_scanner.or_else(|| Some(Vector::from(cloud.normals.as_ref()?.get(point)?.map(f64::from))))
 }

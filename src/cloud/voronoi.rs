@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use smallvec::SmallVec;
 
 use super::CHUNK;
+use super::nearest_lists::NearestLists;
 use super::noise::median;
 use super::project::SurfacePoint;
 use crate::geometry::{Point, plane_axes};
@@ -45,25 +46,16 @@ impl VoronoiStars {
     /// Computes the stars of all vertices.
     pub fn new(vertices: &[SurfacePoint]) -> Self {
         let places: Vec<Point> = vertices.iter().map(|v| v.place).collect();
-        let near = Neighbours::new(&places);
-        let spacing: Vec<f64> = (0..places.len())
-            .into_par_iter()
-            .with_min_len(CHUNK)
-            .map_init(Vec::new, |found, i| {
-                near.nearest_n(places[i], RING + 1, found);
-                found.iter().map(|f| f.1.sqrt()).sum::<f64>() / RING as f64
-            })
-            .collect();
-        let star = |(found, cell): &mut (Vec<(u32, f64)>, Cell), i: usize| {
-            near.nearest_n(places[i], NEIGHBOURS + 1, found);
-            cell.clip(i, vertices, found, spacing[i]);
+        // Sheets of fewer vertices than that may remain of many points.
+        let count = NEIGHBOURS.min(places.len().saturating_sub(1));
+        let lists = NearestLists::new(&places, &Neighbours::new(&places), count);
+        let numbers = || (0..places.len()).into_par_iter().with_min_len(CHUNK);
+        let spacing: Vec<f64> = numbers().map(|i| ring_distance(i, &places, &lists)).collect();
+        let star = |cell: &mut Cell, i: usize| {
+            cell.clip(i, vertices, lists.of(i), spacing[i]);
             cell.star(i, &places, &spacing)
         };
-        let stars: Vec<SmallVec<[u32; 8]>> = (0..places.len())
-            .into_par_iter()
-            .with_min_len(CHUNK)
-            .map_init(Default::default, star)
-            .collect();
+        let stars: Vec<SmallVec<[u32; 8]>> = numbers().map_init(Cell::default, star).collect();
         let mut all = VoronoiStars { starts: vec![0], around: Vec::new() };
         for star in stars {
             all.around.extend(star);
@@ -91,6 +83,13 @@ impl VoronoiStars {
     }
 }
 
+/// The mean distance of a vertex from the nearest ones.
+fn ring_distance(i: usize, places: &[Point], lists: &NearestLists) -> f64 {
+    let ring = &lists.of(i)[..RING.min(lists.count())];
+    let sum: f64 = ring.iter().map(|&j| (places[j as usize] - places[i]).norm()).sum();
+    sum / ring.len().max(1) as f64
+}
+
 /// A convex polygon around a vertex.
 #[derive(Default)]
 struct Cell {
@@ -104,23 +103,24 @@ struct Cell {
 const SQUARE: u32 = u32::MAX;
 
 impl Cell {
-    fn clip(&mut self, i: usize, vertices: &[SurfacePoint], found: &[(u32, f64)], spacing: f64) {
+    fn clip(&mut self, i: usize, vertices: &[SurfacePoint], list: &[u32], spacing: f64) {
         let own = &vertices[i];
         let (x, y) = plane_axes(own.normal);
         let half = HALF_SIDE * spacing;
         self.corners.clear();
         let square = [(-half, -half), (half, -half), (half, half), (-half, half)];
         self.corners.extend(square.map(|(x, y)| (Vector2::new(x, y), SQUARE)));
-        for &(j, squared) in found.iter().filter(|f| f.0 as usize != i) {
+        for &j in list {
+            let other = &vertices[j as usize];
+            let d = other.place - own.place;
+            let squared = d.norm_squared();
             let farthest = self.corners.iter().map(|c| c.0.norm_squared()).fold(0.0, f64::max);
             if squared > 4.0 * farthest {
                 break;
             }
-            let other = &vertices[j as usize];
             if other.normal.dot(&own.normal).abs() < SAME_SHEET {
                 continue;
             }
-            let d = other.place - own.place;
             let flat = Vector2::new(d.dot(&x), d.dot(&y));
             // Laid into the plane at its true distance.
             let Some(direction) = flat.try_normalize(0.0) else { continue };

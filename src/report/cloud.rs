@@ -2,7 +2,7 @@
 
 use formats::Points;
 
-use crate::cloud;
+use crate::cloud::{self, GridUse};
 
 /// A cloud of points as it was read, and how it became a mesh.
 #[derive(Debug, Clone, PartialEq)]
@@ -42,7 +42,8 @@ pub struct ScanFigures {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct CloudMeshFigures {
-    /// How it was made ([`cloud::Mesher`]): "grid" or "stars".
+    /// How it was made ([`cloud::GridUse`]): along the "grid" of the scan, or by the "stars" of
+    /// its points.
     pub mesher: &'static str,
     /// The median distance between neighbouring points.
     pub spacing_mm: f64,
@@ -81,7 +82,7 @@ impl CloudMeshFigures {
     /// The figures of a mesh that was made of a cloud whose unit is so many `mm`.
     pub(super) fn of(report: &cloud::Report, mm: f64) -> Self {
         CloudMeshFigures {
-            mesher: "stars",
+            mesher: if let GridUse::Followed { .. } = report.grid { "grid" } else { "stars" },
             spacing_mm: mm * report.spacing,
             noise_mm: mm * report.noise,
             outliers: report.outliers,

@@ -84,8 +84,8 @@ pub struct InputFigures {
     /// Points of the file, if it holds a cloud.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub points: Option<usize>,
-    /// How a mesh was made of the cloud ([`cloud::Mesher`](crate::cloud::Mesher)): "grid" or
-    /// "stars".
+    /// How a mesh was made of the cloud: along the "grid" of the scan, or by the "stars" of its
+    /// points.
     #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
     pub mesher: Option<&'static str>,
     /// The cloud, if the file holds one.

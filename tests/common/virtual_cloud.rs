@@ -1,6 +1,7 @@
 //! Virtual clouds: the points of virtual scans without their triangles, with what real clouds have.
 
-use scan2step::formats::{PointScan, Points, Soup};
+use scan2step::formats::points::PointScan;
+use scan2step::formats::{Points, Soup};
 use scan2step::nalgebra::{Point3, Vector3};
 
 use super::virtual_scan::{Random, Star, Truth, VirtualScan};
@@ -112,6 +113,7 @@ pub struct SoupCheck {
     pub bad_vertices: usize,
     pub components: usize,
     pub loops: usize,
+    pub sizes: Vec<usize>,
     pub area: f64,
 }
 
@@ -140,14 +142,19 @@ pub fn check(soup: &Soup) -> SoupCheck {
     for &start in open.keys() {
         let mut v = start;
         let mut is_new = false;
+        let mut count = 0;
         while seen.insert(v) {
             is_new = true;
+            count += 1;
             match open.get(&v) {
                 Some(next) => v = next[0],
                 None => break,
             }
         }
         check.loops += usize::from(is_new);
+        if is_new {
+            check.sizes.push(count);
+        }
     }
     let mut root: Vec<u32> = (0..soup.points.len() as u32).collect();
     fn find(root: &mut [u32], mut v: u32) -> u32 {

@@ -1,0 +1,168 @@
+//! Triangles of points without a grid: the order of the steps.
+
+use formats::{Points, Soup};
+
+use super::manifold::ManifoldMesh;
+use super::nearest_lists::NearestLists;
+use super::order::Ordered;
+use super::project::SurfacePoint;
+use super::thin::KeptPoints;
+use super::voronoi::VoronoiStars;
+use super::{LEFT_OUT, Options, Report, Triangulation, noise, outliers, project, sides, votes};
+use crate::error::{CloudFault, Error, Result};
+use crate::mesh::{Mesh, Neighbours};
+use crate::progress::Progress;
+use crate::rules::LEAST_POINTS;
+
+/// The largest share of outliers among the points of a surface. A point in ten that is far from
+/// its neighbours means that these are not a surface either.
+const MOST_OUTLIERS: f64 = 0.1;
+
+/// A triangle has three vertices.
+const FEWEST_VERTICES: usize = 3;
+
+/// The points of a cloud, and where they are on the surface.
+struct SurfacePoints {
+    lists: NearestLists,
+    spacing: Vec<f64>,
+    surface: Vec<SurfacePoint>,
+    /// Points that belong to no surface.
+    outlier: Vec<bool>,
+    /// Outliers, and points that no fit should see.
+    suspect: Vec<bool>,
+}
+
+/// Makes triangles of points without a grid.
+pub(super) fn triangulate(
+    cloud: &Points,
+    options: &Options,
+    progress: &mut Progress,
+) -> Result<Triangulation> {
+    let ordered = Ordered::new(&cloud.positions);
+    let points = &ordered.points;
+    if points.len() < LEAST_POINTS {
+        let fault =
+            if points.len() > 1 { CloudFault::Few(points.len()) } else { CloudFault::OnePlace };
+        return Err(Error::Cloud(fault));
+    }
+    let mut found = SurfacePoints::new(&ordered, progress)?;
+    let deviation = noise::deviation(points, &found.lists, &found.surface, &found.suspect);
+    let apart = options.spacing.map_or(0.0, |spacing| ordered.frame.work_length(spacing));
+    let kept = KeptPoints::new(
+        &found.surface,
+        &found.spacing,
+        deviation,
+        &found.lists,
+        &found.outlier,
+        apart,
+    );
+    let mut report = Report {
+        points: cloud.len(),
+        duplicates: cloud.len() - points.len(),
+        outliers: found.outlier.iter().filter(|is| **is).count(),
+        spacing: ordered.frame.length(noise::median(&mut found.spacing).unwrap_or(0.0)),
+        noise: ordered.frame.length(deviation),
+        neighbours: found.lists.count(),
+        ..Report::default()
+    };
+    report.thinned = points.len() - report.outliers - kept.points.len();
+    if kept.points.len() < FEWEST_VERTICES {
+        return Err(Error::Cloud(CloudFault::NoTriangle));
+    }
+    let vertices = found.again(points, &kept.points);
+    drop(found);
+    progress(0.7)?;
+    let mut mesh = mesh_of(&vertices, &mut report, progress)?;
+    sides::face_scanner(&mut mesh, cloud, &ordered.first, &kept.points);
+    Ok(finished(cloud, &ordered, &kept, &mesh, report))
+}
+
+impl SurfacePoints {
+    /// Projects points onto their surface, and finds outliers.
+    fn new(ordered: &Ordered, progress: &mut Progress) -> Result<Self> {
+        let points = &ordered.points;
+        let near = Neighbours::new(points);
+        let count = noise::neighbour_count(points, &near);
+        progress(0.1)?;
+        let lists = NearestLists::new(points, &near, count);
+        drop(near);
+        progress(0.35)?;
+        let spacing = outliers::spacings(points, &lists);
+        let mut outlier = outliers::lonely(&spacing, &lists);
+        let surface = project::all(points, &lists);
+        if share(surface.iter().map(|s| s.on_line)) > 1.0 - MOST_OUTLIERS {
+            return Err(Error::Cloud(CloudFault::Line));
+        }
+        let mut suspect = outliers::far(&surface, &lists);
+        for (i, is_outlier) in outlier.iter_mut().enumerate() {
+            *is_outlier |= suspect[i] && surface[i].moved.abs() > spacing[i];
+            suspect[i] |= *is_outlier;
+        }
+        if share(outlier.iter().copied()) > MOST_OUTLIERS {
+            let outliers = outlier.iter().filter(|is| **is).count();
+            return Err(Error::Cloud(CloudFault::Outliers { outliers, points: points.len() }));
+        }
+        progress(0.5)?;
+        // From here on the distances along the surface count, and not those through its noise.
+        let places: Vec<_> = surface.iter().map(|s| s.place).collect();
+        let spacing = outliers::spacings(&places, &lists);
+        Ok(SurfacePoints { lists, spacing, surface, outlier, suspect })
+    }
+
+    /// The kept points on the surface of their neighbours without outliers.
+    fn again(&self, points: &[crate::geometry::Point], kept: &[u32]) -> Vec<SurfacePoint> {
+        project::again(kept, points, &self.lists, &self.surface, &self.outlier)
+    }
+}
+
+/// The share of values that are true.
+fn share(values: impl ExactSizeIterator<Item = bool>) -> f64 {
+    let count = values.len();
+    values.filter(|is| *is).count() as f64 / count as f64
+}
+
+/// The mesh of the triangles on which the vertices agree.
+fn mesh_of(
+    vertices: &[SurfacePoint],
+    report: &mut Report,
+    progress: &mut Progress,
+) -> Result<Mesh> {
+    let stars = VoronoiStars::new(vertices);
+    progress(0.85)?;
+    let elected = votes::elect(&stars, vertices);
+    drop(stars);
+    progress(0.9)?;
+    let made = ManifoldMesh::new(vertices, &elected);
+    if made.mesh.triangles.is_empty() {
+        return Err(Error::Cloud(CloudFault::NoTriangle));
+    }
+    (report.dropped, report.one_sided) = (made.dust, made.one_sided);
+    Ok(made.mesh)
+}
+
+/// The result, with only those vertices that triangles use.
+fn finished(
+    cloud: &Points,
+    ordered: &Ordered,
+    kept: &KeptPoints,
+    mesh: &Mesh,
+    mut report: Report,
+) -> Triangulation {
+    let mut soup = Soup { unit: cloud.unit, ..Soup::default() };
+    let mut is_used = vec![false; mesh.points.len()];
+    mesh.triangles.iter().flatten().for_each(|v| is_used[v.index()] = true);
+    let mut number = vec![LEFT_OUT; mesh.points.len()];
+    for v in (0..mesh.points.len()).filter(|&v| is_used[v]) {
+        number[v] = soup.points.len() as u32;
+        soup.points.push(ordered.frame.outward(&mesh.points[v]));
+    }
+    for t in &mesh.triangles {
+        soup.polygons.push(t.map(|v| number[v.index()]));
+    }
+    (report.vertices, report.triangles) = (soup.points.len(), soup.polygons.len());
+    let of_point = |&i: &u32| match kept.vertex[i as usize] {
+        LEFT_OUT => LEFT_OUT,
+        v => number[v as usize],
+    };
+    Triangulation { soup, vertex_of: ordered.number.iter().map(of_point).collect(), report }
+}
