@@ -68,6 +68,10 @@ pub enum LengthUnit {
     Metre,
     /// Inches of 25.4 mm.
     Inch,
+    /// International feet of 304.8 mm.
+    Foot,
+    /// US survey feet of 1200/3937 m.
+    UsSurveyFoot,
 }
 
 impl LengthUnit {
@@ -78,16 +82,20 @@ impl LengthUnit {
             LengthUnit::Centimetre => 10.0,
             LengthUnit::Metre => 1000.0,
             LengthUnit::Inch => 25.4,
+            LengthUnit::Foot => 304.8,
+            LengthUnit::UsSurveyFoot => 1_200_000.0 / 3937.0,
         }
     }
 
-    /// The abbreviation of the unit, as on the command line.
+    /// The abbreviation of the unit, as in reports.
     pub fn symbol(self) -> &'static str {
         match self {
             LengthUnit::Millimetre => "mm",
             LengthUnit::Centimetre => "cm",
             LengthUnit::Metre => "m",
             LengthUnit::Inch => "in",
+            LengthUnit::Foot => "ft",
+            LengthUnit::UsSurveyFoot => "ftUS",
         }
     }
 }

@@ -45,6 +45,19 @@ pub(crate) struct GridShape {
     pub(crate) order: Order,
 }
 
+/// Why a point is left out.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum LeftOut {
+    /// The scanner saw nothing: 0 0 0.
+    Nothing,
+    /// The file marks it as invalid or withheld.
+    Marked,
+    /// It is of a class of noise.
+    Noise,
+    /// The caller's options exclude it.
+    Filtered,
+}
+
 pub(crate) enum Order {
     /// The records of one row follow each other.
     Rows,
@@ -100,9 +113,15 @@ impl PointsBuilder {
         self.record(index as u32)
     }
 
-    /// Adds a record for which the scanner saw nothing.
-    pub(crate) fn push_nothing(&mut self) -> Result<()> {
-        self.points.lost.at_zero += 1;
+    /// Adds a record that is left out, and counts it.
+    pub(crate) fn leave_out(&mut self, why: LeftOut) -> Result<()> {
+        let lost = &mut self.points.lost;
+        *match why {
+            LeftOut::Nothing => &mut lost.at_zero,
+            LeftOut::Marked => &mut lost.marked,
+            LeftOut::Noise => &mut lost.noise,
+            LeftOut::Filtered => &mut lost.filtered,
+        } += 1;
         self.record(ScanGrid::EMPTY)
     }
 
@@ -202,16 +221,25 @@ impl PointsBuilder {
     /// No point is left.
     pub(crate) fn finish(mut self) -> Result<Points> {
         if self.points.is_empty() {
-            let lost = self.points.lost.not_finite + self.points.lost.at_zero;
-            let what = match lost {
-                0 => "has no points".to_owned(),
-                _ => format!("has no valid point: all {lost} are missing or not finite"),
-            };
-            let help = "Check that the right object was exported from the scanner's program.";
-            return Err(Error::new(self.path, what, help));
+            return Err(self.no_points());
         }
         self.set_origin();
         Ok(self.points)
+    }
+
+    fn no_points(&self) -> Error {
+        let lost = &self.points.lost;
+        let invalid = lost.not_finite + lost.at_zero + lost.marked;
+        let what = match (invalid + lost.noise, lost.filtered) {
+            (0, 0) => "has no points".to_owned(),
+            (_, 0) if lost.noise > 0 => {
+                format!("has no valid point: {invalid} are invalid and {} are noise", lost.noise)
+            }
+            (all, 0) => format!("has no valid point: all {all} are missing or not finite"),
+            (_, filtered) => format!("has no point that was asked for: {filtered} are others"),
+        };
+        let help = "Check that the right object was exported from the scanner's program.";
+        Error::new(&self.path, what, help)
     }
 
     /// Chooses the origin and makes everything relative to it.

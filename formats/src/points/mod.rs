@@ -1,13 +1,16 @@
 //! Clouds of points: what a scanner measured, before anybody meshed it.
 //!
-//! [`read_points`] reads PLY without faces, columns of text (XYZ, TXT, ASC,
-//! CSV, PTS), PCD and PTX. [`read_content`] reads a file that holds either a
+//! [`read_points`] reads E57, LAS, LAZ, PLY without faces, columns of text (XYZ,
+//! TXT, ASC, CSV, PTS), PCD and PTX. [`ReadOptions`] choose some of the points. [`read_content`] reads a file that holds either a
 //! mesh or a cloud. The readers deliver what the file says: points in the
 //! file's order, not thinned, and duplicates included. A point that the scanner
 //! did not see is left out and counted in [`Lost`].
 
 mod builder;
 mod column;
+mod e57;
+mod las;
+mod options;
 mod pcd;
 mod ptx;
 mod read;
@@ -17,8 +20,9 @@ mod text;
 use std::fmt;
 use std::ops::Range;
 
-pub(crate) use builder::{GridShape, Order, PointsBuilder, ScanEnd};
+pub(crate) use builder::{GridShape, LeftOut, Order, PointsBuilder, ScanEnd};
 pub(crate) use column::Column;
+pub use options::ReadOptions;
 pub use read::{Content, PointFormat, read_content, read_points, read_points_from};
 
 use crate::LengthUnit;
@@ -40,8 +44,9 @@ pub struct Points {
     pub normals: Option<Vec<[f32; 3]>>,
     /// The scans, in the file's order. Together they hold every position once.
     pub scans: Vec<PointScan>,
-    /// The unit of the format: metres for PTS and PTX (by custom, see
-    /// [`Note::MetresByCustom`]), and `None` for formats without a unit.
+    /// The unit of the file: metres for E57, that of the coordinate system for LAS
+    /// and LAZ, and metres for PTS and PTX (by custom, see [`Note::MetresByCustom`]).
+    /// It is `None` for formats without a unit.
     pub unit: Option<LengthUnit>,
     /// What the file holds and the cloud does not.
     pub lost: Lost,
@@ -140,6 +145,12 @@ pub struct Lost {
     /// they saw nothing. In PTX each is left out, in other formats only if a scan
     /// has more than one.
     pub at_zero: u64,
+    /// Points that the file marks as invalid (E57) or withheld (LAS).
+    pub marked: u64,
+    /// Points of the classes of noise, 7 and 18, of LAS.
+    pub noise: u64,
+    /// Points that the [`ReadOptions`] exclude.
+    pub filtered: u64,
     /// Lines of a text file that hold no point.
     pub unreadable_lines: u64,
     /// Points that have a colour.
@@ -154,11 +165,11 @@ pub struct Lost {
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Note {
-    /// The format names no unit, but its programs write metres.
+    /// The format or the file names no unit, but its programs write metres.
     MetresByCustom,
     /// The numbers have decimal commas.
     DecimalCommas,
-    /// A PTS or XYZ file announces another number of points than it has.
+    /// A PTS, XYZ or LAS file announces another number of points than it has.
     CountDiffers {
         /// The number that the file announces.
         announced: u64,
@@ -167,21 +178,28 @@ pub enum Note {
     },
     /// The last line of a text file was cut off and is left out.
     LastLineCut,
-    /// A grid's number of cells is not its rows times its columns. It is ignored.
+    /// A grid's number of cells is not its rows times its columns, or several points
+    /// are in one cell, or most cells are empty. It is ignored.
     GridIgnored,
+    /// Variable length records of a LAS file are cut off. They are ignored, and the
+    /// unit may be missing with them.
+    RecordsCut,
 }
 
 impl fmt::Display for Note {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Note::MetresByCustom => {
-                f.write_str("the format names no unit; its programs usually write metres")
+                f.write_str("the file names no unit; programs usually write metres here")
             }
             Note::DecimalCommas => f.write_str("the numbers were read with decimal commas"),
             Note::CountDiffers { announced, found } => {
                 write!(f, "the file announces {announced} points, but has {found}")
             }
             Note::LastLineCut => f.write_str("the last line was cut off and is left out"),
+            Note::RecordsCut => {
+                f.write_str("records about the points are cut off; they are ignored")
+            }
             Note::GridIgnored => {
                 f.write_str("the file's rows and columns do not match its points; they are ignored")
             }

@@ -7,7 +7,7 @@
 //! the scanner's frame, an intensity, and perhaps a colour. `0 0 0` means that
 //! the scanner saw nothing.
 
-use super::{GridShape, Note, Order, Points, PointsBuilder, Pose, ScanEnd};
+use super::{GridShape, LeftOut, Note, Order, Points, PointsBuilder, Pose, ScanEnd};
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
 use crate::{Error, LengthUnit, Location, Result};
@@ -141,7 +141,7 @@ impl Reader {
                 return Err(self.source.error(what, number_help(&text)));
             };
             match xyz == [0.0; 3] {
-                true => self.builder.push_nothing()?,
+                true => self.builder.leave_out(LeftOut::Nothing)?,
                 false => {
                     found[0] += u64::from(matches!(columns, 4 | 7));
                     found[1] += u64::from(columns >= 6);

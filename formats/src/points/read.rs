@@ -3,7 +3,7 @@
 use std::io::Read;
 use std::path::Path;
 
-use super::{Points, PointsBuilder, ScanEnd, pcd, ptx, text};
+use super::{Points, PointsBuilder, ReadOptions, ScanEnd, e57, las, pcd, ptx, text};
 use crate::read::{self, READABLE, after_mark, by_content, foreign};
 use crate::source::Source;
 use crate::{Error, Format, Result, Soup, ply};
@@ -12,6 +12,10 @@ use crate::{Error, Format, Result, Soup, ply};
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum PointFormat {
+    /// ASTM E2807, scans of terrestrial scanners.
+    E57,
+    /// LAS of any version, or LAZ, which is compressed LAS. COPC is LAZ.
+    Las,
     /// Stanford polygon file without faces, ascii or binary.
     Ply,
     /// Point Cloud Data, ascii, binary or compressed.
@@ -32,6 +36,8 @@ impl PointFormat {
         let name = path.file_name()?.to_string_lossy().to_ascii_lowercase();
         let name = name.strip_suffix(".gz").unwrap_or(&name);
         match name.rsplit_once('.')?.1 {
+            "e57" => Some(PointFormat::E57),
+            "las" | "laz" => Some(PointFormat::Las),
             "ply" => Some(PointFormat::Ply),
             "pcd" => Some(PointFormat::Pcd),
             "ptx" => Some(PointFormat::Ptx),
@@ -57,7 +63,7 @@ pub enum Content {
 /// # Errors
 /// Those of [`read_scan`](crate::read_scan) and [`read_points`].
 pub fn read_content(path: &Path) -> Result<Content> {
-    read(Source::open(path)?)
+    ReadOptions::default().read_content(path)
 }
 
 /// Reads the cloud of points in the file at `path`: its valid points in the file's
@@ -68,7 +74,7 @@ pub fn read_content(path: &Path) -> Result<Content> {
 /// no valid point. Memory grows with what the file really holds, whatever it
 /// claims.
 pub fn read_points(path: &Path) -> Result<Points> {
-    points(path, read_content(path)?)
+    ReadOptions::default().read_points(path)
 }
 
 /// Reads a cloud as [`read_points`] does, but from memory or any other stream.
@@ -86,10 +92,10 @@ pub fn read_points(path: &Path) -> Result<Points> {
 /// # Errors
 /// Those of [`read_points`].
 pub fn read_points_from(name: &Path, content: impl Read + 'static) -> Result<Points> {
-    points(name, read(Source::new(name, content, None, None)?)?)
+    ReadOptions::default().read_points_from(name, content)
 }
 
-fn points(path: &Path, content: Content) -> Result<Points> {
+pub(super) fn points(path: &Path, content: Content) -> Result<Points> {
     match content {
         Content::Points(points) => Ok(points),
         Content::Mesh(_) => {
@@ -99,16 +105,23 @@ fn points(path: &Path, content: Content) -> Result<Points> {
     }
 }
 
-fn read(source: Source) -> Result<Content> {
+/// Reads whatever `source` holds.
+pub(super) fn read(source: Source, options: &ReadOptions) -> Result<Content> {
     let Some(format) = recognise(&source)? else {
         let path = source.path.clone();
         let soup = read::read_unchecked(source)?;
         return match soup.polygons.is_empty() {
-            true => from_soup(&path, soup).map(Content::Points),
+            true => {
+                check_options(&path, None, options)?;
+                from_soup(&path, soup).map(Content::Points)
+            }
             false => Ok(Content::Mesh(soup)),
         };
     };
+    check_options(&source.path, Some(format), options)?;
     match format {
+        PointFormat::E57 => e57::read(source, options).map(Content::Points),
+        PointFormat::Las => las::read(source, options).map(Content::Points),
         PointFormat::Ply => {
             let head = source.head.clone();
             let content = ply::read_content(source);
@@ -121,6 +134,20 @@ fn read(source: Source) -> Result<Content> {
     }
 }
 
+/// Refuses options that a format cannot fulfil.
+fn check_options(path: &Path, format: Option<PointFormat>, options: &ReadOptions) -> Result<()> {
+    let has_classes = format == Some(PointFormat::Las);
+    let has_intensities = has_classes || format == Some(PointFormat::E57);
+    let what = if options.class.is_some() && !has_classes {
+        "is of a format without classes of points"
+    } else if options.min_intensity.is_some() && !has_intensities {
+        "is of a format whose intensities are not read"
+    } else {
+        return Ok(());
+    };
+    Err(Error::new(path, what, "Read all of its points, or save it as LAS."))
+}
+
 /// The format of a cloud, or `None` for a mesh of another format than PLY.
 fn recognise(source: &Source) -> Result<Option<PointFormat>> {
     let head = source.head.as_slice();
@@ -129,6 +156,12 @@ fn recognise(source: &Source) -> Result<Option<PointFormat>> {
     }
     if let Some(format) = by_content(source) {
         return Ok((format == Format::Ply).then_some(PointFormat::Ply));
+    }
+    if head.starts_with(e57::SIGNATURE) {
+        return Ok(Some(PointFormat::E57));
+    }
+    if head.starts_with(las::SIGNATURE) {
+        return Ok(Some(PointFormat::Las));
     }
     let text = after_mark(head);
     if pcd::is_pcd(text) {

@@ -1,8 +1,8 @@
 //! The collected scans: counts and coordinates as other programs read them, and
 //! broken files.
 //!
-//! The expected values were read by pypcd4 1.5 (PCD), plyfile 1.1 (PLY), and a few
-//! lines of numpy (text and PTX).
+//! The expected values were read by laspy 2.7 with laszip 0.3 (LAS and LAZ), pye57 0.4
+//! (E57), pypcd4 1.5 (PCD), plyfile 1.1 (PLY), and a few lines of numpy (text and PTX).
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ struct Expected {
 const TOLERANCE: f64 = 1e-7;
 
 #[rustfmt::skip]
-const EXPECTED: [Expected; 44] = [
+const EXPECTED: [Expected; 60] = [
     Expected { path: "C/agisoft_rgb.xyz", points: 100, not_finite: 0, grid: None, first: [665187.522077, 5648349.895035, 241.767693], last: [665186.236769, 5648351.141146, 244.871176], sum: 631377665.442713 },
     Expected { path: "C/b9_labels.ply.gz", points: 22300, not_finite: 0, grid: None, first: [596732.4375, 243629.125, 76.76165008544922], last: [596697.8125, 243629.640625, 88.83897399902344], sum: 18742029420.911903 },
     Expected { path: "C/bun0_normals.pcd", points: 397, not_finite: 0, grid: None, first: [0.005421599838882685, 0.11349000036716461, 0.040748998522758484], last: [-0.07793000340461731, 0.1751600056886673, -0.04439999908208847], sum: 40.04684499144787 },
@@ -57,6 +57,22 @@ const EXPECTED: [Expected; 44] = [
     Expected { path: "D/points-prim.obj", points: 8, not_finite: 0, grid: None, first: [0.0, 2.0, 2.0], last: [2.0, 2.0, 0.0], sum: 24.0 },
     Expected { path: "E/ply_points_bin.ply", points: 8, not_finite: 0, grid: None, first: [1.0, 1.0, 1.0], last: [1.0, 1.0, -1.0], sum: 0.0 },
     Expected { path: "clouds/bad/xyz_on_a_line.xyz", points: 1000, not_finite: 0, grid: None, first: [0.0, 0.0, 0.0], last: [999.0, 1998.0, 2997.0], sum: 2997000.0 },
+    Expected { path: "clouds/e57/bunny_double.e57", points: 30571, not_finite: 0, grid: None, first: [-0.07063, 0.04015, 0.0012259999999999999], last: [-0.037829, 0.12794, 0.004474], sum: 2574.349416 },
+    Expected { path: "clouds/e57/coloured_cube_float.e57", points: 7680, not_finite: 0, grid: None, first: [-0.5, -0.4990559220314026, 0.07136291265487671], last: [0.16827905178070068, -0.00394439697265625, 0.5], sum: -62.450788110494614 },
+    Expected { path: "clouds/e57/invalid_state.e57", points: 1, not_finite: 0, grid: None, first: [-1.0, -2.0, -3.0], last: [-1.0, -2.0, -3.0], sum: -6.0 },
+    Expected { path: "clouds/e57/normals.e57", points: 2, not_finite: 0, grid: None, first: [1.0, 0.0, 0.0], last: [2.0, 0.0, 0.0], sum: 3.0 },
+    Expected { path: "clouds/e57/pump.e57", points: 155201, not_finite: 0, grid: Some((1074, 345)), first: [1.702286, -3.1935879999999996, -1.841843], last: [-1.2676239999999999, -0.7964019999999999, -1.381729], sum: -631025.947105 },
+    Expected { path: "clouds/e57/tiny_spherical.e57", points: 180, not_finite: 0, grid: None, first: [1.0, 0.0, 0.0], last: [0.9996376326769216, -0.019032498863828545, 0.01903594817912861], sum: 204.60113076925293 },
+    Expected { path: "clouds/e57/two_scans_moved.e57", points: 6, not_finite: 0, grid: None, first: [-42.63949966430664, 1.8725999593734741, 0.666700005531311], last: [-44.11943817138672, 0.7053028345108032, -0.607699990272522], sum: -250.66033402085304 },
+    Expected { path: "clouds/las/gps_time_nan.las", points: 1, not_finite: 0, grid: None, first: [0.0, 0.0, 0.0], last: [0.0, 0.0, 0.0], sum: 0.0 },
+    Expected { path: "clouds/las/interesting.las", points: 1065, not_finite: 0, grid: None, first: [637012.24, 849028.31, 431.66], last: [637342.85, 853240.3200000001, 423.92], sum: 1585764095.66 },
+    Expected { path: "clouds/las/mvk_thin.las", points: 6280, not_finite: 0, grid: None, first: [2045008.1700000002, 1272222.6400000001, 106.61], last: [2049988.1400000001, 1267517.93, 108.12], sum: 20834893083.84 },
+    Expected { path: "clouds/las/sample_thin.las", points: 2732, not_finite: 0, grid: None, first: [674522.0000134277, 1206771.7500170898, 627.590029296875], last: [674601.4300134277, 1206784.2700170898, 653.310029296875], sum: 5141604972.463413 },
+    Expected { path: "clouds/las/version_1_4.las", points: 1000, not_finite: 0, grid: None, first: [1694510.3869346841, 1816497.966263977, 5598.3596128149675], last: [1694291.6363326558, 1816493.0662305846, 5597.089652537912], sum: 3516472463.760168 },
+    Expected { path: "clouds/laz/autzen_trim.laz", points: 110000, not_finite: 0, grid: None, first: [637177.98, 849393.9500000001, 411.19], last: [636037.88, 849336.9400000001, 423.2], sum: 163473478103.62 },
+    Expected { path: "clouds/laz/lone_star_split1.laz", points: 122893, not_finite: 0, grid: None, first: [515396.148, 4918348.30075, 2323.8455], last: [515393.8595, 4918363.07975, 2337.573], sum: 668057161758.4745 },
+    Expected { path: "clouds/laz/old_compressor_1_2r0.laz", points: 1065, not_finite: 0, grid: None, first: [637012.24, 849028.31, 431.66], last: [637342.85, 853240.3200000001, 423.92], sum: 1585764095.66 },
+    Expected { path: "clouds/laz/point_time_color.laz", points: 1065, not_finite: 0, grid: None, first: [494428.61, 4877455.58, 131.57], last: [494490.24, 4878741.67, 129.21], sum: 5721991325.24 },
     Expected { path: "clouds/pcd/bunny_ascii_normals.pcd", points: 397, not_finite: 0, grid: None, first: [0.005421599838882685, 0.11349000036716461, 0.040748998522758484], last: [-0.07793000340461731, 0.1751600056886673, -0.04439999908208847], sum: 40.04684499144787 },
     Expected { path: "clouds/pcd/horse_ascii.pcd", points: 3400, not_finite: 0, grid: None, first: [-34.17911148071289, 86.84940338134766, 137.89639282226562], last: [34.14707565307617, 87.21350860595703, 138.0484619140625], sum: 406552.4778791319 },
     Expected { path: "clouds/pcd/milk_colour_compressed.pcd", points: 13704, not_finite: 0, grid: None, first: [-0.13160760700702667, -0.2095429003238678, 0.7720000147819519], last: [0.013806669972836971, -0.18820670247077942, 0.7630000114440918], sum: 7965.647921721509 },

@@ -24,6 +24,9 @@ fn extensions_are_known() {
         ("a.pts", Some(PointFormat::Pts)),
         ("a.ptx", Some(PointFormat::Ptx)),
         ("a.ply", Some(PointFormat::Ply)),
+        ("a.e57", Some(PointFormat::E57)),
+        ("a.las", Some(PointFormat::Las)),
+        ("a.LAZ", Some(PointFormat::Las)),
         ("a.obj", None),
         ("pcd", None),
     ] {
@@ -34,8 +37,8 @@ fn extensions_are_known() {
 #[test]
 fn other_files_are_refused_by_name() {
     for (content, word) in [
-        (&b"LASF\0\0"[..], "LAS point cloud"),
-        (b"ASTM-E57\0", "E57 point cloud"),
+        (&b"LASF\0\0"[..], "ends in its header"),
+        (b"ASTM-E57\0", "ends in its header"),
         (b"PK\x03\x04", "ZIP"),
         (b"<!doctype html>\n1 2 3\n", "web page"),
         (

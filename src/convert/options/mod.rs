@@ -103,9 +103,10 @@ impl Options {
 
     /// The unit of the scan's numbers, if one is named that has a name.
     pub fn unit(&self) -> Option<LengthUnit> {
-        use LengthUnit::{Centimetre, Inch, Metre, Millimetre};
+        use LengthUnit::{Centimetre, Foot, Inch, Metre, Millimetre, UsSurveyFoot};
         let mm = self.unit_mm?;
-        [Millimetre, Centimetre, Metre, Inch].into_iter().find(|unit| unit.in_mm() == mm)
+        let named = [Millimetre, Centimetre, Metre, Inch, Foot, UsSurveyFoot];
+        named.into_iter().find(|unit| unit.in_mm() == mm)
     }
 
     /// The length of a scan's unit in mm: the one named, else the one that the scan declares, else

@@ -1,0 +1,60 @@
+//! What is read of a cloud.
+
+use std::io::Read;
+use std::path::Path;
+
+use super::Points;
+use super::read::{self, Content};
+use crate::Result;
+use crate::source::Source;
+
+/// Which points of a cloud are read. By default, all valid ones are.
+///
+/// ```
+/// use formats::points::ReadOptions;
+///
+/// // Only the ground.
+/// let options = ReadOptions { class: Some(2), ..ReadOptions::default() };
+/// let text = std::io::Cursor::new("0 0 1\n1 0 1\n");
+/// // Text has no classes.
+/// assert!(options.read_points_from("scan.xyz".as_ref(), text).is_err());
+/// ```
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct ReadOptions {
+    /// Only points of this class are read. Without it, all are except the classes of
+    /// noise, 7 and 18. Only LAS and LAZ have classes. Other files are refused.
+    pub class: Option<u8>,
+    /// Only points whose intensity is at least this number are read, in the unit of
+    /// the file. Only the intensities of LAS, LAZ and E57 are read. Other files are
+    /// refused.
+    pub min_intensity: Option<f64>,
+}
+
+impl ReadOptions {
+    /// Reads a file as [`read_points`](super::read_points) does, with these options.
+    ///
+    /// # Errors
+    /// Those of [`read_points`](super::read_points). In addition, the file may not have
+    /// the classes or intensities that these options ask for.
+    pub fn read_points(&self, path: &Path) -> Result<Points> {
+        read::points(path, self.read_content(path)?)
+    }
+
+    /// Reads a stream as [`read_points_from`](super::read_points_from) does, with these
+    /// options.
+    ///
+    /// # Errors
+    /// Those of [`ReadOptions::read_points`].
+    pub fn read_points_from(&self, name: &Path, content: impl Read + 'static) -> Result<Points> {
+        read::points(name, read::read(Source::new(name, content, None, None)?, self)?)
+    }
+
+    /// Reads a file as [`read_content`](super::read_content) does, with these options. They
+    /// do not matter for a mesh.
+    ///
+    /// # Errors
+    /// Those of [`read_content`](super::read_content) and [`ReadOptions::read_points`].
+    pub fn read_content(&self, path: &Path) -> Result<Content> {
+        read::read(Source::open(path)?, self)
+    }
+}
