@@ -24,7 +24,7 @@ pub struct Scan {
 
 impl Scan {
     pub fn read(piece: &Piece) -> Result<Scan, Failure> {
-        let content = formats::read_content(&piece.scan)?;
+        let content = piece.cloud.reading().read_content(&piece.scan)?;
         let named = piece.cloud.options(&piece.scale).build();
         let named = named.map_err(|e| stopped(&piece.scan, &e))?;
         let file = piece.scan.display().to_string();

@@ -14,16 +14,16 @@ use crate::source::Source;
 /// use formats::points::ReadOptions;
 ///
 /// // Only the ground.
-/// let options = ReadOptions { class: Some(2), ..ReadOptions::default() };
+/// let options = ReadOptions { classes: vec![2], ..ReadOptions::default() };
 /// let text = std::io::Cursor::new("0 0 1\n1 0 1\n");
 /// // Text has no classes.
 /// assert!(options.read_points_from("scan.xyz".as_ref(), text).is_err());
 /// ```
-#[derive(Debug, Clone, Copy, Default, PartialEq)]
+#[derive(Debug, Clone, Default, PartialEq)]
 pub struct ReadOptions {
-    /// Only points of this class are read. Without it, all are except the classes of
-    /// noise, 7 and 18. Only LAS and LAZ have classes. Other files are refused.
-    pub class: Option<u8>,
+    /// Only points of these classes are read. If there are none, all are read except the
+    /// classes of noise, 7 and 18. Only LAS and LAZ have classes. Other files are refused.
+    pub classes: Vec<u8>,
     /// Only points whose intensity is at least this number are read, in the unit of
     /// the file. Only the intensities of LAS, LAZ and E57 are read. Other files are
     /// refused.

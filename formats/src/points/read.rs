@@ -138,7 +138,7 @@ pub(super) fn read(source: Source, options: &ReadOptions) -> Result<Content> {
 fn check_options(path: &Path, format: Option<PointFormat>, options: &ReadOptions) -> Result<()> {
     let has_classes = format == Some(PointFormat::Las);
     let has_intensities = has_classes || format == Some(PointFormat::E57);
-    let what = if options.class.is_some() && !has_classes {
+    let what = if !options.classes.is_empty() && !has_classes {
         "is of a format without classes of points"
     } else if options.min_intensity.is_some() && !has_intensities {
         "is of a format whose intensities are not read"

@@ -14,13 +14,17 @@ impl Points {
 impl Lost {
     /// The number of points that are not valid.
     pub fn points(&self) -> u64 {
-        self.not_finite + self.at_zero + self.unreadable_lines
+        let kinds = [self.not_finite, self.at_zero, self.marked, self.noise, self.unreadable_lines];
+        kinds.into_iter().sum()
     }
 
     fn remarks(&self) -> impl Iterator<Item = String> {
         let points = [
             (self.not_finite, "points without finite coordinates are left out"),
             (self.at_zero, "points at exactly 0 0 0, where the scanner saw nothing, are left out"),
+            (self.marked, "points that the file marks as invalid or withheld are left out"),
+            (self.noise, "points of the classes of noise, 7 and 18, are left out"),
+            (self.filtered, "points are left out because of the options"),
             (self.unreadable_lines, "lines without a point are left out"),
             (self.colours, "colours are not used"),
             (self.intensities, "intensities are not used"),

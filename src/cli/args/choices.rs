@@ -10,6 +10,7 @@ pub enum Unit {
     Cm,
     M,
     In,
+    Ft,
 }
 
 impl From<Unit> for LengthUnit {
@@ -19,6 +20,7 @@ impl From<Unit> for LengthUnit {
             Unit::Cm => LengthUnit::Centimetre,
             Unit::M => LengthUnit::Metre,
             Unit::In => LengthUnit::Inch,
+            Unit::Ft => LengthUnit::Foot,
         }
     }
 }

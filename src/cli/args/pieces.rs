@@ -3,6 +3,7 @@
 use std::path::PathBuf;
 
 use clap::Args;
+use formats::points::ReadOptions;
 use scan2step::mesh::{Choice, Components, Outer};
 use scan2step::{Builder, Options};
 
@@ -33,6 +34,13 @@ pub struct CloudArgs {
     /// together]
     #[arg(long = "scan", value_name = "N")]
     pub scan_number: Option<usize>,
+    /// Take only the points of these classes of a LAS or LAZ file, as 2,6 [default: all but
+    /// noise, 7 and 18]
+    #[arg(long = "class", value_name = "LIST", value_delimiter = ',')]
+    pub classes: Vec<u8>,
+    /// Take only points with at least this intensity, in the numbers of a LAS, LAZ or E57 file
+    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
+    pub min_intensity: Option<f64>,
     /// Where the result lies if a cloud is far from zero: near zero, or where the cloud is
     #[arg(long, value_enum, default_value_t = Origin::Local)]
     pub origin: Origin,
@@ -68,6 +76,11 @@ pub struct Look {
 }
 
 impl CloudArgs {
+    /// What is read of the file.
+    pub fn reading(&self) -> ReadOptions {
+        ReadOptions { classes: self.classes.clone(), min_intensity: self.min_intensity }
+    }
+
     /// The options of the library that they stand for, with the unit that was named.
     pub fn options(&self, scale: &Scale) -> Builder {
         let options = Options::builder()

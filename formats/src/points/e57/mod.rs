@@ -44,7 +44,7 @@ pub(super) fn read(mut source: Source, options: &ReadOptions) -> Result<Points> 
     let fields: Vec<Fields> = scans.iter().map(|scan| Fields::of(&scan.prototype)).collect();
     let has_normals = fields.iter().any(Fields::has_normals);
     let builder = PointsBuilder::new(&source.path, has_normals);
-    let mut body = E57Body { source, reader, builder, options: *options };
+    let mut body = E57Body { source, reader, builder, options: options.clone() };
     for (number, (scan, fields)) in scans.iter().zip(&fields).enumerate() {
         body.read_scan(number as u64, scan, fields)?;
     }

@@ -35,7 +35,7 @@ impl LasPoints {
             builder,
             transforms: header.transforms,
             is_extended: header.format.is_extended,
-            options: *options,
+            options: options.clone(),
             intensities: 0,
         }
     }
@@ -61,8 +61,9 @@ impl LasPoints {
     }
 
     fn left_out(&self, is_withheld: bool, class: u8, intensity: u16) -> Option<LeftOut> {
-        let is_noise = NOISE.contains(&class) && self.options.class != Some(class);
-        let is_other = self.options.class.is_some_and(|wanted| wanted != class);
+        let wanted = &self.options.classes;
+        let is_noise = NOISE.contains(&class) && !wanted.contains(&class);
+        let is_other = !wanted.is_empty() && !wanted.contains(&class);
         let is_dark = self.options.min_intensity.is_some_and(|least| f64::from(intensity) < least);
         match (is_withheld, is_noise, is_other || is_dark) {
             (true, _, _) => Some(LeftOut::Marked),
