@@ -1,0 +1,140 @@
+#!/usr/bin/env python3
+"""Measures how much results depend on each named constant: halves and doubles it, converts small
+scans, and writes what changes to docs/constants.md.
+
+    benches/sensitivity/run.py FOLDER [--shared DIR] [--only PART]
+
+FOLDER keeps the build and the results, so that a stopped run continues where it was. Constants with
+other values, scans or names are measured in a new folder. DIR has the real scans; without them only
+virtual scans are measured, and the script says so. PART limits the run to constants with this in
+their file or name, and then no page is written. The whole takes about an hour on one core. Nothing
+but Python and cargo is needed.
+"""
+
+import argparse
+import json
+import os
+import resource
+import subprocess
+from pathlib import Path
+
+import build
+import constants
+import page
+import scans
+
+FACTORS = [0.5, 2.0]
+
+# A run that takes this many times its usual time, and this many seconds more, hangs.
+HANGS, SECONDS = 10, 5
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("folder", type=Path)
+    parser.add_argument("--shared", type=Path, default=build.ROOT.parent / "shared/scans/A")
+    parser.add_argument("--only", default="")
+    arguments = parser.parse_args()
+    program, varied = build.program(arguments.folder)
+    inputs = scans.all_scans(arguments.folder / "scans", arguments.shared)
+    usual = [measured(program, scan, arguments.folder) for scan in inputs]
+    results = Results(arguments.folder / "results.jsonl")
+    for number, constant in enumerate(varied):
+        if arguments.only in constant.key:
+            for factor in FACTORS:
+                vary(program, number, constant, factor, inputs, usual, results, arguments.folder)
+    if not arguments.only:
+        fixed = [c for c in constants.found(build.ROOT) if c not in varied]
+        text = page.written(varied, fixed, inputs, usual, results)
+        (build.ROOT / "docs/constants.md").write_text(text)
+
+
+def vary(program, number, constant, factor, inputs, usual, results, folder):
+    """Converts the scans of which the conversion reads the constant, and keeps the figures."""
+    for scan, before in zip(inputs, usual):
+        if number in before["read"] and (constant.key, factor, scan.name) not in results.rows:
+            varied = (number, factor)
+            after = measured(program, scan, folder, varied, before["seconds"])
+            results.add(constant.key, factor, scan.name, after)
+
+
+class Results:
+    """The figures by constant, factor and scan, in a file that grows."""
+
+    def __init__(self, path):
+        self.path, self.rows = path, {}
+        if path.exists():
+            for line in path.read_text().splitlines():
+                *key, figures = json.loads(line)
+                self.rows[tuple(key)] = figures
+
+    def add(self, *row):
+        self.rows[row[:-1]] = row[-1]
+        with self.path.open("a") as file:
+            file.write(json.dumps(row) + "\n")
+
+
+def measured(program, scan, folder, varied=None, usual_seconds=10.0):
+    """The figures of a conversion. `varied` has the number and the factor of a constant. Constants of
+    `check` steer the comparison of the CAD file with the scan, so this has figures, too."""
+    cad, report, read = (folder / name for name in ["face.step", "report.json", "read"])
+    for file in [cad, report, read]:
+        file.unlink(missing_ok=True)
+    environment = os.environ | {"RAYON_NUM_THREADS": "1"}
+    if varied:
+        environment |= {"VARIED": str(varied[0]), "FACTOR": str(varied[1])}
+    else:
+        environment["CONSTANTS_READ"] = str(read)
+    limit = HANGS * usual_seconds + SECONDS
+    command = [program, "convert", scan.path, cad, "--threads", "1", "--quiet", "--report", report]
+    begun = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
+    code, _ = finished(command + scan.options, environment, limit)
+    figures = {"exit": code, **of_report(report)}
+    if cad.exists():
+        figures["check"] = of_check(program, cad, scan, environment, limit)
+    figures["seconds"] = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - begun
+    if not varied:
+        figures["read"] = sorted(set(map(int, read.read_text().split())))
+    return figures
+
+
+def of_check(program, cad, scan, environment, limit):
+    """The exit code of `check`, and the root mean square distances in both directions."""
+    needed = ["--units", "--component"]
+    pairs = zip(scan.options, scan.options[1:])
+    options = [text for pair in pairs if pair[0] in needed for text in pair]
+    command = [program, "check", cad, scan.path, "--threads", "1", "--json", *options]
+    code, output = finished(command, environment, limit)
+    both = json.loads(output) if code in (0, 3) else {}
+    return [code, *[both[d]["rms_mm"] for d in ("scan_to_face", "face_to_scan") if d in both]]
+
+
+def finished(command, environment, limit):
+    """The exit code of a command, or 'hangs', and its output."""
+    pipes = {"stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+    try:
+        run = subprocess.run(command, env=environment, timeout=limit, **pipes)
+    except subprocess.TimeoutExpired:
+        return "hangs", b""
+    return run.returncode, run.stdout
+
+
+def of_report(path):
+    """The figures of a report that show how good the face is."""
+    if not path.exists():
+        return {}
+    report = json.loads(path.read_text())
+    faces = report.get("components", [report])
+    return {
+        "bytes": [output["sha256"] for output in report["outputs"]],
+        "rms": max(face["deviation"]["rms_mm"] for face in faces),
+        "folds": sum(face["fit"]["folds"] for face in faces),
+        "points": sum(face["fit"]["net"][0] * face["fit"]["net"][1] for face in faces),
+        "loops": sum(len(face["trim"]) for face in faces),
+        "met": report["tolerance_met"],
+        "hints": len(report["hints"]),
+    }
+
+
+if __name__ == "__main__":
+    main()
