@@ -12,6 +12,13 @@ pub type Uv = nalgebra::Point2<f64>;
 /// A displacement in the parameter plane.
 pub type UvVector = nalgebra::Vector2<f64>;
 
+/// In lists of numbers: no vertex, triangle or other item.
+pub const NONE: u32 = u32::MAX;
+
+/// The number of items that one task of a parallel loop processes. It does not depend on the number of
+/// threads, so sums have a fixed order. Smaller blocks cost time, and larger ones leave threads idle.
+pub const BLOCK: usize = 1 << 14;
+
 /// The number of a vertex of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct VertexId(pub u32);

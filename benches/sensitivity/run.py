@@ -128,7 +128,7 @@ def of_report(path):
     return {
         "bytes": [output["sha256"] for output in report["outputs"]],
         "rms": max(face["deviation"]["rms_mm"] for face in faces),
-        "folds": sum(face["fit"]["folds"] for face in faces),
+        "folds": sum(face["fit"]["folds"] or 0 for face in faces),
         "points": sum(face["fit"]["net"][0] * face["fit"]["net"][1] for face in faces),
         "loops": sum(len(face["trim"]) for face in faces),
         "met": report["tolerance_met"],

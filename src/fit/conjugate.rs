@@ -7,8 +7,9 @@ use rayon::prelude::*;
 
 use super::normal::{NormalEquations, PaddedPoint};
 use super::precondition::Preconditioner;
+use super::tasks;
 use super::weight::Weight;
-use super::{TASK, tasks};
+use crate::geometry::BLOCK;
 
 /// The largest number of steps. Equations that need more have wide regions without samples, and the
 /// direct solver is faster for them.
@@ -80,8 +81,8 @@ pub fn improve<W: Weight>(
             dot(ap, &p[i * nv..][..nv])
         }));
         let alpha = ratio(rz, bends);
-        let tasks = (x.par_chunks_mut(TASK), r.par_chunks_mut(TASK));
-        let along = (p.par_chunks(TASK), ap.par_chunks(TASK));
+        let tasks = (x.par_chunks_mut(BLOCK), r.par_chunks_mut(BLOCK));
+        let along = (p.par_chunks(BLOCK), ap.par_chunks(BLOCK));
         tasks.into_par_iter().zip(along).for_each(|((x, r), (p, ap))| {
             x.iter_mut().zip(p).for_each(|(x, p)| *x += alpha.component_mul(p));
             r.iter_mut().zip(ap).for_each(|(r, ap)| *r -= alpha.component_mul(ap));

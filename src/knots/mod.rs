@@ -14,7 +14,7 @@ use std::collections::BTreeSet;
 use nalgebra::{Matrix3xX, SMatrix, SVector};
 use rayon::prelude::*;
 
-use crate::geometry::{Uv, Vector, uv_bounds};
+use crate::geometry::{BLOCK, Uv, Vector, uv_bounds};
 use crate::spline::{KnotVector, Samples};
 
 pub use change::{InsertionLimits, Miss, insert, remove};
@@ -70,10 +70,6 @@ pub fn place(samples: &Samples, options: &Options) -> ([KnotVector; 2], Report) 
     });
     (knots, report)
 }
-
-/// The number of points that one thread sums at a time. It does not depend on the number of
-/// threads.
-const BLOCK: usize = 1 << 14;
 
 /// The depth at which cuts would no longer be exact binary fractions.
 const MAX_DEPTH: u32 = 40;
