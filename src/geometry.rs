@@ -19,6 +19,14 @@ pub const NONE: u32 = u32::MAX;
 /// threads, so sums have a fixed order. Smaller blocks cost time, and larger ones leave threads idle.
 pub const BLOCK: usize = 1 << 14;
 
+/// A loop that ends by itself ends after this many rounds at the latest, whatever its input. Half as
+/// many change no scan of the bench, and more would only take longer on bad input.
+pub const MAX_ROUNDS: usize = 60;
+
+/// The largest number of parts of a parallel loop in which each part reads all input. With more,
+/// reading takes longer than what the parts save.
+pub const MOST_PARTS: usize = 8;
+
 /// The number of a vertex of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct VertexId(pub u32);

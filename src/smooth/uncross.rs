@@ -4,10 +4,7 @@
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
-use crate::geometry::{Point, Uv, Vector, plane_axes, segments_cross};
-
-/// The largest number of rounds. Each round moves the points half of the remaining way back.
-const MAX_ROUNDS: usize = 12;
+use crate::geometry::{MAX_ROUNDS, Point, Uv, Vector, plane_axes, segments_cross};
 
 /// The number of vertices on each side of a crossing that move back with it.
 const AROUND: usize = 4;

@@ -2,11 +2,8 @@
 
 use nalgebra::{SVector, Vector3};
 
-use super::{Curve, KnotVector, Surface};
+use super::{Curve, KnotVector, MAX_HALVINGS, Surface};
 use crate::geometry::{Uv, Vector};
-
-/// The largest number of times that a piece is halved.
-const MAX_HALVINGS: usize = 24;
 
 /// After this number of halvings, a halving that does not at least halve the error is the last one.
 /// The remaining error is then due to rounding.

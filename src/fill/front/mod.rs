@@ -115,7 +115,7 @@ pub fn advance(hole: OpenHole, options: &Options, by: Advance) -> Option<Fill> {
         front.loops.renew();
         front.advance();
         if before == front.fill.triangles.len() {
-            front.close_wide_ears(options.ear_angle)?;
+            front.close_wide_ears()?;
         }
     }
     Some(front.fill)
