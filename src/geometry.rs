@@ -23,6 +23,15 @@ pub const BLOCK: usize = 1 << 14;
 /// many change no scan of the bench, and more would only take longer on bad input.
 pub const MAX_ROUNDS: usize = 60;
 
+/// A point that is farther off than this many standard deviations of the noise may be an outlier:
+/// normal noise has one such point in two million. With less, good points are lost; with more,
+/// outliers bend the surface.
+pub(crate) const OUTLYING: f64 = 5.0;
+
+/// An outlier is this many times as far off as its neighbours. Along a sharp edge, or where the shape
+/// is missed, these are about as far off.
+pub(crate) const ALONE: f64 = 4.0;
+
 /// The largest number of parts of a parallel loop in which each part reads all input. With more,
 /// reading takes longer than what the parts save.
 pub const MOST_PARTS: usize = 8;

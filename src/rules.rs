@@ -61,7 +61,7 @@ pub const MOST_THREADS: usize = 1024;
 
 /// The smallest number of control points of a bicubic net in one direction, and in total.
 const SIDE: usize = 4;
-const LEAST_CONTROL_POINTS: usize = SIDE * SIDE;
+pub(crate) const LEAST_CONTROL_POINTS: usize = SIDE * SIDE;
 
 fn must(holds: bool, fault: Fault) -> Result<()> {
     if holds { Ok(()) } else { Err(fault) }

@@ -28,12 +28,12 @@ def program(folder):
                 shutil.copytree(source, copy / name, ignore=ignored)
             else:
                 shutil.copy(source, copy / name)
-    shutil.copy(HERE / "varied.rs", copy / "src/varied.rs")
-    varied = constants.found(ROOT)
+    constants.write(copy / "src/varied.rs", (HERE / "varied.rs").read_text())
+    known = folder / "refused.json"
+    refused_before = json.loads(known.read_text()) if known.exists() else []
+    varied = [c for c in constants.found(ROOT) if c.key not in refused_before]
     while True:
         constants.rewritten(ROOT, copy, varied)
-        library = copy / "src/lib.rs"
-        library.write_text(library.read_text() + "\n#[doc(hidden)]\npub mod varied;\n")
         executable, errors = built(copy, folder / "target")
         if executable:
             return executable, varied
@@ -41,6 +41,8 @@ def program(folder):
         if not refused:
             raise SystemExit("\n".join(e["rendered"] for e in errors))
         print("not variable:", *[c.key for c in refused])
+        refused_before += [c.key for c in refused]
+        known.write_text(json.dumps(refused_before))
         varied = [c for c in varied if c not in refused]
 
 

@@ -14,11 +14,11 @@ shows which constants matter, and what breaks on either side of their values.
 
 - *read by* is the number of scans of which the conversion reads the constant. The others cannot
   depend on it.
-- *halved* and *doubled* say for how many of these scans the written file has other bytes. After this
-  follow the smallest and the largest change of the root mean square distance of the measured points
+- *halved* and *doubled* say for how many scans the written file has other bytes, of those that were
+  tried. With `--enough N` no more scans are tried once N have changed. After this follow the smallest and the largest change of the root mean square distance of the measured points
   from the face, the change of the sum of control points over all scans, and what happens to scans
   that fail, hang, fold, lose loops, or miss a named tolerance. "slower" and "faster" compare the sums
-  of CPU times, if they differ by more than a fifth. A dash means that no byte changes. A whole number
+  of CPU times, if they differ by more than a fifth. A dash means that no byte changes in any scan tried. A whole number
   of 1 cannot be halved.
 - Small changes of the bytes are usual: the last digits of a file depend on every step.
 
@@ -62,7 +62,8 @@ def row(number, constant, inputs, usual, results):
     normal = {s.name: before for s, before in zip(inputs, usual)}
     changes = []
     for factor in (0.5, 2.0):
-        pairs = [(normal[name], results.rows[constant.key, factor, name]) for name in names]
+        tried = [name for name in names if (constant.key, factor, name) in results.rows]
+        pairs = [(normal[name], results.rows[constant.key, factor, name]) for name in tried]
         changes.append(change(pairs))
     cells = [place(constant), value(constant), cell(constant.reason), str(len(names)), *changes]
     return f"| {' | '.join(cells)} |\n"
@@ -84,8 +85,8 @@ def change(pairs):
     """What differs between the usual figures and others, in words."""
     different = [(a, b) for a, b in pairs if differs(a, b)]
     if not different:
-        return "–"
-    said = [f"{len(different)} change"]
+        return f"– of {len(pairs)}" if pairs else "not read"
+    said = [f"{len(different)} of {len(pairs)}"]
     whole = [(a, b) for a, b in different if "rms" in a and "rms" in b]
     shifts = [100 * (b["rms"] / a["rms"] - 1) for a, b in whole if a["rms"] > 0]
     if shifts and max(map(abs, shifts)) >= 0.05:

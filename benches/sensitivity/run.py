@@ -2,13 +2,14 @@
 """Measures how much results depend on each named constant: halves and doubles it, converts small
 scans, and writes what changes to docs/constants.md.
 
-    benches/sensitivity/run.py FOLDER [--shared DIR] [--only PART]
+    benches/sensitivity/run.py FOLDER [--shared DIR] [--only PART] [--enough N]
 
 FOLDER keeps the build and the results, so that a stopped run continues where it was. Constants with
 other values, scans or names are measured in a new folder. DIR has the real scans; without them only
 virtual scans are measured, and the script says so. PART limits the run to constants with this in
-their file or name, and then no page is written. The whole takes about an hour on one core. Nothing
-but Python and cargo is needed.
+their file or name, and then no page is written. With --enough, a constant is tried on no more scans
+once N of them have changed, which takes an hour on one core with 1. Nothing but Python and cargo is
+needed.
 """
 
 import argparse
@@ -17,6 +18,7 @@ import os
 import resource
 import signal
 import subprocess
+from dataclasses import dataclass
 from pathlib import Path
 
 import build
@@ -35,28 +37,44 @@ def main():
     parser.add_argument("folder", type=Path)
     parser.add_argument("--shared", type=Path, default=build.ROOT.parent / "shared/scans/A")
     parser.add_argument("--only", default="")
+    parser.add_argument("--enough", type=int, default=len(scans.REAL) + 3)
     arguments = parser.parse_args()
     program, varied = build.program(arguments.folder)
     inputs = scans.all_scans(arguments.folder / "scans", arguments.shared)
     usual = [measured(program, scan, arguments.folder) for scan in inputs]
-    results = Results(arguments.folder / "results.jsonl")
+    bench = Bench(program, inputs, usual, arguments)
     for number, constant in enumerate(varied):
         if arguments.only in constant.key:
             for factor in FACTORS:
-                vary(program, number, constant, factor, inputs, usual, results, arguments.folder)
+                bench.vary(number, constant, factor)
     if not arguments.only:
         fixed = [c for c in constants.found(build.ROOT) if c not in varied]
-        text = page.written(varied, fixed, inputs, usual, results)
+        text = page.written(varied, fixed, inputs, usual, bench.results)
         (build.ROOT / "docs/constants.md").write_text(text)
 
 
-def vary(program, number, constant, factor, inputs, usual, results, folder):
-    """Converts the scans of which the conversion reads the constant, and keeps the figures."""
-    for scan, before in zip(inputs, usual):
-        if number in before["read"] and (constant.key, factor, scan.name) not in results.rows:
-            varied = (number, factor)
-            after = measured(program, scan, folder, varied, before["seconds"])
-            results.add(constant.key, factor, scan.name, after)
+@dataclass
+class Bench:
+    program: str
+    inputs: list
+    usual: list
+    arguments: argparse.Namespace
+
+    def __post_init__(self):
+        self.results = Results(self.arguments.folder / "results.jsonl")
+
+    def vary(self, number, constant, factor):
+        """Converts the scans of which the conversion reads the constant, and keeps the figures."""
+        changed = 0
+        for scan, before in zip(self.inputs, self.usual):
+            if number not in before["read"] or changed == self.arguments.enough:
+                continue
+            key = (constant.key, factor, scan.name)
+            if key not in self.results.rows:
+                varied, seconds = (number, factor), before["seconds"]
+                after = measured(self.program, scan, self.arguments.folder, varied, seconds)
+                self.results.add(*key, after)
+            changed += page.differs(before, self.results.rows[key])
 
 
 class Results:

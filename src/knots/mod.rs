@@ -15,7 +15,7 @@ use nalgebra::{Matrix3xX, SMatrix, SVector};
 use rayon::prelude::*;
 
 use crate::geometry::{BLOCK, Uv, Vector, uv_bounds};
-use crate::rules::MOST_HALVINGS;
+use crate::rules::{LEAST_CONTROL_POINTS, MOST_HALVINGS};
 use crate::spline::{KnotVector, Samples};
 
 pub use change::{InsertionLimits, Miss, insert, remove};
@@ -43,10 +43,6 @@ pub struct Report {
     /// The largest number of halvings that was made.
     pub depth: u32,
 }
-
-/// Regions with fewer points than this are not divided. A bicubic polynomial has 16 coefficients,
-/// so it would nearly interpolate fewer points.
-const MIN_POINTS: usize = 32;
 
 /// Places the knots of a bicubic surface over [0, 1]², first in u, then in v.
 pub fn place(samples: &Samples, options: &Options) -> ([KnotVector; 2], Report) {
@@ -93,7 +89,9 @@ struct Division {
 fn divide(points: &mut [ParameterPoint], region: Region, options: &Options) -> Division {
     let fits = mean_error(points, &region) <= options.kappa;
     let depth = options.depth.min(MOST_HALVINGS);
-    if fits || region.depth >= depth || points.len() < MIN_POINTS {
+    // A bicubic polynomial would nearly interpolate fewer points.
+    let is_small = points.len() < 2 * LEAST_CONTROL_POINTS;
+    if fits || region.depth >= depth || is_small {
         let above_kappa = usize::from(!fits);
         return Division { regions: 1, above_kappa, depth: region.depth, ..Division::default() };
     }

@@ -54,7 +54,7 @@ impl ConvexWeight {
     pub const FIRM: ConvexWeight = ConvexWeight { coarse: 0.5, fine: 0.5 };
 
     fn with(self, vertices: usize) -> f64 {
-        if vertices < COARSE_MESH { self.coarse } else { self.fine }
+        if vertices < EFFORT[1].0 { self.coarse } else { self.fine }
     }
 }
 
@@ -228,14 +228,11 @@ impl RectangleMap<'_> {
 }
 
 /// The effort by mesh size. For meshes of at most `.0` vertices, `.2` sweeps are made whenever the
-/// number of vertices has grown by the factor `.1` since the last ones.
+/// number of vertices has grown by the factor `.1` since the last ones. The first two meshes count as coarse.
 const EFFORT: [(usize, f64, usize); 3] = [(500, 1.0, 40), (5_000, 1.3, 20), (50_000, 1.6, 10)];
 
 /// The number of sweeps over the whole mesh, and of those after every pass if single moves are counted.
 const LAST_SWEEPS: usize = 2;
-
-/// A mesh with fewer vertices counts as coarse.
-const COARSE_MESH: usize = 5_000;
 
 /// The bisector of the counter-clockwise angle from the first direction to the second. It is not
 /// longer than these.

@@ -36,6 +36,10 @@ pub use surface::{Jet, ParametricSurface, Surface};
 /// queries from places with many equally near points, such as the centre of a sphere, take very long.
 pub(crate) const EXACT: f64 = 1e-7;
 
+/// The number of parts of a polynomial piece between which a search for one of its points begins. With
+/// fewer it may miss one, and more only take longer.
+pub(crate) const SAMPLES: usize = 16;
+
 /// The largest number of times that a cell or a piece of a curve is halved. Smaller ones are below
 /// the resolution of floating-point numbers.
 const MAX_HALVINGS: usize = 24;

@@ -48,8 +48,10 @@ pub struct Options {
     pub keeps_vertices: bool,
 }
 
-/// A loop that follows every tooth stays within this share of the tolerance from its rim.
-const UNFAIR_SHARE: f64 = 0.5;
+/// A loop that follows every tooth stays within this share of the tolerance from its rim, and any
+/// other loop has at least this share of the rim tolerance as room. A smaller share makes short spans
+/// where the surface is off the rim, which no loop can correct.
+const HALF_ROOM: f64 = 0.5;
 
 /// A fair loop that keeps its vertices within the tolerance uses this share of the remaining
 /// room. The rest is a reserve, because the loop may cut off vertices beside the rim by a little
@@ -59,10 +61,6 @@ const KEPT_SHARE: f64 = 0.7;
 /// The least room around the foot point of a vertex, as a share of the tolerance. It applies
 /// where the surface is so far from the vertex that the tolerance would leave less room.
 const LEAST_SHARE: f64 = 0.1;
-
-/// The least room as a share of the rim tolerance, for loops that need not keep their vertices.
-/// A smaller share makes short spans where the surface is off the rim, which no loop can correct.
-const LEAST_RIM_SHARE: f64 = 0.5;
 
 /// The uncertainty of a rim, as a share of its edge length. A scanner measures its last point up
 /// to one edge length before the end of the part, which is half an edge length on average.
@@ -94,9 +92,9 @@ impl Options {
         let left = |of: f64| (of.powi(2) - off.powi(2)).max(0.0).sqrt();
         let within = left(self.tolerance).max(LEAST_SHARE * self.tolerance);
         match (self.is_fair(), self.keeps_vertices) {
-            (false, _) => within.min(UNFAIR_SHARE * self.tolerance),
+            (false, _) => within.min(HALF_ROOM * self.tolerance),
             (true, true) => (KEPT_SHARE * within).min(self.rim),
-            (true, false) => left(self.rim).max(LEAST_RIM_SHARE * self.rim),
+            (true, false) => left(self.rim).max(HALF_ROOM * self.rim),
         }
     }
 }
