@@ -15,12 +15,13 @@ pub type UvVector = nalgebra::Vector2<f64>;
 /// In lists of numbers: no vertex, triangle or other item.
 pub const NONE: u32 = u32::MAX;
 
-/// The number of items that one task of a parallel loop processes. It does not depend on the number of
-/// threads, so sums have a fixed order. Smaller blocks cost time, and larger ones leave threads idle.
+/// The number of items that one task of a parallel loop processes. It does not depend on the number
+/// of threads, so sums have a fixed order. Smaller blocks cost time, and larger ones leave threads
+/// idle.
 pub const BLOCK: usize = 1 << 14;
 
-/// A loop that ends by itself ends after this many rounds at the latest, whatever its input. Half as
-/// many change no scan of the bench, and more would only take longer on bad input.
+/// A loop that ends by itself ends after this many rounds at the latest, whatever its input. Half
+/// as many change no scan of the bench, and more would only take longer on bad input.
 pub const MAX_ROUNDS: usize = 60;
 
 /// A point that is farther off than this many standard deviations of the noise may be an outlier:
@@ -28,8 +29,8 @@ pub const MAX_ROUNDS: usize = 60;
 /// outliers bend the surface.
 pub(crate) const OUTLYING: f64 = 5.0;
 
-/// An outlier is this many times as far off as its neighbours. Along a sharp edge, or where the shape
-/// is missed, these are about as far off.
+/// An outlier is this many times as far off as its neighbours. Along a sharp edge, or where the
+/// shape is missed, these are about as far off.
 pub(crate) const ALONE: f64 = 4.0;
 
 /// The largest number of parts of a parallel loop in which each part reads all input. With more,

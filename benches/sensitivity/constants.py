@@ -61,7 +61,7 @@ def sources(root):
 
 def without_tests(text):
     """The text before the unit tests of a file."""
-    return text.split("#[cfg(test)]\nmod ", 1)[0]
+    return re.split(r"(?=#\[cfg\(test\)\]\nmod \w+ \{)", text, maxsplit=1)[0]
 
 
 def found(root):
@@ -117,7 +117,7 @@ def with_calls(text, file, constants):
     for constant in constants:
         visible.setdefault(constant.name, []).append(constant)
     own = {match["name"] for match in DEFINITION.finditer(text)}
-    imported = " ".join(re.findall(r"\buse [^;]*;", text))
+    imports = re.findall(r"\buse ([^;]*);", text)
 
     def call(match):
         path, name = match["path"], match["name"]
@@ -128,7 +128,7 @@ def with_calls(text, file, constants):
         elif name in own:
             is_here = any(c.file == file for c in candidates)
         else:
-            is_here = re.search(rf"\b{name}\b", imported) is not None
+            is_here = any(is_import(c, file, path) for c in candidates for path in imports)
         return f"{match[0]}()" if candidates and is_here else match[0]
 
     use = re.compile(r"(?<!const )(?<![\w:])(?P<path>(?:\w+::)*)(?P<name>[A-Z][A-Z0-9_]*)\b(?!::|\()")
@@ -137,3 +137,15 @@ def with_calls(text, file, constants):
         parts += [use.sub(call, text[end : hidden.start()]), hidden[0]]
         end = hidden.end()
     return "".join(parts) + use.sub(call, text[end:])
+
+
+def is_import(constant, file, path):
+    """Whether the path of a `use` in this file names the constant, or a re-export of it."""
+    if not re.search(rf"\b{constant.name}\b", path):
+        return False
+    modules = [part for part in re.split(r"::\{|::", path.split(constant.name)[0]) if part]
+    modules = [module for module in modules if re.fullmatch(r"\w+", module)]
+    last = modules[-1] if modules else ""
+    if last in ("super", "self", "crate"):
+        return constant.room == Path(file).parts[1].removesuffix(".rs") or last == "crate"
+    return constant.module == last or last in Path(constant.file).parts

@@ -228,10 +228,12 @@ impl RectangleMap<'_> {
 }
 
 /// The effort by mesh size. For meshes of at most `.0` vertices, `.2` sweeps are made whenever the
-/// number of vertices has grown by the factor `.1` since the last ones. The first two meshes count as coarse.
+/// number of vertices has grown by the factor `.1` since the last ones. Meshes of the first two
+/// sizes count as coarse.
 const EFFORT: [(usize, f64, usize); 3] = [(500, 1.0, 40), (5_000, 1.3, 20), (50_000, 1.6, 10)];
 
-/// The number of sweeps over the whole mesh, and of those after every pass if single moves are counted.
+/// The number of sweeps over the whole mesh, and of those after every pass if single moves are
+/// counted.
 const LAST_SWEEPS: usize = 2;
 
 /// The bisector of the counter-clockwise angle from the first direction to the second. It is not

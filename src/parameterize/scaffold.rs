@@ -15,8 +15,8 @@ use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::boundary::Loop;
 use crate::mesh::{Mesh, Patch};
 
-/// The largest number of vertices of the outermost ring. The course of a boundary with fewer vertices
-/// is unknown, so it does not count as ragged.
+/// The largest number of vertices of the outermost ring. The course of a boundary with fewer
+/// vertices is unknown, so it does not count as ragged.
 const OUTERMOST: usize = 64;
 
 /// The width of the window for the mean, in distances between vertices of the ring.

@@ -71,8 +71,8 @@ pub fn smooth_loop(rim: &RimPoints, corners: &[usize]) -> Vec<Point> {
 /// point in these rounds, in standard deviations of the noise.
 const SPREADING: (usize, f64) = (12, 2.5);
 
-/// The number of edges on each side of a corner over which the loop is treated as straight, and of a
-/// crossing whose vertices move back with it.
+/// The number of edges on each side of a corner over which the loop is treated as straight, and of
+/// a crossing whose vertices move back with it.
 pub const BESIDE: usize = 4;
 
 impl RimPoints<'_> {

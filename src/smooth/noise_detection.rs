@@ -29,8 +29,8 @@ pub struct ResidualPair {
 /// The exception is a saddle whose vertices have four and eight neighbours alternately.
 const MIN_NOISE_SHARE: f64 = 0.8;
 
-/// The number of standard deviations from which on a difference is significant. Residuals are limited
-/// to it, because an edge of the object or an outlier could outweigh all other residuals.
+/// The number of standard deviations from which on a difference is significant. Residuals are
+/// limited to it, because an edge of the object or an outlier could outweigh all other residuals.
 const SIGNIFICANT: f64 = 3.0;
 
 /// A polynomial may follow its own point so closely that less than this share of the noise variance

@@ -31,13 +31,14 @@ pub(crate) use refine::refined;
 pub use samples::Samples;
 pub use surface::{Jet, ParametricSurface, Surface};
 
-/// The relative accuracy of geometry: distances as shares of the diagonal, or of the distance if that
-/// is longer, and parameters in [0, 1]. Files are rounded more coarsely. A smaller value would make
-/// queries from places with many equally near points, such as the centre of a sphere, take very long.
+/// The relative accuracy of geometry: distances as shares of the diagonal, or of the distance if
+/// that is longer, and parameters in [0, 1]. Files are rounded more coarsely. A smaller value would
+/// make queries from places with many equally near points, such as the centre of a sphere, take
+/// very long.
 pub(crate) const EXACT: f64 = 1e-7;
 
-/// The number of parts of a polynomial piece between which a search for one of its points begins. With
-/// fewer it may miss one, and more only take longer.
+/// The number of parts of a polynomial piece between which a search for one of its points begins.
+/// With fewer it may miss one, and more only take longer.
 pub(crate) const SAMPLES: usize = 16;
 
 /// The largest number of times that a cell or a piece of a curve is halved. Smaller ones are below

@@ -49,8 +49,8 @@ pub struct Options {
 }
 
 /// A loop that follows every tooth stays within this share of the tolerance from its rim, and any
-/// other loop has at least this share of the rim tolerance as room. A smaller share makes short spans
-/// where the surface is off the rim, which no loop can correct.
+/// other loop has at least this share of the rim tolerance as room. A smaller share makes short
+/// spans where the surface is off the rim, which no loop can correct.
 const HALF_ROOM: f64 = 0.5;
 
 /// A fair loop that keeps its vertices within the tolerance uses this share of the remaining

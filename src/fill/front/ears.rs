@@ -74,7 +74,8 @@ impl Front<'_> {
         self.fill.triangles.len() - before
     }
 
-    /// For a round that added no triangle: closes ears of any angle below 180°. If there is none, closes a loop of a guided front by least area. `None` for any other front.
+    /// For a round that added no triangle: closes ears of any angle below 180°. If there is none,
+    /// closes a loop of a guided front by least area. `None` for any other front.
     pub(super) fn close_wide_ears(&mut self) -> Option<()> {
         let closed = self.close_ears(std::f64::consts::PI);
         self.fill.wide_ears += closed;
