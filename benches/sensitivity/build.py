@@ -17,7 +17,8 @@ COPIED += ["benches", "docs", "examples", "fixtures", "formats", "src", "tests"]
 
 
 def program(folder):
-    """The path of the built program, and the constants that it can vary, in their order."""
+    """The path of the built program, and the constants that it can vary, in their order. The sources
+    are read once, so that work on them goes on meanwhile."""
     copy = folder / "copy"
     if not copy.exists():
         copy.mkdir(parents=True)
@@ -28,16 +29,17 @@ def program(folder):
                 shutil.copytree(source, copy / name, ignore=ignored)
             else:
                 shutil.copy(source, copy / name)
+        shutil.copytree(copy / "src", folder / "original/src")
     constants.write(copy / "src/varied.rs", (HERE / "varied.rs").read_text())
     known = folder / "refused.json"
     refused_before = json.loads(known.read_text()) if known.exists() else []
-    varied = [c for c in constants.found(ROOT) if c.key not in refused_before]
+    varied = [c for c in constants.found(folder / "original") if c.key not in refused_before]
     while True:
-        constants.rewritten(ROOT, copy, varied)
+        constants.rewritten(folder / "original", copy, varied)
         executable, errors = built(copy, folder / "target")
         if executable:
             return executable, varied
-        refused = [c for c in varied if is_refused(c, errors)]
+        refused = [c for c in varied if is_refused(c, errors, varied)]
         if not refused:
             raise SystemExit("\n".join(e["rendered"] for e in errors))
         print("not variable:", *[c.key for c in refused])
@@ -60,18 +62,16 @@ def built(copy, target):
     return None, errors or [{"rendered": output.stderr.decode(), "spans": []}]
 
 
-def is_refused(constant, errors):
-    """Whether an error of the compiler is at a use of the constant."""
+def is_refused(constant, errors, constants):
+    """Whether an error of the compiler is at a use of the constant. Its name may be that of another
+    constant, which belongs to the file with the error."""
+    def is_use(span):
+        own = {c.name for c in constants if c.file == span["file_name"]}
+        return constant.file == span["file_name"] or constant.name not in own
+
     return any(
-        re.search(rf"\b{constant.name}\b", line["text"])
-        and (span["file_name"] == constant.file or not span["is_primary"] or other(constant, span))
+        re.search(rf"\b{constant.name}\b", line["text"]) and is_use(span)
         for error in errors
         for span in error["spans"]
         for line in span["text"]
     )
-
-
-def other(constant, span):
-    """Whether a file that has no constant of this name itself uses one from elsewhere."""
-    own = {c.name for c in constants.found(ROOT) if c.file == span["file_name"]}
-    return constant.name not in own

@@ -102,8 +102,8 @@ def change(pairs):
 
 
 def differs(before, after):
-    keys = ["exit", "bytes", "hints", "check"]
-    return any(before.get(key) != after.get(key) for key in keys)
+    is_other = any(before.get(key) != after.get(key) for key in ["exit", "bytes", "hints"])
+    return is_other or "check" in after and after["check"] != before["check"]
 
 
 def sums(pairs):

@@ -42,13 +42,17 @@ def main():
     program, varied = build.program(arguments.folder)
     inputs = scans.all_scans(arguments.folder / "scans", arguments.shared)
     usual = [measured(program, scan, arguments.folder) for scan in inputs]
+    # The cheapest scans come first, because not all may be needed.
+    order = sorted(range(len(inputs)), key=lambda i: usual[i]["seconds"])
+    inputs, usual = [inputs[i] for i in order], [usual[i] for i in order]
     bench = Bench(program, inputs, usual, arguments)
     for number, constant in enumerate(varied):
         if arguments.only in constant.key:
             for factor in FACTORS:
                 bench.vary(number, constant, factor)
     if not arguments.only:
-        fixed = [c for c in constants.found(build.ROOT) if c not in varied]
+        all_constants = constants.found(arguments.folder / "original")
+        fixed = [c for c in all_constants if c not in varied]
         text = page.written(varied, fixed, inputs, usual, bench.results)
         (build.ROOT / "docs/constants.md").write_text(text)
 
@@ -72,7 +76,10 @@ class Bench:
             key = (constant.key, factor, scan.name)
             if key not in self.results.rows:
                 varied, seconds = (number, factor), before["seconds"]
-                after = measured(self.program, scan, self.arguments.folder, varied, seconds)
+                # Other constants change what `check` finds only if they change the file.
+                is_checked = constant.room == "check"
+                folder = self.arguments.folder
+                after = measured(self.program, scan, folder, varied, seconds, is_checked)
                 self.results.add(*key, after)
             changed += page.differs(before, self.results.rows[key])
 
@@ -93,9 +100,9 @@ class Results:
             file.write(json.dumps(row) + "\n")
 
 
-def measured(program, scan, folder, varied=None, usual_seconds=10.0):
-    """The figures of a conversion. `varied` has the number and the factor of a constant. Constants of
-    `check` steer the comparison of the CAD file with the scan, so this has figures, too."""
+def measured(program, scan, folder, varied=None, usual_seconds=10.0, is_checked=True):
+    """The figures of a conversion, and of `check` with its CAD file. `varied` has the number and the
+    factor of a constant."""
     cad, report, read = (folder / name for name in ["face.step", "report.json", "read"])
     for file in [cad, report, read]:
         file.unlink(missing_ok=True)
@@ -109,7 +116,7 @@ def measured(program, scan, folder, varied=None, usual_seconds=10.0):
     begun = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime
     code, _ = finished(command + scan.options, environment, limit)
     figures = {"exit": code, **of_report(report)}
-    if cad.exists():
+    if is_checked and cad.exists():
         figures["check"] = of_check(program, cad, scan, environment, limit)
     figures["seconds"] = resource.getrusage(resource.RUSAGE_CHILDREN).ru_utime - begun
     if not varied:

@@ -66,7 +66,8 @@ fn note(number: usize) {
     if READ[number].swap(true, Relaxed) {
         return;
     }
-    let file = var("CONSTANTS_READ").map(|path| OpenOptions::new().append(true).create(true).open(path));
+    let file =
+        var("CONSTANTS_READ").map(|path| OpenOptions::new().append(true).create(true).open(path));
     if let Ok(Ok(mut file)) = file {
         let _ = file.write_all(format!("{number}\n").as_bytes());
     }
