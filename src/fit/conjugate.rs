@@ -7,8 +7,9 @@ use rayon::prelude::*;
 
 use super::normal::{NormalEquations, PaddedPoint};
 use super::precondition::Preconditioner;
+use super::tasks;
 use super::weight::Weight;
-use super::{TASK, tasks};
+use crate::geometry::BLOCK;
 
 /// The largest number of steps. Equations that need more have wide regions without samples, and the
 /// direct solver is faster for them.
@@ -21,10 +22,6 @@ const GAIN: f64 = 1e-4;
 /// The relative rounding error of the remaining sum of squares, as a share of the sum of squares at
 /// the start.
 const ROUNDING: f64 = 1e-12;
-
-/// For data whose residual is below [`ROUNDING`], the solution is accurate enough when the gain of
-/// two steps is below this share of the sum of squares at the start.
-const EXACT: f64 = 1e-24;
 
 /// Returns the net of the least-squares optimum and the number of steps. `None` if it takes too
 /// many steps.
@@ -80,8 +77,8 @@ pub fn improve<W: Weight>(
             dot(ap, &p[i * nv..][..nv])
         }));
         let alpha = ratio(rz, bends);
-        let tasks = (x.par_chunks_mut(TASK), r.par_chunks_mut(TASK));
-        let along = (p.par_chunks(TASK), ap.par_chunks(TASK));
+        let tasks = (x.par_chunks_mut(BLOCK), r.par_chunks_mut(BLOCK));
+        let along = (p.par_chunks(BLOCK), ap.par_chunks(BLOCK));
         tasks.into_par_iter().zip(along).for_each(|((x, r), (p, ap))| {
             x.iter_mut().zip(p).for_each(|(x, p)| *x += alpha.component_mul(p));
             r.iter_mut().zip(ap).for_each(|(r, ap)| *r -= alpha.component_mul(ap));
@@ -92,7 +89,7 @@ pub fn improve<W: Weight>(
             return None;
         }
         let sure = (left - ROUNDING * equations.squares).max(0.0);
-        if gain + before <= GAIN * sure + EXACT * equations.squares {
+        if gain + before <= GAIN * sure + ROUNDING * ROUNDING * equations.squares {
             return Some((x, step + 1, true));
         }
         before = gain;

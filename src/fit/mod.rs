@@ -30,6 +30,7 @@ pub(crate) use unfold::{
 };
 
 use crate::error::{Error, Result};
+use crate::geometry::BLOCK;
 use crate::spline::{KnotVector, Samples, Surface};
 use rayon::prelude::*;
 
@@ -128,12 +129,9 @@ fn optimum(equations: &NormalEquations, cells: &KnotCells) -> Result<(Vec<Padded
     }
 }
 
-/// The number of control points that a parallel task processes.
-const TASK: usize = 1 << 14;
-
 /// The number of rows of `width` control points that a task processes.
 fn tasks(width: usize) -> usize {
-    (TASK / width).max(1)
+    (BLOCK / width).max(1)
 }
 
 #[cfg(test)]

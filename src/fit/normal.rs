@@ -13,6 +13,7 @@ use super::strips::StripSums;
 use super::weight::Weight;
 use crate::cholesky::Cholesky;
 use crate::error::{self, Result};
+use crate::geometry::NONE;
 use crate::spline::spans::{PAIRS, Span};
 
 /// A control point in the solvers: its three coordinates and a zero.
@@ -146,12 +147,12 @@ impl NormalEquations {
     /// ascending order.
     pub fn factor(&self, points: Vec<u32>) -> Result<Factor> {
         let [nu, nv] = self.shape;
-        let mut number = vec![u32::MAX; nu * nv];
+        let mut number = vec![NONE; nu * nv];
         points.iter().zip(0..).for_each(|(&point, n)| number[point as usize] = n);
         let mut triplets = Vec::with_capacity(25 * points.len());
         let mut couple = |low: usize, high: usize, value: f64| {
             let (low, high) = (number[low], number[high]);
-            if low != u32::MAX && high != u32::MAX {
+            if low != NONE && high != NONE {
                 triplets.push(Triplet::new(high, low, value));
             }
         };

@@ -7,9 +7,8 @@
 
 use rayon::prelude::*;
 
-use super::BLOCK;
 use super::jumps::Jumps;
-use crate::geometry::Uv;
+use crate::geometry::{BLOCK, Uv};
 use crate::spline::{KnotVector, Surface};
 
 /// A place at which the surface misses a point, and the distance. The distance is the weight of the

@@ -19,7 +19,7 @@ use rayon::prelude::*;
 use super::edge_map::Buckets;
 use super::{EdgeMap, Mesh, caps, polygons, scale, spikes, weld};
 use crate::error::{Error, Result, of};
-use crate::geometry::VertexId;
+use crate::geometry::{NONE, VertexId};
 use crate::rules;
 use crate::sets::Sets;
 
@@ -36,7 +36,7 @@ pub struct Build {
     /// For each vertex, the place that it had before vertices were opened. Vertices with the same
     /// number are copies of one vertex of the scan.
     pub place: Vec<u32>,
-    /// For each point of the soup its number in `place`, or `u32::MAX` for one of no use.
+    /// For each point of the soup its number in `place`, or [`NONE`] for one of no use.
     pub vertices: Vec<u32>,
     /// Triangles whose orientation cannot agree with that of a neighbour.
     pub twisted: Vec<usize>,
@@ -224,12 +224,12 @@ impl Build {
             }
         }
         // The fan that keeps the vertex, and the new vertices of the other fans.
-        let mut owner: Vec<u32> = vec![u32::MAX; self.mesh.points.len()];
+        let mut owner: Vec<u32> = vec![NONE; self.mesh.points.len()];
         let mut copies = BTreeMap::new();
         for corner in 0..3 * self.mesh.triangles.len() {
             let v = self.from(corner);
             let fan = fans.find(corner) as u32;
-            if owner[v.index()] == u32::MAX {
+            if owner[v.index()] == NONE {
                 owner[v.index()] = fan;
             }
             if owner[v.index()] != fan {

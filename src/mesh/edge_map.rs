@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use rayon::prelude::*;
 
 use super::Mesh;
-use crate::geometry::VertexId;
+use crate::geometry::{MOST_PARTS, NONE, VertexId};
 
 /// For each side of each triangle, the opposite side of the same edge.
 ///
@@ -16,8 +16,6 @@ pub struct EdgeMap {
     glued: Vec<u32>,
     overfull: Vec<Vec<u32>>,
 }
-
-const OPEN: u32 = u32::MAX;
 
 impl EdgeMap {
     /// Glues every two sides that join the same two vertices in either direction, unless a third
@@ -32,7 +30,7 @@ impl EdgeMap {
         let by_lower = Buckets::new(mesh.points.len(), count, |side| ends(side).0);
         // Each side belongs to the edges of exactly one lower vertex, so no two threads write to
         // the same entry.
-        let glued: Vec<AtomicU32> = (0..count).into_par_iter().map(|_| OPEN.into()).collect();
+        let glued: Vec<AtomicU32> = (0..count).into_par_iter().map(|_| NONE.into()).collect();
         let glue = |(x, y): (u32, u32)| glued[x as usize].store(y, Ordering::Relaxed);
         let glue_at = |bucket: &mut Vec<(u32, u32)>, v: usize| {
             bucket.clear();
@@ -56,10 +54,10 @@ impl EdgeMap {
     /// The edge map of the given triangles. None of them may border on a triangle that is not
     /// given.
     pub(super) fn part(&self, triangles: &[usize]) -> Self {
-        let mut number = vec![OPEN; self.glued.len() / 3];
+        let mut number = vec![NONE; self.glued.len() / 3];
         triangles.iter().enumerate().for_each(|(new, &t)| number[t] = new as u32);
         let renumbered = |side: usize| match self.glued[side] {
-            OPEN => OPEN,
+            NONE => NONE,
             other => 3 * number[other as usize / 3] + other % 3,
         };
         let glued = triangles.iter().flat_map(|t| [0, 1, 2].map(|k| renumbered(3 * t + k)));
@@ -69,12 +67,12 @@ impl EdgeMap {
     /// The side that is glued to `side`, or `None` on the boundary.
     pub fn across(&self, side: usize) -> Option<usize> {
         let other = self.glued[side];
-        (other != OPEN).then_some(other as usize)
+        (other != NONE).then_some(other as usize)
     }
 
     /// The boundary sides in ascending order.
     pub fn open_sides(&self) -> impl Iterator<Item = usize> + '_ {
-        (0..self.glued.len()).filter(|&s| self.glued[s] == OPEN)
+        (0..self.glued.len()).filter(|&s| self.glued[s] == NONE)
     }
 
     /// Whether all pairs of glued sides run in opposite directions.
@@ -148,15 +146,12 @@ pub(crate) struct Buckets {
     members: Vec<u32>,
 }
 
-/// The largest number of shares in which the buckets are filled in parallel.
-const MOST_SHARES: usize = 8;
-
 impl Buckets {
     /// Puts each number below `count` into the bucket `bucket(number)`; there are `buckets` of
     /// them.
     pub(crate) fn new(buckets: usize, count: usize, bucket: impl Fn(u32) -> u32 + Sync) -> Self {
         // Each thread reads all numbers and keeps those that belong to its share of the buckets.
-        let threads = rayon::current_num_threads().min(MOST_SHARES);
+        let threads = rayon::current_num_threads().min(MOST_PARTS);
         let share = buckets.div_ceil(threads).max(1);
         let mut starts = vec![0u32; buckets + 1];
         starts[1..].par_chunks_mut(share).enumerate().for_each(|(k, counts)| {

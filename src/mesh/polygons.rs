@@ -10,8 +10,8 @@ use formats::Soup;
 
 use super::build::{Repairs, count};
 use super::outline;
-use super::weld::{NOWHERE, Welded};
-use crate::geometry::{Point, Uv, Vector, VertexId, orient2d};
+use super::weld::Welded;
+use crate::geometry::{NONE, Point, Uv, Vector, VertexId, orient2d};
 
 /// The triangles of all polygons, in the order of the polygons.
 pub(super) fn triangulate(
@@ -25,7 +25,7 @@ pub(super) fn triangulate(
     for polygon in soup.polygons.iter() {
         corners.clear();
         corners.extend(polygon.iter().map(|&i| welded.number[i as usize]));
-        if corners.contains(&NOWHERE) {
+        if corners.contains(&NONE) {
             lost += 1;
         } else if corners.len() < 3 {
             degenerate += 1;

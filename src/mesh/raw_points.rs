@@ -7,8 +7,7 @@
 use std::borrow::Cow;
 
 use super::vertices::VertexMap;
-use super::weld::NOWHERE;
-use crate::geometry::Point;
+use crate::geometry::{NONE, Point};
 
 /// Points of a cloud, each with the vertex of the mesh that stands for it.
 #[derive(Debug, Clone)]
@@ -58,7 +57,7 @@ impl RawPoints {
     /// All points, each with whether a vertex of the mesh stands for it. None does for an outlier.
     pub fn all(&self) -> impl Iterator<Item = (Point, bool)> {
         let pairs = self.points.iter().zip(&self.vertex_of);
-        pairs.map(|(point, vertex)| (*point, *vertex != NOWHERE))
+        pairs.map(|(point, vertex)| (*point, *vertex != NONE))
     }
 
     /// The same with all lengths multiplied by a factor.
@@ -71,7 +70,7 @@ impl RawPoints {
     /// The points of the face whose vertices are found in `vertices`.
     pub(super) fn of_face(&self, vertices: &VertexMap) -> MeasuredPoints<'static> {
         let (mut points, mut vertex_of) = (Vec::new(), Vec::new());
-        let mut map = vec![NOWHERE; self.points.len()];
+        let mut map = vec![NONE; self.points.len()];
         for (i, (&point, &vertex)) in self.points.iter().zip(&self.vertex_of).enumerate() {
             if let Some(vertex) = vertices.point_of(vertex as usize) {
                 map[i] = points.len() as u32;
@@ -104,11 +103,11 @@ mod tests {
     #[test]
     fn a_face_has_the_points_whose_vertices_it_has() {
         let points = (0..5).map(|i| Point::new(f64::from(i), 0.0, 0.0)).collect();
-        let raw = RawPoints::new(points, vec![1, 0, NOWHERE, 2, 1], 0.5).scaled(2.0);
+        let raw = RawPoints::new(points, vec![1, 0, NONE, 2, 1], 0.5).scaled(2.0);
         assert_eq!(raw.noise(), 1.0);
         assert_eq!(raw.all().filter(|(_, is_used)| *is_used).count(), 4);
         // Vertex 0 of the soup is not on this face.
-        let face = raw.of_face(&VertexMap::of_numbers(vec![NOWHERE, 0, 1]));
+        let face = raw.of_face(&VertexMap::of_numbers(vec![NONE, 0, 1]));
         assert_eq!(face.points.iter().map(|p| p.x).collect::<Vec<_>>(), [0.0, 6.0, 8.0]);
         assert_eq!(face.of_vertices(&[10, 20]).as_ref(), [10, 20, 10]);
         let positions: Vec<_> = (0..5).map(|i| face.map.point_of(i)).collect();

@@ -32,18 +32,13 @@ pub(super) fn trim_hanging(mut disk: Disk, outer: Outer) -> Result<(Disk, usize)
     Ok((disk, trimmed))
 }
 
-/// Entries in place of a triangle's number: a vertex has no triangle, or more than one.
-const NONE: u32 = u32::MAX;
-const MANY: u32 = u32::MAX - 1;
-
 /// For each vertex the number of its triangle, if it has exactly one.
-fn single_triangles(mesh: &Mesh) -> Vec<u32> {
-    let mut single_triangles = vec![NONE; mesh.points.len()];
+fn single_triangles(mesh: &Mesh) -> Vec<Option<u32>> {
+    let mut last = vec![(0, 0); mesh.points.len()];
     for (t, v) in (0..).zip(&mesh.triangles).flat_map(|(t, corners)| corners.map(|v| (t, v))) {
-        let of = &mut single_triangles[v.index()];
-        *of = if *of == NONE { t } else { MANY };
+        last[v.index()] = (last[v.index()].0 + 1, t);
     }
-    single_triangles
+    last.into_iter().map(|(count, t)| (count == 1).then_some(t)).collect()
 }
 
 /// The triangles with a tip that no other triangle uses.
@@ -57,10 +52,8 @@ fn hanging(disk: &Disk) -> HashSet<u32> {
         for (i, &tip) in ring.iter().enumerate().filter(|_| ring.len() > 4) {
             let before = ring[(i + ring.len() - 1) % ring.len()];
             let after = ring[(i + 1) % ring.len()];
-            let t = single_triangles[tip.index()];
-            if t < MANY && !(outer && disk.mesh.angle(before, tip, after) >= MIN_CORNER_ANGLE) {
-                dropped.insert(t);
-            }
+            let is_corner = outer && disk.mesh.angle(before, tip, after) >= MIN_CORNER_ANGLE;
+            dropped.extend(single_triangles[tip.index()].filter(|_| !is_corner));
         }
     }
     dropped

@@ -6,13 +6,12 @@ use foldhash::fast::FixedState;
 use hashbrown::HashTable;
 
 use super::Build;
-use super::weld::NOWHERE;
-use crate::geometry::Point;
+use crate::geometry::{NONE, Point};
 
 /// For each vertex of the scan the point that it became.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct VertexMap {
-    /// Positions of the points, or [`NOWHERE`].
+    /// Positions of the points, or [`NONE`].
     points: Vec<u32>,
 }
 
@@ -26,23 +25,23 @@ impl VertexMap {
             found.insert_unique(hash(p), i, |&i| hash(&points[i as usize]));
         }
         let places = build.place.iter().max().map_or(0, |&last| last as usize + 1);
-        let mut at_place = vec![NOWHERE; places];
+        let mut at_place = vec![NONE; places];
         for (p, &place) in build.mesh.points.iter().zip(&build.place) {
             if let Some(&i) = found.find(hash(p), |&i| points[i as usize] == *p) {
                 at_place[place as usize] = i;
             }
         }
-        let point = |&place: &u32| at_place.get(place as usize).copied().unwrap_or(NOWHERE);
+        let point = |&place: &u32| at_place.get(place as usize).copied().unwrap_or(NONE);
         VertexMap { points: build.vertices.iter().map(point).collect() }
     }
 
-    /// For each vertex the position of its point, or [`NOWHERE`].
+    /// For each vertex the position of its point, or [`NONE`].
     pub(super) fn of_numbers(points: Vec<u32>) -> Self {
         VertexMap { points }
     }
 
     /// The position of the point that a vertex of the scan became, if it became one.
     pub(crate) fn point_of(&self, vertex: usize) -> Option<usize> {
-        self.points.get(vertex).filter(|&&point| point != NOWHERE).map(|&point| point as usize)
+        self.points.get(vertex).filter(|&&point| point != NONE).map(|&point| point as usize)
     }
 }

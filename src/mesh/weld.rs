@@ -7,10 +7,7 @@ use formats::Soup;
 use hashbrown::HashTable;
 
 use super::build::{Repairs, count};
-use crate::geometry::Point;
-
-/// Entry of [`Welded::number`] for a point that cannot be used.
-pub(super) const NOWHERE: u32 = u32::MAX;
+use crate::geometry::{NONE, Point};
 
 /// Points with a coordinate beyond this, in mm, are treated like infinite ones. Products of larger
 /// coordinates overflow.
@@ -26,7 +23,7 @@ pub(super) fn is_usable(p: &[f64; 3], mm: f64) -> bool {
 pub(super) struct Welded {
     /// The places in the pipeline's unit of length, without repetition, in the order of the file.
     pub(super) points: Vec<Point>,
-    /// For each point of the soup the number of its place, or [`NOWHERE`].
+    /// For each point of the soup the number of its place, or [`NONE`].
     pub(super) number: Vec<u32>,
 }
 
@@ -43,7 +40,7 @@ pub(super) fn weld(soup: &Soup, mm: f64, factor: f64, repairs: &mut Repairs) -> 
     for p in &soup.points {
         if !is_usable(p, mm) {
             nowhere += 1;
-            welded.number.push(NOWHERE);
+            welded.number.push(NONE);
             continue;
         }
         // Adding zero turns −0 into +0.

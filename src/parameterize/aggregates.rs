@@ -2,6 +2,7 @@
 //! smoothed aggregation", 1996).
 
 use super::sparse::{self, Matrix};
+use crate::geometry::NONE;
 
 /// The threshold of the strength of a connection. An off-diagonal entry is strong if its square
 /// exceeds this share of the product of the two diagonal entries.
@@ -9,9 +10,6 @@ const STRENGTH: f64 = 0.08 * 0.08;
 
 /// The damping of the Jacobi step that smooths the prolongation.
 const JACOBI_DAMPING: f64 = 2.0 / 3.0;
-
-/// Marks a row without an aggregate.
-const NONE: u32 = u32::MAX;
 
 /// The smoothed prolongation from the aggregates to the rows. The second matrix is the same for the
 /// transposed system; its transpose restricts residuals to the aggregates.

@@ -6,7 +6,8 @@
 
 use rayon::prelude::*;
 
-use super::sparse::{self, BLOCK, Matrix, UvPair};
+use super::sparse::{self, Matrix, UvPair};
+use crate::geometry::BLOCK;
 
 /// When to stop.
 pub struct Limits {

@@ -9,7 +9,7 @@ use super::weights::Weights;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::geometry::{Point, Uv};
+use crate::geometry::{NONE, Point, Uv};
 use crate::progress;
 
 /// A coarse version of the patch with renumbered vertices.
@@ -57,7 +57,7 @@ pub fn least_stretched(
     sets: &[[u32; 4]],
 ) -> Result<CoarseLayout> {
     let (rings, number) = hierarchy.rings.renumbered(&hierarchy.remaining);
-    let outer = outer.iter().map(|&v| number[v as usize]).filter(|&v| v != u32::MAX);
+    let outer = outer.iter().map(|&v| number[v as usize]).filter(|&v| v != NONE);
     let mut coarse = Coarse {
         points: hierarchy.remaining.iter().map(|&v| points[v as usize]).collect(),
         rings,

@@ -9,7 +9,7 @@ use super::one_rings::OneRings;
 use super::solve;
 use super::sparse::{self, Matrix, UvPair};
 use crate::error::Result;
-use crate::geometry::{Point, Uv};
+use crate::geometry::{NONE, Point, Uv};
 
 /// The iteration ends when the last correction moves no vertex by more than this. The side of the
 /// square is 1.
@@ -51,7 +51,7 @@ struct MeanValueSystem {
 
 impl MeanValueSystem {
     fn new(points: &[Point], rings: &OneRings, inner: &[u32], at: &[Uv]) -> Self {
-        let mut unknown = vec![u32::MAX; rings.len()];
+        let mut unknown = vec![NONE; rings.len()];
         inner.iter().enumerate().for_each(|(i, &v)| unknown[v as usize] = i as u32);
         let shares = |i: usize| {
             let v = inner[i];
@@ -60,15 +60,15 @@ impl MeanValueSystem {
         let matrix = sparse::from_rows([inner.len(); 2], |i, entries| {
             let shares = shares(i);
             entries.push((i as u32, shares.iter().map(|s| s.1).sum()));
-            let inside = shares.iter().filter(|s| unknown[s.0 as usize] != u32::MAX);
+            let inside = shares.iter().filter(|s| unknown[s.0 as usize] != NONE);
             entries.extend(inside.map(|s| (unknown[s.0 as usize], -s.1)));
         });
         let right = |i: usize| {
-            let on_boundary = |w: &u32| unknown[*w as usize] == u32::MAX;
+            let on_boundary = |w: &u32| unknown[*w as usize] == NONE;
             if !rings.ring(inner[i]).iter().any(on_boundary) {
                 return [0.0; 2];
             }
-            let known = shares(i).into_iter().filter(|s| unknown[s.0 as usize] == u32::MAX);
+            let known = shares(i).into_iter().filter(|s| unknown[s.0 as usize] == NONE);
             known.fold([0.0; 2], |sum, (w, share)| {
                 let at = at[w as usize];
                 [sum[0] + share * at.x, sum[1] + share * at.y]

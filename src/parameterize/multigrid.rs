@@ -6,7 +6,8 @@ use rayon::prelude::*;
 
 use super::aggregates;
 use super::lu::Lu;
-use super::sparse::{self, BLOCK, Matrix, UvPair};
+use super::sparse::{self, Matrix, UvPair};
+use crate::geometry::BLOCK;
 
 /// A system with at most this number of unknowns is solved directly.
 pub const DIRECT_SIZE: usize = 500;

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
-use crate::geometry::VertexId;
+use crate::geometry::{MOST_PARTS, NONE, VertexId};
 use crate::mesh::{Mesh, VertexRings};
 
 /// The one-ring of a vertex, or a part of it. Almost all rings are short enough to be stored in
@@ -63,9 +63,9 @@ impl OneRings {
     }
 
     /// The one-rings of the vertices `left`, renumbered in their order. The second value gives the
-    /// new number of each vertex, or `u32::MAX` for vertices that are not left.
+    /// new number of each vertex, or [`NONE`] for vertices that are not left.
     pub fn renumbered(&self, left: &[u32]) -> (Self, Vec<u32>) {
-        let mut number = vec![u32::MAX; self.len()];
+        let mut number = vec![NONE; self.len()];
         left.iter().zip(0..).for_each(|(&v, new)| number[v as usize] = new);
         let ring = |v: &u32| self.ring(*v).iter().map(|&w| number[w as usize]).collect();
         let rings = OneRings {
@@ -144,10 +144,6 @@ impl OneRings {
         });
     }
 }
-
-/// The largest number of parts of the mesh that are processed in parallel. Each part reads all
-/// collapses.
-const MOST_PARTS: usize = 8;
 
 /// The rings of vertices with consecutive numbers.
 struct RingSlice<'a> {

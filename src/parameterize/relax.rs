@@ -13,7 +13,7 @@ use nalgebra::Matrix2;
 use rayon::prelude::*;
 
 use super::one_rings::OneRings;
-use crate::geometry::{Point, Uv, UvVector};
+use crate::geometry::{NONE, Point, Uv, UvVector};
 
 /// The directions in which a vertex may move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -231,7 +231,7 @@ const FAR_MOVE: f64 = 0.05;
 /// Divides vertices into groups without neighbours (graph colouring). The vertices of one group can
 /// move at the same time.
 pub fn groups(rings: &OneRings, vertices: impl IntoIterator<Item = u32>) -> Vec<Vec<u32>> {
-    let mut group = vec![u32::MAX; rings.len()];
+    let mut group = vec![NONE; rings.len()];
     let mut groups: Vec<Vec<u32>> = Vec::new();
     // For each group, the last vertex that has a neighbour in it.
     let mut beside: Vec<u32> = Vec::new();
@@ -244,7 +244,7 @@ pub fn groups(rings: &OneRings, vertices: impl IntoIterator<Item = u32>) -> Vec<
         let g = beside.iter().position(|&last| last != v).unwrap_or(groups.len());
         if g == groups.len() {
             groups.push(Vec::new());
-            beside.push(u32::MAX);
+            beside.push(NONE);
         }
         group[v as usize] = g as u32;
         groups[g].push(v);

@@ -7,7 +7,7 @@ use faer::sparse::{SparseColMat, Triplet};
 use super::lu::Lu;
 use super::one_rings::OneRings;
 use crate::error::{self, Result, Unsolved};
-use crate::geometry::{Point, Uv};
+use crate::geometry::{NONE, Point, Uv};
 
 /// The mean value weights of the neighbours `ring` around the point `p`: (tan(α/2) + tan(β/2)) / ‖q
 /// − p‖, where α and β are the angles at p on the two sides of the edge to q. All weights are
@@ -55,7 +55,7 @@ fn solve(
     if n == 0 {
         return Ok(());
     }
-    let mut unknown = vec![u32::MAX; rings.len()];
+    let mut unknown = vec![NONE; rings.len()];
     inner.iter().enumerate().for_each(|(i, &v)| unknown[v as usize] = i as u32);
     let mut triplets = Vec::with_capacity(7 * n);
     let mut right = faer::Mat::<f64>::zeros(n, 2);
@@ -66,7 +66,7 @@ fn solve(
         for (w, share) in shares {
             let share = share / total;
             match unknown[w as usize] {
-                u32::MAX => {
+                NONE => {
                     right[(i, 0)] += share * at[w as usize].x;
                     right[(i, 1)] += share * at[w as usize].y;
                 }

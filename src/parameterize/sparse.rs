@@ -1,5 +1,6 @@
 //! Sparse matrices stored by rows, applied to vectors of points in the plane.
 
+use crate::geometry::BLOCK;
 use faer::sparse::{SparseRowMat, SymbolicSparseRowMat};
 use rayon::prelude::*;
 
@@ -8,10 +9,6 @@ pub type Matrix = SparseRowMat<u32, f64>;
 
 /// Two unknowns, u and v, with the same matrix row.
 pub type UvPair = [f64; 2];
-
-/// The number of rows that one thread processes at a time. Some results depend on it, but not on
-/// the number of threads.
-pub const BLOCK: usize = 1 << 13;
 
 /// Builds a matrix from its rows. `row` fills an empty vector with pairs of column and value,
 /// without repeating a column.

@@ -3,7 +3,7 @@
 
 use rayon::prelude::*;
 
-use crate::geometry::{Point, Uv, Vector};
+use crate::geometry::{BLOCK, Point, Uv, Vector};
 use crate::mesh::Patch;
 
 /// The stretch of the map from the parameter plane to the measured triangles. It is 1 for an
@@ -35,9 +35,6 @@ pub fn derivatives([p, q, r]: [Point; 3], [a, b, c]: [Uv; 3], least: f64) -> Der
     let sv = ((r - p) * d.x - (q - p) * e.x) / twice;
     (0.5 * (q - p).cross(&(r - p)).norm(), 0.5 * twice, su, sv)
 }
-
-/// The number of items that one thread sums at a time. It does not depend on the number of threads.
-const BLOCK: usize = 1 << 14;
 
 /// Divides items into blocks whose sums are computed in parallel.
 pub fn blocks<T: Sync>(all: &[T]) -> impl IndexedParallelIterator<Item = &[T]> {

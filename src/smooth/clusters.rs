@@ -10,7 +10,7 @@ use std::sync::{Mutex, PoisonError};
 
 use rayon::prelude::*;
 
-use crate::geometry::{Vector, VertexId};
+use crate::geometry::{BLOCK, NONE, Vector, VertexId};
 use crate::mesh::mls::{REACH, Sample, smoothed_normals};
 use crate::mesh::{Mesh, VertexRings};
 
@@ -54,8 +54,6 @@ impl ScratchPool {
     }
 }
 
-const FREE: u32 = u32::MAX;
-
 /// A cluster is a remainder if it has less than this share of the mean number of points of its
 /// neighbours. A remainder takes its normal from its neighbours.
 const REMAINDER_SHARE: f64 = 0.25;
@@ -77,11 +75,11 @@ impl ClusterLevel {
     /// Joins the clusters of this level that lie within `radius` of a seed. Returns the coarser
     /// level, and for each cluster of this level the number of its coarser cluster.
     pub fn coarser(&self, radius: f64) -> (ClusterLevel, Vec<u32>) {
-        let mut cluster = vec![FREE; self.samples.len()];
+        let mut cluster = vec![NONE; self.samples.len()];
         let mut members: Vec<u32> = Vec::with_capacity(self.samples.len());
         let mut ends = Vec::new();
         for seed in 0..self.samples.len() {
-            if cluster[seed] == FREE {
+            if cluster[seed] == NONE {
                 self.grow(seed, radius, ends.len() as u32, &mut cluster, &mut members);
                 ends.push(members.len());
             }
@@ -131,7 +129,7 @@ impl ClusterLevel {
             for &j in self.near(i as usize) {
                 let j = j as usize;
                 let close = (self.samples[j].at - self.samples[seed].at).norm() <= radius;
-                if cluster[j] == FREE && close && self.normals[j].dot(&self.normals[seed]) > 0.0 {
+                if cluster[j] == NONE && close && self.normals[j].dot(&self.normals[seed]) > 0.0 {
                     cluster[j] = number;
                     members.push(j as u32);
                 }
@@ -206,9 +204,6 @@ fn adjacency(count: usize, around: impl Fn(usize, &mut Vec<u32>) + Sync) -> (Vec
     }
     (starts, near)
 }
-
-/// The number of items whose neighbours one thread lists at a time.
-const BLOCK: usize = 1 << 13;
 
 #[cfg(test)]
 mod tests {

@@ -13,7 +13,7 @@ use super::clusters::{Neighbourhood, ScratchPool};
 use super::levels::SupportLevel;
 use super::noise_detection::{self, ResidualPair};
 use super::root_mean_square;
-use crate::geometry::VertexId;
+use crate::geometry::{NONE, VertexId};
 use crate::mesh::Mesh;
 
 /// The number of vertices for each sampled place.
@@ -120,7 +120,7 @@ fn sampling(vertices: usize, levels: &[SupportLevel]) -> &SupportLevel {
 
 /// The first vertex of each cluster.
 fn first_vertices(level: &SupportLevel) -> Vec<u32> {
-    let mut first = vec![u32::MAX; level.clusters.samples.len()];
+    let mut first = vec![NONE; level.clusters.samples.len()];
     for (v, &c) in level.cluster.iter().enumerate() {
         first[c as usize] = first[c as usize].min(v as u32);
     }

@@ -13,7 +13,7 @@ use super::clusters::{ClusterLevel, ScratchPool};
 use super::levels::SupportLevel;
 use super::median;
 use crate::error::Result;
-use crate::geometry::{Point, Vector, VertexId};
+use crate::geometry::{BLOCK, NONE, Point, Vector, VertexId};
 use crate::mesh::Mesh;
 use crate::mesh::mls::{Polynomial, Projection};
 use crate::progress::Progress;
@@ -39,11 +39,6 @@ struct Fits {
     number: Vec<u32>,
     all: Vec<Polynomial>,
 }
-
-const NONE: u32 = u32::MAX;
-
-/// The number of foot points that are computed between two progress reports.
-const AT_ONCE: usize = 1 << 17;
 
 impl MlsSurface {
     /// Fits the polynomials that the vertices need. `place` is the level of each vertex. Vertices
@@ -72,9 +67,9 @@ impl MlsSurface {
         };
         let count = mesh.points.len();
         let (mut points, mut normals) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        for first in (0..count).step_by(AT_ONCE) {
+        for first in (0..count).step_by(BLOCK) {
             progress(first as f64 / count as f64)?;
-            let feet = (first..count.min(first + AT_ONCE)).into_par_iter().map(foot);
+            let feet = (first..count.min(first + BLOCK)).into_par_iter().map(foot);
             let (more_points, more_normals): (Vec<Point>, Vec<Vector>) = feet.unzip();
             points.extend(more_points);
             normals.extend(more_normals);

@@ -7,7 +7,7 @@
 
 use super::closed::fit;
 use super::loop_fit::LoopFit;
-use crate::geometry::{Point, segment_distance};
+use crate::geometry::{MAX_ROUNDS, Point, segment_distance};
 
 /// The number of points of the curve for each edge of the rim that are compared with the rim.
 const PLACES_AN_EDGE: f64 = 2.0;
@@ -20,21 +20,14 @@ const SIDES: usize = 3;
 /// neighbours.
 const STRIDE: usize = 3;
 
-/// The largest number of rounds over all knots. Each round removes about a third of the knots that
-/// can still be removed.
-const MAX_ROUNDS: usize = 8;
-
-/// A closed cubic spline needs at least this many spans.
-const MIN_SPANS: usize = 4;
+/// A closed cubic spline needs at least this many spans, and its rim as many vertices.
+pub const MIN_SPANS: usize = 4;
 
 /// The largest number of fits with new weights after knots were removed.
 const REWEIGHTINGS: usize = 3;
 
 /// A vertex gets more weight if its distance from the curve exceeds this share of its room.
 const REWEIGHTED_FROM: f64 = 0.85;
-
-/// The largest factor by which the weight of a vertex grows at once.
-const MAX_FACTOR: f64 = 9.0;
 
 /// The largest weight of a vertex, where 1 is the weight at the start. The bound keeps the
 /// equations well conditioned.
@@ -132,7 +125,7 @@ impl LoopFit<'_> {
                 let share = self.distance(k) / (REWEIGHTED_FROM * self.room[k]);
                 if share > 1.0 {
                     let weight = &mut self.polygon.weights[k];
-                    *weight = (*weight * share.powi(2).min(MAX_FACTOR)).min(MAX_WEIGHT);
+                    *weight = (*weight * share.powi(2)).min(MAX_WEIGHT);
                 }
             }
             self.curve = fit(&self.polygon, &self.knots)?;

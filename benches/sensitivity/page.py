@@ -1,0 +1,128 @@
+"""Writes docs/constants.md from the measured figures."""
+
+# The order of the tables. Rooms that serve several stages come last.
+STAGES = ["mesh", "smooth", "fill", "parameterize", "adapt", "knots", "fit", "trim", "brep"]
+STAGES += ["deviation", "check", "convert", "spline"]
+
+INTRODUCTION = """# Named constants
+
+`benches/sensitivity/run.py FOLDER` writes this page. It halves and doubles every named constant that
+can steer a result, converts small scans, and compares each result with the usual one. So the page
+shows which constants matter, and what breaks on either side of their values.
+
+{scans}
+
+- *read by* is the number of scans of which the conversion reads the constant. The others cannot
+  depend on it.
+- *halved* and *doubled* say for how many scans the written file has other bytes, of those that were
+  tried. With `--enough N` no more scans are tried once N have changed. After this follow the smallest and the largest change of the root mean square distance of the measured points
+  from the face, the change of the sum of control points over all scans, and what happens to scans
+  that fail, hang, fold, lose loops, or miss a named tolerance. "slower" and "faster" compare the sums
+  of CPU times, if they differ by more than a fifth. A dash means that no byte changes in any scan tried. A whole number
+  of 1 cannot be halved.
+- Small changes of the bytes are usual: the last digits of a file depend on every step.
+
+The constants of the program, the reports, the pictures and the limits on options are not here,
+because they steer no result.
+"""
+
+UNVARIED = """
+## Not varied
+
+The compiler needs these values, for example as the lengths of arrays, so they cannot be changed
+while the program runs.
+
+| constant | value | reason |
+| --- | --- | --- |
+"""
+
+
+def written(varied, fixed, inputs, usual, results):
+    """The text of the page."""
+    text = INTRODUCTION.format(scans=described(inputs))
+    rooms = sorted({c.room for c in varied}, key=lambda room: STAGES.index(room))
+    for room in rooms:
+        text += f"\n## {room}\n\n| constant | value | reason | read by | halved | doubled |\n"
+        text += "| --- | --- | --- | --- | --- | --- |\n"
+        numbered = [(n, c) for n, c in enumerate(varied) if c.room == room]
+        text += "".join(row(n, c, inputs, usual, results) for n, c in numbered)
+    text += UNVARIED if fixed else ""
+    text += "".join(f"| {place(c)} | {value(c)} | {cell(c.reason)} |\n" for c in fixed)
+    return text
+
+
+def described(inputs):
+    listed = [f"`{scan.name}` {' '.join(scan.options)}".strip() for scan in inputs]
+    virtual = "" if len(inputs) > 3 else " These are virtual scans only: no real ones were present."
+    return f"The {len(inputs)} scans and their options are {', '.join(listed)}.{virtual}"
+
+
+def row(number, constant, inputs, usual, results):
+    names = [s.name for s, before in zip(inputs, usual) if number in before["read"]]
+    normal = {s.name: before for s, before in zip(inputs, usual)}
+    changes = []
+    for factor in (0.5, 2.0):
+        tried = [name for name in names if (constant.key, factor, name) in results.rows]
+        pairs = [(normal[name], results.rows[constant.key, factor, name]) for name in tried]
+        changes.append(change(pairs))
+    cells = [place(constant), value(constant), cell(constant.reason), str(len(names)), *changes]
+    return f"| {' | '.join(cells)} |\n"
+
+
+def place(constant):
+    return f"`{constant.name}` {constant.file.removeprefix('src/')}"
+
+
+def value(constant):
+    return f"`{cell(constant.value)}`"
+
+
+def cell(text):
+    return text.replace("|", "\\|")
+
+
+def change(pairs):
+    """What differs between the usual figures and others, in words."""
+    different = [(a, b) for a, b in pairs if differs(a, b)]
+    if not different:
+        return f"– of {len(pairs)}" if pairs else "not read"
+    said = [f"{len(different)} of {len(pairs)}"]
+    whole = [(a, b) for a, b in different if "rms" in a and "rms" in b]
+    shifts = [100 * (b["rms"] / a["rms"] - 1) for a, b in whole if a["rms"] > 0]
+    if shifts and max(map(abs, shifts)) >= 0.05:
+        said.append(f"rms {min(shifts):+.1f} to {max(shifts):+.1f} %")
+    said += sums(whole)
+    said += outcomes(different)
+    before, after = (sum(pair[k]["seconds"] for pair in pairs) for k in (0, 1))
+    if after > 1.2 * before:
+        said.append(f"{after / before:.1f} × slower")
+    if before > 1.2 * after:
+        said.append(f"{before / after:.1f} × faster")
+    return ", ".join(said)
+
+
+def differs(before, after):
+    is_other = any(before.get(key) != after.get(key) for key in ["exit", "bytes", "hints"])
+    return is_other or "check" in after and after["check"] != before["check"]
+
+
+def sums(pairs):
+    before, after = (sum(pair[k]["points"] for pair in pairs) for k in (0, 1))
+    share = 100 * (after / before - 1) if before else 0
+    return [f"control points {share:+.0f} %"] if abs(share) >= 0.5 else []
+
+
+def outcomes(pairs):
+    """Counts of scans with a worse or better outcome."""
+    both = lambda key: [(a.get(key), b.get(key)) for a, b in pairs]
+    finished = {0, 3}
+    counts = {
+        "hang": sum(b == "hangs" for _, b in both("exit")),
+        "fail": sum(a in finished and b not in finished | {"hangs"} for a, b in both("exit")),
+        "miss the tolerance": sum(a is True and b is False for a, b in both("met")),
+        "meet it now": sum(a is False and b is True for a, b in both("met")),
+        "more folds": sum(None not in pair and pair[1] > pair[0] for pair in both("folds")),
+        "fewer folds": sum(None not in pair and pair[1] < pair[0] for pair in both("folds")),
+        "other loops": sum(None not in pair and pair[1] != pair[0] for pair in both("loops")),
+    }
+    return [f"{count} {what}" for what, count in counts.items() if count]
