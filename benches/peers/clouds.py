@@ -7,7 +7,8 @@ libeigen3-dev. The script needs Linux. It prints a Markdown table for clouds wit
 surface, an outer loop and three holes:
 
 - plain: the points of a virtual scan in any order.
-- layers: the points are divided among three registrations, each moved by half of the noise.
+- layers: two other scans of the same surface are added, and each of the three is moved by half of
+  the noise.
 - outliers: one point in a hundred is moved, half of these far away, half by 2 to 20 times the noise.
 - density: the density falls from one side to the other to a fifth.
 
@@ -35,6 +36,8 @@ from clouds_check import check
 
 NOISE_MM = 0.08
 VARIANTS = ["plain", "layers", "outliers", "density"]
+# Scans of the same surface with other points and other noise.
+LAYERS = {"relief60k": ["relief10k", "relief100k"], "relief250k": ["relief60k", "relief100k"]}
 PEERS = ["ours", "cgal-front", "cgal-chain", "open3d-balls", "open3d-poisson", "meshlab-balls",
          "meshlab-poisson"]
 COLUMNS = ["cloud", "points", "program", "right", "manifold", "oriented", "pieces", "loops",
@@ -132,9 +135,10 @@ def made_cloud(scan, variant):
         stays = random.random(len(points)) < 1 - 0.8 * uv[:, 0]
         uv, points = uv[stays], points[stays]
     if variant == "layers":
+        layers = [points, *(made.samples(name)[1] for name in LAYERS[scan])]
         steps = random.normal(size=(3, 3))
         steps *= 0.5 * NOISE_MM / np.linalg.norm(steps, axis=1)[:, None]
-        points += steps[random.integers(0, 3, len(points))]
+        points = np.concatenate([layer + step for layer, step in zip(layers, steps)])
     if variant == "outliers":
         moved = random.choice(len(points), len(points) // 100, replace=False)
         far, near = np.array_split(moved, 2)

@@ -2,13 +2,13 @@
 
     python3.11 -m venv VENV
     VENV/bin/pip install -r benches/peers/requirements.txt
-    VENV/bin/python benches/peers/run.py [read|fill|fit ...]
+    VENV/bin/python benches/peers/run.py [read|fill|clouds|fit ...]
 
 The script makes its scans, runs every program on them in its own process, and prints Markdown
 tables: the CPU seconds, their ratio to those of scan2step in the same run, and the distance from
-the true surface if there is one. All three comparisons take about twenty minutes. Each of them is a
-script with its own options: read.py, fill.py, fit.py. FreeCAD is searched as freecadcmd (Debian:
-freecad-python3). The script needs Linux.
+the true surface if there is one. All four comparisons take about forty minutes. Each of them is a
+script with its own options: read.py, fill.py, clouds.py, fit.py. FreeCAD is searched as freecadcmd
+(Debian: freecad-python3). The script needs Linux.
 """
 
 import sys
@@ -16,6 +16,7 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True
 sys.path.insert(0, str(Path(__file__).resolve().parent))
+import clouds
 import fill
 import fit
 import read
@@ -23,6 +24,7 @@ import read
 TASKS = {
     "read": ("Reading and meshing a million points", lambda: read.main([])),
     "fill": ("Filling holes", lambda: fill.main(fill.SCANS)),
+    "clouds": ("Triangles of clouds of points", lambda: clouds.main([])),
     "fit": ("Fitting a surface", lambda: fit.main(["gismo", "fitpack", "geomdl", "freecad"])),
 }
 

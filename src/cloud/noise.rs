@@ -5,7 +5,7 @@
 
 use super::nearest_lists::NearestLists;
 use super::project::{SurfacePoint, farthest, first};
-use super::quadric::Rows;
+use super::quadric::QuadricRows;
 use crate::geometry::Point;
 use crate::mesh::Neighbours;
 
@@ -26,7 +26,7 @@ const PLACES: usize = 4000;
 /// The number of neighbours that the noise asks for.
 pub(super) fn neighbour_count(points: &[Point], near: &Neighbours) -> usize {
     let enough = |&&k: &&usize| {
-        let (mut found, mut rows) = (Vec::new(), Rows::default());
+        let (mut found, mut rows) = (Vec::new(), QuadricRows::default());
         let mut ratios = Vec::new();
         for i in sample(points.len()) {
             let own = points[i];
@@ -60,7 +60,7 @@ pub(super) fn deviation(
     surface: &[SurfacePoint],
     left_out: &[bool],
 ) -> f64 {
-    let (mut around, mut rows) = (Vec::new(), Rows::default());
+    let (mut around, mut rows) = (Vec::new(), QuadricRows::default());
     let mut variances = Vec::new();
     for i in sample(points.len()).filter(|&i| !left_out[i]) {
         let own = &surface[i];

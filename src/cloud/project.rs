@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::CHUNK;
 use super::nearest_lists::NearestLists;
-use super::quadric::{PrincipalPlane, Quadric, Rows, weight};
+use super::quadric::{PrincipalPlane, Quadric, QuadricRows, weight};
 use crate::geometry::{Point, Vector};
 
 /// Where a point is on the surface of its neighbours.
@@ -37,7 +37,12 @@ impl SurfacePoint {
 /// Projects a place onto the surface of the points in the list, by a plane through them and a
 /// quadric over it. The point at the place itself is not in its list, so an outlier cannot draw
 /// the surface to itself.
-pub(super) fn first(own: Point, points: &[Point], list: &[u32], rows: &mut Rows) -> SurfacePoint {
+pub(super) fn first(
+    own: Point,
+    points: &[Point],
+    list: &[u32],
+    rows: &mut QuadricRows,
+) -> SurfacePoint {
     let radius = farthest(own, points, list);
     let others = || list.iter().map(|&j| points[j as usize]);
     let plane = PrincipalPlane::fit(others().map(|p| {
@@ -56,9 +61,9 @@ pub(super) fn farthest(from: Point, points: &[Point], list: &[u32]) -> f64 {
 
 /// Projects all points for the first time.
 pub(super) fn all(points: &[Point], lists: &NearestLists) -> Vec<SurfacePoint> {
-    let project = |rows: &mut Rows, i: usize| first(points[i], points, lists.of(i), rows);
+    let project = |rows: &mut QuadricRows, i: usize| first(points[i], points, lists.of(i), rows);
     let numbers = (0..points.len()).into_par_iter().with_min_len(CHUNK);
-    numbers.map_init(Rows::default, project).collect()
+    numbers.map_init(QuadricRows::default, project).collect()
 }
 
 /// Projects the `chosen` points again. The plane is now that of the first projection, and points
@@ -70,7 +75,7 @@ pub(super) fn again(
     first: &[SurfacePoint],
     left_out: &[bool],
 ) -> Vec<SurfacePoint> {
-    let project = |rows: &mut Rows, &i: &u32| {
+    let project = |rows: &mut QuadricRows, &i: &u32| {
         let i = i as usize;
         let list = lists.of(i);
         let all = list.iter().map(|&j| j as usize).chain([i]);
@@ -80,5 +85,5 @@ pub(super) fn again(
         let fit = rows.fit(from.place, from.normal, radius, used);
         SurfacePoint::new(from.place, from.normal, from.on_line, fit)
     };
-    chosen.par_iter().with_min_len(CHUNK).map_init(Rows::default, project).collect()
+    chosen.par_iter().with_min_len(CHUNK).map_init(QuadricRows::default, project).collect()
 }

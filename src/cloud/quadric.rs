@@ -56,20 +56,20 @@ pub(super) struct Quadric {
 
 /// A neighbour in the plane, in units of the radius: the monomials 1, x, y, x², xy and y², the
 /// height and the weight.
-struct Row {
+struct QuadricRow {
     monomials: SVector<f64, 6>,
     height: f64,
     weight: f64,
 }
 
-impl Row {
+impl QuadricRow {
     fn new(d: Vector, (x, y): (Vector, Vector), normal: Vector) -> Self {
         let (u, v) = (d.dot(&x), d.dot(&y));
         // The distance in the plane, and not that in space: otherwise points far above and below
         // would count less, and the noise would look smaller than it is.
         let weight = weight(u * u + v * v, 1.0);
         let monomials = SVector::from([1.0, u, v, u * u, u * v, v * v]);
-        Row { monomials, height: d.dot(&normal), weight }
+        QuadricRow { monomials, height: d.dot(&normal), weight }
     }
 
     fn first<const N: usize>(&self) -> SVector<f64, N> {
@@ -80,9 +80,9 @@ impl Row {
 /// The neighbours of one place, as the rows of a least-squares problem. They are kept to be filled
 /// again for the next place.
 #[derive(Default)]
-pub(super) struct Rows(Vec<Row>);
+pub(super) struct QuadricRows(Vec<QuadricRow>);
 
-impl Rows {
+impl QuadricRows {
     /// Fills the rows with points around `origin`.
     fn fill(
         &mut self,
@@ -94,7 +94,7 @@ impl Rows {
         let axes = plane_axes(normal);
         let inverse = 1.0 / radius;
         self.0.clear();
-        self.0.extend(points.map(|p| Row::new((p - origin) * inverse, axes, normal)));
+        self.0.extend(points.map(|p| QuadricRow::new((p - origin) * inverse, axes, normal)));
     }
 
     /// Fits a quadric over the plane through `origin` with this unit `normal`. A plane is fitted
@@ -168,7 +168,7 @@ impl Rows {
     {
         let (factor, c) = self.system::<N>()?;
         let influence = factor.solve(&SVector::from_fn(|i, _| f64::from(u8::from(i == 0))));
-        let square = |row: &Row| (row.weight * row.first::<N>().dot(&influence)).powi(2);
+        let square = |row: &QuadricRow| (row.weight * row.first::<N>().dot(&influence)).powi(2);
         // The variance of the height at the origin, if that of the points is 1.
         let variance: f64 = self.0.iter().map(square).sum();
         (variance <= 1.0).then(|| [c[0], c[1], c[2]])

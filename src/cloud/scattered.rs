@@ -10,6 +10,7 @@ use super::thin::KeptPoints;
 use super::voronoi::VoronoiStars;
 use super::{LEFT_OUT, Options, Report, Triangulation, noise, outliers, project, sides, votes};
 use crate::error::{CloudFault, Error, Result};
+use crate::geometry::Point;
 use crate::mesh::{Mesh, Neighbours};
 use crate::progress::Progress;
 use crate::rules::LEAST_POINTS;
@@ -28,7 +29,7 @@ struct SurfacePoints {
     surface: Vec<SurfacePoint>,
     /// Points that belong to no surface.
     outlier: Vec<bool>,
-    /// Outliers, and points that no fit should see.
+    /// Outliers, and other points with which the noise should not be measured.
     suspect: Vec<bool>,
 }
 
@@ -45,7 +46,7 @@ pub(super) fn triangulate(
             if points.len() > 1 { CloudFault::Few(points.len()) } else { CloudFault::OnePlace };
         return Err(Error::Cloud(fault));
     }
-    let mut found = SurfacePoints::new(&ordered, progress)?;
+    let found = SurfacePoints::new(&ordered, progress)?;
     let deviation = noise::deviation(points, &found.lists, &found.surface, &found.suspect);
     let apart = options.spacing.map_or(0.0, |spacing| ordered.frame.work_length(spacing));
     let kept = KeptPoints::new(
@@ -60,7 +61,7 @@ pub(super) fn triangulate(
         points: cloud.len(),
         duplicates: cloud.len() - points.len(),
         outliers: found.outlier.iter().filter(|is| **is).count(),
-        spacing: ordered.frame.length(noise::median(&mut found.spacing).unwrap_or(0.0)),
+        spacing: ordered.frame.length(found.spacing_along_surface()),
         noise: ordered.frame.length(deviation),
         neighbours: found.lists.count(),
         ..Report::default()
@@ -93,9 +94,9 @@ impl SurfacePoints {
         if share(surface.iter().map(|s| s.on_line)) > 1.0 - MOST_OUTLIERS {
             return Err(Error::Cloud(CloudFault::Line));
         }
-        let mut suspect = outliers::far(&surface, &lists);
+        let [far, mut suspect] = outliers::far(&surface, &lists);
         for (i, is_outlier) in outlier.iter_mut().enumerate() {
-            *is_outlier |= suspect[i] && surface[i].moved.abs() > spacing[i];
+            *is_outlier |= far[i] && surface[i].moved.abs() > spacing[i];
             suspect[i] |= *is_outlier;
         }
         if share(outlier.iter().copied()) > MOST_OUTLIERS {
@@ -103,14 +104,18 @@ impl SurfacePoints {
             return Err(Error::Cloud(CloudFault::Outliers { outliers, points: points.len() }));
         }
         progress(0.5)?;
-        // From here on the distances along the surface count, and not those through its noise.
-        let places: Vec<_> = surface.iter().map(|s| s.place).collect();
-        let spacing = outliers::spacings(&places, &lists);
         Ok(SurfacePoints { lists, spacing, surface, outlier, suspect })
     }
 
+    /// The median spacing of the projected points. That of the measured ones is larger, because it
+    /// goes through the noise.
+    fn spacing_along_surface(&self) -> f64 {
+        let places: Vec<Point> = self.surface.iter().map(|s| s.place).collect();
+        noise::median(&mut outliers::spacings(&places, &self.lists)).unwrap_or(0.0)
+    }
+
     /// The kept points on the surface of their neighbours without outliers.
-    fn again(&self, points: &[crate::geometry::Point], kept: &[u32]) -> Vec<SurfacePoint> {
+    fn again(&self, points: &[Point], kept: &[u32]) -> Vec<SurfacePoint> {
         project::again(kept, points, &self.lists, &self.surface, &self.outlier)
     }
 }

@@ -51,11 +51,12 @@ impl VoronoiStars {
         let lists = NearestLists::new(&places, &Neighbours::new(&places), count);
         let numbers = || (0..places.len()).into_par_iter().with_min_len(CHUNK);
         let spacing: Vec<f64> = numbers().map(|i| ring_distance(i, &places, &lists)).collect();
-        let star = |cell: &mut Cell, i: usize| {
+        let star = |cell: &mut VoronoiCell, i: usize| {
             cell.clip(i, vertices, lists.of(i), spacing[i]);
             cell.star(i, &places, &spacing)
         };
-        let stars: Vec<SmallVec<[u32; 8]>> = numbers().map_init(Cell::default, star).collect();
+        let stars: Vec<SmallVec<[u32; 8]>> =
+            numbers().map_init(VoronoiCell::default, star).collect();
         let mut all = VoronoiStars { starts: vec![0], around: Vec::new() };
         for star in stars {
             all.around.extend(star);
@@ -92,7 +93,7 @@ fn ring_distance(i: usize, places: &[Point], lists: &NearestLists) -> f64 {
 
 /// A convex polygon around a vertex.
 #[derive(Default)]
-struct Cell {
+struct VoronoiCell {
     /// The corners, counter-clockwise, each with the neighbour whose bisector the side behind it
     /// is on, or [`SQUARE`].
     corners: Vec<(Vector2<f64>, u32)>,
@@ -102,7 +103,7 @@ struct Cell {
 /// The neighbour behind a side of the square to which cells are clipped.
 const SQUARE: u32 = u32::MAX;
 
-impl Cell {
+impl VoronoiCell {
     fn clip(&mut self, i: usize, vertices: &[SurfacePoint], list: &[u32], spacing: f64) {
         let own = &vertices[i];
         let (x, y) = plane_axes(own.normal);

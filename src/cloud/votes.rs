@@ -16,14 +16,14 @@ use super::voronoi::VoronoiStars;
 use crate::geometry::{Point, plane_axes};
 use crate::mesh::Buckets;
 
-type Corners = [u32; 3];
+type NumberedTriangle = [u32; 3];
 
 /// Elects the triangles.
-pub(super) fn elect(stars: &VoronoiStars, vertices: &[SurfacePoint]) -> Vec<Corners> {
-    let proposed: Vec<(Corners, usize)> =
+pub(super) fn elect(stars: &VoronoiStars, vertices: &[SurfacePoint]) -> Vec<NumberedTriangle> {
+    let proposed: Vec<(NumberedTriangle, usize)> =
         (0..stars.len() as u32).into_par_iter().flat_map_iter(|i| proposals(i, stars)).collect();
     let (agreed, mut candidates): (Vec<_>, Vec<_>) = proposed.into_iter().partition(|p| p.1 == 3);
-    let radius = |t: &Corners| circumradius(t.map(|v| vertices[v as usize].place));
+    let radius = |t: &NumberedTriangle| circumradius(t.map(|v| vertices[v as usize].place));
     candidates.sort_by_cached_key(|(t, votes)| (3 - votes, Ordered64(radius(t)), *t));
     let mut elected = Elected::new(vertices, agreed.into_iter().map(|p| p.0).collect());
     for (triangle, _) in candidates {
@@ -35,7 +35,7 @@ pub(super) fn elect(stars: &VoronoiStars, vertices: &[SurfacePoint]) -> Vec<Corn
 }
 
 /// The triangles of which vertex `i` is the lowest that votes for them, each with its votes.
-fn proposals(i: u32, stars: &VoronoiStars) -> impl Iterator<Item = (Corners, usize)> + '_ {
+fn proposals(i: u32, stars: &VoronoiStars) -> impl Iterator<Item = (NumberedTriangle, usize)> + '_ {
     stars.triangles(i).filter_map(move |[j, k]| {
         let [by_j, by_k] = [stars.has(j, [k, i]), stars.has(k, [i, j])];
         let is_lowest = !(by_j && j < i) && !(by_k && k < i);
@@ -71,7 +71,7 @@ pub(super) fn circumradius([a, b, c]: [Point; 3]) -> f64 {
 /// The triangles that are elected, and those around each vertex.
 struct Elected<'a> {
     vertices: &'a [SurfacePoint],
-    triangles: Vec<Corners>,
+    triangles: Vec<NumberedTriangle>,
     /// The triangles with three votes around each vertex.
     agreed: Buckets,
     /// The others.
@@ -79,20 +79,20 @@ struct Elected<'a> {
 }
 
 impl<'a> Elected<'a> {
-    fn new(vertices: &'a [SurfacePoint], triangles: Vec<Corners>) -> Self {
+    fn new(vertices: &'a [SurfacePoint], triangles: Vec<NumberedTriangle>) -> Self {
         let corner = |c: u32| triangles[c as usize / 3][c as usize % 3];
         let agreed = Buckets::new(vertices.len(), 3 * triangles.len(), corner);
         Elected { vertices, triangles, agreed, added: HashMap::new() }
     }
 
-    fn add(&mut self, triangle: Corners) {
+    fn add(&mut self, triangle: NumberedTriangle) {
         let number = self.triangles.len() as u32;
         triangle.into_iter().for_each(|v| self.added.entry(v).or_default().push(number));
         self.triangles.push(triangle);
     }
 
     /// Whether a triangle overlaps none of those around its corners.
-    fn has_room(&self, t: Corners) -> bool {
+    fn has_room(&self, t: NumberedTriangle) -> bool {
         (0..3).all(|k| {
             let (tip, a, b) = (t[k], t[(k + 1) % 3], t[(k + 2) % 3]);
             let Some(own) = self.sector(tip, [a, b]) else { return false };

@@ -7,6 +7,7 @@ pub mod importers;
 #[cfg(feature = "cli")]
 mod program;
 pub mod random;
+pub mod virtual_cloud;
 pub mod virtual_scan;
 
 use std::path::{Path, PathBuf};

@@ -1,5 +1,7 @@
 //! Virtual clouds: the points of virtual scans without their triangles, with what real clouds have.
 
+use std::collections::BTreeMap;
+
 use scan2step::formats::points::PointScan;
 use scan2step::formats::{Points, Soup};
 use scan2step::nalgebra::{Point3, Vector3};
@@ -33,7 +35,7 @@ pub struct VirtualCloud {
 /// The surfaces of virtual clouds, each with holes.
 pub fn holes(count: usize) -> Vec<Star> {
     let star = |x, y, radius, arms| Star { centre: [x, y], radius, arms };
-    let all = [star(0.3, 0.3, 0.07, 5.0), star(0.7, 0.65, 0.09, 3.0), star(0.4, 0.75, 0.05, 4.0)];
+    let all = [star(0.3, 0.3, 0.09, 5.0), star(0.7, 0.65, 0.1, 3.0), star(0.4, 0.75, 0.08, 4.0)];
     all[..count].to_vec()
 }
 
@@ -104,74 +106,78 @@ fn unit(random: &mut Random) -> Vector3<f64> {
     Vector3::from_fn(|_, _| random.normal()).normalize()
 }
 
-/// What is wrong with a soup of triangles.
+/// What a soup of triangles is, found without the library.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct SoupCheck {
-    /// Edges with more than two triangles, or with two that run the same way.
+    /// Sides of triangles that another triangle has in the same direction.
     pub bad_edges: usize,
-    /// Vertices with more than one fan.
+    /// Vertices from which more than one boundary edge leaves.
     pub bad_vertices: usize,
     pub components: usize,
-    pub loops: usize,
-    pub sizes: Vec<usize>,
+    /// The number of edges of each boundary loop, ascending.
+    pub loops: Vec<usize>,
     pub area: f64,
 }
 
-/// Checks a soup without the library.
-pub fn check(soup: &Soup) -> SoupCheck {
-    use std::collections::BTreeMap;
-    let triangles: Vec<[u32; 3]> =
-        soup.polygons.iter().map(|t| t.try_into().expect("a triangle")).collect();
-    let mut edges: BTreeMap<(u32, u32), usize> = BTreeMap::new();
-    for t in &triangles {
-        for k in 0..3 {
-            *edges.entry((t[k], t[(k + 1) % 3])).or_default() += 1;
+impl SoupCheck {
+    /// Checks a soup of triangles whose points are all used.
+    pub fn new(soup: &Soup) -> Self {
+        let triangles: Vec<[u32; 3]> =
+            soup.polygons.iter().map(|t| t.try_into().expect("a triangle")).collect();
+        let mut sides: BTreeMap<(u32, u32), usize> = BTreeMap::new();
+        let of_triangle = |t: &[u32; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
+        triangles.iter().flat_map(of_triangle).for_each(|s| *sides.entry(s).or_default() += 1);
+        let open: Vec<(u32, u32)> =
+            sides.keys().filter(|&&(a, b)| !sides.contains_key(&(b, a))).copied().collect();
+        let next: BTreeMap<u32, u32> = open.iter().copied().collect();
+        SoupCheck {
+            bad_edges: sides.values().filter(|&&count| count > 1).count(),
+            bad_vertices: open.len() - next.len(),
+            components: components(soup.points.len(), &triangles),
+            loops: loop_lengths(next),
+            area: triangles.iter().map(|t| area(t.map(|v| soup.points[v as usize]))).sum(),
         }
     }
-    let mut check = SoupCheck::default();
-    check.bad_edges = edges.values().filter(|count| **count > 1).count();
-    let open: BTreeMap<u32, Vec<u32>> = edges
-        .keys()
-        .filter(|(a, b)| !edges.contains_key(&(*b, *a)))
-        .fold(BTreeMap::new(), |mut open: BTreeMap<u32, Vec<u32>>, &(a, b)| {
-            open.entry(a).or_default().push(b);
-            open
-        });
-    check.bad_vertices = open.values().filter(|next| next.len() > 1).count();
-    let mut seen = std::collections::BTreeSet::new();
-    for &start in open.keys() {
-        let mut v = start;
-        let mut is_new = false;
-        let mut count = 0;
-        while seen.insert(v) {
-            is_new = true;
-            count += 1;
-            match open.get(&v) {
-                Some(next) => v = next[0],
-                None => break,
-            }
-        }
-        check.loops += usize::from(is_new);
-        if is_new {
-            check.sizes.push(count);
-        }
+
+    /// Whether the soup is an oriented manifold mesh.
+    pub fn is_manifold(&self) -> bool {
+        self.bad_edges == 0 && self.bad_vertices == 0
     }
-    let mut root: Vec<u32> = (0..soup.points.len() as u32).collect();
-    fn find(root: &mut [u32], mut v: u32) -> u32 {
+}
+
+fn area(t: [[f64; 3]; 3]) -> f64 {
+    let [a, b, c] = t.map(Point3::from);
+    0.5 * (b - a).cross(&(c - a)).norm()
+}
+
+fn loop_lengths(mut next: BTreeMap<u32, u32>) -> Vec<usize> {
+    let mut lengths = Vec::new();
+    while let Some((&start, _)) = next.first_key_value() {
+        let (mut v, mut length) = (start, 0);
+        while let Some(after) = next.remove(&v) {
+            v = after;
+            length += 1;
+        }
+        lengths.push(length);
+    }
+    lengths.sort_unstable();
+    lengths
+}
+
+fn components(points: usize, triangles: &[[u32; 3]]) -> usize {
+    let mut root: Vec<u32> = (0..points as u32).collect();
+    let find = |root: &mut Vec<u32>, mut v: u32| {
         while root[v as usize] != v {
             root[v as usize] = root[root[v as usize] as usize];
             v = root[v as usize];
         }
         v
-    }
-    for t in &triangles {
+    };
+    for t in triangles {
         for k in 1..3 {
             let (a, b) = (find(&mut root, t[0]), find(&mut root, t[k]));
             root[a.max(b) as usize] = a.min(b);
         }
-        let [a, b, c] = t.map(|v| Point3::from(soup.points[v as usize]));
-        check.area += 0.5 * (b - a).cross(&(c - a)).norm();
     }
-    check.components = (0..root.len()).filter(|&v| root[v] as usize == v).count();
-    check
+    (0..points).filter(|&v| root[v] as usize == v).count()
 }

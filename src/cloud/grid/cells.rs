@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::jumps::GridEdges;
-use super::raster::{Cell, GridStep, Raster};
+use super::raster::{GridCell, GridStep, Raster};
 use crate::geometry::VertexId;
 
 /// Makes the triangles, in the order of the cells.
@@ -27,7 +27,7 @@ pub(super) fn triangles(raster: &Raster, edges: &GridEdges) -> Vec<[VertexId; 3]
 fn square(
     raster: &Raster,
     edges: &GridEdges,
-    (row, column): Cell,
+    (row, column): GridCell,
 ) -> impl Iterator<Item = [VertexId; 3]> {
     // Around the square: each corner, and whether it is joined with the next one.
     let corners = [(row, column), (row + 1, column), (row + 1, column + 1), (row, column + 1)];
@@ -56,7 +56,7 @@ fn square(
 }
 
 /// The squared length of a diagonal, or infinity if it lacks a point.
-fn diagonal(raster: &Raster, from: Cell, to: Cell) -> f64 {
+fn diagonal(raster: &Raster, from: GridCell, to: GridCell) -> f64 {
     let ends = raster.point(from).zip(raster.point(to));
     ends.map_or(f64::INFINITY, |(from, to)| (to - from).norm_squared())
 }

@@ -9,7 +9,7 @@
 
 use rayon::prelude::*;
 
-use super::raster::{Cell, GridStep, Raster};
+use super::raster::{GridCell, GridStep, Raster};
 use crate::cloud::noise::median;
 use crate::geometry::Vector;
 
@@ -57,7 +57,7 @@ impl GridEdges {
     }
 
     /// Whether the edge from a cell of the raster is there and not cut.
-    pub(super) fn is_joined(&self, (row, column): Cell, step: GridStep) -> bool {
+    pub(super) fn is_joined(&self, (row, column): GridCell, step: GridStep) -> bool {
         self.edges[step as usize][row * self.columns + column] == GridEdge::Joined
     }
 
@@ -90,7 +90,7 @@ fn classify(raster: &Raster, step: GridStep) -> Vec<GridEdge> {
 fn around<'a>(
     raster: &'a Raster,
     lengths: &'a [f64],
-    cell: Cell,
+    cell: GridCell,
 ) -> impl Iterator<Item = f64> + 'a {
     let moved = move |cell, step| (-REACH..=REACH).filter_map(move |n| raster.moved(cell, step, n));
     let cells = moved(cell, GridStep::Row).flat_map(move |row| moved(row, GridStep::Column));
@@ -99,7 +99,7 @@ fn around<'a>(
 }
 
 /// Whether the surface on neither side of an edge leads up to it. A side without points does not.
-fn is_surprise(raster: &Raster, cell: Cell, step: GridStep) -> bool {
+fn is_surprise(raster: &Raster, cell: GridCell, step: GridStep) -> bool {
     let Some(edge) = raster.displacement(cell, step, 1) else { return false };
     let before = mean_step(raster, Some(cell), step, -1);
     let after = mean_step(raster, raster.moved(cell, step, 1), step, 1);
@@ -107,7 +107,12 @@ fn is_surprise(raster: &Raster, cell: Cell, step: GridStep) -> bool {
 }
 
 /// The mean of the two edges, or of the one edge, on the side of a cell that `sign` tells.
-fn mean_step(raster: &Raster, cell: Option<Cell>, step: GridStep, sign: isize) -> Option<Vector> {
+fn mean_step(
+    raster: &Raster,
+    cell: Option<GridCell>,
+    step: GridStep,
+    sign: isize,
+) -> Option<Vector> {
     let edges = |count: isize| {
         let displacement = raster.displacement(cell?, step, sign * count)?;
         Some(displacement / (sign * count) as f64)

@@ -10,7 +10,7 @@
 use rayon::prelude::*;
 
 use super::jumps::GridEdges;
-use super::raster::{Cell, GridStep, Raster};
+use super::raster::{GridCell, GridStep, Raster};
 use crate::cloud::noise::median;
 use crate::geometry::{Point, Vector};
 
@@ -62,7 +62,7 @@ fn basis(v: f64, u: f64) -> [(f64, f64); 6] {
 }
 
 /// The variance along the normal in the patch whose first cell is given.
-fn variance(raster: &Raster, edges: &GridEdges, first: Cell) -> Option<f64> {
+fn variance(raster: &Raster, edges: &GridEdges, first: GridCell) -> Option<f64> {
     let points = patch(raster, edges, first)?;
     let mut fit = [Vector::zeros(); 6];
     for &(v, u, p) in &points {
@@ -82,7 +82,7 @@ fn variance(raster: &Raster, edges: &GridEdges, first: Cell) -> Option<f64> {
 }
 
 /// The points of a patch with their places in it, if it is complete and has no jump.
-fn patch(raster: &Raster, edges: &GridEdges, first: Cell) -> Option<Vec<(f64, f64, Point)>> {
+fn patch(raster: &Raster, edges: &GridEdges, first: GridCell) -> Option<Vec<(f64, f64, Point)>> {
     let places = (0..SIDE).flat_map(|v| (0..SIDE).map(move |u| (v, u)));
     let middle = (SIDE / 2) as f64;
     let point = |(v, u): (usize, usize)| {

@@ -15,7 +15,7 @@ pub(super) enum GridStep {
 }
 
 /// A row and a column.
-pub(super) type Cell = (usize, usize);
+pub(super) type GridCell = (usize, usize);
 
 /// The points of a cloud seen through one of its grids.
 #[derive(Debug, Clone, Copy)]
@@ -53,28 +53,33 @@ impl<'a> Raster<'a> {
     }
 
     /// All cells, row by row.
-    pub(super) fn cells(&self) -> impl Iterator<Item = Cell> {
+    pub(super) fn cells(&self) -> impl Iterator<Item = GridCell> {
         let columns = self.columns();
         (0..self.rows()).flat_map(move |row| (0..columns).map(move |column| (row, column)))
     }
 
     /// The cell with a number in the order of [`Raster::cells`].
-    pub(super) fn cell(&self, number: usize) -> Cell {
+    pub(super) fn cell(&self, number: usize) -> GridCell {
         (number / self.columns(), number % self.columns())
     }
 
     /// The index of the point in a cell.
-    pub(super) fn index(&self, (row, column): Cell) -> Option<u32> {
+    pub(super) fn index(&self, (row, column): GridCell) -> Option<u32> {
         self.grid.point(row, column)
     }
 
     /// The point in a cell.
-    pub(super) fn point(&self, cell: Cell) -> Option<Point> {
+    pub(super) fn point(&self, cell: GridCell) -> Option<Point> {
         self.points.get(self.index(cell)? as usize).copied()
     }
 
     /// The cell that is `count` steps away, if the grid has it.
-    pub(super) fn moved(&self, (row, column): Cell, step: GridStep, count: isize) -> Option<Cell> {
+    pub(super) fn moved(
+        &self,
+        (row, column): GridCell,
+        step: GridStep,
+        count: isize,
+    ) -> Option<GridCell> {
         let cell = match step {
             GridStep::Column => (row, column.checked_add_signed(count)?),
             GridStep::Row => (row.checked_add_signed(count)?, column),
@@ -83,7 +88,12 @@ impl<'a> Raster<'a> {
     }
 
     /// The displacement from the point of a cell to the point that is `count` steps away.
-    pub(super) fn displacement(&self, cell: Cell, step: GridStep, count: isize) -> Option<Vector> {
+    pub(super) fn displacement(
+        &self,
+        cell: GridCell,
+        step: GridStep,
+        count: isize,
+    ) -> Option<Vector> {
         Some(self.point(self.moved(cell, step, count)?)? - self.point(cell)?)
     }
 
