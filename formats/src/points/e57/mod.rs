@@ -78,7 +78,8 @@ fn check_header(source: &Source, bytes: &[u8]) -> Result<()> {
 fn check_records(source: &Source, scans: &[PointCloud], length: u64) -> Result<()> {
     let mut bits = 0u128;
     for (number, scan) in scans.iter().enumerate() {
-        let record: u128 = scan.prototype.iter().map(|record| fields::bits(&record.data_type)).sum();
+        let record: u128 =
+            scan.prototype.iter().map(|record| fields::bits(&record.data_type)).sum();
         let place = Location::Element("scan", number as u64);
         if record == 0 && scan.records > 0 {
             let what = "has points without any bits";
