@@ -17,9 +17,10 @@ fn file(format: u8, is_packed: bool, records: Vec<Vlr>) -> Vec<u8> {
 /// Points of different classes, the last of which is withheld.
 fn classes(format: u8) -> Vec<u8> {
     let builder = las_header(format, false, Vec::new());
-    let points = [2, 7, 5, 18, 2, 2].into_iter().enumerate().map(|(i, class)| {
-        Point { is_withheld: i == 5, ..las_point(&builder, i as u16, class) }
-    });
+    let points = [2, 7, 5, 18, 2, 2]
+        .into_iter()
+        .enumerate()
+        .map(|(i, class)| Point { is_withheld: i == 5, ..las_point(&builder, i as u16, class) });
     let points: Vec<Point> = points.collect();
     las_file(builder, points)
 }
@@ -72,7 +73,10 @@ fn the_coordinate_system_says_the_unit() {
     }
     for records in [Vec::new(), vec![geo_keys(&[[1024, 1], [3072, 25832]])]] {
         let cloud = cloud("scan", file(6, false, records));
-        assert_eq!((cloud.unit, cloud.notes), (Some(LengthUnit::Metre), vec![Note::MetresByCustom]));
+        assert_eq!(
+            (cloud.unit, cloud.notes),
+            (Some(LengthUnit::Metre), vec![Note::MetresByCustom])
+        );
     }
 }
 
