@@ -6,13 +6,14 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use formats::{Points, Result};
 
 use crate::seeds;
+use crate::seeds::surveys::{with_checksums, without_checksums};
 use damage::{Random, damage};
 
 #[path = "../read/mutations/damage.rs"]
 mod damage;
 
-/// How often each file is damaged.
-const ROUNDS: usize = 5_000;
+/// How often each file is damaged. `POINT_ROUNDS` in the environment raises it.
+const ROUNDS: usize = 10_000;
 
 /// Reads a file, and tells its bytes if that panics.
 fn survive(name: &str, content: &[u8]) -> Result<Points> {
@@ -74,13 +75,68 @@ fn numbers_that_lie_are_survived() {
     }
 }
 
+/// The same for headers of bytes.
+#[test]
+fn bytes_that_lie_are_survived() {
+    const SHORT: [u32; 4] = [0, 1, 1 << 31, u32::MAX];
+    const LONG: [u64; 3] = [1 << 40, 1 << 63, u64::MAX];
+    for (name, content) in seeds::all() {
+        if !is_survey(name) {
+            continue;
+        }
+        // Within the points, every fourth place is enough.
+        for at in (0..content.len() - 8).filter(|at| *at < 500 || at % 4 == 0) {
+            let lies = SHORT.map(|lie| lie.to_le_bytes().to_vec()).into_iter();
+            for lie in lies.chain(LONG.map(|lie| lie.to_le_bytes().to_vec())) {
+                let mut file = content.clone();
+                file.splice(at..at + lie.len(), lie);
+                drop(survive(name, &resealed(name, file)));
+            }
+        }
+    }
+}
+
+#[test]
+fn numbers_in_e57_that_lie_are_survived() {
+    let content = without_checksums(&seeds::surveys::e57());
+    let xml = content.windows(5).position(|word| word == b"<?xml").expect("a description");
+    let mut at = xml;
+    while at < content.len() {
+        let digits = content[at..].iter().take_while(|b| b.is_ascii_digit()).count();
+        for lie in LIES.iter().chain(&["nan", "1e999"]).filter(|_| digits > 0) {
+            let mut file = [&content[..at], lie.as_bytes(), &content[at + digits..]].concat();
+            let length = u64::from_le_bytes(content[32..40].try_into().expect("a length"));
+            let length = length + lie.len() as u64 - digits as u64;
+            file[32..40].copy_from_slice(&length.to_le_bytes());
+            drop(survive("lie.e57", &with_checksums(&file)));
+        }
+        at += digits + 1;
+    }
+}
+
+/// Whether a seed is of a format of bytes with a header of numbers.
+fn is_survey(name: &str) -> bool {
+    ["e57", "las", "laz"].iter().any(|end| name.ends_with(end))
+}
+
+/// A damaged file. E57 gets new checksums, because otherwise nothing would be read.
+fn resealed(name: &str, file: Vec<u8>) -> Vec<u8> {
+    match name.ends_with("e57") {
+        true => with_checksums(&without_checksums(&file)),
+        false => file,
+    }
+}
+
 #[test]
 fn random_damage_is_survived() {
     let mut random = Random(0x2545_f491_4f6c_dd1d);
     for (name, good) in seeds::all() {
-        for _ in 0..ROUNDS {
-            let mut file = good.clone();
+        let rounds = std::env::var("POINT_ROUNDS").ok().and_then(|rounds| rounds.parse().ok());
+        let is_e57 = name.ends_with("e57");
+        for _ in 0..rounds.unwrap_or(ROUNDS) {
+            let mut file = if is_e57 { without_checksums(&good) } else { good.clone() };
             damage(&mut file, &mut random);
+            let file = if is_e57 { with_checksums(&file) } else { file };
             drop(survive(name, &file));
         }
     }

@@ -3,7 +3,9 @@
 
 mod broken;
 mod collected;
+mod e57;
 mod far;
+mod las;
 mod pcd;
 mod ply;
 mod ptx;

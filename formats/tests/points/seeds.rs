@@ -7,6 +7,9 @@ use std::path::Path;
 use formats::points::ScanGrid;
 use formats::{Points, Result, read_points_from};
 
+#[path = "survey_seeds.rs"]
+pub mod surveys;
+
 /// Reads `content` and checks what a cloud promises.
 ///
 /// # Panics
@@ -51,6 +54,11 @@ pub fn all() -> Vec<Seed> {
         ("ascii.pcd", pcd("ascii", ASCII_PCD.as_bytes())),
         ("binary.pcd", pcd("binary", &records())),
         ("packed.pcd", pcd("binary_compressed", &packed(&columns()))),
+        ("two.e57", surveys::e57()),
+        ("one.las", surveys::las(1, false)),
+        ("six.las", surveys::las(6, false)),
+        ("five.laz", surveys::las(5, true)),
+        ("eight.laz", surveys::las(8, true)),
     ];
     let zipped = [
         ("spaces.xyz.gz", SPACES.into()),

@@ -25,6 +25,10 @@ const TABLE_OFFSET: usize = 8;
 /// The bytes of the table before its compressed part: its version and the number of chunks.
 const TABLE_HEAD: usize = 8;
 
+/// No arithmetic coder begins with these bytes: its first number is less than the length of the
+/// first interval, which is this number. `laz` panics on a number that is not.
+const NO_CODE: [u8; 4] = [0xff; 4];
+
 /// The points of a file.
 pub(super) struct PackedPoints<'a> {
     path: &'a std::path::Path,
@@ -127,6 +131,9 @@ impl<'a> PackedPoints<'a> {
         let count = self.bytes.get(at + 4..at + TABLE_HEAD).and_then(|n| n.first_chunk());
         let count = count.map_or(0, |&number| u32::from_le_bytes(number));
         // The first point of each chunk is not compressed.
+        if self.bytes[at + TABLE_HEAD..].starts_with(&NO_CODE) {
+            return Err(self.bad_table("an unreadable table of its chunks"));
+        }
         if count as usize > at / self.header.record {
             return Err(self.bad_table(&format!("{count} chunks of points in {at} bytes")));
         }
@@ -151,12 +158,19 @@ impl<'a> PackedPoints<'a> {
 
     fn read_chunk(&self, chunk: &Chunk, first: u64, points: &mut LasPoints) -> Result<()> {
         let bytes = &self.bytes[chunk.bytes.clone()];
+        let is_sound = match self.kind {
+            ChunkKind::Layered => self.layers_are_sound(bytes),
+            ChunkKind::One | ChunkKind::PointWise => {
+                let code = bytes.get(self.header.record..);
+                code.is_some_and(|code| !code.starts_with(&NO_CODE))
+            }
+        };
+        if !is_sound {
+            let error = Error::new(self.path, "has a damaged chunk of points", EXPORT_AGAIN);
+            return Err(error.at(Location::Element("point", first)));
+        }
         let unpacked = match self.kind {
             ChunkKind::Layered => {
-                if !self.layers_fit(bytes) {
-                    let error = Error::new(self.path, "has a chunk that is cut off", EXPORT_AGAIN);
-                    return Err(error.at(Location::Element("point", first)));
-                }
                 let unpacker = LayeredPointRecordDecompressor::new(Cursor::new(bytes));
                 self.unpack(unpacker, chunk.count, points)
             }
@@ -200,15 +214,22 @@ impl<'a> PackedPoints<'a> {
         Ok(())
     }
 
-    /// Whether the layers of a chunk are within the chunk.
-    fn layers_fit(&self, chunk: &[u8]) -> bool {
+    /// Whether the layers of a chunk are within the chunk, and each may be a code.
+    fn layers_are_sound(&self, chunk: &[u8]) -> bool {
         let layers: usize = self.vlr.items().iter().map(|item| layers(item.item_type())).sum();
         // The first point and the number of points are before the sizes.
-        let sizes = self.header.record + 4;
-        let Some(rest) = chunk.get(sizes..) else { return false };
-        let Some((sizes, content)) = rest.split_at_checked(4 * layers) else { return false };
-        let sizes = sizes.as_chunks().0.iter().map(|&size| u64::from(u32::from_le_bytes(size)));
-        sizes.sum::<u64>() <= content.len() as u64
+        let rest = chunk.get(self.header.record + 4..);
+        let Some((sizes, mut content)) = rest.and_then(|rest| rest.split_at_checked(4 * layers))
+        else {
+            return false;
+        };
+        sizes.as_chunks().0.iter().all(|&size| {
+            let layer = content.split_at_checked(u32::from_le_bytes(size) as usize);
+            layer.is_some_and(|(layer, after)| {
+                content = after;
+                !layer.starts_with(&NO_CODE)
+            })
+        })
     }
 
     fn bad_table(&self, what: &str) -> Error {

@@ -1,0 +1,82 @@
+//! E57, written by the crate `e57`.
+
+use formats::points::ReadOptions;
+use formats::{LengthUnit, Points};
+
+use crate::seeds::surveys::{e57, with_checksums, without_checksums};
+use crate::support::{cloud, places, refusal};
+
+/// The same file with `new` instead of `old` in its description. Both have the same length.
+fn changed(old: &str, new: &str) -> Vec<u8> {
+    assert_eq!(old.len(), new.len());
+    let mut content = without_checksums(&e57());
+    let at = content.windows(old.len()).position(|w| w == old.as_bytes());
+    let at = at.unwrap_or_else(|| panic!("{}", String::from_utf8_lossy(&content)));
+    content[at..at + old.len()].copy_from_slice(new.as_bytes());
+    with_checksums(&content)
+}
+
+fn near(a: [f64; 3], b: [f64; 3]) -> bool {
+    a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9)
+}
+
+#[test]
+fn scans_have_their_places_grids_and_normals() {
+    let cloud = cloud("scan", e57());
+    assert_eq!(cloud.unit, Some(LengthUnit::Metre));
+    assert_eq!((cloud.len(), cloud.scans.len(), cloud.lost.marked), (8, 2, 1));
+    assert_eq!((cloud.lost.intensities, cloud.lost.colours), (5, 0));
+    // A quarter turn about z, then the translation.
+    let places = places(&cloud);
+    assert!(near(places[0], [599_999.5, 800_000.5, 401.0]), "{places:?}");
+    assert!(near(places[1], [599_999.5, 800_001.5, 401.0]), "{places:?}");
+    // Range 2 at azimuth 0.
+    assert!(near(places[5], [2.0, 0.0, 0.0]), "{places:?}");
+    let normals = cloud.normals.as_ref().expect("normals");
+    assert_eq!((normals[0], normals[5]), ([0.0; 3], [0.0, 0.0, 1.0]));
+    check_scans(&cloud);
+}
+
+fn check_scans(cloud: &Points) {
+    let [first, second] = &cloud.scans[..] else { panic!("{:?}", cloud.scans) };
+    let grid = first.grid.as_ref().expect("a grid");
+    assert_eq!((grid.rows, grid.columns), (2, 3));
+    assert_eq!((grid.point(0, 2), grid.point(1, 1), grid.point(1, 2)), (Some(2), None, Some(4)));
+    let stood = |viewpoint: Option<[f64; 3]>| {
+        [0, 1, 2].map(|axis| cloud.origin[axis] + viewpoint.expect("a place")[axis])
+    };
+    assert!(near(stood(first.viewpoint), [600_000.0, 800_000.0, 400.0]));
+    assert!(near(stood(second.viewpoint), [0.0; 3]));
+    assert!(first.pose.is_some() && second.pose.is_none() && second.grid.is_none());
+}
+
+#[test]
+fn dark_points_can_be_left_out() {
+    let content = std::io::Cursor::new(e57());
+    let options = ReadOptions { min_intensity: Some(2.0), ..ReadOptions::default() };
+    let error = options.read_points_from("scan.e57".as_ref(), content);
+    assert!(error.expect_err("the second scan has none").what.contains("without intensities"));
+}
+
+#[test]
+fn what_the_crate_would_believe_is_refused() {
+    for (old, new, word) in [
+        ("scale=\"0.001\"", "scale=\"NaN  \"", "unreadable"),
+        ("scale=\"0.001\"", "scale=\"0.000\"", "a scale or an offset"),
+        ("offset=\"0.5\"", "offset=\"inf\"", "a scale or an offset"),
+        ("<w type=\"Float\">0.70", "<w type=\"Float\">0.90", "a pose that is none"),
+        ("recordCount=\"3\"", "recordCount=\"9\"", "point in scan 1"),
+    ] {
+        refusal("scan.e57", changed(old, new), word);
+    }
+}
+
+#[test]
+fn a_damaged_page_is_refused() {
+    let mut content = e57();
+    let at = content.len() / 2;
+    content[at] ^= 1;
+    refusal("scan.e57", content, "checksum");
+    let whole = e57();
+    refusal("scan.e57", &whole[..whole.len() - 64], "truncated");
+}
