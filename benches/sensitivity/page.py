@@ -15,11 +15,12 @@ shows which constants matter, and what breaks on either side of their values.
 - *read by* is the number of scans of which the conversion reads the constant. The others cannot
   depend on it.
 - *halved* and *doubled* say for how many scans the written file has other bytes, of those that were
-  tried. With `--enough N` no more scans are tried once N have changed. After this follow the smallest and the largest change of the root mean square distance of the measured points
-  from the face, the change of the sum of control points over all scans, and what happens to scans
-  that fail, hang, fold, lose loops, or miss a named tolerance. "slower" and "faster" compare the sums
-  of CPU times, if they differ by more than a fifth. A dash means that no byte changes in any scan tried. A whole number
-  of 1 cannot be halved.
+  tried. With `--enough N` no more scans are tried once N have changed. A dash means that no byte
+  changes in any scan tried. A whole number of 1 cannot be halved.
+- After this follow the smallest and the largest change of the root mean square distance of the
+  measured points from the face, the change of the sum of control points over all scans, and what
+  happens to scans that fail, hang, fold, lose loops, or miss a named tolerance. "slower" and "faster"
+  compare the sums of CPU times, if they differ by more than a fifth.
 - Small changes of the bytes are usual: the last digits of a file depend on every step.
 
 The constants of the program, the reports, the pictures and the limits on options are not here,

@@ -13,7 +13,7 @@ use formats::spline::{SplineCurve, SplineKnots, SplineSurface};
 use nalgebra::{SVector, Vector2};
 
 use crate::error::{BrepFault, Error, Result};
-use crate::spline::{Curve, KnotVector, Surface, runs};
+use crate::spline::{Curve, KnotVector, MAX_SPANS, Surface, runs};
 
 /// An edge, its pcurve, and whether the loop runs in the direction of the edge.
 type Directed = (Curve<3>, Curve<2>, bool);
@@ -135,7 +135,7 @@ fn parts(
     at: &dyn Fn(f64) -> Vector2<f64>,
     forward: bool,
 ) -> Vec<(Curve<3>, Curve<2>, bool)> {
-    let ends = runs(&side.knots.breaks(), 1);
+    let ends = runs(&side.knots.breaks(), MAX_SPANS, 1);
     let part = |w: &[f64]| {
         let line = Curve::new(KnotVector::clamped(1, w, 1), vec![at(w[0]), at(w[1])]);
         (side.part(w[0], w[1]), line, forward)

@@ -25,6 +25,7 @@ pub use compose::{curve_on_surface, off_surface, pieces_on_surface};
 pub use curve::Curve;
 pub use edges::EdgeTree;
 pub use foot::{foot_point, foot_point_moving, last_step};
+pub(crate) use knots::MAX_SPANS;
 pub use knots::{Basis, KnotVector, runs};
 pub(crate) use polynomials::fast_evaluator;
 pub(crate) use refine::refined;

@@ -8,7 +8,7 @@ use nalgebra::Vector2;
 
 use crate::cholesky::Cholesky;
 use crate::geometry::Uv;
-use crate::spline::{Curve, KnotVector, runs};
+use crate::spline::{Curve, KnotVector, MAX_SPANS, runs};
 
 /// The least number of samples of a knot span.
 const MIN_SAMPLES: usize = 6;
@@ -116,7 +116,7 @@ pub fn arcs(curve: &Curve<2>, knots: &ClosedKnots) -> Vec<Curve<2>> {
         let mut breaks = vec![w[0]];
         breaks.extend(knots.breaks.iter().copied().filter(inside));
         breaks.push(w[1]);
-        let mut ends = runs(&breaks, least);
+        let mut ends = runs(&breaks, MAX_SPANS, least);
         ends.pop();
         cuts.extend(ends);
     }

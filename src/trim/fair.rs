@@ -29,6 +29,9 @@ const REWEIGHTINGS: usize = 3;
 /// A vertex gets more weight if its distance from the curve exceeds this share of its room.
 const REWEIGHTED_FROM: f64 = 0.85;
 
+/// The largest factor by which the weight of a vertex grows at once.
+const MAX_FACTOR: f64 = 9.0;
+
 /// The largest weight of a vertex, where 1 is the weight at the start. The bound keeps the
 /// equations well conditioned.
 const MAX_WEIGHT: f64 = 1e3;
@@ -125,7 +128,7 @@ impl LoopFit<'_> {
                 let share = self.distance(k) / (REWEIGHTED_FROM * self.room[k]);
                 if share > 1.0 {
                     let weight = &mut self.polygon.weights[k];
-                    *weight = (*weight * share.powi(2)).min(MAX_WEIGHT);
+                    *weight = (*weight * share.powi(2).min(MAX_FACTOR)).min(MAX_WEIGHT);
                 }
             }
             self.curve = fit(&self.polygon, &self.knots)?;

@@ -326,9 +326,15 @@ fn traced(
     (TrimLoop { of, within, pcurves, edges }, report)
 }
 
+/// The largest number of polynomial pieces of an edge. CAD systems integrate along an edge with a
+/// limited number of points. In OpenCASCADE the areas of extruded loop edges were up to 0.12 % off
+/// with twenty pieces, and up to 2.7 % off without division. With twelve, as for spans, nearly every
+/// edge that crosses a knot line of the surface would be divided again.
+const MAX_PIECES: usize = 16;
+
 /// Divides a pcurve into parts and computes the edge in space that each part traces.
 fn divided(surface: &Surface, pcurve: &Curve<2>, accuracy: f64) -> Vec<(Curve<2>, Curve<3>)> {
-    let ends = runs(&pieces_on_surface(surface, pcurve), 1);
+    let ends = runs(&pieces_on_surface(surface, pcurve), MAX_PIECES, 1);
     let part = |w: &[f64]| {
         let part = pcurve.part(w[0], w[1]);
         let mut edge = curve_on_surface(surface, &part, accuracy);
