@@ -122,7 +122,7 @@ fn any_order_and_any_number_of_threads_give_the_same_bytes() {
 #[test]
 fn a_wanted_spacing_is_kept() {
     let made = VirtualCloud::new(sheet, [80; 2], 0.1, 0, Flaws::default(), 2);
-    let options = Options { spacing: Some(4.0) };
+    let options = Options { spacing: Some(4.0), ..Options::default() };
     let found = triangulate(&made.cloud, &options, &mut |_| Ok(())).expect("a surface");
     let check = SoupCheck::new(&found.soup);
     assert!(check.is_manifold() && check.loops.len() == 1, "{check:?}");

@@ -8,7 +8,7 @@ use super::boundary::{self, Loop};
 use super::build::{Build, Repairs, count};
 use super::disk::Outer;
 use super::islands::{self, IslandCandidate};
-use super::raw_points::{MeasuredPoints, RawPoints};
+use super::raw_points::{FacePoints, RawPoints};
 use super::topology::Topology;
 use super::vertices::VertexMap;
 use super::{Disk, EdgeMap, Mesh, rims};
@@ -154,11 +154,11 @@ impl Components {
     /// What was measured of a face that has these vertices: points of the cloud that the mesh was
     /// made of, or else the vertices themselves. They are points of the mesh, in its own lengths,
     /// each at a place of its own.
-    pub(crate) fn measured_points<'a>(&self, vertices: &'a [Point]) -> MeasuredPoints<'a> {
+    pub(crate) fn measured_points<'a>(&self, vertices: &'a [Point]) -> FacePoints<'a> {
         let map = VertexMap::new(&self.build, vertices);
         match &self.raw {
             Some(raw) => raw.of_face(&map),
-            None => MeasuredPoints { points: vertices.into(), vertex_of: None, map },
+            None => FacePoints { points: vertices.into(), vertex_of: None, map },
         }
     }
 

@@ -20,7 +20,7 @@ pub struct RawPoints {
 
 /// The points that were measured of one face: those of the cloud, or the vertices of its mesh.
 #[derive(Debug)]
-pub(crate) struct MeasuredPoints<'a> {
+pub(crate) struct FacePoints<'a> {
     /// The points, in the unit of the mesh.
     pub(crate) points: Cow<'a, [Point]>,
     /// For each point the vertex of the face's mesh that stands for it. `None` if the points are
@@ -68,7 +68,7 @@ impl RawPoints {
     }
 
     /// The points of the face whose vertices are found in `vertices`.
-    pub(super) fn of_face(&self, vertices: &VertexMap) -> MeasuredPoints<'static> {
+    pub(super) fn of_face(&self, vertices: &VertexMap) -> FacePoints<'static> {
         let (mut points, mut vertex_of) = (Vec::new(), Vec::new());
         let mut map = vec![NONE; self.points.len()];
         for (i, (&point, &vertex)) in self.points.iter().zip(&self.vertex_of).enumerate() {
@@ -78,7 +78,7 @@ impl RawPoints {
                 vertex_of.push(vertex as u32);
             }
         }
-        MeasuredPoints {
+        FacePoints {
             points: points.into(),
             vertex_of: Some(vertex_of),
             map: VertexMap::of_numbers(map),
@@ -86,7 +86,7 @@ impl RawPoints {
     }
 }
 
-impl MeasuredPoints<'_> {
+impl FacePoints<'_> {
     /// A value of each point's vertex, for each point.
     pub(crate) fn of_vertices<'b, T: Copy>(&self, values: &'b [T]) -> Cow<'b, [T]> {
         match &self.vertex_of {

@@ -120,20 +120,20 @@ fn noise_and_withheld_points_are_left_out() {
 
 #[test]
 fn options_choose_points() {
-    let default = ReadOptions::default();
+    let default = ReadOptions::default;
     for (options, count, filtered) in [
-        (ReadOptions { class: Some(2), ..default }, 2, 1),
-        (ReadOptions { class: Some(7), ..default }, 1, 3),
-        (ReadOptions { min_intensity: Some(20.0), ..default }, 2, 1),
-        (ReadOptions { class: Some(2), min_intensity: Some(20.0) }, 1, 2),
+        (ReadOptions { classes: vec![2], ..default() }, 2, 1),
+        (ReadOptions { classes: vec![7], ..default() }, 1, 3),
+        (ReadOptions { min_intensity: Some(20.0), ..default() }, 2, 1),
+        (ReadOptions { classes: vec![2], min_intensity: Some(20.0) }, 1, 2),
     ] {
-        let cloud = read(options, classes(6)).expect("points");
+        let cloud = read(options.clone(), classes(6)).expect("points");
         assert_eq!((cloud.len(), cloud.lost.filtered), (count, filtered), "{options:?}");
     }
-    let error = read(ReadOptions { class: Some(9), ..default }, classes(6)).expect_err("none");
+    let error = read(ReadOptions { classes: vec![9], ..default() }, classes(6)).expect_err("none");
     assert!(error.what.contains("asked for"), "{error}");
     for content in ["0 0 1\n1 0 1\n", "v 0 0 0\nv 1 0 0\n"] {
-        let options = ReadOptions { class: Some(2), ..default };
+        let options = ReadOptions { classes: vec![2], ..default() };
         let error = read(options, content.into()).expect_err("no classes");
         assert!(error.what.contains("classes"), "{error}");
     }

@@ -35,7 +35,9 @@ fn grids_that_are_none_are_not_believed() {
 #[test]
 fn only_the_grid_of_a_single_scan_is_followed() {
     let one = relief([20, 20], 0.0, |_, _| Some(0.0));
-    let refusal = |cloud: &Points, spacing| triangulate_grid(cloud, &Options { spacing }).err();
+    let refusal = |cloud: &Points, spacing| {
+        triangulate_grid(cloud, &Options { spacing, ..Options::default() }).err()
+    };
     assert_eq!(refusal(&one, None), None);
     assert_eq!(refusal(&one, Some(3.0)), Some(GridUse::OtherSpacing));
     let mut two = one.clone();
