@@ -1,0 +1,101 @@
+//! Clouds of points in the program and in the library: they become faces as meshes do.
+#![cfg(feature = "cli")]
+
+mod common;
+
+use std::path::Path;
+
+use common::{arg, check, checked, converted, fixture, inspected, json};
+use scan2step::formats::{Points, read_points};
+use scan2step::{Conversion, Options, convert_cloud};
+
+/// The points of the relief.
+fn cloud() -> Points {
+    read_points(&fixture("relief.xyz")).expect("points")
+}
+
+fn face(cloud: Points, options: &Options) -> Conversion {
+    convert_cloud(cloud, options, &mut |_| Ok(())).expect("a face")
+}
+
+#[test]
+fn a_cloud_becomes_a_face_that_is_as_good_as_that_of_its_mesh() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| folder.path().join(name);
+    let (step, report, stages) = (at("relief.step"), at("relief.json"), at("stages"));
+    let scan = fixture("relief.xyz");
+    converted(&[arg(&scan), arg(&step), "--report", arg(&report), "--stages", arg(&stages)]);
+    let found = json(&report);
+    assert_eq!(found["input"]["points"], 4000);
+    assert_eq!(found["input"]["mesher"], "stars");
+    assert_eq!(found["fill"]["holes"].as_array().map(Vec::len), Some(2));
+    assert_eq!(found["tolerance_met"], true);
+    // The fixture's noise.
+    let noise = found["noise_mm"].as_f64().expect("noise");
+    assert!((0.054..0.066).contains(&noise), "{noise}");
+    let points = read_points(&stages.join("0-points.ply")).expect("points");
+    assert_eq!(points.len(), 4000);
+
+    let of_mesh = at("mesh.step");
+    converted(&[arg(&fixture("relief.ply")), arg(&of_mesh)]);
+    let against = |cad: &Path| checked(cad, &scan)["scan_to_face"]["rms_mm"].as_f64().expect("rms");
+    let [cloud, mesh] = [against(&step), against(&of_mesh)];
+    assert!(cloud < 1.05 * mesh, "{cloud} of the cloud, {mesh} of the mesh");
+}
+
+#[test]
+fn inspect_says_what_a_cloud_is() {
+    let found = inspected(&fixture("relief.xyz"));
+    assert_eq!((&found["points"], &found["mesher"]), (&4000.into(), &"stars".into()));
+    assert_eq!(found["cloud"]["scans"][0]["points"], 4000);
+    let spacing = found["cloud"]["spacing_mm"].as_f64().expect("a spacing");
+    assert!((1.2..1.7).contains(&spacing), "{spacing}");
+    assert_eq!((&found["disk"], &found["boundary_loops"]), (&true.into(), &3.into()));
+}
+
+#[test]
+fn a_cloud_far_away_comes_back_where_it_was() {
+    let far = [4e8, 5.8e9, 1e5];
+    let here = face(cloud(), &Options::default());
+    let moved = Points { origin: far, ..cloud() };
+    let local = face(moved.clone(), &Options::default());
+    assert_eq!(local.origin, far);
+    assert_eq!(local.brep.surfaces, here.brep.surfaces, "near zero it is the same face");
+    assert!(local.brep.description.contains("5800000000"), "{}", local.brep.description);
+    let keep = Options::builder().keeps_origin(true).build().expect("options");
+    let kept = face(moved, &keep);
+    for (kept, here) in kept.brep.vertices.iter().zip(&here.brep.vertices) {
+        for axis in 0..3 {
+            assert!((kept[axis] - far[axis] - here[axis]).abs() < 1e-6);
+        }
+    }
+    kept.brep.check().expect("a valid model");
+}
+
+#[test]
+fn check_finds_a_face_at_the_place_of_its_cloud() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let at = |name: &str| folder.path().join(name);
+    let (scan, kept, local) = (at("far.xyz"), at("kept.step"), at("local.step"));
+    let near = cloud();
+    let line = |[x, y, z]: &[f64; 3]| format!("{} {} {z}\n", x + 4e8, y + 5.8e9);
+    std::fs::write(&scan, near.positions.iter().map(line).collect::<String>()).expect("written");
+    converted(&[arg(&scan), arg(&local)]);
+    converted(&[arg(&scan), arg(&kept), "--origin", "keep"]);
+    for (cad, origin) in [(&local, "local"), (&kept, "keep")] {
+        let output = check(&[arg(cad), arg(&scan), "--origin", origin, "--tolerance", "2"]);
+        assert!(output.status.success(), "{origin}: {}", String::from_utf8_lossy(&output.stderr));
+    }
+}
+
+#[test]
+fn fewer_points_are_taken_if_that_is_asked_for() {
+    let options = Options::builder().max_points(2000).build().expect("options");
+    let thinned = face(cloud(), &options);
+    let count = thinned.deviation.distances.len();
+    assert!((1500..=2000).contains(&count), "{count}");
+    assert!(Options::builder().max_points(10).build().is_err());
+    let missing = Options::builder().scan_number(1).build().expect("options");
+    let error = convert_cloud(cloud(), &missing, &mut |_| Ok(())).expect_err("one scan");
+    assert!(error.to_string().contains("no scan 1"), "{error}");
+}
