@@ -38,7 +38,7 @@ pub(super) fn elect(stars: &VoronoiStars, vertices: &[SurfacePoint]) -> Vec<Numb
 fn proposals(i: u32, stars: &VoronoiStars) -> impl Iterator<Item = (NumberedTriangle, usize)> + '_ {
     stars.triangles(i).filter_map(move |[j, k]| {
         let [by_j, by_k] = [stars.has(j, [k, i]), stars.has(k, [i, j])];
-        let is_lowest = !(by_j && j < i) && !(by_k && k < i);
+        let is_lowest = !(by_j && j < i || by_k && k < i);
         is_lowest.then_some(([i, j, k], 1 + usize::from(by_j) + usize::from(by_k)))
     })
 }
