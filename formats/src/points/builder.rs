@@ -151,6 +151,11 @@ impl PointsBuilder {
             Some(ScanGrid { rows, columns, cells })
         });
         let pose = end.pose.map(|pose| self.place(pose)).transpose()?;
+        if pose.is_none() && self.base != [0.0; 3] {
+            for position in &mut self.points.positions[self.first..] {
+                *position = minus(*position, self.base);
+            }
+        }
         let viewpoint = end.viewpoint.map(|v| minus(v, self.base));
         let points = self.first..self.points.len();
         self.points.scans.push(PointScan { points, viewpoint, pose, grid });
