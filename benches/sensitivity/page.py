@@ -86,7 +86,7 @@ def change(pairs):
     """What differs between the usual figures and others, in words."""
     different = [(a, b) for a, b in pairs if differs(a, b)]
     if not different:
-        return f"– of {len(pairs)}" if pairs else "not read"
+        return f"– of {len(pairs)}" if pairs else "not tried"
     said = [f"{len(different)} of {len(pairs)}"]
     whole = [(a, b) for a, b in different if "rms" in a and "rms" in b]
     shifts = [100 * (b["rms"] / a["rms"] - 1) for a, b in whole if a["rms"] > 0]
