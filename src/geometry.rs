@@ -15,27 +15,9 @@ pub type UvVector = nalgebra::Vector2<f64>;
 /// In lists of numbers: no vertex, triangle or other item.
 pub const NONE: u32 = u32::MAX;
 
-/// The number of items that one task of a parallel loop processes. It does not depend on the number
-/// of threads, so sums have a fixed order. Smaller blocks cost time, and larger ones leave threads
-/// idle.
+/// The number of items that one task of a parallel loop processes. It does not depend on the number of
+/// threads, so sums have a fixed order. Smaller blocks cost time, and larger ones leave threads idle.
 pub const BLOCK: usize = 1 << 14;
-
-/// A loop that ends by itself ends after this many rounds at the latest, whatever its input. Half
-/// as many change no scan of the bench, and more would only take longer on bad input.
-pub const MAX_ROUNDS: usize = 60;
-
-/// A point that is farther off than this many standard deviations of the noise may be an outlier:
-/// normal noise has one such point in two million. With less, good points are lost; with more,
-/// outliers bend the surface.
-pub(crate) const OUTLYING: f64 = 5.0;
-
-/// An outlier is this many times as far off as its neighbours. Along a sharp edge, or where the
-/// shape is missed, these are about as far off.
-pub(crate) const ALONE: f64 = 4.0;
-
-/// The largest number of parts of a parallel loop in which each part reads all input. With more,
-/// reading takes longer than what the parts save.
-pub const MOST_PARTS: usize = 8;
 
 /// The number of a vertex of a mesh.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]

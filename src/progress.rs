@@ -13,11 +13,6 @@ pub(crate) fn part(progress: &mut Progress, from: f64, to: f64) -> impl FnMut(f6
     move |share| progress(from + share * (to - from))
 }
 
-/// A callback for one of several steps of a stage, numbered from 0, that count as equally long.
-pub(crate) fn step(progress: &mut Progress, number: u32, of: u32) -> impl FnMut(f64) -> Result<()> {
-    part(progress, f64::from(number) / f64::from(of), f64::from(number + 1) / f64::from(of))
-}
-
 /// A callback that ignores progress.
 pub(crate) fn ignore(_: f64) -> Result<()> {
     Ok(())

@@ -67,7 +67,7 @@ pub const LEAST_POINTS: usize = 100;
 
 /// The smallest number of control points of a bicubic net in one direction, and in total.
 const SIDE: usize = 4;
-pub(crate) const LEAST_CONTROL_POINTS: usize = SIDE * SIDE;
+const LEAST_CONTROL_POINTS: usize = SIDE * SIDE;
 
 fn must(holds: bool, fault: Fault) -> Result<()> {
     if holds { Ok(()) } else { Err(fault) }

@@ -5,10 +5,8 @@ use std::ops::Range;
 
 use foldhash::HashMap;
 
-use super::weights::CORNER;
-use crate::deviation::{
-    MAX_SAMPLES, MissedTriangle, SAMPLES_PER_CELL, middles, narrowest, spanned,
-};
+use super::moves::reweight::MOST_RAISE;
+use crate::deviation::{MissedTriangle, middles, narrowest, spanned};
 use crate::fit::TangentDistance;
 use crate::geometry::{Point, Uv, Vector, VertexId};
 use crate::mesh::Mesh;
@@ -17,6 +15,14 @@ use crate::spline::{KnotVector, Surface};
 /// What all samples of a triangle weigh together, in vertices: a mesh has half as many vertices
 /// as triangles.
 const WEIGHT: f64 = 0.5;
+
+/// Parts of a span, along u and along v, with at most one sample each. With a single part a
+/// surface still bends to and fro between samples, and mending does not come to an end.
+const PARTS: f64 = 2.0;
+
+/// The most samples along a triangle's side. Where a side spans more cells, the thin-plate energy
+/// holds those between.
+const MOST_ALONG: usize = 32;
 
 /// The share of what a triangle may be left by that is aimed at: raised weights bring a surface
 /// to its aim from above and ever more slowly, so that an aim of 1 is not reached.
@@ -76,9 +82,7 @@ impl InnerSamples {
         for &MissedTriangle { triangle, ratio } in left {
             let held = self.of(triangle);
             let samples = self.all[held.clone()].iter_mut();
-            samples.for_each(|sample| {
-                sample.weight = (sample.weight * (ratio / AIM).powi(2)).min(CORNER)
-            });
+            samples.for_each(|sample| sample.weight *= (ratio / AIM).powi(2).min(MOST_RAISE));
             if held.is_empty() {
                 self.add(maker, triangle);
             }
@@ -130,7 +134,7 @@ impl<'a> Maker<'a> {
     /// A triangle's samples, one in each part of a knot cell at the most.
     fn samples(&self, triangle: usize, to: &mut Vec<InnerSample>) {
         let corners = self.mesh.triangles[triangle];
-        let n = ((SAMPLES_PER_CELL * self.spanned(triangle)).ceil() as usize).clamp(1, MAX_SAMPLES);
+        let n = ((PARTS * self.spanned(triangle)).ceil() as usize).clamp(1, MOST_ALONG);
         let shares: Vec<[f64; 3]> = self.one_a_cell(corners, n);
         let next = |k: usize| (k + 1) % 3;
         let bends =
@@ -159,7 +163,7 @@ impl<'a> Maker<'a> {
         let knots = self.knots[axis];
         let span = knots.span(t);
         let [from, to] = [span, span + 1].map(|i| knots.knots()[i]);
-        (span, (SAMPLES_PER_CELL * (t - from) / (to - from)) as usize)
+        (span, (PARTS * (t - from) / (to - from)) as usize)
     }
 
     /// Of the middles of n² parts of a triangle the first in each part of a knot cell.

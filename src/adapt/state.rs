@@ -10,9 +10,9 @@ use crate::fit::TangentDistance;
 use crate::geometry::Uv;
 use crate::spline::{KnotVector, Samples};
 
-/// The weight of an outlier, as a multiple, and of a vertex of a bay near a fold, which is no
-/// guide: none that a fit would show. Equations need it to be above 0.
-pub const OUTLIER_WEIGHT: f64 = 1e-6;
+/// The weight of an outlier, as a multiple: none that a fit would show. Equations need it to be
+/// above 0.
+const OUTLIER_WEIGHT: f64 = 1e-6;
 
 /// Everything that a fit depends on and that a move may change. Moves do not change a state;
 /// they return another one.

@@ -1,6 +1,5 @@
 //! How much each vertex of a map counts in a fit.
 
-use super::state::OUTLIER_WEIGHT;
 use crate::geometry::{VertexId, unit_normal};
 use crate::mesh::Parameterized;
 use crate::mesh::{EdgeMap, FaceOrigin, Patch};
@@ -13,6 +12,10 @@ const FILLED: f64 = 0.3;
 /// from running wild where nothing else holds it, and a hundredth of a filled vertex is not felt
 /// elsewhere.
 const BAY: f64 = 3e-3;
+
+/// Weight of a bay's vertices near a fold, which are no guide: just above 0, as equations need
+/// it.
+const ASTRAY: f64 = 3e-7;
 
 /// A bay counts as folded where two triangles of it, or one beside it, have normals with a
 /// smaller cosine between them: over an edge of a smooth sheet
@@ -38,7 +41,7 @@ pub fn weights(map: &Parameterized, is_corner: impl Fn(VertexId) -> bool) -> Vec
     weights.resize(patch.mesh.points.len(), FILLED);
     if patch.measured_outer.is_some() {
         let of_bays = bays(patch).flat_map(|t| patch.mesh.triangles[t]).map(|v| (v, BAY));
-        for (v, weight) in of_bays.chain(astray(patch).into_iter().map(|v| (v, OUTLIER_WEIGHT))) {
+        for (v, weight) in of_bays.chain(astray(patch).into_iter().map(|v| (v, ASTRAY))) {
             if !patch.is_measured(v) {
                 weights[v.index()] = weight;
             }

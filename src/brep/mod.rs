@@ -13,7 +13,7 @@ use formats::spline::{SplineCurve, SplineKnots, SplineSurface};
 use nalgebra::{SVector, Vector2};
 
 use crate::error::{BrepFault, Error, Result};
-use crate::spline::{Curve, KnotVector, MAX_SPANS, Surface, runs};
+use crate::spline::{Curve, KnotVector, Surface, runs};
 
 /// An edge, its pcurve, and whether the loop runs in the direction of the edge.
 type Directed = (Curve<3>, Curve<2>, bool);
@@ -105,6 +105,11 @@ fn knots(knots: &KnotVector) -> Result<SplineKnots> {
 fn unsuited(what: String) -> Error {
     Error::Brep(BrepFault::Spline(what))
 }
+
+/// The largest number of knot spans of an edge on a side. CAD systems integrate along the side of a
+/// thickened face with a limited number of points. In OpenCASCADE the areas of the sides were up to
+/// 0.9 % off with 20 spans, up to 0.3 % with 12 spans, and up to 6 % without division.
+const MAX_SPANS: usize = 12;
 
 /// The four sides of the surface, counter-clockwise from (0, 0): exact iso-curves with straight
 /// lines as pcurves. Each side is divided into edges of a few knot spans.

@@ -3,7 +3,6 @@
 //! The input is a curve and what the file says about the part that an edge uses. The output is the
 //! parameter range of this part and points on it.
 
-use crate::spline::SAMPLES;
 use formats::cad::{CadCurve, CurveShape};
 use formats::spline::SplineCurve;
 use nalgebra::SVector;
@@ -129,6 +128,7 @@ fn between_on_spline<const D: usize>(
 
 /// The parameter of the curve's point nearest to `p`.
 fn nearest<const D: usize>(spline: &SplineCurve<D>, p: SVector<f64, D>) -> f64 {
+    const SAMPLES: usize = 16;
     let away = |t: f64| (on_spline(spline, t) - p).norm_squared();
     let breaks = spline.knots().breaks();
     let (mut best, mut width) = (breaks[0], 0.0);

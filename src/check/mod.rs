@@ -17,7 +17,6 @@ use crate::deviation::{Deviation, TrimmedFace};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, uv_bounds};
 use crate::mesh::{Mesh, Triangles};
-use crate::spline::EXACT;
 use crate::threads;
 use loops::{TracePoint, Tracer};
 use samples::FaceSamples;
@@ -44,6 +43,8 @@ pub struct Report {
     pub face_to_scan: Deviation,
 }
 
+/// The largest distance of chords from edges, as a share of the scan's diagonal.
+const CHORD: f64 = 1e-7;
 /// The largest gap between edges that should meet, or between curves that should coincide, as a
 /// share of the scan's diagonal. Importers close gaps of this size.
 const GAP: f64 = 1e-4;
@@ -85,7 +86,7 @@ fn measure(model: &CadModel, scan: &Mesh, measured: &[Point]) -> Result<Report> 
         loops: model.faces.iter().map(|f| f.loops.len()).sum(),
         area: samples.iter().map(|s| s.area).sum(),
         max_off_surface: off,
-        resolution: EXACT * diagonal,
+        resolution: CHORD * diagonal,
         scan_to_face: Deviation::of(measured, to_faces),
         face_to_scan: Deviation::of(&points, to_scan),
     })
@@ -105,7 +106,7 @@ fn rings(
         }
         let mut tracer = Tracer {
             surface: domain,
-            chord: EXACT * diagonal,
+            chord: CHORD * diagonal,
             gap: GAP * diagonal,
             off_surface: off,
         };

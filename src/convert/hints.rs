@@ -1,7 +1,7 @@
 //! What could be better of a conversion, and what the user can do about it.
 
 use crate::adapt::Folds;
-use crate::geometry::{OUTLYING, Point, bounds};
+use crate::geometry::{Point, bounds};
 use crate::smooth::Support;
 use crate::words::mm;
 use crate::{Conversion, Cut, Options};
@@ -37,6 +37,9 @@ fn missed(options: &Options, c: &Conversion) -> Option<String> {
     (!held).then(|| format!("the face is not as good as the scan: {}", c.beyond()))
 }
 
+/// A tolerance in standard deviations of the noise that all points but a few of a million keep.
+const SAFE: f64 = 5.0;
+
 /// No surface keeps to noisy points unless it follows the noise.
 fn hindered(c: &Conversion) -> Option<String> {
     let noise = c.fit.hindrance?;
@@ -44,7 +47,7 @@ fn hindered(c: &Conversion) -> Option<String> {
         "the points scatter by {} (standard deviation) around a face that follows the shape, so that one within {} of them all would have to follow the noise; a --tolerance of {} or more, or --smooth auto, leaves that out",
         mm(noise),
         mm(c.tolerance),
-        mm(OUTLYING * noise)
+        mm(SAFE * noise)
     ))
 }
 

@@ -7,9 +7,8 @@ use rayon::prelude::*;
 use super::Deviation;
 use super::slab_polygon::SlabPolygon;
 use crate::geometry::{Point, Uv, bounds};
-use crate::spline::EXACT;
 use crate::spline::chords::chords;
-use crate::spline::nearest::{Foot, NearestPlace, NearestSearch};
+use crate::spline::nearest::{EXACT, Foot, NearestPlace, NearestSearch};
 use crate::spline::{Curve, EdgeTree, ParametricSurface, Surface};
 
 /// A surface with the loops that trim it. Loops may be nested: holes in the face, islands in the

@@ -9,12 +9,11 @@ use crate::mesh::{Mesh, VertexRings, nearest_on};
 use crate::spline::{ParametricSurface, Surface, fast_evaluator};
 
 /// The number of samples for each knot cell that a triangle spans in the parameter plane, along a
-/// side. With a single one a surface still bends to and fro between samples.
-pub(crate) const SAMPLES_PER_CELL: f64 = 2.0;
+/// side.
+const SAMPLES_PER_CELL: f64 = 2.0;
 
-/// The largest number of samples along the side of a triangle. Where a side spans more cells, the
-/// thin-plate energy of the fit holds those between.
-pub(crate) const MAX_SAMPLES: usize = 64;
+/// The largest number of samples along the side of a triangle.
+const MAX_SAMPLES: usize = 64;
 
 /// The approximate number of triangles that are sampled for the mean and the percentile.
 const SAMPLED_TRIANGLES: usize = 20_000;

@@ -8,9 +8,7 @@ mod slab_polygon;
 
 pub use face::TrimmedFace;
 pub use face_to_scan::FaceToScan;
-pub(crate) use face_to_scan::{
-    MAX_SAMPLES, MissedTriangle, SAMPLES_PER_CELL, SurfaceOverMesh, middles, narrowest, spanned,
-};
+pub(crate) use face_to_scan::{MissedTriangle, SurfaceOverMesh, middles, narrowest, spanned};
 
 use crate::geometry::Point;
 use rayon::prelude::*;

@@ -3,7 +3,6 @@
 
 use foldhash::{HashSet, HashSetExt};
 
-use crate::fill::ROUNDS;
 use crate::geometry::{Point, Uv, orient2d};
 use crate::mesh::remesh::flips::{self, Sides};
 
@@ -18,6 +17,10 @@ pub struct ChartedFill {
     pub fixed: usize,
     pub triangles: Vec<[usize; 3]>,
 }
+
+/// The rounds of flips and moves. With 2 the rms over the hole bench is 3 % less, with 8 it is 4 %
+/// more, and the least angles are a degree larger or smaller.
+const ROUNDS: usize = 4;
 
 impl ChartedFill {
     /// The number of triangles that are inverted or have no area in the chart.

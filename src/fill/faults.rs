@@ -8,10 +8,12 @@ use robust::{Coord3D, orient3d};
 use super::box_blocks::{BoxBlock, BoxBlocks, NumberedBox, overlap};
 use super::box_grid::BoxGrid;
 use super::front::{Fill, Surroundings};
-use crate::fill::CELL;
 use crate::geometry::{Point, Vector, VertexId, unit_normal};
 use crate::mesh::Mesh;
 use crate::mesh::remesh::FOLDED;
+
+/// The width of a grid cell in mean sides of the triangles. It changes the time only.
+const CELL: f64 = 2.0;
 
 /// The faults of a fill.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

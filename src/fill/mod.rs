@@ -119,12 +119,8 @@ impl Report {
     }
 }
 
-/// The width of a grid cell for searches, in mean edge lengths. It changes the time only.
-const CELL: f64 = 2.0;
-
-/// The rounds of two steps that depend on each other: layout and fit, flips and moves. With 2 or 8
-/// rounds a wide dome is 20 % or 12 % worse.
-const ROUNDS: usize = 4;
+/// Progress estimate: measuring what is around the holes takes half of the time of the stage.
+const SURROUNDINGS_SHARE: f64 = 0.5;
 
 /// The number of holes that are filled in parallel between two reports of progress.
 const HOLES_A_STEP: usize = 32;
@@ -166,7 +162,7 @@ pub fn fill_with(
         let mut fills: Vec<ClosedHole> = Vec::with_capacity(count);
         loop {
             let filled = fills.len() as f64 / count.max(1) as f64;
-            progress::step(progress, 1, 2)(filled)?;
+            progress(SURROUNDINGS_SHARE + (1.0 - SURROUNDINGS_SHARE) * filled)?;
             let some = fills.len()..count.min(fills.len() + HOLES_A_STEP);
             let closed: Result<Vec<_>> =
                 some.into_par_iter().map(|hole| fill(around, measured, hole)).collect();

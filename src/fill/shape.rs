@@ -13,7 +13,6 @@ use super::numbering::Numbering;
 use super::rigid_layout::lay_out;
 use super::rim_outlines::RimOutlines;
 use super::smoothing_spline::{Energies, SmoothingSpline};
-use crate::fill::ROUNDS;
 use crate::geometry::{LocalPlane, Point, Uv, Vector, VertexId};
 use crate::mesh::remesh::Sizes;
 use crate::mesh::{boundary, outline};
@@ -40,6 +39,10 @@ const STEEPEST: f64 = 0.4;
 /// The share of the points of the band that may be steeper. A few points with bad normals, as at a
 /// ragged rim, must not decide. A larger share bends the surface to points on its other side.
 const HIDDEN_SHARE: f64 = 0.02;
+
+/// The rounds of layout and fit. The shape of a fill depends on its layout, and the layout on the
+/// shape. With 2 or 8 rounds a wide dome is 20 % or 12 % worse.
+const ROUNDS: usize = 4;
 
 /// A hole, and the measured points that give its fill its shape.
 pub struct Shaper<'a> {

@@ -80,6 +80,9 @@ struct LocalFit {
     weights: SVector<f64, 16>,
 }
 
+/// The number of points from which on a local fit has full weight: one for each coefficient.
+const FULL_SUPPORT: f64 = 16.0;
+
 fn local_fit(
     cells: &KnotCells,
     around: &[Option<Vec<Windowed>>; 3],
@@ -104,9 +107,7 @@ fn local_fit(
         return LocalFit { coefficients: Coefficients::zeros(), weights: SVector::zeros() };
     }
     let mut local = solve(cells, p, q, &full(&gram), &right);
-    // One point for each coefficient gives full weight.
-    let coefficients = local.weights.len() as f64;
-    local.weights *= (count as f64 / coefficients).min(1.0).powi(2);
+    local.weights *= (count as f64 / FULL_SUPPORT).min(1.0).powi(2);
     local
 }
 

@@ -23,6 +23,10 @@ const GAIN: f64 = 1e-4;
 /// the start.
 const ROUNDING: f64 = 1e-12;
 
+/// For data whose residual is below [`ROUNDING`], the solution is accurate enough when the gain of
+/// two steps is below this share of the sum of squares at the start.
+const EXACT: f64 = 1e-24;
+
 /// Returns the net of the least-squares optimum and the number of steps. `None` if it takes too
 /// many steps.
 pub fn solve(
@@ -89,7 +93,7 @@ pub fn improve<W: Weight>(
             return None;
         }
         let sure = (left - ROUNDING * equations.squares).max(0.0);
-        if gain + before <= GAIN * sure + ROUNDING * ROUNDING * equations.squares {
+        if gain + before <= GAIN * sure + EXACT * equations.squares {
             return Some((x, step + 1, true));
         }
         before = gain;

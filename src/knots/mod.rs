@@ -15,7 +15,6 @@ use nalgebra::{Matrix3xX, SMatrix, SVector};
 use rayon::prelude::*;
 
 use crate::geometry::{BLOCK, Uv, Vector, uv_bounds};
-use crate::rules::{LEAST_CONTROL_POINTS, MOST_HALVINGS};
 use crate::spline::{KnotVector, Samples};
 
 pub use change::{InsertionLimits, Miss, insert, remove};
@@ -44,6 +43,10 @@ pub struct Report {
     pub depth: u32,
 }
 
+/// Regions with fewer points than this are not divided. A bicubic polynomial has 16 coefficients,
+/// so it would nearly interpolate fewer points.
+const MIN_POINTS: usize = 32;
+
 /// Places the knots of a bicubic surface over [0, 1]², first in u, then in v.
 pub fn place(samples: &Samples, options: &Options) -> ([KnotVector; 2], Report) {
     let mut points: Vec<ParameterPoint> =
@@ -57,7 +60,7 @@ pub fn place(samples: &Samples, options: &Options) -> ([KnotVector; 2], Report) 
     };
     let [low, high] = uv_bounds(&samples.uv);
     let knots = [0, 1].map(|axis| {
-        let unit = (2u64 << MOST_HALVINGS) as f64;
+        let unit = (1u64 << MAX_DEPTH) as f64;
         let inner = division.cuts[axis].iter().map(|&c| c as f64 / unit);
         // Outside the range of the points the surface is only extrapolated.
         let inner = inner.filter(|&c| low[axis] < c && c < high[axis]);
@@ -68,6 +71,9 @@ pub fn place(samples: &Samples, options: &Options) -> ([KnotVector; 2], Report) 
     (knots, report)
 }
 
+/// The depth at which cuts would no longer be exact binary fractions.
+const MAX_DEPTH: u32 = 40;
+
 /// A point with its parameter point.
 type ParameterPoint = (Uv, Vector);
 
@@ -77,7 +83,7 @@ struct Region {
     depth: u32,
 }
 
-/// The cuts in u and v in units of half of the smallest spans, and the counts of regions.
+/// The cuts in u and v in units of 2^−MAX_DEPTH, and the counts of regions.
 #[derive(Default)]
 struct Division {
     cuts: [BTreeSet<u64>; 2],
@@ -88,10 +94,8 @@ struct Division {
 
 fn divide(points: &mut [ParameterPoint], region: Region, options: &Options) -> Division {
     let fits = mean_error(points, &region) <= options.kappa;
-    let depth = options.depth.min(MOST_HALVINGS);
-    // A bicubic polynomial would nearly interpolate fewer points.
-    let is_small = points.len() < 2 * LEAST_CONTROL_POINTS;
-    if fits || region.depth >= depth || is_small {
+    let depth = options.depth.min(MAX_DEPTH - 1);
+    if fits || region.depth >= depth || points.len() < MIN_POINTS {
         let above_kappa = usize::from(!fits);
         return Division { regions: 1, above_kappa, depth: region.depth, ..Division::default() };
     }
@@ -116,7 +120,7 @@ fn divide(points: &mut [ParameterPoint], region: Region, options: &Options) -> D
             cuts.extend(more);
         }
     }
-    let unit = (2u64 << MOST_HALVINGS) as f64;
+    let unit = (1u64 << MAX_DEPTH) as f64;
     all.cuts[0].insert((middle.x * unit) as u64);
     all.cuts[1].insert((middle.y * unit) as u64);
     all

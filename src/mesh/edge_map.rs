@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use rayon::prelude::*;
 
 use super::Mesh;
-use crate::geometry::{MOST_PARTS, NONE, VertexId};
+use crate::geometry::{NONE, VertexId};
 
 /// For each side of each triangle, the opposite side of the same edge.
 ///
@@ -146,12 +146,15 @@ pub(crate) struct Buckets {
     members: Vec<u32>,
 }
 
+/// The largest number of shares in which the buckets are filled in parallel.
+const MOST_SHARES: usize = 8;
+
 impl Buckets {
     /// Puts each number below `count` into the bucket `bucket(number)`; there are `buckets` of
     /// them.
     pub(crate) fn new(buckets: usize, count: usize, bucket: impl Fn(u32) -> u32 + Sync) -> Self {
         // Each thread reads all numbers and keeps those that belong to its share of the buckets.
-        let threads = rayon::current_num_threads().min(MOST_PARTS);
+        let threads = rayon::current_num_threads().min(MOST_SHARES);
         let share = buckets.div_ceil(threads).max(1);
         let mut starts = vec![0u32; buckets + 1];
         starts[1..].par_chunks_mut(share).enumerate().for_each(|(k, counts)| {

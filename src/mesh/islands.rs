@@ -29,8 +29,8 @@ pub(super) struct IslandCandidate {
 /// hole in a curved surface may look narrower in projection than it is.
 const MIN_INSIDE_SHARE: f64 = 0.95;
 
-/// About this many vertices, spread over all of them, give a share or a mean within a few percent.
-pub(crate) const SAMPLE_SIZE: usize = 1000;
+/// About this many vertices of a component are tested, spread over all of them.
+const SAMPLE_SIZE: usize = 1000;
 
 /// The smallest cosine of the angle between the mean normals of an island and of its hole. The
 /// value is low because both may be curved.

@@ -37,7 +37,6 @@ pub use components::{Choice, Component, Components};
 pub use disk::{Disk, Island, Outer};
 pub(crate) use edge_map::Buckets;
 pub use edge_map::{EdgeMap, VertexRings};
-pub(crate) use islands::SAMPLE_SIZE;
 pub(crate) use midpoints::EdgeMidpoints;
 pub use neighbours::Neighbours;
 pub use parameterized::{Outline, Parameterized, Scaffold};

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
-use crate::geometry::{MOST_PARTS, NONE, VertexId};
+use crate::geometry::{NONE, VertexId};
 use crate::mesh::{Mesh, VertexRings};
 
 /// The one-ring of a vertex, or a part of it. Almost all rings are short enough to be stored in
@@ -144,6 +144,10 @@ impl OneRings {
         });
     }
 }
+
+/// The largest number of parts of the mesh that are processed in parallel. Each part reads all
+/// collapses.
+const MOST_PARTS: usize = 8;
 
 /// The rings of vertices with consecutive numbers.
 struct RingSlice<'a> {

@@ -13,7 +13,7 @@ use super::sweep_mesh::SweepMesh;
 use super::weights::Weights;
 use super::{mend, solve, stretch};
 use crate::error::{Error, Result};
-use crate::geometry::{MAX_ROUNDS, Point, Uv, UvVector, orient2d};
+use crate::geometry::{Point, Uv, UvVector, orient2d};
 use crate::progress::Progress;
 
 /// A map to a rectangle with the area of the surface. The boundary is mapped to its sides.
@@ -54,7 +54,7 @@ impl ConvexWeight {
     pub const FIRM: ConvexWeight = ConvexWeight { coarse: 0.5, fine: 0.5 };
 
     fn with(self, vertices: usize) -> f64 {
-        if vertices < EFFORT[1].0 { self.coarse } else { self.fine }
+        if vertices < COARSE_MESH { self.coarse } else { self.fine }
     }
 }
 
@@ -87,7 +87,7 @@ impl RectangleMap<'_> {
         let mut relaxed = 0;
         loop {
             let n = hierarchy.remaining.len();
-            progress(n as f64 / self.at.len() as f64)?;
+            progress(REFINED * n as f64 / self.at.len() as f64)?;
             let (growth, sweeps) =
                 EFFORT.iter().find(|e| n <= e.0).map_or((2.0, 2), |e| (e.1, e.2));
             if n as f64 >= growth * relaxed as f64 {
@@ -122,10 +122,10 @@ impl RectangleMap<'_> {
     }
 
     /// Moves the vertices of the given groups. Vertices that moved far and their neighbours are
-    /// moved again, until none moves far or [`LAST_SWEEPS`] moves per vertex were made.
+    /// moved again, until none moves far or [`MAX_MOVES`] moves per vertex were made.
     fn propagate(&mut self, rings: &OneRings, mut groups: Vec<Vec<u32>>, count: usize) {
         let mut moves = 0;
-        while !groups.is_empty() && moves < LAST_SWEEPS * count {
+        while !groups.is_empty() && moves < MAX_MOVES * count {
             moves += groups.iter().map(Vec::len).sum::<usize>();
             let (points, weights, freedom) = (self.points, &self.weights.of, &self.freedom);
             let energy =
@@ -194,7 +194,7 @@ impl RectangleMap<'_> {
         let ends = [path[0], path[path.len() - 1]].map(|w| self.at[w as usize] - corner);
         let towards = if inner { bisector(ends) } else { wish - corner };
         let mut q = corner + towards;
-        for _ in 0..MAX_ROUNDS {
+        for _ in 0..MOST_HALVINGS {
             if sees_all(q) {
                 break;
             }
@@ -228,13 +228,24 @@ impl RectangleMap<'_> {
 }
 
 /// The effort by mesh size. For meshes of at most `.0` vertices, `.2` sweeps are made whenever the
-/// number of vertices has grown by the factor `.1` since the last ones. Meshes of the first two
-/// sizes count as coarse.
+/// number of vertices has grown by the factor `.1` since the last ones.
 const EFFORT: [(usize, f64, usize); 3] = [(500, 1.0, 40), (5_000, 1.3, 20), (50_000, 1.6, 10)];
 
-/// The number of sweeps over the whole mesh, and of those after every pass if single moves are
-/// counted.
+/// Progress estimate: the share of the time after which all collapses are undone.
+const REFINED: f64 = 0.85;
+
+/// The number of sweeps over the whole mesh.
 const LAST_SWEEPS: usize = 2;
+
+/// A mesh with fewer vertices counts as coarse.
+const COARSE_MESH: usize = 5_000;
+
+/// The largest number of moves in [`RectangleMap::propagate`], as a multiple of the number of
+/// vertices.
+const MAX_MOVES: usize = 2;
+
+/// A new vertex is placed no nearer to the apex than this power of one half.
+const MOST_HALVINGS: usize = 60;
 
 /// The bisector of the counter-clockwise angle from the first direction to the second. It is not
 /// longer than these.

@@ -15,12 +15,14 @@ use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::boundary::Loop;
 use crate::mesh::{Mesh, Patch};
 
-/// The largest number of vertices of the outermost ring. The course of a boundary with fewer
-/// vertices is unknown, so it does not count as ragged.
+/// The largest number of vertices of the outermost ring.
 const OUTERMOST: usize = 64;
 
 /// The width of the window for the mean, in distances between vertices of the ring.
 const WINDOW: f64 = 3.0;
+
+/// A boundary with fewer vertices does not count as ragged, because its smooth course is unknown.
+const FEWEST: usize = 64;
 
 /// A boundary is ragged if its length exceeds that of its mean over nine vertices by this factor.
 /// Square corners give 1.02 to 1.07.
@@ -36,7 +38,7 @@ pub fn is_ragged(mesh: &Mesh, outer: &[VertexId]) -> bool {
     let mean = |i: usize| (0..9).map(|k| at(i + k)).sum::<Vector>() / 9.0;
     let length =
         |at: &dyn Fn(usize) -> Vector| -> f64 { (0..n).map(|i| (at(i + 1) - at(i)).norm()).sum() };
-    n >= OUTERMOST && length(&at) > RAGGED * length(&mean)
+    n >= FEWEST && length(&at) > RAGGED * length(&mean)
 }
 
 /// The mesh of the patch with a scaffold, and the new outer boundary. The vertices and triangles of

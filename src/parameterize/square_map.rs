@@ -18,6 +18,9 @@ const WEIGHED: usize = 30_000;
 /// The number of vertices of the mesh on which corners are tried.
 const COARSE: usize = 400;
 
+/// Progress estimate: the share of the time after which the coarse map is ready.
+const STARTED: f64 = 0.35;
+
 /// A disk simplified to a few vertices, with their map.
 pub struct CoarseMap<'a> {
     mesh: &'a Mesh,
@@ -60,7 +63,7 @@ impl<'a> CoarseMap<'a> {
         let mut kept = vec![false; points.len()];
         sets.iter().flatten().for_each(|&v| kept[v as usize] = true);
         let mut hierarchy = ProgressiveMesh::new(OneRings::new(mesh, outer));
-        let progress = &mut progress::step(progress, 0, 2);
+        let progress = &mut progress::part(progress, 0.0, STARTED);
         hierarchy.coarsen(points, &kept, WEIGHED, |_| (), progress)?;
         let area =
             stretch::area(points, rectangle_map::triangles(&hierarchy.rings, &hierarchy.remaining));
@@ -87,7 +90,7 @@ impl<'a> CoarseMap<'a> {
         progress: &mut Progress,
     ) -> Result<SquareMap> {
         let rectangle = Rectangle::new(&self.outer, &self.corners);
-        let progress = &mut progress::step(progress, 1, 2);
+        let progress = &mut progress::part(progress, STARTED, 1.0);
         let mut uv = match method {
             MapMethod::LeastStretch => self.least_stretch(&rectangle, progress)?,
             MapMethod::MeanValue => self.mean_value(&rectangle)?,

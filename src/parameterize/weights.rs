@@ -24,7 +24,7 @@ const SHARP_RADIUS: f64 = 1.0 / 28.0;
 /// rough surface has no places that stand out.
 const MIN_CURVATURE_RATIO: f64 = 4.0;
 
-/// The largest weight. A single sharp edge would otherwise take most of the map.
+/// The largest weight.
 const MAX_WEIGHT: f64 = 20.0;
 
 /// The weight of the scaffold, which should give way.

@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use super::crossvalidation::{SupportScore, chosen};
 use super::line::{quadratic, reference_line};
-use crate::geometry::{OUTLYING, Point, Vector, plane_axes};
+use crate::geometry::{Point, Vector, plane_axes};
 use crate::mesh::mls::REACH;
 
 /// The supports that are tried, as multiples of the mean edge length of the loop.
@@ -21,6 +21,10 @@ const SUPPORTS: [f64; 7] = [2.0, 3.0, 4.5, 6.5, 9.5, 14.0, 20.0];
 
 /// Loops and parts of loops with fewer points than this are not smoothed.
 const MIN_POINTS: usize = 8;
+
+/// The largest move of a point, in standard deviations of the noise. The stair steps that a coarse
+/// mesh makes of a straight rim are not noise, but up to this size they are smoothed as well.
+const MAX_MOVE: f64 = 5.0;
 
 /// A loop of points on a surface.
 pub struct RimPoints<'a> {
@@ -71,9 +75,8 @@ pub fn smooth_loop(rim: &RimPoints, corners: &[usize]) -> Vec<Point> {
 /// point in these rounds, in standard deviations of the noise.
 const SPREADING: (usize, f64) = (12, 2.5);
 
-/// The number of edges on each side of a corner over which the loop is treated as straight, and of
-/// a crossing whose vertices move back with it.
-pub const BESIDE: usize = 4;
+/// The number of edges on each side of a corner over which the loop is treated as straight.
+const STRAIGHT: usize = 4;
 
 impl RimPoints<'_> {
     /// Spreads points along the loop where noise has crowded them. In each round a point moves half
@@ -108,13 +111,13 @@ impl RimPoints<'_> {
             Vector2::new(d.dot(&x), d.dot(&y))
         };
         let side = |near: usize, far: usize| (flat(near), (flat(near) - flat(far)).normalize());
-        let (p, u) = side(corner + n - 1, corner + n - 1 - BESIDE);
-        let (q, v) = side(corner + 1, corner + 1 + BESIDE);
+        let (p, u) = side(corner + n - 1, corner + n - 1 - STRAIGHT);
+        let (q, v) = side(corner + 1, corner + 1 + STRAIGHT);
         // Solve p + s u = q + t v. Nearly parallel sides have no usable intersection.
         let turn = u.perp(&v);
         let met = p + (q - p).perp(&v) / turn * u;
-        let near = met.norm() <= OUTLYING * self.noise[corner] && turn.abs() > 0.3;
-        (near && n > 4 * BESIDE).then(|| raw + met.x * x + met.y * y)
+        let near = met.norm() <= MAX_MOVE * self.noise[corner] && turn.abs() > 0.3;
+        (near && n > 4 * STRAIGHT).then(|| raw + met.x * x + met.y * y)
     }
 
     fn part(&self, first: usize, count: usize, closed: bool) -> LoopPart {
@@ -143,7 +146,7 @@ impl LoopPart {
         }
         let h = self.support();
         let project = |i: usize| {
-            let farthest = OUTLYING * self.noise[i];
+            let farthest = MAX_MOVE * self.noise[i];
             let moved = self.project(i, h).map(|m| m.by.clamp(-farthest, farthest) * m.across);
             self.points[i] + moved.unwrap_or_else(Vector::zeros)
         };

@@ -154,7 +154,7 @@ pub fn smooth_with(
     progress: &mut Progress,
 ) -> Result<(Disk, Report)> {
     options.check()?;
-    let examined = Examined::new(&disk.mesh, &mut progress::step(progress, 0, 4))?;
+    let examined = Examined::new(&disk.mesh, &mut progress::part(progress, 0.0, EXAMINED))?;
     let noise: Vec<f64> =
         (0..disk.mesh.points.len()).map(|v| examined.choice.noise_at(v)).collect();
     let mut report = Report {
@@ -169,12 +169,12 @@ pub fn smooth_with(
     };
     let mut out = disk.clone();
     let surface = match options.support {
-        Support::Auto => examined.surface(&mut progress::step(progress, 1, 4))?,
+        Support::Auto => examined.surface(&mut progress::part(progress, EXAMINED, FITTED))?,
         Support::Fixed(h) => examined.surface_of(&disk.mesh, h)?,
         Support::Off => return Ok((out, report)),
     };
     report.h = surface.median_support();
-    let onto = &mut progress::step(progress, 2, 4);
+    let onto = &mut progress::part(progress, FITTED, PROJECTED);
     let (projected, normals) = surface.feet(&disk.mesh, onto)?;
     out.mesh.points.clone_from(&projected);
     let rings: Vec<&boundary::Loop> = disk.loops().collect();
@@ -223,8 +223,17 @@ fn smoothed_loop(
     ring.par_iter().zip(&smooth).map(foot).collect()
 }
 
+/// Progress estimates: the shares of the total time after which the supports and the noise are
+/// known, the polynomials are fitted, and the points are projected.
+const EXAMINED: f64 = 0.45;
+const FITTED: f64 = 0.65;
+const PROJECTED: f64 = 0.75;
+
 /// The largest number of rounds of outlier detection.
 const OUTLIER_ROUNDS: usize = 3;
+
+/// Progress estimate: the share of the first phase that the clustering takes.
+const LEVELLED: f64 = 0.2;
 
 /// A fixed support must be able to smooth at least this share of the points.
 const MOST_REACHED: f64 = 0.5;
@@ -242,7 +251,8 @@ impl Examined {
         let rings = VertexRings::new(mesh);
         let mut left_out = vec![false; mesh.points.len()];
         let mut levels = levels::levels(mesh, &rings, &left_out);
-        let choosing = &mut progress::step(progress, 1, 2);
+        progress(LEVELLED)?;
+        let choosing = &mut progress::part(progress, LEVELLED, 1.0);
         let mut choice = support::choose(mesh, &levels, choosing)?;
         // Outliers disturb the choice of supports with which they are detected, so both are
         // repeated.

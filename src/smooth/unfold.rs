@@ -8,8 +8,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::surface::MlsSurface;
-use crate::geometry::{MAX_ROUNDS, Point, Vector, VertexId};
+use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::{Disk, VertexRings};
+
+/// The largest number of rounds.
+const MAX_ROUNDS: usize = 60;
 
 /// After this number of rounds, boundary vertices move back as well, for the same number of rounds.
 /// The two kinds of rounds then alternate, because the positions to which boundary vertices return

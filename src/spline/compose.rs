@@ -2,8 +2,11 @@
 
 use nalgebra::{SVector, Vector3};
 
-use super::{Curve, KnotVector, MAX_HALVINGS, SAMPLES, Surface};
+use super::{Curve, KnotVector, Surface};
 use crate::geometry::{Uv, Vector};
+
+/// The largest number of times that a piece is halved.
+const MAX_HALVINGS: usize = 24;
 
 /// After this number of halvings, a halving that does not at least halve the error is the last one.
 /// The remaining error is then due to rounding.
@@ -77,6 +80,7 @@ pub fn pieces_on_surface(surface: &Surface, c: &Curve<2>) -> Vec<f64> {
 /// must be a single polynomial there. Crossings are bracketed between samples and found by
 /// bisection.
 fn crossings(c: &Curve<2>, axis: usize, levels: &[f64], a: f64, b: f64, found: &mut Vec<f64>) {
+    const SAMPLES: usize = 16;
     let at = |i: usize| a + (b - a) * i as f64 / SAMPLES as f64;
     let value = |t: f64| c.point(t)[axis];
     let mut before = value(a);

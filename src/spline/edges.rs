@@ -3,8 +3,8 @@
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
 use super::Curve;
-use super::EXACT;
 use super::chords::chords;
+use super::nearest::EXACT;
 use crate::geometry::{Point, bounds, segment_distance};
 
 /// Curves in space, indexed for queries of the distance from a point to the nearest curve.

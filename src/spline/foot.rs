@@ -2,8 +2,8 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::{EXACT, Jet, ParametricSurface, Surface};
-use crate::geometry::{MAX_ROUNDS, Point, Uv};
+use super::{Jet, ParametricSurface, Surface};
+use crate::geometry::{Point, Uv};
 
 /// The parameter point of a local minimum of the distance from `p` to the surface, and this
 /// distance in mm. The descent starts at `start` and stays inside the domain.
@@ -14,8 +14,12 @@ use crate::geometry::{MAX_ROUNDS, Point, Uv};
 /// The result is never farther than the point at `start`. Newton's last step is below 1e-7 of the
 /// domain, so the remaining error is far below 1e-10.
 pub fn foot_point<S: ParametricSurface + ?Sized>(surface: &S, p: Point, start: Uv) -> (Uv, f64) {
-    foot_point_moving(surface, p, start, [true; 2], EXACT)
+    foot_point_moving(surface, p, start, [true; 2], LAST_STEP)
 }
+
+/// The largest number of steps, and the length of a step below which the descent ends.
+const STEPS: usize = 30;
+const LAST_STEP: f64 = 1e-7;
 
 /// The step length of a coarse descent, as a share of a mean knot span. The error that Newton's
 /// method leaves is about the square of its last step.
@@ -54,7 +58,7 @@ pub(crate) struct Foot {
 impl Foot {
     /// The result of [`foot_point`], with the derivatives at the foot point.
     pub fn find<S: ParametricSurface + ?Sized>(surface: &S, p: Point, start: Uv) -> Self {
-        descend(surface, p, start, [true; 2], EXACT)
+        descend(surface, p, start, [true; 2], LAST_STEP)
     }
 }
 
@@ -69,7 +73,7 @@ pub(super) fn descend<S: ParametricSurface + ?Sized>(
     let mut at = surface.clamp(start);
     let mut jet = surface.jet(at);
     let mut distance = (jet.s - p).norm_squared();
-    for _ in 0..MAX_ROUNDS {
+    for _ in 0..STEPS {
         let r = jet.s - p;
         let gradient = Vector2::new(r.dot(&jet.su), r.dot(&jet.sv));
         let metric = Matrix2::new(

@@ -183,12 +183,6 @@ fn derivatives<const P: usize>(p: usize, knots: &[f64], t: f64) -> [[f64; ROOM];
     all
 }
 
-/// The largest number of spans of an edge. CAD systems integrate along an edge with a limited
-/// number of points. OpenCASCADE uses 61 points, which is five for each of twelve cubic spans. With
-/// 48 spans the areas of real sheets were up to 7 % off, with 16 spans up to 0.4 %. Without
-/// division the sides of thickened faces were up to 6 % off.
-pub(crate) const MAX_SPANS: usize = 12;
-
 /// Divides the spans between `breaks` into runs of about equal numbers of spans, and returns the
 /// ends of the runs. A run has at most `most` spans, and there are at least `least` runs.
 pub fn runs(breaks: &[f64], most: usize, least: usize) -> Vec<f64> {

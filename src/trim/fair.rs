@@ -7,7 +7,7 @@
 
 use super::closed::fit;
 use super::loop_fit::LoopFit;
-use crate::geometry::{MAX_ROUNDS, Point, segment_distance};
+use crate::geometry::{Point, segment_distance};
 
 /// The number of points of the curve for each edge of the rim that are compared with the rim.
 const PLACES_AN_EDGE: f64 = 2.0;
@@ -20,8 +20,12 @@ const SIDES: usize = 3;
 /// neighbours.
 const STRIDE: usize = 3;
 
-/// A closed cubic spline needs at least this many spans, and its rim as many vertices.
-pub const MIN_SPANS: usize = 4;
+/// The largest number of rounds over all knots. Each round removes about a third of the knots that
+/// can still be removed.
+const MAX_ROUNDS: usize = 8;
+
+/// A closed cubic spline needs at least this many spans.
+const MIN_SPANS: usize = 4;
 
 /// The largest number of fits with new weights after knots were removed.
 const REWEIGHTINGS: usize = 3;

@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 use super::closed::{ClosedKnots, ClosedPolygon, arcs, fit};
 use super::{Options, Rim, corners, needles};
-use crate::geometry::{MAX_ROUNDS, Point, Uv, segment_distance};
+use crate::geometry::{Point, Uv, segment_distance};
 use crate::spline::{Curve, Jet, Surface, foot_point};
 
 /// The number of spans that a loop starts with.
@@ -38,6 +38,10 @@ const CHORDS: i32 = 24;
 
 /// The largest number of additional corners. If more are needed, needles are removed instead.
 const MAX_SHARP: usize = 32;
+
+/// The largest number of rounds of halving. This is more than enough to come from a sixth of the
+/// loop to the shortest span.
+const MAX_ROUNDS: usize = 40;
 
 /// The current state of a loop.
 #[derive(Debug, Clone)]

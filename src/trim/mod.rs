@@ -20,7 +20,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result, of};
-use crate::geometry::{MAX_ROUNDS, Point, Uv, bounds};
+use crate::geometry::{Point, Uv, bounds};
 use crate::mesh::Bound;
 use crate::rules;
 use crate::spline::decimal;
@@ -48,10 +48,8 @@ pub struct Options {
     pub keeps_vertices: bool,
 }
 
-/// A loop that follows every tooth stays within this share of the tolerance from its rim, and any
-/// other loop has at least this share of the rim tolerance as room. A smaller share makes short
-/// spans where the surface is off the rim, which no loop can correct.
-const HALF_ROOM: f64 = 0.5;
+/// A loop that follows every tooth stays within this share of the tolerance from its rim.
+const UNFAIR_SHARE: f64 = 0.5;
 
 /// A fair loop that keeps its vertices within the tolerance uses this share of the remaining
 /// room. The rest is a reserve, because the loop may cut off vertices beside the rim by a little
@@ -61,6 +59,10 @@ const KEPT_SHARE: f64 = 0.7;
 /// The least room around the foot point of a vertex, as a share of the tolerance. It applies
 /// where the surface is so far from the vertex that the tolerance would leave less room.
 const LEAST_SHARE: f64 = 0.1;
+
+/// The least room as a share of the rim tolerance, for loops that need not keep their vertices.
+/// A smaller share makes short spans where the surface is off the rim, which no loop can correct.
+const LEAST_RIM_SHARE: f64 = 0.5;
 
 /// The uncertainty of a rim, as a share of its edge length. A scanner measures its last point up
 /// to one edge length before the end of the part, which is half an edge length on average.
@@ -92,9 +94,9 @@ impl Options {
         let left = |of: f64| (of.powi(2) - off.powi(2)).max(0.0).sqrt();
         let within = left(self.tolerance).max(LEAST_SHARE * self.tolerance);
         match (self.is_fair(), self.keeps_vertices) {
-            (false, _) => within.min(HALF_ROOM * self.tolerance),
+            (false, _) => within.min(UNFAIR_SHARE * self.tolerance),
             (true, true) => (KEPT_SHARE * within).min(self.rim),
-            (true, false) => left(self.rim).max(HALF_ROOM * self.rim),
+            (true, false) => left(self.rim).max(LEAST_RIM_SHARE * self.rim),
         }
     }
 }
@@ -196,6 +198,9 @@ pub fn edge_accuracy(surface: &Surface) -> f64 {
     let rounded = f64::EPSILON * farthest.max(surface.speed());
     wanted.max(ROUNDINGS * rounded).max(f64::MIN_POSITIVE)
 }
+
+/// The largest number of rounds in which faulty loops are tightened.
+const MAX_ROUNDS: usize = 100;
 
 /// Computes the trim loops of the given rims, in the order of the rims.
 ///
@@ -328,8 +333,7 @@ fn traced(
 
 /// The largest number of polynomial pieces of an edge. CAD systems integrate along an edge with a
 /// limited number of points. In OpenCASCADE the areas of extruded loop edges were up to 0.12 % off
-/// with twenty pieces, and up to 2.7 % off without division. With twelve, as for spans, nearly every
-/// edge that crosses a knot line of the surface would be divided again.
+/// with twenty pieces, and up to 2.7 % off without division.
 const MAX_PIECES: usize = 16;
 
 /// Divides a pcurve into parts and computes the edge in space that each part traces.

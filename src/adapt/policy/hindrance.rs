@@ -4,7 +4,6 @@
 //! neighbour to neighbour. More control points then follow the noise, each as much of it as
 //! one point has: with n of them for N points, a standard deviation of σ √(1 − n/N) is left.
 
-use super::WORTHWHILE;
 use super::noise::POINTS_A_CONTROL_POINT;
 use crate::adapt::attempt::Attempt;
 use crate::adapt::goal::TOLERANCE_OF_NOISE;
@@ -18,9 +17,12 @@ const MOST_CORRELATION: f64 = 0.3;
 /// net as fine as noise allows.
 const BROUGHT_BACK: f64 = 1e-3;
 
-/// With so many times the control points noise stays the same, up to [`WORTHWHILE`]. Of a shape
-/// that is missed, a net that is a tenth finer each way leaves less than three quarters.
+/// With so many times the control points noise stays the same, …
 const MORE: f64 = 1.2;
+
+/// … up to this share. Of a shape that is missed, a net that is a tenth finer each way leaves
+/// less than three quarters.
+const SAME: f64 = 0.95;
 
 /// What a net misses.
 #[derive(Debug, Clone, Copy)]
@@ -53,8 +55,7 @@ pub fn hindering_noise(
     *before = Some(now);
     let least = now.noise * (1.0 - 1.0 / POINTS_A_CONTROL_POINT as f64).sqrt();
     let beyond = libm::erfc(goal.tolerance / least / std::f64::consts::SQRT_2);
-    let is_noise =
-        now.noise > WORTHWHILE * was.noise && correlation(problem, attempt) < MOST_CORRELATION;
+    let is_noise = now.noise > SAME * was.noise && correlation(problem, attempt) < MOST_CORRELATION;
     (is_noise && beyond > goal.outliers + BROUGHT_BACK).then_some(now.noise)
 }
 

@@ -23,18 +23,6 @@ use crate::fit;
 /// those of crumpled needles most.
 const HOPELESS: f64 = 0.1;
 
-/// The share of points beyond the tolerance that is few: mends, which are local, may still bring
-/// them back, and a surface without folds may give them up if nobody named the tolerance.
-const FEW: f64 = 0.01;
-
-/// A round that leaves more than this share is idle: at 5 % a round, halving the number of points
-/// beyond the tolerance takes over a dozen fits.
-const WORTHWHILE: f64 = 0.95;
-
-/// The idle rounds in a row after which there are no more. A round may insert a few knots only, and
-/// several such rounds may come before one that gains. Most scans need less than six mends.
-const PATIENCE: usize = 5;
-
 /// The share of the knot lines that is removed at first. A quarter may fail where an eighth does
 /// not, and then half as much is tried.
 const FIRST_REMOVED: f64 = 0.25;

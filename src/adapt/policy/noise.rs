@@ -10,12 +10,11 @@
 use super::{remove_knots, tolerance};
 use crate::adapt::attempt::Attempt;
 use crate::adapt::moves::insert::insert;
-use crate::adapt::moves::reject;
+use crate::adapt::moves::reject::{self, OUTLYING};
 use crate::adapt::problem::Problem;
 use crate::adapt::run::FitRun;
 use crate::adapt::start::deepest;
 use crate::error::Result;
-use crate::geometry::OUTLYING;
 use crate::knots::{InsertionLimits, Miss};
 
 /// What a control point must take off the sum of squares, in variances of the noise (Akaike).

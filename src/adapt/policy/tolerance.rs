@@ -1,7 +1,7 @@
 //! The policy for a named tolerance: more weight on the points that are missed, more knots where
 //! that is not enough, and then as few knots as keep the tolerance.
 
-use super::{HOPELESS, PATIENCE, WORTHWHILE, hindrance, noise, remove_knots};
+use super::{HOPELESS, hindrance, noise, remove_knots};
 use crate::adapt::attempt::Attempt;
 use crate::adapt::moves::correct::{FIRM_AREA, correct};
 use crate::adapt::moves::insert::finer_knots;
@@ -12,6 +12,14 @@ use crate::adapt::state::State;
 use crate::error::Result;
 use crate::knots::InsertionLimits;
 use crate::rules;
+
+/// A round is idle if it brings neither the number of points beyond the tolerance down to this
+/// share nor the largest distance: at 5 % a round, halving either takes over a dozen fits.
+const WORTHWHILE: f64 = 0.95;
+
+/// The most idle rounds in a row. A round may insert a few knots only, and several such rounds
+/// may come before one that gains.
+const PATIENCE: usize = 4;
 
 /// The most times that weights are raised over the same knots. Each takes a fit, after which more
 /// knots can help as well.
@@ -39,7 +47,7 @@ pub fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
     let (mut idle, mut misfit) = (0, None);
     loop {
         let now = last.as_ref().unwrap_or(&best);
-        if now.is_met(problem) || idle == PATIENCE {
+        if now.is_met(problem) || idle > PATIENCE {
             break;
         }
         run.hindrance = hindrance::hindering_noise(problem, now, &mut misfit);

@@ -76,6 +76,12 @@ fn expanded(argument: &Path) -> Result<(PathBuf, Vec<PathBuf>), Failure> {
     Ok((folder.to_owned(), vec![argument.to_owned()]))
 }
 
+/// Whether a file is the summary of a batch in its output folder, and no cloud of points.
+fn is_summary(path: &Path, out: Option<&Path>) -> bool {
+    let folder = path.parent().and_then(|folder| folder.canonicalize().ok());
+    path.file_name() == Some("summary.csv".as_ref()) && out.is_some() && folder.as_deref() == out
+}
+
 /// Whether a file has the extension of a mesh or of a cloud of points.
 fn has_scan_name(path: &Path) -> bool {
     Format::by_extension(path).is_some() || PointFormat::by_extension(path).is_some()
@@ -110,7 +116,7 @@ fn walk(folder: &Path, out: &Path, found: &mut Found) -> Result<(), Failure> {
                 None => return Err(failure(&folder.display().to_string(), &e.to_string())),
             },
         };
-        if has_scan_name(&path) {
+        if has_scan_name(&path) && !is_summary(&path, out.as_deref()) {
             found.entry(place_of_file(&path)?).or_insert(path);
         }
     }

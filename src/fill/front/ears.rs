@@ -74,13 +74,19 @@ impl Front<'_> {
         self.fill.triangles.len() - before
     }
 
-    /// For a round that added no triangle: closes ears of any angle below 180°. If there is none,
-    /// closes a loop of a guided front by least area. `None` for any other front.
-    pub(super) fn close_wide_ears(&mut self) -> Option<()> {
-        let closed = self.close_ears(std::f64::consts::PI);
-        self.fill.wide_ears += closed;
-        if closed > 0 {
-            return Some(());
+    /// For a round that added no triangle: raises φ until an ear can be closed. If there is
+    /// none, closes a loop of a guided front by least area. `None` for any other front.
+    pub(super) fn close_wide_ears(&mut self, angle: f64) -> Option<()> {
+        /// The steps from φ to 180°, of 13° each. Fewer can close wider ears than needed. One
+        /// and twelve steps change no fill of the hole bench.
+        const STEPS: i32 = 6;
+        for step in 1..=STEPS {
+            let share = f64::from(step) / f64::from(STEPS);
+            let closed = self.close_ears(angle + share * (std::f64::consts::PI - angle));
+            self.fill.wide_ears += closed;
+            if closed > 0 {
+                return Some(());
+            }
         }
         match self.by {
             Advance::Mls(_) => None,

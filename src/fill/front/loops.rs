@@ -6,7 +6,6 @@
 
 use foldhash::{HashMap, HashMapExt};
 
-use crate::fill::CELL;
 use crate::fill::box_blocks::overlap;
 use crate::geometry::{Point, VertexId};
 
@@ -19,6 +18,10 @@ struct Node {
     after: usize,
     alive: bool,
 }
+
+/// The width of a grid cell in mean edge lengths. It changes the time only: smaller cells
+/// hold an edge several times, larger ones give more edges to look at.
+const CELL: f64 = 3.0;
 
 /// The closed loops of the front.
 #[derive(Debug)]

@@ -9,7 +9,7 @@
 //!   this path on both sides.
 //! - A new point near another part of the front is not placed. Instead the edge is joined to
 //!   the vertex of the front that is there, and the front splits in two.
-//! - If a round adds no triangle, ears of any angle below 180° are closed. If no ear can be
+//! - If a round adds no triangle, φ is raised until an ear can be closed. If no ear can be
 //!   closed, a guided front closes its loop by least area; any other front has failed.
 //!
 //! The mesh stays a manifold, because no edge is made twice. The front comes to an end, because
@@ -115,7 +115,7 @@ pub fn advance(hole: OpenHole, options: &Options, by: Advance) -> Option<Fill> {
         front.loops.renew();
         front.advance();
         if before == front.fill.triangles.len() {
-            front.close_wide_ears()?;
+            front.close_wide_ears(options.ear_angle)?;
         }
     }
     Some(front.fill)

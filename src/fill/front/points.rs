@@ -19,6 +19,12 @@ const APART: f64 = 0.55;
 /// least angles falls from 37° to 19°.
 const LOWEST: f64 = 0.4;
 
+/// The greatest distance of a new point from the edge that it is joined to, in target edge
+/// lengths. A candidate is at most one edge length from its own edge in the plane, and a little
+/// farther on a curved surface. With less some candidates are lost; twice as much changes no
+/// fill of the hole bench.
+const HIGHEST: f64 = 1.25;
+
 /// A vertex of the front that is this near to a candidate, in target edge lengths, is taken
 /// instead of it. Half of it changes little. With twice as much the front joins vertices that it
 /// should still pass: the rms over the hole bench grows by 3 %.
@@ -29,8 +35,8 @@ const MEETING: f64 = 0.75;
 const SHARPEST: f64 = 0.3;
 
 /// The greatest distance of an edge from the approximation that it shares, in target edge
-/// lengths, and of what is near a new point. The last of five edges is two edge lengths from the
-/// middle one. With less fewer edges share, which costs time.
+/// lengths. The last of five edges is two edge lengths from the middle one. With less fewer
+/// edges share, which costs time.
 const FARTHEST: f64 = 2.2;
 
 /// The cosine of the greatest angle, 18°, between an edge's normal and the plane of the
@@ -59,7 +65,7 @@ impl Front<'_> {
         for (edge, (p, normal)) in self.candidates() {
             let size = self.sizes.at(p);
             if self.fill.points.len() < self.most_points {
-                let near = self.loops.near(p, FARTHEST * size);
+                let near = self.loops.near(p, HIGHEST.max(MEETING) * size);
                 if !self.meet(edge, p, size, normal, &near) {
                     self.try_point(p, size, normal, &near);
                 }

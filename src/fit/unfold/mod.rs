@@ -33,6 +33,9 @@ use work::Work;
 /// The largest number of rounds with one stiffness.
 const MAX_ROUNDS: usize = 16;
 
+/// The number of rounds in which samples that may not slide hold the surface in all directions.
+const HOLD_ROUNDS: usize = 8;
+
 /// The least number of rounds of a mend. Each round takes half of a step, so that a sixty-fourth of
 /// the way is left.
 const MIN_MENDING: usize = 6;
@@ -167,7 +170,7 @@ impl FoldRemoval<'_> {
         let mut round = 0;
         while round < last {
             work.widen(&self.flagged);
-            if round >= MAX_ROUNDS / 2 {
+            if round >= HOLD_ROUNDS {
                 work.ease(&self.flagged);
             }
             round += 1;

@@ -7,7 +7,7 @@ pub mod flips;
 mod refine;
 mod sizes;
 
-pub use refine::{MAX_LENGTH_RATIO, RimTriangulation};
+pub use refine::RimTriangulation;
 pub use sizes::Sizes;
 
 /// The surface folds at a side if the cosine of the angle between the normals of its triangles is

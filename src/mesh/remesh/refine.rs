@@ -9,7 +9,7 @@ use super::{FOLDED, Sizes};
 use crate::geometry::{Point, Vector, unit_normal};
 
 /// An edge is divided if it is longer than this multiple of the wanted length there.
-pub const MAX_LENGTH_RATIO: f64 = 1.4;
+const MAX_LENGTH_RATIO: f64 = 1.4;
 
 /// The triangulation has at most this multiple of the number of rim corners.
 const MAX_POINTS_RATIO: usize = 40;

@@ -18,7 +18,7 @@ use rayon::prelude::*;
 
 use crate::geometry::{Point, Uv, Vector, VertexId, segment_distance};
 use crate::mesh::boundary::Loop;
-use crate::mesh::remesh::{MAX_LENGTH_RATIO, RimTriangulation, Sizes};
+use crate::mesh::remesh::{RimTriangulation, Sizes};
 use crate::mesh::{Adjacency, FaceOrigin, Patch, VertexRings};
 use ears::Ears;
 
@@ -36,6 +36,10 @@ const MIN_DEPTH_RATIO: f64 = 0.25;
 /// diagonal of the mesh. A straight continuation does no harm in a shallower one, and the surface
 /// need not fold there.
 const MIN_LEANING_DEPTH: f64 = 0.05;
+
+/// A side across the opening of a bay is divided if it is longer than this multiple of the wanted
+/// edge length there.
+const MAX_LENGTH_RATIO: f64 = 1.4;
 
 /// The triangles that close the bays of an outer boundary. They exist only for the map; the face
 /// does not include them.

@@ -15,14 +15,23 @@ mod tree;
 #[cfg(test)]
 mod tests;
 
+use super::ParametricSurface;
 pub(crate) use super::foot::Foot;
 use super::foot::descend;
-use super::{EXACT, MAX_HALVINGS, ParametricSurface};
 use crate::geometry::{Point, Uv};
 use cell::SurfaceCell;
 use grid::CellGrid;
 use proof::NearestProof;
 use tree::BoxTree;
+
+/// The relative accuracy of distances: this share of the diagonal, or of the distance if that is
+/// longer. Files are rounded more coarsely. A smaller value would make queries from places with
+/// many equally near points, such as the centre of a sphere, take very long.
+pub(crate) const EXACT: f64 = 1e-7;
+
+/// The largest number of times that a cell is halved. Smaller cells are below the resolution of
+/// floating-point numbers.
+const MOST_HALVINGS: usize = 24;
 
 /// Newton's last step in a cell, as a share of its side. The bounds account for the remaining
 /// gradient.
@@ -99,7 +108,7 @@ impl NearestSearch {
                 continue;
             }
             if let Some(i) = node.cell {
-                search.cell(&self.grid.cells[i], self.grid.ends(i), MAX_HALVINGS);
+                search.cell(&self.grid.cells[i], self.grid.ends(i), MOST_HALVINGS);
             }
             next += 1;
         }
