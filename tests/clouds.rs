@@ -41,7 +41,8 @@ fn are_right(noise: f64, flaws: Flaws, rms: f64) {
         assert!(check.is_manifold(), "{what}");
         assert_eq!((check.components, check.loops.len()), (1, 1 + holes), "{what}");
         let share = check.area / made.scan.true_area();
-        assert!((0.985..1.08).contains(&share), "{share}: {what}");
+        // Noise makes vertices rough, and lies beyond the boundary.
+        assert!((0.985..1.06 + 0.06 * noise).contains(&share), "{share}: {what}");
         let error =
             made.scan.rms(found.soup.points.iter().copied().step_by(1 + check.loops[0] / 9));
         assert!(error < rms * made.noise, "{}: {what}", error / made.noise);

@@ -23,25 +23,41 @@ const NARROW: f64 = 0.1;
 /// The number of places at which the noise is measured. The median over them is 2 % off.
 const PLACES: usize = 4000;
 
-/// The number of neighbours that the noise asks for.
+/// The number of neighbours that the noise asks for. More are taken as long as the neighbourhood is
+/// too narrow for the noise and grows faster than the residuals. Residuals that grow faster are not
+/// noise: the shape of a coarse scan is too curved for a quadric.
 pub(super) fn neighbour_count(points: &[Point], near: &Neighbours) -> usize {
-    let enough = |&&k: &&usize| {
-        let (mut found, mut rows) = (Vec::new(), QuadricRows::default());
-        let mut ratios = Vec::new();
-        for i in sample(points.len()) {
-            let own = points[i];
-            near.nearest_n(own, k + 1, &mut found);
-            let others = found.iter().map(|f| f.0).filter(|&j| j as usize != i);
-            let list: Vec<u32> = others.take(k).collect();
-            let radius = farthest(own, points, &list);
-            let surface = first(own, points, &list, &mut rows);
-            let others = list.iter().map(|&j| points[j as usize]);
-            let variance = rows.variance(surface.place, surface.normal, radius, others);
-            ratios.extend(variance.map(|v| radius / v.sqrt()));
+    let mut best = (COUNTS[0], 0.0);
+    for count in COUNTS {
+        let Some(radius) = relative_radius(points, near, count) else { break };
+        if radius <= best.1 {
+            break;
         }
-        quantile(&mut ratios, NARROW).is_none_or(|ratio| ratio >= LEAST_RADIUS)
-    };
-    COUNTS.iter().find(enough).copied().unwrap_or(COUNTS[COUNTS.len() - 1])
+        best = (count, radius);
+        if radius >= LEAST_RADIUS {
+            break;
+        }
+    }
+    best.0
+}
+
+/// The radius of neighbourhoods of `count` points in standard deviations of their noise. A share of
+/// [`NARROW`] has a smaller one. `None` if there is no noise.
+fn relative_radius(points: &[Point], near: &Neighbours, count: usize) -> Option<f64> {
+    let (mut found, mut rows) = (Vec::new(), QuadricRows::default());
+    let mut ratios = Vec::new();
+    for i in sample(points.len()) {
+        let own = points[i];
+        near.nearest_n(own, count + 1, &mut found);
+        let others = found.iter().map(|f| f.0).filter(|&j| j as usize != i);
+        let list: Vec<u32> = others.take(count).collect();
+        let radius = farthest(own, points, &list);
+        let surface = first(own, points, &list, &mut rows);
+        let others = list.iter().map(|&j| points[j as usize]);
+        let variance = rows.variance(surface.place, surface.normal, radius, others);
+        ratios.extend(variance.map(|v| radius / v.sqrt()));
+    }
+    quantile(&mut ratios, NARROW)
 }
 
 /// Some of `count` numbers, evenly spaced.
