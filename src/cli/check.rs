@@ -14,7 +14,7 @@ pub fn run(args: &Check) -> Result<Outcome, Failure> {
     let model = read_cad(&args.cad)?;
     let scan = Scan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;
-    let options = scan.options(&args.piece)?;
+    let options = Scan::options(&args.piece)?;
     let (scan, components) = scan.components(&options, &mut |_| Ok(()))?;
     let chosen = args.component.of(&components, outer);
     let measured = scan2step::measured(&components, &chosen, outer);

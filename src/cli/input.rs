@@ -25,8 +25,7 @@ pub struct Scan {
 impl Scan {
     pub fn read(piece: &Piece) -> Result<Scan, Failure> {
         let content = piece.cloud.reading().read_content(&piece.scan)?;
-        let named = piece.cloud.options(&piece.scale).build();
-        let named = named.map_err(|e| stopped(&piece.scan, &e))?;
+        let named = Scan::options(piece)?;
         let file = piece.scan.display().to_string();
         let (source, colour, notes) = match &content {
             Content::Mesh(soup) => (ScanSource::of(file, soup, &named), soup.colour, Vec::new()),
@@ -38,9 +37,9 @@ impl Scan {
     }
 
     /// The options that decide how its mesh is made.
-    pub fn options(&self, piece: &Piece) -> Result<Options, Failure> {
+    pub fn options(piece: &Piece) -> Result<Options, Failure> {
         let options = piece.cloud.options(&piece.scale).build();
-        options.map_err(|e| stopped(&self.path, &e))
+        options.map_err(|e| stopped(&piece.scan, &e))
     }
 
     /// The name of its file without the folder.

@@ -13,7 +13,7 @@ use super::{Failure, Outcome, messages, streams};
 pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
     let scan = Scan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;
-    let options = scan.options(&args.piece)?;
+    let options = Scan::options(&args.piece)?;
     let (scan, components) = scan.components(&options, &mut |_| Ok(()))?;
     let found = scan2step::inspect(components, args.component, outer);
     let found = found.map_err(|e| input::stopped(&scan.path, &e))?;

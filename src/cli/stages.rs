@@ -52,12 +52,7 @@ impl Stages {
     /// Writes the points that a mesh was made of. The mesh has so many `mm` to its unit.
     pub fn points(&mut self, raw: &RawPoints, mm: f64) -> Result<(), formats::Error> {
         self.put("0-points.ply", |out| {
-            let count = raw.all().count();
-            writeln!(out, "ply\nformat binary_little_endian 1.0\ncomment scan2step, millimetres")?;
-            writeln!(out, "element vertex {count}")?;
-            for property in ["double x", "double y", "double z", "uchar used"] {
-                writeln!(out, "property {property}")?;
-            }
+            vertex_header(out, raw.all().count(), &["uchar used"])?;
             writeln!(out, "end_header")?;
             raw.all().try_for_each(|(p, is_used)| {
                 doubles(out, (mm * p.coords).as_slice())?;
@@ -76,12 +71,16 @@ impl Stages {
     }
 }
 
-fn header(out: &mut dyn Write, vertex: (usize, &[&str]), face: (usize, &[&str])) -> io::Result<()> {
+/// The beginning of a header, up to the properties of vertices.
+fn vertex_header(out: &mut dyn Write, count: usize, properties: &[&str]) -> io::Result<()> {
     writeln!(out, "ply\nformat binary_little_endian 1.0\ncomment scan2step, millimetres")?;
-    writeln!(out, "element vertex {}", vertex.0)?;
-    for property in ["double x", "double y", "double z"].iter().chain(vertex.1) {
-        writeln!(out, "property {property}")?;
-    }
+    writeln!(out, "element vertex {count}")?;
+    let mut all = ["double x", "double y", "double z"].iter().chain(properties);
+    all.try_for_each(|property| writeln!(out, "property {property}"))
+}
+
+fn header(out: &mut dyn Write, vertex: (usize, &[&str]), face: (usize, &[&str])) -> io::Result<()> {
+    vertex_header(out, vertex.0, vertex.1)?;
     writeln!(out, "element face {}", face.0)?;
     for property in ["list uchar int vertex_indices"].iter().chain(face.1) {
         writeln!(out, "property {property}")?;

@@ -30,10 +30,11 @@ pub use grid::{GridDoubt, GridUse, Outside};
 pub use options::Options;
 
 use crate::error::{Error, Result};
+use crate::geometry::NONE;
 use crate::progress::Progress;
 
 /// The vertex of a point that has none.
-pub const LEFT_OUT: u32 = u32::MAX;
+pub const LEFT_OUT: u32 = NONE;
 
 /// The number of points that a thread takes at a time, so that it seldom waits for others.
 const CHUNK: usize = 1024;

@@ -16,8 +16,8 @@ enum CadFormat {
     Iges,
 }
 
-/// Reads a mesh or a cloud of points, converts it and writes the face: STEP, or IGES where the name of `out` ends
-/// so (`.step`, `.stp`, `.igs`, `.iges`). The file appears whole or not at all: it is written
+/// Reads a mesh or a cloud of points, converts it and writes the face: STEP, or IGES where the
+/// name of `out` ends so (`.step`, `.stp`, `.igs`, `.iges`). The file appears whole or not at all: it is written
 /// under another name in the same folder first.
 ///
 /// # Errors

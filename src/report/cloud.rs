@@ -3,6 +3,7 @@
 use formats::Points;
 
 use crate::cloud::{self, GridUse};
+use crate::geometry::{Point, bounds};
 
 /// A cloud of points as it was read, and how it became a mesh.
 #[derive(Debug, Clone, PartialEq)]
@@ -65,7 +66,10 @@ impl CloudFigures {
                 points: points.len(),
                 grid: scan.grid.as_ref().map(|grid| [grid.rows, grid.columns]),
                 viewpoint_mm: scan.viewpoint.map(in_mm),
-                bounds_mm: bounds(points).map(|bounds| bounds.map(in_mm)),
+                bounds_mm: (!points.is_empty()).then(|| {
+                    let places = points.iter().map(|&p| Point::from(p));
+                    bounds(places).map(|p| in_mm(p.coords.into()))
+                }),
             }
         };
         CloudFigures {
@@ -89,13 +93,4 @@ impl CloudMeshFigures {
             duplicates: report.duplicates,
         }
     }
-}
-
-/// The lowest and the highest coordinates.
-fn bounds(points: &[[f64; 3]]) -> Option<[[f64; 3]; 2]> {
-    let first = points.first()?;
-    let wider = |[low, high]: [[f64; 3]; 2], p: &[f64; 3]| {
-        [[0, 1, 2].map(|k| low[k].min(p[k])), [0, 1, 2].map(|k| high[k].max(p[k]))]
-    };
-    Some(points.iter().fold([*first, *first], wider))
 }

@@ -45,8 +45,8 @@ pub enum Command {
     /// Convert one scan to one or more CAD files.
     ///
     /// The scan is a mesh (.ply, .obj, .gltf, .glb, .stl or .off) or a cloud of points (.ply
-    /// without faces, .xyz, .txt, .asc, .csv, .pts, .ptx or .pcd), each also gzipped. The
-    /// extension of an output gives its format.
+    /// without faces, .xyz, .txt, .asc, .csv, .pts, .ptx, .pcd, .e57, .las or .laz), each also
+    /// gzipped. The extension of an output gives its format.
     Convert(Box<Convert>),
     /// Print what a scan is: counts, units, components, boundary loops, genus, noise and
     /// repairs.
