@@ -7,6 +7,7 @@
 
 use std::io::Cursor;
 use std::ops::Range;
+use std::panic::{self, AssertUnwindSafe};
 
 use laz::laszip::ChunkTable;
 use laz::record::{
@@ -158,6 +159,10 @@ impl<'a> PackedPoints<'a> {
 
     fn read_chunk(&self, chunk: &Chunk, first: u64, points: &mut LasPoints) -> Result<()> {
         let bytes = &self.bytes[chunk.bytes.clone()];
+        let damaged = || {
+            let error = Error::new(self.path, "has a damaged chunk of points", EXPORT_AGAIN);
+            error.at(Location::Element("point", first))
+        };
         let is_sound = match self.kind {
             ChunkKind::Layered => self.layers_are_sound(bytes),
             ChunkKind::One | ChunkKind::PointWise => {
@@ -166,10 +171,11 @@ impl<'a> PackedPoints<'a> {
             }
         };
         if !is_sound {
-            let error = Error::new(self.path, "has a damaged chunk of points", EXPORT_AGAIN);
-            return Err(error.at(Location::Element("point", first)));
+            return Err(damaged());
         }
-        let unpacked = match self.kind {
+        // `laz` asserts that codes are sound where it is built for debugging. No check of ours can
+        // tell before it decodes them.
+        let unpacked = panic::catch_unwind(AssertUnwindSafe(|| match self.kind {
             ChunkKind::Layered => {
                 let unpacker = LayeredPointRecordDecompressor::new(Cursor::new(bytes));
                 self.unpack(unpacker, chunk.count, points)
@@ -178,8 +184,8 @@ impl<'a> PackedPoints<'a> {
                 let unpacker = SequentialPointRecordDecompressor::new(bytes);
                 self.unpack(unpacker, chunk.count, points)
             }
-        };
-        unpacked.map_err(|(done, error)| {
+        }));
+        unpacked.map_err(|_| damaged())?.map_err(|(done, error)| {
             let error = error.unwrap_or_else(|| {
                 let announced = self.header.announced;
                 let what = format!("ends after {} of its {announced} points", first + done);
