@@ -38,12 +38,6 @@ impl QuadMesh {
         }]
     }
 
-    /// The mesh with all lengths multiplied by a factor.
-    pub(crate) fn scaled(mut self, factor: f64) -> Self {
-        self.points.iter_mut().for_each(|p| *p *= factor);
-        self
-    }
-
     /// The number of quads at each vertex.
     pub fn valences(&self) -> Vec<usize> {
         let mut valences = vec![0; self.points.len()];
@@ -106,7 +100,7 @@ impl QuadMesh {
             .flat_map(|q| (0..4).map(|k| ((q[k], q[(k + 1) % 4]), q[(k + 3) % 4])))
             .collect();
         let mut seen = vec![0; self.points.len()];
-        for (&(v, first), _) in &next {
+        for &(v, first) in next.keys() {
             if seen[v.index()] > 0 {
                 continue;
             }
