@@ -16,6 +16,7 @@ mod polynomials;
 mod refine;
 mod samples;
 pub(crate) mod spans;
+pub mod subdivision;
 mod surface;
 
 pub use crate::error::LoopFault;
