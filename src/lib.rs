@@ -118,7 +118,9 @@ pub mod fit;
 pub mod geometry;
 pub mod knots;
 pub mod mesh;
+pub mod net;
 pub mod parameterize;
+pub mod patches;
 #[cfg(feature = "picture")]
 pub mod picture;
 mod progress;

@@ -6,6 +6,7 @@
 //! surface.
 
 mod check;
+mod network;
 
 use formats::Brep;
 use formats::brep::{self, EdgeUse, Face, Shell, SurfaceId, VertexId};
@@ -14,6 +15,7 @@ use nalgebra::{SVector, Vector2};
 
 use crate::error::{BrepFault, Error, Result};
 use crate::spline::{Curve, KnotVector, Surface, runs};
+pub use network::closed;
 
 /// An edge, its pcurve, and whether the loop runs in the direction of the edge.
 type Directed = (Curve<3>, Curve<2>, bool);

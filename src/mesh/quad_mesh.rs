@@ -38,6 +38,57 @@ impl QuadMesh {
         }]
     }
 
+    /// The vertex at corner `k` of a block, counter-clockwise from (0, 0).
+    pub fn corner(&self, block: usize, k: usize) -> VertexId {
+        let n = self.side;
+        let (i, j) = [(0, 0), (n, 0), (n, n), (0, n)][k];
+        self.vertex(block, i, j)
+    }
+
+    /// The mesh with each quad divided into four. `vertices` are the new places of the vertices, and
+    /// `middle` makes the vertex on side k of a quad. The vertices in the middles of sides follow
+    /// the old ones, and those in the middles of quads come last. The new points in the quads are
+    /// the means of the old corners, and the normals are not kept.
+    pub(crate) fn divided(
+        &self,
+        vertices: Vec<Point>,
+        middle: impl Fn(usize, usize) -> Point,
+    ) -> Self {
+        let mut points = vertices;
+        let mut middles = HashMap::new();
+        let mut of_quads = Vec::with_capacity(self.quads.len());
+        for (number, quad) in self.quads.iter().enumerate() {
+            of_quads.push([0, 1, 2, 3].map(|k| {
+                let (a, b) = (quad[k], quad[(k + 1) % 4]);
+                *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
+                    points.push(middle(number, k));
+                    VertexId::from(points.len() - 1)
+                })
+            }));
+        }
+        let first = points.len();
+        points.extend(self.quads.iter().map(|quad| {
+            let sum: Vector = quad.iter().map(|v| self.points[v.index()].coords).sum();
+            Point::from(0.25 * sum)
+        }));
+        let n = self.side;
+        let small = |k: usize| {
+            let (b, place) = (k / (4 * n * n), k % (4 * n * n));
+            let (i, j) = (place % (2 * n), place / (2 * n));
+            let q = n * n * b + n * (j / 2) + i / 2;
+            let (corners, sides) = (self.quads[q], of_quads[q]);
+            let centre = VertexId::from(first + q);
+            match (i % 2, j % 2) {
+                (0, 0) => [corners[0], sides[0], centre, sides[3]],
+                (1, 0) => [sides[0], corners[1], sides[1], centre],
+                (1, 1) => [centre, sides[1], corners[2], sides[2]],
+                _ => [sides[3], centre, sides[2], corners[3]],
+            }
+        };
+        let quads = (0..4 * self.quads.len()).map(small).collect();
+        QuadMesh { points, normals: Vec::new(), quads, side: 2 * n }
+    }
+
     /// The number of quads at each vertex.
     pub fn valences(&self) -> Vec<usize> {
         let mut valences = vec![0; self.points.len()];
@@ -80,13 +131,10 @@ impl QuadMesh {
 
     /// Checks that irregular vertices are corners of blocks, and that each vertex has one fan.
     fn irregular_fault(&self) -> Option<&'static str> {
-        let n = self.side;
         let valences = self.valences();
         let mut is_corner = vec![false; self.points.len()];
         for b in 0..self.blocks() {
-            for (i, j) in [(0, 0), (n, 0), (n, n), (0, n)] {
-                is_corner[self.vertex(b, i, j).index()] = true;
-            }
+            (0..4).for_each(|k| is_corner[self.corner(b, k).index()] = true);
         }
         if (0..valences.len()).any(|v| valences[v] < 3) {
             return Some("a vertex has fewer than three quads");

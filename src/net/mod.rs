@@ -1,0 +1,193 @@
+//! The fit of one smooth surface to a whole scan.
+//!
+//! A quad mesh on the scan and the points of the scan go in. A [`Net`] comes out: the control points
+//! of a Catmull–Clark surface at the vertices of the quad mesh, which may have been divided
+//! further. The control points minimize the squared distances of the points from the surface at
+//! their foot points, and the squared second differences of the net (fairing). Foot points and
+//! control points are found in turn (Hoppe et al., "Piecewise smooth surface reconstruction", 1994;
+//! Ma, Zhao, "A surface approximation by subdivision", 2004).
+
+mod feet;
+mod solve;
+
+use rayon::prelude::*;
+
+use crate::error::{Error, Result};
+use crate::geometry::{Point, Vector};
+use crate::mesh::{Mesh, QuadMesh};
+use crate::progress::{self, Progress};
+use crate::spline::subdivision::SubdivisionSurface;
+use feet::Feet;
+
+/// The options of the fit.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// The distance in mm that points may have from the surface. Quads are divided until this holds.
+    pub tolerance: f64,
+    /// The share of points that may exceed the tolerance.
+    pub outliers: f64,
+    /// The largest number of control points.
+    pub max_control: usize,
+}
+
+/// The results of the fit. Lengths are in mm.
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct Report {
+    /// The number of control points.
+    pub control_points: usize,
+    /// The number of quads along a side of a block.
+    pub side: usize,
+    /// The root mean square of the distances of the measured points from the surface.
+    pub rms: f64,
+    /// The share of measured points whose distance exceeds the tolerance.
+    pub beyond: f64,
+    /// The number of measured points without a foot point whose normal agrees.
+    pub without_foot: usize,
+}
+
+/// A subdivision surface over a quad mesh in blocks.
+#[derive(Debug, Clone)]
+pub struct Net {
+    /// The quad mesh. Its points are the control points.
+    pub mesh: QuadMesh,
+    /// The structure of the surface.
+    pub surface: SubdivisionSurface,
+}
+
+/// The number of rounds of foot points and control points. Later rounds change the rms of smooth
+/// bodies by less than a hundredth.
+const ROUNDS: usize = 4;
+
+/// The weight of a point that fills a hole, beside that of a measured point. It is small because
+/// the fill was not measured, and not zero because the surface must follow it.
+const FILLED: f64 = 0.05;
+
+/// The number of measured points that a control point needs at least. With fewer points, control
+/// points follow noise and flat triangles instead of the shape.
+const POINTS_OF_CONTROL: usize = 2;
+
+impl Net {
+    /// Returns an error if the quads are not closed or not regular enough.
+    fn new(mesh: QuadMesh) -> Result<Self> {
+        let surface = SubdivisionSurface::new(&mesh.quads)
+            .ok_or(Error::Input("a quad mesh is not closed or has quads with two irregular vertices"))?;
+        Ok(Net { mesh, surface })
+    }
+
+    /// The control points.
+    pub fn control(&self) -> Vec<Vector> {
+        self.mesh.points.iter().map(|p| p.coords).collect()
+    }
+}
+
+/// Fits a surface to a scan without holes. The first `measured` vertices of the scan were measured.
+///
+/// # Errors
+/// [`Error::Input`] if the quad mesh cannot be used. [`Error::Singular`] if the equations have no
+/// solution.
+pub fn fit(
+    quads: &QuadMesh,
+    scan: &Mesh,
+    measured: usize,
+    options: &Options,
+) -> Result<(Net, Report)> {
+    fit_with(quads, scan, measured, options, &mut progress::ignore)
+}
+
+/// The same, telling how far it has come.
+///
+/// # Errors
+/// Those of [`fit`], and what `progress` returns.
+pub fn fit_with(
+    quads: &QuadMesh,
+    scan: &Mesh,
+    measured: usize,
+    options: &Options,
+    progress: &mut Progress,
+) -> Result<(Net, Report)> {
+    let normals = scan.vertex_normals();
+    let most = options.max_control.min(measured / POINTS_OF_CONTROL);
+    let mut net = Net::new(quads.clone())?;
+    let mut level = 0;
+    loop {
+        let feet = fit_level(&mut net, scan, measured, &normals, level, progress)?;
+        let report = Report::new(&net, &feet, measured, options);
+        if report.beyond <= options.outliers || 4 * net.mesh.points.len() > most {
+            return Ok((net, report));
+        }
+        net = refined(&net)?;
+        level += 1;
+    }
+}
+
+/// Fits the control points of one net, and returns the foot points on it.
+fn fit_level(
+    net: &mut Net,
+    scan: &Mesh,
+    measured: usize,
+    normals: &[Vector],
+    level: u32,
+    progress: &mut Progress,
+) -> Result<Feet> {
+    // The share of the time that is left after this level, if each takes four times as long.
+    let share = |round: usize| 1.0 - 0.8f64.powi(level as i32) * (1.0 - 0.2 * round as f64 / 5.0);
+    let weight = |i: usize| if i < measured { 1.0 } else { FILLED };
+    let mut feet = Feet::new(net, &scan.points, normals);
+    for round in 0..ROUNDS {
+        progress(share(round))?;
+        let control = solve::control_points(net, scan, &feet, weight)?;
+        net.mesh.points = control;
+        feet = match round {
+            0 => Feet::new(net, &scan.points, normals),
+            _ => feet.moved(net, &scan.points, normals),
+        };
+    }
+    Ok(feet)
+}
+
+impl Report {
+    fn new(net: &Net, feet: &Feet, measured: usize, options: &Options) -> Self {
+        let all = &feet.feet[..measured.min(feet.feet.len())];
+        let distances: Vec<f64> = all.iter().flatten().map(|foot| foot.distance).collect();
+        let squares: f64 = distances.iter().map(|d| d * d).sum();
+        let beyond = distances.iter().filter(|&&d| d > options.tolerance).count();
+        let without_foot = all.len() - distances.len();
+        Report {
+            control_points: net.mesh.points.len(),
+            side: net.mesh.side,
+            rms: (squares / distances.len().max(1) as f64).sqrt(),
+            beyond: (beyond + without_foot) as f64 / all.len().max(1) as f64,
+            without_foot,
+        }
+    }
+}
+
+/// The same surface over quads that are divided into four (Catmull and Clark, 1978).
+fn refined(net: &Net) -> Result<Net> {
+    let control = net.control();
+    let vertex = |v: usize| Point::from(subdivided_vertex(net, &control, v));
+    let vertices: Vec<Point> = (0..control.len()).into_par_iter().map(vertex).collect();
+    let mesh = net.mesh.divided(vertices, |quad, k| {
+        let (other, side) = net.surface.across(quad, k);
+        let [a, b] = [net.mesh.quads[quad], net.mesh.quads[other]];
+        let at = |v: crate::geometry::VertexId| control[v.index()];
+        let ends = at(a[k]) + at(a[(k + 1) % 4]);
+        let beside = at(a[(k + 2) % 4])
+            + at(a[(k + 3) % 4])
+            + at(b[(side + 2) % 4])
+            + at(b[(side + 3) % 4]);
+        Point::from(0.375 * ends + 0.0625 * beside)
+    });
+    Net::new(mesh)
+}
+
+/// The new place of a vertex.
+fn subdivided_vertex(net: &Net, control: &[Vector], v: usize) -> Vector {
+    let (quad, k) = net.surface.corner(v.into());
+    let ring = net.surface.ring(quad, k);
+    let n = (ring.len() / 2) as f64;
+    let at = |k: usize| control[ring[k] as usize];
+    let sum: Vector = (1..ring.len()).map(|k| if k % 2 == 1 { 6.0 * at(k) } else { at(k) }).sum();
+    (1.0 - 1.75 / n) * at(0) + sum / (4.0 * n * n)
+}

@@ -1,0 +1,121 @@
+//! The control points that fit a scan at given foot points: a linear least-squares problem with
+//! sparse normal equations.
+
+use faer::Mat;
+use faer::sparse::{SparseColMat, Triplet};
+use nalgebra::DMatrix;
+use rayon::prelude::*;
+
+use super::Net;
+use super::feet::Feet;
+use crate::cholesky::Cholesky;
+use crate::error::{Error, Result};
+use crate::geometry::{Point, Vector};
+use crate::mesh::Mesh;
+
+/// The weight of fairing, beside the mean weight of the points of a control point. Larger weights
+/// flatten the shape, and smaller ones let the net fold where it has few points.
+const FAIRING: f64 = 1e-3;
+
+/// The lower triangle of the part of the normal matrix that belongs to one quad, and the right side.
+struct QuadSums {
+    matrix: DMatrix<f64>,
+    right: Vec<Vector>,
+}
+
+/// Solves for the control points. `weight` is the weight of each point of the scan.
+pub(super) fn control_points(
+    net: &Net,
+    scan: &Mesh,
+    feet: &Feet,
+    weight: impl Fn(usize) -> f64 + Sync,
+) -> Result<Vec<Point>> {
+    let count = net.mesh.points.len();
+    let members = members(net, feet);
+    let sums = members.par_iter().enumerate().map_init(Vec::new, |scratch, (quad, points)| {
+        quad_sums(net, scan, feet, quad, points, &weight, scratch)
+    });
+    let sums: Vec<QuadSums> = sums.collect();
+    let mut right = Mat::<f64>::zeros(count, 3);
+    let mut entries = Vec::new();
+    for (quad, of_quad) in sums.iter().enumerate() {
+        let control = net.surface.control(quad);
+        for (i, &a) in control.iter().enumerate() {
+            let a = a as usize;
+            (0..3).for_each(|k| right[(a, k)] += of_quad.right[i][k]);
+            // A control point occurs twice in a quad near a vertex with three quads.
+            for (j, &b) in control.iter().enumerate() {
+                let b = b as usize;
+                let value = of_quad.matrix[(i.max(j), i.min(j))];
+                if a >= b && value != 0.0 {
+                    entries.push(Triplet::new(a, b, value));
+                }
+            }
+        }
+    }
+    let total: f64 = members.iter().flatten().map(|&i| weight(i as usize)).sum();
+    add_fairing(net, FAIRING * total.max(1.0) / count as f64, &mut entries);
+    let singular = |_| Error::Singular("net");
+    let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(count, count, &entries);
+    let matrix = matrix.map_err(|_| Error::Memory("net"))?;
+    Cholesky::new(matrix.as_ref()).map_err(singular)?.solve(&mut right);
+    let point = |v: usize| Point::new(right[(v, 0)], right[(v, 1)], right[(v, 2)]);
+    Ok((0..count).map(point).collect())
+}
+
+/// The points whose foot points lie on each quad.
+fn members(net: &Net, feet: &Feet) -> Vec<Vec<u32>> {
+    let mut members = vec![Vec::new(); net.mesh.quads.len()];
+    for (i, foot) in feet.feet.iter().enumerate() {
+        if let Some(foot) = foot {
+            members[foot.place.quad].push(i as u32);
+        }
+    }
+    members
+}
+
+fn quad_sums(
+    net: &Net,
+    scan: &Mesh,
+    feet: &Feet,
+    quad: usize,
+    points: &[u32],
+    weight: &impl Fn(usize) -> f64,
+    scratch: &mut Vec<[f64; 3]>,
+) -> QuadSums {
+    let size = net.surface.control(quad).len();
+    let mut matrix = DMatrix::zeros(size, size);
+    let mut right = vec![Vector::zeros(); size];
+    for &i in points {
+        let i = i as usize;
+        let Some(foot) = feet.feet[i] else { continue };
+        net.surface.basis(foot.place, scratch);
+        let w = weight(i);
+        for (a, x) in scratch.iter().enumerate() {
+            right[a] += w * x[0] * scan.points[i].coords;
+            for (b, y) in scratch[..=a].iter().enumerate() {
+                matrix[(a, b)] += w * x[0] * y[0];
+            }
+        }
+    }
+    QuadSums { matrix, right }
+}
+
+/// Adds the squares of the umbrella operator: for each vertex, its control point minus the mean of
+/// its neighbours.
+fn add_fairing(net: &Net, weight: f64, entries: &mut Vec<Triplet<usize, usize, f64>>) {
+    for v in 0..net.mesh.points.len() {
+        let (quad, k) = net.surface.corner(v.into());
+        let ring = net.surface.ring(quad, k);
+        let n = (ring.len() / 2) as f64;
+        let spokes = ring.iter().skip(1).step_by(2).map(|&w| (w as usize, -1.0 / n));
+        let row: Vec<(usize, f64)> = std::iter::once((v, 1.0)).chain(spokes).collect();
+        for &(a, x) in &row {
+            for &(b, y) in &row {
+                if a >= b {
+                    entries.push(Triplet::new(a, b, weight * x * y));
+                }
+            }
+        }
+    }
+}
