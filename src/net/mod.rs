@@ -9,6 +9,7 @@
 
 mod feet;
 mod solve;
+mod turned;
 
 use rayon::prelude::*;
 
@@ -16,7 +17,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Point, Vector};
 use crate::mesh::{Mesh, QuadMesh};
 use crate::progress::{self, Progress};
-use crate::spline::subdivision::SubdivisionSurface;
+use crate::spline::subdivision::{SubdivisionSurface, limit_point};
 use feet::Feet;
 
 /// The options of the fit.
@@ -42,6 +43,8 @@ pub struct Report {
     pub rms: f64,
     /// The share of measured points whose distance exceeds the tolerance.
     pub beyond: f64,
+    /// The number of quads on which the surface is turned over somewhere.
+    pub turned: usize,
     /// The number of measured points without a foot point whose normal agrees.
     pub without_foot: usize,
 }
@@ -59,6 +62,10 @@ pub struct Net {
 /// bodies by less than a hundredth.
 const ROUNDS: usize = 4;
 
+/// The most rounds in which fairing grows where the surface is turned over. Each makes it eight times
+/// as strong, and after eight rounds it flattens everything.
+const FIRMER_ROUNDS: usize = 8;
+
 /// The weight of a point that fills a hole, beside that of a measured point. It is small because
 /// the fill was not measured, and not zero because the surface must follow it.
 const FILLED: f64 = 0.05;
@@ -73,6 +80,16 @@ impl Net {
         let surface = SubdivisionSurface::new(&mesh.quads)
             .ok_or(Error::Input("a quad mesh is not closed or has quads with two irregular vertices"))?;
         Ok(Net { mesh, surface })
+    }
+
+    /// The points of the surface at the vertices of the quad mesh.
+    fn limit_points(&self) -> Vec<Point> {
+        let control = self.control();
+        let limit = |v: usize| {
+            let (quad, k) = self.surface.corner(v.into());
+            limit_point(&self.surface.ring(quad, k), &control)
+        };
+        (0..control.len()).into_par_iter().map(limit).collect()
     }
 
     /// The control points.
@@ -109,24 +126,28 @@ pub fn fit_with(
     let normals = scan.vertex_normals();
     let most = options.max_control.min(measured / POINTS_OF_CONTROL);
     let mut net = Net::new(quads.clone())?;
+    let mut anchors = quads.points.clone();
     let mut level = 0;
     loop {
-        let feet = fit_level(&mut net, scan, measured, &normals, level, progress)?;
+        let feet = fit_level(&mut net, scan, measured, &normals, &anchors, level, progress)?;
         let report = Report::new(&net, &feet, measured, options);
         if report.beyond <= options.outliers || 4 * net.mesh.points.len() > most {
             return Ok((net, report));
         }
         net = refined(&net)?;
+        anchors = net.limit_points();
         level += 1;
     }
 }
 
-/// Fits the control points of one net, and returns the foot points on it.
+/// Fits the control points of one net, and returns the foot points on it. The surface is held near
+/// the anchors at the vertices.
 fn fit_level(
     net: &mut Net,
     scan: &Mesh,
     measured: usize,
     normals: &[Vector],
+    anchors: &[Point],
     level: u32,
     progress: &mut Progress,
 ) -> Result<Feet> {
@@ -134,10 +155,13 @@ fn fit_level(
     let share = |round: usize| 1.0 - 0.8f64.powi(level as i32) * (1.0 - 0.2 * round as f64 / 5.0);
     let weight = |i: usize| if i < measured { 1.0 } else { FILLED };
     let mut feet = Feet::new(net, &scan.points, normals);
-    for round in 0..ROUNDS {
-        progress(share(round))?;
-        let control = solve::control_points(net, scan, &feet, weight)?;
-        net.mesh.points = control;
+    let mut fairing = vec![1.0; net.mesh.points.len()];
+    for round in 0..ROUNDS + FIRMER_ROUNDS {
+        progress(share(round.min(ROUNDS)))?;
+        if round >= ROUNDS && !turned::make_firmer(net, &mut fairing) {
+            break;
+        }
+        net.mesh.points = solve::control_points(net, scan, &feet, weight, &fairing, anchors)?;
         feet = match round {
             0 => Feet::new(net, &scan.points, normals),
             _ => feet.moved(net, &scan.points, normals),
@@ -158,6 +182,7 @@ impl Report {
             side: net.mesh.side,
             rms: (squares / distances.len().max(1) as f64).sqrt(),
             beyond: (beyond + without_foot) as f64 / all.len().max(1) as f64,
+            turned: turned::quads(net).len(),
             without_foot,
         }
     }

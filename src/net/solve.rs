@@ -12,10 +12,15 @@ use crate::cholesky::Cholesky;
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Vector};
 use crate::mesh::Mesh;
+use crate::spline::subdivision::limit_weights;
 
 /// The weight of fairing, beside the mean weight of the points of a control point. Larger weights
 /// flatten the shape, and smaller ones let the net fold where it has few points.
 const FAIRING: f64 = 1e-3;
+
+/// The weight of anchors, beside the mean weight of the points of a control point. Larger weights keep
+/// the surface from the points, and without anchors quads slide along the surface until they fold.
+const ANCHOR: f64 = 0.03;
 
 /// The lower triangle of the part of the normal matrix that belongs to one quad, and the right side.
 struct QuadSums {
@@ -23,12 +28,15 @@ struct QuadSums {
     right: Vec<Vector>,
 }
 
-/// Solves for the control points. `weight` is the weight of each point of the scan.
+/// Solves for the control points. `weight` is the weight of each point of the scan, and `fairing`
+/// multiplies the weight of fairing at each control point.
 pub(super) fn control_points(
     net: &Net,
     scan: &Mesh,
     feet: &Feet,
     weight: impl Fn(usize) -> f64 + Sync,
+    fairing: &[f64],
+    anchors: &[Point],
 ) -> Result<Vec<Point>> {
     let count = net.mesh.points.len();
     let members = members(net, feet);
@@ -54,7 +62,18 @@ pub(super) fn control_points(
         }
     }
     let total: f64 = members.iter().flatten().map(|&i| weight(i as usize)).sum();
-    add_fairing(net, FAIRING * total.max(1.0) / count as f64, &mut entries);
+    let mean = total.max(1.0) / count as f64;
+    for (v, anchor) in anchors.iter().enumerate() {
+        let row = limit_row(net, v);
+        let weight = ANCHOR * mean;
+        for &(a, x) in &row {
+            (0..3).for_each(|k| right[(a, k)] += weight * x * anchor[k]);
+        }
+        add_square(&row, weight, &mut entries);
+    }
+    for (v, fairing) in fairing.iter().enumerate() {
+        add_square(&umbrella(net, v), FAIRING * mean * fairing, &mut entries);
+    }
     let singular = |_| Error::Singular("net");
     let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(count, count, &entries);
     let matrix = matrix.map_err(|_| Error::Memory("net"))?;
@@ -101,21 +120,31 @@ fn quad_sums(
     QuadSums { matrix, right }
 }
 
-/// Adds the squares of the umbrella operator: for each vertex, its control point minus the mean of
-/// its neighbours.
-fn add_fairing(net: &Net, weight: f64, entries: &mut Vec<Triplet<usize, usize, f64>>) {
-    for v in 0..net.mesh.points.len() {
-        let (quad, k) = net.surface.corner(v.into());
-        let ring = net.surface.ring(quad, k);
-        let n = (ring.len() / 2) as f64;
-        let spokes = ring.iter().skip(1).step_by(2).map(|&w| (w as usize, -1.0 / n));
-        let row: Vec<(usize, f64)> = std::iter::once((v, 1.0)).chain(spokes).collect();
-        for &(a, x) in &row {
-            for &(b, y) in &row {
-                if a >= b {
-                    entries.push(Triplet::new(a, b, weight * x * y));
-                }
-            }
-        }
+/// Adds the square of a row of the least-squares problem to the lower triangle.
+fn add_square(
+    row: &[(usize, f64)],
+    weight: f64,
+    entries: &mut Vec<Triplet<usize, usize, f64>>,
+) {
+    for &(a, x) in row {
+        let lower = row.iter().filter(|&&(b, _)| a >= b);
+        entries.extend(lower.map(|&(b, y)| Triplet::new(a, b, weight * x * y)));
     }
+}
+
+/// The umbrella operator at a vertex: its control point minus the mean of its neighbours.
+fn umbrella(net: &Net, v: usize) -> Vec<(usize, f64)> {
+    let (quad, k) = net.surface.corner(v.into());
+    let ring = net.surface.ring(quad, k);
+    let n = (ring.len() / 2) as f64;
+    let spokes = ring.iter().skip(1).step_by(2).map(|&w| (w as usize, -1.0 / n));
+    std::iter::once((v, 1.0)).chain(spokes).collect()
+}
+
+/// The point of the limit surface at a vertex.
+fn limit_row(net: &Net, v: usize) -> Vec<(usize, f64)> {
+    let (quad, k) = net.surface.corner(v.into());
+    let ring = net.surface.ring(quad, k);
+    let weights = limit_weights(ring.len());
+    ring.iter().map(|&w| w as usize).zip(weights).collect()
 }

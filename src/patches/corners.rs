@@ -23,6 +23,11 @@ const SAMPLES: usize = 8;
 /// is large because a step between tangent planes is seen before a distance is.
 const SLOPE: f64 = 100.0;
 
+/// The weights of the distance of the four control points from a blend of the rows around them. With
+/// less weight the parameters of a patch often turn back beside a spoke, and with more the tangent
+/// planes of neighbours differ. The larger weights serve where the patch turns back all the same.
+const BLENDS: [f64; 3] = [1.0, 10.0, 100.0];
+
 /// The rounds of parameter correction.
 const ROUNDS: usize = 3;
 
@@ -62,6 +67,20 @@ impl Corner {
         }
     }
 
+    /// Whether the normals of the patch differ by more than a right angle from their mean on the quad
+    /// at the corner.
+    fn is_turned(&self, patch: &Surface) -> bool {
+        let steps = SAMPLES + 1;
+        let normals = (0..steps * steps).map(|k| {
+            let at = Uv::new((k % steps) as f64, (k / steps) as f64) / SAMPLES as f64;
+            let jet = patch.jet(self.uv(at));
+            jet.su.cross(&jet.sv)
+        });
+        let normals: Vec<Vector> = normals.collect();
+        let mean: Vector = normals.iter().sum();
+        normals.iter().any(|n| n.dot(&mean) <= 0.0)
+    }
+
     /// The inverse of [`Corner::uv`].
     fn local(&self, uv: Uv) -> Uv {
         match self.k {
@@ -82,17 +101,26 @@ impl Source<'_> {
         }
         let corner =
             Corner { k, count: self.knots.functions(), end: self.mesh.side as f64 };
-        self.start(&corner, patch);
+        let blends = self.blends(&corner, patch);
         let (other, side) = self.surface.across(quad, (k + 3) % 4);
         let spokes = [Spoke::new(self, quad, k), Spoke::new(self, other, side)];
-        let mut samples = self.samples(quad, k, &spokes);
-        for _ in 0..ROUNDS {
-            for (at, p) in &mut samples {
-                let (uv, _) = foot_point(patch, *p, corner.uv(*at));
-                let local = corner.local(uv);
-                *at = Uv::new(local.x.clamp(0.0, 1.0), local.y.clamp(0.0, 1.0));
+        let start = self.samples(quad, k, &spokes);
+        for weight in BLENDS.map(f64::sqrt) {
+            let mut samples = start.clone();
+            for (&(a, b), &blend) in FREE.iter().zip(&blends) {
+                patch.net[corner.at(a, b)] = blend;
             }
-            self.solve(&corner, patch, &spokes, &samples);
+            for _ in 0..ROUNDS {
+                for (at, p) in &mut samples {
+                    let (uv, _) = foot_point(patch, *p, corner.uv(*at));
+                    let local = corner.local(uv);
+                    *at = Uv::new(local.x.clamp(0.0, 1.0), local.y.clamp(0.0, 1.0));
+                }
+                self.solve(&corner, patch, &spokes, &samples, (&blends, weight));
+            }
+            if !corner.is_turned(patch) {
+                return;
+            }
         }
     }
 
@@ -112,8 +140,8 @@ impl Source<'_> {
         samples
     }
 
-    /// Sets the four control points by a bilinear blend of the rows around them (Coons).
-    fn start(&self, corner: &Corner, patch: &mut Surface) {
+    /// A bilinear blend of the rows around the four control points (Coons).
+    fn blends(&self, corner: &Corner, patch: &Surface) -> Vec<Vector> {
         let parameter = |a: usize| self.knots.greville(a) / self.knots.greville(3);
         let at = |a: usize, b: usize| patch.net[corner.at(a, b)];
         let blend = |&(a, b): &(usize, usize)| {
@@ -121,10 +149,7 @@ impl Source<'_> {
             let sides = at(0, b).lerp(&at(3, b), x) + at(a, 0).lerp(&at(a, 3), y);
             sides - at(0, 0).lerp(&at(3, 0), x).lerp(&at(0, 3).lerp(&at(3, 3), x), y)
         };
-        let values: Vec<Vector> = FREE.iter().map(blend).collect();
-        for (&(a, b), value) in FREE.iter().zip(values) {
-            patch.net[corner.at(a, b)] = value;
-        }
+        FREE.iter().map(blend).collect()
     }
 
     fn solve(
@@ -133,12 +158,16 @@ impl Source<'_> {
         patch: &mut Surface,
         spokes: &[Spoke; 2],
         samples: &[(Uv, Point)],
+        (blends, weight): (&[Vector], f64),
     ) {
         let mut equations = Equations { matrix: DMatrix::zeros(12, 12), right: DVector::zeros(12) };
         for (at, p) in samples {
             let (bx, by) = (self.knots.basis(at.x), self.knots.basis(at.y));
             let weights = combined(&bx, 0, &by, 0);
             equations.add(corner, patch, &weights, p.coords, None);
+        }
+        for (&(a, b), blend) in FREE.iter().zip(blends) {
+            equations.add(corner, patch, &[(a, b, weight)], weight * blend, None);
         }
         for i in 0..=SAMPLES {
             let t = i as f64 / SAMPLES as f64;

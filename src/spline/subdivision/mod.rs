@@ -154,13 +154,23 @@ impl SubdivisionSurface {
     }
 }
 
-/// The point of the limit surface at the centre of a ring (Halstead, Kass, DeRose, "Efficient, fair
-/// interpolation using Catmull-Clark surfaces", 1993).
+/// The weights of the control points of a ring in the point of the limit surface at its centre
+/// (Halstead, Kass, DeRose, "Efficient, fair interpolation using Catmull-Clark surfaces", 1993).
+/// `length` is the number of points of the ring.
+pub fn limit_weights(length: usize) -> impl Iterator<Item = f64> {
+    let n = (length / 2) as f64;
+    let all = n * (n + 5.0);
+    (0..length).map(move |k| match k {
+        0 => n * n / all,
+        k if k % 2 == 1 => 4.0 / all,
+        _ => 1.0 / all,
+    })
+}
+
+/// The point of the limit surface at the centre of a ring.
 pub fn limit_point(ring: &[u32], control: &[Vector]) -> Point {
-    let n = (ring.len() / 2) as f64;
-    let at = |k: usize| control[ring[k] as usize];
-    let sum: Vector = (1..ring.len()).map(|k| if k % 2 == 1 { 4.0 * at(k) } else { at(k) }).sum();
-    Point::from((n * n * at(0) + sum) / (n * (n + 5.0)))
+    let terms = ring.iter().zip(limit_weights(ring.len()));
+    Point::from(terms.map(|(&v, weight)| weight * control[v as usize]).sum::<Vector>())
 }
 
 /// A tangent of the limit surface at the centre of a ring, in the direction in which the first

@@ -1,0 +1,44 @@
+//! Quads on which a subdivision surface is turned over.
+
+use rayon::prelude::*;
+
+use super::Net;
+use crate::geometry::{Uv, Vector};
+use crate::spline::subdivision::QuadPlace;
+
+/// The number of samples along a side of a quad.
+const SAMPLES: usize = 5;
+
+/// The factor by which fairing grows at the vertices of a quad that is turned over. Smaller factors
+/// take more rounds, and larger ones flatten more than is needed.
+const FIRMER: f64 = 8.0;
+
+/// The quads on which the normals of the surface differ by more than a right angle from their mean.
+pub(super) fn quads(net: &Net) -> Vec<usize> {
+    let control = net.control();
+    let is_turned = |scratch: &mut Vec<[f64; 3]>, quad: usize| {
+        let at = |i: usize| (i as f64 + 0.5) / SAMPLES as f64;
+        let normals = (0..SAMPLES * SAMPLES).map(|k| {
+            let at = Uv::new(at(k % SAMPLES), at(k / SAMPLES));
+            let [_, du, dv] = net.surface.jet(&control, QuadPlace { quad, at }, scratch);
+            du.cross(&dv)
+        });
+        let normals: Vec<Vector> = normals.collect();
+        let mean: Vector = normals.iter().sum();
+        normals.iter().any(|n| n.dot(&mean) <= 0.0).then_some(quad)
+    };
+    let all = (0..net.mesh.quads.len()).into_par_iter().map_init(Vec::new, is_turned);
+    all.flatten_iter().collect()
+}
+
+/// Makes fairing stronger at the vertices of quads that are turned over and at their neighbours.
+/// Returns whether there are any.
+pub(super) fn make_firmer(net: &Net, fairing: &mut [f64]) -> bool {
+    let turned = quads(net);
+    let mut near = vec![false; fairing.len()];
+    for &quad in &turned {
+        net.surface.control(quad).iter().for_each(|&v| near[v as usize] = true);
+    }
+    fairing.iter_mut().zip(near).filter(|(_, near)| *near).for_each(|(f, _)| *f *= FIRMER);
+    !turned.is_empty()
+}

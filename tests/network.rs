@@ -1,0 +1,248 @@
+//! One smooth surface over a quad mesh, its exact patches, and the solid that they bound.
+
+mod common;
+
+use std::collections::HashMap;
+
+use nalgebra::Vector2;
+use scan2step::geometry::{Point, Uv, Vector, VertexId};
+use scan2step::mesh::{Mesh, QuadMesh};
+use scan2step::spline::Network;
+use scan2step::spline::subdivision::{QuadPlace, SubdivisionSurface};
+use scan2step::{brep, net, patches};
+
+/// The surface of unit cubes as a quad mesh, with a block of `n` × `n` quads for each square.
+fn cubes(cells: &[[i32; 3]], n: usize) -> QuadMesh {
+    let mut mesh = QuadMesh { side: n, ..QuadMesh::default() };
+    let mut numbers = HashMap::new();
+    for cell in cells {
+        for (axis, side) in (0..6).map(|k| (k / 2, k % 2)) {
+            let mut beside = *cell;
+            beside[axis] += if side == 0 { -1 } else { 1 };
+            if cells.contains(&beside) {
+                continue;
+            }
+            let mut vertex = |a: usize, b: usize| {
+                // Seen from outside, (a, b) run counter-clockwise.
+                let (a, b) = if side == 0 { (b, a) } else { (a, b) };
+                let mut at = cell.map(|x| x as usize * n);
+                at[axis] += side * n;
+                at[(axis + 1) % 3] += a;
+                at[(axis + 2) % 3] += b;
+                *numbers.entry(at).or_insert_with(|| {
+                    mesh.points.push(Point::from(Vector::from(at.map(|x| x as f64 / n as f64))));
+                    VertexId::from(mesh.points.len() - 1)
+                })
+            };
+            let quads = (0..n * n).map(|k| (k % n, k / n)).map(|(i, j)| {
+                [(i, j), (i + 1, j), (i + 1, j + 1), (i, j + 1)].map(|(a, b)| vertex(a, b))
+            });
+            let quads: Vec<_> = quads.collect();
+            mesh.quads.extend(quads);
+        }
+    }
+    assert_eq!(mesh.fault(), None);
+    mesh
+}
+
+/// The mesh with each vertex moved to the mean of its neighbours, several times.
+fn rounded(mut mesh: QuadMesh) -> QuadMesh {
+    let surface = SubdivisionSurface::new(&mesh.quads).expect("a closed quad mesh");
+    for _ in 0..8 {
+        let mean = |v: usize| {
+            let (quad, k) = surface.corner(v.into());
+            let ring = surface.ring(quad, k);
+            let spokes: Vec<_> = ring.iter().skip(1).step_by(2).collect();
+            let sum: Vector = spokes.iter().map(|&&w| mesh.points[w as usize].coords).sum();
+            Point::from(sum / spokes.len() as f64)
+        };
+        mesh.points = (0..mesh.points.len()).map(mean).collect();
+    }
+    mesh
+}
+
+/// Rounded bodies with vertices of three and five quads: a cube, three cubes around a corner, and a
+/// ring of eight cubes.
+fn bodies(n: usize) -> [(&'static str, QuadMesh, i64); 3] {
+    let ring: Vec<[i32; 3]> =
+        (0..9).filter(|&k| k != 4).map(|k| [k % 3, k / 3, 0]).collect();
+    [
+        ("cube", rounded(cubes(&[[0; 3]], n)), 2),
+        ("corner", rounded(cubes(&[[0; 3], [1, 0, 0], [0, 1, 0]], n)), 2),
+        ("ring", rounded(cubes(&ring, n)), 0),
+    ]
+}
+
+fn control(mesh: &QuadMesh) -> Vec<Vector> {
+    mesh.points.iter().map(|p| p.coords).collect()
+}
+
+/// The limit surface over a quad mesh as triangles. Neighbouring quads share vertices.
+fn limit_surface(mesh: &QuadMesh, steps: usize) -> Mesh {
+    let surface = SubdivisionSurface::new(&mesh.quads).expect("a closed quad mesh");
+    let (control, mut scratch) = (control(mesh), Vec::new());
+    let mut scan = Mesh::default();
+    let mut numbers = HashMap::new();
+    for quad in 0..mesh.quads.len() {
+        let mut vertex = |i: usize, j: usize| {
+            let at = Uv::new(i as f64, j as f64) / steps as f64;
+            let p = surface.jet(&control, QuadPlace { quad, at }, &mut scratch)[0];
+            let key = [0, 1, 2].map(|k| (p[k] * 1e7).round() as i64);
+            *numbers.entry(key).or_insert_with(|| {
+                scan.points.push(Point::from(p));
+                VertexId::from(scan.points.len() - 1)
+            })
+        };
+        let mut triangles = Vec::new();
+        for (i, j) in (0..steps * steps).map(|k| (k % steps, k / steps)) {
+            let [a, b] = [vertex(i, j), vertex(i + 1, j)];
+            let [c, d] = [vertex(i + 1, j + 1), vertex(i, j + 1)];
+            triangles.extend([[a, b, c], [a, c, d]]);
+        }
+        scan.triangles.extend(triangles);
+    }
+    scan
+}
+
+fn patches_of(mesh: &QuadMesh) -> Network {
+    let surface = SubdivisionSurface::new(&mesh.quads).expect("a closed quad mesh");
+    patches::extract(mesh, &surface).expect("patches").0
+}
+
+#[test]
+fn outer_rows_are_the_tracks_on_both_sides() {
+    for (name, mesh, euler) in bodies(4) {
+        let network = patches_of(&mesh);
+        let count = network.corners.len() as i64 - network.tracks.len() as i64;
+        assert_eq!(count + network.surfaces.len() as i64, euler, "{name}");
+        let mut uses = vec![0; network.tracks.len()];
+        for (surface, sides) in network.surfaces.iter().zip(&network.sides) {
+            for (k, side) in sides.iter().enumerate() {
+                uses[side.track] += 1;
+                let curve = &network.tracks[side.track].curve;
+                let end = curve.knots.range().1;
+                for i in 0..=40 {
+                    let t = end * f64::from(i) / 40.0;
+                    let along = if side.forward { t } else { end - t };
+                    let at = [
+                        Vector2::new(along, 0.0),
+                        Vector2::new(end, along),
+                        Vector2::new(end - along, end),
+                        Vector2::new(0.0, end - along),
+                    ][k];
+                    let off = surface.point(at.into()).coords - curve.point(t);
+                    assert!(off.norm() < 1e-12, "{name}: {off}");
+                }
+            }
+        }
+        assert!(uses.iter().all(|&n| n == 2), "{name}");
+    }
+}
+
+#[test]
+fn patches_of_regular_quads_are_the_limit_surface() {
+    for (name, mesh, _) in bodies(5) {
+        let surface = SubdivisionSurface::new(&mesh.quads).expect("a closed quad mesh");
+        let network = patches_of(&mesh);
+        let (control, mut scratch) = (control(&mesh), Vec::new());
+        let n = mesh.side;
+        let (mut exact, mut near): (f64, f64) = (0.0, 0.0);
+        for quad in 0..mesh.quads.len() {
+            let (block, i, j) = (quad / (n * n), quad % n, quad / n % n);
+            for k in 0..25 {
+                let at = Uv::new(f64::from(k % 5), f64::from(k / 5)) / 4.0;
+                let limit = surface.jet(&control, QuadPlace { quad, at }, &mut scratch)[0];
+                let uv = Uv::new(i as f64 + at.x, j as f64 + at.y);
+                if surface.is_regular(quad) {
+                    let off = network.surfaces[block].point(uv).coords - limit;
+                    exact = exact.max(off.norm());
+                } else {
+                    let patch = &network.surfaces[block];
+                    let (_, off) =
+                        scan2step::spline::foot_point(patch, Point::from(limit), uv);
+                    near = near.max(off);
+                }
+            }
+        }
+        assert!(exact < 1e-12, "{name}: {exact}");
+        // A quad has a side of a fifth.
+        assert!(near < 1e-3 && near > 0.0, "{name}: {near}");
+    }
+}
+
+#[test]
+fn tangent_planes_agree_along_seams() {
+    for (name, mesh, _) in bodies(6) {
+        let mut angles = patches_of(&mesh).seam_angles(4);
+        angles.sort_by(f64::total_cmp);
+        let mean = angles.iter().sum::<f64>() / angles.len() as f64;
+        let [p95, max] = [0.95, 1.0].map(|q| angles[((angles.len() - 1) as f64 * q) as usize]);
+        let degrees = [mean, p95, max].map(f64::to_degrees);
+        println!("{name}: seams {degrees:.4?}°");
+        assert!(degrees[0] < 0.1 && degrees[1] < 0.5 && degrees[2] < 2.0, "{name}: {degrees:?}");
+    }
+}
+
+#[test]
+fn the_fit_finds_a_surface_that_it_can_represent() {
+    for (name, mesh, euler) in bodies(6) {
+        let scan = limit_surface(&mesh, 4);
+        // The fit does not know the control points: it begins with points of the scan.
+        let start = limit_surface_at_vertices(&mesh);
+        let options = net::Options { tolerance: 1e-3, outliers: 0.0, max_control: 100_000 };
+        let (fitted, report) = net::fit(&start, &scan, scan.points.len(), &options).expect("a fit");
+        assert_eq!(report.without_foot, 0, "{name}");
+        assert!(report.rms < 1e-4 && report.beyond == 0.0, "{name}: {report:?}");
+        let (network, found) = patches::extract(&fitted.mesh, &fitted.surface).expect("patches");
+        assert_eq!(found.irregular, mesh.valences().iter().filter(|&&n| n != 4).count());
+        let solid = brep::closed(&network, name, 1e-7).expect("a solid");
+        assert_eq!(solid.faces.len() as i64 + solid.vertices.len() as i64, euler + solid.edges.len() as i64);
+        let volume = solid.volume(solid.solids[0].outer);
+        let off = volume / enclosed(&scan) - 1.0;
+        assert!(off.abs() < 2e-3, "{name}: {off}");
+    }
+}
+
+/// The quad mesh with its vertices moved to the limit surface.
+fn limit_surface_at_vertices(mesh: &QuadMesh) -> QuadMesh {
+    let surface = SubdivisionSurface::new(&mesh.quads).expect("a closed quad mesh");
+    let control = control(mesh);
+    let limit = |v: usize| {
+        let (quad, k) = surface.corner(v.into());
+        scan2step::spline::subdivision::limit_point(&surface.ring(quad, k), &control)
+    };
+    QuadMesh { points: (0..control.len()).map(limit).collect(), ..mesh.clone() }
+}
+
+/// The volume that triangles enclose.
+fn enclosed(mesh: &Mesh) -> f64 {
+    let of = |t: &[VertexId; 3]| {
+        let [a, b, c] = mesh.corners(*t).map(|p| p.coords);
+        a.dot(&b.cross(&c)) / 6.0
+    };
+    mesh.triangles.iter().map(of).sum()
+}
+
+#[test]
+fn quads_are_divided_until_the_tolerance_holds() {
+    let (_, mesh, _) = bodies(8).into_iter().nth(1).expect("a body");
+    let scan = limit_surface(&mesh, 2);
+    // Four times fewer quads cannot follow the rounded edges.
+    let coarse = limit_surface_at_vertices(&bodies(4)[1].1);
+    let coarse = QuadMesh {
+        points: coarse.points.iter().map(|p| nearest(&scan, *p)).collect(),
+        ..coarse
+    };
+    let fit = |tolerance: f64| {
+        let options = net::Options { tolerance, outliers: 0.0, max_control: 100_000 };
+        net::fit(&coarse, &scan, scan.points.len(), &options).expect("a fit").1
+    };
+    let [loose, tight] = [0.1, 0.005].map(fit);
+    assert_eq!((loose.side, tight.side), (4, 8), "{loose:?} {tight:?}");
+    assert!(tight.beyond == 0.0 && tight.rms < loose.rms);
+}
+
+fn nearest(mesh: &Mesh, p: Point) -> Point {
+    let off = |q: &&Point| (**q - p).norm();
+    *mesh.points.iter().min_by(|a, b| off(a).total_cmp(&off(b))).expect("a point")
+}
