@@ -117,6 +117,7 @@ pub mod fill;
 pub mod fit;
 pub mod geometry;
 pub mod knots;
+pub mod layout;
 pub mod mesh;
 pub mod net;
 pub mod parameterize;

@@ -1,0 +1,325 @@
+//! Half-edge collapses until no legal one is left.
+
+use std::cmp::Ordering;
+use std::collections::BinaryHeap;
+
+use nalgebra::Matrix4;
+
+use super::base::{Base, Flat};
+use crate::geometry::{Uv, Vector};
+
+/// The weight of the squared length of an edge, beside the mean squared distance from the planes of
+/// the scan. It keeps triangles of flat regions from becoming long.
+const LENGTH: f64 = 0.003;
+
+/// The most triangles around a vertex of the base. Vertices with more become irregular vertices with
+/// many faces, where faces are narrow.
+const MOST_VALENCE: usize = 8;
+
+/// The least number of triangles around a vertex that loses one. Two triangles of each pair are joined,
+/// and three quads should be left.
+const LEAST_VALENCE: usize = 4;
+
+/// The least quality of a triangle in the plane and in space: 1 for equal sides, 0 for no area. Worse
+/// triangles map the scan with much distortion. A triangle may also be as bad as one before.
+const FLAT_QUALITY: f64 = 0.08;
+const QUALITY: f64 = 0.25;
+
+/// The cosine of the largest angle between a face and the mean normal of the scan in it (75°).
+const FACING: f64 = 0.26;
+
+/// The vertices of a face whose triangles have fewer scan edges along a side are not tested for
+/// their spread: single normals of a scan are rough.
+const FEW_MEMBERS: usize = 12;
+
+/// Collapses edges as long as the normals of the scan in each triangle are within an angle whose
+/// cosine is `spread` of their mean.
+pub(super) fn coarsen(base: &mut Base, normals: &[Vector], quadrics: &[Quadric], spread: f64) {
+    let mut queue = BinaryHeap::new();
+    let mut versions = vec![0u32; base.around.len()];
+    for v in 0..base.around.len() as u32 {
+        push(base, quadrics, &mut queue, v, 0);
+    }
+    while let Some(Candidate { vertex: v, version, .. }) = queue.pop() {
+        if versions[v as usize] != version || base.valence(v) == 0 {
+            continue;
+        }
+        let Some(ring) = base.ring(v) else { continue };
+        let mut targets: Vec<(f64, usize)> =
+            (0..ring.len()).map(|k| (cost(base, quadrics, v, ring[k].0), k)).collect();
+        targets.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let change = targets.iter().find_map(|&(_, k)| collapse(base, normals, spread, v, &ring, k));
+        let Some(change) = change else { continue };
+        base.replace(change.old, change.new, &change.corners, change.members);
+        for &(w, _) in &ring {
+            versions[w as usize] += 1;
+            push(base, quadrics, &mut queue, w, versions[w as usize]);
+        }
+    }
+}
+
+/// A vertex that may be removed.
+struct Candidate {
+    cost: f64,
+    vertex: u32,
+    version: u32,
+}
+
+impl Ord for Candidate {
+    // The heap returns the largest element first.
+    fn cmp(&self, other: &Self) -> Ordering {
+        other.cost.total_cmp(&self.cost).then(other.vertex.cmp(&self.vertex))
+    }
+}
+
+impl PartialOrd for Candidate {
+    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl PartialEq for Candidate {
+    fn eq(&self, other: &Self) -> bool {
+        self.cmp(other) == Ordering::Equal
+    }
+}
+
+impl Eq for Candidate {}
+
+fn push(
+    base: &Base,
+    quadrics: &[Quadric],
+    queue: &mut BinaryHeap<Candidate>,
+    v: u32,
+    version: u32,
+) {
+    let around = base.around[v as usize].iter();
+    let others = around.flat_map(|&t| base.triangles[t as usize]).filter(|&w| w != v);
+    let least = others.map(|w| cost(base, quadrics, v, w)).fold(f64::INFINITY, f64::min);
+    if least.is_finite() {
+        queue.push(Candidate { cost: least, vertex: v, version });
+    }
+}
+
+/// The squared distances from planes, weighted by areas (Garland, Heckbert, "Surface simplification
+/// using quadric error metrics", 1997).
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Quadric {
+    matrix: Matrix4<f64>,
+    area: f64,
+}
+
+/// The quadrics of the triangles around every vertex.
+pub(super) fn quadrics(base: &Base) -> Vec<Quadric> {
+    let of = |around: &Vec<u32>| {
+        let mut sum = Quadric { matrix: Matrix4::zeros(), area: 0.0 };
+        for &t in around {
+            let corners = base.triangles[t as usize];
+            let normal = base.area_vector(corners);
+            let area = normal.norm();
+            let Some(n) = normal.try_normalize(0.0) else { continue };
+            let plane = n.push(-n.dot(&base.point(corners[0]).coords));
+            sum.matrix += area * plane * plane.transpose();
+            sum.area += area;
+        }
+        sum
+    };
+    base.around.iter().map(of).collect()
+}
+
+fn cost(base: &Base, quadrics: &[Quadric], v: u32, target: u32) -> f64 {
+    let q = &quadrics[v as usize];
+    let at = base.point(target).coords.push(1.0);
+    let distance = at.dot(&(q.matrix * at)) / q.area.max(f64::MIN_POSITIVE);
+    distance + LENGTH * (base.point(target) - base.point(v)).norm_squared()
+}
+
+/// A change of the triangulation that may be made.
+struct Change {
+    old: Vec<Flat>,
+    new: Vec<Flat>,
+    corners: Vec<[u32; 3]>,
+    members: Vec<Vec<(u32, [f64; 3])>>,
+}
+
+/// Moves vertex `v` onto entry `k` of its ring, if this is legal.
+fn collapse(
+    base: &Base,
+    normals: &[Vector],
+    spread: f64,
+    v: u32,
+    ring: &[(u32, u32)],
+    k: usize,
+) -> Option<Change> {
+    let m = ring.len();
+    let u = ring[k].0;
+    let at = |i: usize| ring[(k + i) % m].0;
+    // The link condition: the two vertices have no common neighbours but those beside their edge.
+    let shares = |i: usize| {
+        base.around[u as usize].iter().any(|&t| base.triangles[t as usize].contains(&at(i)))
+    };
+    if m < 3 || (2..m - 1).any(shares) {
+        return None;
+    }
+    let valence = base.valence(u) + m - 4;
+    let loses = |i: usize| base.valence(at(i)) > LEAST_VALENCE;
+    if valence > MOST_VALENCE.max(base.valence(u)) || valence < 3 || !loses(1) || !loses(m - 1) {
+        return None;
+    }
+    let flat = flattened(base, v, ring)?;
+    let place = |i: usize| flat[(k + i) % m];
+    let flat_of = |w: u32| ring.iter().position(|r| r.0 == w).map_or(Uv::origin(), |i| flat[i]);
+    let old: Vec<Flat> =
+        ring.iter().map(|&(_, t)| (t, base.triangles[t as usize].map(flat_of))).collect();
+    let new: Vec<Flat> =
+        (1..m - 1).map(|i| (0, [place(0), place(i), place(i + 1)])).collect();
+    let corners: Vec<[u32; 3]> = (1..m - 1).map(|i| [u, at(i), at(i + 1)]).collect();
+    is_shaped(base, &old, &new, &corners).then_some(())?;
+    let members = base.moved_members(&old, &new, Some(v));
+    let faces = corners.iter().zip(&members);
+    faces.into_iter().all(|(t, members)| faces_scan(base, normals, spread, *t, members)).then_some(())?;
+    Some(Change { old, new, corners, members })
+}
+
+/// The ring of a vertex in the plane: its angles are scaled to a full circle, and its lengths raised
+/// to the same power (Welch, Witkin 1994).
+fn flattened(base: &Base, v: u32, ring: &[(u32, u32)]) -> Option<Vec<Uv>> {
+    let m = ring.len();
+    let arms: Vec<Vector> = ring.iter().map(|r| base.point(r.0) - base.point(v)).collect();
+    let angles: Vec<f64> = (0..m).map(|i| arms[i].angle(&arms[(i + 1) % m])).collect();
+    let sum: f64 = angles.iter().sum();
+    let longest = arms.iter().map(|a| a.norm()).fold(0.0, f64::max);
+    (sum > 0.0 && longest > 0.0).then_some(())?;
+    let power = std::f64::consts::TAU / sum;
+    let mut turn: f64 = 0.0;
+    let mut flat = Vec::with_capacity(m);
+    for i in 0..m {
+        let radius = (arms[i].norm() / longest).powf(power);
+        flat.push(Uv::new(radius * turn.cos(), radius * turn.sin()));
+        turn += power * angles[i];
+    }
+    Some(flat)
+}
+
+/// Whether all new triangles have a good shape, or one no worse than the worst before.
+fn is_shaped(base: &Base, old: &[Flat], new: &[Flat], corners: &[[u32; 3]]) -> bool {
+    let worst = |flats: &[Flat]| flats.iter().map(|f| quality(f.1)).fold(1.0, f64::min);
+    let least = worst(new);
+    if least <= 0.0 || least < FLAT_QUALITY.min(worst(old)) {
+        return false;
+    }
+    let before = old.iter().map(|f| space_quality(base, base.triangles[f.0 as usize]));
+    let before = before.fold(1.0, f64::min);
+    corners.iter().all(|&t| space_quality(base, t) >= QUALITY.min(before))
+}
+
+const EQUAL_SIDES: f64 = 3.464_101_615_137_754_6;
+
+/// The quality of a triangle in the plane. It is negative if the triangle is turned over.
+fn quality([a, b, c]: [Uv; 3]) -> f64 {
+    let squares = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
+    EQUAL_SIDES * crate::geometry::orient2d(a, b, c) / squares.max(f64::MIN_POSITIVE)
+}
+
+pub(super) fn space_quality(base: &Base, t: [u32; 3]) -> f64 {
+    let [a, b, c] = t.map(|v| base.point(v));
+    let squares = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
+    EQUAL_SIDES * base.area_vector(t).norm() / squares.max(f64::MIN_POSITIVE)
+}
+
+/// Whether a triangle faces as the scan in it does, and the normals of the scan in it are within the
+/// spread.
+fn faces_scan(
+    base: &Base,
+    normals: &[Vector],
+    spread: f64,
+    t: [u32; 3],
+    members: &[(u32, [f64; 3])],
+) -> bool {
+    let own = t.iter().map(|&v| normals[v as usize]);
+    let all = || members.iter().map(|m| normals[m.0 as usize]);
+    let mean: Vector = own.chain(all()).sum();
+    let Some(mean) = mean.try_normalize(0.0) else { return false };
+    let normal = base.area_vector(t).try_normalize(0.0).unwrap_or_default();
+    if normal.dot(&mean) < FACING {
+        return false;
+    }
+    members.len() < FEW_MEMBERS || all().all(|n| n.dot(&mean) >= spread)
+}
+
+/// Flips edges where that makes the valences more even and no triangle worse than allowed. Returns the
+/// number of flips.
+pub(super) fn flip(base: &mut Base, normals: &[Vector], spread: f64) -> usize {
+    let mut count = 0;
+    let mut t = 0;
+    while t < base.triangles.len() {
+        for k in 0..3 {
+            if base.alive[t] && flip_gain(base, t, k) > 0 && flip_side(base, normals, spread, t, k) {
+                count += 1;
+            }
+        }
+        t += 1;
+    }
+    count
+}
+
+/// The triangle across side `k` of a triangle, and the vertex opposite to the side there.
+pub(super) fn across(base: &Base, t: usize, k: usize) -> Option<(u32, u32)> {
+    let corners = base.triangles[t];
+    let (a, b) = (corners[k], corners[(k + 1) % 3]);
+    let other = base.around[a as usize].iter().copied().find(|&o| {
+        o as usize != t && base.triangles[o as usize].contains(&b)
+    })?;
+    let apex = base.triangles[other as usize].into_iter().find(|&w| w != a && w != b)?;
+    Some((other, apex))
+}
+
+/// By how much a flip lowers the sum of squares of valences minus six.
+fn flip_gain(base: &Base, t: usize, k: usize) -> i64 {
+    let Some((_, d)) = across(base, t, k) else { return 0 };
+    let corners = base.triangles[t];
+    let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
+    let square = |v: u32, by: i64| (base.valence(v) as i64 + by - 6).pow(2);
+    let before = square(a, 0) + square(b, 0) + square(c, 0) + square(d, 0);
+    before - square(a, -1) - square(b, -1) - square(c, 1) - square(d, 1)
+}
+
+/// Flips side `k` of a triangle if this is legal.
+pub(super) fn flip_side(
+    base: &mut Base,
+    normals: &[Vector],
+    spread: f64,
+    t: usize,
+    k: usize,
+) -> bool {
+    let Some((other, d)) = across(base, t, k) else { return false };
+    let corners = base.triangles[t];
+    let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
+    let joined = base.around[c as usize].iter().any(|&o| base.triangles[o as usize].contains(&d));
+    if c == d || joined || base.valence(a) < 5 || base.valence(b) < 5 {
+        return false;
+    }
+    // Both triangles are unfolded about their common edge.
+    let [pa, pb, pc, pd] = [a, b, c, d].map(|v| base.point(v));
+    let length = (pb - pa).norm();
+    let unfolded = |p: crate::geometry::Point, side: f64| {
+        let along = (p - pa).dot(&(pb - pa)) / length;
+        Uv::new(along / length, side * ((p - pa).norm_squared() - along * along).max(0.0).sqrt() / length)
+    };
+    let [fa, fb] = [Uv::origin(), Uv::new(1.0, 0.0)];
+    let [fc, fd] = [unfolded(pc, 1.0), unfolded(pd, -1.0)];
+    let flat = |v: u32| [(a, fa), (b, fb), (c, fc), (d, fd)].iter().find(|e| e.0 == v).map_or(fa, |e| e.1);
+    let old: Vec<Flat> =
+        [t as u32, other].map(|t| (t, base.triangles[t as usize].map(flat))).to_vec();
+    let new: Vec<Flat> = vec![(0, [fc, fa, fd]), (0, [fd, fb, fc])];
+    let made = [[c, a, d], [d, b, c]];
+    if !is_shaped(base, &old, &new, &made) {
+        return false;
+    }
+    let members = base.moved_members(&old, &new, None);
+    if !made.iter().zip(&members).all(|(t, m)| faces_scan(base, normals, spread, *t, m)) {
+        return false;
+    }
+    base.replace(old, new, &made, members);
+    true
+}

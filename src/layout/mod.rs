@@ -1,0 +1,167 @@
+//! A layout of quads on a closed scan.
+//!
+//! A closed triangle mesh goes in, and a [`QuadMesh`] in square blocks on it comes out. The mesh is
+//! coarsened to a few triangles with an exact map back (`coarsen.rs`, `base.rs`), the triangles are
+//! joined in pairs (`pair.rs`), each pair gets a grid of quads (`grid.rs`), and all vertices are
+//! relaxed on the scan (`relax.rs`). The idea of a base complex whose triangles are joined is that of
+//! Eck and Hoppe, "Automatic reconstruction of B-spline surfaces of arbitrary topological type"
+//! (1996).
+
+mod base;
+mod coarsen;
+mod grid;
+mod matching;
+mod pair;
+mod relax;
+mod walk;
+
+use std::collections::BTreeMap;
+
+use crate::error::{Error, Result};
+use crate::geometry::{Point, Vector};
+use crate::mesh::{Mesh, QuadMesh, VertexRings};
+use crate::progress::{self, Progress};
+use base::{Base, TrianglePlace};
+use pair::Pairs;
+use relax::Relaxed;
+use walk::Ground;
+
+/// The options of the layout.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// The largest angle in degrees between the normals of the scan in a triangle of the base and
+    /// their mean. Smaller angles give more blocks; 45° gives about twice as many as 65°. Beyond 75°
+    /// quads turn away from the scan.
+    pub spread: f64,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options { spread: 65.0 }
+    }
+}
+
+/// The results of the layout.
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct Report {
+    /// The number of blocks.
+    pub blocks: usize,
+    /// The number of irregular vertices for each number of quads.
+    pub irregular: BTreeMap<usize, usize>,
+    /// Quads that face the scan at more than 60°, and the place of one.
+    pub bad: Vec<Point>,
+}
+
+/// The number of quads along a side of a block. With half as many the fit starts too coarse for
+/// narrow parts, and with twice as many relaxation takes four times as long.
+const SIDE: usize = 8;
+
+/// The rounds of coarsening and flips. Later ones change little.
+const COARSENINGS: usize = 3;
+
+/// Sweeps of relaxation without and with the barrier.
+const PLAIN: usize = 20;
+const BARRIER: usize = 40;
+
+/// Rounds in which the weight of bad quads grows, the factor, and the sweeps around them in each.
+const REPAIRS: usize = 12;
+const HEAVIER: f64 = 3.0;
+const LOCAL: usize = 6;
+
+/// Lays out a closed mesh.
+///
+/// # Errors
+/// [`Error::Input`] if the mesh is not closed or not one component.
+pub fn layout(mesh: &Mesh, options: &Options) -> Result<(QuadMesh, Report)> {
+    layout_with(mesh, options, &mut progress::ignore)
+}
+
+/// The same, telling how far it has come.
+///
+/// # Errors
+/// Those of [`layout`], and what `progress` returns.
+pub fn layout_with(
+    mesh: &Mesh,
+    options: &Options,
+    progress: &mut Progress,
+) -> Result<(QuadMesh, Report)> {
+    let normals = smoothed_normals(mesh);
+    let mut base = Base::new(mesh);
+    let spread = options.spread.to_radians().cos();
+    let quadrics = coarsen::quadrics(&base);
+    for round in 0..COARSENINGS {
+        progress(0.3 * round as f64 / COARSENINGS as f64)?;
+        coarsen::coarsen(&mut base, &normals, &quadrics, spread);
+        coarsen::flip(&mut base, &normals, spread);
+    }
+    progress(0.3)?;
+    let unpaired = Error::Input("the triangles of a closed mesh cannot be joined in pairs");
+    let pairs = Pairs::new(&base).ok_or(unpaired)?;
+    let (mut quads, places) = grid::grid(&base, &pairs, SIDE);
+    drop(base);
+    let ground = Ground::new(mesh, &normals);
+    let (places, bad) = relax_all(&quads, &ground, places, progress)?;
+    quads.points = places.iter().map(|place| ground.point(place)).collect();
+    quads.normals = places.iter().map(|place| ground.normal(place)).collect();
+    if let Some(fault) = quads.fault() {
+        return Err(Error::Input(fault));
+    }
+    let mut irregular = BTreeMap::new();
+    quads.valences().into_iter().filter(|&n| n != 4).for_each(|n| *irregular.entry(n).or_default() += 1);
+    let bad = bad.into_iter().map(|q| quads.points[quads.quads[q][0].index()]).collect();
+    let report = Report { blocks: quads.blocks(), irregular, bad };
+    Ok((quads, report))
+}
+
+/// Relaxes all vertices, then those around bad quads. Returns the best places and the bad quads that
+/// are left.
+fn relax_all(
+    quads: &QuadMesh,
+    ground: &Ground,
+    places: Vec<TrianglePlace>,
+    progress: &mut Progress,
+) -> Result<(Vec<TrianglePlace>, Vec<usize>)> {
+    let mut relaxed = Relaxed::new(quads, ground, places);
+    for sweep in 0..PLAIN + BARRIER {
+        progress(0.3 + 0.7 * sweep as f64 / (PLAIN + BARRIER) as f64)?;
+        relaxed.sweep(None, sweep >= PLAIN);
+    }
+    let mut bad = relaxed.bad();
+    let mut best = relaxed.places.clone();
+    for _ in 0..REPAIRS {
+        if bad.is_empty() {
+            break;
+        }
+        let now = relaxed.bad();
+        now.iter().for_each(|&q| relaxed.weights[q] *= HEAVIER);
+        let mut chosen = vec![false; quads.points.len().max(relaxed.points.len())];
+        now.iter().flat_map(|&q| quads.quads[q]).for_each(|v| chosen[v.index()] = true);
+        let near: Vec<usize> = (0..quads.quads.len())
+            .filter(|&q| quads.quads[q].iter().any(|v| chosen[v.index()]))
+            .collect();
+        near.iter().flat_map(|&q| quads.quads[q]).for_each(|v| chosen[v.index()] = true);
+        (0..LOCAL).for_each(|_| relaxed.sweep(Some(&chosen), true));
+        let left = relaxed.bad();
+        if left.len() < bad.len() {
+            bad = left;
+            best = relaxed.places.clone();
+        }
+    }
+    Ok((best, bad))
+}
+
+/// The mean normals of the two-ring of every vertex.
+fn smoothed_normals(mesh: &Mesh) -> Vec<Vector> {
+    let rings = VertexRings::new(mesh);
+    let mut normals = mesh.vertex_normals();
+    for _ in 0..2 {
+        let mean = |v: usize| {
+            let around = rings.neighbours(mesh, v.into()).map(|w| normals[w.index()]);
+            let sum: Vector = std::iter::once(normals[v]).chain(around).sum();
+            sum.try_normalize(0.0).unwrap_or(normals[v])
+        };
+        normals = (0..normals.len()).map(mean).collect();
+    }
+    normals
+}

@@ -1,0 +1,158 @@
+//! Relaxation of a quad mesh on a scan, one vertex at a time.
+//!
+//! The energy of a corner of a quad is that of its distance from a square (MIPS: Hormann, Greiner
+//! 2000) and of its area from that of its neighbours. Determinants that are negative or small are
+//! regularized, so that the energy is finite also where quads are turned over (Garanzha et al.,
+//! "Foldover-free maps in 50 lines of code", 2021). Vertices walk over the triangles of the scan, so
+//! they cannot jump to another sheet.
+
+use nalgebra::{Matrix2, Vector2};
+
+use super::base::TrianglePlace;
+use super::walk::Ground;
+use crate::geometry::{Point, Vector, plane_axes};
+use crate::mesh::QuadMesh;
+
+/// The weight of areas, beside that of shapes. Without it quads at vertices with three quads become
+/// large, and with more angles become uneven.
+const AREA: f64 = 0.3;
+
+/// The regularization of determinants, as a share of the mean area of the corners around a vertex.
+const REGULAR: f64 = 0.05;
+
+/// The cosine of the angle between a corner and the scan at which the barrier is (63°). It lies
+/// beyond the gate, so that quads inside the barrier pass the gate.
+const BARRIER: f64 = 0.45;
+
+/// The cosine of the largest angle between the corner of a good quad and the scan (60°).
+const GATE: f64 = 0.5;
+
+/// Steps that are halved this often without a lower energy are given up.
+const HALVINGS: usize = 5;
+
+/// The length of the differences for derivatives, as a share of the length of a side.
+const DIFFERENCE: f64 = 1e-3;
+
+/// A quad mesh whose vertices move on a scan.
+pub(super) struct Relaxed<'a> {
+    pub mesh: &'a QuadMesh,
+    pub ground: &'a Ground<'a>,
+    pub places: Vec<TrianglePlace>,
+    pub points: Vec<Point>,
+    pub normals: Vec<Vector>,
+    /// The weight of each quad.
+    pub weights: Vec<f64>,
+    /// The quads at each vertex, with the number of the corner.
+    around: Vec<Vec<(u32, u8)>>,
+}
+
+impl<'a> Relaxed<'a> {
+    pub fn new(mesh: &'a QuadMesh, ground: &'a Ground<'a>, places: Vec<TrianglePlace>) -> Self {
+        let mut around = vec![Vec::new(); places.len()];
+        for (q, quad) in mesh.quads.iter().enumerate() {
+            (0..4).for_each(|k| around[quad[k].index()].push((q as u32, k as u8)));
+        }
+        let points = places.iter().map(|place| ground.point(place)).collect();
+        let normals = places.iter().map(|place| ground.normal(place)).collect();
+        let weights = vec![1.0; mesh.quads.len()];
+        Relaxed { mesh, ground, places, points, normals, weights, around }
+    }
+
+    /// Moves all vertices, or those that are `chosen`, once. With the barrier no quad may turn
+    /// farther from the scan than the gate allows.
+    pub fn sweep(&mut self, chosen: Option<&[bool]>, barrier: bool) {
+        for v in 0..self.points.len() {
+            if chosen.is_none_or(|chosen| chosen[v]) {
+                self.step(v, barrier);
+            }
+        }
+    }
+
+    fn step(&mut self, v: usize, barrier: bool) {
+        let area = self.mean_area(v).max(f64::MIN_POSITIVE);
+        let (x, y) = plane_axes(self.normals[v]);
+        let h = DIFFERENCE * area.sqrt();
+        let at = |i: f64, j: f64| self.energy(v, self.points[v] + h * (i * x + j * y), self.normals[v], area, barrier);
+        let here = at(0.0, 0.0);
+        let [east, west, north, south, corner] =
+            [at(1.0, 0.0), at(-1.0, 0.0), at(0.0, 1.0), at(0.0, -1.0), at(1.0, 1.0)];
+        let gradient = Vector2::new(east - west, north - south) / (2.0 * h);
+        let mixed = (corner - east - north + here) / (h * h);
+        let hessian = Matrix2::new(
+            (east + west - 2.0 * here) / (h * h),
+            mixed,
+            mixed,
+            (north + south - 2.0 * here) / (h * h),
+        );
+        let newton = hessian.cholesky().map(|factor| factor.solve(&gradient));
+        let length = gradient.norm().max(f64::MIN_POSITIVE);
+        let mut step = -newton.unwrap_or(gradient * (0.5 * area.sqrt() / length));
+        let most = area.sqrt();
+        if step.norm() > most {
+            step *= most / step.norm();
+        }
+        for _ in 0..HALVINGS {
+            let place = self.ground.walked(self.places[v], step.x * x + step.y * y);
+            let (point, normal) = (self.ground.point(&place), self.ground.normal(&place));
+            if self.energy(v, point, normal, area, barrier) < here {
+                (self.places[v], self.points[v], self.normals[v]) = (place, point, normal);
+                return;
+            }
+            step *= 0.5;
+        }
+    }
+
+    /// The corners of the quads around a vertex that depend on it: the vertex at the corner, the
+    /// next one and the one before.
+    fn corners(&self, v: usize) -> impl Iterator<Item = (u32, [usize; 3])> + '_ {
+        self.around[v].iter().flat_map(move |&(q, k)| {
+            let quad = self.mesh.quads[q as usize];
+            let at = move |k: usize| quad[k % 4].index();
+            let k = k as usize;
+            [k, k + 1, k + 3].map(|k| (q, [at(k), at(k + 1), at(k + 3)]))
+        })
+    }
+
+    fn mean_area(&self, v: usize) -> f64 {
+        let areas = self.corners(v).map(|(_, [a, b, c])| {
+            let [a, b, c] = [a, b, c].map(|v| self.points[v]);
+            (b - a).cross(&(c - a)).norm()
+        });
+        let (sum, count) = areas.fold((0.0, 0.0), |(sum, count), area| (sum + area, count + 1.0));
+        sum / f64::max(count, 1.0)
+    }
+
+    /// The energy of the corners around a vertex if it were at `point`.
+    fn energy(&self, v: usize, point: Point, normal: Vector, area: f64, barrier: bool) -> f64 {
+        let at = |w: usize| if w == v { point } else { self.points[w] };
+        let each = self.corners(v).map(|(q, [a, b, c])| {
+            let (e, f) = (at(b) - at(a), at(c) - at(a));
+            let n = if a == v { normal } else { self.normals[a] };
+            let cross = e.cross(&f);
+            let facing = cross.dot(&n);
+            let determinant = match barrier {
+                true => (facing - BARRIER * cross.norm()) / (1.0 - BARRIER),
+                false => facing,
+            };
+            let regular = REGULAR * area;
+            let d = 0.5 * (determinant + determinant.hypot(regular));
+            let shape = (e.norm_squared() + f.norm_squared()) / (2.0 * d);
+            self.weights[q as usize] * (shape + AREA * (d / area + area / d))
+        });
+        each.sum()
+    }
+
+    /// The quads with a corner that faces the scan at more than the angle of the gate.
+    pub fn bad(&self) -> Vec<usize> {
+        let is_bad = |&q: &usize| {
+            let quad = self.mesh.quads[q].map(|v| v.index());
+            (0..4).any(|k| {
+                let [a, b, c] = [quad[k], quad[(k + 1) % 4], quad[(k + 3) % 4]];
+                let p = |v: usize| self.points[v];
+                let cross = (p(b) - p(a)).cross(&(p(c) - p(a)));
+                cross.dot(&self.normals[a]) <= GATE * cross.norm()
+            })
+        };
+        (0..self.mesh.quads.len()).filter(is_bad).collect()
+    }
+}
