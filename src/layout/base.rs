@@ -160,7 +160,7 @@ impl<'a> Base<'a> {
     }
 }
 
-fn combined(corners: &[Uv; 3], weights: &[f64; 3]) -> Uv {
+pub(super) fn combined(corners: &[Uv; 3], weights: &[f64; 3]) -> Uv {
     Uv::from(corners.iter().zip(weights).map(|(c, w)| c.coords * *w).sum::<nalgebra::Vector2<f64>>())
 }
 

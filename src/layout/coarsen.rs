@@ -284,6 +284,23 @@ fn flip_gain(base: &Base, t: usize, k: usize) -> i64 {
     before - square(a, -1) - square(b, -1) - square(c, 1) - square(d, 1)
 }
 
+/// Two triangles (a, b, c) and (b, a, d) in a plane, unfolded about their common edge: the places of a, b,
+/// c and d, and the triangles in a record.
+fn unfolded(base: &Base, triangles: [u32; 2], names: [u32; 4]) -> Option<([Uv; 4], Vec<Flat>)> {
+    let [a, b, c, d] = names.map(|v| base.point(v));
+    let length = (b - a).norm();
+    (length > 0.0).then_some(())?;
+    let place = |p: crate::geometry::Point, side: f64| {
+        let along = (p - a).dot(&(b - a)) / length;
+        let off = ((p - a).norm_squared() - along * along).max(0.0).sqrt();
+        Uv::new(along / length, side * off / length)
+    };
+    let places = [Uv::origin(), Uv::new(1.0, 0.0), place(c, 1.0), place(d, -1.0)];
+    let place_of = |v: u32| names.iter().position(|&w| w == v).map_or(places[0], |k| places[k]);
+    let flat = |t: u32| (t, base.triangles[t as usize].map(place_of));
+    Some((places, triangles.map(flat).to_vec()))
+}
+
 /// Flips side `k` of a triangle if this is legal.
 pub(super) fn flip_side(
     base: &mut Base,
@@ -299,18 +316,9 @@ pub(super) fn flip_side(
     if c == d || joined || base.valence(a) < 5 || base.valence(b) < 5 {
         return false;
     }
-    // Both triangles are unfolded about their common edge.
-    let [pa, pb, pc, pd] = [a, b, c, d].map(|v| base.point(v));
-    let length = (pb - pa).norm();
-    let unfolded = |p: crate::geometry::Point, side: f64| {
-        let along = (p - pa).dot(&(pb - pa)) / length;
-        Uv::new(along / length, side * ((p - pa).norm_squared() - along * along).max(0.0).sqrt() / length)
+    let Some(([fa, fb, fc, fd], old)) = unfolded(base, [t as u32, other], [a, b, c, d]) else {
+        return false;
     };
-    let [fa, fb] = [Uv::origin(), Uv::new(1.0, 0.0)];
-    let [fc, fd] = [unfolded(pc, 1.0), unfolded(pd, -1.0)];
-    let flat = |v: u32| [(a, fa), (b, fb), (c, fc), (d, fd)].iter().find(|e| e.0 == v).map_or(fa, |e| e.1);
-    let old: Vec<Flat> =
-        [t as u32, other].map(|t| (t, base.triangles[t as usize].map(flat))).to_vec();
     let new: Vec<Flat> = vec![(0, [fc, fa, fd]), (0, [fd, fb, fc])];
     let made = [[c, a, d], [d, b, c]];
     if !is_shaped(base, &old, &new, &made) {
@@ -322,4 +330,56 @@ pub(super) fn flip_side(
     }
     base.replace(old, new, &made, members);
     true
+}
+
+/// Flips an edge opposite to a vertex, so that the vertex gets a triangle more: the one that is opposite
+/// to the vertex with the fewest triangles. Returns whether one could be flipped. The spread of the
+/// scan's normals does not count here.
+pub(super) fn flip_link(base: &mut Base, normals: &[Vector], v: u32) -> bool {
+    let Some(ring) = base.ring(v) else { return false };
+    let mut sides: Vec<(usize, usize, usize)> = ring
+        .iter()
+        .filter_map(|&(_, t)| {
+            let t = t as usize;
+            let k = (base.triangles[t].iter().position(|&w| w == v)? + 1) % 3;
+            let (_, apex) = across(base, t, k)?;
+            Some((base.valence(apex), t, k))
+        })
+        .collect();
+    sides.sort_unstable();
+    sides.into_iter().any(|(_, t, k)| flip_side(base, normals, -1.0, t, k))
+}
+
+/// Splits an edge opposite to a vertex at a removed vertex of the scan, so that the vertex gets a triangle
+/// more. Returns whether an edge could be split.
+pub(super) fn split_link(base: &mut Base, v: u32) -> bool {
+    let Some(ring) = base.ring(v) else { return false };
+    let splits = ring.iter().filter_map(|&(_, t)| link_split(base, v, t as usize));
+    let best = splits.max_by(|x, y| x.0.total_cmp(&y.0));
+    let Some((_, change)) = best else { return false };
+    base.replace(change.old, change.new, &change.corners, change.members);
+    true
+}
+
+/// The best split of the edge of a triangle opposite to a vertex, with its least quality.
+fn link_split(base: &Base, v: u32, t: usize) -> Option<(f64, Change)> {
+    let k = (base.triangles[t].iter().position(|&w| w == v)? + 1) % 3;
+    let (other, d) = across(base, t, k)?;
+    let [a, b, c] = [0, 1, 2].map(|i| base.triangles[t][(k + i) % 3]);
+    let names = [a, b, c, d];
+    let (places, old) = unfolded(base, [t as u32, other], names)?;
+    let fan = |at: Uv| {
+        [[0, 3], [3, 1], [1, 2], [2, 0]].map(|[x, y]| (0, [at, places[x], places[y]])).to_vec()
+    };
+    let least = |at: Uv| fan(at).iter().map(|f: &Flat| quality(f.1)).fold(1.0, f64::min);
+    let members = old.iter().flat_map(|(t, corners)| {
+        base.members[*t as usize].iter().map(|m| (m.0, super::base::combined(corners, &m.1)))
+    });
+    let (w, at) = members.max_by(|x, y| least(x.1).total_cmp(&least(y.1)))?;
+    (least(at) > 0.0).then_some(())?;
+    let new = fan(at);
+    let corners = [[0, 3], [3, 1], [1, 2], [2, 0]].map(|[x, y]| [w, names[x], names[y]]).to_vec();
+    let mut members = base.moved_members(&old, &new, None);
+    members.iter_mut().for_each(|list| list.retain(|m| m.0 != w));
+    Some((least(at), Change { old, new, corners, members }))
 }

@@ -60,6 +60,9 @@ const SIDE: usize = 8;
 /// The rounds of coarsening and flips. Later ones change little.
 const COARSENINGS: usize = 3;
 
+/// The most rounds in which edges are flipped or split for the valences of the pairs.
+const FLIPS: usize = 20;
+
 /// Sweeps of relaxation without and with the barrier.
 const PLAIN: usize = 20;
 const BARRIER: usize = 40;
@@ -96,8 +99,7 @@ pub fn layout_with(
         coarsen::flip(&mut base, &normals, spread);
     }
     progress(0.3)?;
-    let unpaired = Error::Input("the triangles of a closed mesh cannot be joined in pairs");
-    let pairs = Pairs::new(&base).ok_or(unpaired)?;
+    let pairs = paired(&mut base, &normals)?;
     let (mut quads, places) = grid::grid(&base, &pairs, SIDE);
     drop(base);
     let ground = Ground::new(mesh, &normals);
@@ -112,6 +114,25 @@ pub fn layout_with(
     let bad = bad.into_iter().map(|q| quads.points[quads.quads[q][0].index()]).collect();
     let report = Report { blocks: quads.blocks(), irregular, bad };
     Ok((quads, report))
+}
+
+/// Joins the triangles of the base in pairs. Where a vertex keeps fewer than three quads, an edge of
+/// its link is flipped or split, so that it has a triangle more.
+fn paired(base: &mut Base, normals: &[Vector]) -> Result<Pairs> {
+    let unpaired = || Error::Input("the triangles of a closed mesh cannot be joined in pairs");
+    let mut pairs = Pairs::new(base).ok_or_else(unpaired)?;
+    for _ in 0..FLIPS {
+        let few = (0..pairs.valence.len()).filter(|&v| (1..3).contains(&pairs.valence[v]));
+        let few: Vec<usize> = few.collect();
+        let raise = |&&v: &&usize| {
+            coarsen::flip_link(base, normals, v as u32) || coarsen::split_link(base, v as u32)
+        };
+        if few.iter().filter(raise).count() == 0 {
+            break;
+        }
+        pairs = Pairs::new(base).ok_or_else(unpaired)?;
+    }
+    Ok(pairs)
 }
 
 /// Relaxes all vertices, then those around bad quads. Returns the best places and the bad quads that
