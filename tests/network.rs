@@ -64,8 +64,7 @@ fn rounded(mut mesh: QuadMesh) -> QuadMesh {
 /// Rounded bodies with vertices of three and five quads: a cube, three cubes around a corner, and a
 /// ring of eight cubes.
 fn bodies(n: usize) -> [(&'static str, QuadMesh, i64); 3] {
-    let ring: Vec<[i32; 3]> =
-        (0..9).filter(|&k| k != 4).map(|k| [k % 3, k / 3, 0]).collect();
+    let ring: Vec<[i32; 3]> = (0..9).filter(|&k| k != 4).map(|k| [k % 3, k / 3, 0]).collect();
     [
         ("cube", rounded(cubes(&[[0; 3]], n)), 2),
         ("corner", rounded(cubes(&[[0; 3], [1, 0, 0], [0, 1, 0]], n)), 2),
@@ -158,8 +157,7 @@ fn patches_of_regular_quads_are_the_limit_surface() {
                     exact = exact.max(off.norm());
                 } else {
                     let patch = &network.surfaces[block];
-                    let (_, off) =
-                        scan2step::spline::foot_point(patch, Point::from(limit), uv);
+                    let (_, off) = scan2step::spline::foot_point(patch, Point::from(limit), uv);
                     near = near.max(off);
                 }
             }
@@ -196,7 +194,10 @@ fn the_fit_finds_a_surface_that_it_can_represent() {
         let (network, found) = patches::extract(&fitted.mesh, &fitted.surface).expect("patches");
         assert_eq!(found.irregular, mesh.valences().iter().filter(|&&n| n != 4).count());
         let solid = brep::closed(&network, name, 1e-7).expect("a solid");
-        assert_eq!(solid.faces.len() as i64 + solid.vertices.len() as i64, euler + solid.edges.len() as i64);
+        assert_eq!(
+            solid.faces.len() as i64 + solid.vertices.len() as i64,
+            euler + solid.edges.len() as i64
+        );
         let volume = solid.volume(solid.solids[0].outer);
         let off = volume / enclosed(&scan) - 1.0;
         assert!(off.abs() < 2e-3, "{name}: {off}");
@@ -229,10 +230,8 @@ fn quads_are_divided_until_the_tolerance_holds() {
     let scan = limit_surface(&mesh, 2);
     // Four times fewer quads cannot follow the rounded edges.
     let coarse = limit_surface_at_vertices(&bodies(4)[1].1);
-    let coarse = QuadMesh {
-        points: coarse.points.iter().map(|p| nearest(&scan, *p)).collect(),
-        ..coarse
-    };
+    let coarse =
+        QuadMesh { points: coarse.points.iter().map(|p| nearest(&scan, *p)).collect(), ..coarse };
     let fit = |tolerance: f64| {
         let options = net::Options { tolerance, outliers: 0.0, max_control: 100_000 };
         net::fit(&coarse, &scan, scan.points.len(), &options).expect("a fit").1

@@ -1,7 +1,7 @@
 //! A triangulation that becomes coarser, with an exact map back to the scan.
 //!
-//! Each change replaces the triangles of a disk by others, and records both in a common plane. Read
-//! backwards, the records lead a point of the coarse triangulation to its place on the scan (Lee et
+//! Each change replaces the triangles of a disk by others, and a step keeps both in a common plane. Read
+//! backwards, the steps lead a point of the coarse triangulation to its place on the scan (Lee et
 //! al., "MAPS: multiresolution adaptive parameterization of surfaces", 1998).
 
 use crate::geometry::{NONE, Point, Uv, Vector, VertexId, orient2d};
@@ -14,11 +14,11 @@ pub(super) struct TrianglePlace {
     pub weights: [f64; 3],
 }
 
-/// A triangle in the plane of a record.
+/// A triangle in the plane of a step.
 pub(super) type Flat = (u32, [Uv; 3]);
 
 /// A disk before and after a change.
-struct Record {
+struct MapStep {
     old: Vec<Flat>,
     new: Vec<Flat>,
 }
@@ -30,9 +30,9 @@ pub(super) struct Base<'a> {
     pub triangles: Vec<[u32; 3]>,
     /// Whether each triangle still exists.
     pub alive: Vec<bool>,
-    /// The record that made each triangle.
+    /// The step that made each triangle.
     made_by: Vec<u32>,
-    records: Vec<Record>,
+    steps: Vec<MapStep>,
     /// The triangles around each vertex, in no order. There are none around a removed vertex.
     pub around: Vec<Vec<u32>>,
     /// The removed vertices of the scan in each triangle.
@@ -52,7 +52,7 @@ impl<'a> Base<'a> {
             triangles,
             alive: vec![true; count],
             made_by: vec![NONE; count],
-            records: Vec::new(),
+            steps: Vec::new(),
             around,
             members: vec![Vec::new(); count],
         }
@@ -134,34 +134,36 @@ impl<'a> Base<'a> {
                 self.around[v as usize].retain(|&other| other as usize != t);
             }
         }
-        let record = self.records.len() as u32;
+        let step = self.steps.len() as u32;
         for ((flat, &corners), members) in new.iter_mut().zip(corners).zip(members) {
             let t = self.triangles.len() as u32;
             flat.0 = t;
             self.triangles.push(corners);
             self.alive.push(true);
-            self.made_by.push(record);
+            self.made_by.push(step);
             self.members.push(members);
             corners.iter().for_each(|&v| self.around[v as usize].push(t));
         }
-        self.records.push(Record { old, new });
+        self.steps.push(MapStep { old, new });
     }
 
     /// The place on the scan of a place on the triangulation.
     pub fn on_scan(&self, mut place: TrianglePlace) -> TrianglePlace {
-        while let Some(record) = self.records.get(self.made_by[place.triangle as usize] as usize) {
-            let Some((_, corners)) = record.new.iter().find(|(t, _)| *t == place.triangle) else {
+        while let Some(step) = self.steps.get(self.made_by[place.triangle as usize] as usize) {
+            let Some((_, corners)) = step.new.iter().find(|(t, _)| *t == place.triangle) else {
                 break;
             };
-            let (k, weights) = located(&record.old, combined(corners, &place.weights));
-            place = TrianglePlace { triangle: record.old[k].0, weights };
+            let (k, weights) = located(&step.old, combined(corners, &place.weights));
+            place = TrianglePlace { triangle: step.old[k].0, weights };
         }
         place
     }
 }
 
 pub(super) fn combined(corners: &[Uv; 3], weights: &[f64; 3]) -> Uv {
-    Uv::from(corners.iter().zip(weights).map(|(c, w)| c.coords * *w).sum::<nalgebra::Vector2<f64>>())
+    Uv::from(
+        corners.iter().zip(weights).map(|(c, w)| c.coords * *w).sum::<nalgebra::Vector2<f64>>(),
+    )
 }
 
 /// The triangle that contains a point, or is nearest to it, and the weights of its corners.

@@ -34,13 +34,13 @@ const FEW_MEMBERS: usize = 12;
 
 /// Collapses edges as long as the normals of the scan in each triangle are within an angle whose
 /// cosine is `spread` of their mean.
-pub(super) fn coarsen(base: &mut Base, normals: &[Vector], quadrics: &[Quadric], spread: f64) {
+pub(super) fn coarsen(base: &mut Base, normals: &[Vector], quadrics: &[ErrorQuadric], spread: f64) {
     let mut queue = BinaryHeap::new();
     let mut versions = vec![0u32; base.around.len()];
     for v in 0..base.around.len() as u32 {
         push(base, quadrics, &mut queue, v, 0);
     }
-    while let Some(Candidate { vertex: v, version, .. }) = queue.pop() {
+    while let Some(CollapseCandidate { vertex: v, version, .. }) = queue.pop() {
         if versions[v as usize] != version || base.valence(v) == 0 {
             continue;
         }
@@ -48,7 +48,8 @@ pub(super) fn coarsen(base: &mut Base, normals: &[Vector], quadrics: &[Quadric],
         let mut targets: Vec<(f64, usize)> =
             (0..ring.len()).map(|k| (cost(base, quadrics, v, ring[k].0), k)).collect();
         targets.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let change = targets.iter().find_map(|&(_, k)| collapse(base, normals, spread, v, &ring, k));
+        let change =
+            targets.iter().find_map(|&(_, k)| collapse(base, normals, spread, v, &ring, k));
         let Some(change) = change else { continue };
         base.replace(change.old, change.new, &change.corners, change.members);
         for &(w, _) in &ring {
@@ -59,37 +60,37 @@ pub(super) fn coarsen(base: &mut Base, normals: &[Vector], quadrics: &[Quadric],
 }
 
 /// A vertex that may be removed.
-struct Candidate {
+struct CollapseCandidate {
     cost: f64,
     vertex: u32,
     version: u32,
 }
 
-impl Ord for Candidate {
+impl Ord for CollapseCandidate {
     // The heap returns the largest element first.
     fn cmp(&self, other: &Self) -> Ordering {
         other.cost.total_cmp(&self.cost).then(other.vertex.cmp(&self.vertex))
     }
 }
 
-impl PartialOrd for Candidate {
+impl PartialOrd for CollapseCandidate {
     fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
         Some(self.cmp(other))
     }
 }
 
-impl PartialEq for Candidate {
+impl PartialEq for CollapseCandidate {
     fn eq(&self, other: &Self) -> bool {
         self.cmp(other) == Ordering::Equal
     }
 }
 
-impl Eq for Candidate {}
+impl Eq for CollapseCandidate {}
 
 fn push(
     base: &Base,
-    quadrics: &[Quadric],
-    queue: &mut BinaryHeap<Candidate>,
+    quadrics: &[ErrorQuadric],
+    queue: &mut BinaryHeap<CollapseCandidate>,
     v: u32,
     version: u32,
 ) {
@@ -97,22 +98,22 @@ fn push(
     let others = around.flat_map(|&t| base.triangles[t as usize]).filter(|&w| w != v);
     let least = others.map(|w| cost(base, quadrics, v, w)).fold(f64::INFINITY, f64::min);
     if least.is_finite() {
-        queue.push(Candidate { cost: least, vertex: v, version });
+        queue.push(CollapseCandidate { cost: least, vertex: v, version });
     }
 }
 
 /// The squared distances from planes, weighted by areas (Garland, Heckbert, "Surface simplification
 /// using quadric error metrics", 1997).
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Quadric {
+pub(super) struct ErrorQuadric {
     matrix: Matrix4<f64>,
     area: f64,
 }
 
 /// The quadrics of the triangles around every vertex.
-pub(super) fn quadrics(base: &Base) -> Vec<Quadric> {
+pub(super) fn quadrics(base: &Base) -> Vec<ErrorQuadric> {
     let of = |around: &Vec<u32>| {
-        let mut sum = Quadric { matrix: Matrix4::zeros(), area: 0.0 };
+        let mut sum = ErrorQuadric { matrix: Matrix4::zeros(), area: 0.0 };
         for &t in around {
             let corners = base.triangles[t as usize];
             let normal = base.area_vector(corners);
@@ -127,7 +128,7 @@ pub(super) fn quadrics(base: &Base) -> Vec<Quadric> {
     base.around.iter().map(of).collect()
 }
 
-fn cost(base: &Base, quadrics: &[Quadric], v: u32, target: u32) -> f64 {
+fn cost(base: &Base, quadrics: &[ErrorQuadric], v: u32, target: u32) -> f64 {
     let q = &quadrics[v as usize];
     let at = base.point(target).coords.push(1.0);
     let distance = at.dot(&(q.matrix * at)) / q.area.max(f64::MIN_POSITIVE);
@@ -171,13 +172,15 @@ fn collapse(
     let flat_of = |w: u32| ring.iter().position(|r| r.0 == w).map_or(Uv::origin(), |i| flat[i]);
     let old: Vec<Flat> =
         ring.iter().map(|&(_, t)| (t, base.triangles[t as usize].map(flat_of))).collect();
-    let new: Vec<Flat> =
-        (1..m - 1).map(|i| (0, [place(0), place(i), place(i + 1)])).collect();
+    let new: Vec<Flat> = (1..m - 1).map(|i| (0, [place(0), place(i), place(i + 1)])).collect();
     let corners: Vec<[u32; 3]> = (1..m - 1).map(|i| [u, at(i), at(i + 1)]).collect();
     is_shaped(base, &old, &new, &corners).then_some(())?;
     let members = base.moved_members(&old, &new, Some(v));
     let faces = corners.iter().zip(&members);
-    faces.into_iter().all(|(t, members)| faces_scan(base, normals, spread, *t, members)).then_some(())?;
+    faces
+        .into_iter()
+        .all(|(t, members)| faces_scan(base, normals, spread, *t, members))
+        .then_some(())?;
     Some(Change { old, new, corners, members })
 }
 
@@ -254,7 +257,8 @@ pub(super) fn flip(base: &mut Base, normals: &[Vector], spread: f64) -> usize {
     let mut t = 0;
     while t < base.triangles.len() {
         for k in 0..3 {
-            if base.alive[t] && flip_gain(base, t, k) > 0 && flip_side(base, normals, spread, t, k) {
+            if base.alive[t] && flip_gain(base, t, k) > 0 && flip_side(base, normals, spread, t, k)
+            {
                 count += 1;
             }
         }
@@ -267,9 +271,10 @@ pub(super) fn flip(base: &mut Base, normals: &[Vector], spread: f64) -> usize {
 pub(super) fn across(base: &Base, t: usize, k: usize) -> Option<(u32, u32)> {
     let corners = base.triangles[t];
     let (a, b) = (corners[k], corners[(k + 1) % 3]);
-    let other = base.around[a as usize].iter().copied().find(|&o| {
-        o as usize != t && base.triangles[o as usize].contains(&b)
-    })?;
+    let other = base.around[a as usize]
+        .iter()
+        .copied()
+        .find(|&o| o as usize != t && base.triangles[o as usize].contains(&b))?;
     let apex = base.triangles[other as usize].into_iter().find(|&w| w != a && w != b)?;
     Some((other, apex))
 }

@@ -49,9 +49,8 @@ pub(super) fn grid(base: &Base, pairs: &Pairs, n: usize) -> (QuadMesh, Vec<Trian
         }
         let at = |i: usize, j: usize| vertices[(n + 1) * j + i];
         let quads = (0..n * n).map(|k| (k % n, k / n));
-        mesh.quads.extend(
-            quads.map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]),
-        );
+        mesh.quads
+            .extend(quads.map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]));
     }
     (mesh, places)
 }

@@ -173,7 +173,9 @@ mod tests {
             (0..n / 2).for_each(|k| join(name(k), name(k + n / 2)));
             let mut mate = vec![NONE; n];
             extend(&neighbours, &mut mate);
-            assert!(mate.iter().enumerate().all(|(v, &w)| w != NONE && mate[w as usize] == v as u32));
+            assert!(
+                mate.iter().enumerate().all(|(v, &w)| w != NONE && mate[w as usize] == v as u32)
+            );
         }
     }
 }

@@ -110,7 +110,11 @@ pub fn layout_with(
         return Err(Error::Input(fault));
     }
     let mut irregular = BTreeMap::new();
-    quads.valences().into_iter().filter(|&n| n != 4).for_each(|n| *irregular.entry(n).or_default() += 1);
+    quads
+        .valences()
+        .into_iter()
+        .filter(|&n| n != 4)
+        .for_each(|n| *irregular.entry(n).or_default() += 1);
     let bad = bad.into_iter().map(|q| quads.points[quads.quads[q][0].index()]).collect();
     let report = Report { blocks: quads.blocks(), irregular, bad };
     Ok((quads, report))
@@ -185,4 +189,81 @@ fn smoothed_normals(mesh: &Mesh) -> Vec<Vector> {
         normals = (0..normals.len()).map(mean).collect();
     }
     normals
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::geometry::VertexId;
+
+    /// A torus of `n` × `m` squares, each divided into two triangles.
+    fn torus(n: usize, m: usize) -> Mesh {
+        let at = |k: usize| {
+            let [u, v] = [(k / m, n), (k % m, m)]
+                .map(|(i, count)| std::f64::consts::TAU * i as f64 / count as f64);
+            let reach = 40.0 + 15.0 * v.cos();
+            Point::new(reach * u.cos(), reach * u.sin(), 15.0 * v.sin())
+        };
+        let name = |i: usize, j: usize| VertexId::from((i % n) * m + j % m);
+        let triangles = (0..n * m).map(|k| (k / m, k % m)).flat_map(|(i, j)| {
+            let [a, b] = [name(i, j), name(i + 1, j)];
+            let [c, d] = [name(i + 1, j + 1), name(i, j + 1)];
+            [[a, b, c], [a, c, d]]
+        });
+        Mesh { points: (0..n * m).map(at).collect(), triangles: triangles.collect() }
+    }
+
+    #[test]
+    fn a_torus_gets_good_quads_and_keeps_its_handle() {
+        let (quads, report) = layout(&torus(90, 40), &Options::default()).unwrap();
+        assert_eq!((quads.fault(), quads.euler()), (None, 0));
+        assert!(report.bad.is_empty(), "{report:?}");
+        assert!((4..60).contains(&report.blocks), "{report:?}");
+        let excess = |(&n, &count): (&usize, &usize)| (4 - n as i64) * count as i64;
+        assert_eq!(report.irregular.iter().map(excess).sum::<i64>(), 0);
+        let off = |p: &Point| (p.x.hypot(p.y) - 40.0).hypot(p.z) - 15.0;
+        assert!(quads.points.iter().all(|p| off(p).abs() < 0.1));
+        let inward = quads.points.iter().zip(&quads.normals).filter(|(p, n)| {
+            let middle = p.coords.xy().normalize() * 40.0;
+            n.dot(&(p.coords - Vector::new(middle.x, middle.y, 0.0))) < 0.0
+        });
+        assert_eq!(inward.count(), 0);
+    }
+
+    #[test]
+    fn narrower_spreads_give_more_blocks() {
+        let mesh = torus(90, 40);
+        let blocks = |spread: f64| layout(&mesh, &Options { spread }).unwrap().1.blocks;
+        assert!(blocks(35.0) > blocks(65.0));
+    }
+
+    #[test]
+    fn the_map_leads_back_to_the_scan() {
+        let mesh = torus(40, 24);
+        let mut base = Base::new(&mesh);
+        let quadrics = coarsen::quadrics(&base);
+        let normals = smoothed_normals(&mesh);
+        coarsen::coarsen(&mut base, &normals, &quadrics, 0.4);
+        let mut members = 0;
+        for t in (0..base.triangles.len()).filter(|&t| base.alive[t]) {
+            for &(v, weights) in &base.members[t] {
+                let place = base.on_scan(TrianglePlace { triangle: t as u32, weights });
+                let corners = mesh.corners(mesh.triangles[place.triangle as usize]);
+                let terms = corners.iter().zip(place.weights).map(|(c, w)| c.coords * w);
+                let off = terms.sum::<Vector>() - mesh.point(VertexId(v)).coords;
+                assert!(off.norm() < 1e-6, "vertex {v} is {} off", off.norm());
+                members += 1;
+            }
+        }
+        let kept = base.around.iter().filter(|around| !around.is_empty()).count();
+        assert_eq!(members + kept, mesh.points.len(), "every vertex is in one triangle");
+        assert!(kept < 60, "{kept}");
+    }
+
+    #[test]
+    fn an_open_mesh_is_refused() {
+        let mut mesh = torus(12, 8);
+        mesh.triangles.pop();
+        assert!(matches!(layout(&mesh, &Options::default()), Err(Error::Input(_))));
+    }
 }

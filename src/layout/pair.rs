@@ -51,11 +51,13 @@ impl Pairs {
         for &t in &triangles {
             let beside: Vec<(u32, u32)> =
                 (0..3).map(|k| across(base, t as usize, k)).collect::<Option<_>>()?;
-            neighbours.push(beside.iter().map(|b| number.get(&b.0).copied()).collect::<Option<_>>()?);
+            neighbours
+                .push(beside.iter().map(|b| number.get(&b.0).copied()).collect::<Option<_>>()?);
             let shape = |k: usize| shape(base, base.triangles[t as usize], k, beside[k].1);
             shapes.push([0, 1, 2].map(shape));
         }
-        let corners: Vec<[u32; 3]> = triangles.iter().map(|&t| base.triangles[t as usize]).collect();
+        let corners: Vec<[u32; 3]> =
+            triangles.iter().map(|&t| base.triangles[t as usize]).collect();
         let valence = base.around.iter().map(|around| around.len() as i64).collect();
         let mate = vec![NONE; triangles.len()];
         let mut pairs = Pairs { triangles, neighbours, shapes, corners, mate, valence };
@@ -145,8 +147,7 @@ impl Pairs {
             (0..n / 2).map(|i| (cycle[(2 * i + from) % n], cycle[(2 * i + 1 + from) % n])).collect()
         };
         let (old, new) = (pairs(0), pairs(1));
-        let mut touched: Vec<u32> =
-            cycle.iter().flat_map(|&t| self.corners[t as usize]).collect();
+        let mut touched: Vec<u32> = cycle.iter().flat_map(|&t| self.corners[t as usize]).collect();
         touched.sort_unstable();
         touched.dedup();
         let before = self.cost(&old, &touched);

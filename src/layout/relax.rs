@@ -72,7 +72,9 @@ impl<'a> Relaxed<'a> {
         let area = self.mean_area(v).max(f64::MIN_POSITIVE);
         let (x, y) = plane_axes(self.normals[v]);
         let h = DIFFERENCE * area.sqrt();
-        let at = |i: f64, j: f64| self.energy(v, self.points[v] + h * (i * x + j * y), self.normals[v], area, barrier);
+        let at = |i: f64, j: f64| {
+            self.energy(v, self.points[v] + h * (i * x + j * y), self.normals[v], area, barrier)
+        };
         let here = at(0.0, 0.0);
         let [east, west, north, south, corner] =
             [at(1.0, 0.0), at(-1.0, 0.0), at(0.0, 1.0), at(0.0, -1.0), at(1.0, 1.0)];

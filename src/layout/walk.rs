@@ -54,12 +54,13 @@ impl<'a> Ground<'a> {
             }
             let along = flat * (left.norm() / length);
             // The change of the weights by the whole step.
-            let change = [(c - b), (a - c), (b - a)].map(|side| normal.cross(&side).dot(&along) / area);
+            let change =
+                [(c - b), (a - c), (b - a)].map(|side| normal.cross(&side).dot(&along) / area);
             let mut share = 1.0;
             let mut side = None;
-            for k in 0..3 {
-                if change[k] < 0.0 && place.weights[k] + share * change[k] < 0.0 {
-                    share = place.weights[k] / -change[k];
+            for (k, (change, weight)) in change.into_iter().zip(place.weights).enumerate() {
+                if change < 0.0 && weight + share * change < 0.0 {
+                    share = weight / -change;
                     side = Some(k);
                 }
             }

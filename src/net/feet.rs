@@ -9,7 +9,7 @@ use crate::spline::subdivision::QuadPlace;
 
 /// The foot point of one point.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Foot {
+pub(super) struct QuadFoot {
     /// Its place.
     pub place: QuadPlace,
     /// The distance of the point from the surface there, in mm.
@@ -20,7 +20,7 @@ pub(super) struct Foot {
 /// its own.
 #[derive(Debug, Clone)]
 pub(super) struct Feet {
-    pub feet: Vec<Option<Foot>>,
+    pub feet: Vec<Option<QuadFoot>>,
 }
 
 /// The number of samples along a side of a quad from which the search for a foot point starts.
@@ -73,7 +73,7 @@ impl Feet {
     pub fn moved(&self, net: &Net, points: &[Point], normals: &[Vector]) -> Self {
         let control = net.control();
         let each = self.feet.par_iter().zip(points.par_iter().zip(normals));
-        type Item<'a> = (&'a Option<Foot>, (&'a Point, &'a Vector));
+        type Item<'a> = (&'a Option<QuadFoot>, (&'a Point, &'a Vector));
         let search = |scratch: &mut Vec<[f64; 3]>, (old, (p, n)): Item| {
             foot(net, &control, *p, *n, (*old)?.place, scratch)
         };
@@ -90,9 +90,9 @@ fn foot(
     normal: Vector,
     start: QuadPlace,
     scratch: &mut Vec<[f64; 3]>,
-) -> Option<Foot> {
+) -> Option<QuadFoot> {
     let mut place = start;
-    let mut best: Option<(Foot, f64)> = None;
+    let mut best: Option<(QuadFoot, f64)> = None;
     for _ in 0..STEPS {
         let [s, du, dv] = net.surface.jet(control, place, scratch);
         let r = p.coords - s;
@@ -102,7 +102,7 @@ fn foot(
         }
         let n = du.cross(&dv);
         let cosine = n.dot(&normal) / n.norm().max(f64::MIN_POSITIVE);
-        best = Some((Foot { place, distance }, cosine));
+        best = Some((QuadFoot { place, distance }, cosine));
         let (a, b, c) = (du.norm_squared(), du.dot(&dv), dv.norm_squared());
         let determinant = a * c - b * b;
         if determinant <= f64::MIN_POSITIVE {

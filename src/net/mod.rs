@@ -8,8 +8,8 @@
 //! Ma, Zhao, "A surface approximation by subdivision", 2004).
 
 mod feet;
+mod inverted;
 mod solve;
-mod turned;
 
 use rayon::prelude::*;
 
@@ -44,7 +44,7 @@ pub struct Report {
     /// The share of measured points whose distance exceeds the tolerance.
     pub beyond: f64,
     /// The number of quads on which the surface is turned over somewhere.
-    pub turned: usize,
+    pub inverted: usize,
     /// The number of measured points without a foot point whose normal agrees.
     pub without_foot: usize,
 }
@@ -77,8 +77,9 @@ const POINTS_OF_CONTROL: usize = 2;
 impl Net {
     /// Returns an error if the quads are not closed or not regular enough.
     fn new(mesh: QuadMesh) -> Result<Self> {
-        let surface = SubdivisionSurface::new(&mesh.quads)
-            .ok_or(Error::Input("a quad mesh is not closed or has quads with two irregular vertices"))?;
+        let surface = SubdivisionSurface::new(&mesh.quads).ok_or(Error::Input(
+            "a quad mesh is not closed or has quads with two irregular vertices",
+        ))?;
         Ok(Net { mesh, surface })
     }
 
@@ -158,7 +159,7 @@ fn fit_level(
     let mut fairing = vec![1.0; net.mesh.points.len()];
     for round in 0..ROUNDS + FIRMER_ROUNDS {
         progress(share(round.min(ROUNDS)))?;
-        if round >= ROUNDS && !turned::make_firmer(net, &mut fairing) {
+        if round >= ROUNDS && !inverted::make_firmer(net, &mut fairing) {
             break;
         }
         net.mesh.points = solve::control_points(net, scan, &feet, weight, &fairing, anchors)?;
@@ -182,7 +183,7 @@ impl Report {
             side: net.mesh.side,
             rms: (squares / distances.len().max(1) as f64).sqrt(),
             beyond: (beyond + without_foot) as f64 / all.len().max(1) as f64,
-            turned: turned::quads(net).len(),
+            inverted: inverted::quads(net).len(),
             without_foot,
         }
     }
@@ -198,10 +199,8 @@ fn refined(net: &Net) -> Result<Net> {
         let [a, b] = [net.mesh.quads[quad], net.mesh.quads[other]];
         let at = |v: crate::geometry::VertexId| control[v.index()];
         let ends = at(a[k]) + at(a[(k + 1) % 4]);
-        let beside = at(a[(k + 2) % 4])
-            + at(a[(k + 3) % 4])
-            + at(b[(side + 2) % 4])
-            + at(b[(side + 3) % 4]);
+        let beside =
+            at(a[(k + 2) % 4]) + at(a[(k + 3) % 4]) + at(b[(side + 2) % 4]) + at(b[(side + 3) % 4]);
         Point::from(0.375 * ends + 0.0625 * beside)
     });
     Net::new(mesh)

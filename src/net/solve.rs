@@ -121,11 +121,7 @@ fn quad_sums(
 }
 
 /// Adds the square of a row of the least-squares problem to the lower triangle.
-fn add_square(
-    row: &[(usize, f64)],
-    weight: f64,
-    entries: &mut Vec<Triplet<usize, usize, f64>>,
-) {
+fn add_square(row: &[(usize, f64)], weight: f64, entries: &mut Vec<Triplet<usize, usize, f64>>) {
     for &(a, x) in row {
         let lower = row.iter().filter(|&&(b, _)| a >= b);
         entries.extend(lower.map(|&(b, y)| Triplet::new(a, b, weight * x * y)));

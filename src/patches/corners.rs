@@ -7,7 +7,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Source;
+use super::PatchSource;
 use super::tracks::{Spoke, from_corner, limit_at};
 use crate::geometry::{Point, Uv, Vector};
 use crate::spline::subdivision::QuadPlace;
@@ -69,7 +69,7 @@ impl Corner {
 
     /// Whether the normals of the patch differ by more than a right angle from their mean on the quad
     /// at the corner.
-    fn is_turned(&self, patch: &Surface) -> bool {
+    fn is_inverted(&self, patch: &Surface) -> bool {
         let steps = SAMPLES + 1;
         let normals = (0..steps * steps).map(|k| {
             let at = Uv::new((k % steps) as f64, (k / steps) as f64) / SAMPLES as f64;
@@ -92,15 +92,14 @@ impl Corner {
     }
 }
 
-impl Source<'_> {
+impl PatchSource<'_> {
     /// Fits the control points at corner `k` of a block's patch, if there is an irregular vertex.
     pub(super) fn fit_corner(&self, block: usize, k: usize, patch: &mut Surface) {
         let quad = self.quad_at(block, k, 0);
         if self.surface.is_regular(quad) {
             return;
         }
-        let corner =
-            Corner { k, count: self.knots.functions(), end: self.mesh.side as f64 };
+        let corner = Corner { k, count: self.knots.functions(), end: self.mesh.side as f64 };
         let blends = self.blends(&corner, patch);
         let (other, side) = self.surface.across(quad, (k + 3) % 4);
         let spokes = [Spoke::new(self, quad, k), Spoke::new(self, other, side)];
@@ -118,7 +117,7 @@ impl Source<'_> {
                 }
                 self.solve(&corner, patch, &spokes, &samples, (&blends, weight));
             }
-            if !corner.is_turned(patch) {
+            if !corner.is_inverted(patch) {
                 return;
             }
         }

@@ -36,7 +36,7 @@ pub struct Report {
 const LEAST_SIDE: usize = 4;
 
 /// What the parts of this stage read.
-struct Source<'a> {
+struct PatchSource<'a> {
     mesh: &'a QuadMesh,
     surface: &'a SubdivisionSurface,
     control: &'a [Vector],
@@ -53,7 +53,7 @@ pub fn extract(mesh: &QuadMesh, surface: &SubdivisionSurface) -> Result<(Network
         return Err(Error::Input("the blocks of a quad mesh are too small for patches"));
     }
     let control: Vec<Vector> = mesh.points.iter().map(|p| p.coords).collect();
-    let source = Source { mesh, surface, control: &control, knots: knots(mesh.side) };
+    let source = PatchSource { mesh, surface, control: &control, knots: knots(mesh.side) };
     let mut corner_of = vec![usize::MAX; mesh.points.len()];
     let mut corners = Vec::new();
     for v in (0..mesh.blocks()).flat_map(|b| (0..4).map(move |k| mesh.corner(b, k))) {
@@ -65,7 +65,8 @@ pub fn extract(mesh: &QuadMesh, surface: &SubdivisionSurface) -> Result<(Network
     let (places, sides) = source.sides();
     let track = |&(block, k): &(usize, usize)| Track {
         curve: source.track(block, k),
-        ends: [mesh.corner(block, k), mesh.corner(block, (k + 1) % 4)].map(|v| corner_of[v.index()]),
+        ends: [mesh.corner(block, k), mesh.corner(block, (k + 1) % 4)]
+            .map(|v| corner_of[v.index()]),
     };
     let tracks: Vec<Track> = places.par_iter().map(track).collect();
     let surfaces = (0..mesh.blocks()).into_par_iter().map(|b| source.patch(b, sides[b], &tracks));
@@ -85,7 +86,7 @@ fn knots(n: usize) -> KnotVector {
     KnotVector::clamped(3, &breaks, 1)
 }
 
-impl Source<'_> {
+impl PatchSource<'_> {
     fn limit(&self, v: VertexId) -> Point {
         let (quad, k) = self.surface.corner(v);
         limit_point(&self.surface.ring(quad, k), self.control)

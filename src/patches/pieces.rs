@@ -1,6 +1,6 @@
 //! Control points of B-splines from the polynomial pieces of a regular part of the surface.
 
-use super::Source;
+use super::PatchSource;
 use crate::geometry::Vector;
 use crate::spline::KnotVector;
 
@@ -17,7 +17,7 @@ pub(super) struct Pieces {
 const ORDER: [usize; 16] = [5, 6, 10, 9, 8, 4, 0, 1, 2, 3, 7, 11, 15, 14, 13, 12];
 
 /// The uniform bicubic of a quad, or `None` if one of its vertices is irregular.
-pub(super) fn grid(source: &Source, quad: usize) -> Option<[Vector; 16]> {
+pub(super) fn grid(source: &PatchSource, quad: usize) -> Option<[Vector; 16]> {
     source.surface.is_regular(quad).then(|| {
         let mut grid = [Vector::zeros(); 16];
         for (&place, &v) in ORDER.iter().zip(source.surface.control(quad)) {
@@ -57,7 +57,7 @@ pub(super) fn arguments(knots: &KnotVector, i: usize, first: usize) -> [f64; 3] 
 }
 
 impl Pieces {
-    pub fn new(source: &Source, block: usize) -> Self {
+    pub fn new(source: &PatchSource, block: usize) -> Self {
         let side = source.mesh.side;
         let quads = side * side * block..side * side * (block + 1);
         Pieces { side, grids: quads.map(|quad| grid(source, quad)).collect() }

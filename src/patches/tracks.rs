@@ -6,7 +6,7 @@
 
 use nalgebra::Matrix3;
 
-use super::Source;
+use super::PatchSource;
 use super::pieces::{arguments, blossom, grid, spans};
 use crate::geometry::{Point, Uv, Vector};
 use crate::spline::subdivision::{QuadPlace, limit_point, limit_tangent};
@@ -40,7 +40,7 @@ pub(super) struct Spoke {
 
 impl Spoke {
     /// The spoke that leaves corner `k` of a quad along side `k`.
-    pub fn new(source: &Source, quad: usize, k: usize) -> Self {
+    pub fn new(source: &PatchSource, quad: usize, k: usize) -> Self {
         let ring = source.surface.ring(quad, k);
         let start = limit_point(&ring, source.control).coords;
         let mut samples = vec![(start, 0.0, corner_normal(source, quad, k))];
@@ -92,7 +92,7 @@ impl Spoke {
 }
 
 /// The limit normal at corner `k` of a quad.
-fn corner_normal(source: &Source, quad: usize, k: usize) -> Vector {
+fn corner_normal(source: &PatchSource, quad: usize, k: usize) -> Vector {
     let tangent = |k: usize, quad| limit_tangent(&source.surface.ring(quad, k), source.control);
     let (other, side) = source.surface.across(quad, (k + 3) % 4);
     // The second spoke leaves the corner along the previous side, which ends there.
@@ -109,13 +109,12 @@ pub(super) fn from_corner(k: usize, at: Uv) -> Uv {
     }
 }
 
-impl Source<'_> {
+impl PatchSource<'_> {
     /// The curve along side `k` of a block, counter-clockwise.
     pub(super) fn track(&self, block: usize, k: usize) -> Curve<3> {
         let count = self.knots.functions();
-        let mut control: Vec<Vector> = (0..count)
-            .map(|i| self.regular_control(block, k, i).unwrap_or_default())
-            .collect();
+        let mut control: Vec<Vector> =
+            (0..count).map(|i| self.regular_control(block, k, i).unwrap_or_default()).collect();
         let n = self.mesh.side;
         let first = self.quad_at(block, k, 0);
         // The last quad is entered from the other side of the track, where the end is the start.
@@ -158,10 +157,8 @@ impl Source<'_> {
         // The first two knots inside are 1/4 and 1/2.
         control[1] = control[0] + tangent * (start * 0.25 / 3.0);
         let arc = |t: f64| length * t + (length - speed) * t * (1.0 - t);
-        let mut places: Vec<(f64, f64)> = (1..COMPARED)
-            .map(|i| i as f64 / COMPARED as f64)
-            .map(|t| (t, arc(t)))
-            .collect();
+        let mut places: Vec<(f64, f64)> =
+            (1..COMPARED).map(|i| i as f64 / COMPARED as f64).map(|t| (t, arc(t))).collect();
         for _ in 0..=ROUNDS {
             control[2] = fitted(&self.knots, control, &spoke, &places);
             let curve = Curve::new(self.knots.clone(), control.to_vec());
@@ -174,12 +171,7 @@ impl Source<'_> {
 
 /// Control point 2 by least squares. `places` are parameters of the curve, each with the distance
 /// along the spoke that belongs to it.
-fn fitted(
-    knots: &KnotVector,
-    control: &[Vector],
-    spoke: &Spoke,
-    places: &[(f64, f64)],
-) -> Vector {
+fn fitted(knots: &KnotVector, control: &[Vector], spoke: &Spoke, places: &[(f64, f64)]) -> Vector {
     let mut matrix = Matrix3::zeros();
     let mut right = Vector::zeros();
     for &(t, s) in places {
@@ -187,10 +179,10 @@ fn fitted(
         let basis = knots.basis(t);
         let mut rest = [Vector::zeros(); 2];
         let mut own = [0.0; 2];
-        for i in basis.first..=basis.first + 3 {
+        for (k, point) in control[basis.first..=basis.first + 3].iter().enumerate() {
             for order in 0..2 {
-                let b = basis.derivative[order][i - basis.first];
-                if i == 2 { own[order] = b } else { rest[order] += b * control[i] }
+                let b = basis.derivative[order][k];
+                if basis.first + k == 2 { own[order] = b } else { rest[order] += b * point }
             }
         }
         matrix += own[0] * own[0] * Matrix3::identity();
@@ -203,6 +195,10 @@ fn fitted(
 }
 
 /// The point of the limit surface, for corners.
-pub(super) fn limit_at(source: &Source, place: QuadPlace, scratch: &mut Vec<[f64; 3]>) -> Point {
+pub(super) fn limit_at(
+    source: &PatchSource,
+    place: QuadPlace,
+    scratch: &mut Vec<[f64; 3]>,
+) -> Point {
     Point::from(source.surface.jet(source.control, place, scratch)[0])
 }

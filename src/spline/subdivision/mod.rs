@@ -51,10 +51,8 @@ impl SubdivisionSurface {
         for h in (0..4 * quads.len()).rev() {
             spokes[quads[h / 4][h % 4].index()] = h;
         }
-        let valence: Vec<usize> = spokes
-            .iter()
-            .map(|&h| if h == usize::MAX { 0 } else { edges.valence(h) })
-            .collect();
+        let valence: Vec<usize> =
+            spokes.iter().map(|&h| if h == usize::MAX { 0 } else { edges.valence(h) }).collect();
         let mut origins = Vec::with_capacity(quads.len());
         let mut starts = vec![0];
         let mut control = Vec::new();
@@ -209,8 +207,8 @@ mod tests {
                     })
                 };
                 for (a, b) in (0..n * n).map(|k| (k % n, k / n)) {
-                    let mut quad = [(a, b), (a + 1, b), (a + 1, b + 1), (a, b + 1)]
-                        .map(|(a, b)| at(a, b));
+                    let mut quad =
+                        [(a, b), (a + 1, b), (a + 1, b + 1), (a, b + 1)].map(|(a, b)| at(a, b));
                     if side == 0 {
                         quad.reverse();
                     }
@@ -242,7 +240,10 @@ mod tests {
                 assert!((here[0] - there[0]).norm() < 1e-12);
                 let [n, m] = [here, there].map(|jet| jet[1].cross(&jet[2]).normalize());
                 assert!((n - m).norm() < 1e-10, "{quad} {k} {t}");
-                assert!(n.dot(&(here[0] - Vector::repeat(1.5))) > 0.0, "the normal points outwards");
+                assert!(
+                    n.dot(&(here[0] - Vector::repeat(1.5))) > 0.0,
+                    "the normal points outwards"
+                );
             }
         }
     }

@@ -203,7 +203,8 @@ impl Rules {
             }
         };
         let (columns, rows) = (along(i), along(j));
-        let pairs = columns.iter().flat_map(|&(a, x)| rows.iter().map(move |&(b, y)| (a, b, x * y)));
+        let pairs =
+            columns.iter().flat_map(|&(a, x)| rows.iter().map(move |&(b, y)| (a, b, x * y)));
         pairs.map(|(a, b, weight)| (self.at(a, b), weight)).collect()
     }
 

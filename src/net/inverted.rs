@@ -16,7 +16,7 @@ const FIRMER: f64 = 8.0;
 /// The quads on which the normals of the surface differ by more than a right angle from their mean.
 pub(super) fn quads(net: &Net) -> Vec<usize> {
     let control = net.control();
-    let is_turned = |scratch: &mut Vec<[f64; 3]>, quad: usize| {
+    let is_inverted = |scratch: &mut Vec<[f64; 3]>, quad: usize| {
         let at = |i: usize| (i as f64 + 0.5) / SAMPLES as f64;
         let normals = (0..SAMPLES * SAMPLES).map(|k| {
             let at = Uv::new(at(k % SAMPLES), at(k / SAMPLES));
@@ -27,18 +27,18 @@ pub(super) fn quads(net: &Net) -> Vec<usize> {
         let mean: Vector = normals.iter().sum();
         normals.iter().any(|n| n.dot(&mean) <= 0.0).then_some(quad)
     };
-    let all = (0..net.mesh.quads.len()).into_par_iter().map_init(Vec::new, is_turned);
+    let all = (0..net.mesh.quads.len()).into_par_iter().map_init(Vec::new, is_inverted);
     all.flatten_iter().collect()
 }
 
 /// Makes fairing stronger at the vertices of quads that are turned over and at their neighbours.
 /// Returns whether there are any.
 pub(super) fn make_firmer(net: &Net, fairing: &mut [f64]) -> bool {
-    let turned = quads(net);
+    let inverted = quads(net);
     let mut near = vec![false; fairing.len()];
-    for &quad in &turned {
+    for &quad in &inverted {
         net.surface.control(quad).iter().for_each(|&v| near[v as usize] = true);
     }
     fairing.iter_mut().zip(near).filter(|(_, near)| *near).for_each(|(f, _)| *f *= FIRMER);
-    !turned.is_empty()
+    !inverted.is_empty()
 }
