@@ -133,6 +133,17 @@ pub enum Error {
     /// What a stage was given does not fit together.
     #[error("{0}")]
     Input(&'static str),
+    /// No layout of faces was found on a body.
+    #[error("no layout of faces was found: {0}")]
+    Layout(&'static str),
+    /// The faces of a solid turn over.
+    #[error("the faces of the solid turn over at {count} places, one near {}", mm(at))]
+    SolidFolds {
+        /// The number of places.
+        count: usize,
+        /// One of them.
+        at: Point,
+    },
     /// A trim loop crosses itself, another one or the edge of the patch.
     #[error("the trim loop of {of} {fault}, near {}", mm(at))]
     Trim {
@@ -306,7 +317,10 @@ impl Error {
                     *x *= factor;
                 }
             }
-            Error::Fill { at, .. } | Error::Folded { at, .. } | Error::Trim { at, .. } => {
+            Error::Fill { at, .. }
+            | Error::Folded { at, .. }
+            | Error::SolidFolds { at, .. }
+            | Error::Trim { at, .. } => {
                 *at *= factor;
             }
             _ => {}
@@ -364,7 +378,12 @@ impl Error {
                 0.2 * longest
             ),
             Error::Fill { .. } => "repair or remesh the scan around that hole".into(),
-            Error::Folded { .. } => "repair or remesh the scan around that place".into(),
+            Error::Folded { .. } | Error::SolidFolds { .. } => {
+                "repair or remesh the scan around that place".into()
+            }
+            Error::Layout(_) => {
+                "remesh the scan with even triangles, or cut it open and convert the pieces".into()
+            }
             Error::Singular(_) => "remesh the scan: it has degenerate triangles".into(),
             Error::Memory(_) => {
                 "name a larger `tolerance`, or a smaller `max_net`, or thin the scan".into()

@@ -13,7 +13,7 @@ mod surface;
 use formats::cad::{CadFace, CadModel};
 use rayon::prelude::*;
 
-use crate::deviation::{Deviation, TrimmedFace};
+use crate::deviation::{Deviation, TrimmedFace, nearest_of};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, uv_bounds};
 use crate::mesh::{Mesh, Triangles};
@@ -77,7 +77,7 @@ fn measure(model: &CadModel, scan: &Mesh, measured: &[Point]) -> Result<Report> 
     let each = faces.par_iter().map(|face| FaceSamples::of(face, spacing, MAX_SAMPLES));
     let samples: Vec<FaceSamples> = each.collect();
 
-    let to_faces = measured.par_iter().map(|&p| distance(&faces, p)).collect();
+    let to_faces = measured.par_iter().map(|&p| nearest_of(&faces, p)).collect();
     let triangles = Triangles::new(scan);
     let points: Vec<Point> = samples.iter().flat_map(|s| s.points.iter().copied()).collect();
     let to_scan = points.par_iter().map(|&p| triangles.nearest(p).0).collect();
@@ -133,15 +133,4 @@ fn spacing(scan: &Mesh) -> f64 {
     let area: f64 = scan.triangles.iter().map(|t| 0.5 * scan.area_vector(*t).norm()).sum();
     let count = (SAMPLES * scan.points.len() as f64).clamp(MIN_SAMPLES, MAX_SAMPLES);
     (area / count).sqrt().max(f64::MIN_POSITIVE)
-}
-
-/// The distance of `p` from the nearest face, in mm.
-fn distance(faces: &[TrimmedFace<Domain>], p: Point) -> f64 {
-    let mut order: Vec<(f64, &TrimmedFace<Domain>)> =
-        faces.iter().map(|f| (f.outside(p), f)).collect();
-    order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let nearer = |best: f64, (outside, face): (f64, &TrimmedFace<Domain>)| {
-        if outside < best { best.min(face.nearest(p, None).1) } else { best }
-    };
-    order.into_iter().fold(f64::INFINITY, nearer)
 }

@@ -4,7 +4,7 @@ use std::io::Write;
 use std::path::Path;
 use std::time::{Duration, SystemTime};
 
-use formats::{iges, step};
+use formats::{Brep, iges, step};
 use scan2step::Conversion;
 
 use super::Failure;
@@ -17,16 +17,24 @@ pub fn write(
     conversions: &[Conversion],
     colour: Option<[u8; 3]>,
 ) -> Result<Vec<Pending>, Failure> {
+    write_brep(args, &scan2step::joined(part_name(&args.piece.scan), conversions), colour)
+}
+
+/// Writes a model into every file that was asked for.
+pub fn write_brep(
+    args: &Convert,
+    brep: &Brep,
+    colour: Option<[u8; 3]>,
+) -> Result<Vec<Pending>, Failure> {
     let stamp = time_stamp()?;
     let step_options = step::Options { colour, ..step_options(args, &stamp) };
-    let brep = scan2step::joined(part_name(&args.piece.scan), conversions);
     let mut files = Vec::new();
     for CadFile { path, kind } in &args.out {
         let content = |out: &mut dyn Write| match kind {
-            CadKind::Step => step::write(&brep, &step_options, out),
+            CadKind::Step => step::write(brep, &step_options, out),
             CadKind::Iges => {
                 let options = iges::Options { colour, ..iges_options(args, &stamp, path) };
-                iges::write(&brep, &options, out)
+                iges::write(brep, &options, out)
             }
         };
         files.push(output::write(path, content)?);

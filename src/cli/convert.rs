@@ -12,7 +12,7 @@ use super::output::{self, Pending};
 use super::progress::{self, ProgressDisplay, StageTime};
 use super::report;
 use super::stages::Stages;
-use super::{Failure, Outcome, cad, messages, settings};
+use super::{Failure, Outcome, cad, messages, settings, solid};
 
 /// Reads a scan, converts it and writes all files.
 pub fn run(args: &Convert) -> Result<Outcome, Failure> {
@@ -31,6 +31,11 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     messages::cloud(&progress, &scan);
     let repaired = components.repairs().clone();
     repaired.iter().for_each(|repair| messages::repaired(&progress, repair));
+    let bodies = solid::bodies(args, &components, &options, &progress)?;
+    if !bodies.is_empty() {
+        let of_scan = (&scan, &components);
+        return solid::run(args, of_scan, (&named, &options), &bodies, progress, stages);
+    }
     let mut run = Run { args, progress, stages, views: Vec::new(), given: Vec::new() };
     let conversions = run.convert(&components, &options)?;
     drop(components);
@@ -81,13 +86,13 @@ fn mesh(
 }
 
 /// A stage for the report.
-fn stage(time: &StageTime) -> StageFigures {
+pub fn stage(time: &StageTime) -> StageFigures {
     let &StageTime { name, seconds, peak_rss_mb } = time;
     StageFigures { name: name.into(), seconds, peak_rss_mb }
 }
 
 /// A CAD file for the report.
-fn output(path: &Path, file: &Pending) -> OutputFile {
+pub fn output(path: &Path, file: &Pending) -> OutputFile {
     OutputFile { file: path.display().to_string(), bytes: file.bytes, sha256: file.sha256.clone() }
 }
 
@@ -170,7 +175,7 @@ impl Run<'_> {
 }
 
 /// The components to convert.
-fn chosen(
+pub fn chosen(
     args: &Convert,
     scan: &Components,
     outer: Outer,

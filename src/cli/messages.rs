@@ -31,6 +31,10 @@ pub fn made(stage: &Stage) -> String {
             let [m, n] = surface.shape();
             format!("{m} × {n} control points")
         }
+        Stage::Layout(quads) => {
+            format!("{} with {} quads each", plural(quads.blocks(), "block"), quads.side.pow(2))
+        }
+        Stage::Network(network) => plural(network.surfaces.len(), "face"),
         Stage::Trim(_, loops) => plural(loops.len(), "trim loop"),
         _ => String::new(),
     }

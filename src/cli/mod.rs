@@ -14,6 +14,7 @@ mod places;
 mod progress;
 mod report;
 mod settings;
+mod solid;
 mod spelling;
 mod stages;
 mod streams;

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 use scan2step::geometry::{Uv, VertexId};
-use scan2step::mesh::{Bound, FaceOrigin, Mesh, Patch, RawPoints};
+use scan2step::mesh::{Bound, FaceOrigin, Mesh, Patch, QuadMesh, RawPoints};
 use scan2step::spline::{KnotVector, Surface};
 use scan2step::{Stage, trim::TrimLoop};
 use serde_json::json;
@@ -44,6 +44,7 @@ impl Stages {
             Stage::Parameterize(map, _) => {
                 self.put("4-parameterized.ply", |out| patch(out, &map.patch, Some(&map.uv)))
             }
+            Stage::Layout(mesh) => self.put("4-layout.ply", |out| quads(out, mesh)),
             Stage::Trim(face, loops) => self.put("5-surface.json", |out| surface(out, face, loops)),
             _ => Ok(()),
         }
@@ -101,6 +102,18 @@ fn mesh(out: &mut dyn Write, mesh: &Mesh) -> io::Result<()> {
     header(out, (mesh.points.len(), &[]), (mesh.triangles.len(), &[]))?;
     mesh.points.iter().try_for_each(|p| doubles(out, p.coords.as_slice()))?;
     mesh.triangles.iter().try_for_each(|t| triangle(out, t))
+}
+
+/// A quad mesh, with the block of each quad.
+fn quads(out: &mut dyn Write, mesh: &QuadMesh) -> io::Result<()> {
+    header(out, (mesh.points.len(), &[]), (mesh.quads.len(), &["int patch"]))?;
+    mesh.points.iter().try_for_each(|p| doubles(out, p.coords.as_slice()))?;
+    for (number, quad) in mesh.quads.iter().enumerate() {
+        out.write_all(&[4])?;
+        quad.iter().try_for_each(|v| out.write_all(&(v.0 as i32).to_le_bytes()))?;
+        out.write_all(&((number / mesh.side.pow(2)) as i32).to_le_bytes())?;
+    }
+    Ok(())
 }
 
 fn patch(out: &mut dyn Write, patch: &Patch, uv: Option<&[Uv]>) -> io::Result<()> {

@@ -80,6 +80,14 @@ pub(crate) fn disk(scan: &Components, options: &Options) -> Result<(Disk, InputR
     Ok((disk, input))
 }
 
+/// Mesh → body, in the lengths of the mesh.
+pub(crate) fn body(scan: &Components, options: &Options) -> Result<(Disk, InputReport)> {
+    let chosen = scan.take(options.component)?;
+    let mut input = InputReport::new(scan, &chosen);
+    let body = chosen.into_own_body(&mut input.repairs)?;
+    Ok((body, input))
+}
+
 /// Components of a scan as they were measured. Lengths are mm.
 #[derive(Debug, Clone)]
 #[non_exhaustive]

@@ -32,6 +32,7 @@ impl<'a> Shown<'a> {
                 watch(Stage::Parameterize(&map.clone().scaled(mm), crushed))
             }
             Stage::Fit(surface) => watch(Stage::Fit(&surface.clone().scaled(mm))),
+            Stage::Layout(quads) => watch(Stage::Layout(&quads.clone().scaled(mm))),
             stage => watch(stage),
         };
         self.stopped |= answer.is_err();

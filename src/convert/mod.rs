@@ -1,6 +1,5 @@
-//! The ways from a scan to CAD: each calls stages in its order, and is a file of its own. So
-//! far there is one, `face.rs`: a component of a scan becomes one face, with others for the
-//! islands in its holes.
+//! The ways from a scan to CAD. Each calls stages in its order, and has a file of its own: a sheet
+//! becomes one face (`face.rs`), and a body becomes a solid (`solid.rs`).
 
 mod cloud;
 mod components;
@@ -15,6 +14,7 @@ mod lengths;
 mod memory;
 mod options;
 mod places;
+mod solid;
 mod stage;
 
 pub use cloud::{cloud_components, convert_cloud};
@@ -26,6 +26,7 @@ pub use input::{InputReport, Inspection, Measured, inspect, measured};
 pub use memory::Memory;
 pub use options::{Builder, Options};
 pub use places::ScanPlace;
+pub use solid::{Seams, Shape, Solid, convert_solid, shape};
 pub use stage::{Observer, Stage};
 
 use formats::Soup;

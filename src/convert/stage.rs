@@ -1,8 +1,8 @@
 //! What is told of a conversion while it goes on.
 
-use crate::mesh::{Disk, Patch};
+use crate::mesh::{Disk, Patch, QuadMesh};
 use crate::parameterize::{CompressedRegion, Parameterized};
-use crate::spline::Surface;
+use crate::spline::{Network, Surface};
 use crate::{Conversion, Result, cloud, trim};
 
 /// A stage that has just ended, with what it made, or one that goes on.
@@ -25,6 +25,10 @@ pub enum Stage<'a> {
     /// The loops: the outer one unless it is on the surface's sides, those of the
     /// holes and of the islands in them.
     Trim(&'a Surface, &'a [trim::TrimLoop]),
+    /// The quads on a body, one block for each face.
+    Layout(&'a QuadMesh),
+    /// The faces of a body.
+    Network(&'a Network),
     /// The boundary representation.
     Brep,
     /// The deviation.
@@ -52,6 +56,8 @@ impl Stage<'_> {
             Stage::Parameterize(..) => "parameterize",
             Stage::Fit(_) => "fit",
             Stage::Trim(..) => "trim",
+            Stage::Layout(_) => "layout",
+            Stage::Network(_) => "network",
             Stage::Brep => "brep",
             Stage::Deviation => "deviation",
             Stage::Done(_) => "done",

@@ -4,11 +4,14 @@
 
 mod face;
 mod face_to_scan;
+mod network;
 mod slab_polygon;
 
 pub use face::TrimmedFace;
 pub use face_to_scan::FaceToScan;
 pub(crate) use face_to_scan::{MissedTriangle, SurfaceOverMesh, middles, narrowest, spanned};
+pub(crate) use network::nearest_of;
+pub use network::{NetworkToScan, network_to_scan, of_network};
 
 use crate::geometry::Point;
 use rayon::prelude::*;

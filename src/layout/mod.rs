@@ -53,6 +53,14 @@ pub struct Report {
     pub bad: Vec<Point>,
 }
 
+impl Report {
+    /// The report with all lengths multiplied by a factor.
+    pub(crate) fn scaled(mut self, factor: f64) -> Self {
+        self.bad.iter_mut().for_each(|p| *p *= factor);
+        self
+    }
+}
+
 /// The number of quads along a side of a block. With half as many the fit starts too coarse for
 /// narrow parts, and with twice as many relaxation takes four times as long.
 const SIDE: usize = 8;
@@ -75,7 +83,7 @@ const LOCAL: usize = 6;
 /// Lays out a closed mesh.
 ///
 /// # Errors
-/// [`Error::Input`] if the mesh is not closed or not one component.
+/// [`Error::Layout`] if the mesh is not closed, or has too few triangles.
 pub fn layout(mesh: &Mesh, options: &Options) -> Result<(QuadMesh, Report)> {
     layout_with(mesh, options, &mut progress::ignore)
 }
@@ -107,7 +115,7 @@ pub fn layout_with(
     quads.points = places.iter().map(|place| ground.point(place)).collect();
     quads.normals = places.iter().map(|place| ground.normal(place)).collect();
     if let Some(fault) = quads.fault() {
-        return Err(Error::Input(fault));
+        return Err(Error::Layout(fault));
     }
     let mut irregular = BTreeMap::new();
     quads
@@ -123,7 +131,7 @@ pub fn layout_with(
 /// Joins the triangles of the base in pairs. Where a vertex keeps fewer than three quads, an edge of
 /// its link is flipped or split, so that it has a triangle more.
 fn paired(base: &mut Base, normals: &[Vector]) -> Result<Pairs> {
-    let unpaired = || Error::Input("the triangles of a closed mesh cannot be joined in pairs");
+    let unpaired = || Error::Layout("its triangles cannot be joined in pairs");
     let mut pairs = Pairs::new(base).ok_or_else(unpaired)?;
     for _ in 0..FLIPS {
         let few = (0..pairs.valence.len()).filter(|&v| (1..3).contains(&pairs.valence[v]));
@@ -264,6 +272,6 @@ mod tests {
     fn an_open_mesh_is_refused() {
         let mut mesh = torus(12, 8);
         mesh.triangles.pop();
-        assert!(matches!(layout(&mesh, &Options::default()), Err(Error::Input(_))));
+        assert!(matches!(layout(&mesh, &Options::default()), Err(Error::Layout(_))));
     }
 }

@@ -62,7 +62,7 @@ const DUST: (usize, f64) = (64, 0.01);
 /// One component, extracted from the mesh.
 #[derive(Debug)]
 pub struct Component {
-    build: Build,
+    pub(super) build: Build,
     /// The topology of the component.
     pub topology: Topology,
     /// The number of triangles in all other components.
@@ -320,7 +320,7 @@ fn pieces(build: &Build) -> Vec<Vec<usize>> {
 
 /// Removes the smaller fans at every place with several fans, and all fans at places that another
 /// piece has taken. Returns whether anything was removed; the caller repeats it until nothing is.
-fn trim_bow_ties(build: &mut Build, taken: &HashSet<u32>) -> bool {
+pub(super) fn trim_bow_ties(build: &mut Build, taken: &HashSet<u32>) -> bool {
     if taken.is_empty() && build.place.is_sorted_by(|a, b| a < b) {
         // Every place has a single fan.
         return false;

@@ -21,12 +21,13 @@ pub enum Outer {
 }
 
 /// An oriented mesh of genus 0 with at least one boundary loop, together with the islands in its
-/// holes. An island is a piece of genus 0 as well.
+/// holes. An island is a piece of genus 0 as well. A body of any genus, which may be closed, has no
+/// outer boundary.
 #[derive(Debug, Clone)]
 pub struct Disk {
     /// The triangles and points: those of the disk first, then those of each island.
     pub mesh: Mesh,
-    /// The outer boundary loop; the surface lies to its left.
+    /// The outer boundary loop; the surface lies to its left. It is empty for a body.
     pub outer: Loop,
     /// The rims of the holes; the surface lies to their left. The holes of the disk come first,
     /// then those of each island. Within a piece they are ordered by their lowest vertices.
@@ -68,7 +69,8 @@ impl Disk {
     /// All boundary loops: the outer one, the rims of the holes, and those of the islands.
     pub fn loops(&self) -> impl Iterator<Item = &Loop> {
         let islands = self.islands.iter().map(|island| &island.rim);
-        std::iter::once(&self.outer).chain(&self.holes).chain(islands)
+        let outer = std::iter::once(&self.outer).filter(|ring| !ring.is_empty());
+        outer.chain(&self.holes).chain(islands)
     }
 
     /// Puts another disk into a hole of this disk or of one of its islands.

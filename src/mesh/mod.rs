@@ -6,6 +6,7 @@
 //! loops ([`boundary`]), neighbours in space ([`Neighbours`]) and moving least squares ([`mls`]).
 
 mod adjacency;
+mod body;
 pub mod boundary;
 mod build;
 mod caps;

@@ -28,7 +28,7 @@ pub struct Patch {
     pub measured: usize,
     /// The origin of each triangle.
     pub origin: Vec<FaceOrigin>,
-    /// The boundary of the mesh; the surface lies to its left.
+    /// The boundary of the mesh; the surface lies to its left. It is empty for a body.
     pub outer: Loop,
     /// The outer boundary of the measured surface, if bays of it were closed.
     pub measured_outer: Option<Loop>,

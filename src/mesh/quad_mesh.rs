@@ -38,6 +38,12 @@ impl QuadMesh {
         }]
     }
 
+    /// The mesh with all lengths multiplied by a factor.
+    pub(crate) fn scaled(mut self, factor: f64) -> Self {
+        self.points.iter_mut().for_each(|p| *p *= factor);
+        self
+    }
+
     /// The vertex at corner `k` of a block, counter-clockwise from (0, 0).
     pub fn corner(&self, block: usize, k: usize) -> VertexId {
         let n = self.side;

@@ -172,6 +172,11 @@ fn fit_level(
 }
 
 impl Report {
+    /// The report with all lengths multiplied by a factor.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        Report { rms: factor * self.rms, ..self }
+    }
+
     fn new(net: &Net, feet: &Feet, measured: usize, options: &Options) -> Self {
         let all = &feet.feet[..measured.min(feet.feet.len())];
         let distances: Vec<f64> = all.iter().flatten().map(|foot| foot.distance).collect();

@@ -3,7 +3,7 @@
 use super::{InputFigures, ScanSource};
 use crate::deviation::{Deviation, FaceToScan};
 use crate::mesh::Bound;
-use crate::{Conversion, fill, fit};
+use crate::{Conversion, fill, fit, smooth};
 
 /// What the conversion of one component did and how well.
 #[derive(Debug, Clone, PartialEq)]
@@ -231,14 +231,8 @@ impl FaceFigures {
             noise_mm: c.noise,
             tolerance_mm: c.tolerance,
             tolerance_met: c.tolerance_met(outliers),
-            smooth: SmoothFigures {
-                h_mm: c.smooth.h,
-                moved_rms_mm: c.smooth.moved_rms,
-                moved_max_mm: c.smooth.moved_max,
-                corners: c.smooth.corners.len(),
-                outliers: c.smooth.outliers,
-            },
-            fill: FillFigures { holes: holes(c) },
+            smooth: SmoothFigures::of(&c.smooth),
+            fill: FillFigures { holes: filled_holes(&c.fill, &c.trimmed) },
             parameterize: map(c),
             fit: FitFigures::of(c),
             deviation: DeviationFigures::of(&c.deviation),
@@ -249,7 +243,20 @@ impl FaceFigures {
     }
 }
 
-fn holes(c: &Conversion) -> Vec<HoleFigures> {
+impl SmoothFigures {
+    pub(super) fn of(report: &smooth::Report) -> Self {
+        SmoothFigures {
+            h_mm: report.h,
+            moved_rms_mm: report.moved_rms,
+            moved_max_mm: report.moved_max,
+            corners: report.corners.len(),
+            outliers: report.outliers,
+        }
+    }
+}
+
+/// The figures of holes, and whether each was cut out.
+pub(super) fn filled_holes(report: &fill::Report, trimmed: &[bool]) -> Vec<HoleFigures> {
     let figures = |(hole, &trimmed): (&fill::Hole, &bool)| HoleFigures {
         rim_vertices: hole.rim_vertices,
         rim_length_mm: hole.rim_length,
@@ -266,7 +273,7 @@ fn holes(c: &Conversion) -> Vec<HoleFigures> {
         folds: hole.faults.folds,
         cuts: hole.faults.cuts,
     };
-    c.fill.holes.iter().zip(&c.trimmed).map(figures).collect()
+    report.holes.iter().zip(trimmed).map(figures).collect()
 }
 
 fn map(c: &Conversion) -> MapFigures {

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use serde_json::Value;
 
-use super::{CheckFigures, InspectionFigures, Report};
+use super::{CheckFigures, InspectionFigures, Report, SolidReport};
 
 impl Report {
     /// The report as JSON, with a line feed at the end. `docs/report.schema.json` describes it.
@@ -24,6 +24,21 @@ impl Report {
     /// The report as a JSON value.
     pub fn to_value(&self) -> Value {
         value(self)
+    }
+}
+
+impl SolidReport {
+    /// The report as JSON, with a line feed at the end.
+    pub fn to_json(&self) -> String {
+        format!("{:#}\n", value(self))
+    }
+
+    /// Writes the same text.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write_json(&self, out: &mut dyn Write) -> io::Result<()> {
+        out.write_all(self.to_json().as_bytes())
     }
 }
 

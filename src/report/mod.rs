@@ -22,6 +22,7 @@ mod input;
 #[cfg(feature = "json")]
 mod json;
 mod settings;
+mod solid;
 
 #[cfg(feature = "picture")]
 mod histogram;
@@ -48,6 +49,7 @@ pub use figures::{
 pub use hints::likely_unit;
 pub use input::{InputFigures, InspectionFigures, RimFigures, ScanSource};
 pub use settings::{Setting, Settings};
+pub use solid::{SeamFigures, ShapeFigures, SolidFigures, SolidFitFigures, SolidReport};
 #[cfg(feature = "picture")]
 pub use still::picture_png;
 #[cfg(feature = "picture")]
@@ -93,7 +95,7 @@ pub struct Report {
     /// The figures of each face, in the order of the conversions. In the JSON the figures of
     /// the first face stand beside the other fields, and all are in `components` if there are
     /// several.
-    #[cfg_attr(feature = "serde", serde(flatten, serialize_with = "serialize_faces"))]
+    #[cfg_attr(feature = "serde", serde(flatten, serialize_with = "serialize_parts"))]
     pub faces: Vec<FaceFigures>,
     /// Whether the caller named the tolerance.
     pub tolerance_named: bool,
@@ -175,19 +177,19 @@ fn file_name(path: &str) -> String {
     path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
 }
 
-/// The figures of the first face, and all of them if there are several.
+/// The figures of the first component, and all of them if there are several.
 #[cfg(feature = "serde")]
-fn serialize_faces<S: serde::Serializer>(
-    faces: &[FaceFigures],
+fn serialize_parts<F: serde::Serialize, S: serde::Serializer>(
+    figures: &[F],
     serializer: S,
 ) -> Result<S::Ok, S::Error> {
     #[derive(serde::Serialize)]
-    struct Faces<'a> {
+    struct Parts<'a, F> {
         #[serde(flatten)]
-        first: Option<&'a FaceFigures>,
+        first: Option<&'a F>,
         #[serde(skip_serializing_if = "Option::is_none")]
-        components: Option<&'a [FaceFigures]>,
+        components: Option<&'a [F]>,
     }
-    let components = (faces.len() > 1).then_some(faces);
-    serde::Serialize::serialize(&Faces { first: faces.first(), components }, serializer)
+    let components = (figures.len() > 1).then_some(figures);
+    serde::Serialize::serialize(&Parts { first: figures.first(), components }, serializer)
 }

@@ -43,6 +43,18 @@ pub enum Steps {
     Json,
 }
 
+/// What becomes of a scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum ShapeChoice {
+    /// A solid if the scan is closed, or if flat caps over its gaps add less than 5 % to its area;
+    /// a face otherwise
+    Auto,
+    /// One trimmed face
+    Face,
+    /// A solid of several faces; all gaps are filled
+    Solid,
+}
+
 /// Where the outer boundary goes.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum OutlineChoice {

@@ -2,7 +2,7 @@
 
 use clap::Args;
 
-use super::choices::{Fit, Iges, Map, OutlineChoice, StepSchema};
+use super::choices::{Fit, Iges, Map, OutlineChoice, ShapeChoice, StepSchema};
 use super::colour::Colour;
 use super::numbers::{depth, extent, max_net, net, percentage, positive, support};
 use super::pieces::{ComponentChoice, component};
@@ -11,6 +11,9 @@ use crate::cli::places::NamedCorners;
 /// Options of the conversion, which `convert` and `batch` share.
 #[derive(Debug, Args)]
 pub struct How {
+    /// What becomes of the scan
+    #[arg(long, value_enum, default_value_t = ShapeChoice::Auto)]
+    pub shape: ShapeChoice,
     /// Largest distance of a smoothed point from the face, in mm, and of the face from the
     /// scan's triangles, to which the error of flat triangles is added [default: three times
     /// the noise of the scan]

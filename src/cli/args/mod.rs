@@ -12,7 +12,7 @@ use std::path::PathBuf;
 use clap::{Args, Parser, Subcommand};
 use scan2step::mesh::Choice;
 
-pub use choices::{Fit, Iges, Map, Origin, OutlineChoice, StepSchema, Steps};
+pub use choices::{Fit, Iges, Map, Origin, OutlineChoice, ShapeChoice, StepSchema, Steps};
 pub use colour::Colour;
 pub use files::{CadFile, CadKind};
 pub use how::{How, Manner};

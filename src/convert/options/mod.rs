@@ -87,6 +87,11 @@ impl Options {
         Options { component, ..self.clone() }
     }
 
+    /// Which piece of the scan.
+    pub fn component(&self) -> mesh::Choice {
+        self.component
+    }
+
     /// Which boundary loop is the outer one: the one named, else the one with the first of the
     /// corners that are named.
     pub fn outer(&self) -> mesh::Outer {

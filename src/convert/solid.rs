@@ -1,0 +1,209 @@
+//! The way from a body to a solid: mesh → smooth → fill → layout → net → patches → brep →
+//! deviation. A body is closed, or has gaps that are filled.
+
+use formats::Brep;
+
+use super::stage::{Observer, Stage, within};
+use super::{InputReport, Options, input, lengths};
+use crate::adapt::Goal;
+use crate::deviation::{self, Deviation, NetworkToScan};
+use crate::mesh::{Choice, Components, FaceOrigin, Patch};
+use crate::spline::Network;
+use crate::{Error, Result, brep, fill, layout, net, patches, smooth, threads};
+
+/// What becomes of a component.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Shape {
+    /// One face: the component is a sheet.
+    Face,
+    /// A solid of several faces: the component is closed, or nearly so.
+    Solid,
+}
+
+/// A component is a body if flat caps over its gaps add less than this share to its area. Scanned
+/// bodies have gaps of 0.1 to 3.5 %, pipes with open ends 11 to 13 %, busts with an open base 8 to
+/// 25 %.
+const GAPS: f64 = 0.05;
+
+/// The distance in mm by which edges of a solid may be off its faces. They are the same polynomials,
+/// so that only roundings remain.
+const UNCERTAINTY: f64 = 1e-7;
+
+/// The number of places in each span of a track at which the angle between its faces is measured.
+const SEAM_PLACES: usize = 4;
+
+/// A component that became a solid. Lengths are in mm.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Solid {
+    /// The boundary representation, which the writers take.
+    pub brep: Brep,
+    /// The faces and their sides.
+    pub network: Network,
+    /// What came in.
+    pub input: InputReport,
+    /// What smoothing did.
+    pub smooth: smooth::Report,
+    /// The gaps that were filled.
+    pub fill: fill::Report,
+    /// The quads.
+    pub layout: layout::Report,
+    /// The fit of the surface.
+    pub net: net::Report,
+    /// The number of irregular vertices.
+    pub irregular: usize,
+    /// The tolerance that holds.
+    pub tolerance: f64,
+    /// Whether the caller named it.
+    pub tolerance_named: bool,
+    /// The share of points that may miss a tolerance that nobody named.
+    pub spared: f64,
+    /// Standard deviation of the noise of the measured points along the normal.
+    pub noise: f64,
+    /// Deviation of the smoothed points; the tolerance is held against it.
+    pub fit_deviation: Deviation,
+    /// Deviation of the points as they were measured.
+    pub deviation: Deviation,
+    /// How far the faces are from the triangles of the smoothed scan.
+    pub face_to_scan: NetworkToScan,
+    /// The angles between neighbouring faces.
+    pub seams: Seams,
+    /// The enclosed volume in mm³.
+    pub volume: f64,
+}
+
+/// The angles between the normals of neighbouring faces along their common sides, in degrees.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Seams {
+    /// The mean.
+    pub mean: f64,
+    /// The 95th percentile.
+    pub p95: f64,
+    /// The largest.
+    pub max: f64,
+}
+
+impl Solid {
+    /// Whether at most the share `outliers` of the smoothed points exceeds the tolerance.
+    pub fn tolerance_met(&self, outliers: f64) -> bool {
+        let outliers = if self.tolerance_named { outliers } else { outliers.max(self.spared) };
+        let most = outliers * self.fit_deviation.distances.len() as f64;
+        self.fit_deviation.beyond(self.tolerance) as f64 <= most
+    }
+}
+
+/// Says what a component becomes: a solid if it is closed or has small gaps, and a face if it is a
+/// sheet.
+///
+/// # Errors
+/// [`Error::Component`]: there is no such component.
+pub fn shape(scan: &Components, component: Choice) -> Result<Shape> {
+    let chosen = scan.take(component)?;
+    let is_body = chosen.topology.orientable && chosen.gap_share() < GAPS;
+    Ok(if is_body { Shape::Solid } else { Shape::Face })
+}
+
+/// Converts one component of a scan to a solid. `watch` is as for
+/// [`convert_component`](crate::convert_component).
+///
+/// # Errors
+/// What stops a stage, or what `watch` answers. [`Error::Layout`] and [`Error::SolidFolds`] if no
+/// sound solid was found.
+pub fn convert_solid(scan: &Components, options: &Options, watch: &mut Observer) -> Result<Solid> {
+    threads::run(options.threads, || {
+        let mut shown = lengths::Shown::new(watch, scan.mm());
+        let own = options.in_lengths(scan.mm());
+        let solid = solid(scan, &own, &mut |stage| shown.see(stage));
+        solid.map_err(|error| shown.in_mm(error).with_named(options))
+    })?
+}
+
+fn solid(scan: &Components, options: &Options, watch: &mut Observer) -> Result<Solid> {
+    let mm = scan.mm();
+    let (measured, input) = input::body(scan, options)?;
+    watch(Stage::Mesh(&measured))?;
+    let (smoothed, smooth) =
+        smooth::smooth_with(&measured, &options.smooth, &mut within("smooth", watch))?;
+    watch(Stage::Smooth(&smoothed))?;
+    let noise = scan.raw_points().map_or(smooth.noise, |raw| raw.noise().max(smooth.noise));
+    let goal = Goal::of(options, &measured.mesh, noise);
+    let tolerance = options.tolerance.unwrap_or(goal.tolerance);
+    let fill_options =
+        fill::Options { support: smooth.h, noise: smooth.noise, ..options.fill.clone() };
+    let (patch, fill) = fill::fill_with(
+        smoothed,
+        &measured.mesh.points,
+        &fill_options,
+        &mut within("fill", watch),
+    )?;
+    watch(Stage::Fill(&patch))?;
+
+    let (quads, layout) = layout::layout_with(
+        &patch.mesh,
+        &layout::Options::default(),
+        &mut within("layout", watch),
+    )?;
+    watch(Stage::Layout(&quads))?;
+    let net_options =
+        net::Options { tolerance, outliers: goal.outliers, max_control: options.knots.max_net };
+    let (fitted, net) = net::fit_with(
+        &quads,
+        &patch.mesh,
+        patch.measured,
+        &net_options,
+        &mut within("fit", watch),
+    )?;
+    let (own, extracted) = patches::extract(&fitted.mesh, &fitted.surface)?;
+    let network = own.clone().scaled(mm);
+    watch(Stage::Network(&network))?;
+    let brep = brep::closed(&network, &options.name, UNCERTAINTY)?;
+    watch(Stage::Brep)?;
+
+    let face_to_scan = faces_to_scan(&own, &patch)?;
+    let smoothed = &patch.mesh.points[..patch.measured];
+    let raw = scan.measured_points(&measured.mesh.points);
+    let solid = Solid {
+        volume: brep.solids.iter().map(|solid| brep.volume(solid.outer)).sum(),
+        seams: seams(&network),
+        input,
+        smooth: smooth.scaled(mm),
+        fill: fill.scaled(mm),
+        layout: layout.scaled(mm),
+        net: net.scaled(mm),
+        irregular: extracted.irregular,
+        tolerance: mm * tolerance,
+        tolerance_named: goal.named,
+        spared: goal.outliers,
+        noise: mm * noise,
+        fit_deviation: deviation::of_network(&own, smoothed).scaled(mm),
+        deviation: deviation::of_network(&own, &raw.points).scaled(mm),
+        face_to_scan: face_to_scan.scaled(mm),
+        brep,
+        network,
+    };
+    watch(Stage::Deviation)?;
+    Ok(solid)
+}
+
+/// Compares the faces with the filled mesh. Faces that turn over are an error.
+fn faces_to_scan(network: &Network, patch: &Patch) -> Result<NetworkToScan> {
+    let is_measured: Vec<bool> =
+        patch.origin.iter().map(|&origin| origin == FaceOrigin::Measured).collect();
+    let found = deviation::network_to_scan(network, &patch.mesh, &is_measured);
+    match found.inverted[..] {
+        [] => Ok(found),
+        [at, ..] => Err(Error::SolidFolds { count: found.inverted.len(), at }),
+    }
+}
+
+fn seams(network: &Network) -> Seams {
+    let mut angles = network.seam_angles(SEAM_PLACES);
+    if angles.is_empty() {
+        return Seams::default();
+    }
+    angles.sort_by(f64::total_cmp);
+    let n = angles.len();
+    let mean = angles.iter().sum::<f64>() / n as f64;
+    let [p95, max] = [(n * 95).div_ceil(100), n].map(|k| angles[k - 1]);
+    Seams { mean: mean.to_degrees(), p95: p95.to_degrees(), max: max.to_degrees() }
+}

@@ -1,0 +1,81 @@
+//! The distances of points from the faces of a network, and of the faces from a mesh.
+
+use rayon::prelude::*;
+
+use super::{Deviation, TrimmedFace};
+use crate::geometry::{Point, Uv, Vector};
+use crate::mesh::{Mesh, Triangles};
+use crate::spline::{Network, ParametricSurface};
+
+/// The number of samples of each span in u and in v. Between two samples a span moves away from its
+/// chord by less than a ninth of its height.
+const SAMPLES: usize = 3;
+
+/// The distance of `p` from the nearest of several faces.
+pub(crate) fn nearest_of<S: ParametricSurface>(faces: &[TrimmedFace<S>], p: Point) -> f64 {
+    let mut order: Vec<(f64, &TrimmedFace<S>)> = faces.iter().map(|f| (f.outside(p), f)).collect();
+    order.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let nearer = |best: f64, (outside, face): (f64, &TrimmedFace<S>)| {
+        if outside < best { best.min(face.nearest(p, None).1) } else { best }
+    };
+    order.into_iter().fold(f64::INFINITY, nearer)
+}
+
+/// The deviation of points from the faces of a network.
+pub fn of_network(network: &Network, points: &[Point]) -> Deviation {
+    let none = std::iter::empty::<&[crate::spline::Curve<2>]>;
+    let each = network.surfaces.iter();
+    let faces: Vec<_> = each.map(|surface| TrimmedFace::new(surface, none(), true)).collect();
+    Deviation::of(points, points.par_iter().map(|&p| nearest_of(&faces, p)).collect())
+}
+
+/// How far samples of a network are from the triangles of a mesh, and how they face.
+#[derive(Debug, Clone, Default)]
+#[non_exhaustive]
+pub struct NetworkToScan {
+    /// The distances of the samples whose nearest triangle was measured.
+    pub deviation: Deviation,
+    /// The samples whose normal points against that of the nearest triangle.
+    pub inverted: Vec<Point>,
+}
+
+impl NetworkToScan {
+    /// The same with all lengths multiplied by a factor.
+    pub(crate) fn scaled(self, factor: f64) -> Self {
+        let inverted = self.inverted.iter().map(|p| p * factor).collect();
+        NetworkToScan { deviation: self.deviation.scaled(factor), inverted }
+    }
+}
+
+/// Compares samples of a network with a mesh. `is_measured` says which triangles were measured; samples
+/// near others count only for how they face.
+pub fn network_to_scan(network: &Network, mesh: &Mesh, is_measured: &[bool]) -> NetworkToScan {
+    let triangles = Triangles::new(mesh);
+    let normals = mesh.vertex_normals();
+    let of_face = |surface: &crate::spline::Surface| {
+        let places = |knots: &crate::spline::KnotVector| -> Vec<f64> {
+            let breaks = knots.breaks();
+            let inside = breaks.windows(2).flat_map(|span| {
+                let at = move |i: usize| (i as f64 + 0.5) / SAMPLES as f64;
+                (0..SAMPLES).map(move |i| span[0] + at(i) * (span[1] - span[0]))
+            });
+            inside.collect()
+        };
+        let (us, vs) = (places(&surface.u), places(&surface.v));
+        let all = us.iter().flat_map(|&u| vs.iter().map(move |&v| Uv::new(u, v)));
+        let sample = |at: Uv| {
+            let jet = surface.jet(at);
+            let (off, t) = triangles.nearest(jet.s);
+            let facing: Vector = mesh.triangles[t].iter().map(|v| normals[v.index()]).sum();
+            (jet.s, off, t, jet.su.cross(&jet.sv).dot(&facing) < 0.0)
+        };
+        all.map(sample).collect::<Vec<_>>()
+    };
+    let samples: Vec<_> = network.surfaces.par_iter().map(of_face).flatten_iter().collect();
+    let measured = samples.iter().filter(|s| is_measured[s.2]);
+    let (points, distances): (Vec<Point>, Vec<f64>) = measured.map(|s| (s.0, s.1)).unzip();
+    NetworkToScan {
+        deviation: Deviation::of(&points, distances),
+        inverted: samples.iter().filter(|s| s.3).map(|s| s.0).collect(),
+    }
+}

@@ -1,0 +1,198 @@
+//! The figures of solids.
+
+use super::figures::{DeviationFigures, FillFigures, SmoothFigures, filled_holes};
+use super::{InputFigures, OutputFile, ScanSource, Settings, StageFigures, VERSION};
+use crate::Solid;
+
+/// What a run made of the bodies of a scan, and how well.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct SolidReport {
+    /// The version of this library.
+    pub scan2step: &'static str,
+    /// The figures of each solid. In the JSON those of the first stand beside the other fields, and
+    /// all are in `components` if there are several.
+    #[cfg_attr(feature = "serde", serde(flatten, serialize_with = "super::serialize_parts"))]
+    pub solids: Vec<SolidFigures>,
+    /// Whether the caller named the tolerance.
+    pub tolerance_named: bool,
+    /// The percentage of points that may exceed the tolerance.
+    pub outliers_pct: f64,
+    /// What the caller asked for; `options` in the JSON.
+    #[cfg_attr(feature = "serde", serde(rename = "options"))]
+    pub settings: Settings,
+    /// What could be better, and what to do about it.
+    pub hints: Vec<String>,
+    /// How long each stage took. The caller fills it in.
+    pub stages: Vec<StageFigures>,
+    /// The files that were written. The caller fills it in.
+    pub outputs: Vec<OutputFile>,
+    /// Seconds since the run began. The caller fills it in.
+    pub seconds: f64,
+    /// The largest resident memory of the process, in MB (10⁶ bytes). The caller fills it in.
+    pub peak_rss_mb: f64,
+}
+
+/// What the conversion of one body did and how well.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct SolidFigures {
+    /// The scan's file and the component.
+    pub input: InputFigures,
+    /// Standard deviation of the scan's noise along the normal.
+    pub noise_mm: f64,
+    /// The tolerance that the solid was made for.
+    pub tolerance_mm: f64,
+    /// Whether the solid keeps it ([`Solid::tolerance_met`]).
+    pub tolerance_met: bool,
+    /// What smoothing did.
+    pub smooth: SmoothFigures,
+    /// The gaps that were filled. All fills are kept.
+    pub fill: FillFigures,
+    /// How far the smoothed points are from the faces.
+    pub fit: SolidFitFigures,
+    /// How far the points as measured are from the faces.
+    pub deviation: DeviationFigures,
+    /// How far samples of the faces are from the triangles of the smoothed scan. Samples on fills are
+    /// left out.
+    pub face_to_scan: DeviationFigures,
+    /// The solid.
+    pub shape: ShapeFigures,
+}
+
+/// The fit of the surface of a body.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct SolidFitFigures {
+    /// How the surface was fitted: "subdivision".
+    pub method: &'static str,
+    /// Degree along u and v.
+    pub degree: [usize; 2],
+    /// The control net of one face; `None`, as there are several faces.
+    pub net: Option<[usize; 2]>,
+    /// Statistics of the distances.
+    #[cfg_attr(feature = "serde", serde(flatten))]
+    pub deviation: DeviationFigures,
+    /// The percentage of points within the tolerance.
+    pub within_pct: f64,
+}
+
+/// The shape that a scan became.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct ShapeFigures {
+    /// "solid".
+    pub kind: &'static str,
+    /// The number of solids.
+    pub solids: usize,
+    /// The number of shells.
+    pub shells: usize,
+    /// The number of faces.
+    pub faces: usize,
+    /// The number of edges.
+    pub edges: usize,
+    /// The number of edges that only one face uses.
+    pub free_edges: usize,
+    /// The number of vertices.
+    pub vertices: usize,
+    /// The number of vertices at which other than four faces meet.
+    pub irregular_vertices: usize,
+    /// The number of control points of all faces.
+    pub control_points: usize,
+    /// The enclosed volume.
+    pub volume_mm3: Option<f64>,
+    /// The angles between neighbouring faces.
+    pub seam_deg: SeamFigures,
+    /// The number of places at which faces turn over.
+    pub folds: usize,
+}
+
+/// Angles between neighbouring faces, in degrees.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct SeamFigures {
+    /// The mean.
+    pub mean: f64,
+    /// The 95th percentile.
+    pub p95: f64,
+    /// The largest.
+    pub max: f64,
+}
+
+impl SolidReport {
+    /// The report of some solids of one scan. Stages, outputs, seconds and memory are empty or 0
+    /// until the caller fills them in.
+    pub fn of(solids: &[Solid], source: &ScanSource, settings: Settings) -> Self {
+        let outliers = settings.outliers / 100.0;
+        SolidReport {
+            scan2step: VERSION,
+            solids: solids.iter().map(|s| SolidFigures::of(s, source, outliers)).collect(),
+            tolerance_named: settings.tolerance.is_some(),
+            outliers_pct: settings.outliers,
+            settings,
+            hints: Vec::new(),
+            stages: Vec::new(),
+            outputs: Vec::new(),
+            seconds: 0.0,
+            peak_rss_mb: 0.0,
+        }
+    }
+}
+
+impl SolidFigures {
+    /// The figures of one solid. The share `outliers` of points may exceed the tolerance.
+    pub fn of(solid: &Solid, source: &ScanSource, outliers: f64) -> Self {
+        let all = solid.fit_deviation.distances.len();
+        let within = all - solid.fit_deviation.beyond(solid.tolerance);
+        SolidFigures {
+            input: InputFigures::of(&solid.input, source),
+            noise_mm: solid.noise,
+            tolerance_mm: solid.tolerance,
+            tolerance_met: solid.tolerance_met(outliers),
+            smooth: SmoothFigures::of(&solid.smooth),
+            fill: FillFigures {
+                holes: filled_holes(&solid.fill, &vec![false; solid.fill.holes.len()]),
+            },
+            fit: SolidFitFigures {
+                method: "subdivision",
+                degree: [3, 3],
+                net: None,
+                deviation: DeviationFigures::of(&solid.fit_deviation),
+                within_pct: 100.0 * within as f64 / all.max(1) as f64,
+            },
+            deviation: DeviationFigures::of(&solid.deviation),
+            face_to_scan: DeviationFigures::of(&solid.face_to_scan.deviation),
+            shape: ShapeFigures::of(solid),
+        }
+    }
+}
+
+impl ShapeFigures {
+    fn of(solid: &Solid) -> Self {
+        let brep = &solid.brep;
+        let uses = brep.uses();
+        ShapeFigures {
+            kind: "solid",
+            solids: brep.solids.len(),
+            shells: brep.shells.len(),
+            faces: brep.faces.len(),
+            edges: brep.edges.len(),
+            free_edges: uses.iter().filter(|uses| uses.len() == 1).count(),
+            vertices: brep.vertices.len(),
+            irregular_vertices: solid.irregular,
+            control_points: solid.network.surfaces.iter().map(|s| s.net.len()).sum(),
+            volume_mm3: Some(solid.volume),
+            seam_deg: SeamFigures {
+                mean: solid.seams.mean,
+                p95: solid.seams.p95,
+                max: solid.seams.max,
+            },
+            folds: solid.face_to_scan.inverted.len(),
+        }
+    }
+}
