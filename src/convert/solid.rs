@@ -16,7 +16,7 @@ use crate::{Error, Result, brep, fill, layout, net, patches, smooth, threads};
 pub enum Shape {
     /// One face: the component is a sheet.
     Face,
-    /// A solid of several faces: the component is closed, or nearly so.
+    /// A solid of several faces: the component is closed or nearly so, or has handles.
     Solid,
 }
 
@@ -28,6 +28,10 @@ const GAPS: f64 = 0.05;
 /// The distance in mm by which edges of a solid may be off its faces. They are the same polynomials,
 /// so that only roundings remain.
 const UNCERTAINTY: f64 = 1e-7;
+
+/// The spreads in degrees that are tried in turn ([`layout::Options::spread`]). The first one gives the
+/// fewest faces.
+const SPREADS: [f64; 3] = [65.0, 50.0, 38.0];
 
 /// The number of places in each span of a track at which the angle between its faces is measured.
 const SEAM_PLACES: usize = 4;
@@ -92,14 +96,15 @@ impl Solid {
     }
 }
 
-/// Says what a component becomes: a solid if it is closed or has small gaps, and a face if it is a
-/// sheet.
+/// Says what a component becomes: a solid if it is closed, has small gaps, or has handles, which no face
+/// can have; a face if it is a sheet.
 ///
 /// # Errors
 /// [`Error::Component`]: there is no such component.
 pub fn shape(scan: &Components, component: Choice) -> Result<Shape> {
     let chosen = scan.take(component)?;
-    let is_body = chosen.topology.orientable && chosen.gap_share() < GAPS;
+    let topology = &chosen.topology;
+    let is_body = topology.orientable && (!topology.is_disk() || chosen.gap_share() < GAPS);
     Ok(if is_body { Shape::Solid } else { Shape::Face })
 }
 
@@ -138,28 +143,15 @@ fn solid(scan: &Components, options: &Options, watch: &mut Observer) -> Result<S
     )?;
     watch(Stage::Fill(&patch))?;
 
-    let (quads, layout) = layout::layout_with(
-        &patch.mesh,
-        &layout::Options::default(),
-        &mut within("layout", watch),
-    )?;
-    watch(Stage::Layout(&quads))?;
     let net_options =
         net::Options { tolerance, outliers: goal.outliers, max_control: options.knots.max_net };
-    let (fitted, net) = net::fit_with(
-        &quads,
-        &patch.mesh,
-        patch.measured,
-        &net_options,
-        &mut within("fit", watch),
-    )?;
-    let (own, extracted) = patches::extract(&fitted.mesh, &fitted.surface)?;
+    let Faces { network: own, to_scan: face_to_scan, layout, net, irregular } =
+        faces(&patch, &net_options, watch)?;
     let network = own.clone().scaled(mm);
     watch(Stage::Network(&network))?;
     let brep = brep::closed(&network, &options.name, UNCERTAINTY)?;
     watch(Stage::Brep)?;
 
-    let face_to_scan = faces_to_scan(&own, &patch)?;
     let smoothed = &patch.mesh.points[..patch.measured];
     let raw = scan.measured_points(&measured.mesh.points);
     let solid = Solid {
@@ -170,7 +162,7 @@ fn solid(scan: &Components, options: &Options, watch: &mut Observer) -> Result<S
         fill: fill.scaled(mm),
         layout: layout.scaled(mm),
         net: net.scaled(mm),
-        irregular: extracted.irregular,
+        irregular,
         tolerance: mm * tolerance,
         tolerance_named: goal.named,
         spared: goal.outliers,
@@ -183,6 +175,44 @@ fn solid(scan: &Components, options: &Options, watch: &mut Observer) -> Result<S
     };
     watch(Stage::Deviation)?;
     Ok(solid)
+}
+
+/// The faces of a body, in the lengths of its mesh.
+struct Faces {
+    network: Network,
+    to_scan: NetworkToScan,
+    layout: layout::Report,
+    net: net::Report,
+    irregular: usize,
+}
+
+/// Makes the faces of a filled body. If they turn over, narrower spreads are tried, which give more and
+/// smaller faces.
+fn faces(patch: &Patch, options: &net::Options, watch: &mut Observer) -> Result<Faces> {
+    let mut failure = None;
+    for spread in SPREADS {
+        let made = faces_with(patch, &layout::Options { spread }, options, watch);
+        match made {
+            Err(error @ (Error::Layout(_) | Error::SolidFolds { .. })) => failure = Some(error),
+            made => return made,
+        }
+    }
+    Err(failure.unwrap_or(Error::Layout("there is none")))
+}
+
+fn faces_with(
+    patch: &Patch,
+    layout: &layout::Options,
+    options: &net::Options,
+    watch: &mut Observer,
+) -> Result<Faces> {
+    let (quads, layout) = layout::layout_with(&patch.mesh, layout, &mut within("layout", watch))?;
+    watch(Stage::Layout(&quads))?;
+    let mut within = within("fit", watch);
+    let (fitted, net) = net::fit_with(&quads, &patch.mesh, patch.measured, options, &mut within)?;
+    let (network, extracted) = patches::extract(&fitted.mesh, &fitted.surface)?;
+    let to_scan = faces_to_scan(&network, patch)?;
+    Ok(Faces { network, to_scan, layout, net, irregular: extracted.irregular })
 }
 
 /// Compares the faces with the filled mesh. Faces that turn over are an error.
