@@ -183,15 +183,19 @@ fn a_failed_run_leaves_what_was_there() {
 }
 
 #[test]
-fn what_is_not_a_disk_is_refused_by_name() {
+fn what_cannot_be_converted_is_refused_by_name() {
     let folder = folder();
     let scan = folder.path().join("tetrahedron.obj");
     let text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 1 4 3\n";
     std::fs::write(&scan, text).expect("a file");
-    let output = convert(&[arg(&scan), arg(&folder.path().join("a.step"))]);
-    let said = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(1));
-    assert!(said.contains("closed, genus 0, no boundary"), "{said}");
+    for (shape, reason) in [("face", "closed, genus 0, no boundary"), ("auto", "layout of faces")] {
+        let out = folder.path().join("a.step");
+        let output = convert(&[arg(&scan), arg(&out), "--shape", shape]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1));
+        assert!(said.contains(reason), "{said}");
+        assert!(!out.exists());
+    }
 }
 
 #[test]

@@ -1,0 +1,138 @@
+//! Whole scans become solids: closed ones, ones with gaps, and ones that are inside out.
+
+mod common;
+
+use std::f64::consts::{PI, TAU};
+use std::fmt::Write;
+use std::path::Path;
+
+use common::importers::{freecad_solid, opencascade_solid};
+use common::{arg, checked, convert, converted, json, number};
+use common::random::Random;
+
+const RADII: [f64; 2] = [40.0, 15.0];
+
+/// The scan of a torus: `turn` swaps the orientation, and triangles near the places in `gaps` are
+/// left out.
+fn torus(path: &Path, noise: f64, turned: bool, gaps: &[[f64; 2]]) {
+    let (n, m) = (120, 48);
+    let mut random = Random(7);
+    let mut text = String::new();
+    let mut normal = || {
+        // The sum of twelve uniform numbers has a variance of one.
+        (0..12).map(|_| random.share()).sum::<f64>() - 6.0
+    };
+    for k in 0..n * m {
+        let [u, v] = [(k / m, n), (k % m, m)].map(|(i, count)| TAU * f64::from(i) / f64::from(count));
+        let tube = RADII[1] + noise * normal();
+        let reach = RADII[0] + tube * v.cos();
+        writeln!(text, "v {} {} {}", reach * u.cos(), reach * u.sin(), tube * v.sin()).expect("text");
+    }
+    for k in 0..n * m {
+        let (i, j) = (k / m, k % m);
+        let place = [f64::from(i) / f64::from(n), f64::from(j) / f64::from(m)];
+        let near = |gap: &[f64; 2]| (gap[0] - place[0]).hypot(gap[1] - place[1]) < 0.04;
+        if gaps.iter().any(near) {
+            continue;
+        }
+        let name = |i: i32, j: i32| 1 + (i % n) * m + j % m;
+        let [a, b, c, d] = [name(i, j), name(i + 1, j), name(i + 1, j + 1), name(i, j + 1)];
+        let (b, d) = if turned { (d, b) } else { (b, d) };
+        writeln!(text, "f {a} {b} {c}\nf {a} {c} {d}").expect("text");
+    }
+    std::fs::write(path, text).expect("a file");
+}
+
+fn volume() -> f64 {
+    2.0 * PI * PI * RADII[0] * RADII[1] * RADII[1]
+}
+
+#[test]
+fn a_torus_becomes_a_watertight_solid() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    for (name, noise, turned, gaps) in [
+        ("clean", 0.0, false, &[][..]),
+        ("noisy", 0.1, false, &[]),
+        ("inverted", 0.0, true, &[]),
+        ("gaps", 0.05, false, &[[0.3, 0.5], [0.7, 0.2]]),
+    ] {
+        let (scan, step, iges) = (path("torus.obj"), path("torus.step"), path("torus.igs"));
+        torus(&scan, noise, turned, gaps);
+        let (report, stages) = (path("torus.json"), path(name));
+        let asked = ["--report", arg(&report), "--stages", arg(&stages), "--iges", "brep"];
+        converted(&[&[arg(&scan), arg(&step), arg(&iges)], &asked[..]].concat());
+        let report = json(&report);
+        let shape = &report["shape"];
+        assert_eq!(shape["kind"], "solid", "{name}");
+        assert_eq!((&shape["folds"], &shape["free_edges"]), (&0.into(), &0.into()), "{name}");
+        assert_eq!(report["fill"]["holes"].as_array().map(Vec::len), Some(gaps.len()), "{name}");
+        assert_eq!(report["tolerance_met"], true, "{name}: {report}");
+        let off = number(&report, "/shape/volume_mm3") / volume() - 1.0;
+        // The flat triangles of the scan have less volume than the torus.
+        assert!(off.abs() < 4e-3, "{name}: the volume is {off} off");
+        let seams = number(&report, "/shape/seam_deg/p95");
+        assert!(seams < 0.5, "{name}: seams of {seams}°");
+        if noise > 0.0 {
+            let rms = number(&report, "/deviation/rms_mm");
+            assert!((0.7..1.3).contains(&(rms / noise)), "{name}: rms {rms}");
+        }
+        for file in ["1-mesh.ply", "2-smooth.ply", "3-filled.ply", "4-layout.ply"] {
+            assert!(stages.join(file).exists(), "{name}: {file}");
+        }
+        for file in [&step, &iges] {
+            let found = opencascade_solid(file);
+            assert_eq!(found["solids"], 1, "{name}: {found}");
+            assert_eq!(found["faces"], shape["faces"], "{name}");
+            assert_eq!(found["valid"], true, "{name}: {found}");
+            assert_eq!(found["uses"], serde_json::json!({ "2": shape["edges"] }), "{name}");
+            let there = number(&found, "/volume") / number(&report, "/shape/volume_mm3") - 1.0;
+            assert!(there.abs() < 1e-4, "{name}: {there}");
+        }
+        let back = checked(&step, &scan);
+        assert!(number(&back, "/scan_to_face/rms_mm") < 1.3 * noise.max(0.01), "{name}: {back}");
+    }
+}
+
+#[test]
+fn freecad_opens_a_torus() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    torus(&path("torus.obj"), 0.02, false, &[]);
+    converted(&[arg(&path("torus.obj")), arg(&path("torus.step"))]);
+    let Some(found) = freecad_solid(&path("torus.step")) else { return };
+    assert_eq!(found["valid"], true, "{found}");
+    let off = number(&found, "/volume") / volume() - 1.0;
+    assert!(off.abs() < 4e-3, "{found}");
+}
+
+#[test]
+fn the_number_of_threads_does_not_change_a_byte() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    torus(&path("torus.obj"), 0.05, false, &[[0.5, 0.5]]);
+    let files = ["1", "2", "5"].map(|threads| {
+        let out = path("torus.step");
+        converted(&[arg(&path("torus.obj")), arg(&out), "--threads", threads]);
+        std::fs::read(out).expect("a file")
+    });
+    assert!(files[0] == files[1] && files[1] == files[2]);
+}
+
+#[test]
+fn a_body_is_no_face_and_has_no_page() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    torus(&path("torus.obj"), 0.0, false, &[]);
+    for (asked, reason) in [
+        (["--shape", "face"], "genus 1"),
+        (["--report", arg(&path("page.html"))], "of solids are not made yet"),
+    ] {
+        let out = path("torus.step");
+        let output = convert(&[&[arg(&path("torus.obj")), arg(&out)], &asked[..]].concat());
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains(reason), "{said}");
+        assert!(!out.exists());
+    }
+}
