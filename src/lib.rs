@@ -137,9 +137,9 @@ pub mod words;
 pub use adapt::{Adapted, KnotOptions};
 pub use convert::{
     Builder, Conversion, Cut, InputReport, Inspection, Measured, Memory, Missed, Observer, Options,
-    ScanPlace, Seams, Shape, Solid, Stage, cloud_components, convert, convert_cloud,
-    convert_component, convert_components, convert_file, convert_solid, cut, inspect, joined,
-    measured, shape,
+    ScanPlace, Seams, SolidConversion, Stage, TargetShape, cloud_components, convert,
+    convert_cloud, convert_component, convert_components, convert_file, convert_solid, cut,
+    inspect, joined, measured, shape,
 };
 pub use error::{Error, Result};
 pub use progress::Progress;

@@ -7,8 +7,8 @@ use std::fmt::Write;
 use std::path::Path;
 
 use common::importers::{freecad_solid, opencascade_solid};
-use common::{arg, checked, convert, converted, json, number};
 use common::random::Random;
+use common::{arg, checked, convert, converted, json, number};
 
 const RADII: [f64; 2] = [40.0, 15.0];
 
@@ -23,10 +23,12 @@ fn torus(path: &Path, noise: f64, turned: bool, gaps: &[[f64; 2]]) {
         (0..12).map(|_| random.share()).sum::<f64>() - 6.0
     };
     for k in 0..n * m {
-        let [u, v] = [(k / m, n), (k % m, m)].map(|(i, count)| TAU * f64::from(i) / f64::from(count));
+        let [u, v] =
+            [(k / m, n), (k % m, m)].map(|(i, count)| TAU * f64::from(i) / f64::from(count));
         let tube = RADII[1] + noise * normal();
         let reach = RADII[0] + tube * v.cos();
-        writeln!(text, "v {} {} {}", reach * u.cos(), reach * u.sin(), tube * v.sin()).expect("text");
+        writeln!(text, "v {} {} {}", reach * u.cos(), reach * u.sin(), tube * v.sin())
+            .expect("text");
     }
     for k in 0..n * m {
         let (i, j) = (k / m, k % m);

@@ -3,7 +3,7 @@
 use scan2step::mesh::{Choice, Components};
 use scan2step::report::SolidReport;
 use scan2step::words::{mm, plural};
-use scan2step::{Options, Shape, Solid, Stage};
+use scan2step::{Options, SolidConversion, Stage, TargetShape};
 
 use super::args::{Convert, ShapeChoice};
 use super::convert::{chosen, output, stage};
@@ -36,7 +36,7 @@ pub fn bodies(
             number => number,
         };
         let shape = scan2step::shape(components, component);
-        if shape.map_err(|e| input::stopped(&args.piece.scan, &e))? == Shape::Face {
+        if shape.map_err(|e| input::stopped(&args.piece.scan, &e))? == TargetShape::Face {
             return none;
         }
     }
@@ -121,7 +121,7 @@ fn see(
 }
 
 /// The result in one line.
-fn result(progress: &ProgressDisplay, args: &Convert, solid: &Solid) {
+fn result(progress: &ProgressDisplay, args: &Convert, solid: &SolidConversion) {
     let out: Vec<_> = args.out.iter().map(|f| f.path.display().to_string()).collect();
     let gaps = match solid.fill.holes.len() {
         0 => String::new(),
@@ -146,7 +146,7 @@ fn result(progress: &ProgressDisplay, args: &Convert, solid: &Solid) {
 }
 
 /// Says so if the solid misses a tolerance that the user named.
-fn verdict(args: &Convert, solid: &Solid) -> Outcome {
+fn verdict(args: &Convert, solid: &SolidConversion) -> Outcome {
     if args.how.tolerance.is_none() || solid.tolerance_met(args.how.outliers / 100.0) {
         return Outcome::Done;
     }

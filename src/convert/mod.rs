@@ -26,7 +26,7 @@ pub use input::{InputReport, Inspection, Measured, inspect, measured};
 pub use memory::Memory;
 pub use options::{Builder, Options};
 pub use places::ScanPlace;
-pub use solid::{Seams, Shape, Solid, convert_solid, shape};
+pub use solid::{Seams, SolidConversion, TargetShape, convert_solid, shape};
 pub use stage::{Observer, Stage};
 
 use formats::Soup;

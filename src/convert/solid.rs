@@ -13,7 +13,7 @@ use crate::{Error, Result, brep, fill, layout, net, patches, smooth, threads};
 
 /// What becomes of a component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Shape {
+pub enum TargetShape {
     /// One face: the component is a sheet.
     Face,
     /// A solid of several faces: the component is closed or nearly so, or has handles.
@@ -39,7 +39,7 @@ const SEAM_PLACES: usize = 4;
 /// A component that became a solid. Lengths are in mm.
 #[derive(Debug)]
 #[non_exhaustive]
-pub struct Solid {
+pub struct SolidConversion {
     /// The boundary representation, which the writers take.
     pub brep: Brep,
     /// The faces and their sides.
@@ -87,7 +87,7 @@ pub struct Seams {
     pub max: f64,
 }
 
-impl Solid {
+impl SolidConversion {
     /// Whether at most the share `outliers` of the smoothed points exceeds the tolerance.
     pub fn tolerance_met(&self, outliers: f64) -> bool {
         let outliers = if self.tolerance_named { outliers } else { outliers.max(self.spared) };
@@ -101,11 +101,11 @@ impl Solid {
 ///
 /// # Errors
 /// [`Error::Component`]: there is no such component.
-pub fn shape(scan: &Components, component: Choice) -> Result<Shape> {
+pub fn shape(scan: &Components, component: Choice) -> Result<TargetShape> {
     let chosen = scan.take(component)?;
     let topology = &chosen.topology;
     let is_body = topology.orientable && (!topology.is_disk() || chosen.gap_share() < GAPS);
-    Ok(if is_body { Shape::Solid } else { Shape::Face })
+    Ok(if is_body { TargetShape::Solid } else { TargetShape::Face })
 }
 
 /// Converts one component of a scan to a solid. `watch` is as for
@@ -114,7 +114,11 @@ pub fn shape(scan: &Components, component: Choice) -> Result<Shape> {
 /// # Errors
 /// What stops a stage, or what `watch` answers. [`Error::Layout`] and [`Error::SolidFolds`] if no
 /// sound solid was found.
-pub fn convert_solid(scan: &Components, options: &Options, watch: &mut Observer) -> Result<Solid> {
+pub fn convert_solid(
+    scan: &Components,
+    options: &Options,
+    watch: &mut Observer,
+) -> Result<SolidConversion> {
     threads::run(options.threads, || {
         let mut shown = lengths::Shown::new(watch, scan.mm());
         let own = options.in_lengths(scan.mm());
@@ -123,7 +127,7 @@ pub fn convert_solid(scan: &Components, options: &Options, watch: &mut Observer)
     })?
 }
 
-fn solid(scan: &Components, options: &Options, watch: &mut Observer) -> Result<Solid> {
+fn solid(scan: &Components, options: &Options, watch: &mut Observer) -> Result<SolidConversion> {
     let mm = scan.mm();
     let (measured, input) = input::body(scan, options)?;
     watch(Stage::Mesh(&measured))?;
@@ -154,7 +158,7 @@ fn solid(scan: &Components, options: &Options, watch: &mut Observer) -> Result<S
 
     let smoothed = &patch.mesh.points[..patch.measured];
     let raw = scan.measured_points(&measured.mesh.points);
-    let solid = Solid {
+    let solid = SolidConversion {
         volume: brep.solids.iter().map(|solid| brep.volume(solid.outer)).sum(),
         seams: seams(&network),
         input,

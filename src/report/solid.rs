@@ -2,7 +2,7 @@
 
 use super::figures::{DeviationFigures, FillFigures, SmoothFigures, filled_holes};
 use super::{InputFigures, OutputFile, ScanSource, Settings, StageFigures, VERSION};
-use crate::Solid;
+use crate::SolidConversion;
 
 /// What a run made of the bodies of a scan, and how well.
 #[derive(Debug, Clone, PartialEq)]
@@ -45,7 +45,7 @@ pub struct SolidFigures {
     pub noise_mm: f64,
     /// The tolerance that the solid was made for.
     pub tolerance_mm: f64,
-    /// Whether the solid keeps it ([`Solid::tolerance_met`]).
+    /// Whether the solid keeps it ([`SolidConversion::tolerance_met`]).
     pub tolerance_met: bool,
     /// What smoothing did.
     pub smooth: SmoothFigures,
@@ -127,7 +127,7 @@ pub struct SeamFigures {
 impl SolidReport {
     /// The report of some solids of one scan. Stages, outputs, seconds and memory are empty or 0
     /// until the caller fills them in.
-    pub fn of(solids: &[Solid], source: &ScanSource, settings: Settings) -> Self {
+    pub fn of(solids: &[SolidConversion], source: &ScanSource, settings: Settings) -> Self {
         let outliers = settings.outliers / 100.0;
         SolidReport {
             scan2step: VERSION,
@@ -146,7 +146,7 @@ impl SolidReport {
 
 impl SolidFigures {
     /// The figures of one solid. The share `outliers` of points may exceed the tolerance.
-    pub fn of(solid: &Solid, source: &ScanSource, outliers: f64) -> Self {
+    pub fn of(solid: &SolidConversion, source: &ScanSource, outliers: f64) -> Self {
         let all = solid.fit_deviation.distances.len();
         let within = all - solid.fit_deviation.beyond(solid.tolerance);
         SolidFigures {
@@ -173,7 +173,7 @@ impl SolidFigures {
 }
 
 impl ShapeFigures {
-    fn of(solid: &Solid) -> Self {
+    fn of(solid: &SolidConversion) -> Self {
         let brep = &solid.brep;
         let uses = brep.uses();
         ShapeFigures {
