@@ -361,10 +361,10 @@ impl Error {
             }
             Error::NotOrientable => "cut the strip open, or choose another `component`".into(),
             Error::NotADisk { loops: 0, .. } => {
-                "cut the closed surface open along a seam, and convert the pieces one by one".into()
+                "ask for a solid (`shape`), or cut the surface open along a seam".into()
             }
             Error::NotADisk { .. } => {
-                "cut the handles open so that one sheet is left, or choose another `component`".into()
+                "ask for a solid (`shape`), which fills all gaps, or cut the handles open so that one sheet is left".into()
             }
             Error::Corners(_) => {
                 "give four different vertices of the outer boundary as `corners`, or leave the option out".into()

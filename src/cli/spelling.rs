@@ -2,7 +2,8 @@
 
 /// The names of options in the library, which stand in backticks in its messages, and those
 /// on the command line.
-const OPTIONS: [(&str, &str); 18] = [
+const OPTIONS: [(&str, &str); 19] = [
+    ("shape", "--shape"),
     ("unit", "--units"),
     ("component", "--component"),
     ("outer", "--outer"),

@@ -16,7 +16,7 @@ use crate::{Error, Result, brep, fill, layout, net, patches, smooth, threads};
 pub enum TargetShape {
     /// One face: the component is a sheet.
     Face,
-    /// A solid of several faces: the component is closed or nearly so, or has handles.
+    /// A solid of several faces: the component is closed, or nearly so.
     Solid,
 }
 
@@ -96,15 +96,13 @@ impl SolidConversion {
     }
 }
 
-/// Says what a component becomes: a solid if it is closed, has small gaps, or has handles, which no face
-/// can have; a face if it is a sheet.
+/// Says what a component becomes: a solid if it is closed or has small gaps, and a face if it is a sheet.
 ///
 /// # Errors
 /// [`Error::Component`]: there is no such component.
 pub fn shape(scan: &Components, component: Choice) -> Result<TargetShape> {
     let chosen = scan.take(component)?;
-    let topology = &chosen.topology;
-    let is_body = topology.orientable && (!topology.is_disk() || chosen.gap_share() < GAPS);
+    let is_body = chosen.topology.orientable && chosen.gap_share() < GAPS;
     Ok(if is_body { TargetShape::Solid } else { TargetShape::Face })
 }
 
