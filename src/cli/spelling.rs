@@ -60,7 +60,7 @@ mod tests {
         for (error, option) in [
             (Error::Component { asked: 3, count: 2 }, "--component"),
             (Error::NotOrientable, "--component"),
-            (Error::NotADisk { genus: 1, loops: 1 }, "--component"),
+            (Error::NotADisk { genus: 1, loops: 1 }, "--shape"),
             (Error::Corners(String::new()), "--corners"),
             (Error::TooSmall(3), "--outline"),
             (Error::Support { h: 1.0, shortest: 0.1, longest: 9.0 }, "--smooth"),
