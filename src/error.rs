@@ -136,8 +136,11 @@ pub enum Error {
     /// No layout of faces was found on a body.
     #[error("no layout of faces was found: {0}")]
     Layout(&'static str),
-    /// The faces of a solid turn over.
-    #[error("the faces of the solid turn over at {count} places, one near {}", mm(at))]
+    /// The faces of a solid turn over, or go through each other.
+    #[error(
+        "the faces of the solid turn over or go through each other at {count} places, one near {}",
+        mm(at)
+    )]
     SolidFolds {
         /// The number of places.
         count: usize,

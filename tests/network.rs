@@ -2,14 +2,14 @@
 
 mod common;
 
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 use nalgebra::Vector2;
 use scan2step::geometry::{Point, Uv, Vector, VertexId};
-use scan2step::mesh::{Mesh, QuadMesh};
+use scan2step::mesh::{Mesh, Patch, QuadMesh};
 use scan2step::spline::Network;
 use scan2step::spline::subdivision::{QuadPlace, SubdivisionSurface};
-use scan2step::{brep, net, patches};
+use scan2step::{brep, deviation, net, patches};
 
 /// The surface of unit cubes as a quad mesh, with a block of `n` × `n` quads for each square.
 fn cubes(cells: &[[i32; 3]], n: usize) -> QuadMesh {
@@ -109,6 +109,36 @@ fn patches_of(mesh: &QuadMesh) -> Network {
 }
 
 #[test]
+fn faces_become_a_closed_mesh_that_does_not_cross_itself() {
+    for (name, mesh, euler) in bodies(4) {
+        let network = patches_of(&mesh);
+        let (triangles, faces) = deviation::tessellation(&network);
+        assert_eq!(faces.len(), triangles.triangles.len(), "{name}");
+        let sides = |t: &[VertexId; 3]| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])];
+        let all: HashSet<_> = triangles.triangles.iter().flat_map(sides).collect();
+        assert_eq!(all.len(), 3 * faces.len(), "{name}: a side is used twice");
+        assert!(all.iter().all(|&(a, b)| all.contains(&(b, a))), "{name}: an open side");
+        let count = triangles.points.len() as i64 - faces.len() as i64 / 2;
+        assert_eq!(count, euler, "{name}");
+        assert!(deviation::crossing_faces(&network).is_empty(), "{name}");
+    }
+}
+
+#[test]
+fn a_face_that_goes_through_another_is_found() {
+    let (_, mesh, _) = bodies(4).into_iter().next().expect("a cube");
+    let mut network = patches_of(&mesh);
+    let middle = network.surfaces[0].net.len() / 2;
+    // The middle of one side of the cube is drawn through the opposite side.
+    let away = network.surfaces[0].net[middle];
+    let centre = network.corners.iter().map(|p| p.coords).sum::<Vector>() / 8.0;
+    network.surfaces[0].net[middle] += 12.0 * (centre - away);
+    let faces: HashSet<usize> =
+        deviation::crossing_faces(&network).into_iter().map(|found| found.0).collect();
+    assert!(faces.contains(&0) && faces.len() > 1, "{faces:?}");
+}
+
+#[test]
 fn outer_rows_are_the_tracks_on_both_sides() {
     for (name, mesh, euler) in bodies(4) {
         let network = patches_of(&mesh);
@@ -189,7 +219,8 @@ fn the_fit_finds_a_surface_that_it_can_represent() {
         // The fit does not know the control points: it begins with points of the scan.
         let start = limit_surface_at_vertices(&mesh);
         let options = net::Options { tolerance: 1e-3, outliers: 0.0, max_control: 100_000 };
-        let (fitted, report) = net::fit(&start, &scan, scan.points.len(), &options).expect("a fit");
+        let (fitted, report) =
+            net::fit(&start, &Patch::closed(scan.clone()), &options).expect("a fit");
         assert_eq!(report.without_foot, 0, "{name}");
         assert!(report.rms < 1e-4 && report.beyond == 0.0, "{name}: {report:?}");
         let (network, found) = patches::extract(&fitted.mesh, &fitted.surface).expect("patches");
@@ -213,7 +244,19 @@ fn limit_surface_at_vertices(mesh: &QuadMesh) -> QuadMesh {
         let (quad, k) = surface.corner(v.into());
         scan2step::spline::subdivision::limit_point(&surface.ring(quad, k), &control)
     };
-    QuadMesh { points: (0..control.len()).map(limit).collect(), ..mesh.clone() }
+    with_normals(QuadMesh { points: (0..control.len()).map(limit).collect(), ..mesh.clone() })
+}
+
+/// The mesh with the normals that its quads give its vertices.
+fn with_normals(mut mesh: QuadMesh) -> QuadMesh {
+    let mut normals = vec![Vector::zeros(); mesh.points.len()];
+    for quad in &mesh.quads {
+        let [a, b, c, d] = quad.map(|v| mesh.points[v.index()]);
+        let normal = (c - a).cross(&(d - b));
+        quad.iter().for_each(|v| normals[v.index()] += normal);
+    }
+    mesh.normals = normals.iter().map(Vector::normalize).collect();
+    mesh
 }
 
 /// The volume that triangles enclose.
@@ -235,7 +278,7 @@ fn quads_are_divided_until_the_tolerance_holds() {
         QuadMesh { points: coarse.points.iter().map(|p| nearest(&scan, *p)).collect(), ..coarse };
     let fit = |tolerance: f64| {
         let options = net::Options { tolerance, outliers: 0.0, max_control: 100_000 };
-        net::fit(&coarse, &scan, scan.points.len(), &options).expect("a fit").1
+        net::fit(&coarse, &Patch::closed(scan.clone()), &options).expect("a fit").1
     };
     let [loose, tight] = [0.1, 0.005].map(fit);
     assert_eq!((loose.side, tight.side), (4, 8), "{loose:?} {tight:?}");

@@ -29,9 +29,13 @@ const GAPS: f64 = 0.05;
 /// so that only roundings remain.
 const UNCERTAINTY: f64 = 1e-7;
 
-/// The spreads in degrees that are tried in turn ([`layout::Options::spread`]). The first one gives the
-/// fewest faces.
-const SPREADS: [f64; 3] = [65.0, 50.0, 38.0];
+/// The most rounds in which the layout is made finer where faces turn over. Where the scan tells no
+/// more about the shape, further rounds do not help.
+const FINER_ROUNDS: usize = 6;
+
+/// The layout is not made finer if more than one in this number of faces is faulty. Then the parts of the
+/// scan are finer than its triangles nearly everywhere, and finer layouts have more faults.
+const MOST_FAULTY: usize = 5;
 
 /// The number of places in each span of a track at which the angle between its faces is measured.
 const SEAM_PLACES: usize = 4;
@@ -148,7 +152,7 @@ fn solid(scan: &Components, options: &Options, watch: &mut Observer) -> Result<S
     let net_options =
         net::Options { tolerance, outliers: goal.outliers, max_control: options.knots.max_net };
     let Faces { network: own, to_scan: face_to_scan, layout, net, irregular } =
-        faces(&patch, &net_options, watch)?;
+        faces(&patch.even(), &net_options, watch)?;
     let network = own.clone().scaled(mm);
     watch(Stage::Network(&network))?;
     let brep = brep::closed(&network, &options.name, UNCERTAINTY)?;
@@ -188,44 +192,40 @@ struct Faces {
     irregular: usize,
 }
 
-/// Makes the faces of a filled body. If they turn over, narrower spreads are tried, which give more and
-/// smaller faces.
+/// Makes the faces of a filled body with even triangles. Where they turn over or go
+/// through each other, the layout is made finer.
 fn faces(patch: &Patch, options: &net::Options, watch: &mut Observer) -> Result<Faces> {
-    let mut failure = None;
-    for spread in SPREADS {
-        let made = faces_with(patch, &layout::Options { spread }, options, watch);
-        match made {
-            Err(error @ (Error::Layout(_) | Error::SolidFolds { .. })) => failure = Some(error),
-            made => return made,
-        }
-    }
-    Err(failure.unwrap_or(Error::Layout("there is none")))
-}
-
-fn faces_with(
-    patch: &Patch,
-    layout: &layout::Options,
-    options: &net::Options,
-    watch: &mut Observer,
-) -> Result<Faces> {
-    let (quads, layout) = layout::layout_with(&patch.mesh, layout, &mut within("layout", watch))?;
-    watch(Stage::Layout(&quads))?;
-    let mut within = within("fit", watch);
-    let (fitted, net) = net::fit_with(&quads, &patch.mesh, patch.measured, options, &mut within)?;
-    let (network, extracted) = patches::extract(&fitted.mesh, &fitted.surface)?;
-    let to_scan = faces_to_scan(&network, patch)?;
-    Ok(Faces { network, to_scan, layout, net, irregular: extracted.irregular })
-}
-
-/// Compares the faces with the filled mesh. Faces that turn over are an error.
-fn faces_to_scan(network: &Network, patch: &Patch) -> Result<NetworkToScan> {
+    let mut layout = layout::layout_with(
+        &patch.mesh,
+        &layout::Options::default(),
+        &mut within("layout", watch),
+    )?;
     let is_measured: Vec<bool> =
         patch.origin.iter().map(|&origin| origin == FaceOrigin::Measured).collect();
-    let found = deviation::network_to_scan(network, &patch.mesh, &is_measured);
-    match found.inverted[..] {
-        [] => Ok(found),
-        [at, ..] => Err(Error::SolidFolds { count: found.inverted.len(), at }),
+    for round in 0..=FINER_ROUNDS {
+        watch(Stage::Layout(layout.quads()))?;
+        let (fitted, net) =
+            net::fit_with(layout.quads(), patch, options, &mut within("fit", watch))?;
+        let (network, extracted) = patches::extract(&fitted.mesh, &fitted.surface)?;
+        let to_scan = deviation::network_to_scan(&network, &fitted.mesh, &patch.mesh, &is_measured);
+        let mut faults = to_scan.inverted.clone();
+        faults.extend(deviation::crossing_faces(&network));
+        let Some(&(_, at)) = faults.first() else {
+            let (layout, irregular) = (layout.report(), extracted.irregular);
+            return Ok(Faces { network, to_scan, layout, net, irregular });
+        };
+        let mut blocks: Vec<usize> = faults.iter().map(|&(face, _)| face).collect();
+        blocks.sort_unstable();
+        blocks.dedup();
+        let too_many = blocks.len() > network.surfaces.len() / MOST_FAULTY;
+        if too_many
+            || round == FINER_ROUNDS
+            || !layout.split(&blocks, &mut within("layout", watch))?
+        {
+            return Err(Error::SolidFolds { count: faults.len(), at });
+        }
     }
+    Err(Error::Layout("there is none"))
 }
 
 fn seams(network: &Network) -> Seams {

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{Deviation, TrimmedFace};
 use crate::geometry::{Point, Uv, Vector};
-use crate::mesh::{Mesh, Triangles};
+use crate::mesh::{Mesh, QuadMesh, Triangles};
 use crate::spline::{Network, ParametricSurface};
 
 /// The number of samples of each span in u and in v. Between two samples a span moves away from its
@@ -35,24 +35,31 @@ pub fn of_network(network: &Network, points: &[Point]) -> Deviation {
 pub struct NetworkToScan {
     /// The distances of the samples whose nearest triangle was measured.
     pub deviation: Deviation,
-    /// The samples whose normal points against that of the nearest triangle.
-    pub inverted: Vec<Point>,
+    /// The samples whose normal points against those of the nearest triangle and of its corners, and
+    /// against that of the layout. Each has the number of its face. On a thin wall the nearest triangle
+    /// may be on the other side.
+    pub inverted: Vec<(usize, Point)>,
 }
 
 impl NetworkToScan {
     /// The same with all lengths multiplied by a factor.
     pub(crate) fn scaled(self, factor: f64) -> Self {
-        let inverted = self.inverted.iter().map(|p| p * factor).collect();
+        let inverted = self.inverted.iter().map(|&(face, p)| (face, p * factor)).collect();
         NetworkToScan { deviation: self.deviation.scaled(factor), inverted }
     }
 }
 
-/// Compares samples of a network with a mesh. `is_measured` says which triangles were measured; samples
-/// near others count only for how they face.
-pub fn network_to_scan(network: &Network, mesh: &Mesh, is_measured: &[bool]) -> NetworkToScan {
+/// Compares samples of a network with a mesh. `quads` is the mesh from whose blocks the faces were made.
+/// `is_measured` says which triangles were measured; samples near others count only for how they face.
+pub fn network_to_scan(
+    network: &Network,
+    quads: &QuadMesh,
+    mesh: &Mesh,
+    is_measured: &[bool],
+) -> NetworkToScan {
     let triangles = Triangles::new(mesh);
     let normals = mesh.vertex_normals();
-    let of_face = |surface: &crate::spline::Surface| {
+    let of_face = |(face, surface): (usize, &crate::spline::Surface)| {
         let places = |knots: &crate::spline::KnotVector| -> Vec<f64> {
             let breaks = knots.breaks();
             let inside = breaks.windows(2).flat_map(|span| {
@@ -67,15 +74,20 @@ pub fn network_to_scan(network: &Network, mesh: &Mesh, is_measured: &[bool]) -> 
             let jet = surface.jet(at);
             let (off, t) = triangles.nearest(jet.s);
             let facing: Vector = mesh.triangles[t].iter().map(|v| normals[v.index()]).sum();
-            (jet.s, off, t, jet.su.cross(&jet.sv).dot(&facing) < 0.0)
+            let normal = jet.su.cross(&jet.sv);
+            let facings =
+                [quads.block_normal(face, at), facing, mesh.area_vector(mesh.triangles[t])];
+            let inverted = facings.iter().all(|facing| normal.dot(facing) < 0.0);
+            (jet.s, off, t, inverted.then_some(face))
         };
         all.map(sample).collect::<Vec<_>>()
     };
-    let samples: Vec<_> = network.surfaces.par_iter().map(of_face).flatten_iter().collect();
+    let faces = network.surfaces.par_iter().enumerate();
+    let samples: Vec<_> = faces.map(of_face).flatten_iter().collect();
     let measured = samples.iter().filter(|s| is_measured[s.2]);
     let (points, distances): (Vec<Point>, Vec<f64>) = measured.map(|s| (s.0, s.1)).unzip();
     NetworkToScan {
         deviation: Deviation::of(&points, distances),
-        inverted: samples.iter().filter(|s| s.3).map(|s| s.0).collect(),
+        inverted: samples.iter().filter_map(|s| Some((s.3?, s.0))).collect(),
     }
 }

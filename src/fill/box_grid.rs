@@ -8,9 +8,9 @@ use rayon::prelude::*;
 use rstar::primitives::{GeomWithData, Rectangle};
 use rstar::{AABB, RTree};
 
-use super::box_blocks::{NumberedBox, overlap};
 use crate::geometry::Point;
 use crate::mesh::Buckets;
+use crate::mesh::crossings::{NumberedBox, overlap};
 
 /// A query over more cells than this uses a tree. It changes the time only.
 const MOST_CELLS: i64 = 1000;

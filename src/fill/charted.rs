@@ -4,7 +4,7 @@
 use foldhash::{HashSet, HashSetExt};
 
 use crate::geometry::{Point, Uv, orient2d};
-use crate::mesh::remesh::flips::{self, Sides};
+use crate::mesh::remesh::flips::{self, EdgeFlip, Sides};
 
 /// A triangulated fill. Its first `fixed` vertices are those of the rims.
 #[derive(Debug, Clone)]
@@ -77,9 +77,7 @@ impl ChartedFill {
         let uv = &self.uv;
         let upright = |t: &[usize; 3]| is_upright(t.map(|v| uv[v]));
         // A flip may leave inverted triangles only where there were some before.
-        let may = |old: [[usize; 3]; 2], new: [[usize; 3]; 2]| {
-            new.iter().all(upright) || !old.iter().all(upright)
-        };
+        let may = |edge: &EdgeFlip| edge.new.iter().all(upright) || !edge.old.iter().all(upright);
         flips::flip(&self.points, &mut self.triangles, sides, joined, may);
     }
 

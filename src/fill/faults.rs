@@ -3,13 +3,12 @@
 
 use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 use rayon::prelude::*;
-use robust::{Coord3D, orient3d};
 
-use super::box_blocks::{BoxBlock, BoxBlocks, NumberedBox, overlap};
 use super::box_grid::BoxGrid;
 use super::front::{Fill, Surroundings};
 use crate::geometry::{Point, Vector, VertexId, unit_normal};
 use crate::mesh::Mesh;
+use crate::mesh::crossings::{BoxBlock, BoxBlocks, NumberedBox, cut, extent, overlap};
 use crate::mesh::remesh::FOLDED;
 
 /// The width of a grid cell in mean sides of the triangles. It changes the time only.
@@ -43,11 +42,6 @@ impl Obstacles {
         let extents = mesh.triangles.par_iter().map(|t| extent(t.map(|v| mesh.point(v))));
         Obstacles(BoxGrid::new(extents.collect(), CELL * mean.max(f64::MIN_POSITIVE)))
     }
-}
-
-/// The bounding box of a triangle.
-pub fn extent([a, b, c]: [Point; 3]) -> [Point; 2] {
-    [a.inf(&b).inf(&c), a.sup(&b).sup(&c)]
 }
 
 /// The faults of a fill.
@@ -133,49 +127,6 @@ impl FaultFinder<'_> {
     fn cut(&self, s: [VertexId; 3], t: [VertexId; 3]) -> bool {
         cut([s, t], [s.map(self.at), t.map(self.at)])
     }
-}
-
-/// Whether an edge of one of two triangles goes through the other. Edges that end at a common
-/// vertex do not count.
-pub fn cut([s, t]: [[VertexId; 3]; 2], [at_s, at_t]: [[Point; 3]; 2]) -> bool {
-    let shared = s.iter().filter(|v| t.contains(v)).count();
-    if shared > 1 || is_beside(at_s, at_t) || is_beside(at_t, at_s) {
-        return false;
-    }
-    let pierces = |s: [VertexId; 3], at_s: [Point; 3], t: [VertexId; 3], at_t| {
-        (0..3).any(|k| {
-            let l = (k + 1) % 3;
-            !t.contains(&s[k]) && !t.contains(&s[l]) && goes_through([at_s[k], at_s[l]], at_t)
-        })
-    };
-    pierces(s, at_s, t, at_t) || pierces(t, at_t, s, at_s)
-}
-
-/// Whether a triangle is beyond a side of another one, seen along the normal of the latter, up
-/// to rounding. Neighbours are.
-fn is_beside([a, b, c]: [Point; 3], other: [Point; 3]) -> bool {
-    let normal = (b - a).cross(&(c - a));
-    let rounding = 1e-12 * normal.norm();
-    [(a, b), (b, c), (c, a)].into_iter().any(|(p, q)| {
-        let inwards = normal.cross(&(q - p));
-        let nothing = rounding * (q - p).norm_squared();
-        other.iter().all(|x| inwards.dot(&(x - p)) <= nothing)
-    })
-}
-
-/// Whether a segment goes through the interior of a triangle.
-fn goes_through([p, q]: [Point; 2], [a, b, c]: [Point; 3]) -> bool {
-    if side([a, b, c, p]) * side([a, b, c, q]) >= 0.0 {
-        return false;
-    }
-    let around = [side([p, q, a, b]), side([p, q, b, c]), side([p, q, c, a])];
-    around.iter().all(|x| *x > 0.0) || around.iter().all(|x| *x < 0.0)
-}
-
-/// The side of a triangle on which a fourth point is, as the sign of the result.
-fn side(corners: [Point; 4]) -> f64 {
-    let [a, b, c, d] = corners.map(|p| Coord3D { x: p.x, y: p.y, z: p.z });
-    orient3d(a, b, c, d)
 }
 
 #[cfg(test)]

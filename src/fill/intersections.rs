@@ -6,13 +6,13 @@ use std::collections::BTreeMap;
 
 use foldhash::{HashMap, HashMapExt};
 
-use super::box_blocks::{BoxBlocks, NumberedBox, around, overlap};
-use super::faults::{self, cut, extent};
+use super::faults;
 use super::front::{Fill, Surroundings};
 use super::strategies::ClosedHole;
 use crate::error::Result;
 use crate::geometry::{Point, VertexId};
 use crate::mesh::Mesh;
+use crate::mesh::crossings::{BoxBlocks, NumberedBox, around, cut, extent, overlap};
 
 /// Replaces the fills that intersect earlier ones. `again` closes holes of a mesh with measured
 /// points. Intersections that remain are added to the faults of the later fill.

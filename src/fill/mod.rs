@@ -10,7 +10,6 @@
 //! does not matter, unless two fills intersect (`intersections`).
 
 mod band;
-mod box_blocks;
 mod box_grid;
 mod charted;
 mod faults;

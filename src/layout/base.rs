@@ -4,8 +4,8 @@
 //! backwards, the steps lead a point of the coarse triangulation to its place on the scan (Lee et
 //! al., "MAPS: multiresolution adaptive parameterization of surfaces", 1998).
 
-use crate::geometry::{NONE, Point, Uv, Vector, VertexId, orient2d};
-use crate::mesh::Mesh;
+use super::ground::Ground;
+use crate::geometry::{NONE, Point, Uv, Vector, orient2d};
 
 /// A place on a triangle: its number, and the weights of its corners.
 #[derive(Debug, Clone, Copy)]
@@ -23,9 +23,12 @@ struct MapStep {
     new: Vec<Flat>,
 }
 
-/// A triangulation whose first triangles are those of the scan.
-pub(super) struct Base<'a> {
-    scan: &'a Mesh,
+/// A triangulation whose first triangles and vertices are those of the scan.
+pub(super) struct Base {
+    /// The places of the vertices.
+    pub points: Vec<Point>,
+    /// Smoothed unit normals of the scan at the vertices.
+    pub normals: Vec<Vector>,
     /// All triangles that ever existed. Those of the scan come first.
     pub triangles: Vec<[u32; 3]>,
     /// Whether each triangle still exists.
@@ -37,18 +40,30 @@ pub(super) struct Base<'a> {
     pub around: Vec<Vec<u32>>,
     /// The removed vertices of the scan in each triangle.
     pub members: Vec<Vec<(u32, [f64; 3])>>,
+    /// The mean length of the scan's edges at each vertex.
+    edges: Vec<f64>,
 }
 
-impl<'a> Base<'a> {
-    pub fn new(scan: &'a Mesh) -> Self {
+impl Base {
+    pub fn new(ground: &Ground) -> Self {
+        let scan = &ground.mesh;
         let triangles: Vec<[u32; 3]> = scan.triangles.iter().map(|t| t.map(|v| v.0)).collect();
         let mut around = vec![Vec::new(); scan.points.len()];
         for (t, corners) in triangles.iter().enumerate() {
             corners.iter().for_each(|&v| around[v as usize].push(t as u32));
         }
         let count = triangles.len();
+        let edges = around.iter().enumerate().map(|(v, around)| {
+            let ends = around.iter().flat_map(|&t| scan.triangles[t as usize]);
+            let lengths = ends.map(|w| (scan.point(w) - scan.points[v]).norm());
+            // Each triangle adds a length of zero and two edges.
+            lengths.sum::<f64>() / (2 * around.len().max(1)) as f64
+        });
+        let edges = edges.collect();
         Base {
-            scan,
+            points: scan.points.clone(),
+            normals: ground.normals.clone(),
+            edges,
             triangles,
             alive: vec![true; count],
             made_by: vec![NONE; count],
@@ -59,12 +74,28 @@ impl<'a> Base<'a> {
     }
 
     pub fn point(&self, v: u32) -> Point {
-        self.scan.point(VertexId(v))
+        self.points[v as usize]
+    }
+
+    /// The length of the longest side of a triangle as a multiple of the scan's edges at its corners.
+    pub fn scan_edges(&self, t: [u32; 3]) -> f64 {
+        let [a, b, c] = t.map(|v| self.point(v));
+        let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
+        3.0 * longest / t.iter().map(|&v| self.edges[v as usize]).sum::<f64>()
     }
 
     /// The number of triangles around a vertex.
     pub fn valence(&self, v: u32) -> usize {
         self.around[v as usize].len()
+    }
+
+    /// Adds a vertex that has no triangles yet. `like` is a vertex beside it.
+    pub fn add_vertex(&mut self, point: Point, normal: Vector, like: u32) -> u32 {
+        self.points.push(point);
+        self.normals.push(normal);
+        self.edges.push(self.edges[like as usize]);
+        self.around.push(Vec::new());
+        self.points.len() as u32 - 1
     }
 
     /// The neighbours of a vertex, counter-clockwise, each with the triangle between it and the next
@@ -87,6 +118,18 @@ impl<'a> Base<'a> {
             at = next;
         }
         (at == ring[0].0).then_some(ring)
+    }
+
+    /// The triangle across side `k` of a triangle, and the vertex opposite to the side there.
+    pub fn across(&self, t: usize, k: usize) -> Option<(u32, u32)> {
+        let corners = self.triangles[t];
+        let (a, b) = (corners[k], corners[(k + 1) % 3]);
+        let other = self.around[a as usize]
+            .iter()
+            .copied()
+            .find(|&o| o as usize != t && self.triangles[o as usize].contains(&b))?;
+        let apex = self.triangles[other as usize].into_iter().find(|&w| w != a && w != b)?;
+        Some((other, apex))
     }
 
     /// The area-weighted normal of three points.

@@ -28,13 +28,16 @@ const QUALITY: f64 = 0.25;
 /// The cosine of the largest angle between a face and the mean normal of the scan in it (75°).
 const FACING: f64 = 0.26;
 
-/// The vertices of a face whose triangles have fewer scan edges along a side are not tested for
-/// their spread: single normals of a scan are rough.
-const FEW_MEMBERS: usize = 12;
+/// The normals of single triangles are rough. The spread of a face whose sides are shorter than
+/// `SHORT` edges of the scan may be larger: its cosine is `EASED` (80°). A face whose sides are
+/// shorter than `TINY` edges may face anywhere. Without this, rough normals keep small clusters.
+const SHORT: f64 = 5.0;
+const TINY: f64 = 2.0;
+const EASED: f64 = 0.17;
 
 /// Collapses edges as long as the normals of the scan in each triangle are within an angle whose
 /// cosine is `spread` of their mean.
-pub(super) fn coarsen(base: &mut Base, normals: &[Vector], quadrics: &[ErrorQuadric], spread: f64) {
+pub(super) fn coarsen(base: &mut Base, quadrics: &[ErrorQuadric], spread: f64) {
     let mut queue = BinaryHeap::new();
     let mut versions = vec![0u32; base.around.len()];
     for v in 0..base.around.len() as u32 {
@@ -48,8 +51,7 @@ pub(super) fn coarsen(base: &mut Base, normals: &[Vector], quadrics: &[ErrorQuad
         let mut targets: Vec<(f64, usize)> =
             (0..ring.len()).map(|k| (cost(base, quadrics, v, ring[k].0), k)).collect();
         targets.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        let change =
-            targets.iter().find_map(|&(_, k)| collapse(base, normals, spread, v, &ring, k));
+        let change = targets.iter().find_map(|&(_, k)| collapse(base, spread, v, &ring, k));
         let Some(change) = change else { continue };
         base.replace(change.old, change.new, &change.corners, change.members);
         for &(w, _) in &ring {
@@ -144,14 +146,7 @@ struct Change {
 }
 
 /// Moves vertex `v` onto entry `k` of its ring, if this is legal.
-fn collapse(
-    base: &Base,
-    normals: &[Vector],
-    spread: f64,
-    v: u32,
-    ring: &[(u32, u32)],
-    k: usize,
-) -> Option<Change> {
+fn collapse(base: &Base, spread: f64, v: u32, ring: &[(u32, u32)], k: usize) -> Option<Change> {
     let m = ring.len();
     let u = ring[k].0;
     let at = |i: usize| ring[(k + i) % m].0;
@@ -177,10 +172,7 @@ fn collapse(
     is_shaped(base, &old, &new, &corners).then_some(())?;
     let members = base.moved_members(&old, &new, Some(v));
     let faces = corners.iter().zip(&members);
-    faces
-        .into_iter()
-        .all(|(t, members)| faces_scan(base, normals, spread, *t, members))
-        .then_some(())?;
+    faces.into_iter().all(|(t, members)| faces_scan(base, spread, *t, members)).then_some(())?;
     Some(Change { old, new, corners, members })
 }
 
@@ -205,7 +197,7 @@ fn flattened(base: &Base, v: u32, ring: &[(u32, u32)]) -> Option<Vec<Uv>> {
 }
 
 /// Whether all new triangles have a good shape, or one no worse than the worst before.
-fn is_shaped(base: &Base, old: &[Flat], new: &[Flat], corners: &[[u32; 3]]) -> bool {
+pub(super) fn is_shaped(base: &Base, old: &[Flat], new: &[Flat], corners: &[[u32; 3]]) -> bool {
     let worst = |flats: &[Flat]| flats.iter().map(|f| quality(f.1)).fold(1.0, f64::min);
     let least = worst(new);
     if least <= 0.0 || least < FLAT_QUALITY.min(worst(old)) {
@@ -219,7 +211,7 @@ fn is_shaped(base: &Base, old: &[Flat], new: &[Flat], corners: &[[u32; 3]]) -> b
 const EQUAL_SIDES: f64 = 3.464_101_615_137_754_6;
 
 /// The quality of a triangle in the plane. It is negative if the triangle is turned over.
-fn quality([a, b, c]: [Uv; 3]) -> f64 {
+pub(super) fn quality([a, b, c]: [Uv; 3]) -> f64 {
     let squares = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
     EQUAL_SIDES * crate::geometry::orient2d(a, b, c) / squares.max(f64::MIN_POSITIVE)
 }
@@ -232,159 +224,24 @@ pub(super) fn space_quality(base: &Base, t: [u32; 3]) -> f64 {
 
 /// Whether a triangle faces as the scan in it does, and the normals of the scan in it are within the
 /// spread.
-fn faces_scan(
+pub(super) fn faces_scan(
     base: &Base,
-    normals: &[Vector],
     spread: f64,
     t: [u32; 3],
     members: &[(u32, [f64; 3])],
 ) -> bool {
-    let own = t.iter().map(|&v| normals[v as usize]);
-    let all = || members.iter().map(|m| normals[m.0 as usize]);
+    let size = base.scan_edges(t);
+    if size < TINY {
+        return true;
+    }
+    let own = t.iter().map(|&v| base.normals[v as usize]);
+    let all = || members.iter().map(|m| base.normals[m.0 as usize]);
     let mean: Vector = own.chain(all()).sum();
     let Some(mean) = mean.try_normalize(0.0) else { return false };
     let normal = base.area_vector(t).try_normalize(0.0).unwrap_or_default();
     if normal.dot(&mean) < FACING {
         return false;
     }
-    members.len() < FEW_MEMBERS || all().all(|n| n.dot(&mean) >= spread)
-}
-
-/// Flips edges where that makes the valences more even and no triangle worse than allowed. Returns the
-/// number of flips.
-pub(super) fn flip(base: &mut Base, normals: &[Vector], spread: f64) -> usize {
-    let mut count = 0;
-    let mut t = 0;
-    while t < base.triangles.len() {
-        for k in 0..3 {
-            if base.alive[t] && flip_gain(base, t, k) > 0 && flip_side(base, normals, spread, t, k)
-            {
-                count += 1;
-            }
-        }
-        t += 1;
-    }
-    count
-}
-
-/// The triangle across side `k` of a triangle, and the vertex opposite to the side there.
-pub(super) fn across(base: &Base, t: usize, k: usize) -> Option<(u32, u32)> {
-    let corners = base.triangles[t];
-    let (a, b) = (corners[k], corners[(k + 1) % 3]);
-    let other = base.around[a as usize]
-        .iter()
-        .copied()
-        .find(|&o| o as usize != t && base.triangles[o as usize].contains(&b))?;
-    let apex = base.triangles[other as usize].into_iter().find(|&w| w != a && w != b)?;
-    Some((other, apex))
-}
-
-/// By how much a flip lowers the sum of squares of valences minus six.
-fn flip_gain(base: &Base, t: usize, k: usize) -> i64 {
-    let Some((_, d)) = across(base, t, k) else { return 0 };
-    let corners = base.triangles[t];
-    let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
-    let square = |v: u32, by: i64| (base.valence(v) as i64 + by - 6).pow(2);
-    let before = square(a, 0) + square(b, 0) + square(c, 0) + square(d, 0);
-    before - square(a, -1) - square(b, -1) - square(c, 1) - square(d, 1)
-}
-
-/// Two triangles (a, b, c) and (b, a, d) in a plane, unfolded about their common edge: the places of a, b,
-/// c and d, and the triangles in a record.
-fn unfolded(base: &Base, triangles: [u32; 2], names: [u32; 4]) -> Option<([Uv; 4], Vec<Flat>)> {
-    let [a, b, c, d] = names.map(|v| base.point(v));
-    let length = (b - a).norm();
-    (length > 0.0).then_some(())?;
-    let place = |p: crate::geometry::Point, side: f64| {
-        let along = (p - a).dot(&(b - a)) / length;
-        let off = ((p - a).norm_squared() - along * along).max(0.0).sqrt();
-        Uv::new(along / length, side * off / length)
-    };
-    let places = [Uv::origin(), Uv::new(1.0, 0.0), place(c, 1.0), place(d, -1.0)];
-    let place_of = |v: u32| names.iter().position(|&w| w == v).map_or(places[0], |k| places[k]);
-    let flat = |t: u32| (t, base.triangles[t as usize].map(place_of));
-    Some((places, triangles.map(flat).to_vec()))
-}
-
-/// Flips side `k` of a triangle if this is legal.
-pub(super) fn flip_side(
-    base: &mut Base,
-    normals: &[Vector],
-    spread: f64,
-    t: usize,
-    k: usize,
-) -> bool {
-    let Some((other, d)) = across(base, t, k) else { return false };
-    let corners = base.triangles[t];
-    let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
-    let joined = base.around[c as usize].iter().any(|&o| base.triangles[o as usize].contains(&d));
-    if c == d || joined || base.valence(a) < 5 || base.valence(b) < 5 {
-        return false;
-    }
-    let Some(([fa, fb, fc, fd], old)) = unfolded(base, [t as u32, other], [a, b, c, d]) else {
-        return false;
-    };
-    let new: Vec<Flat> = vec![(0, [fc, fa, fd]), (0, [fd, fb, fc])];
-    let made = [[c, a, d], [d, b, c]];
-    if !is_shaped(base, &old, &new, &made) {
-        return false;
-    }
-    let members = base.moved_members(&old, &new, None);
-    if !made.iter().zip(&members).all(|(t, m)| faces_scan(base, normals, spread, *t, m)) {
-        return false;
-    }
-    base.replace(old, new, &made, members);
-    true
-}
-
-/// Flips an edge opposite to a vertex, so that the vertex gets a triangle more: the one that is opposite
-/// to the vertex with the fewest triangles. Returns whether one could be flipped. The spread of the
-/// scan's normals does not count here.
-pub(super) fn flip_link(base: &mut Base, normals: &[Vector], v: u32) -> bool {
-    let Some(ring) = base.ring(v) else { return false };
-    let mut sides: Vec<(usize, usize, usize)> = ring
-        .iter()
-        .filter_map(|&(_, t)| {
-            let t = t as usize;
-            let k = (base.triangles[t].iter().position(|&w| w == v)? + 1) % 3;
-            let (_, apex) = across(base, t, k)?;
-            Some((base.valence(apex), t, k))
-        })
-        .collect();
-    sides.sort_unstable();
-    sides.into_iter().any(|(_, t, k)| flip_side(base, normals, -1.0, t, k))
-}
-
-/// Splits an edge opposite to a vertex at a removed vertex of the scan, so that the vertex gets a triangle
-/// more. Returns whether an edge could be split.
-pub(super) fn split_link(base: &mut Base, v: u32) -> bool {
-    let Some(ring) = base.ring(v) else { return false };
-    let splits = ring.iter().filter_map(|&(_, t)| link_split(base, v, t as usize));
-    let best = splits.max_by(|x, y| x.0.total_cmp(&y.0));
-    let Some((_, change)) = best else { return false };
-    base.replace(change.old, change.new, &change.corners, change.members);
-    true
-}
-
-/// The best split of the edge of a triangle opposite to a vertex, with its least quality.
-fn link_split(base: &Base, v: u32, t: usize) -> Option<(f64, Change)> {
-    let k = (base.triangles[t].iter().position(|&w| w == v)? + 1) % 3;
-    let (other, d) = across(base, t, k)?;
-    let [a, b, c] = [0, 1, 2].map(|i| base.triangles[t][(k + i) % 3]);
-    let names = [a, b, c, d];
-    let (places, old) = unfolded(base, [t as u32, other], names)?;
-    let fan = |at: Uv| {
-        [[0, 3], [3, 1], [1, 2], [2, 0]].map(|[x, y]| (0, [at, places[x], places[y]])).to_vec()
-    };
-    let least = |at: Uv| fan(at).iter().map(|f: &Flat| quality(f.1)).fold(1.0, f64::min);
-    let members = old.iter().flat_map(|(t, corners)| {
-        base.members[*t as usize].iter().map(|m| (m.0, super::base::combined(corners, &m.1)))
-    });
-    let (w, at) = members.max_by(|x, y| least(x.1).total_cmp(&least(y.1)))?;
-    (least(at) > 0.0).then_some(())?;
-    let new = fan(at);
-    let corners = [[0, 3], [3, 1], [1, 2], [2, 0]].map(|[x, y]| [w, names[x], names[y]]).to_vec();
-    let mut members = base.moved_members(&old, &new, None);
-    members.iter_mut().for_each(|list| list.retain(|m| m.0 != w));
-    Some((least(at), Change { old, new, corners, members }))
+    let spread = if size < SHORT { spread.min(EASED) } else { spread };
+    all().all(|n| n.dot(&mean) >= spread)
 }

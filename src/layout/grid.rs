@@ -4,15 +4,49 @@ use std::collections::HashMap;
 
 use super::base::{Base, TrianglePlace};
 use super::pair::Pairs;
-use crate::geometry::VertexId;
+use crate::geometry::{NONE, VertexId};
 use crate::mesh::QuadMesh;
 
-/// Divides every pair into `n` × `n` quads. The result has no points yet, but the place of every
-/// vertex on the scan.
-pub(super) fn grid(base: &Base, pairs: &Pairs, n: usize) -> (QuadMesh, Vec<TrianglePlace>) {
+/// What names a vertex of a grid: corners of the base, and steps. A corner is named by itself, a vertex
+/// on a side by the ends of the side in order and the steps from the first one, and an inner vertex by
+/// the four corners of its block and the steps along both sides.
+pub(super) type GridName = ([u32; 4], usize, usize);
+
+/// A quad mesh without points, and for each vertex its name and its place on the scan.
+#[derive(Default)]
+pub(super) struct Grid {
+    pub mesh: QuadMesh,
+    pub names: Vec<GridName>,
+    pub places: Vec<TrianglePlace>,
+    /// The two triangles of the base of each block.
+    pub triangles: Vec<[u32; 2]>,
+}
+
+impl Grid {
+    /// Takes the places of vertices from an earlier grid. Returns the vertices near those that it did
+    /// not have.
+    pub fn keep(&mut self, known: &HashMap<GridName, TrianglePlace>) -> Vec<bool> {
+        let mut is_new = vec![false; self.names.len()];
+        for (v, name) in self.names.iter().enumerate() {
+            match known.get(name) {
+                Some(place) => self.places[v] = *place,
+                None => is_new[v] = true,
+            }
+        }
+        let mut near = is_new.clone();
+        let has_new = |quad: &&[VertexId; 4]| quad.iter().any(|v| is_new[v.index()]);
+        self.mesh.quads.iter().filter(has_new).flatten().for_each(|v| near[v.index()] = true);
+        near
+    }
+}
+
+/// Divides every pair into `n` × `n` quads.
+pub(super) fn grid(base: &Base, pairs: &Pairs, n: usize) -> Grid {
     let mut mesh = QuadMesh { side: n, ..QuadMesh::default() };
+    let mut triangles = Vec::new();
+    let mut names = Vec::new();
     let mut places = Vec::new();
-    let mut shared: HashMap<(u32, u32, usize), VertexId> = HashMap::new();
+    let mut shared: HashMap<GridName, VertexId> = HashMap::new();
     for t in 0..pairs.mate.len() as u32 {
         let other = pairs.mate[t as usize];
         if other < t {
@@ -20,6 +54,7 @@ pub(super) fn grid(base: &Base, pairs: &Pairs, n: usize) -> (QuadMesh, Vec<Trian
         }
         let k = pairs.side(t, other);
         let [t, other] = [t, other].map(|t| pairs.triangles[t as usize]);
+        triangles.push([t, other]);
         let corners = base.triangles[t as usize];
         let [a, b, c] = [0, 1, 2].map(|i| corners[(k + i) % 3]);
         let apex = base.triangles[other as usize].into_iter().find(|&w| w != a && w != b);
@@ -41,10 +76,11 @@ pub(super) fn grid(base: &Base, pairs: &Pairs, n: usize) -> (QuadMesh, Vec<Trian
                 places.push(base.on_scan(place));
                 VertexId::from(places.len() - 1)
             };
-            let vertex = match side_key([a, d, b, c], n, i, j) {
-                Some(key) => *shared.entry(key).or_insert_with(put),
-                None => put(),
-            };
+            let name = name([a, d, b, c], n, i, j);
+            let vertex = *shared.entry(name).or_insert_with(|| {
+                names.push(name);
+                put()
+            });
             vertices.push(vertex);
         }
         let at = |i: usize, j: usize| vertices[(n + 1) * j + i];
@@ -52,22 +88,22 @@ pub(super) fn grid(base: &Base, pairs: &Pairs, n: usize) -> (QuadMesh, Vec<Trian
         mesh.quads
             .extend(quads.map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]));
     }
-    (mesh, places)
+    Grid { mesh, names, places, triangles }
 }
 
-/// What names a vertex on a side of a block: the ends of the side in order, and the steps from the
-/// first one. A corner is named by itself. `None` inside the block.
-fn side_key([a, d, b, c]: [u32; 4], n: usize, i: usize, j: usize) -> Option<(u32, u32, usize)> {
+fn name([a, d, b, c]: [u32; 4], n: usize, i: usize, j: usize) -> GridName {
+    let corner = |v: u32| ([v, v, NONE, NONE], 0, 0);
     let (from, to, steps) = match (i, j) {
-        (0, 0) => return Some((a, a, 0)),
-        (i, 0) if i == n => return Some((d, d, 0)),
-        (i, j) if i == n && j == n => return Some((b, b, 0)),
-        (0, j) if j == n => return Some((c, c, 0)),
+        (0, 0) => return corner(a),
+        (i, 0) if i == n => return corner(d),
+        (i, j) if i == n && j == n => return corner(b),
+        (0, j) if j == n => return corner(c),
         (i, 0) => (a, d, i),
         (i, j) if i == n => (d, b, j),
         (i, j) if j == n => (c, b, i),
         (0, j) => (a, c, j),
-        _ => return None,
+        (i, j) => return ([a, d, b, c], i, j),
     };
-    Some(if from < to { (from, to, steps) } else { (to, from, n - steps) })
+    let (ends, steps) = if from < to { ([from, to], steps) } else { ([to, from], n - steps) };
+    ([ends[0], ends[1], NONE, NONE], steps, 0)
 }

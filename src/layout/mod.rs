@@ -9,22 +9,25 @@
 
 mod base;
 mod coarsen;
+mod flips;
 mod grid;
+mod ground;
 mod matching;
 mod pair;
 mod relax;
-mod walk;
+mod repair;
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 
 use crate::error::{Error, Result};
-use crate::geometry::{Point, Vector};
-use crate::mesh::{Mesh, QuadMesh, VertexRings};
+use crate::geometry::Point;
+use crate::mesh::{Mesh, QuadMesh};
 use crate::progress::{self, Progress};
 use base::{Base, TrianglePlace};
+use grid::{Grid, GridName};
+use ground::Ground;
 use pair::Pairs;
-use relax::Relaxed;
-use walk::Ground;
+use repair::Settled;
 
 /// The options of the layout.
 #[derive(Debug, Clone)]
@@ -49,7 +52,7 @@ pub struct Report {
     pub blocks: usize,
     /// The number of irregular vertices for each number of quads.
     pub irregular: BTreeMap<usize, usize>,
-    /// Quads that face the scan at more than 60°, and the place of one.
+    /// The places of quads that face the scan at more than 60°.
     pub bad: Vec<Point>,
 }
 
@@ -71,20 +74,28 @@ const COARSENINGS: usize = 3;
 /// The most rounds in which edges are flipped or split for the valences of the pairs.
 const FLIPS: usize = 20;
 
-/// Sweeps of relaxation without and with the barrier.
-const PLAIN: usize = 20;
-const BARRIER: usize = 40;
+/// The round from which on no edges are flipped but only split. Flips can go back and forth.
+const SPLITTING: usize = 3;
 
-/// Rounds in which the weight of bad quads grows, the factor, and the sweeps around them in each.
-const REPAIRS: usize = 12;
-const HEAVIER: f64 = 3.0;
-const LOCAL: usize = 6;
+/// The most rounds in which blocks are split. Nothing proves that they end.
+const SPLITS: usize = 4;
+
+/// A layout, which can be made finer at chosen places.
+pub struct Layout {
+    ground: Ground,
+    base: Base,
+    pairs: Option<Pairs>,
+    /// The places of the vertices that the last grid had.
+    known: HashMap<GridName, TrianglePlace>,
+    /// The grid with the fewest bad quads.
+    best: Settled,
+}
 
 /// Lays out a closed mesh.
 ///
 /// # Errors
 /// [`Error::Layout`] if the mesh is not closed, or has too few triangles.
-pub fn layout(mesh: &Mesh, options: &Options) -> Result<(QuadMesh, Report)> {
+pub fn layout(mesh: &Mesh, options: &Options) -> Result<Layout> {
     layout_with(mesh, options, &mut progress::ignore)
 }
 
@@ -92,117 +103,112 @@ pub fn layout(mesh: &Mesh, options: &Options) -> Result<(QuadMesh, Report)> {
 ///
 /// # Errors
 /// Those of [`layout`], and what `progress` returns.
-pub fn layout_with(
-    mesh: &Mesh,
-    options: &Options,
-    progress: &mut Progress,
-) -> Result<(QuadMesh, Report)> {
-    let normals = smoothed_normals(mesh);
-    let mut base = Base::new(mesh);
+pub fn layout_with(mesh: &Mesh, options: &Options, progress: &mut Progress) -> Result<Layout> {
+    let ground = Ground::new(mesh);
+    let mut base = Base::new(&ground);
     let spread = options.spread.to_radians().cos();
     let quadrics = coarsen::quadrics(&base);
     for round in 0..COARSENINGS {
         progress(0.3 * round as f64 / COARSENINGS as f64)?;
-        coarsen::coarsen(&mut base, &normals, &quadrics, spread);
-        coarsen::flip(&mut base, &normals, spread);
+        coarsen::coarsen(&mut base, &quadrics, spread);
+        flips::flip(&mut base, spread);
     }
-    progress(0.3)?;
-    let pairs = paired(&mut base, &normals)?;
-    let (mut quads, places) = grid::grid(&base, &pairs, SIDE);
-    drop(base);
-    let ground = Ground::new(mesh, &normals);
-    let (places, bad) = relax_all(&quads, &ground, places, progress)?;
-    quads.points = places.iter().map(|place| ground.point(place)).collect();
-    quads.normals = places.iter().map(|place| ground.normal(place)).collect();
-    if let Some(fault) = quads.fault() {
-        return Err(Error::Layout(fault));
+    let known = HashMap::new();
+    let mut layout = Layout { ground, base, pairs: None, known, best: Settled::default() };
+    layout.settle(&mut |share| progress(0.3 + 0.7 * share))?;
+    Ok(layout)
+}
+
+impl Layout {
+    /// The quads. Their points lie on the scan, or near it where it is rough.
+    pub fn quads(&self) -> &QuadMesh {
+        &self.best.grid.mesh
     }
-    let mut irregular = BTreeMap::new();
-    quads
-        .valences()
-        .into_iter()
-        .filter(|&n| n != 4)
-        .for_each(|n| *irregular.entry(n).or_default() += 1);
-    let bad = bad.into_iter().map(|q| quads.points[quads.quads[q][0].index()]).collect();
-    let report = Report { blocks: quads.blocks(), irregular, bad };
-    Ok((quads, report))
+
+    /// The results.
+    pub fn report(&self) -> Report {
+        let quads = self.quads();
+        let mut irregular = BTreeMap::new();
+        let valences = quads.valences().into_iter().filter(|&n| n != 4);
+        valences.for_each(|n| *irregular.entry(n).or_default() += 1);
+        let bad = self.best.bad.iter().map(|&q| quads.points[quads.quads[q][0].index()]).collect();
+        Report { blocks: quads.blocks(), irregular, bad }
+    }
+
+    /// Makes the layout finer in some blocks. Far from them it stays as it is. Returns whether any block
+    /// could be split.
+    ///
+    /// # Errors
+    /// Those of [`layout`], and what `progress` returns.
+    pub fn split(&mut self, blocks: &[usize], progress: &mut Progress) -> Result<bool> {
+        if !repair::split_blocks(&mut self.base, &self.ground, &self.best.grid, blocks) {
+            return Ok(false);
+        }
+        self.best = Settled::default();
+        self.settle(progress)?;
+        Ok(true)
+    }
+
+    /// Joins the triangles of the base, puts grids into the pairs and relaxes them. Where bad quads are
+    /// left, blocks are split. Keeps the state with the fewest bad quads.
+    fn settle(&mut self, progress: &mut Progress) -> Result<()> {
+        let mut fewest = usize::MAX;
+        for round in 0..=SPLITS {
+            let pairs = paired(&mut self.base, &self.ground, self.pairs.as_ref())?;
+            let mut grid = grid::grid(&self.base, &pairs, SIDE);
+            self.pairs = Some(pairs);
+            let chosen = (!self.known.is_empty()).then(|| grid.keep(&self.known));
+            let left = 0.5f64.powi(round as i32);
+            let mut progress = |done: f64| progress(1.0 - left * (1.0 - 0.5 * done));
+            let settled = repair::settle(grid, &mut self.ground, chosen.as_deref(), &mut progress)?;
+            let grid = &settled.grid;
+            self.known = grid.names.iter().copied().zip(grid.places.iter().copied()).collect();
+            let done = settled.bad.is_empty()
+                || !repair::split_blocks(&mut self.base, &self.ground, grid, &settled.coarse());
+            if settled.bad.len() < fewest {
+                fewest = settled.bad.len();
+                self.best = settled;
+            }
+            if done {
+                break;
+            }
+        }
+        self.finish()
+    }
+
+    /// Sets the points and the normals of the quads, and checks the quads.
+    fn finish(&mut self) -> Result<()> {
+        let Grid { mesh, places, .. } = &mut self.best.grid;
+        mesh.points = places.iter().map(|place| self.ground.point(place)).collect();
+        mesh.normals = places.iter().map(|place| self.ground.normal(place)).collect();
+        mesh.fault().map_or(Ok(()), |fault| Err(Error::Layout(fault)))
+    }
 }
 
 /// Joins the triangles of the base in pairs. Where a vertex keeps fewer than three quads, an edge of
 /// its link is flipped or split, so that it has a triangle more.
-fn paired(base: &mut Base, normals: &[Vector]) -> Result<Pairs> {
+fn paired(base: &mut Base, ground: &Ground, earlier: Option<&Pairs>) -> Result<Pairs> {
     let unpaired = || Error::Layout("its triangles cannot be joined in pairs");
-    let mut pairs = Pairs::new(base).ok_or_else(unpaired)?;
-    for _ in 0..FLIPS {
+    let mut pairs = Pairs::new(base, earlier).ok_or_else(unpaired)?;
+    for round in 0..FLIPS {
         let few = (0..pairs.valence.len()).filter(|&v| (1..3).contains(&pairs.valence[v]));
         let few: Vec<usize> = few.collect();
         let raise = |&&v: &&usize| {
-            coarsen::flip_link(base, normals, v as u32) || coarsen::split_link(base, v as u32)
+            (round < SPLITTING && flips::flip_link(base, v as u32))
+                || flips::split_link(base, ground, v as u32)
         };
         if few.iter().filter(raise).count() == 0 {
             break;
         }
-        pairs = Pairs::new(base).ok_or_else(unpaired)?;
+        pairs = Pairs::new(base, Some(&pairs)).ok_or_else(unpaired)?;
     }
     Ok(pairs)
-}
-
-/// Relaxes all vertices, then those around bad quads. Returns the best places and the bad quads that
-/// are left.
-fn relax_all(
-    quads: &QuadMesh,
-    ground: &Ground,
-    places: Vec<TrianglePlace>,
-    progress: &mut Progress,
-) -> Result<(Vec<TrianglePlace>, Vec<usize>)> {
-    let mut relaxed = Relaxed::new(quads, ground, places);
-    for sweep in 0..PLAIN + BARRIER {
-        progress(0.3 + 0.7 * sweep as f64 / (PLAIN + BARRIER) as f64)?;
-        relaxed.sweep(None, sweep >= PLAIN);
-    }
-    let mut bad = relaxed.bad();
-    let mut best = relaxed.places.clone();
-    for _ in 0..REPAIRS {
-        if bad.is_empty() {
-            break;
-        }
-        let now = relaxed.bad();
-        now.iter().for_each(|&q| relaxed.weights[q] *= HEAVIER);
-        let mut chosen = vec![false; quads.points.len().max(relaxed.points.len())];
-        now.iter().flat_map(|&q| quads.quads[q]).for_each(|v| chosen[v.index()] = true);
-        let near: Vec<usize> = (0..quads.quads.len())
-            .filter(|&q| quads.quads[q].iter().any(|v| chosen[v.index()]))
-            .collect();
-        near.iter().flat_map(|&q| quads.quads[q]).for_each(|v| chosen[v.index()] = true);
-        (0..LOCAL).for_each(|_| relaxed.sweep(Some(&chosen), true));
-        let left = relaxed.bad();
-        if left.len() < bad.len() {
-            bad = left;
-            best = relaxed.places.clone();
-        }
-    }
-    Ok((best, bad))
-}
-
-/// The mean normals of the two-ring of every vertex.
-fn smoothed_normals(mesh: &Mesh) -> Vec<Vector> {
-    let rings = VertexRings::new(mesh);
-    let mut normals = mesh.vertex_normals();
-    for _ in 0..2 {
-        let mean = |v: usize| {
-            let around = rings.neighbours(mesh, v.into()).map(|w| normals[w.index()]);
-            let sum: Vector = std::iter::once(normals[v]).chain(around).sum();
-            sum.try_normalize(0.0).unwrap_or(normals[v])
-        };
-        normals = (0..normals.len()).map(mean).collect();
-    }
-    normals
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::geometry::VertexId;
+    use crate::geometry::{Vector, VertexId};
 
     /// A torus of `n` × `m` squares, each divided into two triangles.
     fn torus(n: usize, m: usize) -> Mesh {
@@ -223,7 +229,8 @@ mod tests {
 
     #[test]
     fn a_torus_gets_good_quads_and_keeps_its_handle() {
-        let (quads, report) = layout(&torus(90, 40), &Options::default()).unwrap();
+        let made = layout(&torus(90, 40), &Options::default()).unwrap();
+        let (quads, report) = (made.quads(), made.report());
         assert_eq!((quads.fault(), quads.euler()), (None, 0));
         assert!(report.bad.is_empty(), "{report:?}");
         assert!((4..60).contains(&report.blocks), "{report:?}");
@@ -241,17 +248,33 @@ mod tests {
     #[test]
     fn narrower_spreads_give_more_blocks() {
         let mesh = torus(90, 40);
-        let blocks = |spread: f64| layout(&mesh, &Options { spread }).unwrap().1.blocks;
+        let blocks = |spread: f64| layout(&mesh, &Options { spread }).unwrap().report().blocks;
         assert!(blocks(35.0) > blocks(65.0));
+    }
+
+    #[test]
+    fn a_split_makes_the_layout_finer_there_and_keeps_the_rest() {
+        let mut made = layout(&torus(90, 40), &Options::default()).unwrap();
+        let before = made.quads().clone();
+        let place = before.points[before.corner(0, 2).index()];
+        assert!(made.split(&[0], &mut progress::ignore).unwrap());
+        let (after, report) = (made.quads(), made.report());
+        assert!(report.bad.is_empty(), "{report:?}");
+        assert_eq!((after.fault(), after.euler()), (None, 0));
+        assert!((1..4).contains(&(after.blocks() - before.blocks())), "{}", after.blocks());
+        let far = before.points.iter().filter(|p| (*p - place).norm() > 60.0);
+        let kept = far.clone().filter(|p| after.points.contains(p)).count();
+        assert!(kept > 50 && 2 * kept > far.count(), "{kept}");
     }
 
     #[test]
     fn the_map_leads_back_to_the_scan() {
         let mesh = torus(40, 24);
-        let mut base = Base::new(&mesh);
+        let ground = Ground::new(&mesh);
+        let mesh = &ground.mesh;
+        let mut base = Base::new(&ground);
         let quadrics = coarsen::quadrics(&base);
-        let normals = smoothed_normals(&mesh);
-        coarsen::coarsen(&mut base, &normals, &quadrics, 0.4);
+        coarsen::coarsen(&mut base, &quadrics, 0.4);
         let mut members = 0;
         for t in (0..base.triangles.len()).filter(|&t| base.alive[t]) {
             for &(v, weights) in &base.members[t] {

@@ -7,7 +7,6 @@
 use std::collections::BTreeMap;
 
 use super::base::Base;
-use super::coarsen::across;
 use super::matching;
 use crate::geometry::NONE;
 
@@ -40,8 +39,9 @@ pub(super) struct Pairs {
 }
 
 impl Pairs {
-    /// Joins the triangles. `None` if they are not closed or have no perfect matching.
-    pub fn new(base: &Base) -> Option<Self> {
+    /// Joins the triangles, and keeps the pairs of an `earlier` state of the base that still exist.
+    /// `None` if they are not closed or have no perfect matching.
+    pub fn new(base: &Base, earlier: Option<&Pairs>) -> Option<Self> {
         let triangles: Vec<u32> =
             (0..base.triangles.len() as u32).filter(|&t| base.alive[t as usize]).collect();
         let number: BTreeMap<u32, u32> =
@@ -50,7 +50,7 @@ impl Pairs {
         let mut shapes = Vec::with_capacity(triangles.len());
         for &t in &triangles {
             let beside: Vec<(u32, u32)> =
-                (0..3).map(|k| across(base, t as usize, k)).collect::<Option<_>>()?;
+                (0..3).map(|k| base.across(t as usize, k)).collect::<Option<_>>()?;
             neighbours
                 .push(beside.iter().map(|b| number.get(&b.0).copied()).collect::<Option<_>>()?);
             let shape = |k: usize| shape(base, base.triangles[t as usize], k, beside[k].1);
@@ -61,6 +61,12 @@ impl Pairs {
         let valence = base.around.iter().map(|around| around.len() as i64).collect();
         let mate = vec![NONE; triangles.len()];
         let mut pairs = Pairs { triangles, neighbours, shapes, corners, mate, valence };
+        earlier.into_iter().flat_map(Pairs::each).for_each(|(t, other)| {
+            if let (Some(&t), Some(&other)) = (number.get(&t), number.get(&other)) {
+                pairs.mate[t as usize] = other;
+                pairs.mate[other as usize] = t;
+            }
+        });
         pairs.match_greedily();
         matching::extend(&pairs.neighbours, &mut pairs.mate);
         if pairs.mate.contains(&NONE) {
@@ -73,6 +79,13 @@ impl Pairs {
         }
         while pairs.improve() {}
         Some(pairs)
+    }
+
+    /// The triangles of the base in each pair.
+    fn each(&self) -> impl Iterator<Item = (u32, u32)> + '_ {
+        let name = |t: u32| self.triangles[t as usize];
+        let all = self.mate.iter().enumerate().filter(|&(t, &mate)| t < mate as usize);
+        all.map(move |(t, &mate)| (name(t as u32), name(mate)))
     }
 
     fn match_greedily(&mut self) {

@@ -9,7 +9,7 @@
 use nalgebra::{Matrix2, Vector2};
 
 use super::base::TrianglePlace;
-use super::walk::Ground;
+use super::ground::Ground;
 use crate::geometry::{Point, Vector, plane_axes};
 use crate::mesh::QuadMesh;
 
@@ -36,7 +36,7 @@ const DIFFERENCE: f64 = 1e-3;
 /// A quad mesh whose vertices move on a scan.
 pub(super) struct Relaxed<'a> {
     pub mesh: &'a QuadMesh,
-    pub ground: &'a Ground<'a>,
+    pub ground: &'a mut Ground,
     pub places: Vec<TrianglePlace>,
     pub points: Vec<Point>,
     pub normals: Vec<Vector>,
@@ -47,7 +47,7 @@ pub(super) struct Relaxed<'a> {
 }
 
 impl<'a> Relaxed<'a> {
-    pub fn new(mesh: &'a QuadMesh, ground: &'a Ground<'a>, places: Vec<TrianglePlace>) -> Self {
+    pub fn new(mesh: &'a QuadMesh, ground: &'a mut Ground, places: Vec<TrianglePlace>) -> Self {
         let mut around = vec![Vec::new(); places.len()];
         for (q, quad) in mesh.quads.iter().enumerate() {
             (0..4).for_each(|k| around[quad[k].index()].push((q as u32, k as u8)));
@@ -56,6 +56,27 @@ impl<'a> Relaxed<'a> {
         let normals = places.iter().map(|place| ground.normal(place)).collect();
         let weights = vec![1.0; mesh.quads.len()];
         Relaxed { mesh, ground, places, points, normals, weights, around }
+    }
+
+    /// Smooths the ground under some quads.
+    pub fn smooth_under(&mut self, quads: &[usize]) {
+        let corners = quads.iter().flat_map(|&q| self.mesh.quads[q]);
+        let mut under: Vec<u32> = corners.map(|v| self.places[v.index()].triangle).collect();
+        under.sort_unstable();
+        under.dedup();
+        self.ground.smooth_around(&under);
+        for (v, place) in self.places.iter().enumerate() {
+            self.points[v] = self.ground.point(place);
+            self.normals[v] = self.ground.normal(place);
+        }
+    }
+
+    /// The mean length of the sides of a quad, as a multiple of the ground's edges under it.
+    pub fn ground_edges(&self, quad: usize) -> f64 {
+        let quad = self.mesh.quads[quad].map(|v| v.index());
+        let side = |k: usize| (self.points[quad[(k + 1) % 4]] - self.points[quad[k]]).norm();
+        let edge = |v: usize| self.ground.edge(self.places[v].triangle);
+        (0..4).map(side).sum::<f64>() / quad.into_iter().map(edge).sum::<f64>()
     }
 
     /// Moves all vertices, or those that are `chosen`, once. With the barrier no quad may turn

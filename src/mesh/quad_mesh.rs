@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::geometry::{Point, Vector, VertexId};
+use crate::geometry::{Point, Uv, Vector, VertexId};
 
 /// A closed, oriented, edge-manifold mesh of quads. It consists of blocks of `side` × `side` quads,
 /// and a vertex with other than four quads is a corner of blocks.
@@ -42,6 +42,21 @@ impl QuadMesh {
     pub(crate) fn scaled(mut self, factor: f64) -> Self {
         self.points.iter_mut().for_each(|p| *p *= factor);
         self
+    }
+
+    /// The normal at a place on the unit square of a quad, between those of its corners. Its length is
+    /// not 1.
+    pub fn normal(&self, quad: usize, at: Uv) -> Vector {
+        let [a, b, c, d] = self.quads[quad].map(|v| self.normals[v.index()]);
+        a.lerp(&b, at.x).lerp(&d.lerp(&c, at.x), at.y)
+    }
+
+    /// The same at a place of a block, with coordinates from 0 to `side`.
+    pub fn block_normal(&self, block: usize, at: Uv) -> Vector {
+        let n = self.side;
+        let cell = |x: f64| (x.max(0.0) as usize).min(n - 1);
+        let (i, j) = (cell(at.x), cell(at.y));
+        self.normal(n * n * block + n * j + i, Uv::new(at.x - i as f64, at.y - j as f64))
     }
 
     /// The vertex at corner `k` of a block, counter-clockwise from (0, 0).

@@ -6,7 +6,7 @@ use super::Mesh;
 use crate::geometry::{Point, bounds};
 
 /// The triangles of a mesh, indexed by their positions.
-pub struct Triangles(RTree<Triangle>);
+pub(crate) struct Triangles(RTree<Triangle>);
 
 struct Triangle {
     corners: [Point; 3],

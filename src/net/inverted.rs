@@ -3,42 +3,41 @@
 use rayon::prelude::*;
 
 use super::Net;
-use crate::geometry::{Uv, Vector};
+use crate::geometry::Uv;
 use crate::spline::subdivision::QuadPlace;
 
 /// The number of samples along a side of a quad.
 const SAMPLES: usize = 5;
 
-/// The factor by which fairing grows at the vertices of a quad that is turned over. Smaller factors
-/// take more rounds, and larger ones flatten more than is needed.
-const FIRMER: f64 = 8.0;
+/// The factor by which a net becomes firmer at the vertices of a quad that is turned over. Smaller
+/// factors take more rounds, and larger ones flatten more than is needed.
+const FIRMER: f64 = 50.0;
 
-/// The quads on which the normals of the surface differ by more than a right angle from their mean.
+/// The quads on which a normal of the surface differs by more than a right angle from that of the scan
+/// where the layout has put the place.
 pub(super) fn quads(net: &Net) -> Vec<usize> {
     let control = net.control();
     let is_inverted = |scratch: &mut Vec<[f64; 3]>, quad: usize| {
         let at = |i: usize| (i as f64 + 0.5) / SAMPLES as f64;
-        let normals = (0..SAMPLES * SAMPLES).map(|k| {
+        let is_off = |k: usize| {
             let at = Uv::new(at(k % SAMPLES), at(k / SAMPLES));
             let [_, du, dv] = net.surface.jet(&control, QuadPlace { quad, at }, scratch);
-            du.cross(&dv)
-        });
-        let normals: Vec<Vector> = normals.collect();
-        let mean: Vector = normals.iter().sum();
-        normals.iter().any(|n| n.dot(&mean) <= 0.0).then_some(quad)
+            du.cross(&dv).dot(&net.mesh.normal(quad, at)) <= 0.0
+        };
+        (0..SAMPLES * SAMPLES).any(is_off).then_some(quad)
     };
     let all = (0..net.mesh.quads.len()).into_par_iter().map_init(Vec::new, is_inverted);
     all.flatten_iter().collect()
 }
 
-/// Makes fairing stronger at the vertices of quads that are turned over and at their neighbours.
+/// Makes the net firmer at the vertices of quads that are turned over and at their neighbours.
 /// Returns whether there are any.
-pub(super) fn make_firmer(net: &Net, fairing: &mut [f64]) -> bool {
+pub(super) fn make_firmer(net: &Net, firmness: &mut [f64]) -> bool {
     let inverted = quads(net);
-    let mut near = vec![false; fairing.len()];
+    let mut near = vec![false; firmness.len()];
     for &quad in &inverted {
         net.surface.control(quad).iter().for_each(|&v| near[v as usize] = true);
     }
-    fairing.iter_mut().zip(near).filter(|(_, near)| *near).for_each(|(f, _)| *f *= FIRMER);
+    firmness.iter_mut().zip(near).filter(|(_, near)| *near).for_each(|(f, _)| *f *= FIRMER);
     !inverted.is_empty()
 }

@@ -15,9 +15,9 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Vector};
-use crate::mesh::{Mesh, QuadMesh};
+use crate::mesh::{Patch, QuadMesh};
 use crate::progress::{self, Progress};
-use crate::spline::subdivision::{SubdivisionSurface, limit_point};
+use crate::spline::subdivision::{SubdivisionSurface, limit_point, limit_tangent};
 use feet::Feet;
 
 /// The options of the fit.
@@ -52,7 +52,8 @@ pub struct Report {
 /// A subdivision surface over a quad mesh in blocks.
 #[derive(Debug, Clone)]
 pub struct Net {
-    /// The quad mesh. Its points are the control points.
+    /// The quad mesh. Its points are the control points, and its normals say how the scan faces at the
+    /// vertices.
     pub mesh: QuadMesh,
     /// The structure of the surface.
     pub surface: SubdivisionSurface,
@@ -62,9 +63,13 @@ pub struct Net {
 /// bodies by less than a hundredth.
 const ROUNDS: usize = 4;
 
+/// The number of steps that bring the first surface to the vertices of the quads. Each step halves the
+/// distance or better. Without them thin parts shrink, and points find feet on their other side.
+const INTERPOLATIONS: usize = 5;
+
 /// The most rounds in which fairing grows where the surface is turned over. Each makes it eight times
 /// as strong, and after eight rounds it flattens everything.
-const FIRMER_ROUNDS: usize = 8;
+const FIRMER_ROUNDS: usize = 4;
 
 /// The weight of a point that fills a hole, beside that of a measured point. It is small because
 /// the fill was not measured, and not zero because the surface must follow it.
@@ -77,6 +82,9 @@ const POINTS_OF_CONTROL: usize = 2;
 impl Net {
     /// Returns an error if the quads are not closed or not regular enough.
     fn new(mesh: QuadMesh) -> Result<Self> {
+        if mesh.normals.len() != mesh.points.len() {
+            return Err(Error::Input("a quad mesh has not one normal for each point"));
+        }
         let surface = SubdivisionSurface::new(&mesh.quads).ok_or(Error::Input(
             "a quad mesh is not closed or has quads with two irregular vertices",
         ))?;
@@ -93,24 +101,42 @@ impl Net {
         (0..control.len()).into_par_iter().map(limit).collect()
     }
 
+    /// The unit normals of the surface at the vertices of the quad mesh.
+    fn limit_normals(&self) -> Vec<Vector> {
+        let control = self.control();
+        let normal = |v: usize| {
+            let (quad, k) = self.surface.corner(v.into());
+            // The second tangent leaves the vertex along the previous side, which ends there.
+            let (other, side) = self.surface.across(quad, (k + 3) % 4);
+            let tangent = |quad, k| limit_tangent(&self.surface.ring(quad, k), &control);
+            let normal = tangent(quad, k).cross(&tangent(other, side));
+            normal.try_normalize(0.0).unwrap_or_default()
+        };
+        (0..control.len()).into_par_iter().map(normal).collect()
+    }
+
+    /// Moves the control points so that the surface at the vertices comes nearer to the anchors (Lin,
+    /// Wang, Dong, "Constructing iterative non-uniform B-spline curve and surface to fit data points",
+    /// 2004).
+    fn interpolate(&mut self, anchors: &[Point]) {
+        let limit = self.limit_points();
+        let points = self.mesh.points.iter_mut().zip(anchors.iter().zip(&limit));
+        points.for_each(|(p, (anchor, limit))| *p += anchor - limit);
+    }
+
     /// The control points.
     pub fn control(&self) -> Vec<Vector> {
         self.mesh.points.iter().map(|p| p.coords).collect()
     }
 }
 
-/// Fits a surface to a scan without holes. The first `measured` vertices of the scan were measured.
+/// Fits a surface to a body without gaps. The tolerance holds for its measured vertices.
 ///
 /// # Errors
 /// [`Error::Input`] if the quad mesh cannot be used. [`Error::Singular`] if the equations have no
 /// solution.
-pub fn fit(
-    quads: &QuadMesh,
-    scan: &Mesh,
-    measured: usize,
-    options: &Options,
-) -> Result<(Net, Report)> {
-    fit_with(quads, scan, measured, options, &mut progress::ignore)
+pub fn fit(quads: &QuadMesh, scan: &Patch, options: &Options) -> Result<(Net, Report)> {
+    fit_with(quads, scan, options, &mut progress::ignore)
 }
 
 /// The same, telling how far it has come.
@@ -119,19 +145,20 @@ pub fn fit(
 /// Those of [`fit`], and what `progress` returns.
 pub fn fit_with(
     quads: &QuadMesh,
-    scan: &Mesh,
-    measured: usize,
+    scan: &Patch,
     options: &Options,
     progress: &mut Progress,
 ) -> Result<(Net, Report)> {
-    let normals = scan.vertex_normals();
-    let most = options.max_control.min(measured / POINTS_OF_CONTROL);
+    let target = Target::new(scan);
+    let points = target.weights.iter().filter(|&&weight| weight == 1.0).count();
+    let most = options.max_control.min(points / POINTS_OF_CONTROL);
     let mut net = Net::new(quads.clone())?;
     let mut anchors = quads.points.clone();
+    (0..INTERPOLATIONS).for_each(|_| net.interpolate(&anchors));
     let mut level = 0;
     loop {
-        let feet = fit_level(&mut net, scan, measured, &normals, &anchors, level, progress)?;
-        let report = Report::new(&net, &feet, measured, options);
+        let feet = fit_level(&mut net, &target, &anchors, level, progress)?;
+        let report = Report::new(&net, &feet, scan.measured, options);
         if report.beyond <= options.outliers || 4 * net.mesh.points.len() > most {
             return Ok((net, report));
         }
@@ -141,31 +168,47 @@ pub fn fit_with(
     }
 }
 
+/// What a surface is fitted to.
+struct Target<'a> {
+    points: &'a [Point],
+    normals: Vec<Vector>,
+    /// The weight of each point.
+    weights: Vec<f64>,
+}
+
+impl<'a> Target<'a> {
+    fn new(scan: &'a Patch) -> Self {
+        let on_measured = scan.on_measured().into_iter();
+        Target {
+            points: &scan.mesh.points,
+            normals: scan.mesh.vertex_normals(),
+            weights: on_measured.map(|measured| if measured { 1.0 } else { FILLED }).collect(),
+        }
+    }
+}
+
 /// Fits the control points of one net, and returns the foot points on it. The surface is held near
 /// the anchors at the vertices.
 fn fit_level(
     net: &mut Net,
-    scan: &Mesh,
-    measured: usize,
-    normals: &[Vector],
+    target: &Target,
     anchors: &[Point],
     level: u32,
     progress: &mut Progress,
 ) -> Result<Feet> {
     // The share of the time that is left after this level, if each takes four times as long.
     let share = |round: usize| 1.0 - 0.8f64.powi(level as i32) * (1.0 - 0.2 * round as f64 / 5.0);
-    let weight = |i: usize| if i < measured { 1.0 } else { FILLED };
-    let mut feet = Feet::new(net, &scan.points, normals);
-    let mut fairing = vec![1.0; net.mesh.points.len()];
+    let mut feet = Feet::new(net, target.points, &target.normals);
+    let mut firmness = vec![1.0; net.mesh.points.len()];
     for round in 0..ROUNDS + FIRMER_ROUNDS {
         progress(share(round.min(ROUNDS)))?;
-        if round >= ROUNDS && !inverted::make_firmer(net, &mut fairing) {
+        if round >= ROUNDS && !inverted::make_firmer(net, &mut firmness) {
             break;
         }
-        net.mesh.points = solve::control_points(net, scan, &feet, weight, &fairing, anchors)?;
+        net.mesh.points = solve::control_points(net, target, &feet, &firmness, anchors)?;
         feet = match round {
-            0 => Feet::new(net, &scan.points, normals),
-            _ => feet.moved(net, &scan.points, normals),
+            0 => Feet::new(net, target.points, &target.normals),
+            _ => feet.moved(net, target.points, &target.normals),
         };
     }
     Ok(feet)
@@ -208,7 +251,9 @@ fn refined(net: &Net) -> Result<Net> {
             at(a[(k + 2) % 4]) + at(a[(k + 3) % 4]) + at(b[(side + 2) % 4]) + at(b[(side + 3) % 4]);
         Point::from(0.375 * ends + 0.0625 * beside)
     });
-    Net::new(mesh)
+    let mut net = Net::new(QuadMesh { normals: vec![Vector::zeros(); mesh.points.len()], ..mesh })?;
+    net.mesh.normals = net.limit_normals();
+    Ok(net)
 }
 
 /// The new place of a vertex.

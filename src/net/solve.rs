@@ -6,12 +6,11 @@ use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
-use super::Net;
 use super::feet::Feet;
+use super::{Net, Target};
 use crate::cholesky::Cholesky;
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Vector};
-use crate::mesh::Mesh;
 use crate::spline::subdivision::limit_weights;
 
 /// The weight of fairing, beside the mean weight of the points of a control point. Larger weights
@@ -28,20 +27,19 @@ struct QuadSums {
     right: Vec<Vector>,
 }
 
-/// Solves for the control points. `weight` is the weight of each point of the scan, and `fairing`
-/// multiplies the weight of fairing at each control point.
+/// Solves for the control points. `firmness` multiplies the weight of the anchor at each
+/// vertex.
 pub(super) fn control_points(
     net: &Net,
-    scan: &Mesh,
+    target: &Target,
     feet: &Feet,
-    weight: impl Fn(usize) -> f64 + Sync,
-    fairing: &[f64],
+    firmness: &[f64],
     anchors: &[Point],
 ) -> Result<Vec<Point>> {
     let count = net.mesh.points.len();
     let members = members(net, feet);
     let sums = members.par_iter().enumerate().map_init(Vec::new, |scratch, (quad, points)| {
-        quad_sums(net, scan, feet, quad, points, &weight, scratch)
+        quad_sums(net, target, feet, quad, points, scratch)
     });
     let sums: Vec<QuadSums> = sums.collect();
     let mut right = Mat::<f64>::zeros(count, 3);
@@ -61,18 +59,18 @@ pub(super) fn control_points(
             }
         }
     }
-    let total: f64 = members.iter().flatten().map(|&i| weight(i as usize)).sum();
+    let total: f64 = members.iter().flatten().map(|&i| target.weights[i as usize]).sum();
     let mean = total.max(1.0) / count as f64;
     for (v, anchor) in anchors.iter().enumerate() {
         let row = limit_row(net, v);
-        let weight = ANCHOR * mean;
+        let weight = ANCHOR * mean * firmness[v];
         for &(a, x) in &row {
             (0..3).for_each(|k| right[(a, k)] += weight * x * anchor[k]);
         }
         add_square(&row, weight, &mut entries);
     }
-    for (v, fairing) in fairing.iter().enumerate() {
-        add_square(&umbrella(net, v), FAIRING * mean * fairing, &mut entries);
+    for v in 0..count {
+        add_square(&umbrella(net, v), FAIRING * mean, &mut entries);
     }
     let singular = |_| Error::Singular("net");
     let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(count, count, &entries);
@@ -95,11 +93,10 @@ fn members(net: &Net, feet: &Feet) -> Vec<Vec<u32>> {
 
 fn quad_sums(
     net: &Net,
-    scan: &Mesh,
+    target: &Target,
     feet: &Feet,
     quad: usize,
     points: &[u32],
-    weight: &impl Fn(usize) -> f64,
     scratch: &mut Vec<[f64; 3]>,
 ) -> QuadSums {
     let size = net.surface.control(quad).len();
@@ -109,9 +106,9 @@ fn quad_sums(
         let i = i as usize;
         let Some(foot) = feet.feet[i] else { continue };
         net.surface.basis(foot.place, scratch);
-        let w = weight(i);
+        let w = target.weights[i];
         for (a, x) in scratch.iter().enumerate() {
-            right[a] += w * x[0] * scan.points[i].coords;
+            right[a] += w * x[0] * target.points[i].coords;
             for (b, y) in scratch[..=a].iter().enumerate() {
                 matrix[(a, b)] += w * x[0] * y[0];
             }

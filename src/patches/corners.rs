@@ -23,10 +23,15 @@ const SAMPLES: usize = 8;
 /// is large because a step between tangent planes is seen before a distance is.
 const SLOPE: f64 = 100.0;
 
-/// The weights of the distance of the four control points from a blend of the rows around them. With
-/// less weight the parameters of a patch often turn back beside a spoke, and with more the tangent
-/// planes of neighbours differ. The larger weights serve where the patch turns back all the same.
-const BLENDS: [f64; 3] = [1.0, 10.0, 100.0];
+/// The weights of the distance of the four control points from a blend of the rows around them, of which
+/// each corner takes the first one with small angles to the limit normals, or else the one with the
+/// smallest. With less weight the
+/// parameters of a patch may turn back beside a spoke, and with more the tangent planes of neighbours
+/// differ.
+const BLENDS: [f64; 4] = [1.0, 0.1, 10.0, 100.0];
+
+/// The cosine of an angle to the limit normals that is small enough to end the choice (2°).
+const SMOOTH: f64 = 0.9994;
 
 /// The rounds of parameter correction.
 const ROUNDS: usize = 3;
@@ -67,18 +72,26 @@ impl Corner {
         }
     }
 
-    /// Whether the normals of the patch differ by more than a right angle from their mean on the quad
-    /// at the corner.
-    fn is_inverted(&self, patch: &Surface) -> bool {
-        let steps = SAMPLES + 1;
-        let normals = (0..steps * steps).map(|k| {
-            let at = Uv::new((k % steps) as f64, (k / steps) as f64) / SAMPLES as f64;
+    /// The cosine of the largest angle between the normals of the patch and the limit normals along the
+    /// spokes, or between those of the patch on the quad and their mean, less one.
+    fn facing(&self, patch: &Surface, spokes: &[Spoke; 2]) -> f64 {
+        let normal = |at: Uv| {
             let jet = patch.jet(self.uv(at));
-            jet.su.cross(&jet.sv)
+            jet.su.cross(&jet.sv).try_normalize(0.0).unwrap_or_default()
+        };
+        let share = |i: usize| i as f64 / SAMPLES as f64;
+        let on_spokes = (0..2 * (SAMPLES + 1)).map(|i| {
+            let (k, t) = (i % 2, share(i / 2));
+            let at = [Uv::new(t, 0.0), Uv::new(0.0, t)][k];
+            normal(at).dot(&spokes[k].at(t * spokes[k].length()).1)
         });
-        let normals: Vec<Vector> = normals.collect();
-        let mean: Vector = normals.iter().sum();
-        normals.iter().any(|n| n.dot(&mean) <= 0.0)
+        let steps = SAMPLES + 1;
+        let inside =
+            (0..steps * steps).map(|k| normal(Uv::new(share(k % steps), share(k / steps))));
+        let inside: Vec<Vector> = inside.collect();
+        let mean: Vector = inside.iter().sum();
+        let turned = inside.iter().any(|n| n.dot(&mean) <= 0.0);
+        on_spokes.fold(1.0, f64::min) - f64::from(u8::from(turned))
     }
 
     /// The inverse of [`Corner::uv`].
@@ -104,6 +117,7 @@ impl PatchSource<'_> {
         let (other, side) = self.surface.across(quad, (k + 3) % 4);
         let spokes = [Spoke::new(self, quad, k), Spoke::new(self, other, side)];
         let start = self.samples(quad, k, &spokes);
+        let mut best: Option<(f64, Vec<Vector>)> = None;
         for weight in BLENDS.map(f64::sqrt) {
             let mut samples = start.clone();
             for (&(a, b), &blend) in FREE.iter().zip(&blends) {
@@ -117,9 +131,17 @@ impl PatchSource<'_> {
                 }
                 self.solve(&corner, patch, &spokes, &samples, (&blends, weight));
             }
-            if !corner.is_inverted(patch) {
-                return;
+            let facing = corner.facing(patch, &spokes);
+            if best.as_ref().is_none_or(|best| facing > best.0) {
+                best = Some((facing, FREE.map(|(a, b)| patch.net[corner.at(a, b)]).to_vec()));
             }
+            if facing > SMOOTH {
+                break;
+            }
+        }
+        let points = best.map(|best| best.1).unwrap_or_default();
+        for (&(a, b), point) in FREE.iter().zip(points) {
+            patch.net[corner.at(a, b)] = point;
         }
     }
 

@@ -6,8 +6,8 @@
 
 use foldhash::{HashMap, HashMapExt};
 
-use crate::fill::box_blocks::overlap;
 use crate::geometry::{Point, VertexId};
+use crate::mesh::crossings::overlap;
 
 /// A vertex on a loop, and the edge from it to the next node.
 #[derive(Debug, Clone, Copy)]

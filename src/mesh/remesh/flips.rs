@@ -57,15 +57,24 @@ pub fn cotangent(v: Point, p: Point, q: Point) -> f64 {
     x.dot(&y) / x.cross(&y).norm().max(f64::MIN_POSITIVE)
 }
 
+/// Two triangles that a flip would replace.
+pub struct EdgeFlip {
+    /// The numbers of the triangles.
+    pub numbers: [usize; 2],
+    /// The triangles before the flip.
+    pub old: [[usize; 3]; 2],
+    /// The triangles after the flip.
+    pub new: [[usize; 3]; 2],
+}
+
 /// Flips every side whose opposite angles sum to more than π. A flip is made only if `may` accepts
-/// the two new triangles in place of the two old ones, and if the ends of the new side are not
-/// `joined` outside this triangulation.
+/// it, and if the ends of the new side are not `joined` outside this triangulation.
 pub fn flip(
     points: &[Point],
     triangles: &mut [[usize; 3]],
     sides: &mut Sides,
     joined: impl Fn(usize, usize) -> bool,
-    may: impl Fn([[usize; 3]; 2], [[usize; 3]; 2]) -> bool,
+    may: impl Fn(&EdgeFlip) -> bool,
 ) {
     let each = triangles.iter().flat_map(|t| (0..3).map(|k| (t[k], t[(k + 1) % 3])));
     let mut open: Vec<_> = each.filter(|&(a, b)| a < b && sides.get(b, a).is_some()).collect();
@@ -77,7 +86,11 @@ pub fn flip(
         let [c, d] = old.map(|t| opposite(t, a, b));
         let is_new = sides.get(c, d).or(sides.get(d, c)).is_none() && !joined(c, d);
         let new = [[c, a, d], [d, b, c]];
-        if most == 0 || !is_new || !gains(points, [a, b, c, d]) || !may(old, new) {
+        if most == 0
+            || !is_new
+            || !gains(points, [a, b, c, d])
+            || !may(&EdgeFlip { numbers: [s, t], old, new })
+        {
             continue;
         }
         most -= 1;

@@ -7,7 +7,7 @@ pub mod flips;
 mod refine;
 mod sizes;
 
-pub use refine::RimTriangulation;
+pub use refine::{RimTriangulation, divide};
 pub use sizes::Sizes;
 
 /// The surface folds at a side if the cosine of the angle between the normals of its triangles is

@@ -4,7 +4,7 @@
 use foldhash::HashMap;
 use smallvec::SmallVec;
 
-use super::flips::{Sides, flip};
+use super::flips::{EdgeFlip, Sides, flip};
 use super::{FOLDED, Sizes};
 use crate::geometry::{Point, Vector, unit_normal};
 
@@ -45,43 +45,17 @@ impl RimTriangulation {
         }
     }
 
-    /// Divides long edges, the longest first, and at most one for each triangle. Returns whether
-    /// any edge was divided.
+    /// Divides long edges, as [`divide`] does.
     fn divide(&mut self, sizes: &Sizes) -> bool {
-        let sides = Sides::of(&self.triangles);
-        let mut long: Vec<(f64, [usize; 2], [usize; 2])> = sides
-            .inner()
-            .map(|(ends, beside)| {
-                let [p, q] = ends.map(|v| self.points[v]);
-                ((q - p).norm() / sizes.at(nalgebra::center(&p, &q)), ends, beside)
-            })
-            .filter(|edge| edge.0 > MAX_LENGTH_RATIO)
-            .collect();
-        long.sort_unstable_by(|x, y| y.0.total_cmp(&x.0).then(x.1.cmp(&y.1)));
-        let before = self.points.len();
-        let mut changed = vec![false; self.triangles.len()];
-        for (_, [a, b], [s, t]) in long {
-            if changed[s] || changed[t] || self.points.len() >= MAX_POINTS_RATIO * self.rim {
-                continue;
-            }
-            let new = self.points.len();
-            self.points.push(nalgebra::center(&self.points[a], &self.points[b]));
-            for (number, from, to) in [(s, a, b), (t, b, a)] {
-                changed[number] = true;
-                let own = self.triangles[number];
-                let with = |old: usize| own.map(|v| if v == old { new } else { v });
-                self.triangles[number] = with(to);
-                self.triangles.push(with(from));
-            }
-        }
-        self.points.len() > before
+        let most = MAX_POINTS_RATIO * self.rim;
+        divide(&mut self.points, &mut self.triangles, |at| sizes.at(at), most).len() > 0
     }
 
     /// Flips edges where both new triangles face about the same way as the old ones.
     fn flip(&mut self, joined: impl Fn(usize, usize) -> bool) {
         let points = &self.points;
-        let may = |old: [[usize; 3]; 2], new: [[usize; 3]; 2]| {
-            let [old, new] = [old, new].map(|pair| pair.map(|t| normal(points, t)));
+        let may = |edge: &EdgeFlip| {
+            let [old, new] = [edge.old, edge.new].map(|pair| pair.map(|t| normal(points, t)));
             let facing = |n: &Vector| n.dot(&(old[0] + old[1])) > 0.0;
             new[0].dot(&new[1]) >= old[0].dot(&old[1]).min(FLAT_COSINE) && new.iter().all(facing)
         };
@@ -137,6 +111,46 @@ impl RimTriangulation {
             }
         }
     }
+}
+
+/// Divides edges that are longer than wanted, the longest first, and at most one for each triangle.
+/// `length` gives the wanted length at a place. There are at most `most` points afterwards. Returns
+/// the two triangles at each divided edge. Each division adds a triangle for the first one of them,
+/// and then a triangle for the second one.
+pub fn divide(
+    points: &mut Vec<Point>,
+    triangles: &mut Vec<[usize; 3]>,
+    length: impl Fn(Point) -> f64,
+    most: usize,
+) -> Vec<[usize; 2]> {
+    let sides = Sides::of(triangles);
+    let mut long: Vec<(f64, [usize; 2], [usize; 2])> = sides
+        .inner()
+        .map(|(ends, beside)| {
+            let [p, q] = ends.map(|v| points[v]);
+            ((q - p).norm() / length(nalgebra::center(&p, &q)), ends, beside)
+        })
+        .filter(|edge| edge.0 > MAX_LENGTH_RATIO)
+        .collect();
+    long.sort_unstable_by(|x, y| y.0.total_cmp(&x.0).then(x.1.cmp(&y.1)));
+    let mut divided = Vec::new();
+    let mut changed = vec![false; triangles.len()];
+    for (_, [a, b], [s, t]) in long {
+        if changed[s] || changed[t] || points.len() >= most {
+            continue;
+        }
+        let new = points.len();
+        points.push(nalgebra::center(&points[a], &points[b]));
+        divided.push([s, t]);
+        for (number, from, to) in [(s, a, b), (t, b, a)] {
+            changed[number] = true;
+            let own = triangles[number];
+            let with = |old: usize| own.map(|v| if v == old { new } else { v });
+            triangles[number] = with(to);
+            triangles.push(with(from));
+        }
+    }
+    divided
 }
 
 /// What lies across a side of a triangle.

@@ -1,0 +1,137 @@
+//! Repair of quads that face away from the scan: by relaxation with larger weights, on a smoother ground,
+//! and by smaller blocks.
+
+use super::base::{Base, TrianglePlace};
+use super::flips::split_side;
+use super::grid::Grid;
+use super::ground::Ground;
+use super::relax::Relaxed;
+use crate::error::Result;
+use crate::progress::Progress;
+
+/// Sweeps of relaxation without and with the barrier.
+const PLAIN: usize = 20;
+const BARRIER: usize = 40;
+
+/// Rounds in which the weight of bad quads grows, the factor, and the sweeps around them in each.
+const REPAIRS: usize = 12;
+const HEAVIER: f64 = 3.0;
+const LOCAL: usize = 6;
+
+/// The most times that the ground is smoothed under bad quads. First only those are smoothed that are
+/// smaller than this number of the ground's edges, because the scan tells no more about their shape.
+const SMOOTHINGS: usize = 6;
+const SMALL: f64 = 4.0;
+
+/// Repair ends when this many smoothings in a row have left as many bad quads as before.
+const IN_VAIN: usize = 2;
+
+/// Blocks are split where bad quads are larger than this number of the ground's edges. Smaller blocks
+/// do not help at creases of the size of the edges.
+const COARSE: f64 = 2.5;
+
+/// A grid whose vertices were relaxed.
+#[derive(Default)]
+pub(super) struct Settled {
+    pub grid: Grid,
+    /// The bad quads.
+    pub bad: Vec<usize>,
+    /// The bad quads that smaller blocks may mend.
+    coarse: Vec<usize>,
+}
+
+impl Settled {
+    /// The blocks that should be smaller.
+    pub fn coarse(&self) -> Vec<usize> {
+        let per_block = self.grid.mesh.side * self.grid.mesh.side;
+        let mut blocks: Vec<usize> = self.coarse.iter().map(|q| q / per_block).collect();
+        blocks.dedup();
+        blocks
+    }
+}
+
+/// Relaxes vertices, all or those that are `chosen`, and repairs bad quads as far as possible without
+/// another layout.
+pub(super) fn settle(
+    mut grid: Grid,
+    ground: &mut Ground,
+    chosen: Option<&[bool]>,
+    progress: &mut Progress,
+) -> Result<Settled> {
+    let mut relaxed = Relaxed::new(&grid.mesh, ground, grid.places);
+    for sweep in 0..PLAIN + BARRIER {
+        progress(sweep as f64 / (PLAIN + BARRIER) as f64)?;
+        relaxed.sweep(chosen, sweep >= PLAIN);
+    }
+    let mut best = (relaxed.bad().len(), relaxed.places.clone());
+    let mut in_vain = 0;
+    for _ in 0..=SMOOTHINGS {
+        let before = best.0;
+        reweigh(&mut relaxed, &mut best);
+        in_vain = if best.0 < before { 0 } else { in_vain + 1 };
+        let bad = relaxed.bad();
+        if best.0 == 0 || in_vain == IN_VAIN {
+            break;
+        }
+        let small: Vec<usize> =
+            bad.iter().copied().filter(|&q| relaxed.ground_edges(q) < SMALL).collect();
+        relaxed.smooth_under(if small.is_empty() { &bad } else { &small });
+    }
+    let relaxed = Relaxed::new(&grid.mesh, ground, best.1);
+    let bad = relaxed.bad();
+    let coarse = bad.iter().copied().filter(|&q| relaxed.ground_edges(q) > COARSE).collect();
+    grid.places = relaxed.places;
+    Ok(Settled { grid, bad, coarse })
+}
+
+/// Relaxes around bad quads with larger and larger weights, and keeps the best state.
+fn reweigh(relaxed: &mut Relaxed, best: &mut (usize, Vec<TrianglePlace>)) {
+    let mut in_vain = 0;
+    for _ in 0..REPAIRS {
+        let bad = relaxed.bad();
+        in_vain += 1;
+        if bad.len() < best.0 {
+            *best = (bad.len(), relaxed.places.clone());
+            in_vain = 0;
+        }
+        if bad.is_empty() || in_vain > REPAIRS / 2 {
+            return;
+        }
+        bad.iter().for_each(|&q| relaxed.weights[q] *= HEAVIER);
+        let chosen = vertices_near(relaxed, &bad);
+        (0..LOCAL).for_each(|_| relaxed.sweep(Some(&chosen), true));
+    }
+}
+
+/// The vertices of some quads and of the quads around them.
+fn vertices_near(relaxed: &Relaxed, quads: &[usize]) -> Vec<bool> {
+    let all = &relaxed.mesh.quads;
+    let mut own = vec![false; relaxed.places.len()];
+    quads.iter().flat_map(|&q| all[q]).for_each(|v| own[v.index()] = true);
+    let mut near = own.clone();
+    let beside = all.iter().filter(|quad| quad.iter().any(|v| own[v.index()]));
+    beside.flatten().for_each(|v| near[v.index()] = true);
+    near
+}
+
+/// Splits the longest side of the base in each of some blocks. Returns whether one could be split.
+pub(super) fn split_blocks(
+    base: &mut Base,
+    ground: &Ground,
+    grid: &Grid,
+    blocks: &[usize],
+) -> bool {
+    let mut split = false;
+    for &block in blocks {
+        let pair = grid.triangles[block];
+        let alive = pair.into_iter().filter(|&t| base.alive[t as usize]);
+        let sides = alive.flat_map(|t| (0..3).map(move |k| (t as usize, k)));
+        let length = |&(t, k): &(usize, usize)| {
+            let corners = base.triangles[t];
+            (base.point(corners[(k + 1) % 3]) - base.point(corners[k])).norm()
+        };
+        let longest = sides.max_by(|x, y| length(x).total_cmp(&length(y)).then(y.cmp(x)));
+        split |= longest.is_some_and(|(t, k)| split_side(base, ground, t, k));
+    }
+    split
+}
