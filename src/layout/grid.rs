@@ -14,7 +14,7 @@ pub(super) type GridName = ([u32; 4], usize, usize);
 
 /// A quad mesh without points, and for each vertex its name and its place on the scan.
 #[derive(Default)]
-pub(super) struct Grid {
+pub(super) struct BlockGrid {
     pub mesh: QuadMesh,
     pub names: Vec<GridName>,
     pub places: Vec<TrianglePlace>,
@@ -22,7 +22,7 @@ pub(super) struct Grid {
     pub triangles: Vec<[u32; 2]>,
 }
 
-impl Grid {
+impl BlockGrid {
     /// Takes the places of vertices from an earlier grid. Returns the vertices near those that it did
     /// not have.
     pub fn keep(&mut self, known: &HashMap<GridName, TrianglePlace>) -> Vec<bool> {
@@ -41,7 +41,7 @@ impl Grid {
 }
 
 /// Divides every pair into `n` × `n` quads.
-pub(super) fn grid(base: &Base, pairs: &Pairs, n: usize) -> Grid {
+pub(super) fn grid(base: &Base, pairs: &Pairs, n: usize) -> BlockGrid {
     let mut mesh = QuadMesh { side: n, ..QuadMesh::default() };
     let mut triangles = Vec::new();
     let mut names = Vec::new();
@@ -88,7 +88,7 @@ pub(super) fn grid(base: &Base, pairs: &Pairs, n: usize) -> Grid {
         mesh.quads
             .extend(quads.map(|(i, j)| [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)]));
     }
-    Grid { mesh, names, places, triangles }
+    BlockGrid { mesh, names, places, triangles }
 }
 
 fn name([a, d, b, c]: [u32; 4], n: usize, i: usize, j: usize) -> GridName {

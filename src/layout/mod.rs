@@ -24,10 +24,10 @@ use crate::geometry::Point;
 use crate::mesh::{Mesh, QuadMesh};
 use crate::progress::{self, Progress};
 use base::{Base, TrianglePlace};
-use grid::{Grid, GridName};
+use grid::{BlockGrid, GridName};
 use ground::Ground;
 use pair::Pairs;
-use repair::Settled;
+use repair::RelaxedGrid;
 
 /// The options of the layout.
 #[derive(Debug, Clone)]
@@ -81,21 +81,21 @@ const SPLITTING: usize = 3;
 const SPLITS: usize = 4;
 
 /// A layout, which can be made finer at chosen places.
-pub struct Layout {
+pub struct QuadLayout {
     ground: Ground,
     base: Base,
     pairs: Option<Pairs>,
     /// The places of the vertices that the last grid had.
     known: HashMap<GridName, TrianglePlace>,
     /// The grid with the fewest bad quads.
-    best: Settled,
+    best: RelaxedGrid,
 }
 
 /// Lays out a closed mesh.
 ///
 /// # Errors
 /// [`Error::Layout`] if the mesh is not closed, or has too few triangles.
-pub fn layout(mesh: &Mesh, options: &Options) -> Result<Layout> {
+pub fn layout(mesh: &Mesh, options: &Options) -> Result<QuadLayout> {
     layout_with(mesh, options, &mut progress::ignore)
 }
 
@@ -103,7 +103,7 @@ pub fn layout(mesh: &Mesh, options: &Options) -> Result<Layout> {
 ///
 /// # Errors
 /// Those of [`layout`], and what `progress` returns.
-pub fn layout_with(mesh: &Mesh, options: &Options, progress: &mut Progress) -> Result<Layout> {
+pub fn layout_with(mesh: &Mesh, options: &Options, progress: &mut Progress) -> Result<QuadLayout> {
     let ground = Ground::new(mesh);
     let mut base = Base::new(&ground);
     let spread = options.spread.to_radians().cos();
@@ -114,12 +114,12 @@ pub fn layout_with(mesh: &Mesh, options: &Options, progress: &mut Progress) -> R
         flips::flip(&mut base, spread);
     }
     let known = HashMap::new();
-    let mut layout = Layout { ground, base, pairs: None, known, best: Settled::default() };
-    layout.settle(&mut |share| progress(0.3 + 0.7 * share))?;
+    let mut layout = QuadLayout { ground, base, pairs: None, known, best: RelaxedGrid::default() };
+    layout.make_quads(&mut |share| progress(0.3 + 0.7 * share))?;
     Ok(layout)
 }
 
-impl Layout {
+impl QuadLayout {
     /// The quads. Their points lie on the scan, or near it where it is rough.
     pub fn quads(&self) -> &QuadMesh {
         &self.best.grid.mesh
@@ -144,14 +144,14 @@ impl Layout {
         if !repair::split_blocks(&mut self.base, &self.ground, &self.best.grid, blocks) {
             return Ok(false);
         }
-        self.best = Settled::default();
-        self.settle(progress)?;
+        self.best = RelaxedGrid::default();
+        self.make_quads(progress)?;
         Ok(true)
     }
 
     /// Joins the triangles of the base, puts grids into the pairs and relaxes them. Where bad quads are
     /// left, blocks are split. Keeps the state with the fewest bad quads.
-    fn settle(&mut self, progress: &mut Progress) -> Result<()> {
+    fn make_quads(&mut self, progress: &mut Progress) -> Result<()> {
         let mut fewest = usize::MAX;
         for round in 0..=SPLITS {
             let pairs = paired(&mut self.base, &self.ground, self.pairs.as_ref())?;
@@ -160,14 +160,14 @@ impl Layout {
             let chosen = (!self.known.is_empty()).then(|| grid.keep(&self.known));
             let left = 0.5f64.powi(round as i32);
             let mut progress = |done: f64| progress(1.0 - left * (1.0 - 0.5 * done));
-            let settled = repair::settle(grid, &mut self.ground, chosen.as_deref(), &mut progress)?;
-            let grid = &settled.grid;
+            let made = repair::relaxed(grid, &mut self.ground, chosen.as_deref(), &mut progress)?;
+            let grid = &made.grid;
             self.known = grid.names.iter().copied().zip(grid.places.iter().copied()).collect();
-            let done = settled.bad.is_empty()
-                || !repair::split_blocks(&mut self.base, &self.ground, grid, &settled.coarse());
-            if settled.bad.len() < fewest {
-                fewest = settled.bad.len();
-                self.best = settled;
+            let done = made.bad.is_empty()
+                || !repair::split_blocks(&mut self.base, &self.ground, grid, &made.coarse());
+            if made.bad.len() < fewest {
+                fewest = made.bad.len();
+                self.best = made;
             }
             if done {
                 break;
@@ -178,7 +178,7 @@ impl Layout {
 
     /// Sets the points and the normals of the quads, and checks the quads.
     fn finish(&mut self) -> Result<()> {
-        let Grid { mesh, places, .. } = &mut self.best.grid;
+        let BlockGrid { mesh, places, .. } = &mut self.best.grid;
         mesh.points = places.iter().map(|place| self.ground.point(place)).collect();
         mesh.normals = places.iter().map(|place| self.ground.normal(place)).collect();
         mesh.fault().map_or(Ok(()), |fault| Err(Error::Layout(fault)))

@@ -3,7 +3,7 @@
 
 use super::base::{Base, TrianglePlace};
 use super::flips::split_side;
-use super::grid::Grid;
+use super::grid::BlockGrid;
 use super::ground::Ground;
 use super::relax::Relaxed;
 use crate::error::Result;
@@ -32,15 +32,15 @@ const COARSE: f64 = 2.5;
 
 /// A grid whose vertices were relaxed.
 #[derive(Default)]
-pub(super) struct Settled {
-    pub grid: Grid,
+pub(super) struct RelaxedGrid {
+    pub grid: BlockGrid,
     /// The bad quads.
     pub bad: Vec<usize>,
     /// The bad quads that smaller blocks may mend.
     coarse: Vec<usize>,
 }
 
-impl Settled {
+impl RelaxedGrid {
     /// The blocks that should be smaller.
     pub fn coarse(&self) -> Vec<usize> {
         let per_block = self.grid.mesh.side * self.grid.mesh.side;
@@ -52,12 +52,12 @@ impl Settled {
 
 /// Relaxes vertices, all or those that are `chosen`, and repairs bad quads as far as possible without
 /// another layout.
-pub(super) fn settle(
-    mut grid: Grid,
+pub(super) fn relaxed(
+    mut grid: BlockGrid,
     ground: &mut Ground,
     chosen: Option<&[bool]>,
     progress: &mut Progress,
-) -> Result<Settled> {
+) -> Result<RelaxedGrid> {
     let mut relaxed = Relaxed::new(&grid.mesh, ground, grid.places);
     for sweep in 0..PLAIN + BARRIER {
         progress(sweep as f64 / (PLAIN + BARRIER) as f64)?;
@@ -81,7 +81,7 @@ pub(super) fn settle(
     let bad = relaxed.bad();
     let coarse = bad.iter().copied().filter(|&q| relaxed.ground_edges(q) > COARSE).collect();
     grid.places = relaxed.places;
-    Ok(Settled { grid, bad, coarse })
+    Ok(RelaxedGrid { grid, bad, coarse })
 }
 
 /// Relaxes around bad quads with larger and larger weights, and keeps the best state.
@@ -118,7 +118,7 @@ fn vertices_near(relaxed: &Relaxed, quads: &[usize]) -> Vec<bool> {
 pub(super) fn split_blocks(
     base: &mut Base,
     ground: &Ground,
-    grid: &Grid,
+    grid: &BlockGrid,
     blocks: &[usize],
 ) -> bool {
     let mut split = false;

@@ -149,7 +149,7 @@ pub fn fit_with(
     options: &Options,
     progress: &mut Progress,
 ) -> Result<(Net, Report)> {
-    let target = Target::new(scan);
+    let target = FitTarget::new(scan);
     let points = target.weights.iter().filter(|&&weight| weight == 1.0).count();
     let most = options.max_control.min(points / POINTS_OF_CONTROL);
     let mut net = Net::new(quads.clone())?;
@@ -169,17 +169,17 @@ pub fn fit_with(
 }
 
 /// What a surface is fitted to.
-struct Target<'a> {
+struct FitTarget<'a> {
     points: &'a [Point],
     normals: Vec<Vector>,
     /// The weight of each point.
     weights: Vec<f64>,
 }
 
-impl<'a> Target<'a> {
+impl<'a> FitTarget<'a> {
     fn new(scan: &'a Patch) -> Self {
         let on_measured = scan.on_measured().into_iter();
-        Target {
+        FitTarget {
             points: &scan.mesh.points,
             normals: scan.mesh.vertex_normals(),
             weights: on_measured.map(|measured| if measured { 1.0 } else { FILLED }).collect(),
@@ -191,7 +191,7 @@ impl<'a> Target<'a> {
 /// the anchors at the vertices.
 fn fit_level(
     net: &mut Net,
-    target: &Target,
+    target: &FitTarget,
     anchors: &[Point],
     level: u32,
     progress: &mut Progress,

@@ -7,7 +7,7 @@ use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::feet::Feet;
-use super::{Net, Target};
+use super::{FitTarget, Net};
 use crate::cholesky::Cholesky;
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Vector};
@@ -31,7 +31,7 @@ struct QuadSums {
 /// vertex.
 pub(super) fn control_points(
     net: &Net,
-    target: &Target,
+    target: &FitTarget,
     feet: &Feet,
     firmness: &[f64],
     anchors: &[Point],
@@ -93,7 +93,7 @@ fn members(net: &Net, feet: &Feet) -> Vec<Vec<u32>> {
 
 fn quad_sums(
     net: &Net,
-    target: &Target,
+    target: &FitTarget,
     feet: &Feet,
     quad: usize,
     points: &[u32],

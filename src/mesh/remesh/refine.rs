@@ -48,7 +48,7 @@ impl RimTriangulation {
     /// Divides long edges, as [`divide`] does.
     fn divide(&mut self, sizes: &Sizes) -> bool {
         let most = MAX_POINTS_RATIO * self.rim;
-        divide(&mut self.points, &mut self.triangles, |at| sizes.at(at), most).len() > 0
+        !divide(&mut self.points, &mut self.triangles, |at| sizes.at(at), most).is_empty()
     }
 
     /// Flips edges where both new triangles face about the same way as the old ones.
