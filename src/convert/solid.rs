@@ -7,6 +7,8 @@ use super::stage::{Observer, Stage, within};
 use super::{InputReport, Options, input, lengths};
 use crate::adapt::Goal;
 use crate::deviation::{self, Deviation, NetworkToScan};
+use crate::geometry::Point;
+use crate::layout::QuadLayout;
 use crate::mesh::{Choice, Components, FaceOrigin, Patch};
 use crate::spline::Network;
 use crate::{Error, Result, brep, fill, layout, net, patches, smooth, threads};
@@ -29,13 +31,19 @@ const GAPS: f64 = 0.05;
 /// so that only roundings remain.
 const UNCERTAINTY: f64 = 1e-7;
 
-/// The most rounds in which the layout is made finer where faces turn over. Where the scan tells no
-/// more about the shape, further rounds do not help.
+/// The most rounds in which the layout is made finer. Where the scan tells no more about the shape, further
+/// rounds do not help.
 const FINER_ROUNDS: usize = 6;
 
 /// The layout is not made finer if more than one in this number of faces is faulty. Then the parts of the
 /// scan are finer than its triangles nearly everywhere, and finer layouts have more faults.
 const MOST_FAULTY: usize = 5;
+
+/// A face that leaves the scan by more than this multiple of the tolerance bridges a part that is narrower
+/// than its quads. One in `FEW` faces, the farthest ones, are made smaller in a round, so that their
+/// number grows only where it helps.
+const FAR: f64 = 5.0;
+const FEW: usize = 20;
 
 /// The number of places in each span of a track at which the angle between its faces is measured.
 const SEAM_PLACES: usize = 4;
@@ -192,40 +200,74 @@ struct Faces {
     irregular: usize,
 }
 
-/// Makes the faces of a filled body with even triangles. Where they turn over or go
-/// through each other, the layout is made finer.
+/// Makes the faces of a filled body with even triangles. The layout is made finer where they turn over or
+/// go through each other, and then where they are far from the scan.
 fn faces(patch: &Patch, options: &net::Options, watch: &mut Observer) -> Result<Faces> {
-    let mut layout = layout::layout_with(
-        &patch.mesh,
-        &layout::Options::default(),
-        &mut within("layout", watch),
-    )?;
-    let is_measured: Vec<bool> =
-        patch.origin.iter().map(|&origin| origin == FaceOrigin::Measured).collect();
+    let how = layout::Options::default();
+    let mut layout = layout::layout_with(&patch.mesh, &how, &mut within("layout", watch))?;
+    let mut best: Option<Faces> = None;
     for round in 0..=FINER_ROUNDS {
         watch(Stage::Layout(layout.quads()))?;
-        let (fitted, net) =
-            net::fit_with(layout.quads(), patch, options, &mut within("fit", watch))?;
-        let (network, extracted) = patches::extract(&fitted.mesh, &fitted.surface)?;
-        let to_scan = deviation::network_to_scan(&network, &fitted.mesh, &patch.mesh, &is_measured);
-        let mut faults = to_scan.inverted.clone();
-        faults.extend(deviation::crossing_faces(&network));
-        let Some(&(_, at)) = faults.first() else {
-            let (layout, irregular) = (layout.report(), extracted.irregular);
-            return Ok(Faces { network, to_scan, layout, net, irregular });
+        let (faces, faults) = faces_of(&layout, patch, options, watch)?;
+        let blocks = match faults.first() {
+            Some(_) if best.is_some() => break,
+            Some(&(_, at)) => {
+                let mut blocks: Vec<usize> = faults.iter().map(|fault| fault.0).collect();
+                blocks.sort_unstable();
+                blocks.dedup();
+                if blocks.len() > faces.network.surfaces.len() / MOST_FAULTY
+                    || round == FINER_ROUNDS
+                {
+                    return Err(Error::SolidFolds { count: faults.len(), at });
+                }
+                blocks
+            }
+            None => {
+                let off = |faces: &Faces| faces.to_scan.deviation.max;
+                if best.as_ref().is_some_and(|best| off(&faces) >= off(best)) {
+                    break;
+                }
+                let far = faces.far(FAR * options.tolerance);
+                best = Some(faces);
+                far
+            }
         };
-        let mut blocks: Vec<usize> = faults.iter().map(|&(face, _)| face).collect();
-        blocks.sort_unstable();
-        blocks.dedup();
-        let too_many = blocks.len() > network.surfaces.len() / MOST_FAULTY;
-        if too_many
-            || round == FINER_ROUNDS
-            || !layout.split(&blocks, &mut within("layout", watch))?
-        {
-            return Err(Error::SolidFolds { count: faults.len(), at });
+        if blocks.is_empty() || !layout.split(&blocks, &mut within("layout", watch))? {
+            break;
         }
     }
-    Err(Error::Layout("there is none"))
+    best.ok_or(Error::Layout("no block of it can be made smaller"))
+}
+
+/// Makes the faces of a layout. Returns also those that turn over or go through each other, with places.
+fn faces_of(
+    layout: &QuadLayout,
+    patch: &Patch,
+    options: &net::Options,
+    watch: &mut Observer,
+) -> Result<(Faces, Vec<(usize, Point)>)> {
+    let is_measured: Vec<bool> =
+        patch.origin.iter().map(|&origin| origin == FaceOrigin::Measured).collect();
+    let mut within = within("fit", watch);
+    let (fitted, net) = net::fit_with(layout.quads(), patch, options, &mut within)?;
+    let (network, extracted) = patches::extract(&fitted.mesh, &fitted.surface)?;
+    let to_scan = deviation::network_to_scan(&network, &fitted.mesh, &patch.mesh, &is_measured);
+    let mut faults = to_scan.inverted.clone();
+    faults.extend(deviation::crossing_faces(&network));
+    let (layout, irregular) = (layout.report(), extracted.irregular);
+    Ok((Faces { network, to_scan, layout, net, irregular }, faults))
+}
+
+impl Faces {
+    /// The few faces that are farthest from the scan, and farther than `limit`.
+    fn far(&self, limit: f64) -> Vec<usize> {
+        let largest = &self.to_scan.largest;
+        let mut far: Vec<usize> =
+            (0..largest.len()).filter(|&face| largest[face] > limit).collect();
+        far.sort_by(|&a, &b| largest[b].total_cmp(&largest[a]));
+        far.truncate(largest.len().div_ceil(FEW));
+        far
+    }
 }
 
 fn seams(network: &Network) -> Seams {

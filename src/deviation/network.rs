@@ -35,6 +35,8 @@ pub fn of_network(network: &Network, points: &[Point]) -> Deviation {
 pub struct NetworkToScan {
     /// The distances of the samples whose nearest triangle was measured.
     pub deviation: Deviation,
+    /// The largest of these distances on each face.
+    pub largest: Vec<f64>,
     /// The samples whose normal points against those of the nearest triangle and of its corners, and
     /// against that of the layout. Each has the number of its face. On a thin wall the nearest triangle
     /// may be on the other side.
@@ -45,7 +47,8 @@ impl NetworkToScan {
     /// The same with all lengths multiplied by a factor.
     pub(crate) fn scaled(self, factor: f64) -> Self {
         let inverted = self.inverted.iter().map(|&(face, p)| (face, p * factor)).collect();
-        NetworkToScan { deviation: self.deviation.scaled(factor), inverted }
+        let largest = self.largest.iter().map(|off| off * factor).collect();
+        NetworkToScan { deviation: self.deviation.scaled(factor), largest, inverted }
     }
 }
 
@@ -78,16 +81,30 @@ pub fn network_to_scan(
             let facings =
                 [quads.block_normal(face, at), facing, mesh.area_vector(mesh.triangles[t])];
             let inverted = facings.iter().all(|facing| normal.dot(facing) < 0.0);
-            (jet.s, off, t, inverted.then_some(face))
+            NetworkSample { face, at: jet.s, off, is_measured: is_measured[t], inverted }
         };
         all.map(sample).collect::<Vec<_>>()
     };
     let faces = network.surfaces.par_iter().enumerate();
     let samples: Vec<_> = faces.map(of_face).flatten_iter().collect();
-    let measured = samples.iter().filter(|s| is_measured[s.2]);
-    let (points, distances): (Vec<Point>, Vec<f64>) = measured.map(|s| (s.0, s.1)).unzip();
+    let measured = || samples.iter().filter(|s| s.is_measured);
+    let mut largest = vec![0.0; network.surfaces.len()];
+    measured().for_each(|s| largest[s.face] = f64::max(largest[s.face], s.off));
+    let (points, distances): (Vec<Point>, Vec<f64>) = measured().map(|s| (s.at, s.off)).unzip();
     NetworkToScan {
         deviation: Deviation::of(&points, distances),
-        inverted: samples.iter().filter_map(|s| Some((s.3?, s.0))).collect(),
+        largest,
+        inverted: samples.iter().filter(|s| s.inverted).map(|s| (s.face, s.at)).collect(),
     }
+}
+
+/// A place on a face of a network.
+struct NetworkSample {
+    face: usize,
+    at: Point,
+    /// The distance from the nearest triangle.
+    off: f64,
+    /// Whether this triangle was measured.
+    is_measured: bool,
+    inverted: bool,
 }
