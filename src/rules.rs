@@ -41,6 +41,9 @@ pub enum Fault {
     /// The limit on the size of a net must be between 16 and [`MOST_CONTROL_POINTS`].
     #[error("not a number of control points from {LEAST_CONTROL_POINTS} to {MOST_CONTROL_POINTS}")]
     MaxNet,
+    /// A solid has [`LEAST_FACES`] to [`MOST_FACES`] faces.
+    #[error("not a number of faces from {LEAST_FACES} to {MOST_FACES}")]
+    Faces,
     /// A cloud has at least [`LEAST_POINTS`] points.
     #[error("not a number of points from {LEAST_POINTS} on")]
     MaxPoints,
@@ -64,6 +67,12 @@ pub const MOST_THREADS: usize = 1024;
 
 /// The smallest number of points of a cloud. Fewer do not tell a surface from its noise.
 pub const LEAST_POINTS: usize = 100;
+
+/// The numbers of faces of a solid that may be asked for. Four four-sided faces close a torus, and a ball
+/// has six. CAD systems take minutes to open a solid with more faces.
+pub const LEAST_FACES: usize = 4;
+/// See [`LEAST_FACES`].
+pub const MOST_FACES: usize = 100_000;
 
 /// The smallest number of control points of a bicubic net in one direction, and in total.
 const SIDE: usize = 4;
@@ -119,6 +128,11 @@ pub fn max_net(control_points: usize) -> Result<()> {
     must(allowed.contains(&control_points), Fault::MaxNet)
 }
 
+/// Checks a number of faces of a solid.
+pub fn faces(count: usize) -> Result<()> {
+    must((LEAST_FACES..=MOST_FACES).contains(&count), Fault::Faces)
+}
+
 /// Threads that share the work.
 pub fn threads(count: usize) -> Result<()> {
     must((1..=MOST_THREADS).contains(&count), Fault::Threads)
@@ -151,6 +165,7 @@ mod tests {
         let net_of = [usize::MAX; 2];
         assert_eq!(net(net_of, 100), Err(Fault::LargeNet { net: net_of, most: 100 }));
         assert_eq!((max_net(15), max_net(16)), (Err(Fault::MaxNet), Ok(())));
+        assert_eq!((faces(3), faces(4)), (Err(Fault::Faces), Ok(())));
         assert!(max_net(usize::MAX).is_err());
     }
 }

@@ -8,7 +8,7 @@ use std::path::Path;
 
 use common::importers::{freecad_solid, opencascade_solid};
 use common::random::Random;
-use common::{arg, checked, convert, converted, json, number};
+use common::{arg, checked, convert, converted, json, number, shared};
 
 const RADII: [f64; 2] = [40.0, 15.0];
 
@@ -106,6 +106,41 @@ fn freecad_opens_a_torus() {
     assert_eq!(found["valid"], true, "{found}");
     let off = number(&found, "/volume") / volume() - 1.0;
     assert!(off.abs() < 4e-3, "{found}");
+}
+
+#[test]
+fn about_as_many_faces_come_out_as_are_asked_for() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    torus(&path("torus.obj"), 0.02, false, &[]);
+    let faces = |count: &str| {
+        let report = path("torus.json");
+        let (scan, step) = (path("torus.obj"), path("torus.step"));
+        converted(&[arg(&scan), arg(&step), "--faces", count, "--report", arg(&report)]);
+        let report = json(&report);
+        assert_eq!(report["options"]["faces"].to_string(), count);
+        number(&report, "/shape/faces")
+    };
+    let [few, many] = ["30", "90"].map(faces);
+    assert!((20.0..40.0).contains(&few) && (70.0..110.0).contains(&many), "{few} and {many}");
+}
+
+#[test]
+fn real_bodies_become_solids() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    // A sculpture with four handles, and a part with sharp edges and knife edges.
+    for (scan, most) in [("fertility.ply", 120.0), ("trimstar.stl.gz", 80.0)] {
+        let Some(scan) = shared("scans/B").map(|scans| scans.join(scan)) else { return };
+        let (step, report) = (path("body.step"), path("body.json"));
+        let output = convert(&[arg(&scan), arg(&step), "--report", arg(&report)]);
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(0), "{said}");
+        let faces = number(&json(&report), "/shape/faces");
+        assert!(faces <= most, "{faces} faces of {}", scan.display());
+        let found = opencascade_solid(&step);
+        assert_eq!(found["valid"], true, "{found}");
+    }
 }
 
 #[test]

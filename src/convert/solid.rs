@@ -160,7 +160,7 @@ fn solid(scan: &Components, options: &Options, watch: &mut Observer) -> Result<S
     let net_options =
         net::Options { tolerance, outliers: goal.outliers, max_control: options.knots.max_net };
     let Faces { network: own, to_scan: face_to_scan, layout, net, irregular } =
-        faces(&patch.even(), &net_options, watch)?;
+        faces(&patch.even(), options.faces, &net_options, watch)?;
     let network = own.clone().scaled(mm);
     watch(Stage::Network(&network))?;
     let brep = brep::closed(&network, &options.name, UNCERTAINTY)?;
@@ -201,9 +201,15 @@ struct Faces {
 }
 
 /// Makes the faces of a filled body with even triangles. The layout is made finer where they turn over or
-/// go through each other, and then where they are far from the scan.
-fn faces(patch: &Patch, options: &net::Options, watch: &mut Observer) -> Result<Faces> {
-    let how = layout::Options::default();
+/// go through each other, and then, unless about so many faces are `wanted`, where they are far from the
+/// scan.
+fn faces(
+    patch: &Patch,
+    wanted: Option<usize>,
+    options: &net::Options,
+    watch: &mut Observer,
+) -> Result<Faces> {
+    let how = layout::Options { blocks: wanted, ..layout::Options::default() };
     let mut layout = layout::layout_with(&patch.mesh, &how, &mut within("layout", watch))?;
     let mut best: Option<Faces> = None;
     for round in 0..=FINER_ROUNDS {
@@ -229,7 +235,7 @@ fn faces(patch: &Patch, options: &net::Options, watch: &mut Observer) -> Result<
                 }
                 let far = faces.far(FAR * options.tolerance);
                 best = Some(faces);
-                far
+                if wanted.is_some() { Vec::new() } else { far }
             }
         };
         if blocks.is_empty() || !layout.split(&blocks, &mut within("layout", watch))? {

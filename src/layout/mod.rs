@@ -36,11 +36,13 @@ pub struct Options {
     /// their mean. Smaller angles give more blocks; 45° gives about twice as many as 65°. Beyond 75°
     /// quads turn away from the scan.
     pub spread: f64,
+    /// About how many blocks there should be. The spread is then chosen so that there are.
+    pub blocks: Option<usize>,
 }
 
 impl Default for Options {
     fn default() -> Self {
-        Options { spread: 65.0 }
+        Options { spread: 65.0, blocks: None }
     }
 }
 
@@ -70,6 +72,11 @@ const SIDE: usize = 8;
 
 /// The rounds of coarsening and flips. Later ones change little.
 const COARSENINGS: usize = 3;
+
+/// The spreads in degrees between which one is searched for a number of blocks, and the halvings. Below,
+/// single normals count, and above, quads turn away from the scan.
+const SPREADS: [f64; 2] = [15.0, 80.0];
+const HALVINGS: usize = 7;
 
 /// The most rounds in which edges are flipped or split for the valences of the pairs.
 const FLIPS: usize = 20;
@@ -105,18 +112,47 @@ pub fn layout(mesh: &Mesh, options: &Options) -> Result<QuadLayout> {
 /// Those of [`layout`], and what `progress` returns.
 pub fn layout_with(mesh: &Mesh, options: &Options, progress: &mut Progress) -> Result<QuadLayout> {
     let ground = Ground::new(mesh);
-    let mut base = Base::new(&ground);
-    let spread = options.spread.to_radians().cos();
-    let quadrics = coarsen::quadrics(&base);
-    for round in 0..COARSENINGS {
-        progress(0.3 * round as f64 / COARSENINGS as f64)?;
-        coarsen::coarsen(&mut base, &quadrics, spread);
-        flips::flip(&mut base, spread);
-    }
+    let mut coarsening = |share: f64| progress(0.3 * share);
+    let base = match options.blocks {
+        None => coarsened(&ground, options.spread, &mut coarsening)?,
+        Some(blocks) => with_blocks(&ground, blocks, &mut coarsening)?,
+    };
     let known = HashMap::new();
     let mut layout = QuadLayout { ground, base, pairs: None, known, best: RelaxedGrid::default() };
     layout.make_quads(&mut |share| progress(0.3 + 0.7 * share))?;
     Ok(layout)
+}
+
+/// The base of a spread in degrees.
+fn coarsened(ground: &Ground, spread: f64, progress: &mut Progress) -> Result<Base> {
+    let mut base = Base::new(ground);
+    let spread = spread.to_radians().cos();
+    let quadrics = coarsen::quadrics(&base);
+    for round in 0..COARSENINGS {
+        progress(round as f64 / COARSENINGS as f64)?;
+        coarsen::coarsen(&mut base, &quadrics, spread);
+        flips::flip(&mut base, spread);
+    }
+    Ok(base)
+}
+
+/// The base whose number of triangles is nearest to two for each block. The spread is halved between
+/// bounds, as wider spreads give fewer triangles.
+fn with_blocks(ground: &Ground, blocks: usize, progress: &mut Progress) -> Result<Base> {
+    let [mut low, mut high] = SPREADS;
+    let mut best: Option<(usize, Base)> = None;
+    for step in 0..HALVINGS {
+        let spread = 0.5 * (low + high);
+        let mut progress = |share: f64| progress((step as f64 + share) / HALVINGS as f64);
+        let base = coarsened(ground, spread, &mut progress)?;
+        let count = base.alive.iter().filter(|&&alive| alive).count() / 2;
+        *(if count > blocks { &mut low } else { &mut high }) = spread;
+        let off = count.abs_diff(blocks);
+        if best.as_ref().is_none_or(|best| off < best.0) {
+            best = Some((off, base));
+        }
+    }
+    best.map(|best| best.1).ok_or(Error::Layout("there is none"))
 }
 
 impl QuadLayout {
@@ -248,8 +284,19 @@ mod tests {
     #[test]
     fn narrower_spreads_give_more_blocks() {
         let mesh = torus(90, 40);
-        let blocks = |spread: f64| layout(&mesh, &Options { spread }).unwrap().report().blocks;
+        let blocks =
+            |spread: f64| layout(&mesh, &Options { spread, blocks: None }).unwrap().report().blocks;
         assert!(blocks(35.0) > blocks(65.0));
+    }
+
+    #[test]
+    fn about_as_many_blocks_come_out_as_are_asked_for() {
+        let mesh = torus(90, 40);
+        for blocks in [30, 60, 120] {
+            let options = Options { blocks: Some(blocks), ..Options::default() };
+            let report = layout(&mesh, &options).unwrap().report();
+            assert!(report.blocks.abs_diff(blocks) <= blocks / 5, "{blocks}: {report:?}");
+        }
     }
 
     #[test]

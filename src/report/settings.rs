@@ -52,6 +52,8 @@ pub struct Settings {
     pub net: Option<[usize; 2]>,
     /// The largest number of control points.
     pub max_net: usize,
+    /// About how many faces a solid gets.
+    pub faces: Option<usize>,
     /// Holes with a rim shorter than this, in mm, stay filled.
     pub fill_only_holes_below: Option<f64>,
     /// Whether all holes stay filled.
@@ -123,6 +125,7 @@ impl Settings {
             depth: options.knots.depth,
             net: options.knots.net,
             max_net: options.knots.max_net,
+            faces: options.faces,
             fill_only_holes_below: match options.cut {
                 Cut::FromLength(length) => Some(length),
                 Cut::All | Cut::None => None,

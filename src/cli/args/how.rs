@@ -4,7 +4,7 @@ use clap::Args;
 
 use super::choices::{Fit, Iges, Map, OutlineChoice, ShapeChoice, StepSchema};
 use super::colour::Colour;
-use super::numbers::{depth, extent, max_net, net, percentage, positive, support};
+use super::numbers::{depth, extent, faces, max_net, net, percentage, positive, support};
 use super::pieces::{ComponentChoice, component};
 use crate::cli::places::NamedCorners;
 
@@ -14,6 +14,9 @@ pub struct How {
     /// What becomes of the scan
     #[arg(long, value_enum, default_value_t = ShapeChoice::Auto)]
     pub shape: ShapeChoice,
+    /// About how many faces a solid gets [default: as many as its shape needs]
+    #[arg(long, value_name = "N", value_parser = faces)]
+    pub faces: Option<usize>,
     /// Largest distance of a smoothed point from the face, in mm, and of the face from the
     /// scan's triangles, to which the error of flat triangles is added [default: three times
     /// the noise of the scan]

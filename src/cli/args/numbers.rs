@@ -48,6 +48,11 @@ pub fn max_net(text: &str) -> Result<usize, String> {
     sound(text, rules::max_net)
 }
 
+/// A number of faces.
+pub fn faces(text: &str) -> Result<usize, String> {
+    sound(text, rules::faces)
+}
+
 /// The bound on the points of a cloud.
 pub fn max_points(text: &str) -> Result<usize, String> {
     sound(text, rules::max_points)

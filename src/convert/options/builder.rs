@@ -154,6 +154,12 @@ impl Builder {
         self
     }
 
+    /// About how many faces a solid gets. Without, as many as its shape needs.
+    pub fn faces(mut self, count: impl Into<Option<usize>>) -> Self {
+        self.0.faces = count.into();
+        self
+    }
+
     /// How to fit.
     pub fn fit(mut self, method: fit::Method) -> Self {
         self.0.method = method;

@@ -40,6 +40,7 @@ pub struct Options {
     pub(crate) fill: fill::Options,
     pub(crate) parameterize: parameterize::Options,
     pub(crate) knots: KnotOptions,
+    pub(crate) faces: Option<usize>,
     pub(crate) method: fit::Method,
     pub(crate) tolerance: Option<f64>,
     pub(crate) outliers: f64,
@@ -63,6 +64,7 @@ impl Default for Options {
             fill: fill::Options::default(),
             parameterize: parameterize::Options::default(),
             knots: KnotOptions::default(),
+            faces: None,
             method: fit::Method::default(),
             tolerance: None,
             outliers: 0.0,
@@ -168,6 +170,7 @@ impl Options {
         self.fill.check()?;
         self.parameterize.check()?;
         self.knots.check()?;
+        self.faces.map_or(Ok(()), rules::faces).map_err(of("faces"))?;
         self.tolerance.map_or(Ok(()), rules::length).map_err(of("tolerance"))?;
         self.rim_tolerance.map_or(Ok(()), rules::extent).map_err(of("rim_tolerance"))?;
         rules::share(self.outliers).map_err(of("outliers"))?;
