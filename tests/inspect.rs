@@ -93,6 +93,7 @@ fn a_sound_scan_needs_little_repair() {
     let found = inspected(&fixture("relief.ply"));
     is(&found, (1, 3, 0.0, true));
     repaired(&found, &[("rim_triangles_trimmed", 3)]);
+    assert_eq!(found["shape"], "face");
     assert_eq!(found["units"], "mm");
     assert_eq!(found["units_assumed"], true);
     assert_eq!(found["file_vertices"], found["vertices"]);
@@ -113,7 +114,15 @@ fn length(ring: &Value) -> f64 {
 fn text_says_the_same() {
     let output = inspect(&[arg(&fixture("relief.ply"))]);
     let said = String::from_utf8_lossy(&output.stdout);
-    for words in ["mm (assumed", "a disk with 2 holes", "outer loop", "hole  ", "noise", "1 of 1"] {
+    for words in [
+        "mm (assumed",
+        "a disk with 2 holes",
+        "becomes     a face",
+        "outer loop",
+        "hole  ",
+        "noise",
+        "1 of 1",
+    ] {
         assert!(said.contains(words), "{words} in {said}");
     }
 }
@@ -278,11 +287,15 @@ fn dust_is_counted() {
 fn surfaces_that_are_no_disk_are_named() {
     let mut torus = Obj::default();
     torus.tube(12, 8);
-    is(&torus.inspected(), (1, 0, 1.0, false));
+    let found = torus.inspected();
+    is(&found, (1, 0, 1.0, false));
+    assert_eq!(found["shape"], "solid");
 
     let mut handle = torus.clone();
     handle.text = handle.text.replacen("f 1 9 10 2\n", "", 1);
-    is(&handle.inspected(), (1, 1, 1.0, false));
+    let found = handle.inspected();
+    is(&found, (1, 1, 1.0, false));
+    assert_eq!(found["shape"], "solid", "the gap is small");
 
     let mut strip = Obj::default();
     let n = 16;
@@ -300,6 +313,7 @@ fn surfaces_that_are_no_disk_are_named() {
     let found = strip.inspected();
     is(&found, (1, 1, 0.5, false));
     assert_eq!(found["orientable"], false);
+    assert_eq!(found["shape"], Value::Null);
 }
 
 #[test]

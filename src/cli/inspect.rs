@@ -1,8 +1,8 @@
 //! `scan2step inspect`: what a scan is.
 
-use scan2step::Inspection;
 use scan2step::report::{CloudFigures, InspectionFigures, ScanFigures, likely_unit};
 use scan2step::words::{mm, plural};
+use scan2step::{Inspection, TargetShape};
 
 use super::args::Inspect;
 use super::input::{self, Scan};
@@ -45,6 +45,7 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
             input.components, input.vertices, input.triangles
         ),
         format!("  surface     {}", kind(found)),
+        format!("  becomes     {}", target(found)),
     ]);
     lines.extend(loops(found));
     if input.islands > 0 {
@@ -89,12 +90,25 @@ fn cloud(cloud: &CloudFigures) -> Vec<String> {
     lines
 }
 
-/// What the surface is, and whether it can become a face.
+/// What the surface is.
 fn kind(found: &Inspection) -> String {
-    match found.topology.check_disk() {
-        Ok(()) if found.loops.len() == 1 => "a disk without holes".into(),
-        Ok(()) => format!("a disk with {} holes", found.loops.len() - 1),
-        Err(e) => format!("cannot become a face: {e}; {}", spelled(&e.help())),
+    let topology = &found.topology;
+    match found.loops.len() {
+        _ if !topology.orientable => "one-sided".into(),
+        1 if topology.is_disk() => "a disk without holes".into(),
+        loops if topology.is_disk() => format!("a disk with {}", plural(loops - 1, "hole")),
+        0 => format!("closed, genus {}", topology.genus()),
+        loops => format!("genus {}, {}", topology.genus(), plural(loops, "boundary loop")),
+    }
+}
+
+/// What a conversion makes of it.
+fn target(found: &Inspection) -> String {
+    match (found.shape, found.topology.check_disk()) {
+        (Some(TargetShape::Solid), _) if found.loops.is_empty() => "a solid".into(),
+        (Some(TargetShape::Solid), _) => "a solid, with its gaps filled (--shape to change)".into(),
+        (_, Ok(())) => "a face".into(),
+        (_, Err(e)) => format!("nothing: {e}; {}", spelled(&e.help())),
     }
 }
 

@@ -1,5 +1,6 @@
 //! What came in: the chosen component of a scan, looked at and made a disk.
 
+use super::solid::{TargetShape, shape_of};
 use crate::geometry::{Point, Vector};
 use crate::mesh::{
     Choice, Component, Components, Disk, Mesh, Outer, RawPoints, Repairs, Topology, boundary,
@@ -46,6 +47,8 @@ pub struct Inspection {
     pub bounds: [[f64; 3]; 2],
     /// Standard deviation of the noise along the normal.
     pub noise: f64,
+    /// What a conversion makes of it; `None` if it can only be refused.
+    pub shape: Option<TargetShape>,
 }
 
 impl InputReport {
@@ -165,6 +168,10 @@ fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspecti
         outer: (!rings.is_empty()).then(|| chosen.outer(outer, &rings)),
         bounds: mesh.bounds().map(|p| (mm * p.coords).into()),
         noise: mm * smooth::noise(mesh).max(raw_noise),
+        shape: match shape_of(&chosen) {
+            TargetShape::Face if !chosen.topology.is_disk() => None,
+            shape => Some(shape),
+        },
         input: input.clone(),
     };
     if inspection.topology.is_disk() {

@@ -9,7 +9,7 @@ use crate::adapt::Goal;
 use crate::deviation::{self, Deviation, NetworkToScan};
 use crate::geometry::Point;
 use crate::layout::QuadLayout;
-use crate::mesh::{Choice, Components, FaceOrigin, Patch};
+use crate::mesh::{Choice, Component, Components, FaceOrigin, Patch};
 use crate::spline::Network;
 use crate::{Error, Result, brep, fill, layout, net, patches, smooth, threads};
 
@@ -113,9 +113,13 @@ impl SolidConversion {
 /// # Errors
 /// [`Error::Component`]: there is no such component.
 pub fn shape(scan: &Components, component: Choice) -> Result<TargetShape> {
-    let chosen = scan.take(component)?;
-    let is_body = chosen.topology.orientable && chosen.gap_share() < GAPS;
-    Ok(if is_body { TargetShape::Solid } else { TargetShape::Face })
+    Ok(shape_of(&scan.take(component)?))
+}
+
+/// What one component becomes.
+pub(super) fn shape_of(component: &Component) -> TargetShape {
+    let is_body = component.topology.orientable && component.gap_share() < GAPS;
+    if is_body { TargetShape::Solid } else { TargetShape::Face }
 }
 
 /// Converts one component of a scan to a solid. `watch` is as for

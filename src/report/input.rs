@@ -5,7 +5,7 @@ use formats::{LengthUnit, Points, Soup};
 
 use super::{CloudFigures, CloudMeshFigures};
 use crate::mesh::Repairs;
-use crate::{InputReport, Inspection, Options, cloud};
+use crate::{InputReport, Inspection, Options, TargetShape, cloud};
 
 /// A scan as it was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -146,6 +146,8 @@ pub struct InspectionFigures {
     pub orientable: bool,
     /// Whether the surface is a disk with holes, and can become a face.
     pub disk: bool,
+    /// What a conversion makes of it: "face", "solid", or nothing.
+    pub shape: Option<&'static str>,
     /// The boundary loops. The list is empty for a one-sided surface.
     pub loops: Vec<RimFigures>,
     /// The lowest and the highest coordinates.
@@ -181,6 +183,10 @@ impl InspectionFigures {
             genus: found.topology.genus(),
             orientable: found.topology.orientable,
             disk: found.topology.is_disk(),
+            shape: found.shape.map(|shape| match shape {
+                TargetShape::Face => "face",
+                TargetShape::Solid => "solid",
+            }),
             loops: found.loops.iter().enumerate().map(rim).collect(),
             bounds_mm: found.bounds,
             left_out_triangles: found.input.left_out,
