@@ -11,7 +11,7 @@ const SAMPLES: usize = 5;
 
 /// The factor by which a net becomes firmer at the vertices of a quad that is turned over. Smaller
 /// factors take more rounds, and larger ones flatten more than is needed.
-const FIRMER: f64 = 50.0;
+const FIRMER: f64 = 8.0;
 
 /// The quads on which a normal of the surface differs by more than a right angle from that of the scan
 /// where the layout has put the place.

@@ -69,7 +69,7 @@ const INTERPOLATIONS: usize = 5;
 
 /// The most rounds in which fairing grows where the surface is turned over. Each makes it eight times
 /// as strong, and after eight rounds it flattens everything.
-const FIRMER_ROUNDS: usize = 4;
+const FIRMER_ROUNDS: usize = 8;
 
 /// The weight of a point that fills a hole, beside that of a measured point. It is small because
 /// the fill was not measured, and not zero because the surface must follow it.
