@@ -77,6 +77,12 @@ impl Base {
         self.points[v as usize]
     }
 
+    /// The length of side `k` of a triangle.
+    pub fn side_length(&self, t: usize, k: usize) -> f64 {
+        let corners = self.triangles[t];
+        (self.point(corners[(k + 1) % 3]) - self.point(corners[k])).norm()
+    }
+
     /// The length of the longest side of a triangle as a multiple of the scan's edges at its corners.
     pub fn scan_edges(&self, t: [u32; 3]) -> f64 {
         let [a, b, c] = t.map(|v| self.point(v));
@@ -203,7 +209,7 @@ impl Base {
     }
 }
 
-pub(super) fn combined(corners: &[Uv; 3], weights: &[f64; 3]) -> Uv {
+fn combined(corners: &[Uv; 3], weights: &[f64; 3]) -> Uv {
     Uv::from(
         corners.iter().zip(weights).map(|(c, w)| c.coords * *w).sum::<nalgebra::Vector2<f64>>(),
     )

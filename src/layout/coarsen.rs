@@ -211,7 +211,7 @@ pub(super) fn is_shaped(base: &Base, old: &[Flat], new: &[Flat], corners: &[[u32
 const EQUAL_SIDES: f64 = 3.464_101_615_137_754_6;
 
 /// The quality of a triangle in the plane. It is negative if the triangle is turned over.
-pub(super) fn quality([a, b, c]: [Uv; 3]) -> f64 {
+fn quality([a, b, c]: [Uv; 3]) -> f64 {
     let squares = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
     EQUAL_SIDES * crate::geometry::orient2d(a, b, c) / squares.max(f64::MIN_POSITIVE)
 }

@@ -112,14 +112,10 @@ pub(super) fn split_side(base: &mut Base, ground: &Ground, t: usize, k: usize) -
 
 /// Splits the longest side opposite to a vertex, so that the vertex gets a triangle more.
 pub(super) fn split_link(base: &mut Base, ground: &Ground, v: u32) -> bool {
-    let length = |base: &Base, t: usize, k: usize| {
-        let corners = base.triangles[t];
-        (base.point(corners[(k + 1) % 3]) - base.point(corners[k])).norm()
-    };
     let sides = base.around[v as usize].iter().filter_map(|&t| {
         let t = t as usize;
         let k = (base.triangles[t].iter().position(|&w| w == v)? + 1) % 3;
-        Some((length(base, t, k), t, k))
+        Some((base.side_length(t, k), t, k))
     });
     let longest = sides.max_by(|x, y| x.0.total_cmp(&y.0).then((y.1, y.2).cmp(&(x.1, x.2))));
     longest.is_some_and(|(_, t, k)| split_side(base, ground, t, k))

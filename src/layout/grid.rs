@@ -33,10 +33,7 @@ impl BlockGrid {
                 None => is_new[v] = true,
             }
         }
-        let mut near = is_new.clone();
-        let has_new = |quad: &&[VertexId; 4]| quad.iter().any(|v| is_new[v.index()]);
-        self.mesh.quads.iter().filter(has_new).flatten().for_each(|v| near[v.index()] = true);
-        near
+        self.mesh.with_neighbours(&is_new)
     }
 }
 

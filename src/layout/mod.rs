@@ -215,15 +215,15 @@ impl QuadLayout {
     /// Sets the points and the normals of the quads, and checks that they are closed and that they have as
     /// many handles as the scan.
     fn finish(&mut self) -> Result<()> {
-        let scan = &self.ground.mesh;
-        // A closed mesh of triangles has three edges for two of them.
-        let euler = scan.points.len() as i64 - scan.triangles.len() as i64 / 2;
-        if self.best.grid.places.len() as i64 - self.best.grid.mesh.quads.len() as i64 != euler {
-            return Err(Error::Layout("its quads have another number of handles than the scan"));
-        }
         let BlockGrid { mesh, places, .. } = &mut self.best.grid;
         mesh.points = places.iter().map(|place| self.ground.point(place)).collect();
         mesh.normals = places.iter().map(|place| self.ground.normal(place)).collect();
+        let scan = &self.ground.mesh;
+        // A closed mesh of triangles has three edges for two of them.
+        let euler = scan.points.len() as i64 - scan.triangles.len() as i64 / 2;
+        if mesh.euler() != euler {
+            return Err(Error::Layout("its quads have another number of handles than the scan"));
+        }
         mesh.fault().map_or(Ok(()), |fault| Err(Error::Layout(fault)))
     }
 }

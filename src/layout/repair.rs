@@ -105,13 +105,9 @@ fn reweigh(relaxed: &mut Relaxed, best: &mut (usize, Vec<TrianglePlace>)) {
 
 /// The vertices of some quads and of the quads around them.
 fn vertices_near(relaxed: &Relaxed, quads: &[usize]) -> Vec<bool> {
-    let all = &relaxed.mesh.quads;
     let mut own = vec![false; relaxed.places.len()];
-    quads.iter().flat_map(|&q| all[q]).for_each(|v| own[v.index()] = true);
-    let mut near = own.clone();
-    let beside = all.iter().filter(|quad| quad.iter().any(|v| own[v.index()]));
-    beside.flatten().for_each(|v| near[v.index()] = true);
-    near
+    quads.iter().flat_map(|&q| relaxed.mesh.quads[q]).for_each(|v| own[v.index()] = true);
+    relaxed.mesh.with_neighbours(&own)
 }
 
 /// Splits the longest side of the base in each of some blocks. Returns whether one could be split.
@@ -126,10 +122,7 @@ pub(super) fn split_blocks(
         let pair = grid.triangles[block];
         let alive = pair.into_iter().filter(|&t| base.alive[t as usize]);
         let sides = alive.flat_map(|t| (0..3).map(move |k| (t as usize, k)));
-        let length = |&(t, k): &(usize, usize)| {
-            let corners = base.triangles[t];
-            (base.point(corners[(k + 1) % 3]) - base.point(corners[k])).norm()
-        };
+        let length = |&(t, k): &(usize, usize)| base.side_length(t, k);
         let longest = sides.max_by(|x, y| length(x).total_cmp(&length(y)).then(y.cmp(x)));
         split |= longest.is_some_and(|(t, k)| split_side(base, ground, t, k));
     }

@@ -110,6 +110,14 @@ impl QuadMesh {
         QuadMesh { points, normals: Vec::new(), quads, side: 2 * n }
     }
 
+    /// The marked vertices, and all others of the quads around them.
+    pub fn with_neighbours(&self, marked: &[bool]) -> Vec<bool> {
+        let mut near = marked.to_vec();
+        let beside = self.quads.iter().filter(|quad| quad.iter().any(|v| marked[v.index()]));
+        beside.flatten().for_each(|v| near[v.index()] = true);
+        near
+    }
+
     /// The number of quads at each vertex.
     pub fn valences(&self) -> Vec<usize> {
         let mut valences = vec![0; self.points.len()];

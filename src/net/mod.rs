@@ -17,7 +17,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Point, Vector};
 use crate::mesh::{Patch, QuadMesh};
 use crate::progress::{self, Progress};
-use crate::spline::subdivision::{SubdivisionSurface, limit_point, limit_tangent};
+use crate::spline::subdivision::{SubdivisionSurface, limit_point};
 use feet::Feet;
 
 /// The options of the fit.
@@ -106,11 +106,7 @@ impl Net {
         let control = self.control();
         let normal = |v: usize| {
             let (quad, k) = self.surface.corner(v.into());
-            // The second tangent leaves the vertex along the previous side, which ends there.
-            let (other, side) = self.surface.across(quad, (k + 3) % 4);
-            let tangent = |quad, k| limit_tangent(&self.surface.ring(quad, k), &control);
-            let normal = tangent(quad, k).cross(&tangent(other, side));
-            normal.try_normalize(0.0).unwrap_or_default()
+            self.surface.limit_normal(quad, k, &control)
         };
         (0..control.len()).into_par_iter().map(normal).collect()
     }

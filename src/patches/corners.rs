@@ -25,9 +25,8 @@ const SLOPE: f64 = 100.0;
 
 /// The weights of the distance of the four control points from a blend of the rows around them, of which
 /// each corner takes the first one with small angles to the limit normals, or else the one with the
-/// smallest. With less weight the
-/// parameters of a patch may turn back beside a spoke, and with more the tangent planes of neighbours
-/// differ.
+/// smallest. With less weight the parameters of a patch may turn back beside a spoke, and with more the
+/// tangent planes of neighbours differ.
 const BLENDS: [f64; 4] = [1.0, 0.1, 10.0, 100.0];
 
 /// The cosine of an angle to the limit normals that is small enough to end the choice (2°).

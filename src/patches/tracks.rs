@@ -43,7 +43,7 @@ impl Spoke {
     pub fn new(source: &PatchSource, quad: usize, k: usize) -> Self {
         let ring = source.surface.ring(quad, k);
         let start = limit_point(&ring, source.control).coords;
-        let mut samples = vec![(start, 0.0, corner_normal(source, quad, k))];
+        let mut samples = vec![(start, 0.0, source.surface.limit_normal(quad, k, source.control))];
         let mut scratch = Vec::new();
         for i in 1..=SAMPLES {
             let x = (i as f64 / SAMPLES as f64).powi(2);
@@ -89,14 +89,6 @@ impl Spoke {
         let feet = self.samples.windows(2).map(foot);
         feet.min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |foot| foot.1)
     }
-}
-
-/// The limit normal at corner `k` of a quad.
-fn corner_normal(source: &PatchSource, quad: usize, k: usize) -> Vector {
-    let tangent = |k: usize, quad| limit_tangent(&source.surface.ring(quad, k), source.control);
-    let (other, side) = source.surface.across(quad, (k + 3) % 4);
-    // The second spoke leaves the corner along the previous side, which ends there.
-    tangent(k, quad).cross(&tangent(side, other)).try_normalize(0.0).unwrap_or_default()
 }
 
 /// The place on the unit square of a quad at (u, v) from its corner `k`, with u along side `k`.

@@ -145,6 +145,15 @@ impl SubdivisionSurface {
         ring
     }
 
+    /// The unit normal of the limit surface at corner `k` of a quad. `control` has the control points. It is
+    /// zero if the two tangents there are parallel.
+    pub fn limit_normal(&self, quad: usize, k: usize, control: &[Vector]) -> Vector {
+        let tangent = |quad, k| limit_tangent(&self.ring(quad, k), control);
+        // The second tangent leaves the corner along the previous side, which ends there.
+        let (other, side) = self.across(quad, (k + 3) % 4);
+        tangent(quad, k).cross(&tangent(other, side)).try_normalize(0.0).unwrap_or_default()
+    }
+
     /// A quad at a vertex, and the number of the corner there.
     pub fn corner(&self, v: VertexId) -> (usize, usize) {
         let h = self.spokes[v.index()];
