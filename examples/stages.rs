@@ -53,7 +53,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     // number of mm.
     let cut_out = vec![true; filling.holes.len()];
     let rims = cut::rims(&map, &cut_out);
-    let how = trim::Options::of_rims(&rims, tolerance, goal.named);
+    let how =
+        trim::Options::of_rims(rims.iter().map(|rim| rim.points.as_slice()), tolerance, goal.named);
     let arcs = trim::arcs(&surface, &rims, &how)?;
     let placed = surface.clone().scaled(mm);
     let rims: Vec<trim::Rim> = rims.into_iter().map(|rim| rim.scaled(mm)).collect();

@@ -137,11 +137,8 @@ pub enum Error {
     #[error("no layout of faces was found: {0}")]
     Layout(&'static str),
     /// The faces of a solid turn over, or go through each other.
-    #[error(
-        "the faces of the solid turn over or go through each other at {count} places, one near {}",
-        mm(at)
-    )]
-    SolidFolds {
+    #[error("the faces turn over or go through each other at {count} places, one near {}", mm(at))]
+    BodyFolds {
         /// The number of places.
         count: usize,
         /// One of them.
@@ -322,7 +319,7 @@ impl Error {
             }
             Error::Fill { at, .. }
             | Error::Folded { at, .. }
-            | Error::SolidFolds { at, .. }
+            | Error::BodyFolds { at, .. }
             | Error::Trim { at, .. } => {
                 *at *= factor;
             }
@@ -381,7 +378,7 @@ impl Error {
                 0.2 * longest
             ),
             Error::Fill { .. } => "repair or remesh the scan around that hole".into(),
-            Error::Folded { .. } | Error::SolidFolds { .. } => {
+            Error::Folded { .. } | Error::BodyFolds { .. } => {
                 "repair or remesh the scan around that place".into()
             }
             Error::Layout(_) => {

@@ -136,10 +136,10 @@ pub mod words;
 
 pub use adapt::{Adapted, KnotOptions};
 pub use convert::{
-    Builder, Conversion, Cut, InputReport, Inspection, Measured, Memory, Missed, Observer, Options,
-    ScanPlace, Seams, SolidConversion, Stage, TargetShape, cloud_components, convert,
-    convert_cloud, convert_component, convert_components, convert_file, convert_solid, cut,
-    inspect, joined, measured, shape,
+    BodyConversion, Builder, Conversion, Cut, InputReport, Inspection, Measured, Memory, Missed,
+    Observer, Options, ScanPlace, Seams, Stage, TargetShape, cloud_components, convert,
+    convert_body, convert_cloud, convert_component, convert_components, convert_file, cut, inspect,
+    joined, measured, shape,
 };
 pub use error::{Error, Result};
 pub use progress::Progress;

@@ -6,7 +6,7 @@ use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 use std::path::Path;
 
-use common::importers::{freecad_solid, opencascade_solid};
+use common::importers::{freecad, freecad_solid, opencascade_solid};
 use common::random::Random;
 use common::{arg, checked, convert, converted, json, number, shared};
 
@@ -171,5 +171,46 @@ fn a_body_is_no_face_and_has_no_page() {
         assert_eq!(output.status.code(), Some(1), "{said}");
         assert!(said.contains(reason), "{said}");
         assert!(!out.exists());
+    }
+}
+
+/// The shells of a pipe and of a torus with a large gap, checked in both CAD kernels.
+#[test]
+fn open_bodies_become_shells_with_their_ends_open() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    let place = |k: i32| [0.4 + 0.03 * f64::from(k / 9), 0.3 + 0.05 * f64::from(k % 9)];
+    let window: Vec<[f64; 2]> = (0..54).map(place).collect();
+    let ends: Vec<[f64; 2]> = (0..40).map(|k| [0.5, 0.025 * f64::from(k)]).collect();
+    for (name, gaps, loops, euler) in [("window", &window, 1, -1), ("pipe", &ends, 2, 0)] {
+        let (scan, step, iges) = (path("torus.obj"), path("torus.step"), path("torus.igs"));
+        torus(&scan, 0.05, false, gaps);
+        let report = path("torus.json");
+        let asked = ["--report", arg(&report), "--iges", "brep"];
+        converted(&[&[arg(&scan), arg(&step), arg(&iges)], &asked[..]].concat());
+        let report = json(&report);
+        let shape = &report["shape"];
+        assert_eq!((&shape["kind"], &shape["shells"]), (&"shell".into(), &1.into()), "{name}");
+        assert_eq!((&shape["folds"], &shape["solids"]), (&0.into(), &0.into()), "{name}");
+        assert!(shape["volume_mm3"].is_null(), "{name}");
+        let holes = report["fill"]["holes"].as_array().expect("holes");
+        assert_eq!(holes.len(), loops, "{name}");
+        assert!(holes.iter().all(|hole| hole["trimmed"] == true), "{name}: {holes:?}");
+        let count = |of: &str| shape[of].as_i64().expect("a number");
+        assert_eq!(count("vertices") - count("edges") + count("faces"), euler, "{name}");
+        assert!(count("free_edges") >= 2 * loops as i64, "{name}");
+        let rms = number(&report, "/deviation/rms_mm");
+        assert!((0.035..0.065).contains(&rms), "{name}: rms {rms}");
+        let free = count("free_edges");
+        for file in [&step, &iges] {
+            let found = opencascade_solid(file);
+            assert_eq!(found["valid"], true, "{name}: {found}");
+            assert_eq!((&found["solids"], &found["shells"]), (&0.into(), &1.into()), "{name}");
+            let uses = serde_json::json!({ "1": free, "2": count("edges") - free });
+            assert_eq!(found["uses"], uses, "{name}");
+        }
+        if let Some(found) = freecad(&step) {
+            assert_eq!(found["valid"], true, "{name}: {found}");
+        }
     }
 }

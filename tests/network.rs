@@ -5,11 +5,12 @@ mod common;
 use std::collections::{HashMap, HashSet};
 
 use nalgebra::Vector2;
-use scan2step::geometry::{Point, Uv, Vector, VertexId};
+use scan2step::geometry::{Bound, Point, Uv, Vector, VertexId};
 use scan2step::mesh::{Mesh, Patch, QuadMesh};
 use scan2step::spline::Network;
 use scan2step::spline::subdivision::{QuadPlace, SubdivisionSurface};
-use scan2step::{brep, deviation, net, patches};
+use scan2step::trim::network::NetworkRim;
+use scan2step::{brep, deviation, net, patches, trim};
 
 /// The surface of unit cubes as a quad mesh, with a block of `n` × `n` quads for each square.
 fn cubes(cells: &[[i32; 3]], n: usize) -> QuadMesh {
@@ -120,7 +121,7 @@ fn faces_become_a_closed_mesh_that_does_not_cross_itself() {
         assert!(all.iter().all(|&(a, b)| all.contains(&(b, a))), "{name}: an open side");
         let count = triangles.points.len() as i64 - faces.len() as i64 / 2;
         assert_eq!(count, euler, "{name}");
-        assert!(deviation::crossing_faces(&network).is_empty(), "{name}");
+        assert!(deviation::crossing_faces(&network, &triangles, |_| true).is_empty(), "{name}");
     }
 }
 
@@ -134,8 +135,84 @@ fn a_face_that_goes_through_another_is_found() {
     let centre = network.corners.iter().map(|p| p.coords).sum::<Vector>() / 8.0;
     network.surfaces[0].net[middle] += 12.0 * (centre - away);
     let faces: HashSet<usize> =
-        deviation::crossing_faces(&network).into_iter().map(|found| found.0).collect();
+        crossing(&network, |_| true).into_iter().map(|found| found.0).collect();
     assert!(faces.contains(&0) && faces.len() > 1, "{faces:?}");
+    assert!(crossing(&network, |_| false).is_empty(), "what does not count is not found");
+}
+
+fn crossing(network: &Network, counts: impl Fn(usize) -> bool) -> Vec<(usize, Point)> {
+    deviation::crossing_faces(network, &deviation::tessellation(network).0, counts)
+}
+
+/// The polygon in which a plane cuts the faces of a round body. What is below the plane is on its
+/// left, seen from outside.
+fn rim(network: &Network, normal: Vector, height: f64) -> NetworkRim {
+    let (mesh, _) = deviation::tessellation(network);
+    let above = |v: VertexId| mesh.point(v).coords.dot(&normal) - height;
+    let mut next = HashMap::new();
+    for t in &mesh.triangles {
+        let side = |k: usize| (t[k], t[(k + 1) % 3]);
+        let up = (0..3).find(|&k| above(side(k).0) < 0.0 && above(side(k).1) >= 0.0);
+        let down = (0..3).find(|&k| above(side(k).0) >= 0.0 && above(side(k).1) < 0.0);
+        if let (Some(up), Some(down)) = (up, down) {
+            // What is below is on the left from the side that goes up to the one that goes down.
+            let (a, b) = side(up);
+            next.insert((b, a), side(down));
+        }
+    }
+    let first = *next.keys().min().expect("the plane meets the body");
+    let mut rim = NetworkRim { of: Bound::Hole(0), points: Vec::new(), normals: Vec::new() };
+    let mut at = first;
+    loop {
+        let (a, b) = at;
+        let share = above(a) / (above(a) - above(b));
+        rim.points.push(mesh.point(a) + share * (mesh.point(b) - mesh.point(a)));
+        at = next[&at];
+        if at == first {
+            break;
+        }
+    }
+    let corners = network.corners.iter().map(|p| p.coords);
+    let inside = corners.sum::<Vector>() / network.corners.len() as f64;
+    rim.normals = rim.points.iter().map(|p| p.coords - inside).collect();
+    rim
+}
+
+#[test]
+fn a_loop_across_faces_leaves_a_sound_shell() {
+    let (_, mesh, _) = bodies(4).into_iter().next().expect("a cube");
+    let network = patches_of(&mesh);
+    let options = trim::Options { tolerance: 1e-3, rim: 1e-3, keeps_vertices: false };
+    let mut random = common::random::Random(5);
+    let mut divided = 0;
+    for number in 0..60 {
+        let normal = Vector::from([0; 3].map(|_| random.share() - 0.5)).normalize();
+        let heights = network.corners.iter().map(|p| p.coords.dot(&normal));
+        let (low, high) = heights.fold((f64::MAX, f64::MIN), |(l, h), x| (l.min(x), h.max(x)));
+        let height = low + (0.1 + 0.8 * random.share()) * (high - low);
+        let rim = rim(&network, normal, height);
+        let cut = trim::network::cut(&network, std::slice::from_ref(&rim), &options)
+            .unwrap_or_else(|e| panic!("{number}: {e}"));
+        let shell = brep::open(&network, &cut, "shell", 1e-7).expect("a shell");
+        let free = shell.uses().iter().filter(|uses| uses.len() == 1).count();
+        let inside: usize = cut.arcs.iter().map(|arc| arc.pcurves.len()).sum();
+        assert_eq!(free, inside, "{number}: only the loop is free");
+        let euler = shell.vertices.len() + shell.faces.len() - shell.edges.len();
+        assert_eq!(euler, 1, "{number}: a cap of a ball is a disk");
+        assert!(cut.arcs.len() > 1 || cut.nodes.is_empty(), "{number}");
+        divided += usize::from(!cut.nodes.is_empty());
+        // The loop keeps to its rim, and the faces are below the plane.
+        let off = deviation::of_network(&network, &cut, &rim.points).max;
+        assert!(off < 5e-3, "{number}: {off} mm from the rim");
+        let beyond =
+            shell.vertices.iter().filter(|v| Vector::from(**v).dot(&normal) > height + 0.05);
+        let beyond: Vec<f64> = beyond.map(|v| Vector::from(*v).dot(&normal) - height).collect();
+        assert_eq!(
+            beyond, [0.0; 0],
+            "{number}: vertices above the plane of {height} in {low} to {high}"
+        );
+    }
+    assert!(divided > 50, "{divided} loops cross tracks");
 }
 
 #[test]

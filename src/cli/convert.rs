@@ -3,16 +3,17 @@
 use std::path::Path;
 
 use scan2step::mesh::{Choice, Components, Outer};
+use scan2step::parameterize::CompressedRegion;
 use scan2step::report::{FaceView, OutputFile, Report, ScanSource, StageFigures, ViewRecorder};
-use scan2step::{Conversion, Memory, Options, Stage};
+use scan2step::{BodyConversion, Conversion, Memory, Options, Stage, TargetShape};
 
-use super::args::{ComponentChoice, Convert};
+use super::args::{ComponentChoice, Convert, ShapeChoice};
 use super::input::{self, Scan};
 use super::output::{self, Pending};
 use super::progress::{self, ProgressDisplay, StageTime};
 use super::report;
 use super::stages::Stages;
-use super::{Failure, Outcome, cad, messages, settings, solid};
+use super::{Failure, Outcome, body, cad, messages, settings};
 
 /// Reads a scan, converts it and writes all files.
 pub fn run(args: &Convert) -> Result<Outcome, Failure> {
@@ -31,13 +32,39 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     messages::cloud(&progress, &scan);
     let repaired = components.repairs().clone();
     repaired.iter().for_each(|repair| messages::repaired(&progress, repair));
-    let bodies = solid::bodies(args, &components, &options, &progress)?;
+    let bodies = body::bodies(args, &components, &options, &progress)?;
+    let is_tried = args.how.shape == ShapeChoice::Auto;
+    let kept = stages.as_ref().map_or(0, |stages| stages.pending.len());
+    let mut run = Run {
+        args,
+        progress,
+        stages,
+        views: Vec::new(),
+        given: Vec::new(),
+        kept,
+        is_tried,
+        crushed: None,
+    };
     if !bodies.is_empty() {
-        let of_scan = (&scan, &components);
-        return solid::run(args, of_scan, (&named, &options), &bodies, progress, stages);
+        body::check_reports(args)?;
+        if is_tried {
+            run.progress.say(body::why(&bodies));
+        }
+        let made = body::convert(&mut run, &components, &options, &bodies);
+        let made = made.map_err(|e| input::stopped(&args.piece.scan, &e))?;
+        return body::write(run, &scan, &named, &made);
     }
-    let mut run = Run { args, progress, stages, views: Vec::new(), given: Vec::new() };
-    let conversions = run.convert(&components, &options)?;
+    let conversions = match run.convert(&components, &options) {
+        Err(error) => match run.unsuited(&error) {
+            None => Err(error),
+            Some(why) => match run.shells(&components, &options, &why) {
+                Some(made) => return body::write(run, &scan, &named, &made),
+                None => run.convert(&components, &options),
+            },
+        },
+        done => done,
+    };
+    let conversions = conversions.map_err(|e| input::stopped(&args.piece.scan, &e))?;
     drop(components);
     let Run { mut progress, stages, views, given, .. } = run;
     let files = cad::write(args, &conversions, scan.colour)?;
@@ -114,14 +141,20 @@ fn is_drawn(args: &Convert) -> bool {
 }
 
 /// A run between reading and writing.
-struct Run<'a> {
-    args: &'a Convert,
-    progress: ProgressDisplay,
-    stages: Option<Stages>,
+pub struct Run<'a> {
+    pub args: &'a Convert,
+    pub progress: ProgressDisplay,
+    pub stages: Option<Stages>,
     /// What the pictures of reports show, one view for each conversion, if any was asked for.
     views: Vec<FaceView>,
     /// Hints that were given while stages ran.
     given: Vec<String>,
+    /// The number of files of stages before the conversion.
+    kept: usize,
+    /// Whether a sheet that one face does not hold well may become a shell.
+    is_tried: bool,
+    /// Where a map to one face has too little room.
+    crushed: Option<CompressedRegion>,
 }
 
 impl Run<'_> {
@@ -130,7 +163,7 @@ impl Run<'_> {
         &mut self,
         components: &Components,
         options: &Options,
-    ) -> Result<Vec<Conversion>, Failure> {
+    ) -> scan2step::Result<Vec<Conversion>> {
         let chosen = chosen(self.args, components, options.outer(), &self.progress);
         self.progress.expect(chosen.len());
         let mut recorder = is_drawn(self.args).then(ViewRecorder::default);
@@ -144,12 +177,56 @@ impl Run<'_> {
             }
             self.see((number, chosen.len()), &stage)
         };
-        let done = scan2step::convert_components(components, &chosen, options, &mut watch);
-        done.map_err(|e| input::stopped(&self.args.piece.scan, &e))
+        scan2step::convert_components(components, &chosen, options, &mut watch)
+    }
+
+    /// Why one face does not hold a sheet, if the sheet may become a shell instead.
+    fn unsuited(&self, error: &scan2step::Error) -> Option<String> {
+        use scan2step::Error;
+        match (self.is_tried, &self.crushed, error) {
+            (true, Some(crushed), _) => {
+                let p = crushed.at;
+                Some(format!("the map compresses a part near ({:.3}, {:.3}, {:.3})", p.x, p.y, p.z))
+            }
+            (true, None, Error::Folded { .. } | Error::Trim { .. }) => Some(error.to_string()),
+            _ => None,
+        }
+    }
+
+    /// Forgets the files of stages that did not lead to a result.
+    fn restart(&mut self) {
+        if let Some(stages) = &mut self.stages {
+            stages.pending.truncate(self.kept);
+        }
+    }
+
+    /// Converts sheets to shells because one face does not hold them: `why`. `None` if there are no
+    /// sound shells, either. Then a face has to do.
+    fn shells(
+        &mut self,
+        components: &Components,
+        options: &Options,
+        why: &str,
+    ) -> Option<Vec<BodyConversion>> {
+        self.progress.say(&format!(
+            "shape: a shell, as one face does not hold the scan: {why} (--shape to change)"
+        ));
+        let chosen = chosen(self.args, components, options.outer(), &self.progress).into_iter();
+        let chosen: Vec<_> = chosen.map(|component| (component, TargetShape::Shell)).collect();
+        self.restart();
+        match body::convert(self, components, options, &chosen) {
+            Ok(made) => Some(made),
+            Err(error) => {
+                self.progress.say(&format!("shape: a face, as no sound shell was found: {error}"));
+                self.restart();
+                self.is_tried = false;
+                None
+            }
+        }
     }
 
     /// Says what a stage made of one of several components, and writes its file.
-    fn see(&mut self, (number, count): (usize, usize), stage: &Stage) -> scan2step::Result<()> {
+    pub fn see(&mut self, (number, count): (usize, usize), stage: &Stage) -> scan2step::Result<()> {
         match stage {
             Stage::Within(name, share) => {
                 self.progress.within(name, *share);
@@ -159,6 +236,10 @@ impl Run<'_> {
             _ => self.progress.ended(stage.name(), &messages::made(stage)),
         }
         if let Stage::Parameterize(_, Some(found)) = stage {
+            if self.is_tried {
+                self.crushed = Some(*found);
+                return Err(scan2step::Error::Stopped);
+            }
             // Tell the user before the long fit begins.
             let hint = found.to_string();
             self.progress.hint(&hint);

@@ -107,6 +107,7 @@ fn target(found: &Inspection) -> String {
     match (found.shape, found.topology.check_disk()) {
         (Some(TargetShape::Solid), _) if found.loops.is_empty() => "a solid".into(),
         (Some(TargetShape::Solid), _) => "a solid, with its gaps filled (--shape to change)".into(),
+        (Some(TargetShape::Shell), _) => "a shell of several faces".into(),
         (_, Ok(())) => "a face".into(),
         (_, Err(e)) => format!("nothing: {e}; {}", spelled(&e.help())),
     }

@@ -35,6 +35,7 @@ pub fn made(stage: &Stage) -> String {
             format!("{} with {} quads each", plural(quads.blocks(), "block"), quads.side.pow(2))
         }
         Stage::Network(network) => plural(network.surfaces.len(), "face"),
+        Stage::NetworkTrim(_, cut) => plural(cut.faces.len(), "kept face"),
         Stage::Trim(_, loops) => plural(loops.len(), "trim loop"),
         _ => String::new(),
     }

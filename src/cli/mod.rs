@@ -2,6 +2,7 @@
 
 mod args;
 mod batch;
+mod body;
 mod cad;
 mod check;
 mod convert;
@@ -14,7 +15,6 @@ mod places;
 mod progress;
 mod report;
 mod settings;
-mod solid;
 mod spelling;
 mod stages;
 mod streams;

@@ -60,7 +60,7 @@ pub(super) fn face(
 
     let trimmed: Vec<bool> = fill.holes.iter().map(|h| options.cut.cuts(h.rim_length)).collect();
     let rims = cut::rims(&map, &trimmed);
-    let trim_options = options.trim(tolerance, &rims);
+    let trim_options = options.trim(tolerance, rims.iter().map(|rim| rim.points.as_slice()));
     let arcs = trim::arcs(&surface, &rims, &trim_options)?;
     // How near edges must be to the surface is a matter of millimetres.
     let placed = surface.clone().scaled(mm);

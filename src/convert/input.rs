@@ -1,6 +1,6 @@
 //! What came in: the chosen component of a scan, looked at and made a disk.
 
-use super::solid::{TargetShape, shape_of};
+use super::body::{TargetShape, shape_of};
 use crate::geometry::{Point, Vector};
 use crate::mesh::{
     Choice, Component, Components, Disk, Mesh, Outer, RawPoints, Repairs, Topology, boundary,
@@ -83,11 +83,19 @@ pub(crate) fn disk(scan: &Components, options: &Options) -> Result<(Disk, InputR
     Ok((disk, input))
 }
 
-/// Mesh → body, in the lengths of the mesh.
-pub(crate) fn body(scan: &Components, options: &Options) -> Result<(Disk, InputReport)> {
+/// Mesh → body, in the lengths of the mesh. A solid that is inside out is turned. A shell keeps the
+/// sides of the scan.
+pub(crate) fn body(
+    scan: &Components,
+    shape: TargetShape,
+    options: &Options,
+) -> Result<(Disk, InputReport)> {
     let chosen = scan.take(options.component)?;
     let mut input = InputReport::new(scan, &chosen);
-    let body = chosen.into_own_body(&mut input.repairs)?;
+    let mut body = chosen.into_own_body(&mut input.repairs)?;
+    if shape == TargetShape::Solid {
+        body.turn_outwards(&mut input.repairs);
+    }
     Ok((body, input))
 }
 

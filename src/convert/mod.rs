@@ -1,6 +1,7 @@
 //! The ways from a scan to CAD. Each calls stages in its order, and has a file of its own: a sheet
-//! becomes one face (`face.rs`), and a body becomes a solid (`solid.rs`).
+//! becomes one face (`face.rs`), and a body becomes a solid or a shell of several faces (`body.rs`).
 
+mod body;
 mod cloud;
 mod components;
 mod conversion;
@@ -14,9 +15,9 @@ mod lengths;
 mod memory;
 mod options;
 mod places;
-mod solid;
 mod stage;
 
+pub use body::{BodyConversion, Seams, TargetShape, convert_body, shape};
 pub use cloud::{cloud_components, convert_cloud};
 pub use components::{convert_components, joined};
 pub use conversion::{Conversion, Missed};
@@ -26,7 +27,6 @@ pub use input::{InputReport, Inspection, Measured, inspect, measured};
 pub use memory::Memory;
 pub use options::{Builder, Options};
 pub use places::ScanPlace;
-pub use solid::{Seams, SolidConversion, TargetShape, convert_solid, shape};
 pub use stage::{Observer, Stage};
 
 use formats::Soup;

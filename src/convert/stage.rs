@@ -2,7 +2,7 @@
 
 use crate::mesh::{Disk, Patch, QuadMesh};
 use crate::parameterize::{CompressedRegion, Parameterized};
-use crate::spline::{Network, Surface};
+use crate::spline::{Network, NetworkCut, Surface};
 use crate::{Conversion, Result, cloud, trim};
 
 /// A stage that has just ended, with what it made, or one that goes on.
@@ -27,8 +27,10 @@ pub enum Stage<'a> {
     Trim(&'a Surface, &'a [trim::TrimLoop]),
     /// The quads on a body, one block for each face.
     Layout(&'a QuadMesh),
-    /// The faces of a body.
+    /// The surfaces of a body.
     Network(&'a Network),
+    /// The loops along the gaps of a shell.
+    NetworkTrim(&'a Network, &'a NetworkCut),
     /// The boundary representation.
     Brep,
     /// The deviation.
@@ -55,7 +57,7 @@ impl Stage<'_> {
             Stage::Fill(_) => "fill",
             Stage::Parameterize(..) => "parameterize",
             Stage::Fit(_) => "fit",
-            Stage::Trim(..) => "trim",
+            Stage::Trim(..) | Stage::NetworkTrim(..) => "trim",
             Stage::Layout(_) => "layout",
             Stage::Network(_) => "network",
             Stage::Brep => "brep",

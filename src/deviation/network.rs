@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::{Deviation, TrimmedFace};
 use crate::geometry::{Point, Uv, Vector};
 use crate::mesh::{Mesh, QuadMesh, Triangles};
-use crate::spline::{Network, ParametricSurface};
+use crate::spline::{KeptFace, Network, NetworkCut, ParametricSurface};
 
 /// The number of samples of each span in u and in v. Between two samples a span moves away from its
 /// chord by less than a ninth of its height.
@@ -21,11 +21,15 @@ pub(crate) fn nearest_of<S: ParametricSurface>(faces: &[TrimmedFace<S>], p: Poin
     order.into_iter().fold(f64::INFINITY, nearer)
 }
 
-/// The deviation of points from the faces of a network.
-pub fn of_network(network: &Network, points: &[Point]) -> Deviation {
-    let none = std::iter::empty::<&[crate::spline::Curve<2>]>;
-    let each = network.surfaces.iter();
-    let faces: Vec<_> = each.map(|surface| TrimmedFace::new(surface, none(), true)).collect();
+/// The deviation of points from the faces that a cut leaves of a network.
+pub fn of_network(network: &Network, cut: &NetworkCut, points: &[Point]) -> Deviation {
+    let face = |face: &KeptFace| {
+        let surface = &network.surfaces[face.surface];
+        let natural = face.is_whole();
+        let loops = if natural { Vec::new() } else { cut.boundary(network, face) };
+        TrimmedFace::new(surface, loops.iter().map(Vec::as_slice), natural)
+    };
+    let faces: Vec<_> = cut.faces.iter().map(face).collect();
     Deviation::of(points, points.par_iter().map(|&p| nearest_of(&faces, p)).collect())
 }
 
@@ -38,15 +42,26 @@ pub struct NetworkToScan {
     /// The largest of these distances on each face.
     pub largest: Vec<f64>,
     /// The samples whose normal points against those of the nearest triangle and of its corners, and
-    /// against that of the layout. Each has the number of its face. On a thin wall the nearest triangle
-    /// may be on the other side.
-    pub inverted: Vec<(usize, Point)>,
+    /// against that of the layout. On a thin wall the nearest triangle may be on the other side.
+    pub inverted: Vec<InvertedSample>,
+}
+
+/// A place at which a face is turned over.
+#[derive(Debug, Clone, Copy)]
+pub struct InvertedSample {
+    /// The face.
+    pub face: usize,
+    /// The place.
+    pub at: Point,
+    /// The nearest triangle.
+    pub triangle: usize,
 }
 
 impl NetworkToScan {
     /// The same with all lengths multiplied by a factor.
     pub(crate) fn scaled(self, factor: f64) -> Self {
-        let inverted = self.inverted.iter().map(|&(face, p)| (face, p * factor)).collect();
+        let scaled = |s: &InvertedSample| InvertedSample { at: s.at * factor, ..*s };
+        let inverted = self.inverted.iter().map(scaled).collect();
         let largest = self.largest.iter().map(|off| off * factor).collect();
         NetworkToScan { deviation: self.deviation.scaled(factor), largest, inverted }
     }
@@ -81,20 +96,22 @@ pub fn network_to_scan(
             let facings =
                 [quads.block_normal(face, at), facing, mesh.area_vector(mesh.triangles[t])];
             let inverted = facings.iter().all(|facing| normal.dot(facing) < 0.0);
-            NetworkSample { face, at: jet.s, off, is_measured: is_measured[t], inverted }
+            NetworkSample { face, at: jet.s, off, triangle: t, inverted }
         };
         all.map(sample).collect::<Vec<_>>()
     };
     let faces = network.surfaces.par_iter().enumerate();
     let samples: Vec<_> = faces.map(of_face).flatten_iter().collect();
-    let measured = || samples.iter().filter(|s| s.is_measured);
+    let measured = || samples.iter().filter(|s| is_measured[s.triangle]);
     let mut largest = vec![0.0; network.surfaces.len()];
     measured().for_each(|s| largest[s.face] = f64::max(largest[s.face], s.off));
     let (points, distances): (Vec<Point>, Vec<f64>) = measured().map(|s| (s.at, s.off)).unzip();
+    let inverted =
+        |s: &NetworkSample| InvertedSample { face: s.face, at: s.at, triangle: s.triangle };
     NetworkToScan {
         deviation: Deviation::of(&points, distances),
         largest,
-        inverted: samples.iter().filter(|s| s.inverted).map(|s| (s.face, s.at)).collect(),
+        inverted: samples.iter().filter(|s| s.inverted).map(inverted).collect(),
     }
 }
 
@@ -104,7 +121,6 @@ struct NetworkSample {
     at: Point,
     /// The distance from the nearest triangle.
     off: f64,
-    /// Whether this triangle was measured.
-    is_measured: bool,
+    triangle: usize,
     inverted: bool,
 }

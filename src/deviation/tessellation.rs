@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-use crate::geometry::{Point, Uv, VertexId};
-use crate::mesh::Mesh;
+use crate::geometry::{Point, Uv, Vector, VertexId};
 use crate::mesh::crossings::crossings;
+use crate::mesh::{Mesh, Triangles};
 use crate::spline::Network;
 
 /// The longest step in u and in v, in quads. With half as long ones the triangles of neighbouring
@@ -71,18 +71,27 @@ fn steps(breaks: &[f64]) -> Vec<f64> {
     steps
 }
 
-/// The faces of a network that go through other faces or through themselves, each with a place.
-pub fn crossing_faces(network: &Network) -> Vec<(usize, Point)> {
-    let (mesh, faces) = tessellation(network);
+/// The faces of a network that go through other faces or through themselves, each with a place. Two
+/// places count if both are nearest to triangles of `mesh` for which `counts` holds.
+pub fn crossing_faces(
+    network: &Network,
+    mesh: &Mesh,
+    counts: impl Fn(usize) -> bool,
+) -> Vec<(usize, Point)> {
+    let (tessellation, faces) = tessellation(network);
     let place = |t: usize| {
-        let corners = mesh.corners(mesh.triangles[t]);
-        (
-            faces[t],
-            Point::from(corners.iter().map(|p| p.coords).sum::<crate::geometry::Vector>() / 3.0),
-        )
+        let corners = tessellation.corners(tessellation.triangles[t]);
+        (faces[t], Point::from(corners.iter().map(|p| p.coords).sum::<Vector>() / 3.0))
     };
-    let mut found: Vec<(usize, Point)> =
-        crossings(&mesh).into_iter().flatten().map(place).collect();
+    let pairs = crossings(&tessellation);
+    if pairs.is_empty() {
+        return Vec::new();
+    }
+    let triangles = Triangles::new(mesh);
+    let counts =
+        |pair: &[(usize, Point); 2]| pair.iter().all(|of| counts(triangles.nearest(of.1).1));
+    let pairs = pairs.into_iter().map(|pair| pair.map(place)).filter(counts);
+    let mut found: Vec<(usize, Point)> = pairs.flatten().collect();
     found.sort_by_key(|f| f.0);
     found
 }

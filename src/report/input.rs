@@ -146,7 +146,7 @@ pub struct InspectionFigures {
     pub orientable: bool,
     /// Whether the surface is a disk with holes, and can become a face.
     pub disk: bool,
-    /// What a conversion makes of it: "face", "solid", or nothing.
+    /// What a conversion makes of it: "face", "shell", "solid", or nothing.
     pub shape: Option<&'static str>,
     /// The boundary loops. The list is empty for a one-sided surface.
     pub loops: Vec<RimFigures>,
@@ -185,6 +185,7 @@ impl InspectionFigures {
             disk: found.topology.is_disk(),
             shape: found.shape.map(|shape| match shape {
                 TargetShape::Face => "face",
+                TargetShape::Shell => "shell",
                 TargetShape::Solid => "solid",
             }),
             loops: found.loops.iter().enumerate().map(rim).collect(),

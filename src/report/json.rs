@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use serde_json::Value;
 
-use super::{CheckFigures, InspectionFigures, Report, SolidReport};
+use super::{BodyReport, CheckFigures, InspectionFigures, Report};
 
 impl Report {
     /// The report as JSON, with a line feed at the end. `docs/report.schema.json` describes it.
@@ -27,7 +27,7 @@ impl Report {
     }
 }
 
-impl SolidReport {
+impl BodyReport {
     /// The report as JSON, with a line feed at the end.
     pub fn to_json(&self) -> String {
         format!("{:#}\n", value(self))

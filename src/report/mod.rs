@@ -14,6 +14,7 @@
 //!
 //! Lengths are millimetres, points are x, y, z. Each field has the name that the JSON has.
 
+mod body;
 mod check;
 mod cloud;
 mod figures;
@@ -22,7 +23,6 @@ mod input;
 #[cfg(feature = "json")]
 mod json;
 mod settings;
-mod solid;
 
 #[cfg(feature = "picture")]
 mod histogram;
@@ -40,6 +40,7 @@ mod plane;
 #[cfg(feature = "html")]
 mod scene;
 
+pub use body::{BodyFigures, BodyFitFigures, BodyReport, SeamFigures, ShapeFigures};
 pub use check::{CadFigures, CheckFigures, CheckedScan, DistanceFigures};
 pub use cloud::{CloudFigures, CloudMeshFigures, ScanFigures};
 pub use figures::{
@@ -49,7 +50,6 @@ pub use figures::{
 pub use hints::likely_unit;
 pub use input::{InputFigures, InspectionFigures, RimFigures, ScanSource};
 pub use settings::{Setting, Settings};
-pub use solid::{SeamFigures, ShapeFigures, SolidFigures, SolidFitFigures, SolidReport};
 #[cfg(feature = "picture")]
 pub use still::picture_png;
 #[cfg(feature = "picture")]

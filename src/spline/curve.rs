@@ -52,6 +52,15 @@ impl<const D: usize> Curve<D> {
         self.recast(KnotVector::clamped(p, &breaks, 1))
     }
 
+    /// The same curve in the opposite direction, over the same range.
+    #[must_use]
+    pub fn reversed(&self) -> Self {
+        let (low, high) = self.knots.range();
+        let knots = self.knots.knots().iter().rev().map(|t| low + high - t).collect();
+        let control = self.control.iter().rev().copied().collect();
+        Curve::new(KnotVector::new(self.knots.degree(), knots), control)
+    }
+
     /// The same curve over another knot vector of the same degree. Each span of the new vector must
     /// lie in one span of this curve. Control point i is the blossom at the knots i + 1 … i +
     /// degree of the polynomial on a span among them.

@@ -54,13 +54,7 @@ impl Network {
     /// The angles between the normals of the two surfaces at places along every track, in radians.
     /// There are `places` of them inside each span of a track, and they come track by track.
     pub fn seam_angles(&self, places: usize) -> Vec<f64> {
-        let mut sides = vec![Vec::new(); self.tracks.len()];
-        for (face, of_face) in self.sides.iter().enumerate() {
-            for (k, side) in of_face.iter().enumerate() {
-                sides[side.track].push((face, k, side.forward));
-            }
-        }
-        let angles = |(track, uses): (&Track, &Vec<(usize, usize, bool)>)| {
+        let angles = |(track, uses): (&Track, &Vec<SideUse>)| {
             let [a, b] = uses[..] else { return Vec::new() };
             let knots = track.curve.knots.breaks();
             let inside = knots.windows(2).flat_map(|span| {
@@ -69,21 +63,70 @@ impl Network {
             });
             inside.map(|t| self.side_normal(a, t).angle(&self.side_normal(b, t))).collect()
         };
-        self.tracks.par_iter().zip(&sides).map(angles).flatten_iter().collect()
+        self.tracks.par_iter().zip(&self.uses()).map(angles).flatten_iter().collect()
+    }
+
+    /// The surfaces on the two sides of each track.
+    pub fn uses(&self) -> Vec<Vec<SideUse>> {
+        let mut uses = vec![Vec::with_capacity(2); self.tracks.len()];
+        for (face, sides) in self.sides.iter().enumerate() {
+            for (k, side) in sides.iter().enumerate() {
+                uses[side.track].push(SideUse { face, k, forward: side.forward });
+            }
+        }
+        uses
+    }
+
+    /// The highest parameter of all surfaces and tracks. The lowest one is 0.
+    pub fn end(&self) -> f64 {
+        self.surfaces.first().map_or(0.0, |surface| surface.u.range().1)
+    }
+
+    /// The corner at which side `k` of a surface starts.
+    pub fn corner(&self, face: usize, k: usize) -> usize {
+        let side = self.sides[face][k];
+        self.tracks[side.track].ends[usize::from(!side.forward)]
     }
 
     /// The normal of a surface at a parameter of the track along one of its sides.
-    fn side_normal(&self, (face, k, forward): (usize, usize, bool), t: f64) -> Vector {
-        let surface = &self.surfaces[face];
-        let end = surface.u.range().1;
-        let along = if forward { t } else { end - t };
-        let at = match k {
-            0 => Uv::new(along, 0.0),
-            1 => Uv::new(end, along),
-            2 => Uv::new(end - along, end),
-            _ => Uv::new(0.0, end - along),
-        };
-        let jet = surface.jet(at);
+    fn side_normal(&self, side: SideUse, t: f64) -> Vector {
+        let jet = self.surfaces[side.face].jet(side.place(self.end(), t, 0.0));
         jet.su.cross(&jet.sv)
+    }
+}
+
+/// A surface beside a track.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SideUse {
+    /// The surface.
+    pub face: usize,
+    /// The number of its side.
+    pub k: usize,
+    /// Whether the track runs counter-clockwise around the surface.
+    pub forward: bool,
+}
+
+impl SideUse {
+    /// The parameter point at parameter `t` of the track, and at `depth` from the side towards the
+    /// inside. `end` is the highest parameter.
+    pub fn place(&self, end: f64, t: f64, depth: f64) -> Uv {
+        let along = if self.forward { t } else { end - t };
+        match self.k {
+            0 => Uv::new(along, depth),
+            1 => Uv::new(end - depth, along),
+            2 => Uv::new(end - along, end - depth),
+            _ => Uv::new(depth, end - along),
+        }
+    }
+
+    /// The inverse of [`place`](Self::place): the parameter of the track, and the depth.
+    pub fn from_place(&self, end: f64, at: Uv) -> (f64, f64) {
+        let (along, depth) = match self.k {
+            0 => (at.x, at.y),
+            1 => (at.y, end - at.x),
+            2 => (end - at.x, end - at.y),
+            _ => (end - at.y, at.x),
+        };
+        (if self.forward { along } else { end - along }, depth)
     }
 }

@@ -14,6 +14,7 @@ mod corners;
 mod fair;
 mod loop_fit;
 mod needles;
+pub mod network;
 
 use std::collections::BTreeMap;
 
@@ -72,7 +73,11 @@ impl Options {
     /// Default options for the given rims. The rim tolerance is half of the median edge length
     /// of the rims, or `tolerance` if that is larger. If the user has `named` the tolerance,
     /// it also binds the vertices of the rims.
-    pub fn of_rims(rims: &[Rim], tolerance: f64, named: bool) -> Self {
+    pub fn of_rims<'a>(
+        rims: impl Iterator<Item = &'a [Point]>,
+        tolerance: f64,
+        named: bool,
+    ) -> Self {
         let rim = (RIM_UNCERTAINTY * median_edge(rims)).max(tolerance);
         Options { tolerance, rim, keeps_vertices: named }
     }
@@ -243,12 +248,12 @@ pub fn trace(
 }
 
 /// The median edge length of the given rims, in mm. It is 0 if there are no rims.
-pub fn median_edge(rims: &[Rim]) -> f64 {
-    let edges = |rim: &Rim| {
-        let next = rim.points.iter().cycle().skip(1);
-        rim.points.iter().zip(next).map(|(a, b)| (b - a).norm()).collect::<Vec<_>>()
+pub fn median_edge<'a>(rims: impl Iterator<Item = &'a [Point]>) -> f64 {
+    let edges = |rim: &'a [Point]| {
+        let next = rim.iter().cycle().skip(1);
+        rim.iter().zip(next).map(|(a, b)| (b - a).norm())
     };
-    let mut lengths: Vec<f64> = rims.iter().flat_map(edges).collect();
+    let mut lengths: Vec<f64> = rims.flat_map(edges).collect();
     if lengths.is_empty() {
         return 0.0;
     }

@@ -47,10 +47,12 @@ pub enum Steps {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
 pub enum ShapeChoice {
     /// A solid if the scan is closed, or if flat caps over its gaps add less than 5 % to its area;
-    /// a face otherwise
+    /// otherwise a face if one holds the scan, and a shell if not
     Auto,
     /// One trimmed face
     Face,
+    /// A shell of several faces; the boundaries and holes of the scan stay open
+    Shell,
     /// A solid of several faces; all gaps are filled
     Solid,
 }

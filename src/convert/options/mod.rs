@@ -144,7 +144,11 @@ impl Options {
     }
 
     /// How near loops keep to some rims.
-    pub(crate) fn trim(&self, tolerance: f64, rims: &[trim::Rim]) -> trim::Options {
+    pub(crate) fn trim<'a>(
+        &self,
+        tolerance: f64,
+        rims: impl Iterator<Item = &'a [Point]>,
+    ) -> trim::Options {
         match self.rim_tolerance {
             Some(rim) => trim::Options { tolerance, rim, keeps_vertices: false },
             None => trim::Options::of_rims(rims, tolerance, self.tolerance.is_some()),

@@ -1,20 +1,20 @@
-//! The figures of solids.
+//! The figures of solids and shells.
 
 use super::figures::{DeviationFigures, FillFigures, SmoothFigures, filled_holes};
 use super::{InputFigures, OutputFile, ScanSource, Settings, StageFigures, VERSION};
-use crate::SolidConversion;
+use crate::{BodyConversion, TargetShape};
 
 /// What a run made of the bodies of a scan, and how well.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
-pub struct SolidReport {
+pub struct BodyReport {
     /// The version of this library.
     pub scan2step: &'static str,
     /// The figures of each solid. In the JSON those of the first stand beside the other fields, and
     /// all are in `components` if there are several.
     #[cfg_attr(feature = "serde", serde(flatten, serialize_with = "super::serialize_parts"))]
-    pub solids: Vec<SolidFigures>,
+    pub solids: Vec<BodyFigures>,
     /// Whether the caller named the tolerance.
     pub tolerance_named: bool,
     /// The percentage of points that may exceed the tolerance.
@@ -38,21 +38,21 @@ pub struct SolidReport {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
-pub struct SolidFigures {
+pub struct BodyFigures {
     /// The scan's file and the component.
     pub input: InputFigures,
     /// Standard deviation of the scan's noise along the normal.
     pub noise_mm: f64,
     /// The tolerance that the solid was made for.
     pub tolerance_mm: f64,
-    /// Whether the solid keeps it ([`SolidConversion::tolerance_met`]).
+    /// Whether the solid keeps it ([`BodyConversion::tolerance_met`]).
     pub tolerance_met: bool,
     /// What smoothing did.
     pub smooth: SmoothFigures,
     /// The gaps that were filled. All fills are kept.
     pub fill: FillFigures,
     /// How far the smoothed points are from the faces.
-    pub fit: SolidFitFigures,
+    pub fit: BodyFitFigures,
     /// How far the points as measured are from the faces.
     pub deviation: DeviationFigures,
     /// How far samples of the faces are from the triangles of the smoothed scan. Samples on fills are
@@ -66,7 +66,7 @@ pub struct SolidFigures {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
-pub struct SolidFitFigures {
+pub struct BodyFitFigures {
     /// How the surface was fitted: "subdivision".
     pub method: &'static str,
     /// Degree along u and v.
@@ -85,7 +85,7 @@ pub struct SolidFitFigures {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct ShapeFigures {
-    /// "solid".
+    /// "solid" or "shell".
     pub kind: &'static str,
     /// The number of solids.
     pub solids: usize,
@@ -124,14 +124,14 @@ pub struct SeamFigures {
     pub max: f64,
 }
 
-impl SolidReport {
+impl BodyReport {
     /// The report of some solids of one scan. Stages, outputs, seconds and memory are empty or 0
     /// until the caller fills them in.
-    pub fn of(solids: &[SolidConversion], source: &ScanSource, settings: Settings) -> Self {
+    pub fn of(solids: &[BodyConversion], source: &ScanSource, settings: Settings) -> Self {
         let outliers = settings.outliers / 100.0;
-        SolidReport {
+        BodyReport {
             scan2step: VERSION,
-            solids: solids.iter().map(|s| SolidFigures::of(s, source, outliers)).collect(),
+            solids: solids.iter().map(|s| BodyFigures::of(s, source, outliers)).collect(),
             tolerance_named: settings.tolerance.is_some(),
             outliers_pct: settings.outliers,
             settings,
@@ -144,21 +144,24 @@ impl SolidReport {
     }
 }
 
-impl SolidFigures {
+impl BodyFigures {
     /// The figures of one solid. The share `outliers` of points may exceed the tolerance.
-    pub fn of(solid: &SolidConversion, source: &ScanSource, outliers: f64) -> Self {
+    pub fn of(solid: &BodyConversion, source: &ScanSource, outliers: f64) -> Self {
         let all = solid.fit_deviation.distances.len();
         let within = all - solid.fit_deviation.beyond(solid.tolerance);
-        SolidFigures {
+        BodyFigures {
             input: InputFigures::of(&solid.input, source),
             noise_mm: solid.noise,
             tolerance_mm: solid.tolerance,
             tolerance_met: solid.tolerance_met(outliers),
             smooth: SmoothFigures::of(&solid.smooth),
             fill: FillFigures {
-                holes: filled_holes(&solid.fill, &vec![false; solid.fill.holes.len()]),
+                holes: filled_holes(
+                    &solid.fill,
+                    &vec![solid.shape == TargetShape::Shell; solid.fill.holes.len()],
+                ),
             },
-            fit: SolidFitFigures {
+            fit: BodyFitFigures {
                 method: "subdivision",
                 degree: [3, 3],
                 net: None,
@@ -173,11 +176,11 @@ impl SolidFigures {
 }
 
 impl ShapeFigures {
-    fn of(solid: &SolidConversion) -> Self {
+    fn of(solid: &BodyConversion) -> Self {
         let brep = &solid.brep;
         let uses = brep.uses();
         ShapeFigures {
-            kind: "solid",
+            kind: if solid.shape == TargetShape::Solid { "solid" } else { "shell" },
             solids: brep.solids.len(),
             shells: brep.shells.len(),
             faces: brep.faces.len(),
@@ -186,7 +189,7 @@ impl ShapeFigures {
             vertices: brep.vertices.len(),
             irregular_vertices: solid.irregular,
             control_points: solid.network.surfaces.iter().map(|s| s.net.len()).sum(),
-            volume_mm3: Some(solid.volume),
+            volume_mm3: solid.volume,
             seam_deg: SeamFigures {
                 mean: solid.seams.mean,
                 p95: solid.seams.p95,

@@ -1,5 +1,6 @@
-//! The way from a body to a solid: mesh → smooth → fill → layout → net → patches → brep →
-//! deviation. A body is closed, or has gaps that are filled.
+//! The way from a body to a solid or a shell: mesh → smooth → fill → layout → net → patches → trim →
+//! brep → deviation. A body is closed, or has gaps that are filled. A solid keeps its fills, and of a
+//! shell they are cut out.
 
 use formats::Brep;
 
@@ -7,17 +8,19 @@ use super::stage::{Observer, Stage, within};
 use super::{InputReport, Options, input, lengths};
 use crate::adapt::Goal;
 use crate::deviation::{self, Deviation, NetworkToScan};
-use crate::geometry::Point;
+use crate::geometry::{Bound, Point};
 use crate::layout::QuadLayout;
 use crate::mesh::{Choice, Component, Components, FaceOrigin, Patch};
-use crate::spline::Network;
-use crate::{Error, Result, brep, fill, layout, net, patches, smooth, threads};
+use crate::spline::{Network, NetworkCut};
+use crate::{Error, Result, brep, fill, layout, net, patches, smooth, threads, trim};
 
 /// What becomes of a component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum TargetShape {
     /// One face: the component is a sheet.
     Face,
+    /// A shell of several faces with open boundaries: one face does not hold the component.
+    Shell,
     /// A solid of several faces: the component is closed, or nearly so.
     Solid,
 }
@@ -26,6 +29,15 @@ pub enum TargetShape {
 /// bodies have gaps of 0.1 to 3.5 %, pipes with open ends 11 to 13 %, busts with an open base 8 to
 /// 25 %.
 const GAPS: f64 = 0.05;
+
+/// A component with several ends of similar size is a pipe if flat caps over all its loops have less than
+/// this share of its area. A pipe as long as its diameter has 0.5. A plate with a hole, which one face
+/// holds, has more than 1.
+const PIPE: f64 = 0.5;
+
+/// Two ends are similar if the cap of one has at least this share of the other's area. The holes in the
+/// sheets of real scans have at most a twentieth of the outer loop's.
+const SIMILAR: f64 = 0.25;
 
 /// The distance in mm by which edges of a solid may be off its faces. They are the same polynomials,
 /// so that only roundings remain.
@@ -48,14 +60,18 @@ const FEW: usize = 20;
 /// The number of places in each span of a track at which the angle between its faces is measured.
 const SEAM_PLACES: usize = 4;
 
-/// A component that became a solid. Lengths are in mm.
+/// A component that became a solid or a shell. Lengths are in mm.
 #[derive(Debug)]
 #[non_exhaustive]
-pub struct SolidConversion {
+pub struct BodyConversion {
     /// The boundary representation, which the writers take.
     pub brep: Brep,
-    /// The faces and their sides.
+    /// Solid or shell.
+    pub shape: TargetShape,
+    /// The surfaces and their sides.
     pub network: Network,
+    /// The loops along the gaps, and the faces that they leave.
+    pub cut: NetworkCut,
     /// What came in.
     pub input: InputReport,
     /// What smoothing did.
@@ -84,8 +100,8 @@ pub struct SolidConversion {
     pub face_to_scan: NetworkToScan,
     /// The angles between neighbouring faces.
     pub seams: Seams,
-    /// The enclosed volume in mm³.
-    pub volume: f64,
+    /// The enclosed volume of a solid in mm³.
+    pub volume: Option<f64>,
 }
 
 /// The angles between the normals of neighbouring faces along their common sides, in degrees.
@@ -99,7 +115,7 @@ pub struct Seams {
     pub max: f64,
 }
 
-impl SolidConversion {
+impl BodyConversion {
     /// Whether at most the share `outliers` of the smoothed points exceeds the tolerance.
     pub fn tolerance_met(&self, outliers: f64) -> bool {
         let outliers = if self.tolerance_named { outliers } else { outliers.max(self.spared) };
@@ -108,7 +124,8 @@ impl SolidConversion {
     }
 }
 
-/// Says what a component becomes: a solid if it is closed or has small gaps, and a face if it is a sheet.
+/// Says what a component becomes if nobody names a shape: a solid if it is closed or has small gaps, a
+/// shell if it has handles or is a pipe with several ends, and otherwise a face.
 ///
 /// # Errors
 /// [`Error::Component`]: there is no such component.
@@ -118,32 +135,51 @@ pub fn shape(scan: &Components, component: Choice) -> Result<TargetShape> {
 
 /// What one component becomes.
 pub(super) fn shape_of(component: &Component) -> TargetShape {
-    let is_body = component.topology.orientable && component.gap_share() < GAPS;
-    if is_body { TargetShape::Solid } else { TargetShape::Face }
+    let topology = &component.topology;
+    match topology.orientable {
+        true if component.gap_share() < GAPS => TargetShape::Solid,
+        true if topology.genus() > 0.0 || is_pipe(&component.cap_shares()) => TargetShape::Shell,
+        _ => TargetShape::Face,
+    }
 }
 
-/// Converts one component of a scan to a solid. `watch` is as for
+/// Whether these shares of the area, largest first, are those of the caps of a pipe.
+fn is_pipe(caps: &[f64]) -> bool {
+    let [first, second, ..] = caps else { return false };
+    caps.iter().sum::<f64>() < PIPE && *second > SIMILAR * first
+}
+
+/// Converts one component of a scan to a solid or to a shell. `watch` is as for
 /// [`convert_component`](crate::convert_component).
 ///
 /// # Errors
-/// What stops a stage, or what `watch` answers. [`Error::Layout`] and [`Error::SolidFolds`] if no
-/// sound solid was found.
-pub fn convert_solid(
+/// What stops a stage, or what `watch` answers. [`Error::Layout`] and [`Error::BodyFolds`] if no
+/// sound faces were found. [`Error::Input`] if `shape` is a face.
+pub fn convert_body(
     scan: &Components,
+    shape: TargetShape,
     options: &Options,
     watch: &mut Observer,
-) -> Result<SolidConversion> {
+) -> Result<BodyConversion> {
+    if shape == TargetShape::Face {
+        return Err(Error::Input("a body becomes a solid or a shell, and not a face"));
+    }
     threads::run(options.threads, || {
         let mut shown = lengths::Shown::new(watch, scan.mm());
         let own = options.in_lengths(scan.mm());
-        let solid = solid(scan, &own, &mut |stage| shown.see(stage));
-        solid.map_err(|error| shown.in_mm(error).with_named(options))
+        let body = body(scan, shape, &own, &mut |stage| shown.see(stage));
+        body.map_err(|error| shown.in_mm(error).with_named(options))
     })?
 }
 
-fn solid(scan: &Components, options: &Options, watch: &mut Observer) -> Result<SolidConversion> {
+fn body(
+    scan: &Components,
+    shape: TargetShape,
+    options: &Options,
+    watch: &mut Observer,
+) -> Result<BodyConversion> {
     let mm = scan.mm();
-    let (measured, input) = input::body(scan, options)?;
+    let (measured, input) = input::body(scan, shape, options)?;
     watch(Stage::Mesh(&measured))?;
     let (smoothed, smooth) =
         smooth::smooth_with(&measured, &options.smooth, &mut within("smooth", watch))?;
@@ -164,16 +200,29 @@ fn solid(scan: &Components, options: &Options, watch: &mut Observer) -> Result<S
     let net_options =
         net::Options { tolerance, outliers: goal.outliers, max_control: options.knots.max_net };
     let Faces { network: own, to_scan: face_to_scan, layout, net, irregular } =
-        faces(&patch.even(), options.faces, &net_options, watch)?;
+        faces(&patch.even(), shape, options.faces, &net_options, watch)?;
     let network = own.clone().scaled(mm);
     watch(Stage::Network(&network))?;
-    let brep = brep::closed(&network, &options.name, UNCERTAINTY)?;
+    let (cut, brep) = match shape {
+        TargetShape::Shell => {
+            let rims = rims(&patch);
+            let points = || rims.iter().map(|rim| rim.points.as_slice());
+            let cut = trim::network::cut(&own, &rims, &options.trim(tolerance, points()))?;
+            watch(Stage::NetworkTrim(&network, &cut))?;
+            let accuracy = network.surfaces.iter().map(trim::edge_accuracy);
+            let brep =
+                brep::open(&network, &cut, &options.name, accuracy.fold(UNCERTAINTY, f64::max))?;
+            (cut, brep)
+        }
+        _ => (NetworkCut::none(&network), brep::closed(&network, &options.name, UNCERTAINTY)?),
+    };
     watch(Stage::Brep)?;
 
     let smoothed = &patch.mesh.points[..patch.measured];
     let raw = scan.measured_points(&measured.mesh.points);
-    let solid = SolidConversion {
-        volume: brep.solids.iter().map(|solid| brep.volume(solid.outer)).sum(),
+    let volume = || brep.solids.iter().map(|solid| brep.volume(solid.outer)).sum();
+    let body = BodyConversion {
+        volume: (shape == TargetShape::Solid).then(volume),
         seams: seams(&network),
         input,
         smooth: smooth.scaled(mm),
@@ -185,14 +234,27 @@ fn solid(scan: &Components, options: &Options, watch: &mut Observer) -> Result<S
         tolerance_named: goal.named,
         spared: goal.outliers,
         noise: mm * noise,
-        fit_deviation: deviation::of_network(&own, smoothed).scaled(mm),
-        deviation: deviation::of_network(&own, &raw.points).scaled(mm),
+        fit_deviation: deviation::of_network(&own, &cut, smoothed).scaled(mm),
+        deviation: deviation::of_network(&own, &cut, &raw.points).scaled(mm),
         face_to_scan: face_to_scan.scaled(mm),
         brep,
+        shape,
         network,
+        cut,
     };
     watch(Stage::Deviation)?;
-    Ok(solid)
+    Ok(body)
+}
+
+/// The rims of all gaps.
+fn rims(patch: &Patch) -> Vec<trim::network::NetworkRim> {
+    let normals = patch.mesh.vertex_normals();
+    let rim = |(hole, rim): (usize, &crate::mesh::boundary::Loop)| trim::network::NetworkRim {
+        of: Bound::Hole(hole),
+        points: rim.iter().map(|&v| patch.mesh.point(v)).collect(),
+        normals: rim.iter().map(|v| normals[v.index()]).collect(),
+    };
+    patch.rims.iter().enumerate().map(rim).collect()
 }
 
 /// The faces of a body, in the lengths of its mesh.
@@ -209,6 +271,7 @@ struct Faces {
 /// scan.
 fn faces(
     patch: &Patch,
+    shape: TargetShape,
     wanted: Option<usize>,
     options: &net::Options,
     watch: &mut Observer,
@@ -218,7 +281,7 @@ fn faces(
     let mut best: Option<Faces> = None;
     for round in 0..=FINER_ROUNDS {
         watch(Stage::Layout(layout.quads()))?;
-        let (faces, faults) = faces_of(&layout, patch, options, watch)?;
+        let (faces, faults) = faces_of(&layout, patch, shape, options, watch)?;
         let blocks = match faults.first() {
             Some(_) if best.is_some() => break,
             Some(&(_, at)) => {
@@ -228,7 +291,7 @@ fn faces(
                 if blocks.len() > faces.network.surfaces.len() / MOST_FAULTY
                     || round == FINER_ROUNDS
                 {
-                    return Err(Error::SolidFolds { count: faults.len(), at });
+                    return Err(Error::BodyFolds { count: faults.len(), at });
                 }
                 blocks
             }
@@ -253,6 +316,7 @@ fn faces(
 fn faces_of(
     layout: &QuadLayout,
     patch: &Patch,
+    shape: TargetShape,
     options: &net::Options,
     watch: &mut Observer,
 ) -> Result<(Faces, Vec<(usize, Point)>)> {
@@ -261,9 +325,13 @@ fn faces_of(
     let mut within = within("fit", watch);
     let (fitted, net) = net::fit_with(layout.quads(), patch, options, &mut within)?;
     let (network, extracted) = patches::extract(&fitted.mesh, &fitted.surface)?;
-    let to_scan = deviation::network_to_scan(&network, &fitted.mesh, &patch.mesh, &is_measured);
-    let mut faults = to_scan.inverted.clone();
-    faults.extend(deviation::crossing_faces(&network));
+    let mut to_scan = deviation::network_to_scan(&network, &fitted.mesh, &patch.mesh, &is_measured);
+    // What a shell has on its fills is cut out.
+    let counts = |t: usize| shape == TargetShape::Solid || is_measured[t];
+    to_scan.inverted.retain(|sample| counts(sample.triangle));
+    let inverted = to_scan.inverted.iter().map(|sample| (sample.face, sample.at));
+    let mut faults: Vec<(usize, Point)> = inverted.collect();
+    faults.extend(deviation::crossing_faces(&network, &patch.mesh, counts));
     let (layout, irregular) = (layout.report(), extracted.irregular);
     Ok((Faces { network, to_scan, layout, net, irregular }, faults))
 }

@@ -1,0 +1,166 @@
+//! `convert` for bodies: the components that become solids or shells.
+
+use scan2step::mesh::{Choice, Components};
+use scan2step::report::BodyReport;
+use scan2step::words::{mm, plural};
+use scan2step::{BodyConversion, Options, Stage, TargetShape};
+
+use super::args::{Convert, ShapeChoice};
+use super::convert::{Run, chosen, output, stage};
+use super::input::{self, Scan};
+use super::output::{self as files, Pending};
+use super::progress::{self, ProgressDisplay};
+use super::report::ReportFormat;
+use super::{Failure, Outcome, cad, settings, streams};
+
+/// The components that become solids or shells, and which of them. There are none if all that were
+/// chosen become faces. If only some would, these become shells.
+pub fn bodies(
+    args: &Convert,
+    components: &Components,
+    options: &Options,
+    progress: &ProgressDisplay,
+) -> Result<Vec<(Choice, TargetShape)>, Failure> {
+    if args.how.shape == ShapeChoice::Face {
+        return Ok(Vec::new());
+    }
+    let shape = |component: Choice| match args.how.shape {
+        ShapeChoice::Solid => Ok(TargetShape::Solid),
+        ShapeChoice::Shell => Ok(TargetShape::Shell),
+        _ => {
+            let named = if component == Choice::Largest { options.component() } else { component };
+            let shape = scan2step::shape(components, named);
+            shape.map_err(|e| input::stopped(&args.piece.scan, &e))
+        }
+    };
+    let chosen = chosen(args, components, options.outer(), progress).into_iter();
+    let mut shapes: Vec<(Choice, TargetShape)> = chosen
+        .map(|component| Ok((component, shape(component)?)))
+        .collect::<Result<_, Failure>>()?;
+    if shapes.iter().all(|of| of.1 == TargetShape::Face) {
+        shapes.clear();
+    }
+    for of in shapes.iter_mut().filter(|of| of.1 == TargetShape::Face) {
+        of.1 = TargetShape::Shell;
+    }
+    Ok(shapes)
+}
+
+/// Why bodies became what they are, unless the user named a shape.
+pub fn why(chosen: &[(Choice, TargetShape)]) -> &'static str {
+    match chosen.iter().all(|of| of.1 == TargetShape::Solid) {
+        true => "shape: a solid, as the scan is closed or nearly so (--shape to change)",
+        false => "shape: a shell, as one face does not hold the scan (--shape to change)",
+    }
+}
+
+/// Converts the components to solids and shells.
+pub fn convert(
+    run: &mut Run,
+    components: &Components,
+    options: &Options,
+    chosen: &[(Choice, TargetShape)],
+) -> scan2step::Result<Vec<BodyConversion>> {
+    run.progress.expect(chosen.len());
+    let count = chosen.len();
+    let one = |(number, &(component, shape)): (usize, &(Choice, TargetShape))| {
+        let options = options.of_component(component);
+        let mut watch = |stage: Stage| run.see((number, count), &stage);
+        scan2step::convert_body(components, shape, &options, &mut watch)
+    };
+    chosen.iter().enumerate().map(one).collect()
+}
+
+/// Writes all files of solids and shells, and says how good they are.
+pub fn write(
+    mut run: Run,
+    scan: &Scan,
+    named: &Options,
+    bodies: &[BodyConversion],
+) -> Result<Outcome, Failure> {
+    let args = run.args;
+    let mut all = formats::Brep { name: cad::part_name(&args.piece.scan), ..Default::default() };
+    bodies.iter().for_each(|body| all.append(body.brep.clone()));
+    let written = cad::write_brep(args, &all, scan.colour)?;
+    run.progress.ended("write", "");
+    let mut report = BodyReport::of(bodies, &scan.source, settings::settings(args, named, scan));
+    report.outputs = args.out.iter().zip(&written).map(|(f, file)| output(&f.path, file)).collect();
+    report.stages = run.progress.stages.iter().map(stage).collect();
+    report.seconds = run.progress.seconds();
+    report.peak_rss_mb = progress::peak_rss_mb();
+    let reports = args.report.iter().map(|f| files::write(&f.path, |out| report.write_json(out)));
+    let reports: Vec<Pending> = reports.collect::<Result<_, _>>()?;
+    run.progress.finish();
+    let stages = run.stages.map_or(Vec::new(), |s| s.pending);
+    Pending::publish(stages.into_iter().chain(reports).chain(written).collect())?;
+    let mut outcome = Outcome::Done;
+    for body in bodies {
+        result(&run.progress, args, body);
+        outcome = outcome.and(verdict(args, body));
+    }
+    Ok(outcome)
+}
+
+/// Pictures and pages do not show solids.
+pub fn check_reports(args: &Convert) -> Result<(), Failure> {
+    match args.report.iter().find(|file| file.kind != ReportFormat::Json) {
+        None => Ok(()),
+        Some(file) => Err(Failure {
+            error: format!(
+                "{}: pages and pictures of solids are not made yet",
+                file.path.display()
+            ),
+            help: "name a report that ends in .json".into(),
+        }),
+    }
+}
+
+/// The result in one line.
+fn result(progress: &ProgressDisplay, args: &Convert, body: &BodyConversion) {
+    let out: Vec<_> = args.out.iter().map(|f| f.path.display().to_string()).collect();
+    let gaps = match (body.fill.holes.len(), body.volume) {
+        (0, _) => String::new(),
+        (count, Some(_)) => format!(", {} filled", plural(count, "gap")),
+        (count, None) => format!(", {} open", plural(count, "boundary loop")),
+    };
+    let volume = body.volume.map_or(String::new(), |volume| format!(" {volume:.6} mm³,"));
+    progress.result(&format!(
+        "a {} of {},{volume} rms {}, max {}{gaps} → {}",
+        word(body),
+        plural(body.brep.faces.len(), "face"),
+        mm(body.fit_deviation.rms),
+        mm(body.fit_deviation.max),
+        out.join(", ")
+    ));
+    if !body.tolerance_named && !body.tolerance_met(0.0) {
+        let beyond = body.fit_deviation.beyond(body.tolerance);
+        progress.say(&format!(
+            "tolerance: {beyond} of {} points are farther than {} from the {}",
+            body.fit_deviation.distances.len(),
+            mm(body.tolerance),
+            word(body)
+        ));
+    }
+}
+
+/// What a body became, in a word.
+fn word(body: &BodyConversion) -> &'static str {
+    if body.volume.is_some() { "solid" } else { "shell" }
+}
+
+/// Says so if the solid or shell misses a tolerance that the user named.
+fn verdict(args: &Convert, body: &BodyConversion) -> Outcome {
+    if args.how.tolerance.is_none() || body.tolerance_met(args.how.outliers / 100.0) {
+        return Outcome::Done;
+    }
+    let [x, y, z] = body.fit_deviation.max_at;
+    streams::say(format_args!(
+        "tolerance not met: {} of {} points are farther than {} from the {}; the worst, {}, at ({x:.3}, {y:.3}, {z:.3})",
+        body.fit_deviation.beyond(body.tolerance),
+        body.fit_deviation.distances.len(),
+        mm(body.tolerance),
+        word(body),
+        mm(body.fit_deviation.max),
+    ));
+    Outcome::Missed
+}

@@ -1,0 +1,121 @@
+//! The parts of a network that are kept after loops have cut it.
+
+use nalgebra::Vector2;
+
+use super::network::{Network, SideUse};
+use super::{Curve, KnotVector};
+
+/// Loops on a network, and the faces on their left.
+#[derive(Debug, Clone, Default)]
+pub struct NetworkCut {
+    /// Where loops cross tracks.
+    pub nodes: Vec<TrackNode>,
+    /// The parts of the loops on single surfaces.
+    pub arcs: Vec<CutArc>,
+    /// The faces that are kept. A surface that loops divide may have several.
+    pub faces: Vec<KeptFace>,
+}
+
+/// A place at which a loop crosses a track.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TrackNode {
+    /// The track, as a position in [`Network::tracks`].
+    pub track: usize,
+    /// The parameter of the track.
+    pub at: f64,
+}
+
+/// The part of a loop on one surface. What is kept lies on its left.
+#[derive(Debug, Clone)]
+pub struct CutArc {
+    /// The surface.
+    pub surface: usize,
+    /// The curves in the parameter plane, one after another.
+    pub pcurves: Vec<Curve<2>>,
+    /// The nodes at its start and at its end. `None` if it is a whole loop.
+    pub ends: Option<[usize; 2]>,
+}
+
+/// A face on a surface of the network.
+#[derive(Debug, Clone)]
+pub struct KeptFace {
+    /// The surface.
+    pub surface: usize,
+    /// The loops; the first one is the outer one. It runs counter-clockwise, and the others run clockwise.
+    pub loops: Vec<Vec<LoopPart>>,
+}
+
+/// A part of a loop of a face.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum LoopPart {
+    /// An arc, as a position in [`NetworkCut::arcs`].
+    Arc(usize),
+    /// A piece of a side: the number of the side, and the number of the piece along its track.
+    Side(usize, usize),
+}
+
+/// An end of a piece of a track.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum PieceEnd {
+    /// A corner of the network.
+    Corner(usize),
+    /// A node of the cut.
+    Node(usize),
+}
+
+impl NetworkCut {
+    /// The cut without loops, which keeps everything.
+    pub fn none(network: &Network) -> Self {
+        let sides = || vec![(0..4).map(|k| LoopPart::Side(k, 0)).collect()];
+        let face = |surface| KeptFace { surface, loops: sides() };
+        let faces = (0..network.surfaces.len()).map(face).collect();
+        NetworkCut { faces, ..NetworkCut::default() }
+    }
+
+    /// The ends of the pieces of each track, with their parameters in ascending order.
+    pub fn piece_ends(&self, network: &Network) -> Vec<Vec<(f64, PieceEnd)>> {
+        let ends = network.tracks.iter().map(|track| {
+            let [start, end] = track.ends.map(PieceEnd::Corner);
+            vec![(0.0, start), (network.end(), end)]
+        });
+        let mut ends: Vec<Vec<(f64, PieceEnd)>> = ends.collect();
+        for (number, node) in self.nodes.iter().enumerate() {
+            ends[node.track].push((node.at, PieceEnd::Node(number)));
+        }
+        ends.iter_mut().for_each(|ends| ends.sort_by(|a, b| a.0.total_cmp(&b.0)));
+        ends
+    }
+
+    /// The loops of a face in the parameter plane of its surface.
+    pub fn boundary(&self, network: &Network, face: &KeptFace) -> Vec<Vec<Curve<2>>> {
+        let ends = self.piece_ends(network);
+        let curves = |part: &LoopPart| match *part {
+            LoopPart::Arc(arc) => self.arcs[arc].pcurves.clone(),
+            LoopPart::Side(k, piece) => {
+                let side = network.sides[face.surface][k];
+                let at = [0, 1].map(|i| ends[side.track][piece + i].0);
+                let of = SideUse { face: face.surface, k, forward: side.forward };
+                let line = side_line(network.end(), of, at);
+                vec![if side.forward { line } else { line.reversed() }]
+            }
+        };
+        face.loops.iter().map(|parts| parts.iter().flat_map(curves).collect()).collect()
+    }
+}
+
+impl KeptFace {
+    /// Whether the face is a whole surface.
+    pub fn is_whole(&self) -> bool {
+        self.loops.iter().flatten().all(|part| matches!(part, LoopPart::Side(..)))
+    }
+}
+
+/// The straight pcurve along a piece of a side, in the direction of its track and with its
+/// parameter.
+pub fn side_line(end: f64, side: SideUse, [from, to]: [f64; 2]) -> Curve<2> {
+    let at = |t: f64| {
+        let place = side.place(end, t, 0.0);
+        Vector2::new(place.x, place.y)
+    };
+    Curve::new(KnotVector::clamped(1, &[from, to], 1), vec![at(from), at(to)])
+}

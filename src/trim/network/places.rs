@@ -1,0 +1,81 @@
+//! The places of a network that are nearest to points and face their way.
+
+use rayon::prelude::*;
+
+use crate::geometry::{Point, Uv, Vector};
+use crate::mesh::Neighbours;
+use crate::spline::{Network, foot_point};
+
+/// The number of samples of each span in u and in v, from which the search for a foot point starts.
+const SAMPLES: usize = 3;
+
+/// The number of nearest samples among which those are chosen that face the way of the point. On a
+/// thin wall half of them may belong to its other side.
+const CANDIDATES: usize = 16;
+
+/// A place of a network.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct NetworkPlace {
+    /// The surface.
+    pub face: usize,
+    /// The parameter point.
+    pub at: Uv,
+}
+
+/// A search structure over samples of a network.
+pub struct NetworkPlaces<'a> {
+    network: &'a Network,
+    samples: Vec<(NetworkPlace, Vector)>,
+    tree: Neighbours,
+}
+
+impl<'a> NetworkPlaces<'a> {
+    /// Builds the structure.
+    pub fn new(network: &'a Network) -> Self {
+        let of_face = |(face, surface): (usize, &crate::spline::Surface)| {
+            let places = |knots: &crate::spline::KnotVector| -> Vec<f64> {
+                let breaks = knots.breaks();
+                let inside = breaks.windows(2).flat_map(|span| {
+                    let at = move |i: usize| (i as f64 + 0.5) / SAMPLES as f64;
+                    (0..SAMPLES).map(move |i| span[0] + at(i) * (span[1] - span[0]))
+                });
+                inside.collect()
+            };
+            let (us, vs) = (places(&surface.u), places(&surface.v));
+            let all = us.iter().flat_map(|&u| vs.iter().map(move |&v| Uv::new(u, v)));
+            let sample = |at: Uv| {
+                let jet = surface.jet(at);
+                (NetworkPlace { face, at }, jet.su.cross(&jet.sv), jet.s)
+            };
+            all.map(sample).collect::<Vec<_>>()
+        };
+        let all: Vec<_> =
+            network.surfaces.par_iter().enumerate().map(of_face).flatten_iter().collect();
+        let points: Vec<Point> = all.iter().map(|sample| sample.2).collect();
+        let samples = all.into_iter().map(|(place, normal, _)| (place, normal)).collect();
+        NetworkPlaces { network, samples, tree: Neighbours::new(&points) }
+    }
+
+    /// The place nearest to `p` whose normal does not point against `normal`. `None` if none of the
+    /// nearest samples faces that way.
+    pub fn nearest(&self, p: Point, normal: Vector) -> Option<NetworkPlace> {
+        let mut found = Vec::new();
+        self.tree.nearest_n(p, CANDIDATES, &mut found);
+        let samples = found.iter().map(|&(k, _)| &self.samples[k as usize]);
+        let facing = samples.filter(|sample| sample.1.dot(&normal) > 0.0).map(|sample| sample.0);
+        // One start on each surface is enough, and the nearest comes first.
+        let mut starts: Vec<NetworkPlace> = Vec::new();
+        for place in facing {
+            if starts.iter().all(|start| start.face != place.face) {
+                starts.push(place);
+            }
+        }
+        let feet = starts.into_iter().map(|start| {
+            let surface = &self.network.surfaces[start.face];
+            let (at, _) = foot_point(surface, p, start.at);
+            let distance = (surface.point(at) - p).norm();
+            (distance, NetworkPlace { face: start.face, at })
+        });
+        feet.min_by(|a, b| a.0.total_cmp(&b.0)).map(|foot| foot.1)
+    }
+}

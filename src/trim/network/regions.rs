@@ -1,0 +1,165 @@
+//! The faces that loops leave of the surfaces of a network.
+//!
+//! The arcs of all loops go in, each with the nodes at its ends. What is kept lies to the left of
+//! an arc. So the outer loop of a face runs along an arc to its end, from there counter-clockwise
+//! along the sides of the surface to the start of the next arc, and so on. A surface that no arc
+//! meets is kept if its neighbour is kept up to their common side.
+
+use std::collections::HashMap;
+
+use crate::geometry::{Uv, is_inside};
+use crate::spline::{CutArc, KeptFace, LoopPart, Network, NetworkCut, PieceEnd};
+
+/// The number of points of a span by which a loop is approximated, to tell in which face it is.
+const CHORDS: usize = 8;
+
+/// A piece of a side of a surface, counter-clockwise: the number of the side and of the piece on
+/// its track, and the ends.
+type SidePiece = (usize, usize, [PieceEnd; 2]);
+
+/// Adds the kept faces to a cut that has its nodes and its arcs. `None` if the arcs do not bound faces:
+/// they cross each other, or a loop runs the wrong way around.
+pub fn add_faces(network: &Network, cut: &mut NetworkCut) -> Option<()> {
+    let ends = cut.piece_ends(network);
+    let around = |surface: usize| -> Vec<SidePiece> {
+        let sides = network.sides[surface].iter().enumerate();
+        let pieces = sides.flat_map(|(k, side)| {
+            let ends = &ends[side.track];
+            let count = ends.len() - 1;
+            (0..count).map(move |i| {
+                let piece = if side.forward { i } else { count - 1 - i };
+                let mut of = [ends[piece].1, ends[piece + 1].1];
+                if !side.forward {
+                    of.reverse();
+                }
+                (k, piece, of)
+            })
+        });
+        pieces.collect()
+    };
+    let mut arcs_of: Vec<Vec<usize>> = vec![Vec::new(); network.surfaces.len()];
+    let mut loops_of = arcs_of.clone();
+    for (number, arc) in cut.arcs.iter().enumerate() {
+        let of = if arc.ends.is_some() { &mut arcs_of } else { &mut loops_of };
+        of[arc.surface].push(number);
+    }
+    // For each piece of a track, whether a surface keeps it.
+    let mut kept: HashMap<(usize, usize), bool> = HashMap::new();
+    let mut keep = |surface: usize, k: usize, piece: usize, is_kept: bool| {
+        let track = network.sides[surface][k].track;
+        *kept.entry((track, piece)).or_insert(is_kept) == is_kept
+    };
+    let mut todo = Vec::new();
+    for surface in 0..network.surfaces.len() {
+        let pieces = around(surface);
+        let outer = match arcs_of[surface].is_empty() {
+            false => outer_loops(&pieces, &arcs_of[surface], &cut.arcs)?,
+            true if loops_of[surface].is_empty() => continue,
+            true => vec![pieces.iter().map(|&(k, piece, _)| LoopPart::Side(k, piece)).collect()],
+        };
+        for &(k, piece, _) in &pieces {
+            let is_kept = outer.iter().any(|parts| parts.contains(&LoopPart::Side(k, piece)));
+            keep(surface, k, piece, is_kept).then_some(())?;
+        }
+        todo.push(surface);
+        cut.faces.extend(outer.into_iter().map(|parts| KeptFace { surface, loops: vec![parts] }));
+    }
+    spread(network, &mut cut.faces, &mut todo, keep)?;
+    let loops = loops_of.into_iter().flatten();
+    loops.map(|number| put_in(network, cut, number)).collect()
+}
+
+/// The outer loops of the faces of one surface.
+fn outer_loops(pieces: &[SidePiece], own: &[usize], arcs: &[CutArc]) -> Option<Vec<Vec<LoopPart>>> {
+    let starts: HashMap<usize, usize> =
+        own.iter().filter_map(|&arc| Some((arcs[arc].ends?[0], arc))).collect();
+    let mut loops = Vec::new();
+    let mut open: Vec<usize> = own.to_vec();
+    while let Some(&first) = open.first() {
+        let mut parts = Vec::new();
+        let mut arc = first;
+        loop {
+            let place = open.iter().position(|&other| other == arc)?;
+            open.remove(place);
+            parts.push(LoopPart::Arc(arc));
+            let mut node = PieceEnd::Node(arcs[arc].ends?[1]);
+            // Along the sides to the start of the next arc.
+            arc = loop {
+                let &(k, piece, [_, end]) = pieces.iter().find(|piece| piece.2[0] == node)?;
+                parts.push(LoopPart::Side(k, piece));
+                node = end;
+                match node {
+                    PieceEnd::Node(number) => break *starts.get(&number)?,
+                    PieceEnd::Corner(_) if parts.len() > own.len() + 2 * pieces.len() => {
+                        return None;
+                    }
+                    PieceEnd::Corner(_) => {}
+                }
+            };
+            if arc == first {
+                break;
+            }
+        }
+        loops.push(parts);
+    }
+    Some(loops)
+}
+
+/// Adds the whole surfaces that are beside kept faces, and those beside these.
+fn spread(
+    network: &Network,
+    faces: &mut Vec<KeptFace>,
+    todo: &mut Vec<usize>,
+    mut keep: impl FnMut(usize, usize, usize, bool) -> bool,
+) -> Option<()> {
+    let uses = network.uses();
+    let mut is_done = vec![false; network.surfaces.len()];
+    todo.iter().for_each(|&surface| is_done[surface] = true);
+    let mut next = 0;
+    while let Some(&surface) = todo.get(next) {
+        next += 1;
+        for k in 0..4 {
+            let track = network.sides[surface][k].track;
+            for side in uses[track].iter().filter(|side| !is_done[side.face]).collect::<Vec<_>>() {
+                if is_done[side.face] || !keep(side.face, side.k, 0, true) {
+                    continue;
+                }
+                is_done[side.face] = true;
+                for k in 0..4 {
+                    keep(side.face, k, 0, true).then_some(())?;
+                }
+                let sides = (0..4).map(|k| LoopPart::Side(k, 0)).collect();
+                faces.push(KeptFace { surface: side.face, loops: vec![sides] });
+                todo.push(side.face);
+            }
+        }
+    }
+    Some(())
+}
+
+/// Adds a loop on one surface to the face that it is in.
+fn put_in(network: &Network, cut: &mut NetworkCut, number: usize) -> Option<()> {
+    let surface = cut.arcs[number].surface;
+    let start = polygon(&cut.arcs[number].pcurves).first().copied()?;
+    let of_surface = (0..cut.faces.len()).filter(|&face| cut.faces[face].surface == surface);
+    let is_around = |face: &usize| {
+        let outer = cut.boundary(network, &cut.faces[*face]).swap_remove(0);
+        is_inside(start, &polygon(&outer))
+    };
+    let face = of_surface.into_iter().find(is_around)?;
+    cut.faces[face].loops.push(vec![LoopPart::Arc(number)]);
+    Some(())
+}
+
+/// Points along curves.
+fn polygon(curves: &[crate::spline::Curve<2>]) -> Vec<Uv> {
+    let points = |curve: &crate::spline::Curve<2>| {
+        let breaks = curve.knots.breaks();
+        let spans = breaks.windows(2).flat_map(|span| {
+            let step = (span[1] - span[0]) / CHORDS as f64;
+            (0..CHORDS).map(move |i| span[0] + step * i as f64)
+        });
+        spans.map(|t| Uv::from(curve.point(t))).collect::<Vec<_>>()
+    };
+    curves.iter().flat_map(points).collect()
+}
