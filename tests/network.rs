@@ -7,8 +7,8 @@ use std::collections::{HashMap, HashSet};
 use nalgebra::Vector2;
 use scan2step::geometry::{Bound, Point, Uv, Vector, VertexId};
 use scan2step::mesh::{Mesh, Patch, QuadMesh};
-use scan2step::spline::Network;
 use scan2step::spline::subdivision::{QuadPlace, SubdivisionSurface};
+use scan2step::spline::{Network, NetworkCut};
 use scan2step::trim::network::NetworkRim;
 use scan2step::{brep, deviation, net, patches, trim};
 
@@ -121,7 +121,7 @@ fn faces_become_a_closed_mesh_that_does_not_cross_itself() {
         assert!(all.iter().all(|&(a, b)| all.contains(&(b, a))), "{name}: an open side");
         let count = triangles.points.len() as i64 - faces.len() as i64 / 2;
         assert_eq!(count, euler, "{name}");
-        assert!(deviation::crossing_faces(&network, &triangles, |_| true).is_empty(), "{name}");
+        assert!(crossing(&network).is_empty(), "{name}");
     }
 }
 
@@ -134,14 +134,12 @@ fn a_face_that_goes_through_another_is_found() {
     let away = network.surfaces[0].net[middle];
     let centre = network.corners.iter().map(|p| p.coords).sum::<Vector>() / 8.0;
     network.surfaces[0].net[middle] += 12.0 * (centre - away);
-    let faces: HashSet<usize> =
-        crossing(&network, |_| true).into_iter().map(|found| found.0).collect();
+    let faces: HashSet<usize> = crossing(&network).into_iter().map(|found| found.0).collect();
     assert!(faces.contains(&0) && faces.len() > 1, "{faces:?}");
-    assert!(crossing(&network, |_| false).is_empty(), "what does not count is not found");
 }
 
-fn crossing(network: &Network, counts: impl Fn(usize) -> bool) -> Vec<(usize, Point)> {
-    deviation::crossing_faces(network, &deviation::tessellation(network).0, counts)
+fn crossing(network: &Network) -> Vec<(usize, Point)> {
+    deviation::crossing_faces(network, &NetworkCut::none(network).kept_places(network))
 }
 
 /// The polygon in which a plane cuts the faces of a round body. What is below the plane is on its

@@ -10,8 +10,9 @@ use crate::adapt::Goal;
 use crate::deviation::{self, Deviation, NetworkToScan};
 use crate::geometry::{Bound, Point};
 use crate::layout::QuadLayout;
-use crate::mesh::{Choice, Component, Components, FaceOrigin, Patch};
+use crate::mesh::{Choice, Component, Components, FaceOrigin, Mesh, Patch};
 use crate::spline::{Network, NetworkCut};
+use crate::trim::network::{CutFault, NetworkRim};
 use crate::{Error, Result, brep, fill, layout, net, patches, smooth, threads, trim};
 
 /// What becomes of a component.
@@ -189,32 +190,28 @@ fn body(
     let tolerance = options.tolerance.unwrap_or(goal.tolerance);
     let fill_options =
         fill::Options { support: smooth.h, noise: smooth.noise, ..options.fill.clone() };
-    let (patch, fill) = fill::fill_with(
-        smoothed,
-        &measured.mesh.points,
-        &fill_options,
-        &mut within("fill", watch),
-    )?;
+    let points = &measured.mesh.points;
+    let (patch, fill) = if shape == TargetShape::Shell {
+        fill::fill_of_shell(smoothed, points, &fill_options, &mut within("fill", watch))?
+    } else {
+        fill::fill_with(smoothed, points, &fill_options, &mut within("fill", watch))?
+    };
     watch(Stage::Fill(&patch))?;
 
     let net_options =
         net::Options { tolerance, outliers: goal.outliers, max_control: options.knots.max_net };
-    let Faces { network: own, to_scan: face_to_scan, layout, net, irregular } =
-        faces(&patch.even(), shape, options.faces, &net_options, watch)?;
+    let gaps = Gaps::of(&patch, shape, tolerance, options);
+    let Faces { network: own, cut, to_scan: face_to_scan, layout, net, irregular, .. } =
+        faces(&patch.even(), &gaps, options.faces, &net_options, watch)?;
     let network = own.clone().scaled(mm);
     watch(Stage::Network(&network))?;
-    let (cut, brep) = match shape {
+    let brep = match shape {
         TargetShape::Shell => {
-            let rims = rims(&patch);
-            let points = || rims.iter().map(|rim| rim.points.as_slice());
-            let cut = trim::network::cut(&own, &rims, &options.trim(tolerance, points()))?;
             watch(Stage::NetworkTrim(&network, &cut))?;
             let accuracy = network.surfaces.iter().map(trim::edge_accuracy);
-            let brep =
-                brep::open(&network, &cut, &options.name, accuracy.fold(UNCERTAINTY, f64::max))?;
-            (cut, brep)
+            brep::open(&network, &cut, &options.name, accuracy.fold(UNCERTAINTY, f64::max))?
         }
-        _ => (NetworkCut::none(&network), brep::closed(&network, &options.name, UNCERTAINTY)?),
+        _ => brep::closed(&network, &options.name, UNCERTAINTY)?,
     };
     watch(Stage::Brep)?;
 
@@ -246,20 +243,41 @@ fn body(
     Ok(body)
 }
 
-/// The rims of all gaps.
-fn rims(patch: &Patch) -> Vec<trim::network::NetworkRim> {
-    let normals = patch.mesh.vertex_normals();
-    let rim = |(hole, rim): (usize, &crate::mesh::boundary::Loop)| trim::network::NetworkRim {
-        of: Bound::Hole(hole),
-        points: rim.iter().map(|&v| patch.mesh.point(v)).collect(),
-        normals: rim.iter().map(|v| normals[v.index()]).collect(),
-    };
-    patch.rims.iter().enumerate().map(rim).collect()
+/// The gaps that are cut out of the faces.
+struct Gaps {
+    rims: Vec<NetworkRim>,
+    options: trim::Options,
+}
+
+impl Gaps {
+    /// All gaps of a shell, and none of a solid.
+    fn of(patch: &Patch, shape: TargetShape, tolerance: f64, options: &Options) -> Self {
+        let triangles = patch.measured_triangles().map(|t| patch.mesh.triangles[t]).collect();
+        let normals = Mesh { points: patch.mesh.points.clone(), triangles }.vertex_normals();
+        let rim = |(hole, rim): (usize, &crate::mesh::boundary::Loop)| NetworkRim {
+            of: Bound::Hole(hole),
+            points: rim.iter().map(|&v| patch.mesh.point(v)).collect(),
+            normals: rim.iter().map(|v| normals[v.index()]).collect(),
+        };
+        let rims: Vec<_> = match shape {
+            TargetShape::Shell => patch.rims.iter().enumerate().map(rim).collect(),
+            _ => Vec::new(),
+        };
+        let options = options.trim(tolerance, rims.iter().map(|rim| rim.points.as_slice()));
+        Gaps { rims, options }
+    }
+
+    fn cut(&self, network: &Network) -> std::result::Result<NetworkCut, CutFault> {
+        trim::network::cut(network, &self.rims, &self.options)
+    }
 }
 
 /// The faces of a body, in the lengths of its mesh.
 struct Faces {
     network: Network,
+    cut: NetworkCut,
+    /// Why the gaps cannot be cut out.
+    uncut: Option<CutFault>,
     to_scan: NetworkToScan,
     layout: layout::Report,
     net: net::Report,
@@ -271,7 +289,7 @@ struct Faces {
 /// scan.
 fn faces(
     patch: &Patch,
-    shape: TargetShape,
+    gaps: &Gaps,
     wanted: Option<usize>,
     options: &net::Options,
     watch: &mut Observer,
@@ -281,7 +299,7 @@ fn faces(
     let mut best: Option<Faces> = None;
     for round in 0..=FINER_ROUNDS {
         watch(Stage::Layout(layout.quads()))?;
-        let (faces, faults) = faces_of(&layout, patch, shape, options, watch)?;
+        let (faces, faults) = faces_of(&layout, patch, gaps, options, watch)?;
         let blocks = match faults.first() {
             Some(_) if best.is_some() => break,
             Some(&(_, at)) => {
@@ -291,7 +309,8 @@ fn faces(
                 if blocks.len() > faces.network.surfaces.len() / MOST_FAULTY
                     || round == FINER_ROUNDS
                 {
-                    return Err(Error::BodyFolds { count: faults.len(), at });
+                    let folds = Error::BodyFolds { count: faults.len(), at };
+                    return Err(faces.uncut.map_or(folds, Error::from));
                 }
                 blocks
             }
@@ -316,7 +335,7 @@ fn faces(
 fn faces_of(
     layout: &QuadLayout,
     patch: &Patch,
-    shape: TargetShape,
+    gaps: &Gaps,
     options: &net::Options,
     watch: &mut Observer,
 ) -> Result<(Faces, Vec<(usize, Point)>)> {
@@ -325,15 +344,21 @@ fn faces_of(
     let mut within = within("fit", watch);
     let (fitted, net) = net::fit_with(layout.quads(), patch, options, &mut within)?;
     let (network, extracted) = patches::extract(&fitted.mesh, &fitted.surface)?;
-    let mut to_scan = deviation::network_to_scan(&network, &fitted.mesh, &patch.mesh, &is_measured);
-    // What a shell has on its fills is cut out.
-    let counts = |t: usize| shape == TargetShape::Solid || is_measured[t];
-    to_scan.inverted.retain(|sample| counts(sample.triangle));
-    let inverted = to_scan.inverted.iter().map(|sample| (sample.face, sample.at));
-    let mut faults: Vec<(usize, Point)> = inverted.collect();
-    faults.extend(deviation::crossing_faces(&network, &patch.mesh, counts));
+    let (cut, uncut) = match gaps.cut(&network) {
+        Ok(cut) => (cut, None),
+        Err(fault) => (NetworkCut::none(&network), Some(fault)),
+    };
+    let kept = cut.kept_places(&network);
+    let to_scan =
+        deviation::network_to_scan(&network, &kept, &fitted.mesh, &patch.mesh, &is_measured);
+    let mut faults = to_scan.inverted.clone();
+    match &uncut {
+        // Without loops nobody knows which faults count.
+        Some(fault) => faults = vec![(fault.surface, fault.at)],
+        None => faults.extend(deviation::crossing_faces(&network, &kept)),
+    }
     let (layout, irregular) = (layout.report(), extracted.irregular);
-    Ok((Faces { network, to_scan, layout, net, irregular }, faults))
+    Ok((Faces { network, cut, uncut, to_scan, layout, net, irregular }, faults))
 }
 
 impl Faces {

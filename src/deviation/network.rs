@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use super::{Deviation, TrimmedFace};
 use crate::geometry::{Point, Uv, Vector};
 use crate::mesh::{Mesh, QuadMesh, Triangles};
-use crate::spline::{KeptFace, Network, NetworkCut, ParametricSurface};
+use crate::spline::{KeptFace, KeptPlaces, Network, NetworkCut, ParametricSurface};
 
 /// The number of samples of each span in u and in v. Between two samples a span moves away from its
 /// chord by less than a ninth of its height.
@@ -43,34 +43,24 @@ pub struct NetworkToScan {
     pub largest: Vec<f64>,
     /// The samples whose normal points against those of the nearest triangle and of its corners, and
     /// against that of the layout. On a thin wall the nearest triangle may be on the other side.
-    pub inverted: Vec<InvertedSample>,
-}
-
-/// A place at which a face is turned over.
-#[derive(Debug, Clone, Copy)]
-pub struct InvertedSample {
-    /// The face.
-    pub face: usize,
-    /// The place.
-    pub at: Point,
-    /// The nearest triangle.
-    pub triangle: usize,
+    /// Each has the number of its face.
+    pub inverted: Vec<(usize, Point)>,
 }
 
 impl NetworkToScan {
     /// The same with all lengths multiplied by a factor.
     pub(crate) fn scaled(self, factor: f64) -> Self {
-        let scaled = |s: &InvertedSample| InvertedSample { at: s.at * factor, ..*s };
-        let inverted = self.inverted.iter().map(scaled).collect();
+        let inverted = self.inverted.iter().map(|&(face, p)| (face, p * factor)).collect();
         let largest = self.largest.iter().map(|off| off * factor).collect();
         NetworkToScan { deviation: self.deviation.scaled(factor), largest, inverted }
     }
 }
 
-/// Compares samples of a network with a mesh. `quads` is the mesh from whose blocks the faces were made.
-/// `is_measured` says which triangles were measured; samples near others count only for how they face.
+/// Compares samples of the kept places of a network with a mesh. `quads` is the mesh from whose blocks the
+/// faces were made. `is_measured` says which triangles were measured; samples near others count only for how they face.
 pub fn network_to_scan(
     network: &Network,
+    kept: &KeptPlaces,
     quads: &QuadMesh,
     mesh: &Mesh,
     is_measured: &[bool],
@@ -96,22 +86,20 @@ pub fn network_to_scan(
             let facings =
                 [quads.block_normal(face, at), facing, mesh.area_vector(mesh.triangles[t])];
             let inverted = facings.iter().all(|facing| normal.dot(facing) < 0.0);
-            NetworkSample { face, at: jet.s, off, triangle: t, inverted }
+            NetworkSample { face, at: jet.s, off, is_measured: is_measured[t], inverted }
         };
-        all.map(sample).collect::<Vec<_>>()
+        all.filter(|&at| kept.contains(face, at)).map(sample).collect::<Vec<_>>()
     };
     let faces = network.surfaces.par_iter().enumerate();
     let samples: Vec<_> = faces.map(of_face).flatten_iter().collect();
-    let measured = || samples.iter().filter(|s| is_measured[s.triangle]);
+    let measured = || samples.iter().filter(|s| s.is_measured);
     let mut largest = vec![0.0; network.surfaces.len()];
     measured().for_each(|s| largest[s.face] = f64::max(largest[s.face], s.off));
     let (points, distances): (Vec<Point>, Vec<f64>) = measured().map(|s| (s.at, s.off)).unzip();
-    let inverted =
-        |s: &NetworkSample| InvertedSample { face: s.face, at: s.at, triangle: s.triangle };
     NetworkToScan {
         deviation: Deviation::of(&points, distances),
         largest,
-        inverted: samples.iter().filter(|s| s.inverted).map(inverted).collect(),
+        inverted: samples.iter().filter(|s| s.inverted).map(|s| (s.face, s.at)).collect(),
     }
 }
 
@@ -121,6 +109,7 @@ struct NetworkSample {
     at: Point,
     /// The distance from the nearest triangle.
     off: f64,
-    triangle: usize,
+    /// Whether this triangle was measured.
+    is_measured: bool,
     inverted: bool,
 }

@@ -3,16 +3,17 @@
 use rayon::prelude::*;
 
 use crate::geometry::{Point, Uv, Vector, VertexId};
+use crate::mesh::Mesh;
 use crate::mesh::crossings::crossings;
-use crate::mesh::{Mesh, Triangles};
-use crate::spline::Network;
+use crate::spline::{KeptPlaces, Network};
 
 /// The longest step in u and in v, in quads. With half as long ones the triangles of neighbouring
 /// faces are a quarter as far from the faces.
 const STEP: f64 = 0.5;
 
-/// A closed mesh on the faces of a network, and the face of each triangle.
-pub fn tessellation(network: &Network) -> (Mesh, Vec<usize>) {
+/// A closed mesh on the faces of a network, and for each triangle its face and the parameter point of its
+/// middle.
+pub fn tessellation(network: &Network) -> (Mesh, Vec<(usize, Uv)>) {
     let mut mesh = Mesh { points: network.corners.clone(), triangles: Vec::new() };
     let Some(first) = network.surfaces.first() else { return (mesh, Vec::new()) };
     let at = steps(&first.u.breaks());
@@ -54,7 +55,12 @@ pub fn tessellation(network: &Network) -> (Mesh, Vec<usize>) {
             let [a, b] = [vertex(i, j), vertex(i + 1, j)];
             let [c, d] = [vertex(i + 1, j + 1), vertex(i, j + 1)];
             mesh.triangles.extend([[a, b, c], [a, c, d]]);
-            faces.extend([face, face]);
+            // The triangles are above and below the diagonal.
+            let place = |share: f64| {
+                let along = |i: usize, share: f64| at[i] + share * (at[i + 1] - at[i]);
+                (face, Uv::new(along(i, share), along(j, 1.0 - share)))
+            };
+            faces.extend([place(2.0 / 3.0), place(1.0 / 3.0)]);
         }
     }
     (mesh, faces)
@@ -71,27 +77,17 @@ fn steps(breaks: &[f64]) -> Vec<f64> {
     steps
 }
 
-/// The faces of a network that go through other faces or through themselves, each with a place. Two
-/// places count if both are nearest to triangles of `mesh` for which `counts` holds.
-pub fn crossing_faces(
-    network: &Network,
-    mesh: &Mesh,
-    counts: impl Fn(usize) -> bool,
-) -> Vec<(usize, Point)> {
-    let (tessellation, faces) = tessellation(network);
+/// The faces of a network that go through other faces or through themselves, each with a place. Only
+/// kept places count.
+pub fn crossing_faces(network: &Network, kept: &KeptPlaces) -> Vec<(usize, Point)> {
+    let (mesh, faces) = tessellation(network);
+    let is_kept = |&t: &usize| kept.contains(faces[t].0, faces[t].1);
+    let pairs = crossings(&mesh).into_iter().filter(|pair| pair.iter().all(is_kept));
     let place = |t: usize| {
-        let corners = tessellation.corners(tessellation.triangles[t]);
-        (faces[t], Point::from(corners.iter().map(|p| p.coords).sum::<Vector>() / 3.0))
+        let corners = mesh.corners(mesh.triangles[t]);
+        (faces[t].0, Point::from(corners.iter().map(|p| p.coords).sum::<Vector>() / 3.0))
     };
-    let pairs = crossings(&tessellation);
-    if pairs.is_empty() {
-        return Vec::new();
-    }
-    let triangles = Triangles::new(mesh);
-    let counts =
-        |pair: &[(usize, Point); 2]| pair.iter().all(|of| counts(triangles.nearest(of.1).1));
-    let pairs = pairs.into_iter().map(|pair| pair.map(place)).filter(counts);
-    let mut found: Vec<(usize, Point)> = pairs.flatten().collect();
+    let mut found: Vec<(usize, Point)> = pairs.flatten().map(place).collect();
     found.sort_by_key(|f| f.0);
     found
 }

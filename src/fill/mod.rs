@@ -19,6 +19,7 @@ mod least_area;
 mod numbering;
 mod rigid_layout;
 mod rim_outlines;
+mod roll;
 mod shape;
 mod smoothing_spline;
 mod strategies;
@@ -196,6 +197,39 @@ pub fn fill_with(
     let PatchBuilder { mesh, measured, origin } = whole;
     let patch = Patch { mesh, measured, origin, outer, measured_outer: None, rims, islands };
     debug_assert!(patch.outer.is_empty() || patch.is_disk(), "filling leaves a disk");
+    Ok((patch, report))
+}
+
+/// Fills all holes of the body of a shell. The fills are cut out later, and only serve to make the
+/// surface end smoothly beyond the rims. So a rim like the outer boundary of a sheet is rolled to the
+/// back of the sheet before it is filled.
+///
+/// # Errors
+/// Those of [`fill_with`].
+pub fn fill_of_shell(
+    disk: Disk,
+    measured: &[Point],
+    options: &Options,
+    progress: &mut Progress,
+) -> Result<(Patch, Report)> {
+    let count = disk.mesh.points.len();
+    if measured.len() != count {
+        return Err(Error::Input("there are not as many measured points as the disk has"));
+    }
+    let own = disk.mesh.triangles.len();
+    let rims = disk.holes.clone();
+    let roll::Rolled { disk, triangles } = roll::rolled(disk);
+    let measured: Vec<Point> = measured.iter().chain(&disk.mesh.points[count..]).copied().collect();
+    let (mut patch, mut report) = fill_with(disk, &measured, options, progress)?;
+    let mut next = own;
+    for (number, rolled) in triangles.into_iter().enumerate() {
+        patch.origin[next..next + rolled].fill(FaceOrigin::Hole(number as u32));
+        next += rolled;
+        report.holes[number].added_triangles += rolled;
+        report.holes[number].rim_length = boundary::length(&patch.mesh, &rims[number]);
+    }
+    patch.measured = count;
+    patch.rims = rims;
     Ok((patch, report))
 }
 

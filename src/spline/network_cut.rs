@@ -4,6 +4,7 @@ use nalgebra::Vector2;
 
 use super::network::{Network, SideUse};
 use super::{Curve, KnotVector};
+use crate::geometry::{Uv, is_inside};
 
 /// Loops on a network, and the faces on their left.
 #[derive(Debug, Clone, Default)]
@@ -86,6 +87,22 @@ impl NetworkCut {
         ends
     }
 
+    /// The places that are kept.
+    pub fn kept_places(&self, network: &Network) -> KeptPlaces {
+        let mut polygons = vec![Some(Vec::new()); network.surfaces.len()];
+        for face in &self.faces {
+            let of = &mut polygons[face.surface];
+            match of {
+                Some(of) if !face.is_whole() => {
+                    let loops = self.boundary(network, face);
+                    of.extend(loops.iter().map(|curves| chord_points(curves)));
+                }
+                _ => *of = None,
+            }
+        }
+        KeptPlaces { polygons }
+    }
+
     /// The loops of a face in the parameter plane of its surface.
     pub fn boundary(&self, network: &Network, face: &KeptFace) -> Vec<Vec<Curve<2>>> {
         let ends = self.piece_ends(network);
@@ -101,6 +118,40 @@ impl NetworkCut {
         };
         face.loops.iter().map(|parts| parts.iter().flat_map(curves).collect()).collect()
     }
+}
+
+/// The places of a network that a cut keeps.
+#[derive(Debug, Clone)]
+pub struct KeptPlaces {
+    /// The loops of the faces of each surface as polygons. `None` if the whole surface is kept.
+    polygons: Vec<Option<Vec<Vec<Uv>>>>,
+}
+
+/// The number of points of a span by which a loop is approximated. The places that are asked for are
+/// farther from loops than the chords, or it does not matter to which side they belong.
+const CHORDS: usize = 8;
+
+impl KeptPlaces {
+    /// Whether a place is on a kept face. Places nearer to a loop than its chords may be on the other side.
+    pub fn contains(&self, surface: usize, at: Uv) -> bool {
+        match &self.polygons[surface] {
+            None => true,
+            Some(polygons) => polygons.iter().filter(|p| is_inside(at, p)).count() % 2 == 1,
+        }
+    }
+}
+
+/// Points along curves that follow each other.
+pub fn chord_points(curves: &[Curve<2>]) -> Vec<Uv> {
+    let points = |curve: &Curve<2>| {
+        let breaks = curve.knots.breaks();
+        let spans = breaks.windows(2).flat_map(|span| {
+            let step = (span[1] - span[0]) / CHORDS as f64;
+            (0..CHORDS).map(move |i| span[0] + step * i as f64)
+        });
+        spans.map(|t| Uv::from(curve.point(t))).collect::<Vec<_>>()
+    };
+    curves.iter().flat_map(points).collect()
 }
 
 impl KeptFace {

@@ -13,8 +13,8 @@ mod regions;
 
 use rayon::prelude::*;
 
-use super::{MAX_PIECES, Options, Rim, refusal};
-use crate::error::Result;
+use super::{MAX_PIECES, Options};
+use crate::error::Error;
 use crate::geometry::{Bound, Point, Vector};
 use crate::spline::{
     CertifiedLoop, Curve, CutArc, KnotVector, Network, NetworkCut, TrackNode, crossings,
@@ -37,37 +37,71 @@ pub struct NetworkRim {
 /// The number of rounds in which the arcs of faulty faces are brought nearer to their rims.
 const MAX_ROUNDS: usize = 6;
 
+/// The reason why there is no loop along a rim.
+#[derive(Debug, Clone)]
+pub struct CutFault {
+    /// Which boundary of the mesh the rim is.
+    pub of: Bound,
+    /// What is wrong with the loop.
+    pub fault: &'static str,
+    /// Where.
+    pub at: Point,
+    /// A surface there.
+    pub surface: usize,
+}
+
+impl From<CutFault> for Error {
+    fn from(fault: CutFault) -> Self {
+        Error::Trim { of: fault.of, fault: fault.fault.to_owned(), at: fault.at }
+    }
+}
+
 /// Computes the loops along the given rims, and the faces that they leave.
 ///
 /// # Errors
-/// [`Error::Trim`](crate::Error::Trim) if a loop crosses itself or another loop, or leaves no face.
-pub fn cut(network: &Network, rims: &[NetworkRim], options: &Options) -> Result<NetworkCut> {
+/// [`CutFault`] if a rim is not near the surfaces, or a loop crosses itself or another loop, or leaves no
+/// face.
+pub fn cut(
+    network: &Network,
+    rims: &[NetworkRim],
+    options: &Options,
+) -> Result<NetworkCut, CutFault> {
     if rims.is_empty() {
         return Ok(NetworkCut::none(network));
     }
-    let fault = |rim: &NetworkRim, fault: &str| {
-        let rim = Rim { of: rim.of, within: None, points: rim.points.clone(), uv: Vec::new() };
-        refusal(&rim, fault, rim.points.first().copied().unwrap_or_default())
-    };
     let paths = NetworkPaths::new(network);
     let traced = |rim: &NetworkRim| {
-        paths.runs(rim, options.rim).ok_or_else(|| fault(rim, "is not on the faces"))
+        paths.runs(rim, options.rim).map_err(|at| CutFault {
+            of: rim.of,
+            fault: "is not on the faces",
+            at,
+            surface: paths.nearest_surface(at),
+        })
     };
-    let mut runs: Vec<Vec<Run>> = rims.par_iter().map(traced).collect::<Result<_>>()?;
+    let mut runs: Vec<Vec<Run>> = rims.par_iter().map(traced).collect::<Result<_, _>>()?;
     paths.spread(&mut runs);
-    let mut fits =
-        LoopFits::new(network, &runs, options).ok_or_else(|| fault(&rims[0], "is a point"))?;
+    let on_surface = |surface: usize, fault: &'static str| {
+        let is_on = |run: &&Run| run.face == surface && !run.points.is_empty();
+        let rim = runs.iter().position(|of_rim| of_rim.iter().any(|run| is_on(&run)));
+        let rim = rim.unwrap_or(0);
+        let at = runs[rim].iter().find(is_on).map_or(rims[rim].points[0], |run| run.points[0].1);
+        CutFault { of: rims[rim].of, fault, at, surface }
+    };
+    let mut fits = LoopFits::new(network, &runs, options)
+        .map_err(|surface| on_surface(surface, "has no length on a face"))?;
+    let mut faulty = Vec::new();
     for _ in 0..MAX_ROUNDS {
-        let mut cut = fits.cut(network).ok_or_else(|| fault(&rims[0], "has no smooth curve"))?;
+        fits.tighten(&faulty);
+        let mut cut =
+            fits.cut(network).map_err(|surface| on_surface(surface, "has no smooth curve"))?;
         regions::add_faces(network, &mut cut)
-            .ok_or_else(|| fault(&rims[0], "does not bound the faces"))?;
-        let faulty = faulty(network, &cut);
+            .map_err(|surface| on_surface(surface, "does not bound the faces"))?;
+        faulty = self::faulty(network, &cut);
         if faulty.is_empty() {
             return Ok(cut);
         }
-        fits.tighten(&faulty);
     }
-    Err(fault(&rims[0], "crosses itself"))
+    Err(on_surface(faulty[0], "crosses itself"))
 }
 
 /// The arcs of all loops while they are fitted.
@@ -78,7 +112,8 @@ struct LoopFits {
 }
 
 impl LoopFits {
-    fn new(network: &Network, rims: &[Vec<Run>], options: &Options) -> Option<Self> {
+    /// Returns the surface on which a loop has no length if there is one.
+    fn new(network: &Network, rims: &[Vec<Run>], options: &Options) -> Result<Self, usize> {
         let end = network.end();
         let mut fits = LoopFits { nodes: Vec::new(), arcs: Vec::new() };
         for runs in rims {
@@ -98,27 +133,30 @@ impl LoopFits {
                         let nodes = [(i + runs.len() - 1) % runs.len(), i].map(|k| first + k);
                         (ends, Some(nodes), &run.points[..])
                     }
-                    _ => ([run.points.first()?.0; 2], None, &run.points[1..]),
+                    _ => {
+                        let first = run.points.first().ok_or(run.face)?.0;
+                        ([first; 2], None, &run.points[1..])
+                    }
                 };
-                let polygon = OpenPolygon::new(surface, ends, points, room)?;
+                let polygon = OpenPolygon::new(surface, ends, points, room).ok_or(run.face)?;
                 fits.arcs.push((run.face, nodes, polygon));
             }
         }
-        Some(fits)
+        Ok(fits)
     }
 
-    /// The cut without its faces.
-    fn cut(&self, network: &Network) -> Option<NetworkCut> {
+    /// The cut without its faces. Returns a surface on which an arc has no curve if there is one.
+    fn cut(&self, network: &Network) -> Result<NetworkCut, usize> {
         let arc = |(surface, ends, polygon): &(usize, Option<[usize; 2]>, OpenPolygon)| {
-            let curve = polygon.curve()?;
+            let curve = polygon.curve().ok_or(*surface)?;
             let least = if ends.is_some() { 1 } else { 2 };
             let ends_of_parts =
                 runs(&pieces_on_surface(&network.surfaces[*surface], &curve), MAX_PIECES, least);
             let parts = ends_of_parts.windows(2).map(|w| curve.part(w[0], w[1])).collect();
-            Some(CutArc { surface: *surface, pcurves: parts, ends: *ends })
+            Ok(CutArc { surface: *surface, pcurves: parts, ends: *ends })
         };
-        let arcs = self.arcs.par_iter().map(arc).collect::<Option<_>>()?;
-        Some(NetworkCut { nodes: self.nodes.clone(), arcs, faces: Vec::new() })
+        let arcs = self.arcs.par_iter().map(arc).collect::<Result<_, usize>>()?;
+        Ok(NetworkCut { nodes: self.nodes.clone(), arcs, faces: Vec::new() })
     }
 
     /// Brings the arcs on some surfaces nearer to their rims.

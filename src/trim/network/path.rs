@@ -71,22 +71,28 @@ impl<'a> NetworkPaths<'a> {
     }
 
     /// The runs of a rim. Parts that cross a track and come back over it without getting farther
-    /// than `room` mm from it stay on their side. `None` if the network has no place for the rim.
-    pub fn runs(&self, rim: &NetworkRim, room: f64) -> Option<Vec<Run>> {
+    /// than `room` mm from it stay on their side. Returns a vertex for which the network has no place
+    /// if there is one.
+    pub fn runs(&self, rim: &NetworkRim, room: f64) -> Result<Vec<Run>, Point> {
         let place = |(&p, &normal)| {
-            let place = self.places.nearest(p, normal)?;
-            Some(PlacedVertex { place, p, normal })
+            let place = self.places.nearest(p, normal).ok_or(p)?;
+            Ok(PlacedVertex { place, p, normal })
         };
         let vertices: Vec<PlacedVertex> =
-            rim.points.iter().zip(&rim.normals).map(place).collect::<Option<_>>()?;
+            rim.points.iter().zip(&rim.normals).map(place).collect::<Result<_, Point>>()?;
         let mut steps = Vec::new();
         for (a, b) in vertices.iter().zip(vertices.iter().cycle().skip(1)) {
             steps.push(PathStep::Vertex(*a));
-            self.connect(a, b, MAX_HALVINGS, &mut steps)?;
+            self.connect(a, b, MAX_HALVINGS, &mut steps).ok_or(a.p)?;
         }
         let mut runs = divided(&steps);
         while self.straighten(&mut runs, room) {}
-        Some(runs)
+        Ok(runs)
+    }
+
+    /// The surface that is nearest to a point, whichever way it faces.
+    pub fn nearest_surface(&self, p: Point) -> usize {
+        self.places.nearest_surface(p)
     }
 
     /// Adds the steps between two vertices.

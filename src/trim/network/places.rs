@@ -9,9 +9,10 @@ use crate::spline::{Network, foot_point};
 /// The number of samples of each span in u and in v, from which the search for a foot point starts.
 const SAMPLES: usize = 3;
 
-/// The number of nearest samples among which those are chosen that face the way of the point. On a
-/// thin wall half of them may belong to its other side.
-const CANDIDATES: usize = 16;
+/// The numbers of nearest samples among which those are chosen that face the way of the point. On a
+/// thin wall half of the first ones may belong to its other side. Only where none of them faces that
+/// way are more looked at.
+const CANDIDATES: [usize; 2] = [16, 256];
 
 /// A place of a network.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -59,8 +60,19 @@ impl<'a> NetworkPlaces<'a> {
     /// The place nearest to `p` whose normal does not point against `normal`. `None` if none of the
     /// nearest samples faces that way.
     pub fn nearest(&self, p: Point, normal: Vector) -> Option<NetworkPlace> {
+        CANDIDATES.into_iter().find_map(|count| self.nearest_among(count, p, normal))
+    }
+
+    /// The surface of the nearest sample, whichever way it faces.
+    pub fn nearest_surface(&self, p: Point) -> usize {
         let mut found = Vec::new();
-        self.tree.nearest_n(p, CANDIDATES, &mut found);
+        self.tree.nearest_n(p, 1, &mut found);
+        found.first().map_or(0, |&(k, _)| self.samples[k as usize].0.face)
+    }
+
+    fn nearest_among(&self, count: usize, p: Point, normal: Vector) -> Option<NetworkPlace> {
+        let mut found = Vec::new();
+        self.tree.nearest_n(p, count, &mut found);
         let samples = found.iter().map(|&(k, _)| &self.samples[k as usize]);
         let facing = samples.filter(|sample| sample.1.dot(&normal) > 0.0).map(|sample| sample.0);
         // One start on each surface is enough, and the nearest comes first.

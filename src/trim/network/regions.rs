@@ -7,19 +7,16 @@
 
 use std::collections::HashMap;
 
-use crate::geometry::{Uv, is_inside};
-use crate::spline::{CutArc, KeptFace, LoopPart, Network, NetworkCut, PieceEnd};
-
-/// The number of points of a span by which a loop is approximated, to tell in which face it is.
-const CHORDS: usize = 8;
+use crate::geometry::is_inside;
+use crate::spline::{CutArc, KeptFace, LoopPart, Network, NetworkCut, PieceEnd, chord_points};
 
 /// A piece of a side of a surface, counter-clockwise: the number of the side and of the piece on
 /// its track, and the ends.
 type SidePiece = (usize, usize, [PieceEnd; 2]);
 
-/// Adds the kept faces to a cut that has its nodes and its arcs. `None` if the arcs do not bound faces:
-/// they cross each other, or a loop runs the wrong way around.
-pub fn add_faces(network: &Network, cut: &mut NetworkCut) -> Option<()> {
+/// Adds the kept faces to a cut that has its nodes and its arcs. Returns a surface on which the arcs do
+/// not bound faces if there is one: they cross each other, or a loop runs the wrong way around.
+pub fn add_faces(network: &Network, cut: &mut NetworkCut) -> Result<(), usize> {
     let ends = cut.piece_ends(network);
     let around = |surface: usize| -> Vec<SidePiece> {
         let sides = network.sides[surface].iter().enumerate();
@@ -53,20 +50,20 @@ pub fn add_faces(network: &Network, cut: &mut NetworkCut) -> Option<()> {
     for surface in 0..network.surfaces.len() {
         let pieces = around(surface);
         let outer = match arcs_of[surface].is_empty() {
-            false => outer_loops(&pieces, &arcs_of[surface], &cut.arcs)?,
+            false => outer_loops(&pieces, &arcs_of[surface], &cut.arcs).ok_or(surface)?,
             true if loops_of[surface].is_empty() => continue,
             true => vec![pieces.iter().map(|&(k, piece, _)| LoopPart::Side(k, piece)).collect()],
         };
         for &(k, piece, _) in &pieces {
             let is_kept = outer.iter().any(|parts| parts.contains(&LoopPart::Side(k, piece)));
-            keep(surface, k, piece, is_kept).then_some(())?;
+            keep(surface, k, piece, is_kept).then_some(()).ok_or(surface)?;
         }
         todo.push(surface);
         cut.faces.extend(outer.into_iter().map(|parts| KeptFace { surface, loops: vec![parts] }));
     }
     spread(network, &mut cut.faces, &mut todo, keep)?;
     let loops = loops_of.into_iter().flatten();
-    loops.map(|number| put_in(network, cut, number)).collect()
+    loops.map(|number| put_in(network, cut, number).ok_or(cut.arcs[number].surface)).collect()
 }
 
 /// The outer loops of the faces of one surface.
@@ -111,7 +108,7 @@ fn spread(
     faces: &mut Vec<KeptFace>,
     todo: &mut Vec<usize>,
     mut keep: impl FnMut(usize, usize, usize, bool) -> bool,
-) -> Option<()> {
+) -> Result<(), usize> {
     let uses = network.uses();
     let mut is_done = vec![false; network.surfaces.len()];
     todo.iter().for_each(|&surface| is_done[surface] = true);
@@ -126,7 +123,7 @@ fn spread(
                 }
                 is_done[side.face] = true;
                 for k in 0..4 {
-                    keep(side.face, k, 0, true).then_some(())?;
+                    keep(side.face, k, 0, true).then_some(()).ok_or(side.face)?;
                 }
                 let sides = (0..4).map(|k| LoopPart::Side(k, 0)).collect();
                 faces.push(KeptFace { surface: side.face, loops: vec![sides] });
@@ -134,32 +131,19 @@ fn spread(
             }
         }
     }
-    Some(())
+    Ok(())
 }
 
 /// Adds a loop on one surface to the face that it is in.
 fn put_in(network: &Network, cut: &mut NetworkCut, number: usize) -> Option<()> {
     let surface = cut.arcs[number].surface;
-    let start = polygon(&cut.arcs[number].pcurves).first().copied()?;
+    let start = chord_points(&cut.arcs[number].pcurves).first().copied()?;
     let of_surface = (0..cut.faces.len()).filter(|&face| cut.faces[face].surface == surface);
     let is_around = |face: &usize| {
         let outer = cut.boundary(network, &cut.faces[*face]).swap_remove(0);
-        is_inside(start, &polygon(&outer))
+        is_inside(start, &chord_points(&outer))
     };
     let face = of_surface.into_iter().find(is_around)?;
     cut.faces[face].loops.push(vec![LoopPart::Arc(number)]);
     Some(())
-}
-
-/// Points along curves.
-fn polygon(curves: &[crate::spline::Curve<2>]) -> Vec<Uv> {
-    let points = |curve: &crate::spline::Curve<2>| {
-        let breaks = curve.knots.breaks();
-        let spans = breaks.windows(2).flat_map(|span| {
-            let step = (span[1] - span[0]) / CHORDS as f64;
-            (0..CHORDS).map(move |i| span[0] + step * i as f64)
-        });
-        spans.map(|t| Uv::from(curve.point(t))).collect::<Vec<_>>()
-    };
-    curves.iter().flat_map(points).collect()
 }
