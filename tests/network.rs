@@ -190,7 +190,7 @@ fn a_loop_across_faces_leaves_a_sound_shell() {
         let height = low + (0.1 + 0.8 * random.share()) * (high - low);
         let rim = rim(&network, normal, height);
         let cut = trim::network::cut(&network, std::slice::from_ref(&rim), &options)
-            .unwrap_or_else(|e| panic!("{number}: {e}"));
+            .unwrap_or_else(|e| panic!("{number}: {e:?}"));
         let shell = brep::open(&network, &cut, "shell", 1e-7).expect("a shell");
         let free = shell.uses().iter().filter(|uses| uses.len() == 1).count();
         let inside: usize = cut.arcs.iter().map(|arc| arc.pcurves.len()).sum();

@@ -11,7 +11,7 @@ use super::input::{self, Scan};
 use super::output::{self as files, Pending};
 use super::progress::{self, ProgressDisplay};
 use super::report::ReportFormat;
-use super::{Failure, Outcome, cad, settings, streams};
+use super::{Failure, Outcome, cad, messages, settings, streams};
 
 /// The components that become solids or shells, and which of them. There are none if all that were
 /// chosen become faces. If only some would, these become shells.
@@ -95,6 +95,7 @@ pub fn write(
     Pending::publish(stages.into_iter().chain(reports).chain(written).collect())?;
     let mut outcome = Outcome::Done;
     for body in bodies {
+        messages::handles(&run.progress, &body.input);
         result(&run.progress, args, body);
         outcome = outcome.and(verdict(args, body));
     }

@@ -76,9 +76,8 @@ impl Scan {
     ) -> Result<(Scan, Components), Failure> {
         let content = std::mem::replace(&mut self.content, Content::Mesh(Soup::default()));
         let components = match content {
-            Content::Mesh(soup) => {
-                mesh::from_soup(&soup, self.source.unit.in_mm()).map(Components::new)
-            }
+            Content::Mesh(soup) => mesh::from_soup(&soup, self.source.unit.in_mm())
+                .map(|build| Components::new(build).with_handles(options.handles())),
             Content::Points(cloud) => {
                 scan2step::cloud_components(cloud, options, progress).map(|(components, report)| {
                     self.source = self.source.clone().meshed(&report);

@@ -3,7 +3,7 @@
 use scan2step::mesh::{Bound, Components, FaceOrigin, Patch};
 use scan2step::report::ScanSource;
 use scan2step::words::{mm, plural};
-use scan2step::{Conversion, Stage};
+use scan2step::{Conversion, InputReport, Stage};
 
 use super::args::{ComponentChoice, Convert};
 use super::input::Scan;
@@ -99,8 +99,24 @@ pub fn repaired(progress: &ProgressDisplay, (kind, count): (&&str, &usize)) {
     progress.say(&format!("repaired: {count} {}", kind.replace('_', " ")));
 }
 
+/// Says which handles were cut.
+pub fn handles(progress: &ProgressDisplay, input: &InputReport) {
+    let longest = input.handles.iter().max_by(|a, b| a.length.total_cmp(&b.length));
+    if let Some(handle) = longest {
+        progress.say(&format!(
+            "repaired: {} cut and closed; the loop of the largest is {}, near ({:.3}, {:.3}, {:.3}) (--handles to change)",
+            plural(input.handles.len(), "handle"),
+            mm(handle.length),
+            handle.at.x,
+            handle.at.y,
+            handle.at.z
+        ));
+    }
+}
+
 /// Says what the conversion left out and kept, and which tolerance it chose.
 pub fn found(progress: &ProgressDisplay, args: &Convert, c: &Conversion) {
+    handles(progress, &c.input);
     if c.input.left_out > 0 && args.how.component != ComponentChoice::All {
         progress.say(&format!(
             "component: 1 of {}, {} triangles; left out {} triangles in the others",

@@ -46,6 +46,7 @@ pub fn options(args: &Convert) -> Result<Options, Failure> {
         .depth(how.depth)
         .net(how.net)
         .max_net(how.max_net)
+        .handles(how.handles)
         .faces(how.faces)
         .fit(match how.fit {
             Fit::Blend => fit::Method::Blend,

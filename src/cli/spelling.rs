@@ -2,7 +2,7 @@
 
 /// The names of options in the library, which stand in backticks in its messages, and those
 /// on the command line.
-const OPTIONS: [(&str, &str); 19] = [
+const OPTIONS: [(&str, &str); 20] = [
     ("shape", "--shape"),
     ("unit", "--units"),
     ("component", "--component"),
@@ -19,6 +19,7 @@ const OPTIONS: [(&str, &str); 19] = [
     ("fit", "--fit"),
     ("tolerance", "--tolerance"),
     ("outliers", "--outliers"),
+    ("handles", "--handles"),
     ("rim_tolerance", "--rim-tolerance"),
     ("cut", "--keep-fills, --fill-only-holes-below"),
     ("threads", "--threads"),

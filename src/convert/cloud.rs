@@ -52,5 +52,6 @@ fn components_of(
     drop(meshed.soup);
     let points = cloud.positions.into_iter().map(Point::from).collect();
     let raw = RawPoints::new(points, meshed.vertex_of, meshed.report.noise).at(cloud.origin);
-    Ok((Components::new(build).with_raw_points(raw, unit), meshed.report))
+    let components = Components::new(build).with_raw_points(raw, unit);
+    Ok((components.with_handles(options.handles), meshed.report))
 }

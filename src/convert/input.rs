@@ -3,7 +3,8 @@
 use super::body::{TargetShape, shape_of};
 use crate::geometry::{Point, Vector};
 use crate::mesh::{
-    Choice, Component, Components, Disk, Mesh, Outer, RawPoints, Repairs, Topology, boundary,
+    Choice, Component, Components, CutHandle, Disk, Mesh, Outer, RawPoints, Repairs, Topology,
+    boundary,
 };
 use crate::{Options, Result, smooth, threads};
 
@@ -27,6 +28,8 @@ pub struct InputReport {
     pub boundary_loops: usize,
     /// What was repaired: kind and count.
     pub repairs: Repairs,
+    /// The handles that were cut, in mm.
+    pub handles: Vec<CutHandle>,
 }
 
 /// What a component of a scan is. Lengths are mm.
@@ -62,6 +65,7 @@ impl InputReport {
             left_out: chosen.left_out,
             boundary_loops: chosen.topology.loops,
             repairs: scan.repairs().clone(),
+            handles: chosen.handles.iter().map(|handle| handle.scaled(scan.mm())).collect(),
         }
     }
 

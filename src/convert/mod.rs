@@ -47,7 +47,8 @@ pub fn convert(soup: &Soup, options: &Options, watch: &mut Observer) -> Result<C
     options.max_memory.map_or(Ok(()), |most| Memory::of(soup, options).check(most))?;
     let options = options.resolved(soup)?;
     threads::run(options.threads, || {
-        let scan = Components::new(mesh::from_soup(soup, options.unit_of(soup.unit))?);
+        let scan = Components::new(mesh::from_soup(soup, options.unit_of(soup.unit))?)
+            .with_handles(options.handles);
         component(&scan, &options, watch)
     })?
 }

@@ -7,6 +7,7 @@ use rstar::{AABB, RTree};
 use super::boundary::{self, Loop};
 use super::build::{Build, Repairs, count};
 use super::disk::Outer;
+use super::handles::{self, CutHandle};
 use super::islands::{self, IslandCandidate};
 use super::raw_points::{FacePoints, RawPoints};
 use super::topology::Topology;
@@ -48,6 +49,8 @@ pub struct Components {
     dust: usize,
     /// What was measured, if the mesh was made of a cloud.
     raw: Option<RawPoints>,
+    /// The longest loop of a handle that is cut, in mm, if one is named.
+    handles: Option<f64>,
 }
 
 /// Components with less than one sixteenth of all triangles are extracted in a time that does not
@@ -67,6 +70,8 @@ pub struct Component {
     pub topology: Topology,
     /// The number of triangles in all other components.
     pub left_out: usize,
+    /// The handles that were cut, in the unit of the mesh.
+    pub handles: Vec<CutHandle>,
     /// Components that may be islands in its holes, the largest first.
     others: Vec<IslandCandidate>,
 }
@@ -86,7 +91,7 @@ impl Components {
         };
         let sizeable = &pieces[..pieces.len() - dust];
         let begins = RTree::bulk_load(sizeable.iter().enumerate().map(begin).collect());
-        Components { build, pieces, twisted, begins, dust, raw: None }
+        Components { build, pieces, twisted, begins, dust, raw: None, handles: None }
     }
 
     /// The same with the points that the mesh was made of. `unit` is the length in mm of the unit
@@ -95,6 +100,13 @@ impl Components {
     pub fn with_raw_points(self, raw: RawPoints, unit: f64) -> Self {
         let raw = Some(raw.scaled(unit / self.mm()));
         Components { raw, ..self }
+    }
+
+    /// The same with a named length in mm: handles whose loops are not longer are cut in the
+    /// components that are extracted. Without one, handles of a few edges are cut. At 0 none are.
+    #[must_use]
+    pub fn with_handles(self, longest: Option<f64>) -> Self {
+        Components { handles: longest, ..self }
     }
 
     /// The points that the mesh was made of, in its unit of length, if it was made of a cloud.
@@ -171,14 +183,23 @@ impl Components {
         let piece =
             self.pieces.get(asked).ok_or(Error::Component { asked, count: self.count() })?;
         let is_small = SMALL * piece.len() < self.build.mesh.triangles.len();
-        let build = if is_small { small_part(&self.build, piece) } else { self.build.part(piece) };
-        let topology = Topology::new(&build.mesh, &build.edges, !self.twisted.contains(&asked));
+        let mut build =
+            if is_small { small_part(&self.build, piece) } else { self.build.part(piece) };
+        let orientable = !self.twisted.contains(&asked);
+        let mut topology = Topology::new(&build.mesh, &build.edges, orientable);
+        let mut cut_handles = Vec::new();
+        if orientable && topology.genus() > 0.0 {
+            let named = self.handles.map(|longest| longest / self.mm());
+            let longest = named.unwrap_or_else(|| handles::longest(&build.mesh));
+            cut_handles = handles::cut(&mut build, longest);
+            topology = Topology::new(&build.mesh, &build.edges, orientable);
+        }
         let left_out = self.build.mesh.triangles.len() - piece.len();
         let others = match topology.check_disk() {
             Ok(()) if topology.loops > 1 => self.candidates(asked, &build.mesh),
             _ => Vec::new(),
         };
-        Ok(Component { build, topology, left_out, others })
+        Ok(Component { build, topology, left_out, handles: cut_handles, others })
     }
 
     /// The two-sided components near a mesh that are not dust.

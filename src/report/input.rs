@@ -105,6 +105,19 @@ pub struct InputFigures {
     pub boundary_loops: usize,
     /// What was repaired: kind and count.
     pub repairs: Repairs,
+    /// The handles and tunnels that were cut and closed.
+    pub handles_cut: Vec<HandleFigures>,
+}
+
+/// A handle that was cut.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct HandleFigures {
+    /// The middle of its loop.
+    pub at: [f64; 3],
+    /// The length of its loop.
+    pub length_mm: f64,
 }
 
 impl InputFigures {
@@ -126,6 +139,14 @@ impl InputFigures {
             island_triangles: input.island_triangles,
             boundary_loops: input.boundary_loops,
             repairs: input.repairs.clone(),
+            handles_cut: input
+                .handles
+                .iter()
+                .map(|handle| HandleFigures {
+                    at: handle.at.coords.into(),
+                    length_mm: handle.length,
+                })
+                .collect(),
         }
     }
 }

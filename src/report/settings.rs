@@ -52,6 +52,8 @@ pub struct Settings {
     pub net: Option<[usize; 2]>,
     /// The largest number of control points.
     pub max_net: usize,
+    /// The longest loop of a handle that is cut, in mm.
+    pub handles: Option<f64>,
     /// About how many faces a solid gets.
     pub faces: Option<usize>,
     /// Holes with a rim shorter than this, in mm, stay filled.
@@ -125,6 +127,7 @@ impl Settings {
             depth: options.knots.depth,
             net: options.knots.net,
             max_net: options.knots.max_net,
+            handles: options.handles,
             faces: options.faces,
             fill_only_holes_below: match options.cut {
                 Cut::FromLength(length) => Some(length),

@@ -14,6 +14,10 @@ pub struct How {
     /// What becomes of the scan
     #[arg(long, value_enum, default_value_t = ShapeChoice::Auto)]
     pub shape: ShapeChoice,
+    /// Cut handles and tunnels whose loop is not longer, in mm, and close them; 0 cuts none
+    /// [default: a few edges]
+    #[arg(long, value_name = "LEN", value_parser = extent)]
+    pub handles: Option<f64>,
     /// About how many faces a solid gets [default: as many as its shape needs]
     #[arg(long, value_name = "N", value_parser = faces)]
     pub faces: Option<usize>,

@@ -154,6 +154,13 @@ impl Builder {
         self
     }
 
+    /// Handles and tunnels whose loop is not longer, in mm, are cut and closed. At 0 none are. Without:
+    /// a few edges.
+    pub fn handles(mut self, mm: impl Into<Option<f64>>) -> Self {
+        self.0.handles = mm.into();
+        self
+    }
+
     /// About how many faces a solid gets. Without, as many as its shape needs.
     pub fn faces(mut self, count: impl Into<Option<usize>>) -> Self {
         self.0.faces = count.into();

@@ -35,6 +35,7 @@ pub struct Options {
     pub(crate) cloud: cloud::Options,
     pub(crate) keeps_origin: bool,
     pub(crate) component: mesh::Choice,
+    pub(crate) handles: Option<f64>,
     pub(crate) outer: mesh::Outer,
     pub(crate) smooth: smooth::Options,
     pub(crate) fill: fill::Options,
@@ -59,6 +60,7 @@ impl Default for Options {
             cloud: cloud::Options::default(),
             keeps_origin: false,
             component: mesh::Choice::default(),
+            handles: None,
             outer: mesh::Outer::default(),
             smooth: smooth::Options::default(),
             fill: fill::Options::default(),
@@ -92,6 +94,11 @@ impl Options {
     /// Which piece of the scan.
     pub fn component(&self) -> mesh::Choice {
         self.component
+    }
+
+    /// The longest loop of a handle that is cut, in mm, if it is named.
+    pub fn handles(&self) -> Option<f64> {
+        self.handles
     }
 
     /// Which boundary loop is the outer one: the one named, else the one with the first of the
@@ -176,6 +183,7 @@ impl Options {
         self.knots.check()?;
         self.faces.map_or(Ok(()), rules::faces).map_err(of("faces"))?;
         self.tolerance.map_or(Ok(()), rules::length).map_err(of("tolerance"))?;
+        self.handles.map_or(Ok(()), rules::extent).map_err(of("handles"))?;
         self.rim_tolerance.map_or(Ok(()), rules::extent).map_err(of("rim_tolerance"))?;
         rules::share(self.outliers).map_err(of("outliers"))?;
         if let Cut::FromLength(length) = self.cut {

@@ -1,0 +1,151 @@
+//! Handles of a few triangles are found, cut and closed, in sheets and in bodies.
+
+mod common;
+
+use std::f64::consts::TAU;
+
+use common::random::Random;
+use formats::Soup;
+use scan2step::geometry::Point;
+use scan2step::mesh::{self, Choice, Component, Components};
+use scan2step::{Options, TargetShape};
+
+/// A grid of `n` × `n` places, bent into a sheet or closed to a torus, with edges of about 1 mm.
+struct Grid {
+    n: usize,
+    closed: bool,
+    points: Vec<[f64; 3]>,
+    triangles: Vec<[usize; 3]>,
+}
+
+impl Grid {
+    fn new(n: usize, closed: bool, random: &mut Random) -> Self {
+        let count = if closed { n } else { n + 1 };
+        let mut grid = Grid { n: count, closed, points: Vec::new(), triangles: Vec::new() };
+        let wave = 2.0 * random.share();
+        for k in 0..count * count {
+            let (i, j) = ((k / count) as f64, (k % count) as f64);
+            grid.points.push(if closed {
+                let (u, v) = (TAU * i / n as f64, TAU * j / n as f64);
+                let tube = n as f64 / TAU;
+                let reach = 2.5 * tube + tube * v.cos();
+                [reach * u.cos(), reach * u.sin(), tube * v.sin()]
+            } else {
+                let height = wave * (0.2 * i).sin() * (0.15 * j).cos() + 0.05 * random.share();
+                [i, j, height]
+            });
+        }
+        for (i, j) in (0..n * n).map(|k| (k / n, k % n)) {
+            let [a, b] = [grid.name(i, j), grid.name(i + 1, j)];
+            let [c, d] = [grid.name(i + 1, j + 1), grid.name(i, j + 1)];
+            grid.triangles.extend([[a, b, c], [a, c, d]]);
+        }
+        grid
+    }
+
+    fn name(&self, i: usize, j: usize) -> usize {
+        (i % self.n) * self.n + j % self.n
+    }
+
+    /// The lower triangle of the cell at (i, j).
+    fn cell(&self, i: usize, j: usize) -> [usize; 3] {
+        [self.name(i, j), self.name(i + 1, j), self.name(i + 1, j + 1)]
+    }
+
+    /// Joins the cell at (i, j) to another one, three cells farther, by a tube of three sides. Returns the
+    /// middles of both.
+    fn add_handle(&mut self, i: usize, j: usize) -> [Point; 2] {
+        let ends = [self.cell(i, j), self.cell(i + 3, j)];
+        self.triangles.retain(|t| !ends.contains(t));
+        for k in 0..3 {
+            let l = (k + 1) % 3;
+            // The rims run in opposite directions.
+            let [a, b] = [ends[0][k], ends[0][l]];
+            let [c, d] = [ends[1][(6 - k) % 3], ends[1][(6 - l) % 3]];
+            self.triangles.extend([[a, b, c], [b, d, c]]);
+        }
+        ends.map(|t| {
+            let points = t.map(|v| Point::from(self.points[v]));
+            Point::from(points.iter().map(|p| p.coords).sum::<scan2step::geometry::Vector>() / 3.0)
+        })
+    }
+
+    fn soup(&self) -> Soup {
+        let mut soup = Soup { points: self.points.clone(), ..Soup::default() };
+        self.triangles.iter().for_each(|t| soup.polygons.push(t.iter().map(|&v| v as u32)));
+        soup
+    }
+}
+
+fn component(soup: &Soup, longest: Option<f64>) -> Component {
+    let scan = Components::new(mesh::from_soup(soup, 1.0).expect("a mesh")).with_handles(longest);
+    scan.take(Choice::Largest).expect("a component")
+}
+
+/// A grid with some handles, and their places.
+fn with_handles(count: usize, closed: bool, random: &mut Random) -> (Grid, Vec<[Point; 2]>) {
+    let mut grid = Grid::new(48, closed, random);
+    // One handle at most in each field of 12 × 12 cells.
+    let mut fields: Vec<usize> = (0..16).collect();
+    let places = (0..count).map(|_| {
+        let field = fields.swap_remove((random.share() * fields.len() as f64) as usize);
+        let [di, dj] = [0; 2].map(|_| 2 + (3.0 * random.share()) as usize);
+        grid.add_handle(12 * (field / 4) + di, 12 * (field % 4) + dj)
+    });
+    let places = places.collect();
+    (grid, places)
+}
+
+#[test]
+fn made_handles_are_found_at_their_places_and_cut() {
+    let mut random = Random(11);
+    for number in 0..200 {
+        let (closed, count) = (number % 2 == 1, 1 + number / 2 % 10);
+        let (grid, places) = with_handles(count, closed, &mut random);
+        let soup = grid.soup();
+        let whole = component(&soup, Some(0.0));
+        let own = if closed { 1.0 } else { 0.0 };
+        assert_eq!(whole.topology.genus(), own + count as f64, "{number}");
+        assert!(whole.handles.is_empty(), "{number}");
+        // The edges of the torus have different lengths.
+        let cut = component(&soup, closed.then_some(9.0));
+        assert_eq!(cut.topology.genus(), own, "{number}: the handle of a torus is kept");
+        assert_eq!(cut.topology.loops, whole.topology.loops, "{number}");
+        assert_eq!(cut.handles.len(), count, "{number}");
+        let scale = cut.mesh().diagonal() / whole.mesh().diagonal();
+        assert!((scale - 1.0).abs() < 1e-12, "{number}");
+        let mm = Components::new(mesh::from_soup(&soup, 1.0).expect("a mesh")).mm();
+        for place in places {
+            let off = |at: Point| {
+                let [a, b] = place;
+                scan2step::geometry::segment_distance(at, a, b)
+            };
+            let nearest = cut.handles.iter().map(|handle| off(handle.at * mm));
+            let nearest = nearest.fold(f64::INFINITY, f64::min);
+            assert!(nearest < 1.0, "{number}: no handle within an edge of {place:?}: {nearest} mm");
+        }
+    }
+}
+
+#[test]
+fn scans_with_made_handles_convert() {
+    let mut random = Random(3);
+    for number in 0..6 {
+        let (grid, _) = with_handles(1 + 2 * (number / 2), number % 2 == 1, &mut random);
+        let (soup, options) = (grid.soup(), Options::default());
+        if number % 2 == 0 {
+            let face = scan2step::convert(&soup, &options, &mut |_| Ok(()));
+            let face = face.unwrap_or_else(|e| panic!("{number}: {e}"));
+            assert_eq!(face.input.handles.len(), 1 + 2 * (number / 2));
+            assert_eq!(face.brep.faces.len(), 1, "{number}");
+        } else {
+            let scan = Components::new(mesh::from_soup(&soup, 1.0).expect("a mesh"));
+            let scan = scan.with_handles(Some(9.0));
+            let shape = scan2step::shape(&scan, Choice::Largest).expect("a component");
+            assert_eq!(shape, TargetShape::Solid);
+            let solid = scan2step::convert_body(&scan, shape, &options, &mut |_| Ok(()));
+            let solid = solid.unwrap_or_else(|e| panic!("{number}: {e}"));
+            assert_eq!(solid.brep.solids.len(), 1, "{number}");
+        }
+    }
+}
