@@ -45,6 +45,13 @@ fn torus(path: &Path, noise: f64, turned: bool, gaps: &[[f64; 2]]) {
     std::fs::write(path, text).expect("a file");
 }
 
+fn check_schema(report: &serde_json::Value) {
+    let schema = json(&common::root().join("docs/report.schema.json"));
+    let schema = jsonschema::draft202012::new(&schema).expect("the schema is one");
+    let faults: Vec<String> = schema.iter_errors(report).map(|e| e.to_string()).collect();
+    assert!(faults.is_empty(), "{faults:?} in {report:#}");
+}
+
 fn volume() -> f64 {
     2.0 * PI * PI * RADII[0] * RADII[1] * RADII[1]
 }
@@ -157,21 +164,36 @@ fn the_number_of_threads_does_not_change_a_byte() {
 }
 
 #[test]
-fn a_body_is_no_face_and_has_no_page() {
+fn a_body_is_no_face() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = |name: &str| folder.path().join(name);
     torus(&path("torus.obj"), 0.0, false, &[]);
-    for (asked, reason) in [
-        (["--shape", "face"], "genus 1"),
-        (["--report", arg(&path("page.html"))], "of solids are not made yet"),
-    ] {
-        let out = path("torus.step");
-        let output = convert(&[&[arg(&path("torus.obj")), arg(&out)], &asked[..]].concat());
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{said}");
-        assert!(said.contains(reason), "{said}");
-        assert!(!out.exists());
+    let out = path("torus.step");
+    let output = convert(&[arg(&path("torus.obj")), arg(&out), "--shape", "face"]);
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{said}");
+    assert!(said.contains("genus 1"), "{said}");
+    assert!(!out.exists());
+}
+
+#[test]
+fn a_body_has_a_page_and_a_picture() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    torus(&path("torus.obj"), 0.05, false, &[[0.5, 0.5]]);
+    let [page, picture, report] =
+        ["torus.html", "torus.png", "torus.json"].map(|name| path(name));
+    let files = [&page, &picture, &report].map(|file| ["--report", arg(file)]).concat();
+    converted(&[&[arg(&path("torus.obj")), arg(&path("torus.step"))], &files[..]].concat());
+    let text = std::fs::read_to_string(&page).expect("a page");
+    check_schema(&json(&report));
+    let faces = number(&json(&report), "/shape/faces");
+    for words in [format!("a solid of {faces} faces"), "irregular vertices".into()] {
+        assert!(text.contains(&words), "{words}");
     }
+    assert!(!text.contains("Parameter plane"), "several faces have no common plane");
+    let bytes = std::fs::read(&picture).expect("a picture");
+    assert!(bytes.starts_with(b"\x89PNG") && bytes.len() > 50_000, "{}", bytes.len());
 }
 
 /// The shells of a pipe and of a torus with a large gap, checked in both CAD kernels.
@@ -189,6 +211,7 @@ fn open_bodies_become_shells_with_their_ends_open() {
         let asked = ["--report", arg(&report), "--iges", "brep"];
         converted(&[&[arg(&scan), arg(&step), arg(&iges)], &asked[..]].concat());
         let report = json(&report);
+        check_schema(&report);
         let shape = &report["shape"];
         assert_eq!((&shape["kind"], &shape["shells"]), (&"shell".into(), &1.into()), "{name}");
         assert_eq!((&shape["folds"], &shape["solids"]), (&0.into(), &0.into()), "{name}");

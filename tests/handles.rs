@@ -13,7 +13,6 @@ use scan2step::{Options, TargetShape};
 /// A grid of `n` × `n` places, bent into a sheet or closed to a torus, with edges of about 1 mm.
 struct Grid {
     n: usize,
-    closed: bool,
     points: Vec<[f64; 3]>,
     triangles: Vec<[usize; 3]>,
 }
@@ -21,7 +20,7 @@ struct Grid {
 impl Grid {
     fn new(n: usize, closed: bool, random: &mut Random) -> Self {
         let count = if closed { n } else { n + 1 };
-        let mut grid = Grid { n: count, closed, points: Vec::new(), triangles: Vec::new() };
+        let mut grid = Grid { n: count, points: Vec::new(), triangles: Vec::new() };
         let wave = 2.0 * random.share();
         for k in 0..count * count {
             let (i, j) = ((k / count) as f64, (k % count) as f64);

@@ -77,7 +77,7 @@ fn measure(model: &CadModel, scan: &Mesh, measured: &[Point]) -> Result<Report> 
     let each = faces.par_iter().map(|face| FaceSamples::of(face, spacing, MAX_SAMPLES));
     let samples: Vec<FaceSamples> = each.collect();
 
-    let to_faces = measured.par_iter().map(|&p| nearest_of(&faces, p)).collect();
+    let to_faces = measured.par_iter().map(|&p| nearest_of(&faces, p).0).collect();
     let triangles = Triangles::new(scan);
     let points: Vec<Point> = samples.iter().flat_map(|s| s.points.iter().copied()).collect();
     let to_scan = points.par_iter().map(|&p| triangles.nearest(p).0).collect();

@@ -1,17 +1,16 @@
 //! `convert` for bodies: the components that become solids or shells.
 
 use scan2step::mesh::{Choice, Components};
-use scan2step::report::BodyReport;
+use scan2step::report::{BodyReport, ViewRecorder};
 use scan2step::words::{mm, plural};
 use scan2step::{BodyConversion, Options, Stage, TargetShape};
 
 use super::args::{Convert, ShapeChoice};
-use super::convert::{Run, chosen, output, stage};
+use super::convert::{Run, chosen, is_drawn, output, stage};
 use super::input::{self, Scan};
-use super::output::{self as files, Pending};
+use super::output::Pending;
 use super::progress::{self, ProgressDisplay};
-use super::report::ReportFormat;
-use super::{Failure, Outcome, cad, messages, settings, streams};
+use super::{Failure, Outcome, cad, messages, report, settings, streams};
 
 /// The components that become solids or shells, and which of them. There are none if all that were
 /// chosen become faces. If only some would, these become shells.
@@ -65,8 +64,16 @@ pub fn convert(
     let count = chosen.len();
     let one = |(number, &(component, shape)): (usize, &(Choice, TargetShape))| {
         let options = options.of_component(component);
-        let mut watch = |stage: Stage| run.see((number, count), &stage);
-        scan2step::convert_body(components, shape, &options, &mut watch)
+        let mut recorder = is_drawn(run.args).then(ViewRecorder::default);
+        let mut watch = |stage: Stage| {
+            recorder.iter_mut().for_each(|recorder| recorder.see(&stage));
+            run.see((number, count), &stage)
+        };
+        let body = scan2step::convert_body(components, shape, &options, &mut watch)?;
+        if let Some(recorder) = recorder {
+            run.views.push(recorder.view_of_body(&body, count)?);
+        }
+        Ok(body)
     };
     chosen.iter().enumerate().map(one).collect()
 }
@@ -83,13 +90,13 @@ pub fn write(
     bodies.iter().for_each(|body| all.append(body.brep.clone()));
     let written = cad::write_brep(args, &all, scan.colour)?;
     run.progress.ended("write", "");
-    let mut report = BodyReport::of(bodies, &scan.source, settings::settings(args, named, scan));
-    report.outputs = args.out.iter().zip(&written).map(|(f, file)| output(&f.path, file)).collect();
-    report.stages = run.progress.stages.iter().map(stage).collect();
-    report.seconds = run.progress.seconds();
-    report.peak_rss_mb = progress::peak_rss_mb();
-    let reports = args.report.iter().map(|f| files::write(&f.path, |out| report.write_json(out)));
-    let reports: Vec<Pending> = reports.collect::<Result<_, _>>()?;
+    let mut figures = BodyReport::of(bodies, &scan.source, settings::settings(args, named, scan));
+    figures.outputs =
+        args.out.iter().zip(&written).map(|(f, file)| output(&f.path, file)).collect();
+    figures.stages = run.progress.stages.iter().map(stage).collect();
+    figures.seconds = run.progress.seconds();
+    figures.peak_rss_mb = progress::peak_rss_mb();
+    let reports = report::write(&args.report, &scan.name(), &figures, &run.views)?;
     run.progress.finish();
     let stages = run.stages.map_or(Vec::new(), |s| s.pending);
     Pending::publish(stages.into_iter().chain(reports).chain(written).collect())?;
@@ -100,20 +107,6 @@ pub fn write(
         outcome = outcome.and(verdict(args, body));
     }
     Ok(outcome)
-}
-
-/// Pictures and pages do not show solids.
-pub fn check_reports(args: &Convert) -> Result<(), Failure> {
-    match args.report.iter().find(|file| file.kind != ReportFormat::Json) {
-        None => Ok(()),
-        Some(file) => Err(Failure {
-            error: format!(
-                "{}: pages and pictures of solids are not made yet",
-                file.path.display()
-            ),
-            help: "name a report that ends in .json".into(),
-        }),
-    }
 }
 
 /// The result in one line.

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use scan2step::mesh::{Choice, Components, Outer};
 use scan2step::parameterize::CompressedRegion;
-use scan2step::report::{FaceView, OutputFile, Report, ScanSource, StageFigures, ViewRecorder};
+use scan2step::report::{OutputFile, Report, ReportView, ScanSource, StageFigures, ViewRecorder};
 use scan2step::{BodyConversion, Conversion, Memory, Options, Stage, TargetShape};
 
 use super::args::{ComponentChoice, Convert, ShapeChoice};
@@ -46,7 +46,6 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
         crushed: None,
     };
     if !bodies.is_empty() {
-        body::check_reports(args)?;
         if is_tried {
             run.progress.say(body::why(&bodies));
         }
@@ -80,7 +79,7 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     report.stages = progress.stages.iter().map(stage).collect();
     report.seconds = progress.seconds();
     report.peak_rss_mb = progress::peak_rss_mb();
-    let reports = report::write(&args.report, &scan.name(), &report, &conversions, &views)?;
+    let reports = report::write(&args.report, &scan.name(), &report, &views)?;
     progress.finish();
     // Put all files in their places last, when every one is complete.
     let stages = stages.map_or(Vec::new(), |s| s.pending);
@@ -136,7 +135,7 @@ fn check_memory(args: &Convert, scan: &Scan, options: &Options) -> Result<(), Fa
 }
 
 /// Whether a report shows the scan.
-fn is_drawn(args: &Convert) -> bool {
+pub fn is_drawn(args: &Convert) -> bool {
     args.report.iter().any(|file| file.kind.is_picture())
 }
 
@@ -146,7 +145,7 @@ pub struct Run<'a> {
     pub progress: ProgressDisplay,
     pub stages: Option<Stages>,
     /// What the pictures of reports show, one view for each conversion, if any was asked for.
-    views: Vec<FaceView>,
+    pub views: Vec<ReportView>,
     /// Hints that were given while stages ran.
     given: Vec<String>,
     /// The number of files of stages before the conversion.

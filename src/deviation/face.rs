@@ -83,7 +83,7 @@ impl<'a> TrimmedFace<'a, Surface> {
     }
 
     /// Whether a point is on the side of the surface's normal at `at`, or on the surface.
-    fn is_above(&self, p: Point, at: Uv) -> bool {
+    pub(super) fn is_above(&self, p: Point, at: Uv) -> bool {
         let jet = self.surface.jet(at);
         (p - jet.s).dot(&jet.su.cross(&jet.sv)) >= 0.0
     }

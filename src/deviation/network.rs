@@ -11,17 +11,29 @@ use crate::spline::{KeptFace, KeptPlaces, Network, NetworkCut, ParametricSurface
 /// chord by less than a ninth of its height.
 const SAMPLES: usize = 3;
 
-/// The distance of `p` from the nearest of several faces.
-pub(crate) fn nearest_of<S: ParametricSurface>(faces: &[TrimmedFace<S>], p: Point) -> f64 {
-    let mut order: Vec<(f64, &TrimmedFace<S>)> = faces.iter().map(|f| (f.outside(p), f)).collect();
+/// The distance of `p` from the nearest of several faces, the number of this face, and the place on it.
+/// The distance is infinite if there are no faces.
+pub(crate) fn nearest_of<S: ParametricSurface>(
+    faces: &[TrimmedFace<S>],
+    p: Point,
+) -> (f64, usize, Uv) {
+    let mut order: Vec<(f64, usize)> =
+        faces.iter().enumerate().map(|(number, face)| (face.outside(p), number)).collect();
     order.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let nearer = |best: f64, (outside, face): (f64, &TrimmedFace<S>)| {
-        if outside < best { best.min(face.nearest(p, None).1) } else { best }
-    };
-    order.into_iter().fold(f64::INFINITY, nearer)
+    let mut best = (f64::INFINITY, 0, Uv::origin());
+    for (outside, number) in order {
+        if outside < best.0 {
+            let (at, distance) = faces[number].nearest(p, None);
+            if distance < best.0 {
+                best = (distance, number, at);
+            }
+        }
+    }
+    best
 }
 
-/// The deviation of points from the faces that a cut leaves of a network.
+/// The deviation of points from the faces that a cut leaves of a network, and the sides of the faces
+/// that they are on.
 pub fn of_network(network: &Network, cut: &NetworkCut, points: &[Point]) -> Deviation {
     let face = |face: &KeptFace| {
         let surface = &network.surfaces[face.surface];
@@ -30,7 +42,12 @@ pub fn of_network(network: &Network, cut: &NetworkCut, points: &[Point]) -> Devi
         TrimmedFace::new(surface, loops.iter().map(Vec::as_slice), natural)
     };
     let faces: Vec<_> = cut.faces.iter().map(face).collect();
-    Deviation::of(points, points.par_iter().map(|&p| nearest_of(&faces, p)).collect())
+    let each = points.par_iter().map(|&p| {
+        let (distance, number, at) = nearest_of(&faces, p);
+        (distance, faces[number].is_above(p, at))
+    });
+    let (distances, above): (Vec<f64>, Vec<bool>) = each.unzip();
+    Deviation::of(points, distances).with_sides(above)
 }
 
 /// How far samples of a network are from the triangles of a mesh, and how they face.

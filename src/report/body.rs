@@ -144,6 +144,14 @@ impl BodyReport {
     }
 }
 
+#[cfg(feature = "html")]
+impl BodyReport {
+    /// The name of the scan's file without its folder; empty if there is no solid.
+    pub(super) fn name(&self) -> String {
+        self.solids.first().map_or(String::new(), |solid| super::file_name(&solid.input.file))
+    }
+}
+
 impl BodyFigures {
     /// The figures of one solid. The share `outliers` of points may exceed the tolerance.
     pub fn of(solid: &BodyConversion, source: &ScanSource, outliers: f64) -> Self {

@@ -13,8 +13,7 @@ use serde_json::{Value, json};
 
 use super::histogram::Histogram;
 use super::scale::{Ends, short};
-use super::{FaceView, Report, file_name, plane, scene};
-use crate::Conversion;
+use super::{BodyReport, Report, ReportView, file_name, scene};
 use crate::picture::colour::encoded;
 use crate::picture::scale::{DISTANCE, SIGNED, colour};
 use crate::words::mm;
@@ -29,51 +28,78 @@ const SCRIPT: &str = concat!(
 );
 
 impl Report {
-    /// Writes the report as a page for a browser: one file that needs nothing else. `faces` are
-    /// the conversions of the report, in its order, and `still` is a picture of them
+    /// Writes the report as a page for a browser: one file that needs nothing else. `views` are
+    /// those of the conversions of the report, in its order, and `still` is a picture of them
     /// ([`picture_png`](super::picture_png)).
     ///
     /// # Errors
     /// Those of `out`.
     pub fn write_html(
         &self,
-        faces: &[(&Conversion, &FaceView)],
+        views: &[ReportView],
         still: &[u8],
         out: &mut dyn Write,
     ) -> io::Result<()> {
-        let page = page(&self.name(), &self.to_value(), faces, still);
-        out.write_all(page.map_err(io::Error::other)?.as_bytes())
+        write_page(&self.name(), &self.to_value(), views, still, out)
     }
+}
+
+impl BodyReport {
+    /// The same for the report of solids and shells.
+    ///
+    /// # Errors
+    /// Those of `out`.
+    pub fn write_html(
+        &self,
+        views: &[ReportView],
+        still: &[u8],
+        out: &mut dyn Write,
+    ) -> io::Result<()> {
+        write_page(&self.name(), &self.to_value(), views, still, out)
+    }
+}
+
+fn write_page(
+    name: &str,
+    figures: &Value,
+    views: &[ReportView],
+    still: &[u8],
+    out: &mut dyn Write,
+) -> io::Result<()> {
+    let page = page(name, figures, views, still);
+    out.write_all(page.map_err(io::Error::other)?.as_bytes())
 }
 
 /// The text of the page.
 fn page(
     name: &str,
     figures: &Value,
-    faces: &[(&Conversion, &FaceView)],
+    views: &[ReportView],
     still: &[u8],
 ) -> Result<String, minijinja::Error> {
-    let ends = Ends::of(faces);
+    let ends = Ends::of(views);
     // With one component the report itself has its figures.
     let of_parts = figures["components"].as_array();
-    let part = |(k, (c, shown)): (usize, &(&Conversion, &FaceView))| {
+    let part = |(k, view): (usize, &ReportView)| {
+        let tolerance = view.figures.tolerance;
         json!({
             "figures": of_parts.and_then(|parts| parts.get(k)).unwrap_or(figures),
-            "plane": plane::svg(k, c, shown),
-            "measured": histograms(&shown.measured, ends.measured, c.tolerance),
-            "smoothed": histograms(&shown.smoothed, ends.smoothed, c.tolerance),
-            "drawn": shown.scan.mesh.triangles.len(),
-            "triangles": shown.triangles,
-            "face": shown.face.is_some(),
+            "made": view.figures.made,
+            "plane": view.plane.as_ref().map(|plane| plane.svg(k)),
+            "measured": histograms(&view.measured, ends.measured, tolerance),
+            "smoothed": histograms(&view.smoothed, ends.smoothed, tolerance),
+            "drawn": view.scan.mesh.triangles.len(),
+            "triangles": view.triangles,
+            "face": view.face.is_some(),
         })
     };
-    let parts: Vec<Value> = faces.iter().enumerate().map(part).collect();
+    let parts: Vec<Value> = views.iter().enumerate().map(part).collect();
     environment()?.get_template("report.html")?.render(context! {
         name,
         report => Serde(figures),
         parts => Serde(&parts),
         still => STANDARD.encode(still),
-        scene => Serde(scene::scene(faces, &ends)),
+        scene => Serde(scene::scene(views, &ends)),
         style => include_str!("page/report.css"),
         script => SCRIPT,
     })

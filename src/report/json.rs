@@ -30,7 +30,12 @@ impl Report {
 impl BodyReport {
     /// The report as JSON, with a line feed at the end.
     pub fn to_json(&self) -> String {
-        format!("{:#}\n", value(self))
+        format!("{:#}\n", self.to_value())
+    }
+
+    /// The report as a JSON value.
+    pub fn to_value(&self) -> Value {
+        value(self)
     }
 
     /// Writes the same text.

@@ -9,7 +9,7 @@
 //! | none | the types: [`Report`], [`FaceFigures`] and their parts |
 //! | `serde` | `serde::Serialize` for all of them |
 //! | `json` | `Report::to_json`, the text of `--report FILE.json` |
-//! | `picture` | `FaceView` and `picture_png`, the picture of `--report FILE.png` |
+//! | `picture` | `ReportView` and `picture_png`, the picture of `--report FILE.png` |
 //! | `html` | `Report::write_html`, the page of `--report FILE.html` |
 //!
 //! Lengths are millimetres, points are x, y, z. Each field has the name that the JSON has.
@@ -53,7 +53,7 @@ pub use settings::{Setting, Settings};
 #[cfg(feature = "picture")]
 pub use still::picture_png;
 #[cfg(feature = "picture")]
-pub use view::{FaceView, ViewRecorder};
+pub use view::{ReportView, ViewRecorder};
 
 use crate::Conversion;
 

@@ -1,8 +1,6 @@
 //! The ends of colour scales, and numbers beside them.
 
-use super::FaceView;
-use crate::Conversion;
-use crate::deviation::Deviation;
+use super::view::{ReportView, ViewFigures};
 use crate::picture::scale::rounded_up;
 
 /// The ends of the colour scales, in mm.
@@ -21,18 +19,19 @@ const SPREAD: f64 = 1.3;
 const NEAR: f64 = 3.0;
 
 impl Ends {
-    pub fn of(faces: &[(&Conversion, &FaceView)]) -> Ends {
+    pub fn of(views: &[ReportView]) -> Ends {
         Ends {
-            measured: end(faces, Conversion::vertex_deviation),
+            measured: end(views, |figures| figures.vertex_p95),
             #[cfg(feature = "html")]
-            smoothed: end(faces, |c| &c.fit_deviation),
+            smoothed: end(views, |figures| figures.smoothed.p95),
         }
     }
 }
 
-fn end(faces: &[(&Conversion, &FaceView)], of: fn(&Conversion) -> &Deviation) -> f64 {
-    let tolerance = faces.iter().map(|(c, _)| c.tolerance).fold(0.0, f64::max);
-    let most = SPREAD * faces.iter().map(|(c, _)| of(c).p95).fold(0.0, f64::max);
+fn end(views: &[ReportView], of: fn(&ViewFigures) -> f64) -> f64 {
+    let figures = || views.iter().map(|view| &view.figures);
+    let tolerance = figures().map(|figures| figures.tolerance).fold(0.0, f64::max);
+    let most = SPREAD * figures().map(of).fold(0.0, f64::max);
     let with_tolerance = 1.1 * tolerance;
     rounded_up(if with_tolerance < NEAR * most { most.max(with_tolerance) } else { most })
 }

@@ -4,22 +4,21 @@ use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
-use super::FaceView;
+use super::ReportView;
 use super::scale::Ends;
-use crate::Conversion;
-use crate::brep::outer_edges;
+use crate::deviation::Deviation;
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::Mesh;
-use crate::picture::{Camera, polyline, scale};
+use crate::picture::{Camera, scale};
 
 /// The scene as JSON. Points are mm from `middle`, so that single precision suffices for a scan
 /// far from the origin.
-pub fn scene(faces: &[(&Conversion, &FaceView)], ends: &Ends) -> Value {
-    let extent = || faces.iter().flat_map(|(_, s)| s.scan.mesh.points.iter().copied());
+pub fn scene(views: &[ReportView], ends: &Ends) -> Value {
+    let extent = || views.iter().flat_map(|view| view.scan.mesh.points.iter().copied());
     let [low, high] = crate::geometry::bounds(extent());
     let middle = low + 0.5 * (high - low);
-    let axes = faces.first().map(|(_, s)| {
-        Camera::facing(&s.scan.mesh, extent(), [1000, 800]).axes().map(<[f64; 3]>::from)
+    let axes = views.first().map(|view| {
+        Camera::facing(&view.scan.mesh, extent(), [1000, 800]).axes().map(<[f64; 3]>::from)
     });
     json!({
         "middle": <[f64; 3]>::from(middle.coords),
@@ -28,45 +27,40 @@ pub fn scene(faces: &[(&Conversion, &FaceView)], ends: &Ends) -> Value {
         "end": { "measured": ends.measured, "smoothed": ends.smoothed },
         "signed": scale::SIGNED,
         "distance": scale::DISTANCE,
-        "parts": faces.iter().map(|(c, s)| part(c, s, middle)).collect::<Vec<_>>(),
+        "parts": views.iter().map(|view| part(view, middle)).collect::<Vec<_>>(),
     })
 }
 
-fn part(c: &Conversion, shown: &FaceView, middle: Point) -> Value {
-    let values = |all: &[f32]| floats(shown.scan.old.iter().map(|&v| all[v]));
-    let loops = c.loops.iter().zip(&shown.outlines).map(|(ring, outline)| {
-        let points = outline.iter().chain(outline.first()).map(|&uv| c.surface.point(uv));
-        json!({ "hole": ring.of.hole(), "points": places(points, middle) })
-    });
-    let sides =
-        c.outer.map(|_| outer_edges(&c.surface)).into_iter().flatten().map(|(edge, _, _)| {
-            let points = polyline(&edge).into_iter().map(Point::from);
-            json!({ "points": places(points, middle) })
-        });
-    let [m, n] = c.surface.shape();
-    let mut scan = mesh(&shown.scan.mesh, middle);
-    scan["measured"] = values(&shown.measured).into();
-    scan["smoothed"] = values(&shown.smoothed).into();
-    let face = shown.face.as_ref().map(|face| mesh(face, middle));
-    // The first loop is the outer one; holes follow.
-    let rims = shown.rims.iter().enumerate().map(|(k, ring)| {
-        let hole = k.checked_sub(1).filter(|&hole| hole < c.trimmed.len());
+fn part(view: &ReportView, middle: Point) -> Value {
+    let values = |all: &[f32]| floats(view.scan.old.iter().map(|&v| all[v]));
+    let edges = view.edges.iter().map(
+        |(hole, points)| json!({ "hole": hole, "points": places(points.iter().copied(), middle) }),
+    );
+    let mut scan = mesh(&view.scan.mesh, middle);
+    scan["measured"] = values(&view.measured).into();
+    scan["smoothed"] = values(&view.smoothed).into();
+    let face = view.face.as_ref().map(|face| mesh(face, middle));
+    let [outer, holes] = view.outer_and_holes;
+    let rims = view.rims.iter().enumerate().map(|(k, ring)| {
+        let hole = k.checked_sub(outer).filter(|&hole| hole < holes);
         let closed = ring.iter().chain(ring.first());
-        let points = closed.map(|v: &VertexId| shown.scan.mesh.point(*v));
+        let points = closed.map(|v: &VertexId| view.scan.mesh.point(*v));
         json!({ "hole": hole, "points": places(points, middle) })
     });
+    let ([rows, columns], net) = view.net.as_ref().map_or(([0, 0], &[][..]), |n| (n.0, &n.1));
     let at = |p: [f64; 3]| <[f64; 3]>::from(Point::from(p) - middle);
+    let worst = |d: &Deviation| json!({ "at": at(d.max_at), "mm": d.max });
     json!({
         "scan": scan,
         "face": face,
         "rims": rims.collect::<Vec<_>>(),
-        "edges": sides.chain(loops).collect::<Vec<_>>(),
-        "net": { "rows": m, "columns": n,
-            "points": places(c.surface.net.iter().map(|&p| p.into()), middle) },
-        "tolerance": c.tolerance,
+        "edges": edges.collect::<Vec<_>>(),
+        "net": { "rows": rows, "columns": columns,
+            "points": places(net.iter().copied(), middle) },
+        "tolerance": view.figures.tolerance,
         "worst": {
-            "measured": { "at": at(c.deviation.max_at), "mm": c.deviation.max },
-            "smoothed": { "at": at(c.fit_deviation.max_at), "mm": c.fit_deviation.max },
+            "measured": worst(&view.figures.measured),
+            "smoothed": worst(&view.figures.smoothed),
         },
     })
 }

@@ -4,10 +4,9 @@ use std::io;
 
 use nalgebra::Vector3;
 
-use super::FaceView;
 use super::histogram::Histogram;
 use super::scale::{Ends, short};
-use crate::Conversion;
+use super::view::{ReportView, ViewFigures};
 use crate::deviation::Deviation;
 use crate::geometry::Point;
 use crate::picture::canvas::Canvas;
@@ -44,69 +43,76 @@ const TURN: f64 = 0.7;
 ///
 /// # Errors
 /// The font cannot be read, or the image cannot be encoded.
-pub fn picture_png(name: &str, faces: &[(&Conversion, &FaceView)]) -> io::Result<Vec<u8>> {
+pub fn picture_png(name: &str, views: &[ReportView]) -> io::Result<Vec<u8>> {
     let letters = Type::new().map_err(io::Error::other)?;
     let mut page = Page { image: Image::blank(SIZE, BACKGROUND), letters };
-    let end = Ends::of(faces).measured;
-    page.head(name, faces);
-    if let Some((_, first)) = faces.first() {
-        let extent = || faces.iter().flat_map(|(_, s)| s.scan.mesh.points.iter().copied());
+    let end = Ends::of(views).measured;
+    page.head(name, views);
+    if let Some(first) = views.first() {
+        let extent = || views.iter().flat_map(|view| view.scan.mesh.points.iter().copied());
         let size = [COLUMN - MARGIN, SIZE[1] - TOP - 10];
         let camera = Camera::facing(&first.scan.mesh, extent(), size);
-        page.image.lay(&view(faces, &camera, size, end), [MARGIN / 2, TOP]);
+        page.image.lay(&side(views, &camera, size, end), [MARGIN / 2, TOP]);
         for (x, turn) in [(COLUMN, -TURN), (COLUMN + ASIDE[0] + 20, TURN)] {
             let aside = camera.aside(turn, extent(), ASIDE);
-            page.image.lay(&view(faces, &aside, ASIDE, end), [x, TOP]);
+            page.image.lay(&side(views, &aside, ASIDE, end), [x, TOP]);
         }
     }
-    let distances = faces.iter().flat_map(|(_, s)| s.measured.iter().copied());
+    let distances = views.iter().flat_map(|view| view.measured.iter().copied());
     let top = TOP + ASIDE[1] + 60;
     let histogram = Histogram::of(distances, end);
-    page.histogram(&histogram, faces.len(), tolerance(faces), [COLUMN, top]);
-    page.figures(faces, [COLUMN as f32, (top + BARS[1] + 130) as f32]);
+    page.histogram(&histogram, views.len(), tolerance(views), [COLUMN, top]);
+    page.figures(views, [COLUMN as f32, (top + BARS[1] + 130) as f32]);
     let mut bytes = Vec::new();
     page.image.write(&mut bytes)?;
     Ok(bytes)
 }
 
 /// The tolerance, where all parts have the same.
-fn tolerance(faces: &[(&Conversion, &FaceView)]) -> Option<f64> {
-    let (first, _) = faces.first()?;
-    faces.iter().all(|(c, _)| c.tolerance == first.tolerance).then_some(first.tolerance)
+fn tolerance(views: &[ReportView]) -> Option<f64> {
+    let first = views.first()?.figures.tolerance;
+    views.iter().all(|view| view.figures.tolerance == first).then_some(first)
 }
 
 /// Root mean square, 95th percentile and largest of the distances from all faces.
-fn together(faces: &[(&Conversion, &FaceView)], of: fn(&Conversion) -> &Deviation) -> [f64; 3] {
+fn together(views: &[ReportView], of: fn(&ViewFigures) -> &Deviation) -> [f64; 3] {
     let figures = |d: &Deviation| [d.rms, d.p95, d.max];
-    if let [(only, _)] = faces {
-        return figures(of(only));
+    if let [only] = views {
+        return figures(of(&only.figures));
     }
-    let all: Vec<f64> = faces.iter().flat_map(|(c, _)| &of(c).distances).copied().collect();
+    let all: Vec<f64> =
+        views.iter().flat_map(|view| &of(&view.figures).distances).copied().collect();
     // Where the farthest is, its ring shows.
     figures(&Deviation::of(&vec![Point::origin(); all.len()], all))
 }
 
 /// The percentage of all smoothed points that keep their face's tolerance.
-fn within(faces: &[(&Conversion, &FaceView)]) -> f64 {
-    let sum = |of: fn(&Conversion) -> usize| faces.iter().map(|(c, _)| of(c)).sum::<usize>() as f64;
-    let beyond = sum(|c| c.missed.points);
-    100.0 - 100.0 * beyond / sum(|c| c.fit_deviation.distances.len()).max(1.0)
+fn within(views: &[ReportView]) -> f64 {
+    let sum = |of: fn(&ViewFigures) -> usize| {
+        views.iter().map(|view| of(&view.figures)).sum::<usize>() as f64
+    };
+    100.0 - 100.0 * sum(|f| f.beyond) / sum(|f| f.smoothed.distances.len()).max(1.0)
 }
 
 /// The scan from one side.
-fn view(faces: &[(&Conversion, &FaceView)], camera: &Camera, size: [usize; 2], end: f64) -> Image {
+fn side(views: &[ReportView], camera: &Camera, size: [usize; 2], end: f64) -> Image {
     let mut canvas = Canvas::new(size);
-    for (_, shown) in faces {
+    for view in views {
         let share = |v: crate::geometry::VertexId| {
-            0.5 + 0.5 * f64::from(shown.measured[shown.scan.old[v.index()]]) / end
+            0.5 + 0.5 * f64::from(view.measured[view.scan.old[v.index()]]) / end
         };
-        sheet::draw_coloured(&mut canvas, &shown.scan.mesh, camera, &SIGNED, share);
+        sheet::draw_coloured(&mut canvas, &view.scan.mesh, camera, &SIGNED, share);
     }
-    for (conversion, shown) in faces {
-        let rims = shown.rims.iter();
-        let rims = sheet::rims(&canvas, &shown.scan.mesh, rims, camera, Pen::solid(1.4));
+    for view in views {
+        let mut seams = Lines::over(&canvas);
+        for seam in &view.seams {
+            let points = seam.iter().map(|p| camera.project(p));
+            seams.polyline(&canvas, points, Pen::solid(0.7));
+        }
+        seams.ink(&mut canvas, linear(INK));
+        let rims = sheet::rims(&canvas, &view.scan.mesh, view.rims.iter(), camera, Pen::solid(1.4));
         rims.ink(&mut canvas, linear(INK));
-        let worst = ring(&canvas, camera, conversion.deviation.max_at.into());
+        let worst = ring(&canvas, camera, view.figures.measured.max_at.into());
         worst.ink(&mut canvas, linear(INK));
     }
     canvas.image()
@@ -150,22 +156,17 @@ impl Page {
     }
 
     /// What was converted, and the result in a line.
-    fn head(&mut self, name: &str, faces: &[(&Conversion, &FaceView)]) {
+    fn head(&mut self, name: &str, views: &[ReportView]) {
         let width = (SIZE[0] - 2 * MARGIN) as f32;
         let title = self.letters.fit(name, TITLE, width);
         self.write(&title, [MARGIN as f32, 62.0], TITLE);
-        let vertices: usize = faces.iter().map(|(c, _)| c.input.vertices).sum();
-        let triangles: usize = faces.iter().map(|(_, s)| s.triangles).sum();
-        let cut: usize = faces.iter().map(|(c, _)| c.trimmed.iter().filter(|t| **t).count()).sum();
-        let net = match faces {
-            [(c, _)] => {
-                let [m, n] = c.surface.shape();
-                format!("{m} × {n} control points")
-            }
-            _ => plural(faces.len(), "face"),
+        let vertices: usize = views.iter().map(|view| view.figures.vertices).sum();
+        let triangles: usize = views.iter().map(|view| view.triangles).sum();
+        let made = match views {
+            [only] => only.figures.made.clone(),
+            _ => plural(views.len(), "component"),
         };
-        let cut = plural(cut, "hole");
-        let line = format!("{vertices} points, {triangles} triangles  ·  {net}, {cut} cut out");
+        let line = format!("{vertices} points, {triangles} triangles  ·  {made}");
         self.write(&line, [MARGIN as f32, 102.0], Style { colour: MUTED, ..TEXT });
         self.image.fill([MARGIN, TOP - 8], [SIZE[0] - 2 * MARGIN, 2], LINE);
     }
@@ -210,18 +211,18 @@ impl Page {
         self.write(&note, [x as f32, foot + 28.0], SMALL);
     }
 
-    fn figures(&mut self, faces: &[(&Conversion, &FaceView)], [x, y]: [f32; 2]) {
+    fn figures(&mut self, views: &[ReportView], [x, y]: [f32; 2]) {
         let line = |of| {
-            let [rms, p95, max] = together(faces, of).map(mm);
+            let [rms, p95, max] = together(views, of).map(mm);
             format!("rms {rms}  ·  95 % {p95}  ·  max {max}")
         };
-        let tolerance = tolerance(faces).map_or("each face its own".into(), mm);
+        let tolerance = tolerance(views).map_or("each face its own".into(), mm);
         let rows = [
-            ("as measured", line(|c| &c.deviation)),
-            ("smoothed", line(|c| &c.fit_deviation)),
+            ("as measured", line(|f| &f.measured)),
+            ("smoothed", line(|f| &f.smoothed)),
             (
                 "tolerance",
-                format!("{tolerance}, which {:.2} % of the smoothed keep", within(faces)),
+                format!("{tolerance}, which {:.2} % of the smoothed keep", within(views)),
             ),
         ];
         for (k, (label, text)) in rows.iter().enumerate() {

@@ -1,14 +1,21 @@
 //! What the pictures of a report show of a conversion: meshes and the distances of their points.
 
-use crate::deviation::Deviation;
+#[cfg(feature = "html")]
+use super::plane::PlaneDrawing;
+#[cfg(feature = "html")]
+use crate::brep::outer_edges;
+#[cfg(feature = "html")]
+use crate::deviation::tessellation;
+use crate::deviation::{Deviation, of_network};
 use crate::geometry::{Point, Uv, VertexId};
 use crate::mesh::Disk;
 #[cfg(feature = "html")]
 use crate::mesh::Mesh;
 use crate::picture::{Thinned, signed, thin};
 #[cfg(feature = "html")]
-use crate::picture::{outlines, tessellate};
-use crate::{Conversion, Error, Result, Stage};
+use crate::picture::{outlines, polyline, tessellate};
+use crate::words::{mm, plural};
+use crate::{BodyConversion, Conversion, Error, Result, Stage};
 
 /// The largest number of triangles of all the scans that a page shows together. A page with more
 /// is too large to be mailed, and browsers turn it slowly.
@@ -29,24 +36,55 @@ pub struct ViewRecorder {
 
 /// What pictures show of one conversion. Distances are mm, positive above the face.
 #[derive(Debug)]
-pub struct FaceView {
+pub struct ReportView {
     /// The scan, thinned if it has too many triangles.
     pub(super) scan: Thinned,
     /// Triangles of the scan before it was thinned.
     pub(super) triangles: usize,
-    /// The boundary loops: the outer one, the rims of the holes, the rims of the islands.
+    /// The boundary loops: of a face the outer one, the rims of the holes, the rims of the islands.
     pub(super) rims: Vec<Vec<VertexId>>,
+    /// Whether the first boundary loop is the outer one, and how many rims of holes follow.
+    #[cfg(feature = "html")]
+    pub(super) outer_and_holes: [usize; 2],
     /// Distances of all points of the scan as measured.
     pub(super) measured: Vec<f32>,
     /// Distances of the same points, smoothed.
     #[cfg(feature = "html")]
     pub(super) smoothed: Vec<f32>,
-    /// The face as triangles; `None` if it could not be triangulated.
+    /// The figures beside the pictures.
+    pub(super) figures: ViewFigures,
+    /// The seams between the faces.
+    pub(super) seams: Vec<Vec<Point>>,
+    /// The faces as triangles; `None` if they could not be triangulated.
     #[cfg(feature = "html")]
     pub(super) face: Option<Mesh>,
-    /// The trim loops in the parameter plane.
+    /// The edges of the faces, each with the number of its hole.
     #[cfg(feature = "html")]
-    pub(super) outlines: Vec<Vec<Uv>>,
+    pub(super) edges: Vec<(Option<usize>, Vec<Point>)>,
+    /// The rows, the columns and the points of the control net of a single face.
+    #[cfg(feature = "html")]
+    pub(super) net: Option<([usize; 2], Vec<Point>)>,
+    /// The parameter plane of a single face.
+    #[cfg(feature = "html")]
+    pub(super) plane: Option<PlaneDrawing>,
+}
+
+/// The figures of one conversion that stand beside pictures.
+#[derive(Debug)]
+pub(super) struct ViewFigures {
+    /// Vertices of the component.
+    pub vertices: usize,
+    pub tolerance: f64,
+    /// The deviation of the points as measured.
+    pub measured: Deviation,
+    /// The 95th percentile of the deviation of the vertices as measured.
+    pub vertex_p95: f64,
+    /// The deviation of the smoothed points.
+    pub smoothed: Deviation,
+    /// The smoothed points that miss the tolerance.
+    pub beyond: usize,
+    /// What the scan became.
+    pub made: String,
 }
 
 impl ViewRecorder {
@@ -66,37 +104,157 @@ impl ViewRecorder {
     /// # Errors
     /// [`Error::Input`]: the recorder has not seen the mesh, the smoothed mesh and the parameters
     /// of this conversion.
-    pub fn view(self, c: &Conversion, parts: usize) -> Result<FaceView> {
-        let ViewRecorder { measured: disk, smoothed, uv } = self;
+    pub fn view(self, c: &Conversion, parts: usize) -> Result<ReportView> {
         let count = c.fit_deviation.distances.len();
-        let has_all = |disk: &Disk| {
-            disk.mesh.points.len() == count && smoothed.len() == count && uv.len() >= count
-        };
-        let disk = disk.filter(has_all);
-        let disk = disk.ok_or(Error::Input("the recorder must see every stage of a conversion"))?;
+        let (disk, smoothed, uv) = self.seen(count)?;
+        if uv.len() < count {
+            return Err(MISSED);
+        }
         let signs = |points: &[Point], d: &Deviation| {
             signed(&c.surface, points, &uv[..count], &d.distances)
         };
         let measured = signs(&disk.mesh.points, c.vertex_deviation());
         let smoothed = signs(&smoothed, &c.fit_deviation);
+        let [m, n] = c.surface.shape();
+        let cut = plural(c.trimmed.iter().filter(|t| **t).count(), "hole");
+        let figures = ViewFigures {
+            vertices: c.input.vertices,
+            tolerance: c.tolerance,
+            measured: c.deviation.clone(),
+            vertex_p95: c.vertex_deviation().p95,
+            smoothed: c.fit_deviation.clone(),
+            beyond: c.missed.points,
+            made: format!("{m} × {n} control points, {cut} cut out"),
+        };
+        let view = ReportView::new(&disk, [measured, smoothed], figures, parts);
+        #[cfg(feature = "html")]
+        let view = view.with_face(c, &uv, parts);
+        Ok(view)
+    }
+
+    /// The view of a solid or a shell of which the recorder has seen every stage: one of `parts` views
+    /// that are drawn together.
+    ///
+    /// # Errors
+    /// [`Error::Input`]: the recorder has not seen the mesh and the smoothed mesh of this conversion.
+    pub fn view_of_body(self, body: &BodyConversion, parts: usize) -> Result<ReportView> {
+        let (disk, smoothed, _) = self.seen(body.fit_deviation.distances.len())?;
+        let of_vertices = of_network(&body.network, &body.cut, &disk.mesh.points);
+        let signs = |d: &Deviation| -> Vec<f32> {
+            d.signed().unwrap_or_default().into_iter().map(|d| d as f32).collect()
+        };
+        let of_smoothed = of_network(&body.network, &body.cut, &smoothed);
+        let distances = [signs(&of_vertices), signs(&of_smoothed)];
+        let faces = plural(body.brep.faces.len(), "face");
+        let figures = ViewFigures {
+            vertices: body.input.vertices,
+            tolerance: body.tolerance,
+            measured: body.deviation.clone(),
+            vertex_p95: of_vertices.p95,
+            smoothed: body.fit_deviation.clone(),
+            beyond: body.fit_deviation.beyond(body.tolerance),
+            made: match body.volume {
+                Some(volume) => format!("a solid of {faces}, {}³", mm(volume)),
+                None => format!("a shell of {faces}"),
+            },
+        };
+        let mut view = ReportView::new(&disk, distances, figures, parts);
+        view.seams = seams(body);
+        #[cfg(feature = "html")]
+        {
+            view.outer_and_holes = [0, disk.holes.len()];
+            view.edges = view.seams.iter().map(|seam| (None, seam.clone())).collect();
+            view.face = Some(tessellated(body));
+        }
+        Ok(view)
+    }
+
+    /// The measured mesh, the smoothed points and the parameters, if there are as many points.
+    fn seen(self, count: usize) -> Result<(Disk, Vec<Point>, Vec<Uv>)> {
+        let ViewRecorder { measured: disk, smoothed, uv } = self;
+        let has_all = |disk: &Disk| disk.mesh.points.len() == count && smoothed.len() == count;
+        let disk = disk.filter(has_all).ok_or(MISSED)?;
+        Ok((disk, smoothed, uv))
+    }
+}
+
+const MISSED: Error = Error::Input("the recorder must see every stage of a conversion");
+
+impl ReportView {
+    fn new(
+        disk: &Disk,
+        [measured, smoothed]: [Vec<f32>; 2],
+        figures: ViewFigures,
+        parts: usize,
+    ) -> Self {
         let worst = [&measured, &smoothed].map(|d| worst(d));
         let scan = thin(&disk.mesh, MOST_TRIANGLES / parts.max(1), &worst);
-        let rims = disk.loops().map(|ring| moved(ring, &scan)).collect();
-        #[cfg(feature = "html")]
-        let outlines = outlines(&c.loops);
-        Ok(FaceView {
+        ReportView {
             triangles: disk.mesh.triangles.len(),
-            rims,
+            rims: disk.loops().map(|ring| moved(ring, &scan)).collect(),
             measured,
+            figures,
+            seams: Vec::new(),
+            scan,
+            #[cfg(feature = "html")]
+            outer_and_holes: [0, 0],
             #[cfg(feature = "html")]
             smoothed,
             #[cfg(feature = "html")]
-            face: triangulated(c, &outlines, &uv, &scan, parts),
+            face: None,
             #[cfg(feature = "html")]
-            outlines,
-            scan,
-        })
+            edges: Vec::new(),
+            #[cfg(feature = "html")]
+            net: None,
+            #[cfg(feature = "html")]
+            plane: None,
+        }
     }
+
+    /// The same with what only a page shows of a face.
+    #[cfg(feature = "html")]
+    fn with_face(mut self, c: &Conversion, uv: &[Uv], parts: usize) -> Self {
+        let outlines = outlines(&c.loops);
+        let sides = c.outer.map(|_| outer_edges(&c.surface)).into_iter().flatten();
+        let sides = sides.map(|(edge, _, _)| {
+            (None, polyline(&edge).into_iter().map(Point::from).collect::<Vec<_>>())
+        });
+        let loops = c.loops.iter().zip(&outlines).map(|(ring, outline)| {
+            let points = outline.iter().chain(outline.first()).map(|&uv| c.surface.point(uv));
+            (ring.of.hole(), points.collect())
+        });
+        self.edges = sides.chain(loops).collect();
+        self.outer_and_holes = [1, c.trimmed.len()];
+        self.net = Some((c.surface.shape(), c.surface.net.iter().map(|&p| p.into()).collect()));
+        self.face = triangulated(c, &outlines, uv, &self.scan, parts);
+        self.plane = Some(PlaneDrawing::of(c, &outlines));
+        self
+    }
+}
+
+/// The number of points along a seam.
+const SEAM_POINTS: usize = 24;
+
+/// The edges of a body's faces.
+fn seams(body: &BodyConversion) -> Vec<Vec<Point>> {
+    let formats::Brep { edges, .. } = &body.brep;
+    let points = |edge: &formats::brep::Edge| {
+        let formats::brep::BrepCurve::Spline(curve) = &edge.curve else { return Vec::new() };
+        let (low, high) = curve.knots().range();
+        let at = |i: usize| low + (high - low) * i as f64 / SEAM_POINTS as f64;
+        (0..=SEAM_POINTS).map(|i| Point::from(curve.point(at(i)))).collect()
+    };
+    edges.iter().map(points).collect()
+}
+
+/// The kept faces of a body as triangles.
+#[cfg(feature = "html")]
+fn tessellated(body: &BodyConversion) -> Mesh {
+    let (mut mesh, faces) = tessellation(&body.network);
+    let kept = body.cut.kept_places(&body.network);
+    let mut face = faces.iter();
+    mesh.triangles.retain(|_| face.next().is_some_and(|&(face, at)| kept.contains(face, at)));
+    mesh
 }
 
 /// The face as triangles, with vertices inside it at the parameters of the scan's. Fills that
