@@ -15,5 +15,6 @@ fn main() -> io::Result<()> {
     let create = |name: &str| File::create(folder.join(name)).map(BufWriter::new);
     virtual_scan::relief_scan().write_ply(&mut create("relief.ply")?)?;
     virtual_scan::relief_scan().write_xyz(&mut create("relief.xyz")?)?;
-    virtual_scan::rolled_scan().write_obj(&mut create("rolled_sheet.obj")?)
+    virtual_scan::rolled_scan().write_obj(&mut create("rolled_sheet.obj")?)?;
+    virtual_scan::ring_scan().write_obj(&mut create("ring.obj")?)
 }

@@ -7,7 +7,7 @@ use super::{spline, spline_surface};
 use crate::error::{BrepFault, Error, Result};
 use crate::geometry::Point;
 use crate::spline::{
-    Curve, KeptFace, LoopPart, Network, NetworkCut, PieceEnd, SideUse, curve_on_surface, side_line,
+    Curve, CutPart, KeptFace, Network, NetworkCut, PieceEnd, SideUse, curve_on_surface, side_line,
 };
 
 /// Builds and checks the solid that a closed network bounds. Its faces share edges and vertices.
@@ -65,7 +65,7 @@ impl<'a> NetworkParts<'a> {
         let mut is_kept: Vec<Vec<bool>> = ends.iter().map(|ends| vec![false; ends.len()]).collect();
         for face in &self.cut.faces {
             for part in face.loops.iter().flatten() {
-                if let LoopPart::Side(k, piece) = *part {
+                if let CutPart::Side(k, piece) = *part {
                     is_kept[self.network.sides[face.surface][k].track][piece] = true;
                 }
             }
@@ -151,16 +151,16 @@ impl<'a> NetworkParts<'a> {
     }
 
     /// A loop of a face.
-    fn edge_uses(&self, face: &KeptFace, parts: &[LoopPart]) -> Result<Vec<EdgeUse>> {
+    fn edge_uses(&self, face: &KeptFace, parts: &[CutPart]) -> Result<Vec<EdgeUse>> {
         let mut uses = Vec::new();
         for part in parts {
             match *part {
-                LoopPart::Arc(arc) => {
+                CutPart::Arc(arc) => {
                     for (&edge, pcurve) in self.arcs[arc].iter().zip(&self.cut.arcs[arc].pcurves) {
                         uses.push(EdgeUse { edge, forward: true, pcurve: spline(pcurve)? });
                     }
                 }
-                LoopPart::Side(k, piece) => {
+                CutPart::Side(k, piece) => {
                     let side = self.network.sides[face.surface][k];
                     let (Some(edge), range) = self.pieces[side.track][piece] else { continue };
                     let forward = side.forward;

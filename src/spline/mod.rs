@@ -30,8 +30,7 @@ pub use foot::{foot_point, foot_point_moving, last_step};
 pub use knots::{Basis, KnotVector, runs};
 pub use network::{Network, Side, SideUse, Track};
 pub use network_cut::{
-    CutArc, KeptFace, KeptPlaces, LoopPart, NetworkCut, PieceEnd, TrackNode, chord_points,
-    side_line,
+    CutArc, CutPart, KeptFace, KeptPlaces, NetworkCut, PieceEnd, TrackNode, chord_points, side_line,
 };
 pub(crate) use polynomials::fast_evaluator;
 pub(crate) use refine::refined;

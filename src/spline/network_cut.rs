@@ -43,12 +43,12 @@ pub struct KeptFace {
     /// The surface.
     pub surface: usize,
     /// The loops; the first one is the outer one. It runs counter-clockwise, and the others run clockwise.
-    pub loops: Vec<Vec<LoopPart>>,
+    pub loops: Vec<Vec<CutPart>>,
 }
 
 /// A part of a loop of a face.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum LoopPart {
+pub enum CutPart {
     /// An arc, as a position in [`NetworkCut::arcs`].
     Arc(usize),
     /// A piece of a side: the number of the side, and the number of the piece along its track.
@@ -67,7 +67,7 @@ pub enum PieceEnd {
 impl NetworkCut {
     /// The cut without loops, which keeps everything.
     pub fn none(network: &Network) -> Self {
-        let sides = || vec![(0..4).map(|k| LoopPart::Side(k, 0)).collect()];
+        let sides = || vec![(0..4).map(|k| CutPart::Side(k, 0)).collect()];
         let face = |surface| KeptFace { surface, loops: sides() };
         let faces = (0..network.surfaces.len()).map(face).collect();
         NetworkCut { faces, ..NetworkCut::default() }
@@ -106,9 +106,9 @@ impl NetworkCut {
     /// The loops of a face in the parameter plane of its surface.
     pub fn boundary(&self, network: &Network, face: &KeptFace) -> Vec<Vec<Curve<2>>> {
         let ends = self.piece_ends(network);
-        let curves = |part: &LoopPart| match *part {
-            LoopPart::Arc(arc) => self.arcs[arc].pcurves.clone(),
-            LoopPart::Side(k, piece) => {
+        let curves = |part: &CutPart| match *part {
+            CutPart::Arc(arc) => self.arcs[arc].pcurves.clone(),
+            CutPart::Side(k, piece) => {
                 let side = network.sides[face.surface][k];
                 let at = [0, 1].map(|i| ends[side.track][piece + i].0);
                 let of = SideUse { face: face.surface, k, forward: side.forward };
@@ -157,7 +157,7 @@ pub fn chord_points(curves: &[Curve<2>]) -> Vec<Uv> {
 impl KeptFace {
     /// Whether the face is a whole surface.
     pub fn is_whole(&self) -> bool {
-        self.loops.iter().flatten().all(|part| matches!(part, LoopPart::Side(..)))
+        self.loops.iter().flatten().all(|part| matches!(part, CutPart::Side(..)))
     }
 }
 

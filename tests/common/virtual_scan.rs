@@ -56,6 +56,14 @@ pub fn rolled_sheet(u: f64, v: f64) -> [f64; 3] {
     [radius * angle.sin(), y, radius * angle.cos()]
 }
 
+/// A closed ring of 100 mm whose tube has three thick and three thin places.
+pub fn ring(u: f64, v: f64) -> [f64; 3] {
+    let [angle, turn] = [u, v].map(|x| std::f64::consts::TAU * x);
+    let tube = 12.0 + 3.0 * (3.0 * angle).cos();
+    let reach = 35.0 + tube * turn.cos();
+    [reach * angle.cos(), reach * angle.sin(), tube * turn.sin()]
+}
+
 /// The wavy sheet of 100 × 100 mm with a bump, for the comparison of the paper's figures.
 pub fn sheet(u: f64, v: f64) -> [f64; 3] {
     let (x, y) = (100.0 * u, 100.0 * v);
@@ -76,6 +84,24 @@ pub fn relief_scan() -> VirtualScan {
 pub fn rolled_scan() -> VirtualScan {
     let holes = vec![Star { centre: [0.45, 0.55], radius: 0.10, arms: 4.0 }];
     VirtualScan::new(rolled_sheet, [80, 60], 0.05, holes, 2)
+}
+
+/// The fixture `ring.obj`: a whole body of genus 1 with a noise of 0.05 mm.
+pub fn ring_scan() -> VirtualScan {
+    let (n, m) = (80, 32);
+    let mut random = Random::new(4);
+    let (mut points, mut uv, mut triangles) = (Vec::new(), Vec::new(), Vec::new());
+    for (i, j) in (0..n * m).map(|k| (k / m, k % m)) {
+        let at = [(i, n), (j, m)].map(|(k, count)| {
+            (k as f64 + 0.4 * (random.uniform() - 0.5)) / f64::from(count as u32)
+        });
+        points.push(ring(at[0], at[1]).map(|x| x + 0.05 * random.normal()));
+        uv.push(at);
+        let name = |i: usize, j: usize| (i % n * m + j % m) as u32;
+        let [a, b, c, d] = [name(i, j), name(i + 1, j), name(i + 1, j + 1), name(i, j + 1)];
+        triangles.extend([[a, b, c], [a, c, d]]);
+    }
+    VirtualScan { truth: ring, holes: vec![], bays: vec![], points, uv, triangles }
 }
 
 /// The experiment of the paper: 8,100 points minus a hole, and a noise of 0.15 mm, which makes the

@@ -21,7 +21,7 @@ use crate::spline::{
     pieces_on_surface, runs,
 };
 use arcs::OpenPolygon;
-use path::{NetworkPaths, Run};
+use path::{NetworkPaths, RimRun};
 
 /// A rim on a network: vertices in order with the measured surface to their left, and its normals.
 #[derive(Debug, Clone)]
@@ -78,10 +78,10 @@ pub fn cut(
             surface: paths.nearest_surface(at),
         })
     };
-    let mut runs: Vec<Vec<Run>> = rims.par_iter().map(traced).collect::<Result<_, _>>()?;
+    let mut runs: Vec<Vec<RimRun>> = rims.par_iter().map(traced).collect::<Result<_, _>>()?;
     paths.spread(&mut runs);
     let on_surface = |surface: usize, fault: &'static str| {
-        let is_on = |run: &&Run| run.face == surface && !run.points.is_empty();
+        let is_on = |run: &&RimRun| run.face == surface && !run.points.is_empty();
         let rim = runs.iter().position(|of_rim| of_rim.iter().any(|run| is_on(&run)));
         let rim = rim.unwrap_or(0);
         let at = runs[rim].iter().find(is_on).map_or(rims[rim].points[0], |run| run.points[0].1);
@@ -113,7 +113,7 @@ struct LoopFits {
 
 impl LoopFits {
     /// Returns the surface on which a loop has no length if there is one.
-    fn new(network: &Network, rims: &[Vec<Run>], options: &Options) -> Result<Self, usize> {
+    fn new(network: &Network, rims: &[Vec<RimRun>], options: &Options) -> Result<Self, usize> {
         let end = network.end();
         let mut fits = LoopFits { nodes: Vec::new(), arcs: Vec::new() };
         for runs in rims {

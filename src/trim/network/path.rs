@@ -21,7 +21,7 @@ const TRACK_SAMPLES: usize = 64;
 
 /// A part of a rim on one surface.
 #[derive(Debug, Clone)]
-pub struct Run {
+pub struct RimRun {
     /// The surface.
     pub face: usize,
     /// The parameter points of the rim's vertices, and the vertices.
@@ -73,7 +73,7 @@ impl<'a> NetworkPaths<'a> {
     /// The runs of a rim. Parts that cross a track and come back over it without getting farther
     /// than `room` mm from it stay on their side. Returns a vertex for which the network has no place
     /// if there is one.
-    pub fn runs(&self, rim: &NetworkRim, room: f64) -> Result<Vec<Run>, Point> {
+    pub fn runs(&self, rim: &NetworkRim, room: f64) -> Result<Vec<RimRun>, Point> {
         let place = |(&p, &normal)| {
             let place = self.places.nearest(p, normal).ok_or(p)?;
             Ok(PlacedVertex { place, p, normal })
@@ -187,7 +187,7 @@ impl<'a> NetworkPaths<'a> {
 
     /// Pulls one part of a rim back that crosses a track only to return over it. Returns whether
     /// there was one.
-    fn straighten(&self, runs: &mut Vec<Run>, room: f64) -> bool {
+    fn straighten(&self, runs: &mut Vec<RimRun>, room: f64) -> bool {
         let n = runs.len();
         let back = (0..n).find(|&i| {
             let (Some(enters), Some(leaves)) = (runs[(i + n - 1) % n].leaves, runs[i].leaves)
@@ -225,7 +225,7 @@ impl<'a> NetworkPaths<'a> {
     }
 
     /// Keeps crossings away from the ends of their tracks and from each other.
-    pub fn spread(&self, rims: &mut [Vec<Run>]) {
+    pub fn spread(&self, rims: &mut [Vec<RimRun>]) {
         let least = LEAST_SHARE * self.end;
         let tracks = self.network.tracks.iter();
         let mut of_tracks: Vec<Vec<&mut f64>> = tracks.map(|_| Vec::new()).collect();
@@ -250,8 +250,8 @@ impl<'a> NetworkPaths<'a> {
 }
 
 /// Divides the steps of a rim at its crossings.
-fn divided(steps: &[PathStep]) -> Vec<Run> {
-    let mut runs: Vec<Run> = Vec::new();
+fn divided(steps: &[PathStep]) -> Vec<RimRun> {
+    let mut runs: Vec<RimRun> = Vec::new();
     let mut points = Vec::new();
     let mut first = None;
     for step in steps {
@@ -260,7 +260,7 @@ fn divided(steps: &[PathStep]) -> Vec<Run> {
                 first.get_or_insert(v.place.face);
                 points.push((v.place.at, v.p));
             }
-            PathStep::Crossing(crossing) => runs.push(Run {
+            PathStep::Crossing(crossing) => runs.push(RimRun {
                 face: crossing.sides[0].face,
                 points: std::mem::take(&mut points),
                 leaves: Some(*crossing),
@@ -273,7 +273,7 @@ fn divided(steps: &[PathStep]) -> Vec<Run> {
             points.append(&mut run.points);
             run.points = points;
         }
-        None => runs.push(Run { face: first.unwrap_or(0), points, leaves: None }),
+        None => runs.push(RimRun { face: first.unwrap_or(0), points, leaves: None }),
     }
     runs
 }

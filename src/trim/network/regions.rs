@@ -8,7 +8,7 @@
 use std::collections::HashMap;
 
 use crate::geometry::is_inside;
-use crate::spline::{CutArc, KeptFace, LoopPart, Network, NetworkCut, PieceEnd, chord_points};
+use crate::spline::{CutArc, CutPart, KeptFace, Network, NetworkCut, PieceEnd, chord_points};
 
 /// A piece of a side of a surface, counter-clockwise: the number of the side and of the piece on
 /// its track, and the ends.
@@ -52,10 +52,10 @@ pub fn add_faces(network: &Network, cut: &mut NetworkCut) -> Result<(), usize> {
         let outer = match arcs_of[surface].is_empty() {
             false => outer_loops(&pieces, &arcs_of[surface], &cut.arcs).ok_or(surface)?,
             true if loops_of[surface].is_empty() => continue,
-            true => vec![pieces.iter().map(|&(k, piece, _)| LoopPart::Side(k, piece)).collect()],
+            true => vec![pieces.iter().map(|&(k, piece, _)| CutPart::Side(k, piece)).collect()],
         };
         for &(k, piece, _) in &pieces {
-            let is_kept = outer.iter().any(|parts| parts.contains(&LoopPart::Side(k, piece)));
+            let is_kept = outer.iter().any(|parts| parts.contains(&CutPart::Side(k, piece)));
             keep(surface, k, piece, is_kept).then_some(()).ok_or(surface)?;
         }
         todo.push(surface);
@@ -67,7 +67,7 @@ pub fn add_faces(network: &Network, cut: &mut NetworkCut) -> Result<(), usize> {
 }
 
 /// The outer loops of the faces of one surface.
-fn outer_loops(pieces: &[SidePiece], own: &[usize], arcs: &[CutArc]) -> Option<Vec<Vec<LoopPart>>> {
+fn outer_loops(pieces: &[SidePiece], own: &[usize], arcs: &[CutArc]) -> Option<Vec<Vec<CutPart>>> {
     let starts: HashMap<usize, usize> =
         own.iter().filter_map(|&arc| Some((arcs[arc].ends?[0], arc))).collect();
     let mut loops = Vec::new();
@@ -78,12 +78,12 @@ fn outer_loops(pieces: &[SidePiece], own: &[usize], arcs: &[CutArc]) -> Option<V
         loop {
             let place = open.iter().position(|&other| other == arc)?;
             open.remove(place);
-            parts.push(LoopPart::Arc(arc));
+            parts.push(CutPart::Arc(arc));
             let mut node = PieceEnd::Node(arcs[arc].ends?[1]);
             // Along the sides to the start of the next arc.
             arc = loop {
                 let &(k, piece, [_, end]) = pieces.iter().find(|piece| piece.2[0] == node)?;
-                parts.push(LoopPart::Side(k, piece));
+                parts.push(CutPart::Side(k, piece));
                 node = end;
                 match node {
                     PieceEnd::Node(number) => break *starts.get(&number)?,
@@ -125,7 +125,7 @@ fn spread(
                 for k in 0..4 {
                     keep(side.face, k, 0, true).then_some(()).ok_or(side.face)?;
                 }
-                let sides = (0..4).map(|k| LoopPart::Side(k, 0)).collect();
+                let sides = (0..4).map(|k| CutPart::Side(k, 0)).collect();
                 faces.push(KeptFace { surface: side.face, loops: vec![sides] });
                 todo.push(side.face);
             }
@@ -144,6 +144,6 @@ fn put_in(network: &Network, cut: &mut NetworkCut, number: usize) -> Option<()> 
         is_inside(start, &chord_points(&outer))
     };
     let face = of_surface.into_iter().find(is_around)?;
-    cut.faces[face].loops.push(vec![LoopPart::Arc(number)]);
+    cut.faces[face].loops.push(vec![CutPart::Arc(number)]);
     Some(())
 }
