@@ -101,7 +101,7 @@ fn a_failure_stops_no_other_scan() {
     assert_eq!(output["sha256"], report["outputs"][0]["sha256"]);
     let table = std::fs::read_to_string(cad.join("summary.csv")).expect("a summary");
     let mut rows = table.lines();
-    let head = "file,status,exit_code,seconds,net,rms_mm,max_mm,tolerance_mm,holes,error,outputs";
+    let head = "file,status,exit_code,seconds,shape,faces,net,rms_mm,max_mm,tolerance_mm,holes,error,outputs";
     assert_eq!(rows.next(), Some(head));
     assert!(rows.next().is_some_and(|row| row.starts_with("scans/a.ply,ok,0,")), "{table}");
     assert!(rows.next().is_some_and(|row| row.starts_with("scans/b.ply,failed,1,")), "{table}");

@@ -38,6 +38,10 @@ pub struct Record {
 /// How well a scan was converted. For several components these are the largest values.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Figures {
+    /// What the scan became: "face", "shell" or "solid".
+    pub shape: Option<String>,
+    /// The number of faces of solids and shells, or of components that became a face each.
+    pub faces: Option<u64>,
     /// Control points of each component.
     pub net: Vec<[u64; 2]>,
     pub rms_mm: Option<f64>,
@@ -136,7 +140,11 @@ impl Figures {
             let holes = part.pointer("/fill/holes")?.as_array()?;
             Some(holes.iter().filter(|hole| hole["trimmed"] == true).count())
         };
+        let kind = |part: &Value| part["shape"]["kind"].as_str().unwrap_or("face").to_owned();
+        let faces = |part: &&Value| part.pointer("/shape/faces").map_or(Some(1), Value::as_u64);
         Figures {
+            shape: parts.first().map(|part| kind(part)),
+            faces: parts.iter().map(faces).sum(),
             net: parts.iter().filter_map(|p| Some([side(p, 0)?, side(p, 1)?])).collect(),
             rms_mm: worst("/fit/rms_mm"),
             max_mm: worst("/fit/max_mm"),
