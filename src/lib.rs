@@ -139,7 +139,7 @@ pub use convert::{
     BodyConversion, Builder, Conversion, Cut, InputReport, Inspection, Measured, Memory, Missed,
     Observer, Options, ScanPlace, Seams, Stage, TargetShape, cloud_components, convert,
     convert_body, convert_cloud, convert_component, convert_components, convert_file, cut, inspect,
-    joined, measured, shape,
+    joined, joined_bodies, measured, shape, voids,
 };
 pub use error::{Error, Result};
 pub use progress::Progress;

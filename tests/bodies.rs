@@ -12,9 +12,19 @@ use common::{arg, checked, convert, converted, json, number, shared};
 
 const RADII: [f64; 2] = [40.0, 15.0];
 
-/// The scan of a torus: `turn` swaps the orientation, and triangles near the places in `gaps` are
+/// The scan of a torus: `turned` swaps the orientation, and triangles near the places in `gaps` are
 /// left out.
 fn torus(path: &Path, noise: f64, turned: bool, gaps: &[[f64; 2]]) {
+    std::fs::write(path, torus_text(RADII, noise, (turned, 0), gaps)).expect("a file");
+}
+
+/// The same as text. `first` vertices stand before it.
+fn torus_text(
+    radii: [f64; 2],
+    noise: f64,
+    (turned, first): (bool, i32),
+    gaps: &[[f64; 2]],
+) -> String {
     let (n, m) = (120, 48);
     let mut random = Random(7);
     let mut text = String::new();
@@ -25,8 +35,8 @@ fn torus(path: &Path, noise: f64, turned: bool, gaps: &[[f64; 2]]) {
     for k in 0..n * m {
         let [u, v] =
             [(k / m, n), (k % m, m)].map(|(i, count)| TAU * f64::from(i) / f64::from(count));
-        let tube = RADII[1] + noise * normal();
-        let reach = RADII[0] + tube * v.cos();
+        let tube = radii[1] + noise * normal();
+        let reach = radii[0] + tube * v.cos();
         writeln!(text, "v {} {} {}", reach * u.cos(), reach * u.sin(), tube * v.sin())
             .expect("text");
     }
@@ -37,12 +47,12 @@ fn torus(path: &Path, noise: f64, turned: bool, gaps: &[[f64; 2]]) {
         if gaps.iter().any(near) {
             continue;
         }
-        let name = |i: i32, j: i32| 1 + (i % n) * m + j % m;
+        let name = |i: i32, j: i32| 1 + first + (i % n) * m + j % m;
         let [a, b, c, d] = [name(i, j), name(i + 1, j), name(i + 1, j + 1), name(i, j + 1)];
         let (b, d) = if turned { (d, b) } else { (b, d) };
         writeln!(text, "f {a} {b} {c}\nf {a} {c} {d}").expect("text");
     }
-    std::fs::write(path, text).expect("a file");
+    text
 }
 
 fn check_schema(report: &serde_json::Value) {
@@ -234,5 +244,38 @@ fn open_bodies_become_shells_with_their_ends_open() {
         if let Some(found) = freecad(&step) {
             assert_eq!(found["valid"], true, "{name}: {found}");
         }
+    }
+}
+
+#[test]
+fn a_torus_in_a_torus_is_a_void_if_it_faces_inwards() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    // The whole scan may also be inside out.
+    for (name, outer_turned, inner_turned, voids) in
+        [("void", false, true, 1), ("inside out", true, false, 1), ("nested", false, false, 0)]
+    {
+        let (scan, step, report) = (path("two.obj"), path("two.step"), path("two.json"));
+        let outer = torus_text(RADII, 0.0, (outer_turned, 0), &[]);
+        let inner = torus_text([RADII[0], 8.0], 0.0, (inner_turned, 120 * 48), &[]);
+        std::fs::write(&scan, outer + &inner).expect("a file");
+        let all = ["--component", "all", "--report", arg(&report)];
+        converted(&[&[arg(&scan), arg(&step)], &all[..]].concat());
+        let report = json(&report);
+        check_schema(&report);
+        let volumes = [0, 1].map(|k| number(&report, &format!("/components/{k}/shape/volume_mm3")));
+        let inner = 2.0 * PI * PI * RADII[0] * 64.0 * if voids == 1 { -1.0 } else { 1.0 };
+        for (found, there) in volumes.into_iter().zip([volume(), inner]) {
+            assert!((found / there - 1.0).abs() < 0.01, "{name}: {volumes:?}");
+        }
+        let found = opencascade_solid(&step);
+        assert_eq!(found["valid"], true, "{name}: {found}");
+        assert_eq!(
+            (&found["solids"], &found["shells"]),
+            (&(2 - voids).into(), &2.into()),
+            "{name}"
+        );
+        let there = number(&found, "/volume") / (volumes[0] + volumes[1]) - 1.0;
+        assert!(there.abs() < 1e-4, "{name}: {there}");
     }
 }

@@ -15,7 +15,7 @@ use nalgebra::{SVector, Vector2};
 
 use crate::error::{BrepFault, Error, Result};
 use crate::spline::{Curve, KnotVector, Surface, runs};
-pub use network::{closed, open};
+pub use network::{closed, open, void};
 
 /// An edge, its pcurve, and whether the loop runs in the direction of the edge.
 type Directed = (Curve<3>, Curve<2>, bool);

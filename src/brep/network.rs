@@ -23,6 +23,17 @@ pub fn closed(network: &Network, name: &str, uncertainty_mm: f64) -> Result<Brep
     parts.checked()
 }
 
+/// Builds and checks a closed shell that faces into a void.
+///
+/// # Errors
+/// Those of [`closed`].
+pub fn void(network: &Network, name: &str, uncertainty_mm: f64) -> Result<Brep> {
+    let cut = NetworkCut::none(network);
+    let mut parts = NetworkParts::new(network, &cut, name, uncertainty_mm)?;
+    parts.shell(true)?;
+    parts.checked()
+}
+
 /// Builds and checks the shell of the faces that a cut leaves of a network. They share edges and
 /// vertices, and the loops of the cut are the boundary of the shell.
 ///

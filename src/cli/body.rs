@@ -42,12 +42,33 @@ pub fn bodies(
     for of in shapes.iter_mut().filter(|of| of.1 == TargetShape::Face) {
         of.1 = TargetShape::Shell;
     }
-    Ok(shapes)
+    with_voids(components, options, shapes).map_err(|e| input::stopped(&args.piece.scan, &e))
+}
+
+/// The same with the voids of each solid after it. They are not chosen themselves.
+fn with_voids(
+    components: &Components,
+    options: &Options,
+    shapes: Vec<(Choice, TargetShape)>,
+) -> scan2step::Result<Vec<(Choice, TargetShape)>> {
+    let mut all = Vec::with_capacity(shapes.len());
+    let mut voids = Vec::new();
+    for (component, shape) in shapes {
+        all.push((component, shape));
+        if shape == TargetShape::Solid {
+            let named = if component == Choice::Largest { options.component() } else { component };
+            let own = scan2step::voids(components, named)?;
+            all.extend(own.iter().map(|&component| (component, TargetShape::Void)));
+            voids.extend(own);
+        }
+    }
+    all.retain(|of| of.1 == TargetShape::Void || !voids.contains(&of.0));
+    Ok(all)
 }
 
 /// Why bodies became what they are, unless the user named a shape.
 pub fn why(chosen: &[(Choice, TargetShape)]) -> &'static str {
-    match chosen.iter().all(|of| of.1 == TargetShape::Solid) {
+    match chosen.iter().all(|of| of.1 != TargetShape::Shell) {
         true => "shape: a solid, as the scan is closed or nearly so (--shape to change)",
         false => "shape: a shell, as one face does not hold the scan (--shape to change)",
     }
@@ -86,8 +107,8 @@ pub fn write(
     bodies: &[BodyConversion],
 ) -> Result<Outcome, Failure> {
     let args = run.args;
-    let mut all = formats::Brep { name: cad::part_name(&args.piece.scan), ..Default::default() };
-    bodies.iter().for_each(|body| all.append(body.brep.clone()));
+    let all = scan2step::joined_bodies(cad::part_name(&args.piece.scan), bodies)
+        .map_err(|e| input::stopped(&args.piece.scan, &e))?;
     let written = cad::write_brep(args, &all, scan.colour)?;
     run.progress.ended("write", "");
     let mut figures = BodyReport::of(bodies, &scan.source, settings::settings(args, named, scan));
@@ -102,7 +123,7 @@ pub fn write(
     Pending::publish(stages.into_iter().chain(reports).chain(written).collect())?;
     let mut outcome = Outcome::Done;
     for body in bodies {
-        messages::handles(&run.progress, &body.input);
+        messages::found_of_body(&run.progress, args, body);
         result(&run.progress, args, body);
         outcome = outcome.and(verdict(args, body));
     }
@@ -139,7 +160,11 @@ fn result(progress: &ProgressDisplay, args: &Convert, body: &BodyConversion) {
 
 /// What a body became, in a word.
 fn word(body: &BodyConversion) -> &'static str {
-    if body.volume.is_some() { "solid" } else { "shell" }
+    match body.shape {
+        TargetShape::Solid => "solid",
+        TargetShape::Void => "void",
+        TargetShape::Shell | TargetShape::Face => "shell",
+    }
 }
 
 /// Says so if the solid or shell misses a tolerance that the user named.

@@ -3,7 +3,7 @@
 use scan2step::mesh::{Bound, Components, FaceOrigin, Patch};
 use scan2step::report::ScanSource;
 use scan2step::words::{mm, plural};
-use scan2step::{Conversion, InputReport, Stage};
+use scan2step::{BodyConversion, Conversion, InputReport, Stage};
 
 use super::args::{ComponentChoice, Convert};
 use super::input::Scan;
@@ -132,19 +132,38 @@ pub fn found(progress: &ProgressDisplay, args: &Convert, c: &Conversion) {
             .say(&format!("smooth: {} left out of the fits", plural(c.smooth.outliers, "outlier")));
     }
     if !c.tolerance_named {
-        progress.say(&format!(
-            "tolerance: {}, {} (--tolerance to change)",
-            mm(c.tolerance),
-            why(c)
-        ));
+        tolerance(progress, c.tolerance, c.noise);
     }
 }
 
+/// Says what the conversion of a body found, left out and chose.
+pub fn found_of_body(progress: &ProgressDisplay, args: &Convert, body: &BodyConversion) {
+    handles(progress, &body.input);
+    if body.input.components > 1 && args.how.component != ComponentChoice::All {
+        progress.say(&format!(
+            "component: this is 1 of {}, {} triangles (--component to change)",
+            body.input.components, body.input.triangles
+        ));
+    }
+    if !body.tolerance_named {
+        tolerance(progress, body.tolerance, body.noise);
+    }
+}
+
+/// Says which tolerance was chosen, and why.
+fn tolerance(progress: &ProgressDisplay, tolerance: f64, noise: f64) {
+    progress.say(&format!(
+        "tolerance: {}, {} (--tolerance to change)",
+        mm(tolerance),
+        why(tolerance, noise)
+    ));
+}
+
 /// Why a tolerance that the user did not name has its value.
-fn why(c: &Conversion) -> String {
-    match c.noise {
+fn why(tolerance: f64, noise: f64) -> String {
+    match noise {
         0.0 => "from what flat triangles miss, as the scan shows no noise".into(),
-        noise if c.tolerance > 3.01 * noise => {
+        noise if tolerance > 3.01 * noise => {
             format!("1/10,000 of the scan's size, as its noise is only {}", mm(noise))
         }
         noise => format!("three times the noise of {}", mm(noise)),

@@ -3,11 +3,13 @@
 //! shell they are cut out.
 
 use formats::Brep;
+use formats::brep::ShellId;
 
 use super::stage::{Observer, Stage, within};
 use super::{InputReport, Options, input, lengths};
 use crate::adapt::Goal;
 use crate::deviation::{self, Deviation, NetworkToScan};
+use crate::error::BrepFault;
 use crate::geometry::{Bound, Point};
 use crate::layout::QuadLayout;
 use crate::mesh::{Choice, Component, Components, FaceOrigin, Mesh, Patch};
@@ -24,6 +26,8 @@ pub enum TargetShape {
     Shell,
     /// A solid of several faces: the component is closed, or nearly so.
     Solid,
+    /// A void in the solid before it: a closed component inside another one, facing the opposite way.
+    Void,
 }
 
 /// A component is a body if flat caps over its gaps add less than this share to its area. Scanned
@@ -101,7 +105,7 @@ pub struct BodyConversion {
     pub face_to_scan: NetworkToScan,
     /// The angles between neighbouring faces.
     pub seams: Seams,
-    /// The enclosed volume of a solid in mm³.
+    /// The enclosed volume of a solid in mm³. That of a void is negative.
     pub volume: Option<f64>,
 }
 
@@ -134,6 +138,47 @@ pub fn shape(scan: &Components, component: Choice) -> Result<TargetShape> {
     Ok(shape_of(&scan.take(component)?))
 }
 
+/// The components that are voids in a component: closed ones inside it that face the opposite way.
+///
+/// # Errors
+/// [`Error::Component`]: there is no such component.
+pub fn voids(scan: &Components, component: Choice) -> Result<Vec<Choice>> {
+    let solid = scan.take(component)?;
+    let is_closed = |body: &Component| body.topology.orientable && body.topology.loops == 0;
+    if !is_closed(&solid) {
+        return Ok(Vec::new());
+    }
+    let others = (0..scan.sizeable()).filter(|&number| number != component.number());
+    let mut voids = Vec::new();
+    for choice in others.map(Choice::Number) {
+        let other = scan.take(choice)?;
+        if is_closed(&other)
+            && other.is_inside_out() != solid.is_inside_out()
+            && solid.encloses(&other)
+        {
+            voids.push(choice);
+        }
+    }
+    Ok(voids)
+}
+
+/// The solids and shells of several conversions in one B-rep. A void becomes one of the last solid before
+/// it.
+///
+/// # Errors
+/// [`Error::Brep`] if a void is not in its solid.
+pub fn joined_bodies(name: impl Into<String>, bodies: &[BodyConversion]) -> Result<Brep> {
+    let mut all = Brep { name: name.into(), ..Brep::default() };
+    for body in bodies {
+        all.append(body.brep.clone());
+        if let (TargetShape::Void, Some(last)) = (body.shape, all.solids.last_mut()) {
+            last.voids.push(ShellId(all.shells.len() - 1));
+        }
+    }
+    all.check().map_err(|fault| Error::Brep(BrepFault::Parts(fault)))?;
+    Ok(all)
+}
+
 /// What one component becomes.
 pub(super) fn shape_of(component: &Component) -> TargetShape {
     let topology = &component.topology;
@@ -163,7 +208,7 @@ pub fn convert_body(
     watch: &mut Observer,
 ) -> Result<BodyConversion> {
     if shape == TargetShape::Face {
-        return Err(Error::Input("a body becomes a solid or a shell, and not a face"));
+        return Err(Error::Input("a body becomes a solid, a void or a shell, and not a face"));
     }
     threads::run(options.threads, || {
         let mut shown = lengths::Shown::new(watch, scan.mm());
@@ -211,15 +256,16 @@ fn body(
             let accuracy = network.surfaces.iter().map(trim::edge_accuracy);
             brep::open(&network, &cut, &options.name, accuracy.fold(UNCERTAINTY, f64::max))?
         }
+        TargetShape::Void => brep::void(&network, &options.name, UNCERTAINTY)?,
         _ => brep::closed(&network, &options.name, UNCERTAINTY)?,
     };
     watch(Stage::Brep)?;
 
     let smoothed = &patch.mesh.points[..patch.measured];
     let raw = scan.measured_points(&measured.mesh.points);
-    let volume = || brep.solids.iter().map(|solid| brep.volume(solid.outer)).sum();
+    let volume = || (0..brep.shells.len()).map(|shell| brep.volume(ShellId(shell))).sum();
     let body = BodyConversion {
-        volume: (shape == TargetShape::Solid).then(volume),
+        volume: (shape != TargetShape::Shell).then(volume),
         seams: seams(&network),
         input,
         smooth: smooth.scaled(mm),

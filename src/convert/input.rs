@@ -87,8 +87,8 @@ pub(crate) fn disk(scan: &Components, options: &Options) -> Result<(Disk, InputR
     Ok((disk, input))
 }
 
-/// Mesh → body, in the lengths of the mesh. A solid that is inside out is turned. A shell keeps the
-/// sides of the scan.
+/// Mesh → body, in the lengths of the mesh. A solid faces outwards, and a void inwards. A shell keeps
+/// the sides of the scan.
 pub(crate) fn body(
     scan: &Components,
     shape: TargetShape,
@@ -97,8 +97,10 @@ pub(crate) fn body(
     let chosen = scan.take(options.component)?;
     let mut input = InputReport::new(scan, &chosen);
     let mut body = chosen.into_own_body(&mut input.repairs)?;
-    if shape == TargetShape::Solid {
-        body.turn_outwards(&mut input.repairs);
+    match shape {
+        TargetShape::Solid => body.turn(true, &mut input.repairs),
+        TargetShape::Void => body.turn(false, &mut input.repairs),
+        TargetShape::Shell | TargetShape::Face => {}
     }
     Ok((body, input))
 }

@@ -17,7 +17,7 @@ mod options;
 mod places;
 mod stage;
 
-pub use body::{BodyConversion, Seams, TargetShape, convert_body, shape};
+pub use body::{BodyConversion, Seams, TargetShape, convert_body, joined_bodies, shape, voids};
 pub use cloud::{cloud_components, convert_cloud};
 pub use components::{convert_components, joined};
 pub use conversion::{Conversion, Missed};

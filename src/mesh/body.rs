@@ -47,13 +47,39 @@ impl Component {
     }
 }
 
+impl Component {
+    /// Whether the triangles of a closed component face inwards.
+    pub fn is_inside_out(&self) -> bool {
+        volume(self.own_mesh()) < 0.0
+    }
+
+    /// Whether a closed component encloses another one: it goes around a vertex of it. The components must
+    /// not cross each other.
+    pub fn encloses(&self, other: &Component) -> bool {
+        let (mesh, Some(p)) = (self.own_mesh(), other.own_mesh().points.first()) else {
+            return false;
+        };
+        // The solid angles of all triangles sum to 4π inside, and to 0 outside (Van Oosterom, Strackee,
+        // "The solid angle of a plane triangle", 1983).
+        let angle = |t: &[VertexId; 3]| {
+            let [a, b, c] = mesh.corners(*t).map(|corner| corner - p);
+            let [la, lb, lc] = [a, b, c].map(|v| v.norm());
+            let below = la * lb * lc + a.dot(&b) * lc + b.dot(&c) * la + c.dot(&a) * lb;
+            2.0 * a.dot(&b.cross(&c)).atan2(below)
+        };
+        mesh.triangles.iter().map(angle).sum::<f64>().abs() > 2.0 * std::f64::consts::PI
+    }
+}
+
 impl Disk {
-    /// Turns a body that is inside out, and adds this to `repairs`.
-    pub fn turn_outwards(&mut self, repairs: &mut Repairs) {
-        if volume(&self.mesh) < 0.0 {
+    /// Turns the triangles of a body if they do not face outwards, or inwards for a void, and adds this to
+    /// `repairs`.
+    pub fn turn(&mut self, outwards: bool, repairs: &mut Repairs) {
+        if (volume(&self.mesh) < 0.0) == outwards {
             self.mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
             self.holes.iter_mut().for_each(|ring| ring.reverse());
-            count(repairs, "faces_turned_outwards", self.mesh.triangles.len());
+            let kind = if outwards { "faces_turned_outwards" } else { "faces_turned_inwards" };
+            count(repairs, kind, self.mesh.triangles.len());
         }
     }
 }

@@ -85,7 +85,7 @@ pub struct BodyFitFigures {
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct ShapeFigures {
-    /// "solid" or "shell".
+    /// "solid", "void" or "shell".
     pub kind: &'static str,
     /// The number of solids.
     pub solids: usize,
@@ -188,7 +188,11 @@ impl ShapeFigures {
         let brep = &solid.brep;
         let uses = brep.uses();
         ShapeFigures {
-            kind: if solid.shape == TargetShape::Solid { "solid" } else { "shell" },
+            kind: match solid.shape {
+                TargetShape::Solid => "solid",
+                TargetShape::Void => "void",
+                TargetShape::Shell | TargetShape::Face => "shell",
+            },
             solids: brep.solids.len(),
             shells: brep.shells.len(),
             faces: brep.faces.len(),

@@ -208,6 +208,7 @@ impl InspectionFigures {
                 TargetShape::Face => "face",
                 TargetShape::Shell => "shell",
                 TargetShape::Solid => "solid",
+                TargetShape::Void => "void",
             }),
             loops: found.loops.iter().enumerate().map(rim).collect(),
             bounds_mm: found.bounds,

@@ -154,6 +154,7 @@ impl ViewRecorder {
             smoothed: body.fit_deviation.clone(),
             beyond: body.fit_deviation.beyond(body.tolerance),
             made: match body.volume {
+                Some(volume) if volume < 0.0 => format!("a void of {faces}, {}³", mm(-volume)),
                 Some(volume) => format!("a solid of {faces}, {}³", mm(volume)),
                 None => format!("a shell of {faces}"),
             },
