@@ -294,10 +294,10 @@ fn a_scan_that_may_need_too_much_memory_is_refused_before_the_work() {
     let (code, said) = run("20M", &[]);
     assert_eq!(code, Some(1), "{said}");
     assert!(said.contains("error: scans/a.ply: may need ") && said.contains("help: "), "{said}");
-    assert_eq!(run("100MB", &[]).0, Some(0));
+    assert_eq!(run("170MB", &[]).0, Some(0));
     // The bound assumes the largest net, because a named tolerance may need it.
-    assert_eq!(run("100MB", &["--tolerance", "0.5"]).0, Some(1));
-    assert_eq!(run("100MB", &["--tolerance", "0.5", "--max-net", "1000"]).0, Some(0));
+    assert_eq!(run("170MB", &["--tolerance", "0.5"]).0, Some(1));
+    assert_eq!(run("170MB", &["--tolerance", "0.5", "--max-net", "1000"]).0, Some(0));
     assert_eq!(run("much", &[]).0, Some(2));
 }
 

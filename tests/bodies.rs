@@ -191,7 +191,7 @@ fn a_body_has_a_page_and_a_picture() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = |name: &str| folder.path().join(name);
     torus(&path("torus.obj"), 0.05, false, &[[0.5, 0.5]]);
-    let [page, picture, report] = ["torus.html", "torus.png", "torus.json"].map(|name| path(name));
+    let [page, picture, report] = ["torus.html", "torus.png", "torus.json"].map(&path);
     let files = [&page, &picture, &report].map(|file| ["--report", arg(file)]).concat();
     converted(&[&[arg(&path("torus.obj")), arg(&path("torus.step"))], &files[..]].concat());
     let text = std::fs::read_to_string(&page).expect("a page");

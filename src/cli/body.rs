@@ -172,14 +172,21 @@ fn verdict(args: &Convert, body: &BodyConversion) -> Outcome {
     if args.how.tolerance.is_none() || body.tolerance_met(args.how.outliers / 100.0) {
         return Outcome::Done;
     }
-    let [x, y, z] = body.fit_deviation.max_at;
+    let place = |[x, y, z]: [f64; 3]| format!("({x:.3}, {y:.3}, {z:.3})");
+    let (points, back) = (&body.fit_deviation, &body.face_to_scan);
     streams::say(format_args!(
-        "tolerance not met: {} of {} points are farther than {} from the {}; the worst, {}, at ({x:.3}, {y:.3}, {z:.3})",
-        body.fit_deviation.beyond(body.tolerance),
-        body.fit_deviation.distances.len(),
+        "tolerance not met: {} of {} points are farther than {} from the {}; the worst, {}, at {}; and {} of {} places of the {} are farther from the scan's triangles; the worst, {}, at {}",
+        points.beyond(body.tolerance),
+        points.distances.len(),
         mm(body.tolerance),
         word(body),
-        mm(body.fit_deviation.max),
+        mm(points.max),
+        place(points.max_at),
+        back.beyond,
+        back.deviation.distances.len(),
+        word(body),
+        mm(back.deviation.max),
+        place(back.deviation.max_at),
     ));
     Outcome::Missed
 }

@@ -130,7 +130,8 @@ fn check_memory(args: &Convert, scan: &Scan, options: &Options) -> Result<(), Fa
         Some(_) => Memory::of_cloud(*vertices, options),
         None => Memory::of_counts([*vertices, *triangles], options),
     };
-    let memory = Memory { is_drawn: is_drawn(args), ..memory };
+    let may_be_body = args.how.shape != ShapeChoice::Face;
+    let memory = Memory { is_drawn: is_drawn(args), may_be_body, ..memory };
     memory.check(allowed.as_u64()).map_err(|e| input::stopped(&scan.path, &e))
 }
 

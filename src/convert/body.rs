@@ -5,62 +5,21 @@
 use formats::Brep;
 use formats::brep::ShellId;
 
+use super::faces::{Faces, Gaps, faces};
 use super::stage::{Observer, Stage, within};
-use super::{InputReport, Options, input, lengths};
+use super::{InputReport, Options, TargetShape, input, lengths};
 use crate::adapt::Goal;
 use crate::deviation::{self, Deviation, NetworkToScan};
 use crate::error::BrepFault;
-use crate::geometry::{Bound, Point};
-use crate::layout::QuadLayout;
-use crate::mesh::{Choice, Component, Components, FaceOrigin, Mesh, Patch};
+
+use crate::mesh::Components;
 use crate::spline::{Network, NetworkCut};
-use crate::trim::network::{CutFault, NetworkRim};
-use crate::{Error, Result, brep, fill, layout, net, patches, smooth, threads, trim};
 
-/// What becomes of a component.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum TargetShape {
-    /// One face: the component is a sheet.
-    Face,
-    /// A shell of several faces with open boundaries: one face does not hold the component.
-    Shell,
-    /// A solid of several faces: the component is closed, or nearly so.
-    Solid,
-    /// A void in the solid before it: a closed component inside another one, facing the opposite way.
-    Void,
-}
-
-/// A component is a body if flat caps over its gaps add less than this share to its area. Scanned
-/// bodies have gaps of 0.1 to 3.5 %, pipes with open ends 11 to 13 %, busts with an open base 8 to
-/// 25 %.
-const GAPS: f64 = 0.05;
-
-/// A component with several ends of similar size is a pipe if flat caps over all its loops have less than
-/// this share of its area. A pipe as long as its diameter has 0.5. A plate with a hole, which one face
-/// holds, has more than 1.
-const PIPE: f64 = 0.5;
-
-/// Two ends are similar if the cap of one has at least this share of the other's area. The holes in the
-/// sheets of real scans have at most a twentieth of the outer loop's.
-const SIMILAR: f64 = 0.25;
+use crate::{Error, Result, brep, fill, layout, net, smooth, threads, trim};
 
 /// The distance in mm by which edges of a solid may be off its faces. They are the same polynomials,
 /// so that only roundings remain.
 const UNCERTAINTY: f64 = 1e-7;
-
-/// The most rounds in which the layout is made finer. Where the scan tells no more about the shape, further
-/// rounds do not help.
-const FINER_ROUNDS: usize = 6;
-
-/// The layout is not made finer if more than one in this number of faces is faulty. Then the parts of the
-/// scan are finer than its triangles nearly everywhere, and finer layouts have more faults.
-const MOST_FAULTY: usize = 5;
-
-/// A face that leaves the scan by more than this multiple of the tolerance bridges a part that is narrower
-/// than its quads. One in `FEW` faces, the farthest ones, are made smaller in a round, so that their
-/// number grows only where it helps.
-const FAR: f64 = 5.0;
-const FEW: usize = 20;
 
 /// The number of places in each span of a track at which the angle between its faces is measured.
 const SEAM_PLACES: usize = 4;
@@ -121,45 +80,16 @@ pub struct Seams {
 }
 
 impl BodyConversion {
-    /// Whether at most the share `outliers` of the smoothed points exceeds the tolerance.
+    /// Whether at most the share `outliers` of the smoothed points exceeds the tolerance. If it is named,
+    /// this holds for samples of the faces, too, which may leave flat triangles by their chord error
+    /// besides.
     pub fn tolerance_met(&self, outliers: f64) -> bool {
         let outliers = if self.tolerance_named { outliers } else { outliers.max(self.spared) };
-        let most = outliers * self.fit_deviation.distances.len() as f64;
-        self.fit_deviation.beyond(self.tolerance) as f64 <= most
+        let keeps = |beyond: usize, all: usize| beyond as f64 <= outliers * all as f64;
+        let back = &self.face_to_scan;
+        keeps(self.fit_deviation.beyond(self.tolerance), self.fit_deviation.distances.len())
+            && (!self.tolerance_named || keeps(back.beyond, back.deviation.distances.len()))
     }
-}
-
-/// Says what a component becomes if nobody names a shape: a solid if it is closed or has small gaps, a
-/// shell if it has handles or is a pipe with several ends, and otherwise a face.
-///
-/// # Errors
-/// [`Error::Component`]: there is no such component.
-pub fn shape(scan: &Components, component: Choice) -> Result<TargetShape> {
-    Ok(shape_of(&scan.take(component)?))
-}
-
-/// The components that are voids in a component: closed ones inside it that face the opposite way.
-///
-/// # Errors
-/// [`Error::Component`]: there is no such component.
-pub fn voids(scan: &Components, component: Choice) -> Result<Vec<Choice>> {
-    let solid = scan.take(component)?;
-    let is_closed = |body: &Component| body.topology.orientable && body.topology.loops == 0;
-    if !is_closed(&solid) {
-        return Ok(Vec::new());
-    }
-    let others = (0..scan.sizeable()).filter(|&number| number != component.number());
-    let mut voids = Vec::new();
-    for choice in others.map(Choice::Number) {
-        let other = scan.take(choice)?;
-        if is_closed(&other)
-            && other.is_inside_out() != solid.is_inside_out()
-            && solid.encloses(&other)
-        {
-            voids.push(choice);
-        }
-    }
-    Ok(voids)
 }
 
 /// The solids and shells of several conversions in one B-rep. A void becomes one of the last solid before
@@ -177,22 +107,6 @@ pub fn joined_bodies(name: impl Into<String>, bodies: &[BodyConversion]) -> Resu
     }
     all.check().map_err(|fault| Error::Brep(BrepFault::Parts(fault)))?;
     Ok(all)
-}
-
-/// What one component becomes.
-pub(super) fn shape_of(component: &Component) -> TargetShape {
-    let topology = &component.topology;
-    match topology.orientable {
-        true if component.gap_share() < GAPS => TargetShape::Solid,
-        true if topology.genus() > 0.0 || is_pipe(&component.cap_shares()) => TargetShape::Shell,
-        _ => TargetShape::Face,
-    }
-}
-
-/// Whether these shares of the area, largest first, are those of the caps of a pipe.
-fn is_pipe(caps: &[f64]) -> bool {
-    let [first, second, ..] = caps else { return false };
-    caps.iter().sum::<f64>() < PIPE && *second > SIMILAR * first
 }
 
 /// Converts one component of a scan to a solid or to a shell. `watch` is as for
@@ -287,136 +201,6 @@ fn body(
     };
     watch(Stage::Deviation)?;
     Ok(body)
-}
-
-/// The gaps that are cut out of the faces.
-struct Gaps {
-    rims: Vec<NetworkRim>,
-    options: trim::Options,
-}
-
-impl Gaps {
-    /// All gaps of a shell, and none of a solid.
-    fn of(patch: &Patch, shape: TargetShape, tolerance: f64, options: &Options) -> Self {
-        let triangles = patch.measured_triangles().map(|t| patch.mesh.triangles[t]).collect();
-        let normals = Mesh { points: patch.mesh.points.clone(), triangles }.vertex_normals();
-        let rim = |(hole, rim): (usize, &crate::mesh::boundary::Loop)| NetworkRim {
-            of: Bound::Hole(hole),
-            points: rim.iter().map(|&v| patch.mesh.point(v)).collect(),
-            normals: rim.iter().map(|v| normals[v.index()]).collect(),
-        };
-        let rims: Vec<_> = match shape {
-            TargetShape::Shell => patch.rims.iter().enumerate().map(rim).collect(),
-            _ => Vec::new(),
-        };
-        let options = options.trim(tolerance, rims.iter().map(|rim| rim.points.as_slice()));
-        Gaps { rims, options }
-    }
-
-    fn cut(&self, network: &Network) -> std::result::Result<NetworkCut, CutFault> {
-        trim::network::cut(network, &self.rims, &self.options)
-    }
-}
-
-/// The faces of a body, in the lengths of its mesh.
-struct Faces {
-    network: Network,
-    cut: NetworkCut,
-    /// Why the gaps cannot be cut out.
-    uncut: Option<CutFault>,
-    to_scan: NetworkToScan,
-    layout: layout::Report,
-    net: net::Report,
-    irregular: usize,
-}
-
-/// Makes the faces of a filled body with even triangles. The layout is made finer where they turn over or
-/// go through each other, and then, unless about so many faces are `wanted`, where they are far from the
-/// scan.
-fn faces(
-    patch: &Patch,
-    gaps: &Gaps,
-    wanted: Option<usize>,
-    options: &net::Options,
-    watch: &mut Observer,
-) -> Result<Faces> {
-    let how = layout::Options { blocks: wanted, ..layout::Options::default() };
-    let mut layout = layout::layout_with(&patch.mesh, &how, &mut within("layout", watch))?;
-    let mut best: Option<Faces> = None;
-    for round in 0..=FINER_ROUNDS {
-        watch(Stage::Layout(layout.quads()))?;
-        let (faces, faults) = faces_of(&layout, patch, gaps, options, watch)?;
-        let blocks = match faults.first() {
-            Some(_) if best.is_some() => break,
-            Some(&(_, at)) => {
-                let mut blocks: Vec<usize> = faults.iter().map(|fault| fault.0).collect();
-                blocks.sort_unstable();
-                blocks.dedup();
-                if blocks.len() > faces.network.surfaces.len() / MOST_FAULTY
-                    || round == FINER_ROUNDS
-                {
-                    let folds = Error::BodyFolds { count: faults.len(), at };
-                    return Err(faces.uncut.map_or(folds, Error::from));
-                }
-                blocks
-            }
-            None => {
-                let off = |faces: &Faces| faces.to_scan.deviation.max;
-                if best.as_ref().is_some_and(|best| off(&faces) >= off(best)) {
-                    break;
-                }
-                let far = faces.far(FAR * options.tolerance);
-                best = Some(faces);
-                if wanted.is_some() { Vec::new() } else { far }
-            }
-        };
-        if blocks.is_empty() || !layout.split(&blocks, &mut within("layout", watch))? {
-            break;
-        }
-    }
-    best.ok_or(Error::Layout("no block of it can be made smaller"))
-}
-
-/// Makes the faces of a layout. Returns also those that turn over or go through each other, with places.
-fn faces_of(
-    layout: &QuadLayout,
-    patch: &Patch,
-    gaps: &Gaps,
-    options: &net::Options,
-    watch: &mut Observer,
-) -> Result<(Faces, Vec<(usize, Point)>)> {
-    let is_measured: Vec<bool> =
-        patch.origin.iter().map(|&origin| origin == FaceOrigin::Measured).collect();
-    let mut within = within("fit", watch);
-    let (fitted, net) = net::fit_with(layout.quads(), patch, options, &mut within)?;
-    let (network, extracted) = patches::extract(&fitted.mesh, &fitted.surface)?;
-    let (cut, uncut) = match gaps.cut(&network) {
-        Ok(cut) => (cut, None),
-        Err(fault) => (NetworkCut::none(&network), Some(fault)),
-    };
-    let kept = cut.kept_places(&network);
-    let to_scan =
-        deviation::network_to_scan(&network, &kept, &fitted.mesh, &patch.mesh, &is_measured);
-    let mut faults = to_scan.inverted.clone();
-    match &uncut {
-        // Without loops nobody knows which faults count.
-        Some(fault) => faults = vec![(fault.surface, fault.at)],
-        None => faults.extend(deviation::crossing_faces(&network, &kept)),
-    }
-    let (layout, irregular) = (layout.report(), extracted.irregular);
-    Ok((Faces { network, cut, uncut, to_scan, layout, net, irregular }, faults))
-}
-
-impl Faces {
-    /// The few faces that are farthest from the scan, and farther than `limit`.
-    fn far(&self, limit: f64) -> Vec<usize> {
-        let largest = &self.to_scan.largest;
-        let mut far: Vec<usize> =
-            (0..largest.len()).filter(|&face| largest[face] > limit).collect();
-        far.sort_by(|&a, &b| largest[b].total_cmp(&largest[a]));
-        far.truncate(largest.len().div_ceil(FEW));
-        far
-    }
 }
 
 fn seams(network: &Network) -> Seams {

@@ -1,6 +1,6 @@
 //! What came in: the chosen component of a scan, looked at and made a disk.
 
-use super::body::{TargetShape, shape_of};
+use super::shape::{TargetShape, shape_of};
 use crate::geometry::{Point, Vector};
 use crate::mesh::{
     Choice, Component, Components, CutHandle, Disk, Mesh, Outer, RawPoints, Repairs, Topology,

@@ -18,6 +18,8 @@ pub struct Memory {
     pub control_points: usize,
     /// Whether a report draws the scan, too: a page or a picture.
     pub is_drawn: bool,
+    /// Whether the scan may become a solid or a shell.
+    pub may_be_body: bool,
 }
 
 /// Bytes of the program itself.
@@ -34,6 +36,10 @@ const VERTEX: u64 = 200;
 /// Measured for the picture: 153 MB.
 const DRAWN_TRIANGLE: u64 = 300;
 const PICTURE: u64 = 170_000_000;
+
+/// Bytes that the layout, the net and the faces of a body take besides. Small bodies of many faces took up
+/// to 55 MB more than a face of as many points may take; large ones took less.
+const BODY: u64 = 70_000_000;
 
 /// Bytes for each point of a cloud that stay while its mesh is converted: its place, its vertex and
 /// its distance from the face. Making the mesh takes less than the stages after it.
@@ -53,7 +59,14 @@ impl Memory {
     /// The same for a scan with so many vertices and triangles.
     pub fn of_counts([vertices, triangles]: [usize; 2], options: &Options) -> Self {
         let control_points = largest_net(options, vertices);
-        Memory { vertices, triangles, points: 0, control_points, is_drawn: false }
+        Memory {
+            vertices,
+            triangles,
+            points: 0,
+            control_points,
+            is_drawn: false,
+            may_be_body: false,
+        }
     }
 
     /// The same for a cloud of so many points. Each may become a vertex, and a surface has about
@@ -69,6 +82,7 @@ impl Memory {
         let each = |count: usize, bytes: u64| (count as u64).saturating_mul(bytes);
         let parts = [
             picture,
+            if self.may_be_body { BODY } else { 0 },
             each(self.points, POINT),
             each(self.triangles, TRIANGLE + drawn),
             each(self.vertices, VERTEX),

@@ -7,6 +7,7 @@ mod components;
 mod conversion;
 pub mod cut;
 mod face;
+mod faces;
 mod file;
 mod goal;
 mod hints;
@@ -15,9 +16,10 @@ mod lengths;
 mod memory;
 mod options;
 mod places;
+mod shape;
 mod stage;
 
-pub use body::{BodyConversion, Seams, TargetShape, convert_body, joined_bodies, shape, voids};
+pub use body::{BodyConversion, Seams, convert_body, joined_bodies};
 pub use cloud::{cloud_components, convert_cloud};
 pub use components::{convert_components, joined};
 pub use conversion::{Conversion, Missed};
@@ -27,6 +29,7 @@ pub use input::{InputReport, Inspection, Measured, inspect, measured};
 pub use memory::Memory;
 pub use options::{Builder, Options};
 pub use places::ScanPlace;
+pub use shape::{TargetShape, shape, voids};
 pub use stage::{Observer, Stage};
 
 use formats::Soup;

@@ -58,6 +58,9 @@ pub struct NetworkToScan {
     pub deviation: Deviation,
     /// The largest of these distances on each face.
     pub largest: Vec<f64>,
+    /// The number of these samples that are farther away than the tolerance and the chord error of the
+    /// triangle.
+    pub beyond: usize,
     /// The samples whose normal points against those of the nearest triangle and of its corners, and
     /// against that of the layout. On a thin wall the nearest triangle may be on the other side.
     /// Each has the number of its face.
@@ -69,7 +72,7 @@ impl NetworkToScan {
     pub(crate) fn scaled(self, factor: f64) -> Self {
         let inverted = self.inverted.iter().map(|&(face, p)| (face, p * factor)).collect();
         let largest = self.largest.iter().map(|off| off * factor).collect();
-        NetworkToScan { deviation: self.deviation.scaled(factor), largest, inverted }
+        NetworkToScan { deviation: self.deviation.scaled(factor), largest, inverted, ..self }
     }
 }
 
@@ -81,6 +84,7 @@ pub fn network_to_scan(
     quads: &QuadMesh,
     mesh: &Mesh,
     is_measured: &[bool],
+    tolerance: f64,
 ) -> NetworkToScan {
     let triangles = Triangles::new(mesh);
     let normals = mesh.vertex_normals();
@@ -103,7 +107,10 @@ pub fn network_to_scan(
             let facings =
                 [quads.block_normal(face, at), facing, mesh.area_vector(mesh.triangles[t])];
             let inverted = facings.iter().all(|facing| normal.dot(facing) < 0.0);
-            NetworkSample { face, at: jet.s, off, is_measured: is_measured[t], inverted }
+            let is_beyond =
+                off > tolerance && off > tolerance + mesh.chord_error(&normals, mesh.triangles[t]);
+            let is_measured = is_measured[t];
+            NetworkSample { face, at: jet.s, off, is_measured, is_beyond, inverted }
         };
         all.filter(|&at| kept.contains(face, at)).map(sample).collect::<Vec<_>>()
     };
@@ -116,6 +123,7 @@ pub fn network_to_scan(
     NetworkToScan {
         deviation: Deviation::of(&points, distances),
         largest,
+        beyond: measured().filter(|s| s.is_beyond).count(),
         inverted: samples.iter().filter(|s| s.inverted).map(|s| (s.face, s.at)).collect(),
     }
 }
@@ -128,5 +136,7 @@ struct NetworkSample {
     off: f64,
     /// Whether this triangle was measured.
     is_measured: bool,
+    /// Whether this distance exceeds the tolerance.
+    is_beyond: bool,
     inverted: bool,
 }

@@ -129,8 +129,8 @@ impl<'a> LabelledEdges<'a> {
         for (cap, rim) in rims.iter().enumerate() {
             cap_of.extend(rim.iter().map(|v| (*v, (mesh.triangles.len() + cap) as u32)));
         }
-        for side in 0..sides {
-            faces[side][1] = match edges.across(side) {
+        for (side, beside) in faces.iter_mut().enumerate() {
+            beside[1] = match edges.across(side) {
                 Some(other) => other as u32 / 3,
                 None => *cap_of.get(&ends(side)[0])?,
             };

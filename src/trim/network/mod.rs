@@ -96,7 +96,7 @@ pub fn cut(
             fits.cut(network).map_err(|surface| on_surface(surface, "has no smooth curve"))?;
         regions::add_faces(network, &mut cut)
             .map_err(|surface| on_surface(surface, "does not bound the faces"))?;
-        faulty = self::faulty(network, &cut);
+        faulty = faulty_surfaces(network, &cut);
         if faulty.is_empty() {
             return Ok(cut);
         }
@@ -167,7 +167,7 @@ impl LoopFits {
 }
 
 /// The surfaces with a face whose loops cross themselves or each other.
-fn faulty(network: &Network, cut: &NetworkCut) -> Vec<usize> {
+fn faulty_surfaces(network: &Network, cut: &NetworkCut) -> Vec<usize> {
     let is_faulty = |face: &&crate::spline::KeptFace| {
         let loops = cut.boundary(network, face);
         let outlines = loops.iter().map(|curves| {

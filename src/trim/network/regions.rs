@@ -62,8 +62,8 @@ pub fn add_faces(network: &Network, cut: &mut NetworkCut) -> Result<(), usize> {
         cut.faces.extend(outer.into_iter().map(|parts| KeptFace { surface, loops: vec![parts] }));
     }
     spread(network, &mut cut.faces, &mut todo, keep)?;
-    let loops = loops_of.into_iter().flatten();
-    loops.map(|number| put_in(network, cut, number).ok_or(cut.arcs[number].surface)).collect()
+    let mut loops = loops_of.into_iter().flatten();
+    loops.try_for_each(|number| put_in(network, cut, number).ok_or(cut.arcs[number].surface))
 }
 
 /// The outer loops of the faces of one surface.

@@ -1,0 +1,162 @@
+//! The faces of a body: layout → net → patches → trim, with a finer layout where faces fail.
+
+use super::stage::{Observer, Stage, within};
+use super::{Options, TargetShape};
+use crate::deviation::{self, NetworkToScan};
+use crate::geometry::{Bound, Point};
+use crate::layout::QuadLayout;
+use crate::mesh::boundary::Loop;
+use crate::mesh::{FaceOrigin, Mesh, Patch};
+use crate::spline::{Network, NetworkCut};
+use crate::trim::network::{CutFault, NetworkRim};
+use crate::{Error, Result, layout, net, patches, trim};
+
+/// The most rounds in which the layout is made finer. Where the scan tells no more about the shape, further
+/// rounds do not help.
+const FINER_ROUNDS: usize = 6;
+
+/// The layout is not made finer if more than one in this number of faces is faulty. Then the parts of the
+/// scan are finer than its triangles nearly everywhere, and finer layouts have more faults.
+const MOST_FAULTY: usize = 5;
+
+/// A face that leaves the scan by more than this multiple of the tolerance bridges a part that is narrower
+/// than its quads. One in `FEW` faces, the farthest ones, are made smaller in a round, so that their
+/// number grows only where it helps.
+const FAR: f64 = 5.0;
+const FEW: usize = 20;
+
+/// The gaps that are cut out of the faces.
+pub(super) struct Gaps {
+    rims: Vec<NetworkRim>,
+    options: trim::Options,
+}
+
+impl Gaps {
+    /// All gaps of a shell, and none of a solid.
+    pub fn of(patch: &Patch, shape: TargetShape, tolerance: f64, options: &Options) -> Self {
+        let triangles = patch.measured_triangles().map(|t| patch.mesh.triangles[t]).collect();
+        let normals = Mesh { points: patch.mesh.points.clone(), triangles }.vertex_normals();
+        let rim = |(hole, rim): (usize, &Loop)| NetworkRim {
+            of: Bound::Hole(hole),
+            points: rim.iter().map(|&v| patch.mesh.point(v)).collect(),
+            normals: rim.iter().map(|v| normals[v.index()]).collect(),
+        };
+        let rims: Vec<_> = match shape {
+            TargetShape::Shell => patch.rims.iter().enumerate().map(rim).collect(),
+            _ => Vec::new(),
+        };
+        let options = options.trim(tolerance, rims.iter().map(|rim| rim.points.as_slice()));
+        Gaps { rims, options }
+    }
+
+    fn cut(&self, network: &Network) -> std::result::Result<NetworkCut, CutFault> {
+        trim::network::cut(network, &self.rims, &self.options)
+    }
+}
+
+/// The faces of a body, in the lengths of its mesh.
+pub(super) struct Faces {
+    pub network: Network,
+    pub cut: NetworkCut,
+    /// Why the gaps cannot be cut out.
+    uncut: Option<CutFault>,
+    pub to_scan: NetworkToScan,
+    pub layout: layout::Report,
+    pub net: net::Report,
+    pub irregular: usize,
+}
+
+/// Makes the faces of a filled body with even triangles. The layout is made finer where they turn over or
+/// go through each other, and then, unless about so many faces are `wanted`, where they are far from the
+/// scan.
+pub(super) fn faces(
+    patch: &Patch,
+    gaps: &Gaps,
+    wanted: Option<usize>,
+    options: &net::Options,
+    watch: &mut Observer,
+) -> Result<Faces> {
+    let how = layout::Options { blocks: wanted, ..layout::Options::default() };
+    let mut layout = layout::layout_with(&patch.mesh, &how, &mut within("layout", watch))?;
+    let mut best: Option<Faces> = None;
+    for round in 0..=FINER_ROUNDS {
+        watch(Stage::Layout(layout.quads()))?;
+        let (faces, faults) = faces_of(&layout, patch, gaps, options, watch)?;
+        let blocks = match faults.first() {
+            Some(_) if best.is_some() => break,
+            Some(&(_, at)) => {
+                let mut blocks: Vec<usize> = faults.iter().map(|fault| fault.0).collect();
+                blocks.sort_unstable();
+                blocks.dedup();
+                if blocks.len() > faces.network.surfaces.len() / MOST_FAULTY
+                    || round == FINER_ROUNDS
+                {
+                    let folds = Error::BodyFolds { count: faults.len(), at };
+                    return Err(faces.uncut.map_or(folds, Error::from));
+                }
+                blocks
+            }
+            None => {
+                let off = |faces: &Faces| faces.to_scan.deviation.max;
+                if best.as_ref().is_some_and(|best| off(&faces) >= off(best)) {
+                    break;
+                }
+                let far = faces.far(FAR * options.tolerance);
+                best = Some(faces);
+                if wanted.is_some() { Vec::new() } else { far }
+            }
+        };
+        if blocks.is_empty() || !layout.split(&blocks, &mut within("layout", watch))? {
+            break;
+        }
+    }
+    best.ok_or(Error::Layout("no block of it can be made smaller"))
+}
+
+/// Makes the faces of a layout. Returns also those that turn over or go through each other, with places.
+fn faces_of(
+    layout: &QuadLayout,
+    patch: &Patch,
+    gaps: &Gaps,
+    options: &net::Options,
+    watch: &mut Observer,
+) -> Result<(Faces, Vec<(usize, Point)>)> {
+    let is_measured: Vec<bool> =
+        patch.origin.iter().map(|&origin| origin == FaceOrigin::Measured).collect();
+    let mut within = within("fit", watch);
+    let (fitted, net) = net::fit_with(layout.quads(), patch, options, &mut within)?;
+    let (network, extracted) = patches::extract(&fitted.mesh, &fitted.surface)?;
+    let (cut, uncut) = match gaps.cut(&network) {
+        Ok(cut) => (cut, None),
+        Err(fault) => (NetworkCut::none(&network), Some(fault)),
+    };
+    let kept = cut.kept_places(&network);
+    let to_scan = deviation::network_to_scan(
+        &network,
+        &kept,
+        &fitted.mesh,
+        &patch.mesh,
+        &is_measured,
+        options.tolerance,
+    );
+    let mut faults = to_scan.inverted.clone();
+    match &uncut {
+        // Without loops nobody knows which faults count.
+        Some(fault) => faults = vec![(fault.surface, fault.at)],
+        None => faults.extend(deviation::crossing_faces(&network, &kept)),
+    }
+    let (layout, irregular) = (layout.report(), extracted.irregular);
+    Ok((Faces { network, cut, uncut, to_scan, layout, net, irregular }, faults))
+}
+
+impl Faces {
+    /// The few faces that are farthest from the scan, and farther than `limit`.
+    fn far(&self, limit: f64) -> Vec<usize> {
+        let largest = &self.to_scan.largest;
+        let mut far: Vec<usize> =
+            (0..largest.len()).filter(|&face| largest[face] > limit).collect();
+        far.sort_by(|&a, &b| largest[b].total_cmp(&largest[a]));
+        far.truncate(largest.len().div_ceil(FEW));
+        far
+    }
+}

@@ -1,0 +1,80 @@
+//! What becomes of a component: a face, a shell, a solid, or a void in a solid.
+
+use crate::Result;
+use crate::mesh::{Choice, Component, Components};
+
+/// What becomes of a component.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum TargetShape {
+    /// One face: the component is a sheet.
+    Face,
+    /// A shell of several faces with open boundaries: one face does not hold the component.
+    Shell,
+    /// A solid of several faces: the component is closed, or nearly so.
+    Solid,
+    /// A void in the solid before it: a closed component inside another one, facing the opposite way.
+    Void,
+}
+
+/// A component is a body if flat caps over its gaps add less than this share to its area. Scanned
+/// bodies have gaps of 0.1 to 3.5 %, pipes with open ends 11 to 13 %, busts with an open base 8 to
+/// 25 %.
+const GAPS: f64 = 0.05;
+
+/// A component with several ends of similar size is a pipe if flat caps over all its loops have less than
+/// this share of its area. A pipe as long as its diameter has 0.5. A plate with a hole, which one face
+/// holds, has more than 1.
+const PIPE: f64 = 0.5;
+
+/// Two ends are similar if the cap of one has at least this share of the other's area. The holes in the
+/// sheets of real scans have at most a twentieth of the outer loop's.
+const SIMILAR: f64 = 0.25;
+
+/// Says what a component becomes if nobody names a shape: a solid if it is closed or has small gaps, a
+/// shell if it has handles or is a pipe with several ends, and otherwise a face.
+///
+/// # Errors
+/// [`Error::Component`](crate::Error::Component): there is no such component.
+pub fn shape(scan: &Components, component: Choice) -> Result<TargetShape> {
+    Ok(shape_of(&scan.take(component)?))
+}
+
+/// The components that are voids in a component: closed ones inside it that face the opposite way.
+///
+/// # Errors
+/// [`Error::Component`](crate::Error::Component): there is no such component.
+pub fn voids(scan: &Components, component: Choice) -> Result<Vec<Choice>> {
+    let solid = scan.take(component)?;
+    let is_closed = |body: &Component| body.topology.orientable && body.topology.loops == 0;
+    if !is_closed(&solid) {
+        return Ok(Vec::new());
+    }
+    let others = (0..scan.sizeable()).filter(|&number| number != component.number());
+    let mut voids = Vec::new();
+    for choice in others.map(Choice::Number) {
+        let other = scan.take(choice)?;
+        if is_closed(&other)
+            && other.is_inside_out() != solid.is_inside_out()
+            && solid.encloses(&other)
+        {
+            voids.push(choice);
+        }
+    }
+    Ok(voids)
+}
+
+/// What one component becomes.
+pub(super) fn shape_of(component: &Component) -> TargetShape {
+    let topology = &component.topology;
+    match topology.orientable {
+        true if component.gap_share() < GAPS => TargetShape::Solid,
+        true if topology.genus() > 0.0 || is_pipe(&component.cap_shares()) => TargetShape::Shell,
+        _ => TargetShape::Face,
+    }
+}
+
+/// Whether these shares of the area, largest first, are those of the caps of a pipe.
+fn is_pipe(caps: &[f64]) -> bool {
+    let [first, second, ..] = caps else { return false };
+    caps.iter().sum::<f64>() < PIPE && *second > SIMILAR * first
+}
