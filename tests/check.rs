@@ -197,7 +197,8 @@ fn bend(path: &Path, share: f64, around: usize) {
 fn bent(folder: &Path, share: f64, around: usize) -> (f64, Output) {
     let [scan, step] = ["a.obj", "a.step"].map(|name| folder.join(name));
     bend(&scan, share, around);
-    let run = convert(&[arg(&scan), arg(&step), "--tolerance", "0.05", "--quiet"]);
+    let run =
+        convert(&[arg(&scan), arg(&step), "--tolerance", "0.05", "--quiet", "--shape", "face"]);
     (number(&checked(&step, &scan), "/face_to_scan/max_mm"), run)
 }
 

@@ -61,7 +61,7 @@ fn topology_is_as_indexed() {
                 continue;
             }
         };
-        let scan = Components::new(build);
+        let scan = Components::new(build).with_handles(Some(0.0));
         let largest = scan.take(Choice::Largest).expect("there is one");
         let found = [scan.count() as f64, largest.topology.loops as f64, largest.topology.genus()];
         let number = |name: &str| row[name].parse::<f64>().expect("a number");

@@ -57,6 +57,11 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
     for (kind, count) in &input.repairs {
         lines.push(format!("  repaired    {count} {}", kind.replace('_', " ")));
     }
+    for handle in input.handles.iter().take(LISTED) {
+        let (at, length) = (handle.at, mm(handle.length));
+        let place = format!("({:.3}, {:.3}, {:.3})", at.x, at.y, at.z);
+        lines.push(format!("  handle      cut and closed, {length} around, near {place}"));
+    }
     lines.join("\n") + "\n"
 }
 
@@ -113,7 +118,7 @@ fn target(found: &Inspection) -> String {
     }
 }
 
-/// The number of holes that have a line of their own, so that the text fits on a screen.
+/// The number of holes, and of handles, that have a line of their own, so that the text fits on a screen.
 const LISTED: usize = 12;
 
 /// A line for the outer loop and for each of the longest holes.
