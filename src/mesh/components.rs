@@ -191,7 +191,7 @@ impl Components {
         if orientable && topology.genus() > 0.0 {
             let named = self.handles.map(|longest| longest / self.mm());
             let longest = named.unwrap_or_else(|| handles::longest(&build.mesh));
-            cut_handles = handles::cut(&mut build, longest);
+            cut_handles = handles::cut(&mut build, longest, topology.genus() as usize);
             topology = Topology::new(&build.mesh, &build.edges, orientable);
         }
         let left_out = self.build.mesh.triangles.len() - piece.len();

@@ -10,9 +10,10 @@
 //! edge is the exclusive or of the numbers of all loops that cross it. Then the labels along a loop
 //! of edges cancel if the loop separates the surface, and hardly ever otherwise. Around each vertex
 //! at a labelled edge the shortest loop whose labels do not cancel is searched (Dijkstra's method).
+//! Several loops are cut at once if they share no vertex and the labels of no group of them cancel.
 
 use std::cmp::Reverse;
-use std::collections::{BinaryHeap, HashMap, VecDeque};
+use std::collections::{BinaryHeap, HashMap, HashSet, VecDeque};
 
 use rayon::prelude::*;
 
@@ -59,15 +60,22 @@ pub(super) fn longest(mesh: &Mesh) -> f64 {
     (EDGES * median).min(SHARE * mesh.diagonal())
 }
 
-/// Cuts all handles of a two-sided component whose loops are not longer than `longest`.
-pub(super) fn cut(build: &mut Build, longest: f64) -> Vec<CutHandle> {
+/// Cuts the handles of a two-sided component of the given genus whose loops are not longer than
+/// `longest`.
+pub(super) fn cut(build: &mut Build, longest: f64, genus: usize) -> Vec<CutHandle> {
     let mut handles = Vec::new();
-    while let Some(ring) = shortest_loop(&build.mesh, &build.edges, longest) {
-        let points: Vec<Point> = ring.iter().map(|&v| build.mesh.point(v)).collect();
-        let next = points.iter().cycle().skip(1);
-        let length = points.iter().zip(next).map(|(a, b)| (b - a).norm()).sum();
-        handles.push(CutHandle { at: Point::from(mean(&points)), length });
-        open(build, &ring);
+    while handles.len() < genus {
+        let rings = short_loops(&build.mesh, &build.edges, longest);
+        if rings.is_empty() {
+            break;
+        }
+        for ring in &rings {
+            let points: Vec<Point> = ring.iter().map(|&v| build.mesh.point(v)).collect();
+            let next = points.iter().cycle().skip(1);
+            let length = points.iter().zip(next).map(|(a, b)| (b - a).norm()).sum();
+            handles.push(CutHandle { at: Point::from(mean(&points)), length });
+        }
+        open(build, &rings);
     }
     handles
 }
@@ -86,20 +94,54 @@ struct LabelledEdges<'a> {
     is_boundary: Vec<bool>,
 }
 
-/// The shortest loop that does not separate the component and does not meet its boundary, if it is not
-/// longer than `longest`. Among equal ones it is the one around the vertex with the lowest number.
-fn shortest_loop(mesh: &Mesh, edges: &EdgeMap, longest: f64) -> Option<Vec<VertexId>> {
-    let labelled = LabelledEdges::new(mesh, edges)?;
+/// A loop that does not separate a component.
+struct FoundLoop {
+    length: f64,
+    /// The exclusive or of its labels.
+    label: u64,
+    ring: Vec<VertexId>,
+}
+
+/// The shortest loops that together do not separate the component, do not meet its boundary and are not
+/// longer than `longest`. They share no vertices.
+fn short_loops(mesh: &Mesh, edges: &EdgeMap, longest: f64) -> Vec<Vec<VertexId>> {
+    let Some(labelled) = LabelledEdges::new(mesh, edges) else { return Vec::new() };
     let of = |v: usize| labelled.at[v].iter().any(|&(_, side)| labelled.labels[side as usize] != 0);
     let seeds = (0..mesh.points.len()).filter(|&v| !labelled.is_boundary[v] && of(v));
     let seeds: Vec<usize> = seeds.collect();
-    let found = seeds.into_par_iter().filter_map(|v| {
-        let (length, ring) = labelled.loop_at(v as u32, longest)?;
-        Some((length, v, ring))
-    });
-    let shorter =
-        |a: &(f64, usize, _), b: &(f64, usize, _)| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1));
-    found.min_by(shorter).map(|found| found.2)
+    let found = seeds.into_par_iter().filter_map(|v| labelled.loop_at(v as u32, longest));
+    let mut found: Vec<FoundLoop> = found.collect();
+    // The sort is stable, so among equal loops the one of the lowest vertex comes first.
+    found.sort_by(|a, b| a.length.total_cmp(&b.length));
+    let mut taken = HashSet::new();
+    let mut labels = IndependentLabels::default();
+    let mut rings = Vec::new();
+    for FoundLoop { label, ring, .. } in found {
+        if ring.iter().all(|v| !taken.contains(v)) && labels.add(label) {
+            // Neighbours are taken, too, so that no edge joins two loops.
+            taken
+                .extend(ring.iter().flat_map(|v| &labelled.at[v.index()]).map(|at| VertexId(at.0)));
+            taken.extend(&ring);
+            rings.push(ring);
+        }
+    }
+    rings
+}
+
+/// Labels of which no group cancels, each reduced by the others (Gaussian elimination).
+#[derive(Default)]
+struct IndependentLabels(Vec<u64>);
+
+impl IndependentLabels {
+    /// Adds a label unless some of the others cancel it. Returns whether it was added.
+    fn add(&mut self, label: u64) -> bool {
+        let reduced = self.0.iter().fold(label, |label, other| label.min(label ^ other));
+        if reduced != 0 {
+            self.0.push(reduced);
+            self.0.sort_unstable_by_key(|&label| Reverse(label));
+        }
+        reduced != 0
+    }
 }
 
 impl<'a> LabelledEdges<'a> {
@@ -142,13 +184,13 @@ impl<'a> LabelledEdges<'a> {
     }
 
     /// The shortest loop through `first` whose labels do not cancel.
-    fn loop_at(&self, first: u32, longest: f64) -> Option<(f64, Vec<VertexId>)> {
+    fn loop_at(&self, first: u32, longest: f64) -> Option<FoundLoop> {
         let mut reached: HashMap<u32, Reached> = HashMap::new();
         let mut heap = BinaryHeap::new();
         let start = Reached { distance: 0.0, label: 0, parent: first, is_done: false };
         reached.insert(first, start);
         heap.push(Reverse((Distance(0.0), first)));
-        let mut best: Option<(f64, [u32; 2])> = None;
+        let mut best: Option<(f64, u64, [u32; 2])> = None;
         while let Some(Reverse((Distance(distance), v))) = heap.pop() {
             let bound = best.map_or(longest, |best| best.0);
             if 2.0 * distance > bound {
@@ -170,7 +212,7 @@ impl<'a> LabelledEdges<'a> {
                     Some(other) if other.is_done => {
                         let length = there + other.distance;
                         if other.label != label && length <= best.map_or(longest, |best| best.0) {
-                            best = Some((length, [v, w]));
+                            best = Some((length, other.label ^ label, [v, w]));
                         }
                     }
                     Some(other) if other.distance <= there => {}
@@ -182,7 +224,7 @@ impl<'a> LabelledEdges<'a> {
                 }
             }
         }
-        let (length, [a, b]) = best?;
+        let (length, label, [a, b]) = best?;
         let way = |mut v: u32| {
             let mut way = vec![v];
             while v != first {
@@ -198,7 +240,7 @@ impl<'a> LabelledEdges<'a> {
         let back = b[common..].iter().rev();
         let ring: Vec<VertexId> =
             a[common - 1..].iter().chain(back).map(|&v| VertexId(v)).collect();
-        Some((length, ring))
+        Some(FoundLoop { length, label, ring })
     }
 }
 
@@ -303,36 +345,51 @@ fn scattered(mut x: u64) -> u64 {
     x ^ (x >> 31)
 }
 
-/// Cuts a component along a loop and closes both rims.
-fn open(build: &mut Build, ring: &[VertexId]) {
-    let n = ring.len();
+/// Cuts a component along loops without common vertices and closes both rims of each.
+fn open(build: &mut Build, rings: &[Vec<VertexId>]) {
+    let on_rings: HashSet<VertexId> = rings.iter().flatten().copied().collect();
     let mut side_of = HashMap::new();
     for side in 0..3 * build.mesh.triangles.len() {
         let t = build.mesh.triangles[side / 3];
-        side_of.insert((t[side % 3], t[(side % 3 + 1) % 3]), side);
+        let ends = (t[side % 3], t[(side % 3 + 1) % 3]);
+        if on_rings.contains(&ends.0) && on_rings.contains(&ends.1) {
+            side_of.insert(ends, side);
+        }
     }
-    // The corners to the right of the loop get vertices of their own.
-    let mut moved = Vec::new();
+    let moved: Vec<_> = rings.iter().map(|ring| right_corners(build, &side_of, ring)).collect();
+    for (ring, corners) in rings.iter().zip(moved) {
+        let copies: Vec<VertexId> =
+            ring.iter().map(|&v| add_vertex(build, build.mesh.point(v))).collect();
+        for (side, i) in corners {
+            build.mesh.triangles[side / 3][side % 3] = copies[i];
+        }
+        let backwards: Vec<VertexId> = ring.iter().rev().copied().collect();
+        let rims = [close(build, backwards), close(build, copies)];
+        retract(&mut build.mesh, &rims);
+    }
+    build.edges = EdgeMap::new(&build.mesh);
+}
+
+/// The corners to the right of a loop, each with the position of its vertex in the loop.
+fn right_corners(
+    build: &Build,
+    side_of: &HashMap<(VertexId, VertexId), usize>,
+    ring: &[VertexId],
+) -> Vec<(usize, usize)> {
+    let n = ring.len();
+    let mut corners = Vec::new();
     for i in 0..n {
         let (before, v, after) = (ring[(i + n - 1) % n], ring[i], ring[(i + 1) % n]);
         // Counter-clockwise from the triangle to the right of the side that arrives.
         let mut corner = side_of.get(&(v, before)).copied();
         while let Some(side) = corner {
-            moved.push((side, i));
+            corners.push((side, i));
             let arrives = side / 3 * 3 + (side % 3 + 2) % 3;
             let from = build.mesh.triangles[side / 3][(side % 3 + 2) % 3];
             corner = if from == after { None } else { build.edges.across(arrives) };
         }
     }
-    let copies: Vec<VertexId> =
-        ring.iter().map(|&v| add_vertex(build, build.mesh.point(v))).collect();
-    for (side, i) in moved {
-        build.mesh.triangles[side / 3][side % 3] = copies[i];
-    }
-    let backwards: Vec<VertexId> = ring.iter().rev().copied().collect();
-    let rims = [close(build, backwards), close(build, copies)];
-    retract(&mut build.mesh, &rims);
-    build.edges = EdgeMap::new(&build.mesh);
+    corners
 }
 
 /// The number of steps in which a stump is drawn back. It is then a hundredth as long, or shorter.
@@ -412,8 +469,8 @@ mod tests {
     #[test]
     fn a_torus_is_cut_around_its_tube() {
         let mut build = torus(40, 12);
-        assert!(cut(&mut build, 6.0).is_empty(), "the tube is 6.2 mm around");
-        let handles = cut(&mut build, 6.3);
+        assert!(cut(&mut build, 6.0, 1).is_empty(), "the tube is 6.2 mm around");
+        let handles = cut(&mut build, 6.3, 1);
         assert_eq!(handles.len(), 1);
         assert!((handles[0].length - 24.0 * (std::f64::consts::PI / 12.0).sin()).abs() < 1e-9);
         let distance = handles[0].at.coords.norm();
@@ -428,7 +485,7 @@ mod tests {
         let mut build = torus(40, 12);
         build.mesh.triangles.truncate(24 * 30);
         build.edges = EdgeMap::new(&build.mesh);
-        assert!(cut(&mut build, 100.0).is_empty());
+        assert!(cut(&mut build, 100.0, 9).is_empty());
     }
 
     #[test]
@@ -436,7 +493,7 @@ mod tests {
         let mut build = torus(40, 12);
         build.mesh.triangles.truncate(24 * 40 - 9);
         build.edges = EdgeMap::new(&build.mesh);
-        assert_eq!(cut(&mut build, 7.0).len(), 1);
+        assert_eq!(cut(&mut build, 7.0, 9).len(), 1);
         let topology = Topology::new(&build.mesh, &build.edges, true);
         assert_eq!((topology.genus(), topology.loops), (0.0, 1));
     }
