@@ -27,8 +27,7 @@ pub fn bodies(
         ShapeChoice::Solid => Ok(TargetShape::Solid),
         ShapeChoice::Shell => Ok(TargetShape::Shell),
         _ => {
-            let named = if component == Choice::Largest { options.component() } else { component };
-            let shape = scan2step::shape(components, named);
+            let shape = scan2step::shape(components, component);
             shape.map_err(|e| input::stopped(&args.piece.scan, &e))
         }
     };
@@ -42,13 +41,12 @@ pub fn bodies(
     for of in shapes.iter_mut().filter(|of| of.1 == TargetShape::Face) {
         of.1 = TargetShape::Shell;
     }
-    with_voids(components, options, shapes).map_err(|e| input::stopped(&args.piece.scan, &e))
+    with_voids(components, shapes).map_err(|e| input::stopped(&args.piece.scan, &e))
 }
 
 /// The same with the voids of each solid after it. They are not chosen themselves.
 fn with_voids(
     components: &Components,
-    options: &Options,
     shapes: Vec<(Choice, TargetShape)>,
 ) -> scan2step::Result<Vec<(Choice, TargetShape)>> {
     let mut all = Vec::with_capacity(shapes.len());
@@ -56,8 +54,7 @@ fn with_voids(
     for (component, shape) in shapes {
         all.push((component, shape));
         if shape == TargetShape::Solid {
-            let named = if component == Choice::Largest { options.component() } else { component };
-            let own = scan2step::voids(components, named)?;
+            let own = scan2step::voids(components, component)?;
             all.extend(own.iter().map(|&component| (component, TargetShape::Void)));
             voids.extend(own);
         }

@@ -11,10 +11,8 @@ use super::{InputReport, Options, TargetShape, input, lengths};
 use crate::adapt::Goal;
 use crate::deviation::{self, Deviation, NetworkToScan};
 use crate::error::BrepFault;
-
 use crate::mesh::Components;
 use crate::spline::{Network, NetworkCut};
-
 use crate::{Error, Result, brep, fill, layout, net, smooth, threads, trim};
 
 /// The distance in mm by which edges of a solid may be off its faces. They are the same polynomials,

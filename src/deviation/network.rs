@@ -89,16 +89,6 @@ pub fn network_to_scan(
     let triangles = Triangles::new(mesh);
     let normals = mesh.vertex_normals();
     let of_face = |(face, surface): (usize, &crate::spline::Surface)| {
-        let places = |knots: &crate::spline::KnotVector| -> Vec<f64> {
-            let breaks = knots.breaks();
-            let inside = breaks.windows(2).flat_map(|span| {
-                let at = move |i: usize| (i as f64 + 0.5) / SAMPLES as f64;
-                (0..SAMPLES).map(move |i| span[0] + at(i) * (span[1] - span[0]))
-            });
-            inside.collect()
-        };
-        let (us, vs) = (places(&surface.u), places(&surface.v));
-        let all = us.iter().flat_map(|&u| vs.iter().map(move |&v| Uv::new(u, v)));
         let sample = |at: Uv| {
             let jet = surface.jet(at);
             let (off, t) = triangles.nearest(jet.s);
@@ -112,7 +102,8 @@ pub fn network_to_scan(
             let is_measured = is_measured[t];
             NetworkSample { face, at: jet.s, off, is_measured, is_beyond, inverted }
         };
-        all.filter(|&at| kept.contains(face, at)).map(sample).collect::<Vec<_>>()
+        let places = surface.middles(SAMPLES).into_iter();
+        places.filter(|&at| kept.contains(face, at)).map(sample).collect::<Vec<_>>()
     };
     let faces = network.surfaces.par_iter().enumerate();
     let samples: Vec<_> = faces.map(of_face).flatten_iter().collect();

@@ -138,13 +138,12 @@ impl ViewRecorder {
     /// # Errors
     /// [`Error::Input`]: the recorder has not seen the mesh and the smoothed mesh of this conversion.
     pub fn view_of_body(self, body: &BodyConversion, parts: usize) -> Result<ReportView> {
-        let (disk, smoothed, _) = self.seen(body.fit_deviation.distances.len())?;
+        let (disk, ..) = self.seen(body.fit_deviation.distances.len())?;
         let of_vertices = of_network(&body.network, &body.cut, &disk.mesh.points);
         let signs = |d: &Deviation| -> Vec<f32> {
             d.signed().unwrap_or_default().into_iter().map(|d| d as f32).collect()
         };
-        let of_smoothed = of_network(&body.network, &body.cut, &smoothed);
-        let distances = [signs(&of_vertices), signs(&of_smoothed)];
+        let distances = [signs(&of_vertices), signs(&body.fit_deviation)];
         let faces = plural(body.brep.faces.len(), "face");
         let figures = ViewFigures {
             vertices: body.input.vertices,

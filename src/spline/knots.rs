@@ -88,6 +88,16 @@ impl KnotVector {
         breaks
     }
 
+    /// The parameters in the middles of `parts` equal parts of each span between two breaks.
+    pub fn middles(&self, parts: usize) -> Vec<f64> {
+        let breaks = self.breaks();
+        let of_span = |span: &[f64]| {
+            let (low, wide) = (span[0], span[1] - span[0]);
+            (0..parts).map(move |i| low + (i as f64 + 0.5) / parts as f64 * wide)
+        };
+        breaks.windows(2).flat_map(of_span).collect()
+    }
+
     /// The number i of the non-empty knot span [tᵢ, tᵢ₊₁) that contains `t`. The last span also
     /// contains its end. Parameters outside the range belong to the first or the last span.
     pub fn span(&self, t: f64) -> usize {

@@ -56,11 +56,7 @@ impl Network {
     pub fn seam_angles(&self, places: usize) -> Vec<f64> {
         let angles = |(track, uses): (&Track, &Vec<SideUse>)| {
             let [a, b] = uses[..] else { return Vec::new() };
-            let knots = track.curve.knots.breaks();
-            let inside = knots.windows(2).flat_map(|span| {
-                let share = |i: usize| (i as f64 + 0.5) / places as f64;
-                (0..places).map(move |i| span[0] + share(i) * (span[1] - span[0]))
-            });
+            let inside = track.curve.knots.middles(places).into_iter();
             inside.map(|t| self.side_normal(a, t).angle(&self.side_normal(b, t))).collect()
         };
         self.tracks.par_iter().zip(&self.uses()).map(angles).flatten_iter().collect()

@@ -59,6 +59,12 @@ impl Surface {
         self.net[i * self.v.functions() + j]
     }
 
+    /// The parameter points in the middles of `parts` × `parts` equal parts of each cell between knots.
+    pub fn middles(&self, parts: usize) -> Vec<Uv> {
+        let (us, vs) = (self.u.middles(parts), self.v.middles(parts));
+        us.iter().flat_map(|&u| vs.iter().map(move |&v| Uv::new(u, v))).collect()
+    }
+
     /// The point at the parameter point `at`.
     pub fn point(&self, at: Uv) -> Point {
         let (bu, bv) = (self.u.basis(at.x), self.v.basis(at.y));

@@ -34,21 +34,11 @@ impl<'a> NetworkPlaces<'a> {
     /// Builds the structure.
     pub fn new(network: &'a Network) -> Self {
         let of_face = |(face, surface): (usize, &crate::spline::Surface)| {
-            let places = |knots: &crate::spline::KnotVector| -> Vec<f64> {
-                let breaks = knots.breaks();
-                let inside = breaks.windows(2).flat_map(|span| {
-                    let at = move |i: usize| (i as f64 + 0.5) / SAMPLES as f64;
-                    (0..SAMPLES).map(move |i| span[0] + at(i) * (span[1] - span[0]))
-                });
-                inside.collect()
-            };
-            let (us, vs) = (places(&surface.u), places(&surface.v));
-            let all = us.iter().flat_map(|&u| vs.iter().map(move |&v| Uv::new(u, v)));
             let sample = |at: Uv| {
                 let jet = surface.jet(at);
                 (NetworkPlace { face, at }, jet.su.cross(&jet.sv), jet.s)
             };
-            all.map(sample).collect::<Vec<_>>()
+            surface.middles(SAMPLES).into_iter().map(sample).collect::<Vec<_>>()
         };
         let all: Vec<_> =
             network.surfaces.par_iter().enumerate().map(of_face).flatten_iter().collect();
