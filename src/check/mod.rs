@@ -130,7 +130,6 @@ fn bounded<'a>(
 /// The distance between samples of the faces in mm, from the area and the number of points of the
 /// scan.
 fn spacing(scan: &Mesh) -> f64 {
-    let area: f64 = scan.triangles.iter().map(|t| 0.5 * scan.area_vector(*t).norm()).sum();
     let count = (SAMPLES * scan.points.len() as f64).clamp(MIN_SAMPLES, MAX_SAMPLES);
-    (area / count).sqrt().max(f64::MIN_POSITIVE)
+    (scan.area() / count).sqrt().max(f64::MIN_POSITIVE)
 }

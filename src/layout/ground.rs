@@ -3,6 +3,7 @@
 
 use super::base::TrianglePlace;
 use crate::geometry::{Point, Vector, VertexId, unit_normal};
+use crate::mesh::remesh::isotropic;
 use crate::mesh::{EdgeMap, Mesh, VertexRings};
 
 /// A scan on which places move.
@@ -13,6 +14,14 @@ pub(super) struct Ground {
     edges: EdgeMap,
     rings: VertexRings,
 }
+
+/// The number of points of the ground: this multiple of the scan's, between these bounds. With fewer
+/// points thin parts of adaptive meshes are lost, and more only take time.
+const FINER: usize = 2;
+const POINTS: [usize; 2] = [30_000, 100_000];
+
+/// The area of a vertex in a mesh of equilateral triangles is the square of their side divided by this.
+const EQUILATERAL: f64 = 1.154_7;
 
 /// The most triangles that a step crosses. Steps are about as long as a quad.
 const MOST_CROSSED: usize = 500;
@@ -32,7 +41,9 @@ const AWAY: f64 = -0.53;
 impl Ground {
     /// The ground of a scan, whose roughest places are smoothed.
     pub fn new(scan: &Mesh) -> Self {
-        let mesh = scan.clone();
+        let [least, most] = POINTS;
+        let points = (FINER * scan.points.len()).clamp(least, most) as f64;
+        let mesh = isotropic(scan, (EQUILATERAL * scan.area() / points).sqrt());
         let rings = VertexRings::new(&mesh);
         let edges = EdgeMap::new(&mesh);
         let mut ground = Ground { normals: Vec::new(), mesh, edges, rings };

@@ -113,6 +113,11 @@ impl Mesh {
         (b - a).cross(&(c - a))
     }
 
+    /// The area of all triangles.
+    pub fn area(&self) -> f64 {
+        self.triangles.iter().map(|&t| 0.5 * self.area_vector(t).norm()).sum()
+    }
+
     /// Unit normals of the vertices, each the area-weighted mean of its
     /// triangles' (zero where those cancel).
     pub fn vertex_normals(&self) -> Vec<Vector> {

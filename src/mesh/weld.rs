@@ -7,11 +7,15 @@ use formats::Soup;
 use hashbrown::HashTable;
 
 use super::build::{Repairs, count};
-use crate::geometry::{NONE, Point};
+use crate::geometry::{NONE, Point, bounds};
 
 /// Points with a coordinate beyond this, in mm, are treated like infinite ones. Products of larger
 /// coordinates overflow.
 const FARTHEST: f64 = 1e60;
+
+/// The rounding of coordinates that are compared, as a share of the largest extent: a program that
+/// computes a place twice, say with sines and cosines, gets numbers that differ by about this much.
+const ROUNDING: f64 = 1e-12;
 
 /// Whether a point can be used, if its unit is `mm` millimetres long.
 pub(super) fn is_usable(p: &[f64; 3], mm: f64) -> bool {
@@ -28,11 +32,15 @@ pub(super) struct Welded {
 }
 
 /// Scales the points by a power of two and finds those that coincide. Points coincide if their
-/// coordinates are equal bit for bit; −0 counts as 0. The unit of the soup is `mm` millimetres
-/// long.
+/// coordinates, rounded to a tiny share of the extent, are equal. Each place has the coordinates of its
+/// first point. The unit of the soup is `mm` millimetres long.
 pub(super) fn weld(soup: &Soup, mm: f64, factor: f64, repairs: &mut Repairs) -> Welded {
     let mut welded = Welded { points: Vec::new(), number: Vec::with_capacity(soup.points.len()) };
-    let hash = |p: &Point| FixedState::default().hash_one([p.x, p.y, p.z].map(f64::to_bits));
+    let step = rounding(soup, mm) * factor;
+    // Adding zero turns −0 into +0.
+    let positive = |x: f64| x + 0.0;
+    let rounded = |p: &Point| [p.x, p.y, p.z].map(|x| positive((x / step).round()));
+    let hash = |p: &Point| FixedState::default().hash_one(rounded(p).map(f64::to_bits));
     // A surface has about half as many vertices as triangles.
     let places = soup.points.len().min(soup.polygons.len());
     let mut seen: HashTable<u32> = HashTable::with_capacity(places);
@@ -43,10 +51,9 @@ pub(super) fn weld(soup: &Soup, mm: f64, factor: f64, repairs: &mut Repairs) -> 
             welded.number.push(NONE);
             continue;
         }
-        // Adding zero turns −0 into +0.
-        let p = Point::from(p.map(|x| x * factor + 0.0));
+        let p = Point::from(p.map(|x| positive(x * factor)));
         let points = &mut welded.points;
-        let same = |&i: &u32| points[i as usize] == p;
+        let same = |&i: &u32| rounded(&points[i as usize]) == rounded(&p);
         let entry = seen.entry(hash(&p), same, |&i| hash(&points[i as usize]));
         let number = *entry.or_insert(points.len() as u32).get();
         if number as usize == points.len() {
@@ -58,4 +65,11 @@ pub(super) fn weld(soup: &Soup, mm: f64, factor: f64, repairs: &mut Repairs) -> 
     let (all, places) = (soup.points.len(), welded.points.len());
     count(repairs, "welded_vertices", all - nowhere - places);
     welded
+}
+
+/// The step to which coordinates are rounded.
+fn rounding(soup: &Soup, mm: f64) -> f64 {
+    let usable = soup.points.iter().filter(|p| is_usable(p, mm)).map(|p| Point::from(*p));
+    let [low, high] = bounds(usable);
+    (ROUNDING * (high - low).max()).max(f64::MIN_POSITIVE)
 }

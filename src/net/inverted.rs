@@ -9,12 +9,16 @@ use crate::spline::subdivision::QuadPlace;
 /// The number of samples along a side of a quad.
 const SAMPLES: usize = 5;
 
+/// The cosine of the angle to the scan's normal beyond which the surface counts as turned over (84°). The
+/// patches beside irregular vertices, which are not exact, turn by a few degrees more.
+const TURNED: f64 = 0.1;
+
 /// The factor by which a net becomes firmer at the vertices of a quad that is turned over. Smaller
 /// factors take more rounds, and larger ones flatten more than is needed.
 const FIRMER: f64 = 8.0;
 
-/// The quads on which a normal of the surface differs by more than a right angle from that of the scan
-/// where the layout has put the place.
+/// The quads on which the surface is turned over: a normal differs from that of the scan where the
+/// layout has put the place.
 pub(super) fn quads(net: &Net) -> Vec<usize> {
     let control = net.control();
     let is_inverted = |scratch: &mut Vec<[f64; 3]>, quad: usize| {
@@ -22,7 +26,8 @@ pub(super) fn quads(net: &Net) -> Vec<usize> {
         let is_off = |k: usize| {
             let at = Uv::new(at(k % SAMPLES), at(k / SAMPLES));
             let [_, du, dv] = net.surface.jet(&control, QuadPlace { quad, at }, scratch);
-            du.cross(&dv).dot(&net.mesh.normal(quad, at)) <= 0.0
+            let (normal, facing) = (du.cross(&dv), net.mesh.normal(quad, at));
+            normal.dot(&facing) <= TURNED * normal.norm() * facing.norm()
         };
         (0..SAMPLES * SAMPLES).any(is_off).then_some(quad)
     };

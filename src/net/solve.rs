@@ -27,8 +27,9 @@ struct QuadSums {
     right: Vec<Vector>,
 }
 
-/// Solves for the control points. `firmness` multiplies the weight of the anchor at each
-/// vertex.
+/// Solves for the control points. The surface is held near the anchors, and where the `firmness` of a
+/// vertex exceeds one, its control point is, too. A net whose control points are the vertices of a
+/// layout without folds hardly folds, and one whose surface goes through them may.
 pub(super) fn control_points(
     net: &Net,
     target: &FitTarget,
@@ -63,11 +64,16 @@ pub(super) fn control_points(
     let mean = total.max(1.0) / count as f64;
     for (v, anchor) in anchors.iter().enumerate() {
         let row = limit_row(net, v);
-        let weight = ANCHOR * mean * firmness[v];
+        let weight = ANCHOR * mean;
         for &(a, x) in &row {
             (0..3).for_each(|k| right[(a, k)] += weight * x * anchor[k]);
         }
         add_square(&row, weight, &mut entries);
+        let hold = weight * (firmness[v] - 1.0);
+        if hold > 0.0 {
+            (0..3).for_each(|k| right[(v, k)] += hold * anchor[k]);
+            entries.push(Triplet::new(v, v, hold));
+        }
     }
     for v in 0..count {
         add_square(&umbrella(net, v), FAIRING * mean, &mut entries);

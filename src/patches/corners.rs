@@ -19,6 +19,9 @@ const FREE: [(usize, usize); 4] = [(1, 1), (2, 1), (1, 2), (2, 2)];
 /// The number of samples of the limit surface along each side of the quad, and of each spoke.
 const SAMPLES: usize = 8;
 
+/// The number of places in each span at which the normal of a patch is compared with that of the layout.
+const INSIDE: usize = 3;
+
 /// The weight of the slope against the limit normals along the spokes, beside that of distances. It
 /// is large because a step between tangent planes is seen before a distance is.
 const SLOPE: f64 = 100.0;
@@ -27,7 +30,7 @@ const SLOPE: f64 = 100.0;
 /// each corner takes the first one with small angles to the limit normals, or else the one with the
 /// smallest. With less weight the parameters of a patch may turn back beside a spoke, and with more the
 /// tangent planes of neighbours differ.
-const BLENDS: [f64; 4] = [1.0, 0.1, 10.0, 100.0];
+const BLENDS: [f64; 5] = [1.0, 0.1, 10.0, 100.0, 1e4];
 
 /// The cosine of an angle to the limit normals that is small enough to end the choice (2°).
 const SMOOTH: f64 = 0.9994;
@@ -72,8 +75,9 @@ impl Corner {
     }
 
     /// The cosine of the largest angle between the normals of the patch and the limit normals along the
-    /// spokes, or between those of the patch on the quad and their mean, less one.
-    fn facing(&self, patch: &Surface, spokes: &[Spoke; 2]) -> f64 {
+    /// spokes. It is less by one if the patch turns away from `facing`, which gives a normal of the
+    /// layout at a place of the patch.
+    fn facing(&self, patch: &Surface, spokes: &[Spoke; 2], facing: impl Fn(Uv) -> Vector) -> f64 {
         let normal = |at: Uv| {
             let jet = patch.jet(self.uv(at));
             jet.su.cross(&jet.sv).try_normalize(0.0).unwrap_or_default()
@@ -84,12 +88,9 @@ impl Corner {
             let at = [Uv::new(t, 0.0), Uv::new(0.0, t)][k];
             normal(at).dot(&spokes[k].at(t * spokes[k].length()).1)
         });
-        let steps = SAMPLES + 1;
-        let inside =
-            (0..steps * steps).map(|k| normal(Uv::new(share(k % steps), share(k / steps))));
-        let inside: Vec<Vector> = inside.collect();
-        let mean: Vector = inside.iter().sum();
-        let turned = inside.iter().any(|n| n.dot(&mean) <= 0.0);
+        let middles: Vec<f64> = patch.u.middles(INSIDE).into_iter().filter(|&t| t < 1.0).collect();
+        let mut inside = middles.iter().flat_map(|&x| middles.iter().map(move |&y| Uv::new(x, y)));
+        let turned = inside.any(|at| normal(at).dot(&facing(self.uv(at))) <= 0.0);
         on_spokes.fold(1.0, f64::min) - f64::from(u8::from(turned))
     }
 
@@ -130,7 +131,7 @@ impl PatchSource<'_> {
                 }
                 self.solve(&corner, patch, &spokes, &samples, (&blends, weight));
             }
-            let facing = corner.facing(patch, &spokes);
+            let facing = corner.facing(patch, &spokes, |at| self.mesh.block_normal(block, at));
             if best.as_ref().is_none_or(|best| facing > best.0) {
                 best = Some((facing, FREE.map(|(a, b)| patch.net[corner.at(a, b)]).to_vec()));
             }

@@ -36,7 +36,7 @@ pub fn thin(mesh: &Mesh, most: usize, kept: &[usize]) -> Thinned {
             new: all.map(VertexId::from).collect(),
         };
     }
-    let area: f64 = mesh.triangles.iter().map(|&t| 0.5 * mesh.area_vector(t).norm()).sum();
+    let area: f64 = mesh.area();
     let [low, _] = mesh.bounds();
     // About three triangles a cell that the surface passes.
     let mut side = (3.0 * area / most.max(1) as f64).sqrt();
@@ -132,8 +132,7 @@ mod tests {
         for (p, &v) in thinned.mesh.points.iter().zip(&thinned.old) {
             assert_eq!(*p, mesh.points[v]);
         }
-        let area = |m: &Mesh| m.triangles.iter().map(|&t| m.area_vector(t).norm()).sum::<f64>();
-        let share = area(&thinned.mesh) / area(&mesh);
+        let share = thinned.mesh.area() / mesh.area();
         assert!((0.93..1.07).contains(&share), "{share}");
     }
 

@@ -4,9 +4,11 @@
 //! their neighbours. The stages use it for the triangles that fill holes and close bays.
 
 pub mod flips;
+mod isotropic;
 mod refine;
 mod sizes;
 
+pub use isotropic::isotropic;
 pub use refine::{RimTriangulation, divide};
 pub use sizes::Sizes;
 

@@ -1,0 +1,198 @@
+//! Remeshing of a closed mesh to triangles with sides of about the same length (Botsch, Kobbelt, "A
+//! remeshing approach to multiresolution modeling", 2004).
+
+use rayon::prelude::*;
+
+use super::divide;
+use super::flips::{EdgeFlip, Sides, flip};
+use crate::geometry::{Point, Vector, VertexId, unit_normal};
+use crate::mesh::triangles::{Triangles, nearest_on};
+use crate::mesh::{Mesh, VertexRings};
+
+/// The rounds of divisions, collapses, flips and moves. Later rounds change few triangles.
+const ROUNDS: usize = 4;
+
+/// The most times that edges are divided in a round. Each time halves the longest ones.
+const DIVISIONS: usize = 16;
+
+/// An edge is collapsed if it is shorter than this share of the wanted length, and if no edge becomes
+/// longer than the multiple `LONG`. Two halves of a divided edge are not collapsed again.
+const SHORT: f64 = 0.7;
+const LONG: f64 = 1.4;
+
+/// The least number of triangles around a vertex that loses one in a collapse.
+const LEAST_VALENCE: usize = 4;
+
+/// A change may turn a triangle by an angle with at least this cosine (60°).
+const TURNED: f64 = 0.5;
+
+/// A closed mesh with sides of about a length. Its vertices lie on the given mesh.
+pub fn isotropic(scan: &Mesh, length: f64) -> Mesh {
+    let surface = Triangles::new(scan);
+    let mut points = scan.points.clone();
+    let mut triangles: Vec<[usize; 3]> =
+        scan.triangles.iter().map(|t| t.map(|v| v.index())).collect();
+    for _ in 0..ROUNDS {
+        for _ in 0..DIVISIONS {
+            if divide(&mut points, &mut triangles, |_| length, usize::MAX).is_empty() {
+                break;
+            }
+        }
+        collapse(&points, &mut triangles, length);
+        flip_edges(&points, &mut triangles);
+        move_points(&mut points, &triangles, scan, &surface);
+    }
+    used(&points, &triangles)
+}
+
+/// The unit normal of a triangle, or nothing for one without an area.
+fn facing(points: &[Point], t: [usize; 3]) -> Vector {
+    unit_normal(t.map(|v| points[v])).unwrap_or_default()
+}
+
+/// Triangles of which some were removed by collapses.
+struct Collapses<'a> {
+    points: &'a [Point],
+    triangles: &'a mut Vec<[usize; 3]>,
+    /// The triangles around each vertex.
+    around: Vec<Vec<usize>>,
+    longest: f64,
+}
+
+/// Moves ends of short edges onto their other ends, the shortest edges first.
+fn collapse(points: &[Point], triangles: &mut Vec<[usize; 3]>, length: f64) {
+    let mut around = vec![Vec::new(); points.len()];
+    for (t, corners) in triangles.iter().enumerate() {
+        corners.iter().for_each(|&v| around[v].push(t));
+    }
+    let sides = triangles.iter().flat_map(|t| (0..3).map(|k| [t[k], t[(k + 1) % 3]]));
+    let lengths = sides.filter(|[a, b]| a < b).map(|[a, b]| ((points[b] - points[a]).norm(), a, b));
+    let mut short: Vec<_> = lengths.filter(|edge| edge.0 < SHORT * length).collect();
+    short.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
+    let mut collapses = Collapses { points, triangles, around, longest: LONG * length };
+    for (_, a, b) in short {
+        if !collapses.may(a, b) || collapses.move_onto(a, b) {
+            continue;
+        }
+        collapses.move_onto(b, a);
+    }
+    let Collapses { around, triangles, .. } = collapses;
+    let mut alive = vec![false; triangles.len()];
+    around.iter().flatten().for_each(|&t| alive[t] = true);
+    let mut number = 0;
+    triangles.retain(|_| {
+        number += 1;
+        alive[number - 1]
+    });
+}
+
+impl Collapses<'_> {
+    fn neighbours(&self, v: usize) -> Vec<usize> {
+        let corners = self.around[v].iter().flat_map(|&t| self.triangles[t]);
+        let mut all: Vec<usize> = corners.filter(|&w| w != v).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    /// Whether the edge exists, and the mesh stays manifold without it.
+    fn may(&self, a: usize, b: usize) -> bool {
+        let (of_a, of_b) = (self.neighbours(a), self.neighbours(b));
+        let common: Vec<usize> =
+            of_a.iter().copied().filter(|v| of_b.binary_search(v).is_ok()).collect();
+        of_a.binary_search(&b).is_ok()
+            && common.len() == 2
+            && common.iter().all(|&v| self.around[v].len() > LEAST_VALENCE - 1)
+    }
+
+    /// Moves `a` onto `b` unless a triangle turns too far or an edge becomes too long.
+    fn move_onto(&mut self, a: usize, b: usize) -> bool {
+        let with = |t: [usize; 3]| t.map(|v| if v == a { b } else { v });
+        let (lost, kept): (Vec<usize>, Vec<usize>) =
+            self.around[a].iter().partition(|&&t| self.triangles[t].contains(&b));
+        let is_good = |&t: &usize| {
+            let (old, new) = (self.triangles[t], with(self.triangles[t]));
+            let far = |&v: &usize| (self.points[v] - self.points[b]).norm() > self.longest;
+            let (before, after) = (facing(self.points, old), facing(self.points, new));
+            !new.iter().any(far) && after.dot(&before) > TURNED
+        };
+        if !kept.iter().all(is_good) {
+            return false;
+        }
+        for &t in &lost {
+            self.triangles[t].into_iter().for_each(|v| self.around[v].retain(|&other| other != t));
+        }
+        for &t in &kept {
+            self.triangles[t] = with(self.triangles[t]);
+        }
+        self.around[a].clear();
+        self.around[b].extend(kept);
+        true
+    }
+}
+
+/// Flips edges towards the Delaunay criterion where no triangle turns far.
+fn flip_edges(points: &[Point], triangles: &mut [[usize; 3]]) {
+    let may = |edge: &EdgeFlip| {
+        let [old, new] = [edge.old, edge.new].map(|pair| pair.map(|t| facing(points, t)));
+        let mean: Vector = old[0] + old[1];
+        new.iter().all(|n| n.dot(&mean) > TURNED * mean.norm())
+            && new[0].dot(&new[1]) >= old[0].dot(&old[1]).min(FLAT)
+    };
+    let mut sides = Sides::of(triangles);
+    flip(points, triangles, &mut sides, |_, _| false, may);
+}
+
+/// Two triangles are flat if the cosine of the angle between them is at least this (26°).
+const FLAT: f64 = 0.9;
+
+/// Moves the points along the surface towards the means of their neighbours, and onto the scan.
+fn move_points(points: &mut [Point], triangles: &[[usize; 3]], scan: &Mesh, surface: &Triangles) {
+    let mesh = Mesh {
+        points: points.to_vec(),
+        triangles: triangles.iter().map(|t| t.map(VertexId::from)).collect(),
+    };
+    let rings = VertexRings::new(&mesh);
+    let normals = mesh.vertex_normals();
+    let place = |v: usize| {
+        let id = VertexId::from(v);
+        let (sum, count) = rings
+            .neighbours(&mesh, id)
+            .fold((Vector::zeros(), 0.0), |(sum, n), w| (sum + mesh.point(w).coords, n + 1.0));
+        if count == 0.0 {
+            return None;
+        }
+        let p = mesh.points[v];
+        let step = sum / count - p.coords;
+        let moved = p + step - normals[v] * normals[v].dot(&step);
+        let (_, t) = surface.nearest(moved);
+        let faces = scan.area_vector(scan.triangles[t]).dot(&normals[v]) > 0.0;
+        faces.then(|| nearest_on(scan.corners(scan.triangles[t]), moved))
+    };
+    let places: Vec<Option<Point>> = (0..points.len()).into_par_iter().map(place).collect();
+    for (v, place) in places.into_iter().enumerate() {
+        let Some(place) = place else { continue };
+        let around = rings.triangles(v.into());
+        let facings = |points: &[Point]| -> Vec<Vector> {
+            around.iter().map(|&t| facing(points, triangles[t as usize])).collect()
+        };
+        let before = facings(points);
+        let old = std::mem::replace(&mut points[v], place);
+        if facings(points).iter().zip(&before).any(|(n, m)| n.dot(m) <= TURNED) {
+            points[v] = old;
+        }
+    }
+}
+
+/// The mesh without the points that no triangle has.
+fn used(points: &[Point], triangles: &[[usize; 3]]) -> Mesh {
+    let mut number = vec![usize::MAX; points.len()];
+    triangles.iter().flatten().for_each(|&v| number[v] = 0);
+    let kept: Vec<usize> = (0..points.len()).filter(|&v| number[v] == 0).collect();
+    kept.iter().enumerate().for_each(|(new, &old)| number[old] = new);
+    let numbered = |t: &[usize; 3]| t.map(|v| VertexId::from(number[v]));
+    Mesh {
+        points: kept.iter().map(|&v| points[v]).collect(),
+        triangles: triangles.iter().map(numbered).collect(),
+    }
+}
