@@ -17,7 +17,7 @@ pub(super) struct Ground {
 
 /// The number of points of the ground: this multiple of the scan's, between these bounds. With fewer
 /// points thin parts of adaptive meshes are lost, and more only take time.
-const FINER: usize = 2;
+const FINER: usize = 5;
 const POINTS: [usize; 2] = [30_000, 100_000];
 
 /// The area of a vertex in a mesh of equilateral triangles is the square of their side divided by this.

@@ -19,6 +19,7 @@ use crate::mesh::{Patch, QuadMesh};
 use crate::progress::{self, Progress};
 use crate::spline::subdivision::{SubdivisionSurface, limit_point};
 use feet::Feet;
+use solve::NormalEquations;
 
 /// The options of the fit.
 #[derive(Debug, Clone)]
@@ -196,12 +197,13 @@ fn fit_level(
     let share = |round: usize| 1.0 - 0.8f64.powi(level as i32) * (1.0 - 0.2 * round as f64 / 5.0);
     let mut feet = Feet::new(net, target.points, &target.normals);
     let mut firmness = vec![1.0; net.mesh.points.len()];
+    let mut equations = NormalEquations::new(net)?;
     for round in 0..ROUNDS + FIRMER_ROUNDS {
         progress(share(round.min(ROUNDS)))?;
         if round >= ROUNDS && !inverted::make_firmer(net, &mut firmness) {
             break;
         }
-        net.mesh.points = solve::control_points(net, target, &feet, &firmness, anchors)?;
+        net.mesh.points = equations.control_points(net, target, &feet, &firmness, anchors)?;
         feet = match round {
             0 => Feet::new(net, target.points, &target.normals),
             _ => feet.moved(net, target.points, &target.normals),

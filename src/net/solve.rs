@@ -2,13 +2,12 @@
 //! sparse normal equations.
 
 use faer::Mat;
-use faer::sparse::{SparseColMat, Triplet};
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::feet::Feet;
 use super::{FitTarget, Net};
-use crate::cholesky::Cholesky;
+use crate::cholesky::{Pattern, least_degree};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Vector};
 use crate::spline::subdivision::limit_weights;
@@ -27,63 +26,109 @@ struct QuadSums {
     right: Vec<Vector>,
 }
 
-/// Solves for the control points. The surface is held near the anchors, and where the `firmness` of a
-/// vertex exceeds one, its control point is, too. A net whose control points are the vertices of a
-/// layout without folds hardly folds, and one whose surface goes through them may.
-pub(super) fn control_points(
-    net: &Net,
-    target: &FitTarget,
-    feet: &Feet,
-    firmness: &[f64],
-    anchors: &[Point],
-) -> Result<Vec<Point>> {
-    let count = net.mesh.points.len();
-    let members = members(net, feet);
-    let sums = members.par_iter().enumerate().map_init(Vec::new, |scratch, (quad, points)| {
-        quad_sums(net, target, feet, quad, points, scratch)
-    });
-    let sums: Vec<QuadSums> = sums.collect();
-    let mut right = Mat::<f64>::zeros(count, 3);
-    let mut entries = Vec::new();
-    for (quad, of_quad) in sums.iter().enumerate() {
-        let control = net.surface.control(quad);
+/// The normal equations of a net. Their pattern is analysed once.
+pub(super) struct NormalEquations {
+    /// Column b has the rows `starts[b]..starts[b + 1]` of `rows`, of the lower triangle.
+    starts: Vec<usize>,
+    rows: Vec<usize>,
+    pattern: Pattern,
+    values: Vec<f64>,
+    right: Mat<f64>,
+}
+
+impl NormalEquations {
+    pub fn new(net: &Net) -> Result<Self> {
+        let count = net.mesh.points.len();
+        let mut columns = vec![Vec::new(); count];
+        for quad in 0..net.mesh.quads.len() {
+            let control = net.surface.control(quad);
+            for &b in control {
+                let below = control.iter().filter(|&&a| a >= b).map(|&a| a as usize);
+                columns[b as usize].extend(below);
+            }
+        }
+        columns.par_iter_mut().for_each(|rows| {
+            rows.sort_unstable();
+            rows.dedup();
+        });
+        let mut starts = vec![0];
+        starts.extend(columns.iter().scan(0, |end, rows| {
+            *end += rows.len();
+            Some(*end)
+        }));
+        let rows = columns.concat();
+        let order = least_degree(&starts, &rows).ok_or(Error::Memory("net"))?;
+        let pattern = Pattern::new(starts.clone(), rows.clone(), &order);
+        let pattern = pattern.ok_or(Error::Memory("net"))?;
+        let values = vec![0.0; rows.len()];
+        Ok(NormalEquations { starts, rows, pattern, values, right: Mat::zeros(count, 3) })
+    }
+
+    /// Solves for the control points. The surface is held near the anchors, and where the `firmness` of a
+    /// vertex exceeds one, its control point is, too. A net whose control points are the vertices of a
+    /// layout without folds hardly folds, and a surface that goes through them may.
+    pub fn control_points(
+        &mut self,
+        net: &Net,
+        target: &FitTarget,
+        feet: &Feet,
+        firmness: &[f64],
+        anchors: &[Point],
+    ) -> Result<Vec<Point>> {
+        let count = net.mesh.points.len();
+        self.values.fill(0.0);
+        self.right = Mat::zeros(count, 3);
+        let members = members(net, feet);
+        let sums = members.par_iter().enumerate().map_init(Vec::new, |scratch, (quad, points)| {
+            quad_sums(net, target, feet, quad, points, scratch)
+        });
+        let sums: Vec<QuadSums> = sums.collect();
+        for (quad, of_quad) in sums.iter().enumerate() {
+            self.add_quad(net.surface.control(quad), of_quad);
+        }
+        let total: f64 = members.iter().flatten().map(|&i| target.weights[i as usize]).sum();
+        let mean = total.max(1.0) / count as f64;
+        for (v, anchor) in anchors.iter().enumerate() {
+            let weight = ANCHOR * mean;
+            self.add_row(&limit_row(net, v), weight, anchor);
+            self.add_row(&[(v, 1.0)], weight * (firmness[v] - 1.0), anchor);
+            self.add_row(&umbrella(net, v), FAIRING * mean, &Point::origin());
+        }
+        let solved = self.pattern.solve(&self.values, Some(&mut self.right));
+        solved.ok_or(Error::Singular("net"))?;
+        let right = &self.right;
+        let point = |v: usize| Point::new(right[(v, 0)], right[(v, 1)], right[(v, 2)]);
+        Ok((0..count).map(point).collect())
+    }
+
+    fn add_quad(&mut self, control: &[u32], sums: &QuadSums) {
         for (i, &a) in control.iter().enumerate() {
             let a = a as usize;
-            (0..3).for_each(|k| right[(a, k)] += of_quad.right[i][k]);
+            (0..3).for_each(|k| self.right[(a, k)] += sums.right[i][k]);
             // A control point occurs twice in a quad near a vertex with three quads.
             for (j, &b) in control.iter().enumerate() {
-                let b = b as usize;
-                let value = of_quad.matrix[(i.max(j), i.min(j))];
-                if a >= b && value != 0.0 {
-                    entries.push(Triplet::new(a, b, value));
-                }
+                self.add(a, b as usize, sums.matrix[(i.max(j), i.min(j))]);
             }
         }
     }
-    let total: f64 = members.iter().flatten().map(|&i| target.weights[i as usize]).sum();
-    let mean = total.max(1.0) / count as f64;
-    for (v, anchor) in anchors.iter().enumerate() {
-        let row = limit_row(net, v);
-        let weight = ANCHOR * mean;
-        for &(a, x) in &row {
-            (0..3).for_each(|k| right[(a, k)] += weight * x * anchor[k]);
-        }
-        add_square(&row, weight, &mut entries);
-        let hold = weight * (firmness[v] - 1.0);
-        if hold > 0.0 {
-            (0..3).for_each(|k| right[(v, k)] += hold * anchor[k]);
-            entries.push(Triplet::new(v, v, hold));
+
+    /// Adds that the combination of control points is the target.
+    fn add_row(&mut self, row: &[(usize, f64)], weight: f64, target: &Point) {
+        for &(a, x) in row {
+            (0..3).for_each(|k| self.right[(a, k)] += weight * x * target[k]);
+            row.iter().for_each(|&(b, y)| self.add(a, b, weight * x * y));
         }
     }
-    for v in 0..count {
-        add_square(&umbrella(net, v), FAIRING * mean, &mut entries);
+
+    /// Adds to an entry if it is in the lower triangle.
+    fn add(&mut self, a: usize, b: usize, value: f64) {
+        if a >= b && value != 0.0 {
+            let column = self.starts[b]..self.starts[b + 1];
+            if let Ok(k) = self.rows[column].binary_search(&a) {
+                self.values[self.starts[b] + k] += value;
+            }
+        }
     }
-    let singular = |_| Error::Singular("net");
-    let matrix = SparseColMat::<usize, f64>::try_new_from_triplets(count, count, &entries);
-    let matrix = matrix.map_err(|_| Error::Memory("net"))?;
-    Cholesky::new(matrix.as_ref()).map_err(singular)?.solve(&mut right);
-    let point = |v: usize| Point::new(right[(v, 0)], right[(v, 1)], right[(v, 2)]);
-    Ok((0..count).map(point).collect())
 }
 
 /// The points whose foot points lie on each quad.
@@ -121,14 +166,6 @@ fn quad_sums(
         }
     }
     QuadSums { matrix, right }
-}
-
-/// Adds the square of a row of the least-squares problem to the lower triangle.
-fn add_square(row: &[(usize, f64)], weight: f64, entries: &mut Vec<Triplet<usize, usize, f64>>) {
-    for &(a, x) in row {
-        let lower = row.iter().filter(|&&(b, _)| a >= b);
-        entries.extend(lower.map(|&(b, y)| Triplet::new(a, b, weight * x * y)));
-    }
 }
 
 /// The umbrella operator at a vertex: its control point minus the mean of its neighbours.
