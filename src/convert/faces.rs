@@ -9,6 +9,7 @@ use crate::mesh::boundary::Loop;
 use crate::mesh::{FaceOrigin, Mesh, Patch};
 use crate::spline::{Network, NetworkCut};
 use crate::trim::network::{CutFault, NetworkRim};
+use crate::net::Net;
 use crate::{Error, Result, layout, net, patches, trim};
 
 /// The most rounds in which the layout is made finer. Where the scan tells no more about the shape, further
@@ -24,6 +25,10 @@ const MOST_FAULTY: usize = 5;
 /// number grows only where it helps.
 const FAR: f64 = 5.0;
 const FEW: usize = 20;
+
+/// The most times that a surface is held more firmly to its layout near faults. Each makes it eight times
+/// as firm.
+const HOLDS: usize = 4;
 
 /// The gaps that are cut out of the faces.
 pub(super) struct Gaps {
@@ -114,38 +119,60 @@ pub(super) fn faces(
 }
 
 /// Makes the faces of a layout. Returns also those that turn over or go through each other, with places.
+/// Near them the surface is held to the layout.
 fn faces_of(
     layout: &QuadLayout,
     patch: &Patch,
     gaps: &Gaps,
     options: &net::Options,
     watch: &mut Observer,
-) -> Result<(Faces, Vec<(usize, Point)>)> {
+) -> Result<(Faces, Vec<Fault>)> {
+    let mut fit = net::fit_with(layout.quads(), patch, options, &mut within("fit", watch))?;
+    let mut best = faces_of_net(&fit, layout, patch, gaps, options.tolerance)?;
+    for _ in 0..HOLDS {
+        if best.1.is_empty() || best.0.uncut.is_some() {
+            break;
+        }
+        fit.hold(&best.1)?;
+        let held = faces_of_net(&fit, layout, patch, gaps, options.tolerance)?;
+        if held.1.len() >= best.1.len() {
+            break;
+        }
+        best = held;
+    }
+    Ok(best)
+}
+
+/// A face that turns over or goes through another one, and a place there.
+type Fault = (usize, Point);
+
+/// Cuts a fitted surface into faces, and checks them.
+fn faces_of_net(
+    fit: &net::NetFit,
+    layout: &QuadLayout,
+    patch: &Patch,
+    gaps: &Gaps,
+    tolerance: f64,
+) -> Result<(Faces, Vec<Fault>)> {
     let is_measured: Vec<bool> =
         patch.origin.iter().map(|&origin| origin == FaceOrigin::Measured).collect();
-    let mut within = within("fit", watch);
-    let (fitted, net) = net::fit_with(layout.quads(), patch, options, &mut within)?;
-    let (network, extracted) = patches::extract(&fitted.mesh, &fitted.surface)?;
+    let Net { mesh: quads, surface } = &fit.net;
+    let (network, extracted) = patches::extract(quads, surface)?;
     let (cut, uncut) = match gaps.cut(&network) {
         Ok(cut) => (cut, None),
         Err(fault) => (NetworkCut::none(&network), Some(fault)),
     };
     let kept = cut.kept_places(&network);
-    let to_scan = deviation::network_to_scan(
-        &network,
-        &kept,
-        &fitted.mesh,
-        &patch.mesh,
-        &is_measured,
-        options.tolerance,
-    );
+    let mesh = &patch.mesh;
+    let to_scan =
+        deviation::network_to_scan(&network, &kept, quads, mesh, &is_measured, tolerance);
     let mut faults = to_scan.inverted.clone();
     match &uncut {
         // Without loops nobody knows which faults count.
         Some(fault) => faults = vec![(fault.surface, fault.at)],
         None => faults.extend(deviation::crossing_faces(&network, &kept)),
     }
-    let (layout, irregular) = (layout.report(), extracted.irregular);
+    let (layout, irregular, net) = (layout.report(), extracted.irregular, fit.report.clone());
     Ok((Faces { network, cut, uncut, to_scan, layout, net, irregular }, faults))
 }
 

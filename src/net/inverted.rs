@@ -13,10 +13,6 @@ const SAMPLES: usize = 5;
 /// patches beside irregular vertices, which are not exact, turn by a few degrees more.
 const TURNED: f64 = 0.1;
 
-/// The factor by which a net becomes firmer at the vertices of a quad that is turned over. Smaller
-/// factors take more rounds, and larger ones flatten more than is needed.
-const FIRMER: f64 = 8.0;
-
 /// The quads on which the surface is turned over: a normal differs from that of the scan where the
 /// layout has put the place.
 pub(super) fn quads(net: &Net) -> Vec<usize> {
@@ -33,16 +29,4 @@ pub(super) fn quads(net: &Net) -> Vec<usize> {
     };
     let all = (0..net.mesh.quads.len()).into_par_iter().map_init(Vec::new, is_inverted);
     all.flatten_iter().collect()
-}
-
-/// Makes the net firmer at the vertices of quads that are turned over and at their neighbours.
-/// Returns whether there are any.
-pub(super) fn make_firmer(net: &Net, firmness: &mut [f64]) -> bool {
-    let inverted = quads(net);
-    let mut near = vec![false; firmness.len()];
-    for &quad in &inverted {
-        net.surface.control(quad).iter().for_each(|&v| near[v as usize] = true);
-    }
-    firmness.iter_mut().zip(near).filter(|(_, near)| *near).for_each(|(f, _)| *f *= FIRMER);
-    !inverted.is_empty()
 }

@@ -72,6 +72,10 @@ const INTERPOLATIONS: usize = 5;
 /// as strong, and after eight rounds it flattens everything.
 const FIRMER_ROUNDS: usize = 8;
 
+/// The factor by which a net becomes firmer where it is turned over. Smaller factors take more rounds, and
+/// larger ones flatten more than is needed.
+const FIRMER: f64 = 8.0;
+
 /// The weight of a point that fills a hole, beside that of a measured point. It is small because
 /// the fill was not measured, and not zero because the surface must follow it.
 const FILLED: f64 = 0.05;
@@ -133,20 +137,21 @@ impl Net {
 /// [`Error::Input`] if the quad mesh cannot be used. [`Error::Singular`] if the equations have no
 /// solution.
 pub fn fit(quads: &QuadMesh, scan: &Patch, options: &Options) -> Result<(Net, Report)> {
-    fit_with(quads, scan, options, &mut progress::ignore)
+    let fit = fit_with(quads, scan, options, &mut progress::ignore)?;
+    Ok((fit.net, fit.report))
 }
 
-/// The same, telling how far it has come.
+/// The same, telling how far it has come. The fit can go on.
 ///
 /// # Errors
 /// Those of [`fit`], and what `progress` returns.
-pub fn fit_with(
+pub fn fit_with<'a>(
     quads: &QuadMesh,
-    scan: &Patch,
-    options: &Options,
+    scan: &'a Patch,
+    options: &'a Options,
     progress: &mut Progress,
-) -> Result<(Net, Report)> {
-    let target = FitTarget::new(scan);
+) -> Result<NetFit<'a>> {
+    let mut target = FitTarget::new(scan, options);
     let points = target.weights.iter().filter(|&&weight| weight == 1.0).count();
     let most = options.max_control.min(points / POINTS_OF_CONTROL);
     let mut net = Net::new(quads.clone())?;
@@ -154,11 +159,11 @@ pub fn fit_with(
     (0..INTERPOLATIONS).for_each(|_| net.interpolate(&anchors));
     let mut level = 0;
     loop {
-        let feet = fit_level(&mut net, &target, &anchors, level, progress)?;
-        let report = Report::new(&net, &feet, scan.measured, options);
-        if report.beyond <= options.outliers || 4 * net.mesh.points.len() > most {
-            return Ok((net, report));
+        let fit = NetFit::new(net, target, anchors, level, progress)?;
+        if fit.report.beyond <= options.outliers || 4 * fit.net.mesh.points.len() > most {
+            return Ok(fit);
         }
+        NetFit { net, target, .. } = fit;
         net = refined(&net)?;
         anchors = net.limit_points();
         level += 1;
@@ -168,48 +173,113 @@ pub fn fit_with(
 /// What a surface is fitted to.
 struct FitTarget<'a> {
     points: &'a [Point],
+    /// The number of measured points. They come first.
+    measured: usize,
     normals: Vec<Vector>,
     /// The weight of each point.
     weights: Vec<f64>,
+    options: &'a Options,
 }
 
 impl<'a> FitTarget<'a> {
-    fn new(scan: &'a Patch) -> Self {
+    fn new(scan: &'a Patch, options: &'a Options) -> Self {
         let on_measured = scan.on_measured().into_iter();
         FitTarget {
             points: &scan.mesh.points,
+            measured: scan.measured.min(scan.mesh.points.len()),
             normals: scan.mesh.vertex_normals(),
             weights: on_measured.map(|measured| if measured { 1.0 } else { FILLED }).collect(),
+            options,
         }
     }
 }
 
-/// Fits the control points of one net, and returns the foot points on it. The surface is held near
-/// the anchors at the vertices.
-fn fit_level(
-    net: &mut Net,
-    target: &FitTarget,
-    anchors: &[Point],
-    level: u32,
-    progress: &mut Progress,
-) -> Result<Feet> {
-    // The share of the time that is left after this level, if each takes four times as long.
-    let share = |round: usize| 1.0 - 0.8f64.powi(level as i32) * (1.0 - 0.2 * round as f64 / 5.0);
-    let mut feet = Feet::new(net, target.points, &target.normals);
-    let mut firmness = vec![1.0; net.mesh.points.len()];
-    let mut equations = NormalEquations::new(net)?;
-    for round in 0..ROUNDS + FIRMER_ROUNDS {
-        progress(share(round.min(ROUNDS)))?;
-        if round >= ROUNDS && !inverted::make_firmer(net, &mut firmness) {
-            break;
+/// A fitted net, which can be held more firmly to the layout.
+pub struct NetFit<'a> {
+    /// The surface.
+    pub net: Net,
+    /// The results.
+    pub report: Report,
+    target: FitTarget<'a>,
+    /// The places of the layout at the vertices.
+    anchors: Vec<Point>,
+    /// How firmly each vertex is held to its anchor.
+    firmness: Vec<f64>,
+    feet: Feet,
+    equations: NormalEquations,
+}
+
+impl<'a> NetFit<'a> {
+    /// Fits the control points of one net. The surface is held near the anchors at the vertices.
+    fn new(
+        net: Net,
+        target: FitTarget<'a>,
+        anchors: Vec<Point>,
+        level: i32,
+        progress: &mut Progress,
+    ) -> Result<Self> {
+        // The share of the time that is left after this level, if each takes four times as long.
+        let share = |round: usize| 1.0 - 0.8f64.powi(level) * (1.0 - 0.2 * round as f64 / 5.0);
+        let feet = Feet::new(&net, target.points, &target.normals);
+        let firmness = vec![1.0; net.mesh.points.len()];
+        let equations = NormalEquations::new(&net)?;
+        let report = Report::default();
+        let mut fit = NetFit { net, report, target, anchors, firmness, feet, equations };
+        for round in 0..ROUNDS + FIRMER_ROUNDS {
+            progress(share(round.min(ROUNDS)))?;
+            if round >= ROUNDS && !fit.make_firmer(&inverted::quads(&fit.net)) {
+                break;
+            }
+            fit.move_points(round == 0)?;
         }
-        net.mesh.points = equations.control_points(net, target, &feet, &firmness, anchors)?;
-        feet = match round {
-            0 => Feet::new(net, target.points, &target.normals),
-            _ => feet.moved(net, target.points, &target.normals),
-        };
+        fit.report = Report::of(&fit);
+        Ok(fit)
     }
-    Ok(feet)
+
+    /// Finds the control points, and the foot points on the new surface. They are searched on the whole
+    /// surface if it is the `first` one.
+    fn move_points(&mut self, first: bool) -> Result<()> {
+        let NetFit { net, target, anchors, firmness, feet, equations, .. } = self;
+        net.mesh.points = equations.control_points(net, target, feet, firmness, anchors)?;
+        *feet = match first {
+            true => Feet::new(net, target.points, &target.normals),
+            false => feet.moved(net, target.points, &target.normals),
+        };
+        Ok(())
+    }
+
+    /// Holds the vertices of some quads and their neighbours more firmly. Returns whether there are any.
+    fn make_firmer(&mut self, quads: &[usize]) -> bool {
+        let mut near = vec![false; self.firmness.len()];
+        for &quad in quads {
+            self.net.surface.control(quad).iter().for_each(|&v| near[v as usize] = true);
+        }
+        let firmness = self.firmness.iter_mut().zip(near).filter(|(_, near)| *near);
+        firmness.for_each(|(firmness, _)| *firmness *= FIRMER);
+        !quads.is_empty()
+    }
+
+    /// Fits again, and holds the surface more firmly to the layout near some places, each with the number
+    /// of its block.
+    ///
+    /// # Errors
+    /// [`Error::Singular`] if the equations have no solution.
+    pub fn hold(&mut self, places: &[(usize, Point)]) -> Result<()> {
+        let per_block = self.net.mesh.side * self.net.mesh.side;
+        let off = |quad: usize, p: Point| {
+            let corners = self.net.mesh.quads[quad].map(|v| self.anchors[v.index()].coords);
+            (corners.iter().sum::<Vector>() / 4.0 - p.coords).norm_squared()
+        };
+        let nearest = |&(block, p): &(usize, Point)| {
+            let quads = per_block * block..per_block * (block + 1);
+            quads.min_by(|&a, &b| off(a, p).total_cmp(&off(b, p)))
+        };
+        let quads: Vec<usize> = places.iter().filter_map(nearest).collect();
+        self.make_firmer(&quads);
+        self.move_points(false)?;
+        self.report = Report::of(self);
+        Ok(())
+    }
 }
 
 impl Report {
@@ -218,8 +288,9 @@ impl Report {
         Report { rms: factor * self.rms, ..self }
     }
 
-    fn new(net: &Net, feet: &Feet, measured: usize, options: &Options) -> Self {
-        let all = &feet.feet[..measured.min(feet.feet.len())];
+    fn of(fit: &NetFit) -> Self {
+        let (net, options) = (&fit.net, fit.target.options);
+        let all = &fit.feet.feet[..fit.target.measured];
         let distances: Vec<f64> = all.iter().flatten().map(|foot| foot.distance).collect();
         let squares: f64 = distances.iter().map(|d| d * d).sum();
         let beyond = distances.iter().filter(|&&d| d > options.tolerance).count();
