@@ -14,7 +14,7 @@ use crate::{Error, Result, layout, net, patches, trim};
 
 /// The most rounds in which the layout is made finer. Where the scan tells no more about the shape, further
 /// rounds do not help.
-const FINER_ROUNDS: usize = 6;
+const FINER_ROUNDS: usize = 4;
 
 /// The layout is not made finer if more than one in this number of faces is faulty. Then the parts of the
 /// scan are finer than its triangles nearly everywhere, and finer layouts have more faults.

@@ -176,6 +176,9 @@ fn collapse(base: &Base, spread: f64, v: u32, ring: &[(u32, u32)], k: usize) -> 
     Some(Change { old, new, corners, members })
 }
 
+/// The largest power. At the tip of a needle a larger one would leave no difference between short lengths.
+const MOST_POWER: f64 = 4.0;
+
 /// The ring of a vertex in the plane: its angles are scaled to a full circle, and its lengths raised
 /// to the same power (Welch, Witkin 1994).
 fn flattened(base: &Base, v: u32, ring: &[(u32, u32)]) -> Option<Vec<Uv>> {
@@ -185,13 +188,14 @@ fn flattened(base: &Base, v: u32, ring: &[(u32, u32)]) -> Option<Vec<Uv>> {
     let sum: f64 = angles.iter().sum();
     let longest = arms.iter().map(|a| a.norm()).fold(0.0, f64::max);
     (sum > 0.0 && longest > 0.0).then_some(())?;
-    let power = std::f64::consts::TAU / sum;
+    let turned = std::f64::consts::TAU / sum;
+    let power = turned.min(MOST_POWER);
     let mut turn: f64 = 0.0;
     let mut flat = Vec::with_capacity(m);
     for i in 0..m {
         let radius = (arms[i].norm() / longest).powf(power);
         flat.push(Uv::new(radius * turn.cos(), radius * turn.sin()));
-        turn += power * angles[i];
+        turn += turned * angles[i];
     }
     Some(flat)
 }

@@ -72,7 +72,8 @@ pub(crate) fn nearest_on([a, b, c]: [Point; 3], p: Point) -> Point {
     if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
         return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
     }
-    let sum = va + vb + vc;
+    // The sum is zero for a triangle without an area, whose corner `a` is then near enough.
+    let sum = (va + vb + vc).max(f64::MIN_POSITIVE);
     a + ab * (vb / sum) + ac * (vc / sum)
 }
 
