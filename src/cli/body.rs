@@ -109,6 +109,8 @@ pub fn write(
     let written = cad::write_brep(args, &all, scan.colour)?;
     run.progress.ended("write", "");
     let mut figures = BodyReport::of(bodies, &scan.source, settings::settings(args, named, scan));
+    let shapes = figures.solids.iter_mut().map(|solid| &mut solid.shape);
+    shapes.for_each(|shape| shape.fallback = run.fallback.clone());
     figures.outputs =
         args.out.iter().zip(&written).map(|(f, file)| output(&f.path, file)).collect();
     figures.stages = run.progress.stages.iter().map(stage).collect();

@@ -44,6 +44,7 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
         kept,
         is_tried,
         crushed: None,
+        fallback: None,
     };
     if !bodies.is_empty() {
         if is_tried {
@@ -65,7 +66,7 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     };
     let conversions = conversions.map_err(|e| input::stopped(&args.piece.scan, &e))?;
     drop(components);
-    let Run { mut progress, stages, views, given, .. } = run;
+    let Run { mut progress, stages, views, given, fallback, .. } = run;
     let files = cad::write(args, &conversions, scan.colour)?;
     progress.ended("write", "");
     for c in &conversions {
@@ -75,6 +76,7 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     }
     let mut report =
         Report::of(&conversions, &scan.source, settings::settings(args, &named, &scan));
+    report.faces.iter_mut().for_each(|face| face.shape.fallback = fallback.clone());
     report.outputs = args.out.iter().zip(&files).map(|(f, file)| output(&f.path, file)).collect();
     report.stages = progress.stages.iter().map(stage).collect();
     report.seconds = progress.seconds();
@@ -149,6 +151,8 @@ pub struct Run<'a> {
     pub views: Vec<ReportView>,
     /// Hints that were given while stages ran.
     given: Vec<String>,
+    /// Why the shape is not the first one that was tried.
+    pub fallback: Option<String>,
     /// The number of files of stages before the conversion.
     kept: usize,
     /// Whether a sheet that one face does not hold well may become a shell.
@@ -214,10 +218,13 @@ impl Run<'_> {
         let chosen = chosen(self.args, components, options.outer(), &self.progress).into_iter();
         let chosen: Vec<_> = chosen.map(|component| (component, TargetShape::Shell)).collect();
         self.restart();
+        self.fallback = Some(format!("one face does not hold the scan: {why}"));
         match body::convert(self, components, options, &chosen) {
             Ok(made) => Some(made),
             Err(error) => {
-                self.progress.say(&format!("shape: a face, as no sound shell was found: {error}"));
+                let why = format!("no sound shell was found: {error}");
+                self.progress.say(&format!("shape: a face, as {why}"));
+                self.fallback = Some(why);
                 self.restart();
                 self.is_tried = false;
                 None

@@ -2,10 +2,10 @@
 
 use scan2step::mesh::Choice;
 use scan2step::report::Settings;
-use scan2step::{Cut, Options, fit, parameterize, smooth};
+use scan2step::{Cut, Options, TargetShape, fit, parameterize, smooth};
 
 use super::Failure;
-use super::args::{ComponentChoice, Convert, Fit, Map, OutlineChoice};
+use super::args::{ComponentChoice, Convert, Fit, Map, OutlineChoice, ShapeChoice};
 use super::cad::{self, part_name};
 use super::input::{Scan, stopped};
 use super::places::NamedCorners;
@@ -69,6 +69,12 @@ pub fn settings(args: &Convert, options: &Options, scan: &Scan) -> Settings {
         .of_files(cad::schema(args.how.schema), cad::form(args.how.iges));
     if args.how.component == ComponentChoice::All {
         settings = settings.of_all_components();
+    }
+    match args.how.shape {
+        ShapeChoice::Auto => {}
+        ShapeChoice::Face => settings = settings.of_shape(TargetShape::Face),
+        ShapeChoice::Shell => settings = settings.of_shape(TargetShape::Shell),
+        ShapeChoice::Solid => settings = settings.of_shape(TargetShape::Solid),
     }
     // As the user wrote it: a share times 100 may differ in its last digit.
     settings.outliers = args.how.outliers;

@@ -7,9 +7,9 @@ use crate::geometry::{Bound, Point};
 use crate::layout::QuadLayout;
 use crate::mesh::boundary::Loop;
 use crate::mesh::{FaceOrigin, Mesh, Patch};
+use crate::net::Net;
 use crate::spline::{Network, NetworkCut};
 use crate::trim::network::{CutFault, NetworkRim};
-use crate::net::Net;
 use crate::{Error, Result, layout, net, patches, trim};
 
 /// The most rounds in which the layout is made finer. Where the scan tells no more about the shape, further
@@ -164,8 +164,7 @@ fn faces_of_net(
     };
     let kept = cut.kept_places(&network);
     let mesh = &patch.mesh;
-    let to_scan =
-        deviation::network_to_scan(&network, &kept, quads, mesh, &is_measured, tolerance);
+    let to_scan = deviation::network_to_scan(&network, &kept, quads, mesh, &is_measured, tolerance);
     let mut faults = to_scan.inverted.clone();
     match &uncut {
         // Without loops nobody knows which faults count.

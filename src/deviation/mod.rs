@@ -36,6 +36,8 @@ pub struct Deviation {
     pub distances: Vec<f64>,
     /// Which of the points are above the face, where that is known.
     above: Option<Vec<bool>>,
+    /// The face nearest to each point, if there are several.
+    faces: Vec<usize>,
 }
 
 impl Deviation {
@@ -58,6 +60,7 @@ impl Deviation {
             max_at: points[worst].coords.into(),
             distances,
             above: None,
+            faces: Vec::new(),
         }
     }
 
@@ -85,7 +88,17 @@ impl Deviation {
             max_at: self.max_at.map(|x| factor * x),
             distances: self.distances.iter().map(|d| factor * d).collect(),
             above: self.above,
+            faces: self.faces,
         }
+    }
+
+    /// The number of points that are nearest to a face, and their root mean square and largest distance.
+    pub fn of_face(&self, face: usize) -> (usize, f64, f64) {
+        let own = self.distances.iter().zip(&self.faces).filter(|of| *of.1 == face);
+        let sums = own.fold((0, 0.0, 0.0), |(count, squares, max), (&d, _)| {
+            (count + 1, squares + d * d, f64::max(max, d))
+        });
+        (sums.0, (sums.1 / f64::max(sums.0 as f64, 1.0)).sqrt(), sums.2)
     }
 
     /// The number of points whose distance exceeds `tolerance`.

@@ -32,8 +32,8 @@ pub(crate) fn nearest_of<S: ParametricSurface>(
     best
 }
 
-/// The deviation of points from the faces that a cut leaves of a network, and the sides of the faces
-/// that they are on.
+/// The deviation of points from the faces that a cut leaves of a network, the sides of the faces that they
+/// are on, and the face nearest to each.
 pub fn of_network(network: &Network, cut: &NetworkCut, points: &[Point]) -> Deviation {
     let face = |face: &KeptFace| {
         let surface = &network.surfaces[face.surface];
@@ -44,10 +44,10 @@ pub fn of_network(network: &Network, cut: &NetworkCut, points: &[Point]) -> Devi
     let faces: Vec<_> = cut.faces.iter().map(face).collect();
     let each = points.par_iter().map(|&p| {
         let (distance, number, at) = nearest_of(&faces, p);
-        (distance, faces[number].is_above(p, at))
+        (distance, (faces[number].is_above(p, at), number))
     });
-    let (distances, above): (Vec<f64>, Vec<bool>) = each.unzip();
-    Deviation::of(points, distances).with_sides(above)
+    let (distances, (above, faces)): (Vec<f64>, (Vec<bool>, Vec<usize>)) = each.unzip();
+    Deviation { faces, ..Deviation::of(points, distances).with_sides(above) }
 }
 
 /// How far samples of a network are from the triangles of a mesh, and how they face.

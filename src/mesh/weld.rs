@@ -73,3 +73,18 @@ fn rounding(soup: &Soup, mm: f64) -> f64 {
     let [low, high] = bounds(usable);
     (ROUNDING * (high - low).max()).max(f64::MIN_POSITIVE)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_that_differ_by_rounding_are_one() {
+        let points = vec![[0.0, 1.0, 2.0], [-3e-17, 1.0, 2.0], [1e-6, 1.0, 2.0], [0.0, 1.0, 3.0]];
+        let soup = Soup { points, ..Soup::default() };
+        let mut repairs = Repairs::default();
+        let welded = weld(&soup, 1.0, 1.0, &mut repairs);
+        assert_eq!(welded.number, [0, 0, 1, 2]);
+        assert_eq!(repairs.get("welded_vertices"), Some(&1));
+    }
+}

@@ -19,7 +19,7 @@ const FREE: [(usize, usize); 4] = [(1, 1), (2, 1), (1, 2), (2, 2)];
 /// The number of samples of the limit surface along each side of the quad, and of each spoke.
 const SAMPLES: usize = 8;
 
-/// The number of places in each span at which the normal of a patch is compared with that of the layout.
+/// The number of places in each span at which the normal of a patch is compared with that of the limit surface.
 const INSIDE: usize = 3;
 
 /// The weight of the slope against the limit normals along the spokes, beside that of distances. It
@@ -75,9 +75,9 @@ impl Corner {
     }
 
     /// The cosine of the largest angle between the normals of the patch and the limit normals along the
-    /// spokes. It is less by one if the patch turns away from `facing`, which gives a normal of the
-    /// layout at a place of the patch.
-    fn facing(&self, patch: &Surface, spokes: &[Spoke; 2], facing: impl Fn(Uv) -> Vector) -> f64 {
+    /// spokes. It is less by one if the patch turns away from the limit normals on the quad, which
+    /// `limit` gives for places counted from the corner.
+    fn facing(&self, patch: &Surface, spokes: &[Spoke; 2], limit: impl Fn(Uv) -> Vector) -> f64 {
         let normal = |at: Uv| {
             let jet = patch.jet(self.uv(at));
             jet.su.cross(&jet.sv).try_normalize(0.0).unwrap_or_default()
@@ -90,7 +90,7 @@ impl Corner {
         });
         let middles: Vec<f64> = patch.u.middles(INSIDE).into_iter().filter(|&t| t < 1.0).collect();
         let mut inside = middles.iter().flat_map(|&x| middles.iter().map(move |&y| Uv::new(x, y)));
-        let turned = inside.any(|at| normal(at).dot(&facing(self.uv(at))) <= 0.0);
+        let turned = inside.any(|at| normal(at).dot(&limit(at)) <= 0.0);
         on_spokes.fold(1.0, f64::min) - f64::from(u8::from(turned))
     }
 
@@ -131,7 +131,7 @@ impl PatchSource<'_> {
                 }
                 self.solve(&corner, patch, &spokes, &samples, (&blends, weight));
             }
-            let facing = corner.facing(patch, &spokes, |at| self.mesh.block_normal(block, at));
+            let facing = corner.facing(patch, &spokes, |at| self.limit_normal(quad, k, at));
             if best.as_ref().is_none_or(|best| facing > best.0) {
                 best = Some((facing, FREE.map(|(a, b)| patch.net[corner.at(a, b)]).to_vec()));
             }
@@ -143,6 +143,13 @@ impl PatchSource<'_> {
         for (&(a, b), point) in FREE.iter().zip(points) {
             patch.net[corner.at(a, b)] = point;
         }
+    }
+
+    /// A normal of the limit surface at a place counted from corner `k` of a quad.
+    fn limit_normal(&self, quad: usize, k: usize, at: Uv) -> Vector {
+        let place = QuadPlace { quad, at: from_corner(k, at) };
+        let [_, du, dv] = self.surface.jet(self.control, place, &mut Vec::new());
+        du.cross(&dv)
     }
 
     /// Points of the limit surface on the irregular quad, with their estimated places on the patch.

@@ -1,7 +1,10 @@
 //! The figures of solids and shells.
 
 use super::figures::{DeviationFigures, FillFigures, SmoothFigures, filled_holes};
-use super::{InputFigures, OutputFile, ScanSource, Settings, StageFigures, VERSION};
+use super::{
+    InputFigures, OutputFile, PatchFigures, ScanSource, Settings, ShapeFigures, StageFigures,
+    VERSION,
+};
 use crate::{BodyConversion, TargetShape};
 
 /// What a run made of the bodies of a scan, and how well.
@@ -60,6 +63,8 @@ pub struct BodyFigures {
     pub face_to_scan: DeviationFigures,
     /// The solid.
     pub shape: ShapeFigures,
+    /// Each face, in the order of the B-rep.
+    pub faces: Vec<PatchFigures>,
 }
 
 /// The fit of the surface of a body.
@@ -78,50 +83,6 @@ pub struct BodyFitFigures {
     pub deviation: DeviationFigures,
     /// The percentage of points within the tolerance.
     pub within_pct: f64,
-}
-
-/// The shape that a scan became.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct ShapeFigures {
-    /// "solid", "void" or "shell".
-    pub kind: &'static str,
-    /// The number of solids.
-    pub solids: usize,
-    /// The number of shells.
-    pub shells: usize,
-    /// The number of faces.
-    pub faces: usize,
-    /// The number of edges.
-    pub edges: usize,
-    /// The number of edges that only one face uses.
-    pub free_edges: usize,
-    /// The number of vertices.
-    pub vertices: usize,
-    /// The number of vertices at which other than four faces meet.
-    pub irregular_vertices: usize,
-    /// The number of control points of all faces.
-    pub control_points: usize,
-    /// The enclosed volume.
-    pub volume_mm3: Option<f64>,
-    /// The angles between neighbouring faces.
-    pub seam_deg: SeamFigures,
-    /// The number of places at which faces turn over.
-    pub folds: usize,
-}
-
-/// Angles between neighbouring faces, in degrees.
-#[derive(Debug, Clone, PartialEq)]
-#[cfg_attr(feature = "serde", derive(serde::Serialize))]
-#[non_exhaustive]
-pub struct SeamFigures {
-    /// The mean.
-    pub mean: f64,
-    /// The 95th percentile.
-    pub p95: f64,
-    /// The largest.
-    pub max: f64,
 }
 
 impl BodyReport {
@@ -178,36 +139,8 @@ impl BodyFigures {
             },
             deviation: DeviationFigures::of(&solid.deviation),
             face_to_scan: DeviationFigures::of(&solid.face_to_scan.deviation),
-            shape: ShapeFigures::of(solid),
-        }
-    }
-}
-
-impl ShapeFigures {
-    fn of(solid: &BodyConversion) -> Self {
-        let brep = &solid.brep;
-        let uses = brep.uses();
-        ShapeFigures {
-            kind: match solid.shape {
-                TargetShape::Solid => "solid",
-                TargetShape::Void => "void",
-                TargetShape::Shell | TargetShape::Face => "shell",
-            },
-            solids: brep.solids.len(),
-            shells: brep.shells.len(),
-            faces: brep.faces.len(),
-            edges: brep.edges.len(),
-            free_edges: uses.iter().filter(|uses| uses.len() == 1).count(),
-            vertices: brep.vertices.len(),
-            irregular_vertices: solid.irregular,
-            control_points: solid.network.surfaces.iter().map(|s| s.net.len()).sum(),
-            volume_mm3: solid.volume,
-            seam_deg: SeamFigures {
-                mean: solid.seams.mean,
-                p95: solid.seams.p95,
-                max: solid.seams.max,
-            },
-            folds: solid.face_to_scan.inverted.len(),
+            shape: ShapeFigures::of_body(solid),
+            faces: PatchFigures::all(solid),
         }
     }
 }

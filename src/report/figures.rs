@@ -1,6 +1,6 @@
 //! The figures of one face.
 
-use super::{InputFigures, ScanSource};
+use super::{InputFigures, ScanSource, ShapeFigures};
 use crate::deviation::{Deviation, FaceToScan};
 use crate::mesh::Bound;
 use crate::{Conversion, fill, fit, smooth};
@@ -34,6 +34,8 @@ pub struct FaceFigures {
     pub rim_tolerance_mm: f64,
     /// The loops that bound the face and its islands.
     pub trim: Vec<TrimFigures>,
+    /// The elements of the B-rep, and their area.
+    pub shape: ShapeFigures,
 }
 
 /// What smoothing did.
@@ -239,6 +241,7 @@ impl FaceFigures {
             face_to_scan: FaceToScanFigures::of(&c.face_to_scan),
             rim_tolerance_mm: c.rim_tolerance,
             trim: trim(c),
+            shape: ShapeFigures::of_face(c),
         }
     }
 }

@@ -23,6 +23,7 @@ mod input;
 #[cfg(feature = "json")]
 mod json;
 mod settings;
+mod shape;
 
 #[cfg(feature = "picture")]
 mod histogram;
@@ -40,7 +41,7 @@ mod plane;
 #[cfg(feature = "html")]
 mod scene;
 
-pub use body::{BodyFigures, BodyFitFigures, BodyReport, SeamFigures, ShapeFigures};
+pub use body::{BodyFigures, BodyFitFigures, BodyReport};
 pub use check::{CadFigures, CheckFigures, CheckedScan, DistanceFigures};
 pub use cloud::{CloudFigures, CloudMeshFigures, ScanFigures};
 pub use figures::{
@@ -50,6 +51,7 @@ pub use figures::{
 pub use hints::likely_unit;
 pub use input::{InputFigures, InspectionFigures, RimFigures, ScanSource};
 pub use settings::{Setting, Settings};
+pub use shape::{PatchFigures, SeamFigures, ShapeFigures, SurfaceCounts};
 #[cfg(feature = "picture")]
 pub use still::picture_png;
 #[cfg(feature = "picture")]

@@ -7,7 +7,7 @@ use super::figures::fit_method;
 use crate::geometry::Point;
 use crate::mesh::{Choice, Outer};
 use crate::smooth::{Corners, Support};
-use crate::{Cut, Options, ScanPlace, parameterize};
+use crate::{Cut, Options, ScanPlace, TargetShape, parameterize};
 
 /// What the caller asked for. `None`, and "auto", leave it to what is found on the scan.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,6 +26,8 @@ pub struct Settings {
     pub origin: &'static str,
     /// A place on the outer boundary loop: one item.
     pub outer: Option<Vec<ScanPlace>>,
+    /// What the scan becomes: "auto", "face", "shell" or "solid".
+    pub shape: &'static str,
     /// The farthest that a point of the smoothed scan may be from the face, in mm.
     pub tolerance: Option<f64>,
     /// How far a trim loop may be from the measured rim, in mm.
@@ -98,6 +100,7 @@ impl Settings {
             scan: options.cloud.scan,
             origin: if options.keeps_origin { "keep" } else { "local" },
             outer: named.outer.map(|place| vec![place]).or(outer),
+            shape: "auto",
             tolerance: options.tolerance,
             rim_tolerance: options.rim_tolerance,
             outliers: 100.0 * options.outliers,
@@ -148,6 +151,17 @@ impl Settings {
     #[must_use]
     pub fn of_all_components(self) -> Self {
         Settings { component: Setting::Word("all"), ..self }
+    }
+
+    /// The same with the shape that was asked for. Otherwise it is "auto".
+    #[must_use]
+    pub fn of_shape(self, shape: TargetShape) -> Self {
+        let shape = match shape {
+            TargetShape::Face => "face",
+            TargetShape::Shell => "shell",
+            TargetShape::Solid | TargetShape::Void => "solid",
+        };
+        Settings { shape, ..self }
     }
 
     /// The same with the schema and the form of the files that were written.

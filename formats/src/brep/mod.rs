@@ -12,8 +12,8 @@
 
 mod check;
 mod fault;
+mod integrals;
 mod truck;
-mod volume;
 
 pub use fault::{BrepElement, ModelFault};
 pub use truck::Refusal;

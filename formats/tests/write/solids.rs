@@ -17,6 +17,17 @@ fn they_are_sound_and_have_their_volume() {
     }
 }
 
+#[test]
+fn the_area_is_known() {
+    use std::f64::consts::PI;
+    let [large, small] = crate::bodies::RADII;
+    let areas = [(torus(""), 4.0 * PI * PI * large * small), (cube(""), 2200.0)];
+    for (brep, area) in areas {
+        let found = brep.area(ShellId(0));
+        assert!((found - area).abs() < 1e-7 * area, "{found} of {area}");
+    }
+}
+
 /// Broken variants of a valid part, each with its error.
 #[test]
 fn broken_ones_are_refused() {

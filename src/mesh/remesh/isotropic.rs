@@ -26,6 +26,9 @@ const LEAST_VALENCE: usize = 4;
 /// A change may turn a triangle by an angle with at least this cosine (60°).
 const TURNED: f64 = 0.5;
 
+/// Two triangles are flat if the cosine of the angle between them is at least this (26°).
+const FLAT: f64 = 0.9;
+
 /// A closed mesh with sides of about a length. Its vertices lie on the given mesh.
 pub fn isotropic(scan: &Mesh, length: f64) -> Mesh {
     let surface = Triangles::new(scan);
@@ -102,7 +105,7 @@ impl Collapses<'_> {
             of_a.iter().copied().filter(|v| of_b.binary_search(v).is_ok()).collect();
         of_a.binary_search(&b).is_ok()
             && common.len() == 2
-            && common.iter().all(|&v| self.around[v].len() > LEAST_VALENCE - 1)
+            && common.iter().all(|&v| self.around[v].len() >= LEAST_VALENCE)
     }
 
     /// Moves `a` onto `b` unless a triangle turns too far or an edge becomes too long.
@@ -142,9 +145,6 @@ fn flip_edges(points: &[Point], triangles: &mut [[usize; 3]]) {
     let mut sides = Sides::of(triangles);
     flip(points, triangles, &mut sides, |_, _| false, may);
 }
-
-/// Two triangles are flat if the cosine of the angle between them is at least this (26°).
-const FLAT: f64 = 0.9;
 
 /// Moves the points along the surface towards the means of their neighbours, and onto the scan.
 fn move_points(points: &mut [Point], triangles: &[[usize; 3]], scan: &Mesh, surface: &Triangles) {
@@ -194,5 +194,54 @@ fn used(points: &[Point], triangles: &[[usize; 3]]) -> Mesh {
     Mesh {
         points: kept.iter().map(|&v| points[v]).collect(),
         triangles: triangles.iter().map(numbered).collect(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mesh::EdgeMap;
+
+    /// A cylinder of radius 10 and height 40 with two flat ends, as CAD programs write it: long slivers.
+    fn cylinder() -> Mesh {
+        let n = 90;
+        let rim = |z: f64| {
+            (0..n).map(move |k| {
+                let turn = std::f64::consts::TAU * k as f64 / n as f64;
+                Point::new(10.0 * turn.cos(), 10.0 * turn.sin(), z)
+            })
+        };
+        let points: Vec<Point> = rim(0.0).chain(rim(40.0)).collect();
+        let sides = (0..n).flat_map(|k| {
+            let (next, up) = ((k + 1) % n, n);
+            [[k, next, up + next], [k, up + next, up + k]]
+        });
+        let ends = (1..n - 1).flat_map(|k| [[0, k + 1, k], [n, n + k, n + k + 1]]);
+        let triangles = sides.chain(ends).map(|t: [usize; 3]| t.map(VertexId::from));
+        Mesh { points, triangles: triangles.collect() }
+    }
+
+    #[test]
+    fn slivers_become_even_and_the_surface_stays() {
+        let scan = cylinder();
+        let length = 1.0;
+        let even = isotropic(&scan, length);
+        let edges = EdgeMap::new(&even);
+        let sides = 0..3 * even.triangles.len();
+        assert!(sides.clone().all(|side| edges.across(side).is_some()), "it is not closed");
+        assert_eq!(2 * even.points.len(), even.triangles.len() + 4, "it has another genus");
+        let lengths: Vec<f64> = sides
+            .map(|side| {
+                let (a, b) = even.side(side);
+                (even.point(b) - even.point(a)).norm()
+            })
+            .collect();
+        let uneven = lengths.iter().filter(|l| !(0.4..1.6).contains(*l)).count();
+        assert!(uneven * 200 < lengths.len(), "{uneven} of {}", lengths.len());
+        let area = even.area() / scan.area();
+        assert!((area - 1.0).abs() < 0.02, "{area}");
+        let surface = Triangles::new(&scan);
+        let off = even.points.iter().map(|&p| surface.nearest(p).0).fold(0.0, f64::max);
+        assert!(off < 1e-9, "{off}");
     }
 }

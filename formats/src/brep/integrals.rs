@@ -1,7 +1,7 @@
-//! The volume of a closed shell.
+//! The area of a shell, and the volume of a closed one.
 //!
 //! The divergence theorem converts the volume integral to integrals over the faces, and Green's
-//! theorem converts these to integrals along the pcurves.
+//! theorem converts integrals over faces to integrals along the pcurves.
 
 use super::{Brep, BrepCurve, BrepSurface, EdgeUse, FaceId, PCurve, ShellId};
 use crate::spline::SplineSurface;
@@ -27,11 +27,25 @@ impl Brep {
         let [low, high] = self.bounds(shell);
         // The origin is in the middle of the shell, because a distant one would increase rounding.
         let origin = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
+        self.integral(shell, |s, normal| {
+            (0..3).map(|k| (s[k] - origin[k]) * normal[k]).sum::<f64>() / 3.0
+        })
+    }
+
+    /// The area in mm² of the faces of a shell. All numbers of the model must refer to existing elements.
+    /// The quadrature uses eight nodes in each span, which is near 1e-9 for spans that turn by less than a
+    /// right angle.
+    pub fn area(&self, shell: ShellId) -> f64 {
+        self.integral(shell, |_, [a, b, c]| a.hypot(b).hypot(c))
+    }
+
+    /// The integral over u and v of a density, which is given by the place and S_u × S_v.
+    fn integral(&self, shell: ShellId, density: impl Fn([f64; 3], [f64; 3]) -> f64) -> f64 {
         let of_face = |&id: &FaceId| {
             let face = &self.faces[id.0];
             let BrepSurface::Spline(surface) = &self.surfaces[face.surface.0];
             let uses = face.loops.iter().flatten();
-            uses.map(|of_loop| swept(surface, origin, of_loop)).sum::<f64>()
+            uses.map(|of_loop| swept(surface, &density, of_loop)).sum::<f64>()
         };
         self.shells[shell.0].faces.iter().map(of_face).sum()
     }
@@ -53,18 +67,18 @@ impl Brep {
     }
 }
 
-/// −∮ G du along one edge of a loop, where G(u, v) is the integral of
-/// (S − origin) · (S_u × S_v) / 3 from the surface's first v to v.
+/// −∮ G du along one edge of a loop, where G(u, v) is the integral of the density from the surface's
+/// first v to v.
 fn swept(
     surface: &SplineSurface,
-    origin: [f64; 3],
+    density: &impl Fn([f64; 3], [f64; 3]) -> f64,
     EdgeUse { pcurve, forward, .. }: &EdgeUse,
 ) -> f64 {
     let breaks = pieces(surface, pcurve);
     let piece = |ends: &[f64]| {
         gauss(ends[0], ends[1], |t| {
             let [u, v] = pcurve.point(t);
-            column(surface, origin, [u, v]) * pcurve.speed(t)[0]
+            column(surface, density, [u, v]) * pcurve.speed(t)[0]
         })
     };
     let along: f64 = breaks.windows(2).map(piece).sum();
@@ -104,15 +118,18 @@ fn divided(breaks: Vec<f64>, rational: bool) -> Vec<f64> {
         .collect()
 }
 
-/// The integral along v from the surface's first v to `end`.
-fn column(surface: &SplineSurface, origin: [f64; 3], [u, end]: [f64; 2]) -> f64 {
+/// The integral of a density along v from the surface's first v to `end`.
+fn column(
+    surface: &SplineSurface,
+    density: &impl Fn([f64; 3], [f64; 3]) -> f64,
+    [u, end]: [f64; 2],
+) -> f64 {
     let breaks = divided(surface.v().breaks(), surface.weights().is_some());
     let spans = breaks.windows(2).take_while(|span| span[0] < end);
     let span = |span: &[f64]| {
         gauss(span[0], span[1].min(end), |v| {
             let [s, [a, b, c], [d, e, f]] = surface.tangents(u, v);
-            let normal = [b * f - c * e, c * d - a * f, a * e - b * d];
-            (0..3).map(|k| (s[k] - origin[k]) * normal[k]).sum::<f64>() / 3.0
+            density(s, [b * f - c * e, c * d - a * f, a * e - b * d])
         })
     };
     spans.map(span).sum()

@@ -1,0 +1,153 @@
+//! The figures of the shape that a scan became, and of each of its faces.
+
+use formats::Brep;
+use formats::brep::ShellId;
+
+use crate::{BodyConversion, Conversion, TargetShape};
+
+/// The shape that a scan became.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct ShapeFigures {
+    /// "face", "solid", "void" or "shell".
+    pub kind: &'static str,
+    /// The number of solids.
+    pub solids: usize,
+    /// The number of shells.
+    pub shells: usize,
+    /// The number of faces.
+    pub faces: usize,
+    /// The number of edges.
+    pub edges: usize,
+    /// The number of edges that only one face uses.
+    pub free_edges: usize,
+    /// The number of vertices.
+    pub vertices: usize,
+    /// The number of vertices at which other than four faces meet.
+    pub irregular_vertices: usize,
+    /// The number of control points of all faces.
+    pub control_points: usize,
+    /// The number of surfaces of each kind.
+    pub surfaces: SurfaceCounts,
+    /// The area of all faces.
+    pub area_mm2: f64,
+    /// The enclosed volume of a solid.
+    pub volume_mm3: Option<f64>,
+    /// The angles between neighbouring faces.
+    pub seam_deg: SeamFigures,
+    /// The number of places at which faces turn over.
+    pub folds: usize,
+    /// Why the shape is not the first one that was tried. The caller fills it in.
+    pub fallback: Option<String>,
+}
+
+/// The number of surfaces of each kind. All are splines today.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct SurfaceCounts {
+    /// B-spline surfaces.
+    pub spline: usize,
+    /// Planes.
+    pub plane: usize,
+    /// Cylinders.
+    pub cylinder: usize,
+    /// Cones.
+    pub cone: usize,
+    /// Spheres.
+    pub sphere: usize,
+    /// Tori.
+    pub torus: usize,
+}
+
+/// Angles between neighbouring faces, in degrees.
+#[derive(Debug, Clone, PartialEq, Default)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct SeamFigures {
+    /// The mean.
+    pub mean: f64,
+    /// The 95th percentile.
+    pub p95: f64,
+    /// The largest.
+    pub max: f64,
+}
+
+/// One face of several.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct PatchFigures {
+    /// The kind of its surface: "spline".
+    pub surface: &'static str,
+    /// The number of control points along u and v.
+    pub net: [usize; 2],
+    /// The root mean square distance of the smoothed points that are nearest to this face.
+    pub rms_mm: f64,
+    /// The largest of their distances.
+    pub max_mm: f64,
+    /// The number of these points.
+    pub points: usize,
+}
+
+impl ShapeFigures {
+    /// The figures of one face.
+    pub(super) fn of_face(face: &Conversion) -> Self {
+        let control_points = face.surface.net.len();
+        ShapeFigures { control_points, ..Self::of_brep(&face.brep, "face") }
+    }
+
+    /// The figures of a solid, a void or a shell.
+    pub(super) fn of_body(body: &BodyConversion) -> Self {
+        let kind = match body.shape {
+            TargetShape::Solid => "solid",
+            TargetShape::Void => "void",
+            TargetShape::Shell | TargetShape::Face => "shell",
+        };
+        let seams = body.seams;
+        ShapeFigures {
+            irregular_vertices: body.irregular,
+            control_points: body.network.surfaces.iter().map(|s| s.net.len()).sum(),
+            volume_mm3: body.volume,
+            seam_deg: SeamFigures { mean: seams.mean, p95: seams.p95, max: seams.max },
+            folds: body.face_to_scan.inverted.len(),
+            ..Self::of_brep(&body.brep, kind)
+        }
+    }
+
+    /// What a B-rep tells.
+    fn of_brep(brep: &Brep, kind: &'static str) -> Self {
+        let uses = brep.uses();
+        ShapeFigures {
+            kind,
+            solids: brep.solids.len(),
+            shells: brep.shells.len(),
+            faces: brep.faces.len(),
+            edges: brep.edges.len(),
+            free_edges: uses.iter().filter(|uses| uses.len() == 1).count(),
+            vertices: brep.vertices.len(),
+            irregular_vertices: 0,
+            control_points: 0,
+            surfaces: SurfaceCounts { spline: brep.surfaces.len(), ..SurfaceCounts::default() },
+            area_mm2: (0..brep.shells.len()).map(|shell| brep.area(ShellId(shell))).sum(),
+            volume_mm3: None,
+            seam_deg: SeamFigures::default(),
+            folds: 0,
+            fallback: None,
+        }
+    }
+}
+
+impl PatchFigures {
+    /// The figures of all faces of a body.
+    pub(super) fn all(body: &BodyConversion) -> Vec<Self> {
+        let face = |(number, face): (usize, &crate::spline::KeptFace)| {
+            let surface = &body.network.surfaces[face.surface];
+            let (points, rms_mm, max_mm) = body.fit_deviation.of_face(number);
+            let net = [surface.u.functions(), surface.v.functions()];
+            PatchFigures { surface: "spline", net, rms_mm, max_mm, points }
+        };
+        body.cut.faces.iter().enumerate().map(face).collect()
+    }
+}
