@@ -66,48 +66,53 @@ impl QuadMesh {
         self.vertex(block, i, j)
     }
 
-    /// The mesh with each quad divided into four. `vertices` are the new places of the vertices, and
-    /// `middle` makes the vertex on side k of a quad. The vertices in the middles of sides follow
-    /// the old ones, and those in the middles of quads come last. The new points in the quads are
-    /// the means of the old corners, and the normals are not kept.
-    pub(crate) fn divided(
-        &self,
-        vertices: Vec<Point>,
-        middle: impl Fn(usize, usize) -> Point,
-    ) -> Self {
-        let mut points = vertices;
-        let mut middles = HashMap::new();
-        let mut of_quads = Vec::with_capacity(self.quads.len());
-        for (number, quad) in self.quads.iter().enumerate() {
-            of_quads.push([0, 1, 2, 3].map(|k| {
-                let (a, b) = (quad[k], quad[(k + 1) % 4]);
-                *middles.entry((a.min(b), a.max(b))).or_insert_with(|| {
-                    points.push(middle(number, k));
-                    VertexId::from(points.len() - 1)
-                })
-            }));
-        }
-        let first = points.len();
-        points.extend(self.quads.iter().map(|quad| {
-            let sum: Vector = quad.iter().map(|v| self.points[v.index()].coords).sum();
-            Point::from(0.25 * sum)
-        }));
-        let n = self.side;
-        let small = |k: usize| {
-            let (b, place) = (k / (4 * n * n), k % (4 * n * n));
-            let (i, j) = (place % (2 * n), place / (2 * n));
-            let q = n * n * b + n * (j / 2) + i / 2;
-            let (corners, sides) = (self.quads[q], of_quads[q]);
-            let centre = VertexId::from(first + q);
-            match (i % 2, j % 2) {
-                (0, 0) => [corners[0], sides[0], centre, sides[3]],
-                (1, 0) => [sides[0], corners[1], sides[1], centre],
-                (1, 1) => [centre, sides[1], corners[2], sides[2]],
-                _ => [sides[3], centre, sides[2], corners[3]],
+    /// Blocks of `side` × `side` quads with the same corners as those of this mesh: the quads, and for each
+    /// vertex a block and its place there, with coordinates from 0 to the side of this mesh.
+    pub(crate) fn with_side(&self, side: usize) -> (Vec<[VertexId; 4]>, Vec<(usize, Uv)>) {
+        let mut places = Vec::new();
+        let mut names = HashMap::new();
+        let mut quads = Vec::with_capacity(side * side * self.blocks());
+        let step = self.side as f64 / side as f64;
+        for block in 0..self.blocks() {
+            let mut vertex = |i: usize, j: usize| {
+                let new = VertexId::from(places.len());
+                let name = self.name(block, side, [i, j]);
+                let number = *names.entry(name).or_insert(new);
+                if number == new {
+                    places.push((block, Uv::new(i as f64 * step, j as f64 * step)));
+                }
+                number
+            };
+            for (i, j) in (0..side * side).map(|k| (k % side, k / side)) {
+                quads.push([
+                    vertex(i, j),
+                    vertex(i + 1, j),
+                    vertex(i + 1, j + 1),
+                    vertex(i, j + 1),
+                ]);
             }
-        };
-        let quads = (0..4 * self.quads.len()).map(small).collect();
-        QuadMesh { points, normals: Vec::new(), quads, side: 2 * n }
+        }
+        (quads, places)
+    }
+
+    /// A name for vertex (i, j) of a block with `side` × `side` quads that is the same in all blocks that
+    /// have the vertex: two vertices of this mesh and a number.
+    fn name(&self, block: usize, side: usize, [i, j]: [usize; 2]) -> [usize; 3] {
+        let n = self.side;
+        let corner = |at: usize| if at == 0 { Some(0) } else { (at == side).then_some(n) };
+        match (corner(i), corner(j)) {
+            (Some(i), Some(j)) => [self.vertex(block, i, j).index(), 0, 0],
+            (None, None) => [block, side * j + i, usize::MAX],
+            (fixed_i, fixed_j) => {
+                let at = |t: usize| {
+                    self.vertex(block, fixed_i.unwrap_or(t), fixed_j.unwrap_or(t)).index()
+                };
+                let step = if fixed_i.is_some() { j } else { i };
+                // A side has two ends, and the first edge of one of them names it.
+                let ends = [[at(0), at(1), step], [at(n), at(n - 1), side - step]];
+                ends.into_iter().min().unwrap_or_default()
+            }
+        }
     }
 
     /// The marked vertices, and all others of the quads around them.

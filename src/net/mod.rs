@@ -14,10 +14,10 @@ mod solve;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::geometry::{Point, Vector};
+use crate::geometry::{Point, Uv, Vector};
 use crate::mesh::{Patch, QuadMesh};
 use crate::progress::{self, Progress};
-use crate::spline::subdivision::{SubdivisionSurface, limit_point};
+use crate::spline::subdivision::{QuadPlace, SubdivisionSurface, limit_point};
 use feet::Feet;
 use solve::NormalEquations;
 
@@ -59,6 +59,11 @@ pub struct Net {
     /// The structure of the surface.
     pub surface: SubdivisionSurface,
 }
+
+/// A net is made finer only if it gets at least five quads along a side for four, because less is not worth
+/// another fit.
+const FINER: usize = 5;
+const COARSER: usize = 4;
 
 /// The number of rounds of foot points and control points. Later rounds change the rms of smooth
 /// bodies by less than a hundredth.
@@ -106,14 +111,39 @@ impl Net {
         (0..control.len()).into_par_iter().map(limit).collect()
     }
 
-    /// The unit normals of the surface at the vertices of the quad mesh.
-    fn limit_normals(&self) -> Vec<Vector> {
+    /// Quads on the surface in blocks of `side` × `side`.
+    fn with_side(&self, side: usize) -> QuadMesh {
+        let (quads, places) = self.mesh.with_side(side);
         let control = self.control();
-        let normal = |v: usize| {
-            let (quad, k) = self.surface.corner(v.into());
-            self.surface.limit_normal(quad, k, &control)
+        let place = |scratch: &mut Vec<[f64; 3]>, &(block, at): &(usize, Uv)| {
+            self.on_block(&control, block, at, scratch)
         };
-        (0..control.len()).into_par_iter().map(normal).collect()
+        let places = places.par_iter().map_init(Vec::new, place);
+        let (points, normals) = places.unzip();
+        QuadMesh { points, normals, quads, side }
+    }
+
+    /// The point and the unit normal of the surface at a place of a block.
+    fn on_block(
+        &self,
+        control: &[Vector],
+        block: usize,
+        at: Uv,
+        scratch: &mut Vec<[f64; 3]>,
+    ) -> (Point, Vector) {
+        let n = self.mesh.side;
+        let cell = |x: f64| (x.max(0.0) as usize).min(n - 1);
+        let (i, j) = (cell(at.x), cell(at.y));
+        let quad = n * n * block + n * j + i;
+        let within = Uv::new(at.x - i as f64, at.y - j as f64);
+        // At a corner the derivatives may vanish.
+        let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
+        if let Some(k) = corners.iter().position(|&(x, y)| within == Uv::new(x, y)) {
+            let point = limit_point(&self.surface.ring(quad, k), control);
+            return (point, self.surface.limit_normal(quad, k, control));
+        }
+        let [p, du, dv] = self.surface.jet(control, QuadPlace { quad, at: within }, scratch);
+        (Point::from(p), du.cross(&dv).try_normalize(0.0).unwrap_or_default())
     }
 
     /// Moves the control points so that the surface at the vertices comes nearer to the anchors (Lin,
@@ -154,18 +184,17 @@ pub fn fit_with<'a>(
     let mut target = FitTarget::new(scan, options);
     let points = target.weights.iter().filter(|&&weight| weight == 1.0).count();
     let most = options.max_control.min(points / POINTS_OF_CONTROL);
-    let mut net = Net::new(quads.clone())?;
-    let mut anchors = quads.points.clone();
-    (0..INTERPOLATIONS).for_each(|_| net.interpolate(&anchors));
+    let mut quads = quads.clone();
     let mut level = 0;
     loop {
-        let fit = NetFit::new(net, target, anchors, level, progress)?;
-        if fit.report.beyond <= options.outliers || 4 * fit.net.mesh.points.len() > most {
+        let fit = NetFit::new(quads, target, level, progress)?;
+        let finest = (most / fit.net.mesh.blocks()).isqrt();
+        let side = finest.min(2 * fit.net.mesh.side);
+        if fit.report.beyond <= options.outliers || side * COARSER < fit.net.mesh.side * FINER {
             return Ok(fit);
         }
-        NetFit { net, target, .. } = fit;
-        net = refined(&net)?;
-        anchors = net.limit_points();
+        quads = fit.net.with_side(side);
+        target = fit.target;
         level += 1;
     }
 }
@@ -210,16 +239,18 @@ pub struct NetFit<'a> {
 }
 
 impl<'a> NetFit<'a> {
-    /// Fits the control points of one net. The surface is held near the anchors at the vertices.
+    /// Fits the control points of one net. The surface is held near the vertices of the quads.
     fn new(
-        net: Net,
+        quads: QuadMesh,
         target: FitTarget<'a>,
-        anchors: Vec<Point>,
         level: i32,
         progress: &mut Progress,
     ) -> Result<Self> {
         // The share of the time that is left after this level, if each takes four times as long.
         let share = |round: usize| 1.0 - 0.8f64.powi(level) * (1.0 - 0.2 * round as f64 / 5.0);
+        let anchors = quads.points.clone();
+        let mut net = Net::new(quads)?;
+        (0..INTERPOLATIONS).for_each(|_| net.interpolate(&anchors));
         let feet = Feet::new(&net, target.points, &target.normals);
         let firmness = vec![1.0; net.mesh.points.len()];
         let equations = NormalEquations::new(&net)?;
@@ -304,33 +335,4 @@ impl Report {
             without_foot,
         }
     }
-}
-
-/// The same surface over quads that are divided into four (Catmull and Clark, 1978).
-fn refined(net: &Net) -> Result<Net> {
-    let control = net.control();
-    let vertex = |v: usize| Point::from(subdivided_vertex(net, &control, v));
-    let vertices: Vec<Point> = (0..control.len()).into_par_iter().map(vertex).collect();
-    let mesh = net.mesh.divided(vertices, |quad, k| {
-        let (other, side) = net.surface.across(quad, k);
-        let [a, b] = [net.mesh.quads[quad], net.mesh.quads[other]];
-        let at = |v: crate::geometry::VertexId| control[v.index()];
-        let ends = at(a[k]) + at(a[(k + 1) % 4]);
-        let beside =
-            at(a[(k + 2) % 4]) + at(a[(k + 3) % 4]) + at(b[(side + 2) % 4]) + at(b[(side + 3) % 4]);
-        Point::from(0.375 * ends + 0.0625 * beside)
-    });
-    let mut net = Net::new(QuadMesh { normals: vec![Vector::zeros(); mesh.points.len()], ..mesh })?;
-    net.mesh.normals = net.limit_normals();
-    Ok(net)
-}
-
-/// The new place of a vertex.
-fn subdivided_vertex(net: &Net, control: &[Vector], v: usize) -> Vector {
-    let (quad, k) = net.surface.corner(v.into());
-    let ring = net.surface.ring(quad, k);
-    let n = (ring.len() / 2) as f64;
-    let at = |k: usize| control[ring[k] as usize];
-    let sum: Vector = (1..ring.len()).map(|k| if k % 2 == 1 { 6.0 * at(k) } else { at(k) }).sum();
-    (1.0 - 1.75 / n) * at(0) + sum / (4.0 * n * n)
 }
