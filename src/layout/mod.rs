@@ -42,7 +42,7 @@ pub struct Options {
 
 impl Default for Options {
     fn default() -> Self {
-        Options { spread: 70.0, blocks: None }
+        Options { spread: 71.0, blocks: None }
     }
 }
 
