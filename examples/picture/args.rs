@@ -42,6 +42,10 @@ pub enum Mode {
     Map,
     /// The face around a hole, and the rim
     Trim,
+    /// The layout of quads of a closed scan
+    Layout,
+    /// The faces of the solid that a closed scan becomes
+    Faces,
 }
 
 impl Args {

@@ -4,6 +4,7 @@
 //! [--mode MODE]`, with the modes of [`args::Mode`]
 
 mod args;
+mod bodies;
 mod deviation;
 mod face;
 mod loops;
@@ -18,6 +19,7 @@ use std::process::ExitCode;
 use clap::Parser;
 
 use args::{Args, Mode};
+use bodies::Body;
 use scan2step::picture::camera::Camera;
 use scan2step::picture::image::Image;
 use scene::Scene;
@@ -35,18 +37,21 @@ fn main() -> ExitCode {
 }
 
 fn run(args: &Args) -> Result<(), Box<dyn std::error::Error>> {
-    let scene = Scene::of(&args.scan)?;
     let size = args.size();
+    let scene = || Scene::of(&args.scan);
+    let body = || Body::of(&args.scan);
     let picture = match args.mode {
-        Mode::Pair => pair(&scene, size),
-        Mode::Deviation => deviation::picture(&scene, size)?,
-        Mode::Net => net(&scene, size),
-        Mode::Uv => parameters::picture(&scene, size),
-        Mode::Mesh => stages::mesh(&scene, size),
-        Mode::Smooth => stages::smooth(&scene, size),
-        Mode::Fill => stages::fill(&scene, size),
-        Mode::Map => parameters::map(&scene, size),
-        Mode::Trim => loops::picture(&scene, size),
+        Mode::Layout => body()?.layout(size),
+        Mode::Faces => body()?.faces(size),
+        Mode::Pair => pair(&scene()?, size),
+        Mode::Deviation => deviation::picture(&scene()?, size)?,
+        Mode::Net => net(&scene()?, size),
+        Mode::Uv => parameters::picture(&scene()?, size),
+        Mode::Mesh => stages::mesh(&scene()?, size),
+        Mode::Smooth => stages::smooth(&scene()?, size),
+        Mode::Fill => stages::fill(&scene()?, size),
+        Mode::Map => parameters::map(&scene()?, size),
+        Mode::Trim => loops::picture(&scene()?, size),
     };
     picture.save(&args.out)?;
     Ok(())

@@ -126,7 +126,7 @@ fn faces_of(
     gaps: &Gaps,
     options: &net::Options,
     watch: &mut Observer,
-) -> Result<(Faces, Vec<Fault>)> {
+) -> Result<(Faces, Vec<FacesFault>)> {
     let mut fit = net::fit_with(layout.quads(), patch, options, &mut within("fit", watch))?;
     let mut best = faces_of_net(&fit, layout, patch, gaps, options.tolerance)?;
     for _ in 0..HOLDS {
@@ -144,7 +144,7 @@ fn faces_of(
 }
 
 /// A face that turns over or goes through another one, and a place there.
-type Fault = (usize, Point);
+type FacesFault = (usize, Point);
 
 /// Cuts a fitted surface into faces, and checks them.
 fn faces_of_net(
@@ -153,7 +153,7 @@ fn faces_of_net(
     patch: &Patch,
     gaps: &Gaps,
     tolerance: f64,
-) -> Result<(Faces, Vec<Fault>)> {
+) -> Result<(Faces, Vec<FacesFault>)> {
     let is_measured: Vec<bool> =
         patch.origin.iter().map(|&origin| origin == FaceOrigin::Measured).collect();
     let Net { mesh: quads, surface } = &fit.net;

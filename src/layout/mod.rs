@@ -33,7 +33,7 @@ use repair::RelaxedGrid;
 #[derive(Debug, Clone)]
 pub struct Options {
     /// The largest angle in degrees between the normals of the scan in a triangle of the base and
-    /// their mean. Smaller angles give more blocks; 45° gives about twice as many as 65°. Beyond 75°
+    /// their mean. Smaller angles give more blocks; 45° gives about twice as many as 70°. Beyond 78°
     /// quads turn away from the scan.
     pub spread: f64,
     /// About how many blocks there should be. The spread is then chosen so that there are.

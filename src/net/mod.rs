@@ -19,7 +19,7 @@ use crate::mesh::{Patch, QuadMesh};
 use crate::progress::{self, Progress};
 use crate::spline::subdivision::{QuadPlace, SubdivisionSurface, limit_point};
 use feet::Feet;
-use solve::NormalEquations;
+use solve::NetEquations;
 
 /// The options of the fit.
 #[derive(Debug, Clone)]
@@ -235,7 +235,7 @@ pub struct NetFit<'a> {
     /// How firmly each vertex is held to its anchor.
     firmness: Vec<f64>,
     feet: Feet,
-    equations: NormalEquations,
+    equations: NetEquations,
 }
 
 impl<'a> NetFit<'a> {
@@ -253,7 +253,7 @@ impl<'a> NetFit<'a> {
         (0..INTERPOLATIONS).for_each(|_| net.interpolate(&anchors));
         let feet = Feet::new(&net, target.points, &target.normals);
         let firmness = vec![1.0; net.mesh.points.len()];
-        let equations = NormalEquations::new(&net)?;
+        let equations = NetEquations::new(&net)?;
         let report = Report::default();
         let mut fit = NetFit { net, report, target, anchors, firmness, feet, equations };
         for round in 0..ROUNDS + FIRMER_ROUNDS {

@@ -27,7 +27,7 @@ struct QuadSums {
 }
 
 /// The normal equations of a net. Their pattern is analysed once.
-pub(super) struct NormalEquations {
+pub(super) struct NetEquations {
     /// Column b has the rows `starts[b]..starts[b + 1]` of `rows`, of the lower triangle.
     starts: Vec<usize>,
     rows: Vec<usize>,
@@ -36,7 +36,7 @@ pub(super) struct NormalEquations {
     right: Mat<f64>,
 }
 
-impl NormalEquations {
+impl NetEquations {
     pub fn new(net: &Net) -> Result<Self> {
         let count = net.mesh.points.len();
         let mut columns = vec![Vec::new(); count];
@@ -61,7 +61,7 @@ impl NormalEquations {
         let pattern = Pattern::new(starts.clone(), rows.clone(), &order);
         let pattern = pattern.ok_or(Error::Memory("net"))?;
         let values = vec![0.0; rows.len()];
-        Ok(NormalEquations { starts, rows, pattern, values, right: Mat::zeros(count, 3) })
+        Ok(NetEquations { starts, rows, pattern, values, right: Mat::zeros(count, 3) })
     }
 
     /// Solves for the control points. The surface is held near the anchors, and where the `firmness` of a
