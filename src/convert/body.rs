@@ -5,7 +5,7 @@
 use formats::Brep;
 use formats::brep::ShellId;
 
-use super::faces::{Faces, Gaps, faces};
+use super::faces::{Faces, Gaps, SEAM_PLACES, faces};
 use super::stage::{Observer, Stage, within};
 use super::{InputReport, Options, TargetShape, input, lengths};
 use crate::adapt::Goal;
@@ -18,9 +18,6 @@ use crate::{Error, Result, brep, fill, layout, net, smooth, threads, trim};
 /// The distance in mm by which edges of a solid may be off its faces. They are the same polynomials,
 /// so that only roundings remain.
 const UNCERTAINTY: f64 = 1e-7;
-
-/// The number of places in each span of a track at which the angle between its faces is measured.
-const SEAM_PLACES: usize = 4;
 
 /// A component that became a solid or a shell. Lengths are in mm.
 #[derive(Debug)]
@@ -202,7 +199,8 @@ fn body(
 }
 
 fn seams(network: &Network) -> Seams {
-    let mut angles = network.seam_angles(SEAM_PLACES);
+    let places = network.seams(SEAM_PLACES).into_iter();
+    let mut angles: Vec<f64> = places.map(|place| place.angle).collect();
     if angles.is_empty() {
         return Seams::default();
     }

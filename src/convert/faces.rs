@@ -8,7 +8,7 @@ use crate::layout::QuadLayout;
 use crate::mesh::boundary::Loop;
 use crate::mesh::{FaceOrigin, Mesh, Patch};
 use crate::net::Net;
-use crate::spline::{Network, NetworkCut};
+use crate::spline::{KeptPlaces, Network, NetworkCut};
 use crate::trim::network::{CutFault, NetworkRim};
 use crate::{Error, Result, layout, net, patches, trim};
 
@@ -25,6 +25,9 @@ const MOST_FAULTY: usize = 5;
 /// number grows only where it helps.
 const FAR: f64 = 5.0;
 const FEW: usize = 20;
+
+/// The number of places in each span of a track at which the angle between its faces is measured.
+pub(super) const SEAM_PLACES: usize = 4;
 
 /// The most times that a surface is held more firmly to its layout near faults. Each makes it eight times
 /// as firm.
@@ -169,10 +172,23 @@ fn faces_of_net(
     match &uncut {
         // Without loops nobody knows which faults count.
         Some(fault) => faults = vec![(fault.surface, fault.at)],
-        None => faults.extend(deviation::crossing_faces(&network, &kept)),
+        None => {
+            faults.extend(deviation::crossing_faces(&network, &kept));
+            faults.extend(folded_seams(&network, &kept));
+        }
     }
     let (layout, irregular, net) = (layout.report(), extracted.irregular, fit.report.clone());
     Ok((Faces { network, cut, uncut, to_scan, layout, net, irregular }, faults))
+}
+
+/// The places of seams at which two faces meet at more than a right angle. One of them turns over there,
+/// between the samples of its inside.
+fn folded_seams(network: &Network, kept: &KeptPlaces) -> Vec<FacesFault> {
+    let seams = network.seams(SEAM_PLACES).into_iter();
+    let folded = seams.filter(|place| {
+        place.angle > std::f64::consts::FRAC_PI_2 && kept.contains(place.face, place.at)
+    });
+    folded.map(|place| (place.face, network.surfaces[place.face].point(place.at))).collect()
 }
 
 impl Faces {

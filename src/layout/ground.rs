@@ -2,9 +2,11 @@
 //! triangle. It may be smoother than the scan: it says only where the quads lie and how they face.
 
 use super::base::TrianglePlace;
+use crate::error::Result;
 use crate::geometry::{Point, Vector, VertexId, unit_normal};
 use crate::mesh::remesh::isotropic;
 use crate::mesh::{EdgeMap, Mesh, VertexRings};
+use crate::progress::Progress;
 
 /// A scan on which places move.
 pub(super) struct Ground {
@@ -40,10 +42,11 @@ const AWAY: f64 = -0.53;
 
 impl Ground {
     /// The ground of a scan, whose roughest places are smoothed.
-    pub fn new(scan: &Mesh) -> Self {
+    pub fn new(scan: &Mesh, progress: &mut Progress) -> Result<Self> {
         let [least, most] = POINTS;
         let points = (FINER * scan.points.len()).clamp(least, most) as f64;
-        let mesh = isotropic(scan, (EQUILATERAL * scan.area() / points).sqrt());
+        let length = (EQUILATERAL * scan.area() / points).sqrt();
+        let mesh = isotropic(scan, length, progress)?;
         let rings = VertexRings::new(&mesh);
         let edges = EdgeMap::new(&mesh);
         let mut ground = Ground { normals: Vec::new(), mesh, edges, rings };
@@ -55,7 +58,7 @@ impl Ground {
             }
             ground.smooth_around(&rough);
         }
-        ground
+        Ok(ground)
     }
 
     /// The triangles that face away from the smoothed normals of their corners.

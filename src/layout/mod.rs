@@ -111,8 +111,8 @@ pub fn layout(mesh: &Mesh, options: &Options) -> Result<QuadLayout> {
 /// # Errors
 /// Those of [`layout`], and what `progress` returns.
 pub fn layout_with(mesh: &Mesh, options: &Options, progress: &mut Progress) -> Result<QuadLayout> {
-    let ground = Ground::new(mesh);
-    let mut coarsening = |share: f64| progress(0.3 * share);
+    let ground = Ground::new(mesh, &mut |share| progress(0.15 * share))?;
+    let mut coarsening = |share: f64| progress(0.15 + 0.15 * share);
     let base = match options.blocks {
         None => coarsened(&ground, options.spread, &mut coarsening)?,
         Some(blocks) => with_blocks(&ground, blocks, &mut coarsening)?,
@@ -324,7 +324,7 @@ mod tests {
     #[test]
     fn the_map_leads_back_to_the_scan() {
         let mesh = torus(40, 24);
-        let ground = Ground::new(&mesh);
+        let ground = Ground::new(&mesh, &mut progress::ignore).unwrap();
         let mesh = &ground.mesh;
         let mut base = Base::new(&ground);
         let quadrics = coarsen::quadrics(&base);

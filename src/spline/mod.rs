@@ -28,7 +28,7 @@ pub use curve::Curve;
 pub use edges::EdgeTree;
 pub use foot::{foot_point, foot_point_moving, last_step};
 pub use knots::{Basis, KnotVector, runs};
-pub use network::{Network, Side, SideUse, Track};
+pub use network::{Network, SeamPlace, Side, SideUse, Track};
 pub use network_cut::{
     CutArc, CutPart, KeptFace, KeptPlaces, NetworkCut, PieceEnd, TrackNode, chord_points, side_line,
 };

@@ -51,15 +51,18 @@ impl Network {
         self
     }
 
-    /// The angles between the normals of the two surfaces at places along every track, in radians.
-    /// There are `places` of them inside each span of a track, and they come track by track.
-    pub fn seam_angles(&self, places: usize) -> Vec<f64> {
-        let angles = |(track, uses): (&Track, &Vec<SideUse>)| {
+    /// Places along every track, with the angles between the two surfaces. There are `places` of them inside
+    /// each span of a track, and they come track by track.
+    pub fn seams(&self, places: usize) -> Vec<SeamPlace> {
+        let of_track = |(track, uses): (&Track, &Vec<SideUse>)| {
             let [a, b] = uses[..] else { return Vec::new() };
-            let inside = track.curve.knots.middles(places).into_iter();
-            inside.map(|t| self.side_normal(a, t).angle(&self.side_normal(b, t))).collect()
+            let place = |t: f64| {
+                let angle = self.side_normal(a, t).angle(&self.side_normal(b, t));
+                SeamPlace { face: a.face, at: a.place(self.end(), t, 0.0), angle }
+            };
+            track.curve.knots.middles(places).into_iter().map(place).collect()
         };
-        self.tracks.par_iter().zip(&self.uses()).map(angles).flatten_iter().collect()
+        self.tracks.par_iter().zip(&self.uses()).map(of_track).flatten_iter().collect()
     }
 
     /// The surfaces on the two sides of each track.
@@ -89,6 +92,17 @@ impl Network {
         let jet = self.surfaces[side.face].jet(side.place(self.end(), t, 0.0));
         jet.su.cross(&jet.sv)
     }
+}
+
+/// A place on a seam between two surfaces.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SeamPlace {
+    /// One of the surfaces.
+    pub face: usize,
+    /// The place on it.
+    pub at: Uv,
+    /// The angle between the normals of the two surfaces, in radians.
+    pub angle: f64,
 }
 
 /// A surface beside a track.

@@ -5,9 +5,11 @@ use rayon::prelude::*;
 
 use super::divide;
 use super::flips::{EdgeFlip, Sides, flip};
+use crate::error::Result;
 use crate::geometry::{Point, Vector, VertexId, unit_normal};
 use crate::mesh::triangles::{Triangles, nearest_on};
 use crate::mesh::{Mesh, VertexRings};
+use crate::progress::Progress;
 
 /// The rounds of divisions, collapses, flips and moves. Later rounds change few triangles.
 const ROUNDS: usize = 4;
@@ -20,6 +22,9 @@ const DIVISIONS: usize = 16;
 const SHORT: f64 = 0.7;
 const LONG: f64 = 1.4;
 
+/// Progress is told each time that so many edges were tried.
+const TOLD: usize = 1 << 14;
+
 /// The least number of triangles around a vertex that loses one in a collapse.
 const LEAST_VALENCE: usize = 4;
 
@@ -30,22 +35,31 @@ const TURNED: f64 = 0.5;
 const FLAT: f64 = 0.9;
 
 /// A closed mesh with sides of about a length. Its vertices lie on the given mesh.
-pub fn isotropic(scan: &Mesh, length: f64) -> Mesh {
+///
+/// # Errors
+/// What `progress` returns.
+pub fn isotropic(scan: &Mesh, length: f64, progress: &mut Progress) -> Result<Mesh> {
     let surface = Triangles::new(scan);
     let mut points = scan.points.clone();
     let mut triangles: Vec<[usize; 3]> =
         scan.triangles.iter().map(|t| t.map(|v| v.index())).collect();
-    for _ in 0..ROUNDS {
+    for round in 0..ROUNDS {
+        // The first round takes about half of the time if the scan has many points.
+        let mut progress = |done: f64| match round {
+            0 => progress(0.5 * done),
+            _ => progress(0.5 + 0.5 * (round as f64 - 1.0 + done) / (ROUNDS - 1) as f64),
+        };
         for _ in 0..DIVISIONS {
             if divide(&mut points, &mut triangles, |_| length, usize::MAX).is_empty() {
                 break;
             }
         }
-        collapse(&points, &mut triangles, length);
+        collapse(&points, &mut triangles, length, &mut |done| progress(0.5 * done))?;
         flip_edges(&points, &mut triangles);
+        progress(0.75)?;
         move_points(&mut points, &triangles, scan, &surface);
     }
-    used(&points, &triangles)
+    Ok(used(&points, &triangles))
 }
 
 /// The unit normal of a triangle, or nothing for one without an area.
@@ -63,7 +77,12 @@ struct Collapses<'a> {
 }
 
 /// Moves ends of short edges onto their other ends, the shortest edges first.
-fn collapse(points: &[Point], triangles: &mut Vec<[usize; 3]>, length: f64) {
+fn collapse(
+    points: &[Point],
+    triangles: &mut Vec<[usize; 3]>,
+    length: f64,
+    progress: &mut Progress,
+) -> Result<()> {
     let mut around = vec![Vec::new(); points.len()];
     for (t, corners) in triangles.iter().enumerate() {
         corners.iter().for_each(|&v| around[v].push(t));
@@ -73,7 +92,11 @@ fn collapse(points: &[Point], triangles: &mut Vec<[usize; 3]>, length: f64) {
     let mut short: Vec<_> = lengths.filter(|edge| edge.0 < SHORT * length).collect();
     short.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
     let mut collapses = Collapses { points, triangles, around, longest: LONG * length };
-    for (_, a, b) in short {
+    let count = short.len();
+    for (done, (_, a, b)) in short.into_iter().enumerate() {
+        if done.is_multiple_of(TOLD) {
+            progress(done as f64 / count as f64)?;
+        }
         if !collapses.may(a, b) || collapses.move_onto(a, b) {
             continue;
         }
@@ -87,6 +110,7 @@ fn collapse(points: &[Point], triangles: &mut Vec<[usize; 3]>, length: f64) {
         number += 1;
         alive[number - 1]
     });
+    Ok(())
 }
 
 impl Collapses<'_> {
@@ -225,7 +249,7 @@ mod tests {
     fn slivers_become_even_and_the_surface_stays() {
         let scan = cylinder();
         let length = 1.0;
-        let even = isotropic(&scan, length);
+        let even = isotropic(&scan, length, &mut crate::progress::ignore).unwrap();
         let edges = EdgeMap::new(&even);
         let sides = 0..3 * even.triangles.len();
         assert!(sides.clone().all(|side| edges.across(side).is_some()), "it is not closed");
