@@ -53,10 +53,16 @@ impl QuadMesh {
 
     /// The same at a place of a block, with coordinates from 0 to `side`.
     pub fn block_normal(&self, block: usize, at: Uv) -> Vector {
+        let (quad, at) = self.within(block, at);
+        self.normal(quad, at)
+    }
+
+    /// The quad at a place of a block with coordinates from 0 to `side`, and the place on its unit square.
+    pub fn within(&self, block: usize, at: Uv) -> (usize, Uv) {
         let n = self.side;
         let cell = |x: f64| (x.max(0.0) as usize).min(n - 1);
         let (i, j) = (cell(at.x), cell(at.y));
-        self.normal(n * n * block + n * j + i, Uv::new(at.x - i as f64, at.y - j as f64))
+        (n * n * block + n * j + i, Uv::new(at.x - i as f64, at.y - j as f64))
     }
 
     /// The vertex at corner `k` of a block, counter-clockwise from (0, 0).

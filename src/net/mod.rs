@@ -131,11 +131,7 @@ impl Net {
         at: Uv,
         scratch: &mut Vec<[f64; 3]>,
     ) -> (Point, Vector) {
-        let n = self.mesh.side;
-        let cell = |x: f64| (x.max(0.0) as usize).min(n - 1);
-        let (i, j) = (cell(at.x), cell(at.y));
-        let quad = n * n * block + n * j + i;
-        let within = Uv::new(at.x - i as f64, at.y - j as f64);
+        let (quad, within) = self.mesh.within(block, at);
         // At a corner the derivatives may vanish.
         let corners = [(0.0, 0.0), (1.0, 0.0), (1.0, 1.0), (0.0, 1.0)];
         if let Some(k) = corners.iter().position(|&(x, y)| within == Uv::new(x, y)) {
