@@ -136,10 +136,10 @@ pub mod words;
 
 pub use adapt::{Adapted, KnotOptions};
 pub use convert::{
-    BodyConversion, Builder, Conversion, Cut, InputReport, Inspection, Measured, Memory, Missed,
-    Observer, Options, ScanPlace, Seams, Stage, TargetShape, cloud_components, convert,
-    convert_body, convert_cloud, convert_component, convert_components, convert_file, cut, inspect,
-    joined, joined_bodies, measured, shape, voids,
+    BodyConversion, BodyEstimate, Builder, Conversion, Cut, InputReport, Inspection, Measured,
+    Memory, Missed, Observer, Options, ScanPlace, Seams, Stage, TargetShape, cloud_components,
+    convert, convert_body, convert_cloud, convert_component, convert_components, convert_file, cut,
+    inspect, joined, joined_bodies, measured, shape, voids,
 };
 pub use error::{Error, Result};
 pub use progress::Progress;

@@ -291,6 +291,16 @@ fn surfaces_that_are_no_disk_are_named() {
     is(&found, (1, 0, 1.0, false));
     assert_eq!(found["shape"], "solid");
 
+    // The tube has a radius of 3.
+    let handle = &found["handles"].as_array().expect("a list of handles")[0];
+    assert_eq!(found["handles"].as_array().map(Vec::len), Some(1), "{found}");
+    let length = handle["length_mm"].as_f64().expect("a length");
+    assert!((12.0..30.0).contains(&length), "{handle}");
+    let [x, y] = [0, 1].map(|k| handle["at"][k].as_f64().expect("a coordinate"));
+    assert!((x.hypot(y) - 10.0).abs() < 2.0, "{handle}");
+    let faces = found["faces_about"].as_u64().expect("a number of faces");
+    assert!((8..40).contains(&faces), "{found}");
+
     let mut handle = torus.clone();
     handle.text = handle.text.replacen("f 1 9 10 2\n", "", 1);
     let found = handle.inspected();

@@ -6,22 +6,12 @@ use scan2step::geometry::{Point, VertexId};
 use scan2step::mesh::{Components, Mesh, QuadMesh, from_soup};
 use scan2step::picture::camera::Camera;
 use scan2step::picture::canvas::Canvas;
-use scan2step::picture::colour::{INK, Rgb, linear, srgb};
+use scan2step::picture::colour::{DOTS, INK, Rgb, TINTS, linear, srgb};
 use scan2step::picture::image::Image;
 use scan2step::picture::lines::{Lines, Pen};
 use scan2step::picture::{occlusion, polyline, sheet};
 use scan2step::spline::Network;
 use scan2step::{Options, Stage, TargetShape, convert_body, deviation};
-
-/// The tints of blocks and faces. Neighbours have different ones nearly everywhere.
-const TINTS: [[u8; 3]; 6] = [
-    srgb(0xd8c9a8),
-    srgb(0xb7cbd6),
-    srgb(0xc6d3b2),
-    srgb(0xdcb9a9),
-    srgb(0xc9bfd9),
-    srgb(0xe6dfb4),
-];
 
 const QUADS: Pen = Pen { seen: 0.45, ..Pen::solid(0.8) };
 const SEAM: Pen = Pen::solid(2.1);
@@ -81,7 +71,7 @@ impl Body {
         irregular.iter().for_each(|&v| dots.point(&canvas, project(v), DOT));
         lines.ink(&mut canvas, linear(INK));
         seams.ink(&mut canvas, linear(INK));
-        dots.ink(&mut canvas, linear(srgb(0xb3261e)));
+        dots.ink(&mut canvas, linear(DOTS));
         canvas.image()
     }
 
@@ -94,7 +84,11 @@ impl Body {
             let points = polyline(&track.curve).into_iter().map(Point::from);
             seams.polyline(&canvas, points.map(|p| camera.project(&p)), SEAM);
         }
+        let mut dots = Lines::over(&canvas);
+        let irregular = self.network.irregular();
+        irregular.iter().for_each(|p| dots.point(&canvas, camera.project(p), DOT));
         seams.ink(&mut canvas, linear(INK));
+        dots.ink(&mut canvas, linear(DOTS));
         canvas.image()
     }
 }
@@ -105,7 +99,7 @@ fn tinted(mesh: &Mesh, part: impl Fn(usize) -> usize, size: [usize; 2]) -> (Canv
     let mut canvas = Canvas::new(size);
     sheet::draw(&mut canvas, mesh, &camera, |triangle, _, normal, _| -> Rgb {
         let light = 0.45 + 0.55 * normal.z.abs() as f32;
-        linear(TINTS[part(triangle) % TINTS.len()]).map(|c| c * light)
+        linear(srgb(TINTS[part(triangle) % TINTS.len()])).map(|c| c * light)
     });
     occlusion::darken(&mut canvas);
     (canvas, camera)

@@ -57,10 +57,12 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
     for (kind, count) in &input.repairs {
         lines.push(format!("  repaired    {count} {}", kind.replace('_', " ")));
     }
-    for handle in input.handles.iter().take(LISTED) {
+    let cut = input.handles.iter().map(|handle| ("cut and closed", handle));
+    let kept = found.body.iter().flat_map(|body| &body.handles).map(|handle| ("kept", handle));
+    for (what, handle) in cut.take(LISTED).chain(kept.take(LISTED)) {
         let (at, length) = (handle.at, mm(handle.length));
         let place = format!("({:.3}, {:.3}, {:.3})", at.x, at.y, at.z);
-        lines.push(format!("  handle      cut and closed, {length} around, near {place}"));
+        lines.push(format!("  handle      {what}, about {length} around, near {place}"));
     }
     lines.join("\n") + "\n"
 }
@@ -109,10 +111,16 @@ fn kind(found: &Inspection) -> String {
 
 /// What a conversion makes of it.
 fn target(found: &Inspection) -> String {
+    let faces = found
+        .body
+        .as_ref()
+        .map_or("several faces".into(), |body| format!("about {} faces", body.faces));
     match (found.shape, found.topology.check_disk()) {
-        (Some(TargetShape::Solid), _) if found.loops.is_empty() => "a solid".into(),
-        (Some(TargetShape::Solid), _) => "a solid, with its gaps filled (--shape to change)".into(),
-        (Some(TargetShape::Shell), _) => "a shell of several faces".into(),
+        (Some(TargetShape::Solid), _) if found.loops.is_empty() => format!("a solid of {faces}"),
+        (Some(TargetShape::Solid), _) => {
+            format!("a solid of {faces}, with its gaps filled (--shape to change)")
+        }
+        (Some(TargetShape::Shell), _) => format!("a shell of {faces}"),
         (_, Ok(())) => "a face".into(),
         (_, Err(e)) => format!("nothing: {e}; {}", spelled(&e.help())),
     }

@@ -1,9 +1,10 @@
 //! What came in: the chosen component of a scan, looked at and made a disk.
 
+use super::estimate::{BodyEstimate, estimate};
 use super::shape::{TargetShape, shape_of};
 use crate::geometry::{Point, Vector};
 use crate::mesh::{
-    Choice, Component, Components, CutHandle, Disk, Mesh, Outer, RawPoints, Repairs, Topology,
+    Choice, Component, Components, Disk, Handle, Mesh, Outer, RawPoints, Repairs, Topology,
     boundary,
 };
 use crate::{Options, Result, smooth, threads};
@@ -29,7 +30,7 @@ pub struct InputReport {
     /// What was repaired: kind and count.
     pub repairs: Repairs,
     /// The handles that were cut, in mm.
-    pub handles: Vec<CutHandle>,
+    pub handles: Vec<Handle>,
 }
 
 /// What a component of a scan is. Lengths are mm.
@@ -52,6 +53,9 @@ pub struct Inspection {
     pub noise: f64,
     /// What a conversion makes of it; `None` if it can only be refused.
     pub shape: Option<TargetShape>,
+    /// An estimate of a solid or a shell. `None` for a face, or if a conversion fails before it has a
+    /// layout.
+    pub body: Option<BodyEstimate>,
 }
 
 impl InputReport {
@@ -168,11 +172,28 @@ pub fn inspect(scan: Components, component: Choice, outer: Outer) -> Result<Insp
     threads::run(None, || look_at(scan, component, outer))?
 }
 
+/// An estimate of a component that becomes a body.
+fn body_estimate(scan: &Components, component: Choice, shape: TargetShape) -> Option<BodyEstimate> {
+    if shape == TargetShape::Face {
+        return None;
+    }
+    let body = scan.take(component).ok()?.into_own_body(&mut Repairs::new()).ok()?;
+    let noise = scan.raw_points().map_or(0.0, RawPoints::noise).max(smooth::noise(&body.mesh));
+    let estimate = estimate(body, shape, noise).ok()?;
+    let handles = estimate.handles.iter().map(|handle| handle.scaled(scan.mm())).collect();
+    Some(BodyEstimate { handles, ..estimate })
+}
+
 fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspection> {
     let chosen = scan.take(component)?;
     let mut input = InputReport::new(&scan, &chosen);
     let sizes = scan.sizes();
     let raw_noise = scan.raw_points().map_or(0.0, RawPoints::noise);
+    let shape = match shape_of(&chosen) {
+        TargetShape::Face if !chosen.topology.is_disk() => None,
+        shape => Some(shape),
+    };
+    let body = shape.and_then(|shape| body_estimate(&scan, component, shape));
     drop(scan);
     let (mesh, mm) = (chosen.own_mesh(), chosen.mm());
     let rings = if chosen.topology.orientable { chosen.loops() } else { Vec::new() };
@@ -182,10 +203,8 @@ fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspecti
         outer: (!rings.is_empty()).then(|| chosen.outer(outer, &rings)),
         bounds: mesh.bounds().map(|p| (mm * p.coords).into()),
         noise: mm * smooth::noise(mesh).max(raw_noise),
-        shape: match shape_of(&chosen) {
-            TargetShape::Face if !chosen.topology.is_disk() => None,
-            shape => Some(shape),
-        },
+        shape,
+        body,
         input: input.clone(),
     };
     if inspection.topology.is_disk() {

@@ -7,7 +7,7 @@ use rstar::{AABB, RTree};
 use super::boundary::{self, Loop};
 use super::build::{Build, Repairs, count};
 use super::disk::Outer;
-use super::handles::{self, CutHandle};
+use super::handles::{self, Handle};
 use super::islands::{self, IslandCandidate};
 use super::raw_points::{FacePoints, RawPoints};
 use super::topology::Topology;
@@ -71,7 +71,7 @@ pub struct Component {
     /// The number of triangles in all other components.
     pub left_out: usize,
     /// The handles that were cut, in the unit of the mesh.
-    pub handles: Vec<CutHandle>,
+    pub handles: Vec<Handle>,
     /// Components that may be islands in its holes, the largest first.
     others: Vec<IslandCandidate>,
 }

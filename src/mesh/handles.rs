@@ -32,19 +32,26 @@ const EDGES: f64 = 4.0;
 /// have up to 0.025, real holes with few edges 0.074 or more.
 const SHARE: f64 = 0.07;
 
-/// A handle or tunnel that was cut.
+/// A handle or a tunnel.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct CutHandle {
-    /// The middle of its loop.
+pub struct Handle {
+    /// The middle of the shortest loop that was found around it.
     pub at: Point,
-    /// The length of its loop.
+    /// The length of this loop.
     pub length: f64,
 }
 
-impl CutHandle {
+impl Handle {
+    fn of(mesh: &Mesh, ring: &[VertexId]) -> Self {
+        let points: Vec<Point> = ring.iter().map(|&v| mesh.point(v)).collect();
+        let next = points.iter().cycle().skip(1);
+        let length = points.iter().zip(next).map(|(a, b)| (b - a).norm()).sum();
+        Handle { at: Point::from(mean(&points)), length }
+    }
+
     /// The same with all lengths multiplied by a factor.
     pub(crate) fn scaled(self, factor: f64) -> Self {
-        CutHandle { at: self.at * factor, length: self.length * factor }
+        Handle { at: self.at * factor, length: self.length * factor }
     }
 }
 
@@ -62,22 +69,24 @@ pub(super) fn longest(mesh: &Mesh) -> f64 {
 
 /// Cuts the handles of a two-sided component of the given genus whose loops are not longer than
 /// `longest`.
-pub(super) fn cut(build: &mut Build, longest: f64, genus: usize) -> Vec<CutHandle> {
+pub(super) fn cut(build: &mut Build, longest: f64, genus: usize) -> Vec<Handle> {
     let mut handles = Vec::new();
     while handles.len() < genus {
         let rings = short_loops(&build.mesh, &build.edges, longest);
         if rings.is_empty() {
             break;
         }
-        for ring in &rings {
-            let points: Vec<Point> = ring.iter().map(|&v| build.mesh.point(v)).collect();
-            let next = points.iter().cycle().skip(1);
-            let length = points.iter().zip(next).map(|(a, b)| (b - a).norm()).sum();
-            handles.push(CutHandle { at: Point::from(mean(&points)), length });
-        }
+        handles.extend(rings.iter().map(|ring| Handle::of(&build.mesh, ring)));
         open(build, &rings);
     }
     handles
+}
+
+/// The handles of a mesh, shortest loops first. Where loops of several handles cross, only the shorter ones
+/// are listed.
+pub fn handles(mesh: &Mesh) -> Vec<Handle> {
+    let rings = short_loops(mesh, &EdgeMap::new(mesh), f64::INFINITY);
+    rings.iter().map(|ring| Handle::of(mesh, ring)).collect()
 }
 
 fn mean(points: &[Point]) -> crate::geometry::Vector {

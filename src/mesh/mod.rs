@@ -42,7 +42,7 @@ pub use components::{Choice, Component, Components};
 pub use disk::{Disk, Island, Outer};
 pub(crate) use edge_map::Buckets;
 pub use edge_map::{EdgeMap, VertexRings};
-pub use handles::CutHandle;
+pub use handles::{Handle, handles};
 pub(crate) use midpoints::EdgeMidpoints;
 pub use neighbours::Neighbours;
 pub use parameterized::{Outline, Parameterized, Scaffold};

@@ -4,7 +4,7 @@ use formats::points::Note;
 use formats::{LengthUnit, Points, Soup};
 
 use super::{CloudFigures, CloudMeshFigures};
-use crate::mesh::Repairs;
+use crate::mesh::{Handle, Repairs};
 use crate::{InputReport, Inspection, Options, TargetShape, cloud};
 
 /// A scan as it was read.
@@ -109,7 +109,7 @@ pub struct InputFigures {
     pub handles_cut: Vec<HandleFigures>,
 }
 
-/// A handle that was cut.
+/// A handle or a tunnel.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
@@ -118,6 +118,12 @@ pub struct HandleFigures {
     pub at: [f64; 3],
     /// The length of its loop.
     pub length_mm: f64,
+}
+
+impl HandleFigures {
+    fn of(handle: &Handle) -> Self {
+        HandleFigures { at: handle.at.coords.into(), length_mm: handle.length }
+    }
 }
 
 impl InputFigures {
@@ -139,14 +145,7 @@ impl InputFigures {
             island_triangles: input.island_triangles,
             boundary_loops: input.boundary_loops,
             repairs: input.repairs.clone(),
-            handles_cut: input
-                .handles
-                .iter()
-                .map(|handle| HandleFigures {
-                    at: handle.at.coords.into(),
-                    length_mm: handle.length,
-                })
-                .collect(),
+            handles_cut: input.handles.iter().map(HandleFigures::of).collect(),
         }
     }
 }
@@ -169,6 +168,10 @@ pub struct InspectionFigures {
     pub disk: bool,
     /// What a conversion makes of it: "face", "shell", "solid", or nothing.
     pub shape: Option<&'static str>,
+    /// About how many faces a solid or a shell gets.
+    pub faces_about: Option<usize>,
+    /// The handles and tunnels that a solid or a shell keeps. Their loops run along the edges of a coarse mesh.
+    pub handles: Vec<HandleFigures>,
     /// The boundary loops. The list is empty for a one-sided surface.
     pub loops: Vec<RimFigures>,
     /// The lowest and the highest coordinates.
@@ -210,6 +213,13 @@ impl InspectionFigures {
                 TargetShape::Solid => "solid",
                 TargetShape::Void => "void",
             }),
+            faces_about: found.body.as_ref().map(|body| body.faces),
+            handles: found
+                .body
+                .iter()
+                .flat_map(|body| &body.handles)
+                .map(HandleFigures::of)
+                .collect(),
             loops: found.loops.iter().enumerate().map(rim).collect(),
             bounds_mm: found.bounds,
             left_out_triangles: found.input.left_out,

@@ -9,6 +9,7 @@ use super::scale::Ends;
 use crate::deviation::Deviation;
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::Mesh;
+use crate::picture::colour::TINTS;
 use crate::picture::{Camera, scale};
 
 /// The scene as JSON. Points are mm from `middle`, so that single precision suffices for a scan
@@ -25,6 +26,7 @@ pub fn scene(views: &[ReportView], ends: &Ends) -> Value {
         "radius": 0.5 * (high - low).norm(),
         "axes": axes,
         "end": { "measured": ends.measured, "smoothed": ends.smoothed },
+        "tints": TINTS,
         "signed": scale::SIGNED,
         "distance": scale::DISTANCE,
         "parts": views.iter().map(|view| part(view, middle)).collect::<Vec<_>>(),
@@ -39,7 +41,12 @@ fn part(view: &ReportView, middle: Point) -> Value {
     let mut scan = mesh(&view.scan.mesh, middle);
     scan["measured"] = values(&view.measured).into();
     scan["smoothed"] = values(&view.smoothed).into();
-    let face = view.face.as_ref().map(|face| mesh(face, middle));
+    let face = view.face.as_ref().map(|face| {
+        let tints = view.face_of.iter().map(|face| (face % TINTS.len()) as u8);
+        let mut face = mesh(face, middle);
+        face["tints"] = STANDARD.encode(tints.collect::<Vec<u8>>()).into();
+        face
+    });
     let [outer, holes] = view.outer_and_holes;
     let rims = view.rims.iter().enumerate().map(|(k, ring)| {
         let hole = k.checked_sub(outer).filter(|&hole| hole < holes);
@@ -55,6 +62,7 @@ fn part(view: &ReportView, middle: Point) -> Value {
         "face": face,
         "rims": rims.collect::<Vec<_>>(),
         "edges": edges.collect::<Vec<_>>(),
+        "irregular": places(view.irregular.iter().copied(), middle),
         "net": { "rows": rows, "columns": columns,
             "points": places(net.iter().copied(), middle) },
         "tolerance": view.figures.tolerance,

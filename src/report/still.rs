@@ -10,7 +10,7 @@ use super::view::{ReportView, ViewFigures};
 use crate::deviation::Deviation;
 use crate::geometry::Point;
 use crate::picture::canvas::Canvas;
-use crate::picture::colour::{BACKGROUND, INK, encoded, linear, srgb};
+use crate::picture::colour::{BACKGROUND, DOTS, INK, encoded, linear, srgb};
 use crate::picture::lines::{Lines, Pen};
 use crate::picture::scale::{SIGNED, colour};
 use crate::picture::text::{Style, Type};
@@ -33,6 +33,9 @@ const LINE: [u8; 3] = srgb(0xd5dae0);
 const TITLE: Style = Style { size: 40.0, bold: true, colour: INK };
 const TEXT: Style = Style { size: 24.0, bold: false, colour: INK };
 const SMALL: Style = Style { size: 20.0, bold: false, colour: MUTED };
+
+/// The size of the dots at irregular vertices.
+const DOT: Pen = Pen::solid(4.5);
 
 /// How far the small pictures are turned from the large one.
 const TURN: f64 = 0.7;
@@ -109,7 +112,10 @@ fn side(views: &[ReportView], camera: &Camera, size: [usize; 2], end: f64) -> Im
             let points = seam.iter().map(|p| camera.project(p));
             seams.polyline(&canvas, points, Pen::solid(0.7));
         }
+        let mut dots = Lines::over(&canvas);
+        view.irregular.iter().for_each(|p| dots.point(&canvas, camera.project(p), DOT));
         seams.ink(&mut canvas, linear(INK));
+        dots.ink(&mut canvas, linear(DOTS));
         let rims = sheet::rims(&canvas, &view.scan.mesh, view.rims.iter(), camera, Pen::solid(1.4));
         rims.ink(&mut canvas, linear(INK));
         let worst = ring(&canvas, camera, view.figures.measured.max_at.into());

@@ -1,5 +1,7 @@
 //! What the pictures of a report show of a conversion: meshes and the distances of their points.
 
+use std::collections::HashSet;
+
 #[cfg(feature = "html")]
 use super::plane::PlaneDrawing;
 #[cfg(feature = "html")]
@@ -55,9 +57,14 @@ pub struct ReportView {
     pub(super) figures: ViewFigures,
     /// The seams between the faces.
     pub(super) seams: Vec<Vec<Point>>,
+    /// The vertices at which other than four faces meet.
+    pub(super) irregular: Vec<Point>,
     /// The faces as triangles; `None` if they could not be triangulated.
     #[cfg(feature = "html")]
     pub(super) face: Option<Mesh>,
+    /// The face of each of these triangles, if there are several.
+    #[cfg(feature = "html")]
+    pub(super) face_of: Vec<usize>,
     /// The edges of the faces, each with the number of its hole.
     #[cfg(feature = "html")]
     pub(super) edges: Vec<(Option<usize>, Vec<Point>)>,
@@ -160,11 +167,13 @@ impl ViewRecorder {
         };
         let mut view = ReportView::new(&disk, distances, figures, parts);
         view.seams = seams(body);
+        view.irregular = irregular(body);
         #[cfg(feature = "html")]
         {
             view.outer_and_holes = [0, disk.holes.len()];
             view.edges = view.seams.iter().map(|seam| (None, seam.clone())).collect();
-            view.face = Some(tessellated(body));
+            let (face, face_of) = tessellated(body);
+            (view.face, view.face_of) = (Some(face), face_of);
         }
         Ok(view)
     }
@@ -195,6 +204,7 @@ impl ReportView {
             measured,
             figures,
             seams: Vec::new(),
+            irregular: Vec::new(),
             scan,
             #[cfg(feature = "html")]
             outer_and_holes: [0, 0],
@@ -202,6 +212,8 @@ impl ReportView {
             smoothed,
             #[cfg(feature = "html")]
             face: None,
+            #[cfg(feature = "html")]
+            face_of: Vec::new(),
             #[cfg(feature = "html")]
             edges: Vec::new(),
             #[cfg(feature = "html")]
@@ -247,14 +259,22 @@ fn seams(body: &BodyConversion) -> Vec<Vec<Point>> {
     edges.iter().map(points).collect()
 }
 
-/// The kept faces of a body as triangles.
+/// The irregular vertices that the loops leave.
+fn irregular(body: &BodyConversion) -> Vec<Point> {
+    let left: HashSet<[u64; 3]> = body.brep.vertices.iter().map(|p| p.map(f64::to_bits)).collect();
+    let is_left = |p: &Point| left.contains(&<[f64; 3]>::from(*p).map(f64::to_bits));
+    body.network.irregular().into_iter().filter(is_left).collect()
+}
+
+/// The kept faces of a body as triangles, and the face of each triangle.
 #[cfg(feature = "html")]
-fn tessellated(body: &BodyConversion) -> Mesh {
-    let (mut mesh, faces) = tessellation(&body.network);
+fn tessellated(body: &BodyConversion) -> (Mesh, Vec<usize>) {
+    let (mesh, faces) = tessellation(&body.network);
     let kept = body.cut.kept_places(&body.network);
-    let mut face = faces.iter();
-    mesh.triangles.retain(|_| face.next().is_some_and(|&(face, at)| kept.contains(face, at)));
-    mesh
+    let of_triangles = mesh.triangles.into_iter().zip(faces);
+    let left = of_triangles.filter(|&(_, (face, at))| kept.contains(face, at));
+    let (triangles, face_of) = left.map(|(triangle, (face, _))| (triangle, face)).unzip();
+    (Mesh { points: mesh.points, triangles }, face_of)
 }
 
 /// The face as triangles, with vertices inside it at the parameters of the scan's. Fills that

@@ -65,6 +65,16 @@ impl Network {
         self.tracks.par_iter().zip(&self.uses()).map(of_track).flatten_iter().collect()
     }
 
+    /// The corners at which other than four surfaces meet.
+    pub fn irregular(&self) -> Vec<Point> {
+        let mut count = vec![0; self.corners.len()];
+        for (face, k) in (0..4 * self.sides.len()).map(|side| (side / 4, side % 4)) {
+            count[self.corner(face, k)] += 1;
+        }
+        let corners = self.corners.iter().zip(count);
+        corners.filter(|of| of.1 != 4).map(|of| *of.0).collect()
+    }
+
     /// The surfaces on the two sides of each track.
     pub fn uses(&self) -> Vec<Vec<SideUse>> {
         let mut uses = vec![Vec::with_capacity(2); self.tracks.len()];

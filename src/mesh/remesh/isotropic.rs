@@ -59,7 +59,7 @@ pub fn isotropic(scan: &Mesh, length: f64, progress: &mut Progress) -> Result<Me
         progress(0.75)?;
         move_points(&mut points, &triangles, scan, &surface);
     }
-    Ok(used(&points, &triangles))
+    Ok(used(points, &triangles))
 }
 
 /// The unit normal of a triangle, or nothing for one without an area.
@@ -209,16 +209,10 @@ fn move_points(points: &mut [Point], triangles: &[[usize; 3]], scan: &Mesh, surf
 }
 
 /// The mesh without the points that no triangle has.
-fn used(points: &[Point], triangles: &[[usize; 3]]) -> Mesh {
-    let mut number = vec![usize::MAX; points.len()];
-    triangles.iter().flatten().for_each(|&v| number[v] = 0);
-    let kept: Vec<usize> = (0..points.len()).filter(|&v| number[v] == 0).collect();
-    kept.iter().enumerate().for_each(|(new, &old)| number[old] = new);
-    let numbered = |t: &[usize; 3]| t.map(|v| VertexId::from(number[v]));
-    Mesh {
-        points: kept.iter().map(|&v| points[v]).collect(),
-        triangles: triangles.iter().map(numbered).collect(),
-    }
+fn used(points: Vec<Point>, triangles: &[[usize; 3]]) -> Mesh {
+    let count = triangles.len();
+    let triangles = triangles.iter().map(|t| t.map(VertexId::from)).collect();
+    Mesh { points, triangles }.part(0..count).0
 }
 
 #[cfg(test)]

@@ -29,10 +29,12 @@ function sheets() {
   gl.uniform1f(u.which, body.dataset.points === "smoothed" ? 1 : 0);
   gl.uniform3fv(u.front, linear(0x86b0dc));
   gl.uniform3fv(u.back, linear(0xdda35a));
+  gl.uniform3fv(u.tints, scene.tints.flatMap(linear));
   for (const part of parts) {
     gl.uniform1f(u.tolerance, part.tolerance);
     const show = (made, plain, sink) => {
       gl.uniform1i(u.plain, plain);
+      gl.uniform1i(u.tinted, Boolean(made.tinted));
       gl.uniform1f(u.sink, sink);
       gl.bindVertexArray(made.array);
       gl.drawElements(gl.TRIANGLES, made.count, gl.UNSIGNED_INT, 0);
@@ -66,7 +68,10 @@ function paint() {
   const ink = dark() ? [0.91, 0.93, 0.95] : [0.11, 0.14, 0.19];
   for (const part of parts) {
     if (checked("show-scan")) strokes(part.rims, 1.2, [...ink, 0.8], 0.003);
-    if (checked("show-edges") || (checked("show-face") && !checked("show-scan"))) strokes(part.edges(), 2, [...ink, 1], 0.005);
+    if (checked("show-edges") || (checked("show-face") && !checked("show-scan"))) {
+      strokes(part.edges(), 2, [...ink, 1], 0.005);
+      strokes(part.dots(), 7, [0.7, 0.15, 0.12, 1], 0.006);
+    }
     if (checked("show-net")) strokes(part.net(), 1, dark() ? [1, 0.55, 0.45, 0.75] : [0.7, 0.15, 0.12, 0.7], 0.004);
     const rim = hole && part.holes.get(hole);
     if (rim) { gl.disable(gl.DEPTH_TEST); strokes(rim(), 5, [0.88, 0.13, 0.54, 1], 0); gl.enable(gl.DEPTH_TEST); }

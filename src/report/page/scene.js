@@ -35,6 +35,14 @@ function lines(pairs) {
   return { array, count: pairs.length / 6 };
 }
 
+// Each triangle with corners of its own and the tint of its face; all in the first tint if there is one face.
+function tinted(points, normals, triangles, tints) {
+  if (!tints.length) return upload(points, normals, triangles);
+  const copy = from => Float32Array.from({ length: 3 * triangles.length }, (_, k) => from[3 * triangles[Math.floor(k / 3)] + k % 3]);
+  const values = Float32Array.from({ length: 2 * triangles.length }, (_, k) => tints[Math.floor(k / 6)]);
+  return { ...upload(copy(points), copy(normals), Uint32Array.from(triangles, (_, k) => k), values), tinted: true };
+}
+
 const once = make => { let made; return () => made ??= make(); };
 const parts = scene.parts.map((part, number) => {
   const points = floats(part.scan.points), triangles = indices(part.scan.triangles);
@@ -55,12 +63,13 @@ const parts = scene.parts.map((part, number) => {
     return places;
   };
   return {
-    triangles, values, seen: seenAll, outlines: rims.map(rim => rim.points),
+    triangles, values, seen: seenAll, outlines: rims.length ? rims.map(rim => rim.points) : [points],
     scan: upload(points, vertexNormals(points, triangles), triangles, values),
     face: part.face && once(() => {
       const [places, corners] = [floats(part.face.points), indices(part.face.triangles)];
-      return upload(places, vertexNormals(places, corners), corners);
+      return tinted(places, vertexNormals(places, corners), corners, new Uint8Array(bytes(part.face.tints)));
     }),
+    dots: once(() => lines(points_(floats(part.irregular)))),
     rims: lines(segments(rims.map(rim => rim.points))),
     edges: once(() => lines(segments(part.edges.map(edge => floats(edge.points))))),
     net: once(() => lines(netLines(part.net))),

@@ -45,13 +45,13 @@ const sheet = program(`
     gl_Position = place(s + vec3(0.0, 0.0, sink));
   }`, `
   in vec3 n; in float d; out vec4 colour; ${light}
-  uniform vec3 scale[9]; uniform float end; uniform bool absolute, plain, only; uniform float tolerance; uniform vec3 front, back;
+  uniform vec3 scale[9]; uniform float end; uniform bool absolute, plain, only, tinted; uniform vec3 tints[6]; uniform float tolerance; uniform vec3 front, back;
   void main() {
     vec3 m = normalize(n);
     bool outer = gl_FrontFacing;
     if (!outer) m = -m;
     vec3 paint;
-    if (plain) paint = outer ? front : back;
+    if (plain) paint = !outer ? back : tinted ? tints[int(d + 0.5)] : front;
     else {
       float share = absolute ? abs(d) / end : 0.5 + 0.5 * d / end;
       float at = clamp(share, 0.0, 1.0) * 8.0;

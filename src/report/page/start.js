@@ -49,6 +49,14 @@ function segments(lines) {
   return pairs;
 }
 
+// Points as polylines without a length.
+function points_(places) {
+  return segments(Array.from({ length: places.length / 3 }, (_, k) => {
+    const p = places.subarray(3 * k, 3 * k + 3);
+    return Float32Array.of(...p, ...p);
+  }));
+}
+
 function netLines({ rows, columns, points }) {
   const net = floats(points), lines = [];
   for (let i = 0; i < rows; i++) lines.push(net.subarray(3 * i * columns, 3 * (i + 1) * columns));
