@@ -68,6 +68,7 @@
 //! | trim | [`cut::rims`], [`trim::trim`] | both | trim loops |
 //! | brep | [`cut::faces`], [`brep::build`] | these | what `formats` writes |
 //!
+//! [`convert_scan`] is what the program does with a scan of any shape: faces, solids or shells.
 //! [`convert_components`] converts several components of a scan, and [`joined`] puts their faces
 //! into one B-rep. [`report::Report`] has the figures of conversions, [`Memory`] estimates the
 //! memory that one takes before it begins.
@@ -136,10 +137,11 @@ pub mod words;
 
 pub use adapt::{Adapted, KnotOptions};
 pub use convert::{
-    BodyConversion, BodyEstimate, Builder, Conversion, Cut, InputReport, Inspection, Measured,
-    Memory, Missed, Observer, Options, ScanPlace, Seams, Stage, TargetShape, cloud_components,
-    convert, convert_body, convert_cloud, convert_component, convert_components, convert_file, cut,
-    inspect, joined, joined_bodies, measured, shape, voids,
+    BodyConversion, BodyEstimate, Builder, Conversion, Converted, Cut, InputReport, Inspection,
+    Measured, Memory, Missed, Observer, Options, ScanConversion, ScanObserver, ScanPlace, Seams,
+    Stage, TargetShape, cloud_components, convert, convert_body, convert_cloud, convert_component,
+    convert_components, convert_file, convert_scan, cut, inspect, joined, joined_bodies, measured,
+    shape, voids,
 };
 pub use error::{Error, Result};
 pub use progress::Progress;

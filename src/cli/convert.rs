@@ -3,9 +3,8 @@
 use std::path::Path;
 
 use scan2step::mesh::{Choice, Components, Outer};
-use scan2step::parameterize::CompressedRegion;
 use scan2step::report::{OutputFile, Report, ReportView, ScanSource, StageFigures, ViewRecorder};
-use scan2step::{BodyConversion, Conversion, Memory, Options, Stage, TargetShape};
+use scan2step::{Converted, Memory, Options, ScanConversion, Stage};
 
 use super::args::{ComponentChoice, Convert, ShapeChoice};
 use super::input::{self, Scan};
@@ -32,41 +31,31 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     messages::cloud(&progress, &scan);
     let repaired = components.repairs().clone();
     repaired.iter().for_each(|repair| messages::repaired(&progress, repair));
-    let bodies = body::bodies(args, &components, &options, &progress)?;
-    let is_tried = args.how.shape == ShapeChoice::Auto;
     let kept = stages.as_ref().map_or(0, |stages| stages.pending.len());
     let mut run = Run {
         args,
         progress,
         stages,
         views: Vec::new(),
+        recorder: None,
         given: Vec::new(),
         kept,
-        is_tried,
-        crushed: None,
-        fallback: None,
+        count: 1,
     };
-    if !bodies.is_empty() {
-        if is_tried {
-            run.progress.say(body::why(&bodies));
+    let chosen = chosen(args, &components, options.outer(), &run.progress);
+    let made = scan2step::convert_scan(&components, &chosen, &options, &mut |number, stage| {
+        run.see(number, &stage)
+    });
+    let ScanConversion { made, fallback, .. } =
+        made.map_err(|e| input::stopped(&args.piece.scan, &e))?;
+    let conversions = match made {
+        Converted::Faces(faces) => faces,
+        Converted::Bodies(bodies) => {
+            return body::write(run, &scan, &named, &bodies, fallback.as_deref());
         }
-        let made = body::convert(&mut run, &components, &options, &bodies);
-        let made = made.map_err(|e| input::stopped(&args.piece.scan, &e))?;
-        return body::write(run, &scan, &named, &made);
-    }
-    let conversions = match run.convert(&components, &options) {
-        Err(error) => match run.unsuited(&error) {
-            None => Err(error),
-            Some(why) => match run.shells(&components, &options, &why) {
-                Some(made) => return body::write(run, &scan, &named, &made),
-                None => run.convert(&components, &options),
-            },
-        },
-        done => done,
     };
-    let conversions = conversions.map_err(|e| input::stopped(&args.piece.scan, &e))?;
     drop(components);
-    let Run { mut progress, stages, views, given, fallback, .. } = run;
+    let Run { mut progress, stages, views, given, .. } = run;
     let files = cad::write(args, &conversions, scan.colour)?;
     progress.ended("write", "");
     for c in &conversions {
@@ -149,104 +138,46 @@ pub struct Run<'a> {
     pub stages: Option<Stages>,
     /// What the pictures of reports show, one view for each conversion, if any was asked for.
     pub views: Vec<ReportView>,
+    /// Sees the stages for the next view.
+    recorder: Option<ViewRecorder>,
     /// Hints that were given while stages ran.
     given: Vec<String>,
-    /// Why the shape is not the first one that was tried.
-    pub fallback: Option<String>,
     /// The number of files of stages before the conversion.
     kept: usize,
-    /// Whether a sheet that one face does not hold well may become a shell.
-    is_tried: bool,
-    /// Where a map to one face has too little room.
-    crushed: Option<CompressedRegion>,
+    /// The number of components that are converted.
+    count: usize,
 }
 
 impl Run<'_> {
-    /// Converts the components that were asked for.
-    fn convert(
-        &mut self,
-        components: &Components,
-        options: &Options,
-    ) -> scan2step::Result<Vec<Conversion>> {
-        let chosen = chosen(self.args, components, options.outer(), &self.progress);
-        self.progress.expect(chosen.len());
-        let mut recorder = is_drawn(self.args).then(ViewRecorder::default);
-        let mut watch = |number: usize, stage: Stage| -> scan2step::Result<()> {
-            if let Some(recorder) = &mut recorder {
-                recorder.see(&stage);
-                if let Stage::Done(conversion) = stage {
-                    let recorder = std::mem::take(recorder);
-                    self.views.push(recorder.view(conversion, chosen.len())?);
-                }
-            }
-            self.see((number, chosen.len()), &stage)
-        };
-        scan2step::convert_components(components, &chosen, options, &mut watch)
-    }
-
-    /// Why one face does not hold a sheet, if the sheet may become a shell instead.
-    fn unsuited(&self, error: &scan2step::Error) -> Option<String> {
-        use scan2step::Error;
-        match (self.is_tried, &self.crushed, error) {
-            (true, Some(crushed), _) => {
-                let p = crushed.at;
-                Some(format!("the map compresses a part near ({:.3}, {:.3}, {:.3})", p.x, p.y, p.z))
-            }
-            (true, None, Error::Folded { .. } | Error::Trim { .. }) => Some(error.to_string()),
-            _ => None,
-        }
-    }
-
-    /// Forgets the files of stages that did not lead to a result.
-    fn restart(&mut self) {
-        if let Some(stages) = &mut self.stages {
-            stages.pending.truncate(self.kept);
-        }
-    }
-
-    /// Converts sheets to shells because one face does not hold them: `why`. `None` if there are no
-    /// sound shells, either. Then a face has to do.
-    fn shells(
-        &mut self,
-        components: &Components,
-        options: &Options,
-        why: &str,
-    ) -> Option<Vec<BodyConversion>> {
-        self.progress.say(&format!(
-            "shape: a shell, as one face does not hold the scan: {why} (--shape to change)"
-        ));
-        let chosen = chosen(self.args, components, options.outer(), &self.progress).into_iter();
-        let chosen: Vec<_> = chosen.map(|component| (component, TargetShape::Shell)).collect();
-        self.restart();
-        self.fallback = Some(format!("one face does not hold the scan: {why}"));
-        match body::convert(self, components, options, &chosen) {
-            Ok(made) => Some(made),
-            Err(error) => {
-                let why = format!("no sound shell was found: {error}");
-                self.progress.say(&format!("shape: a face, as {why}"));
-                self.fallback = Some(why);
-                self.restart();
-                self.is_tried = false;
-                None
-            }
-        }
-    }
-
-    /// Says what a stage made of one of several components, and writes its file.
-    pub fn see(&mut self, (number, count): (usize, usize), stage: &Stage) -> scan2step::Result<()> {
+    /// Says what a stage made of one of the components, writes its file, and keeps what pictures show.
+    fn see(&mut self, number: usize, stage: &Stage) -> scan2step::Result<()> {
+        self.recorder.iter_mut().for_each(|recorder| recorder.see(stage));
+        let recorder = || is_drawn(self.args).then(ViewRecorder::default);
         match stage {
+            Stage::Begin { shape, components, why } => {
+                self.begin(*components);
+                why.iter().for_each(|why| self.progress.say(&messages::shape(*shape, why)));
+                return Ok(());
+            }
             Stage::Within(name, share) => {
                 self.progress.within(name, *share);
                 return Ok(());
             }
-            Stage::Done(_) => return Ok(()),
+            Stage::Done(conversion) => {
+                if let Some(seen) = std::mem::replace(&mut self.recorder, recorder()) {
+                    self.views.push(seen.view(conversion, self.count)?);
+                }
+                return Ok(());
+            }
+            Stage::BodyDone(body) => {
+                if let Some(seen) = std::mem::replace(&mut self.recorder, recorder()) {
+                    self.views.push(seen.view_of_body(body, self.count)?);
+                }
+                return Ok(());
+            }
             _ => self.progress.ended(stage.name(), &messages::made(stage)),
         }
         if let Stage::Parameterize(_, Some(found)) = stage {
-            if self.is_tried {
-                self.crushed = Some(*found);
-                return Err(scan2step::Error::Stopped);
-            }
             // Tell the user before the long fit begins.
             let hint = found.to_string();
             self.progress.hint(&hint);
@@ -255,10 +186,21 @@ impl Run<'_> {
         let (Some(stages), Some(root)) = (&mut self.stages, &self.args.stages) else {
             return Ok(());
         };
-        if let (Stage::Mesh(_), true) = (stage, count > 1) {
+        if let (Stage::Mesh(_), true) = (stage, self.count > 1) {
             stages.component(root, number)?;
         }
         Ok(stages.write(stage)?)
+    }
+
+    /// Forgets what led to no result, and expects so many components.
+    fn begin(&mut self, components: usize) {
+        self.count = components;
+        self.progress.expect(components);
+        self.views.clear();
+        self.recorder = is_drawn(self.args).then(ViewRecorder::default);
+        if let Some(stages) = &mut self.stages {
+            stages.pending.truncate(self.kept);
+        }
     }
 }
 

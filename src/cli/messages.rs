@@ -3,12 +3,17 @@
 use scan2step::mesh::{Bound, Components, FaceOrigin, Patch};
 use scan2step::report::ScanSource;
 use scan2step::words::{mm, plural};
-use scan2step::{BodyConversion, Conversion, InputReport, Stage};
+use scan2step::{BodyConversion, Conversion, InputReport, Stage, TargetShape};
 
 use super::args::{ComponentChoice, Convert};
 use super::input::Scan;
 use super::progress::ProgressDisplay;
 use super::{Outcome, streams};
+
+/// Which shape is tried, and why.
+pub fn shape(shape: TargetShape, why: &str) -> String {
+    format!("shape: a {}, {why} (--shape to change)", shape.word())
+}
 
 /// What a stage made, in one line.
 pub fn made(stage: &Stage) -> String {

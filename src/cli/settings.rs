@@ -47,6 +47,7 @@ pub fn options(args: &Convert) -> Result<Options, Failure> {
         .net(how.net)
         .max_net(how.max_net)
         .handles(how.handles)
+        .shape(shape(how.shape))
         .faces(how.faces)
         .fit(match how.fit {
             Fit::Blend => fit::Method::Blend,
@@ -70,13 +71,17 @@ pub fn settings(args: &Convert, options: &Options, scan: &Scan) -> Settings {
     if args.how.component == ComponentChoice::All {
         settings = settings.of_all_components();
     }
-    match args.how.shape {
-        ShapeChoice::Auto => {}
-        ShapeChoice::Face => settings = settings.of_shape(TargetShape::Face),
-        ShapeChoice::Shell => settings = settings.of_shape(TargetShape::Shell),
-        ShapeChoice::Solid => settings = settings.of_shape(TargetShape::Solid),
-    }
     // As the user wrote it: a share times 100 may differ in its last digit.
     settings.outliers = args.how.outliers;
     settings
+}
+
+/// The shape that the user named.
+fn shape(choice: ShapeChoice) -> Option<TargetShape> {
+    match choice {
+        ShapeChoice::Auto => None,
+        ShapeChoice::Face => Some(TargetShape::Face),
+        ShapeChoice::Shell => Some(TargetShape::Shell),
+        ShapeChoice::Solid => Some(TargetShape::Solid),
+    }
 }

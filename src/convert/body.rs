@@ -5,13 +5,14 @@
 use formats::Brep;
 use formats::brep::ShellId;
 
+use super::conversion::placed;
 use super::faces::{Faces, Gaps, SEAM_PLACES, faces};
 use super::stage::{Observer, Stage, within};
 use super::{InputReport, Options, TargetShape, input, lengths};
 use crate::adapt::Goal;
 use crate::deviation::{self, Deviation, NetworkToScan};
 use crate::error::BrepFault;
-use crate::mesh::Components;
+use crate::mesh::{Components, VertexMap};
 use crate::spline::{Network, NetworkCut};
 use crate::{Error, Result, brep, fill, layout, net, smooth, threads, trim};
 
@@ -61,6 +62,11 @@ pub struct BodyConversion {
     pub seams: Seams,
     /// The enclosed volume of a solid in mm³. That of a void is negative.
     pub volume: Option<f64>,
+    /// Where the places of the conversion are measured from in the scan's own frame, in mm: zero,
+    /// or a point near a cloud that is far from zero.
+    pub origin: [f64; 3],
+    /// Which point each vertex of the scan became.
+    vertices: VertexMap,
 }
 
 /// The angles between the normals of neighbouring faces along their common sides, in degrees.
@@ -75,6 +81,12 @@ pub struct Seams {
 }
 
 impl BodyConversion {
+    /// The point that a vertex of the scan became, as
+    /// [`Conversion::point_of`](crate::Conversion::point_of).
+    pub fn point_of(&self, vertex: usize) -> Option<usize> {
+        self.vertices.point_of(vertex)
+    }
+
     /// Whether at most the share `outliers` of the smoothed points exceeds the tolerance. If it is named,
     /// this holds for samples of the faces, too, which may leave flat triangles by their chord error
     /// besides.
@@ -93,7 +105,8 @@ impl BodyConversion {
 /// # Errors
 /// [`Error::Brep`] if a void is not in its solid.
 pub fn joined_bodies(name: impl Into<String>, bodies: &[BodyConversion]) -> Result<Brep> {
-    let mut all = Brep { name: name.into(), ..Brep::default() };
+    let description = bodies.first().map_or(String::new(), |body| body.brep.description.clone());
+    let mut all = Brep { name: name.into(), description, ..Brep::default() };
     for body in bodies {
         all.append(body.brep.clone());
         if let (TargetShape::Void, Some(last)) = (body.shape, all.solids.last_mut()) {
@@ -170,6 +183,7 @@ fn body(
     };
     watch(Stage::Brep)?;
 
+    let origin = scan.raw_points().map_or([0.0; 3], |raw| raw.origin().map(|x| mm * x));
     let smoothed = &patch.mesh.points[..patch.measured];
     let raw = scan.measured_points(&measured.mesh.points);
     let volume = || (0..brep.shells.len()).map(|shell| brep.volume(ShellId(shell))).sum();
@@ -189,7 +203,9 @@ fn body(
         fit_deviation: deviation::of_network(&own, &cut, smoothed).scaled(mm),
         deviation: deviation::of_network(&own, &cut, &raw.points).scaled(mm),
         face_to_scan: face_to_scan.scaled(mm),
-        brep,
+        brep: placed(brep, origin, options.keeps_origin),
+        origin,
+        vertices: raw.map,
         shape,
         network,
         cut,

@@ -71,21 +71,6 @@ pub struct Conversion {
 }
 
 impl Conversion {
-    /// The same with the B-rep in the scan's own frame if `keeps_origin`, and else with a note in
-    /// the B-rep that says where its own frame lies.
-    pub(super) fn placed(mut self, keeps_origin: bool) -> Self {
-        if self.origin == [0.0; 3] {
-            return self;
-        }
-        if keeps_origin {
-            self.brep = self.brep.translated(self.origin);
-        } else {
-            let [x, y, z] = self.origin;
-            self.brep.description = format!("Coordinates are measured from ({x}, {y}, {z}) mm.");
-        }
-        self
-    }
-
     /// Deviation of the vertices of the scan's mesh before smoothing, in the order of
     /// [`fit_deviation`](Self::fit_deviation). It is [`deviation`](Self::deviation) unless the mesh
     /// was made of a cloud.
@@ -140,6 +125,20 @@ impl Conversion {
             ));
         }
         parts.join(", and ")
+    }
+}
+
+/// A B-rep that is measured from `origin`, moved into the scan's own frame if `keeps_origin`, and else with
+/// a note that says where its own frame lies.
+pub(super) fn placed(brep: Brep, origin: [f64; 3], keeps_origin: bool) -> Brep {
+    let [x, y, z] = origin;
+    match keeps_origin {
+        _ if origin == [0.0; 3] => brep,
+        true => brep.translated(origin),
+        false => {
+            let description = format!("Coordinates are measured from ({x}, {y}, {z}) mm.");
+            Brep { description, ..brep }
+        }
     }
 }
 

@@ -17,6 +17,7 @@ mod lengths;
 mod memory;
 mod options;
 mod places;
+mod scan;
 mod shape;
 mod stage;
 
@@ -31,6 +32,7 @@ pub use input::{InputReport, Inspection, Measured, inspect, measured};
 pub use memory::Memory;
 pub use options::{Builder, Options};
 pub use places::ScanPlace;
+pub use scan::{Converted, ScanConversion, ScanObserver, convert_scan};
 pub use shape::{TargetShape, shape, voids};
 pub use stage::{Observer, Stage};
 
@@ -82,8 +84,10 @@ fn component(scan: &Components, options: &Options, watch: &mut Observer) -> Resu
     let own = options.in_lengths(scan.mm());
     match face::face(scan, &own, &mut |stage| shown.see(stage)) {
         Ok(conversion) => {
-            let conversion = conversion.with_named(options).placed(options.keeps_origin);
-            Ok(Conversion { hints: hints::of(&conversion, options), ..conversion })
+            let conversion = conversion.with_named(options);
+            let hints = hints::of(&conversion, options);
+            let brep = conversion::placed(conversion.brep, conversion.origin, options.keeps_origin);
+            Ok(Conversion { brep, hints, ..conversion })
         }
         Err(error) => Err(shown.in_mm(error).with_named(options)),
     }

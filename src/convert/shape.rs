@@ -16,6 +16,18 @@ pub enum TargetShape {
     Void,
 }
 
+impl TargetShape {
+    /// Its name in reports and messages.
+    pub fn word(self) -> &'static str {
+        match self {
+            TargetShape::Face => "face",
+            TargetShape::Shell => "shell",
+            TargetShape::Solid => "solid",
+            TargetShape::Void => "void",
+        }
+    }
+}
+
 /// A component is a body if flat caps over its gaps add less than this share to its area. Scanned
 /// bodies have gaps of 0.1 to 3.5 %, pipes with open ends 11 to 13 %, busts with an open base 8 to
 /// 25 %.

@@ -3,12 +3,22 @@
 use crate::mesh::{Disk, Patch, QuadMesh};
 use crate::parameterize::{CompressedRegion, Parameterized};
 use crate::spline::{Network, NetworkCut, Surface};
-use crate::{Conversion, Result, cloud, trim};
+use crate::{BodyConversion, Conversion, Result, TargetShape, cloud, trim};
 
 /// A stage that has just ended, with what it made, or one that goes on.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Stage<'a> {
+    /// A conversion of components to a shape begins ([`convert_scan`](crate::convert_scan)). What was shown
+    /// before it led to no result.
+    Begin {
+        /// The shape that is tried.
+        shape: TargetShape,
+        /// The number of components, voids included.
+        components: usize,
+        /// Why this shape is tried, as the end of a sentence, if nobody named it.
+        why: Option<&'a str>,
+    },
     /// What was found in a cloud of points, of which a mesh was made.
     Cloud(&'a cloud::Report),
     /// The cleaned mesh.
@@ -37,6 +47,8 @@ pub enum Stage<'a> {
     Deviation,
     /// One of several components is converted ([`convert_components`](crate::convert_components)).
     Done(&'a Conversion),
+    /// One of several components is a solid, a void or a shell ([`convert_scan`](crate::convert_scan)).
+    BodyDone(&'a BodyConversion),
     /// The stage of that name goes on, and has about so large a share of its time behind
     /// it: more than it was told of before.
     Within(&'static str, f64),
@@ -51,6 +63,7 @@ impl Stage<'_> {
     /// Its name, as reports and progress have it.
     pub fn name(&self) -> &'static str {
         match self {
+            Stage::Begin { .. } => "begin",
             Stage::Cloud(_) => "cloud",
             Stage::Mesh(_) => "mesh",
             Stage::Smooth(_) => "smooth",
@@ -62,7 +75,7 @@ impl Stage<'_> {
             Stage::Network(_) => "network",
             Stage::Brep => "brep",
             Stage::Deviation => "deviation",
-            Stage::Done(_) => "done",
+            Stage::Done(_) | Stage::BodyDone(_) => "done",
             Stage::Within(name, _) => name,
         }
     }

@@ -207,12 +207,7 @@ impl InspectionFigures {
             genus: found.topology.genus(),
             orientable: found.topology.orientable,
             disk: found.topology.is_disk(),
-            shape: found.shape.map(|shape| match shape {
-                TargetShape::Face => "face",
-                TargetShape::Shell => "shell",
-                TargetShape::Solid => "solid",
-                TargetShape::Void => "void",
-            }),
+            shape: found.shape.map(TargetShape::word),
             faces_about: found.body.as_ref().map(|body| body.faces),
             handles: found
                 .body

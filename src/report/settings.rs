@@ -100,7 +100,7 @@ impl Settings {
             scan: options.cloud.scan,
             origin: if options.keeps_origin { "keep" } else { "local" },
             outer: named.outer.map(|place| vec![place]).or(outer),
-            shape: "auto",
+            shape: options.shape.map_or("auto", TargetShape::word),
             tolerance: options.tolerance,
             rim_tolerance: options.rim_tolerance,
             outliers: 100.0 * options.outliers,
@@ -151,17 +151,6 @@ impl Settings {
     #[must_use]
     pub fn of_all_components(self) -> Self {
         Settings { component: Setting::Word("all"), ..self }
-    }
-
-    /// The same with the shape that was asked for. Otherwise it is "auto".
-    #[must_use]
-    pub fn of_shape(self, shape: TargetShape) -> Self {
-        let shape = match shape {
-            TargetShape::Face => "face",
-            TargetShape::Shell => "shell",
-            TargetShape::Solid | TargetShape::Void => "solid",
-        };
-        Settings { shape, ..self }
     }
 
     /// The same with the schema and the form of the files that were written.

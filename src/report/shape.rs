@@ -3,7 +3,7 @@
 use formats::Brep;
 use formats::brep::ShellId;
 
-use crate::{BodyConversion, Conversion, TargetShape};
+use crate::{BodyConversion, Conversion};
 
 /// The shape that a scan became.
 #[derive(Debug, Clone, PartialEq)]
@@ -100,11 +100,6 @@ impl ShapeFigures {
 
     /// The figures of a solid, a void or a shell.
     pub(super) fn of_body(body: &BodyConversion) -> Self {
-        let kind = match body.shape {
-            TargetShape::Solid => "solid",
-            TargetShape::Void => "void",
-            TargetShape::Shell | TargetShape::Face => "shell",
-        };
         let seams = body.seams;
         ShapeFigures {
             irregular_vertices: body.irregular,
@@ -112,7 +107,7 @@ impl ShapeFigures {
             volume_mm3: body.volume,
             seam_deg: SeamFigures { mean: seams.mean, p95: seams.p95, max: seams.max },
             folds: body.face_to_scan.inverted.len(),
-            ..Self::of_brep(&body.brep, kind)
+            ..Self::of_brep(&body.brep, body.shape.word())
         }
     }
 

@@ -3,7 +3,7 @@
 use formats::LengthUnit;
 
 use super::Options;
-use crate::convert::{Cut, ScanPlace};
+use crate::convert::{Cut, ScanPlace, TargetShape};
 use crate::error::Result;
 use crate::geometry::Point;
 use crate::{fit, mesh, parameterize, smooth};
@@ -158,6 +158,12 @@ impl Builder {
     /// a few edges.
     pub fn handles(mut self, mm: impl Into<Option<f64>>) -> Self {
         self.0.handles = mm.into();
+        self
+    }
+
+    /// What components become in [`convert_scan`](crate::convert_scan). Without, the shape that suits them.
+    pub fn shape(mut self, shape: impl Into<Option<TargetShape>>) -> Self {
+        self.0.shape = shape.into();
         self
     }
 

@@ -6,8 +6,8 @@ pub use builder::Builder;
 
 use formats::LengthUnit;
 
-use super::Cut;
 use super::places::NamedPlaces;
+use super::{Cut, TargetShape};
 use crate::adapt::KnotOptions;
 use crate::error::{Error, Result, of};
 use crate::geometry::{Point, in_lengths, length};
@@ -41,6 +41,7 @@ pub struct Options {
     pub(crate) fill: fill::Options,
     pub(crate) parameterize: parameterize::Options,
     pub(crate) knots: KnotOptions,
+    pub(crate) shape: Option<TargetShape>,
     pub(crate) faces: Option<usize>,
     pub(crate) method: fit::Method,
     pub(crate) tolerance: Option<f64>,
@@ -66,6 +67,7 @@ impl Default for Options {
             fill: fill::Options::default(),
             parameterize: parameterize::Options::default(),
             knots: KnotOptions::default(),
+            shape: None,
             faces: None,
             method: fit::Method::default(),
             tolerance: None,
