@@ -93,6 +93,21 @@ impl Options {
         Options { component, ..self.clone() }
     }
 
+    /// The part's name.
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Whether the result of a cloud lies in the scan's own frame.
+    pub fn keeps_origin(&self) -> bool {
+        self.keeps_origin
+    }
+
+    /// The number of bytes that a conversion may need, if it is bounded.
+    pub fn max_memory(&self) -> Option<u64> {
+        self.max_memory
+    }
+
     /// Which piece of the scan.
     pub fn component(&self) -> mesh::Choice {
         self.component

@@ -1,0 +1,319 @@
+"""What a scan became."""
+
+from __future__ import annotations
+
+import base64
+import html
+import json
+import os
+import tempfile
+import time
+from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _scan2step
+from ._errors import FileError, OptionError
+
+if TYPE_CHECKING:
+    from ._scan import Path
+
+Floats = npt.NDArray[np.float64]
+Colour = Optional[Tuple[int, int, int]]
+
+
+class Arc(NamedTuple):
+    """A part of a loop: a cubic B-spline curve in the parameter plane of its face."""
+
+    #: The knots: (k + 4,).
+    knots: Floats
+    #: The control points: (k, 2).
+    control_points: Floats
+    #: Whether the loop runs along the curve. Otherwise it runs against it.
+    forward: bool
+
+
+class Face:
+    """A trimmed B-spline face of a :class:`Conversion`. Arrays are read-only views."""
+
+    def __init__(self, made: _scan2step.Face) -> None:
+        self._made = made
+
+    @property
+    def control_points(self) -> Floats:
+        """The control net: (m, n, 3), in mm."""
+        return self._made.control_points
+
+    @property
+    def knots_u(self) -> Floats:
+        """The knots in u: (m + 4,)."""
+        return self._made.knots_u
+
+    @property
+    def knots_v(self) -> Floats:
+        """The knots in v: (n + 4,)."""
+        return self._made.knots_v
+
+    @property
+    def degree(self) -> Tuple[int, int]:
+        """The degrees in u and in v."""
+        return self._made.degree
+
+    @property
+    def loops(self) -> List[List[Arc]]:
+        """The loops that bound the face: the outer one, then those of holes."""
+        return [[Arc(*arc) for arc in loop] for loop in self._made.loops]
+
+    def points(self, uv: Any) -> Floats:
+        """Points of the surface: (k, 2) parameter points in, (k, 3) in mm out.
+
+        :raises ValueError: a parameter point is outside of the knots' range.
+        """
+        return self._made.points(np.ascontiguousarray(uv, np.float64))
+
+    def normals(self, uv: Any) -> Floats:
+        """Unit normals of the face: (k, 2) parameter points in, (k, 3) out.
+
+        :raises ValueError: a parameter point is outside of the knots' range.
+        """
+        return self._made.normals(np.ascontiguousarray(uv, np.float64))
+
+    def __repr__(self) -> str:
+        m, n, _ = self.control_points.shape
+        return f"<scan2step.Face {m} × {n} control points>"
+
+
+class Conversion:
+    """A face, a shell or a solid, with its figures. It does not change. Lengths are mm.
+
+    With ``component="all"`` it holds what all components became.
+    """
+
+    def __init__(self, made: _scan2step.Conversion, name: str) -> None:
+        self._made = made
+        self._name = name
+
+    @property
+    def kind(self) -> str:
+        """``"face"``, ``"shell"`` or ``"solid"``."""
+        return self._made.kind
+
+    @property
+    def faces(self) -> List[Face]:
+        """The faces."""
+        return [Face(self._made.face(k)) for k in range(self._made.face_count)]
+
+    @property
+    def tolerance(self) -> float:
+        """The tolerance that was named, or that follows from the noise."""
+        return self._made.tolerance
+
+    @property
+    def tolerance_met(self) -> bool:
+        """Whether the result keeps the tolerance."""
+        return self._made.tolerance_met
+
+    @property
+    def noise(self) -> float:
+        """Standard deviation of the noise of the scan along the normal."""
+        return self._made.noise
+
+    @property
+    def rms(self) -> float:
+        """Root mean square deviation of the points as they were measured."""
+        return self._made.rms
+
+    @property
+    def max(self) -> float:
+        """Largest deviation of a point as it was measured."""
+        return self._made.max
+
+    @property
+    def volume(self) -> Optional[float]:
+        """The enclosed volume of a solid in mm³."""
+        return self._made.volume
+
+    @property
+    def area(self) -> float:
+        """The area of all faces in mm²."""
+        return self._made.area
+
+    @property
+    def origin(self) -> Tuple[float, float, float]:
+        """Where the result is measured from: zero unless the scan is a cloud far from zero."""
+        x, y, z = self._made.origin
+        return x, y, z
+
+    @property
+    def hints(self) -> List[str]:
+        """What could be better, and what to do about it."""
+        return self._made.hints
+
+    @property
+    def report(self) -> Dict[str, Any]:
+        """All figures, as the program's ``--report FILE.json`` has them."""
+        report: Dict[str, Any] = json.loads(self._made.report_json())
+        return report
+
+    @property
+    def deviations(self) -> Floats:
+        """The signed distance of each vertex of the scan from the result: (n,), in mm.
+
+        It is positive on the side that the scan's triangles face, and NaN where a vertex belongs to
+        no component that was converted.
+        """
+        return self._made.deviations()
+
+    @property
+    def smoothed_deviations(self) -> Floats:
+        """The same for the smoothed vertices, against which the tolerance is held.
+
+        The vertices of a cloud have none: the array is of no use there.
+        """
+        return self._made.smoothed_deviations()
+
+    def distance(self, points: Any) -> Floats:
+        """The distances of points (k, 3) from the result: (k,), in mm."""
+        return self._made.distance(np.ascontiguousarray(points, np.float64))
+
+    def step(self, schema: str = "ap242", colour: Colour = None) -> bytes:
+        """The STEP file: the same bytes as the program writes.
+
+        :param schema: ``"ap203"``, ``"ap214"`` or ``"ap242"``.
+        :param colour: from 0 to 255. Without, the mean colour of the scan, if it has one.
+        """
+        return self._made.step(schema, colour, _time_stamp())
+
+    def iges(self, form: str = "trimmed", colour: Colour = None, file_name: str = "") -> bytes:
+        """The IGES file.
+
+        :param form: ``"trimmed"`` for trimmed surfaces (144), ``"brep"`` for shells and solids.
+        :param file_name: the name that the file says it has.
+        """
+        return self._made.iges(form, colour, _time_stamp(), file_name)
+
+    def html(self) -> str:
+        """The report as a page that needs nothing else."""
+        return self._made.html()
+
+    def png(self) -> bytes:
+        """The picture of the report: 1600 × 1000 pixels."""
+        return self._made.png()
+
+    def write(self, *paths: Path) -> None:
+        """Writes files, each in the format of its extension: all of them, or none.
+
+        ``.step``, ``.stp``, ``.igs``, ``.iges``, ``.html``, ``.png``, ``.json``.
+
+        :raises OptionError: an extension is not known.
+        :raises FileError: a file cannot be written.
+        """
+        contents = [(os.fspath(path), self._content(os.fspath(path))) for path in paths]
+        pending: List[Tuple[str, str]] = []
+        try:
+            for path, content in contents:
+                try:
+                    pending.append((_temporary(path, content), path))
+                except OSError as error:
+                    raise _unwritten(path, error) from error
+            for temporary, path in pending:
+                try:
+                    os.replace(temporary, path)
+                except OSError as error:
+                    raise _unwritten(path, error) from error
+        finally:
+            for temporary, _ in pending:
+                if os.path.exists(temporary):
+                    os.unlink(temporary)
+
+    def _content(self, path: str) -> bytes:
+        extension = os.path.splitext(path)[1].lower()
+        if extension in (".step", ".stp"):
+            return self.step()
+        if extension in (".igs", ".iges"):
+            return self.iges(file_name=os.path.basename(path))
+        if extension == ".html":
+            return self.html().encode()
+        if extension == ".png":
+            return self.png()
+        if extension == ".json":
+            return self._made.report_json().encode()
+        raise OptionError(
+            f"{path}: no known extension", "name .step, .stp, .igs, .iges, .html, .png or .json"
+        )
+
+    def to_occ(self) -> Any:
+        """The result as a ``TopoDS_Shape`` of OCP (``pip install cadquery-ocp``)."""
+        from .occ import to_occ
+
+        return to_occ(self)
+
+    def to_build123d(self) -> Any:
+        """The result as a ``Face``, ``Shell`` or ``Solid`` of build123d."""
+        from .occ import to_build123d
+
+        return to_build123d(self)
+
+    def to_cadquery(self) -> Any:
+        """The result as a ``Face``, ``Shell`` or ``Solid`` of CadQuery."""
+        from .occ import to_cadquery
+
+        return to_cadquery(self)
+
+    def show(self, height: int = 900) -> Any:
+        """The report in a notebook: it turns, and shows the deviation. It is saved with the notebook."""
+        from IPython.display import HTML  # type: ignore[import-not-found, unused-ignore]
+
+        page = html.escape(self.html(), quote=True)
+        return HTML(
+            f'<iframe sandbox="allow-scripts" width="100%" height="{height}" srcdoc="{page}"></iframe>'
+        )
+
+    def __repr__(self) -> str:
+        faces = self._made.face_count
+        count = f"{faces} face" if faces == 1 else f"{faces} faces"
+        met = "met" if self.tolerance_met else "missed"
+        return (
+            f"<scan2step.Conversion {self._name}: a {self.kind} of {count}, "
+            f"tolerance {self.tolerance:.4g} mm {met}, rms {self.rms:.4g} mm>"
+        )
+
+    def _repr_html_(self) -> str:
+        picture = base64.b64encode(self.png()).decode()
+        return f'<img alt="{html.escape(repr(self), quote=True)}" width="800" src="data:image/png;base64,{picture}">'
+
+    def __reduce__(self) -> Any:
+        raise TypeError("a Conversion cannot be pickled: return step() and report")
+
+
+def _time_stamp() -> str:
+    """SOURCE_DATE_EPOCH, or 1970 without it, so that the same scan gives the same bytes."""
+    asked = os.environ.get("SOURCE_DATE_EPOCH", "0")
+    try:
+        return time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(int(asked)))
+    except (ValueError, OverflowError, OSError):
+        raise OptionError(
+            f"SOURCE_DATE_EPOCH: {asked!r} is no number of seconds since 1970",
+            "set it to a whole number, or unset it",
+        ) from None
+
+
+def _temporary(path: str, content: bytes) -> str:
+    """Writes a file beside its place, with the rights of an ordinary file."""
+    place = os.path.realpath(path)
+    descriptor, temporary = tempfile.mkstemp(".part", ".scan2step-", os.path.dirname(place))
+    with os.fdopen(descriptor, "wb") as file:
+        file.write(content)
+    mask = os.umask(0)
+    os.umask(mask)
+    os.chmod(temporary, 0o666 & ~mask)
+    return temporary
+
+
+def _unwritten(path: str, error: OSError) -> FileError:
+    return FileError(
+        f"{path}: cannot be written: {error.strerror}",
+        "check that the folder exists, can be written to and has room",
+        path=path,
+    )

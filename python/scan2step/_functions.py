@@ -1,0 +1,188 @@
+"""The functions: convert, inspect, check."""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from typing import Any, Callable, Dict, Optional, Sequence, Tuple, Union
+
+from . import _scan2step
+from ._conversion import Conversion
+from ._scan import Path, scan_of
+
+Place = Union[int, Sequence[float]]
+
+
+def convert(
+    scan: Any,
+    faces: Any = None,
+    *,
+    shape: str = "auto",
+    tolerance: Optional[float] = None,
+    units: Optional[str] = None,
+    name: Optional[str] = None,
+    component: Union[str, int] = "largest",
+    face_count: Optional[int] = None,
+    handles: Optional[float] = None,
+    keep_fills: bool = False,
+    fill_only_holes_below: Optional[float] = None,
+    smooth: Union[str, float] = "auto",
+    outliers: float = 0.0,
+    rim_tolerance: Optional[float] = None,
+    outer: Optional[Place] = None,
+    corners: Optional[Sequence[Place]] = None,
+    boundary_corners: Union[str, Sequence[Place]] = "auto",
+    outline: str = "auto",
+    map: str = "least-stretch",
+    fit: str = "refined",
+    kappa: Optional[float] = None,
+    depth: Optional[int] = None,
+    net: Optional[Tuple[int, int]] = None,
+    max_net: int = 250_000,
+    spacing: Optional[float] = None,
+    max_points: Optional[int] = None,
+    scan_number: Optional[int] = None,
+    origin: str = "local",
+    threads: Optional[int] = None,
+    max_memory: Optional[int] = None,
+    progress: Optional[Callable[[str, float], Any]] = None,
+) -> Conversion:
+    """Converts a scan to a face, a shell or a solid.
+
+    The options are those of the program's ``convert``, with ``_`` for ``-``; ``face_count`` is its
+    ``--faces``, and ``scan_number`` its ``--scan``. Lengths are millimetres.
+
+    :param scan: a path; a :class:`Scan`; an array (n, 3) of points; or a mesh or cloud of trimesh,
+        Open3D, PyVista or FreeCAD.
+    :param faces: the faces (m, 3) if ``scan`` is an array of vertices.
+    :param shape: ``"face"``, ``"shell"``, ``"solid"``, or ``"auto"`` for what suits the scan.
+    :param tolerance: the farthest that a smoothed point may be from the result. Without, it follows
+        from the noise of the scan. A missed tolerance is no error: see
+        :attr:`Conversion.tolerance_met`.
+    :param units: the unit of the scan's numbers: ``"mm"``, ``"cm"``, ``"m"``, ``"in"``, ``"ft"``.
+        Without, what the file declares, else mm.
+    :param name: the part's name in CAD files. Without, the name of the scan's file.
+    :param component: ``"largest"``, ``"all"``, or a number (0 is the largest).
+    :param face_count: about how many faces a solid or a shell gets.
+    :param handles: cut handles whose loop is not longer, and close them. Without: a few edges.
+    :param keep_fills: fill all holes, and cut none out.
+    :param fill_only_holes_below: fill holes whose rim is shorter, and cut out the others.
+    :param smooth: the support of the smoothing, ``"auto"`` or ``"off"``.
+    :param outliers: the share of points, from 0 to below 1, that may exceed the tolerance.
+    :param rim_tolerance: the farthest that a trim loop may be from the measured rim.
+    :param outer: a vertex or a point on the outer boundary.
+    :param corners: four vertices or points of the outer boundary.
+    :param spacing: thin a cloud to this distance between neighbours.
+    :param origin: ``"local"``, or ``"keep"`` to put the result of a far cloud where the cloud is.
+    :param threads: how many threads share the work. The result does not depend on it.
+    :param max_memory: the number of bytes that the conversion may need.
+    :param progress: is called with the name of a stage and the share of it that is done, on the
+        calling thread. What it raises stops the conversion and is raised again.
+    :raises FileError: the scan cannot be read.
+    :raises OptionError: an option cannot be.
+    :raises ScanError: the scan cannot be converted; ``point`` says where.
+    :raises TypeError: the arrays are not those of a scan.
+
+    >>> import numpy as np
+    >>> import scan2step
+    >>> x, y = np.meshgrid(np.arange(20.0), np.arange(20.0))
+    >>> points = np.stack([x, y, 0.02 * x**2], axis=-1).reshape(-1, 3)
+    >>> at = np.arange(400).reshape(20, 20)
+    >>> a, b, c, d = (at[i:19 + i, j:19 + j].ravel() for i, j in ((0, 0), (0, 1), (1, 1), (1, 0)))
+    >>> made = scan2step.convert(points, np.stack([a, b, c, d], axis=1), tolerance=0.05)
+    >>> made.kind, made.tolerance_met, len(made.faces)
+    ('face', True, 1)
+    """
+    options: Dict[str, Any] = {
+        key: value
+        for key, value in locals().items()
+        if key not in ("scan", "faces", "progress", "name")
+    }
+    read = scan_of(scan, faces)
+    options["name"] = part_name(read._made.file) if name is None else name
+    return Conversion(_scan2step.convert(read._made, options, progress), options["name"])
+
+
+def inspect(
+    scan: Any,
+    faces: Any = None,
+    *,
+    units: Optional[str] = None,
+    component: Union[str, int] = "largest",
+    outer: Optional[Place] = None,
+    handles: Optional[float] = None,
+    spacing: Optional[float] = None,
+    max_points: Optional[int] = None,
+    scan_number: Optional[int] = None,
+    threads: Optional[int] = None,
+) -> Dict[str, Any]:
+    """Says what a scan is, and what :func:`convert` makes of it.
+
+    :returns: what the program's ``inspect --json`` prints, as a dictionary: counts, components,
+        boundary loops, genus, handles, noise, repairs, ``shape`` and ``faces_about``.
+    :raises FileError: the scan cannot be read.
+    """
+    options: Dict[str, Any] = {
+        key: value for key, value in locals().items() if key not in ("scan", "faces")
+    }
+    found: Dict[str, Any] = json.loads(_scan2step.inspect(scan_of(scan, faces)._made, options))
+    return found
+
+
+def check(
+    cad: Union[Path, bytes, Conversion],
+    scan: Any,
+    faces: Any = None,
+    *,
+    units: Optional[str] = None,
+    component: Union[str, int] = "largest",
+    tolerance: Optional[float] = None,
+    outliers: float = 0.0,
+    outer: Optional[Place] = None,
+    spacing: Optional[float] = None,
+    max_points: Optional[int] = None,
+    scan_number: Optional[int] = None,
+    origin: str = "local",
+    threads: Optional[int] = None,
+) -> Dict[str, Any]:
+    """Measures a CAD file against a scan, in both directions.
+
+    :param cad: the path of a STEP or IGES file, the bytes of a STEP file, or a :class:`Conversion`.
+    :param tolerance: the largest distance that counts as good.
+    :param outliers: the share of points that may exceed it.
+    :returns: what the program's ``check --json`` prints, as a dictionary.
+    :raises FileError: a file cannot be read.
+    """
+    keys = ("units", "component", "outer", "spacing", "max_points", "scan_number", "origin", "threads")
+    values = locals()
+    options = {key: values[key] for key in keys}
+    read = scan_of(scan, faces)._made
+    if isinstance(cad, Conversion):
+        cad = cad.step()
+    if not isinstance(cad, bytes):
+        return _checked(os.fspath(cad), read, options, tolerance, outliers)
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "part.step")
+        with open(path, "wb") as file:
+            file.write(cad)
+        return _checked(path, read, options, tolerance, outliers)
+
+
+def _checked(
+    path: str,
+    scan: _scan2step.Scan,
+    options: Dict[str, Any],
+    tolerance: Optional[float],
+    outliers: float,
+) -> Dict[str, Any]:
+    found: Dict[str, Any] = json.loads(_scan2step.check(path, scan, options, tolerance, outliers))
+    return found
+
+
+def part_name(file: str) -> str:
+    """The file's name without its folder and extensions, as the program names parts."""
+    name = os.path.basename(file)
+    if name.lower().endswith(".gz"):
+        name = name[:-3]
+    return os.path.splitext(name)[0]

@@ -1,0 +1,177 @@
+//! The options of a conversion, by their names in Python.
+
+use pyo3::exceptions::PyTypeError;
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use scan2step::formats::LengthUnit;
+use scan2step::mesh::Choice;
+use scan2step::{Builder, Cut, Options, ScanPlace, TargetShape, fit, parameterize, smooth};
+
+use crate::errors::Failure;
+
+/// Options of the library, and those that concern more than one component.
+pub struct Named {
+    pub options: Options,
+    pub all_components: bool,
+}
+
+/// The options that a dictionary names. Words are checked here, and numbers by the library.
+pub fn named(values: &Bound<PyDict>) -> PyResult<Named> {
+    let mut builder = Options::builder();
+    let mut all_components = false;
+    for (key, value) in values {
+        let key: String = key.extract()?;
+        if key == "component" && value.extract::<String>().is_ok_and(|word| word == "all") {
+            all_components = true;
+        } else {
+            builder = set(builder, &key, &value)?;
+        }
+    }
+    let options = builder.build().map_err(Failure::from)?;
+    Ok(Named { options, all_components })
+}
+
+fn set(builder: Builder, key: &str, value: &Bound<PyAny>) -> PyResult<Builder> {
+    Ok(match key {
+        "name" => builder.name(value.extract::<String>()?),
+        "units" => match value.extract::<Option<String>>()? {
+            None => builder,
+            Some(unit) => builder.unit(word(
+                "units",
+                &unit,
+                &[
+                    ("mm", LengthUnit::Millimetre),
+                    ("cm", LengthUnit::Centimetre),
+                    ("m", LengthUnit::Metre),
+                    ("in", LengthUnit::Inch),
+                    ("ft", LengthUnit::Foot),
+                ],
+            )?),
+        },
+        "shape" => {
+            let shape = value.extract::<String>()?;
+            builder.shape(word(
+                "shape",
+                &shape,
+                &[
+                    ("auto", None),
+                    ("face", Some(TargetShape::Face)),
+                    ("shell", Some(TargetShape::Shell)),
+                    ("solid", Some(TargetShape::Solid)),
+                ],
+            )?)
+        }
+        "face_count" => builder.faces(value.extract::<Option<usize>>()?),
+        "handles" => builder.handles(value.extract::<Option<f64>>()?),
+        "component" => match value.extract::<usize>() {
+            Ok(number) => builder.component(Choice::Number(number)),
+            Err(_) => {
+                let largest = value.extract::<String>()?;
+                builder.component(word("component", &largest, &[("largest", Choice::Largest)])?)
+            }
+        },
+        "outer" => builder
+            .outer_place(value.extract::<Option<Bound<PyAny>>>()?.map(|v| place(&v)).transpose()?),
+        "smooth" => builder.smooth(match value.extract::<f64>() {
+            Ok(length) => smooth::Support::Fixed(length),
+            Err(_) => word(
+                "smooth",
+                &value.extract::<String>()?,
+                &[("auto", smooth::Support::Auto), ("off", smooth::Support::Off)],
+            )?,
+        }),
+        "boundary_corners" => match value.extract::<String>() {
+            Ok(text) => builder.boundary_corners(word(
+                "boundary_corners",
+                &text,
+                &[("auto", smooth::Corners::Auto), ("none", smooth::Corners::None)],
+            )?),
+            Err(_) => builder.boundary_corner_places(places(value)?),
+        },
+        "corners" => match value.is_none() {
+            true => builder,
+            false => builder.corner_places(places(value)?),
+        },
+        "outline" => builder.outline(word(
+            "outline",
+            &value.extract::<String>()?,
+            &[
+                ("auto", None),
+                ("sides", Some(parameterize::Outline::Sides)),
+                ("trimmed", Some(parameterize::Outline::Free)),
+            ],
+        )?),
+        "map" => builder.map(word(
+            "map",
+            &value.extract::<String>()?,
+            &[
+                ("least-stretch", parameterize::MapMethod::LeastStretch),
+                ("mean-value", parameterize::MapMethod::MeanValue),
+            ],
+        )?),
+        "kappa" => builder.kappa(value.extract::<Option<f64>>()?),
+        "depth" => builder.depth(value.extract::<Option<u32>>()?),
+        "net" => builder.net(value.extract::<Option<[usize; 2]>>()?),
+        "max_net" => builder.max_net(value.extract()?),
+        "fit" => builder.fit(word(
+            "fit",
+            &value.extract::<String>()?,
+            &[
+                ("blend", fit::Method::Blend),
+                ("refined", fit::Method::Refined),
+                ("global", fit::Method::Global),
+            ],
+        )?),
+        "tolerance" => builder.tolerance(value.extract::<Option<f64>>()?),
+        "rim_tolerance" => builder.rim_tolerance(value.extract::<Option<f64>>()?),
+        "outliers" => builder.outliers(value.extract()?),
+        "keep_fills" => match value.extract::<bool>()? {
+            true => builder.cut(Cut::None),
+            false => builder,
+        },
+        "fill_only_holes_below" => match value.extract::<Option<f64>>()? {
+            Some(length) => builder.cut(Cut::FromLength(length)),
+            None => builder,
+        },
+        "spacing" => builder.spacing(value.extract::<Option<f64>>()?),
+        "max_points" => builder.max_points(value.extract::<Option<usize>>()?),
+        "scan_number" => builder.scan_number(value.extract::<Option<usize>>()?),
+        "origin" => builder.keeps_origin(word(
+            "origin",
+            &value.extract::<String>()?,
+            &[("local", false), ("keep", true)],
+        )?),
+        "threads" => builder.threads(value.extract::<Option<usize>>()?),
+        "max_memory" => builder.max_memory(value.extract::<Option<u64>>()?),
+        unknown => return Err(PyTypeError::new_err(format!("there is no option {unknown}"))),
+    })
+}
+
+/// What a word stands for.
+pub fn word<T: Clone>(option: &str, given: &str, words: &[(&str, T)]) -> PyResult<T> {
+    let found = words.iter().find(|(word, _)| *word == given);
+    if let Some((_, value)) = found {
+        return Ok(value.clone());
+    }
+    let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
+    Python::attach(|py| {
+        let class = py.import("scan2step._errors")?.getattr("OptionError")?;
+        let message = format!("{option}: {given:?} is not known");
+        let help = format!("name one of {}", words.join(", "));
+        let named = PyDict::new(py);
+        named.set_item("option", option)?;
+        Err(PyErr::from_value(class.call((message, help), Some(&named))?))
+    })
+}
+
+/// A vertex by its index, or a point.
+fn place(value: &Bound<PyAny>) -> PyResult<ScanPlace> {
+    match value.extract::<usize>() {
+        Ok(vertex) => Ok(ScanPlace::Vertex(vertex)),
+        Err(_) => value.extract().map(ScanPlace::Point),
+    }
+}
+
+fn places(value: &Bound<PyAny>) -> PyResult<Vec<ScanPlace>> {
+    value.try_iter()?.map(|each| place(&each?)).collect()
+}

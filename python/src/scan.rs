@@ -1,0 +1,127 @@
+//! Scans: read from files, or made of arrays.
+
+use std::path::PathBuf;
+
+use numpy::{PyArray2, PyReadonlyArray2};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use scan2step::formats::points::{PointScan, ReadOptions};
+use scan2step::formats::{Content, LengthUnit, Points, Soup};
+
+use crate::{arrays, run};
+
+/// A scan as it was read: a mesh or a cloud of points.
+#[pyclass(frozen, module = "scan2step._scan2step")]
+pub struct Scan {
+    pub content: Content,
+    /// The file's name, or a name for arrays.
+    pub file: String,
+}
+
+#[pymethods]
+impl Scan {
+    /// Reads a scan.
+    #[staticmethod]
+    fn read(
+        py: Python,
+        path: PathBuf,
+        classes: Vec<u8>,
+        min_intensity: Option<f64>,
+    ) -> PyResult<Self> {
+        let options = ReadOptions { classes, min_intensity };
+        let content = run::run(py, None, |_| Ok(options.read_content(&path)?))?;
+        Ok(Scan { content, file: path.display().to_string() })
+    }
+
+    /// Makes a mesh of vertices and polygons.
+    #[staticmethod]
+    fn mesh(
+        vertices: PyReadonlyArray2<f64>,
+        faces: PyReadonlyArray2<u32>,
+        file: String,
+    ) -> PyResult<Self> {
+        let mut soup = Soup { points: arrays::rows(&vertices)?, ..Soup::default() };
+        let (faces, count) = (faces.as_array(), soup.points.len());
+        if faces.ncols() < 3 {
+            return Err(PyValueError::new_err("faces have at least 3 vertices each"));
+        }
+        if let Some(index) = faces.iter().find(|&&index| index as usize >= count) {
+            let message = format!("a face has vertex {index}, and there are {count} vertices");
+            return Err(PyValueError::new_err(message));
+        }
+        faces.rows().into_iter().for_each(|row| soup.polygons.push(row.iter().copied()));
+        Ok(Scan { content: Content::Mesh(soup), file })
+    }
+
+    /// Makes a cloud of points.
+    #[staticmethod]
+    fn cloud(points: PyReadonlyArray2<f64>, file: String) -> PyResult<Self> {
+        let positions = arrays::rows(&points)?;
+        if !positions.iter().flatten().all(|x| x.is_finite()) {
+            return Err(PyValueError::new_err("a point is not finite"));
+        }
+        let scan = PointScan { points: 0..positions.len(), ..PointScan::default() };
+        let cloud = Points { positions, scans: vec![scan], ..Points::default() };
+        Ok(Scan { content: Content::Points(cloud), file })
+    }
+
+    /// The vertices of a mesh, or the points of a cloud, in the file's unit.
+    #[getter]
+    fn vertices<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyArray2<f64>>> {
+        match &self.content {
+            Content::Mesh(soup) => arrays::points(py, &soup.points),
+            Content::Points(cloud) => {
+                let all: Vec<_> = (0..cloud.len()).map(|index| cloud.absolute(index)).collect();
+                arrays::points(py, &all)
+            }
+        }
+    }
+
+    /// The triangles of a mesh, with polygons cut into fans.
+    #[getter]
+    fn faces<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<u32>>>> {
+        let Content::Mesh(soup) = &self.content else { return Ok(None) };
+        let fan = |corners: &[u32]| -> Vec<Vec<u32>> {
+            let pairs = corners.get(1..).unwrap_or_default().windows(2);
+            pairs.map(|pair| vec![corners[0], pair[0], pair[1]]).collect()
+        };
+        let triangles: Vec<Vec<u32>> = soup.polygons.iter().flat_map(fan).collect();
+        if triangles.is_empty() {
+            return Ok(Some(PyArray2::zeros(py, [0, 3], false)));
+        }
+        Ok(Some(PyArray2::from_vec2(py, &triangles)?))
+    }
+
+    /// The unit that the file declares.
+    #[getter]
+    fn unit(&self) -> Option<&'static str> {
+        let unit = match &self.content {
+            Content::Mesh(soup) => soup.unit,
+            Content::Points(cloud) => cloud.unit,
+        };
+        unit.map(LengthUnit::symbol)
+    }
+
+    /// The mean colour of the vertices.
+    #[getter]
+    fn colour(&self) -> Option<(u8, u8, u8)> {
+        match &self.content {
+            Content::Mesh(soup) => soup.colour.map(|[r, g, b]| (r, g, b)),
+            Content::Points(_) => None,
+        }
+    }
+
+    /// What the user should know about how the file was read.
+    #[getter]
+    fn notes(&self) -> Vec<String> {
+        match &self.content {
+            Content::Mesh(_) => Vec::new(),
+            Content::Points(cloud) => cloud.remarks(),
+        }
+    }
+
+    #[getter]
+    fn file(&self) -> &str {
+        &self.file
+    }
+}

@@ -1,0 +1,202 @@
+//! The functions of the package: convert, inspect, check.
+
+use std::path::PathBuf;
+use std::sync::Mutex;
+use std::time::Instant;
+
+use pyo3::prelude::*;
+use pyo3::types::PyDict;
+use scan2step::formats::{Content, cad};
+use scan2step::mesh::{self, Choice, Components};
+use scan2step::report::{
+    BodyReport, CheckFigures, CheckedScan, InspectionFigures, Report, ScanSource, Settings,
+    StageFigures, ViewRecorder,
+};
+use scan2step::{Converted, Memory, Options, Stage, threads};
+
+use crate::conversion::{AnyReport, Conversion};
+use crate::errors::Failure;
+use crate::options::{self, Named};
+use crate::run::{self, Watch};
+use crate::scan::Scan;
+
+/// Converts a scan.
+#[pyfunction]
+pub fn convert(
+    py: Python,
+    scan: &Bound<Scan>,
+    options: &Bound<PyDict>,
+    progress: Option<&Bound<PyAny>>,
+) -> PyResult<Conversion> {
+    let named = options::named(options)?;
+    let scan = scan.get();
+    run::run(py, progress, |watch| converted(scan, &named, watch))
+}
+
+/// The scan's mesh with what is known of it.
+struct Meshed {
+    components: Components,
+    source: ScanSource,
+    options: Options,
+}
+
+fn meshed(scan: &Scan, options: &Options, watch: &Watch) -> Result<Meshed, Failure> {
+    let file = scan.file.clone();
+    match &scan.content {
+        Content::Mesh(soup) => {
+            let source = ScanSource::of(file, soup, options);
+            let options = options.resolved(soup)?;
+            let build = threads::run(None, || mesh::from_soup(soup, source.unit.in_mm()))??;
+            let components = Components::new(build).with_handles(options.handles());
+            Ok(Meshed { components, source, options })
+        }
+        Content::Points(cloud) => {
+            let source = ScanSource::of_cloud(file, cloud, options);
+            let options = options.resolved_in_cloud(cloud)?;
+            let mut progress = |share| watch.tell("cloud", share);
+            let cloud = cloud.clone();
+            let (components, report) = scan2step::cloud_components(cloud, &options, &mut progress)?;
+            Ok(Meshed { components, source: source.meshed(&report), options })
+        }
+    }
+}
+
+/// The times of stages, and what pictures show, while a conversion runs.
+struct Recorded {
+    begin: Instant,
+    last: Instant,
+    stages: Vec<StageFigures>,
+    recorders: Vec<ViewRecorder>,
+}
+
+impl Recorded {
+    fn see(&mut self, number: usize, stage: &Stage) {
+        match stage {
+            Stage::Begin { components, .. } => {
+                self.recorders.clear();
+                self.recorders.resize_with(*components, ViewRecorder::default);
+            }
+            Stage::Within(..) | Stage::Done(_) | Stage::BodyDone(_) => {}
+            _ => {
+                let seconds = self.last.elapsed().as_secs_f64();
+                let name = stage.name().to_owned();
+                self.stages.push(StageFigures { name, seconds, peak_rss_mb: 0.0 });
+                self.last = Instant::now();
+            }
+        }
+        if let Some(recorder) = self.recorders.get_mut(number) {
+            recorder.see(stage);
+        }
+    }
+}
+
+fn converted(scan: &Scan, named: &Named, watch: &Watch) -> Result<Conversion, Failure> {
+    let begin = Instant::now();
+    check_memory(scan, &named.options)?;
+    let Meshed { components, source, options } = meshed(scan, &named.options, watch)?;
+    let chosen = match named.all_components {
+        true => components.all(options.outer()),
+        false => vec![options.component()],
+    };
+    let mut recorded = Recorded { begin, last: begin, stages: Vec::new(), recorders: Vec::new() };
+    let made = scan2step::convert_scan(&components, &chosen, &options, &mut |number, stage| {
+        recorded.see(number, &stage);
+        match stage {
+            Stage::Within(name, share) => watch.tell(name, share),
+            stage => watch.tell(stage.name(), 1.0),
+        }
+    })?;
+    let mut settings = Settings::of(&named.options, &source);
+    if named.all_components {
+        settings = settings.of_all_components();
+    }
+    let brep = made.made.joined(options.name())?;
+    let report = report(&made, &source, settings, &mut recorded);
+    let (colour, vertices) = match &scan.content {
+        Content::Mesh(soup) => (soup.colour, soup.points.len()),
+        Content::Points(cloud) => (None, cloud.len()),
+    };
+    let file = std::path::Path::new(&scan.file);
+    let file = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
+    let (recorders, views) = (Mutex::new(recorded.recorders), Mutex::new(None));
+    Ok(Conversion { made: made.made, brep, report, colour, file, vertices, recorders, views })
+}
+
+fn report(
+    made: &scan2step::ScanConversion,
+    source: &ScanSource,
+    settings: Settings,
+    recorded: &mut Recorded,
+) -> AnyReport {
+    let seconds = recorded.begin.elapsed().as_secs_f64();
+    let stages = std::mem::take(&mut recorded.stages);
+    match &made.made {
+        Converted::Faces(faces) => {
+            let mut report = Report::of(faces, source, settings);
+            (report.stages, report.seconds) = (stages, seconds);
+            report.faces.iter_mut().for_each(|face| face.shape.fallback = made.fallback.clone());
+            AnyReport::Faces(Box::new(report))
+        }
+        Converted::Bodies(bodies) => {
+            let mut report = BodyReport::of(bodies, source, settings);
+            (report.stages, report.seconds) = (stages, seconds);
+            let shapes = report.solids.iter_mut().map(|solid| &mut solid.shape);
+            shapes.for_each(|shape| shape.fallback = made.fallback.clone());
+            AnyReport::Bodies(Box::new(report))
+        }
+    }
+}
+
+/// Refuses a scan that may need more memory than the options allow.
+fn check_memory(scan: &Scan, options: &Options) -> Result<(), Failure> {
+    let Some(most) = options.max_memory() else { return Ok(()) };
+    let memory = match &scan.content {
+        Content::Mesh(soup) => Memory::of(soup, options),
+        Content::Points(cloud) => Memory::of_cloud(cloud.len(), options),
+    };
+    Ok(Memory { is_drawn: true, may_be_body: true, ..memory }.check(most)?)
+}
+
+/// Looks at a scan. Returns the JSON text of the program's `inspect --json`.
+#[pyfunction]
+pub fn inspect(py: Python, scan: &Bound<Scan>, options: &Bound<PyDict>) -> PyResult<String> {
+    let named = options::named(options)?;
+    let scan = scan.get();
+    run::run(py, None, |watch| {
+        let Meshed { components, source, options } = meshed(scan, &named.options, watch)?;
+        let found = scan2step::inspect(components, options.component(), options.outer())?;
+        Ok(InspectionFigures::of(&found, &source).to_json())
+    })
+}
+
+/// Measures a CAD file against a scan. Returns the JSON text of the program's `check --json`.
+#[pyfunction]
+pub fn check(
+    py: Python,
+    path: PathBuf,
+    scan: &Bound<Scan>,
+    options: &Bound<PyDict>,
+    tolerance: Option<f64>,
+    outliers: f64,
+) -> PyResult<String> {
+    let named = options::named(options)?;
+    let scan = scan.get();
+    run::run(py, None, |watch| {
+        let model = cad::read_cad(&path)?;
+        let Meshed { components, source, options } = meshed(scan, &named.options, watch)?;
+        let chosen: Vec<Choice> = match named.all_components {
+            true => components.all(options.outer()),
+            false => vec![options.component()],
+        };
+        let measured = scan2step::measured(&components, &chosen, options.outer())?;
+        let piece = CheckedScan::of(&source, components.count(), chosen.len(), measured.left_out);
+        drop(components);
+        let measured = match &source.cloud {
+            Some(cloud) if options.keeps_origin() => measured.translated(cloud.origin_mm),
+            _ => measured,
+        };
+        let found = scan2step::check::check(&model, &measured.mesh, measured.points.as_deref())?;
+        let cad = (path.display().to_string(), &model);
+        Ok(CheckFigures::of(&found, cad, piece, tolerance, 100.0 * outliers).to_json())
+    })
+}
