@@ -263,10 +263,11 @@ class Conversion:
 
     def show(self, height: int = 900) -> Any:
         """The report in a notebook: it turns, and shows the deviation. It is saved with the notebook."""
-        from IPython.display import HTML  # type: ignore[import-not-found, unused-ignore]
+        import IPython.display
 
+        frame: Any = IPython.display.HTML
         page = html.escape(self.html(), quote=True)
-        return HTML(
+        return frame(
             f'<iframe sandbox="allow-scripts" width="100%" height="{height}" srcdoc="{page}"></iframe>'
         )
 

@@ -10,7 +10,7 @@ use scan2step::deviation::{self, Deviation, TrimmedFace};
 use scan2step::formats::{Brep, iges, step};
 use scan2step::geometry::Point;
 use scan2step::report::{BodyReport, Report, ReportView, ViewRecorder, picture_png};
-use scan2step::{BodyConversion, Converted, threads};
+use scan2step::{BodyConversion, Converted};
 
 use crate::errors::Failure;
 use crate::face::Face;
@@ -94,7 +94,7 @@ impl Conversion {
         let mut views = self.views.lock().map_err(|_| poisoned())?;
         if views.is_none() {
             let recorders = self.recorders.lock().map_err(|_| poisoned())?.split_off(0);
-            *views = Some(threads::run(None, || self.view(recorders))??);
+            *views = Some(self.view(recorders)?);
         }
         let views = views.as_deref().unwrap_or_default();
         let still = picture_png(&self.file, views)?;
@@ -248,11 +248,11 @@ impl Conversion {
         points: PyReadonlyArray2<f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let points: Vec<Point> = arrays::rows(&points)?.into_iter().map(Point::from).collect();
-        let distances = run::run(py, None, |_| {
-            Ok(threads::run(None, || match &self.made {
+        let distances = run::run(py, None, None, |_| {
+            Ok(match &self.made {
                 Converted::Faces(faces) => from_faces(faces, &points),
                 Converted::Bodies(bodies) => from_bodies(bodies, &points),
-            })?)
+            })
         })?;
         Ok(PyArray1::from_vec(py, distances))
     }
@@ -274,9 +274,8 @@ impl Conversion {
             colour: colour.or(self.colour),
             time_stamp,
             originating_system: system(),
-            ..step::Options::default()
         };
-        let bytes = run::run(py, None, |_| {
+        let bytes = run::run(py, None, None, |_| {
             let mut bytes = Vec::new();
             step::write(&self.brep, &options, &mut bytes)?;
             Ok(bytes)
@@ -299,9 +298,8 @@ impl Conversion {
             time_stamp,
             file_name,
             originating_system: system(),
-            ..iges::Options::default()
         };
-        let bytes = run::run(py, None, |_| {
+        let bytes = run::run(py, None, None, |_| {
             let mut bytes = Vec::new();
             iges::write(&self.brep, &options, &mut bytes)?;
             Ok(bytes)
@@ -310,7 +308,7 @@ impl Conversion {
     }
 
     fn html(&self, py: Python) -> PyResult<String> {
-        run::run(py, None, |_| {
+        run::run(py, None, None, |_| {
             let bytes = self.reporting(|report, views, still| {
                 let mut bytes = Vec::new();
                 match report {
@@ -324,7 +322,7 @@ impl Conversion {
     }
 
     fn png<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyBytes>> {
-        let bytes = run::run(py, None, |_| self.reporting(|_, _, still| Ok(still.to_vec())))?;
+        let bytes = run::run(py, None, None, |_| self.reporting(|_, _, still| Ok(still.to_vec())))?;
         Ok(PyBytes::new(py, &bytes))
     }
 }

@@ -6,7 +6,7 @@ use std::thread;
 use std::time::Duration;
 
 use pyo3::prelude::*;
-use scan2step::Error;
+use scan2step::{Error, threads};
 
 use crate::errors::Failure;
 
@@ -31,11 +31,13 @@ impl Watch<'_> {
     }
 }
 
-/// Runs a task on a thread of its own, so that Python's other threads go on. Meanwhile the calling thread
+/// Runs a task on a thread of its own, so that Python's other threads go on. Its loops have a pool of threads
+/// that ends with it, because a process that is forked later would wait for those of a pool that goes on. Meanwhile the calling thread
 /// calls `progress(stage, share)` and looks for signals, because only Python's main thread may. What these
 /// raise stops the task and is raised again.
 pub fn run<R: Send>(
     py: Python,
+    threads: Option<usize>,
     progress: Option<&Bound<PyAny>>,
     task: impl FnOnce(&Watch) -> Result<R, Failure> + Send,
 ) -> PyResult<R> {
@@ -44,7 +46,7 @@ pub fn run<R: Send>(
     let events = std::sync::Mutex::new(events);
     let watch = Watch { events: sender, stop: &stop };
     thread::scope(|scope| {
-        let worker = scope.spawn(move || task(&watch));
+        let worker = scope.spawn(move || threads::run(threads, move || task(&watch)));
         let mut raised = None;
         loop {
             let next = py.detach(|| match events.lock() {
@@ -68,7 +70,7 @@ pub fn run<R: Send>(
             return Err(error);
         }
         match done {
-            Ok(done) => Ok(done?),
+            Ok(done) => Ok(done.map_err(Failure::from)??),
             Err(panic) => Err(Failure::Panic(message(&*panic)).into()),
         }
     })

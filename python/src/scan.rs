@@ -29,7 +29,7 @@ impl Scan {
         min_intensity: Option<f64>,
     ) -> PyResult<Self> {
         let options = ReadOptions { classes, min_intensity };
-        let content = run::run(py, None, |_| Ok(options.read_content(&path)?))?;
+        let content = run::run(py, None, None, |_| Ok(options.read_content(&path)?))?;
         Ok(Scan { content, file: path.display().to_string() })
     }
 

@@ -12,7 +12,7 @@ use scan2step::report::{
     BodyReport, CheckFigures, CheckedScan, InspectionFigures, Report, ScanSource, Settings,
     StageFigures, ViewRecorder,
 };
-use scan2step::{Converted, Memory, Options, Stage, threads};
+use scan2step::{Converted, Memory, Options, Stage};
 
 use crate::conversion::{AnyReport, Conversion};
 use crate::errors::Failure;
@@ -30,7 +30,7 @@ pub fn convert(
 ) -> PyResult<Conversion> {
     let named = options::named(options)?;
     let scan = scan.get();
-    run::run(py, progress, |watch| converted(scan, &named, watch))
+    run::run(py, named.options.threads(), progress, |watch| converted(scan, &named, watch))
 }
 
 /// The scan's mesh with what is known of it.
@@ -46,7 +46,7 @@ fn meshed(scan: &Scan, options: &Options, watch: &Watch) -> Result<Meshed, Failu
         Content::Mesh(soup) => {
             let source = ScanSource::of(file, soup, options);
             let options = options.resolved(soup)?;
-            let build = threads::run(None, || mesh::from_soup(soup, source.unit.in_mm()))??;
+            let build = mesh::from_soup(soup, source.unit.in_mm())?;
             let components = Components::new(build).with_handles(options.handles());
             Ok(Meshed { components, source, options })
         }
@@ -162,7 +162,7 @@ fn check_memory(scan: &Scan, options: &Options) -> Result<(), Failure> {
 pub fn inspect(py: Python, scan: &Bound<Scan>, options: &Bound<PyDict>) -> PyResult<String> {
     let named = options::named(options)?;
     let scan = scan.get();
-    run::run(py, None, |watch| {
+    run::run(py, named.options.threads(), None, |watch| {
         let Meshed { components, source, options } = meshed(scan, &named.options, watch)?;
         let found = scan2step::inspect(components, options.component(), options.outer())?;
         Ok(InspectionFigures::of(&found, &source).to_json())
@@ -181,7 +181,7 @@ pub fn check(
 ) -> PyResult<String> {
     let named = options::named(options)?;
     let scan = scan.get();
-    run::run(py, None, |watch| {
+    run::run(py, named.options.threads(), None, |watch| {
         let model = cad::read_cad(&path)?;
         let Meshed { components, source, options } = meshed(scan, &named.options, watch)?;
         let chosen: Vec<Choice> = match named.all_components {

@@ -21,8 +21,8 @@ impl Brep {
     /// to existing elements.
     ///
     /// The volume is exact except for rounding if the faces are polynomials of at most degree 5 and
-    /// end at lines of constant u or v. Otherwise the quadrature uses eight nodes in each span of
-    /// each pcurve, and 32 nodes in each span of a rational one.
+    /// end at lines of constant u or v. Otherwise the quadrature uses eight nodes in each part of a
+    /// pcurve between knots, its own and those of the surface, and 32 nodes if something is rational.
     pub fn volume(&self, shell: ShellId) -> f64 {
         let [low, high] = self.bounds(shell);
         // The origin is in the middle of the shell, because a distant one would increase rounding.
@@ -85,19 +85,41 @@ fn swept(
     if *forward { -along } else { along }
 }
 
-/// The spans of a pcurve. A straight one is also divided where it crosses knot lines in u.
+/// The spans of a pcurve, divided where it crosses knot lines of the surface. The integrand is smooth between
+/// these.
 fn pieces(surface: &SplineSurface, pcurve: &PCurve) -> Vec<f64> {
     let mut breaks = pcurve.knots().breaks();
-    if pcurve.knots().degree() == 1 {
-        for ends in breaks.clone().windows(2) {
-            let [a, b] = [0, 1].map(|k| pcurve.point(ends[k])[0]);
-            let lines = surface.u().breaks();
-            let crossed = lines.into_iter().filter(|line| (line - a) * (line - b) < 0.0);
-            breaks.extend(crossed.map(|u| ends[0] + (ends[1] - ends[0]) * (u - a) / (b - a)));
+    let lines = [surface.u().breaks(), surface.v().breaks()];
+    let steps = if pcurve.knots().degree() == 1 { 1 } else { STEPS };
+    for ends in breaks.clone().windows(2) {
+        let at = |i: usize| ends[0] + (ends[1] - ends[0]) * i as f64 / steps as f64;
+        let samples: Vec<_> = (0..=steps).map(|i| (at(i), pcurve.point(at(i)))).collect();
+        for (pair, k) in samples.windows(2).flat_map(|pair| [(pair, 0), (pair, 1)]) {
+            let [low, high] = [f64::min, f64::max].map(|of| of(pair[0].1[k], pair[1].1[k]));
+            let first = lines[k].partition_point(|&line| line <= low);
+            let crossed = lines[k][first..].iter().take_while(|&&line| line < high);
+            breaks.extend(crossed.map(|&line| crossing(pcurve, [pair[0].0, pair[1].0], k, line)));
         }
-        breaks.sort_by(f64::total_cmp);
     }
+    breaks.sort_by(f64::total_cmp);
     divided(breaks, surface.weights().is_some() || pcurve.weights().is_some())
+}
+
+/// The number of steps of a curved span in which it is searched for crossings. Two crossings within a step stay
+/// unseen, and then the curve hardly leaves the line.
+const STEPS: usize = 8;
+
+/// The steps in which the interval of a crossing is halved, down to the roundings of numbers.
+const HALVINGS: usize = 50;
+
+/// Where coordinate `k` of a pcurve passes a value, between two parameters on its two sides.
+fn crossing(pcurve: &PCurve, [mut low, mut high]: [f64; 2], k: usize, line: f64) -> f64 {
+    let rises = pcurve.point(high)[k] > line;
+    for _ in 0..HALVINGS {
+        let middle = 0.5 * (low + high);
+        *(if (pcurve.point(middle)[k] > line) == rises { &mut high } else { &mut low }) = middle;
+    }
+    0.5 * (low + high)
 }
 
 /// The number of parts of a rational span. The volume of half a torus in one span has a relative

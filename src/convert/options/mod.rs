@@ -103,6 +103,11 @@ impl Options {
         self.keeps_origin
     }
 
+    /// The number of threads that share the work, if it is named.
+    pub fn threads(&self) -> Option<usize> {
+        self.threads
+    }
+
     /// The number of bytes that a conversion may need, if it is bounded.
     pub fn max_memory(&self) -> Option<u64> {
         self.max_memory
