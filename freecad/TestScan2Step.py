@@ -1,0 +1,125 @@
+"""Tests of the addon without a window: freecadcmd -M freecad -t TestScan2Step"""
+
+import os
+import tempfile
+import unittest
+
+import FreeCAD
+import Mesh
+import numpy as np
+import scan2step
+from freecad.scan2step_wb import convert, deviation, feature
+
+FIXTURES = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "fixtures")
+
+
+def fixture(name):
+    return os.path.join(FIXTURES, name)
+
+
+class Scans(unittest.TestCase):
+    def setUp(self):
+        self.document = FreeCAD.newDocument("scans")
+
+    def tearDown(self):
+        FreeCAD.closeDocument(self.document.Name)
+
+    def scan(self, name):
+        source = self.document.addObject("Mesh::Feature", "scan")
+        source.Mesh = Mesh.Mesh(fixture(name))
+        return source
+
+    def converted(self, source, **options):
+        values = {**convert.defaults(), **options}
+        made = scan2step.convert(*convert.arrays(source), **convert.arguments(values))
+        prepared = convert.Prepared(made, scan2step.__version__)
+        return made, feature.apply(self.document, source, prepared, values)
+
+    def test_a_mesh_becomes_a_face(self):
+        source = self.scan("relief.ply")
+        made, result = self.converted(source, tolerance=0.5)
+        self.assertEqual(result.Shape.ShapeType, "Face")
+        self.assertTrue(result.Shape.isValid())
+        self.assertEqual(len(result.Shape.Wires), 3, "the outer boundary and two holes")
+        self.assertTrue(result.ToleranceMet)
+        self.assertAlmostEqual(result.Rms.Value, made.rms)
+        self.assertEqual(len(result.Deviations), source.Mesh.CountPoints)
+        self.assertFalse(result.Stale)
+
+    def test_a_body_becomes_a_solid(self):
+        made, result = self.converted(self.scan("ring.obj"))
+        self.assertEqual(result.Shape.ShapeType, "Solid")
+        self.assertTrue(result.Shape.isValid())
+        self.assertAlmostEqual(result.Shape.Volume / made.volume, 1.0, 4)
+
+    def test_a_cloud_becomes_a_face(self):
+        import Points
+
+        source = self.document.addObject("Points::Feature", "cloud")
+        rows = scan2step.read(fixture("relief.xyz")).vertices
+        source.Points = Points.Points([FreeCAD.Vector(*row) for row in rows])
+        _, result = self.converted(source, shape="face", tolerance=0.6)
+        self.assertEqual(result.Shape.ShapeType, "Face")
+
+    def test_changes_make_a_result_stale_and_never_convert(self):
+        source = self.scan("relief.ply")
+        _, result = self.converted(source, tolerance=0.5)
+        before = result.Step
+        result.Tolerance = 0.3
+        self.document.recompute()
+        self.assertTrue(result.Stale)
+        self.assertEqual(result.Step, before)
+        result.Tolerance = 0.5
+        self.document.recompute()
+        self.assertFalse(result.Stale)
+        mesh = source.Mesh.copy()
+        mesh.translate(1.0, 0.0, 0.0)
+        source.Mesh = mesh
+        self.document.recompute()
+        self.assertTrue(result.Stale)
+
+    def test_one_undo_takes_a_conversion_back(self):
+        source = self.scan("relief.ply")
+        self.document.UndoMode = 1
+        self.converted(source, tolerance=0.5)
+        self.assertEqual(len(self.document.Objects), 2)
+        self.document.undo()
+        self.assertEqual([obj.Name for obj in self.document.Objects], ["scan"])
+
+    def test_a_document_keeps_shape_options_and_colours(self):
+        source = self.scan("relief.ply")
+        made, result = self.converted(source, tolerance=0.5, holes="filled")
+        coloured, end = deviation.show(self.document, result)
+        self.assertGreater(end, 0.0)
+        names = result.Name, coloured.Name
+        area, paint = result.Shape.Area, list(coloured.VertexColors)
+        with tempfile.TemporaryDirectory() as folder:
+            path = os.path.join(folder, "kept.FCStd")
+            self.document.saveAs(path)
+            FreeCAD.closeDocument(self.document.Name)
+            self.document = FreeCAD.openDocument(path)
+        result, coloured = map(self.document.getObject, names)
+        self.assertAlmostEqual(result.Shape.Area, area)
+        self.assertEqual((result.Tolerance.Value, result.Holes), (0.5, "filled"))
+        self.assertEqual(len(coloured.VertexColors), len(paint))
+        np.testing.assert_allclose(coloured.VertexColors, paint, atol=0.01)
+        np.testing.assert_allclose(feature.deviations(result), made.deviations)
+        self.assertEqual(result.Step.encode(), made.step())
+
+    def test_a_placed_mesh_is_converted_where_it_is(self):
+        source = self.scan("relief.ply")
+        source.Placement.Base = FreeCAD.Vector(1000.0, 0.0, 0.0)
+        _, result = self.converted(source, tolerance=0.5)
+        self.assertAlmostEqual(result.Shape.BoundBox.Center.x, 1000.0, delta=5.0)
+
+    def test_colours_show_the_sign(self):
+        found = np.array([-1.0, 0.0, 1.0, np.nan])
+        blue, middle, red, off = deviation.colours(found, 1.0)
+        self.assertGreater(blue[2], blue[0])
+        self.assertGreater(red[0], red[2])
+        self.assertGreater(middle.min(), 0.8)
+        self.assertEqual(tuple(off), deviation.GREY)
+
+    def test_the_addon_has_the_version_of_the_package(self):
+        with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), "package.xml")) as file:
+            self.assertIn(f"<version>{scan2step.__version__}</version>", file.read())

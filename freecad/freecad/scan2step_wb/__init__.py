@@ -1,0 +1,1 @@
+"""scan2step in FreeCAD: scans become faces, shells and solids."""
