@@ -33,6 +33,9 @@ pub enum Error {
     /// A cloud of points is not the scan of a surface.
     #[error("{0}")]
     Cloud(CloudFault),
+    /// Too much of a scan was to be left out, or the plane on which it stands was not found.
+    #[error("{0}")]
+    Crop(&'static str),
     /// The asked-for component does not exist.
     #[error("there is no component {asked}; the scan has {count}")]
     Component {
@@ -352,6 +355,7 @@ impl Error {
             Error::Cloud(CloudFault::NoTriangle) => {
                 "name a smaller `spacing`, or scan the surface with more points".into()
             }
+            Error::Crop(_) => "name a `within` or an `above` that suits the scan (inspect prints its size)".into(),
             Error::Component { count, .. } => {
                 format!("choose a `component` from 0 to {}, or the largest", count.saturating_sub(1))
             }

@@ -112,6 +112,7 @@ pub mod check;
 mod cholesky;
 pub mod cloud;
 mod convert;
+pub mod crop;
 pub mod deviation;
 pub mod error;
 pub mod fill;
@@ -126,6 +127,7 @@ pub mod patches;
 #[cfg(feature = "picture")]
 pub mod picture;
 mod progress;
+mod random;
 pub mod report;
 pub mod rules;
 mod sets;
@@ -138,10 +140,10 @@ pub mod words;
 pub use adapt::{Adapted, KnotOptions};
 pub use convert::{
     BodyConversion, BodyEstimate, Builder, Conversion, Converted, Cut, InputReport, Inspection,
-    Measured, Memory, Missed, Observer, Options, ScanConversion, ScanObserver, ScanPlace, Seams,
-    Stage, TargetShape, cloud_components, convert, convert_body, convert_cloud, convert_component,
-    convert_components, convert_file, convert_scan, cut, inspect, joined, joined_bodies, measured,
-    shape, voids,
+    Measured, Memory, Missed, Observer, Options, PieceReport, ScanConversion, ScanObserver,
+    ScanPlace, Seams, Stage, TargetShape, cloud_components, convert, convert_body, convert_cloud,
+    convert_component, convert_components, convert_file, convert_scan, cut, inspect, joined,
+    joined_bodies, measured, mesh_components, shape, voids,
 };
 pub use error::{Error, Result};
 pub use progress::Progress;

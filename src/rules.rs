@@ -108,6 +108,11 @@ pub fn angle(radians: f64) -> Result<()> {
 }
 
 /// Checks that points are finite.
+pub fn finite(x: f64) -> Result<()> {
+    must(x.is_finite(), Fault::Point)
+}
+
+/// See [`Fault::Point`].
 pub fn points(points: &[Point]) -> Result<()> {
     must(points.iter().flat_map(|p| p.iter()).all(|x| x.is_finite()), Fault::Point)
 }

@@ -501,3 +501,49 @@ fn a_support_that_fits_no_surface_is_refused() {
     }
     assert!(!step.exists());
 }
+
+#[test]
+fn lengths_have_units_and_the_output_a_default() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let scan = path("part.v2.ply");
+    std::fs::copy(fixture("relief.ply"), &scan).expect("a copy");
+    converted(&[arg(&scan), "--tolerance", "500um", "--units", "millimetres"]);
+    converted(&[arg(&scan), arg(&path("b.step")), "--tolerance", "0.5"]);
+    let [default, named] =
+        ["part.v2.step", "b.step"].map(|name| std::fs::read(path(name)).expect("a file"));
+    assert_eq!(default, named);
+    let quiet = convert(&[arg(&scan), arg(&path("b.step")), "-q", "--tolerance", "0.05in"]);
+    assert_eq!((quiet.status.code(), quiet.stderr.len()), (Some(0), 0));
+
+    let kept = convert(&[arg(&scan), arg(&path("b.step")), "--no-clobber"]);
+    let said = String::from_utf8_lossy(&kept.stderr);
+    assert_eq!(kept.status.code(), Some(1));
+    assert!(said.contains("b.step: exists already"), "{said}");
+    converted(&[arg(&scan), arg(&path("c.step")), "--no-clobber"]);
+}
+
+#[test]
+fn messages_name_what_is_wrong() {
+    let folder = folder();
+    let path = |name: &str| folder.path().join(name);
+    let (scan, step) = (fixture("relief.ply"), path("a.step"));
+    let said = |output: std::process::Output| {
+        assert_ne!(output.status.code(), Some(0));
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let missing = said(convert(&[arg(&scan), arg(&path("none/a.step"))]));
+    assert!(missing.contains("none does not exist") && !missing.contains(".part"), "{missing}");
+    for (option, value, words) in [
+        ("--tolerance", "-1", "not a length above 0"),
+        ("--tolerance", "5 parsec", "'parsec' is no unit of length"),
+        ("--outliers", "-1", "not a percentage"),
+        ("--units", "parsec", "um, mm, cm, m, in, ft"),
+    ] {
+        let wrong = said(convert(&[arg(&scan), arg(&step), option, value]));
+        assert!(wrong.contains(words), "{wrong}");
+    }
+    converted(&[arg(&scan), arg(&step)]);
+    let swapped = said(common::check(&[arg(&scan), arg(&step)]));
+    assert!(swapped.contains("name the CAD file first"), "{swapped}");
+}

@@ -121,7 +121,7 @@ fn text_says_the_same() {
         "outer loop",
         "hole  ",
         "noise",
-        "1 of 1",
+        "the only one",
     ] {
         assert!(said.contains(words), "{words} in {said}");
     }
@@ -386,5 +386,26 @@ fn what_has_no_usable_triangle_is_refused() {
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{said}");
         assert!(said.contains("no usable triangle") && said.contains("\nhelp: "), "{said}");
+    }
+}
+
+#[test]
+fn pieces_are_listed_with_what_they_are() {
+    let mut scan = Obj::default();
+    scan.tube(40, 20);
+    scan.sheet(12, 50.0, |x, y| (3..5).contains(&x) && (3..5).contains(&y));
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path().join("scan.obj");
+    std::fs::write(&path, &scan.text).expect("the scan is written");
+    let found = inspected(&path);
+    let pieces = found["pieces"].as_array().expect("a list of pieces");
+    let told: Vec<_> = pieces.iter().map(|p| [&p["triangles"], &p["loops"], &p["genus"]]).collect();
+    assert_eq!(told, [[&json!(1600), &json!(0), &json!(1)], [&json!(280), &json!(2), &json!(0)]]);
+    assert_eq!((&found["component"], &pieces[1]["size_mm"][0]), (&json!(0), &json!(12.0)));
+    let output = inspect(&[arg(&path), "--component", "1"]);
+    let said = String::from_utf8_lossy(&output.stdout);
+    for words in ["number 1 of 2, where 0 is the largest", "--component 0", "12.0 × 12.0 × 0.0 mm"]
+    {
+        assert!(said.contains(words), "{words} in {said}");
     }
 }

@@ -62,6 +62,8 @@ impl Polygons {
 pub enum LengthUnit {
     /// Millimetres. All stages after the readers use this unit.
     Millimetre,
+    /// Micrometres.
+    Micrometre,
     /// Centimetres.
     Centimetre,
     /// Metres.
@@ -78,6 +80,7 @@ impl LengthUnit {
     /// The length of one unit in millimetres.
     pub fn in_mm(self) -> f64 {
         match self {
+            LengthUnit::Micrometre => 1e-3,
             LengthUnit::Millimetre => 1.0,
             LengthUnit::Centimetre => 10.0,
             LengthUnit::Metre => 1000.0,
@@ -90,6 +93,7 @@ impl LengthUnit {
     /// The abbreviation of the unit, as in reports.
     pub fn symbol(self) -> &'static str {
         match self {
+            LengthUnit::Micrometre => "um",
             LengthUnit::Millimetre => "mm",
             LengthUnit::Centimetre => "cm",
             LengthUnit::Metre => "m",

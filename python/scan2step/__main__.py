@@ -8,7 +8,9 @@ from __future__ import annotations
 import argparse
 import ast
 import inspect as signatures
+import io
 import json
+import os
 import sys
 from typing import Any, Callable, Dict, List, Optional
 
@@ -17,14 +19,23 @@ from . import Scan2StepError, __version__, check, convert, inspect
 
 def main(arguments: Optional[List[str]] = None) -> int:
     """Runs a command. Returns 0, 1 after an error, and 3 if a named tolerance is missed."""
+    for stream in (sys.stdout, sys.stderr):
+        # A name that a terminal cannot show is no reason to fail.
+        if isinstance(stream, io.TextIOWrapper):
+            stream.reconfigure(errors="backslashreplace")
     given = _parser().parse_args(arguments)
     options = {key: value for key, value in vars(given).items() if value is not None}
     command = options.pop("command")
     try:
         return _run(command, options)
-    except Scan2StepError as error:
-        print(f"error: {error}", f"help: {error.help}", sep="\n", file=sys.stderr)
+    except BrokenPipeError:
+        # Whoever reads the output wants no more.
+        sys.stdout = open(os.devnull, "w", encoding="utf-8")
         return 1
+    except (Scan2StepError, TypeError, ValueError, OSError) as error:
+        help = getattr(error, "help", "see --help")
+        print(f"error: {error}", f"help: {help}", sep="\n", file=sys.stderr)
+        return 1 if isinstance(error, (Scan2StepError, OSError)) else 2
 
 
 def _run(command: str, options: Dict[str, Any]) -> int:
@@ -65,7 +76,10 @@ def _command(commands: Any, function: Callable[..., Any], places: List[str]) -> 
 
 
 def _value(text: str) -> Any:
-    """A number or a list as Python writes it, else a word."""
+    """A number or a list as Python writes it, else a word. A net may be written as 13x9."""
+    sides = text.split("x")
+    if len(sides) == 2 and all(side.isdigit() for side in sides):
+        return int(sides[0]), int(sides[1])
     try:
         return ast.literal_eval(text)
     except (ValueError, SyntaxError):

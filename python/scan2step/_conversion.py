@@ -6,8 +6,8 @@ import base64
 import html
 import json
 import os
-import tempfile
 import time
+import uuid
 from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple
 
 import numpy as np
@@ -183,7 +183,7 @@ class Conversion:
         :param schema: ``"ap203"``, ``"ap214"`` or ``"ap242"``.
         :param colour: from 0 to 255. Without, the mean colour of the scan, if it has one.
         """
-        return self._made.step(schema, colour, _time_stamp())
+        return self._made.step(schema, _checked(colour), _time_stamp())
 
     def iges(self, form: str = "trimmed", colour: Colour = None, file_name: str = "") -> bytes:
         """The IGES file.
@@ -191,7 +191,7 @@ class Conversion:
         :param form: ``"trimmed"`` for trimmed surfaces (144), ``"brep"`` for shells and solids.
         :param file_name: the name that the file says it has.
         """
-        return self._made.iges(form, colour, _time_stamp(), file_name)
+        return self._made.iges(form, _checked(colour), _time_stamp(), file_name)
 
     def html(self) -> str:
         """The report as a page that needs nothing else."""
@@ -209,7 +209,11 @@ class Conversion:
         :raises OptionError: an extension is not known.
         :raises FileError: a file cannot be written.
         """
-        contents = [(os.fspath(path), self._content(os.fspath(path))) for path in paths]
+        names = [os.fsdecode(path) for path in paths]
+        for path in names:
+            if os.path.exists(path) and not os.path.isfile(path):
+                raise FileError(f"{path}: is not an ordinary file", "name a file", path=path)
+        contents = [(path, self._content(path)) for path in names]
         pending: List[Tuple[str, str]] = []
         try:
             for path, content in contents:
@@ -219,7 +223,8 @@ class Conversion:
                     raise _unwritten(path, error) from error
             for temporary, path in pending:
                 try:
-                    os.replace(temporary, path)
+                    # Through links, which stay.
+                    os.replace(temporary, os.path.realpath(path))
                 except OSError as error:
                     raise _unwritten(path, error) from error
         finally:
@@ -232,7 +237,8 @@ class Conversion:
         if extension in (".step", ".stp"):
             return self.step()
         if extension in (".igs", ".iges"):
-            return self.iges(file_name=os.path.basename(path))
+            name = os.fsencode(os.path.basename(path)).decode(errors="replace")
+            return self.iges(file_name=name)
         if extension == ".html":
             return self.html().encode()
         if extension == ".png":
@@ -288,27 +294,38 @@ class Conversion:
         raise TypeError("a Conversion cannot be pickled: return step() and report")
 
 
+def _checked(colour: Colour) -> Colour:
+    if colour is not None and not (len(colour) == 3 and all(0 <= c <= 255 for c in colour)):
+        raise ValueError(f"a colour is three whole numbers from 0 to 255, not {colour!r}")
+    return colour
+
+
 def _time_stamp() -> str:
     """SOURCE_DATE_EPOCH, or 1970 without it, so that the same scan gives the same bytes."""
     asked = os.environ.get("SOURCE_DATE_EPOCH", "0")
-    try:
-        return time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(int(asked)))
-    except (ValueError, OverflowError, OSError):
+    # The last second of the year 9999. A time stamp has four digits for the year.
+    last = 253_402_300_799
+    if not (asked.isascii() and asked.isdigit() and int(asked) <= last):
         raise OptionError(
             f"SOURCE_DATE_EPOCH: {asked!r} is no number of seconds since 1970",
-            "set it to a whole number, or unset it",
-        ) from None
+            f"set it to a whole number up to {last}, or unset it",
+        )
+    return time.strftime("%Y-%m-%dT%H:%M:%S", time.gmtime(int(asked)))
 
 
 def _temporary(path: str, content: bytes) -> str:
     """Writes a file beside its place, with the rights of an ordinary file."""
-    place = os.path.realpath(path)
-    descriptor, temporary = tempfile.mkstemp(".part", ".scan2step-", os.path.dirname(place))
-    with os.fdopen(descriptor, "wb") as file:
-        file.write(content)
-    mask = os.umask(0)
-    os.umask(mask)
-    os.chmod(temporary, 0o666 & ~mask)
+    folder = os.path.dirname(os.path.realpath(path))
+    temporary = os.path.join(folder, f".scan2step-{uuid.uuid4().hex}.part")
+    # The user's umask limits the rights.
+    flags = os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0)
+    descriptor = os.open(temporary, flags, 0o666)
+    try:
+        with os.fdopen(descriptor, "wb") as file:
+            file.write(content)
+    except BaseException:
+        os.unlink(temporary)
+        raise
     return temporary
 
 

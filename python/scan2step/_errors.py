@@ -5,6 +5,17 @@ from __future__ import annotations
 from typing import Optional, Tuple
 
 
+#: Options that have another name in the library.
+_OPTIONS = {
+    "unit": "units",
+    "cut": "fill_only_holes_below",
+    "within": "box",
+    "without_plane": "remove_plane",
+    "faces": "face_count",
+    "scan": "scan_number",
+}
+
+
 class Scan2StepError(Exception):
     """Why a scan could not be read, converted or written.
 
@@ -29,11 +40,11 @@ class Scan2StepError(Exception):
         place: Optional[str] = None,
     ) -> None:
         super().__init__(message)
-        self.help = help.replace("`unit`", "`units`").replace(
-            "`cut`", "`keep_fills`, `fill_only_holes_below`"
-        )
+        for name, own in _OPTIONS.items():
+            help = help.replace(f"`{name}`", f"`{own}`")
+        self.help = help
         self.point = point
-        self.option = option
+        self.option = _OPTIONS.get(option, option) if option else None
         self.hole = hole
         self.path = path
         self.place = place

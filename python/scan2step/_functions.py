@@ -9,6 +9,7 @@ from typing import Any, Callable, Dict, Optional, Sequence, Tuple, Union
 
 from . import _scan2step
 from ._conversion import Conversion
+from ._errors import FileError, OptionError
 from ._scan import Path, scan_of
 
 Place = Union[int, Sequence[float]]
@@ -40,6 +41,9 @@ def convert(
     depth: Optional[int] = None,
     net: Optional[Tuple[int, int]] = None,
     max_net: int = 250_000,
+    box: Optional[Tuple[Sequence[float], Sequence[float]]] = None,
+    above: Optional[Sequence[float]] = None,
+    remove_plane: bool = False,
     spacing: Optional[float] = None,
     max_points: Optional[int] = None,
     scan_number: Optional[int] = None,
@@ -73,6 +77,9 @@ def convert(
     :param rim_tolerance: the farthest that a trim loop may be from the measured rim.
     :param outer: a vertex or a point on the outer boundary.
     :param corners: four vertices or points of the outer boundary.
+    :param box: leave out what is outside of a box between two places in the scan's own numbers.
+    :param above: leave out what is not above a plane ``(a, b, c, d)``: a x + b y + c z > d.
+    :param remove_plane: leave out the largest plane that has the rest of the scan on one side: the turntable.
     :param spacing: thin a cloud to this distance between neighbours.
     :param origin: ``"local"``, or ``"keep"`` to put the result of a far cloud where the cloud is.
     :param threads: how many threads share the work. The result does not depend on it.
@@ -100,6 +107,12 @@ def convert(
         if key not in ("scan", "faces", "progress", "name")
     }
     read = scan_of(scan, faces)
+    if keep_fills and fill_only_holes_below is not None:
+        raise OptionError(
+            "fill_only_holes_below: keep_fills fills all holes",
+            "name one of the two",
+            option="fill_only_holes_below",
+        )
     options["name"] = part_name(read._made.file) if name is None else name
     return Conversion(_scan2step.convert(read._made, options, progress), options["name"])
 
@@ -112,6 +125,9 @@ def inspect(
     component: Union[str, int] = "largest",
     outer: Optional[Place] = None,
     handles: Optional[float] = None,
+    box: Optional[Tuple[Sequence[float], Sequence[float]]] = None,
+    above: Optional[Sequence[float]] = None,
+    remove_plane: bool = False,
     spacing: Optional[float] = None,
     max_points: Optional[int] = None,
     scan_number: Optional[int] = None,
@@ -140,6 +156,9 @@ def check(
     tolerance: Optional[float] = None,
     outliers: float = 0.0,
     outer: Optional[Place] = None,
+    box: Optional[Tuple[Sequence[float], Sequence[float]]] = None,
+    above: Optional[Sequence[float]] = None,
+    remove_plane: bool = False,
     spacing: Optional[float] = None,
     max_points: Optional[int] = None,
     scan_number: Optional[int] = None,
@@ -154,7 +173,7 @@ def check(
     :returns: what the program's ``check --json`` prints, as a dictionary.
     :raises FileError: a file cannot be read.
     """
-    keys = ("units", "component", "outer", "spacing", "max_points", "scan_number", "origin", "threads")
+    keys = ("units", "component", "outer", "box", "above", "remove_plane", "spacing", "max_points", "scan_number", "origin", "threads")
     values = locals()
     options = {key: values[key] for key in keys}
     read = scan_of(scan, faces)._made
@@ -166,7 +185,11 @@ def check(
         path = os.path.join(folder, "part.step")
         with open(path, "wb") as file:
             file.write(cad)
-        return _checked(path, read, options, tolerance, outliers)
+        try:
+            return _checked(path, read, options, tolerance, outliers)
+        except FileError as error:
+            told = str(error).replace(path, "the bytes of the CAD file")
+            raise FileError(told, error.help, place=error.place) from None
 
 
 def _checked(

@@ -10,7 +10,7 @@ import numpy.typing as npt
 
 from . import _scan2step
 
-Path = Union[str, "os.PathLike[str]"]
+Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
 
 
 class Scan:
@@ -75,14 +75,18 @@ def read(
     :param min_intensity: take only points with at least this intensity (LAS, LAZ, E57).
     :raises FileError: the file cannot be read. ``path`` and ``place`` say where.
     """
-    return Scan(_scan2step.Scan.read(os.fspath(path), list(classes), min_intensity))
+    if not all(0 <= number <= 255 for number in classes):
+        raise ValueError("classes are whole numbers from 0 to 255")
+    return Scan(_scan2step.Scan.read(os.fsdecode(path), list(classes), min_intensity))
 
 
 def scan_of(scan: Any, faces: Any = None) -> Scan:
     """The scan that an argument stands for: a path, arrays, or a mesh of another package."""
+    if isinstance(scan, (Scan, str, bytes, os.PathLike)) and faces is not None:
+        raise TypeError("faces go with an array of vertices, and not with a file or a Scan")
     if isinstance(scan, Scan):
         return scan
-    if isinstance(scan, (str, os.PathLike)):
+    if isinstance(scan, (str, bytes, os.PathLike)):
         return read(scan)
     vertices, faces = _arrays(scan, faces)
     points = _numbers(vertices)
@@ -112,8 +116,15 @@ def _arrays(scan: Any, faces: Any) -> Tuple[Any, Any]:
     return scan, None
 
 
+def _unmasked(values: Any) -> npt.NDArray[Any]:
+    """An array. What a mask hides is no part of a scan, and no array can leave it out."""
+    if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
+        raise ValueError("the array is masked: take the rows that count first")
+    return np.asarray(values)
+
+
 def _numbers(vertices: Any) -> npt.NDArray[np.float64]:
-    array = np.asarray(vertices)
+    array = _unmasked(vertices)
     if array.dtype.kind not in "fiu" or array.ndim != 2:
         raise TypeError(
             "a scan is a path, an array of points (n, 3) with or without an array of faces (m, 3), "
@@ -123,7 +134,7 @@ def _numbers(vertices: Any) -> npt.NDArray[np.float64]:
 
 
 def _indices(faces: Any, count: int) -> npt.NDArray[np.uint32]:
-    array = np.asarray(faces)
+    array = _unmasked(faces)
     if array.ndim != 2 or array.dtype.kind not in "iu":
         if array.size == 0:
             return np.zeros((0, 3), np.uint32)

@@ -9,12 +9,11 @@ from __future__ import annotations
 import hashlib
 import json
 import os
-from typing import Any, Dict, Optional, Union
+from typing import Any, Dict, Optional
 
 from . import __version__, convert
 from ._errors import Scan2StepError
-
-Path = Union[str, "os.PathLike[str]"]
+from ._scan import Path
 
 
 def convert_file(path: Path, out: Path, *, threads: int = 1, **options: Any) -> Dict[str, Any]:
@@ -33,36 +32,38 @@ def convert_file(path: Path, out: Path, *, threads: int = 1, **options: Any) -> 
     :returns: ``file``, ``out``, ``status`` (``"ok"``, ``"missed"`` or ``"failed"``), and the figures:
         ``shape``, ``faces``, ``tolerance_mm``, ``rms_mm``, ``max_mm``, ``sha256``; or ``error``, ``help``.
     """
-    path, out = os.fspath(path), os.fspath(out)
+    path, out = os.fsdecode(path), os.fsdecode(out)
     row: Dict[str, Any] = {"file": path, "out": out}
     try:
         key = _key(path, options)
         known = _known(out, key)
         if known is not None:
-            return known
+            return {**known, **row}
         os.makedirs(os.path.dirname(os.path.abspath(out)), exist_ok=True)
         made = convert(path, threads=threads, **options)
         made.write(out)
+        row.update(
+            status="ok" if made.tolerance_met else "missed",
+            shape=made.kind,
+            faces=len(made.faces),
+            tolerance_mm=made.tolerance,
+            rms_mm=made.rms,
+            max_mm=made.max,
+            sha256=_sha256(out),
+            key=key,
+        )
+        _write(out + ".row.json", json.dumps(row, indent=1))
     except (Scan2StepError, OSError) as error:
         help = error.help if isinstance(error, Scan2StepError) else "check the path"
-        return {**row, "status": "failed", "error": str(error), "help": help}
-    row.update(
-        status="ok" if made.tolerance_met else "missed",
-        shape=made.kind,
-        faces=len(made.faces),
-        tolerance_mm=made.tolerance,
-        rms_mm=made.rms,
-        max_mm=made.max,
-        sha256=_sha256(out),
-        key=key,
-    )
-    _write(out + ".row.json", json.dumps(row, indent=1))
+        return {"file": path, "out": out, "status": "failed", "error": str(error), "help": help}
     return row
 
 
 def _key(path: str, options: Dict[str, Any]) -> str:
     """What a result depends on."""
-    told = json.dumps([_sha256(path), options, __version__], sort_keys=True, default=str)
+    # The part is named by the file.
+    name = os.path.basename(path)
+    told = json.dumps([_sha256(path), name, options, __version__], sort_keys=True, default=_plain)
     return hashlib.sha256(told.encode()).hexdigest()
 
 
@@ -72,8 +73,13 @@ def _known(out: str, key: str) -> Optional[Dict[str, Any]]:
         with open(out + ".row.json", encoding="utf-8") as file:
             row: Dict[str, Any] = json.load(file)
         return row if row["key"] == key and _sha256(out) == row["sha256"] else None
-    except (OSError, ValueError, KeyError):
+    except (OSError, ValueError, KeyError, TypeError):
         return None
+
+
+def _plain(value: Any) -> Any:
+    """Arrays and numbers of numpy as lists and numbers of Python."""
+    return value.tolist() if hasattr(value, "tolist") else repr(value)
 
 
 def _sha256(path: str) -> str:
@@ -83,6 +89,11 @@ def _sha256(path: str) -> str:
 
 def _write(path: str, text: str) -> None:
     temporary = f"{path}.{os.getpid()}.part"
-    with open(temporary, "w", encoding="utf-8") as file:
-        file.write(text)
-    os.replace(temporary, path)
+    try:
+        with open(temporary, "w", encoding="utf-8") as file:
+            file.write(text)
+        os.replace(temporary, path)
+    except OSError:
+        if os.path.exists(temporary):
+            os.unlink(temporary)
+        raise

@@ -3,7 +3,7 @@
 use std::sync::Mutex;
 
 use numpy::{PyArray1, PyReadonlyArray2};
-use pyo3::exceptions::PyIndexError;
+use pyo3::exceptions::{PyIndexError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use scan2step::deviation::{self, Deviation, TrimmedFace};
@@ -90,7 +90,7 @@ impl Conversion {
         &self,
         write: impl FnOnce(&AnyReport, &[ReportView], &[u8]) -> std::io::Result<R>,
     ) -> Result<R, Failure> {
-        let poisoned = || Failure::Panic("the views were lost in an earlier panic".into());
+        let poisoned = || Failure::Internal("the views were lost in an earlier panic".into());
         let mut views = self.views.lock().map_err(|_| poisoned())?;
         if views.is_none() {
             let recorders = self.recorders.lock().map_err(|_| poisoned())?.split_off(0);
@@ -115,6 +115,9 @@ impl Conversion {
         }
     }
 }
+
+/// The number of points whose distances are measured between two looks for Ctrl-C.
+const AT_ONCE: usize = 5000;
 
 /// The distances of points from bodies.
 fn from_bodies(bodies: &[BodyConversion], points: &[Point]) -> Vec<f64> {
@@ -248,11 +251,19 @@ impl Conversion {
         points: PyReadonlyArray2<f64>,
     ) -> PyResult<Bound<'py, PyArray1<f64>>> {
         let points: Vec<Point> = arrays::rows(&points)?.into_iter().map(Point::from).collect();
-        let distances = run::run(py, None, None, |_| {
-            Ok(match &self.made {
-                Converted::Faces(faces) => from_faces(faces, &points),
-                Converted::Bodies(bodies) => from_bodies(bodies, &points),
-            })
+        if !points.iter().all(|p| p.iter().all(|x| x.is_finite())) {
+            return Err(PyValueError::new_err("a point is not finite"));
+        }
+        let distances = run::run(py, None, None, |watch| {
+            let mut distances = Vec::with_capacity(points.len());
+            for some in points.chunks(AT_ONCE) {
+                watch.tell("distance", distances.len() as f64 / points.len() as f64)?;
+                distances.extend(match &self.made {
+                    Converted::Faces(faces) => from_faces(faces, some),
+                    Converted::Bodies(bodies) => from_bodies(bodies, some),
+                });
+            }
+            Ok(distances)
         })?;
         Ok(PyArray1::from_vec(py, distances))
     }
@@ -317,7 +328,7 @@ impl Conversion {
                 }
                 Ok(bytes)
             })?;
-            String::from_utf8(bytes).map_err(|e| Failure::Panic(e.to_string()))
+            String::from_utf8(bytes).map_err(|e| Failure::Internal(e.to_string()))
         })
     }
 

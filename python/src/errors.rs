@@ -8,8 +8,8 @@ use scan2step::Error;
 pub enum Failure {
     /// An error of the library.
     Error(Error),
-    /// The thread panicked.
-    Panic(String),
+    /// A fault of scan2step itself, such as a panic.
+    Internal(String),
 }
 
 impl From<Error> for Failure {
@@ -26,7 +26,7 @@ impl From<scan2step::formats::Error> for Failure {
 
 impl From<std::io::Error> for Failure {
     fn from(error: std::io::Error) -> Self {
-        Failure::Panic(error.to_string())
+        Failure::Internal(error.to_string())
     }
 }
 
@@ -40,7 +40,7 @@ impl From<Failure> for PyErr {
 fn exception(py: Python, failure: &Failure) -> PyResult<PyErr> {
     let places = PyDict::new(py);
     let (class, message, help) = match failure {
-        Failure::Panic(what) => {
+        Failure::Internal(what) => {
             ("InternalError", what.clone(), "please report this scan as a bug".to_owned())
         }
         Failure::Error(error) => {

@@ -1,6 +1,6 @@
 //! The options of a conversion, by their names in Python.
 
-use pyo3::exceptions::PyTypeError;
+use pyo3::exceptions::{PyOverflowError, PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use scan2step::formats::LengthUnit;
@@ -17,6 +17,7 @@ pub struct Named {
 
 /// The options that a dictionary names. Words are checked here, and numbers by the library.
 pub fn named(values: &Bound<PyDict>) -> PyResult<Named> {
+    let py = values.py();
     let mut builder = Options::builder();
     let mut all_components = false;
     for (key, value) in values {
@@ -24,11 +25,36 @@ pub fn named(values: &Bound<PyDict>) -> PyResult<Named> {
         if key == "component" && value.extract::<String>().is_ok_and(|word| word == "all") {
             all_components = true;
         } else {
-            builder = set(builder, &key, &value)?;
+            builder = set(builder, &key, &value).map_err(|error| told(py, &key, error))?;
         }
     }
     let options = builder.build().map_err(Failure::from)?;
     Ok(Named { options, all_components })
+}
+
+/// The error of a value with the name of its option.
+fn told(py: Python, option: &str, error: PyErr) -> PyErr {
+    let value = error.value(py).to_string();
+    if error.is_instance_of::<PyOverflowError>(py) {
+        return wrong(option, &format!("{option}: {value}"), "give another value");
+    }
+    if error.is_instance_of::<PyTypeError>(py) {
+        return PyTypeError::new_err(format!("{option}: {value}"));
+    }
+    error
+}
+
+/// An `OptionError`.
+fn wrong(option: &str, message: &str, help: &str) -> PyErr {
+    Python::attach(|py| {
+        let raise = || -> PyResult<PyErr> {
+            let class = py.import("scan2step._errors")?.getattr("OptionError")?;
+            let named = PyDict::new(py);
+            named.set_item("option", option)?;
+            Ok(PyErr::from_value(class.call((message, help), Some(&named))?))
+        };
+        raise().unwrap_or_else(|error| error)
+    })
 }
 
 fn set(builder: Builder, key: &str, value: &Bound<PyAny>) -> PyResult<Builder> {
@@ -133,6 +159,9 @@ fn set(builder: Builder, key: &str, value: &Bound<PyAny>) -> PyResult<Builder> {
             Some(length) => builder.cut(Cut::FromLength(length)),
             None => builder,
         },
+        "box" => builder.within(value.extract::<Option<[[f64; 3]; 2]>>()?),
+        "above" => builder.above(value.extract::<Option<[f64; 4]>>()?),
+        "remove_plane" => builder.without_plane(value.extract()?),
         "spacing" => builder.spacing(value.extract::<Option<f64>>()?),
         "max_points" => builder.max_points(value.extract::<Option<usize>>()?),
         "scan_number" => builder.scan_number(value.extract::<Option<usize>>()?),
@@ -154,21 +183,21 @@ pub fn word<T: Clone>(option: &str, given: &str, words: &[(&str, T)]) -> PyResul
         return Ok(value.clone());
     }
     let words: Vec<&str> = words.iter().map(|(word, _)| *word).collect();
-    Python::attach(|py| {
-        let class = py.import("scan2step._errors")?.getattr("OptionError")?;
-        let message = format!("{option}: {given:?} is not known");
-        let help = format!("name one of {}", words.join(", "));
-        let named = PyDict::new(py);
-        named.set_item("option", option)?;
-        Err(PyErr::from_value(class.call((message, help), Some(&named))?))
-    })
+    let message = format!("{option}: {given:?} is not known");
+    Err(wrong(option, &message, &format!("name one of {}", words.join(", "))))
 }
 
 /// A vertex by its index, or a point.
 fn place(value: &Bound<PyAny>) -> PyResult<ScanPlace> {
     match value.extract::<usize>() {
         Ok(vertex) => Ok(ScanPlace::Vertex(vertex)),
-        Err(_) => value.extract().map(ScanPlace::Point),
+        Err(_) => {
+            let point: [f64; 3] = value.extract()?;
+            if !point.iter().all(|x| x.is_finite()) {
+                return Err(PyValueError::new_err("a place has finite coordinates"));
+            }
+            Ok(ScanPlace::Point(point))
+        }
     }
 }
 

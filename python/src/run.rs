@@ -71,7 +71,7 @@ pub fn run<R: Send>(
         }
         match done {
             Ok(done) => Ok(done.map_err(Failure::from)??),
-            Err(panic) => Err(Failure::Panic(message(&*panic)).into()),
+            Err(panic) => Err(Failure::Internal(message(&*panic)).into()),
         }
     })
 }

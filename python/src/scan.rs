@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use numpy::{PyArray2, PyReadonlyArray2};
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use scan2step::formats::points::{PointScan, ReadOptions};
@@ -81,15 +81,13 @@ impl Scan {
     #[getter]
     fn faces<'py>(&self, py: Python<'py>) -> PyResult<Option<Bound<'py, PyArray2<u32>>>> {
         let Content::Mesh(soup) = &self.content else { return Ok(None) };
-        let fan = |corners: &[u32]| -> Vec<Vec<u32>> {
+        let count = soup.polygons.triangle_count();
+        let mut indices = Vec::with_capacity(3 * count);
+        for corners in soup.polygons.iter() {
             let pairs = corners.get(1..).unwrap_or_default().windows(2);
-            pairs.map(|pair| vec![corners[0], pair[0], pair[1]]).collect()
-        };
-        let triangles: Vec<Vec<u32>> = soup.polygons.iter().flat_map(fan).collect();
-        if triangles.is_empty() {
-            return Ok(Some(PyArray2::zeros(py, [0, 3], false)));
+            indices.extend(pairs.flat_map(|pair| [corners[0], pair[0], pair[1]]));
         }
-        Ok(Some(PyArray2::from_vec2(py, &triangles)?))
+        Ok(Some(PyArray1::from_vec(py, indices).reshape([count, 3])?))
     }
 
     /// The unit that the file declares.

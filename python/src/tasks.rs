@@ -7,12 +7,12 @@ use std::time::Instant;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use scan2step::formats::{Content, cad};
-use scan2step::mesh::{self, Choice, Components};
+use scan2step::mesh::{Choice, Components};
 use scan2step::report::{
     BodyReport, CheckFigures, CheckedScan, InspectionFigures, Report, ScanSource, Settings,
     StageFigures, ViewRecorder,
 };
-use scan2step::{Converted, Memory, Options, Stage};
+use scan2step::{Converted, Memory, Options, Stage, rules};
 
 use crate::conversion::{AnyReport, Conversion};
 use crate::errors::Failure;
@@ -46,8 +46,7 @@ fn meshed(scan: &Scan, options: &Options, watch: &Watch) -> Result<Meshed, Failu
         Content::Mesh(soup) => {
             let source = ScanSource::of(file, soup, options);
             let options = options.resolved(soup)?;
-            let build = mesh::from_soup(soup, source.unit.in_mm())?;
-            let components = Components::new(build).with_handles(options.handles());
+            let components = scan2step::mesh_components(soup, &options)?;
             Ok(Meshed { components, source, options })
         }
         Content::Points(cloud) => {
@@ -180,6 +179,9 @@ pub fn check(
     outliers: f64,
 ) -> PyResult<String> {
     let named = options::named(options)?;
+    let of = |option| move |fault| Failure::from(scan2step::Error::Option { option, fault });
+    tolerance.map_or(Ok(()), rules::length).map_err(of("tolerance"))?;
+    rules::share(outliers).map_err(of("outliers"))?;
     let scan = scan.get();
     run::run(py, named.options.threads(), None, |watch| {
         let model = cad::read_cad(&path)?;

@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import re
+import shutil
+from pathlib import Path
 from typing import Any
 
 import pytest
-from conftest import FIXTURES
+from conftest import FIXTURES, ROOT
 
 import scan2step
 
@@ -59,3 +62,12 @@ def test_shapes_of_cadquery(relief: str, ring: str) -> None:
     solid = whole.to_cadquery()
     assert isinstance(solid, cadquery.Solid) and solid.isValid()
     assert solid.Volume() == pytest.approx(whole.volume, rel=1e-5)
+
+
+def test_the_example_of_cadquery_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    pytest.importorskip("cadquery")
+    (example,) = re.findall(r"```py\n(.*?)```", (ROOT / "docs/python.md").read_text(), re.DOTALL)
+    shutil.copy(FIXTURES / "relief.ply", tmp_path)
+    monkeypatch.chdir(tmp_path)
+    exec(example, {})
+    assert (tmp_path / "part.step").stat().st_size > 10_000

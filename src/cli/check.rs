@@ -1,5 +1,7 @@
 //! `scan2step check`: how far a CAD file is from a scan.
 
+use std::path::Path;
+
 use formats::cad::read_cad;
 use scan2step::check;
 use scan2step::report::{CheckFigures, CheckedScan, DistanceFigures};
@@ -11,6 +13,12 @@ use super::{Failure, Outcome, streams};
 
 /// Reads the CAD file and the scan, measures them against each other, and prints the result.
 pub fn run(args: &Check) -> Result<Outcome, Failure> {
+    if is_cad(&args.piece.scan) && !is_cad(&args.cad) {
+        let (cad, scan) = (args.piece.scan.display(), args.cad.display());
+        let error = format!("{scan}: is the place of the CAD file");
+        let help = format!("name the CAD file first: scan2step check {cad} {scan}");
+        return Err(Failure { error, help });
+    }
     let model = read_cad(&args.cad)?;
     let scan = Scan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;
@@ -44,6 +52,12 @@ pub fn run(args: &Check) -> Result<Outcome, Failure> {
         }
     }
     Ok(Outcome::Missed)
+}
+
+/// Whether a file is a CAD file by its name.
+fn is_cad(path: &Path) -> bool {
+    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+    matches!(extension.as_deref(), Some("step" | "stp" | "igs" | "iges"))
 }
 
 fn beyond(args: &Check, what: &str, distances: &DistanceFigures) -> String {

@@ -236,6 +236,13 @@ fn check_outputs(args: &Convert) -> Result<(), Failure> {
             let error = format!("{}: is named twice", path.display());
             return Err(Failure { error, help: "give every output a name of its own".into() });
         }
+        if args.no_clobber && path.exists() {
+            let error = format!("{}: exists already", path.display());
+            return Err(Failure {
+                error,
+                help: "name another file, or leave out --no-clobber".into(),
+            });
+        }
         output::check(path)?;
         seen.push(place);
     }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use formats::{Content, Soup};
-use scan2step::mesh::{self, Components, Outer};
+use scan2step::mesh::{Components, Outer};
 use scan2step::report::ScanSource;
 use scan2step::{Options, Progress};
 
@@ -38,7 +38,7 @@ impl Scan {
 
     /// The options that decide how its mesh is made.
     pub fn options(piece: &Piece) -> Result<Options, Failure> {
-        let options = piece.cloud.options(&piece.scale).build();
+        let options = piece.cloud.options(&piece.scale, &piece.crop).build();
         options.map_err(|e| stopped(&piece.scan, &e))
     }
 
@@ -76,8 +76,7 @@ impl Scan {
     ) -> Result<(Scan, Components), Failure> {
         let content = std::mem::replace(&mut self.content, Content::Mesh(Soup::default()));
         let components = match content {
-            Content::Mesh(soup) => mesh::from_soup(&soup, self.source.unit.in_mm())
-                .map(|build| Components::new(build).with_handles(options.handles())),
+            Content::Mesh(soup) => scan2step::mesh_components(&soup, options),
             Content::Points(cloud) => {
                 scan2step::cloud_components(cloud, options, progress).map(|(components, report)| {
                     self.source = self.source.clone().meshed(&report);

@@ -2,7 +2,7 @@
 
 use scan2step::report::{CloudFigures, InspectionFigures, ScanFigures, likely_unit};
 use scan2step::words::{mm, plural};
-use scan2step::{Inspection, TargetShape};
+use scan2step::{Inspection, PieceReport, TargetShape};
 
 use super::args::Inspect;
 use super::input::{self, Scan};
@@ -39,10 +39,14 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
     ];
     lines.extend(source.cloud.iter().flat_map(cloud));
     lines.extend(likely_unit(source, found.bounds).map(|hint| format!("  hint        {hint}")));
+    let which = match input.components {
+        1 => "the only one".to_owned(),
+        count => format!("number {} of {count}, where 0 is the largest", found.number),
+    };
     lines.extend([
         format!(
-            "  component   1 of {}: {} vertices, {} triangles, {x:.4} × {y:.4} × {z:.4} mm",
-            input.components, input.vertices, input.triangles
+            "  component   {which}: {} vertices, {} triangles, {x:.4} × {y:.4} × {z:.4} mm",
+            input.vertices, input.triangles
         ),
         format!("  surface     {}", kind(found)),
         format!("  becomes     {}", target(found)),
@@ -53,6 +57,7 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
         lines.push(format!("  islands     {count} in its holes, {triangles} triangles"));
     }
     lines.push(format!("  noise       {}", mm(found.noise)));
+    lines.extend(found.pieces.iter().enumerate().map(piece));
     lines.extend(scan.notes.iter().map(|note| format!("  note        {note}")));
     for (kind, count) in &input.repairs {
         lines.push(format!("  repaired    {count} {}", kind.replace('_', " ")));
@@ -95,6 +100,19 @@ fn cloud(cloud: &CloudFigures) -> Vec<String> {
         )
     }));
     lines
+}
+
+/// A line for one of several components, by whose number `--component` takes it.
+fn piece((number, piece): (usize, &PieceReport)) -> String {
+    let [x, y, z] = piece.size;
+    let topology = &piece.topology;
+    let loops = plural(topology.loops, "boundary loop");
+    let sides = if topology.orientable { "" } else { ", one-sided" };
+    format!(
+        "  --component {number:<3} {} triangles, {x:.1} × {y:.1} × {z:.1} mm, {loops}, genus {}{sides}",
+        piece.triangles,
+        topology.genus()
+    )
 }
 
 /// What the surface is.

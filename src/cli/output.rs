@@ -70,9 +70,13 @@ pub fn hexadecimal(bytes: &[u8]) -> String {
 
 /// The error of a file that cannot be written.
 pub fn failed(path: &Path, e: std::io::Error) -> Error {
-    // The error of a temporary file contains its name, which tells the user nothing.
-    let wrong =
-        e.get_ref().and_then(|wrapped| wrapped.source()).map_or(e.to_string(), |e| e.to_string());
+    if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty() && !f.exists()) {
+        let what = format!("cannot be written: the folder {} does not exist", folder.display());
+        return Error::new(path, what, "make the folder first, or name another one");
+    }
+    // The error of a temporary file ends with its name, which tells the user nothing.
+    let text = e.to_string();
+    let wrong = text.split(" at path ").next().unwrap_or(&text);
     let help = "check that the folder exists, can be written to and has room";
     Error::new(path, format!("cannot be written: {wrong}"), help)
 }

@@ -22,7 +22,7 @@ pub fn options(args: &Convert) -> Result<Options, Failure> {
         NamedCorners::At(places) => Some(places.0.clone()),
         NamedCorners::Auto | NamedCorners::None => None,
     };
-    let options = args.piece.cloud.options(&args.piece.scale);
+    let options = args.piece.cloud.options(&args.piece.scale, &args.piece.crop);
     let mut options = options
         .name(part_name(&args.piece.scan))
         .outer_place(args.piece.outer.map(|place| place.0))

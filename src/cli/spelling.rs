@@ -2,10 +2,12 @@
 
 /// The names of options in the library, which stand in backticks in its messages, and those
 /// on the command line.
-const OPTIONS: [(&str, &str); 20] = [
+const OPTIONS: [(&str, &str); 22] = [
     ("shape", "--shape"),
     ("unit", "--units"),
     ("component", "--component"),
+    ("within", "--box"),
+    ("above", "--above"),
     ("outer", "--outer"),
     ("smooth", "--smooth"),
     ("boundary_corners", "--boundary-corners"),

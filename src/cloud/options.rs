@@ -1,7 +1,7 @@
 //! How triangles are made of points.
 
 use crate::error::{Result, of};
-use crate::rules;
+use crate::{crop, rules};
 
 /// How triangles are made of points.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -15,10 +15,13 @@ pub struct Options {
     pub max_points: Option<usize>,
     /// The scan that is taken, counted from 0. By default all scans are taken together.
     pub scan: Option<usize>,
+    /// What is kept of the cloud, in its own numbers.
+    pub crop: crop::Options,
 }
 
 impl Options {
     pub(crate) fn check(&self) -> Result<()> {
+        self.crop.check()?;
         self.spacing.map_or(Ok(()), rules::length).map_err(of("spacing"))?;
         self.max_points.map_or(Ok(()), rules::max_points).map_err(of("max_points"))
     }

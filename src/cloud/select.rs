@@ -6,6 +6,7 @@ use formats::points::{PointScan, ScanGrid};
 use rayon::prelude::*;
 
 use super::{LEFT_OUT, Options, Triangulation};
+use crate::crop;
 use crate::error::{CloudFault, Error, Result};
 use crate::geometry::Point;
 use crate::geometry::bounds;
@@ -22,22 +23,44 @@ pub(super) struct Selection {
 /// [`CloudFault::Scan`] if the cloud has no scan of the number that is named.
 pub(super) fn selection(cloud: &Points, options: &Options) -> Result<Option<Selection>> {
     let mut selected = options.scan.map(|scan| one_scan(cloud, scan)).transpose()?;
+    if !options.crop.keeps_all() {
+        let of = selected.as_ref().map_or(cloud, |part| &part.points);
+        selected = Some(cropped(of, &options.crop)?.of_part(selected.as_ref()));
+    }
     if let Some(most) = options.max_points {
         let of = selected.as_ref().map_or(cloud, |part| &part.points);
         if of.len() > most {
-            let part = evenly(of, most);
-            let numbers = part.numbers.iter();
-            let numbers = match &selected {
-                Some(scan) => numbers.map(|&i| scan.numbers[i as usize]).collect(),
-                None => part.numbers,
-            };
-            selected = Some(Selection { points: part.points, numbers });
+            selected = Some(evenly(of, most).of_part(selected.as_ref()));
         }
     }
     Ok(selected)
 }
 
+/// The points that are kept, with the grids of their scans.
+fn cropped(cloud: &Points, options: &crop::Options) -> Result<Selection> {
+    let kept = crop::kept(&cloud.positions, cloud.origin, options)?;
+    let numbers: Vec<u32> = (0..cloud.len() as u32).filter(|&i| kept[i as usize]).collect();
+    let mut new = vec![ScanGrid::EMPTY; cloud.len()];
+    (0..).zip(&numbers).for_each(|(i, &old)| new[old as usize] = i);
+    let cell = |&cell: &u32| new.get(cell as usize).copied().unwrap_or(ScanGrid::EMPTY);
+    let mut selection = part(cloud, numbers);
+    for (scan, whole) in selection.points.scans.iter_mut().zip(&cloud.scans) {
+        scan.grid = whole
+            .grid
+            .as_ref()
+            .map(|grid| ScanGrid { cells: grid.cells.iter().map(cell).collect(), ..grid.clone() });
+    }
+    Ok(selection)
+}
+
 impl Selection {
+    /// The same with the numbers of a whole cloud, of which `part` is what this was selected from.
+    fn of_part(self, part: Option<&Selection>) -> Self {
+        let Some(part) = part else { return self };
+        let numbers = self.numbers.iter().map(|&i| part.numbers[i as usize]).collect();
+        Selection { numbers, ..self }
+    }
+
     /// The triangulation of this part as one of the whole cloud, which has `count` points.
     pub fn of_whole(&self, part: Triangulation, count: usize) -> Triangulation {
         let mut vertex_of = vec![LEFT_OUT; count];

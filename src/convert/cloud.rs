@@ -1,14 +1,15 @@
 //! The way from a cloud of points to the components of a mesh, which go on as those of a meshed
 //! scan do: cloud → mesh.
 
-use formats::Points;
+use formats::soup::Polygons;
+use formats::{Points, Soup};
 
 use super::{Conversion, Observer, Options, Stage, convert_component, stage};
 use crate::cloud::{self, Report};
 use crate::geometry::Point;
 use crate::mesh::{self, Components, RawPoints};
 use crate::progress::Progress;
-use crate::{Memory, Result, threads};
+use crate::{Memory, Result, crop, threads};
 
 /// Converts one component of a cloud of points, as [`convert`](crate::convert) does for a mesh.
 /// The tolerance follows the noise of the points, and [`Conversion::deviation`] is measured
@@ -39,6 +40,26 @@ pub fn cloud_components(
     progress: &mut Progress,
 ) -> Result<(Components, Report)> {
     threads::run(options.threads, || components_of(cloud, options, progress))?
+}
+
+/// Makes the components of a mesh, without what the options leave out of it.
+///
+/// # Errors
+/// Those of [`crop::kept`](crate::crop::kept) and of [`mesh::from_soup`].
+pub fn mesh_components(soup: &Soup, options: &Options) -> Result<Components> {
+    let crop = &options.cloud.crop;
+    let unit = options.unit_of(soup.unit);
+    let build = if crop.keeps_all() {
+        mesh::from_soup(soup, unit)?
+    } else {
+        let kept = crop::kept(&soup.points, [0.0; 3], crop)?;
+        let mut polygons = Polygons::default();
+        let is_kept = |corners: &&[u32]| corners.iter().all(|&v| kept[v as usize]);
+        let left = soup.polygons.iter().filter(is_kept);
+        left.for_each(|corners| polygons.push(corners.iter().copied()));
+        mesh::from_soup(&Soup { polygons, ..soup.clone() }, unit)?
+    };
+    Ok(Components::new(build).with_handles(options.handles))
 }
 
 fn components_of(

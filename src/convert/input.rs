@@ -53,9 +53,44 @@ pub struct Inspection {
     pub noise: f64,
     /// What a conversion makes of it; `None` if it can only be refused.
     pub shape: Option<TargetShape>,
+    /// The number of the component, where the largest one is 0.
+    pub number: usize,
+    /// The largest components, if there are several.
+    pub pieces: Vec<PieceReport>,
     /// An estimate of a solid or a shell. `None` for a face, or if a conversion fails before it has a
     /// layout.
     pub body: Option<BodyEstimate>,
+}
+
+/// One of several components. Lengths are mm.
+#[derive(Debug, Clone)]
+#[non_exhaustive]
+pub struct PieceReport {
+    /// Triangles.
+    pub triangles: usize,
+    /// The extent in x, y and z.
+    pub size: [f64; 3],
+    /// What kind of surface it is.
+    pub topology: Topology,
+}
+
+/// The largest number of components that an inspection lists. Each takes as long as reading the mesh once,
+/// at most.
+const MOST_PIECES: usize = 12;
+
+/// The largest components, if there are several.
+fn pieces(scan: &Components) -> Result<Vec<PieceReport>> {
+    let count = if scan.count() > 1 { scan.sizeable().min(MOST_PIECES) } else { 0 };
+    let piece = |number: usize| {
+        let piece = scan.take(Choice::Number(number))?;
+        let [low, high] = piece.own_mesh().bounds();
+        Ok(PieceReport {
+            triangles: piece.own_mesh().triangles.len(),
+            size: ((high - low) * piece.mm()).into(),
+            topology: piece.topology.clone(),
+        })
+    };
+    (0..count).map(piece).collect()
 }
 
 impl InputReport {
@@ -194,6 +229,7 @@ fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspecti
         shape => Some(shape),
     };
     let body = shape.and_then(|shape| body_estimate(&scan, component, shape));
+    let pieces = pieces(&scan)?;
     drop(scan);
     let (mesh, mm) = (chosen.own_mesh(), chosen.mm());
     let rings = if chosen.topology.orientable { chosen.loops() } else { Vec::new() };
@@ -204,6 +240,8 @@ fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspecti
         bounds: mesh.bounds().map(|p| (mm * p.coords).into()),
         noise: mm * smooth::noise(mesh).max(raw_noise),
         shape,
+        number: component.number(),
+        pieces,
         body,
         input: input.clone(),
     };

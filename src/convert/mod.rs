@@ -22,13 +22,13 @@ mod shape;
 mod stage;
 
 pub use body::{BodyConversion, Seams, convert_body, joined_bodies};
-pub use cloud::{cloud_components, convert_cloud};
+pub use cloud::{cloud_components, convert_cloud, mesh_components};
 pub use components::{convert_components, joined};
 pub use conversion::{Conversion, Missed};
 pub use cut::Cut;
 pub use estimate::BodyEstimate;
 pub use file::convert_file;
-pub use input::{InputReport, Inspection, Measured, inspect, measured};
+pub use input::{InputReport, Inspection, Measured, PieceReport, inspect, measured};
 pub use memory::Memory;
 pub use options::{Builder, Options};
 pub use places::ScanPlace;
@@ -38,7 +38,7 @@ pub use stage::{Observer, Stage};
 
 use formats::Soup;
 
-use crate::mesh::{self, Components};
+use crate::mesh::Components;
 use crate::{Error, Result, threads};
 
 /// Converts one component of a scan. `watch` is shown what each stage made, and how far
@@ -53,11 +53,7 @@ use crate::{Error, Result, threads};
 pub fn convert(soup: &Soup, options: &Options, watch: &mut Observer) -> Result<Conversion> {
     options.max_memory.map_or(Ok(()), |most| Memory::of(soup, options).check(most))?;
     let options = options.resolved(soup)?;
-    threads::run(options.threads, || {
-        let scan = Components::new(mesh::from_soup(soup, options.unit_of(soup.unit))?)
-            .with_handles(options.handles);
-        component(&scan, &options, watch)
-    })?
+    threads::run(options.threads, || component(&mesh_components(soup, &options)?, &options, watch))?
 }
 
 /// Converts one component of a mesh: readers → **mesh → smooth → fill →

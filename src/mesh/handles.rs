@@ -21,6 +21,7 @@ use super::boundary;
 use super::build::Build;
 use super::{EdgeMap, Mesh};
 use crate::geometry::{Point, VertexId};
+use crate::random::scattered;
 
 /// A handle is cut, unless a length is named, if its loop is not longer than this multiple of the median
 /// edge. The false handles of a scanned face have up to 3 edges around them, the holes of a casting with
@@ -329,7 +330,7 @@ fn labels(faces: &[[u32; 2]], count: usize, is_free: impl Fn(usize) -> bool) -> 
     let mut sums = vec![0u64; count];
     let mut random = 0u64;
     for &side in free.iter().filter(|&&side| !in_tree[side]) {
-        random = random.wrapping_add(0x9E37_79B9_7F4A_7C15);
+        random += 1;
         labels[side] = scattered(random);
         faces[side].into_iter().for_each(|face| sums[face as usize] ^= labels[side]);
     }
@@ -344,14 +345,6 @@ fn labels(faces: &[[u32; 2]], count: usize, is_free: impl Fn(usize) -> bool) -> 
         }
     }
     Some(labels)
-}
-
-/// A random number for each number (Steele, Lea, Flood, "Fast splittable pseudorandom number
-/// generators", 2014).
-fn scattered(mut x: u64) -> u64 {
-    x = (x ^ (x >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-    x = (x ^ (x >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-    x ^ (x >> 31)
 }
 
 /// Cuts a component along loops without common vertices and closes both rims of each.

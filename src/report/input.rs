@@ -5,7 +5,7 @@ use formats::{LengthUnit, Points, Soup};
 
 use super::{CloudFigures, CloudMeshFigures};
 use crate::mesh::{Handle, Repairs};
-use crate::{InputReport, Inspection, Options, TargetShape, cloud};
+use crate::{InputReport, Inspection, Options, PieceReport, TargetShape, cloud};
 
 /// A scan as it was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -168,6 +168,10 @@ pub struct InspectionFigures {
     pub disk: bool,
     /// What a conversion makes of it: "face", "shell", "solid", or nothing.
     pub shape: Option<&'static str>,
+    /// The number of the component, where the largest one is 0.
+    pub component: usize,
+    /// The largest components, if there are several.
+    pub pieces: Vec<PieceFigures>,
     /// About how many faces a solid or a shell gets.
     pub faces_about: Option<usize>,
     /// The handles and tunnels that a solid or a shell keeps. Their loops run along the edges of a coarse mesh.
@@ -180,6 +184,30 @@ pub struct InspectionFigures {
     pub left_out_triangles: usize,
     /// Standard deviation of the noise along the normal.
     pub noise_mm: f64,
+}
+
+/// One of several components of a scan.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct PieceFigures {
+    /// Triangles.
+    pub triangles: usize,
+    /// The extent in x, y and z.
+    pub size_mm: [f64; 3],
+    /// Boundary loops.
+    pub loops: usize,
+    /// The genus, as for the chosen component.
+    #[cfg_attr(feature = "serde", serde(serialize_with = "serialize_genus"))]
+    pub genus: f64,
+}
+
+impl PieceFigures {
+    fn of(piece: &PieceReport) -> Self {
+        let PieceReport { triangles, size, topology } = piece;
+        let (loops, genus) = (topology.loops, topology.genus());
+        PieceFigures { triangles: *triangles, size_mm: *size, loops, genus }
+    }
 }
 
 /// A boundary loop of a scan.
@@ -208,6 +236,8 @@ impl InspectionFigures {
             orientable: found.topology.orientable,
             disk: found.topology.is_disk(),
             shape: found.shape.map(TargetShape::word),
+            component: found.number,
+            pieces: found.pieces.iter().map(PieceFigures::of).collect(),
             faces_about: found.body.as_ref().map(|body| body.faces),
             handles: found
                 .body

@@ -49,7 +49,7 @@ pub use figures::{
     MapFigures, SmoothFigures, TrimFigures, TrimOf,
 };
 pub use hints::likely_unit;
-pub use input::{InputFigures, InspectionFigures, RimFigures, ScanSource};
+pub use input::{InputFigures, InspectionFigures, PieceFigures, RimFigures, ScanSource};
 pub use settings::{Setting, Settings};
 pub use shape::{PatchFigures, SeamFigures, ShapeFigures, SurfaceCounts};
 #[cfg(feature = "picture")]

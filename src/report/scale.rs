@@ -38,7 +38,20 @@ fn end(views: &[ReportView], of: fn(&ViewFigures) -> f64) -> f64 {
 
 /// A number with three significant digits, without zeros at the end.
 pub(super) fn short(x: f64) -> String {
+    if x < 0.0 {
+        return format!("−{}", short(-x));
+    }
     let digits = if x > 0.0 { 2 - x.log10().floor() as i32 } else { 0 };
     let text = format!("{x:.*}", digits.clamp(0, 14) as usize);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').into() } else { text }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::short;
+
+    #[test]
+    fn numbers_below_zero_keep_their_digits() {
+        assert_eq!([0.0123, -0.0123, -12.0, 0.0].map(short), ["0.0123", "−0.0123", "−12", "0"]);
+    }
 }

@@ -56,6 +56,12 @@ pub struct Settings {
     pub max_net: usize,
     /// The longest loop of a handle that is cut, in mm.
     pub handles: Option<f64>,
+    /// Two corners of a box outside of which everything was left out, in the scan's numbers.
+    pub r#box: Option<[[f64; 3]; 2]>,
+    /// A plane below which everything was left out: a x + b y + c z > d in the scan's numbers.
+    pub above: Option<[f64; 4]>,
+    /// Whether the plane under the object was left out.
+    pub remove_plane: bool,
     /// About how many faces a solid gets.
     pub faces: Option<usize>,
     /// Holes with a rim shorter than this, in mm, stay filled.
@@ -130,6 +136,9 @@ impl Settings {
             depth: options.knots.depth,
             net: options.knots.net,
             max_net: options.knots.max_net,
+            r#box: options.cloud.crop.within,
+            above: options.cloud.crop.above,
+            remove_plane: options.cloud.crop.without_plane,
             handles: options.handles,
             faces: options.faces,
             fill_only_holes_below: match options.cut {

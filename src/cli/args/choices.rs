@@ -6,16 +6,24 @@ use formats::LengthUnit;
 /// A unit on the command line.
 #[derive(Debug, Clone, Copy, ValueEnum)]
 pub enum Unit {
+    #[value(alias = "micrometre", alias = "micrometres", alias = "µm")]
+    Um,
+    #[value(alias = "millimetre", alias = "millimetres", alias = "millimeter")]
     Mm,
+    #[value(alias = "centimetre", alias = "centimetres", alias = "centimeter")]
     Cm,
+    #[value(alias = "metre", alias = "metres", alias = "meter")]
     M,
+    #[value(alias = "inch", alias = "inches")]
     In,
+    #[value(alias = "foot", alias = "feet")]
     Ft,
 }
 
 impl From<Unit> for LengthUnit {
     fn from(unit: Unit) -> Self {
         match unit {
+            Unit::Um => LengthUnit::Micrometre,
             Unit::Mm => LengthUnit::Millimetre,
             Unit::Cm => LengthUnit::Centimetre,
             Unit::M => LengthUnit::Metre,

@@ -16,7 +16,7 @@ pub struct How {
     pub shape: ShapeChoice,
     /// Cut handles and tunnels whose loop is not longer, in mm, and close them; 0 cuts none
     /// [default: a few edges]
-    #[arg(long, value_name = "LEN", value_parser = extent)]
+    #[arg(long, value_name = "LEN", value_parser = extent, allow_hyphen_values = true)]
     pub handles: Option<f64>,
     /// About how many faces a solid gets [default: as many as its shape needs]
     #[arg(long, value_name = "N", value_parser = faces)]
@@ -24,15 +24,15 @@ pub struct How {
     /// Largest distance of a smoothed point from the face, in mm, and of the face from the
     /// scan's triangles, to which the error of flat triangles is added [default: three times
     /// the noise of the scan]
-    #[arg(long, value_name = "LEN", value_parser = positive)]
+    #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true)]
     pub tolerance: Option<f64>,
     /// Percentage of points that may exceed the tolerance
-    #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage)]
+    #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage, allow_hyphen_values = true)]
     pub outliers: f64,
     /// Largest distance of a trim loop from the measured rim, in mm; 0 follows every tooth
     /// [default: half of the scan's median edge at the rims, or the tolerance if that is larger;
     /// a named tolerance holds for loops, too]
-    #[arg(long, value_name = "LEN", value_parser = extent)]
+    #[arg(long, value_name = "LEN", value_parser = extent, allow_hyphen_values = true)]
     pub rim_tolerance: Option<f64>,
     /// Where the outer boundary goes: the four sides of the surface, or a trim loop inside it,
     /// as for holes
@@ -47,14 +47,14 @@ pub struct How {
     #[arg(long, value_name = "LIST|auto|none", default_value = "auto", allow_hyphen_values = true)]
     pub boundary_corners: NamedCorners,
     /// Support of the smoothing, in mm, or auto, or off
-    #[arg(long, value_name = "LEN|auto|off", default_value = "auto", value_parser = support)]
+    #[arg(long, value_name = "LEN|auto|off", default_value = "auto", value_parser = support, allow_hyphen_values = true)]
     pub smooth: scan2step::smooth::Support,
     /// Method of the fit
     #[arg(long, value_enum, default_value_t = Fit::Refined)]
     pub fit: Fit,
     /// Mean distance of a region, in mm, above which it gets more knots [default: from the
     /// tolerance]
-    #[arg(long, value_name = "LEN", value_parser = positive)]
+    #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true)]
     pub kappa: Option<f64>,
     /// Largest number of times that the domain is halved [default: from the number of points]
     #[arg(long, value_name = "N", value_parser = depth)]
@@ -66,7 +66,7 @@ pub struct How {
     #[arg(long, value_name = "N", default_value_t = 250_000, value_parser = max_net)]
     pub max_net: usize,
     /// Fill holes whose rim is shorter than this, in mm, and cut out the others
-    #[arg(long, value_name = "LEN", value_parser = positive, conflicts_with = "keep_fills")]
+    #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true, conflicts_with = "keep_fills")]
     pub fill_only_holes_below: Option<f64>,
     /// Fill all holes, and cut none out
     #[arg(long)]
@@ -93,7 +93,7 @@ pub struct Manner {
     #[arg(long, value_name = "SIZE")]
     pub max_memory: Option<bytesize::ByteSize>,
     /// Print errors only, and a note if a named tolerance is not met
-    #[arg(long, conflicts_with = "verbose")]
+    #[arg(short, long, conflicts_with = "verbose")]
     pub quiet: bool,
     /// Colours in messages
     #[arg(long, value_enum, default_value_t = Colour::Auto)]

@@ -16,9 +16,10 @@ pub use choices::{Fit, Iges, Map, Origin, OutlineChoice, ShapeChoice, StepSchema
 pub use colour::Colour;
 pub use files::{CadFile, CadKind};
 pub use how::{How, Manner};
-pub use pieces::{CloudArgs, ComponentChoice, Look, Piece, Scale};
+pub use pieces::{CloudArgs, ComponentChoice, CropArgs, Look, Piece, Scale};
 
 use super::batch::args::Batch;
+use super::cad::part_name;
 use super::manual::{Completions, Man};
 use super::places::Places;
 use super::report::ReportFile;
@@ -97,10 +98,10 @@ pub struct Check {
     pub piece: Piece,
     /// Largest distance of a point of the scan from the faces, and of a sample of the faces
     /// from the scan, in mm
-    #[arg(long, value_name = "LEN", value_parser = positive)]
+    #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true)]
     pub tolerance: Option<f64>,
     /// Percentage of points, and of samples, that may exceed the tolerance
-    #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage)]
+    #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage, allow_hyphen_values = true)]
     pub outliers: f64,
     /// Components of the scan that the faces are measured against: largest, all, or a number
     /// (0 is the largest), as for `convert`
@@ -120,9 +121,12 @@ pub struct Check {
 pub struct Convert {
     #[command(flatten)]
     pub piece: Piece,
-    /// CAD files to write: .step, .stp, .igs or .iges.
-    #[arg(required = true, value_name = "OUT", value_parser = cad_file)]
+    /// CAD files to write: .step, .stp, .igs or .iges [default: the scan's name with .step]
+    #[arg(value_name = "OUT", value_parser = cad_file)]
     pub out: Vec<CadFile>,
+    /// Refuse to replace a file that exists
+    #[arg(long)]
+    pub no_clobber: bool,
 
     /// Corners of the domain: four vertex indices of the scan (V0,V1,V2,V3),
     /// or four points in the scan's numbers (x,y,z;x,y,z;…) [default: found]
@@ -142,4 +146,19 @@ pub struct Convert {
     pub how: How,
     #[command(flatten)]
     pub manner: Manner,
+}
+
+impl Command {
+    /// The same with what follows from other arguments.
+    #[must_use]
+    pub fn completed(mut self) -> Self {
+        if let Command::Convert(convert) = &mut self
+            && convert.out.is_empty()
+        {
+            let name = format!("{}.step", part_name(&convert.piece.scan));
+            let path = convert.piece.scan.with_file_name(name);
+            convert.out.push(CadFile { path, kind: CadKind::Step });
+        }
+        self
+    }
 }

@@ -25,7 +25,7 @@ pub struct Scale {
 pub struct CloudArgs {
     /// Thin a cloud of points to this distance between neighbours, in mm [default: to what its
     /// noise lets one tell]
-    #[arg(long, value_name = "LEN", value_parser = positive)]
+    #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true)]
     pub spacing: Option<f64>,
     /// Take at most so many points of a cloud, spread evenly [default: all]
     #[arg(long, value_name = "N", value_parser = max_points)]
@@ -46,6 +46,37 @@ pub struct CloudArgs {
     pub origin: Origin,
 }
 
+/// Options that leave out parts of a scan.
+#[derive(Debug, Args)]
+pub struct CropArgs {
+    /// Leave out what is outside of a box between two places in the scan's numbers, as 0,0,0;10,10,5
+    #[arg(long = "box", value_name = "x,y,z;x,y,z", value_parser = corners, allow_hyphen_values = true)]
+    pub within: Option<[[f64; 3]; 2]>,
+    /// Leave out what is not above a plane: a x + b y + c z > d in the scan's numbers, as 0,0,1,2.5
+    #[arg(long, value_name = "a,b,c,d", value_parser = plane, allow_hyphen_values = true)]
+    pub above: Option<[f64; 4]>,
+    /// Leave out the largest plane that has the rest of the scan on one side: the turntable
+    #[arg(long)]
+    pub remove_plane: bool,
+}
+
+/// Numbers between commas.
+fn numbers<const N: usize>(text: &str) -> Option<[f64; N]> {
+    let numbers: Result<Vec<f64>, _> = text.split(',').map(|s| s.trim().parse()).collect();
+    let numbers: [f64; N] = numbers.ok()?.try_into().ok()?;
+    numbers.iter().all(|x| x.is_finite()).then_some(numbers)
+}
+
+fn corners(text: &str) -> Result<[[f64; 3]; 2], String> {
+    let corners = text.split_once(';').and_then(|(a, b)| Some([numbers(a)?, numbers(b)?]));
+    corners.ok_or_else(|| "not of the form x,y,z;x,y,z".into())
+}
+
+fn plane(text: &str) -> Result<[f64; 4], String> {
+    let plane = numbers(text).filter(|[a, b, c, _]| [*a, *b, *c] != [0.0; 3]);
+    plane.ok_or_else(|| "not of the form a,b,c,d, with a, b or c other than 0".into())
+}
+
 /// The scan and its outer boundary.
 #[derive(Debug, Args)]
 pub struct Piece {
@@ -53,6 +84,8 @@ pub struct Piece {
     pub scan: PathBuf,
     #[command(flatten)]
     pub scale: Scale,
+    #[command(flatten)]
+    pub crop: CropArgs,
     #[command(flatten)]
     pub cloud: CloudArgs,
     /// A place on the outer boundary loop: a vertex index, counted from 0, or a point in the
@@ -82,8 +115,11 @@ impl CloudArgs {
     }
 
     /// The options of the library that they stand for, with the unit that was named.
-    pub fn options(&self, scale: &Scale) -> Builder {
+    pub fn options(&self, scale: &Scale, crop: &CropArgs) -> Builder {
         let options = Options::builder()
+            .within(crop.within)
+            .above(crop.above)
+            .without_plane(crop.remove_plane)
             .spacing(self.spacing)
             .max_points(self.max_points)
             .scan_number(self.scan_number)

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{ArgMatches, Args, Command, ValueEnum, parser::ValueSource};
 
-use crate::cli::args::{CloudArgs, How, Manner, Scale};
+use crate::cli::args::{CloudArgs, CropArgs, How, Manner, Scale};
 use crate::cli::report::ReportFormat;
 
 /// Options of `batch`.
@@ -40,6 +40,8 @@ pub struct Batch {
     pub jobs: u16,
     #[command(flatten)]
     pub scale: Scale,
+    #[command(flatten)]
+    pub crop: CropArgs,
     #[command(flatten)]
     pub cloud: CloudArgs,
     #[command(flatten)]

@@ -53,6 +53,24 @@ impl Builder {
         self
     }
 
+    /// Leaves out what is outside of a box between two places in the scan's own numbers.
+    pub fn within(mut self, corners: impl Into<Option<[[f64; 3]; 2]>>) -> Self {
+        self.0.cloud.crop.within = corners.into();
+        self
+    }
+
+    /// Leaves out what is not above a plane `[a, b, c, d]`: a x + b y + c z > d in the scan's own numbers.
+    pub fn above(mut self, plane: impl Into<Option<[f64; 4]>>) -> Self {
+        self.0.cloud.crop.above = plane.into();
+        self
+    }
+
+    /// Leaves out the largest plane that has the rest of the scan on one side: the turntable.
+    pub fn without_plane(mut self, is_left_out: bool) -> Self {
+        self.0.cloud.crop.without_plane = is_left_out;
+        self
+    }
+
     /// Whether the face of a cloud that is far from the origin lies where the cloud is. Without:
     /// it lies near the origin, which CAD programs need to keep its digits.
     pub fn keeps_origin(mut self, keeps: bool) -> Self {

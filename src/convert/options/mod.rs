@@ -139,9 +139,9 @@ impl Options {
 
     /// The unit of the scan's numbers, if one is named that has a name.
     pub fn unit(&self) -> Option<LengthUnit> {
-        use LengthUnit::{Centimetre, Foot, Inch, Metre, Millimetre, UsSurveyFoot};
+        use LengthUnit::{Centimetre, Foot, Inch, Metre, Micrometre, Millimetre, UsSurveyFoot};
         let mm = self.unit_mm?;
-        let named = [Millimetre, Centimetre, Metre, Inch, Foot, UsSurveyFoot];
+        let named = [Millimetre, Micrometre, Centimetre, Metre, Inch, Foot, UsSurveyFoot];
         named.into_iter().find(|unit| unit.in_mm() == mm)
     }
 
