@@ -226,7 +226,6 @@ fn usage_errors_are_exit_2() {
     let scan = fixture("relief.ply");
     for args in [
         &["--nonsense"][..],
-        &[arg(&scan)],
         &[arg(&scan), "out.dxf"],
         &[arg(&scan), "out.step", "--tolerance", "-1"],
         &[arg(&scan), "out.step", "--tolerance", "nan"],

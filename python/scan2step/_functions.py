@@ -180,7 +180,7 @@ def check(
     if isinstance(cad, Conversion):
         cad = cad.step()
     if not isinstance(cad, bytes):
-        return _checked(os.fspath(cad), read, options, tolerance, outliers)
+        return _checked(os.fsdecode(cad), read, options, tolerance, outliers)
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "part.step")
         with open(path, "wb") as file:

@@ -41,6 +41,10 @@ fn told(py: Python, option: &str, error: PyErr) -> PyErr {
     if error.is_instance_of::<PyTypeError>(py) {
         return PyTypeError::new_err(format!("{option}: {value}"));
     }
+    // Not one of its subclasses, which name the option already.
+    if error.get_type(py).is(py.get_type::<PyValueError>()) {
+        return PyValueError::new_err(format!("{option}: {value}"));
+    }
     error
 }
 

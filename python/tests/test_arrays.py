@@ -129,3 +129,27 @@ def test_parameter_points_beyond_the_surface_are_refused(relief: str) -> None:
     for uv in ([[2.0, 0.5]], [[0.5]], [[float("nan"), 0.5]]):
         with pytest.raises(ValueError):
             face.points(uv)
+
+
+def test_masks_and_numbers_that_are_none_are_refused(relief: str) -> None:
+    points, faces = sheet()
+    hidden = np.ma.masked_array(points, mask=points > 5)
+    with pytest.raises(ValueError, match="masked"):
+        scan2step.convert(hidden, faces)
+    made = scan2step.convert(relief, tolerance=0.5)
+    with pytest.raises(ValueError, match="not finite"):
+        made.distance([[float("nan"), 0.0, 0.0]])
+
+
+def test_a_sheet_that_is_no_solid_is_refused() -> None:
+    points, faces = sheet()
+    with pytest.raises(scan2step.ScanError):
+        scan2step.convert(points, faces, shape="solid")
+
+
+def test_parts_are_left_out(relief: str) -> None:
+    whole = scan2step.read(relief)
+    made = scan2step.convert(whole, box=((-20, -100, -100), (30, 100, 100)), tolerance=0.5)
+    kept = ~np.isnan(made.deviations)
+    inside = (whole.vertices[:, 0] >= -20) & (whole.vertices[:, 0] <= 30)
+    assert kept[inside].mean() > 0.98 and not kept[~inside].any()

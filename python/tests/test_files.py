@@ -9,6 +9,7 @@ import subprocess
 import sys
 from pathlib import Path
 
+import numpy as np
 import pytest
 from conftest import FIXTURES
 
@@ -108,3 +109,46 @@ def test_a_task_of_an_engine_is_done_once(relief: str, tmp_path: Path) -> None:
     assert dask.convert_file(relief, out, tolerance=0.4) == other and out.exists()
     failed = dask.convert_file(tmp_path / "no.ply", tmp_path / "no.step")
     assert failed["status"] == "failed" and failed["help"]
+
+
+def test_what_is_no_ordinary_file_is_refused_and_links_stay(relief: str, tmp_path: Path) -> None:
+    made = scan2step.convert(relief, tolerance=0.5)
+    (tmp_path / "old.step").write_bytes(b"old")
+    (tmp_path / "folder.step").mkdir()
+    with pytest.raises(scan2step.FileError):
+        made.write(tmp_path / "old.step", tmp_path / "folder.step")
+    assert (tmp_path / "old.step").read_bytes() == b"old"
+    (tmp_path / "link.step").symlink_to(tmp_path / "old.step")
+    made.write(tmp_path / "link.step")
+    assert (tmp_path / "link.step").is_symlink()
+    assert (tmp_path / "old.step").read_bytes() == made.step()
+    with pytest.raises(ValueError):
+        made.step(colour=(256, 0, 0))
+
+
+def test_values_beyond_all_bounds_name_their_option(relief: str) -> None:
+    for option in ("face_count", "depth", "max_points", "scan_number", "max_memory", "threads", "max_net"):
+        with pytest.raises(scan2step.OptionError) as caught:
+            scan2step.convert(relief, **{option: -1})  # type: ignore[arg-type]
+        assert caught.value.option == option and option in str(caught.value)
+    with pytest.raises(ValueError, match="outer"):
+        scan2step.convert(relief, outer="near")  # type: ignore[arg-type]
+    with pytest.raises(scan2step.OptionError):
+        scan2step.convert(relief, keep_fills=True, fill_only_holes_below=5.0)
+    with pytest.raises(TypeError):
+        scan2step.convert(relief, [[0, 1, 2]])
+    for option, value in [("tolerance", float("nan")), ("tolerance", 0.0), ("outliers", -0.1)]:
+        with pytest.raises(scan2step.OptionError):
+            scan2step.check(b"", relief, **{option: value})  # type: ignore[arg-type]
+    with pytest.raises(scan2step.FileError, match="the bytes of the CAD file"):
+        scan2step.check(b"", relief)
+
+
+def test_rows_of_tasks_know_arrays_and_names(relief: str, tmp_path: Path) -> None:
+    out = tmp_path / "part.step"
+    first, second = np.zeros((4, 3)), np.ones((4, 3))
+    keys = [dask._key(relief, {"corners": corners}) for corners in (first, second, first.copy())]
+    assert keys[0] == keys[2] != keys[1]
+    row = dask.convert_file(relief, out, tolerance=0.5)
+    (tmp_path / "part.step.row.json").write_text("[]")
+    assert dask.convert_file(relief, out, tolerance=0.5) == row

@@ -61,15 +61,16 @@ pub(crate) fn nearest_on([a, b, c]: [Point; 3], p: Point) -> Point {
         return c;
     }
     let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
+    // A side whose ends are at one place is left to the others.
+    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 && d1 > d3 {
         return a + ab * (d1 / (d1 - d3));
     }
     let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
+    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 && d2 > d6 {
         return a + ac * (d2 / (d2 - d6));
     }
     let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 {
+    if va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0 && d4 - d3 > d6 - d5 {
         return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
     }
     // The sum is zero for a triangle without an area, whose corner `a` is then near enough.
@@ -80,6 +81,16 @@ pub(crate) fn nearest_on([a, b, c]: [Point; 3], p: Point) -> Point {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn corners_at_one_place_have_a_nearest_point() {
+        let [a, b] = [Point::origin(), Point::new(2.0, 0.0, 0.0)];
+        for t in [[a, a, b], [a, b, a], [b, a, a], [a, a, a]] {
+            let found = nearest_on(t, Point::new(1.0, 1.0, 0.0));
+            let on_side = if t == [a; 3] { a } else { Point::new(1.0, 0.0, 0.0) };
+            assert!((found - on_side).norm() < 1e-12, "{t:?}: {found}");
+        }
+    }
 
     #[test]
     fn the_nearest_point_beats_every_sample() {
