@@ -10,16 +10,16 @@ import time
 import uuid
 from typing import TYPE_CHECKING, Any, Dict, List, NamedTuple, Optional, Tuple
 
-import numpy as np
-import numpy.typing as npt
-
 from . import _scan2step
 from ._errors import FileError, OptionError
 
 if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
+
     from ._scan import Path
 
-Floats = npt.NDArray[np.float64]
+    Floats = npt.NDArray[np.float64]
 Colour = Optional[Tuple[int, int, int]]
 
 
@@ -70,14 +70,14 @@ class Face:
 
         :raises ValueError: a parameter point is outside of the knots' range.
         """
-        return self._made.points(np.ascontiguousarray(uv, np.float64))
+        return self._made.points(_floats(uv))
 
     def normals(self, uv: Any) -> Floats:
         """Unit normals of the face: (k, 2) parameter points in, (k, 3) out.
 
         :raises ValueError: a parameter point is outside of the knots' range.
         """
-        return self._made.normals(np.ascontiguousarray(uv, np.float64))
+        return self._made.normals(_floats(uv))
 
     def __repr__(self) -> str:
         m, n, _ = self.control_points.shape
@@ -175,7 +175,7 @@ class Conversion:
 
     def distance(self, points: Any) -> Floats:
         """The distances of points (k, 3) from the result: (k,), in mm."""
-        return self._made.distance(np.ascontiguousarray(points, np.float64))
+        return self._made.distance(_floats(points))
 
     def step(self, schema: str = "ap242", colour: Colour = None) -> bytes:
         """The STEP file: the same bytes as the program writes.
@@ -292,6 +292,13 @@ class Conversion:
 
     def __reduce__(self) -> Any:
         raise TypeError("a Conversion cannot be pickled: return step() and report")
+
+
+def _floats(numbers: Any) -> Floats:
+    # numpy is imported where arrays are used: it takes longer than everything else here.
+    import numpy as np
+
+    return np.ascontiguousarray(numbers, np.float64)
 
 
 def _checked(colour: Colour) -> Colour:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-from typing import Any, List, Optional, Sequence, Tuple, Union
-
-import numpy as np
-import numpy.typing as npt
+from typing import TYPE_CHECKING, Any, List, Optional, Sequence, Tuple, Union
 
 from . import _scan2step
+
+if TYPE_CHECKING:
+    import numpy as np
+    import numpy.typing as npt
 
 Path = Union[str, bytes, "os.PathLike[str]", "os.PathLike[bytes]"]
 
@@ -118,12 +119,16 @@ def _arrays(scan: Any, faces: Any) -> Tuple[Any, Any]:
 
 def _unmasked(values: Any) -> npt.NDArray[Any]:
     """An array. What a mask hides is no part of a scan, and no array can leave it out."""
+    import numpy as np
+
     if isinstance(values, np.ma.MaskedArray) and np.ma.is_masked(values):
         raise ValueError("the array is masked: take the rows that count first")
     return np.asarray(values)
 
 
 def _numbers(vertices: Any) -> npt.NDArray[np.float64]:
+    import numpy as np
+
     array = _unmasked(vertices)
     if array.dtype.kind not in "fiu" or array.ndim != 2:
         raise TypeError(
@@ -134,6 +139,8 @@ def _numbers(vertices: Any) -> npt.NDArray[np.float64]:
 
 
 def _indices(faces: Any, count: int) -> npt.NDArray[np.uint32]:
+    import numpy as np
+
     array = _unmasked(faces)
     if array.ndim != 2 or array.dtype.kind not in "iu":
         if array.size == 0:
