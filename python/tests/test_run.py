@@ -62,7 +62,7 @@ def test_ctrl_c_stops_within_a_second(ring: str) -> None:
         "try:\n"
         "    for _ in range(100): scan2step.convert(sys.argv[1], progress=told)\n"
         "except KeyboardInterrupt:\n"
-        "    print('stopped', flush=True)\n"
+        "    print('stopped', time.monotonic(), flush=True)\n"
         "    print(scan2step.convert(sys.argv[1]).kind)\n"
     )
     child = subprocess.Popen(
@@ -72,10 +72,10 @@ def test_ctrl_c_stops_within_a_second(ring: str) -> None:
     assert child.stdout.readline() == "begun\n"
     begin = time.monotonic()
     child.send_signal(signal.SIGINT)
-    while child.stdout.readline() != "stopped\n":
-        assert child.poll() is None
-    assert time.monotonic() - begin < 1.0
-    assert child.stdout.readline() == "solid\n"
+    said = [line.split() for line in child.stdout if line != "begun\n"]
+    assert [line[0] for line in said] == ["stopped", "solid"], said
+    # The child has the same clock, and this process may hear of it late on a busy machine.
+    assert float(said[0][1]) - begin < 1.0
     assert child.wait(60) == 0
 
 
