@@ -1,18 +1,17 @@
 //! `scan2step check`: how far a CAD file is from a scan.
 
-use std::path::Path;
-
 use formats::cad::read_cad;
 use scan2step::check;
 use scan2step::report::{CheckFigures, CheckedScan, DistanceFigures};
 use scan2step::words::{mm, plural};
 
-use super::args::{Check, ComponentChoice, Origin};
+use super::args::{Check, ComponentChoice, Origin, cad_file};
 use super::input::{self, Scan};
 use super::{Failure, Outcome, streams};
 
 /// Reads the CAD file and the scan, measures them against each other, and prints the result.
 pub fn run(args: &Check) -> Result<Outcome, Failure> {
+    let is_cad = |path: &std::path::Path| cad_file(&path.to_string_lossy()).is_ok();
     if is_cad(&args.piece.scan) && !is_cad(&args.cad) {
         let (cad, scan) = (args.piece.scan.display(), args.cad.display());
         let error = format!("{scan}: is the place of the CAD file");
@@ -52,12 +51,6 @@ pub fn run(args: &Check) -> Result<Outcome, Failure> {
         }
     }
     Ok(Outcome::Missed)
-}
-
-/// Whether a file is a CAD file by its name.
-fn is_cad(path: &Path) -> bool {
-    let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-    matches!(extension.as_deref(), Some("step" | "stp" | "igs" | "iges"))
 }
 
 fn beyond(args: &Check, what: &str, distances: &DistanceFigures) -> String {

@@ -4,6 +4,7 @@ import FreeCAD
 import numpy as np
 
 from . import convert
+from .stateless import Stateless
 
 #: Figures of a result, each with its type in FreeCAD and what it means.
 FIGURES = {
@@ -26,7 +27,7 @@ FIGURES = {
 HIDDEN = ("Deviations", "Report", "Step", "Fingerprint")
 
 
-class ScanResult:
+class ScanResult(Stateless):
     """A ``Part::FeaturePython`` that is converted from a scan.
 
     A recompute never converts, because that would freeze the window. It marks the object stale.
@@ -48,18 +49,6 @@ class ScanResult:
         is_stale = obj.Source is None or convert.fingerprint(obj.Source, values(obj)) != obj.Fingerprint
         if obj.Stale != is_stale:
             obj.Stale = is_stale
-
-    # FreeCAD 0.20 asks for these, later versions for dumps and loads.
-    def __getstate__(self):
-        return None
-
-    def __setstate__(self, state):
-        return None
-
-    dumps = __getstate__
-
-    def loads(self, state):
-        return None
 
 
 class ScanObserver:

@@ -2,10 +2,12 @@
 
 import os
 
+from .stateless import Stateless
+
 ICONS = os.path.join(os.path.dirname(__file__), "resources", "icons")
 
 
-class ScanResultView:
+class ScanResultView(Stateless):
     """The view of a :class:`feature.ScanResult`. A double click opens the panel."""
 
     def __init__(self, view):
@@ -27,14 +29,3 @@ class ScanResultView:
 
         panel.open_panel(view.Object.Source, view.Object)
         return True
-
-    def __getstate__(self):
-        return None
-
-    def __setstate__(self, state):
-        return None
-
-    dumps = __getstate__
-
-    def loads(self, state):
-        return None

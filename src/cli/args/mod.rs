@@ -14,7 +14,7 @@ use scan2step::mesh::Choice;
 
 pub use choices::{Fit, Iges, Map, Origin, OutlineChoice, ShapeChoice, StepSchema, Steps};
 pub use colour::Colour;
-pub use files::{CadFile, CadKind};
+pub use files::{CadFile, CadKind, cad_file};
 pub use how::{How, Manner};
 pub use pieces::{CloudArgs, ComponentChoice, CropArgs, Look, Piece, Scale};
 
@@ -23,7 +23,7 @@ use super::cad::part_name;
 use super::manual::{Completions, Man};
 use super::places::Places;
 use super::report::ReportFile;
-use files::{cad_file, report_file};
+use files::report_file;
 use numbers::{percentage, positive};
 use pieces::{component, one_component};
 
