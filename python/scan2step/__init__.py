@@ -10,7 +10,7 @@ faces, or a watertight solid. Lengths are millimetres, whatever the unit of the 
 >>> made.write("relief.step")  # doctest: +SKIP
 """
 
-from ._conversion import Arc, Conversion, Face
+from ._conversion import Arc, Conversion, Curve, Face, Loop
 from ._errors import (
     FileError,
     FillError,
@@ -29,10 +29,12 @@ from ._scan2step import __version__
 __all__ = [
     "Arc",
     "Conversion",
+    "Curve",
     "Face",
     "FileError",
     "FillError",
     "InternalError",
+    "Loop",
     "MemoryBoundError",
     "OptionError",
     "Scan",

@@ -23,15 +23,35 @@ if TYPE_CHECKING:
 Colour = Optional[Tuple[int, int, int]]
 
 
-class Arc(NamedTuple):
-    """A part of a loop: a cubic B-spline curve in the parameter plane of its face."""
+class Curve(NamedTuple):
+    """A B-spline curve in the parameter plane of a face, or in space."""
 
-    #: The knots: (k + 4,).
+    #: The degree.
+    degree: int
+    #: The knots: (k + degree + 1,).
     knots: Floats
-    #: The control points: (k, 2).
+    #: The control points: (k, 2) in the parameter plane, or (k, 3) in mm.
     control_points: Floats
-    #: Whether the loop runs along the curve. Otherwise it runs against it.
+
+
+class Arc(NamedTuple):
+    """An edge as a part of a loop."""
+
+    #: The edge in the parameter plane of the face.
+    pcurve: Curve
+    #: The edge in space. It has the parameters of ``pcurve``. Two faces that meet share it.
+    edge: Curve
+    #: Whether the loop runs along the curves. Otherwise it runs against them.
     forward: bool
+
+
+class Loop(NamedTuple):
+    """A closed loop that bounds a face."""
+
+    #: Whether the loop bounds a hole. Otherwise it is the outer loop.
+    hole: bool
+    #: The edges in the order of the loop.
+    arcs: List[Arc]
 
 
 class Face:
@@ -61,9 +81,12 @@ class Face:
         return self._made.degree
 
     @property
-    def loops(self) -> List[List[Arc]]:
+    def loops(self) -> List[Loop]:
         """The loops that bound the face: the outer one, then those of holes."""
-        return [[Arc(*arc) for arc in loop] for loop in self._made.loops]
+        return [
+            Loop(k > 0, [Arc(Curve(*pcurve), Curve(*edge), forward) for pcurve, edge, forward in loop])
+            for k, loop in enumerate(self._made.loops)
+        ]
 
     def points(self, uv: Any) -> Floats:
         """Points of the surface: (k, 2) parameter points in, (k, 3) in mm out.

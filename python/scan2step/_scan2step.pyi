@@ -9,6 +9,7 @@ import numpy.typing as npt
 __all__ = ["Conversion", "Face", "Scan", "__version__", "check", "convert", "inspect"]
 __version__: str
 _Floats = npt.NDArray[np.float64]
+_Curve = Tuple[int, _Floats, _Floats]
 
 @final
 class Scan:
@@ -44,7 +45,7 @@ class Face:
     @property
     def degree(self) -> Tuple[int, int]: ...
     @property
-    def loops(self) -> List[List[Tuple[_Floats, _Floats, bool]]]: ...
+    def loops(self) -> List[List[Tuple[_Curve, _Curve, bool]]]: ...
     def points(self, uv: _Floats) -> _Floats: ...
     def normals(self, uv: _Floats) -> _Floats: ...
 

@@ -3,8 +3,8 @@
 use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use scan2step::formats::brep::{self, BrepSurface};
-use scan2step::formats::spline::SplineSurface;
+use scan2step::formats::brep::{self, BrepCurve, BrepSurface};
+use scan2step::formats::spline::{SplineCurve, SplineSurface};
 
 use crate::arrays;
 use crate::conversion::Conversion;
@@ -76,14 +76,16 @@ impl Face {
         (self.surface().u().degree(), self.surface().v().degree())
     }
 
-    /// For each loop its arcs: the knots and the control points of the curve in the parameter plane, and whether
-    /// the loop runs along it.
+    /// For each loop its arcs: the curve in the parameter plane, the curve in space, and whether the loop runs
+    /// along them.
     #[getter]
     fn loops<'py>(&self, py: Python<'py>) -> PyResult<Vec<Vec<Arc<'py>>>> {
+        let brep = &self.conversion.get().brep;
         let arc = |used: &brep::EdgeUse| {
-            let poles: Vec<Vec<f64>> = used.pcurve.poles().iter().map(|p| p.to_vec()).collect();
-            let knots = PyArray1::from_slice(py, used.pcurve.knots().knots());
-            Ok((knots, PyArray2::from_vec2(py, &poles)?, used.forward))
+            let BrepCurve::Spline(edge) = &brep.edges[used.edge.0].curve else {
+                unreachable!("the pipeline makes splines only")
+            };
+            Ok((curve(py, &used.pcurve)?, curve(py, edge)?, used.forward))
         };
         let ring = |ring: &Vec<brep::EdgeUse>| ring.iter().map(arc).collect();
         self.face().loops.iter().map(ring).collect()
@@ -115,5 +117,14 @@ impl Face {
     }
 }
 
-/// Knots and control points of a curve in the parameter plane, and whether its loop runs along it.
-type Arc<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>, bool);
+/// Degree, knots and control points of a curve.
+type Curve<'py> = (usize, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray2<f64>>);
+
+/// An edge in the parameter plane and in space, and whether its loop runs along it.
+type Arc<'py> = (Curve<'py>, Curve<'py>, bool);
+
+fn curve<'py, const D: usize>(py: Python<'py>, spline: &SplineCurve<D>) -> PyResult<Curve<'py>> {
+    let poles: Vec<Vec<f64>> = spline.poles().iter().map(|pole| pole.to_vec()).collect();
+    let knots = PyArray1::from_slice(py, spline.knots().knots());
+    Ok((spline.knots().degree(), knots, PyArray2::from_vec2(py, &poles)?))
+}

@@ -70,13 +70,23 @@ def test_views_do_not_copy_and_stay_valid(relief: str) -> None:
         net[0, 0, 0] = 1.0
 
 
-def test_loops_close_in_the_parameter_plane(relief: str) -> None:
+def test_loops_close_in_the_parameter_plane_and_in_space(relief: str) -> None:
     face = scan2step.convert(relief, tolerance=0.5).faces[0]
-    assert len(face.loops) == 3
+    assert [loop.hole for loop in face.loops] == [False, True, True]
     for loop in face.loops:
-        ends = [arc.control_points[:: -1 if not arc.forward else 1][[0, -1]] for arc in loop]
-        for (_, end), (start, _) in zip(ends, ends[1:] + ends[:1]):
-            np.testing.assert_allclose(end, start, atol=1e-9)
+        for curves in ([arc.pcurve for arc in loop.arcs], [arc.edge for arc in loop.arcs]):
+            runs = zip(curves, (arc.forward for arc in loop.arcs))
+            ends = [c.control_points[:: 1 if forward else -1][[0, -1]] for c, forward in runs]
+            for (_, end), (start, _) in zip(ends, ends[1:] + ends[:1]):
+                np.testing.assert_allclose(end, start, atol=1e-9)
+
+
+def test_edges_lie_on_the_surface(relief: str) -> None:
+    face = scan2step.convert(relief, tolerance=0.5).faces[0]
+    for arc in (arc for loop in face.loops for arc in loop.arcs):
+        uv = arc.pcurve.control_points[[0, -1]]
+        np.testing.assert_allclose(face.points(uv), arc.edge.control_points[[0, -1]], atol=1e-9)
+        assert len(arc.edge.knots) == len(arc.edge.control_points) + arc.edge.degree + 1
 
 
 def test_nonsense_is_refused_in_words() -> None:
