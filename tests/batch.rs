@@ -359,7 +359,7 @@ fn completions_manual_and_help_name_every_command() {
     let page = printed(&["man"]);
     assert!(page.contains(".TH scan2step 1") && page.contains("batch"), "{page}");
     printed(&["man", arg(&path.join("new/man1"))]);
-    let commands = ["convert", "inspect", "check", "batch", "completions", "man"];
+    let commands = ["convert", "inspect", "check", "batch", "completions", "man", "licences"];
     let mut pages = commands.map(|command| format!("scan2step-{command}.1")).to_vec();
     pages.push("scan2step.1".into());
     pages.sort();
@@ -370,4 +370,10 @@ fn completions_manual_and_help_name_every_command() {
         let help = printed(&[command, "--help"]);
         assert!(help.contains(&format!("Examples:\n  scan2step {command} ")), "{help}");
     }
+    // The own licences come first, then those of packages.
+    let licences = printed(&["licences"]);
+    let places = ["the scan2step authors", "Apache License", "\nnalgebra "];
+    let places = places.map(|text| licences.find(text).expect(text));
+    assert!(places.is_sorted(), "{places:?}");
+    assert_eq!(printed(&["licenses"]), licences);
 }

@@ -1,5 +1,5 @@
-//! `scan2step completions` and `scan2step man`: shell completions and manual pages, which clap
-//! makes of the arguments.
+//! `scan2step completions`, `man` and `licences`: shell completions and manual pages, which clap
+//! makes of the arguments, and the licences.
 
 use std::path::PathBuf;
 
@@ -49,6 +49,17 @@ pub fn man(args: &Man) -> Result<Outcome, Failure> {
     });
     written.map_err(|e| output::failed(folder, e))?;
     Ok(Outcome::Done)
+}
+
+/// Prints the licences.
+pub fn licences() -> Result<Outcome, Failure> {
+    let own = "scan2step is licensed under either of these two licences, as you choose.\n\n";
+    let [mit, apache, linked] = [
+        include_str!("../../LICENSE-MIT"),
+        include_str!("../../LICENSE-APACHE"),
+        include_str!("../../LICENSE-DEPENDENCIES"),
+    ];
+    print([own, mit, "\n", apache, "\n", linked].concat().as_bytes())
 }
 
 fn print(text: &[u8]) -> Result<Outcome, Failure> {

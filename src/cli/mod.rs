@@ -81,6 +81,7 @@ pub fn run() -> ExitCode {
         }
         args::Command::Completions(args) => manual::completions(args),
         args::Command::Man(args) => manual::man(args),
+        args::Command::Licences => manual::licences(),
     };
     match done {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
@@ -124,7 +125,7 @@ impl args::Command {
             Self::Batch(args) => args.manner.color,
             Self::Inspect(args) => args.look.color,
             Self::Check(args) => args.look.color,
-            Self::Completions(_) | Self::Man(_) => args::Colour::Auto,
+            Self::Completions(_) | Self::Man(_) | Self::Licences => args::Colour::Auto,
         }
     }
 

@@ -27,7 +27,7 @@ use files::report_file;
 use numbers::{percentage, positive};
 use pieces::{component, one_component};
 
-/// Turns 3D scans with holes into trimmed B-spline faces in STEP and IGES.
+/// Turns 3D scans into B-spline faces, shells and solids in STEP and IGES.
 #[derive(Debug, Parser)]
 #[command(version, about, max_term_width = 100)]
 #[command(after_help = "Examples:\n  scan2step inspect fender.ply\n  \
@@ -68,6 +68,9 @@ pub enum Command {
     Completions(Completions),
     /// Print the manual page, or write the pages of all commands.
     Man(Man),
+    /// Print the licences of the program and of the packages that are linked into it.
+    #[command(visible_alias = "licenses", after_help = "Examples:\n  scan2step licences | less")]
+    Licences,
 }
 
 /// Options of `inspect`.
