@@ -4,10 +4,12 @@
 //! surfaces comes out, one for each block. On quads whose four vertices are regular the patches are
 //! the subdivision surface itself. Next to an irregular vertex, where it is no spline, they
 //! approximate it: first the sides of the patches (`tracks.rs`), then four control points at each
-//! corner (`corners.rs`). Patches share their sides exactly, as the outer rows of their nets are
-//! the control points of the sides (Loop, Schaefer, "Approximating Catmull-Clark subdivision
-//! surfaces with bicubic patches", 2008, has the same idea with coarser pieces).
+//! corner (`corners.rs`). Neighbours then agree on their tangent planes (`agreement.rs`). Patches
+//! share their sides exactly, as the outer rows of their nets are the control points of the sides
+//! (Loop, Schaefer, "Approximating Catmull-Clark subdivision surfaces with bicubic patches", 2008,
+//! has the same idea with coarser pieces).
 
+mod agreement;
 mod corners;
 mod pieces;
 mod tracks;
@@ -19,6 +21,7 @@ use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::QuadMesh;
 use crate::spline::subdivision::{SubdivisionSurface, limit_point};
 use crate::spline::{KnotVector, Network, Side, Surface, Track};
+use corners::CornerFit;
 use pieces::Pieces;
 
 /// The results of the extraction.
@@ -70,7 +73,9 @@ pub fn extract(mesh: &QuadMesh, surface: &SubdivisionSurface) -> Result<(Network
     };
     let tracks: Vec<Track> = places.par_iter().map(track).collect();
     let surfaces = (0..mesh.blocks()).into_par_iter().map(|b| source.patch(b, sides[b], &tracks));
-    let surfaces: Vec<Surface> = surfaces.collect();
+    let mut patches: Vec<Patch> = surfaces.collect();
+    agreement::agree(&source, &mut patches);
+    let surfaces: Vec<Surface> = patches.into_iter().map(|patch| patch.surface).collect();
     let irregular = mesh.valences().iter().filter(|&&n| n != 4).count();
     let report = Report { patches: surfaces.len(), irregular };
     Ok((Network { surfaces, sides, tracks, corners }, report))
@@ -84,6 +89,12 @@ fn knots(n: usize) -> KnotVector {
     breaks.extend((1..n).map(|i| i as f64));
     breaks.extend([end - 0.5, end - 0.25, end]);
     KnotVector::clamped(3, &breaks, 1)
+}
+
+/// A patch, and the fits at its corners in irregular vertices.
+struct Patch {
+    surface: Surface,
+    fits: [Option<CornerFit>; 4],
 }
 
 impl PatchSource<'_> {
@@ -124,7 +135,7 @@ impl PatchSource<'_> {
     }
 
     /// The patch of a block.
-    fn patch(&self, block: usize, sides: [Side; 4], tracks: &[Track]) -> Surface {
+    fn patch(&self, block: usize, sides: [Side; 4], tracks: &[Track]) -> Patch {
         let count = self.knots.functions();
         let pieces = Pieces::new(self, block);
         let mut net = vec![Vector::zeros(); count * count];
@@ -144,7 +155,7 @@ impl PatchSource<'_> {
             }
         }
         let mut surface = Surface::new(self.knots.clone(), self.knots.clone(), net);
-        (0..4).for_each(|k| self.fit_corner(block, k, &mut surface));
-        surface
+        let fits = [0, 1, 2, 3].map(|k| self.fit_corner(block, k, &mut surface));
+        Patch { surface, fits }
     }
 }
