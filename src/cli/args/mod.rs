@@ -15,7 +15,7 @@ use scan2step::mesh::Choice;
 
 pub use choices::{Fit, Iges, Map, Origin, OutlineChoice, ShapeChoice, StepSchema, Steps};
 pub use colour::Colour;
-pub use files::{CadFile, CadKind, cad_file};
+pub use files::{CadFile, CadKind, cad_file, report_file};
 pub use how::{How, Manner};
 pub use pieces::{CloudArgs, ComponentChoice, CropArgs, Look, Piece, Scale};
 
@@ -26,7 +26,7 @@ use super::notes;
 use super::places::Places;
 use super::report::ReportFile;
 use super::streams::{DASH, is_stdout};
-use files::{InputFile, input_file, report_file};
+use files::{InputFile, input_file};
 use headings::{ACCURACY, DETAILS, FILES, RUN, SCAN};
 use numbers::{percentage, positive};
 use pieces::{component, one_component};

@@ -8,6 +8,7 @@ use serde::Serialize;
 use walkdir::WalkDir;
 
 use crate::cli::Failure;
+use crate::cli::args::{cad_file, report_file};
 use crate::cli::cad::part_name;
 
 /// A scan of a batch.
@@ -125,9 +126,8 @@ fn is_summary(path: &Path, out: Option<&Path>) -> bool {
 
 /// Whether a file has the extension of an output: a CAD file, a report or a summary.
 fn is_output(path: &Path) -> bool {
-    const EXTENSIONS: [&str; 7] = ["step", "stp", "igs", "iges", "html", "png", "json"];
-    let extension = path.extension().unwrap_or_default();
-    EXTENSIONS.iter().any(|known| extension.eq_ignore_ascii_case(known))
+    let name = path.to_string_lossy();
+    cad_file(&name).is_ok() || report_file(&name).is_ok()
 }
 
 /// Whether a file has the extension of a mesh or of a cloud of points.
