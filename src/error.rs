@@ -7,7 +7,7 @@ use faer::sparse::linalg::{LltError, LuError};
 
 use crate::geometry::{Bound, Point};
 use crate::rules;
-use crate::words::bytes;
+use crate::words::{bytes, grouped, plural};
 
 /// A result of the pipeline.
 pub type Result<T> = std::result::Result<T, Error>;
@@ -37,7 +37,7 @@ pub enum Error {
     #[error("{0}")]
     Crop(&'static str),
     /// The asked-for component does not exist.
-    #[error("there is no component {asked}; the scan has {count}")]
+    #[error("there is no component {asked}; the scan has {}", plural(*count, "component"))]
     Component {
         /// The component asked for, counted from 0, largest first.
         asked: usize,
@@ -45,7 +45,7 @@ pub enum Error {
         count: usize,
     },
     /// The scan has no vertex with the number that an option names.
-    #[error("there is no vertex {asked}; the scan has {count}")]
+    #[error("there is no vertex {asked}; the scan has {}", plural(*count, "vertex"))]
     Vertex {
         /// The number, counted from 0.
         asked: usize,
@@ -54,8 +54,12 @@ pub enum Error {
     },
     /// The conversion may need more memory than the caller allows.
     #[error(
-        "may need {} for {vertices} vertices, {triangles} triangles and up to {control_points} control points; --max-memory allows {}",
-        bytes(*needed), bytes(*allowed)
+        "may need {} for {}, {} and up to {}; --max-memory allows {}",
+        bytes(*needed),
+        plural(*vertices, "vertex"),
+        plural(*triangles, "triangle"),
+        plural(*control_points, "control point"),
+        bytes(*allowed)
     )]
     MaxMemory {
         /// Bytes that it may need.
@@ -84,7 +88,7 @@ pub enum Error {
     #[error("corners: {0}")]
     Corners(String),
     /// The outer boundary has too few vertices to be the four sides of a patch.
-    #[error("the outer boundary has {0} vertices, too few for a face with four sides")]
+    #[error("the outer boundary has {}, too few for a face with four sides", plural(*.0, "vertex"))]
     TooSmall(usize),
     /// With the support that was named most points have too few neighbours, in it or,
     /// once these are drawn together, at all.
@@ -106,7 +110,7 @@ pub enum Error {
         at: Point,
     },
     /// The parameterization has inverted triangles that mending did not remove.
-    #[error("the parameterization folds: {count} triangles inverted, one near {}", mm(at))]
+    #[error("the map of the scan to the plane folds at {}, one near {}", plural(*count, "triangle"), mm(at))]
     Folded {
         /// How many triangles are inverted.
         count: usize,
@@ -140,7 +144,7 @@ pub enum Error {
     #[error("no layout of faces was found: {0}")]
     Layout(&'static str),
     /// The faces of a solid turn over, or go through each other.
-    #[error("the faces turn over or go through each other at {count} places, one near {}", mm(at))]
+    #[error("the faces fold back or go through each other at {}, one near {}", plural(*count, "place"), mm(at))]
     BodyFolds {
         /// The number of places.
         count: usize,
@@ -175,7 +179,7 @@ pub enum Error {
 #[non_exhaustive]
 pub enum CloudFault {
     /// There are too few points for a surface.
-    #[error("the cloud has {0} different points, too few for a surface")]
+    #[error("the cloud has {}, too few for a surface", plural(*.0, "different point"))]
     Few(usize),
     /// All points are at the same place.
     #[error("all points of the cloud are at the same place")]
@@ -192,7 +196,7 @@ pub enum CloudFault {
     #[error("the points of the cloud are on lines and not on a surface")]
     Line,
     /// Many points are not near any surface.
-    #[error("{outliers} of {points} points of the cloud are not near any surface")]
+    #[error("{} of {} of the cloud are not near any surface", grouped(*outliers), plural(*points, "point"))]
     Outliers {
         /// The number of points that are not near a surface.
         outliers: usize,
@@ -356,6 +360,7 @@ impl Error {
                 "name a smaller `spacing`, or scan the surface with more points".into()
             }
             Error::Crop(_) => "name a `within` or an `above` that suits the scan (inspect prints its size)".into(),
+            Error::Component { count: 1, .. } => "leave `component` out, as there is only one".into(),
             Error::Component { count, .. } => {
                 format!("choose a `component` from 0 to {}, or the largest", count.saturating_sub(1))
             }

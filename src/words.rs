@@ -1,10 +1,22 @@
-//! Numbers formatted for people.
+//! Numbers formatted for people, and what repairs are called.
+
+pub use formats::words::{grouped, plural};
 
 /// Formats a length in mm with four significant digits. Scans range from the size of a mountain to,
 /// with a wrong unit, the size of a grain.
 pub fn mm(length: f64) -> String {
-    let digits = if length > 0.0 { 3 - length.log10().floor() as i32 } else { 0 };
-    format!("{length:.*} mm", digits.clamp(0, 12) as usize)
+    significant(length) + " mm"
+}
+
+/// A number that is not negative with four significant digits.
+pub fn significant(number: f64) -> String {
+    let digits = if number > 0.0 { 3 - number.log10().floor() as i32 } else { 0 };
+    format!("{number:.*}", digits.clamp(0, 12) as usize)
+}
+
+/// The extents of a box: "100.3 × 80.24 × 17.41 mm".
+pub fn extents(size: [f64; 3]) -> String {
+    size.map(significant).join(" × ") + " mm"
 }
 
 /// A number of bytes in units of 1000, with one digit behind the point: "65.5 MB".
@@ -19,14 +31,37 @@ pub fn bytes(count: u64) -> String {
     format!("{:.1} {unit}", count as f64 / 1000f64.powi(power as i32))
 }
 
-/// A count of things by their name: "1 hole", "2 holes".
-pub fn plural(count: usize, name: &str) -> String {
-    format!("{count} {name}{}", if count == 1 { "" } else { "s" })
+/// The kinds of repairs, and what was done in plain words: the thing, and what happened to it.
+const REPAIRS: [(&str, &str, &str); 16] = [
+    ("degenerate_faces", "face", " without area left out"),
+    ("duplicate_faces", "face", " left out, because the file has it twice"),
+    ("dust_components", "tiny piece", " left out"),
+    ("faces_dropped_at_bow_ties", "face", " left out where the surface touches itself at a point"),
+    ("faces_dropped_at_non_manifold_edges", "face", " left out at edges of more than two faces"),
+    ("faces_with_non_finite_vertices", "face", " left out, with a corner that is not a number"),
+    ("flipped_faces", "face", " turned to face the same way as the others"),
+    ("non_finite_vertices", "vertex", " left out, with coordinates that are not numbers"),
+    ("opened_edges", "edge", " separated where more than two faces met"),
+    ("opened_vertices", "vertex", " added to separate sheets that met at a point"),
+    ("polygons_that_cross_themselves", "polygon", " that crosses itself divided into triangles"),
+    ("polygons_triangulated", "polygon", " divided into triangles"),
+    ("rim_triangles_trimmed", "triangle", " trimmed off ragged rims"),
+    ("spikes_dropped", "spike", " left out"),
+    ("unused_vertices", "vertex", " left out that no face uses"),
+    ("welded_vertices", "vertex", " joined with another one at the same place"),
+];
+
+/// What a repair did, in plain words: "3 triangles trimmed off ragged rims".
+pub fn repair(kind: &str, count: usize) -> String {
+    match REPAIRS.into_iter().find(|(known, ..)| *known == kind) {
+        Some((_, thing, done)) => plural(count, thing) + done,
+        None => format!("{} {}", grouped(count), kind.replace('_', " ")),
+    }
 }
 
 #[cfg(test)]
 mod tests {
-    use super::{bytes, mm, plural};
+    use super::{REPAIRS, bytes, extents, mm, repair};
 
     #[test]
     fn bytes_have_the_largest_unit_below_them() {
@@ -37,9 +72,26 @@ mod tests {
         assert_eq!(bytes(u64::MAX), "18.4 EB");
     }
 
+    /// A new kind of repair gets words of its own.
     #[test]
-    fn one_thing_is_no_plural() {
-        assert_eq!([0, 1, 2].map(|n| plural(n, "hole")), ["0 holes", "1 hole", "2 holes"]);
+    fn every_repair_has_words() {
+        let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/src/mesh");
+        let mut found = 0;
+        for file in std::fs::read_dir(folder).unwrap() {
+            let path = file.unwrap().path();
+            let code =
+                if path.is_file() { std::fs::read_to_string(path).unwrap() } else { continue };
+            for call in code.split("count(").skip(1) {
+                let mut texts = call.split(';').next().unwrap_or("").split('"');
+                let is_repair = texts.next().is_some_and(|first| first.contains("repairs"));
+                let Some(kind) = texts.next().filter(|_| is_repair) else { continue };
+                found += 1;
+                assert!(REPAIRS.iter().any(|(known, ..)| *known == kind), "{kind}");
+            }
+        }
+        assert!(found > 10, "{found}");
+        assert_eq!(repair("unused_vertices", 1), "1 vertex left out that no face uses");
+        assert_eq!(repair("of_another_crate", 2), "2 of another crate");
     }
 
     #[test]
@@ -49,5 +101,6 @@ mod tests {
         assert_eq!(mm(53468.6), "53469 mm");
         assert_eq!(mm(0.0), "0 mm");
         assert_eq!(mm(1.2345e-5), "0.00001234 mm");
+        assert_eq!(extents([100.0, 2.5, 0.0]), "100.0 × 2.500 × 0 mm");
     }
 }

@@ -101,7 +101,7 @@ fn a_failure_stops_no_other_scan() {
     assert_eq!(output["sha256"], report["outputs"][0]["sha256"]);
     let table = std::fs::read_to_string(cad.join("summary.csv")).expect("a summary");
     let mut rows = table.lines();
-    let head = "file,status,exit_code,seconds,shape,faces,net,rms_mm,max_mm,tolerance_mm,holes,error,outputs";
+    let head = "file,status,exit_code,seconds,shape,faces,net,rms_mm,max_mm,tolerance_mm,holes,error,outputs,help,hints";
     assert_eq!(rows.next(), Some(head));
     assert!(rows.next().is_some_and(|row| row.starts_with("scans/a.ply,ok,0,")), "{table}");
     assert!(rows.next().is_some_and(|row| row.starts_with("scans/b.ply,failed,1,")), "{table}");
@@ -365,10 +365,15 @@ fn completions_manual_and_help_name_every_command() {
     pages.sort();
     assert_eq!(files(&path.join("new/man1")), pages);
     let page = std::fs::read_to_string(path.join("new/man1/scan2step-batch.1")).expect("a page");
-    assert!(page.contains("shard") && page.contains("Exit codes"), "{page}");
+    assert!(page.contains("shard") && page.contains(".SH \"EXIT STATUS\""), "{page}");
     for command in commands {
         let help = printed(&[command, "--help"]);
         assert!(help.contains(&format!("Examples:\n  scan2step {command} ")), "{help}");
+        assert!(help.contains("\n\nExit codes:\n  0: "), "{help}");
+    }
+    for command in [&[][..], &["convert"], &["batch"]] {
+        let help = printed(&[command, &["--help"]].concat());
+        assert!(help.contains("\n  SOURCE_DATE_EPOCH: the time stamp"), "{help}");
     }
     // The own licences come first, then those of packages.
     let licences = printed(&["licences"]);
@@ -376,4 +381,143 @@ fn completions_manual_and_help_name_every_command() {
     let places = places.map(|text| licences.find(text).expect(text));
     assert!(places.is_sorted(), "{places:?}");
     assert_eq!(printed(&["licenses"]), licences);
+}
+
+/// A page names only pages that exist, and has the usual sections.
+#[test]
+fn manual_pages_name_one_another() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    assert!(program(&["man", "pages"], folder.path()).status.success());
+    let pages = folder.path().join("pages");
+    let names = files(&pages);
+    assert_eq!(names.len(), 7, "{names:?}");
+    for name in &names {
+        let page = std::fs::read_to_string(pages.join(name)).expect("a page").replace("\\-", "-");
+        for section in ["NAME", "SYNOPSIS", "EXAMPLES", "\"EXIT STATUS\"", "\"SEE ALSO\""] {
+            assert!(page.contains(&format!("\n.SH {section}\n")), "{section} in {page}");
+        }
+        assert!(!page.contains(".SH EXTRA"), "{page}");
+        for other in page.split("(1)").map(|before| before.split_whitespace().last()) {
+            let Some(other) = other.filter(|other| other.starts_with("scan2step")) else {
+                continue;
+            };
+            assert!(names.contains(&format!("{other}.1")), "{name} names {other}");
+        }
+    }
+}
+
+/// Every option has a heading, so that a reader finds it.
+#[test]
+fn options_are_in_groups() {
+    for command in ["convert", "inspect", "check", "batch"] {
+        let output = program(&[command, "--help"], Path::new("."));
+        let help = String::from_utf8(output.stdout).expect("text");
+        let (_, options) = help.split_once("\nOptions:\n").expect("options");
+        let (options, _) = options.split_once("\n\n").expect("a group");
+        let plain = options.lines().filter(|line| line.trim_start().starts_with('-')).count();
+        assert_eq!(plain, 1, "only --help: {options}");
+        for heading in ["\nThe scan:\n", "\nClouds of points:\n", "\nThe run:\n"] {
+            assert!(help.contains(heading), "{heading} in {help}");
+        }
+    }
+}
+
+/// Help fits on a terminal of 80 columns.
+#[test]
+fn help_fits_on_a_terminal() {
+    for command in ["convert", "inspect", "check", "batch", "completions", "man"] {
+        let mut run = Command::new(env!("CARGO_BIN_EXE_scan2step"));
+        let output = run.args([command, "--help"]).env("COLUMNS", "80").output().expect("it runs");
+        let help = String::from_utf8(output.stdout).expect("text");
+        let (_, notes) = help.split_once("Examples:\n").expect("examples");
+        for line in notes.lines() {
+            assert!(line.chars().count() < 80, "{command}: {line}");
+        }
+    }
+}
+
+/// Files that are no scans are named with the reason, and so are scans that were converted earlier.
+#[test]
+fn what_is_left_out_is_named() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path();
+    std::fs::create_dir(path.join("scans")).expect("a folder");
+    sheet(&path.join("scans/a.ply"), 1.0);
+    for name in ["notes.docx", "a.step", "a.report.html"] {
+        std::fs::write(path.join("scans").join(name), "").expect("a file");
+    }
+    let (code, said) = batch(path, &["scans", "--out", "cad"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(
+        said.contains("left out: scans/notes.docx has not the extension of a scan\n"),
+        "{said}"
+    );
+    assert_eq!(said.matches("left out: ").count(), 1, "{said}");
+    let summary = json(&path.join("cad/summary.json"));
+    assert_eq!(summary["left_out"].as_array().map(Vec::len), Some(1));
+    assert_eq!(summary["left_out"][0]["file"], "scans/notes.docx");
+    let (_, said) = batch(path, &["scans/*", "--out", "cad"]);
+    assert!(said.contains("scans/a.ply (converted earlier; --force converts it again)"), "{said}");
+    assert!(said.contains("left out: scans/notes.docx "), "{said}");
+    std::fs::remove_file(path.join("scans/a.ply")).expect("a file");
+    let (code, said) = batch(path, &["scans", "--out", "cad"]);
+    assert_eq!(code, Some(1));
+    assert!(said.contains("no scan found; scans/notes.docx has not the extension"), "{said}");
+}
+
+/// The options that leave out parts of scans reach the conversion.
+#[test]
+fn crops_hold_for_every_scan() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path();
+    std::fs::create_dir(path.join("scans")).expect("a folder");
+    sheet(&path.join("scans/a.ply"), 1.0);
+    let (code, said) = batch(path, &["scans", "--out", "cad", "--box", "900,900,900;901,901,901"]);
+    assert_eq!(code, Some(1), "{said}");
+    assert!(said.contains("help: name a --box"), "{said}");
+}
+
+/// Hints reach the terminal and the table.
+#[test]
+fn hints_are_shown() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = folder.path();
+    std::fs::create_dir(path.join("scans")).expect("a folder");
+    sheet(&path.join("scans/a.ply"), 1.0);
+    let (code, said) = batch(path, &["scans", "--out", "cad", "--units", "um"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(!said.contains("hint: "), "{said}");
+    std::fs::copy(common::fixture("relief.ply"), path.join("scans/a.ply")).expect("a copy");
+    let (code, said) = batch(path, &["scans", "--out", "cad", "--tolerance", "5"]);
+    assert_eq!(code, Some(0), "{said}");
+    assert!(said.contains("hint: the tolerance, 5.000 mm, is "), "{said}");
+    let table = std::fs::read_to_string(path.join("cad/summary.csv")).expect("a summary");
+    assert!(table.contains("the tolerance, 5.000 mm, is "), "{table}");
+}
+
+/// An error names the folder of the user, not a file of our own in it.
+#[test]
+fn a_folder_that_cannot_be_made_is_named() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    sheet(&folder.path().join("a.ply"), 1.0);
+    let (code, said) = batch(folder.path(), &["a.ply", "--out", "a.ply/cad"]);
+    assert_eq!(code, Some(1));
+    assert!(said.starts_with("error: a.ply/cad: cannot be written: "), "{said}");
+    assert!(!said.contains(".scan2step"), "{said}");
+}
+
+/// The table fits on a terminal of 80 columns, and small figures keep their digits.
+#[test]
+fn the_table_fits_on_a_terminal() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    sheet(&folder.path().join("a.ply"), 1.0);
+    let args = ["batch", "a.ply", "--out", "cad", "--units", "um"];
+    let output = program(&args, folder.path());
+    let table = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(table.lines().all(|line| line.chars().count() < 80), "{table}");
+    let rms = json(&folder.path().join("cad/summary.json"))["scans"][0]["rms_mm"].as_f64();
+    let rms = rms.expect("a number");
+    assert!(rms > 0.0 && rms < 1e-4, "{rms}");
+    assert!(table.contains(&scan2step::words::significant(rms)), "{rms} in {table}");
+    assert!(table.contains(" face "), "{table}");
 }

@@ -237,6 +237,27 @@ fn usage_errors_are_exit_2() {
     }
 }
 
+/// What new users write is answered with what to write.
+#[test]
+fn usual_slips_get_advice() {
+    let scan = fixture("relief.ply");
+    let said = |args: &[&str]| {
+        let mut run = std::process::Command::new(env!("CARGO_BIN_EXE_scan2step"));
+        let output = run.args(args).output().expect("the program runs");
+        assert_eq!(output.status.code(), Some(2), "{args:?}");
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let convert = ["convert", arg(&scan), "out.step", "--tolerance"];
+    let blank = said(&[&convert[..], &["0.2", "mm"]].concat());
+    assert!(blank.contains("belongs to its number without a blank, as 0.2mm"), "{blank}");
+    let comma = said(&[&convert[..], &["0,2"]].concat());
+    assert!(comma.contains("write a decimal point, as 0.2"), "{comma}");
+    let file = said(&[arg(&scan)]);
+    let help = format!("help: convert it with scan2step convert {}", arg(&scan));
+    assert!(file.contains("is a file, where a command belongs") && file.contains(&help), "{file}");
+    assert!(said(&["nonsense"]).contains("unrecognized subcommand 'nonsense'"));
+}
+
 #[test]
 fn the_scan_is_never_overwritten() {
     let folder = folder();
@@ -245,6 +266,8 @@ fn the_scan_is_never_overwritten() {
     std::fs::copy(&scan, &step).expect("a copy");
     let output = convert(&[arg(&step), arg(&step)]);
     assert_eq!(output.status.code(), Some(1));
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert!(said.contains("a.step: is the scan, which no output may replace"), "{said}");
     let [kept, original] = [&step, &scan].map(|p| std::fs::read(p).expect("a file"));
     assert!(kept == original);
 }
@@ -258,6 +281,7 @@ fn an_impossible_place_is_said_at_once() {
         let said = String::from_utf8_lossy(&output.stderr);
         assert_eq!(output.status.code(), Some(1));
         assert!(said.starts_with(&format!("error: {place}: cannot be written: ")), "{said}");
+        assert!(!said.contains(".part") && !said.contains(".scan2step"), "{said}");
     }
 }
 

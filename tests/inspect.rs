@@ -117,7 +117,12 @@ fn text_says_the_same() {
     for words in [
         "mm (assumed",
         "a disk with 2 holes",
-        "becomes     a face",
+        "becomes     a face, as it is one sheet (--shape to change)",
+        "tolerance   about 0.17",
+        "three times the noise of 0.0",
+        "outline     the four sides of the face",
+        "size        100.3 × 80.2",
+        "repaired    3 triangles trimmed off ragged rims",
         "outer loop",
         "hole  ",
         "noise",
@@ -404,8 +409,62 @@ fn pieces_are_listed_with_what_they_are() {
     assert_eq!((&found["component"], &pieces[1]["size_mm"][0]), (&json!(0), &json!(12.0)));
     let output = inspect(&[arg(&path), "--component", "1"]);
     let said = String::from_utf8_lossy(&output.stdout);
-    for words in ["number 1 of 2, where 0 is the largest", "--component 0", "12.0 × 12.0 × 0.0 mm"]
+    for words in ["number 1 of 2, where 0 is the largest", "--component 0", "12.00 × 12.00 × 0 mm"]
     {
         assert!(said.contains(words), "{words} in {said}");
+    }
+}
+
+/// The size suggests the unit of a scan that declares none.
+#[test]
+fn the_likely_unit_is_named() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scan = folder.path().join("a.obj");
+    let sized = |size: f64| {
+        let mut text = String::new();
+        for i in 0..36 {
+            let [x, y] = [i % 6, i / 6].map(|k| size * f64::from(k) / 5.0);
+            writeln!(text, "v {x} {y} 0").expect("text grows");
+        }
+        for i in (0..30).filter(|i| i % 6 < 5).map(|i| i + 1) {
+            writeln!(text, "f {} {} {} {}", i, i + 1, i + 7, i + 6).expect("text grows");
+        }
+        std::fs::write(&scan, text).expect("a file");
+        let said = inspect(&[arg(&scan)]);
+        (
+            inspected(&scan)["likely_units"].clone(),
+            String::from_utf8_lossy(&said.stdout).into_owned(),
+        )
+    };
+    let (units, said) = sized(0.2);
+    assert_eq!(units, json!(["m"]));
+    let hint = "0.2828 mm across if its numbers are mm; more likely they are m (282.8 mm); name";
+    let words = said.split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(words.contains(hint), "{said}");
+    assert_eq!(sized(200.0).0, json!([]));
+    assert_eq!(sized(200_000.0).0, json!(["um"]));
+    // A thing of two inches, of two centimetres, or of two metres.
+    assert_eq!(sized(2.0).0, json!(["in", "cm", "m"]));
+}
+
+#[test]
+fn one_thing_is_no_plural() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let scan = folder.path().join("a.obj");
+    std::fs::write(&scan, "v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n").expect("a file");
+    let said = String::from_utf8_lossy(&inspect(&[arg(&scan)]).stdout).into_owned();
+    assert!(said.contains("  file        3 vertices, 1 triangle\n"), "{said}");
+    assert!(!said.contains("1 triangles") && !said.contains("1 vertices"), "{said}");
+}
+
+/// The text fits on a terminal of 80 columns.
+#[test]
+fn text_fits_on_a_terminal() {
+    for name in ["relief.ply", "relief.xyz", "ring.obj", "rolled_sheet.obj"] {
+        let output = inspect(&[arg(&fixture(name))]);
+        // The first line is the path.
+        for line in String::from_utf8_lossy(&output.stdout).lines().skip(1) {
+            assert!(line.chars().count() < 80, "{line}");
+        }
     }
 }

@@ -161,7 +161,7 @@ fn messages_may_be_lost_and_results_may_not() {
     for args in printing {
         let (code, said) = run(args, full().into(), Stdio::piped());
         assert_eq!(code, Some(1), "{args:?}: {said}");
-        assert!(said.starts_with("error: standard output: cannot be written: "), "{said}");
+        assert!(said.starts_with("error: stdout: cannot be written: "), "{said}");
         let (code, said) = run(args, gone().into(), Stdio::piped());
         assert_eq!((code, said.as_str()), (Some(0), ""), "{args:?}");
     }

@@ -176,8 +176,14 @@ fn what_is_looked_at_is_in_mm() {
         let measured = scan2step::measured(&pieces(), &[mesh::Choice::Largest], Outer::Auto);
         let mesh = measured.expect("a piece").mesh;
         let piece = pieces().take(mesh::Choice::Largest).expect("a piece");
-        let all: [&dyn Debug; 5] =
-            [&found.loops, &found.bounds, &found.noise, &mesh.points, &piece.mesh().points];
+        let all: [&dyn Debug; 6] = [
+            &found.loops,
+            &found.bounds,
+            &found.noise,
+            &found.tolerance,
+            &mesh.points,
+            &piece.mesh().points,
+        ];
         all.iter().flat_map(|of| numbers(*of)).collect::<Vec<_>>()
     };
     let a = looked(&sheet(1.0), 1.0);

@@ -30,6 +30,7 @@ mod stl;
 mod time_stamp;
 mod token;
 mod unzip;
+pub mod words;
 
 pub use brep::Brep;
 pub use error::{Error, Location, Result};

@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use crate::words::plural;
 use crate::{Error, Result, Soup};
 
 /// Checks that `points` more points and `corners` more corners fit into `soup`.
@@ -28,6 +29,6 @@ pub(crate) fn check_density(path: &Path, points: u64, bytes: usize) -> Result<()
     if points <= FREE_POINTS.max((bytes as u64).saturating_mul(MOST_IN_A_BYTE)) {
         return Ok(());
     }
-    let what = format!("announces {points} points in {bytes} bytes");
+    let what = format!("announces {} in {}", plural(points, "point"), plural(bytes, "byte"));
     Err(Error::new(path, what, "If this is right, save it again without compression."))
 }

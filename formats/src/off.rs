@@ -4,6 +4,7 @@
 use crate::limits::check_room;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
+use crate::words::plural;
 use crate::{Location, Result, Soup};
 
 /// Whether `head` begins an OFF file: with its keyword, which may have prefixes
@@ -106,7 +107,10 @@ impl TextLines {
             let corner = words.next().and_then(integer).ok_or_else(|| self.unreadable("face"))?;
             let index = u32::try_from(corner).ok().filter(|_| corner < vertices);
             corners.push(index.ok_or_else(|| {
-                let what = format!("has a face with vertex {corner}, but only {vertices} vertices");
+                let what = format!(
+                    "has a face with vertex {corner}, but only {}",
+                    plural(vertices, "vertex")
+                );
                 self.source.error(what, EXPORT_AGAIN)
             })?);
         }

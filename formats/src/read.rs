@@ -71,8 +71,8 @@ pub fn read_scan(path: &Path) -> Result<Soup> {
 /// [`Cursor`](std::io::Cursor) that owns the bytes to read from memory.
 ///
 /// Errors call the file `name`. Its extension decides on the format if the content is ambiguous.
-/// This is always the case for a binary STL, because only the length of a file identifies it, and a
-/// stream has no known length. No file with this name is opened.
+/// A binary STL has no mark, and its length is not known in a stream. Without an extension it is
+/// recognized by its first triangles. No file with this name is opened.
 ///
 /// `folder` is the folder in which a glTF file may have its buffers. With `None` it may not refer
 /// to any file. This is the right choice for content from an untrusted source.
@@ -145,7 +145,9 @@ fn recognise(source: &Source) -> Result<Format> {
         return Ok(Format::Obj);
     }
     let unknown = || Error::new(&source.path, "is not in a known mesh format", READABLE);
-    Format::by_extension(&source.path).ok_or_else(unknown)
+    let by_name = Format::by_extension(&source.path);
+    let by_records = || stl::begins_as_binary(head).then_some(Format::Stl);
+    by_name.or_else(by_records).ok_or_else(unknown)
 }
 
 pub(crate) fn by_content(source: &Source) -> Option<Format> {

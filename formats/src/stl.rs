@@ -10,6 +10,7 @@ use crate::damage::{SEND_AS_BINARY, TextTrace};
 use crate::limits::check_room;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
+use crate::words::{grouped, plural};
 use crate::{Error, Location, Result, Soup};
 
 /// The size in bytes of the free text at the beginning of a binary file. The number of triangles
@@ -39,6 +40,28 @@ pub(crate) fn is_binary(head: &[u8], len: Option<u64>) -> bool {
     };
     let count = count.iter().rev().fold(0, |n, &byte| n << 8 | u64::from(byte));
     count > 0 && len == Some(PREFIX as u64 + count * RECORD as u64)
+}
+
+/// The largest coordinate of a binary file without a length that is believed to be one. It is a
+/// thousand times the size of the earth in millimetres. Numbers made of random bytes are as often
+/// above it as not.
+const LARGEST_COORDINATE: f32 = 1.3e13;
+
+/// Whether `head` begins with a number of triangles and with triangles whose numbers may be
+/// coordinates. Small integers, which other binary formats have in such places, are denormal numbers.
+/// Use it if the length is unknown and no other format is recognized.
+pub(crate) fn begins_as_binary(head: &[u8]) -> bool {
+    let Some((prefix, records)) = head.split_at_checked(PREFIX) else {
+        return false;
+    };
+    let is_coordinate = |x: f32| x == 0.0 || x.is_normal() && x.abs() <= LARGEST_COORDINATE;
+    let is_sound = |record: &[u8; RECORD]| {
+        let numbers = record.as_chunks::<4>().0.iter().map(|bytes| f32::from_le_bytes(*bytes));
+        { numbers }.all(is_coordinate)
+    };
+    let records = records.as_chunks::<RECORD>().0;
+    let has_records = prefix[HEADER..] != [0; 4] && !records.is_empty();
+    has_records && !is_text(head) && records.iter().all(is_sound)
 }
 
 /// Whether `head` is any text. A binary file has zero bytes in its number of triangles. Text need
@@ -93,8 +116,8 @@ fn check_surplus(source: &mut Source, count: u32, mut trace: TextTrace) -> Resul
     let tail = Tail::read(source, &mut trace)?;
     let damage = (tail.length > 0).then(|| trace.of_surplus(tail.length, letters)).flatten();
     if let Some(damage) = damage {
-        let what =
-            format!("is {} bytes longer than its {count} triangles, because {damage}", tail.length);
+        let [more, triangles] = [plural(tail.length, "byte"), plural(count, "triangle")];
+        let what = format!("is {more} longer than its {triangles}, because {damage}");
         return Err(Error::new(&source.path, what, SEND_AS_BINARY));
     }
     if tail.is_zero || tail.is_text || tail.length < RECORD as u64 {
@@ -136,17 +159,22 @@ fn surplus(source: &Source, count: u32, length: u64) -> Error {
     let (more, rest) = (length / RECORD as u64, length % RECORD as u64);
     let what = match rest {
         0 => format!(
-            "declares {count} triangles, but its length is that of {}",
-            u64::from(count) + more
+            "declares {}, but its length is that of {}",
+            plural(count, "triangle"),
+            grouped(u64::from(count) + more)
         ),
-        _ => format!("has {length} bytes after the {count} triangles that it declares"),
+        _ => format!(
+            "has {} after the {} that it declares",
+            plural(length, "byte"),
+            plural(count, "triangle")
+        ),
     };
     let help = "Its triangle count is wrong, or it is several files in one: export it again.";
     Error::new(&source.path, what, help).at(Location::Byte(HEADER as u64))
 }
 
 fn cut(source: &Source, triangle: u32, count: u32) -> Error {
-    let what = format!("ends after {triangle} of its {count} triangles");
+    let what = format!("ends after {} of its {}", grouped(triangle), plural(count, "triangle"));
     Error::new(&source.path, what, EXPORT_AGAIN).at(Location::Face(u64::from(triangle)))
 }
 

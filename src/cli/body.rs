@@ -1,7 +1,7 @@
 //! `convert` for bodies: the components that become solids or shells.
 
 use scan2step::report::BodyReport;
-use scan2step::words::{mm, plural};
+use scan2step::words::{grouped, mm, plural, significant};
 use scan2step::{BodyConversion, Options};
 
 use super::args::Convert;
@@ -20,8 +20,8 @@ pub fn write(
     fallback: Option<&str>,
 ) -> Result<Outcome, Failure> {
     let args = run.args;
-    let all = scan2step::joined_bodies(cad::part_name(&args.piece.scan), bodies)
-        .map_err(|e| input::stopped(&args.piece.scan, &e))?;
+    let all = scan2step::joined_bodies(cad::part_name(&args.piece.scan.name), bodies)
+        .map_err(|e| input::stopped(&args.piece.scan.name, &e))?;
     let written = cad::write_brep(args, &all, scan.colour)?;
     run.progress.ended("write", "");
     let mut figures = BodyReport::of(bodies, &scan.source, settings::settings(args, named, scan));
@@ -47,13 +47,14 @@ pub fn write(
 
 /// The result in one line.
 fn result(progress: &ProgressDisplay, args: &Convert, body: &BodyConversion) {
-    let out: Vec<_> = args.out.iter().map(|f| f.path.display().to_string()).collect();
+    let out: Vec<_> = args.out.iter().map(|f| streams::shown(&f.path)).collect();
     let gaps = match (body.fill.holes.len(), body.volume) {
         (0, _) => String::new(),
         (count, Some(_)) => format!(", {} filled", plural(count, "gap")),
         (count, None) => format!(", {} open", plural(count, "boundary loop")),
     };
-    let volume = body.volume.map_or(String::new(), |volume| format!(" {volume:.6} mm³,"));
+    let volume =
+        body.volume.map_or(String::new(), |volume| format!(" {} mm³,", significant(volume)));
     progress.result(&format!(
         "a {} of {},{volume} rms {}, max {}{gaps} → {}",
         body.shape.word(),
@@ -65,8 +66,9 @@ fn result(progress: &ProgressDisplay, args: &Convert, body: &BodyConversion) {
     if !body.tolerance_named && !body.tolerance_met(0.0) {
         let beyond = body.fit_deviation.beyond(body.tolerance);
         progress.say(&format!(
-            "tolerance: {beyond} of {} points are farther than {} from the {}",
-            body.fit_deviation.distances.len(),
+            "tolerance: {} of {} are farther than {} from the {}",
+            grouped(beyond),
+            plural(body.fit_deviation.distances.len(), "point"),
             mm(body.tolerance),
             body.shape.word()
         ));
@@ -81,15 +83,15 @@ fn verdict(args: &Convert, body: &BodyConversion) -> Outcome {
     let place = |[x, y, z]: [f64; 3]| format!("({x:.3}, {y:.3}, {z:.3})");
     let (points, back) = (&body.fit_deviation, &body.face_to_scan);
     streams::say(format_args!(
-        "tolerance not met: {} of {} points are farther than {} from the {}; the worst, {}, at {}; and {} of {} places of the {} are farther from the scan's triangles; the worst, {}, at {}",
-        points.beyond(body.tolerance),
-        points.distances.len(),
+        "tolerance not met: {} of {} are farther than {} from the {}; the worst, {}, at {}; and {} of {} of the {} are farther from the scan's triangles; the worst, {}, at {}",
+        grouped(points.beyond(body.tolerance)),
+        plural(points.distances.len(), "point"),
         mm(body.tolerance),
         body.shape.word(),
         mm(points.max),
         place(points.max_at),
-        back.beyond,
-        back.deviation.distances.len(),
+        grouped(back.beyond),
+        plural(back.deviation.distances.len(), "place"),
         body.shape.word(),
         mm(back.deviation.max),
         place(back.deviation.max_at),

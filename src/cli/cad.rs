@@ -7,9 +7,9 @@ use std::time::{Duration, SystemTime};
 use formats::{Brep, iges, step};
 use scan2step::Conversion;
 
-use super::Failure;
 use super::args::{CadFile, CadKind, Convert, Iges, StepSchema};
 use super::output::{self, Pending};
+use super::{Failure, streams};
 
 /// Writes the faces of all conversions into every file that was asked for.
 pub fn write(
@@ -17,7 +17,7 @@ pub fn write(
     conversions: &[Conversion],
     colour: Option<[u8; 3]>,
 ) -> Result<Vec<Pending>, Failure> {
-    write_brep(args, &scan2step::joined(part_name(&args.piece.scan), conversions), colour)
+    write_brep(args, &scan2step::joined(part_name(&args.piece.scan.name), conversions), colour)
 }
 
 /// Writes a model into every file that was asked for.
@@ -89,7 +89,11 @@ fn step_options(args: &Convert, stamp: &str) -> step::Options {
 }
 
 fn iges_options(args: &Convert, stamp: &str, path: &Path) -> iges::Options {
-    let file_name = path.file_name().map(|n| n.to_string_lossy().into_owned());
+    let file_name = if streams::is_stdout(path) {
+        Some(format!("{}.igs", part_name(&args.piece.scan.name)))
+    } else {
+        path.file_name().map(|n| n.to_string_lossy().into_owned())
+    };
     iges::Options {
         form: form(args.how.iges),
         time_stamp: stamp.to_owned(),

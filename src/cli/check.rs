@@ -1,24 +1,28 @@
 //! `scan2step check`: how far a CAD file is from a scan.
 
-use formats::cad::read_cad;
+use std::io::stdin;
+
+use formats::cad::{read_cad, read_cad_stream};
 use scan2step::check;
 use scan2step::report::{CheckFigures, CheckedScan, DistanceFigures};
-use scan2step::words::{mm, plural};
+use scan2step::words::{grouped, mm, plural, significant};
 
 use super::args::{Check, ComponentChoice, Origin, cad_file};
 use super::input::{self, Scan};
+use super::paragraphs::wrapped;
 use super::{Failure, Outcome, streams};
 
 /// Reads the CAD file and the scan, measures them against each other, and prints the result.
 pub fn run(args: &Check) -> Result<Outcome, Failure> {
     let is_cad = |path: &std::path::Path| cad_file(&path.to_string_lossy()).is_ok();
-    if is_cad(&args.piece.scan) && !is_cad(&args.cad) {
-        let (cad, scan) = (args.piece.scan.display(), args.cad.display());
+    let (cad, scan) = (&args.cad.name, &args.piece.scan.name);
+    if is_cad(scan) && !is_cad(cad) && !args.cad.is_stdin {
+        let (cad, scan) = (scan.display(), cad.display());
         let error = format!("{scan}: is the place of the CAD file");
         let help = format!("name the CAD file first: scan2step check {cad} {scan}");
         return Err(Failure { error, help });
     }
-    let model = read_cad(&args.cad)?;
+    let model = if args.cad.is_stdin { read_cad_stream(cad, stdin())? } else { read_cad(cad)? };
     let scan = Scan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;
     let options = Scan::options(&args.piece)?;
@@ -34,8 +38,8 @@ pub fn run(args: &Check) -> Result<Outcome, Failure> {
         _ => measured,
     };
     let found = check::check(&model, &measured.mesh, measured.points.as_deref());
-    let found = found.map_err(|e| input::stopped(&args.cad, &e))?;
-    let cad = (args.cad.display().to_string(), &model);
+    let found = found.map_err(|e| input::stopped(&args.cad.name, &e))?;
+    let cad = (args.cad.name.display().to_string(), &model);
     let figures = CheckFigures::of(&found, cad, piece, args.tolerance, args.outliers);
     let text = if args.look.json { figures.to_json() } else { as_text(args, &figures) };
     streams::print(text.as_bytes())?;
@@ -57,25 +61,28 @@ fn beyond(args: &Check, what: &str, distances: &DistanceFigures) -> String {
     let [x, y, z] = distances.deviation.max_at;
     format!(
         "{} of {} {what} are farther than {}; the worst, {}, at ({x:.3}, {y:.3}, {z:.3})",
-        distances.beyond.unwrap_or(0),
-        distances.points,
+        grouped(distances.beyond.unwrap_or(0)),
+        grouped(distances.points),
         mm(args.tolerance.unwrap_or(f64::INFINITY)),
         mm(distances.deviation.max_mm),
     )
 }
 
+/// The column at which texts begin.
+const INDENT: usize = 16;
+
 fn as_text(args: &Check, figures: &CheckFigures) -> String {
     let CheckFigures { cad, scan, .. } = figures;
     let assumed = if scan.units_assumed { " (assumed; --units to change)" } else { "" };
-    let direction = |distances: &DistanceFigures| {
+    let direction = |distances: &DistanceFigures, name: &str| {
         let d = &distances.deviation;
         let [x, y, z] = d.max_at;
         format!(
-            "rms {}, p95 {}, max {} at ({x:.3}, {y:.3}, {z:.3}), {} points",
+            "rms {}, p95 {}, max {} at ({x:.3}, {y:.3}, {z:.3}), {}",
             mm(d.rms_mm),
             mm(d.p95_mm),
             mm(d.max_mm),
-            distances.points
+            plural(distances.points, name)
         )
     };
     let name = if cad.name.is_empty() { String::new() } else { format!("{}: ", cad.name) };
@@ -98,13 +105,13 @@ fn as_text(args: &Check, figures: &CheckFigures) -> String {
     }
     lines.extend([
         format!(
-            "  CAD           {name}{}, {}, {:.4} mm²",
+            "  CAD           {name}{}, {}, {} mm²",
             plural(cad.faces, "face"),
             plural(cad.loops, "loop"),
-            cad.area_mm2
+            significant(cad.area_mm2)
         ),
-        format!("  scan to face  {}", direction(&figures.scan_to_face)),
-        format!("  face to scan  {}", direction(&figures.face_to_scan)),
+        format!("  scan to face  {}", direction(&figures.scan_to_face, "point")),
+        format!("  face to scan  {}", direction(&figures.face_to_scan, "sample")),
     ]);
-    lines.join("\n") + "\n"
+    lines.iter().map(|line| wrapped(line, INDENT) + "\n").collect()
 }

@@ -12,7 +12,7 @@ use super::output::{self, Pending};
 use super::progress::{self, ProgressDisplay, StageTime};
 use super::report;
 use super::stages::Stages;
-use super::{Failure, Outcome, body, cad, messages, settings};
+use super::{Failure, Outcome, body, cad, messages, settings, streams};
 
 /// Reads a scan, converts it and writes all files.
 pub fn run(args: &Convert) -> Result<Outcome, Failure> {
@@ -47,7 +47,7 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
         run.see(number, &stage)
     });
     let ScanConversion { made, fallback, .. } =
-        made.map_err(|e| input::stopped(&args.piece.scan, &e))?;
+        made.map_err(|e| input::stopped(&args.piece.scan.name, &e))?;
     let conversions = match made {
         Converted::Faces(faces) => faces,
         Converted::Bodies(bodies) => {
@@ -110,7 +110,7 @@ pub fn stage(time: &StageTime) -> StageFigures {
 
 /// A CAD file for the report.
 pub fn output(path: &Path, file: &Pending) -> OutputFile {
-    OutputFile { file: path.display().to_string(), bytes: file.bytes, sha256: file.sha256.clone() }
+    OutputFile { file: streams::shown(path), bytes: file.bytes, sha256: file.sha256.clone() }
 }
 
 /// Refuses a run that may need more memory than the user allows.
@@ -226,17 +226,24 @@ pub fn chosen(
 /// Refuses two outputs of the same name, an output that would replace the scan, and a folder
 /// that cannot be written to, before the long work begins.
 fn check_outputs(args: &Convert) -> Result<(), Failure> {
-    let real = |path: &Path| std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-    let scan = real(&args.piece.scan);
+    let real = |path: &Path| match std::fs::canonicalize(path) {
+        Ok(real) if !streams::is_stdout(path) => real,
+        _ => path.to_owned(),
+    };
+    let scan = (!args.piece.scan.is_stdin).then(|| real(&args.piece.scan.name));
     let mut seen = Vec::new();
     let reports = args.report.iter().map(|f| &f.path);
     for path in args.out.iter().map(|f| &f.path).chain(reports) {
         let place = real(path);
-        if place == scan || seen.contains(&place) {
-            let error = format!("{}: is named twice", path.display());
+        if Some(&place) == scan.as_ref() {
+            let error = format!("{}: is the scan, which no output may replace", path.display());
+            return Err(Failure { error, help: "name a scan first, then other outputs".into() });
+        }
+        if seen.contains(&place) {
+            let error = format!("{}: is named twice", streams::shown(path));
             return Err(Failure { error, help: "give every output a name of its own".into() });
         }
-        if args.no_clobber && path.exists() {
+        if args.no_clobber && !streams::is_stdout(path) && path.exists() {
             let error = format!("{}: exists already", path.display());
             return Err(Failure {
                 error,

@@ -1,5 +1,6 @@
 //! The scan of a command: its file, its unit and its mesh.
 
+use std::io::stdin;
 use std::path::{Path, PathBuf};
 
 use formats::{Content, Soup};
@@ -24,22 +25,28 @@ pub struct Scan {
 
 impl Scan {
     pub fn read(piece: &Piece) -> Result<Scan, Failure> {
-        let content = piece.cloud.reading().read_content(&piece.scan)?;
+        let reading = piece.cloud.reading();
+        let name = &piece.scan.name;
+        let content = if piece.scan.is_stdin {
+            reading.read_content_from(name, stdin())?
+        } else {
+            reading.read_content(name)?
+        };
         let named = Scan::options(piece)?;
-        let file = piece.scan.display().to_string();
+        let file = name.display().to_string();
         let (source, colour, notes) = match &content {
             Content::Mesh(soup) => (ScanSource::of(file, soup, &named), soup.colour, Vec::new()),
             Content::Points(cloud) => {
                 (ScanSource::of_cloud(file, cloud, &named), None, cloud.remarks())
             }
         };
-        Ok(Scan { path: piece.scan.clone(), source, colour, notes, content })
+        Ok(Scan { path: name.clone(), source, colour, notes, content })
     }
 
     /// The options that decide how its mesh is made.
     pub fn options(piece: &Piece) -> Result<Options, Failure> {
         let options = piece.cloud.options(&piece.scale, &piece.crop).build();
-        options.map_err(|e| stopped(&piece.scan, &e))
+        options.map_err(|e| stopped(&piece.scan.name, &e))
     }
 
     /// The name of its file without the folder.

@@ -1,11 +1,12 @@
 //! `scan2step inspect`: what a scan is.
 
 use scan2step::report::{CloudFigures, InspectionFigures, ScanFigures, likely_unit};
-use scan2step::words::{mm, plural};
+use scan2step::words::{extents, grouped, mm, plural, repair};
 use scan2step::{Inspection, PieceReport, TargetShape};
 
 use super::args::Inspect;
 use super::input::{self, Scan};
+use super::paragraphs::wrapped;
 use super::spelling::spelled;
 use super::{Failure, Outcome, messages, streams};
 
@@ -26,10 +27,11 @@ pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
     Ok(Outcome::Done)
 }
 
+/// The column at which texts begin.
+const INDENT: usize = 14;
+
 fn as_text(scan: &Scan, found: &Inspection) -> String {
     let input = &found.input;
-    let [low, high] = found.bounds;
-    let [x, y, z] = [0, 1, 2].map(|k| high[k] - low[k]);
     let source = &scan.source;
     let assumed = if source.unit_assumed { " (assumed; --units to change)" } else { "" };
     let mut lines = vec![
@@ -41,26 +43,27 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
     lines.extend(likely_unit(source, found.bounds).map(|hint| format!("  hint        {hint}")));
     let which = match input.components {
         1 => "the only one".to_owned(),
-        count => format!("number {} of {count}, where 0 is the largest", found.number),
+        count => {
+            format!("number {} of {}, where 0 is the largest", found.number, grouped(count))
+        }
     };
     lines.extend([
-        format!(
-            "  component   {which}: {} vertices, {} triangles, {x:.4} × {y:.4} × {z:.4} mm",
-            input.vertices, input.triangles
-        ),
+        format!("  component   {which}: {}", messages::mesh([input.vertices, input.triangles])),
+        format!("  size        {}", size(found.bounds)),
         format!("  surface     {}", kind(found)),
         format!("  becomes     {}", target(found)),
     ]);
+    lines.extend(choices(found));
     lines.extend(loops(found));
     if input.islands > 0 {
-        let (count, triangles) = (input.islands, input.island_triangles);
-        lines.push(format!("  islands     {count} in its holes, {triangles} triangles"));
+        let triangles = plural(input.island_triangles, "triangle");
+        lines.push(format!("  islands     {} in its holes, {triangles}", input.islands));
     }
     lines.push(format!("  noise       {}", mm(found.noise)));
     lines.extend(found.pieces.iter().enumerate().map(piece));
     lines.extend(scan.notes.iter().map(|note| format!("  note        {note}")));
     for (kind, count) in &input.repairs {
-        lines.push(format!("  repaired    {count} {}", kind.replace('_', " ")));
+        lines.push(format!("  repaired    {}", repair(kind, *count)));
     }
     let cut = input.handles.iter().map(|handle| ("cut and closed", handle));
     let kept = found.body.iter().flat_map(|body| &body.handles).map(|handle| ("kept", handle));
@@ -69,7 +72,31 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
         let place = format!("({:.3}, {:.3}, {:.3})", at.x, at.y, at.z);
         lines.push(format!("  handle      {what}, about {length} around, near {place}"));
     }
-    lines.join("\n") + "\n"
+    lines.iter().map(|line| wrapped(line, INDENT) + "\n").collect()
+}
+
+/// The extents of a box, from its lowest and highest coordinates.
+fn size([low, high]: [[f64; 3]; 2]) -> String {
+    extents([0, 1, 2].map(|k| high[k] - low[k]))
+}
+
+/// The tolerance and the outline that a conversion chooses if nobody names them.
+fn choices(found: &Inspection) -> Vec<String> {
+    if found.shape.is_none() {
+        return Vec::new();
+    }
+    let why = messages::why(found.tolerance, found.noise);
+    let mut lines =
+        vec![format!("  tolerance   about {}, {why} (--tolerance to change)", mm(found.tolerance))];
+    lines.extend(found.is_ragged.map(|is_ragged| {
+        let outline = if is_ragged {
+            "likely a trim loop, as the outer boundary is ragged (--outline to change)"
+        } else {
+            "the four sides of the face, unless they stretch it too much (--outline to change)"
+        };
+        format!("  outline     {outline}")
+    }));
+    lines
 }
 
 /// A line for each scan of a cloud, and what was found when its mesh was made.
@@ -78,25 +105,22 @@ fn cloud(cloud: &CloudFigures) -> Vec<String> {
     let scan = |(number, scan): (usize, &ScanFigures)| {
         let grid = scan.grid.map(|[rows, columns]| format!("grid of {rows} × {columns}"));
         let seen = scan.viewpoint_mm.map(|at| format!("seen from {}", place(at)));
-        let extent = scan.bounds_mm.map(|[low, high]| {
-            let [x, y, z] = [0, 1, 2].map(|k| high[k] - low[k]);
-            format!("{x:.4} × {y:.4} × {z:.4} mm")
-        });
-        let parts = [Some(format!("{} points", scan.points)), extent, grid, seen];
+        let extent = scan.bounds_mm.map(size);
+        let parts = [Some(plural(scan.points, "point")), extent, grid, seen];
         format!("  scan {number:<7}{}", parts.into_iter().flatten().collect::<Vec<_>>().join(", "))
     };
     let mut lines: Vec<String> = cloud.scans.iter().enumerate().map(scan).collect();
     if cloud.origin_mm != [0.0; 3] {
         lines.push(format!("  origin      {} mm", place(cloud.origin_mm)));
     }
-    lines.extend(cloud.mesh.as_ref().map(|mesh| {
+    lines.extend(cloud.mesh.iter().map(|mesh| {
+        let [outliers, duplicates] =
+            [plural(mesh.outliers, "outlier"), plural(mesh.duplicates, "duplicate")];
+        let made =
+            if mesh.mesher == "grid" { "along the scan's grid" } else { "from the points alone" };
+        let [spacing, noise] = [mesh.spacing_mm, mesh.noise_mm].map(mm);
         format!(
-            "  points      {} apart, noise {}, {}, {}; mesh by {}",
-            mm(mesh.spacing_mm),
-            mm(mesh.noise_mm),
-            plural(mesh.outliers, "outlier"),
-            plural(mesh.duplicates, "duplicate"),
-            mesh.mesher
+            "  points      {spacing} apart, noise {noise}, {outliers}, {duplicates}, meshed {made}"
         )
     }));
     lines
@@ -104,13 +128,13 @@ fn cloud(cloud: &CloudFigures) -> Vec<String> {
 
 /// A line for one of several components, by whose number `--component` takes it.
 fn piece((number, piece): (usize, &PieceReport)) -> String {
-    let [x, y, z] = piece.size;
     let topology = &piece.topology;
     let loops = plural(topology.loops, "boundary loop");
     let sides = if topology.orientable { "" } else { ", one-sided" };
     format!(
-        "  --component {number:<3} {} triangles, {x:.1} × {y:.1} × {z:.1} mm, {loops}, genus {}{sides}",
-        piece.triangles,
+        "  --component {number:<3} {}, {}, {loops}, genus {}{sides}",
+        plural(piece.triangles, "triangle"),
+        extents(piece.size),
         topology.genus()
     )
 }
@@ -132,14 +156,17 @@ fn target(found: &Inspection) -> String {
     let faces = found
         .body
         .as_ref()
-        .map_or("several faces".into(), |body| format!("about {} faces", body.faces));
+        .map_or("several faces".into(), |body| format!("about {}", plural(body.faces, "face")));
+    let why = found.reason;
     match (found.shape, found.topology.check_disk()) {
-        (Some(TargetShape::Solid), _) if found.loops.is_empty() => format!("a solid of {faces}"),
-        (Some(TargetShape::Solid), _) => {
-            format!("a solid of {faces}, with its gaps filled (--shape to change)")
+        (Some(TargetShape::Solid), _) if found.loops.is_empty() => {
+            format!("a solid of {faces}, {why}")
         }
-        (Some(TargetShape::Shell), _) => format!("a shell of {faces}"),
-        (_, Ok(())) => "a face".into(),
+        (Some(TargetShape::Solid), _) => {
+            format!("a solid of {faces} with its gaps filled, {why} (--shape to change)")
+        }
+        (Some(TargetShape::Shell), _) => format!("a shell of {faces}, {why} (--shape to change)"),
+        (_, Ok(())) => format!("a face, {why} (--shape to change)"),
         (_, Err(e)) => format!("nothing: {e}; {}", spelled(&e.help())),
     }
 }
@@ -153,12 +180,12 @@ fn loops(found: &Inspection) -> Vec<String> {
         found.loops.iter().enumerate().partition(|(i, _)| found.outer == Some(*i));
     holes.sort_by(|x, y| y.1.0.total_cmp(&x.1.0));
     let line = |what: &str, (length, vertices): &(f64, usize)| {
-        format!("  {what:<11} {}, {vertices} vertices", mm(*length))
+        format!("  {what:<11} {}, {}", mm(*length), plural(*vertices, "vertex"))
     };
     let mut lines: Vec<String> = outer.iter().map(|(_, l)| line("outer loop", l)).collect();
     lines.extend(holes.iter().take(LISTED).map(|(_, l)| line("hole", l)));
     if holes.len() > LISTED {
-        lines.push(format!("  and {} shorter holes", holes.len() - LISTED));
+        lines.push(format!("  and {}", plural(holes.len() - LISTED, "shorter hole")));
     }
     lines
 }

@@ -3,17 +3,16 @@
 
 use std::path::PathBuf;
 
-use clap::{Args, CommandFactory};
+use clap::{Args, Command, CommandFactory};
+use clap_mangen::roff::{Roff, bold, roman};
 
 use super::args::Cli;
-use super::{Failure, Outcome, output, streams, temp_files};
+use super::output::Pending;
+use super::{Failure, Outcome, notes, output, streams, temp_files};
 
 /// Options of `completions`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  \
-    scan2step completions bash > ~/.local/share/bash-completion/completions/scan2step\n  \
-    scan2step completions zsh > \"${fpath[1]}/_scan2step\"\n  \
-    scan2step completions fish > ~/.config/fish/completions/scan2step.fish")]
+#[command(after_help = notes::COMPLETIONS.help())]
 pub struct Completions {
     /// The shell
     pub shell: clap_complete::Shell,
@@ -21,8 +20,7 @@ pub struct Completions {
 
 /// Options of `man`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  scan2step man | man -l -\n  \
-    scan2step man ~/.local/share/man/man1")]
+#[command(after_help = notes::MAN.help())]
 pub struct Man {
     /// Folder for the pages of all commands; it is made if it does not exist [default: print
     /// the main page]
@@ -38,16 +36,15 @@ pub fn completions(args: &Completions) -> Result<Outcome, Failure> {
 
 /// Prints the main page, or writes the pages of all commands.
 pub fn man(args: &Man) -> Result<Outcome, Failure> {
+    let mut pages = pages();
     let Some(folder) = &args.dir else {
-        let mut page = Vec::new();
-        let rendered = clap_mangen::Man::new(Cli::command()).render(&mut page);
-        rendered.map_err(|e| output::failed("scan2step.1".as_ref(), e))?;
-        return print(&page);
+        return print(pages.swap_remove(0).1.as_bytes());
     };
-    let written = temp_files::folder(folder).and_then(|()| {
-        clap_mangen::generate_to(Cli::command().disable_help_subcommand(true), folder)
+    temp_files::folder(folder).map_err(|e| output::failed(folder, e))?;
+    let written = pages.iter().map(|(name, text)| {
+        output::write(&folder.join(format!("{name}.1")), |out| out.write_all(text.as_bytes()))
     });
-    written.map_err(|e| output::failed(folder, e))?;
+    Pending::publish(written.collect::<Result<_, _>>()?)?;
     Ok(Outcome::Done)
 }
 
@@ -60,6 +57,60 @@ pub fn licences() -> Result<Outcome, Failure> {
         include_str!("../../LICENSE-DEPENDENCIES"),
     ];
     print([own, mit, "\n", apache, "\n", linked].concat().as_bytes())
+}
+
+/// The pages of the program and of its commands, each with its name.
+fn pages() -> Vec<(String, String)> {
+    let mut program = Cli::command().disable_help_subcommand(true);
+    // Gives commands the names of their pages.
+    program.build();
+    let commands: Vec<Command> =
+        [&program].into_iter().chain(program.get_subcommands()).cloned().collect();
+    let names: Vec<String> = commands.iter().map(page_name).collect();
+    commands.iter().map(|command| (page_name(command), page(command, &names))).collect()
+}
+
+fn page_name(command: &Command) -> String {
+    command.get_display_name().unwrap_or_else(|| command.get_name()).to_owned()
+}
+
+/// A page: what clap says of the options, then the notes, then the names of the other pages.
+fn page(command: &Command, names: &[String]) -> String {
+    let own = page_name(command);
+    let others = names.iter().filter(|name| **name != own).map(|name| format!("{name}(1)"));
+    let mut end = Roff::new();
+    let notes = notes::of(command.get_name());
+    end.control("SH", ["EXAMPLES"]);
+    notes.examples.iter().for_each(|example| paragraph(&mut end, "", example));
+    for ([_, title], meanings) in notes.parts() {
+        if !meanings.is_empty() {
+            end.control("SH", [title]);
+        }
+        meanings.iter().for_each(|(word, meaning)| paragraph(&mut end, word, meaning));
+    }
+    end.control("SH", ["SEE ALSO"]);
+    end.text([roman(others.collect::<Vec<_>>().join(", "))]);
+    let bare = command.clone().after_help(None::<&str>);
+    options(bare) + &end.render()
+}
+
+/// The part of a page that clap makes.
+fn options(command: Command) -> String {
+    let mut text = Vec::new();
+    // Memory takes everything.
+    let _ = clap_mangen::Man::new(command).render(&mut text);
+    String::from_utf8_lossy(&text).into_owned()
+}
+
+/// A word in bold with its meaning, or an example.
+fn paragraph(page: &mut Roff, word: &str, text: &str) {
+    if word.is_empty() {
+        page.control("PP", []);
+    } else {
+        page.control("TP", []);
+        page.text([bold(word)]);
+    }
+    page.text([roman(text)]);
 }
 
 fn print(text: &[u8]) -> Result<Outcome, Failure> {

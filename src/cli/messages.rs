@@ -2,7 +2,7 @@
 
 use scan2step::mesh::{Bound, Components, FaceOrigin, Patch};
 use scan2step::report::ScanSource;
-use scan2step::words::{mm, plural};
+use scan2step::words::{grouped, mm, plural, repair};
 use scan2step::{BodyConversion, Conversion, InputReport, Stage, TargetShape};
 
 use super::args::{ComponentChoice, Convert};
@@ -19,10 +19,11 @@ pub fn shape(shape: TargetShape, why: &str) -> String {
 pub fn made(stage: &Stage) -> String {
     match stage {
         Stage::Mesh(disk) => {
-            let (points, triangles) = (disk.mesh.points.len(), disk.mesh.triangles.len());
             let holes = plural(disk.holes.len(), "hole");
-            format!("{points} vertices, {triangles} triangles, {holes}")
+            let mesh = mesh([disk.mesh.points.len(), disk.mesh.triangles.len()]);
+            format!("{mesh}, {holes}")
         }
+        Stage::Fill(patch) if patch.rims.is_empty() => "nothing to fill".into(),
         Stage::Fill(patch) => {
             let filled = count(patch, |origin| matches!(origin, FaceOrigin::Hole(_)));
             let holes = plural(patch.rims.len(), "hole");
@@ -37,7 +38,8 @@ pub fn made(stage: &Stage) -> String {
             format!("{m} × {n} control points")
         }
         Stage::Layout(quads) => {
-            format!("{} with {} quads each", plural(quads.blocks(), "block"), quads.side.pow(2))
+            let quads_each = plural(quads.side.pow(2), "quad");
+            format!("{} with {quads_each} each", plural(quads.blocks(), "block"))
         }
         Stage::Network(network) => plural(network.surfaces.len(), "face"),
         Stage::NetworkTrim(_, cut) => plural(cut.faces.len(), "kept face"),
@@ -61,17 +63,22 @@ pub fn counts(source: &ScanSource) -> String {
     let ScanSource { vertices, triangles, cloud, .. } = source;
     match cloud {
         Some(cloud) if cloud.scans.len() > 1 => {
-            format!("{vertices} points of {} scans", cloud.scans.len())
+            format!("{} of {}", plural(*vertices, "point"), plural(cloud.scans.len(), "scan"))
         }
-        Some(_) => format!("{vertices} points"),
-        None => format!("{vertices} vertices, {triangles} triangles"),
+        Some(_) => plural(*vertices, "point"),
+        None => mesh([*vertices, *triangles]),
     }
+}
+
+/// The counts of a mesh.
+pub fn mesh([vertices, triangles]: [usize; 2]) -> String {
+    format!("{}, {}", plural(vertices, "vertex"), plural(triangles, "triangle"))
 }
 
 /// What a mesh that was made of a cloud has.
 pub fn meshed(components: &Components) -> String {
     let triangles: usize = components.sizes().iter().sum();
-    format!("{triangles} triangles, {}", plural(components.sizeable(), "component"))
+    format!("{}, {}", plural(triangles, "triangle"), plural(components.sizeable(), "component"))
 }
 
 /// Says what was found in a cloud of points.
@@ -101,7 +108,7 @@ pub fn assumed(progress: &ProgressDisplay, scan: &Scan) {
 
 /// Says what was repaired, and how often.
 pub fn repaired(progress: &ProgressDisplay, (kind, count): (&&str, &usize)) {
-    progress.say(&format!("repaired: {count} {}", kind.replace('_', " ")));
+    progress.say(&format!("repaired: {}", repair(kind, *count)));
 }
 
 /// Says which handles were cut.
@@ -124,13 +131,15 @@ pub fn found(progress: &ProgressDisplay, args: &Convert, c: &Conversion) {
     handles(progress, &c.input);
     if c.input.left_out > 0 && args.how.component != ComponentChoice::All {
         progress.say(&format!(
-            "component: 1 of {}, {} triangles; left out {} triangles in the others",
-            c.input.components, c.input.triangles, c.input.left_out
+            "component: 1 of {}, {}; left out {} in the others (--component to change)",
+            grouped(c.input.components),
+            plural(c.input.triangles, "triangle"),
+            plural(c.input.left_out, "triangle")
         ));
     }
     if c.input.islands > 0 {
-        let triangles = c.input.island_triangles;
-        progress.say(&format!("islands: {} kept, {triangles} triangles", c.input.islands));
+        let triangles = plural(c.input.island_triangles, "triangle");
+        progress.say(&format!("islands: {} kept, {triangles}", c.input.islands));
     }
     if c.smooth.outliers > 0 {
         progress
@@ -146,8 +155,9 @@ pub fn found_of_body(progress: &ProgressDisplay, args: &Convert, body: &BodyConv
     handles(progress, &body.input);
     if body.input.components > 1 && args.how.component != ComponentChoice::All {
         progress.say(&format!(
-            "component: this is 1 of {}, {} triangles (--component to change)",
-            body.input.components, body.input.triangles
+            "component: this is 1 of {}, {} (--component to change)",
+            grouped(body.input.components),
+            plural(body.input.triangles, "triangle")
         ));
     }
     if !body.tolerance_named {
@@ -165,7 +175,7 @@ fn tolerance(progress: &ProgressDisplay, tolerance: f64, noise: f64) {
 }
 
 /// Why a tolerance that the user did not name has its value.
-fn why(tolerance: f64, noise: f64) -> String {
+pub fn why(tolerance: f64, noise: f64) -> String {
     match noise {
         0.0 => "from what flat triangles miss, as the scan shows no noise".into(),
         noise if tolerance > 3.01 * noise => {
@@ -177,19 +187,25 @@ fn why(tolerance: f64, noise: f64) -> String {
 
 /// Whether the face is as good as the scan, in a sentence.
 fn quality(c: &Conversion) -> String {
-    let all = c.fit_deviation.distances.len();
-    let within = 100.0 * (1.0 - c.missed.points as f64 / all.max(1) as f64);
-    format!(
-        "the face is as good as the scan: {within:.2} % of the points are within {} of it",
-        mm(c.tolerance)
-    )
+    let all = plural(c.fit_deviation.distances.len(), "point");
+    let within = match c.missed.points {
+        0 => format!("all {all} are"),
+        missed => format!("all but {} of {all} are", grouped(missed)),
+    };
+    // A point that a loop cuts off does not miss the tolerance, but is farther from the face.
+    let at_rims = if c.missed.points == 0 && c.fit_deviation.max > c.tolerance {
+        format!("; at rims, which trim loops smooth, up to {}", mm(c.fit_deviation.max))
+    } else {
+        String::new()
+    };
+    format!("the face is as good as the scan: {within} within {} of it{at_rims}", mm(c.tolerance))
 }
 
 /// The result in one line.
 pub fn result(progress: &ProgressDisplay, args: &Convert, c: &Conversion) {
     let [m, n] = c.surface.shape();
     let files = args.out.iter().map(|f| &f.path).chain(args.report.iter().map(|f| &f.path));
-    let files: Vec<_> = files.map(|path| path.display().to_string()).collect();
+    let files: Vec<_> = files.map(|path| streams::shown(path)).collect();
     progress.result(&format!(
         "{m} × {n} control points, rms {}, max {}, {} cut out → {}",
         mm(c.fit_deviation.rms),

@@ -10,7 +10,9 @@ mod input;
 mod inspect;
 mod manual;
 mod messages;
+mod notes;
 mod output;
+mod paragraphs;
 mod places;
 mod progress;
 mod report;
@@ -21,8 +23,10 @@ mod streams;
 mod subprocess;
 mod temp_files;
 
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
+use clap::error::ContextKind;
 use clap::{CommandFactory, FromArgMatches};
 
 /// The result of a run that did not fail as a whole.
@@ -59,7 +63,7 @@ impl From<formats::Error> for Failure {
 
 /// Parses the arguments, runs the command, reports what is wrong.
 pub fn run() -> ExitCode {
-    let matches = args::Cli::command().get_matches();
+    let matches = args::Cli::command().try_get_matches().unwrap_or_else(|e| refuse(&e));
     let args = args::Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
     let args = args::Cli { command: args.command.completed() };
     // Without signal handling a stopped run leaves its temporary files.
@@ -68,7 +72,8 @@ pub fn run() -> ExitCode {
     }
     let colour = args.command.colour();
     // An environment variable with a wrong value is a usage error, like an option.
-    if let Err(failure) = args.command.check_surroundings() {
+    if let Err(failure) = args.command.check_surroundings().and_then(|()| args.command.check_use())
+    {
         return tell(&failure, colour, USAGE);
     }
     let done = match &args.command {
@@ -92,6 +97,19 @@ pub fn run() -> ExitCode {
             tell(&failure, colour, FAILED)
         }
     }
+}
+
+/// Prints what is wrong with the arguments, or help if it was asked for, and ends the program. A file
+/// in the place of a command gets advice of its own.
+fn refuse(error: &clap::Error) -> ! {
+    let named = error.get(ContextKind::InvalidSubcommand).map(ToString::to_string);
+    let Some(file) = named.filter(|named| Path::new(named).exists()) else { error.exit() };
+    let failure = Failure {
+        error: format!("{file}: is a file, where a command belongs"),
+        help: format!("convert it with scan2step convert {file}, or see scan2step --help"),
+    };
+    let _ = tell(&failure, args::Colour::Auto, USAGE);
+    std::process::exit(USAGE.into())
 }
 
 /// Runs a command on one of the pool's own threads. Called from outside the pool, each of the
@@ -126,6 +144,37 @@ impl args::Command {
             Self::Inspect(args) => args.look.color,
             Self::Check(args) => args.look.color,
             Self::Completions(_) | Self::Man(_) | Self::Licences => args::Colour::Auto,
+        }
+    }
+
+    /// Checks what no argument shows alone: where standard input and standard output are named, and
+    /// whether an output has the format that `--to` names.
+    fn check_use(&self) -> Result<(), Failure> {
+        let is_dash = |path: &PathBuf| path.as_os_str() == streams::DASH;
+        let wrong = |error: &str, help: &str| {
+            Err(Failure { error: error.to_owned(), help: help.to_owned() })
+        };
+        match self {
+            Self::Convert(args) if args.stages.as_ref().is_some_and(is_dash) => {
+                wrong("--stages: needs a folder, not -", "name a folder for the stages' files")
+            }
+            Self::Convert(args)
+                if args.to.is_some_and(|to| args.out.iter().all(|file| file.kind != to)) =>
+            {
+                wrong(
+                    "--to: every output has the extension of another format",
+                    "leave out --to, or name - to write to standard output",
+                )
+            }
+            Self::Check(args) if args.cad.is_stdin && args.piece.scan.is_stdin => wrong(
+                "stdin: cannot be both the CAD file and the scan",
+                "name a file instead of one -",
+            ),
+            Self::Batch(args) if args.scans.iter().chain([&args.out]).any(is_dash) => wrong(
+                "batch: reads and writes folders and files, not -",
+                "convert a scan from standard input with scan2step convert -",
+            ),
+            _ => Ok(()),
         }
     }
 

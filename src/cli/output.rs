@@ -1,5 +1,6 @@
 //! Output files, which appear complete or not at all. Each is written under a temporary name in
-//! its folder. When all of them are complete, they are renamed.
+//! its folder, or to memory if it goes to standard output. When all of them are complete, they are
+//! renamed.
 
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -8,16 +9,23 @@ use formats::Error;
 use sha2::{Digest, Sha256};
 use tempfile::NamedTempFile;
 
-use super::temp_files;
+use super::{streams, temp_files};
 
-/// A complete file that still has its temporary name.
+/// A complete output that is not in its place yet.
 pub struct Pending {
-    file: NamedTempFile,
-    path: PathBuf,
+    place: Place,
     /// Its length.
     pub bytes: u64,
     /// SHA-256 of its content, in hexadecimal.
     pub sha256: String,
+}
+
+/// Where an output is, and where it goes.
+enum Place {
+    /// A file that still has its temporary name.
+    File(NamedTempFile, PathBuf),
+    /// Memory. It goes to standard output, which must stay empty if the run fails.
+    Stdout(Vec<u8>),
 }
 
 /// A writer that counts and hashes the bytes that it passes on.
@@ -42,25 +50,39 @@ impl<W: Write> Write for Tally<W> {
 
 /// Checks whether a file can be made at `path`, by making a temporary file beside it.
 pub fn check(path: &Path) -> Result<(), Error> {
+    if streams::is_stdout(path) {
+        return Ok(());
+    }
     let target = target(path)?;
     temporary(&target).map(drop).map_err(|e| failed(path, e))
 }
 
-/// Writes a file under a temporary name in the folder of `path`.
+/// Writes a file under a temporary name in the folder of `path`, or to memory if it goes to standard
+/// output.
 pub fn write(
     path: &Path,
     content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
 ) -> Result<Pending, Error> {
-    let target = target(path)?;
     let failed = |e: std::io::Error| failed(path, e);
+    if streams::is_stdout(path) {
+        let mut memory = Vec::new();
+        let (bytes, sha256) = tally(&mut memory, content).map_err(failed)?;
+        return Ok(Pending { place: Place::Stdout(memory), bytes, sha256 });
+    }
+    let target = target(path)?;
     let file = temporary(&target).map_err(failed)?;
-    let (bytes, hash) = {
-        let inner = BufWriter::new(file.as_file());
-        let mut tally = Tally { inner, bytes: 0, hash: Sha256::new() };
-        content(&mut tally).and_then(|()| tally.flush()).map_err(failed)?;
-        (tally.bytes, tally.hash.finalize())
-    };
-    Ok(Pending { file, path: target, bytes, sha256: hexadecimal(&hash) })
+    let (bytes, sha256) = tally(BufWriter::new(file.as_file()), content).map_err(failed)?;
+    Ok(Pending { place: Place::File(file, target), bytes, sha256 })
+}
+
+/// Writes content, and returns its length and its hash.
+fn tally(
+    inner: impl Write,
+    content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>,
+) -> std::io::Result<(u64, String)> {
+    let mut tally = Tally { inner, bytes: 0, hash: Sha256::new() };
+    content(&mut tally).and_then(|()| tally.flush())?;
+    Ok((tally.bytes, hexadecimal(&tally.hash.finalize())))
 }
 
 /// Bytes in hexadecimal.
@@ -112,10 +134,19 @@ fn temporary(path: &Path) -> std::io::Result<NamedTempFile> {
 }
 
 impl Pending {
-    /// Renames files to their final names: all of them, even if the run is stopped meanwhile.
-    pub fn publish(files: Vec<Pending>) -> Result<(), Error> {
+    /// Puts outputs into their places. Files are renamed: all of them, even if the run is stopped
+    /// meanwhile. Standard output comes before them and can be stopped, because its reader may be
+    /// slow.
+    pub fn publish(outputs: Vec<Pending>) -> Result<(), Error> {
+        let mut files = Vec::new();
+        for output in outputs {
+            match output.place {
+                Place::Stdout(content) => streams::print(&content)?,
+                Place::File(file, path) => files.push((file, path)),
+            }
+        }
         temp_files::uninterrupted(|| {
-            files.into_iter().try_for_each(|Pending { file, path, .. }| {
+            files.into_iter().try_for_each(|(file, path)| {
                 file.persist(&path).map(drop).map_err(|e| {
                     let help = "check that it is not a folder and can be replaced";
                     Error::new(path, format!("cannot be written: {}", e.error), help)

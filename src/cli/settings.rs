@@ -24,7 +24,7 @@ pub fn options(args: &Convert) -> Result<Options, Failure> {
     };
     let options = args.piece.cloud.options(&args.piece.scale, &args.piece.crop);
     let mut options = options
-        .name(part_name(&args.piece.scan))
+        .name(part_name(&args.piece.scan.name))
         .outer_place(args.piece.outer.map(|place| place.0))
         .smooth(how.smooth)
         .boundary_corners(match how.boundary_corners {
@@ -61,7 +61,7 @@ pub fn options(args: &Convert) -> Result<Options, Failure> {
     if let ComponentChoice::Number(number) = how.component {
         options = options.component(Choice::Number(number));
     }
-    options.build().map_err(|e| stopped(&args.piece.scan, &e))
+    options.build().map_err(|e| stopped(&args.piece.scan.name, &e))
 }
 
 /// The same for reports.

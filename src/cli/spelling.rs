@@ -2,13 +2,15 @@
 
 /// The names of options in the library, which stand in backticks in its messages, and those
 /// on the command line.
-const OPTIONS: [(&str, &str); 22] = [
+const OPTIONS: [(&str, &str); 24] = [
     ("shape", "--shape"),
     ("unit", "--units"),
     ("component", "--component"),
     ("within", "--box"),
     ("above", "--above"),
     ("outer", "--outer"),
+    ("scan", "--scan"),
+    ("spacing", "--spacing"),
     ("smooth", "--smooth"),
     ("boundary_corners", "--boundary-corners"),
     ("corners", "--corners"),
@@ -37,6 +39,7 @@ pub fn spelled(message: &str) -> String {
 #[cfg(test)]
 mod tests {
     use clap::CommandFactory;
+    use scan2step::error::CloudFault;
     use scan2step::geometry::Bound;
     use scan2step::rules::Fault;
     use scan2step::{Error, Options};
@@ -63,6 +66,8 @@ mod tests {
         for (error, option) in [
             (Error::Component { asked: 3, count: 2 }, "--component"),
             (Error::NotOrientable, "--component"),
+            (Error::Cloud(CloudFault::Scan { asked: 3, count: 2 }), "--scan"),
+            (Error::Cloud(CloudFault::NoTriangle), "--spacing"),
             (Error::NotADisk { genus: 1, loops: 1 }, "--shape"),
             (Error::Corners(String::new()), "--corners"),
             (Error::TooSmall(3), "--outline"),

@@ -1,10 +1,28 @@
-//! Standard error and standard output. A run continues if the other end of one is closed.
+//! Standard input, standard output and standard error. A run continues if the other end of an
+//! output is closed.
 
 use std::fmt::Display;
 use std::io::{ErrorKind, Write};
 use std::path::Path;
 
-use super::{Failure, output};
+use formats::Error;
+
+/// What names standard input or standard output on the command line.
+pub const DASH: &str = "-";
+
+/// What messages and files call standard input, and standard output.
+pub const STDIN: &str = "stdin";
+pub const STDOUT: &str = "stdout";
+
+/// Whether an output goes to standard output.
+pub fn is_stdout(path: &Path) -> bool {
+    path == Path::new(DASH)
+}
+
+/// An output as messages and reports call it.
+pub fn shown(path: &Path) -> String {
+    if is_stdout(path) { STDOUT.into() } else { path.display().to_string() }
+}
 
 /// Prints a line on standard error. If that fails, there is no other place to report it.
 pub fn say(line: impl Display) {
@@ -13,11 +31,12 @@ pub fn say(line: impl Display) {
 
 /// Prints a result on standard output. A closed pipe is no failure, because its reader has read
 /// what it wanted. A full disk is one.
-pub fn print(text: &[u8]) -> Result<(), Failure> {
+pub fn print(text: &[u8]) -> Result<(), Error> {
     let mut out = std::io::stdout();
     match out.write_all(text).and_then(|()| out.flush()) {
         Err(e) if e.kind() != ErrorKind::BrokenPipe => {
-            Err(output::failed(Path::new("standard output"), e).into())
+            let help = "check that its disk has room, or name a file";
+            Err(Error::new(STDOUT, format!("cannot be written: {e}"), help))
         }
         _ => Ok(()),
     }

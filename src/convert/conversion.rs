@@ -4,7 +4,7 @@ use formats::Brep;
 
 use crate::mesh::VertexMap;
 use crate::spline::Surface;
-use crate::words::mm;
+use crate::words::{grouped, mm, plural};
 use crate::{Adapted, InputReport, deviation, fill, parameterize, smooth, trim};
 
 /// A converted scan.
@@ -107,9 +107,9 @@ impl Conversion {
         let mut parts = Vec::new();
         if self.missed.points > 0 {
             parts.push(format!(
-                "{} of {} points are farther than {tolerance} from the face; the worst, {}, at {}",
-                self.missed.points,
-                self.fit_deviation.distances.len(),
+                "{} of {} are farther than {tolerance} from the face; the worst, {}, at {}",
+                grouped(self.missed.points),
+                plural(self.fit_deviation.distances.len(), "point"),
                 mm(self.missed.worst),
                 place(self.missed.worst_at),
             ));
@@ -117,9 +117,9 @@ impl Conversion {
         let back = &self.face_to_scan;
         if self.tolerance_named && back.beyond > 0 {
             parts.push(format!(
-                "the face is farther than {tolerance} and their chord error from {} of {} triangles; the worst, {}, at {}",
-                back.beyond,
-                back.triangles,
+                "the face is farther than {tolerance} and their chord error from {} of {}; the worst, {}, at {}",
+                grouped(back.beyond),
+                plural(back.triangles, "triangle"),
                 mm(back.max),
                 place(back.max_at),
             ));

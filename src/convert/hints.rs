@@ -3,7 +3,7 @@
 use crate::adapt::Folds;
 use crate::geometry::{Point, bounds};
 use crate::smooth::Support;
-use crate::words::mm;
+use crate::words::{grouped, mm, plural};
 use crate::{Conversion, Cut, Options};
 
 /// One sentence for each thing that could be better, with what the user can do. Options
@@ -118,7 +118,9 @@ fn stretched(c: &Conversion) -> Option<String> {
 fn folded(c: &Conversion) -> Option<String> {
     let Folds { inverted, samples, .. } = c.fit.folds.filter(|folds| folds.inverted > 0)?;
     Some(format!(
-        "the surface is turned over at {inverted} of {samples} places, which offsets and Boolean operations in CAD may not survive; a coarser --tolerance, or cutting the scan where it is ragged, leaves fewer"
+        "the surface folds back on itself at {} of the {} that were tested, where CAD programs may fail to offset or cut it; a larger --tolerance, or cutting the scan where it is ragged, leaves fewer folds",
+        grouped(inverted),
+        plural(samples, "place")
     ))
 }
 
@@ -130,10 +132,10 @@ fn astray(c: &Conversion) -> Option<String> {
     let [x, y, z] = back.max_at;
     (!c.tolerance_named && share > c.spared).then(|| {
         format!(
-            "between its points the face leaves the scan by up to {}, near ({x:.3}, {y:.3}, {z:.3}), and by more than the tolerance at {} of {} triangles; a --tolerance that is named is held there, too",
+            "between its points the face leaves the scan by up to {}, near ({x:.3}, {y:.3}, {z:.3}), and by more than the tolerance at {} of {}; a --tolerance that is named is held there, too",
             mm(back.max),
-            back.beyond,
-            back.triangles,
+            grouped(back.beyond),
+            plural(back.triangles, "triangle"),
         )
     })
 }
@@ -168,7 +170,10 @@ const LARGE: usize = 40_000;
 fn large(c: &Conversion) -> Option<String> {
     let net = c.surface.net.len();
     (net > LARGE).then(|| {
-        format!("{net} control points are many for a CAD program; a larger --tolerance needs fewer")
+        format!(
+            "{} are many for a CAD program; a larger --tolerance needs fewer",
+            plural(net, "control point")
+        )
     })
 }
 

@@ -1,12 +1,14 @@
 //! What came in: the chosen component of a scan, looked at and made a disk.
 
 use super::estimate::{BodyEstimate, estimate};
-use super::shape::{TargetShape, shape_of};
+use super::shape::{TargetShape, shape_and_reason};
+use crate::adapt::Goal;
 use crate::geometry::{Point, Vector};
 use crate::mesh::{
     Choice, Component, Components, Disk, Handle, Mesh, Outer, RawPoints, Repairs, Topology,
     boundary,
 };
+use crate::parameterize::is_ragged;
 use crate::{Options, Result, smooth, threads};
 
 /// What came in.
@@ -53,6 +55,13 @@ pub struct Inspection {
     pub noise: f64,
     /// What a conversion makes of it; `None` if it can only be refused.
     pub shape: Option<TargetShape>,
+    /// Why it becomes this shape, if nobody names one.
+    pub reason: &'static str,
+    /// About the tolerance that a conversion chooses if nobody names one.
+    pub tolerance: f64,
+    /// Whether the outer boundary is so ragged that a face gets a trim loop there. `None` if the
+    /// component does not become a face.
+    pub is_ragged: Option<bool>,
     /// The number of the component, where the largest one is 0.
     pub number: usize,
     /// The largest components, if there are several.
@@ -224,22 +233,27 @@ fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspecti
     let mut input = InputReport::new(&scan, &chosen);
     let sizes = scan.sizes();
     let raw_noise = scan.raw_points().map_or(0.0, RawPoints::noise);
-    let shape = match shape_of(&chosen) {
-        TargetShape::Face if !chosen.topology.is_disk() => None,
-        shape => Some(shape),
-    };
+    let (shape, reason) = shape_and_reason(&chosen);
+    let is_refused = shape == TargetShape::Face && !chosen.topology.is_disk();
+    let shape = (!is_refused).then_some(shape);
     let body = shape.and_then(|shape| body_estimate(&scan, component, shape));
     let pieces = pieces(&scan)?;
     drop(scan);
     let (mesh, mm) = (chosen.own_mesh(), chosen.mm());
     let rings = if chosen.topology.orientable { chosen.loops() } else { Vec::new() };
+    let outer_loop = (!rings.is_empty()).then(|| chosen.outer(outer, &rings));
+    let noise = smooth::noise(mesh).max(raw_noise);
+    let is_face = shape == Some(TargetShape::Face);
     let inspection = Inspection {
         topology: chosen.topology.clone(),
         loops: rings.iter().map(|ring| (mm * boundary::length(mesh, ring), ring.len())).collect(),
-        outer: (!rings.is_empty()).then(|| chosen.outer(outer, &rings)),
+        outer: outer_loop,
         bounds: mesh.bounds().map(|p| (mm * p.coords).into()),
-        noise: mm * smooth::noise(mesh).max(raw_noise),
+        noise: mm * noise,
         shape,
+        reason,
+        tolerance: mm * Goal::of_scan(mesh, noise).tolerance,
+        is_ragged: outer_loop.filter(|_| is_face).map(|outer| is_ragged(mesh, &rings[outer])),
         number: component.number(),
         pieces,
         body,

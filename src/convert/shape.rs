@@ -77,11 +77,20 @@ pub fn voids(scan: &Components, component: Choice) -> Result<Vec<Choice>> {
 
 /// What one component becomes.
 pub(super) fn shape_of(component: &Component) -> TargetShape {
+    shape_and_reason(component).0
+}
+
+/// What one component becomes, and why.
+pub(super) fn shape_and_reason(component: &Component) -> (TargetShape, &'static str) {
     let topology = &component.topology;
     match topology.orientable {
-        true if component.gap_share() < GAPS => TargetShape::Solid,
-        true if topology.genus() > 0.0 || is_pipe(&component.cap_shares()) => TargetShape::Shell,
-        _ => TargetShape::Face,
+        true if topology.loops == 0 => (TargetShape::Solid, "as it is closed"),
+        true if component.gap_share() < GAPS => (TargetShape::Solid, "as its gaps are small"),
+        true if topology.genus() > 0.0 => (TargetShape::Shell, "as one face holds no handles"),
+        true if is_pipe(&component.cap_shares()) => {
+            (TargetShape::Shell, "as one face holds no pipe with open ends")
+        }
+        _ => (TargetShape::Face, "as it is one sheet"),
     }
 }
 

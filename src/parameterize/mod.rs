@@ -48,6 +48,7 @@ use crate::rules;
 pub use crate::mesh::{Outline, Parameterized, Scaffold};
 pub use bays::Bays;
 pub use compressed::{CompressedRegion, compressed_region};
+pub(crate) use scaffold::is_ragged;
 pub use stretch::Stretch;
 
 /// The kind of map.

@@ -1,6 +1,8 @@
 //! What could be better, and what the user can do about it: the hints of each face, and those
 //! that concern the scan as a whole.
 
+use formats::LengthUnit;
+
 use super::{ScanSource, Setting, Settings};
 use crate::Conversion;
 use crate::geometry::{Vector, bounds};
@@ -25,26 +27,64 @@ pub(super) fn of(
 /// house.
 const LIKELY_SIZES: [f64; 2] = [5.0, 50_000.0];
 
+/// Sizes of a scan in mm that make another unit likely: more than a coin, less than a car. Most scans
+/// have such a size. With a wider range, several units are likely for most sizes.
+const USUAL_SIZES: [f64; 2] = [20.0, 6000.0];
+
+/// The size in mm of what is scanned most: something between a hand and a head.
+const MEDIAN_SIZE: f64 = 250.0;
+
+/// The units in which scanners and CAD programs write.
+const UNITS: [LengthUnit; 5] = [
+    LengthUnit::Millimetre,
+    LengthUnit::Metre,
+    LengthUnit::Centimetre,
+    LengthUnit::Inch,
+    LengthUnit::Micrometre,
+];
+
 fn odd_size(source: &ScanSource, conversions: &[Conversion]) -> Option<String> {
     let points = conversions.iter().flat_map(|c| &c.surface.net);
     likely_unit(source, bounds(points.map(|&p| p.into())).map(|p| p.coords.into()))
 }
 
+fn size([low, high]: [[f64; 3]; 2]) -> f64 {
+    (Vector::from(high) - Vector::from(low)).norm()
+}
+
+/// The units that the size of a scan suggests, likeliest first. There are none if its unit is known,
+/// or if the assumed one is likely. The bounds of the scan are mm.
+pub(super) fn likely_units(source: &ScanSource, bounds: [[f64; 3]; 2]) -> Vec<LengthUnit> {
+    let across = size(bounds);
+    if !source.unit_assumed || (LIKELY_SIZES[0]..LIKELY_SIZES[1]).contains(&across) {
+        return Vec::new();
+    }
+    let in_unit = |unit: &LengthUnit| across / source.unit.in_mm() * unit.in_mm();
+    let is_usual = |unit: &LengthUnit| (USUAL_SIZES[0]..USUAL_SIZES[1]).contains(&in_unit(unit));
+    let mut likely: Vec<_> = UNITS.into_iter().filter(is_usual).collect();
+    let distance = |unit: &LengthUnit| (in_unit(unit) / MEDIAN_SIZE).ln().abs();
+    likely.sort_by(|a, b| distance(a).total_cmp(&distance(b)));
+    likely
+}
+
 /// Advice to name the unit of a scan, if its unit was assumed and makes its size unlikely. The
 /// bounds of the scan are mm.
-pub fn likely_unit(source: &ScanSource, [low, high]: [[f64; 3]; 2]) -> Option<String> {
-    let across = (Vector::from(high) - Vector::from(low)).norm();
-    let is_likely = (LIKELY_SIZES[0]..LIKELY_SIZES[1]).contains(&across);
-    (source.unit_assumed && !is_likely).then(|| {
-        let others: Vec<_> =
-            ["mm", "cm", "m", "in"].into_iter().filter(|u| *u != source.unit.symbol()).collect();
-        format!(
-            "the scan is {} across if its numbers are {}; --units {} if they are not",
-            mm(across),
-            source.unit.symbol(),
-            others.join(", ").replacen(", in", " or in", 1)
-        )
-    })
+pub fn likely_unit(source: &ScanSource, bounds: [[f64; 3]; 2]) -> Option<String> {
+    let across = size(bounds);
+    if !source.unit_assumed || (LIKELY_SIZES[0]..LIKELY_SIZES[1]).contains(&across) {
+        return None;
+    }
+    let likely = likely_units(source, bounds).into_iter().map(|unit| {
+        let across = across / source.unit.in_mm() * unit.in_mm();
+        format!("{} ({})", unit.symbol(), mm(across))
+    });
+    let likely = likely.collect::<Vec<_>>().join(" or ");
+    let more_likely =
+        if likely.is_empty() { likely } else { format!("more likely they are {likely}; ") };
+    let (across, assumed) = (mm(across), source.unit.symbol());
+    Some(format!(
+        "the scan is {across} across if its numbers are {assumed}; {more_likely}name the unit with --units"
+    ))
 }
 
 /// The share of the scan's triangles in other components that is worth a hint: a tenth of a

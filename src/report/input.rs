@@ -3,6 +3,7 @@
 use formats::points::Note;
 use formats::{LengthUnit, Points, Soup};
 
+use super::hints::likely_units;
 use super::{CloudFigures, CloudMeshFigures};
 use crate::mesh::{Handle, Repairs};
 use crate::{InputReport, Inspection, Options, PieceReport, TargetShape, cloud};
@@ -168,6 +169,16 @@ pub struct InspectionFigures {
     pub disk: bool,
     /// What a conversion makes of it: "face", "shell", "solid", or nothing.
     pub shape: Option<&'static str>,
+    /// Why it becomes this shape, if nobody names one.
+    pub shape_reason: &'static str,
+    /// About the tolerance that a conversion chooses if nobody names one.
+    pub tolerance_mm: f64,
+    /// Where the outer boundary of a face goes: the four "sides" of the surface, or, as it is ragged, a
+    /// "trimmed" loop. Sides that stretch the map too much become a trimmed loop, too.
+    pub outline: Option<&'static str>,
+    /// The units that the size of the scan suggests, likeliest first, if the assumed one makes it
+    /// unlikely.
+    pub likely_units: Vec<&'static str>,
     /// The number of the component, where the largest one is 0.
     pub component: usize,
     /// The largest components, if there are several.
@@ -236,6 +247,10 @@ impl InspectionFigures {
             orientable: found.topology.orientable,
             disk: found.topology.is_disk(),
             shape: found.shape.map(TargetShape::word),
+            shape_reason: found.reason,
+            tolerance_mm: found.tolerance,
+            outline: found.is_ragged.map(|ragged| if ragged { "trimmed" } else { "sides" }),
+            likely_units: likely_units(source, found.bounds).iter().map(|u| u.symbol()).collect(),
             component: found.number,
             pieces: found.pieces.iter().map(PieceFigures::of).collect(),
             faces_about: found.body.as_ref().map(|body| body.faces),

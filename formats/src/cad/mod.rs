@@ -9,10 +9,12 @@
 pub(crate) mod affine;
 mod model;
 
+use std::io::Read;
 use std::path::Path;
 
 pub use model::{CadCurve, CadEdge, CadFace, CadModel, CadShell, CadSolid, CadSurface, CurveShape};
 
+use crate::words::plural;
 use crate::{Error, Result, iges, step};
 
 /// The size in bytes of the largest file that is read.
@@ -31,10 +33,31 @@ pub fn read_cad(path: &Path) -> Result<CadModel> {
     };
     let length = std::fs::metadata(path).map_err(cannot)?.len();
     if length > MOST_BYTES {
-        let what = format!("has {length} bytes, which is more than the limit for CAD files");
-        return Err(Error::new(path, what, "Export the faces in several files."));
+        let what =
+            format!("has {}, which is more than the limit for CAD files", plural(length, "byte"));
+        return Err(too_long(path, what));
     }
     read_cad_from(path, &std::fs::read(path).map_err(cannot)?)
+}
+
+/// Reads CAD faces from a stream as [`read_cad`] does. Errors call it `name`.
+///
+/// # Errors
+/// The same as those of [`read_cad`].
+pub fn read_cad_stream(name: &Path, content: impl Read) -> Result<CadModel> {
+    let mut bytes = Vec::new();
+    content.take(MOST_BYTES + 1).read_to_end(&mut bytes).map_err(|e| {
+        let what = format!("cannot be read to its end: {e}");
+        Error::new(name, what, "Send the whole file again.")
+    })?;
+    if bytes.len() as u64 > MOST_BYTES {
+        return Err(too_long(name, "has more bytes than the limit for CAD files"));
+    }
+    read_cad_from(name, &bytes)
+}
+
+fn too_long(name: &Path, what: impl Into<String>) -> Error {
+    Error::new(name, what, "Export the faces in several files.")
 }
 
 /// Reads CAD faces from memory as [`read_cad`] does. Errors call the file `name`.

@@ -8,6 +8,7 @@ use super::transform::NodeTransform;
 use super::{Gear, accessor};
 use crate::limits::check_room;
 use crate::source::EXPORT_AGAIN;
+use crate::words::plural;
 use crate::{Error, Location, Result, Soup};
 
 /// The number of bytes that the soup may always have. More bytes are allowed only in proportion to
@@ -93,7 +94,8 @@ fn listed(gear: &mut Gear<'_>, indices: usize, positions: usize) -> Result<Vec<u
     let list = accessor::indices(gear, indices)?;
     let Some(count) = accessor::count(gear, positions) else { return Ok(list) };
     if let Some(index) = list.iter().find(|&&i| u64::from(i) >= count) {
-        let what = format!("has a triangle with vertex {index}, but only {count} vertices");
+        let what =
+            format!("has a triangle with vertex {index}, but only {}", plural(count, "vertex"));
         let error = Error::new(gear.buffers.path, what, EXPORT_AGAIN);
         return Err(error.at(Location::Element("accessor", indices as u64)));
     }

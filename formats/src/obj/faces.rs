@@ -4,6 +4,7 @@ use super::statements::words;
 use crate::limits::check_room;
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::excerpt;
+use crate::words::plural;
 use crate::{Error, Location, Result, Soup};
 
 /// Reads face statements. Of a corner `1/2/3` it reads only the vertex number.
@@ -86,10 +87,11 @@ fn check_small(source: &Source) -> Result<()> {
 
 /// The error for a vertex number that no vertex has.
 fn out_of_range(source: &Source, line: u64, number: i64, count: u64) -> Error {
+    let vertices = plural(count, "vertex");
     let what = match number {
         0 => "has a face with vertex 0, but OBJ counts from 1".into(),
-        n if n < 0 => format!("has a face with vertex {n}, but only {count} vertices before it"),
-        n => format!("has a face with vertex {n}, but only {count} vertices"),
+        n if n < 0 => format!("has a face with vertex {n}, but only {vertices} before it"),
+        n => format!("has a face with vertex {n}, but only {vertices}"),
     };
     Error::new(&source.path, what, EXPORT_AGAIN).at(Location::Line(line))
 }

@@ -20,6 +20,7 @@ use self::rows::{CHANNELS, Ignored, Position, VertexNumbers};
 use crate::limits::check_room;
 use crate::points::Content;
 use crate::source::{EXPORT_AGAIN, Source};
+use crate::words::plural;
 use crate::{Error, Location, Result, Soup};
 
 /// Whether `head` is the beginning of a PLY file: a line with the single word `ply`. The free text
@@ -302,7 +303,8 @@ fn check_indices(body: &Body, header: &Header, soup: &Soup) -> Result<()> {
     let points = soup.points.len();
     for (i, polygon) in soup.polygons.iter().enumerate() {
         if let Some(&index) = polygon.iter().find(|&&c| c as usize >= points) {
-            let what = format!("has a face with vertex {index}, but only {points} vertices");
+            let what =
+                format!("has a face with vertex {index}, but only {}", plural(points, "vertex"));
             let error = Error::new(&body.source.path, what, EXPORT_AGAIN);
             // If faces were skipped or strips were unrolled, the numbers of faces differ from those
             // of the file.

@@ -11,6 +11,7 @@ use super::rows::VertexNumbers;
 use super::{Body, check_end, each_row, no_list, skip, vertex};
 use crate::points::{GridShape, Note, Order, PointsBuilder, ScanEnd, ScanGrid};
 use crate::source::EXPORT_AGAIN;
+use crate::words::plural;
 use crate::{Error, Location, Points, Result};
 
 const GRID: &str = "range_grid";
@@ -93,7 +94,11 @@ fn read_grid(body: &mut Body, element: &Element) -> Result<Vec<u32>> {
 fn check_grid(body: &Body, cells: &[u32], vertices: u64) -> Result<()> {
     let wrong = |&cell: &u32| cell != ScanGrid::EMPTY && u64::from(cell) >= vertices;
     let Some(i) = cells.iter().position(wrong) else { return Ok(()) };
-    let what = format!("has a range grid with vertex {}, but only {vertices} vertices", cells[i]);
+    let what = format!(
+        "has a range grid with vertex {}, but only {}",
+        cells[i],
+        plural(vertices, "vertex")
+    );
     let error = Error::new(&body.source.path, what, EXPORT_AGAIN);
     Err(error.at(Location::Element("cell", i as u64)))
 }

@@ -26,6 +26,7 @@ pub use options::ReadOptions;
 pub use read::{Content, PointFormat, read_content, read_points, read_points_from};
 
 use crate::LengthUnit;
+use crate::words::{grouped, plural};
 
 /// A cloud of points from one or several scans.
 ///
@@ -194,7 +195,12 @@ impl fmt::Display for Note {
             }
             Note::DecimalCommas => f.write_str("the numbers were read with decimal commas"),
             Note::CountDiffers { announced, found } => {
-                write!(f, "the file announces {announced} points, but has {found}")
+                write!(
+                    f,
+                    "the file announces {}, but has {}",
+                    plural(*announced, "point"),
+                    grouped(*found)
+                )
             }
             Note::LastLineCut => f.write_str("the last line was cut off and is left out"),
             Note::RecordsCut => {

@@ -57,4 +57,23 @@ impl ReadOptions {
     pub fn read_content(&self, path: &Path) -> Result<Content> {
         read::read(Source::open(path)?, self)
     }
+
+    /// Reads a mesh or a cloud from memory or any other stream, whichever it holds. Errors call it
+    /// `name`. Its content decides on the format, and the extension of `name` only where the content
+    /// does not tell it. A glTF file from a stream may not refer to other files.
+    ///
+    /// ```
+    /// use formats::{Content, points::ReadOptions};
+    ///
+    /// let text = std::io::Cursor::new("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    /// let content = ReadOptions::default().read_content_from("stdin".as_ref(), text)?;
+    /// assert!(matches!(content, Content::Mesh(soup) if soup.points.len() == 3));
+    /// # Ok::<(), formats::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// Those of [`ReadOptions::read_content`].
+    pub fn read_content_from(&self, name: &Path, content: impl Read + 'static) -> Result<Content> {
+        read::read(Source::new(name, content, None, None)?, self)
+    }
 }

@@ -188,6 +188,9 @@ fn recognise(source: &Source) -> Result<Option<PointFormat>> {
         };
         return Ok(Some(if is_pts { PointFormat::Pts } else { PointFormat::Text }));
     }
+    if extension.is_none() && crate::stl::begins_as_binary(head) {
+        return Ok(None);
+    }
     let unknown =
         || Error::new(&source.path, "is of no known format of meshes or points", READABLE);
     extension.ok_or_else(unknown).map(Some)

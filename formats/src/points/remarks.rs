@@ -1,6 +1,7 @@
 //! What a user should know about how a cloud was read, in words.
 
 use super::{Lost, Points};
+use crate::words::plural;
 
 impl Points {
     /// What was left out of the cloud, and what its reader decided: one sentence each, without a
@@ -20,20 +21,26 @@ impl Lost {
 
     fn remarks(&self) -> impl Iterator<Item = String> {
         let points = [
-            (self.not_finite, "points without finite coordinates are left out"),
-            (self.at_zero, "points at exactly 0 0 0, where the scanner saw nothing, are left out"),
-            (self.marked, "points that the file marks as invalid or withheld are left out"),
-            (self.noise, "points of the classes of noise, 7 and 18, are left out"),
-            (self.filtered, "points are left out because of the options"),
-            (self.unreadable_lines, "lines without a point are left out"),
-            (self.colours, "colours are not used"),
-            (self.intensities, "intensities are not used"),
+            (self.not_finite, ["left out", "point", " without finite coordinates"]),
+            (
+                self.at_zero,
+                ["left out", "point", " at exactly 0 0 0, where the scanner saw nothing"],
+            ),
+            (self.marked, ["left out", "point", " that the file marks as invalid or withheld"]),
+            (self.noise, ["left out", "point", " of the classes of noise, 7 and 18"]),
+            (self.filtered, ["left out", "point", " because of the options"]),
+            (self.unreadable_lines, ["left out", "line", " without a point"]),
+            (self.colours, ["not used", "colour", ""]),
+            (self.intensities, ["not used", "intensity value", ""]),
         ];
         let columns = match self.columns.as_slice() {
             [] => None,
-            columns => Some(format!("these columns are not used: {}", columns.join(", "))),
+            columns => Some(format!("not used: the columns {}", columns.join(", "))),
         };
         let counted = points.into_iter().filter(|(count, _)| *count > 0);
-        counted.map(|(count, what)| format!("{count} {what}")).chain(columns)
+        let remark = |(count, [fate, name, which]): (u64, [&str; 3])| {
+            format!("{fate}: {}{which}", plural(count, name))
+        };
+        counted.map(remark).chain(columns)
     }
 }

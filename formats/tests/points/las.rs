@@ -154,5 +154,5 @@ fn equal_points_beyond_the_bound_are_refused() {
     let mut whole = file(0, true, Vec::new());
     let count = (u32::MAX - 1).to_le_bytes();
     whole[107..111].copy_from_slice(&count);
-    refusal("scan.laz", whole, "announces 4294967294 points");
+    refusal("scan.laz", whole, "announces 4,294,967,294 points");
 }

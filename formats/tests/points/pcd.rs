@@ -128,7 +128,7 @@ fn contradictions_are_refused() {
         (("FIELDS x y z\n", ""), "no FIELDS line"),
         (("DATA ascii\n", "DATA zipped\n"), "unknown encoding"),
         (("POINTS 3", "POINTS three"), "three"),
-        (("POINTS 3", "POINTS 4000000000"), "ends after 3 of its 4000000000 points (point 3)"),
+        (("POINTS 3", "POINTS 4000000000"), "ends after 3 of its 4,000,000,000 points (point 3)"),
         (("POINTS 3", "POINTS 2"), "more data than its header announces (line 14)"),
         (("1 0 0\n", "1 0\n"), "has not 3 values (line 13)"),
         (("1 0 0\n", "1 0 zero\n"), "unreadable point \u{201c}1 0 zero\u{201d} (line 13)"),

@@ -88,7 +88,8 @@ fn gzip_that_was_converted_is_refused_by_cause() {
 #[test]
 fn stl_with_too_small_a_count_loses_nothing() {
     for (count, triangles) in [(0, 1), (0, 3), (1, 2), (5, 6), (2, 200)] {
-        let word = format!("declares {count} triangles, but its length is that of {triangles}");
+        let declared = formats::words::plural(count, "triangle");
+        let word = format!("declares {declared}, but its length is that of {triangles}");
         for file in [stl(count, triangles), gzip(&stl(count, triangles))] {
             let error = refusal("count.stl", file, &word);
             assert_eq!(error.place, Some(Location::Byte(80)));

@@ -58,7 +58,7 @@ fn contradictions_are_refused() {
         ("OFF\n1 1 0\n", "1 2 3\n3 0 0\n", "unreadable face \u{201c}3 0 0\u{201d} (line 4)"),
         ("OFF\n1 1 0\n", "1 2 3\n3 0 0 -1\n", "unreadable face"),
         ("OFF\n1 1 0\n", "1 2 3\n4000000000 0 0 0\n", "unreadable face"),
-        ("OFF\n1 1 0\n", "1 2 3\n3 0 0 1\n", "vertex 1, but only 1 vertices (line 4)"),
+        ("OFF\n1 1 0\n", "1 2 3\n3 0 0 1\n", "vertex 1, but only 1 vertex (line 4)"),
         ("OFF\n1 0 0\n", "1 2 3\n", "points but no faces"),
         ("OFF\n0 0 0\n", "", "neither points nor faces"),
         ("OFF BINARY\n", "", "binary OFF"),

@@ -32,6 +32,29 @@ fn a_stream_need_not_exist_under_its_name() {
     refused(from("nothing.obj", "", None), "is empty");
 }
 
+/// A binary STL has no mark and a stream no length. So its first triangles tell its format.
+#[test]
+fn a_binary_stl_needs_no_name() {
+    let mut stl = [b" ".repeat(80), vec![1, 0, 0, 0]].concat();
+    let numbers = [0.0, 0.0, 1.0, 0.0, 0.0, 5.0, 1e-3, 0.0, 5.0, 0.0, -2e3, 5.0_f32];
+    stl.extend(numbers.iter().flat_map(|x| x.to_le_bytes()));
+    stl.extend([7, 9]);
+    for content in [stl.clone(), seeds::gzip(&stl)] {
+        let soup = from("stdin", &content, None).unwrap_or_else(|e| panic!("{e}"));
+        assert!(!soup.polygons.is_empty());
+        let options = formats::points::ReadOptions::default();
+        let either = options.read_content_from("stdin".as_ref(), Cursor::new(content));
+        assert!(matches!(either, Ok(formats::Content::Mesh(same)) if same == soup));
+    }
+    // Small integers, as in another binary format.
+    let integers: Vec<u8> = (1..200_u32).flat_map(u32::to_le_bytes).collect();
+    refused(from("stdin", &integers, None), "not in a known mesh format");
+    // The coordinates are no numbers.
+    let mut noise = stl[..84].to_vec();
+    noise.extend([0xff; 50]);
+    refused(from("stdin", &noise, None), "not in a known mesh format");
+}
+
 const GLTF: &str = r#"{"asset": {"version": "2.0"}, "nodes": [{"mesh": 0}],
     "meshes": [{"primitives": [{"attributes": {"POSITION": 0}}]}],
     "buffers": [{"byteLength": 36, "uri": "zeros.bin"}],

@@ -4,6 +4,7 @@ use clap::Args;
 
 use super::choices::{Fit, Iges, Map, OutlineChoice, ShapeChoice, StepSchema};
 use super::colour::Colour;
+use super::headings::{ACCURACY, DETAILS, FILES, HOLES, RUN, SCAN, SHAPE};
 use super::numbers::{depth, extent, faces, max_net, net, percentage, positive, support};
 use super::pieces::{ComponentChoice, component};
 use crate::cli::places::NamedCorners;
@@ -12,73 +13,73 @@ use crate::cli::places::NamedCorners;
 #[derive(Debug, Args)]
 pub struct How {
     /// What becomes of the scan
-    #[arg(long, value_enum, default_value_t = ShapeChoice::Auto)]
+    #[arg(long, value_enum, default_value_t = ShapeChoice::Auto, help_heading = SHAPE)]
     pub shape: ShapeChoice,
     /// Cut handles and tunnels whose loop is not longer, in mm, and close them; 0 cuts none
     /// [default: a few edges]
-    #[arg(long, value_name = "LEN", value_parser = extent, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LEN", value_parser = extent, allow_hyphen_values = true, help_heading = SHAPE)]
     pub handles: Option<f64>,
     /// About how many faces a solid gets [default: as many as its shape needs]
-    #[arg(long, value_name = "N", value_parser = faces)]
+    #[arg(long, value_name = "N", value_parser = faces, help_heading = SHAPE)]
     pub faces: Option<usize>,
     /// Largest distance of a smoothed point from the face, in mm, and of the face from the
     /// scan's triangles, to which the error of flat triangles is added [default: three times
     /// the noise of the scan]
-    #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true, help_heading = ACCURACY)]
     pub tolerance: Option<f64>,
     /// Percentage of points that may exceed the tolerance
-    #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage, allow_hyphen_values = true)]
+    #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage, allow_hyphen_values = true, help_heading = ACCURACY)]
     pub outliers: f64,
     /// Largest distance of a trim loop from the measured rim, in mm; 0 follows every tooth
     /// [default: half of the scan's median edge at the rims, or the tolerance if that is larger;
     /// a named tolerance holds for loops, too]
-    #[arg(long, value_name = "LEN", value_parser = extent, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LEN", value_parser = extent, allow_hyphen_values = true, help_heading = ACCURACY)]
     pub rim_tolerance: Option<f64>,
     /// Where the outer boundary goes: the four sides of the surface, or a trim loop inside it,
     /// as for holes
-    #[arg(long, value_enum, default_value_t = OutlineChoice::Auto)]
+    #[arg(long, value_enum, default_value_t = OutlineChoice::Auto, help_heading = HOLES)]
     pub outline: OutlineChoice,
     /// Map of the scan to the parameter plane; mean values leave too little room for parts
     /// that stick out
-    #[arg(long, value_enum, default_value_t = Map::LeastStretch)]
+    #[arg(long, value_enum, default_value_t = Map::LeastStretch, help_heading = DETAILS)]
     pub map: Map,
     /// Where smoothing keeps a corner of the boundary: auto, none, or places as
     /// in --corners
-    #[arg(long, value_name = "LIST|auto|none", default_value = "auto", allow_hyphen_values = true)]
+    #[arg(long, value_name = "LIST|auto|none", default_value = "auto", allow_hyphen_values = true, help_heading = DETAILS)]
     pub boundary_corners: NamedCorners,
     /// Support of the smoothing, in mm, or auto, or off
-    #[arg(long, value_name = "LEN|auto|off", default_value = "auto", value_parser = support, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LEN|auto|off", default_value = "auto", value_parser = support, allow_hyphen_values = true, help_heading = ACCURACY)]
     pub smooth: scan2step::smooth::Support,
     /// Method of the fit
-    #[arg(long, value_enum, default_value_t = Fit::Refined)]
+    #[arg(long, value_enum, default_value_t = Fit::Refined, help_heading = DETAILS)]
     pub fit: Fit,
     /// Mean distance of a region, in mm, above which it gets more knots [default: from the
     /// tolerance]
-    #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true, help_heading = DETAILS)]
     pub kappa: Option<f64>,
     /// Largest number of times that the domain is halved [default: from the number of points]
-    #[arg(long, value_name = "N", value_parser = depth)]
+    #[arg(long, value_name = "N", value_parser = depth, help_heading = DETAILS)]
     pub depth: Option<u32>,
     /// A uniform control net, as 13x13; overrides --kappa and --depth
-    #[arg(long, value_name = "MxN", value_parser = net)]
+    #[arg(long, value_name = "MxN", value_parser = net, help_heading = DETAILS)]
     pub net: Option<[usize; 2]>,
     /// Largest number of control points of the face
-    #[arg(long, value_name = "N", default_value_t = 250_000, value_parser = max_net)]
+    #[arg(long, value_name = "N", default_value_t = 250_000, value_parser = max_net, help_heading = DETAILS)]
     pub max_net: usize,
     /// Fill holes whose rim is shorter than this, in mm, and cut out the others
-    #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true, conflicts_with = "keep_fills")]
+    #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true, conflicts_with = "keep_fills", help_heading = HOLES)]
     pub fill_only_holes_below: Option<f64>,
     /// Fill all holes, and cut none out
-    #[arg(long)]
+    #[arg(long, help_heading = HOLES)]
     pub keep_fills: bool,
     /// Component of the scan: largest, all, or a number (0 is the largest)
-    #[arg(long, value_name = "largest|all|N", default_value = "largest", value_parser = component)]
+    #[arg(long, value_name = "largest|all|N", default_value = "largest", value_parser = component, help_heading = SCAN)]
     pub component: ComponentChoice,
     /// STEP schema
-    #[arg(long, value_enum, default_value_t = StepSchema::Ap242)]
+    #[arg(long, value_enum, default_value_t = StepSchema::Ap242, help_heading = FILES)]
     pub schema: StepSchema,
     /// IGES form: trimmed surfaces (144) or a shell (514)
-    #[arg(long, value_enum, default_value_t = Iges::Trimmed)]
+    #[arg(long, value_enum, default_value_t = Iges::Trimmed, help_heading = FILES)]
     pub iges: Iges,
 }
 
@@ -86,19 +87,19 @@ pub struct How {
 #[derive(Debug, Args)]
 pub struct Manner {
     /// Threads [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = RUN)]
     pub threads: Option<u16>,
     /// Refuse a scan that may need more memory than this, as 4G; the estimate uses the
     /// counts of the scan and the largest net
-    #[arg(long, value_name = "SIZE")]
+    #[arg(long, value_name = "SIZE", help_heading = RUN)]
     pub max_memory: Option<bytesize::ByteSize>,
     /// Print errors only, and a note if a named tolerance is not met
-    #[arg(short, long, conflicts_with = "verbose")]
+    #[arg(short, long, conflicts_with = "verbose", help_heading = RUN)]
     pub quiet: bool,
     /// Colours in messages
-    #[arg(long, value_enum, default_value_t = Colour::Auto)]
+    #[arg(long, value_enum, default_value_t = Colour::Auto, help_heading = RUN)]
     pub color: Colour,
     /// Print more
-    #[arg(short, long)]
+    #[arg(short, long, help_heading = RUN)]
     pub verbose: bool,
 }

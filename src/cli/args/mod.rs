@@ -3,38 +3,38 @@
 mod choices;
 mod colour;
 mod files;
+pub mod headings;
 mod how;
 mod numbers;
 mod pieces;
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueHint};
 use scan2step::mesh::Choice;
 
 pub use choices::{Fit, Iges, Map, Origin, OutlineChoice, ShapeChoice, StepSchema, Steps};
 pub use colour::Colour;
-pub use files::{CadFile, CadKind, cad_file};
+pub use files::{CadFile, CadKind, cad_file, report_file};
 pub use how::{How, Manner};
 pub use pieces::{CloudArgs, ComponentChoice, CropArgs, Look, Piece, Scale};
 
 use super::batch::args::Batch;
 use super::cad::part_name;
 use super::manual::{Completions, Man};
+use super::notes;
 use super::places::Places;
 use super::report::ReportFile;
-use files::report_file;
+use super::streams::{DASH, is_stdout};
+use files::{InputFile, input_file};
+use headings::{ACCURACY, DETAILS, FILES, RUN, SCAN};
 use numbers::{percentage, positive};
 use pieces::{component, one_component};
 
 /// Turns 3D scans into B-spline faces, shells and solids in STEP and IGES.
 #[derive(Debug, Parser)]
 #[command(version, about, max_term_width = 100)]
-#[command(after_help = "Examples:\n  scan2step inspect fender.ply\n  \
-    scan2step convert fender.ply fender.step --report fender.html\n  \
-    scan2step check fender.step fender.ply --tolerance 0.5\n  \
-    scan2step batch scans/ --out cad/\n\n\
-    Each command has --help with examples of its own.")]
+#[command(after_help = notes::PROGRAM.help())]
 pub struct Cli {
     #[command(subcommand)]
     pub command: Command,
@@ -69,20 +69,18 @@ pub enum Command {
     /// Print the manual page, or write the pages of all commands.
     Man(Man),
     /// Print the licences of the program and of the packages that are linked into it.
-    #[command(visible_alias = "licenses", after_help = "Examples:\n  scan2step licences | less")]
+    #[command(visible_alias = "licenses", after_help = notes::LICENCES.help())]
     Licences,
 }
 
 /// Options of `inspect`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  scan2step inspect fender.ply\n  \
-    scan2step inspect relief.obj.gz --units in --json\n\n\
-    Exit codes: 0 done, 1 failed, 2 usage.")]
+#[command(after_help = notes::INSPECT.help())]
 pub struct Inspect {
     #[command(flatten)]
     pub piece: Piece,
     /// Component of the scan: largest, or a number (0 is the largest)
-    #[arg(long, value_name = "largest|N", default_value = "largest", value_parser = one_component)]
+    #[arg(long, value_name = "largest|N", default_value = "largest", value_parser = one_component, help_heading = SCAN)]
     pub component: Choice,
     #[command(flatten)]
     pub look: Look,
@@ -90,25 +88,23 @@ pub struct Inspect {
 
 /// Options of `check`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  scan2step check fender.step fender.ply\n  \
-    scan2step check relief.igs relief.obj --units in --tolerance 0.1 --outliers 1 --json\n\n\
-    Exit codes: 0 all that was asked holds, 1 failed, 2 usage,\n\
-    3 the tolerance is not met.")]
+#[command(after_help = notes::CHECK.help())]
 pub struct Check {
-    /// The CAD file: STEP or IGES
-    pub cad: PathBuf,
+    /// The CAD file: STEP or IGES, or - for standard input
+    #[arg(value_parser = input_file(), value_hint = ValueHint::FilePath)]
+    pub cad: InputFile,
     #[command(flatten)]
     pub piece: Piece,
     /// Largest distance of a point of the scan from the faces, and of a sample of the faces
     /// from the scan, in mm
-    #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true, help_heading = ACCURACY)]
     pub tolerance: Option<f64>,
     /// Percentage of points, and of samples, that may exceed the tolerance
-    #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage, allow_hyphen_values = true)]
+    #[arg(long, value_name = "PCT", default_value_t = 0.0, value_parser = percentage, allow_hyphen_values = true, help_heading = ACCURACY)]
     pub outliers: f64,
     /// Components of the scan that the faces are measured against: largest, all, or a number
     /// (0 is the largest), as for `convert`
-    #[arg(long, value_name = "largest|all|N", default_value = "largest", value_parser = component)]
+    #[arg(long, value_name = "largest|all|N", default_value = "largest", value_parser = component, help_heading = SCAN)]
     pub component: ComponentChoice,
     #[command(flatten)]
     pub look: Look,
@@ -116,51 +112,60 @@ pub struct Check {
 
 /// Options of `convert`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  scan2step convert fender.ply fender.step\n  \
-    scan2step convert relief.obj relief.stp relief.igs --units in --tolerance 0.05\n  \
-    scan2step convert face.glb face.step --report face.html --report face.png\n\n\
-    Exit codes: 0 all that was asked holds, 1 failed (nothing written), 2 usage,\n\
-    3 files written but a named tolerance is not met.")]
+#[command(after_help = notes::CONVERT.help())]
 pub struct Convert {
     #[command(flatten)]
     pub piece: Piece,
-    /// CAD files to write: .step, .stp, .igs or .iges [default: the scan's name with .step]
+    /// CAD files to write: .step, .stp, .igs or .iges, or - for standard output [default: the
+    /// scan's name with .step; - if the scan is -]
     #[arg(value_name = "OUT", value_parser = cad_file)]
     pub out: Vec<CadFile>,
+    /// Format of the output if no extension gives it [default: step]
+    #[arg(long, value_enum, value_name = "FORMAT", help_heading = FILES)]
+    pub to: Option<CadKind>,
     /// Refuse to replace a file that exists
-    #[arg(long)]
+    #[arg(long, help_heading = FILES)]
     pub no_clobber: bool,
-
-    /// Corners of the domain: four vertex indices of the scan (V0,V1,V2,V3),
-    /// or four points in the scan's numbers (x,y,z;x,y,z;…) [default: found]
-    #[arg(long, value_name = "LIST", allow_hyphen_values = true)]
-    pub corners: Option<Places>,
     /// Write a report: figures (.json), a page with the scan to turn (.html), or a
-    /// picture (.png); can be given more than once
-    #[arg(long, value_name = "FILE", value_parser = report_file)]
+    /// picture (.png), or - for JSON on standard output; can be given more than once
+    #[arg(long, value_name = "FILE", value_parser = report_file, help_heading = FILES)]
     pub report: Vec<ReportFile>,
     /// Write each stage's mesh into this folder
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", help_heading = FILES)]
     pub stages: Option<PathBuf>,
-    /// How standard error shows how far the run has come
-    #[arg(long, value_enum, default_value_t = Steps::Bar)]
-    pub progress: Steps,
     #[command(flatten)]
     pub how: How,
+    /// Corners of the domain: four vertex indices of the scan (V0,V1,V2,V3),
+    /// or four points in the scan's numbers (x,y,z;x,y,z;…) [default: found]
+    #[arg(long, value_name = "LIST", allow_hyphen_values = true, help_heading = DETAILS)]
+    pub corners: Option<Places>,
+    /// How standard error shows how far the run has come
+    #[arg(long, value_enum, default_value_t = Steps::Bar, help_heading = RUN)]
+    pub progress: Steps,
     #[command(flatten)]
     pub manner: Manner,
+}
+
+impl Convert {
+    /// Names the output if the user did not, and gives standard output its format.
+    fn complete(&mut self) {
+        let kind = self.to.unwrap_or(CadKind::Step);
+        if self.out.is_empty() {
+            let scan = &self.piece.scan;
+            let name = format!("{}.{}", part_name(&scan.name), kind.extension());
+            let path = if scan.is_stdin { DASH.into() } else { scan.name.with_file_name(name) };
+            self.out.push(CadFile { path, kind });
+        }
+        self.out.iter_mut().filter(|file| is_stdout(&file.path)).for_each(|file| file.kind = kind);
+    }
 }
 
 impl Command {
     /// The same with what follows from other arguments.
     #[must_use]
     pub fn completed(mut self) -> Self {
-        if let Command::Convert(convert) = &mut self
-            && convert.out.is_empty()
-        {
-            let name = format!("{}.step", part_name(&convert.piece.scan));
-            let path = convert.piece.scan.with_file_name(name);
-            convert.out.push(CadFile { path, kind: CadKind::Step });
+        if let Command::Convert(convert) = &mut self {
+            convert.complete();
         }
         self
     }

@@ -20,7 +20,10 @@ fn sound<T: FromStr + Copy>(
 }
 
 fn number<T: FromStr>(text: &str) -> Result<T, String> {
-    text.trim().parse().map_err(|_| "not a number".into())
+    text.trim().parse().map_err(|_| match text.contains(',') {
+        true => "not a number; write a decimal point, as 0.2".into(),
+        false => "not a number".into(),
+    })
 }
 
 /// A length above 0, in mm or with a unit.

@@ -1,14 +1,14 @@
 //! Options that choose a scan and its components.
 
-use std::path::PathBuf;
-
-use clap::Args;
+use clap::{Args, ValueHint};
 use formats::points::ReadOptions;
 use scan2step::mesh::{Choice, Components, Outer};
 use scan2step::{Builder, Options};
 
 use super::choices::{Origin, Unit};
 use super::colour::Colour;
+use super::files::{InputFile, input_file};
+use super::headings::{CLOUD, RUN, SCAN};
 use super::numbers::{max_points, positive};
 use crate::cli::places::Place;
 
@@ -16,7 +16,7 @@ use crate::cli::places::Place;
 #[derive(Debug, Args)]
 pub struct Scale {
     /// Unit of the scan's numbers [default: metres for glTF, else mm]
-    #[arg(long, value_name = "UNIT")]
+    #[arg(long, value_name = "UNIT", help_heading = SCAN)]
     pub units: Option<Unit>,
 }
 
@@ -25,24 +25,24 @@ pub struct Scale {
 pub struct CloudArgs {
     /// Thin a cloud of points to this distance between neighbours, in mm [default: to what its
     /// noise lets one tell]
-    #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true)]
+    #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true, help_heading = CLOUD)]
     pub spacing: Option<f64>,
     /// Take at most so many points of a cloud, spread evenly [default: all]
-    #[arg(long, value_name = "N", value_parser = max_points)]
+    #[arg(long, value_name = "N", value_parser = max_points, help_heading = CLOUD)]
     pub max_points: Option<usize>,
     /// Take one scan of a cloud with several, counted from 0; `inspect` lists them [default: all
     /// together]
-    #[arg(long = "scan", value_name = "N")]
+    #[arg(long = "scan", value_name = "N", help_heading = CLOUD)]
     pub scan_number: Option<usize>,
     /// Take only the points of these classes of a LAS or LAZ file, as 2,6 [default: all but
     /// noise, 7 and 18]
-    #[arg(long = "class", value_name = "LIST", value_delimiter = ',')]
+    #[arg(long = "class", value_name = "LIST", value_delimiter = ',', help_heading = CLOUD)]
     pub classes: Vec<u8>,
     /// Take only points with at least this intensity, in the numbers of a LAS, LAZ or E57 file
-    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true)]
+    #[arg(long, value_name = "NUMBER", allow_hyphen_values = true, help_heading = CLOUD)]
     pub min_intensity: Option<f64>,
     /// Where the result lies if a cloud is far from zero: near zero, or where the cloud is
-    #[arg(long, value_enum, default_value_t = Origin::Local)]
+    #[arg(long, value_enum, default_value_t = Origin::Local, help_heading = CLOUD)]
     pub origin: Origin,
 }
 
@@ -50,13 +50,13 @@ pub struct CloudArgs {
 #[derive(Debug, Args)]
 pub struct CropArgs {
     /// Leave out what is outside of a box between two places in the scan's numbers, as 0,0,0;10,10,5
-    #[arg(long = "box", value_name = "x,y,z;x,y,z", value_parser = corners, allow_hyphen_values = true)]
+    #[arg(long = "box", value_name = "x,y,z;x,y,z", value_parser = corners, allow_hyphen_values = true, help_heading = SCAN)]
     pub within: Option<[[f64; 3]; 2]>,
     /// Leave out what is not above a plane: a x + b y + c z > d in the scan's numbers, as 0,0,1,2.5
-    #[arg(long, value_name = "a,b,c,d", value_parser = plane, allow_hyphen_values = true)]
+    #[arg(long, value_name = "a,b,c,d", value_parser = plane, allow_hyphen_values = true, help_heading = SCAN)]
     pub above: Option<[f64; 4]>,
     /// Leave out the largest plane that has the rest of the scan on one side: the turntable
-    #[arg(long)]
+    #[arg(long, help_heading = SCAN)]
     pub remove_plane: bool,
 }
 
@@ -80,8 +80,9 @@ fn plane(text: &str) -> Result<[f64; 4], String> {
 /// The scan and its outer boundary.
 #[derive(Debug, Args)]
 pub struct Piece {
-    /// The scan.
-    pub scan: PathBuf,
+    /// The scan, or - for standard input
+    #[arg(value_parser = input_file(), value_hint = ValueHint::FilePath)]
+    pub scan: InputFile,
     #[command(flatten)]
     pub scale: Scale,
     #[command(flatten)]
@@ -90,7 +91,7 @@ pub struct Piece {
     pub cloud: CloudArgs,
     /// A place on the outer boundary loop: a vertex index, counted from 0, or a point in the
     /// scan's numbers [default: the longest loop that does not run around a hole]
-    #[arg(long, value_name = "V|x,y,z", allow_hyphen_values = true)]
+    #[arg(long, value_name = "V|x,y,z", allow_hyphen_values = true, help_heading = SCAN)]
     pub outer: Option<Place>,
 }
 
@@ -98,13 +99,13 @@ pub struct Piece {
 #[derive(Debug, Args)]
 pub struct Look {
     /// Print one JSON object; lengths are mm
-    #[arg(long)]
+    #[arg(long, help_heading = RUN)]
     pub json: bool,
     /// Threads [default: all cores]
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024), help_heading = RUN)]
     pub threads: Option<u16>,
     /// Colours in messages
-    #[arg(long, value_enum, default_value_t = Colour::Auto)]
+    #[arg(long, value_enum, default_value_t = Colour::Auto, help_heading = RUN)]
     pub color: Colour,
 }
 

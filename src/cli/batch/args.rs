@@ -4,39 +4,37 @@ use std::path::PathBuf;
 
 use clap::{ArgMatches, Args, Command, ValueEnum, parser::ValueSource};
 
+use crate::cli::args::headings::{FILES, RUN};
 use crate::cli::args::{CloudArgs, CropArgs, How, Manner, Scale};
+use crate::cli::notes;
 use crate::cli::report::ReportFormat;
 
 /// Options of `batch`.
 #[derive(Debug, Args)]
-#[command(after_help = "Examples:\n  scan2step batch scans/ --out cad/\n  \
-    scan2step batch 'scans/**/*.ply' --out cad/ --format both --report html --tolerance 0.1\n  \
-    scan2step batch scans/ --out cad/ --shard $SLURM_ARRAY_TASK_ID/16\n\n\
-    Exit codes: 0 all that was asked holds, 1 a scan failed, 2 usage,\n\
-    3 all files written, but a named tolerance is not met.")]
+#[command(after_help = notes::BATCH.help())]
 pub struct Batch {
     /// Folders with scans, patterns ('scans/**/*.ply'), or scans.
     #[arg(required = true, value_name = "DIR|GLOB")]
     pub scans: Vec<PathBuf>,
     /// Folder for the CAD files, reports and summaries; it is made if it does not exist
-    #[arg(long, value_name = "DIR")]
+    #[arg(long, value_name = "DIR", help_heading = FILES)]
     pub out: PathBuf,
     /// Format of the CAD files
-    #[arg(long, value_enum, default_value_t = Formats::Step)]
+    #[arg(long, value_enum, default_value_t = Formats::Step, help_heading = FILES)]
     pub format: Formats,
     /// Also write reports: html, json or png, or several (html,png)
-    #[arg(long, value_enum, value_name = "KIND", value_delimiter = ',')]
+    #[arg(long, value_enum, value_name = "KIND", value_delimiter = ',', help_heading = FILES)]
     pub report: Vec<ReportFormat>,
     /// Convert a part of the scans: 3/16 is the third of sixteen parts, which can run at the
     /// same time
-    #[arg(long, value_name = "K/N", value_parser = shard)]
+    #[arg(long, value_name = "K/N", value_parser = shard, help_heading = RUN)]
     pub shard: Option<Shard>,
     /// Convert again what an earlier run has converted
-    #[arg(long)]
+    #[arg(long, help_heading = RUN)]
     pub force: bool,
     /// Number of scans at the same time; they share the cores evenly, unless --threads gives
     /// the threads of each
-    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256))]
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u16).range(1..=256), help_heading = RUN)]
     pub jobs: u16,
     #[command(flatten)]
     pub scale: Scale,
@@ -94,6 +92,7 @@ fn shard(text: &str) -> Result<Shard, String> {
 /// The options of `batch` that are passed on to every `convert`.
 pub fn passed_on(matches: &ArgMatches) -> Vec<String> {
     let of_scan = CloudArgs::augment_args(Scale::augment_args(Command::new("shared")));
+    let of_scan = CropArgs::augment_args(of_scan);
     let shared = How::augment_args(of_scan);
     let mut options = Vec::new();
     for option in shared.get_arguments() {

@@ -11,23 +11,26 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 
 use clap::{ArgMatches, ValueEnum};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use scan2step::words::plural;
 
 use super::{Failure, Outcome, output, streams, temp_files};
 use args::Batch;
 use job::Job;
 use record::Record;
-use scans::Scan;
+use scans::{Scan, UnusedFile};
 use summary::{Row, Status};
 
 /// Finds the scans, converts those that need it, and writes the summaries.
 pub fn run(args: &Batch, matches: &ArgMatches) -> Result<Outcome, Failure> {
     let folder = args.out.join(record::FOLDER);
-    let scans = scans::find(&args.scans, &args.out)?;
-    temp_files::folder(&folder).map_err(|e| output::failed(&folder, e))?;
+    let (scans, left_out) = scans::find(&args.scans, &args.out)?;
+    // The user named the folder that holds it.
+    temp_files::folder(&folder).map_err(|e| output::failed(&args.out, e))?;
     let job = job(args, matches)?;
     let mine: Vec<usize> =
         (0..scans.len()).filter(|&k| args.shard.is_none_or(|shard| shard.has(k))).collect();
     let voice = Voice::new(args, mine.len());
+    voice.say_left_out(&left_out);
     let next = AtomicUsize::new(0);
     let done: Mutex<Vec<Option<Row>>> = Mutex::new(scans.iter().map(|_| None).collect());
     std::thread::scope(|scope| {
@@ -44,7 +47,8 @@ pub fn run(args: &Batch, matches: &ArgMatches) -> Result<Outcome, Failure> {
         }
     });
     voice.bar.finish_and_clear();
-    let rows = summary::write(&args.out, &scans, done.into_inner().unwrap_or_default())?;
+    let done = done.into_inner().unwrap_or_default();
+    let rows = summary::write(&args.out, &scans, done, &left_out)?;
     if !args.manner.quiet {
         streams::print(summary::table(&rows).as_bytes())?;
     }
@@ -88,6 +92,9 @@ fn job(args: &Batch, matches: &ArgMatches) -> Result<Job, Failure> {
     Ok(Job { memory, program, out: args.out.clone(), cad, reports, options, fingerprint, threads })
 }
 
+/// The number of files left out that have a line of their own, so that they fit on a screen.
+const LISTED: usize = 10;
+
 /// The messages about each scan.
 struct Voice {
     bar: ProgressBar,
@@ -108,6 +115,23 @@ impl Voice {
         Voice { bar, quiet, verbose: args.manner.verbose }
     }
 
+    /// Names files that are not converted, with the reason.
+    fn say_left_out(&self, left_out: &[UnusedFile]) {
+        if self.quiet {
+            return;
+        }
+        let most = if self.verbose { left_out.len() } else { LISTED };
+        self.bar.suspend(|| {
+            for UnusedFile { file, reason } in left_out.iter().take(most) {
+                streams::say(format_args!("left out: {file} {reason}"));
+            }
+            if left_out.len() > most {
+                let rest = plural(left_out.len() - most, "other file");
+                streams::say(format_args!("left out: {rest}; summary.json names all"));
+            }
+        });
+    }
+
     /// Prints the status of a scan. A quiet run prints errors only.
     fn say(&self, row: &Row) {
         self.bar.inc(1);
@@ -117,7 +141,11 @@ impl Voice {
             if !self.quiet {
                 let seconds = record.map_or(0.0, |r| r.seconds);
                 let (name, file) = (row.status.name(), row.scan.path.display());
-                streams::say(format_args!("[{place}/{of}] {name:7} {seconds:7.1} s  {file}"));
+                let why = match row.status {
+                    Status::Skipped => " (converted earlier; --force converts it again)",
+                    _ => "",
+                };
+                streams::say(format_args!("[{place}/{of}] {name:7} {seconds:7.1} s  {file}{why}"));
             }
             let failed = row.status == Status::Failed;
             if let Some(error) = record.and_then(|r| r.error.as_ref()) {
@@ -127,7 +155,7 @@ impl Voice {
             if let Some(help) = record.and_then(|r| r.help.as_ref()) {
                 streams::say(format_args!("help: {help}"));
             }
-            if self.verbose {
+            if self.verbose || !self.quiet && row.status != Status::Skipped {
                 record
                     .iter()
                     .flat_map(|r| &r.hints)

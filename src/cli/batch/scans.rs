@@ -4,9 +4,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 
 use formats::{Format, PointFormat};
+use serde::Serialize;
 use walkdir::WalkDir;
 
 use crate::cli::Failure;
+use crate::cli::args::{cad_file, report_file};
 use crate::cli::cad::part_name;
 
 /// A scan of a batch.
@@ -22,28 +24,62 @@ pub struct Scan {
 /// The paths of scans by their places on the disk, in the order of the places.
 type Found = BTreeMap<PathBuf, PathBuf>;
 
-/// All scans that the arguments name, sorted. Their names include the folders below the one
-/// that all arguments share.
-pub fn find(arguments: &[PathBuf], out: &Path) -> Result<Vec<Scan>, Failure> {
-    let mut found = Found::new();
+/// What a search finds in folders and among the matches of patterns.
+#[derive(Default)]
+struct ScanSearch {
+    found: Found,
+    left_out: Vec<UnusedFile>,
+}
+
+/// A file that is not converted, and why.
+#[derive(Debug, Clone, Serialize)]
+pub struct UnusedFile {
+    pub file: String,
+    pub reason: &'static str,
+}
+
+impl ScanSearch {
+    /// Notes a file that is left out. CAD files, reports and summaries are not noted, because they are
+    /// often beside their scans.
+    fn leave_out(&mut self, path: &Path) {
+        let reason = match has_scan_name(path) {
+            true => "is not an ordinary file",
+            false if is_output(path) => return,
+            false => "has not the extension of a scan",
+        };
+        self.left_out.push(UnusedFile { file: path.display().to_string(), reason });
+    }
+}
+
+/// All scans that the arguments name, sorted, and the files that are left out. The names of scans
+/// include the folders below the one that all arguments share.
+pub fn find(arguments: &[PathBuf], out: &Path) -> Result<(Vec<Scan>, Vec<UnusedFile>), Failure> {
+    let mut search = ScanSearch::default();
     let mut roots = Vec::new();
     for argument in arguments {
-        let (root, paths) = expanded(argument)?;
+        let (root, paths) = expanded(argument, &mut search)?;
         roots.push(place(&root)?);
         for path in paths {
             if path.is_dir() {
-                walk(&path, out, &mut found)?;
+                walk(&path, out, &mut search)?;
             } else {
-                found.entry(place_of_file(&path)?).or_insert(path);
+                search.found.entry(place_of_file(&path)?).or_insert(path);
             }
         }
     }
+    let ScanSearch { found, mut left_out } = search;
+    left_out.sort_by(|a, b| a.file.cmp(&b.file));
+    left_out.dedup_by(|a, b| a.file == b.file);
     if found.is_empty() {
         let all: Vec<_> = arguments.iter().map(|a| a.display().to_string()).collect();
-        return Err(failure(&all.join(", "), "no scan found"));
+        let what = match left_out.as_slice() {
+            [] => "no scan found".to_owned(),
+            [first, ..] => format!("no scan found; {} {}", first.file, first.reason),
+        };
+        return Err(failure(&all.join(", "), &what));
     }
     let base = roots.into_iter().reduce(|a, b| common(&a, &b)).unwrap_or_default();
-    Ok(named(found, &base))
+    Ok((named(found, &base), left_out))
 }
 
 fn failure(of: &str, what: &str) -> Failure {
@@ -52,7 +88,7 @@ fn failure(of: &str, what: &str) -> Failure {
 }
 
 /// The folder from which an argument's names are counted, and the paths that it stands for.
-fn expanded(argument: &Path) -> Result<(PathBuf, Vec<PathBuf>), Failure> {
+fn expanded(argument: &Path, search: &mut ScanSearch) -> Result<(PathBuf, Vec<PathBuf>), Failure> {
     let fail = |what: &str| failure(&argument.display().to_string(), what);
     let text = argument.to_string_lossy();
     let is_pattern = |text: &str| text.contains(['*', '?', '[']);
@@ -63,7 +99,13 @@ fn expanded(argument: &Path) -> Result<(PathBuf, Vec<PathBuf>), Failure> {
         let matches = glob::glob(&text).map_err(|e| fail(&format!("is no pattern: {e}")))?;
         let matches: Result<Vec<_>, _> = matches.collect();
         let mut matches = matches.map_err(|e| fail(&e.to_string()))?;
-        matches.retain(|path| path.is_dir() || is_scan(path));
+        matches.retain(|path| {
+            let is_taken = path.is_dir() || is_scan(path);
+            if !is_taken {
+                search.leave_out(path);
+            }
+            is_taken
+        });
         let plain =
             argument.components().take_while(|c| !is_pattern(&c.as_os_str().to_string_lossy()));
         return Ok((plain.collect(), matches));
@@ -82,6 +124,12 @@ fn is_summary(path: &Path, out: Option<&Path>) -> bool {
     path.file_name() == Some("summary.csv".as_ref()) && out.is_some() && folder.as_deref() == out
 }
 
+/// Whether a file has the extension of an output: a CAD file, a report or a summary.
+fn is_output(path: &Path) -> bool {
+    let name = path.to_string_lossy();
+    cad_file(&name).is_ok() || report_file(&name).is_ok()
+}
+
 /// Whether a file has the extension of a mesh or of a cloud of points.
 fn has_scan_name(path: &Path) -> bool {
     Format::by_extension(path).is_some() || PointFormat::by_extension(path).is_some()
@@ -95,7 +143,7 @@ fn is_scan(path: &Path) -> bool {
 
 /// Finds the scans in a folder and its subfolders. Hidden folders and the output folder are left
 /// out.
-fn walk(folder: &Path, out: &Path, found: &mut Found) -> Result<(), Failure> {
+fn walk(folder: &Path, out: &Path, search: &mut ScanSearch) -> Result<(), Failure> {
     let out = out.canonicalize().ok();
     let entries = WalkDir::new(folder).follow_links(true).into_iter().filter_entry(|entry| {
         let hidden = entry.depth() > 0 && entry.file_name().to_string_lossy().starts_with('.');
@@ -109,15 +157,21 @@ fn walk(folder: &Path, out: &Path, found: &mut Found) -> Result<(), Failure> {
     for entry in entries {
         let path = match entry {
             Ok(entry) if entry.file_type().is_file() => entry.into_path(),
-            Ok(_) => continue,
+            Ok(entry) if entry.file_type().is_dir() => continue,
+            Ok(entry) => {
+                search.leave_out(entry.path());
+                continue;
+            }
             // A broken link with the extension of a scan fails later, by itself.
             Err(e) => match e.path().filter(|path| path.is_symlink()) {
                 Some(path) => path.to_owned(),
                 None => return Err(failure(&folder.display().to_string(), &e.to_string())),
             },
         };
-        if has_scan_name(&path) && !is_summary(&path, out.as_deref()) {
-            found.entry(place_of_file(&path)?).or_insert(path);
+        if !has_scan_name(&path) {
+            search.leave_out(&path);
+        } else if !is_summary(&path, out.as_deref()) {
+            search.found.entry(place_of_file(&path)?).or_insert(path);
         }
     }
     Ok(())

@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::Write;
 use std::path::Path;
 
+use scan2step::words::{plural, significant};
 use serde::Serialize;
 use serde_json::json;
 use tabled::builder::Builder;
@@ -11,7 +12,7 @@ use tabled::settings::object::Columns;
 use tabled::settings::{Alignment, Style};
 
 use super::record::{FOLDER, Record};
-use super::scans::Scan;
+use super::scans::{Scan, UnusedFile};
 use crate::cli::output::{self, Pending};
 use crate::cli::streams;
 
@@ -65,6 +66,7 @@ pub fn write(
     out: &Path,
     scans: &[Scan],
     done: Vec<Option<Row>>,
+    left_out: &[UnusedFile],
 ) -> Result<Vec<Row>, formats::Error> {
     let path = out.join(FOLDER).join("lock");
     let lock = File::create(&path).map_err(|e| output::failed(&path, e))?;
@@ -86,7 +88,7 @@ pub fn write(
     let rows: Vec<Row> = scans.iter().zip(done).map(row).collect();
     let csv = output::write(&out.join("summary.csv"), |to| csv(&rows, to))?;
     let json = output::write(&out.join("summary.json"), |to| {
-        serde_json::to_writer_pretty(&mut *to, &as_json(&rows))?;
+        serde_json::to_writer_pretty(&mut *to, &as_json(&rows, left_out))?;
         writeln!(to)
     })?;
     Pending::publish(vec![csv, json])?;
@@ -101,7 +103,7 @@ pub fn count(rows: &[Row], status: Status) -> usize {
 const ALL: [Status; 5] =
     [Status::Ok, Status::Missed, Status::Failed, Status::Skipped, Status::Pending];
 
-fn as_json(rows: &[Row]) -> serde_json::Value {
+fn as_json(rows: &[Row], left_out: &[UnusedFile]) -> serde_json::Value {
     let counts = ALL.map(|status| (status.name().to_owned(), json!(count(rows, status))));
     let scans = rows.iter().map(|row| {
         let r = row.record.as_ref();
@@ -128,6 +130,7 @@ fn as_json(rows: &[Row]) -> serde_json::Value {
         "scan2step": env!("CARGO_PKG_VERSION"),
         "counts": counts.into_iter().collect::<serde_json::Map<_, _>>(),
         "scans": scans.collect::<Vec<_>>(),
+        "left_out": left_out,
     })
 }
 
@@ -158,6 +161,8 @@ fn csv(rows: &[Row], to: &mut dyn Write) -> std::io::Result<()> {
         "holes",
         "error",
         "outputs",
+        "help",
+        "hints",
     ])?;
     for row in rows {
         let r = row.record.as_ref();
@@ -178,42 +183,29 @@ fn csv(rows: &[Row], to: &mut dyn Write) -> std::io::Result<()> {
             number(f.and_then(|f| f.holes)),
             number(r.and_then(|r| r.error.as_ref())),
             outputs.collect::<Vec<_>>().join(";"),
+            number(r.and_then(|r| r.help.as_ref())),
+            r.map_or(String::new(), |r| r.hints.join("; ")),
         ])?;
     }
     csv.flush()
 }
 
-/// The table for people.
+/// The table for people. It has what fits on a terminal of 80 columns beside a short path; the
+/// other figures are in the summaries.
 pub fn table(rows: &[Row]) -> String {
     let mut table = Builder::default();
-    table.push_record([
-        "scan",
-        "status",
-        "exit",
-        "seconds",
-        "shape",
-        "faces",
-        "net",
-        "rms mm",
-        "max mm",
-        "tolerance",
-        "holes",
-    ]);
+    table.push_record(["scan", "status", "seconds", "made", "rms mm", "max mm", "holes"]);
     for row in rows {
         let r = row.record.as_ref();
         let f = r.map(|r| &r.figures);
-        let length = |x: Option<f64>| x.map_or(String::new(), |x| format!("{x:.4}"));
+        let length = |x: Option<f64>| x.map_or(String::new(), significant);
         table.push_record([
             row.scan.path.display().to_string(),
             row.status.name().into(),
-            number(r.map(|r| r.exit_code)),
             r.map_or(String::new(), |r| format!("{:.1}", r.seconds)),
-            number(f.and_then(|f| f.shape.as_ref())),
-            number(f.and_then(|f| f.faces)),
-            nets(r),
+            made(r),
             length(f.and_then(|f| f.rms_mm)),
             length(f.and_then(|f| f.max_mm)),
-            length(f.and_then(|f| f.tolerance_mm)),
             number(f.and_then(|f| f.holes)),
         ]);
     }
@@ -222,4 +214,16 @@ pub fn table(rows: &[Row]) -> String {
     let counts = ALL.into_iter().filter(|&status| count(rows, status) > 0);
     let counts = counts.map(|status| format!("{} {}", count(rows, status), status.name()));
     format!("{table}\n{}\n", counts.collect::<Vec<_>>().join(", "))
+}
+
+/// What a scan became: "face 40x52", "solid of 22".
+fn made(record: Option<&Record>) -> String {
+    let Some(figures) = record.map(|record| &record.figures) else { return String::new() };
+    match (&figures.shape, figures.net.as_slice(), figures.faces) {
+        (Some(shape), [[m, n]], _) => format!("{shape} {m}x{n}"),
+        (Some(shape), [], Some(faces)) => format!("{shape} of {faces}"),
+        (Some(shape), [], None) => shape.clone(),
+        (Some(_), _, _) => plural(figures.net.len(), "face"),
+        (None, ..) => String::new(),
+    }
 }

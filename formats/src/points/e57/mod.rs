@@ -16,6 +16,7 @@ use self::fields::{Fields, Reading};
 use self::grid::GridIndices;
 use super::{LeftOut, Note, Points, PointsBuilder, Pose, ReadOptions, ScanEnd};
 use crate::source::{EXPORT_AGAIN, Source};
+use crate::words::plural;
 use crate::{Error, LengthUnit, Location, Result};
 
 /// The first bytes of every file.
@@ -87,7 +88,7 @@ fn check_records(source: &Source, scans: &[PointCloud], length: u64) -> Result<(
         }
         bits += record * u128::from(scan.records);
         if bits > 8 * u128::from(length) {
-            let what = format!("announces {} points that are not there", scan.records);
+            let what = format!("announces {} that are not there", plural(scan.records, "point"));
             return Err(Error::new(&source.path, what, EXPORT_AGAIN).at(place));
         }
     }

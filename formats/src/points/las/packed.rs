@@ -18,6 +18,7 @@ use laz::{DecompressionSelection, LazItem, LazItemType, LazVlr};
 use super::header::LasHeader;
 use super::records::LasPoints;
 use crate::source::EXPORT_AGAIN;
+use crate::words::{grouped, plural};
 use crate::{Error, Location, Result, limits};
 
 /// The bytes before the first chunk, which say where the table is.
@@ -119,7 +120,11 @@ impl<'a> PackedPoints<'a> {
             (start, left) = (end, left - count);
         }
         if left > 0 {
-            let missing = format!("chunks for {} of {announced} points", announced - left);
+            let missing = format!(
+                "chunks for {} of {}",
+                grouped(announced - left),
+                plural(announced, "point")
+            );
             return Err(self.bad_table(&missing));
         }
         Ok(chunks)
@@ -188,7 +193,11 @@ impl<'a> PackedPoints<'a> {
         unpacked.map_err(|_| damaged())?.map_err(|(done, error)| {
             let error = error.unwrap_or_else(|| {
                 let announced = self.header.announced;
-                let what = format!("ends after {} of its {announced} points", first + done);
+                let what = format!(
+                    "ends after {} of its {}",
+                    grouped(first + done),
+                    plural(announced, "point")
+                );
                 Error::new(self.path, what, EXPORT_AGAIN)
             });
             error.at(Location::Element("point", first + done))

@@ -13,6 +13,7 @@ use super::{GridShape, Note, Order, Points, PointsBuilder, ScanEnd};
 use crate::damage::{self, SEND_AS_BINARY};
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::token::{excerpt, number_help, plain_number};
+use crate::words::{grouped, plural};
 use crate::{Error, Location, Result};
 
 /// Whether `head` begins a PCD file: with its usual comment, or with a line that
@@ -217,7 +218,8 @@ impl PcdBody {
     }
 
     fn cut(&self, point: u64) -> Error {
-        let what = format!("ends after {point} of its {} points", self.header.points);
+        let what =
+            format!("ends after {} of its {}", grouped(point), plural(self.header.points, "point"));
         let error = Error::new(&self.source.path, what, EXPORT_AGAIN);
         error.at(Location::Element("point", point))
     }

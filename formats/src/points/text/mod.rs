@@ -13,6 +13,7 @@ use self::layout::Layout;
 use super::{Note, Points, PointsBuilder, ScanEnd};
 use crate::source::Source;
 use crate::token::{excerpt, number_help};
+use crate::words::{grouped, plural};
 use crate::{LengthUnit, Location, Result};
 
 /// So many lines of numbers decide what the columns hold.
@@ -212,7 +213,9 @@ impl TextRows {
             return Ok(());
         };
         let what = format!(
-            "has {unreadable} of {lines} lines that are no points, first \u{201c}{text}\u{201d}"
+            "has {} of {} that are no points, first \u{201c}{text}\u{201d}",
+            grouped(*unreadable),
+            plural(lines, "line")
         );
         let help = match text.contains(',') {
             true => number_help(text),
