@@ -37,9 +37,6 @@ const SMALL: Style = Style { size: 20.0, bold: false, colour: MUTED };
 /// The size of the dots at irregular vertices.
 const DOT: Pen = Pen::solid(4.5);
 
-/// How far the small pictures are turned from the large one.
-const TURN: f64 = 0.7;
-
 /// Draws a picture of 1600 × 1000 pixels as PNG: the scan from three sides in the colours of its
 /// deviation from the face, the histogram of the deviation, and the figures that matter most.
 /// `name` stands above them.
@@ -56,8 +53,9 @@ pub fn picture_png(name: &str, views: &[ReportView]) -> io::Result<Vec<u8>> {
         let size = [COLUMN - MARGIN, SIZE[1] - TOP - 10];
         let camera = Camera::facing(&first.scan.mesh, extent(), size);
         page.image.lay(&side(views, &camera, size, end), [MARGIN / 2, TOP]);
-        for (x, turn) in [(COLUMN, -TURN), (COLUMN + ASIDE[0] + 20, TURN)] {
-            let aside = camera.aside(turn, extent(), ASIDE);
+        let extent: Vec<Point> = extent().collect();
+        let asides = camera.asides(&first.scan.mesh, &extent, ASIDE);
+        for (x, aside) in [COLUMN, COLUMN + ASIDE[0] + 20].into_iter().zip(asides) {
             page.image.lay(&side(views, &aside, ASIDE, end), [x, TOP]);
         }
     }
