@@ -177,7 +177,7 @@ fn what_is_looked_at_is_in_mm() {
         let mesh = measured.expect("a piece").mesh;
         let piece = pieces().take(mesh::Choice::Largest).expect("a piece");
         let all: [&dyn Debug; 5] =
-            [&found.loops, &found.bounds, &found.noise, &mesh.points, &piece.mesh().points];
+            [&found.loops, &found.input.bounds, &found.noise, &mesh.points, &piece.mesh().points];
         all.iter().flat_map(|of| numbers(*of)).collect::<Vec<_>>()
     };
     let a = looked(&sheet(1.0), 1.0);

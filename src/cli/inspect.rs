@@ -28,7 +28,7 @@ pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
 
 fn as_text(scan: &Scan, found: &Inspection) -> String {
     let input = &found.input;
-    let [low, high] = found.bounds;
+    let [low, high] = found.input.bounds;
     let [x, y, z] = [0, 1, 2].map(|k| high[k] - low[k]);
     let source = &scan.source;
     let assumed = if source.unit_assumed { " (assumed; --units to change)" } else { "" };
@@ -38,7 +38,9 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
         format!("  units       {}{assumed}", source.unit.symbol()),
     ];
     lines.extend(source.cloud.iter().flat_map(cloud));
-    lines.extend(likely_unit(source, found.bounds).map(|hint| format!("  hint        {hint}")));
+    lines.extend(
+        likely_unit(source, found.input.bounds).map(|hint| format!("  hint        {hint}")),
+    );
     let which = match input.components {
         1 => "the only one".to_owned(),
         count => format!("number {} of {count}, where 0 is the largest", found.number),

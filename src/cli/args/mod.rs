@@ -3,18 +3,20 @@
 mod choices;
 mod colour;
 mod files;
+mod given;
 mod how;
 mod numbers;
 mod pieces;
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand};
+use clap::{ArgMatches, Args, Parser, Subcommand};
 use scan2step::mesh::Choice;
 
 pub use choices::{Fit, Iges, Map, Origin, OutlineChoice, ShapeChoice, StepSchema, Steps};
 pub use colour::Colour;
 pub use files::{CadFile, CadKind, cad_file};
+pub use given::given;
 pub use how::{How, Manner};
 pub use pieces::{CloudArgs, ComponentChoice, CropArgs, Look, Piece, Scale};
 
@@ -146,15 +148,20 @@ pub struct Convert {
     pub how: How,
     #[command(flatten)]
     pub manner: Manner,
+    /// The words of a command that makes the same files.
+    #[arg(skip)]
+    pub again: Vec<String>,
 }
 
 impl Command {
     /// The same with what follows from other arguments.
     #[must_use]
-    pub fn completed(mut self) -> Self {
-        if let Command::Convert(convert) = &mut self
-            && convert.out.is_empty()
-        {
+    pub fn completed(mut self, matches: &ArgMatches) -> Self {
+        let Command::Convert(convert) = &mut self else { return self };
+        if let Some(matches) = matches.subcommand_matches("convert") {
+            convert.again = given::convert_again(matches);
+        }
+        if convert.out.is_empty() {
             let name = format!("{}.step", part_name(&convert.piece.scan));
             let path = convert.piece.scan.with_file_name(name);
             convert.out.push(CadFile { path, kind: CadKind::Step });
