@@ -19,6 +19,31 @@ pub fn bytes(count: u64) -> String {
     format!("{:.1} {unit}", count as f64 / 1000f64.powi(power as i32))
 }
 
+/// A number with a narrow space between thousands, as reports show it. Lines do not break there. The
+/// terminal shows plain digits, which can be copied into a command.
+pub fn grouped(number: &str) -> String {
+    let whole = number.find(|c: char| !c.is_ascii_digit()).unwrap_or(number.len());
+    let mut text = String::new();
+    for (k, c) in number.char_indices() {
+        if k > 0 && k < whole && (whole - k).is_multiple_of(3) {
+            text.push('\u{202f}');
+        }
+        text.push(c);
+    }
+    text
+}
+
+/// The extent of a box in x, y and z: "100.3 × 80.24 × 17.41 mm". Its corners are mm.
+pub fn extent([low, high]: [[f64; 3]; 2]) -> String {
+    let lengths = [0, 1, 2].map(|axis| plain_mm(high[axis] - low[axis]));
+    format!("{} mm", lengths.join(" × "))
+}
+
+/// A length in mm without its unit, which stands beside.
+pub fn plain_mm(length: f64) -> String {
+    grouped(mm(length).trim_end_matches(" mm"))
+}
+
 /// A count of things by their name: "1 hole", "2 holes".
 pub fn plural(count: usize, name: &str) -> String {
     format!("{count} {name}{}", if count == 1 { "" } else { "s" })
@@ -26,7 +51,7 @@ pub fn plural(count: usize, name: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{bytes, mm, plural};
+    use super::{bytes, extent, grouped, mm, plural};
 
     #[test]
     fn bytes_have_the_largest_unit_below_them() {
@@ -40,6 +65,19 @@ mod tests {
     #[test]
     fn one_thing_is_no_plural() {
         assert_eq!([0, 1, 2].map(|n| plural(n, "hole")), ["0 holes", "1 hole", "2 holes"]);
+    }
+
+    #[test]
+    fn thousands_stand_apart() {
+        assert_eq!(grouped("1234567"), "1\u{202f}234\u{202f}567");
+        assert_eq!(grouped("53469 mm"), "53\u{202f}469 mm");
+        assert_eq!(["999", "0.123456", ""].map(grouped), ["999", "0.123456", ""]);
+    }
+
+    #[test]
+    fn a_box_has_one_unit() {
+        let bounds = [[-1.0, 0.0, 5.0], [1.5, 12_345.6, 5.0]];
+        assert_eq!(extent(bounds), "2.500 × 12\u{202f}346 × 0 mm");
     }
 
     #[test]

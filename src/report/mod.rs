@@ -35,6 +35,16 @@ mod still;
 mod view;
 
 #[cfg(feature = "html")]
+mod bars;
+#[cfg(feature = "html")]
+mod command;
+#[cfg(feature = "html")]
+mod face_mesh;
+#[cfg(feature = "html")]
+mod far_places;
+#[cfg(feature = "html")]
+mod filters;
+#[cfg(feature = "html")]
 mod html;
 #[cfg(feature = "html")]
 mod plane;

@@ -15,7 +15,7 @@ use crate::picture::lines::{Lines, Pen};
 use crate::picture::scale::{SIGNED, colour};
 use crate::picture::text::{Style, Type};
 use crate::picture::{Camera, Image, sheet};
-use crate::words::{mm, plural};
+use crate::words::{extent, grouped, mm, plural};
 
 /// Pixels of the picture.
 const SIZE: [usize; 2] = [1600, 1000];
@@ -67,6 +67,12 @@ pub fn picture_png(name: &str, views: &[ReportView]) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     page.image.write(&mut bytes)?;
     Ok(bytes)
+}
+
+/// The box around all components.
+fn bounds(views: &[ReportView]) -> [[f64; 3]; 2] {
+    let corners = views.iter().flat_map(|view| view.figures.bounds).map(Point::from);
+    crate::geometry::bounds(corners).map(|corner| corner.coords.into())
 }
 
 /// The tolerance, where all parts have the same.
@@ -170,8 +176,10 @@ impl Page {
             [only] => only.figures.made.clone(),
             _ => plural(views.len(), "component"),
         };
-        let line = format!("{vertices} points, {triangles} triangles  ·  {made}");
-        self.write(&line, [MARGIN as f32, 102.0], Style { colour: MUTED, ..TEXT });
+        let [vertices, triangles] = [vertices, triangles].map(|n| grouped(&n.to_string()));
+        let size = extent(bounds(views));
+        let line = format!("{vertices} points, {triangles} triangles  ·  {size}  ·  {made}");
+        self.write_within(&line, [MARGIN as f32, 102.0], Style { colour: MUTED, ..TEXT });
         self.image.fill([MARGIN, TOP - 8], [SIZE[0] - 2 * MARGIN, 2], LINE);
     }
 
