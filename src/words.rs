@@ -14,9 +14,26 @@ pub fn significant(number: f64) -> String {
     format!("{number:.*}", digits.clamp(0, 12) as usize)
 }
 
+/// A number with the digits before its point in groups, as [`grouped`] has them: "12,346 mm".
+pub fn separated(number: &str) -> String {
+    let end = number.find(|c: char| !c.is_ascii_digit()).unwrap_or(number.len());
+    let (whole, rest) = number.split_at(end);
+    whole.parse::<u64>().map_or(whole.to_owned(), grouped) + rest
+}
+
 /// The extents of a box: "100.3 × 80.24 × 17.41 mm".
 pub fn extents(size: [f64; 3]) -> String {
-    size.map(significant).join(" × ") + " mm"
+    size.map(|length| separated(&significant(length))).join(" × ") + " mm"
+}
+
+/// The extents of the box with these corners.
+pub fn box_extents([low, high]: [[f64; 3]; 2]) -> String {
+    extents([0, 1, 2].map(|axis| high[axis] - low[axis]))
+}
+
+/// A length in mm without its unit, which stands beside.
+pub fn plain_mm(length: f64) -> String {
+    separated(&significant(length))
 }
 
 /// A number of bytes in units of 1000, with one digit behind the point: "65.5 MB".
@@ -61,7 +78,7 @@ pub fn repair(kind: &str, count: usize) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::{REPAIRS, bytes, extents, mm, repair};
+    use super::{REPAIRS, box_extents, bytes, extents, mm, repair, separated};
 
     #[test]
     fn bytes_have_the_largest_unit_below_them() {
@@ -92,6 +109,19 @@ mod tests {
         assert!(found > 10, "{found}");
         assert_eq!(repair("unused_vertices", 1), "1 vertex left out that no face uses");
         assert_eq!(repair("of_another_crate", 2), "2 of another crate");
+    }
+
+    #[test]
+    fn thousands_stand_apart() {
+        assert_eq!(separated("1234567"), "1,234,567");
+        assert_eq!(separated("53469.25 mm"), "53,469.25 mm");
+        assert_eq!(["999", "0.123456", "-0.5", ""].map(separated), ["999", "0.123456", "-0.5", ""]);
+    }
+
+    #[test]
+    fn a_box_has_one_unit() {
+        let bounds = [[-1.0, 0.0, 5.0], [1.5, 12_345.6, 5.0]];
+        assert_eq!(box_extents(bounds), "2.500 × 12,346 × 0 mm");
     }
 
     #[test]

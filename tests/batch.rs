@@ -96,6 +96,9 @@ fn a_failure_stops_no_other_scan() {
     assert_eq!(each(path, "max_mm")[0], report["fit"]["max_mm"]);
     assert_eq!(each(path, "tolerance_mm")[0], report["tolerance_mm"]);
     assert_eq!(each(path, "net")[0][0], report["fit"]["net"]);
+    // Its command makes these files, and not the record of the batch.
+    let words = ["scan2step", "convert", "scans/a.ply", "cad/a.step", "--report=cad/a.report.json"];
+    assert_eq!(report["command"], serde_json::json!(words));
     let output = &each(path, "outputs")[0][0];
     assert_eq!(output["file"], "a.step");
     assert_eq!(output["sha256"], report["outputs"][0]["sha256"]);

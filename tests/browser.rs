@@ -104,6 +104,8 @@ fn a_page_renders_turns_and_says_no_error() {
         ("distance", "smoothed"),
         ("smoothed", "face"),
         ("face", "net"),
+        ("face", "curvature"),
+        ("curvature", "zebra"),
         ("front", "hole"),
     ] {
         let changed = looked.changed(one, two);
@@ -112,6 +114,70 @@ fn a_page_renders_turns_and_says_no_error() {
     }
     assert!(looked.changed("front", "turned") > 0.1);
     assert!(looked.changed("front", "reset") < 0.001, "the view comes back");
+}
+
+/// The texts of a list.
+fn texts(list: &Value) -> Vec<&str> {
+    list.as_array().expect("a list").iter().map(|text| text.as_str().expect("text")).collect()
+}
+
+#[test]
+fn a_page_is_whole_on_a_desktop_and_on_a_telephone() {
+    let looked = Looked::at(&fixture("ring.obj"), &[]);
+    let clipped = looked.said["clipped"].as_object().expect("sizes");
+    assert_eq!(clipped.len(), 6);
+    for (size, parts) in clipped {
+        assert_eq!(texts(parts), Vec::<&str>::new(), "{size}");
+    }
+    assert_eq!(looked.said["curvature"], "Mean curvature: colours from −0.1 to +0.1 1/mm");
+    // The stripes of the faces are dark and bright, and their tints are neither.
+    assert!(looked.share("zebra", is_dark) > looked.share("face", is_dark) + 0.02);
+    assert_eq!(looked.said["console"], Value::Array(Vec::new()));
+}
+
+#[test]
+fn a_keyboard_and_a_screen_reader_reach_every_figure() {
+    let looked = Looked::at(&fixture("relief.ply"), &["--units", "mm"]);
+    let said = &looked.said;
+    assert_eq!(texts(&said["unnamed"]), Vec::<&str>::new());
+    let keys = &said["keys"];
+    let stops = keys["stops"].as_array().expect("stops");
+    let is_stop = |name: &str| stops.iter().any(|stop| stop[0] == name);
+    for name in [
+        "theme",
+        "view",
+        "show-face",
+        "colours",
+        "face-colours",
+        "front",
+        "bottom",
+        "nearer",
+        "range",
+        "0-0",
+        "0-7",
+        "Holes",
+        "copy",
+    ] {
+        assert!(is_stop(name), "{name}: {stops:?}");
+    }
+    for stop in stops {
+        assert_eq!(stop[1], true, "no line shows the focus at {}", stop[0]);
+    }
+    assert!(looked.changed("keys-before", "keys-turned") > 0.05);
+    let sides = ["front", "back", "left", "right", "top", "bottom"];
+    let told: Vec<String> = sides.iter().map(|side| format!("Seen from: {side}")).collect();
+    assert_eq!(texts(&keys["sides"])[..6], told);
+    assert_eq!(keys["sides"][6], "Overview");
+    for (one, two) in [("side-1", "side-2"), ("side-3", "side-4"), ("side-5", "side-6")] {
+        assert!(looked.changed(one, two) > 0.005, "{one} and {two} look alike");
+    }
+    let middle = keys["middle"].as_str().expect("text");
+    assert!(middle.starts_with("Deviation in the middle of the view: "), "{middle}");
+    let worst = said["worst"].as_str().and_then(|worst| worst.strip_prefix("worst: "));
+    let pinned = keys["pinned"].as_str().expect("text");
+    assert_eq!(Some(pinned.trim_start_matches(['+', '−'])), worst, "the first place is the worst");
+    assert_eq!(said["command"], "scan2step convert relief.ply a.step --units=mm --report=a.html");
+    assert_ne!(said["copied"], "Copy the command");
 }
 
 #[test]

@@ -89,7 +89,7 @@ fn several_faces_stand_in_a_list_and_the_first_one_beside() {
     assert_eq!(value["options"]["component"], "all");
 }
 
-/// Fills in what only the run of the program knows: its times and its files.
+/// Fills in what only the run of the program knows: its command, its times and its files.
 #[cfg(feature = "cli")]
 fn fill_in(report: &mut Report, program: &Value) {
     use scan2step::report::StageFigures;
@@ -98,6 +98,8 @@ fn fill_in(report: &mut Report, program: &Value) {
     let text = |value: &Value| value.as_str().expect("text").to_owned();
     report.seconds = number(&program["seconds"]);
     report.peak_rss_mb = number(&program["peak_rss_mb"]);
+    let words = program["command"].as_array().expect("a command").iter();
+    report.command = words.map(text).collect();
     let stages = program["stages"].as_array().expect("stages").iter();
     report.stages = stages
         .map(|stage| StageFigures {

@@ -208,6 +208,89 @@ fn all_components_are_in_one_picture_and_on_one_page() {
     assert!(one.windows(2).all(|w| w[1] == w[0] + 1), "one sheet is one piece");
 }
 
+/// A sheet of 30 × 20 squares with a small hole and then a large one.
+fn two_holes(folder: &Path) -> PathBuf {
+    let mut text = String::new();
+    for (i, j) in (0..=30).flat_map(|i| (0..=20).map(move |j| (i, j))) {
+        text += &format!("v {i} {j} {}\n", 0.01 * f64::from(i * i));
+    }
+    let is_hole = |i: i32, j: i32| {
+        (4..6).contains(&i) && (4..6).contains(&j) || (15..22).contains(&i) && (6..14).contains(&j)
+    };
+    for (i, j) in
+        (0..30).flat_map(|i| (0..20).map(move |j| (i, j))).filter(|&(i, j)| !is_hole(i, j))
+    {
+        let at = |i: i32, j: i32| 21 * i + j + 1;
+        let corners = [at(i, j), at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)];
+        text += &format!("f {} {} {} {}\n", corners[0], corners[1], corners[2], corners[3]);
+    }
+    let path = folder.join("holes.obj");
+    std::fs::write(&path, text).expect("a file");
+    path
+}
+
+#[test]
+fn the_page_lists_holes_as_inspect_does() {
+    let folder = folder();
+    let scan = two_holes(folder.path());
+    let output = common::inspect(&[arg(&scan)]);
+    let said = String::from_utf8(output.stdout).expect("text");
+    let lines = said.lines().filter_map(|line| line.trim().strip_prefix("hole "));
+    let listed: Vec<&str> = lines.filter_map(|line| line.split([',', ' ']).rev().nth(1)).collect();
+    assert_eq!(listed, ["30", "8"], "vertices: {said}");
+    let (page, _) = page_and_picture(&scan, &[]);
+    let (_, table) = page.split_once("id=\"holes-0\"").expect("the table of holes");
+    let (table, _) = table.split_once("</table>").expect("its end");
+    let places: Vec<usize> = ["<td>30</td>", "<td>8</td>"]
+        .iter()
+        .map(|count| table.find(count).unwrap_or_else(|| panic!("{count}: {table}")))
+        .collect();
+    assert!(places[0] < places[1], "{table}");
+    // The number stays that of the list in the JSON report.
+    let holes = report(&scan, &[])["fill"]["holes"].clone();
+    let first = usize::from(holes[0]["rim_vertices"] == 8);
+    assert!(table.contains(&format!("<th scope=\"row\">{first}</th><td>")), "{table}");
+    let (_, after) = table.split_once("data-hole=\"0-").expect("a row");
+    assert!(after.starts_with(&first.to_string()), "{table}");
+}
+
+#[test]
+fn a_page_says_how_large_the_object_is_and_how_it_was_made() {
+    let folder = folder();
+    let scan = two_holes(folder.path());
+    let options = ["--units", "cm", "--box=-1,-1,-1;40,40,40", "--threads", "1", "--quiet"];
+    let figures = report(&scan, &options);
+    let command: Vec<&str> =
+        figures["command"].as_array().expect("words").iter().filter_map(Value::as_str).collect();
+    assert_eq!(command[..3], ["scan2step", "convert", arg(&scan)]);
+    // The last ones are the options that steer the result, and the report.
+    assert_eq!(command[4..6], ["--units=cm", "--box=-1,-1,-1;40,40,40"]);
+    assert!(command[6].starts_with("--report=/") && command.len() == 7, "{command:?}");
+    let [low, high] = [0, 1].map(|end| &figures["input"]["bounds_mm"][end]);
+    assert_eq!(
+        (low, high),
+        (&serde_json::json!([0.0, 0.0, 0.0]), &serde_json::json!([300.0, 200.0, 90.0]))
+    );
+
+    let (page, _) = page_and_picture(&scan, &options);
+    let area = figures["shape"]["area_mm2"].as_f64().expect("an area");
+    // 540 of 600 squares of 1 cm, a little bent.
+    assert!((54_000.0..60_000.0).contains(&area), "{area}");
+    let area = format!("{area:.0}");
+    for words in [
+        "300.0 × 200.0 × 90.00 mm",
+        "from (0.000, 0.000, 0.000) to (300.000, 200.000, 90.000)",
+        &format!("{},{} mm²", &area[..2], &area[2..]),
+        "<td>cm <small>this page and the CAD files have mm</small></td>",
+        "<span>scan2step</span> <span>convert</span> <span>holes.obj</span> <span>a.step</span> \
+         <span>--units=cm</span> <span>&#x27;--box=-1,-1,-1;40,40,40&#x27;</span> \
+         <span>--report=a.html</span> <span>--report=a.png</span>",
+    ] {
+        assert!(page.contains(words), "{words}");
+    }
+    assert!(!page.contains(arg(folder.path())), "the page tells the folder of the scan");
+}
+
 #[test]
 fn a_picture_shows_the_scan_in_the_colours_of_the_scale() {
     let (_, picture) = page_and_picture(&fixture("relief.ply"), &[]);
@@ -228,5 +311,5 @@ fn a_scan_too_large_for_a_browser_is_thinned_and_the_page_says_so() {
         note.split(" of the").next().unwrap_or("").chars().filter(char::is_ascii_digit).collect();
     let drawn: usize = drawn.parse().expect("a number");
     assert!(drawn <= 300_000 && drawn > 100_000, "{drawn}");
-    assert!(note.contains("of the scan's 720\u{2009}000 triangles"), "{}", &note[..80]);
+    assert!(note.contains("of the scan's 720,000 triangles"), "{}", &note[..80]);
 }

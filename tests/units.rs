@@ -178,7 +178,7 @@ fn what_is_looked_at_is_in_mm() {
         let piece = pieces().take(mesh::Choice::Largest).expect("a piece");
         let all: [&dyn Debug; 6] = [
             &found.loops,
-            &found.bounds,
+            &found.input.bounds,
             &found.noise,
             &found.tolerance,
             &mesh.points,

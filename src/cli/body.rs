@@ -27,6 +27,7 @@ pub fn write(
     let mut figures = BodyReport::of(bodies, &scan.source, settings::settings(args, named, scan));
     let shapes = figures.solids.iter_mut().map(|solid| &mut solid.shape);
     shapes.for_each(|shape| shape.fallback = fallback.map(str::to_owned));
+    figures.command.clone_from(&args.again);
     figures.outputs =
         args.out.iter().zip(&written).map(|(f, file)| output(&f.path, file)).collect();
     figures.stages = run.progress.stages.iter().map(stage).collect();

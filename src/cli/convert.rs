@@ -66,6 +66,7 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     let mut report =
         Report::of(&conversions, &scan.source, settings::settings(args, &named, &scan));
     report.faces.iter_mut().for_each(|face| face.shape.fallback = fallback.clone());
+    report.command.clone_from(&args.again);
     report.outputs = args.out.iter().zip(&files).map(|(f, file)| output(&f.path, file)).collect();
     report.stages = progress.stages.iter().map(stage).collect();
     report.seconds = progress.seconds();

@@ -1,7 +1,7 @@
 //! `scan2step inspect`: what a scan is.
 
 use scan2step::report::{CloudFigures, InspectionFigures, ScanFigures, likely_unit};
-use scan2step::words::{extents, grouped, mm, plural, repair};
+use scan2step::words::{box_extents, extents, grouped, mm, plural, repair};
 use scan2step::{Inspection, PieceReport, TargetShape};
 
 use super::args::Inspect;
@@ -40,7 +40,9 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
         format!("  units       {}{assumed}", source.unit.symbol()),
     ];
     lines.extend(source.cloud.iter().flat_map(cloud));
-    lines.extend(likely_unit(source, found.bounds).map(|hint| format!("  hint        {hint}")));
+    lines.extend(
+        likely_unit(source, found.input.bounds).map(|hint| format!("  hint        {hint}")),
+    );
     let which = match input.components {
         1 => "the only one".to_owned(),
         count => {
@@ -49,7 +51,7 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
     };
     lines.extend([
         format!("  component   {which}: {}", messages::mesh([input.vertices, input.triangles])),
-        format!("  size        {}", size(found.bounds)),
+        format!("  size        {}", box_extents(found.input.bounds)),
         format!("  surface     {}", kind(found)),
         format!("  becomes     {}", target(found)),
     ]);
@@ -73,11 +75,6 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
         lines.push(format!("  handle      {what}, about {length} around, near {place}"));
     }
     lines.iter().map(|line| wrapped(line, INDENT) + "\n").collect()
-}
-
-/// The extents of a box, from its lowest and highest coordinates.
-fn size([low, high]: [[f64; 3]; 2]) -> String {
-    extents([0, 1, 2].map(|k| high[k] - low[k]))
 }
 
 /// The tolerance and the outline that a conversion chooses if nobody names them.
@@ -105,7 +102,7 @@ fn cloud(cloud: &CloudFigures) -> Vec<String> {
     let scan = |(number, scan): (usize, &ScanFigures)| {
         let grid = scan.grid.map(|[rows, columns]| format!("grid of {rows} × {columns}"));
         let seen = scan.viewpoint_mm.map(|at| format!("seen from {}", place(at)));
-        let extent = scan.bounds_mm.map(size);
+        let extent = scan.bounds_mm.map(box_extents);
         let parts = [Some(plural(scan.points, "point")), extent, grid, seen];
         format!("  scan {number:<7}{}", parts.into_iter().flatten().collect::<Vec<_>>().join(", "))
     };

@@ -65,7 +65,7 @@ impl From<formats::Error> for Failure {
 pub fn run() -> ExitCode {
     let matches = args::Cli::command().try_get_matches().unwrap_or_else(|e| refuse(&e));
     let args = args::Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
-    let args = args::Cli { command: args.command.completed() };
+    let args = args::Cli { command: args.command.completed(&matches) };
     // Without signal handling a stopped run leaves its temporary files.
     if let Err(e) = temp_files::sweep_when_stopped() {
         streams::say(format_args!("note: Ctrl-C will leave temporary files: {e}"));

@@ -29,6 +29,8 @@ pub struct InputReport {
     pub left_out: usize,
     /// Boundary loops of the chosen component.
     pub boundary_loops: usize,
+    /// The lowest and the highest coordinates of the chosen component, in mm.
+    pub bounds: [[f64; 3]; 2],
     /// What was repaired: kind and count.
     pub repairs: Repairs,
     /// The handles that were cut, in mm.
@@ -49,8 +51,6 @@ pub struct Inspection {
     pub loops: Vec<(f64, usize)>,
     /// Which of the loops is the outer one; `None` if there is none.
     pub outer: Option<usize>,
-    /// The lowest and the highest coordinates.
-    pub bounds: [[f64; 3]; 2],
     /// Standard deviation of the noise along the normal.
     pub noise: f64,
     /// What a conversion makes of it; `None` if it can only be refused.
@@ -112,6 +112,7 @@ impl InputReport {
             island_triangles: 0,
             left_out: chosen.left_out,
             boundary_loops: chosen.topology.loops,
+            bounds: chosen.own_mesh().bounds().map(|p| (scan.mm() * p.coords).into()),
             repairs: scan.repairs().clone(),
             handles: chosen.handles.iter().map(|handle| handle.scaled(scan.mm())).collect(),
         }
@@ -248,7 +249,6 @@ fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspecti
         topology: chosen.topology.clone(),
         loops: rings.iter().map(|ring| (mm * boundary::length(mesh, ring), ring.len())).collect(),
         outer: outer_loop,
-        bounds: mesh.bounds().map(|p| (mm * p.coords).into()),
         noise: mm * noise,
         shape,
         reason,

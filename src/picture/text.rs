@@ -92,6 +92,14 @@ mod tests {
     use super::*;
 
     #[test]
+    fn the_fonts_have_the_signs_of_figures() {
+        let letters = Type::new().unwrap();
+        for sign in "×·–±−³²…".chars() {
+            assert!(letters.regular.glyph_id(sign).0 > 0, "{sign:?}");
+        }
+    }
+
+    #[test]
     fn long_names_lose_their_middle() {
         let letters = Type::new().unwrap();
         let style = Style { size: 20.0, bold: false, colour: [0; 3] };

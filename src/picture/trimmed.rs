@@ -1,9 +1,7 @@
 //! The trimmed face as triangles.
 
-use rayon::prelude::*;
-
 use crate::geometry::{Uv, VertexId};
-use crate::mesh::{Mesh, outline};
+use crate::mesh::outline;
 use crate::spline::{Curve, KnotVector, Surface};
 use crate::trim::TrimLoop;
 
@@ -41,21 +39,19 @@ pub fn outlines(loops: &[TrimLoop]) -> Vec<Vec<Uv>> {
 
 /// The face that the outlines leave of a surface, as triangles over the parameter
 /// points `inner` and points of the outlines, and of the surface's sides if these
-/// bound the face (`to_sides`). `None` where two of these cross.
+/// bound the face (`to_sides`), and the parameters of their corners. `None` where two of these cross.
 pub fn tessellate(
     surface: &Surface,
     to_sides: bool,
     outlines: &[Vec<Uv>],
     inner: &[Uv],
-) -> Option<Mesh> {
+) -> Option<(Vec<[VertexId; 3]>, Vec<Uv>)> {
     let sides = to_sides.then(|| sides(surface));
     let rings: Vec<&[Uv]> = sides.iter().chain(outlines).map(Vec::as_slice).collect();
     let inner: Vec<Uv> = inner.iter().map(|&uv| surface.clamp(uv)).collect();
     let triangles = outline::triangulate(&rings, &inner)?;
     let places: Vec<Uv> = rings.iter().copied().flatten().chain(&inner).copied().collect();
-    let points = places.par_iter().map(|&at| surface.point(at)).collect();
-    let triangles = triangles.into_iter().map(|t| t.map(VertexId::from)).collect();
-    Some(Mesh { points, triangles })
+    Some((triangles.into_iter().map(|t| t.map(VertexId::from)).collect(), places))
 }
 
 /// The domain's outline, counter-clockwise, as dense as its knots.
@@ -85,6 +81,7 @@ fn parameters(knots: &KnotVector) -> Vec<f64> {
 mod tests {
     use super::*;
     use crate::geometry::Vector;
+    use crate::mesh::Mesh;
 
     #[test]
     fn the_face_has_the_area_that_the_loop_leaves() {
@@ -96,7 +93,9 @@ mod tests {
         let square = vec![square.map(|(u, v)| Uv::new(u, v)).to_vec()];
         let inner: Vec<Uv> =
             (0..100).map(|k| Uv::new((k / 10) as f64 / 9.0, (k % 10) as f64 / 9.0)).collect();
-        let face = tessellate(&surface, true, &square, &inner).unwrap();
+        let (triangles, places) = tessellate(&surface, true, &square, &inner).unwrap();
+        let points = places.into_iter().map(|at| surface.point(at)).collect();
+        let face = Mesh { points, triangles };
         let area = face.area();
         assert!((area - 75.0).abs() < 1e-9, "{area}");
         assert!(face.triangles.iter().all(|&t| face.area_vector(t).z >= 0.0));

@@ -27,6 +27,9 @@ pub struct BodyReport {
     pub settings: Settings,
     /// What could be better, and what to do about it.
     pub hints: Vec<String>,
+    /// The words of a command line that makes the same files; empty if there is none. The caller
+    /// fills it in.
+    pub command: Vec<String>,
     /// How long each stage took. The caller fills it in.
     pub stages: Vec<StageFigures>,
     /// The files that were written. The caller fills it in.
@@ -86,8 +89,8 @@ pub struct BodyFitFigures {
 }
 
 impl BodyReport {
-    /// The report of some solids of one scan. Stages, outputs, seconds and memory are empty or 0
-    /// until the caller fills them in.
+    /// The report of some solids of one scan. The command, stages, outputs, seconds and memory are
+    /// empty or 0 until the caller fills them in.
     pub fn of(solids: &[BodyConversion], source: &ScanSource, settings: Settings) -> Self {
         let outliers = settings.outliers / 100.0;
         BodyReport {
@@ -97,6 +100,7 @@ impl BodyReport {
             outliers_pct: settings.outliers,
             settings,
             hints: Vec::new(),
+            command: Vec::new(),
             stages: Vec::new(),
             outputs: Vec::new(),
             seconds: 0.0,

@@ -104,6 +104,8 @@ pub struct InputFigures {
     pub island_triangles: usize,
     /// Boundary loops of the component.
     pub boundary_loops: usize,
+    /// The lowest and the highest coordinates of the component.
+    pub bounds_mm: [[f64; 3]; 2],
     /// What was repaired: kind and count.
     pub repairs: Repairs,
     /// The handles and tunnels that were cut and closed.
@@ -145,6 +147,7 @@ impl InputFigures {
             islands: input.islands,
             island_triangles: input.island_triangles,
             boundary_loops: input.boundary_loops,
+            bounds_mm: input.bounds,
             repairs: input.repairs.clone(),
             handles_cut: input.handles.iter().map(HandleFigures::of).collect(),
         }
@@ -189,8 +192,6 @@ pub struct InspectionFigures {
     pub handles: Vec<HandleFigures>,
     /// The boundary loops. The list is empty for a one-sided surface.
     pub loops: Vec<RimFigures>,
-    /// The lowest and the highest coordinates.
-    pub bounds_mm: [[f64; 3]; 2],
     /// Triangles in the components left out.
     pub left_out_triangles: usize,
     /// Standard deviation of the noise along the normal.
@@ -250,7 +251,10 @@ impl InspectionFigures {
             shape_reason: found.reason,
             tolerance_mm: found.tolerance,
             outline: found.is_ragged.map(|ragged| if ragged { "trimmed" } else { "sides" }),
-            likely_units: likely_units(source, found.bounds).iter().map(|u| u.symbol()).collect(),
+            likely_units: likely_units(source, found.input.bounds)
+                .iter()
+                .map(|u| u.symbol())
+                .collect(),
             component: found.number,
             pieces: found.pieces.iter().map(PieceFigures::of).collect(),
             faces_about: found.body.as_ref().map(|body| body.faces),
@@ -261,7 +265,6 @@ impl InspectionFigures {
                 .map(HandleFigures::of)
                 .collect(),
             loops: found.loops.iter().enumerate().map(rim).collect(),
-            bounds_mm: found.bounds,
             left_out_triangles: found.input.left_out,
             noise_mm: found.noise,
         }

@@ -35,6 +35,16 @@ mod still;
 mod view;
 
 #[cfg(feature = "html")]
+mod bars;
+#[cfg(feature = "html")]
+mod command;
+#[cfg(feature = "html")]
+mod face_mesh;
+#[cfg(feature = "html")]
+mod far_places;
+#[cfg(feature = "html")]
+mod filters;
+#[cfg(feature = "html")]
 mod html;
 #[cfg(feature = "html")]
 mod plane;
@@ -109,6 +119,9 @@ pub struct Report {
     /// What could be better, and what to do about it: one sentence each. Options have the
     /// names that they have on the command line.
     pub hints: Vec<String>,
+    /// The words of a command line that makes the same files; empty if there is none. The caller
+    /// fills it in.
+    pub command: Vec<String>,
     /// How long each stage took. The caller fills it in, as it has the clock.
     pub stages: Vec<StageFigures>,
     /// The files that were written. The caller fills it in.
@@ -147,8 +160,8 @@ pub struct OutputFile {
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 impl Report {
-    /// The report of some conversions of one scan. Stages, outputs, seconds and memory are
-    /// empty or 0 until the caller fills them in.
+    /// The report of some conversions of one scan. The command, stages, outputs, seconds and memory
+    /// are empty or 0 until the caller fills them in.
     pub fn of(conversions: &[Conversion], source: &ScanSource, settings: Settings) -> Self {
         let outliers = settings.outliers / 100.0;
         Report {
@@ -158,6 +171,7 @@ impl Report {
             outliers_pct: settings.outliers,
             hints: hints::of(conversions, source, &settings),
             settings,
+            command: Vec::new(),
             stages: Vec::new(),
             outputs: Vec::new(),
             seconds: 0.0,

@@ -5,6 +5,8 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Value, json};
 
 use super::ReportView;
+use super::face_mesh::curvature_end;
+use super::far_places::far_places;
 use super::scale::Ends;
 use crate::deviation::Deviation;
 use crate::geometry::{Point, Vector, VertexId};
@@ -25,7 +27,8 @@ pub fn scene(views: &[ReportView], ends: &Ends) -> Value {
         "middle": <[f64; 3]>::from(middle.coords),
         "radius": 0.5 * (high - low).norm(),
         "axes": axes,
-        "end": { "measured": ends.measured, "smoothed": ends.smoothed },
+        "end": { "measured": ends.measured, "smoothed": ends.smoothed,
+            "curvature": curvature_end(views) },
         "tints": TINTS,
         "signed": scale::SIGNED,
         "distance": scale::DISTANCE,
@@ -42,10 +45,13 @@ fn part(view: &ReportView, middle: Point) -> Value {
     scan["measured"] = values(&view.measured).into();
     scan["smoothed"] = values(&view.smoothed).into();
     let face = view.face.as_ref().map(|face| {
-        let tints = view.face_of.iter().map(|face| (face % TINTS.len()) as u8);
-        let mut face = mesh(face, middle);
-        face["tints"] = STANDARD.encode(tints.collect::<Vec<u8>>()).into();
-        face
+        let tints = face.face_of.iter().map(|face| (face % TINTS.len()) as u8);
+        let mut drawn = mesh(&face.mesh, middle);
+        drawn["tints"] = STANDARD.encode(tints.collect::<Vec<u8>>()).into();
+        drawn["tinted"] = view.plane.is_none().into();
+        drawn["normals"] = short_vectors(&face.normals).into();
+        drawn["curvatures"] = floats(face.curvatures.iter().copied()).into();
+        drawn
     });
     let [outer, holes] = view.outer_and_holes;
     let rims = view.rims.iter().enumerate().map(|(k, ring)| {
@@ -65,6 +71,9 @@ fn part(view: &ReportView, middle: Point) -> Value {
         "irregular": places(view.irregular.iter().copied(), middle),
         "net": { "rows": rows, "columns": columns,
             "points": places(net.iter().copied(), middle) },
+        "places": far_places(view).iter().map(|place| json!({
+            "at": at(place.at.into()), "mm": place.measured,
+        })).collect::<Vec<_>>(),
         "tolerance": view.figures.tolerance,
         "worst": {
             "measured": worst(&view.figures.measured),
@@ -87,6 +96,13 @@ fn single(v: &Vector) -> [f32; 3] {
 
 fn places(points: impl Iterator<Item = Point>, middle: Point) -> String {
     floats(points.flat_map(|p| single(&(p - middle))))
+}
+
+/// Vectors of length 1 at the most, with the numbers from −1 to 1 as 16-bit integers.
+fn short_vectors(vectors: &[Vector]) -> String {
+    let numbers = vectors.iter().flat_map(|v| [v.x, v.y, v.z]);
+    let short = numbers.map(|x| (x * f64::from(i16::MAX)).round() as i16);
+    STANDARD.encode(short.flat_map(i16::to_le_bytes).collect::<Vec<u8>>())
 }
 
 fn floats(numbers: impl Iterator<Item = f32>) -> String {

@@ -15,7 +15,7 @@ use crate::picture::lines::{Lines, Pen};
 use crate::picture::scale::{SIGNED, colour};
 use crate::picture::text::{Style, Type};
 use crate::picture::{Camera, Image, sheet};
-use crate::words::{mm, plural};
+use crate::words::{box_extents, mm, plural, separated};
 
 /// Pixels of the picture.
 const SIZE: [usize; 2] = [1600, 1000];
@@ -37,9 +37,6 @@ const SMALL: Style = Style { size: 20.0, bold: false, colour: MUTED };
 /// The size of the dots at irregular vertices.
 const DOT: Pen = Pen::solid(4.5);
 
-/// How far the small pictures are turned from the large one.
-const TURN: f64 = 0.7;
-
 /// Draws a picture of 1600 × 1000 pixels as PNG: the scan from three sides in the colours of its
 /// deviation from the face, the histogram of the deviation, and the figures that matter most.
 /// `name` stands above them.
@@ -56,8 +53,9 @@ pub fn picture_png(name: &str, views: &[ReportView]) -> io::Result<Vec<u8>> {
         let size = [COLUMN - MARGIN, SIZE[1] - TOP - 10];
         let camera = Camera::facing(&first.scan.mesh, extent(), size);
         page.image.lay(&side(views, &camera, size, end), [MARGIN / 2, TOP]);
-        for (x, turn) in [(COLUMN, -TURN), (COLUMN + ASIDE[0] + 20, TURN)] {
-            let aside = camera.aside(turn, extent(), ASIDE);
+        let extent: Vec<Point> = extent().collect();
+        let asides = camera.asides(&first.scan.mesh, &extent, ASIDE);
+        for (x, aside) in [COLUMN, COLUMN + ASIDE[0] + 20].into_iter().zip(asides) {
             page.image.lay(&side(views, &aside, ASIDE, end), [x, TOP]);
         }
     }
@@ -69,6 +67,12 @@ pub fn picture_png(name: &str, views: &[ReportView]) -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     page.image.write(&mut bytes)?;
     Ok(bytes)
+}
+
+/// The box around all components.
+fn bounds(views: &[ReportView]) -> [[f64; 3]; 2] {
+    let corners = views.iter().flat_map(|view| view.figures.bounds).map(Point::from);
+    crate::geometry::bounds(corners).map(|corner| corner.coords.into())
 }
 
 /// The tolerance, where all parts have the same.
@@ -172,8 +176,10 @@ impl Page {
             [only] => only.figures.made.clone(),
             _ => plural(views.len(), "component"),
         };
-        let line = format!("{vertices} points, {triangles} triangles  ·  {made}");
-        self.write(&line, [MARGIN as f32, 102.0], Style { colour: MUTED, ..TEXT });
+        let [vertices, triangles] = [vertices, triangles].map(|n| separated(&n.to_string()));
+        let size = box_extents(bounds(views));
+        let line = format!("{vertices} points, {triangles} triangles  ·  {size}  ·  {made}");
+        self.write_within(&line, [MARGIN as f32, 102.0], Style { colour: MUTED, ..TEXT });
         self.image.fill([MARGIN, TOP - 8], [SIZE[0] - 2 * MARGIN, 2], LINE);
     }
 

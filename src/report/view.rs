@@ -3,30 +3,23 @@
 use std::collections::HashSet;
 
 #[cfg(feature = "html")]
+use super::face_mesh::FaceMesh;
+#[cfg(feature = "html")]
 use super::plane::PlaneDrawing;
 #[cfg(feature = "html")]
 use crate::brep::outer_edges;
-#[cfg(feature = "html")]
-use crate::deviation::tessellation;
 use crate::deviation::{Deviation, of_network};
 use crate::geometry::{Point, Uv, VertexId};
 use crate::mesh::Disk;
-#[cfg(feature = "html")]
-use crate::mesh::Mesh;
 use crate::picture::{Thinned, signed, thin};
 #[cfg(feature = "html")]
-use crate::picture::{outlines, polyline, tessellate};
-use crate::words::{mm, plural};
+use crate::picture::{outlines, polyline};
+use crate::words::{mm, plural, separated};
 use crate::{BodyConversion, Conversion, Error, Result, Stage};
 
 /// The largest number of triangles of all the scans that a page shows together. A page with more
 /// is too large to be mailed, and browsers turn it slowly.
 const MOST_TRIANGLES: usize = 300_000;
-
-/// The largest number of points inside all the faces that a page shows together, for the same
-/// reason.
-#[cfg(feature = "html")]
-const MOST_FACE_POINTS: usize = 60_000;
 
 /// Keeps what the stages of one conversion make, until its view can be made.
 #[derive(Debug, Default)]
@@ -61,10 +54,7 @@ pub struct ReportView {
     pub(super) irregular: Vec<Point>,
     /// The faces as triangles; `None` if they could not be triangulated.
     #[cfg(feature = "html")]
-    pub(super) face: Option<Mesh>,
-    /// The face of each of these triangles, if there are several.
-    #[cfg(feature = "html")]
-    pub(super) face_of: Vec<usize>,
+    pub(super) face: Option<FaceMesh>,
     /// The edges of the faces, each with the number of its hole.
     #[cfg(feature = "html")]
     pub(super) edges: Vec<(Option<usize>, Vec<Point>)>,
@@ -81,6 +71,8 @@ pub struct ReportView {
 pub(super) struct ViewFigures {
     /// Vertices of the component.
     pub vertices: usize,
+    /// The lowest and the highest coordinates of the component.
+    pub bounds: [[f64; 3]; 2],
     pub tolerance: f64,
     /// The deviation of the points as measured.
     pub measured: Deviation,
@@ -126,6 +118,7 @@ impl ViewRecorder {
         let cut = plural(c.trimmed.iter().filter(|t| **t).count(), "hole");
         let figures = ViewFigures {
             vertices: c.input.vertices,
+            bounds: c.input.bounds,
             tolerance: c.tolerance,
             measured: c.deviation.clone(),
             vertex_p95: c.vertex_deviation().p95,
@@ -135,7 +128,7 @@ impl ViewRecorder {
         };
         let view = ReportView::new(&disk, [measured, smoothed], figures, parts);
         #[cfg(feature = "html")]
-        let view = view.with_face(c, &uv, parts);
+        let view = view.with_face(c, parts);
         Ok(view)
     }
 
@@ -154,14 +147,17 @@ impl ViewRecorder {
         let faces = plural(body.brep.faces.len(), "face");
         let figures = ViewFigures {
             vertices: body.input.vertices,
+            bounds: body.input.bounds,
             tolerance: body.tolerance,
             measured: body.deviation.clone(),
             vertex_p95: of_vertices.p95,
             smoothed: body.fit_deviation.clone(),
             beyond: body.fit_deviation.beyond(body.tolerance),
             made: match body.volume {
-                Some(volume) if volume < 0.0 => format!("a void of {faces}, {}³", mm(-volume)),
-                Some(volume) => format!("a solid of {faces}, {}³", mm(volume)),
+                Some(volume) if volume < 0.0 => {
+                    format!("a void of {faces}, {}³", separated(&mm(-volume)))
+                }
+                Some(volume) => format!("a solid of {faces}, {}³", separated(&mm(volume))),
                 None => format!("a shell of {faces}"),
             },
         };
@@ -172,8 +168,7 @@ impl ViewRecorder {
         {
             view.outer_and_holes = [0, disk.holes.len()];
             view.edges = view.seams.iter().map(|seam| (None, seam.clone())).collect();
-            let (face, face_of) = tessellated(body);
-            (view.face, view.face_of) = (Some(face), face_of);
+            view.face = Some(FaceMesh::of_body(body, parts));
         }
         Ok(view)
     }
@@ -213,8 +208,6 @@ impl ReportView {
             #[cfg(feature = "html")]
             face: None,
             #[cfg(feature = "html")]
-            face_of: Vec::new(),
-            #[cfg(feature = "html")]
             edges: Vec::new(),
             #[cfg(feature = "html")]
             net: None,
@@ -225,7 +218,7 @@ impl ReportView {
 
     /// The same with what only a page shows of a face.
     #[cfg(feature = "html")]
-    fn with_face(mut self, c: &Conversion, uv: &[Uv], parts: usize) -> Self {
+    fn with_face(mut self, c: &Conversion, parts: usize) -> Self {
         let outlines = outlines(&c.loops);
         let sides = c.outer.map(|_| outer_edges(&c.surface)).into_iter().flatten();
         let sides = sides.map(|(edge, _, _)| {
@@ -238,7 +231,7 @@ impl ReportView {
         self.edges = sides.chain(loops).collect();
         self.outer_and_holes = [1, c.trimmed.len()];
         self.net = Some((c.surface.shape(), c.surface.net.iter().map(|&p| p.into()).collect()));
-        self.face = triangulated(c, &outlines, uv, &self.scan, parts);
+        self.face = FaceMesh::of_face(c, &outlines, parts);
         self.plane = Some(PlaneDrawing::of(c, &outlines));
         self
     }
@@ -264,36 +257,6 @@ fn irregular(body: &BodyConversion) -> Vec<Point> {
     let left: HashSet<[u64; 3]> = body.brep.vertices.iter().map(|p| p.map(f64::to_bits)).collect();
     let is_left = |p: &Point| left.contains(&<[f64; 3]>::from(*p).map(f64::to_bits));
     body.network.irregular().into_iter().filter(is_left).collect()
-}
-
-/// The kept faces of a body as triangles, and the face of each triangle.
-#[cfg(feature = "html")]
-fn tessellated(body: &BodyConversion) -> (Mesh, Vec<usize>) {
-    let (mesh, faces) = tessellation(&body.network);
-    let kept = body.cut.kept_places(&body.network);
-    let of_triangles = mesh.triangles.into_iter().zip(faces);
-    let left = of_triangles.filter(|&(_, (face, at))| kept.contains(face, at));
-    let (triangles, face_of) = left.map(|(triangle, (face, _))| (triangle, face)).unzip();
-    (Mesh { points: mesh.points, triangles }, face_of)
-}
-
-/// The face as triangles, with vertices inside it at the parameters of the scan's. Fills that
-/// belong to the face have vertices of their own.
-#[cfg(feature = "html")]
-fn triangulated(
-    c: &Conversion,
-    outlines: &[Vec<Uv>],
-    uv: &[Uv],
-    scan: &Thinned,
-    parts: usize,
-) -> Option<Mesh> {
-    let mut inner: Vec<Uv> = scan.old.iter().filter_map(|&v| uv.get(v).copied()).collect();
-    if c.trimmed.contains(&false) {
-        inner.extend(uv.get(c.fit_deviation.distances.len()..).unwrap_or_default());
-    }
-    let step = (inner.len() * parts).div_ceil(MOST_FACE_POINTS).max(1);
-    let inner: Vec<Uv> = inner.into_iter().step_by(step).collect();
-    tessellate(&c.surface, c.outer.is_some(), outlines, &inner)
 }
 
 /// The farthest point.

@@ -31,6 +31,19 @@ pub struct Jet {
     pub svv: Vector,
 }
 
+impl Jet {
+    /// The mean curvature in 1/mm: positive where the surface bulges to the side of its normal, 0 at
+    /// a place without a normal.
+    pub fn mean_curvature(&self) -> f64 {
+        let cross = self.su.cross(&self.sv);
+        let Some(normal) = cross.try_normalize(0.0) else { return 0.0 };
+        let (e, f, g) = (self.su.dot(&self.su), self.su.dot(&self.sv), self.sv.dot(&self.sv));
+        let [l, m, n] = [self.suu, self.suv, self.svv].map(|second| second.dot(&normal));
+        let mean = (2.0 * f * m - e * n - g * l) / (2.0 * cross.norm_squared());
+        if mean.is_finite() { mean } else { 0.0 }
+    }
+}
+
 impl Surface {
     /// The surface with all lengths multiplied by a factor.
     #[must_use]
@@ -198,6 +211,24 @@ mod tests {
         assert!((jet.su - Vector::new(1.0, 0.0, 0.81)).norm() < 1e-12);
         assert!((jet.suv - Vector::z()).norm() < 1e-12);
         assert!(jet.suu.norm() < 1e-11 && jet.svv.norm() < 1e-11);
+        // The mean curvature of z = x y, seen from above.
+        let w = (1.0_f64 + 0.37_f64.powi(2) + 0.81_f64.powi(2)).sqrt();
+        assert!((jet.mean_curvature() - 0.37 * 0.81 / w.powi(3)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_hill_has_a_positive_curvature_and_a_hollow_a_negative_one() {
+        let bent = |bend: f64| Jet {
+            s: Point::origin(),
+            su: Vector::x(),
+            sv: 2.0 * Vector::y(),
+            suu: bend * Vector::z(),
+            suv: Vector::zeros(),
+            svv: 4.0 * bend * Vector::z(),
+        };
+        // Spheres of radius 4, which fall away from the normal or rise to it.
+        assert!((bent(-0.25).mean_curvature() - 0.25).abs() < 1e-15);
+        assert!((bent(0.25).mean_curvature() + 0.25).abs() < 1e-15);
     }
 
     #[test]

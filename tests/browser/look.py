@@ -80,6 +80,16 @@ class Browser:
         command = {"cmd": "Emulation.setEmulatedMedia", "params": {"features": features}}
         call("POST", self.url + "/goog/cdp/execute", command)
 
+    def size(self, width, height):
+        """The size of the page, which a window does not go below 500 pixels of."""
+        params = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": False}
+        command = {"cmd": "Emulation.setDeviceMetricsOverride", "params": params}
+        call("POST", self.url + "/goog/cdp/execute", command)
+
+    def keys(self, *keys):
+        steps = [{"type": kind, "value": key} for key in keys for kind in ("keyDown", "keyUp")]
+        call("POST", self.url + "/actions", {"actions": [{"type": "key", "id": "k", "actions": steps}]})
+
     def pointer(self, steps, kind="mouse"):
         source = {"type": "pointer", "id": kind, "parameters": {"pointerType": kind}, "actions": steps}
         call("POST", self.url + "/actions", {"actions": [source]})
@@ -106,6 +116,101 @@ def move(x, y, ms=0):
     return {"type": "pointerMove", "x": round(x), "y": round(y), "duration": ms}
 
 
+TAB, ENTER, LEFT = "\ue004", "\ue007", "\ue012"
+
+# What is cut off: letters outside of their drawing, boxes outside of the window, boxes that would have to be
+# scrolled sideways.
+CLIPPED = """
+    const out = [];
+    const name = e => `${e.tagName} ${e.id} ${e.getAttribute("class") ?? ""} ${e.textContent.trim().slice(0, 30)}`;
+    for (const letters of document.querySelectorAll("svg text")) {
+      const [own, all] = [letters, letters.ownerSVGElement].map(e => e.getBoundingClientRect());
+      if (own.width && (own.left < all.left - 1 || own.right > all.right + 1 || own.bottom > all.bottom + 1))
+        out.push(name(letters));
+    }
+    for (const box of document.querySelectorAll("body *")) {
+      if (box.closest(".unseen, svg, canvas")) continue;
+      const { left, right, width } = box.getBoundingClientRect();
+      if (width && (left < -1 || right > innerWidth + 1 || box.scrollWidth > box.clientWidth + 1 && box.clientWidth
+          && getComputedStyle(box).overflowX !== "visible")) out.push(name(box));
+    }
+    return out;
+"""
+
+# What a screen reader could not name.
+UNNAMED = """
+    const all = s => [...document.querySelectorAll(s)];
+    const named = e => e.getAttribute("aria-label") || e.labels?.length || e.textContent.trim();
+    return [
+      ...all("button, input, summary").filter(e => !named(e)),
+      ...all("canvas, svg, [role=region], [role=group]").filter(e => !e.getAttribute("aria-label")),
+      ...all("canvas, svg").filter(e => e.getAttribute("role") !== "img"),
+      ...all("table").filter(e => !e.caption),
+      ...all("th").filter(e => !e.scope || !e.textContent.trim()),
+      ...all("img").filter(e => !e.alt),
+    ].map(e => e.outerHTML.slice(0, 90));
+"""
+
+# The element that has the focus, and whether a line around it is visible.
+FOCUSED = """
+    const e = document.activeElement, style = getComputedStyle(e);
+    if (e === document.body) return ["", false];
+    const name = e.id || e.dataset.side || e.dataset.hole || e.dataset.place || e.name || e.ariaLabel || e.textContent.trim();
+    return [name, style.outlineStyle !== "none" && parseFloat(style.outlineWidth) > 0];
+"""
+
+
+def stops(browser):
+    """What the tab key reaches from the beginning of the page, in turn."""
+    browser.script("window.scrollTo(0, 0); document.querySelector('h1').tabIndex = -1; document.querySelector('h1').focus()")
+    found = []
+    while len(found) < 200:
+        browser.keys(TAB)
+        name, outlined = browser.script(FOCUSED)
+        if not name or [name, outlined] in found[:1]:
+            break
+        found.append([name, outlined])
+    return found
+
+
+def with_keys(browser):
+    """Looks at the page with the keyboard alone."""
+    found = {"stops": stops(browser)}
+    browser.script("document.getElementById('view').focus()")
+    browser.script("document.getElementById('viewer').scrollIntoView()")
+    browser.shot("keys-before")
+    browser.keys(LEFT, LEFT, LEFT)
+    browser.script("")
+    browser.shot("keys-turned")
+    told = "return document.getElementById('said').textContent"
+    found["sides"] = []
+    for key in "1234560":
+        browser.keys(key)
+        found["sides"].append(browser.script(told))
+        browser.shot(f"side-{key}")
+    browser.keys(ENTER)
+    found["middle"] = browser.script(told)
+    browser.script("document.querySelector('.place').focus({ preventScroll: true })")
+    found["pinned"] = browser.script("return document.querySelector('#worst span').textContent")
+    browser.script("document.activeElement.blur()")
+    return found
+
+
+def sizes(browser):
+    """What is cut off on a desktop and on a telephone, with the tables of the histograms open."""
+    browser.script("document.querySelectorAll('details').forEach(d => { d.open = true; })")
+    found = {}
+    for width in (1400, 820, 390):
+        browser.size(width, 900)
+        for colours in ("signed", "distance"):
+            browser.click(f"input[value={colours}]")
+            found[f"{width} {colours}"] = browser.script(CLIPPED)
+        browser.click("input[value=signed]")
+        browser.shot(f"wide-{width}")
+    browser.size(1400, 900)
+    return found
+
+
 DOWN = {"type": "pointerDown", "button": 0}
 UP = {"type": "pointerUp", "button": 0}
 
@@ -126,13 +231,13 @@ def look(browser):
     browser.wheel(round(x), round(y), -400)
     browser.script("")
     browser.shot("near")
-    browser.click("#reset")
+    browser.click("[data-side=overview]")
     browser.script("")
     browser.shot("reset")
     browser.pointer([move(x, y), DOWN, move(x - 120, y, 100), UP], "touch")
     browser.script("")
     browser.shot("touched")
-    browser.click("#reset")
+    browser.click("[data-side=overview]")
     browser.click("input[value=distance]")
     browser.shot("distance")
     browser.click("input[value=smoothed]")
@@ -142,6 +247,16 @@ def look(browser):
     browser.shot("face")
     browser.click("#show-net")
     browser.shot("net")
+    browser.click("#show-net")
+    browser.click("input[value=curvature]")
+    browser.shot("curvature")
+    curvature = browser.script(
+        "return document.querySelector('#legend svg').getAttribute('aria-label')"
+    )
+    browser.click("input[value=zebra]")
+    browser.shot("zebra")
+    browser.click("input[value=plain]")
+    browser.click("#show-net")
     for name in ["#show-scan", "#show-face", "#show-net", "input[value=signed]", "input[value=measured]"]:
         browser.click(name)
     # The number under the pointer, a little beside the centre if there is a hole.
@@ -163,6 +278,8 @@ def look(browser):
     browser.shot("top")
     browser.script("document.querySelector('.cards').scrollIntoView()")
     browser.shot("cards")
+    browser.click("#copy")
+    keys, clipped = with_keys(browser), sizes(browser)
     return browser.script(
         """
         const all = s => [...document.querySelectorAll(s)];
@@ -175,8 +292,16 @@ def look(browser):
           scripts: all("script").length, wide: document.documentElement.scrollWidth > innerWidth,
           requests: performance.getEntriesByType("resource").map(r => r.name).filter(n => !n.startsWith("data:")),
           unplanted: window.planted === undefined,
+          command: document.getElementById("command-line").textContent,
+          copied: document.getElementById("copy").textContent,
         }"""
-    ) | {"readouts": readouts}
+    ) | {
+        "readouts": readouts,
+        "curvature": curvature,
+        "keys": keys,
+        "clipped": clipped,
+        "unnamed": browser.script(UNNAMED),
+    }
 
 
 def main():

@@ -3,6 +3,7 @@
 mod choices;
 mod colour;
 mod files;
+mod given;
 pub mod headings;
 mod how;
 mod numbers;
@@ -10,12 +11,13 @@ mod pieces;
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueHint};
+use clap::{ArgMatches, Args, Parser, Subcommand, ValueHint};
 use scan2step::mesh::Choice;
 
 pub use choices::{Fit, Iges, Map, Origin, OutlineChoice, ShapeChoice, StepSchema, Steps};
 pub use colour::Colour;
 pub use files::{CadFile, CadKind, cad_file, report_file};
+pub use given::given;
 pub use how::{How, Manner};
 pub use pieces::{CloudArgs, ComponentChoice, CropArgs, Look, Piece, Scale};
 
@@ -144,6 +146,9 @@ pub struct Convert {
     pub progress: Steps,
     #[command(flatten)]
     pub manner: Manner,
+    /// The words of a command that makes the same files.
+    #[arg(skip)]
+    pub again: Vec<String>,
 }
 
 impl Convert {
@@ -163,9 +168,11 @@ impl Convert {
 impl Command {
     /// The same with what follows from other arguments.
     #[must_use]
-    pub fn completed(mut self) -> Self {
+    pub fn completed(mut self, matches: &ArgMatches) -> Self {
         if let Command::Convert(convert) = &mut self {
             convert.complete();
+            let given = matches.subcommand_matches("convert");
+            convert.again = given.map(given::convert_again).unwrap_or_default();
         }
         self
     }

@@ -2,10 +2,10 @@
 
 use std::path::PathBuf;
 
-use clap::{ArgMatches, Args, Command, ValueEnum, parser::ValueSource};
+use clap::{ArgMatches, Args, Command, ValueEnum};
 
 use crate::cli::args::headings::{FILES, RUN};
-use crate::cli::args::{CloudArgs, CropArgs, How, Manner, Scale};
+use crate::cli::args::{CloudArgs, CropArgs, How, Manner, Scale, given};
 use crate::cli::notes;
 use crate::cli::report::ReportFormat;
 
@@ -94,18 +94,5 @@ pub fn passed_on(matches: &ArgMatches) -> Vec<String> {
     let of_scan = CloudArgs::augment_args(Scale::augment_args(Command::new("shared")));
     let of_scan = CropArgs::augment_args(of_scan);
     let shared = How::augment_args(of_scan);
-    let mut options = Vec::new();
-    for option in shared.get_arguments() {
-        let (Some(long), id) = (option.get_long(), option.get_id().as_str()) else { continue };
-        if matches.value_source(id) != Some(ValueSource::CommandLine) {
-            continue;
-        }
-        if !option.get_action().takes_values() {
-            options.push(format!("--{long}"));
-            continue;
-        }
-        let values = matches.get_raw(id).into_iter().flatten();
-        options.extend(values.map(|value| format!("--{long}={}", value.to_string_lossy())));
-    }
-    options
+    given(&shared, matches)
 }

@@ -6,6 +6,7 @@ mod record;
 mod scans;
 mod summary;
 
+use std::path::Path;
 use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -58,6 +59,12 @@ pub fn run(args: &Batch, matches: &ArgMatches) -> Result<Outcome, Failure> {
         Status::Missed => all.and(Outcome::Missed),
         _ => all,
     }))
+}
+
+/// Whether a word of a command line names a file among the records of a batch.
+pub fn is_record(word: &str) -> bool {
+    let folder = Path::new(word).parent().and_then(Path::file_name);
+    folder.is_some_and(|folder| folder == record::FOLDER)
 }
 
 /// Converts a scan unless an earlier run has done so.

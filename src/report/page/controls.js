@@ -2,31 +2,47 @@
 
 // ---- the legend
 const text = x => x === 0 ? "0" : Number(x.toPrecision(3)).toString().replace("-", "−");
-const css = code => "#" + code.toString(16).padStart(6, "0");
 function colour(scale, share) {
   const at = Math.min(1, Math.max(0, share)) * 8, k = Math.min(7, Math.floor(at));
   const [a, b] = [linear(scale[k]), linear(scale[k + 1])];
   const mixed = a.map((x, c) => x + (at - k) * (b[c] - x));
   return "rgb(" + mixed.map(c => Math.round(255 * (c <= 0.0031308 ? 12.92 * c : 1.055 * c ** (1 / 2.4) - 0.055))).join(" ") + ")";
 }
+// The scale of what is in front: the scan over the face.
+function shownScale() {
+  if (checked("show-scan")) {
+    const signed = body.dataset.colours === "signed";
+    const tolerance = parts.every(part => part.tolerance === parts[0].tolerance) ? parts[0].tolerance : Infinity;
+    const marks = (signed ? [-tolerance, tolerance] : [tolerance]).filter(d => Math.abs(d) < end);
+    return { what: "Deviation", unit: "mm", from: signed ? -end : 0, to: end, scale: scales[signed ? "signed" : "distance"], marks };
+  }
+  if (!checked("show-face") || chosen("face-colours") !== "curvature") return null;
+  return { what: "Mean curvature", unit: "1/mm", from: -curvatureEnd(), to: curvatureEnd(), scale: scales.signed, marks: [] };
+}
 function legend() {
-  const mode = body.dataset.colours, from = mode === "signed" ? -end : 0, scale = scales[mode];
-  const y = d => 288 - 270 * (d - from) / (end - from);
-  let svg = "";
+  const shown = shownScale();
+  $("legend").hidden = !shown;
+  recolour();
+  if (!shown) return;
+  const { what, unit, from, to, scale, marks } = shown;
+  const y = d => 288 - 270 * (d - from) / (to - from), signed = from < 0;
+  const number = d => (d > 0 && signed ? "+" : "") + text(d);
+  let svg = `<text x="4" y="10">${unit}</text>`;
   for (let k = 0; k < 90; k++)
     svg += `<rect x="4" y="${18 + 3 * k}" width="20" height="3.6" fill="${colour(scale, 1 - (k + 0.5) / 90)}"/>`;
-  const ticks = mode === "signed" ? [-1, -0.5, 0, 0.5, 1] : [0, 0.25, 0.5, 0.75, 1];
-  const tolerance = parts.every(part => part.tolerance === parts[0].tolerance) ? parts[0].tolerance : Infinity;
-  const marks = (mode === "signed" ? [-tolerance, tolerance] : [tolerance]).filter(d => Math.abs(d) < end);
-  for (const share of ticks) {
-    const d = share * end;
+  for (const share of [0, 0.25, 0.5, 0.75, 1]) {
+    const d = from + share * (to - from);
     if (marks.some(mark => Math.abs(y(mark) - y(d)) < 14)) continue;
-    svg += `<text x="34" y="${y(d) + 4}">${d > 0 && mode === "signed" ? "+" : ""}${text(d)}</text>`;
+    svg += `<text x="34" y="${y(d) + 4}">${number(d)}</text>`;
   }
   for (const d of marks)
-    svg += `<path class="mark" d="M0 ${y(d)}H30"/><text x="34" y="${y(d) + 4}">${d > 0 && mode === "signed" ? "+" : ""}${text(d)} tol.</text>`;
-  svg += `<text x="4" y="10">mm</text>`;
-  $("legend").firstElementChild.innerHTML = svg;
+    svg += `<path class="mark" d="M0 ${y(d)}H30"/><text x="34" y="${y(d) + 4}">${number(d)} tol.</text>`;
+  $("legend-of").textContent = what;
+  $("legend").querySelector("svg").innerHTML = svg;
+  $("legend").querySelector("svg").setAttribute("aria-label", `${what}: colours from ${number(from)} to ${number(to)} ${unit}`);
+  $("range").setAttribute("aria-valuetext", `${number(to)} ${unit}`);
+}
+function recolour() {
   for (const bar of document.querySelectorAll(".histogram rect")) {
     if (!bar.parentNode.classList.contains("of-" + body.dataset.points)) continue;
     const d = Number(bar.dataset.mm), signed = bar.parentNode.classList.contains("signed");
@@ -35,12 +51,25 @@ function legend() {
 }
 
 // ---- controls
-for (const id of ["show-scan", "show-face", "show-edges", "show-net", "show-worst", "beyond"]) $(id).onchange = () => draw();
+const refresh = () => { rescale(); legend(); draw(); };
+for (const id of ["show-scan", "show-face", "show-edges", "show-net", "show-worst", "beyond"]) $(id).onchange = refresh;
 for (const name of ["colours", "points"])
   for (const input of document.getElementsByName(name))
-    input.onchange = () => { body.dataset[name] = input.value; rescale(); legend(); draw(); };
-$("range").oninput = event => { factor = 2 ** Number(event.target.value); rescale(); legend(); draw(); };
-$("reset").onclick = () => { view = home(); fit(); draw(); };
+    input.onchange = () => { body.dataset[name] = input.value; refresh(); };
+// Curvature and stripes belong to the face, which the scan would hide.
+for (const input of document.getElementsByName("face-colours"))
+  input.onchange = () => { $("show-face").checked = true; if (input.value !== "plain") $("show-scan").checked = false; refresh(); };
+$("range").oninput = event => { factor = 2 ** Number(event.target.value); refresh(); };
+function look(side) {
+  view = from(side);
+  fit();
+  draw();
+  say(side === "overview" ? "Overview" : `Seen from: ${side}`);
+}
+const buttons = [...document.querySelectorAll("[data-side]")];
+for (const button of buttons) button.onclick = () => look(button.dataset.side);
+for (const [id, amount] of [["nearer", 0.8], ["farther", 1.25]])
+  $(id).onclick = () => { zoom(amount, canvas.clientWidth / 2, canvas.clientHeight / 2); draw(); };
 
 const fingers = new Map();
 canvas.addEventListener("contextmenu", event => event.preventDefault());
@@ -73,26 +102,43 @@ canvas.addEventListener("wheel", event => {
   draw();
 }, { passive: false });
 canvas.addEventListener("keydown", event => {
-  const turn = { ArrowLeft: [-0.1, 0], ArrowRight: [0.1, 0], ArrowUp: [0, -0.1], ArrowDown: [0, 0.1] }[event.key];
+  const step = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
   const middle = [canvas.clientWidth / 2, canvas.clientHeight / 2];
-  if (turn) rotate(...turn);
+  if (event.ctrlKey || event.metaKey || event.altKey) return;
+  if (step && event.shiftKey) move(...step.map(x => 40 * x));
+  else if (step) rotate(...step.map(x => 0.1 * x));
   else if (event.key === "+" || event.key === "=") zoom(0.85, ...middle);
   else if (event.key === "-") zoom(1 / 0.85, ...middle);
-  else if (event.key === "0") $("reset").onclick();
+  else if (buttons[event.key] && event.key.length === 1) look(buttons[event.key].dataset.side);
+  else if (event.key === "Enter") readMiddle();
   else return;
   event.preventDefault();
   draw();
 });
 
-// The deviation under the pointer, on the triangle that is nearest to the eye.
-function readout(event) {
+// Says the deviation in the middle of the view.
+function readMiddle() {
+  const [x, y] = [canvas.clientWidth / 2, canvas.clientHeight / 2];
+  const d = checked("show-scan") ? under(x, y) : null;
+  showReadout(d, x, y);
+  say(d === null ? "There is no scan in the middle of the view" : `Deviation in the middle of the view: ${signed(d)} mm`);
+}
+
+const signed = d => (d > 0 ? "+" : "") + text(d);
+function showReadout(d, x, y) {
   const out = $("readout");
-  const d = checked("show-scan") && event.pointerType !== "touch" ? under(event.offsetX, event.offsetY) : null;
   out.hidden = d === null;
   if (d === null) return;
-  out.textContent = `${d > 0 ? "+" : ""}${text(d)} mm`;
-  out.style.left = `${event.offsetX}px`;
-  out.style.top = `${event.offsetY}px`;
+  out.textContent = `${signed(d)} mm`;
+  out.style.left = `${x}px`;
+  out.style.top = `${Math.max(y, 32)}px`;
+  out.classList.toggle("left", x > canvas.clientWidth - 120);
+}
+
+// The deviation under the pointer, on the triangle that is nearest to the eye.
+function readout(event) {
+  const d = checked("show-scan") && event.pointerType !== "touch" ? under(event.offsetX, event.offsetY) : null;
+  showReadout(d, event.offsetX, event.offsetY);
 }
 
 function under(left, top) {
@@ -126,11 +172,22 @@ function light_(name) {
 for (const element of document.querySelectorAll("[data-hole]")) {
   element.addEventListener("pointerenter", () => light_(element.dataset.hole));
   element.addEventListener("pointerleave", () => light_(null));
+  // Only the rows take the focus, not the loops of the drawing.
+  if (element.tabIndex < 0) continue;
   element.addEventListener("focus", () => light_(element.dataset.hole));
   element.addEventListener("blur", () => light_(null));
 }
 
-new ResizeObserver(() => draw()).observe(canvas);
+// The places of the largest deviations, which the keyboard reaches, too.
+for (const row of document.querySelectorAll("[data-place]")) {
+  const [part, number] = row.dataset.place.split("-");
+  const { at, mm } = scene.parts[part].places[number];
+  const mark = chosen => { place = chosen; row.classList.toggle("on", Boolean(chosen)); draw(); };
+  for (const event of ["pointerenter", "focus"]) row.addEventListener(event, () => mark({ at, text: `${signed(mm)} mm` }));
+  for (const event of ["pointerleave", "blur"]) row.addEventListener(event, () => mark(null));
+}
+
+new ResizeObserver(() => { $("readout").hidden = true; draw(); }).observe(canvas);
 rescale();
 fit();
 legend();

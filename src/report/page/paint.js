@@ -7,6 +7,7 @@ const linear = code => [16, 8, 0].map(shift => {
 });
 const scales = { signed: scene.signed, distance: scene.distance };
 const checked = id => $(id).checked;
+const chosen = name => document.querySelector(`input[name=${name}]:checked`).value;
 
 function use(which, at) {
   gl.useProgram(which.made);
@@ -21,28 +22,39 @@ function use(which, at) {
 
 function sheets() {
   const u = use(sheet);
-  const mode = body.dataset.colours;
-  gl.uniform3fv(u.scale, scales[mode].flatMap(linear));
-  gl.uniform1f(u.end, end);
-  gl.uniform1i(u.absolute, mode === "distance");
-  gl.uniform1i(u.only, checked("beyond"));
-  gl.uniform1f(u.which, body.dataset.points === "smoothed" ? 1 : 0);
   gl.uniform3fv(u.front, linear(0x86b0dc));
   gl.uniform3fv(u.back, linear(0xdda35a));
   gl.uniform3fv(u.tints, scene.tints.flatMap(linear));
   for (const part of parts) {
-    gl.uniform1f(u.tolerance, part.tolerance);
-    const show = (made, plain, sink) => {
-      gl.uniform1i(u.plain, plain);
-      gl.uniform1i(u.tinted, Boolean(made.tinted));
-      gl.uniform1f(u.sink, sink);
-      gl.bindVertexArray(made.array);
-      gl.drawElements(gl.TRIANGLES, made.count, gl.UNSIGNED_INT, 0);
-    };
-    if (checked("show-scan")) show(part.scan, false, 0);
-    // With the scan over it, the face keeps a little below, so that its colours stay whole.
-    if (checked("show-face") && part.face) show(part.face(), true, checked("show-scan") ? -0.002 * scene.radius : 0);
+    if (checked("show-scan")) show(u, part.scan, { ...lookOfScan(), tolerance: part.tolerance });
+    if (checked("show-face") && part.face) show(u, part.face(), lookOfFace());
   }
+}
+
+function lookOfScan() {
+  const mode = body.dataset.colours, which = body.dataset.points === "smoothed" ? 1 : 0;
+  return { kind: SCALED, which, scale: scales[mode], end, absolute: mode === "distance", only: checked("beyond"), sink: 0 };
+}
+
+function lookOfFace() {
+  const kind = { plain: PLAIN, curvature: SCALED, zebra: ZEBRA }[chosen("face-colours")];
+  // With the scan over it, the face keeps a little below, so that its colours stay whole.
+  const sink = checked("show-scan") ? -0.002 * scene.radius : 0;
+  return { kind, which: kind === SCALED ? 1 : 0, scale: scales.signed, end: curvatureEnd(), absolute: false, only: false, sink, tolerance: 0 };
+}
+
+function show(u, made, look) {
+  gl.uniform1i(u.kind, look.kind);
+  gl.uniform1f(u.which, look.which);
+  gl.uniform3fv(u.scale, look.scale.flatMap(linear));
+  gl.uniform1f(u.end, look.end);
+  gl.uniform1i(u.absolute, look.absolute);
+  gl.uniform1i(u.only, look.only);
+  gl.uniform1f(u.sink, look.sink);
+  gl.uniform1f(u.tolerance, look.tolerance);
+  gl.uniform1i(u.tinted, Boolean(made.tinted));
+  gl.bindVertexArray(made.array);
+  gl.drawElements(gl.TRIANGLES, made.count, gl.UNSIGNED_INT, 0);
 }
 
 function strokes(made, width, ink, lift) {
@@ -79,15 +91,18 @@ function paint() {
   pin();
 }
 
+// The ring around the worst point, or around the place that the user has chosen from the list.
 function pin() {
   const which = body.dataset.points;
   const worst = parts.map(part => part.worst[which]).reduce((a, b) => b.mm > a.mm ? b : a);
-  const s = seen(worst.at), shown = checked("show-worst");
+  const shown = place || (checked("show-worst") ? { at: worst.at, text: `worst: ${text(worst.mm)} mm` } : null);
   $("worst").hidden = !shown;
   if (!shown) return;
+  const s = seen(shown.at);
   const x = canvas.clientWidth / 2 + s[0] / mm(), y = canvas.clientHeight / 2 - s[1] / mm();
   $("worst").style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px)`;
-  $("worst").lastElementChild.textContent = `worst: ${text(worst.mm)} mm`;
+  $("worst").classList.toggle("left", x > canvas.clientWidth - 150);
+  $("worst").lastElementChild.textContent = shown.text;
 }
 
 let waiting = false;

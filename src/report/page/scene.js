@@ -22,33 +22,30 @@ function upload(points, normals, triangles, values) {
   return { array, count: triangles.length };
 }
 
-function lines(pairs) {
+function lines(ends) {
   const array = gl.createVertexArray();
   gl.bindVertexArray(array);
-  buffer(pairs);
+  buffer(ends);
   for (const k of [0, 1]) {
     gl.enableVertexAttribArray(k);
     gl.vertexAttribPointer(k, 3, gl.FLOAT, false, 24, 12 * k);
     gl.vertexAttribDivisor(k, 1);
   }
   gl.bindVertexArray(null);
-  return { array, count: pairs.length / 6 };
+  return { array, count: ends.length / 6 };
 }
 
-// Each triangle with corners of its own and the tint of its face; all in the first tint if there is one face.
-function tinted(points, normals, triangles, tints) {
-  if (!tints.length) return upload(points, normals, triangles);
-  const copy = from => Float32Array.from({ length: 3 * triangles.length }, (_, k) => from[3 * triangles[Math.floor(k / 3)] + k % 3]);
-  const values = Float32Array.from({ length: 2 * triangles.length }, (_, k) => tints[Math.floor(k / 6)]);
-  return { ...upload(copy(points), copy(normals), Uint32Array.from(triangles, (_, k) => k), values), tinted: true };
+// Two numbers of every vertex beside each other.
+function pairs(first, second) {
+  const both = new Float32Array(2 * first.length);
+  for (let k = 0; k < first.length; k++) { both[2 * k] = first[k]; both[2 * k + 1] = second[k]; }
+  return both;
 }
 
 const once = make => { let made; return () => made ??= make(); };
 const parts = scene.parts.map((part, number) => {
   const points = floats(part.scan.points), triangles = indices(part.scan.triangles);
-  const [measured, smoothed] = [floats(part.scan.measured), floats(part.scan.smoothed)];
-  const values = new Float32Array(2 * measured.length);
-  for (let k = 0; k < measured.length; k++) { values[2 * k] = measured[k]; values[2 * k + 1] = smoothed[k]; }
+  const values = pairs(floats(part.scan.measured), floats(part.scan.smoothed));
   const rims = part.rims.map(rim => ({ hole: rim.hole, points: floats(rim.points) }));
   const holes = new Map();
   for (const rim of rims) if (rim.hole !== null) holes.set(`${number}-${rim.hole}`, once(() => lines(segments([rim.points]))));
@@ -66,24 +63,36 @@ const parts = scene.parts.map((part, number) => {
     triangles, values, seen: seenAll, outlines: rims.length ? rims.map(rim => rim.points) : [points],
     scan: upload(points, vertexNormals(points, triangles), triangles, values),
     face: part.face && once(() => {
-      const [places, corners] = [floats(part.face.points), indices(part.face.triangles)];
-      return tinted(places, vertexNormals(places, corners), corners, new Uint8Array(bytes(part.face.tints)));
+      const { points, normals, triangles, tints, curvatures, tinted } = part.face;
+      const numbers = pairs(new Uint8Array(bytes(tints)), floats(curvatures));
+      return { ...upload(floats(points), shorts(normals), indices(triangles), numbers), tinted };
     }),
     dots: once(() => lines(points_(floats(part.irregular)))),
     rims: lines(segments(rims.map(rim => rim.points))),
     edges: once(() => lines(segments(part.edges.map(edge => floats(edge.points))))),
     net: once(() => lines(netLines(part.net))),
-    holes, tolerance: part.tolerance, worst: part.worst,
+    holes, tolerance: part.tolerance, worst: part.worst, places: part.places,
   };
 });
 if (!parts.some(part => part.face)) $("show-face").disabled = true;
 
 // ---- the camera: rows to the right, up, towards the eye
-const home = () => ({ turn: scene.axes.map(axis => [...axis]), eye: [0, 0, 0], span: 2.25 * scene.radius });
-let view = home(), hole = null;
+// The sides have the names that CAD programs give them: z is up, and the front looks along y.
+const sides = {
+  overview: scene.axes,
+  front: [[1, 0, 0], [0, 0, 1], [0, -1, 0]],
+  back: [[-1, 0, 0], [0, 0, 1], [0, 1, 0]],
+  left: [[0, -1, 0], [0, 0, 1], [-1, 0, 0]],
+  right: [[0, 1, 0], [0, 0, 1], [1, 0, 0]],
+  top: [[1, 0, 0], [0, 1, 0], [0, 0, 1]],
+  bottom: [[1, 0, 0], [0, -1, 0], [0, 0, -1]],
+};
+const from = side => ({ turn: sides[side].map(axis => [...axis]), eye: [0, 0, 0], span: 2.25 * scene.radius });
+let view = from("overview"), hole = null, place = null;
 // The scale's end, for the points that are shown.
 let factor = 1, end = 0;
 const rescale = () => { end = factor * scene.end[body.dataset.points]; };
+const curvatureEnd = () => factor * scene.end.curvature;
 const dot = (a, b) => a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 const seen = p => view.turn.map((axis, k) => dot(axis, p) - view.eye[k]);
 
@@ -102,7 +111,9 @@ function fit() {
     view.eye = [(low[0] + high[0]) / 2, (low[1] + high[1]) / 2, 0];
     const aspect = canvas.clientWidth / Math.max(1, canvas.clientHeight);
     const room = aspect > 1.2 ? 0.74 : 0.95; // beside the panels
-    view.span = 1.12 * Math.max(h, w / (aspect * room), 1e-9);
+    const bar = aspect > 1.2 ? 0.08 : 0; // of the height, for the buttons above
+    view.span = 1.12 * Math.max(h / (1 - bar), w / (aspect * room), 1e-9);
+    view.eye[1] += 0.5 * bar * view.span;
   }
 }
 

@@ -1,6 +1,10 @@
 // Second part: what the graphics card does.
 
 // ---- programs
+// How a sheet is painted: in one colour or those of its faces, by a number on a scale, in stripes.
+const [PLAIN, SCALED, ZEBRA] = [0, 1, 2];
+// Stripes over the half circle of mirrored directions: few show no small waves, many run together.
+const STRIPES = 16;
 const light = `
   float brightness(vec3 n) {
     vec3 key = normalize(vec3(-0.62, 0.62, 0.46)), side = normalize(vec3(0.85, -0.1, 0.5));
@@ -41,17 +45,25 @@ const sheet = program(`
   out vec3 n; out float d;
   void main() {
     vec3 s = seen(place_);
-    n = turn * normal; d = mix(values.x, values.y, which);
+    n = turn * normal; d = which < 0.5 ? values.x : values.y;
     gl_Position = place(s + vec3(0.0, 0.0, sink));
   }`, `
   in vec3 n; in float d; out vec4 colour; ${light}
-  uniform vec3 scale[9]; uniform float end; uniform bool absolute, plain, only, tinted; uniform vec3 tints[6]; uniform float tolerance; uniform vec3 front, back;
+  uniform vec3 scale[9]; uniform float end; uniform bool absolute, only, tinted; uniform int kind; uniform vec3 tints[6]; uniform float tolerance; uniform vec3 front, back;
+  // Bright and dark lamps across, mirrored in the sheet: a kink breaks the stripes, a jump of curvature bends them sharply.
+  vec3 zebra(vec3 m) {
+    float across = ${STRIPES.toFixed(1)} * acos(clamp(2.0 * m.z * m.y, -1.0, 1.0)) / 3.14159265;
+    float edge = abs(fract(across) - 0.5) - 0.25, soft = max(fwidth(across), 1e-4);
+    return vec3(mix(0.03, 0.85, clamp(0.5 + edge / soft, 0.0, 1.0)));
+  }
   void main() {
     vec3 m = normalize(n);
     bool outer = gl_FrontFacing;
     if (!outer) m = -m;
+    bool scaled = kind == ${SCALED};
     vec3 paint;
-    if (plain) paint = !outer ? back : tinted ? tints[int(d + 0.5)] : front;
+    if (kind == ${ZEBRA}) paint = zebra(m);
+    else if (!scaled) paint = !outer ? back : tinted ? tints[int(d + 0.5)] : front;
     else {
       float share = absolute ? abs(d) / end : 0.5 + 0.5 * d / end;
       float at = clamp(share, 0.0, 1.0) * 8.0;
@@ -59,9 +71,9 @@ const sheet = program(`
       paint = mix(scale[k], scale[k + 1], at - float(k));
       if (only && abs(d) <= tolerance) paint = vec3(0.62);
     }
-    float shade = plain ? brightness(m) : (outer ? 1.0 : 0.55) * (0.6 + 0.4 * brightness(m));
+    float shade = kind == ${PLAIN} ? brightness(m) : (outer ? 1.0 : 0.55) * (0.6 + 0.4 * brightness(m));
     vec3 half_ = normalize(normalize(vec3(-0.62, 0.62, 0.46)) + vec3(0.0, 0.0, 1.0));
-    float gloss = plain ? 0.2 * pow(max(0.0, dot(m, half_)), 36.0) : 0.0;
+    float gloss = kind == ${PLAIN} ? 0.2 * pow(max(0.0, dot(m, half_)), 36.0) : 0.0;
     colour = vec4(encoded(paint * shade + gloss), 1.0);
   }`);
 

@@ -2,6 +2,8 @@
 // brings. The parts stand one after the other in one function.
 
 const $ = id => document.getElementById(id);
+// Tells a screen reader.
+const say = text => { $("said").textContent = text; };
 const root = document.documentElement, body = document.body;
 
 // Light or dark: the system's, until the button is pressed.
@@ -11,6 +13,19 @@ $("theme").onclick = () => { root.dataset.theme = dark() ? "light" : "dark"; dra
 matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => draw());
 
 let draw = () => {};
+
+// The command goes to the clipboard. A page from a disk may have no clipboard: then it is selected.
+if ($("copy")) {
+  $("copy").hidden = false;
+  $("copy").onclick = async () => {
+    getSelection().selectAllChildren($("command-line"));
+    const copied = await Promise.resolve(navigator.clipboard?.writeText($("command-line").textContent))
+      .then(() => Boolean(navigator.clipboard), () => document.execCommand("copy"));
+    say(copied ? "Copied" : "Selected: copy it with the keyboard");
+    $("copy").textContent = copied ? "Copied" : "Selected";
+  };
+}
+
 const scene = JSON.parse($("scene").textContent);
 const gl = scene.axes && $("view").getContext("webgl2", { antialias: true, alpha: true, premultipliedAlpha: true });
 if (!gl) { $("refused").hidden = false; return; }
@@ -24,6 +39,7 @@ canvas.addEventListener("webglcontextlost", () => {
 // ---- typed arrays
 const bytes = text => Uint8Array.from(atob(text), c => c.charCodeAt(0)).buffer;
 const floats = text => new Float32Array(bytes(text));
+const shorts = text => Float32Array.from(new Int16Array(bytes(text)), x => x / 32767);
 const indices = text => new Uint32Array(bytes(text));
 
 function vertexNormals(points, triangles) {
