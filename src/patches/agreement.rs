@@ -7,7 +7,7 @@
 use rayon::prelude::*;
 
 use super::corners::CornerFit;
-use super::{Patch, PatchSource};
+use super::{FittedPatch, PatchSource};
 use crate::geometry::Vector;
 
 /// The number of rounds. Most of what they reach is reached after three.
@@ -16,11 +16,12 @@ const ROUNDS: usize = 10;
 /// Makes patches that meet at irregular vertices agree in their normals along the sides that they share. Each
 /// vertex keeps the round with the smallest largest angle, because where a spoke and the rows beside it have almost one
 /// direction, the rounds may lead away.
-pub(super) fn agree(source: &PatchSource, patches: &mut [Patch]) {
+pub(super) fn agree(source: &PatchSource, patches: &mut [FittedPatch]) {
     let mut best = vec![f64::INFINITY; source.mesh.points.len()];
     let mut kept = corners(source, patches.len()).map(|_| Vec::new()).collect::<Vec<_>>();
     for round in 0..=ROUNDS {
-        let own: Vec<[[Vec<Vector>; 2]; 4]> = patches.par_iter().map(Patch::along_spokes).collect();
+        let own: Vec<[[Vec<Vector>; 2]; 4]> =
+            patches.par_iter().map(FittedPatch::along_spokes).collect();
         let mut largest = vec![0.0; best.len()];
         for corner in corners(source, patches.len()) {
             let Corner { block, k, other, side, vertex } = corner;
@@ -36,7 +37,7 @@ pub(super) fn agree(source: &PatchSource, patches: &mut [Patch]) {
             towards(patches[block].fits[k].as_mut(), 1);
         }
         for (corner, kept) in corners(source, patches.len()).zip(&mut kept) {
-            let Patch { surface, fits } = &patches[corner.block];
+            let FittedPatch { surface, fits } = &patches[corner.block];
             if let Some(fit) = &fits[corner.k]
                 && largest[corner.vertex] < best[corner.vertex]
             {
@@ -45,13 +46,13 @@ pub(super) fn agree(source: &PatchSource, patches: &mut [Patch]) {
         }
         best.iter_mut().zip(&largest).for_each(|(best, largest)| *best = best.min(*largest));
         if round < ROUNDS {
-            patches.par_iter_mut().for_each(|Patch { surface, fits }| {
+            patches.par_iter_mut().for_each(|FittedPatch { surface, fits }| {
                 fits.iter_mut().flatten().for_each(|fit| source.fit_again(fit, surface));
             });
         }
     }
     for (corner, kept) in corners(source, patches.len()).zip(kept) {
-        let Patch { surface, fits } = &mut patches[corner.block];
+        let FittedPatch { surface, fits } = &mut patches[corner.block];
         if let Some(fit) = &fits[corner.k] {
             fit.set(surface, kept);
         }
@@ -78,7 +79,7 @@ fn corners(source: &PatchSource, blocks: usize) -> impl Iterator<Item = Corner> 
     })
 }
 
-impl Patch {
+impl FittedPatch {
     /// The normals along the spokes of each corner in an irregular vertex.
     fn along_spokes(&self) -> [[Vec<Vector>; 2]; 4] {
         let along = |fit: &CornerFit| fit.along_spokes(&self.surface);

@@ -73,7 +73,7 @@ pub fn extract(mesh: &QuadMesh, surface: &SubdivisionSurface) -> Result<(Network
     };
     let tracks: Vec<Track> = places.par_iter().map(track).collect();
     let surfaces = (0..mesh.blocks()).into_par_iter().map(|b| source.patch(b, sides[b], &tracks));
-    let mut patches: Vec<Patch> = surfaces.collect();
+    let mut patches: Vec<FittedPatch> = surfaces.collect();
     agreement::agree(&source, &mut patches);
     let surfaces: Vec<Surface> = patches.into_iter().map(|patch| patch.surface).collect();
     let irregular = mesh.valences().iter().filter(|&&n| n != 4).count();
@@ -92,7 +92,7 @@ fn knots(n: usize) -> KnotVector {
 }
 
 /// A patch, and the fits at its corners in irregular vertices.
-struct Patch {
+struct FittedPatch {
     surface: Surface,
     fits: [Option<CornerFit>; 4],
 }
@@ -135,7 +135,7 @@ impl PatchSource<'_> {
     }
 
     /// The patch of a block.
-    fn patch(&self, block: usize, sides: [Side; 4], tracks: &[Track]) -> Patch {
+    fn patch(&self, block: usize, sides: [Side; 4], tracks: &[Track]) -> FittedPatch {
         let count = self.knots.functions();
         let pieces = Pieces::new(self, block);
         let mut net = vec![Vector::zeros(); count * count];
@@ -156,6 +156,6 @@ impl PatchSource<'_> {
         }
         let mut surface = Surface::new(self.knots.clone(), self.knots.clone(), net);
         let fits = [0, 1, 2, 3].map(|k| self.fit_corner(block, k, &mut surface));
-        Patch { surface, fits }
+        FittedPatch { surface, fits }
     }
 }

@@ -5,7 +5,7 @@ use minijinja::{AutoEscape, Environment, UndefinedBehavior};
 
 use super::file_name;
 use super::scale::short;
-use crate::words::{mm, plain_mm, separated};
+use crate::words::{mm, plain_mm, repair, separated};
 
 /// The environment with the template and the filters that write numbers.
 pub(super) fn environment() -> Result<Environment<'static>, minijinja::Error> {
@@ -23,6 +23,7 @@ pub(super) fn environment() -> Result<Environment<'static>, minijinja::Error> {
         of_number(&x, |x| format!("{x:.digits$}"))
     });
     environment.add_filter("option", option);
+    environment.add_filter("repair", |kind: String, count: usize| repair(&kind, count));
     environment.add_filter("words", |s: String| s.replace('_', " "));
     environment.add_filter("file", |s: String| file_name(&s));
     environment.add_template("report.html", include_str!("page/report.html"))?;
