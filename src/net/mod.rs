@@ -85,6 +85,12 @@ const FIRMER: f64 = 8.0;
 /// the fill was not measured, and not zero because the surface must follow it.
 const FILLED: f64 = 0.05;
 
+/// The weight of a point on a measured triangle between measured points, beside that of these. It is small because
+/// the triangle is a chord of a curved surface. With a weight of 1, a ring of 2,560 noisy points is 0.03 mm too thin,
+/// which is over half of its noise; with 0.1 it is 0.01 mm, and with 0.03 as much. It is not zero because the surface
+/// must follow large flat triangles.
+const BETWEEN: f64 = 0.1;
+
 /// The number of measured points that a control point needs at least. With fewer points, control
 /// points follow noise and flat triangles instead of the shape.
 const POINTS_OF_CONTROL: usize = 2;
@@ -178,7 +184,7 @@ pub fn fit_with<'a>(
     progress: &mut Progress,
 ) -> Result<NetFit<'a>> {
     let mut target = FitTarget::new(scan, options);
-    let points = target.weights.iter().filter(|&&weight| weight == 1.0).count();
+    let points = target.weights.iter().filter(|&&weight| weight > FILLED).count();
     let most = options.max_control.min(points / POINTS_OF_CONTROL);
     let mut quads = quads.clone();
     let mut level = 0;
@@ -209,11 +215,16 @@ struct FitTarget<'a> {
 impl<'a> FitTarget<'a> {
     fn new(scan: &'a Patch, options: &'a Options) -> Self {
         let on_measured = scan.on_measured().into_iter();
+        let weight = |(point, is_on_measured)| match is_on_measured {
+            true if point < scan.measured => 1.0,
+            true => BETWEEN,
+            false => FILLED,
+        };
         FitTarget {
             points: &scan.mesh.points,
             measured: scan.measured.min(scan.mesh.points.len()),
             normals: scan.mesh.vertex_normals(),
-            weights: on_measured.map(|measured| if measured { 1.0 } else { FILLED }).collect(),
+            weights: on_measured.enumerate().map(weight).collect(),
             options,
         }
     }
