@@ -393,7 +393,7 @@ fn manual_pages_name_one_another() {
     assert!(program(&["man", "pages"], folder.path()).status.success());
     let pages = folder.path().join("pages");
     let names = files(&pages);
-    assert_eq!(names.len(), 7, "{names:?}");
+    assert_eq!(names.len(), 8, "{names:?}");
     for name in &names {
         let page = std::fs::read_to_string(pages.join(name)).expect("a page").replace("\\-", "-");
         for section in ["NAME", "SYNOPSIS", "EXAMPLES", "\"EXIT STATUS\"", "\"SEE ALSO\""] {
