@@ -59,7 +59,8 @@ fn numbers(of: &dyn Debug) -> Vec<f64> {
 
 /// The lengths of a conversion, and the values that are not lengths.
 fn lengths(c: &Conversion) -> Vec<Vec<f64>> {
-    let all: [&dyn Debug; 9] = [
+    let all: [&dyn Debug; 10] = [
+        &c.input.bounds,
         &c.surface.net,
         &c.smooth,
         &c.fill,
@@ -76,7 +77,9 @@ fn lengths(c: &Conversion) -> Vec<Vec<f64>> {
 fn rest(c: &Conversion) -> String {
     let pcurves: Vec<_> = c.loops.iter().map(|l| (l.of, l.within, &l.pcurves)).collect();
     let knots = (&c.surface.u, &c.surface.v);
-    format!("{:?}", (pcurves, knots, &c.input, &c.trimmed, &c.parameterize, &c.fit.knots))
+    let mut input = c.input.clone();
+    input.bounds = Default::default();
+    format!("{:?}", (pcurves, knots, input, &c.trimmed, &c.parameterize, &c.fit.knots))
 }
 
 /// Whether the second conversion is the first one with all lengths multiplied by `factor`, within a
