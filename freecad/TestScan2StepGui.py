@@ -153,7 +153,7 @@ def test_an_error_shows_its_place():
     panel.fields["component"].setValue(9)
     button(panel, "Convert").click()
     wait(lambda: panel.worker is None, "an error")
-    assert "no component 9" in panel.said.text() and "choose a" in panel.said.text()
+    assert "no component 9" in panel.said.text() and "only one" in panel.said.text()
     button(panel, "Defaults").click()
     assert panel.values() == __import__("freecad.scan2step_wb.convert", fromlist=["x"]).defaults()
     import scan2step
