@@ -23,7 +23,7 @@ pub fn separated(number: &str) -> String {
 
 /// The extents of a box: "100.3 × 80.24 × 17.41 mm".
 pub fn extents(size: [f64; 3]) -> String {
-    size.map(|length| separated(&significant(length))).join(" × ") + " mm"
+    size.map(plain_mm).join(" × ") + " mm"
 }
 
 /// The extents of the box with these corners.

@@ -87,7 +87,7 @@ const FILLED: f64 = 0.05;
 
 /// The weight of a point on a measured triangle between measured points, beside that of these. It is small because
 /// the triangle is a chord of a curved surface. With a weight of 1, a ring of 2,560 noisy points is 0.03 mm too thin,
-/// which is over half of its noise; with 0.1 it is 0.01 mm, and with 0.03 as much. It is not zero because the surface
+/// which is over half of its noise; with 0.1 it is 0.010 mm, and with 0.03 0.007 mm. It is not zero because the surface
 /// must follow large flat triangles.
 const BETWEEN: f64 = 0.1;
 

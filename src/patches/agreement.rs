@@ -18,13 +18,13 @@ const ROUNDS: usize = 10;
 /// direction, the rounds may lead away.
 pub(super) fn agree(source: &PatchSource, patches: &mut [FittedPatch]) {
     let mut best = vec![f64::INFINITY; source.mesh.points.len()];
-    let mut kept = corners(source, patches.len()).map(|_| Vec::new()).collect::<Vec<_>>();
+    let corners = corners(source, patches.len());
+    let mut kept = vec![Vec::new(); corners.len()];
     for round in 0..=ROUNDS {
         let own: Vec<[[Vec<Vector>; 2]; 4]> =
             patches.par_iter().map(FittedPatch::along_spokes).collect();
         let mut largest = vec![0.0; best.len()];
-        for corner in corners(source, patches.len()) {
-            let Corner { block, k, other, side, vertex } = corner;
+        for &Corner { block, k, other, side, vertex } in &corners {
             let pairs = own[block][k][1].iter().zip(&own[other][side][0]);
             let widest = pairs.clone().map(|(n, m)| n.angle(m)).fold(largest[vertex], f64::max);
             largest[vertex] = widest;
@@ -36,7 +36,7 @@ pub(super) fn agree(source: &PatchSource, patches: &mut [FittedPatch]) {
             towards(patches[other].fits[side].as_mut(), 0);
             towards(patches[block].fits[k].as_mut(), 1);
         }
-        for (corner, kept) in corners(source, patches.len()).zip(&mut kept) {
+        for (corner, kept) in corners.iter().zip(&mut kept) {
             let FittedPatch { surface, fits } = &patches[corner.block];
             if let Some(fit) = &fits[corner.k]
                 && largest[corner.vertex] < best[corner.vertex]
@@ -51,7 +51,7 @@ pub(super) fn agree(source: &PatchSource, patches: &mut [FittedPatch]) {
             });
         }
     }
-    for (corner, kept) in corners(source, patches.len()).zip(kept) {
+    for (corner, kept) in corners.iter().zip(kept) {
         let FittedPatch { surface, fits } = &mut patches[corner.block];
         if let Some(fit) = &fits[corner.k] {
             fit.set(surface, kept);
@@ -69,14 +69,15 @@ struct Corner {
 }
 
 /// The corners of all blocks.
-fn corners(source: &PatchSource, blocks: usize) -> impl Iterator<Item = Corner> {
+fn corners(source: &PatchSource, blocks: usize) -> Vec<Corner> {
     let per_block = source.mesh.side * source.mesh.side;
-    (0..4 * blocks).map(move |corner| {
+    let of_block = |corner: usize| {
         let (block, k) = (corner / 4, corner % 4);
         let (quad, side) = source.surface.across(source.quad_at(block, k, 0), (k + 3) % 4);
         let vertex = source.mesh.corner(block, k).index();
         Corner { block, k, other: quad / per_block, side, vertex }
-    })
+    };
+    (0..4 * blocks).map(of_block).collect()
 }
 
 impl FittedPatch {

@@ -55,10 +55,7 @@ fn size([low, high]: [[f64; 3]; 2]) -> f64 {
 /// The units that the size of a scan suggests, likeliest first. There are none if its unit is known,
 /// or if the assumed one is likely. The bounds of the scan are mm.
 pub(super) fn likely_units(source: &ScanSource, bounds: [[f64; 3]; 2]) -> Vec<LengthUnit> {
-    let across = size(bounds);
-    if !source.unit_assumed || (LIKELY_SIZES[0]..LIKELY_SIZES[1]).contains(&across) {
-        return Vec::new();
-    }
+    let Some(across) = unlikely_size(source, bounds) else { return Vec::new() };
     let in_unit = |unit: &LengthUnit| across / source.unit.in_mm() * unit.in_mm();
     let is_usual = |unit: &LengthUnit| (USUAL_SIZES[0]..USUAL_SIZES[1]).contains(&in_unit(unit));
     let mut likely: Vec<_> = UNITS.into_iter().filter(is_usual).collect();
@@ -67,13 +64,17 @@ pub(super) fn likely_units(source: &ScanSource, bounds: [[f64; 3]; 2]) -> Vec<Le
     likely
 }
 
+/// The size of a scan in mm, if its unit was assumed and makes its size unlikely.
+fn unlikely_size(source: &ScanSource, bounds: [[f64; 3]; 2]) -> Option<f64> {
+    let across = size(bounds);
+    let is_likely = (LIKELY_SIZES[0]..LIKELY_SIZES[1]).contains(&across);
+    (source.unit_assumed && !is_likely).then_some(across)
+}
+
 /// Advice to name the unit of a scan, if its unit was assumed and makes its size unlikely. The
 /// bounds of the scan are mm.
 pub fn likely_unit(source: &ScanSource, bounds: [[f64; 3]; 2]) -> Option<String> {
-    let across = size(bounds);
-    if !source.unit_assumed || (LIKELY_SIZES[0]..LIKELY_SIZES[1]).contains(&across) {
-        return None;
-    }
+    let across = unlikely_size(source, bounds)?;
     let likely = likely_units(source, bounds).into_iter().map(|unit| {
         let across = across / source.unit.in_mm() * unit.in_mm();
         format!("{} ({})", unit.symbol(), mm(across))
