@@ -36,6 +36,9 @@ fn main() -> Result<(), Box<dyn Error>> {
     let (patch, filling) = fill::fill(smoothed, &measured.mesh.points, &how)?;
     println!("fill: {} triangles", filling.holes[0].added_triangles);
 
+    // Smoothing leaves nothing small, so that a dense scan has more vertices than needed. They are
+    // thinned unless the user names a tolerance, which holds at every point:
+    // let patch = thin::thin(patch, &smoothing.supports)?;
     let how = parameterize::Options::default();
     let (mut map, mapping) = parameterize::parameterize(patch, &how)?;
     println!("parameterize: stretch {:.2}", mapping.stretch.l2);

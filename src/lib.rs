@@ -63,6 +63,7 @@
 //! | mesh | [`mesh::from_soup`], [`mesh::Components`] | polygons | a disk with holes |
 //! | smooth | [`smooth::smooth`] | a disk with holes | the same, smoothed |
 //! | fill | [`fill::fill`] | that | a disk |
+//! | thin | [`thin::thin`] | that | a disk with fewer vertices, if the scan is dense for its noise |
 //! | parameterize | [`parameterize::parameterize`] | that | parameters in [0, 1]² |
 //! | knots, fit | [`adapt::fit`]; [`knots::place`], [`fit::fit`] | these | a surface |
 //! | trim | [`cut::rims`], [`trim::trim`] | both | trim loops |
@@ -133,6 +134,7 @@ pub mod rules;
 mod sets;
 pub mod smooth;
 pub mod spline;
+pub mod thin;
 pub mod threads;
 pub mod trim;
 pub mod words;

@@ -21,6 +21,8 @@ pub struct Problem<'a> {
     pub goal: &'a Goal,
     /// The numbers of the map's triangles that were measured.
     pub measured_triangles: Vec<usize>,
+    /// How many vertices of the scan each measured vertex stands for.
+    pub counts: Vec<f64>,
     /// How the vertices hold a surface that slides along them.
     pub holds: Vec<TangentDistance>,
     /// The map's triangles, and then its scaffold's.
@@ -43,6 +45,7 @@ impl<'a> Problem<'a> {
             options,
             goal,
             measured_triangles: map.measured_triangles(),
+            counts: map.patch.counts().into_owned(),
             holds: holds(map),
             triangles,
             areas,

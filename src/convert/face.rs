@@ -1,5 +1,5 @@
-//! The way from a scan to one face: mesh → smooth → fill → parameterize → knots and fit →
-//! trim → brep → deviation. Whoever reads [`face`] has read what the program does.
+//! The way from a scan to one face: mesh → smooth → fill → thin → parameterize →
+//! knots and fit → trim → brep → deviation. Whoever reads [`face`] has read what the program does.
 //!
 //! The stages work in the lengths of the scan's mesh: its own numbers by a power of two
 //! ([`Components::mm`]). `options` come in these, and so does what `watch` is shown up to
@@ -11,10 +11,10 @@ use super::conversion::{Conversion, Missed};
 use super::stage::{Observer, Stage, within};
 use super::{Options, cut, input};
 use crate::adapt::Goal;
-use crate::mesh::Components;
-use crate::mesh::Parameterized;
+use crate::geometry::{Point, Uv};
+use crate::mesh::{Components, Parameterized};
 use crate::spline::Surface;
-use crate::{Result, adapt, brep, deviation, fill, parameterize, smooth, spline, trim};
+use crate::{Result, adapt, brep, deviation, fill, parameterize, smooth, spline, thin, trim};
 
 /// Converts one component of a scan to one face.
 pub(super) fn face(
@@ -36,6 +36,7 @@ pub(super) fn face(
 
     let fill_options =
         fill::Options { support: smooth.h, noise: smooth.noise, ..options.fill.clone() };
+    let smoothed_points = smoothed.mesh.points.clone();
     let (patch, fill) = fill::fill_with(
         smoothed,
         &measured.mesh.points,
@@ -44,6 +45,9 @@ pub(super) fn face(
     )?;
     watch(Stage::Fill(&patch))?;
 
+    // A tolerance that the user names is held at every point.
+    let supports = if goal.named { &[][..] } else { &smooth.supports };
+    let patch = thin::thin(patch, supports)?;
     let (mut map, parameterize) = parameterize::parameterize_with(
         patch,
         &options.parameterize,
@@ -52,7 +56,6 @@ pub(super) fn face(
     let crushed = parameterize::compressed_region(&map, tolerance, options.knots.max_net);
     watch(Stage::Parameterize(&map, crushed))?;
 
-    let measured_count = map.patch.measured;
     let (surface, fit) =
         adapt::fit_with(&mut map, &options.adapt(), &goal, &mut within("fit", watch))?;
     let surface = surface.rounded(measured.mesh.diagonal());
@@ -76,14 +79,13 @@ pub(super) fn face(
 
     let face =
         deviation::TrimmedFace::new(&surface, loops.iter().map(|l| l.pcurves.as_slice()), natural);
-    let starts = &map.uv[..measured_count];
-    let fit_deviation = face.deviation(&map.patch.mesh.points[..measured_count], starts);
+    let (fit_deviation, starts) = face.deviation_and_places(&smoothed_points, &map.scan_uv());
     let raw = scan.measured_points(&measured.mesh.points);
-    let deviation = face.deviation(&raw.points, &raw.of_vertices(starts));
-    let of_vertices = || face.deviation(&measured.mesh.points, starts).scaled(mm);
+    let deviation = face.deviation(&raw.points, &raw.of_vertices(&starts));
+    let of_vertices = || face.deviation(&measured.mesh.points, &starts).scaled(mm);
     let vertex_deviation = raw.vertex_of.as_ref().map(|_| of_vertices());
     let excused = if trim_options.keeps_vertices { 0.0 } else { trim_options.rim };
-    let missed = missed(&face, &map, &fit_deviation, tolerance, excused);
+    let missed = missed(&face, (&smoothed_points, &starts), &fit_deviation, (tolerance, excused));
     let seen = map.measured_triangles();
     let between = deviation::SurfaceOverMesh::new(&map.patch.mesh, &seen, &map.uv, &surface);
     let face_to_scan = between.report(tolerance, |at| face.contains(at));
@@ -122,23 +124,22 @@ pub(super) fn face(
 /// than `excused`.
 fn missed(
     face: &deviation::TrimmedFace<Surface>,
-    map: &Parameterized,
+    (points, starts): (&[Point], &[Uv]),
     deviation: &deviation::Deviation,
-    tolerance: f64,
-    excused: f64,
+    (tolerance, excused): (f64, f64),
 ) -> Missed {
     let distances = &deviation.distances;
     let misses = |&i: &usize| {
-        let (p, off) = (map.patch.mesh.points[i], distances[i]);
+        let (p, off) = (points[i], distances[i]);
         off > tolerance
             && (off > excused.hypot(tolerance) || {
-                let (at, _) = face.nearest(p, Some(map.uv[i]));
+                let (at, _) = face.nearest(p, Some(starts[i]));
                 spline::foot_point(face.surface(), p, at).1 > tolerance
             })
     };
     let all: Vec<usize> = (0..distances.len()).into_par_iter().filter(misses).collect();
     let worst = all.iter().copied().max_by(|&i, &j| distances[i].total_cmp(&distances[j]));
-    let worst = worst.map(|i| (distances[i], map.patch.mesh.points[i].coords.into()));
+    let worst = worst.map(|i| (distances[i], points[i].coords.into()));
     let (worst, worst_at) = worst.unwrap_or_default();
     Missed { points: all.len(), worst, worst_at }
 }

@@ -74,12 +74,18 @@ impl<'a> TrimmedFace<'a, Surface> {
     /// The deviation of points from the face, and the side of the face that each point is on.
     /// `starts` are parameter points near their foot points.
     pub fn deviation(&self, points: &[Point], starts: &[Uv]) -> Deviation {
+        self.deviation_and_places(points, starts).0
+    }
+
+    /// The deviation of points from the face, as [`TrimmedFace::deviation`] has it, and the parameter
+    /// points of the nearest places.
+    pub fn deviation_and_places(&self, points: &[Point], starts: &[Uv]) -> (Deviation, Vec<Uv>) {
         let each = points.par_iter().zip(starts).map(|(&p, &start)| {
             let (at, distance) = self.nearest(p, Some(start));
-            (distance, self.is_above(p, at))
+            (at, (distance, self.is_above(p, at)))
         });
-        let (distances, above): (Vec<f64>, Vec<bool>) = each.unzip();
-        Deviation::of(points, distances).with_sides(above)
+        let (places, (distances, above)): (Vec<Uv>, (Vec<f64>, Vec<bool>)) = each.unzip();
+        (Deviation::of(points, distances).with_sides(above), places)
     }
 
     /// Whether a point is on the side of the surface's normal at `at`, or on the surface.

@@ -195,7 +195,16 @@ pub fn fill_with(
         whole.add(fill.points, &fill.triangles, FaceOrigin::Hole(number as u32));
     }
     let PatchBuilder { mesh, measured, origin } = whole;
-    let patch = Patch { mesh, measured, origin, outer, measured_outer: None, rims, islands };
+    let patch = Patch {
+        mesh,
+        measured,
+        origin,
+        outer,
+        measured_outer: None,
+        rims,
+        islands,
+        stand_ins: None,
+    };
     debug_assert!(patch.outer.is_empty() || patch.is_disk(), "filling leaves a disk");
     Ok((patch, report))
 }

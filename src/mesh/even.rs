@@ -34,6 +34,7 @@ impl Patch {
             measured_outer: None,
             rims: Vec::new(),
             islands: Vec::new(),
+            stand_ins: None,
         }
     }
 

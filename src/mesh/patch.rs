@@ -1,10 +1,11 @@
 //! A disk whose holes are filled. It remembers which triangles and vertices were measured.
 
+use std::borrow::Cow;
 use std::ops::Range;
 
 use super::boundary::Loop;
 use super::disk::Island;
-use super::{EdgeMap, Mesh, Topology};
+use super::{EdgeMap, Mesh, StandIns, Topology};
 use crate::geometry::{Bound, VertexId};
 
 /// The origin of a triangle.
@@ -19,7 +20,7 @@ pub enum FaceOrigin {
 }
 
 /// A disk without holes. Its first `measured` vertices are those of the scan, in the order of the
-/// scan. Vertices added by later stages follow them.
+/// scan, or those that stand for them. Vertices added by later stages follow them.
 #[derive(Debug, Clone)]
 pub struct Patch {
     /// The triangles and points.
@@ -36,12 +37,23 @@ pub struct Patch {
     pub rims: Vec<Loop>,
     /// The measured islands in the holes. The fill joins each island to the surrounding surface.
     pub islands: Vec<Island>,
+    /// The vertices of the scan for which the measured vertices stand, if the patch has fewer of them
+    /// than the scan.
+    pub stand_ins: Option<StandIns>,
 }
 
 impl Patch {
     /// The patch with all lengths multiplied by a factor.
     pub(crate) fn scaled(self, factor: f64) -> Self {
         Patch { mesh: self.mesh.scaled(factor), ..self }
+    }
+
+    /// For each measured vertex the number of vertices of the scan for which it stands.
+    pub fn counts(&self) -> Cow<'_, [f64]> {
+        match &self.stand_ins {
+            Some(stand_ins) => stand_ins.counts().into(),
+            None => vec![1.0; self.measured].into(),
+        }
     }
 
     /// Whether a vertex was measured.
@@ -71,6 +83,7 @@ impl Patch {
             measured: self.measured,
             rims: self.rims.clone(),
             islands: self.islands.clone(),
+            stand_ins: self.stand_ins.clone(),
         })
     }
 

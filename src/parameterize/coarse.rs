@@ -1,11 +1,11 @@
 //! Selects the corners and computes a first map, on a coarse version of the patch.
 
-use super::one_rings::{HalfEdgeCollapse, OneRings};
-use super::progressive_mesh::ProgressiveMesh;
 use super::rectangle::Rectangle;
 use super::rectangle_map::{ConvexWeight, RectangleMap, triangles, without_scaffold};
 use super::stretch;
 use super::weights::Weights;
+use crate::mesh::one_rings::{HalfEdgeCollapse, OneRings};
+use crate::mesh::progressive_mesh::{Collapsing, ProgressiveMesh, shape_loss};
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
@@ -96,7 +96,9 @@ impl Coarse {
         let area = stretch::area(&self.points, triangles(&self.rings, &hierarchy.remaining));
         let mut weights = self.weights.clone();
         let lump = |collapse: &HalfEdgeCollapse| weights.lump(collapse);
-        hierarchy.coarsen(&self.points, &kept, 0, lump, &mut progress::ignore)?;
+        let loss = |rings: &OneRings, v| shape_loss(&self.points, rings, v);
+        let collapsing = Collapsing { points: &self.points, kept: &kept, loss };
+        hierarchy.coarsen(&collapsing, 0, lump, &mut progress::ignore)?;
         let remaining = |v: &u32| !hierarchy.rings.ring(*v).is_empty();
         let few: Vec<u32> = self.outer.iter().copied().filter(remaining).collect();
         let rectangle = Rectangle::new(&few, corners);

@@ -5,11 +5,11 @@ use rayon::prelude::*;
 
 use super::bicgstab::{self, Limits};
 use super::multigrid::{DIRECT_SIZE, Multigrid};
-use super::one_rings::OneRings;
 use super::solve;
 use super::sparse::{self, Matrix, UvPair};
 use crate::error::Result;
 use crate::geometry::{NONE, Point, Uv};
+use crate::mesh::one_rings::OneRings;
 
 /// The iteration ends when the last correction moves no vertex by more than this. The side of the
 /// square is 1.
@@ -134,7 +134,7 @@ impl MeanValueSystem {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameterize::one_rings::tests::grid;
+    use crate::mesh::one_rings::tests::grid;
 
     /// A wavy grid of 60 × 60 points. Every fifth column is narrower by the factor `thin`. The
     /// boundary is placed on that of the square.

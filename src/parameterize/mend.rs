@@ -3,9 +3,9 @@
 //! No step on the way to a map inverts a triangle. Slivers may still be inverted in the last bit
 //! when the rectangle is scaled to a square.
 
-use super::one_rings::OneRings;
 use super::solve;
 use crate::geometry::{Uv, orient2d};
+use crate::mesh::one_rings::OneRings;
 
 /// The triangles that do not run counter-clockwise, by an exact predicate.
 pub fn inverted(triangles: impl Iterator<Item = [u32; 3]>, at: &[Uv]) -> Vec<[u32; 3]> {
@@ -65,7 +65,7 @@ fn within(rings: &OneRings, folded: &[[u32; 3]], reach: usize) -> Vec<u32> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameterize::one_rings::tests::grid;
+    use crate::mesh::one_rings::tests::grid;
 
     const N: u32 = 12;
 

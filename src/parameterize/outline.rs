@@ -3,8 +3,9 @@
 
 use super::square_map::{CoarseMap, SquareMap};
 use super::{Options, Outline, Parameterized, Report, Scaffold};
-use super::{chords, insertion, mend, one_rings, scaffold, stretch};
+use super::{chords, insertion, mend, scaffold, stretch};
 use crate::error::{Error, Result};
+use crate::mesh::one_rings::OneRings;
 use crate::mesh::{Bound, Mesh, Patch};
 use crate::progress::Progress;
 
@@ -112,7 +113,7 @@ fn mend_after_insertion(map: &mut Parameterized) -> usize {
     }
     let Patch { mesh, outer, .. } = &map.patch;
     let triangles = mesh.triangles.iter().map(|t| t.map(|v| v.0));
-    mend::mend(&one_rings::OneRings::new(mesh, outer), triangles, &mut map.uv).0
+    mend::mend(&OneRings::new(mesh, outer), triangles, &mut map.uv).0
 }
 
 /// The share of the domain outside the scaffold that stays free at each side.
@@ -122,10 +123,10 @@ const MARGIN: f64 = 0.02;
 mod tests {
     use super::*;
     use crate::geometry::{Uv, VertexId};
+    use crate::mesh::one_rings::tests::grid;
     use crate::mesh::{self, Choice, Components, Outer, Repairs};
     use crate::{fill, progress};
     use formats::Soup;
-    use one_rings::tests::grid;
 
     /// A grid on the square with some vertices moved onto others, as the map of a patch.
     fn thrown(n: u32, swapped: [usize; 2], is_drawn_out: bool) -> (Parameterized, SquareMap) {

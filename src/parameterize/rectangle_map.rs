@@ -6,14 +6,14 @@
 
 use rayon::prelude::*;
 
-use super::one_rings::{HalfEdgeCollapse, OneRings};
-use super::progressive_mesh::ProgressiveMesh;
 use super::relax::{self, Freedom, StretchEnergy};
 use super::sweep_mesh::SweepMesh;
 use super::weights::Weights;
 use super::{mend, solve, stretch};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, UvVector, orient2d};
+use crate::mesh::one_rings::{HalfEdgeCollapse, OneRings};
+use crate::mesh::progressive_mesh::ProgressiveMesh;
 use crate::progress::Progress;
 
 /// A map to a rectangle with the area of the surface. The boundary is mapped to its sides.

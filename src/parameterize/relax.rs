@@ -12,8 +12,8 @@
 use nalgebra::Matrix2;
 use rayon::prelude::*;
 
-use super::one_rings::OneRings;
 use crate::geometry::{NONE, Point, Uv, UvVector};
+use crate::mesh::one_rings::OneRings;
 
 /// The directions in which a vertex may move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -160,7 +160,7 @@ fn triangles_between(
 mod tests {
     use super::*;
     use crate::mesh::FaceOrigin;
-    use crate::parameterize::one_rings::tests::grid;
+    use crate::mesh::one_rings::tests::grid;
 
     #[test]
     fn a_skirt_makes_a_larger_disk() {

@@ -5,9 +5,9 @@
 use faer::sparse::{SparseColMat, Triplet};
 
 use super::lu::Lu;
-use super::one_rings::OneRings;
 use crate::error::{self, Result, Unsolved};
 use crate::geometry::{NONE, Point, Uv};
+use crate::mesh::one_rings::OneRings;
 
 /// The mean value weights of the neighbours `ring` around the point `p`: (tan(α/2) + tan(β/2)) / ‖q
 /// − p‖, where α and β are the angles at p on the two sides of the edge to q. All weights are

@@ -1,7 +1,5 @@
 //! The map of a disk to the unit square, in two steps: a coarse map, and its refinement.
 
-use super::one_rings::OneRings;
-use super::progressive_mesh::ProgressiveMesh;
 use super::rectangle::Rectangle;
 use super::rectangle_map::{self, ConvexWeight, RectangleMap};
 use super::weights::Weights;
@@ -9,6 +7,8 @@ use super::{MapMethod, Options, coarse, corners, mean_value, mend, stretch};
 use crate::error::{Error, Result};
 use crate::geometry::{Uv, VertexId};
 use crate::mesh::Mesh;
+use crate::mesh::one_rings::OneRings;
+use crate::mesh::progressive_mesh::{Collapsing, ProgressiveMesh, shape_loss};
 use crate::progress::{self, Progress};
 
 /// The number of vertices on which the curvature is measured. It is smaller than that of a scan, so
@@ -64,13 +64,15 @@ impl<'a> CoarseMap<'a> {
         sets.iter().flatten().for_each(|&v| kept[v as usize] = true);
         let mut hierarchy = ProgressiveMesh::new(OneRings::new(mesh, outer));
         let progress = &mut progress::part(progress, 0.0, STARTED);
-        hierarchy.coarsen(points, &kept, WEIGHED, |_| (), progress)?;
+        let loss = |rings: &OneRings, v| shape_loss(points, rings, v);
+        let collapsing = Collapsing { points, kept: &kept, loss };
+        hierarchy.coarsen(&collapsing, WEIGHED, |_| (), progress)?;
         let area =
             stretch::area(points, rectangle_map::triangles(&hierarchy.rings, &hierarchy.remaining));
         let weighed = hierarchy.remaining.len();
         let mut weights = Weights::by_curvature(points, &hierarchy, area);
         weights.lighten(scaffold);
-        hierarchy.coarsen(points, &kept, COARSE, |collapse| weights.lump(collapse), progress)?;
+        hierarchy.coarsen(&collapsing, COARSE, |collapse| weights.lump(collapse), progress)?;
         let outer: Vec<u32> = outer.iter().map(|v| v.0).collect();
         let first = coarse::least_stretched(points, &outer, &hierarchy, &weights, &sets)?;
         let corners = sets[first.set];

@@ -8,9 +8,9 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 use rayon::prelude::*;
 
-use super::one_rings::OneRings;
 use super::relax::{self, Freedom, StretchEnergy};
 use crate::geometry::{Point, Uv};
+use crate::mesh::one_rings::OneRings;
 
 /// The remaining vertices of a mesh, renumbered.
 pub struct SweepMesh<'a> {
@@ -106,7 +106,7 @@ impl<'a> SweepMesh<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::parameterize::one_rings::tests::grid;
+    use crate::mesh::one_rings::tests::grid;
 
     #[test]
     fn vertices_move_as_where_they_lie_among_the_others() {

@@ -3,9 +3,9 @@
 
 use rayon::prelude::*;
 
-use super::one_rings::HalfEdgeCollapse;
-use super::progressive_mesh::{self, ProgressiveMesh};
 use crate::geometry::{Point, Vector};
+use crate::mesh::one_rings::HalfEdgeCollapse;
+use crate::mesh::progressive_mesh::{self, ProgressiveMesh};
 
 /// The weights of vertices, as means over the part of the surface that each vertex represents.
 #[derive(Debug, Clone, Default)]

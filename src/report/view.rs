@@ -9,9 +9,9 @@ use super::plane::PlaneDrawing;
 #[cfg(feature = "html")]
 use crate::brep::outer_edges;
 use crate::deviation::{Deviation, of_network};
-use crate::geometry::{Point, Uv, VertexId};
+use crate::geometry::{Point, VertexId};
 use crate::mesh::Disk;
-use crate::picture::{Thinned, signed, thin};
+use crate::picture::{Thinned, thin};
 #[cfg(feature = "html")]
 use crate::picture::{outlines, polyline};
 use crate::words::{mm, plural, separated};
@@ -25,8 +25,6 @@ const MOST_TRIANGLES: usize = 300_000;
 #[derive(Debug, Default)]
 pub struct ViewRecorder {
     measured: Option<Disk>,
-    smoothed: Vec<Point>,
-    uv: Vec<Uv>,
 }
 
 /// What pictures show of one conversion. Distances are mm, positive above the face.
@@ -89,11 +87,8 @@ pub(super) struct ViewFigures {
 impl ViewRecorder {
     /// Keeps what a stage made. A conversion shows every stage to its `watch`.
     pub fn see(&mut self, stage: &Stage) {
-        match stage {
-            Stage::Mesh(disk) => self.measured = Some((*disk).clone()),
-            Stage::Smooth(disk) => self.smoothed.clone_from(&disk.mesh.points),
-            Stage::Parameterize(map, _) => self.uv.clone_from(&map.uv),
-            _ => {}
+        if let Stage::Mesh(disk) = stage {
+            self.measured = Some((*disk).clone());
         }
     }
 
@@ -101,19 +96,11 @@ impl ViewRecorder {
     /// that are drawn together.
     ///
     /// # Errors
-    /// [`Error::Input`]: the recorder has not seen the mesh, the smoothed mesh and the parameters
-    /// of this conversion.
+    /// [`Error::Input`]: the recorder has not seen the mesh of this conversion.
     pub fn view(self, c: &Conversion, parts: usize) -> Result<ReportView> {
         let count = c.fit_deviation.distances.len();
-        let (disk, smoothed, uv) = self.seen(count)?;
-        if uv.len() < count {
-            return Err(MISSED);
-        }
-        let signs = |points: &[Point], d: &Deviation| {
-            signed(&c.surface, points, &uv[..count], &d.distances)
-        };
-        let measured = signs(&disk.mesh.points, c.vertex_deviation());
-        let smoothed = signs(&smoothed, &c.fit_deviation);
+        let disk = self.seen(count)?;
+        let distances = [signed(c.vertex_deviation()), signed(&c.fit_deviation)];
         let [m, n] = c.surface.shape();
         let cut = plural(c.trimmed.iter().filter(|t| **t).count(), "hole");
         let figures = ViewFigures {
@@ -126,7 +113,7 @@ impl ViewRecorder {
             beyond: c.missed.points,
             made: format!("{m} × {n} control points, {cut} cut out"),
         };
-        let view = ReportView::new(&disk, [measured, smoothed], figures, parts);
+        let view = ReportView::new(&disk, distances, figures, parts);
         #[cfg(feature = "html")]
         let view = view.with_face(c, parts);
         Ok(view)
@@ -136,14 +123,11 @@ impl ViewRecorder {
     /// that are drawn together.
     ///
     /// # Errors
-    /// [`Error::Input`]: the recorder has not seen the mesh and the smoothed mesh of this conversion.
+    /// [`Error::Input`]: the recorder has not seen the mesh of this conversion.
     pub fn view_of_body(self, body: &BodyConversion, parts: usize) -> Result<ReportView> {
-        let (disk, ..) = self.seen(body.fit_deviation.distances.len())?;
+        let disk = self.seen(body.fit_deviation.distances.len())?;
         let of_vertices = of_network(&body.network, &body.cut, &disk.mesh.points);
-        let signs = |d: &Deviation| -> Vec<f32> {
-            d.signed().unwrap_or_default().into_iter().map(|d| d as f32).collect()
-        };
-        let distances = [signs(&of_vertices), signs(&body.fit_deviation)];
+        let distances = [signed(&of_vertices), signed(&body.fit_deviation)];
         let faces = plural(body.brep.faces.len(), "face");
         let figures = ViewFigures {
             vertices: body.input.vertices,
@@ -173,16 +157,17 @@ impl ViewRecorder {
         Ok(view)
     }
 
-    /// The measured mesh, the smoothed points and the parameters, if there are as many points.
-    fn seen(self, count: usize) -> Result<(Disk, Vec<Point>, Vec<Uv>)> {
-        let ViewRecorder { measured: disk, smoothed, uv } = self;
-        let has_all = |disk: &Disk| disk.mesh.points.len() == count && smoothed.len() == count;
-        let disk = disk.filter(has_all).ok_or(MISSED)?;
-        Ok((disk, smoothed, uv))
+    /// The measured mesh, if it has as many points.
+    fn seen(self, count: usize) -> Result<Disk> {
+        let seen = self.measured.filter(|disk| disk.mesh.points.len() == count);
+        seen.ok_or(Error::Input("the recorder must see every stage of a conversion"))
     }
 }
 
-const MISSED: Error = Error::Input("the recorder must see every stage of a conversion");
+/// Distances with their signs, as pictures take them.
+fn signed(deviation: &Deviation) -> Vec<f32> {
+    deviation.signed().unwrap_or_default().into_iter().map(|d| d as f32).collect()
+}
 
 impl ReportView {
     fn new(

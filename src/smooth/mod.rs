@@ -85,6 +85,9 @@ pub enum Corners {
 pub struct Report {
     /// The support. If it varies over the scan this is the median; 0 if smoothing is off.
     pub h: f64,
+    /// The support at each vertex, or 0 where its residual may be shape, so that it did not move all the
+    /// way. Empty if smoothing is off.
+    pub supports: Vec<f32>,
     /// The standard deviation of the scan's noise along the normal; 0 if residuals cannot be
     /// distinguished from shape.
     pub noise: f64,
@@ -118,6 +121,7 @@ impl Report {
     pub(crate) fn scaled(self, factor: f64) -> Self {
         Report {
             h: factor * self.h,
+            supports: self.supports.iter().map(|h| (factor * f64::from(*h)) as f32).collect(),
             noise: factor * self.noise,
             moved_rms: factor * self.moved_rms,
             moved_max: factor * self.moved_max,
@@ -173,7 +177,8 @@ pub fn smooth_with(
         Support::Fixed(h) => examined.surface_of(&disk.mesh, h)?,
         Support::Off => return Ok((out, report)),
     };
-    report.h = surface.median_support();
+    report.h = median(surface.supports().collect());
+    report.supports = surface.smoothed_supports().collect();
     let onto = &mut progress::part(progress, FITTED, PROJECTED);
     let (projected, normals) = surface.feet(&disk.mesh, onto)?;
     out.mesh.points.clone_from(&projected);

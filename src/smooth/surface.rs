@@ -11,7 +11,6 @@ use rayon::prelude::*;
 
 use super::clusters::{ClusterLevel, ScratchPool};
 use super::levels::SupportLevel;
-use super::median;
 use crate::error::Result;
 use crate::geometry::{BLOCK, NONE, Point, Vector, VertexId};
 use crate::mesh::Mesh;
@@ -83,9 +82,15 @@ impl MlsSurface {
         points.filter(|(v, p)| self.project(VertexId::from(*v), **p).is_some()).count() as f64
     }
 
-    /// The median of the supports of the vertices, in mm.
-    pub fn median_support(&self) -> f64 {
-        median(self.place.iter().map(|&place| self.support(place)).collect())
+    /// The supports of the vertices, in mm.
+    pub fn supports(&self) -> impl Iterator<Item = f64> {
+        self.place.iter().map(|&place| self.support(place))
+    }
+
+    /// The supports of the vertices that move all the way to the surface, in mm, and 0 for others.
+    pub fn smoothed_supports(&self) -> impl Iterator<Item = f32> {
+        let moves = |(h, share): (f64, &f32)| if *share == 1.0 { h as f32 } else { 0.0 };
+        self.supports().zip(&self.share).map(moves)
     }
 
     fn support(&self, place: f32) -> f64 {

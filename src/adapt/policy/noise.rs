@@ -92,9 +92,11 @@ fn misfits(problem: &Problem, of: &Attempt) -> Vec<Miss> {
     all
 }
 
-/// The squares of the measured vertices' distances, in variances of the noise. Points that are
-/// as far off as outliers count no more than these: a few of them are not the shape's.
+/// The squares of the measured vertices' distances, in variances of the noise, as often as vertices of
+/// the scan stand behind them. Points that are as far off as outliers count no more than these: a few
+/// of them are not the shape's.
 fn squares(problem: &Problem, of: &Attempt) -> impl Iterator<Item = f64> {
     let noise = problem.goal.noise();
-    of.foot_points.measured().map(move |d| (d / noise).powi(2).min(OUTLYING * OUTLYING))
+    let square = move |d: f64| (d / noise).powi(2).min(OUTLYING * OUTLYING);
+    of.foot_points.measured().zip(&problem.counts).map(move |(d, count)| count * square(d))
 }

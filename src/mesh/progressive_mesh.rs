@@ -19,6 +19,16 @@ pub struct ProgressiveMesh {
     passes: Vec<Vec<HalfEdgeCollapse>>,
 }
 
+/// Which vertices are collapsed, and in which order.
+pub struct Collapsing<'a, L> {
+    /// The points of the full mesh.
+    pub points: &'a [Point],
+    /// The vertices that stay.
+    pub kept: &'a [bool],
+    /// What is lost with a vertex of the present mesh. The vertices with the smallest loss go first.
+    pub loss: L,
+}
+
 /// A pass that removes less than this share of the vertices is the last one.
 const MIN_PASS_SHARE: f64 = 0.01;
 
@@ -32,20 +42,18 @@ impl ProgressiveMesh {
         ProgressiveMesh { rings, remaining, passes: Vec::new() }
     }
 
-    /// Collapses vertices until at most `target` are left or none can be collapsed. Vertices at
-    /// which the surface is flattest for its density go first. Vertices with `kept` set stay. Each
-    /// collapse is passed to `show`.
+    /// Collapses vertices until at most `target` are left or none can be collapsed. Vertices with a
+    /// small loss go first. Vertices with `kept` set stay. Each collapse is passed to `show`.
     pub fn coarsen(
         &mut self,
-        points: &[Point],
-        kept: &[bool],
+        collapsing: &Collapsing<impl Fn(&OneRings, u32) -> f64 + Sync>,
         target: usize,
         mut show: impl FnMut(&HalfEdgeCollapse),
         progress: &mut Progress,
     ) -> Result<()> {
         while self.remaining.len() > target {
             progress(1.0 - self.remaining.len() as f64 / self.rings.len() as f64)?;
-            let pass = self.pass(points, kept, target);
+            let pass = self.pass(collapsing, target);
             let idle = (pass.len() as f64) < MIN_PASS_SHARE * self.remaining.len() as f64;
             let stays = |v: &u32| !self.rings.ring(*v).is_empty();
             self.remaining = self.remaining.par_iter().copied().filter(stays).collect();
@@ -58,11 +66,16 @@ impl ProgressiveMesh {
         Ok(())
     }
 
-    fn pass(&mut self, points: &[Point], kept: &[bool], target: usize) -> Vec<HalfEdgeCollapse> {
+    fn pass(
+        &mut self,
+        collapsing: &Collapsing<impl Fn(&OneRings, u32) -> f64 + Sync>,
+        target: usize,
+    ) -> Vec<HalfEdgeCollapse> {
+        let &Collapsing { points, kept, ref loss } = collapsing;
         let rings = &self.rings;
         let loose = |v: &&u32| !kept[**v as usize];
         let mut order: Vec<(f64, u32)> =
-            self.remaining.par_iter().filter(loose).map(|&v| (loss(points, rings, v), v)).collect();
+            self.remaining.par_iter().filter(loose).map(|&v| (loss(rings, v), v)).collect();
         order.par_sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         // The vertices late in the order have a large loss. They are considered in a later pass,
         // when more vertices around them are collapsed.
@@ -154,14 +167,14 @@ impl CollapsePass {
     }
 }
 
-/// The loss of a collapse, in mm: the distance of the vertex from the mean plane of its ring, plus
+/// The loss of a shape, in mm: the distance of the vertex from the mean plane of its ring, plus
 /// a share of the edge length, so that vertices in flat regions become evenly distributed.
-fn loss(points: &[Point], rings: &OneRings, v: u32) -> f64 {
+pub fn shape_loss(points: &[Point], rings: &OneRings, v: u32) -> f64 {
     let p = points[v as usize];
     let ring = rings.ring(v);
     let away = |&w: &u32| points[w as usize] - p;
     let n = ring.len().max(1) as f64;
-    let edge = ring.iter().map(|w| away(w).norm()).sum::<f64>() / n;
+    let edge = mean_edge(points, rings, v);
     if rings.on_boundary(v) {
         let ends = ring.first().zip(ring.last());
         let bend = ends.map_or(0.0, |(a, b)| (away(a) + away(b)).norm());
@@ -170,6 +183,12 @@ fn loss(points: &[Point], rings: &OneRings, v: u32) -> f64 {
     let mean = ring.iter().map(away).sum::<Vector>() / n;
     let normal = normal(points, rings, v);
     mean.dot(&normal).abs() + 0.05 * edge
+}
+
+/// The mean length of the edges of a vertex.
+pub fn mean_edge(points: &[Point], rings: &OneRings, v: u32) -> f64 {
+    let (p, ring) = (points[v as usize], rings.ring(v));
+    ring.iter().map(|&w| (points[w as usize] - p).norm()).sum::<f64>() / ring.len().max(1) as f64
 }
 
 /// The unit normal at a vertex.

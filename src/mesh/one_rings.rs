@@ -3,8 +3,8 @@
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
+use super::{Mesh, VertexRings};
 use crate::geometry::{NONE, VertexId};
-use crate::mesh::{Mesh, VertexRings};
 
 /// The one-ring of a vertex, or a part of it. Almost all rings are short enough to be stored in
 /// place. Behind pointers they would be scattered over the memory, because collapses happen all
@@ -287,6 +287,7 @@ pub mod tests {
             outer: (0..4).flat_map(side).map(VertexId).collect(),
             rims: Vec::new(),
             islands: Vec::new(),
+            stand_ins: None,
             mesh: Mesh { points: points.collect(), triangles },
         }
     }

@@ -1,0 +1,27 @@
+//! Vertices that stand for several ones of a scan.
+
+/// Which vertex of a thinned patch stands for each vertex of the scan.
+#[derive(Debug, Clone)]
+pub struct StandIns {
+    vertex_of: Vec<u32>,
+    counts: Vec<f64>,
+}
+
+impl StandIns {
+    /// `vertex_of` has the number of a measured vertex for each vertex of the scan. `counts` has the
+    /// number of vertices of the scan for each measured vertex. A vertex of the scan may be divided
+    /// among several.
+    pub(crate) fn new(vertex_of: Vec<u32>, counts: Vec<f64>) -> Self {
+        StandIns { vertex_of, counts }
+    }
+
+    /// For each measured vertex the number of vertices of the scan for which it stands.
+    pub fn counts(&self) -> &[f64] {
+        &self.counts
+    }
+
+    /// A value of each measured vertex, for each vertex of the scan for which it stands.
+    pub fn of_scan<T: Copy>(&self, values: &[T]) -> Vec<T> {
+        self.vertex_of.iter().map(|&v| values[v as usize]).collect()
+    }
+}
