@@ -13,7 +13,7 @@ use crate::geometry::{NONE, Point, VertexId};
 use crate::mesh::one_rings::{HalfEdgeCollapse, OneRings};
 use crate::mesh::progressive_mesh::{Collapsing, ProgressiveMesh, mean_edge};
 use crate::mesh::{FaceOrigin, Mesh, Patch, StandIns};
-use crate::progress;
+use crate::progress::{self, Progress};
 
 /// The length of the edges that are left, as a share of the support. Of a virtual scan with a million
 /// vertices and an rms of 0.0032 mm to the true surface, a quarter is left, and the rms becomes 0.0034.
@@ -38,12 +38,25 @@ const AREA_OF_A_VERTEX: f64 = 0.866;
 ///
 /// # Errors
 /// [`Error::Input`]: there are supports, but not one for each measured vertex.
-pub fn thin(patch: Patch, supports: &[f32]) -> Result<Patch> {
-    thin_to(patch, supports, FEWEST)
+pub fn thin(patch: Patch, supports: &[f64]) -> Result<Patch> {
+    thin_with(patch, supports, &mut progress::ignore)
+}
+
+/// The same as [`thin`], with reports of progress.
+///
+/// # Errors
+/// Those of [`thin`], and the errors of `progress`.
+pub fn thin_with(patch: Patch, supports: &[f64], progress: &mut Progress) -> Result<Patch> {
+    thin_to(patch, supports, FEWEST, progress)
 }
 
 /// The same for another number of vertices that are left at least.
-fn thin_to(patch: Patch, supports: &[f32], fewest: usize) -> Result<Patch> {
+fn thin_to(
+    patch: Patch,
+    supports: &[f64],
+    fewest: usize,
+    progress: &mut Progress,
+) -> Result<Patch> {
     if supports.is_empty() {
         return Ok(patch);
     }
@@ -56,13 +69,12 @@ fn thin_to(patch: Patch, supports: &[f32], fewest: usize) -> Result<Patch> {
         return Ok(patch);
     }
     let points = &patch.mesh.points;
-    let loss =
-        |rings: &OneRings, v: u32| mean_edge(points, rings, v) / f64::from(supports[v as usize]);
+    let loss = |rings: &OneRings, v: u32| mean_edge(points, rings, v) / supports[v as usize];
     let mut hierarchy = ProgressiveMesh::new(OneRings::new(&patch.mesh, &patch.outer));
     let mut collapses = CollapseRecord { apex_of: Vec::new(), counts: vec![1.0; patch.measured] };
     let collapsing = Collapsing { points, kept: &kept, loss };
     let record = |collapse: &HalfEdgeCollapse| collapses.add(collapse);
-    hierarchy.coarsen(&collapsing, target, record, &mut progress::ignore)?;
+    hierarchy.coarsen(&collapsing, target, record, progress)?;
     Ok(thinned(&patch, &hierarchy, &collapses))
 }
 
@@ -78,11 +90,11 @@ fn kept(patch: &Patch) -> Vec<bool> {
 
 /// The number of vertices that the supports leave. Where nothing was smoothed the support is 0, and all
 /// vertices stay: half as many as there are triangles.
-fn target(patch: &Patch, supports: &[f32], kept: &[bool]) -> usize {
+fn target(patch: &Patch, supports: &[f64], kept: &[bool]) -> usize {
     let area = |t: usize| {
         let corners = patch.mesh.triangles[t];
         let own = corners.iter().filter(|v| patch.is_measured(**v));
-        let least = own.map(|v| f64::from(supports[v.index()])).fold(f64::INFINITY, f64::min);
+        let least = own.map(|v| supports[v.index()]).fold(f64::INFINITY, f64::min);
         let area = 0.5 * twice_area(patch.mesh.corners(corners));
         (area / (AREA_OF_A_VERTEX * (SPACING * least).powi(2))).min(0.5)
     };
@@ -193,7 +205,7 @@ mod tests {
     #[test]
     fn rims_and_fills_stay_and_every_vertex_is_stood_for() {
         let sheet = sheet();
-        let thinned = thin_to(sheet.clone(), &vec![20.0; sheet.measured], 0).unwrap();
+        let thinned = thin_to(sheet.clone(), &vec![20.0; 1681], 0, &mut progress::ignore).unwrap();
         assert!(thinned.is_disk());
         assert!((300..400).contains(&thinned.measured), "{}", thinned.measured);
         assert_eq!(thinned.outer.len(), sheet.outer.len());
@@ -216,7 +228,12 @@ mod tests {
         for (supports, fewest) in
             [(vec![], 0), (vec![2.0; 1681], 0), (vec![0.0; 1681], 0), (vec![20.0; 1681], 1000)]
         {
-            assert!(thin_to(sheet.clone(), &supports, fewest).unwrap().stand_ins.is_none());
+            assert!(
+                thin_to(sheet.clone(), &supports, fewest, &mut progress::ignore)
+                    .unwrap()
+                    .stand_ins
+                    .is_none()
+            );
         }
         assert!(matches!(thin(sheet, &[1.0]), Err(Error::Input(_))));
     }

@@ -12,9 +12,14 @@ use super::stage::{Observer, Stage, within};
 use super::{Options, cut, input};
 use crate::adapt::Goal;
 use crate::geometry::{Point, Uv};
-use crate::mesh::{Components, Parameterized};
+use crate::mesh::{Components, Parameterized, Patch};
 use crate::spline::Surface;
-use crate::{Result, adapt, brep, deviation, fill, parameterize, smooth, spline, thin, trim};
+use crate::{
+    Result, adapt, brep, deviation, fill, parameterize, progress, smooth, spline, thin, trim,
+};
+
+/// Progress estimate: the share of the time of the map that thinning takes before it.
+const THINNED: f64 = 0.5;
 
 /// Converts one component of a scan to one face.
 pub(super) fn face(
@@ -47,12 +52,7 @@ pub(super) fn face(
 
     // A tolerance that the user names is held at every point.
     let supports = if goal.named { &[][..] } else { &smooth.supports };
-    let patch = thin::thin(patch, supports)?;
-    let (mut map, parameterize) = parameterize::parameterize_with(
-        patch,
-        &options.parameterize,
-        &mut within("parameterize", watch),
-    )?;
+    let (mut map, parameterize) = map(patch, supports, options, watch)?;
     let crushed = parameterize::compressed_region(&map, tolerance, options.knots.max_net);
     watch(Stage::Parameterize(&map, crushed))?;
 
@@ -118,6 +118,20 @@ pub(super) fn face(
         vertices: raw.map,
         hints: Vec::new(),
     })
+}
+
+/// Maps a patch to the unit square, thinned to what the supports of its vertices let differ.
+fn map(
+    patch: Patch,
+    supports: &[f64],
+    options: &Options,
+    watch: &mut Observer,
+) -> Result<(Parameterized, parameterize::Report)> {
+    let progress = &mut within("parameterize", watch);
+    let patch = thin::thin_with(patch, supports, &mut progress::part(progress, 0.0, THINNED))?;
+    let thinned = if patch.stand_ins.is_some() { THINNED } else { 0.0 };
+    let progress = &mut progress::part(progress, thinned, 1.0);
+    parameterize::parameterize_with(patch, &options.parameterize, progress)
 }
 
 /// The smoothed points that miss the tolerance, but for those that a loop cuts off by no more

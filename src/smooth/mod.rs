@@ -87,7 +87,7 @@ pub struct Report {
     pub h: f64,
     /// The support at each vertex, or 0 where its residual may be shape, so that it did not move all the
     /// way. Empty if smoothing is off.
-    pub supports: Vec<f32>,
+    pub supports: Vec<f64>,
     /// The standard deviation of the scan's noise along the normal; 0 if residuals cannot be
     /// distinguished from shape.
     pub noise: f64,
@@ -121,7 +121,7 @@ impl Report {
     pub(crate) fn scaled(self, factor: f64) -> Self {
         Report {
             h: factor * self.h,
-            supports: self.supports.iter().map(|h| (factor * f64::from(*h)) as f32).collect(),
+            supports: self.supports.iter().map(|h| factor * h).collect(),
             noise: factor * self.noise,
             moved_rms: factor * self.moved_rms,
             moved_max: factor * self.moved_max,

@@ -88,8 +88,8 @@ impl MlsSurface {
     }
 
     /// The supports of the vertices that move all the way to the surface, in mm, and 0 for others.
-    pub fn smoothed_supports(&self) -> impl Iterator<Item = f32> {
-        let moves = |(h, share): (f64, &f32)| if *share == 1.0 { h as f32 } else { 0.0 };
+    pub fn smoothed_supports(&self) -> impl Iterator<Item = f64> {
+        let moves = |(h, share): (f64, &f32)| if *share == 1.0 { h } else { 0.0 };
         self.supports().zip(&self.share).map(moves)
     }
 

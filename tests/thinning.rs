@@ -1,0 +1,39 @@
+//! A scan that is far denser than its noise lets tell is thinned for the map and the fit, and
+//! everything is still measured at all its points.
+
+mod common;
+
+use common::virtual_scan::{Star, VirtualScan, relief};
+use formats::Soup;
+use scan2step::{Builder, Conversion, Options, Stage, convert};
+
+/// The noise in mm of a sheet of 160 × 220 mm.
+const NOISE: f64 = 0.15;
+
+/// A conversion, and the number of vertices of its map.
+fn converted(scan: &VirtualScan, options: Builder) -> (Conversion, usize) {
+    let mut soup = Soup { points: scan.points.clone(), ..Soup::default() };
+    scan.triangles.iter().for_each(|t| soup.polygons.push(*t));
+    let mut mapped = 0;
+    let options = options.build().expect("sound options");
+    let conversion = convert(&soup, &options, &mut |stage| {
+        if let Stage::Parameterize(map, _) = stage {
+            mapped = map.uv.len();
+        }
+        Ok(())
+    });
+    (conversion.expect("a face"), mapped)
+}
+
+#[test]
+fn a_dense_scan_is_mapped_with_a_part_of_its_vertices_and_measured_at_all() {
+    let holes = vec![Star { centre: [0.4, 0.6], radius: 0.12, arms: 4.0 }];
+    let scan = VirtualScan::new(relief, [600, 700], NOISE, holes, 1);
+    let vertices = scan.points.len();
+    let (face, mapped) = converted(&scan, Options::builder());
+    assert!((200_000..vertices / 2).contains(&mapped), "{mapped} of {vertices}");
+    let measured = face.deviation.distances.len();
+    assert!(measured > vertices - 100 && face.fit_deviation.distances.len() == measured);
+    assert!((face.deviation.rms / NOISE - 1.0).abs() < 0.05, "{}", face.deviation.rms);
+    assert_eq!((face.loops.len(), face.missed.points), (1, 0));
+}
