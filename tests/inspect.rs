@@ -399,17 +399,24 @@ fn pieces_are_listed_with_what_they_are() {
     let mut scan = Obj::default();
     scan.tube(40, 20);
     scan.sheet(12, 50.0, |x, y| (3..5).contains(&x) && (3..5).contains(&y));
+    // A piece with few of the triangles is taken in another way.
+    scan.sheet(5, 300.0, solid);
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = folder.path().join("scan.obj");
     std::fs::write(&path, &scan.text).expect("the scan is written");
     let found = inspected(&path);
     let pieces = found["pieces"].as_array().expect("a list of pieces");
     let told: Vec<_> = pieces.iter().map(|p| [&p["triangles"], &p["loops"], &p["genus"]]).collect();
-    assert_eq!(told, [[&json!(1600), &json!(0), &json!(1)], [&json!(280), &json!(2), &json!(0)]]);
+    let expected = [[1600, 0, 1], [280, 2, 0], [50, 1, 0]].map(|all| all.map(|x| json!(x)));
+    assert_eq!(told, expected.each_ref().map(|all| all.each_ref()));
     assert_eq!((&found["component"], &pieces[1]["size_mm"][0]), (&json!(0), &json!(12.0)));
+    assert_eq!(pieces[2]["size_mm"][0], json!(5.0));
+    let output = inspect(&[arg(&path), "--component", "2"]);
+    let said = String::from_utf8_lossy(&output.stdout);
+    assert!(said.contains("outer loop  20.00 mm"), "{said}");
     let output = inspect(&[arg(&path), "--component", "1"]);
     let said = String::from_utf8_lossy(&output.stdout);
-    for words in ["number 1 of 2, where 0 is the largest", "--component 0", "12.00 × 12.00 × 0 mm"]
+    for words in ["number 1 of 3, where 0 is the largest", "--component 0", "12.00 × 12.00 × 0 mm"]
     {
         assert!(said.contains(words), "{words} in {said}");
     }

@@ -1,7 +1,7 @@
 //! `convert` for bodies: the components that become solids or shells.
 
 use scan2step::report::BodyReport;
-use scan2step::words::{grouped, mm, plural, significant};
+use scan2step::words::{mm, plural, significant};
 use scan2step::{BodyConversion, Options};
 
 use super::args::Convert;
@@ -43,6 +43,7 @@ pub fn write(
         result(&run.progress, args, body);
         outcome = outcome.and(verdict(args, body));
     }
+    figures.hints.iter().for_each(|hint| run.progress.hint(hint));
     Ok(outcome)
 }
 
@@ -64,16 +65,6 @@ fn result(progress: &ProgressDisplay, args: &Convert, body: &BodyConversion) {
         mm(body.fit_deviation.max),
         out.join(", ")
     ));
-    if !body.tolerance_named && !body.tolerance_met(0.0) {
-        let beyond = body.fit_deviation.beyond(body.tolerance);
-        progress.say(&format!(
-            "tolerance: {} of {} are farther than {} from the {}",
-            grouped(beyond),
-            plural(body.fit_deviation.distances.len(), "point"),
-            mm(body.tolerance),
-            body.shape.word()
-        ));
-    }
 }
 
 /// Says so if the solid or shell misses a tolerance that the user named.
@@ -81,21 +72,6 @@ fn verdict(args: &Convert, body: &BodyConversion) -> Outcome {
     if args.how.tolerance.is_none() || body.tolerance_met(args.how.outliers / 100.0) {
         return Outcome::Done;
     }
-    let place = |[x, y, z]: [f64; 3]| format!("({x:.3}, {y:.3}, {z:.3})");
-    let (points, back) = (&body.fit_deviation, &body.face_to_scan);
-    streams::say(format_args!(
-        "tolerance not met: {} of {} are farther than {} from the {}; the worst, {}, at {}; and {} of {} of the {} are farther from the scan's triangles; the worst, {}, at {}",
-        grouped(points.beyond(body.tolerance)),
-        plural(points.distances.len(), "point"),
-        mm(body.tolerance),
-        body.shape.word(),
-        mm(points.max),
-        place(points.max_at),
-        grouped(back.beyond),
-        plural(back.deviation.distances.len(), "place"),
-        body.shape.word(),
-        mm(back.deviation.max),
-        place(back.deviation.max_at),
-    ));
+    streams::say(format_args!("tolerance not met: {}", body.beyond()));
     Outcome::Missed
 }

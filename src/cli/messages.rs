@@ -131,7 +131,7 @@ pub fn found(progress: &ProgressDisplay, args: &Convert, c: &Conversion) {
     handles(progress, &c.input);
     if c.input.left_out > 0 && args.how.component != ComponentChoice::All {
         progress.say(&format!(
-            "component: 1 of {}, {}; left out {} in the others (--component to change)",
+            "component: one of {}, {}; left out {} in the others (--component to change)",
             grouped(c.input.components),
             plural(c.input.triangles, "triangle"),
             plural(c.input.left_out, "triangle")
@@ -155,7 +155,7 @@ pub fn found_of_body(progress: &ProgressDisplay, args: &Convert, body: &BodyConv
     handles(progress, &body.input);
     if body.input.components > 1 && args.how.component != ComponentChoice::All {
         progress.say(&format!(
-            "component: this is 1 of {}, {} (--component to change)",
+            "component: one of {}, {} (--component to change)",
             grouped(body.input.components),
             plural(body.input.triangles, "triangle")
         ));

@@ -14,6 +14,7 @@ use crate::deviation::{self, Deviation, NetworkToScan};
 use crate::error::BrepFault;
 use crate::mesh::{Components, VertexMap};
 use crate::spline::{Network, NetworkCut};
+use crate::words::{grouped, mm, plural};
 use crate::{Error, Result, brep, fill, layout, net, smooth, threads, trim};
 
 /// The distance in mm by which edges of a solid may be off its faces. They are the same polynomials,
@@ -96,6 +97,31 @@ impl BodyConversion {
         let back = &self.face_to_scan;
         keeps(self.fit_deviation.beyond(self.tolerance), self.fit_deviation.distances.len())
             && (!self.tolerance_named || keeps(back.beyond, back.deviation.distances.len()))
+    }
+
+    /// How many points, and how much of the faces, are beyond the tolerance, and the worst.
+    pub fn beyond(&self) -> String {
+        let shape = self.shape.word();
+        let part = |beyond: usize, of: String, from: &str, all: &Deviation| {
+            let ([x, y, z], beyond) = (all.max_at, grouped(beyond));
+            let (tolerance, max) = (mm(self.tolerance), mm(all.max));
+            format!(
+                "{beyond} of {of} are farther than {tolerance} from {from}; the worst, {max}, at ({x:.3}, {y:.3}, {z:.3})"
+            )
+        };
+        let mut parts = Vec::new();
+        let points = self.fit_deviation.beyond(self.tolerance);
+        if points > 0 {
+            let of = plural(self.fit_deviation.distances.len(), "point");
+            parts.push(part(points, of, &format!("the {shape}"), &self.fit_deviation));
+        }
+        let back = &self.face_to_scan;
+        if self.tolerance_named && back.beyond > 0 {
+            let of = format!("{} on the {shape}", plural(back.deviation.distances.len(), "place"));
+            let from = "the scan's triangles and their chord error";
+            parts.push(part(back.beyond, of, from, &back.deviation));
+        }
+        parts.join(", and ")
     }
 }
 

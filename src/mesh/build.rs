@@ -68,10 +68,9 @@ pub fn from_soup(soup: &Soup, mm: f64) -> Result<Build> {
     drop_degenerate(&mut triangles, &mut repairs);
     drop_duplicates(welded.points.len(), &mut triangles, &mut repairs);
     let place = (0..welded.points.len() as u32).collect();
-    let mut build = Build::new(Mesh { points: welded.points, triangles }, place);
+    let mut build = Build::new(Mesh { points: welded.points, triangles }, place, mm / factor);
     build.vertices = welded.number;
     build.repairs = repairs;
-    build.mm = mm / factor;
     build.make_manifold();
     while spikes::drop(&mut build) {
         build.make_manifold();
@@ -131,11 +130,11 @@ fn drop_duplicates(points: usize, triangles: &mut Vec<[VertexId; 3]>, repairs: &
 }
 
 impl Build {
-    /// A mesh without any repairs.
-    pub(super) fn new(mesh: Mesh, place: Vec<u32>) -> Self {
+    /// A mesh without any repairs, whose unit is `mm` millimetres long.
+    pub(super) fn new(mesh: Mesh, place: Vec<u32>, mm: f64) -> Self {
         let edges = EdgeMap::new(&mesh);
         let (vertices, twisted, repairs) = (Vec::new(), Vec::new(), Repairs::new());
-        Build { mesh, place, vertices, twisted, repairs, mm: 1.0, edges }
+        Build { mesh, place, vertices, twisted, repairs, mm, edges }
     }
 
     /// Orients the triangles and opens what is not manifold, until everything is. The edge map must

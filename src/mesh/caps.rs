@@ -104,7 +104,7 @@ mod tests {
         let place = (0..points.len() as u32).collect();
         let points = points.into_iter().map(Point::from).collect();
         let triangles = triangles.into_iter().map(|t| t.map(VertexId)).collect();
-        Build::new(Mesh { points, triangles }, place)
+        Build::new(Mesh { points, triangles }, place, 1.0)
     }
 
     #[test]

@@ -300,7 +300,7 @@ fn small_part(build: &Build, triangles: &[usize]) -> Build {
         points: old.iter().map(|&v| build.mesh.point(v)).collect(),
         triangles: corners.map(|t| t.map(number)).collect(),
     };
-    Build::new(mesh, old.iter().map(|v| build.place[v.index()]).collect())
+    Build::new(mesh, old.iter().map(|v| build.place[v.index()]).collect(), build.mm)
 }
 
 /// The components that have only one side.

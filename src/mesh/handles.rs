@@ -465,7 +465,7 @@ mod tests {
             mesh.triangles.extend([[a, b, c], [a, c, d]]);
         }
         let place = (0..mesh.points.len() as u32).collect();
-        Build::new(mesh, place)
+        Build::new(mesh, place, 1.0)
     }
 
     #[test]

@@ -167,7 +167,7 @@ impl CollapsePass {
     }
 }
 
-/// The loss of a shape, in mm: the distance of the vertex from the mean plane of its ring, plus
+/// What the shape loses by a collapse, in mm: the distance of the vertex from the mean plane of its ring, plus
 /// a share of the edge length, so that vertices in flat regions become evenly distributed.
 pub fn shape_loss(points: &[Point], rings: &OneRings, v: u32) -> f64 {
     let p = points[v as usize];

@@ -160,7 +160,7 @@ mod tests {
             mesh.triangles.push([i, i + 8, i + 7].map(VertexId));
         }
         let place = (0..49).collect();
-        Build::new(mesh, place)
+        Build::new(mesh, place, 1.0)
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use super::figures::{DeviationFigures, FillFigures, SmoothFigures, filled_holes};
 use super::{
     InputFigures, OutputFile, PatchFigures, ScanSource, Settings, ShapeFigures, StageFigures,
-    VERSION,
+    VERSION, hints,
 };
 use crate::{BodyConversion, TargetShape};
 
@@ -99,7 +99,7 @@ impl BodyReport {
             tolerance_named: settings.tolerance.is_some(),
             outliers_pct: settings.outliers,
             settings,
-            hints: Vec::new(),
+            hints: hints::of_bodies(solids, source, outliers),
             command: Vec::new(),
             stages: Vec::new(),
             outputs: Vec::new(),

@@ -4,9 +4,9 @@
 use formats::LengthUnit;
 
 use super::{ScanSource, Setting, Settings};
-use crate::Conversion;
 use crate::geometry::{Vector, bounds};
 use crate::words::mm;
+use crate::{BodyConversion, Conversion};
 
 /// The hints of some conversions of one scan.
 pub(super) fn of(
@@ -14,13 +14,29 @@ pub(super) fn of(
     source: &ScanSource,
     settings: &Settings,
 ) -> Vec<String> {
-    let mut hints: Vec<String> = odd_size(source, conversions).into_iter().collect();
+    let components = conversions.iter().map(|c| &c.input.bounds);
+    let mut hints: Vec<String> = odd_size(source, components).into_iter().collect();
     for (k, c) in conversions.iter().enumerate() {
         let part = if conversions.len() > 1 { format!("component {k}: ") } else { String::new() };
         let own = c.hints.iter().cloned().chain(left_out(settings, c));
         hints.extend(own.map(|hint| part.clone() + &hint));
     }
     hints
+}
+
+/// The hints of some solids and shells of one scan. The share `outliers` of points may exceed the tolerance.
+pub(super) fn of_bodies(
+    bodies: &[BodyConversion],
+    source: &ScanSource,
+    outliers: f64,
+) -> Vec<String> {
+    let odd_size = odd_size(source, bodies.iter().map(|body| &body.input.bounds));
+    let missed = |body: &&BodyConversion| !body.tolerance_named && !body.tolerance_met(outliers);
+    let missed = bodies.iter().filter(missed).map(|body| {
+        let (shape, beyond) = (body.shape.word(), body.beyond());
+        format!("the {shape} is not as good as the scan: {beyond}; --faces asks for more faces")
+    });
+    odd_size.into_iter().chain(missed).collect()
 }
 
 /// Sizes of a scan in mm that make the assumed unit likely: more than a thimble, less than a
@@ -43,9 +59,13 @@ const UNITS: [LengthUnit; 5] = [
     LengthUnit::Micrometre,
 ];
 
-fn odd_size(source: &ScanSource, conversions: &[Conversion]) -> Option<String> {
-    let points = conversions.iter().flat_map(|c| &c.surface.net);
-    likely_unit(source, bounds(points.map(|&p| p.into())).map(|p| p.coords.into()))
+/// A hint about the unit of a scan, if its components with these bounds in mm have an odd size.
+fn odd_size<'a>(
+    source: &ScanSource,
+    components: impl Iterator<Item = &'a [[f64; 3]; 2]>,
+) -> Option<String> {
+    let corners = components.flatten().map(|&p| p.into());
+    likely_unit(source, bounds(corners).map(|p| p.coords.into()))
 }
 
 fn size([low, high]: [[f64; 3]; 2]) -> f64 {
@@ -77,7 +97,9 @@ pub fn likely_unit(source: &ScanSource, bounds: [[f64; 3]; 2]) -> Option<String>
     let across = unlikely_size(source, bounds)?;
     let likely = likely_units(source, bounds).into_iter().map(|unit| {
         let across = across / source.unit.in_mm() * unit.in_mm();
-        format!("{} ({})", unit.symbol(), mm(across))
+        // "in" would read as a preposition.
+        let name = if unit == LengthUnit::Inch { "inches" } else { unit.symbol() };
+        format!("{name} ({})", mm(across))
     });
     let likely = likely.collect::<Vec<_>>().join(" or ");
     let more_likely =
