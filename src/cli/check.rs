@@ -43,7 +43,7 @@ pub fn run(args: &Check) -> Result<Outcome, Failure> {
     let figures = CheckFigures::of(&found, cad, piece, args.tolerance, args.outliers);
     let text = if args.look.json { figures.to_json() } else { as_text(args, &figures) };
     streams::print(text.as_bytes())?;
-    if figures.tolerance_met {
+    if figures.tolerance_met != Some(false) {
         return Ok(Outcome::Done);
     }
     for (what, distances) in [

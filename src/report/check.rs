@@ -25,8 +25,8 @@ pub struct CheckFigures {
     pub tolerance_mm: Option<f64>,
     /// The percentage of points, and of samples, that may exceed it.
     pub outliers_pct: f64,
-    /// Whether both directions keep the tolerance.
-    pub tolerance_met: bool,
+    /// Whether both directions keep the tolerance, if there is one.
+    pub tolerance_met: Option<bool>,
 }
 
 /// What a CAD file has.
@@ -112,7 +112,8 @@ impl CheckFigures {
     ) -> Self {
         let [scan_to_face, face_to_scan] = [&found.scan_to_face, &found.face_to_scan]
             .map(|deviation| DistanceFigures::of(deviation, tolerance));
-        let tolerance_met = scan_to_face.keeps(outliers_pct) && face_to_scan.keeps(outliers_pct);
+        let keeps = |_| scan_to_face.keeps(outliers_pct) && face_to_scan.keeps(outliers_pct);
+        let tolerance_met = tolerance.map(keeps);
         CheckFigures {
             scan2step: VERSION,
             cad: CadFigures {
