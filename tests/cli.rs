@@ -379,7 +379,7 @@ fn every_component_becomes_a_face_when_asked() {
     let path = |name: &str| folder.path().join(name);
     let (scan, step, report) = (two_sheets_and_dust(folder.path()), path("a.step"), path("a.json"));
     let said = converted(&[arg(&scan), arg(&step)]);
-    assert!(said.contains("1 of 3"), "{said}");
+    assert!(said.contains("one of 3"), "{said}");
     let said = converted(&[
         arg(&scan),
         arg(&step),
