@@ -167,8 +167,8 @@ impl CollapsePass {
     }
 }
 
-/// What the shape loses by a collapse, in mm: the distance of the vertex from the mean plane of its ring, plus
-/// a share of the edge length, so that vertices in flat regions become evenly distributed.
+/// What the shape loses by a collapse, in mm: the distance of the vertex from the mean plane of its
+/// ring, plus a share of the edge length, so that vertices in flat regions become evenly distributed.
 pub fn shape_loss(points: &[Point], rings: &OneRings, v: u32) -> f64 {
     let p = points[v as usize];
     let ring = rings.ring(v);
