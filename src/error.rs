@@ -27,6 +27,14 @@ pub enum Error {
         /// Why.
         error: Box<Error>,
     },
+    /// One of several components cannot be converted.
+    #[error("component {component}: {error}")]
+    Piece {
+        /// The number of the component, where the largest one is 0.
+        component: usize,
+        /// Why.
+        error: Box<Error>,
+    },
     /// No triangle is left once unusable ones are dropped.
     #[error("no usable triangle: {0}")]
     Empty(String),
@@ -316,6 +324,16 @@ impl From<LuError> for Unsolved {
 }
 
 impl Error {
+    /// The same as the error of one of `count` components. A caller that stops the conversion gets its own
+    /// error back, and a component that does not exist is named already.
+    pub(crate) fn of_component(self, component: usize, count: usize) -> Self {
+        match self {
+            error @ (Error::Stopped | Error::Input(_) | Error::Component { .. }) => error,
+            error if count == 1 => error,
+            error => Error::Piece { component, error: Box::new(error) },
+        }
+    }
+
     /// The same with all lengths times a factor. Boundary representations are in mm anyway.
     pub(crate) fn scaled(mut self, factor: f64) -> Self {
         match &mut self {
@@ -340,7 +358,7 @@ impl Error {
     pub fn help(&self) -> String {
         match self {
             Error::File(e) => e.help.clone(),
-            Error::Scan { error, .. } => error.help(),
+            Error::Scan { error, .. } | Error::Piece { error, .. } => error.help(),
             Error::Empty(_) => {
                 "check the export: the scan must be a triangle mesh with finite coordinates".into()
             }
@@ -410,7 +428,7 @@ impl Error {
                 "lay the outer boundary on the sides (`outline`), or name a smaller `tolerance`".into()
             }
             Error::Trim { .. } => {
-                "keep that hole filled (`cut`), or name a smaller `tolerance`".into()
+                "name another `shape`, or a smaller `tolerance`; a face can also keep that hole filled (`cut`)".into()
             }
             Error::Cad { .. } => "repair the face in a CAD program, and export it again".into(),
             Error::Brep(_) => "please report this scan as a bug".into(),

@@ -48,6 +48,17 @@ pub fn bytes(count: u64) -> String {
     format!("{:.1} {unit}", count as f64 / 1000f64.powi(power as i32))
 }
 
+/// Why a tolerance that the user did not name has its value.
+pub fn tolerance_reason(tolerance: f64, noise: f64) -> String {
+    match noise {
+        0.0 => "from what flat triangles miss, as the scan shows no noise".into(),
+        noise if tolerance > 3.01 * noise => {
+            format!("1/10,000 of the scan's size, as its noise is only {}", mm(noise))
+        }
+        noise => format!("three times the noise of {}", mm(noise)),
+    }
+}
+
 /// The kinds of repairs, and what was done in plain words: the thing, and what happened to it.
 const REPAIRS: [(&str, &str, &str); 16] = [
     ("degenerate_faces", "face", " without area left out"),

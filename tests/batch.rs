@@ -104,7 +104,7 @@ fn a_failure_stops_no_other_scan() {
     assert_eq!(output["sha256"], report["outputs"][0]["sha256"]);
     let table = std::fs::read_to_string(cad.join("summary.csv")).expect("a summary");
     let mut rows = table.lines();
-    let head = "file,status,exit_code,seconds,shape,faces,net,rms_mm,max_mm,tolerance_mm,holes,error,outputs,help,hints";
+    let head = "file,status,exit_code,seconds,shape,faces,net,rms_mm,max_mm,tolerance_mm,holes,error,outputs,help,hints,units,units_assumed";
     assert_eq!(rows.next(), Some(head));
     assert!(rows.next().is_some_and(|row| row.starts_with("scans/a.ply,ok,0,")), "{table}");
     assert!(rows.next().is_some_and(|row| row.starts_with("scans/b.ply,failed,1,")), "{table}");
@@ -449,15 +449,18 @@ fn what_is_left_out_is_named() {
     for name in ["notes.docx", "a.step", "a.report.html"] {
         std::fs::write(path.join("scans").join(name), "").expect("a file");
     }
+    let text = "Scanned by daylight.\nThe left side is 3 mm too long.\n";
+    std::fs::write(path.join("scans/notes.txt"), text).expect("a file");
     let (code, said) = batch(path, &["scans", "--out", "cad"]);
     assert_eq!(code, Some(0), "{said}");
     assert!(
         said.contains("left out: scans/notes.docx has not the extension of a scan\n"),
         "{said}"
     );
-    assert_eq!(said.matches("left out: ").count(), 1, "{said}");
+    assert!(said.contains("left out: scans/notes.txt has no line with three numbers\n"), "{said}");
+    assert_eq!(said.matches("left out: ").count(), 2, "{said}");
     let summary = json(&path.join("cad/summary.json"));
-    assert_eq!(summary["left_out"].as_array().map(Vec::len), Some(1));
+    assert_eq!(summary["left_out"].as_array().map(Vec::len), Some(2));
     assert_eq!(summary["left_out"][0]["file"], "scans/notes.docx");
     let (_, said) = batch(path, &["scans/*", "--out", "cad"]);
     assert!(said.contains("scans/a.ply (converted earlier; --force converts it again)"), "{said}");

@@ -50,6 +50,26 @@ fn the_file_deviates_as_the_conversion_said() {
     assert!(found["tolerance_met"].is_null(), "no tolerance was asked for");
     assert!(number(&found, "/cad/max_off_surface_mm") < 1e-7);
     assert!(number(&found, "/face_to_scan/points") > 2e4);
+    for (axis, size) in [100.0, 80.0].into_iter().enumerate() {
+        for of in ["cad", "scan"] {
+            let at = |end: usize| number(&found, &format!("/{of}/bounds_mm/{end}/{axis}"));
+            assert!((at(1) - at(0) - size).abs() < 1.0, "{of}");
+        }
+    }
+}
+
+#[test]
+fn a_forgotten_unit_is_named() {
+    let folder = folder();
+    let scan = fixture("relief.ply");
+    let step = relief_step(folder.path(), &["--units", "in"]);
+    let found = checked(&step, &scan);
+    let hint = found["hints"][0].as_str().expect("a hint");
+    assert!(hint.contains("--units in makes them the same size"), "{hint}");
+    let text = String::from_utf8_lossy(&check(&[arg(&step), arg(&scan)]).stdout).into_owned();
+    assert!(text.contains("hint          the faces are "), "{text}");
+    let output = check(&[arg(&step), arg(&scan), "--units", "in"]);
+    assert!(!String::from_utf8_lossy(&output.stdout).contains("hint"));
 }
 
 #[test]

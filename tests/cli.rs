@@ -258,6 +258,23 @@ fn usual_slips_get_advice() {
     assert!(said(&["nonsense"]).contains("unrecognized subcommand 'nonsense'"));
 }
 
+/// What is no scan is answered with the command that takes it.
+#[test]
+fn other_commands_are_named() {
+    let folder = folder();
+    let step = folder.path().join("a.step");
+    converted(&[arg(&fixture("relief.ply")), arg(&step)]);
+    let said = |file: &Path| {
+        let mut run = std::process::Command::new(env!("CARGO_BIN_EXE_scan2step"));
+        let output = run.args(["inspect", arg(file)]).output().expect("the program runs");
+        assert_eq!(output.status.code(), Some(1));
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    let (cad, all) = (said(&step), said(folder.path()));
+    assert!(cad.contains("is a STEP file") && cad.contains("scan2step check "), "{cad}");
+    assert!(all.contains("is a folder") && all.contains("scan2step batch "), "{all}");
+}
+
 #[test]
 fn the_scan_is_never_overwritten() {
     let folder = folder();
@@ -350,6 +367,8 @@ fn holes_can_stay_filled() {
     let lengths = [0, 1].map(|h| number(&all, &format!("/fill/holes/{h}/rim_length_mm")));
     let between = (0.5 * (lengths[0] + lengths[1])).to_string();
     assert_eq!(cut(&run(&["--fill-only-holes-below", &between])), 1);
+    let said = converted(&[arg(&scan), arg(&path("a.step")), "--fill-only-holes-below", &between]);
+    assert!(said.contains("1 hole cut out, 1 kept filled → "), "{said}");
 }
 
 /// The relief twice at a distance of 200 mm, and a speck of dust.
@@ -391,10 +410,14 @@ fn every_component_becomes_a_face_when_asked() {
         arg(&path("stages")),
     ]);
     assert!(said.contains("2 of 3"), "{said}");
+    for piece in ["\ncomponent 0: tolerance: ", "\ncomponent 1: "] {
+        assert!(said.contains(piece), "{said}");
+    }
     let text = std::fs::read_to_string(&step).expect("a file");
     assert_eq!(text.matches("ADVANCED_FACE").count(), 2);
     assert_eq!(text.matches("OPEN_SHELL").count(), 2);
     assert_eq!(json(&report)["components"].as_array().map(Vec::len), Some(2));
+    assert_eq!(json(&report)["components"][1]["input"]["component"], 1);
     assert_eq!(files(&path("stages")), ["component-0", "component-1"]);
     let missing = convert(&[arg(&scan), arg(&step), "--component", "3"]);
     assert_eq!(missing.status.code(), Some(1));
@@ -472,6 +495,13 @@ fn what_could_be_better_is_hinted_at() {
     assert!(flat.iter().any(|hint| hint.contains("--smooth 40 moves them by")), "{flat:?}");
     let corners = hints(&["--corners", "50,-40,0;50,40,0;-50,40,0;-250,-40,0"]);
     assert!(corners.iter().any(|hint| hint.contains("named at (-250.000, ")), "{corners:?}");
+    let unused = hints(&["--faces", "9", "--spacing", "2"]);
+    assert_eq!(unused.len(), 2, "{unused:?}");
+    assert!(unused[0].starts_with("--spacing has no effect on this face: "), "{unused:?}");
+    let ring = folder.path().join("ring.igs");
+    let said = converted(&[arg(&fixture("ring.obj")), arg(&ring), "--keep-fills"]);
+    assert!(said.contains("hint: --keep-fills has no effect on this solid: "), "{said}");
+    assert!(said.contains("trimmed surfaces that nothing joins; --iges brep "), "{said}");
     // A scan in metres whose file does not say so.
     let small = folder.path().join("small.obj");
     let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3\nf 1 3 4\n";

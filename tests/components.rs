@@ -76,6 +76,12 @@ fn one_component_that_fails_or_a_caller_stops_all() {
     let made = scan2step::convert_components(&scan, &both, &options, &mut watch);
     assert!(matches!(made, Err(Error::Input("enough"))));
     assert_eq!(seen, 1);
+    let named = Options::builder().net([4, 4]).corners(Some([Point::origin(); 4])).build();
+    let options = named.expect("the corners are places");
+    let made = scan2step::convert_components(&scan, &both, &options, &mut |_, _| Ok(()));
+    let error = made.expect_err("all corners are at one place");
+    assert!(matches!(error, Error::Piece { component: 0, .. }), "{error}");
+    assert!(error.to_string().starts_with("component 0: "), "{error}");
 }
 
 #[test]

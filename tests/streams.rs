@@ -75,6 +75,8 @@ fn a_report_goes_to_standard_output() {
     let report: serde_json::Value = serde_json::from_slice(&output.stdout).expect("JSON");
     assert_eq!(report["input"]["file"], "stdin");
     assert_eq!(report["outputs"][0]["file"], "a.step");
+    let step = std::fs::read_to_string(folder.path().join("a.step")).expect("a file");
+    assert!(step.contains("PRODUCT('a'"), "the part has the name of the file");
     assert!(said(&output).contains("cut out → a.step, stdout\n"), "{}", said(&output));
 }
 

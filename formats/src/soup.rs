@@ -102,4 +102,18 @@ impl LengthUnit {
             LengthUnit::UsSurveyFoot => "ftUS",
         }
     }
+
+    /// The unit with this abbreviation. `None` if it is none of them.
+    pub(crate) fn by_symbol(symbol: &str) -> Option<LengthUnit> {
+        let all = [
+            LengthUnit::Millimetre,
+            LengthUnit::Micrometre,
+            LengthUnit::Centimetre,
+            LengthUnit::Metre,
+            LengthUnit::Inch,
+            LengthUnit::Foot,
+            LengthUnit::UsSurveyFoot,
+        ];
+        all.into_iter().find(|unit| unit.symbol() == symbol)
+    }
 }

@@ -9,7 +9,7 @@ use pyo3::types::PyDict;
 use scan2step::formats::{Content, cad};
 use scan2step::mesh::{Choice, Components};
 use scan2step::report::{
-    BodyReport, CheckFigures, CheckedScan, InspectionFigures, Report, ScanSource, Settings,
+    BodyReport, CheckFigures, InspectionFigures, MeasuredComponents, Report, ScanSource, Settings,
     StageFigures, ViewRecorder,
 };
 use scan2step::{Converted, Memory, Options, Stage, rules};
@@ -191,7 +191,11 @@ pub fn check(
             false => vec![options.component()],
         };
         let measured = scan2step::measured(&components, &chosen, options.outer())?;
-        let piece = CheckedScan::of(&source, components.count(), chosen.len(), measured.left_out);
+        let parts = MeasuredComponents {
+            all: components.count(),
+            measured: chosen.len(),
+            left_out: measured.left_out,
+        };
         drop(components);
         let measured = match &source.cloud {
             Some(cloud) if options.keeps_origin() => measured.translated(cloud.origin_mm),
@@ -199,6 +203,6 @@ pub fn check(
         };
         let found = scan2step::check::check(&model, &measured.mesh, measured.points.as_deref())?;
         let cad = (path.display().to_string(), &model);
-        Ok(CheckFigures::of(&found, cad, piece, tolerance, 100.0 * outliers).to_json())
+        Ok(CheckFigures::of(&found, cad, (&source, parts), tolerance, 100.0 * outliers).to_json())
     })
 }

@@ -15,7 +15,7 @@ use rayon::prelude::*;
 
 use crate::deviation::{Deviation, TrimmedFace, nearest_of};
 use crate::error::{Error, Result};
-use crate::geometry::{Point, Uv, uv_bounds};
+use crate::geometry::{Point, Uv, bounds, uv_bounds};
 use crate::mesh::{Mesh, Triangles};
 use crate::threads;
 use loops::{TracePoint, Tracer};
@@ -32,6 +32,10 @@ pub struct Report {
     pub loops: usize,
     /// The area of the faces in mm².
     pub area: f64,
+    /// The lowest and the highest coordinates of the samples of the faces.
+    pub face_bounds: [[f64; 3]; 2],
+    /// The lowest and the highest coordinates of the scan's points.
+    pub scan_bounds: [[f64; 3]; 2],
     /// The largest distance of an edge's curve from the trace of its pcurve on the surface. If the
     /// two curves have no common parameter, values below `resolution` have no meaning.
     pub max_off_surface: f64,
@@ -85,11 +89,17 @@ fn measure(model: &CadModel, scan: &Mesh, measured: &[Point]) -> Result<Report> 
         faces: model.faces.len(),
         loops: model.faces.iter().map(|f| f.loops.len()).sum(),
         area: samples.iter().map(|s| s.area).sum(),
+        face_bounds: of_box(&points),
+        scan_bounds: of_box(measured),
         max_off_surface: off,
         resolution: CHORD * diagonal,
         scan_to_face: Deviation::of(measured, to_faces),
         face_to_scan: Deviation::of(&points, to_scan),
     })
+}
+
+fn of_box(points: &[Point]) -> [[f64; 3]; 2] {
+    bounds(points.iter().copied()).map(|corner| corner.coords.into())
 }
 
 /// The polygons of every face's loops, and the largest distance of an edge from its surface.

@@ -17,7 +17,7 @@ pub fn write(
     conversions: &[Conversion],
     colour: Option<[u8; 3]>,
 ) -> Result<Vec<Pending>, Failure> {
-    write_brep(args, &scan2step::joined(part_name(&args.piece.scan.name), conversions), colour)
+    write_brep(args, &scan2step::joined(args.part_name(), conversions), colour)
 }
 
 /// Writes a model into every file that was asked for.
@@ -90,7 +90,7 @@ fn step_options(args: &Convert, stamp: &str) -> step::Options {
 
 fn iges_options(args: &Convert, stamp: &str, path: &Path) -> iges::Options {
     let file_name = if streams::is_stdout(path) {
-        Some(format!("{}.igs", part_name(&args.piece.scan.name)))
+        Some(format!("{}.igs", args.part_name()))
     } else {
         path.file_name().map(|n| n.to_string_lossy().into_owned())
     };

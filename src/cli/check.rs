@@ -4,8 +4,8 @@ use std::io::stdin;
 
 use formats::cad::{read_cad, read_cad_stream};
 use scan2step::check;
-use scan2step::report::{CheckFigures, CheckedScan, DistanceFigures};
-use scan2step::words::{grouped, mm, plural, significant};
+use scan2step::report::{CheckFigures, DistanceFigures, MeasuredComponents};
+use scan2step::words::{box_extents, grouped, mm, plain_mm, plural};
 
 use super::args::{Check, ComponentChoice, Origin, cad_file};
 use super::input::{self, Scan};
@@ -30,8 +30,11 @@ pub fn run(args: &Check) -> Result<Outcome, Failure> {
     let chosen = args.component.of(&components, outer);
     let measured = scan2step::measured(&components, &chosen, outer);
     let measured = measured.map_err(|e| input::stopped(&scan.path, &e))?;
-    let (count, left_out) = (components.count(), measured.left_out);
-    let piece = CheckedScan::of(&scan.source, count, chosen.len(), left_out);
+    let parts = MeasuredComponents {
+        all: components.count(),
+        measured: chosen.len(),
+        left_out: measured.left_out,
+    };
     drop(components);
     let measured = match (args.piece.cloud.origin, &scan.source.cloud) {
         (Origin::Keep, Some(cloud)) => measured.translated(cloud.origin_mm),
@@ -40,7 +43,8 @@ pub fn run(args: &Check) -> Result<Outcome, Failure> {
     let found = check::check(&model, &measured.mesh, measured.points.as_deref());
     let found = found.map_err(|e| input::stopped(&args.cad.name, &e))?;
     let cad = (args.cad.name.display().to_string(), &model);
-    let figures = CheckFigures::of(&found, cad, piece, args.tolerance, args.outliers);
+    let scan = (&scan.source, parts);
+    let figures = CheckFigures::of(&found, cad, scan, args.tolerance, args.outliers);
     let text = if args.look.json { figures.to_json() } else { as_text(args, &figures) };
     streams::print(text.as_bytes())?;
     if figures.tolerance_met != Some(false) {
@@ -108,10 +112,13 @@ fn as_text(args: &Check, figures: &CheckFigures) -> String {
             "  CAD           {name}{}, {}, {} mm²",
             plural(cad.faces, "face"),
             plural(cad.loops, "loop"),
-            significant(cad.area_mm2)
+            plain_mm(cad.area_mm2)
         ),
+        format!("  CAD size      {}", box_extents(cad.bounds_mm)),
+        format!("  scan size     {}", box_extents(scan.bounds_mm)),
         format!("  scan to face  {}", direction(&figures.scan_to_face, "point")),
         format!("  face to scan  {}", direction(&figures.face_to_scan, "sample")),
     ]);
+    lines.extend(figures.hints.iter().map(|hint| format!("  hint          {hint}")));
     lines.iter().map(|line| wrapped(line, INDENT) + "\n").collect()
 }

@@ -9,7 +9,7 @@ use scan2step::report::ScanSource;
 use scan2step::{Options, Progress};
 
 use super::Failure;
-use super::args::Piece;
+use super::args::{Piece, cad_file};
 
 /// A scan that was read: a mesh or a cloud of points. Its content is dropped once the mesh is made.
 pub struct Scan {
@@ -30,7 +30,7 @@ impl Scan {
         let content = if piece.scan.is_stdin {
             reading.read_content_from(name, stdin())?
         } else {
-            reading.read_content(name)?
+            reading.read_content(name).map_err(|error| no_scan(name, error))?
         };
         let named = Scan::options(piece)?;
         let file = name.display().to_string();
@@ -93,6 +93,19 @@ impl Scan {
         };
         components.map_err(|e| stopped(&self.path, &e)).map(|components| (self, components))
     }
+}
+
+/// The error of a file that could not be read as a scan, with the command that takes it.
+fn no_scan(path: &Path, error: formats::Error) -> Failure {
+    let (failure, name) = (Failure::from(error), path.display());
+    let help = if path.is_dir() {
+        format!("name a scan in it, or convert all of them: scan2step batch {name} --out cad/")
+    } else if cad_file(&name.to_string()).is_ok() && path.exists() {
+        format!("to measure a CAD file against its scan: scan2step check {name} SCAN")
+    } else {
+        return failure;
+    };
+    Failure { help, ..failure }
 }
 
 /// What stopped the work on a scan.

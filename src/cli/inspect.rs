@@ -1,7 +1,7 @@
 //! `scan2step inspect`: what a scan is.
 
 use scan2step::report::{CloudFigures, InspectionFigures, ScanFigures, likely_unit};
-use scan2step::words::{box_extents, extents, grouped, mm, plural, repair};
+use scan2step::words::{box_extents, extents, grouped, mm, plural, repair, tolerance_reason};
 use scan2step::{Inspection, PieceReport, TargetShape};
 
 use super::args::Inspect;
@@ -46,7 +46,7 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
     let which = match input.components {
         1 => "the only one".to_owned(),
         count => {
-            format!("number {} of {}, where 0 is the largest", found.number, grouped(count))
+            format!("number {} of {}, where 0 is the largest", input.component, grouped(count))
         }
     };
     lines.extend([
@@ -82,7 +82,7 @@ fn choices(found: &Inspection) -> Vec<String> {
     if found.shape.is_none() {
         return Vec::new();
     }
-    let why = messages::why(found.tolerance, found.noise);
+    let why = tolerance_reason(found.tolerance, found.noise);
     let mut lines =
         vec![format!("  tolerance   about {}, {why} (--tolerance to change)", mm(found.tolerance))];
     lines.extend(found.is_ragged.map(|is_ragged| {

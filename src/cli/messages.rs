@@ -2,7 +2,7 @@
 
 use scan2step::mesh::{Bound, Components, FaceOrigin, Patch};
 use scan2step::report::ScanSource;
-use scan2step::words::{grouped, mm, plural, repair};
+use scan2step::words::{grouped, mm, plural, repair, tolerance_reason};
 use scan2step::{BodyConversion, Conversion, InputReport, Stage, TargetShape};
 
 use super::args::{ComponentChoice, Convert};
@@ -146,7 +146,15 @@ pub fn found(progress: &ProgressDisplay, args: &Convert, c: &Conversion) {
             .say(&format!("smooth: {} left out of the fits", plural(c.smooth.outliers, "outlier")));
     }
     if !c.tolerance_named {
-        tolerance(progress, c.tolerance, c.noise);
+        tolerance(progress, &of_piece(args, &c.input), c.tolerance, c.noise);
+    }
+}
+
+/// Which of several components a line is about, in front of it.
+pub fn of_piece(args: &Convert, input: &InputReport) -> String {
+    match args.how.component {
+        ComponentChoice::All if input.components > 1 => format!("component {}: ", input.component),
+        _ => String::new(),
     }
 }
 
@@ -161,28 +169,17 @@ pub fn found_of_body(progress: &ProgressDisplay, args: &Convert, body: &BodyConv
         ));
     }
     if !body.tolerance_named {
-        tolerance(progress, body.tolerance, body.noise);
+        tolerance(progress, &of_piece(args, &body.input), body.tolerance, body.noise);
     }
 }
 
 /// Says which tolerance was chosen, and why.
-fn tolerance(progress: &ProgressDisplay, tolerance: f64, noise: f64) {
+fn tolerance(progress: &ProgressDisplay, of: &str, tolerance: f64, noise: f64) {
     progress.say(&format!(
-        "tolerance: {}, {} (--tolerance to change)",
+        "{of}tolerance: {}, {} (--tolerance to change)",
         mm(tolerance),
-        why(tolerance, noise)
+        tolerance_reason(tolerance, noise)
     ));
-}
-
-/// Why a tolerance that the user did not name has its value.
-pub fn why(tolerance: f64, noise: f64) -> String {
-    match noise {
-        0.0 => "from what flat triangles miss, as the scan shows no noise".into(),
-        noise if tolerance > 3.01 * noise => {
-            format!("1/10,000 of the scan's size, as its noise is only {}", mm(noise))
-        }
-        noise => format!("three times the noise of {}", mm(noise)),
-    }
 }
 
 /// Whether the face is as good as the scan, in a sentence.
@@ -193,7 +190,7 @@ fn quality(c: &Conversion) -> String {
         missed => format!("all but {} of {all} are", grouped(missed)),
     };
     // A point that a loop cuts off does not miss the tolerance, but is farther from the face.
-    let at_rims = if c.missed.points == 0 && c.fit_deviation.max > c.tolerance {
+    let at_rims = if c.missed.points == 0 && c.cut_off() > 0 {
         format!("; at rims, which trim loops smooth, up to {}", mm(c.fit_deviation.max))
     } else {
         String::new()
@@ -206,15 +203,20 @@ pub fn result(progress: &ProgressDisplay, args: &Convert, c: &Conversion) {
     let [m, n] = c.surface.shape();
     let files = args.out.iter().map(|f| &f.path).chain(args.report.iter().map(|f| &f.path));
     let files: Vec<_> = files.map(|path| streams::shown(path)).collect();
+    let of = of_piece(args, &c.input);
+    let filled = match c.trimmed.iter().filter(|is_cut| !**is_cut).count() {
+        0 => String::new(),
+        filled => format!(", {} kept filled", grouped(filled)),
+    };
     progress.result(&format!(
-        "{m} × {n} control points, rms {}, max {}, {} cut out → {}",
+        "{of}{m} × {n} control points, rms {}, max {}, {} cut out{filled} → {}",
         mm(c.fit_deviation.rms),
         mm(c.fit_deviation.max),
         plural(c.loops.iter().filter(|l| matches!(l.of, Bound::Hole(_))).count(), "hole"),
         files.join(", ")
     ));
     if !c.tolerance_named && c.tolerance_met(args.how.outliers / 100.0) {
-        progress.say(&quality(c));
+        progress.say(&(of + &quality(c)));
     }
 }
 
@@ -223,6 +225,7 @@ pub fn verdict(args: &Convert, c: &Conversion) -> Outcome {
     if args.how.tolerance.is_none() || c.tolerance_met(args.how.outliers / 100.0) {
         return Outcome::Done;
     }
-    streams::say(format_args!("tolerance not met: {}", c.beyond()));
+    let of = of_piece(args, &c.input);
+    streams::say(format_args!("tolerance not met: {of}{}", c.beyond()));
     Outcome::Missed
 }

@@ -6,7 +6,7 @@ use scan2step::{Cut, Options, TargetShape, fit, parameterize, smooth};
 
 use super::Failure;
 use super::args::{ComponentChoice, Convert, Fit, Map, OutlineChoice, ShapeChoice};
-use super::cad::{self, part_name};
+use super::cad;
 use super::input::{Scan, stopped};
 use super::places::NamedCorners;
 
@@ -24,7 +24,7 @@ pub fn options(args: &Convert) -> Result<Options, Failure> {
     };
     let options = args.piece.cloud.options(&args.piece.scale, &args.piece.crop);
     let mut options = options
-        .name(part_name(&args.piece.scan.name))
+        .name(args.part_name())
         .outer_place(args.piece.outer.map(|place| place.0))
         .smooth(how.smooth)
         .boundary_corners(match how.boundary_corners {

@@ -31,7 +31,8 @@ use crate::mesh::{Choice, Components};
 /// ```
 ///
 /// # Errors
-/// Those of [`convert_component`], for the first component that cannot be converted.
+/// Those of [`convert_component`], for the first component that cannot be converted. If there are
+/// several components, [`Error::Piece`](crate::Error::Piece) names it.
 pub fn convert_components(
     scan: &Components,
     components: &[Choice],
@@ -40,7 +41,8 @@ pub fn convert_components(
 ) -> Result<Vec<Conversion>> {
     let one = |(k, &component): (usize, &Choice)| {
         let options = options.of_component(component);
-        let conversion = convert_component(scan, &options, &mut |stage| watch(k, stage))?;
+        let conversion = convert_component(scan, &options, &mut |stage| watch(k, stage))
+            .map_err(|error| error.of_component(component.number(), components.len()))?;
         watch(k, Stage::Done(&conversion))?;
         Ok(conversion)
     };

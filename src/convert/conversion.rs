@@ -100,6 +100,12 @@ impl Conversion {
             && (!self.tolerance_named || keeps(back.beyond, back.triangles))
     }
 
+    /// The number of smoothed points that keep the tolerance although they are farther from the face: a
+    /// trim loop, which smooths the rim, cuts them off ([`Missed`]).
+    pub fn cut_off(&self) -> usize {
+        self.fit_deviation.beyond(self.tolerance).saturating_sub(self.missed.points)
+    }
+
     /// How many points, and how much of the face, are beyond the tolerance, and the worst.
     pub fn beyond(&self) -> String {
         let (tolerance, place) =

@@ -15,6 +15,8 @@ use crate::{Options, Result, smooth, threads};
 #[derive(Debug, Clone)]
 #[non_exhaustive]
 pub struct InputReport {
+    /// The number of the component, where the largest one is 0.
+    pub component: usize,
     /// Vertices of the chosen component.
     pub vertices: usize,
     /// Triangles of the chosen component.
@@ -62,8 +64,6 @@ pub struct Inspection {
     /// Whether the outer boundary is so ragged that a face gets a trim loop there. `None` if the
     /// component does not become a face.
     pub is_ragged: Option<bool>,
-    /// The number of the component, where the largest one is 0.
-    pub number: usize,
     /// The largest components, if there are several.
     pub pieces: Vec<PieceReport>,
     /// An estimate of a solid or a shell. `None` for a face, or if a conversion fails before it has a
@@ -103,8 +103,9 @@ fn pieces(scan: &Components) -> Result<Vec<PieceReport>> {
 }
 
 impl InputReport {
-    fn new(scan: &Components, chosen: &Component) -> Self {
+    fn new(scan: &Components, component: Choice, chosen: &Component) -> Self {
         InputReport {
+            component: component.number(),
             vertices: chosen.own_mesh().points.len(),
             triangles: chosen.own_mesh().triangles.len(),
             components: scan.count(),
@@ -130,7 +131,7 @@ impl InputReport {
 /// Mesh → disk with holes, in the lengths of the mesh, as the options are.
 pub(crate) fn disk(scan: &Components, options: &Options) -> Result<(Disk, InputReport)> {
     let chosen = scan.take(options.component)?;
-    let mut input = InputReport::new(scan, &chosen);
+    let mut input = InputReport::new(scan, options.component, &chosen);
     let disk = chosen.into_own_disk(options.outer(), &mut input.repairs)?;
     input.count_islands(&disk, &scan.sizes());
     Ok((disk, input))
@@ -144,7 +145,7 @@ pub(crate) fn body(
     options: &Options,
 ) -> Result<(Disk, InputReport)> {
     let chosen = scan.take(options.component)?;
-    let mut input = InputReport::new(scan, &chosen);
+    let mut input = InputReport::new(scan, options.component, &chosen);
     let mut body = chosen.into_own_body(&mut input.repairs)?;
     match shape {
         TargetShape::Solid => body.turn(true, &mut input.repairs),
@@ -231,7 +232,7 @@ fn body_estimate(scan: &Components, component: Choice, shape: TargetShape) -> Op
 
 fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspection> {
     let chosen = scan.take(component)?;
-    let mut input = InputReport::new(&scan, &chosen);
+    let mut input = InputReport::new(&scan, component, &chosen);
     let sizes = scan.sizes();
     let raw_noise = scan.raw_points().map_or(0.0, RawPoints::noise);
     let (shape, reason) = shape_and_reason(&chosen);
@@ -254,7 +255,6 @@ fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspecti
         reason,
         tolerance: mm * Goal::of_scan(mesh, noise).tolerance,
         is_ragged: outer_loop.filter(|_| is_face).map(|outer| is_ragged(mesh, &rings[outer])),
-        number: component.number(),
         pieces,
         body,
         input: input.clone(),

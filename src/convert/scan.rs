@@ -94,13 +94,17 @@ pub fn convert_scan(
 
 /// Why one face does not hold a sheet. Other errors are returned.
 fn unsuited(error: Error, compressed: Option<CompressedRegion>) -> Result<String> {
-    match (error, compressed) {
+    let of_piece = match &error {
+        Error::Piece { error, .. } => error,
+        error => error,
+    };
+    match (of_piece, compressed) {
         (Error::Stopped, Some(found)) => {
             let p = found.at;
             Ok(format!("the map compresses a part near ({:.3}, {:.3}, {:.3})", p.x, p.y, p.z))
         }
-        (error @ (Error::Folded { .. } | Error::Trim { .. }), _) => Ok(error.to_string()),
-        (error, _) => Err(error),
+        (Error::Folded { .. } | Error::Trim { .. }, _) => Ok(error.to_string()),
+        _ => Err(error),
     }
 }
 
@@ -173,7 +177,8 @@ fn bodies(
     watch(0, Stage::Begin { shape, components: shapes.len(), why })?;
     let one = |(number, &(component, shape)): (usize, &(Choice, TargetShape))| {
         let options = options.of_component(component);
-        let body = convert_body(scan, shape, &options, &mut |stage| watch(number, stage))?;
+        let body = convert_body(scan, shape, &options, &mut |stage| watch(number, stage))
+            .map_err(|error| error.of_component(component.number(), shapes.len()))?;
         watch(number, Stage::BodyDone(&body))?;
         Ok(body)
     };

@@ -2,6 +2,7 @@
 
 use formats::cad::CadModel;
 
+use super::hints::unit_by_cad;
 use super::{DeviationFigures, ScanSource, VERSION};
 use crate::check;
 use crate::deviation::Deviation;
@@ -23,6 +24,8 @@ pub struct CheckFigures {
     pub face_to_scan: DistanceFigures,
     /// The tolerance that was asked for, if one was.
     pub tolerance_mm: Option<f64>,
+    /// What could be wrong, and what to do about it.
+    pub hints: Vec<String>,
     /// The percentage of points, and of samples, that may exceed it.
     pub outliers_pct: f64,
     /// Whether both directions keep the tolerance, if there is one.
@@ -44,6 +47,8 @@ pub struct CadFigures {
     pub loops: usize,
     /// Area of all the faces.
     pub area_mm2: f64,
+    /// The lowest and the highest coordinates of the faces.
+    pub bounds_mm: [[f64; 3]; 2],
     /// The farthest that an edge is from the surface of its face.
     pub max_off_surface_mm: f64,
     /// How far the chords that stand for edges may be from them.
@@ -60,6 +65,8 @@ pub struct CheckedScan {
     pub units: &'static str,
     /// Whether neither the file nor the caller names the unit.
     pub units_assumed: bool,
+    /// The lowest and the highest coordinates of the components that the faces were measured against.
+    pub bounds_mm: [[f64; 3]; 2],
     /// Components of the scan.
     pub components: usize,
     /// Components that the faces were measured against.
@@ -101,12 +108,12 @@ impl DistanceFigures {
 }
 
 impl CheckFigures {
-    /// The figures of what [`check::check`] found between the model read from `file` and a
-    /// scan. `tolerance` is mm.
+    /// The figures of what [`check::check`] found between the model read from `file` and `measured` of
+    /// the components of a scan. `tolerance` is mm.
     pub fn of(
         found: &check::Report,
         (file, model): (impl Into<String>, &CadModel),
-        scan: CheckedScan,
+        (source, measured): (&ScanSource, MeasuredComponents),
         tolerance: Option<f64>,
         outliers_pct: f64,
     ) -> Self {
@@ -114,6 +121,8 @@ impl CheckFigures {
             .map(|deviation| DistanceFigures::of(deviation, tolerance));
         let keeps = |_| scan_to_face.keeps(outliers_pct) && face_to_scan.keeps(outliers_pct);
         let tolerance_met = tolerance.map(keeps);
+        let unit = (source.unit, source.unit_assumed);
+        let hint = unit_by_cad(unit, found.scan_bounds, found.face_bounds);
         CheckFigures {
             scan2step: VERSION,
             cad: CadFigures {
@@ -122,29 +131,42 @@ impl CheckFigures {
                 faces: found.faces,
                 loops: found.loops,
                 area_mm2: found.area,
+                bounds_mm: found.face_bounds,
                 max_off_surface_mm: found.max_off_surface,
                 resolution_mm: found.resolution,
             },
-            scan,
+            scan: CheckedScan::of(source, measured, found.scan_bounds),
             scan_to_face,
             face_to_scan,
             tolerance_mm: tolerance,
+            hints: hint.into_iter().collect(),
             outliers_pct,
             tolerance_met,
         }
     }
 }
 
+/// How many components of a scan were measured.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct MeasuredComponents {
+    /// Components of the scan.
+    pub all: usize,
+    /// Components that the faces were measured against.
+    pub measured: usize,
+    /// Triangles in the other components.
+    pub left_out: usize,
+}
+
 impl CheckedScan {
-    /// `measured` of the `components` of a scan, without so many triangles in the others.
-    pub fn of(source: &ScanSource, components: usize, measured: usize, left_out: usize) -> Self {
+    fn of(source: &ScanSource, parts: MeasuredComponents, bounds_mm: [[f64; 3]; 2]) -> Self {
         CheckedScan {
             file: source.file.clone(),
             units: source.unit.symbol(),
             units_assumed: source.unit_assumed,
-            components,
-            components_measured: measured,
-            left_out_triangles: left_out,
+            bounds_mm,
+            components: parts.all,
+            components_measured: parts.measured,
+            left_out_triangles: parts.left_out,
         }
     }
 }

@@ -139,8 +139,11 @@ pub struct FitFigures {
     pub max_mm: f64,
     /// The point that has it.
     pub max_at: [f64; 3],
-    /// The percentage of points within the tolerance.
+    /// The percentage of points that keep the tolerance.
     pub within_pct: f64,
+    /// How many of these are farther from the face than the tolerance, because a trim loop, which smooths
+    /// the rim, cuts them off.
+    pub cut_off: usize,
     /// Mean distance between points and the surface at their parameters.
     pub mean_parametric_mm: f64,
     /// The paper's κ, by which the first knots were placed; `None` for a net that was named.
@@ -310,6 +313,7 @@ impl FitFigures {
             max_mm: d.max,
             max_at: d.max_at,
             within_pct: 100.0 * within as f64 / d.distances.len().max(1) as f64,
+            cut_off: c.cut_off(),
             mean_parametric_mm: c.fit.mean_error,
             kappa_mm: c.fit.kappa,
             rounds: c.fit.rounds,

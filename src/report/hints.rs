@@ -3,10 +3,10 @@
 
 use formats::LengthUnit;
 
-use super::{ScanSource, Setting, Settings};
+use super::{ScanSource, Setting, Settings, unused};
 use crate::geometry::{Vector, bounds};
 use crate::words::mm;
-use crate::{BodyConversion, Conversion};
+use crate::{BodyConversion, Conversion, TargetShape};
 
 /// The hints of some conversions of one scan.
 pub(super) fn of(
@@ -16,27 +16,35 @@ pub(super) fn of(
 ) -> Vec<String> {
     let components = conversions.iter().map(|c| &c.input.bounds);
     let mut hints: Vec<String> = odd_size(source, components).into_iter().collect();
-    for (k, c) in conversions.iter().enumerate() {
-        let part = if conversions.len() > 1 { format!("component {k}: ") } else { String::new() };
+    hints.extend(unused::of(settings, source, TargetShape::Face.word()));
+    for c in conversions {
+        let part = if conversions.len() > 1 {
+            format!("component {}: ", c.input.component)
+        } else {
+            String::new()
+        };
         let own = c.hints.iter().cloned().chain(left_out(settings, c));
         hints.extend(own.map(|hint| part.clone() + &hint));
     }
     hints
 }
 
-/// The hints of some solids and shells of one scan. The share `outliers` of points may exceed the tolerance.
+/// The hints of some solids and shells of one scan.
 pub(super) fn of_bodies(
     bodies: &[BodyConversion],
     source: &ScanSource,
-    outliers: f64,
+    settings: &Settings,
 ) -> Vec<String> {
+    let outliers = settings.outliers / 100.0;
     let odd_size = odd_size(source, bodies.iter().map(|body| &body.input.bounds));
     let missed = |body: &&BodyConversion| !body.tolerance_named && !body.tolerance_met(outliers);
     let missed = bodies.iter().filter(missed).map(|body| {
         let (shape, beyond) = (body.shape.word(), body.beyond());
         format!("the {shape} is not as good as the scan: {beyond}; --faces asks for more faces")
     });
-    odd_size.into_iter().chain(missed).collect()
+    let shape = bodies.first().map(|body| body.shape.word());
+    let unused = shape.map_or(Vec::new(), |shape| unused::of(settings, source, shape));
+    odd_size.into_iter().chain(unused).chain(missed).collect()
 }
 
 /// Sizes of a scan in mm that make the assumed unit likely: more than a thimble, less than a
@@ -107,6 +115,29 @@ pub fn likely_unit(source: &ScanSource, bounds: [[f64; 3]; 2]) -> Option<String>
     let (across, assumed) = (mm(across), source.unit.symbol());
     Some(format!(
         "the scan is {across} across if its numbers are {assumed}; {more_likely}name the unit with --units"
+    ))
+}
+
+/// The largest deviation of a ratio of sizes from the ratio of two units that it suggests, as a share.
+/// Ratios of different units differ by a factor of more than two.
+const UNIT_RATIO: f64 = 0.2;
+
+/// Advice to name the unit of a scan whose unit was assumed, if a CAD file of it is larger or smaller by the
+/// ratio of two units. The bounds of both are mm.
+pub(super) fn unit_by_cad(
+    (unit, is_assumed): (LengthUnit, bool),
+    scan: [[f64; 3]; 2],
+    cad: [[f64; 3]; 2],
+) -> Option<String> {
+    let [scan, cad] = [size(scan), size(cad)];
+    let suits =
+        |other: &LengthUnit| (cad / scan * unit.in_mm() / other.in_mm() - 1.0).abs() < UNIT_RATIO;
+    let other = UNITS.into_iter().filter(|other| *other != unit).find(suits);
+    let other = other.filter(|_| is_assumed)?.symbol();
+    Some(format!(
+        "the faces are {} across and the scan {}; --units {other} makes them the same size",
+        mm(cad),
+        mm(scan)
     ))
 }
 

@@ -16,7 +16,7 @@ use super::command::shell_words;
 use super::far_places::far_places;
 use super::scale::Ends;
 use super::{BodyReport, Report, ReportView, filters, scene};
-use crate::words::box_extents;
+use crate::words::{box_extents, tolerance_reason};
 
 /// The page's program, in parts that share one function.
 const SCRIPT: &str = concat!(
@@ -92,6 +92,7 @@ fn page(
             })).collect::<Vec<_>>(),
             "holes": longest_first(&figures["fill"]["holes"]),
             "made": view.figures.made,
+            "tolerance_reason": tolerance_reason(tolerance, figures["noise_mm"].as_f64().unwrap_or(0.0)),
             "plane": view.plane.as_ref().map(|plane| plane.svg(k)),
             "measured": histograms(&view.measured, ends.measured, tolerance),
             "smoothed": histograms(&view.smoothed, ends.smoothed, tolerance),

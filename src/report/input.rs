@@ -96,6 +96,8 @@ pub struct InputFigures {
     pub vertices: usize,
     /// Triangles of the component.
     pub triangles: usize,
+    /// The number of the component, where the largest one is 0.
+    pub component: usize,
     /// Components of the scan.
     pub components: usize,
     /// Other components that lie in the holes of this one and belong to the face.
@@ -143,6 +145,7 @@ impl InputFigures {
             cloud: source.cloud.clone(),
             vertices: input.vertices,
             triangles: input.triangles,
+            component: input.component,
             components: input.components,
             islands: input.islands,
             island_triangles: input.island_triangles,
@@ -182,8 +185,6 @@ pub struct InspectionFigures {
     /// The units that the size of the scan suggests, likeliest first, if the assumed one makes it
     /// unlikely.
     pub likely_units: Vec<&'static str>,
-    /// The number of the component, where the largest one is 0.
-    pub component: usize,
     /// The largest components, if there are several.
     pub pieces: Vec<PieceFigures>,
     /// About how many faces a solid or a shell gets.
@@ -255,7 +256,6 @@ impl InspectionFigures {
                 .iter()
                 .map(|u| u.symbol())
                 .collect(),
-            component: found.number,
             pieces: found.pieces.iter().map(PieceFigures::of).collect(),
             faces_about: found.body.as_ref().map(|body| body.faces),
             handles: found

@@ -24,6 +24,7 @@ mod input;
 mod json;
 mod settings;
 mod shape;
+mod unused;
 
 #[cfg(feature = "picture")]
 mod histogram;
@@ -52,7 +53,7 @@ mod plane;
 mod scene;
 
 pub use body::{BodyFigures, BodyFitFigures, BodyReport};
-pub use check::{CadFigures, CheckFigures, CheckedScan, DistanceFigures};
+pub use check::{CadFigures, CheckFigures, CheckedScan, DistanceFigures, MeasuredComponents};
 pub use cloud::{CloudFigures, CloudMeshFigures, ScanFigures};
 pub use figures::{
     DeviationFigures, FaceFigures, FaceToScanFigures, FillFigures, FitFigures, HoleFigures,

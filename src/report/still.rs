@@ -15,7 +15,7 @@ use crate::picture::lines::{Lines, Pen};
 use crate::picture::scale::{SIGNED, colour};
 use crate::picture::text::{Style, Type};
 use crate::picture::{Camera, Image, sheet};
-use crate::words::{box_extents, mm, plural, separated};
+use crate::words::{box_extents, grouped, mm, plural, separated};
 
 /// Pixels of the picture.
 const SIZE: [usize; 2] = [1600, 1000];
@@ -62,7 +62,7 @@ pub fn picture_png(name: &str, views: &[ReportView]) -> io::Result<Vec<u8>> {
     let distances = views.iter().flat_map(|view| view.measured.iter().copied());
     let top = TOP + ASIDE[1] + 60;
     let histogram = Histogram::of(distances, end);
-    page.histogram(&histogram, views.len(), tolerance(views), [COLUMN, top]);
+    page.histogram(&histogram, views, [COLUMN, top]);
     page.figures(views, [COLUMN as f32, (top + BARS[1] + 130) as f32]);
     let mut bytes = Vec::new();
     page.image.write(&mut bytes)?;
@@ -184,13 +184,7 @@ impl Page {
     }
 
     /// Bars in the colours of the map, over their scale.
-    fn histogram(
-        &mut self,
-        histogram: &Histogram,
-        faces: usize,
-        tolerance: Option<f64>,
-        [x, y]: [usize; 2],
-    ) {
+    fn histogram(&mut self, histogram: &Histogram, views: &[ReportView], [x, y]: [usize; 2]) {
         let [width, height] = BARS;
         let title = "Deviation of the scan from the face, mm";
         self.write(title, [x as f32, y as f32 - 14.0], Style { bold: true, ..SMALL });
@@ -211,7 +205,7 @@ impl Page {
             self.centred(&text, [at(d * histogram.end) as f32, foot], SMALL);
         }
         let mut note = String::new();
-        if let Some(tolerance) = tolerance.filter(|t| *t < histogram.end) {
+        if let Some(tolerance) = tolerance(views).filter(|t| *t < histogram.end) {
             for d in [-tolerance, tolerance] {
                 for dash in (0..height + 20).step_by(12) {
                     self.image.fill([at(d) as usize, y + dash], [2, 7], INK);
@@ -219,8 +213,15 @@ impl Page {
             }
             note = format!("dashed: tolerance, ±{}  ·  ", short(tolerance));
         }
-        note += if faces == 1 { "ring: the farthest point" } else { "rings: the farthest points" };
-        self.write(&note, [x as f32, foot + 28.0], SMALL);
+        if views.iter().any(|view| !view.irregular.is_empty()) {
+            note += "dots: irregular vertices  ·  ";
+        }
+        note += if views.len() == 1 {
+            "ring: the farthest point"
+        } else {
+            "rings: the farthest points"
+        };
+        self.write_within(&note, [x as f32, foot + 28.0], SMALL);
     }
 
     fn figures(&mut self, views: &[ReportView], [x, y]: [f32; 2]) {
@@ -229,12 +230,17 @@ impl Page {
             format!("rms {rms}  ·  95 % {p95}  ·  max {max}")
         };
         let tolerance = tolerance(views).map_or("each face its own".into(), mm);
+        let cut_off: usize = views.iter().map(|view| view.figures.cut_off).sum();
+        let at_rims = match cut_off {
+            0 => String::new(),
+            cut_off => format!(", {} of them cut off at rims", grouped(cut_off)),
+        };
         let rows = [
             ("as measured", line(|f| &f.measured)),
             ("smoothed", line(|f| &f.smoothed)),
             (
                 "tolerance",
-                format!("{tolerance}, which {:.2} % of the smoothed keep", within(views)),
+                format!("{tolerance}, which {:.2} % of the smoothed keep{at_rims}", within(views)),
             ),
         ];
         for (k, (label, text)) in rows.iter().enumerate() {

@@ -78,8 +78,10 @@ pub(super) struct ViewFigures {
     pub vertex_p95: f64,
     /// The deviation of the smoothed points.
     pub smoothed: Deviation,
-    /// The smoothed points that miss the tolerance.
+    /// The number of smoothed points that miss the tolerance.
     pub beyond: usize,
+    /// The number of those that keep it only because a trim loop cuts them off.
+    pub cut_off: usize,
     /// What the scan became.
     pub made: String,
 }
@@ -111,6 +113,7 @@ impl ViewRecorder {
             vertex_p95: c.vertex_deviation().p95,
             smoothed: c.fit_deviation.clone(),
             beyond: c.missed.points,
+            cut_off: c.cut_off(),
             made: format!("{m} × {n} control points, {cut} cut out"),
         };
         let view = ReportView::new(&disk, distances, figures, parts);
@@ -137,6 +140,7 @@ impl ViewRecorder {
             vertex_p95: of_vertices.p95,
             smoothed: body.fit_deviation.clone(),
             beyond: body.fit_deviation.beyond(body.tolerance),
+            cut_off: 0,
             made: match body.volume {
                 Some(volume) if volume < 0.0 => {
                     format!("a void of {faces}, {}³", separated(&mm(-volume)))

@@ -46,6 +46,14 @@ impl PointFormat {
             _ => None,
         }
     }
+
+    /// Whether the extension of `path` means columns of text, and the file has no line at its beginning that
+    /// can be a point: notes or a table, whose extensions (`.txt`, `.csv`) are the same. A file that cannot be
+    /// opened is none of these.
+    pub fn is_other_text(path: &Path) -> bool {
+        let is_text = PointFormat::by_extension(path) == Some(PointFormat::Text);
+        is_text && Source::open(path).is_ok_and(|source| !text::is_points(&source.head))
+    }
 }
 
 /// What a scan file holds.

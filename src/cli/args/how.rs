@@ -66,7 +66,8 @@ pub struct How {
     /// Largest number of control points of the face
     #[arg(long, value_name = "N", default_value_t = 250_000, value_parser = max_net, help_heading = DETAILS)]
     pub max_net: usize,
-    /// Fill holes whose rim is shorter than this, in mm, and cut out the others
+    /// Fill holes whose rim is shorter than this, in mm, and cut out the others; reports list
+    /// the rims, from which ragged triangles were trimmed
     #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true, conflicts_with = "keep_fills", help_heading = HOLES)]
     pub fill_only_holes_below: Option<f64>,
     /// Fill all holes, and cut none out

@@ -152,6 +152,14 @@ pub struct Convert {
 }
 
 impl Convert {
+    /// The name of the part: that of the scan's file, or, as standard input has none, of the first
+    /// output.
+    pub fn part_name(&self) -> String {
+        let scan = &self.piece.scan;
+        let out = self.out.iter().map(|file| &file.path).find(|path| !is_stdout(path));
+        part_name(out.filter(|_| scan.is_stdin).unwrap_or(&scan.name))
+    }
+
     /// Names the output if the user did not, and gives standard output its format.
     fn complete(&mut self) {
         let kind = self.to.unwrap_or(CadKind::Step);

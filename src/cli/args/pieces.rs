@@ -23,8 +23,8 @@ pub struct Scale {
 /// Options of scans that are clouds of points.
 #[derive(Debug, Args)]
 pub struct CloudArgs {
-    /// Thin a cloud of points to this distance between neighbours, in mm [default: to what its
-    /// noise lets one tell]
+    /// Thin a cloud of points to this distance between neighbours, in mm; holes that are not much
+    /// wider are closed [default: to what its noise lets one tell]
     #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true, help_heading = CLOUD)]
     pub spacing: Option<f64>,
     /// Take at most so many points of a cloud, spread evenly [default: all]

@@ -49,6 +49,9 @@ pub struct Figures {
     pub tolerance_mm: Option<f64>,
     /// Holes cut out.
     pub holes: Option<usize>,
+    /// The unit of the scan's numbers, and whether it was assumed.
+    pub units: Option<String>,
+    pub units_assumed: Option<bool>,
 }
 
 /// A file that was written, and where in the output folder.
@@ -150,6 +153,8 @@ impl Figures {
             max_mm: worst("/fit/max_mm"),
             tolerance_mm: worst("/tolerance_mm"),
             holes: parts.iter().map(cut).sum(),
+            units: report.pointer("/input/units").and_then(Value::as_str).map(str::to_owned),
+            units_assumed: report.pointer("/input/units_assumed").and_then(Value::as_bool),
         }
     }
 }

@@ -43,6 +43,7 @@ impl ScanSearch {
     /// often beside their scans.
     fn leave_out(&mut self, path: &Path) {
         let reason = match has_scan_name(path) {
+            true if path.is_file() => "has no line with three numbers",
             true => "is not an ordinary file",
             false if is_output(path) => return,
             false => "has not the extension of a scan",
@@ -135,10 +136,12 @@ fn has_scan_name(path: &Path) -> bool {
     Format::by_extension(path).is_some() || PointFormat::by_extension(path).is_some()
 }
 
-/// Whether a match of a pattern is a file with the extension of a scan. A broken link counts,
-/// and fails later by itself. A pipe does not count, because reading it could wait for ever.
+/// Whether a match of a pattern is a file with the extension of a scan, and not a text or a table without
+/// points. A broken link counts, and fails later by itself. A pipe does not count, because reading it could
+/// wait for ever.
 fn is_scan(path: &Path) -> bool {
-    has_scan_name(path) && path.metadata().map_or(true, |meta| meta.is_file())
+    let is_file = path.metadata().map_or(true, |meta| meta.is_file());
+    has_scan_name(path) && is_file && !PointFormat::is_other_text(path)
 }
 
 /// Finds the scans in a folder and its subfolders. Hidden folders and the output folder are left
@@ -168,9 +171,12 @@ fn walk(folder: &Path, out: &Path, search: &mut ScanSearch) -> Result<(), Failur
                 None => return Err(failure(&folder.display().to_string(), &e.to_string())),
             },
         };
-        if !has_scan_name(&path) {
+        if is_summary(&path, out.as_deref()) {
+            continue;
+        }
+        if !has_scan_name(&path) || PointFormat::is_other_text(&path) {
             search.leave_out(&path);
-        } else if !is_summary(&path, out.as_deref()) {
+        } else {
             search.found.entry(place_of_file(&path)?).or_insert(path);
         }
     }

@@ -120,6 +120,8 @@ fn as_json(rows: &[Row], left_out: &[UnusedFile]) -> serde_json::Value {
             "max_mm": f.and_then(|f| f.max_mm),
             "tolerance_mm": f.and_then(|f| f.tolerance_mm),
             "holes": f.and_then(|f| f.holes),
+            "units": f.and_then(|f| f.units.as_ref()),
+            "units_assumed": f.and_then(|f| f.units_assumed),
             "error": r.and_then(|r| r.error.as_ref()),
             "help": r.and_then(|r| r.help.as_ref()),
             "hints": r.map_or(&[][..], |r| &r.hints),
@@ -163,6 +165,8 @@ fn csv(rows: &[Row], to: &mut dyn Write) -> std::io::Result<()> {
         "outputs",
         "help",
         "hints",
+        "units",
+        "units_assumed",
     ])?;
     for row in rows {
         let r = row.record.as_ref();
@@ -185,6 +189,8 @@ fn csv(rows: &[Row], to: &mut dyn Write) -> std::io::Result<()> {
             outputs.collect::<Vec<_>>().join(";"),
             number(r.and_then(|r| r.help.as_ref())),
             r.map_or(String::new(), |r| r.hints.join("; ")),
+            number(f.and_then(|f| f.units.as_ref())),
+            number(f.and_then(|f| f.units_assumed)),
         ])?;
     }
     csv.flush()

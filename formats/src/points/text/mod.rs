@@ -7,6 +7,7 @@
 
 mod dialect;
 mod layout;
+mod unit;
 
 use self::dialect::Dialect;
 use self::layout::Layout;
@@ -71,6 +72,8 @@ fn no_points(source: &mut Source) -> Result<crate::Error> {
 struct Shape {
     dialect: Dialect,
     layout: Layout,
+    /// The unit that the header names.
+    unit: Option<LengthUnit>,
     /// Whether the columns cannot be told, because commas mean two things.
     mixes_commas: bool,
 }
@@ -91,12 +94,13 @@ impl Shape {
         let count = usual_length(&rows)?;
         rows.retain(|row| row.len() == count);
         let before = lines(head).take_while(|line| !is_numbers(line));
+        let unit = before.clone().find_map(unit::of_header);
         let named: Vec<Layout> = before.filter_map(|line| Layout::by_names(names(line))).collect();
         let doubled = named.iter().any(|layout| 2 * layout.count == count);
         let mixes_commas = dialect.mixes_commas(numbers) || doubled && dialect.has_comma_columns();
         let named = named.into_iter().rfind(|layout| layout.count == count);
         let layout = named.or_else(|| Layout::by_custom(&rows))?;
-        Some(Shape { dialect, layout, mixes_commas })
+        Some(Shape { dialect, layout, unit, mixes_commas })
     }
 
     /// The position and the normal in a line.
@@ -190,11 +194,12 @@ impl TextRows {
         cloud.lost.unreadable_lines = counts.unreadable + u64::from(counts.last_is_cut);
         let others = self.shape.layout.others.iter().map(String::as_str);
         cloud.lost.count(others, counts.points);
-        cloud.unit = is_pts.then_some(LengthUnit::Metre);
+        let by_custom = is_pts && self.shape.unit.is_none();
+        cloud.unit = self.shape.unit.or(by_custom.then_some(LengthUnit::Metre));
         let found = counts.points;
         let count = counts.announced.filter(|&announced| announced != found);
         let notes = [
-            is_pts.then_some(Note::MetresByCustom),
+            by_custom.then_some(Note::MetresByCustom),
             self.shape.dialect.decimal_commas.then_some(Note::DecimalCommas),
             count.map(|announced| Note::CountDiffers { announced, found }),
             counts.last_is_cut.then_some(Note::LastLineCut),
