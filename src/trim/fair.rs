@@ -129,7 +129,8 @@ impl LoopFit<'_> {
                 break;
             }
             for k in 0..self.room.len() {
-                let share = self.distance(k) / (REWEIGHTED_FROM * self.room[k]);
+                let enough = REWEIGHTED_FROM * self.room[k];
+                let share = self.distance_if_above(k, enough) / enough;
                 if share > 1.0 {
                     let weight = &mut self.polygon.weights[k];
                     *weight = (*weight * share.powi(2).min(MAX_FACTOR)).min(MAX_WEIGHT);

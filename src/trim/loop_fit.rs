@@ -226,7 +226,7 @@ impl<'a> LoopFit<'a> {
             let at_end = self.polygon.parameters[end % n] == b.fract();
             let mut held = (self.polygon.before(a)..end).chain(at_end.then_some(end % n));
             self.is_longer(i, least)
-                && (held.any(|k| self.distance(k) > self.room[k])
+                && (held.any(|k| self.distance_if_above(k, self.room[k]) > self.room[k])
                     || self.is_fair && self.share_of_room(a, b) > 1.0)
         };
         (0..self.knots.breaks.len()).filter(far).collect()
@@ -241,20 +241,35 @@ impl<'a> LoopFit<'a> {
     /// The distance in mm of corner `k` of the polygon from the curve on the surface: the distance
     /// at its own parameter, or the smallest one nearby.
     pub(super) fn distance(&self, k: usize) -> f64 {
+        self.distance_if_above(k, 0.0)
+    }
+
+    /// The same, or some distance that is not above `enough` if the distance is not. This is found sooner,
+    /// because the search begins at the corner's own parameter.
+    pub(super) fn distance_if_above(&self, k: usize, enough: f64) -> f64 {
         let t = self.polygon.parameters[k];
         let off = |t: f64| {
             let at = self.surface.clamp(self.curve.point(t.rem_euclid(1.0)).into());
             Point::from(self.surface.point(at) - self.jets[k].s)
         };
-        let same = off(t).coords.norm();
+        let here = off(t);
+        let same = here.coords.norm();
         if same <= self.room[k] || self.knots.corners.contains(&t) {
             return same;
         }
         let around = AROUND / self.polygon.uv.len() as f64;
         let place = |i: i32| off(t + around * f64::from(i) / f64::from(CHORDS));
-        let places: Vec<Point> = (-CHORDS..=CHORDS).map(place).collect();
-        let chords = places.windows(2).map(|c| segment_distance(Point::origin(), c[0], c[1]));
-        chords.fold(same, f64::min)
+        let chord = |a: Point, b: Point| segment_distance(Point::origin(), a, b);
+        let (mut before, mut after, mut least) = (here, here, same);
+        for i in 1..=CHORDS {
+            let (first, last) = (place(-i), place(i));
+            least = least.min(chord(first, before)).min(chord(after, last));
+            if least <= enough {
+                break;
+            }
+            (before, after) = (first, last);
+        }
+        least
     }
 
     /// The span that contains `t` and its two neighbours, without those too short to be halved.
