@@ -12,8 +12,8 @@ ROOT = Path(__file__).resolve().parent.parent.parent
 HERE = Path(__file__).resolve().parent
 
 # Cargo.toml names targets in all of these folders.
-COPIED = ["Cargo.toml", "Cargo.lock", "README.md"]
-COPIED += ["benches", "docs", "examples", "fixtures", "formats", "src", "tests"]
+COPIED = ["Cargo.toml", "Cargo.lock", "README.md", "LICENSE-APACHE", "LICENSE-DEPENDENCIES", "LICENSE-MIT"]
+COPIED += ["benches", "docs", "examples", "fixtures", "formats", "python", "src", "tests"]
 
 
 def program(folder):

@@ -12,7 +12,7 @@ from pathlib import Path
 
 # These folders and files steer no result: the program, the drawing, the reports, the limits on
 # options, and the texts.
-EXCLUDED = {"cli", "main", "picture", "report", "rules", "words", "threads"}
+EXCLUDED = {"cli", "main", "picture", "progress", "report", "rules", "words", "threads"}
 
 KIND = r"f64|f32|usize|u32|u64|i32|\[(?:f64|usize); \w+\]"
 DEFINITION = re.compile(

@@ -1,8 +1,8 @@
 """Writes docs/constants.md from the measured figures."""
 
 # The order of the tables. Rooms that serve several stages come last.
-STAGES = ["mesh", "smooth", "fill", "parameterize", "adapt", "knots", "fit", "trim", "brep"]
-STAGES += ["deviation", "check", "convert", "spline"]
+STAGES = ["crop", "cloud", "mesh", "smooth", "fill", "thin", "parameterize", "adapt", "knots", "fit"]
+STAGES += ["layout", "net", "patches", "trim", "brep", "deviation", "check", "convert", "spline"]
 
 INTRODUCTION = """# Named constants
 
@@ -15,12 +15,13 @@ shows which constants matter, and what breaks on either side of their values.
 - *read by* is the number of scans of which the conversion reads the constant. The others cannot
   depend on it.
 - *halved* and *doubled* say for how many scans the written file has other bytes, of those that were
-  tried. With `--enough N` no more scans are tried once N have changed. A dash means that no byte
-  changes in any scan tried. A whole number of 1 cannot be halved.
+  tried. With `--enough N` no more scans are tried once N have changed, and with `--most N` never more
+  than N. A dash means that no byte changes in any scan tried. A whole number of 1 cannot be halved.
 - After this follow the smallest and the largest change of the root mean square distance of the
   measured points from the face, the change of the sum of control points over all scans, and what
   happens to scans that fail, hang, fold, lose loops, or miss a named tolerance. "slower" and "faster"
   compare the sums of CPU times, if they differ by more than a fifth.
+- Constants that the last run left out (`--only PART`) keep their figures of an earlier one.
 - Small changes of the bytes are usual: the last digits of a file depend on every step.
 
 The constants of the program, the reports, the pictures and the limits on options are not here,
@@ -38,15 +39,18 @@ while the program runs.
 """
 
 
-def written(varied, fixed, inputs, usual, results):
-    """The text of the page."""
+def written(varied, fixed, inputs, usual, results, before):
+    """The text of the page. Constants that were not measured keep the figures of the page before, if they
+    have the same value."""
+    kept = figures_by_constant(before)
     text = INTRODUCTION.format(scans=described(inputs))
-    rooms = sorted({c.room for c in varied}, key=lambda room: STAGES.index(room))
+    order = {room: place for place, room in enumerate(STAGES)}
+    rooms = sorted({c.room for c in varied}, key=lambda room: (order.get(room, len(order)), room))
     for room in rooms:
         text += f"\n## {room}\n\n| constant | value | reason | read by | halved | doubled |\n"
         text += "| --- | --- | --- | --- | --- | --- |\n"
         numbered = [(n, c) for n, c in enumerate(varied) if c.room == room]
-        text += "".join(row(n, c, inputs, usual, results) for n, c in numbered)
+        text += "".join(row(n, c, inputs, usual, results, kept) for n, c in numbered)
     text += UNVARIED if fixed else ""
     text += "".join(f"| {place(c)} | {value(c)} | {cell(c.reason)} |\n" for c in fixed)
     return text
@@ -54,11 +58,21 @@ def written(varied, fixed, inputs, usual, results):
 
 def described(inputs):
     listed = [f"`{scan.name}` {' '.join(scan.options)}".strip() for scan in inputs]
-    virtual = "" if len(inputs) > 3 else " These are virtual scans only: no real ones were present."
+    virtual = "" if len(inputs) > 5 else " These are virtual scans only: no real ones were present."
     return f"The {len(inputs)} scans and their options are {', '.join(listed)}.{virtual}"
 
 
-def row(number, constant, inputs, usual, results):
+def figures_by_constant(page):
+    """The last three cells of each row of tables, by the constant and its value."""
+    rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("| `")]
+    return {(cells[0], cells[1]): cells[3:] for cells in rows if len(cells) == 6}
+
+
+def row(number, constant, inputs, usual, results, kept):
+    key = place(constant), value(constant)
+    is_measured = any(measured == constant.key for measured, _, _ in results.rows)
+    if not is_measured and key in kept:
+        return f"| {' | '.join([*key, cell(constant.reason), *kept[key]])} |\n"
     names = [s.name for s, before in zip(inputs, usual) if number in before["read"]]
     normal = {s.name: before for s, before in zip(inputs, usual)}
     changes = []
@@ -66,7 +80,7 @@ def row(number, constant, inputs, usual, results):
         tried = [name for name in names if (constant.key, factor, name) in results.rows]
         pairs = [(normal[name], results.rows[constant.key, factor, name]) for name in tried]
         changes.append(change(pairs))
-    cells = [place(constant), value(constant), cell(constant.reason), str(len(names)), *changes]
+    cells = [*key, cell(constant.reason), str(len(names)), *changes]
     return f"| {' | '.join(cells)} |\n"
 
 

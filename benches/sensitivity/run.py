@@ -2,14 +2,14 @@
 """Measures how much results depend on each named constant: halves and doubles it, converts small
 scans, and writes what changes to docs/constants.md.
 
-    benches/sensitivity/run.py FOLDER [--shared DIR] [--only PART] [--enough N]
+    benches/sensitivity/run.py FOLDER [--shared DIR] [--only PART[,PART]] [--enough N] [--most N]
 
 FOLDER keeps the build and the results, so that a stopped run continues where it was. Constants with
 other values, scans or names are measured in a new folder. DIR has the real scans; without them only
 virtual scans are measured, and the script says so. PART limits the run to constants with this in
-their file or name, and then no page is written. With --enough, a constant is tried on no more scans
-once N of them have changed, which takes an hour on one core with 1. Nothing but Python and cargo is
-needed.
+their file or name; the others keep their figures in the page. With --enough, a constant is tried on
+no more scans once N of them have changed, and with --most on no more than N. With 1 and 4 this
+takes an hour on one core. Nothing but Python and cargo is needed.
 """
 
 import argparse
@@ -37,7 +37,9 @@ def main():
     parser.add_argument("folder", type=Path)
     parser.add_argument("--shared", type=Path, default=build.ROOT.parent / "shared/scans/A")
     parser.add_argument("--only", default="")
-    parser.add_argument("--enough", type=int, default=len(scans.REAL) + 3)
+    every = len(scans.REAL) + 5
+    parser.add_argument("--enough", type=int, default=every)
+    parser.add_argument("--most", type=int, default=every)
     arguments = parser.parse_args()
     program, varied = build.program(arguments.folder)
     inputs = scans.all_scans(arguments.folder / "scans", arguments.shared)
@@ -46,15 +48,15 @@ def main():
     order = sorted(range(len(inputs)), key=lambda i: usual[i]["seconds"])
     inputs, usual = [inputs[i] for i in order], [usual[i] for i in order]
     bench = Bench(program, inputs, usual, arguments)
+    parts = arguments.only.split(",")
     for number, constant in enumerate(varied):
-        if arguments.only in constant.key:
+        if any(part in constant.key for part in parts):
             for factor in FACTORS:
                 bench.vary(number, constant, factor)
-    if not arguments.only:
-        all_constants = constants.found(arguments.folder / "original")
-        fixed = [c for c in all_constants if c not in varied]
-        text = page.written(varied, fixed, inputs, usual, bench.results)
-        (build.ROOT / "docs/constants.md").write_text(text)
+    all_constants = constants.found(arguments.folder / "original")
+    fixed = [c for c in all_constants if c not in varied]
+    file = build.ROOT / "docs/constants.md"
+    file.write_text(page.written(varied, fixed, inputs, usual, bench.results, file.read_text()))
 
 
 @dataclass
@@ -69,10 +71,13 @@ class Bench:
 
     def vary(self, number, constant, factor):
         """Converts the scans of which the conversion reads the constant, and keeps the figures."""
-        changed = 0
+        changed = tried = 0
         for scan, before in zip(self.inputs, self.usual):
-            if number not in before["read"] or changed == self.arguments.enough:
+            if number not in before["read"]:
                 continue
+            if changed == self.arguments.enough or tried == self.arguments.most:
+                break
+            tried += 1
             key = (constant.key, factor, scan.name)
             if key not in self.results.rows:
                 varied, seconds = (number, factor), before["seconds"]
@@ -103,7 +108,7 @@ class Results:
 def measured(program, scan, folder, varied=None, usual_seconds=10.0, is_checked=True):
     """The figures of a conversion, and of `check` with its CAD file. `varied` has the number and the
     factor of a constant."""
-    cad, report, read = (folder / name for name in ["face.step", "report.json", "read"])
+    cad, report, read = (folder / name for name in ["part.step", "report.json", "read"])
     for file in [cad, report, read]:
         file.unlink(missing_ok=True)
     environment = os.environ | {"RAYON_NUM_THREADS": "1"}
@@ -156,9 +161,9 @@ def of_report(path):
     return {
         "bytes": [output["sha256"] for output in report["outputs"]],
         "rms": max(face["deviation"]["rms_mm"] for face in faces),
-        "folds": sum(face["fit"]["folds"] or 0 for face in faces),
-        "points": sum(face["fit"]["net"][0] * face["fit"]["net"][1] for face in faces),
-        "loops": sum(len(face["trim"]) for face in faces),
+        "folds": sum(face["shape"]["folds"] + (face["fit"].get("folds") or 0) for face in faces),
+        "points": sum(face["shape"]["control_points"] for face in faces),
+        "loops": sum(len(face.get("trim", [])) for face in faces),
         "met": report["tolerance_met"],
         "hints": len(report["hints"]),
     }

@@ -49,6 +49,8 @@ def virtual(folder):
     return [
         Scan("paper2500", paper, ["--tolerance", "0.1"]),
         Scan("relief", fixtures / "relief.ply"),
+        Scan("cloud", fixtures / "relief.xyz"),
+        Scan("ring", fixtures / "ring.obj"),
         Scan("rolled_sheet", fixtures / "rolled_sheet.obj", ["--fit", "global", "--keep-fills"]),
     ]
 
