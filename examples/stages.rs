@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // Smoothing leaves nothing small, so that a dense scan has more vertices than needed. They are
     // thinned unless the user names a tolerance, which holds at every point:
-    // let patch = thin::thin(patch, &smoothing.supports)?;
+    // let (patch, _) = thin::thin(patch, &smoothing.supports, &thin::Options::default())?;
     let how = parameterize::Options::default();
     let (mut map, mapping) = parameterize::parameterize(patch, &how)?;
     println!("parameterize: stretch {:.2}", mapping.stretch.l2);

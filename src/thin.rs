@@ -15,13 +15,13 @@ use crate::mesh::progressive_mesh::{Collapsing, ProgressiveMesh, mean_edge};
 use crate::mesh::{FaceOrigin, Mesh, Patch, StandIns};
 use crate::progress::{self, Progress};
 
-/// The length of the edges that are left, as a share of the support. The face of a virtual scan with a
+/// The usual [`Options::spacing`]. The face of a virtual scan with a
 /// million vertices is 0.0032 mm (rms) from the true surface without thinning, and 0.0034 mm with it.
 /// With 0.1 it is 0.0033 mm, but almost half of the vertices are left, and the conversion takes 10 %
 /// longer. With 0.3 it is 0.0036 mm.
 const SPACING: f64 = 0.15;
 
-/// At least so many vertices are left. Their map and fit take only a few seconds. A fit over far fewer
+/// The usual [`Options::fewest`]. The map of so many vertices and the fit take only a few seconds. A fit over far fewer
 /// vertices can be worse: scans of 40,000 vertices that were thinned had up to 8 % more rms.
 const FEWEST: usize = 200_000;
 
@@ -33,40 +33,69 @@ const MOST_LEFT: f64 = 0.5;
 /// vertex.
 const AREA_OF_A_VERTEX: f64 = 0.866;
 
+/// What is left of a patch.
+#[derive(Debug, Clone)]
+pub struct Options {
+    /// The length of the edges that are left, as a share of the support. A small value leaves more vertices
+    /// than the smoothing lets differ. A large one coarsens the surface. The default is 0.15.
+    pub spacing: f64,
+    /// The number of vertices that are left at least. The default is 200,000.
+    pub fewest: usize,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Options { spacing: SPACING, fewest: FEWEST }
+    }
+}
+
+/// What thinning did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub struct Report {
+    /// The number of measured vertices that are left.
+    pub vertices: usize,
+    /// The number of measured vertices that were removed.
+    pub removed: usize,
+}
+
+impl Report {
+    fn of(before: usize, patch: Patch) -> (Patch, Report) {
+        let vertices = patch.measured;
+        (patch, Report { vertices, removed: before - vertices })
+    }
+}
+
 /// Thins a patch whose measured vertices were smoothed with the given supports, which are 0 where vertices
 /// did not move. Without supports, or if the patch has few vertices for them, it is returned as it is.
 ///
 /// # Errors
 /// [`Error::Input`]: there are supports, but not one for each measured vertex.
-pub fn thin(patch: Patch, supports: &[f64]) -> Result<Patch> {
-    thin_with(patch, supports, &mut progress::ignore)
+pub fn thin(patch: Patch, supports: &[f64], options: &Options) -> Result<(Patch, Report)> {
+    thin_with(patch, supports, options, &mut progress::ignore)
 }
 
 /// The same as [`thin`], with reports of progress.
 ///
 /// # Errors
 /// Those of [`thin`], and the errors of `progress`.
-pub fn thin_with(patch: Patch, supports: &[f64], progress: &mut Progress) -> Result<Patch> {
-    thin_to(patch, supports, FEWEST, progress)
-}
-
-/// The same for another number of vertices that are left at least.
-fn thin_to(
+pub fn thin_with(
     patch: Patch,
     supports: &[f64],
-    fewest: usize,
+    options: &Options,
     progress: &mut Progress,
-) -> Result<Patch> {
+) -> Result<(Patch, Report)> {
+    let before = patch.measured;
     if supports.is_empty() {
-        return Ok(patch);
+        return Ok(Report::of(before, patch));
     }
     if supports.len() != patch.measured {
         return Err(Error::Input("there are not as many supports as measured vertices"));
     }
     let kept = kept(&patch);
-    let target = target(&patch, supports, &kept).max(fewest);
+    let target = target(&patch, supports, &kept, options.spacing).max(options.fewest);
     if target as f64 > MOST_LEFT * patch.mesh.points.len() as f64 {
-        return Ok(patch);
+        return Ok(Report::of(before, patch));
     }
     let points = &patch.mesh.points;
     let loss = |rings: &OneRings, v: u32| mean_edge(points, rings, v) / supports[v as usize];
@@ -75,7 +104,7 @@ fn thin_to(
     let collapsing = Collapsing { points, kept: &kept, loss };
     let record = |collapse: &HalfEdgeCollapse| collapses.add(collapse);
     hierarchy.coarsen(&collapsing, target, record, progress)?;
-    Ok(thinned(&patch, &hierarchy, &collapses))
+    Ok(Report::of(before, thinned(&patch, &hierarchy, &collapses)))
 }
 
 /// The vertices that stay: those that were not measured, and those of all rims.
@@ -90,13 +119,13 @@ fn kept(patch: &Patch) -> Vec<bool> {
 
 /// The number of vertices that the supports leave. Where nothing was smoothed the support is 0, and all
 /// vertices stay: half as many as there are triangles.
-fn target(patch: &Patch, supports: &[f64], kept: &[bool]) -> usize {
+fn target(patch: &Patch, supports: &[f64], kept: &[bool], spacing: f64) -> usize {
     let area = |t: usize| {
         let corners = patch.mesh.triangles[t];
         let own = corners.iter().filter(|v| patch.is_measured(**v));
         let least = own.map(|v| supports[v.index()]).fold(f64::INFINITY, f64::min);
         let area = 0.5 * patch.mesh.area_vector(corners).norm();
-        (area / (AREA_OF_A_VERTEX * (SPACING * least).powi(2))).min(0.5)
+        (area / (AREA_OF_A_VERTEX * (spacing * least).powi(2))).min(0.5)
     };
     let inside: f64 = patch.measured_triangles().map(area).sum();
     inside as usize + kept.iter().filter(|kept| **kept).count()
@@ -202,7 +231,9 @@ mod tests {
     #[test]
     fn rims_and_fills_stay_and_every_vertex_is_stood_for() {
         let sheet = sheet();
-        let thinned = thin_to(sheet.clone(), &vec![20.0; 1681], 0, &mut progress::ignore).unwrap();
+        let options = Options { fewest: 0, ..Options::default() };
+        let (thinned, report) = thin(sheet.clone(), &[20.0; 1681], &options).unwrap();
+        assert_eq!([report.vertices, report.removed], [thinned.measured, 1681 - thinned.measured]);
         assert!(thinned.is_disk());
         assert!((300..400).contains(&thinned.measured), "{}", thinned.measured);
         assert_eq!(thinned.outer.len(), sheet.outer.len());
@@ -225,13 +256,10 @@ mod tests {
         for (supports, fewest) in
             [(vec![], 0), (vec![2.0; 1681], 0), (vec![0.0; 1681], 0), (vec![20.0; 1681], 1000)]
         {
-            assert!(
-                thin_to(sheet.clone(), &supports, fewest, &mut progress::ignore)
-                    .unwrap()
-                    .stand_ins
-                    .is_none()
-            );
+            let options = Options { fewest, ..Options::default() };
+            let (patch, report) = thin(sheet.clone(), &supports, &options).unwrap();
+            assert!(patch.stand_ins.is_none() && report.removed == 0);
         }
-        assert!(matches!(thin(sheet, &[1.0]), Err(Error::Input(_))));
+        assert!(matches!(thin(sheet, &[1.0], &Options::default()), Err(Error::Input(_))));
     }
 }

@@ -29,10 +29,16 @@ pub fn made(stage: &Stage) -> String {
             let holes = plural(patch.rims.len(), "hole");
             format!("{holes} filled with {}", plural(filled, "triangle"))
         }
-        Stage::Parameterize(map, _) => match count(&map.patch, |o| *o == FaceOrigin::Bay) {
-            0 => String::new(),
-            bays => format!("around bays with {}", plural(bays, "triangle")),
-        },
+        Stage::Parameterize(map, _) => {
+            let bays = match count(&map.patch, |o| *o == FaceOrigin::Bay) {
+                0 => None,
+                bays => Some(format!("around bays with {}", plural(bays, "triangle"))),
+            };
+            let is_thinned = map.patch.stand_ins.is_some();
+            let left =
+                is_thinned.then(|| format!("thinned to {}", plural(map.patch.measured, "vertex")));
+            left.into_iter().chain(bays).collect::<Vec<_>>().join(", ")
+        }
         Stage::Fit(surface) => {
             let [m, n] = surface.shape();
             format!("{m} × {n} control points")

@@ -5,7 +5,7 @@ use formats::Brep;
 use crate::mesh::VertexMap;
 use crate::spline::Surface;
 use crate::words::{grouped, mm, plural};
-use crate::{Adapted, InputReport, deviation, fill, parameterize, smooth, trim};
+use crate::{Adapted, InputReport, deviation, fill, parameterize, smooth, thin, trim};
 
 /// A converted scan.
 #[derive(Debug)]
@@ -26,6 +26,8 @@ pub struct Conversion {
     pub fill: fill::Report,
     /// Which of the filled holes were cut out.
     pub trimmed: Vec<bool>,
+    /// What was thinned for the map and the fit.
+    pub thin: thin::Report,
     /// How good the map is.
     pub parameterize: parameterize::Report,
     /// Where it leaves too little room for the tolerance.

@@ -52,7 +52,7 @@ pub(super) fn face(
 
     // A tolerance that the user names is held at every point.
     let supports = if goal.named { &[][..] } else { &smooth.supports };
-    let (mut map, parameterize) = map(patch, supports, options, watch)?;
+    let (mut map, thin, parameterize) = map(patch, supports, options, watch)?;
     let crushed = parameterize::compressed_region(&map, tolerance, options.knots.max_net);
     watch(Stage::Parameterize(&map, crushed))?;
 
@@ -99,6 +99,7 @@ pub(super) fn face(
         smooth: smooth.scaled(mm),
         fill: fill.scaled(mm),
         trimmed,
+        thin,
         parameterize,
         crushed: crushed.map(|crushed| crushed.scaled(mm)),
         fit: fit.scaled(mm),
@@ -126,12 +127,15 @@ fn map(
     supports: &[f64],
     options: &Options,
     watch: &mut Observer,
-) -> Result<(Parameterized, parameterize::Report)> {
+) -> Result<(Parameterized, thin::Report, parameterize::Report)> {
     let progress = &mut within("parameterize", watch);
-    let patch = thin::thin_with(patch, supports, &mut progress::part(progress, 0.0, THINNED))?;
-    let thinned = if patch.stand_ins.is_some() { THINNED } else { 0.0 };
-    let progress = &mut progress::part(progress, thinned, 1.0);
-    parameterize::parameterize_with(patch, &options.parameterize, progress)
+    let how = thin::Options::default();
+    let (patch, thin) =
+        thin::thin_with(patch, supports, &how, &mut progress::part(progress, 0.0, THINNED))?;
+    let done = if thin.removed > 0 { THINNED } else { 0.0 };
+    let rest = &mut progress::part(progress, done, 1.0);
+    let (map, report) = parameterize::parameterize_with(patch, &options.parameterize, rest)?;
+    Ok((map, thin, report))
 }
 
 /// The smoothed points that miss the tolerance, but for those that a loop cuts off by no more

@@ -22,6 +22,8 @@ pub struct FaceFigures {
     pub smooth: SmoothFigures,
     /// What was filled.
     pub fill: FillFigures,
+    /// What was thinned for the map and the fit.
+    pub thin: ThinFigures,
     /// How good the map to the parameter plane is.
     pub parameterize: MapFigures,
     /// The surface, and how far the smoothed points are from the face.
@@ -87,6 +89,17 @@ pub struct HoleFigures {
     pub folds: usize,
     /// Places where the fill cuts through the scan or itself ([`fill::Faults`]).
     pub cuts: usize,
+}
+
+/// What was thinned for the map and the fit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct ThinFigures {
+    /// Measured vertices that are left.
+    pub vertices: usize,
+    /// Measured vertices that were removed.
+    pub removed: usize,
 }
 
 /// How good the map to the parameter plane is.
@@ -238,6 +251,7 @@ impl FaceFigures {
             tolerance_met: c.tolerance_met(outliers),
             smooth: SmoothFigures::of(&c.smooth),
             fill: FillFigures { holes: filled_holes(&c.fill, &c.trimmed) },
+            thin: ThinFigures { vertices: c.thin.vertices, removed: c.thin.removed },
             parameterize: map(c),
             fit: FitFigures::of(c),
             deviation: DeviationFigures::of(&c.deviation),

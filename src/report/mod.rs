@@ -57,7 +57,7 @@ pub use check::{CadFigures, CheckFigures, CheckedScan, DistanceFigures, Measured
 pub use cloud::{CloudFigures, CloudMeshFigures, ScanFigures};
 pub use figures::{
     DeviationFigures, FaceFigures, FaceToScanFigures, FillFigures, FitFigures, HoleFigures,
-    MapFigures, SmoothFigures, TrimFigures, TrimOf,
+    MapFigures, SmoothFigures, ThinFigures, TrimFigures, TrimOf,
 };
 pub use hints::likely_unit;
 pub use input::{InputFigures, InspectionFigures, PieceFigures, RimFigures, ScanSource};
