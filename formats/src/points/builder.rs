@@ -95,6 +95,7 @@ impl PointsBuilder {
     }
 
     /// Adds a point in the scanner's frame, or counts why it is none.
+    #[inline]
     pub(crate) fn push(&mut self, xyz: [f64; 3], normal: [f64; 3]) -> Result<()> {
         if !xyz.iter().all(|x| x.is_finite()) {
             self.points.lost.not_finite += 1;
@@ -125,6 +126,7 @@ impl PointsBuilder {
         self.record(ScanGrid::EMPTY)
     }
 
+    #[inline]
     fn record(&mut self, index: u32) -> Result<()> {
         let Some(records) = &mut self.records else { return Ok(()) };
         if records.len() >= ScanGrid::EMPTY as usize {
@@ -205,6 +207,9 @@ impl PointsBuilder {
             }
         }
         pose.translation = minus(pose.translation, self.base);
+        if pose.is_still() {
+            return Ok(pose);
+        }
         for position in &mut self.points.positions[self.first..] {
             *position = plus(pose.turn(*position), pose.translation);
             if !position.iter().all(|x| x.is_finite()) {
@@ -267,13 +272,8 @@ impl PointsBuilder {
     }
 
     fn chosen_origin(&self) -> [f64; 3] {
-        let mut bounds = [[f64::INFINITY, f64::NEG_INFINITY]; 3];
-        for position in &self.points.positions {
-            for (b, x) in bounds.iter_mut().zip(position) {
-                *b = [b[0].min(*x), b[1].max(*x)];
-            }
-        }
-        let bounds = [0, 1, 2].map(|axis| bounds[axis].map(|x| x + self.base[axis]));
+        let [low, high] = bounds(&self.points.positions);
+        let bounds = [0, 1, 2].map(|axis| [low[axis], high[axis]].map(|x| x + self.base[axis]));
         let greatest = |of: [f64; 3]| of.into_iter().fold(0.0, f64::max);
         let extent = greatest(bounds.map(|[low, high]| high - low));
         let middle = greatest(bounds.map(|[low, high]| (low / 2.0 + high / 2.0).abs()));
@@ -282,6 +282,20 @@ impl PointsBuilder {
         let is_far = middle > FAR * extent || reach * unit > LARGE_MM;
         bounds.map(|bounds| if is_far { origin_of_axis(bounds) } else { 0.0 })
     }
+}
+
+/// The least and the greatest coordinates of all axes. All are finite, so that a comparison is
+/// enough, which takes half the time of `f64::min`.
+fn bounds(positions: &[[f64; 3]]) -> [[f64; 3]; 2] {
+    let (mut low, mut high) = ([f64::INFINITY; 3], [f64::NEG_INFINITY; 3]);
+    for position in positions {
+        for axis in 0..3 {
+            let x = position[axis];
+            low[axis] = if x < low[axis] { x } else { low[axis] };
+            high[axis] = if x > high[axis] { x } else { high[axis] };
+        }
+    }
+    [low, high]
 }
 
 /// The middle of an axis in whole numbers, or zero if some coordinates would lose
