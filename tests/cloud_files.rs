@@ -6,7 +6,7 @@ mod common;
 use std::path::Path;
 
 use common::{arg, check, checked, converted, fixture, inspected, json};
-use scan2step::formats::{Points, read_points};
+use scan2step::formats::{self, Points, read_points};
 use scan2step::{Conversion, Options, convert_cloud};
 
 /// The points of the relief.
@@ -38,9 +38,14 @@ fn a_cloud_becomes_a_face_that_is_as_good_as_that_of_its_mesh() {
 
     let of_mesh = at("mesh.step");
     converted(&[arg(&fixture("relief.ply")), arg(&of_mesh)]);
-    let against = |cad: &Path| checked(cad, &scan)["scan_to_face"]["rms_mm"].as_f64().expect("rms");
-    let [cloud, mesh] = [against(&step), against(&of_mesh)];
-    assert!(cloud < 1.05 * mesh, "{cloud} of the cloud, {mesh} of the mesh");
+    // A few points lie at the tips of the holes, which trim loops cut off. The rims of the two meshes
+    // differ there.
+    for share in ["p95_mm", "p99_mm"] {
+        let against =
+            |cad: &Path| checked(cad, &scan)["scan_to_face"][share].as_f64().expect("a length");
+        let [cloud, mesh] = [against(&step), against(&of_mesh)];
+        assert!(cloud < 1.05 * mesh, "{share}: {cloud} of the cloud, {mesh} of the mesh");
+    }
 }
 
 #[test]
@@ -70,6 +75,41 @@ fn a_cloud_far_away_comes_back_where_it_was() {
         }
     }
     kept.brep.check().expect("a valid model");
+}
+
+/// The fixture with each coordinate moved by whole millimetres, as text.
+fn moved_text(by: [i64; 3]) -> String {
+    let of_line = |position: &[f64; 3]| {
+        let micrometres = |axis: usize| (position[axis] * 1e3).round() as i64 + 1000 * by[axis];
+        let text = |number: i64| {
+            let sign = if number < 0 { "-" } else { "" };
+            format!("{sign}{}.{:03}", number.abs() / 1000, number.abs() % 1000)
+        };
+        [0, 1, 2].map(|axis| text(micrometres(axis))).join(" ") + "\n"
+    };
+    cloud().positions.iter().map(of_line).collect()
+}
+
+/// Numbers of the size of a map projection have an error of half a nanometre in metres. It must not
+/// reach the face, because stages that end when they are good enough would end elsewhere.
+#[test]
+fn a_file_of_a_cloud_that_was_moved_makes_the_same_face() {
+    let by = [400_000_000, 5_800_000_000, 100_000];
+    let [near, far] = [[0; 3], by].map(|by| {
+        let text = std::io::Cursor::new(moved_text(by));
+        let cloud = formats::read_points_from("relief.xyz".as_ref(), text).expect("points");
+        face(cloud, &Options::default())
+    });
+    assert_eq!((near.origin, far.origin), ([0.0; 3], by.map(|x| x as f64)));
+    assert_eq!(near.brep.surfaces, far.brep.surfaces);
+    assert_eq!(near.brep.vertices, far.brep.vertices);
+}
+
+#[test]
+fn smoothing_sees_all_of_the_noise_of_a_cloud() {
+    let found = face(cloud(), &Options::default());
+    let share = found.smooth.noise / found.noise;
+    assert!((0.9..=1.0).contains(&share), "{share}");
 }
 
 #[test]

@@ -103,6 +103,28 @@ fn outliers_have_no_vertex_and_points_have_a_near_one() {
     assert!(left_out < made.cloud.len() / 50, "{left_out}: {:?}", found.report);
 }
 
+/// Smoothing tells noise from shape because noise is independent at every vertex. That of projected
+/// vertices is not, so it gets places with the noise of the points.
+#[test]
+fn vertices_are_told_where_they_were_measured() {
+    let of_noise = |noise: f64| {
+        let made = VirtualCloud::new(relief, [200; 2], noise, 3, Flaws::default(), 4);
+        let found = triangles(&made.cloud).expect("a surface");
+        (made, found)
+    };
+    let (made, found) = of_noise(0.4);
+    assert_eq!(found.measured.len(), found.soup.points.len());
+    let share = made.scan.rms(found.measured.iter().copied().step_by(7)) / made.noise;
+    // Some vertices stand for two points or three.
+    assert!((0.75..1.0).contains(&share), "{share}");
+    // Which points were kept depends on their heights, but the mean height must not.
+    let heights = found.measured.iter().zip(&found.soup.points).map(|(p, q)| p[2] - q[2]);
+    let mean = heights.sum::<f64>() / found.measured.len() as f64 / made.noise;
+    assert!(mean.abs() < 0.02, "{mean}");
+    let (_, rough) = of_noise(1.0);
+    assert!(rough.measured.is_empty(), "smoothing would not find its way");
+}
+
 #[test]
 fn any_order_and_any_number_of_threads_give_the_same_bytes() {
     let flaws = Flaws { layers: 2, outliers: 0.01, uneven: true };

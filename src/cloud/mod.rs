@@ -48,6 +48,11 @@ pub struct Triangulation {
     /// For each point of the cloud the vertex that stands for it, or [`LEFT_OUT`] for outliers and
     /// for points that no triangle uses.
     pub vertex_of: Vec<u32>,
+    /// For each vertex of the soup the mean height of the points that it stands for, as a place
+    /// above or below it. These have the noise of the points, which is independent of that of their
+    /// neighbours. Empty if the vertices are the points themselves, or if the noise is so large that
+    /// the triangles would be too rough.
+    pub measured: Vec<[f64; 3]>,
     /// What was found.
     pub report: Report,
 }

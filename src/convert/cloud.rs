@@ -72,7 +72,10 @@ fn components_of(
     let build = mesh::from_soup(&meshed.soup, unit)?;
     drop(meshed.soup);
     let points = cloud.positions.into_iter().map(Point::from).collect();
-    let raw = RawPoints::new(points, meshed.vertex_of, meshed.report.noise).at(cloud.origin);
+    let places = meshed.measured.into_iter().map(Point::from).collect();
+    let raw = RawPoints::new(points, meshed.vertex_of, meshed.report.noise)
+        .at(cloud.origin)
+        .with_measured_vertices(places);
     let components = Components::new(build).with_raw_points(raw, unit);
     Ok((components.with_handles(options.handles), meshed.report))
 }

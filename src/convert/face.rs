@@ -31,10 +31,11 @@ pub(super) fn face(
     let (measured, input) = input::disk(scan, options)?;
     watch(Stage::Mesh(&measured))?;
 
+    let rough = scan.at_measured_places(&measured);
     let (smoothed, smooth) =
-        smooth::smooth_with(&measured, &options.smooth, &mut within("smooth", watch))?;
+        smooth::smooth_with(&rough, &options.smooth, &mut within("smooth", watch))?;
     watch(Stage::Smooth(&smoothed))?;
-    // Smoothing sees what noise a mesh of a cloud has left, and the cloud had more.
+    // Vertices that stand for several points have less noise than these.
     let noise = scan.raw_points().map_or(smooth.noise, |raw| raw.noise().max(smooth.noise));
     let goal = Goal::of(options, &measured.mesh, noise);
     let tolerance = options.tolerance.unwrap_or(goal.tolerance);
@@ -42,12 +43,8 @@ pub(super) fn face(
     let fill_options =
         fill::Options { support: smooth.h, noise: smooth.noise, ..options.fill.clone() };
     let smoothed_points = smoothed.mesh.points.clone();
-    let (patch, fill) = fill::fill_with(
-        smoothed,
-        &measured.mesh.points,
-        &fill_options,
-        &mut within("fill", watch),
-    )?;
+    let (patch, fill) =
+        fill::fill_with(smoothed, &rough.mesh.points, &fill_options, &mut within("fill", watch))?;
     watch(Stage::Fill(&patch))?;
 
     // A tolerance that the user names is held at every point.

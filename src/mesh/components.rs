@@ -1,5 +1,7 @@
 //! The connected components of a mesh, and the extraction of one of them as a disk.
 
+use std::borrow::Cow;
+
 use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 use rstar::primitives::GeomWithData;
 use rstar::{AABB, RTree};
@@ -172,6 +174,17 @@ impl Components {
             Some(raw) => raw.of_face(&map),
             None => FacePoints { points: vertices.into(), vertex_of: None, map },
         }
+    }
+
+    /// A disk of the scan with its vertices where they were measured. In a mesh of a cloud they are
+    /// on the surface that their neighbours sample, and what noise they have left is no longer
+    /// independent. Smoothing could not tell it from shape.
+    pub(crate) fn at_measured_places<'a>(&self, disk: &'a Disk) -> Cow<'a, Disk> {
+        let Some(raw) = &self.raw else { return Cow::Borrowed(disk) };
+        let mut disk = disk.clone();
+        let map = VertexMap::new(&self.build, &disk.mesh.points);
+        raw.place_measured(&map, &mut disk.mesh.points);
+        Cow::Owned(disk)
     }
 
     /// Extracts one component.

@@ -16,6 +16,8 @@ pub struct RawPoints {
     vertex_of: Vec<u32>,
     noise: f64,
     origin: [f64; 3],
+    /// Where each vertex was measured; empty if that is where it is.
+    places: Vec<Point>,
 }
 
 /// The points that were measured of one face: those of the cloud, or the vertices of its mesh.
@@ -35,7 +37,14 @@ impl RawPoints {
     /// none, as for an outlier. The standard deviation of the noise has the unit of the points,
     /// which is that of the soup.
     pub fn new(points: Vec<Point>, vertex_of: Vec<u32>, noise: f64) -> Self {
-        RawPoints { points, vertex_of, noise, origin: [0.0; 3] }
+        RawPoints { points, vertex_of, noise, origin: [0.0; 3], places: Vec::new() }
+    }
+
+    /// The same with the place of each vertex of the soup where it was measured, noise included.
+    /// Without them, vertices were measured where they are.
+    #[must_use]
+    pub fn with_measured_vertices(self, places: Vec<Point>) -> Self {
+        RawPoints { places, ..self }
     }
 
     /// The same for points that are measured from such an origin, in the unit of the points.
@@ -62,9 +71,19 @@ impl RawPoints {
 
     /// The same with all lengths multiplied by a factor.
     pub(super) fn scaled(mut self, factor: f64) -> Self {
-        self.points.iter_mut().for_each(|p| *p *= factor);
+        self.points.iter_mut().chain(&mut self.places).for_each(|p| *p *= factor);
         let origin = self.origin.map(|x| factor * x);
         RawPoints { noise: factor * self.noise, origin, ..self }
+    }
+
+    /// Puts the vertices of a mesh where they were measured. `map` tells which vertex of the soup
+    /// each of them was.
+    pub(super) fn place_measured(&self, map: &VertexMap, vertices: &mut [Point]) {
+        for (number, &place) in self.places.iter().enumerate() {
+            if let Some(vertex) = map.point_of(number).and_then(|v| vertices.get_mut(v)) {
+                *vertex = place;
+            }
+        }
     }
 
     /// The points of the face whose vertices are found in `vertices`.

@@ -104,6 +104,12 @@ pub struct Pose {
 }
 
 impl Pose {
+    /// Whether it moves nothing.
+    pub(crate) fn is_still(&self) -> bool {
+        let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
+        *self == Pose { axes, translation: [0.0; 3] }
+    }
+
     pub(crate) fn turn(&self, v: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|i| self.axes[0][i] * v[0] + self.axes[1][i] * v[1] + self.axes[2][i] * v[2])
     }

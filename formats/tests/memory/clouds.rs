@@ -5,12 +5,14 @@ use std::path::Path;
 
 use formats::read_points;
 
+use crate::cloud_seeds::surveys::{with_checksums, without_checksums};
 use crate::{Judge, cloud_seeds, support};
 
 const SIZE: usize = 4 << 20;
 
 pub fn judge(judge: &mut Judge) {
     seeds(judge);
+    surveys(judge);
     dense(judge);
     lies(judge);
     bombs(judge);
@@ -36,6 +38,24 @@ fn seeds(judge: &mut Judge) {
                 false => file[at] = 0xff,
             }
             judge_made(judge, name, &format!("{name}, byte {at} changed"), file);
+        }
+    }
+}
+
+/// Great numbers at every place of the files with headers of bytes. E57 gets new checksums, because
+/// otherwise none of its numbers would be believed.
+fn surveys(judge: &mut Judge) {
+    let is_survey = |name: &str| ["e57", "las", "laz"].iter().any(|end| name.ends_with(end));
+    for (name, content) in cloud_seeds::all().into_iter().filter(|(name, _)| is_survey(name)) {
+        let is_e57 = name.ends_with("e57");
+        let content = if is_e57 { without_checksums(&content) } else { content };
+        for at in 0..content.len() - 8 {
+            for lie in [1u64 << 31, 1 << 40, u64::MAX] {
+                let mut file = content.clone();
+                file[at..at + 8].copy_from_slice(&lie.to_le_bytes());
+                let file = if is_e57 { with_checksums(&file) } else { file };
+                judge_made(judge, name, &format!("{name}, {lie} at byte {at}"), file);
+            }
         }
     }
 }
@@ -136,7 +156,9 @@ fn collected(judge: &mut Judge) {
         eprintln!("SKIPPED: the collected scans (../../shared/scans) are not there");
         return;
     };
-    for list in ["C", "clouds/bad", "clouds/pcd", "clouds/ply", "clouds/pts", "clouds/ptx"] {
+    let kinds = ["bad", "e57", "las", "laz", "pcd", "ply", "pts", "ptx", "xyz"];
+    let lists = kinds.map(|kind| format!("clouds/{kind}"));
+    for list in lists.iter().map(String::as_str).chain(["C"]) {
         for entry in fs::read_dir(folder.join(list)).expect("a folder of clouds") {
             let path = entry.expect("an entry").path();
             judge_path(judge, &path.display().to_string(), &path);

@@ -1,5 +1,8 @@
 //! E57, written by the crate `e57`.
 
+use std::io::Cursor;
+
+use e57::{E57Writer, Record, RecordDataType, RecordName, RecordValue};
 use formats::points::ReadOptions;
 use formats::{LengthUnit, Points};
 
@@ -50,9 +53,93 @@ fn check_scans(cloud: &Points) {
     assert!(first.pose.is_some() && second.pose.is_none() && second.grid.is_none());
 }
 
+/// Enough points for several packets, so that values begin in one and end in the next.
+#[test]
+fn points_of_many_packets_are_read() {
+    const COUNT: usize = 30_000;
+    let content = many(COUNT);
+    let cloud = cloud("scan", &content);
+    assert_eq!((cloud.len(), cloud.lost.intensities), (COUNT, COUNT as u64));
+    for i in 0..COUNT {
+        assert_eq!(cloud.absolute(i), many_place(i), "point {i}");
+    }
+}
+
+fn many_place(i: usize) -> [f64; 3] {
+    let [x, z] = [i * 37 % 90_001, i * i % 1009].map(|number| number as f64);
+    [(x - 45_000.0) * 0.001 + 0.5, x / 7.0, z / 64.0]
+}
+
+/// Fields of 17, 64, 32, 2 and 0 bits.
+fn many(count: usize) -> Vec<u8> {
+    let mut file = Cursor::new(Vec::new());
+    let mut writer = E57Writer::new(&mut file, "file").expect("a writer");
+    let record = |name, data_type| Record { name, data_type };
+    let (min, max, scale, offset) = (-45_000, 45_000, 0.001, 0.5);
+    let prototype = vec![
+        record(RecordName::CartesianX, RecordDataType::ScaledInteger { min, max, scale, offset }),
+        record(RecordName::CartesianY, RecordDataType::Double { min: None, max: None }),
+        record(RecordName::CartesianZ, RecordDataType::Single { min: None, max: None }),
+        record(RecordName::CartesianInvalidState, RecordDataType::Integer { min: 0, max: 2 }),
+        record(RecordName::Intensity, RecordDataType::Integer { min: 7, max: 7 }),
+    ];
+    let mut scan = writer.add_pointcloud("scan", prototype).expect("a scan");
+    for i in 0..count {
+        let [_, y, z] = many_place(i);
+        let x = (i * 37 % 90_001) as i64 - 45_000;
+        let values = vec![
+            RecordValue::ScaledInteger(x),
+            RecordValue::Double(y),
+            RecordValue::Single(z as f32),
+            RecordValue::Integer(0),
+            RecordValue::Integer(7),
+        ];
+        scan.add_point(values).expect("a point");
+    }
+    scan.finalize().expect("a scan");
+    writer.finalize().expect("a file");
+    drop(writer);
+    file.into_inner()
+}
+
+/// The first byte of the section of points of the first scan, and of its packets.
+const SECTION: usize = 48;
+const PACKET: usize = 80;
+
+/// An index and nothing may stand before the points.
+#[test]
+fn packets_without_points_are_passed_over() {
+    let mut content = without_checksums(&e57());
+    let length = u64::from_le_bytes(content[SECTION + 8..SECTION + 16].try_into().expect("eight"));
+    let points = content[PACKET..SECTION + length as usize].to_vec();
+    let start = content.len();
+    for kind in [0, 2] {
+        content.extend([kind, 0, 23, 0]);
+        content.extend([0; 20]);
+    }
+    content.extend(points);
+    let physical = (start / 1020 * 1024 + start % 1020) as u64;
+    content[SECTION + 16..SECTION + 24].copy_from_slice(&physical.to_le_bytes());
+    let moved = cloud("scan", with_checksums(&content));
+    assert_eq!(places(&moved), places(&cloud("scan", e57())));
+    content[start] = 3;
+    refusal("scan.e57", with_checksums(&content), "a packet is of an unknown type");
+    content[start..start + 4].copy_from_slice(&[0, 0, 1, 0]);
+    refusal("scan.e57", with_checksums(&content), "an impossible length");
+}
+
+#[test]
+fn a_packet_of_other_fields_is_refused() {
+    for (at, byte) in [(PACKET + 4, 6), (PACKET + 6, 0xff), (PACKET + 7, 0xff)] {
+        let mut content = without_checksums(&e57());
+        content[at] = byte;
+        refusal("scan.e57", with_checksums(&content), "does not hold the fields");
+    }
+}
+
 #[test]
 fn dark_points_can_be_left_out() {
-    let content = std::io::Cursor::new(e57());
+    let content = Cursor::new(e57());
     let options = ReadOptions { min_intensity: Some(2.0), ..ReadOptions::default() };
     let error = options.read_points_from("scan.e57".as_ref(), content);
     assert!(error.expect_err("the second scan has none").what.contains("without intensities"));

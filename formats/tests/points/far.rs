@@ -33,14 +33,35 @@ fn every_bit_comes_back() {
 }
 
 #[test]
-fn the_origin_is_in_the_middle_in_whole_numbers() {
+fn the_origin_is_a_round_number_near_the_middle() {
     let far = cloud("scan.xyz", text(&sheet([400_000.25, 5_800_000.5, 0.0], 100.0)));
-    assert!(far.origin.iter().all(|x| x.fract() == 0.0));
-    assert!(far.origin[0] > 4e5 && far.origin[1] > 5.8e6, "{:?}", far.origin);
-    // Taking this one off would round.
-    assert_eq!(far.origin[2], 0.0);
+    // Taking the last one off would round.
+    assert_eq!(far.origin, [400_000.0, 5_800_000.0, 0.0]);
     let greatest = far.positions.iter().flatten().fold(0.0, |a: f64, x| a.max(x.abs()));
-    assert!(greatest <= 100.0, "{greatest}");
+    assert!(greatest <= 1000.0, "{greatest}");
+}
+
+/// A part that was moved by a survey's coordinates has the same positions to the last bit: the
+/// digits of the file are taken off, not the numbers that the processor makes of them.
+#[test]
+fn decimals_are_the_same_anywhere() {
+    let number = |i: u64| (i * 0x9e37_79b9 % 1_000_003) as i64 - 500_000;
+    for (whole, digits) in [([400_000, 5_800_000, 100], 6), ([-4_000_000, 58_000_000, 0], 3)] {
+        let power = 10i64.pow(digits);
+        let text = |moved: [i64; 3]| {
+            let coordinate = |i: u64, k: usize| {
+                let number = number(3 * i + k as u64) + moved[k] * power;
+                let sign = if number < 0 { "-" } else { "" };
+                let (before, after) = (number.abs() / power, number.abs() % power);
+                format!("{sign}{before}.{after:0width$}", width = digits as usize)
+            };
+            let line = |i| [0, 1, 2].map(|k| coordinate(i, k)).join(" ") + "\n";
+            (0..200).map(line).collect::<String>()
+        };
+        let [near, far] = [[0; 3], whole].map(|moved| cloud("scan.xyz", text(moved)));
+        assert_eq!((near.origin, far.origin), ([0.0; 3], whole.map(|x| x as f64)));
+        assert_eq!(near.positions, far.positions);
+    }
 }
 
 #[test]

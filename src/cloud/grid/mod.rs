@@ -147,5 +147,5 @@ fn finished(cloud: &Points, frame: &WorkFrame, surface: &GridSurface) -> Triangu
         grid: GridUse::Followed { cut: surface.cut, outside: surface.outside },
         ..Report::default()
     };
-    Triangulation { soup, vertex_of, report }
+    Triangulation { soup, vertex_of, measured: Vec::new(), report }
 }

@@ -1,12 +1,13 @@
 //! The fields of a point in an E57 file, by the names that ASTM E2807 gives them. The normals
 //! are those of the extension of libE57.
 
-use ::e57::{Record, RecordDataType, RecordName, RecordValue};
+use ::e57::{Record, RecordDataType, RecordName};
 
 /// Where the wanted values are in a point, with their types.
 #[derive(Default)]
 pub(super) struct Fields {
-    kinds: Vec<RecordDataType>,
+    /// Whether the values of a field are looked at.
+    wanted: Vec<bool>,
     cartesian: Option<[usize; 3]>,
     cartesian_state: Option<usize>,
     spherical: Option<[usize; 3]>,
@@ -34,7 +35,7 @@ impl Fields {
         let [nx, ny, nz] = NORMAL.map(extension);
         let row_column = [RecordName::RowIndex, RecordName::ColumnIndex].map(|name| find(&name));
         Fields {
-            kinds: prototype.iter().map(|record| record.data_type.clone()).collect(),
+            wanted: prototype.iter().map(|record| is_wanted(&record.name)).collect(),
             cartesian: three(CARTESIAN),
             cartesian_state: find(&RecordName::CartesianInvalidState),
             spherical: three(SPHERICAL),
@@ -47,6 +48,11 @@ impl Fields {
             row_column: row_column[0].zip(row_column[1]).map(|(row, column)| [row, column]),
             others: prototype.iter().filter_map(|record| other(&record.name)).collect(),
         }
+    }
+
+    /// Whether the values of field number `field` are looked at.
+    pub(super) fn is_wanted(&self, field: usize) -> bool {
+        self.wanted.get(field).copied().unwrap_or(false)
     }
 
     pub(super) fn has_position(&self) -> bool {
@@ -79,6 +85,13 @@ const SPHERICAL: [RecordName; 3] =
 
 const NORMAL: [&str; 3] = ["normalX", "normalY", "normalZ"];
 
+/// Whether the values of a field are looked at. A colour only has to be there.
+fn is_wanted(name: &RecordName) -> bool {
+    let is_colour =
+        [RecordName::ColorRed, RecordName::ColorGreen, RecordName::ColorBlue].contains(name);
+    !is_colour && other(name).is_none()
+}
+
 /// The name of a field that is not read.
 fn other(name: &RecordName) -> Option<String> {
     match name {
@@ -106,15 +119,18 @@ pub(super) fn bits(kind: &RecordDataType) -> u128 {
 /// The values of one point.
 pub(super) struct Reading<'a> {
     pub(super) fields: &'a Fields,
-    pub(super) values: &'a [RecordValue],
+    /// The values of each field, where they are looked at.
+    pub(super) columns: &'a [Vec<f64>],
+    /// Which of the values are those of the point.
+    pub(super) point: usize,
 }
 
 impl Reading<'_> {
-    /// The number in a field. It is NaN if there is none, which the crate `e57` does not let
+    /// The number in a field. It is NaN if there is none, which the reader does not let
     /// happen.
     fn number(&self, field: usize) -> f64 {
-        let value = self.values.get(field).zip(self.fields.kinds.get(field));
-        value.and_then(|(value, kind)| value.to_f64(kind).ok()).unwrap_or(f64::NAN)
+        let column = self.columns.get(field);
+        column.and_then(|column| column.get(self.point)).copied().unwrap_or(f64::NAN)
     }
 
     /// Whether a state says nothing against a value. (Some writers store states as floating

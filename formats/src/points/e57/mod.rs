@@ -2,11 +2,13 @@
 //! with its pose, and perhaps on a grid.
 //!
 //! The input is a file. The output is [`Points`] in the frame of the file. The crate `e57`
-//! reads the file, but only after the lengths in its header were checked, and each scan
-//! only after its fields were: that crate has no bound on points without any bits.
+//! reads the description of the scans, but only after the lengths in the header were checked.
+//! The points are read here after their fields were checked: points without any bits would
+//! have no bound.
 
 mod fields;
 mod grid;
+mod packets;
 
 use std::io::{Cursor, Read};
 
@@ -14,6 +16,7 @@ use ::e57::{E57Reader, PointCloud, RecordDataType, Transform};
 
 use self::fields::{Fields, Reading};
 use self::grid::GridIndices;
+use self::packets::{Damage, Packets};
 use super::{LeftOut, Note, Points, PointsBuilder, Pose, ReadOptions, ScanEnd};
 use crate::source::{EXPORT_AGAIN, Source};
 use crate::words::plural;
@@ -33,19 +36,22 @@ const MOST_XML: u64 = 16 << 20;
 /// round to six digits or more.
 const UNIT_LENGTH: f64 = 1e-3;
 
+/// So many points are unpacked at a time: as many as fit into the nearest memory of a processor.
+const BLOCK: u64 = 1024;
+
 pub(super) fn read(mut source: Source, options: &ReadOptions) -> Result<Points> {
     let mut bytes = Vec::new();
     source.stream.read_to_end(&mut bytes).map_err(|e| source.io_error(&e))?;
     check_header(&source, &bytes)?;
-    let length = bytes.len() as u64;
-    let reader = E57Reader::new(Cursor::new(bytes))
+    let reader = E57Reader::new(Cursor::new(&bytes))
         .map_err(|e| Error::new(&source.path, format!("is unreadable: {e}"), EXPORT_AGAIN))?;
-    let scans = reader.pointclouds();
-    check_records(&source, &scans, length)?;
+    let (scans, page) = (reader.pointclouds(), reader.header().page_size);
+    drop(reader);
+    check_records(&source, &scans, bytes.len() as u64)?;
     let fields: Vec<Fields> = scans.iter().map(|scan| Fields::of(&scan.prototype)).collect();
     let has_normals = fields.iter().any(Fields::has_normals);
     let builder = PointsBuilder::new(&source.path, has_normals);
-    let mut body = E57Body { source, reader, builder, options: options.clone() };
+    let mut body = E57Body { source, bytes, page, builder, options: options.clone() };
     for (number, (scan, fields)) in scans.iter().zip(&fields).enumerate() {
         body.read_scan(number as u64, scan, fields)?;
     }
@@ -97,7 +103,9 @@ fn check_records(source: &Source, scans: &[PointCloud], length: u64) -> Result<(
 
 struct E57Body {
     source: Source,
-    reader: E57Reader<Cursor<Vec<u8>>>,
+    bytes: Vec<u8>,
+    /// The bytes of a page.
+    page: u64,
     builder: PointsBuilder,
     options: ReadOptions,
 }
@@ -130,7 +138,7 @@ impl E57Body {
             }
         };
         // A pose that moves nothing may say that the points were moved before.
-        let moved = pose.filter(|pose| !is_still(pose));
+        let moved = pose.filter(|pose| !pose.is_still());
         let stood = moved.map(|pose| pose.translation);
         let viewpoint = stood.or(fields.is_spherical().then_some([0.0; 3]));
         self.builder.end_scan(ScanEnd { viewpoint, pose, grid: shape })
@@ -147,33 +155,50 @@ impl E57Body {
             return Ok(grid);
         }
         let path = &self.source.path;
-        let unreadable = |at: u64, e: ::e57::Error| {
-            let what = format!("has a point in scan {number} that is unreadable: {e}");
+        let unreadable = |at: u64, damage: Damage| {
+            let what = format!("has a point in scan {number} that is unreadable: {damage}");
             Error::new(path, what, EXPORT_AGAIN).at(Location::Element("point", at))
         };
-        let values = self.reader.pointcloud_raw(scan).map_err(|e| unreadable(0, e))?;
-        for (i, values) in values.enumerate() {
-            let values = values.map_err(|e| unreadable(i as u64, e))?;
-            let reading = Reading { fields, values: &values };
-            let position = reading.position();
-            if let Some(cell) = fields.has_grid().then(|| reading.cell()) {
-                grid.push(position.and(cell));
+        let packets = Packets::new(&self.bytes, self.page, scan.file_offset, &scan.prototype);
+        let mut packets = packets.map_err(|damage| unreadable(0, damage))?;
+        let mut columns = vec![Vec::new(); scan.prototype.len()];
+        let mut read = 0;
+        while read < scan.records {
+            let most = BLOCK.min(scan.records - read) as usize;
+            let count = packets.read(most, &mut columns, |field| fields.is_wanted(field));
+            let count = count.map_err(|damage| unreadable(read, damage))?;
+            for point in 0..count {
+                let reading = Reading { fields, columns: &columns, point };
+                push(&mut self.builder, &mut grid, &self.options, &reading)?;
             }
-            let intensity = reading.intensity();
-            let least = self.options.min_intensity;
-            let is_dark = least.is_some_and(|least| intensity.is_none_or(|i| i < least));
-            match position {
-                None => self.builder.leave_out(LeftOut::Marked)?,
-                Some(_) if is_dark => self.builder.leave_out(LeftOut::Filtered)?,
-                Some(xyz) => {
-                    self.builder.push(xyz, reading.normal())?;
-                    let lost = &mut self.builder.cloud().lost;
-                    lost.intensities += u64::from(intensity.is_some());
-                    lost.colours += u64::from(reading.has_colour());
-                }
-            }
+            read += count as u64;
         }
         Ok(grid)
+    }
+}
+
+/// Adds a point, or counts why it is left out.
+fn push(
+    builder: &mut PointsBuilder,
+    grid: &mut GridIndices,
+    options: &ReadOptions,
+    reading: &Reading,
+) -> Result<()> {
+    let position = reading.position();
+    if let Some(cell) = reading.cell() {
+        grid.push(position.and(Some(cell)));
+    }
+    let intensity = reading.intensity();
+    let is_dark = options.min_intensity.is_some_and(|least| intensity.is_none_or(|i| i < least));
+    match position {
+        None => builder.leave_out(LeftOut::Marked),
+        Some(_) if is_dark => builder.leave_out(LeftOut::Filtered),
+        Some(xyz) => {
+            let lost = &mut builder.cloud().lost;
+            lost.intensities += u64::from(intensity.is_some());
+            lost.colours += u64::from(reading.has_colour());
+            builder.push(xyz, reading.normal())
+        }
     }
 }
 
@@ -206,9 +231,4 @@ fn pose(transform: &Transform) -> std::result::Result<Pose, ()> {
         [2.0 * (x * z + w * y), 2.0 * (y * z - w * x), 1.0 - 2.0 * (x * x + y * y)],
     ];
     Ok(Pose { axes, translation })
-}
-
-fn is_still(pose: &Pose) -> bool {
-    let axes = [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]];
-    *pose == Pose { axes, translation: [0.0; 3] }
 }

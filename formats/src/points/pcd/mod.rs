@@ -16,6 +16,9 @@ use crate::token::{excerpt, number_help, plain_number};
 use crate::words::{grouped, plural};
 use crate::{Error, Location, Result};
 
+/// So many bytes of points are read at a time.
+const BLOCK: usize = 1 << 16;
+
 /// Whether `head` begins a PCD file: with its usual comment, or with a line that
 /// only its header has.
 pub(super) fn is_pcd(head: &[u8]) -> bool {
@@ -127,20 +130,40 @@ impl PcdBody {
     }
 
     fn read_binary(&mut self) -> Result<()> {
-        // Bounded by the header's reader.
-        let mut record = vec![0; self.header.record()];
-        for i in 0..self.header.points {
-            if let Err(e) = self.source.stream.read_exact(&mut record) {
-                return Err(match e.kind() {
-                    ErrorKind::UnexpectedEof => self.cut(i),
-                    _ => self.source.io_error(&e),
-                });
+        // It has three numbers at least, and the header's reader bounds it.
+        let record = self.header.record();
+        let mut block = vec![0; record * (BLOCK / record).max(1)];
+        let mut read = 0;
+        while read < self.header.points {
+            let most = (block.len() / record) as u64;
+            let count = most.min(self.header.points - read) as usize;
+            let records = &mut block[..count * record];
+            let filled = self.fill(records)?;
+            for record in records[..filled].chunks_exact(record) {
+                let number = |slot: Slot| slot.number(record);
+                let normal = self.slots.normal.map(|n| n.map(number));
+                self.builder.push(self.slots.position.map(number), normal.unwrap_or_default())?;
+                read += 1;
             }
-            let number = |slot: Slot| slot.number(&record);
-            let normal = self.slots.normal.map(|n| n.map(number));
-            self.builder.push(self.slots.position.map(number), normal.unwrap_or_default())?;
+            if filled < count * record {
+                return Err(self.cut(read));
+            }
         }
         Ok(())
+    }
+
+    /// Fills `bytes`, and returns how many of them the file still has.
+    fn fill(&mut self, bytes: &mut [u8]) -> Result<usize> {
+        let mut filled = 0;
+        while filled < bytes.len() {
+            match self.source.stream.read(&mut bytes[filled..]) {
+                Ok(0) => break,
+                Ok(some) => filled += some,
+                Err(e) if e.kind() == ErrorKind::Interrupted => {}
+                Err(e) => return Err(self.source.io_error(&e)),
+            }
+        }
+        Ok(filled)
     }
 
     fn read_compressed(&mut self) -> Result<()> {
