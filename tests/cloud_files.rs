@@ -3,8 +3,6 @@
 
 mod common;
 
-use std::path::Path;
-
 use common::{arg, check, checked, converted, fixture, inspected, json};
 use scan2step::formats::{self, Points, read_points};
 use scan2step::{Conversion, Options, convert_cloud};
@@ -39,12 +37,12 @@ fn a_cloud_becomes_a_face_that_is_as_good_as_that_of_its_mesh() {
     let of_mesh = at("mesh.step");
     converted(&[arg(&fixture("relief.ply")), arg(&of_mesh)]);
     // A few points lie at the tips of the holes, which trim loops cut off. The rims of the two meshes
-    // differ there.
-    for share in ["p95_mm", "p99_mm"] {
-        let against =
-            |cad: &Path| checked(cad, &scan)["scan_to_face"][share].as_f64().expect("a length");
-        let [cloud, mesh] = [against(&step), against(&of_mesh)];
-        assert!(cloud < 1.05 * mesh, "{share}: {cloud} of the cloud, {mesh} of the mesh");
+    // differ there, and a few far points weigh much in the root mean square.
+    let [of_cloud, of_mesh] = [&step, &of_mesh].map(|cad| checked(cad, &scan));
+    for (figure, most) in [("rms_mm", 1.2), ("p95_mm", 1.05), ("p99_mm", 1.05)] {
+        let [cloud, mesh] = [&of_cloud, &of_mesh]
+            .map(|found| found["scan_to_face"][figure].as_f64().expect("a length"));
+        assert!(cloud < most * mesh, "{figure}: {cloud} of the cloud, {mesh} of the mesh");
     }
 }
 
