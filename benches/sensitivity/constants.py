@@ -71,10 +71,19 @@ def found(root):
         if Path(file).parts[1].removesuffix(".rs") in EXCLUDED:
             continue
         text = without_tests((root / file).read_text())
+        before = None
         for match in DEFINITION.finditer(text):
             if not MARKER.search(match["value"]):
                 constants.append(constant(file, text, match))
+                share_reason(before, constants[-1])
+                before = constants[-1]
     return constants
+
+
+def share_reason(before, constant):
+    """Gives a constant without a reason that of the constant in the line before."""
+    if before and not constant.reason and before.line == constant.line - 1:
+        constant.reason = before.reason
 
 
 def constant(file, text, match):
