@@ -180,7 +180,8 @@ impl Components {
     /// on the surface that their neighbours sample, and what noise they have left is no longer
     /// independent. Smoothing could not tell it from shape.
     pub(crate) fn at_measured_places<'a>(&self, disk: &'a Disk) -> Cow<'a, Disk> {
-        let Some(raw) = &self.raw else { return Cow::Borrowed(disk) };
+        let raw = self.raw.as_ref().filter(|raw| raw.has_measured_vertices());
+        let Some(raw) = raw else { return Cow::Borrowed(disk) };
         let mut disk = disk.clone();
         let map = VertexMap::new(&self.build, &disk.mesh.points);
         raw.place_measured(&map, &mut disk.mesh.points);

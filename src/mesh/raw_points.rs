@@ -47,6 +47,11 @@ impl RawPoints {
         RawPoints { places, ..self }
     }
 
+    /// Whether vertices were measured elsewhere than they are.
+    pub(super) fn has_measured_vertices(&self) -> bool {
+        !self.places.is_empty()
+    }
+
     /// The same for points that are measured from such an origin, in the unit of the points.
     #[must_use]
     pub fn at(self, origin: [f64; 3]) -> Self {

@@ -273,7 +273,8 @@ impl PointsBuilder {
             return;
         }
         let is_based = self.base != [0.0; 3];
-        match decimal_power(&self.points.positions).filter(|_| !is_based) {
+        let power = if is_based { None } else { decimal_power(&self.points.positions) };
+        match power {
             Some(power) => take_off_decimals(&mut self.points.positions, origin, power),
             None => {
                 for position in &mut self.points.positions {
