@@ -1,4 +1,4 @@
-//! Handles of a few triangles are found, cut and closed, in sheets and in bodies.
+//! Handles of a few triangles are found and cut, in sheets and in bodies.
 
 mod common;
 
@@ -69,6 +69,33 @@ impl Grid {
         })
     }
 
+    /// Cuts out six by six cells at (i, j), and lays two bands across the hole, one over the other. Each is
+    /// one cell wide.
+    fn add_crossing_bands(&mut self, i: usize, j: usize) {
+        let window: Vec<usize> = (0..49).map(|k| self.name(i + k / 7, j + k % 7)).collect();
+        self.triangles.retain(|t| t.iter().any(|v| !window.contains(v)));
+        for (across, height) in [(false, 1.0), (true, -1.0)] {
+            let rails = [3, 4].map(|side| {
+                let mut place = |along: usize| {
+                    let (di, dj) = if across { (side, along) } else { (along, side) };
+                    let own = self.name(i + di, j + dj);
+                    if along == 0 || along == 6 {
+                        return own;
+                    }
+                    let [x, y, z] = self.points[own];
+                    self.points.push([x, y, z + height]);
+                    self.points.len() - 1
+                };
+                [0, 1, 2, 3, 4, 5, 6].map(&mut place)
+            });
+            let [low, high] = if across { [&rails[1], &rails[0]] } else { [&rails[0], &rails[1]] };
+            for k in 0..6 {
+                let [a, b, c, d] = [low[k], low[k + 1], high[k + 1], high[k]];
+                self.triangles.extend([[a, b, c], [a, c, d]]);
+            }
+        }
+    }
+
     fn soup(&self) -> Soup {
         let mut soup = Soup { points: self.points.clone(), ..Soup::default() };
         self.triangles.iter().for_each(|t| soup.polygons.push(t.iter().map(|&v| v as u32)));
@@ -123,6 +150,29 @@ fn made_handles_are_found_at_their_places_and_cut() {
             let nearest = nearest.fold(f64::INFINITY, f64::min);
             assert!(nearest < 1.0, "{number}: no handle within an edge of {place:?}: {nearest} mm");
         }
+    }
+}
+
+#[test]
+fn bands_that_cross_in_a_gap_are_cut() {
+    let mut random = Random(5);
+    for number in 0..40 {
+        let count = 1 + number % 4;
+        let mut grid = Grid::new(48, false, &mut random);
+        for band in 0..count {
+            let [di, dj] = [0; 2].map(|_| 2 + (3.0 * random.share()) as usize);
+            grid.add_crossing_bands(12 * band + di, 12 * (number % 3) + dj);
+        }
+        let soup = grid.soup();
+        let whole = component(&soup, Some(0.0));
+        assert_eq!((whole.topology.genus(), whole.topology.loops), (count as f64, 1 + count));
+        let cut = component(&soup, None);
+        assert_eq!(cut.topology.genus(), 0.0, "{number}");
+        assert_eq!(cut.handles.len(), count, "{number}");
+        assert_eq!(cut.topology.loops, 1 + 2 * count, "{number}: one band of each pair stays");
+        let face = scan2step::convert(&soup, &Options::default(), &mut |_| Ok(()));
+        let face = face.unwrap_or_else(|e| panic!("{number}: {e}"));
+        assert_eq!(face.brep.faces.len(), 1, "{number}");
     }
 }
 

@@ -67,7 +67,7 @@ fn as_text(scan: &Scan, found: &Inspection) -> String {
     for (kind, count) in &input.repairs {
         lines.push(format!("  repaired    {}", repair(kind, *count)));
     }
-    let cut = input.handles.iter().map(|handle| ("cut and closed", handle));
+    let cut = input.handles.iter().map(|handle| ("cut", handle));
     let kept = found.body.iter().flat_map(|body| &body.handles).map(|handle| ("kept", handle));
     for (what, handle) in cut.take(LISTED).chain(kept.take(LISTED)) {
         let (at, length) = (handle.at, mm(handle.length));

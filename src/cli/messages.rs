@@ -122,7 +122,7 @@ pub fn handles(progress: &ProgressDisplay, input: &InputReport) {
     let longest = input.handles.iter().max_by(|a, b| a.length.total_cmp(&b.length));
     if let Some(handle) = longest {
         progress.say(&format!(
-            "repaired: {} cut and closed; the loop of the largest is {}, near ({:.3}, {:.3}, {:.3}) (--handles to change)",
+            "repaired: {} cut; the loop of the largest is {}, near ({:.3}, {:.3}, {:.3}) (--handles to change)",
             plural(input.handles.len(), "handle"),
             mm(handle.length),
             handle.at.x,

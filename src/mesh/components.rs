@@ -205,7 +205,7 @@ impl Components {
         if orientable && topology.genus() > 0.0 {
             let named = self.handles.map(|longest| longest / self.mm());
             let longest = named.unwrap_or_else(|| handles::longest(&build.mesh));
-            cut_handles = handles::cut(&mut build, longest, topology.genus() as usize);
+            cut_handles = handles::cut(&mut build, longest);
             topology = Topology::new(&build.mesh, &build.edges, orientable);
         }
         let left_out = self.build.mesh.triangles.len() - piece.len();
@@ -328,7 +328,7 @@ fn twisted(build: &Build, pieces: &[Vec<usize>]) -> HashSet<usize> {
 }
 
 /// The triangles of each component in ascending order. The largest component comes first.
-fn pieces(build: &Build) -> Vec<Vec<usize>> {
+pub(super) fn pieces(build: &Build) -> Vec<Vec<usize>> {
     let n = build.mesh.triangles.len();
     let mut seen = vec![false; n];
     let mut pieces: Vec<Vec<usize>> = Vec::new();

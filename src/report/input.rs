@@ -110,7 +110,7 @@ pub struct InputFigures {
     pub bounds_mm: [[f64; 3]; 2],
     /// What was repaired: kind and count.
     pub repairs: Repairs,
-    /// The handles and tunnels that were cut and closed.
+    /// The handles and tunnels that were cut.
     pub handles_cut: Vec<HandleFigures>,
 }
 

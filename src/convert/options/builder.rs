@@ -172,8 +172,8 @@ impl Builder {
         self
     }
 
-    /// Handles and tunnels whose loop is not longer, in mm, are cut and closed. At 0 none are. Without:
-    /// a few edges.
+    /// Handles and tunnels whose loop is not longer, in mm, are cut and closed. The loop may run across
+    /// gaps. At 0 none are cut. Without: a few edges.
     pub fn handles(mut self, mm: impl Into<Option<f64>>) -> Self {
         self.0.handles = mm.into();
         self
