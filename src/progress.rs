@@ -7,10 +7,13 @@ use crate::error::Result;
 /// [`Error::Stopped`](crate::Error::Stopped) where its caller wants no more.
 pub type Progress<'a> = dyn FnMut(f64) -> Result<()> + Send + 'a;
 
-/// A callback for a part of a stage, whose shares from 0 to 1 are those from `from` to `to`
-/// of the whole stage.
-pub(crate) fn part(progress: &mut Progress, from: f64, to: f64) -> impl FnMut(f64) -> Result<()> {
-    move |share| progress(from + share * (to - from))
+/// A callback for step `k` of `count` steps of a stage, which are assumed to take the same time.
+pub(crate) fn step(
+    progress: &mut Progress,
+    k: usize,
+    count: usize,
+) -> impl FnMut(f64) -> Result<()> {
+    move |share| progress((k as f64 + share) / count as f64)
 }
 
 /// A callback that ignores progress.

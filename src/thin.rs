@@ -9,7 +9,7 @@
 use std::collections::HashMap;
 
 use crate::error::{Error, Result};
-use crate::geometry::{NONE, VertexId};
+use crate::geometry::{EQUILATERAL, NONE, VertexId};
 use crate::mesh::one_rings::{HalfEdgeCollapse, OneRings};
 use crate::mesh::progressive_mesh::{Collapsing, ProgressiveMesh, mean_edge};
 use crate::mesh::{FaceOrigin, Mesh, Patch, StandIns};
@@ -28,10 +28,6 @@ const FEWEST: usize = 200_000;
 /// Thinning that would leave more than this share of the vertices is not done. It takes a third of the
 /// time of the map that it shortens.
 const MOST_LEFT: f64 = 0.5;
-
-/// The area of two equilateral triangles with sides of length 1: an even mesh has two triangles for each
-/// vertex.
-const AREA_OF_A_VERTEX: f64 = 0.866;
 
 /// What is left of a patch.
 #[derive(Debug, Clone)]
@@ -125,7 +121,7 @@ fn target(patch: &Patch, supports: &[f64], kept: &[bool], spacing: f64) -> usize
         let own = corners.iter().filter(|v| patch.is_measured(**v));
         let least = own.map(|v| supports[v.index()]).fold(f64::INFINITY, f64::min);
         let area = 0.5 * patch.mesh.area_vector(corners).norm();
-        (area / (AREA_OF_A_VERTEX * (spacing * least).powi(2))).min(0.5)
+        (area / (EQUILATERAL * (spacing * least).powi(2))).min(0.5)
     };
     let inside: f64 = patch.measured_triangles().map(area).sum();
     inside as usize + kept.iter().filter(|kept| **kept).count()

@@ -4,9 +4,6 @@
 /// surface that follows the shape keep it.
 pub(crate) const TOLERANCE_OF_NOISE: f64 = 3.0;
 
-/// The share of normal noise that is beyond three standard deviations.
-const BEYOND_THREE_DEVIATIONS: f64 = 0.0027;
-
 /// What a fit must reach.
 #[derive(Debug, Clone, Copy)]
 pub struct Goal {
@@ -22,7 +19,9 @@ impl Goal {
     /// The goal that a `noise` allows, given by its standard deviation in mm.
     pub fn of_noise(noise: f64) -> Self {
         let tolerance = TOLERANCE_OF_NOISE * noise;
-        Goal { tolerance, named: false, outliers: BEYOND_THREE_DEVIATIONS }
+        // The share of normal noise that is beyond this tolerance.
+        let outliers = libm::erfc(TOLERANCE_OF_NOISE / std::f64::consts::SQRT_2);
+        Goal { tolerance, named: false, outliers }
     }
 
     /// The standard deviation of the noise, in mm, that a tolerance which nobody named stands for.

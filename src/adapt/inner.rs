@@ -6,7 +6,9 @@ use std::ops::Range;
 use foldhash::HashMap;
 
 use super::moves::reweight::MOST_RAISE;
-use crate::deviation::{MissedTriangle, middles, narrowest, spanned};
+use crate::deviation::{
+    MissedTriangle, SAMPLES_PER_CELL, middles, narrowest, samples_along, spanned,
+};
 use crate::fit::TangentDistance;
 use crate::geometry::{Point, Uv, Vector, VertexId};
 use crate::mesh::Mesh;
@@ -15,14 +17,6 @@ use crate::spline::{KnotVector, Surface};
 /// What all samples of a triangle weigh together, in vertices: a mesh has half as many vertices
 /// as triangles.
 const WEIGHT: f64 = 0.5;
-
-/// Parts of a span, along u and along v, with at most one sample each. With a single part a
-/// surface still bends to and fro between samples, and mending does not come to an end.
-const PARTS: f64 = 2.0;
-
-/// The most samples along a triangle's side. Where a side spans more cells, the thin-plate energy
-/// holds those between.
-const MOST_ALONG: usize = 32;
 
 /// The share of what a triangle may be left by that is aimed at: raised weights bring a surface
 /// to its aim from above and ever more slowly, so that an aim of 1 is not reached.
@@ -131,10 +125,11 @@ impl<'a> Maker<'a> {
         spanned(self.mesh.triangles[triangle].map(|v| self.uv[v.index()]), self.cells)
     }
 
-    /// A triangle's samples, one in each part of a knot cell at the most.
+    /// A triangle's samples, one in each part of a knot cell at the most. With a single part a surface still
+    /// bends to and fro between samples, and mending does not come to an end.
     fn samples(&self, triangle: usize, to: &mut Vec<InnerSample>) {
         let corners = self.mesh.triangles[triangle];
-        let n = ((PARTS * self.spanned(triangle)).ceil() as usize).clamp(1, MOST_ALONG);
+        let n = samples_along(self.spanned(triangle));
         let shares: Vec<[f64; 3]> = self.one_a_cell(corners, n);
         let next = |k: usize| (k + 1) % 3;
         let bends =
@@ -163,7 +158,7 @@ impl<'a> Maker<'a> {
         let knots = self.knots[axis];
         let span = knots.span(t);
         let [from, to] = [span, span + 1].map(|i| knots.knots()[i]);
-        (span, (PARTS * (t - from) / (to - from)) as usize)
+        (span, (SAMPLES_PER_CELL * (t - from) / (to - from)) as usize)
     }
 
     /// Of the middles of n² parts of a triangle the first in each part of a knot cell.

@@ -31,6 +31,7 @@ mod weights;
 
 pub use goal::Goal;
 pub(crate) use goal::TOLERANCE_OF_NOISE;
+pub(crate) use moves::reject::OUTLYING;
 pub use options::{KnotOptions, Options};
 pub use report::{Adapted, Folds};
 

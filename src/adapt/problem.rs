@@ -45,7 +45,7 @@ impl<'a> Problem<'a> {
             options,
             goal,
             measured_triangles: map.measured_triangles(),
-            counts: map.patch.counts().into_owned(),
+            counts: map.patch.counts(),
             holds: holds(map),
             triangles,
             areas,

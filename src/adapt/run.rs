@@ -9,10 +9,6 @@ use crate::error::Result;
 use crate::fit;
 use crate::progress::Progress;
 
-/// Progress estimate: each fit is assumed to take 15 % of the remaining time. How many fits
-/// follow is not known.
-const REMAINING: f64 = 0.85;
-
 /// After so many steps by tangent distances that gained little, there are no more of them: where
 /// parameters run well already they cost a solve each and gain nothing. One may be idle by chance.
 const MOST_IDLE_STEPS: usize = 2;
@@ -36,7 +32,8 @@ impl<'a> FitRun<'a> {
 
     /// Fits a surface to a state.
     pub fn fit(&mut self, state: State) -> Result<Attempt> {
-        (self.progress)(1.0 - REMAINING.powi(self.fits as i32))?;
+        // How many fits follow is not known. As many as were made is a guess.
+        (self.progress)(self.fits as f64 / (self.fits + 1) as f64)?;
         let (problem, method) = (self.problem, self.problem.options.method);
         let (mut surface, report) = fit::fit(&state.samples(problem), state.knots.clone(), method)?;
         problem.pin_corners(&mut surface);

@@ -23,7 +23,7 @@ pub fn start(problem: &Problem) -> Result<(State, Option<knots::Report>)> {
 }
 
 /// The depth of subdivision at which a region of an even scan has one to four points.
-pub fn deepest(measured: usize) -> u32 {
+fn deepest(measured: usize) -> u32 {
     ((measured as f64 / 4.0).sqrt().log2().ceil() as u32).clamp(2, 12)
 }
 

@@ -37,7 +37,7 @@ pub const CORNER: f64 = 1e3;
 /// The weights of a map's vertices; `is_corner` tells those in the domain's corners.
 pub fn weights(map: &Parameterized, is_corner: impl Fn(VertexId) -> bool) -> Vec<f64> {
     let patch = &map.patch;
-    let mut weights = patch.counts().into_owned();
+    let mut weights = patch.counts();
     weights.resize(patch.mesh.points.len(), FILLED);
     if patch.measured_outer.is_some() {
         let of_bays = bays(patch).flat_map(|t| patch.mesh.triangles[t]).map(|v| (v, BAY));

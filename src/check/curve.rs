@@ -7,6 +7,8 @@ use formats::cad::{CadCurve, CurveShape};
 use formats::spline::SplineCurve;
 use nalgebra::SVector;
 
+use super::loops::COMPARED;
+
 /// The segment of a curve that an edge uses.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct CurveSegment<'a, const D: usize> {
@@ -128,13 +130,12 @@ fn between_on_spline<const D: usize>(
 
 /// The parameter of the curve's point nearest to `p`.
 fn nearest<const D: usize>(spline: &SplineCurve<D>, p: SVector<f64, D>) -> f64 {
-    const SAMPLES: usize = 16;
     let away = |t: f64| (on_spline(spline, t) - p).norm_squared();
     let breaks = spline.knots().breaks();
     let (mut best, mut width) = (breaks[0], 0.0);
     for span in breaks.windows(2) {
-        let step = (span[1] - span[0]) / SAMPLES as f64;
-        for t in (0..=SAMPLES).map(|i| span[0] + step * i as f64) {
+        let step = (span[1] - span[0]) / COMPARED as f64;
+        for t in (0..=COMPARED).map(|i| span[0] + step * i as f64) {
             if away(t) < away(best) || width == 0.0 {
                 (best, width) = (t, step);
             }

@@ -31,7 +31,7 @@ pub(super) struct Tracer<'a> {
 }
 
 /// The number of points of an edge that are compared with its other representation.
-const COMPARED: usize = 64;
+pub(super) const COMPARED: usize = 64;
 
 impl Tracer<'_> {
     /// The polygon of a loop. The first corner is not repeated at the end.

@@ -13,10 +13,11 @@ mod surface;
 use formats::cad::{CadFace, CadModel};
 use rayon::prelude::*;
 
-use crate::deviation::{Deviation, TrimmedFace, nearest_of};
+use crate::deviation::{Deviation, SAMPLED, TrimmedFace, nearest_of};
 use crate::error::{Error, Result};
-use crate::geometry::{Point, Uv, bounds, uv_bounds};
+use crate::geometry::{Point, Uv, box_of, uv_bounds};
 use crate::mesh::{Mesh, Triangles};
+use crate::spline::ACCURACY;
 use crate::threads;
 use loops::{TracePoint, Tracer};
 use samples::FaceSamples;
@@ -47,15 +48,11 @@ pub struct Report {
     pub face_to_scan: Deviation,
 }
 
-/// The largest distance of chords from edges, as a share of the scan's diagonal.
-const CHORD: f64 = 1e-7;
 /// The largest gap between edges that should meet, or between curves that should coincide, as a
 /// share of the scan's diagonal. Importers close gaps of this size.
 const GAP: f64 = 1e-4;
 /// The number of samples of the faces for every point of the scan.
 const SAMPLES: f64 = 2.0;
-/// The least number of samples of all faces.
-const MIN_SAMPLES: f64 = 20_000.0;
 /// The largest number of samples of all faces.
 const MAX_SAMPLES: f64 = 4_000_000.0;
 
@@ -89,17 +86,13 @@ fn measure(model: &CadModel, scan: &Mesh, measured: &[Point]) -> Result<Report> 
         faces: model.faces.len(),
         loops: model.faces.iter().map(|f| f.loops.len()).sum(),
         area: samples.iter().map(|s| s.area).sum(),
-        face_bounds: of_box(&points),
-        scan_bounds: of_box(measured),
+        face_bounds: box_of(points.iter().copied()),
+        scan_bounds: box_of(measured.iter().copied()),
         max_off_surface: off,
-        resolution: CHORD * diagonal,
+        resolution: ACCURACY * diagonal,
         scan_to_face: Deviation::of(measured, to_faces),
         face_to_scan: Deviation::of(&points, to_scan),
     })
-}
-
-fn of_box(points: &[Point]) -> [[f64; 3]; 2] {
-    bounds(points.iter().copied()).map(|corner| corner.coords.into())
 }
 
 /// The polygons of every face's loops, and the largest distance of an edge from its surface.
@@ -116,7 +109,7 @@ fn rings(
         }
         let mut tracer = Tracer {
             surface: domain,
-            chord: CHORD * diagonal,
+            chord: ACCURACY * diagonal,
             gap: GAP * diagonal,
             off_surface: off,
         };
@@ -140,6 +133,6 @@ fn bounded<'a>(
 /// The distance between samples of the faces in mm, from the area and the number of points of the
 /// scan.
 fn spacing(scan: &Mesh) -> f64 {
-    let count = (SAMPLES * scan.points.len() as f64).clamp(MIN_SAMPLES, MAX_SAMPLES);
+    let count = (SAMPLES * scan.points.len() as f64).clamp(SAMPLED as f64, MAX_SAMPLES);
     (scan.area() / count).sqrt().max(f64::MIN_POSITIVE)
 }

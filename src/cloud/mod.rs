@@ -123,15 +123,13 @@ fn of_all(cloud: &Points, options: &Options, progress: &mut Progress) -> Result<
     }
 }
 
-/// The largest number of points. The stars need one bit of 32 for themselves.
-const MOST_POINTS: usize = 1 << 31;
-
 /// Checks what the readers promise.
 fn check(cloud: &Points) -> Result<()> {
     if cloud.positions.as_flattened().iter().any(|x| !x.is_finite()) {
         return Err(Error::Input("a point of the cloud has a coordinate that is not finite"));
     }
-    if cloud.len() >= MOST_POINTS {
+    // The stars need one bit of 32 for themselves.
+    if cloud.len() >= voronoi::TRIANGLE as usize {
         return Err(Error::Input("the cloud has more points than can be numbered"));
     }
     Ok(())

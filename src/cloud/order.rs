@@ -66,8 +66,8 @@ fn largest_coordinate(p: &[f64; 3]) -> f64 {
 /// A power of two that brings `size` to about one.
 fn inverse_size(size: f64) -> f64 {
     // Beyond this exponent the power or its inverse is not a normal number.
-    const LARGEST: f64 = 1000.0;
-    if size > 0.0 { (-size.log2().floor().clamp(-LARGEST, LARGEST)).exp2() } else { 1.0 }
+    let most = -f64::from(f64::MIN_EXP);
+    if size > 0.0 { (-size.log2().floor().clamp(-most, most)).exp2() } else { 1.0 }
 }
 
 impl Ordered {
@@ -107,8 +107,8 @@ impl Ordered {
     }
 }
 
-/// The number of cells of the Morton curve along an axis; three coordinates below it fit a u64.
-const CELLS: u32 = (1 << 21) - 1;
+/// The largest cell along an axis: of cells up to it, three numbers fit a u64.
+pub(super) const CELLS: u32 = (1 << 21) - 1;
 
 /// The 21 lowest bits, each three places after the last one.
 fn spread(x: u64) -> u64 {

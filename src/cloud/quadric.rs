@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, Const, DimName, Matrix3, SMatrix, SVector};
 
-use crate::geometry::{Point, Vector, plane_axes};
+use crate::geometry::{Point, ROUNDING, Vector, plane_axes};
 
 /// The weight of a point at the squared distance `squared`, where `radius` is the distance of the
 /// farthest point: exp(−4 d²/r²). It is 2 % at the radius, so that points enter and leave a
@@ -154,7 +154,9 @@ impl QuadricRows {
             }
             right.axpy(row.height, &weighted, 1.0);
         }
-        let damping = DAMPING * gram.trace();
+        // It makes the factorization of a singular matrix succeed, and changes a fit that is determined
+        // by nothing.
+        let damping = ROUNDING * gram.trace();
         (0..N).for_each(|i| gram[(i, i)] += damping);
         let factor = gram.cholesky()?;
         let coefficients = factor.solve(&right);
@@ -174,10 +176,6 @@ impl QuadricRows {
         (variance <= 1.0).then(|| [c[0], c[1], c[2]])
     }
 }
-
-/// The share of the trace that is added to the diagonal of the normal equations. It makes the
-/// factorization of a singular matrix succeed, and changes a fit that is determined by nothing.
-const DAMPING: f64 = 1e-12;
 
 /// Below this share of degrees of freedom the residuals are rounding errors.
 const LEAST_FREEDOM: f64 = 1e-3;

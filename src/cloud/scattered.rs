@@ -25,9 +25,6 @@ const MOST_OUTLIERS: f64 = 0.1;
 /// (0.45), 0.85 (0.5), 1.12 (0.8), and 1.5 (0.9) of that with vertices on the surface.
 const MOST_ROUGH: f64 = 0.6;
 
-/// A triangle has three vertices.
-const FEWEST_VERTICES: usize = 3;
-
 /// The points of a cloud, and where they are on the surface.
 struct SurfacePoints {
     lists: NearestLists,
@@ -74,7 +71,8 @@ pub(super) fn triangulate(
         ..Report::default()
     };
     report.thinned = points.len() - report.outliers - kept.points.len();
-    if kept.points.len() < FEWEST_VERTICES {
+    // A triangle has three vertices.
+    if kept.points.len() < 3 {
         return Err(Error::Cloud(CloudFault::NoTriangle));
     }
     let vertices = found.again(points, &kept.points);

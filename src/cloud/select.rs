@@ -5,6 +5,7 @@ use formats::Points;
 use formats::points::{PointScan, ScanGrid};
 use rayon::prelude::*;
 
+use super::order::CELLS;
 use super::{LEFT_OUT, Options, Triangulation};
 use crate::crop;
 use crate::error::{CloudFault, Error, Result};
@@ -107,7 +108,7 @@ fn evenly(cloud: &Points, most: usize) -> Selection {
         keys.len()
     };
     // More cells along an axis mean more occupied ones, but for small exceptions.
-    let (mut few, mut many) = (1.0, LARGEST_GRID);
+    let (mut few, mut many) = (1.0, f64::from(CELLS + 1));
     while extent > 0.0 && many - few > CLOSE * few {
         let middle = 0.5 * (few + many);
         *(if occupied(middle) <= most { &mut few } else { &mut many }) = middle;
@@ -130,9 +131,6 @@ fn evenly(cloud: &Points, most: usize) -> Selection {
     };
     part(cloud, first_of_cell())
 }
-
-/// The largest number of cells along an axis: 2²¹, so that three of them fit in 64 bits.
-const LARGEST_GRID: f64 = 2_097_152.0;
 
 /// How near the number of cells comes to the best one: 1 % of it is 2 % of the points.
 const CLOSE: f64 = 0.01;

@@ -11,7 +11,7 @@ use super::CHUNK;
 use super::nearest_lists::NearestLists;
 use super::noise::median;
 use super::project::SurfacePoint;
-use crate::geometry::{Point, plane_axes};
+use crate::geometry::{NONE, Point, SAME_SIDE, plane_axes};
 use crate::mesh::Neighbours;
 
 /// The number of neighbours that may have a part of the cell's outline. 20 reach beyond the second
@@ -29,9 +29,6 @@ const HALF_SIDE: f64 = 3.0;
 /// points, shorter ones would open the cells of uneven sheets.
 const LONGEST_EDGE: f64 = 3.0;
 
-/// Neighbours whose normals differ by more than 60° are on another sheet.
-const SAME_SHEET: f64 = 0.5;
-
 /// The stars of all vertices.
 pub(super) struct VoronoiStars {
     starts: Vec<usize>,
@@ -40,7 +37,8 @@ pub(super) struct VoronoiStars {
     around: Vec<u32>,
 }
 
-const TRIANGLE: u32 = 1 << 31;
+/// The bit of a neighbour that says that there is a triangle. Points are numbered with the others.
+pub(super) const TRIANGLE: u32 = 1 << 31;
 
 impl VoronoiStars {
     /// Computes the stars of all vertices.
@@ -95,13 +93,10 @@ fn ring_distance(i: usize, places: &[Point], lists: &NearestLists) -> f64 {
 #[derive(Default)]
 struct VoronoiCell {
     /// The corners, counter-clockwise, each with the neighbour whose bisector the side behind it
-    /// is on, or [`SQUARE`].
+    /// is on, or [`NONE`] behind a side of the square.
     corners: Vec<(Vector2<f64>, u32)>,
     old: Vec<(Vector2<f64>, u32)>,
 }
-
-/// The neighbour behind a side of the square to which cells are clipped.
-const SQUARE: u32 = u32::MAX;
 
 impl VoronoiCell {
     fn clip(&mut self, i: usize, vertices: &[SurfacePoint], list: &[u32], spacing: f64) {
@@ -110,7 +105,7 @@ impl VoronoiCell {
         let half = HALF_SIDE * spacing;
         self.corners.clear();
         let square = [(-half, -half), (half, -half), (half, half), (-half, half)];
-        self.corners.extend(square.map(|(x, y)| (Vector2::new(x, y), SQUARE)));
+        self.corners.extend(square.map(|(x, y)| (Vector2::new(x, y), NONE)));
         for &j in list {
             let other = &vertices[j as usize];
             let d = other.place - own.place;
@@ -119,7 +114,8 @@ impl VoronoiCell {
             if squared > 4.0 * farthest {
                 break;
             }
-            if other.normal.dot(&own.normal).abs() < SAME_SHEET {
+            // Neighbours whose normals differ by more than 60° are on another sheet.
+            if other.normal.dot(&own.normal).abs() < SAME_SIDE {
                 continue;
             }
             let flat = Vector2::new(d.dot(&x), d.dot(&y));
@@ -154,11 +150,11 @@ impl VoronoiCell {
     fn star(&self, i: usize, places: &[Point], spacing: &[f64]) -> SmallVec<[u32; 8]> {
         let count = self.corners.len();
         let side = |k: usize| self.corners[k % count].1;
-        let sides = (0..count).filter(|&k| side(k) != SQUARE);
+        let sides = (0..count).filter(|&k| side(k) != NONE);
         let marked = |k: usize| {
             let (j, next) = (side(k), side(k + 1));
             let is_triangle =
-                next != SQUARE && is_short([i, j as usize, next as usize], places, spacing);
+                next != NONE && is_short([i, j as usize, next as usize], places, spacing);
             if is_triangle { j | TRIANGLE } else { j }
         };
         sides.map(marked).collect()

@@ -5,7 +5,7 @@
 use formats::Brep;
 use formats::brep::ShellId;
 
-use super::conversion::placed;
+use super::conversion::{farther, placed, worst};
 use super::faces::{Faces, Gaps, SEAM_PLACES, faces};
 use super::stage::{Observer, Stage, within};
 use super::{InputReport, Options, TargetShape, input, lengths};
@@ -14,12 +14,9 @@ use crate::deviation::{self, Deviation, NetworkToScan};
 use crate::error::BrepFault;
 use crate::mesh::{Components, VertexMap};
 use crate::spline::{Network, NetworkCut};
-use crate::words::{grouped, mm, plural};
+use crate::trim::EDGE_ACCURACY;
+use crate::words::plural;
 use crate::{Error, Result, brep, fill, layout, net, smooth, threads, trim};
-
-/// The distance in mm by which edges of a solid may be off its faces. They are the same polynomials,
-/// so that only roundings remain.
-const UNCERTAINTY: f64 = 1e-7;
 
 /// A component that became a solid or a shell. Lengths are in mm.
 #[derive(Debug)]
@@ -102,24 +99,20 @@ impl BodyConversion {
     /// How many points, and how much of the faces, are beyond the tolerance, and the worst.
     pub fn beyond(&self) -> String {
         let shape = self.shape.word();
-        let part = |beyond: usize, of: String, from: &str, all: &Deviation| {
-            let ([x, y, z], beyond) = (all.max_at, grouped(beyond));
-            let (tolerance, max) = (mm(self.tolerance), mm(all.max));
-            format!(
-                "{beyond} of {of} are farther than {tolerance} from {from}; the worst, {max}, at ({x:.3}, {y:.3}, {z:.3})"
-            )
+        let part = |beyond: usize, of: &str, from: &str, all: &Deviation| {
+            farther(beyond, of, self.tolerance, from) + &worst(all.max, all.max_at)
         };
         let mut parts = Vec::new();
         let points = self.fit_deviation.beyond(self.tolerance);
         if points > 0 {
             let of = plural(self.fit_deviation.distances.len(), "point");
-            parts.push(part(points, of, &format!("the {shape}"), &self.fit_deviation));
+            parts.push(part(points, &of, &format!("the {shape}"), &self.fit_deviation));
         }
         let back = &self.face_to_scan;
         if self.tolerance_named && back.beyond > 0 {
             let of = format!("{} on the {shape}", plural(back.deviation.distances.len(), "place"));
             let from = "the scan's triangles and their chord error";
-            parts.push(part(back.beyond, of, from, &back.deviation));
+            parts.push(part(back.beyond, &of, from, &back.deviation));
         }
         parts.join(", and ")
     }
@@ -202,10 +195,10 @@ fn body(
         TargetShape::Shell => {
             watch(Stage::NetworkTrim(&network, &cut))?;
             let accuracy = network.surfaces.iter().map(trim::edge_accuracy);
-            brep::open(&network, &cut, &options.name, accuracy.fold(UNCERTAINTY, f64::max))?
+            brep::open(&network, &cut, &options.name, accuracy.fold(EDGE_ACCURACY, f64::max))?
         }
-        TargetShape::Void => brep::void(&network, &options.name, UNCERTAINTY)?,
-        _ => brep::closed(&network, &options.name, UNCERTAINTY)?,
+        TargetShape::Void => brep::void(&network, &options.name, EDGE_ACCURACY)?,
+        _ => brep::closed(&network, &options.name, EDGE_ACCURACY)?,
     };
     watch(Stage::Brep)?;
 

@@ -110,30 +110,35 @@ impl Conversion {
 
     /// How many points, and how much of the face, are beyond the tolerance, and the worst.
     pub fn beyond(&self) -> String {
-        let (tolerance, place) =
-            (mm(self.tolerance), |[x, y, z]: [f64; 3]| format!("({x:.3}, {y:.3}, {z:.3})"));
         let mut parts = Vec::new();
-        if self.missed.points > 0 {
-            parts.push(format!(
-                "{} of {} are farther than {tolerance} from the face; the worst, {}, at {}",
-                grouped(self.missed.points),
-                plural(self.fit_deviation.distances.len(), "point"),
-                mm(self.missed.worst),
-                place(self.missed.worst_at),
-            ));
+        let missed = &self.missed;
+        if missed.points > 0 {
+            let of = plural(self.fit_deviation.distances.len(), "point");
+            let worst = worst(missed.worst, missed.worst_at);
+            parts.push(farther(missed.points, &of, self.tolerance, "the face") + &worst);
         }
         let back = &self.face_to_scan;
         if self.tolerance_named && back.beyond > 0 {
             parts.push(format!(
-                "the face is farther than {tolerance} and their chord error from {} of {}; the worst, {}, at {}",
+                "the face is farther than {} and their chord error from {} of {}{}",
+                mm(self.tolerance),
                 grouped(back.beyond),
                 plural(back.triangles, "triangle"),
-                mm(back.max),
-                place(back.max_at),
+                worst(back.max, back.max_at),
             ));
         }
         parts.join(", and ")
     }
+}
+
+/// Says how many of some places are too far from something.
+pub(super) fn farther(beyond: usize, of: &str, tolerance: f64, from: &str) -> String {
+    format!("{} of {of} are farther than {} from {from}", grouped(beyond), mm(tolerance))
+}
+
+/// Says how far the farthest of these places is, and where.
+pub(super) fn worst(distance: f64, [x, y, z]: [f64; 3]) -> String {
+    format!("; the worst, {}, at ({x:.3}, {y:.3}, {z:.3})", mm(distance))
 }
 
 /// A B-rep that is measured from `origin`, moved into the scan's own frame if `keeps_origin`, and else with

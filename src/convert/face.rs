@@ -18,9 +18,6 @@ use crate::{
     Result, adapt, brep, deviation, fill, parameterize, progress, smooth, spline, thin, trim,
 };
 
-/// Progress estimate: the share of the time of the map that thinning takes before it.
-const THINNED: f64 = 0.5;
-
 /// Converts one component of a scan to one face.
 pub(super) fn face(
     scan: &Components,
@@ -128,9 +125,8 @@ fn map(
     let progress = &mut within("parameterize", watch);
     let how = thin::Options::default();
     let (patch, thin) =
-        thin::thin_with(patch, supports, &how, &mut progress::part(progress, 0.0, THINNED))?;
-    let done = if thin.removed > 0 { THINNED } else { 0.0 };
-    let rest = &mut progress::part(progress, done, 1.0);
+        thin::thin_with(patch, supports, &how, &mut progress::step(progress, 0, 2))?;
+    let rest = &mut progress::step(progress, 1, 2);
     let (map, report) = parameterize::parameterize_with(patch, &options.parameterize, rest)?;
     Ok((map, thin, report))
 }

@@ -1,6 +1,6 @@
 //! What could be better of a conversion, and what the user can do about it.
 
-use crate::adapt::Folds;
+use crate::adapt::{Folds, OUTLYING};
 use crate::geometry::{Point, bounds};
 use crate::smooth::Support;
 use crate::words::{grouped, mm, plural};
@@ -37,9 +37,6 @@ fn missed(options: &Options, c: &Conversion) -> Option<String> {
     (!held).then(|| format!("the face is not as good as the scan: {}", c.beyond()))
 }
 
-/// A tolerance in standard deviations of the noise that all points but a few of a million keep.
-const SAFE: f64 = 5.0;
-
 /// No surface keeps to noisy points unless it follows the noise.
 fn hindered(c: &Conversion) -> Option<String> {
     let noise = c.fit.hindrance?;
@@ -47,13 +44,14 @@ fn hindered(c: &Conversion) -> Option<String> {
         "the points scatter by {} (standard deviation) around a face that follows the shape, so that one within {} of them all would have to follow the noise; a --tolerance of {} or more, or --smooth auto, leaves that out",
         mm(noise),
         mm(c.tolerance),
-        mm(SAFE * noise)
+        mm(OUTLYING * noise)
     ))
 }
 
-/// Fewer points do not tell noise from shape. A support that moves points by so many
-/// times the noise is too long.
+/// Fewer points do not tell noise from shape.
 const FEW_POINTS: usize = 1000;
+
+/// A support that moves points by so many times the noise is too long.
 const MOVED: f64 = 2.0;
 
 /// The tolerance is held against smoothed points.
@@ -140,11 +138,11 @@ fn astray(c: &Conversion) -> Option<String> {
     })
 }
 
-/// How many times the noise a named tolerance may be, unless it is less than this
-/// share of the scan's size anyway, and which share of the noise.
-const ABOVE_NOISE: f64 = 10.0;
+/// A named tolerance is far from the noise if it is more than so many times as large, or as small.
+const FAR_OFF: f64 = 10.0;
+
+/// A tolerance below this share of the scan's size is fine in any case.
 const FINE: f64 = 1e-3;
-const BELOW_NOISE: f64 = 0.1;
 
 fn loose(options: &Options, c: &Conversion) -> Option<String> {
     let tolerance = options.tolerance?;
@@ -154,10 +152,10 @@ fn loose(options: &Options, c: &Conversion) -> Option<String> {
     }
     let [ours, its] = [tolerance, noise].map(mm);
     match tolerance / noise {
-        r if r > ABOVE_NOISE && tolerance > FINE * across(c) => Some(format!(
+        r if r > FAR_OFF && tolerance > FINE * across(c) => Some(format!(
             "the tolerance, {ours}, is {r:.0} times the noise of the scan, {its}; a smaller --tolerance keeps more of its shape"
         )),
-        r if r < BELOW_NOISE => Some(format!(
+        r if r < 1.0 / FAR_OFF => Some(format!(
             "the tolerance, {ours}, is far below the noise of the scan, {its}; a larger --tolerance needs fewer control points and loses nothing"
         )),
         _ => None,

@@ -30,6 +30,8 @@ const PROGRAM: u64 = 25_000_000;
 /// where many holes are filled; scans without holes take 300. The counts do not show how much
 /// the fills add, so the estimate takes the worst case and a quarter more.
 const TRIANGLE: u64 = 1_000;
+/// The same for each point of a cloud that stays while its mesh is converted: its place, its vertex and
+/// its distance from the face. Making the mesh takes less than the stages after it.
 const VERTEX: u64 = 200;
 
 /// Bytes for each triangle if a report draws the scan, and for its picture whatever the scan is.
@@ -40,10 +42,6 @@ const PICTURE: u64 = 170_000_000;
 /// Bytes that the layout, the net and the faces of a body take besides. Small bodies of many faces took up
 /// to 55 MB more than a face of as many points may take; large ones took less.
 const BODY: u64 = 70_000_000;
-
-/// Bytes for each point of a cloud that stay while its mesh is converted: its place, its vertex and
-/// its distance from the face. Making the mesh takes less than the stages after it.
-const POINT: u64 = 120;
 
 /// Bytes for each control point while the largest net is fitted. Measured: 4,250 for a uniform
 /// net, 5,500 where a tolerance that cannot be met takes the largest net allowed, 14,000 where
@@ -83,7 +81,7 @@ impl Memory {
         let parts = [
             picture,
             if self.may_be_body { BODY } else { 0 },
-            each(self.points, POINT),
+            each(self.points, VERTEX),
             each(self.triangles, TRIANGLE + drawn),
             each(self.vertices, VERTEX),
             each(self.control_points, CONTROL_POINT),

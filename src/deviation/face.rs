@@ -8,8 +8,8 @@ use super::Deviation;
 use super::slab_polygon::SlabPolygon;
 use crate::geometry::{Point, Uv, bounds};
 use crate::spline::chords::chords;
-use crate::spline::nearest::{EXACT, Foot, NearestPlace, NearestSearch};
-use crate::spline::{Curve, EdgeTree, ParametricSurface, Surface};
+use crate::spline::nearest::{Foot, NearestPlace, NearestSearch};
+use crate::spline::{ACCURACY, Curve, EdgeTree, ParametricSurface, Surface};
 
 /// A surface with the loops that trim it. Loops may be nested: holes in the face, islands in the
 /// holes, and so on.
@@ -63,7 +63,7 @@ impl<'a> TrimmedFace<'a, Surface> {
             true => bounds(surface.net.iter().map(|&p| Point::from(p))),
             false => bounds(breaks),
         };
-        let chord = EXACT * (high - low).norm();
+        let chord = ACCURACY * (high - low).norm();
         let rings = loops
             .par_iter()
             .map(|arcs| loop_polygon(evaluated(surface, &fast_form), arcs, chord))

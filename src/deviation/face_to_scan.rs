@@ -10,13 +10,13 @@ use crate::spline::{ParametricSurface, Surface, fast_evaluator};
 
 /// The number of samples for each knot cell that a triangle spans in the parameter plane, along a
 /// side.
-const SAMPLES_PER_CELL: f64 = 2.0;
+pub(crate) const SAMPLES_PER_CELL: f64 = 2.0;
 
 /// The largest number of samples along the side of a triangle.
 const MAX_SAMPLES: usize = 64;
 
-/// The approximate number of triangles that are sampled for the mean and the percentile.
-const SAMPLED_TRIANGLES: usize = 20_000;
+/// The number of triangles or places, approximately, that suffice for the mean and the percentile.
+pub(crate) const SAMPLED: usize = 20_000;
 
 /// The distances of samples of a face from the triangles of the scan, in mm.
 #[derive(Debug, Clone, Default)]
@@ -108,7 +108,7 @@ impl<'a> SurfaceOverMesh<'a> {
         if count == 0 {
             return FaceToScan::default();
         }
-        let step = count.div_ceil(SAMPLED_TRIANGLES);
+        let step = count.div_ceil(SAMPLED);
         let sample: Vec<usize> = (0..count).step_by(step).collect();
         let seen = self.seen(&sample, true, &is_on);
         let mut distances: Vec<f64> = seen.iter().map(|seen| seen.distance).collect();
@@ -190,8 +190,7 @@ impl<'a> SurfaceOverMesh<'a> {
         is_on: &impl Fn(Uv) -> bool,
     ) -> TriangleDeviation {
         let [a, b, c] = self.corners(i);
-        let along = SAMPLES_PER_CELL * spanned([a, b, c], self.cells);
-        let n = (along.ceil() as usize).clamp(1, MAX_SAMPLES);
+        let n = samples_along(spanned([a, b, c], self.cells));
         let mut seen = TriangleDeviation { triangle: i, distance: 0.0, at: Point::origin() };
         for (x, y) in middles(n) {
             let at = a + (b - a) * x + (c - a) * y;
@@ -245,6 +244,11 @@ pub(crate) fn narrowest(surface: &Surface) -> [f64; 2] {
 
 /// The larger of the numbers of cells that a triangle spans along u and along v. `cells` are the
 /// widths of a cell.
+/// The number of samples along the sides of a triangle that spans so many knot cells.
+pub(crate) fn samples_along(spanned: f64) -> usize {
+    ((SAMPLES_PER_CELL * spanned).ceil() as usize).clamp(1, MAX_SAMPLES)
+}
+
 pub(crate) fn spanned([a, b, c]: [Uv; 3], cells: [f64; 2]) -> f64 {
     let reach = |k: usize| {
         let side = |p: Uv, q: Uv| (p[k] - q[k]).abs();

@@ -10,7 +10,10 @@ mod tessellation;
 
 pub use face::TrimmedFace;
 pub use face_to_scan::FaceToScan;
-pub(crate) use face_to_scan::{MissedTriangle, SurfaceOverMesh, middles, narrowest, spanned};
+pub(crate) use face_to_scan::{
+    MissedTriangle, SAMPLED, SAMPLES_PER_CELL, SurfaceOverMesh, middles, narrowest, samples_along,
+    spanned,
+};
 pub(crate) use network::nearest_of;
 pub use network::{NetworkToScan, network_to_scan, of_network};
 pub use tessellation::{crossing_faces, tessellation};

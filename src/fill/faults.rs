@@ -4,15 +4,13 @@
 use foldhash::{HashMap, HashMapExt, HashSet, HashSetExt};
 use rayon::prelude::*;
 
+use super::CELL;
 use super::box_grid::BoxGrid;
 use super::front::{Fill, Surroundings};
 use crate::geometry::{Point, Vector, VertexId, unit_normal};
 use crate::mesh::Mesh;
 use crate::mesh::crossings::{BoxBlock, BoxBlocks, NumberedBox, cut, extent, overlap};
 use crate::mesh::remesh::FOLDED;
-
-/// The width of a grid cell in mean sides of the triangles. It changes the time only.
-const CELL: f64 = 2.0;
 
 /// The faults of a fill.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

@@ -30,7 +30,7 @@ use rayon::prelude::*;
 use strategies::ClosedHole;
 
 use crate::error::{Error, Result, of};
-use crate::geometry::{Point, VertexId};
+use crate::geometry::{FEW, Point, VertexId};
 use crate::mesh::{Disk, FaceOrigin, Mesh, Patch, boundary};
 use crate::progress::{self, Progress};
 use crate::rules;
@@ -119,11 +119,9 @@ impl Report {
     }
 }
 
-/// Progress estimate: measuring what is around the holes takes half of the time of the stage.
-const SURROUNDINGS_SHARE: f64 = 0.5;
-
-/// The number of holes that are filled in parallel between two reports of progress.
-const HOLES_A_STEP: usize = 32;
+/// The width of a grid cell in mean edge lengths. It changes the time only: smaller cells hold an edge
+/// several times, larger ones give more edges to look at.
+const CELL: f64 = 3.0;
 
 /// Fills all holes of a disk. `measured` are the points of its mesh before smoothing.
 ///
@@ -162,8 +160,9 @@ pub fn fill_with(
         let mut fills: Vec<ClosedHole> = Vec::with_capacity(count);
         loop {
             let filled = fills.len() as f64 / count.max(1) as f64;
-            progress(SURROUNDINGS_SHARE + (1.0 - SURROUNDINGS_SHARE) * filled)?;
-            let some = fills.len()..count.min(fills.len() + HOLES_A_STEP);
+            // Measuring what is around the holes takes about half of the time.
+            progress::step(progress, 1, 2)(filled)?;
+            let some = fills.len()..count.min(fills.len() + FEW);
             let closed: Result<Vec<_>> =
                 some.into_par_iter().map(|hole| fill(around, measured, hole)).collect();
             fills.extend(closed?);

@@ -1,6 +1,6 @@
 //! The rims of a hole projected to a plane, and a test whether a point is in the hole.
 
-use crate::geometry::{Uv, UvVector, ray_crosses, uv_bounds};
+use crate::geometry::{FEW, Uv, UvVector, ray_crosses, uv_bounds};
 
 /// The rims as closed polygons. Their sides are sorted into strips across the longer axis.
 pub struct RimOutlines {
@@ -10,15 +10,13 @@ pub struct RimOutlines {
     is_wide: bool,
 }
 
-/// The number of sides in a strip if they are spread evenly. It changes the time only.
-const IN_STRIP: usize = 8;
-
 impl RimOutlines {
     pub fn new(outlines: &[Vec<Uv>]) -> Self {
         let [low, high] = uv_bounds(&outlines.concat());
         let size = high - low;
         let is_wide = size.x > size.y;
-        let count = outlines.iter().map(Vec::len).sum::<usize>() / IN_STRIP + 1;
+        // A strip has about this many sides if they are spread evenly.
+        let count = outlines.iter().map(Vec::len).sum::<usize>() / FEW + 1;
         let width = (size.max() / count as f64).max(f64::MIN_POSITIVE);
         let low = if is_wide { low.x } else { low.y };
         let mut all = RimOutlines { strips: vec![Vec::new(); count], low, width, is_wide };

@@ -80,9 +80,6 @@ struct LocalFit {
     weights: SVector<f64, 16>,
 }
 
-/// The number of points from which on a local fit has full weight: one for each coefficient.
-const FULL_SUPPORT: f64 = 16.0;
-
 fn local_fit(
     cells: &KnotCells,
     around: &[Option<Vec<Windowed>>; 3],
@@ -107,7 +104,8 @@ fn local_fit(
         return LocalFit { coefficients: Coefficients::zeros(), weights: SVector::zeros() };
     }
     let mut local = solve(cells, p, q, &full(&gram), &right);
-    local.weights *= (count as f64 / FULL_SUPPORT).min(1.0).powi(2);
+    // A local fit has full weight from one point for each coefficient on.
+    local.weights *= (count as f64 / local.weights.len() as f64).min(1.0).powi(2);
     local
 }
 

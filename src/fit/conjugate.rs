@@ -9,23 +9,11 @@ use super::normal::{NormalEquations, PaddedPoint};
 use super::precondition::Preconditioner;
 use super::tasks;
 use super::weight::Weight;
-use crate::geometry::BLOCK;
-
-/// The largest number of steps. Equations that need more have wide regions without samples, and the
-/// direct solver is faster for them.
-const MAX_STEPS: usize = 60;
+use crate::geometry::{BLOCK, MOST_ROUNDS, ROUNDING};
 
 /// The solution is accurate enough when the gain of two steps is below this share of the remaining
 /// sum of squares. Then the root mean square error is within half of this share of the optimum.
 const GAIN: f64 = 1e-4;
-
-/// The relative rounding error of the remaining sum of squares, as a share of the sum of squares at
-/// the start.
-const ROUNDING: f64 = 1e-12;
-
-/// For data whose residual is below [`ROUNDING`], the solution is accurate enough when the gain of
-/// two steps is below this share of the sum of squares at the start.
-const EXACT: f64 = 1e-24;
 
 /// Returns the net of the least-squares optimum and the number of steps. `None` if it takes too
 /// many steps.
@@ -66,7 +54,9 @@ pub fn improve<W: Weight>(
     });
     let mut left = equations.squares - known.sum();
     let mut before = f64::INFINITY;
-    for step in 0..MAX_STEPS {
+    // Equations that need more steps have wide regions without samples, and the direct solver is faster
+    // for them.
+    for step in 0..MOST_ROUNDS {
         inverse.apply(&r, &mut z);
         let next = W::coupled(rows(&mut z, &|i, z| dot(z, &r[i * nv..][..nv])));
         let beta = ratio(next, rz);
@@ -92,13 +82,15 @@ pub fn improve<W: Weight>(
         if !left.is_finite() {
             return None;
         }
-        let sure = (left - ROUNDING * equations.squares).max(0.0);
-        if gain + before <= GAIN * sure + EXACT * equations.squares {
+        // What is left of data without a residual is rounding.
+        let rounded = ROUNDING * equations.squares;
+        let sure = (left - rounded).max(0.0);
+        if gain + before <= GAIN * sure + ROUNDING * rounded {
             return Some((x, step + 1, true));
         }
         before = gain;
     }
-    Some((x, MAX_STEPS, false))
+    Some((x, MOST_ROUNDS, false))
 }
 
 fn dot(a: &[PaddedPoint], b: &[PaddedPoint]) -> PaddedPoint {

@@ -21,7 +21,7 @@ pub struct Moments<W = f64> {
 impl<W: Weight> Moments<W> {
     /// The sums over no samples.
     pub fn zero() -> Self {
-        Moments { gram: [[W::ZERO; 8]; 7], right: [[[0.0; 4]; 4]; 3], squares: 0.0 }
+        Moments { gram: [[W::even(0.0); 8]; 7], right: [[[0.0; 4]; 4]; 3], squares: 0.0 }
     }
 
     /// The sums over cell (p, q).

@@ -61,7 +61,7 @@ impl<W: Weight> NormalEquations<W> {
         let [nu, nv] = cells.counts().map(|n| n + 3);
         let mut equations = NormalEquations {
             shape: [nu, nv],
-            bands: vec![[W::ZERO; 4]; 4 * nu * nv],
+            bands: vec![[W::even(0.0); 4]; 4 * nu * nv],
             right: vec![PaddedPoint::zeros(); nu * nv],
             squares: 0.0,
             unsupported: Vec::new(),

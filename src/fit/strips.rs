@@ -41,7 +41,7 @@ impl<W: Weight> StripSums<W> {
     pub fn new(cells: &KnotCells, p: usize) -> Self {
         let down = cells.counts()[1];
         let mut strip = StripSums {
-            gram: vec![[[W::ZERO; 4]; 7]; down + 3],
+            gram: vec![[[W::even(0.0); 4]; 7]; down + 3],
             right: vec![[[0.0; 4]; 3]; down + 3],
             squares: 0.0,
             cells: Vec::with_capacity(down),
@@ -58,7 +58,7 @@ impl<W: Weight> StripSums<W> {
 
     fn add(&mut self, q: usize, moments: &Moments<W>, span: &Span) {
         for (product, (b, d)) in span.products.iter().zip(PAIRS) {
-            let mut sums = [W::ZERO; 8];
+            let mut sums = [W::even(0.0); 8];
             for (row, c) in moments.gram.iter().zip(product) {
                 sums.iter_mut().zip(row).for_each(|(sum, m)| *sum += *m * *c);
             }

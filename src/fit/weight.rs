@@ -11,9 +11,6 @@ use crate::geometry::Vector;
 
 /// A weight of a sample, or a sum of weights times products of basis functions.
 pub trait Weight: Copy + Send + Sync + AddAssign + Mul<f64, Output = Self> {
-    /// The weight 0.
-    const ZERO: Self;
-
     /// A weight that is equal in all directions.
     fn even(weight: f64) -> Self;
 
@@ -35,8 +32,6 @@ pub trait Weight: Copy + Send + Sync + AddAssign + Mul<f64, Output = Self> {
 }
 
 impl Weight for f64 {
-    const ZERO: f64 = 0.0;
-
     fn even(weight: f64) -> f64 {
         weight
     }
@@ -88,8 +83,6 @@ impl Mul<f64> for Metric {
 }
 
 impl Weight for Metric {
-    const ZERO: Metric = Metric([0.0; 6]);
-
     fn even(weight: f64) -> Metric {
         Metric([weight, weight, weight, 0.0, 0.0, 0.0])
     }

@@ -6,7 +6,8 @@ use std::collections::BinaryHeap;
 use nalgebra::Matrix4;
 
 use super::base::{Base, Flat};
-use crate::geometry::{Uv, Vector};
+use crate::geometry::{EQUILATERAL, Uv, Vector};
+use crate::mesh::remesh::LEAST_VALENCE;
 
 /// The weight of the squared length of an edge, beside the mean squared distance from the planes of
 /// the scan. It keeps triangles of flat regions from becoming long.
@@ -15,10 +16,6 @@ const LENGTH: f64 = 0.003;
 /// The most triangles around a vertex of the base. Vertices with more become irregular vertices with
 /// many faces, where faces are narrow.
 const MOST_VALENCE: usize = 8;
-
-/// The least number of triangles around a vertex that loses one. Two triangles of each pair are joined,
-/// and three quads should be left.
-const LEAST_VALENCE: usize = 4;
 
 /// The least quality of a triangle in the plane and in space: 1 for equal sides, 0 for no area. Worse
 /// triangles map the scan with much distortion. A triangle may also be as bad as one before.
@@ -212,18 +209,16 @@ pub(super) fn is_shaped(base: &Base, old: &[Flat], new: &[Flat], corners: &[[u32
     corners.iter().all(|&t| space_quality(base, t) >= QUALITY.min(before))
 }
 
-const EQUAL_SIDES: f64 = 3.464_101_615_137_754_6;
-
-/// The quality of a triangle in the plane. It is negative if the triangle is turned over.
+/// The quality of a triangle in the plane, 1 if its sides are equal. It is negative if the triangle is turned over.
 fn quality([a, b, c]: [Uv; 3]) -> f64 {
     let squares = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
-    EQUAL_SIDES * crate::geometry::orient2d(a, b, c) / squares.max(f64::MIN_POSITIVE)
+    4.0 * EQUILATERAL * crate::geometry::orient2d(a, b, c) / squares.max(f64::MIN_POSITIVE)
 }
 
 pub(super) fn space_quality(base: &Base, t: [u32; 3]) -> f64 {
     let [a, b, c] = t.map(|v| base.point(v));
     let squares = (b - a).norm_squared() + (c - b).norm_squared() + (a - c).norm_squared();
-    EQUAL_SIDES * base.area_vector(t).norm() / squares.max(f64::MIN_POSITIVE)
+    4.0 * EQUILATERAL * base.area_vector(t).norm() / squares.max(f64::MIN_POSITIVE)
 }
 
 /// Whether a triangle faces as the scan in it does, and the normals of the scan in it are within the

@@ -20,7 +20,7 @@ mod repair;
 use std::collections::{BTreeMap, HashMap};
 
 use crate::error::{Error, Result};
-use crate::geometry::{Point, VertexId};
+use crate::geometry::{MOST_ROUNDS, Point, VertexId};
 use crate::mesh::{Mesh, QuadMesh};
 use crate::progress::{self, Progress};
 use base::{Base, TrianglePlace};
@@ -70,19 +70,14 @@ impl Report {
 /// narrow parts, and with twice as many relaxation takes four times as long.
 const SIDE: usize = 8;
 
-/// The rounds of coarsening and flips. Later ones change little.
-const COARSENINGS: usize = 3;
+/// The rounds of coarsening and flips, and the rounds in which edges are flipped for the valences of the
+/// pairs. Later flips change little, and may go back and forth.
+const FLIPPING: usize = 3;
 
 /// The spreads in degrees between which one is searched for a number of blocks, and the halvings. Below,
 /// single normals count, and above, quads turn away from the scan.
 const SPREADS: [f64; 2] = [15.0, 80.0];
 const HALVINGS: usize = 7;
-
-/// The most rounds in which edges are flipped or split for the valences of the pairs.
-const FLIPS: usize = 20;
-
-/// The round from which on no edges are flipped but only split. Flips can go back and forth.
-const SPLITTING: usize = 3;
 
 /// The most rounds in which blocks are split. Nothing proves that they end.
 const SPLITS: usize = 4;
@@ -142,8 +137,8 @@ fn coarsened(ground: &Ground, spread: f64, progress: &mut Progress) -> Result<Ba
     let mut base = Base::new(ground);
     let spread = spread.to_radians().cos();
     let quadrics = coarsen::quadrics(&base);
-    for round in 0..COARSENINGS {
-        progress(round as f64 / COARSENINGS as f64)?;
+    for round in 0..FLIPPING {
+        progress(round as f64 / FLIPPING as f64)?;
         coarsen::coarsen(&mut base, &quadrics, spread);
         flips::flip(&mut base, spread);
     }
@@ -247,11 +242,11 @@ impl QuadLayout {
 fn paired(base: &mut Base, ground: &Ground, earlier: Option<&Pairs>) -> Result<Pairs> {
     let unpaired = || Error::Layout("its triangles cannot be joined in pairs");
     let mut pairs = Pairs::new(base, earlier).ok_or_else(unpaired)?;
-    for round in 0..FLIPS {
+    for round in 0..MOST_ROUNDS {
         let few = (0..pairs.valence.len()).filter(|&v| (1..3).contains(&pairs.valence[v]));
         let few: Vec<usize> = few.collect();
         let raise = |&&v: &&usize| {
-            (round < SPLITTING && flips::flip_link(base, v as u32))
+            (round < FLIPPING && flips::flip_link(base, v as u32))
                 || flips::split_link(base, ground, v as u32)
         };
         if few.iter().filter(raise).count() == 0 {

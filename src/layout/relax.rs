@@ -10,7 +10,7 @@ use nalgebra::{Matrix2, Vector2};
 
 use super::base::TrianglePlace;
 use super::ground::Ground;
-use crate::geometry::{Point, Vector, plane_axes};
+use crate::geometry::{Point, SAME_SIDE, Vector, plane_axes};
 use crate::mesh::QuadMesh;
 
 /// The weight of areas, beside that of shapes. Without it quads at vertices with three quads become
@@ -21,11 +21,8 @@ const AREA: f64 = 0.3;
 const REGULAR: f64 = 0.05;
 
 /// The cosine of the angle between a corner and the scan at which the barrier is (63°). It lies
-/// beyond the gate, so that quads inside the barrier pass the gate.
+/// beyond the angle of a bad quad, so that quads inside the barrier are good.
 const BARRIER: f64 = 0.45;
-
-/// The cosine of the largest angle between the corner of a good quad and the scan (60°).
-const GATE: f64 = 0.5;
 
 /// Steps that are halved this often without a lower energy are given up.
 const HALVINGS: usize = 5;
@@ -165,7 +162,7 @@ impl<'a> Relaxed<'a> {
         each.sum()
     }
 
-    /// The quads with a corner that faces the scan at more than the angle of the gate.
+    /// The quads with a corner that faces another side than the scan does.
     pub fn bad(&self) -> Vec<usize> {
         let is_bad = |&q: &usize| {
             let quad = self.mesh.quads[q].map(|v| v.index());
@@ -173,7 +170,7 @@ impl<'a> Relaxed<'a> {
                 let [a, b, c] = [quad[k], quad[(k + 1) % 4], quad[(k + 3) % 4]];
                 let p = |v: usize| self.points[v];
                 let cross = (p(b) - p(a)).cross(&(p(c) - p(a)));
-                cross.dot(&self.normals[a]) <= GATE * cross.norm()
+                cross.dot(&self.normals[a]) <= SAME_SIDE * cross.norm()
             })
         };
         (0..self.mesh.quads.len()).filter(is_bad).collect()

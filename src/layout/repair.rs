@@ -13,14 +13,14 @@ use crate::progress::Progress;
 const PLAIN: usize = 20;
 const BARRIER: usize = 40;
 
-/// Rounds in which the weight of bad quads grows, the factor, and the sweeps around them in each.
-const REPAIRS: usize = 12;
+/// The factor by which the weight of bad quads grows in a round of repair.
 const HEAVIER: f64 = 3.0;
+
+/// The sweeps around bad quads in each round, and the most rounds in a row that leave as many of them.
 const LOCAL: usize = 6;
 
-/// The most times that the ground is smoothed under bad quads. First only those are smoothed that are
-/// smaller than this number of the ground's edges, because the scan tells no more about their shape.
-const SMOOTHINGS: usize = 6;
+/// The ground is smoothed under bad quads. First only those are smoothed that are smaller than this number
+/// of the ground's edges, because the scan tells no more about their shape.
 const SMALL: f64 = 4.0;
 
 /// Repair ends when this many smoothings in a row have left as many bad quads as before.
@@ -65,7 +65,7 @@ pub(super) fn relaxed(
     }
     let mut best = (relaxed.bad().len(), relaxed.places.clone());
     let mut in_vain = 0;
-    for _ in 0..=SMOOTHINGS {
+    loop {
         let before = best.0;
         reweigh(&mut relaxed, &mut best);
         in_vain = if best.0 < before { 0 } else { in_vain + 1 };
@@ -87,14 +87,14 @@ pub(super) fn relaxed(
 /// Relaxes around bad quads with larger and larger weights, and keeps the best state.
 fn reweigh(relaxed: &mut Relaxed, best: &mut (usize, Vec<TrianglePlace>)) {
     let mut in_vain = 0;
-    for _ in 0..REPAIRS {
+    loop {
         let bad = relaxed.bad();
         in_vain += 1;
         if bad.len() < best.0 {
             *best = (bad.len(), relaxed.places.clone());
             in_vain = 0;
         }
-        if bad.is_empty() || in_vain > REPAIRS / 2 {
+        if bad.is_empty() || in_vain > LOCAL {
             return;
         }
         bad.iter().for_each(|&q| relaxed.weights[q] *= HEAVIER);

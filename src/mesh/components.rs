@@ -55,11 +55,6 @@ pub struct Components {
     handles: Option<f64>,
 }
 
-/// Components with less than one sixteenth of all triangles are extracted in a time that does not
-/// depend on the size of the mesh. At most sixteen components are larger. Extracting every
-/// component therefore takes at most about sixteen times as long as reading the mesh once.
-const SMALL: usize = 16;
-
 /// A component is dust if it has fewer triangles than the first value and less than the second
 /// value's share of the triangles of the largest component.
 const DUST: (usize, f64) = (64, 0.01);
@@ -196,7 +191,9 @@ impl Components {
         let asked = choice.number();
         let piece =
             self.pieces.get(asked).ok_or(Error::Component { asked, count: self.count() })?;
-        let is_small = SMALL * piece.len() < self.build.mesh.triangles.len();
+        // A component with less than half of all triangles is extracted in a time that does not
+        // depend on the size of the mesh. At most two components are larger.
+        let is_small = 2 * piece.len() < self.build.mesh.triangles.len();
         let mut build =
             if is_small { small_part(&self.build, piece) } else { self.build.part(piece) };
         let orientable = !self.twisted.contains(&asked);

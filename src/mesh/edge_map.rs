@@ -146,15 +146,15 @@ pub(crate) struct Buckets {
     members: Vec<u32>,
 }
 
-/// The largest number of shares in which the buckets are filled in parallel.
-const MOST_SHARES: usize = 8;
+/// The most threads for a task in which each of them reads everything.
+pub(super) const MOST_THREADS: usize = 8;
 
 impl Buckets {
     /// Puts each number below `count` into the bucket `bucket(number)`; there are `buckets` of
     /// them.
     pub(crate) fn new(buckets: usize, count: usize, bucket: impl Fn(u32) -> u32 + Sync) -> Self {
         // Each thread reads all numbers and keeps those that belong to its share of the buckets.
-        let threads = rayon::current_num_threads().min(MOST_SHARES);
+        let threads = rayon::current_num_threads().min(MOST_THREADS);
         let share = buckets.div_ceil(threads).max(1);
         let mut starts = vec![0u32; buckets + 1];
         starts[1..].par_chunks_mut(share).enumerate().for_each(|(k, counts)| {

@@ -6,22 +6,18 @@
 use super::remesh::divide;
 use super::remesh::flips::{EdgeFlip, Sides, flip};
 use super::{FaceOrigin, Mesh, Patch};
-use crate::geometry::{Vector, VertexId, unit_normal};
+use crate::geometry::{MOST_ROUNDS, Vector, VertexId, unit_normal};
 
 /// The longest edge as a share of the diagonal. The quads of a layout are about as large.
 const LONGEST: f64 = 0.02;
 
-/// The mesh may have this many points afterwards, or this multiple of its points. A body with a
-/// surface of four squares of its diagonal needs about 20,000 for edges of the length above.
-const FEW_POINTS: usize = 100_000;
-const MOST_POINTS: usize = 2;
+/// The most points that are added. A body with a surface of four squares of its diagonal needs about
+/// 20,000 for edges of the length above.
+const MOST_ADDED: usize = 100_000;
 
 /// Two triangles are flat if the cosine of the angle between them is at least this (8°). A flip of
 /// their edge moves the surface by less than a fortieth of an edge.
 const FLAT: f64 = 0.99;
-
-/// The most rounds. Each halves the longest edges.
-const ROUNDS: usize = 16;
 
 impl Patch {
     /// A body without gaps.
@@ -47,8 +43,9 @@ impl Patch {
         let mut triangles: Vec<[usize; 3]> =
             self.mesh.triangles.iter().map(|t| t.map(|v| v.index())).collect();
         let longest = LONGEST * self.mesh.diagonal();
-        let most = FEW_POINTS.max(MOST_POINTS * points.len());
-        for _ in 0..ROUNDS {
+        let most = points.len() + MOST_ADDED;
+        // Each round halves the longest edges.
+        for _ in 0..MOST_ROUNDS {
             let divided = divide(&mut points, &mut triangles, |_| longest, most);
             divided.iter().flatten().for_each(|&t| origin.push(origin[t]));
             flip_flat_edges(&points, &mut triangles, &origin);

@@ -14,7 +14,7 @@ use super::build::{Build, Repairs, count};
 use super::components::clean;
 use super::disk::{self, Disk, Outer};
 use super::{EdgeMap, Mesh};
-use crate::geometry::{LocalPlane, Point, Uv, Vector, is_inside, uv_bounds};
+use crate::geometry::{LocalPlane, Point, SAMPLE, Uv, Vector, is_inside, uv_bounds};
 
 /// A component that may be an island.
 #[derive(Debug)]
@@ -28,9 +28,6 @@ pub(super) struct IslandCandidate {
 /// The share of an island's vertices that must lie in its hole. The value is less than 1 because a
 /// hole in a curved surface may look narrower in projection than it is.
 const MIN_INSIDE_SHARE: f64 = 0.95;
-
-/// About this many vertices of a component are tested, spread over all of them.
-const SAMPLE_SIZE: usize = 1000;
 
 /// The smallest cosine of the angle between the mean normals of an island and of its hole. The
 /// value is low because both may be curved.
@@ -208,7 +205,7 @@ fn outline(view: &LocalPlane, mesh: &Mesh, ring: &Loop) -> Vec<Uv> {
 
 /// Some of the vertices, spread evenly over the vertex numbers.
 fn sample(mesh: &Mesh) -> impl Iterator<Item = Point> + '_ {
-    mesh.points.iter().copied().step_by((mesh.points.len() / SAMPLE_SIZE).max(1))
+    mesh.points.iter().copied().step_by((mesh.points.len() / SAMPLE).max(1))
 }
 
 /// Reverses the orientation of all triangles.

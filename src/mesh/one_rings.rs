@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 use smallvec::SmallVec;
 
+use super::edge_map::MOST_THREADS;
 use super::{Mesh, VertexRings};
 use crate::geometry::{NONE, VertexId};
 
@@ -136,7 +137,8 @@ impl OneRings {
     }
 
     fn in_parts(&mut self, change: impl Fn(&mut RingSlice) + Sync) {
-        let parts = rayon::current_num_threads().min(MOST_PARTS);
+        // Each part reads all collapses.
+        let parts = rayon::current_num_threads().min(MOST_THREADS);
         let share = self.rings.len().div_ceil(parts).max(1);
         let boundary = &self.boundary;
         self.rings.par_chunks_mut(share).enumerate().for_each(|(k, rings)| {
@@ -144,10 +146,6 @@ impl OneRings {
         });
     }
 }
-
-/// The largest number of parts of the mesh that are processed in parallel. Each part reads all
-/// collapses.
-const MOST_PARTS: usize = 8;
 
 /// The rings of vertices with consecutive numbers.
 struct RingSlice<'a> {

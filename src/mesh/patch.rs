@@ -1,6 +1,5 @@
 //! A disk whose holes are filled. It remembers which triangles and vertices were measured.
 
-use std::borrow::Cow;
 use std::ops::Range;
 
 use super::boundary::Loop;
@@ -49,10 +48,10 @@ impl Patch {
     }
 
     /// For each measured vertex the number of vertices of the scan for which it stands.
-    pub fn counts(&self) -> Cow<'_, [f64]> {
+    pub fn counts(&self) -> Vec<f64> {
         match &self.stand_ins {
-            Some(stand_ins) => stand_ins.counts().into(),
-            None => vec![1.0; self.measured].into(),
+            Some(stand_ins) => stand_ins.counts().to_vec(),
+            None => vec![1.0; self.measured],
         }
     }
 

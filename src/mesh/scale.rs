@@ -12,9 +12,6 @@ use super::weld::is_usable;
 /// This is about the extent in mm of the scans on which the stages were tuned.
 const SIZE: i32 = 6;
 
-/// Two to a power beyond this, or its inverse, is not a normal floating-point number.
-const LARGEST: i32 = 1000;
-
 /// The power of two that gives the scan its standard size. Only points that polygons use and that
 /// [`is_usable`] accepts are measured; `mm` is the length of their unit in mm.
 pub(super) fn to_size(soup: &Soup, mm: f64) -> f64 {
@@ -27,7 +24,9 @@ pub(super) fn to_size(soup: &Soup, mm: f64) -> f64 {
         }
     }
     let extent = (0..3).map(|k| bounds[1][k] - bounds[0][k]).fold(0.0, f64::max);
-    if extent > 0.0 { 2f64.powi((SIZE - exponent(extent)).clamp(-LARGEST, LARGEST)) } else { 1.0 }
+    // Two to a power beyond this, or its inverse, is not a normal floating-point number.
+    let most = -f64::MIN_EXP;
+    if extent > 0.0 { 2f64.powi((SIZE - exponent(extent)).clamp(-most, most)) } else { 1.0 }
 }
 
 /// The exponent of the largest power of two that is at most `x`, for `x` above 0. It is read from

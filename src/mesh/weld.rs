@@ -7,15 +7,11 @@ use formats::Soup;
 use hashbrown::HashTable;
 
 use super::build::{Repairs, count};
-use crate::geometry::{NONE, Point, bounds};
+use crate::geometry::{NONE, Point, ROUNDING, bounds};
 
 /// Points with a coordinate beyond this, in mm, are treated like infinite ones. Products of larger
 /// coordinates overflow.
 const FARTHEST: f64 = 1e60;
-
-/// The rounding of coordinates that are compared, as a share of the largest extent: a program that
-/// computes a place twice, say with sines and cosines, gets numbers that differ by about this much.
-const ROUNDING: f64 = 1e-12;
 
 /// Whether a point can be used, if its unit is `mm` millimetres long.
 pub(super) fn is_usable(p: &[f64; 3], mm: f64) -> bool {
@@ -67,7 +63,7 @@ pub(super) fn weld(soup: &Soup, mm: f64, factor: f64, repairs: &mut Repairs) -> 
     welded
 }
 
-/// The step to which coordinates are rounded.
+/// The step to which coordinates are rounded, in relation to the largest extent.
 fn rounding(soup: &Soup, mm: f64) -> f64 {
     let usable = soup.points.iter().filter(|p| is_usable(p, mm)).map(|p| Point::from(*p));
     let [low, high] = bounds(usable);

@@ -8,12 +8,8 @@ use super::multigrid::{DIRECT_SIZE, Multigrid};
 use super::solve;
 use super::sparse::{self, Matrix, UvPair};
 use crate::error::Result;
-use crate::geometry::{NONE, Point, Uv};
+use crate::geometry::{NONE, Point, ROUNDING, Uv};
 use crate::mesh::one_rings::OneRings;
-
-/// The iteration ends when the last correction moves no vertex by more than this. The side of the
-/// square is 1.
-const MAX_CORRECTION: f64 = 1e-12;
 
 /// The reduction of the residual in one round of BiCGStab.
 const ROUND_REDUCTION: f64 = 1e-6;
@@ -123,7 +119,8 @@ impl MeanValueSystem {
             if !step.as_flattened().iter().all(|s| s.is_finite()) {
                 return None;
             }
-            if farthest < MAX_CORRECTION {
+            // The side of the square is 1.
+            if farthest < ROUNDING {
                 return Some(x);
             }
         }

@@ -130,9 +130,8 @@ pub fn parameterize_with(
         return outline::map(patch, options, progress);
     }
     let (patch, bays) = bays::close(patch.without_bays().unwrap_or(patch), None);
-    let share = |round: u32| f64::from(round) / f64::from(MAX_REMAPS + 1);
     let (mut map, mut report) =
-        outline::map(patch, options, &mut progress::part(progress, share(0), share(1)))?;
+        outline::map(patch, options, &mut progress::step(progress, 0, MAX_REMAPS + 1))?;
     report.bays = bays;
     let free = Options { outline: Some(Outline::Free), ..options.clone() };
     for round in 1..=MAX_REMAPS {
@@ -144,7 +143,7 @@ pub fn parameterize_with(
         if patch.outer == map.patch.outer && patch.mesh.triangles == map.patch.mesh.triangles {
             break;
         }
-        let mut part = progress::part(progress, share(round), share(round + 1));
+        let mut part = progress::step(progress, round, MAX_REMAPS + 1);
         let (next, how) = outline::map(patch, &free, &mut part)?;
         if how.stretch.l2 > MAX_STRETCH_GROWTH * report.stretch.l2 {
             break;
@@ -159,7 +158,7 @@ pub fn parameterize_with(
 
 /// The largest number of times that bays are closed again as the latest map shows them. The map
 /// changes with the bays.
-const MAX_REMAPS: u32 = 2;
+const MAX_REMAPS: usize = 2;
 
 /// A new map is rejected if its stretch exceeds that of the map before by this factor.
 const MAX_STRETCH_GROWTH: f64 = 1.02;

@@ -11,7 +11,7 @@ use super::sweep_mesh::SweepMesh;
 use super::weights::Weights;
 use super::{mend, solve, stretch};
 use crate::error::{Error, Result};
-use crate::geometry::{Point, Uv, UvVector, orient2d};
+use crate::geometry::{MOST_ROUNDS, Point, Uv, UvVector, orient2d};
 use crate::mesh::one_rings::{HalfEdgeCollapse, OneRings};
 use crate::mesh::progressive_mesh::ProgressiveMesh;
 use crate::progress::Progress;
@@ -87,7 +87,7 @@ impl RectangleMap<'_> {
         let mut relaxed = 0;
         loop {
             let n = hierarchy.remaining.len();
-            progress(REFINED * n as f64 / self.at.len() as f64)?;
+            progress(n as f64 / self.at.len() as f64)?;
             let (growth, sweeps) =
                 EFFORT.iter().find(|e| n <= e.0).map_or((2.0, 2), |e| (e.1, e.2));
             if n as f64 >= growth * relaxed as f64 {
@@ -194,7 +194,7 @@ impl RectangleMap<'_> {
         let ends = [path[0], path[path.len() - 1]].map(|w| self.at[w as usize] - corner);
         let towards = if inner { bisector(ends) } else { wish - corner };
         let mut q = corner + towards;
-        for _ in 0..MOST_HALVINGS {
+        for _ in 0..MOST_ROUNDS {
             if sees_all(q) {
                 break;
             }
@@ -231,9 +231,6 @@ impl RectangleMap<'_> {
 /// number of vertices has grown by the factor `.1` since the last ones.
 const EFFORT: [(usize, f64, usize); 3] = [(500, 1.0, 40), (5_000, 1.3, 20), (50_000, 1.6, 10)];
 
-/// Progress estimate: the share of the time after which all collapses are undone.
-const REFINED: f64 = 0.85;
-
 /// The number of sweeps over the whole mesh.
 const LAST_SWEEPS: usize = 2;
 
@@ -243,9 +240,6 @@ const COARSE_MESH: usize = 5_000;
 /// The largest number of moves in [`RectangleMap::propagate`], as a multiple of the number of
 /// vertices.
 const MAX_MOVES: usize = 2;
-
-/// A new vertex is placed no nearer to the apex than this power of one half.
-const MOST_HALVINGS: usize = 60;
 
 /// The bisector of the counter-clockwise angle from the first direction to the second. It is not
 /// longer than these.

@@ -21,9 +21,6 @@ const OUTERMOST: usize = 64;
 /// The width of the window for the mean, in distances between vertices of the ring.
 const WINDOW: f64 = 3.0;
 
-/// A boundary with fewer vertices does not count as ragged, because its smooth course is unknown.
-const FEWEST: usize = 64;
-
 /// A boundary is ragged if its length exceeds that of its mean over nine vertices by this factor.
 /// Square corners give 1.02 to 1.07.
 const RAGGED: f64 = 1.1;
@@ -38,7 +35,8 @@ pub fn is_ragged(mesh: &Mesh, outer: &[VertexId]) -> bool {
     let mean = |i: usize| (0..9).map(|k| at(i + k)).sum::<Vector>() / 9.0;
     let length =
         |at: &dyn Fn(usize) -> Vector| -> f64 { (0..n).map(|i| (at(i + 1) - at(i)).norm()).sum() };
-    n >= FEWEST && length(&at) > RAGGED * length(&mean)
+    // The smooth course of a boundary with fewer vertices is unknown.
+    n >= OUTERMOST && length(&at) > RAGGED * length(&mean)
 }
 
 /// The mesh of the patch with a scaffold, and the new outer boundary. The vertices and triangles of

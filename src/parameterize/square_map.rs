@@ -18,9 +18,6 @@ const WEIGHED: usize = 30_000;
 /// The number of vertices of the mesh on which corners are tried.
 const COARSE: usize = 400;
 
-/// Progress estimate: the share of the time after which the coarse map is ready.
-const STARTED: f64 = 0.35;
-
 /// A disk simplified to a few vertices, with their map.
 pub struct CoarseMap<'a> {
     mesh: &'a Mesh,
@@ -63,7 +60,7 @@ impl<'a> CoarseMap<'a> {
         let mut kept = vec![false; points.len()];
         sets.iter().flatten().for_each(|&v| kept[v as usize] = true);
         let mut hierarchy = ProgressiveMesh::new(OneRings::new(mesh, outer));
-        let progress = &mut progress::part(progress, 0.0, STARTED);
+        let progress = &mut progress::step(progress, 0, 2);
         let loss = |rings: &OneRings, v| shape_loss(points, rings, v);
         let collapsing = Collapsing { points, kept: &kept, loss };
         hierarchy.coarsen(&collapsing, WEIGHED, |_| (), progress)?;
@@ -92,7 +89,7 @@ impl<'a> CoarseMap<'a> {
         progress: &mut Progress,
     ) -> Result<SquareMap> {
         let rectangle = Rectangle::new(&self.outer, &self.corners);
-        let progress = &mut progress::part(progress, STARTED, 1.0);
+        let progress = &mut progress::step(progress, 1, 2);
         let mut uv = match method {
             MapMethod::LeastStretch => self.least_stretch(&rectangle, progress)?,
             MapMethod::MeanValue => self.mean_value(&rectangle)?,

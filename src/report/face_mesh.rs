@@ -1,5 +1,6 @@
 //! The faces of a conversion as triangles, with what the page colours them by.
 
+use super::scale::SPREAD;
 use super::view::ReportView;
 use crate::geometry::{Uv, Vector, VertexId};
 use crate::mesh::Mesh;
@@ -127,11 +128,8 @@ fn grid_triangles(columns: usize, rows: usize) -> impl Iterator<Item = [usize; 3
     })
 }
 
-/// The end of the scale of curvatures as a multiple of their 95th percentile: sharp places, which
-/// are few, would make all others look alike.
-const SPREAD: f64 = 1.3;
-
-/// The end of the scale of curvatures, in 1/mm.
+/// The end of the scale of curvatures, in 1/mm. Sharp places, which are few, would make all others look
+/// alike.
 pub(super) fn curvature_end(views: &[ReportView]) -> f64 {
     let faces = || views.iter().filter_map(|view| view.face.as_ref());
     let mut all: Vec<f64> =

@@ -4,7 +4,7 @@
 use formats::LengthUnit;
 
 use super::{ScanSource, Setting, Settings, unused};
-use crate::geometry::{Vector, bounds};
+use crate::geometry::{Vector, box_of};
 use crate::words::mm;
 use crate::{BodyConversion, Conversion, TargetShape};
 
@@ -73,7 +73,7 @@ fn odd_size<'a>(
     components: impl Iterator<Item = &'a [[f64; 3]; 2]>,
 ) -> Option<String> {
     let corners = components.flatten().map(|&p| p.into());
-    likely_unit(source, bounds(corners).map(|p| p.coords.into()))
+    likely_unit(source, box_of(corners))
 }
 
 fn size([low, high]: [[f64; 3]; 2]) -> f64 {

@@ -12,7 +12,7 @@ pub(super) struct Ends {
 
 /// The end of a scale as a multiple of the 95th percentile of the distances. The few points
 /// that are farthest would make all others look alike.
-const SPREAD: f64 = 1.3;
+pub(super) const SPREAD: f64 = 1.3;
 
 /// The tolerance is put on the scale unless it is more than this multiple of that end: the
 /// distances would have no colours then.

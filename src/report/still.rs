@@ -8,7 +8,7 @@ use super::histogram::Histogram;
 use super::scale::{Ends, short};
 use super::view::{ReportView, ViewFigures};
 use crate::deviation::Deviation;
-use crate::geometry::Point;
+use crate::geometry::{Point, box_of};
 use crate::picture::canvas::Canvas;
 use crate::picture::colour::{BACKGROUND, DOTS, INK, encoded, linear, srgb};
 use crate::picture::lines::{Lines, Pen};
@@ -72,7 +72,7 @@ pub fn picture_png(name: &str, views: &[ReportView]) -> io::Result<Vec<u8>> {
 /// The box around all components.
 fn bounds(views: &[ReportView]) -> [[f64; 3]; 2] {
     let corners = views.iter().flat_map(|view| view.figures.bounds).map(Point::from);
-    crate::geometry::bounds(corners).map(|corner| corner.coords.into())
+    box_of(corners)
 }
 
 /// The tolerance, where all parts have the same.

@@ -8,10 +8,11 @@ pub(super) fn of(settings: &Settings, source: &ScanSource, shape: &str) -> Vec<S
     let is_face = shape == "face";
     let fills =
         if shape == "shell" { "all its holes are cut out" } else { "all its holes stay filled" };
+    let mesh = "the scan is a mesh, not a cloud";
     let unused = [
-        (is_mesh && settings.spacing.is_some(), "spacing", "the scan is a mesh, not a cloud"),
-        (is_mesh && settings.max_points.is_some(), "max-points", "the scan is a mesh, not a cloud"),
-        (is_mesh && settings.scan.is_some(), "scan", "the scan is a mesh, not a cloud"),
+        (is_mesh && settings.spacing.is_some(), "spacing", mesh),
+        (is_mesh && settings.max_points.is_some(), "max-points", mesh),
+        (is_mesh && settings.scan.is_some(), "scan", mesh),
         (is_face && settings.faces.is_some(), "faces", "a face is one surface"),
         (!is_face && settings.keep_fills, "keep-fills", fills),
         (!is_face && settings.fill_only_holes_below.is_some(), "fill-only-holes-below", fills),

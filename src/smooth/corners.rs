@@ -1,5 +1,6 @@
 //! Detection of corners of a boundary loop.
 
+use super::curve::MIN_POINTS;
 use crate::geometry::{Point, VertexId};
 use crate::mesh::{Mesh, boundary};
 
@@ -16,7 +17,7 @@ pub fn find(mesh: &Mesh, ring: &[VertexId], window: f64) -> Vec<usize> {
     let points: Vec<Point> = ring.iter().map(|&v| mesh.point(v)).collect();
     let n = points.len();
     let total: f64 = (0..n).map(|i| (points[(i + 1) % n] - points[i]).norm()).sum();
-    if n < 8 || total < SHORTEST * window {
+    if n < MIN_POINTS || total < SHORTEST * window {
         return Vec::new();
     }
     let turns: Vec<f64> = (0..n).map(|i| turn(&points, i, window)).collect();

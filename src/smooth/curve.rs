@@ -11,6 +11,7 @@
 use nalgebra::Vector2;
 use rayon::prelude::*;
 
+use super::BESIDE;
 use super::crossvalidation::{SupportScore, chosen};
 use super::line::{quadratic, reference_line};
 use crate::geometry::{Point, Vector, plane_axes};
@@ -20,7 +21,7 @@ use crate::mesh::mls::REACH;
 const SUPPORTS: [f64; 7] = [2.0, 3.0, 4.5, 6.5, 9.5, 14.0, 20.0];
 
 /// Loops and parts of loops with fewer points than this are not smoothed.
-const MIN_POINTS: usize = 8;
+pub(super) const MIN_POINTS: usize = 8;
 
 /// The largest move of a point, in standard deviations of the noise. The stair steps that a coarse
 /// mesh makes of a straight rim are not noise, but up to this size they are smoothed as well.
@@ -75,9 +76,6 @@ pub fn smooth_loop(rim: &RimPoints, corners: &[usize]) -> Vec<Point> {
 /// point in these rounds, in standard deviations of the noise.
 const SPREADING: (usize, f64) = (12, 2.5);
 
-/// The number of edges on each side of a corner over which the loop is treated as straight.
-const STRAIGHT: usize = 4;
-
 impl RimPoints<'_> {
     /// Spreads points along the loop where noise has crowded them. In each round a point moves half
     /// the way to the middle of its neighbours, along the line through them, but in total no
@@ -111,13 +109,13 @@ impl RimPoints<'_> {
             Vector2::new(d.dot(&x), d.dot(&y))
         };
         let side = |near: usize, far: usize| (flat(near), (flat(near) - flat(far)).normalize());
-        let (p, u) = side(corner + n - 1, corner + n - 1 - STRAIGHT);
-        let (q, v) = side(corner + 1, corner + 1 + STRAIGHT);
+        let (p, u) = side(corner + n - 1, corner + n - 1 - BESIDE);
+        let (q, v) = side(corner + 1, corner + 1 + BESIDE);
         // Solve p + s u = q + t v. Nearly parallel sides have no usable intersection.
         let turn = u.perp(&v);
         let met = p + (q - p).perp(&v) / turn * u;
         let near = met.norm() <= MAX_MOVE * self.noise[corner] && turn.abs() > 0.3;
-        (near && n > 4 * STRAIGHT).then(|| raw + met.x * x + met.y * y)
+        (near && n > 4 * BESIDE).then(|| raw + met.x * x + met.y * y)
     }
 
     fn part(&self, first: usize, count: usize, closed: bool) -> LoopPart {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::clusters::{ClusterLevel, Neighbourhood};
-use crate::geometry::Point;
+use crate::geometry::{Point, SAMPLE};
 use crate::mesh::mls::{Polynomial, REACH, ReferencePlane, Scatter, reference_plane};
 use crate::mesh::{Mesh, VertexRings};
 
@@ -26,9 +26,6 @@ const CLUSTER_RADIUS: f64 = 0.3;
 /// cluster, because clusters would hardly be fewer. The vertices are counted: noise as large as the
 /// distance between points doubles the lengths of edges, so these are no measure.
 const MIN_CLUSTER_SIZE: f64 = 4.4;
-
-/// The number of vertices around which they are counted, approximately.
-const COUNTED_SAMPLES: usize = 1000;
 
 /// A support with its level of clusters.
 #[derive(Clone)]
@@ -82,7 +79,7 @@ impl SupportLevel {
     /// The mean number of samples within a radius of a sample.
     fn mean_neighbours(&self, radius: f64) -> f64 {
         let (mut scratch, count) = (Neighbourhood::default(), self.clusters.samples.len());
-        let looked_at = (0..count).step_by(count.div_ceil(COUNTED_SAMPLES).max(1));
+        let looked_at = (0..count).step_by(count.div_ceil(SAMPLE).max(1));
         let of_each = looked_at.map(|c| {
             self.clusters.gather(c, radius / REACH, &mut scratch);
             scratch.around.len() as f64

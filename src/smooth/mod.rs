@@ -23,7 +23,7 @@ use std::convert::Infallible;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result, of};
-use crate::geometry::{Point, Vector, VertexId, in_lengths, length};
+use crate::geometry::{MOST_ROUNDS, Point, Vector, VertexId, in_lengths, length};
 use crate::mesh::{Disk, Mesh, VertexRings, boundary};
 use crate::progress::{self, Progress};
 use crate::rules;
@@ -158,7 +158,7 @@ pub fn smooth_with(
     progress: &mut Progress,
 ) -> Result<(Disk, Report)> {
     options.check()?;
-    let examined = Examined::new(&disk.mesh, &mut progress::part(progress, 0.0, EXAMINED))?;
+    let examined = Examined::new(&disk.mesh, &mut progress::step(progress, 0, 3))?;
     let noise: Vec<f64> =
         (0..disk.mesh.points.len()).map(|v| examined.choice.noise_at(v)).collect();
     let mut report = Report {
@@ -173,13 +173,13 @@ pub fn smooth_with(
     };
     let mut out = disk.clone();
     let surface = match options.support {
-        Support::Auto => examined.surface(&mut progress::part(progress, EXAMINED, FITTED))?,
+        Support::Auto => examined.surface(&mut progress::step(progress, 1, 3))?,
         Support::Fixed(h) => examined.surface_of(&disk.mesh, h)?,
         Support::Off => return Ok((out, report)),
     };
     report.h = median(surface.supports().collect());
     report.supports = surface.smoothed_supports().collect();
-    let onto = &mut progress::part(progress, FITTED, PROJECTED);
+    let onto = &mut progress::step(progress, 2, 3);
     let (projected, normals) = surface.feet(&disk.mesh, onto)?;
     out.mesh.points.clone_from(&projected);
     let rings: Vec<&boundary::Loop> = disk.loops().collect();
@@ -228,17 +228,8 @@ fn smoothed_loop(
     ring.par_iter().zip(&smooth).map(foot).collect()
 }
 
-/// Progress estimates: the shares of the total time after which the supports and the noise are
-/// known, the polynomials are fitted, and the points are projected.
-const EXAMINED: f64 = 0.45;
-const FITTED: f64 = 0.65;
-const PROJECTED: f64 = 0.75;
-
-/// The largest number of rounds of outlier detection.
-const OUTLIER_ROUNDS: usize = 3;
-
-/// Progress estimate: the share of the first phase that the clustering takes.
-const LEVELLED: f64 = 0.2;
+/// The number of vertices on each side of a corner or a crossing of a loop that are treated with it.
+const BESIDE: usize = 4;
 
 /// A fixed support must be able to smooth at least this share of the points.
 const MOST_REACHED: f64 = 0.5;
@@ -256,12 +247,10 @@ impl Examined {
         let rings = VertexRings::new(mesh);
         let mut left_out = vec![false; mesh.points.len()];
         let mut levels = levels::levels(mesh, &rings, &left_out);
-        progress(LEVELLED)?;
-        let choosing = &mut progress::part(progress, LEVELLED, 1.0);
-        let mut choice = support::choose(mesh, &levels, choosing)?;
+        let mut choice = support::choose(mesh, &levels, progress)?;
         // Outliers disturb the choice of supports with which they are detected, so both are
         // repeated.
-        for _ in 0..OUTLIER_ROUNDS {
+        for _ in 0..MOST_ROUNDS {
             if !outliers::add(mesh, &rings, &levels, &choice, &mut left_out)? {
                 break;
             }

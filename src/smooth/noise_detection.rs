@@ -32,10 +32,6 @@ const MIN_NOISE_SHARE: f64 = 0.8;
 /// The number of standard errors from which on a difference is significant.
 const SIGNIFICANT: f64 = 3.0;
 
-/// Residuals are limited to this number of standard deviations. Otherwise an edge of the object or
-/// an outlier could outweigh all other residuals.
-const MAX_RESIDUAL: f64 = 3.0;
-
 /// A polynomial may follow its own point so closely that less than this share of the noise variance
 /// is left. Such a residual is not used.
 const MIN_VARIANCE: f64 = 0.01;
@@ -122,7 +118,8 @@ fn excess(pairs: &[ResidualPair]) -> f64 {
     let count = pairs.len() as f64;
     let usual = median(pairs.iter().flat_map(|pair| pair.residuals).map(f64::abs).collect());
     // Half of a normal distribution lies within 0.6745 standard deviations.
-    let far = MAX_RESIDUAL * usual / 0.6745;
+    // An edge of the object or an outlier must not outweigh all other residuals.
+    let far = SIGNIFICANT * usual / 0.6745;
     let near = || pairs.iter().map(|pair| pair.residuals.map(|x| x.clamp(-far, far)));
     let products: f64 = near().map(|[a, b]| a * b).sum();
     let squares: f64 = near().map(|[a, b]| 0.5 * (a * a + b * b)).sum();

@@ -8,7 +8,7 @@ use super::median;
 use super::support::SupportField;
 use super::surface::{MlsSurface, NOWHERE};
 use crate::error::Result;
-use crate::geometry::{Vector, VertexId};
+use crate::geometry::{ALONE, Vector, VertexId};
 use crate::mesh::{Mesh, VertexRings};
 use crate::progress;
 
@@ -16,10 +16,6 @@ use crate::progress;
 /// residuals around it. Fewer than one in a hundred million normally distributed residuals is as
 /// large.
 const DEVIATIONS: f64 = 6.0;
-
-/// An outlier is farther from the surface than this multiple of the mean distance of its
-/// neighbours. Along a sharp edge, where the fit is poor, all points are far from the surface.
-const MIN_NEIGHBOUR_RATIO: f64 = 4.0;
 
 /// A point nearer to the surface than this share of the mean edge length is not an outlier. On a
 /// scan without noise, fit errors may exceed the noise.
@@ -63,7 +59,7 @@ pub fn add(
         let (sum, count) = around
             .filter(|&w| !left_out[w])
             .fold((0.0, 0), |(sum, count), w| (sum + off(w), count + 1));
-        far * f64::from(count) > MIN_NEIGHBOUR_RATIO * sum
+        far * f64::from(count) > ALONE * sum
     };
     let found: Vec<usize> = suspects.into_par_iter().filter(is_outlier).collect();
     found.iter().for_each(|&v| left_out[v] = true);

@@ -13,7 +13,7 @@ use super::clusters::{Neighbourhood, ScratchPool};
 use super::levels::SupportLevel;
 use super::noise_detection::{self, ResidualPair};
 use super::root_mean_square;
-use crate::geometry::{NONE, VertexId};
+use crate::geometry::{FEW, NONE, VertexId};
 use crate::mesh::Mesh;
 
 /// The number of vertices for each sampled place.
@@ -69,9 +69,6 @@ struct SupportTrial {
     pairs: Vec<ResidualPair>,
 }
 
-/// The number of times that progress is reported.
-const PARTS: usize = 4;
-
 /// Chooses the support of every vertex, and reports progress to `progress`.
 pub fn choose<E>(
     mesh: &Mesh,
@@ -83,7 +80,7 @@ pub fn choose<E>(
     let scratch_pool = ScratchPool::default();
     let look = |&v: &u32| scratch_pool.with(|scratch| trial(mesh, levels, VertexId(v), scratch));
     let mut trials: Vec<SupportTrial> = Vec::with_capacity(places.len());
-    for part in places.chunks(places.len().div_ceil(PARTS).max(1)) {
+    for part in places.chunks(places.len().div_ceil(FEW).max(1)) {
         trials.par_extend(part.par_iter().map(look));
         progress(trials.len() as f64 / places.len() as f64)?;
     }

@@ -4,13 +4,11 @@
 use rstar::RTree;
 use rstar::primitives::GeomWithData;
 
+use super::BESIDE;
 use crate::geometry::{Point, Uv, Vector, plane_axes, segments_cross};
 
 /// The largest number of rounds. Each round moves the points half of the remaining way back.
 const MAX_ROUNDS: usize = 12;
-
-/// The number of vertices on each side of a crossing that move back with it.
-const AROUND: usize = 4;
 
 /// Moves the points of `smooth` near each crossing back towards `before`, the unsmoothed loop,
 /// until the loop does not cross itself. `normals` are the normals of the surface at the points.
@@ -19,7 +17,7 @@ pub fn uncross(smooth: &mut [Point], before: &[Point], normals: &[Vector]) {
     for _ in 0..MAX_ROUNDS {
         let mut back = vec![false; n];
         for i in crossed(smooth, normals) {
-            (0..=2 * AROUND + 1).for_each(|k| back[(i + n + k - AROUND) % n] = true);
+            (0..=2 * BESIDE + 1).for_each(|k| back[(i + n + k - BESIDE) % n] = true);
         }
         if !back.contains(&true) {
             return;

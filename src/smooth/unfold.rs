@@ -8,11 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use rayon::prelude::*;
 
 use super::surface::MlsSurface;
-use crate::geometry::{Point, Vector, VertexId};
+use crate::geometry::{MOST_ROUNDS, Point, Vector, VertexId};
 use crate::mesh::{Disk, VertexRings};
-
-/// The largest number of rounds.
-const MAX_ROUNDS: usize = 60;
 
 /// After this number of rounds, boundary vertices move back as well, for the same number of rounds.
 /// The two kinds of rounds then alternate, because the positions to which boundary vertices return
@@ -63,7 +60,7 @@ pub fn unfold(disk: &mut Disk, surface: &MlsSurface, by: UnfoldReference) {
     let triangles = Marks::new(disk.mesh.triangles.len());
     // Vertices that may have left the surface since they were last projected.
     let mut moved_off = Vec::new();
-    for round in 0..MAX_ROUNDS {
+    for round in 0..MOST_ROUNDS {
         if folded.is_empty() || round % PATIENCE == PATIENCE - 1 {
             moved_off = vertices.unique(moved_off.into_par_iter());
             smoothing.project_back(disk, &moved_off);

@@ -1,10 +1,7 @@
 //! Cubic Bézier pieces of curves in the parameter plane.
 
 use super::Curve;
-use crate::geometry::{Uv, UvVector, uv_bounds};
-
-/// The cosine of the half opening of the cone that contains the directions of a piece.
-const CONE_COS: f64 = 0.5;
+use crate::geometry::{SAME_SIDE, Uv, UvVector, uv_bounds};
 
 /// A cubic Bézier curve over a range of the parameters of a loop.
 #[derive(Debug, Clone)]
@@ -86,7 +83,7 @@ impl BezierPiece {
         chord.norm() > 0.0
             && self.directions().iter().all(|d| {
                 let along = d.dot(&chord);
-                along > 0.0 && along >= CONE_COS * d.norm() * chord.norm()
+                along > 0.0 && along >= SAME_SIDE * d.norm() * chord.norm()
             })
     }
 

@@ -12,16 +12,10 @@ use super::bezier_piece::{BezierPiece, run_on};
 use super::{Curve, LoopFault};
 use crate::geometry::{Uv, uv_bounds};
 
-/// The smallest distance in (u, v) between two loops, and between different parts of a loop.
-/// Importers treat curves that are nearer as touching.
+/// The smallest distance in (u, v) between two loops, between different parts of a loop, and between a
+/// loop and the end of the domain. Importers treat curves that are nearer as touching, and refuse a
+/// pcurve that leaves the domain by any amount.
 const CLEARANCE: f64 = 1e-8;
-
-/// The smallest distance between a loop and the end of the domain. Importers refuse a pcurve that
-/// leaves the domain by any amount.
-const MARGIN: f64 = 1e-7;
-
-/// Pieces shorter than this share of a loop's parameter range are not divided further.
-const SHORTEST: f64 = 1e-7;
 
 /// A fault of a loop, with the parameter at which it occurs if there is a single one.
 pub type LocatedFault = (LoopFault, Option<f64>);
@@ -48,7 +42,8 @@ impl CertifiedLoop {
             return Err((LoopFault::Open, None));
         }
         let pieces = simple(pieces)?;
-        if let Some(p) = pieces.iter().find(|p| !p.is_within(MARGIN, 1.0 - MARGIN, SHORTEST)) {
+        if let Some(p) = pieces.iter().find(|p| !p.is_within(CLEARANCE, 1.0 - CLEARANCE, CLEARANCE))
+        {
             return Err((LoopFault::Leaves, Some(p.middle())));
         }
         let corners: Vec<Uv> = pieces.iter().flat_map(|p| p.points).collect();
@@ -65,7 +60,7 @@ impl CertifiedLoop {
     /// Whether a point that does not lie on the loop is inside it.
     fn holds(&self, p: Uv) -> bool {
         let boxed = self.low.x < p.x && p.x < self.high.x && self.low.y < p.y && p.y < self.high.y;
-        boxed && self.pieces.iter().filter(|piece| piece.ray_crosses(p, SHORTEST)).count() % 2 == 1
+        boxed && self.pieces.iter().filter(|piece| piece.ray_crosses(p, CLEARANCE)).count() % 2 == 1
     }
 }
 
@@ -78,7 +73,7 @@ fn simple(pieces: Vec<BezierPiece>) -> Result<Vec<BezierPiece>, LocatedFault> {
         let joined = done.last().is_none_or(|before| run_on(before, &piece));
         if fine && joined {
             done.push(piece);
-        } else if piece.length() < SHORTEST {
+        } else if piece.length() < CLEARANCE {
             return Err((LoopFault::Cusp, Some(piece.middle())));
         } else {
             todo.extend(piece.split().into_iter().rev());
@@ -95,7 +90,7 @@ fn simple(pieces: Vec<BezierPiece>) -> Result<Vec<BezierPiece>, LocatedFault> {
 fn close(mut pieces: Vec<BezierPiece>) -> Result<Vec<BezierPiece>, LocatedFault> {
     while pieces.len() < 2 || !run_on(&pieces[pieces.len() - 1], &pieces[0]) {
         let Some(last) = pieces.pop() else { return Err((LoopFault::Open, None)) };
-        if last.length() < SHORTEST {
+        if last.length() < CLEARANCE {
             return Err((LoopFault::Cusp, Some(last.middle())));
         }
         pieces.extend(last.split());
@@ -156,7 +151,7 @@ pub fn crossings(outlines: &[&CertifiedLoop]) -> Vec<(usize, LocatedFault)> {
         for b in near.iter().map(|&other| &order[other]) {
             let count = outlines[a.ring].pieces.len();
             let next = a.ring == b.ring && [1, count - 1].contains(&a.number.abs_diff(b.number));
-            if next || a.piece.is_apart(b.piece, CLEARANCE, SHORTEST) {
+            if next || a.piece.is_apart(b.piece, CLEARANCE, CLEARANCE) {
                 continue;
             }
             let same = a.ring == b.ring;

@@ -2,11 +2,8 @@
 
 use nalgebra::{SVector, Vector3};
 
-use super::{Curve, KnotVector, Surface};
+use super::{Curve, KnotVector, MOST_HALVINGS, Surface};
 use crate::geometry::{Uv, Vector};
-
-/// The largest number of times that a piece is halved.
-const MAX_HALVINGS: usize = 24;
 
 /// After this number of halvings, a halving that does not at least halve the error is the last one.
 /// The remaining error is then due to rounding.
@@ -25,7 +22,7 @@ pub fn curve_on_surface(surface: &Surface, c: &Curve<2>, eps: f64) -> Curve<3> {
     let mut knots = vec![breaks[0]];
     let mut pieces = Vec::new();
     for span in breaks.windows(2) {
-        let begun = (MAX_HALVINGS, f64::INFINITY);
+        let begun = (MOST_HALVINGS, f64::INFINITY);
         refine(surface, c, span[0], span[1], 0.25 * eps, begun, &mut knots, &mut pieces);
     }
     assemble(&knots, &pieces)
@@ -76,11 +73,14 @@ pub fn pieces_on_surface(surface: &Surface, c: &Curve<2>) -> Vec<f64> {
     breaks
 }
 
+/// The number of parts of a piece in which a crossing of a line is looked for. A cubic turns back at most
+/// twice, so that crossings that share a part are a near touch.
+const SAMPLES: usize = 16;
+
 /// Parameters in (a, b) at which coordinate `axis` equals one of the ascending `levels`. The curve
 /// must be a single polynomial there. Crossings are bracketed between samples and found by
 /// bisection.
 fn crossings(c: &Curve<2>, axis: usize, levels: &[f64], a: f64, b: f64, found: &mut Vec<f64>) {
-    const SAMPLES: usize = 16;
     let at = |i: usize| a + (b - a) * i as f64 / SAMPLES as f64;
     let value = |t: f64| c.point(t)[axis];
     let mut before = value(a);
@@ -157,7 +157,7 @@ fn refine(
     };
     // A NaN error does not become a number by halving; it is ignored here.
     let worst = (1..12).map(off).fold(0.0, f64::max);
-    let stuck = halvings + SURE_HALVINGS <= MAX_HALVINGS && worst > 0.5 * before;
+    let stuck = halvings + SURE_HALVINGS <= MOST_HALVINGS && worst > 0.5 * before;
     if halvings == 0 || worst <= eps || stuck {
         knots.push(b);
         pieces.push(quintic);

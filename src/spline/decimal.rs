@@ -5,6 +5,7 @@
 //! smallest distance that importers distinguish, they need about two thirds of these digits.
 
 use super::{Curve, Surface};
+use crate::geometry::ROUNDING;
 
 impl Surface {
     /// The surface with rounded control points. `diagonal` is the diagonal of the scan; a scan of
@@ -32,13 +33,10 @@ pub(crate) fn lengths(edge: &mut Curve<3>, accuracy: f64) {
     curve(edge, power((FINE / accuracy).log10().ceil().clamp(0.0, 22.0)));
 }
 
-/// The number of decimals of a parameter in [0, 1]. A trillionth of the side of a surface is
-/// shorter than the rounding step of its control points.
-const PARAMETER_DIGITS: f64 = 12.0;
-
-/// Rounds a curve in the parameter plane. The edge in space must be traced after it.
+/// Rounds a curve in the parameter plane. The edge in space must be traced after it. A trillionth of the
+/// side of a surface is shorter than the rounding step of its control points.
 pub(crate) fn parameters(arc: &mut Curve<2>) {
-    curve(arc, power(PARAMETER_DIGITS));
+    curve(arc, 1.0 / ROUNDING);
 }
 
 /// 10 to the power of `digits`.

@@ -2,9 +2,9 @@
 
 use rstar::{AABB, PointDistance, RTree, RTreeObject};
 
+use super::ACCURACY;
 use super::Curve;
 use super::chords::chords;
-use super::nearest::EXACT;
 use crate::geometry::{Point, bounds, segment_distance};
 
 /// Curves in space, indexed for queries of the distance from a point to the nearest curve.
@@ -21,7 +21,7 @@ impl EdgeTree {
     pub fn new(edges: &[Curve<3>]) -> Self {
         let control = edges.iter().flat_map(|edge| edge.control.iter().map(|&p| Point::from(p)));
         let [low, high] = bounds(control);
-        let chord = EXACT * (high - low).norm();
+        let chord = ACCURACY * (high - low).norm();
         let line = |edge: &Curve<3>| {
             let at = |t: f64| Point::from(edge.point(t));
             chords(&edge.knots.breaks(), &at, |p| *p, chord)

@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix2, Vector2};
 
-use super::{Jet, ParametricSurface, Surface};
+use super::{ACCURACY, Jet, ParametricSurface, Surface};
 use crate::geometry::{Point, Uv};
 
 /// The parameter point of a local minimum of the distance from `p` to the surface, and this
@@ -14,12 +14,11 @@ use crate::geometry::{Point, Uv};
 /// The result is never farther than the point at `start`. Newton's last step is below 1e-7 of the
 /// domain, so the remaining error is far below 1e-10.
 pub fn foot_point<S: ParametricSurface + ?Sized>(surface: &S, p: Point, start: Uv) -> (Uv, f64) {
-    foot_point_moving(surface, p, start, [true; 2], LAST_STEP)
+    foot_point_moving(surface, p, start, [true; 2], ACCURACY)
 }
 
-/// The largest number of steps, and the length of a step below which the descent ends.
+/// The largest number of steps. From most starts a few suffice.
 const STEPS: usize = 30;
-const LAST_STEP: f64 = 1e-7;
 
 /// The step length of a coarse descent, as a share of a mean knot span. The error that Newton's
 /// method leaves is about the square of its last step.
@@ -58,7 +57,7 @@ pub(crate) struct Foot {
 impl Foot {
     /// The result of [`foot_point`], with the derivatives at the foot point.
     pub fn find<S: ParametricSurface + ?Sized>(surface: &S, p: Point, start: Uv) -> Self {
-        descend(surface, p, start, [true; 2], LAST_STEP)
+        descend(surface, p, start, [true; 2], ACCURACY)
     }
 }
 

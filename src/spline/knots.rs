@@ -193,6 +193,12 @@ fn derivatives<const P: usize>(p: usize, knots: &[f64], t: f64) -> [[f64; ROOM];
     all
 }
 
+/// The largest number of spans of an edge. CAD systems integrate along an edge with a limited number of
+/// points. OpenCASCADE uses 61 points, which is five for each of twelve cubic spans. With 48 spans the
+/// areas of real sheets were up to 7 % off, with 16 spans up to 0.4 %. The areas of the sides of a
+/// thickened face were up to 0.9 % off with 20 spans, and up to 0.3 % with 12 spans.
+pub(crate) const MOST_SPANS: usize = 12;
+
 /// Divides the spans between `breaks` into runs of about equal numbers of spans, and returns the
 /// ends of the runs. A run has at most `most` spans, and there are at least `least` runs.
 pub fn runs(breaks: &[f64], most: usize, least: usize) -> Vec<f64> {

@@ -27,6 +27,7 @@ pub use compose::{curve_on_surface, off_surface, pieces_on_surface};
 pub use curve::Curve;
 pub use edges::EdgeTree;
 pub use foot::{foot_point, foot_point_moving, last_step};
+pub(crate) use knots::MOST_SPANS;
 pub use knots::{Basis, KnotVector, runs};
 pub use network::{Network, SeamPlace, Side, SideUse, Track};
 pub use network_cut::{
@@ -36,3 +37,12 @@ pub(crate) use polynomials::fast_evaluator;
 pub(crate) use refine::refined;
 pub use samples::Samples;
 pub use surface::{Jet, ParametricSurface, Surface};
+
+/// The relative accuracy of places: a share of the diagonal, of a distance if that is longer, or of the
+/// domain. Files are rounded more coarsely. A smaller value would make queries from places with many
+/// equally near points, such as the centre of a sphere, take very long.
+pub(crate) const ACCURACY: f64 = 1e-7;
+
+/// The largest number of times that a part of a curve or a surface is halved. Smaller parts are below
+/// the resolution of floating-point numbers.
+const MOST_HALVINGS: usize = 24;

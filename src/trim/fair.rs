@@ -7,7 +7,7 @@
 
 use super::closed::fit;
 use super::loop_fit::LoopFit;
-use crate::geometry::{Point, segment_distance};
+use crate::geometry::{MOST_ROUNDS, Point, segment_distance};
 
 /// The number of points of the curve for each edge of the rim that are compared with the rim.
 const PLACES_AN_EDGE: f64 = 2.0;
@@ -20,12 +20,8 @@ const SIDES: usize = 3;
 /// neighbours.
 const STRIDE: usize = 3;
 
-/// The largest number of rounds over all knots. Each round removes about a third of the knots that
-/// can still be removed.
-const MAX_ROUNDS: usize = 8;
-
 /// A closed cubic spline needs at least this many spans.
-const MIN_SPANS: usize = 4;
+pub(super) const MIN_SPANS: usize = 4;
 
 /// The largest number of fits with new weights after knots were removed.
 const REWEIGHTINGS: usize = 3;
@@ -82,7 +78,7 @@ impl LoopFit<'_> {
 
     /// Removes knots as long as the curve stays in its room. Knots at corners stay.
     pub(super) fn remove_knots(&mut self) {
-        for _ in 0..MAX_ROUNDS {
+        for _ in 0..MOST_ROUNDS {
             let before = self.knots.breaks.len();
             (0..STRIDE).for_each(|first| self.remove_every_third(first));
             if self.knots.breaks.len() == before {

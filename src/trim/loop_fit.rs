@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 
 use super::closed::{ClosedKnots, ClosedPolygon, arcs, fit};
 use super::{Options, Rim, corners, needles};
-use crate::geometry::{Point, Uv, segment_distance};
+use crate::geometry::{MOST_ROUNDS, Point, Uv, segment_distance};
 use crate::spline::{Curve, Jet, Surface, foot_point};
 
 /// The number of spans that a loop starts with.
@@ -38,10 +38,6 @@ const CHORDS: i32 = 24;
 
 /// The largest number of additional corners. If more are needed, needles are removed instead.
 const MAX_SHARP: usize = 32;
-
-/// The largest number of rounds of halving. This is more than enough to come from a sixth of the
-/// loop to the shortest span.
-const MAX_ROUNDS: usize = 40;
 
 /// The current state of a loop.
 #[derive(Debug, Clone)]
@@ -145,7 +141,7 @@ impl<'a> LoopFit<'a> {
     /// Halves spans until the curve is in its room everywhere or the spans have the shortest
     /// length.
     fn follow(&mut self) {
-        for _ in 0..MAX_ROUNDS {
+        for _ in 0..MOST_ROUNDS {
             let far = self.spans_beyond(self.shortest);
             if far.is_empty() || self.halve(far).is_none() {
                 break;

@@ -21,7 +21,7 @@ use std::collections::BTreeMap;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result, of};
-use crate::geometry::{Point, Uv, bounds};
+use crate::geometry::{MOST_ROUNDS, Point, Uv, bounds};
 use crate::mesh::Bound;
 use crate::rules;
 use crate::spline::decimal;
@@ -49,8 +49,10 @@ pub struct Options {
     pub keeps_vertices: bool,
 }
 
-/// A loop that follows every tooth stays within this share of the tolerance from its rim.
-const UNFAIR_SHARE: f64 = 0.5;
+/// A loop that follows every tooth stays within this share of the tolerance from its rim. Other loops that
+/// need not keep their vertices have at least this share of the rim tolerance as room. A smaller share
+/// makes short spans where the surface is off the rim, which no loop can correct.
+const ROOM_SHARE: f64 = 0.5;
 
 /// A fair loop that keeps its vertices within the tolerance uses this share of the remaining
 /// room. The rest is a reserve, because the loop may cut off vertices beside the rim by a little
@@ -60,10 +62,6 @@ const KEPT_SHARE: f64 = 0.7;
 /// The least room around the foot point of a vertex, as a share of the tolerance. It applies
 /// where the surface is so far from the vertex that the tolerance would leave less room.
 const LEAST_SHARE: f64 = 0.1;
-
-/// The least room as a share of the rim tolerance, for loops that need not keep their vertices.
-/// A smaller share makes short spans where the surface is off the rim, which no loop can correct.
-const LEAST_RIM_SHARE: f64 = 0.5;
 
 /// The uncertainty of a rim, as a share of its edge length. A scanner measures its last point up
 /// to one edge length before the end of the part, which is half an edge length on average.
@@ -99,9 +97,9 @@ impl Options {
         let left = |of: f64| (of.powi(2) - off.powi(2)).max(0.0).sqrt();
         let within = left(self.tolerance).max(LEAST_SHARE * self.tolerance);
         match (self.is_fair(), self.keeps_vertices) {
-            (false, _) => within.min(UNFAIR_SHARE * self.tolerance),
+            (false, _) => within.min(ROOM_SHARE * self.tolerance),
             (true, true) => (KEPT_SHARE * within).min(self.rim),
-            (true, false) => left(self.rim).max(LEAST_RIM_SHARE * self.rim),
+            (true, false) => left(self.rim).max(ROOM_SHARE * self.rim),
         }
     }
 }
@@ -204,9 +202,6 @@ pub fn edge_accuracy(surface: &Surface) -> f64 {
     wanted.max(ROUNDINGS * rounded).max(f64::MIN_POSITIVE)
 }
 
-/// The largest number of rounds in which faulty loops are tightened.
-const MAX_ROUNDS: usize = 100;
-
 /// Computes the trim loops of the given rims, in the order of the rims.
 ///
 /// # Errors
@@ -281,7 +276,7 @@ fn uncrossed(surface: &Surface, rims: &[Rim], options: &Options) -> Result<Vec<V
         let give_way = |(i, at): (usize, Vec<_>)| fits[i].tighten(&at, options).is_some();
         let better = places.into_iter().map(give_way).filter(|&given| given).count() > 0;
         round += 1;
-        if round == MAX_ROUNDS || !better {
+        if round == MOST_ROUNDS || !better {
             let place = at.map_or(rims[first].points[0], |t| fits[first].vertex(t));
             return Err(refusal(&rims[first], &fault.to_string(), place));
         }

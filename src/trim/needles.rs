@@ -3,20 +3,18 @@
 //! The input is a closed polygon of parameter points. The output is the positions of the vertices
 //! to keep.
 
+use super::fair::MIN_SPANS;
 use crate::geometry::Uv;
 
 /// A needle is at most as wide as this share of its shorter side.
 const WIDTH: f64 = 0.01;
-
-/// A rim keeps at least this many vertices.
-const MIN_VERTICES: usize = 4;
 
 /// Returns the positions of a closed polygon's corners without the tips of needles. A needle runs
 /// to its tip and straight back, so that it encloses almost no area.
 pub fn without(uv: &[Uv]) -> Vec<usize> {
     let mut kept: Vec<usize> = (0..uv.len()).collect();
     let mut first = 0;
-    while kept.len() > MIN_VERTICES {
+    while kept.len() > MIN_SPANS {
         let n = kept.len();
         let at = |i: usize| uv[kept[i % n]];
         let tip = (first..n).find(|&i| is_tip(at(i + n - 1), at(i), at(i + 1)));

@@ -108,7 +108,7 @@ fn a_side_that_misses_its_corner_is_divided_not_the_next_one() {
         let (ring, report) = &loops(&plate, &[rim(&plate, 100, side)])[0];
         assert_eq!(ring.edges.len(), 4);
         // The room that the loop has, to first order.
-        let room = 1.005 * UNFAIR_SHARE * OPTIONS.tolerance;
+        let room = 1.005 * ROOM_SHARE * OPTIONS.tolerance;
         assert!(report.max_from_rim < room, "{high} {report:?}");
     }
 }

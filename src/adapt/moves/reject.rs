@@ -5,15 +5,11 @@
 //! cannot follow, the neighbours are off, too.
 
 use crate::adapt::problem::Problem;
-use crate::geometry::{Point, Vector, VertexId};
+use crate::geometry::{ALONE, Point, Vector, VertexId};
 
 /// If nobody named a tolerance, a point that is farther off than so many standard deviations of
 /// the noise may be an outlier: normal noise has one such point in two million.
 pub const OUTLYING: f64 = 5.0;
-
-/// An outlier is so many times as far off as its neighbours. Where the shape is missed, these are
-/// about as far off.
-const ALONE: f64 = 4.0;
 
 /// How often outliers are looked for without those found before among the neighbours. Twice
 /// finds both of a pair.

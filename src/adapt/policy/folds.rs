@@ -1,6 +1,6 @@
 //! Surfaces without folds that keep the goal.
 
-use super::{HOPELESS, tolerance};
+use super::{FEW_POINTS, HOPELESS, MOST_ROUNDS, tolerance};
 use crate::adapt::attempt::Attempt;
 use crate::adapt::moves::correct::{FIRM_AREA, correct};
 use crate::adapt::moves::insert::finer_knots;
@@ -11,14 +11,6 @@ use crate::adapt::run::FitRun;
 use crate::adapt::state::State;
 use crate::error::Result;
 use crate::fit::STIFFNESSES;
-
-/// The most times that knots are inserted for a surface without folds, which bounds the time:
-/// each is followed by fits until the tolerance is met.
-const MOST_ROUNDS: usize = 8;
-
-/// The share of points that may go beyond an unnamed tolerance for a surface without folds.
-/// Nobody asked for these points, while CAD cannot offset a surface that folds.
-const GIVEN_UP: f64 = 0.01;
 
 /// What became of an attempt's folds.
 struct UnfoldTrial {
@@ -99,7 +91,7 @@ fn unfolded(problem: &Problem, start: &Attempt) -> UnfoldTrial {
 
 /// Tries one way to take folds out.
 fn try_way(problem: &Problem, start: &Attempt, stiffnesses: &[f64], tried: &mut UnfoldTrial) {
-    let given_up = if problem.goal.named { 0 } else { problem.share(GIVEN_UP) };
+    let given_up = if problem.goal.named { 0 } else { problem.share(FEW_POINTS) };
     let most = start.beyond(problem).0.max(problem.spared()) + given_up;
     let unfolded = unfold(problem, start, stiffnesses);
     tried.inverted = tried.inverted.min(unfolded.before);

@@ -4,6 +4,7 @@
 //! neighbour to neighbour. More control points then follow the noise, each as much of it as
 //! one point has: with n of them for N points, a standard deviation of σ √(1 − n/N) is left.
 
+use super::SAME;
 use super::noise::POINTS_A_CONTROL_POINT;
 use crate::adapt::attempt::Attempt;
 use crate::adapt::goal::TOLERANCE_OF_NOISE;
@@ -17,12 +18,9 @@ const MOST_CORRELATION: f64 = 0.3;
 /// net as fine as noise allows.
 const BROUGHT_BACK: f64 = 1e-3;
 
-/// With so many times the control points noise stays the same, …
+/// With so many times the control points noise stays the same. Of a shape that is missed, a net that is
+/// a tenth finer each way leaves less than three quarters.
 const MORE: f64 = 1.2;
-
-/// … up to this share. Of a shape that is missed, a net that is a tenth finer each way leaves
-/// less than three quarters.
-const SAME: f64 = 0.95;
 
 /// What a net misses.
 #[derive(Debug, Clone, Copy)]

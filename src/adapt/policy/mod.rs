@@ -23,6 +23,22 @@ use crate::fit;
 /// those of crumpled needles most.
 const HOPELESS: f64 = 0.1;
 
+/// The share of points beyond the tolerance that is few: mends, which are local, may still bring them
+/// back, and if nobody named the tolerance, a surface without folds may lose them. Nobody asked for these
+/// points, while CAD cannot offset a surface that folds.
+const FEW_POINTS: f64 = 0.01;
+
+/// The most rounds in which knots are inserted for a surface without folds, or for one that keeps to
+/// triangles. It bounds the time, as fits or mends follow each round.
+const MOST_ROUNDS: usize = 4;
+
+/// The most rounds in a row that gain nothing. A round may insert a few knots only, and several such
+/// rounds may come before one that gains.
+const PATIENCE: usize = 5;
+
+/// What leaves more than this share is as before: at 5 % a round, halving takes over a dozen fits.
+const SAME: f64 = 0.95;
+
 /// The share of the knot lines that is removed at first. A quarter may fail where an eighth does
 /// not, and then half as much is tried.
 const FIRST_REMOVED: f64 = 0.25;

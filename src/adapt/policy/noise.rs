@@ -13,9 +13,9 @@ use crate::adapt::moves::insert::insert;
 use crate::adapt::moves::reject::{self, OUTLYING};
 use crate::adapt::problem::Problem;
 use crate::adapt::run::FitRun;
-use crate::adapt::start::deepest;
 use crate::error::Result;
 use crate::knots::{InsertionLimits, Miss};
+use crate::rules;
 
 /// What a control point must take off the sum of squares, in variances of the noise (Akaike).
 const PRICE: f64 = 2.0;
@@ -23,10 +23,6 @@ const PRICE: f64 = 2.0;
 /// The fewest measured points for a control point: smoothing looks at dozens of points at
 /// a time, so that finer nets find nothing left to follow.
 pub const POINTS_A_CONTROL_POINT: usize = 2;
-
-/// Halvings beyond those that leave one to four points of an even scan: parts of a scan may be
-/// denser, or compressed by the map, by a factor of four.
-const DEEPER: u32 = 2;
 
 /// The rounds in a row without a better score after which there are no more. One worse net may
 /// come before a better one; each takes longer to fit than the best.
@@ -56,7 +52,7 @@ fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
     let problem = run.problem;
     let depth = problem.options.knots.depth;
     let bounds = InsertionLimits {
-        depth: depth.unwrap_or_else(|| deepest(problem.measured()) + DEEPER),
+        depth: depth.unwrap_or(rules::MOST_HALVINGS),
         most: largest_net(problem),
         price: PRICE,
     };

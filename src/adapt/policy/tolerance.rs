@@ -1,7 +1,7 @@
 //! The policy for a named tolerance: more weight on the points that are missed, more knots where
 //! that is not enough, and then as few knots as keep the tolerance.
 
-use super::{HOPELESS, hindrance, noise, remove_knots};
+use super::{HOPELESS, PATIENCE, SAME, hindrance, noise, remove_knots};
 use crate::adapt::attempt::Attempt;
 use crate::adapt::moves::correct::{FIRM_AREA, correct};
 use crate::adapt::moves::insert::finer_knots;
@@ -12,14 +12,6 @@ use crate::adapt::state::State;
 use crate::error::Result;
 use crate::knots::InsertionLimits;
 use crate::rules;
-
-/// A round is idle if it brings neither the number of points beyond the tolerance down to this
-/// share nor the largest distance: at 5 % a round, halving either takes over a dozen fits.
-const WORTHWHILE: f64 = 0.95;
-
-/// The most idle rounds in a row. A round may insert a few knots only, and several such rounds
-/// may come before one that gains.
-const PATIENCE: usize = 4;
 
 /// The most times that weights are raised over the same knots. Each takes a fit, after which more
 /// knots can help as well.
@@ -47,7 +39,7 @@ pub fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
     let (mut idle, mut misfit) = (0, None);
     loop {
         let now = last.as_ref().unwrap_or(&best);
-        if now.is_met(problem) || idle > PATIENCE {
+        if now.is_met(problem) || idle >= PATIENCE {
             break;
         }
         run.hindrance = hindrance::hindering_noise(problem, now, &mut misfit);
@@ -59,8 +51,7 @@ pub fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
         let Some(knots) = finer_knots(now, &misses, &bounds(problem)) else { break };
         let next = fit_reweighted(run, State { knots, ..state })?;
         let (after, before) = (next.beyond(problem), best.beyond(problem));
-        let has_gained =
-            after.0 as f64 <= WORTHWHILE * before.0 as f64 || after.1 <= WORTHWHILE * before.1;
+        let has_gained = after.0 as f64 <= SAME * before.0 as f64 || after.1 <= SAME * before.1;
         idle = if has_gained { 0 } else { idle + 1 };
         if after < before {
             (best, last) = (next, None);

@@ -3,7 +3,7 @@
 //! Where a triangle spans several knot cells, a fit to the vertices leaves the surface free.
 //! It is mended there until it keeps to the triangles, and gets knots where that is not enough.
 
-use super::{HOPELESS, tolerance};
+use super::{FEW_POINTS, HOPELESS, MOST_ROUNDS, PATIENCE, tolerance};
 use crate::adapt::attempt::Attempt;
 use crate::adapt::inner::AIM;
 use crate::adapt::moves::correct::FIRM_AREA;
@@ -13,17 +13,6 @@ use crate::adapt::moves::unfold::inverted;
 use crate::adapt::problem::Problem;
 use crate::adapt::state::State;
 use crate::deviation::MissedTriangle;
-
-/// The most mends in a row that leave as much as those before. Most scans need less than six
-/// mends; the others have too few knots somewhere.
-const PATIENCE: usize = 5;
-
-/// The most rounds of mends, with more knots between two, which bounds the time on scans that
-/// knots do not help.
-const MOST_ROUNDS: usize = 4;
-
-/// The share of points beyond the tolerance that mends, which are local, may still bring back.
-const MOST_BEYOND: f64 = 0.01;
 
 /// A triangle with so many knot cells in the mean is one of a needle that the map has drawn out
 /// beyond all use: looking at all of them takes longer than all the fits.
@@ -99,7 +88,7 @@ fn misses(problem: &Problem, of: &Attempt) -> Misses {
 
 /// Whether an attempt misses more than mends bring back, as fits of crumpled needles do.
 fn is_hopeless(problem: &Problem, of: &Attempt, misses: &Misses) -> bool {
-    of.beyond(problem).0 > problem.spared() + problem.share(MOST_BEYOND)
+    of.beyond(problem).0 > problem.spared() + problem.share(FEW_POINTS)
         || misses.left.len() as f64 > HOPELESS * problem.measured_triangles.len() as f64
 }
 

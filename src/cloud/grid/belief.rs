@@ -5,7 +5,7 @@
 
 use super::raster::{GridStep, Raster};
 use crate::cloud::noise::median;
-use crate::geometry::Point;
+use crate::geometry::{Point, SAMPLE};
 use crate::mesh::Neighbours;
 
 /// Why a grid is not believed.
@@ -28,9 +28,6 @@ pub enum GridDoubt {
 /// neighbours. It is about 1 to 2, as the surface is tilted; of made-up grids it is 10 and more.
 const LONGEST_EDGE: f64 = 3.0;
 
-/// The number of points whose nearest neighbours are looked at.
-const LOOKED_AT: usize = 1000;
-
 /// Whether neighbours in the grid are neighbours in space.
 pub(super) fn has_near_neighbours(points: &[Point], raster: &Raster) -> bool {
     let mut lengths = raster.lengths(GridStep::Column);
@@ -43,7 +40,7 @@ pub(super) fn has_near_neighbours(points: &[Point], raster: &Raster) -> bool {
         near.nearest_n(*p, 2, &mut found);
         found.get(1).map(|(_, squared)| squared.sqrt())
     };
-    let looked_at = points.iter().step_by(points.len().div_ceil(LOOKED_AT));
+    let looked_at = points.iter().step_by(points.len().div_ceil(SAMPLE));
     let mut distances: Vec<f64> = looked_at.filter_map(distance).collect();
     median(&mut distances).is_some_and(|distance| edge <= LONGEST_EDGE * distance)
 }

@@ -18,6 +18,7 @@ use crate::geometry::{Point, Vector};
 /// a quadratic polynomial.
 const SIDE: usize = 5;
 
+/// The cells of a patch.
 const CELLS: f64 = (SIDE * SIDE) as f64;
 
 /// Patches must hold at least this share of the points. Fewer are not typical of the scan.

@@ -6,6 +6,7 @@
 
 use foldhash::{HashMap, HashMapExt};
 
+use crate::fill::CELL;
 use crate::geometry::{Point, VertexId};
 use crate::mesh::crossings::overlap;
 
@@ -18,10 +19,6 @@ struct Node {
     after: usize,
     alive: bool,
 }
-
-/// The width of a grid cell in mean edge lengths. It changes the time only: smaller cells
-/// hold an edge several times, larger ones give more edges to look at.
-const CELL: f64 = 3.0;
 
 /// The closed loops of the front.
 #[derive(Debug)]

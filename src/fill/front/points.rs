@@ -5,7 +5,7 @@ use foldhash::{HashSet, HashSetExt};
 use rayon::prelude::*;
 
 use super::{Advance, Front};
-use crate::geometry::{Point, Vector, segment_distance};
+use crate::geometry::{FEW, Point, Vector, segment_distance};
 use crate::mesh::mls::{self, Cloud, Polynomial, Sample};
 
 /// The least distance of a new point from every other point, in target edge lengths. Half of it
@@ -43,9 +43,6 @@ const FARTHEST: f64 = 2.2;
 /// approximation that it shares. At larger angles the edge is extrapolated across a bend.
 const FACING: f64 = 0.95;
 
-/// The least number of rows of edges for one thread. It changes the time only.
-const AT_ONCE: usize = 8;
-
 /// The MLS approximation at the middle of an edge.
 #[derive(Clone, Copy)]
 struct EdgeApproximation {
@@ -65,7 +62,7 @@ impl Front<'_> {
         for (edge, (p, normal)) in self.candidates() {
             let size = self.sizes.at(p);
             if self.fill.points.len() < self.most_points {
-                let near = self.loops.near(p, HIGHEST.max(MEETING) * size);
+                let near = self.loops.near(p, HIGHEST * size);
                 if !self.meet(edge, p, size, normal, &near) {
                     self.try_point(p, size, normal, &near);
                 }
@@ -90,7 +87,7 @@ impl Front<'_> {
             rows.extend(nodes.chunks(shared).map(<[usize]>::to_vec));
         }
         rows.par_iter()
-            .with_min_len(AT_ONCE)
+            .with_min_len(FEW)
             .map_init(Vec::new, |around, nodes| self.of_row(nodes, around))
             .flatten_iter()
             .collect()

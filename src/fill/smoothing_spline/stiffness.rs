@@ -66,6 +66,10 @@ struct PointInCell<const D: usize> {
 /// A quadratic form in the functions of a cell.
 type CellForm = [[f64; ON_CELL]; ON_CELL];
 
+/// What is added to the diagonal of the energies so that they have a determinant, as a share of their
+/// weights: far above rounding, and far below the energies, whose trace is the number of functions.
+const EPSILON: f64 = 1e-11;
+
 /// The least exponent of the search: a stiffness of 1e-9 interpolates.
 const LOWEST: i32 = -18;
 /// The greatest exponent of the search: a stiffness of 1e6 leaves a plane.
@@ -225,7 +229,6 @@ impl<const D: usize> PenalizedSystem<D> {
     /// ε on the diagonal it is that of all functions minus that of ε on the free ones. It is
     /// computed for λ₂ = 1 and scaled.
     fn log_energy(&mut self, place: Exponents) -> Option<f64> {
-        const EPSILON: f64 = 1e-11;
         let ratio = place.1 - place.0;
         let log = match self.priors.get(&ratio) {
             Some(log) => *log,

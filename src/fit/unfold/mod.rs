@@ -30,11 +30,9 @@ use jacobian::{JacobianSample, JacobianSamples};
 pub use jacobian::count as jacobian_samples;
 use work::Work;
 
-/// The largest number of rounds with one stiffness.
+/// The largest number of rounds with one stiffness. In half of them samples that may not slide hold the
+/// surface in all directions.
 const MAX_ROUNDS: usize = 16;
-
-/// The number of rounds in which samples that may not slide hold the surface in all directions.
-const HOLD_ROUNDS: usize = 8;
 
 /// The least number of rounds of a mend. Each round takes half of a step, so that a sixty-fourth of
 /// the way is left.
@@ -170,7 +168,7 @@ impl FoldRemoval<'_> {
         let mut round = 0;
         while round < last {
             work.widen(&self.flagged);
-            if round >= HOLD_ROUNDS {
+            if round >= MAX_ROUNDS / 2 {
                 work.ease(&self.flagged);
             }
             round += 1;

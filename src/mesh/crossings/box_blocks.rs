@@ -1,13 +1,9 @@
 //! Bounding boxes in compact blocks, to find all pairs that overlap.
 
-use crate::geometry::Point;
+use crate::geometry::{FEW, Point};
 
 /// The number of a box, and its lowest and highest corner.
 pub type NumberedBox = (u32, [Point; 2]);
-
-/// The most boxes in a block. It changes the time only: of a few to some dozens, any number
-/// is about as fast.
-const MOST: usize = 12;
 
 /// Some boxes that are near each other, and the box around them.
 pub struct BoxBlock {
@@ -24,7 +20,7 @@ pub struct BoxBlocks {
 impl BoxBlocks {
     pub fn new(mut boxes: Vec<NumberedBox>) -> Self {
         let axis = widest(around(&boxes));
-        let mut blocks = Vec::with_capacity(2 * boxes.len() / MOST + 1);
+        let mut blocks = Vec::with_capacity(2 * boxes.len() / FEW + 1);
         divide(&mut boxes, &mut blocks);
         blocks.sort_by(|s, t| s.extent[0][axis].total_cmp(&t.extent[0][axis]));
         BoxBlocks { blocks, axis }
@@ -78,7 +74,7 @@ fn widest([low, high]: [Point; 2]) -> usize {
 /// Halves the boxes along the widest axis until a block takes them.
 fn divide(boxes: &mut [NumberedBox], blocks: &mut Vec<BoxBlock>) {
     let extent = around(boxes);
-    if boxes.len() <= MOST {
+    if boxes.len() <= FEW {
         blocks.push(BoxBlock { extent, members: boxes.to_vec() });
         return;
     }

@@ -3,36 +3,17 @@
 
 use rayon::prelude::*;
 
-use super::divide;
 use super::flips::{EdgeFlip, Sides, flip};
+use super::{FLAT, ROUNDS, TOO_LONG, divide};
 use crate::error::Result;
-use crate::geometry::{Point, Vector, VertexId, unit_normal};
+use crate::geometry::{BLOCK, MOST_ROUNDS, Point, SAME_SIDE, Vector, VertexId, unit_normal};
 use crate::mesh::triangles::{Triangles, nearest_on};
 use crate::mesh::{Mesh, VertexRings};
 use crate::progress::Progress;
 
-/// The rounds of divisions, collapses, flips and moves. Later rounds change few triangles.
-const ROUNDS: usize = 4;
-
-/// The most times that edges are divided in a round. Each time halves the longest ones.
-const DIVISIONS: usize = 16;
-
-/// An edge is collapsed if it is shorter than this share of the wanted length, and if no edge becomes
-/// longer than the multiple `LONG`. Two halves of a divided edge are not collapsed again.
-const SHORT: f64 = 0.7;
-const LONG: f64 = 1.4;
-
-/// Progress is told each time that so many edges were tried.
-const TOLD: usize = 1 << 14;
-
-/// The least number of triangles around a vertex that loses one in a collapse.
-const LEAST_VALENCE: usize = 4;
-
-/// A change may turn a triangle by an angle with at least this cosine (60°).
-const TURNED: f64 = 0.5;
-
-/// Two triangles are flat if the cosine of the angle between them is at least this (26°).
-const FLAT: f64 = 0.9;
+/// The least number of triangles around a vertex that loses one in a collapse. If pairs of triangles
+/// are joined to quads, three of these should be left.
+pub const LEAST_VALENCE: usize = 4;
 
 /// A closed mesh with sides of about a length. Its vertices lie on the given mesh.
 ///
@@ -49,7 +30,8 @@ pub fn isotropic(scan: &Mesh, length: f64, progress: &mut Progress) -> Result<Me
             0 => progress(0.5 * done),
             _ => progress(0.5 + 0.5 * (round as f64 - 1.0 + done) / (ROUNDS - 1) as f64),
         };
-        for _ in 0..DIVISIONS {
+        // Each division halves the longest edges.
+        for _ in 0..MOST_ROUNDS {
             if divide(&mut points, &mut triangles, |_| length, usize::MAX).is_empty() {
                 break;
             }
@@ -89,12 +71,13 @@ fn collapse(
     }
     let sides = triangles.iter().flat_map(|t| (0..3).map(|k| [t[k], t[(k + 1) % 3]]));
     let lengths = sides.filter(|[a, b]| a < b).map(|[a, b]| ((points[b] - points[a]).norm(), a, b));
-    let mut short: Vec<_> = lengths.filter(|edge| edge.0 < SHORT * length).collect();
+    // The halves of a divided edge are not collapsed again.
+    let mut short: Vec<_> = lengths.filter(|edge| edge.0 < 0.5 * TOO_LONG * length).collect();
     short.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
-    let mut collapses = Collapses { points, triangles, around, longest: LONG * length };
+    let mut collapses = Collapses { points, triangles, around, longest: TOO_LONG * length };
     let count = short.len();
     for (done, (_, a, b)) in short.into_iter().enumerate() {
-        if done.is_multiple_of(TOLD) {
+        if done.is_multiple_of(BLOCK) {
             progress(done as f64 / count as f64)?;
         }
         if !collapses.may(a, b) || collapses.move_onto(a, b) {
@@ -141,7 +124,7 @@ impl Collapses<'_> {
             let (old, new) = (self.triangles[t], with(self.triangles[t]));
             let far = |&v: &usize| (self.points[v] - self.points[b]).norm() > self.longest;
             let (before, after) = (facing(self.points, old), facing(self.points, new));
-            !new.iter().any(far) && after.dot(&before) > TURNED
+            !new.iter().any(far) && after.dot(&before) > SAME_SIDE
         };
         if !kept.iter().all(is_good) {
             return false;
@@ -163,7 +146,7 @@ fn flip_edges(points: &[Point], triangles: &mut [[usize; 3]]) {
     let may = |edge: &EdgeFlip| {
         let [old, new] = [edge.old, edge.new].map(|pair| pair.map(|t| facing(points, t)));
         let mean: Vector = old[0] + old[1];
-        new.iter().all(|n| n.dot(&mean) > TURNED * mean.norm())
+        new.iter().all(|n| n.dot(&mean) > SAME_SIDE * mean.norm())
             && new[0].dot(&new[1]) >= old[0].dot(&old[1]).min(FLAT)
     };
     let mut sides = Sides::of(triangles);
@@ -202,7 +185,7 @@ fn move_points(points: &mut [Point], triangles: &[[usize; 3]], scan: &Mesh, surf
         };
         let before = facings(points);
         let old = std::mem::replace(&mut points[v], place);
-        if facings(points).iter().zip(&before).any(|(n, m)| n.dot(m) <= TURNED) {
+        if facings(points).iter().zip(&before).any(|(n, m)| n.dot(m) <= SAME_SIDE) {
             points[v] = old;
         }
     }

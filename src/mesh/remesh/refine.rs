@@ -5,17 +5,11 @@ use foldhash::HashMap;
 use smallvec::SmallVec;
 
 use super::flips::{EdgeFlip, Sides, flip};
-use super::{FOLDED, Sizes};
+use super::{FLAT, FOLDED, Sizes, TOO_LONG};
 use crate::geometry::{Point, Vector, unit_normal};
-
-/// An edge is divided if it is longer than this multiple of the wanted length there.
-const MAX_LENGTH_RATIO: f64 = 1.4;
 
 /// The triangulation has at most this multiple of the number of rim corners.
 const MAX_POINTS_RATIO: usize = 40;
-
-/// Two triangles count as flat if the cosine of the angle between them is at least this.
-const FLAT_COSINE: f64 = 0.9;
 
 /// The largest number of rounds. Each round halves the longest edges.
 const MAX_ROUNDS: usize = 16;
@@ -57,7 +51,7 @@ impl RimTriangulation {
         let may = |edge: &EdgeFlip| {
             let [old, new] = [edge.old, edge.new].map(|pair| pair.map(|t| normal(points, t)));
             let facing = |n: &Vector| n.dot(&(old[0] + old[1])) > 0.0;
-            new[0].dot(&new[1]) >= old[0].dot(&old[1]).min(FLAT_COSINE) && new.iter().all(facing)
+            new[0].dot(&new[1]) >= old[0].dot(&old[1]).min(FLAT) && new.iter().all(facing)
         };
         let mut sides = Sides::of(&self.triangles);
         flip(points, &mut self.triangles, &mut sides, joined, may);
@@ -130,7 +124,7 @@ pub fn divide(
             let [p, q] = ends.map(|v| points[v]);
             ((q - p).norm() / length(nalgebra::center(&p, &q)), ends, beside)
         })
-        .filter(|edge| edge.0 > MAX_LENGTH_RATIO)
+        .filter(|edge| edge.0 > TOO_LONG)
         .collect();
     long.sort_unstable_by(|x, y| y.0.total_cmp(&x.0).then(x.1.cmp(&y.1)));
     let mut divided = Vec::new();

@@ -10,17 +10,11 @@ use super::STRAIGHT;
 use super::mapped_loop::MappedLoop;
 use crate::geometry::{Point, Uv, Vector, VertexId, unit_normal};
 use crate::mesh::Adjacency;
-
-/// An ear leans if the cosine of the angle between its normal and that of the surface beside it is
-/// less than this.
-const LEANING: f64 = -0.3;
+use crate::mesh::remesh::FOLDED;
 
 /// A leaning ear is cut off only if the map shows a tip angle below this one. The value is 150° in
 /// radians.
 const SLIT: f64 = 5.0 / 6.0 * PI;
-
-/// The smallest tip angle that is used, in radians, where the surface overlaps itself.
-const SHARP: f64 = 1e-3;
 
 /// A closed loop that is shortened ear by ear.
 pub struct Ears<'a> {
@@ -168,7 +162,7 @@ impl<'a> Ears<'a> {
         let normal = unit_normal([p, n, v].map(|i| self.at(i)))?;
         let lean = self.beside[p].dot(&normal).min(self.beside[v].dot(&normal));
         let cost = self.distance(p, n) * (2.0 - lean).powi(2);
-        let leans = lean < LEANING;
+        let leans = lean < FOLDED;
         let may = !leans || self.flat.as_ref().is_some_and(|flat| flat.tip(ear) < SLIT);
         may.then_some(EarCandidate { cost, ear, normal, leans })
     }
@@ -200,7 +194,8 @@ impl<'a> Ears<'a> {
     fn cut(&mut self, ear: [usize; 3], normal: Vector) {
         let [p, v, n] = ear;
         let in_space = self.mesh.mesh.angle(self.ring[p], self.ring[v], self.ring[n]);
-        let tip = (TAU - self.angles[v]).max(in_space).max(SHARP);
+        // Where the surface overlaps itself, no angle is left.
+        let tip = (TAU - self.angles[v]).max(in_space).max(STRAIGHT);
         let [a, b] = [self.lengths[p], self.lengths[v]];
         let chord = (a * a + b * b - 2.0 * a * b * tip.cos()).sqrt();
         let first = (b * tip.sin()).atan2(a - b * tip.cos());

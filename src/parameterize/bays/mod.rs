@@ -18,28 +18,21 @@ use rayon::prelude::*;
 
 use crate::geometry::{Point, Uv, Vector, VertexId, segment_distance};
 use crate::mesh::boundary::Loop;
-use crate::mesh::remesh::{RimTriangulation, Sizes};
+use crate::mesh::remesh::{RimTriangulation, Sizes, TOO_LONG};
 use crate::mesh::{Adjacency, FaceOrigin, Patch, VertexRings};
 use ears::Ears;
 
-/// Turning angles below this, in radians, count as zero.
+/// Angles below this, in radians, count as zero.
 const STRAIGHT: f64 = 1e-3;
 
-/// A bay is closed only if its depth is at least this multiple of the mean edge length of the
+/// A bay is closed only if its depth is at least this share of its width, and the mean edge length of the
 /// boundary.
-const MIN_DEPTH: f64 = 1.0;
-
-/// A bay is closed only if its depth is at least this share of its width.
 const MIN_DEPTH_RATIO: f64 = 0.25;
 
 /// A bay with triangles that lean is closed only if its depth is at least this share of the
 /// diagonal of the mesh. A straight continuation does no harm in a shallower one, and the surface
 /// need not fold there.
 const MIN_LEANING_DEPTH: f64 = 0.05;
-
-/// A side across the opening of a bay is divided if it is longer than this multiple of the wanted
-/// edge length there.
-const MAX_LENGTH_RATIO: f64 = 1.4;
 
 /// The triangles that close the bays of an outer boundary. They exist only for the map; the face
 /// does not include them.
@@ -135,14 +128,14 @@ impl MeasuredBoundary<'_> {
     fn is_bay(&self, from: usize, to: usize, leans: bool) -> bool {
         let (a, b) = (self.at(from), self.at(to));
         let deep = if leans { MIN_LEANING_DEPTH * self.mesh.mesh.diagonal() } else { 0.0 };
-        let least = (MIN_DEPTH * self.sizes.mean).max(MIN_DEPTH_RATIO * (b - a).norm()).max(deep);
+        let least = self.sizes.mean.max(MIN_DEPTH_RATIO * (b - a).norm()).max(deep);
         (from..to).any(|i| segment_distance(self.at(i), a, b) >= least)
     }
 
-    /// The points that divide the line across the opening of a bay.
+    /// The points that divide the line across the opening of a bay where it is too long.
     fn opening(&self, a: Point, b: Point, into: &mut Vec<Point>) {
         let middle = nalgebra::center(&a, &b);
-        if (b - a).norm() > MAX_LENGTH_RATIO * self.sizes.at(middle) {
+        if (b - a).norm() > TOO_LONG * self.sizes.at(middle) {
             self.opening(a, middle, into);
             into.push(middle);
             self.opening(middle, b, into);

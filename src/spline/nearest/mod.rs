@@ -1,6 +1,6 @@
 //! The globally nearest point of a surface, with a certificate.
 //!
-//! A surface and a point go in; the nearest place comes out, exact to [`EXACT`]. The surface is
+//! A surface and a point go in; the nearest place comes out, exact to [`ACCURACY`]. The surface is
 //! divided into cells with bounds on its derivatives ([`cell`]). A tree of bounding boxes
 //! ([`tree`]) finds the cells that may contain a point nearer than the best known one. In such a
 //! cell the Taylor series at a foot point tells whether this foot point is the only one; if it
@@ -15,23 +15,14 @@ mod tree;
 #[cfg(test)]
 mod tests;
 
-use super::ParametricSurface;
 pub(crate) use super::foot::Foot;
 use super::foot::descend;
-use crate::geometry::{Point, Uv};
+use super::{ACCURACY, MOST_HALVINGS, ParametricSurface};
+use crate::geometry::{Point, ROUNDING, Uv};
 use cell::SurfaceCell;
 use grid::CellGrid;
 use proof::NearestProof;
 use tree::BoxTree;
-
-/// The relative accuracy of distances: this share of the diagonal, or of the distance if that is
-/// longer. Files are rounded more coarsely. A smaller value would make queries from places with
-/// many equally near points, such as the centre of a sphere, take very long.
-pub(crate) const EXACT: f64 = 1e-7;
-
-/// The largest number of times that a cell is halved. Smaller cells are below the resolution of
-/// floating-point numbers.
-const MOST_HALVINGS: usize = 24;
 
 /// Newton's last step in a cell, as a share of its side. The bounds account for the remaining
 /// gradient.
@@ -65,7 +56,7 @@ impl NearestSearch {
         let grid = CellGrid::new(surface);
         let tree = BoxTree::new(&grid, is_used);
         let proofs = proof::all(&grid, &tree);
-        let exact = EXACT * tree.diagonal();
+        let exact = ACCURACY * tree.diagonal();
         NearestSearch { grid, proofs, tree, exact }
     }
 
@@ -128,7 +119,7 @@ struct CellSearch<'a, S: ?Sized> {
 impl<S: ParametricSurface + ?Sized> CellSearch<'_, S> {
     /// Cells that are not nearer than this need not be searched.
     fn bound(&self) -> f64 {
-        self.best.distance - self.exact.max(EXACT * self.best.distance)
+        self.best.distance - self.exact.max(ACCURACY * self.best.distance)
     }
 
     /// Searches a cell. `ends` tells at which sides, low and high in u and in v, the nearest point
@@ -173,10 +164,6 @@ struct CellRestriction<'a, S: ?Sized> {
     high: Uv,
 }
 
-/// The share of its side by which a cell ends before the knot line at its end. The surface may have
-/// a crease at this line.
-const BEFORE_END: f64 = 1e-12;
-
 impl<S: ParametricSurface + ?Sized> ParametricSurface for CellRestriction<'_, S> {
     fn jet(&self, at: Uv) -> super::Jet {
         self.surface.jet(at)
@@ -185,7 +172,8 @@ impl<S: ParametricSurface + ?Sized> ParametricSurface for CellRestriction<'_, S>
     fn ranges(&self) -> [(f64, f64); 2] {
         [0, 1].map(|k| {
             let (low, high) = (self.low[k], self.high[k]);
-            (low, high - BEFORE_END * (high - low))
+            // The surface may have a crease at the knot line at the end of the cell.
+            (low, high - ROUNDING * (high - low))
         })
     }
 }

@@ -7,9 +7,7 @@
 
 use nalgebra::DMatrix;
 
-/// The depth to which the surface is subdivided. At this depth a piece is 2⁻²⁴ of the quad, and its
-/// distance from the vertex is below the rounding of lengths that matter.
-const DEPTH: usize = 24;
+use crate::spline::MOST_HALVINGS;
 
 /// The basis functions for quads with one corner of a given valence.
 #[derive(Debug, Clone)]
@@ -34,7 +32,7 @@ impl Table {
             let grid = (0..16).map(|k| [i + k % 4, j + k / 4]).map(Target::Grid);
             rules.matrix(&grid.collect::<Vec<_>>())
         });
-        let pieces = (0..DEPTH).map(|_| {
+        let pieces = (0..MOST_HALVINGS).map(|_| {
             let of_depth = [0, 1, 2].map(|k| &picks[k] * &power);
             power = &step * &power;
             of_depth
@@ -51,11 +49,11 @@ impl Table {
             out.extend(REGULAR.map(|k| values[k]));
             return;
         }
-        let least = 0.5f64.powi(DEPTH as i32);
+        let least = 0.5f64.powi(MOST_HALVINGS as i32);
         let (u, v) = if u.max(v) < least { (least, least) } else { (u, v) };
         let mut depth = 0;
         let mut scale = 2.0;
-        while scale * u.max(v) < 1.0 && depth + 1 < DEPTH {
+        while scale * u.max(v) < 1.0 && depth + 1 < MOST_HALVINGS {
             scale *= 2.0;
             depth += 1;
         }

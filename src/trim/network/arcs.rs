@@ -2,14 +2,12 @@
 
 use nalgebra::{DMatrix, Vector2};
 
+use super::MOST_HALVINGS;
 use crate::geometry::{Point, Uv};
 use crate::spline::{Curve, KnotVector, Surface};
 
 /// The number of samples of the polygon between two of its corners.
 const SAMPLES: usize = 4;
-
-/// The largest number of rounds of halving.
-const MAX_ROUNDS: usize = 12;
 
 /// The least distance of a curve from the sides of the domain, as a share of a side. At a node the
 /// curve leaves the side at once.
@@ -85,7 +83,7 @@ impl OpenPolygon {
         let is_closed = self.uv.first() == self.uv.last();
         let mut breaks = if is_closed { vec![0.0, 0.5, 1.0] } else { vec![0.0, 1.0] };
         let mut curve = self.fit(&breaks)?;
-        for _ in 0..MAX_ROUNDS {
+        for _ in 0..MOST_HALVINGS {
             let is_far = |i: usize| self.distance(&curve, i) > self.room[i];
             let inside = |span: &[f64]| {
                 (0..self.at.len())

@@ -34,8 +34,9 @@ pub struct NetworkRim {
     pub normals: Vec<Vector>,
 }
 
-/// The number of rounds in which the arcs of faulty faces are brought nearer to their rims.
-const MAX_ROUNDS: usize = 6;
+/// How often a room, a span of an arc, or a part of a rim is halved at most. It is then a few thousandths
+/// as long.
+const MOST_HALVINGS: usize = 12;
 
 /// The reason why there is no loop along a rim.
 #[derive(Debug, Clone)]
@@ -90,7 +91,8 @@ pub fn cut(
     let mut fits = LoopFits::new(network, &runs, options)
         .map_err(|surface| on_surface(surface, "has no length on a face"))?;
     let mut faulty = Vec::new();
-    for _ in 0..MAX_ROUNDS {
+    // Each round halves the room of the arcs of faulty faces.
+    for _ in 0..MOST_HALVINGS {
         fits.tighten(&faulty);
         let mut cut =
             fits.cut(network).map_err(|surface| on_surface(surface, "has no smooth curve"))?;

@@ -3,14 +3,10 @@
 //! The vertices of a rim go in. The runs of the rim come out: the parameter points on one surface
 //! after another, and where the rim crosses the tracks between them.
 
-use super::NetworkRim;
 use super::places::{NetworkPlace, NetworkPlaces};
+use super::{MOST_HALVINGS, NetworkRim};
 use crate::geometry::{Point, Uv, Vector};
 use crate::spline::{Network, SideUse};
-
-/// How often the part of a rim between two vertices is halved until its ends are on surfaces that
-/// touch each other.
-const MAX_HALVINGS: usize = 12;
 
 /// The least distance of a crossing from the ends of a track and from other crossings, as a share of
 /// the track. Shorter edges would be slivers.
@@ -83,7 +79,7 @@ impl<'a> NetworkPaths<'a> {
         let mut steps = Vec::new();
         for (a, b) in vertices.iter().zip(vertices.iter().cycle().skip(1)) {
             steps.push(PathStep::Vertex(*a));
-            self.connect(a, b, MAX_HALVINGS, &mut steps).ok_or(a.p)?;
+            self.connect(a, b, MOST_HALVINGS, &mut steps).ok_or(a.p)?;
         }
         let mut runs = divided(&steps);
         while self.straighten(&mut runs, room) {}
