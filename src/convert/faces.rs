@@ -1,4 +1,4 @@
-//! The faces of a body: layout → net → patches → trim, with a finer layout where faces fail.
+//! The faces of a body: layout → net → patches → refine → trim, with a finer layout where faces fail.
 
 use super::stage::{Observer, Stage, within};
 use super::{Options, TargetShape};
@@ -6,11 +6,10 @@ use crate::deviation::{self, NetworkToScan};
 use crate::geometry::{Bound, Point};
 use crate::layout::QuadLayout;
 use crate::mesh::boundary::Loop;
-use crate::mesh::{FaceOrigin, Mesh, Patch};
-use crate::net::Net;
-use crate::spline::{KeptPlaces, Network, NetworkCut};
+use crate::mesh::{FaceOrigin, Mesh, Patch, QuadMesh};
+use crate::spline::{KeptPlaces, Network, NetworkCut, Samples};
 use crate::trim::network::{CutFault, NetworkRim};
-use crate::{Error, Result, layout, net, patches, trim};
+use crate::{Error, Result, layout, net, patches, refine, trim};
 
 /// The most rounds in which the layout is made finer. Where the scan tells no more about the shape, further
 /// rounds do not help.
@@ -63,6 +62,7 @@ impl Gaps {
 }
 
 /// The faces of a body, in the lengths of its mesh.
+#[derive(Clone)]
 pub(super) struct Faces {
     pub network: Network,
     pub cut: NetworkCut,
@@ -72,6 +72,10 @@ pub(super) struct Faces {
     pub layout: layout::Report,
     pub net: net::Report,
     pub irregular: usize,
+    /// The quads of each face.
+    quads: QuadMesh,
+    /// The points of each face.
+    samples: Vec<Samples>,
 }
 
 /// Makes the faces of a filled body with even triangles. The layout is made finer where they turn over or
@@ -118,7 +122,8 @@ pub(super) fn faces(
             break;
         }
     }
-    best.ok_or(Error::Layout("no block of it can be made smaller"))
+    let best = best.ok_or(Error::Layout("no block of it can be made smaller"))?;
+    best.refined(patch, gaps, options)
 }
 
 /// Makes the faces of a layout. Returns also those that turn over or go through each other, with places.
@@ -157,28 +162,20 @@ fn faces_of_net(
     gaps: &Gaps,
     tolerance: f64,
 ) -> Result<(Faces, Vec<FacesFault>)> {
-    let is_measured: Vec<bool> =
-        patch.origin.iter().map(|&origin| origin == FaceOrigin::Measured).collect();
-    let Net { mesh: quads, surface } = &fit.net;
-    let (network, extracted) = patches::extract(quads, surface)?;
-    let (cut, uncut) = match gaps.cut(&network) {
-        Ok(cut) => (cut, None),
-        Err(fault) => (NetworkCut::none(&network), Some(fault)),
+    let quads = fit.net.mesh.clone();
+    let (network, extracted) = patches::extract(&quads, &fit.net.surface)?;
+    let faces = Faces {
+        network,
+        cut: NetworkCut::default(),
+        uncut: None,
+        to_scan: NetworkToScan::default(),
+        layout: layout.report(),
+        net: fit.report.clone(),
+        irregular: extracted.irregular,
+        quads,
+        samples: fit.samples(),
     };
-    let kept = cut.kept_places(&network);
-    let mesh = &patch.mesh;
-    let to_scan = deviation::network_to_scan(&network, &kept, quads, mesh, &is_measured, tolerance);
-    let mut faults = to_scan.inverted.clone();
-    match &uncut {
-        // Without loops nobody knows which faults count.
-        Some(fault) => faults = vec![(fault.surface, fault.at)],
-        None => {
-            faults.extend(deviation::crossing_faces(&network, &kept));
-            faults.extend(folded_seams(&network, &kept));
-        }
-    }
-    let (layout, irregular, net) = (layout.report(), extracted.irregular, fit.report.clone());
-    Ok((Faces { network, cut, uncut, to_scan, layout, net, irregular }, faults))
+    Ok(faces.checked(patch, gaps, tolerance))
 }
 
 /// The places of seams at which two faces meet at more than a right angle. One of them turns over there,
@@ -192,6 +189,64 @@ fn folded_seams(network: &Network, kept: &KeptPlaces) -> Vec<FacesFault> {
 }
 
 impl Faces {
+    /// Cuts the gaps out of the faces and compares them with the scan. Returns also the faults.
+    fn checked(mut self, patch: &Patch, gaps: &Gaps, tolerance: f64) -> (Self, Vec<FacesFault>) {
+        let is_measured: Vec<bool> =
+            patch.origin.iter().map(|&origin| origin == FaceOrigin::Measured).collect();
+        let (network, quads) = (&self.network, &self.quads);
+        (self.cut, self.uncut) = match gaps.cut(network) {
+            Ok(cut) => (cut, None),
+            Err(fault) => (NetworkCut::none(network), Some(fault)),
+        };
+        let kept = self.cut.kept_places(network);
+        let mesh = &patch.mesh;
+        self.to_scan =
+            deviation::network_to_scan(network, &kept, quads, mesh, &is_measured, tolerance);
+        let mut faults = self.to_scan.inverted.clone();
+        match &self.uncut {
+            // Without loops nobody knows which faults count.
+            Some(fault) => faults = vec![(fault.surface, fault.at)],
+            None => {
+                faults.extend(deviation::crossing_faces(network, &kept));
+                faults.extend(folded_seams(network, &kept));
+            }
+        }
+        (self, faults)
+    }
+
+    /// Fits the faces again that miss the tolerance. A face that turns over then, or goes through another
+    /// one, is put back.
+    fn refined(self, patch: &Patch, gaps: &Gaps, options: &net::Options) -> Result<Faces> {
+        let how = refine::Options {
+            tolerance: options.tolerance,
+            outliers: options.outliers,
+            max_control: options.max_control / self.network.surfaces.len().max(1),
+        };
+        if self.net.beyond <= options.outliers {
+            return Ok(self);
+        }
+        let (network, mut report) = refine::refine(&self.network, &self.samples, &how)?;
+        let mut better = Faces { network, ..self.clone() };
+        while !report.faces.is_empty() {
+            let (checked, faults) = better.checked(patch, gaps, options.tolerance);
+            if faults.is_empty() {
+                return Ok(checked);
+            }
+            let is_faulty = |face: &usize| faults.iter().any(|fault| fault.0 == *face);
+            let (faulty, sound): (Vec<usize>, Vec<usize>) =
+                report.faces.into_iter().partition(is_faulty);
+            if faulty.is_empty() {
+                break;
+            }
+            better = checked;
+            for face in faulty {
+                better.network.surfaces[face] = self.network.surfaces[face].clone();
+            }
+            report.faces = sound;
+        }
+        Ok(self)
+    }
+
     /// The few faces that are farthest from the scan, and farther than `limit`.
     fn far(&self, limit: f64) -> Vec<usize> {
         let largest = &self.to_scan.largest;
