@@ -6,10 +6,6 @@ use rayon::prelude::*;
 use crate::cholesky::{Pattern, least_degree};
 use crate::geometry::Vector;
 
-/// The weight of fairing, beside the mean weight of the points of a control point. Larger weights
-/// flatten the shape, and smaller ones let the net fold where it has few points.
-pub const FAIRING: f64 = 1e-3;
-
 /// The normal equations of a sparse least-squares problem, whose targets are points. Their pattern is
 /// analysed once.
 pub struct SparseNormal {

@@ -1,5 +1,6 @@
 //! The faces of a body: layout → net → patches → refine → trim, with a finer layout where faces fail.
 
+use super::refined::refined;
 use super::stage::{Observer, Stage, within};
 use super::{Options, TargetShape};
 use crate::deviation::{self, NetworkToScan};
@@ -9,7 +10,7 @@ use crate::mesh::boundary::Loop;
 use crate::mesh::{FaceOrigin, Mesh, Patch, QuadMesh};
 use crate::spline::{KeptPlaces, Network, NetworkCut, Samples};
 use crate::trim::network::{CutFault, NetworkRim};
-use crate::{Error, Result, layout, net, patches, refine, trim};
+use crate::{Error, Result, layout, net, patches, trim};
 
 /// The most rounds in which the layout is made finer. Where the scan tells no more about the shape, further
 /// rounds do not help.
@@ -30,7 +31,7 @@ pub(super) const SEAM_PLACES: usize = 4;
 
 /// The most times that a surface is held more firmly to its layout near faults. Each makes it eight times
 /// as firm.
-const HOLDS: usize = 4;
+pub(super) const HOLDS: usize = 4;
 
 /// The gaps that are cut out of the faces.
 pub(super) struct Gaps {
@@ -73,19 +74,21 @@ pub(super) struct Faces {
     pub net: net::Report,
     pub irregular: usize,
     /// The quads of each face.
-    quads: QuadMesh,
+    pub quads: QuadMesh,
     /// The points of each face.
-    samples: Vec<Samples>,
+    pub samples: Vec<Samples>,
 }
 
 /// Makes the faces of a filled body with even triangles. The layout is made finer where they turn over or
 /// go through each other, and then, unless about so many faces are `wanted`, where they are far from the
-/// scan.
+/// scan. Then single faces are refined. The tolerance holds for their points, and `both_ways` also for places on
+/// the faces.
 pub(super) fn faces(
     patch: &Patch,
     gaps: &Gaps,
     wanted: Option<usize>,
     options: &net::Options,
+    both_ways: bool,
     watch: &mut Observer,
 ) -> Result<Faces> {
     let how = layout::Options { blocks: wanted, ..layout::Options::default() };
@@ -123,7 +126,7 @@ pub(super) fn faces(
         }
     }
     let best = best.ok_or(Error::Layout("no block of it can be made smaller"))?;
-    best.refined(patch, gaps, options)
+    refined(best, patch, gaps, options, both_ways)
 }
 
 /// Makes the faces of a layout. Returns also those that turn over or go through each other, with places.
@@ -152,7 +155,7 @@ fn faces_of(
 }
 
 /// A face that turns over or goes through another one, and a place there.
-type FacesFault = (usize, Point);
+pub(super) type FacesFault = (usize, Point);
 
 /// Cuts a fitted surface into faces, and checks them.
 fn faces_of_net(
@@ -190,7 +193,12 @@ fn folded_seams(network: &Network, kept: &KeptPlaces) -> Vec<FacesFault> {
 
 impl Faces {
     /// Cuts the gaps out of the faces and compares them with the scan. Returns also the faults.
-    fn checked(mut self, patch: &Patch, gaps: &Gaps, tolerance: f64) -> (Self, Vec<FacesFault>) {
+    pub fn checked(
+        mut self,
+        patch: &Patch,
+        gaps: &Gaps,
+        tolerance: f64,
+    ) -> (Self, Vec<FacesFault>) {
         let is_measured: Vec<bool> =
             patch.origin.iter().map(|&origin| origin == FaceOrigin::Measured).collect();
         let (network, quads) = (&self.network, &self.quads);
@@ -212,39 +220,6 @@ impl Faces {
             }
         }
         (self, faults)
-    }
-
-    /// Fits the faces again that miss the tolerance. A face that turns over then, or goes through another
-    /// one, is put back.
-    fn refined(self, patch: &Patch, gaps: &Gaps, options: &net::Options) -> Result<Faces> {
-        let how = refine::Options {
-            tolerance: options.tolerance,
-            outliers: options.outliers,
-            max_control: options.max_control / self.network.surfaces.len().max(1),
-        };
-        if self.net.beyond <= options.outliers {
-            return Ok(self);
-        }
-        let (network, mut report) = refine::refine(&self.network, &self.samples, &how)?;
-        let mut better = Faces { network, ..self.clone() };
-        while !report.faces.is_empty() {
-            let (checked, faults) = better.checked(patch, gaps, options.tolerance);
-            if faults.is_empty() {
-                return Ok(checked);
-            }
-            let is_faulty = |face: &usize| faults.iter().any(|fault| fault.0 == *face);
-            let (faulty, sound): (Vec<usize>, Vec<usize>) =
-                report.faces.into_iter().partition(is_faulty);
-            if faulty.is_empty() {
-                break;
-            }
-            better = checked;
-            for face in faulty {
-                better.network.surfaces[face] = self.network.surfaces[face].clone();
-            }
-            report.faces = sound;
-        }
-        Ok(self)
     }
 
     /// The few faces that are farthest from the scan, and farther than `limit`.

@@ -12,7 +12,7 @@ pub use face::TrimmedFace;
 pub use face_to_scan::FaceToScan;
 pub(crate) use face_to_scan::{MissedTriangle, SurfaceOverMesh, middles, narrowest, spanned};
 pub(crate) use network::nearest_of;
-pub use network::{NetworkToScan, network_to_scan, of_network};
+pub use network::{FaceMiss, NetworkToScan, network_to_scan, of_network};
 pub use tessellation::{crossing_faces, tessellation};
 
 use crate::geometry::Point;

@@ -8,8 +8,12 @@ use super::feet::Feet;
 use super::{FitTarget, Net};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Vector};
-use crate::least_squares::{FAIRING, SparseNormal};
+use crate::least_squares::SparseNormal;
 use crate::spline::subdivision::limit_weights;
+
+/// The weight of fairing, beside the mean weight of the points of a control point. Larger weights
+/// flatten the shape, and smaller ones let the net fold where it has few points.
+const FAIRING: f64 = 1e-3;
 
 /// The weight of anchors, beside the mean weight of the points of a control point. Larger weights keep
 /// the surface from the points, and without anchors quads slide along the surface until they fold.

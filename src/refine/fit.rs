@@ -1,66 +1,80 @@
 //! The fit of the inside of one face.
 
-use crate::geometry::{Point, Uv, Vector};
-use crate::least_squares::{FAIRING, SparseNormal};
-use crate::spline::{KnotVector, Samples, Surface, foot_point_moving, last_step};
-
 use super::MEASURED;
+use crate::geometry::{Uv, Vector};
+use crate::least_squares::SparseNormal;
+use crate::spline::{KnotVector, Samples, Surface, foot_point_moving, last_step};
 
 /// The number of outer rows of control points on each side that stay. The first one is the track, and the
 /// second one has the tangent planes along it.
-const FIXED: usize = 2;
+pub(super) const FIXED: usize = 2;
 
 /// The rounds of control points and foot points. The faces are near the points before, so that later
 /// rounds change little.
 const ROUNDS: usize = 2;
 
+/// The weight of fairing, beside the mean weight of the points of a control point. It is larger than that of a
+/// net, as there may be one point for a control point only. With a tenth of it, faces are twice as far from the
+/// triangles between points, and with ten times as much, they miss the tolerance in twice as many points.
+const FAIRING: f64 = 0.03;
+
+/// What a face is fitted to.
+pub(super) struct FaceTarget<'a> {
+    pub samples: &'a Samples,
+    /// The factor of the weight of fairing.
+    pub firmness: f64,
+    pub tolerance: f64,
+}
+
 /// A face, and where it misses the tolerance.
 pub(super) struct FaceFit {
     pub surface: Surface,
-    /// The foot points.
-    feet: Vec<Uv>,
-    /// The number of measured points beyond the tolerance.
-    pub beyond: usize,
-    /// Their foot points.
-    pub beyond_at: Vec<Uv>,
+    /// The foot points of all samples.
+    pub feet: Vec<Uv>,
+    /// The numbers of the measured samples beyond the tolerance, in ascending order.
+    pub beyond: Vec<usize>,
 }
 
 impl FaceFit {
-    /// Finds the foot points of samples on a surface.
-    pub fn of(surface: Surface, samples: &Samples, tolerance: f64) -> Self {
-        FaceFit::with_starts(surface, samples, &samples.uv, tolerance)
+    /// A surface near the samples.
+    pub fn of(surface: Surface, target: &FaceTarget) -> Self {
+        FaceFit::near(surface, target, &target.samples.uv)
     }
 
-    fn with_starts(surface: Surface, samples: &Samples, starts: &[Uv], tolerance: f64) -> Self {
+    /// A surface whose foot points are near the `starts`.
+    fn near(surface: Surface, target: &FaceTarget, starts: &[Uv]) -> Self {
         let step = last_step(&surface);
-        let foot =
-            |(&p, &start): (&Point, &Uv)| foot_point_moving(&surface, p, start, [true; 2], step);
-        let all: Vec<(Uv, f64)> = samples.points.iter().zip(starts).map(foot).collect();
-        let misses = all.iter().zip(&samples.weights);
-        let misses = misses.filter(|&((_, off), &weight)| weight >= MEASURED && *off > tolerance);
-        let beyond_at: Vec<Uv> = misses.map(|((at, _), _)| *at).collect();
-        let feet = all.iter().map(|foot| foot.0).collect();
-        FaceFit { beyond: beyond_at.len(), beyond_at, feet, surface }
+        let mut fit =
+            FaceFit { feet: Vec::with_capacity(starts.len()), beyond: Vec::new(), surface };
+        let points = target.samples.points.iter().zip(&target.samples.weights);
+        for (number, ((&p, &weight), &start)) in points.zip(starts).enumerate() {
+            let (at, off) = foot_point_moving(&fit.surface, p, start, [true; 2], step);
+            fit.feet.push(at);
+            if weight >= MEASURED && off > target.tolerance {
+                fit.beyond.push(number);
+            }
+        }
+        fit
+    }
+
+    /// The number of samples beyond the tolerance among the first ones.
+    pub fn beyond_of(&self, first: usize) -> usize {
+        self.beyond.partition_point(|&number| number < first)
+    }
+
+    /// The number of control points inside, which a fit moves.
+    pub fn inner(&self) -> usize {
+        self.surface.shape().map(|count| count.saturating_sub(2 * FIXED)).iter().product()
     }
 
     /// The face with other control points inside, over finer knots. `None` if they cannot be found.
-    pub fn again(
-        &self,
-        knots: [KnotVector; 2],
-        samples: &Samples,
-        tolerance: f64,
-    ) -> Option<FaceFit> {
+    pub fn again(&self, knots: [KnotVector; 2], target: &FaceTarget) -> Option<FaceFit> {
         let mut inside = Inside::new(self.surface.over(knots))?;
-        let mut feet = self.feet.clone();
-        for round in 1..=ROUNDS {
-            let surface = inside.fitted(samples, &feet)?;
-            let fit = FaceFit::with_starts(surface, samples, &feet, tolerance);
-            if round == ROUNDS {
-                return Some(fit);
-            }
-            feet = fit.feet;
+        let mut fit = FaceFit::near(inside.fitted(target, &self.feet)?, target, &self.feet);
+        for _ in 1..ROUNDS {
+            fit = FaceFit::near(inside.fitted(target, &fit.feet)?, target, &fit.feet);
         }
-        None
+        Some(fit)
     }
 }
 
@@ -100,8 +114,9 @@ impl Inside {
     }
 
     /// The surface that is nearest to the samples at their feet. Moves of neighbouring control points differ little.
-    fn fitted(&mut self, samples: &Samples, feet: &[Uv]) -> Option<Surface> {
+    fn fitted(&mut self, target: &FaceTarget, feet: &[Uv]) -> Option<Surface> {
         self.equations.clear();
+        let samples = target.samples;
         let mut total = 0.0;
         for ((p, &at), &weight) in samples.points.iter().zip(feet).zip(&samples.weights) {
             let row = self.row(at);
@@ -109,7 +124,7 @@ impl Inside {
             total += weight;
         }
         let [m, n] = self.shape;
-        let weight = FAIRING * total / (m * n) as f64;
+        let weight = target.firmness * FAIRING * total / (m * n) as f64;
         for (i, j) in (0..m * n).map(|k| (k / n + FIXED, k % n + FIXED)) {
             let beside = [(i - 1, j), (i + 1, j), (i, j - 1), (i, j + 1)];
             let beside = beside.iter().filter_map(|&(i, j)| Some((self.unknown(i, j)?, -0.25)));

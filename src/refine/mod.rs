@@ -13,8 +13,10 @@ mod halves;
 use rayon::prelude::*;
 
 use crate::error::{Error, Result};
-use crate::spline::{Network, Samples, Surface};
-use fit::FaceFit;
+use crate::geometry::{Point, Uv};
+use crate::spline::{Network, Samples};
+use fit::{FaceFit, FaceTarget};
+use halves::Room;
 
 /// The options of the refinement.
 #[derive(Debug, Clone)]
@@ -33,67 +35,137 @@ pub struct Options {
 pub struct Report {
     /// The numbers of the faces that were fitted again, in ascending order.
     pub faces: Vec<usize>,
+    /// The number of measured points that exceed the tolerance.
+    pub beyond: usize,
 }
 
 /// The weight of a measured point. The tolerance holds for these only.
 const MEASURED: f64 = 1.0;
 
 /// The most times that the knot spans of a face are halved. A span is then an eighth as long as one of the
-/// whole network, which has two points of the scan or more.
+/// whole network. Faces seldom have enough points for more.
 const HALVINGS: usize = 3;
+
+/// The factor by which a face becomes firmer, as that of a net.
+const FIRMER: f64 = 8.0;
+
+/// A refined network, whose faces can be fitted again.
+#[derive(Debug)]
+pub struct Refinement<'a> {
+    /// The refined network.
+    pub network: Network,
+    before: &'a Network,
+    options: &'a Options,
+    /// The points of each face, and at their end those that were added.
+    samples: Vec<Samples>,
+    /// The number of points of each face that were not added.
+    given: Vec<usize>,
+    /// How firmly each face is held to the face before.
+    firmness: Vec<f64>,
+    /// Whether each face has another shape than before.
+    is_refined: Vec<bool>,
+    /// The number of given points of each face that exceed the tolerance.
+    beyond: Vec<usize>,
+}
 
 /// Fits the faces again that miss the tolerance. `samples` has the points of each face. Those with a weight of
 /// at least one were measured.
 ///
 /// # Errors
 /// [`Error::Input`] if there are not as many lists of points as faces.
-pub fn refine(
-    network: &Network,
-    samples: &[Samples],
-    options: &Options,
-) -> Result<(Network, Report)> {
-    if samples.len() != network.surfaces.len() {
+pub fn refine<'a>(
+    network: &'a Network,
+    samples: Vec<Samples>,
+    options: &'a Options,
+) -> Result<Refinement<'a>> {
+    let count = network.surfaces.len();
+    if samples.len() != count {
         return Err(Error::Input("a network has not one list of points for each face"));
     }
-    let faces = network.surfaces.par_iter().zip(samples);
-    let again: Vec<Option<Surface>> =
-        faces.map(|(surface, samples)| again(surface, samples, options)).collect();
-    let mut network = network.clone();
-    let mut report = Report::default();
-    for (face, surface) in again.into_iter().enumerate() {
-        if let Some(surface) = surface {
-            network.surfaces[face] = surface;
-            report.faces.push(face);
-        }
-    }
-    Ok((network, report))
+    let mut refinement = Refinement {
+        network: network.clone(),
+        before: network,
+        options,
+        given: samples.iter().map(Samples::len).collect(),
+        samples,
+        firmness: vec![1.0; count],
+        is_refined: vec![false; count],
+        beyond: vec![0; count],
+    };
+    refinement.fit(&(0..count).collect::<Vec<_>>());
+    Ok(refinement)
 }
 
-/// The face with as few more knots as it needs, or `None` if it keeps the tolerance or no fit is nearer to it.
-fn again(surface: &Surface, samples: &Samples, options: &Options) -> Option<Surface> {
-    let measured = samples.weights.iter().filter(|&&weight| weight >= MEASURED).count();
-    let may_miss = (options.outliers * measured as f64) as usize;
-    let most = options.max_control.min(measured);
-    let mut best = FaceFit::of(surface.clone(), samples, options.tolerance);
-    let before = best.beyond;
-    for halving in 0..=HALVINGS {
-        if best.beyond <= may_miss {
-            break;
+impl Refinement<'_> {
+    /// What was done.
+    pub fn report(&self) -> Report {
+        let faces = (0..self.is_refined.len()).filter(|&face| self.is_refined[face]);
+        Report { faces: faces.collect(), beyond: self.beyond.iter().sum() }
+    }
+
+    /// Fits faces again, and holds them more firmly.
+    pub fn hold(&mut self, faces: &[usize]) {
+        faces.iter().for_each(|&face| self.firmness[face] *= FIRMER);
+        self.fit(faces);
+    }
+
+    /// Fits faces again that shall be near more points: each has its face and the place there.
+    pub fn follow(&mut self, points: &[(usize, Uv, Point)]) {
+        let mut faces = Vec::new();
+        for &(face, at, point) in points {
+            let samples = &mut self.samples[face];
+            samples.points.push(point);
+            samples.uv.push(at);
+            samples.weights.push(MEASURED);
+            faces.push(face);
         }
-        // At first the same knots have to do.
-        let knots = match halving {
-            0 => [best.surface.u.clone(), best.surface.v.clone()],
-            _ => match halves::halved(&best, most) {
-                Some(knots) => knots,
-                None => break,
-            },
-        };
-        let Some(next) = best.again(knots, samples, options.tolerance) else { break };
-        if next.beyond < best.beyond {
-            best = next;
-        } else if halving > 0 {
-            break;
+        faces.sort_unstable();
+        faces.dedup();
+        self.fit(&faces);
+    }
+
+    /// Gives faces back the shape that they had.
+    pub fn put_back(&mut self, faces: &[usize]) {
+        for &face in faces {
+            self.is_refined[face] = false;
+            self.network.surfaces[face].clone_from(&self.before.surfaces[face]);
         }
     }
-    (best.beyond < before).then_some(best.surface)
+
+    fn fit(&mut self, faces: &[usize]) {
+        let all: Vec<(FaceFit, bool)> = faces.par_iter().map(|&face| self.fitted(face)).collect();
+        for (&face, (fit, is_refined)) in faces.iter().zip(all) {
+            self.beyond[face] = fit.beyond_of(self.given[face]);
+            self.is_refined[face] = is_refined;
+            self.network.surfaces[face] = fit.surface;
+        }
+    }
+
+    /// The face with as few more knots as it needs, and whether it has another shape than before. It has not if
+    /// it kept the tolerance or no fit is nearer to it.
+    fn fitted(&self, face: usize) -> (FaceFit, bool) {
+        let samples = &self.samples[face];
+        let measured = samples.weights.iter().filter(|&&weight| weight >= MEASURED).count();
+        let may_miss = (self.options.outliers * measured as f64) as usize;
+        let (firmness, tolerance) = (self.firmness[face], self.options.tolerance);
+        let target = FaceTarget { samples, firmness, tolerance };
+        let before = FaceFit::of(self.before.surfaces[face].clone(), &target);
+        let misses = before.beyond.len();
+        let room = Room { inner: before.inner() + measured, all: self.options.max_control };
+        let knots = [before.surface.u.clone(), before.surface.v.clone()];
+        // At first the same knots have to do.
+        let mut knots = if misses <= may_miss { None } else { Some(knots) };
+        let mut best = before;
+        for halving in 0..=HALVINGS {
+            let Some(next) = knots.and_then(|knots| best.again(knots, &target)) else { break };
+            if next.beyond.len() < best.beyond.len() {
+                best = next;
+            } else if halving > 0 {
+                break;
+            }
+            knots = if best.beyond.len() <= may_miss { None } else { room.halved(&best) };
+        }
+        let is_refined = best.beyond.len() < misses;
+        (best, is_refined)
+    }
 }
