@@ -33,24 +33,12 @@ pub(super) fn refined(
         let (next, faults) = next.checked(patch, gaps, options.tolerance);
         let report = refinement.report();
         let beyond = report.beyond as f64 / points as f64 + next.beyond();
-        eprintln!(
-            "DBG round {round} faults {} refined {} beyond {}; before back beyond {} rms {} max {} after {} {} {}",
-            faults.len(),
-            report.faces.len(),
-            report.beyond,
-            faces.to_scan.beyond,
-            faces.to_scan.deviation.rms,
-            faces.to_scan.deviation.max,
-            next.to_scan.beyond,
-            next.to_scan.deviation.rms,
-            next.to_scan.deviation.max
-        );
         if faults.is_empty() {
             let misses = next.to_scan.misses.clone();
             if beyond <= best.0 {
                 best = (beyond, Some(next));
             }
-            if misses.is_empty() || round >= HOLDS {
+            if !both_ways || misses.is_empty() || round >= HOLDS {
                 break;
             }
             let wanted: Vec<_> = misses.iter().map(|m| (m.face, m.at, m.wanted)).collect();

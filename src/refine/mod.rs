@@ -14,7 +14,7 @@ use rayon::prelude::*;
 
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv};
-use crate::spline::{Network, Samples};
+use crate::spline::{Network, Samples, Surface};
 use fit::{FaceFit, FaceTarget};
 use halves::Room;
 
@@ -64,8 +64,8 @@ pub struct Refinement<'a> {
     firmness: Vec<f64>,
     /// Whether each face has another shape than before.
     is_refined: Vec<bool>,
-    /// The number of given points of each face that exceed the tolerance.
-    beyond: Vec<usize>,
+    /// The number of given points of each face that exceed the tolerance, before and now.
+    beyond: Vec<[usize; 2]>,
 }
 
 /// Fits the faces again that miss the tolerance. `samples` has the points of each face. Those with a weight of
@@ -90,7 +90,7 @@ pub fn refine<'a>(
         samples,
         firmness: vec![1.0; count],
         is_refined: vec![false; count],
-        beyond: vec![0; count],
+        beyond: vec![[0; 2]; count],
     };
     refinement.fit(&(0..count).collect::<Vec<_>>());
     Ok(refinement)
@@ -100,7 +100,7 @@ impl Refinement<'_> {
     /// What was done.
     pub fn report(&self) -> Report {
         let faces = (0..self.is_refined.len()).filter(|&face| self.is_refined[face]);
-        Report { faces: faces.collect(), beyond: self.beyond.iter().sum() }
+        Report { faces: faces.collect(), beyond: self.beyond.iter().map(|of| of[1]).sum() }
     }
 
     /// Fits faces again, and holds them more firmly.
@@ -128,30 +128,33 @@ impl Refinement<'_> {
     pub fn put_back(&mut self, faces: &[usize]) {
         for &face in faces {
             self.is_refined[face] = false;
+            self.beyond[face][1] = self.beyond[face][0];
             self.network.surfaces[face].clone_from(&self.before.surfaces[face]);
         }
     }
 
     fn fit(&mut self, faces: &[usize]) {
-        let all: Vec<(FaceFit, bool)> = faces.par_iter().map(|&face| self.fitted(face)).collect();
-        for (&face, (fit, is_refined)) in faces.iter().zip(all) {
-            self.beyond[face] = fit.beyond_of(self.given[face]);
-            self.is_refined[face] = is_refined;
-            self.network.surfaces[face] = fit.surface;
+        let all: Vec<FittedFace> = faces.par_iter().map(|&face| self.fitted(face)).collect();
+        for (&face, fitted) in faces.iter().zip(all) {
+            self.beyond[face] = fitted.beyond;
+            self.is_refined[face] = fitted.is_refined;
+            self.network.surfaces[face] = fitted.surface;
         }
     }
 
-    /// The face with as few more knots as it needs, and whether it has another shape than before. It has not if
-    /// it kept the tolerance or no fit is nearer to it.
-    fn fitted(&self, face: usize) -> (FaceFit, bool) {
+    /// The face with as few more knots as it needs. At first it may have an inner control point for each measured
+    /// point, and if this does not suffice, one more for each.
+    fn fitted(&self, face: usize) -> FittedFace {
         let samples = &self.samples[face];
         let measured = samples.weights.iter().filter(|&&weight| weight >= MEASURED).count();
         let may_miss = (self.options.outliers * measured as f64) as usize;
         let (firmness, tolerance) = (self.firmness[face], self.options.tolerance);
         let target = FaceTarget { samples, firmness, tolerance };
         let before = FaceFit::of(self.before.surfaces[face].clone(), &target);
-        let misses = before.beyond.len();
-        let room = Room { inner: before.inner() + measured, all: self.options.max_control };
+        let (misses, given) = (before.beyond.len(), self.given[face]);
+        let given_misses = before.beyond_of(given);
+        let rooms = [measured, before.inner() + measured];
+        let rooms = rooms.map(|inner| Room { inner, all: self.options.max_control });
         let knots = [before.surface.u.clone(), before.surface.v.clone()];
         // At first the same knots have to do.
         let mut knots = if misses <= may_miss { None } else { Some(knots) };
@@ -163,9 +166,22 @@ impl Refinement<'_> {
             } else if halving > 0 {
                 break;
             }
-            knots = if best.beyond.len() <= may_miss { None } else { room.halved(&best) };
+            let is_near = best.beyond.len() <= may_miss;
+            knots = if is_near { None } else { rooms.iter().find_map(|room| room.halved(&best)) };
         }
-        let is_refined = best.beyond.len() < misses;
-        (best, is_refined)
+        FittedFace {
+            is_refined: best.beyond.len() < misses,
+            beyond: [given_misses, best.beyond_of(given)],
+            surface: best.surface,
+        }
     }
+}
+
+/// A face after its fit.
+struct FittedFace {
+    surface: Surface,
+    /// Whether it has another shape than before. It has not if it kept the tolerance or no fit is nearer to it.
+    is_refined: bool,
+    /// The number of given points that exceed the tolerance, before and now.
+    beyond: [usize; 2],
 }
