@@ -14,8 +14,9 @@ pub(super) const FIXED: usize = 2;
 const ROUNDS: usize = 2;
 
 /// The weight of fairing, beside the mean weight of the points of a control point. It is larger than that of a
-/// net, as there may be one point for a control point only. With a tenth of it, faces are twice as far from the
-/// triangles between points, and with ten times as much, they miss the tolerance in twice as many points.
+/// net, as there may be one point for a control point only. With a thirtieth of it, faces are farther from the
+/// triangles between points than before, and more of them turn over. With three times as much, more points miss
+/// the tolerance.
 const FAIRING: f64 = 0.03;
 
 /// What a face is fitted to.

@@ -46,7 +46,7 @@ const MEASURED: f64 = 1.0;
 /// whole network. Faces seldom have enough points for more.
 const HALVINGS: usize = 3;
 
-/// The factor by which a face becomes firmer, as that of a net.
+/// The factor by which a face becomes firmer. It is that of a net.
 const FIRMER: f64 = 8.0;
 
 /// A refined network, whose faces can be fitted again.
@@ -153,8 +153,11 @@ impl Refinement<'_> {
         let before = FaceFit::of(self.before.surfaces[face].clone(), &target);
         let (misses, given) = (before.beyond.len(), self.given[face]);
         let given_misses = before.beyond_of(given);
-        let rooms = [measured, before.inner() + measured];
-        let rooms = rooms.map(|inner| Room { inner, all: self.options.max_control });
+        let mut rooms = vec![measured, before.inner() + measured];
+        // A face that had faults had too many.
+        rooms.truncate(if firmness > 1.0 { 1 } else { 2 });
+        let room = |&inner: &usize| Room { inner, all: self.options.max_control };
+        let rooms: Vec<Room> = rooms.iter().map(room).collect();
         let knots = [before.surface.u.clone(), before.surface.v.clone()];
         // At first the same knots have to do.
         let mut knots = if misses <= may_miss { None } else { Some(knots) };
