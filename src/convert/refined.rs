@@ -2,6 +2,7 @@
 
 use super::faces::{Faces, Gaps, HOLDS};
 use crate::mesh::Patch;
+use crate::spline::Samples;
 use crate::{Result, net, refine};
 
 /// Fits the faces again that miss the tolerance, and those with places that are far from the scan. A face that
@@ -24,7 +25,7 @@ pub(super) fn refined(
         outliers: options.outliers,
         max_control: options.max_control / faces.network.surfaces.len().max(1),
     };
-    let points = faces.samples.iter().map(|samples| samples.len()).sum::<usize>().max(1);
+    let points = faces.samples.iter().map(Samples::len).sum::<usize>().max(1);
     let mut refinement = refine::refine(&faces.network, faces.samples.clone(), &how)?;
     let mut best = (faces.net.beyond + faces.beyond(), None);
     for round in 0.. {

@@ -4,14 +4,14 @@ use super::fit::{FIXED, FaceFit};
 use crate::spline::KnotVector;
 
 /// The most control points that a face can have.
-pub(super) struct Room {
+pub(super) struct ControlRoom {
     /// The most of those inside, which a fit moves.
     pub inner: usize,
     /// The most of all.
     pub all: usize,
 }
 
-impl Room {
+impl ControlRoom {
     /// The knots with halved spans, those with the most points beyond the tolerance first, as long as there is
     /// room. `None` if no span can be halved.
     pub fn halved(&self, fit: &FaceFit) -> Option<[KnotVector; 2]> {

@@ -16,7 +16,7 @@ use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv};
 use crate::spline::{Network, Samples, Surface};
 use fit::{FaceFit, FaceTarget};
-use halves::Room;
+use halves::ControlRoom;
 
 /// The options of the refinement.
 #[derive(Debug, Clone)]
@@ -153,11 +153,10 @@ impl Refinement<'_> {
         let before = FaceFit::of(self.before.surfaces[face].clone(), &target);
         let (misses, given) = (before.beyond.len(), self.given[face]);
         let given_misses = before.beyond_of(given);
-        let mut rooms = vec![measured, before.inner() + measured];
-        // A face that had faults had too many.
-        rooms.truncate(if firmness > 1.0 { 1 } else { 2 });
-        let room = |&inner: &usize| Room { inner, all: self.options.max_control };
-        let rooms: Vec<Room> = rooms.iter().map(room).collect();
+        // A face that had faults had too many knots.
+        let more = if firmness > 1.0 { 0 } else { before.inner() };
+        let rooms = [measured, more + measured];
+        let rooms = rooms.map(|inner| ControlRoom { inner, all: self.options.max_control });
         let knots = [before.surface.u.clone(), before.surface.v.clone()];
         // At first the same knots have to do.
         let mut knots = if misses <= may_miss { None } else { Some(knots) };
