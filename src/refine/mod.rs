@@ -153,9 +153,7 @@ impl Refinement<'_> {
         let before = FaceFit::of(self.before.surfaces[face].clone(), &target);
         let (misses, given) = (before.beyond.len(), self.given[face]);
         let given_misses = before.beyond_of(given);
-        // A face that had faults had too many knots.
-        let more = if firmness > 1.0 { 0 } else { before.inner() };
-        let rooms = [measured, more + measured];
+        let rooms = [measured, before.inner() + measured];
         let rooms = rooms.map(|inner| ControlRoom { inner, all: self.options.max_control });
         let knots = [before.surface.u.clone(), before.surface.v.clone()];
         // At first the same knots have to do.
