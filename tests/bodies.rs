@@ -113,6 +113,50 @@ fn a_torus_becomes_a_watertight_solid() {
     }
 }
 
+/// The scan of a torus with a bump that is as wide as two edges of the triangles.
+fn bumpy_torus(path: &Path) {
+    let on = |u: f64, v: f64, tube: f64| {
+        let reach = RADII[0] + tube * v.cos();
+        [reach * u.cos(), reach * u.sin(), tube * v.sin()]
+    };
+    let top = on(0.7, 1.0, RADII[1]);
+    let moved = |line: &str| {
+        let Some(point) = line.strip_prefix("v ") else { return format!("{line}\n") };
+        let p: Vec<f64> = point.split(' ').map(|x| x.parse().expect("a number")).collect();
+        let (u, v) = (p[1].atan2(p[0]), p[2].atan2(p[0].hypot(p[1]) - RADII[0]));
+        let off = p.iter().zip(&top).map(|(a, b)| (a - b) * (a - b)).sum::<f64>();
+        let [x, y, z] = on(u, v, RADII[1] + (-off / 8.0).exp());
+        format!("v {x} {y} {z}\n")
+    };
+    let text: String = torus_text(RADII, 0.0, (false, 0), &[]).lines().map(moved).collect();
+    std::fs::write(path, text).expect("a file");
+}
+
+#[test]
+fn single_faces_get_more_knots_where_they_miss_the_tolerance() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    let (scan, step, report) = (path("bump.obj"), path("bump.step"), path("bump.json"));
+    bumpy_torus(&scan);
+    converted(&[arg(&scan), arg(&step), "--tolerance", "0.05", "--report", arg(&report)]);
+    let report = json(&report);
+    check_schema(&report);
+    assert_eq!(report["tolerance_met"], true, "{report}");
+    assert_eq!((&report["shape"]["folds"], &report["shape"]["free_edges"]), (&0.into(), &0.into()));
+    // Without more knots in single faces, all faces have the same net, and the bump misses the tolerance.
+    let nets: Vec<String> = report["faces"]
+        .as_array()
+        .expect("a list")
+        .iter()
+        .map(|face| face["net"].to_string())
+        .collect();
+    let finer = nets.iter().filter(|net| **net != nets[nets.len() / 2]).count();
+    assert!(0 < finer && finer < nets.len() / 2, "{nets:?}");
+    let found = opencascade_solid(&step);
+    assert_eq!(found["valid"], true, "{found}");
+    assert_eq!(found["uses"], serde_json::json!({ "2": report["shape"]["edges"] }), "{found}");
+}
+
 #[test]
 fn freecad_opens_a_torus() {
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -10,7 +10,7 @@ use scan2step::mesh::{Mesh, Patch, QuadMesh};
 use scan2step::spline::subdivision::{QuadPlace, SubdivisionSurface};
 use scan2step::spline::{Network, NetworkCut};
 use scan2step::trim::network::NetworkRim;
-use scan2step::{brep, deviation, net, patches, trim};
+use scan2step::{brep, deviation, net, patches, refine, trim};
 
 /// The surface of unit cubes as a quad mesh, with a block of `n` × `n` quads for each square.
 fn cubes(cells: &[[i32; 3]], n: usize) -> QuadMesh {
@@ -364,4 +364,51 @@ fn quads_are_divided_until_the_tolerance_holds() {
 fn nearest(mesh: &Mesh, p: Point) -> Point {
     let off = |q: &&Point| (**q - p).norm();
     *mesh.points.iter().min_by(|a, b| off(a).total_cmp(&off(b))).expect("a point")
+}
+
+/// A rounded cube with a narrow bump on it.
+fn bumpy_scan() -> (QuadMesh, Mesh) {
+    let [(_, mesh, _), ..] = bodies(6);
+    let mut scan = limit_surface(&mesh, 6);
+    let top = *scan.points.iter().max_by(|a, b| a.x.total_cmp(&b.x)).expect("a point");
+    for p in &mut scan.points {
+        p.x += 0.01 * (-((*p - top).norm() / 0.08).powi(2)).exp();
+    }
+    (limit_surface_at_vertices(&mesh), scan)
+}
+
+#[test]
+fn a_refined_face_keeps_its_sides_and_its_tangent_planes_there() {
+    let (start, scan) = bumpy_scan();
+    let patch = Patch::closed(scan);
+    // No net is made finer.
+    let options = net::Options { tolerance: 2e-4, outliers: 0.0, max_control: 300 };
+    let fit = net::fit_with(&start, &patch, &options, &mut |_| Ok(())).expect("a fit");
+    let (network, _) = patches::extract(&fit.net.mesh, &fit.net.surface).expect("patches");
+    let how = refine::Options { tolerance: 2e-4, outliers: 0.0, max_control: 10_000 };
+    let mut refinement = refine::refine(&network, fit.samples(), &how).expect("as many lists");
+    let report = refinement.report();
+    assert!(!report.faces.is_empty() && report.faces.len() < network.surfaces.len(), "{report:?}");
+    let before = (fit.report.beyond * patch.measured as f64).round();
+    assert!((report.beyond as f64) < 0.2 * before, "{report:?}, and {before} before");
+    for (face, old) in network.surfaces.iter().enumerate() {
+        let new = &refinement.network.surfaces[face];
+        if !report.faces.contains(&face) {
+            assert_eq!(new, old);
+            continue;
+        }
+        assert_ne!(new, old);
+        let end = network.end();
+        for t in (0..=100).map(|k| end * f64::from(k) / 100.0) {
+            for at in [Uv::new(t, 0.0), Uv::new(end, t), Uv::new(t, end), Uv::new(0.0, t)] {
+                let [a, b] = [old, new].map(|surface| surface.jet(at));
+                let off = [a.s - b.s, a.su - b.su, a.sv - b.sv].map(|v| v.norm());
+                assert!(off.iter().all(|&off| off < 1e-12), "face {face} at {at}: {off:?}");
+            }
+        }
+    }
+    brep::closed(&refinement.network, "bump", 1e-7).expect("a solid");
+    refinement.put_back(&report.faces);
+    assert_eq!(refinement.network.surfaces, network.surfaces);
+    assert!(refinement.report().faces.is_empty());
 }

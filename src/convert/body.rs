@@ -188,7 +188,7 @@ fn body(
         net::Options { tolerance, outliers: goal.outliers, max_control: options.knots.max_net };
     let gaps = Gaps::of(&patch, shape, tolerance, options);
     let Faces { network: own, cut, to_scan: face_to_scan, layout, net, irregular, .. } =
-        faces(&patch.even(), &gaps, options.faces, &net_options, watch)?;
+        faces(&patch.even(), &gaps, options.faces, &net_options, goal.named, watch)?;
     let network = own.clone().scaled(mm);
     watch(Stage::Network(&network))?;
     let brep = match shape {

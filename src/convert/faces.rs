@@ -1,14 +1,14 @@
-//! The faces of a body: layout → net → patches → trim, with a finer layout where faces fail.
+//! The faces of a body: layout → net → patches → refine → trim, with a finer layout where faces fail.
 
+use super::refined::refined;
 use super::stage::{Observer, Stage, within};
 use super::{Options, TargetShape};
 use crate::deviation::{self, NetworkToScan};
 use crate::geometry::{Bound, Point};
 use crate::layout::QuadLayout;
 use crate::mesh::boundary::Loop;
-use crate::mesh::{FaceOrigin, Mesh, Patch};
-use crate::net::Net;
-use crate::spline::{KeptPlaces, Network, NetworkCut};
+use crate::mesh::{FaceOrigin, Mesh, Patch, QuadMesh};
+use crate::spline::{KeptPlaces, Network, NetworkCut, Samples};
 use crate::trim::network::{CutFault, NetworkRim};
 use crate::{Error, Result, layout, net, patches, trim};
 
@@ -31,7 +31,7 @@ pub(super) const SEAM_PLACES: usize = 4;
 
 /// The most times that a surface is held more firmly to its layout near faults. Each makes it eight times
 /// as firm.
-const HOLDS: usize = 4;
+pub(super) const HOLDS: usize = 4;
 
 /// The gaps that are cut out of the faces.
 pub(super) struct Gaps {
@@ -63,6 +63,7 @@ impl Gaps {
 }
 
 /// The faces of a body, in the lengths of its mesh.
+#[derive(Clone)]
 pub(super) struct Faces {
     pub network: Network,
     pub cut: NetworkCut,
@@ -72,16 +73,22 @@ pub(super) struct Faces {
     pub layout: layout::Report,
     pub net: net::Report,
     pub irregular: usize,
+    /// The quads of each face.
+    pub quads: QuadMesh,
+    /// The points of each face.
+    pub samples: Vec<Samples>,
 }
 
 /// Makes the faces of a filled body with even triangles. The layout is made finer where they turn over or
 /// go through each other, and then, unless about so many faces are `wanted`, where they are far from the
-/// scan.
+/// scan. Then single faces are refined. The tolerance holds for their points, and `both_ways` also for places on
+/// the faces.
 pub(super) fn faces(
     patch: &Patch,
     gaps: &Gaps,
     wanted: Option<usize>,
     options: &net::Options,
+    both_ways: bool,
     watch: &mut Observer,
 ) -> Result<Faces> {
     let how = layout::Options { blocks: wanted, ..layout::Options::default() };
@@ -118,7 +125,8 @@ pub(super) fn faces(
             break;
         }
     }
-    best.ok_or(Error::Layout("no block of it can be made smaller"))
+    let best = best.ok_or(Error::Layout("no block of it can be made smaller"))?;
+    refined(best, patch, gaps, options, both_ways)
 }
 
 /// Makes the faces of a layout. Returns also those that turn over or go through each other, with places.
@@ -147,7 +155,7 @@ fn faces_of(
 }
 
 /// A face that turns over or goes through another one, and a place there.
-type FacesFault = (usize, Point);
+pub(super) type FacesFault = (usize, Point);
 
 /// Cuts a fitted surface into faces, and checks them.
 fn faces_of_net(
@@ -157,28 +165,20 @@ fn faces_of_net(
     gaps: &Gaps,
     tolerance: f64,
 ) -> Result<(Faces, Vec<FacesFault>)> {
-    let is_measured: Vec<bool> =
-        patch.origin.iter().map(|&origin| origin == FaceOrigin::Measured).collect();
-    let Net { mesh: quads, surface } = &fit.net;
-    let (network, extracted) = patches::extract(quads, surface)?;
-    let (cut, uncut) = match gaps.cut(&network) {
-        Ok(cut) => (cut, None),
-        Err(fault) => (NetworkCut::none(&network), Some(fault)),
+    let quads = fit.net.mesh.clone();
+    let (network, extracted) = patches::extract(&quads, &fit.net.surface)?;
+    let faces = Faces {
+        network,
+        cut: NetworkCut::default(),
+        uncut: None,
+        to_scan: NetworkToScan::default(),
+        layout: layout.report(),
+        net: fit.report.clone(),
+        irregular: extracted.irregular,
+        quads,
+        samples: fit.samples(),
     };
-    let kept = cut.kept_places(&network);
-    let mesh = &patch.mesh;
-    let to_scan = deviation::network_to_scan(&network, &kept, quads, mesh, &is_measured, tolerance);
-    let mut faults = to_scan.inverted.clone();
-    match &uncut {
-        // Without loops nobody knows which faults count.
-        Some(fault) => faults = vec![(fault.surface, fault.at)],
-        None => {
-            faults.extend(deviation::crossing_faces(&network, &kept));
-            faults.extend(folded_seams(&network, &kept));
-        }
-    }
-    let (layout, irregular, net) = (layout.report(), extracted.irregular, fit.report.clone());
-    Ok((Faces { network, cut, uncut, to_scan, layout, net, irregular }, faults))
+    Ok(faces.checked(patch, gaps, tolerance))
 }
 
 /// The places of seams at which two faces meet at more than a right angle. One of them turns over there,
@@ -192,6 +192,36 @@ fn folded_seams(network: &Network, kept: &KeptPlaces) -> Vec<FacesFault> {
 }
 
 impl Faces {
+    /// Cuts the gaps out of the faces and compares them with the scan. Returns also the faults.
+    pub fn checked(
+        mut self,
+        patch: &Patch,
+        gaps: &Gaps,
+        tolerance: f64,
+    ) -> (Self, Vec<FacesFault>) {
+        let is_measured: Vec<bool> =
+            patch.origin.iter().map(|&origin| origin == FaceOrigin::Measured).collect();
+        let (network, quads) = (&self.network, &self.quads);
+        (self.cut, self.uncut) = match gaps.cut(network) {
+            Ok(cut) => (cut, None),
+            Err(fault) => (NetworkCut::none(network), Some(fault)),
+        };
+        let kept = self.cut.kept_places(network);
+        let mesh = &patch.mesh;
+        self.to_scan =
+            deviation::network_to_scan(network, &kept, quads, mesh, &is_measured, tolerance);
+        let mut faults = self.to_scan.inverted.clone();
+        match &self.uncut {
+            // Without loops nobody knows which faults count.
+            Some(fault) => faults = vec![(fault.surface, fault.at)],
+            None => {
+                faults.extend(deviation::crossing_faces(network, &kept));
+                faults.extend(folded_seams(network, &kept));
+            }
+        }
+        (self, faults)
+    }
+
     /// The few faces that are farthest from the scan, and farther than `limit`.
     fn far(&self, limit: f64) -> Vec<usize> {
         let largest = &self.to_scan.largest;

@@ -17,6 +17,7 @@ mod lengths;
 mod memory;
 mod options;
 mod places;
+mod refined;
 mod scan;
 mod shape;
 mod stage;

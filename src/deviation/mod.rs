@@ -15,7 +15,7 @@ pub(crate) use face_to_scan::{
     spanned,
 };
 pub(crate) use network::nearest_of;
-pub use network::{NetworkToScan, network_to_scan, of_network};
+pub use network::{FaceMiss, NetworkToScan, network_to_scan, of_network};
 pub use tessellation::{crossing_faces, tessellation};
 
 use crate::geometry::Point;

@@ -4,7 +4,7 @@ use rayon::prelude::*;
 
 use super::{Deviation, TrimmedFace};
 use crate::geometry::{Point, Uv, Vector};
-use crate::mesh::{Mesh, QuadMesh, Triangles};
+use crate::mesh::{Mesh, QuadMesh, Triangles, nearest_on};
 use crate::spline::{KeptFace, KeptPlaces, Network, NetworkCut, ParametricSurface};
 
 /// The number of samples of each span in u and in v. Between two samples a span moves away from its
@@ -61,10 +61,23 @@ pub struct NetworkToScan {
     /// The number of these samples that are farther away than the tolerance and the chord error of the
     /// triangle.
     pub beyond: usize,
+    /// These samples.
+    pub misses: Vec<FaceMiss>,
     /// The samples whose normal points against those of the nearest triangle and of its corners, and
     /// against that of the layout. On a thin wall the nearest triangle may be on the other side.
     /// Each has the number of its face.
     pub inverted: Vec<(usize, Point)>,
+}
+
+/// A place of a network that is farther from the scan than the tolerance and the chord error.
+#[derive(Debug, Clone, Copy)]
+pub struct FaceMiss {
+    /// The face.
+    pub face: usize,
+    /// The place on it.
+    pub at: Uv,
+    /// The point where the surface could be instead: as far from the nearest triangle as its chord error.
+    pub wanted: Point,
 }
 
 impl NetworkToScan {
@@ -72,7 +85,15 @@ impl NetworkToScan {
     pub(crate) fn scaled(self, factor: f64) -> Self {
         let inverted = self.inverted.iter().map(|&(face, p)| (face, p * factor)).collect();
         let largest = self.largest.iter().map(|off| off * factor).collect();
-        NetworkToScan { deviation: self.deviation.scaled(factor), largest, inverted, ..self }
+        let miss = |miss: &FaceMiss| FaceMiss { wanted: miss.wanted * factor, ..*miss };
+        let misses = self.misses.iter().map(miss).collect();
+        NetworkToScan {
+            deviation: self.deviation.scaled(factor),
+            largest,
+            inverted,
+            misses,
+            ..self
+        }
     }
 }
 
@@ -97,10 +118,16 @@ pub fn network_to_scan(
             let facings =
                 [quads.block_normal(face, at), facing, mesh.area_vector(mesh.triangles[t])];
             let inverted = facings.iter().all(|facing| normal.dot(facing) < 0.0);
+            let corners = mesh.triangles[t];
             let is_beyond =
-                off > tolerance && off > tolerance + mesh.chord_error(&normals, mesh.triangles[t]);
+                off > tolerance && off > tolerance + mesh.chord_error(&normals, corners);
+            let wanted = is_beyond.then(|| {
+                let chord = mesh.chord_error(&normals, corners);
+                let nearest = nearest_on(corners.map(|v| mesh.point(v)), jet.s);
+                nearest + (jet.s - nearest) * (chord / off)
+            });
             let is_measured = is_measured[t];
-            NetworkSample { face, at: jet.s, off, is_measured, is_beyond, inverted }
+            NetworkSample { face, uv: at, at: jet.s, off, is_measured, wanted, inverted }
         };
         let places = surface.middles(SAMPLES).into_iter();
         places.filter(|&at| kept.contains(face, at)).map(sample).collect::<Vec<_>>()
@@ -110,11 +137,14 @@ pub fn network_to_scan(
     let measured = || samples.iter().filter(|s| s.is_measured);
     let mut largest = vec![0.0; network.surfaces.len()];
     measured().for_each(|s| largest[s.face] = f64::max(largest[s.face], s.off));
+    let miss = |s: &NetworkSample| Some(FaceMiss { face: s.face, at: s.uv, wanted: s.wanted? });
+    let misses: Vec<FaceMiss> = measured().filter_map(miss).collect();
     let (points, distances): (Vec<Point>, Vec<f64>) = measured().map(|s| (s.at, s.off)).unzip();
     NetworkToScan {
         deviation: Deviation::of(&points, distances),
         largest,
-        beyond: measured().filter(|s| s.is_beyond).count(),
+        beyond: misses.len(),
+        misses,
         inverted: samples.iter().filter(|s| s.inverted).map(|s| (s.face, s.at)).collect(),
     }
 }
@@ -122,12 +152,13 @@ pub fn network_to_scan(
 /// A place on a face of a network.
 struct NetworkSample {
     face: usize,
+    uv: Uv,
     at: Point,
     /// The distance from the nearest triangle.
     off: f64,
     /// Whether this triangle was measured.
     is_measured: bool,
-    /// Whether this distance exceeds the tolerance.
-    is_beyond: bool,
+    /// Where the place could be instead, if the distance exceeds the tolerance.
+    wanted: Option<Point>,
     inverted: bool,
 }

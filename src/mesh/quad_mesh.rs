@@ -65,6 +65,13 @@ impl QuadMesh {
         (n * n * block + n * j + i, Uv::new(at.x - i as f64, at.y - j as f64))
     }
 
+    /// The block of a quad, and the place of the quad's first corner in it.
+    pub fn place(&self, quad: usize) -> (usize, Uv) {
+        let n = self.side;
+        let within = quad % (n * n);
+        (quad / (n * n), Uv::new((within % n) as f64, (within / n) as f64))
+    }
+
     /// The vertex at corner `k` of a block, counter-clockwise from (0, 0).
     pub fn corner(&self, block: usize, k: usize) -> VertexId {
         let n = self.side;

@@ -17,8 +17,9 @@ use crate::error::{Error, Result};
 use crate::geometry::{Point, Uv, Vector};
 use crate::mesh::{Patch, QuadMesh};
 use crate::progress::{self, Progress};
+use crate::spline::Samples;
 use crate::spline::subdivision::{QuadPlace, SubdivisionSurface, limit_point};
-use feet::Feet;
+use feet::{Feet, QuadFoot};
 use solve::NetEquations;
 
 /// The options of the fit.
@@ -295,6 +296,23 @@ impl<'a> NetFit<'a> {
         let firmness = self.firmness.iter_mut().zip(near).filter(|(_, near)| *near);
         firmness.for_each(|(firmness, _)| *firmness *= FIRMER);
         !quads.is_empty()
+    }
+
+    /// The points with foot points, block by block. Their places on a block have coordinates from 0 to its side.
+    /// The weight of a measured point is one, and that of the others is less.
+    pub fn samples(&self) -> Vec<Samples> {
+        let mesh = &self.net.mesh;
+        let mut samples = vec![Samples::default(); mesh.blocks()];
+        for (point, foot) in self.feet.feet.iter().enumerate() {
+            if let Some(QuadFoot { place, .. }) = foot {
+                let (block, corner) = mesh.place(place.quad);
+                let of = &mut samples[block];
+                of.points.push(self.target.points[point]);
+                of.uv.push(corner + place.at.coords);
+                of.weights.push(self.target.weights[point]);
+            }
+        }
+        samples
     }
 
     /// Fits again, and holds the surface more firmly to the layout near some places, each with the number

@@ -1,15 +1,14 @@
 //! The control points that fit a scan at given foot points: a linear least-squares problem with
 //! sparse normal equations.
 
-use faer::Mat;
 use nalgebra::DMatrix;
 use rayon::prelude::*;
 
 use super::feet::Feet;
 use super::{FitTarget, Net};
-use crate::cholesky::{Pattern, least_degree};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, Vector};
+use crate::least_squares::SparseNormal;
 use crate::spline::subdivision::limit_weights;
 
 /// The weight of fairing, beside the mean weight of the points of a control point. Larger weights
@@ -26,20 +25,12 @@ struct QuadSums {
     right: Vec<Vector>,
 }
 
-/// The normal equations of a net. Their pattern is analysed once.
-pub(super) struct NetEquations {
-    /// Column b has the rows `starts[b]..starts[b + 1]` of `rows`, of the lower triangle.
-    starts: Vec<usize>,
-    rows: Vec<usize>,
-    pattern: Pattern,
-    values: Vec<f64>,
-    right: Mat<f64>,
-}
+/// The normal equations of a net.
+pub(super) struct NetEquations(SparseNormal);
 
 impl NetEquations {
     pub fn new(net: &Net) -> Result<Self> {
-        let count = net.mesh.points.len();
-        let mut columns = vec![Vec::new(); count];
+        let mut columns = vec![Vec::new(); net.mesh.points.len()];
         for quad in 0..net.mesh.quads.len() {
             let control = net.surface.control(quad);
             for &b in control {
@@ -47,21 +38,7 @@ impl NetEquations {
                 columns[b as usize].extend(below);
             }
         }
-        columns.par_iter_mut().for_each(|rows| {
-            rows.sort_unstable();
-            rows.dedup();
-        });
-        let mut starts = vec![0];
-        starts.extend(columns.iter().scan(0, |end, rows| {
-            *end += rows.len();
-            Some(*end)
-        }));
-        let rows = columns.concat();
-        let order = least_degree(&starts, &rows).ok_or(Error::Memory("net"))?;
-        let pattern = Pattern::new(starts.clone(), rows.clone(), &order);
-        let pattern = pattern.ok_or(Error::Memory("net"))?;
-        let values = vec![0.0; rows.len()];
-        Ok(NetEquations { starts, rows, pattern, values, right: Mat::zeros(count, 3) })
+        SparseNormal::new(columns).map(NetEquations).ok_or(Error::Memory("net"))
     }
 
     /// Solves for the control points. The surface is held near the anchors, and where the `firmness` of a
@@ -75,58 +52,36 @@ impl NetEquations {
         firmness: &[f64],
         anchors: &[Point],
     ) -> Result<Vec<Point>> {
-        let count = net.mesh.points.len();
-        self.values.fill(0.0);
-        self.right = Mat::zeros(count, 3);
+        let equations = &mut self.0;
+        equations.clear();
         let members = members(net, feet);
         let sums = members.par_iter().enumerate().map_init(Vec::new, |scratch, (quad, points)| {
             quad_sums(net, target, feet, quad, points, scratch)
         });
         let sums: Vec<QuadSums> = sums.collect();
         for (quad, of_quad) in sums.iter().enumerate() {
-            self.add_quad(net.surface.control(quad), of_quad);
+            add_quad(equations, net.surface.control(quad), of_quad);
         }
         let total: f64 = members.iter().flatten().map(|&i| target.weights[i as usize]).sum();
-        let mean = total.max(1.0) / count as f64;
+        let mean = total.max(1.0) / anchors.len() as f64;
         for (v, anchor) in anchors.iter().enumerate() {
-            let weight = ANCHOR * mean;
-            self.add_row(&limit_row(net, v), weight, anchor);
-            self.add_row(&[(v, 1.0)], weight * (firmness[v] - 1.0), anchor);
-            self.add_row(&umbrella(net, v), FAIRING * mean, &Point::origin());
+            let (weight, anchor) = (ANCHOR * mean, anchor.coords);
+            equations.add_row(&limit_row(net, v), weight, anchor);
+            equations.add_row(&[(v, 1.0)], weight * (firmness[v] - 1.0), anchor);
+            equations.add_row(&umbrella(net, v), FAIRING * mean, Vector::zeros());
         }
-        let solved = self.pattern.solve(&self.values, Some(&mut self.right));
-        solved.ok_or(Error::Singular("net"))?;
-        let right = &self.right;
-        let point = |v: usize| Point::new(right[(v, 0)], right[(v, 1)], right[(v, 2)]);
-        Ok((0..count).map(point).collect())
+        let solved = equations.solve().ok_or(Error::Singular("net"))?;
+        Ok(solved.into_iter().map(Point::from).collect())
     }
+}
 
-    fn add_quad(&mut self, control: &[u32], sums: &QuadSums) {
-        for (i, &a) in control.iter().enumerate() {
-            let a = a as usize;
-            (0..3).for_each(|k| self.right[(a, k)] += sums.right[i][k]);
-            // A control point occurs twice in a quad near a vertex with three quads.
-            for (j, &b) in control.iter().enumerate() {
-                self.add(a, b as usize, sums.matrix[(i.max(j), i.min(j))]);
-            }
-        }
-    }
-
-    /// Adds that the combination of control points is the target.
-    fn add_row(&mut self, row: &[(usize, f64)], weight: f64, target: &Point) {
-        for &(a, x) in row {
-            (0..3).for_each(|k| self.right[(a, k)] += weight * x * target[k]);
-            row.iter().for_each(|&(b, y)| self.add(a, b, weight * x * y));
-        }
-    }
-
-    /// Adds to an entry if it is in the lower triangle.
-    fn add(&mut self, a: usize, b: usize, value: f64) {
-        if a >= b && value != 0.0 {
-            let column = self.starts[b]..self.starts[b + 1];
-            if let Ok(k) = self.rows[column].binary_search(&a) {
-                self.values[self.starts[b] + k] += value;
-            }
+fn add_quad(equations: &mut SparseNormal, control: &[u32], sums: &QuadSums) {
+    for (i, &a) in control.iter().enumerate() {
+        let a = a as usize;
+        equations.add_right(a, sums.right[i]);
+        // A control point occurs twice in a quad near a vertex with three quads.
+        for (j, &b) in control.iter().enumerate() {
+            equations.add(a, b as usize, sums.matrix[(i.max(j), i.min(j))]);
         }
     }
 }

@@ -1,0 +1,67 @@
+//! More knots in those faces of a body that miss the tolerance.
+
+use super::faces::{Faces, Gaps, HOLDS};
+use crate::mesh::Patch;
+use crate::spline::Samples;
+use crate::{Result, net, refine};
+
+/// Fits the faces again that miss the tolerance, and those with places that are far from the scan. A face that
+/// then turns over or goes through another one is held more firmly, and at last put back. Returns the best
+/// faces without faults. If the tolerance holds only for the points, and not `both_ways`, nothing is done for
+/// the places alone.
+pub(super) fn refined(
+    faces: Faces,
+    patch: &Patch,
+    gaps: &Gaps,
+    options: &net::Options,
+    both_ways: bool,
+) -> Result<Faces> {
+    let keeps = |beyond: f64| beyond <= options.outliers;
+    if keeps(faces.net.beyond) && (!both_ways || keeps(faces.beyond())) {
+        return Ok(faces);
+    }
+    let how = refine::Options {
+        tolerance: options.tolerance,
+        outliers: options.outliers,
+        max_control: options.max_control / faces.network.surfaces.len().max(1),
+    };
+    let points = faces.samples.iter().map(Samples::len).sum::<usize>().max(1);
+    let mut refinement = refine::refine(&faces.network, faces.samples.clone(), &how)?;
+    let mut best = (faces.net.beyond + faces.beyond(), None);
+    for round in 0.. {
+        let mut next = faces.clone();
+        next.network.clone_from(&refinement.network);
+        let (next, faults) = next.checked(patch, gaps, options.tolerance);
+        let report = refinement.report();
+        let beyond = report.beyond as f64 / points as f64 + next.beyond();
+        if faults.is_empty() {
+            let misses = next.to_scan.misses.clone();
+            if beyond <= best.0 {
+                best = (beyond, Some(next));
+            }
+            if !both_ways || misses.is_empty() || round >= HOLDS {
+                break;
+            }
+            let wanted: Vec<_> = misses.iter().map(|m| (m.face, m.at, m.wanted)).collect();
+            refinement.follow(&wanted);
+            continue;
+        }
+        let mut faulty = report.faces;
+        faulty.retain(|face| faults.iter().any(|fault| fault.0 == *face));
+        if faulty.is_empty() {
+            break;
+        }
+        match round < HOLDS {
+            true => refinement.hold(&faulty),
+            false => refinement.put_back(&faulty),
+        }
+    }
+    Ok(best.1.unwrap_or(faces))
+}
+
+impl Faces {
+    /// The share of the places on the faces that are too far from the scan.
+    fn beyond(&self) -> f64 {
+        self.to_scan.beyond as f64 / self.to_scan.deviation.distances.len().max(1) as f64
+    }
+}
