@@ -28,7 +28,7 @@ pub(crate) const SAMPLE: usize = 1000;
 
 /// The most rounds of an iteration that ends by itself, which nearly always takes far fewer. The bound
 /// keeps an unforeseen input from hanging.
-pub(crate) const MOST_ROUNDS: usize = 64;
+pub(crate) const MOST_ROUNDS: usize = 60;
 
 /// The relative rounding of a computed number. A program that computes a place twice, say with sines
 /// and cosines, gets numbers that differ by about this share.
