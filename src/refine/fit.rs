@@ -111,7 +111,7 @@ impl Inside {
     fn unknown(&self, i: usize, j: usize) -> Option<usize> {
         let [m, n] = self.shape;
         let (i, j) = (i.wrapping_sub(FIXED), j.wrapping_sub(FIXED));
-        (i < m && j < n).then_some(i * n + j)
+        (i < m && j < n).then(|| i * n + j)
     }
 
     /// The surface that is nearest to the samples at their feet. Moves of neighbouring control points differ little.

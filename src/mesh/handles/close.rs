@@ -2,18 +2,14 @@
 
 use std::collections::{HashMap, HashSet};
 
-use super::{Ring, mean};
+use super::mean;
 use crate::geometry::{Point, VertexId};
 use crate::mesh::build::Build;
 use crate::mesh::{EdgeMap, Mesh};
 
 /// Cuts a component along loops without common vertices and closes both rims of each.
-pub(super) fn cut_and_close(build: &mut Build, rings: &[Ring]) {
-    if rings.is_empty() {
-        return;
-    }
-    let on_rings: HashSet<VertexId> =
-        rings.iter().flat_map(|ring| &ring.vertices).copied().collect();
+pub(super) fn cut_and_close(build: &mut Build, rings: &[Vec<VertexId>]) {
+    let on_rings: HashSet<VertexId> = rings.iter().flatten().copied().collect();
     let mut side_of = HashMap::new();
     for side in 0..3 * build.mesh.triangles.len() {
         let t = build.mesh.triangles[side / 3];
@@ -22,15 +18,14 @@ pub(super) fn cut_and_close(build: &mut Build, rings: &[Ring]) {
             side_of.insert(ends, side);
         }
     }
-    let moved: Vec<_> =
-        rings.iter().map(|ring| right_corners(build, &side_of, &ring.vertices)).collect();
-    for (Ring { vertices, .. }, corners) in rings.iter().zip(moved) {
+    let moved: Vec<_> = rings.iter().map(|ring| right_corners(build, &side_of, ring)).collect();
+    for (ring, corners) in rings.iter().zip(moved) {
         let copies: Vec<VertexId> =
-            vertices.iter().map(|&v| add_vertex(build, build.mesh.point(v))).collect();
+            ring.iter().map(|&v| add_vertex(build, build.mesh.point(v))).collect();
         for (side, i) in corners {
             build.mesh.triangles[side / 3][side % 3] = copies[i];
         }
-        let backwards: Vec<VertexId> = vertices.iter().rev().copied().collect();
+        let backwards: Vec<VertexId> = ring.iter().rev().copied().collect();
         let rims = [close(build, backwards), close(build, copies)];
         retract(&mut build.mesh, &rims);
     }

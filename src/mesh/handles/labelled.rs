@@ -35,9 +35,9 @@ pub(super) struct FoundLoop {
 }
 
 impl<'a> LabelledEdges<'a> {
-    /// Labels the edges, and the chords that are not longer than `chord`. `None` if the component has no
-    /// handles.
-    pub fn new(mesh: &'a Mesh, edges: &EdgeMap, chord: f64) -> Option<Self> {
+    /// Labels the edges, and the chords that are not longer than `chord`. If there is no such length, edges at
+    /// the boundary are left out, too. `None` if the component has no handles.
+    pub fn new(mesh: &'a Mesh, edges: &EdgeMap, chord: Option<f64>) -> Option<Self> {
         let sides = 3 * mesh.triangles.len();
         let stands = |side: usize| edges.across(side).map_or(side, |other| side.min(other));
         let ends = |side: usize| {
@@ -75,9 +75,19 @@ impl<'a> LabelledEdges<'a> {
         let mut all = LabelledEdges { mesh, at, rim: vec![NONE; mesh.points.len()] };
         for (number, rim) in rims.iter().enumerate() {
             rim.iter().for_each(|v| all.rim[v.index()] = number as u32);
-            all.add_chords(rim, chord);
+            chord.into_iter().for_each(|longest| all.add_chords(rim, longest));
+        }
+        if chord.is_none() {
+            all.leave_out_boundary();
         }
         Some(all)
+    }
+
+    fn leave_out_boundary(&mut self) {
+        let rim = &self.rim;
+        for (v, edges) in self.at.iter_mut().enumerate() {
+            edges.retain(|edge| rim[v] == NONE && rim[edge.to as usize] == NONE);
+        }
     }
 
     /// Adds the chords of a boundary loop that are not longer than `longest`. The way over the cap between

@@ -1,9 +1,9 @@
 //! Topological noise: handles and tunnels of a few triangles.
 //!
 //! A component goes in. Its short loops that do not separate it are cut, and the two rims of each cut
-//! are closed. Each cut takes one handle away. Loops may run across the gaps of the component: one that
-//! crosses a narrow bridge of triangles comes back over the gap. The triangles along such a loop are
-//! left out, so that the gap becomes larger.
+//! are closed. Each cut takes one handle away. After these, loops may run across the gaps of the component:
+//! one that crosses a narrow bridge of triangles comes back over the gap. The triangles along such a
+//! loop are left out, so that the gap becomes larger.
 //!
 //! A loop does not separate a surface if it crosses some other loop an odd number of times. A tree
 //! over the vertices and a tree over the triangles that crosses none of its edges leave two edges
@@ -77,55 +77,59 @@ pub(super) fn longest(mesh: &Mesh) -> f64 {
 pub(super) fn cut(build: &mut Build, longest: f64) -> Vec<Handle> {
     let mut handles = Vec::new();
     while Topology::new(&build.mesh, &build.edges, true).genus() > 0.0 {
+        let inner = short_loops(&build.mesh, &build.edges, longest, None);
+        if !inner.is_empty() {
+            handles.extend(inner.iter().map(|ring| Handle::of(&build.mesh, ring)));
+            close::cut_and_close(build, &inner);
+            continue;
+        }
         // The rest of a loop is at least as long as a chord of it.
-        let rings = short_loops(&build.mesh, &build.edges, [longest, 0.5 * longest]);
-        if rings.is_empty() {
+        let bridges = short_loops(&build.mesh, &build.edges, longest, Some(0.5 * longest));
+        let around = bridges.iter().map(|ring| Handle::of(&build.mesh, ring)).collect::<Vec<_>>();
+        if bridges.is_empty() || !leave_out(build, &bridges) {
             break;
         }
-        handles.extend(rings.iter().map(|ring| Handle::of(&build.mesh, &ring.vertices)));
-        let (bridges, inner): (Vec<Ring>, Vec<Ring>) =
-            rings.into_iter().partition(|ring| ring.is_at_boundary);
-        close::cut_and_close(build, &inner);
-        leave_out(build, &bridges);
+        handles.extend(around);
     }
     handles
 }
 
-/// Leaves out the triangles along loops, and what hangs on the rest by single vertices only.
-fn leave_out(build: &mut Build, rings: &[Ring]) {
-    if rings.is_empty() {
-        return;
+/// Leaves out the triangles along loops, and what hangs on the rest by single vertices only. Returns whether
+/// any triangle would be left. If none would, all stay.
+fn leave_out(build: &mut Build, rings: &[Vec<VertexId>]) -> bool {
+    let on_rings: HashSet<VertexId> = rings.iter().flatten().copied().collect();
+    let is_kept = |t: &[VertexId; 3]| t.iter().all(|v| !on_rings.contains(v));
+    if !build.mesh.triangles.iter().any(is_kept) {
+        return false;
     }
-    let on_rings: HashSet<VertexId> =
-        rings.iter().flat_map(|ring| &ring.vertices).copied().collect();
-    build.mesh.triangles.retain(|t| t.iter().all(|v| !on_rings.contains(v)));
+    build.mesh.triangles.retain(is_kept);
     build.edges = EdgeMap::new(&build.mesh);
     build.make_manifold();
     let largest = pieces(build).into_iter().next().unwrap_or_default();
     *build = build.part(&largest);
+    true
 }
 
 /// The handles of a mesh, shortest loops first. Where loops of several handles cross, only the shorter ones
 /// are listed.
 pub fn handles(mesh: &Mesh) -> Vec<Handle> {
-    let rings = short_loops(mesh, &EdgeMap::new(mesh), [f64::INFINITY, 0.0]);
-    rings.iter().map(|ring| Handle::of(mesh, &ring.vertices)).collect()
+    let rings = short_loops(mesh, &EdgeMap::new(mesh), f64::INFINITY, None);
+    rings.iter().map(|ring| Handle::of(mesh, ring)).collect()
 }
 
 fn mean(points: &[Point]) -> Vector {
     points.iter().map(|p| p.coords).sum::<Vector>() / points.len() as f64
 }
 
-/// A loop of vertices along which a component is cut.
-struct Ring {
-    vertices: Vec<VertexId>,
-    /// Whether it has vertices of the boundary.
-    is_at_boundary: bool,
-}
-
-/// The shortest loops that together do not separate the component and are not longer than `longest`. Their
-/// chords across gaps are not longer than `chord`. They share no vertices.
-fn short_loops(mesh: &Mesh, edges: &EdgeMap, [longest, chord]: [f64; 2]) -> Vec<Ring> {
+/// The shortest loops that together do not separate the component and are not longer than `longest`. They
+/// share no vertices. If the length of a `chord` is named, they may cross gaps by chords that are not longer.
+/// Without one, they do not meet the boundary.
+fn short_loops(
+    mesh: &Mesh,
+    edges: &EdgeMap,
+    longest: f64,
+    chord: Option<f64>,
+) -> Vec<Vec<VertexId>> {
     let Some(labelled) = LabelledEdges::new(mesh, edges, chord) else { return Vec::new() };
     let seeds = (0..mesh.points.len()).filter(|&v| labelled.at[v].iter().any(|at| at.label != 0));
     let seeds: Vec<usize> = seeds.collect();
@@ -147,7 +151,7 @@ fn short_loops(mesh: &Mesh, edges: &EdgeMap, [longest, chord]: [f64; 2]) -> Vec<
             let around = ring.iter().flat_map(|v| &labelled.at[v.index()]);
             taken.extend(around.filter(|at| !at.is_chord).map(|at| VertexId(at.to)));
             taken.extend(&ring);
-            rings.push(Ring { vertices: ring, is_at_boundary: !rims.is_empty() });
+            rings.push(ring);
             taken_rims.extend(rims);
         }
     }
