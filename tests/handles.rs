@@ -170,9 +170,12 @@ fn bands_that_cross_in_a_gap_are_cut() {
         assert_eq!(cut.topology.genus(), 0.0, "{number}");
         assert_eq!(cut.handles.len(), count, "{number}");
         assert_eq!(cut.topology.loops, 1 + 2 * count, "{number}: one band of each pair stays");
-        let face = scan2step::convert(&soup, &Options::default(), &mut |_| Ok(()));
-        let face = face.unwrap_or_else(|e| panic!("{number}: {e}"));
-        assert_eq!(face.brep.faces.len(), 1, "{number}");
+        // Conversions take longer than all the rest of this test.
+        if number % 10 == 3 {
+            let face = scan2step::convert(&soup, &Options::default(), &mut |_| Ok(()));
+            let face = face.unwrap_or_else(|e| panic!("{number}: {e}"));
+            assert_eq!(face.brep.faces.len(), 1, "{number}");
+        }
     }
 }
 
