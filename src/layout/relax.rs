@@ -38,9 +38,13 @@ pub(super) struct Relaxed<'a> {
     pub points: Vec<Point>,
     pub normals: Vec<Vector>,
     /// The weight of each quad.
-    pub weights: Vec<f64>,
+    weights: Vec<f64>,
     /// The quads at each vertex, with the number of the corner.
     around: Vec<Vec<(u32, u8)>>,
+    /// Vertices that found no better place, and around which nothing has changed since. They would find
+    /// none again.
+    settled: Vec<bool>,
+    has_barrier: bool,
 }
 
 impl<'a> Relaxed<'a> {
@@ -52,7 +56,17 @@ impl<'a> Relaxed<'a> {
         let points = places.iter().map(|place| ground.point(place)).collect();
         let normals = places.iter().map(|place| ground.normal(place)).collect();
         let weights = vec![1.0; mesh.quads.len()];
-        Relaxed { mesh, ground, places, points, normals, weights, around }
+        let settled = vec![false; places.len()];
+        let has_barrier = false;
+        Relaxed { mesh, ground, places, points, normals, weights, around, settled, has_barrier }
+    }
+
+    /// Multiplies the weights of some quads.
+    pub fn weigh(&mut self, quads: &[usize], factor: f64) {
+        for &q in quads {
+            self.weights[q] *= factor;
+            self.mesh.quads[q].iter().for_each(|v| self.settled[v.index()] = false);
+        }
     }
 
     /// Smooths the ground under some quads.
@@ -66,6 +80,7 @@ impl<'a> Relaxed<'a> {
             self.points[v] = self.ground.point(place);
             self.normals[v] = self.ground.normal(place);
         }
+        self.settled.fill(false);
     }
 
     /// The mean length of the sides of a quad, as a multiple of the ground's edges under it.
@@ -79,14 +94,19 @@ impl<'a> Relaxed<'a> {
     /// Moves all vertices, or those that are `chosen`, once. With the barrier no quad may turn
     /// farther from the scan than the gate allows.
     pub fn sweep(&mut self, chosen: Option<&[bool]>, barrier: bool) {
+        if barrier != self.has_barrier {
+            self.settled.fill(false);
+            self.has_barrier = barrier;
+        }
         for v in 0..self.points.len() {
-            if chosen.is_none_or(|chosen| chosen[v]) {
-                self.step(v, barrier);
+            if !self.settled[v] && chosen.is_none_or(|chosen| chosen[v]) {
+                self.settled[v] = !self.moves(v, barrier);
             }
         }
     }
 
-    fn step(&mut self, v: usize, barrier: bool) {
+    /// Moves a vertex to a place with less energy, if one is found. Returns whether it is.
+    fn moves(&mut self, v: usize, barrier: bool) -> bool {
         let area = self.mean_area(v).max(f64::MIN_POSITIVE);
         let (x, y) = plane_axes(self.normals[v]);
         let h = DIFFERENCE * area.sqrt();
@@ -116,10 +136,13 @@ impl<'a> Relaxed<'a> {
             let (point, normal) = (self.ground.point(&place), self.ground.normal(&place));
             if self.energy(v, point, normal, area, barrier) < here {
                 (self.places[v], self.points[v], self.normals[v]) = (place, point, normal);
-                return;
+                let beside = self.around[v].iter().flat_map(|&(q, _)| self.mesh.quads[q as usize]);
+                beside.for_each(|w| self.settled[w.index()] = false);
+                return true;
             }
             step *= 0.5;
         }
+        false
     }
 
     /// The corners of the quads around a vertex that depend on it: the vertex at the corner, the

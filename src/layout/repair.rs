@@ -97,7 +97,7 @@ fn reweigh(relaxed: &mut Relaxed, best: &mut (usize, Vec<TrianglePlace>)) {
         if bad.is_empty() || in_vain > LOCAL {
             return;
         }
-        bad.iter().for_each(|&q| relaxed.weights[q] *= HEAVIER);
+        relaxed.weigh(&bad, HEAVIER);
         let chosen = vertices_near(relaxed, &bad);
         (0..LOCAL).for_each(|_| relaxed.sweep(Some(&chosen), true));
     }
