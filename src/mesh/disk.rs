@@ -12,8 +12,8 @@ use crate::geometry::{Point, Vector, VertexId, in_lengths};
 /// The rule that selects the outer boundary loop.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub enum Outer {
-    /// The longest of the loops that run around their surface. The rim of a hole runs around the
-    /// hole, so it is never chosen, however long its ragged shape makes it.
+    /// The loop with the largest vector area of those that do not run around a hole. The area counts
+    /// because a ragged rim may be long around a small hole.
     #[default]
     Auto,
     /// The loop with the vertex nearest to this point.
@@ -99,16 +99,18 @@ impl Outer {
 
     /// The position of the outer loop among `loops`.
     pub fn among(self, mesh: &Mesh, edges: &EdgeMap, loops: &[Loop]) -> usize {
-        let rank: Vec<(i32, f64)> = match self {
+        let rank: Vec<(bool, f64)> = match self {
             Outer::Auto => {
                 let sides = open_side_normals(mesh, edges);
-                let rank = |ring: &Loop| (turn(mesh, &sides, ring), boundary::length(mesh, ring));
+                let rank = |ring: &Loop| {
+                    (turn(mesh, &sides, ring) >= 0, boundary::area(mesh, ring).norm())
+                };
                 loops.iter().map(rank).collect()
             }
             Outer::Near(p) => {
                 let distance = |v: &VertexId| (mesh.point(*v) - p).norm();
                 let nearest = |ring: &Loop| ring.iter().map(distance).fold(f64::MAX, f64::min);
-                loops.iter().map(|ring| (0, -nearest(ring))).collect()
+                loops.iter().map(|ring| (true, -nearest(ring))).collect()
             }
         };
         let order = |i: usize, j: usize| {

@@ -90,7 +90,7 @@ pub struct Piece {
     #[command(flatten)]
     pub cloud: CloudArgs,
     /// A place on the outer boundary loop: a vertex index, counted from 0, or a point in the
-    /// scan's numbers [default: the longest loop that does not run around a hole]
+    /// scan's numbers [default: the largest loop that does not run around a hole]
     #[arg(long, value_name = "V|x,y,z", allow_hyphen_values = true, help_heading = SCAN)]
     pub outer: Option<Place>,
 }
