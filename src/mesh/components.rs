@@ -201,8 +201,12 @@ impl Components {
         let mut cut_handles = Vec::new();
         if orientable && topology.genus() > 0.0 {
             let named = self.handles.map(|longest| longest / self.mm());
-            let longest = named.unwrap_or_else(|| handles::longest(&build.mesh));
-            cut_handles = handles::cut(&mut build, longest);
+            let of_cloud = self.raw.is_some();
+            let lengths =
+                named.map_or_else(|| handles::lengths(&build.mesh, of_cloud), |l| vec![l]);
+            for longest in lengths {
+                cut_handles.extend(handles::cut(&mut build, longest));
+            }
             topology = Topology::new(&build.mesh, &build.edges, orientable);
         }
         let left_out = self.build.mesh.triangles.len() - piece.len();

@@ -1,15 +1,11 @@
 //! Closing a whole loop at once by the triangulation of least area.
 
-use foldhash::{HashSet, HashSetExt};
-
 use super::Front;
 use crate::fill::least_area;
 use crate::geometry::{Point, Vector, VertexId};
 
 impl Front<'_> {
-    /// Closes the loop of a node by the triangulation of least area. `None` if it would join
-    /// two vertices twice, which can happen because the loop passes a bridge to an island in
-    /// both directions.
+    /// Closes the loop of a node by the triangulation of least area. `None` if a number is not finite.
     pub(super) fn close_by_least_area(&mut self, node: usize) -> Option<()> {
         if self.close_triangle(node) {
             return Some(());
@@ -22,20 +18,16 @@ impl Front<'_> {
         let beside = |i: usize| self.around.normal_at(ring[i], next(i)).unwrap_or_default();
         let beside: Vec<Vector> = (0..ring.len()).map(beside).collect();
         let joined = |i: usize, j: usize| self.joined(ring[i], ring[j]);
-        let surface = least_area::triangulate(&rim, &beside, joined, self.sizes)?;
+        let mut surface = least_area::triangulate(&rim, &beside, joined, self.sizes)?;
+        // The loop passes a bridge to an island in both directions.
+        surface.divide_doubled(&ring);
         let mean = ring.iter().map(|&v| self.normal(v)).sum::<Vector>();
         let normal = mean.try_normalize(1e-12).unwrap_or(Vector::z());
         let inner = surface.points[rim.len()..].iter();
         let new: Vec<_> = inner.map(|&p| self.add_point(p, normal)).collect();
         let vertices = [ring, new].concat();
         let triangles = surface.triangles.iter().map(|t| t.map(|i| vertices[i]));
-        let triangles: Vec<_> = triangles.collect();
-        let mut sides = HashSet::with_capacity(3 * triangles.len());
-        let each = triangles.iter().flat_map(|t| (0..3).map(|k| (t[k], t[(k + 1) % 3])));
-        if !each.into_iter().all(|side| sides.insert(side)) {
-            return None;
-        }
-        triangles.into_iter().for_each(|t| self.add(t));
+        triangles.for_each(|t| self.add(t));
         self.loops.remove_loop(node);
         Some(())
     }

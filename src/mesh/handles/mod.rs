@@ -38,6 +38,12 @@ const EDGES: f64 = 4.0;
 /// have up to 0.025, real holes with few edges 0.074 or more.
 const SHARE: f64 = 0.07;
 
+/// In the mesh of a cloud it is cut if its loop is not longer than this multiple of the median edge. Points that
+/// are a radius or more apart do not tell a tube from noise: a triangulation is right where they are at
+/// most half as far apart as the medial axis is away (Amenta and Bern, "Surface reconstruction by Voronoi
+/// filtering", 1999), which is this number around a tube.
+const CLOUD_EDGES: f64 = 4.0 * std::f64::consts::PI;
+
 /// A handle or a tunnel.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Handle {
@@ -61,16 +67,24 @@ impl Handle {
     }
 }
 
-/// The longest loop that is cut if no length is named.
-pub(super) fn longest(mesh: &Mesh) -> f64 {
+/// The lengths up to which loops are cut, one after the other, if none is named.
+pub(super) fn lengths(mesh: &Mesh, of_cloud: bool) -> Vec<f64> {
+    let edge = median_edge(mesh);
+    if of_cloud {
+        vec![EDGES * edge, CLOUD_EDGES * edge]
+    } else {
+        vec![(EDGES * edge).min(SHARE * mesh.diagonal())]
+    }
+}
+
+fn median_edge(mesh: &Mesh) -> f64 {
     let edges = mesh.triangles.iter().map(|t| (mesh.point(t[1]) - mesh.point(t[0])).norm());
     let mut edges: Vec<f64> = edges.collect();
     let middle = edges.len() / 2;
     if edges.is_empty() {
         return 0.0;
     }
-    let median = *edges.select_nth_unstable_by(middle, f64::total_cmp).1;
-    (EDGES * median).min(SHARE * mesh.diagonal())
+    *edges.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Cuts the handles of a two-sided component whose loops are not longer than `longest`.

@@ -1,12 +1,12 @@
 //! Refinement of a triangulation to given edge lengths. All operations work in space, because there
 //! is no parameter plane yet.
 
-use foldhash::HashMap;
+use foldhash::{HashMap, HashSet};
 use smallvec::SmallVec;
 
 use super::flips::{EdgeFlip, Sides, flip};
 use super::{FLAT, FOLDED, Sizes, TOO_LONG};
-use crate::geometry::{Point, Vector, unit_normal};
+use crate::geometry::{Point, Vector, VertexId, unit_normal};
 
 /// The triangulation has at most this multiple of the number of rim corners.
 const MAX_POINTS_RATIO: usize = 40;
@@ -55,6 +55,28 @@ impl RimTriangulation {
         };
         let mut sides = Sides::of(&self.triangles);
         flip(points, &mut self.triangles, &mut sides, joined, may);
+    }
+
+    /// Divides inner sides until no two sides join the same two vertices. They can if several rim corners are
+    /// the same vertex. `vertices` has the vertex of each rim corner.
+    pub fn divide_doubled(&mut self, vertices: &[VertexId]) {
+        let vertex = |corner: usize| vertices.get(corner).map_or(Err(corner), |&v| Ok(v));
+        loop {
+            let sides = Sides::of(&self.triangles);
+            let joined = |a: usize, b: usize| {
+                let (v, w) = (vertex(a), vertex(b));
+                (v.min(w), v.max(w))
+            };
+            let each = self.triangles.iter().flat_map(|t| (0..3).map(|k| (t[k], t[(k + 1) % 3])));
+            let outer = each.filter(|&(a, b)| sides.get(b, a).is_none());
+            let mut taken: HashSet<_> = outer.map(|(a, b)| joined(a, b)).collect();
+            let doubled: Vec<_> =
+                sides.inner().filter(|&([a, b], _)| !taken.insert(joined(a, b))).collect();
+            if doubled.is_empty() {
+                return;
+            }
+            divide_sides(&mut self.points, &mut self.triangles, doubled, usize::MAX);
+        }
     }
 
     /// Moves points near folded sides until nothing folds or the points stop moving.
@@ -127,9 +149,21 @@ pub fn divide(
         .filter(|edge| edge.0 > TOO_LONG)
         .collect();
     long.sort_unstable_by(|x, y| y.0.total_cmp(&x.0).then(x.1.cmp(&y.1)));
+    let long = long.into_iter().map(|(_, ends, beside)| (ends, beside));
+    divide_sides(points, triangles, long, most)
+}
+
+/// Divides sides, each given by its ends and the triangles beside it, and at most one for each triangle. There
+/// are at most `most` points afterwards. Returns the triangles at each divided side.
+fn divide_sides(
+    points: &mut Vec<Point>,
+    triangles: &mut Vec<[usize; 3]>,
+    sides: impl IntoIterator<Item = ([usize; 2], [usize; 2])>,
+    most: usize,
+) -> Vec<[usize; 2]> {
     let mut divided = Vec::new();
     let mut changed = vec![false; triangles.len()];
-    for (_, [a, b], [s, t]) in long {
+    for ([a, b], [s, t]) in sides {
         if changed[s] || changed[t] || points.len() >= most {
             continue;
         }
@@ -199,4 +233,29 @@ impl Facets {
 
 fn normal(points: &[Point], t: [usize; 3]) -> Vector {
     unit_normal(t.map(|v| points[v])).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn no_two_sides_join_the_same_vertices_at_a_bridge() {
+        // The loop passes the bridge between vertices 1 and 2 in both directions.
+        let vertices = [0, 1, 2, 3, 4, 2, 1].map(VertexId::from);
+        let rim = vertices.len();
+        let at = |k: usize| Point::new(k as f64, (k * k) as f64, 0.0);
+        let fan = (0..rim).map(|k| [k, (k + 1) % rim, rim]).collect();
+        let points = (0..=rim).map(at).collect();
+        let beside = HashMap::default();
+        let mut surface = RimTriangulation { points, triangles: fan, rim, beside };
+        surface.divide_doubled(&vertices);
+        assert_eq!((surface.points.len(), surface.triangles.len()), (rim + 3, 7 + 4));
+        let vertex = |v: usize| vertices.get(v).map_or(v + 100, |v| v.index());
+        let sides = surface.triangles.iter().flat_map(|t| (0..3).map(|k| [t[k], t[(k + 1) % 3]]));
+        let mut seen = HashSet::default();
+        for side in sides {
+            assert!(seen.insert(side.map(vertex)), "{side:?} comes twice");
+        }
+    }
 }
