@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 use common::random::Random;
 use formats::Soup;
 use scan2step::geometry::Point;
-use scan2step::mesh::{self, Choice, Component, Components};
+use scan2step::mesh::{self, Choice, Component, Components, RawPoints};
 use scan2step::{Options, TargetShape};
 
 /// A grid of `n` × `n` places, bent into a sheet or closed to a torus, with edges of about 1 mm.
@@ -177,6 +177,35 @@ fn bands_that_cross_in_a_gap_are_cut() {
             assert_eq!(face.brep.faces.len(), 1, "{number}");
         }
     }
+}
+
+/// A torus of 60 × 9 places. The shortest loop around its tube has nine edges.
+fn thin_torus() -> Soup {
+    let at = |k: usize| {
+        let (u, v) = (TAU * (k / 9) as f64 / 60.0, TAU * (k % 9) as f64 / 9.0);
+        let reach = 9.0 + 1.4 * v.cos();
+        [reach * u.cos(), reach * u.sin(), 1.4 * v.sin()]
+    };
+    let mut soup = Soup { points: (0..540).map(at).collect(), ..Soup::default() };
+    for (i, j) in (0..540).map(|k| (k / 9, k % 9)) {
+        let name = |i: usize, j: usize| (i % 60 * 9 + j % 9) as u32;
+        let [a, b, c, d] = [name(i, j), name(i + 1, j), name(i + 1, j + 1), name(i, j + 1)];
+        soup.polygons.push([a, b, c]);
+        soup.polygons.push([a, c, d]);
+    }
+    soup
+}
+
+#[test]
+fn a_tube_of_a_cloud_with_too_few_points_around_it_is_cut() {
+    let soup = thin_torus();
+    let of_mesh = component(&soup, None);
+    assert_eq!((of_mesh.topology.genus(), of_mesh.handles.len()), (1.0, 0));
+    let points = soup.points.iter().map(|&p| Point::from(p)).collect();
+    let raw = RawPoints::new(points, (0..540).collect(), 0.0);
+    let scan = Components::new(mesh::from_soup(&soup, 1.0).expect("a mesh"));
+    let of_cloud = scan.with_raw_points(raw, 1.0).take(Choice::Largest).expect("a component");
+    assert_eq!((of_cloud.topology.genus(), of_cloud.handles.len()), (0.0, 1));
 }
 
 #[test]

@@ -100,7 +100,8 @@ impl Components {
     }
 
     /// The same with a named length in mm: handles whose loops are not longer are cut in the
-    /// components that are extracted. Without one, handles of a few edges are cut. At 0 none are.
+    /// components that are extracted. Without one, handles of a few edges are cut, and in the mesh of a
+    /// cloud also those of up to 4π edges. At 0 none are.
     #[must_use]
     pub fn with_handles(self, longest: Option<f64>) -> Self {
         Components { handles: longest, ..self }
