@@ -44,6 +44,7 @@ pub(super) struct Relaxed<'a> {
     /// Vertices that found no better place, and around which nothing has changed since. They would find
     /// none again.
     settled: Vec<bool>,
+    /// Whether the last sweep had the barrier.
     has_barrier: bool,
 }
 
