@@ -1,5 +1,5 @@
-//! The way from a body to a solid or a shell: mesh → smooth → fill → layout → net → patches → trim →
-//! brep → deviation. A body is closed, or has gaps that are filled. A solid keeps its fills, and of a
+//! The way from a body to a solid or a shell: mesh → smooth → fill → layout → net → patches →
+//! refine → trim → brep → deviation. A body is closed, or has gaps that are filled. A solid keeps its fills, and of a
 //! shell they are cut out.
 
 use formats::Brep;
