@@ -88,10 +88,11 @@ fn a_torus_becomes_a_watertight_solid() {
         assert_eq!(report["fill"]["holes"].as_array().map(Vec::len), Some(gaps.len()), "{name}");
         assert_eq!(report["tolerance_met"], true, "{name}: {report}");
         let off = number(&report, "/shape/volume_mm3") / volume() - 1.0;
-        // The flat triangles of the scan have less volume than the torus.
-        assert!(off.abs() < 4e-3, "{name}: the volume is {off} off");
+        // The flat triangles of the scan have 6e-3 less volume than the torus.
+        let most = if noise > 0.0 { 2e-3 } else { 2e-4 };
+        assert!(off.abs() < most, "{name}: the volume is {off} off");
         let seams = number(&report, "/shape/seam_deg/p95");
-        assert!(seams < 0.5, "{name}: seams of {seams}°");
+        assert!(seams < 0.2, "{name}: seams of {seams}°");
         if noise > 0.0 {
             let rms = number(&report, "/deviation/rms_mm");
             assert!((0.7..1.3).contains(&(rms / noise)), "{name}: rms {rms}");

@@ -56,7 +56,9 @@ def test_what_progress_raises_stops_and_passes_through(ring: str) -> None:
 @pytest.mark.skipif(sys.platform == "win32", reason="signals of POSIX")
 def test_ctrl_c_stops_within_a_second(ring: str) -> None:
     script = (
-        "import scan2step, sys, time\n"
+        "import scan2step, signal, sys, time\n"
+        # A shell starts its background jobs with this signal ignored, and so did this process then.
+        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "def told(stage, share):\n"
         "    if stage == 'layout': print('begun', flush=True)\n"
         "try:\n"
