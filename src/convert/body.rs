@@ -1,6 +1,6 @@
 //! The way from a body to a solid or a shell: mesh → smooth → fill → layout → net → patches →
-//! refine → trim → brep → deviation. A body is closed, or has gaps that are filled. A solid keeps its fills, and of a
-//! shell they are cut out.
+//! refine → trim → brep → deviation. A body is closed, or has gaps that are filled. A solid keeps its
+//! fills, and of a shell they are cut out.
 
 use formats::Brep;
 use formats::brep::ShellId;

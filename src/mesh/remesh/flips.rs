@@ -35,6 +35,13 @@ impl Sides {
             .filter_map(|(a, b, s)| Some(([a, b], [s as usize, self.get(b, a)?])))
     }
 
+    /// All sides with a triangle to the left only.
+    pub fn outer(&self) -> impl Iterator<Item = [usize; 2]> + '_ {
+        let leaving = self.leaving.iter().enumerate();
+        let all = leaving.flat_map(|(a, to)| to.iter().map(move |side| [a, side.0 as usize]));
+        all.filter(|&[a, b]| self.get(b, a).is_none())
+    }
+
     fn insert(&mut self, t: [usize; 3], number: usize) {
         for k in 0..3 {
             let leaving = &mut self.leaving[t[k]];

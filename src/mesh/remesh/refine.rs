@@ -60,18 +60,15 @@ impl RimTriangulation {
     /// Divides inner sides until no two sides join the same two vertices. They can if several rim corners are
     /// the same vertex. `vertices` has the vertex of each rim corner.
     pub fn divide_doubled(&mut self, vertices: &[VertexId]) {
-        let vertex = |corner: usize| vertices.get(corner).map_or(Err(corner), |&v| Ok(v));
+        let joined = |corners: [usize; 2]| {
+            let [v, w] = corners.map(|corner| vertices.get(corner).copied().ok_or(corner));
+            (v.min(w), v.max(w))
+        };
         loop {
             let sides = Sides::of(&self.triangles);
-            let joined = |a: usize, b: usize| {
-                let (v, w) = (vertex(a), vertex(b));
-                (v.min(w), v.max(w))
-            };
-            let each = self.triangles.iter().flat_map(|t| (0..3).map(|k| (t[k], t[(k + 1) % 3])));
-            let outer = each.filter(|&(a, b)| sides.get(b, a).is_none());
-            let mut taken: HashSet<_> = outer.map(|(a, b)| joined(a, b)).collect();
+            let mut taken: HashSet<_> = sides.outer().map(joined).collect();
             let doubled: Vec<_> =
-                sides.inner().filter(|&([a, b], _)| !taken.insert(joined(a, b))).collect();
+                sides.inner().filter(|&(ends, _)| !taken.insert(joined(ends))).collect();
             if doubled.is_empty() {
                 return;
             }
