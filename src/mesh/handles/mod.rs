@@ -41,7 +41,8 @@ const SHARE: f64 = 0.07;
 /// In the mesh of a cloud it is cut if its loop is not longer than this multiple of the median edge. Points that
 /// are a radius or more apart do not tell a tube from noise: a triangulation is right where they are at
 /// most half as far apart as the medial axis is away (Amenta and Bern, "Surface reconstruction by Voronoi
-/// filtering", 1999), which is this number around a tube.
+/// filtering", 1999), which is this number around a tube. With half as many, two of five real clouds keep
+/// false handles. With twice as many these five stay the same, but tubes with 25 points around are cut.
 const CLOUD_EDGES: f64 = 4.0 * std::f64::consts::PI;
 
 /// A handle or a tunnel.
