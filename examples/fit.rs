@@ -14,9 +14,9 @@ use std::error::Error;
 use std::fs;
 use std::time::Instant;
 
-use scan2step::fit::{self, Method};
 use scan2step::geometry::{Point, Uv};
 use scan2step::spline::{KnotVector, Samples};
+use scan2step::stages::fit::{self, Method};
 use serde_json::json;
 use usage::cpu_s;
 

@@ -21,8 +21,8 @@ use scan2step::geometry::{Point, VertexId};
 use scan2step::mesh::{
     self, Choice, Components, Disk, EdgeMap, FaceOrigin, Mesh, Outer, Patch, Repairs,
 };
-use scan2step::parameterize::{self, MapMethod};
-use scan2step::{cloud, fill, smooth};
+use scan2step::stages::parameterize::{self, MapMethod};
+use scan2step::stages::{cloud, fill, smooth};
 use serde_json::{Map, json};
 use usage::{cpu_s, peak_rss_mb};
 

@@ -9,10 +9,11 @@
 use std::error::Error;
 
 use formats::{Brep, Soup, step};
-use scan2step::adapt::{self, Goal};
 use scan2step::deviation::TrimmedFace;
 use scan2step::mesh::{self, Choice, Components, Outer};
-use scan2step::{Options, brep, convert, cut, fill, parameterize, smooth, trim};
+use scan2step::stages::adapt::{self, Goal};
+use scan2step::stages::{brep, fill, parameterize, smooth, trim};
+use scan2step::{Options, convert, cut};
 
 /// The standard deviation of the noise, and the tolerance, in mm.
 const NOISE: f64 = 0.02;

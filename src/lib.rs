@@ -61,13 +61,13 @@
 //! | stage | function | from | makes |
 //! | --- | --- | --- | --- |
 //! | mesh | [`mesh::from_soup`], [`mesh::Components`] | polygons | a disk with holes |
-//! | smooth | [`smooth::smooth`] | a disk with holes | the same, smoothed |
-//! | fill | [`fill::fill`] | that | a disk |
-//! | thin | [`thin::thin`] | that | a disk with fewer vertices, if the scan is dense for its noise |
-//! | parameterize | [`parameterize::parameterize`] | that | parameters in [0, 1]² |
-//! | knots, fit | [`adapt::fit`]; [`knots::place`], [`fit::fit`] | these | a surface |
-//! | trim | [`cut::rims`], [`trim::trim`] | both | trim loops |
-//! | brep | [`cut::faces`], [`brep::build`] | these | what `formats` writes |
+//! | smooth | [`smooth`](stages::smooth::smooth) | a disk with holes | the same, smoothed |
+//! | fill | [`fill`](stages::fill::fill) | that | a disk |
+//! | thin | [`thin`](stages::thin::thin) | that | a disk with fewer vertices, if the scan is dense for its noise |
+//! | parameterize | [`parameterize`](stages::parameterize::parameterize) | that | parameters in [0, 1]² |
+//! | knots, fit | [`fit`](stages::adapt::fit); [`place`](stages::knots::place), [`fit`](stages::fit::fit) | these | a surface |
+//! | trim | [`cut::rims`], [`trim`](stages::trim::trim) | both | trim loops |
+//! | brep | [`cut::faces`], [`build`](stages::brep::build) | these | what `formats` writes |
 //!
 //! [`convert_scan`] is what the program does with a scan of any shape: faces, solids or shells.
 //! [`convert_components`] converts several components of a scan, and [`joined`] puts their faces
@@ -107,41 +107,21 @@
 // What a caller hands in is answered with an error.
 #![deny(clippy::expect_used, clippy::panic, clippy::unreachable, clippy::unwrap_used)]
 
-pub mod adapt;
-pub mod brep;
 pub mod check;
-mod cholesky;
-pub mod cloud;
 mod convert;
-pub mod crop;
 pub mod deviation;
 pub mod error;
-pub mod fill;
-pub mod fit;
 pub mod geometry;
-pub mod knots;
-pub mod layout;
-mod least_squares;
 pub mod mesh;
-pub mod net;
-pub mod parameterize;
-pub mod patches;
-#[cfg(feature = "picture")]
-pub mod picture;
 mod progress;
-mod random;
-pub mod refine;
 pub mod report;
 pub mod rules;
-mod sets;
-pub mod smooth;
+mod solve;
 pub mod spline;
-pub mod thin;
+pub mod stages;
 pub mod threads;
-pub mod trim;
 pub mod words;
 
-pub use adapt::{Adapted, KnotOptions};
 pub use convert::{
     BodyConversion, BodyEstimate, Builder, Conversion, Converted, Cut, InputReport, Inspection,
     Measured, Memory, Missed, Observer, Options, PieceReport, ScanConversion, ScanObserver,
@@ -151,5 +131,6 @@ pub use convert::{
 };
 pub use error::{Error, Result};
 pub use progress::Progress;
+pub use stages::adapt::{Adapted, KnotOptions};
 // What this library's own items take and give; no second version of them gets in.
 pub use {formats, nalgebra};

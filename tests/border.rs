@@ -2,13 +2,14 @@
 //! panic.
 
 use formats::Soup;
-use scan2step::adapt::{self, Goal};
 use scan2step::geometry::{Point, Uv, Vector};
 use scan2step::mesh::{self, Bound, Choice, Components, Disk, Outer};
 use scan2step::rules::Fault;
 use scan2step::spline::{Curve, KnotVector, Samples, Surface};
-use scan2step::trim::{self, Rim};
-use scan2step::{Builder, Cut, Error, Options, brep, convert, fill, fit, parameterize, smooth};
+use scan2step::stages::adapt::{self, Goal};
+use scan2step::stages::trim::{self, Rim};
+use scan2step::stages::{brep, fill, fit, parameterize, smooth};
+use scan2step::{Builder, Cut, Error, Options, convert};
 
 const NONSENSE: [f64; 4] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0];
 

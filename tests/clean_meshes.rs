@@ -5,7 +5,7 @@ mod tessellations;
 
 use formats::Soup;
 use scan2step::mesh::{self, Choice, Components, Disk, Outer, Repairs};
-use scan2step::smooth::{self, Options};
+use scan2step::stages::smooth::{self, Options};
 use tessellations::{KINDS, Kind, Random, SURFACES, Tessellation};
 
 fn disk(points: Vec<[f64; 3]>, triangles: &[[u32; 3]]) -> Disk {

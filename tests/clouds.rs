@@ -8,8 +8,8 @@ mod common;
 use common::virtual_cloud::{Flaws, SoupCheck, VirtualCloud, cloud};
 use common::virtual_scan::{Random, Truth, relief, rolled_sheet, sheet};
 use formats::Points;
-use scan2step::cloud::{LEFT_OUT, Options, Triangulation, triangulate};
 use scan2step::error::CloudFault;
+use scan2step::stages::cloud::{LEFT_OUT, Options, Triangulation, triangulate};
 use scan2step::{Error, formats, nalgebra, threads};
 
 fn number(variable: &str, default: u64) -> u64 {

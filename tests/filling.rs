@@ -8,10 +8,10 @@ use std::collections::{HashMap, HashSet};
 use common::random::Random;
 use common::virtual_scan::{Star, VirtualScan, paper_scan, rolled_sheet, sheet};
 use formats::Soup;
-use scan2step::fill::{self, Strategy};
 use scan2step::geometry::{Vector, VertexId};
 use scan2step::mesh::{self, Choice, Components, Disk, FaceOrigin, Outer, Patch, Repairs};
-use scan2step::smooth::{self, Support};
+use scan2step::stages::fill::{self, Strategy};
+use scan2step::stages::smooth::{self, Support};
 
 fn disk(soup: &Soup) -> Disk {
     let scan = Components::new(mesh::from_soup(soup, 1.0).unwrap());

@@ -4,10 +4,10 @@ mod common;
 
 use common::virtual_scan::{Star, Truth, VirtualScan, relief, rolled_sheet, sheet};
 use formats::Soup;
-use scan2step::fit::{Method, fit, mean_error};
 use scan2step::geometry::{Point, Uv, Vector};
-use scan2step::smooth::Support;
 use scan2step::spline::{KnotVector, Samples, Surface, foot_point, foot_point_moving, last_step};
+use scan2step::stages::fit::{Method, fit, mean_error};
+use scan2step::stages::smooth::Support;
 use scan2step::{Builder, Conversion, Options, Stage, convert};
 
 const METHODS: [Method; 3] = [Method::Blend, Method::Refined, Method::Global];

@@ -8,7 +8,7 @@ use common::fixture;
 use formats::{Soup, cad, step};
 use rayon::ThreadPoolBuilder;
 use scan2step::mesh::{self, Choice, Components, Outer};
-use scan2step::parameterize::MapMethod;
+use scan2step::stages::parameterize::MapMethod;
 use scan2step::{Builder, Options, check, convert, inspect, measured, threads};
 
 #[test]

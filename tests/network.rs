@@ -5,12 +5,13 @@ mod common;
 use std::collections::{HashMap, HashSet};
 
 use nalgebra::Vector2;
+use scan2step::deviation;
 use scan2step::geometry::{Bound, Point, Uv, Vector, VertexId};
 use scan2step::mesh::{Mesh, Patch, QuadMesh};
 use scan2step::spline::subdivision::{QuadPlace, SubdivisionSurface};
 use scan2step::spline::{Network, NetworkCut};
-use scan2step::trim::network::NetworkRim;
-use scan2step::{brep, deviation, net, patches, refine, trim};
+use scan2step::stages::trim::network::NetworkRim;
+use scan2step::stages::{brep, net, patches, refine, trim};
 
 /// The surface of unit cubes as a quad mesh, with a block of `n` × `n` quads for each square.
 fn cubes(cells: &[[i32; 3]], n: usize) -> QuadMesh {

@@ -5,9 +5,9 @@ mod common;
 use common::virtual_scan::{VirtualScan, island_scan, ragged_scan, relief, relief_scan};
 use scan2step::geometry::{Point, Uv};
 use scan2step::mesh::{Bound, FaceOrigin, Patch};
-use scan2step::parameterize::Outline;
 use scan2step::spline::Curve;
-use scan2step::trim::{TrimLoop, distance_to_edges};
+use scan2step::stages::parameterize::Outline;
+use scan2step::stages::trim::{TrimLoop, distance_to_edges};
 use scan2step::{Conversion, Options, Stage, convert};
 
 /// A conversion and the outer boundary of the smoothed scan.

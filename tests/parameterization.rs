@@ -5,10 +5,10 @@ mod common;
 
 use common::random::Random;
 use formats::Soup;
-use scan2step::fill;
 use scan2step::geometry::{VertexId, orient2d};
 use scan2step::mesh::{self, Choice, Components, FaceOrigin, Outer, Patch, Repairs};
-use scan2step::parameterize::{self, MapMethod, Options, Outline, Parameterized, Report};
+use scan2step::stages::fill;
+use scan2step::stages::parameterize::{self, MapMethod, Options, Outline, Parameterized, Report};
 
 /// The patch of a soup without holes.
 fn patch(soup: &Soup) -> Patch {

@@ -121,7 +121,8 @@ fn fill_in(report: &mut Report, program: &Value) {
 #[cfg(feature = "cli")]
 #[test]
 fn the_library_and_the_program_write_the_same_bytes() {
-    use scan2step::{Cut, ScanPlace, fit, parameterize, smooth};
+    use scan2step::stages::{fit, parameterize, smooth};
+    use scan2step::{Cut, ScanPlace};
 
     let (scan, soup) = (fixture("relief.ply"), relief());
     let places = |vertices: [usize; 4]| vertices.map(ScanPlace::Vertex).to_vec();

@@ -8,7 +8,7 @@ use common::virtual_scan::{Star, Truth, VirtualScan, relief, rolled_sheet, sheet
 use formats::Soup;
 use scan2step::geometry::{Point, VertexId};
 use scan2step::mesh::{self, Choice, Components, Disk, Outer, Repairs};
-use scan2step::smooth::{self, Options, Report, Support};
+use scan2step::stages::smooth::{self, Options, Report, Support};
 
 fn disk(points: &[[f64; 3]], triangles: &[[u32; 3]]) -> Disk {
     let mut soup = Soup { points: points.to_vec(), ..Soup::default() };

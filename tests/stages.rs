@@ -6,9 +6,10 @@ use common::virtual_scan::{VirtualScan, paper_scan, relief_scan, rolled_scan, sh
 use formats::Soup;
 use scan2step::geometry::Uv;
 use scan2step::mesh::{FaceOrigin, Patch};
-use scan2step::parameterize::Parameterized;
 use scan2step::spline::{KnotVector, Samples, pieces_on_surface};
-use scan2step::{Conversion, Options, Stage, convert, fit};
+use scan2step::stages::fit;
+use scan2step::stages::parameterize::Parameterized;
+use scan2step::{Conversion, Options, Stage, convert};
 use std::sync::LazyLock;
 
 /// The results of the stages for a scan.

@@ -6,7 +6,8 @@ use std::fmt::Debug;
 use scan2step::formats::{LengthUnit, Soup};
 use scan2step::geometry::Point;
 use scan2step::mesh::{Components, Outer};
-use scan2step::{Builder, Conversion, Cut, Error, Options, Stage, convert, mesh, smooth};
+use scan2step::stages::smooth;
+use scan2step::{Builder, Conversion, Cut, Error, Options, Stage, convert, mesh};
 
 /// A factor that is exact in binary.
 const FACTOR: f64 = 1024.0;

@@ -2,7 +2,7 @@
 //! face, on which side.
 
 use formats::Soup;
-use scan2step::smooth::Support;
+use scan2step::stages::smooth::Support;
 use scan2step::{Conversion, Options, Stage, convert};
 
 /// Points along x and y, 10 mm apart.

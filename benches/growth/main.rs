@@ -6,11 +6,11 @@
 
 use cpu_time::ProcessTime;
 use formats::{Brep, Soup};
-use scan2step::fill;
 use scan2step::geometry::{Point, UvVector};
 use scan2step::mesh::{self, Choice, Components, Disk, Outer, Repairs};
-use scan2step::smooth;
 use scan2step::spline::{CertifiedLoop, Curve, KnotVector, crossings};
+use scan2step::stages::fill;
+use scan2step::stages::smooth;
 use scan2step::{Options, convert};
 
 /// The number of measurements. The shortest one counts.

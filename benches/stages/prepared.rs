@@ -6,9 +6,10 @@ use std::io::Cursor;
 use formats::{Soup, step};
 use scan2step::deviation::{Deviation, TrimmedFace};
 use scan2step::mesh::{self, Bound, Components, Disk, Outer, Patch};
-use scan2step::parameterize::Parameterized;
 use scan2step::spline::{KnotVector, Samples};
-use scan2step::{Conversion, Options, Stage, brep, convert, fill, knots, trim};
+use scan2step::stages::parameterize::Parameterized;
+use scan2step::stages::{brep, fill, knots, trim};
+use scan2step::{Conversion, Options, Stage, convert};
 
 use crate::named;
 

@@ -6,7 +6,8 @@ use std::time::Duration;
 
 use cpu_time::ProcessTime;
 use criterion::{BatchSize, Bencher};
-use scan2step::{Stage, convert, fill, fit, knots, parameterize, smooth, trim};
+use scan2step::stages::{fill, fit, knots, parameterize, smooth, trim};
+use scan2step::{Stage, convert};
 
 use crate::cpu::CpuTime;
 use crate::prepared::{Prepared, read};

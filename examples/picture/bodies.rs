@@ -4,12 +4,12 @@ use std::path::Path;
 
 use scan2step::geometry::{Point, VertexId};
 use scan2step::mesh::{Components, Mesh, QuadMesh, from_soup};
-use scan2step::picture::camera::Camera;
-use scan2step::picture::canvas::Canvas;
-use scan2step::picture::colour::{DOTS, INK, Rgb, TINTS, linear, srgb};
-use scan2step::picture::image::Image;
-use scan2step::picture::lines::{Lines, Pen};
-use scan2step::picture::{occlusion, polyline, sheet};
+use scan2step::report::picture::camera::Camera;
+use scan2step::report::picture::canvas::Canvas;
+use scan2step::report::picture::colour::{DOTS, INK, Rgb, TINTS, linear, srgb};
+use scan2step::report::picture::image::Image;
+use scan2step::report::picture::lines::{Lines, Pen};
+use scan2step::report::picture::{occlusion, polyline, sheet};
 use scan2step::spline::Network;
 use scan2step::{Options, Stage, TargetShape, convert_body, deviation};
 

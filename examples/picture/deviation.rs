@@ -1,13 +1,13 @@
 //! The scan in the colours of its distance from the face, and the colour bar.
 
-use scan2step::picture::camera::Camera;
-use scan2step::picture::canvas::Canvas;
-use scan2step::picture::colour::{BACKGROUND, INK, encoded, linear};
-use scan2step::picture::image::Image;
-use scan2step::picture::lines::Pen;
-use scan2step::picture::scale::{DISTANCE, colour, rounded_up};
-use scan2step::picture::sheet;
-use scan2step::picture::text::{Style, Type};
+use scan2step::report::picture::camera::Camera;
+use scan2step::report::picture::canvas::Canvas;
+use scan2step::report::picture::colour::{BACKGROUND, INK, encoded, linear};
+use scan2step::report::picture::image::Image;
+use scan2step::report::picture::lines::Pen;
+use scan2step::report::picture::scale::{DISTANCE, colour, rounded_up};
+use scan2step::report::picture::sheet;
+use scan2step::report::picture::text::{Style, Type};
 
 use crate::scene::Scene;
 

@@ -5,12 +5,12 @@ use scan2step::geometry::{Point, Uv, Vector};
 
 use crate::scene::Scene;
 use crate::trimmed::CutOut;
-use scan2step::picture::camera::Camera;
-use scan2step::picture::canvas::{Canvas, SAMPLES, shows_front};
-use scan2step::picture::colour::{INK, lacquer, linear, srgb};
-use scan2step::picture::image::Image;
-use scan2step::picture::lines::{Lines, Pen};
-use scan2step::picture::occlusion;
+use scan2step::report::picture::camera::Camera;
+use scan2step::report::picture::canvas::{Canvas, SAMPLES, shows_front};
+use scan2step::report::picture::colour::{INK, lacquer, linear, srgb};
+use scan2step::report::picture::image::Image;
+use scan2step::report::picture::lines::{Lines, Pen};
+use scan2step::report::picture::occlusion;
 
 /// The number of cells of the tessellation in u and in v.
 const CELLS: usize = 640;

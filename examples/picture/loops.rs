@@ -3,11 +3,11 @@
 use crate::face;
 use crate::scene::Scene;
 use crate::stages::around_hole;
-use scan2step::picture::camera::Camera;
-use scan2step::picture::canvas::Canvas;
-use scan2step::picture::colour::{linear, srgb};
-use scan2step::picture::image::Image;
-use scan2step::picture::lines::{Lines, Pen};
+use scan2step::report::picture::camera::Camera;
+use scan2step::report::picture::canvas::Canvas;
+use scan2step::report::picture::colour::{linear, srgb};
+use scan2step::report::picture::image::Image;
+use scan2step::report::picture::lines::{Lines, Pen};
 
 /// The face around a hole with the smoothed vertices of the rim.
 pub fn picture(scene: &Scene, size: [usize; 2]) -> Image {

@@ -20,8 +20,8 @@ use clap::Parser;
 
 use args::{Args, Mode};
 use bodies::Body;
-use scan2step::picture::camera::Camera;
-use scan2step::picture::image::Image;
+use scan2step::report::picture::camera::Camera;
+use scan2step::report::picture::image::Image;
 use scene::Scene;
 
 fn main() -> ExitCode {
@@ -64,7 +64,7 @@ fn pair(scene: &Scene, [width, height]: [usize; 2]) -> Image {
     let camera = Camera::facing(&scene.measured.mesh, scene.extent(), half);
     let left = scan::canvas(&scene.measured.mesh, &camera, half).image();
     let right = face::picture(scene, &camera, half);
-    left.beside(Image::blank([width % 2, height], scan2step::picture::colour::BACKGROUND))
+    left.beside(Image::blank([width % 2, height], scan2step::report::picture::colour::BACKGROUND))
         .beside(right)
 }
 

@@ -5,10 +5,10 @@ use scan2step::mesh::FaceOrigin;
 
 use crate::scene::Scene;
 use crate::stages::FILLED;
-use scan2step::picture::canvas::Canvas;
-use scan2step::picture::colour::{linear, srgb};
-use scan2step::picture::image::Image;
-use scan2step::picture::lines::{Lines, Pen};
+use scan2step::report::picture::canvas::Canvas;
+use scan2step::report::picture::colour::{linear, srgb};
+use scan2step::report::picture::image::Image;
+use scan2step::report::picture::lines::{Lines, Pen};
 
 /// The margin on every side as a share of the picture's shorter side.
 const MARGIN: f64 = 0.05;

@@ -1,10 +1,10 @@
 //! Pictures of the scan's mesh.
 
 use scan2step::mesh::Mesh;
-use scan2step::picture::camera::Camera;
-use scan2step::picture::canvas::Canvas;
-use scan2step::picture::colour::plaster;
-use scan2step::picture::{occlusion, sheet};
+use scan2step::report::picture::camera::Camera;
+use scan2step::report::picture::canvas::Canvas;
+use scan2step::report::picture::colour::plaster;
+use scan2step::report::picture::{occlusion, sheet};
 
 /// A mesh in the colour of plaster.
 pub fn canvas(mesh: &Mesh, camera: &Camera, size: [usize; 2]) -> Canvas {

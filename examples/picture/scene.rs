@@ -4,10 +4,11 @@ use std::path::Path;
 
 use scan2step::geometry::{Point, Uv};
 use scan2step::mesh::Disk;
-use scan2step::parameterize::Parameterized;
-use scan2step::picture::{outlines, polyline};
+use scan2step::report::picture::{outlines, polyline};
 use scan2step::spline::Surface;
-use scan2step::{Conversion, Options, Stage, brep, convert};
+use scan2step::stages::brep;
+use scan2step::stages::parameterize::Parameterized;
+use scan2step::{Conversion, Options, Stage, convert};
 
 /// A converted scan.
 pub struct Scene {

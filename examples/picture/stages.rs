@@ -5,12 +5,12 @@ use scan2step::mesh::{Disk, FaceOrigin, Mesh};
 
 use crate::scan;
 use crate::scene::Scene;
-use scan2step::picture::camera::Camera;
-use scan2step::picture::canvas::Canvas;
-use scan2step::picture::colour::{INK, linear, srgb};
-use scan2step::picture::image::Image;
-use scan2step::picture::lines::{Lines, Pen};
-use scan2step::picture::{occlusion, sheet};
+use scan2step::report::picture::camera::Camera;
+use scan2step::report::picture::canvas::Canvas;
+use scan2step::report::picture::colour::{INK, linear, srgb};
+use scan2step::report::picture::image::Image;
+use scan2step::report::picture::lines::{Lines, Pen};
+use scan2step::report::picture::{occlusion, sheet};
 
 const OUTER: [u8; 3] = srgb(0x1f5fae);
 const HOLE: [u8; 3] = srgb(0xb3261e);

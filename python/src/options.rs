@@ -5,7 +5,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use scan2step::formats::LengthUnit;
 use scan2step::mesh::Choice;
-use scan2step::{Builder, Cut, Options, ScanPlace, TargetShape, fit, parameterize, smooth};
+use scan2step::stages::{fit, parameterize, smooth};
+use scan2step::{Builder, Cut, Options, ScanPlace, TargetShape};
 
 use crate::errors::Failure;
 

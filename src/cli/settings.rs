@@ -2,7 +2,8 @@
 
 use scan2step::mesh::Choice;
 use scan2step::report::Settings;
-use scan2step::{Cut, Options, TargetShape, fit, parameterize, smooth};
+use scan2step::stages::{fit, parameterize, smooth};
+use scan2step::{Cut, Options, TargetShape};
 
 use super::Failure;
 use super::args::{ComponentChoice, Convert, Fit, Map, OutlineChoice, ShapeChoice};

@@ -3,10 +3,11 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use scan2step::Stage;
 use scan2step::geometry::{Uv, VertexId};
 use scan2step::mesh::{Bound, FaceOrigin, Mesh, Patch, QuadMesh, RawPoints};
 use scan2step::spline::{KnotVector, Surface};
-use scan2step::{Stage, trim::TrimLoop};
+use scan2step::stages::trim::TrimLoop;
 use serde_json::json;
 
 use super::output::{self, Pending};

@@ -9,14 +9,15 @@ use super::conversion::{farther, placed, worst};
 use super::faces::{Faces, Gaps, SEAM_PLACES, faces};
 use super::stage::{Observer, Stage, within};
 use super::{InputReport, Options, TargetShape, input, lengths};
-use crate::adapt::Goal;
 use crate::deviation::{self, Deviation, NetworkToScan};
 use crate::error::BrepFault;
 use crate::mesh::{Components, VertexMap};
 use crate::spline::{Network, NetworkCut};
-use crate::trim::EDGE_ACCURACY;
+use crate::stages::adapt::Goal;
+use crate::stages::trim::EDGE_ACCURACY;
+use crate::stages::{brep, fill, layout, net, smooth, trim};
 use crate::words::plural;
-use crate::{Error, Result, brep, fill, layout, net, smooth, threads, trim};
+use crate::{Error, Result, threads};
 
 /// A component that became a solid or a shell. Lengths are in mm.
 #[derive(Debug)]

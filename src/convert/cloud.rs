@@ -5,11 +5,12 @@ use formats::soup::Polygons;
 use formats::{Points, Soup};
 
 use super::{Conversion, Observer, Options, Stage, convert_component, stage};
-use crate::cloud::{self, Report};
 use crate::geometry::Point;
 use crate::mesh::{self, Components, RawPoints};
 use crate::progress::Progress;
-use crate::{Memory, Result, crop, threads};
+use crate::stages::cloud::{self, Report};
+use crate::stages::crop;
+use crate::{Memory, Result, threads};
 
 /// Converts one component of a cloud of points, as [`convert`](crate::convert) does for a mesh.
 /// The tolerance follows the noise of the points, and [`Conversion::deviation`] is measured
@@ -45,7 +46,7 @@ pub fn cloud_components(
 /// Makes the components of a mesh, without what the options leave out of it.
 ///
 /// # Errors
-/// Those of [`crop::kept`](crate::crop::kept) and of [`mesh::from_soup`].
+/// Those of [`crop::kept`](crate::stages::crop::kept) and of [`mesh::from_soup`].
 pub fn mesh_components(soup: &Soup, options: &Options) -> Result<Components> {
     let crop = &options.cloud.crop;
     let unit = options.unit_of(soup.unit);

@@ -4,8 +4,9 @@ use formats::Brep;
 
 use crate::mesh::VertexMap;
 use crate::spline::Surface;
+use crate::stages::{fill, parameterize, smooth, thin, trim};
 use crate::words::{grouped, mm, plural};
-use crate::{Adapted, InputReport, deviation, fill, parameterize, smooth, thin, trim};
+use crate::{Adapted, InputReport, deviation};
 
 /// A converted scan.
 #[derive(Debug)]

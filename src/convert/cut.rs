@@ -2,10 +2,10 @@
 
 use std::ops::Range;
 
-use crate::brep::{Arcs, FaceBounds};
 use crate::mesh::{Bound, Patch};
 use crate::mesh::{Outline, Parameterized};
-use crate::trim::{Rim, TrimLoop};
+use crate::stages::brep::{Arcs, FaceBounds};
+use crate::stages::trim::{Rim, TrimLoop};
 
 /// Which of the scan's holes are cut out of the face.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]

@@ -1,8 +1,9 @@
 //! What a conversion will make of a body, estimated without the long stages: fill → layout.
 
 use super::TargetShape;
+use crate::Result;
 use crate::mesh::{self, Disk, Handle};
-use crate::{Result, fill, layout};
+use crate::stages::{fill, layout};
 
 /// An estimate of a body. Lengths are mm.
 #[derive(Debug, Clone)]

@@ -10,13 +10,12 @@ use rayon::prelude::*;
 use super::conversion::{Conversion, Missed};
 use super::stage::{Observer, Stage, within};
 use super::{Options, cut, input};
-use crate::adapt::Goal;
 use crate::geometry::{Point, Uv};
 use crate::mesh::{Components, Parameterized, Patch};
 use crate::spline::Surface;
-use crate::{
-    Result, adapt, brep, deviation, fill, parameterize, progress, smooth, spline, thin, trim,
-};
+use crate::stages::adapt::Goal;
+use crate::stages::{adapt, brep, fill, parameterize, smooth, thin, trim};
+use crate::{Result, deviation, progress, spline};
 
 /// Converts one component of a scan to one face.
 pub(super) fn face(

@@ -5,12 +5,13 @@ use super::stage::{Observer, Stage, within};
 use super::{Options, TargetShape};
 use crate::deviation::{self, NetworkToScan};
 use crate::geometry::{Bound, Point};
-use crate::layout::QuadLayout;
 use crate::mesh::boundary::Loop;
 use crate::mesh::{FaceOrigin, Mesh, Patch, QuadMesh};
 use crate::spline::{KeptPlaces, Network, NetworkCut, Samples};
-use crate::trim::network::{CutFault, NetworkRim};
-use crate::{Error, Result, layout, net, patches, trim};
+use crate::stages::layout::QuadLayout;
+use crate::stages::trim::network::{CutFault, NetworkRim};
+use crate::stages::{layout, net, patches, trim};
+use crate::{Error, Result};
 
 /// The most rounds in which the layout is made finer. Where the scan tells no more about the shape, further
 /// rounds do not help.

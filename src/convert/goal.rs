@@ -1,9 +1,10 @@
 //! What the face must reach: the tolerance that is named, or that which the scan's noise
 //! lets one ask for.
 
-use crate::adapt::{Goal, TOLERANCE_OF_NOISE};
+use crate::Options;
 use crate::mesh::Mesh;
-use crate::{Options, trim};
+use crate::stages::adapt::{Goal, TOLERANCE_OF_NOISE};
+use crate::stages::trim;
 
 impl Goal {
     /// A tolerance that the user names, in the lengths of the scan's mesh, and the share of points

@@ -1,8 +1,8 @@
 //! What could be better of a conversion, and what the user can do about it.
 
-use crate::adapt::{Folds, OUTLYING};
 use crate::geometry::{Point, bounds};
-use crate::smooth::Support;
+use crate::stages::adapt::{Folds, OUTLYING};
+use crate::stages::smooth::Support;
 use crate::words::{grouped, mm, plural};
 use crate::{Conversion, Cut, Options};
 

@@ -2,14 +2,15 @@
 
 use super::estimate::{BodyEstimate, estimate};
 use super::shape::{TargetShape, shape_and_reason};
-use crate::adapt::Goal;
 use crate::geometry::{Point, Vector};
 use crate::mesh::{
     Choice, Component, Components, Disk, Handle, Mesh, Outer, RawPoints, Repairs, Topology,
     boundary,
 };
-use crate::parameterize::is_ragged;
-use crate::{Options, Result, smooth, threads};
+use crate::stages::adapt::Goal;
+use crate::stages::parameterize::is_ragged;
+use crate::stages::smooth;
+use crate::{Options, Result, threads};
 
 /// What came in.
 #[derive(Debug, Clone)]

@@ -2,7 +2,7 @@
 //! caller's.
 
 use super::{Conversion, Observer, Stage};
-use crate::smooth::Support;
+use crate::stages::smooth::Support;
 use crate::{Error, Options, Result};
 
 /// Shows a caller in mm what stages made in other lengths.

@@ -5,7 +5,8 @@ use formats::{Points, Soup};
 use super::Options;
 use crate::geometry::Point;
 use crate::mesh::Outer;
-use crate::{Error, Result, smooth};
+use crate::stages::smooth;
+use crate::{Error, Result};
 
 /// A place on the scan, in the terms of its file.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -1,9 +1,10 @@
 //! More knots in those faces of a body that miss the tolerance.
 
 use super::faces::{Faces, Gaps, HOLDS};
+use crate::Result;
 use crate::mesh::Patch;
 use crate::spline::Samples;
-use crate::{Result, net, refine};
+use crate::stages::{net, refine};
 
 /// Fits the faces again that miss the tolerance, and those with places that are far from the scan. A face that
 /// then turns over or goes through another one is held more firmly, and at last put back. Returns the best

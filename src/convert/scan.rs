@@ -5,7 +5,7 @@ use super::components::{convert_components, joined};
 use super::shape::{TargetShape, shape, voids};
 use super::{Conversion, Options, Stage};
 use crate::mesh::{Choice, Components};
-use crate::parameterize::CompressedRegion;
+use crate::stages::parameterize::CompressedRegion;
 use crate::{Error, Result};
 
 /// What components of a scan became.

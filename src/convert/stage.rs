@@ -1,9 +1,10 @@
 //! What is told of a conversion while it goes on.
 
 use crate::mesh::{Disk, Patch, QuadMesh};
-use crate::parameterize::{CompressedRegion, Parameterized};
 use crate::spline::{Network, NetworkCut, Surface};
-use crate::{BodyConversion, Conversion, Result, TargetShape, cloud, trim};
+use crate::stages::parameterize::{CompressedRegion, Parameterized};
+use crate::stages::{cloud, trim};
+use crate::{BodyConversion, Conversion, Result, TargetShape};
 
 /// A stage that has just ended, with what it made, or one that goes on.
 #[derive(Debug)]

@@ -19,9 +19,9 @@ use rayon::prelude::*;
 use super::edge_map::Buckets;
 use super::{EdgeMap, Mesh, caps, polygons, scale, spikes, weld};
 use crate::error::{Error, Result, of};
+use crate::geometry::sets::Sets;
 use crate::geometry::{NONE, VertexId};
 use crate::rules;
-use crate::sets::Sets;
 
 /// The repairs that were made, as kind and count. A kind that did not occur is absent.
 pub type Repairs = BTreeMap<&'static str, usize>;

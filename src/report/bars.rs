@@ -5,8 +5,8 @@ use serde_json::{Value, json};
 use super::filters::signed;
 use super::histogram::Histogram;
 use super::scale::short;
-use crate::picture::colour::encoded;
-use crate::picture::scale::{DISTANCE, SIGNED, colour};
+use crate::report::picture::colour::encoded;
+use crate::report::picture::scale::{DISTANCE, SIGNED, colour};
 
 /// Both histograms of some distances, as the template draws them.
 pub(super) fn histograms(distances: &[f32], end: f64, tolerance: f64) -> Value {

@@ -2,8 +2,8 @@
 
 use formats::Points;
 
-use crate::cloud::{self, GridUse};
 use crate::geometry::{Point, bounds};
+use crate::stages::cloud::{self, GridUse};
 
 /// A cloud of points as it was read, and how it became a mesh.
 #[derive(Debug, Clone, PartialEq)]

@@ -4,8 +4,8 @@ use super::scale::SPREAD;
 use super::view::ReportView;
 use crate::geometry::{Uv, Vector, VertexId};
 use crate::mesh::Mesh;
-use crate::picture::scale::rounded_up;
-use crate::picture::tessellate;
+use crate::report::picture::scale::rounded_up;
+use crate::report::picture::tessellate;
 use crate::spline::Surface;
 use crate::{BodyConversion, Conversion};
 

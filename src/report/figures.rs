@@ -1,9 +1,10 @@
 //! The figures of one face.
 
 use super::{InputFigures, ScanSource, ShapeFigures};
+use crate::Conversion;
 use crate::deviation::{Deviation, FaceToScan};
 use crate::mesh::Bound;
-use crate::{Conversion, fill, fit, smooth};
+use crate::stages::{fill, fit, smooth};
 
 /// What the conversion of one component did and how well.
 #[derive(Debug, Clone, PartialEq)]

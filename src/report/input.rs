@@ -6,7 +6,8 @@ use formats::{LengthUnit, Points, Soup};
 use super::hints::likely_units;
 use super::{CloudFigures, CloudMeshFigures};
 use crate::mesh::{Handle, Repairs};
-use crate::{InputReport, Inspection, Options, PieceReport, TargetShape, cloud};
+use crate::stages::cloud;
+use crate::{InputReport, Inspection, Options, PieceReport, TargetShape};
 
 /// A scan as it was read.
 #[derive(Debug, Clone, PartialEq)]

@@ -29,6 +29,8 @@ mod unused;
 #[cfg(feature = "picture")]
 mod histogram;
 #[cfg(feature = "picture")]
+pub mod picture;
+#[cfg(feature = "picture")]
 mod scale;
 #[cfg(feature = "picture")]
 mod still;

@@ -41,7 +41,7 @@ impl PlaneDrawing {
             let _ = write!(lines, "M0 {:.1}H{width:.1}", y(v));
         }
         let sides = format!("M0 0H{width:.1}V{height:.1}H0Z");
-        let drawn = |(ring, outline): (&crate::trim::TrimLoop, &Vec<Uv>)| {
+        let drawn = |(ring, outline): (&crate::stages::trim::TrimLoop, &Vec<Uv>)| {
             (path(outline, x, y), ring.of.hole(), ring.of.island().is_some())
         };
         let loops: Vec<_> = c.loops.iter().zip(outlines).map(drawn).collect();

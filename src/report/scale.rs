@@ -1,7 +1,7 @@
 //! The ends of colour scales, and numbers beside them.
 
 use super::view::{ReportView, ViewFigures};
-use crate::picture::scale::rounded_up;
+use crate::report::picture::scale::rounded_up;
 
 /// The ends of the colour scales, in mm.
 pub(super) struct Ends {

@@ -11,8 +11,8 @@ use super::scale::Ends;
 use crate::deviation::Deviation;
 use crate::geometry::{Point, Vector, VertexId};
 use crate::mesh::Mesh;
-use crate::picture::colour::TINTS;
-use crate::picture::{Camera, scale};
+use crate::report::picture::colour::TINTS;
+use crate::report::picture::{Camera, scale};
 
 /// The scene as JSON. Points are mm from `middle`, so that single precision suffices for a scan
 /// far from the origin.

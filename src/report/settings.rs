@@ -6,8 +6,9 @@ use super::ScanSource;
 use super::figures::fit_method;
 use crate::geometry::Point;
 use crate::mesh::{Choice, Outer};
-use crate::smooth::{Corners, Support};
-use crate::{Cut, Options, ScanPlace, TargetShape, parameterize};
+use crate::stages::parameterize;
+use crate::stages::smooth::{Corners, Support};
+use crate::{Cut, Options, ScanPlace, TargetShape};
 
 /// What the caller asked for. `None`, and "auto", leave it to what is found on the scan.
 #[derive(Debug, Clone, PartialEq)]

@@ -9,12 +9,12 @@ use super::scale::{Ends, short};
 use super::view::{ReportView, ViewFigures};
 use crate::deviation::Deviation;
 use crate::geometry::{Point, box_of};
-use crate::picture::canvas::Canvas;
-use crate::picture::colour::{BACKGROUND, DOTS, INK, encoded, linear, srgb};
-use crate::picture::lines::{Lines, Pen};
-use crate::picture::scale::{SIGNED, colour};
-use crate::picture::text::{Style, Type};
-use crate::picture::{Camera, Image, sheet};
+use crate::report::picture::canvas::Canvas;
+use crate::report::picture::colour::{BACKGROUND, DOTS, INK, encoded, linear, srgb};
+use crate::report::picture::lines::{Lines, Pen};
+use crate::report::picture::scale::{SIGNED, colour};
+use crate::report::picture::text::{Style, Type};
+use crate::report::picture::{Camera, Image, sheet};
 use crate::words::{box_extents, grouped, mm, plural, separated};
 
 /// Pixels of the picture.

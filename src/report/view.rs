@@ -6,14 +6,14 @@ use std::collections::HashSet;
 use super::face_mesh::FaceMesh;
 #[cfg(feature = "html")]
 use super::plane::PlaneDrawing;
-#[cfg(feature = "html")]
-use crate::brep::outer_edges;
 use crate::deviation::{Deviation, of_network};
 use crate::geometry::{Point, VertexId};
 use crate::mesh::Disk;
-use crate::picture::{Thinned, thin};
+use crate::report::picture::{Thinned, thin};
 #[cfg(feature = "html")]
-use crate::picture::{outlines, polyline};
+use crate::report::picture::{outlines, polyline};
+#[cfg(feature = "html")]
+use crate::stages::brep::outer_edges;
 use crate::words::{mm, plural, separated};
 use crate::{BodyConversion, Conversion, Error, Result, Stage};
 

@@ -5,9 +5,10 @@ use std::f64::consts::PI;
 use proptest::prelude::*;
 use scan2step::geometry::Point;
 use scan2step::mesh::{Choice, Outer};
-use scan2step::parameterize::Outline;
-use scan2step::smooth::{Corners, Support};
-use scan2step::{Cut, Options, fit};
+use scan2step::stages::fit;
+use scan2step::stages::parameterize::Outline;
+use scan2step::stages::smooth::{Corners, Support};
+use scan2step::{Cut, Options};
 
 use crate::scan::Scan;
 

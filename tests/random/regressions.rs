@@ -1,9 +1,10 @@
 //! Regressions: random cases that failed once.
 
+use scan2step::Options;
 use scan2step::geometry::Point;
 use scan2step::mesh::Outer;
-use scan2step::parameterize::Outline;
-use scan2step::{Options, fit};
+use scan2step::stages::fit;
+use scan2step::stages::parameterize::Outline;
 
 use crate::common::virtual_scan::Star;
 use crate::oracle;

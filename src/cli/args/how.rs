@@ -49,7 +49,7 @@ pub struct How {
     pub boundary_corners: NamedCorners,
     /// Support of the smoothing, in mm, or auto, or off
     #[arg(long, value_name = "LEN|auto|off", default_value = "auto", value_parser = support, allow_hyphen_values = true, help_heading = ACCURACY)]
-    pub smooth: scan2step::smooth::Support,
+    pub smooth: scan2step::stages::smooth::Support,
     /// Method of the fit
     #[arg(long, value_enum, default_value_t = Fit::Refined, help_heading = DETAILS)]
     pub fit: Fit,

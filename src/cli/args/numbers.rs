@@ -5,7 +5,7 @@ use std::str::FromStr;
 use clap::ValueEnum;
 use formats::LengthUnit;
 use scan2step::rules::{self, Fault};
-use scan2step::smooth::Support;
+use scan2step::stages::smooth::Support;
 
 use super::choices::Unit;
 

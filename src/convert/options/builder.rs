@@ -6,7 +6,8 @@ use super::Options;
 use crate::convert::{Cut, ScanPlace, TargetShape};
 use crate::error::Result;
 use crate::geometry::Point;
-use crate::{fit, mesh, parameterize, smooth};
+use crate::mesh;
+use crate::stages::{fit, parameterize, smooth};
 
 /// Makes [`Options`]. What is not named is found on the scan, or as the method has
 /// it; `None`, where a setter takes it, is the same as not to name it. The names are

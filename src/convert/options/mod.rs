@@ -8,10 +8,11 @@ use formats::LengthUnit;
 
 use super::places::NamedPlaces;
 use super::{Cut, TargetShape};
-use crate::adapt::KnotOptions;
 use crate::error::{Error, Result, of};
 use crate::geometry::{Point, in_lengths, length};
-use crate::{adapt, cloud, fill, fit, mesh, parameterize, rules, smooth, trim};
+use crate::stages::adapt::KnotOptions;
+use crate::stages::{adapt, cloud, fill, fit, parameterize, smooth, trim};
+use crate::{mesh, rules};
 
 /// What [`convert`](crate::convert) is asked for. [`Options::default`] finds
 /// everything on the scan, whose numbers have the unit that it declares, or are millimetres; [`Options::builder`]

@@ -3,9 +3,9 @@
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, HashMap, VecDeque};
 
+use crate::geometry::random::scattered;
 use crate::geometry::{NONE, Point, VertexId};
 use crate::mesh::{EdgeMap, Mesh, Neighbours, boundary};
-use crate::random::scattered;
 
 /// The labelled edges of a component, and short chords across its boundary loops. A chord stands for a way
 /// over a cap that closes the loop.

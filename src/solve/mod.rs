@@ -1,0 +1,4 @@
+//! Solvers of linear systems.
+
+pub(crate) mod cholesky;
+pub(crate) mod least_squares;

@@ -1,0 +1,98 @@
+//! The policy for a goal that nobody named: knots are weighed against the noise. A control point
+//! must take more off the misfit than it adds to what is fitted of the noise (Akaike 1974).
+//!
+//! With noise of a known standard deviation σ the best of several nets is that with
+//! the smallest Σ (d/σ)² + 2 n, over the distances d of all points, for n
+//! control points, each of which moves in one direction that matters. Points that were
+//! smoothed stand for those measured: the noise that smoothing took off is the same for
+//! all nets.
+
+use super::{remove_knots, tolerance};
+use crate::error::Result;
+use crate::rules;
+use crate::stages::adapt::attempt::Attempt;
+use crate::stages::adapt::moves::insert::insert;
+use crate::stages::adapt::moves::reject::{self, OUTLYING};
+use crate::stages::adapt::problem::Problem;
+use crate::stages::adapt::run::FitRun;
+use crate::stages::knots::{InsertionLimits, Miss};
+
+/// What a control point must take off the sum of squares, in variances of the noise (Akaike).
+const PRICE: f64 = 2.0;
+
+/// The fewest measured points for a control point: smoothing looks at dozens of points at
+/// a time, so that finer nets find nothing left to follow.
+pub const POINTS_A_CONTROL_POINT: usize = 2;
+
+/// The rounds in a row without a better score after which there are no more. One worse net may
+/// come before a better one; each takes longer to fit than the best.
+const PATIENCE: usize = 2;
+
+/// Inserts knots and removes knots as long as the score falls. Where smoothed points are beyond
+/// the tolerance after that, knots are inserted as for a named one; where smoothing is off, such
+/// points may be outliers.
+pub fn search(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
+    let problem = run.problem;
+    let best = insert_knots(run, start)?;
+    let is_better = |best: &Attempt, next: &Attempt| score(problem, next) < score(problem, best);
+    let best = remove_knots(run, best, |run, state| run.fit(state), is_better)?;
+    match problem.options.noisy {
+        true => Ok(best),
+        false => tolerance::insert_knots(run, best),
+    }
+}
+
+/// The most control points if nobody named a tolerance.
+pub fn largest_net(problem: &Problem) -> usize {
+    problem.options.knots.max_net.min(problem.measured() / POINTS_A_CONTROL_POINT)
+}
+
+/// Inserts knots as long as they bring more than they cost.
+fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
+    let problem = run.problem;
+    let depth = problem.options.knots.depth;
+    let bounds = InsertionLimits {
+        depth: depth.unwrap_or(rules::MOST_HALVINGS),
+        most: largest_net(problem),
+        price: PRICE,
+    };
+    let mut best = start;
+    let mut last: Option<Attempt> = None;
+    let mut idle = 0;
+    while idle < PATIENCE {
+        let now = last.as_ref().unwrap_or(&best);
+        let misses = misfits(problem, now);
+        let Some(state) = insert(problem, now, &misses, &bounds) else { break };
+        let next = run.fit(state)?;
+        if score(problem, &next) < score(problem, &best) {
+            (best, last, idle) = (next, None, 0);
+        } else {
+            (last, idle) = (Some(next), idle + 1);
+        }
+    }
+    Ok(best)
+}
+
+/// The score of an attempt; the smallest is the best.
+fn score(problem: &Problem, of: &Attempt) -> f64 {
+    let misfit: f64 = squares(problem, of).sum();
+    misfit + PRICE * of.surface.net.len() as f64
+}
+
+/// Where the measured vertices are, and the squares of their distances; 0 for outliers.
+fn misfits(problem: &Problem, of: &Attempt) -> Vec<Miss> {
+    let squares = squares(problem, of).zip(&of.state.uv);
+    let mut all: Vec<Miss> = squares.map(|(square, &uv)| (uv, square)).collect();
+    let outliers = reject::outliers(problem, &of.foot_points.distances);
+    outliers.into_iter().for_each(|v| all[v].1 = 0.0);
+    all
+}
+
+/// The squares of the measured vertices' distances, in variances of the noise, as often as vertices of
+/// the scan stand behind them. Points that are as far off as outliers count no more than these: a few
+/// of them are not the shape's.
+fn squares(problem: &Problem, of: &Attempt) -> impl Iterator<Item = f64> {
+    let noise = problem.goal.noise();
+    let square = move |d: f64| (d / noise).powi(2).min(OUTLYING * OUTLYING);
+    of.foot_points.measured().zip(&problem.counts).map(move |(d, count)| count * square(d))
+}
