@@ -134,7 +134,7 @@ pub enum Error {
     /// An option has a value that cannot be.
     #[error("{option}: {fault}")]
     Option {
-        /// The option, by the name of its setter in [`Builder`](crate::Builder).
+        /// The option, by the name of its setter in [`Builder`](crate::convert::Builder).
         option: &'static str,
         /// What is wrong with the value.
         fault: rules::Fault,
@@ -354,7 +354,7 @@ impl Error {
     }
 
     /// One sentence that says what the user can do. Options stand in backticks, with the names
-    /// that they have in [`Builder`](crate::Builder).
+    /// that they have in [`Builder`](crate::convert::Builder).
     pub fn help(&self) -> String {
         match self {
             Error::File(e) => e.help.clone(),

@@ -4,7 +4,7 @@ use crate::error::Result;
 
 /// A callback that hears about what share of its time a stage has behind it, from 0 to 1. It
 /// may hear a slightly smaller share than before. An error of its own stops the stage:
-/// [`Error::Stopped`](crate::Error::Stopped) where its caller wants no more.
+/// [`Error::Stopped`](crate::error::Error::Stopped) where its caller wants no more.
 pub type Progress<'a> = dyn FnMut(f64) -> Result<()> + Send + 'a;
 
 /// A callback for step `k` of `count` steps of a stage, which are assumed to take the same time.

@@ -4,7 +4,7 @@
 //! thread outside of any pool and never ends. A process that is forked after that inherits
 //! the pool without its threads, and its first loop waits for them without end. So the
 //! functions of this library that do a whole task ([`convert`](crate::convert),
-//! [`inspect`](crate::inspect), [`check`](crate::check::check) and their like) run their
+//! [`inspect`](crate::convert::inspect), [`check`](crate::check::check) and their like) run their
 //! loops by [`run`]. Whoever calls stages one by one, and wants the same, calls `run` too.
 
 use crate::error::{Error, Result};

@@ -36,13 +36,15 @@ fn rooms(side: &str) -> Vec<String> {
 /// The imports of the rooms of `src` without their tests.
 fn imported() -> Arrows {
     let source = root().join("src");
-    let library = fs::read_to_string(source.join("lib.rs")).expect("the library");
     let mut arrows = Arrows::new();
     for file in files(&source) {
         let place = file.strip_prefix(&source).expect("below src").to_string_lossy().into_owned();
-        let room = place.split('/').next().unwrap_or_default().trim_end_matches(".rs").to_owned();
+        let below = place.strip_prefix("stages/").unwrap_or(&place);
+        let room = below.split('/').next().unwrap_or_default().trim_end_matches(".rs").to_owned();
         // The program is not part of the library.
-        if matches!(room.as_str(), "main" | "cli" | "lib") || place.ends_with("tests.rs") {
+        let is_list = place == "stages/mod.rs";
+        if matches!(room.as_str(), "main" | "cli" | "lib") || is_list || place.ends_with("tests.rs")
+        {
             continue;
         }
         let text = fs::read_to_string(&file).expect("a source file");
@@ -50,7 +52,7 @@ fn imported() -> Arrows {
         let code = text.lines().filter(|line| !line.trim_start().starts_with("//"));
         let code = code.collect::<Vec<_>>().join("\n");
         let used = arrows.entry(room.clone()).or_default();
-        used.extend(uses(&code).into_iter().map(|name| exported_by(&library, &name)));
+        used.extend(uses(&code));
         if code.contains("formats::") {
             used.insert("formats".into());
         }
@@ -65,48 +67,48 @@ fn files(folder: &Path) -> Vec<PathBuf> {
     each.flatten().filter(|path| path.extension().is_some_and(|end| end == "rs")).collect()
 }
 
-/// The names after `crate::`: a single one, or the first ones in braces.
+/// The rooms in the paths after `crate::`: of a single path, or of each one in braces.
 fn uses(code: &str) -> BTreeSet<String> {
-    let mut names = BTreeSet::new();
-    for rest in code.split("crate::").skip(1) {
-        let Some(list) = rest.strip_prefix('{') else {
-            names.insert(word(rest));
-            continue;
-        };
-        let (mut depth, mut from) = (0, 0);
-        for (at, c) in list.char_indices() {
-            match c {
-                '{' => depth += 1,
-                '}' if depth == 0 => {
-                    names.insert(word(&list[from..at]));
-                    break;
-                }
-                '}' => depth -= 1,
-                ',' if depth == 0 => {
-                    names.insert(word(&list[from..at]));
-                    from = at + 1;
-                }
-                _ => {}
+    let rooms = code.split("crate::").skip(1).flat_map(rooms_of);
+    rooms.filter(|room| !room.is_empty()).collect()
+}
+
+/// The rooms of the paths that a text begins with. A stage is the room of a path below `stages`.
+fn rooms_of(paths: &str) -> Vec<String> {
+    let paths = paths.trim_start();
+    if let Some(stages) = paths.strip_prefix("stages::") {
+        return rooms_of(stages);
+    }
+    match paths.strip_prefix('{') {
+        Some(list) => listed(list).into_iter().flat_map(rooms_of).collect(),
+        None => vec![word(paths)],
+    }
+}
+
+/// The paths of a list up to its closing brace.
+fn listed(list: &str) -> Vec<&str> {
+    let (mut depth, mut from) = (0, 0);
+    let mut paths = Vec::new();
+    for (at, c) in list.char_indices() {
+        match c {
+            '{' => depth += 1,
+            '}' if depth == 0 => {
+                paths.push(&list[from..at]);
+                break;
             }
+            '}' => depth -= 1,
+            ',' if depth == 0 => {
+                paths.push(&list[from..at]);
+                from = at + 1;
+            }
+            _ => {}
         }
     }
-    names.remove("");
-    names
+    paths
 }
 
 fn word(text: &str) -> String {
     text.trim().chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect()
-}
-
-/// The room that a name of the library's root comes from.
-fn exported_by(library: &str, name: &str) -> String {
-    let exports = library.split("pub use ").skip(1).filter_map(|rest| rest.split(';').next());
-    let of_name = |line: &&str| {
-        line.contains("::")
-            && line.split(|c: char| !c.is_alphanumeric() && c != '_').any(|w| w == name)
-    };
-    let mut exports = exports.filter(of_name);
-    exports.next().map_or(name.to_owned(), word)
 }
 
 /// All rooms that a room uses directly or through others.
@@ -144,6 +146,11 @@ fn the_drawing_has_every_import_and_no_other() {
 #[test]
 fn no_arrow_runs_back_up() {
     let imported = imported();
+    // What the root exports comes from the rooms, so no room takes it from the root.
+    for (room, uses) in &imported {
+        let root = uses.iter().find(|name| name.starts_with(char::is_uppercase));
+        assert!(root.is_none(), "{room} takes {root:?} from the root and not from its room");
+    }
     for room in imported.keys() {
         assert!(!reached(&imported, room).contains(room), "{room} uses itself by way of others");
     }

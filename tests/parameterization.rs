@@ -327,7 +327,7 @@ fn a_pipe_gets_vertices_where_its_map_draws_it_out() {
         let sides = measured.clone().flat_map(|(t, _)| [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])]);
         let long = sides.filter(is_long).filter(|side| !is_on_rim(side)).count();
         // The open end of the pipe counts as a bay, as in every conversion with a free boundary.
-        // Around it, 738 sides of 1,500 points remain. A test in `src/parameterize/outline.rs` has a
+        // Around it, 738 sides of 1,500 points remain. A test in `src/stages/parameterize/outline.rs` has a
         // map without this bay and holds it to a tenth.
         let most = if outline == Outline::Free { patch.measured / 2 } else { 0 };
         assert!(long <= most, "{outline:?} {long}");

@@ -11,13 +11,14 @@ use super::stage::{Observer, Stage, within};
 use super::{InputReport, Options, TargetShape, input, lengths};
 use crate::deviation::{self, Deviation, NetworkToScan};
 use crate::error::BrepFault;
+use crate::error::{Error, Result};
 use crate::mesh::{Components, VertexMap};
 use crate::spline::{Network, NetworkCut};
 use crate::stages::adapt::Goal;
 use crate::stages::trim::EDGE_ACCURACY;
 use crate::stages::{brep, fill, layout, net, smooth, trim};
+use crate::threads;
 use crate::words::plural;
-use crate::{Error, Result, threads};
 
 /// A component that became a solid or a shell. Lengths are in mm.
 #[derive(Debug)]
@@ -81,7 +82,7 @@ pub struct Seams {
 
 impl BodyConversion {
     /// The point that a vertex of the scan became, as
-    /// [`Conversion::point_of`](crate::Conversion::point_of).
+    /// [`Conversion::point_of`](crate::convert::Conversion::point_of).
     pub fn point_of(&self, vertex: usize) -> Option<usize> {
         self.vertices.point_of(vertex)
     }
@@ -138,7 +139,7 @@ pub fn joined_bodies(name: impl Into<String>, bodies: &[BodyConversion]) -> Resu
 }
 
 /// Converts one component of a scan to a solid or to a shell. `watch` is as for
-/// [`convert_component`](crate::convert_component).
+/// [`convert_component`](crate::convert::convert_component).
 ///
 /// # Errors
 /// What stops a stage, or what `watch` answers. [`Error::Layout`] and [`Error::BodyFolds`] if no

@@ -5,17 +5,19 @@ use formats::soup::Polygons;
 use formats::{Points, Soup};
 
 use super::{Conversion, Observer, Options, Stage, convert_component, stage};
+use crate::convert::Memory;
+use crate::error::Result;
 use crate::geometry::Point;
 use crate::mesh::{self, Components, RawPoints};
 use crate::progress::Progress;
 use crate::stages::cloud::{self, Report};
 use crate::stages::crop;
-use crate::{Memory, Result, threads};
+use crate::threads;
 
 /// Converts one component of a cloud of points, as [`convert`](crate::convert) does for a mesh.
 /// The tolerance follows the noise of the points, and [`Conversion::deviation`] is measured
 /// against them. Lengths and places of the result are mm from the cloud's origin, unless
-/// [`Builder::keeps_origin`](crate::Builder::keeps_origin) puts the face into its own place.
+/// [`Builder::keeps_origin`](crate::convert::Builder::keeps_origin) puts the face into its own place.
 ///
 /// # Errors
 /// What stops a stage, or what `watch` answers.

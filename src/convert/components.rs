@@ -3,7 +3,7 @@
 use formats::Brep;
 
 use super::{Conversion, Options, Stage, convert_component};
-use crate::Result;
+use crate::error::Result;
 use crate::mesh::{Choice, Components};
 
 /// Converts components of a scan one after another. `watch` is shown the position of the
@@ -32,7 +32,7 @@ use crate::mesh::{Choice, Components};
 ///
 /// # Errors
 /// Those of [`convert_component`], for the first component that cannot be converted. If there are
-/// several components, [`Error::Piece`](crate::Error::Piece) names it.
+/// several components, [`Error::Piece`](crate::error::Error::Piece) names it.
 pub fn convert_components(
     scan: &Components,
     components: &[Choice],

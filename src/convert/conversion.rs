@@ -2,11 +2,13 @@
 
 use formats::Brep;
 
+use crate::convert::InputReport;
+use crate::deviation;
 use crate::mesh::VertexMap;
 use crate::spline::Surface;
+use crate::stages::adapt::Adapted;
 use crate::stages::{fill, parameterize, smooth, thin, trim};
 use crate::words::{grouped, mm, plural};
-use crate::{Adapted, InputReport, deviation};
 
 /// A converted scan.
 #[derive(Debug)]

@@ -1,7 +1,7 @@
 //! What a conversion will make of a body, estimated without the long stages: fill → layout.
 
 use super::TargetShape;
-use crate::Result;
+use crate::error::Result;
 use crate::mesh::{self, Disk, Handle};
 use crate::stages::{fill, layout};
 

@@ -10,12 +10,13 @@ use rayon::prelude::*;
 use super::conversion::{Conversion, Missed};
 use super::stage::{Observer, Stage, within};
 use super::{Options, cut, input};
+use crate::error::Result;
 use crate::geometry::{Point, Uv};
 use crate::mesh::{Components, Parameterized, Patch};
 use crate::spline::Surface;
 use crate::stages::adapt::Goal;
 use crate::stages::{adapt, brep, fill, parameterize, smooth, thin, trim};
-use crate::{Result, deviation, progress, spline};
+use crate::{deviation, progress, spline};
 
 /// Converts one component of a scan to one face.
 pub(super) fn face(

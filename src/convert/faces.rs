@@ -4,6 +4,7 @@ use super::refined::refined;
 use super::stage::{Observer, Stage, within};
 use super::{Options, TargetShape};
 use crate::deviation::{self, NetworkToScan};
+use crate::error::{Error, Result};
 use crate::geometry::{Bound, Point};
 use crate::mesh::boundary::Loop;
 use crate::mesh::{FaceOrigin, Mesh, Patch, QuadMesh};
@@ -11,7 +12,6 @@ use crate::spline::{KeptPlaces, Network, NetworkCut, Samples};
 use crate::stages::layout::QuadLayout;
 use crate::stages::trim::network::{CutFault, NetworkRim};
 use crate::stages::{layout, net, patches, trim};
-use crate::{Error, Result};
 
 /// The most rounds in which the layout is made finer. Where the scan tells no more about the shape, further
 /// rounds do not help.

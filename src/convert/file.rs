@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 use formats::{Content, iges, step};
 
 use super::convert_cloud;
-use crate::{Conversion, Error, Options, Result, Stage, convert};
+use crate::convert;
+use crate::convert::{Conversion, Options, Stage};
+use crate::error::{Error, Result};
 
 /// A format of CAD files.
 #[derive(Clone, Copy)]

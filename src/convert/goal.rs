@@ -1,7 +1,7 @@
 //! What the face must reach: the tolerance that is named, or that which the scan's noise
 //! lets one ask for.
 
-use crate::Options;
+use crate::convert::Options;
 use crate::mesh::Mesh;
 use crate::stages::adapt::{Goal, TOLERANCE_OF_NOISE};
 use crate::stages::trim;

@@ -1,10 +1,10 @@
 //! What could be better of a conversion, and what the user can do about it.
 
+use crate::convert::{Conversion, Cut, Options};
 use crate::geometry::{Point, bounds};
 use crate::stages::adapt::{Folds, OUTLYING};
 use crate::stages::smooth::Support;
 use crate::words::{grouped, mm, plural};
-use crate::{Conversion, Cut, Options};
 
 /// One sentence for each thing that could be better, with what the user can do. Options
 /// have the names that they have on the command line.

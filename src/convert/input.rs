@@ -2,6 +2,8 @@
 
 use super::estimate::{BodyEstimate, estimate};
 use super::shape::{TargetShape, shape_and_reason};
+use crate::convert::Options;
+use crate::error::Result;
 use crate::geometry::{Point, Vector};
 use crate::mesh::{
     Choice, Component, Components, Disk, Handle, Mesh, Outer, RawPoints, Repairs, Topology,
@@ -10,7 +12,7 @@ use crate::mesh::{
 use crate::stages::adapt::Goal;
 use crate::stages::parameterize::is_ragged;
 use crate::stages::smooth;
-use crate::{Options, Result, threads};
+use crate::threads;
 
 /// What came in.
 #[derive(Debug, Clone)]

@@ -2,8 +2,9 @@
 //! caller's.
 
 use super::{Conversion, Observer, Stage};
+use crate::convert::Options;
+use crate::error::{Error, Result};
 use crate::stages::smooth::Support;
-use crate::{Error, Options, Result};
 
 /// Shows a caller in mm what stages made in other lengths.
 pub(crate) struct Shown<'a> {

@@ -3,7 +3,7 @@
 use formats::Soup;
 
 use super::Options;
-use crate::{Error, Result};
+use crate::error::{Error, Result};
 
 /// The counts that decide how much memory a conversion takes.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -120,7 +120,7 @@ fn largest_net(options: &Options, vertices: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::Builder;
+    use crate::convert::Builder;
 
     fn largest(change: impl FnOnce(Builder) -> Builder) -> usize {
         let options = change(Options::builder().max_net(5000)).build().unwrap();

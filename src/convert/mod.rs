@@ -39,12 +39,13 @@ pub use stage::{Observer, Stage};
 
 use formats::Soup;
 
+use crate::error::{Error, Result};
 use crate::mesh::Components;
-use crate::{Error, Result, threads};
+use crate::threads;
 
 /// Converts one component of a scan. `watch` is shown what each stage made, and how far
 /// long ones have come. It stops the conversion with an error of its own, such as
-/// [`Error::Stopped`](crate::Error::Stopped).
+/// [`Error::Stopped`](crate::error::Error::Stopped).
 ///
 /// The work is shared by as many threads as [`Builder::threads`] says. `watch` is called on
 /// one of them.

@@ -1,7 +1,7 @@
 //! More knots in those faces of a body that miss the tolerance.
 
 use super::faces::{Faces, Gaps, HOLDS};
-use crate::Result;
+use crate::error::Result;
 use crate::mesh::Patch;
 use crate::spline::Samples;
 use crate::stages::{net, refine};

@@ -4,9 +4,9 @@ use super::body::{BodyConversion, convert_body, joined_bodies};
 use super::components::{convert_components, joined};
 use super::shape::{TargetShape, shape, voids};
 use super::{Conversion, Options, Stage};
+use crate::error::{Error, Result};
 use crate::mesh::{Choice, Components};
 use crate::stages::parameterize::CompressedRegion;
-use crate::{Error, Result};
 
 /// What components of a scan became.
 #[derive(Debug)]

@@ -1,6 +1,6 @@
 //! What becomes of a component: a face, a shell, a solid, or a void in a solid.
 
-use crate::Result;
+use crate::error::Result;
 use crate::mesh::{Choice, Component, Components};
 
 /// What becomes of a component.
@@ -46,7 +46,7 @@ const SIMILAR: f64 = 0.25;
 /// shell if it has handles or is a pipe with several ends, and otherwise a face.
 ///
 /// # Errors
-/// [`Error::Component`](crate::Error::Component): there is no such component.
+/// [`Error::Component`](crate::error::Error::Component): there is no such component.
 pub fn shape(scan: &Components, component: Choice) -> Result<TargetShape> {
     Ok(shape_of(&scan.take(component)?))
 }
@@ -54,7 +54,7 @@ pub fn shape(scan: &Components, component: Choice) -> Result<TargetShape> {
 /// The components that are voids in a component: closed ones inside it that face the opposite way.
 ///
 /// # Errors
-/// [`Error::Component`](crate::Error::Component): there is no such component.
+/// [`Error::Component`](crate::error::Error::Component): there is no such component.
 pub fn voids(scan: &Components, component: Choice) -> Result<Vec<Choice>> {
     let solid = scan.take(component)?;
     let is_closed = |body: &Component| body.topology.orientable && body.topology.loops == 0;

@@ -1,16 +1,17 @@
 //! What is told of a conversion while it goes on.
 
+use crate::convert::{BodyConversion, Conversion, TargetShape};
+use crate::error::Result;
 use crate::mesh::{Disk, Patch, QuadMesh};
 use crate::spline::{Network, NetworkCut, Surface};
 use crate::stages::parameterize::{CompressedRegion, Parameterized};
 use crate::stages::{cloud, trim};
-use crate::{BodyConversion, Conversion, Result, TargetShape};
 
 /// A stage that has just ended, with what it made, or one that goes on.
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Stage<'a> {
-    /// A conversion of components to a shape begins ([`convert_scan`](crate::convert_scan)). What was shown
+    /// A conversion of components to a shape begins ([`convert_scan`](crate::convert::convert_scan)). What was shown
     /// before it led to no result.
     Begin {
         /// The shape that is tried.
@@ -46,9 +47,9 @@ pub enum Stage<'a> {
     Brep,
     /// The deviation.
     Deviation,
-    /// One of several components is converted ([`convert_components`](crate::convert_components)).
+    /// One of several components is converted ([`convert_components`](crate::convert::convert_components)).
     Done(&'a Conversion),
-    /// One of several components is a solid, a void or a shell ([`convert_scan`](crate::convert_scan)).
+    /// One of several components is a solid, a void or a shell ([`convert_scan`](crate::convert::convert_scan)).
     BodyDone(&'a BodyConversion),
     /// The stage of that name goes on, and has about so large a share of its time behind
     /// it: more than it was told of before.
@@ -56,7 +57,7 @@ pub enum Stage<'a> {
 }
 
 /// A callback that sees each [`Stage`]. An error of its own stops the conversion, and is what
-/// [`convert`](crate::convert) answers: [`Error::Stopped`](crate::Error::Stopped) where its
+/// [`convert`](crate::convert) answers: [`Error::Stopped`](crate::error::Error::Stopped) where its
 /// caller wants no more. It is called on one of the threads that share the work.
 pub type Observer<'a> = dyn FnMut(Stage) -> Result<()> + Send + 'a;
 

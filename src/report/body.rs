@@ -5,7 +5,7 @@ use super::{
     InputFigures, OutputFile, PatchFigures, ScanSource, Settings, ShapeFigures, StageFigures,
     VERSION, hints,
 };
-use crate::{BodyConversion, TargetShape};
+use crate::convert::{BodyConversion, TargetShape};
 
 /// What a run made of the bodies of a scan, and how well.
 #[derive(Debug, Clone, PartialEq)]

@@ -2,12 +2,12 @@
 
 use super::scale::SPREAD;
 use super::view::ReportView;
+use crate::convert::{BodyConversion, Conversion};
 use crate::geometry::{Uv, Vector, VertexId};
 use crate::mesh::Mesh;
 use crate::report::picture::scale::rounded_up;
 use crate::report::picture::tessellate;
 use crate::spline::Surface;
-use crate::{BodyConversion, Conversion};
 
 /// The largest number of points inside all the faces that a page shows together. A page with more
 /// is too large to be mailed, and browsers turn it slowly.

@@ -1,7 +1,7 @@
 //! The figures of one face.
 
 use super::{InputFigures, ScanSource, ShapeFigures};
-use crate::Conversion;
+use crate::convert::Conversion;
 use crate::deviation::{Deviation, FaceToScan};
 use crate::mesh::Bound;
 use crate::stages::{fill, fit, smooth};

@@ -4,9 +4,9 @@
 use formats::LengthUnit;
 
 use super::{ScanSource, Setting, Settings, unused};
+use crate::convert::{BodyConversion, Conversion, TargetShape};
 use crate::geometry::{Vector, box_of};
 use crate::words::mm;
-use crate::{BodyConversion, Conversion, TargetShape};
 
 /// The hints of some conversions of one scan.
 pub(super) fn of(

@@ -5,9 +5,9 @@ use formats::{LengthUnit, Points, Soup};
 
 use super::hints::likely_units;
 use super::{CloudFigures, CloudMeshFigures};
+use crate::convert::{InputReport, Inspection, Options, PieceReport, TargetShape};
 use crate::mesh::{Handle, Repairs};
 use crate::stages::cloud;
-use crate::{InputReport, Inspection, Options, PieceReport, TargetShape};
 
 /// A scan as it was read.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,7 +28,7 @@ pub struct ScanSource {
 
 impl ScanSource {
     /// The scan that `soup` was read from, with the unit that a conversion with these options
-    /// takes. A length that is no unit of its own ([`Builder::unit_mm`](crate::Builder::unit_mm))
+    /// takes. A length that is no unit of its own ([`Builder::unit_mm`](crate::convert::Builder::unit_mm))
     /// counts as millimetres.
     pub fn of(file: impl Into<String>, soup: &Soup, options: &Options) -> Self {
         let declared = options.unit().or(soup.unit);
@@ -237,7 +237,7 @@ pub struct RimFigures {
 }
 
 impl InspectionFigures {
-    /// The figures of what [`inspect`](crate::inspect) found.
+    /// The figures of what [`inspect`](crate::convert::inspect) found.
     pub fn of(found: &Inspection, source: &ScanSource) -> Self {
         let rim = |(i, &(length_mm, vertices)): (usize, &(f64, usize))| RimFigures {
             length_mm,

@@ -70,7 +70,7 @@ pub use still::picture_png;
 #[cfg(feature = "picture")]
 pub use view::{ReportView, ViewRecorder};
 
-use crate::Conversion;
+use crate::convert::Conversion;
 
 /// What a run was asked for, what it made and how well.
 ///
@@ -139,7 +139,7 @@ pub struct Report {
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 pub struct StageFigures {
-    /// Its name ([`Stage::name`](crate::Stage::name)), or "read" or "write".
+    /// Its name ([`Stage::name`](crate::convert::Stage::name)), or "read" or "write".
     pub name: String,
     /// How long it took.
     pub seconds: f64,

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::Conversion;
+use crate::convert::Conversion;
 use crate::geometry::Uv;
 
 /// Units of the drawing for the longer side.

@@ -4,11 +4,11 @@ use formats::{iges, step};
 
 use super::ScanSource;
 use super::figures::fit_method;
+use crate::convert::{Cut, Options, ScanPlace, TargetShape};
 use crate::geometry::Point;
 use crate::mesh::{Choice, Outer};
 use crate::stages::parameterize;
 use crate::stages::smooth::{Corners, Support};
-use crate::{Cut, Options, ScanPlace, TargetShape};
 
 /// What the caller asked for. `None`, and "auto", leave it to what is found on the scan.
 #[derive(Debug, Clone, PartialEq)]
@@ -156,7 +156,7 @@ impl Settings {
         }
     }
 
-    /// The same with all components, as [`convert_components`](crate::convert_components)
+    /// The same with all components, as [`convert_components`](crate::convert::convert_components)
     /// takes those of [`Components::all`](crate::mesh::Components::all).
     #[must_use]
     pub fn of_all_components(self) -> Self {

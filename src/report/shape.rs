@@ -3,7 +3,7 @@
 use formats::Brep;
 use formats::brep::ShellId;
 
-use crate::{BodyConversion, Conversion};
+use crate::convert::{BodyConversion, Conversion};
 
 /// The shape that a scan became.
 #[derive(Debug, Clone, PartialEq)]

@@ -6,7 +6,9 @@ use std::collections::HashSet;
 use super::face_mesh::FaceMesh;
 #[cfg(feature = "html")]
 use super::plane::PlaneDrawing;
+use crate::convert::{BodyConversion, Conversion, Stage};
 use crate::deviation::{Deviation, of_network};
+use crate::error::{Error, Result};
 use crate::geometry::{Point, VertexId};
 use crate::mesh::Disk;
 use crate::report::picture::{Thinned, thin};
@@ -15,7 +17,6 @@ use crate::report::picture::{outlines, polyline};
 #[cfg(feature = "html")]
 use crate::stages::brep::outer_edges;
 use crate::words::{mm, plural, separated};
-use crate::{BodyConversion, Conversion, Error, Result, Stage};
 
 /// The largest number of triangles of all the scans that a page shows together. A page with more
 /// is too large to be mailed, and browsers turn it slowly.

@@ -180,7 +180,7 @@ impl Builder {
         self
     }
 
-    /// What components become in [`convert_scan`](crate::convert_scan). Without, the shape that suits them.
+    /// What components become in [`convert_scan`](crate::convert::convert_scan). Without, the shape that suits them.
     pub fn shape(mut self, shape: impl Into<Option<TargetShape>>) -> Self {
         self.0.shape = shape.into();
         self
@@ -235,7 +235,7 @@ impl Builder {
     }
 
     /// The number of bytes that the conversion may need, by the estimate of
-    /// [`Memory`](crate::Memory). [`convert`](crate::convert) refuses a scan that may need
+    /// [`Memory`](crate::convert::Memory). [`convert`](crate::convert) refuses a scan that may need
     /// more before its work begins. Without: no bound.
     pub fn max_memory(mut self, bytes: impl Into<Option<u64>>) -> Self {
         self.0.max_memory = bytes.into();
@@ -245,8 +245,8 @@ impl Builder {
     /// The options.
     ///
     /// # Errors
-    /// [`Error::Corners`](crate::Error::Corners): not four places are named as corners.
-    /// [`Error::Option`](crate::Error::Option): the first value that cannot be; lengths
+    /// [`Error::Corners`](crate::error::Error::Corners): not four places are named as corners.
+    /// [`Error::Option`](crate::error::Error::Option): the first value that cannot be; lengths
     /// must be above 0, numbers finite, nets within their bounds
     /// ([`rules`](crate::rules)).
     pub fn build(self) -> Result<Options> {

@@ -51,9 +51,9 @@ use run::FitRun;
 /// corrected, and where its triangles are sparse it gets more vertices.
 ///
 /// # Errors
-/// [`Error::Option`](crate::Error::Option): the goal is not one, or the knots for the
+/// [`Error::Option`](crate::error::Error::Option): the goal is not one, or the knots for the
 /// κ or depth that is named make a larger net than allowed.
-/// [`Error::Singular`](crate::Error::Singular): the equations have no solution.
+/// [`Error::Singular`](crate::error::Error::Singular): the equations have no solution.
 pub fn fit(map: &mut Parameterized, options: &Options, goal: &Goal) -> Result<(Surface, Adapted)> {
     fit_with(map, options, goal, &mut progress::ignore)
 }

@@ -108,10 +108,10 @@ pub struct Report {
 /// Maps a patch to the unit square.
 ///
 /// # Errors
-/// - [`Error::Corners`](crate::Error::Corners) or [`Error::TooSmall`](crate::Error::TooSmall) if
+/// - [`Error::Corners`](crate::error::Error::Corners) or [`Error::TooSmall`](crate::error::Error::TooSmall) if
 ///   the outer boundary cannot be divided into four sides with these corners.
-/// - [`Error::Folded`](crate::Error::Folded) if triangles stay inverted.
-/// - [`Error::Option`](crate::Error::Option) if a corner is not a finite point.
+/// - [`Error::Folded`](crate::error::Error::Folded) if triangles stay inverted.
+/// - [`Error::Option`](crate::error::Error::Option) if a corner is not a finite point.
 pub fn parameterize(patch: Patch, options: &Options) -> Result<(Parameterized, Report)> {
     parameterize_with(patch, options, &mut progress::ignore)
 }
