@@ -1,8 +1,8 @@
-//! Converts a scan to a CAD file: the whole program in twenty lines.
+//! Converts a scan to a CAD file: the whole program in a few lines.
 //!
 //! cargo run --release --example convert -- SCAN OUT.step [TOLERANCE]
 //!
-//! It prints the distances of the scan's points from the face.
+//! It prints the distances of the scan's points from each body.
 
 use std::error::Error;
 
@@ -17,8 +17,9 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // If the file does not declare its unit, set it here: `.unit(LengthUnit::Metre)`.
     let options = Options::builder().name(scan).tolerance(tolerance).build()?;
-    let conversion = convert_file(scan, out, &options)?;
-    let (off, kept) = (&conversion.deviation, conversion.tolerance_met(0.0));
-    println!("rms {:.4} mm, at most {:.4} mm, within tolerance: {kept}", off.rms, off.max);
+    for body in convert_file(scan, out, &options)?.bodies() {
+        let (off, kept) = (&body.deviation, body.tolerance_met(0.0));
+        println!("rms {:.4} mm, at most {:.4} mm, within tolerance: {kept}", off.rms, off.max);
+    }
     Ok(())
 }

@@ -4,13 +4,11 @@
 //! cargo run --release --example pieces -- SCAN FOLDER
 
 use std::error::Error;
-use std::fs::File;
-use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use formats::{LengthUnit, step};
+use formats::LengthUnit;
 use scan2step::mesh::{self, Choice, Components, Outer};
-use scan2step::{Options, convert_component};
+use scan2step::{Options, convert};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let args: Vec<String> = std::env::args().skip(1).collect();
@@ -23,13 +21,12 @@ fn main() -> Result<(), Box<dyn Error>> {
         let piece = Choice::Number(number);
         let options =
             Options::builder().name(format!("piece {number}")).component(piece).build()?;
-        match convert_component(&pieces, &options, &mut |_| Ok(())) {
+        match convert(&pieces, &options, &mut |_| Ok(())) {
             Ok(conversion) => {
-                let path = Path::new(folder).join(format!("piece-{number}.step"));
-                let mut file = BufWriter::new(File::create(&path)?);
-                step::write(&conversion.brep, &step::Options::default(), &mut file)?;
-                file.flush()?;
-                println!("piece {number}: rms {:.4} mm", conversion.deviation.rms);
+                conversion.write(Path::new(folder).join(format!("piece-{number}.step")))?;
+                for body in conversion.bodies() {
+                    println!("piece {number}: rms {:.4} mm", body.deviation.rms);
+                }
             }
             Err(e) => println!("piece {number}: {e}; {}", e.help()),
         }

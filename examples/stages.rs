@@ -84,7 +84,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     assert!(smoothed_max <= TOLERANCE, "the goal is reached");
     let options = Options::builder().name("sheet").tolerance(TOLERANCE).build()?;
     let at_once = convert(&scan(), &options, &mut |_| Ok(()))?;
-    assert!(file == step_file(&at_once.brep)?, "`convert` makes the same bytes");
+    assert!(file == step_file(&at_once.parts[0].brep)?, "`convert` makes the same bytes");
     Ok(())
 }
 

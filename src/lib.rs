@@ -1,28 +1,26 @@
-//! scan2step turns what a 3D scanner delivers into what CAD works with: a
-//! noisy triangle mesh with holes becomes one trimmed tensor-product B-spline
-//! face, smooth where the object is smooth, with every region that the scanner
-//! missed cut out by a trim loop. What it saw in the middle of such a region, an
-//! island, becomes a face on the same surface.
+//! scan2step turns what a 3D scanner delivers into what CAD works with. A noisy sheet with holes becomes one
+//! trimmed B-spline face, with every region that the scanner missed cut out by a trim loop. A closed scan, or
+//! one with small gaps, becomes a watertight solid of several faces, and a sheet that one face does not hold a
+//! shell. Clouds of points become the same as meshes do. The result is written as STEP or IGES.
 //!
-//! [`convert`] is the whole program: whoever reads it has read how the stages
-//! follow each other. The method is that of L. S. Tekumalla and E. Cohen,
-//! "Reverse Engineering Point Clouds to Obtain Tensor Product B-Spline
-//! Surfaces by Blending Local Fits" (2005), cited here by section. Lengths are
-//! millimetres throughout, whatever the unit of the scan's numbers is.
-//!
+#![doc = include_str!("../docs/front-picture.md")]
 //! ```no_run
 //! # fn main() -> scan2step::Result<()> {
-//! use scan2step::{Options, convert_file};
+//! use scan2step::{Options, Scan, convert};
 //!
-//! // The numbers of glTF are metres; the tolerance, the face and what is said of it, mm.
+//! // The numbers of glTF are metres. The tolerance, and what is said of the result, are mm.
 //! let options = Options::builder().name("door").tolerance(0.25).build()?;
-//! let conversion = convert_file("door.glb", "door.step", &options)?;
-//! println!("at most {:.3} mm off", conversion.fit_deviation.max);
+//! let conversion = convert(Scan::read("door.glb")?, &options, &mut |_| Ok(()))?;
+//! for body in conversion.bodies() {
+//!     let (shape, off) = (body.shape.word(), body.fit_deviation.max);
+//!     println!("a {shape} of {} faces, at most {off:.3} mm off", body.brep.faces.len());
+//! }
+//! conversion.write("door.step")?;
 //! # Ok(())
 //! # }
 //! ```
 //!
-//! Or step by step, with a mesh of one's own:
+//! [`convert_file`] does these three steps in one call. [`convert`] takes meshes and clouds of one's own, too:
 //!
 //! ```
 //! use scan2step::formats::{LengthUnit, Soup, step};
@@ -40,16 +38,22 @@
 //! }
 //! let options = Options::builder().name("sheet").tolerance(0.25).build()?;
 //! let conversion = convert(&soup, &options, &mut |_| Ok(()))?;
-//! assert!(conversion.tolerance_met(0.0));
-//! let width = conversion.surface.net.iter().map(|p| p.x).fold(0.0, f64::max);
+//! let part = &conversion.parts[0];
+//! assert!(part.bodies[0].tolerance_met(0.0));
+//! let width = part.bodies[0].surfaces()[0].net.iter().map(|p| p.x).fold(0.0, f64::max);
 //! assert!((width - 400.0).abs() < 0.25, "the face is in mm: {width}");
 //!
 //! let mut file = Vec::new();
-//! step::write(&conversion.brep, &step::Options::default(), &mut file)?;
+//! step::write(&part.brep, &step::Options::default(), &mut file)?;
 //! # assert!(file.starts_with(b"ISO-10303-21;"));
 //! # Ok(())
 //! # }
 //! ```
+//!
+//! A [`Conversion`] has parts, a [`Part`] has bodies, and a [`Body`] is one face, a shell, a solid or a void in
+//! it. The method for single faces is that of L. S. Tekumalla and E. Cohen, "Reverse Engineering Point Clouds to
+//! Obtain Tensor Product B-Spline Surfaces by Blending Local Fits" (2005), cited here by section. Lengths are
+//! millimetres throughout, whatever the unit of the scan's numbers is.
 //!
 //! # Stage by stage
 //!
@@ -60,19 +64,22 @@
 //!
 //! | stage | function | from | makes |
 //! | --- | --- | --- | --- |
-//! | mesh | [`mesh::from_soup`], [`mesh::Components`] | polygons | a disk with holes |
-//! | smooth | [`smooth`](stages::smooth::smooth) | a disk with holes | the same, smoothed |
-//! | fill | [`fill`](stages::fill::fill) | that | a disk |
-//! | thin | [`thin`](stages::thin::thin) | that | a disk with fewer vertices, if the scan is dense for its noise |
+//! | cloud | [`triangulate`](stages::cloud::triangulate) | points | polygons |
+//! | mesh | [`mesh::from_soup`], [`mesh::Components`] | polygons | a disk with holes, or a body |
+//! | smooth | [`smooth`](stages::smooth::smooth) | that | the same, smoothed |
+//! | fill | [`fill`](stages::fill::fill) | that | a disk, or a closed body |
+//! | thin | [`thin`](stages::thin::thin) | a disk | a disk with fewer vertices, if the scan is dense for its noise |
 //! | parameterize | [`parameterize`](stages::parameterize::parameterize) | that | parameters in [0, 1]² |
 //! | knots, fit | [`fit`](stages::adapt::fit); [`place`](stages::knots::place), [`fit`](stages::fit::fit) | these | a surface |
-//! | trim | [`cut::rims`], [`trim`](stages::trim::trim) | both | trim loops |
+//! | layout | [`layout`](stages::layout::layout) | a closed body | blocks of quads |
+//! | net | [`fit`](stages::net::fit) | these | a subdivision surface |
+//! | patches | [`extract`](stages::patches::extract) | that | a network of surfaces |
+//! | refine | [`refine`](stages::refine::refine) | that | the same with more knots where they are needed |
+//! | trim | [`cut::rims`], [`trim`](stages::trim::trim), [`network`](stages::trim::network::cut) | surfaces | trim loops |
 //! | brep | [`cut::faces`], [`build`](stages::brep::build) | these | what `formats` writes |
 //!
-//! [`convert_scan`] is what the program does with a scan of any shape: faces, solids or shells.
-//! [`convert_components`] converts several components of a scan, and [`joined`] puts their faces
-//! into one B-rep. [`report::Report`] has the figures of conversions, [`Memory`] estimates the
-//! memory that one takes before it begins.
+//! [`report::Report`] has the figures of a conversion. [`Memory`] estimates the memory that one takes before it
+//! begins.
 //!
 //! [`deviation::TrimmedFace`] tells how far points are from the face; [`check::check`] how far
 //! a CAD file is from a scan.
@@ -123,11 +130,10 @@ pub mod threads;
 pub mod words;
 
 pub use convert::{
-    BodyConversion, BodyEstimate, Builder, Conversion, Converted, Cut, InputReport, Inspection,
-    Measured, Memory, Missed, Observer, Options, PieceReport, ScanConversion, ScanObserver,
-    ScanPlace, Seams, Stage, TargetShape, cloud_components, convert, convert_body, convert_cloud,
-    convert_component, convert_components, convert_file, convert_scan, cut, inspect, joined,
-    joined_bodies, measured, mesh_components, shape, voids,
+    Body, BodyEstimate, BodyFit, Builder, Conversion, Cut, InputReport, Inspection, Measured,
+    Memory, Missed, NetworkFit, Observer, Options, Part, PieceReport, Scan, ScanPlace, Seams,
+    Stage, SurfaceFit, TargetShape, cloud_components, convert, convert_file, cut, inspect,
+    measured, mesh_components, shape, voids,
 };
 pub use error::{Error, Result};
 pub use progress::Progress;

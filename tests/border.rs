@@ -1,6 +1,9 @@
 //! Every invalid argument of a library call gives an error of the documented kind and never a
 //! panic.
 
+mod common;
+
+use common::face_of;
 use formats::Soup;
 use scan2step::geometry::{Point, Uv, Vector};
 use scan2step::mesh::{self, Bound, Choice, Components, Disk, Outer};
@@ -9,7 +12,7 @@ use scan2step::spline::{Curve, KnotVector, Samples, Surface};
 use scan2step::stages::adapt::{self, Goal};
 use scan2step::stages::trim::{self, Rim};
 use scan2step::stages::{brep, fill, fit, parameterize, smooth};
-use scan2step::{Builder, Cut, Error, Options, convert};
+use scan2step::{Builder, Cut, Error, Options};
 
 const NONSENSE: [f64; 4] = [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, -1.0];
 
@@ -141,9 +144,9 @@ fn a_soup_of_ones_own_may_be_nonsense() {
     assert_eq!(soup.polygons.triangle_count(), 6 * 6 * 2 - 8 + 2);
     let made = mesh::from_soup(&soup, 1.0).expect("the rest is sound");
     assert_eq!(made.repairs.get("degenerate_faces"), Some(&4));
-    convert(&soup, &Options::default(), &mut |_| Ok(())).expect("the rest is sound");
+    face_of(&soup, &Options::default()).expect("the rest is sound");
     soup.polygons.push([0, 1, last + 1]);
-    assert!(is_input(convert(&soup, &Options::default(), &mut |_| Ok(()))));
+    assert!(is_input(face_of(&soup, &Options::default())));
     assert!(matches!(mesh::from_soup(&Soup::default(), 1.0), Err(Error::Empty(_))));
 }
 

@@ -3,17 +3,18 @@
 
 mod common;
 
+use common::face_seen;
 use common::{arg, check, checked, converted, fixture, inspected, json};
 use scan2step::formats::{self, Points, read_points};
-use scan2step::{Conversion, Options, convert_cloud};
+use scan2step::{Body, Options};
 
 /// The points of the relief.
 fn cloud() -> Points {
     read_points(&fixture("relief.xyz")).expect("points")
 }
 
-fn face(cloud: Points, options: &Options) -> Conversion {
-    convert_cloud(cloud, options, &mut |_| Ok(())).expect("a face")
+fn face(cloud: Points, options: &Options) -> Body {
+    face_seen(cloud, options, &mut |_| Ok(())).expect("a face")
 }
 
 #[test]
@@ -134,6 +135,6 @@ fn fewer_points_are_taken_if_that_is_asked_for() {
     assert!((1500..=2000).contains(&count), "{count}");
     assert!(Options::builder().max_points(10).build().is_err());
     let missing = Options::builder().scan_number(1).build().expect("options");
-    let error = convert_cloud(cloud(), &missing, &mut |_| Ok(())).expect_err("one scan");
+    let error = face_seen(cloud(), &missing, &mut |_| Ok(())).expect_err("one scan");
     assert!(error.to_string().contains("no scan 1"), "{error}");
 }

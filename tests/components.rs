@@ -3,10 +3,11 @@
 mod common;
 
 use common::fixture;
+use common::{OneFace, face_of, face_seen};
 use formats::{Soup, step};
 use scan2step::geometry::Point;
 use scan2step::mesh::{self, Choice, Components, Outer};
-use scan2step::{Error, Options, ScanPlace, Stage, convert, convert_component, joined};
+use scan2step::{Error, Options, Part, ScanPlace, Stage, convert};
 
 /// Square sheets of so many squares a side, each 100 mm from the last, in one scan.
 fn sheets(sides: &[u32]) -> Soup {
@@ -33,20 +34,23 @@ fn components(soup: &Soup) -> Components {
 fn all_components_become_shells_of_one_model() {
     let soup = sheets(&[8, 10, 6]);
     let scan = components(&soup);
-    let options = Options::builder().tolerance(0.05).build().expect("sound options");
+    let options = Options::builder().name("sheets").all_components(true).tolerance(0.05).build();
+    let options = options.expect("sound options");
     let all = scan.all(options.outer());
     assert_eq!(all, [0, 1, 2].map(Choice::Number));
-    let mut done = Vec::new();
-    let mut watch = |number: usize, stage: Stage| {
-        if let Stage::Done(conversion) = stage {
-            done.push((number, conversion.input.vertices));
+    let (mut number, mut done) = (None, Vec::new());
+    let mut watch = |stage: Stage| {
+        match stage {
+            Stage::Component(begun) => number = Some(begun),
+            Stage::Done(body) => done.push((number, body.input.vertices)),
+            _ => {}
         }
         Ok(())
     };
-    let made = scan2step::convert_components(&scan, &all, &options, &mut watch).expect("faces");
+    let conversion = convert(&scan, &options, &mut watch).expect("faces");
     // The largest one comes first.
-    assert_eq!(done, [(0, 121), (1, 81), (2, 49)]);
-    let brep = joined("sheets", &made);
+    assert_eq!(done, [(Some(0), 121), (Some(1), 81), (Some(2), 49)]);
+    let Part { brep, bodies: made, .. } = &conversion.parts[0];
     assert_eq!((brep.name.as_str(), brep.shells.len(), brep.faces.len()), ("sheets", 3, 3));
     assert!(brep.check().is_ok());
     let each: usize = made.iter().map(|c| c.brep.edges.len()).sum();
@@ -54,7 +58,7 @@ fn all_components_become_shells_of_one_model() {
     let farthest = made.iter().map(|c| c.brep.uncertainty_mm).fold(0.0, f64::max);
     assert_eq!(brep.uncertainty_mm, farthest);
     let mut file = Vec::new();
-    step::write(&brep, &step::Options::default(), &mut file).expect("a file");
+    step::write(brep, &step::Options::default(), &mut file).expect("a file");
     let text = String::from_utf8(file).expect("STEP is text");
     assert_eq!(text.matches("=OPEN_SHELL(").count() + text.matches("= OPEN_SHELL(").count(), 3);
 }
@@ -63,22 +67,22 @@ fn all_components_become_shells_of_one_model() {
 fn one_component_that_fails_or_a_caller_stops_all() {
     let soup = sheets(&[8, 10]);
     let scan = components(&soup);
-    let options = Options::default();
-    let missing = [Choice::Number(0), Choice::Number(5)];
-    let made = scan2step::convert_components(&scan, &missing, &options, &mut |_, _| Ok(()));
+    let missing = Options::builder().component(Choice::Number(5)).build().expect("sound options");
+    let made = convert(&scan, &missing, &mut |_| Ok(()));
     assert!(matches!(made, Err(Error::Component { asked: 5, count: 2 })));
     let mut seen = 0;
-    let mut watch = |number: usize, _: Stage| {
+    let mut watch = |stage: Stage| {
+        let Stage::Component(number) = stage else { return Ok(()) };
         seen = number;
         if number == 1 { Err(Error::Input("enough")) } else { Ok(()) }
     };
-    let both = scan.all(Outer::Auto);
-    let made = scan2step::convert_components(&scan, &both, &options, &mut watch);
+    let both = || Options::builder().all_components(true);
+    let made = convert(&scan, &both().build().expect("sound options"), &mut watch);
     assert!(matches!(made, Err(Error::Input("enough"))));
     assert_eq!(seen, 1);
-    let named = Options::builder().net([4, 4]).corners(Some([Point::origin(); 4])).build();
+    let named = both().net([4, 4]).corners(Some([Point::origin(); 4])).build();
     let options = named.expect("the corners are places");
-    let made = scan2step::convert_components(&scan, &both, &options, &mut |_, _| Ok(()));
+    let made = convert(&scan, &options, &mut |_| Ok(()));
     let error = made.expect_err("all corners are at one place");
     assert!(matches!(error, Error::Piece { component: 0, .. }), "{error}");
     assert!(error.to_string().starts_with("component 0: "), "{error}");
@@ -89,7 +93,7 @@ fn corners_by_vertices_are_corners_by_their_points() {
     let soup = sheets(&[20]);
     let vertices = [0, 20, 440, 420];
     let step = |options: Options| {
-        let made = convert(&soup, &options, &mut |_| Ok(())).expect("a face");
+        let made = face_of(&soup, &options).expect("a face");
         let mut file = Vec::new();
         step::write(&made.brep, &step::Options::default(), &mut file).expect("a file");
         (file, made)
@@ -104,13 +108,13 @@ fn corners_by_vertices_are_corners_by_their_points() {
     let (by_points, _) = step(build().corners(in_mm).build().expect("options"));
     assert!(by_vertices == by_places && by_vertices == by_points);
     // The first corner is the surface's at (0, 0).
-    let corner = Point::from(made.surface.control(0, 0));
+    let corner = Point::from(made.one().surface.control(0, 0));
     assert!((corner - in_mm[0]).norm() < 0.1, "{corner}");
     // Others make another surface.
     let others = [440, 420, 0, 20].map(ScanPlace::Vertex).to_vec();
     let (turned, made) = step(build().corner_places(others).build().expect("options"));
     assert!(turned != by_vertices);
-    let corner = Point::from(made.surface.control(0, 0));
+    let corner = Point::from(made.one().surface.control(0, 0));
     assert!((corner - in_mm[2]).norm() < 0.1, "{corner}");
 }
 
@@ -133,15 +137,15 @@ fn the_loop_with_the_named_corners_is_the_outer_one() {
 fn places_are_looked_up_in_the_soup() {
     let soup = sheets(&[8]);
     let named = Options::builder().outer_place(ScanPlace::Vertex(81)).build().expect("options");
-    let made = convert(&soup, &named, &mut |_| Ok(()));
+    let made = face_of(&soup, &named);
     let Err(Error::Vertex { asked: 81, count: 81 }) = made else { panic!("{made:?}") };
     let named = Options::builder().outer_place(ScanPlace::Vertex(80)).build().expect("options");
     let scan = components(&soup);
-    let made = convert_component(&scan, &named, &mut |_| Ok(()));
+    let made = convert(&scan, &named, &mut |_| Ok(()));
     assert!(matches!(made, Err(Error::Input(_))), "a component has no soup");
     let resolved = named.resolved(&soup).expect("the vertex is there");
     assert_eq!(resolved.outer(), Outer::Near(soup.points[80].into()));
-    assert!(convert_component(&scan, &resolved, &mut |_| Ok(())).is_ok());
+    assert!(convert(&scan, &resolved, &mut |_| Ok(())).is_ok());
     let three = vec![ScanPlace::Vertex(0); 3];
     let options = Options::builder().corner_places(three).build();
     assert!(matches!(options, Err(Error::Corners(_))));
@@ -152,7 +156,7 @@ fn a_scan_that_may_need_too_much_memory_is_refused_before_the_work() {
     let soup = sheets(&[8]);
     let options = Options::builder().max_memory(25_000_000_u64).build().expect("options");
     let mut seen = 0;
-    let made = convert(&soup, &options, &mut |_| {
+    let made = face_seen(&soup, &options, &mut |_| {
         seen += 1;
         Ok(())
     });
@@ -161,5 +165,5 @@ fn a_scan_that_may_need_too_much_memory_is_refused_before_the_work() {
     };
     assert_eq!((allowed, vertices, triangles, seen), (25_000_000, 81, 128, 0));
     let options = Options::builder().max_memory(1_000_000_000_u64).build().expect("options");
-    assert!(convert(&soup, &options, &mut |_| Ok(())).is_ok());
+    assert!(face_of(&soup, &options).is_ok());
 }

@@ -3,7 +3,7 @@
 mod common;
 
 use common::fixture;
-use scan2step::{Options, convert_file};
+use scan2step::{Options, TargetShape, convert_file};
 
 /// The names of the files in a folder.
 fn names(folder: &std::path::Path) -> Vec<String> {
@@ -19,11 +19,22 @@ fn a_file_becomes_a_file() {
         let out = folder.path().join(name);
         std::fs::write(&out, "an older one").expect("written");
         let conversion = convert_file(fixture("relief.ply"), &out, &options).expect("a face");
-        assert!(conversion.tolerance_met(0.0));
+        assert!(conversion.bodies().all(|body| body.tolerance_met(0.0)));
         let text = std::fs::read_to_string(&out).expect("text");
         assert!(text.contains(mark) && text.len() > 10_000, "{name}");
     }
     assert_eq!(names(folder.path()).len(), 2, "nothing else is left");
+}
+
+#[test]
+fn a_closed_scan_becomes_the_solid_that_the_program_makes() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let out = folder.path().join("ring.step");
+    let made = convert_file(fixture("ring.obj"), &out, &Options::default()).expect("a solid");
+    let shapes: Vec<_> = made.bodies().map(|body| body.shape).collect();
+    assert_eq!(shapes, [TargetShape::Solid]);
+    let text = std::fs::read_to_string(&out).expect("text");
+    assert!(text.contains("MANIFOLD_SOLID_BREP"));
 }
 
 #[test]

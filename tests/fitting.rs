@@ -3,12 +3,13 @@
 mod common;
 
 use common::virtual_scan::{Star, Truth, VirtualScan, relief, rolled_sheet, sheet};
+use common::{OneFace, face_of, face_seen};
 use formats::Soup;
 use scan2step::geometry::{Point, Uv, Vector};
 use scan2step::spline::{KnotVector, Samples, Surface, foot_point, foot_point_moving, last_step};
 use scan2step::stages::fit::{Method, fit, mean_error};
 use scan2step::stages::smooth::Support;
-use scan2step::{Builder, Conversion, Options, Stage, convert};
+use scan2step::{Body, Builder, Options, Stage};
 
 const METHODS: [Method; 3] = [Method::Blend, Method::Refined, Method::Global];
 
@@ -205,7 +206,7 @@ fn the_same_net_on_any_number_of_threads() {
 
 struct Run {
     scan: VirtualScan,
-    conversion: Conversion,
+    conversion: Body,
     /// The measured vertices after smoothing, and those of the outer boundary.
     vertices: Vec<(Point, Uv)>,
     outer: Vec<(Point, Uv)>,
@@ -231,7 +232,7 @@ fn run(truth: Truth, size: [usize; 2], noise: f64, options: Builder) -> Run {
         Ok(())
     };
     let options = options.build().expect("sound options");
-    let conversion = convert(&soup, &options, &mut watch).expect("a conversion");
+    let conversion = face_seen(&soup, &options, &mut watch).expect("a conversion");
     Run { scan, conversion, vertices, outer }
 }
 
@@ -248,17 +249,22 @@ fn a_named_tolerance_holds_for_points_sides_and_corners() {
     ];
     for (truth, size, noise, tolerance) in cases {
         let Run { conversion: c, vertices, outer, .. } = run(truth, size, noise, named(tolerance));
-        let feet = vertices.iter().map(|&(p, uv)| foot_point(&c.surface, p, uv).1);
+        let feet = vertices.iter().map(|&(p, uv)| foot_point(&c.one().surface, p, uv).1);
         let off = feet.fold(0.0, f64::max);
         assert!(off <= tolerance, "{off} from the surface");
         for &(p, uv) in &outer {
             let side = (0..2).find(|&axis| uv[axis] == 0.0 || uv[axis] == 1.0).expect("on a side");
-            let (_, off) =
-                foot_point_moving(&c.surface, p, uv, [side != 0, side != 1], last_step(&c.surface));
+            let (_, off) = foot_point_moving(
+                &c.one().surface,
+                p,
+                uv,
+                [side != 0, side != 1],
+                last_step(&c.one().surface),
+            );
             assert!(off <= tolerance, "{off} from the side of the patch");
         }
         for (p, uv) in outer.iter().filter(|(_, uv)| uv.iter().all(|t| *t == 0.0 || *t == 1.0)) {
-            assert!((c.surface.point(*uv) - p).norm() < 1e-9, "a corner is not met");
+            assert!((c.one().surface.point(*uv) - p).norm() < 1e-9, "a corner is not met");
         }
     }
 }
@@ -267,7 +273,7 @@ fn a_named_tolerance_holds_for_points_sides_and_corners() {
 fn the_net_is_smaller_than_a_uniform_one_of_the_same_error() {
     let tolerance = 0.05;
     let Run { conversion: c, .. } = run(relief, [150, 120], 0.02, named(tolerance));
-    let [m, n] = c.surface.shape();
+    let [m, n] = c.one().surface.shape();
     let uniform = |k: usize| run(relief, [150, 120], 0.02, named(tolerance).net([k, k])).conversion;
     let enough =
         (8..80).step_by(4).find(|&k| uniform(k).tolerance_met(0.0)).expect("one is enough");
@@ -278,7 +284,7 @@ fn the_net_is_smaller_than_a_uniform_one_of_the_same_error() {
 #[test]
 fn the_bound_on_the_net_holds_and_a_miss_is_told() {
     let Run { conversion: c, .. } = run(relief, [100, 80], 0.02, named(0.02).max_net(150));
-    let [m, n] = c.surface.shape();
+    let [m, n] = c.one().surface.shape();
     assert!(m * n <= 150, "{m} × {n}");
     assert!(!c.tolerance_met(0.0) && c.fit_deviation.max > 0.02);
 }
@@ -295,12 +301,12 @@ fn without_a_tolerance_the_face_is_nearer_the_truth_than_the_noise() {
         let Run { scan, conversion: c, .. } = run(truth, size, noise, Options::builder());
         let at = |i: usize| Uv::new((i / 80) as f64 / 79.0, (i % 80) as f64 / 79.0);
         let measured = |at: &Uv| {
-            let p = c.surface.point(*at);
+            let p = c.one().surface.point(*at);
             scan.points.iter().any(|q| (p - Point::from(*q)).norm() < 2.0)
         };
         let places = (0..6400).map(at).filter(measured);
-        let off = scan.rms(places.map(|at| c.surface.point(at).coords.into()));
-        println!("noise {noise}: {:?}, {off:.4} off the truth", c.surface.shape());
+        let off = scan.rms(places.map(|at| c.one().surface.point(at).coords.into()));
+        println!("noise {noise}: {:?}, {off:.4} off the truth", c.one().surface.shape());
         assert!(off < limit, "noise {noise}: {off}");
     }
 }
@@ -318,10 +324,10 @@ fn outliers_pull_nothing_where_smoothing_is_off() {
         }
         let soup = soup(&scan);
         let options = Options::builder().smooth(Support::Off).build().expect("sound options");
-        let c = convert(&soup, &options, &mut |_| Ok(())).expect("a conversion");
+        let c = face_of(&soup, &options).expect("a conversion");
         let at = |i: usize| Uv::new((i / 80) as f64 / 79.0, (i % 80) as f64 / 79.0);
-        let off = scan.rms((0..6400).map(|i| c.surface.point(at(i)).coords.into()));
-        println!("{:?}, {off:.4} off the truth", c.surface.shape());
+        let off = scan.rms((0..6400).map(|i| c.one().surface.point(at(i)).coords.into()));
+        println!("{:?}, {off:.4} off the truth", c.one().surface.shape());
         assert!(off < limit, "{off} with a noise of {noise}");
     }
 }
@@ -348,14 +354,18 @@ fn a_tolerance_below_the_noise_is_told_and_not_followed() {
     let soup = soup(&scan);
     let converted = |tolerance: f64| {
         let options = Options::builder().smooth(Support::Off).tolerance(tolerance);
-        convert(&soup, &options.build().expect("sound options"), &mut |_| Ok(())).expect("a face")
+        face_seen(&soup, &options.build().expect("sound options"), &mut |_| Ok(())).expect("a face")
     };
     let below = converted(2.0 * noise);
-    let told = below.fit.hindrance.expect("noise in the way");
+    let told = below.one().adapted.hindrance.expect("noise in the way");
     // The part of the shape that the net still misses counts, too.
     assert!((0.95..1.2).contains(&(told / noise)), "{told}");
-    let shape = below.surface.shape();
+    let shape = below.one().surface.shape();
     assert!(!below.tolerance_met(0.0) && shape.iter().product::<usize>() < 4900 / 2, "{shape:?}");
     let above = converted(6.0 * noise);
-    assert!(above.fit.hindrance.is_none() && above.tolerance_met(0.0), "{:?}", above.missed);
+    assert!(
+        above.one().adapted.hindrance.is_none() && above.tolerance_met(0.0),
+        "{:?}",
+        above.missed
+    );
 }

@@ -2,6 +2,7 @@
 
 mod common;
 
+use common::{body_of, face_of};
 use std::f64::consts::TAU;
 
 use common::random::Random;
@@ -172,7 +173,7 @@ fn bands_that_cross_in_a_gap_are_cut() {
         assert_eq!(cut.topology.loops, 1 + 2 * count, "{number}: one band of each pair stays");
         // Conversions take longer than all the rest of this test. `HANDLES` asks for all of them.
         if std::env::var_os("HANDLES").is_some() || number % 10 == 3 {
-            let face = scan2step::convert(&soup, &Options::default(), &mut |_| Ok(()));
+            let face = face_of(&soup, &Options::default());
             let face = face.unwrap_or_else(|e| panic!("{number}: {e}"));
             assert_eq!(face.brep.faces.len(), 1, "{number}");
         }
@@ -201,7 +202,7 @@ fn scans_with_made_handles_convert() {
         let (grid, _) = with_handles(count, number % 2 == 1, &mut random);
         let (soup, options) = (grid.soup(), Options::default());
         if number % 2 == 0 {
-            let face = scan2step::convert(&soup, &options, &mut |_| Ok(()));
+            let face = face_of(&soup, &options);
             let face = face.unwrap_or_else(|e| panic!("{number}: {e}"));
             assert_eq!(face.input.handles.len(), count);
             assert_eq!(face.brep.faces.len(), 1, "{number}");
@@ -210,7 +211,7 @@ fn scans_with_made_handles_convert() {
             let scan = scan.with_handles(Some(9.0));
             let shape = scan2step::shape(&scan, Choice::Largest).expect("a component");
             assert_eq!(shape, TargetShape::Solid);
-            let solid = scan2step::convert_body(&scan, shape, &options, &mut |_| Ok(()));
+            let solid = body_of(&scan, shape, &options, &mut |_| Ok(()));
             let solid = solid.unwrap_or_else(|e| panic!("{number}: {e}"));
             assert_eq!(solid.brep.solids.len(), 1, "{number}");
         }

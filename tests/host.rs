@@ -4,12 +4,13 @@
 
 mod common;
 
+use common::face_of;
 use common::fixture;
 use formats::{Soup, cad, step};
 use rayon::ThreadPoolBuilder;
 use scan2step::mesh::{self, Choice, Components, Outer};
 use scan2step::stages::parameterize::MapMethod;
-use scan2step::{Builder, Options, check, convert, inspect, measured, threads};
+use scan2step::{Builder, Options, check, inspect, measured, threads};
 
 #[test]
 fn nothing_is_set_for_the_whole_process() {
@@ -37,7 +38,7 @@ fn nothing_is_set_for_the_whole_process() {
 /// The bytes of the STEP file of a scan's face.
 fn face(scan: &Soup, options: Builder) -> Vec<u8> {
     let options = options.build().expect("sound options");
-    let conversion = convert(scan, &options, &mut |_| Ok(())).expect("a face");
+    let conversion = face_of(scan, &options).expect("a face");
     let mut file = Vec::new();
     step::write(&conversion.brep, &step::Options::default(), &mut file).expect("it is written");
     file

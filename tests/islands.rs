@@ -2,13 +2,14 @@
 
 mod common;
 
+use common::{OneFace, face_seen};
 use std::collections::HashSet;
 
 use common::virtual_scan::{VirtualScan, island_scan};
 use common::{arg, converted, inspected, json};
 use formats::Soup;
 use scan2step::mesh::{self, Bound, Choice, Components, Disk, Mesh, Outer, Patch, Repairs};
-use scan2step::{Conversion, Cut, Options, Stage, convert};
+use scan2step::{Body, Cut, Options, Stage};
 
 /// Sheets of n × n squares with two triangles each.
 #[derive(Default)]
@@ -196,10 +197,10 @@ fn soup(scan: &VirtualScan) -> Soup {
     soup
 }
 
-fn convert_with(cut: Cut) -> (Conversion, Patch) {
+fn convert_with(cut: Cut) -> (Body, Patch) {
     let options = Options::builder().cut(cut).build().expect("sound options");
     let mut filled = None;
-    let conversion = convert(&soup(&island_scan()), &options, &mut |stage| {
+    let conversion = face_seen(&soup(&island_scan()), &options, &mut |stage| {
         if let Stage::Fill(patch) = stage {
             filled = Some(patch.clone());
         }
@@ -209,7 +210,7 @@ fn convert_with(cut: Cut) -> (Conversion, Patch) {
 }
 
 /// The number of loops of each face.
-fn loops(conversion: &Conversion) -> Vec<usize> {
+fn loops(conversion: &Body) -> Vec<usize> {
     conversion.brep.faces.iter().map(|face| face.loops.len()).collect()
 }
 
@@ -222,7 +223,7 @@ fn an_island_becomes_a_face_of_the_same_surface() {
     assert_eq!(conversion.input.island_triangles, island.triangles);
     assert_eq!(conversion.fill.holes.iter().map(|h| h.islands).collect::<Vec<_>>(), [1, 0]);
     assert_eq!(loops(&conversion), [2, 2]);
-    let places: Vec<_> = conversion.loops.iter().map(|l| (l.of, l.within)).collect();
+    let places: Vec<_> = conversion.one().loops.iter().map(|l| (l.of, l.within)).collect();
     let isle = Bound::Island { hole: 0, number: 0 };
     assert_eq!(places, [(Bound::Hole(0), None), (isle, Some(0)), (Bound::Hole(1), Some(1))]);
     // The vertices of the island come last. If it were not a face, their distance from one would be
@@ -237,7 +238,11 @@ fn an_island_becomes_a_face_of_the_same_surface() {
     }
     assert!(count > 150, "{count}");
     // A loop may cut off the vertices next to the rim as far as the rim is uncertain.
-    assert!(worst < 1.2 * conversion.rim_tolerance, "{worst} {}", conversion.rim_tolerance);
+    assert!(
+        worst < 1.2 * conversion.one().rim_tolerance,
+        "{worst} {}",
+        conversion.one().rim_tolerance
+    );
 }
 
 #[test]

@@ -3,16 +3,17 @@
 mod common;
 
 use common::virtual_scan::{VirtualScan, island_scan, ragged_scan, relief, relief_scan};
+use common::{OneFace, face_seen};
 use scan2step::geometry::{Point, Uv};
 use scan2step::mesh::{Bound, FaceOrigin, Patch};
 use scan2step::spline::Curve;
 use scan2step::stages::parameterize::Outline;
 use scan2step::stages::trim::{TrimLoop, distance_to_edges};
-use scan2step::{Conversion, Options, Stage, convert};
+use scan2step::{Body, Options, Stage};
 
 /// A conversion and the outer boundary of the smoothed scan.
 struct Run {
-    conversion: Conversion,
+    conversion: Body,
     outer: Vec<Point>,
 }
 
@@ -33,7 +34,7 @@ fn run(scan: &VirtualScan, outline: Outline, tolerance: Option<f64>) -> Run {
         }
         Ok(())
     };
-    let conversion = convert(&soup, &options, &mut watch).expect("a face");
+    let conversion = face_seen(&soup, &options, &mut watch).expect("a face");
     Run { conversion, outer }
 }
 
@@ -70,17 +71,17 @@ fn is_inside(p: [f64; 2], polygon: &[[f64; 2]]) -> bool {
 fn the_outer_loop_follows_the_rim_around_all_others() {
     for scan in [relief_scan(), island_scan(), ragged_scan()] {
         let Run { conversion: c, outer } = free(&scan);
-        assert_eq!(c.loops[0].of, Bound::Outer);
-        assert!(c.outer.is_none(), "the sides are not the outer boundary");
-        let off = distance_to_edges(&outer, &c.loops[0].edges);
-        let rim = c.rim_tolerance;
+        assert_eq!(c.one().loops[0].of, Bound::Outer);
+        assert!(c.one().outer.is_none(), "the sides are not the outer boundary");
+        let off = distance_to_edges(&outer, &c.one().loops[0].edges);
+        let rim = c.one().rim_tolerance;
         assert!(off <= rim, "{off} mm off the rim, of {rim}");
-        assert!(c.trim[0].max_off_surface < 1e-7, "{:?}", c.trim[0]);
+        assert!(c.one().trim[0].max_off_surface < 1e-7, "{:?}", c.one().trim[0]);
 
-        let around = polygon(&c.loops[0]);
+        let around = polygon(&c.one().loops[0]);
         assert!(area(&around) > 0.0, "it runs counter-clockwise");
         assert!(around.iter().flatten().all(|t| (0.001..0.999).contains(t)));
-        for ring in &c.loops[1..] {
+        for ring in &c.one().loops[1..] {
             let ring_polygon = polygon(ring);
             assert!(ring_polygon.iter().step_by(100).all(|&p| is_inside(p, &around)));
             assert_eq!(area(&ring_polygon) < 0.0, matches!(ring.of, Bound::Hole(_)));
@@ -110,7 +111,7 @@ fn the_surface_is_calm_beyond_the_outer_loop() {
             [0, 1, 2].map(|axis| point(axis).expect("a rim"))
         });
         let size = (0..3).map(|axis| high[axis] - low[axis]).fold(0.0, f64::max);
-        for p in &c.surface.net {
+        for p in &c.one().surface.net {
             let beyond = (0..3).map(|axis| (low[axis] - p[axis]).max(p[axis] - high[axis]));
             // The dome rises above its rim by a fifth of its size.
             let beyond = beyond.fold(0.0, f64::max);
@@ -131,9 +132,9 @@ fn the_truth_is_met_as_well_as_with_sides() {
             let c = run(scan, outline, None).conversion;
             let at = (1..40).flat_map(|i| (1..40).map(move |j| (f64::from(i), f64::from(j))));
             let at = at.map(|(i, j)| [0.025 * i, 0.025 * j]);
-            let outer = c.loops.iter().find(|l| l.of == Bound::Outer).map(polygon);
+            let outer = c.one().loops.iter().find(|l| l.of == Bound::Outer).map(polygon);
             let inside = at.filter(|&p| outer.as_ref().is_none_or(|outer| is_inside(p, outer)));
-            let points = inside.map(|[u, v]| c.surface.point(Uv::new(u, v)));
+            let points = inside.map(|[u, v]| c.one().surface.point(Uv::new(u, v)));
             let rms = scan.rms(points.map(|p| p.coords.into()));
             println!("{outline:?}: {rms}");
             rms * rms
@@ -150,7 +151,7 @@ fn the_same_loop_on_any_number_of_threads() {
     let on = |threads: usize| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("a pool");
         let c = pool.install(|| free(&scan)).conversion;
-        (c.surface.net, format!("{:?}", c.loops))
+        (c.one().surface.net.clone(), format!("{:?}", c.one().loops))
     };
     assert_eq!(on(1), on(2));
 }
@@ -173,10 +174,10 @@ fn bays_are_no_fills() {
             }
             Ok(())
         };
-        let c = convert(&soup(&scan), &options, &mut watch).expect("a face");
+        let c = face_seen(&soup(&scan), &options, &mut watch).expect("a face");
         let added: usize = c.fill.holes.iter().map(|hole| hole.added_triangles).sum();
-        assert_eq!([added, c.parameterize.bays.added_triangles], there, "{outline:?}");
+        assert_eq!([added, c.one().parameterize.bays.added_triangles], there, "{outline:?}");
         let are_bays = outline == Outline::Free;
-        assert_eq!((c.parameterize.bays.count > 0, there[1] > 0), (are_bays, are_bays));
+        assert_eq!((c.one().parameterize.bays.count > 0, there[1] > 0), (are_bays, are_bays));
     }
 }

@@ -3,6 +3,7 @@
 
 mod common;
 
+use common::face_seen;
 use std::process::{Command, Stdio};
 
 use common::{arg, fixture, large_scan};
@@ -19,7 +20,7 @@ const LONG: [&str; 4] = ["smooth", "fill", "parameterize", "fit"];
 fn long_stages_tell_how_far_they_have_come() {
     let soup = formats::read_scan(&fixture("relief.ply")).expect("a scan");
     let mut told: Vec<(&str, f64)> = Vec::new();
-    scan2step::convert(&soup, &Options::default(), &mut |stage| {
+    face_seen(&soup, &Options::default(), &mut |stage| {
         match stage {
             Stage::Within(name, share) => told.push((name, share)),
             ended => told.push((ended.name(), f64::INFINITY)),
@@ -41,7 +42,7 @@ fn long_stages_tell_how_far_they_have_come() {
 fn a_run_can_be_stopped_within_each_long_stage() {
     let soup = formats::read_scan(&fixture("relief.ply")).expect("a scan");
     for name in LONG {
-        let stopped = scan2step::convert(&soup, &Options::default(), &mut |stage| match stage {
+        let stopped = face_seen(&soup, &Options::default(), &mut |stage| match stage {
             Stage::Within(now, _) if now == name => Err(Error::Stopped),
             ended if ended.name() == name => panic!("{name} went on to its end"),
             _ => Ok(()),
@@ -56,7 +57,7 @@ fn a_run_can_be_stopped_after_each_stage() {
     let options = Options::builder().threads(2).build().expect("options");
     let run = |last: usize| {
         let mut ended = Vec::new();
-        let answer = scan2step::convert(&soup, &options, &mut |stage| {
+        let answer = face_seen(&soup, &options, &mut |stage| {
             if !matches!(stage, Stage::Within(..)) {
                 ended.push(stage.name());
             }

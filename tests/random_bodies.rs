@@ -13,7 +13,7 @@ use common::random::Random;
 use formats::Soup;
 use scan2step::geometry::{Point, Vector};
 use scan2step::mesh::{self, Components};
-use scan2step::{BodyConversion, Error, Options, TargetShape};
+use scan2step::{Body, Error, Options, TargetShape};
 
 /// A part of a body. The field of a part is the distance from its surface, negative inside.
 enum Solid {
@@ -162,7 +162,7 @@ fn volume(soup: &Soup) -> f64 {
 }
 
 /// Fails unless a solid is sound, has the genus of the body and about its volume.
-fn judge(name: &str, solid: &BodyConversion, volume: [f64; 2], genus: Option<usize>) {
+fn judge(name: &str, solid: &Body, volume: [f64; 2], genus: Option<usize>) {
     let brep = &solid.brep;
     assert_eq!(brep.check(), Ok(()), "{name}");
     assert!(brep.uses().iter().all(|uses| uses.len() == 2), "{name}: an edge is free");
@@ -170,9 +170,9 @@ fn judge(name: &str, solid: &BodyConversion, volume: [f64; 2], genus: Option<usi
         let euler = brep.vertices.len() as i64 - brep.edges.len() as i64 + brep.faces.len() as i64;
         assert_eq!(euler, 2 - 2 * genus as i64, "{name}: the genus changed");
     }
-    assert!(solid.face_to_scan.inverted.is_empty(), "{name}: a face turns over");
+    assert_eq!(solid.network().map(|fit| fit.folds), Some(0), "{name}: a face turns over");
     let [exact, off] = volume;
-    let share = solid.volume.expect("a solid has a volume") / exact;
+    let share = solid.volume().expect("a solid has a volume") / exact;
     assert!((share - 1.0).abs() < off, "{name}: {share} of the volume");
 }
 
@@ -207,7 +207,7 @@ fn they_become_sound_solids_or_errors() {
         let name = format!("body {seed} ({kind:?}, noise {noise:.2} mm)");
         let scan = Components::new(mesh::from_soup(&soup, 1.0).expect("a mesh"));
         let options = Options::builder().name("body").build().expect("options");
-        match scan2step::convert_body(&scan, TargetShape::Solid, &options, &mut |_| Ok(())) {
+        match common::body_of(&scan, TargetShape::Solid, &options, &mut |_| Ok(())) {
             Ok(solid) => {
                 let genus = match kind {
                     Kind::Chain(count) => Some(count),

@@ -8,9 +8,8 @@ use std::path::Path;
 use common::fixture;
 use formats::{LengthUnit, Soup};
 use jsonschema::Validator;
-use scan2step::mesh::{self, Components};
 use scan2step::report::{OutputFile, Report, ScanSource, Settings};
-use scan2step::{Builder, Conversion, Options, convert, convert_components};
+use scan2step::{Builder, Conversion, Options, convert};
 use serde_json::Value;
 
 fn schema() -> Validator {
@@ -25,10 +24,10 @@ fn relief() -> Soup {
 /// The report of a conversion of a scan with some options.
 fn report(file: &Path, soup: &Soup, options: &Options) -> Report {
     let conversion = convert(soup, options, &mut |_| Ok(())).expect("a face");
-    report_of(&[conversion], file, soup, options)
+    report_of(&conversion, file, soup, options)
 }
 
-fn report_of(made: &[Conversion], file: &Path, soup: &Soup, options: &Options) -> Report {
+fn report_of(made: &Conversion, file: &Path, soup: &Soup, options: &Options) -> Report {
     let source = ScanSource::of(file.display().to_string(), soup, options);
     Report::of(made, &source, Settings::of(options, &source))
 }
@@ -55,7 +54,7 @@ fn a_report_of_the_library_is_as_the_schema_has_it() {
     assert_eq!(value["input"]["units"], "cm");
     assert_eq!(value["fit"]["net"], serde_json::json!([9, 8]));
     assert_eq!(value["options"]["tolerance"], 0.5);
-    assert_eq!(value["fit"]["max_mm"], report.faces[0].fit.max_mm);
+    assert_eq!(value["fit"]["max_mm"], report.bodies[0].fit.deviation.max_mm);
     assert!(value.get("components").is_none() && value.get("faces").is_none());
 }
 
@@ -72,15 +71,11 @@ fn several_faces_stand_in_a_list_and_the_first_one_beside() {
         }
     }
     let options = Options::default();
-    let scan = Components::new(mesh::from_soup(&soup, 1.0).expect("a mesh"));
-    let all = scan.all(options.outer());
-    let made = convert_components(&scan, &all, &options, &mut |_, _| Ok(())).expect("two faces");
-    let report = report_of(&made, Path::new("two.obj"), &soup, &options);
+    let report = report(Path::new("two.obj"), &soup, &options);
     // One component would leave out a large part of the scan, as the default option does.
     assert!(report.hints.iter().any(|hint| hint.contains("--component all")), "{report:?}");
-    let settings = report.settings.clone().of_all_components();
-    let source = ScanSource::of("two.obj", &soup, &options);
-    let report = Report::of(&made, &source, settings);
+    let options = built(Options::builder().all_components(true));
+    let report = self::report(Path::new("two.obj"), &soup, &options);
     assert!(report.hints.iter().all(|hint| !hint.contains("--component all")), "{report:?}");
     let value: Value = serde_json::from_str(&report.to_json()).expect("JSON");
     assert_eq!(value["components"].as_array().map(Vec::len), Some(2));

@@ -3,20 +3,21 @@
 mod common;
 
 use common::virtual_scan::{VirtualScan, paper_scan, relief_scan, rolled_scan, sheet};
+use common::{OneFace, face_seen};
 use formats::Soup;
 use scan2step::geometry::Uv;
 use scan2step::mesh::{FaceOrigin, Patch};
 use scan2step::spline::{KnotVector, Samples, pieces_on_surface};
 use scan2step::stages::fit;
 use scan2step::stages::parameterize::Parameterized;
-use scan2step::{Conversion, Options, Stage, convert};
+use scan2step::{Body, Options, Stage};
 use std::sync::LazyLock;
 
 /// The results of the stages for a scan.
 struct Run {
     filled: Patch,
     map: Parameterized,
-    conversion: Conversion,
+    conversion: Body,
 }
 
 fn soup(scan: &VirtualScan) -> Soup {
@@ -27,7 +28,7 @@ fn soup(scan: &VirtualScan) -> Soup {
 
 fn run(scan: &VirtualScan, options: &Options) -> Run {
     let (mut filled, mut map) = (None, None);
-    let conversion = convert(&soup(scan), options, &mut |stage| {
+    let conversion = face_seen(&soup(scan), options, &mut |stage| {
         match stage {
             Stage::Fill(patch) => filled = Some(patch.clone()),
             Stage::Parameterize(m, _) => map = Some(m.clone()),
@@ -89,7 +90,7 @@ fn parameters_are_an_embedding_into_the_square() {
             let [a, b, c] = t.map(|v| uv[v.index()]);
             assert!(scan2step::geometry::orient2d(a, b, c) > 0.0, "{name}");
         }
-        let stretch = run.conversion.parameterize.stretch.l2;
+        let stretch = run.conversion.one().parameterize.stretch.l2;
         assert!((1.0..1.2).contains(&stretch), "{name}: stretch {stretch}");
     }
 }
@@ -99,7 +100,8 @@ fn the_surface_is_near_the_truth() {
     for (name, scan, noise, run) in RUNS.iter() {
         let c = &run.conversion;
         let sample = |k: usize| {
-            let surface = c.surface.point(Uv::new((k / 60) as f64 / 59.0, (k % 60) as f64 / 59.0));
+            let surface =
+                c.one().surface.point(Uv::new((k / 60) as f64 / 59.0, (k % 60) as f64 / 59.0));
             surface.coords.into()
         };
         let off = scan.rms((0..3600).map(sample));
@@ -112,15 +114,15 @@ fn the_surface_is_near_the_truth() {
 fn trim_loops_follow_the_rims_on_the_surface() {
     for (name, scan, _, run) in RUNS.iter() {
         let c = &run.conversion;
-        assert_eq!(c.trim.len(), scan.holes.len());
-        for l in &c.trim {
+        assert_eq!(c.one().trim.len(), scan.holes.len());
+        for l in &c.one().trim {
             assert!(l.max_off_surface <= 1e-7, "{name}: {l:?}");
-            assert!(l.max_from_rim < c.rim_tolerance, "{name}: {l:?}");
+            assert!(l.max_from_rim < c.one().rim_tolerance, "{name}: {l:?}");
         }
-        for l in &c.loops {
+        for l in &c.one().loops {
             assert!(l.edges.len() >= 2, "{name}");
             for pcurve in &l.pcurves {
-                let pieces = pieces_on_surface(&c.surface, pcurve).len() - 1;
+                let pieces = pieces_on_surface(&c.one().surface, pcurve).len() - 1;
                 assert!(pieces <= 16, "{name}: {pieces} pieces");
             }
         }

@@ -4,19 +4,20 @@
 mod common;
 
 use common::virtual_scan::{Star, VirtualScan, relief};
+use common::{OneFace, face_seen};
 use formats::Soup;
-use scan2step::{Builder, Conversion, Options, Stage, convert};
+use scan2step::{Body, Builder, Options, Stage};
 
 /// The noise in mm of a sheet of 160 × 220 mm.
 const NOISE: f64 = 0.15;
 
 /// A conversion, and the number of vertices of its map.
-fn converted(scan: &VirtualScan, options: Builder) -> (Conversion, usize) {
+fn converted(scan: &VirtualScan, options: Builder) -> (Body, usize) {
     let mut soup = Soup { points: scan.points.clone(), ..Soup::default() };
     scan.triangles.iter().for_each(|t| soup.polygons.push(*t));
     let mut mapped = 0;
     let options = options.build().expect("sound options");
-    let conversion = convert(&soup, &options, &mut |stage| {
+    let conversion = face_seen(&soup, &options, &mut |stage| {
         if let Stage::Parameterize(map, _) = stage {
             mapped = map.uv.len();
         }
@@ -35,5 +36,5 @@ fn a_dense_scan_is_mapped_with_a_part_of_its_vertices_and_measured_at_all() {
     let measured = face.deviation.distances.len();
     assert!(measured > vertices - 100 && face.fit_deviation.distances.len() == measured);
     assert!((face.deviation.rms / NOISE - 1.0).abs() < 0.05, "{}", face.deviation.rms);
-    assert_eq!((face.loops.len(), face.missed.points), (1, 0));
+    assert_eq!((face.one().loops.len(), face.missed.points), (1, 0));
 }

@@ -1,13 +1,16 @@
 //! The same scan in other units, or multiplied by a power of two, becomes the same face up to that
 //! factor. The same is true of all reported figures.
 
+mod common;
+
+use common::{OneFace, face_of, face_seen};
 use std::fmt::Debug;
 
 use scan2step::formats::{LengthUnit, Soup};
 use scan2step::geometry::Point;
 use scan2step::mesh::{Components, Outer};
 use scan2step::stages::smooth;
-use scan2step::{Builder, Conversion, Cut, Error, Options, Stage, convert, mesh};
+use scan2step::{Body, Builder, Cut, Error, Options, Stage, mesh};
 
 /// A factor that is exact in binary.
 const FACTOR: f64 = 1024.0;
@@ -35,7 +38,7 @@ fn sheet(factor: f64) -> Soup {
 }
 
 /// A conversion and the points that its stages showed.
-fn converted(soup: &Soup, options: Builder) -> (Conversion, Vec<Vec<Point>>) {
+fn converted(soup: &Soup, options: Builder) -> (Body, Vec<Vec<Point>>) {
     let options = options.build().expect("sound options");
     let mut seen = Vec::new();
     let mut watch = |stage: Stage| {
@@ -48,7 +51,7 @@ fn converted(soup: &Soup, options: Builder) -> (Conversion, Vec<Vec<Point>>) {
         });
         Ok(())
     };
-    (convert(soup, &options, &mut watch).expect("a face"), seen)
+    (face_seen(soup, &options, &mut watch).expect("a face"), seen)
 }
 
 /// The numbers except counts in the printed form of a value.
@@ -59,38 +62,36 @@ fn numbers(of: &dyn Debug) -> Vec<f64> {
 }
 
 /// The lengths of a conversion, and the values that are not lengths.
-fn lengths(c: &Conversion) -> Vec<Vec<f64>> {
+fn lengths(c: &Body) -> Vec<Vec<f64>> {
     let all: [&dyn Debug; 10] = [
         &c.input.bounds,
-        &c.surface.net,
+        &c.one().surface.net,
         &c.smooth,
         &c.fill,
-        &c.fit,
+        &c.one().adapted,
         &c.tolerance,
         &c.fit_deviation,
         &c.deviation,
-        &c.outer,
-        &c.crushed.map(|crushed| crushed.at),
+        &c.one().outer,
+        &c.one().crushed.map(|crushed| crushed.at),
     ];
     all.iter().map(|of| numbers(*of)).collect()
 }
 
-fn rest(c: &Conversion) -> String {
-    let pcurves: Vec<_> = c.loops.iter().map(|l| (l.of, l.within, &l.pcurves)).collect();
-    let knots = (&c.surface.u, &c.surface.v);
+fn rest(c: &Body) -> String {
+    let pcurves: Vec<_> = c.one().loops.iter().map(|l| (l.of, l.within, &l.pcurves)).collect();
+    let knots = (&c.one().surface.u, &c.one().surface.v);
     let mut input = c.input.clone();
     input.bounds = Default::default();
-    format!("{:?}", (pcurves, knots, input, &c.trimmed, &c.parameterize, &c.fit.knots))
+    format!(
+        "{:?}",
+        (pcurves, knots, input, &c.trimmed, &c.one().parameterize, &c.one().adapted.knots)
+    )
 }
 
 /// Whether the second conversion is the first one with all lengths multiplied by `factor`, within a
 /// relative error of a length.
-fn are_alike(
-    a: &(Conversion, Vec<Vec<Point>>),
-    b: &(Conversion, Vec<Vec<Point>>),
-    factor: f64,
-    share: f64,
-) {
+fn are_alike(a: &(Body, Vec<Vec<Point>>), b: &(Body, Vec<Vec<Point>>), factor: f64, share: f64) {
     let alike = |a: f64, b: f64| (factor * a - b).abs() <= share * b.abs();
     for (which, (a, b)) in lengths(&a.0).iter().zip(lengths(&b.0)).enumerate() {
         assert_eq!(a.len(), b.len(), "{which}");
@@ -103,24 +104,24 @@ fn are_alike(
     }
     // Edges are traced in mm with the accuracy that CAD needs, and distances from rims are measured
     // from them.
-    for (a, b) in a.0.trim.iter().zip(&b.0.trim) {
+    for (a, b) in a.0.one().trim.iter().zip(&b.0.one().trim) {
         assert!((factor * a.max_from_rim - b.max_from_rim).abs() < 3e-7 * factor.max(1.0));
     }
-    for (a, b) in a.0.loops.iter().zip(&b.0.loops) {
+    for (a, b) in a.0.one().loops.iter().zip(&b.0.one().loops) {
         for (a, b) in a.edges.iter().zip(&b.edges) {
             let (from, to) = a.knots.range();
             let middle = 0.5 * (from + to);
             assert!((factor * a.point(middle) - b.point(middle)).norm() < 3e-7 * factor.max(1.0));
         }
     }
-    assert!(b.0.trim.iter().all(|l| l.max_off_surface < 1.01e-7), "{:?}", b.0.trim);
+    assert!(b.0.one().trim.iter().all(|l| l.max_off_surface < 1.01e-7), "{:?}", b.0.one().trim);
 }
 
 #[test]
 fn a_power_of_two_changes_no_digit() {
     let a = converted(&sheet(1.0), Options::builder());
     assert!(lengths(&a.0).iter().flatten().count() > 1000, "there is much to compare");
-    assert_eq!(a.0.loops.len(), 1);
+    assert_eq!(a.0.one().loops.len(), 1);
     let larger = converted(&sheet(FACTOR), Options::builder());
     are_alike(&a, &larger, FACTOR, 0.0);
     let in_km = converted(&sheet(1.0), Options::builder().unit_mm(FACTOR));
@@ -156,7 +157,7 @@ fn what_is_named_in_mm_is_meant_in_mm() {
     are_alike(&a, &b, 25.4, 1e-9);
     // The values must be the given ones to the last digit.
     let named = (0.3 * 25.4, Some(0.2 * 25.4), 2.5 * 25.4);
-    assert_eq!((b.0.tolerance, b.0.fit.kappa, b.0.smooth.h), named);
+    assert_eq!((b.0.tolerance, b.0.one().adapted.kappa, b.0.smooth.h), named);
 }
 
 #[test]
@@ -165,7 +166,7 @@ fn a_scan_has_the_unit_that_it_declares() {
     soup.unit = Some(LengthUnit::Metre);
     let across = |options: Builder| {
         let (c, _) = converted(&soup, options);
-        c.surface.net.iter().map(|p| p.x).fold(0.0, f64::max)
+        c.one().surface.net.iter().map(|p| p.x).fold(0.0, f64::max)
     };
     assert!((across(Options::builder()) - 36.0).abs() < 0.5);
     assert!((across(Options::builder().unit(LengthUnit::Millimetre)) - 0.036).abs() < 5e-4);
@@ -202,7 +203,7 @@ fn errors_speak_of_mm() {
     let support = |mm: f64| {
         let options = Options::builder().unit_mm(mm).smooth(smooth::Support::Fixed(0.1 * mm));
         let options = options.build().expect("options");
-        match convert(&sheet(1.0), &options, &mut |_| Ok(())) {
+        match face_of(&sheet(1.0), &options) {
             Err(Error::Support { h, shortest, longest }) => [h, shortest, longest],
             other => panic!("{other:?}"),
         }
@@ -213,20 +214,21 @@ fn errors_speak_of_mm() {
     // A setting of the caller is not changed.
     let own = Error::Support { h: 1.0, shortest: 2.0, longest: 3.0 };
     let mut own = Some(own);
-    let answer = convert(&sheet(1.0), &Options::default(), &mut |_| own.take().map_or(Ok(()), Err));
+    let answer =
+        face_seen(&sheet(1.0), &Options::default(), &mut |_| own.take().map_or(Ok(()), Err));
     assert!(matches!(answer, Err(Error::Support { h: 1.0, shortest: 2.0, longest: 3.0 })));
 }
 
 #[test]
 fn specks_and_giants_have_the_same_net() {
-    let net = |factor: f64| converted(&sheet(factor), Options::builder()).0.surface.shape();
+    let net = |factor: f64| converted(&sheet(factor), Options::builder()).0.one().surface.shape();
     let usual = net(1.0);
     for power in [-40, -20, 20, 60] {
         assert_eq!(net(2f64.powi(power)), usual, "two to the power of {power}");
     }
     for (factor, mm) in [(1e-300, 1.0), (1e-200, 1e-200)] {
         let options = Options::builder().unit_mm(mm).build().expect("options");
-        let found = convert(&sheet(factor), &options, &mut |_| Ok(()));
+        let found = face_of(&sheet(factor), &options);
         assert!(!matches!(found, Err(Error::Singular(_) | Error::Brep(_))), "{factor}: {found:?}");
     }
 }

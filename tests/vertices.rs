@@ -1,9 +1,12 @@
 //! What becomes of each vertex of a scan: the point that it is, and how far that is from the
 //! face, on which side.
 
+mod common;
+
+use common::face_seen;
 use formats::Soup;
 use scan2step::stages::smooth::Support;
-use scan2step::{Conversion, Options, Stage, convert};
+use scan2step::{Body, Options, Stage};
 
 /// Points along x and y, 10 mm apart.
 const SIZE: [u32; 2] = [41, 31];
@@ -29,10 +32,10 @@ fn sheet() -> Soup {
 }
 
 /// Its face by a net that cannot follow a single vertex, and the points that it was made of.
-fn face(soup: &Soup) -> (Conversion, Vec<[f64; 3]>) {
+fn face(soup: &Soup) -> (Body, Vec<[f64; 3]>) {
     let options = Options::builder().smooth(Support::Off).net([13, 10]).build();
     let mut points = Vec::new();
-    let conversion = convert(soup, &options.expect("options"), &mut |stage| {
+    let conversion = face_seen(soup, &options.expect("options"), &mut |stage| {
         if let Stage::Mesh(disk) = stage {
             points = disk.mesh.points.iter().map(|p| p.coords.into()).collect();
         }
@@ -42,7 +45,7 @@ fn face(soup: &Soup) -> (Conversion, Vec<[f64; 3]>) {
 }
 
 /// Each vertex of `kept` is a point at its own place, no two of them the same one.
-fn check_points(soup: &Soup, kept: impl Iterator<Item = usize>) -> Conversion {
+fn check_points(soup: &Soup, kept: impl Iterator<Item = usize>) -> Body {
     let (conversion, points) = face(soup);
     let mut taken = vec![false; points.len()];
     for vertex in kept {
@@ -122,7 +125,7 @@ fn the_sign_is_that_of_the_side_which_the_scan_faces() {
 }
 
 /// How far a vertex is above the face, in mm.
-fn signed(conversion: &Conversion, vertex: usize) -> f64 {
+fn signed(conversion: &Body, vertex: usize) -> f64 {
     let point = conversion.point_of(vertex).expect("a point");
     conversion.deviation.signed().expect("signs")[point]
 }

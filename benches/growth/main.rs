@@ -115,7 +115,8 @@ fn shells(n: usize) -> Box<dyn FnMut()> {
     let mut soup = Soup::default();
     sheet(&mut soup, [9, 9], [0.0; 2], |_, _| false);
     let options = Options::builder().net([4, 4]).build().expect("options");
-    let made = convert(&soup, &options, &mut |_| Ok(())).expect("a face").brep;
+    let made = convert(&soup, &options, &mut |_| Ok(())).expect("a face");
+    let made = made.into_body().expect("a face").brep;
     let faces = (0..n).map(|_| made.faces[0].clone()).collect();
     let brep = Brep { faces, ..made };
     Box::new(move || {

@@ -6,6 +6,9 @@
 //!
 //! Times are CPU seconds of all threads. The throughput is in measured points.
 
+#[allow(dead_code)]
+#[path = "../../tests/common/body.rs"]
+mod body;
 mod cpu;
 #[path = "../../examples/virtual_scan/named.rs"]
 #[allow(dead_code)]

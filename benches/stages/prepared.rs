@@ -9,8 +9,9 @@ use scan2step::mesh::{self, Bound, Components, Disk, Outer, Patch};
 use scan2step::spline::{KnotVector, Samples};
 use scan2step::stages::parameterize::Parameterized;
 use scan2step::stages::{brep, fill, knots, trim};
-use scan2step::{Conversion, Options, Stage, convert};
+use scan2step::{Body, Options, Stage};
 
+use crate::body::{OneFace, face_seen};
 use crate::named;
 
 /// A converted scan and the inputs of its stages.
@@ -28,7 +29,7 @@ pub struct Prepared {
     pub knots: knots::Options,
     pub rims: Vec<trim::Rim>,
     pub trim: trim::Options,
-    pub conversion: Conversion,
+    pub conversion: Body,
 }
 
 impl Prepared {
@@ -40,7 +41,7 @@ impl Prepared {
         let soup = read(ply.clone())?;
         let options = Options::default();
         let (mut measured, mut smoothed, mut patch, mut map) = (None, None, None, None);
-        let conversion = convert(&soup, &options, &mut |stage| {
+        let conversion = face_seen(&soup, &options, &mut |stage| {
             match stage {
                 Stage::Mesh(disk) => measured = Some(disk.clone()),
                 Stage::Smooth(disk) => smoothed = Some(disk.clone()),
@@ -58,7 +59,7 @@ impl Prepared {
             rims: rims(&map),
             trim: trim::Options {
                 tolerance: conversion.tolerance,
-                rim: conversion.rim_tolerance,
+                rim: conversion.one().rim_tolerance,
                 keeps_vertices: false,
             },
             measured: measured.ok_or("the scan was not meshed")?,
@@ -80,21 +81,22 @@ impl Prepared {
 
     /// The knots of the final fit.
     pub fn net(&self) -> [KnotVector; 2] {
-        [self.conversion.surface.u.clone(), self.conversion.surface.v.clone()]
+        [self.conversion.one().surface.u.clone(), self.conversion.one().surface.v.clone()]
     }
 
     pub fn deviation(&self) -> Deviation {
-        let loops = self.conversion.loops.iter().map(|l| l.pcurves.as_slice());
-        let face = TrimmedFace::new(&self.conversion.surface, loops, true);
+        let loops = self.conversion.one().loops.iter().map(|l| l.pcurves.as_slice());
+        let face = TrimmedFace::new(&self.conversion.one().surface, loops, true);
         let points = &self.measured.mesh.points;
         face.deviation(points, &self.map.uv[..points.len()])
     }
 
     /// The size of the STEP file in bytes.
     pub fn step(&self) -> Result<usize, Box<dyn Error>> {
-        let inner = self.conversion.loops.iter().map(|l| (&l.pcurves[..], &l.edges[..]));
+        let inner = self.conversion.one().loops.iter().map(|l| (&l.pcurves[..], &l.edges[..]));
         let face = brep::FaceBounds { outer: None, inner: inner.collect() };
-        let brep = brep::build(&self.conversion.surface, &[face], "scan", trim::EDGE_ACCURACY)?;
+        let brep =
+            brep::build(&self.conversion.one().surface, &[face], "scan", trim::EDGE_ACCURACY)?;
         let mut file = Vec::new();
         step::write(&brep, &step::Options::default(), &mut file)?;
         Ok(file.len())
@@ -105,7 +107,7 @@ pub fn read(ply: Vec<u8>) -> formats::Result<Soup> {
     formats::read_scan_from("scan.ply".as_ref(), Cursor::new(ply), None)
 }
 
-fn fill_options(conversion: &Conversion) -> fill::Options {
+fn fill_options(conversion: &Body) -> fill::Options {
     let smooth = &conversion.smooth;
     fill::Options { support: smooth.h, noise: smooth.noise, ..fill::Options::default() }
 }

@@ -1,5 +1,6 @@
 //! The measured tasks.
 
+use crate::body::OneFace;
 use std::fmt::Display;
 use std::hint::black_box;
 use std::time::Duration;
@@ -36,7 +37,7 @@ pub const TASKS: [(&str, Task); 12] = [
     }),
     ("knots-and-fits", knots_and_fits),
     ("trim", |b, p| {
-        run(b, || (), |()| trim::trim(&p.conversion.surface, &p.rims, &p.trim));
+        run(b, || (), |()| trim::trim(&p.conversion.one().surface, &p.rims, &p.trim));
     }),
     ("deviation", |b, p| b.iter_with_large_drop(|| p.deviation())),
     ("brep-and-write", |b, p| run(b, || (), |()| p.step())),

@@ -11,7 +11,9 @@ use scan2step::report::picture::image::Image;
 use scan2step::report::picture::lines::{Lines, Pen};
 use scan2step::report::picture::{occlusion, polyline, sheet};
 use scan2step::spline::Network;
-use scan2step::{Options, Stage, TargetShape, convert_body, deviation};
+use scan2step::{BodyFit, Options, Stage, TargetShape, deviation};
+
+use crate::body::body_of;
 
 const QUADS: Pen = Pen { seen: 0.45, ..Pen::solid(0.8) };
 const SEAM: Pen = Pen::solid(2.1);
@@ -36,9 +38,11 @@ impl Body {
             }
             Ok(())
         };
-        let made = convert_body(&scan, TargetShape::Solid, &Options::default(), &mut watch)?;
+        let made = body_of(&scan, TargetShape::Solid, &Options::default(), &mut watch)?;
         let layout = layout.ok_or("the conversion showed no layout")?;
-        Ok(Body { layout, network: made.network })
+        let BodyFit::Network(fit) = made.fit else { return Err("one face".into()) };
+        let network = fit.network;
+        Ok(Body { layout, network })
     }
 
     /// The quads of the layout, each block with its tint, and a dot at each irregular vertex.

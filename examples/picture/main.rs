@@ -5,6 +5,9 @@
 
 mod args;
 mod bodies;
+#[allow(dead_code)]
+#[path = "../../tests/common/body.rs"]
+mod body;
 mod deviation;
 mod face;
 mod loops;
@@ -20,6 +23,7 @@ use clap::Parser;
 
 use args::{Args, Mode};
 use bodies::Body;
+use body::OneFace;
 use scan2step::report::picture::camera::Camera;
 use scan2step::report::picture::image::Image;
 use scene::Scene;
@@ -70,7 +74,7 @@ fn pair(scene: &Scene, [width, height]: [usize; 2]) -> Image {
 
 /// The face with its control net.
 fn net(scene: &Scene, size: [usize; 2]) -> Image {
-    let net = scene.conversion.surface.net.iter().map(|&p| p.into());
+    let net = scene.conversion.one().surface.net.iter().map(|&p| p.into());
     let camera = Camera::facing(&scene.measured.mesh, scene.extent().chain(net), size);
     face::picture_with_net(scene, &camera, size)
 }

@@ -8,7 +8,9 @@ use scan2step::report::picture::{outlines, polyline};
 use scan2step::spline::Surface;
 use scan2step::stages::brep;
 use scan2step::stages::parameterize::Parameterized;
-use scan2step::{Conversion, Options, Stage, convert};
+use scan2step::{Body, Options, Stage};
+
+use crate::body::{OneFace, face_seen};
 
 /// A converted scan.
 pub struct Scene {
@@ -19,7 +21,7 @@ pub struct Scene {
     /// The filled mesh with its parameter points.
     pub map: Parameterized,
     /// The face and its quality.
-    pub conversion: Conversion,
+    pub conversion: Body,
 }
 
 impl Scene {
@@ -28,7 +30,7 @@ impl Scene {
         let soup = formats::read_scan(path)?;
         let options = Options::default();
         let (mut measured, mut smoothed, mut map) = (None, None, None);
-        let conversion = convert(&soup, &options, &mut |stage| {
+        let conversion = face_seen(&soup, &options, &mut |stage| {
             match stage {
                 Stage::Mesh(disk) => measured = Some(disk.clone()),
                 Stage::Smooth(disk) => smoothed = Some(disk.clone()),
@@ -45,7 +47,7 @@ impl Scene {
 
     /// The fitted surface.
     pub fn surface(&self) -> &Surface {
-        &self.conversion.surface
+        &self.conversion.one().surface
     }
 
     /// The points that must be in the picture: those of the scan and of the face's edges.
@@ -64,6 +66,6 @@ impl Scene {
 
     /// The trim loops in the parameter plane as closed polylines.
     pub fn loops(&self) -> Vec<Vec<Uv>> {
-        outlines(&self.conversion.loops)
+        outlines(&self.conversion.one().loops)
     }
 }

@@ -6,7 +6,9 @@ use formats::Soup;
 use scan2step::deviation::TrimmedFace;
 use scan2step::geometry::{Point, Uv};
 use scan2step::mesh::{Bound, Disk, Patch};
-use scan2step::{Conversion, Options, Stage, convert};
+use scan2step::{Body, Options, Stage};
+
+use crate::body::{OneFace, face_seen};
 
 use crate::virtual_scan::VirtualScan;
 
@@ -25,7 +27,7 @@ pub fn row(name: &str, scan: &VirtualScan) -> Result<String, Box<dyn Error>> {
     soup.points.clone_from(&scan.points);
     scan.triangles.iter().for_each(|&t| soup.polygons.push(t));
     let (mut smoothed, mut filled) = (Vec::new(), Vec::new());
-    let conversion = convert(&soup, &Options::default(), &mut |stage| {
+    let conversion = face_seen(&soup, &Options::default(), &mut |stage| {
         match stage {
             Stage::Smooth(Disk { mesh, .. }) => smoothed.clone_from(&mesh.points),
             Stage::Fill(patch) => {
@@ -42,7 +44,7 @@ pub fn row(name: &str, scan: &VirtualScan) -> Result<String, Box<dyn Error>> {
     };
     let measured: Vec<Point> = scan.points.iter().map(|&p| Point::from(p)).collect();
     let face = distances(&on_face(&conversion));
-    let [m, n] = conversion.surface.shape();
+    let [m, n] = conversion.one().surface.shape();
     Ok(format!(
         "| {name} | {} | {:.4} | {:.4} | {:.4} | {:.4} | {:.4} | {:.4} | {:.4} | {m} × {n} |",
         scan.points.len(),
@@ -57,10 +59,10 @@ pub fn row(name: &str, scan: &VirtualScan) -> Result<String, Box<dyn Error>> {
 }
 
 /// Points that are spread evenly over the domain of the trimmed face.
-fn on_face(conversion: &Conversion) -> Vec<Point> {
-    let surface = &conversion.surface;
-    let natural = conversion.loops.iter().all(|l| l.of != Bound::Outer);
-    let loops = conversion.loops.iter().map(|l| l.pcurves.as_slice());
+fn on_face(conversion: &Body) -> Vec<Point> {
+    let surface = &conversion.one().surface;
+    let natural = conversion.one().loops.iter().all(|l| l.of != Bound::Outer);
+    let loops = conversion.one().loops.iter().map(|l| l.pcurves.as_slice());
     let face = TrimmedFace::new(surface, loops, natural);
     let ((u0, u1), (v0, v1)) = (surface.u.range(), surface.v.range());
     let along =

@@ -15,6 +15,9 @@
 //! stage as a row of a table.
 
 mod accuracy;
+#[allow(dead_code)]
+#[path = "../../tests/common/body.rs"]
+mod body;
 mod named;
 #[path = "../../tests/common/virtual_scan.rs"]
 #[allow(dead_code)]

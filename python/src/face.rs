@@ -22,11 +22,11 @@ impl Face {
     }
 
     fn face(&self) -> &brep::Face {
-        &self.conversion.get().brep.faces[self.number]
+        &self.conversion.get().brep().faces[self.number]
     }
 
     fn surface(&self) -> &SplineSurface {
-        match &self.conversion.get().brep.surfaces[self.face().surface.0] {
+        match &self.conversion.get().brep().surfaces[self.face().surface.0] {
             BrepSurface::Spline(surface) => surface,
             _ => unreachable!("the pipeline makes splines only"),
         }
@@ -80,7 +80,7 @@ impl Face {
     /// along them.
     #[getter]
     fn loops<'py>(&self, py: Python<'py>) -> PyResult<Vec<Vec<Arc<'py>>>> {
-        let brep = &self.conversion.get().brep;
+        let brep = self.conversion.get().brep();
         let arc = |used: &brep::EdgeUse| {
             let BrepCurve::Spline(edge) = &brep.edges[used.edge.0].curve else {
                 unreachable!("the pipeline makes splines only")

@@ -10,27 +10,19 @@ use scan2step::{Builder, Cut, Options, ScanPlace, TargetShape};
 
 use crate::errors::Failure;
 
-/// Options of the library, and those that concern more than one component.
-pub struct Named {
-    pub options: Options,
-    pub all_components: bool,
-}
-
 /// The options that a dictionary names. Words are checked here, and numbers by the library.
-pub fn named(values: &Bound<PyDict>) -> PyResult<Named> {
+pub fn named(values: &Bound<PyDict>) -> PyResult<Options> {
     let py = values.py();
     let mut builder = Options::builder();
-    let mut all_components = false;
     for (key, value) in values {
         let key: String = key.extract()?;
         if key == "component" && value.extract::<String>().is_ok_and(|word| word == "all") {
-            all_components = true;
+            builder = builder.all_components(true);
         } else {
             builder = set(builder, &key, &value).map_err(|error| told(py, &key, error))?;
         }
     }
-    let options = builder.build().map_err(Failure::from)?;
-    Ok(Named { options, all_components })
+    Ok(builder.build().map_err(Failure::from)?)
 }
 
 /// The error of a value with the name of its option.

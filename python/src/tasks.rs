@@ -7,16 +7,16 @@ use std::time::Instant;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use scan2step::formats::{Content, cad};
-use scan2step::mesh::{Choice, Components};
+use scan2step::mesh::Components;
 use scan2step::report::{
-    BodyReport, CheckFigures, InspectionFigures, MeasuredComponents, Report, ScanSource, Settings,
+    CheckFigures, InspectionFigures, MeasuredComponents, Report, ScanSource, Settings,
     StageFigures, ViewRecorder,
 };
-use scan2step::{Converted, Memory, Options, Stage, rules};
+use scan2step::{Memory, Options, Stage, rules};
 
-use crate::conversion::{AnyReport, Conversion};
+use crate::conversion::Conversion;
 use crate::errors::Failure;
-use crate::options::{self, Named};
+use crate::options;
 use crate::run::{self, Watch};
 use crate::scan::Scan;
 
@@ -30,7 +30,7 @@ pub fn convert(
 ) -> PyResult<Conversion> {
     let named = options::named(options)?;
     let scan = scan.get();
-    run::run(py, named.options.threads(), progress, |watch| converted(scan, &named, watch))
+    run::run(py, named.threads(), progress, |watch| converted(scan, &named, watch))
 }
 
 /// The scan's mesh with what is known of it.
@@ -62,20 +62,22 @@ fn meshed(scan: &Scan, options: &Options, watch: &Watch) -> Result<Meshed, Failu
 
 /// The times of stages, and what pictures show, while a conversion runs.
 struct Recorded {
-    begin: Instant,
     last: Instant,
     stages: Vec<StageFigures>,
     recorders: Vec<ViewRecorder>,
+    /// The position of the component whose stages run.
+    component: usize,
 }
 
 impl Recorded {
-    fn see(&mut self, number: usize, stage: &Stage) {
+    fn see(&mut self, stage: &Stage) {
         match stage {
+            Stage::Component(number) => self.component = *number,
             Stage::Begin { components, .. } => {
                 self.recorders.clear();
                 self.recorders.resize_with(*components, ViewRecorder::default);
             }
-            Stage::Within(..) | Stage::Done(_) | Stage::BodyDone(_) => {}
+            Stage::Within(..) | Stage::Done(_) => {}
             _ => {
                 let seconds = self.last.elapsed().as_secs_f64();
                 let name = stage.name().to_owned();
@@ -83,67 +85,37 @@ impl Recorded {
                 self.last = Instant::now();
             }
         }
-        if let Some(recorder) = self.recorders.get_mut(number) {
+        if let Some(recorder) = self.recorders.get_mut(self.component) {
             recorder.see(stage);
         }
     }
 }
 
-fn converted(scan: &Scan, named: &Named, watch: &Watch) -> Result<Conversion, Failure> {
+fn converted(scan: &Scan, named: &Options, watch: &Watch) -> Result<Conversion, Failure> {
     let begin = Instant::now();
-    check_memory(scan, &named.options)?;
-    let Meshed { components, source, options } = meshed(scan, &named.options, watch)?;
-    let chosen = match named.all_components {
-        true => components.all(options.outer()),
-        false => vec![options.component()],
-    };
-    let mut recorded = Recorded { begin, last: begin, stages: Vec::new(), recorders: Vec::new() };
-    let made = scan2step::convert_scan(&components, &chosen, &options, &mut |number, stage| {
-        recorded.see(number, &stage);
+    check_memory(scan, named)?;
+    let Meshed { components, source, options } = meshed(scan, named, watch)?;
+    let recorders = Vec::new();
+    let mut recorded = Recorded { last: begin, stages: Vec::new(), recorders, component: 0 };
+    let mut made = scan2step::convert(&components, &options, &mut |stage| {
+        recorded.see(&stage);
         match stage {
             Stage::Within(name, share) => watch.tell(name, share),
             stage => watch.tell(stage.name(), 1.0),
         }
     })?;
-    let mut settings = Settings::of(&named.options, &source);
-    if named.all_components {
-        settings = settings.of_all_components();
-    }
-    let brep = made.made.joined(options.name())?;
-    let report = report(&made, &source, settings, &mut recorded);
+    let mut report = Report::of(&made, &source, Settings::of(named, &source));
+    report.stages = recorded.stages;
+    report.seconds = begin.elapsed().as_secs_f64();
     let (colour, vertices) = match &scan.content {
         Content::Mesh(soup) => (soup.colour, soup.points.len()),
         Content::Points(cloud) => (None, cloud.len()),
     };
+    made.colour = colour;
     let file = std::path::Path::new(&scan.file);
     let file = file.file_name().unwrap_or(file.as_os_str()).to_string_lossy().into_owned();
     let (recorders, views) = (Mutex::new(recorded.recorders), Mutex::new(None));
-    Ok(Conversion { made: made.made, brep, report, colour, file, vertices, recorders, views })
-}
-
-fn report(
-    made: &scan2step::ScanConversion,
-    source: &ScanSource,
-    settings: Settings,
-    recorded: &mut Recorded,
-) -> AnyReport {
-    let seconds = recorded.begin.elapsed().as_secs_f64();
-    let stages = std::mem::take(&mut recorded.stages);
-    match &made.made {
-        Converted::Faces(faces) => {
-            let mut report = Report::of(faces, source, settings);
-            (report.stages, report.seconds) = (stages, seconds);
-            report.faces.iter_mut().for_each(|face| face.shape.fallback = made.fallback.clone());
-            AnyReport::Faces(Box::new(report))
-        }
-        Converted::Bodies(bodies) => {
-            let mut report = BodyReport::of(bodies, source, settings);
-            (report.stages, report.seconds) = (stages, seconds);
-            let shapes = report.solids.iter_mut().map(|solid| &mut solid.shape);
-            shapes.for_each(|shape| shape.fallback = made.fallback.clone());
-            AnyReport::Bodies(Box::new(report))
-        }
-    }
+    Ok(Conversion { made, report, file, vertices, recorders, views })
 }
 
 /// Refuses a scan that may need more memory than the options allow.
@@ -161,8 +133,8 @@ fn check_memory(scan: &Scan, options: &Options) -> Result<(), Failure> {
 pub fn inspect(py: Python, scan: &Bound<Scan>, options: &Bound<PyDict>) -> PyResult<String> {
     let named = options::named(options)?;
     let scan = scan.get();
-    run::run(py, named.options.threads(), None, |watch| {
-        let Meshed { components, source, options } = meshed(scan, &named.options, watch)?;
+    run::run(py, named.threads(), None, |watch| {
+        let Meshed { components, source, options } = meshed(scan, &named, watch)?;
         let found = scan2step::inspect(components, options.component(), options.outer())?;
         Ok(InspectionFigures::of(&found, &source).to_json())
     })
@@ -183,13 +155,10 @@ pub fn check(
     tolerance.map_or(Ok(()), rules::length).map_err(of("tolerance"))?;
     rules::share(outliers).map_err(of("outliers"))?;
     let scan = scan.get();
-    run::run(py, named.options.threads(), None, |watch| {
+    run::run(py, named.threads(), None, |watch| {
         let model = cad::read_cad(&path)?;
-        let Meshed { components, source, options } = meshed(scan, &named.options, watch)?;
-        let chosen: Vec<Choice> = match named.all_components {
-            true => components.all(options.outer()),
-            false => vec![options.component()],
-        };
+        let Meshed { components, source, options } = meshed(scan, &named, watch)?;
+        let chosen = options.chosen(&components);
         let measured = scan2step::measured(&components, &chosen, options.outer())?;
         let parts = MeasuredComponents {
             all: components.count(),

@@ -5,23 +5,13 @@ use std::path::Path;
 use std::time::{Duration, SystemTime};
 
 use formats::{Brep, iges, step};
-use scan2step::Conversion;
 
 use super::args::{CadFile, CadKind, Convert, Iges, StepSchema};
 use super::output::{self, Pending};
 use super::{Failure, streams};
 
-/// Writes the faces of all conversions into every file that was asked for.
-pub fn write(
-    args: &Convert,
-    conversions: &[Conversion],
-    colour: Option<[u8; 3]>,
-) -> Result<Vec<Pending>, Failure> {
-    write_brep(args, &scan2step::joined(args.part_name(), conversions), colour)
-}
-
 /// Writes a model into every file that was asked for.
-pub fn write_brep(
+pub fn write(
     args: &Convert,
     brep: &Brep,
     colour: Option<[u8; 3]>,

@@ -8,7 +8,7 @@ use scan2step::report::{CheckFigures, DistanceFigures, MeasuredComponents};
 use scan2step::words::{box_extents, grouped, mm, plain_mm, plural};
 
 use super::args::{Check, ComponentChoice, Origin, cad_file};
-use super::input::{self, Scan};
+use super::input::{self, ReadScan};
 use super::paragraphs::wrapped;
 use super::{Failure, Outcome, streams};
 
@@ -23,9 +23,9 @@ pub fn run(args: &Check) -> Result<Outcome, Failure> {
         return Err(Failure { error, help });
     }
     let model = if args.cad.is_stdin { read_cad_stream(cad, stdin())? } else { read_cad(cad)? };
-    let scan = Scan::read(&args.piece)?;
+    let scan = ReadScan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;
-    let options = Scan::options(&args.piece)?;
+    let options = ReadScan::options(&args.piece)?;
     let (scan, components) = scan.components(&options, &mut |_| Ok(()))?;
     let chosen = args.component.of(&components, outer);
     let measured = scan2step::measured(&components, &chosen, outer);

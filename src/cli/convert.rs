@@ -2,17 +2,18 @@
 
 use std::path::Path;
 
-use scan2step::mesh::{Choice, Components, Outer};
+use scan2step::mesh::{Components, Repairs};
 use scan2step::report::{OutputFile, Report, ReportView, ScanSource, StageFigures, ViewRecorder};
-use scan2step::{Converted, Memory, Options, ScanConversion, Stage};
+use scan2step::words::plural;
+use scan2step::{Conversion, Memory, Options, Stage};
 
-use super::args::{ComponentChoice, Convert, ShapeChoice};
-use super::input::{self, Scan};
+use super::args::{CadKind, Convert, Iges, ShapeChoice};
+use super::input::{self, ReadScan};
 use super::output::{self, Pending};
 use super::progress::{self, ProgressDisplay, StageTime};
 use super::report;
 use super::stages::Stages;
-use super::{Failure, Outcome, body, cad, messages, settings, streams};
+use super::{Failure, Outcome, cad, messages, settings, streams};
 
 /// Reads a scan, converts it and writes all files.
 pub fn run(args: &Convert) -> Result<Outcome, Failure> {
@@ -20,7 +21,7 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     let voice = if args.manner.quiet { None } else { Some(args.manner.color.is_on()) };
     let mut progress = ProgressDisplay::new(voice, args.manner.verbose, args.progress);
     let mut stages = args.stages.as_deref().map(Stages::new).transpose()?;
-    let scan = Scan::read(&args.piece)?;
+    let scan = ReadScan::read(&args.piece)?;
     progress.ended("read", &messages::came_in(&scan));
     scan.notes.iter().for_each(|note| progress.say(&format!("read: {note}")));
     let named = settings::options(args)?;
@@ -41,31 +42,34 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
         given: Vec::new(),
         kept,
         count: 1,
+        component: 0,
     };
-    let chosen = chosen(args, &components, options.outer(), &run.progress);
-    let made = scan2step::convert_scan(&components, &chosen, &options, &mut |number, stage| {
-        run.see(number, &stage)
-    });
-    let ScanConversion { made, fallback, .. } =
-        made.map_err(|e| input::stopped(&args.piece.scan.name, &e))?;
-    let conversions = match made {
-        Converted::Faces(faces) => faces,
-        Converted::Bodies(bodies) => {
-            return body::write(run, &scan, &named, &bodies, fallback.as_deref());
-        }
-    };
+    left_out(&options, &components, &run.progress);
+    let made = scan2step::convert(&components, &options, &mut |stage| run.see(&stage));
+    let conversion = made.map_err(|e| input::stopped(&args.piece.scan.name, &e))?;
     drop(components);
-    let Run { mut progress, stages, views, given, .. } = run;
-    let files = cad::write(args, &conversions, scan.colour)?;
+    write(run, &scan, &named, &conversion, &repaired)
+}
+
+/// Writes all files, and says how good the result is.
+fn write(
+    run: Run,
+    scan: &ReadScan,
+    named: &Options,
+    conversion: &Conversion,
+    repaired: &Repairs,
+) -> Result<Outcome, Failure> {
+    let Run { args, mut progress, stages, views, given, .. } = run;
+    let brep = &conversion.parts[0].brep;
+    let files = cad::write(args, brep, scan.colour)?;
     progress.ended("write", "");
-    for c in &conversions {
-        let at_rims = c.input.repairs.iter().filter(|(kind, _)| !repaired.contains_key(*kind));
+    for body in conversion.bodies() {
+        let at_rims = body.input.repairs.iter().filter(|(kind, _)| !repaired.contains_key(*kind));
         at_rims.for_each(|repair| messages::repaired(&progress, repair));
-        messages::found(&progress, args, c);
+        messages::found(&progress, args, body);
     }
-    let mut report =
-        Report::of(&conversions, &scan.source, settings::settings(args, &named, &scan));
-    report.faces.iter_mut().for_each(|face| face.shape.fallback = fallback.clone());
+    let mut report = Report::of(conversion, &scan.source, settings::settings(args, named, scan));
+    report.hints.extend(loose_surfaces(args, conversion));
     report.command.clone_from(&args.again);
     report.outputs = args.out.iter().zip(&files).map(|(f, file)| output(&f.path, file)).collect();
     report.stages = progress.stages.iter().map(stage).collect();
@@ -76,19 +80,30 @@ pub fn run(args: &Convert) -> Result<Outcome, Failure> {
     // Put all files in their places last, when every one is complete.
     let stages = stages.map_or(Vec::new(), |s| s.pending);
     Pending::publish(stages.into_iter().chain(reports).chain(files).collect())?;
-    conversions.iter().for_each(|c| messages::result(&progress, args, c));
+    conversion.bodies().for_each(|body| messages::result(&progress, args, body));
     let new = report.hints.iter().filter(|hint| !given.iter().any(|given| hint.ends_with(given)));
     new.for_each(|hint| progress.hint(hint));
-    Ok(conversions.iter().fold(Outcome::Done, |all, c| all.and(messages::verdict(args, c))))
+    Ok(conversion.bodies().fold(Outcome::Done, |all, body| all.and(messages::verdict(args, body))))
+}
+
+/// Says so if an IGES file has the faces of a solid or shell, but not what joins them.
+fn loose_surfaces(args: &Convert, conversion: &Conversion) -> Option<String> {
+    let is_iges = args.out.iter().any(|file| file.kind == CadKind::Iges);
+    let is_joined = conversion.bodies().any(|body| body.network().is_some());
+    (is_iges && is_joined && matches!(args.how.iges, Iges::Trimmed)).then(|| {
+        let faces: usize = conversion.bodies().map(|body| body.brep.faces.len()).sum();
+        let faces = plural(faces, "trimmed surface");
+        format!("the IGES file holds {faces} that nothing joins; --iges brep writes them joined")
+    })
 }
 
 /// Makes the mesh of a scan. For a cloud this is a stage with a file and a time of its own.
 fn mesh(
-    scan: Scan,
+    scan: ReadScan,
     options: &Options,
     progress: &mut ProgressDisplay,
     stages: &mut Option<Stages>,
-) -> Result<(Scan, Components), Failure> {
+) -> Result<(ReadScan, Components), Failure> {
     let mut within = |share| {
         progress.within("cloud", share);
         Ok(())
@@ -104,18 +119,18 @@ fn mesh(
 }
 
 /// A stage for the report.
-pub fn stage(time: &StageTime) -> StageFigures {
+fn stage(time: &StageTime) -> StageFigures {
     let &StageTime { name, seconds, peak_rss_mb } = time;
     StageFigures { name: name.into(), seconds, peak_rss_mb }
 }
 
 /// A CAD file for the report.
-pub fn output(path: &Path, file: &Pending) -> OutputFile {
+fn output(path: &Path, file: &Pending) -> OutputFile {
     OutputFile { file: streams::shown(path), bytes: file.bytes, sha256: file.sha256.clone() }
 }
 
 /// Refuses a run that may need more memory than the user allows.
-fn check_memory(args: &Convert, scan: &Scan, options: &Options) -> Result<(), Failure> {
+fn check_memory(args: &Convert, scan: &ReadScan, options: &Options) -> Result<(), Failure> {
     let Some(allowed) = args.manner.max_memory else { return Ok(()) };
     let ScanSource { vertices, triangles, cloud, .. } = &scan.source;
     let memory = match cloud {
@@ -128,17 +143,17 @@ fn check_memory(args: &Convert, scan: &Scan, options: &Options) -> Result<(), Fa
 }
 
 /// Whether a report shows the scan.
-pub fn is_drawn(args: &Convert) -> bool {
+fn is_drawn(args: &Convert) -> bool {
     args.report.iter().any(|file| file.kind.is_picture())
 }
 
 /// A run between reading and writing.
-pub struct Run<'a> {
-    pub args: &'a Convert,
-    pub progress: ProgressDisplay,
-    pub stages: Option<Stages>,
+struct Run<'a> {
+    args: &'a Convert,
+    progress: ProgressDisplay,
+    stages: Option<Stages>,
     /// What the pictures of reports show, one view for each conversion, if any was asked for.
-    pub views: Vec<ReportView>,
+    views: Vec<ReportView>,
     /// Sees the stages for the next view.
     recorder: Option<ViewRecorder>,
     /// Hints that were given while stages ran.
@@ -147,32 +162,32 @@ pub struct Run<'a> {
     kept: usize,
     /// The number of components that are converted.
     count: usize,
+    /// The position of the one whose stages run.
+    component: usize,
 }
 
 impl Run<'_> {
-    /// Says what a stage made of one of the components, writes its file, and keeps what pictures show.
-    fn see(&mut self, number: usize, stage: &Stage) -> scan2step::Result<()> {
+    /// Says what a stage made of a component, writes its file, and keeps what pictures show.
+    fn see(&mut self, stage: &Stage) -> scan2step::Result<()> {
         self.recorder.iter_mut().for_each(|recorder| recorder.see(stage));
-        let recorder = || is_drawn(self.args).then(ViewRecorder::default);
         match stage {
             Stage::Begin { shape, components, why } => {
                 self.begin(*components);
                 why.iter().for_each(|why| self.progress.say(&messages::shape(*shape, why)));
                 return Ok(());
             }
+            Stage::Component(number) => {
+                self.component = *number;
+                return Ok(());
+            }
             Stage::Within(name, share) => {
                 self.progress.within(name, *share);
                 return Ok(());
             }
-            Stage::Done(conversion) => {
-                if let Some(seen) = std::mem::replace(&mut self.recorder, recorder()) {
-                    self.views.push(seen.view(conversion, self.count)?);
-                }
-                return Ok(());
-            }
-            Stage::BodyDone(body) => {
-                if let Some(seen) = std::mem::replace(&mut self.recorder, recorder()) {
-                    self.views.push(seen.view_of_body(body, self.count)?);
+            Stage::Done(body) => {
+                let next = is_drawn(self.args).then(ViewRecorder::default);
+                if let Some(seen) = std::mem::replace(&mut self.recorder, next) {
+                    self.views.push(seen.view(body, self.count)?);
                 }
                 return Ok(());
             }
@@ -188,7 +203,7 @@ impl Run<'_> {
             return Ok(());
         };
         if let (Stage::Mesh(_), true) = (stage, self.count > 1) {
-            stages.component(root, number)?;
+            stages.component(root, self.component)?;
         }
         Ok(stages.write(stage)?)
     }
@@ -205,23 +220,20 @@ impl Run<'_> {
     }
 }
 
-/// The components to convert.
-pub fn chosen(
-    args: &Convert,
-    scan: &Components,
-    outer: Outer,
-    progress: &ProgressDisplay,
-) -> Vec<Choice> {
-    let chosen = args.how.component.of(scan, outer);
-    if args.how.component == ComponentChoice::All && chosen.len() < scan.count() {
-        let rest = match scan.sizeable() - chosen.len() {
+/// Says what is left out where all components are converted.
+fn left_out(options: &Options, scan: &Components, progress: &ProgressDisplay) {
+    if !options.all_components() {
+        return;
+    }
+    let chosen = options.chosen(scan).len();
+    if chosen < scan.count() {
+        let rest = match scan.sizeable() - chosen {
             0 => "the rest is dust",
             _ if scan.sizeable() == scan.count() => "the rest are islands in holes of these",
             _ => "the rest is dust, and islands in holes of these",
         };
-        progress.say(&format!("component: {} of {}; {rest}", chosen.len(), scan.count()));
+        progress.say(&format!("component: {chosen} of {}; {rest}", scan.count()));
     }
-    chosen
 }
 
 /// Refuses two outputs of the same name, an output that would replace the scan, and a folder

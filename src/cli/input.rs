@@ -12,7 +12,7 @@ use super::Failure;
 use super::args::{Piece, cad_file};
 
 /// A scan that was read: a mesh or a cloud of points. Its content is dropped once the mesh is made.
-pub struct Scan {
+pub struct ReadScan {
     pub path: PathBuf,
     /// Its unit, the counts of the file, and what is known of a cloud.
     pub source: ScanSource,
@@ -23,8 +23,8 @@ pub struct Scan {
     content: Content,
 }
 
-impl Scan {
-    pub fn read(piece: &Piece) -> Result<Scan, Failure> {
+impl ReadScan {
+    pub fn read(piece: &Piece) -> Result<ReadScan, Failure> {
         let reading = piece.cloud.reading();
         let name = &piece.scan.name;
         let content = if piece.scan.is_stdin {
@@ -32,7 +32,7 @@ impl Scan {
         } else {
             reading.read_content(name).map_err(|error| no_scan(name, error))?
         };
-        let named = Scan::options(piece)?;
+        let named = ReadScan::options(piece)?;
         let file = name.display().to_string();
         let (source, colour, notes) = match &content {
             Content::Mesh(soup) => (ScanSource::of(file, soup, &named), soup.colour, Vec::new()),
@@ -40,7 +40,7 @@ impl Scan {
                 (ScanSource::of_cloud(file, cloud, &named), None, cloud.remarks())
             }
         };
-        Ok(Scan { path: name.clone(), source, colour, notes, content })
+        Ok(ReadScan { path: name.clone(), source, colour, notes, content })
     }
 
     /// The options that decide how its mesh is made.
@@ -80,7 +80,7 @@ impl Scan {
         mut self,
         options: &Options,
         progress: &mut Progress,
-    ) -> Result<(Scan, Components), Failure> {
+    ) -> Result<(ReadScan, Components), Failure> {
         let content = std::mem::replace(&mut self.content, Content::Mesh(Soup::default()));
         let components = match content {
             Content::Mesh(soup) => scan2step::mesh_components(&soup, options),

@@ -5,16 +5,16 @@ use scan2step::words::{box_extents, extents, grouped, mm, plural, repair, tolera
 use scan2step::{Inspection, PieceReport, TargetShape};
 
 use super::args::Inspect;
-use super::input::{self, Scan};
+use super::input::{self, ReadScan};
 use super::paragraphs::wrapped;
 use super::spelling::spelled;
 use super::{Failure, Outcome, messages, streams};
 
 /// Reads and repairs a scan, and prints what it is.
 pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
-    let scan = Scan::read(&args.piece)?;
+    let scan = ReadScan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;
-    let options = Scan::options(&args.piece)?;
+    let options = ReadScan::options(&args.piece)?;
     let (scan, components) = scan.components(&options, &mut |_| Ok(()))?;
     let found = scan2step::inspect(components, args.component, outer);
     let found = found.map_err(|e| input::stopped(&scan.path, &e))?;
@@ -30,7 +30,7 @@ pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
 /// The column at which texts begin.
 const INDENT: usize = 14;
 
-fn as_text(scan: &Scan, found: &Inspection) -> String {
+fn as_text(scan: &ReadScan, found: &Inspection) -> String {
     let input = &found.input;
     let source = &scan.source;
     let assumed = if source.unit_assumed { " (assumed; --units to change)" } else { "" };

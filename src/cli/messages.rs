@@ -2,11 +2,11 @@
 
 use scan2step::mesh::{Bound, Components, FaceOrigin, Patch};
 use scan2step::report::ScanSource;
-use scan2step::words::{grouped, mm, plural, repair, tolerance_reason};
-use scan2step::{BodyConversion, Conversion, InputReport, Stage, TargetShape};
+use scan2step::words::{grouped, mm, plain_mm, plural, repair, tolerance_reason};
+use scan2step::{Body, InputReport, Stage, SurfaceFit, TargetShape};
 
 use super::args::{ComponentChoice, Convert};
-use super::input::Scan;
+use super::input::ReadScan;
 use super::progress::ProgressDisplay;
 use super::{Outcome, streams};
 
@@ -60,7 +60,7 @@ fn count(patch: &Patch, of: impl Fn(&FaceOrigin) -> bool) -> usize {
 }
 
 /// The scan's file and its counts.
-pub fn came_in(scan: &Scan) -> String {
+pub fn came_in(scan: &ReadScan) -> String {
     format!("{}: {}", scan.path.display(), counts(&scan.source))
 }
 
@@ -88,7 +88,7 @@ pub fn meshed(components: &Components) -> String {
 }
 
 /// Says what was found in a cloud of points.
-pub fn cloud(progress: &ProgressDisplay, scan: &Scan) {
+pub fn cloud(progress: &ProgressDisplay, scan: &ReadScan) {
     let Some(cloud) = &scan.source.cloud else { return };
     if cloud.origin_mm != [0.0; 3] {
         let [x, y, z] = cloud.origin_mm;
@@ -102,7 +102,7 @@ pub fn cloud(progress: &ProgressDisplay, scan: &Scan) {
 }
 
 /// Says which unit the scan has, if it is not declared as mm.
-pub fn assumed(progress: &ProgressDisplay, scan: &Scan) {
+pub fn assumed(progress: &ProgressDisplay, scan: &ReadScan) {
     let ScanSource { unit, unit_assumed, .. } = scan.source;
     if unit_assumed {
         let unit = unit.symbol();
@@ -133,7 +133,7 @@ pub fn handles(progress: &ProgressDisplay, input: &InputReport) {
 }
 
 /// Says what the conversion left out and kept, and which tolerance it chose.
-pub fn found(progress: &ProgressDisplay, args: &Convert, c: &Conversion) {
+pub fn found(progress: &ProgressDisplay, args: &Convert, c: &Body) {
     handles(progress, &c.input);
     if c.input.left_out > 0 && args.how.component != ComponentChoice::All {
         progress.say(&format!(
@@ -152,7 +152,12 @@ pub fn found(progress: &ProgressDisplay, args: &Convert, c: &Conversion) {
             .say(&format!("smooth: {} left out of the fits", plural(c.smooth.outliers, "outlier")));
     }
     if !c.tolerance_named {
-        tolerance(progress, &of_piece(args, &c.input), c.tolerance, c.noise);
+        progress.say(&format!(
+            "{}tolerance: {}, {} (--tolerance to change)",
+            of_piece(args, &c.input),
+            mm(c.tolerance),
+            tolerance_reason(c.tolerance, c.noise)
+        ));
     }
 }
 
@@ -164,32 +169,8 @@ pub fn of_piece(args: &Convert, input: &InputReport) -> String {
     }
 }
 
-/// Says what the conversion of a body found, left out and chose.
-pub fn found_of_body(progress: &ProgressDisplay, args: &Convert, body: &BodyConversion) {
-    handles(progress, &body.input);
-    if body.input.components > 1 && args.how.component != ComponentChoice::All {
-        progress.say(&format!(
-            "component: one of {}, {} (--component to change)",
-            grouped(body.input.components),
-            plural(body.input.triangles, "triangle")
-        ));
-    }
-    if !body.tolerance_named {
-        tolerance(progress, &of_piece(args, &body.input), body.tolerance, body.noise);
-    }
-}
-
-/// Says which tolerance was chosen, and why.
-fn tolerance(progress: &ProgressDisplay, of: &str, tolerance: f64, noise: f64) {
-    progress.say(&format!(
-        "{of}tolerance: {}, {} (--tolerance to change)",
-        mm(tolerance),
-        tolerance_reason(tolerance, noise)
-    ));
-}
-
 /// Whether the face is as good as the scan, in a sentence.
-fn quality(c: &Conversion) -> String {
+fn quality(c: &Body) -> String {
     let all = plural(c.fit_deviation.distances.len(), "point");
     let within = match c.missed.points {
         0 => format!("all {all} are"),
@@ -204,30 +185,53 @@ fn quality(c: &Conversion) -> String {
     format!("the face is as good as the scan: {within} within {} of it{at_rims}", mm(c.tolerance))
 }
 
-/// The result in one line.
-pub fn result(progress: &ProgressDisplay, args: &Convert, c: &Conversion) {
-    let [m, n] = c.surface.shape();
+/// The result in one line, and whether the face is as good as the scan.
+pub fn result(progress: &ProgressDisplay, args: &Convert, c: &Body) {
     let files = args.out.iter().map(|f| &f.path).chain(args.report.iter().map(|f| &f.path));
     let files: Vec<_> = files.map(|path| streams::shown(path)).collect();
     let of = of_piece(args, &c.input);
-    let filled = match c.trimmed.iter().filter(|is_cut| !**is_cut).count() {
-        0 => String::new(),
-        filled => format!(", {} kept filled", grouped(filled)),
+    let (made, holes) = match c.face() {
+        Some(face) => made_face(c, face),
+        None => made_body(c),
     };
     progress.result(&format!(
-        "{of}{m} × {n} control points, rms {}, max {}, {} cut out{filled} → {}",
+        "{of}{made}, rms {}, max {}{holes} → {}",
         mm(c.fit_deviation.rms),
         mm(c.fit_deviation.max),
-        plural(c.loops.iter().filter(|l| matches!(l.of, Bound::Hole(_))).count(), "hole"),
         files.join(", ")
     ));
-    if !c.tolerance_named && c.tolerance_met(args.how.outliers / 100.0) {
+    if c.face().is_some() && !c.tolerance_named && c.tolerance_met(args.how.outliers / 100.0) {
         progress.say(&(of + &quality(c)));
     }
 }
 
-/// Says so if the face misses a tolerance that the user named.
-pub fn verdict(args: &Convert, c: &Conversion) -> Outcome {
+/// What a face is, and what became of the holes.
+fn made_face(c: &Body, face: &SurfaceFit) -> (String, String) {
+    let [m, n] = face.surface.shape();
+    let filled = match c.trimmed.iter().filter(|is_cut| !**is_cut).count() {
+        0 => String::new(),
+        filled => format!(", {} kept filled", grouped(filled)),
+    };
+    let cut = face.loops.iter().filter(|l| matches!(l.of, Bound::Hole(_))).count();
+    let holes = format!(", {} cut out{filled}", plural(cut, "hole"));
+    (format!("{m} × {n} control points"), holes)
+}
+
+/// What a body of several faces is, and what became of its gaps.
+fn made_body(body: &Body) -> (String, String) {
+    let gaps = match (body.fill.holes.len(), body.volume()) {
+        (0, _) => String::new(),
+        (count, Some(_)) => format!(", {} filled", plural(count, "gap")),
+        (count, None) => format!(", {} open", plural(count, "boundary loop")),
+    };
+    let volume =
+        body.volume().map_or(String::new(), |volume| format!(", {} mm³", plain_mm(volume)));
+    let faces = plural(body.brep.faces.len(), "face");
+    (format!("a {} of {faces}{volume}", body.shape.word()), gaps)
+}
+
+/// Says so if the body misses a tolerance that the user named.
+pub fn verdict(args: &Convert, c: &Body) -> Outcome {
     if args.how.tolerance.is_none() || c.tolerance_met(args.how.outliers / 100.0) {
         return Outcome::Done;
     }

@@ -2,7 +2,6 @@
 
 mod args;
 mod batch;
-mod body;
 mod cad;
 mod check;
 mod convert;

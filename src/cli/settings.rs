@@ -8,7 +8,7 @@ use scan2step::{Cut, Options, TargetShape};
 use super::Failure;
 use super::args::{ComponentChoice, Convert, Fit, Map, OutlineChoice, ShapeChoice};
 use super::cad;
-use super::input::{Scan, stopped};
+use super::input::{ReadScan, stopped};
 use super::places::NamedCorners;
 
 /// The options of the library.
@@ -59,19 +59,18 @@ pub fn options(args: &Convert) -> Result<Options, Failure> {
         .rim_tolerance(how.rim_tolerance)
         .outliers(how.outliers / 100.0)
         .cut(cut);
-    if let ComponentChoice::Number(number) = how.component {
-        options = options.component(Choice::Number(number));
+    match how.component {
+        ComponentChoice::Largest => {}
+        ComponentChoice::Number(number) => options = options.component(Choice::Number(number)),
+        ComponentChoice::All => options = options.all_components(true),
     }
     options.build().map_err(|e| stopped(&args.piece.scan.name, &e))
 }
 
 /// The same for reports.
-pub fn settings(args: &Convert, options: &Options, scan: &Scan) -> Settings {
+pub fn settings(args: &Convert, options: &Options, scan: &ReadScan) -> Settings {
     let mut settings = Settings::of(options, &scan.source)
         .of_files(cad::schema(args.how.schema), cad::form(args.how.iges));
-    if args.how.component == ComponentChoice::All {
-        settings = settings.of_all_components();
-    }
     // As the user wrote it: a share times 100 may differ in its last digit.
     settings.outliers = args.how.outliers;
     settings

@@ -4,8 +4,7 @@
 use formats::soup::Polygons;
 use formats::{Points, Soup};
 
-use super::{Conversion, Observer, Options, Stage, convert_component, stage};
-use crate::convert::Memory;
+use super::Options;
 use crate::error::Result;
 use crate::geometry::Point;
 use crate::mesh::{self, Components, RawPoints};
@@ -13,24 +12,6 @@ use crate::progress::Progress;
 use crate::stages::cloud::{self, Report};
 use crate::stages::crop;
 use crate::threads;
-
-/// Converts one component of a cloud of points, as [`convert`](crate::convert) does for a mesh.
-/// The tolerance follows the noise of the points, and [`Conversion::deviation`] is measured
-/// against them. Lengths and places of the result are mm from the cloud's origin, unless
-/// [`Builder::keeps_origin`](crate::convert::Builder::keeps_origin) puts the face into its own place.
-///
-/// # Errors
-/// What stops a stage, or what `watch` answers.
-pub fn convert_cloud(cloud: Points, options: &Options, watch: &mut Observer) -> Result<Conversion> {
-    let memory = Memory::of_cloud(cloud.len(), options);
-    options.max_memory.map_or(Ok(()), |most| memory.check(most))?;
-    let options = options.resolved_in_cloud(&cloud)?;
-    threads::run(options.threads, || {
-        let (scan, report) = components_of(cloud, &options, &mut stage::within("cloud", watch))?;
-        watch(Stage::Cloud(&report))?;
-        convert_component(&scan, &options, watch)
-    })?
-}
 
 /// Makes a mesh of a cloud of points, and tells what was found. The points stay with the mesh
 /// ([`Components::raw_points`]). The report has the lengths of the cloud's unit.
@@ -65,7 +46,8 @@ pub fn mesh_components(soup: &Soup, options: &Options) -> Result<Components> {
     Ok(Components::new(build).with_handles(options.handles))
 }
 
-fn components_of(
+/// The same on the thread that calls.
+pub(super) fn components_of(
     cloud: Points,
     options: &Options,
     progress: &mut Progress,

@@ -1,58 +1,155 @@
-//! Several components of a scan, with all their faces in one B-rep.
+//! What becomes of the components of a scan: faces, solids or shells.
 
-use formats::Brep;
-
-use super::{Conversion, Options, Stage, convert_component};
-use crate::error::Result;
+use super::conversion::{Body, Part, placed};
+use super::lengths::Shown;
+use super::shape::{TargetShape, shape, voids};
+use super::{Conversion, Observer, Options, Stage, body, face, hints};
+use crate::error::{Error, Result};
 use crate::mesh::{Choice, Components};
+use crate::stages::parameterize::CompressedRegion;
 
-/// Converts components of a scan one after another. `watch` is shown the position of the
-/// component in `components` and what each stage made of it; [`Stage::Done`] comes last. An
-/// error of its own stops the conversion.
-///
-/// [`Components::all`] names all components that are worth a face. [`joined`] puts the faces
-/// into one B-rep:
-///
-/// ```no_run
-/// use scan2step::formats::{self, step};
-/// use scan2step::mesh::{self, Components};
-/// use scan2step::{Options, convert_components, joined};
-///
-/// # fn main() -> Result<(), Box<dyn std::error::Error>> {
-/// let soup = formats::read_scan("parts.ply".as_ref())?;
-/// let options = Options::builder().tolerance(0.1).build()?;
-/// let scan = Components::new(mesh::from_soup(&soup, 1.0)?);
-/// let all = scan.all(options.outer());
-/// let conversions = convert_components(&scan, &all, &options, &mut |_, _| Ok(()))?;
-/// let brep = joined("parts", &conversions);
-/// step::write(&brep, &step::Options::default(), &mut std::fs::File::create("parts.step")?)?;
-/// # Ok(())
-/// # }
-/// ```
-///
-/// # Errors
-/// Those of [`convert_component`], for the first component that cannot be converted. If there are
-/// several components, [`Error::Piece`](crate::error::Error::Piece) names it.
-pub fn convert_components(
+/// Components, each with what becomes of it.
+type Shapes = Vec<(Choice, TargetShape)>;
+
+/// Converts the components that the options choose.
+pub(super) fn converted(
     scan: &Components,
-    components: &[Choice],
     options: &Options,
-    watch: &mut (dyn FnMut(usize, Stage) -> Result<()> + Send),
-) -> Result<Vec<Conversion>> {
-    let one = |(k, &component): (usize, &Choice)| {
-        let options = options.of_component(component);
-        let conversion = convert_component(scan, &options, &mut |stage| watch(k, stage))
-            .map_err(|error| error.of_component(component.number(), components.len()))?;
-        watch(k, Stage::Done(&conversion))?;
-        Ok(conversion)
+    watch: &mut Observer,
+) -> Result<Conversion> {
+    let chosen = options.chosen(scan);
+    let faces = |shape| chosen.iter().map(|&component| (component, shape)).collect::<Shapes>();
+    let shapes = shapes(scan, &chosen, options.shape)?;
+    if options.shape.is_some() {
+        return bodies(scan, &shapes, options, None, watch)
+            .and_then(|made| one(made, options, None));
+    }
+    if shapes.iter().any(|of| of.1 != TargetShape::Face) {
+        let made = bodies(scan, &shapes, options, Some(why(&shapes)), watch)?;
+        return one(made, options, None);
+    }
+    let mut compressed = None;
+    let tried = bodies(scan, &shapes, options, None, &mut |stage| {
+        let Stage::Parameterize(map, found) = stage else { return watch(stage) };
+        compressed = found;
+        watch(Stage::Parameterize(map, None))?;
+        found.map_or(Ok(()), |_| Err(Error::Stopped))
+    });
+    let unsuited = match tried {
+        Ok(made) => return one(made, options, None),
+        Err(error) => unsuited(error, compressed)?,
     };
-    components.iter().enumerate().map(one).collect()
+    let fallback = format!("one face does not hold the scan: {unsuited}");
+    let why = format!("as {fallback}");
+    match bodies(scan, &faces(TargetShape::Shell), options, Some(&why), watch) {
+        Ok(made) => one(made, options, Some(fallback)),
+        Err(Error::Stopped) => Err(Error::Stopped),
+        Err(error) => {
+            let fallback = format!("no sound shell was found: {error}");
+            let why = format!("as {fallback}");
+            let made = bodies(scan, &faces(TargetShape::Face), options, Some(&why), watch)?;
+            one(made, options, Some(fallback))
+        }
+    }
 }
 
-/// The faces of several conversions in one B-rep: each component is a shell of its own.
-pub fn joined(name: impl Into<String>, conversions: &[Conversion]) -> Brep {
-    let description = conversions.first().map_or(String::new(), |c| c.brep.description.clone());
-    let mut all = Brep { name: name.into(), description, ..Brep::default() };
-    conversions.iter().for_each(|conversion| all.append(conversion.brep.clone()));
-    all
+/// A conversion with one part.
+fn one(bodies: Vec<Body>, options: &Options, fallback: Option<String>) -> Result<Conversion> {
+    let parts = vec![Part::of(&options.name, bodies)?];
+    Ok(Conversion { parts, fallback, colour: None })
+}
+
+/// Why one face does not hold a sheet. Other errors are returned.
+fn unsuited(error: Error, compressed: Option<CompressedRegion>) -> Result<String> {
+    let of_piece = match &error {
+        Error::Piece { error, .. } => error,
+        error => error,
+    };
+    match (of_piece, compressed) {
+        (Error::Stopped, Some(found)) => {
+            let p = found.at;
+            Ok(format!("the map compresses a part near ({:.3}, {:.3}, {:.3})", p.x, p.y, p.z))
+        }
+        (Error::Folded { .. } | Error::Trim { .. }, _) => Ok(error.to_string()),
+        _ => Err(error),
+    }
+}
+
+/// What becomes of components. If only some would become faces, these become shells. The voids of each solid
+/// come after it. They are not chosen themselves.
+fn shapes(scan: &Components, components: &[Choice], named: Option<TargetShape>) -> Result<Shapes> {
+    let of =
+        |&component: &Choice| Ok((component, named.map_or_else(|| shape(scan, component), Ok)?));
+    let mut shapes: Shapes = components.iter().map(of).collect::<Result<_>>()?;
+    if shapes.iter().all(|of| of.1 == TargetShape::Face) {
+        return Ok(shapes);
+    }
+    for of in shapes.iter_mut().filter(|of| of.1 == TargetShape::Face) {
+        of.1 = TargetShape::Shell;
+    }
+    let mut all = Vec::with_capacity(shapes.len());
+    let mut inner = Vec::new();
+    for (component, shape) in shapes {
+        all.push((component, shape));
+        if shape == TargetShape::Solid {
+            let own = voids(scan, component)?;
+            all.extend(own.iter().map(|&component| (component, TargetShape::Void)));
+            inner.extend(own);
+        }
+    }
+    all.retain(|of| of.1 == TargetShape::Void || !inner.contains(&of.0));
+    Ok(all)
+}
+
+/// Why bodies became what they are, unless a shape was named.
+fn why(shapes: &[(Choice, TargetShape)]) -> &'static str {
+    match shapes.iter().all(|of| of.1 != TargetShape::Shell) {
+        true => "as the scan is closed or nearly so",
+        false => "as one face does not hold the scan",
+    }
+}
+
+/// Converts components one after another.
+fn bodies(
+    scan: &Components,
+    shapes: &[(Choice, TargetShape)],
+    options: &Options,
+    why: Option<&str>,
+    watch: &mut Observer,
+) -> Result<Vec<Body>> {
+    let is = |wanted| shapes.iter().any(|of| of.1 == wanted);
+    let shape = match (is(TargetShape::Face), is(TargetShape::Shell)) {
+        (true, _) => TargetShape::Face,
+        (_, true) => TargetShape::Shell,
+        _ => TargetShape::Solid,
+    };
+    watch(Stage::Begin { shape, components: shapes.len(), why })?;
+    let one = |(number, &(component, shape)): (usize, &(Choice, TargetShape))| {
+        watch(Stage::Component(number))?;
+        let body = one_body(scan, shape, &options.of_component(component), watch)
+            .map_err(|error| error.of_component(component.number(), shapes.len()))?;
+        watch(Stage::Done(&body))?;
+        Ok(body)
+    };
+    shapes.iter().enumerate().map(one).collect()
+}
+
+/// Converts one component. The stages work in the lengths of its mesh, and callers in mm.
+fn one_body(
+    scan: &Components,
+    shape: TargetShape,
+    options: &Options,
+    watch: &mut Observer,
+) -> Result<Body> {
+    let mm = scan.mm();
+    let mut shown = Shown::new(watch, mm);
+    let own = options.in_lengths(mm);
+    let made = match shape {
+        TargetShape::Face => face::face(scan, &own, &mut |stage| shown.see(stage)),
+        _ => body::body(scan, shape, &own, &mut |stage| shown.see(stage)),
+    };
+    let body = made.map_err(|error| shown.in_mm(error).with_named(options))?.with_named(options);
+    let origin = scan.raw_points().map_or([0.0; 3], |raw| raw.origin().map(|x| mm * x));
+    let hints = hints::of(&body, options);
+    Ok(Body { brep: placed(body.brep, origin, options.keeps_origin), origin, hints, ..body })
 }

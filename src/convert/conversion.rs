@@ -1,73 +1,80 @@
-//! What a conversion makes and finds out.
+//! What a conversion makes and finds out: parts, which have bodies, which have faces.
 
 use formats::Brep;
+use formats::brep::ShellId;
 
-use crate::convert::InputReport;
-use crate::deviation;
+use super::{InputReport, TargetShape};
+use crate::deviation::{Deviation, FaceToScan, TrimmedFace, of_network};
+use crate::error::{BrepFault, Error, Result};
+use crate::geometry::Point;
 use crate::mesh::VertexMap;
-use crate::spline::Surface;
+use crate::spline::{Network, NetworkCut, Surface};
 use crate::stages::adapt::Adapted;
-use crate::stages::{fill, parameterize, smooth, thin, trim};
+use crate::stages::{fill, layout, net, parameterize, smooth, thin, trim};
 use crate::words::{grouped, mm, plural};
 
-/// A converted scan.
+/// What became of a scan.
 #[derive(Debug)]
 #[non_exhaustive]
 pub struct Conversion {
+    /// The parts. A scan has one.
+    pub parts: Vec<Part>,
+    /// Why the bodies do not have the shape that was tried first.
+    pub fallback: Option<String>,
+    /// The mean colour of the scan's vertices, if they have one.
+    pub colour: Option<[u8; 3]>,
+}
+
+/// One part with all its bodies in one B-rep.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Part {
     /// What the writers take.
     pub brep: Brep,
-    /// The fitted surface.
-    pub surface: Surface,
-    /// The loops: the outer one unless it is on the surface's sides, those of the
-    /// holes cut out and of the islands in them.
-    pub loops: Vec<trim::TrimLoop>,
+    /// A body for each component. A void follows its solid.
+    pub bodies: Vec<Body>,
+}
+
+/// A component that became one face, a shell, a solid, or a void in the solid before it. Lengths are in mm.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct Body {
+    /// The boundary representation of this body alone.
+    pub brep: Brep,
+    /// What it is.
+    pub shape: TargetShape,
+    /// The surfaces, and what their stages found.
+    pub fit: BodyFit,
     /// What came in.
     pub input: InputReport,
     /// What smoothing did.
     pub smooth: smooth::Report,
     /// What was filled.
     pub fill: fill::Report,
-    /// Which of the filled holes were cut out.
+    /// Which of the fills were cut out again.
     pub trimmed: Vec<bool>,
-    /// What was thinned for the map and the fit.
-    pub thin: thin::Report,
-    /// How good the map is.
-    pub parameterize: parameterize::Report,
-    /// Where it leaves too little room for the tolerance.
-    pub crushed: Option<parameterize::CompressedRegion>,
-    /// Knots and fit.
-    pub fit: Adapted,
-    /// The tolerance that holds, in mm.
+    /// The tolerance that holds.
     pub tolerance: f64,
-    /// Whether the user named it.
+    /// Whether the caller named it.
     pub tolerance_named: bool,
     /// The share of points that may miss a tolerance that nobody named.
     pub spared: f64,
-    /// The points that miss it.
+    /// Standard deviation of the noise of the measured points along the normal.
+    pub noise: f64,
+    /// The smoothed points that miss the tolerance.
     pub missed: Missed,
-    /// How far the face is from the smoothed scan's triangles, fills left out.
-    pub face_to_scan: deviation::FaceToScan,
-    /// Deviation of the smoothed points from the trimmed face; the tolerance
-    /// is held against it.
-    pub fit_deviation: deviation::Deviation,
+    /// Deviation of the smoothed points; the tolerance is held against it.
+    pub fit_deviation: Deviation,
     /// Deviation of the points as they were measured: of the vertices of the scan's mesh, or of
     /// the points of the cloud that the mesh was made of.
-    pub deviation: deviation::Deviation,
+    pub deviation: Deviation,
     /// Deviation of the vertices of the mesh, if it was made of a cloud.
-    pub(crate) vertex_deviation: Option<deviation::Deviation>,
-    /// Standard deviation of the noise of the measured points along the normal, in mm.
-    pub noise: f64,
-    /// Where the places of the conversion are measured from in the scan's own frame, in mm: zero,
+    pub(crate) vertex_deviation: Option<Deviation>,
+    /// How far the faces are from the smoothed scan's triangles, fills left out.
+    pub face_to_scan: FaceToScan,
+    /// Where the places of the conversion are measured from in the scan's own frame: zero,
     /// or a point near a cloud that is far from zero.
     pub origin: [f64; 3],
-    /// The outer boundary on the surface's sides: control points of its edges,
-    /// and the farthest, in mm, that a smoothed boundary vertex is from them.
-    /// `None`: it is one of the loops.
-    pub outer: Option<(usize, f64)>,
-    /// How the loops turned out.
-    pub trim: Vec<trim::LoopReport>,
-    /// How far a loop may be from its rim, in mm.
-    pub rim_tolerance: f64,
     /// What could be better, and what to do about it: a sentence each. Options have the
     /// names that they have on the command line.
     pub hints: Vec<String>,
@@ -75,11 +82,152 @@ pub struct Conversion {
     pub(super) vertices: VertexMap,
 }
 
+/// How the faces of a body were made.
+#[derive(Debug)]
+pub enum BodyFit {
+    /// One surface.
+    Face(Box<SurfaceFit>),
+    /// A network of surfaces that share edges.
+    Network(Box<NetworkFit>),
+}
+
+/// One trimmed surface, and what its stages found.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct SurfaceFit {
+    /// The fitted surface.
+    pub surface: Surface,
+    /// The loops: the outer one unless it is on the surface's sides, those of the
+    /// holes cut out and of the islands in them.
+    pub loops: Vec<trim::TrimLoop>,
+    /// What was thinned for the map and the fit.
+    pub thin: thin::Report,
+    /// How good the map is.
+    pub parameterize: parameterize::Report,
+    /// Where it leaves too little room for the tolerance.
+    pub crushed: Option<parameterize::CompressedRegion>,
+    /// Knots and fit.
+    pub adapted: Adapted,
+    /// The outer boundary on the surface's sides: control points of its edges,
+    /// and the farthest that a smoothed boundary vertex is from them.
+    /// `None`: it is one of the loops.
+    pub outer: Option<(usize, f64)>,
+    /// How the loops turned out.
+    pub trim: Vec<trim::LoopReport>,
+    /// How far a loop may be from its rim.
+    pub rim_tolerance: f64,
+}
+
+/// A network of surfaces, and what its stages found.
+#[derive(Debug)]
+#[non_exhaustive]
+pub struct NetworkFit {
+    /// The surfaces and their sides.
+    pub network: Network,
+    /// The loops along the gaps, and the faces that they leave.
+    pub cut: NetworkCut,
+    /// The quads.
+    pub layout: layout::Report,
+    /// The fit of the surface.
+    pub net: net::Report,
+    /// The number of irregular vertices.
+    pub irregular: usize,
+    /// The number of places at which faces turn over.
+    pub folds: usize,
+    /// The angles between neighbouring faces.
+    pub seams: Seams,
+}
+
+/// The angles between the normals of neighbouring faces along their common sides, in degrees.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Seams {
+    /// The mean.
+    pub mean: f64,
+    /// The 95th percentile.
+    pub p95: f64,
+    /// The largest.
+    pub max: f64,
+}
+
 impl Conversion {
+    /// The only body, if there is one.
+    pub fn into_body(mut self) -> Option<Body> {
+        let bodies = &mut self.parts.pop()?.bodies;
+        bodies.pop().filter(|_| bodies.is_empty() && self.parts.is_empty())
+    }
+
+    /// The bodies of all parts.
+    pub fn bodies(&self) -> impl Iterator<Item = &Body> {
+        self.parts.iter().flat_map(|part| &part.bodies)
+    }
+}
+
+impl Part {
+    /// A part of these bodies. A void becomes one of the last solid before it.
+    pub(super) fn of(name: &str, bodies: Vec<Body>) -> Result<Part> {
+        let description =
+            bodies.first().map_or(String::new(), |body| body.brep.description.clone());
+        let mut brep = Brep { name: name.into(), description, ..Brep::default() };
+        for body in &bodies {
+            brep.append(body.brep.clone());
+            if let (TargetShape::Void, Some(last)) = (body.shape, brep.solids.last_mut()) {
+                last.voids.push(ShellId(brep.shells.len() - 1));
+            }
+        }
+        if bodies.iter().any(|body| body.shape != TargetShape::Face) {
+            brep.check().map_err(|fault| Error::Brep(BrepFault::Parts(fault)))?;
+        }
+        Ok(Part { brep, bodies })
+    }
+}
+
+impl Body {
+    /// The surface and its figures, if the body is one face.
+    pub fn face(&self) -> Option<&SurfaceFit> {
+        match &self.fit {
+            BodyFit::Face(face) => Some(face),
+            BodyFit::Network(_) => None,
+        }
+    }
+
+    /// The surfaces and their figures, if the body has several faces.
+    pub fn network(&self) -> Option<&NetworkFit> {
+        match &self.fit {
+            BodyFit::Network(network) => Some(network),
+            BodyFit::Face(_) => None,
+        }
+    }
+
+    /// The surfaces.
+    pub fn surfaces(&self) -> &[Surface] {
+        match &self.fit {
+            BodyFit::Face(face) => std::slice::from_ref(&face.surface),
+            BodyFit::Network(fit) => &fit.network.surfaces,
+        }
+    }
+
+    /// The enclosed volume of a solid in mm³. That of a void is negative.
+    pub fn volume(&self) -> Option<f64> {
+        let volume = || (0..self.brep.shells.len()).map(|s| self.brep.volume(ShellId(s))).sum();
+        matches!(self.shape, TargetShape::Solid | TargetShape::Void).then(volume)
+    }
+
+    /// The distances of points from the faces.
+    pub fn distances(&self, points: &[Point]) -> Vec<f64> {
+        match &self.fit {
+            BodyFit::Network(fit) => of_network(&fit.network, &fit.cut, points).distances,
+            BodyFit::Face(fit) => {
+                let loops = fit.loops.iter().map(|ring| ring.pcurves.as_slice());
+                let face = TrimmedFace::new(&fit.surface, loops, fit.outer.is_some());
+                points.iter().map(|&p| face.nearest(p, None).1).collect()
+            }
+        }
+    }
+
     /// Deviation of the vertices of the scan's mesh before smoothing, in the order of
     /// [`fit_deviation`](Self::fit_deviation). It is [`deviation`](Self::deviation) unless the mesh
     /// was made of a cloud.
-    pub fn vertex_deviation(&self) -> &deviation::Deviation {
+    pub fn vertex_deviation(&self) -> &Deviation {
         self.vertex_deviation.as_ref().unwrap_or(&self.deviation)
     }
 
@@ -93,16 +241,16 @@ impl Conversion {
         self.vertices.point_of(vertex)
     }
 
-    /// Whether the face keeps its tolerance. Where it is named, all but the share `outliers`
-    /// of the smoothed points must be within it, and as many of the triangles, which the face
-    /// may leave by their chord error besides. Where nobody named one, all but as many points
-    /// as normal noise has beyond three standard deviations.
+    /// Whether the faces keep their tolerance. Where it is named, all but the share `outliers`
+    /// of the smoothed points must be within it, and as many of the places that were compared with the
+    /// scan's triangles, which the faces may leave by their chord error besides. Where nobody named one, all
+    /// but as many points as normal noise has beyond three standard deviations.
     pub fn tolerance_met(&self, outliers: f64) -> bool {
         let outliers = if self.tolerance_named { outliers } else { outliers.max(self.spared) };
         let keeps = |beyond: usize, all: usize| beyond as f64 <= outliers * all as f64;
         let back = &self.face_to_scan;
         keeps(self.missed.points, self.fit_deviation.distances.len())
-            && (!self.tolerance_named || keeps(back.beyond, back.triangles))
+            && (!self.tolerance_named || keeps(back.beyond, back.places))
     }
 
     /// The number of smoothed points that keep the tolerance although they are farther from the face: a
@@ -111,36 +259,46 @@ impl Conversion {
         self.fit_deviation.beyond(self.tolerance).saturating_sub(self.missed.points)
     }
 
-    /// How many points, and how much of the face, are beyond the tolerance, and the worst.
+    /// How many points, and how much of the faces, are beyond the tolerance, and the worst.
     pub fn beyond(&self) -> String {
+        let shape = self.shape.word();
         let mut parts = Vec::new();
         let missed = &self.missed;
         if missed.points > 0 {
             let of = plural(self.fit_deviation.distances.len(), "point");
             let worst = worst(missed.worst, missed.worst_at);
-            parts.push(farther(missed.points, &of, self.tolerance, "the face") + &worst);
+            parts.push(self.farther(missed.points, &of, &format!("the {shape}")) + &worst);
         }
         let back = &self.face_to_scan;
         if self.tolerance_named && back.beyond > 0 {
-            parts.push(format!(
-                "the face is farther than {} and their chord error from {} of {}{}",
-                mm(self.tolerance),
-                grouped(back.beyond),
-                plural(back.triangles, "triangle"),
-                worst(back.max, back.max_at),
-            ));
+            let worst = worst(back.max, back.max_at);
+            let places = back.places;
+            parts.push(match self.shape {
+                TargetShape::Face => format!(
+                    "the face is farther than {} and their chord error from {} of {}{worst}",
+                    mm(self.tolerance),
+                    grouped(back.beyond),
+                    plural(places, "triangle"),
+                ),
+                _ => {
+                    let of = format!("{} on the {shape}", plural(places, "place"));
+                    let from = "the scan's triangles and their chord error";
+                    self.farther(back.beyond, &of, from) + &worst
+                }
+            });
         }
         parts.join(", and ")
     }
+
+    /// Says how many of some places are too far from something.
+    fn farther(&self, beyond: usize, of: &str, from: &str) -> String {
+        let tolerance = mm(self.tolerance);
+        format!("{} of {of} are farther than {tolerance} from {from}", grouped(beyond))
+    }
 }
 
-/// Says how many of some places are too far from something.
-pub(super) fn farther(beyond: usize, of: &str, tolerance: f64, from: &str) -> String {
-    format!("{} of {of} are farther than {} from {from}", grouped(beyond), mm(tolerance))
-}
-
-/// Says how far the farthest of these places is, and where.
-pub(super) fn worst(distance: f64, [x, y, z]: [f64; 3]) -> String {
+/// Says how far the farthest of some places is, and where.
+fn worst(distance: f64, [x, y, z]: [f64; 3]) -> String {
     format!("; the worst, {}, at ({x:.3}, {y:.3}, {z:.3})", mm(distance))
 }
 
@@ -173,6 +331,12 @@ pub struct Missed {
 }
 
 impl Missed {
+    /// All points beyond a tolerance.
+    pub(super) fn beyond(deviation: &Deviation, tolerance: f64) -> Self {
+        let points = deviation.beyond(tolerance);
+        Missed { points, worst: deviation.max, worst_at: deviation.max_at }
+    }
+
     pub(super) fn scaled(self, factor: f64) -> Self {
         let worst_at = self.worst_at.map(|x| factor * x);
         Missed { worst: factor * self.worst, worst_at, ..self }

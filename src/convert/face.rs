@@ -7,9 +7,9 @@
 
 use rayon::prelude::*;
 
-use super::conversion::{Conversion, Missed};
+use super::conversion::{Body, BodyFit, Missed, SurfaceFit};
 use super::stage::{Observer, Stage, within};
-use super::{Options, cut, input};
+use super::{Options, TargetShape, cut, input};
 use crate::error::Result;
 use crate::geometry::{Point, Uv};
 use crate::mesh::{Components, Parameterized, Patch};
@@ -19,11 +19,7 @@ use crate::stages::{adapt, brep, fill, parameterize, smooth, thin, trim};
 use crate::{deviation, progress, spline};
 
 /// Converts one component of a scan to one face.
-pub(super) fn face(
-    scan: &Components,
-    options: &Options,
-    watch: &mut Observer,
-) -> Result<Conversion> {
+pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -> Result<Body> {
     let mm = scan.mm();
     let (measured, input) = input::disk(scan, options)?;
     watch(Stage::Mesh(&measured))?;
@@ -85,33 +81,36 @@ pub(super) fn face(
     let face_to_scan = between.report(tolerance, |at| face.contains(at));
     watch(Stage::Deviation)?;
 
-    Ok(Conversion {
+    Ok(Body {
         brep,
-        surface: placed,
-        loops,
+        shape: TargetShape::Face,
         input,
         smooth: smooth.scaled(mm),
         fill: fill.scaled(mm),
         trimmed,
-        thin,
-        parameterize,
-        crushed: crushed.map(|crushed| crushed.scaled(mm)),
-        fit: fit.scaled(mm),
         tolerance: mm * tolerance,
         tolerance_named: goal.named,
         spared: goal.outliers,
+        noise: mm * noise,
         missed: missed.scaled(mm),
         face_to_scan: face_to_scan.scaled(mm),
         fit_deviation: fit_deviation.scaled(mm),
         deviation: deviation.scaled(mm),
-        outer: outer.map(|(control, off)| (control, mm * off)),
-        trim,
-        rim_tolerance: mm * trim_options.rim,
         vertex_deviation,
-        noise: mm * noise,
-        origin: scan.raw_points().map_or([0.0; 3], |raw| raw.origin().map(|x| mm * x)),
-        vertices: raw.map,
+        origin: [0.0; 3],
         hints: Vec::new(),
+        vertices: raw.map,
+        fit: BodyFit::Face(Box::new(SurfaceFit {
+            surface: placed,
+            loops,
+            thin,
+            parameterize,
+            crushed: crushed.map(|crushed| crushed.scaled(mm)),
+            adapted: fit.scaled(mm),
+            outer: outer.map(|(control, off)| (control, mm * off)),
+            trim,
+            rim_tolerance: mm * trim_options.rim,
+        })),
     })
 }
 

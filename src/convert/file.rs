@@ -4,11 +4,9 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use formats::{Content, iges, step};
+use formats::{iges, step};
 
-use super::convert_cloud;
-use crate::convert;
-use crate::convert::{Conversion, Options, Stage};
+use super::{Conversion, Options, Part, Scan, convert};
 use crate::error::{Error, Result};
 
 /// A format of CAD files.
@@ -18,9 +16,44 @@ enum CadFormat {
     Iges,
 }
 
-/// Reads a mesh or a cloud of points, converts it and writes the face: STEP, or IGES where the
-/// name of `out` ends so (`.step`, `.stp`, `.igs`, `.iges`). The file appears whole or not at all: it is written
-/// under another name in the same folder first.
+impl Scan<'_> {
+    /// Reads a mesh or a cloud of points. The content of the file decides which it is.
+    ///
+    /// # Errors
+    /// [`Error::File`]: the file cannot be read.
+    pub fn read(file: impl AsRef<Path>) -> Result<Self> {
+        Ok(formats::read_content(file.as_ref())?.into())
+    }
+}
+
+impl Conversion {
+    /// Writes all parts: STEP, or IGES where the name of `out` ends so (`.step`, `.stp`, `.igs`, `.iges`).
+    /// The file appears whole or not at all: it is written under another name in the same folder first.
+    ///
+    /// # Errors
+    /// [`Error::File`]: the file cannot be written.
+    pub fn write(&self, out: impl AsRef<Path>) -> Result<()> {
+        let out = out.as_ref();
+        let (kind, colour) = (kind(out)?, self.colour);
+        let Some(Part { brep, .. }) = self.parts.first() else { return Ok(()) };
+        let content = |to: &mut dyn Write| match kind {
+            CadFormat::Step => {
+                step::write(brep, &step::Options { colour, ..step::Options::default() }, to)
+            }
+            CadFormat::Iges => {
+                let file_name = out.file_name().unwrap_or_default().to_string_lossy().into_owned();
+                let options = iges::Options { colour, file_name, ..iges::Options::default() };
+                iges::write(brep, &options, to)
+            }
+        };
+        whole(out, content).map_err(|e| {
+            let help = "check that the folder exists, can be written to and has room";
+            formats::Error::new(out, format!("cannot be written: {e}"), help).into()
+        })
+    }
+}
+
+/// Reads a scan, converts it and writes the result ([`Scan::read`], [`convert`], [`Conversion::write`]).
 ///
 /// # Errors
 /// Each names the file that it is about: [`Error::File`] for one that cannot be read or
@@ -30,29 +63,12 @@ pub fn convert_file(
     out: impl AsRef<Path>,
     options: &Options,
 ) -> Result<Conversion> {
-    let (scan, out) = (scan.as_ref(), out.as_ref());
-    let kind = kind(out)?;
-    let of_scan = |error| Error::Scan { file: scan.to_owned(), error: Box::new(error) };
-    let watch = &mut |_: Stage| Ok(());
-    let (conversion, colour) = match formats::read_content(scan)? {
-        Content::Mesh(soup) => (convert(&soup, options, watch).map_err(of_scan)?, soup.colour),
-        Content::Points(cloud) => (convert_cloud(cloud, options, watch).map_err(of_scan)?, None),
-    };
-    let content = |to: &mut dyn Write| match kind {
-        CadFormat::Step => {
-            let options = step::Options { colour, ..step::Options::default() };
-            step::write(&conversion.brep, &options, to)
-        }
-        CadFormat::Iges => {
-            let file_name = out.file_name().unwrap_or_default().to_string_lossy().into_owned();
-            let options = iges::Options { colour, file_name, ..iges::Options::default() };
-            iges::write(&conversion.brep, &options, to)
-        }
-    };
-    whole(out, content).map_err(|e| {
-        let help = "check that the folder exists, can be written to and has room";
-        formats::Error::new(out, format!("cannot be written: {e}"), help)
-    })?;
+    // A name that no writer takes is refused before the work begins.
+    kind(out.as_ref())?;
+    let file = scan.as_ref().to_owned();
+    let made = convert(Scan::read(&file)?, options, &mut |_| Ok(()));
+    let conversion = made.map_err(|error| Error::Scan { file, error: Box::new(error) })?;
+    conversion.write(out)?;
     Ok(conversion)
 }
 

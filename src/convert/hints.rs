@@ -1,6 +1,6 @@
 //! What could be better of a conversion, and what the user can do about it.
 
-use crate::convert::{Conversion, Cut, Options};
+use super::{Body, Cut, Options, SurfaceFit, TargetShape};
 use crate::geometry::{Point, bounds};
 use crate::stages::adapt::{Folds, OUTLYING};
 use crate::stages::smooth::Support;
@@ -8,38 +8,50 @@ use crate::words::{grouped, mm, plural};
 
 /// One sentence for each thing that could be better, with what the user can do. Options
 /// have the names that they have on the command line.
-pub(crate) fn of(c: &Conversion, options: &Options) -> Vec<String> {
+pub(super) fn of(body: &Body, options: &Options) -> Vec<String> {
+    let missed = missed(options, body);
+    let of_face = body.face().map(|face| of_face(body, face, options));
+    missed.into_iter().chain(of_face.into_iter().flatten()).collect()
+}
+
+fn of_face(body: &Body, face: &SurfaceFit, options: &Options) -> Vec<String> {
     let hints = [
-        missed(options, c),
-        hindered(c),
-        flattened(options, c),
-        strayed_corner(options, c),
-        c.crushed.map(|crushed| crushed.to_string()),
-        stretched(c),
-        folded(c),
-        astray(c),
-        loose(options, c),
-        large(c),
-        small_holes(options, c),
+        hindered(body, face),
+        flattened(options, body),
+        strayed_corner(options, face),
+        face.crushed.map(|crushed| crushed.to_string()),
+        stretched(face),
+        folded(face),
+        astray(body),
+        loose(options, body, across(face)),
+        large(face),
+        small_holes(options, body),
     ];
     hints.into_iter().flatten().collect()
 }
 
 /// The diagonal of the box around the face, in mm.
-fn across(c: &Conversion) -> f64 {
-    let [low, high] = bounds(c.surface.net.iter().map(|&p| p.into()));
+fn across(face: &SurfaceFit) -> f64 {
+    let [low, high] = bounds(face.surface.net.iter().map(|&p| p.into()));
     (high - low).norm()
 }
 
 /// A tolerance of the program's own that does not hold is no failure.
-fn missed(options: &Options, c: &Conversion) -> Option<String> {
-    let held = c.tolerance_named || c.tolerance_met(options.outliers);
-    (!held).then(|| format!("the face is not as good as the scan: {}", c.beyond()))
+fn missed(options: &Options, body: &Body) -> Option<String> {
+    let held = body.tolerance_named || body.tolerance_met(options.outliers);
+    let more = match body.shape {
+        TargetShape::Face => "",
+        _ => "; --faces asks for more faces",
+    };
+    (!held).then(|| {
+        let (shape, beyond) = (body.shape.word(), body.beyond());
+        format!("the {shape} is not as good as the scan: {beyond}{more}")
+    })
 }
 
 /// No surface keeps to noisy points unless it follows the noise.
-fn hindered(c: &Conversion) -> Option<String> {
-    let noise = c.fit.hindrance?;
+fn hindered(c: &Body, face: &SurfaceFit) -> Option<String> {
+    let noise = face.adapted.hindrance?;
     Some(format!(
         "the points scatter by {} (standard deviation) around a face that follows the shape, so that one within {} of them all would have to follow the noise; a --tolerance of {} or more, or --smooth auto, leaves that out",
         mm(noise),
@@ -55,7 +67,7 @@ const FEW_POINTS: usize = 1000;
 const MOVED: f64 = 2.0;
 
 /// The tolerance is held against smoothed points.
-fn flattened(options: &Options, c: &Conversion) -> Option<String> {
+fn flattened(options: &Options, c: &Body) -> Option<String> {
     let (points, [off, noise]) = (c.deviation.distances.len(), [c.deviation.max, c.noise]);
     let what = match options.smooth.support {
         _ if off <= c.tolerance || c.smooth.moved_max == 0.0 => return None,
@@ -84,14 +96,14 @@ fn flattened(options: &Options, c: &Conversion) -> Option<String> {
 /// The share of the scan's size that a named corner may be away from the boundary.
 const ASIDE: f64 = 0.1;
 
-fn strayed_corner(options: &Options, c: &Conversion) -> Option<String> {
+fn strayed_corner(options: &Options, face: &SurfaceFit) -> Option<String> {
     let named = options.corners()?;
-    let [m, n] = c.surface.shape();
+    let [m, n] = face.surface.shape();
     let corners = [(0, 0), (m - 1, 0), (m - 1, n - 1), (0, n - 1)];
-    let corners = corners.map(|(i, j)| Point::from(c.surface.control(i, j)));
+    let corners = corners.map(|(i, j)| Point::from(face.surface.control(i, j)));
     let off = |p: &Point| corners.iter().map(|q| (p - q).norm()).fold(f64::INFINITY, f64::min);
     let (at, off) = named.map(|p| (p, off(&p))).into_iter().max_by(|a, b| a.1.total_cmp(&b.1))?;
-    (off > ASIDE * across(c)).then(|| {
+    (off > ASIDE * across(face)).then(|| {
         format!(
             "the corner named at ({:.3}, {:.3}, {:.3}) is {} from the outer boundary, whose nearest vertex was taken; count vertices from 0, and name points in the scan's own numbers",
             at.x, at.y, at.z, mm(off)
@@ -102,9 +114,9 @@ fn strayed_corner(options: &Options, c: &Conversion) -> Option<String> {
 /// L² stretch above which control points are spent unevenly; 1 is none.
 const STRETCH: f64 = 2.5;
 
-fn stretched(c: &Conversion) -> Option<String> {
-    let stretch = c.parameterize.stretch;
-    (c.crushed.is_none() && stretch.l2 > STRETCH).then(|| {
+fn stretched(face: &SurfaceFit) -> Option<String> {
+    let stretch = face.parameterize.stretch;
+    (face.crushed.is_none() && stretch.l2 > STRETCH).then(|| {
         format!(
             "the map onto the square stretches the scan by {:.1} in the mean; --corners at other places, or cutting the scan, saves control points",
             stretch.l2
@@ -113,8 +125,8 @@ fn stretched(c: &Conversion) -> Option<String> {
 }
 
 /// Where the face itself folds CAD cannot offset or cut it.
-fn folded(c: &Conversion) -> Option<String> {
-    let Folds { inverted, samples, .. } = c.fit.folds.filter(|folds| folds.inverted > 0)?;
+fn folded(face: &SurfaceFit) -> Option<String> {
+    let Folds { inverted, samples, .. } = face.adapted.folds.filter(|folds| folds.inverted > 0)?;
     Some(format!(
         "the surface folds back on itself at {} of the {} that were tested, where CAD programs may fail to offset or cut it; a larger --tolerance, or cutting the scan where it is ragged, leaves fewer folds",
         grouped(inverted),
@@ -124,16 +136,16 @@ fn folded(c: &Conversion) -> Option<String> {
 
 /// Where the face leaves the scan between its points, and nobody named a tolerance: at a share
 /// of the triangles that is more than noise explains.
-fn astray(c: &Conversion) -> Option<String> {
+fn astray(c: &Body) -> Option<String> {
     let back = &c.face_to_scan;
-    let share = back.beyond as f64 / back.triangles.max(1) as f64;
+    let share = back.beyond as f64 / back.places.max(1) as f64;
     let [x, y, z] = back.max_at;
     (!c.tolerance_named && share > c.spared).then(|| {
         format!(
             "between its points the face leaves the scan by up to {}, near ({x:.3}, {y:.3}, {z:.3}), and by more than the tolerance at {} of {}; a --tolerance that is named is held there, too",
             mm(back.max),
             grouped(back.beyond),
-            plural(back.triangles, "triangle"),
+            plural(back.places, "triangle"),
         )
     })
 }
@@ -144,7 +156,7 @@ const FAR_OFF: f64 = 10.0;
 /// A tolerance below this share of the scan's size is fine in any case.
 const FINE: f64 = 1e-3;
 
-fn loose(options: &Options, c: &Conversion) -> Option<String> {
+fn loose(options: &Options, c: &Body, across: f64) -> Option<String> {
     let tolerance = options.tolerance?;
     let noise = c.noise;
     if noise <= 0.0 {
@@ -152,7 +164,7 @@ fn loose(options: &Options, c: &Conversion) -> Option<String> {
     }
     let [ours, its] = [tolerance, noise].map(mm);
     match tolerance / noise {
-        r if r > FAR_OFF && tolerance > FINE * across(c) => Some(format!(
+        r if r > FAR_OFF && tolerance > FINE * across => Some(format!(
             "the tolerance, {ours}, is {r:.0} times the noise of the scan, {its}; a smaller --tolerance keeps more of its shape"
         )),
         r if r < 1.0 / FAR_OFF => Some(format!(
@@ -165,8 +177,8 @@ fn loose(options: &Options, c: &Conversion) -> Option<String> {
 /// Nets above this are slow in CAD programs.
 const LARGE: usize = 40_000;
 
-fn large(c: &Conversion) -> Option<String> {
-    let net = c.surface.net.len();
+fn large(face: &SurfaceFit) -> Option<String> {
+    let net = face.surface.net.len();
     (net > LARGE).then(|| {
         format!(
             "{} are many for a CAD program; a larger --tolerance needs fewer",
@@ -180,7 +192,7 @@ fn large(c: &Conversion) -> Option<String> {
 const SMALL_HOLES: usize = 10;
 const SMALL_RIM: usize = 16;
 
-fn small_holes(options: &Options, c: &Conversion) -> Option<String> {
+fn small_holes(options: &Options, c: &Body) -> Option<String> {
     if options.cut != Cut::All {
         return None;
     }

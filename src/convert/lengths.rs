@@ -1,7 +1,7 @@
 //! The border between the lengths that the pipeline works in and mm, which are its
 //! caller's.
 
-use super::{Conversion, Observer, Stage};
+use super::{Body, BodyFit, Observer, Stage};
 use crate::convert::Options;
 use crate::error::{Error, Result};
 use crate::stages::smooth::Support;
@@ -48,10 +48,12 @@ impl<'a> Shown<'a> {
 
 /// A length that was divided and multiplied again may differ in its last digit from the
 /// one that the caller named. These say what was named.
-impl Conversion {
+impl Body {
     pub(crate) fn with_named(mut self, options: &Options) -> Self {
         self.tolerance = options.tolerance.unwrap_or(self.tolerance);
-        self.fit.kappa = options.knots.kappa.or(self.fit.kappa);
+        if let BodyFit::Face(face) = &mut self.fit {
+            face.adapted.kappa = options.knots.kappa.or(face.adapted.kappa);
+        }
         if let Support::Fixed(h) = options.smooth.support {
             self.smooth.h = h;
         }

@@ -72,7 +72,7 @@ impl Options {
     /// The same with the points of all places that were named in the terms of the scan's file:
     /// [`Builder::outer_place`](crate::convert::Builder::outer_place) and the like.
     /// [`convert`](crate::convert) does this by itself;
-    /// [`convert_component`](crate::convert::convert_component) has no soup to look the places up in.
+    /// [`Components`](crate::mesh::Components) have no soup to look the places up in.
     ///
     /// # Errors
     /// [`Error::Vertex`]: the scan has no such vertex.
@@ -81,7 +81,7 @@ impl Options {
         self.resolved_by(&|place| place.resolve(soup, mm))
     }
 
-    /// The same for a cloud. [`convert_cloud`](crate::convert::convert_cloud) does this by itself.
+    /// The same for a cloud.
     ///
     /// # Errors
     /// [`Error::Vertex`]: the cloud has no such point.

@@ -1,186 +1,102 @@
-//! The way from the components of a scan to whatever holds them: faces, solids or shells.
+//! The entry: from a scan to what became of it.
 
-use super::body::{BodyConversion, convert_body, joined_bodies};
-use super::components::{convert_components, joined};
-use super::shape::{TargetShape, shape, voids};
-use super::{Conversion, Options, Stage};
+use std::borrow::Cow;
+
+use formats::{Content, Points, Soup};
+
+use super::{
+    Conversion, Memory, Observer, Options, Stage, cloud, components, mesh_components, stage,
+};
 use crate::error::{Error, Result};
-use crate::mesh::{Choice, Components};
-use crate::stages::parameterize::CompressedRegion;
+use crate::mesh::Components;
+use crate::threads;
 
-/// What components of a scan became.
+/// A scan: a mesh or a cloud of points as they were read, or the components of a mesh.
 #[derive(Debug)]
-pub enum Converted {
-    /// A face for each component.
-    Faces(Vec<Conversion>),
-    /// A solid, a void or a shell for each component. A void follows its solid.
-    Bodies(Vec<BodyConversion>),
+pub enum Scan<'a> {
+    /// Polygons.
+    Mesh(Cow<'a, Soup>),
+    /// Points.
+    Cloud(Points),
+    /// The components of a mesh ([`mesh_components`], [`cloud_components`](super::cloud_components)). The
+    /// options must not name places by vertices.
+    Components(&'a Components),
 }
 
-/// The result of [`convert_scan`].
-#[derive(Debug)]
-#[non_exhaustive]
-pub struct ScanConversion {
-    /// What the components became.
-    pub made: Converted,
-    /// Why this is not the shape that was tried first.
-    pub fallback: Option<String>,
+impl<'a> From<&'a Soup> for Scan<'a> {
+    fn from(soup: &'a Soup) -> Self {
+        Scan::Mesh(Cow::Borrowed(soup))
+    }
 }
 
-/// A callback that sees the position of a component and each [`Stage`] of its conversion. An error of its own
-/// stops the conversion.
-pub type ScanObserver<'a> = dyn FnMut(usize, Stage) -> Result<()> + Send + 'a;
+impl From<Points> for Scan<'_> {
+    fn from(cloud: Points) -> Self {
+        Scan::Cloud(cloud)
+    }
+}
 
-impl Converted {
-    /// All faces, solids and shells in one B-rep.
-    ///
-    /// # Errors
-    /// Those of [`joined_bodies`].
-    pub fn joined(&self, name: impl Into<String>) -> Result<formats::Brep> {
-        match self {
-            Converted::Faces(faces) => Ok(joined(name, faces)),
-            Converted::Bodies(bodies) => joined_bodies(name, bodies),
+impl<'a> From<&'a Components> for Scan<'a> {
+    fn from(components: &'a Components) -> Self {
+        Scan::Components(components)
+    }
+}
+
+impl From<Content> for Scan<'_> {
+    fn from(content: Content) -> Self {
+        match content {
+            Content::Mesh(soup) => Scan::Mesh(Cow::Owned(soup)),
+            Content::Points(cloud) => Scan::Cloud(cloud),
         }
     }
 }
 
-/// Converts components of a scan to the shape that the options name, or to the one that suits them: solids if
-/// they are closed or nearly so, shells if they have handles or are pipes, and faces otherwise. If one face
-/// does not hold a sheet well, a shell is tried. If there is no sound shell, a face has to do.
+/// Converts a scan to the shape that the options name, or to the one that suits it: a solid if it is closed or
+/// nearly so, a shell if it has handles or is a pipe, and otherwise a face. If one face does not hold a sheet
+/// well, a shell is tried. If there is no sound shell, a face has to do.
 ///
-/// `watch` is shown [`Stage::Begin`] before each try, and after it what each stage makes.
+/// `watch` is shown [`Stage::Begin`] before each try, and after it what each stage makes of each
+/// component. An error of its own stops the conversion, such as [`Error::Stopped`]. The work is shared by
+/// as many threads as [`Builder::threads`](super::Builder::threads) says. `watch` is called on one of them.
+///
+/// The tolerance of a cloud follows the noise of its points, and the deviation is measured against them. Lengths
+/// and places of the result are mm from the cloud's origin, unless
+/// [`Builder::keeps_origin`](super::Builder::keeps_origin) puts the result into its own place.
 ///
 /// # Errors
-/// What stops a stage, or what `watch` answers.
-pub fn convert_scan(
-    scan: &Components,
-    components: &[Choice],
+/// What stops a stage, or what `watch` answers. [`Error::Piece`] names the component if there are several.
+pub fn convert<'a>(
+    scan: impl Into<Scan<'a>>,
     options: &Options,
-    watch: &mut ScanObserver,
-) -> Result<ScanConversion> {
-    let shapes = shapes(scan, components, options.shape)?;
-    let done = |made| Ok(ScanConversion { made, fallback: None });
-    if !shapes.is_empty() {
-        let why = options.shape.is_none().then(|| why(&shapes));
-        return bodies(scan, &shapes, options, why, watch).and_then(done);
-    }
-    if options.shape.is_some() {
-        return faces(scan, components, options, None, watch).and_then(done);
-    }
-    let mut compressed = None;
-    let tried = faces(scan, components, options, None, &mut |number, stage| {
-        let Stage::Parameterize(map, found) = stage else { return watch(number, stage) };
-        compressed = found;
-        watch(number, Stage::Parameterize(map, None))?;
-        found.map_or(Ok(()), |_| Err(Error::Stopped))
-    });
-    let unsuited = match tried {
-        Ok(made) => return done(made),
-        Err(error) => unsuited(error, compressed)?,
-    };
-    let fallback = format!("one face does not hold the scan: {unsuited}");
-    let shells: Vec<_> = components.iter().map(|&c| (c, TargetShape::Shell)).collect();
-    let why = format!("as {fallback}");
-    match bodies(scan, &shells, options, Some(&why), watch) {
-        Ok(made) => Ok(ScanConversion { made, fallback: Some(fallback) }),
-        Err(Error::Stopped) => Err(Error::Stopped),
-        Err(error) => {
-            let fallback = format!("no sound shell was found: {error}");
-            let made = faces(scan, components, options, Some(&format!("as {fallback}")), watch)?;
-            Ok(ScanConversion { made, fallback: Some(fallback) })
+    watch: &mut Observer,
+) -> Result<Conversion> {
+    let scan = scan.into();
+    let (memory, options) = match &scan {
+        Scan::Mesh(soup) => (Some(Memory::of(soup, options)), options.resolved(soup)?),
+        Scan::Cloud(cloud) => {
+            let memory = Memory::of_cloud(cloud.len(), options);
+            (Some(memory), options.resolved_in_cloud(cloud)?)
         }
-    }
-}
-
-/// Why one face does not hold a sheet. Other errors are returned.
-fn unsuited(error: Error, compressed: Option<CompressedRegion>) -> Result<String> {
-    let of_piece = match &error {
-        Error::Piece { error, .. } => error,
-        error => error,
-    };
-    match (of_piece, compressed) {
-        (Error::Stopped, Some(found)) => {
-            let p = found.at;
-            Ok(format!("the map compresses a part near ({:.3}, {:.3}, {:.3})", p.x, p.y, p.z))
+        Scan::Components(_) if options.places.are_open() => {
+            let error = "resolve the places of the options with the scan's soup first";
+            return Err(Error::Input(error));
         }
-        (Error::Folded { .. } | Error::Trim { .. }, _) => Ok(error.to_string()),
-        _ => Err(error),
-    }
-}
-
-/// The components that become solids, voids or shells. There are none if all become faces. If only some
-/// would become faces, these become shells, too.
-fn shapes(
-    scan: &Components,
-    components: &[Choice],
-    named: Option<TargetShape>,
-) -> Result<Vec<(Choice, TargetShape)>> {
-    let of =
-        |&component: &Choice| Ok((component, named.map_or_else(|| shape(scan, component), Ok)?));
-    let mut shapes: Vec<_> = components.iter().map(of).collect::<Result<_>>()?;
-    if shapes.iter().all(|of| of.1 == TargetShape::Face) {
-        return Ok(Vec::new());
-    }
-    for of in shapes.iter_mut().filter(|of| of.1 == TargetShape::Face) {
-        of.1 = TargetShape::Shell;
-    }
-    with_voids(scan, shapes)
-}
-
-/// The same with the voids of each solid after it. They are not chosen themselves.
-fn with_voids(
-    scan: &Components,
-    shapes: Vec<(Choice, TargetShape)>,
-) -> Result<Vec<(Choice, TargetShape)>> {
-    let mut all = Vec::with_capacity(shapes.len());
-    let mut inner = Vec::new();
-    for (component, shape) in shapes {
-        all.push((component, shape));
-        if shape == TargetShape::Solid {
-            let own = voids(scan, component)?;
-            all.extend(own.iter().map(|&component| (component, TargetShape::Void)));
-            inner.extend(own);
-        }
-    }
-    all.retain(|of| of.1 == TargetShape::Void || !inner.contains(&of.0));
-    Ok(all)
-}
-
-/// Why bodies became what they are, unless a shape was named.
-fn why(shapes: &[(Choice, TargetShape)]) -> &'static str {
-    match shapes.iter().all(|of| of.1 != TargetShape::Shell) {
-        true => "as the scan is closed or nearly so",
-        false => "as one face does not hold the scan",
-    }
-}
-
-fn faces(
-    scan: &Components,
-    components: &[Choice],
-    options: &Options,
-    why: Option<&str>,
-    watch: &mut ScanObserver,
-) -> Result<Converted> {
-    watch(0, Stage::Begin { shape: TargetShape::Face, components: components.len(), why })?;
-    convert_components(scan, components, options, watch).map(Converted::Faces)
-}
-
-fn bodies(
-    scan: &Components,
-    shapes: &[(Choice, TargetShape)],
-    options: &Options,
-    why: Option<&str>,
-    watch: &mut ScanObserver,
-) -> Result<Converted> {
-    let is_shell = shapes.iter().any(|of| of.1 == TargetShape::Shell);
-    let shape = if is_shell { TargetShape::Shell } else { TargetShape::Solid };
-    watch(0, Stage::Begin { shape, components: shapes.len(), why })?;
-    let one = |(number, &(component, shape)): (usize, &(Choice, TargetShape))| {
-        let options = options.of_component(component);
-        let body = convert_body(scan, shape, &options, &mut |stage| watch(number, stage))
-            .map_err(|error| error.of_component(component.number(), shapes.len()))?;
-        watch(number, Stage::BodyDone(&body))?;
-        Ok(body)
+        Scan::Components(_) => (None, options.clone()),
     };
-    shapes.iter().enumerate().map(one).collect::<Result<_>>().map(Converted::Bodies)
+    if let (Some(memory), Some(most)) = (memory, options.max_memory) {
+        memory.check(most)?;
+    }
+    threads::run(options.threads, || match scan {
+        Scan::Mesh(soup) => {
+            let made = components::converted(&mesh_components(&soup, &options)?, &options, watch)?;
+            Ok(Conversion { colour: soup.colour, ..made })
+        }
+        Scan::Cloud(cloud) => {
+            let mut progress = stage::within("cloud", watch);
+            let (scan, report) = cloud::components_of(cloud, &options, &mut progress)?;
+            drop(progress);
+            watch(Stage::Cloud(&report))?;
+            components::converted(&scan, &options, watch)
+        }
+        Scan::Components(scan) => components::converted(scan, &options, watch),
+    })?
 }

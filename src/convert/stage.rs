@@ -1,6 +1,6 @@
 //! What is told of a conversion while it goes on.
 
-use crate::convert::{BodyConversion, Conversion, TargetShape};
+use super::{Body, TargetShape};
 use crate::error::Result;
 use crate::mesh::{Disk, Patch, QuadMesh};
 use crate::spline::{Network, NetworkCut, Surface};
@@ -11,7 +11,7 @@ use crate::stages::{cloud, trim};
 #[derive(Debug)]
 #[non_exhaustive]
 pub enum Stage<'a> {
-    /// A conversion of components to a shape begins ([`convert_scan`](crate::convert::convert_scan)). What was shown
+    /// A conversion of components to a shape begins. What was shown
     /// before it led to no result.
     Begin {
         /// The shape that is tried.
@@ -47,10 +47,10 @@ pub enum Stage<'a> {
     Brep,
     /// The deviation.
     Deviation,
-    /// One of several components is converted ([`convert_components`](crate::convert::convert_components)).
-    Done(&'a Conversion),
-    /// One of several components is a solid, a void or a shell ([`convert_scan`](crate::convert::convert_scan)).
-    BodyDone(&'a BodyConversion),
+    /// The next stages are those of the component at this position.
+    Component(usize),
+    /// A component is converted.
+    Done(&'a Body),
     /// The stage of that name goes on, and has about so large a share of its time behind
     /// it: more than it was told of before.
     Within(&'static str, f64),
@@ -77,7 +77,8 @@ impl Stage<'_> {
             Stage::Network(_) => "network",
             Stage::Brep => "brep",
             Stage::Deviation => "deviation",
-            Stage::Done(_) | Stage::BodyDone(_) => "done",
+            Stage::Component(_) => "component",
+            Stage::Done(_) => "done",
             Stage::Within(name, _) => name,
         }
     }

@@ -18,11 +18,12 @@ const MAX_SAMPLES: usize = 64;
 /// The number of triangles or places, approximately, that suffice for the mean and the percentile.
 pub(crate) const SAMPLED: usize = 20_000;
 
-/// The distances of samples of a face from the triangles of the scan, in mm.
+/// The distances of places on faces from the triangles of the scan, in mm. A face that was fitted to a map of the
+/// scan has one place for each triangle, the farthest of its samples there. A network has even samples.
 #[derive(Debug, Clone, Default)]
 #[non_exhaustive]
 pub struct FaceToScan {
-    /// The root mean square over an even sample of the triangles.
+    /// The root mean square over an even sample of the places.
     pub rms: f64,
     /// The 95th percentile over the same sample.
     pub p95: f64,
@@ -33,11 +34,10 @@ pub struct FaceToScan {
     /// The chord error at this sample: an estimate of the distance between the flat triangles and
     /// the surface that they represent. A distance may exceed the tolerance by this amount.
     pub chord_error: f64,
-    /// The number of triangles from which the face deviates by more than the tolerance plus their
-    /// chord error.
+    /// The number of places that are farther from the triangles than the tolerance plus their chord error.
     pub beyond: usize,
-    /// The number of triangles that were sampled.
-    pub triangles: usize,
+    /// The number of places.
+    pub places: usize,
 }
 
 impl FaceToScan {
@@ -131,7 +131,7 @@ impl<'a> SurfaceOverMesh<'a> {
             max_at: worst.at.coords.into(),
             chord_error: self.chord_error(worst.triangle),
             beyond: self.deviating(&bounds, tolerance, 1.0, &is_on).len(),
-            triangles: count,
+            places: count,
         }
     }
 

@@ -2,8 +2,8 @@
 
 use rayon::prelude::*;
 
-use super::{Deviation, TrimmedFace};
-use crate::geometry::{Point, Uv, Vector};
+use super::{Deviation, FaceToScan, TrimmedFace};
+use crate::geometry::{Point, Uv, Vector, VertexId};
 use crate::mesh::{Mesh, QuadMesh, Triangles, nearest_on};
 use crate::spline::{KeptFace, KeptPlaces, Network, NetworkCut, ParametricSurface};
 
@@ -56,6 +56,8 @@ pub fn of_network(network: &Network, cut: &NetworkCut, points: &[Point]) -> Devi
 pub struct NetworkToScan {
     /// The distances of the samples whose nearest triangle was measured.
     pub deviation: Deviation,
+    /// The chord error of the triangle at the largest of them.
+    pub chord_error: f64,
     /// The largest of these distances on each face.
     pub largest: Vec<f64>,
     /// The number of these samples that are farther away than the tolerance and the chord error of the
@@ -81,19 +83,11 @@ pub struct FaceMiss {
 }
 
 impl NetworkToScan {
-    /// The same with all lengths multiplied by a factor.
-    pub(crate) fn scaled(self, factor: f64) -> Self {
-        let inverted = self.inverted.iter().map(|&(face, p)| (face, p * factor)).collect();
-        let largest = self.largest.iter().map(|off| off * factor).collect();
-        let miss = |miss: &FaceMiss| FaceMiss { wanted: miss.wanted * factor, ..*miss };
-        let misses = self.misses.iter().map(miss).collect();
-        NetworkToScan {
-            deviation: self.deviation.scaled(factor),
-            largest,
-            inverted,
-            misses,
-            ..self
-        }
+    /// The figures of all samples together.
+    pub(crate) fn report(&self) -> FaceToScan {
+        let Deviation { rms, p95, max, max_at, ref distances, .. } = self.deviation;
+        let (chord_error, beyond, places) = (self.chord_error, self.beyond, distances.len());
+        FaceToScan { rms, p95, max, max_at, chord_error, beyond, places }
     }
 }
 
@@ -127,7 +121,7 @@ pub fn network_to_scan(
                 nearest + (jet.s - nearest) * (chord / off)
             });
             let is_measured = is_measured[t];
-            NetworkSample { face, uv: at, at: jet.s, off, is_measured, wanted, inverted }
+            NetworkSample { face, uv: at, at: jet.s, off, corners, is_measured, wanted, inverted }
         };
         let places = surface.middles(SAMPLES).into_iter();
         places.filter(|&at| kept.contains(face, at)).map(sample).collect::<Vec<_>>()
@@ -140,8 +134,10 @@ pub fn network_to_scan(
     let miss = |s: &NetworkSample| Some(FaceMiss { face: s.face, at: s.uv, wanted: s.wanted? });
     let misses: Vec<FaceMiss> = measured().filter_map(miss).collect();
     let (points, distances): (Vec<Point>, Vec<f64>) = measured().map(|s| (s.at, s.off)).unzip();
+    let worst = measured().max_by(|a, b| a.off.total_cmp(&b.off));
     NetworkToScan {
         deviation: Deviation::of(&points, distances),
+        chord_error: worst.map_or(0.0, |s| mesh.chord_error(&normals, s.corners)),
         largest,
         beyond: misses.len(),
         misses,
@@ -156,7 +152,9 @@ struct NetworkSample {
     at: Point,
     /// The distance from the nearest triangle.
     off: f64,
-    /// Whether this triangle was measured.
+    /// The corners of this triangle.
+    corners: [VertexId; 3],
+    /// Whether it was measured.
     is_measured: bool,
     /// Where the place could be instead, if the distance exceeds the tolerance.
     wanted: Option<Point>,

@@ -2,7 +2,7 @@
 
 use super::scale::SPREAD;
 use super::view::ReportView;
-use crate::convert::{BodyConversion, Conversion};
+use crate::convert::{NetworkFit, SurfaceFit};
 use crate::geometry::{Uv, Vector, VertexId};
 use crate::mesh::Mesh;
 use crate::report::picture::scale::rounded_up;
@@ -46,7 +46,7 @@ pub(super) struct FaceMesh {
 impl FaceMesh {
     /// The triangles of a single face, one of `parts` conversions, with the same number of vertices in
     /// every cell between knots; or, if there are more cells than vertices, with some of these.
-    pub fn of_face(c: &Conversion, outlines: &[Vec<Uv>], parts: usize) -> Option<FaceMesh> {
+    pub fn of_face(c: &SurfaceFit, outlines: &[Vec<Uv>], parts: usize) -> Option<FaceMesh> {
         let inner = c.surface.middles(cell_steps(c.surface.middles(1).len(), parts));
         let every = (inner.len() * parts).div_ceil(MOST_FACE_POINTS).max(1);
         let inner: Vec<Uv> = inner.into_iter().step_by(every).collect();
@@ -58,8 +58,8 @@ impl FaceMesh {
         Some(mesh)
     }
 
-    /// The triangles of the kept faces of a body, one of `parts` conversions.
-    pub fn of_body(body: &BodyConversion, parts: usize) -> FaceMesh {
+    /// The triangles of the kept faces of a network, one of `parts` conversions.
+    pub fn of_network(body: &NetworkFit, parts: usize) -> FaceMesh {
         let surfaces = &body.network.surfaces;
         let count = cell_steps(surfaces.iter().map(|s| s.middles(1).len()).sum(), parts);
         let kept = body.cut.kept_places(&body.network);

@@ -1,44 +1,54 @@
-//! The figures of one face.
+//! The figures of one body.
 
-use super::{InputFigures, ScanSource, ShapeFigures};
-use crate::convert::Conversion;
+use super::{InputFigures, PatchFigures, ScanSource, ShapeFigures};
+use crate::convert::{Body, SurfaceFit};
 use crate::deviation::{Deviation, FaceToScan};
 use crate::mesh::Bound;
+use crate::spline::Surface;
+use crate::stages::adapt::Adapted;
 use crate::stages::{fill, fit, smooth};
 
-/// What the conversion of one component did and how well.
+/// What the conversion of one component did and how well. Only one face has the figures that are optional
+/// before `faces`, and only a network of faces has a list of them.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
-pub struct FaceFigures {
+pub struct BodyFigures {
     /// The scan's file and the component.
     pub input: InputFigures,
     /// Standard deviation of the scan's noise along the normal; 0 if the scan shows none.
     pub noise_mm: f64,
-    /// The tolerance that the face was made for.
+    /// The tolerance that the body was made for.
     pub tolerance_mm: f64,
-    /// Whether the face keeps it ([`Conversion::tolerance_met`]).
+    /// Whether the body keeps it ([`Body::tolerance_met`]).
     pub tolerance_met: bool,
     /// What smoothing did.
     pub smooth: SmoothFigures,
     /// What was filled.
     pub fill: FillFigures,
     /// What was thinned for the map and the fit.
-    pub thin: ThinFigures,
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub thin: Option<ThinFigures>,
     /// How good the map to the parameter plane is.
-    pub parameterize: MapFigures,
-    /// The surface, and how far the smoothed points are from the face.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub parameterize: Option<MapFigures>,
+    /// The surfaces, and how far the smoothed points are from the faces.
     pub fit: FitFigures,
-    /// How far the points as measured are from the face.
+    /// How far the points as measured are from the faces.
     pub deviation: DeviationFigures,
-    /// How far the face is from the triangles of the smoothed scan.
+    /// How far the faces are from the triangles of the smoothed scan.
     pub face_to_scan: FaceToScanFigures,
     /// How far a trim loop may be from its rim.
-    pub rim_tolerance_mm: f64,
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub rim_tolerance_mm: Option<f64>,
     /// The loops that bound the face and its islands.
-    pub trim: Vec<TrimFigures>,
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub trim: Option<Vec<TrimFigures>>,
     /// The elements of the B-rep, and their area.
     pub shape: ShapeFigures,
+    /// Each face, in the order of the B-rep.
+    #[cfg_attr(feature = "serde", serde(skip_serializing_if = "Option::is_none"))]
+    pub faces: Option<Vec<PatchFigures>>,
 }
 
 /// What smoothing did.
@@ -128,35 +138,39 @@ pub struct MapFigures {
     pub aspect: f64,
 }
 
-/// The fitted surface, and how far the smoothed points are from the face.
+/// The fitted surfaces, and how far the smoothed points are from the faces.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct FitFigures {
-    /// How the surface was fitted ([`fit::Method`]): "blend", "refined" or "global".
+    /// How the surface was fitted: as [`fit::Method`] says, "blend", "refined" or "global"; or, for several
+    /// faces, "subdivision".
     pub method: &'static str,
     /// Degree along u and v.
     pub degree: [usize; 2],
-    /// Control points along u and v.
-    pub net: [usize; 2],
+    /// Control points along u and v; `None` if there are several faces.
+    pub net: Option<[usize; 2]>,
+    /// Statistics of the distances.
+    #[cfg_attr(feature = "serde", serde(flatten))]
+    pub deviation: DeviationFigures,
+    /// The percentage of points that keep the tolerance.
+    pub within_pct: f64,
+    /// What only the fit of one surface has.
+    #[cfg_attr(feature = "serde", serde(flatten))]
+    pub of_surface: Option<SurfaceFitFigures>,
+}
+
+/// The figures that only the fit of one surface has.
+#[derive(Debug, Clone, PartialEq)]
+#[cfg_attr(feature = "serde", derive(serde::Serialize))]
+#[non_exhaustive]
+pub struct SurfaceFitFigures {
     /// Knots along u, each as often as it is repeated.
     pub knots_u: usize,
     /// Knots along v, each as often as it is repeated.
     pub knots_v: usize,
-    /// Root mean square of the distances.
-    pub rms_mm: f64,
-    /// The distance that 95 % of the points keep.
-    pub p95_mm: f64,
-    /// The distance that 99 % of the points keep.
-    pub p99_mm: f64,
-    /// The largest distance.
-    pub max_mm: f64,
-    /// The point that has it.
-    pub max_at: [f64; 3],
-    /// The percentage of points that keep the tolerance.
-    pub within_pct: f64,
-    /// How many of these are farther from the face than the tolerance, because a trim loop, which smooths
-    /// the rim, cuts them off.
+    /// How many of the points within the tolerance are farther from the face, because a trim loop, which
+    /// smooths the rim, cuts them off.
     pub cut_off: usize,
     /// Mean distance between points and the surface at their parameters.
     pub mean_parametric_mm: f64,
@@ -189,12 +203,12 @@ pub struct DeviationFigures {
     pub max_at: [f64; 3],
 }
 
-/// Distances of the face from the scan's triangles.
+/// Distances of the faces from the scan's triangles.
 #[derive(Debug, Clone, PartialEq)]
 #[cfg_attr(feature = "serde", derive(serde::Serialize))]
 #[non_exhaustive]
 pub struct FaceToScanFigures {
-    /// Root mean square over an even sample of the triangles.
+    /// Root mean square over an even sample of the places.
     pub rms_mm: f64,
     /// The distance that 95 % of the same keep.
     pub p95_mm: f64,
@@ -204,9 +218,9 @@ pub struct FaceToScanFigures {
     pub max_at: [f64; 3],
     /// How far the scan's flat triangles are from the surface that they stand for, there.
     pub chord_error_mm: f64,
-    /// Triangles that were looked at.
-    pub triangles: usize,
-    /// Triangles that the face leaves by more than the tolerance and their chord error.
+    /// Places that were compared with the triangles: of one face one for each triangle.
+    pub places: usize,
+    /// Places that are farther away than the tolerance and the chord error.
     pub beyond: usize,
 }
 
@@ -241,25 +255,26 @@ pub struct TrimOf {
     pub island: Option<usize>,
 }
 
-impl FaceFigures {
-    /// The figures of one conversion of a scan. The share `outliers` of points may exceed the
-    /// tolerance.
-    pub fn of(c: &Conversion, source: &ScanSource, outliers: f64) -> Self {
-        FaceFigures {
-            input: InputFigures::of(&c.input, source),
-            noise_mm: c.noise,
-            tolerance_mm: c.tolerance,
-            tolerance_met: c.tolerance_met(outliers),
-            smooth: SmoothFigures::of(&c.smooth),
-            fill: FillFigures { holes: filled_holes(&c.fill, &c.trimmed) },
-            thin: ThinFigures { vertices: c.thin.vertices, removed: c.thin.removed },
-            parameterize: map(c),
-            fit: FitFigures::of(c),
-            deviation: DeviationFigures::of(&c.deviation),
-            face_to_scan: FaceToScanFigures::of(&c.face_to_scan),
-            rim_tolerance_mm: c.rim_tolerance,
-            trim: trim(c),
-            shape: ShapeFigures::of_face(c),
+impl BodyFigures {
+    /// The figures of one body of a scan. The share `outliers` of points may exceed the tolerance.
+    pub fn of(body: &Body, source: &ScanSource, outliers: f64) -> Self {
+        let face = body.face();
+        BodyFigures {
+            input: InputFigures::of(&body.input, source),
+            noise_mm: body.noise,
+            tolerance_mm: body.tolerance,
+            tolerance_met: body.tolerance_met(outliers),
+            smooth: SmoothFigures::of(&body.smooth),
+            fill: FillFigures { holes: filled_holes(&body.fill, &body.trimmed) },
+            thin: face.map(|f| ThinFigures { vertices: f.thin.vertices, removed: f.thin.removed }),
+            parameterize: face.map(map),
+            fit: FitFigures::of(body),
+            deviation: DeviationFigures::of(&body.deviation),
+            face_to_scan: FaceToScanFigures::of(&body.face_to_scan),
+            rim_tolerance_mm: face.map(|f| f.rim_tolerance),
+            trim: face.map(trim),
+            shape: ShapeFigures::of(body),
+            faces: body.network().map(|fit| PatchFigures::all(body, fit)),
         }
     }
 }
@@ -277,7 +292,7 @@ impl SmoothFigures {
 }
 
 /// The figures of holes, and whether each was cut out.
-pub(super) fn filled_holes(report: &fill::Report, trimmed: &[bool]) -> Vec<HoleFigures> {
+fn filled_holes(report: &fill::Report, trimmed: &[bool]) -> Vec<HoleFigures> {
     let figures = |(hole, &trimmed): (&fill::Hole, &bool)| HoleFigures {
         rim_vertices: hole.rim_vertices,
         rim_length_mm: hole.rim_length,
@@ -297,7 +312,7 @@ pub(super) fn filled_holes(report: &fill::Report, trimmed: &[bool]) -> Vec<HoleF
     report.holes.iter().zip(trimmed).map(figures).collect()
 }
 
-fn map(c: &Conversion) -> MapFigures {
+fn map(c: &SurfaceFit) -> MapFigures {
     let report = &c.parameterize;
     MapFigures {
         outline: if c.outer.is_some() { "sides" } else { "free" },
@@ -313,28 +328,35 @@ fn map(c: &Conversion) -> MapFigures {
 }
 
 impl FitFigures {
-    fn of(c: &Conversion) -> Self {
-        let d = &c.fit_deviation;
-        let within = d.distances.len() - c.missed.points;
+    fn of(body: &Body) -> Self {
+        let all = body.fit_deviation.distances.len();
+        let within = all - body.missed.points;
+        let face = body.face();
+        let surface = face.map(|face| &face.surface);
         FitFigures {
-            method: fit_method(c.fit.fit.method),
-            degree: [c.surface.u.degree(), c.surface.v.degree()],
-            net: c.surface.shape(),
-            knots_u: c.surface.u.knots().len(),
-            knots_v: c.surface.v.knots().len(),
-            rms_mm: d.rms,
-            p95_mm: d.p95,
-            p99_mm: d.p99,
-            max_mm: d.max,
-            max_at: d.max_at,
-            within_pct: 100.0 * within as f64 / d.distances.len().max(1) as f64,
-            cut_off: c.cut_off(),
-            mean_parametric_mm: c.fit.mean_error,
-            kappa_mm: c.fit.kappa,
-            rounds: c.fit.rounds,
-            steps: c.fit.fit.steps,
-            folds: c.fit.folds.map(|folds| folds.inverted),
-            places: c.fit.folds.map(|folds| folds.samples),
+            method: face.map_or("subdivision", |face| fit_method(face.adapted.fit.method)),
+            degree: surface.map_or([3, 3], |surface| [surface.u.degree(), surface.v.degree()]),
+            net: surface.map(Surface::shape),
+            deviation: DeviationFigures::of(&body.fit_deviation),
+            within_pct: 100.0 * within as f64 / all.max(1) as f64,
+            of_surface: face.map(|face| SurfaceFitFigures::of(body, face)),
+        }
+    }
+}
+
+impl SurfaceFitFigures {
+    fn of(body: &Body, face: &SurfaceFit) -> Self {
+        let Adapted { fit, mean_error, kappa, rounds, folds, .. } = &face.adapted;
+        SurfaceFitFigures {
+            knots_u: face.surface.u.knots().len(),
+            knots_v: face.surface.v.knots().len(),
+            cut_off: body.cut_off(),
+            mean_parametric_mm: *mean_error,
+            kappa_mm: *kappa,
+            rounds: *rounds,
+            steps: fit.steps,
+            folds: folds.map(|folds| folds.inverted),
+            places: folds.map(|folds| folds.samples),
         }
     }
 }
@@ -369,13 +391,13 @@ impl FaceToScanFigures {
             max_mm: d.max,
             max_at: d.max_at,
             chord_error_mm: d.chord_error,
-            triangles: d.triangles,
+            places: d.places,
             beyond: d.beyond,
         }
     }
 }
 
-fn trim(c: &Conversion) -> Vec<TrimFigures> {
+fn trim(c: &SurfaceFit) -> Vec<TrimFigures> {
     let sides = c.outer.map(|(control_points, max_from_rim_mm)| TrimFigures {
         number: 0,
         outer: true,

@@ -4,47 +4,26 @@
 use formats::LengthUnit;
 
 use super::{ScanSource, Setting, Settings, unused};
-use crate::convert::{BodyConversion, Conversion, TargetShape};
+use crate::convert::{Body, Conversion};
 use crate::geometry::{Vector, box_of};
 use crate::words::mm;
 
-/// The hints of some conversions of one scan.
-pub(super) fn of(
-    conversions: &[Conversion],
-    source: &ScanSource,
-    settings: &Settings,
-) -> Vec<String> {
-    let components = conversions.iter().map(|c| &c.input.bounds);
-    let mut hints: Vec<String> = odd_size(source, components).into_iter().collect();
-    hints.extend(unused::of(settings, source, TargetShape::Face.word()));
-    for c in conversions {
-        let part = if conversions.len() > 1 {
-            format!("component {}: ", c.input.component)
-        } else {
-            String::new()
+/// The hints of a conversion.
+pub(super) fn of(conversion: &Conversion, source: &ScanSource, settings: &Settings) -> Vec<String> {
+    let bodies: Vec<&Body> = conversion.bodies().collect();
+    let mut hints: Vec<String> =
+        odd_size(source, bodies.iter().map(|body| &body.input.bounds)).into_iter().collect();
+    let shape = bodies.first().map(|body| body.shape.word());
+    hints.extend(shape.into_iter().flat_map(|shape| unused::of(settings, source, shape)));
+    for body in &bodies {
+        let part = match bodies.len() {
+            1 => String::new(),
+            _ => format!("component {}: ", body.input.component),
         };
-        let own = c.hints.iter().cloned().chain(left_out(settings, c));
+        let own = body.hints.iter().cloned().chain(left_out(settings, body));
         hints.extend(own.map(|hint| part.clone() + &hint));
     }
     hints
-}
-
-/// The hints of some solids and shells of one scan.
-pub(super) fn of_bodies(
-    bodies: &[BodyConversion],
-    source: &ScanSource,
-    settings: &Settings,
-) -> Vec<String> {
-    let outliers = settings.outliers / 100.0;
-    let odd_size = odd_size(source, bodies.iter().map(|body| &body.input.bounds));
-    let missed = |body: &&BodyConversion| !body.tolerance_named && !body.tolerance_met(outliers);
-    let missed = bodies.iter().filter(missed).map(|body| {
-        let (shape, beyond) = (body.shape.word(), body.beyond());
-        format!("the {shape} is not as good as the scan: {beyond}; --faces asks for more faces")
-    });
-    let shape = bodies.first().map(|body| body.shape.word());
-    let unused = shape.map_or(Vec::new(), |shape| unused::of(settings, source, shape));
-    odd_size.into_iter().chain(unused).chain(missed).collect()
 }
 
 /// Sizes of a scan in mm that make the assumed unit likely: more than a thimble, less than a
@@ -145,7 +124,7 @@ pub(super) fn unit_by_cad(
 /// scan is more than dust.
 const LEFT_OUT: f64 = 0.1;
 
-fn left_out(settings: &Settings, c: &Conversion) -> Option<String> {
+fn left_out(settings: &Settings, c: &Body) -> Option<String> {
     let all = (c.input.triangles + c.input.island_triangles + c.input.left_out) as f64;
     let share = c.input.left_out as f64 / all.max(1.0);
     (settings.component != Setting::Word("all") && share > LEFT_OUT).then(|| {

@@ -15,7 +15,7 @@ use super::bars::histograms;
 use super::command::shell_words;
 use super::far_places::far_places;
 use super::scale::Ends;
-use super::{BodyReport, Report, ReportView, filters, scene};
+use super::{Report, ReportView, filters, scene};
 use crate::words::{box_extents, tolerance_reason};
 
 /// The page's program, in parts that share one function.
@@ -29,7 +29,7 @@ const SCRIPT: &str = concat!(
 
 impl Report {
     /// Writes the report as a page for a browser: one file that needs nothing else. `views` are
-    /// those of the conversions of the report, in its order, and `still` is a picture of them
+    /// those of the bodies of the report, in its order, and `still` is a picture of them
     /// ([`picture_png`](super::picture_png)).
     ///
     /// # Errors
@@ -40,34 +40,9 @@ impl Report {
         still: &[u8],
         out: &mut dyn Write,
     ) -> io::Result<()> {
-        write_page(&self.name(), &self.to_value(), views, still, out)
+        let page = page(&self.name(), &self.to_value(), views, still);
+        out.write_all(page.map_err(io::Error::other)?.as_bytes())
     }
-}
-
-impl BodyReport {
-    /// The same for the report of solids and shells.
-    ///
-    /// # Errors
-    /// Those of `out`.
-    pub fn write_html(
-        &self,
-        views: &[ReportView],
-        still: &[u8],
-        out: &mut dyn Write,
-    ) -> io::Result<()> {
-        write_page(&self.name(), &self.to_value(), views, still, out)
-    }
-}
-
-fn write_page(
-    name: &str,
-    figures: &Value,
-    views: &[ReportView],
-    still: &[u8],
-    out: &mut dyn Write,
-) -> io::Result<()> {
-    let page = page(name, figures, views, still);
-    out.write_all(page.map_err(io::Error::other)?.as_bytes())
 }
 
 /// The text of the page.

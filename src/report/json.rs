@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use serde_json::Value;
 
-use super::{BodyReport, CheckFigures, InspectionFigures, Report};
+use super::{CheckFigures, InspectionFigures, Report};
 
 impl Report {
     /// The report as JSON, with a line feed at the end. `docs/report.schema.json` describes it.
@@ -24,26 +24,6 @@ impl Report {
     /// The report as a JSON value.
     pub fn to_value(&self) -> Value {
         value(self)
-    }
-}
-
-impl BodyReport {
-    /// The report as JSON, with a line feed at the end.
-    pub fn to_json(&self) -> String {
-        format!("{:#}\n", self.to_value())
-    }
-
-    /// The report as a JSON value.
-    pub fn to_value(&self) -> Value {
-        value(self)
-    }
-
-    /// Writes the same text.
-    ///
-    /// # Errors
-    /// Those of `out`.
-    pub fn write_json(&self, out: &mut dyn Write) -> io::Result<()> {
-        out.write_all(self.to_json().as_bytes())
     }
 }
 

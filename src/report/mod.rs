@@ -1,12 +1,12 @@
 //! Reports: what a conversion did and how well, as types, text, a page and a picture.
 //!
-//! [`Report`] goes in front of all of them: it is made of one or more [`Conversion`]s, the
-//! [`ScanSource`] that they came from and the [`Settings`] that they were made with. The program's
+//! [`Report`] goes in front of all of them: it is made of a [`Conversion`], the
+//! [`ScanSource`] that it came from and the [`Settings`] that it was made with. The program's
 //! `--report FILE` writes the same types, and `docs/report.schema.json` describes them.
 //!
 //! | feature | what it adds |
 //! | --- | --- |
-//! | none | the types: [`Report`], [`FaceFigures`] and their parts |
+//! | none | the types: [`Report`], [`BodyFigures`] and their parts |
 //! | `serde` | `serde::Serialize` for all of them |
 //! | `json` | `Report::to_json`, the text of `--report FILE.json` |
 //! | `picture` | `ReportView` and `picture_png`, the picture of `--report FILE.png` |
@@ -14,7 +14,6 @@
 //!
 //! Lengths are millimetres, points are x, y, z. Each field has the name that the JSON has.
 
-mod body;
 mod check;
 mod cloud;
 mod figures;
@@ -54,12 +53,11 @@ mod plane;
 #[cfg(feature = "html")]
 mod scene;
 
-pub use body::{BodyFigures, BodyFitFigures, BodyReport};
 pub use check::{CadFigures, CheckFigures, CheckedScan, DistanceFigures, MeasuredComponents};
 pub use cloud::{CloudFigures, CloudMeshFigures, ScanFigures};
 pub use figures::{
-    DeviationFigures, FaceFigures, FaceToScanFigures, FillFigures, FitFigures, HoleFigures,
-    MapFigures, SmoothFigures, ThinFigures, TrimFigures, TrimOf,
+    BodyFigures, DeviationFigures, FaceToScanFigures, FillFigures, FitFigures, HoleFigures,
+    MapFigures, SmoothFigures, SurfaceFitFigures, ThinFigures, TrimFigures, TrimOf,
 };
 pub use hints::likely_unit;
 pub use input::{InputFigures, InspectionFigures, PieceFigures, RimFigures, ScanSource};
@@ -93,10 +91,10 @@ use crate::convert::Conversion;
 ///
 /// let source = ScanSource::of("sheet.ply", &soup, &options);
 /// let settings = Settings::of(&options, &source);
-/// let report = Report::of(&[conversion], &source, settings);
-/// let face = &report.faces[0];
+/// let report = Report::of(&conversion, &source, settings);
+/// let face = &report.bodies[0];
 /// assert_eq!(face.input.units, "cm");
-/// assert!(face.tolerance_met && face.fit.max_mm < 0.1);
+/// assert!(face.tolerance_met && face.fit.deviation.max_mm < 0.1);
 /// // With the feature `json`: std::fs::write("sheet.json", report.to_json())?;
 /// # Ok(())
 /// # }
@@ -107,11 +105,10 @@ use crate::convert::Conversion;
 pub struct Report {
     /// The version of this library.
     pub scan2step: &'static str,
-    /// The figures of each face, in the order of the conversions. In the JSON the figures of
-    /// the first face stand beside the other fields, and all are in `components` if there are
-    /// several.
+    /// The figures of each body. In the JSON those of the first stand beside the other fields, and all are in
+    /// `components` if there are several.
     #[cfg_attr(feature = "serde", serde(flatten, serialize_with = "serialize_parts"))]
-    pub faces: Vec<FaceFigures>,
+    pub bodies: Vec<BodyFigures>,
     /// Whether the caller named the tolerance.
     pub tolerance_named: bool,
     /// The percentage of points that may exceed the tolerance.
@@ -163,16 +160,21 @@ pub struct OutputFile {
 const VERSION: &str = env!("CARGO_PKG_VERSION");
 
 impl Report {
-    /// The report of some conversions of one scan. The command, stages, outputs, seconds and memory
+    /// The report of a conversion. The command, stages, outputs, seconds and memory
     /// are empty or 0 until the caller fills them in.
-    pub fn of(conversions: &[Conversion], source: &ScanSource, settings: Settings) -> Self {
+    pub fn of(conversion: &Conversion, source: &ScanSource, settings: Settings) -> Self {
         let outliers = settings.outliers / 100.0;
+        let figures = |body| {
+            let mut figures = BodyFigures::of(body, source, outliers);
+            figures.shape.fallback.clone_from(&conversion.fallback);
+            figures
+        };
         Report {
             scan2step: VERSION,
-            faces: conversions.iter().map(|c| FaceFigures::of(c, source, outliers)).collect(),
+            bodies: conversion.bodies().map(figures).collect(),
             tolerance_named: settings.tolerance.is_some(),
             outliers_pct: settings.outliers,
-            hints: hints::of(conversions, source, &settings),
+            hints: hints::of(conversion, source, &settings),
             settings,
             command: Vec::new(),
             stages: Vec::new(),
@@ -182,10 +184,10 @@ impl Report {
         }
     }
 
-    /// The name of the scan's file without its folder; empty if there is no face.
+    /// The name of the scan's file without its folder; empty if there is no body.
     #[cfg(feature = "html")]
     fn name(&self) -> String {
-        self.faces.first().map_or(String::new(), |face| file_name(&face.input.file))
+        self.bodies.first().map_or(String::new(), |body| file_name(&body.input.file))
     }
 }
 

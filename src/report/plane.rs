@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::convert::Conversion;
+use crate::convert::SurfaceFit;
 use crate::geometry::Uv;
 
 /// Units of the drawing for the longer side.
@@ -22,8 +22,8 @@ pub struct PlaneDrawing {
 }
 
 impl PlaneDrawing {
-    /// The drawing of a conversion. `outlines` are its loops as polygons.
-    pub fn of(c: &Conversion, outlines: &[Vec<Uv>]) -> Self {
+    /// The drawing of a surface. `outlines` are its loops as polygons.
+    pub fn of(c: &SurfaceFit, outlines: &[Vec<Uv>]) -> Self {
         let ((u0, u1), (v0, v1)) = (c.surface.u.range(), c.surface.v.range());
         // The proportion of the patch on the scan, but no narrower than 1 to 4.
         let aspect = c.parameterize.stretch.aspect;

@@ -148,19 +148,13 @@ impl Settings {
             },
             keep_fills: options.cut == Cut::None,
             component: match options.component {
+                _ if options.all_components => Setting::Word("all"),
                 Choice::Largest => Setting::Word("largest"),
                 Choice::Number(n) => Setting::Value(n),
             },
             schema: schema(step::Schema::default()),
             iges: form(iges::Form::default()),
         }
-    }
-
-    /// The same with all components, as [`convert_components`](crate::convert::convert_components)
-    /// takes those of [`Components::all`](crate::mesh::Components::all).
-    #[must_use]
-    pub fn of_all_components(self) -> Self {
-        Settings { component: Setting::Word("all"), ..self }
     }
 
     /// The same with the schema and the form of the files that were written.

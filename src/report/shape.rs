@@ -3,7 +3,7 @@
 use formats::Brep;
 use formats::brep::ShellId;
 
-use crate::convert::{BodyConversion, Conversion};
+use crate::convert::{Body, NetworkFit, Seams};
 
 /// The shape that a scan became.
 #[derive(Debug, Clone, PartialEq)]
@@ -92,22 +92,18 @@ pub struct PatchFigures {
 }
 
 impl ShapeFigures {
-    /// The figures of one face.
-    pub(super) fn of_face(face: &Conversion) -> Self {
-        let control_points = face.surface.net.len();
-        ShapeFigures { control_points, ..Self::of_brep(&face.brep, "face") }
-    }
-
-    /// The figures of a solid, a void or a shell.
-    pub(super) fn of_body(body: &BodyConversion) -> Self {
-        let seams = body.seams;
+    /// The figures of a body.
+    pub(super) fn of(body: &Body) -> Self {
+        let control_points = body.surfaces().iter().map(|surface| surface.net.len()).sum();
+        let of_brep = Self::of_brep(&body.brep, body.shape.word());
+        let figures = ShapeFigures { control_points, volume_mm3: body.volume(), ..of_brep };
+        let Some(fit) = body.network() else { return figures };
+        let Seams { mean, p95, max } = fit.seams;
         ShapeFigures {
-            irregular_vertices: body.irregular,
-            control_points: body.network.surfaces.iter().map(|s| s.net.len()).sum(),
-            volume_mm3: body.volume,
-            seam_deg: SeamFigures { mean: seams.mean, p95: seams.p95, max: seams.max },
-            folds: body.face_to_scan.inverted.len(),
-            ..Self::of_brep(&body.brep, body.shape.word())
+            irregular_vertices: fit.irregular,
+            seam_deg: SeamFigures { mean, p95, max },
+            folds: fit.folds,
+            ..figures
         }
     }
 
@@ -135,14 +131,14 @@ impl ShapeFigures {
 }
 
 impl PatchFigures {
-    /// The figures of all faces of a body.
-    pub(super) fn all(body: &BodyConversion) -> Vec<Self> {
+    /// The figures of all faces of a network.
+    pub(super) fn all(body: &Body, fit: &NetworkFit) -> Vec<Self> {
         let face = |(number, face): (usize, &crate::spline::KeptFace)| {
-            let surface = &body.network.surfaces[face.surface];
+            let surface = &fit.network.surfaces[face.surface];
             let (points, rms_mm, max_mm) = body.fit_deviation.of_face(number);
             let net = [surface.u.functions(), surface.v.functions()];
             PatchFigures { surface: "spline", net, rms_mm, max_mm, points }
         };
-        body.cut.faces.iter().enumerate().map(face).collect()
+        fit.cut.faces.iter().enumerate().map(face).collect()
     }
 }

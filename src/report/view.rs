@@ -6,7 +6,9 @@ use std::collections::HashSet;
 use super::face_mesh::FaceMesh;
 #[cfg(feature = "html")]
 use super::plane::PlaneDrawing;
-use crate::convert::{BodyConversion, Conversion, Stage};
+#[cfg(feature = "html")]
+use crate::convert::SurfaceFit;
+use crate::convert::{Body, BodyFit, NetworkFit, Stage};
 use crate::deviation::{Deviation, of_network};
 use crate::error::{Error, Result};
 use crate::geometry::{Point, VertexId};
@@ -95,44 +97,18 @@ impl ViewRecorder {
         }
     }
 
-    /// The view of a conversion of which the recorder has seen every stage: one of `parts` views
-    /// that are drawn together.
+    /// The view of a body of which the recorder has seen every stage: one of `parts` views that are drawn
+    /// together.
     ///
     /// # Errors
-    /// [`Error::Input`]: the recorder has not seen the mesh of this conversion.
-    pub fn view(self, c: &Conversion, parts: usize) -> Result<ReportView> {
-        let count = c.fit_deviation.distances.len();
-        let disk = self.seen(count)?;
-        let distances = [signed(c.vertex_deviation()), signed(&c.fit_deviation)];
-        let [m, n] = c.surface.shape();
-        let cut = plural(c.trimmed.iter().filter(|t| **t).count(), "hole");
-        let figures = ViewFigures {
-            vertices: c.input.vertices,
-            bounds: c.input.bounds,
-            tolerance: c.tolerance,
-            measured: c.deviation.clone(),
-            vertex_p95: c.vertex_deviation().p95,
-            smoothed: c.fit_deviation.clone(),
-            beyond: c.missed.points,
-            cut_off: c.cut_off(),
-            made: format!("{m} × {n} control points, {cut} cut out"),
-        };
-        let view = ReportView::new(&disk, distances, figures, parts);
-        #[cfg(feature = "html")]
-        let view = view.with_face(c, parts);
-        Ok(view)
-    }
-
-    /// The view of a solid or a shell of which the recorder has seen every stage: one of `parts` views
-    /// that are drawn together.
-    ///
-    /// # Errors
-    /// [`Error::Input`]: the recorder has not seen the mesh of this conversion.
-    pub fn view_of_body(self, body: &BodyConversion, parts: usize) -> Result<ReportView> {
+    /// [`Error::Input`]: the recorder has not seen the mesh of this body.
+    pub fn view(self, body: &Body, parts: usize) -> Result<ReportView> {
         let disk = self.seen(body.fit_deviation.distances.len())?;
-        let of_vertices = of_network(&body.network, &body.cut, &disk.mesh.points);
-        let distances = [signed(&of_vertices), signed(&body.fit_deviation)];
-        let faces = plural(body.brep.faces.len(), "face");
+        let of_vertices = match &body.fit {
+            BodyFit::Face(_) => body.vertex_deviation(),
+            BodyFit::Network(fit) => &of_network(&fit.network, &fit.cut, &disk.mesh.points),
+        };
+        let distances = [signed(of_vertices), signed(&body.fit_deviation)];
         let figures = ViewFigures {
             vertices: body.input.vertices,
             bounds: body.input.bounds,
@@ -140,24 +116,22 @@ impl ViewRecorder {
             measured: body.deviation.clone(),
             vertex_p95: of_vertices.p95,
             smoothed: body.fit_deviation.clone(),
-            beyond: body.fit_deviation.beyond(body.tolerance),
-            cut_off: 0,
-            made: match body.volume {
-                Some(volume) if volume < 0.0 => {
-                    format!("a void of {faces}, {}³", separated(&mm(-volume)))
-                }
-                Some(volume) => format!("a solid of {faces}, {}³", separated(&mm(volume))),
-                None => format!("a shell of {faces}"),
-            },
+            beyond: body.missed.points,
+            cut_off: body.cut_off(),
+            made: made(body),
         };
         let mut view = ReportView::new(&disk, distances, figures, parts);
-        view.seams = seams(body);
-        view.irregular = irregular(body);
-        #[cfg(feature = "html")]
-        {
-            view.outer_and_holes = [0, disk.holes.len()];
-            view.edges = view.seams.iter().map(|seam| (None, seam.clone())).collect();
-            view.face = Some(FaceMesh::of_body(body, parts));
+        match &body.fit {
+            BodyFit::Network(fit) => {
+                view.seams = seams(&body.brep);
+                view.irregular = irregular(&body.brep, fit);
+                #[cfg(feature = "html")]
+                view.show_network(fit, disk.holes.len(), parts);
+            }
+            #[cfg(feature = "html")]
+            BodyFit::Face(face) => view.show_face(face, body.trimmed.len(), parts),
+            #[cfg(not(feature = "html"))]
+            BodyFit::Face(_) => {}
         }
         Ok(view)
     }
@@ -166,6 +140,23 @@ impl ViewRecorder {
     fn seen(self, count: usize) -> Result<Disk> {
         let seen = self.measured.filter(|disk| disk.mesh.points.len() == count);
         seen.ok_or(Error::Input("the recorder must see every stage of a conversion"))
+    }
+}
+
+/// What became of the scan.
+fn made(body: &Body) -> String {
+    let faces = plural(body.brep.faces.len(), "face");
+    match (body.face(), body.volume()) {
+        (Some(face), _) => {
+            let [m, n] = face.surface.shape();
+            let cut = plural(body.trimmed.iter().filter(|t| **t).count(), "hole");
+            format!("{m} × {n} control points, {cut} cut out")
+        }
+        (None, Some(volume)) => {
+            let shape = body.shape.word();
+            format!("a {shape} of {faces}, {}³", separated(&mm(volume.abs())))
+        }
+        (None, None) => format!("a shell of {faces}"),
     }
 }
 
@@ -206,9 +197,17 @@ impl ReportView {
         }
     }
 
-    /// The same with what only a page shows of a face.
+    /// Adds what only a page shows of a network.
     #[cfg(feature = "html")]
-    fn with_face(mut self, c: &Conversion, parts: usize) -> Self {
+    fn show_network(&mut self, fit: &NetworkFit, holes: usize, parts: usize) {
+        self.outer_and_holes = [0, holes];
+        self.edges = self.seams.iter().map(|seam| (None, seam.clone())).collect();
+        self.face = Some(FaceMesh::of_network(fit, parts));
+    }
+
+    /// Adds what only a page shows of a face.
+    #[cfg(feature = "html")]
+    fn show_face(&mut self, c: &SurfaceFit, holes: usize, parts: usize) {
         let outlines = outlines(&c.loops);
         let sides = c.outer.map(|_| outer_edges(&c.surface)).into_iter().flatten();
         let sides = sides.map(|(edge, _, _)| {
@@ -219,11 +218,10 @@ impl ReportView {
             (ring.of.hole(), points.collect())
         });
         self.edges = sides.chain(loops).collect();
-        self.outer_and_holes = [1, c.trimmed.len()];
+        self.outer_and_holes = [1, holes];
         self.net = Some((c.surface.shape(), c.surface.net.iter().map(|&p| p.into()).collect()));
         self.face = FaceMesh::of_face(c, &outlines, parts);
         self.plane = Some(PlaneDrawing::of(c, &outlines));
-        self
     }
 }
 
@@ -231,22 +229,21 @@ impl ReportView {
 const SEAM_POINTS: usize = 24;
 
 /// The edges of a body's faces.
-fn seams(body: &BodyConversion) -> Vec<Vec<Point>> {
-    let formats::Brep { edges, .. } = &body.brep;
+fn seams(brep: &formats::Brep) -> Vec<Vec<Point>> {
     let points = |edge: &formats::brep::Edge| {
         let formats::brep::BrepCurve::Spline(curve) = &edge.curve else { return Vec::new() };
         let (low, high) = curve.knots().range();
         let at = |i: usize| low + (high - low) * i as f64 / SEAM_POINTS as f64;
         (0..=SEAM_POINTS).map(|i| Point::from(curve.point(at(i)))).collect()
     };
-    edges.iter().map(points).collect()
+    brep.edges.iter().map(points).collect()
 }
 
 /// The irregular vertices that the loops leave.
-fn irregular(body: &BodyConversion) -> Vec<Point> {
-    let left: HashSet<[u64; 3]> = body.brep.vertices.iter().map(|p| p.map(f64::to_bits)).collect();
+fn irregular(brep: &formats::Brep, fit: &NetworkFit) -> Vec<Point> {
+    let left: HashSet<[u64; 3]> = brep.vertices.iter().map(|p| p.map(f64::to_bits)).collect();
     let is_left = |p: &Point| left.contains(&<[f64; 3]>::from(*p).map(f64::to_bits));
-    body.network.irregular().into_iter().filter(is_left).collect()
+    fit.network.irregular().into_iter().filter(is_left).collect()
 }
 
 /// The farthest point.

@@ -3,6 +3,7 @@
 //! No test uses all of it.
 #![allow(dead_code, unused_imports)]
 
+mod body;
 pub mod importers;
 #[cfg(feature = "cli")]
 mod program;
@@ -12,6 +13,7 @@ pub mod virtual_scan;
 
 use std::path::{Path, PathBuf};
 
+pub use body::*;
 #[cfg(feature = "cli")]
 pub use program::*;
 use serde_json::Value;

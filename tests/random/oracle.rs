@@ -1,5 +1,6 @@
 //! The oracle: what must be true of every conversion.
 
+use crate::common::{OneFace, face_seen};
 use std::path::Path;
 use std::sync::{LazyLock, mpsc};
 use std::time::Duration;
@@ -9,7 +10,7 @@ use proptest::prelude::*;
 use proptest::test_runner::TestCaseError;
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use scan2step::mesh::Mesh;
-use scan2step::{Conversion, Error, Options, Stage, check, convert};
+use scan2step::{Body, Error, Options, Stage, check};
 
 /// Pools with one thread and with two threads.
 static POOLS: LazyLock<[ThreadPool; 2]> = LazyLock::new(|| {
@@ -45,7 +46,7 @@ pub fn within_time<T>(what: String, work: impl FnOnce() -> T) -> T {
 pub fn sound(soup: &Soup, options: &Options, whole: bool) -> Result<bool, TestCaseError> {
     let run = || {
         let mut measured = Mesh::default();
-        let converted = convert(soup, options, &mut |stage| {
+        let converted = face_seen(soup, options, &mut |stage| {
             if let Stage::Mesh(disk) = stage {
                 measured = disk.mesh.clone();
             }
@@ -81,7 +82,7 @@ pub fn sound(soup: &Soup, options: &Options, whole: bool) -> Result<bool, TestCa
     }
 }
 
-pub fn step(conversion: &Conversion) -> Vec<u8> {
+pub fn step(conversion: &Body) -> Vec<u8> {
     let mut file = Vec::new();
     let how = formats::step::Options::default();
     formats::step::write(&conversion.brep, &how, &mut file).expect("memory takes it");
@@ -89,12 +90,12 @@ pub fn step(conversion: &Conversion) -> Vec<u8> {
 }
 
 /// Checks that every number of the result is finite.
-fn numbers(c: &Conversion) -> Result<(), TestCaseError> {
-    let edges = c.loops.iter().flat_map(|l| &l.edges).flat_map(|e| &e.control);
-    let net = c.surface.net.iter().chain(edges).flat_map(|p| p.iter());
-    let arcs = c.loops.iter().flat_map(|l| &l.pcurves).flat_map(|e| &e.control);
+fn numbers(c: &Body) -> Result<(), TestCaseError> {
+    let edges = c.one().loops.iter().flat_map(|l| &l.edges).flat_map(|e| &e.control);
+    let net = c.one().surface.net.iter().chain(edges).flat_map(|p| p.iter());
+    let arcs = c.one().loops.iter().flat_map(|l| &l.pcurves).flat_map(|e| &e.control);
     prop_assert!(net.chain(arcs.flat_map(|p| p.iter())).all(|x| x.is_finite()), "control points");
-    for knots in [&c.surface.u, &c.surface.v] {
+    for knots in [&c.one().surface.u, &c.one().surface.v] {
         prop_assert!(knots.knots().windows(2).all(|k| k[0] <= k[1]), "knots decrease");
     }
     for found in [&c.fit_deviation, &c.deviation] {
@@ -105,13 +106,13 @@ fn numbers(c: &Conversion) -> Result<(), TestCaseError> {
             found.rms
         );
     }
-    let figures = [c.tolerance, c.smooth.noise, c.smooth.h, c.parameterize.stretch.l2];
+    let figures = [c.tolerance, c.smooth.noise, c.smooth.h, c.one().parameterize.stretch.l2];
     prop_assert!(figures.iter().all(|x| x.is_finite()), "{figures:?}");
     Ok(())
 }
 
 /// Checks that the file has the faces of the conversion, at the reported distance from the scan.
-fn reads_back(c: &Conversion, file: &[u8], measured: &Mesh) -> Result<(), TestCaseError> {
+fn reads_back(c: &Body, file: &[u8], measured: &Mesh) -> Result<(), TestCaseError> {
     let failed = |what: String| TestCaseError::fail(what);
     let model = formats::cad::read_cad_from(Path::new("a.step"), file);
     let model = model.map_err(|e| failed(e.to_string()))?;

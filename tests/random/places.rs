@@ -1,19 +1,20 @@
 //! The same scan at another place or with another size becomes the same face.
 
-use scan2step::{Conversion, Options, convert};
+use crate::common::{OneFace, face_of};
+use scan2step::{Body, Options};
 
 use crate::common::virtual_scan::Star;
 use crate::scan::{Damage, Place, Scan, sound};
 use crate::sheet::{Mesh, Shape};
 
-fn face(place: Place, tolerance: Option<f64>) -> Conversion {
+fn face(place: Place, tolerance: Option<f64>) -> Body {
     let holes = vec![Star { centre: [0.4, 0.55], radius: 0.15, arms: 3.0 }];
     let damage = Damage { holes, noise: 0.03, ..sound() };
     let mesh = Mesh::Grid([24, 20], 0.3);
     let scan = Scan { mesh, shape: Shape::Waves, damage, place, seed: 5 };
     let options = Options::builder().tolerance(tolerance.map(|t| t * place.scale));
     let options = options.build().expect("options");
-    convert(&scan.soup(), &options, &mut |_| Ok(())).expect("it becomes a face")
+    face_of(&scan.soup(), &options).expect("it becomes a face")
 }
 
 /// Nets and figures are almost the same relative to the size. They are not exactly the same,
@@ -27,12 +28,12 @@ fn same(place: Place, tolerance: Option<f64>, room: f64) {
         let b = b * 100.0 / place.scale;
         assert!((a - b).abs() <= room * of, "{place:?}: {b} instead of {a}");
     };
-    let figures = |c: &Conversion| [c.smooth.noise, c.tolerance, c.deviation.p95];
+    let figures = |c: &Body| [c.smooth.noise, c.tolerance, c.deviation.p95];
     figures(&here).into_iter().zip(figures(&there)).for_each(|(a, b)| alike(a, b, a));
     let rms = [&here, &there].map(|c| c.fit_deviation.rms);
     let against = if tolerance.is_none() { here.smooth.noise } else { 0.0 };
     alike(rms[0], rms[1], rms[0].max(against));
-    for (a, b) in here.surface.shape().into_iter().zip(there.surface.shape()) {
+    for (a, b) in here.one().surface.shape().into_iter().zip(there.one().surface.shape()) {
         assert!(a.abs_diff(b) <= 2, "{place:?}: {b} control points instead of {a}");
     }
 }

@@ -45,13 +45,13 @@ pub(crate) fn read_content(source: Source) -> Result<Content> {
     }
 }
 
-fn open(mut source: Source) -> Result<(Header, Body)> {
+fn open(mut source: Source) -> Result<(Header, PlyBody)> {
     let header = header::read(&mut source)?;
     let encoding = header.encoding;
-    Ok((header, Body { source, encoding, ascii: AsciiRows::default() }))
+    Ok((header, PlyBody { source, encoding, ascii: AsciiRows::default() }))
 }
 
-fn read_mesh(mut body: Body, header: &Header) -> Result<Soup> {
+fn read_mesh(mut body: PlyBody, header: &Header) -> Result<Soup> {
     let mut soup = Soup::default();
     for element in &header.elements {
         match element.name.as_str() {
@@ -67,13 +67,13 @@ fn read_mesh(mut body: Body, header: &Header) -> Result<Soup> {
 }
 
 /// The body of a file, which follows the header.
-struct Body {
+struct PlyBody {
     source: Source,
     encoding: Encoding,
     ascii: AsciiRows,
 }
 
-fn read_points(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()> {
+fn read_points(body: &mut PlyBody, element: &Element, soup: &mut Soup) -> Result<()> {
     if element.count == 0 {
         return Ok(());
     }
@@ -115,7 +115,7 @@ fn channel_scale(element: &Element) -> Option<f64> {
     all(&[ScalarType::Float, ScalarType::Double]).then_some(255.0)
 }
 
-fn read_faces(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()> {
+fn read_faces(body: &mut PlyBody, element: &Element, soup: &mut Soup) -> Result<()> {
     let list = match element.index_list() {
         Some(list) => list,
         None if element.count == 0 => return Ok(()),
@@ -144,7 +144,7 @@ fn read_faces(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()>
 }
 
 /// Reads triangle strips as in Stanford's archive: one long list in which -1 begins a new strip.
-fn read_strips(body: &mut Body, element: &Element, soup: &mut Soup) -> Result<()> {
+fn read_strips(body: &mut PlyBody, element: &Element, soup: &mut Soup) -> Result<()> {
     let list = match element.index_list() {
         Some(list) => list,
         None if element.count == 0 => return Ok(()),
@@ -192,7 +192,7 @@ impl Strip {
     }
 }
 
-fn skip(body: &mut Body, element: &Element) -> Result<()> {
+fn skip(body: &mut PlyBody, element: &Element) -> Result<()> {
     // ply-rs would create as many empty rows as the header declares.
     if element.properties.is_empty() {
         return Ok(());
@@ -208,7 +208,7 @@ fn skip(body: &mut Body, element: &Element) -> Result<()> {
 
 /// Reads the rows of `element` with ply-rs and passes each one to `each`.
 fn each_row<E: PropertyAccess>(
-    body: &mut Body,
+    body: &mut PlyBody,
     element: &Element,
     wanted: impl Fn(&str) -> bool,
     mut each: impl FnMut(&Source, u64, E) -> Result<()>,
@@ -231,7 +231,7 @@ enum RowFailure {
 }
 
 impl RowFailure {
-    fn at(self, body: &Body, element: &Element, row: u64) -> Error {
+    fn at(self, body: &PlyBody, element: &Element, row: u64) -> Error {
         match self {
             RowFailure::Ours(error) => error,
             RowFailure::End => cut(body, element, row),
@@ -251,7 +251,7 @@ impl RowFailure {
 
 fn read_row<E: PropertyAccess>(
     parser: &Parser<E>,
-    body: &mut Body,
+    body: &mut PlyBody,
     element: &Element,
     def: &ElementDef,
     wanted: impl Fn(&str) -> bool,
@@ -270,7 +270,7 @@ fn read_row<E: PropertyAccess>(
 }
 
 /// The error that the file ends before the number of rows in the header is reached.
-fn cut(body: &Body, element: &Element, row: u64) -> Error {
+fn cut(body: &PlyBody, element: &Element, row: u64) -> Error {
     let (name, count) = (&element.name, element.count);
     let what = format!("ends after {row} of the {count} rows of element {name}");
     let error = Error::new(&body.source.path, what, EXPORT_AGAIN);
@@ -282,7 +282,7 @@ fn cut(body: &Body, element: &Element, row: u64) -> Error {
 }
 
 /// Checks that the file ends after the last row. Otherwise faces could be lost without an error.
-fn check_end(body: &mut Body) -> Result<()> {
+fn check_end(body: &mut PlyBody) -> Result<()> {
     let source = &mut body.source;
     let mut rest = [0; 4096];
     let surplus = |byte: &u8| !byte.is_ascii_whitespace() && !matches!(byte, 0 | 0x1a);
@@ -299,7 +299,7 @@ fn check_end(body: &mut Body) -> Result<()> {
 }
 
 /// Checks all vertex indices. ply-rs does not check them, and faces may come before the vertices.
-fn check_indices(body: &Body, header: &Header, soup: &Soup) -> Result<()> {
+fn check_indices(body: &PlyBody, header: &Header, soup: &Soup) -> Result<()> {
     let points = soup.points.len();
     for (i, polygon) in soup.polygons.iter().enumerate() {
         if let Some(&index) = polygon.iter().find(|&&c| c as usize >= points) {
@@ -318,7 +318,7 @@ fn check_indices(body: &Body, header: &Header, soup: &Soup) -> Result<()> {
     Ok(())
 }
 
-fn no_list(body: &Body, element: &Element) -> Error {
+fn no_list(body: &PlyBody, element: &Element) -> Error {
     let what = format!("has element {} without a list vertex_indices", element.name);
     Error::new(&body.source.path, what, EXPORT_AGAIN)
 }

@@ -8,7 +8,7 @@ use ply_rs::ply::{PropertyAccess, PropertyAccessResult, PropertyType};
 
 use super::header::{Element, Header};
 use super::rows::VertexNumbers;
-use super::{Body, check_end, each_row, no_list, skip, vertex};
+use super::{PlyBody, check_end, each_row, no_list, skip, vertex};
 use crate::points::{GridShape, Note, Order, PointsBuilder, ScanEnd, ScanGrid};
 use crate::source::EXPORT_AGAIN;
 use crate::words::plural;
@@ -22,7 +22,7 @@ pub(super) fn is_cloud(header: &Header) -> bool {
     !header.elements.iter().any(has_faces)
 }
 
-pub(super) fn read(mut body: Body, header: &Header) -> Result<Points> {
+pub(super) fn read(mut body: PlyBody, header: &Header) -> Result<Points> {
     let vertices = header.elements.iter().find(|e| e.name == "vertex");
     let has_normals = vertices.is_some_and(|e| NORMAL.iter().all(|name| has(e, name)));
     let mut builder = PointsBuilder::new(&body.source.path, has_normals);
@@ -55,7 +55,7 @@ fn has(element: &Element, name: &str) -> bool {
     matches!(element.property(name), Some(PropertyType::Scalar(_)))
 }
 
-fn read_points(body: &mut Body, element: &Element, builder: &mut PointsBuilder) -> Result<()> {
+fn read_points(body: &mut PlyBody, element: &Element, builder: &mut PointsBuilder) -> Result<()> {
     for axis in ["x", "y", "z"] {
         if !has(element, axis) {
             let what = format!("has vertices without {axis}");
@@ -70,7 +70,7 @@ fn read_points(body: &mut Body, element: &Element, builder: &mut PointsBuilder) 
 }
 
 /// The vertex number of each cell, or [`ScanGrid::EMPTY`].
-fn read_grid(body: &mut Body, element: &Element) -> Result<Vec<u32>> {
+fn read_grid(body: &mut PlyBody, element: &Element) -> Result<Vec<u32>> {
     let list = element.index_list().ok_or_else(|| no_list(body, element))?;
     let mut cells = Vec::new();
     each_row(
@@ -91,7 +91,7 @@ fn read_grid(body: &mut Body, element: &Element) -> Result<Vec<u32>> {
     Ok(cells)
 }
 
-fn check_grid(body: &Body, cells: &[u32], vertices: u64) -> Result<()> {
+fn check_grid(body: &PlyBody, cells: &[u32], vertices: u64) -> Result<()> {
     let wrong = |&cell: &u32| cell != ScanGrid::EMPTY && u64::from(cell) >= vertices;
     let Some(i) = cells.iter().position(wrong) else { return Ok(()) };
     let what = format!(

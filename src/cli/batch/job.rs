@@ -8,7 +8,7 @@ use std::time::Instant;
 use serde_json::Value;
 
 use super::record::{self, Figures, Output, Record, Stamp};
-use super::scans::Scan;
+use super::scans::FoundScan;
 use crate::cli::{output, subprocess, temp_files};
 
 /// The settings that all scans of a batch share.
@@ -29,7 +29,7 @@ pub struct Job {
 
 impl Job {
     /// Converts a scan and records the result.
-    pub fn run(&self, scan: &Scan) -> Record {
+    pub fn run(&self, scan: &FoundScan) -> Record {
         let begun = Instant::now();
         let mut record = Record {
             scan2step: env!("CARGO_PKG_VERSION").into(),
@@ -55,7 +55,7 @@ impl Job {
         record
     }
 
-    fn convert(&self, scan: &Scan, record: &mut Record) -> Result<(), formats::Error> {
+    fn convert(&self, scan: &FoundScan, record: &mut Record) -> Result<(), formats::Error> {
         let report = record::path(&self.out, scan, "report.json");
         let files = |extensions: &[String]| -> Vec<PathBuf> {
             extensions.iter().map(|e| with_extension(&scan.name, e)).collect()

@@ -18,7 +18,7 @@ use super::{Failure, Outcome, output, streams, temp_files};
 use args::Batch;
 use job::Job;
 use record::Record;
-use scans::{Scan, UnusedFile};
+use scans::{FoundScan, UnusedFile};
 use summary::{Row, Status};
 
 /// Finds the scans, converts those that need it, and writes the summaries.
@@ -68,7 +68,7 @@ pub fn is_record(word: &str) -> bool {
 }
 
 /// Converts a scan unless an earlier run has done so.
-fn one(job: &Job, scan: &Scan, force: bool) -> Row {
+fn one(job: &Job, scan: &FoundScan, force: bool) -> Row {
     let earlier = Record::read(&job.out, scan).filter(|_| !force);
     let earlier = earlier.filter(|record| record.holds(&job.out, scan, &job.fingerprint));
     let skipped = earlier.is_some();

@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use sha2::{Digest, Sha256};
 
-use super::scans::Scan;
+use super::scans::FoundScan;
 use crate::cli::output::{self, Pending};
 
 /// The folder of records in the output folder.
@@ -161,21 +161,21 @@ impl Figures {
 
 /// The path of a record about a scan. Scans in different folders can have the same name, so a
 /// hash of the whole name distinguishes them.
-pub fn path(out: &Path, scan: &Scan, extension: &str) -> PathBuf {
+pub fn path(out: &Path, scan: &FoundScan, extension: &str) -> PathBuf {
     let key = output::hexadecimal(&Sha256::digest(scan.name.as_os_str().as_encoded_bytes()));
     out.join(FOLDER).join(format!("{}.{extension}", &key[..32]))
 }
 
 impl Record {
     /// The record of an earlier run, if there is one.
-    pub fn read(out: &Path, scan: &Scan) -> Option<Record> {
+    pub fn read(out: &Path, scan: &FoundScan) -> Option<Record> {
         let text = std::fs::read(path(out, scan, "json")).ok()?;
         // If it cannot be read, the scan is converted again.
         serde_json::from_slice(&text).ok()
     }
 
     /// Writes the record.
-    pub fn write(&self, out: &Path, scan: &Scan) -> Result<(), formats::Error> {
+    pub fn write(&self, out: &Path, scan: &FoundScan) -> Result<(), formats::Error> {
         let file = output::write(&path(out, scan, "json"), |to| {
             serde_json::to_writer_pretty(&mut *to, self)?;
             writeln!(to)
@@ -185,7 +185,7 @@ impl Record {
 
     /// Whether the scan need not be converted again: the files are there, and scan, options and
     /// program are the same.
-    pub fn holds(&self, out: &Path, scan: &Scan, options: &[String]) -> bool {
+    pub fn holds(&self, out: &Path, scan: &FoundScan, options: &[String]) -> bool {
         let there = |output: &Output| {
             let meta = std::fs::metadata(out.join(&output.file));
             meta.is_ok_and(|meta| meta.is_file() && meta.len() == output.bytes)

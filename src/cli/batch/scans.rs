@@ -13,7 +13,7 @@ use crate::cli::cad::part_name;
 
 /// A scan of a batch.
 #[derive(Debug, Clone)]
-pub struct Scan {
+pub struct FoundScan {
     /// The path as the user would write it.
     pub path: PathBuf,
     /// The name of its outputs in the output folder, without extensions. No other scan of the
@@ -54,7 +54,10 @@ impl ScanSearch {
 
 /// All scans that the arguments name, sorted, and the files that are left out. The names of scans
 /// include the folders below the one that all arguments share.
-pub fn find(arguments: &[PathBuf], out: &Path) -> Result<(Vec<Scan>, Vec<UnusedFile>), Failure> {
+pub fn find(
+    arguments: &[PathBuf],
+    out: &Path,
+) -> Result<(Vec<FoundScan>, Vec<UnusedFile>), Failure> {
     let mut search = ScanSearch::default();
     let mut roots = Vec::new();
     for argument in arguments {
@@ -201,7 +204,7 @@ fn common(a: &Path, b: &Path) -> PathBuf {
 
 /// Names scans by their files without extensions. Scans that would have the same name keep the
 /// extension, and so does a scan whose name is taken by one of these.
-fn named(found: Found, base: &Path) -> Vec<Scan> {
+fn named(found: Found, base: &Path) -> Vec<FoundScan> {
     let full = |place: &Path| place.strip_prefix(base).unwrap_or(place).to_owned();
     let mut names: BTreeMap<PathBuf, PathBuf> = found
         .keys()
@@ -222,7 +225,7 @@ fn named(found: Found, base: &Path) -> Vec<Scan> {
     }
     found
         .into_iter()
-        .map(|(place, path)| Scan { path, name: names.remove(&place).unwrap_or(place) })
+        .map(|(place, path)| FoundScan { path, name: names.remove(&place).unwrap_or(place) })
         .collect()
 }
 

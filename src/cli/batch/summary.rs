@@ -12,7 +12,7 @@ use tabled::settings::object::Columns;
 use tabled::settings::{Alignment, Style};
 
 use super::record::{FOLDER, Record};
-use super::scans::{Scan, UnusedFile};
+use super::scans::{FoundScan, UnusedFile};
 use crate::cli::output::{self, Pending};
 use crate::cli::streams;
 
@@ -54,7 +54,7 @@ impl Status {
 
 /// A scan in the summary.
 pub struct Row {
-    pub scan: Scan,
+    pub scan: FoundScan,
     pub status: Status,
     pub record: Option<Record>,
 }
@@ -64,7 +64,7 @@ pub struct Row {
 /// records.
 pub fn write(
     out: &Path,
-    scans: &[Scan],
+    scans: &[FoundScan],
     done: Vec<Option<Row>>,
     left_out: &[UnusedFile],
 ) -> Result<Vec<Row>, formats::Error> {
@@ -78,7 +78,7 @@ pub fn write(
             path.display()
         ));
     }
-    let row = |(scan, done): (&Scan, Option<Row>)| {
+    let row = |(scan, done): (&FoundScan, Option<Row>)| {
         done.unwrap_or_else(|| {
             let record = Record::read(out, scan);
             let status = record.as_ref().map_or(Status::Pending, Status::of);

@@ -85,6 +85,12 @@ impl Builder {
         self
     }
 
+    /// Converts all pieces of the scan that are worth a face, and not only one.
+    pub fn all_components(mut self, all: bool) -> Self {
+        self.0.all_components = all;
+        self
+    }
+
     /// Which of its boundary loops is the outer one; the others are holes.
     pub fn outer(mut self, outer: mesh::Outer) -> Self {
         self.0.outer = outer;
@@ -180,7 +186,7 @@ impl Builder {
         self
     }
 
-    /// What components become in [`convert_scan`](crate::convert::convert_scan). Without, the shape that suits them.
+    /// What components become. Without, the shape that suits them.
     pub fn shape(mut self, shape: impl Into<Option<TargetShape>>) -> Self {
         self.0.shape = shape.into();
         self

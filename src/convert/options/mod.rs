@@ -14,7 +14,7 @@ use crate::stages::adapt::KnotOptions;
 use crate::stages::{adapt, cloud, fill, fit, parameterize, smooth, trim};
 use crate::{mesh, rules};
 
-/// What [`convert`](crate::convert) is asked for. [`Options::default`] finds
+/// What [`convert`](crate::convert()) is asked for. [`Options::default`] finds
 /// everything on the scan, whose numbers have the unit that it declares, or are millimetres; [`Options::builder`]
 /// changes what is named. There are no unsound ones: what is wrong with a value is
 /// said when they are built.
@@ -36,6 +36,7 @@ pub struct Options {
     pub(crate) cloud: cloud::Options,
     pub(crate) keeps_origin: bool,
     pub(crate) component: mesh::Choice,
+    pub(crate) all_components: bool,
     pub(crate) handles: Option<f64>,
     pub(crate) outer: mesh::Outer,
     pub(crate) smooth: smooth::Options,
@@ -62,6 +63,7 @@ impl Default for Options {
             cloud: cloud::Options::default(),
             keeps_origin: false,
             component: mesh::Choice::default(),
+            all_components: false,
             handles: None,
             outer: mesh::Outer::default(),
             smooth: smooth::Options::default(),
@@ -94,6 +96,12 @@ impl Options {
         Options { component, ..self.clone() }
     }
 
+    /// The same for a shape.
+    #[must_use]
+    pub fn of_shape(&self, shape: TargetShape) -> Self {
+        Options { shape: Some(shape), ..self.clone() }
+    }
+
     /// The part's name.
     pub fn name(&self) -> &str {
         &self.name
@@ -117,6 +125,19 @@ impl Options {
     /// Which piece of the scan.
     pub fn component(&self) -> mesh::Choice {
         self.component
+    }
+
+    /// Whether all pieces are converted.
+    pub fn all_components(&self) -> bool {
+        self.all_components
+    }
+
+    /// The pieces of a scan that are converted.
+    pub fn chosen(&self, scan: &mesh::Components) -> Vec<mesh::Choice> {
+        match self.all_components {
+            true => scan.all(self.outer()),
+            false => vec![self.component],
+        }
     }
 
     /// The longest loop of a handle that is cut, in mm, if it is named.
