@@ -93,18 +93,26 @@ fn every_piece_gets_a_file_or_a_reason() {
         let a = 1 + k / 11 * 12 + k % 11;
         text += &format!("f {a} {} {} {}\n", a + 1, a + 13, a + 12);
     }
-    // An octahedron, which is closed.
-    for [x, y, z] in [[1, 0, 0], [0, 1, 0], [-1, 0, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]] {
-        text += &format!("v {} {} {}\n", x + 30, y, z);
+    // A Möbius strip, which has only one side.
+    let n = 16;
+    for k in 0..n {
+        let angle = f64::from(k) / f64::from(n) * std::f64::consts::TAU;
+        for t in [-1.0, 1.0] {
+            let r = 5.0 + t * (angle / 2.0).cos();
+            let (x, y) = (30.0 + r * angle.cos(), r * angle.sin());
+            text += &format!("v {x} {y} {}\n", t * (angle / 2.0).sin());
+        }
     }
-    for (i, j) in [(0, 1), (1, 2), (2, 3), (3, 0)] {
-        text += &format!("f {0} {1} 149\nf {1} {0} 150\n", 145 + i, 145 + j);
+    for k in 0..n {
+        let (a, b) = (145 + 2 * k, 146 + 2 * k);
+        let [c, d] = if k + 1 < n { [a + 2, b + 2] } else { [146, 145] };
+        text += &format!("f {a} {c} {d} {b}\n");
     }
     let scan = folder.path().join("two.obj");
     std::fs::write(&scan, text).expect("a file");
     let said = printed("pieces", &[arg(&scan), arg(folder.path())]);
     assert!(said.contains("piece 0: rms"), "{said}");
-    assert!(said.contains("piece 1: the surface is closed"), "{said}");
+    assert!(said.contains("piece 1: the surface is one-sided"), "{said}");
     assert!(starts_a_step_file(&folder.path().join("piece-0.step")));
     assert!(!folder.path().join("piece-1.step").exists());
 }
