@@ -7,9 +7,15 @@ use std::process::{Command, Output};
 
 use common::{arg, fixture, root};
 
-/// Builds an example with the features of this test and runs it. An example from `cargo test` in
-/// the target folder may be older than the library.
+/// Builds an example with the features of this test and runs it, because an example in the target folder
+/// may be older than the library. `SCAN2STEP_EXAMPLES` is a folder of examples that were just built: `tests/run`
+/// sets it, since cargo would build the library and its dependencies again, without the features that
+/// the Python package asks for.
 fn run(name: &str, args: &[&str]) -> Output {
+    if let Some(folder) = std::env::var_os("SCAN2STEP_EXAMPLES") {
+        let mut command = Command::new(Path::new(&folder).join(name));
+        return command.args(args).current_dir(root()).output().expect("the example runs");
+    }
     let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
     let mut command = Command::new(cargo);
     command.args(["run", "--quiet", "--example", name]).current_dir(root());

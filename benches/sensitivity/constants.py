@@ -45,7 +45,7 @@ class Constant:
 
     @property
     def room(self):
-        return self.file.split("/")[1].removesuffix(".rs")
+        return self.file.removeprefix("src/").removeprefix("stages/").split("/")[0].removesuffix(".rs")
 
     @property
     def module(self):

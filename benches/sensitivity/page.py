@@ -1,4 +1,7 @@
-"""Writes docs/constants.md from the measured figures."""
+"""Writes the page of all constants, and that of the few that matter most, from the measured figures."""
+
+import math
+import re
 
 # The order of the tables. Rooms that serve several stages come last.
 STAGES = ["crop", "cloud", "mesh", "smooth", "fill", "thin", "parameterize", "adapt", "knots", "fit"]
@@ -6,7 +9,7 @@ STAGES += ["layout", "net", "patches", "trim", "brep", "deviation", "check", "co
 
 INTRODUCTION = """# Named constants
 
-`benches/sensitivity/run.py FOLDER` writes this page. It halves and doubles every named constant that
+`benches/sensitivity/run.py FOLDER` writes this page to target/constants.md. It halves and doubles every named constant that
 can steer a result, converts small scans, and compares each result with the usual one. So the page
 shows which constants matter, and what breaks on either side of their values.
 
@@ -27,6 +30,36 @@ shows which constants matter, and what breaks on either side of their values.
 The constants of the program, the reports, the pictures and the limits on options are not here,
 because they steer no result.
 """
+
+KEPT = """# The named constants that matter most
+
+`benches/sensitivity/run.py` halves and doubles every named constant that can steer a result, converts {scans} small
+scans, and writes what changes to `target/constants.md`, with the scans and their options. That takes an
+hour, so this page keeps the {number} constants with the largest changes, the largest first. With `--keep` the script
+writes this page, too.
+
+A change counts in this order: a scan that fails or hangs; one that misses its named tolerance; a face with other
+folds or loops; and the changes of the root mean square distance of the measured points from the face and of
+the number of control points, as logarithms of ratios.
+
+*halved* and *doubled* say for how many of the scans tried the file has other bytes. After this follow the
+smallest and the largest change of the root mean square distance, the change of the sum of control points, and what
+happens to scans. "slower" and "faster" compare sums of CPU times. A dash means that nothing changes.
+
+| constant | value | reason | halved | doubled |
+| --- | --- | --- | --- | --- |
+"""
+
+# What the outcome of a scan counts, as the logarithm of a ratio of distances would.
+OUTCOMES = {
+    "hang": 3.0,
+    "fail": 3.0,
+    "miss the tolerance": 2.0,
+    "more folds": 1.0,
+    "meet it now": 1.0,
+    "fewer folds": 0.5,
+    "other loops": 0.3,
+}
 
 UNVARIED = """
 ## Not varied
@@ -54,6 +87,32 @@ def written(varied, fixed, inputs, usual, results, before):
     text += UNVARIED if fixed else ""
     text += "".join(f"| {place(c)} | {value(c)} | {cell(c.reason)} |\n" for c in fixed)
     return text
+
+
+def most_important(page, steers_nothing, number=30):
+    """The page of the constants that matter most, from the page of all. `steers_nothing` has the rooms and
+    names of constants that are given by mathematics or by formats: half of them means nothing."""
+    rows = [line.strip("| ").split(" | ") for line in page.splitlines() if line.startswith("| `")]
+    rows = [cells for cells in rows if len(cells) == 6 and not steers_nothing(*names(cells[0]))]
+    rows.sort(key=lambda cells: -max(weight(cells[4]), weight(cells[5])))
+    scans = re.search(r"The (\d+) scans", page)[1]
+    text = KEPT.format(scans=scans, number=number)
+    return text + "".join(f"| {' | '.join(cells[:3] + cells[4:])} |\n" for cells in rows[:number])
+
+
+def names(cell):
+    """The room, the file and the name of a constant."""
+    name, file = cell.split()
+    return file.split("/")[0].removesuffix(".rs"), file, name.strip("`")
+
+
+def weight(cell):
+    """How much a change matters that is described in these words."""
+    ratios = [re.search(r"rms (\S+) to", cell), re.search(r"to (\S+) %", cell)]
+    ratios += [re.search(r"control points (\S+) %", cell)]
+    logs = [abs(math.log(1 + float(found[1]) / 100)) if found else 0.0 for found in ratios]
+    counts = [(re.search(rf"(\d+) {what}", cell), worth) for what, worth in OUTCOMES.items()]
+    return max(logs[:2]) + logs[2] + sum(int(found[1]) * worth for found, worth in counts if found)
 
 
 def described(inputs):
@@ -85,7 +144,7 @@ def row(number, constant, inputs, usual, results, kept):
 
 
 def place(constant):
-    return f"`{constant.name}` {constant.file.removeprefix('src/')}"
+    return f"`{constant.name}` {constant.file.removeprefix('src/').removeprefix('stages/')}"
 
 
 def value(constant):

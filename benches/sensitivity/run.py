@@ -1,15 +1,16 @@
 #!/usr/bin/env python3
 """Measures how much results depend on each named constant: halves and doubles it, converts small
-scans, and writes what changes to docs/constants.md.
+scans, and writes what changes to target/constants.md.
 
-    benches/sensitivity/run.py FOLDER [--shared DIR] [--only PART[,PART]] [--enough N] [--most N]
+    benches/sensitivity/run.py FOLDER [--shared DIR] [--only PART[,PART]] [--enough N] [--most N] [--keep]
 
 FOLDER keeps the build and the results, so that a stopped run continues where it was. Constants with
 other values, scans or names are measured in a new folder. DIR has the real scans; without them only
 virtual scans are measured, and the script says so. PART limits the run to constants with this in
 their file or name; the others keep their figures in the page. With --enough, a constant is tried on
 no more scans once N of them have changed, and with --most on no more than N. With 1 and 4 this
-takes an hour on one core. Nothing but Python and cargo is needed.
+takes an hour on one core. --keep writes the constants that matter most to docs/constants.md. Nothing
+but Python and cargo is needed.
 """
 
 import argparse
@@ -40,6 +41,7 @@ def main():
     every = len(scans.REAL) + 5
     parser.add_argument("--enough", type=int, default=every)
     parser.add_argument("--most", type=int, default=every)
+    parser.add_argument("--keep", action="store_true")
     arguments = parser.parse_args()
     program, varied = build.program(arguments.folder)
     inputs = scans.all_scans(arguments.folder / "scans", arguments.shared)
@@ -55,8 +57,22 @@ def main():
                 bench.vary(number, constant, factor)
     all_constants = constants.found(arguments.folder / "original")
     fixed = [c for c in all_constants if c not in varied]
-    file = build.ROOT / "docs/constants.md"
-    file.write_text(page.written(varied, fixed, inputs, usual, bench.results, file.read_text()))
+    file = build.ROOT / "target/constants.md"
+    before = file.read_text() if file.exists() else ""
+    text = page.written(varied, fixed, inputs, usual, bench.results, before)
+    file.parent.mkdir(exist_ok=True)
+    file.write_text(text)
+    if arguments.keep:
+        kept = build.ROOT / "docs/constants.md"
+        kept.write_text(page.most_important(text, steers_nothing))
+
+
+def steers_nothing(room, file, name):
+    """Whether .ci/constants.txt has this constant."""
+    rows = [line.split()[:2] for line in (build.ROOT / ".ci/constants.txt").read_text().splitlines()]
+    file = Path(file)
+    module = file.parent.name if file.stem == "mod" else file.stem
+    return [room, name] in rows or [room, f"{module}::{name}"] in rows
 
 
 @dataclass
