@@ -4,7 +4,6 @@ use std::borrow::Cow;
 use std::io;
 
 use super::parameters::Parameters;
-use crate::brep::{BrepSurface, PCurve};
 use crate::spline::{SplineCurve, SplineSurface};
 
 /// A pointer to an entity: the number of its first directory line.
@@ -27,6 +26,8 @@ pub(super) struct Entity<'a> {
     pub name: Option<Pointer>,
     /// The colour definition of the entity.
     pub colour: Option<Pointer>,
+    /// The matrix (124) that places the entity.
+    pub matrix: Option<Pointer>,
 }
 
 /// The status number of a directory entry (IGES 5.3, clause 2.2.4.4.9). All entities are visible.
@@ -62,20 +63,39 @@ impl EntityStatus {
 
 /// The parameters of an entity.
 pub(super) enum EntityData<'a> {
+    /// 100 or 104, an arc of a circle or of an ellipse in a plane z = 0, counter-clockwise: the
+    /// centre, the radii along x and y, the start and the end.
+    Arc { centre: [f64; 2], radii: [f64; 2], ends: [[f64; 2]; 2] },
     /// 102, a composite curve.
     Composite(Vec<Pointer>),
+    /// 110, a line between two points.
+    Line([[f64; 3]; 2]),
+    /// 116, a point.
+    Point([f64; 3]),
+    /// 120, a surface of revolution: the axis (110), the curve that turns, and its angles.
+    Revolution { axis: Pointer, curve: Pointer, angles: [f64; 2] },
+    /// 122, a tabulated cylinder: the curve that is extruded, and the place to which its start
+    /// moves.
+    Extrusion { curve: Pointer, end: [f64; 3] },
+    /// 123, a direction.
+    Direction([f64; 3]),
+    /// 124, a matrix: its columns, the last of which is the shift.
+    Matrix([[f64; 3]; 4]),
     /// 126, a B-spline curve in space.
     Curve(Cow<'a, SplineCurve<3>>),
     /// 126, a B-spline curve in a parameter plane.
-    PCurve(Cow<'a, PCurve>),
+    PCurve(Cow<'a, SplineCurve<2>>),
     /// 128, a B-spline surface.
-    Surface(&'a BrepSurface),
+    Surface(&'a SplineSurface),
     /// 142, a curve on a surface, as a pcurve and as a curve in space.
     OnSurface { surface: Pointer, flat: Pointer, space: Pointer },
     /// 144, a trimmed surface.
     Trimmed { surface: Pointer, loops: Vec<Pointer> },
     /// 186, a solid: its shells, whose normals point out of the material.
     Solid { outer: Pointer, voids: Vec<Pointer> },
+    /// 190 to 198 form 1, a surface with parameters: its number, its origin (116), the directions of
+    /// its z and x axes (123), and its measures.
+    Elementary { number: u16, origin: Pointer, z: Pointer, x: Pointer, measures: Vec<f64> },
     /// 314, a colour in percent of red, green and blue.
     Colour([f64; 3]),
     /// 402 form 7, a group.
@@ -100,7 +120,21 @@ impl EntityData<'_> {
     /// The entity type and form number.
     pub(super) fn kind(&self) -> (u16, u16) {
         match self {
+            EntityData::Arc { radii: [a, b], .. } => {
+                if a == b {
+                    (100, 0)
+                } else {
+                    (104, 1)
+                }
+            }
             EntityData::Composite(_) => (102, 0),
+            EntityData::Line(_) => (110, 0),
+            EntityData::Point(_) => (116, 0),
+            EntityData::Revolution { .. } => (120, 0),
+            EntityData::Extrusion { .. } => (122, 0),
+            EntityData::Direction(_) => (123, 0),
+            EntityData::Matrix(_) => (124, 0),
+            EntityData::Elementary { number, .. } => (*number, 1),
             EntityData::Curve(_) | EntityData::PCurve(_) => (126, 0),
             EntityData::Surface(_) => (128, 0),
             EntityData::OnSurface { .. } => (142, 0),
@@ -136,7 +170,32 @@ impl Entity<'_> {
 impl EntityData<'_> {
     fn compose(&self, p: &mut Parameters<'_>) -> io::Result<()> {
         match self {
+            EntityData::Arc { centre, radii, ends } => arc(p, *centre, *radii, ends),
             EntityData::Composite(parts) | EntityData::Group(parts) => counted(p, parts),
+            EntityData::Line(ends) => points(p, ends),
+            EntityData::Point(at) => {
+                p.reals(at)?;
+                p.add(0) // no symbol
+            }
+            EntityData::Direction(along) => p.reals(along),
+            EntityData::Revolution { axis, curve, angles } => {
+                p.add(axis)?;
+                p.add(curve)?;
+                p.reals(angles)
+            }
+            EntityData::Extrusion { curve, end } => {
+                p.add(curve)?;
+                p.reals(end)
+            }
+            EntityData::Matrix(columns) => {
+                (0..3).try_for_each(|i| p.reals(&columns.map(|column| column[i])))
+            }
+            EntityData::Elementary { origin, z, x, measures, .. } => {
+                p.add(origin)?;
+                p.add(z)?;
+                p.reals(measures)?;
+                p.add(x)
+            }
             EntityData::Curve(c) => {
                 curve(p, c, false)?;
                 points(p, c.poles())?;
@@ -147,7 +206,7 @@ impl EntityData<'_> {
                 c.poles().iter().try_for_each(|[u, v]| p.reals(&[*u, *v, 0.0]))?;
                 curve_end(p, c, 1.0)
             }
-            EntityData::Surface(BrepSurface::Spline(s)) => surface(p, s),
+            EntityData::Surface(s) => surface(p, s),
             EntityData::OnSurface { surface, flat, space } => on_surface(p, [surface, flat, space]),
             EntityData::Trimmed { surface, loops } => trimmed(p, *surface, loops),
             EntityData::Colour(percent) => p.reals(percent),
@@ -171,6 +230,22 @@ impl EntityData<'_> {
             EntityData::Solid { outer, voids } => solid(p, *outer, voids),
         }
     }
+}
+
+/// Writes entity 100, or 104 with the equation b² x² + a² y² = a² b².
+fn arc(
+    p: &mut Parameters<'_>,
+    centre: [f64; 2],
+    [a, b]: [f64; 2],
+    ends: &[[f64; 2]; 2],
+) -> io::Result<()> {
+    if a == b {
+        p.real(0.0)?;
+        p.reals(&centre)?;
+    } else {
+        p.reals(&[b * b, 0.0, a * a, 0.0, 0.0, -(a * b).powi(2), 0.0])?;
+    }
+    ends.iter().try_for_each(|end| p.reals(end))
 }
 
 fn counted(p: &mut Parameters<'_>, parts: &[Pointer]) -> io::Result<()> {

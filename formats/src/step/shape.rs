@@ -3,6 +3,7 @@
 
 use std::io;
 
+use super::analytic;
 use super::geometry::{self, logical};
 use super::part21::{Id, List, Part21, Text, add};
 use super::style;
@@ -89,7 +90,7 @@ fn origin(file: &mut Part21<'_>) -> io::Result<Id> {
 fn shells(file: &mut Part21<'_>, brep: &Brep, plane: Id) -> io::Result<Vec<Id>> {
     let mut surfaces = Vec::with_capacity(brep.surfaces.len());
     for surface in &brep.surfaces {
-        surfaces.push(geometry::surface(file, surface)?);
+        surfaces.push(analytic::surface(file, surface)?);
     }
     let edges = edges(file, brep, &surfaces, plane)?;
     let mut faces = Vec::with_capacity(brep.faces.len());
@@ -109,7 +110,11 @@ fn shells(file: &mut Part21<'_>, brep: &Brep, plane: Id) -> io::Result<Vec<Id>> 
 fn edges(file: &mut Part21<'_>, brep: &Brep, surfaces: &[Id], plane: Id) -> io::Result<Vec<Id>> {
     let mut vertices = Vec::with_capacity(brep.vertices.len());
     for vertex in &brep.vertices {
-        let point = geometry::point(file, *vertex)?;
+        // Lines begin at vertices and share their points.
+        let point = match brep.has_splines_only() {
+            true => geometry::point(file, *vertex)?,
+            false => analytic::point(file, *vertex)?,
+        };
         vertices.push(add!(file, "VERTEX_POINT('',{point})")?);
     }
     let mut edges = Vec::with_capacity(brep.edges.len());
