@@ -192,6 +192,30 @@ impl<const D: usize> BoundedCurve<D> {
         }
     }
 
+    /// The curve in the opposite direction over the same range.
+    ///
+    /// # Errors
+    /// The curve is an ellipse in a parameter plane, which would run clockwise, or an ellipse that
+    /// is no circle.
+    pub fn reversed(&self) -> Result<Self, String> {
+        let (start, end) = self.range();
+        let sum = start + end;
+        match self {
+            BoundedCurve::Spline(spline) => Ok(BoundedCurve::Spline(spline.reversed())),
+            BoundedCurve::Line(line) => {
+                let [to, from] = self.ends();
+                LineSegment::new(from, to, line.range).map(BoundedCurve::Line)
+            }
+            BoundedCurve::Ellipse(ellipse) if D == 3 && ellipse.radius().is_some() => {
+                let ([x, y], (sin, cos)) = (ellipse.axes, sum.sin_cos());
+                let turned = std::array::from_fn(|i| cos * x[i] + sin * y[i]);
+                let across = std::array::from_fn(|i| sin * x[i] - cos * y[i]);
+                Ok(BoundedCurve::Ellipse(EllipseArc { axes: [turned, across], ..*ellipse }))
+            }
+            BoundedCurve::Ellipse(_) => Err("an ellipse that has no opposite".into()),
+        }
+    }
+
     /// The curve moved by a vector.
     #[must_use]
     pub fn translated(self, by: [f64; D]) -> Self {

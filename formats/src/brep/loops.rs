@@ -37,6 +37,12 @@ pub(super) fn jump(ring: &[EdgeUse], n: usize, sizes: [f64; 2]) -> Option<[[f64;
 }
 
 impl Brep {
+    /// For each use of a loop, whether the loop jumps at a pole from its pcurve to the next one.
+    pub(crate) fn jumps(&self, face: &Face, ring: &[EdgeUse]) -> Vec<bool> {
+        let sizes = face.plane_sizes(&self.surfaces[face.surface.0]);
+        (0..ring.len()).map(|n| jump(ring, n, sizes).is_some()).collect()
+    }
+
     /// Checks that the loops of a face are closed and lie on its surface.
     pub(super) fn check_face(&self, number: usize, face: &Face) -> Checked {
         if face.loops.is_empty() {

@@ -9,6 +9,7 @@ mod geometry;
 mod part21;
 mod product;
 pub(crate) mod read;
+mod seams;
 mod shape;
 mod style;
 

@@ -321,6 +321,70 @@ pub fn flat_sphere() -> (Brep, f64) {
     (part.solid(), 4.0 / 3.0 * PI * 343.0 - PI * cap * cap * (radius - cap / 3.0))
 }
 
+/// A round bar with a drilled hole whose bottom is a cone.
+pub fn drilled() -> (Brep, f64) {
+    let mut part = ExactPart::new("drilled");
+    let (radius, bore, half_angle) = (8.0, 3.0, 1.03_f64);
+    let (lower, a) = part.circle(&level(0.0), radius);
+    let (upper, b) = part.circle(&level(20.0), radius);
+    let seam = part.line(a, b);
+    let wall = BrepSurface::cylinder(level(0.0), radius);
+    part.ring(wall, true, [(lower, 0.0), (upper, 20.0)], seam);
+    part.plane(level(0.0), false, &[&[(lower, false)]]);
+    let (bottom, c) = part.circle(&level(10.0), bore);
+    let (rim, d) = part.circle(&level(20.0), bore);
+    let seam = part.line(c, d);
+    part.plane(level(20.0), true, &[&[(upper, true)], &[(rim, false)]]);
+    let wall = BrepSurface::cylinder(level(10.0), bore);
+    part.ring(wall, false, [(bottom, 0.0), (rim, 10.0)], seam);
+    let depth = bore / half_angle.tan();
+    let apex = part.vertex([0.0, 0.0, 10.0 - depth]);
+    let seam = part.line(c, apex);
+    let uses = vec![
+        part.on(bottom, true, [0.0, 0.0], [TAU, 0.0]),
+        part.on(seam, true, [TAU, 0.0], [TAU, -depth]),
+        part.on(seam, false, [0.0, 0.0], [0.0, -depth]),
+    ];
+    part.face(BrepSurface::cone(level(10.0), bore, half_angle), false, vec![uses]);
+    let hole = bore * bore * (10.0 + depth / 3.0);
+    (part.solid(), PI * (radius * radius * 20.0 - hole))
+}
+
+/// A cylinder with a dome. The dome's pole is above its rim in the frame of the sphere if `up`, and
+/// below it otherwise.
+pub fn dome(up: bool) -> (Brep, f64) {
+    let mut part = ExactPart::new(if up { "dome" } else { "turned_dome" });
+    let radius = 5.0;
+    let (lower, a) = part.circle(&level(0.0), radius);
+    let (upper, b) = part.circle(&level(8.0), radius);
+    let seam = part.line(a, b);
+    let wall = BrepSurface::cylinder(level(0.0), radius);
+    part.ring(wall, true, [(lower, 0.0), (upper, 8.0)], seam);
+    part.plane(level(0.0), false, &[&[(lower, false)]]);
+    let pole = part.vertex([0.0, 0.0, 8.0 + radius]);
+    let frame = level(8.0);
+    if up {
+        let axis = Frame::new(frame.origin(), [0.0, 1.0, 0.0], Z).unwrap();
+        let seam = part.arc(&axis, radius, FRAC_PI_2, [pole, b]);
+        let uses = vec![
+            part.on(upper, true, [0.0, 0.0], [TAU, 0.0]),
+            part.on(seam, false, [TAU, FRAC_PI_2], [TAU, 0.0]),
+            part.on(seam, true, [0.0, FRAC_PI_2], [0.0, 0.0]),
+        ];
+        part.face(BrepSurface::sphere(frame, radius), true, vec![uses]);
+    } else {
+        let axis = Frame::new(frame.origin(), [0.0, 1.0, 0.0], Z).unwrap();
+        let seam = part.arc(&axis, radius, FRAC_PI_2, [pole, b]);
+        let uses = vec![
+            part.on(upper, true, [TAU, 0.0], [0.0, 0.0]),
+            part.on(seam, false, [0.0, -FRAC_PI_2], [0.0, 0.0]),
+            part.on(seam, true, [TAU, -FRAC_PI_2], [TAU, 0.0]),
+        ];
+        part.face(BrepSurface::sphere(frame.flipped(), radius), true, vec![uses]);
+    }
+    (part.solid(), PI * radius * radius * (8.0 + 2.0 / 3.0 * radius))
+}
+
 pub fn torus() -> (Brep, f64) {
     let mut part = ExactPart::new("torus");
     let (frame, [major, minor]) = (askew(), [10.0, 3.0]);
@@ -496,6 +560,25 @@ pub fn revolution() -> (Brep, f64) {
     (part.solid(), PI * over_profile(|x, dz| x * x * dz))
 }
 
+/// A box with a round empty space in it.
+pub fn hollow_box() -> (Brep, f64) {
+    let (mut outer, volume) = exact_box();
+    let (mut part, radius) = (ExactPart::new(""), 4.0);
+    let frame = Frame::new([15.0, 9.0, 5.0], [1.0, 1.0, 0.0], Z).unwrap();
+    let (seam, _) = meridian(&mut part, &frame, radius, [-FRAC_PI_2, FRAC_PI_2]);
+    let uses = vec![
+        part.on(seam, false, [TAU, -FRAC_PI_2], [TAU, FRAC_PI_2]),
+        part.on(seam, true, [0.0, -FRAC_PI_2], [0.0, FRAC_PI_2]),
+    ];
+    part.face(BrepSurface::sphere(frame, radius), false, vec![uses]);
+    let mut void = part.solid();
+    void.solids.clear();
+    outer.append(void);
+    outer.solids[0].voids.push(formats::brep::ShellId(1));
+    outer.name = "hollow_box".into();
+    (outer, volume - 4.0 / 3.0 * PI * radius.powi(3))
+}
+
 /// The models with their volumes.
 pub fn all_exact() -> Vec<(Brep, f64)> {
     vec![
@@ -507,7 +590,11 @@ pub fn all_exact() -> Vec<(Brep, f64)> {
         cone(),
         sphere(),
         flat_sphere(),
+        drilled(),
+        dome(true),
+        dome(false),
         torus(),
+        hollow_box(),
         crossed(),
         extrusion(),
         revolution(),
