@@ -43,6 +43,15 @@ impl Brep {
         (0..ring.len()).map(|n| jump(ring, n, sizes).is_some()).collect()
     }
 
+    /// The jumps of each loop of a face at poles: the parameter points from which and to which it
+    /// jumps.
+    pub(crate) fn poles(&self, face: &Face) -> Vec<Vec<[[f64; 2]; 2]>> {
+        let sizes = face.plane_sizes(&self.surfaces[face.surface.0]);
+        let of_loop =
+            |ring: &Vec<EdgeUse>| (0..ring.len()).filter_map(|n| jump(ring, n, sizes)).collect();
+        face.loops.iter().map(of_loop).collect()
+    }
+
     /// Checks that the loops of a face are closed and lie on its surface.
     pub(super) fn check_face(&self, number: usize, face: &Face) -> Checked {
         if face.loops.is_empty() {

@@ -61,6 +61,20 @@ impl EntityStatus {
     }
 }
 
+/// A use of an edge or of a vertex in a loop.
+pub(super) struct LoopUse {
+    /// The list of edges (504), or of vertices (502) at a pole.
+    pub list: Pointer,
+    /// Whether it is a vertex.
+    pub is_vertex: bool,
+    /// The number in the list, from 0.
+    pub number: usize,
+    /// Whether the loop runs in the direction of the edge.
+    pub forward: bool,
+    /// The pcurve in the direction of the loop.
+    pub pcurve: Pointer,
+}
+
 /// The parameters of an entity.
 pub(super) enum EntityData<'a> {
     /// 100 or 104, an arc of a circle or of an ellipse in a plane z = 0, counter-clockwise: the
@@ -106,15 +120,17 @@ pub(super) enum EntityData<'a> {
     Vertices(&'a [[f64; 3]]),
     /// 504, the edges: the curve and the vertices at its start and end.
     Edges { vertices: Pointer, edges: Vec<(Pointer, [usize; 2])> },
-    /// 508, a loop: for each use the number of the edge, whether the loop runs in its direction,
-    /// and the pcurve.
-    Loop { edges: Pointer, uses: Vec<(usize, bool, Pointer)> },
+    /// 508, a loop.
+    Loop(Vec<LoopUse>),
     /// 510, a face. Its outer loop comes first.
     Face { surface: Pointer, loops: Vec<Pointer> },
     /// 514 form 1 or 2, a closed or an open shell: the faces, and whether they keep their
     /// orientation.
     Shell { faces: Vec<(Pointer, bool)>, closed: bool },
 }
+
+/// The number of a sphere.
+const SPHERE: u16 = 196;
 
 impl EntityData<'_> {
     /// The entity type and form number.
@@ -145,7 +161,7 @@ impl EntityData<'_> {
             EntityData::Name(_) => (406, 15),
             EntityData::Vertices(_) => (502, 1),
             EntityData::Edges { .. } => (504, 1),
-            EntityData::Loop { .. } => (508, 1),
+            EntityData::Loop(_) => (508, 1),
             EntityData::Face { .. } => (510, 1),
             EntityData::Shell { closed, .. } => (514, if *closed { 1 } else { 2 }),
         }
@@ -190,10 +206,13 @@ impl EntityData<'_> {
             EntityData::Matrix(columns) => {
                 (0..3).try_for_each(|i| p.reals(&columns.map(|column| column[i])))
             }
-            EntityData::Elementary { origin, z, x, measures, .. } => {
+            EntityData::Elementary { number, origin, z, x, measures } => {
                 p.add(origin)?;
+                // The radius of a sphere comes before its axis.
+                let (before, after) = measures.split_at(usize::from(*number == SPHERE));
+                p.reals(before)?;
                 p.add(z)?;
-                p.reals(measures)?;
+                p.reals(after)?;
                 p.add(x)
             }
             EntityData::Curve(c) => {
@@ -219,7 +238,7 @@ impl EntityData<'_> {
                 points(p, vertices)
             }
             EntityData::Edges { vertices, edges } => edge_list(p, *vertices, edges),
-            EntityData::Loop { edges, uses } => edge_loop(p, *edges, uses),
+            EntityData::Loop(uses) => edge_loop(p, uses),
             EntityData::Face { surface, loops } => {
                 p.add(surface)?;
                 p.add(loops.len())?;
@@ -358,16 +377,12 @@ fn edge_list(
     Ok(())
 }
 
-fn edge_loop(
-    p: &mut Parameters<'_>,
-    edges: Pointer,
-    uses: &[(usize, bool, Pointer)],
-) -> io::Result<()> {
+fn edge_loop(p: &mut Parameters<'_>, uses: &[LoopUse]) -> io::Result<()> {
     p.add(uses.len())?;
-    for (edge, forward, pcurve) in uses {
-        p.add(0)?; // an edge, not a vertex
-        p.add(edges)?;
-        p.add(edge + 1)?;
+    for LoopUse { list, is_vertex, number, forward, pcurve } in uses {
+        p.add(u8::from(*is_vertex))?;
+        p.add(list)?;
+        p.add(number + 1)?;
         p.add(u8::from(*forward))?;
         p.add(1)?; // one pcurve
         p.add(0)?; // not claimed to be an iso-curve

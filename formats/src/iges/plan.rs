@@ -1,6 +1,6 @@
 //! The list of entities of a file in their order.
 
-use super::entity::{Entity, EntityData, EntityStatus, Pointer};
+use super::entity::{Entity, EntityData, EntityStatus, LoopUse, Pointer};
 use super::parameters::ascii;
 use super::surfaces::PlannedSurface;
 use crate::brep::{Brep, EdgeUse, Face, FaceId, ShellId};
@@ -30,12 +30,12 @@ pub(super) fn trimmed(brep: &Brep, colour: Option<[u8; 3]>) -> Vec<Entity<'_>> {
 /// a group (402).
 pub(super) fn bodies(brep: &Brep, colour: Option<[u8; 3]>) -> Vec<Entity<'_>> {
     let mut plan = Plan::new(&brep.name, colour);
-    let edges = plan.edge_list(brep);
+    let lists = plan.edge_list(brep);
     let surfaces = plan.surfaces(brep);
     let mut faces = Vec::with_capacity(brep.faces.len());
     for data in &brep.faces {
         let surface = &surfaces[data.surface.0];
-        let face = plan.shell_face(data, surface, edges);
+        let face = plan.shell_face(brep, data, surface, lists);
         let forward = surface.agrees(data);
         faces.push((plan.coloured(EntityStatus::Part, face), forward));
     }
@@ -143,34 +143,63 @@ impl<'a> Plan<'a> {
         }
     }
 
-    fn edge_list(&mut self, brep: &'a Brep) -> Pointer {
+    /// Adds the vertices and the edges, and returns their lists.
+    fn edge_list(&mut self, brep: &'a Brep) -> [Pointer; 2] {
         let status = EntityStatus::PartWithParentsAttributes;
         let vertices = self.add(status, EntityData::Vertices(&brep.vertices));
         let mut edges = Vec::with_capacity(brep.edges.len());
         for edge in &brep.edges {
             edges.push((self.curve(&edge.curve, true), edge.ends.map(|end| end.0)));
         }
-        self.add(status, EntityData::Edges { vertices, edges })
+        [vertices, self.add(status, EntityData::Edges { vertices, edges })]
     }
 
     fn shell_face(
         &mut self,
+        brep: &'a Brep,
         data: &'a Face,
         surface: &PlannedSurface,
-        edges: Pointer,
+        [vertices, edges]: [Pointer; 2],
     ) -> EntityData<'a> {
         let mut loops = Vec::with_capacity(data.loops.len());
-        for uses in loops_of_surface(data, surface) {
+        for (uses, poles) in loops_of_surface(data, surface).into_iter().zip(brep.poles(data)) {
             let mut listed = Vec::with_capacity(uses.len());
-            for (EdgeUse { edge, pcurve, .. }, forward) in uses {
+            for (of_loop, forward) in uses {
+                let EdgeUse { edge, pcurve, .. } = of_loop;
                 // Importers expect the pcurve in the direction of the loop, even if the edge has
                 // the opposite direction.
-                listed.push((edge.0, forward, self.pcurve(surface, pcurve, forward)));
+                let pcurve = self.pcurve(surface, pcurve, forward);
+                listed.push(LoopUse {
+                    list: edges,
+                    is_vertex: false,
+                    number: edge.0,
+                    forward,
+                    pcurve,
+                });
+                let end = of_loop.pcurve.ends()[usize::from(forward)];
+                let Some([from, to]) = pole_at(&poles, end) else { continue };
+                let ends = [from, to].map(|at| surface.parameters(at)).map(|[u, v]| [u, v, 0.0]);
+                let pcurve = self.add(EntityStatus::ParameterPlane, EntityData::Line(ends));
+                let number = brep.edges[edge.0].ends[usize::from(forward)].0;
+                listed.push(LoopUse {
+                    list: vertices,
+                    is_vertex: true,
+                    number,
+                    forward: true,
+                    pcurve,
+                });
             }
-            loops.push(self.add(EntityStatus::Part, EntityData::Loop { edges, uses: listed }));
+            loops.push(self.add(EntityStatus::Part, EntityData::Loop(listed)));
         }
         EntityData::Face { surface: surface.pointer, loops }
     }
+}
+
+/// The jump of a loop from a place at a pole, if there is one. The loop may run in either direction.
+fn pole_at(poles: &[[[f64; 2]; 2]], end: [f64; 2]) -> Option<[[f64; 2]; 2]> {
+    let towards = poles.iter().find(|[from, _]| *from == end);
+    let back = poles.iter().find(|[_, to]| *to == end).map(|[from, to]| [*to, *from]);
+    towards.copied().or(back)
 }
 
 /// The loops of a face with the orientation for the normal of the file's surface. IGES stores

@@ -1,6 +1,7 @@
 //! The surfaces of a file, and the parameters that pcurves have on them.
 
 use std::borrow::Cow;
+use std::f64::consts::TAU;
 
 use super::entity::{EntityData, EntityStatus, Pointer};
 use super::plan::Plan;
@@ -14,6 +15,8 @@ pub(super) struct PlannedSurface {
     shift: [f64; 2],
     scale: [f64; 2],
     swapped: bool,
+    /// Whether the normal is opposite to that of the model.
+    turned: bool,
 }
 
 /// The degrees of a radian. The angles of the surfaces 192 to 198 are in degrees.
@@ -21,7 +24,7 @@ const DEGREES: f64 = 180.0 / std::f64::consts::PI;
 
 impl PlannedSurface {
     fn new(pointer: Pointer, scale: [f64; 2]) -> Self {
-        PlannedSurface { pointer, shift: [0.0; 2], scale, swapped: false }
+        PlannedSurface { pointer, shift: [0.0; 2], scale, swapped: false, turned: false }
     }
 
     /// Whether the parameters are those of the model.
@@ -37,7 +40,7 @@ impl PlannedSurface {
 
     /// Whether a face has the normal of the file's surface.
     pub(super) fn agrees(&self, face: &Face) -> bool {
-        face.forward != self.swapped
+        face.forward != self.turned
     }
 }
 
@@ -59,13 +62,17 @@ impl<'a> Plan<'a> {
             }
             BrepSurface::Cone { frame, radius, half_angle } => {
                 let measures = vec![*radius, half_angle.to_degrees()];
-                self.elementary(194, frame, measures, [DEGREES, 1.0])
+                // OpenCASCADE takes v as the length along the cone, not along its axis. Other
+                // importers compute their own pcurves from the curves in space.
+                self.elementary(194, frame, measures, [DEGREES, half_angle.cos().recip()])
             }
             BrepSurface::Sphere { frame, radius } => {
                 self.elementary(196, frame, vec![*radius], [DEGREES; 2])
             }
             BrepSurface::Torus { frame, major, minor } => {
-                self.elementary(198, frame, vec![*major, *minor], [DEGREES; 2])
+                let planned =
+                    self.elementary(198, frame, vec![*major, *minor], [-DEGREES, DEGREES]);
+                PlannedSurface { shift: [TAU, 0.0], swapped: true, ..planned }
             }
             BrepSurface::Extrusion { profile, direction } => {
                 self.extrusion(profile, *direction, brep.parameters_on(number))
@@ -104,7 +111,7 @@ impl<'a> Plan<'a> {
         let pointer = self.add(EntityStatus::Part, EntityData::Extrusion { curve, end });
         let (from, to) = profile.knots().range();
         let scale = [(to - from).recip(), (high[1] - low[1]).recip()];
-        PlannedSurface { pointer, shift: [from, low[1]], scale, swapped: false }
+        PlannedSurface { pointer, shift: [from, low[1]], scale, swapped: false, turned: false }
     }
 
     /// Adds a surface of revolution. Its first parameter is that of the curve, and its second one
@@ -119,8 +126,8 @@ impl<'a> Plan<'a> {
         let end = [0, 1, 2].map(|i| origin[i] + axis[i]);
         let axis = self.add(status, EntityData::Line([origin, end]));
         let curve = self.add(status, EntityData::Curve(Cow::Borrowed(profile)));
-        let angles = [low[0], high[0]];
-        let pointer = self.add(status, EntityData::Revolution { axis, curve, angles });
-        PlannedSurface { pointer, shift: [0.0; 2], scale: [1.0; 2], swapped: true }
+        let body = EntityData::Revolution { axis, curve, angles: [low[0], high[0]] };
+        let pointer = self.add(status, body);
+        PlannedSurface { swapped: true, turned: true, ..PlannedSurface::new(pointer, [1.0; 2]) }
     }
 }
