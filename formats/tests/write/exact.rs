@@ -579,6 +579,109 @@ pub fn hollow_box() -> (Brep, f64) {
     (outer, volume - 4.0 / 3.0 * PI * radius.powi(3))
 }
 
+/// A cylinder whose top is cut off by an oblique plane along an ellipse.
+pub fn oblique() -> (Brep, f64) {
+    let mut part = ExactPart::new("oblique");
+    let (frame, radius, height, tilt) = (askew(), 5.0, 12.0, 0.5_f64);
+    let (lower, a) = part.circle(&frame, radius);
+    let rise = radius * tilt.tan();
+    let top = Frame::new(
+        frame.point([0.0, 0.0, height]),
+        frame.vector([-tilt.sin(), 0.0, tilt.cos()]),
+        frame.vector([tilt.cos(), 0.0, tilt.sin()]),
+    )
+    .unwrap();
+    let b = part.vertex(frame.point([radius, 0.0, height + rise]));
+    let cut = BrepCurve::ellipse(&top, [radius / tilt.cos(), radius], (0.0, TAU)).unwrap();
+    let cut = part.edge(cut, [b; 2]);
+    let seam = part.line(a, b);
+    let wave = hermite((0.0, TAU), 256, |t| [[t, height + rise * t.cos()], [1.0, -rise * t.sin()]]);
+    let uses = vec![
+        part.on(seam, false, [0.0, 0.0], [0.0, height + rise]),
+        part.on(lower, true, [0.0, 0.0], [TAU, 0.0]),
+        part.on(seam, true, [TAU, 0.0], [TAU, height + rise]),
+        EdgeUse { edge: cut, forward: false, pcurve: wave.into() },
+    ];
+    part.face(BrepSurface::cylinder(frame, radius), true, vec![uses]);
+    part.plane(frame, false, &[&[(lower, false)]]);
+    part.plane(top, true, &[&[(cut, true)]]);
+    (part.solid(), PI * radius * radius * height)
+}
+
+/// A quarter of a torus. Its seam runs along the bend.
+pub fn elbow() -> (Brep, f64) {
+    let mut part = ExactPart::new("elbow");
+    let (frame, [major, minor]) = (askew(), [10.0, 3.0]);
+    let mut tubes = Vec::new();
+    for u in [0.0, FRAC_PI_2] {
+        let turned = frame.turned(u);
+        let centre = turned.point([major, 0.0, 0.0]);
+        let tube = Frame::new(centre, turned.y().map(|e| -e), turned.x()).unwrap();
+        let (circle, vertex) = part.circle(&tube, minor);
+        tubes.push((tube, circle, vertex));
+    }
+    let ends = [tubes[0].2, tubes[1].2];
+    let seam = part.arc(&frame, major + minor, FRAC_PI_2, ends);
+    let uses = vec![
+        part.on(seam, true, [0.0, 0.0], [FRAC_PI_2, 0.0]),
+        part.on(tubes[1].1, true, [FRAC_PI_2, 0.0], [FRAC_PI_2, TAU]),
+        part.on(seam, false, [0.0, TAU], [FRAC_PI_2, TAU]),
+        part.on(tubes[0].1, false, [0.0, 0.0], [0.0, TAU]),
+    ];
+    part.face(BrepSurface::torus(frame, major, minor), true, vec![uses]);
+    part.plane(tubes[0].0, true, &[&[(tubes[0].1, true)]]);
+    part.plane(tubes[1].0, false, &[&[(tubes[1].1, false)]]);
+    (part.solid(), PI * PI / 2.0 * major * minor * minor)
+}
+
+/// A sector of a turned part with a spline as its profile.
+pub fn sector() -> (Brep, f64) {
+    let mut part = ExactPart::new("sector");
+    let (curve, angles) = (profile([X, Z]), [0.3, 1.7]);
+    let [low, high] = [0.0, 14.0].map(|z| part.vertex([0.0, 0.0, z]));
+    let axis = part.line(low, high);
+    let mut sides = Vec::new();
+    for u in angles {
+        let frame = Frame::WORLD.turned(u);
+        let profile = profile([frame.x(), Z]);
+        let [a, b] = profile.ends().map(|end| part.vertex(end));
+        let profile = part.edge(BrepCurve::Spline(profile), [a, b]);
+        let (bottom, top) = (part.line(low, a), part.line(high, b));
+        sides.push((frame, profile, bottom, top, [a, b]));
+    }
+    let turn = angles[1] - angles[0];
+    let arc = |part: &mut ExactPart, z: f64, radius: f64, k: usize| {
+        let ends = [sides[0].4[k], sides[1].4[k]];
+        part.arc(&level(z).turned(angles[0]), radius, turn, ends)
+    };
+    let (lower, upper) = (arc(&mut part, 0.0, 4.0, 0), arc(&mut part, 14.0, 5.0, 1));
+    let [u, w] = angles;
+    let uses = vec![
+        part.on(lower, true, [u, 0.0], [w, 0.0]),
+        part.on(sides[1].1, true, [w, 0.0], [w, 4.0]),
+        part.on(upper, false, [u, 4.0], [w, 4.0]),
+        part.on(sides[0].1, false, [u, 0.0], [u, 4.0]),
+    ];
+    part.face(BrepSurface::revolution(curve, [0.0; 3], Z).unwrap(), true, vec![uses]);
+    for (k, (frame, profile, bottom, top, _)) in sides.iter().enumerate() {
+        // Seen from −y of the frame, x and z are counter-clockwise.
+        let out = frame.y().map(|e| -e);
+        let plane = Frame::new([0.0; 3], out, frame.x()).unwrap();
+        let ring = [(*bottom, true), (*profile, true), (*top, false), (axis, false)];
+        let mut back: Vec<_> = ring.iter().rev().map(|(e, f)| (*e, !f)).collect();
+        if k == 0 {
+            back = ring.to_vec();
+        }
+        part.plane(plane, k == 0, &[&back]);
+    }
+    let [a, b] = [&sides[0], &sides[1]];
+    let top = [(a.3, true), (upper, true), (b.3, false)];
+    let bottom = [(b.2, true), (lower, false), (a.2, false)];
+    part.plane(level(0.0), false, &[&bottom]);
+    part.plane(level(14.0), true, &[&top]);
+    (part.solid(), 0.5 * turn * over_profile(|x, dz| x * x * dz))
+}
+
 /// The models with their volumes.
 pub fn all_exact() -> Vec<(Brep, f64)> {
     vec![
@@ -596,7 +699,10 @@ pub fn all_exact() -> Vec<(Brep, f64)> {
         torus(),
         hollow_box(),
         crossed(),
+        oblique(),
+        elbow(),
         extrusion(),
         revolution(),
+        sector(),
     ]
 }

@@ -195,17 +195,12 @@ impl<'d> IgesGeometry<'d> {
                 let distance = if turned { -distance } else { distance };
                 Ok(CadSurface::Offset { base: Arc::new(base), distance })
             }
+            120 => self.revolution(pointer, p),
             190 => {
                 let (origin, [x, y, _]) = self.frame(pointer, &mut p, 0)?;
                 Ok(CadSurface::Plane { origin, x, y })
             }
-            192 => {
-                let (origin, [x, y, z]) = self.frame(pointer, &mut p, 1)?;
-                // The radius is between the axis and the reference direction.
-                let radius = self.cylinder_radius(pointer)?;
-                let [x, y] = [x, y].map(|axis| axis.map(|e| radius * e));
-                Ok(CadSurface::Cylinder { origin, x, y, z })
-            }
+            192 | 194 | 196 | 198 => self.round(pointer, entry.kind, p),
             kind => {
                 let what = format!("is a surface of an unsupported type: {kind}");
                 Err(self.deck.unread(pointer, what))
@@ -225,13 +220,60 @@ impl<'d> IgesGeometry<'d> {
         Ok(CadSurface::Plane { origin: z.map(|e| away * e), x, y: cross(z, x) })
     }
 
-    fn cylinder_radius(&self, pointer: i64) -> Result<f64> {
-        let mut p = self.deck.parameters(pointer)?;
-        p.skip(2);
-        p.real()
+    /// A cylinder, a cone, a sphere or a torus.
+    fn round(&self, pointer: i64, kind: i64, mut p: Parameters) -> Result<CadSurface> {
+        let mut measures = self.deck.parameters(pointer)?;
+        // The measures are between the axis and the reference direction. The radius of a sphere is
+        // before the axis.
+        measures.skip(if kind == 196 { 1 } else { 2 });
+        let radius = measures.real()?;
+        let between = match kind {
+            192 => 1,
+            196 => 0,
+            _ => 2,
+        };
+        let (origin, [x, y, z]) = match kind {
+            196 => self.frame_after(pointer, &mut p, 1)?,
+            _ => self.frame(pointer, &mut p, between)?,
+        };
+        let [a, b, c] = [x, y, z].map(|axis| axis.map(|e| radius * e));
+        Ok(match kind {
+            192 => CadSurface::Cylinder { origin, x: a, y: b, z },
+            196 => CadSurface::Sphere { origin, x: a, y: b, z: c },
+            194 => {
+                let slope = measures.real()?.to_radians().tan();
+                CadSurface::Cone { origin, x, y, z, radius, slope }
+            }
+            _ => {
+                let minor = measures.real()?;
+                CadSurface::Torus { origin, x, y, z, major: radius, minor }
+            }
+        })
     }
 
-    /// The origin and the axes of a plane or cylinder. The file has a point, the direction of z,
+    /// A surface of revolution: the axis, the curve that turns, and the angles.
+    fn revolution(&self, pointer: i64, mut p: Parameters) -> Result<CadSurface> {
+        let (axis, generatrix) = (p.integer()?, p.integer()?);
+        let angles = (p.real()?, p.real()?);
+        let unplaced = Affine::scaling(1.0);
+        let axis = self.place(axis, &unplaced)?.curve(self.curve(axis)?);
+        let CurveShape::Line { origin, direction } = axis.shape else {
+            return Err(self.deck.error(pointer, "has an axis that is no line"));
+        };
+        let bad = || self.deck.error(pointer, "has an axis without a direction");
+        let axis = unit(direction).ok_or_else(bad)?;
+        let curve = self.place(generatrix, &unplaced)?.curve(self.curve(generatrix)?);
+        Ok(CadSurface::Revolution { curve, origin, axis, angles })
+    }
+
+    /// The factor from the length along a cone to the length along its axis.
+    pub(super) fn cosine(&self, pointer: i64) -> Result<f64> {
+        let mut p = self.deck.parameters(pointer)?;
+        p.skip(3);
+        Ok(p.real()?.to_radians().cos())
+    }
+
+    /// The origin and the axes of a surface. The file has a point, the direction of z,
     /// other parameters `between`, and a direction for x.
     fn frame(
         &self,
@@ -241,7 +283,28 @@ impl<'d> IgesGeometry<'d> {
     ) -> Result<([f64; 3], [[f64; 3]; 3])> {
         let (origin, z) = (p.integer()?, p.integer()?);
         p.skip(between);
-        let towards = p.integer()?;
+        self.axes(pointer, [origin, z, p.integer()?])
+    }
+
+    /// The origin and the axes of a sphere. The file has other parameters between the point and the
+    /// direction of z.
+    fn frame_after(
+        &self,
+        pointer: i64,
+        p: &mut Parameters,
+        between: usize,
+    ) -> Result<([f64; 3], [[f64; 3]; 3])> {
+        let origin = p.integer()?;
+        p.skip(between);
+        self.axes(pointer, [origin, p.integer()?, p.integer()?])
+    }
+
+    /// A point, and the axes from the directions of z and x.
+    fn axes(
+        &self,
+        pointer: i64,
+        [origin, z, towards]: [i64; 3],
+    ) -> Result<([f64; 3], [[f64; 3]; 3])> {
         let origin = self.of_kind(origin, 116, "a point")?.point()?;
         let bad = || self.deck.error(pointer, "has no proper axes");
         let z = unit(self.of_kind(z, 123, "a direction")?.point()?).ok_or_else(bad)?;

@@ -45,17 +45,21 @@ pub(super) fn flat(curve: CadCurve<3>) -> CadCurve<2> {
     CadCurve { shape, range: curve.range }
 }
 
-/// Converts the first coordinate of a pcurve from degrees to radians.
-pub(super) fn in_radians(curve: &CadCurve<2>) -> CadCurve<2> {
-    let turn = |[u, v]: [f64; 2]| [u.to_radians(), v];
+/// A pcurve in other parameters, to which `there` is an affine map.
+pub(super) fn converted(curve: &CadCurve<2>, there: impl Fn([f64; 2]) -> [f64; 2]) -> CadCurve<2> {
+    let origin = there([0.0; 2]);
+    let vector = |d: [f64; 2]| {
+        let end = there(d);
+        [end[0] - origin[0], end[1] - origin[1]]
+    };
     let shape = match curve.shape.clone() {
         CurveShape::Line { origin, direction } => {
-            CurveShape::Line { origin: turn(origin), direction: turn(direction) }
+            CurveShape::Line { origin: there(origin), direction: vector(direction) }
         }
         CurveShape::Ellipse { centre, x, y } => {
-            CurveShape::Ellipse { centre: turn(centre), x: turn(x), y: turn(y) }
+            CurveShape::Ellipse { centre: there(centre), x: vector(x), y: vector(y) }
         }
-        CurveShape::Spline(spline) => CurveShape::Spline(spline.mapped(turn)),
+        CurveShape::Spline(spline) => CurveShape::Spline(spline.mapped(there)),
     };
     CadCurve { shape, range: curve.range }
 }
@@ -79,7 +83,7 @@ pub(super) fn middle_normal(surface: &CadSurface) -> Option<[f64; 3]> {
         }
         CadSurface::Plane { x, y, .. } => Some(cross(*x, *y)),
         CadSurface::Offset { base, .. } => middle_normal(base),
-        CadSurface::Cylinder { .. } | CadSurface::Extrusion { .. } => None,
+        _ => None,
     }
 }
 
