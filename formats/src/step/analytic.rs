@@ -4,7 +4,7 @@
 use std::io;
 
 use super::geometry;
-use super::part21::{Id, Part21, share};
+use super::part21::{Id, Part21, add, share};
 use crate::brep::{BrepSurface, EllipseArc, Frame, LineSegment};
 use crate::number::StepReal;
 
@@ -73,42 +73,43 @@ fn placement(file: &mut Part21<'_>, frame: &Frame) -> io::Result<Id> {
     share!(file, "AXIS2_PLACEMENT_3D('',{origin},{z},{x})")
 }
 
-/// Writes a surface of any kind.
+/// Writes a surface of any kind. A surface is never shared with another one that is the same: two
+/// pcurves of an edge on one surface would look like those of a seam.
 pub(super) fn surface(file: &mut Part21<'_>, surface: &BrepSurface) -> io::Result<Id> {
     match surface {
         BrepSurface::Spline(spline) => geometry::spline_surface(file, spline),
         BrepSurface::Plane { frame } => {
             let at = placement(file, frame)?;
-            share!(file, "PLANE('',{at})")
+            add!(file, "PLANE('',{at})")
         }
         BrepSurface::Cylinder { frame, radius } => {
             let at = placement(file, frame)?;
-            share!(file, "CYLINDRICAL_SURFACE('',{at},{})", StepReal(*radius))
+            add!(file, "CYLINDRICAL_SURFACE('',{at},{})", StepReal(*radius))
         }
         BrepSurface::Cone { frame, radius, half_angle } => {
             let at = placement(file, frame)?;
             let [radius, angle] = [*radius, *half_angle].map(StepReal);
-            share!(file, "CONICAL_SURFACE('',{at},{radius},{angle})")
+            add!(file, "CONICAL_SURFACE('',{at},{radius},{angle})")
         }
         BrepSurface::Sphere { frame, radius } => {
             let at = placement(file, frame)?;
-            share!(file, "SPHERICAL_SURFACE('',{at},{})", StepReal(*radius))
+            add!(file, "SPHERICAL_SURFACE('',{at},{})", StepReal(*radius))
         }
         BrepSurface::Torus { frame, major, minor } => {
             let at = placement(file, frame)?;
             let [major, minor] = [*major, *minor].map(StepReal);
-            share!(file, "TOROIDAL_SURFACE('',{at},{major},{minor})")
+            add!(file, "TOROIDAL_SURFACE('',{at},{major},{minor})")
         }
         BrepSurface::Extrusion { profile, direction } => {
             let curve = geometry::spline_curve(file, profile)?;
             let along = vector(file, *direction)?;
-            share!(file, "SURFACE_OF_LINEAR_EXTRUSION('',{curve},{along})")
+            add!(file, "SURFACE_OF_LINEAR_EXTRUSION('',{curve},{along})")
         }
         BrepSurface::Revolution { profile, origin, axis } => {
             let curve = geometry::spline_curve(file, profile)?;
             let (origin, axis) = (point(file, *origin)?, direction(file, *axis)?);
             let at = share!(file, "AXIS1_PLACEMENT('',{origin},{axis})")?;
-            share!(file, "SURFACE_OF_REVOLUTION('',{curve},{at})")
+            add!(file, "SURFACE_OF_REVOLUTION('',{curve},{at})")
         }
     }
 }

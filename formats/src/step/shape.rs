@@ -9,7 +9,7 @@ use super::geometry::{self, logical};
 use super::part21::{Id, List, Part21, Text, add};
 use super::seams::{self, SeamOrder};
 use super::style;
-use crate::brep::{BoundedCurve, Brep, Edge, EdgeUse, Face, FaceId, ShellId, Solid};
+use crate::brep::{BoundedCurve, Brep, Edge, EdgeUse, Face, FaceId, ShellId, Solid, SurfaceId};
 use crate::number::StepReal;
 
 /// Writes the shape, connects it to the product's `PRODUCT_DEFINITION_SHAPE`, and gives it its
@@ -90,16 +90,12 @@ fn origin(file: &mut Part21<'_>) -> io::Result<Id> {
 
 /// Writes an `OPEN_SHELL` or a `CLOSED_SHELL` for every shell.
 fn shells(file: &mut Part21<'_>, brep: &Brep, plane: Id) -> io::Result<Vec<Id>> {
-    let mut surfaces = Vec::with_capacity(brep.surfaces.len());
-    for surface in &brep.surfaces {
-        surfaces.push(analytic::surface(file, surface)?);
-    }
+    let surfaces = surfaces(file, brep)?;
     let order = SeamOrder::new(brep);
     let vertices = vertices(file, brep)?;
     let edges = edges(file, brep, &order, (&vertices, &surfaces, plane))?;
     let mut faces = Vec::with_capacity(brep.faces.len());
-    for data in &brep.faces {
-        let surface = surfaces[data.surface.0];
+    for (data, &surface) in brep.faces.iter().zip(&surfaces) {
         faces.push(face(file, (brep, data, surface), &order, (&vertices, &edges))?);
     }
     let mut shells = Vec::with_capacity(brep.shells.len());
@@ -109,6 +105,27 @@ fn shells(file: &mut Part21<'_>, brep: &Brep, plane: Id) -> io::Result<Vec<Id>> 
         shells.push(add!(file, "{kind}('',{})", List(&members))?);
     }
     Ok(shells)
+}
+
+/// Writes the surfaces and returns that of each face. Faces share a B-spline surface, because it is
+/// large. Of other surfaces each face has its own one. Then it is clear which pcurve of an edge
+/// between two faces on one surface belongs to which face.
+fn surfaces(file: &mut Part21<'_>, brep: &Brep) -> io::Result<Vec<Id>> {
+    let mut written = Vec::with_capacity(brep.surfaces.len());
+    for surface in &brep.surfaces {
+        written.push(analytic::surface(file, surface)?);
+    }
+    let mut taken = vec![false; brep.surfaces.len()];
+    let mut surfaces = Vec::with_capacity(brep.faces.len());
+    for SurfaceId(number) in brep.faces.iter().map(|face| face.surface) {
+        let surface = &brep.surfaces[number];
+        surfaces.push(match taken[number] && surface.spline().is_none() {
+            true => analytic::surface(file, surface)?,
+            false => written[number],
+        });
+        taken[number] = true;
+    }
+    Ok(surfaces)
 }
 
 /// Writes a `VERTEX_POINT` for every vertex.
@@ -141,10 +158,8 @@ fn edges(
             continue;
         }
         let reversed = order.reversed[number];
-        let uses: Vec<Use<'_>> = uses
-            .into_iter()
-            .map(|(face, of_loop)| (face, surfaces[brep.faces[face.0].surface.0], of_loop))
-            .collect();
+        let uses: Vec<Use<'_>> =
+            uses.into_iter().map(|(face, of_loop)| (face, surfaces[face.0], of_loop)).collect();
         let edge = &brep.edges[number];
         let [start, end] = edge.ends.map(|end| vertices[end.0]);
         let [start, end] = if reversed { [end, start] } else { [start, end] };

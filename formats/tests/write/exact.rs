@@ -242,6 +242,40 @@ pub fn cylinder() -> (Brep, f64) {
     (part.solid(), 300.0 * PI)
 }
 
+/// A cylinder whose wall has two faces on one surface.
+pub fn halves() -> (Brep, f64) {
+    let mut part = ExactPart::new("halves");
+    let (frame, radius, height) = (askew(), 5.0, 12.0);
+    let mut rings = Vec::new();
+    for z in [0.0, height] {
+        let level = raised(&frame, z);
+        let ends = [radius, -radius].map(|x| part.vertex(level.point([x, 0.0, 0.0])));
+        let front = part.arc(&level, radius, PI, ends);
+        let back = part.arc(&level.turned(PI), radius, PI, [ends[1], ends[0]]);
+        rings.push(([front, back], ends));
+    }
+    let upright = [0, 1].map(|k| part.line(rings[0].1[k], rings[1].1[k]));
+    let mut halves = Vec::new();
+    for k in 0..2 {
+        let (u, w) = (k as f64 * PI, (k + 1) as f64 * PI);
+        halves.push(vec![
+            part.on(rings[0].0[k], true, [u, 0.0], [w, 0.0]),
+            part.on(upright[1 - k], true, [w, 0.0], [w, height]),
+            part.on(rings[1].0[k], false, [u, height], [w, height]),
+            part.on(upright[k], false, [u, 0.0], [u, height]),
+        ]);
+    }
+    let surface = part.brep.add_surface(BrepSurface::cylinder(frame, radius));
+    for ring in halves {
+        let face = Face { surface, forward: true, loops: vec![ring] };
+        part.faces.push(part.brep.add_face(face));
+    }
+    let [lower, upper] = [0, 1].map(|k| rings[k].0);
+    part.plane(frame, false, &[&[(lower[1], false), (lower[0], false)]]);
+    part.plane(raised(&frame, height), true, &[&[(upper[0], true), (upper[1], true)]]);
+    (part.solid(), 300.0 * PI)
+}
+
 pub fn truncated_cone() -> (Brep, f64) {
     let mut part = ExactPart::new("truncated_cone");
     let (frame, half_angle) = (askew(), 0.3_f64);
@@ -689,6 +723,7 @@ pub fn all_exact() -> Vec<(Brep, f64)> {
         plate(),
         bracket(),
         cylinder(),
+        halves(),
         truncated_cone(),
         cone(),
         sphere(),

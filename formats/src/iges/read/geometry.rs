@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::deck::Deck;
 use super::parameters::Parameters;
-use super::shape::{arc, flat, middle_normal, over_unit, turned};
+use super::shape::{arc, ellipse, flat, middle_normal, over_unit, turned};
 use crate::Result;
 use crate::cad::affine::{Affine, cross, dot, unit};
 use crate::cad::{CadCurve, CadSurface, CurveShape};
@@ -69,29 +69,21 @@ impl<'d> IgesGeometry<'d> {
 
     /// The curves in space that an entity consists of, in order.
     pub(super) fn curves(&self, pointer: i64, outer: &Affine) -> Result<Vec<Arc<CadCurve<3>>>> {
-        let curves = self.pieces(pointer, Some(outer), 0)?;
+        let curves = self.pieces(pointer, outer, 0)?;
         Ok(curves.into_iter().map(Arc::new).collect())
     }
 
     /// The curves in a parameter plane that an entity consists of, in order.
     pub(super) fn pcurves(&self, pointer: i64) -> Result<Vec<Arc<CadCurve<2>>>> {
-        let curves = self.pieces(pointer, None, 0)?;
+        // Parameters have no unit. Matrices place arcs, which the file has in planes of their own.
+        let curves = self.pieces(pointer, &Affine::scaling(1.0), 0)?;
         Ok(curves.into_iter().map(|curve| Arc::new(flat(curve))).collect())
     }
 
-    fn pieces(
-        &self,
-        pointer: i64,
-        outer: Option<&Affine>,
-        depth: usize,
-    ) -> Result<Vec<CadCurve<3>>> {
-        let place = outer.map(|outer| self.place(pointer, outer)).transpose()?;
+    fn pieces(&self, pointer: i64, outer: &Affine, depth: usize) -> Result<Vec<CadCurve<3>>> {
+        let place = self.place(pointer, outer)?;
         if self.deck.entry(pointer)?.kind != 102 {
-            let curve = self.curve(pointer)?;
-            return Ok(vec![match place {
-                Some(place) => place.curve(curve),
-                None => curve,
-            }]);
+            return Ok(vec![place.curve(self.curve(pointer)?)]);
         }
         if depth == MAX_DEPTH {
             return Err(self.deck.error(pointer, "is a composite curve that is nested too deeply"));
@@ -100,7 +92,7 @@ impl<'d> IgesGeometry<'d> {
         let count = p.count()?;
         let mut all = Vec::new();
         for part in p.several(count, Parameters::integer)? {
-            all.extend(self.pieces(part, place.as_ref(), depth + 1)?);
+            all.extend(self.pieces(part, &place, depth + 1)?);
         }
         Ok(all)
     }
@@ -111,6 +103,10 @@ impl<'d> IgesGeometry<'d> {
         let mut p = self.deck.parameters(pointer)?;
         match entry.kind {
             100 => arc(&mut p),
+            104 if entry.form == 1 => {
+                let refused = "is an ellipse that is not along x and y";
+                ellipse(&mut p)?.ok_or_else(|| self.deck.unread(pointer, refused))
+            }
             106 if matches!(entry.form, 11..=13 | 63) => {
                 let kind = p.integer()?;
                 let count = p.count()?;
@@ -226,7 +222,12 @@ impl<'d> IgesGeometry<'d> {
         // The measures are between the axis and the reference direction. The radius of a sphere is
         // before the axis.
         measures.skip(if kind == 196 { 1 } else { 2 });
-        let radius = measures.real()?;
+        let measure = |p: &mut Parameters| {
+            let found = p.real()?;
+            let infinite = || self.deck.error(pointer, "has a measure that is not finite");
+            if found.is_finite() { Ok(found) } else { Err(infinite()) }
+        };
+        let radius = measure(&mut measures)?;
         let between = match kind {
             192 => 1,
             196 => 0,
@@ -241,11 +242,11 @@ impl<'d> IgesGeometry<'d> {
             192 => CadSurface::Cylinder { origin, x: a, y: b, z },
             196 => CadSurface::Sphere { origin, x: a, y: b, z: c },
             194 => {
-                let slope = measures.real()?.to_radians().tan();
+                let slope = measure(&mut measures)?.to_radians().tan();
                 CadSurface::Cone { origin, x, y, z, radius, slope }
             }
             _ => {
-                let minor = measures.real()?;
+                let minor = measure(&mut measures)?;
                 CadSurface::Torus { origin, x, y, z, major: radius, minor }
             }
         })
@@ -260,6 +261,9 @@ impl<'d> IgesGeometry<'d> {
         let CurveShape::Line { origin, direction } = axis.shape else {
             return Err(self.deck.error(pointer, "has an axis that is no line"));
         };
+        if angles.0.partial_cmp(&angles.1) != Some(std::cmp::Ordering::Less) {
+            return Err(self.deck.error(pointer, "turns by no angle"));
+        }
         let bad = || self.deck.error(pointer, "has an axis without a direction");
         let axis = unit(direction).ok_or_else(bad)?;
         let curve = self.place(generatrix, &unplaced)?.curve(self.curve(generatrix)?);

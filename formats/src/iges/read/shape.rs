@@ -30,6 +30,36 @@ pub(super) fn arc(p: &mut Parameters) -> Result<CadCurve<3>> {
     Ok(CadCurve { shape, range: Some((from, to)) })
 }
 
+/// An elliptic arc, counter-clockwise (clause 4.5). `None` if its axes are not along x and y.
+pub(super) fn ellipse(p: &mut Parameters) -> Result<Option<CadCurve<3>>> {
+    let mut equation = [0.0; 6];
+    for factor in &mut equation {
+        *factor = p.real()?;
+    }
+    let [xx, xy, yy, x, y, constant] = equation;
+    let level = p.real()?;
+    let centre = [-0.5 * x / xx, -0.5 * y / yy];
+    let size = xx * centre[0] * centre[0] + yy * centre[1] * centre[1] - constant;
+    let [a, b] = [size / xx, size / yy].map(f64::sqrt);
+    if xy != 0.0 || ![a, b, centre[0], centre[1]].iter().all(|x| x.is_finite()) {
+        return Ok(None);
+    }
+    let mut angle = || {
+        let [x, y] = [p.real()?, p.real()?];
+        Ok(((y - centre[1]) / b).atan2((x - centre[0]) / a))
+    };
+    let (from, mut to): (f64, f64) = (angle()?, angle()?);
+    if to <= from {
+        to += std::f64::consts::TAU;
+    }
+    let shape = CurveShape::Ellipse {
+        centre: [centre[0], centre[1], level],
+        x: [a, 0.0, 0.0],
+        y: [0.0, b, 0.0],
+    };
+    Ok(Some(CadCurve { shape, range: Some((from, to)) }))
+}
+
 /// The projection of a curve to its x and y coordinates.
 pub(super) fn flat(curve: CadCurve<3>) -> CadCurve<2> {
     let cut = |p: [f64; 3]| [p[0], p[1]];

@@ -213,17 +213,22 @@ impl<'f, 'a> StepGeometry<'f, 'a> {
     /// A cylinder, a cone, a sphere or a torus.
     fn round(&self, kind: &str, frame: &Frame, mut attributes: Attributes) -> Result<CadSurface> {
         let (origin, [x, y, z]) = (frame.origin(), [frame.x(), frame.y(), frame.z()]);
-        let radius = attributes.real()?;
+        let mut measure = || {
+            let found = attributes.real()?;
+            let infinite = || self.file.error(attributes.id, "has a measure that is not finite");
+            if found.is_finite() { Ok(found) } else { Err(infinite()) }
+        };
+        let radius = measure()?;
         let [a, b, c] = [x, y, z].map(|axis| axis.map(|e| radius * e));
         Ok(match kind {
             "CYLINDRICAL_SURFACE" => CadSurface::Cylinder { origin, x: a, y: b, z },
             "SPHERICAL_SURFACE" => CadSurface::Sphere { origin, x: a, y: b, z: c },
             "CONICAL_SURFACE" => {
-                let slope = (self.angle * attributes.real()?).tan();
+                let slope = (self.angle * measure()?).tan();
                 CadSurface::Cone { origin, x, y, z, radius, slope }
             }
             _ => {
-                let minor = attributes.real()?;
+                let minor = measure()?;
                 CadSurface::Torus { origin, x, y, z, major: radius, minor }
             }
         })
