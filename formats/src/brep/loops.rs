@@ -1,7 +1,7 @@
 //! Checks of the loops of faces.
 
 use super::check::{Checked, distance};
-use super::{Brep, BrepElement, BrepSurface, EdgeUse, Face, ModelFault, PCurve};
+use super::{Brep, BrepElement, BrepSurface, EdgeUse, Face, FaceId, ModelFault, PCurve};
 
 /// The number of parts of each span at whose ends an edge and its pcurve are compared. The error of
 /// a cubic fit has its maxima between the ends of a span, and eight parts are enough to find each
@@ -37,6 +37,21 @@ pub(super) fn jump(ring: &[EdgeUse], n: usize, sizes: [f64; 2]) -> Option<[[f64;
 }
 
 impl Brep {
+    /// The faces of which a corner is a pole of a sphere or the apex of a cone. OpenCASCADE finds
+    /// them in a STEP file valid only after healing, because STEP has no edge there. It is better
+    /// to choose the axis of a sphere so that its poles are outside of the face, or at the end of a
+    /// seam edge.
+    pub fn corner_poles(&self) -> Vec<FaceId> {
+        let is_corner = |face: &Face, ring: &Vec<EdgeUse>| {
+            let jumps = self.jumps(face, ring).into_iter().enumerate();
+            let mut edges = jumps.map(|(n, jumps)| (jumps, &ring[n], &ring[(n + 1) % ring.len()]));
+            edges.any(|(jumps, towards, from)| jumps && towards.edge != from.edge)
+        };
+        let faces = self.faces.iter().enumerate();
+        let found = faces.filter(|(_, face)| face.loops.iter().any(|ring| is_corner(face, ring)));
+        found.map(|(number, _)| FaceId(number)).collect()
+    }
+
     /// For each use of a loop, whether the loop jumps at a pole from its pcurve to the next one.
     pub(crate) fn jumps(&self, face: &Face, ring: &[EdgeUse]) -> Vec<bool> {
         let sizes = face.plane_sizes(&self.surfaces[face.surface.0]);

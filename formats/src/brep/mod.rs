@@ -12,6 +12,7 @@
 
 mod bounds;
 mod check;
+mod conic;
 mod curve;
 mod fault;
 mod frame;
@@ -20,7 +21,8 @@ mod loops;
 mod surface;
 mod truck;
 
-pub use curve::{BoundedCurve, BrepCurve, EllipseArc, LineSegment, PCurve};
+pub use conic::{EllipseArc, LineSegment};
+pub use curve::{BoundedCurve, BrepCurve, PCurve};
 pub use fault::{BrepElement, ModelFault};
 pub use frame::Frame;
 pub use surface::BrepSurface;

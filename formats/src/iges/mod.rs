@@ -3,6 +3,7 @@
 //! The input is a [`Brep`]. The output is a file of version 5.3 of the Initial Graphics Exchange
 //! Specification in the fixed ASCII form with 80 columns.
 
+mod compose;
 mod curves;
 mod entity;
 mod global;

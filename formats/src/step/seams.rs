@@ -31,8 +31,9 @@ impl SeamOrder {
                     continue;
                 }
                 for (n, jumps) in brep.jumps(face, ring).into_iter().enumerate() {
-                    let towards = &ring[n];
-                    if jumps && towards.forward == face.forward {
+                    let [towards, from] = [&ring[n], &ring[(n + 1) % ring.len()]];
+                    let is_seam = towards.edge == from.edge;
+                    if jumps && is_seam && towards.forward == face.forward {
                         order.reversed[towards.edge.0] = true;
                     }
                 }

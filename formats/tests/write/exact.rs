@@ -419,6 +419,59 @@ pub fn dome(up: bool) -> (Brep, f64) {
     (part.solid(), PI * radius * radius * (8.0 + 2.0 / 3.0 * radius))
 }
 
+/// The pcurve of an arc on a sphere as a spline.
+fn on_sphere(frame: &Frame, radius: f64, arc: &BrepCurve) -> PCurve {
+    let tip = frame.origin();
+    let curve = hermite(arc.range(), 64, |t| {
+        let [a, b, c] = frame.coordinates(arc.point(t));
+        let speed = arc.speed(t);
+        let [da, db, dc] = frame.coordinates([0, 1, 2].map(|k| tip[k] + speed[k]));
+        let (square, v) = (a * a + b * b, (c / radius).asin());
+        [[b.atan2(a), v], [(a * db - b * da) / square, dc / (radius * v.cos())]]
+    });
+    curve.into()
+}
+
+/// An eighth of a ball. If `polar`, a corner of its round face is the pole of the sphere.
+pub fn octant(polar: bool) -> (Brep, f64) {
+    let mut part = ExactPart::new("octant");
+    let radius = 6.0;
+    let axes = [X, [0.0, 1.0, 0.0], Z];
+    let centre = part.vertex([0.0; 3]);
+    let corners = axes.map(|axis| part.vertex(axis.map(|e| radius * e)));
+    let lines = corners.map(|corner| part.line(centre, corner));
+    let mut arcs = Vec::new();
+    for k in 0..3 {
+        let next = (k + 1) % 3;
+        // The arc from corner k to the next one turns about the third axis.
+        let frame = Frame::new([0.0; 3], axes[(k + 2) % 3], axes[k]).unwrap();
+        let arc = part.arc(&frame, radius, FRAC_PI_2, [corners[k], corners[next]]);
+        // The face looks against the axis.
+        let ring = [(lines[next], true), (arc, false), (lines[k], false)];
+        part.plane(frame, false, &[&ring]);
+        arcs.push(arc);
+    }
+    let (frame, uses) = if polar {
+        let quarter = FRAC_PI_2;
+        let uses = vec![
+            part.on(arcs[0], true, [0.0, 0.0], [quarter, 0.0]),
+            part.on(arcs[1], true, [quarter, 0.0], [quarter, quarter]),
+            part.on(arcs[2], true, [0.0, quarter], [0.0, 0.0]),
+        ];
+        (Frame::WORLD, uses)
+    } else {
+        // The poles are outside of the face.
+        let frame = Frame::new([0.0; 3], [1.0, -1.0, 0.0], [1.0, 1.0, 1.0]).unwrap();
+        let of_arc = |&edge: &EdgeId| {
+            let pcurve = on_sphere(&frame, radius, &part.brep.edges[edge.0].curve);
+            EdgeUse { edge, forward: true, pcurve }
+        };
+        (frame, arcs.iter().map(of_arc).collect())
+    };
+    part.face(BrepSurface::sphere(frame, radius), true, vec![uses]);
+    (part.solid(), 4.0 / 3.0 * PI * radius.powi(3) / 8.0)
+}
+
 pub fn torus() -> (Brep, f64) {
     let mut part = ExactPart::new("torus");
     let (frame, [major, minor]) = (askew(), [10.0, 3.0]);
@@ -731,6 +784,7 @@ pub fn all_exact() -> Vec<(Brep, f64)> {
         drilled(),
         dome(true),
         dome(false),
+        octant(false),
         torus(),
         hollow_box(),
         crossed(),

@@ -161,7 +161,8 @@ fn a_reversed_curve_has_the_same_points() {
 #[test]
 fn step_has_its_surfaces_and_curves_by_name() {
     let count = |file: &str, entity: &str| file.matches(&format!("={entity}(")).count();
-    let named: [((Brep, f64), &[(&str, usize)]); 8] = [
+    type Named = ((Brep, f64), &'static [(&'static str, usize)]);
+    let named: [Named; 8] = [
         (exact::exact_box(), &[("PLANE", 6), ("LINE", 12), ("SURFACE_CURVE", 12)]),
         // Top and bottom share the circle of their parameter planes.
         (exact::plate(), &[("CYLINDRICAL_SURFACE", 1), ("CIRCLE", 3), ("SEAM_CURVE", 1)]),
@@ -194,7 +195,8 @@ fn iges_has_its_surfaces_and_curves_by_number() {
         let is_entry = |line: &&str| line.as_bytes()[72] == b'D' && line.starts_with(&entry);
         file.lines().filter(is_entry).count() / 2
     };
-    let numbered: [((Brep, f64), &[(u16, usize)]); 8] = [
+    type Numbered = ((Brep, f64), &'static [(u16, usize)]);
+    let numbered: [Numbered; 8] = [
         (exact::exact_box(), &[(190, 6), (110, 12 + 24)]),
         (exact::plate(), &[(190, 6), (192, 1), (100, 2 + 2)]),
         (exact::cone(), &[(194, 1)]),
@@ -241,4 +243,15 @@ fn planes_and_lines_go_to_truck_and_back() {
     let (bracket, _) = exact::bracket();
     let refused = bracket.truck_solid(&bracket.solids[0]).unwrap_err();
     assert_eq!(refused.to_string(), "an edge on a circle or an ellipse");
+}
+
+#[test]
+fn a_pole_at_a_corner_is_found() {
+    let (polar, volume) = exact::octant(true);
+    assert_eq!(polar.check(), Ok(()));
+    assert!((polar.volume(ShellId(0)) - volume).abs() < 1e-12 * volume);
+    assert_eq!(polar.corner_poles(), vec![FaceId(3)]);
+    for (brep, _) in all_exact() {
+        assert_eq!(brep.corner_poles(), vec![], "{}", brep.name);
+    }
 }
