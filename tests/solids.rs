@@ -233,7 +233,8 @@ fn check_measures_exact_ones() {
             let report = check(&model, &scan, None).expect("it is valid");
             let what = format!("{} as {}: {report:?}", brep.name, path.display());
             assert!(report.scan_to_face.max < 1e-6 * scan.diagonal(), "{what}");
-            assert!(report.max_off_surface < 1e-6, "{what}");
+            // Curves without a common parameter are compared by their chords.
+            assert!(report.max_off_surface < 1e-6 + report.resolution, "{what}");
             let area: f64 = (0..brep.shells.len()).map(|shell| brep.area(ShellId(shell))).sum();
             assert!((report.area - area).abs() < 0.02 * area, "{what} instead of {area}");
         }

@@ -422,7 +422,7 @@ pub fn dome(up: bool) -> (Brep, f64) {
 /// The pcurve of an arc on a sphere as a spline.
 fn on_sphere(frame: &Frame, radius: f64, arc: &BrepCurve) -> PCurve {
     let tip = frame.origin();
-    let curve = hermite(arc.range(), 64, |t| {
+    let curve = hermite(arc.range(), 256, |t| {
         let [a, b, c] = frame.coordinates(arc.point(t));
         let speed = arc.speed(t);
         let [da, db, dc] = frame.coordinates([0, 1, 2].map(|k| tip[k] + speed[k]));
