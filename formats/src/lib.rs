@@ -1,9 +1,10 @@
 //! Readers of scans, and readers and writers of CAD files.
 //!
 //! A reader of scans returns exactly what a file contains: a [`Soup`] of polygons with the unit
-//! that the file declares, or a cloud of [`Points`]. It does not weld or repair anything. A writer takes a [`Brep`]: faces on
-//! B-spline surfaces in shells and solids, trimmed by edges with a pcurve for every use. The crate
-//! does not know how scan2step converts one into the other.
+//! that the file declares, or a cloud of [`Points`]. It does not weld or repair anything. A writer
+//! takes a [`Brep`]: faces on B-spline surfaces, planes, cylinders, cones, spheres, tori and swept
+//! curves, in shells and solids, trimmed by edges with a pcurve for every use. The crate does not
+//! know how scan2step converts one into the other.
 
 #![deny(missing_docs)]
 // Whatever a file contains, the readers return an error and do not panic.

@@ -3,7 +3,7 @@
 use numpy::{PyArray1, PyArray2, PyArray3, PyReadonlyArray2};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
-use scan2step::formats::brep::{self, BrepCurve, BrepSurface};
+use scan2step::formats::brep::{self, BrepCurve, BrepSurface, PCurve};
 use scan2step::formats::spline::{SplineCurve, SplineSurface};
 
 use crate::arrays;
@@ -85,7 +85,10 @@ impl Face {
             let BrepCurve::Spline(edge) = &brep.edges[used.edge.0].curve else {
                 unreachable!("the pipeline makes splines only")
             };
-            Ok((curve(py, &used.pcurve)?, curve(py, edge)?, used.forward))
+            let PCurve::Spline(pcurve) = &used.pcurve else {
+                unreachable!("the pipeline makes splines only")
+            };
+            Ok((curve(py, pcurve)?, curve(py, edge)?, used.forward))
         };
         let ring = |ring: &Vec<brep::EdgeUse>| ring.iter().map(arc).collect();
         self.face().loops.iter().map(ring).collect()

@@ -6,7 +6,7 @@
 use std::sync::Arc;
 
 use formats::cad::{CadCurve, CadEdge};
-use nalgebra::Point2;
+use nalgebra::{Point2, Vector2};
 
 use super::curve::CurveSegment;
 use super::surface::Domain;
@@ -40,17 +40,16 @@ impl Tracer<'_> {
     /// An edge has no curve or is not on the surface, or the loop does not close in the parameter
     /// plane.
     pub(super) fn polygon(&mut self, edges: &[CadEdge]) -> Result<Vec<TracePoint>, String> {
-        let mut all: Vec<TracePoint> = Vec::new();
+        let (mut all, mut taken): (Vec<TracePoint>, Vec<TakenPcurve>) = (Vec::new(), Vec::new());
         // Do not begin with a seam edge, because nothing tells which of its two pcurves is meant.
         let first = edges.iter().position(|edge| edge.pcurves.len() < 2).unwrap_or(0);
         for edge in edges[first..].iter().chain(&edges[..first]) {
             let last = all.last().map(|c| c.0);
-            let mut line = self.edge(edge, last)?;
-            if let (Some(period), Some(last), Some(start)) =
-                (self.surface.period(), last, line.first())
+            let mut line = self.edge(edge, last, &mut taken)?;
+            if let (Some(&end), Some(&start)) = (all.last(), line.first())
+                && self.joint_gap(end, start) > self.gap
             {
-                let shift = period * ((last.x - start.0.x) / period).round();
-                line.iter_mut().for_each(|corner| corner.0.x += shift);
+                self.shift(&mut line, end.0 - start.0);
             }
             if let (Some(&end), Some(&start)) = (all.last(), line.first()) {
                 self.check_joint(end, start)?;
@@ -69,12 +68,28 @@ impl Tracer<'_> {
         Ok(all)
     }
 
-    /// Checks that two consecutive corners are the same point in space, and that the line between
-    /// their parameter points is, too. This line is long where the file omits the edge of a pole.
-    fn check_joint(&self, end: TracePoint, start: TracePoint) -> Result<(), String> {
+    /// Moves a line by whole periods to the end of the previous edge, which is at the given vector from
+    /// its start.
+    fn shift(&self, line: &mut [TracePoint], gap: Vector2<f64>) {
+        for (axis, period) in self.surface.periods().into_iter().enumerate() {
+            let Some(period) = period else { continue };
+            let shift = period * (gap[axis] / period).round();
+            line.iter_mut().for_each(|corner| corner.0[axis] += shift);
+        }
+    }
+
+    /// The largest distance of a corner from the next one, and from the line between their parameter
+    /// points. This line is long where the file omits the edge of a pole.
+    fn joint_gap(&self, end: TracePoint, start: TracePoint) -> f64 {
         let between = [0.25, 0.5, 0.75].map(|s| self.surface.point(end.0 + s * (start.0 - end.0)));
         let farthest = between.iter().chain([&start.1]).map(|p| (p - end.1).norm());
-        if farthest.fold(0.0, f64::max) <= self.gap {
+        farthest.fold(0.0, f64::max)
+    }
+
+    /// Checks that two consecutive corners are the same point in space, and that the line between
+    /// their parameter points is, too.
+    fn check_joint(&self, end: TracePoint, start: TracePoint) -> Result<(), String> {
+        if self.joint_gap(end, start) <= self.gap {
             return Ok(());
         }
         let [x, y, z]: [f64; 3] = end.1.coords.into();
@@ -82,7 +97,13 @@ impl Tracer<'_> {
     }
 
     /// The polyline of an edge in the direction of its loop. `last` is the end of the loop so far.
-    fn edge(&mut self, edge: &CadEdge, last: Option<Uv>) -> Result<Vec<TracePoint>, String> {
+    /// `taken` has the pcurves that the loop has used.
+    fn edge<'b>(
+        &mut self,
+        edge: &'b CadEdge,
+        last: Option<Uv>,
+        taken: &mut Vec<TakenPcurve<'b>>,
+    ) -> Result<Vec<TracePoint>, String> {
         let curve = match &edge.curve {
             Some(curve) => {
                 let part = CurveSegment::new(curve, edge.ends);
@@ -90,7 +111,7 @@ impl Tracer<'_> {
             }
             None => None,
         };
-        let pcurve = chosen(edge, curve.as_ref(), last);
+        let pcurve = chosen(edge, curve.as_ref(), last, taken);
         let trace = pcurve.map(|pcurve| along(self.trace(&pcurve), edge.pcurve_forward));
         let Some(curve) = curve else {
             return trace.ok_or_else(|| "an edge has no curve".into());
@@ -174,11 +195,16 @@ impl Tracer<'_> {
     }
 }
 
-/// The pcurve of an edge. A seam edge has two. Then it is the one that continues the loop.
+/// A pcurve of an edge that a loop has used.
+type TakenPcurve<'a> = &'a Arc<CadCurve<2>>;
+
+/// The pcurve of an edge. A seam edge has two. Then it is the one that the loop has not used, or the
+/// one that continues the loop.
 fn chosen<'a>(
     edge: &'a CadEdge,
     curve: Option<&CurveSegment<3>>,
     last: Option<Uv>,
+    taken: &mut Vec<TakenPcurve<'a>>,
 ) -> Option<CurveSegment<'a, 2>> {
     let part = |pcurve: &'a Arc<CadCurve<2>>| match (pcurve.range, curve) {
         (None, Some(curve)) => CurveSegment::over(pcurve, curve.range),
@@ -188,17 +214,24 @@ fn chosen<'a>(
         let t = if edge.pcurve_forward { p.range.0 } else { p.range.1 };
         Uv::from(p.point(t))
     };
-    let parts: Vec<CurveSegment<2>> = edge.pcurves.iter().filter_map(part).collect();
-    match (&parts[..], last) {
+    let left = |pcurve: &&'a Arc<CadCurve<2>>| !taken.iter().any(|used| Arc::ptr_eq(used, pcurve));
+    let seam = edge.pcurves.len() > 1;
+    let parts = edge.pcurves.iter().filter(|pcurve| !seam || left(pcurve));
+    let parts: Vec<_> = parts.filter_map(|pcurve| Some((pcurve, part(pcurve)?))).collect();
+    let (used, found) = match (&parts[..], last) {
         ([first, second, ..], Some(last)) => {
-            let away = |p: &CurveSegment<2>| (start(p) - last).norm();
-            Some(if away(second) < away(first) { *second } else { *first })
+            let away = |(_, p): &(_, CurveSegment<2>)| (start(p) - last).norm();
+            if away(second) < away(first) { second } else { first }
         }
         // By convention the first pcurve belongs to the use along the edge.
-        ([_, second, ..], None) if !edge.pcurve_forward => Some(*second),
-        ([first, ..], _) => Some(*first),
-        ([], _) => None,
+        ([_, second, ..], None) if !edge.pcurve_forward => second,
+        ([first, ..], _) => first,
+        ([], _) => return None,
+    };
+    if seam {
+        taken.push(used);
     }
+    Some(*found)
 }
 
 /// Parameters that cover an axis. For an unbounded axis they cover the range of an angle.

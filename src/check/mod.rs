@@ -67,7 +67,7 @@ pub fn check(model: &CadModel, scan: &Mesh, points: Option<&[Point]>) -> Result<
 
 fn measure(model: &CadModel, scan: &Mesh, measured: &[Point]) -> Result<Report> {
     let diagonal = scan.diagonal();
-    let domains: Vec<Domain> = model.faces.iter().map(|f| Domain::whole(&f.surface)).collect();
+    let domains: Vec<Domain> = model.faces.iter().map(domain).collect();
     let (rings, off) = rings(model, &domains, diagonal)?;
     let parts: Vec<Domain> = domains.iter().zip(&rings).zip(&model.faces).map(bounded).collect();
     let faces = parts.iter().zip(rings).zip(&model.faces);
@@ -93,6 +93,12 @@ fn measure(model: &CadModel, scan: &Mesh, measured: &[Point]) -> Result<Report> 
         scan_to_face: Deviation::of(measured, to_faces),
         face_to_scan: Deviation::of(&points, to_scan),
     })
+}
+
+/// The surface of a face. A face that its surface bounds goes once around it.
+fn domain(face: &CadFace) -> Domain<'_> {
+    let whole = Domain::whole(&face.surface);
+    if face.natural { whole.once() } else { whole }
 }
 
 /// The polygons of every face's loops, and the largest distance of an edge from its surface.

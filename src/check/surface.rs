@@ -3,6 +3,8 @@
 //! The input is a surface and a parameter point. The output is the point with its first and second
 //! derivatives. Rational splines follow The NURBS Book (Piegl and Tiller 1997).
 
+use std::f64::consts::{FRAC_PI_2, TAU};
+
 use formats::cad::{CadCurve, CadSurface, CurveShape};
 use formats::spline::{SplineBasis, SplineCurve, SplineKnots, SplineSurface};
 use nalgebra::Vector4;
@@ -11,7 +13,7 @@ use crate::geometry::{Point, Uv, Vector};
 use crate::spline::{Jet, KnotVector, ParametricSurface, Surface};
 
 /// A surface over a rectangle of its parameter plane.
-#[derive(Debug)]
+#[derive(Debug, Clone, Copy)]
 pub(super) struct Domain<'a> {
     surface: &'a CadSurface,
     ranges: [(f64, f64); 2],
@@ -39,13 +41,20 @@ impl<'a> Domain<'a> {
         self.ranges.iter().all(|(from, to)| from.is_finite() && to.is_finite())
     }
 
-    /// The period in u, if the surface is periodic.
-    pub(super) fn period(&self) -> Option<f64> {
-        let round = |surface: &CadSurface| matches!(surface, CadSurface::Cylinder { .. });
-        match self.surface {
-            CadSurface::Offset { base, .. } if round(base) => Some(std::f64::consts::TAU),
-            surface => round(surface).then_some(std::f64::consts::TAU),
-        }
+    /// The surface once around where it is periodic. It is the whole surface if nothing else bounds
+    /// it.
+    pub(super) fn once(&self) -> Self {
+        let periods = self.periods();
+        let ranges = [0, 1].map(|axis| match periods[axis] {
+            Some(period) if self.ranges[axis] == ENDLESS => (0.0, period),
+            _ => self.ranges[axis],
+        });
+        Domain { ranges, ..*self }
+    }
+
+    /// The periods in u and in v, where the surface is periodic.
+    pub(super) fn periods(&self) -> [Option<f64>; 2] {
+        angles(self.surface).map(|is_angle| is_angle.then_some(TAU))
     }
 
     /// Adds second derivatives to a jet by finite differences of first derivatives. Their relative
@@ -103,6 +112,20 @@ fn ranges(surface: &CadSurface) -> [(f64, f64); 2] {
     match surface {
         CadSurface::Spline(s) => [s.u().range(), s.v().range()],
         CadSurface::Plane { .. } | CadSurface::Cylinder { .. } => [ENDLESS; 2],
+        CadSurface::Torus { .. } => [ENDLESS; 2],
+        // The faces of a cone are on one side of its apex.
+        CadSurface::Cone { radius, slope, .. } if *slope > 0.0 => {
+            [ENDLESS, (-radius / slope, f64::INFINITY)]
+        }
+        CadSurface::Cone { radius, slope, .. } if *slope < 0.0 => {
+            [ENDLESS, (f64::NEG_INFINITY, -radius / slope)]
+        }
+        CadSurface::Cone { .. } => [ENDLESS; 2],
+        CadSurface::Sphere { .. } => [ENDLESS, (-FRAC_PI_2, FRAC_PI_2)],
+        CadSurface::Revolution { curve, angles, .. } => match &curve.shape {
+            CurveShape::Spline(s) => [*angles, s.knots().range()],
+            _ => [*angles, curve.range.unwrap_or(ENDLESS)],
+        },
         CadSurface::Extrusion { curve, .. } => match &curve.shape {
             CurveShape::Spline(s) => [s.knots().range(), ENDLESS],
             _ => [ENDLESS; 2],
@@ -117,8 +140,24 @@ fn breaks(surface: &CadSurface) -> [Vec<f64>; 2] {
         CadSurface::Extrusion { curve: CadCurve { shape: CurveShape::Spline(s), .. }, .. } => {
             [s.knots().breaks(), Vec::new()]
         }
+        CadSurface::Revolution { curve: CadCurve { shape: CurveShape::Spline(s), .. }, .. } => {
+            [Vec::new(), s.knots().breaks()]
+        }
         CadSurface::Offset { base, .. } => breaks(base),
         _ => [Vec::new(), Vec::new()],
+    }
+}
+
+/// Whether u and v are angles over a whole turn.
+fn angles(surface: &CadSurface) -> [bool; 2] {
+    match surface {
+        CadSurface::Cylinder { .. } | CadSurface::Cone { .. } => [true, false],
+        CadSurface::Sphere { .. } | CadSurface::Revolution { .. } => [true, false],
+        CadSurface::Torus { .. } => [true; 2],
+        CadSurface::Offset { base, .. } => angles(base),
+        CadSurface::Spline(_) | CadSurface::Plane { .. } | CadSurface::Extrusion { .. } => {
+            [false; 2]
+        }
     }
 }
 
@@ -143,6 +182,29 @@ fn jet(surface: &CadSurface, at: Uv) -> Jet {
             let su = vector(y) * cos - vector(x) * sin;
             Jet { s, su, sv, suu: -round, suv: zero, svv: zero }
         }
+        CadSurface::Cone { origin, x, y, z, radius, slope } => {
+            let meridian = [[radius + at.y * slope, at.y], [*slope, 1.0], [0.0; 2]];
+            turned(vector(origin), [x, y, z].map(vector), at.x, meridian)
+        }
+        CadSurface::Sphere { origin, x, y, z } => {
+            let (sin, cos) = at.y.sin_cos();
+            let meridian = [[cos, sin], [-sin, cos], [-cos, -sin]];
+            turned(vector(origin), [x, y, z].map(vector), at.x, meridian)
+        }
+        CadSurface::Torus { origin, x, y, z, major, minor } => {
+            let (sin, cos) = at.y.sin_cos();
+            let [a, b] = [cos, sin].map(|e| minor * e);
+            let meridian = [[major + a, b], [-b, a], [-a, -b]];
+            turned(vector(origin), [x, y, z].map(vector), at.x, meridian)
+        }
+        CadSurface::Revolution { curve, origin, axis, .. } => {
+            let (origin, axis) = (vector(origin), vector(axis));
+            let [c, first, second] = curve_jet(curve, at.y);
+            let [s, su, suu] = revolved(c - origin, axis, at.x);
+            let [sv, suv, _] = revolved(first, axis, at.x);
+            let [svv, ..] = revolved(second, axis, at.x);
+            Jet { s: Point::from(origin + s), su, sv, suu, suv, svv }
+        }
         CadSurface::Extrusion { curve, vector: along } => {
             let [c, su, suu] = curve_jet(curve, at.x);
             let sv = vector(along);
@@ -150,6 +212,32 @@ fn jet(surface: &CadSurface, at: Uv) -> Jet {
         }
         CadSurface::Offset { base, distance } => offset(&jet(base, at), *distance),
     }
+}
+
+/// The jet of a surface whose meridian turns from x to y. `meridian` is its radius and its height with
+/// their first and second derivatives.
+fn turned(origin: Vector, [x, y, z]: [Vector; 3], u: f64, meridian: [[f64; 2]; 3]) -> Jet {
+    let (sin, cos) = u.sin_cos();
+    let (out, around) = (x * cos + y * sin, y * cos - x * sin);
+    let [[r, h], [dr, dh], [ddr, ddh]] = meridian;
+    Jet {
+        s: Point::from(origin + out * r + z * h),
+        su: around * r,
+        sv: out * dr + z * dh,
+        suu: -out * r,
+        suv: around * dr,
+        svv: out * ddr + z * ddh,
+    }
+}
+
+/// A vector turned by an angle about a unit vector, and its first and second derivatives in the angle.
+fn revolved(vector: Vector, axis: Vector, angle: f64) -> [Vector; 3] {
+    let (sin, cos) = angle.sin_cos();
+    let along = axis * axis.dot(&vector);
+    let out = vector - along;
+    let across = axis.cross(&out);
+    let round = out * cos + across * sin;
+    [along + round, across * cos - out * sin, -round]
 }
 
 /// The jet of an offset surface. Its second derivatives would need third derivatives of the base

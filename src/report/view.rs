@@ -231,8 +231,8 @@ const SEAM_POINTS: usize = 24;
 /// The edges of a body's faces.
 fn seams(brep: &formats::Brep) -> Vec<Vec<Point>> {
     let points = |edge: &formats::brep::Edge| {
-        let formats::brep::BrepCurve::Spline(curve) = &edge.curve else { return Vec::new() };
-        let (low, high) = curve.knots().range();
+        let curve = &edge.curve;
+        let (low, high) = curve.range();
         let at = |i: usize| low + (high - low) * i as f64 / SEAM_POINTS as f64;
         (0..=SEAM_POINTS).map(|i| Point::from(curve.point(at(i)))).collect()
     };

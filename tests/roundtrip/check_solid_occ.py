@@ -11,6 +11,7 @@ import os
 import sys
 
 import check_occ as occ
+from OCP.BRep import BRep_Tool
 from OCP.BRepCheck import BRepCheck_Analyzer
 from OCP.BRepGProp import BRepGProp
 from OCP.GProp import GProp_GProps
@@ -22,6 +23,7 @@ from OCP.TopAbs import (
     TopAbs_VERTEX,
 )
 from OCP.TopExp import TopExp
+from OCP.TopoDS import TopoDS
 from OCP.TopTools import TopTools_IndexedDataMapOfShapeListOfShape
 
 
@@ -33,14 +35,28 @@ def volume_of(shape):
 
 
 def uses_of_edges(shape):
-    """How many edges have each number of faces; seams count twice."""
+    """How many edges have each number of faces; seams count twice, and poles are no edges."""
     counts = {}
     faces = TopTools_IndexedDataMapOfShapeListOfShape()
     TopExp.MapShapesAndAncestors_s(shape, TopAbs_EDGE, TopAbs_FACE, faces)
     for i in range(1, faces.Extent() + 1):
+        if BRep_Tool.Degenerated_s(TopoDS.Edge_s(faces.FindKey(i))):
+            continue
         number = str(faces.FindFromIndex(i).Extent())
         counts[number] = counts.get(number, 0) + 1
     return counts
+
+
+def surfaces_of(shape):
+    """The kind of each face's surface, in alphabetical order."""
+    faces = occ.parts(shape, TopAbs_FACE)
+    kinds = (type(BRep_Tool.Surface_s(TopoDS.Face_s(face))).__name__ for face in faces)
+    return sorted(kind.removeprefix("Geom_") for kind in kinds)
+
+
+def tolerance_of(shape):
+    edges = map(TopoDS.Edge_s, occ.parts(shape, TopAbs_EDGE))
+    return max(BRep_Tool.Tolerance_s(edge) for edge in edges)
 
 
 def report(path):
@@ -52,6 +68,8 @@ def report(path):
         "valid": BRepCheck_Analyzer(shape).IsValid(),
         "volume": volume_of(shape),
         "uses": uses_of_edges(shape),
+        "surfaces": surfaces_of(shape),
+        "tolerance": tolerance_of(shape),
         "argument_faults": occ.argument_faults(shape),
     }
 

@@ -2,21 +2,10 @@
 //!
 //! The input is a [`Brep`]. The output is the first [`ModelFault`], if there is one.
 
-use super::{
-    Brep, BrepCurve, BrepElement, BrepSurface, EdgeId, Face, FaceId, ModelFault, Shell, ShellId,
-    Solid,
-};
+use super::{Brep, BrepElement, BrepSurface, EdgeId, FaceId, ModelFault, Shell, ShellId, Solid};
 
-/// The number of parts of each span at whose ends an edge and its pcurve are compared. The error of
-/// a cubic fit has its maxima between the ends of a span, and eight parts are enough to find each
-/// maximum.
-const PARTS: usize = 8;
-
-/// A loop in the parameter plane is closed if its gaps are smaller than this share of the surface's
-/// range. Parameters that were rounded to decimal digits have errors of this size.
-const CLOSED: f64 = 1e-9;
-
-type Checked = Result<(), ModelFault>;
+/// Nothing, or the first fault.
+pub(super) type Checked = Result<(), ModelFault>;
 
 impl Brep {
     /// Checks the model:
@@ -25,8 +14,10 @@ impl Brep {
     ///   Coordinates are finite, and knots are clamped.
     /// - Every edge ends at its vertices. It agrees with each of its pcurves on the surface within
     ///   the uncertainty.
+    /// - The measures of surfaces are valid.
     /// - Every loop is closed in space and in the parameter plane, stays in the range of the
-    ///   surface, and has the right orientation.
+    ///   surface, and has the right orientation. In the parameter plane it may be open at a pole or
+    ///   an apex. A face spans at most one period.
     /// - The faces of a shell are connected and have the same orientation. An edge is used once or
     ///   twice in an open shell, and twice in opposite directions in a closed shell. A closed shell
     ///   has the Euler number of a closed surface.
@@ -107,14 +98,12 @@ impl Brep {
         if let Some(vertex) = self.vertices.iter().position(|vertex| !finite(vertex)) {
             return Err(ModelFault::NotFinite(BrepElement::Vertex(vertex)));
         }
-        for (n, BrepSurface::Spline(surface)) in self.surfaces.iter().enumerate() {
-            if !(surface.u().are_clamped() && surface.v().are_clamped()) {
-                return Err(ModelFault::Unclamped(BrepElement::Surface(n)));
-            }
+        for (n, surface) in self.surfaces.iter().enumerate() {
+            self.check_surface(BrepElement::Surface(n), surface)?;
         }
         for (n, edge) in self.edges.iter().enumerate() {
-            let BrepCurve::Spline(curve) = &edge.curve;
-            if !curve.knots().are_clamped() {
+            let curve = &edge.curve;
+            if curve.spline().is_some_and(|spline| !spline.knots().are_clamped()) {
                 return Err(ModelFault::Unclamped(BrepElement::Edge(n)));
             }
             for (end, vertex) in curve.ends().into_iter().zip(edge.ends) {
@@ -127,88 +116,20 @@ impl Brep {
         Ok(())
     }
 
-    /// Checks that the loops of a face are closed and lie on its surface.
-    fn check_face(&self, number: usize, face: &Face) -> Checked {
-        if face.loops.is_empty() {
-            return Err(ModelFault::Nothing(BrepElement::Face(number)));
-        }
-        for ring in 0..face.loops.len() {
-            self.check_loop(number, face, ring)?;
-        }
-        Ok(())
-    }
-
-    fn check_loop(&self, number: usize, face: &Face, ring: usize) -> Checked {
-        let uses = &face.loops[ring];
-        let Some(last) = uses.last() else {
-            return Err(ModelFault::Nothing(BrepElement::Loop(number, ring)));
+    /// Checks that the knots of a surface are clamped, and that its measures are valid.
+    fn check_surface(&self, part: BrepElement, surface: &BrepSurface) -> Checked {
+        let clamped = match surface {
+            BrepSurface::Spline(spline) => spline.u().are_clamped() && spline.v().are_clamped(),
+            BrepSurface::Extrusion { profile, .. } | BrepSurface::Revolution { profile, .. } => {
+                profile.knots().are_clamped()
+            }
+            _ => true,
         };
-        let BrepSurface::Spline(surface) = &self.surfaces[face.surface.0];
-        let ranges = [surface.u().range(), surface.v().range()];
-        // The vertex and the parameter point at which the previous edge ends.
-        let end = |of_loop: &super::EdgeUse| {
-            let at = usize::from(of_loop.forward);
-            (self.edges[of_loop.edge.0].ends[at], of_loop.pcurve.ends()[at])
-        };
-        let mut before = end(last);
-        let mut area = 0.0;
-        for (n, of_loop) in uses.iter().enumerate() {
-            let part = BrepElement::Use(number, ring, n);
-            self.check_use(of_loop, surface, part)?;
-            let at = usize::from(!of_loop.forward);
-            if self.edges[of_loop.edge.0].ends[at] != before.0 {
-                return Err(ModelFault::Open(part));
-            }
-            let start = of_loop.pcurve.ends()[at];
-            let gap = |k: usize| (start[k] - before.1[k]).abs() / (ranges[k].1 - ranges[k].0);
-            if gap(0).max(gap(1)) > CLOSED {
-                return Err(ModelFault::OpenInPlane(part));
-            }
-            before = end(of_loop);
-            area += enclosed(&of_loop.pcurve) * if of_loop.forward { 1.0 } else { -1.0 };
+        match surface.fault() {
+            _ if !clamped => Err(ModelFault::Unclamped(part)),
+            Some(fault) => Err(ModelFault::Measures(part, fault)),
+            None => Ok(()),
         }
-        if (area > 0.0) == ((ring == 0) == face.forward) {
-            return Ok(());
-        }
-        Err(ModelFault::WrongWay(BrepElement::Loop(number, ring)))
-    }
-
-    /// Checks that an edge agrees with its pcurve.
-    fn check_use(
-        &self,
-        of_loop: &super::EdgeUse,
-        surface: &crate::spline::SplineSurface,
-        part: BrepElement,
-    ) -> Checked {
-        let BrepCurve::Spline(curve) = &self.edges[of_loop.edge.0].curve;
-        let pcurve = &of_loop.pcurve;
-        if !pcurve.knots().are_clamped() {
-            return Err(ModelFault::Unclamped(part));
-        }
-        if pcurve.knots().range() != curve.knots().range() {
-            return Err(ModelFault::Range(part));
-        }
-        let ranges = [surface.u().range(), surface.v().range()];
-        let outside =
-            |pole: &[f64; 2]| (0..2).any(|k| pole[k] < ranges[k].0 || pole[k] > ranges[k].1);
-        // Poles may be outside of the range although the curve is inside.
-        let leaves = pcurve.poles().iter().any(outside);
-        let mut breaks = curve.knots().breaks();
-        breaks.extend(pcurve.knots().breaks());
-        breaks.sort_by(f64::total_cmp);
-        breaks.dedup();
-        let mut worst: f64 = 0.0;
-        for span in breaks.windows(2) {
-            for k in 0..=PARTS {
-                let t = span[0] + (span[1] - span[0]) * k as f64 / PARTS as f64;
-                let at = pcurve.point(t);
-                if leaves && outside(&at) {
-                    return Err(ModelFault::Leaves(part));
-                }
-                worst = worst.max(distance(surface.point(at[0], at[1]), curve.point(t)));
-            }
-        }
-        if worst > self.uncertainty_mm { Err(ModelFault::OffSurface(part, worst)) } else { Ok(()) }
     }
 
     /// Checks that the faces of each shell share edges correctly.
@@ -284,7 +205,8 @@ impl Brep {
             if (self.volume(shell) > 0.0) != is_outer {
                 return Err(ModelFault::InsideOut(of_solid, part));
             }
-            let [low, high] = self.bounds(shell);
+            // The edges lie in the material for certain. The box of the faces may be too large.
+            let [low, high] = self.edge_bounds(shell);
             let inside = (0..3).all(|k| around[0][k] < low[k] && high[k] < around[1][k]);
             if !is_outer && !inside {
                 return Err(ModelFault::Outside(of_solid, outer));
@@ -318,20 +240,8 @@ impl FaceGroups {
     }
 }
 
-fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
+pub(super) fn distance(a: [f64; 3], b: [f64; 3]) -> f64 {
     let square: f64 = (0..3).map(|k| (a[k] - b[k]).powi(2)).sum();
     // A distance that is not a number counts as infinite.
     if square.is_nan() { f64::INFINITY } else { square.sqrt() }
-}
-
-/// The approximate contribution of a pcurve to the area that its loop encloses, from points of the
-/// curve.
-fn enclosed(pcurve: &super::PCurve) -> f64 {
-    let breaks = pcurve.knots().breaks();
-    let spans = breaks.windows(2);
-    let places =
-        spans.flat_map(|s| (0..PARTS).map(|k| s[0] + (s[1] - s[0]) * k as f64 / PARTS as f64));
-    let mut points: Vec<[f64; 2]> = places.map(|t| pcurve.point(t)).collect();
-    points.push(pcurve.ends()[1]);
-    points.windows(2).map(|p| 0.5 * (p[0][0] * p[1][1] - p[1][0] * p[0][1])).sum()
 }

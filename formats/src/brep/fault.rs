@@ -43,6 +43,9 @@ pub enum ModelFault {
     /// A curve or a surface does not begin and end at its first and last poles.
     #[error("the knots of {0} are not clamped")]
     Unclamped(BrepElement),
+    /// A radius or another measure of a surface is not valid.
+    #[error("{0}: {1}")]
+    Measures(BrepElement, &'static str),
     /// A face has no loop, or a loop has no edge.
     #[error("{0} is empty")]
     Nothing(BrepElement),
@@ -65,6 +68,9 @@ pub enum ModelFault {
     /// A pcurve of a loop does not begin where the previous pcurve ends.
     #[error("the loop in the parameter plane is open before {0}")]
     OpenInPlane(BrepElement),
+    /// The pcurves of a face span more than one period of its surface.
+    #[error("{0} laps over itself")]
+    Laps(BrepElement),
     /// An outer loop runs clockwise, or an inner loop runs counter-clockwise.
     #[error("{0} has the wrong orientation")]
     WrongWay(BrepElement),

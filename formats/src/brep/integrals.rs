@@ -3,8 +3,10 @@
 //! The divergence theorem converts the volume integral to integrals over the faces, and Green's
 //! theorem converts integrals over faces to integrals along the pcurves.
 
-use super::{Brep, BrepCurve, BrepSurface, EdgeUse, FaceId, PCurve, ShellId};
-use crate::spline::SplineSurface;
+use std::f64::consts::FRAC_PI_4;
+
+use super::loops::jump;
+use super::{Brep, BrepSurface, Face, FaceId, PCurve, ShellId};
 
 /// The nodes and weights of Gauss–Legendre quadrature over [−1, 1]. It is exact up to degree 15. So
 /// it is exact for faces of degree 5 between lines of constant u or v.
@@ -15,82 +17,135 @@ const GAUSS: [(f64, f64); 4] = [
     (0.960_289_856_497_536_3, 0.101_228_536_290_376_26),
 ];
 
+/// The largest angle that one part of an integral spans. Over this angle the quadrature of the
+/// products of up to four sines and cosines has an error below the rounding of numbers.
+const ARC: f64 = FRAC_PI_4;
+
 impl Brep {
     /// The volume in mm³ that a closed shell encloses. It is negative if the normals of the faces
     /// point inwards. It has no meaning if the shell is open. All numbers of the model must refer
     /// to existing elements.
     ///
     /// The volume is exact except for rounding if the faces are polynomials of at most degree 5 and
-    /// end at lines of constant u or v. Otherwise the quadrature uses eight nodes in each part of a
-    /// pcurve between knots, its own and those of the surface, and 32 nodes if something is rational.
+    /// end at lines of constant u or v, and if they lie on planes, cylinders, cones, spheres and
+    /// tori and end at lines of the parameter plane. Otherwise the quadrature uses eight nodes in
+    /// each part of a pcurve between knots, its own and those of the surface, and 32 nodes if
+    /// something is rational.
     pub fn volume(&self, shell: ShellId) -> f64 {
         let [low, high] = self.bounds(shell);
         // The origin is in the middle of the shell, because a distant one would increase rounding.
         let origin = [0, 1, 2].map(|k| 0.5 * (low[k] + high[k]));
-        self.integral(shell, |s, normal| {
+        let of_face = |id: &FaceId| self.face_volume(*id, origin);
+        self.shells[shell.0].faces.iter().map(of_face).sum()
+    }
+
+    /// The part of a shell's volume in mm³ that a face contributes: the volume of the cone from a
+    /// point to the face. It is negative if the normal of the face points to the side of the point.
+    /// The sum over the faces of a closed shell does not depend on the point.
+    pub fn face_volume(&self, face: FaceId, origin: [f64; 3]) -> f64 {
+        self.integral(face, |s, normal| {
             (0..3).map(|k| (s[k] - origin[k]) * normal[k]).sum::<f64>() / 3.0
         })
     }
 
-    /// The area in mm² of the faces of a shell. All numbers of the model must refer to existing elements.
-    /// The quadrature uses eight nodes in each span, which is near 1e-9 for spans that turn by less than a
-    /// right angle.
+    /// The area in mm² of the faces of a shell. All numbers of the model must refer to existing
+    /// elements. The accuracy is that of [`Brep::face_area`].
     pub fn area(&self, shell: ShellId) -> f64 {
-        self.integral(shell, |_, [a, b, c]| a.hypot(b).hypot(c))
+        let faces = self.shells[shell.0].faces.iter();
+        faces.map(|id| self.unsigned_area(*id)).sum()
+    }
+
+    /// The area in mm² of a face. It is exact except for rounding on planes, cylinders, cones,
+    /// spheres and tori between lines of the parameter plane. On B-splines the quadrature uses eight
+    /// nodes in each span, which is near 1e-9 for spans that turn by less than a right angle.
+    pub fn face_area(&self, face: FaceId) -> f64 {
+        self.unsigned_area(face).abs()
+    }
+
+    fn unsigned_area(&self, face: FaceId) -> f64 {
+        self.integral(face, |_, [a, b, c]| a.hypot(b).hypot(c))
     }
 
     /// The integral over u and v of a density, which is given by the place and S_u × S_v.
-    fn integral(&self, shell: ShellId, density: impl Fn([f64; 3], [f64; 3]) -> f64) -> f64 {
-        let of_face = |&id: &FaceId| {
-            let face = &self.faces[id.0];
-            let BrepSurface::Spline(surface) = &self.surfaces[face.surface.0];
-            let uses = face.loops.iter().flatten();
-            uses.map(|of_loop| swept(surface, &density, of_loop)).sum::<f64>()
-        };
-        self.shells[shell.0].faces.iter().map(of_face).sum()
-    }
-
-    /// The bounding box of the poles of a shell's edges.
-    pub(super) fn bounds(&self, shell: ShellId) -> [[f64; 3]; 2] {
-        let mut bounds = [[f64::INFINITY; 3], [f64::NEG_INFINITY; 3]];
-        let faces = self.shells[shell.0].faces.iter().map(|id| &self.faces[id.0]);
-        for of_loop in faces.flat_map(|face| face.loops.iter().flatten()) {
-            let BrepCurve::Spline(curve) = &self.edges[of_loop.edge.0].curve;
-            for pole in curve.poles() {
-                for k in 0..3 {
-                    bounds[0][k] = bounds[0][k].min(pole[k]);
-                    bounds[1][k] = bounds[1][k].max(pole[k]);
+    fn integral(&self, id: FaceId, density: impl Fn([f64; 3], [f64; 3]) -> f64) -> f64 {
+        let face = &self.faces[id.0];
+        let surface = &self.surfaces[face.surface.0];
+        let sweep = Sweep { surface, from: first_v(surface, face), density };
+        let sizes = face.plane_sizes(surface);
+        let mut sum = 0.0;
+        for ring in &face.loops {
+            for (n, of_loop) in ring.iter().enumerate() {
+                let along = sweep.along(&of_loop.pcurve);
+                sum += if of_loop.forward { -along } else { along };
+                // At a pole no edge leads from one pcurve to the next one.
+                if let Some([from, to]) = jump(ring, n, sizes)
+                    && let Ok(line) = PCurve::line(from, to, (0.0, 1.0))
+                {
+                    sum -= sweep.along(&line);
                 }
             }
         }
-        bounds
+        sum
     }
 }
 
-/// −∮ G du along one edge of a loop, where G(u, v) is the integral of the density from the surface's
-/// first v to v.
-fn swept(
-    surface: &SplineSurface,
-    density: &impl Fn([f64; 3], [f64; 3]) -> f64,
-    EdgeUse { pcurve, forward, .. }: &EdgeUse,
-) -> f64 {
-    let breaks = pieces(surface, pcurve);
-    let piece = |ends: &[f64]| {
-        gauss(ends[0], ends[1], |t| {
-            let [u, v] = pcurve.point(t);
-            column(surface, density, [u, v]) * pcurve.speed(t)[0]
-        })
-    };
-    let along: f64 = breaks.windows(2).map(piece).sum();
-    if *forward { -along } else { along }
+/// The parameter v from which the columns of an integral begin. It is in or near the face.
+fn first_v(surface: &BrepSurface, face: &Face) -> f64 {
+    let [_, (low, _)] = surface.ranges();
+    match (surface.breaks()[1].is_empty(), face.loops.iter().flatten().next()) {
+        (true, Some(of_loop)) => of_loop.pcurve.ends()[0][1],
+        _ => low,
+    }
 }
 
-/// The spans of a pcurve, divided where it crosses knot lines of the surface. The integrand is smooth between
-/// these.
-fn pieces(surface: &SplineSurface, pcurve: &PCurve) -> Vec<f64> {
-    let mut breaks = pcurve.knots().breaks();
-    let lines = [surface.u().breaks(), surface.v().breaks()];
-    let steps = if pcurve.knots().degree() == 1 { 1 } else { STEPS };
+/// The integral of a density over the columns between a line of constant v and a pcurve.
+struct Sweep<'a, F> {
+    surface: &'a BrepSurface,
+    /// The v of the line.
+    from: f64,
+    density: F,
+}
+
+impl<F: Fn([f64; 3], [f64; 3]) -> f64> Sweep<'_, F> {
+    /// ∫ G du along a pcurve, where G(u, v) is the integral of the density from the line to v.
+    fn along(&self, pcurve: &PCurve) -> f64 {
+        let breaks = pieces(self.surface, pcurve);
+        let piece = |ends: &[f64]| {
+            gauss(ends[0], ends[1], |t| {
+                let at = pcurve.point(t);
+                self.column(at) * pcurve.speed(t)[0]
+            })
+        };
+        breaks.windows(2).map(piece).sum()
+    }
+
+    /// The integral of the density along v up to the given place.
+    fn column(&self, [u, end]: [f64; 2]) -> f64 {
+        let breaks = self.surface.breaks()[1].clone();
+        let smooth = |a: f64, b: f64| {
+            gauss(a, b, |v| {
+                let [s, [a, b, c], [d, e, f]] = self.surface.tangents(u, v);
+                (self.density)(s, [b * f - c * e, c * d - a * f, a * e - b * d])
+            })
+        };
+        if breaks.is_empty() {
+            let turn = if self.surface.angles()[1] { (end - self.from).abs() } else { 0.0 };
+            let parts = (turn / ARC).ceil().max(1.0) as usize;
+            let at = |i: usize| self.from + (end - self.from) * i as f64 / parts as f64;
+            return (0..parts).map(|i| smooth(at(i), at(i + 1))).sum();
+        }
+        let breaks = divided(breaks, if self.surface.is_rational() { PARTS } else { 1 });
+        let spans = breaks.windows(2).take_while(|span| span[0] < end);
+        spans.map(|span| smooth(span[0], span[1].min(end))).sum()
+    }
+}
+
+/// The spans of a pcurve, divided where it crosses knot lines of the surface, and into parts that
+/// turn little. The integrand is smooth within each of these.
+fn pieces(surface: &BrepSurface, pcurve: &PCurve) -> Vec<f64> {
+    let mut breaks = pcurve.breaks();
+    let lines = surface.breaks();
+    let steps = if pcurve.is_straight() { 1 } else { STEPS };
     for ends in breaks.clone().windows(2) {
         let at = |i: usize| ends[0] + (ends[1] - ends[0]) * i as f64 / steps as f64;
         let samples: Vec<_> = (0..=steps).map(|i| (at(i), pcurve.point(at(i)))).collect();
@@ -102,11 +157,37 @@ fn pieces(surface: &SplineSurface, pcurve: &PCurve) -> Vec<f64> {
         }
     }
     breaks.sort_by(f64::total_cmp);
-    divided(breaks, surface.weights().is_some() || pcurve.weights().is_some())
+    let is_rational = pcurve.spline().is_some_and(|spline| spline.weights().is_some());
+    let parts = if is_rational || surface.is_rational() { PARTS } else { 1 };
+    let spans = breaks.windows(2);
+    let turned = spans.map(|span| parts.max(turns(surface, pcurve, span))).collect::<Vec<_>>();
+    if turned.iter().all(|&n| n == parts) {
+        return divided(breaks, parts);
+    }
+    let spans = breaks.windows(2).zip(turned);
+    let mut all: Vec<f64> = spans.flat_map(|(span, n)| inner(span, n)).collect();
+    all.extend(breaks.last());
+    all
 }
 
-/// The number of steps of a curved span in which it is searched for crossings. Two crossings within a step stay
-/// unseen, and then the curve hardly leaves the line.
+/// The number of parts of a span of a pcurve that turn by less than [`ARC`] each: on the surface,
+/// or as a part of an ellipse.
+fn turns(surface: &BrepSurface, pcurve: &PCurve, span: &[f64]) -> usize {
+    let mut turn = match pcurve {
+        PCurve::Ellipse(_) => span[1] - span[0],
+        _ => 0.0,
+    };
+    let [a, b] = [pcurve.point(span[0]), pcurve.point(span[1])];
+    for (k, is_angle) in surface.angles().into_iter().enumerate() {
+        if is_angle {
+            turn += (b[k] - a[k]).abs();
+        }
+    }
+    (turn / ARC).ceil().max(1.0) as usize
+}
+
+/// The number of steps of a curved span in which it is searched for crossings. Two crossings within
+/// a step stay unseen, and then the curve hardly leaves the line.
 const STEPS: usize = 8;
 
 /// The steps in which the interval of a crossing is halved, down to the roundings of numbers.
@@ -126,35 +207,18 @@ fn crossing(pcurve: &PCurve, [mut low, mut high]: [f64; 2], k: usize, line: f64)
 /// error of 5e-5 with one part, and of 1e-9 with four.
 const PARTS: usize = 4;
 
-/// The ends of spans, or of the parts of rational spans.
-fn divided(breaks: Vec<f64>, rational: bool) -> Vec<f64> {
-    if !rational {
+/// The ends of the parts of spans, each of which has the same number of parts.
+fn divided(breaks: Vec<f64>, parts: usize) -> Vec<f64> {
+    if parts == 1 {
         return breaks;
     }
     let last = breaks.last().copied();
-    let spans = breaks.windows(2);
-    let part = |span: &[f64], k: usize| span[0] + (span[1] - span[0]) * k as f64 / PARTS as f64;
-    spans
-        .flat_map(|span| (0..PARTS).map(|k| part(span, k)).collect::<Vec<_>>())
-        .chain(last)
-        .collect()
+    breaks.windows(2).flat_map(|span| inner(span, parts)).chain(last).collect()
 }
 
-/// The integral of a density along v from the surface's first v to `end`.
-fn column(
-    surface: &SplineSurface,
-    density: &impl Fn([f64; 3], [f64; 3]) -> f64,
-    [u, end]: [f64; 2],
-) -> f64 {
-    let breaks = divided(surface.v().breaks(), surface.weights().is_some());
-    let spans = breaks.windows(2).take_while(|span| span[0] < end);
-    let span = |span: &[f64]| {
-        gauss(span[0], span[1].min(end), |v| {
-            let [s, [a, b, c], [d, e, f]] = surface.tangents(u, v);
-            density(s, [b * f - c * e, c * d - a * f, a * e - b * d])
-        })
-    };
-    spans.map(span).sum()
+/// The starts of the parts of a span.
+fn inner(span: &[f64], parts: usize) -> Vec<f64> {
+    (0..parts).map(|k| span[0] + (span[1] - span[0]) * k as f64 / parts as f64).collect()
 }
 
 fn gauss(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {

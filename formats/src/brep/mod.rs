@@ -10,15 +10,23 @@
 //! [`Brep::check`] checks whether the elements are consistent. The writers call it before they
 //! write anything.
 
+mod bounds;
 mod check;
+mod conic;
+mod curve;
 mod fault;
+mod frame;
 mod integrals;
+mod loops;
+mod surface;
 mod truck;
 
+pub use conic::{EllipseArc, LineSegment};
+pub use curve::{BoundedCurve, BrepCurve, PCurve};
 pub use fault::{BrepElement, ModelFault};
+pub use frame::Frame;
+pub use surface::BrepSurface;
 pub use truck::Refusal;
-
-use crate::spline::{SplineCurve, SplineSurface};
 
 /// Declares a type for the number of an element in its list.
 macro_rules! number {
@@ -41,9 +49,6 @@ number! {
     /// The number of a shell in [`Brep::shells`].
     ShellId
 }
-
-/// A curve in the parameter plane (u, v) of a face's surface.
-pub type PCurve = SplineCurve<2>;
 
 /// The model that is written to one file.
 ///
@@ -84,22 +89,6 @@ pub struct Edge {
     pub ends: [VertexId; 2],
 }
 
-/// The curve of an edge.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub enum BrepCurve {
-    /// A B-spline curve, rational or not.
-    Spline(SplineCurve<3>),
-}
-
-/// The surface of a face.
-#[derive(Debug, Clone, PartialEq)]
-#[non_exhaustive]
-pub enum BrepSurface {
-    /// A B-spline surface, rational or not.
-    Spline(SplineSurface),
-}
-
 /// A part of a surface, bounded by loops.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Face {
@@ -110,6 +99,10 @@ pub struct Face {
     pub forward: bool,
     /// The outer loop, then the inner loops. Seen against the normal of the face, the outer loop
     /// runs counter-clockwise and the inner loops run clockwise.
+    ///
+    /// A face that goes around a periodic surface uses a seam edge twice in its outer loop, once in
+    /// each direction and with a pcurve on each side of the period. At a pole of a sphere or at the
+    /// apex of a cone no edge is needed: the loop may jump there from one pcurve to the next.
     pub loops: Vec<Vec<EdgeUse>>,
 }
 
@@ -215,12 +208,9 @@ impl Brep {
     pub fn translated(mut self, by: [f64; 3]) -> Self {
         let moved = |p: [f64; 3]| [0, 1, 2].map(|k| p[k] + by[k]);
         self.vertices.iter_mut().for_each(|vertex| *vertex = moved(*vertex));
-        self.edges.iter_mut().for_each(|edge| {
-            let BrepCurve::Spline(curve) = edge.curve.clone();
-            edge.curve = BrepCurve::Spline(curve.mapped(moved));
-        });
-        let surface = |BrepSurface::Spline(surface)| BrepSurface::Spline(surface.mapped(moved));
-        self.surfaces = self.surfaces.into_iter().map(surface).collect();
+        let moved = |edge: Edge| Edge { curve: edge.curve.translated(by), ..edge };
+        self.edges = self.edges.into_iter().map(moved).collect();
+        self.surfaces = self.surfaces.into_iter().map(|on| on.translated(by)).collect();
         self.uncertainty_mm += ROUNDINGS * f64::EPSILON * self.reach();
         self
     }
@@ -230,6 +220,19 @@ impl Brep {
         let solids = self.solids.iter();
         let named: Vec<ShellId> = solids.flat_map(Solid::shells).collect();
         (0..self.shells.len()).map(ShellId).filter(move |shell| !named.contains(shell))
+    }
+
+    /// Whether all surfaces and curves are B-splines.
+    pub(crate) fn has_splines_only(&self) -> bool {
+        let uses = || self.faces.iter().flat_map(|face| face.loops.iter().flatten());
+        self.surfaces.iter().all(|surface| surface.spline().is_some())
+            && self.edges.iter().all(|edge| edge.curve.spline().is_some())
+            && uses().all(|of_loop| of_loop.pcurve.spline().is_some())
+    }
+
+    /// What the model has, for human readers of a file.
+    pub(crate) fn content(&self) -> &'static str {
+        if self.has_splines_only() { "Trimmed B-spline surfaces" } else { "Trimmed surfaces" }
     }
 
     /// The uses of each edge: the face and the use in one of its loops.
@@ -243,12 +246,6 @@ impl Brep {
             }
         }
         uses
-    }
-
-    /// The largest absolute coordinate of all vertices and poles of surfaces.
-    pub(crate) fn reach(&self) -> f64 {
-        let poles = self.surfaces.iter().flat_map(|BrepSurface::Spline(surface)| surface.poles());
-        self.vertices.iter().chain(poles).flatten().fold(0.0, |reach, x| x.abs().max(reach))
     }
 }
 

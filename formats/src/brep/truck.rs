@@ -1,5 +1,8 @@
 //! Conversion of shells and solids between truck-modeling and this crate.
 //!
+//! Planes, lines and B-splines are converted in both directions. truck has no cylinders, cones,
+//! spheres, tori, extrusions and circles as such.
+//!
 //! truck has no pcurves. On a plane, the pcurve is the image of the edge's curve. On a B-spline
 //! surface, the pcurve is assumed to be straight between its ends, and [`Brep::check`] finds out
 //! whether this is right.
@@ -8,10 +11,11 @@ use std::collections::HashMap;
 use std::collections::hash_map::Entry;
 
 use truck_modeling as truck;
-use truck_modeling::{InnerSpace, SearchParameter};
+use truck_modeling::SearchParameter;
 
 use super::{
-    Brep, BrepCurve, BrepSurface, EdgeId, EdgeUse, Face, PCurve, Shell, ShellId, Solid, VertexId,
+    Brep, BrepCurve, BrepSurface, EdgeId, EdgeUse, Face, Frame, PCurve, Shell, ShellId, Solid,
+    VertexId,
 };
 use crate::spline::{SplineCurve, SplineKnots, SplineSurface};
 
@@ -49,13 +53,14 @@ impl Brep {
     /// Converts a shell to truck. The result has no pcurves.
     ///
     /// # Errors
-    /// An edge is closed, or truck refuses a face.
+    /// An edge is closed, or a curve or a surface is of a kind that truck does not have, or truck
+    /// refuses a face.
     pub fn truck_shell(&self, shell: ShellId) -> Result<truck::Shell, Refusal> {
         let vertices = self.vertices.iter().map(|&p| truck::Vertex::new(p.into()));
         let vertices: Vec<truck::Vertex> = vertices.collect();
         let edge = |edge: &super::Edge| {
             let [front, back] = edge.ends.map(|end| &vertices[end.0]);
-            truck::Edge::try_new(front, back, truck_curve(&edge.curve)).map_err(refused)
+            truck::Edge::try_new(front, back, truck_curve(&edge.curve)?).map_err(refused)
         };
         // Edges of other shells may be of a kind that truck does not have.
         let mut edges: HashMap<EdgeId, truck::Edge> = HashMap::new();
@@ -79,7 +84,7 @@ impl Brep {
                 wire.into()
             };
             let wires = face.loops.iter().map(wire).collect();
-            let surface = truck_surface(&self.surfaces[face.surface.0]);
+            let surface = truck_surface(&self.surfaces[face.surface.0])?;
             let mut built = truck::Face::try_new(wires, surface).map_err(refused)?;
             if !face.forward {
                 built.invert();
@@ -130,19 +135,19 @@ impl Taking<'_> {
                 let find = |p| surface.search_parameter(p, None, STEPS);
                 let pcurves =
                     curves.map(|curve| straight(curve, find)).collect::<Result<_, _>>()?;
-                (polynomial(&surface)?, pcurves)
+                (BrepSurface::Spline(polynomial(&surface)?), pcurves)
             }
             truck::Surface::NurbsSurface(surface) => {
                 let find = |p| surface.search_parameter(p, None, STEPS);
                 let pcurves =
                     curves.map(|curve| straight(curve, find)).collect::<Result<_, _>>()?;
-                (rational(surface.non_rationalized())?, pcurves)
+                (BrepSurface::Spline(rational(surface.non_rationalized())?), pcurves)
             }
             truck::Surface::RevolutedCurve(_) => {
                 return Err(Refusal("a face on a surface of revolution".into()));
             }
         };
-        let surface = self.brep.add_surface(BrepSurface::Spline(surface));
+        let surface = self.brep.add_surface(surface);
         let mut of_edges = numbers.into_iter().zip(pcurves);
         let of_wire = |wire: &truck::Wire| {
             let uses = wire.iter().zip(of_edges.by_ref());
@@ -174,39 +179,20 @@ impl Taking<'_> {
     }
 }
 
-/// The part of a plane that contains the given curves, and the images of the curves in its
-/// parameters.
+/// A plane, and the images of curves in its parameters.
 fn on_plane<'a>(
     plane: &truck::Plane,
     curves: impl Iterator<Item = &'a BrepCurve>,
-) -> Result<(SplineSurface, Vec<PCurve>), Refusal> {
+) -> Result<(BrepSurface, Vec<PCurve>), Refusal> {
     let (x, y) = (plane.u_axis(), plane.v_axis());
-    let across = x.cross(y);
-    let area = across.magnitude2();
-    let at = |p: [f64; 3]| {
-        let from = truck::Point3::from(p) - plane.origin();
-        [from.cross(y).dot(across) / area, x.cross(from).dot(across) / area]
-    };
-    let pcurves: Vec<PCurve> =
-        curves.map(|BrepCurve::Spline(curve)| curve.clone().mapped(at)).collect();
-    let (mut low, mut high) = ([f64::INFINITY; 2], [f64::NEG_INFINITY; 2]);
-    for pole in pcurves.iter().flat_map(PCurve::poles) {
-        for k in 0..2 {
-            low[k] = low[k].min(pole[k]);
-            high[k] = high[k].max(pole[k]);
-        }
-    }
-    let knots = |k: usize| SplineKnots::new(1, vec![low[k], low[k], high[k], high[k]], 2);
-    let corner = |u: f64, v: f64| -> [f64; 3] { (plane.origin() + u * x + v * y).into() };
-    let row = |u: f64| [corner(u, low[1]), corner(u, high[1])];
-    let surface = |u, v| SplineSurface::new(u, v, [row(low[0]), row(high[0])].concat(), None);
-    let surface = knots(0).and_then(|u| surface(u, knots(1)?));
-    Ok((surface.map_err(Refusal)?, pcurves))
+    let frame = Frame::new(plane.origin().into(), x.cross(y).into(), x.into()).map_err(Refusal)?;
+    let pcurves = curves.map(|curve| PCurve::on_plane(&frame, curve).map_err(Refusal));
+    Ok((BrepSurface::plane(frame), pcurves.collect::<Result<_, _>>()?))
 }
 
 /// The pcurve of an edge that is a straight line in the parameter plane.
 fn straight(
-    BrepCurve::Spline(curve): &BrepCurve,
+    curve: &BrepCurve,
     find: impl Fn(truck::Point3) -> Option<(f64, f64)>,
 ) -> Result<PCurve, Refusal> {
     let end = |p: [f64; 3]| {
@@ -214,13 +200,14 @@ fn straight(
         found.ok_or_else(|| Refusal(format!("{p:?} is not found on its surface")))
     };
     let [start, end] = curve.ends().map(end);
-    let (a, b) = curve.knots().range();
-    PCurve::new(1, vec![a, a, b, b], vec![start?, end?], None).map_err(Refusal)
+    PCurve::line(start?, end?, curve.range()).map_err(Refusal)
 }
 
 fn our_curve(curve: truck::Curve) -> Result<BrepCurve, Refusal> {
     let spline = match curve {
-        truck::Curve::Line(line) => polynomial_curve(&line.to_bspline()),
+        truck::Curve::Line(line) => {
+            return BrepCurve::line(line.0.into(), line.1.into()).map_err(Refusal);
+        }
         truck::Curve::BSplineCurve(curve) => polynomial_curve(&curve),
         truck::Curve::NurbsCurve(curve) => {
             let (poles, weights) = curve.control_points().iter().map(split).unzip();
@@ -274,7 +261,18 @@ fn knot_vec(knots: &SplineKnots) -> truck::KnotVec {
     truck::KnotVec::from(knots.knots().to_vec())
 }
 
-fn truck_curve(BrepCurve::Spline(curve): &BrepCurve) -> truck::Curve {
+fn truck_curve(curve: &BrepCurve) -> Result<truck::Curve, Refusal> {
+    match curve {
+        BrepCurve::Spline(spline) => Ok(truck_spline(spline)),
+        BrepCurve::Line(_) => {
+            let [from, to] = curve.ends().map(|end| end.into());
+            Ok(truck::Curve::Line(truck::Line(from, to)))
+        }
+        BrepCurve::Ellipse(_) => Err(Refusal("an edge on a circle or an ellipse".into())),
+    }
+}
+
+fn truck_spline(curve: &SplineCurve<3>) -> truck::Curve {
     let knots = knot_vec(curve.knots());
     match curve.weights() {
         None => {
@@ -289,7 +287,20 @@ fn truck_curve(BrepCurve::Spline(curve): &BrepCurve) -> truck::Curve {
     }
 }
 
-fn truck_surface(BrepSurface::Spline(surface): &BrepSurface) -> truck::Surface {
+fn truck_surface(surface: &BrepSurface) -> Result<truck::Surface, Refusal> {
+    match surface {
+        BrepSurface::Spline(spline) => Ok(truck_spline_surface(spline)),
+        BrepSurface::Plane { frame } => {
+            let corner = |at| frame.point(at).into();
+            let corners = [[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]].map(corner);
+            let [origin, x, y] = corners;
+            Ok(truck::Surface::Plane(truck::Plane::new(origin, x, y)))
+        }
+        _ => Err(Refusal("a face on a surface that truck does not have".into())),
+    }
+}
+
+fn truck_spline_surface(surface: &SplineSurface) -> truck::Surface {
     let knots = (knot_vec(surface.u()), knot_vec(surface.v()));
     let row = surface.v().poles();
     match surface.weights() {

@@ -65,21 +65,42 @@ impl Affine {
                 y: self.vector(y),
                 z: self.vector(z),
             },
+            CadSurface::Cone { origin, x, y, z, radius, slope } => {
+                let [x, y, z] = [x, y, z].map(|axis| self.vector(axis));
+                CadSurface::Cone { origin: self.point(origin), x, y, z, radius, slope }
+            }
+            CadSurface::Sphere { origin, x, y, z } => {
+                let [x, y, z] = [x, y, z].map(|axis| self.vector(axis));
+                CadSurface::Sphere { origin: self.point(origin), x, y, z }
+            }
+            CadSurface::Torus { origin, x, y, z, major, minor } => {
+                let [x, y, z] = [x, y, z].map(|axis| self.vector(axis));
+                CadSurface::Torus { origin: self.point(origin), x, y, z, major, minor }
+            }
+            CadSurface::Revolution { curve, origin, axis, angles } => CadSurface::Revolution {
+                curve: self.curve(curve),
+                origin: self.point(origin),
+                axis: self.axis(axis),
+                angles,
+            },
             CadSurface::Extrusion { curve, vector } => {
                 CadSurface::Extrusion { curve: self.curve(curve), vector: self.vector(vector) }
             }
-            CadSurface::Offset { base, distance } => {
-                let mirrored = if self.determinant() < 0.0 { -1.0 } else { 1.0 };
-                CadSurface::Offset {
-                    base: Arc::new(self.surface(Arc::unwrap_or_clone(base))),
-                    distance: distance * self.scale * mirrored,
-                }
-            }
+            CadSurface::Offset { base, distance } => CadSurface::Offset {
+                base: Arc::new(self.surface(Arc::unwrap_or_clone(base))),
+                distance: distance * self.scale * self.side(),
+            },
         }
     }
 
-    fn determinant(&self) -> f64 {
-        dot(self.turn[0], cross(self.turn[1], self.turn[2]))
+    /// The direction about which turns appear to go after the map. Mirroring reverses it.
+    fn axis(&self, axis: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|i| self.side() * dot(self.turn[i], axis))
+    }
+
+    /// −1 if the map mirrors, otherwise 1.
+    fn side(&self) -> f64 {
+        dot(self.turn[0], cross(self.turn[1], self.turn[2])).signum()
     }
 }
 

@@ -1,8 +1,8 @@
 //! Readers of CAD files: the trimmed faces of STEP and IGES files.
 //!
 //! The readers return the faces of every shell and every trimmed surface. The surfaces may be
-//! B-spline surfaces (rational or not), planes, cylinders, surfaces of linear extrusion, and
-//! offsets of these. The edges may be lines, circles, ellipses, polylines and B-spline curves, with
+//! B-spline surfaces (rational or not), planes, cylinders, cones, spheres, tori, surfaces of
+//! revolution and of linear extrusion, and offsets of these. The edges may be lines, circles, ellipses, polylines and B-spline curves, with
 //! or without pcurves. A face on any other surface is an error that names it, because a missing
 //! face would look like a hole.
 

@@ -126,6 +126,58 @@ pub enum CadSurface {
         /// The derivative in v.
         z: [f64; 3],
     },
+    /// The cone origin + (radius + v slope) (cos(u) x + sin(u) y) + v z.
+    Cone {
+        /// The point of the axis at v = 0.
+        origin: [f64; 3],
+        /// The direction at u = 0.
+        x: [f64; 3],
+        /// The direction at u = π/2.
+        y: [f64; 3],
+        /// The direction of the axis.
+        z: [f64; 3],
+        /// The length of the radius vector at v = 0, as a multiple of x.
+        radius: f64,
+        /// The tangent of the half angle.
+        slope: f64,
+    },
+    /// The sphere origin + cos(v) (cos(u) x + sin(u) y) + sin(v) z.
+    Sphere {
+        /// The centre.
+        origin: [f64; 3],
+        /// The radius vector at u = 0 and v = 0.
+        x: [f64; 3],
+        /// The radius vector at u = π/2 and v = 0.
+        y: [f64; 3],
+        /// The radius vector at v = π/2.
+        z: [f64; 3],
+    },
+    /// The torus origin + (major + minor cos(v)) (cos(u) x + sin(u) y) + minor sin(v) z.
+    Torus {
+        /// The centre.
+        origin: [f64; 3],
+        /// The direction at u = 0.
+        x: [f64; 3],
+        /// The direction at u = π/2.
+        y: [f64; 3],
+        /// The direction of the axis.
+        z: [f64; 3],
+        /// The radius of the circle around which the tube runs, as a multiple of x.
+        major: f64,
+        /// The radius of the tube, as a multiple of x.
+        minor: f64,
+    },
+    /// The surface of revolution: curve(v) turned by u about an axis.
+    Revolution {
+        /// The curve that turns.
+        curve: CadCurve<3>,
+        /// A point of the axis.
+        origin: [f64; 3],
+        /// The direction of the axis, a unit vector.
+        axis: [f64; 3],
+        /// The range of u. It is infinite if the file gives none.
+        angles: (f64, f64),
+    },
     /// The surface of linear extrusion curve(u) + v vector.
     Extrusion {
         /// The curve that is extruded.

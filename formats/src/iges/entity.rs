@@ -3,8 +3,11 @@
 use std::borrow::Cow;
 use std::io;
 
+use super::compose::{
+    arc, counted, curve, curve_end, edge_list, edge_loop, on_surface, points, shell, solid,
+    surface, trimmed,
+};
 use super::parameters::Parameters;
-use crate::brep::{BrepSurface, PCurve};
 use crate::spline::{SplineCurve, SplineSurface};
 
 /// A pointer to an entity: the number of its first directory line.
@@ -27,6 +30,8 @@ pub(super) struct Entity<'a> {
     pub name: Option<Pointer>,
     /// The colour definition of the entity.
     pub colour: Option<Pointer>,
+    /// The matrix (124) that places the entity.
+    pub matrix: Option<Pointer>,
 }
 
 /// The status number of a directory entry (IGES 5.3, clause 2.2.4.4.9). All entities are visible.
@@ -60,22 +65,55 @@ impl EntityStatus {
     }
 }
 
+/// A use of an edge or of a vertex in a loop.
+pub(super) struct LoopUse {
+    /// The list of edges (504), or of vertices (502) at a pole.
+    pub list: Pointer,
+    /// Whether it is a vertex.
+    pub is_vertex: bool,
+    /// The number in the list, from 0.
+    pub number: usize,
+    /// Whether the loop runs in the direction of the edge.
+    pub forward: bool,
+    /// The pcurve in the direction of the loop.
+    pub pcurve: Pointer,
+}
+
 /// The parameters of an entity.
 pub(super) enum EntityData<'a> {
+    /// 100 or 104, an arc of a circle or of an ellipse in a plane z = 0, counter-clockwise: the
+    /// centre, the radii along x and y, the start and the end.
+    Arc { centre: [f64; 2], radii: [f64; 2], ends: [[f64; 2]; 2] },
     /// 102, a composite curve.
     Composite(Vec<Pointer>),
+    /// 110, a line between two points.
+    Line([[f64; 3]; 2]),
+    /// 116, a point.
+    Point([f64; 3]),
+    /// 120, a surface of revolution: the axis (110), the curve that turns, and its angles.
+    Revolution { axis: Pointer, curve: Pointer, angles: [f64; 2] },
+    /// 122, a tabulated cylinder: the curve that is extruded, and the place to which its start
+    /// moves.
+    Extrusion { curve: Pointer, end: [f64; 3] },
+    /// 123, a direction.
+    Direction([f64; 3]),
+    /// 124, a matrix: its columns, the last of which is the shift.
+    Matrix([[f64; 3]; 4]),
     /// 126, a B-spline curve in space.
     Curve(Cow<'a, SplineCurve<3>>),
     /// 126, a B-spline curve in a parameter plane.
-    PCurve(Cow<'a, PCurve>),
+    PCurve(Cow<'a, SplineCurve<2>>),
     /// 128, a B-spline surface.
-    Surface(&'a BrepSurface),
+    Surface(&'a SplineSurface),
     /// 142, a curve on a surface, as a pcurve and as a curve in space.
     OnSurface { surface: Pointer, flat: Pointer, space: Pointer },
     /// 144, a trimmed surface.
     Trimmed { surface: Pointer, loops: Vec<Pointer> },
     /// 186, a solid: its shells, whose normals point out of the material.
     Solid { outer: Pointer, voids: Vec<Pointer> },
+    /// 190 to 198 form 1, a surface with parameters: its number, its origin (116), the directions of
+    /// its z and x axes (123), and its measures.
+    Elementary { number: u16, origin: Pointer, z: Pointer, x: Pointer, measures: Vec<f64> },
     /// 314, a colour in percent of red, green and blue.
     Colour([f64; 3]),
     /// 402 form 7, a group.
@@ -86,9 +124,8 @@ pub(super) enum EntityData<'a> {
     Vertices(&'a [[f64; 3]]),
     /// 504, the edges: the curve and the vertices at its start and end.
     Edges { vertices: Pointer, edges: Vec<(Pointer, [usize; 2])> },
-    /// 508, a loop: for each use the number of the edge, whether the loop runs in its direction,
-    /// and the pcurve.
-    Loop { edges: Pointer, uses: Vec<(usize, bool, Pointer)> },
+    /// 508, a loop.
+    Loop(Vec<LoopUse>),
     /// 510, a face. Its outer loop comes first.
     Face { surface: Pointer, loops: Vec<Pointer> },
     /// 514 form 1 or 2, a closed or an open shell: the faces, and whether they keep their
@@ -96,11 +133,28 @@ pub(super) enum EntityData<'a> {
     Shell { faces: Vec<(Pointer, bool)>, closed: bool },
 }
 
+/// The number of a sphere.
+const SPHERE: u16 = 196;
+
 impl EntityData<'_> {
     /// The entity type and form number.
     pub(super) fn kind(&self) -> (u16, u16) {
         match self {
+            EntityData::Arc { radii: [a, b], .. } => {
+                if a == b {
+                    (100, 0)
+                } else {
+                    (104, 1)
+                }
+            }
             EntityData::Composite(_) => (102, 0),
+            EntityData::Line(_) => (110, 0),
+            EntityData::Point(_) => (116, 0),
+            EntityData::Revolution { .. } => (120, 0),
+            EntityData::Extrusion { .. } => (122, 0),
+            EntityData::Direction(_) => (123, 0),
+            EntityData::Matrix(_) => (124, 0),
+            EntityData::Elementary { number, .. } => (*number, 1),
             EntityData::Curve(_) | EntityData::PCurve(_) => (126, 0),
             EntityData::Surface(_) => (128, 0),
             EntityData::OnSurface { .. } => (142, 0),
@@ -111,7 +165,7 @@ impl EntityData<'_> {
             EntityData::Name(_) => (406, 15),
             EntityData::Vertices(_) => (502, 1),
             EntityData::Edges { .. } => (504, 1),
-            EntityData::Loop { .. } => (508, 1),
+            EntityData::Loop(_) => (508, 1),
             EntityData::Face { .. } => (510, 1),
             EntityData::Shell { closed, .. } => (514, if *closed { 1 } else { 2 }),
         }
@@ -136,7 +190,35 @@ impl Entity<'_> {
 impl EntityData<'_> {
     fn compose(&self, p: &mut Parameters<'_>) -> io::Result<()> {
         match self {
+            EntityData::Arc { centre, radii, ends } => arc(p, *centre, *radii, ends),
             EntityData::Composite(parts) | EntityData::Group(parts) => counted(p, parts),
+            EntityData::Line(ends) => points(p, ends),
+            EntityData::Point(at) => {
+                p.reals(at)?;
+                p.add(0) // no symbol
+            }
+            EntityData::Direction(along) => p.reals(along),
+            EntityData::Revolution { axis, curve, angles } => {
+                p.add(axis)?;
+                p.add(curve)?;
+                p.reals(angles)
+            }
+            EntityData::Extrusion { curve, end } => {
+                p.add(curve)?;
+                p.reals(end)
+            }
+            EntityData::Matrix(columns) => {
+                (0..3).try_for_each(|i| p.reals(&columns.map(|column| column[i])))
+            }
+            EntityData::Elementary { number, origin, z, x, measures } => {
+                p.add(origin)?;
+                // The radius of a sphere comes before its axis.
+                let (before, after) = measures.split_at(usize::from(*number == SPHERE));
+                p.reals(before)?;
+                p.add(z)?;
+                p.reals(after)?;
+                p.add(x)
+            }
             EntityData::Curve(c) => {
                 curve(p, c, false)?;
                 points(p, c.poles())?;
@@ -147,7 +229,7 @@ impl EntityData<'_> {
                 c.poles().iter().try_for_each(|[u, v]| p.reals(&[*u, *v, 0.0]))?;
                 curve_end(p, c, 1.0)
             }
-            EntityData::Surface(BrepSurface::Spline(s)) => surface(p, s),
+            EntityData::Surface(s) => surface(p, s),
             EntityData::OnSurface { surface, flat, space } => on_surface(p, [surface, flat, space]),
             EntityData::Trimmed { surface, loops } => trimmed(p, *surface, loops),
             EntityData::Colour(percent) => p.reals(percent),
@@ -160,7 +242,7 @@ impl EntityData<'_> {
                 points(p, vertices)
             }
             EntityData::Edges { vertices, edges } => edge_list(p, *vertices, edges),
-            EntityData::Loop { edges, uses } => edge_loop(p, *edges, uses),
+            EntityData::Loop(uses) => edge_loop(p, uses),
             EntityData::Face { surface, loops } => {
                 p.add(surface)?;
                 p.add(loops.len())?;
@@ -171,141 +253,4 @@ impl EntityData<'_> {
             EntityData::Solid { outer, voids } => solid(p, *outer, voids),
         }
     }
-}
-
-fn counted(p: &mut Parameters<'_>, parts: &[Pointer]) -> io::Result<()> {
-    p.add(parts.len())?;
-    parts.iter().try_for_each(|part| p.add(part))
-}
-
-fn points(p: &mut Parameters<'_>, points: &[[f64; 3]]) -> io::Result<()> {
-    points.iter().try_for_each(|point| p.reals(point))
-}
-
-/// Writes the weights of poles. They are all 1 for a polynomial.
-fn weights(p: &mut Parameters<'_>, weights: Option<&[f64]>, poles: usize) -> io::Result<()> {
-    match weights {
-        Some(weights) => p.reals(weights),
-        None => (0..poles).try_for_each(|_| p.real(1.0)),
-    }
-}
-
-/// Writes entity 126 up to its poles.
-fn curve<const D: usize>(
-    p: &mut Parameters<'_>,
-    c: &SplineCurve<D>,
-    planar: bool,
-) -> io::Result<()> {
-    let poles = c.poles();
-    p.add(poles.len() - 1)?;
-    p.add(c.knots().degree())?;
-    let closed = poles.first() == poles.last();
-    // The flags are planar, closed, polynomial, periodic.
-    for flag in [planar, closed, c.weights().is_none(), false] {
-        p.add(u8::from(flag))?;
-    }
-    p.reals(c.knots().knots())?;
-    weights(p, c.weights(), poles.len())
-}
-
-/// Writes entity 126 after its poles: the range and the normal of a planar curve.
-fn curve_end<const D: usize>(
-    p: &mut Parameters<'_>,
-    c: &SplineCurve<D>,
-    normal_z: f64,
-) -> io::Result<()> {
-    let (start, end) = c.knots().range();
-    p.reals(&[start, end, 0.0, 0.0, normal_z])
-}
-
-/// Writes entity 128. The first index of the net, which is that of u, changes fastest.
-fn surface(p: &mut Parameters<'_>, s: &SplineSurface) -> io::Result<()> {
-    let (rows, columns) = (s.u().poles(), s.v().poles());
-    for number in [rows - 1, columns - 1, s.u().degree(), s.v().degree()] {
-        p.add(number)?;
-    }
-    let net: Vec<&[[f64; 3]]> = s.poles().chunks(columns).collect();
-    let u_closed = net.first() == net.last();
-    let v_closed = net.iter().all(|row| row.first() == row.last());
-    // The flags are closed in u and v, polynomial, periodic in u and v.
-    for flag in [u_closed, v_closed, s.weights().is_none(), false, false] {
-        p.add(u8::from(flag))?;
-    }
-    p.reals(s.u().knots())?;
-    p.reals(s.v().knots())?;
-    let u_first = || (0..rows * columns).map(|k| (k % rows) * columns + k / rows);
-    let turned: Option<Vec<f64>> = s.weights().map(|w| u_first().map(|at| w[at]).collect());
-    weights(p, turned.as_deref(), rows * columns)?;
-    u_first().try_for_each(|at| p.reals(&s.poles()[at]))?;
-    let (u, v) = (s.u().range(), s.v().range());
-    p.reals(&[u.0, u.1, v.0, v.1])
-}
-
-/// Writes entity 186: each shell with a flag that its normals point out of the material.
-fn solid(p: &mut Parameters<'_>, outer: Pointer, voids: &[Pointer]) -> io::Result<()> {
-    p.add(outer)?;
-    p.add(1)?;
-    p.add(voids.len())?;
-    for void in voids {
-        p.add(void)?;
-        p.add(1)?;
-    }
-    Ok(())
-}
-
-fn on_surface(p: &mut Parameters<'_>, parts: [&Pointer; 3]) -> io::Result<()> {
-    p.add(0)?; // nothing said about how the curve came about
-    parts.into_iter().try_for_each(|part| p.add(part))?;
-    p.add(3) // both curves are equally good
-}
-
-/// Writes entity 144 with an explicit outer loop (N1 = 1).
-fn trimmed(p: &mut Parameters<'_>, surface: Pointer, loops: &[Pointer]) -> io::Result<()> {
-    p.add(surface)?;
-    p.add(1)?;
-    p.add(loops.len() - 1)?;
-    loops.iter().try_for_each(|l| p.add(l))
-}
-
-fn edge_list(
-    p: &mut Parameters<'_>,
-    vertices: Pointer,
-    edges: &[(Pointer, [usize; 2])],
-) -> io::Result<()> {
-    p.add(edges.len())?;
-    for (curve, ends) in edges {
-        p.add(curve)?;
-        for end in ends {
-            p.add(vertices)?;
-            p.add(end + 1)?;
-        }
-    }
-    Ok(())
-}
-
-fn edge_loop(
-    p: &mut Parameters<'_>,
-    edges: Pointer,
-    uses: &[(usize, bool, Pointer)],
-) -> io::Result<()> {
-    p.add(uses.len())?;
-    for (edge, forward, pcurve) in uses {
-        p.add(0)?; // an edge, not a vertex
-        p.add(edges)?;
-        p.add(edge + 1)?;
-        p.add(u8::from(*forward))?;
-        p.add(1)?; // one pcurve
-        p.add(0)?; // not claimed to be an iso-curve
-        p.add(pcurve)?;
-    }
-    Ok(())
-}
-
-fn shell(p: &mut Parameters<'_>, faces: &[(Pointer, bool)]) -> io::Result<()> {
-    p.add(faces.len())?;
-    for (face, forward) in faces {
-        p.add(face)?;
-        p.add(u8::from(*forward))?;
-    }
-    Ok(())
 }

@@ -10,8 +10,9 @@ use crate::time_stamp;
 const WIDTH: usize = 72;
 
 /// Writes the start section, which is for human readers. Returns the number of lines.
-pub(super) fn start(description: &str, out: &mut dyn io::Write) -> io::Result<usize> {
-    writeln!(out, "{:WIDTH$}S{:7}", "Trimmed B-spline surfaces in millimetres", 1)?;
+pub(super) fn start(brep: &Brep, out: &mut dyn io::Write) -> io::Result<usize> {
+    let (content, description) = (format!("{} in millimetres", brep.content()), &brep.description);
+    writeln!(out, "{content:WIDTH$}S{:7}", 1)?;
     let plain = |c: char| if c.is_ascii_graphic() || c == ' ' { c } else { '_' };
     let text: Vec<char> = description.chars().map(plain).collect();
     for (number, line) in (2..).zip(text.chunks(WIDTH)) {

@@ -3,12 +3,15 @@
 //! The input is a [`Brep`]. The output is a file of version 5.3 of the Initial Graphics Exchange
 //! Specification in the fixed ASCII form with 80 columns.
 
+mod compose;
+mod curves;
 mod entity;
 mod global;
 mod parameters;
 mod plan;
 pub(crate) mod read;
 mod section;
+mod surfaces;
 
 use std::io;
 
@@ -68,7 +71,7 @@ pub fn write(brep: &Brep, options: &Options, out: &mut dyn io::Write) -> io::Res
         Form::Brep => plan::bodies(brep, options.colour),
     };
     let lines = section::count_lines(&entities)?;
-    let start = global::start(&brep.description, out)?;
+    let start = global::start(brep, out)?;
     let global = global::write(brep, options, brep.reach(), out)?;
     section::directory(&entities, &lines, out)?;
     section::parameters(&entities, out)?;

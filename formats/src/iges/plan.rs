@@ -1,14 +1,12 @@
 //! The list of entities of a file in their order.
 
-use std::borrow::Cow;
-
-use super::entity::{Entity, EntityData, EntityStatus, Pointer};
+use super::entity::{Entity, EntityData, EntityStatus, LoopUse, Pointer};
 use super::parameters::ascii;
-use crate::brep::{Brep, BrepCurve, EdgeUse, Face, FaceId, ShellId};
-use crate::spline::SplineCurve;
+use super::surfaces::PlannedSurface;
+use crate::brep::{Brep, EdgeUse, Face, FaceId, ShellId};
 
 /// The entities in the order of their directory entries.
-struct Plan<'a> {
+pub(super) struct Plan<'a> {
     entities: Vec<Entity<'a>>,
     label: String,
     name: Option<Pointer>,
@@ -22,7 +20,7 @@ pub(super) fn trimmed(brep: &Brep, colour: Option<[u8; 3]>) -> Vec<Entity<'_>> {
     let surfaces = plan.surfaces(brep);
     let mut faces = Vec::with_capacity(brep.faces.len());
     for data in &brep.faces {
-        faces.push(plan.trimmed_face(brep, data, surfaces[data.surface.0]));
+        faces.push(plan.trimmed_face(brep, data, &surfaces[data.surface.0]));
     }
     plan.roots(faces);
     plan.entities
@@ -32,12 +30,14 @@ pub(super) fn trimmed(brep: &Brep, colour: Option<[u8; 3]>) -> Vec<Entity<'_>> {
 /// a group (402).
 pub(super) fn bodies(brep: &Brep, colour: Option<[u8; 3]>) -> Vec<Entity<'_>> {
     let mut plan = Plan::new(&brep.name, colour);
-    let edges = plan.edge_list(brep);
+    let lists = plan.edge_list(brep);
     let surfaces = plan.surfaces(brep);
     let mut faces = Vec::with_capacity(brep.faces.len());
     for data in &brep.faces {
-        let face = plan.shell_face(data, surfaces[data.surface.0], edges);
-        faces.push((plan.coloured(EntityStatus::Part, face), data.forward));
+        let surface = &surfaces[data.surface.0];
+        let face = plan.shell_face(brep, data, surface, lists);
+        let forward = surface.agrees(data);
+        faces.push((plan.coloured(EntityStatus::Part, face), forward));
     }
     let shell = |ShellId(shell): ShellId| {
         let shell = &brep.shells[shell];
@@ -71,21 +71,33 @@ impl<'a> Plan<'a> {
         plan
     }
 
-    fn add(&mut self, status: EntityStatus, body: EntityData<'a>) -> Pointer {
-        self.entities.push(Entity { body, status, label: String::new(), name: None, colour: None });
+    pub(super) fn add(&mut self, status: EntityStatus, body: EntityData<'a>) -> Pointer {
+        self.placed(status, body, None)
+    }
+
+    /// Adds an entity that a matrix places.
+    pub(super) fn placed(
+        &mut self,
+        status: EntityStatus,
+        body: EntityData<'a>,
+        matrix: Option<Pointer>,
+    ) -> Pointer {
+        let (label, name, colour) = (String::new(), None, None);
+        self.entities.push(Entity { body, status, label, name, colour, matrix });
         Pointer(2 * self.entities.len() - 1)
     }
 
     fn coloured(&mut self, status: EntityStatus, body: EntityData<'a>) -> Pointer {
         let colour = self.colour;
-        self.entities.push(Entity { body, status, label: String::new(), name: None, colour });
+        let (label, name, matrix) = (String::new(), None, None);
+        self.entities.push(Entity { body, status, label, name, colour, matrix });
         Pointer(2 * self.entities.len() - 1)
     }
 
     /// Adds an entity that users see, with its label, name and colour.
     fn named(&mut self, status: EntityStatus, body: EntityData<'a>) -> Pointer {
         let (label, name, colour) = (self.label.clone(), self.name, self.colour);
-        self.entities.push(Entity { body, status, label, name, colour });
+        self.entities.push(Entity { body, status, label, name, colour, matrix: None });
         Pointer(2 * self.entities.len() - 1)
     }
 
@@ -102,28 +114,26 @@ impl<'a> Plan<'a> {
         }
     }
 
-    fn surfaces(&mut self, brep: &'a Brep) -> Vec<Pointer> {
-        let surfaces = brep.surfaces.iter();
-        surfaces.map(|surface| self.add(EntityStatus::Part, EntityData::Surface(surface))).collect()
-    }
-
-    fn trimmed_face(&mut self, brep: &'a Brep, data: &'a Face, surface: Pointer) -> EntityData<'a> {
+    fn trimmed_face(
+        &mut self,
+        brep: &'a Brep,
+        data: &'a Face,
+        surface: &PlannedSurface,
+    ) -> EntityData<'a> {
         let mut loops = Vec::with_capacity(data.loops.len());
-        for uses in loops_of_surface(data) {
+        for uses in loops_of_surface(data, surface) {
             let (mut flat, mut space) = (Vec::new(), Vec::new());
             for (EdgeUse { edge, pcurve, .. }, forward) in uses {
-                let BrepCurve::Spline(curve) = &brep.edges[edge.0].curve;
-                let curve = EntityData::Curve(along(curve, forward));
-                let pcurve = EntityData::PCurve(along(pcurve, forward));
-                flat.push(self.add(EntityStatus::ParameterPlane, pcurve));
-                space.push(self.add(EntityStatus::Part, curve));
+                flat.push(self.pcurve(surface, pcurve, forward));
+                space.push(self.curve(&brep.edges[edge.0].curve, forward));
             }
             let flat = self.composite(EntityStatus::ParameterPlane, flat);
             let space = self.composite(EntityStatus::Part, space);
+            let surface = surface.pointer;
             loops
                 .push(self.add(EntityStatus::Part, EntityData::OnSurface { surface, flat, space }));
         }
-        EntityData::Trimmed { surface, loops }
+        EntityData::Trimmed { surface: surface.pointer, loops }
     }
 
     fn composite(&mut self, status: EntityStatus, parts: Vec<Pointer>) -> Pointer {
@@ -133,49 +143,75 @@ impl<'a> Plan<'a> {
         }
     }
 
-    fn edge_list(&mut self, brep: &'a Brep) -> Pointer {
+    /// Adds the vertices and the edges, and returns their lists.
+    fn edge_list(&mut self, brep: &'a Brep) -> [Pointer; 2] {
         let status = EntityStatus::PartWithParentsAttributes;
         let vertices = self.add(status, EntityData::Vertices(&brep.vertices));
         let mut edges = Vec::with_capacity(brep.edges.len());
         for edge in &brep.edges {
-            let BrepCurve::Spline(curve) = &edge.curve;
-            let curve = EntityData::Curve(Cow::Borrowed(curve));
-            edges.push((self.add(EntityStatus::Part, curve), edge.ends.map(|end| end.0)));
+            edges.push((self.curve(&edge.curve, true), edge.ends.map(|end| end.0)));
         }
-        self.add(status, EntityData::Edges { vertices, edges })
+        [vertices, self.add(status, EntityData::Edges { vertices, edges })]
     }
 
-    fn shell_face(&mut self, data: &'a Face, surface: Pointer, edges: Pointer) -> EntityData<'a> {
+    fn shell_face(
+        &mut self,
+        brep: &'a Brep,
+        data: &'a Face,
+        surface: &PlannedSurface,
+        [vertices, edges]: [Pointer; 2],
+    ) -> EntityData<'a> {
         let mut loops = Vec::with_capacity(data.loops.len());
-        for uses in loops_of_surface(data) {
+        for (uses, poles) in loops_of_surface(data, surface).into_iter().zip(brep.poles(data)) {
             let mut listed = Vec::with_capacity(uses.len());
-            for (EdgeUse { edge, pcurve, .. }, forward) in uses {
+            for (of_loop, forward) in uses {
+                let EdgeUse { edge, pcurve, .. } = of_loop;
                 // Importers expect the pcurve in the direction of the loop, even if the edge has
                 // the opposite direction.
-                let pcurve = EntityData::PCurve(along(pcurve, forward));
-                let pcurve = self.add(EntityStatus::ParameterPlane, pcurve);
-                listed.push((edge.0, forward, pcurve));
+                let pcurve = self.pcurve(surface, pcurve, forward);
+                listed.push(LoopUse {
+                    list: edges,
+                    is_vertex: false,
+                    number: edge.0,
+                    forward,
+                    pcurve,
+                });
+                let end = of_loop.pcurve.ends()[usize::from(forward)];
+                let Some([from, to]) = pole_at(&poles, end) else { continue };
+                let ends = [from, to].map(|at| surface.parameters(at)).map(|[u, v]| [u, v, 0.0]);
+                let pcurve = self.add(EntityStatus::ParameterPlane, EntityData::Line(ends));
+                let number = brep.edges[edge.0].ends[usize::from(forward)].0;
+                listed.push(LoopUse {
+                    list: vertices,
+                    is_vertex: true,
+                    number,
+                    forward: true,
+                    pcurve,
+                });
             }
-            loops.push(self.add(EntityStatus::Part, EntityData::Loop { edges, uses: listed }));
+            loops.push(self.add(EntityStatus::Part, EntityData::Loop(listed)));
         }
-        EntityData::Face { surface, loops }
+        EntityData::Face { surface: surface.pointer, loops }
     }
 }
 
-/// The loops of a face with the orientation for the normal of the surface. IGES stores elsewhere,
-/// or not at all, that a face has the opposite normal.
-fn loops_of_surface(data: &Face) -> Vec<Vec<(&EdgeUse, bool)>> {
+/// The jump of a loop from a place at a pole, if there is one. The loop may run in either direction.
+fn pole_at(poles: &[[[f64; 2]; 2]], end: [f64; 2]) -> Option<[[f64; 2]; 2]> {
+    let towards = poles.iter().find(|[from, _]| *from == end);
+    let back = poles.iter().find(|[_, to]| *to == end).map(|[from, to]| [*to, *from]);
+    towards.copied().or(back)
+}
+
+/// The loops of a face with the orientation for the normal of the file's surface. IGES stores
+/// elsewhere, or not at all, that a face has the opposite normal.
+fn loops_of_surface<'a>(data: &'a Face, surface: &PlannedSurface) -> Vec<Vec<(&'a EdgeUse, bool)>> {
+    let agrees = surface.agrees(data);
     let mut loops = Vec::with_capacity(data.loops.len());
     for uses in &data.loops {
-        let directed = uses.iter().map(|of_loop| (of_loop, of_loop.forward == data.forward));
-        loops.push(if data.forward { directed.collect() } else { directed.rev().collect() });
+        let directed = uses.iter().map(|of_loop| (of_loop, of_loop.forward == agrees));
+        loops.push(if agrees { directed.collect() } else { directed.rev().collect() });
     }
     loops
-}
-
-/// `curve` if `forward`, otherwise the curve in the opposite direction over the same range.
-fn along<const D: usize>(curve: &SplineCurve<D>, forward: bool) -> Cow<'_, SplineCurve<D>> {
-    if forward { Cow::Borrowed(curve) } else { Cow::Owned(curve.reversed()) }
 }
 
 /// The first letters and digits of a name, at most eight.

@@ -40,11 +40,12 @@ pub(super) fn directory(
     for (i, (entity, lines)) in entities.iter().zip(lines).enumerate() {
         let (kind, form) = entity.body.kind();
         let (status, label, number) = (entity.status.number(), &entity.label, 2 * i + 1);
+        let matrix = entity.matrix.map_or(0, |at| at.0);
         // The fields are type, parameters, structure, line font, level, view, matrix, label
         // display, status.
         writeln!(
             out,
-            "{kind:8}{first_line:8}{0:8}{0:8}{0:8}{0:8}{0:8}{0:8}{status}D{number:7}",
+            "{kind:8}{first_line:8}{0:8}{0:8}{0:8}{0:8}{matrix:8}{0:8}{status}D{number:7}",
             0
         )?;
         // The fields are type, line weight, colour, number of parameter lines, form, two reserved

@@ -1,11 +1,12 @@
-//! Writer of B-spline curves and surfaces (ISO 10303-42, clause 4).
+//! Writer of curves, and of B-spline surfaces (ISO 10303-42, clause 4).
 
 use std::io;
 
+use super::analytic;
 use super::part21::{Id, IdRange, List, Part21, add, reals};
-use crate::brep::{BrepCurve, BrepSurface, PCurve};
+use crate::brep::{BrepCurve, PCurve};
 use crate::number::{StepReal, distinct_knots};
-use crate::spline::SplineKnots;
+use crate::spline::{SplineCurve, SplineKnots, SplineSurface};
 
 pub(super) fn point(file: &mut Part21<'_>, [x, y, z]: [f64; 3]) -> io::Result<Id> {
     let [x, y, z] = [x, y, z].map(StepReal);
@@ -16,17 +17,31 @@ fn point2(file: &mut Part21<'_>, [u, v]: [f64; 2]) -> io::Result<Id> {
     add!(file, "CARTESIAN_POINT('',({},{}))", StepReal(u), StepReal(v))
 }
 
-/// Writes a `B_SPLINE_CURVE_WITH_KNOTS` in space.
+/// Writes a curve in space.
 pub(super) fn curve(file: &mut Part21<'_>, curve: &BrepCurve) -> io::Result<Id> {
-    let BrepCurve::Spline(spline) = curve;
-    let poles = run(spline.poles(), |p| point(file, *p))?;
-    let closed = spline.poles().first() == spline.poles().last();
-    knotted_curve(file, poles, (spline.knots(), spline.weights()), closed)
+    match curve {
+        BrepCurve::Spline(spline) => spline_curve(file, spline),
+        BrepCurve::Line(line) => analytic::line(file, line),
+        BrepCurve::Ellipse(ellipse) => analytic::ellipse(file, ellipse),
+    }
 }
 
-/// Writes a `B_SPLINE_CURVE_WITH_KNOTS` in a parameter plane.
-pub(super) fn pcurve(file: &mut Part21<'_>, spline: &PCurve) -> io::Result<Id> {
-    let poles = run(spline.poles(), |p| point2(file, *p))?;
+/// Writes a curve in a parameter plane.
+pub(super) fn pcurve(file: &mut Part21<'_>, curve: &PCurve) -> io::Result<Id> {
+    match curve {
+        PCurve::Spline(spline) => {
+            let poles = run(spline.poles(), |p| point2(file, *p))?;
+            let closed = spline.poles().first() == spline.poles().last();
+            knotted_curve(file, poles, (spline.knots(), spline.weights()), closed)
+        }
+        PCurve::Line(line) => analytic::line(file, line),
+        PCurve::Ellipse(ellipse) => analytic::flat_ellipse(file, ellipse),
+    }
+}
+
+/// Writes a `B_SPLINE_CURVE_WITH_KNOTS` in space.
+pub(super) fn spline_curve(file: &mut Part21<'_>, spline: &SplineCurve<3>) -> io::Result<Id> {
+    let poles = run(spline.poles(), |p| point(file, *p))?;
     let closed = spline.poles().first() == spline.poles().last();
     knotted_curve(file, poles, (spline.knots(), spline.weights()), closed)
 }
@@ -62,8 +77,7 @@ fn knotted_curve(
 
 /// Writes a `B_SPLINE_SURFACE_WITH_KNOTS`. The first index of the net is that of u. A rational
 /// surface is a complex entity instance, as for a curve.
-pub(super) fn surface(file: &mut Part21<'_>, surface: &BrepSurface) -> io::Result<Id> {
-    let BrepSurface::Spline(spline) = surface;
+pub(super) fn spline_surface(file: &mut Part21<'_>, spline: &SplineSurface) -> io::Result<Id> {
     let (rows, columns) = (spline.u().poles(), spline.v().poles());
     let net: Vec<&[[f64; 3]]> = spline.poles().chunks(columns).collect();
     let poles = run(spline.poles(), |p| point(file, *p))?;

@@ -4,10 +4,12 @@
 //! AP242.
 
 mod admin;
+mod analytic;
 mod geometry;
 mod part21;
 mod product;
 pub(crate) mod read;
+mod seams;
 mod shape;
 mod style;
 
@@ -71,6 +73,7 @@ pub fn write(brep: &Brep, options: &Options, out: &mut dyn io::Write) -> io::Res
         time_stamp: &options.time_stamp,
         originating_system: &options.originating_system,
         schema: product::file_schema(options.schema),
+        content: brep.content(),
     };
     let mut file = Part21::begin(out, &header)?;
     let definition = product::write(&mut file, brep, options)?;

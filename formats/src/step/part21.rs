@@ -1,5 +1,6 @@
 //! Writer of the exchange structure of ISO 10303-21: header, numbered entity instances, strings.
 
+use std::collections::HashMap;
 use std::fmt::{self, Write as _};
 use std::io;
 
@@ -21,12 +22,16 @@ pub(super) struct FileHeader<'a> {
     pub time_stamp: &'a str,
     pub originating_system: &'a str,
     pub schema: &'a str,
+    /// What the file has, for human readers.
+    pub content: &'a str,
 }
 
 /// A file that is being written. Every entity instance is written as soon as it has a number.
 pub(super) struct Part21<'a> {
     out: &'a mut dyn io::Write,
     last: u64,
+    /// The instances that [`Part21::share`] has written.
+    shared: HashMap<String, Id>,
 }
 
 impl<'a> Part21<'a> {
@@ -35,15 +40,16 @@ impl<'a> Part21<'a> {
         write!(
             out,
             "ISO-10303-21;\nHEADER;\n\
-             FILE_DESCRIPTION(('Trimmed B-spline surfaces'),'2;1');\n\
+             FILE_DESCRIPTION(({}),'2;1');\n\
              FILE_NAME({},{},(''),(''),\n'{preprocessor}',{},'');\n\
              FILE_SCHEMA(({}));\nENDSEC;\nDATA;\n",
+            Text(header.content),
             Text(header.name),
             Text(header.time_stamp),
             Text(header.originating_system),
             Text(header.schema),
         )?;
-        Ok(Part21 { out, last: 0 })
+        Ok(Part21 { out, last: 0, shared: HashMap::new() })
     }
 
     /// Writes one entity instance and returns its name.
@@ -51,6 +57,18 @@ impl<'a> Part21<'a> {
         self.last += 1;
         writeln!(self.out, "#{}={body};", self.last)?;
         Ok(Id(self.last))
+    }
+
+    /// Writes an entity instance that several others may refer to, or returns the name of the same
+    /// instance that is there.
+    pub(super) fn share(&mut self, body: fmt::Arguments<'_>) -> io::Result<Id> {
+        let text = body.to_string();
+        if let Some(&known) = self.shared.get(&text) {
+            return Ok(known);
+        }
+        let id = self.add(format_args!("{text}"))?;
+        self.shared.insert(text, id);
+        Ok(id)
     }
 
     pub(super) fn end(self) -> io::Result<()> {
@@ -64,6 +82,12 @@ macro_rules! add {
     ($file:expr, $($body:tt)+) => { $file.add(format_args!($($body)+)) };
 }
 pub(super) use add;
+
+/// Calls [`Part21::share`] with a format string.
+macro_rules! share {
+    ($file:expr, $($body:tt)+) => { $file.share(format_args!($($body)+)) };
+}
+pub(super) use share;
 
 /// A string in apostrophes with escapes (ISO 10303-21, clause 6.4.3).
 pub(super) struct Text<'a>(pub &'a str);

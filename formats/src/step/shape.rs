@@ -1,12 +1,15 @@
 //! Writer of the shape: vertices, edges, faces, shells, solids and their representation (ISO
 //! 10303-42, clause 5; ISO 10303-509 and 10303-514).
 
+use std::borrow::Cow;
 use std::io;
 
+use super::analytic;
 use super::geometry::{self, logical};
 use super::part21::{Id, List, Part21, Text, add};
+use super::seams::{self, SeamOrder};
 use super::style;
-use crate::brep::{Brep, Edge, EdgeUse, Face, FaceId, ShellId, Solid};
+use crate::brep::{BoundedCurve, Brep, Edge, EdgeUse, Face, FaceId, ShellId, Solid, SurfaceId};
 use crate::number::StepReal;
 
 /// Writes the shape, connects it to the product's `PRODUCT_DEFINITION_SHAPE`, and gives it its
@@ -87,14 +90,13 @@ fn origin(file: &mut Part21<'_>) -> io::Result<Id> {
 
 /// Writes an `OPEN_SHELL` or a `CLOSED_SHELL` for every shell.
 fn shells(file: &mut Part21<'_>, brep: &Brep, plane: Id) -> io::Result<Vec<Id>> {
-    let mut surfaces = Vec::with_capacity(brep.surfaces.len());
-    for surface in &brep.surfaces {
-        surfaces.push(geometry::surface(file, surface)?);
-    }
-    let edges = edges(file, brep, &surfaces, plane)?;
+    let surfaces = surfaces(file, brep)?;
+    let order = SeamOrder::new(brep);
+    let vertices = vertices(file, brep)?;
+    let edges = edges(file, brep, &order, (&vertices, &surfaces, plane))?;
     let mut faces = Vec::with_capacity(brep.faces.len());
-    for data in &brep.faces {
-        faces.push(face(file, data, surfaces[data.surface.0], &edges)?);
+    for (data, &surface) in brep.faces.iter().zip(&surfaces) {
+        faces.push(face(file, (brep, data, surface), &order, (&vertices, &edges))?);
     }
     let mut shells = Vec::with_capacity(brep.shells.len());
     for shell in &brep.shells {
@@ -105,22 +107,64 @@ fn shells(file: &mut Part21<'_>, brep: &Brep, plane: Id) -> io::Result<Vec<Id>> 
     Ok(shells)
 }
 
-/// Writes an `EDGE_CURVE` for every edge between `VERTEX_POINT`s that edges share.
-fn edges(file: &mut Part21<'_>, brep: &Brep, surfaces: &[Id], plane: Id) -> io::Result<Vec<Id>> {
+/// Writes the surfaces and returns that of each face. Faces share a B-spline surface, because it is
+/// large. Of other surfaces each face has its own one. Then it is clear which pcurve of an edge
+/// between two faces on one surface belongs to which face.
+fn surfaces(file: &mut Part21<'_>, brep: &Brep) -> io::Result<Vec<Id>> {
+    let mut written = Vec::with_capacity(brep.surfaces.len());
+    for surface in &brep.surfaces {
+        written.push(analytic::surface(file, surface)?);
+    }
+    let mut taken = vec![false; brep.surfaces.len()];
+    let mut surfaces = Vec::with_capacity(brep.faces.len());
+    for SurfaceId(number) in brep.faces.iter().map(|face| face.surface) {
+        let surface = &brep.surfaces[number];
+        surfaces.push(match taken[number] && surface.spline().is_none() {
+            true => analytic::surface(file, surface)?,
+            false => written[number],
+        });
+        taken[number] = true;
+    }
+    Ok(surfaces)
+}
+
+/// Writes a `VERTEX_POINT` for every vertex.
+fn vertices(file: &mut Part21<'_>, brep: &Brep) -> io::Result<Vec<Id>> {
     let mut vertices = Vec::with_capacity(brep.vertices.len());
+    let splines_only = brep.has_splines_only();
     for vertex in &brep.vertices {
-        let point = geometry::point(file, *vertex)?;
+        // Lines begin at vertices and share their points.
+        let point = match splines_only {
+            true => geometry::point(file, *vertex)?,
+            false => analytic::point(file, *vertex)?,
+        };
         vertices.push(add!(file, "VERTEX_POINT('',{point})")?);
     }
+    Ok(vertices)
+}
+
+/// Writes an `EDGE_CURVE` for every edge between vertices that edges share. `None` stands for an
+/// edge that is left out.
+fn edges(
+    file: &mut Part21<'_>,
+    brep: &Brep,
+    order: &SeamOrder,
+    (vertices, surfaces, plane): (&[Id], &[Id], Id),
+) -> io::Result<Vec<Option<Id>>> {
     let mut edges = Vec::with_capacity(brep.edges.len());
-    for (edge, uses) in brep.edges.iter().zip(brep.uses()) {
-        let uses: Vec<Use<'_>> = uses
-            .into_iter()
-            .map(|(face, of_loop)| (face, surfaces[brep.faces[face.0].surface.0], of_loop))
-            .collect();
+    for (number, uses) in brep.uses().into_iter().enumerate() {
+        if order.left_out[number] {
+            edges.push(None);
+            continue;
+        }
+        let reversed = order.reversed[number];
+        let uses: Vec<Use<'_>> =
+            uses.into_iter().map(|(face, of_loop)| (face, surfaces[face.0], of_loop)).collect();
+        let edge = &brep.edges[number];
         let [start, end] = edge.ends.map(|end| vertices[end.0]);
-        let curve = edge_geometry(file, edge, &uses, plane)?;
-        edges.push(add!(file, "EDGE_CURVE('',{start},{end},{curve},.T.)")?);
+        let [start, end] = if reversed { [end, start] } else { [start, end] };
+        let curve = edge_geometry(file, edge, &uses, (reversed, plane))?;
+        edges.push(Some(add!(file, "EDGE_CURVE('',{start},{end},{curve},.T.)")?));
     }
     Ok(edges)
 }
@@ -134,12 +178,12 @@ fn edge_geometry(
     file: &mut Part21<'_>,
     edge: &Edge,
     uses: &[Use<'_>],
-    plane: Id,
+    (reversed, plane): (bool, Id),
 ) -> io::Result<Id> {
-    let curve = geometry::curve(file, &edge.curve)?;
+    let curve = geometry::curve(file, &*directed(&edge.curve, reversed)?)?;
     let mut pcurves = Vec::with_capacity(uses.len());
     for (_, surface, of_loop) in uses {
-        let flat = geometry::pcurve(file, &of_loop.pcurve)?;
+        let flat = geometry::pcurve(file, &*directed(&of_loop.pcurve, reversed)?)?;
         let flat = add!(file, "DEFINITIONAL_REPRESENTATION('',({flat}),{plane})")?;
         pcurves.push(add!(file, "PCURVE('',{surface},{flat})")?);
     }
@@ -148,22 +192,51 @@ fn edge_geometry(
     add!(file, "{kind}('',{curve},{},.PCURVE_S1.)", List(&pcurves))
 }
 
+/// A curve in its direction or in the opposite one.
+fn directed<const D: usize>(
+    curve: &BoundedCurve<D>,
+    reversed: bool,
+) -> io::Result<Cow<'_, BoundedCurve<D>>> {
+    if !reversed {
+        return Ok(Cow::Borrowed(curve));
+    }
+    let invalid = |what| io::Error::new(io::ErrorKind::InvalidInput, what);
+    curve.reversed().map(Cow::Owned).map_err(invalid)
+}
+
 /// Writes an `ADVANCED_FACE`. The outer bound comes first.
-fn face(file: &mut Part21<'_>, data: &Face, surface: Id, edges: &[Id]) -> io::Result<Id> {
+fn face(
+    file: &mut Part21<'_>,
+    (brep, data, surface): (&Brep, &Face, Id),
+    order: &SeamOrder,
+    (vertices, edges): (&[Id], &[Option<Id>]),
+) -> io::Result<Id> {
     let mut bounds = Vec::with_capacity(data.loops.len());
-    for (i, uses) in data.loops.iter().enumerate() {
-        let edge_loop = edge_loop(file, uses, edges)?;
+    for (i, ring) in data.loops.iter().enumerate() {
+        let edge_loop = if seams::is_whole(brep, data, ring) {
+            let [pole, _] = brep.edges[ring[0].edge.0].ends;
+            add!(file, "VERTEX_LOOP('',{})", vertices[pole.0])?
+        } else {
+            let (before, after) = ring.split_at(order.first(brep, data, ring));
+            edge_loop(file, after.iter().chain(before), order, edges)?
+        };
         let kind = if i == 0 { "FACE_OUTER_BOUND" } else { "FACE_BOUND" };
         bounds.push(add!(file, "{kind}('',{edge_loop},.T.)")?);
     }
     add!(file, "ADVANCED_FACE('',{},{surface},{})", List(&bounds), logical(data.forward))
 }
 
-fn edge_loop(file: &mut Part21<'_>, uses: &[EdgeUse], edges: &[Id]) -> io::Result<Id> {
-    let mut oriented = Vec::with_capacity(uses.len());
+fn edge_loop<'a>(
+    file: &mut Part21<'_>,
+    uses: impl Iterator<Item = &'a EdgeUse>,
+    order: &SeamOrder,
+    edges: &[Option<Id>],
+) -> io::Result<Id> {
+    let mut oriented = Vec::new();
     for of_loop in uses {
-        let direction = logical(of_loop.forward);
-        oriented.push(add!(file, "ORIENTED_EDGE('',*,*,{},{direction})", edges[of_loop.edge.0])?);
+        let direction = logical(order.forward(of_loop));
+        let Some(edge) = edges[of_loop.edge.0] else { continue };
+        oriented.push(add!(file, "ORIENTED_EDGE('',*,*,{edge},{direction})")?);
     }
     add!(file, "EDGE_LOOP('',{})", List(&oriented))
 }

@@ -40,8 +40,11 @@ fn what_is_wrong_with_a_step_file_is_said() {
     assert!(said.contains("12 knots for 8 poles of degree 4"), "{said}");
     let said = replaced("(4,1,1,1,1,4)", "(4,1,1,1,1,999999999999)");
     assert!(said.contains("knots for 8 poles of degree 3"), "{said}");
-    let said = replaced("B_SPLINE_SURFACE_WITH_KNOTS('',3,3", "TOROIDAL_SURFACE('',3,3");
-    assert!(said.contains("is a surface of an unsupported kind: TOROIDAL_SURFACE (#"), "{said}");
+    let said = replaced("B_SPLINE_SURFACE_WITH_KNOTS('',3,3", "DEGENERATE_TOROIDAL_SURFACE('',3,3");
+    assert!(
+        said.contains("is a surface of an unsupported kind: DEGENERATE_TOROIDAL_SURFACE (#"),
+        "{said}"
+    );
     let said = replaced("ADVANCED_FACE('',(#", "ADVANCED_FACE('',(#9999");
     assert!(said.contains("which it does not contain"), "{said}");
     let said = replaced("VERTEX_POINT('',#", "VERTEX_POINT('',#1,#");

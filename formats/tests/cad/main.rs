@@ -1,6 +1,13 @@
 //! Reading of STEP and IGES files: our own files, and files in the style of other programs.
 
+#[allow(dead_code)]
+#[path = "../write/bodies.rs"]
+mod bodies;
 mod broken;
+#[allow(dead_code)]
+#[path = "../write/exact.rs"]
+mod exact;
+mod exact_read;
 mod foreign;
 #[allow(dead_code)]
 #[path = "../write/model.rs"]

@@ -1,6 +1,8 @@
 //! The files that the STEP and IGES writers write.
 
 mod bodies;
+mod exact;
+mod exact_solids;
 mod iges;
 mod model;
 mod schema;
@@ -53,6 +55,13 @@ fn example_files() {
     let Some(directory) = std::env::var_os("SCAN2STEP_WRITE_TO").map(PathBuf::from) else {
         return;
     };
+    for (brep, _) in exact::all_exact() {
+        let stem = &brep.name;
+        fs::write(directory.join(format!("{stem}.step")), step_file(&brep, Schema::Ap242)).unwrap();
+        for (end, form) in [("144.igs", Form::Trimmed), ("186.igs", Form::Brep)] {
+            fs::write(directory.join(format!("{stem}-{end}")), iges_file(&brep, form)).unwrap();
+        }
+    }
     for (stem, brep) in [
         ("sheet", model::one_face("Größe 'A' 😀")),
         ("pair", model::two_faces("pair")),

@@ -50,23 +50,23 @@ fn side(brep: &mut Brep, from: VertexId, to: VertexId) -> EdgeId {
     brep.add_edge(BrepCurve::Spline(bezier_curve(poles)), [from, to])
 }
 
-pub fn along(edge: EdgeId, pcurve: PCurve) -> EdgeUse {
-    EdgeUse { edge, forward: true, pcurve }
+pub fn along(edge: EdgeId, pcurve: SplineCurve<2>) -> EdgeUse {
+    EdgeUse { edge, forward: true, pcurve: PCurve::Spline(pcurve) }
 }
 
-pub fn against(edge: EdgeId, pcurve: PCurve) -> EdgeUse {
-    EdgeUse { edge, forward: false, pcurve }
+pub fn against(edge: EdgeId, pcurve: SplineCurve<2>) -> EdgeUse {
+    EdgeUse { edge, forward: false, pcurve: PCurve::Spline(pcurve) }
 }
 
 /// Half of a round hole from left to right. `side` is 1 for the upper and -1 for the lower half.
-fn half(center: (f64, f64), radius: f64, side: f64) -> PCurve {
+fn half(center: (f64, f64), radius: f64, side: f64) -> SplineCurve<2> {
     let (left, right, bulge) = (center.0 - radius, center.0 + radius, side * radius * 4.0 / 3.0);
     let poles = [(left, 0.0), (left, bulge), (right, bulge), (right, 0.0)];
     bezier_curve(poles.map(|(u, v)| [u, center.1 + v]).to_vec())
 }
 
 /// The exact image of a Bézier pcurve on the surface. It has degree 12.
-fn image(pcurve: &PCurve) -> SplineCurve<3> {
+fn image(pcurve: &SplineCurve<2>) -> SplineCurve<3> {
     let u: Vec<f64> = pcurve.poles().iter().map(|p| p[0]).collect();
     let v: Vec<f64> = pcurve.poles().iter().map(|p| p[1]).collect();
     let rest = |t: &[f64]| t.iter().map(|t| 1.0 - t).collect::<Vec<_>>();
@@ -104,7 +104,7 @@ fn hole(brep: &mut Brep, center: (f64, f64), radius: f64, reversed: bool) -> Vec
         ends.reverse();
     }
     let back = brep.add_edge(BrepCurve::Spline(image(&below)), ends);
-    vec![along(there, above), EdgeUse { edge: back, forward: !reversed, pcurve: below }]
+    vec![along(there, above), EdgeUse { edge: back, forward: !reversed, pcurve: below.into() }]
 }
 
 /// The sheet with two holes as face 0. Its third side, edge 2, runs against its curve.

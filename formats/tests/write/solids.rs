@@ -112,9 +112,8 @@ fn broken_ones_are_refused() {
             "a pcurve over another range",
             cube(""),
             |b| {
-                let poles = b.faces[0].loops[0][0].pcurve.poles().to_vec();
-                let knots = vec![0.0, 0.0, 2.0, 2.0];
-                b.faces[0].loops[0][0].pcurve = PCurve::new(1, knots, poles, None).unwrap();
+                let [from, to] = b.faces[0].loops[0][0].pcurve.ends();
+                b.faces[0].loops[0][0].pcurve = PCurve::line(from, to, (0.0, 2.0)).unwrap();
             },
             |f| matches!(f, ModelFault::Range(_)),
         ),

@@ -84,7 +84,7 @@ fn add_loop(brep: &mut Brep, ring: &[Directed]) -> Result<Vec<EdgeUse>> {
             ends.reverse();
         }
         let edge = brep.add_edge(brep::BrepCurve::Spline(spline(edge)?), ends);
-        uses.push(EdgeUse { edge, forward: *forward, pcurve: spline(pcurve)? });
+        uses.push(EdgeUse { edge, forward: *forward, pcurve: spline(pcurve)?.into() });
     }
     Ok(uses)
 }

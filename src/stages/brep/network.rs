@@ -168,7 +168,7 @@ impl<'a> NetworkParts<'a> {
             match *part {
                 CutPart::Arc(arc) => {
                     for (&edge, pcurve) in self.arcs[arc].iter().zip(&self.cut.arcs[arc].pcurves) {
-                        uses.push(EdgeUse { edge, forward: true, pcurve: spline(pcurve)? });
+                        uses.push(EdgeUse { edge, forward: true, pcurve: spline(pcurve)?.into() });
                     }
                 }
                 CutPart::Side(k, piece) => {
@@ -176,7 +176,7 @@ impl<'a> NetworkParts<'a> {
                     let (Some(edge), range) = self.pieces[side.track][piece] else { continue };
                     let forward = side.forward;
                     let of = SideUse { face: face.surface, k, forward };
-                    let pcurve = spline(&side_line(self.network.end(), of, range))?;
+                    let pcurve = spline(&side_line(self.network.end(), of, range))?.into();
                     uses.push(EdgeUse { edge, forward, pcurve });
                 }
             }

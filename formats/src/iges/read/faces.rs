@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::deck::Deck;
 use super::geometry::IgesGeometry;
 use super::parameters::Parameters;
-use super::shape::in_radians;
+use super::shape::converted;
 use crate::Result;
 use crate::cad::affine::Affine;
 use crate::cad::{CadEdge, CadFace, CadModel, CadShell};
@@ -62,8 +62,32 @@ impl<'d> FaceReader<'d> {
         for inner in p.several(inner, Parameters::integer)? {
             loops.push(self.on_surface(inner, &place)?);
         }
+        self.convert_parameters(surface, &mut loops)?;
         let surface = self.geometry.surface(surface, &place)?;
         Ok(CadFace { entity: name(pointer), surface, natural: outer == 0, loops })
+    }
+
+    /// Converts pcurves to the parameters of the model's surface.
+    fn convert_parameters(&self, surface: i64, loops: &mut [Vec<CadEdge>]) -> Result<()> {
+        let kind = self.deck.entry(surface)?.kind;
+        // OpenCASCADE takes the second parameter of a cone as the length along the cone, and so do
+        // we.
+        let slant = if kind == 194 { self.geometry.cosine(surface)? } else { 1.0 };
+        let there = |[u, v]: [f64; 2]| match kind {
+            // Angles are in degrees.
+            192 | 194 => [u.to_radians(), v * slant],
+            196 => [u.to_radians(), v.to_radians()],
+            // The first parameter goes around the tube, and the second one backwards.
+            198 => [(360.0 - v).to_radians(), u.to_radians()],
+            // The first parameter is that of the curve.
+            120 => [v, u],
+            _ => [u, v],
+        };
+        if matches!(kind, 120 | 192 | 194 | 196 | 198) {
+            let pcurves = loops.iter_mut().flatten().flat_map(|edge| &mut edge.pcurves);
+            pcurves.for_each(|pcurve| *pcurve = Arc::new(converted(pcurve, there)));
+        }
+        Ok(())
     }
 
     /// Reads a loop (142). It has pcurves or curves in space. It has both if their numbers are
@@ -142,11 +166,7 @@ impl<'d> FaceReader<'d> {
         let loops = p.several(count, Parameters::integer)?;
         let mut loops: Vec<Vec<CadEdge>> =
             loops.into_iter().map(|l| self.edge_loop(l, &place)).collect::<Result<_>>()?;
-        // The angle on a cylinder (192) is in degrees.
-        if self.deck.entry(surface)?.kind == 192 {
-            let pcurves = loops.iter_mut().flatten().flat_map(|edge| &mut edge.pcurves);
-            pcurves.for_each(|pcurve| *pcurve = Arc::new(in_radians(pcurve)));
-        }
+        self.convert_parameters(surface, &mut loops)?;
         let surface = self.geometry.surface(surface, &place)?;
         Ok(CadFace { entity: name(pointer), surface, natural: count == 0, loops })
     }
@@ -168,7 +188,7 @@ impl<'d> FaceReader<'d> {
         let mut edges = Vec::with_capacity(uses.len());
         for (vertex, list, index, forward, pcurves) in uses {
             if vertex == 1 {
-                continue; // a pole
+                continue; // a pole, where the loop jumps
             }
             let ListedEdge { curve, ends } = self.edge(list, index)?;
             let curves = self.geometry.curves(curve, place)?;

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::deck::Deck;
 use super::parameters::Parameters;
-use super::shape::{arc, flat, middle_normal, over_unit, turned};
+use super::shape::{arc, ellipse, flat, middle_normal, over_unit, turned};
 use crate::Result;
 use crate::cad::affine::{Affine, cross, dot, unit};
 use crate::cad::{CadCurve, CadSurface, CurveShape};
@@ -57,7 +57,7 @@ impl<'d> IgesGeometry<'d> {
         Ok(matrix)
     }
 
-    fn of_kind(&self, pointer: i64, kind: i64, name: &str) -> Result<Parameters<'d>> {
+    pub(super) fn of_kind(&self, pointer: i64, kind: i64, name: &str) -> Result<Parameters<'d>> {
         let found = self.deck.entry(pointer)?.kind;
         if found == kind {
             return self.deck.parameters(pointer);
@@ -69,29 +69,21 @@ impl<'d> IgesGeometry<'d> {
 
     /// The curves in space that an entity consists of, in order.
     pub(super) fn curves(&self, pointer: i64, outer: &Affine) -> Result<Vec<Arc<CadCurve<3>>>> {
-        let curves = self.pieces(pointer, Some(outer), 0)?;
+        let curves = self.pieces(pointer, outer, 0)?;
         Ok(curves.into_iter().map(Arc::new).collect())
     }
 
     /// The curves in a parameter plane that an entity consists of, in order.
     pub(super) fn pcurves(&self, pointer: i64) -> Result<Vec<Arc<CadCurve<2>>>> {
-        let curves = self.pieces(pointer, None, 0)?;
+        // Parameters have no unit. Matrices place arcs, which the file has in planes of their own.
+        let curves = self.pieces(pointer, &Affine::scaling(1.0), 0)?;
         Ok(curves.into_iter().map(|curve| Arc::new(flat(curve))).collect())
     }
 
-    fn pieces(
-        &self,
-        pointer: i64,
-        outer: Option<&Affine>,
-        depth: usize,
-    ) -> Result<Vec<CadCurve<3>>> {
-        let place = outer.map(|outer| self.place(pointer, outer)).transpose()?;
+    fn pieces(&self, pointer: i64, outer: &Affine, depth: usize) -> Result<Vec<CadCurve<3>>> {
+        let place = self.place(pointer, outer)?;
         if self.deck.entry(pointer)?.kind != 102 {
-            let curve = self.curve(pointer)?;
-            return Ok(vec![match place {
-                Some(place) => place.curve(curve),
-                None => curve,
-            }]);
+            return Ok(vec![place.curve(self.curve(pointer)?)]);
         }
         if depth == MAX_DEPTH {
             return Err(self.deck.error(pointer, "is a composite curve that is nested too deeply"));
@@ -100,17 +92,21 @@ impl<'d> IgesGeometry<'d> {
         let count = p.count()?;
         let mut all = Vec::new();
         for part in p.several(count, Parameters::integer)? {
-            all.extend(self.pieces(part, place.as_ref(), depth + 1)?);
+            all.extend(self.pieces(part, &place, depth + 1)?);
         }
         Ok(all)
     }
 
     /// One curve in its own coordinates.
-    fn curve(&self, pointer: i64) -> Result<CadCurve<3>> {
+    pub(super) fn curve(&self, pointer: i64) -> Result<CadCurve<3>> {
         let entry = self.deck.entry(pointer)?;
         let mut p = self.deck.parameters(pointer)?;
         match entry.kind {
             100 => arc(&mut p),
+            104 if entry.form == 1 => {
+                let refused = "is an ellipse that is not along x and y";
+                ellipse(&mut p)?.ok_or_else(|| self.deck.unread(pointer, refused))
+            }
             106 if matches!(entry.form, 11..=13 | 63) => {
                 let kind = p.integer()?;
                 let count = p.count()?;
@@ -195,17 +191,12 @@ impl<'d> IgesGeometry<'d> {
                 let distance = if turned { -distance } else { distance };
                 Ok(CadSurface::Offset { base: Arc::new(base), distance })
             }
+            120 => self.revolution(pointer, p),
             190 => {
                 let (origin, [x, y, _]) = self.frame(pointer, &mut p, 0)?;
                 Ok(CadSurface::Plane { origin, x, y })
             }
-            192 => {
-                let (origin, [x, y, z]) = self.frame(pointer, &mut p, 1)?;
-                // The radius is between the axis and the reference direction.
-                let radius = self.cylinder_radius(pointer)?;
-                let [x, y] = [x, y].map(|axis| axis.map(|e| radius * e));
-                Ok(CadSurface::Cylinder { origin, x, y, z })
-            }
+            192 | 194 | 196 | 198 => self.round(pointer, entry.kind, p),
             kind => {
                 let what = format!("is a surface of an unsupported type: {kind}");
                 Err(self.deck.unread(pointer, what))
@@ -223,37 +214,6 @@ impl<'d> IgesGeometry<'d> {
         let helper = if z[0].abs() < 0.9 { [1.0, 0.0, 0.0] } else { [0.0, 1.0, 0.0] };
         let x = unit(cross(helper, z)).ok_or_else(bad)?;
         Ok(CadSurface::Plane { origin: z.map(|e| away * e), x, y: cross(z, x) })
-    }
-
-    fn cylinder_radius(&self, pointer: i64) -> Result<f64> {
-        let mut p = self.deck.parameters(pointer)?;
-        p.skip(2);
-        p.real()
-    }
-
-    /// The origin and the axes of a plane or cylinder. The file has a point, the direction of z,
-    /// other parameters `between`, and a direction for x.
-    fn frame(
-        &self,
-        pointer: i64,
-        p: &mut Parameters,
-        between: usize,
-    ) -> Result<([f64; 3], [[f64; 3]; 3])> {
-        let (origin, z) = (p.integer()?, p.integer()?);
-        p.skip(between);
-        let towards = p.integer()?;
-        let origin = self.of_kind(origin, 116, "a point")?.point()?;
-        let bad = || self.deck.error(pointer, "has no proper axes");
-        let z = unit(self.of_kind(z, 123, "a direction")?.point()?).ok_or_else(bad)?;
-        let towards = match towards {
-            // The surface has no parametrization, so any direction is possible.
-            0 if z[0].abs() < 0.9 => [1.0, 0.0, 0.0],
-            0 => [0.0, 1.0, 0.0],
-            towards => self.of_kind(towards, 123, "a direction")?.point()?,
-        };
-        let along = dot(towards, z);
-        let x = unit([0, 1, 2].map(|i| towards[i] - along * z[i])).ok_or_else(bad)?;
-        Ok((origin, [x, cross(z, x), z]))
     }
 
     /// A tabulated cylinder: a curve over [0, 1] that is extruded. The file has the point to which

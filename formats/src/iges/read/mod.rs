@@ -4,6 +4,7 @@
 //! shells.
 
 mod deck;
+mod elementary;
 mod faces;
 mod geometry;
 mod parameters;

@@ -30,6 +30,36 @@ pub(super) fn arc(p: &mut Parameters) -> Result<CadCurve<3>> {
     Ok(CadCurve { shape, range: Some((from, to)) })
 }
 
+/// An elliptic arc, counter-clockwise (clause 4.5). `None` if its axes are not along x and y.
+pub(super) fn ellipse(p: &mut Parameters) -> Result<Option<CadCurve<3>>> {
+    let mut equation = [0.0; 6];
+    for factor in &mut equation {
+        *factor = p.real()?;
+    }
+    let [xx, xy, yy, x, y, constant] = equation;
+    let level = p.real()?;
+    let centre = [-0.5 * x / xx, -0.5 * y / yy];
+    let size = xx * centre[0] * centre[0] + yy * centre[1] * centre[1] - constant;
+    let [a, b] = [size / xx, size / yy].map(f64::sqrt);
+    if xy != 0.0 || ![a, b, centre[0], centre[1]].iter().all(|x| x.is_finite()) {
+        return Ok(None);
+    }
+    let mut angle = || {
+        let [x, y] = [p.real()?, p.real()?];
+        Ok(((y - centre[1]) / b).atan2((x - centre[0]) / a))
+    };
+    let (from, mut to): (f64, f64) = (angle()?, angle()?);
+    if to <= from {
+        to += std::f64::consts::TAU;
+    }
+    let shape = CurveShape::Ellipse {
+        centre: [centre[0], centre[1], level],
+        x: [a, 0.0, 0.0],
+        y: [0.0, b, 0.0],
+    };
+    Ok(Some(CadCurve { shape, range: Some((from, to)) }))
+}
+
 /// The projection of a curve to its x and y coordinates.
 pub(super) fn flat(curve: CadCurve<3>) -> CadCurve<2> {
     let cut = |p: [f64; 3]| [p[0], p[1]];
@@ -45,17 +75,21 @@ pub(super) fn flat(curve: CadCurve<3>) -> CadCurve<2> {
     CadCurve { shape, range: curve.range }
 }
 
-/// Converts the first coordinate of a pcurve from degrees to radians.
-pub(super) fn in_radians(curve: &CadCurve<2>) -> CadCurve<2> {
-    let turn = |[u, v]: [f64; 2]| [u.to_radians(), v];
+/// A pcurve in other parameters, to which `there` is an affine map.
+pub(super) fn converted(curve: &CadCurve<2>, there: impl Fn([f64; 2]) -> [f64; 2]) -> CadCurve<2> {
+    let origin = there([0.0; 2]);
+    let vector = |d: [f64; 2]| {
+        let end = there(d);
+        [end[0] - origin[0], end[1] - origin[1]]
+    };
     let shape = match curve.shape.clone() {
         CurveShape::Line { origin, direction } => {
-            CurveShape::Line { origin: turn(origin), direction: turn(direction) }
+            CurveShape::Line { origin: there(origin), direction: vector(direction) }
         }
         CurveShape::Ellipse { centre, x, y } => {
-            CurveShape::Ellipse { centre: turn(centre), x: turn(x), y: turn(y) }
+            CurveShape::Ellipse { centre: there(centre), x: vector(x), y: vector(y) }
         }
-        CurveShape::Spline(spline) => CurveShape::Spline(spline.mapped(turn)),
+        CurveShape::Spline(spline) => CurveShape::Spline(spline.mapped(there)),
     };
     CadCurve { shape, range: curve.range }
 }
@@ -79,7 +113,7 @@ pub(super) fn middle_normal(surface: &CadSurface) -> Option<[f64; 3]> {
         }
         CadSurface::Plane { x, y, .. } => Some(cross(*x, *y)),
         CadSurface::Offset { base, .. } => middle_normal(base),
-        CadSurface::Cylinder { .. } | CadSurface::Extrusion { .. } => None,
+        _ => None,
     }
 }
 

@@ -3,9 +3,10 @@
 use std::collections::HashMap;
 use std::sync::Arc;
 
+use super::attributes::Attributes;
 use super::exchange::Exchange;
 use crate::Result;
-use crate::cad::affine::{cross, dot, unit};
+use crate::brep::Frame;
 use crate::cad::{CadCurve, CadSurface, CurveShape};
 use crate::spline::SplineCurve;
 
@@ -16,18 +17,14 @@ const MAX_DEPTH: usize = 8;
 /// Reads geometry. A surface or a curve that is used several times is read once.
 pub(super) struct StepGeometry<'f, 'a> {
     pub(super) file: &'f Exchange<'a>,
+    /// The unit of angles in radians.
+    angle: f64,
     surfaces: HashMap<u64, Arc<CadSurface>>,
 }
 
-/// The axes x, y and z of a placement and its origin.
-struct Frame {
-    origin: [f64; 3],
-    axes: [[f64; 3]; 3],
-}
-
 impl<'f, 'a> StepGeometry<'f, 'a> {
-    pub(super) fn new(file: &'f Exchange<'a>) -> Self {
-        StepGeometry { file, surfaces: HashMap::new() }
+    pub(super) fn new(file: &'f Exchange<'a>, angle: f64) -> Self {
+        StepGeometry { file, angle, surfaces: HashMap::new() }
     }
 
     pub(super) fn point<const D: usize>(&self, id: u64) -> Result<[f64; D]> {
@@ -68,22 +65,19 @@ impl<'f, 'a> StepGeometry<'f, 'a> {
             Some(id) => self.direction(id)?,
             None => [0.0, 0.0, 1.0],
         };
-        let towards: [f64; 3] = match attributes.option()? {
-            Some(id) => self.direction(id)?,
-            None if z[0].abs() < 0.9 => [1.0, 0.0, 0.0],
-            None => [0.0, 1.0, 0.0],
+        let frame = match attributes.option()? {
+            Some(id) => Frame::new(origin, z, self.direction(id)?),
+            None => Frame::along(origin, z),
         };
-        let along = dot(towards, z);
-        let x = unit([0, 1, 2].map(|i| towards[i] - along * z[i]))
-            .ok_or_else(|| self.file.error(id, "has parallel axes"))?;
-        Ok(Frame { origin, axes: [x, cross(z, x), z] })
+        frame.map_err(|_| self.file.error(id, "has parallel axes"))
     }
 
     /// The origin and the axes x and y of a placement.
     fn flat_frame<const D: usize>(&self, id: u64) -> Result<[[f64; D]; 3]> {
         let mut frame = [[0.0; D]; 3];
         if D == 3 {
-            let Frame { origin, axes: [x, y, _] } = self.frame(id)?;
+            let placed = self.frame(id)?;
+            let [origin, x, y] = [placed.origin(), placed.x(), placed.y()];
             [origin, x, y].iter().zip(&mut frame).for_each(|(from, to)| to.copy_from_slice(from));
             return Ok(frame);
         }
@@ -172,14 +166,29 @@ impl<'f, 'a> StepGeometry<'f, 'a> {
         attributes.skip(1)?;
         match kind {
             "PLANE" => {
-                let Frame { origin, axes: [x, y, _] } = self.frame(attributes.reference()?)?;
+                let frame = self.frame(attributes.reference()?)?;
+                let (origin, x, y) = (frame.origin(), frame.x(), frame.y());
                 Ok(CadSurface::Plane { origin, x, y })
             }
-            "CYLINDRICAL_SURFACE" => {
-                let Frame { origin, axes: [x, y, z] } = self.frame(attributes.reference()?)?;
-                let radius = attributes.real()?;
-                let [x, y] = [x, y].map(|axis| axis.map(|e| radius * e));
-                Ok(CadSurface::Cylinder { origin, x, y, z })
+            "CYLINDRICAL_SURFACE"
+            | "CONICAL_SURFACE"
+            | "SPHERICAL_SURFACE"
+            | "TOROIDAL_SURFACE" => {
+                let frame = self.frame(attributes.reference()?)?;
+                self.round(kind, &frame, attributes)
+            }
+            "SURFACE_OF_REVOLUTION" => {
+                let curve = self.curve(attributes.reference()?)?;
+                let mut placement =
+                    self.file.of_type(attributes.reference()?, "AXIS1_PLACEMENT")?;
+                placement.skip(1)?;
+                let origin = self.point(placement.reference()?)?;
+                let axis = match placement.option()? {
+                    Some(id) => self.direction(id)?,
+                    None => [0.0, 0.0, 1.0],
+                };
+                let angles = (f64::NEG_INFINITY, f64::INFINITY);
+                Ok(CadSurface::Revolution { curve, origin, axis, angles })
             }
             "SURFACE_OF_LINEAR_EXTRUSION" => {
                 let curve = self.curve(attributes.reference()?)?;
@@ -199,5 +208,29 @@ impl<'f, 'a> StepGeometry<'f, 'a> {
                 Err(self.file.unread(id, format!("is a surface of an unsupported kind: {other}")))
             }
         }
+    }
+
+    /// A cylinder, a cone, a sphere or a torus.
+    fn round(&self, kind: &str, frame: &Frame, mut attributes: Attributes) -> Result<CadSurface> {
+        let (origin, [x, y, z]) = (frame.origin(), [frame.x(), frame.y(), frame.z()]);
+        let mut measure = || {
+            let found = attributes.real()?;
+            let infinite = || self.file.error(attributes.id, "has a measure that is not finite");
+            if found.is_finite() { Ok(found) } else { Err(infinite()) }
+        };
+        let radius = measure()?;
+        let [a, b, c] = [x, y, z].map(|axis| axis.map(|e| radius * e));
+        Ok(match kind {
+            "CYLINDRICAL_SURFACE" => CadSurface::Cylinder { origin, x: a, y: b, z },
+            "SPHERICAL_SURFACE" => CadSurface::Sphere { origin, x: a, y: b, z: c },
+            "CONICAL_SURFACE" => {
+                let slope = (self.angle * measure()?).tan();
+                CadSurface::Cone { origin, x, y, z, radius, slope }
+            }
+            _ => {
+                let minor = measure()?;
+                CadSurface::Torus { origin, x, y, z, major: radius, minor }
+            }
+        })
     }
 }

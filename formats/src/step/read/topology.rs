@@ -31,10 +31,12 @@ struct EdgeCurve {
 }
 
 impl<'f, 'a> TopologyReader<'f, 'a> {
-    pub(super) fn new(file: &'f Exchange<'a>, unit_mm: f64, seen: &'f mut HashSet<u64>) -> Self {
+    /// `units` are those of length in mm and of angles in radians.
+    pub(super) fn new(file: &'f Exchange<'a>, units: [f64; 2], seen: &'f mut HashSet<u64>) -> Self {
+        let [unit_mm, angle] = units;
         TopologyReader {
             file,
-            geometry: StepGeometry::new(file),
+            geometry: StepGeometry::new(file, angle),
             unit: Affine::scaling(unit_mm),
             surfaces: HashMap::new(),
             edges: HashMap::new(),
@@ -111,11 +113,16 @@ impl<'f, 'a> TopologyReader<'f, 'a> {
         let bounds = attributes.references()?;
         let surface_id = attributes.reference()?;
         let surface = self.surface(surface_id)?;
-        let mut loops = Vec::with_capacity(bounds.len());
+        let (mut loops, mut has_pole) = (Vec::with_capacity(bounds.len()), false);
         for bound in bounds {
-            loops.extend(self.bound(bound, surface_id)?);
+            match self.bound(bound, surface_id)? {
+                Some(edges) => loops.push(edges),
+                None => has_pole = true,
+            }
         }
-        let natural = loops.is_empty();
+        // A vertex as the boundary of a sphere stands for the whole sphere.
+        let sphere = matches!(*surface, CadSurface::Sphere { .. });
+        let natural = loops.is_empty() || has_pole && sphere;
         model.faces.push(CadFace { entity: format!("#{id}"), surface, natural, loops });
         Ok(Some(model.faces.len() - 1))
     }
