@@ -128,9 +128,11 @@ pub mod parameterize;
 pub mod patches;
 #[cfg(feature = "picture")]
 pub mod picture;
+pub mod primitives;
 mod progress;
 mod random;
 pub mod refine;
+pub mod regions;
 pub mod report;
 pub mod rules;
 mod sets;

@@ -1,0 +1,188 @@
+//! Which region gets a facet that several explain, which regions are one, and what becomes of what is left.
+
+use super::exact::{ExactFacets, MOST_TURN};
+use super::growth::{Evidence, Growth, pieces, refitted};
+use super::search::Search;
+use super::significance::Found;
+use crate::geometry::NONE;
+use crate::primitives::FitOptions;
+
+/// The steps of a joint fit of two regions that are one.
+const JOINT_STEPS: usize = 10;
+
+/// A small facet that continues a region smoothly may be off by so many times the bound: it is one whose corners a
+/// neighbour's rounding has moved.
+const SMOOTH_SLACK: f64 = 4.0;
+const SMALL_FACET: usize = 2;
+
+/// The facets of a region that are looked at for its largest sagitta.
+const SAMPLE: usize = 300;
+
+/// The regions of a mesh, and for each facet the number of its region.
+pub(super) struct Claims {
+    pub(super) regions: Vec<Growth>,
+    pub(super) of: Vec<u32>,
+}
+
+/// Lets regions compete: the one that explains most comes first. What loses facets is cut into connected pieces that must
+/// be significant again.
+pub(super) fn settled(evidence: &ExactFacets, search: &mut Search, found: Vec<Found>) -> Claims {
+    let mut of = vec![NONE; evidence.facets.all.len()];
+    let mut regions = Vec::new();
+    let mut left = found;
+    let first = |f: &Found| f.growth.units.iter().copied().min();
+    left.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(first(a).cmp(&first(b))));
+    let mut at = 0;
+    while at < left.len() {
+        let next = left[at].clone();
+        at += 1;
+        let free: Vec<u32> =
+            next.growth.units.iter().copied().filter(|&f| of[f as usize] == NONE).collect();
+        if free.len() < next.growth.units.len() {
+            for piece in pieces(evidence, &free, search.marks()) {
+                let side = next.growth.side;
+                let growth = Growth::new(evidence, next.growth.fit, side, &piece, search.marks());
+                left.extend(search.judged(growth));
+            }
+            left[at..].sort_by(|a, b| b.weight.total_cmp(&a.weight).then(first(a).cmp(&first(b))));
+            continue;
+        }
+        let number = regions.len() as u32;
+        next.growth.units.iter().for_each(|&f| of[f as usize] = number);
+        regions.push(next.growth);
+    }
+    Claims { regions, of }
+}
+
+impl Claims {
+    /// The numbers of the regions next to a region, in ascending order.
+    fn beside(&self, evidence: &ExactFacets, region: usize) -> Vec<usize> {
+        let mut beside: Vec<usize> = Vec::new();
+        for &f in &self.regions[region].units {
+            for b in &evidence.facets.get(f).borders {
+                let other = self.of[b.facet as usize];
+                if other != NONE && other as usize != region {
+                    beside.push(other as usize);
+                }
+            }
+        }
+        beside.sort_unstable();
+        beside.dedup();
+        beside
+    }
+
+    /// Joins neighbours of one kind and side that one surface explains.
+    pub(super) fn merge(&mut self, evidence: &ExactFacets) {
+        let mut at = 0;
+        while at < self.regions.len() {
+            let found = self
+                .beside(evidence, at)
+                .into_iter()
+                .find_map(|other| Some((other, self.joint(evidence, at, other)?)));
+            match found {
+                Some((other, joint)) => {
+                    self.regions[at] = joint;
+                    self.regions[other].units.clear();
+                    self.regions[other].vertices.clear();
+                    let number = at as u32;
+                    self.regions[at].units.iter().for_each(|&f| self.of[f as usize] = number);
+                }
+                None => at += 1,
+            }
+        }
+        self.drop_empty();
+    }
+
+    fn joint(&self, evidence: &ExactFacets, a: usize, b: usize) -> Option<Growth> {
+        let [x, y] = [&self.regions[a], &self.regions[b]];
+        if x.side != y.side || x.surface().kind() != y.surface().kind() {
+            return None;
+        }
+        let (big, small) = if x.vertices.len() >= y.vertices.len() { (x, y) } else { (y, x) };
+        let mut vertices = [&x.vertices[..], &y.vertices[..]].concat();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let options = FitOptions { steps: JOINT_STEPS, ..FitOptions::default() };
+        let fit = refitted(evidence, big.surface(), &vertices, &options)?;
+        let units = [&big.units[..], &small.units[..]].concat();
+        (fit.worst <= evidence.bound()).then_some(Growth { fit, side: x.side, units, vertices })
+    }
+
+    fn drop_empty(&mut self) {
+        self.regions.retain(|r| !r.units.is_empty());
+        for (number, region) in self.regions.iter().enumerate() {
+            region.units.iter().for_each(|&f| self.of[f as usize] = number as u32);
+        }
+    }
+
+    /// Gives left-over facets to the regions beside them on whose surfaces they lie. With `is_generous`, small facets may
+    /// be a little off.
+    pub(super) fn absorb(&mut self, evidence: &ExactFacets, is_generous: bool) {
+        let largest: Vec<f64> = self
+            .regions
+            .iter()
+            .map(|r| {
+                let stride = r.units.len().div_ceil(SAMPLE).max(1);
+                let sagitta = |&f: &u32| evidence.sagitta(&r.surface(), evidence.facets.get(f));
+                r.units.iter().step_by(stride).map(sagitta).fold(0.0, f64::max)
+            })
+            .collect();
+        let mut queue: Vec<u32> =
+            (0..self.of.len() as u32).filter(|&f| self.of[f as usize] == NONE).collect();
+        let mut done = 0;
+        while let Some(&f) = queue.get(done) {
+            done += 1;
+            if self.of[f as usize] != NONE {
+                continue;
+            }
+            let facet = evidence.facets.get(f);
+            let mut beside: Vec<u32> =
+                facet.borders.iter().map(|b| self.of[b.facet as usize]).collect();
+            beside.retain(|&r| r != NONE);
+            beside.sort_unstable();
+            beside.dedup();
+            let home = beside.into_iter().find(|&r| {
+                let region = &self.regions[r as usize];
+                let surface = region.surface();
+                evidence.is_as_flat(evidence.sagitta(&surface, facet), largest[r as usize], facet)
+                    && self.holds(evidence, f, r, is_generous)
+            });
+            if let Some(home) = home {
+                self.of[f as usize] = home;
+                let region = &mut self.regions[home as usize];
+                region.units.push(f);
+                if !is_generous {
+                    region.vertices.extend(&facet.corners);
+                }
+                let next = facet.borders.iter().map(|b| b.facet);
+                queue.extend(next.filter(|&f| self.of[f as usize] == NONE));
+            }
+        }
+        for region in &mut self.regions {
+            region.vertices.sort_unstable();
+            region.vertices.dedup();
+        }
+    }
+
+    /// Whether a facet lies on the surface of a region beside it.
+    fn holds(&self, evidence: &ExactFacets, f: u32, region: u32, is_generous: bool) -> bool {
+        let facet = evidence.facets.get(f);
+        let growth = &self.regions[region as usize];
+        let surface = growth.surface();
+        let slack = if is_generous { SMOOTH_SLACK } else { 1.0 };
+        if is_generous {
+            let is_smooth = facet
+                .borders
+                .iter()
+                .any(|b| b.dihedral <= MOST_TURN && self.of[b.facet as usize] == region);
+            if !is_smooth || facet.triangles.len() > SMALL_FACET {
+                return false;
+            }
+        }
+        let on = |&v: &u32| {
+            let s = evidence.sample(v);
+            surface.distance(s.at).0.abs() <= slack * evidence.bound() * s.error
+        };
+        facet.corners.iter().all(on) && evidence.faces(&surface, growth.side, facet)
+    }
+}
