@@ -22,13 +22,14 @@ const SAMPLE: usize = 300;
 pub(super) struct Claims {
     pub(super) regions: Vec<Growth>,
     pub(super) of: Vec<u32>,
+    /// The factor by which errors at the ends of faces may be larger than those of the file.
+    pub(super) generous: f64,
 }
 
 /// Lets regions compete: the one that explains most comes first. What loses facets is cut into connected pieces that must
-/// be significant again.
-pub(super) fn settled(evidence: &ExactFacets, search: &mut Search, found: Vec<Found>) -> Claims {
-    let mut of = vec![NONE; evidence.facets.all.len()];
-    let mut regions = Vec::new();
+/// be significant again. The regions join those that are there.
+pub(super) fn settle(evidence: &ExactFacets, search: &mut Search, found: Vec<Found>, claims: &mut Claims) {
+    let Claims { regions, of, .. } = claims;
     let mut left = found;
     let first = |f: &Found| f.growth.units.iter().copied().min();
     left.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(first(a).cmp(&first(b))));
@@ -51,7 +52,6 @@ pub(super) fn settled(evidence: &ExactFacets, search: &mut Search, found: Vec<Fo
         next.growth.units.iter().for_each(|&f| of[f as usize] = number);
         regions.push(next.growth);
     }
-    Claims { regions, of }
 }
 
 impl Claims {
@@ -105,7 +105,9 @@ impl Claims {
         let options = FitOptions { steps: JOINT_STEPS, ..FitOptions::default() };
         let fit = refitted(evidence, big.surface(), &vertices, &options)?;
         let units = [&big.units[..], &small.units[..]].concat();
-        (fit.worst <= evidence.bound()).then_some(Growth { fit, side: x.side, units, vertices })
+        let slack = x.slack.max(y.slack);
+        let is_one = fit.worst <= evidence.bound() * slack / evidence.slack;
+        is_one.then_some(Growth { fit, side: x.side, slack, units, vertices })
     }
 
     fn drop_empty(&mut self) {
@@ -169,7 +171,7 @@ impl Claims {
         let facet = evidence.facets.get(f);
         let growth = &self.regions[region as usize];
         let surface = growth.surface();
-        let slack = if is_generous { SMOOTH_SLACK } else { 1.0 };
+        let slack = if is_generous { SMOOTH_SLACK.max(self.generous) } else { growth.slack / evidence.slack };
         if is_generous {
             let is_smooth = facet
                 .borders

@@ -25,6 +25,10 @@ const SAGITTA_RATIO: f64 = 2.25;
 pub(super) struct ExactFacets<'a> {
     pub(super) mesh: &'a Tessellation<'a>,
     pub(super) facets: Facets,
+    /// The factor by which all errors are larger than those of the file.
+    pub(super) slack: f64,
+    /// Facets that no region may grow over.
+    pub(super) closed: Vec<bool>,
 }
 
 /// The largest distance of a facet of the growth from its surface.
@@ -38,7 +42,8 @@ impl Evidence for ExactFacets<'_> {
     }
 
     fn neighbours(&self, unit: u32, visit: &mut dyn FnMut(u32)) {
-        self.facets.get(unit).borders.iter().for_each(|b| visit(b.facet));
+        let open = self.facets.get(unit).borders.iter().filter(|b| !self.closed[b.facet as usize]);
+        open.for_each(|b| visit(b.facet));
     }
 
     fn vertices(&self, unit: u32) -> &[u32] {
@@ -46,11 +51,15 @@ impl Evidence for ExactFacets<'_> {
     }
 
     fn sample(&self, vertex: u32) -> Sample {
-        Sample { at: self.mesh.point(vertex), error: self.mesh.error(vertex) }
+        Sample { at: self.mesh.point(vertex), error: self.error(vertex) }
     }
 
     fn bound(&self) -> f64 {
         MOST_ERRORS
+    }
+
+    fn slack(&self) -> f64 {
+        self.slack
     }
 
     fn joins(&self, unit: u32, growth: &Growth, largest: &mut Sagitta, is_settled: bool) -> bool {
@@ -80,9 +89,19 @@ impl Evidence for ExactFacets<'_> {
 }
 
 impl ExactFacets<'_> {
+    /// The error of a vertex.
+    pub(super) fn error(&self, vertex: u32) -> f64 {
+        self.slack * self.mesh.error(vertex)
+    }
+
+    /// How far a facet's normal may be off.
+    pub(super) fn normal_error(&self, facet: &Facet) -> f64 {
+        self.slack * facet.normal_error()
+    }
+
     /// Whether a facet is as near to its surface as others of the same face.
     pub(super) fn is_as_flat(&self, sagitta: f64, largest: f64, facet: &Facet) -> bool {
-        sagitta <= SAGITTA_RATIO * largest + MOST_ERRORS * facet.error
+        sagitta <= SAGITTA_RATIO * largest + MOST_ERRORS * self.slack * facet.error
     }
 
     /// The largest distance of a facet from a surface: at the middles of edges and of triangles.
@@ -100,13 +119,13 @@ impl ExactFacets<'_> {
 
     /// Whether a facet's normal is that of a chord of the surface: inside the fan of the normals at its corners.
     pub(super) fn faces(&self, surface: &Primitive, side: f64, facet: &Facet) -> bool {
-        if facet.width < SLIVER * facet.error {
+        if facet.width < SLIVER * self.slack * facet.error {
             return true;
         }
         let normals = self.corner_normals(surface, side, facet);
         let turn = |n: &Vector| n.cross(&facet.normal).norm().atan2(n.dot(&facet.normal));
         let turned = normals.iter().map(turn).fold(0.0, f64::max);
-        let slack = facet.normal_error();
+        let slack = self.normal_error(facet);
         let share = match surface.kind() {
             PrimitiveKind::Cylinder | PrimitiveKind::Cone => HALF_STEP,
             _ => HALF_DIAGONAL,
@@ -139,7 +158,7 @@ impl ExactFacets<'_> {
         let corners = facet.corners.iter().step_by(stride.max(1));
         let away = |v: &&u32| {
             apex.is_none_or(|apex| {
-                (self.mesh.point(**v) - apex).norm() > 10.0 * self.mesh.error(**v)
+                (self.mesh.point(**v) - apex).norm() > 10.0 * self.error(**v)
             })
         };
         corners.filter(away).map(|&v| side * surface.normal(self.mesh.point(v))).collect()

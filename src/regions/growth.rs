@@ -23,6 +23,9 @@ pub(super) trait Evidence {
     /// The number of errors that a vertex may be off.
     fn bound(&self) -> f64;
 
+    /// The factor by which the errors are larger than those of the file.
+    fn slack(&self) -> f64;
+
     /// Whether a unit lies on the surface of a growth. With `is_settled` the fit is the last one, so it needs no
     /// allowance for extrapolation.
     fn joins(
@@ -40,6 +43,8 @@ pub(super) struct Growth {
     pub(super) fit: Fit,
     /// +1 if the mesh's normals are the surface's, -1 if they are opposite.
     pub(super) side: f64,
+    /// The factor by which the errors are larger than those of the file.
+    pub(super) slack: f64,
     pub(super) units: Vec<u32>,
     pub(super) vertices: Vec<u32>,
 }
@@ -96,7 +101,8 @@ impl Growth {
         seed: &[u32],
         marks: &mut Marks,
     ) -> Self {
-        let mut growth = Growth { fit, side, units: Vec::new(), vertices: Vec::new() };
+        let slack = evidence.slack();
+        let mut growth = Growth { fit, side, slack, units: Vec::new(), vertices: Vec::new() };
         marks.clear();
         seed.iter().for_each(|&unit| growth.add(evidence, unit, marks));
         growth

@@ -37,7 +37,7 @@ pub use tessellation::Tessellation;
 use competition::Claims;
 use exact::{ExactFacets, MOST_TURN};
 use facets::Facets;
-use growth::{Evidence, Growth};
+use growth::{Evidence, Growth, Marks};
 use search::Search;
 
 use crate::geometry::NONE;
@@ -106,19 +106,49 @@ pub struct Regions {
 
 /// Finds the regions of a clean mesh.
 pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
-    let evidence = ExactFacets { mesh, facets: Facets::of(mesh) };
-    let mut search = Search::new(&evidence);
-    let found = search.run();
-    let mut claims = competition::settled(&evidence, &mut search, found);
-    claims.merge(&evidence);
-    claims.absorb(&evidence, false);
+    let facets = Facets::of(mesh);
+    let count = facets.all.len();
+    let mut evidence = ExactFacets { mesh, facets, slack: 1.0, closed: vec![false; count] };
+    let generous = if FlatPairs::of(mesh).is_clean() == Some(true) { most_slack(mesh) } else { 1.0 };
+    let mut claims = Claims { regions: Vec::new(), of: vec![NONE; count], generous };
+    loop {
+        let known = claims.regions.iter().map(Growth::surface).collect();
+        let mut search = Search::new(&evidence, known);
+        let found = search.run();
+        competition::settle(&evidence, &mut search, found, &mut claims);
+        claims.merge(&evidence);
+        claims.absorb(&evidence, false);
+        if evidence.slack * SLACK_STEP > generous {
+            break;
+        }
+        evidence.slack *= SLACK_STEP;
+        evidence.closed = claims.of.iter().map(|&r| r != NONE).collect();
+    }
+    evidence.slack = 1.0;
+    evidence.closed.fill(false);
     claims.absorb(&evidence, true);
     claims.merge(&evidence);
-    let prisms = prisms::find(&evidence, &mut claims, options.keep_polygons, search.marks());
+    let mut marks = Marks::new(count, mesh.errors.len());
+    let prisms = prisms::find(&evidence, &mut claims, options.keep_polygons, &mut marks);
     let mut result = gathered(&evidence, &claims);
     result.prisms = prisms;
     result.snaps = snap::snap(mesh, &mut result, options.unit);
     result
+}
+
+/// Where faces meet, modelling kernels store curves that are a little off both: up to this share of the diagonal in the parts
+/// that were measured.
+const LOOSE_EDGES: f64 = 2e-5;
+
+/// The errors of each search among what is left are so many times larger than those of the search before.
+const SLACK_STEP: f64 = 8.0;
+
+/// The largest factor of the errors: vertices may be off as far as loose edges are.
+fn most_slack(mesh: &Tessellation) -> f64 {
+    let mut errors = mesh.errors.to_vec();
+    errors.sort_unstable_by(f64::total_cmp);
+    let middle = errors.get(errors.len() / 2).copied().unwrap_or(0.0);
+    (LOOSE_EDGES * mesh.mesh.diagonal() / middle).max(1.0)
 }
 
 /// Makes regions of the claims, and flat ones of the facets that are left.

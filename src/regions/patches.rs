@@ -6,18 +6,24 @@ use crate::random::scattered;
 
 /// The orders in which a patch takes neighbours, each with the number of vertices at which it stops.
 ///
-/// Nine vertices are two more than a torus has parameters, ten let a strip of quads reach as far. Fourteen
-/// are twice its parameters, and thirty reach across the rows of a finely divided face.
-const ORDERS: [(Order, usize); 9] = [
+/// Six vertices are two facets of a strip, eight are three: narrow bends have no more. Seven are a corner of
+/// triangles, nine are two more than a torus has parameters, fourteen are twice its parameters, and thirty
+/// reach across the rows of a finely divided face.
+const ORDERS: [(Order, usize); 14] = [
     (Order::Nearest, 14),
     (Order::LongestEdge, 10),
     (Order::LeastTurn, 9),
     (Order::LikeArea, 10),
+    (Order::LongestEdge, 6),
+    (Order::LongestEdge, 8),
+    (Order::LeastTurn, 6),
+    (Order::Nearest, 7),
     (Order::Nearest, 30),
-    (Order::Mixed(1), 9),
-    (Order::Mixed(2), 9),
+    (Order::Mixed(1), 6),
+    (Order::Mixed(2), 6),
     (Order::Mixed(3), 9),
     (Order::Mixed(4), 9),
+    (Order::Mixed(5), 9),
 ];
 
 /// The number of patches of a seed.

@@ -1,6 +1,7 @@
 //! The search for curved faces: seeds, and the surfaces tried on their patches.
 
 use super::exact::{ExactFacets, MOST_TURN};
+use super::facets::Facet;
 use super::growth::{Evidence, Growth, Marks, grow, refitted};
 use super::patches::{self, PATCHES};
 use super::significance::{Found, judged};
@@ -43,16 +44,16 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    pub(super) fn new(evidence: &'a ExactFacets<'a>) -> Self {
+    /// A search among the facets that are open, with the surfaces that are known already.
+    pub(super) fn new(evidence: &'a ExactFacets<'a>, known: Vec<Primitive>) -> Self {
         let facets = &evidence.facets.all;
-        let pool: Vec<bool> = facets
-            .iter()
-            .map(|f| !f.is_flat && f.borders.iter().any(|b| b.dihedral <= MOST_TURN))
-            .collect();
+        let is_curved = |f: &Facet| !f.is_flat && f.borders.iter().any(|b| b.dihedral <= MOST_TURN);
+        let open = facets.iter().zip(&evidence.closed);
+        let pool: Vec<bool> = open.map(|(f, closed)| !closed && is_curved(f)).collect();
         let size = pool.iter().filter(|&&x| x).count();
         let tests = (CURVED.len() * PATCHES * size).max(10) as f64;
         let marks = Marks::new(facets.len(), evidence.mesh.errors.len());
-        Search { evidence, pool, tests, known: Vec::new(), marks }
+        Search { evidence, pool, tests, known, marks }
     }
 
     /// Judges a region by the number of tests of this search.

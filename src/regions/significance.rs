@@ -66,6 +66,7 @@ pub(super) fn judged(
     let sagitta = median(sagittas.collect())?;
     let error = typical_error(evidence, &growth);
     let chance = (growth.fit.worst.max(LEAST_DISTANCE) * error / sagitta).max(f64::MIN_POSITIVE);
+    if std::env::var("DBG").is_ok() { eprintln!("judge {:?} units {} verts {} k {} tan {} chance {:.1e} sag {:.2e} worst {:.2} abrupt {}", surface, growth.units.len(), growth.vertices.len(), coincidences, tangent, chance, sagitta, growth.fit.worst, ends_abruptly(evidence,&growth)); }
     let is_chance = tests.log10() + coincidences * chance.log10() >= FALSE_ALARMS.log10();
     if coincidences <= 0.0 || chance >= 0.5 || is_chance || !ends_abruptly(evidence, &growth) {
         return None;
@@ -83,7 +84,7 @@ fn median(mut values: Vec<f64>) -> Option<f64> {
 
 fn typical_error(evidence: &ExactFacets, growth: &Growth) -> f64 {
     let stride = growth.vertices.len().div_ceil(SAMPLE).max(1);
-    let errors = growth.vertices.iter().step_by(stride).map(|&v| evidence.mesh.error(v));
+    let errors = growth.vertices.iter().step_by(stride).map(|&v| evidence.error(v));
     median(errors.collect()).unwrap_or(0.0)
 }
 
@@ -99,7 +100,7 @@ fn is_extruded(evidence: &ExactFacets, growth: &Growth) -> bool {
     let along: Vector = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
     growth.units.iter().all(|&f| {
         let facet = evidence.facets.get(f);
-        facet.normal.dot(&along).abs() <= facet.normal_error()
+        facet.normal.dot(&along).abs() <= evidence.normal_error(facet)
     })
 }
 
@@ -185,7 +186,7 @@ fn rings(evidence: &ExactFacets, growth: &Growth) -> f64 {
         let along: Vector = eigen.eigenvectors.column(k).into_owned();
         let height = |&v: &u32| {
             let height = (evidence.mesh.point(v).coords - middle).dot(&along);
-            (height, SAME_PLACE * evidence.mesh.error(v))
+            (height, SAME_PLACE * evidence.error(v))
         };
         different(growth.vertices.iter().map(height).collect(), None)
     });
@@ -223,7 +224,7 @@ fn tangent_neighbours(evidence: &ExactFacets, growth: &Growth) -> usize {
             if border.dihedral > MOST_TURN || inside.binary_search(&border.facet).is_ok() {
                 continue;
             }
-            let slack = facet.normal_error() + other.normal_error();
+            let slack = evidence.normal_error(facet) + evidence.normal_error(other);
             let ends = evidence.facets.common_sides(border).iter();
             let ends = ends.flat_map(|&side| evidence.mesh.ends(side as usize));
             let normal = |v: u32| growth.side * surface.normal(evidence.mesh.point(v));
@@ -259,7 +260,7 @@ fn straight_edges(evidence: &ExactFacets, growth: &Growth) -> usize {
             for &side in evidence.facets.common_sides(border) {
                 let [a, b] = evidence.mesh.ends(side as usize);
                 let middle = nalgebra::center(&evidence.mesh.point(a), &evidence.mesh.point(b));
-                let error = evidence.mesh.error(a).max(evidence.mesh.error(b));
+                let error = evidence.error(a).max(evidence.error(b));
                 count += usize::from(surface.distance(middle).0.abs() <= MOST_ERRORS * error);
             }
         }
