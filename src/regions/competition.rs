@@ -1,11 +1,11 @@
 //! Which region gets a facet that several explain, which regions are one, and what becomes of what is left.
 
 use super::exact::{ExactFacets, MOST_TURN};
-use super::growth::{Evidence, Growth, pieces, refitted};
-use super::search::Search;
+use super::growth::{Evidence, Growth, pieces, refitted, worst};
+use super::search::{CURVED, Search};
 use super::significance::Found;
-use crate::geometry::NONE;
-use crate::primitives::FitOptions;
+use crate::geometry::{NONE, Point};
+use crate::primitives::{FitOptions, with_axis};
 
 /// The steps of a joint fit of two regions that are one.
 const JOINT_STEPS: usize = 10;
@@ -110,6 +110,70 @@ impl Claims {
         is_one.then_some(Growth { fit, side: x.side, slack, units, vertices })
     }
 
+    /// Joins loose regions with neighbours of any kind if one surface explains both as well as loose edges allow: cuts across
+    /// a face with such edges leave pieces that are a little different each.
+    pub(super) fn unify(&mut self, evidence: &ExactFacets) {
+        let mut at = 0;
+        while at < self.regions.len() {
+            let found = self.beside(evidence, at).into_iter().find_map(|other| {
+                Some((other, self.common(evidence, at, other)?))
+            });
+            match found {
+                Some((other, joint)) => {
+                    self.regions[at] = joint;
+                    self.regions[other].units.clear();
+                    self.regions[other].vertices.clear();
+                    let number = at as u32;
+                    self.regions[at].units.iter().for_each(|&f| self.of[f as usize] = number);
+                }
+                None => at += 1,
+            }
+        }
+        self.drop_empty();
+    }
+
+    /// The simplest surface that explains two regions of which at least one is loose.
+    fn common(&self, evidence: &ExactFacets, a: usize, b: usize) -> Option<Growth> {
+        let [x, y] = [&self.regions[a], &self.regions[b]];
+        if x.side != y.side || x.slack.max(y.slack) <= 1.0 {
+            return None;
+        }
+        let bound = evidence.bound() * self.generous / evidence.slack;
+        let units = [&x.units[..], &y.units[..]].concat();
+        let mut vertices = [&x.vertices[..], &y.vertices[..]].concat();
+        vertices.sort_unstable();
+        vertices.dedup();
+        let slack = x.slack.max(y.slack);
+        for (exact, loose) in [(x, y), (y, x)] {
+            if exact.slack <= 1.0 && worst(evidence, &exact.surface(), &loose.vertices) <= bound {
+                return Some(Growth { fit: exact.fit, side: x.side, slack, units, vertices });
+            }
+        }
+        if x.slack.min(y.slack) <= 1.0 {
+            return None;
+        }
+        let points: Vec<Point> = vertices.iter().map(|&v| evidence.sample(v).at).collect();
+        let most = x.surface().kind().max(y.surface().kind());
+        for kind in CURVED.into_iter().filter(|&k| k <= most) {
+            let starts = [x, y].into_iter().filter_map(|r| {
+                let surface = r.surface();
+                if surface.kind() == kind {
+                    return Some(surface);
+                }
+                with_axis(kind, &points, surface.origin(), surface.axis()?)
+            });
+            for start in starts {
+                let options = FitOptions { steps: JOINT_STEPS, ..FitOptions::default() };
+                let Some(fit) = refitted(evidence, start, &vertices, &options) else { continue };
+                let chord = |&f: &u32| evidence.faces(&fit.surface, x.side, evidence.facets.get(f));
+                if fit.worst <= bound && units.iter().all(chord) {
+                    return Some(Growth { fit, side: x.side, slack, units, vertices });
+                }
+            }
+        }
+        None
+    }
+
     fn drop_empty(&mut self) {
         self.regions.retain(|r| !r.units.is_empty());
         for (number, region) in self.regions.iter().enumerate() {
@@ -185,6 +249,8 @@ impl Claims {
             let s = evidence.sample(v);
             surface.distance(s.at).0.abs() <= slack * evidence.bound() * s.error
         };
-        facet.corners.iter().all(on) && evidence.faces(&surface, growth.side, facet)
+        // A face that is found may have wider facets where its border is complicated.
+        facet.corners.iter().all(on)
+            && evidence.turns_at_most(MOST_TURN, &surface, growth.side, facet)
     }
 }

@@ -119,6 +119,15 @@ impl ExactFacets<'_> {
 
     /// Whether a facet's normal is that of a chord of the surface: inside the fan of the normals at its corners.
     pub(super) fn faces(&self, surface: &Primitive, side: f64, facet: &Facet) -> bool {
+        let share = match surface.kind() {
+            PrimitiveKind::Cylinder | PrimitiveKind::Cone => HALF_STEP,
+            _ => HALF_DIAGONAL,
+        };
+        self.turns_at_most(share * MOST_TURN, surface, side, facet)
+    }
+
+    /// The same with the largest angle between the facet and the normal at a corner.
+    pub(super) fn turns_at_most(&self, most: f64, surface: &Primitive, side: f64, facet: &Facet) -> bool {
         if facet.width < SLIVER * self.slack * facet.error {
             return true;
         }
@@ -126,11 +135,7 @@ impl ExactFacets<'_> {
         let turn = |n: &Vector| n.cross(&facet.normal).norm().atan2(n.dot(&facet.normal));
         let turned = normals.iter().map(turn).fold(0.0, f64::max);
         let slack = self.normal_error(facet);
-        let share = match surface.kind() {
-            PrimitiveKind::Cylinder | PrimitiveKind::Cone => HALF_STEP,
-            _ => HALF_DIAGONAL,
-        };
-        if turned > MOST_TURN * share * ANGLE_SLACK + slack {
+        if turned > most * ANGLE_SLACK + slack {
             return false;
         }
         let mut least = 1.0f64;

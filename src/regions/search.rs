@@ -13,7 +13,7 @@ use crate::sets::Sets;
 
 /// The order in which kinds are preferred if they explain as much: two circles fit all of them, and the ruled ones are
 /// nearest to the facets.
-const CURVED: [PrimitiveKind; 4] =
+pub(super) const CURVED: [PrimitiveKind; 4] =
     [PrimitiveKind::Cylinder, PrimitiveKind::Cone, PrimitiveKind::Sphere, PrimitiveKind::Torus];
 
 /// A kind explains as much as another one if it reaches this share of its area: of 20 rows of facets one may belong to
@@ -162,10 +162,10 @@ impl<'a> Search<'a> {
                 break;
             }
         }
-        if let Some(sphere) = largest(&best).map(|b| b.growth.surface()) {
-            if sphere.kind() == PrimitiveKind::Sphere {
-                // Two neighbouring rings of a torus lie on a common sphere.
-                best.extend(self.torus_beyond(&sphere, seed));
+        if let Some(other) = largest(&best).map(|b| b.growth.surface()) {
+            if other.kind() != PrimitiveKind::Torus {
+                // Two neighbouring rings of a torus lie on a common sphere and on a common cone.
+                best.extend(self.torus_beyond(&other, seed));
             }
         }
         let most = largest(&best)?.area;
@@ -173,11 +173,11 @@ impl<'a> Search<'a> {
         best.into_iter().min_by_key(|b| b.growth.surface().kind())
     }
 
-    fn torus_beyond(&mut self, sphere: &Primitive, seed: u32) -> Option<Found> {
+    fn torus_beyond(&mut self, other: &Primitive, seed: u32) -> Option<Found> {
         let leaves = |f: u32| {
             self.evidence.facets.get(f).corners.iter().any(|&v| {
                 let s = self.evidence.sample(v);
-                sphere.distance(s.at).0.abs() > self.evidence.bound() * s.error
+                other.distance(s.at).0.abs() > self.evidence.bound() * s.error
             })
         };
         let patch = patches::beyond(self.evidence, seed, &|f| self.pool[f as usize], &leaves);

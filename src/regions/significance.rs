@@ -49,6 +49,9 @@ pub(super) fn judged(
     if growth.units.len() < 2 || is_extruded(evidence, &growth) && kind != PrimitiveKind::Cylinder {
         return None;
     }
+    if evidence.slack > 1.0 && !is_bordered(evidence, &growth) {
+        return None;
+    }
     let tangent = tangent_neighbours(evidence, &growth);
     let ruled = matches!(kind, PrimitiveKind::Cylinder | PrimitiveKind::Cone);
     if ruled && growth.units.len() < 3 && tangent < 2 {
@@ -75,6 +78,30 @@ pub(super) fn judged(
     let weight = (growth.vertices.len() + straight_edges(evidence, &growth) + tangent) as f64
         - kind.parameters() as f64;
     Some(Found { growth, area, coincidences: coincidences as usize, chance, weight })
+}
+
+/// The share of its border along which a region that is found with larger errors may continue smoothly into what is not
+/// explained. A face ends at creases and at other faces; a quadric that happens to come near a free-form surface does not.
+const OPEN_BORDER: f64 = 0.25;
+
+/// Whether a region ends at creases and at regions that are there already.
+fn is_bordered(evidence: &ExactFacets, growth: &Growth) -> bool {
+    let mut inside = growth.units.clone();
+    inside.sort_unstable();
+    let (mut all, mut smooth) = (0.0, 0.0);
+    for &f in &growth.units {
+        for border in &evidence.facets.get(f).borders {
+            if inside.binary_search(&border.facet).is_err() {
+                all += border.length;
+                let other = evidence.facets.get(border.facet);
+                let is_end = border.dihedral > MOST_TURN
+                    || other.is_flat
+                    || evidence.closed[border.facet as usize];
+                smooth += if is_end { 0.0 } else { border.length };
+            }
+        }
+    }
+    smooth <= OPEN_BORDER * all
 }
 
 fn median(mut values: Vec<f64>) -> Option<f64> {
