@@ -41,6 +41,7 @@ use growth::{Evidence, Growth, Marks};
 use search::Search;
 
 use crate::geometry::NONE;
+use crate::sets::Sets;
 use crate::primitives::{Covariance, FitOptions, Motions, Primitive, Sample, fit};
 
 /// What a caller decides.
@@ -154,8 +155,9 @@ fn most_slack(mesh: &Tessellation) -> f64 {
 fn gathered(evidence: &ExactFacets, claims: &Claims) -> Regions {
     let mut regions: Vec<Region> =
         claims.regions.iter().map(|growth| curved(evidence, growth)).collect();
+    let leftovers = leftovers(evidence, claims);
     for f in (0..claims.of.len() as u32).filter(|&f| claims.of[f as usize] == NONE) {
-        regions.push(flat(evidence, claims, f));
+        regions.push(flat(evidence, &leftovers, f));
     }
     let mut of_triangle = vec![NONE; evidence.mesh.areas.len()];
     let (mut all, mut explained) = (0.0, 0.0);
@@ -170,6 +172,32 @@ fn gathered(evidence: &ExactFacets, claims: &Claims) -> Regions {
     }
     let explained = if all > 0.0 { explained / all } else { 0.0 };
     Regions { regions, of_triangle, snaps: Vec::new(), prisms: Vec::new(), explained }
+}
+
+/// So many facets that continue each other smoothly are a curved face that was not found. A profile of fewer flat faces is
+/// usual.
+const FEWEST_LEFTOVERS: usize = 5;
+
+/// For each facet whether it belongs to a curved face that was not found.
+fn leftovers(evidence: &ExactFacets, claims: &Claims) -> Vec<bool> {
+    let facets = &evidence.facets.all;
+    let is_free = |f: usize| claims.of[f] == NONE && !facets[f].is_flat;
+    let smooth = |f: usize| facets[f].borders.iter().filter(|b| b.dihedral <= MOST_TURN);
+    let mut sets = Sets::new(facets.len());
+    let mut sizes = vec![0; facets.len()];
+    for f in (0..facets.len()).filter(|&f| is_free(f)) {
+        smooth(f).map(|b| b.facet as usize).filter(|&g| is_free(g)).for_each(|g| {
+            sets.join(f, g);
+        });
+    }
+    (0..facets.len()).filter(|&f| is_free(f)).for_each(|f| sizes[sets.find(f)] += 1);
+    let mut is_left = |f: usize| {
+        // A single triangle that continues a curved face is one that the face has lost.
+        let is_lost = facets[f].triangles.len() == 1
+            && smooth(f).any(|b| claims.of[b.facet as usize] != NONE);
+        is_free(f) && (is_lost || sizes[sets.find(f)] >= FEWEST_LEFTOVERS)
+    };
+    (0..facets.len()).map(&mut is_left).collect()
 }
 
 fn curved(evidence: &ExactFacets, growth: &Growth) -> Region {
@@ -190,7 +218,7 @@ fn curved(evidence: &ExactFacets, growth: &Growth) -> Region {
     }
 }
 
-fn flat(evidence: &ExactFacets, claims: &Claims, f: u32) -> Region {
+fn flat(evidence: &ExactFacets, leftovers: &[bool], f: u32) -> Region {
     let facet = evidence.facets.get(f);
     let mut triangles = facet.triangles.clone();
     triangles.sort_unstable();
@@ -203,14 +231,7 @@ fn flat(evidence: &ExactFacets, claims: &Claims, f: u32) -> Region {
     let surface = fitted.map_or(start, |fit| fit.surface);
     let motions = fitted.map_or(Motions::new(start, facet.centre, false), |fit| fit.motions);
     let covariance = fitted.map_or(Covariance::zeros(), |fit| fit.covariance);
-    let is_left = |b: &&facets::Border| {
-        let other = evidence.facets.get(b.facet);
-        claims.of[b.facet as usize] == NONE
-            && b.dihedral <= MOST_TURN
-            && !other.is_flat
-            && other.triangles.len() <= 2
-    };
-    let is_facet = !facet.is_flat && facet.borders.iter().filter(is_left).count() >= 2;
+    let is_facet = leftovers[f as usize];
     let origin = if is_facet { Origin::Facet } else { Origin::Flat };
     Region { surface, side: 1.0, origin, triangles, vertices, motions, covariance }
 }

@@ -28,6 +28,9 @@ const TORUS_STEPS: usize = 60;
 /// pieces grows less than linearly.
 const FAILURES: usize = 50;
 
+/// A torus whose circle is so many diagonals of the part wide is a simpler surface by rounding.
+const MOST_MAJOR: f64 = 10.0;
+
 /// The known axes that are tried for a patch, those first that its normals meet best.
 const MOST_AXES: usize = 3;
 
@@ -41,6 +44,7 @@ pub(super) struct Search<'a> {
     tests: f64,
     pub(super) known: Vec<Primitive>,
     marks: Marks,
+    diagonal: f64,
 }
 
 impl<'a> Search<'a> {
@@ -53,7 +57,8 @@ impl<'a> Search<'a> {
         let size = pool.iter().filter(|&&x| x).count();
         let tests = (CURVED.len() * PATCHES * size).max(10) as f64;
         let marks = Marks::new(facets.len(), evidence.mesh.errors.len());
-        Search { evidence, pool, tests, known, marks }
+        let diagonal = evidence.mesh.mesh.diagonal();
+        Search { evidence, pool, tests, known, marks, diagonal }
     }
 
     /// Judges a region by the number of tests of this search.
@@ -162,10 +167,12 @@ impl<'a> Search<'a> {
                 break;
             }
         }
-        if let Some(other) = largest(&best).map(|b| b.growth.surface()) {
-            if other.kind() != PrimitiveKind::Torus {
-                // Two neighbouring rings of a torus lie on a common sphere and on a common cone.
-                best.extend(self.torus_beyond(&other, seed));
+        if let Some(other) = largest(&best).map(|b| b.growth.clone()) {
+            // Two neighbouring rings of a torus lie on a common sphere and on a common cone.
+            match other.surface() {
+                Primitive::Sphere { .. } => best.extend(self.torus_beyond(&other.surface(), seed)),
+                Primitive::Torus { .. } => {}
+                _ => best.extend(self.torus_of_rows(&other, seed)),
             }
         }
         let most = largest(&best)?.area;
@@ -182,6 +189,52 @@ impl<'a> Search<'a> {
         };
         let patch = patches::beyond(self.evidence, seed, &|f| self.pool[f as usize], &leaves);
         (!patch.is_empty()).then(|| self.tried(PrimitiveKind::Torus, &patch, seed)).flatten()
+    }
+
+    /// The torus through a ring of facets and a facet of a neighbouring ring, on either side.
+    fn torus_of_rows(&mut self, row: &Growth, seed: u32) -> Option<Found> {
+        let surface = row.surface();
+        let (origin, axis) = (surface.origin(), surface.axis()?);
+        let height = |f: u32| (self.evidence.facets.get(f).centre - origin).dot(&axis);
+        let heights = row.units.iter().map(|&f| height(f));
+        let ends = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| {
+            [low.min(h), high.max(h)]
+        });
+        let mut inside = row.units.clone();
+        inside.sort_unstable();
+        let mut beside = [None; 2];
+        for &f in &row.units {
+            for b in &self.evidence.facets.get(f).borders {
+                let is_next = b.dihedral <= MOST_TURN
+                    && self.pool[b.facet as usize]
+                    && inside.binary_search(&b.facet).is_err();
+                if is_next {
+                    let h = height(b.facet);
+                    let side = usize::from(h > (ends[0] + ends[1]) / 2.0);
+                    beside[side] = beside[side].or(Some(b.facet));
+                }
+            }
+        }
+        for next in beside.into_iter().flatten() {
+            let patch = [&row.units[..], &[next]].concat();
+            let samples = samples(self.evidence, &patch);
+            let points: Vec<Point> = samples.iter().map(|s| s.at).collect();
+            let Some(start) = with_axis(PrimitiveKind::Torus, &points, origin, axis) else {
+                continue;
+            };
+            let options = FitOptions {
+                steps: TRIAL_STEPS,
+                goal: self.evidence.bound(),
+                ..FitOptions::default()
+            };
+            let Some(fit) = fit(start, &samples, &options) else { continue };
+            if fit.worst <= self.evidence.bound() && self.fits_patch(&fit.surface, &patch) {
+                if let Some(found) = self.region(fit, &patch, seed) {
+                    return Some(found);
+                }
+            }
+        }
+        None
     }
 
     /// The first significant region of a kind that grows from a patch and holds the seed.
@@ -227,7 +280,7 @@ impl<'a> Search<'a> {
     /// Whether the facets of a patch may be chords of a surface.
     fn fits_patch(&self, surface: &Primitive, patch: &[u32]) -> bool {
         if let Primitive::Torus { major, minor, .. } = *surface {
-            if major < LEAST_HOLE * minor {
+            if major < LEAST_HOLE * minor || major > MOST_MAJOR * self.diagonal {
                 return false;
             }
         }

@@ -71,7 +71,7 @@ pub(super) fn judged(
     let chance = (growth.fit.worst.max(LEAST_DISTANCE) * error / sagitta).max(f64::MIN_POSITIVE);
     if std::env::var("DBG").is_ok() { eprintln!("judge {:?} units {} verts {} k {} tan {} chance {:.1e} sag {:.2e} worst {:.2} abrupt {}", surface, growth.units.len(), growth.vertices.len(), coincidences, tangent, chance, sagitta, growth.fit.worst, ends_abruptly(evidence,&growth)); }
     let is_chance = tests.log10() + coincidences * chance.log10() >= FALSE_ALARMS.log10();
-    if coincidences <= 0.0 || chance >= 0.5 || is_chance || !ends_abruptly(evidence, &growth) {
+    if coincidences <= 0.0 || chance >= 0.5 || is_chance || evidence.slack <= 1.0 && !ends_abruptly(evidence, &growth) {
         return None;
     }
     let area = growth.units.iter().map(|&f| evidence.facets.get(f).area).sum();
