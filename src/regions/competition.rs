@@ -2,10 +2,10 @@
 
 use super::exact::{ExactFacets, MOST_TURN};
 use super::growth::{Evidence, Growth, pieces, refitted, worst};
-use super::search::{CURVED, Search};
+use super::search::{CURVED, Search, near_axes};
 use super::significance::Found;
 use crate::geometry::{NONE, Point};
-use crate::primitives::{FitOptions, with_axis};
+use crate::primitives::{Facing, FitOptions, Primitive, with_axis};
 
 /// The steps of a joint fit of two regions that are one.
 const JOINT_STEPS: usize = 10;
@@ -113,6 +113,7 @@ impl Claims {
     /// Joins loose regions with neighbours of any kind if one surface explains both as well as loose edges allow: cuts across
     /// a face with such edges leave pieces that are a little different each.
     pub(super) fn unify(&mut self, evidence: &ExactFacets) {
+        self.simplify(evidence);
         let mut at = 0;
         while at < self.regions.len() {
             let found = self.beside(evidence, at).into_iter().find_map(|other| {
@@ -130,6 +131,44 @@ impl Claims {
             }
         }
         self.drop_empty();
+    }
+
+    /// Makes loose regions simpler where loose edges allow it: on the axis of an exact region, or of a simpler kind.
+    fn simplify(&mut self, evidence: &ExactFacets) {
+        let exact = self.regions.iter().filter(|r| r.slack <= 1.0);
+        let known: Vec<Primitive> = exact.map(Growth::surface).collect();
+        let bound = evidence.bound() * self.generous / evidence.slack;
+        for region in self.regions.iter_mut().filter(|r| r.slack > 1.0) {
+            let units = &region.units;
+            let stride = units.len().div_ceil(SAMPLE).max(1);
+            let faces: Vec<Facing> =
+                units.iter().step_by(stride).map(|&f| evidence.facing(f)).collect();
+            let points: Vec<Point> =
+                region.vertices.iter().map(|&v| evidence.sample(v).at).collect();
+            let kind = region.surface().kind();
+            let axes = near_axes(&known, &faces);
+            let own = region.surface().axis().map(|axis| (region.surface().origin(), axis));
+            let mut trials: Vec<(Primitive, bool)> = Vec::new();
+            for k in CURVED.into_iter().filter(|&k| k <= kind) {
+                trials.extend(axes.iter().filter_map(|&(o, a)| Some((with_axis(k, &points, o, a)?, true))));
+            }
+            for k in CURVED.into_iter().filter(|&k| k < kind) {
+                trials.extend(own.iter().filter_map(|&(o, a)| Some((with_axis(k, &points, o, a)?, false))));
+            }
+            let found = trials.into_iter().find_map(|(start, keeps_axis)| {
+                let mut options = FitOptions { steps: JOINT_STEPS, ..FitOptions::default() };
+                if keeps_axis {
+                    options.fixed_centre = true;
+                    options.frozen[..4].fill(true);
+                }
+                let fit = refitted(evidence, start, &region.vertices, &options)?;
+                let chord = |&f: &u32| evidence.faces(&fit.surface, region.side, evidence.facets.get(f));
+                (fit.worst <= bound && region.units.iter().all(chord)).then_some(fit)
+            });
+            if let Some(fit) = found {
+                region.fit = fit;
+            }
+        }
     }
 
     /// The simplest surface that explains two regions of which at least one is loose.

@@ -4,7 +4,7 @@ use super::facets::{Facet, Facets};
 use super::growth::{Evidence, Growth};
 use super::tessellation::{MOST_ERRORS, SLIVER, Tessellation};
 use crate::geometry::Vector;
-use crate::primitives::{Primitive, PrimitiveKind, Sample};
+use crate::primitives::{Facing, Primitive, PrimitiveKind, Sample};
 
 /// No facet of a curved face turns more than this from the next: nobody exports coarser than 9 segments a turn (40°).
 /// It keeps cubes from becoming spheres (54.7°), and hexagons and octagons flat.
@@ -167,6 +167,12 @@ impl ExactFacets<'_> {
             })
         };
         corners.filter(away).map(|&v| side * surface.normal(self.mesh.point(v))).collect()
+    }
+
+    /// A facet as a start of a fit sees it.
+    pub(super) fn facing(&self, facet: u32) -> Facing {
+        let facet = self.facets.get(facet);
+        Facing { centre: facet.centre, normal: facet.normal, area: facet.area }
     }
 
     /// On which side of a surface some facets lie: the sign of its normal that they have.

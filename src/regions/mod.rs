@@ -122,14 +122,16 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
         if evidence.slack >= generous {
             break;
         }
-        evidence.slack = if evidence.slack > 1.0 { generous } else { generous.sqrt() };
+        evidence.slack = (SLACK_STEP * evidence.slack).min(generous);
         evidence.closed = claims.of.iter().map(|&r| r != NONE).collect();
     }
     evidence.slack = 1.0;
     evidence.closed.fill(false);
     claims.absorb(&evidence, true);
     claims.merge(&evidence);
+    evidence.slack = generous;
     claims.unify(&evidence);
+    evidence.slack = 1.0;
     claims.absorb(&evidence, true);
     let mut marks = Marks::new(count, mesh.errors.len());
     let prisms = prisms::find(&evidence, &mut claims, options.keep_polygons, &mut marks);
@@ -142,6 +144,10 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
 /// Where faces meet, modelling kernels store curves that are a little off both: up to this share of the diagonal in the parts
 /// that were measured.
 const LOOSE_EDGES: f64 = 2e-5;
+
+/// The errors of each search among what is left are so many times larger than those of the search before. A region is found
+/// with the smallest errors that explain it, to this factor.
+const SLACK_STEP: f64 = 8.0;
 
 /// The largest factor of the errors: vertices may be off as far as loose edges are.
 fn most_slack(mesh: &Tessellation) -> f64 {

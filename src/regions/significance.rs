@@ -80,6 +80,9 @@ pub(super) fn judged(
     Some(Found { growth, area, coincidences: coincidences as usize, chance, weight })
 }
 
+/// A neighbour that is so many times as large as a facet of a curved face is a face of its own.
+const MUCH_LARGER: f64 = 4.0;
+
 /// The share of its border along which a region that is found with larger errors may continue smoothly into what is not
 /// explained. A face ends at creases and at other faces; a quadric that happens to come near a free-form surface does not.
 const OPEN_BORDER: f64 = 0.25;
@@ -96,6 +99,7 @@ fn is_bordered(evidence: &ExactFacets, growth: &Growth) -> bool {
                 let other = evidence.facets.get(border.facet);
                 let is_end = border.dihedral > MOST_TURN
                     || other.is_flat
+                    || other.area > MUCH_LARGER * evidence.facets.get(f).area
                     || evidence.closed[border.facet as usize];
                 smooth += if is_end { 0.0 } else { border.length };
             }
@@ -260,7 +264,7 @@ fn tangent_neighbours(evidence: &ExactFacets, growth: &Growth) -> usize {
             if mean.cross(&other.normal).norm() > slack || border.dihedral <= SAME_PLACE * slack {
                 continue;
             }
-            if other.is_flat || other.area > 4.0 * facet.area {
+            if other.is_flat || other.area > MUCH_LARGER * facet.area {
                 flats.push(border.facet);
             } else {
                 leans.push((mean.dot(&axis), SAME_PLACE * slack));
