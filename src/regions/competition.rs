@@ -249,7 +249,12 @@ impl Claims {
             let home = beside.into_iter().find(|&r| {
                 let region = &self.regions[r as usize];
                 let surface = region.surface();
-                evidence.is_as_flat(evidence.sagitta(&surface, facet), largest[r as usize], facet)
+                (is_generous && facet.triangles.len() == 1
+                    || evidence.is_as_flat(
+                        evidence.sagitta(&surface, facet),
+                        largest[r as usize],
+                        facet,
+                    ))
                     && self.holds(evidence, f, r, is_generous)
             });
             if let Some(home) = home {
@@ -274,7 +279,11 @@ impl Claims {
         let facet = evidence.facets.get(f);
         let growth = &self.regions[region as usize];
         let surface = growth.surface();
-        let slack = if is_generous { SMOOTH_SLACK.max(self.generous) } else { growth.slack / evidence.slack };
+        let slack = match (is_generous, facet.triangles.len()) {
+            (true, 1) => SMOOTH_SLACK.max(self.generous),
+            (true, _) => SMOOTH_SLACK.max(growth.slack),
+            (false, _) => growth.slack,
+        } / evidence.slack;
         if is_generous {
             let is_smooth = facet
                 .borders

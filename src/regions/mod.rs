@@ -125,14 +125,15 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
         evidence.slack = (SLACK_STEP * evidence.slack).min(generous);
         evidence.closed = claims.of.iter().map(|&r| r != NONE).collect();
     }
-    evidence.slack = 1.0;
     evidence.closed.fill(false);
+    evidence.slack = generous;
     claims.absorb(&evidence, true);
+    evidence.slack = 1.0;
     claims.merge(&evidence);
     evidence.slack = generous;
     claims.unify(&evidence);
-    evidence.slack = 1.0;
     claims.absorb(&evidence, true);
+    evidence.slack = 1.0;
     let mut marks = Marks::new(count, mesh.errors.len());
     let prisms = prisms::find(&evidence, &mut claims, options.keep_polygons, &mut marks);
     let mut result = gathered(&evidence, &claims);
