@@ -15,6 +15,9 @@ const JOINT_STEPS: usize = 10;
 const SMOOTH_SLACK: f64 = 4.0;
 const SMALL_FACET: usize = 2;
 
+/// Larger facets are faces of their own and are not cut.
+const MOST_CUT: usize = 64;
+
 /// The facets of a region that are looked at for its largest sagitta.
 const SAMPLE: usize = 300;
 
@@ -272,6 +275,62 @@ impl Claims {
             region.vertices.sort_unstable();
             region.vertices.dedup();
         }
+    }
+
+    /// Cuts left-over facets whose triangles lie on the surfaces of several regions beside them: where a profile changes its
+    /// bend the last facet of one arc and the first one of the next lie in one plane.
+    pub(super) fn cut(&mut self, evidence: &mut ExactFacets) {
+        let free = (0..self.of.len() as u32).filter(|&f| self.of[f as usize] == NONE);
+        let cuts: Vec<(u32, Vec<(u32, Vec<u32>)>)> =
+            free.filter_map(|f| Some((f, self.homes(evidence, f)?))).collect();
+        if cuts.is_empty() {
+            return;
+        }
+        for (f, homes) in cuts {
+            let (regions, groups): (Vec<u32>, Vec<Vec<u32>>) = homes.into_iter().unzip();
+            let numbers = evidence.facets.cut(evidence.mesh, f, groups);
+            self.of.resize(evidence.facets.all.len(), NONE);
+            for (number, home) in numbers.into_iter().zip(regions) {
+                self.of[number as usize] = home;
+                let region = &mut self.regions[home as usize];
+                region.units.push(number);
+                region.vertices.extend(&evidence.facets.get(number).corners);
+                region.vertices.sort_unstable();
+                region.vertices.dedup();
+            }
+        }
+        evidence.facets.rejoin(evidence.mesh);
+        evidence.closed.resize(evidence.facets.all.len(), false);
+    }
+
+    /// The triangles of a facet by the regions that hold them, if there are several and no triangle is left.
+    fn homes(&self, evidence: &ExactFacets, f: u32) -> Option<Vec<(u32, Vec<u32>)>> {
+        let facet = evidence.facets.get(f);
+        let smooth = facet.borders.iter().filter(|b| b.dihedral <= MOST_TURN);
+        let mut beside: Vec<u32> = smooth.map(|b| self.of[b.facet as usize]).collect();
+        beside.retain(|&r| r != NONE);
+        beside.sort_unstable();
+        beside.dedup();
+        if beside.len() < 2 || facet.triangles.len() > MOST_CUT {
+            return None;
+        }
+        let mut homes: Vec<(u32, Vec<u32>)> = beside.into_iter().map(|r| (r, Vec::new())).collect();
+        for &t in &facet.triangles {
+            let home = homes.iter_mut().find(|(r, _)| {
+                let region = &self.regions[*r as usize];
+                let surface = region.surface();
+                let corners = evidence.mesh.corners(t);
+                corners.iter().all(|&v| {
+                    let s = evidence.sample(v);
+                    let (d, n) = surface.distance(s.at);
+                    let turned = region.side * n.dot(&facet.normal);
+                    d.abs() <= evidence.bound() * s.error && turned >= MOST_TURN.cos()
+                })
+            });
+            home?.1.push(t);
+        }
+        homes.retain(|(_, triangles)| !triangles.is_empty());
+        (homes.len() >= 2).then_some(homes)
     }
 
     /// Whether a facet lies on the surface of a region beside it.

@@ -70,6 +70,31 @@ impl Facets {
         Facets { all, of, sides }
     }
 
+    /// Cuts a facet into groups of its triangles. The first group keeps the number, the others get new ones, which are
+    /// returned. Call [`Facets::rejoin`] after the last cut.
+    pub(super) fn cut(&mut self, mesh: &Tessellation, f: u32, groups: Vec<Vec<u32>>) -> Vec<u32> {
+        let first = self.all.len() as u32;
+        let numbers: Vec<u32> =
+            (0..groups.len() as u32).map(|k| if k == 0 { f } else { first + k - 1 }).collect();
+        for (group, &number) in groups.iter().zip(&numbers) {
+            group.iter().for_each(|&t| self.of[t as usize] = number);
+        }
+        for (group, &number) in groups.into_iter().zip(&numbers) {
+            let facet = measured(mesh, group, &self.of);
+            match self.all.get_mut(number as usize) {
+                Some(old) => *old = facet,
+                None => self.all.push(facet),
+            }
+        }
+        numbers
+    }
+
+    /// Finds the neighbours of all facets again.
+    pub(super) fn rejoin(&mut self, mesh: &Tessellation) {
+        self.all.iter_mut().for_each(|f| f.borders.clear());
+        self.sides = join(mesh, &self.of, &mut self.all);
+    }
+
     /// The common edges of a facet and a neighbour, as sides of triangles.
     pub(super) fn common_sides(&self, border: &Border) -> &[u32] {
         &self.sides[border.sides[0] as usize..border.sides[1] as usize]

@@ -113,17 +113,23 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
     let generous = if FlatPairs::of(mesh).is_clean() == Some(true) { most_slack(mesh) } else { 1.0 };
     let mut claims = Claims { regions: Vec::new(), of: vec![NONE; count], generous };
     loop {
-        let known = claims.regions.iter().map(Growth::surface).collect();
-        let mut search = Search::new(&evidence, known);
-        let found = search.run();
-        competition::settle(&evidence, &mut search, found, &mut claims);
-        claims.merge(&evidence);
-        claims.absorb(&evidence, false);
+        for _ in 0..MOST_SEARCHES {
+            evidence.closed = claims.of.iter().map(|&r| r != NONE).collect();
+            let known = claims.regions.iter().map(Growth::surface).collect();
+            let mut search = Search::new(&evidence, known);
+            let found = search.run();
+            let before = claims.regions.len();
+            competition::settle(&evidence, &mut search, found, &mut claims);
+            if claims.regions.len() == before {
+                break;
+            }
+            claims.merge(&evidence);
+            claims.absorb(&evidence, false);
+        }
         if evidence.slack >= generous {
             break;
         }
         evidence.slack = (SLACK_STEP * evidence.slack).min(generous);
-        evidence.closed = claims.of.iter().map(|&r| r != NONE).collect();
     }
     evidence.closed.fill(false);
     evidence.slack = generous;
@@ -134,6 +140,8 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
     claims.unify(&evidence);
     claims.absorb(&evidence, true);
     evidence.slack = 1.0;
+    claims.cut(&mut evidence);
+    let count = evidence.facets.all.len();
     let mut marks = Marks::new(count, mesh.errors.len());
     let prisms = prisms::find(&evidence, &mut claims, options.keep_polygons, &mut marks);
     let mut result = gathered(&evidence, &claims);
@@ -145,6 +153,9 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
 /// Where faces meet, modelling kernels store curves that are a little off both: up to this share of the diagonal in the parts
 /// that were measured.
 const LOOSE_EDGES: f64 = 2e-5;
+
+/// The searches with the same errors. What a wrong region took from a right one before it lost is found by the next.
+const MOST_SEARCHES: usize = 3;
 
 /// The errors of each search among what is left are so many times larger than those of the search before. A region is found
 /// with the smallest errors that explain it, to this factor.
