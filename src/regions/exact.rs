@@ -127,7 +127,13 @@ impl ExactFacets<'_> {
     }
 
     /// The same with the largest angle between the facet and the normal at a corner.
-    pub(super) fn turns_at_most(&self, most: f64, surface: &Primitive, side: f64, facet: &Facet) -> bool {
+    pub(super) fn turns_at_most(
+        &self,
+        most: f64,
+        surface: &Primitive,
+        side: f64,
+        facet: &Facet,
+    ) -> bool {
         if facet.width < SLIVER * self.slack * facet.error {
             return true;
         }
@@ -162,9 +168,7 @@ impl ExactFacets<'_> {
         let stride = facet.corners.len().div_ceil(16);
         let corners = facet.corners.iter().step_by(stride.max(1));
         let away = |v: &&u32| {
-            apex.is_none_or(|apex| {
-                (self.mesh.point(**v) - apex).norm() > 10.0 * self.error(**v)
-            })
+            apex.is_none_or(|apex| (self.mesh.point(**v) - apex).norm() > 10.0 * self.error(**v))
         };
         corners.filter(away).map(|&v| side * surface.normal(self.mesh.point(v))).collect()
     }

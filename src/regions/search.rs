@@ -9,7 +9,6 @@ use crate::geometry::{Point, Vector};
 use crate::primitives::{
     Facing, Fit, FitOptions, Primitive, PrimitiveKind, Sample, fit, starts, with_axis,
 };
-use crate::sets::Sets;
 
 /// The order in which kinds are preferred if they explain as much: two circles fit all of them, and the ruled ones are
 /// nearest to the facets.
@@ -21,7 +20,7 @@ pub(super) const CURVED: [PrimitiveKind; 4] =
 const AS_MUCH: f64 = 0.95;
 
 /// The steps of a fit that may not come near at all, and of a torus, whose starts are worse.
-const TRIAL_STEPS: usize = 25;
+pub(super) const TRIAL_STEPS: usize = 25;
 const TORUS_STEPS: usize = 60;
 
 /// A smooth piece is given up after so many failing seeds in a row, plus twice the root of its facets. The sum over all
@@ -38,9 +37,9 @@ const MOST_AXES: usize = 3;
 const LEAST_HOLE: f64 = 1.0;
 
 pub(super) struct Search<'a> {
-    evidence: &'a ExactFacets<'a>,
+    pub(super) evidence: &'a ExactFacets<'a>,
     /// Facets that may belong to a curved face and are not explained yet.
-    pool: Vec<bool>,
+    pub(super) pool: Vec<bool>,
     tests: f64,
     pub(super) known: Vec<Primitive>,
     marks: Marks,
@@ -101,44 +100,6 @@ impl<'a> Search<'a> {
         found
     }
 
-    /// For each facet the number of the smooth piece of the mesh that has it.
-    fn smooth_pieces(&self) -> Vec<usize> {
-        let facets = &self.evidence.facets.all;
-        let mut sets = Sets::new(facets.len());
-        for (f, facet) in facets.iter().enumerate().filter(|&(f, _)| self.pool[f]) {
-            for b in facet.borders.iter().filter(|b| b.dihedral <= MOST_TURN) {
-                if self.pool[b.facet as usize] {
-                    sets.join(f, b.facet as usize);
-                }
-            }
-        }
-        (0..facets.len()).map(|f| sets.find(f)).collect()
-    }
-
-    /// Seeds: facets of several triangles first, which are ruled, then those with many neighbours, then large ones.
-    fn order(&self) -> Vec<u32> {
-        let facets = &self.evidence.facets.all;
-        let mut seeds: Vec<u32> =
-            (0..facets.len() as u32).filter(|&f| self.pool[f as usize]).collect();
-        let neighbours: Vec<usize> = facets
-            .iter()
-            .map(|f| {
-                let near = |b: &&super::facets::Border| {
-                    b.dihedral <= MOST_TURN && self.pool[b.facet as usize]
-                };
-                f.borders.iter().filter(near).count()
-            })
-            .collect();
-        seeds.sort_by(|&a, &b| {
-            let [x, y] = [a, b].map(|f| self.evidence.facets.get(f));
-            (x.triangles.len() < 2)
-                .cmp(&(y.triangles.len() < 2))
-                .then(neighbours[b as usize].cmp(&neighbours[a as usize]))
-                .then(y.area.total_cmp(&x.area))
-        });
-        seeds
-    }
-
     /// The best region that holds a seed.
     fn best_at(&mut self, seed: u32) -> Option<Found> {
         let mut best: Vec<Found> = Vec::new();
@@ -180,65 +141,8 @@ impl<'a> Search<'a> {
         best.into_iter().min_by_key(|b| b.growth.surface().kind())
     }
 
-    fn torus_beyond(&mut self, other: &Primitive, seed: u32) -> Option<Found> {
-        let leaves = |f: u32| {
-            self.evidence.facets.get(f).corners.iter().any(|&v| {
-                let s = self.evidence.sample(v);
-                other.distance(s.at).0.abs() > self.evidence.bound() * s.error
-            })
-        };
-        let patch = patches::beyond(self.evidence, seed, &|f| self.pool[f as usize], &leaves);
-        (!patch.is_empty()).then(|| self.tried(PrimitiveKind::Torus, &patch, seed)).flatten()
-    }
-
-    /// The torus through a ring of facets and a facet of a neighbouring ring, on either side.
-    fn torus_of_rows(&mut self, row: &Growth, seed: u32) -> Option<Found> {
-        let surface = row.surface();
-        let (origin, axis) = (surface.origin(), surface.axis()?);
-        let height = |f: u32| (self.evidence.facets.get(f).centre - origin).dot(&axis);
-        let heights = row.units.iter().map(|&f| height(f));
-        let ends = heights.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], h| {
-            [low.min(h), high.max(h)]
-        });
-        let mut inside = row.units.clone();
-        inside.sort_unstable();
-        let mut beside = [None; 2];
-        for &f in &row.units {
-            for b in &self.evidence.facets.get(f).borders {
-                let is_next = b.dihedral <= MOST_TURN
-                    && self.pool[b.facet as usize]
-                    && inside.binary_search(&b.facet).is_err();
-                if is_next {
-                    let h = height(b.facet);
-                    let side = usize::from(h > (ends[0] + ends[1]) / 2.0);
-                    beside[side] = beside[side].or(Some(b.facet));
-                }
-            }
-        }
-        for next in beside.into_iter().flatten() {
-            let patch = [&row.units[..], &[next]].concat();
-            let samples = samples(self.evidence, &patch);
-            let points: Vec<Point> = samples.iter().map(|s| s.at).collect();
-            let Some(start) = with_axis(PrimitiveKind::Torus, &points, origin, axis) else {
-                continue;
-            };
-            let options = FitOptions {
-                steps: TRIAL_STEPS,
-                goal: self.evidence.bound(),
-                ..FitOptions::default()
-            };
-            let Some(fit) = fit(start, &samples, &options) else { continue };
-            if fit.worst <= self.evidence.bound() && self.fits_patch(&fit.surface, &patch) {
-                if let Some(found) = self.region(fit, &patch, seed) {
-                    return Some(found);
-                }
-            }
-        }
-        None
-    }
-
     /// The first significant region of a kind that grows from a patch and holds the seed.
-    fn tried(&mut self, kind: PrimitiveKind, patch: &[u32], seed: u32) -> Option<Found> {
+    pub(super) fn tried(&mut self, kind: PrimitiveKind, patch: &[u32], seed: u32) -> Option<Found> {
         let samples = samples(self.evidence, patch);
         let spare = usize::from(matches!(kind, PrimitiveKind::Sphere | PrimitiveKind::Torus));
         if samples.len() < kind.parameters() + spare {
@@ -278,7 +182,7 @@ impl<'a> Search<'a> {
     }
 
     /// Whether the facets of a patch may be chords of a surface.
-    fn fits_patch(&self, surface: &Primitive, patch: &[u32]) -> bool {
+    pub(super) fn fits_patch(&self, surface: &Primitive, patch: &[u32]) -> bool {
         if let Primitive::Torus { major, minor, .. } = *surface {
             if major < LEAST_HOLE * minor || major > MOST_MAJOR * self.diagonal {
                 return false;
@@ -303,7 +207,7 @@ impl<'a> Search<'a> {
     }
 
     /// Grows a region of a surface that fits a patch, as a simpler kind if that fits as well, and judges it.
-    fn region(&mut self, fit: Fit, patch: &[u32], seed: u32) -> Option<Found> {
+    pub(super) fn region(&mut self, fit: Fit, patch: &[u32], seed: u32) -> Option<Found> {
         let side = self.evidence.side(&fit.surface, patch);
         let growth = grow(self.evidence, fit, side, patch, &mut self.marks)?;
         let growth = self.simplified(growth);
