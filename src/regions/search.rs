@@ -27,6 +27,10 @@ const TORUS_STEPS: usize = 60;
 /// pieces grows less than linearly.
 const FAILURES: usize = 50;
 
+/// The same for searches with larger errors, whose surfaces grow far over free-form faces before they are refused. Faces with
+/// loose edges are small pieces of their own, so few seeds find them.
+const LOOSE_FAILURES: usize = 12;
+
 /// A torus whose circle is so many diagonals of the part wide is a simpler surface by rounding.
 const MOST_MAJOR: f64 = 10.0;
 
@@ -75,7 +79,10 @@ impl<'a> Search<'a> {
         let pieces = self.smooth_pieces();
         let mut allowed: Vec<usize> = vec![0; facets.len()];
         (0..facets.len()).filter(|&f| self.pool[f]).for_each(|f| allowed[pieces[f]] += 1);
-        allowed.iter_mut().for_each(|n| *n = FAILURES + 2 * n.isqrt());
+        let is_loose = self.evidence.slack > 1.0;
+        allowed.iter_mut().for_each(|n| {
+            *n = if is_loose { LOOSE_FAILURES } else { FAILURES + 2 * n.isqrt() };
+        });
         let mut left = allowed.clone();
         let mut failures = vec![0u8; facets.len()];
         let mut found = Vec::new();
