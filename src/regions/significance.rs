@@ -11,10 +11,6 @@ use crate::primitives::{Primitive, PrimitiveKind};
 pub(super) struct Found {
     pub(super) growth: Growth,
     pub(super) area: f64,
-    /// Independent coincidences: what lies on the surface beyond what its parameters can follow.
-    pub(super) coincidences: usize,
-    /// The chance of one of them.
-    pub(super) chance: f64,
     /// Vertices, straight edges on the surface and tangent neighbours minus parameters: what the region explains.
     pub(super) weight: f64,
 }
@@ -72,7 +68,7 @@ pub(super) fn judged(
     let area = growth.units.iter().map(|&f| evidence.facets.get(f).area).sum();
     let weight = (growth.vertices.len() + straight_edges(evidence, &growth) + tangent) as f64
         - kind.parameters() as f64;
-    Some(Found { growth, area, coincidences: coincidences as usize, chance, weight })
+    Some(Found { growth, area, weight })
 }
 
 pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
