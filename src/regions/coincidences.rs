@@ -15,10 +15,11 @@ pub(super) fn different(mut values: Vec<(f64, f64)>, period: Option<f64>) -> usi
     values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
     let apart = |pair: &[(f64, f64)]| pair[1].0 - pair[0].0 > pair[0].1.max(pair[1].1);
     let mut count = 1 + values.windows(2).filter(|pair| apart(pair)).count();
-    if let (Some(period), Some(first), Some(last)) = (period, values.first(), values.last()) {
-        if count > 1 && first.0 + period - last.0 <= first.1.max(last.1) {
-            count -= 1;
-        }
+    if let (Some(period), Some(first), Some(last)) = (period, values.first(), values.last())
+        && count > 1
+        && first.0 + period - last.0 <= first.1.max(last.1)
+    {
+        count -= 1;
     }
     count
 }

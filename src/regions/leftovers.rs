@@ -17,6 +17,9 @@ const MOST_CUT: usize = 64;
 /// The facets of a region that are looked at for its largest sagitta.
 const SAMPLE: usize = 300;
 
+/// Regions, each with the triangles of a facet that lie on its surface.
+type Homes = Vec<(u32, Vec<u32>)>;
+
 impl Claims {
     /// Gives left-over facets to the regions beside them on whose surfaces they lie. With `is_generous`, small facets may
     /// be a little off.
@@ -76,7 +79,7 @@ impl Claims {
     /// bend the last facet of one arc and the first one of the next lie in one plane.
     pub(super) fn cut(&mut self, evidence: &mut ExactFacets) {
         let free = (0..self.of.len() as u32).filter(|&f| self.of[f as usize] == NONE);
-        let cuts: Vec<(u32, Vec<(u32, Vec<u32>)>)> =
+        let cuts: Vec<(u32, Homes)> =
             free.filter_map(|f| Some((f, self.homes(evidence, f)?))).collect();
         if cuts.is_empty() {
             return;
@@ -99,7 +102,7 @@ impl Claims {
     }
 
     /// The triangles of a facet by the regions that hold them, if there are several and no triangle is left.
-    fn homes(&self, evidence: &ExactFacets, f: u32) -> Option<Vec<(u32, Vec<u32>)>> {
+    fn homes(&self, evidence: &ExactFacets, f: u32) -> Option<Homes> {
         let facet = evidence.facets.get(f);
         let smooth = facet.borders.iter().filter(|b| b.dihedral <= MOST_TURN);
         let mut beside: Vec<u32> = smooth.map(|b| self.of[b.facet as usize]).collect();
@@ -109,7 +112,7 @@ impl Claims {
         if beside.len() < 2 || facet.triangles.len() > MOST_CUT {
             return None;
         }
-        let mut homes: Vec<(u32, Vec<u32>)> = beside.into_iter().map(|r| (r, Vec::new())).collect();
+        let mut homes: Homes = beside.into_iter().map(|r| (r, Vec::new())).collect();
         for &t in &facet.triangles {
             let home = homes.iter_mut().find(|(r, _)| {
                 let region = &self.regions[*r as usize];

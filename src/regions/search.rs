@@ -190,10 +190,10 @@ impl<'a> Search<'a> {
 
     /// Whether the facets of a patch may be chords of a surface.
     pub(super) fn fits_patch(&self, surface: &Primitive, patch: &[u32]) -> bool {
-        if let Primitive::Torus { major, minor, .. } = *surface {
-            if major < LEAST_HOLE * minor || major > MOST_MAJOR * self.diagonal {
-                return false;
-            }
+        if let Primitive::Torus { major, minor, .. } = *surface
+            && (major < LEAST_HOLE * minor || major > MOST_MAJOR * self.diagonal)
+        {
+            return false;
         }
         let evidence = self.evidence;
         let side = evidence.side(surface, patch);

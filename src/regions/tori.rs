@@ -56,10 +56,11 @@ impl Search<'_> {
                 ..FitOptions::default()
             };
             let Some(fit) = fit(start, &samples, &options) else { continue };
-            if fit.worst <= self.evidence.bound() && self.fits_patch(&fit.surface, &patch) {
-                if let Some(found) = self.region(fit, &patch, seed) {
-                    return Some(found);
-                }
+            if fit.worst <= self.evidence.bound()
+                && self.fits_patch(&fit.surface, &patch)
+                && let Some(found) = self.region(fit, &patch, seed)
+            {
+                return Some(found);
             }
         }
         None
