@@ -2,7 +2,7 @@
 
 use super::coincidences::{SAME_PLACE, different};
 use super::exact::{ExactFacets, MOST_TURN};
-use super::growth::{Evidence, Growth};
+use super::growth::{Evidence, GrownRegion};
 use super::significance::median;
 use super::tessellation::MOST_ERRORS;
 use crate::geometry::Vector;
@@ -16,7 +16,7 @@ const MUCH_LARGER: f64 = 4.0;
 const OPEN_BORDER: f64 = 0.25;
 
 /// Whether a region ends at creases and at regions that are there already.
-pub(super) fn is_bordered(evidence: &ExactFacets, growth: &Growth) -> bool {
+pub(super) fn is_bordered(evidence: &ExactFacets, growth: &GrownRegion) -> bool {
     let mut inside = growth.units.clone();
     inside.sort_unstable();
     let (mut all, mut smooth) = (0.0, 0.0);
@@ -42,7 +42,7 @@ const MOST_GRADUAL: f64 = 20.0;
 
 /// Whether the region ends at once. A surface that merely osculates a free-form one fits gradually less: beyond `n` facets the
 /// misfit grows by the Taylor factor ((n+2)/n)^(parameters+1).
-pub(super) fn ends_abruptly(evidence: &ExactFacets, growth: &Growth) -> bool {
+pub(super) fn ends_abruptly(evidence: &ExactFacets, growth: &GrownRegion) -> bool {
     let surface = growth.surface();
     let mut inside = growth.units.clone();
     inside.sort_unstable();
@@ -79,7 +79,7 @@ pub(super) fn ends_abruptly(evidence: &ExactFacets, growth: &Growth) -> bool {
 
 /// Neighbours that the surface meets tangentially: each flat one, and those along each of up to two sides of which the
 /// facets are chords.
-pub(super) fn tangent_neighbours(evidence: &ExactFacets, growth: &Growth) -> usize {
+pub(super) fn tangent_neighbours(evidence: &ExactFacets, growth: &GrownRegion) -> usize {
     let surface = growth.surface();
     let axis = surface.axis().unwrap_or_else(Vector::zeros);
     let mut inside = growth.units.clone();
@@ -116,7 +116,7 @@ pub(super) fn tangent_neighbours(evidence: &ExactFacets, growth: &Growth) -> usi
 }
 
 /// Edges between facets of a region that lie on its surface over their whole length.
-pub(super) fn straight_edges(evidence: &ExactFacets, growth: &Growth) -> usize {
+pub(super) fn straight_edges(evidence: &ExactFacets, growth: &GrownRegion) -> usize {
     let surface = growth.surface();
     let mut inside = growth.units.clone();
     inside.sort_unstable();

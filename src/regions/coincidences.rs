@@ -1,7 +1,7 @@
 //! How many vertices of a region lie on its surface by more than its parameters can follow.
 
 use super::exact::ExactFacets;
-use super::growth::{Evidence, Growth};
+use super::growth::{Evidence, GrownRegion};
 use super::significance::typical_error;
 use crate::geometry::{Point, Vector, plane_axes};
 use crate::primitives::{Primitive, Sample};
@@ -25,7 +25,7 @@ pub(super) fn different(mut values: Vec<(f64, f64)>, period: Option<f64>) -> usi
 }
 
 /// Coincidences of the vertices, those that lie above each other or on one ring counted once.
-pub(super) fn independent(evidence: &ExactFacets, growth: &Growth) -> f64 {
+pub(super) fn independent(evidence: &ExactFacets, growth: &GrownRegion) -> f64 {
     let surface = growth.surface();
     let vertices = growth.vertices.iter().map(|&v| evidence.sample(v));
     let spare = growth.vertices.len() as f64 - surface.kind().parameters() as f64;
@@ -62,7 +62,7 @@ pub(super) fn independent(evidence: &ExactFacets, growth: &Growth) -> f64 {
 
 /// Equal steps are the mark of a tessellation: each beyond the first is a coincidence. They count only if the vertices
 /// alone do not suffice.
-fn equal_steps(evidence: &ExactFacets, growth: &Growth, places: f64) -> f64 {
+fn equal_steps(evidence: &ExactFacets, growth: &GrownRegion, places: f64) -> f64 {
     let Primitive::Cylinder { radius, .. } = growth.surface() else { return 0.0 };
     if !(4.0..6.0).contains(&places) {
         return 0.0;
@@ -79,7 +79,7 @@ fn equal_steps(evidence: &ExactFacets, growth: &Growth, places: f64) -> f64 {
 }
 
 /// Coincidences of a sphere whose vertices lie on few parallel circles: any two such circles are on a sphere.
-fn rings(evidence: &ExactFacets, growth: &Growth) -> f64 {
+fn rings(evidence: &ExactFacets, growth: &GrownRegion) -> f64 {
     let points = growth.vertices.iter().map(|&v| evidence.mesh.point(v));
     let n = growth.vertices.len() as f64;
     let middle = points.clone().fold(Vector::zeros(), |sum, p| sum + p.coords) / n;
@@ -102,7 +102,7 @@ fn rings(evidence: &ExactFacets, growth: &Growth) -> f64 {
 }
 
 /// Whether a region has the axis of another surface.
-pub(super) fn is_coaxial(evidence: &ExactFacets, growth: &Growth, other: &Primitive) -> bool {
+pub(super) fn is_coaxial(evidence: &ExactFacets, growth: &GrownRegion, other: &Primitive) -> bool {
     let surface = growth.surface();
     let (Some(a), Some(b)) = (surface.axis(), other.axis()) else { return false };
     let error = typical_error(evidence, growth);
@@ -117,7 +117,7 @@ pub(super) fn is_coaxial(evidence: &ExactFacets, growth: &Growth, other: &Primit
 
 /// Whether all normals are perpendicular to one direction. Then all vertices along this direction are one coincidence, and
 /// only a cylinder counts them so.
-pub(super) fn is_extruded(evidence: &ExactFacets, growth: &Growth) -> bool {
+pub(super) fn is_extruded(evidence: &ExactFacets, growth: &GrownRegion) -> bool {
     let mut moments = nalgebra::Matrix3::zeros();
     for &f in &growth.units {
         let facet = evidence.facets.get(f);

@@ -1,7 +1,7 @@
 //! Which region gets a facet that several explain, which regions are one, and what becomes of what is left.
 
 use super::exact::ExactFacets;
-use super::growth::{Evidence, Growth, pieces, refitted};
+use super::growth::{Evidence, GrownRegion, pieces, refitted};
 use super::search::Search;
 use super::significance::Found;
 use crate::geometry::NONE;
@@ -12,7 +12,7 @@ pub(super) const JOINT_STEPS: usize = 10;
 
 /// The regions of a mesh, and for each facet the number of its region.
 pub(super) struct Claims {
-    pub(super) regions: Vec<Growth>,
+    pub(super) regions: Vec<GrownRegion>,
     pub(super) of: Vec<u32>,
     /// The factor by which errors at the ends of faces may be larger than those of the file.
     pub(super) generous: f64,
@@ -20,7 +20,7 @@ pub(super) struct Claims {
 
 /// Lets regions compete: the one that explains most comes first. What loses facets is cut into connected pieces that must
 /// be significant again. The regions join those that are there.
-pub(super) fn settle(
+pub(super) fn compete(
     evidence: &ExactFacets,
     search: &mut Search,
     found: Vec<Found>,
@@ -39,7 +39,8 @@ pub(super) fn settle(
         if free.len() < next.growth.units.len() {
             for piece in pieces(evidence, &free, search.marks()) {
                 let side = next.growth.side;
-                let growth = Growth::new(evidence, next.growth.fit, side, &piece, search.marks());
+                let growth =
+                    GrownRegion::new(evidence, next.growth.fit, side, &piece, search.marks());
                 left.extend(search.judged(growth));
             }
             left[at..].sort_by(|a, b| b.weight.total_cmp(&a.weight).then(first(a).cmp(&first(b))));
@@ -90,7 +91,7 @@ impl Claims {
         self.drop_empty();
     }
 
-    fn joint(&self, evidence: &ExactFacets, a: usize, b: usize) -> Option<Growth> {
+    fn joint(&self, evidence: &ExactFacets, a: usize, b: usize) -> Option<GrownRegion> {
         let [x, y] = [&self.regions[a], &self.regions[b]];
         if x.side != y.side || x.surface().kind() != y.surface().kind() {
             return None;
@@ -104,7 +105,7 @@ impl Claims {
         let units = [&big.units[..], &small.units[..]].concat();
         let slack = x.slack.max(y.slack);
         let is_one = fit.worst <= evidence.bound() * slack / evidence.slack;
-        is_one.then_some(Growth { fit, side: x.side, slack, units, vertices })
+        is_one.then_some(GrownRegion { fit, side: x.side, slack, units, vertices })
     }
 
     pub(super) fn drop_empty(&mut self) {

@@ -1,7 +1,7 @@
 //! The evidence of a clean mesh: facets whose corners lie on the surface within the rounding of the file.
 
 use super::facets::{Facet, Facets};
-use super::growth::{Evidence, Growth};
+use super::growth::{Evidence, GrownRegion};
 use super::tessellation::{MOST_ERRORS, SLIVER, Tessellation};
 use crate::geometry::Vector;
 use crate::primitives::{Facing, Primitive, PrimitiveKind, Sample};
@@ -62,7 +62,13 @@ impl Evidence for ExactFacets<'_> {
         self.slack
     }
 
-    fn joins(&self, unit: u32, growth: &Growth, largest: &mut Sagitta, is_settled: bool) -> bool {
+    fn joins(
+        &self,
+        unit: u32,
+        growth: &GrownRegion,
+        largest: &mut Sagitta,
+        is_settled: bool,
+    ) -> bool {
         let facet = self.facets.get(unit);
         let surface = growth.surface();
         let on = |&v: &u32| {

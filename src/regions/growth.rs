@@ -31,7 +31,7 @@ pub(super) trait Evidence {
     fn joins(
         &self,
         unit: u32,
-        growth: &Growth,
+        growth: &GrownRegion,
         memory: &mut Self::Memory,
         is_settled: bool,
     ) -> bool;
@@ -39,7 +39,7 @@ pub(super) trait Evidence {
 
 /// A region that grows.
 #[derive(Debug, Clone)]
-pub(super) struct Growth {
+pub(super) struct GrownRegion {
     pub(super) fit: Fit,
     /// +1 if the mesh's normals are the surface's, -1 if they are opposite.
     pub(super) side: f64,
@@ -93,7 +93,7 @@ const FEWEST_ADDED: usize = 8;
 /// The steps of a fit that only follows more data.
 const FOLLOWING_STEPS: usize = 15;
 
-impl Growth {
+impl GrownRegion {
     pub(super) fn new<E: Evidence>(
         evidence: &E,
         fit: Fit,
@@ -102,7 +102,7 @@ impl Growth {
         marks: &mut Marks,
     ) -> Self {
         let slack = evidence.slack();
-        let mut growth = Growth { fit, side, slack, units: Vec::new(), vertices: Vec::new() };
+        let mut growth = GrownRegion { fit, side, slack, units: Vec::new(), vertices: Vec::new() };
         marks.clear();
         seed.iter().for_each(|&unit| growth.add(evidence, unit, marks));
         growth
@@ -167,8 +167,8 @@ pub(super) fn grow<E: Evidence>(
     side: f64,
     seed: &[u32],
     marks: &mut Marks,
-) -> Option<Growth> {
-    let mut growth = Growth::new(evidence, start, side, seed, marks);
+) -> Option<GrownRegion> {
+    let mut growth = GrownRegion::new(evidence, start, side, seed, marks);
     let mut memory = evidence.begin(&start.surface, seed);
     let mut fitted = 0;
     loop {
@@ -194,7 +194,7 @@ pub(super) fn grow<E: Evidence>(
         .collect();
     if kept.len() < growth.units.len() {
         let piece = pieces(evidence, &kept, marks).into_iter().next()?;
-        growth = Growth::new(evidence, growth.fit, side, &piece, marks);
+        growth = GrownRegion::new(evidence, growth.fit, side, &piece, marks);
     }
     (!growth.units.is_empty()).then_some(growth)
 }
@@ -202,7 +202,7 @@ pub(super) fn grow<E: Evidence>(
 /// Adds neighbours that lie on the surface, until none is left or the region has doubled. Returns whether any was.
 fn spread<E: Evidence>(
     evidence: &E,
-    growth: &mut Growth,
+    growth: &mut GrownRegion,
     memory: &mut E::Memory,
     marks: &mut Marks,
 ) -> bool {

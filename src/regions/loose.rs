@@ -2,7 +2,7 @@
 
 use super::competition::{Claims, JOINT_STEPS};
 use super::exact::ExactFacets;
-use super::growth::{Evidence, Growth, refitted, worst};
+use super::growth::{Evidence, GrownRegion, refitted, worst};
 use super::search::{CURVED, near_axes};
 use crate::geometry::Point;
 use crate::primitives::{Facing, FitOptions, Primitive, with_axis};
@@ -38,7 +38,7 @@ impl Claims {
     /// Makes loose regions simpler where loose edges allow it: on the axis of an exact region, or of a simpler kind.
     fn simplify(&mut self, evidence: &ExactFacets) {
         let exact = self.regions.iter().filter(|r| r.slack <= 1.0);
-        let known: Vec<Primitive> = exact.map(Growth::surface).collect();
+        let known: Vec<Primitive> = exact.map(GrownRegion::surface).collect();
         let bound = evidence.bound() * self.generous / evidence.slack;
         for region in self.regions.iter_mut().filter(|r| r.slack > 1.0) {
             let units = &region.units;
@@ -79,7 +79,7 @@ impl Claims {
     }
 
     /// The simplest surface that explains two regions of which at least one is loose.
-    fn common(&self, evidence: &ExactFacets, a: usize, b: usize) -> Option<Growth> {
+    fn common(&self, evidence: &ExactFacets, a: usize, b: usize) -> Option<GrownRegion> {
         let [x, y] = [&self.regions[a], &self.regions[b]];
         if x.side != y.side || x.slack.max(y.slack) <= 1.0 {
             return None;
@@ -92,7 +92,7 @@ impl Claims {
         let slack = x.slack.max(y.slack);
         for (exact, loose) in [(x, y), (y, x)] {
             if exact.slack <= 1.0 && worst(evidence, &exact.surface(), &loose.vertices) <= bound {
-                return Some(Growth { fit: exact.fit, side: x.side, slack, units, vertices });
+                return Some(GrownRegion { fit: exact.fit, side: x.side, slack, units, vertices });
             }
         }
         if x.slack.min(y.slack) <= 1.0 {
@@ -113,7 +113,7 @@ impl Claims {
                 let Some(fit) = refitted(evidence, start, &vertices, &options) else { continue };
                 let chord = |&f: &u32| evidence.faces(&fit.surface, x.side, evidence.facets.get(f));
                 if fit.worst <= bound && units.iter().all(chord) {
-                    return Some(Growth { fit, side: x.side, slack, units, vertices });
+                    return Some(GrownRegion { fit, side: x.side, slack, units, vertices });
                 }
             }
         }

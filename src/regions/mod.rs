@@ -45,7 +45,7 @@ pub use tessellation::Tessellation;
 use competition::Claims;
 use exact::ExactFacets;
 use facets::Facets;
-use growth::{Growth, Marks};
+use growth::{GrownRegion, Marks};
 use search::Search;
 
 use crate::geometry::NONE;
@@ -76,11 +76,11 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
     loop {
         for _ in 0..MOST_SEARCHES {
             evidence.closed = claims.of.iter().map(|&r| r != NONE).collect();
-            let known = claims.regions.iter().map(Growth::surface).collect();
+            let known = claims.regions.iter().map(GrownRegion::surface).collect();
             let mut search = Search::new(&evidence, known);
             let found = search.run();
             let before = claims.regions.len();
-            competition::settle(&evidence, &mut search, found, &mut claims);
+            competition::compete(&evidence, &mut search, found, &mut claims);
             if claims.regions.len() == before {
                 break;
             }

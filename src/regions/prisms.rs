@@ -4,7 +4,7 @@ use std::f64::consts::{PI, TAU};
 
 use super::competition::Claims;
 use super::exact::ExactFacets;
-use super::growth::{Evidence, Growth, Marks};
+use super::growth::{Evidence, GrownRegion, Marks};
 use super::search::samples;
 use crate::geometry::{NONE, Point, plane_axes};
 use crate::primitives::{Facing, FitOptions, Primitive, PrimitiveKind, fit, starts};
@@ -37,7 +37,7 @@ const LAWS: [Law; 3] =
 
 /// The laws that all round faces obey, each with the interval of its bound: `n` is the smallest number of segments that
 /// keeps it.
-fn laws(evidence: &ExactFacets, regions: &[Growth]) -> Vec<(Law, [f64; 2])> {
+fn laws(evidence: &ExactFacets, regions: &[GrownRegion]) -> Vec<(Law, [f64; 2])> {
     let steps: Vec<(f64, f64)> = regions
         .iter()
         .filter_map(|r| match r.surface() {
@@ -61,7 +61,7 @@ fn laws(evidence: &ExactFacets, regions: &[Growth]) -> Vec<(Law, [f64; 2])> {
 /// The segments of a full turn of a cylinder of equal steps.
 fn segments(
     evidence: &ExactFacets,
-    region: &Growth,
+    region: &GrownRegion,
     origin: Point,
     axis: crate::geometry::Vector,
 ) -> Option<f64> {
@@ -155,7 +155,7 @@ fn next(
 }
 
 /// The cylinder through all corners of a ring.
-fn cylinder(evidence: &ExactFacets, ring: &[u32], marks: &mut Marks) -> Option<Growth> {
+fn cylinder(evidence: &ExactFacets, ring: &[u32], marks: &mut Marks) -> Option<GrownRegion> {
     let samples = samples(evidence, ring);
     let faces: Vec<Facing> = ring
         .iter()
@@ -168,6 +168,6 @@ fn cylinder(evidence: &ExactFacets, ring: &[u32], marks: &mut Marks) -> Option<G
     let start = starts(PrimitiveKind::Cylinder, &points, &faces, &[]).into_iter().next()?;
     let found = fit(start, &samples, &FitOptions::default())?;
     let side = evidence.side(&found.surface, ring);
-    let growth = Growth::new(evidence, found, side, ring, marks);
+    let growth = GrownRegion::new(evidence, found, side, ring, marks);
     (found.worst <= evidence.bound()).then_some(growth)
 }

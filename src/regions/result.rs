@@ -2,7 +2,7 @@
 
 use super::competition::Claims;
 use super::exact::{ExactFacets, MOST_TURN};
-use super::growth::{Evidence, Growth};
+use super::growth::{Evidence, GrownRegion};
 use super::prisms::Prism;
 use super::snap::Snap;
 use crate::geometry::NONE;
@@ -104,7 +104,7 @@ fn leftovers(evidence: &ExactFacets, claims: &Claims) -> Vec<bool> {
     (0..facets.len()).map(&mut is_left).collect()
 }
 
-fn curved(evidence: &ExactFacets, growth: &Growth) -> Region {
+fn curved(evidence: &ExactFacets, growth: &GrownRegion) -> Region {
     let units = growth.units.iter();
     let mut triangles: Vec<u32> =
         units.flat_map(|&f| evidence.facets.get(f).triangles.iter().copied()).collect();

@@ -2,7 +2,7 @@
 
 use super::exact::{ExactFacets, MOST_TURN};
 use super::facets::Facet;
-use super::growth::{Evidence, Growth, Marks, grow, refitted};
+use super::growth::{Evidence, GrownRegion, Marks, grow, refitted};
 use super::patches::{self, PATCHES};
 use super::significance::{Found, judged};
 use crate::geometry::{Point, Vector};
@@ -65,7 +65,7 @@ impl<'a> Search<'a> {
     }
 
     /// Judges a region by the number of tests of this search.
-    pub(super) fn judged(&self, growth: Growth) -> Option<Found> {
+    pub(super) fn judged(&self, growth: GrownRegion) -> Option<Found> {
         judged(self.evidence, growth, &self.known, self.tests)
     }
 
@@ -222,7 +222,7 @@ impl<'a> Search<'a> {
     }
 
     /// The region as a simpler kind if all its corners lie on one: a richer kind explains nothing more.
-    pub(super) fn simplified(&mut self, growth: Growth) -> Growth {
+    pub(super) fn simplified(&mut self, growth: GrownRegion) -> GrownRegion {
         let kind = growth.surface().kind();
         for simpler in CURVED.into_iter().filter(|&k| k < kind) {
             // A sphere is no special case of a cone, nor is a torus without a common axis.
@@ -233,7 +233,7 @@ impl<'a> Search<'a> {
         growth
     }
 
-    fn as_kind(&mut self, growth: &Growth, kind: PrimitiveKind) -> Option<Growth> {
+    fn as_kind(&mut self, growth: &GrownRegion, kind: PrimitiveKind) -> Option<GrownRegion> {
         let stride = growth.units.len().div_ceil(MOST_FACINGS).max(1);
         let some: Vec<u32> = growth.units.iter().copied().step_by(stride).collect();
         let samples = samples(self.evidence, &some);

@@ -3,13 +3,13 @@
 use super::borders::{ends_abruptly, is_bordered, straight_edges, tangent_neighbours};
 use super::coincidences::{independent, is_coaxial, is_extruded};
 use super::exact::ExactFacets;
-use super::growth::Growth;
+use super::growth::GrownRegion;
 use crate::primitives::{Primitive, PrimitiveKind};
 
 /// A region of facets on one surface.
 #[derive(Debug, Clone)]
 pub(super) struct Found {
-    pub(super) growth: Growth,
+    pub(super) growth: GrownRegion,
     pub(super) area: f64,
     /// Vertices, straight edges on the surface and tangent neighbours minus parameters: what the region explains.
     pub(super) weight: f64,
@@ -28,7 +28,7 @@ const SAMPLE: usize = 200;
 /// whole part tries. `None` if chance explains the region.
 pub(super) fn judged(
     evidence: &ExactFacets,
-    growth: Growth,
+    growth: GrownRegion,
     known: &[Primitive],
     tests: f64,
 ) -> Option<Found> {
@@ -76,7 +76,7 @@ pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {
     values.get(values.len() / 2).copied()
 }
 
-pub(super) fn typical_error(evidence: &ExactFacets, growth: &Growth) -> f64 {
+pub(super) fn typical_error(evidence: &ExactFacets, growth: &GrownRegion) -> f64 {
     let stride = growth.vertices.len().div_ceil(SAMPLE).max(1);
     let errors = growth.vertices.iter().step_by(stride).map(|&v| evidence.error(v));
     median(errors.collect()).unwrap_or(0.0)

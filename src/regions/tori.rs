@@ -1,7 +1,7 @@
 //! Tori that hide behind their rings.
 
 use super::exact::MOST_TURN;
-use super::growth::{Evidence, Growth};
+use super::growth::{Evidence, GrownRegion};
 use super::patches;
 use super::search::{Search, TRIAL_STEPS, samples};
 use super::significance::Found;
@@ -21,7 +21,7 @@ impl Search<'_> {
     }
 
     /// The torus through a ring of facets and a facet of a neighbouring ring, on either side.
-    pub(super) fn torus_of_rows(&mut self, row: &Growth, seed: u32) -> Option<Found> {
+    pub(super) fn torus_of_rows(&mut self, row: &GrownRegion, seed: u32) -> Option<Found> {
         let surface = row.surface();
         let (origin, axis) = (surface.origin(), surface.axis()?);
         let height = |f: u32| (self.evidence.facets.get(f).centre - origin).dot(&axis);
