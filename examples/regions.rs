@@ -13,7 +13,7 @@ use scan2step::formats::read_scan;
 use scan2step::mesh::from_soup;
 use scan2step::primitives::{Primitive, PrimitiveKind};
 use scan2step::regions::{
-    FlatPairs, Options, Origin, Region, Regions, Rounding, Tessellation, find,
+    FaceRegion, FlatPairs, Options, RegionOrigin, Regions, Rounding, Tessellation, find,
 };
 use serde_json::{Value, json};
 
@@ -37,10 +37,10 @@ fn line(file: &Path, details: bool) -> Result<Value, Box<dyn Error>> {
     let regions = find(&mesh, &Options { unit: build.mm, ..Options::default() });
     let seconds = start.elapsed().as_secs_f64();
     let count = |kind: PrimitiveKind| {
-        let is = |r: &&Region| r.origin != Origin::Facet && r.surface.kind() == kind;
+        let is = |r: &&FaceRegion| r.origin != RegionOrigin::Facet && r.surface.kind() == kind;
         regions.regions.iter().filter(is).count()
     };
-    let facets = regions.regions.iter().filter(|r| r.origin == Origin::Facet);
+    let facets = regions.regions.iter().filter(|r| r.origin == RegionOrigin::Facet);
     let left: usize = facets.clone().map(|r| r.triangles.len()).sum();
     let mut value = json!({
         "file": file.display().to_string(),
@@ -76,8 +76,8 @@ fn line(file: &Path, details: bool) -> Result<Value, Box<dyn Error>> {
 }
 
 fn cylinders(regions: &Regions, mm: f64) -> Value {
-    let round = |r: &Region| match r.surface.scaled(mm) {
-        Primitive::Cylinder { origin, axis, radius } if r.origin == Origin::Curved => {
+    let round = |r: &FaceRegion| match r.surface.scaled(mm) {
+        Primitive::Cylinder { origin, axis, radius } if r.origin == RegionOrigin::Curved => {
             Some(json!([
                 radius,
                 origin.coords.as_slice(),
@@ -91,7 +91,7 @@ fn cylinders(regions: &Regions, mm: f64) -> Value {
     regions.regions.iter().filter_map(round).collect()
 }
 
-fn described(region: &Region, mm: f64) -> Value {
+fn described(region: &FaceRegion, mm: f64) -> Value {
     json!({
         "origin": format!("{:?}", region.origin),
         "kind": region.surface.kind().name(),

@@ -1,12 +1,12 @@
 //! Least squares of orthogonal distances: Gauss–Newton with Levenberg's damping.
 
-use super::motions::{Covariance, Motions, Row};
+use super::motions::{Covariance, MotionRow, Motions};
 use super::{MOST_PARAMETERS, Primitive};
 use crate::geometry::{Point, Vector};
 
 /// A point to be fitted, and how exactly it is known.
 #[derive(Debug, Clone, Copy)]
-pub struct Sample {
+pub struct FitSample {
     /// The place.
     pub at: Point,
     /// The unit of its distance: a bound of its error, or a standard deviation.
@@ -34,7 +34,7 @@ impl Default for FitOptions {
 
 /// A fitted surface.
 #[derive(Debug, Clone, Copy)]
-pub struct Fit {
+pub struct PrimitiveFit {
     /// The surface.
     pub surface: Primitive,
     /// The largest distance of a point, in units of its error.
@@ -47,7 +47,7 @@ pub struct Fit {
     pub covariance: Covariance,
 }
 
-impl Fit {
+impl PrimitiveFit {
     /// The standard deviation of the surface's place next to a point, for errors of one unit.
     pub fn deviation_at(&self, p: Point) -> f64 {
         let row = self.motions.row(p).1;
@@ -56,21 +56,21 @@ impl Fit {
 }
 
 /// The sums of one pass over the points.
-struct NormalEquations {
+struct FitEquations {
     matrix: Covariance,
-    right: Row,
+    right: MotionRow,
     squares: f64,
     worst: f64,
     motions: Motions,
 }
 
-impl NormalEquations {
-    fn new(surface: Primitive, samples: &[Sample], pivot: Point, options: &FitOptions) -> Self {
+impl FitEquations {
+    fn new(surface: Primitive, samples: &[FitSample], pivot: Point, options: &FitOptions) -> Self {
         let motions = Motions::new(surface, pivot, options.fixed_centre);
         let n = surface.kind().parameters();
-        let mut sums = NormalEquations {
+        let mut sums = FitEquations {
             matrix: Covariance::zeros(),
-            right: Row::zeros(),
+            right: MotionRow::zeros(),
             squares: 0.0,
             worst: 0.0,
             motions,
@@ -101,13 +101,13 @@ impl NormalEquations {
     }
 
     /// The lengths of the columns, 1 for those that are not there.
-    fn scales(&self) -> Row {
+    fn scales(&self) -> MotionRow {
         let root = |x: f64| if x > 0.0 { x.sqrt() } else { 1.0 };
-        Row::from_fn(|i, _| root(self.matrix[(i, i)]))
+        MotionRow::from_fn(|i, _| root(self.matrix[(i, i)]))
     }
 
     /// The matrix with columns of length 1 and a damped diagonal.
-    fn scaled(&self, scales: &Row, damping: f64) -> Covariance {
+    fn scaled(&self, scales: &MotionRow, damping: f64) -> Covariance {
         Covariance::from_fn(|i, j| {
             let value = self.matrix[(i, j)] / (scales[i] * scales[j]);
             if i != j {
@@ -120,7 +120,7 @@ impl NormalEquations {
         })
     }
 
-    fn step(&self, damping: f64) -> Option<Row> {
+    fn step(&self, damping: f64) -> Option<MotionRow> {
         let scales = self.scales();
         let factor = self.scaled(&scales, damping).cholesky()?;
         let step = factor.solve(&self.right.component_div(&scales)).component_div(&scales);
@@ -161,13 +161,13 @@ const SLOW_STEPS: usize = 5;
 
 /// Fits a surface to points by least squares of the distances in units of the points' errors. `None` if there is
 /// no point, or if the start is not finite.
-pub fn fit(start: Primitive, samples: &[Sample], options: &FitOptions) -> Option<Fit> {
+pub fn fit(start: Primitive, samples: &[FitSample], options: &FitOptions) -> Option<PrimitiveFit> {
     if samples.is_empty() {
         return None;
     }
     let sum: Vector = samples.iter().map(|s| s.at.coords).sum();
     let pivot = Point::from(sum / samples.len() as f64);
-    let mut now = NormalEquations::new(start, samples, pivot, options);
+    let mut now = FitEquations::new(start, samples, pivot, options);
     if !now.squares.is_finite() {
         return None;
     }
@@ -186,21 +186,21 @@ pub fn fit(start: Primitive, samples: &[Sample], options: &FitOptions) -> Option
     }
     let covariance = now.covariance();
     let (worst, squares, motions) = (now.worst, now.squares, now.motions);
-    Some(Fit { surface: motions.surface(), worst, squares, motions, covariance })
+    Some(PrimitiveFit { surface: motions.surface(), worst, squares, motions, covariance })
 }
 
 /// The equations after a step that does not make the sum of squares larger.
 fn better(
-    now: &NormalEquations,
+    now: &FitEquations,
     damping: &mut f64,
-    samples: &[Sample],
+    samples: &[FitSample],
     pivot: Point,
     options: &FitOptions,
-) -> Option<NormalEquations> {
+) -> Option<FitEquations> {
     for _ in 0..MOST_RAISES {
         let moved = now.step(*damping).and_then(|step| now.motions.moved(&step));
         if let Some(surface) = moved {
-            let next = NormalEquations::new(surface, samples, pivot, options);
+            let next = FitEquations::new(surface, samples, pivot, options);
             if next.squares <= now.squares {
                 return Some(next);
             }

@@ -11,9 +11,9 @@ mod starts;
 #[cfg(test)]
 mod tests;
 
-pub use fit::{Fit, FitOptions, Sample, fit};
-pub use motions::{Covariance, MOST_PARAMETERS, Motions, Row};
+pub use fit::{FitOptions, FitSample, PrimitiveFit, fit};
+pub use motions::{Covariance, MOST_PARAMETERS, MotionRow, Motions};
 pub use parameters::PatchRange;
 pub use primitive::{Primitive, PrimitiveKind};
 pub(crate) use starts::with_axis;
-pub use starts::{Facing, starts};
+pub use starts::{OrientedPoint, starts};

@@ -14,7 +14,7 @@ use crate::geometry::{Point, Vector, plane_axes};
 pub const MOST_PARAMETERS: usize = 7;
 
 /// The derivatives of a distance by the motions of a surface. Those beyond its number of parameters are 0.
-pub type Row = SVector<f64, MOST_PARAMETERS>;
+pub type MotionRow = SVector<f64, MOST_PARAMETERS>;
 
 /// A covariance of the motions of a surface.
 pub type Covariance = SMatrix<f64, MOST_PARAMETERS, MOST_PARAMETERS>;
@@ -62,13 +62,13 @@ impl Motions {
     }
 
     /// The distance of a point, and its derivatives by the motions.
-    pub fn row(&self, p: Point) -> (f64, Row) {
+    pub fn row(&self, p: Point) -> (f64, MotionRow) {
         let (d, g) = self.surface.distance(p);
         let q = p - self.pivot;
         let [x, y] = self.across;
         let turns = [-g.dot(&x.cross(&q)), -g.dot(&y.cross(&q))];
         let shifts = [-g.dot(&x), -g.dot(&y)];
-        let mut row = Row::zeros();
+        let mut row = MotionRow::zeros();
         match self.surface {
             Primitive::Plane { .. } => {
                 row[0] = turns[0];
@@ -114,7 +114,7 @@ impl Motions {
 
     /// The surface after a step. `None` if it has degenerated: a radius beyond every bound, a cone that
     /// is none, a torus that touches itself.
-    pub fn moved(&self, step: &Row) -> Option<Primitive> {
+    pub fn moved(&self, step: &MotionRow) -> Option<Primitive> {
         let [x, y] = self.across;
         let turn = |by: [f64; 2]| Rotation3::new(by[0] * x + by[1] * y);
         let turned = |origin: Point, axis: Vector| {

@@ -7,7 +7,7 @@ use crate::geometry::{Point, Uv, Vector, plane_axes};
 
 /// A piece of the data with a normal: a facet, or the surroundings of a vertex.
 #[derive(Debug, Clone, Copy)]
-pub struct Facing {
+pub struct OrientedPoint {
     /// Its middle.
     pub centre: Point,
     /// Its unit normal.
@@ -29,7 +29,7 @@ const WIDEST_TUBE: f64 = 5.0;
 pub fn starts(
     kind: PrimitiveKind,
     points: &[Point],
-    faces: &[Facing],
+    faces: &[OrientedPoint],
     axes: &[Vector],
 ) -> Vec<Primitive> {
     match kind {
@@ -91,7 +91,7 @@ pub(crate) fn with_axis(
     }
 }
 
-fn plane(points: &[Point], faces: &[Facing]) -> Option<Primitive> {
+fn plane(points: &[Point], faces: &[OrientedPoint]) -> Option<Primitive> {
     let origin = middle(points);
     let normal = faces.iter().map(|f| f.area * f.normal).sum::<Vector>().try_normalize(0.0)?;
     Some(Primitive::Plane { origin, normal })
@@ -103,7 +103,7 @@ fn middle(points: &[Point]) -> Point {
 }
 
 /// The eigenvectors of the normals' second moments, the least first; `about_mean` takes off the mean.
-fn principal(faces: &[Facing], about_mean: bool) -> [Vector; 3] {
+fn principal(faces: &[OrientedPoint], about_mean: bool) -> [Vector; 3] {
     let area: f64 = faces.iter().map(|f| f.area).sum();
     let mean = faces.iter().map(|f| f.area * f.normal).sum::<Vector>() / area;
     let mut moments = Matrix3::zeros();
@@ -163,7 +163,7 @@ fn cylinder(points: &[Point], axis: Vector) -> Option<Primitive> {
 }
 
 /// The cone about a direction whose apex lies nearest to the planes of all faces.
-fn cone(points: &[Point], faces: &[Facing], axis: Vector) -> Option<Primitive> {
+fn cone(points: &[Point], faces: &[OrientedPoint], axis: Vector) -> Option<Primitive> {
     let base = middle(points);
     let area: f64 = faces.iter().map(|f| f.area).sum();
     let lean = faces.iter().map(|f| f.area * f.normal.dot(&axis)).sum::<f64>() / area;
@@ -194,7 +194,7 @@ fn cone(points: &[Point], faces: &[Facing], axis: Vector) -> Option<Primitive> {
 
 /// The direction of the line that all normals come nearest to meeting (Pottmann and Wallner's linear line
 /// complex).
-fn complex_axis(faces: &[Facing], base: Point, size: f64) -> Option<Vector> {
+fn complex_axis(faces: &[OrientedPoint], base: Point, size: f64) -> Option<Vector> {
     let mut matrix = SMatrix::<f64, 6, 6>::zeros();
     for f in faces {
         let m = ((f.centre - base) / size).cross(&f.normal);
@@ -209,7 +209,7 @@ fn complex_axis(faces: &[Facing], base: Point, size: f64) -> Option<Vector> {
     Vector::new(v[3], v[4], v[5]).try_normalize(LEAST_LEAN)
 }
 
-fn torus(points: &[Point], faces: &[Facing], axes: &[Vector]) -> Vec<Primitive> {
+fn torus(points: &[Point], faces: &[OrientedPoint], axes: &[Vector]) -> Vec<Primitive> {
     let base = middle(points);
     let size = points.iter().map(|p| (p - base).norm()).fold(f64::MIN_POSITIVE, f64::max);
     let [least, _, most] = principal(faces, false);
@@ -219,7 +219,12 @@ fn torus(points: &[Point], faces: &[Facing], axes: &[Vector]) -> Vec<Primitive> 
     all.filter_map(|axis| torus_about(points, faces, base, axis)).collect()
 }
 
-fn torus_about(points: &[Point], faces: &[Facing], base: Point, axis: Vector) -> Option<Primitive> {
+fn torus_about(
+    points: &[Point],
+    faces: &[OrientedPoint],
+    base: Point,
+    axis: Vector,
+) -> Option<Primitive> {
     let (x, y) = plane_axes(axis);
     // The axis lies where the normals meet, seen along it.
     let mut matrix = nalgebra::Matrix2::zeros();

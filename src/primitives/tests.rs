@@ -73,8 +73,8 @@ fn patch(surface: &Primitive, u: [f64; 2], v: [f64; 2], n: &mut u64) -> Vec<(Poi
         .collect()
 }
 
-fn faces(points: &[(Point, Vector)]) -> Vec<Facing> {
-    points.iter().map(|&(centre, normal)| Facing { centre, normal, area: 1.0 }).collect()
+fn faces(points: &[(Point, Vector)]) -> Vec<OrientedPoint> {
+    points.iter().map(|&(centre, normal)| OrientedPoint { centre, normal, area: 1.0 }).collect()
 }
 
 /// The range of v of a patch that is neither tiny nor closed.
@@ -148,7 +148,7 @@ fn the_motions_derivatives_are_those_of_the_moved_surface() {
                     let p = p + 0.05 * normal;
                     let (d, row) = motions.row(p);
                     for k in 0..surface.kind().parameters() {
-                        let mut step = Row::zeros();
+                        let mut step = MotionRow::zeros();
                         step[k] = 1e-7;
                         let moved = motions.moved(&step).unwrap();
                         let slope = (moved.distance(p).0 - d) / 1e-7;
@@ -164,9 +164,9 @@ fn the_motions_derivatives_are_those_of_the_moved_surface() {
 }
 
 /// Fits from the starts of a kind; the best worst distance in units of the error.
-fn best(kind: PrimitiveKind, points: &[(Point, Vector)], error: f64) -> Option<Fit> {
+fn best(kind: PrimitiveKind, points: &[(Point, Vector)], error: f64) -> Option<PrimitiveFit> {
     let places: Vec<Point> = points.iter().map(|p| p.0).collect();
-    let samples: Vec<Sample> = places.iter().map(|&at| Sample { at, error }).collect();
+    let samples: Vec<FitSample> = places.iter().map(|&at| FitSample { at, error }).collect();
     let fits = starts(kind, &places, &faces(points), &[])
         .into_iter()
         .filter_map(|start| fit(start, &samples, &FitOptions::default()));
@@ -236,7 +236,7 @@ fn a_torus_that_touches_itself_is_refused() {
     let torus =
         Primitive::Torus { centre: Point::origin(), axis: Vector::z(), major: 2.0, minor: 1.9 };
     let motions = Motions::new(torus, Point::new(3.0, 0.0, 1.0), true);
-    let mut step = Row::zeros();
+    let mut step = MotionRow::zeros();
     step[5] = -0.2;
     assert_eq!(motions.moved(&step), None);
     // The points of a spindle: half a circle about an axis that cuts it.
@@ -248,7 +248,7 @@ fn a_torus_that_touches_itself_is_refused() {
             Point::new(rho * u.cos(), rho * u.sin(), 2.0 * v.sin())
         })
         .collect();
-    let samples: Vec<Sample> = spindle.iter().map(|&at| Sample { at, error: 1e-6 }).collect();
+    let samples: Vec<FitSample> = spindle.iter().map(|&at| FitSample { at, error: 1e-6 }).collect();
     if let Some(found) = fit(torus, &samples, &FitOptions::default()) {
         let Primitive::Torus { major, minor, .. } = found.surface else { panic!("no torus") };
         assert!(major > minor);
@@ -261,7 +261,8 @@ fn frozen_motions_are_not_made() {
     let mut n = 8;
     let cylinder = Primitive::Cylinder { origin: Point::origin(), axis: Vector::z(), radius: 5.0 };
     let points = patch(&cylinder, [0.0, 6.0], [-5.0, 5.0], &mut n);
-    let samples: Vec<Sample> = points.iter().map(|p| Sample { at: p.0, error: 1e-6 }).collect();
+    let samples: Vec<FitSample> =
+        points.iter().map(|p| FitSample { at: p.0, error: 1e-6 }).collect();
     let start = Primitive::Cylinder { origin: Point::origin(), axis: Vector::z(), radius: 4.0 };
     let mut options = FitOptions { fixed_centre: true, ..FitOptions::default() };
     [0, 1, 2, 3].iter().for_each(|&k| options.frozen[k] = true);
@@ -276,20 +277,20 @@ fn the_covariance_tells_how_far_fits_of_noisy_points_scatter() {
     let mut n = 9;
     let sphere = Primitive::Sphere { centre: Point::new(1.0, 2.0, 3.0), radius: 10.0 };
     let exact = patch(&sphere, [0.0, 1.0], [-0.4, 0.4], &mut n);
-    let (mut sum, mut told) = (0.0, 0.0);
+    let (mut sum, mut predicted) = (0.0, 0.0);
     for _ in 0..200 {
-        let samples: Vec<Sample> = exact
+        let samples: Vec<FitSample> = exact
             .iter()
             .map(|&(p, normal)| {
                 let noise: f64 = (0..12).map(|_| share(&mut n)).sum::<f64>() - 6.0;
-                Sample { at: p + 1e-3 * noise * normal, error: 1e-3 }
+                FitSample { at: p + 1e-3 * noise * normal, error: 1e-3 }
             })
             .collect();
         let found = fit(sphere, &samples, &FitOptions::default()).unwrap();
         sum += (found.surface.radius().unwrap() - 10.0).powi(2);
-        told += found.covariance[(3, 3)];
+        predicted += found.covariance[(3, 3)];
     }
-    let ratio = (sum / told).sqrt();
+    let ratio = (sum / predicted).sqrt();
     assert!((0.8..1.25).contains(&ratio), "{ratio}");
 }
 

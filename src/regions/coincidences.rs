@@ -4,7 +4,7 @@ use super::exact::ExactFacets;
 use super::growth::{Evidence, GrownRegion};
 use super::significance::typical_error;
 use crate::geometry::{Point, Vector, plane_axes};
-use crate::primitives::{Primitive, Sample};
+use crate::primitives::{FitSample, Primitive};
 
 /// Two vertices are at one place along a circle if they are nearer than so many errors: two for each of the two
 /// vertices, and as much for the axis.
@@ -32,7 +32,7 @@ pub(super) fn independent(evidence: &ExactFacets, growth: &GrownRegion) -> f64 {
     let turn = Some(std::f64::consts::TAU);
     let around = |origin: Point, axis: Vector| {
         let (x, y) = plane_axes(axis);
-        let place = |s: Sample| {
+        let place = |s: FitSample| {
             let q = s.at - origin;
             let (a, b) = (q.dot(&x), q.dot(&y));
             (b.atan2(a), SAME_PLACE * s.error / a.hypot(b).max(f64::MIN_POSITIVE))
@@ -48,7 +48,7 @@ pub(super) fn independent(evidence: &ExactFacets, growth: &GrownRegion) -> f64 {
         Primitive::Cone { origin, axis, .. } => (around(origin, axis) - 3.0).min(spare),
         Primitive::Sphere { .. } => spare.min(rings(evidence, growth)),
         Primitive::Torus { centre, axis, major, minor } => {
-            let tube = |s: Sample| {
+            let tube = |s: FitSample| {
                 let q = s.at - centre;
                 let h = q.dot(&axis);
                 let rho = (q - h * axis).norm();

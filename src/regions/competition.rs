@@ -2,8 +2,8 @@
 
 use super::exact::ExactFacets;
 use super::growth::{Evidence, GrownRegion, pieces, refitted};
-use super::search::Search;
-use super::significance::Found;
+use super::search::SeedSearch;
+use super::significance::FoundRegion;
 use crate::geometry::NONE;
 use crate::primitives::FitOptions;
 
@@ -22,13 +22,13 @@ pub(super) struct Claims {
 /// be significant again. The regions join those that are there.
 pub(super) fn compete(
     evidence: &ExactFacets,
-    search: &mut Search,
-    found: Vec<Found>,
+    search: &mut SeedSearch,
+    found: Vec<FoundRegion>,
     claims: &mut Claims,
 ) {
     let Claims { regions, of, .. } = claims;
     let mut left = found;
-    let first = |f: &Found| f.growth.units.iter().copied().min();
+    let first = |f: &FoundRegion| f.growth.units.iter().copied().min();
     left.sort_by(|a, b| b.weight.total_cmp(&a.weight).then(first(a).cmp(&first(b))));
     let mut at = 0;
     while at < left.len() {

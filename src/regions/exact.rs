@@ -1,10 +1,10 @@
 //! The evidence of a clean mesh: facets whose corners lie on the surface within the rounding of the file.
 
-use super::facets::{Facet, Facets};
+use super::facets::{Facet, FacetMesh};
 use super::growth::{Evidence, GrownRegion};
 use super::tessellation::{MOST_ERRORS, SLIVER, Tessellation};
 use crate::geometry::Vector;
-use crate::primitives::{Facing, Primitive, PrimitiveKind, Sample};
+use crate::primitives::{FitSample, OrientedPoint, Primitive, PrimitiveKind};
 
 /// No facet of a curved face turns more than this from the next: nobody exports coarser than 9 segments a turn (40°).
 /// It keeps cubes from becoming spheres (54.7°), and hexagons and octagons flat.
@@ -24,10 +24,10 @@ const SAGITTA_RATIO: f64 = 2.25;
 /// The facets of a clean mesh as evidence.
 pub(super) struct ExactFacets<'a> {
     pub(super) mesh: &'a Tessellation<'a>,
-    pub(super) facets: Facets,
+    pub(super) facets: FacetMesh,
     /// The factor by which all errors are larger than those of the file.
     pub(super) slack: f64,
-    /// Facets that no region may grow over.
+    /// FacetMesh that no region may grow over.
     pub(super) closed: Vec<bool>,
 }
 
@@ -50,8 +50,8 @@ impl Evidence for ExactFacets<'_> {
         &self.facets.get(unit).corners
     }
 
-    fn sample(&self, vertex: u32) -> Sample {
-        Sample { at: self.mesh.point(vertex), error: self.error(vertex) }
+    fn sample(&self, vertex: u32) -> FitSample {
+        FitSample { at: self.mesh.point(vertex), error: self.error(vertex) }
     }
 
     fn bound(&self) -> f64 {
@@ -180,9 +180,9 @@ impl ExactFacets<'_> {
     }
 
     /// A facet as a start of a fit sees it.
-    pub(super) fn facing(&self, facet: u32) -> Facing {
+    pub(super) fn facing(&self, facet: u32) -> OrientedPoint {
         let facet = self.facets.get(facet);
-        Facing { centre: facet.centre, normal: facet.normal, area: facet.area }
+        OrientedPoint { centre: facet.centre, normal: facet.normal, area: facet.area }
     }
 
     /// On which side of a surface some facets lie: the sign of its normal that they have.

@@ -12,7 +12,7 @@ pub(super) struct Border {
     pub(super) dihedral: f64,
     /// The length of the common edges.
     pub(super) length: f64,
-    /// The common edges, as a range of [`Facets::sides`].
+    /// The common edges, as a range of [`FacetMesh::sides`].
     sides: [u32; 2],
 }
 
@@ -47,7 +47,7 @@ impl Facet {
 }
 
 /// The facets of a mesh.
-pub(super) struct Facets {
+pub(super) struct FacetMesh {
     pub(super) all: Vec<Facet>,
     /// For each triangle its facet.
     pub(super) of: Vec<u32>,
@@ -60,18 +60,18 @@ const FLAT_CORNERS: usize = 5;
 /// The plane of a growing facet is fitted again whenever it has so many times as many vertices.
 const REFIT_GROWTH: f64 = 1.6;
 
-impl Facets {
+impl FacetMesh {
     pub(super) fn of(mesh: &Tessellation) -> Self {
         let (mut members, mut of) = grown(mesh);
         give_slivers(mesh, &mut members, &mut of);
         let mut all: Vec<Facet> =
             members.into_iter().map(|triangles| measured(mesh, triangles, &of)).collect();
         let sides = join(mesh, &of, &mut all);
-        Facets { all, of, sides }
+        FacetMesh { all, of, sides }
     }
 
     /// Cuts a facet into groups of its triangles. The first group keeps the number, the others get new ones, which are
-    /// returned. Call [`Facets::rejoin`] after the last cut.
+    /// returned. Call [`FacetMesh::rejoin`] after the last cut.
     pub(super) fn cut(&mut self, mesh: &Tessellation, f: u32, groups: Vec<Vec<u32>>) -> Vec<u32> {
         let first = self.all.len() as u32;
         let numbers: Vec<u32> =

@@ -1,7 +1,7 @@
 //! The growth of a region: one loop for every kind of evidence.
 
 use crate::geometry::NONE;
-use crate::primitives::{Fit, FitOptions, Primitive, Sample, fit};
+use crate::primitives::{FitOptions, FitSample, Primitive, PrimitiveFit, fit};
 
 /// What a region grows by: facets of a clean mesh, or vertices of a noisy one.
 pub(super) trait Evidence {
@@ -18,7 +18,7 @@ pub(super) trait Evidence {
     fn vertices(&self, unit: u32) -> &[u32];
 
     /// Place and error of a vertex.
-    fn sample(&self, vertex: u32) -> Sample;
+    fn sample(&self, vertex: u32) -> FitSample;
 
     /// The number of errors that a vertex may be off.
     fn bound(&self) -> f64;
@@ -40,7 +40,7 @@ pub(super) trait Evidence {
 /// A region that grows.
 #[derive(Debug, Clone)]
 pub(super) struct GrownRegion {
-    pub(super) fit: Fit,
+    pub(super) fit: PrimitiveFit,
     /// +1 if the mesh's normals are the surface's, -1 if they are opposite.
     pub(super) side: f64,
     /// The factor by which the errors are larger than those of the file.
@@ -49,16 +49,16 @@ pub(super) struct GrownRegion {
     pub(super) vertices: Vec<u32>,
 }
 
-/// Marks of units and vertices, kept between growths.
-pub(super) struct Marks {
+/// RegionMarks of units and vertices, kept between growths.
+pub(super) struct RegionMarks {
     units: Vec<u32>,
     vertices: Vec<u32>,
     now: u32,
 }
 
-impl Marks {
+impl RegionMarks {
     pub(super) fn new(units: usize, vertices: usize) -> Self {
-        Marks { units: vec![NONE; units], vertices: vec![NONE; vertices], now: 0 }
+        RegionMarks { units: vec![NONE; units], vertices: vec![NONE; vertices], now: 0 }
     }
 
     /// Forgets all marks.
@@ -66,7 +66,7 @@ impl Marks {
         self.now += 1;
     }
 
-    /// Marks a unit. Returns whether it was not marked.
+    /// RegionMarks a unit. Returns whether it was not marked.
     pub(super) fn unit(&mut self, unit: u32) -> bool {
         std::mem::replace(&mut self.units[unit as usize], self.now) != self.now
     }
@@ -96,10 +96,10 @@ const FOLLOWING_STEPS: usize = 15;
 impl GrownRegion {
     pub(super) fn new<E: Evidence>(
         evidence: &E,
-        fit: Fit,
+        fit: PrimitiveFit,
         side: f64,
         seed: &[u32],
-        marks: &mut Marks,
+        marks: &mut RegionMarks,
     ) -> Self {
         let slack = evidence.slack();
         let mut growth = GrownRegion { fit, side, slack, units: Vec::new(), vertices: Vec::new() };
@@ -112,7 +112,7 @@ impl GrownRegion {
         self.fit.surface
     }
 
-    fn add<E: Evidence>(&mut self, evidence: &E, unit: u32, marks: &mut Marks) {
+    fn add<E: Evidence>(&mut self, evidence: &E, unit: u32, marks: &mut RegionMarks) {
         if marks.unit(unit) {
             self.units.push(unit);
             let new = evidence.vertices(unit).iter().filter(|&&v| marks.vertex(v));
@@ -139,9 +139,9 @@ pub(super) fn refitted<E: Evidence>(
     start: Primitive,
     vertices: &[u32],
     options: &FitOptions,
-) -> Option<Fit> {
+) -> Option<PrimitiveFit> {
     let stride = vertices.len().div_ceil(MOST_SAMPLES).max(1);
-    let samples: Vec<Sample> =
+    let samples: Vec<FitSample> =
         vertices.iter().step_by(stride).map(|&v| evidence.sample(v)).collect();
     let mut found = fit(start, &samples, options)?;
     if stride > 1 {
@@ -163,10 +163,10 @@ pub(super) fn worst<E: Evidence>(evidence: &E, surface: &Primitive, vertices: &[
 /// explains, or `None` if a fit fails.
 pub(super) fn grow<E: Evidence>(
     evidence: &E,
-    start: Fit,
+    start: PrimitiveFit,
     side: f64,
     seed: &[u32],
-    marks: &mut Marks,
+    marks: &mut RegionMarks,
 ) -> Option<GrownRegion> {
     let mut growth = GrownRegion::new(evidence, start, side, seed, marks);
     let mut memory = evidence.begin(&start.surface, seed);
@@ -204,7 +204,7 @@ fn spread<E: Evidence>(
     evidence: &E,
     growth: &mut GrownRegion,
     memory: &mut E::Memory,
-    marks: &mut Marks,
+    marks: &mut RegionMarks,
 ) -> bool {
     let before = growth.units.len();
     let most = before + before.max(FEWEST_ADDED);
@@ -232,7 +232,11 @@ fn spread<E: Evidence>(
 }
 
 /// The connected pieces of some units, the largest first, of equal ones the one with the lowest number.
-pub(super) fn pieces<E: Evidence>(evidence: &E, units: &[u32], marks: &mut Marks) -> Vec<Vec<u32>> {
+pub(super) fn pieces<E: Evidence>(
+    evidence: &E,
+    units: &[u32],
+    marks: &mut RegionMarks,
+) -> Vec<Vec<u32>> {
     marks.clear();
     units.iter().for_each(|&u| {
         marks.unit(u);

@@ -5,7 +5,7 @@ use super::exact::ExactFacets;
 use super::growth::{Evidence, GrownRegion, refitted, worst};
 use super::search::{CURVED, near_axes};
 use crate::geometry::Point;
-use crate::primitives::{Facing, FitOptions, Primitive, with_axis};
+use crate::primitives::{FitOptions, OrientedPoint, Primitive, with_axis};
 
 /// The facets of a region that are looked at for its axis.
 const SAMPLE: usize = 300;
@@ -43,7 +43,7 @@ impl Claims {
         for region in self.regions.iter_mut().filter(|r| r.slack > 1.0) {
             let units = &region.units;
             let stride = units.len().div_ceil(SAMPLE).max(1);
-            let faces: Vec<Facing> =
+            let faces: Vec<OrientedPoint> =
                 units.iter().step_by(stride).map(|&f| evidence.facing(f)).collect();
             let points: Vec<Point> =
                 region.vertices.iter().map(|&v| evidence.sample(v).at).collect();

@@ -37,16 +37,16 @@ mod tori;
 
 pub use precision::FlatPairs;
 pub use prisms::Prism;
-pub use result::{Origin, Region, Regions};
+pub use result::{FaceRegion, RegionOrigin, Regions};
 pub use rounding::Rounding;
 pub use snap::{Snap, SnapKind};
 pub use tessellation::Tessellation;
 
 use competition::Claims;
 use exact::ExactFacets;
-use facets::Facets;
-use growth::{GrownRegion, Marks};
-use search::Search;
+use facets::FacetMesh;
+use growth::{GrownRegion, RegionMarks};
+use search::SeedSearch;
 
 use crate::geometry::NONE;
 
@@ -67,7 +67,7 @@ impl Default for Options {
 
 /// Finds the regions of a clean mesh.
 pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
-    let facets = Facets::of(mesh);
+    let facets = FacetMesh::of(mesh);
     let count = facets.all.len();
     let mut evidence = ExactFacets { mesh, facets, slack: 1.0, closed: vec![false; count] };
     let generous =
@@ -77,7 +77,7 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
         for _ in 0..MOST_SEARCHES {
             evidence.closed = claims.of.iter().map(|&r| r != NONE).collect();
             let known = claims.regions.iter().map(GrownRegion::surface).collect();
-            let mut search = Search::new(&evidence, known);
+            let mut search = SeedSearch::new(&evidence, known);
             let found = search.run();
             let before = claims.regions.len();
             competition::compete(&evidence, &mut search, found, &mut claims);
@@ -103,7 +103,7 @@ pub fn find(mesh: &Tessellation, options: &Options) -> Regions {
     evidence.slack = 1.0;
     claims.cut(&mut evidence);
     let count = evidence.facets.all.len();
-    let mut marks = Marks::new(count, mesh.errors.len());
+    let mut marks = RegionMarks::new(count, mesh.errors.len());
     let prisms = prisms::find(&evidence, &mut claims, options.keep_polygons, &mut marks);
     let mut result = result::gathered(&evidence, &claims);
     result.prisms = prisms;

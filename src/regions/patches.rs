@@ -9,28 +9,28 @@ use crate::random::scattered;
 /// Six vertices are two facets of a strip, eight are three: narrow bends have no more. Seven are a corner of
 /// triangles, nine are two more than a torus has parameters, fourteen are twice its parameters, and thirty
 /// reach across the rows of a finely divided face.
-const ORDERS: [(Order, usize); 14] = [
-    (Order::Nearest, 14),
-    (Order::LongestEdge, 10),
-    (Order::LeastTurn, 9),
-    (Order::LikeArea, 10),
-    (Order::LongestEdge, 6),
-    (Order::LongestEdge, 8),
-    (Order::LeastTurn, 6),
-    (Order::Nearest, 7),
-    (Order::Nearest, 30),
-    (Order::Mixed(1), 6),
-    (Order::Mixed(2), 6),
-    (Order::Mixed(3), 9),
-    (Order::Mixed(4), 9),
-    (Order::Mixed(5), 9),
+const ORDERS: [(PatchOrder, usize); 14] = [
+    (PatchOrder::Nearest, 14),
+    (PatchOrder::LongestEdge, 10),
+    (PatchOrder::LeastTurn, 9),
+    (PatchOrder::LikeArea, 10),
+    (PatchOrder::LongestEdge, 6),
+    (PatchOrder::LongestEdge, 8),
+    (PatchOrder::LeastTurn, 6),
+    (PatchOrder::Nearest, 7),
+    (PatchOrder::Nearest, 30),
+    (PatchOrder::Mixed(1), 6),
+    (PatchOrder::Mixed(2), 6),
+    (PatchOrder::Mixed(3), 9),
+    (PatchOrder::Mixed(4), 9),
+    (PatchOrder::Mixed(5), 9),
 ];
 
 /// The number of patches of a seed.
 pub(super) const PATCHES: usize = ORDERS.len();
 
 #[derive(Debug, Clone, Copy)]
-enum Order {
+enum PatchOrder {
     Nearest,
     LongestEdge,
     LeastTurn,
@@ -54,7 +54,7 @@ pub(super) fn around(
         key.sort_unstable();
         if patch.len() >= 2 && !sorted.contains(&key) {
             sorted.push(key);
-            patches.push((patch, matches!(order, Order::Nearest)));
+            patches.push((patch, matches!(order, PatchOrder::Nearest)));
         }
     }
     patches
@@ -64,7 +64,7 @@ fn grown(
     evidence: &ExactFacets,
     seed: u32,
     may_join: &dyn Fn(u32) -> bool,
-    order: Order,
+    order: PatchOrder,
     vertices: usize,
 ) -> Vec<u32> {
     let mut patch = Vec::new();
@@ -96,18 +96,18 @@ fn grown(
     patch
 }
 
-fn key(evidence: &ExactFacets, seed: u32, from: u32, border: &Border, order: Order) -> f64 {
+fn key(evidence: &ExactFacets, seed: u32, from: u32, border: &Border, order: PatchOrder) -> f64 {
     let [first, near, to] = [seed, from, border.facet].map(|f| evidence.facets.get(f));
     match order {
-        Order::Nearest => (to.centre - first.centre).norm(),
-        Order::LongestEdge => -border.length / near.area.sqrt(),
-        Order::LeastTurn => border.dihedral,
-        Order::LikeArea => (to.area / first.area).ln().abs(),
-        Order::Mixed(number) => scattered(u64::from(border.facet) << 8 | number) as f64,
+        PatchOrder::Nearest => (to.centre - first.centre).norm(),
+        PatchOrder::LongestEdge => -border.length / near.area.sqrt(),
+        PatchOrder::LeastTurn => border.dihedral,
+        PatchOrder::LikeArea => (to.area / first.area).ln().abs(),
+        PatchOrder::Mixed(number) => scattered(u64::from(border.facet) << 8 | number) as f64,
     }
 }
 
-/// Facets around a seed by distance, until eight of them leave a surface. Empty if fewer than four do.
+/// FacetMesh around a seed by distance, until eight of them leave a surface. Empty if fewer than four do.
 pub(super) fn beyond(
     evidence: &ExactFacets,
     seed: u32,

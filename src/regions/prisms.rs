@@ -4,10 +4,10 @@ use std::f64::consts::{PI, TAU};
 
 use super::competition::Claims;
 use super::exact::ExactFacets;
-use super::growth::{Evidence, GrownRegion, Marks};
+use super::growth::{Evidence, GrownRegion, RegionMarks};
 use super::search::samples;
 use crate::geometry::{NONE, Point, plane_axes};
-use crate::primitives::{Facing, FitOptions, Primitive, PrimitiveKind, fit, starts};
+use crate::primitives::{FitOptions, OrientedPoint, Primitive, PrimitiveKind, fit, starts};
 
 /// The sides of prisms that may be cylinders. Four are a box; nine turn less than the most that a curved face turns.
 const SIDES: std::ops::RangeInclusive<usize> = 5..=8;
@@ -91,7 +91,7 @@ pub(super) fn find(
     evidence: &ExactFacets,
     claims: &mut Claims,
     keep_polygons: bool,
-    marks: &mut Marks,
+    marks: &mut RegionMarks,
 ) -> Vec<Prism> {
     let laws = laws(evidence, &claims.regions);
     let mut seen = vec![false; claims.of.len()];
@@ -155,13 +155,13 @@ fn next(
 }
 
 /// The cylinder through all corners of a ring.
-fn cylinder(evidence: &ExactFacets, ring: &[u32], marks: &mut Marks) -> Option<GrownRegion> {
+fn cylinder(evidence: &ExactFacets, ring: &[u32], marks: &mut RegionMarks) -> Option<GrownRegion> {
     let samples = samples(evidence, ring);
-    let faces: Vec<Facing> = ring
+    let faces: Vec<OrientedPoint> = ring
         .iter()
         .map(|&f| {
             let facet = evidence.facets.get(f);
-            Facing { centre: facet.centre, normal: facet.normal, area: facet.area }
+            OrientedPoint { centre: facet.centre, normal: facet.normal, area: facet.area }
         })
         .collect();
     let points: Vec<Point> = samples.iter().map(|s| s.at).collect();

@@ -6,12 +6,12 @@ use super::growth::{Evidence, GrownRegion};
 use super::prisms::Prism;
 use super::snap::Snap;
 use crate::geometry::NONE;
-use crate::primitives::{Covariance, FitOptions, Motions, Primitive, Sample, fit};
+use crate::primitives::{Covariance, FitOptions, FitSample, Motions, Primitive, fit};
 use crate::sets::Sets;
 
 /// What a region is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Origin {
+pub enum RegionOrigin {
     /// A curved face.
     Curved,
     /// A flat face.
@@ -22,13 +22,13 @@ pub enum Origin {
 
 /// Triangles of one surface. They are connected across edges.
 #[derive(Debug, Clone)]
-pub struct Region {
+pub struct FaceRegion {
     /// The surface, in the unit of the mesh. Snaps are applied.
     pub surface: Primitive,
     /// +1 if the outside of the mesh is where the distance to the surface is positive, -1 otherwise (a bore).
     pub side: f64,
     /// What the region is.
-    pub origin: Origin,
+    pub origin: RegionOrigin,
     /// The triangles, ascending.
     pub triangles: Vec<u32>,
     /// The vertices that must lie on the surface, ascending: corners of the outlines of its facets; of a flat face all
@@ -44,7 +44,7 @@ pub struct Region {
 #[derive(Debug, Clone)]
 pub struct Regions {
     /// All regions: curved ones first, then flat ones and left-over facets.
-    pub regions: Vec<Region>,
+    pub regions: Vec<FaceRegion>,
     /// For each triangle the number of its region.
     pub of_triangle: Vec<u32>,
     /// What was moved within the rounding.
@@ -57,7 +57,7 @@ pub struct Regions {
 
 /// Makes regions of the claims, and flat ones of the facets that are left.
 pub(super) fn gathered(evidence: &ExactFacets, claims: &Claims) -> Regions {
-    let mut regions: Vec<Region> =
+    let mut regions: Vec<FaceRegion> =
         claims.regions.iter().map(|growth| curved(evidence, growth)).collect();
     let leftovers = leftovers(evidence, claims);
     for f in (0..claims.of.len() as u32).filter(|&f| claims.of[f as usize] == NONE) {
@@ -69,7 +69,7 @@ pub(super) fn gathered(evidence: &ExactFacets, claims: &Claims) -> Regions {
         for &t in &region.triangles {
             of_triangle[t as usize] = number as u32;
             all += evidence.mesh.areas[t as usize];
-            if region.origin != Origin::Facet {
+            if region.origin != RegionOrigin::Facet {
                 explained += evidence.mesh.areas[t as usize];
             }
         }
@@ -104,17 +104,17 @@ fn leftovers(evidence: &ExactFacets, claims: &Claims) -> Vec<bool> {
     (0..facets.len()).map(&mut is_left).collect()
 }
 
-fn curved(evidence: &ExactFacets, growth: &GrownRegion) -> Region {
+fn curved(evidence: &ExactFacets, growth: &GrownRegion) -> FaceRegion {
     let units = growth.units.iter();
     let mut triangles: Vec<u32> =
         units.flat_map(|&f| evidence.facets.get(f).triangles.iter().copied()).collect();
     triangles.sort_unstable();
     let mut vertices = growth.vertices.clone();
     vertices.sort_unstable();
-    Region {
+    FaceRegion {
         surface: growth.surface(),
         side: growth.side,
-        origin: Origin::Curved,
+        origin: RegionOrigin::Curved,
         triangles,
         vertices,
         motions: growth.fit.motions,
@@ -122,7 +122,7 @@ fn curved(evidence: &ExactFacets, growth: &GrownRegion) -> Region {
     }
 }
 
-fn flat(evidence: &ExactFacets, leftovers: &[bool], f: u32) -> Region {
+fn flat(evidence: &ExactFacets, leftovers: &[bool], f: u32) -> FaceRegion {
     let facet = evidence.facets.get(f);
     let mut triangles = facet.triangles.clone();
     triangles.sort_unstable();
@@ -130,12 +130,12 @@ fn flat(evidence: &ExactFacets, leftovers: &[bool], f: u32) -> Region {
     vertices.sort_unstable();
     vertices.dedup();
     let start = Primitive::Plane { origin: facet.centre, normal: facet.normal };
-    let samples: Vec<Sample> = vertices.iter().map(|&v| evidence.sample(v)).collect();
+    let samples: Vec<FitSample> = vertices.iter().map(|&v| evidence.sample(v)).collect();
     let fitted = fit(start, &samples, &FitOptions::default());
     let surface = fitted.map_or(start, |fit| fit.surface);
     let motions = fitted.map_or(Motions::new(start, facet.centre, false), |fit| fit.motions);
     let covariance = fitted.map_or(Covariance::zeros(), |fit| fit.covariance);
     let is_facet = leftovers[f as usize];
-    let origin = if is_facet { Origin::Facet } else { Origin::Flat };
-    Region { surface, side: 1.0, origin, triangles, vertices, motions, covariance }
+    let origin = if is_facet { RegionOrigin::Facet } else { RegionOrigin::Flat };
+    FaceRegion { surface, side: 1.0, origin, triangles, vertices, motions, covariance }
 }

@@ -2,12 +2,13 @@
 
 use super::exact::{ExactFacets, MOST_TURN};
 use super::facets::Facet;
-use super::growth::{Evidence, GrownRegion, Marks, grow, refitted};
+use super::growth::{Evidence, GrownRegion, RegionMarks, grow, refitted};
 use super::patches::{self, PATCHES};
-use super::significance::{Found, judged};
+use super::significance::{FoundRegion, judged};
 use crate::geometry::{Point, Vector};
 use crate::primitives::{
-    Facing, Fit, FitOptions, Primitive, PrimitiveKind, Sample, fit, starts, with_axis,
+    FitOptions, FitSample, OrientedPoint, Primitive, PrimitiveFit, PrimitiveKind, fit, starts,
+    with_axis,
 };
 
 /// The order in which kinds are preferred if they explain as much: two circles fit all of them, and the ruled ones are
@@ -40,17 +41,17 @@ const MOST_AXES: usize = 3;
 /// A smaller major radius than this many minor ones is a spindle by rounding.
 const LEAST_HOLE: f64 = 1.0;
 
-pub(super) struct Search<'a> {
+pub(super) struct SeedSearch<'a> {
     pub(super) evidence: &'a ExactFacets<'a>,
-    /// Facets that may belong to a curved face and are not explained yet.
+    /// FacetMesh that may belong to a curved face and are not explained yet.
     pub(super) pool: Vec<bool>,
     tests: f64,
     pub(super) known: Vec<Primitive>,
-    marks: Marks,
+    marks: RegionMarks,
     diagonal: f64,
 }
 
-impl<'a> Search<'a> {
+impl<'a> SeedSearch<'a> {
     /// A search among the facets that are open, with the surfaces that are known already.
     pub(super) fn new(evidence: &'a ExactFacets<'a>, known: Vec<Primitive>) -> Self {
         let facets = &evidence.facets.all;
@@ -59,22 +60,22 @@ impl<'a> Search<'a> {
         let pool: Vec<bool> = open.map(|(f, closed)| !closed && is_curved(f)).collect();
         let size = pool.iter().filter(|&&x| x).count();
         let tests = (CURVED.len() * PATCHES * size).max(10) as f64;
-        let marks = Marks::new(facets.len(), evidence.mesh.errors.len());
+        let marks = RegionMarks::new(facets.len(), evidence.mesh.errors.len());
         let diagonal = evidence.mesh.mesh.diagonal();
-        Search { evidence, pool, tests, known, marks, diagonal }
+        SeedSearch { evidence, pool, tests, known, marks, diagonal }
     }
 
     /// Judges a region by the number of tests of this search.
-    pub(super) fn judged(&self, growth: GrownRegion) -> Option<Found> {
+    pub(super) fn judged(&self, growth: GrownRegion) -> Option<FoundRegion> {
         judged(self.evidence, growth, &self.known, self.tests)
     }
 
-    pub(super) fn marks(&mut self) -> &mut Marks {
+    pub(super) fn marks(&mut self) -> &mut RegionMarks {
         &mut self.marks
     }
 
     /// Finds the regions of all seeds. They may overlap.
-    pub(super) fn run(&mut self) -> Vec<Found> {
+    pub(super) fn run(&mut self) -> Vec<FoundRegion> {
         let facets = &self.evidence.facets.all;
         let pieces = self.smooth_pieces();
         let mut allowed: Vec<usize> = vec![0; facets.len()];
@@ -108,15 +109,15 @@ impl<'a> Search<'a> {
     }
 
     /// The best region that holds a seed.
-    fn best_at(&mut self, seed: u32) -> Option<Found> {
-        let mut best: Vec<Found> = Vec::new();
+    fn best_at(&mut self, seed: u32) -> Option<FoundRegion> {
+        let mut best: Vec<FoundRegion> = Vec::new();
         let patches = patches::around(self.evidence, seed, &|f| self.pool[f as usize]);
         for (number, (patch, is_near)) in patches.iter().enumerate() {
             for kind in CURVED {
                 if best.iter().any(|b| b.growth.surface().kind() == kind) {
                     continue;
                 }
-                let ruled = |b: &Found| {
+                let ruled = |b: &FoundRegion| {
                     matches!(
                         b.growth.surface().kind(),
                         PrimitiveKind::Cylinder | PrimitiveKind::Cone
@@ -149,7 +150,12 @@ impl<'a> Search<'a> {
     }
 
     /// The first significant region of a kind that grows from a patch and holds the seed.
-    pub(super) fn tried(&mut self, kind: PrimitiveKind, patch: &[u32], seed: u32) -> Option<Found> {
+    pub(super) fn tried(
+        &mut self,
+        kind: PrimitiveKind,
+        patch: &[u32],
+        seed: u32,
+    ) -> Option<FoundRegion> {
         let samples = samples(self.evidence, patch);
         let spare = usize::from(matches!(kind, PrimitiveKind::Sphere | PrimitiveKind::Torus));
         if samples.len() < kind.parameters() + spare {
@@ -170,13 +176,13 @@ impl<'a> Search<'a> {
     }
 
     /// The starts of a kind on a patch: about known axes first.
-    fn starts(&self, kind: PrimitiveKind, patch: &[u32], samples: &[Sample]) -> Vec<Primitive> {
+    fn starts(&self, kind: PrimitiveKind, patch: &[u32], samples: &[FitSample]) -> Vec<Primitive> {
         let points: Vec<Point> = samples.iter().map(|s| s.at).collect();
-        let faces: Vec<Facing> = patch
+        let faces: Vec<OrientedPoint> = patch
             .iter()
             .map(|&f| {
                 let facet = self.evidence.facets.get(f);
-                Facing { centre: facet.centre, normal: facet.normal, area: facet.area }
+                OrientedPoint { centre: facet.centre, normal: facet.normal, area: facet.area }
             })
             .collect();
         let mut all: Vec<Primitive> = Vec::new();
@@ -214,7 +220,12 @@ impl<'a> Search<'a> {
     }
 
     /// Grows a region of a surface that fits a patch, as a simpler kind if that fits as well, and judges it.
-    pub(super) fn region(&mut self, fit: Fit, patch: &[u32], seed: u32) -> Option<Found> {
+    pub(super) fn region(
+        &mut self,
+        fit: PrimitiveFit,
+        patch: &[u32],
+        seed: u32,
+    ) -> Option<FoundRegion> {
         let side = self.evidence.side(&fit.surface, patch);
         let growth = grow(self.evidence, fit, side, patch, &mut self.marks)?;
         let growth = self.simplified(growth);
@@ -257,12 +268,12 @@ impl<'a> Search<'a> {
 /// The facets of a region that suffice for a start.
 const MOST_FACINGS: usize = 60;
 
-fn largest(found: &[Found]) -> Option<&Found> {
+fn largest(found: &[FoundRegion]) -> Option<&FoundRegion> {
     found.iter().max_by(|a, b| a.area.total_cmp(&b.area))
 }
 
 /// The corners of some facets, each once, in the order of their numbers.
-pub(super) fn samples(evidence: &ExactFacets, facets: &[u32]) -> Vec<Sample> {
+pub(super) fn samples(evidence: &ExactFacets, facets: &[u32]) -> Vec<FitSample> {
     let mut corners: Vec<u32> =
         facets.iter().flat_map(|&f| evidence.vertices(f)).copied().collect();
     corners.sort_unstable();
@@ -271,13 +282,13 @@ pub(super) fn samples(evidence: &ExactFacets, facets: &[u32]) -> Vec<Sample> {
 }
 
 /// Known axes that the normals of all faces come near to meeting, the nearest first, each line once.
-pub(super) fn near_axes(known: &[Primitive], faces: &[Facing]) -> Vec<(Point, Vector)> {
+pub(super) fn near_axes(known: &[Primitive], faces: &[OrientedPoint]) -> Vec<(Point, Vector)> {
     let area: f64 = faces.iter().map(|f| f.area).sum();
     let mut rated: Vec<(f64, Point, Vector)> = Vec::new();
     for surface in known {
         let Some(axis) = surface.axis() else { continue };
         let origin = surface.origin();
-        let miss = |f: &Facing| {
+        let miss = |f: &OrientedPoint| {
             let q = f.centre - origin;
             let across = q - q.dot(&axis) * axis;
             f.area * f.normal.dot(&axis.cross(&across)).abs() / across.norm().max(f64::MIN_POSITIVE)

@@ -2,10 +2,10 @@
 
 use super::exact::MOST_TURN;
 use super::facets::Border;
-use super::search::Search;
+use super::search::SeedSearch;
 use crate::sets::Sets;
 
-impl Search<'_> {
+impl SeedSearch<'_> {
     /// For each facet the number of the smooth piece of the mesh that has it.
     pub(super) fn smooth_pieces(&self) -> Vec<usize> {
         let facets = &self.evidence.facets.all;

@@ -8,7 +8,7 @@ use crate::primitives::{Primitive, PrimitiveKind};
 
 /// A region of facets on one surface.
 #[derive(Debug, Clone)]
-pub(super) struct Found {
+pub(super) struct FoundRegion {
     pub(super) growth: GrownRegion,
     pub(super) area: f64,
     /// Vertices, straight edges on the surface and tangent neighbours minus parameters: what the region explains.
@@ -31,7 +31,7 @@ pub(super) fn judged(
     growth: GrownRegion,
     known: &[Primitive],
     tests: f64,
-) -> Option<Found> {
+) -> Option<FoundRegion> {
     let surface = growth.surface();
     let kind = surface.kind();
     if growth.units.len() < 2 || is_extruded(evidence, &growth) && kind != PrimitiveKind::Cylinder {
@@ -68,7 +68,7 @@ pub(super) fn judged(
     let area = growth.units.iter().map(|&f| evidence.facets.get(f).area).sum();
     let weight = (growth.vertices.len() + straight_edges(evidence, &growth) + tangent) as f64
         - kind.parameters() as f64;
-    Some(Found { growth, area, weight })
+    Some(FoundRegion { growth, area, weight })
 }
 
 pub(super) fn median(mut values: Vec<f64>) -> Option<f64> {

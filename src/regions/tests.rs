@@ -69,7 +69,7 @@ fn regions(mesh: &Mesh, errors: &[f64]) -> Regions {
 }
 
 fn kinds(found: &Regions, kind: PrimitiveKind) -> usize {
-    let is = |r: &&Region| r.origin != Origin::Facet && r.surface.kind() == kind;
+    let is = |r: &&FaceRegion| r.origin != RegionOrigin::Facet && r.surface.kind() == kind;
     found.regions.iter().filter(is).count()
 }
 
@@ -94,7 +94,7 @@ fn a_cylinder_is_found_turned_far_away_and_in_any_unit() {
         let (mesh, errors) = exported(prism(24, 5.0, 8.0), turn, far, scale);
         let found = regions(&mesh, &errors);
         assert_eq!(kinds(&found, PrimitiveKind::Cylinder), 1, "scale {scale}");
-        let curved = found.regions.iter().find(|r| r.origin == Origin::Curved).unwrap();
+        let curved = found.regions.iter().find(|r| r.origin == RegionOrigin::Curved).unwrap();
         let radius = curved.surface.radius().unwrap() / scale;
         assert!((radius - 5.0).abs() < 1e-4, "{radius}");
         assert_eq!(curved.side, 1.0);
@@ -105,7 +105,7 @@ fn a_cylinder_is_found_turned_far_away_and_in_any_unit() {
 fn snapped_values_are_the_designers() {
     let (mesh, errors) = exported(prism(24, 5.0, 8.0), NOWHERE, Vector::new(3.0, 4.0, 0.0), 1.0);
     let found = regions(&mesh, &errors);
-    let curved = found.regions.iter().find(|r| r.origin == Origin::Curved).unwrap();
+    let curved = found.regions.iter().find(|r| r.origin == RegionOrigin::Curved).unwrap();
     let Primitive::Cylinder { origin, axis, radius } = curved.surface else {
         panic!("no cylinder")
     };
@@ -131,7 +131,7 @@ fn a_rough_surface_is_no_clean_mesh_and_has_no_curved_face() {
     let (mesh, errors) = exported(mesh, NOWHERE, NOWHERE, 1.0);
     assert_ne!(FlatPairs::of(&Tessellation::new(&mesh, &errors)).is_clean(), Some(true));
     let found = regions(&mesh, &errors);
-    assert!(found.regions.iter().all(|r| r.origin != Origin::Curved));
+    assert!(found.regions.iter().all(|r| r.origin != RegionOrigin::Curved));
 }
 
 #[test]

@@ -3,13 +3,13 @@
 use super::exact::MOST_TURN;
 use super::growth::{Evidence, GrownRegion};
 use super::patches;
-use super::search::{Search, TRIAL_STEPS, samples};
-use super::significance::Found;
+use super::search::{SeedSearch, TRIAL_STEPS, samples};
+use super::significance::FoundRegion;
 use crate::geometry::Point;
 use crate::primitives::{FitOptions, Primitive, PrimitiveKind, fit, with_axis};
 
-impl Search<'_> {
-    pub(super) fn torus_beyond(&mut self, other: &Primitive, seed: u32) -> Option<Found> {
+impl SeedSearch<'_> {
+    pub(super) fn torus_beyond(&mut self, other: &Primitive, seed: u32) -> Option<FoundRegion> {
         let leaves = |f: u32| {
             self.evidence.facets.get(f).corners.iter().any(|&v| {
                 let s = self.evidence.sample(v);
@@ -21,7 +21,7 @@ impl Search<'_> {
     }
 
     /// The torus through a ring of facets and a facet of a neighbouring ring, on either side.
-    pub(super) fn torus_of_rows(&mut self, row: &GrownRegion, seed: u32) -> Option<Found> {
+    pub(super) fn torus_of_rows(&mut self, row: &GrownRegion, seed: u32) -> Option<FoundRegion> {
         let surface = row.surface();
         let (origin, axis) = (surface.origin(), surface.axis()?);
         let height = |f: u32| (self.evidence.facets.get(f).centre - origin).dot(&axis);

@@ -10,8 +10,8 @@ mod round_values;
 mod tangency;
 
 use super::tessellation::MOST_ERRORS;
-use super::{Origin, Regions, Tessellation};
-use crate::primitives::{FitOptions, Primitive, PrimitiveKind, Sample, fit};
+use super::{RegionOrigin, Regions, Tessellation};
+use crate::primitives::{FitOptions, FitSample, Primitive, PrimitiveKind, fit};
 
 /// What was snapped.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -59,7 +59,7 @@ const STEPS: usize = 8;
 struct Snapping {
     region: u32,
     surface: Primitive,
-    samples: Vec<Sample>,
+    samples: Vec<FitSample>,
     /// The typical error of a vertex.
     error: f64,
     /// How exactly the direction is known (rad).
@@ -69,8 +69,8 @@ struct Snapping {
 impl Snapping {
     fn new(mesh: &Tessellation, regions: &Regions, number: usize) -> Self {
         let region = &regions.regions[number];
-        let sample = |&v: &u32| Sample { at: mesh.point(v), error: mesh.error(v) };
-        let samples: Vec<Sample> = region.vertices.iter().map(sample).collect();
+        let sample = |&v: &u32| FitSample { at: mesh.point(v), error: mesh.error(v) };
+        let samples: Vec<FitSample> = region.vertices.iter().map(sample).collect();
         let mut errors: Vec<f64> = samples.iter().map(|s| s.error).collect();
         errors.sort_unstable_by(f64::total_cmp);
         let turns = match region.surface.kind() {
@@ -97,7 +97,7 @@ impl Snapping {
         let mut options = FitOptions { steps: STEPS, fixed_centre: true, ..FitOptions::default() };
         frozen.iter().for_each(|&k| options.frozen[k] = true);
         let stride = self.samples.len().div_ceil(MOST_SAMPLES).max(1);
-        let some: Vec<Sample> = self.samples.iter().step_by(stride).copied().collect();
+        let some: Vec<FitSample> = self.samples.iter().step_by(stride).copied().collect();
         fit(surface, &some, &options).map(|fit| fit.surface)
     }
 
@@ -117,7 +117,7 @@ impl Snapping {
 pub(super) fn snap(mesh: &Tessellation, regions: &mut Regions, unit: f64) -> Vec<Snap> {
     let mut snaps = Vec::new();
     let numbers =
-        (0..regions.regions.len()).filter(|&r| regions.regions[r].origin != Origin::Facet);
+        (0..regions.regions.len()).filter(|&r| regions.regions[r].origin != RegionOrigin::Facet);
     let mut all: Vec<Snapping> = numbers.map(|r| Snapping::new(mesh, regions, r)).collect();
     directions::snap(&mut all, &mut snaps);
     lines::snap(&mut all, unit, &mut snaps);
