@@ -120,6 +120,7 @@ pub mod deviation;
 pub mod error;
 pub mod geometry;
 pub mod mesh;
+pub mod primitives;
 mod progress;
 pub mod report;
 pub mod rules;

@@ -8,6 +8,10 @@ pub mod crop;
 
 pub mod cloud;
 
+// The exact surfaces of a mesh that a CAD program made.
+
+pub mod regions;
+
 // A mesh without noise and gaps.
 
 pub mod smooth;

@@ -1,0 +1,19 @@
+//! Planes, cylinders, cones, spheres and tori: distances, normals, parameters, and fits to points.
+//!
+//! A [`Primitive`] is one of the five. [`fit`] moves a start onto points by least squares of orthogonal
+//! distances, [`starts`] proposes such starts from a few points with normals.
+
+mod fit;
+mod motions;
+mod parameters;
+mod primitive;
+mod starts;
+#[cfg(test)]
+mod tests;
+
+pub use fit::{FitOptions, FitSample, PrimitiveFit, fit};
+pub use motions::{Covariance, MOST_PARAMETERS, MotionRow, Motions};
+pub use parameters::PatchRange;
+pub use primitive::{Primitive, PrimitiveKind};
+pub(crate) use starts::with_axis;
+pub use starts::{OrientedPoint, starts};

@@ -1,0 +1,132 @@
+//! How many vertices of a region lie on its surface by more than its parameters can follow.
+
+use super::exact::ExactFacets;
+use super::growth::{Evidence, GrownRegion};
+use super::significance::typical_error;
+use crate::geometry::{Point, Vector, plane_axes};
+use crate::primitives::{FitSample, Primitive};
+
+/// Two vertices are at one place along a circle if they are nearer than so many errors: two for each of the two
+/// vertices, and as much for the axis.
+pub(super) const SAME_PLACE: f64 = 8.0;
+
+/// The number of different values on a circle of length `period`, or on a line without one.
+pub(super) fn different(mut values: Vec<(f64, f64)>, period: Option<f64>) -> usize {
+    values.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let apart = |pair: &[(f64, f64)]| pair[1].0 - pair[0].0 > pair[0].1.max(pair[1].1);
+    let mut count = 1 + values.windows(2).filter(|pair| apart(pair)).count();
+    if let (Some(period), Some(first), Some(last)) = (period, values.first(), values.last())
+        && count > 1
+        && first.0 + period - last.0 <= first.1.max(last.1)
+    {
+        count -= 1;
+    }
+    count
+}
+
+/// Coincidences of the vertices, those that lie above each other or on one ring counted once.
+pub(super) fn independent(evidence: &ExactFacets, growth: &GrownRegion) -> f64 {
+    let surface = growth.surface();
+    let vertices = growth.vertices.iter().map(|&v| evidence.sample(v));
+    let spare = growth.vertices.len() as f64 - surface.kind().parameters() as f64;
+    let turn = Some(std::f64::consts::TAU);
+    let around = |origin: Point, axis: Vector| {
+        let (x, y) = plane_axes(axis);
+        let place = |s: FitSample| {
+            let q = s.at - origin;
+            let (a, b) = (q.dot(&x), q.dot(&y));
+            (b.atan2(a), SAME_PLACE * s.error / a.hypot(b).max(f64::MIN_POSITIVE))
+        };
+        different(vertices.clone().map(place).collect(), turn) as f64
+    };
+    match surface {
+        Primitive::Plane { .. } => spare,
+        Primitive::Cylinder { origin, axis, .. } => {
+            let places = around(origin, axis);
+            (places - 3.0).min(spare) + equal_steps(evidence, growth, places)
+        }
+        Primitive::Cone { origin, axis, .. } => (around(origin, axis) - 3.0).min(spare),
+        Primitive::Sphere { .. } => spare.min(rings(evidence, growth)),
+        Primitive::Torus { centre, axis, major, minor } => {
+            let tube = |s: FitSample| {
+                let q = s.at - centre;
+                let h = q.dot(&axis);
+                let rho = (q - h * axis).norm();
+                (h.atan2(rho - major), SAME_PLACE * s.error / minor)
+            };
+            let rings = different(vertices.clone().map(tube).collect(), turn) as f64;
+            spare.min(rings - 3.0).min(around(centre, axis) - 3.0)
+        }
+    }
+}
+
+/// Equal steps are the mark of a tessellation: each beyond the first is a coincidence. They count only if the vertices
+/// alone do not suffice.
+fn equal_steps(evidence: &ExactFacets, growth: &GrownRegion, places: f64) -> f64 {
+    let Primitive::Cylinder { radius, .. } = growth.surface() else { return 0.0 };
+    if !(4.0..6.0).contains(&places) {
+        return 0.0;
+    }
+    let slack = SAME_PLACE * typical_error(evidence, growth) / radius;
+    let mut turns: Vec<f64> = Vec::new();
+    for &f in &growth.units {
+        let facet = evidence.facets.get(f);
+        let inner = facet.borders.iter().filter(|b| b.facet > f && growth.units.contains(&b.facet));
+        turns.extend(inner.map(|b| b.dihedral).filter(|&d| d > slack));
+    }
+    turns.sort_unstable_by(f64::total_cmp);
+    turns.windows(2).filter(|pair| pair[1] - pair[0] < slack).count() as f64
+}
+
+/// Coincidences of a sphere whose vertices lie on few parallel circles: any two such circles are on a sphere.
+fn rings(evidence: &ExactFacets, growth: &GrownRegion) -> f64 {
+    let points = growth.vertices.iter().map(|&v| evidence.mesh.point(v));
+    let n = growth.vertices.len() as f64;
+    let middle = points.clone().fold(Vector::zeros(), |sum, p| sum + p.coords) / n;
+    let mut moments = nalgebra::Matrix3::zeros();
+    for p in points {
+        let q = p.coords - middle;
+        moments += q * q.transpose();
+    }
+    let eigen = moments.symmetric_eigen();
+    let fewest = (0..3).map(|k| {
+        let along: Vector = eigen.eigenvectors.column(k).into_owned();
+        let height = |&v: &u32| {
+            let height = (evidence.mesh.point(v).coords - middle).dot(&along);
+            (height, SAME_PLACE * evidence.error(v))
+        };
+        different(growth.vertices.iter().map(height).collect(), None)
+    });
+    let fewest = fewest.min().unwrap_or(0) as f64;
+    if fewest * 3.0 <= n { fewest - 2.0 } else { n }
+}
+
+/// Whether a region has the axis of another surface.
+pub(super) fn is_coaxial(evidence: &ExactFacets, growth: &GrownRegion, other: &Primitive) -> bool {
+    let surface = growth.surface();
+    let (Some(a), Some(b)) = (surface.axis(), other.axis()) else { return false };
+    let error = typical_error(evidence, growth);
+    let sine = a.cross(&b).norm();
+    let offset = surface.origin() - other.origin();
+    let away = (offset - offset.dot(&b) * b).norm();
+    let reach = growth.fit.deviation_at(growth.surface().origin()).max(error);
+    away < 2.0 * SAME_PLACE * reach
+        && sine * surface.radius().unwrap_or(0.0).max(error) < SAME_PLACE * reach
+        && sine < 1e-4
+}
+
+/// Whether all normals are perpendicular to one direction. Then all vertices along this direction are one coincidence, and
+/// only a cylinder counts them so.
+pub(super) fn is_extruded(evidence: &ExactFacets, growth: &GrownRegion) -> bool {
+    let mut moments = nalgebra::Matrix3::zeros();
+    for &f in &growth.units {
+        let facet = evidence.facets.get(f);
+        moments += facet.area * facet.normal * facet.normal.transpose();
+    }
+    let eigen = moments.symmetric_eigen();
+    let along: Vector = eigen.eigenvectors.column(eigen.eigenvalues.imin()).into_owned();
+    growth.units.iter().all(|&f| {
+        let facet = evidence.facets.get(f);
+        facet.normal.dot(&along).abs() <= evidence.normal_error(facet)
+    })
+}

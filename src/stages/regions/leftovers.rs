@@ -1,0 +1,161 @@
+//! What becomes of facets that no region holds.
+
+use super::competition::Claims;
+use super::exact::{ExactFacets, MOST_TURN};
+use super::growth::Evidence;
+use crate::geometry::NONE;
+
+/// A small facet that continues a region smoothly may be off by so many times the bound: it is one whose corners a
+/// neighbour's rounding has moved.
+const SMOOTH_SLACK: f64 = 4.0;
+
+const SMALL_FACET: usize = 2;
+
+/// Larger facets are faces of their own and are not cut.
+const MOST_CUT: usize = 64;
+
+/// The facets of a region that are looked at for its largest sagitta.
+const SAMPLE: usize = 300;
+
+/// Regions, each with the triangles of a facet that lie on its surface.
+type Homes = Vec<(u32, Vec<u32>)>;
+
+impl Claims {
+    /// Gives left-over facets to the regions beside them on whose surfaces they lie. With `is_generous`, small facets may
+    /// be a little off.
+    pub(super) fn absorb(&mut self, evidence: &ExactFacets, is_generous: bool) {
+        let largest: Vec<f64> = self
+            .regions
+            .iter()
+            .map(|r| {
+                let stride = r.units.len().div_ceil(SAMPLE).max(1);
+                let sagitta = |&f: &u32| evidence.sagitta(&r.surface(), evidence.facets.get(f));
+                r.units.iter().step_by(stride).map(sagitta).fold(0.0, f64::max)
+            })
+            .collect();
+        let mut queue: Vec<u32> =
+            (0..self.of.len() as u32).filter(|&f| self.of[f as usize] == NONE).collect();
+        let mut done = 0;
+        while let Some(&f) = queue.get(done) {
+            done += 1;
+            if self.of[f as usize] != NONE {
+                continue;
+            }
+            let facet = evidence.facets.get(f);
+            let mut beside: Vec<u32> =
+                facet.borders.iter().map(|b| self.of[b.facet as usize]).collect();
+            beside.retain(|&r| r != NONE);
+            beside.sort_unstable();
+            beside.dedup();
+            let home = beside.into_iter().find(|&r| {
+                let region = &self.regions[r as usize];
+                let surface = region.surface();
+                (is_generous && facet.triangles.len() == 1
+                    || evidence.is_as_flat(
+                        evidence.sagitta(&surface, facet),
+                        largest[r as usize],
+                        facet,
+                    ))
+                    && self.holds(evidence, f, r, is_generous)
+            });
+            if let Some(home) = home {
+                self.of[f as usize] = home;
+                let region = &mut self.regions[home as usize];
+                region.units.push(f);
+                if !is_generous {
+                    region.vertices.extend(&facet.corners);
+                }
+                let next = facet.borders.iter().map(|b| b.facet);
+                queue.extend(next.filter(|&f| self.of[f as usize] == NONE));
+            }
+        }
+        for region in &mut self.regions {
+            region.vertices.sort_unstable();
+            region.vertices.dedup();
+        }
+    }
+
+    /// Cuts left-over facets whose triangles lie on the surfaces of several regions beside them: where a profile changes its
+    /// bend the last facet of one arc and the first one of the next lie in one plane.
+    pub(super) fn cut(&mut self, evidence: &mut ExactFacets) {
+        let free = (0..self.of.len() as u32).filter(|&f| self.of[f as usize] == NONE);
+        let cuts: Vec<(u32, Homes)> =
+            free.filter_map(|f| Some((f, self.homes(evidence, f)?))).collect();
+        if cuts.is_empty() {
+            return;
+        }
+        for (f, homes) in cuts {
+            let (regions, groups): (Vec<u32>, Vec<Vec<u32>>) = homes.into_iter().unzip();
+            let numbers = evidence.facets.cut(evidence.mesh, f, groups);
+            self.of.resize(evidence.facets.all.len(), NONE);
+            for (number, home) in numbers.into_iter().zip(regions) {
+                self.of[number as usize] = home;
+                let region = &mut self.regions[home as usize];
+                region.units.push(number);
+                region.vertices.extend(&evidence.facets.get(number).corners);
+                region.vertices.sort_unstable();
+                region.vertices.dedup();
+            }
+        }
+        evidence.facets.rejoin(evidence.mesh);
+        evidence.closed.resize(evidence.facets.all.len(), false);
+    }
+
+    /// The triangles of a facet by the regions that hold them, if there are several and no triangle is left.
+    fn homes(&self, evidence: &ExactFacets, f: u32) -> Option<Homes> {
+        let facet = evidence.facets.get(f);
+        let smooth = facet.borders.iter().filter(|b| b.dihedral <= MOST_TURN);
+        let mut beside: Vec<u32> = smooth.map(|b| self.of[b.facet as usize]).collect();
+        beside.retain(|&r| r != NONE);
+        beside.sort_unstable();
+        beside.dedup();
+        if beside.len() < 2 || facet.triangles.len() > MOST_CUT {
+            return None;
+        }
+        let mut homes: Homes = beside.into_iter().map(|r| (r, Vec::new())).collect();
+        for &t in &facet.triangles {
+            let home = homes.iter_mut().find(|(r, _)| {
+                let region = &self.regions[*r as usize];
+                let surface = region.surface();
+                let corners = evidence.mesh.corners(t);
+                corners.iter().all(|&v| {
+                    let s = evidence.sample(v);
+                    let (d, n) = surface.distance(s.at);
+                    let turned = region.side * n.dot(&facet.normal);
+                    d.abs() <= evidence.bound() * s.error && turned >= MOST_TURN.cos()
+                })
+            });
+            home?.1.push(t);
+        }
+        homes.retain(|(_, triangles)| !triangles.is_empty());
+        (homes.len() >= 2).then_some(homes)
+    }
+
+    /// Whether a facet lies on the surface of a region beside it.
+    fn holds(&self, evidence: &ExactFacets, f: u32, region: u32, is_generous: bool) -> bool {
+        let facet = evidence.facets.get(f);
+        let growth = &self.regions[region as usize];
+        let surface = growth.surface();
+        let slack = match (is_generous, facet.triangles.len()) {
+            (true, 1) => SMOOTH_SLACK.max(self.generous),
+            (true, _) => SMOOTH_SLACK.max(growth.slack),
+            (false, _) => growth.slack,
+        } / evidence.slack;
+        if is_generous {
+            let is_smooth = facet
+                .borders
+                .iter()
+                .any(|b| b.dihedral <= MOST_TURN && self.of[b.facet as usize] == region);
+            if !is_smooth || facet.triangles.len() > SMALL_FACET {
+                return false;
+            }
+        }
+        let on = |&v: &u32| {
+            let s = evidence.sample(v);
+            surface.distance(s.at).0.abs() <= slack * evidence.bound() * s.error
+        };
+        // A face that is found may have wider facets where its border is complicated.
+        facet.corners.iter().all(on)
+            && evidence.turns_at_most(MOST_TURN, &surface, growth.side, facet)
+    }
+}

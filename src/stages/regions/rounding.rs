@@ -1,0 +1,114 @@
+//! How exactly a file states its coordinates.
+
+use formats::Soup;
+
+use crate::geometry::{NONE, Point};
+use crate::mesh::Build;
+
+/// What a modelling kernel itself leaves open, as a share of the diagonal of the part. Kernels work to 1e-7 mm on
+/// parts of about 100 mm, whatever the unit of the file.
+const KERNEL_SHARE: f64 = 1e-9;
+
+/// A decimal lattice counts only if chance explains it less than once in so many parts.
+const LATTICE_ODDS: f64 = 20.0;
+
+/// The last digit of a rounded number is zero once in ten times. That of a number that a designer chose is zero at
+/// least every second time.
+const ROUNDED: f64 = 0.1;
+const CHOSEN: f64 = 0.5;
+
+/// The finest decimal place that is looked for: those of float64 end there for parts of any size.
+const MOST_DECIMALS: i32 = 12;
+
+/// The steps in which the numbers of a file are written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rounding {
+    /// Whether every number is one of 32 bits.
+    pub is_single: bool,
+    /// Decades (the exponent of the first digit) whose numbers lie on a decimal lattice, with its decimal places.
+    pub decimals: Vec<(i32, i32)>,
+}
+
+impl Rounding {
+    /// Finds the steps from the numbers of a file.
+    pub fn of(points: &[[f64; 3]]) -> Self {
+        let used = points.iter().filter(|p| p.iter().all(|x| x.is_finite()));
+        let mut numbers: Vec<f64> = used.flatten().map(|x| x.abs()).filter(|&x| x > 0.0).collect();
+        numbers.sort_unstable_by(f64::total_cmp);
+        numbers.dedup();
+        let is_single = numbers.iter().all(|&x| f64::from(x as f32) == x);
+        let decade = |a: &f64, b: &f64| exponent(*a) == exponent(*b);
+        let lattices = numbers.chunk_by(decade).filter_map(|same| {
+            let first = exponent(same[0]);
+            decimal_places(same, first, is_single).map(|places| (first, places))
+        });
+        Rounding { is_single, decimals: lattices.collect() }
+    }
+
+    /// Half a step of one number.
+    fn half_step(&self, x: f64) -> f64 {
+        let binary = half_ulp(x, self.is_single);
+        let first = exponent(x.abs().max(f64::MIN_POSITIVE));
+        let nearest = self.decimals.iter().min_by_key(|(decade, _)| (decade - first).abs());
+        nearest.map_or(binary, |&(_, places)| binary.max(0.5 * 10f64.powi(-places)))
+    }
+
+    /// The bound of the error of a point of the file, for a part with this diagonal.
+    pub fn error(&self, p: [f64; 3], diagonal: f64) -> f64 {
+        let [x, y, z] = p.map(|x| self.half_step(x));
+        Point::new(x, y, z).coords.norm() + KERNEL_SHARE * diagonal
+    }
+
+    /// The errors of the vertices of a mesh that was built of a soup, in the mesh's unit. `factor` is the length of
+    /// the soup's unit in that of the mesh.
+    pub fn errors(&self, soup: &Soup, build: &Build, factor: f64) -> Vec<f64> {
+        let diagonal = build.mesh.diagonal() / factor;
+        let mut by_place = vec![0.0f64; soup.points.len() + 1];
+        for (point, &place) in soup.points.iter().zip(&build.vertices) {
+            if place != NONE {
+                by_place[place as usize] = factor * self.error(*point, diagonal);
+            }
+        }
+        build.place.iter().map(|&place| by_place[place as usize]).collect()
+    }
+
+    /// In words, for reports.
+    pub fn name(&self) -> String {
+        let bits = if self.is_single { "float32" } else { "float64" };
+        let places = self.decimals.iter().map(|&(_, places)| places).max();
+        places.map_or_else(|| bits.into(), |places| format!("{places} decimals"))
+    }
+}
+
+/// The exponent of the first decimal digit. The tiny number keeps exact powers of ten in their own decade.
+fn exponent(x: f64) -> i32 {
+    (x.log10() + 1e-12).floor() as i32
+}
+
+/// Half the step between neighbouring binary numbers.
+fn half_ulp(x: f64, is_single: bool) -> f64 {
+    let epsilon = if is_single { f64::from(f32::EPSILON) } else { f64::EPSILON };
+    let least = f64::from(f32::MIN_POSITIVE);
+    0.5 * epsilon * 2f64.powf(x.abs().max(least).log2().floor())
+}
+
+/// The decimal places of a lattice that holds all numbers of a decade, if they use it as roundings do.
+fn decimal_places(numbers: &[f64], first: i32, is_single: bool) -> Option<i32> {
+    // Text is read to about 1e-12; a number of 32 bits is the nearest to its decimal one, or next to it.
+    let slack = |x: f64| if is_single { 2.02 * half_ulp(x, true) } else { 1e-12 * x };
+    let on_lattice = |places: i32| {
+        let step = 10f64.powi(-places);
+        numbers.iter().all(|&x| (x - (x / step).round() * step).abs() <= slack(x))
+    };
+    let places = (-first - 1..MOST_DECIMALS).find(|&places| on_lattice(places))?;
+    let step = 10f64.powi(-places);
+    let widest = numbers.iter().map(|&x| slack(x)).fold(0.0, f64::max);
+    if step <= 4.0 * widest {
+        return None;
+    }
+    let uses_last = |x: &&f64| ((**x / step).round() % 10.0).abs() > 0.5;
+    let used = numbers.iter().filter(uses_last).count() as f64;
+    let unused = numbers.len() as f64 - used;
+    let odds = used * ((1.0 - ROUNDED) / (1.0 - CHOSEN)).ln() + unused * (ROUNDED / CHOSEN).ln();
+    (odds > LATTICE_ODDS.ln()).then_some(places)
+}

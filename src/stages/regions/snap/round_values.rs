@@ -1,0 +1,115 @@
+//! Offsets, centres, radii and angles at round numbers.
+
+use super::lines::at;
+use super::{Snap, SnapKind, Snapping};
+use crate::geometry::{Point, Vector};
+use crate::primitives::Primitive;
+
+/// The steps of round numbers, in the unit of the file.
+const STEPS: [f64; 13] =
+    [10.0, 5.0, 1.0, 0.5, 0.25, 0.1, 0.05, 0.01, 0.005, 0.001, 0.0005, 0.0001, 0.000_01];
+
+/// A round number says something only if chance meets one of its step this rarely. A wrong one does no harm, because it
+/// is within the rounding.
+const CHANCE: f64 = 0.05;
+
+/// The gate of a value, in errors. All vertices are tested, so a wide gate costs no truth.
+const GATE: f64 = 16.0;
+
+/// The simplest number within a gate that chance does not explain. `unit` is the length of the unit of the value in that of
+/// the file.
+pub(super) fn round(value: f64, gate: f64, unit: f64) -> Option<f64> {
+    let (x, gate) = (value * unit, gate * unit);
+    let steps = STEPS.iter().take_while(|&&step| 2.0 * gate <= CHANCE * step);
+    let nearest = steps.map(|step| (x / step).round() * step);
+    { nearest }.find(|y| (y - x).abs() <= gate).map(|y| y / unit)
+}
+
+/// A place with those coordinates round that may be.
+pub(super) fn rounded_place(p: Point, gate: f64, unit: f64, may: impl Fn(usize) -> bool) -> Point {
+    let mut place = p;
+    for k in (0..3).filter(|&k| may(k)) {
+        place[k] = round(p[k], gate, unit).unwrap_or(p[k]);
+    }
+    place
+}
+
+/// Whether a direction is exactly one of the world.
+pub(super) fn is_world(d: &Vector) -> bool {
+    d.iter().filter(|x| x.abs() == 1.0).count() == 1 && d.iter().filter(|&&x| x == 0.0).count() == 2
+}
+
+pub(super) fn snap(all: &mut [Snapping], unit: f64, snaps: &mut Vec<Snap>) {
+    for snapping in all {
+        let gate = GATE * snapping.error;
+        match snapping.surface {
+            Primitive::Plane { origin, normal } if is_world(&normal) => {
+                let place = rounded_place(origin, gate / 4.0, unit, |k| normal[k] != 0.0);
+                snapping.take(at(snapping.surface, place), SnapKind::Place, snaps);
+            }
+            Primitive::Plane { .. } => {}
+            Primitive::Cylinder { origin, axis, radius } => {
+                if let Some(radius) = round(radius, gate, unit) {
+                    let surface = Primitive::Cylinder { origin, axis, radius };
+                    snapping.take(surface, SnapKind::Value, snaps);
+                }
+            }
+            Primitive::Sphere { centre, radius } => sphere(snapping, centre, radius, unit, snaps),
+            Primitive::Cone { .. } => cone(snapping, unit, snaps),
+            Primitive::Torus { centre, axis, major, minor } => {
+                let major = round(major, gate, unit).unwrap_or(major);
+                let minor = round(minor, gate, unit).unwrap_or(minor);
+                let surface = Primitive::Torus { centre, axis, major, minor };
+                snapping.take(surface, SnapKind::Value, snaps);
+            }
+        }
+    }
+}
+
+fn sphere(snapping: &mut Snapping, centre: Point, radius: f64, unit: f64, snaps: &mut Vec<Snap>) {
+    let gate = GATE * snapping.error;
+    let place = rounded_place(centre, gate, unit, |_| true);
+    let value = round(radius, gate, unit).unwrap_or(radius);
+    let both = Primitive::Sphere { centre: place, radius: value };
+    if !snapping.take(both, SnapKind::Value, snaps)
+        && !snapping.take(Primitive::Sphere { centre: place, radius }, SnapKind::Place, snaps)
+    {
+        snapping.take(Primitive::Sphere { centre, radius: value }, SnapKind::Value, snaps);
+    }
+}
+
+/// A round angle in degrees, then a round radius at a round height.
+fn cone(snapping: &mut Snapping, unit: f64, snaps: &mut Vec<Snap>) {
+    let Primitive::Cone { origin, axis, radius, angle } = snapping.surface else { return };
+    let gate = 20.0 * snapping.direction_error;
+    if let Some(degrees) = round(angle.to_degrees(), gate.to_degrees(), 1.0) {
+        let turned = Primitive::Cone { origin, axis, radius, angle: degrees.to_radians() };
+        if let Some(surface) = snapping.refitted(turned, &[0, 1, 2, 3, 5]) {
+            snapping.take(surface, SnapKind::Value, snaps);
+        }
+    }
+    let (Primitive::Cone { origin, axis, radius, angle }, gate) =
+        (snapping.surface, GATE * snapping.error)
+    else {
+        return;
+    };
+    if !is_world(&axis) {
+        return;
+    }
+    let along = axis.iamax();
+    let mut heights: Vec<f64> = snapping.samples.iter().map(|s| s.at[along]).collect();
+    heights.sort_unstable_by(f64::total_cmp);
+    heights.dedup_by(|a, b| *a - *b <= 4.0 * snapping.error);
+    for height in heights {
+        let height = round(height, gate / 4.0, unit).unwrap_or(height);
+        let at = radius + (height - origin[along]) * axis[along] * angle.tan();
+        if let Some(value) = round(at, gate, unit).filter(|&r| r > 0.0) {
+            let mut place = origin;
+            place[along] = height;
+            let surface = Primitive::Cone { origin: place, axis, radius: value, angle };
+            if snapping.take(surface, SnapKind::Value, snaps) {
+                return;
+            }
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Regions of small parts with known faces.
+
+use std::f64::consts::TAU;
+
+use nalgebra::Rotation3;
+
+use super::*;
+use crate::geometry::{Point, Vector, VertexId};
+use crate::mesh::Mesh;
+use crate::primitives::{Primitive, PrimitiveKind};
+
+/// A closed prism over a regular polygon of `n` corners.
+fn prism(n: usize, radius: f64, height: f64) -> Mesh {
+    let mut mesh = Mesh::default();
+    for z in [0.0, height] {
+        for k in 0..n {
+            let angle = TAU * k as f64 / n as f64;
+            mesh.points.push(Point::new(radius * angle.cos(), radius * angle.sin(), z));
+        }
+    }
+    let v = |level: usize, k: usize| VertexId::from(level * n + k % n);
+    for k in 0..n {
+        mesh.triangles.push([v(0, k), v(0, k + 1), v(1, k + 1)]);
+        mesh.triangles.push([v(0, k), v(1, k + 1), v(1, k)]);
+    }
+    for k in 1..n - 1 {
+        mesh.triangles.push([v(0, 0), v(0, k + 1), v(0, k)]);
+        mesh.triangles.push([v(1, 0), v(1, k), v(1, k + 1)]);
+    }
+    mesh
+}
+
+/// A closed surface of rings: the torus of a number of steps around each circle.
+fn torus(major: f64, minor: f64, around: usize, across: usize) -> Mesh {
+    let surface = Primitive::Torus { centre: Point::origin(), axis: Vector::z(), major, minor };
+    let mut mesh = Mesh::default();
+    for i in 0..around {
+        for j in 0..across {
+            let angle = |k: usize, n: usize| TAU * k as f64 / n as f64;
+            let uv = crate::geometry::Uv::new(angle(i, around), angle(j, across));
+            mesh.points.push(surface.point_at(uv));
+        }
+    }
+    let v = |i: usize, j: usize| VertexId::from(i % around * across + j % across);
+    for i in 0..around {
+        for j in 0..across {
+            mesh.triangles.push([v(i, j), v(i + 1, j), v(i + 1, j + 1)]);
+            mesh.triangles.push([v(i, j), v(i + 1, j + 1), v(i, j + 1)]);
+        }
+    }
+    mesh
+}
+
+/// The mesh turned, shifted, scaled and rounded to 32 bits, and the errors of its vertices.
+fn exported(mut mesh: Mesh, turn: Vector, shift: Vector, scale: f64) -> (Mesh, Vec<f64>) {
+    let turn = Rotation3::new(turn);
+    for p in &mut mesh.points {
+        *p = (scale * (turn * *p + shift)).map(|x| f64::from(x as f32));
+    }
+    let numbers: Vec<[f64; 3]> = mesh.points.iter().map(|p| [p.x, p.y, p.z]).collect();
+    let rounding = Rounding::of(&numbers);
+    let diagonal = mesh.diagonal();
+    let errors = numbers.iter().map(|&p| rounding.error(p, diagonal)).collect();
+    (mesh, errors)
+}
+
+fn regions(mesh: &Mesh, errors: &[f64]) -> Regions {
+    find(&Tessellation::new(mesh, errors), &Options::default())
+}
+
+fn kinds(found: &Regions, kind: PrimitiveKind) -> usize {
+    let is = |r: &&FaceRegion| r.origin != RegionOrigin::Facet && r.surface.kind() == kind;
+    found.regions.iter().filter(is).count()
+}
+
+const NOWHERE: Vector = Vector::new(0.0, 0.0, 0.0);
+
+#[test]
+fn prisms_of_up_to_eight_sides_stay_flat_and_others_become_round() {
+    for n in 3..40 {
+        let (mesh, errors) = exported(prism(n, 5.0, 8.0), NOWHERE, NOWHERE, 1.0);
+        let found = regions(&mesh, &errors);
+        let (flat, round) = if n <= 8 { (n + 2, 0) } else { (2, 1) };
+        assert_eq!(kinds(&found, PrimitiveKind::Plane), flat, "{n} sides");
+        assert_eq!(kinds(&found, PrimitiveKind::Cylinder), round, "{n} sides");
+        assert_eq!(found.explained, 1.0, "{n} sides");
+    }
+}
+
+#[test]
+fn a_cylinder_is_found_turned_far_away_and_in_any_unit() {
+    let (turn, far) = (Vector::new(0.3, 1.1, -0.7), Vector::new(120.0, -90.0, 40.0));
+    for scale in [1.0, 0.001, 1.0 / 25.4, 25.4] {
+        let (mesh, errors) = exported(prism(24, 5.0, 8.0), turn, far, scale);
+        let found = regions(&mesh, &errors);
+        assert_eq!(kinds(&found, PrimitiveKind::Cylinder), 1, "scale {scale}");
+        let curved = found.regions.iter().find(|r| r.origin == RegionOrigin::Curved).unwrap();
+        let radius = curved.surface.radius().unwrap() / scale;
+        assert!((radius - 5.0).abs() < 1e-4, "{radius}");
+        assert_eq!(curved.side, 1.0);
+    }
+}
+
+#[test]
+fn snapped_values_are_the_designers() {
+    let (mesh, errors) = exported(prism(24, 5.0, 8.0), NOWHERE, Vector::new(3.0, 4.0, 0.0), 1.0);
+    let found = regions(&mesh, &errors);
+    let curved = found.regions.iter().find(|r| r.origin == RegionOrigin::Curved).unwrap();
+    let Primitive::Cylinder { origin, axis, radius } = curved.surface else {
+        panic!("no cylinder")
+    };
+    assert_eq!((origin.x, origin.y, axis.z.abs(), radius), (3.0, 4.0, 1.0, 5.0));
+    assert!(found.snaps.iter().all(|snap| snap.before != snap.after));
+}
+
+#[test]
+fn a_torus_is_one_region_and_not_its_rings() {
+    let (mesh, errors) = exported(torus(10.0, 3.0, 40, 20), NOWHERE, NOWHERE, 1.0);
+    let found = regions(&mesh, &errors);
+    assert_eq!(found.regions.len(), 1);
+    assert_eq!(kinds(&found, PrimitiveKind::Torus), 1);
+}
+
+#[test]
+fn a_rough_surface_is_no_clean_mesh_and_has_no_curved_face() {
+    let mut mesh = torus(10.0, 3.0, 40, 20);
+    for (k, p) in mesh.points.iter_mut().enumerate() {
+        let noise =
+            (crate::geometry::random::scattered(k as u64) >> 11) as f64 / (1u64 << 53) as f64;
+        *p += 0.02 * (noise - 0.5) * (*p - Point::origin()).normalize();
+    }
+    let (mesh, errors) = exported(mesh, NOWHERE, NOWHERE, 1.0);
+    assert_ne!(FlatPairs::of(&Tessellation::new(&mesh, &errors)).is_clean(), Some(true));
+    let found = regions(&mesh, &errors);
+    assert!(found.regions.iter().all(|r| r.origin != RegionOrigin::Curved));
+}
+
+#[test]
+fn decimals_count_as_rounding_only_if_chance_uses_their_last_digit() {
+    let round: Vec<[f64; 3]> = (0..100).map(|k| [f64::from(k % 4) * 10.0, 20.0, 5.0]).collect();
+    assert!(Rounding::of(&round).decimals.is_empty());
+    let scattered = |k: usize| {
+        let x = (crate::geometry::random::scattered(k as u64) >> 11) as f64 / (1u64 << 53) as f64;
+        (1e3 * (10.0 + 80.0 * x)).round() / 1e3
+    };
+    let cut: Vec<[f64; 3]> =
+        (0..300).map(|k| [scattered(k), scattered(k + 1000), scattered(k + 2000)]).collect();
+    assert_eq!(Rounding::of(&cut).decimals, [(1, 3)]);
+}
