@@ -324,3 +324,61 @@ fn a_torus_in_a_torus_is_a_void_if_it_faces_inwards() {
         assert!(there.abs() < 1e-4, "{name}: {there}");
     }
 }
+
+/// A ball of triangles between meridians and parallels. `first` vertices stand before it.
+fn ball_text(radius: f64, turned: bool, first: usize) -> String {
+    let n = 16;
+    let mut text = format!("v 0 0 {radius}\nv 0 0 {}\n", -radius);
+    for (i, j) in (1..n).flat_map(|i| (0..2 * n).map(move |j| (i, j))) {
+        let [tilt, turn] = [i, j].map(|k| PI * f64::from(k) / f64::from(n));
+        let [x, y] = [turn.cos(), turn.sin()].map(|of| radius * tilt.sin() * of);
+        writeln!(text, "v {x} {y} {}", radius * tilt.cos()).expect("text");
+    }
+    let name = |i: i32, j: i32| match i {
+        0 => 1,
+        i if i == n => 2,
+        i => 3 + 2 * n * (i - 1) + j % (2 * n),
+    };
+    for (i, j) in (0..n).flat_map(|i| (0..2 * n).map(move |j| (i, j))) {
+        let [a, b, c, d] = [name(i, j), name(i + 1, j), name(i + 1, j + 1), name(i, j + 1)];
+        for mut t in [[a, b, c], [a, c, d]] {
+            if turned {
+                t.swap(1, 2);
+            }
+            if t[0] != t[1] && t[1] != t[2] && t[2] != t[0] {
+                let [a, b, c] = t.map(|v| v as usize + first);
+                writeln!(text, "f {a} {b} {c}").expect("text");
+            }
+        }
+    }
+    text
+}
+
+#[test]
+fn what_lies_in_a_void_is_a_solid_again() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    // The third ball lies in the void of the first one.
+    for radii in [&[30.0, 20.0, 10.0][..], &[40.0, 30.0, 20.0, 10.0]] {
+        let (scan, step, report) = (path("balls.obj"), path("balls.step"), path("balls.json"));
+        let mut text = String::new();
+        for (k, &radius) in radii.iter().enumerate() {
+            let first = text.lines().filter(|line| line.starts_with('v')).count();
+            text += &ball_text(radius, k % 2 == 1, first);
+        }
+        std::fs::write(&scan, text).expect("a file");
+        let all = ["--component", "all", "--report", arg(&report)];
+        converted(&[&[arg(&scan), arg(&step)], &all[..]].concat());
+        let report = json(&report);
+        let of = |radius: f64| 4.0 / 3.0 * PI * radius.powi(3);
+        for (k, &radius) in radii.iter().enumerate() {
+            let found = number(&report, &format!("/components/{k}/shape/volume_mm3"));
+            let there = if k % 2 == 1 { -of(radius) } else { of(radius) };
+            assert!((found / there - 1.0).abs() < 0.01, "{found} instead of {there}");
+        }
+        let found = opencascade_solid(&step);
+        assert_eq!(found["valid"], true, "{found}");
+        let counts = [radii.len().div_ceil(2), radii.len()];
+        assert_eq!([&found["solids"], &found["shells"]], counts.map(Into::into).each_ref());
+    }
+}

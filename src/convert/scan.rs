@@ -1,11 +1,13 @@
 //! The way from the components of a scan to whatever holds them: faces, solids or shells.
 
+use std::collections::BTreeSet;
+
 use super::body::{BodyConversion, convert_body, joined_bodies};
 use super::components::{convert_components, joined};
-use super::shape::{TargetShape, shape, voids};
+use super::shape::{TargetShape, shape};
 use super::{Conversion, Options, Stage};
 use crate::error::{Error, Result};
-use crate::mesh::{Choice, Components};
+use crate::mesh::{Choice, Components, Nested};
 use crate::stages::parameterize::CompressedRegion;
 
 /// What components of a scan became.
@@ -127,22 +129,35 @@ fn shapes(
     with_voids(scan, shapes)
 }
 
-/// The same with the voids of each solid after it. They are not chosen themselves.
+/// The same with the voids of each solid after it. The solid of a void is the nearest component around it, and a
+/// component in a void is a solid again.
 fn with_voids(
     scan: &Components,
     shapes: Vec<(Choice, TargetShape)>,
 ) -> Result<Vec<(Choice, TargetShape)>> {
-    let mut all = Vec::with_capacity(shapes.len());
-    let mut inner = Vec::new();
-    for (component, shape) in shapes {
-        all.push((component, shape));
-        if shape == TargetShape::Solid {
-            let own = voids(scan, component)?;
-            all.extend(own.iter().map(|&component| (component, TargetShape::Void)));
-            inner.extend(own);
+    let of_solids = shapes.iter().filter(|of| of.1 == TargetShape::Solid);
+    let mut solids: BTreeSet<usize> = of_solids.map(|of| of.0.number()).collect();
+    if solids.is_empty() {
+        return Ok(shapes);
+    }
+    let mut voids = BTreeSet::new();
+    for Nested { component, around, is_opposite } in scan.nested()? {
+        if is_opposite && solids.contains(&around) {
+            solids.remove(&component);
+            voids.insert((around, component));
         }
     }
-    all.retain(|of| of.1 == TargetShape::Void || !inner.contains(&of.0));
+    let mut all = Vec::with_capacity(shapes.len() + voids.len());
+    for (component, shape) in shapes {
+        let number = component.number();
+        if shape != TargetShape::Solid {
+            all.push((component, shape));
+        } else if solids.contains(&number) {
+            let own = voids.range((number, 0)..=(number, usize::MAX));
+            all.push((component, shape));
+            all.extend(own.map(|void| (Choice::Number(void.1), TargetShape::Void)));
+        }
+    }
     Ok(all)
 }
 
