@@ -170,15 +170,16 @@ fn body(
     let mm = scan.mm();
     let (measured, input) = input::body(scan, shape, options)?;
     watch(Stage::Mesh(&measured))?;
+    let rough = scan.at_measured_places(&measured);
     let (smoothed, smooth) =
-        smooth::smooth_with(&measured, &options.smooth, &mut within("smooth", watch))?;
+        smooth::smooth_with(&rough, &options.smooth, &mut within("smooth", watch))?;
     watch(Stage::Smooth(&smoothed))?;
     let noise = scan.raw_points().map_or(smooth.noise, |raw| raw.noise().max(smooth.noise));
     let goal = Goal::of(options, &measured.mesh, noise);
     let tolerance = options.tolerance.unwrap_or(goal.tolerance);
     let fill_options =
         fill::Options { support: smooth.h, noise: smooth.noise, ..options.fill.clone() };
-    let points = &measured.mesh.points;
+    let points = &rough.mesh.points;
     let (patch, fill) = if shape == TargetShape::Shell {
         fill::fill_of_shell(smoothed, points, &fill_options, &mut within("fill", watch))?
     } else {
