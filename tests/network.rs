@@ -391,7 +391,8 @@ fn a_refined_face_keeps_its_sides_and_its_tangent_planes_there() {
     let report = refinement.report();
     assert!(!report.faces.is_empty() && report.faces.len() < network.surfaces.len(), "{report:?}");
     let before = (fit.report.beyond * patch.measured as f64).round();
-    assert!((report.beyond as f64) < 0.2 * before, "{report:?}, and {before} before");
+    assert_eq!((report.measured, report.beyond_before as f64), (patch.measured, before));
+    assert!((report.beyond as f64) < 0.2 * before, "{report:?}");
     for (face, old) in network.surfaces.iter().enumerate() {
         let new = &refinement.network.surfaces[face];
         if !report.faces.contains(&face) {

@@ -3,7 +3,6 @@
 use super::faces::{Faces, Gaps, HOLDS};
 use crate::error::Result;
 use crate::mesh::Patch;
-use crate::spline::Samples;
 use crate::stages::{net, refine};
 
 /// Fits the faces again that miss the tolerance, and those with places that are far from the scan. A face that
@@ -26,15 +25,17 @@ pub(super) fn refined(
         outliers: options.outliers,
         max_control: options.max_control / faces.network.surfaces.len().max(1),
     };
-    let points = faces.samples.iter().map(Samples::len).sum::<usize>().max(1);
     let mut refinement = refine::refine(&faces.network, faces.samples.clone(), &how)?;
-    let mut best = (faces.net.beyond + faces.beyond(), None);
+    // Shares of the same points before and after.
+    let start = refinement.report();
+    let share = |beyond: usize| beyond as f64 / start.measured.max(1) as f64;
+    let mut best = (share(start.beyond_before) + faces.beyond(), None);
     for round in 0.. {
         let mut next = faces.clone();
         next.network.clone_from(&refinement.network);
         let (next, faults) = next.checked(patch, gaps, options.tolerance);
         let report = refinement.report();
-        let beyond = report.beyond as f64 / points as f64 + next.beyond();
+        let beyond = share(report.beyond) + next.beyond();
         if faults.is_empty() {
             let misses = next.to_scan.misses.clone();
             if beyond <= best.0 {
