@@ -44,6 +44,9 @@ pub enum Fault {
     /// A solid has [`LEAST_FACES`] to [`MOST_FACES`] faces.
     #[error("not a number of faces from {LEAST_FACES} to {MOST_FACES}")]
     Faces,
+    /// A component becomes a void only in a solid around it.
+    #[error("a void needs a solid around it")]
+    Void,
     /// A cloud has at least [`LEAST_POINTS`] points.
     #[error("not a number of points from {LEAST_POINTS} on")]
     MaxPoints,

@@ -143,7 +143,8 @@ pub fn joined_bodies(name: impl Into<String>, bodies: &[BodyConversion]) -> Resu
 ///
 /// # Errors
 /// What stops a stage, or what `watch` answers. [`Error::Layout`] and [`Error::BodyFolds`] if no
-/// sound faces were found. [`Error::Input`] if `shape` is a face.
+/// sound faces were found. [`Error::Input`]: `shape` is a face, or the options name places in the terms of the scan's
+/// file, and [`Options::resolved`] was not called.
 pub fn convert_body(
     scan: &Components,
     shape: TargetShape,
@@ -153,11 +154,14 @@ pub fn convert_body(
     if shape == TargetShape::Face {
         return Err(Error::Input("a body becomes a solid, a void or a shell, and not a face"));
     }
+    options.places.check()?;
     threads::run(options.threads, || {
         let mut shown = lengths::Shown::new(watch, scan.mm());
         let own = options.in_lengths(scan.mm());
-        let body = body(scan, shape, &own, &mut |stage| shown.see(stage));
-        body.map_err(|error| shown.in_mm(error).with_named(options))
+        match body(scan, shape, &own, &mut |stage| shown.see(stage)) {
+            Ok(body) => Ok(body.with_named(options)),
+            Err(error) => Err(shown.in_mm(error).with_named(options)),
+        }
     })?
 }
 

@@ -1,7 +1,7 @@
 //! The border between the lengths that the pipeline works in and mm, which are its
 //! caller's.
 
-use super::{Conversion, Observer, Stage};
+use super::{BodyConversion, Conversion, Observer, Stage};
 use crate::convert::Options;
 use crate::error::{Error, Result};
 use crate::stages::smooth::Support;
@@ -52,6 +52,16 @@ impl Conversion {
     pub(crate) fn with_named(mut self, options: &Options) -> Self {
         self.tolerance = options.tolerance.unwrap_or(self.tolerance);
         self.fit.kappa = options.knots.kappa.or(self.fit.kappa);
+        if let Support::Fixed(h) = options.smooth.support {
+            self.smooth.h = h;
+        }
+        self
+    }
+}
+
+impl BodyConversion {
+    pub(crate) fn with_named(mut self, options: &Options) -> Self {
+        self.tolerance = options.tolerance.unwrap_or(self.tolerance);
         if let Support::Fixed(h) = options.smooth.support {
             self.smooth.h = h;
         }

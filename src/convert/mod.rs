@@ -39,7 +39,7 @@ pub use stage::{Observer, Stage};
 
 use formats::Soup;
 
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::mesh::Components;
 use crate::threads;
 
@@ -70,9 +70,7 @@ pub fn convert_component(
     options: &Options,
     watch: &mut Observer,
 ) -> Result<Conversion> {
-    if options.places.are_open() {
-        return Err(Error::Input("resolve the places of the options with the scan's soup first"));
-    }
+    options.places.check()?;
     threads::run(options.threads, || component(scan, options, watch))?
 }
 

@@ -180,7 +180,8 @@ impl Builder {
         self
     }
 
-    /// What components become in [`convert_scan`](crate::convert::convert_scan). Without, the shape that suits them.
+    /// What components become in [`convert_scan`](crate::convert::convert_scan): faces, shells or solids. Those that are
+    /// voids in a solid are found. Without, the shape that suits them.
     pub fn shape(mut self, shape: impl Into<Option<TargetShape>>) -> Self {
         self.0.shape = shape.into();
         self
