@@ -38,6 +38,16 @@ pub enum Fault {
         /// The largest allowed number of control points.
         most: usize,
     },
+    /// The faces of a body have more control points than allowed.
+    #[error("{faces} faces have at least {least} control points, and {most} are allowed")]
+    LargeLayout {
+        /// The number of faces of the layout.
+        faces: usize,
+        /// The least number of control points of them all.
+        least: usize,
+        /// The largest allowed number of control points.
+        most: usize,
+    },
     /// The limit on the size of a net must be between 16 and [`MOST_CONTROL_POINTS`].
     #[error("not a number of control points from {LEAST_CONTROL_POINTS} to {MOST_CONTROL_POINTS}")]
     MaxNet,

@@ -188,6 +188,36 @@ fn about_as_many_faces_come_out_as_are_asked_for() {
 }
 
 #[test]
+fn the_faces_together_keep_the_bound_on_control_points() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    let (scan, step, report) = (path("torus.obj"), path("torus.step"), path("torus.json"));
+    torus(&scan, 0.0, false, &[]);
+    let run = |most: usize| {
+        let most = most.to_string();
+        // No net keeps this tolerance.
+        let options = ["--tolerance", "1e-6", "--max-net", &most, "--report", arg(&report)];
+        let output = convert(&[&[arg(&scan), arg(&step)], &options[..]].concat());
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, said) = run(100);
+    assert_eq!((code, step.exists()), (Some(1), false), "{said}");
+    let least = said.split("--max-net of ").nth(1).and_then(|rest| rest.split(' ').next());
+    let least: usize = least.and_then(|least| least.parse().ok()).expect("the help names it");
+    assert!(said.contains(&format!("have at least {least} control points")), "{said}");
+    assert_eq!(run(least - 1).0, Some(1));
+    for most in [least, 3 * least] {
+        let (code, said) = run(most);
+        assert_eq!(code, Some(3), "{said}");
+        let report = json(&report);
+        let faces = report["faces"].as_array().expect("faces");
+        let net = |face: &serde_json::Value| number(face, "/net/0") * number(face, "/net/1");
+        let sum: f64 = faces.iter().map(net).sum();
+        assert!(sum <= most as f64 && sum > 0.3 * most as f64, "{sum} of {most}");
+    }
+}
+
+#[test]
 fn real_bodies_become_solids() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let path = |name: &str| folder.path().join(name);

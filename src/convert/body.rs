@@ -6,7 +6,7 @@ use formats::Brep;
 use formats::brep::ShellId;
 
 use super::conversion::{farther, placed, worst};
-use super::faces::{Faces, Gaps, SEAM_PLACES, faces};
+use super::faces::{FaceOptions, Faces, Gaps, SEAM_PLACES, faces};
 use super::stage::{Observer, Stage, within};
 use super::{InputReport, Options, TargetShape, input, lengths};
 use crate::deviation::{self, Deviation, NetworkToScan};
@@ -191,11 +191,16 @@ fn body(
     };
     watch(Stage::Fill(&patch))?;
 
-    let net_options =
-        net::Options { tolerance, outliers: goal.outliers, max_control: options.knots.max_net };
+    let face_options = FaceOptions {
+        wanted: options.faces,
+        knots: options.knots.clone(),
+        tolerance,
+        both_ways: goal.named,
+        outliers: goal.outliers,
+    };
     let gaps = Gaps::of(&patch, shape, tolerance, options);
     let Faces { network: own, cut, to_scan: face_to_scan, layout, net, irregular, .. } =
-        faces(&patch.even(), &gaps, options.faces, &net_options, goal.named, watch)?;
+        faces(&patch.even(), &gaps, &face_options, watch)?;
     let network = own.clone().scaled(mm);
     watch(Stage::Network(&network))?;
     let brep = match shape {

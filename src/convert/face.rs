@@ -47,7 +47,7 @@ pub(super) fn face(
     // A tolerance that the user names is held at every point.
     let supports = if goal.named { &[][..] } else { &smooth.supports };
     let (mut map, thin, parameterize) = map(patch, supports, options, watch)?;
-    let crushed = parameterize::compressed_region(&map, tolerance, options.knots.max_net);
+    let crushed = parameterize::compressed_region(&map, tolerance, options.knots.largest_net());
     watch(Stage::Parameterize(&map, crushed))?;
 
     let (surface, fit) =

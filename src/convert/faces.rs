@@ -4,11 +4,13 @@ use super::refined::refined;
 use super::stage::{Observer, Stage, within};
 use super::{Options, TargetShape};
 use crate::deviation::{self, NetworkToScan};
-use crate::error::{Error, Result};
+use crate::error::{Error, Result, of};
 use crate::geometry::{Bound, Point};
 use crate::mesh::boundary::Loop;
 use crate::mesh::{FaceOrigin, Mesh, Patch, QuadMesh};
+use crate::rules::Fault;
 use crate::spline::{KeptPlaces, Network, NetworkCut, Samples};
+use crate::stages::adapt::KnotOptions;
 use crate::stages::layout::QuadLayout;
 use crate::stages::trim::network::{CutFault, NetworkRim};
 use crate::stages::{layout, net, patches, trim};
@@ -80,19 +82,43 @@ pub(super) struct Faces {
     pub samples: Vec<Samples>,
 }
 
+/// What the faces shall be like.
+pub(super) struct FaceOptions {
+    /// About how many there should be.
+    pub wanted: Option<usize>,
+    pub knots: KnotOptions,
+    /// The distance that the points may have from the faces.
+    pub tolerance: f64,
+    /// Whether the tolerance holds also for places on the faces.
+    pub both_ways: bool,
+    /// The share of points that may exceed the tolerance.
+    pub outliers: f64,
+}
+
+impl FaceOptions {
+    /// The options of a net. All faces together keep the bound on control points, unless nobody named one and the
+    /// layout needs more.
+    fn net(&self, layout: &QuadMesh) -> Result<net::Options> {
+        let (faces, most) = (layout.blocks(), self.knots.largest_net());
+        let least = faces * patches::control_points(layout.side);
+        if self.knots.max_net.is_some() && least > most {
+            return Err(of("max_net")(Fault::LargeLayout { faces, least, most }));
+        }
+        let max_side = patches::largest_side(most / faces.max(1));
+        Ok(net::Options { tolerance: self.tolerance, outliers: self.outliers, max_side })
+    }
+}
+
 /// Makes the faces of a filled body with even triangles. The layout is made finer where they turn over or
-/// go through each other, and then, unless about so many faces are `wanted`, where they are far from the
-/// scan. Then single faces are refined. The tolerance holds for their points, and `both_ways` also for places on
-/// the faces.
+/// go through each other, and then, unless a number of faces is wanted, where they are far from the
+/// scan. Then single faces are refined.
 pub(super) fn faces(
     patch: &Patch,
     gaps: &Gaps,
-    wanted: Option<usize>,
-    options: &net::Options,
-    both_ways: bool,
+    options: &FaceOptions,
     watch: &mut Observer,
 ) -> Result<Faces> {
-    let how = layout::Options { blocks: wanted, ..layout::Options::default() };
+    let how = layout::Options { blocks: options.wanted, ..layout::Options::default() };
     let mut layout = layout::layout_with(&patch.mesh, &how, &mut within("layout", watch))?;
     let mut best: Option<Faces> = None;
     for round in 0..=FINER_ROUNDS {
@@ -119,7 +145,7 @@ pub(super) fn faces(
                 }
                 let far = faces.far(FAR * options.tolerance);
                 best = Some(faces);
-                if wanted.is_some() { Vec::new() } else { far }
+                if options.wanted.is_some() { Vec::new() } else { far }
             }
         };
         if blocks.is_empty() || !layout.split(&blocks, &mut within("layout", watch))? {
@@ -127,7 +153,7 @@ pub(super) fn faces(
         }
     }
     let best = best.ok_or(Error::Layout("no block of it can be made smaller"))?;
-    refined(best, patch, gaps, options, both_ways)
+    refined(best, patch, gaps, options)
 }
 
 /// Makes the faces of a layout. Returns also those that turn over or go through each other, with places.
@@ -136,10 +162,11 @@ fn faces_of(
     layout: &QuadLayout,
     patch: &Patch,
     gaps: &Gaps,
-    options: &net::Options,
+    options: &FaceOptions,
     watch: &mut Observer,
 ) -> Result<(Faces, Vec<FacesFault>)> {
-    let mut fit = net::fit_with(layout.quads(), patch, options, &mut within("fit", watch))?;
+    let how = options.net(layout.quads())?;
+    let mut fit = net::fit_with(layout.quads(), patch, &how, &mut within("fit", watch))?;
     let mut best = faces_of_net(&fit, layout, patch, gaps, options.tolerance)?;
     for _ in 0..HOLDS {
         if best.1.is_empty() || best.0.uncut.is_some() {

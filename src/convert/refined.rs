@@ -1,29 +1,27 @@
 //! More knots in those faces of a body that miss the tolerance.
 
-use super::faces::{Faces, Gaps, HOLDS};
+use super::faces::{FaceOptions, Faces, Gaps, HOLDS};
 use crate::error::Result;
 use crate::mesh::Patch;
-use crate::stages::{net, refine};
+use crate::stages::refine;
 
 /// Fits the faces again that miss the tolerance, and those with places that are far from the scan. A face that
 /// then turns over or goes through another one is held more firmly, and at last put back. Returns the best
-/// faces without faults. If the tolerance holds only for the points, and not `both_ways`, nothing is done for
-/// the places alone.
+/// faces without faults. If the tolerance holds only for the points, nothing is done for the places alone.
 pub(super) fn refined(
     faces: Faces,
     patch: &Patch,
     gaps: &Gaps,
-    options: &net::Options,
-    both_ways: bool,
+    options: &FaceOptions,
 ) -> Result<Faces> {
     let keeps = |beyond: f64| beyond <= options.outliers;
-    if keeps(faces.net.beyond) && (!both_ways || keeps(faces.beyond())) {
+    if keeps(faces.net.beyond) && (!options.both_ways || keeps(faces.beyond())) {
         return Ok(faces);
     }
     let how = refine::Options {
         tolerance: options.tolerance,
         outliers: options.outliers,
-        max_control: options.max_control / faces.network.surfaces.len().max(1),
+        max_control: options.knots.largest_net() / faces.network.surfaces.len().max(1),
     };
     let mut refinement = refine::refine(&faces.network, faces.samples.clone(), &how)?;
     // Shares of the same points before and after.
@@ -41,7 +39,7 @@ pub(super) fn refined(
             if beyond <= best.0 {
                 best = (beyond, Some(next));
             }
-            if !both_ways || misses.is_empty() || round >= HOLDS {
+            if !options.both_ways || misses.is_empty() || round >= HOLDS {
                 break;
             }
             let wanted: Vec<_> = misses.iter().map(|m| (m.face, m.at, m.wanted)).collect();

@@ -167,9 +167,10 @@ impl Builder {
         self
     }
 
-    /// Control points of the face at the most. Without: 250,000.
+    /// Control points at the most, of a face or of all faces of a body together. Without: 250,000, or as many as the layout
+    /// of a body needs.
     pub fn max_net(mut self, control_points: usize) -> Self {
-        self.0.knots.max_net = control_points;
+        self.0.knots.max_net = Some(control_points);
         self
     }
 
