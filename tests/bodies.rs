@@ -9,6 +9,7 @@ use std::path::Path;
 use common::importers::{freecad, freecad_solid, opencascade_solid};
 use common::random::Random;
 use common::{arg, checked, convert, converted, json, number, shared};
+use scan2step::{Error, Options, Stage, TargetShape, convert_body};
 
 const RADII: [f64; 2] = [40.0, 15.0];
 
@@ -215,6 +216,33 @@ fn the_faces_together_keep_the_bound_on_control_points() {
         let sum: f64 = faces.iter().map(net).sum();
         assert!(sum <= most as f64 && sum > 0.3 * most as f64, "{sum} of {most}");
     }
+}
+
+#[test]
+fn a_finer_layout_that_fails_leaves_the_sound_faces() {
+    let soup = formats::read_scan(&common::fixture("ring.obj")).expect("a mesh");
+    let solid = |tolerance: f64, most: usize, stops: bool| {
+        let options = Options::builder().tolerance(tolerance).max_net(most);
+        let options = options.build().expect("options");
+        let scan = scan2step::mesh_components(&soup, &options).expect("a mesh");
+        let mut layouts = Vec::new();
+        let made = convert_body(&scan, TargetShape::Solid, &options, &mut |stage| {
+            if let Stage::Layout(quads) = stage {
+                layouts.push(quads.blocks());
+            }
+            if stops && layouts.len() == 2 { Err(Error::Singular("watch")) } else { Ok(()) }
+        });
+        (made, layouts)
+    };
+    // Faces are far from the scan, so that the layout is made finer, for which there are too few control points.
+    let (_, layouts) = solid(1e-3, 1_000_000, false);
+    assert!(layouts.len() > 1 && layouts[1] > layouts[0], "{layouts:?}");
+    let (made, seen) = solid(1e-3, 225 * layouts[0], false);
+    assert_eq!(seen, layouts[..2]);
+    assert_eq!(made.expect("a solid").network.surfaces.len(), layouts[0]);
+    // An error of the caller stops the conversion all the same.
+    let (made, _) = solid(1e-3, 1_000_000, true);
+    assert!(matches!(made, Err(Error::Singular("watch"))), "{made:?}");
 }
 
 #[test]

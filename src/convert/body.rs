@@ -6,7 +6,8 @@ use formats::Brep;
 use formats::brep::ShellId;
 
 use super::conversion::{farther, placed, worst};
-use super::faces::{FaceOptions, Faces, Gaps, SEAM_PLACES, faces};
+use super::face_options::FaceOptions;
+use super::faces::{Faces, Gaps, SEAM_PLACES, faces};
 use super::stage::{Observer, Stage, within};
 use super::{InputReport, Options, TargetShape, input, lengths};
 use crate::deviation::{self, Deviation, NetworkToScan};

@@ -1,16 +1,17 @@
 //! The faces of a body: layout → net → patches → refine → trim, with a finer layout where faces fail.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::face_options::FaceOptions;
 use super::refined::refined;
 use super::stage::{Observer, Stage, within};
 use super::{Options, TargetShape};
 use crate::deviation::{self, NetworkToScan};
-use crate::error::{Error, Result, of};
+use crate::error::{Error, Result};
 use crate::geometry::{Bound, Point};
 use crate::mesh::boundary::Loop;
 use crate::mesh::{FaceOrigin, Mesh, Patch, QuadMesh};
-use crate::rules::Fault;
 use crate::spline::{KeptPlaces, Network, NetworkCut, Samples};
-use crate::stages::adapt::KnotOptions;
 use crate::stages::layout::QuadLayout;
 use crate::stages::trim::network::{CutFault, NetworkRim};
 use crate::stages::{layout, net, patches, trim};
@@ -19,7 +20,7 @@ use crate::stages::{layout, net, patches, trim};
 /// rounds do not help.
 const FINER_ROUNDS: usize = 4;
 
-/// The layout is not made finer if more than one in this number of faces is faulty. Then the parts of the
+/// The layout is not made finer if several faces are faulty, and more than one in this number of them. Then the parts of the
 /// scan are finer than its triangles nearly everywhere, and finer layouts have more faults.
 const MOST_FAULTY: usize = 5;
 
@@ -82,33 +83,6 @@ pub(super) struct Faces {
     pub samples: Vec<Samples>,
 }
 
-/// What the faces shall be like.
-pub(super) struct FaceOptions {
-    /// About how many there should be.
-    pub wanted: Option<usize>,
-    pub knots: KnotOptions,
-    /// The distance that the points may have from the faces.
-    pub tolerance: f64,
-    /// Whether the tolerance holds also for places on the faces.
-    pub both_ways: bool,
-    /// The share of points that may exceed the tolerance.
-    pub outliers: f64,
-}
-
-impl FaceOptions {
-    /// The options of a net. All faces together keep the bound on control points, unless nobody named one and the
-    /// layout needs more.
-    fn net(&self, layout: &QuadMesh) -> Result<net::Options> {
-        let (faces, most) = (layout.blocks(), self.knots.largest_net());
-        let least = faces * patches::control_points(layout.side);
-        if self.knots.max_net.is_some() && least > most {
-            return Err(of("max_net")(Fault::LargeLayout { faces, least, most }));
-        }
-        let max_side = patches::largest_side(most / faces.max(1));
-        Ok(net::Options { tolerance: self.tolerance, outliers: self.outliers, max_side })
-    }
-}
-
 /// Makes the faces of a filled body with even triangles. The layout is made finer where they turn over or
 /// go through each other, and then, unless a number of faces is wanted, where they are far from the
 /// scan. Then single faces are refined.
@@ -118,42 +92,65 @@ pub(super) fn faces(
     options: &FaceOptions,
     watch: &mut Observer,
 ) -> Result<Faces> {
+    let is_stopped = AtomicBool::new(false);
+    let watch: &mut Observer =
+        &mut |stage| watch(stage).inspect_err(|_| is_stopped.store(true, Ordering::Relaxed));
     let how = layout::Options { blocks: options.wanted, ..layout::Options::default() };
     let mut layout = layout::layout_with(&patch.mesh, &how, &mut within("layout", watch))?;
+    let mut made = Some(faces_of(&layout, patch, gaps, options, watch)?);
     let mut best: Option<Faces> = None;
-    for round in 0..=FINER_ROUNDS {
-        watch(Stage::Layout(layout.quads()))?;
-        let (faces, faults) = faces_of(&layout, patch, gaps, options, watch)?;
-        let blocks = match faults.first() {
-            Some(_) if best.is_some() => break,
-            Some(&(_, at)) => {
-                let mut blocks: Vec<usize> = faults.iter().map(|fault| fault.0).collect();
-                blocks.sort_unstable();
-                blocks.dedup();
-                if blocks.len() > faces.network.surfaces.len() / MOST_FAULTY
-                    || round == FINER_ROUNDS
-                {
-                    let folds = Error::BodyFolds { count: faults.len(), at };
-                    return Err(faces.uncut.map_or(folds, Error::from));
-                }
-                blocks
+    let mut round = 0;
+    while let Some((faces, faults)) = made {
+        let blocks = if faults.is_empty() {
+            let off = |faces: &Faces| faces.to_scan.deviation.max;
+            if best.as_ref().is_some_and(|best| off(&faces) >= off(best)) {
+                break;
             }
-            None => {
-                let off = |faces: &Faces| faces.to_scan.deviation.max;
-                if best.as_ref().is_some_and(|best| off(&faces) >= off(best)) {
-                    break;
-                }
-                let far = faces.far(FAR * options.tolerance);
-                best = Some(faces);
-                if options.wanted.is_some() { Vec::new() } else { far }
-            }
+            let far = faces.far(FAR * options.tolerance);
+            best = Some(faces);
+            if options.wanted.is_some() { Vec::new() } else { far }
+        } else if best.is_some() {
+            break;
+        } else {
+            let blocks = faulty_blocks(&faults, faces.network.surfaces.len());
+            let blocks = blocks.filter(|_| round < FINER_ROUNDS);
+            blocks.ok_or_else(|| faces.refused(&faults))?
         };
-        if blocks.is_empty() || !layout.split(&blocks, &mut within("layout", watch))? {
+        if blocks.is_empty() || round == FINER_ROUNDS {
             break;
         }
+        round += 1;
+        made = match finer(&mut layout, &blocks, patch, gaps, options, watch) {
+            Err(error) if best.is_none() || is_stopped.load(Ordering::Relaxed) => {
+                return Err(error);
+            }
+            // Sound faces are there, and a finer layout has none.
+            made => made.ok().flatten(),
+        };
     }
     let best = best.ok_or(Error::Layout("no block of it can be made smaller"))?;
     refined(best, patch, gaps, options)
+}
+
+/// The blocks of faulty faces, which should be smaller. `None` if too many of the faces are faulty.
+fn faulty_blocks(faults: &[FacesFault], faces: usize) -> Option<Vec<usize>> {
+    let mut blocks: Vec<usize> = faults.iter().map(|fault| fault.0).collect();
+    blocks.sort_unstable();
+    blocks.dedup();
+    (blocks.len() <= (faces / MOST_FAULTY).max(1)).then_some(blocks)
+}
+
+/// The faces of a layout with some smaller blocks. `None` if none of them can be made smaller.
+fn finer(
+    layout: &mut QuadLayout,
+    blocks: &[usize],
+    patch: &Patch,
+    gaps: &Gaps,
+    options: &FaceOptions,
+    watch: &mut Observer,
+) -> Result<Option<(Faces, Vec<FacesFault>)>> {
+    let is_finer = layout.split(blocks, &mut within("layout", watch))?;
+    is_finer.then(|| faces_of(layout, patch, gaps, options, watch)).transpose()
 }
 
 /// Makes the faces of a layout. Returns also those that turn over or go through each other, with places.
@@ -165,6 +162,7 @@ fn faces_of(
     options: &FaceOptions,
     watch: &mut Observer,
 ) -> Result<(Faces, Vec<FacesFault>)> {
+    watch(Stage::Layout(layout.quads()))?;
     let how = options.net(layout.quads())?;
     let mut fit = net::fit_with(layout.quads(), patch, &how, &mut within("fit", watch))?;
     let mut best = faces_of_net(&fit, layout, patch, gaps, options.tolerance)?;
@@ -250,6 +248,12 @@ impl Faces {
         (self, faults)
     }
 
+    /// Why faces with some faults are none.
+    fn refused(self, faults: &[FacesFault]) -> Error {
+        let at = faults.first().map_or(Point::origin(), |fault| fault.1);
+        self.uncut.map_or(Error::BodyFolds { count: faults.len(), at }, Error::from)
+    }
+
     /// The few faces that are farthest from the scan, and farther than `limit`.
     fn far(&self, limit: f64) -> Vec<usize> {
         let largest = &self.to_scan.largest;
@@ -258,5 +262,18 @@ impl Faces {
         far.sort_by(|&a, &b| largest[b].total_cmp(&largest[a]));
         far.truncate(largest.len().div_ceil(FEW));
         far
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_faulty_face_is_never_too_many() {
+        let at = Point::origin();
+        assert_eq!(faulty_blocks(&[(2, at), (2, at)], 4), Some(vec![2]));
+        assert_eq!(faulty_blocks(&[(2, at), (1, at)], 4), None);
+        assert_eq!(faulty_blocks(&[(2, at), (1, at)], 10), Some(vec![1, 2]));
     }
 }

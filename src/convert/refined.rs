@@ -1,6 +1,7 @@
 //! More knots in those faces of a body that miss the tolerance.
 
-use super::faces::{FaceOptions, Faces, Gaps, HOLDS};
+use super::face_options::FaceOptions;
+use super::faces::{Faces, Gaps, HOLDS};
 use crate::error::Result;
 use crate::mesh::Patch;
 use crate::stages::refine;
