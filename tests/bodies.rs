@@ -182,10 +182,16 @@ fn about_as_many_faces_come_out_as_are_asked_for() {
         converted(&[arg(&scan), arg(&step), "--faces", count, "--report", arg(&report)]);
         let report = json(&report);
         assert_eq!(report["options"]["faces"].to_string(), count);
-        number(&report, "/shape/faces")
+        (number(&report, "/shape/faces"), report["hints"].to_string())
     };
     let [few, many] = ["30", "90"].map(faces);
-    assert!((20.0..40.0).contains(&few) && (70.0..110.0).contains(&many), "{few} and {many}");
+    assert!((24.0..=36.0).contains(&few.0) && !few.1.contains("not about"), "{few:?}");
+    assert!((72.0..=108.0).contains(&many.0) && !many.1.contains("not about"), "{many:?}");
+    let (least, hints) = faces("4");
+    assert!(
+        least > 4.0 && hints.contains(&format!("has {least} faces, and not about 4")),
+        "{hints}"
+    );
 }
 
 #[test]

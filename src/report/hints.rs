@@ -6,7 +6,7 @@ use formats::LengthUnit;
 use super::{ScanSource, Setting, Settings, unused};
 use crate::convert::{BodyConversion, Conversion, TargetShape};
 use crate::geometry::{Vector, box_of};
-use crate::words::mm;
+use crate::words::{mm, plural};
 
 /// The hints of some conversions of one scan.
 pub(super) fn of(
@@ -44,7 +44,32 @@ pub(super) fn of_bodies(
     });
     let shape = bodies.first().map(|body| body.shape.word());
     let unused = shape.map_or(Vec::new(), |shape| unused::of(settings, source, shape));
-    odd_size.into_iter().chain(unused).chain(missed).collect()
+    let other = settings.faces.map(|wanted| {
+        bodies
+            .iter()
+            .filter_map(move |body| other_faces(body.shape, body.network.surfaces.len(), wanted))
+    });
+    odd_size.into_iter().chain(unused).chain(missed).chain(other.into_iter().flatten()).collect()
+}
+
+/// A number of faces is about the wanted one up to this share of it. Layouts are searched by halving an angle, which
+/// comes as near on most bodies.
+const ABOUT: f64 = 0.2;
+
+/// A hint about a body that has not about as many faces as are wanted.
+fn other_faces(shape: TargetShape, faces: usize, wanted: usize) -> Option<String> {
+    let (shape, of) = (shape.word(), plural(faces, "face"));
+    if (faces.abs_diff(wanted) as f64) <= ABOUT * wanted as f64 {
+        return None;
+    }
+    Some(match faces > wanted {
+        true => format!(
+            "the {shape} has {of}, and not about {wanted}: on fewer, quads would turn away from the scan"
+        ),
+        false => format!(
+            "the {shape} has {of}, and not about {wanted}: its triangles are too large for more"
+        ),
+    })
 }
 
 /// Sizes of a scan in mm that make the assumed unit likely: more than a thimble, less than a

@@ -188,7 +188,8 @@ impl Builder {
         self
     }
 
-    /// About how many faces a solid gets. Without, as many as its shape needs.
+    /// About how many faces a solid or a shell gets. Without, as many as its shape needs. A hint in the report says if there
+    /// are others.
     pub fn faces(mut self, count: impl Into<Option<usize>>) -> Self {
         self.0.faces = count.into();
         self
