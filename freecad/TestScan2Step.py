@@ -78,6 +78,21 @@ class Scans(unittest.TestCase):
         self.document.recompute()
         self.assertTrue(result.Stale)
 
+    def test_a_moved_inner_point_makes_a_result_stale(self):
+        import Points
+
+        rows = scan2step.read(fixture("relief.xyz")).vertices
+        moved = rows.copy()
+        inner = np.argmin(np.linalg.norm(rows - rows.mean(axis=0), axis=1))
+        moved[inner, 2] += 0.01
+        clouds = [Points.Points([FreeCAD.Vector(*row) for row in of]) for of in (rows, moved)]
+        source = self.document.addObject("Points::Feature", "cloud")
+        fingerprints = []
+        for source.Points in clouds * 2:
+            fingerprints.append(convert.fingerprint(source, convert.defaults()))
+        self.assertEqual(fingerprints[:2], fingerprints[2:])
+        self.assertNotEqual(*fingerprints[:2])
+
     def test_one_undo_takes_a_conversion_back(self):
         source = self.scan("relief.ply")
         self.document.UndoMode = 1

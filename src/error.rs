@@ -418,6 +418,9 @@ impl Error {
             Error::Option { fault: rules::Fault::LargeNet { .. }, .. } => {
                 "name a smaller `net`, or a larger `max_net`".into()
             }
+            Error::Option { fault: rules::Fault::LargeLayout { least, .. }, .. } => {
+                format!("name a `max_net` of {least} or more, or fewer `faces`")
+            }
             Error::Option { option, .. } => {
                 format!("give another value for `{option}`, or leave the option out")
             }

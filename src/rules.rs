@@ -38,12 +38,25 @@ pub enum Fault {
         /// The largest allowed number of control points.
         most: usize,
     },
+    /// The faces of a body have more control points than allowed.
+    #[error("{faces} faces have at least {least} control points, and {most} are allowed")]
+    LargeLayout {
+        /// The number of faces of the layout.
+        faces: usize,
+        /// The least number of control points of them all.
+        least: usize,
+        /// The largest allowed number of control points.
+        most: usize,
+    },
     /// The limit on the size of a net must be between 16 and [`MOST_CONTROL_POINTS`].
     #[error("not a number of control points from {LEAST_CONTROL_POINTS} to {MOST_CONTROL_POINTS}")]
     MaxNet,
     /// A solid has [`LEAST_FACES`] to [`MOST_FACES`] faces.
     #[error("not a number of faces from {LEAST_FACES} to {MOST_FACES}")]
     Faces,
+    /// A component becomes a void only in a solid around it.
+    #[error("a void needs a solid around it")]
+    Void,
     /// A cloud has at least [`LEAST_POINTS`] points.
     #[error("not a number of points from {LEAST_POINTS} on")]
     MaxPoints,

@@ -9,6 +9,7 @@ use std::path::Path;
 use common::importers::{freecad, freecad_solid, opencascade_solid};
 use common::random::Random;
 use common::{arg, checked, convert, converted, json, number, shared};
+use scan2step::{Error, Options, Stage, TargetShape};
 
 const RADII: [f64; 2] = [40.0, 15.0];
 
@@ -181,10 +182,73 @@ fn about_as_many_faces_come_out_as_are_asked_for() {
         converted(&[arg(&scan), arg(&step), "--faces", count, "--report", arg(&report)]);
         let report = json(&report);
         assert_eq!(report["options"]["faces"].to_string(), count);
-        number(&report, "/shape/faces")
+        (number(&report, "/shape/faces"), report["hints"].to_string())
     };
     let [few, many] = ["30", "90"].map(faces);
-    assert!((20.0..40.0).contains(&few) && (70.0..110.0).contains(&many), "{few} and {many}");
+    assert!((24.0..=36.0).contains(&few.0) && !few.1.contains("not about"), "{few:?}");
+    assert!((72.0..=108.0).contains(&many.0) && !many.1.contains("not about"), "{many:?}");
+    let (least, hints) = faces("4");
+    assert!(
+        least > 4.0 && hints.contains(&format!("has {least} faces, and not about 4")),
+        "{hints}"
+    );
+}
+
+#[test]
+fn the_faces_together_keep_the_bound_on_control_points() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    let (scan, step, report) = (path("torus.obj"), path("torus.step"), path("torus.json"));
+    torus(&scan, 0.0, false, &[]);
+    let run = |most: usize| {
+        let most = most.to_string();
+        // No net keeps this tolerance.
+        let options = ["--tolerance", "1e-6", "--max-net", &most, "--report", arg(&report)];
+        let output = convert(&[&[arg(&scan), arg(&step)], &options[..]].concat());
+        (output.status.code(), String::from_utf8_lossy(&output.stderr).into_owned())
+    };
+    let (code, said) = run(100);
+    assert_eq!((code, step.exists()), (Some(1), false), "{said}");
+    let least = said.split("--max-net of ").nth(1).and_then(|rest| rest.split(' ').next());
+    let least: usize = least.and_then(|least| least.parse().ok()).expect("the help names it");
+    assert!(said.contains(&format!("have at least {least} control points")), "{said}");
+    assert_eq!(run(least - 1).0, Some(1));
+    for most in [least, 3 * least] {
+        let (code, said) = run(most);
+        assert_eq!(code, Some(3), "{said}");
+        let report = json(&report);
+        let faces = report["faces"].as_array().expect("faces");
+        let net = |face: &serde_json::Value| number(face, "/net/0") * number(face, "/net/1");
+        let sum: f64 = faces.iter().map(net).sum();
+        assert!(sum <= most as f64 && sum > 0.3 * most as f64, "{sum} of {most}");
+    }
+}
+
+#[test]
+fn a_finer_layout_that_fails_leaves_the_sound_faces() {
+    let soup = formats::read_scan(&common::fixture("ring.obj")).expect("a mesh");
+    let solid = |tolerance: f64, most: usize, stops: bool| {
+        let options = Options::builder().tolerance(tolerance).max_net(most);
+        let options = options.build().expect("options");
+        let scan = scan2step::mesh_components(&soup, &options).expect("a mesh");
+        let mut layouts = Vec::new();
+        let made = common::body_of(&scan, TargetShape::Solid, &options, &mut |stage| {
+            if let Stage::Layout(quads) = stage {
+                layouts.push(quads.blocks());
+            }
+            if stops && layouts.len() == 2 { Err(Error::Singular("watch")) } else { Ok(()) }
+        });
+        (made, layouts)
+    };
+    // Faces are far from the scan, so that the layout is made finer, for which there are too few control points.
+    let (_, layouts) = solid(1e-3, 1_000_000, false);
+    assert!(layouts.len() > 1 && layouts[1] > layouts[0], "{layouts:?}");
+    let (made, seen) = solid(1e-3, 225 * layouts[0], false);
+    assert_eq!(seen, layouts[..2]);
+    assert_eq!(made.expect("a solid").surfaces().len(), layouts[0]);
+    // An error of the caller stops the conversion all the same.
+    let (made, _) = solid(1e-3, 1_000_000, true);
+    assert!(matches!(made, Err(Error::Singular("watch"))), "{made:?}");
 }
 
 #[test]
@@ -322,5 +386,63 @@ fn a_torus_in_a_torus_is_a_void_if_it_faces_inwards() {
         );
         let there = number(&found, "/volume") / (volumes[0] + volumes[1]) - 1.0;
         assert!(there.abs() < 1e-4, "{name}: {there}");
+    }
+}
+
+/// A ball of triangles between meridians and parallels. `first` vertices stand before it.
+fn ball_text(radius: f64, turned: bool, first: usize) -> String {
+    let n = 16;
+    let mut text = format!("v 0 0 {radius}\nv 0 0 {}\n", -radius);
+    for (i, j) in (1..n).flat_map(|i| (0..2 * n).map(move |j| (i, j))) {
+        let [tilt, turn] = [i, j].map(|k| PI * f64::from(k) / f64::from(n));
+        let [x, y] = [turn.cos(), turn.sin()].map(|of| radius * tilt.sin() * of);
+        writeln!(text, "v {x} {y} {}", radius * tilt.cos()).expect("text");
+    }
+    let name = |i: i32, j: i32| match i {
+        0 => 1,
+        i if i == n => 2,
+        i => 3 + 2 * n * (i - 1) + j % (2 * n),
+    };
+    for (i, j) in (0..n).flat_map(|i| (0..2 * n).map(move |j| (i, j))) {
+        let [a, b, c, d] = [name(i, j), name(i + 1, j), name(i + 1, j + 1), name(i, j + 1)];
+        for mut t in [[a, b, c], [a, c, d]] {
+            if turned {
+                t.swap(1, 2);
+            }
+            if t[0] != t[1] && t[1] != t[2] && t[2] != t[0] {
+                let [a, b, c] = t.map(|v| v as usize + first);
+                writeln!(text, "f {a} {b} {c}").expect("text");
+            }
+        }
+    }
+    text
+}
+
+#[test]
+fn what_lies_in_a_void_is_a_solid_again() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let path = |name: &str| folder.path().join(name);
+    // The third ball lies in the void of the first one.
+    for radii in [&[30.0, 20.0, 10.0][..], &[40.0, 30.0, 20.0, 10.0]] {
+        let (scan, step, report) = (path("balls.obj"), path("balls.step"), path("balls.json"));
+        let mut text = String::new();
+        for (k, &radius) in radii.iter().enumerate() {
+            let first = text.lines().filter(|line| line.starts_with('v')).count();
+            text += &ball_text(radius, k % 2 == 1, first);
+        }
+        std::fs::write(&scan, text).expect("a file");
+        let all = ["--component", "all", "--report", arg(&report)];
+        converted(&[&[arg(&scan), arg(&step)], &all[..]].concat());
+        let report = json(&report);
+        let of = |radius: f64| 4.0 / 3.0 * PI * radius.powi(3);
+        for (k, &radius) in radii.iter().enumerate() {
+            let found = number(&report, &format!("/components/{k}/shape/volume_mm3"));
+            let there = if k % 2 == 1 { -of(radius) } else { of(radius) };
+            assert!((found / there - 1.0).abs() < 0.01, "{found} instead of {there}");
+        }
+        let found = opencascade_solid(&step);
+        assert_eq!(found["valid"], true, "{found}");
+        let counts = [radii.len().div_ceil(2), radii.len()].map(serde_json::Value::from);
+        assert_eq!([&found["solids"], &found["shells"]], counts.each_ref(), "{found}");
     }
 }

@@ -4,9 +4,11 @@
 mod common;
 
 use common::face_seen;
+use common::random::Random;
 use common::{arg, check, checked, converted, fixture, inspected, json};
 use scan2step::formats::{self, Points, read_points};
-use scan2step::{Body, Options};
+use scan2step::{Body, Options, TargetShape, cloud_components};
+use std::f64::consts::TAU;
 
 /// The points of the relief.
 fn cloud() -> Points {
@@ -109,6 +111,30 @@ fn smoothing_sees_all_of_the_noise_of_a_cloud() {
     let found = face(cloud(), &Options::default());
     let share = found.smooth.noise / found.noise;
     assert!((0.9..=1.0).contains(&share), "{share}");
+    let body = torus(0.1);
+    let options = Options::default();
+    let (scan, _) = cloud_components(body, &options, &mut |_| Ok(())).expect("a mesh");
+    let solid = common::body_of(&scan, TargetShape::Solid, &options, &mut |_| Ok(()));
+    let found = solid.expect("a solid");
+    let share = found.smooth.noise / found.noise;
+    // Some vertices stand for two points or three.
+    assert!((0.75..=1.0).contains(&share), "{share}");
+}
+
+/// Random points of a torus, with some noise in mm.
+fn torus(noise: f64) -> Points {
+    let mut random = Random(7);
+    let mut positions = Vec::new();
+    while positions.len() < 6000 {
+        let [u, v] = [0; 2].map(|_| TAU * random.share());
+        if random.share() < (30.0 + 10.0 * v.cos()) / 40.0 {
+            // The sum of twelve uniform numbers has a variance of one.
+            let tube = 10.0 + noise * ((0..12).map(|_| random.share()).sum::<f64>() - 6.0);
+            let reach = 30.0 + tube * v.cos();
+            positions.push([reach * u.cos(), reach * u.sin(), tube * v.sin()]);
+        }
+    }
+    Points { positions, ..Points::default() }
 }
 
 #[test]

@@ -3,11 +3,11 @@
 mod common;
 
 use common::fixture;
-use common::{OneFace, face_of, face_seen};
-use formats::{Soup, step};
+use common::{OneFace, body_of, face_of, face_seen};
+use formats::{LengthUnit, Soup, step};
 use scan2step::geometry::Point;
 use scan2step::mesh::{self, Choice, Components, Outer};
-use scan2step::{Error, Options, Part, ScanPlace, Stage, convert};
+use scan2step::{Error, Options, Part, ScanPlace, Stage, TargetShape, convert};
 
 /// Square sheets of so many squares a side, each 100 mm from the last, in one scan.
 fn sheets(sides: &[u32]) -> Soup {
@@ -149,6 +149,28 @@ fn places_are_looked_up_in_the_soup() {
     let three = vec![ScanPlace::Vertex(0); 3];
     let options = Options::builder().corner_places(three).build();
     assert!(matches!(options, Err(Error::Corners(_))));
+}
+
+#[test]
+fn a_body_keeps_what_the_options_name() {
+    let ring = fixture("ring.obj");
+    let soup = formats::read_scan(&ring).expect("a mesh");
+    // A length that is not the same any more once it is divided and multiplied by the unit.
+    let inch = LengthUnit::Inch.in_mm();
+    let tolerance = (20..).map(f64::from).find(|mm| mm / inch * inch != *mm).expect("a length");
+    let named = Options::builder().unit(LengthUnit::Inch).tolerance(tolerance);
+    let solid = |options: &Options| {
+        let scan = scan2step::mesh_components(&soup, options).expect("a mesh");
+        body_of(&scan, TargetShape::Solid, options, &mut |_| Ok(()))
+    };
+    let made = solid(&named.clone().build().expect("options")).expect("a solid");
+    assert_eq!(made.tolerance, tolerance);
+    let corners = vec![ScanPlace::Vertex(0)];
+    let options = named.boundary_corner_places(corners).build().expect("options");
+    assert!(matches!(solid(&options), Err(Error::Input(_))), "a component has no soup");
+    assert!(solid(&options.resolved(&soup).expect("the vertex is there")).is_ok());
+    let void = Options::builder().shape(TargetShape::Void).build();
+    assert!(matches!(void, Err(Error::Option { option: "shape", .. })), "{void:?}");
 }
 
 #[test]

@@ -295,7 +295,7 @@ fn the_fit_finds_a_surface_that_it_can_represent() {
         let scan = limit_surface(&mesh, 4);
         // The fit does not know the control points: it begins with points of the scan.
         let start = limit_surface_at_vertices(&mesh);
-        let options = net::Options { tolerance: 1e-3, outliers: 0.0, max_control: 100_000 };
+        let options = net::Options { tolerance: 1e-3, outliers: 0.0, max_side: 100 };
         let (fitted, report) =
             net::fit(&start, &Patch::closed(scan.clone()), &options).expect("a fit");
         assert_eq!(report.without_foot, 0, "{name}");
@@ -354,7 +354,7 @@ fn quads_are_divided_until_the_tolerance_holds() {
     let coarse =
         QuadMesh { points: coarse.points.iter().map(|p| nearest(&scan, *p)).collect(), ..coarse };
     let fit = |tolerance: f64| {
-        let options = net::Options { tolerance, outliers: 0.0, max_control: 100_000 };
+        let options = net::Options { tolerance, outliers: 0.0, max_side: 100 };
         net::fit(&coarse, &Patch::closed(scan.clone()), &options).expect("a fit").1
     };
     let [loose, tight] = [0.1, 0.005].map(fit);
@@ -383,7 +383,7 @@ fn a_refined_face_keeps_its_sides_and_its_tangent_planes_there() {
     let (start, scan) = bumpy_scan();
     let patch = Patch::closed(scan);
     // No net is made finer.
-    let options = net::Options { tolerance: 2e-4, outliers: 0.0, max_control: 300 };
+    let options = net::Options { tolerance: 2e-4, outliers: 0.0, max_side: 6 };
     let fit = net::fit_with(&start, &patch, &options, &mut |_| Ok(())).expect("a fit");
     let (network, _) = patches::extract(&fit.net.mesh, &fit.net.surface).expect("patches");
     let how = refine::Options { tolerance: 2e-4, outliers: 0.0, max_control: 10_000 };
@@ -391,7 +391,8 @@ fn a_refined_face_keeps_its_sides_and_its_tangent_planes_there() {
     let report = refinement.report();
     assert!(!report.faces.is_empty() && report.faces.len() < network.surfaces.len(), "{report:?}");
     let before = (fit.report.beyond * patch.measured as f64).round();
-    assert!((report.beyond as f64) < 0.2 * before, "{report:?}, and {before} before");
+    assert_eq!((report.measured, report.beyond_before as f64), (patch.measured, before));
+    assert!((report.beyond as f64) < 0.2 * before, "{report:?}");
     for (face, old) in network.surfaces.iter().enumerate() {
         let new = &refinement.network.surfaces[face];
         if !report.faces.contains(&face) {

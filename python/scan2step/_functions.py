@@ -40,7 +40,7 @@ def convert(
     kappa: Optional[float] = None,
     depth: Optional[int] = None,
     net: Optional[Tuple[int, int]] = None,
-    max_net: int = 250_000,
+    max_net: Optional[int] = None,
     box: Optional[Tuple[Sequence[float], Sequence[float]]] = None,
     above: Optional[Sequence[float]] = None,
     remove_plane: bool = False,

@@ -135,7 +135,10 @@ fn set(builder: Builder, key: &str, value: &Bound<PyAny>) -> PyResult<Builder> {
         "kappa" => builder.kappa(value.extract::<Option<f64>>()?),
         "depth" => builder.depth(value.extract::<Option<u32>>()?),
         "net" => builder.net(value.extract::<Option<[usize; 2]>>()?),
-        "max_net" => builder.max_net(value.extract()?),
+        "max_net" => match value.is_none() {
+            true => builder,
+            false => builder.max_net(value.extract()?),
+        },
         "fit" => builder.fit(word(
             "fit",
             &value.extract::<String>()?,

@@ -46,7 +46,6 @@ pub fn options(args: &Convert) -> Result<Options, Failure> {
         .kappa(how.kappa)
         .depth(how.depth)
         .net(how.net)
-        .max_net(how.max_net)
         .handles(how.handles)
         .shape(shape(how.shape))
         .faces(how.faces)
@@ -59,6 +58,9 @@ pub fn options(args: &Convert) -> Result<Options, Failure> {
         .rim_tolerance(how.rim_tolerance)
         .outliers(how.outliers / 100.0)
         .cut(cut);
+    if let Some(most) = how.max_net {
+        options = options.max_net(most);
+    }
     match how.component {
         ComponentChoice::Largest => {}
         ComponentChoice::Number(number) => options = options.component(Choice::Number(number)),

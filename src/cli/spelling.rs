@@ -2,7 +2,7 @@
 
 /// The names of options in the library, which stand in backticks in its messages, and those
 /// on the command line.
-const OPTIONS: [(&str, &str); 24] = [
+const OPTIONS: [(&str, &str); 25] = [
     ("shape", "--shape"),
     ("unit", "--units"),
     ("component", "--component"),
@@ -20,6 +20,7 @@ const OPTIONS: [(&str, &str); 24] = [
     ("depth", "--depth"),
     ("net", "--net"),
     ("max_net", "--max-net"),
+    ("faces", "--faces"),
     ("fit", "--fit"),
     ("tolerance", "--tolerance"),
     ("outliers", "--outliers"),
@@ -63,6 +64,8 @@ mod tests {
         let point = scan2step::geometry::Point::origin();
         let hole = Error::Trim { of: Bound::Hole(0), fault: String::new(), at: point };
         let net = Error::Option { option: "net", fault: Fault::LargeNet { net: [9; 2], most: 16 } };
+        let fault = Fault::LargeLayout { faces: 9, least: 99, most: 16 };
+        let layout = Error::Option { option: "max_net", fault };
         for (error, option) in [
             (Error::Component { asked: 3, count: 2 }, "--component"),
             (Error::NotOrientable, "--component"),
@@ -77,6 +80,7 @@ mod tests {
             (Error::Trim { of: Bound::Outer, fault: String::new(), at: point }, "--outline"),
             (hole, "--keep-fills"),
             (net, "--max-net"),
+            (layout, "--faces"),
             (Options::builder().rim_tolerance(-1.0).build().unwrap_err(), "--rim-tolerance"),
         ] {
             let (help, spelled) = (error.help(), spelled(&error.help()));

@@ -3,6 +3,7 @@
 //! fills, and of a shell they are cut out.
 
 use super::conversion::{Body, BodyFit, Missed, NetworkFit, Seams};
+use super::face_options::FaceOptions;
 use super::faces::{Faces, Gaps, SEAM_PLACES, faces};
 use super::stage::{Observer, Stage, within};
 use super::{Options, TargetShape, input};
@@ -12,7 +13,7 @@ use crate::mesh::Components;
 use crate::spline::Network;
 use crate::stages::adapt::Goal;
 use crate::stages::trim::EDGE_ACCURACY;
-use crate::stages::{brep, fill, net, smooth, trim};
+use crate::stages::{brep, fill, smooth, trim};
 
 /// Converts one component of a scan to a solid, a void or a shell, in the lengths of its mesh.
 pub(super) fn body(
@@ -24,15 +25,16 @@ pub(super) fn body(
     let mm = scan.mm();
     let (measured, input) = input::body(scan, shape, options)?;
     watch(Stage::Mesh(&measured))?;
+    let rough = scan.at_measured_places(&measured);
     let (smoothed, smooth) =
-        smooth::smooth_with(&measured, &options.smooth, &mut within("smooth", watch))?;
+        smooth::smooth_with(&rough, &options.smooth, &mut within("smooth", watch))?;
     watch(Stage::Smooth(&smoothed))?;
     let noise = scan.raw_points().map_or(smooth.noise, |raw| raw.noise().max(smooth.noise));
     let goal = Goal::of(options, &measured.mesh, noise);
     let tolerance = options.tolerance.unwrap_or(goal.tolerance);
     let fill_options =
         fill::Options { support: smooth.h, noise: smooth.noise, ..options.fill.clone() };
-    let points = &measured.mesh.points;
+    let points = &rough.mesh.points;
     let (patch, fill) = if shape == TargetShape::Shell {
         fill::fill_of_shell(smoothed, points, &fill_options, &mut within("fill", watch))?
     } else {
@@ -40,11 +42,16 @@ pub(super) fn body(
     };
     watch(Stage::Fill(&patch))?;
 
-    let net_options =
-        net::Options { tolerance, outliers: goal.outliers, max_control: options.knots.max_net };
+    let face_options = FaceOptions {
+        wanted: options.faces,
+        knots: options.knots.clone(),
+        tolerance,
+        both_ways: goal.named,
+        outliers: goal.outliers,
+    };
     let gaps = Gaps::of(&patch, shape, tolerance, options);
     let Faces { network: own, cut, to_scan, layout, net, irregular, .. } =
-        faces(&patch.even(), &gaps, options.faces, &net_options, goal.named, watch)?;
+        faces(&patch.even(), &gaps, &face_options, watch)?;
     let network = own.clone().scaled(mm);
     watch(Stage::Network(&network))?;
     let brep = match shape {

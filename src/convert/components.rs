@@ -1,11 +1,13 @@
 //! What becomes of the components of a scan: faces, solids or shells.
 
+use std::collections::BTreeSet;
+
 use super::conversion::{Body, Part, placed};
 use super::lengths::Shown;
-use super::shape::{TargetShape, shape, voids};
+use super::shape::{TargetShape, shape};
 use super::{Conversion, Observer, Options, Stage, body, face, hints};
 use crate::error::{Error, Result};
-use crate::mesh::{Choice, Components};
+use crate::mesh::{Choice, Components, Nested};
 use crate::stages::parameterize::CompressedRegion;
 
 /// Components, each with what becomes of it.
@@ -75,8 +77,7 @@ fn unsuited(error: Error, compressed: Option<CompressedRegion>) -> Result<String
     }
 }
 
-/// What becomes of components. If only some would become faces, these become shells. The voids of each solid
-/// come after it. They are not chosen themselves.
+/// What becomes of components. If only some would become faces, these become shells.
 fn shapes(scan: &Components, components: &[Choice], named: Option<TargetShape>) -> Result<Shapes> {
     let of =
         |&component: &Choice| Ok((component, named.map_or_else(|| shape(scan, component), Ok)?));
@@ -87,17 +88,35 @@ fn shapes(scan: &Components, components: &[Choice], named: Option<TargetShape>) 
     for of in shapes.iter_mut().filter(|of| of.1 == TargetShape::Face) {
         of.1 = TargetShape::Shell;
     }
-    let mut all = Vec::with_capacity(shapes.len());
-    let mut inner = Vec::new();
-    for (component, shape) in shapes {
-        all.push((component, shape));
-        if shape == TargetShape::Solid {
-            let own = voids(scan, component)?;
-            all.extend(own.iter().map(|&component| (component, TargetShape::Void)));
-            inner.extend(own);
+    with_voids(scan, shapes)
+}
+
+/// The same with the voids of each solid after it. The solid of a void is the nearest component around it, and a
+/// component in a void is a solid again.
+fn with_voids(scan: &Components, shapes: Shapes) -> Result<Shapes> {
+    let of_solids = shapes.iter().filter(|of| of.1 == TargetShape::Solid);
+    let mut solids: BTreeSet<usize> = of_solids.map(|of| of.0.number()).collect();
+    if solids.is_empty() {
+        return Ok(shapes);
+    }
+    let mut voids = BTreeSet::new();
+    for Nested { component, around, is_opposite } in scan.nested()? {
+        if is_opposite && solids.contains(&around) {
+            solids.remove(&component);
+            voids.insert((around, component));
         }
     }
-    all.retain(|of| of.1 == TargetShape::Void || !inner.contains(&of.0));
+    let mut all = Vec::with_capacity(shapes.len() + voids.len());
+    for (component, shape) in shapes {
+        let number = component.number();
+        if shape != TargetShape::Solid {
+            all.push((component, shape));
+        } else if solids.contains(&number) {
+            let own = voids.range((number, 0)..=(number, usize::MAX));
+            all.push((component, shape));
+            all.extend(own.map(|void| (Choice::Number(void.1), TargetShape::Void)));
+        }
+    }
     Ok(all)
 }
 

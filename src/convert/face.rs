@@ -43,7 +43,7 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
     // A tolerance that the user names is held at every point.
     let supports = if goal.named { &[][..] } else { &smooth.supports };
     let (mut map, thin, parameterize) = map(patch, supports, options, watch)?;
-    let crushed = parameterize::compressed_region(&map, tolerance, options.knots.max_net);
+    let crushed = parameterize::compressed_region(&map, tolerance, options.knots.largest_net());
     watch(Stage::Parameterize(&map, crushed))?;
 
     let (surface, fit) =

@@ -1,5 +1,8 @@
 //! The faces of a body: layout → net → patches → refine → trim, with a finer layout where faces fail.
 
+use std::sync::atomic::{AtomicBool, Ordering};
+
+use super::face_options::FaceOptions;
 use super::refined::refined;
 use super::stage::{Observer, Stage, within};
 use super::{Options, TargetShape};
@@ -17,7 +20,7 @@ use crate::stages::{layout, net, patches, trim};
 /// rounds do not help.
 const FINER_ROUNDS: usize = 4;
 
-/// The layout is not made finer if more than one in this number of faces is faulty. Then the parts of the
+/// The layout is not made finer if several faces are faulty, and more than one in this number of them. Then the parts of the
 /// scan are finer than its triangles nearly everywhere, and finer layouts have more faults.
 const MOST_FAULTY: usize = 5;
 
@@ -81,53 +84,73 @@ pub(super) struct Faces {
 }
 
 /// Makes the faces of a filled body with even triangles. The layout is made finer where they turn over or
-/// go through each other, and then, unless about so many faces are `wanted`, where they are far from the
-/// scan. Then single faces are refined. The tolerance holds for their points, and `both_ways` also for places on
-/// the faces.
+/// go through each other, and then, unless a number of faces is wanted, where they are far from the
+/// scan. Then single faces are refined.
 pub(super) fn faces(
     patch: &Patch,
     gaps: &Gaps,
-    wanted: Option<usize>,
-    options: &net::Options,
-    both_ways: bool,
+    options: &FaceOptions,
     watch: &mut Observer,
 ) -> Result<Faces> {
-    let how = layout::Options { blocks: wanted, ..layout::Options::default() };
+    let is_stopped = AtomicBool::new(false);
+    let watch: &mut Observer =
+        &mut |stage| watch(stage).inspect_err(|_| is_stopped.store(true, Ordering::Relaxed));
+    let how = layout::Options { blocks: options.wanted, ..layout::Options::default() };
     let mut layout = layout::layout_with(&patch.mesh, &how, &mut within("layout", watch))?;
+    let mut made = Some(faces_of(&layout, patch, gaps, options, watch)?);
     let mut best: Option<Faces> = None;
-    for round in 0..=FINER_ROUNDS {
-        watch(Stage::Layout(layout.quads()))?;
-        let (faces, faults) = faces_of(&layout, patch, gaps, options, watch)?;
-        let blocks = match faults.first() {
-            Some(_) if best.is_some() => break,
-            Some(&(_, at)) => {
-                let mut blocks: Vec<usize> = faults.iter().map(|fault| fault.0).collect();
-                blocks.sort_unstable();
-                blocks.dedup();
-                if blocks.len() > faces.network.surfaces.len() / MOST_FAULTY
-                    || round == FINER_ROUNDS
-                {
-                    let folds = Error::BodyFolds { count: faults.len(), at };
-                    return Err(faces.uncut.map_or(folds, Error::from));
-                }
-                blocks
+    let mut round = 0;
+    while let Some((faces, faults)) = made {
+        let blocks = if faults.is_empty() {
+            let off = |faces: &Faces| faces.to_scan.deviation.max;
+            if best.as_ref().is_some_and(|best| off(&faces) >= off(best)) {
+                break;
             }
-            None => {
-                let off = |faces: &Faces| faces.to_scan.deviation.max;
-                if best.as_ref().is_some_and(|best| off(&faces) >= off(best)) {
-                    break;
-                }
-                let far = faces.far(FAR * options.tolerance);
-                best = Some(faces);
-                if wanted.is_some() { Vec::new() } else { far }
-            }
+            let far = faces.far(FAR * options.tolerance);
+            best = Some(faces);
+            if options.wanted.is_some() { Vec::new() } else { far }
+        } else if best.is_some() {
+            break;
+        } else {
+            let blocks = faulty_blocks(&faults, faces.network.surfaces.len());
+            let blocks = blocks.filter(|_| round < FINER_ROUNDS);
+            blocks.ok_or_else(|| faces.refused(&faults))?
         };
-        if blocks.is_empty() || !layout.split(&blocks, &mut within("layout", watch))? {
+        if blocks.is_empty() || round == FINER_ROUNDS {
             break;
         }
+        round += 1;
+        made = match finer(&mut layout, &blocks, patch, gaps, options, watch) {
+            Err(error) if best.is_none() || is_stopped.load(Ordering::Relaxed) => {
+                return Err(error);
+            }
+            // Sound faces are there, and a finer layout has none.
+            made => made.ok().flatten(),
+        };
     }
     let best = best.ok_or(Error::Layout("no block of it can be made smaller"))?;
-    refined(best, patch, gaps, options, both_ways)
+    refined(best, patch, gaps, options)
+}
+
+/// The blocks of faulty faces, which should be smaller. `None` if too many of the faces are faulty.
+fn faulty_blocks(faults: &[FacesFault], faces: usize) -> Option<Vec<usize>> {
+    let mut blocks: Vec<usize> = faults.iter().map(|fault| fault.0).collect();
+    blocks.sort_unstable();
+    blocks.dedup();
+    (blocks.len() <= (faces / MOST_FAULTY).max(1)).then_some(blocks)
+}
+
+/// The faces of a layout with some smaller blocks. `None` if none of them can be made smaller.
+fn finer(
+    layout: &mut QuadLayout,
+    blocks: &[usize],
+    patch: &Patch,
+    gaps: &Gaps,
+    options: &FaceOptions,
+    watch: &mut Observer,
+) -> Result<Option<(Faces, Vec<FacesFault>)>> {
+    let is_finer = layout.split(blocks, &mut within("layout", watch))?;
+    is_finer.then(|| faces_of(layout, patch, gaps, options, watch)).transpose()
 }
 
 /// Makes the faces of a layout. Returns also those that turn over or go through each other, with places.
@@ -136,10 +159,12 @@ fn faces_of(
     layout: &QuadLayout,
     patch: &Patch,
     gaps: &Gaps,
-    options: &net::Options,
+    options: &FaceOptions,
     watch: &mut Observer,
 ) -> Result<(Faces, Vec<FacesFault>)> {
-    let mut fit = net::fit_with(layout.quads(), patch, options, &mut within("fit", watch))?;
+    watch(Stage::Layout(layout.quads()))?;
+    let how = options.net(layout.quads())?;
+    let mut fit = net::fit_with(layout.quads(), patch, &how, &mut within("fit", watch))?;
     let mut best = faces_of_net(&fit, layout, patch, gaps, options.tolerance)?;
     for _ in 0..HOLDS {
         if best.1.is_empty() || best.0.uncut.is_some() {
@@ -223,6 +248,12 @@ impl Faces {
         (self, faults)
     }
 
+    /// Why faces with some faults are none.
+    fn refused(self, faults: &[FacesFault]) -> Error {
+        let at = faults.first().map_or(Point::origin(), |fault| fault.1);
+        self.uncut.map_or(Error::BodyFolds { count: faults.len(), at }, Error::from)
+    }
+
     /// The few faces that are farthest from the scan, and farther than `limit`.
     fn far(&self, limit: f64) -> Vec<usize> {
         let largest = &self.to_scan.largest;
@@ -231,5 +262,18 @@ impl Faces {
         far.sort_by(|&a, &b| largest[b].total_cmp(&largest[a]));
         far.truncate(largest.len().div_ceil(FEW));
         far
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn one_faulty_face_is_never_too_many() {
+        let at = Point::origin();
+        assert_eq!(faulty_blocks(&[(2, at), (2, at)], 4), Some(vec![2]));
+        assert_eq!(faulty_blocks(&[(2, at), (1, at)], 4), None);
+        assert_eq!(faulty_blocks(&[(2, at), (1, at)], 10), Some(vec![1, 2]));
     }
 }

@@ -112,8 +112,8 @@ fn largest_net(options: &Options, vertices: usize) -> usize {
     let is_named = options.tolerance.is_some() || knots.kappa.is_some() || knots.depth.is_some();
     match knots.net {
         Some([m, n]) => m.saturating_mul(n),
-        None if is_named => knots.max_net,
-        None => knots.max_net.min(vertices / 2),
+        None if is_named => knots.largest_net(),
+        None => knots.largest_net().min(vertices / 2),
     }
 }
 

@@ -9,6 +9,7 @@ mod conversion;
 pub mod cut;
 mod estimate;
 mod face;
+mod face_options;
 mod faces;
 mod file;
 mod goal;

@@ -61,10 +61,15 @@ pub(crate) struct NamedPlaces {
 }
 
 impl NamedPlaces {
-    /// Whether there are places of which the points are not known yet.
-    pub(crate) fn are_open(&self) -> bool {
+    /// Checks that the points of all places are known.
+    pub(crate) fn check(&self) -> Result<()> {
         let any = self.outer.is_some() || self.corners.is_some() || self.boundary_corners.is_some();
-        any && !self.resolved
+        match any && !self.resolved {
+            true => {
+                Err(Error::Input("resolve the places of the options with the scan's soup first"))
+            }
+            false => Ok(()),
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use formats::{Content, Points, Soup};
 use super::{
     Conversion, Memory, Observer, Options, Stage, cloud, components, mesh_components, stage,
 };
-use crate::error::{Error, Result};
+use crate::error::Result;
 use crate::mesh::Components;
 use crate::threads;
 
@@ -55,7 +55,7 @@ impl From<Content> for Scan<'_> {
 /// well, a shell is tried. If there is no sound shell, a face has to do.
 ///
 /// `watch` is shown [`Stage::Begin`] before each try, and after it what each stage makes of each
-/// component. An error of its own stops the conversion, such as [`Error::Stopped`]. The work is shared by
+/// component. An error of its own stops the conversion, such as [`Error::Stopped`](crate::error::Error::Stopped). The work is shared by
 /// as many threads as [`Builder::threads`](super::Builder::threads) says. `watch` is called on one of them.
 ///
 /// The tolerance of a cloud follows the noise of its points, and the deviation is measured against them. Lengths
@@ -63,7 +63,7 @@ impl From<Content> for Scan<'_> {
 /// [`Builder::keeps_origin`](super::Builder::keeps_origin) puts the result into its own place.
 ///
 /// # Errors
-/// What stops a stage, or what `watch` answers. [`Error::Piece`] names the component if there are several.
+/// What stops a stage, or what `watch` answers. [`Error::Piece`](crate::error::Error::Piece) names the component if there are several.
 pub fn convert<'a>(
     scan: impl Into<Scan<'a>>,
     options: &Options,
@@ -76,11 +76,10 @@ pub fn convert<'a>(
             let memory = Memory::of_cloud(cloud.len(), options);
             (Some(memory), options.resolved_in_cloud(cloud)?)
         }
-        Scan::Components(_) if options.places.are_open() => {
-            let error = "resolve the places of the options with the scan's soup first";
-            return Err(Error::Input(error));
+        Scan::Components(_) => {
+            options.places.check()?;
+            (None, options.clone())
         }
-        Scan::Components(_) => (None, options.clone()),
     };
     if let (Some(memory), Some(most)) = (memory, options.max_memory) {
         memory.check(most)?;

@@ -1,7 +1,7 @@
 //! What becomes of a component: a face, a shell, a solid, or a void in a solid.
 
 use crate::error::Result;
-use crate::mesh::{Choice, Component, Components};
+use crate::mesh::{Choice, Component, Components, Nested};
 
 /// What becomes of a component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -12,7 +12,8 @@ pub enum TargetShape {
     Shell,
     /// A solid of several faces: the component is closed, or nearly so.
     Solid,
-    /// A void in the solid before it: a closed component inside another one, facing the opposite way.
+    /// A void in the solid before it: a closed component inside another one, facing the opposite way. A component
+    /// in a void is a solid again.
     Void,
 }
 
@@ -51,28 +52,16 @@ pub fn shape(scan: &Components, component: Choice) -> Result<TargetShape> {
     Ok(shape_of(&scan.take(component)?))
 }
 
-/// The components that are voids in a component: closed ones inside it that face the opposite way.
+/// The components that are voids in a component: closed ones that face the opposite way, and around which it is the
+/// nearest closed one.
 ///
 /// # Errors
 /// [`Error::Component`](crate::error::Error::Component): there is no such component.
 pub fn voids(scan: &Components, component: Choice) -> Result<Vec<Choice>> {
-    let solid = scan.take(component)?;
-    let is_closed = |body: &Component| body.topology.orientable && body.topology.loops == 0;
-    if !is_closed(&solid) {
-        return Ok(Vec::new());
-    }
-    let others = (0..scan.sizeable()).filter(|&number| number != component.number());
-    let mut voids = Vec::new();
-    for choice in others.map(Choice::Number) {
-        let other = scan.take(choice)?;
-        if is_closed(&other)
-            && other.is_inside_out() != solid.is_inside_out()
-            && solid.encloses(&other)
-        {
-            voids.push(choice);
-        }
-    }
-    Ok(voids)
+    scan.take(component)?;
+    let is_own = |of: &Nested| of.is_opposite && of.around == component.number();
+    let own = scan.nested()?.into_iter().filter(is_own);
+    Ok(own.map(|of| Choice::Number(of.component)).collect())
 }
 
 /// What one component becomes.

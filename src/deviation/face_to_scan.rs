@@ -242,13 +242,13 @@ pub(crate) fn narrowest(surface: &Surface) -> [f64; 2] {
     [surface.u.breaks(), surface.v.breaks()].map(narrowest)
 }
 
-/// The larger of the numbers of cells that a triangle spans along u and along v. `cells` are the
-/// widths of a cell.
 /// The number of samples along the sides of a triangle that spans so many knot cells.
 pub(crate) fn samples_along(spanned: f64) -> usize {
     ((SAMPLES_PER_CELL * spanned).ceil() as usize).clamp(1, MAX_SAMPLES)
 }
 
+/// The larger of the numbers of cells that a triangle spans along u and along v. `cells` are the
+/// widths of a cell.
 pub(crate) fn spanned([a, b, c]: [Uv; 3], cells: [f64; 2]) -> f64 {
     let reach = |k: usize| {
         let side = |p: Uv, q: Uv| (p[k] - q[k]).abs();

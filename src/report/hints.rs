@@ -6,7 +6,7 @@ use formats::LengthUnit;
 use super::{ScanSource, Setting, Settings, unused};
 use crate::convert::{Body, Conversion};
 use crate::geometry::{Vector, box_of};
-use crate::words::mm;
+use crate::words::{mm, plural};
 
 /// The hints of a conversion.
 pub(super) fn of(conversion: &Conversion, source: &ScanSource, settings: &Settings) -> Vec<String> {
@@ -20,10 +20,32 @@ pub(super) fn of(conversion: &Conversion, source: &ScanSource, settings: &Settin
             1 => String::new(),
             _ => format!("component {}: ", body.input.component),
         };
-        let own = body.hints.iter().cloned().chain(left_out(settings, body));
+        let other = settings.faces.and_then(|wanted| other_faces(body, wanted));
+        let own = body.hints.iter().cloned().chain(left_out(settings, body)).chain(other);
         hints.extend(own.map(|hint| part.clone() + &hint));
     }
     hints
+}
+
+/// A number of faces is about the wanted one up to this share of it. Layouts are searched by halving an angle, which
+/// comes as near on most bodies.
+const ABOUT: f64 = 0.2;
+
+/// A hint about a body that has not about as many faces as are wanted.
+fn other_faces(body: &Body, wanted: usize) -> Option<String> {
+    let faces = body.network()?.network.surfaces.len();
+    let (shape, of) = (body.shape.word(), plural(faces, "face"));
+    if (faces.abs_diff(wanted) as f64) <= ABOUT * wanted as f64 {
+        return None;
+    }
+    Some(match faces > wanted {
+        true => format!(
+            "the {shape} has {of}, and not about {wanted}: on fewer, quads would turn away from the scan"
+        ),
+        false => format!(
+            "the {shape} has {of}, and not about {wanted}: its triangles are too large for more"
+        ),
+    })
 }
 
 /// Sizes of a scan in mm that make the assumed unit likely: more than a thimble, less than a

@@ -136,7 +136,7 @@ impl Settings {
             kappa: options.knots.kappa,
             depth: options.knots.depth,
             net: options.knots.net,
-            max_net: options.knots.max_net,
+            max_net: options.knots.largest_net(),
             r#box: options.cloud.crop.within,
             above: options.cloud.crop.above,
             remove_plane: options.cloud.crop.without_plane,

@@ -74,14 +74,11 @@ def arrays(source):
 
 
 def fingerprint(source, values):
-    """A text that changes if the scan or an option does."""
-    found = geometry(source)
-    box = found.BoundBox
-    told = [found.CountPoints, box.Center, box.DiagonalLength]
-    if source.isDerivedFrom("Mesh::Feature"):
-        told += [found.CountFacets, found.Area]
-    told += sorted(values.items())
-    return hashlib.sha256(repr(told).encode()).hexdigest()
+    """A text that changes if a point or a triangle of the scan or an option does."""
+    found = hashlib.sha256(repr(sorted(values.items())).encode())
+    for array in arrays(source):
+        found.update(b"" if array is None else array.tobytes())
+    return found.hexdigest()
 
 
 class Prepared:

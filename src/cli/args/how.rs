@@ -63,9 +63,10 @@ pub struct How {
     /// A uniform control net, as 13x13; overrides --kappa and --depth
     #[arg(long, value_name = "MxN", value_parser = net, help_heading = DETAILS)]
     pub net: Option<[usize; 2]>,
-    /// Largest number of control points of the face
-    #[arg(long, value_name = "N", default_value_t = 250_000, value_parser = max_net, help_heading = DETAILS)]
-    pub max_net: usize,
+    /// Largest number of control points, of all faces of a body together [default: 250000, or as
+    /// many as the layout of a body needs]
+    #[arg(long, value_name = "N", value_parser = max_net, help_heading = DETAILS)]
+    pub max_net: Option<usize>,
     /// Fill holes whose rim is shorter than this, in mm, and cut out the others; reports list
     /// the rims, from which ragged triangles were trimmed
     #[arg(long, value_name = "LEN", value_parser = positive, allow_hyphen_values = true, conflicts_with = "keep_fills", help_heading = HOLES)]

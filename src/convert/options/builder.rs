@@ -173,9 +173,10 @@ impl Builder {
         self
     }
 
-    /// Control points of the face at the most. Without: 250,000.
+    /// Control points at the most, of a face or of all faces of a body together. Without: 250,000, or as many as the layout
+    /// of a body needs.
     pub fn max_net(mut self, control_points: usize) -> Self {
-        self.0.knots.max_net = control_points;
+        self.0.knots.max_net = Some(control_points);
         self
     }
 
@@ -186,13 +187,15 @@ impl Builder {
         self
     }
 
-    /// What components become. Without, the shape that suits them.
+    /// What components become: faces, shells or solids. Those that are voids in a solid are found. Without, the
+    /// shape that suits them.
     pub fn shape(mut self, shape: impl Into<Option<TargetShape>>) -> Self {
         self.0.shape = shape.into();
         self
     }
 
-    /// About how many faces a solid gets. Without, as many as its shape needs.
+    /// About how many faces a solid or a shell gets. Without, as many as its shape needs. A hint in the report says if there
+    /// are others.
     pub fn faces(mut self, count: impl Into<Option<usize>>) -> Self {
         self.0.faces = count.into();
         self

@@ -225,6 +225,9 @@ impl Options {
         self.fill.check()?;
         self.parameterize.check()?;
         self.knots.check()?;
+        if self.shape == Some(TargetShape::Void) {
+            return Err(of("shape")(rules::Fault::Void));
+        }
         self.faces.map_or(Ok(()), rules::faces).map_err(of("faces"))?;
         self.tolerance.map_or(Ok(()), rules::length).map_err(of("tolerance"))?;
         self.handles.map_or(Ok(()), rules::extent).map_err(of("handles"))?;

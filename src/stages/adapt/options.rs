@@ -5,7 +5,7 @@ use crate::rules;
 use crate::stages::fit;
 
 /// What the user says about knots.
-#[derive(Debug, Clone)]
+#[derive(Debug, Clone, Default)]
 pub struct KnotOptions {
     /// κ in mm, the mean error below which the subdivision of the paper stops. `None`: it
     /// follows from the tolerance, and knots are then inserted and removed until the goal is met.
@@ -15,18 +15,21 @@ pub struct KnotOptions {
     /// The control points of a uniform net along u and v, which overrides both. `None`: the
     /// knots follow the shape.
     pub net: Option<[usize; 2]>,
-    /// The largest number of control points, 250,000 by default. Too few miss the tolerance; a
-    /// large net takes memory and is slow in CAD programs.
-    pub max_net: usize,
+    /// The largest number of control points of a face, or of all faces of a body together. Too few miss the
+    /// tolerance; a large net takes memory and is slow in CAD programs. `None`: 250,000, or as many as the layout of a
+    /// body needs.
+    pub max_net: Option<usize>,
 }
 
-impl Default for KnotOptions {
-    fn default() -> Self {
-        KnotOptions { kappa: None, depth: None, net: None, max_net: 250_000 }
-    }
-}
+/// The largest number of control points unless one is named. CAD programs take minutes to open larger nets.
+const MAX_NET: usize = 250_000;
 
 impl KnotOptions {
+    /// The largest number of control points.
+    pub fn largest_net(&self) -> usize {
+        self.max_net.unwrap_or(MAX_NET)
+    }
+
     /// Whether the knots follow from the goal: the user has named neither κ nor a net.
     pub(super) fn are_searched(&self) -> bool {
         self.net.is_none() && self.kappa.is_none()
@@ -35,8 +38,8 @@ impl KnotOptions {
     pub(crate) fn check(&self) -> Result<()> {
         self.kappa.map_or(Ok(()), rules::length).map_err(of("kappa"))?;
         self.depth.map_or(Ok(()), rules::depth).map_err(of("depth"))?;
-        rules::max_net(self.max_net).map_err(of("max_net"))?;
-        let within = |net| rules::net(net, self.max_net);
+        self.max_net.map_or(Ok(()), rules::max_net).map_err(of("max_net"))?;
+        let within = |net| rules::net(net, self.largest_net());
         self.net.map_or(Ok(()), within).map_err(of("net"))
     }
 }

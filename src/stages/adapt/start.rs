@@ -40,7 +40,7 @@ fn place(
         let (knots, report) = knots::place(samples, &knots::Options { kappa, depth });
         let net = knots.each_ref().map(KnotVector::functions);
         let named = asked.kappa.is_some() || asked.depth.is_some();
-        match rules::net(net, asked.max_net) {
+        match rules::net(net, asked.largest_net()) {
             Ok(()) => return Ok((knots, report)),
             Err(fault) if named || depth == 0 => return Err(of("net")(fault)),
             Err(_) => depth -= 1,

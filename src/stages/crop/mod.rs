@@ -76,14 +76,20 @@ impl Options {
 pub fn kept(points: &[[f64; 3]], origin: [f64; 3], options: &Options) -> Result<Vec<bool>> {
     let mut kept: Vec<bool> =
         points.iter().map(|p| options.has([0, 1, 2].map(|k| p[k] + origin[k]))).collect();
+    let is_any_left = |kept: &[bool]| match kept.contains(&true) {
+        true => Ok(()),
+        false => Err(Error::Crop("nothing of the scan is left")),
+    };
+    is_any_left(&kept)?;
     if options.without_plane {
         let left = points.iter().zip(&kept).filter(|of| *of.1).map(|of| Point::from(*of.0));
         let (plane, near) = plane(&left.collect::<Vec<_>>())?;
         for (p, keeps) in points.iter().zip(&mut kept) {
             *keeps &= plane.height(&Point::from(*p)) > near;
         }
+        is_any_left(&kept)?;
     }
-    if kept.contains(&true) { Ok(kept) } else { Err(Error::Crop("nothing of the scan is left")) }
+    Ok(kept)
 }
 
 impl Options {
@@ -100,7 +106,7 @@ impl Options {
 }
 
 /// The largest plane that has the other points on one side, its normal on that side, and how far points of the
-/// plane are from it at most.
+/// plane are from it at most. There is at least one point.
 fn plane(points: &[Point]) -> Result<(Plane, f64)> {
     let step = points.len().div_ceil(SAMPLES).max(1);
     let sample: Vec<Point> = points.iter().step_by(step).copied().collect();
@@ -110,7 +116,7 @@ fn plane(points: &[Point]) -> Result<(Plane, f64)> {
     let triples = (0..TRIPLES).filter_map(|_| {
         Plane::through([0; 3].map(|_| {
             random += 1;
-            sample[(scattered(random) % sample.len().max(1) as u64) as usize]
+            sample[(scattered(random) % sample.len() as u64) as usize]
         }))
     });
     let best = triples.filter_map(|plane| plane.supporting(&sample, near)).max_by_key(|of| of.1);
@@ -203,6 +209,17 @@ mod tests {
         let (points, table) = ball_on_table();
         let options = Options { without_plane: true, ..Options::default() };
         assert!(matches!(kept(&points[table..], [0.0; 3], &options), Err(Error::Crop(_))));
+    }
+
+    #[test]
+    fn a_box_that_keeps_nothing_is_an_error_with_a_plane_too() {
+        let (points, _) = ball_on_table();
+        let within = Some([[1e6; 3], [2e6; 3]]);
+        for without_plane in [false, true] {
+            let options = Options { within, without_plane, ..Options::default() };
+            let error = kept(&points, [0.0; 3], &options).unwrap_err().to_string();
+            assert_eq!(error, "nothing of the scan is left");
+        }
     }
 
     #[test]

@@ -208,7 +208,9 @@ impl QuadLayout {
             let made = repair::relaxed(grid, &mut self.ground, chosen.as_deref(), &mut progress)?;
             let grid = &made.grid;
             self.known = grid.names.iter().copied().zip(grid.places.iter().copied()).collect();
+            // A split that is never laid out would part the base from the grid.
             let done = made.bad.is_empty()
+                || round == SPLITS
                 || !repair::split_blocks(&mut self.base, &self.ground, grid, &made.coarse());
             if made.bad.len() < fewest {
                 fewest = made.bad.len();
@@ -328,6 +330,35 @@ mod tests {
         let far = before.points.iter().filter(|p| (*p - place).norm() > 60.0);
         let kept = far.clone().filter(|p| after.points.contains(p)).count();
         assert!(kept > 50 && 2 * kept > far.count(), "{kept}");
+    }
+
+    #[test]
+    fn a_block_that_was_split_since_its_grid_was_made_counts_as_split() {
+        let QuadLayout { ground, mut base, best, .. } =
+            layout(&torus(90, 40), &Options::default()).unwrap();
+        let is_split = |base: &Base, block: usize| {
+            best.grid.triangles[block].iter().all(|&t| !base.alive[t as usize])
+        };
+        let mut split = |block: usize| {
+            let split = repair::split_blocks(&mut base, &ground, &best.grid, &[block]);
+            (split, is_split(&base, block))
+        };
+        // Splits in their other sides leave one of the triangles.
+        let block = (0..best.grid.mesh.blocks()).find(|&block| split(block).1).unwrap();
+        assert_eq!(split(block), (true, true));
+    }
+
+    #[test]
+    fn the_triangles_below_the_last_grid_are_not_split() {
+        let mut mesh = torus(60, 30);
+        for (k, p) in mesh.points.iter_mut().enumerate() {
+            let off = (crate::geometry::random::scattered(k as u64) % 1000) as f64 / 1000.0 - 0.5;
+            *p += 6.0 * off * p.coords.normalize();
+        }
+        let made = layout(&mesh, &Options::default()).unwrap();
+        assert!(!made.best.coarse().is_empty(), "no quad is left that a split may mend");
+        let mut triangles = made.best.grid.triangles.iter().flatten();
+        assert!(triangles.all(|&t| made.base.alive[t as usize]));
     }
 
     #[test]

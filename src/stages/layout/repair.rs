@@ -110,7 +110,8 @@ fn vertices_near(relaxed: &Relaxed, quads: &[usize]) -> Vec<bool> {
     relaxed.mesh.with_neighbours(&own)
 }
 
-/// Splits the longest side of the base in each of some blocks. Returns whether one could be split.
+/// Splits the longest side of the base in each of some blocks. A block whose triangles have been split since the grid was
+/// made is smaller in the next one. Returns whether there is such a block, or one could be split.
 pub(super) fn split_blocks(
     base: &mut Base,
     ground: &Ground,
@@ -124,7 +125,7 @@ pub(super) fn split_blocks(
         let sides = alive.flat_map(|t| (0..3).map(move |k| (t as usize, k)));
         let length = |&(t, k): &(usize, usize)| base.side_length(t, k);
         let longest = sides.max_by(|x, y| length(x).total_cmp(&length(y)).then(y.cmp(x)));
-        split |= longest.is_some_and(|(t, k)| split_side(base, ground, t, k));
+        split |= longest.is_none_or(|(t, k)| split_side(base, ground, t, k));
     }
     split
 }

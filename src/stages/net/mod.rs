@@ -29,8 +29,8 @@ pub struct Options {
     pub tolerance: f64,
     /// The share of points that may exceed the tolerance.
     pub outliers: f64,
-    /// The largest number of control points.
-    pub max_control: usize,
+    /// The most quads along a side of a block to which quads are divided.
+    pub max_side: usize,
 }
 
 /// The results of the fit. Lengths are in mm.
@@ -92,8 +92,8 @@ const FILLED: f64 = 0.05;
 /// must follow large flat triangles.
 const BETWEEN: f64 = 0.1;
 
-/// The number of measured points that a control point needs at least. With fewer points, control
-/// points follow noise and flat triangles instead of the shape.
+/// The number of measured points that a control point needs at least if a net is made finer. With fewer points,
+/// control points follow noise and flat triangles instead of the shape.
 const POINTS_OF_CONTROL: usize = 2;
 
 impl Net {
@@ -186,13 +186,12 @@ pub fn fit_with<'a>(
 ) -> Result<NetFit<'a>> {
     let mut target = FitTarget::new(scan, options);
     let points = target.weights.iter().filter(|&&weight| weight > FILLED).count();
-    let most = options.max_control.min(points / POINTS_OF_CONTROL);
     let mut quads = quads.clone();
     let mut level = 0;
     loop {
         let fit = NetFit::new(quads, target, level, progress)?;
-        let finest = (most / fit.net.mesh.blocks()).isqrt();
-        let side = finest.min(2 * fit.net.mesh.side);
+        let finest = (points / POINTS_OF_CONTROL / fit.net.mesh.blocks()).isqrt();
+        let side = finest.min(options.max_side).min(2 * fit.net.mesh.side);
         if fit.report.beyond <= options.outliers || side * COARSER < fit.net.mesh.side * FINER {
             return Ok(fit);
         }

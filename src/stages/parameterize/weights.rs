@@ -45,7 +45,7 @@ impl Weights {
         self.of[first..].fill(SCAFFOLD);
     }
 
-    /// Whether a vertex belongs to the scaffold.
+    /// Whether a vertex belongs to the scaffold. Weights by curvature are at least one.
     pub fn is_light(&self, v: u32) -> bool {
         self.of[v as usize] < 1.0
     }

@@ -38,6 +38,20 @@ pub struct Report {
 /// independent of each other.
 const LEAST_SIDE: usize = 4;
 
+/// The number by which the control points along a side of a patch exceed its quads: one for each of the two more knots at
+/// both ends, and the degree.
+const MORE_THAN_QUADS: usize = 7;
+
+/// The number of control points of the patch of a block of `side` × `side` quads.
+pub fn control_points(side: usize) -> usize {
+    (side + MORE_THAN_QUADS).pow(2)
+}
+
+/// The most quads along a side of a block whose patch has no more than so many control points.
+pub fn largest_side(control_points: usize) -> usize {
+    control_points.isqrt().saturating_sub(MORE_THAN_QUADS)
+}
+
 /// What the parts of this stage read.
 struct PatchSource<'a> {
     mesh: &'a QuadMesh,
@@ -157,5 +171,19 @@ impl PatchSource<'_> {
         let mut surface = Surface::new(self.knots.clone(), self.knots.clone(), net);
         let fits = [0, 1, 2, 3].map(|k| self.fit_corner(block, k, &mut surface));
         FittedPatch { surface, fits }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_control_points_of_a_patch_are_known_before_it_is_made() {
+        for side in LEAST_SIDE..20 {
+            assert_eq!(control_points(side), knots(side).functions().pow(2));
+            assert_eq!(largest_side(control_points(side)), side);
+            assert_eq!(largest_side(control_points(side) - 1), side - 1);
+        }
     }
 }

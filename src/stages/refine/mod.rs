@@ -35,7 +35,11 @@ pub struct Options {
 pub struct Report {
     /// The numbers of the faces that were fitted again, in ascending order.
     pub faces: Vec<usize>,
-    /// The number of measured points that exceed the tolerance.
+    /// The number of measured points.
+    pub measured: usize,
+    /// The number of those that exceeded the tolerance before.
+    pub beyond_before: usize,
+    /// The number of those that exceed the tolerance.
     pub beyond: usize,
 }
 
@@ -100,7 +104,11 @@ impl Refinement<'_> {
     /// What was done.
     pub fn report(&self) -> Report {
         let faces = (0..self.is_refined.len()).filter(|&face| self.is_refined[face]);
-        Report { faces: faces.collect(), beyond: self.beyond.iter().map(|of| of[1]).sum() }
+        let [beyond_before, beyond] = [0, 1].map(|k| self.beyond.iter().map(|of| of[k]).sum());
+        let given = self.samples.iter().zip(&self.given);
+        let weights = given.flat_map(|(samples, &given)| &samples.weights[..given]);
+        let measured = weights.filter(|&&weight| weight >= MEASURED).count();
+        Report { faces: faces.collect(), measured, beyond_before, beyond }
     }
 
     /// Fits faces again, and holds them more firmly.

@@ -44,7 +44,7 @@ pub fn search(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
 
 /// The most control points if nobody named a tolerance.
 pub fn largest_net(problem: &Problem) -> usize {
-    problem.options.knots.max_net.min(problem.measured() / POINTS_A_CONTROL_POINT)
+    problem.options.knots.largest_net().min(problem.measured() / POINTS_A_CONTROL_POINT)
 }
 
 /// Inserts knots as long as they bring more than they cost.

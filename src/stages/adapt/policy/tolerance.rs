@@ -67,7 +67,7 @@ pub fn bounds(problem: &Problem) -> InsertionLimits {
     let asked = &problem.options.knots;
     InsertionLimits {
         depth: asked.depth.unwrap_or(rules::MOST_HALVINGS),
-        most: if problem.goal.named { asked.max_net } else { noise::largest_net(problem) },
+        most: if problem.goal.named { asked.largest_net() } else { noise::largest_net(problem) },
         price: 0.0,
     }
 }
