@@ -124,6 +124,7 @@ pub mod layout;
 mod least_squares;
 pub mod mesh;
 pub mod net;
+mod noise;
 pub mod parameterize;
 pub mod patches;
 #[cfg(feature = "picture")]
@@ -136,6 +137,7 @@ pub mod rules;
 mod sets;
 pub mod smooth;
 pub mod spline;
+mod statistics;
 pub mod thin;
 pub mod threads;
 pub mod trim;

@@ -8,7 +8,7 @@ use formats::brep::ShellId;
 use super::conversion::{farther, placed, worst};
 use super::faces::{Faces, Gaps, SEAM_PLACES, faces};
 use super::stage::{Observer, Stage, within};
-use super::{InputReport, Options, TargetShape, input, lengths};
+use super::{InputReport, Options, TargetShape, goal, input, lengths};
 use crate::adapt::Goal;
 use crate::deviation::{self, Deviation, NetworkToScan};
 use crate::error::BrepFault;
@@ -172,7 +172,7 @@ fn body(
         smooth::smooth_with(&measured, &options.smooth, &mut within("smooth", watch))?;
     watch(Stage::Smooth(&smoothed))?;
     let noise = scan.raw_points().map_or(smooth.noise, |raw| raw.noise().max(smooth.noise));
-    let goal = Goal::of(options, &measured.mesh, noise);
+    let goal = Goal::of(options, &measured.mesh, noise, smooth.is_noisy);
     let tolerance = options.tolerance.unwrap_or(goal.tolerance);
     let fill_options =
         fill::Options { support: smooth.h, noise: smooth.noise, ..options.fill.clone() };
@@ -184,8 +184,13 @@ fn body(
     };
     watch(Stage::Fill(&patch))?;
 
-    let net_options =
-        net::Options { tolerance, outliers: goal.outliers, max_control: options.knots.max_net };
+    let is_clean = !goal.named && !smooth.is_noisy;
+    let facets = if is_clean { goal::of_facets(&measured.mesh) } else { 0.0 };
+    let net_options = net::Options {
+        tolerance: tolerance.max(facets),
+        outliers: goal.outliers,
+        max_control: options.knots.max_net,
+    };
     let gaps = Gaps::of(&patch, shape, tolerance, options);
     let Faces { network: own, cut, to_scan: face_to_scan, layout, net, irregular, .. } =
         faces(&patch.even(), &gaps, options.faces, &net_options, goal.named, watch)?;

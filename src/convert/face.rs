@@ -34,7 +34,7 @@ pub(super) fn face(
     watch(Stage::Smooth(&smoothed))?;
     // Vertices that stand for several points have less noise than these.
     let noise = scan.raw_points().map_or(smooth.noise, |raw| raw.noise().max(smooth.noise));
-    let goal = Goal::of(options, &measured.mesh, noise);
+    let goal = Goal::of(options, &measured.mesh, noise, smooth.is_noisy);
     let tolerance = options.tolerance.unwrap_or(goal.tolerance);
 
     let fill_options =
@@ -51,7 +51,7 @@ pub(super) fn face(
     watch(Stage::Parameterize(&map, crushed))?;
 
     let (surface, fit) =
-        adapt::fit_with(&mut map, &options.adapt(), &goal, &mut within("fit", watch))?;
+        adapt::fit_with(&mut map, &options.adapt(noise), &goal, &mut within("fit", watch))?;
     let surface = surface.rounded(measured.mesh.diagonal());
     watch(Stage::Fit(&surface))?;
 

@@ -1,8 +1,9 @@
 //! What could be better of a conversion, and what the user can do about it.
 
-use crate::adapt::{Folds, OUTLYING};
+use crate::adapt::Folds;
 use crate::geometry::{Point, bounds};
 use crate::smooth::Support;
+use crate::statistics::outlying;
 use crate::words::{grouped, mm, plural};
 use crate::{Conversion, Cut, Options};
 
@@ -44,7 +45,7 @@ fn hindered(c: &Conversion) -> Option<String> {
         "the points scatter by {} (standard deviation) around a face that follows the shape, so that one within {} of them all would have to follow the noise; a --tolerance of {} or more, or --smooth auto, leaves that out",
         mm(noise),
         mm(c.tolerance),
-        mm(OUTLYING * noise)
+        mm(outlying(c.deviation.distances.len()) * noise)
     ))
 }
 
@@ -63,7 +64,7 @@ fn flattened(options: &Options, c: &Conversion) -> Option<String> {
             "of so few points ({points}) what is taken for noise, {}, may be shape; if the scan is clean, --smooth off keeps to them",
             mm(noise)
         ),
-        Support::Fixed(h) if noise == 0.0 => format!(
+        Support::Fixed(h) if !c.smooth.is_noisy => format!(
             "--smooth {h} moves them by up to {}, though the scan shows no noise; auto leaves them alone",
             mm(c.smooth.moved_max)
         ),
@@ -147,7 +148,7 @@ const FINE: f64 = 1e-3;
 fn loose(options: &Options, c: &Conversion) -> Option<String> {
     let tolerance = options.tolerance?;
     let noise = c.noise;
-    if noise <= 0.0 {
+    if !c.smooth.is_noisy {
         return None;
     }
     let [ours, its] = [tolerance, noise].map(mm);

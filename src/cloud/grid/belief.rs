@@ -4,9 +4,9 @@
 //! a grid are far from each other.
 
 use super::raster::{GridStep, Raster};
-use crate::cloud::noise::median;
 use crate::geometry::{Point, SAMPLE};
 use crate::mesh::Neighbours;
+use crate::statistics::median;
 
 /// Why a grid is not believed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
