@@ -120,6 +120,7 @@ pub mod deviation;
 pub mod error;
 pub mod geometry;
 pub mod mesh;
+mod noise;
 pub mod primitives;
 mod progress;
 pub mod report;
@@ -127,6 +128,7 @@ pub mod rules;
 mod solve;
 pub mod spline;
 pub mod stages;
+mod statistics;
 pub mod threads;
 pub mod words;
 

@@ -53,7 +53,10 @@ pub fn tolerance_reason(tolerance: f64, noise: f64) -> String {
     match noise {
         0.0 => "from what flat triangles miss, as the scan shows no noise".into(),
         noise if tolerance > 3.01 * noise => {
-            format!("1/10,000 of the scan's size, as its noise is only {}", mm(noise))
+            format!(
+                "from the scan's size and what flat triangles miss, as its noise is only {}",
+                mm(noise)
+            )
         }
         noise => format!("three times the noise of {}", mm(noise)),
     }

@@ -6,7 +6,7 @@ use super::conversion::{Body, BodyFit, Missed, NetworkFit, Seams};
 use super::face_options::FaceOptions;
 use super::faces::{Faces, Gaps, SEAM_PLACES, faces};
 use super::stage::{Observer, Stage, within};
-use super::{Options, TargetShape, input};
+use super::{Options, TargetShape, goal, input};
 use crate::deviation;
 use crate::error::Result;
 use crate::mesh::Components;
@@ -30,7 +30,7 @@ pub(super) fn body(
         smooth::smooth_with(&rough, &options.smooth, &mut within("smooth", watch))?;
     watch(Stage::Smooth(&smoothed))?;
     let noise = scan.raw_points().map_or(smooth.noise, |raw| raw.noise().max(smooth.noise));
-    let goal = Goal::of(options, &measured.mesh, noise);
+    let goal = Goal::of(options, &measured.mesh, noise, smooth.is_noisy);
     let tolerance = options.tolerance.unwrap_or(goal.tolerance);
     let fill_options =
         fill::Options { support: smooth.h, noise: smooth.noise, ..options.fill.clone() };
@@ -42,10 +42,12 @@ pub(super) fn body(
     };
     watch(Stage::Fill(&patch))?;
 
+    let is_clean = !goal.named && !smooth.is_noisy;
+    let facets = if is_clean { goal::of_facets(&measured.mesh) } else { 0.0 };
     let face_options = FaceOptions {
         wanted: options.faces,
         knots: options.knots.clone(),
-        tolerance,
+        tolerance: tolerance.max(facets),
         both_ways: goal.named,
         outliers: goal.outliers,
     };

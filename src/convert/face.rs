@@ -30,7 +30,7 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
     watch(Stage::Smooth(&smoothed))?;
     // Vertices that stand for several points have less noise than these.
     let noise = scan.raw_points().map_or(smooth.noise, |raw| raw.noise().max(smooth.noise));
-    let goal = Goal::of(options, &measured.mesh, noise);
+    let goal = Goal::of(options, &measured.mesh, noise, smooth.is_noisy);
     let tolerance = options.tolerance.unwrap_or(goal.tolerance);
 
     let fill_options =
@@ -47,7 +47,7 @@ pub(super) fn face(scan: &Components, options: &Options, watch: &mut Observer) -
     watch(Stage::Parameterize(&map, crushed))?;
 
     let (surface, fit) =
-        adapt::fit_with(&mut map, &options.adapt(), &goal, &mut within("fit", watch))?;
+        adapt::fit_with(&mut map, &options.adapt(noise), &goal, &mut within("fit", watch))?;
     let surface = surface.rounded(measured.mesh.diagonal());
     watch(Stage::Fit(&surface))?;
 

@@ -2,8 +2,9 @@
 
 use super::{Body, Cut, Options, SurfaceFit, TargetShape};
 use crate::geometry::{Point, bounds};
-use crate::stages::adapt::{Folds, OUTLYING};
+use crate::stages::adapt::Folds;
 use crate::stages::smooth::Support;
+use crate::statistics::outlying;
 use crate::words::{grouped, mm, plural};
 
 /// One sentence for each thing that could be better, with what the user can do. Options
@@ -56,7 +57,7 @@ fn hindered(c: &Body, face: &SurfaceFit) -> Option<String> {
         "the points scatter by {} (standard deviation) around a face that follows the shape, so that one within {} of them all would have to follow the noise; a --tolerance of {} or more, or --smooth auto, leaves that out",
         mm(noise),
         mm(c.tolerance),
-        mm(OUTLYING * noise)
+        mm(outlying(c.deviation.distances.len()) * noise)
     ))
 }
 
@@ -75,7 +76,7 @@ fn flattened(options: &Options, c: &Body) -> Option<String> {
             "of so few points ({points}) what is taken for noise, {}, may be shape; if the scan is clean, --smooth off keeps to them",
             mm(noise)
         ),
-        Support::Fixed(h) if noise == 0.0 => format!(
+        Support::Fixed(h) if !c.smooth.is_noisy => format!(
             "--smooth {h} moves them by up to {}, though the scan shows no noise; auto leaves them alone",
             mm(c.smooth.moved_max)
         ),
@@ -159,7 +160,7 @@ const FINE: f64 = 1e-3;
 fn loose(options: &Options, c: &Body, across: f64) -> Option<String> {
     let tolerance = options.tolerance?;
     let noise = c.noise;
-    if noise <= 0.0 {
+    if !c.smooth.is_noisy {
         return None;
     }
     let [ours, its] = [tolerance, noise].map(mm);

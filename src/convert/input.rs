@@ -7,11 +7,11 @@ use crate::error::Result;
 use crate::geometry::{Point, Vector};
 use crate::mesh::{
     Choice, Component, Components, Disk, Handle, Mesh, Outer, RawPoints, Repairs, Topology,
-    boundary,
+    VertexRings, boundary,
 };
+use crate::noise::NoiseField;
 use crate::stages::adapt::Goal;
 use crate::stages::parameterize::is_ragged;
-use crate::stages::smooth;
 use crate::threads;
 
 /// What came in.
@@ -227,7 +227,8 @@ fn body_estimate(scan: &Components, component: Choice, shape: TargetShape) -> Op
         return None;
     }
     let body = scan.take(component).ok()?.into_own_body(&mut Repairs::new()).ok()?;
-    let noise = scan.raw_points().map_or(0.0, RawPoints::noise).max(smooth::noise(&body.mesh));
+    let raw = scan.raw_points().map_or(0.0, RawPoints::noise);
+    let noise = raw.max(NoiseField::new(&body.mesh, &VertexRings::new(&body.mesh)).deviation);
     let estimate = estimate(body, shape, noise).ok()?;
     let handles = estimate.handles.iter().map(|handle| handle.scaled(scan.mm())).collect();
     Some(BodyEstimate { handles, ..estimate })
@@ -247,7 +248,8 @@ fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspecti
     let (mesh, mm) = (chosen.own_mesh(), chosen.mm());
     let rings = if chosen.topology.orientable { chosen.loops() } else { Vec::new() };
     let outer_loop = (!rings.is_empty()).then(|| chosen.outer(outer, &rings));
-    let noise = smooth::noise(mesh).max(raw_noise);
+    let found = NoiseField::new(mesh, &VertexRings::new(mesh));
+    let noise = found.deviation.max(raw_noise);
     let is_face = shape == Some(TargetShape::Face);
     let inspection = Inspection {
         topology: chosen.topology.clone(),
@@ -256,7 +258,7 @@ fn look_at(scan: Components, component: Choice, outer: Outer) -> Result<Inspecti
         noise: mm * noise,
         shape,
         reason,
-        tolerance: mm * Goal::of_scan(mesh, noise).tolerance,
+        tolerance: mm * Goal::of_scan(mesh, noise, found.is_visible).tolerance,
         is_ragged: outer_loop.filter(|_| is_face).map(|outer| is_ragged(mesh, &rings[outer])),
         pieces,
         body,

@@ -206,10 +206,10 @@ impl Options {
         }
     }
 
-    /// How knots and fit are adapted.
-    pub(crate) fn adapt(&self) -> adapt::Options {
-        let noisy = self.smooth.support == smooth::Support::Off;
-        adapt::Options { knots: self.knots.clone(), method: self.method, noisy }
+    /// How knots and fit are adapted to a scan with this noise.
+    pub(crate) fn adapt(&self, noise: f64) -> adapt::Options {
+        let noise = if self.smooth.support == smooth::Support::Off { noise } else { 0.0 };
+        adapt::Options { knots: self.knots.clone(), method: self.method, noise }
     }
 
     fn check(&self) -> Result<()> {

@@ -26,6 +26,7 @@ use super::build::Build;
 use super::components::pieces;
 use super::{EdgeMap, Mesh, Topology};
 use crate::geometry::{NONE, Point, Vector, VertexId};
+use crate::statistics::median;
 use labelled::{FoundLoop, LabelledEdges};
 
 /// A handle is cut, unless a length is named, if its loop is not longer than this multiple of the median
@@ -80,12 +81,7 @@ pub(super) fn lengths(mesh: &Mesh, of_cloud: bool) -> Vec<f64> {
 
 fn median_edge(mesh: &Mesh) -> f64 {
     let edges = mesh.triangles.iter().map(|t| (mesh.point(t[1]) - mesh.point(t[0])).norm());
-    let mut edges: Vec<f64> = edges.collect();
-    let middle = edges.len() / 2;
-    if edges.is_empty() {
-        return 0.0;
-    }
-    *edges.select_nth_unstable_by(middle, f64::total_cmp).1
+    median(&mut edges.collect::<Vec<f64>>()).unwrap_or(0.0)
 }
 
 /// Cuts the handles of a two-sided component whose loops are not longer than `longest`.

@@ -11,7 +11,7 @@ mod plane;
 mod polynomial;
 
 pub use plane::{ReferencePlane, reference_plane};
-pub use polynomial::{Polynomial, Scatter};
+pub use polynomial::Polynomial;
 
 use nalgebra::Matrix3;
 use rayon::prelude::*;

@@ -17,16 +17,6 @@ pub struct Polynomial {
     pub variance: f64,
 }
 
-/// An estimate of the noise of the points around a polynomial.
-#[derive(Debug, Clone, Default)]
-pub struct Scatter {
-    /// The estimated variance of the noise along the normal: the weighted mean square of the
-    /// residuals, corrected for the degrees of freedom of the fit.
-    pub variance: f64,
-    /// The derivative of the value at the origin with respect to the height of each point.
-    pub influence: Vec<f64>,
-}
-
 /// The number of monomials up to the fourth degree.
 const MONOMIALS: usize = 15;
 
@@ -62,36 +52,17 @@ impl Polynomial {
     /// fourth degree is not used where the points lie to one side, as at a boundary, because it
     /// would oscillate freely.
     pub fn fit(plane: &ReferencePlane, around: &[Sample], h: f64) -> Option<Polynomial> {
-        Some(Self::fitted(plane, around, h, false)?.0)
-    }
-
-    /// Like [`Polynomial::fit`], and also estimates the noise of the points.
-    pub fn fit_with_scatter(
-        plane: &ReferencePlane,
-        around: &[Sample],
-        h: f64,
-    ) -> Option<(Polynomial, Scatter)> {
-        Self::fitted(plane, around, h, true)
-    }
-
-    fn fitted(
-        plane: &ReferencePlane,
-        around: &[Sample],
-        h: f64,
-        with_scatter: bool,
-    ) -> Option<(Polynomial, Scatter)> {
         let axes = plane_axes(plane.normal);
         let rows: Vec<FitRow> = around.iter().map(|p| FitRow::new(p, plane, axes, h)).collect();
         let means = means(&rows);
         let probes = probes(means);
-        let full = || solve::<15>(&rows, &probes, with_scatter);
+        let full = || solve::<15>(&rows, &probes);
         let full = if is_one_sided(means) { None } else { full() };
-        let (coefficients, variance, scatter) = full
-            .or_else(|| solve::<10>(&rows, &probes, with_scatter))
-            .or_else(|| solve::<6>(&rows, &probes, with_scatter))
-            .or_else(|| solve::<3>(&rows, &probes, with_scatter))?;
-        let polynomial = Polynomial { plane: *plane, axes, coefficients, h, variance };
-        Some((polynomial, Scatter { variance: scatter.variance * h * h, ..scatter }))
+        let (coefficients, variance) = full
+            .or_else(|| solve::<10>(&rows, &probes))
+            .or_else(|| solve::<6>(&rows, &probes))
+            .or_else(|| solve::<3>(&rows, &probes))?;
+        Some(Polynomial { plane: *plane, axes, coefficients, h, variance })
     }
 
     /// The point of the polynomial above `p` along the normal of the plane, and its unit normal.
@@ -207,8 +178,8 @@ fn probes([_, x, y, xx, xy, yy]: [f64; 6]) -> [[f64; 2]; 4] {
     [[x + a, y + b], [x - a, y - b], [x, y + c], [x, y - c]]
 }
 
-/// A fit: its coefficients, its variance at the origin, and its scatter in units of h if requested.
-type Fitted = ([f64; MONOMIALS], f64, Scatter);
+/// A fit: its coefficients, and its variance at the origin.
+type Fitted = ([f64; MONOMIALS], f64);
 
 /// Values that are added to the diagonal of a Gram matrix, as shares of its trace. The smallest one
 /// that keeps the fit from oscillating is used, because more damping distorts the shape that the
@@ -264,7 +235,7 @@ fn first<const N: usize>(monomials: &[f64; MONOMIALS]) -> SVector<f64, N> {
 
 /// The weighted least-squares fit of the first N monomials, or `None` if it oscillates at the
 /// origin or at one of the `probes`.
-fn solve<const N: usize>(rows: &[FitRow], probes: &[[f64; 2]], with_scatter: bool) -> Option<Fitted>
+fn solve<const N: usize>(rows: &[FitRow], probes: &[[f64; 2]]) -> Option<Fitted>
 where
     Const<N>: DimName,
 {
@@ -283,16 +254,5 @@ where
     }
     let (factor, variance) = damped(&gram, rows, probes)?;
     let c = factor.solve(&right);
-    let mut scatter = Scatter::default();
-    if with_scatter {
-        let solved = factor.solve(&first(&monomials(0.0, 0.0, [0.0; 3])));
-        scatter.influence = rows.iter().map(|r| r.weight * r.first::<N>().dot(&solved)).collect();
-        // The expectation of Σ w r² is σ² (Σ w/count − Σ w²/count bᵀ G⁻¹ b).
-        let square = |r: &FitRow| r.weight * (r.height - r.first::<N>().dot(&c)).powi(2);
-        let free = |r: &FitRow| r.weight / r.count - r.noise() * leverage(&factor, r.first());
-        let total: f64 = rows.iter().map(|r| r.weight / r.count).sum();
-        let freedom: f64 = rows.iter().map(free).sum();
-        scatter.variance = rows.iter().map(square).sum::<f64>() / freedom.max(1e-3 * total);
-    }
-    Some((std::array::from_fn(|i| if i < N { c[i] } else { 0.0 }), variance, scatter))
+    Some((std::array::from_fn(|i| if i < N { c[i] } else { 0.0 }), variance))
 }

@@ -1,8 +1,6 @@
 //! What a fit must reach.
 
-/// A tolerance that nobody named, in standard deviations of the noise: nearly all points of a
-/// surface that follows the shape keep it.
-pub(crate) const TOLERANCE_OF_NOISE: f64 = 3.0;
+use crate::statistics::{SIGNIFICANT, level};
 
 /// What a fit must reach.
 #[derive(Debug, Clone, Copy)]
@@ -16,16 +14,14 @@ pub struct Goal {
 }
 
 impl Goal {
-    /// The goal that a `noise` allows, given by its standard deviation in mm.
+    /// The goal that a `noise` allows, given by its standard deviation in mm: nearly all points of a
+    /// surface that follows the shape keep the tolerance.
     pub fn of_noise(noise: f64) -> Self {
-        let tolerance = TOLERANCE_OF_NOISE * noise;
-        // The share of normal noise that is beyond this tolerance.
-        let outliers = libm::erfc(TOLERANCE_OF_NOISE / std::f64::consts::SQRT_2);
-        Goal { tolerance, named: false, outliers }
+        Goal { tolerance: SIGNIFICANT * noise, named: false, outliers: level() }
     }
 
     /// The standard deviation of the noise, in mm, that a tolerance which nobody named stands for.
     pub(super) fn noise(&self) -> f64 {
-        self.tolerance / TOLERANCE_OF_NOISE
+        self.tolerance / SIGNIFICANT
     }
 }

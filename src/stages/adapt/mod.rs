@@ -30,8 +30,6 @@ mod state;
 mod weights;
 
 pub use goal::Goal;
-pub(crate) use goal::TOLERANCE_OF_NOISE;
-pub(crate) use moves::reject::OUTLYING;
 pub use options::{KnotOptions, Options};
 pub use report::{Adapted, Folds};
 

@@ -51,7 +51,7 @@ pub struct Options {
     pub knots: KnotOptions,
     /// How a surface is fitted over given knots.
     pub method: fit::Method,
-    /// Whether the points have all their noise because smoothing is off. Outliers are then
-    /// rejected, and the noise may put a named tolerance out of reach.
-    pub noisy: bool,
+    /// The standard deviation of the points' noise, in mm, if they were not smoothed; 0 otherwise.
+    /// Outliers of noisy points are rejected, and the noise may put a named tolerance out of reach.
+    pub noise: f64,
 }

@@ -8,6 +8,7 @@ use super::project::{SurfacePoint, farthest, first};
 use super::quadric::QuadricRows;
 use crate::geometry::Point;
 use crate::mesh::Neighbours;
+use crate::statistics::{MeanSquare, median, quantile};
 
 /// The numbers of neighbours that are tried, fewest first. 24 smooth little; with 96 the noise may
 /// be larger than the spacing.
@@ -84,24 +85,12 @@ pub(super) fn deviation(
         let raw = around.iter().map(|&(_, j)| points[j as usize]);
         variances.extend(rows.variance(own.place, own.normal, radius, raw));
     }
-    // The median of a chi-squared distribution as a share of its mean (Wilson, Hilferty 1931).
-    let share = (1.0 - 2.0 / (9.0 * freedom(lists.count()))).powi(3);
-    median(&mut variances).map_or(0.0, |v| (v / share).sqrt())
+    let of_noise = MeanSquare(freedom(lists.count())).at(0.0);
+    median(&mut variances).map_or(0.0, |v| (v / of_noise).sqrt())
 }
 
 /// The degrees of freedom of the variance around a quadric through `count` points with the weights
 /// exp(−4 d²/r²). The weights count as half as many points, and the quadric takes six.
 fn freedom(count: usize) -> f64 {
     0.5 * count as f64 - 4.0
-}
-
-/// The value below which this share of the values is. The values change their order.
-fn quantile(values: &mut [f64], share: f64) -> Option<f64> {
-    let at = (share * values.len() as f64) as usize;
-    (at < values.len()).then(|| *values.select_nth_unstable_by(at, f64::total_cmp).1)
-}
-
-/// The upper median. The values change their order.
-pub(super) fn median(values: &mut [f64]) -> Option<f64> {
-    quantile(values, 0.5)
 }

@@ -3,9 +3,9 @@
 use rayon::prelude::*;
 
 use super::nearest_lists::NearestLists;
-use super::noise::median;
 use super::project::SurfacePoint;
 use crate::geometry::Point;
+use crate::statistics::{SIGNIFICANT, absolute_at, median, outlying};
 
 /// The neighbour whose distance measures the spacing at a point.
 const EIGHTH: usize = 8;
@@ -13,14 +13,6 @@ const EIGHTH: usize = 8;
 /// A point with a spacing of more than this multiple of its neighbours' is lonely. At a boundary
 /// the spacing is √2 times as large, at the corner of a sheet twice.
 const LONELY: f64 = 2.5;
-
-/// A point that is farther from the surface than this multiple of its neighbours' median is no
-/// sample of it: 3.4 standard deviations of a normal distribution.
-const FAR: f64 = 5.0;
-
-/// A point beyond this multiple is no noise either: 5.4 standard deviations. With [`FAR`] the tail
-/// of the noise would be cut off; without a bound, one outlier in a hundred adds 3 % to the noise.
-const TOO_FAR: f64 = 8.0;
 
 /// The spacing at each point: the distance at which an even cloud would have its next point.
 /// A disk of radius d₈ holds 8 points; a square cell of side h holds one.
@@ -40,11 +32,13 @@ pub(super) fn lonely(spacing: &[f64], lists: &NearestLists) -> Vec<bool> {
     above_neighbours(spacing, lists, LONELY)
 }
 
-/// Which points are far from the surface, and which of them are so far that the noise should not
-/// be measured with them.
+/// Which points are far from the surface, and which of them are so far that they are no noise either,
+/// and the noise should not be measured with them. Their neighbours' median distance tells what noise
+/// is. Without the points in between, the tail of the noise would be cut off.
 pub(super) fn far(surface: &[SurfacePoint], lists: &NearestLists) -> [Vec<bool>; 2] {
     let moved: Vec<f64> = surface.iter().map(|s| s.moved.abs()).collect();
-    [FAR, TOO_FAR].map(|multiple| above_neighbours(&moved, lists, multiple))
+    [SIGNIFICANT, outlying(surface.len())]
+        .map(|deviations| above_neighbours(&moved, lists, deviations / absolute_at(0.5)))
 }
 
 /// Where a value is more than a multiple of its neighbours' median.

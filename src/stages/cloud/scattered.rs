@@ -14,6 +14,7 @@ use crate::geometry::Point;
 use crate::mesh::{Mesh, Neighbours};
 use crate::progress::Progress;
 use crate::rules::LEAST_POINTS;
+use crate::statistics::median;
 
 /// The largest share of outliers among the points of a surface. A point in ten that is far from
 /// its neighbours means that these are not a surface either.
@@ -118,7 +119,7 @@ impl SurfacePoints {
     /// goes through the noise.
     fn spacing_along_surface(&self) -> f64 {
         let places: Vec<Point> = self.surface.iter().map(|s| s.place).collect();
-        noise::median(&mut outliers::spacings(&places, &self.lists)).unwrap_or(0.0)
+        median(&mut outliers::spacings(&places, &self.lists)).unwrap_or(0.0)
     }
 
     /// The kept points on the surface of their neighbours without outliers.

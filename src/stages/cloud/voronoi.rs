@@ -9,10 +9,10 @@ use smallvec::SmallVec;
 
 use super::CHUNK;
 use super::nearest_lists::NearestLists;
-use super::noise::median;
 use super::project::SurfacePoint;
 use crate::geometry::{NONE, Point, SAME_SIDE, plane_axes};
 use crate::mesh::Neighbours;
+use crate::statistics::median;
 
 /// The number of neighbours that may have a part of the cell's outline. 20 reach beyond the second
 /// ring of neighbours.

@@ -10,6 +10,7 @@ use crate::error::{Error, Result, of};
 use crate::geometry::random::scattered;
 use crate::geometry::{Point, Vector};
 use crate::rules;
+use crate::statistics::outlying;
 
 /// What is kept of a scan. Places are in the scan's own numbers. By default everything is kept.
 #[derive(Debug, Clone, Default, PartialEq)]
@@ -32,10 +33,6 @@ const TRIPLES: usize = 1200;
 
 /// The share of the extent by which points of the plane may be off it, until the noise is known.
 const NEAR: f64 = 0.005;
-
-/// The number of standard deviations by which points of the plane are off it at most. The rim of the object is
-/// smooth, and loses as much.
-const DEVIATIONS: f64 = 4.0;
 
 /// The rounds in which the plane is fitted again to the points that are near it.
 const ROUNDS: usize = 4;
@@ -128,7 +125,8 @@ fn plane(points: &[Point]) -> Result<(Plane, f64)> {
         let Some(fitted) = Plane::fitted(&own) else { break };
         plane = if fitted.normal.dot(&plane.normal) < 0.0 { fitted.turned() } else { fitted };
         let squares: f64 = own.iter().map(|p| plane.height(p).powi(2)).sum();
-        near = near.min(DEVIATIONS * (squares / own.len() as f64).sqrt());
+        // The rim of the object is smooth, and loses as much.
+        near = near.min(outlying(points.len()) * (squares / own.len() as f64).sqrt());
     }
     Ok((plane, near))
 }

@@ -6,6 +6,7 @@ use foldhash::HashSet;
 
 use super::front::OpenHole;
 use crate::geometry::{Point, VertexId};
+use crate::statistics::outlying;
 
 /// The vertices around a hole, in breadth-first order from its rims: those that edges reach
 /// over `wanted` vertices at most `width` from the rims.
@@ -41,15 +42,11 @@ pub struct MeasuredPoints<'a> {
     pub noise: f64,
 }
 
-/// A measured point is an outlier if smoothing has moved it by more than this many standard
-/// deviations of the noise, which a normal error is once in 16,000 points. With less, good points
-/// are replaced by smoothed ones, which fits take for shape.
-const OUTLIER: f64 = 4.0;
-
 impl MeasuredPoints<'_> {
-    /// The measured position of a vertex, or the smoothed one if it is an outlier.
+    /// The measured position of a vertex, or the smoothed one if smoothing has moved an outlier.
     pub fn point(&self, v: VertexId, smoothed: Point) -> Point {
         let p = self.points[v.index()];
-        if (p - smoothed).norm() <= OUTLIER * self.noise { p } else { smoothed }
+        let farthest = outlying(self.points.len()) * self.noise;
+        if (p - smoothed).norm() <= farthest { p } else { smoothed }
     }
 }

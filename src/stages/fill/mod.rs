@@ -49,7 +49,7 @@ pub struct Options {
     /// larger one it needs more time and follows small features less.
     pub support: f64,
     /// The standard deviation of the noise of the measured points, in mm; by default 0. Measured
-    /// points that smoothing has moved by more than four times as much count as outliers, and
+    /// points that smoothing has moved farther than noise may be count as outliers, and
     /// their smoothed positions are used. With too small a value all are used smoothed, and a
     /// fill takes some noise for shape; with too large a value outliers bend it.
     pub noise: f64,

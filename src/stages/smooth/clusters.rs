@@ -34,8 +34,6 @@ pub struct Neighbourhood {
     found: Vec<u32>,
     /// The samples of the neighbourhood.
     pub around: Vec<Sample>,
-    /// The numbers of these clusters.
-    pub numbers: Vec<u32>,
 }
 
 /// A pool of working memory, kept between gatherings because each piece is as large as the level.
@@ -169,11 +167,10 @@ impl ClusterLevel {
                 }
             }
         }
-        scratch.numbers.clear();
-        let counts = |i: &u32| self.samples[*i as usize].weight > 0.0;
-        scratch.numbers.extend(scratch.found.iter().filter(|i| counts(i)));
         scratch.around.clear();
-        scratch.around.extend(scratch.numbers.iter().map(|&i| self.samples[i as usize]));
+        let counts = |sample: &Sample| sample.weight > 0.0;
+        let found = scratch.found.iter().map(|&i| self.samples[i as usize]);
+        scratch.around.extend(found.filter(counts));
     }
 }
 

@@ -16,16 +16,13 @@ use super::crossvalidation::{SupportScore, chosen};
 use super::line::{quadratic, reference_line};
 use crate::geometry::{Point, Vector, plane_axes};
 use crate::mesh::mls::REACH;
+use crate::statistics::{SIGNIFICANT, outlying};
 
 /// The supports that are tried, as multiples of the mean edge length of the loop.
 const SUPPORTS: [f64; 7] = [2.0, 3.0, 4.5, 6.5, 9.5, 14.0, 20.0];
 
 /// Loops and parts of loops with fewer points than this are not smoothed.
 pub(super) const MIN_POINTS: usize = 8;
-
-/// The largest move of a point, in standard deviations of the noise. The stair steps that a coarse
-/// mesh makes of a straight rim are not noise, but up to this size they are smoothed as well.
-const MAX_MOVE: f64 = 5.0;
 
 /// A loop of points on a surface.
 pub struct RimPoints<'a> {
@@ -72,9 +69,8 @@ pub fn smooth_loop(rim: &RimPoints, corners: &[usize]) -> Vec<Point> {
     out
 }
 
-/// The number of rounds in which points are spread along the loop, and the largest total move of a
-/// point in these rounds, in standard deviations of the noise.
-const SPREADING: (usize, f64) = (12, 2.5);
+/// The number of rounds in which points are spread along the loop.
+const SPREADING: usize = 12;
 
 impl RimPoints<'_> {
     /// Spreads points along the loop where noise has crowded them. In each round a point moves half
@@ -83,13 +79,13 @@ impl RimPoints<'_> {
     fn spread_points(&self, points: &mut [Point], corners: &[usize]) {
         let n = points.len();
         let mut moved = vec![0.0; n];
-        for _ in 0..SPREADING.0 {
+        for _ in 0..SPREADING {
             let before = points.to_vec();
             for i in (0..n).filter(|i| !corners.contains(i)) {
                 let (a, b) = (before[(i + n - 1) % n], before[(i + 1) % n]);
                 let Some(along) = (b - a).try_normalize(0.0) else { continue };
                 let wanted = 0.5 * (nalgebra::center(&a, &b) - before[i]).dot(&along);
-                let farthest = SPREADING.1 * self.noise[i];
+                let farthest = SIGNIFICANT * self.noise[i];
                 let step = (moved[i] + wanted).clamp(-farthest, farthest) - moved[i];
                 moved[i] += step;
                 points[i] += step * along;
@@ -114,7 +110,7 @@ impl RimPoints<'_> {
         // Solve p + s u = q + t v. Nearly parallel sides have no usable intersection.
         let turn = u.perp(&v);
         let met = p + (q - p).perp(&v) / turn * u;
-        let near = met.norm() <= MAX_MOVE * self.noise[corner] && turn.abs() > 0.3;
+        let near = met.norm() <= outlying(n) * self.noise[corner] && turn.abs() > 0.3;
         (near && n > 4 * BESIDE).then(|| raw + met.x * x + met.y * y)
     }
 
@@ -143,8 +139,11 @@ impl LoopPart {
             return self.points.clone();
         }
         let h = self.support();
+        // The stair steps that a coarse mesh makes of a straight rim are not noise, but up to this
+        // size they are smoothed as well.
+        let deviations = outlying(self.points.len());
         let project = |i: usize| {
-            let farthest = MAX_MOVE * self.noise[i];
+            let farthest = deviations * self.noise[i];
             let moved = self.project(i, h).map(|m| m.by.clamp(-farthest, farthest) * m.across);
             self.points[i] + moved.unwrap_or_else(Vector::zeros)
         };

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::clusters::{ClusterLevel, Neighbourhood};
 use crate::geometry::{Point, SAMPLE};
-use crate::mesh::mls::{Polynomial, REACH, ReferencePlane, Scatter, reference_plane};
+use crate::mesh::mls::{Polynomial, REACH, ReferencePlane, reference_plane};
 use crate::mesh::{Mesh, VertexRings};
 
 /// The smallest support, as a multiple of the mean edge length. With a smaller one a quadratic has
@@ -40,21 +40,25 @@ pub struct SupportLevel {
 
 /// The supports for a mesh in ascending order, with their clusters.
 pub fn levels(mesh: &Mesh, rings: &VertexRings, left_out: &[bool]) -> Vec<SupportLevel> {
-    let shortest = SHORTEST * mesh.mean_edge();
-    let longest = (LONGEST * mesh.diagonal()).max(shortest);
-    let mut levels = vec![SupportLevel::finest(mesh, rings, left_out, shortest)];
+    let mut levels = vec![SupportLevel::finest(mesh, rings, left_out)];
+    let longest = (LONGEST * mesh.diagonal()).max(levels[0].h);
     while let Some(last) = levels.last().filter(|last| last.h * RATIO <= longest) {
         levels.push(last.next(last.h * RATIO));
     }
     levels
 }
 
+/// The smallest support, in mm.
+pub fn shortest(mesh: &Mesh) -> f64 {
+    SHORTEST * mesh.mean_edge()
+}
+
 impl SupportLevel {
-    /// The vertices themselves, for support `h`.
-    fn finest(mesh: &Mesh, rings: &VertexRings, left_out: &[bool], h: f64) -> SupportLevel {
+    /// The vertices themselves, for the smallest support.
+    pub fn finest(mesh: &Mesh, rings: &VertexRings, left_out: &[bool]) -> SupportLevel {
         let cluster = (0..mesh.points.len() as u32).collect();
         SupportLevel {
-            h,
+            h: shortest(mesh),
             clusters: Arc::new(ClusterLevel::finest(mesh, rings, left_out)),
             cluster: Arc::new(cluster),
         }
@@ -91,15 +95,6 @@ impl SupportLevel {
     /// Fits the polynomial around the position of cluster `c`.
     pub fn fit(&self, c: usize, scratch: &mut Neighbourhood) -> Option<Polynomial> {
         Polynomial::fit(&self.plane(c, scratch)?, &scratch.around, self.h)
-    }
-
-    /// Fits the polynomial and estimates the noise of its points.
-    pub fn fit_with_scatter(
-        &self,
-        c: usize,
-        scratch: &mut Neighbourhood,
-    ) -> Option<(Polynomial, Scatter)> {
-        Polynomial::fit_with_scatter(&self.plane(c, scratch)?, &scratch.around, self.h)
     }
 
     /// The reference plane of cluster `c`. The samples of its neighbourhood remain in `scratch`.

@@ -9,25 +9,23 @@ mod clusters;
 mod corners;
 mod crossvalidation;
 mod curve;
+mod examined;
 mod levels;
 mod line;
-mod noise_detection;
-mod outliers;
 mod support;
 mod surface;
 mod uncross;
 mod unfold;
 
-use std::convert::Infallible;
-
 use rayon::prelude::*;
 
-use crate::error::{Error, Result, of};
-use crate::geometry::{MOST_ROUNDS, Point, Vector, VertexId, in_lengths, length};
-use crate::mesh::{Disk, Mesh, VertexRings, boundary};
+use crate::error::{Result, of};
+use crate::geometry::{Point, Vector, VertexId, in_lengths, length};
+use crate::mesh::{Disk, Mesh, boundary};
 use crate::progress::{self, Progress};
 use crate::rules;
-use levels::SupportLevel;
+use crate::statistics::median;
+use examined::Examined;
 use surface::MlsSurface;
 
 /// The options of smoothing.
@@ -88,9 +86,11 @@ pub struct Report {
     /// The support at each vertex, or 0 where its residual may be shape, so that it did not move all the
     /// way. Empty if smoothing is off.
     pub supports: Vec<f64>,
-    /// The standard deviation of the scan's noise along the normal; 0 if residuals cannot be
-    /// distinguished from shape.
+    /// The standard deviation of the scan's noise along the normal; that of the rounding of its
+    /// numbers if no other noise is visible.
     pub noise: f64,
+    /// Whether noise beyond the rounding is visible. If not, points stay where they are.
+    pub is_noisy: bool,
     /// The number of outliers, which are left out of all fits.
     pub outliers: usize,
     /// The root mean square of the distances by which points were moved.
@@ -130,20 +130,11 @@ impl Report {
     }
 }
 
-/// Estimates the noise of a scan: the standard deviation of its points along the normal, or 0 if
-/// residuals cannot be distinguished from shape. [`smooth`] finds the same value for a scan without
-/// outliers; this function does not leave outliers out.
-pub fn noise(mesh: &Mesh) -> f64 {
-    let levels = levels::levels(mesh, &VertexRings::new(mesh), &vec![false; mesh.points.len()]);
-    let Ok(choice) = support::choose(mesh, &levels, &mut |_| Ok::<_, Infallible>(()));
-    choice.noise()
-}
-
 /// Smooths a disk. The topology does not change.
 ///
 /// # Errors
-/// - [`Error::Option`] if the support is not a length or a corner is not a finite point.
-/// - [`Error::Support`] if the support is so small or so large that no surface can be fitted.
+/// - [`Error::Option`](crate::error::Error::Option) if the support is not a length or a corner is not a finite point.
+/// - [`Error::Support`](crate::error::Error::Support) if the support is so small or so large that no surface can be fitted.
 pub fn smooth(disk: &Disk, options: &Options) -> Result<(Disk, Report)> {
     smooth_with(disk, options, &mut progress::ignore)
 }
@@ -158,38 +149,44 @@ pub fn smooth_with(
     progress: &mut Progress,
 ) -> Result<(Disk, Report)> {
     options.check()?;
-    let examined = Examined::new(&disk.mesh, &mut progress::step(progress, 0, 3))?;
-    let noise: Vec<f64> =
-        (0..disk.mesh.points.len()).map(|v| examined.choice.noise_at(v)).collect();
+    let examined = Examined::new(&disk.mesh);
     let mut report = Report {
-        noise: examined.choice.noise(),
-        outliers: examined
-            .left_out
-            .iter()
-            .zip(&noise)
-            .filter(|(out, x)| **out && **x > 0.0)
-            .count(),
+        noise: examined.noise.deviation,
+        is_noisy: examined.noise.is_visible,
+        outliers: examined.left_out.iter().filter(|out| **out).count(),
         ..Report::default()
     };
     let mut out = disk.clone();
-    let surface = match options.support {
-        Support::Auto => examined.surface(&mut progress::step(progress, 1, 3))?,
+    if options.support == Support::Auto && !examined.noise.is_visible {
+        report.h = levels::shortest(&disk.mesh);
+        report.supports = vec![0.0; disk.mesh.points.len()];
+        let corners =
+            disk.loops().map(|ring| (ring, kept_corners(disk, &out.mesh, ring, options, report.h)));
+        report.corners =
+            corners.flat_map(|(ring, kept)| kept.into_iter().map(|i| ring[i])).collect();
+        return Ok((out, report));
+    }
+    let mut surface = match options.support {
+        Support::Auto => examined.surface(&disk.mesh, &mut progress::step(progress, 0, 2))?,
         Support::Fixed(h) => examined.surface_of(&disk.mesh, h)?,
         Support::Off => return Ok((out, report)),
     };
-    report.h = median(surface.supports().collect());
+    let onto = &mut progress::step(progress, 1, 2);
+    let (mut projected, normals) = surface.feet(&disk.mesh, onto)?;
+    if options.support == Support::Auto {
+        surface.stays = examined.shape(&disk.mesh, &surface, (&projected, &normals));
+        keep(&surface.stays, &disk.mesh.points, &mut projected);
+    }
+    report.h = median(&mut surface.supports().collect::<Vec<f64>>()).unwrap_or(0.0);
     report.supports = surface.smoothed_supports().collect();
-    let onto = &mut progress::step(progress, 2, 3);
-    let (projected, normals) = surface.feet(&disk.mesh, onto)?;
     out.mesh.points.clone_from(&projected);
+    let noise: Vec<f64> = (0..disk.mesh.points.len())
+        .map(|v| if surface.stays[v] { 0.0 } else { examined.noise.at(VertexId::from(v)) })
+        .collect();
     let rings: Vec<&boundary::Loop> = disk.loops().collect();
     // The loops share no vertices.
     let smoothed = rings.par_iter().map(|ring| {
-        let kept = match &options.corners {
-            Corners::Auto => corners::find(&out.mesh, ring, 2.0 * report.h),
-            Corners::None => Vec::new(),
-            Corners::At(points) => nearest_positions(disk, ring, points),
-        };
+        let kept = kept_corners(disk, &out.mesh, ring, options, report.h);
         let feet = smoothed_loop(ring, &kept, &projected, &normals, &noise, &surface);
         (kept, feet)
     });
@@ -206,6 +203,22 @@ pub fn smooth_with(
     report.moved_max = moved.iter().copied().fold(0.0, f64::max);
     report.moved_rms = root_mean_square(moved.into_iter());
     Ok((out, report))
+}
+
+/// The positions in a loop of the corners that are kept, where `mesh` has the points of the loop on
+/// the surface with support `h`.
+fn kept_corners(
+    disk: &Disk,
+    mesh: &Mesh,
+    ring: &boundary::Loop,
+    options: &Options,
+    h: f64,
+) -> Vec<usize> {
+    match &options.corners {
+        Corners::Auto => corners::find(mesh, ring, 2.0 * h),
+        Corners::None => Vec::new(),
+        Corners::At(points) => nearest_positions(disk, ring, points),
+    }
 }
 
 /// The points of a loop on a surface, smoothed along the loop.
@@ -231,61 +244,11 @@ fn smoothed_loop(
 /// The number of vertices on each side of a corner or a crossing of a loop that are treated with it.
 const BESIDE: usize = 4;
 
-/// A fixed support must be able to smooth at least this share of the points.
-const MOST_REACHED: f64 = 0.5;
-
-/// The supports, the noise and the outliers of a scan.
-struct Examined {
-    levels: Vec<SupportLevel>,
-    choice: support::SupportField,
-    /// Whether each vertex is an outlier.
-    left_out: Vec<bool>,
-}
-
-impl Examined {
-    fn new(mesh: &Mesh, progress: &mut Progress) -> Result<Self> {
-        let rings = VertexRings::new(mesh);
-        let mut left_out = vec![false; mesh.points.len()];
-        let mut levels = levels::levels(mesh, &rings, &left_out);
-        let mut choice = support::choose(mesh, &levels, progress)?;
-        // Outliers disturb the choice of supports with which they are detected, so both are
-        // repeated.
-        for _ in 0..MOST_ROUNDS {
-            if !outliers::add(mesh, &rings, &levels, &choice, &mut left_out)? {
-                break;
-            }
-            levels = levels::levels(mesh, &rings, &left_out);
-            choice = support::choose(mesh, &levels, &mut progress::ignore)?;
-        }
-        Ok(Examined { levels, choice, left_out })
+/// Puts the vertices that stay back to where they were measured.
+fn keep(stays: &[bool], measured: &[Point], points: &mut [Point]) {
+    for (v, p) in points.iter_mut().enumerate().filter(|(v, _)| stays[*v]) {
+        *p = measured[v];
     }
-
-    /// The surface with the supports that were found. Points move only where their residuals are
-    /// noise.
-    fn surface(self, progress: &mut Progress) -> Result<MlsSurface> {
-        let (finest, choice) = (self.levels[0].clusters.clone(), self.choice);
-        let mut surface = MlsSurface::new(finest, self.levels, choice.place, progress)?;
-        surface.share = choice.noise_share;
-        Ok(surface)
-    }
-
-    /// The surface with one support everywhere.
-    fn surface_of(self, mesh: &Mesh, h: f64) -> Result<MlsSurface> {
-        let finest = &self.levels[0];
-        let level = finest.next(h);
-        let place = vec![0.0; mesh.points.len()];
-        let none = &mut progress::ignore;
-        let surface = MlsSurface::new(finest.clusters.clone(), vec![level], place, none)?;
-        if surface.reached(mesh) < MOST_REACHED * mesh.points.len() as f64 {
-            return Err(Error::Support { h, shortest: finest.h, longest: mesh.diagonal() });
-        }
-        Ok(surface)
-    }
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 fn root_mean_square(values: impl ExactSizeIterator<Item = f64>) -> f64 {

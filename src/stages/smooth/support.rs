@@ -1,4 +1,4 @@
-//! The support h and the noise, estimated from the scan.
+//! The support h, estimated from the scan.
 //!
 //! A small h leaves noise; a large h flattens the shape. At a sample of places the surface is
 //! estimated with every support. A wide support is biased by the amount by which it differs from
@@ -11,10 +11,12 @@ use rayon::prelude::*;
 
 use super::clusters::{Neighbourhood, ScratchPool};
 use super::levels::SupportLevel;
-use super::noise_detection::{self, ResidualPair};
-use super::root_mean_square;
+use crate::error::Result;
 use crate::geometry::{FEW, NONE, VertexId};
 use crate::mesh::Mesh;
+use crate::noise::NoiseField;
+use crate::progress::Progress;
+use crate::statistics::outlying;
 
 /// The number of vertices for each sampled place.
 const VERTICES_PER_PLACE: usize = 200;
@@ -23,89 +25,39 @@ const VERTICES_PER_PLACE: usize = 200;
 /// not depend on the density of the scan.
 const PLACE_COUNT: [usize; 2] = [2_000, 10_000];
 
-/// The residuals at the second level give the noise, because its fits have enough points. If their
-/// variance exceeds that at the first level by this factor, they show the shape, and the first
-/// level gives the noise.
-const SHAPE_RATIO: f64 = 2.0;
-
 /// The factor by which the differences that noise explains are enlarged, because they fluctuate.
 const NOISE_MARGIN: f64 = 1.3;
 
-/// Wider supports are not tried after one that differs from the one before it by more than this
-/// number of standard deviations.
-const CLEAR_DEVIATIONS: f64 = 8.0;
-
-/// The supports and the noise of a scan.
-pub struct SupportField {
-    /// The level of each vertex. A fraction means a blend of two adjacent levels.
-    pub place: Vec<f32>,
-    /// The standard deviation in mm of the residuals around each vertex. They are noise, or shape
-    /// that the polynomials miss.
-    pub residual: Vec<f32>,
-    /// The share of noise at each vertex: 1 where the residuals are noise, 0 where they cannot be
-    /// distinguished from shape, and values between where such regions meet.
-    pub noise_share: Vec<f32>,
-}
-
-impl SupportField {
-    /// The standard deviation of the noise over the whole scan, in mm.
-    pub fn noise(&self) -> f64 {
-        root_mean_square((0..self.noise_share.len()).map(|v| self.noise_at(v)))
-    }
-
-    /// The standard deviation of the noise around a vertex, in mm.
-    pub fn noise_at(&self, v: usize) -> f64 {
-        f64::from(self.noise_share[v]) * f64::from(self.residual[v])
-    }
-}
-
 /// The estimates at one place, one for each support that was tried: the height of the surface, and
-/// its variance if the points have variance 1.
-struct SupportTrial {
-    heights: Vec<(f64, f64)>,
-    /// The mean squared residuals at the two levels that show the noise.
-    scatter: [f64; 2],
-    /// The residuals at the first level of the place and of neighbouring vertices.
-    pairs: Vec<ResidualPair>,
-}
+/// its variance.
+type SupportTrial = Vec<(f64, f64)>;
 
-/// Chooses the support of every vertex, and reports progress to `progress`.
-pub fn choose<E>(
+/// Chooses the level of every vertex, and reports progress to `progress`. A fraction means a blend
+/// of two adjacent levels.
+pub fn choose(
     mesh: &Mesh,
     levels: &[SupportLevel],
-    progress: &mut dyn FnMut(f64) -> Result<(), E>,
-) -> Result<SupportField, E> {
+    noise: &NoiseField,
+    progress: &mut Progress,
+) -> Result<Vec<f32>> {
     let sampling = sampling(mesh.points.len(), levels);
     let places = first_vertices(sampling);
     let scratch_pool = ScratchPool::default();
-    let look = |&v: &u32| scratch_pool.with(|scratch| trial(mesh, levels, VertexId(v), scratch));
+    let clear = outlying(places.len());
+    let look = |&v: &u32| {
+        scratch_pool.with(|scratch| trial(mesh, levels, (VertexId(v), noise, clear), scratch))
+    };
     let mut trials: Vec<SupportTrial> = Vec::with_capacity(places.len());
     for part in places.chunks(places.len().div_ceil(FEW).max(1)) {
         trials.par_extend(part.par_iter().map(look));
         progress(trials.len() as f64 / places.len() as f64)?;
     }
     let windows: Vec<Vec<u32>> = (0..places.len()).map(|i| window(sampling, i)).collect();
-    let noise: Vec<f64> = windows.iter().map(|w| noise(&trials, w)).collect();
-    let best = windows.iter().zip(&noise).map(|(w, &variance)| best(&trials, w, variance));
-    let best: Vec<f64> = best.collect();
-    let mean = |values: &[f64], w: &[u32]| {
-        w.iter().map(|&i| values[i as usize]).sum::<f64>() / w.len() as f64
-    };
-    let best: Vec<f64> = windows.iter().map(|w| mean(&best, w)).collect();
-    let spread = |values: &[f64]| -> Vec<f32> {
-        (0..mesh.points.len())
-            .into_par_iter()
-            .map(|v| blended(sampling, values, VertexId::from(v), mesh) as f32)
-            .collect()
-    };
-    let deviation: Vec<f64> = noise.iter().map(|variance| variance.sqrt()).collect();
-    let pairs: Vec<&[ResidualPair]> = trials.iter().map(|trial| trial.pairs.as_slice()).collect();
-    let noise_share = noise_detection::noise_share(&pairs, |i| wider(&windows, i));
-    Ok(SupportField {
-        place: spread(&best),
-        residual: spread(&deviation),
-        noise_share: spread(&noise_share),
-    })
+    let best: Vec<f64> = windows.iter().map(|w| best(&trials, w)).collect();
+    let mean = |w: &Vec<u32>| w.iter().map(|&i| best[i as usize]).sum::<f64>() / w.len() as f64;
+    let best: Vec<f64> = windows.iter().map(mean).collect();
+    let at = |v: usize| blended(sampling, &best, VertexId::from(v), mesh) as f32;
+    Ok((0..mesh.points.len()).into_par_iter().map(at).collect())
 }
 
 /// The level that has about as many clusters as places are wanted.
@@ -134,72 +86,42 @@ fn window(level: &SupportLevel, i: usize) -> Vec<u32> {
     window
 }
 
-/// The places of the windows of all places in the window of place `i`.
-fn wider(windows: &[Vec<u32>], i: usize) -> Vec<u32> {
-    let mut wide: Vec<u32> =
-        windows[i].iter().flat_map(|&j| windows[j as usize].iter().copied()).collect();
-    wide.sort_unstable();
-    wide.dedup();
-    wide
-}
-
+/// The estimates at a vertex. Wider supports are not tried after one that differs from the one
+/// before it by more than `clear` standard deviations.
 fn trial(
     mesh: &Mesh,
     levels: &[SupportLevel],
-    v: VertexId,
+    (v, noise, clear): (VertexId, &NoiseField, f64),
     scratch: &mut Neighbourhood,
 ) -> SupportTrial {
     let (p, normal) = (mesh.point(v), levels[0].clusters.normals[v.index()]);
-    let pairs = noise_detection::pairs(mesh, &levels[0], v, scratch);
-    let mut trial = SupportTrial { heights: Vec::new(), scatter: [f64::NAN; 2], pairs };
-    for (k, level) in levels.iter().enumerate() {
-        let cluster = level.cluster[v.index()] as usize;
-        let fitted = match trial.scatter.get_mut(k) {
-            Some(place) => level.fit_with_scatter(cluster, scratch).map(|(fit, scatter)| {
-                *place = scatter.variance;
-                fit
-            }),
-            None => level.fit(cluster, scratch),
-        };
-        let Some(fit) = fitted else {
+    let mut trial: SupportTrial = Vec::new();
+    for level in levels {
+        let Some(fit) = level.fit(level.cluster[v.index()] as usize, scratch) else {
             // There are too few points; wider supports may have enough.
-            trial.heights.push((0.0, f64::INFINITY));
+            trial.push((0.0, f64::INFINITY));
             continue;
         };
         let height = (fit.at(p).0 - p).dot(&normal);
-        let last = trial.heights.last().copied();
-        trial.heights.push((height, fit.variance));
-        let explained = |variance: f64| CLEAR_DEVIATIONS * (trial.scatter[1] * variance).sqrt();
-        if k > 1 && last.is_some_and(|(h, v)| (height - h).abs() > explained(v)) {
+        let last = trial.last().copied();
+        trial.push((height, noise.variance_of_fit(v, fit.variance)));
+        if last.is_some_and(|(h, variance)| (height - h).abs() > clear * variance.sqrt()) {
             break;
         }
     }
     trial
 }
 
-/// The variance of the noise over a window.
-fn noise(trials: &[SupportTrial], window: &[u32]) -> f64 {
-    let median = |k: usize| {
-        let all = window.iter().map(|&i| trials[i as usize].scatter[k]);
-        let all: Vec<f64> = all.filter(|scatter| scatter.is_finite()).collect();
-        (!all.is_empty()).then(|| super::median(all))
-    };
-    match [median(0), median(1)] {
-        [Some(first), Some(second)] if second > SHAPE_RATIO * first => first,
-        [first, second] => second.or(first).unwrap_or(0.0),
-    }
-}
-
 /// The level with the smallest risk over a window, refined between levels.
-fn best(trials: &[SupportTrial], window: &[u32], variance: f64) -> f64 {
-    let deepest = window.iter().map(|&i| trials[i as usize].heights.len()).min().unwrap_or(0);
+fn best(trials: &[SupportTrial], window: &[u32]) -> f64 {
+    let deepest = window.iter().map(|&i| trials[i as usize].len()).min().unwrap_or(0);
     let mean = |f: &dyn Fn(&SupportTrial) -> f64| {
         window.iter().map(|&i| f(&trials[i as usize])).sum::<f64>() / window.len() as f64
     };
-    let noise: Vec<f64> = (0..deepest).map(|k| variance * mean(&|t| t.heights[k].1)).collect();
+    let noise: Vec<f64> = (0..deepest).map(|k| mean(&|t| t[k].1)).collect();
     let bias = |k: usize| {
         let beyond = |i: usize| {
-            let square = mean(&|t| (t.heights[k].0 - t.heights[i].0).powi(2));
+            let square = mean(&|t| (t[k].0 - t[i].0).powi(2));
             square - NOISE_MARGIN * (noise[i] - noise[k]).max(0.0)
         };
         (0..k).filter(|&i| noise[i].is_finite()).map(beyond).fold(0.0, f64::max)

@@ -17,9 +17,6 @@ use crate::mesh::Mesh;
 use crate::mesh::mls::{Polynomial, Projection};
 use crate::progress::Progress;
 
-/// The level of a vertex at which the surface is not needed.
-pub const NOWHERE: f32 = f32::INFINITY;
-
 /// The MLS surface of a scan.
 pub struct MlsSurface {
     levels: Vec<SupportLevel>,
@@ -27,8 +24,8 @@ pub struct MlsSurface {
     finest: Arc<ClusterLevel>,
     /// The level of each vertex. A fraction means a blend of two adjacent levels.
     place: Vec<f32>,
-    /// The share of its way to the surface that each vertex moves.
-    pub share: Vec<f32>,
+    /// Whether each vertex stays where it was measured, because the surface misses the shape there.
+    pub stays: Vec<bool>,
     fits: Vec<Fits>,
 }
 
@@ -40,8 +37,8 @@ struct Fits {
 }
 
 impl MlsSurface {
-    /// Fits the polynomials that the vertices need. `place` is the level of each vertex. Vertices
-    /// move all the way to the surface.
+    /// Fits the polynomials that the vertices need. `place` is the level of each vertex. All vertices
+    /// move to the surface.
     pub fn new(
         finest: Arc<ClusterLevel>,
         levels: Vec<SupportLevel>,
@@ -53,8 +50,8 @@ impl MlsSurface {
             progress(k as f64 / levels.len() as f64)?;
             fits.push(Fits::new(level, k, &place));
         }
-        let share = vec![1.0; place.len()];
-        Ok(MlsSurface { levels, finest, place, share, fits })
+        let stays = vec![false; place.len()];
+        Ok(MlsSurface { levels, finest, place, stays, fits })
     }
 
     /// The foot points and normals of all vertices. A vertex with too few neighbours keeps its
@@ -87,10 +84,17 @@ impl MlsSurface {
         self.place.iter().map(|&place| self.support(place))
     }
 
-    /// The supports of the vertices that move all the way to the surface, in mm, and 0 for others.
+    /// The supports of the vertices that move to the surface, in mm, and 0 for others.
     pub fn smoothed_supports(&self) -> impl Iterator<Item = f64> {
-        let moves = |(h, share): (f64, &f32)| if *share == 1.0 { h } else { 0.0 };
-        self.supports().zip(&self.share).map(moves)
+        let moves = |(h, stays): (f64, &bool)| if *stays { 0.0 } else { h };
+        self.supports().zip(&self.stays).map(moves)
+    }
+
+    /// The vertices of each level, the lower one where two are blended.
+    pub fn by_level(&self) -> Vec<Vec<usize>> {
+        let mut vertices = vec![Vec::new(); self.levels.len()];
+        self.place.iter().enumerate().for_each(|(v, &place)| vertices[split(place).0].push(v));
+        vertices
     }
 
     fn support(&self, place: f32) -> f64 {
@@ -104,17 +108,16 @@ impl MlsSurface {
         self.finest.normals[v.index()]
     }
 
-    /// Moves `p`, which is near vertex `v`, towards the surface by the vertex's share of the way.
+    /// Whether a vertex does not move.
+    pub fn keeps(&self, v: VertexId) -> bool {
+        self.stays[v.index()]
+    }
+
+    /// Moves `p`, which is near vertex `v`, to the surface, unless the vertex stays where it is.
     /// `None` if too few points are near.
     pub fn project(&self, v: VertexId, p: Point) -> Option<Projection> {
         let foot = self.foot(v, p)?;
-        let share = f64::from(self.share[v.index()]);
-        Some(Projection { point: p + share * (foot.point - p), ..foot })
-    }
-
-    /// Whether a vertex does not move.
-    pub fn keeps(&self, v: VertexId) -> bool {
-        self.share[v.index()] == 0.0
+        Some(if self.keeps(v) { Projection { point: p, ..foot } } else { foot })
     }
 
     fn foot(&self, v: VertexId, p: Point) -> Option<Projection> {

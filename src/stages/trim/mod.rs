@@ -29,6 +29,7 @@ use crate::spline::{
     CertifiedLoop, Curve, EdgeTree, LocatedFault, Nest, Surface, crossings, curve_on_surface,
     misplaced, off_surface, pieces_on_surface, runs,
 };
+use crate::statistics::median;
 use loop_fit::LoopFit;
 
 /// Options of [`trim`]: how near trim curves keep to rims.
@@ -249,11 +250,7 @@ pub fn median_edge<'a>(rims: impl Iterator<Item = &'a [Point]>) -> f64 {
         rim.iter().zip(next).map(|(a, b)| (b - a).norm())
     };
     let mut lengths: Vec<f64> = rims.flat_map(edges).collect();
-    if lengths.is_empty() {
-        return 0.0;
-    }
-    let middle = lengths.len() / 2;
-    *lengths.select_nth_unstable_by(middle, f64::total_cmp).1
+    median(&mut lengths).unwrap_or(0.0)
 }
 
 /// Fits all loops and tightens them until none of them crosses itself, another loop or the edge

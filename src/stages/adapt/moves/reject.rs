@@ -6,10 +6,7 @@
 
 use crate::geometry::{ALONE, Point, Vector, VertexId};
 use crate::stages::adapt::problem::Problem;
-
-/// If nobody named a tolerance, a point that is farther off than so many standard deviations of
-/// the noise may be an outlier: normal noise has one such point in two million.
-pub const OUTLYING: f64 = 5.0;
+use crate::statistics::outlying;
 
 /// How often outliers are looked for without those found before among the neighbours. Twice
 /// finds both of a pair.
@@ -42,10 +39,10 @@ pub fn outliers_before_a_fit(problem: &Problem) -> Vec<usize> {
 /// that smoothing has taken back or that the user wants the face to follow.
 fn limits(problem: &Problem) -> (f64, usize) {
     let goal = problem.goal;
-    match (problem.options.noisy, goal.named) {
+    match (problem.options.noise > 0.0, goal.named) {
         (false, _) => (f64::INFINITY, 0),
         (true, true) => (goal.tolerance, problem.spared()),
-        (true, false) => (OUTLYING * goal.noise(), problem.measured()),
+        (true, false) => (outlying(problem.measured()) * goal.noise(), problem.measured()),
     }
 }
 

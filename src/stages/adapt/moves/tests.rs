@@ -62,7 +62,11 @@ fn with_problem(noisy: bool, lifted: &[(usize, f64)], test: impl FnOnce(&Problem
     let mut map = sheet();
     lifted.iter().for_each(|&(v, by)| map.patch.mesh.points[v].z += by);
     let goal = Goal { tolerance: 0.01, named: true, outliers: 0.01 };
-    test(&Problem::new(&map, &Options { noisy, ..Options::default() }, &goal));
+    test(&Problem::new(
+        &map,
+        &Options { noise: if noisy { 0.01 } else { 0.0 }, ..Options::default() },
+        &goal,
+    ));
 }
 
 /// The fit of a state over a uniform net of so many control points along each side.

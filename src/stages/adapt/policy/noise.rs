@@ -12,10 +12,11 @@ use crate::error::Result;
 use crate::rules;
 use crate::stages::adapt::attempt::Attempt;
 use crate::stages::adapt::moves::insert::insert;
-use crate::stages::adapt::moves::reject::{self, OUTLYING};
+use crate::stages::adapt::moves::reject;
 use crate::stages::adapt::problem::Problem;
 use crate::stages::adapt::run::FitRun;
 use crate::stages::knots::{InsertionLimits, Miss};
+use crate::statistics::outlying;
 
 /// What a control point must take off the sum of squares, in variances of the noise (Akaike).
 const PRICE: f64 = 2.0;
@@ -36,7 +37,7 @@ pub fn search(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
     let best = insert_knots(run, start)?;
     let is_better = |best: &Attempt, next: &Attempt| score(problem, next) < score(problem, best);
     let best = remove_knots(run, best, |run, state| run.fit(state), is_better)?;
-    match problem.options.noisy {
+    match problem.options.noise > 0.0 {
         true => Ok(best),
         false => tolerance::insert_knots(run, best),
     }
@@ -92,7 +93,7 @@ fn misfits(problem: &Problem, of: &Attempt) -> Vec<Miss> {
 /// the scan stand behind them. Points that are as far off as outliers count no more than these: a few
 /// of them are not the shape's.
 fn squares(problem: &Problem, of: &Attempt) -> impl Iterator<Item = f64> {
-    let noise = problem.goal.noise();
-    let square = move |d: f64| (d / noise).powi(2).min(OUTLYING * OUTLYING);
+    let (noise, far) = (problem.goal.noise(), outlying(problem.measured()));
+    let square = move |d: f64| (d / noise).min(far).powi(2);
     of.foot_points.measured().zip(&problem.counts).map(move |(d, count)| count * square(d))
 }

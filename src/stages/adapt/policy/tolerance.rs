@@ -36,13 +36,13 @@ pub fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
     let problem = run.problem;
     let mut best = reweighted(run, start)?;
     let mut last: Option<Attempt> = None;
-    let (mut idle, mut misfit) = (0, None);
+    let mut idle = 0;
     loop {
         let now = last.as_ref().unwrap_or(&best);
         if now.is_met(problem) || idle >= PATIENCE {
             break;
         }
-        run.hindrance = hindrance::hindering_noise(problem, now, &mut misfit);
+        run.hindrance = hindrance::hindering_noise(problem, now);
         if run.hindrance.is_some() {
             break;
         }

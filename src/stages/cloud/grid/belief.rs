@@ -6,7 +6,7 @@
 use super::raster::{GridStep, Raster};
 use crate::geometry::{Point, SAMPLE};
 use crate::mesh::Neighbours;
-use crate::stages::cloud::noise::median;
+use crate::statistics::median;
 
 /// Why a grid is not believed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]

@@ -11,7 +11,7 @@ use rayon::prelude::*;
 
 use super::raster::{GridCell, GridStep, Raster};
 use crate::geometry::Vector;
-use crate::stages::cloud::noise::median;
+use crate::statistics::median;
 
 /// An edge may be a jump from this multiple of the median around it. A lower value tests noise of a
 /// third of the spacing, a higher one misses steps of two spacings.

@@ -22,11 +22,11 @@ pub use belief::GridDoubt;
 pub use facing::Outside;
 
 use super::manifold::ManifoldMesh;
-use super::noise::median;
 use super::order::WorkFrame;
 use super::{LEFT_OUT, Options, Report, Triangulation};
 use crate::geometry::{Point, VertexId};
 use crate::mesh::Mesh;
+use crate::statistics::median;
 use facing::ScannerHints;
 use jumps::GridEdges;
 use raster::Raster;

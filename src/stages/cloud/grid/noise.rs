@@ -12,7 +12,7 @@ use rayon::prelude::*;
 use super::jumps::GridEdges;
 use super::raster::{GridCell, GridStep, Raster};
 use crate::geometry::{Point, Vector};
-use crate::stages::cloud::noise::median;
+use crate::statistics::{MeanSquare, median};
 
 /// The cells along a side of a patch. Three leave too few degrees of freedom, seven bend more than
 /// a quadratic polynomial.
@@ -45,16 +45,11 @@ pub(super) fn measure(raster: &Raster, edges: &GridEdges, spacing: f64) -> Optio
     let mut rough: Vec<f64> = rough.collect();
     let variances = if is_enough(&rough) { &mut rough } else { &mut all };
     let variance = median(variances).filter(|_| is_enough(variances))?;
-    Some((variance / median_of_chi_squared()).sqrt())
+    Some((variance / MeanSquare(FREEDOM).at(0.0)).sqrt())
 }
 
 /// The degrees of freedom of a patch: six coefficients are fitted.
 const FREEDOM: f64 = CELLS - 6.0;
-
-/// The median of a χ² variable divided by its degrees of freedom (Wilson and Hilferty 1931).
-fn median_of_chi_squared() -> f64 {
-    (1.0 - 2.0 / (9.0 * FREEDOM)).powi(3)
-}
 
 /// The polynomials up to the second degree that are orthogonal on the 5 × 5 cells, by v and u from
 /// −2 to 2, each with its sum of squares.

@@ -1,0 +1,114 @@
+//! The noise of a scan. A mesh goes in; the standard deviation of its vertices along the normal
+//! comes out, for the whole scan and at each vertex, with the correlation between neighbours and the
+//! outliers.
+//!
+//! The residuals of quadrics through small patches are noise, mixed by the fits ([`patch`]). Unmixing
+//! gives the variance and the correlations without bias ([`estimate`]). Patches that hold an edge or
+//! an outlier have larger residuals than noise explains, and do not count. Where the noise of a part
+//! differs from that of the whole, the part's own holds ([`local`]). A mesh that a modelling program
+//! made has no noise but the rounding of its file ([`rounding`]).
+
+mod estimate;
+mod local;
+mod outliers;
+mod patch;
+mod rounding;
+#[cfg(test)]
+mod tests;
+
+use rayon::prelude::*;
+
+use crate::geometry::VertexId;
+use crate::mesh::{Mesh, VertexRings};
+use crate::statistics::MeanSquare;
+use estimate::Estimate;
+use local::LocalNoise;
+use patch::{NoisePatch, Scratch};
+use rounding::{Flatness, Rounding, flatness};
+
+/// The most patches that are fitted. The standard deviation of the estimate is then below 1 %.
+const MOST_PATCHES: usize = 4000;
+
+/// The noise of a scan.
+#[derive(Debug)]
+pub(crate) struct NoiseField {
+    /// The standard deviation along the normal over the whole scan, in the unit of the mesh. It is
+    /// that of the rounding if no other noise is visible.
+    pub deviation: f64,
+    /// Whether there is noise beyond the rounding.
+    pub is_visible: bool,
+    /// The correlations of the noise of vertices that are one edge and two edges apart.
+    pub correlation: [f64; 2],
+    /// The standard deviation at each vertex; empty if it is the same everywhere.
+    at: Vec<f32>,
+}
+
+impl NoiseField {
+    /// Measures the noise of a mesh.
+    pub fn new(mesh: &Mesh, rings: &VertexRings) -> Self {
+        let rounding = Rounding::of(&mesh.points);
+        let rounded = rounding.deviation(&mesh.points);
+        let none = |deviation| NoiseField {
+            deviation,
+            is_visible: false,
+            correlation: [0.0; 2],
+            at: Vec::new(),
+        };
+        let flatness = flatness(mesh, rounding);
+        if flatness == Flatness::Clean && rounding.is_sure() {
+            return none(rounded);
+        }
+        let patches = patches(mesh, rings);
+        let Some(estimate) = Estimate::new(&patches, mesh.points.len()) else {
+            return none(rounded);
+        };
+        let deviation = estimate.deviation();
+        // Residuals are noise if noise makes up the larger part of their mean square.
+        let is_noise = estimate.remaining >= 0.5 && deviation > rounded;
+        if flatness == Flatness::Clean || !is_noise {
+            return none(deviation.min(rounded));
+        }
+        let local = LocalNoise::new(mesh, &patches, &estimate);
+        let at = local.map_or(Vec::new(), |local| {
+            let at = |p| (deviation * local.factor(p)) as f32;
+            mesh.points.par_iter().map(|&p| at(p)).collect()
+        });
+        NoiseField { deviation, is_visible: true, correlation: estimate.correlation(), at }
+    }
+
+    /// The standard deviation at a vertex.
+    pub fn at(&self, v: VertexId) -> f64 {
+        self.at.get(v.index()).map_or(self.deviation, |&deviation| deviation.into())
+    }
+
+    /// The variance of a fit around a vertex, of which independent points of variance 1 leave
+    /// `left`. Correlated points leave more, but no more than one of them has.
+    pub fn variance_of_fit(&self, v: VertexId, left: f64) -> f64 {
+        let [one, two] = self.correlation;
+        let common = 1.0 + AROUND[0] * one + AROUND[1] * two;
+        self.at(v).powi(2) * if left <= 1.0 { (common * left).min(1.0) } else { left }
+    }
+
+    /// The distribution of the mean square of `count` points: one and its neighbours.
+    pub fn mean_square_around(&self, count: f64) -> MeanSquare {
+        let [one, two] = self.correlation;
+        let beside = count - 1.0;
+        // The spokes and the rim, and the other pairs of the rim.
+        let pairs = [2.0 * beside, (0.5 * beside * (beside - 3.0)).max(0.0)];
+        MeanSquare(count * count / (count + 2.0 * (pairs[0] * one * one + pairs[1] * two * two)))
+    }
+}
+
+/// How many vertices are one edge and two edges from a vertex of an even mesh.
+const AROUND: [f64; 2] = [6.0, 12.0];
+
+/// Patches that are spread evenly over the vertices.
+fn patches(mesh: &Mesh, rings: &VertexRings) -> Vec<NoisePatch> {
+    let normals = mesh.vertex_normals();
+    let step = mesh.points.len().div_ceil(MOST_PATCHES).max(1);
+    let count = mesh.points.len().div_ceil(step);
+    let fit = |scratch: &mut Scratch, k: usize| {
+        NoisePatch::new(mesh, rings, &normals, VertexId::from(k * step), scratch)
+    };
+    (0..count).into_par_iter().map_init(Scratch::default, fit).flatten().collect()
+}

@@ -1,0 +1,83 @@
+//! What smoothing finds out about a scan before it moves anything, and where it must not.
+
+use rayon::prelude::*;
+
+use super::levels::{self, SupportLevel};
+use super::support;
+use super::surface::MlsSurface;
+use crate::error::{Error, Result};
+use crate::geometry::{Point, Vector, VertexId};
+use crate::mesh::{Mesh, VertexRings};
+use crate::noise::NoiseField;
+use crate::progress::{self, Progress};
+use crate::statistics::{CALM, absolute_at, outlying, quantile};
+
+/// A fixed support must be able to smooth at least this share of the points.
+const MOST_REACHED: f64 = 0.5;
+
+/// The noise and the outliers of a scan.
+pub struct Examined {
+    rings: VertexRings,
+    pub noise: NoiseField,
+    /// Whether each vertex is an outlier.
+    pub left_out: Vec<bool>,
+}
+
+impl Examined {
+    pub fn new(mesh: &Mesh) -> Self {
+        let rings = VertexRings::new(mesh);
+        let noise = NoiseField::new(mesh, &rings);
+        let left_out = noise.outliers(mesh, &rings);
+        Examined { rings, noise, left_out }
+    }
+
+    /// The surface with the supports that are found on the scan.
+    pub fn surface(&self, mesh: &Mesh, progress: &mut Progress) -> Result<MlsSurface> {
+        let levels = levels::levels(mesh, &self.rings, &self.left_out);
+        let place =
+            support::choose(mesh, &levels, &self.noise, &mut progress::step(progress, 0, 2))?;
+        let finest = levels[0].clusters.clone();
+        MlsSurface::new(finest, levels, place, &mut progress::step(progress, 1, 2))
+    }
+
+    /// The surface with one support everywhere.
+    pub fn surface_of(&self, mesh: &Mesh, h: f64) -> Result<MlsSurface> {
+        let finest = SupportLevel::finest(mesh, &self.rings, &self.left_out);
+        let level = finest.next(h);
+        let place = vec![0.0; mesh.points.len()];
+        let none = &mut progress::ignore;
+        let surface = MlsSurface::new(finest.clusters.clone(), vec![level], place, none)?;
+        if surface.reached(mesh) < MOST_REACHED * mesh.points.len() as f64 {
+            return Err(Error::Support { h, shortest: finest.h, longest: mesh.diagonal() });
+        }
+        Ok(surface)
+    }
+
+    /// The vertices at which a surface misses the shape, as along a sharp edge: it is farther from
+    /// them and their neighbours than noise explains. A narrow support follows a part of the noise, so
+    /// the usual distances of a level count where these are smaller. Outliers say nothing.
+    pub fn shape(
+        &self,
+        mesh: &Mesh,
+        surface: &MlsSurface,
+        (feet, normals): (&[Point], &[Vector]),
+    ) -> Vec<bool> {
+        let square = |v: usize| {
+            let off = (feet[v] - mesh.points[v]).dot(&normals[v]);
+            if self.left_out[v] { 0.0 } else { (off / self.noise.at(VertexId::from(v))).powi(2) }
+        };
+        let mut squares: Vec<f64> = (0..feet.len()).into_par_iter().map(square).collect();
+        for vertices in surface.by_level() {
+            let mut all: Vec<f64> = vertices.iter().map(|&v| squares[v]).collect();
+            let usual = quantile(&mut all, CALM).unwrap_or(0.0) / absolute_at(CALM).powi(2);
+            vertices.iter().for_each(|&v| squares[v] /= usual.clamp(f64::MIN_POSITIVE, 1.0));
+        }
+        let limit = outlying(feet.len());
+        let is_missed = |v: usize| {
+            let around = self.rings.neighbours(mesh, VertexId::from(v)).map(|w| squares[w.index()]);
+            let (sum, count) = around.fold((squares[v], 1.0), |(sum, n), s| (sum + s, n + 1.0));
+            sum / count > self.noise.mean_square_around(count).at(limit)
+        };
+        (0..feet.len()).into_par_iter().map(is_missed).collect()
+    }
+}
