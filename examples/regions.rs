@@ -13,7 +13,7 @@ use scan2step::formats::read_scan;
 use scan2step::mesh::from_soup;
 use scan2step::primitives::{Primitive, PrimitiveKind};
 use scan2step::stages::regions::{
-    FaceRegion, FlatPairs, Options, RegionOrigin, Regions, Rounding, Tessellation, find,
+    FaceRegion, FileRounding, FlatPairs, Options, RegionOrigin, Regions, Tessellation, find,
 };
 use serde_json::{Value, json};
 
@@ -29,7 +29,7 @@ fn line(file: &Path, details: bool) -> Result<Value, Box<dyn Error>> {
     let soup = read_scan(file)?;
     let build = from_soup(&soup, 1.0)?;
     let start = ThreadTime::now();
-    let rounding = Rounding::of(&soup.points);
+    let rounding = FileRounding::of(&soup.points);
     let errors = rounding.errors(&soup, &build, 1.0 / build.mm);
     let mesh = Tessellation::new(&build.mesh, &errors);
     let pairs = FlatPairs::of(&mesh);

@@ -76,7 +76,7 @@ mod tests {
     /// Cubes around zero, each with half its width and whether it is turned inside out.
     fn cubes(all: &[(f64, bool)]) -> Components {
         let mut mesh = Mesh { points: Vec::new(), triangles: Vec::new() };
-        for &(half, is_turned) in all {
+        for &(half, is_inverted) in all {
             let corner = |k: usize| [1, 2, 4].map(|bit| if k & bit > 0 { half } else { -half });
             let sides = [
                 [0, 2, 3, 1],
@@ -90,8 +90,9 @@ mod tests {
             mesh.points.extend((0..8).map(|k| Point::from(corner(k))));
             for [a, b, c, d] in sides.map(|side| side.map(|k| VertexId::from(first + k))) {
                 let halves = [[a, b, c], [a, c, d]];
-                mesh.triangles
-                    .extend(halves.map(|[a, b, c]| if is_turned { [a, c, b] } else { [a, b, c] }));
+                mesh.triangles.extend(
+                    halves.map(|[a, b, c]| if is_inverted { [a, c, b] } else { [a, b, c] }),
+                );
             }
         }
         let places = (0..mesh.points.len() as u32).collect();

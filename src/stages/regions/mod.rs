@@ -4,7 +4,7 @@
 //! belongs to one true face. So a surface is hit or missed by orders of magnitude, and all decisions compare with the
 //! rounding.
 //!
-//! - [`Rounding`] tells how exactly the file states its coordinates, [`Tessellation`] measures the mesh,
+//! - [`FileRounding`] tells how exactly the file states its coordinates, [`Tessellation`] measures the mesh,
 //!   [`FlatPairs`] tells whether it is such an export at all.
 //! - [`find`] makes facets of coplanar triangles, grows surfaces over them from seeds, lets the surfaces compete,
 //!   and moves them within the rounding to where a designer would have put them.
@@ -38,7 +38,7 @@ mod tori;
 pub use precision::FlatPairs;
 pub use prisms::Prism;
 pub use result::{FaceRegion, RegionOrigin, Regions};
-pub use rounding::Rounding;
+pub use rounding::FileRounding;
 pub use snap::{Snap, SnapKind};
 pub use tessellation::Tessellation;
 

@@ -22,14 +22,14 @@ const MOST_DECIMALS: i32 = 12;
 
 /// The steps in which the numbers of a file are written.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Rounding {
+pub struct FileRounding {
     /// Whether every number is one of 32 bits.
     pub is_single: bool,
     /// Decades (the exponent of the first digit) whose numbers lie on a decimal lattice, with its decimal places.
     pub decimals: Vec<(i32, i32)>,
 }
 
-impl Rounding {
+impl FileRounding {
     /// Finds the steps from the numbers of a file.
     pub fn of(points: &[[f64; 3]]) -> Self {
         let used = points.iter().filter(|p| p.iter().all(|x| x.is_finite()));
@@ -42,7 +42,7 @@ impl Rounding {
             let first = exponent(same[0]);
             decimal_places(same, first, is_single).map(|places| (first, places))
         });
-        Rounding { is_single, decimals: lattices.collect() }
+        FileRounding { is_single, decimals: lattices.collect() }
     }
 
     /// Half a step of one number.

@@ -58,7 +58,7 @@ fn exported(mut mesh: Mesh, turn: Vector, shift: Vector, scale: f64) -> (Mesh, V
         *p = (scale * (turn * *p + shift)).map(|x| f64::from(x as f32));
     }
     let numbers: Vec<[f64; 3]> = mesh.points.iter().map(|p| [p.x, p.y, p.z]).collect();
-    let rounding = Rounding::of(&numbers);
+    let rounding = FileRounding::of(&numbers);
     let diagonal = mesh.diagonal();
     let errors = numbers.iter().map(|&p| rounding.error(p, diagonal)).collect();
     (mesh, errors)
@@ -138,12 +138,12 @@ fn a_rough_surface_is_no_clean_mesh_and_has_no_curved_face() {
 #[test]
 fn decimals_count_as_rounding_only_if_chance_uses_their_last_digit() {
     let round: Vec<[f64; 3]> = (0..100).map(|k| [f64::from(k % 4) * 10.0, 20.0, 5.0]).collect();
-    assert!(Rounding::of(&round).decimals.is_empty());
+    assert!(FileRounding::of(&round).decimals.is_empty());
     let scattered = |k: usize| {
         let x = (crate::geometry::random::scattered(k as u64) >> 11) as f64 / (1u64 << 53) as f64;
         (1e3 * (10.0 + 80.0 * x)).round() / 1e3
     };
     let cut: Vec<[f64; 3]> =
         (0..300).map(|k| [scattered(k), scattered(k + 1000), scattered(k + 2000)]).collect();
-    assert_eq!(Rounding::of(&cut).decimals, [(1, 3)]);
+    assert_eq!(FileRounding::of(&cut).decimals, [(1, 3)]);
 }
