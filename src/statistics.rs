@@ -57,24 +57,24 @@ pub(crate) struct MeanSquare(pub f64);
 
 impl MeanSquare {
     /// The value below which a share of all values is.
-    pub fn quantile(self, share: f64) -> f64 {
+    pub(crate) fn quantile(self, share: f64) -> f64 {
         self.at(normal_at(share))
     }
 
     /// The value at `z` standard deviations of the normal distribution that corresponds to it.
-    pub fn at(self, z: f64) -> f64 {
+    pub(crate) fn at(self, z: f64) -> f64 {
         let (middle, deviation) = self.of_root();
         (middle + z * deviation).max(0.0).powi(3)
     }
 
     /// The standard deviations of the corresponding normal distribution at which a value is.
-    pub fn deviations(self, value: f64) -> f64 {
+    pub(crate) fn deviations(self, value: f64) -> f64 {
         let (middle, deviation) = self.of_root();
         (value.cbrt() - middle) / deviation
     }
 
     /// The mean of the values below a limit. That of all values is 1.
-    pub fn mean_below(self, limit: f64) -> f64 {
+    pub(crate) fn mean_below(self, limit: f64) -> f64 {
         let wider = MeanSquare(self.0 + 2.0);
         let share = |of: Self, value: f64| normal_below(of.deviations(value));
         share(wider, limit * self.0 / wider.0) / share(self, limit)

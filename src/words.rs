@@ -15,7 +15,7 @@ pub fn significant(number: f64) -> String {
 }
 
 /// A number with the digits before its point in groups, as [`grouped`] has them: "12,346 mm".
-pub fn separated(number: &str) -> String {
+pub(crate) fn separated(number: &str) -> String {
     let end = number.find(|c: char| !c.is_ascii_digit()).unwrap_or(number.len());
     let (whole, rest) = number.split_at(end);
     whole.parse::<u64>().map_or(whole.to_owned(), grouped) + rest
@@ -37,7 +37,7 @@ pub fn plain_mm(length: f64) -> String {
 }
 
 /// A number of bytes in units of 1000, with one digit behind the point: "65.5 MB".
-pub fn bytes(count: u64) -> String {
+pub(crate) fn bytes(count: u64) -> String {
     const UNITS: [&str; 6] = ["kB", "MB", "GB", "TB", "PB", "EB"];
     if count < 1000 {
         return format!("{count} B");

@@ -37,7 +37,7 @@ const LAST: u64 = 253_402_300_799;
 
 /// The time stamp of files: SOURCE_DATE_EPOCH, or 1970 without it, so that the same input gives
 /// the same bytes.
-pub fn time_stamp() -> Result<String, Failure> {
+pub(crate) fn time_stamp() -> Result<String, Failure> {
     let asked = std::env::var_os("SOURCE_DATE_EPOCH").unwrap_or_else(|| "0".into());
     let seconds = asked.to_str().and_then(|s| s.parse().ok()).filter(|s| *s <= LAST);
     let seconds = seconds.ok_or_else(|| Failure {
@@ -53,7 +53,7 @@ fn system() -> String {
 }
 
 /// The schema as the writer takes it.
-pub fn schema(schema: StepSchema) -> step::Schema {
+pub(crate) fn schema(schema: StepSchema) -> step::Schema {
     match schema {
         StepSchema::Ap203 => step::Schema::Ap203,
         StepSchema::Ap214 => step::Schema::Ap214,
@@ -62,7 +62,7 @@ pub fn schema(schema: StepSchema) -> step::Schema {
 }
 
 /// The form as the writer takes it.
-pub fn form(form: Iges) -> iges::Form {
+pub(crate) fn form(form: Iges) -> iges::Form {
     match form {
         Iges::Trimmed => iges::Form::Trimmed,
         Iges::Brep => iges::Form::Brep,
@@ -94,7 +94,7 @@ fn iges_options(args: &Convert, stamp: &str, path: &Path) -> iges::Options {
 }
 
 /// The file's name without its folder and extensions.
-pub fn part_name(scan: &Path) -> String {
+pub(crate) fn part_name(scan: &Path) -> String {
     let stem = |p: &Path| p.file_stem().map(|s| s.to_string_lossy().into_owned());
     let zipped = scan.extension().is_some_and(|e| e.eq_ignore_ascii_case("gz"));
     let first = stem(scan).unwrap_or_default();

@@ -13,7 +13,7 @@ use super::paragraphs::wrapped;
 use super::{Failure, Outcome, streams};
 
 /// Reads the CAD file and the scan, measures them against each other, and prints the result.
-pub fn run(args: &Check) -> Result<Outcome, Failure> {
+pub(crate) fn run(args: &Check) -> Result<Outcome, Failure> {
     let is_cad = |path: &std::path::Path| cad_file(&path.to_string_lossy()).is_ok();
     let (cad, scan) = (&args.cad.name, &args.piece.scan.name);
     if is_cad(scan) && !is_cad(cad) && !args.cad.is_stdin {

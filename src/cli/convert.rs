@@ -16,7 +16,7 @@ use super::stages::Stages;
 use super::{Failure, Outcome, cad, messages, settings, streams};
 
 /// Reads a scan, converts it and writes all files.
-pub fn run(args: &Convert) -> Result<Outcome, Failure> {
+pub(crate) fn run(args: &Convert) -> Result<Outcome, Failure> {
     check_outputs(args)?;
     let voice = if args.manner.quiet { None } else { Some(args.manner.color.is_on()) };
     let mut progress = ProgressDisplay::new(voice, args.manner.verbose, args.progress);

@@ -12,7 +12,7 @@ use super::Failure;
 use super::args::{Piece, cad_file};
 
 /// A scan that was read: a mesh or a cloud of points. Its content is dropped once the mesh is made.
-pub struct ReadScan {
+pub(crate) struct ReadScan {
     pub path: PathBuf,
     /// Its unit, the counts of the file, and what is known of a cloud.
     pub source: ScanSource,
@@ -24,7 +24,7 @@ pub struct ReadScan {
 }
 
 impl ReadScan {
-    pub fn read(piece: &Piece) -> Result<ReadScan, Failure> {
+    pub(crate) fn read(piece: &Piece) -> Result<ReadScan, Failure> {
         let reading = piece.cloud.reading();
         let name = &piece.scan.name;
         let content = if piece.scan.is_stdin {
@@ -44,19 +44,19 @@ impl ReadScan {
     }
 
     /// The options that decide how its mesh is made.
-    pub fn options(piece: &Piece) -> Result<Options, Failure> {
+    pub(crate) fn options(piece: &Piece) -> Result<Options, Failure> {
         let options = piece.cloud.options(&piece.scale, &piece.crop).build();
         options.map_err(|e| stopped(&piece.scan.name, &e))
     }
 
     /// The name of its file without the folder.
-    pub fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         let name = self.path.file_name().unwrap_or(self.path.as_os_str());
         name.to_string_lossy().into_owned()
     }
 
     /// The options with the points of the places that they name.
-    pub fn resolved(&self, options: &Options) -> Result<Options, Failure> {
+    pub(crate) fn resolved(&self, options: &Options) -> Result<Options, Failure> {
         let resolved = match &self.content {
             Content::Mesh(soup) => options.resolved(soup),
             Content::Points(cloud) => options.resolved_in_cloud(cloud),
@@ -76,7 +76,7 @@ impl ReadScan {
     }
 
     /// The mesh and its components. The content of the file is dropped.
-    pub fn components(
+    pub(crate) fn components(
         mut self,
         options: &Options,
         progress: &mut Progress,
@@ -109,7 +109,7 @@ fn no_scan(path: &Path, error: formats::Error) -> Failure {
 }
 
 /// What stopped the work on a scan.
-pub fn stopped(scan: &Path, error: &scan2step::Error) -> Failure {
+pub(crate) fn stopped(scan: &Path, error: &scan2step::Error) -> Failure {
     match error {
         // It names its own file.
         scan2step::Error::File(e) => Failure { error: e.to_string(), help: e.help.clone() },

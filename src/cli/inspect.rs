@@ -11,7 +11,7 @@ use super::spelling::spelled;
 use super::{Failure, Outcome, messages, streams};
 
 /// Reads and repairs a scan, and prints what it is.
-pub fn run(args: &Inspect) -> Result<Outcome, Failure> {
+pub(crate) fn run(args: &Inspect) -> Result<Outcome, Failure> {
     let scan = ReadScan::read(&args.piece)?;
     let outer = scan.outer(&args.piece)?;
     let options = ReadScan::options(&args.piece)?;

@@ -13,7 +13,7 @@ use super::{Failure, Outcome, notes, output, streams, temp_files};
 /// Options of `completions`.
 #[derive(Debug, Args)]
 #[command(after_help = notes::COMPLETIONS.help())]
-pub struct Completions {
+pub(crate) struct Completions {
     /// The shell
     pub shell: clap_complete::Shell,
 }
@@ -21,21 +21,21 @@ pub struct Completions {
 /// Options of `man`.
 #[derive(Debug, Args)]
 #[command(after_help = notes::MAN.help())]
-pub struct Man {
+pub(crate) struct Man {
     /// Folder for the pages of all commands; it is made if it does not exist [default: print
     /// the main page]
     pub dir: Option<PathBuf>,
 }
 
 /// Prints the completion script.
-pub fn completions(args: &Completions) -> Result<Outcome, Failure> {
+pub(crate) fn completions(args: &Completions) -> Result<Outcome, Failure> {
     let mut script = Vec::new();
     clap_complete::generate(args.shell, &mut Cli::command(), "scan2step", &mut script);
     print(&script)
 }
 
 /// Prints the main page, or writes the pages of all commands.
-pub fn man(args: &Man) -> Result<Outcome, Failure> {
+pub(crate) fn man(args: &Man) -> Result<Outcome, Failure> {
     let mut pages = pages();
     let Some(folder) = &args.dir else {
         return print(pages.swap_remove(0).1.as_bytes());
@@ -49,7 +49,7 @@ pub fn man(args: &Man) -> Result<Outcome, Failure> {
 }
 
 /// Prints the licences.
-pub fn licences() -> Result<Outcome, Failure> {
+pub(crate) fn licences() -> Result<Outcome, Failure> {
     let own = "scan2step is licensed under either of these two licences, as you choose.\n\n";
     let [mit, apache, linked] = [
         include_str!("../../LICENSE-MIT"),

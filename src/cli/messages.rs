@@ -16,7 +16,7 @@ pub fn shape(shape: TargetShape, why: &str) -> String {
 }
 
 /// What a stage made, in one line.
-pub fn made(stage: &Stage) -> String {
+pub(crate) fn made(stage: &Stage) -> String {
     match stage {
         Stage::Mesh(disk) => {
             let holes = plural(disk.holes.len(), "hole");
@@ -60,12 +60,12 @@ fn count(patch: &Patch, of: impl Fn(&FaceOrigin) -> bool) -> usize {
 }
 
 /// The scan's file and its counts.
-pub fn came_in(scan: &ReadScan) -> String {
+pub(crate) fn came_in(scan: &ReadScan) -> String {
     format!("{}: {}", scan.path.display(), counts(&scan.source))
 }
 
 /// The counts of a scan's file.
-pub fn counts(source: &ScanSource) -> String {
+pub(crate) fn counts(source: &ScanSource) -> String {
     let ScanSource { vertices, triangles, cloud, .. } = source;
     match cloud {
         Some(cloud) if cloud.scans.len() > 1 => {
@@ -82,7 +82,7 @@ pub fn mesh([vertices, triangles]: [usize; 2]) -> String {
 }
 
 /// What a mesh that was made of a cloud has.
-pub fn meshed(components: &Components) -> String {
+pub(crate) fn meshed(components: &Components) -> String {
     let triangles: usize = components.sizes().iter().sum();
     format!("{}, {}", plural(triangles, "triangle"), plural(components.sizeable(), "component"))
 }
@@ -102,7 +102,7 @@ pub fn cloud(progress: &ProgressDisplay, scan: &ReadScan) {
 }
 
 /// Says which unit the scan has, if it is not declared as mm.
-pub fn assumed(progress: &ProgressDisplay, scan: &ReadScan) {
+pub(crate) fn assumed(progress: &ProgressDisplay, scan: &ReadScan) {
     let ScanSource { unit, unit_assumed, .. } = scan.source;
     if unit_assumed {
         let unit = unit.symbol();
@@ -113,7 +113,7 @@ pub fn assumed(progress: &ProgressDisplay, scan: &ReadScan) {
 }
 
 /// Says what was repaired, and how often.
-pub fn repaired(progress: &ProgressDisplay, (kind, count): (&&str, &usize)) {
+pub(crate) fn repaired(progress: &ProgressDisplay, (kind, count): (&&str, &usize)) {
     progress.say(&format!("repaired: {}", repair(kind, *count)));
 }
 
@@ -133,7 +133,7 @@ pub fn handles(progress: &ProgressDisplay, input: &InputReport) {
 }
 
 /// Says what the conversion left out and kept, and which tolerance it chose.
-pub fn found(progress: &ProgressDisplay, args: &Convert, c: &Body) {
+pub(crate) fn found(progress: &ProgressDisplay, args: &Convert, c: &Body) {
     handles(progress, &c.input);
     if c.input.left_out > 0 && args.how.component != ComponentChoice::All {
         progress.say(&format!(
@@ -162,7 +162,7 @@ pub fn found(progress: &ProgressDisplay, args: &Convert, c: &Body) {
 }
 
 /// Which of several components a line is about, in front of it.
-pub fn of_piece(args: &Convert, input: &InputReport) -> String {
+pub(crate) fn of_piece(args: &Convert, input: &InputReport) -> String {
     match args.how.component {
         ComponentChoice::All if input.components > 1 => format!("component {}: ", input.component),
         _ => String::new(),
@@ -186,7 +186,7 @@ fn quality(c: &Body) -> String {
 }
 
 /// The result in one line, and whether the face is as good as the scan.
-pub fn result(progress: &ProgressDisplay, args: &Convert, c: &Body) {
+pub(crate) fn result(progress: &ProgressDisplay, args: &Convert, c: &Body) {
     let files = args.out.iter().map(|f| &f.path).chain(args.report.iter().map(|f| &f.path));
     let files: Vec<_> = files.map(|path| streams::shown(path)).collect();
     let of = of_piece(args, &c.input);
@@ -231,7 +231,7 @@ fn made_body(body: &Body) -> (String, String) {
 }
 
 /// Says so if the body misses a tolerance that the user named.
-pub fn verdict(args: &Convert, c: &Body) -> Outcome {
+pub(crate) fn verdict(args: &Convert, c: &Body) -> Outcome {
     if args.how.tolerance.is_none() || c.tolerance_met(args.how.outliers / 100.0) {
         return Outcome::Done;
     }

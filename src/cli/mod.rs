@@ -61,7 +61,7 @@ impl From<formats::Error> for Failure {
 }
 
 /// Parses the arguments, runs the command, reports what is wrong.
-pub fn run() -> ExitCode {
+pub(crate) fn run() -> ExitCode {
     let matches = args::Cli::command().try_get_matches().unwrap_or_else(|e| refuse(&e));
     let args = args::Cli::from_arg_matches(&matches).unwrap_or_else(|e| e.exit());
     let args = args::Cli { command: args.command.completed(&matches) };

@@ -7,7 +7,7 @@ use super::paragraphs::wrapped;
 type Meanings = &'static [(&'static str, &'static str)];
 
 /// The notes of one command.
-pub struct Notes {
+pub(crate) struct Notes {
     /// The name of the command; none for the program itself.
     pub command: &'static str,
     pub examples: &'static [&'static str],
@@ -31,7 +31,7 @@ const ALL: (&str, &str) = ("0", "everything that you asked for is satisfied");
 const FAILED: (&str, &str) = ("1", "failed; nothing was written");
 const USAGE: (&str, &str) = ("2", "the usage is wrong");
 
-pub const PROGRAM: Notes = Notes {
+pub(crate) const PROGRAM: Notes = Notes {
     command: "",
     examples: &[
         "scan2step inspect fender.ply",
@@ -44,7 +44,7 @@ pub const PROGRAM: Notes = Notes {
     exit_codes: &[ALL, FAILED, USAGE, ("3", "files were written, but a tolerance is not met")],
 };
 
-pub const CONVERT: Notes = Notes {
+pub(crate) const CONVERT: Notes = Notes {
     command: "convert",
     examples: &[
         "scan2step convert fender.ply fender.step",
@@ -63,7 +63,7 @@ pub const CONVERT: Notes = Notes {
     ],
 };
 
-pub const INSPECT: Notes = Notes {
+pub(crate) const INSPECT: Notes = Notes {
     command: "inspect",
     examples: &[
         "scan2step inspect fender.ply",
@@ -74,7 +74,7 @@ pub const INSPECT: Notes = Notes {
     exit_codes: &[DONE, ("1", "failed"), USAGE],
 };
 
-pub const CHECK: Notes = Notes {
+pub(crate) const CHECK: Notes = Notes {
     command: "check",
     examples: &[
         "scan2step check fender.step fender.ply",
@@ -85,7 +85,7 @@ pub const CHECK: Notes = Notes {
     exit_codes: &[ALL, ("1", "failed"), USAGE, ("3", "the tolerance is not met")],
 };
 
-pub const BATCH: Notes = Notes {
+pub(crate) const BATCH: Notes = Notes {
     command: "batch",
     examples: &[
         "scan2step batch scans/ --out cad/",
@@ -102,7 +102,7 @@ pub const BATCH: Notes = Notes {
     ],
 };
 
-pub const COMPLETIONS: Notes = Notes {
+pub(crate) const COMPLETIONS: Notes = Notes {
     command: "completions",
     examples: &[
         "scan2step completions bash > /etc/bash_completion.d/scan2step",
@@ -114,7 +114,7 @@ pub const COMPLETIONS: Notes = Notes {
     exit_codes: &[DONE, ("1", "failed"), USAGE],
 };
 
-pub const MAN: Notes = Notes {
+pub(crate) const MAN: Notes = Notes {
     command: "man",
     examples: &["scan2step man | man -l -", "scan2step man ~/.local/share/man/man1"],
     values: &[],
@@ -122,7 +122,7 @@ pub const MAN: Notes = Notes {
     exit_codes: &[DONE, ("1", "failed"), USAGE],
 };
 
-pub const LICENCES: Notes = Notes {
+pub(crate) const LICENCES: Notes = Notes {
     command: "licences",
     examples: &["scan2step licences | less"],
     values: &[],
@@ -142,7 +142,7 @@ pub fn of(command: &str) -> &'static Notes {
 impl Notes {
     /// The parts with words and their meanings, each with its title in help texts and in manual
     /// pages.
-    pub fn parts(&self) -> [([&'static str; 2], Meanings); 3] {
+    pub(crate) fn parts(&self) -> [([&'static str; 2], Meanings); 3] {
         [
             (["Values", "VALUES"], self.values),
             (["Environment", "ENVIRONMENT"], self.environment),

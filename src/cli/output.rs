@@ -12,7 +12,7 @@ use tempfile::NamedTempFile;
 use super::{streams, temp_files};
 
 /// A complete output that is not in its place yet.
-pub struct Pending {
+pub(crate) struct Pending {
     place: Place,
     /// Its length.
     pub bytes: u64,
@@ -49,7 +49,7 @@ impl<W: Write> Write for Tally<W> {
 }
 
 /// Checks whether a file can be made at `path`, by making a temporary file beside it.
-pub fn check(path: &Path) -> Result<(), Error> {
+pub(crate) fn check(path: &Path) -> Result<(), Error> {
     if streams::is_stdout(path) {
         return Ok(());
     }
@@ -86,12 +86,12 @@ fn tally(
 }
 
 /// Bytes in hexadecimal.
-pub fn hexadecimal(bytes: &[u8]) -> String {
+pub(crate) fn hexadecimal(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 /// The error of a file that cannot be written.
-pub fn failed(path: &Path, e: std::io::Error) -> Error {
+pub(crate) fn failed(path: &Path, e: std::io::Error) -> Error {
     if let Some(folder) = path.parent().filter(|f| !f.as_os_str().is_empty() && !f.exists()) {
         let what = format!("cannot be written: the folder {} does not exist", folder.display());
         return Error::new(path, what, "make the folder first, or name another one");
@@ -137,7 +137,7 @@ impl Pending {
     /// Puts outputs into their places. Files are renamed: all of them, even if the run is stopped
     /// meanwhile. Standard output comes before them and can be stopped, because its reader may be
     /// slow.
-    pub fn publish(outputs: Vec<Pending>) -> Result<(), Error> {
+    pub(crate) fn publish(outputs: Vec<Pending>) -> Result<(), Error> {
         let mut files = Vec::new();
         for output in outputs {
             match output.place {

@@ -5,7 +5,7 @@ const WIDTH: usize = 79;
 
 /// A line divided at blanks so that it fits on a usual terminal. All lines but the first are indented.
 /// A word that is too long, as a path may be, keeps its line.
-pub fn wrapped(line: &str, indent: usize) -> String {
+pub(crate) fn wrapped(line: &str, indent: usize) -> String {
     let mut text = String::new();
     let mut column = 0;
     for (number, word) in line.split(' ').enumerate() {

@@ -6,15 +6,15 @@ use scan2step::ScanPlace;
 
 /// A list of places: "3,1,4,15" for vertices, "x,y,z;x,y,z" for points.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Places(pub Vec<ScanPlace>);
+pub(crate) struct Places(pub Vec<ScanPlace>);
 
 /// One place: "3" for a vertex, "x,y,z" for a point.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Place(pub ScanPlace);
+pub(crate) struct Place(pub ScanPlace);
 
 /// Where smoothing keeps a corner.
 #[derive(Debug, Clone, PartialEq)]
-pub enum NamedCorners {
+pub(crate) enum NamedCorners {
     Auto,
     None,
     At(Places),

@@ -10,7 +10,7 @@ use super::streams;
 
 /// Seconds and memory of one stage.
 #[derive(Debug, Clone)]
-pub struct StageTime {
+pub(crate) struct StageTime {
     pub name: &'static str,
     pub seconds: f64,
     pub peak_rss_mb: f64,
@@ -49,7 +49,7 @@ struct Step<'a> {
 
 /// The clock and the voice of a run.
 #[derive(Debug)]
-pub struct ProgressDisplay {
+pub(crate) struct ProgressDisplay {
     /// Whether to speak in colours; `None`: not at all.
     voice: Option<bool>,
     verbose: bool,
@@ -97,24 +97,24 @@ impl ProgressDisplay {
     }
 
     /// So many components will be converted.
-    pub fn expect(&self, components: usize) {
+    pub(crate) fn expect(&self, components: usize) {
         self.bar.set_length(length(components as u64));
     }
 
     /// Says a line, unless the run is quiet.
-    pub fn say(&self, line: &str) {
+    pub(crate) fn say(&self, line: &str) {
         if self.voice.is_some() {
             self.bar.suspend(|| streams::say(line));
         }
     }
 
     /// Says what could be better.
-    pub fn hint(&self, line: &str) {
+    pub(crate) fn hint(&self, line: &str) {
         self.say(&format!("{}: {line}", self.paint("hint", "1;33")));
     }
 
     /// Says how it went.
-    pub fn result(&self, line: &str) {
+    pub(crate) fn result(&self, line: &str) {
         self.say(&self.paint(line, "1"));
     }
 
@@ -124,7 +124,7 @@ impl ProgressDisplay {
     }
 
     /// Ends a stage, which made what the line says; the next one begins now.
-    pub fn ended(&mut self, name: &'static str, made: &str) {
+    pub(crate) fn ended(&mut self, name: &'static str, made: &str) {
         let seconds = self.stage_begun.elapsed().as_secs_f64();
         let peak_rss_mb = peak_rss_mb();
         let memory = if self.verbose { format!("{peak_rss_mb:9.0} MB") } else { String::new() };
@@ -145,7 +145,7 @@ impl ProgressDisplay {
     }
 
     /// A stage has come so far.
-    pub fn within(&self, name: &str, share: f64) {
+    pub(crate) fn within(&self, name: &str, share: f64) {
         // The end of a stage has a line of its own.
         if self.steps == Steps::Json && share < 1.0 {
             self.step(name, share);
@@ -165,12 +165,12 @@ impl ProgressDisplay {
     }
 
     /// Takes the bar away.
-    pub fn finish(&self) {
+    pub(crate) fn finish(&self) {
         self.bar.finish_and_clear();
     }
 
     /// Seconds since the run began.
-    pub fn seconds(&self) -> f64 {
+    pub(crate) fn seconds(&self) -> f64 {
         self.begun.elapsed().as_secs_f64()
     }
 }
@@ -195,7 +195,7 @@ fn length(components: u64) -> u64 {
 
 /// The process's peak resident memory so far, in MB (10⁶ bytes); 0 where the
 /// system does not tell.
-pub fn peak_rss_mb() -> f64 {
+pub(crate) fn peak_rss_mb() -> f64 {
     let status = std::fs::read_to_string("/proc/self/status").unwrap_or_default();
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"));
     let kib = line.and_then(|l| l.trim().trim_end_matches("kB").trim().parse::<f64>().ok());

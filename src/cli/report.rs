@@ -9,14 +9,14 @@ use super::output::{self, Pending};
 
 /// A report to write.
 #[derive(Debug, Clone)]
-pub struct ReportFile {
+pub(crate) struct ReportFile {
     pub path: PathBuf,
     pub kind: ReportFormat,
 }
 
 /// Its format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-pub enum ReportFormat {
+pub(crate) enum ReportFormat {
     Json,
     Html,
     Png,
@@ -24,7 +24,7 @@ pub enum ReportFormat {
 
 impl ReportFormat {
     /// Whether it shows meshes, and not only figures.
-    pub fn is_picture(self) -> bool {
+    pub(crate) fn is_picture(self) -> bool {
         self != ReportFormat::Json
     }
 }

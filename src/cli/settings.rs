@@ -12,7 +12,7 @@ use super::input::{ReadScan, stopped};
 use super::places::NamedCorners;
 
 /// The options of the library.
-pub fn options(args: &Convert) -> Result<Options, Failure> {
+pub(crate) fn options(args: &Convert) -> Result<Options, Failure> {
     let how = &args.how;
     let cut = match (how.keep_fills, how.fill_only_holes_below) {
         (true, _) => Cut::None,
@@ -70,7 +70,7 @@ pub fn options(args: &Convert) -> Result<Options, Failure> {
 }
 
 /// The same for reports.
-pub fn settings(args: &Convert, options: &Options, scan: &ReadScan) -> Settings {
+pub(crate) fn settings(args: &Convert, options: &Options, scan: &ReadScan) -> Settings {
     let mut settings = Settings::of(options, &scan.source)
         .of_files(cad::schema(args.how.schema), cad::form(args.how.iges));
     // As the user wrote it: a share times 100 may differ in its last digit.

@@ -31,7 +31,7 @@ const OPTIONS: [(&str, &str); 25] = [
 ];
 
 /// The same message with the names of the command line: `` `max_net` `` becomes `--max-net`.
-pub fn spelled(message: &str) -> String {
+pub(crate) fn spelled(message: &str) -> String {
     let option =
         |text: String, (name, spelled): &(&str, &str)| text.replace(&format!("`{name}`"), spelled);
     OPTIONS.iter().fold(message.to_owned(), option)

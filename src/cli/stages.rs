@@ -14,7 +14,7 @@ use super::output::{self, Pending};
 use super::temp_files;
 
 /// Writes the stages' files under temporary names, until the run puts all its files in place.
-pub struct Stages {
+pub(crate) struct Stages {
     folder: PathBuf,
     pub pending: Vec<Pending>,
 }
@@ -52,7 +52,7 @@ impl Stages {
     }
 
     /// Writes the points that a mesh was made of. The mesh has so many `mm` to its unit.
-    pub fn points(&mut self, raw: &RawPoints, mm: f64) -> Result<(), formats::Error> {
+    pub(crate) fn points(&mut self, raw: &RawPoints, mm: f64) -> Result<(), formats::Error> {
         self.put("0-points.ply", |out| {
             vertex_header(out, raw.all().count(), &["uchar used"])?;
             writeln!(out, "end_header")?;

@@ -8,30 +8,30 @@ use std::path::Path;
 use formats::Error;
 
 /// What names standard input or standard output on the command line.
-pub const DASH: &str = "-";
+pub(crate) const DASH: &str = "-";
 
 /// What messages and files call standard input, and standard output.
-pub const STDIN: &str = "stdin";
-pub const STDOUT: &str = "stdout";
+pub(crate) const STDIN: &str = "stdin";
+pub(crate) const STDOUT: &str = "stdout";
 
 /// Whether an output goes to standard output.
-pub fn is_stdout(path: &Path) -> bool {
+pub(crate) fn is_stdout(path: &Path) -> bool {
     path == Path::new(DASH)
 }
 
 /// An output as messages and reports call it.
-pub fn shown(path: &Path) -> String {
+pub(crate) fn shown(path: &Path) -> String {
     if is_stdout(path) { STDOUT.into() } else { path.display().to_string() }
 }
 
 /// Prints a line on standard error. If that fails, there is no other place to report it.
-pub fn say(line: impl Display) {
+pub(crate) fn say(line: impl Display) {
     let _ = writeln!(std::io::stderr(), "{line}");
 }
 
 /// Prints a result on standard output. A closed pipe is no failure, because its reader has read
 /// what it wanted. A full disk is one.
-pub fn print(text: &[u8]) -> Result<(), Error> {
+pub(crate) fn print(text: &[u8]) -> Result<(), Error> {
     let mut out = std::io::stdout();
     match out.write_all(text).and_then(|()| out.flush()) {
         Err(e) if e.kind() != ErrorKind::BrokenPipe => {

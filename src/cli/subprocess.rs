@@ -14,7 +14,7 @@ fn change(what: impl FnOnce(&mut Vec<u32>)) {
 }
 
 /// Runs a command to its end and returns what it wrote to standard error.
-pub fn run(command: &mut Command) -> io::Result<Output> {
+pub(crate) fn run(command: &mut Command) -> io::Result<Output> {
     command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::piped());
     // No process starts once the run is being stopped.
     let child = temp_files::uninterrupted(|| {
@@ -30,7 +30,7 @@ pub fn run(command: &mut Command) -> io::Result<Output> {
 
 /// Asks all running processes to remove their temporary files and end, and waits for them.
 #[cfg(unix)]
-pub fn stop() {
+pub(crate) fn stop() {
     use rustix::process::{Pid, Signal, kill_process};
     use std::time::{Duration, Instant};
 

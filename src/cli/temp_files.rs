@@ -35,7 +35,7 @@ fn lock() -> MutexGuard<'static, Made> {
 }
 
 /// Makes a temporary file and remembers it.
-pub fn made<T>(make: impl FnOnce() -> io::Result<(T, PathBuf)>) -> io::Result<T> {
+pub(crate) fn made<T>(make: impl FnOnce() -> io::Result<(T, PathBuf)>) -> io::Result<T> {
     let mut made = lock();
     let (file, path) = make()?;
     made.files.push(path);
@@ -43,7 +43,7 @@ pub fn made<T>(make: impl FnOnce() -> io::Result<(T, PathBuf)>) -> io::Result<T>
 }
 
 /// Makes a folder and its missing parents, and remembers those that it made.
-pub fn folder(path: &Path) -> io::Result<()> {
+pub(crate) fn folder(path: &Path) -> io::Result<()> {
     let mut made = lock();
     let missing: Vec<&Path> = path.ancestors().take_while(|p| !p.exists()).collect();
     let missing = missing.into_iter().filter(|p| !p.as_os_str().is_empty()).map(Path::to_owned);
@@ -52,19 +52,19 @@ pub fn folder(path: &Path) -> io::Result<()> {
 }
 
 /// Does work that no signal may interrupt.
-pub fn uninterrupted<T>(work: impl FnOnce() -> T) -> T {
+pub(crate) fn uninterrupted<T>(work: impl FnOnce() -> T) -> T {
     let _held = lock();
     work()
 }
 
 /// Removes what a failed run has left.
-pub fn sweep() {
+pub(crate) fn sweep() {
     lock().sweep();
 }
 
 /// From now on the run removes its temporary files when Ctrl-C or another signal ends it.
 #[cfg(unix)]
-pub fn sweep_when_stopped() -> io::Result<()> {
+pub(crate) fn sweep_when_stopped() -> io::Result<()> {
     use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM};
     use signal_hook::{iterator::Signals, low_level::emulate_default_handler};
 
@@ -87,7 +87,7 @@ pub fn sweep_when_stopped() -> io::Result<()> {
 
 /// This system has no signals to wait for.
 #[cfg(not(unix))]
-pub fn sweep_when_stopped() -> io::Result<()> {
+pub(crate) fn sweep_when_stopped() -> io::Result<()> {
     Ok(())
 }
 

@@ -79,7 +79,11 @@ impl<'a> TrimmedFace<'a, Surface> {
 
     /// The deviation of points from the face, as [`TrimmedFace::deviation`] has it, and the parameter
     /// points of the nearest places.
-    pub fn deviation_and_places(&self, points: &[Point], starts: &[Uv]) -> (Deviation, Vec<Uv>) {
+    pub(crate) fn deviation_and_places(
+        &self,
+        points: &[Point],
+        starts: &[Uv],
+    ) -> (Deviation, Vec<Uv>) {
         let each = points.par_iter().zip(starts).map(|(&p, &start)| {
             let (at, distance) = self.nearest(p, Some(start));
             (at, (distance, self.is_above(p, at)))
@@ -98,7 +102,7 @@ impl<'a> TrimmedFace<'a, Surface> {
 impl<'a, S: ParametricSurface> TrimmedFace<'a, S> {
     /// The face that closed polygons trim. A place is on the face depending on whether an odd or an
     /// even number of polygons contains it. Without polygons the face is the whole surface.
-    pub fn of_rings(surface: &'a S, rings: Vec<Vec<PolygonCorner>>, natural: bool) -> Self {
+    pub(crate) fn of_rings(surface: &'a S, rings: Vec<Vec<PolygonCorner>>, natural: bool) -> Self {
         TrimmedFace::with(surface, surface.fast_form(), rings, natural)
     }
 

@@ -42,7 +42,7 @@ pub struct FaceToScan {
 
 impl FaceToScan {
     /// The same distances with all lengths multiplied by a factor.
-    pub(crate) fn scaled(self, factor: f64) -> Self {
+    pub fn scaled(self, factor: f64) -> Self {
         FaceToScan {
             rms: factor * self.rms,
             p95: factor * self.p95,
@@ -87,12 +87,7 @@ struct TriangleDeviation {
 
 impl<'a> SurfaceOverMesh<'a> {
     /// Prepares the comparison of the surface with some triangles.
-    pub(crate) fn new(
-        mesh: &'a Mesh,
-        triangles: &'a [usize],
-        uv: &'a [Uv],
-        surface: &'a Surface,
-    ) -> Self {
+    pub fn new(mesh: &'a Mesh, triangles: &'a [usize], uv: &'a [Uv], surface: &'a Surface) -> Self {
         let part = Mesh {
             points: mesh.points.clone(),
             triangles: triangles.iter().map(|&t| mesh.triangles[t]).collect(),
@@ -103,7 +98,7 @@ impl<'a> SurfaceOverMesh<'a> {
     }
 
     /// The distances over the face. Samples outside the face are left out.
-    pub(crate) fn report(&self, tolerance: f64, is_on: impl Fn(Uv) -> bool + Sync) -> FaceToScan {
+    pub fn report(&self, tolerance: f64, is_on: impl Fn(Uv) -> bool + Sync) -> FaceToScan {
         let count = self.triangles.len();
         if count == 0 {
             return FaceToScan::default();

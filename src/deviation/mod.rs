@@ -82,7 +82,7 @@ impl Deviation {
     }
 
     /// The deviation with all lengths multiplied by a factor.
-    pub(crate) fn scaled(self, factor: f64) -> Self {
+    pub fn scaled(self, factor: f64) -> Self {
         Deviation {
             rms: factor * self.rms,
             p95: factor * self.p95,
@@ -96,7 +96,7 @@ impl Deviation {
     }
 
     /// The number of points that are nearest to a face, and their root mean square and largest distance.
-    pub fn of_face(&self, face: usize) -> (usize, f64, f64) {
+    pub(crate) fn of_face(&self, face: usize) -> (usize, f64, f64) {
         let own = self.distances.iter().zip(&self.faces).filter(|of| *of.1 == face);
         let sums = own.fold((0, 0.0, 0.0), |(count, squares, max), (&d, _)| {
             (count + 1, squares + d * d, f64::max(max, d))
@@ -105,7 +105,7 @@ impl Deviation {
     }
 
     /// The number of points whose distance exceeds `tolerance`.
-    pub fn beyond(&self, tolerance: f64) -> usize {
+    pub(crate) fn beyond(&self, tolerance: f64) -> usize {
         self.distances.iter().filter(|&&d| d > tolerance).count()
     }
 }

@@ -84,7 +84,7 @@ pub struct FaceMiss {
 
 impl NetworkToScan {
     /// The figures of all samples together.
-    pub(crate) fn report(&self) -> FaceToScan {
+    pub fn report(&self) -> FaceToScan {
         let Deviation { rms, p95, max, max_at, ref distances, .. } = self.deviation;
         let (chord_error, beyond, places) = (self.chord_error, self.beyond, distances.len());
         FaceToScan { rms, p95, max, max_at, chord_error, beyond, places }

@@ -4,7 +4,7 @@ use crate::geometry::{Uv, ray_crosses, uv_bounds};
 
 /// A closed polygon that is indexed by strips of v (slab method: Dobkin, Lipton, 1976).
 #[derive(Debug, Clone)]
-pub struct SlabPolygon {
+pub(crate) struct SlabPolygon {
     corners: Vec<Uv>,
     low: Uv,
     high: Uv,

@@ -16,11 +16,11 @@ pub type Uv = nalgebra::Point2<f64>;
 pub type UvVector = nalgebra::Vector2<f64>;
 
 /// In lists of numbers: no vertex, triangle or other item.
-pub const NONE: u32 = u32::MAX;
+pub(crate) const NONE: u32 = u32::MAX;
 
 /// The number of items that one task of a parallel loop processes. It does not depend on the number of
 /// threads, so sums have a fixed order. Smaller blocks cost time, and larger ones leave threads idle.
-pub const BLOCK: usize = 1 << 14;
+pub(crate) const BLOCK: usize = 1 << 14;
 
 /// Dividing so few items further takes longer than looking at each of them.
 pub(crate) const FEW: usize = 16;
@@ -117,14 +117,14 @@ pub fn orient2d(a: Uv, b: Uv, c: Uv) -> f64 {
 }
 
 /// Whether the segments `a b` and `c d` cross at a point inside both.
-pub fn segments_cross(a: Uv, b: Uv, c: Uv, d: Uv) -> bool {
+pub(crate) fn segments_cross(a: Uv, b: Uv, c: Uv, d: Uv) -> bool {
     let side = |p: Uv, q: Uv, r: Uv| orient2d(p, q, r);
     side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0
 }
 
 /// A unit vector perpendicular to the unit vector `n`, and the vector that completes them to a
 /// right-handed frame (x, y, n).
-pub fn plane_axes(n: Vector) -> (Vector, Vector) {
+pub(crate) fn plane_axes(n: Vector) -> (Vector, Vector) {
     let helper = if n.x.abs() < 0.6 { Vector::x() } else { Vector::y() };
     let x = n.cross(&helper).normalize();
     (x, n.cross(&x))
@@ -133,7 +133,7 @@ pub fn plane_axes(n: Vector) -> (Vector, Vector) {
 /// A plane with a frame, onto which points are projected along its normal. It serves as the local
 /// parameter plane of a neighbourhood and as the projection plane of a hole.
 #[derive(Debug, Clone, Copy)]
-pub struct LocalPlane {
+pub(crate) struct LocalPlane {
     origin: Point,
     x: Vector,
     y: Vector,
@@ -155,23 +155,23 @@ impl LocalPlane {
     }
 
     /// The signed distance of `p` from the plane.
-    pub fn height(&self, p: Point) -> f64 {
+    pub(crate) fn height(&self, p: Point) -> f64 {
         (p - self.origin).dot(&self.normal)
     }
 
     /// The point above `uv` at the given height.
-    pub fn lift(&self, uv: Uv, height: f64) -> Point {
+    pub(crate) fn lift(&self, uv: Uv, height: f64) -> Point {
         self.origin + uv.x * self.x + uv.y * self.y + height * self.normal
     }
 }
 
 /// The unit normal of a triangle by the right-hand rule, or `None` if the triangle has no area.
-pub fn unit_normal([a, b, c]: [Point; 3]) -> Option<Vector> {
+pub(crate) fn unit_normal([a, b, c]: [Point; 3]) -> Option<Vector> {
     (b - a).cross(&(c - a)).try_normalize(0.0)
 }
 
 /// The lowest and the highest coordinates of some points, or the origin twice if there are none.
-pub fn bounds(mut points: impl Iterator<Item = Point>) -> [Point; 2] {
+pub(crate) fn bounds(mut points: impl Iterator<Item = Point>) -> [Point; 2] {
     let first = points.next().unwrap_or_else(Point::origin);
     points.fold([first; 2], |[low, high], p| [low.inf(&p), high.sup(&p)])
 }
@@ -195,14 +195,14 @@ pub fn ray_crosses(p: Uv, (a, b): (Uv, Uv)) -> bool {
 }
 
 /// Whether a point is inside a closed polygon.
-pub fn is_inside(p: Uv, polygon: &[Uv]) -> bool {
+pub(crate) fn is_inside(p: Uv, polygon: &[Uv]) -> bool {
     let nexts = polygon.iter().cycle().skip(1);
     polygon.iter().zip(nexts).filter(|&(&a, &b)| ray_crosses(p, (a, b))).count() % 2 == 1
 }
 
 /// The lowest and the highest coordinates of some points of the parameter plane, or the origin
 /// twice if there are none.
-pub fn uv_bounds(points: &[Uv]) -> [Uv; 2] {
+pub(crate) fn uv_bounds(points: &[Uv]) -> [Uv; 2] {
     let first = points.first().copied().unwrap_or_else(Uv::origin);
     points.iter().fold([first; 2], |[low, high], p| [low.inf(p), high.sup(p)])
 }

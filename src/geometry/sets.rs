@@ -1,7 +1,7 @@
 //! Disjoint sets (union-find).
 
 /// Disjoint sets of the numbers below n. The smallest member of a set represents it.
-pub struct Sets(Vec<u32>);
+pub(crate) struct Sets(Vec<u32>);
 
 impl Sets {
     /// Makes `n` sets with one member each.
@@ -10,7 +10,7 @@ impl Sets {
     }
 
     /// The smallest member of the set that contains `i`.
-    pub fn find(&mut self, mut i: usize) -> usize {
+    pub(crate) fn find(&mut self, mut i: usize) -> usize {
         while self.0[i] as usize != i {
             self.0[i] = self.0[self.0[i] as usize];
             i = self.0[i] as usize;
@@ -19,13 +19,13 @@ impl Sets {
     }
 
     /// Joins the sets that contain `i` and `j`.
-    pub fn join(&mut self, i: usize, j: usize) {
+    pub(crate) fn join(&mut self, i: usize, j: usize) {
         let (i, j) = (self.find(i), self.find(j));
         self.0[i.max(j)] = i.min(j) as u32;
     }
 
     /// The members of each set in ascending order. The sets are ordered by their first members.
-    pub fn members(mut self) -> Vec<Vec<u32>> {
+    pub(crate) fn members(mut self) -> Vec<Vec<u32>> {
         let (mut sets, mut number) = (Vec::<Vec<u32>>::new(), vec![0; self.0.len()]);
         for i in 0..self.0.len() {
             let first = self.find(i);

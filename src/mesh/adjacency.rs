@@ -5,7 +5,7 @@ use crate::geometry::{Vector, VertexId, unit_normal};
 
 /// A mesh with the triangles around its vertices.
 #[derive(Clone, Copy)]
-pub struct Adjacency<'a> {
+pub(crate) struct Adjacency<'a> {
     pub mesh: &'a Mesh,
     pub rings: &'a VertexRings,
 }
@@ -13,13 +13,13 @@ pub struct Adjacency<'a> {
 impl Adjacency<'_> {
     /// Whether an edge of the mesh joins two vertices. Vertices beyond those of the mesh are not
     /// joined.
-    pub fn joined(&self, v: VertexId, w: VertexId) -> bool {
+    pub(crate) fn joined(&self, v: VertexId, w: VertexId) -> bool {
         let measured = v.index().max(w.index()) < self.mesh.points.len();
         measured && self.rings.neighbours(self.mesh, v).any(|x| x == w)
     }
 
     /// The unit normal of a triangle of the mesh that has both vertices.
-    pub fn normal_at(&self, v: VertexId, w: VertexId) -> Option<Vector> {
+    pub(crate) fn normal_at(&self, v: VertexId, w: VertexId) -> Option<Vector> {
         if v.index().max(w.index()) >= self.mesh.points.len() {
             return None;
         }

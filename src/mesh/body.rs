@@ -16,7 +16,7 @@ impl Component {
     ///
     /// # Errors
     /// [`Error::NotOrientable`] for a one-sided component.
-    pub fn into_own_body(self, repairs: &mut Repairs) -> Result<Disk> {
+    pub(crate) fn into_own_body(self, repairs: &mut Repairs) -> Result<Disk> {
         if !self.topology.orientable {
             return Err(Error::NotOrientable);
         }
@@ -29,13 +29,13 @@ impl Component {
     }
 
     /// The share that flat caps over all boundary loops would add to the area of the component.
-    pub fn gap_share(&self) -> f64 {
+    pub(crate) fn gap_share(&self) -> f64 {
         self.cap_shares().iter().sum()
     }
 
     /// The areas of flat caps over the boundary loops, as shares of the area of the component, in
     /// descending order.
-    pub fn cap_shares(&self) -> Vec<f64> {
+    pub(crate) fn cap_shares(&self) -> Vec<f64> {
         let mesh = self.own_mesh();
         let area = |t: &[VertexId; 3]| mesh.area_vector(*t).norm();
         let whole: f64 = mesh.triangles.iter().map(area).sum();
@@ -49,13 +49,13 @@ impl Component {
 
 impl Component {
     /// Whether the triangles of a closed component face inwards.
-    pub fn is_inside_out(&self) -> bool {
+    pub(crate) fn is_inside_out(&self) -> bool {
         volume(self.own_mesh()) < 0.0
     }
 
     /// Whether a closed component encloses another one: it goes around a vertex of it. The components must
     /// not cross each other.
-    pub fn encloses(&self, other: &Component) -> bool {
+    pub(crate) fn encloses(&self, other: &Component) -> bool {
         let (mesh, Some(p)) = (self.own_mesh(), other.own_mesh().points.first()) else {
             return false;
         };
@@ -74,7 +74,7 @@ impl Component {
 impl Disk {
     /// Turns the triangles of a body if they do not face outwards, or inwards for a void, and adds this to
     /// `repairs`.
-    pub fn turn(&mut self, outwards: bool, repairs: &mut Repairs) {
+    pub(crate) fn turn(&mut self, outwards: bool, repairs: &mut Repairs) {
         if (volume(&self.mesh) < 0.0) == outwards {
             self.mesh.triangles.iter_mut().for_each(|t| t.swap(1, 2));
             self.holes.iter_mut().for_each(|ring| ring.reverse());

@@ -7,7 +7,7 @@ use crate::geometry::{Point, Vector, VertexId};
 
 /// A closed loop of boundary vertices in the direction of the triangles' sides. The surface lies to
 /// its left.
-pub type Loop = Vec<VertexId>;
+pub(crate) type Loop = Vec<VertexId>;
 
 /// The boundary loops of a mesh. Each starts at its lowest vertex, and they are ordered by that
 /// vertex. At most one boundary side may leave each vertex; [`super::from_soup`] ensures this.
@@ -36,7 +36,7 @@ pub fn boundary_loops(mesh: &Mesh, edges: &EdgeMap) -> Vec<Loop> {
 }
 
 /// The length of a closed loop, in mm.
-pub fn length(mesh: &Mesh, ring: &[VertexId]) -> f64 {
+pub(crate) fn length(mesh: &Mesh, ring: &[VertexId]) -> f64 {
     sides(mesh, ring).sum()
 }
 
@@ -48,7 +48,7 @@ pub fn area(mesh: &Mesh, ring: &[VertexId]) -> Vector {
 }
 
 /// The lengths of the loop's edges, each from a vertex to the next one.
-pub fn sides<'a>(mesh: &'a Mesh, ring: &'a [VertexId]) -> impl Iterator<Item = f64> + 'a {
+pub(crate) fn sides<'a>(mesh: &'a Mesh, ring: &'a [VertexId]) -> impl Iterator<Item = f64> + 'a {
     let nexts = ring.iter().cycle().skip(1);
     ring.iter().zip(nexts).map(|(&a, &b)| (mesh.point(b) - mesh.point(a)).norm())
 }
@@ -56,7 +56,7 @@ pub fn sides<'a>(mesh: &'a Mesh, ring: &'a [VertexId]) -> impl Iterator<Item = f
 /// The directions in which a closed loop arrives at point `i` and leaves it. Each is a mean over
 /// `window` mm along the loop, so noise and stair steps much shorter than that have little
 /// influence.
-pub fn arms(points: &[Point], i: usize, window: f64) -> [Vector; 2] {
+pub(crate) fn arms(points: &[Point], i: usize, window: f64) -> [Vector; 2] {
     [-arm(points, i, window, points.len() - 1), arm(points, i, window, 1)]
 }
 
@@ -79,7 +79,7 @@ fn arm(points: &[Point], i: usize, window: f64, step: usize) -> Vector {
 /// The tip of the corner near point `i` of a closed loop: the point within half a window that lies
 /// farthest outward between the two directions of [`arms`]. The turning angle alone would not
 /// single out the tip, because its neighbours have nearly the same angle.
-pub fn tip(points: &[Point], i: usize, window: f64) -> usize {
+pub(crate) fn tip(points: &[Point], i: usize, window: f64) -> usize {
     let [before, after] = arms(points, i, window).map(|d| d.try_normalize(0.0).unwrap_or(d));
     let outward = before - after;
     let n = points.len();

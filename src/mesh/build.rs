@@ -36,7 +36,7 @@ pub struct Build {
     /// For each vertex, the place that it had before vertices were opened. Vertices with the same
     /// number are copies of one vertex of the scan.
     pub place: Vec<u32>,
-    /// For each point of the soup its number in `place`, or [`NONE`] for one of no use.
+    /// For each point of the soup its number in `place`, or `u32::MAX` for one of no use.
     pub vertices: Vec<u32>,
     /// Triangles whose orientation cannot agree with that of a neighbour.
     pub twisted: Vec<usize>,

@@ -30,7 +30,7 @@ pub enum Choice {
 
 impl Choice {
     /// The number of the component, where the largest one is 0.
-    pub fn number(self) -> usize {
+    pub(crate) fn number(self) -> usize {
         match self {
             Choice::Largest => 0,
             Choice::Number(n) => n,
@@ -245,7 +245,7 @@ impl Component {
     }
 
     /// The length in mm of the pipeline's unit.
-    pub(crate) fn mm(&self) -> f64 {
+    pub fn mm(&self) -> f64 {
         self.build.mm
     }
 

@@ -53,7 +53,7 @@ pub struct Island {
 
 impl Disk {
     /// The disk with all lengths multiplied by a factor.
-    pub(crate) fn scaled(self, factor: f64) -> Self {
+    pub fn scaled(self, factor: f64) -> Self {
         Disk { mesh: self.mesh.scaled(factor), ..self }
     }
 
@@ -98,7 +98,7 @@ impl Outer {
     }
 
     /// The position of the outer loop among `loops`.
-    pub fn among(self, mesh: &Mesh, edges: &EdgeMap, loops: &[Loop]) -> usize {
+    pub(crate) fn among(self, mesh: &Mesh, edges: &EdgeMap, loops: &[Loop]) -> usize {
         let rank: Vec<(bool, f64)> = match self {
             Outer::Auto => {
                 let sides = open_side_normals(mesh, edges);

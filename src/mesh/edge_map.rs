@@ -65,13 +65,13 @@ impl EdgeMap {
     }
 
     /// The side that is glued to `side`, or `None` on the boundary.
-    pub fn across(&self, side: usize) -> Option<usize> {
+    pub(crate) fn across(&self, side: usize) -> Option<usize> {
         let other = self.glued[side];
         (other != NONE).then_some(other as usize)
     }
 
     /// The boundary sides in ascending order.
-    pub fn open_sides(&self) -> impl Iterator<Item = usize> + '_ {
+    pub(crate) fn open_sides(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.glued.len()).filter(|&s| self.glued[s] == NONE)
     }
 
@@ -152,7 +152,7 @@ pub(super) const MOST_THREADS: usize = 8;
 impl Buckets {
     /// Puts each number below `count` into the bucket `bucket(number)`; there are `buckets` of
     /// them.
-    pub(crate) fn new(buckets: usize, count: usize, bucket: impl Fn(u32) -> u32 + Sync) -> Self {
+    pub fn new(buckets: usize, count: usize, bucket: impl Fn(u32) -> u32 + Sync) -> Self {
         // Each thread reads all numbers and keeps those that belong to its share of the buckets.
         let threads = rayon::current_num_threads().min(MOST_THREADS);
         let share = buckets.div_ceil(threads).max(1);
@@ -190,7 +190,7 @@ impl Buckets {
     }
 
     /// The numbers in a bucket.
-    pub(crate) fn of(&self, bucket: usize) -> &[u32] {
+    pub fn of(&self, bucket: usize) -> &[u32] {
         &self.members[self.starts[bucket] as usize..self.starts[bucket + 1] as usize]
     }
 }
@@ -211,12 +211,12 @@ impl VertexRings {
     }
 
     /// The triangles around a vertex.
-    pub fn triangles(&self, v: VertexId) -> &[u32] {
+    pub(crate) fn triangles(&self, v: VertexId) -> &[u32] {
         self.corners.of(v.index())
     }
 
     /// The vertices that share a triangle with `v`. A vertex is repeated for each shared triangle.
-    pub fn neighbours<'a>(
+    pub(crate) fn neighbours<'a>(
         &'a self,
         mesh: &'a Mesh,
         v: VertexId,

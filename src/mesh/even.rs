@@ -37,7 +37,7 @@ impl Patch {
     /// The same surface of a body with triangles that are more even. The new points follow the old
     /// ones. They lie on edges, and do not count as measured. The rims are not kept.
     #[must_use]
-    pub fn even(&self) -> Self {
+    pub(crate) fn even(&self) -> Self {
         let mut points = self.mesh.points.clone();
         let mut origin = self.origin.clone();
         let mut triangles: Vec<[usize; 3]> =
@@ -59,7 +59,7 @@ impl Patch {
     }
 
     /// For each vertex whether it was measured or lies in a measured triangle.
-    pub fn on_measured(&self) -> Vec<bool> {
+    pub(crate) fn on_measured(&self) -> Vec<bool> {
         let mut on_measured = vec![false; self.mesh.points.len()];
         on_measured[..self.measured].fill(true);
         for t in self.measured_triangles() {

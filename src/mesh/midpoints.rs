@@ -13,7 +13,7 @@ fn edge(a: VertexId, b: VertexId) -> VertexPair {
 
 /// Edges with the vertices in their middles.
 #[derive(Default)]
-pub struct EdgeMidpoints(HashMap<VertexPair, VertexId>);
+pub(crate) struct EdgeMidpoints(HashMap<VertexPair, VertexId>);
 
 impl EdgeMidpoints {
     /// Adds a vertex to the mesh in the middle of each edge that one of the `sides` lies on.
@@ -36,7 +36,7 @@ impl EdgeMidpoints {
     }
 
     /// The number of halved edges.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.0.len()
     }
 

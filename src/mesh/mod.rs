@@ -3,7 +3,7 @@
 //! with holes ([`Disk`]), which later stages fill ([`Patch`]) and flatten ([`Parameterized`]).
 //!
 //! What several stages need lives here as well: adjacency ([`EdgeMap`], [`VertexRings`]), boundary
-//! loops ([`boundary`]), neighbours in space ([`Neighbours`]) and moving least squares ([`mls`]).
+//! loops ([`boundary`]), neighbours in space ([`Neighbours`]) and moving least squares (`mls`).
 
 mod adjacency;
 mod body;
@@ -11,18 +11,18 @@ pub mod boundary;
 mod build;
 mod caps;
 mod components;
-pub(crate) mod crossings;
+pub mod crossings;
 mod disk;
 mod edge_map;
 mod even;
 mod handles;
 mod islands;
 mod midpoints;
-pub mod mls;
+pub(crate) mod mls;
 mod neighbours;
 mod nesting;
 pub(crate) mod one_rings;
-pub mod outline;
+pub(crate) mod outline;
 mod parameterized;
 mod patch;
 mod polygons;
@@ -79,13 +79,13 @@ const CREASE_COSINE: f64 = 0.43;
 
 impl Mesh {
     /// The mesh with all lengths multiplied by a factor.
-    pub(crate) fn scaled(mut self, factor: f64) -> Self {
+    pub fn scaled(mut self, factor: f64) -> Self {
         self.points.iter_mut().for_each(|p| *p *= factor);
         self
     }
 
     /// Appends the points and triangles of another mesh.
-    pub fn append(&mut self, other: &Mesh) {
+    pub(crate) fn append(&mut self, other: &Mesh) {
         let first = self.points.len();
         self.points.extend(&other.points);
         let behind = |v: VertexId| VertexId::from(first + v.index());
@@ -126,7 +126,7 @@ impl Mesh {
 
     /// Unit normals of the vertices, each the area-weighted mean of its
     /// triangles' (zero where those cancel).
-    pub fn vertex_normals(&self) -> Vec<Vector> {
+    pub(crate) fn vertex_normals(&self) -> Vec<Vector> {
         let mut normals = vec![Vector::zeros(); self.points.len()];
         for &t in &self.triangles {
             let n = self.area_vector(t);
@@ -179,7 +179,7 @@ impl Mesh {
     }
 
     /// The mean length of the triangles' edges, in mm. Inner edges count twice.
-    pub fn mean_edge(&self) -> f64 {
+    pub(crate) fn mean_edge(&self) -> f64 {
         let sides = |t: &[VertexId; 3]| {
             let [a, b, c] = self.corners(*t);
             (b - a).norm() + (c - b).norm() + (a - c).norm()
@@ -188,7 +188,7 @@ impl Mesh {
     }
 
     /// The lowest and the highest coordinates, or the origin twice for an empty mesh.
-    pub fn bounds(&self) -> [Point; 2] {
+    pub(crate) fn bounds(&self) -> [Point; 2] {
         bounds(self.points.iter().copied())
     }
 
@@ -201,7 +201,7 @@ impl Mesh {
     /// Extracts the triangles with the given numbers. The new mesh keeps only the vertices that
     /// these triangles use, in their old order. The second value gives the old number of each new
     /// vertex.
-    pub fn part(&self, triangles: impl Iterator<Item = usize>) -> (Mesh, Vec<usize>) {
+    pub(crate) fn part(&self, triangles: impl Iterator<Item = usize>) -> (Mesh, Vec<usize>) {
         let triangles: Vec<_> = triangles.map(|t| self.triangles[t]).collect();
         let mut used = vec![false; self.points.len()];
         triangles.iter().flatten().for_each(|v| used[v.index()] = true);

@@ -36,7 +36,7 @@ impl Neighbours {
 
     /// Replaces `found` by the indices of the points within `radius` of `at`. They ascend, so sums
     /// over them do not depend on the shape of the tree.
-    pub fn within(&self, at: Point, radius: f64, found: &mut Vec<u32>) {
+    pub(crate) fn within(&self, at: Point, radius: f64, found: &mut Vec<u32>) {
         let centre: [f64; 3] = (self.turn * at).coords.into();
         found.clear();
         let hits = self
@@ -51,7 +51,7 @@ impl Neighbours {
 
     /// Replaces `found` by the indices of the `count` points nearest to `at`, each with its squared
     /// distance, nearest first. There are fewer if the cloud has fewer.
-    pub fn nearest_n(&self, at: Point, count: usize, found: &mut Vec<(u32, f64)>) {
+    pub(crate) fn nearest_n(&self, at: Point, count: usize, found: &mut Vec<(u32, f64)>) {
         let centre: [f64; 3] = (self.turn * at).coords.into();
         found.clear();
         let Some(count) = NonZero::new(count) else { return };
@@ -60,7 +60,7 @@ impl Neighbours {
     }
 
     /// The index of the point nearest to `at`.
-    pub fn nearest(&self, at: Point) -> usize {
+    pub(crate) fn nearest(&self, at: Point) -> usize {
         let centre: [f64; 3] = (self.turn * at).coords.into();
         self.tree.query(&centre).nearest_one::<SquaredEuclidean<f64>>().execute().item as usize
     }

@@ -10,13 +10,13 @@ use crate::geometry::{NONE, VertexId};
 /// The one-ring of a vertex, or a part of it. Almost all rings are short enough to be stored in
 /// place. Behind pointers they would be scattered over the memory, because collapses happen all
 /// over the mesh, and every access would wait for the memory.
-pub type OneRing = SmallVec<[u32; 12]>;
+pub(crate) type OneRing = SmallVec<[u32; 12]>;
 
 /// The neighbours of every vertex in counter-clockwise order (its one-ring, the link of the
 /// vertex). The ring of a boundary vertex starts at the next boundary vertex and ends at the
 /// previous one. Two consecutive neighbours form a triangle with the vertex.
 #[derive(Debug, Clone)]
-pub struct OneRings {
+pub(crate) struct OneRings {
     rings: Vec<OneRing>,
     boundary: Vec<bool>,
 }
@@ -24,7 +24,7 @@ pub struct OneRings {
 /// A half-edge collapse: a vertex is removed, and a fan from one of its neighbours, the apex,
 /// replaces its triangles.
 #[derive(Debug, Clone)]
-pub struct HalfEdgeCollapse {
+pub(crate) struct HalfEdgeCollapse {
     /// The removed vertex.
     pub vertex: u32,
     /// Its ring. For an inner vertex it starts with the apex; for a boundary vertex it starts or
@@ -36,7 +36,7 @@ pub struct HalfEdgeCollapse {
 
 impl HalfEdgeCollapse {
     /// The apex of the fan, and the other vertices of the ring in counter-clockwise order.
-    pub fn fan(&self) -> (u32, &[u32]) {
+    pub(crate) fn fan(&self) -> (u32, &[u32]) {
         match &self.ring[..] {
             [path @ .., apex] if self.last => (*apex, path),
             [apex, path @ ..] => (*apex, path),
@@ -65,7 +65,7 @@ impl OneRings {
 
     /// The one-rings of the vertices `left`, renumbered in their order. The second value gives the
     /// new number of each vertex, or [`NONE`] for vertices that are not left.
-    pub fn renumbered(&self, left: &[u32]) -> (Self, Vec<u32>) {
+    pub(crate) fn renumbered(&self, left: &[u32]) -> (Self, Vec<u32>) {
         let mut number = vec![NONE; self.len()];
         left.iter().zip(0..).for_each(|(&v, new)| number[v as usize] = new);
         let ring = |v: &u32| self.ring(*v).iter().map(|&w| number[w as usize]).collect();
@@ -77,7 +77,7 @@ impl OneRings {
     }
 
     /// The number of vertices, including collapsed ones.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.rings.len()
     }
 
@@ -87,12 +87,12 @@ impl OneRings {
     }
 
     /// Whether a vertex is on the boundary.
-    pub fn on_boundary(&self, v: u32) -> bool {
+    pub(crate) fn on_boundary(&self, v: u32) -> bool {
         self.boundary[v as usize]
     }
 
     /// The other two corners of each triangle around a vertex.
-    pub fn sides(&self, v: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
+    pub(crate) fn sides(&self, v: u32) -> impl Iterator<Item = (u32, u32)> + '_ {
         let ring = self.ring(v);
         let closing = if self.on_boundary(v) { None } else { ring.last().zip(ring.first()) };
         let pairs = ring.windows(2).map(|w| (w[0], w[1]));
@@ -101,7 +101,7 @@ impl OneRings {
 
     /// The collapse of `v` into its `k`-th neighbour. `None` if it would add an edge that already
     /// exists, or join two boundary vertices through the inside.
-    pub fn collapse(&self, v: u32, k: usize) -> Option<HalfEdgeCollapse> {
+    pub(crate) fn collapse(&self, v: u32, k: usize) -> Option<HalfEdgeCollapse> {
         let mut ring = OneRing::from_slice(self.ring(v));
         let apex = ring[k];
         let last = self.on_boundary(v) && k + 1 == ring.len();
@@ -126,13 +126,13 @@ impl OneRings {
     }
 
     /// Makes collapses in the given order.
-    pub fn apply(&mut self, collapses: &[HalfEdgeCollapse]) {
+    pub(crate) fn apply(&mut self, collapses: &[HalfEdgeCollapse]) {
         self.in_parts(|part| collapses.iter().for_each(|collapse| part.apply(collapse)));
     }
 
     /// Undoes collapses by vertex splits, the last one first. All later collapses must already be
     /// undone.
-    pub fn split(&mut self, collapses: &[HalfEdgeCollapse]) {
+    pub(crate) fn split(&mut self, collapses: &[HalfEdgeCollapse]) {
         self.in_parts(|part| collapses.iter().rev().for_each(|collapse| part.split(collapse)));
     }
 
@@ -263,13 +263,13 @@ fn chained(mut sides: SmallVec<[(u32, u32); 12]>) -> OneRing {
 }
 
 #[cfg(test)]
-pub mod tests {
+pub(crate) mod tests {
     use super::*;
     use crate::geometry::Point;
     use crate::mesh::{FaceOrigin, Patch};
 
     /// A grid of n × n vertices.
-    pub fn grid(n: u32) -> Patch {
+    pub(crate) fn grid(n: u32) -> Patch {
         let points = (0..n * n).map(|i| Point::new(f64::from(i / n), f64::from(i % n), 0.0));
         let quads = (0..n - 1).flat_map(|i| (0..n - 1).map(move |j| i * n + j));
         let halves = quads.flat_map(|a| [[a, a + n, a + n + 1], [a, a + n + 1, a + 1]]);
@@ -292,7 +292,7 @@ pub mod tests {
 
     impl OneRings {
         /// `n` vertices, each of which is a neighbour of all others.
-        pub fn joined(n: u32) -> OneRings {
+        pub(crate) fn joined(n: u32) -> OneRings {
             let ring = |v: u32| (0..n).filter(|&w| w != v).collect();
             OneRings { rings: (0..n).map(ring).collect(), boundary: vec![false; n as usize] }
         }

@@ -31,13 +31,13 @@ pub struct Parameterized {
 
 impl Parameterized {
     /// The patch with all lengths multiplied by a factor. The parameters stay.
-    pub(crate) fn scaled(self, factor: f64) -> Self {
+    pub fn scaled(self, factor: f64) -> Self {
         Parameterized { patch: self.patch.scaled(factor), ..self }
     }
 
     /// A parameter point near that of each vertex of the scan: its own, or that of the vertex that
     /// stands for it.
-    pub fn scan_uv(&self) -> Cow<'_, [Uv]> {
+    pub(crate) fn scan_uv(&self) -> Cow<'_, [Uv]> {
         match &self.patch.stand_ins {
             Some(stand_ins) => stand_ins.of_scan(&self.uv).into(),
             None => self.uv[..self.patch.measured].into(),

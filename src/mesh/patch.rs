@@ -43,12 +43,12 @@ pub struct Patch {
 
 impl Patch {
     /// The patch with all lengths multiplied by a factor.
-    pub(crate) fn scaled(self, factor: f64) -> Self {
+    pub fn scaled(self, factor: f64) -> Self {
         Patch { mesh: self.mesh.scaled(factor), ..self }
     }
 
     /// For each measured vertex the number of vertices of the scan for which it stands.
-    pub fn counts(&self) -> Vec<f64> {
+    pub(crate) fn counts(&self) -> Vec<f64> {
         match &self.stand_ins {
             Some(stand_ins) => stand_ins.counts().to_vec(),
             None => vec![1.0; self.measured],
@@ -61,12 +61,12 @@ impl Patch {
     }
 
     /// The numbers of the measured triangles.
-    pub fn measured_triangles(&self) -> impl Iterator<Item = usize> + '_ {
+    pub(crate) fn measured_triangles(&self) -> impl Iterator<Item = usize> + '_ {
         (0..self.origin.len()).filter(|&t| self.origin[t] == FaceOrigin::Measured)
     }
 
     /// The patch as it was before its bays were closed, or `None` if none were closed.
-    pub fn without_bays(&self) -> Option<Patch> {
+    pub(crate) fn without_bays(&self) -> Option<Patch> {
         let outer = self.measured_outer.clone()?;
         let is_kept = |t: &usize| self.origin[*t] != FaceOrigin::Bay;
         let kept: Vec<usize> = (0..self.origin.len()).filter(is_kept).collect();
@@ -96,7 +96,7 @@ impl Patch {
     }
 
     /// The holes that do not lie in an island, as positions in `rims`.
-    pub fn own_holes(&self) -> Range<usize> {
+    pub(crate) fn own_holes(&self) -> Range<usize> {
         0..self.islands.first().map_or(self.rims.len(), |island| island.holes.start)
     }
 

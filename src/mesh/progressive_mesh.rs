@@ -10,7 +10,7 @@ use crate::geometry::{Point, Vector};
 use crate::progress::Progress;
 
 /// A mesh with the record of its collapses.
-pub struct ProgressiveMesh {
+pub(crate) struct ProgressiveMesh {
     /// The connectivity of the present mesh.
     pub rings: OneRings,
     /// The vertices of the present mesh, in ascending order.
@@ -20,7 +20,7 @@ pub struct ProgressiveMesh {
 }
 
 /// Which vertices are collapsed, and in which order.
-pub struct Collapsing<'a, L> {
+pub(crate) struct Collapsing<'a, L> {
     /// The points of the full mesh.
     pub points: &'a [Point],
     /// The vertices that stay.
@@ -44,7 +44,7 @@ impl ProgressiveMesh {
 
     /// Collapses vertices until at most `target` are left or none can be collapsed. Vertices with a
     /// small loss go first. Vertices with `kept` set stay. Each collapse is passed to `show`.
-    pub fn coarsen(
+    pub(crate) fn coarsen(
         &mut self,
         collapsing: &Collapsing<impl Fn(&OneRings, u32) -> f64 + Sync>,
         target: usize,
@@ -99,7 +99,7 @@ impl ProgressiveMesh {
 
     /// Undoes the last pass. All its collapses are first passed to `show`, in the order in which
     /// they were made. Returns `false` if no collapse is left.
-    pub fn refine(&mut self, show: impl FnOnce(&[HalfEdgeCollapse])) -> bool {
+    pub(crate) fn refine(&mut self, show: impl FnOnce(&[HalfEdgeCollapse])) -> bool {
         let Some(pass) = self.passes.pop() else { return false };
         show(&pass);
         self.rings.split(&pass);
@@ -169,7 +169,7 @@ impl CollapsePass {
 
 /// What the shape loses by a collapse, in mm: the distance of the vertex from the mean plane of its
 /// ring, plus a share of the edge length, so that vertices in flat regions become evenly distributed.
-pub fn shape_loss(points: &[Point], rings: &OneRings, v: u32) -> f64 {
+pub(crate) fn shape_loss(points: &[Point], rings: &OneRings, v: u32) -> f64 {
     let p = points[v as usize];
     let ring = rings.ring(v);
     let away = |&w: &u32| points[w as usize] - p;
@@ -186,13 +186,13 @@ pub fn shape_loss(points: &[Point], rings: &OneRings, v: u32) -> f64 {
 }
 
 /// The mean length of the edges of a vertex.
-pub fn mean_edge(points: &[Point], rings: &OneRings, v: u32) -> f64 {
+pub(crate) fn mean_edge(points: &[Point], rings: &OneRings, v: u32) -> f64 {
     let (p, ring) = (points[v as usize], rings.ring(v));
     ring.iter().map(|&w| (points[w as usize] - p).norm()).sum::<f64>() / ring.len().max(1) as f64
 }
 
 /// The unit normal at a vertex.
-pub fn normal(points: &[Point], rings: &OneRings, v: u32) -> Vector {
+pub(crate) fn normal(points: &[Point], rings: &OneRings, v: u32) -> Vector {
     let p = points[v as usize];
     let areas =
         rings.sides(v).map(|(a, b)| (points[a as usize] - p).cross(&(points[b as usize] - p)));

@@ -39,26 +39,26 @@ impl QuadMesh {
     }
 
     /// The mesh with all lengths multiplied by a factor.
-    pub(crate) fn scaled(mut self, factor: f64) -> Self {
+    pub fn scaled(mut self, factor: f64) -> Self {
         self.points.iter_mut().for_each(|p| *p *= factor);
         self
     }
 
     /// The normal at a place on the unit square of a quad, between those of its corners. Its length is
     /// not 1.
-    pub fn normal(&self, quad: usize, at: Uv) -> Vector {
+    pub(crate) fn normal(&self, quad: usize, at: Uv) -> Vector {
         let [a, b, c, d] = self.quads[quad].map(|v| self.normals[v.index()]);
         a.lerp(&b, at.x).lerp(&d.lerp(&c, at.x), at.y)
     }
 
     /// The same at a place of a block, with coordinates from 0 to `side`.
-    pub fn block_normal(&self, block: usize, at: Uv) -> Vector {
+    pub(crate) fn block_normal(&self, block: usize, at: Uv) -> Vector {
         let (quad, at) = self.within(block, at);
         self.normal(quad, at)
     }
 
     /// The quad at a place of a block with coordinates from 0 to `side`, and the place on its unit square.
-    pub fn within(&self, block: usize, at: Uv) -> (usize, Uv) {
+    pub(crate) fn within(&self, block: usize, at: Uv) -> (usize, Uv) {
         let n = self.side;
         let cell = |x: f64| (x.max(0.0) as usize).min(n - 1);
         let (i, j) = (cell(at.x), cell(at.y));
@@ -66,7 +66,7 @@ impl QuadMesh {
     }
 
     /// The block of a quad, and the place of the quad's first corner in it.
-    pub fn place(&self, quad: usize) -> (usize, Uv) {
+    pub(crate) fn place(&self, quad: usize) -> (usize, Uv) {
         let n = self.side;
         let within = quad % (n * n);
         (quad / (n * n), Uv::new((within % n) as f64, (within / n) as f64))
@@ -129,7 +129,7 @@ impl QuadMesh {
     }
 
     /// The marked vertices, and all others of the quads around them.
-    pub fn with_neighbours(&self, marked: &[bool]) -> Vec<bool> {
+    pub(crate) fn with_neighbours(&self, marked: &[bool]) -> Vec<bool> {
         let mut near = marked.to_vec();
         let beside = self.quads.iter().filter(|quad| quad.iter().any(|v| marked[v.index()]));
         beside.flatten().for_each(|v| near[v.index()] = true);
@@ -144,7 +144,7 @@ impl QuadMesh {
     }
 
     /// The Euler number V − E + F.
-    pub fn euler(&self) -> i64 {
+    pub(crate) fn euler(&self) -> i64 {
         self.points.len() as i64 - self.quads.len() as i64
     }
 

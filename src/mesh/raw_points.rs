@@ -43,7 +43,7 @@ impl RawPoints {
     /// The same with the place of each vertex of the soup where it was measured, noise included.
     /// Without them, vertices were measured where they are.
     #[must_use]
-    pub fn with_measured_vertices(self, places: Vec<Point>) -> Self {
+    pub(crate) fn with_measured_vertices(self, places: Vec<Point>) -> Self {
         RawPoints { places, ..self }
     }
 
@@ -54,17 +54,17 @@ impl RawPoints {
 
     /// The same for points that are measured from such an origin, in the unit of the points.
     #[must_use]
-    pub fn at(self, origin: [f64; 3]) -> Self {
+    pub(crate) fn at(self, origin: [f64; 3]) -> Self {
         RawPoints { origin, ..self }
     }
 
     /// Where the points are measured from, in their unit.
-    pub fn origin(&self) -> [f64; 3] {
+    pub(crate) fn origin(&self) -> [f64; 3] {
         self.origin
     }
 
     /// The standard deviation of the noise, in the unit of the points.
-    pub fn noise(&self) -> f64 {
+    pub(crate) fn noise(&self) -> f64 {
         self.noise
     }
 

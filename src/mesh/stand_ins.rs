@@ -11,17 +11,17 @@ impl StandIns {
     /// `vertex_of` has the number of a measured vertex for each vertex of the scan. `counts` has the
     /// number of vertices of the scan for each measured vertex. A vertex of the scan may be divided
     /// among several.
-    pub(crate) fn new(vertex_of: Vec<u32>, counts: Vec<f64>) -> Self {
+    pub fn new(vertex_of: Vec<u32>, counts: Vec<f64>) -> Self {
         StandIns { vertex_of, counts }
     }
 
     /// For each measured vertex the number of vertices of the scan for which it stands.
-    pub fn counts(&self) -> &[f64] {
+    pub(crate) fn counts(&self) -> &[f64] {
         &self.counts
     }
 
     /// A value of each measured vertex, for each vertex of the scan for which it stands.
-    pub fn of_scan<T: Copy>(&self, values: &[T]) -> Vec<T> {
+    pub(crate) fn of_scan<T: Copy>(&self, values: &[T]) -> Vec<T> {
         self.vertex_of.iter().map(|&v| values[v as usize]).collect()
     }
 }

@@ -21,7 +21,7 @@ impl Triangles {
     }
 
     /// The distance from `p` to the nearest triangle, in mm, and the number of this triangle.
-    pub fn nearest(&self, p: Point) -> (f64, usize) {
+    pub(crate) fn nearest(&self, p: Point) -> (f64, usize) {
         // `nearest_neighbor` of rstar can miss the nearest triangle where distances are nearly
         // equal.
         let nearest = self.0.nearest_neighbor_iter(p.coords.into()).next();

@@ -113,7 +113,7 @@ impl Estimate {
     }
 
     /// The mean square of a patch as a multiple of what this noise leaves, and its degrees of freedom.
-    pub fn relative(&self, patch: &NoisePatch) -> (f64, f64) {
+    pub(crate) fn relative(&self, patch: &NoisePatch) -> (f64, f64) {
         if self.covariances[1] == 0.0 && self.covariances[2] == 0.0 {
             let Residuals { sums, expected } = patch.fits[self.degree];
             return (sums[0] / (self.covariances[0] * expected[0]), expected[0]);
@@ -125,7 +125,7 @@ impl Estimate {
 
     /// By how much neighbouring residuals of a patch agree more than those of this noise, as a share
     /// of their mean square.
-    pub fn agreement(&self, patch: &NoisePatch) -> f64 {
+    pub(crate) fn agreement(&self, patch: &NoisePatch) -> f64 {
         let Residuals { sums, expected } = patch.fits[self.degree];
         if self.covariances[1] == 0.0 && self.covariances[2] == 0.0 {
             return sums[1] / sums[0] - expected[1] / expected[0];
@@ -140,7 +140,7 @@ impl Estimate {
     }
 
     /// The correlations of vertices that are one edge and two edges apart.
-    pub fn correlation(&self) -> [f64; 2] {
+    pub(crate) fn correlation(&self) -> [f64; 2] {
         [1, 2].map(|k| self.covariances[k] / self.covariances[0])
     }
 }

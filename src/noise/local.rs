@@ -49,7 +49,7 @@ impl LocalNoise {
     }
 
     /// The standard deviation at a place, as a multiple of that of the whole.
-    pub fn factor(&self, p: Point) -> f64 {
+    pub(crate) fn factor(&self, p: Point) -> f64 {
         self.factors[self.places.nearest(p)]
     }
 }

@@ -77,20 +77,20 @@ impl NoiseField {
     }
 
     /// The standard deviation at a vertex.
-    pub fn at(&self, v: VertexId) -> f64 {
+    pub(crate) fn at(&self, v: VertexId) -> f64 {
         self.at.get(v.index()).map_or(self.deviation, |&deviation| deviation.into())
     }
 
     /// The variance of a fit around a vertex, of which independent points of variance 1 leave
     /// `left`. Correlated points leave more, but no more than one of them has.
-    pub fn variance_of_fit(&self, v: VertexId, left: f64) -> f64 {
+    pub(crate) fn variance_of_fit(&self, v: VertexId, left: f64) -> f64 {
         let [one, two] = self.correlation;
         let common = 1.0 + AROUND[0] * one + AROUND[1] * two;
         self.at(v).powi(2) * if left <= 1.0 { (common * left).min(1.0) } else { left }
     }
 
     /// The distribution of the mean square of `count` points: one and its neighbours.
-    pub fn mean_square_around(&self, count: f64) -> MeanSquare {
+    pub(crate) fn mean_square_around(&self, count: f64) -> MeanSquare {
         let [one, two] = self.correlation;
         let beside = count - 1.0;
         // The spokes and the rim, and the other pairs of the rim.

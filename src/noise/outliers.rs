@@ -11,7 +11,7 @@ use crate::statistics::{SIGNIFICANT, absolute_at, median, outlying};
 impl NoiseField {
     /// Which vertices are outliers. None is if the scan has no visible noise, because nothing then
     /// tells them from shape.
-    pub fn outliers(&self, mesh: &Mesh, rings: &VertexRings) -> Vec<bool> {
+    pub(crate) fn outliers(&self, mesh: &Mesh, rings: &VertexRings) -> Vec<bool> {
         let mut outliers = vec![false; mesh.points.len()];
         if !self.is_visible {
             return outliers;

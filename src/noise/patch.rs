@@ -57,7 +57,7 @@ pub(super) struct Residuals {
 
 impl Residuals {
     /// The variance of independent errors that leave such residuals.
-    pub fn mean_square(&self) -> f64 {
+    pub(crate) fn mean_square(&self) -> f64 {
         self.sums[0] / self.expected[0]
     }
 }
@@ -271,7 +271,7 @@ pub(super) struct Heights {
 
 impl Heights {
     /// Fits the patch around a vertex without the vertex itself.
-    pub fn without_middle(
+    pub(crate) fn without_middle(
         mesh: &Mesh,
         rings: &VertexRings,
         normals: &[Vector],

@@ -54,7 +54,7 @@ impl Rounding {
 
     /// Whether the numbers have this rounding. Decimals may be those of a design, whose numbers are
     /// round, and finer decimals would follow.
-    pub fn is_sure(self) -> bool {
+    pub(crate) fn is_sure(self) -> bool {
         matches!(self, Rounding::Floating(_))
     }
 

@@ -49,7 +49,7 @@ pub struct PrimitiveFit {
 
 impl PrimitiveFit {
     /// The standard deviation of the surface's place next to a point, for errors of one unit.
-    pub fn deviation_at(&self, p: Point) -> f64 {
+    pub(crate) fn deviation_at(&self, p: Point) -> f64 {
         let row = self.motions.row(p).1;
         (row.transpose() * self.covariance * row)[(0, 0)].max(0.0).sqrt()
     }

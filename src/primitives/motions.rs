@@ -62,7 +62,7 @@ impl Motions {
     }
 
     /// The distance of a point, and its derivatives by the motions.
-    pub fn row(&self, p: Point) -> (f64, MotionRow) {
+    pub(crate) fn row(&self, p: Point) -> (f64, MotionRow) {
         let (d, g) = self.surface.distance(p);
         let q = p - self.pivot;
         let [x, y] = self.across;
@@ -114,7 +114,7 @@ impl Motions {
 
     /// The surface after a step. `None` if it has degenerated: a radius beyond every bound, a cone that
     /// is none, a torus that touches itself.
-    pub fn moved(&self, step: &MotionRow) -> Option<Primitive> {
+    pub(crate) fn moved(&self, step: &MotionRow) -> Option<Primitive> {
         let [x, y] = self.across;
         let turn = |by: [f64; 2]| Rotation3::new(by[0] * x + by[1] * y);
         let turned = |origin: Point, axis: Vector| {

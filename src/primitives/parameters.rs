@@ -29,7 +29,7 @@ impl Primitive {
     /// u is the angle about the axis in [0, 2π). v is the height of a cylinder and of a cone over the origin,
     /// the latitude of a sphere in [-π/2, π/2], the angle around the tube of a torus in [0, 2π). The height of
     /// a cone is measured along its axis. A plane has lengths.
-    pub fn parameters_of(&self, p: Point) -> Uv {
+    pub(crate) fn parameters_of(&self, p: Point) -> Uv {
         let axis = match *self {
             Primitive::Plane { normal, .. } => normal,
             _ => self.axis().unwrap_or_else(Vector::z),
@@ -76,7 +76,7 @@ impl Primitive {
     }
 
     /// The apex of a cone.
-    pub fn apex(&self) -> Option<Point> {
+    pub(crate) fn apex(&self) -> Option<Point> {
         match *self {
             Primitive::Cone { origin, axis, radius, angle } => {
                 Some(origin - radius / angle.tan() * axis)

@@ -19,7 +19,7 @@ pub enum PrimitiveKind {
 
 impl PrimitiveKind {
     /// The number of parameters of such a surface.
-    pub fn parameters(self) -> usize {
+    pub(crate) fn parameters(self) -> usize {
         match self {
             PrimitiveKind::Plane => 3,
             PrimitiveKind::Sphere => 4,
@@ -118,7 +118,7 @@ impl Primitive {
     }
 
     /// A point of the plane or of the axis, or the centre.
-    pub fn origin(&self) -> Point {
+    pub(crate) fn origin(&self) -> Point {
         match *self {
             Primitive::Plane { origin, .. }
             | Primitive::Cylinder { origin, .. }
@@ -128,7 +128,7 @@ impl Primitive {
     }
 
     /// The direction of the axis. A sphere has none, nor has a plane.
-    pub fn axis(&self) -> Option<Vector> {
+    pub(crate) fn axis(&self) -> Option<Vector> {
         match *self {
             Primitive::Cylinder { axis, .. }
             | Primitive::Cone { axis, .. }
@@ -138,7 +138,7 @@ impl Primitive {
     }
 
     /// The radius of a cylinder or a sphere, or of a torus' tube. A cone and a plane have none.
-    pub fn radius(&self) -> Option<f64> {
+    pub(crate) fn radius(&self) -> Option<f64> {
         match *self {
             Primitive::Cylinder { radius, .. } | Primitive::Sphere { radius, .. } => Some(radius),
             Primitive::Torus { minor, .. } => Some(minor),
@@ -183,12 +183,12 @@ impl Primitive {
     }
 
     /// The unit normal at the closest point.
-    pub fn normal(&self, p: Point) -> Vector {
+    pub(crate) fn normal(&self, p: Point) -> Vector {
         self.distance(p).1
     }
 
     /// The largest absolute curvature next to a point.
-    pub fn curvature(&self, p: Point) -> f64 {
+    pub(crate) fn curvature(&self, p: Point) -> f64 {
         match *self {
             Primitive::Plane { .. } => 0.0,
             Primitive::Cylinder { radius, .. } | Primitive::Sphere { radius, .. } => 1.0 / radius,
@@ -205,7 +205,7 @@ impl Primitive {
     }
 
     /// The same surface with its origin slid along the axis, or in the plane, next to a point.
-    pub fn centred_at(self, p: Point) -> Self {
+    pub(crate) fn centred_at(self, p: Point) -> Self {
         let slid = |origin: Point, axis: Vector| {
             let h = (p - origin).dot(&axis);
             (origin + h * axis, h)

@@ -46,7 +46,7 @@ pub(super) struct FaceMesh {
 impl FaceMesh {
     /// The triangles of a single face, one of `parts` conversions, with the same number of vertices in
     /// every cell between knots; or, if there are more cells than vertices, with some of these.
-    pub fn of_face(c: &SurfaceFit, outlines: &[Vec<Uv>], parts: usize) -> Option<FaceMesh> {
+    pub(crate) fn of_face(c: &SurfaceFit, outlines: &[Vec<Uv>], parts: usize) -> Option<FaceMesh> {
         let inner = c.surface.middles(cell_steps(c.surface.middles(1).len(), parts));
         let every = (inner.len() * parts).div_ceil(MOST_FACE_POINTS).max(1);
         let inner: Vec<Uv> = inner.into_iter().step_by(every).collect();

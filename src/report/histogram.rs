@@ -1,7 +1,7 @@
 //! Histograms of signed distances.
 
 /// Counts of signed distances in bins of equal width.
-pub struct Histogram {
+pub(crate) struct Histogram {
     /// The bins go from −`end` to `end`, in mm. The outermost bins have the distances beyond.
     pub end: f64,
     pub counts: Vec<usize>,
@@ -22,7 +22,7 @@ impl Histogram {
 
     /// The counts without signs: half as many bins, from 0 to `end`.
     #[cfg(any(test, feature = "html"))]
-    pub fn absolute(&self) -> Vec<usize> {
+    pub(crate) fn absolute(&self) -> Vec<usize> {
         let half = self.counts.len() / 2;
         (0..half).map(|k| self.counts[half + k] + self.counts[half - 1 - k]).collect()
     }

@@ -10,7 +10,7 @@ const SIDE: f64 = 1000.0;
 
 /// The parameter plane of a face.
 #[derive(Debug)]
-pub struct PlaneDrawing {
+pub(crate) struct PlaneDrawing {
     width: f64,
     height: f64,
     /// The knot lines as one path, and their number.
@@ -51,7 +51,7 @@ impl PlaneDrawing {
     }
 
     /// The drawing as SVG; `number` makes the names of its loops unique.
-    pub fn svg(&self, number: usize) -> String {
+    pub(crate) fn svg(&self, number: usize) -> String {
         let PlaneDrawing { width, height, knots: (lines, count), cut, .. } = self;
         // Many lines are drawn fainter than few.
         let faint = (24.0 / *count as f64).clamp(0.15, 0.6);

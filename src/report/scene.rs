@@ -16,7 +16,7 @@ use crate::report::picture::{Camera, scale};
 
 /// The scene as JSON. Points are mm from `middle`, so that single precision suffices for a scan
 /// far from the origin.
-pub fn scene(views: &[ReportView], ends: &Ends) -> Value {
+pub(crate) fn scene(views: &[ReportView], ends: &Ends) -> Value {
     let extent = || views.iter().flat_map(|view| view.scan.mesh.points.iter().copied());
     let [low, high] = crate::geometry::bounds(extent());
     let middle = low + 0.5 * (high - low);

@@ -16,7 +16,7 @@ use faer::{Conj, Index, Mat, Par, Side};
 
 /// The Cholesky factor of a sparse symmetric matrix.
 #[derive(Debug)]
-pub struct Cholesky<I: Index> {
+pub(crate) struct Cholesky<I: Index> {
     symbolic: SymbolicCholesky<I>,
     factor: Vec<f64>,
 }
@@ -48,7 +48,7 @@ impl<I: Index> Cholesky<I> {
     }
 
     /// Replaces the right sides, one a column, by their solutions.
-    pub fn solve(&self, right: &mut Mat<f64>) {
+    pub(crate) fn solve(&self, right: &mut Mat<f64>) {
         let room = self.symbolic.solve_in_place_scratch::<f64>(right.ncols(), Par::Seq);
         let mut room = MemBuffer::new(room);
         LltRef::new(&self.symbolic, &self.factor).solve_in_place_with_conj(
@@ -61,7 +61,7 @@ impl<I: Index> Cholesky<I> {
 }
 
 /// The analysed sparsity pattern of the lower triangle of a symmetric matrix, with working memory.
-pub struct Pattern {
+pub(crate) struct Pattern {
     pattern: SymbolicSparseColMat<usize>,
     symbolic: SymbolicCholesky<usize>,
     room: MemBuffer,
@@ -95,7 +95,7 @@ impl Pattern {
     /// Factorizes the matrix with the given entries, in the order of the pattern, and returns the
     /// logarithm of its determinant. If `right` is given it is replaced by the solution; it may
     /// have at most three columns. Returns `None` if the matrix is not positive definite.
-    pub fn solve(&mut self, values: &[f64], right: Option<&mut Mat<f64>>) -> Option<f64> {
+    pub(crate) fn solve(&mut self, values: &[f64], right: Option<&mut Mat<f64>>) -> Option<f64> {
         let matrix = SparseColMatRef::new(self.pattern.as_ref(), values);
         let stack = MemStack::new(&mut self.room);
         let regular = Default::default();
@@ -120,7 +120,7 @@ impl Pattern {
 
 /// An elimination order with little fill-in (approximate minimum degree), for a pattern as in
 /// [`Pattern::new`]. Returns `None` if memory does not suffice.
-pub fn least_degree(starts: &[usize], rows: &[usize]) -> Option<Vec<usize>> {
+pub(crate) fn least_degree(starts: &[usize], rows: &[usize]) -> Option<Vec<usize>> {
     let n = starts.len() - 1;
     let pattern = SymbolicSparseColMatRef::new_checked(n, n, starts, None, rows);
     let mut room = MemBuffer::try_new(amd::order_scratch::<usize>(n, rows.len())).ok()?;

@@ -8,7 +8,7 @@ use crate::solve::cholesky::{Pattern, least_degree};
 
 /// The normal equations of a sparse least-squares problem, whose targets are points. Their pattern is
 /// analysed once.
-pub struct SparseNormal {
+pub(crate) struct SparseNormal {
     /// Column b has the rows `starts[b]..starts[b + 1]` of `rows`, of the lower triangle.
     starts: Vec<usize>,
     rows: Vec<usize>,
@@ -39,13 +39,13 @@ impl SparseNormal {
     }
 
     /// Sets all entries to zero.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.values.fill(0.0);
         self.right = Mat::zeros(self.right.nrows(), 3);
     }
 
     /// Adds to an entry of the matrix if it is in the lower triangle.
-    pub fn add(&mut self, a: usize, b: usize, value: f64) {
+    pub(crate) fn add(&mut self, a: usize, b: usize, value: f64) {
         if a >= b && value != 0.0 {
             let column = self.starts[b]..self.starts[b + 1];
             if let Ok(k) = self.rows[column].binary_search(&a) {
@@ -55,12 +55,12 @@ impl SparseNormal {
     }
 
     /// Adds to a right side.
-    pub fn add_right(&mut self, a: usize, value: Vector) {
+    pub(crate) fn add_right(&mut self, a: usize, value: Vector) {
         (0..3).for_each(|k| self.right[(a, k)] += value[k]);
     }
 
     /// Adds that the combination of unknowns is the target.
-    pub fn add_row(&mut self, row: &[(usize, f64)], weight: f64, target: Vector) {
+    pub(crate) fn add_row(&mut self, row: &[(usize, f64)], weight: f64, target: Vector) {
         for &(a, x) in row {
             self.add_right(a, weight * x * target);
             row.iter().for_each(|&(b, y)| self.add(a, b, weight * x * y));
@@ -68,7 +68,7 @@ impl SparseNormal {
     }
 
     /// The unknowns. Returns `None` if they are not determined.
-    pub fn solve(&mut self) -> Option<Vec<Vector>> {
+    pub(crate) fn solve(&mut self) -> Option<Vec<Vector>> {
         self.pattern.solve(&self.values, Some(&mut self.right))?;
         let right = &self.right;
         let unknown = |v: usize| Vector::new(right[(v, 0)], right[(v, 1)], right[(v, 2)]);

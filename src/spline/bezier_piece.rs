@@ -30,26 +30,26 @@ impl BezierPiece {
         (!pieces.is_empty()).then_some(pieces)
     }
 
-    pub fn start(&self) -> Uv {
+    pub(crate) fn start(&self) -> Uv {
         self.points[0]
     }
 
-    pub fn end(&self) -> Uv {
+    pub(crate) fn end(&self) -> Uv {
         self.points[3]
     }
 
     /// The parameter in the middle of the range.
-    pub fn middle(&self) -> f64 {
+    pub(crate) fn middle(&self) -> f64 {
         0.5 * (self.range[0] + self.range[1])
     }
 
     /// The length of the parameter range.
-    pub fn length(&self) -> f64 {
+    pub(crate) fn length(&self) -> f64 {
         self.range[1] - self.range[0]
     }
 
     /// The two halves, by de Casteljau's algorithm.
-    pub fn split(&self) -> [BezierPiece; 2] {
+    pub(crate) fn split(&self) -> [BezierPiece; 2] {
         let [a, b, c, d] = self.points;
         let half = |p: &Uv, q: &Uv| nalgebra::center(p, q);
         let (ab, bc, cd) = (half(&a, &b), half(&b, &c), half(&c, &d));
@@ -63,7 +63,7 @@ impl BezierPiece {
     }
 
     /// A box that contains the piece.
-    pub fn bounds(&self) -> [Uv; 2] {
+    pub(crate) fn bounds(&self) -> [Uv; 2] {
         uv_bounds(&self.points)
     }
 
@@ -78,7 +78,7 @@ impl BezierPiece {
 
     /// Whether every direction of the piece is within 60° of its chord. The piece then cannot cross
     /// itself.
-    pub fn turns_little(&self) -> bool {
+    pub(crate) fn turns_little(&self) -> bool {
         let chord = self.chord();
         chord.norm() > 0.0
             && self.directions().iter().all(|d| {
@@ -88,7 +88,7 @@ impl BezierPiece {
     }
 
     /// Whether both coordinates stay between `low` and `high`.
-    pub fn is_within(&self, low: f64, high: f64, shortest: f64) -> bool {
+    pub(crate) fn is_within(&self, low: f64, high: f64, shortest: f64) -> bool {
         let fits = |p: &Uv| p.coords.min() >= low && p.coords.max() <= high;
         self.points.iter().all(fits)
             || (fits(&self.start())
@@ -98,7 +98,7 @@ impl BezierPiece {
     }
 
     /// Whether the pieces are proved to be more than `clearance` apart.
-    pub fn is_apart(&self, other: &BezierPiece, clearance: f64, shortest: f64) -> bool {
+    pub(crate) fn is_apart(&self, other: &BezierPiece, clearance: f64, shortest: f64) -> bool {
         let ([a, b], [c, d]) = (self.bounds(), other.bounds());
         let gap = (c - b).sup(&(a - d));
         if gap.max() > clearance {
@@ -112,7 +112,7 @@ impl BezierPiece {
 
     /// Whether the ray from `p` in the direction of increasing u crosses the piece an odd number of
     /// times.
-    pub fn ray_crosses(&self, p: Uv, shortest: f64) -> bool {
+    pub(crate) fn ray_crosses(&self, p: Uv, shortest: f64) -> bool {
         let [low, high] = self.bounds();
         if p.y < low.y || p.y > high.y || p.x > high.x {
             return false;

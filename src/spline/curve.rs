@@ -25,12 +25,13 @@ impl<const D: usize> Curve<D> {
     }
 
     /// The straight line from `a` to `b`, over [0, 1].
-    pub fn line(a: SVector<f64, D>, b: SVector<f64, D>) -> Self {
+    #[cfg(test)]
+    pub(crate) fn line(a: SVector<f64, D>, b: SVector<f64, D>) -> Self {
         Curve::new(KnotVector::clamped(1, &[0.0, 1.0], 1), vec![a, b])
     }
 
     /// The value and the first and second derivatives at `t`.
-    pub fn derivatives(&self, t: f64) -> [SVector<f64, D>; 3] {
+    pub(crate) fn derivatives(&self, t: f64) -> [SVector<f64, D>; 3] {
         let b = self.knots.basis(t);
         let control = &self.control[b.first..=b.first + self.knots.degree()];
         b.derivative
@@ -44,7 +45,7 @@ impl<const D: usize> Curve<D> {
 
     /// The part of the curve between the parameters `a` and `b`, as a clamped curve with unchanged
     /// parameters.
-    pub fn part(&self, a: f64, b: f64) -> Self {
+    pub(crate) fn part(&self, a: f64, b: f64) -> Self {
         let p = self.knots.degree();
         let mut breaks = vec![a];
         breaks.extend(self.knots.breaks().into_iter().filter(|&t| a < t && t < b));
@@ -54,7 +55,7 @@ impl<const D: usize> Curve<D> {
 
     /// The same curve in the opposite direction, over the same range.
     #[must_use]
-    pub fn reversed(&self) -> Self {
+    pub(crate) fn reversed(&self) -> Self {
         let (low, high) = self.knots.range();
         let knots = self.knots.knots().iter().rev().map(|t| low + high - t).collect();
         let control = self.control.iter().rev().copied().collect();

@@ -56,7 +56,7 @@ pub(crate) struct Foot {
 
 impl Foot {
     /// The result of [`foot_point`], with the derivatives at the foot point.
-    pub fn find<S: ParametricSurface + ?Sized>(surface: &S, p: Point, start: Uv) -> Self {
+    pub(crate) fn find<S: ParametricSurface + ?Sized>(surface: &S, p: Point, start: Uv) -> Self {
         descend(surface, p, start, [true; 2], ACCURACY)
     }
 }

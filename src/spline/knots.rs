@@ -89,7 +89,7 @@ impl KnotVector {
     }
 
     /// The parameters in the middles of `parts` equal parts of each span between two breaks.
-    pub fn middles(&self, parts: usize) -> Vec<f64> {
+    pub(crate) fn middles(&self, parts: usize) -> Vec<f64> {
         let breaks = self.breaks();
         let of_span = |span: &[f64]| {
             let (low, wide) = (span[0], span[1] - span[0]);
@@ -100,7 +100,7 @@ impl KnotVector {
 
     /// The number i of the non-empty knot span [tᵢ, tᵢ₊₁) that contains `t`. The last span also
     /// contains its end. Parameters outside the range belong to the first or the last span.
-    pub fn span(&self, t: f64) -> usize {
+    pub(crate) fn span(&self, t: f64) -> usize {
         let inner = &self.knots[self.degree + 1..self.functions()];
         let mut i = self.degree + inner.partition_point(|&k| k <= t);
         while self.knots[i] == self.knots[i + 1] && i > self.degree {
@@ -110,13 +110,13 @@ impl KnotVector {
     }
 
     /// The basis functions at `t` (NURBS Book, A2.2 and A2.3).
-    pub fn basis(&self, t: f64) -> Basis {
+    pub(crate) fn basis(&self, t: f64) -> Basis {
         self.basis_in(self.span(t), t)
     }
 
     /// The polynomials to which the basis functions are equal on span `span`, evaluated at any `t`.
     /// Outside the span they are extrapolated.
-    pub fn basis_in(&self, span: usize, t: f64) -> Basis {
+    pub(crate) fn basis_in(&self, span: usize, t: f64) -> Basis {
         let p = self.degree;
         let around = &self.knots[span + 1 - p..=span + p];
         // The compiler unrolls loops of known length, which makes this three times as fast.
@@ -135,7 +135,7 @@ impl KnotVector {
 
     /// The blossom of the polynomial on `span` at `degree` arguments, computed from the control
     /// points by de Boor's algorithm with a separate parameter on every level.
-    pub fn blossom<const D: usize>(
+    pub(crate) fn blossom<const D: usize>(
         &self,
         span: usize,
         control: &[SVector<f64, D>],

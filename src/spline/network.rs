@@ -76,7 +76,7 @@ impl Network {
     }
 
     /// The surfaces on the two sides of each track.
-    pub fn uses(&self) -> Vec<Vec<SideUse>> {
+    pub(crate) fn uses(&self) -> Vec<Vec<SideUse>> {
         let mut uses = vec![Vec::with_capacity(2); self.tracks.len()];
         for (face, sides) in self.sides.iter().enumerate() {
             for (k, side) in sides.iter().enumerate() {
@@ -129,7 +129,7 @@ pub struct SideUse {
 impl SideUse {
     /// The parameter point at parameter `t` of the track, and at `depth` from the side towards the
     /// inside. `end` is the highest parameter.
-    pub fn place(&self, end: f64, t: f64, depth: f64) -> Uv {
+    pub(crate) fn place(&self, end: f64, t: f64, depth: f64) -> Uv {
         let along = if self.forward { t } else { end - t };
         match self.k {
             0 => Uv::new(along, depth),
@@ -139,7 +139,7 @@ impl SideUse {
         }
     }
 
-    /// The inverse of [`place`](Self::place): the parameter of the track, and the depth.
+    /// The inverse of `place`: the parameter of the track, and the depth.
     pub fn from_place(&self, end: f64, at: Uv) -> (f64, f64) {
         let (along, depth) = match self.k {
             0 => (at.x, at.y),

@@ -74,7 +74,7 @@ impl NetworkCut {
     }
 
     /// The ends of the pieces of each track, with their parameters in ascending order.
-    pub fn piece_ends(&self, network: &Network) -> Vec<Vec<(f64, PieceEnd)>> {
+    pub(crate) fn piece_ends(&self, network: &Network) -> Vec<Vec<(f64, PieceEnd)>> {
         let ends = network.tracks.iter().map(|track| {
             let [start, end] = track.ends.map(PieceEnd::Corner);
             vec![(0.0, start), (network.end(), end)]
@@ -156,7 +156,7 @@ pub fn chord_points(curves: &[Curve<2>]) -> Vec<Uv> {
 
 impl KeptFace {
     /// Whether the face is a whole surface.
-    pub fn is_whole(&self) -> bool {
+    pub(crate) fn is_whole(&self) -> bool {
         self.loops.iter().flatten().all(|part| matches!(part, CutPart::Side(..)))
     }
 }

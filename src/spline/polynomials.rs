@@ -23,7 +23,7 @@ struct Polynomials {
 
 /// A form of the surface for many evaluations: polynomials if it is cubic in both directions, as
 /// the fits make it, and the surface itself otherwise.
-pub fn fast_evaluator(surface: &Surface) -> Box<dyn ParametricSurface> {
+pub(crate) fn fast_evaluator(surface: &Surface) -> Box<dyn ParametricSurface> {
     match [&surface.u, &surface.v].iter().all(|knots| knots.degree() == 3) {
         true => Box::new(Polynomials::new(surface)),
         false => Box::new(surface.clone()),

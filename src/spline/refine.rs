@@ -6,7 +6,7 @@ use super::{KnotVector, Surface};
 
 impl Surface {
     /// The same surface over finer knot vectors, which must contain the present knots.
-    pub(crate) fn over(&self, [u, v]: [KnotVector; 2]) -> Self {
+    pub fn over(&self, [u, v]: [KnotVector; 2]) -> Self {
         let net = refined(&self.net, [&self.u, &self.v], [&u, &v]);
         Surface::new(u, v, net)
     }
@@ -14,7 +14,7 @@ impl Surface {
 
 /// The control net of the same surface over finer knot vectors, refined along v first and then
 /// along u. The new vectors must contain the old knots.
-pub fn refined<const D: usize>(
+pub(crate) fn refined<const D: usize>(
     net: &[SVector<f64, D>],
     from: [&KnotVector; 2],
     to: [&KnotVector; 2],

@@ -5,18 +5,18 @@ use super::KnotVector;
 
 /// The pairs (a, c), a ≤ c, of the four basis functions on a span, ordered by the difference `c −
 /// a`.
-pub const PAIRS: [(usize, usize); 10] =
+pub(crate) const PAIRS: [(usize, usize); 10] =
     [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (1, 2), (2, 3), (0, 2), (1, 3), (0, 3)];
 
 /// Coefficients of a cubic, of the powers 1 to s³.
-pub type Cubic = [f64; 4];
+pub(crate) type Cubic = [f64; 4];
 
 /// Coefficients of a product of two cubics, of the powers 1 to s⁶, followed by a zero.
-pub type Sextic = [f64; 8];
+pub(crate) type Sextic = [f64; 8];
 
 /// One knot span. Its local parameter `s` runs from −1 to 1.
 #[derive(Debug, Clone)]
-pub struct Span {
+pub(crate) struct Span {
     middle: f64,
     half: f64,
     /// The four basis functions on the span as polynomials in s.
@@ -40,7 +40,7 @@ impl Span {
 
     /// The polynomials to which the basis functions are equal on span `number`, extrapolated to
     /// this span and expressed in its s.
-    pub fn pieces(&self, knots: &KnotVector, number: usize) -> [Cubic; 4] {
+    pub(crate) fn pieces(&self, knots: &KnotVector, number: usize) -> [Cubic; 4] {
         let h = self.half;
         let [value, slope, bend] = knots.basis_in(number + 3, self.middle).derivative;
         let further = knots.basis_in(number + 3, self.middle + h).derivative[2];
@@ -51,18 +51,18 @@ impl Span {
     }
 
     /// The local parameter of parameter `t`.
-    pub fn local(&self, t: f64) -> f64 {
+    pub(crate) fn local(&self, t: f64) -> f64 {
         (t - self.middle) / self.half
     }
 
     /// Half the length of the span.
-    pub fn half(&self) -> f64 {
+    pub(crate) fn half(&self) -> f64 {
         self.half
     }
 }
 
 /// The products of [`PAIRS`].
-pub fn products(basis: &[Cubic; 4]) -> [Sextic; 10] {
+pub(crate) fn products(basis: &[Cubic; 4]) -> [Sextic; 10] {
     PAIRS.map(|(a, c)| {
         let mut product = [0.0; 8];
         for (i, x) in basis[a].iter().enumerate() {
@@ -77,7 +77,7 @@ pub fn products(basis: &[Cubic; 4]) -> [Sextic; 10] {
 /// The spans of a cubic knot vector with single inner knots. The span of a parameter is found in
 /// constant time.
 #[derive(Debug, Clone)]
-pub struct KnotSpans {
+pub(crate) struct KnotSpans {
     /// The spans. There are three fewer than basis functions.
     pub all: Vec<Span>,
     ends: Vec<f64>,
@@ -104,7 +104,7 @@ impl KnotSpans {
     }
 
     /// The number of the span that contains `t`, which is that of [`KnotVector::span`] minus 3.
-    pub fn find(&self, t: f64) -> usize {
+    pub(crate) fn find(&self, t: f64) -> usize {
         let bucket = ((t - self.low) * self.scale).max(0.0) as usize;
         let mut n = self.buckets[bucket.min(self.buckets.len() - 1)] as usize;
         while n + 1 < self.all.len() && self.ends[n + 1] <= t {

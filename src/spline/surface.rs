@@ -73,7 +73,7 @@ impl Surface {
     }
 
     /// The parameter points in the middles of `parts` × `parts` equal parts of each cell between knots.
-    pub fn middles(&self, parts: usize) -> Vec<Uv> {
+    pub(crate) fn middles(&self, parts: usize) -> Vec<Uv> {
         let (us, vs) = (self.u.middles(parts), self.v.middles(parts));
         us.iter().flat_map(|&u| vs.iter().map(move |&v| Uv::new(u, v))).collect()
     }
@@ -113,7 +113,7 @@ impl Surface {
     }
 
     /// The parameter point of the domain nearest to `at`.
-    pub fn clamp(&self, at: Uv) -> Uv {
+    pub(crate) fn clamp(&self, at: Uv) -> Uv {
         ParametricSurface::clamp(self, at)
     }
 

@@ -5,7 +5,7 @@ use formats::LengthUnit;
 
 /// A unit on the command line.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum Unit {
+pub(crate) enum Unit {
     #[value(alias = "micrometre", alias = "micrometres", alias = "µm")]
     Um,
     #[value(alias = "millimetre", alias = "millimetres", alias = "millimeter")]

@@ -14,7 +14,7 @@ pub enum Colour {
 
 impl Colour {
     /// Whether standard error gets colours.
-    pub fn is_on(self) -> bool {
+    pub(crate) fn is_on(self) -> bool {
         match self {
             Colour::Auto => {
                 std::io::stderr().is_terminal() && std::env::var_os("NO_COLOR").is_none()

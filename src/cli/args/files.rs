@@ -11,7 +11,7 @@ use crate::cli::streams;
 
 /// A file to read, or standard input.
 #[derive(Debug, Clone)]
-pub struct InputFile {
+pub(crate) struct InputFile {
     /// The path, or what messages and outputs call standard input.
     pub name: PathBuf,
     pub is_stdin: bool,
@@ -25,7 +25,7 @@ impl From<PathBuf> for InputFile {
 }
 
 /// Takes any path, even one that is no Unicode.
-pub fn input_file() -> impl TypedValueParser<Value = InputFile> {
+pub(crate) fn input_file() -> impl TypedValueParser<Value = InputFile> {
     PathBufValueParser::new().map(InputFile::from)
 }
 
@@ -45,7 +45,7 @@ pub enum CadKind {
 
 impl CadKind {
     /// The extension of a file that gets its name from the scan.
-    pub fn extension(self) -> &'static str {
+    pub(crate) fn extension(self) -> &'static str {
         match self {
             CadKind::Step => "step",
             CadKind::Iges => "igs",

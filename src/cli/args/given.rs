@@ -35,7 +35,7 @@ fn values(argument: &Arg, matches: &ArgMatches) -> Vec<String> {
 const MANNER: [&str; 2] = ["progress", "no_clobber"];
 
 /// The words of a `convert` that makes the same files. Options that change no file are omitted.
-pub fn convert_again(matches: &ArgMatches) -> Vec<String> {
+pub(crate) fn convert_again(matches: &ArgMatches) -> Vec<String> {
     let whole = Convert::augment_args(Command::new("convert"));
     let manner = Manner::augment_args(Command::new("manner"));
     let changes_files = |option: &&Arg| {

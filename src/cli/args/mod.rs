@@ -4,7 +4,7 @@ mod choices;
 mod colour;
 mod files;
 mod given;
-pub mod headings;
+pub(crate) mod headings;
 mod how;
 mod numbers;
 mod pieces;
@@ -37,14 +37,14 @@ use pieces::{component, one_component};
 #[derive(Debug, Parser)]
 #[command(version, about, max_term_width = 100)]
 #[command(after_help = notes::PROGRAM.help())]
-pub struct Cli {
+pub(crate) struct Cli {
     #[command(subcommand)]
     pub command: Command,
 }
 
 /// What to do.
 #[derive(Debug, Subcommand)]
-pub enum Command {
+pub(crate) enum Command {
     /// Convert one scan to one or more CAD files.
     ///
     /// The scan is a mesh (.ply, .obj, .gltf, .glb, .stl or .off) or a cloud of points (.ply
@@ -78,7 +78,7 @@ pub enum Command {
 /// Options of `inspect`.
 #[derive(Debug, Args)]
 #[command(after_help = notes::INSPECT.help())]
-pub struct Inspect {
+pub(crate) struct Inspect {
     #[command(flatten)]
     pub piece: Piece,
     /// Component of the scan: largest, or a number (0 is the largest)
@@ -91,7 +91,7 @@ pub struct Inspect {
 /// Options of `check`.
 #[derive(Debug, Args)]
 #[command(after_help = notes::CHECK.help())]
-pub struct Check {
+pub(crate) struct Check {
     /// The CAD file: STEP or IGES, or - for standard input
     #[arg(value_parser = input_file(), value_hint = ValueHint::FilePath)]
     pub cad: InputFile,
@@ -115,7 +115,7 @@ pub struct Check {
 /// Options of `convert`.
 #[derive(Debug, Args)]
 #[command(after_help = notes::CONVERT.help())]
-pub struct Convert {
+pub(crate) struct Convert {
     #[command(flatten)]
     pub piece: Piece,
     /// CAD files to write: .step, .stp, .igs or .iges, or - for standard output [default: the
@@ -154,7 +154,7 @@ pub struct Convert {
 impl Convert {
     /// The name of the part: that of the scan's file, or, as standard input has none, of the first
     /// output.
-    pub fn part_name(&self) -> String {
+    pub(crate) fn part_name(&self) -> String {
         let scan = &self.piece.scan;
         let out = self.out.iter().map(|file| &file.path).find(|path| !is_stdout(path));
         part_name(out.filter(|_| scan.is_stdin).unwrap_or(&scan.name))
@@ -176,7 +176,7 @@ impl Convert {
 impl Command {
     /// The same with what follows from other arguments.
     #[must_use]
-    pub fn completed(mut self, matches: &ArgMatches) -> Self {
+    pub(crate) fn completed(mut self, matches: &ArgMatches) -> Self {
         if let Command::Convert(convert) = &mut self {
             convert.complete();
             let given = matches.subcommand_matches("convert");

@@ -27,12 +27,12 @@ fn number<T: FromStr>(text: &str) -> Result<T, String> {
 }
 
 /// A length above 0, in mm or with a unit.
-pub fn positive(text: &str) -> Result<f64, String> {
+pub(crate) fn positive(text: &str) -> Result<f64, String> {
     in_mm(text, rules::length)
 }
 
 /// A length of 0 or more, in mm or with a unit.
-pub fn extent(text: &str) -> Result<f64, String> {
+pub(crate) fn extent(text: &str) -> Result<f64, String> {
     in_mm(text, rules::extent)
 }
 
@@ -57,7 +57,7 @@ fn in_mm(text: &str, rule: fn(f64) -> Result<(), Fault>) -> Result<f64, String> 
 }
 
 /// A percentage of points.
-pub fn percentage(text: &str) -> Result<f64, String> {
+pub(crate) fn percentage(text: &str) -> Result<f64, String> {
     let x = number(text)?;
     match rules::share(x / 100.0) {
         Ok(()) => Ok(x),
@@ -66,27 +66,27 @@ pub fn percentage(text: &str) -> Result<f64, String> {
 }
 
 /// A number of halvings of the domain.
-pub fn depth(text: &str) -> Result<u32, String> {
+pub(crate) fn depth(text: &str) -> Result<u32, String> {
     sound(text, rules::depth)
 }
 
 /// The bound on the control points of a net.
-pub fn max_net(text: &str) -> Result<usize, String> {
+pub(crate) fn max_net(text: &str) -> Result<usize, String> {
     sound(text, rules::max_net)
 }
 
 /// A number of faces.
-pub fn faces(text: &str) -> Result<usize, String> {
+pub(crate) fn faces(text: &str) -> Result<usize, String> {
     sound(text, rules::faces)
 }
 
 /// The bound on the points of a cloud.
-pub fn max_points(text: &str) -> Result<usize, String> {
+pub(crate) fn max_points(text: &str) -> Result<usize, String> {
     sound(text, rules::max_points)
 }
 
 /// The support of the smoothing.
-pub fn support(text: &str) -> Result<Support, String> {
+pub(crate) fn support(text: &str) -> Result<Support, String> {
     match text {
         "auto" => Ok(Support::Auto),
         "off" => Ok(Support::Off),
@@ -95,7 +95,7 @@ pub fn support(text: &str) -> Result<Support, String> {
 }
 
 /// A net, as 13x13.
-pub fn net(text: &str) -> Result<[usize; 2], String> {
+pub(crate) fn net(text: &str) -> Result<[usize; 2], String> {
     let wrong = "not of the form 13x13";
     let (m, n) = text.split_once(['x', 'X', '×']).ok_or(wrong)?;
     let side = |s: &str| s.trim().parse().map_err(|_| wrong.to_owned());

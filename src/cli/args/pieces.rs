@@ -111,12 +111,12 @@ pub struct Look {
 
 impl CloudArgs {
     /// What is read of the file.
-    pub fn reading(&self) -> ReadOptions {
+    pub(crate) fn reading(&self) -> ReadOptions {
         ReadOptions { classes: self.classes.clone(), min_intensity: self.min_intensity }
     }
 
     /// The options of the library that they stand for, with the unit that was named.
-    pub fn options(&self, scale: &Scale, crop: &CropArgs) -> Builder {
+    pub(crate) fn options(&self, scale: &Scale, crop: &CropArgs) -> Builder {
         let options = Options::builder()
             .within(crop.within)
             .above(crop.above)
@@ -159,7 +159,7 @@ pub fn component(text: &str) -> Result<ComponentChoice, String> {
     }
 }
 
-pub fn one_component(text: &str) -> Result<Choice, String> {
+pub(crate) fn one_component(text: &str) -> Result<Choice, String> {
     match component(text) {
         Ok(ComponentChoice::Largest) => Ok(Choice::Largest),
         Ok(ComponentChoice::Number(n)) => Ok(Choice::Number(n)),

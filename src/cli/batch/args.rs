@@ -12,7 +12,7 @@ use crate::cli::report::ReportFormat;
 /// Options of `batch`.
 #[derive(Debug, Args)]
 #[command(after_help = notes::BATCH.help())]
-pub struct Batch {
+pub(crate) struct Batch {
     /// Folders with scans, patterns ('scans/**/*.ply'), or scans.
     #[arg(required = true, value_name = "DIR|GLOB")]
     pub scans: Vec<PathBuf>,
@@ -50,7 +50,7 @@ pub struct Batch {
 
 /// Formats of the CAD files.
 #[derive(Debug, Clone, Copy, ValueEnum)]
-pub enum Formats {
+pub(crate) enum Formats {
     Step,
     Iges,
     Both,
@@ -58,7 +58,7 @@ pub enum Formats {
 
 impl Formats {
     /// The extensions of the files.
-    pub fn extensions(self) -> &'static [&'static str] {
+    pub(crate) fn extensions(self) -> &'static [&'static str] {
         match self {
             Formats::Step => &["step"],
             Formats::Iges => &["igs"],
@@ -69,7 +69,7 @@ impl Formats {
 
 /// One of several parts of the scans.
 #[derive(Debug, Clone, Copy)]
-pub struct Shard {
+pub(crate) struct Shard {
     /// The part, counted from 1.
     number: usize,
     of: usize,
@@ -77,7 +77,7 @@ pub struct Shard {
 
 impl Shard {
     /// Whether the scan at this position of the sorted list, counted from 0, is in the shard.
-    pub fn has(self, place: usize) -> bool {
+    pub(crate) fn has(self, place: usize) -> bool {
         place % self.of == self.number - 1
     }
 }
@@ -90,7 +90,7 @@ fn shard(text: &str) -> Result<Shard, String> {
 }
 
 /// The options of `batch` that are passed on to every `convert`.
-pub fn passed_on(matches: &ArgMatches) -> Vec<String> {
+pub(crate) fn passed_on(matches: &ArgMatches) -> Vec<String> {
     let of_scan = CloudArgs::augment_args(Scale::augment_args(Command::new("shared")));
     let of_scan = CropArgs::augment_args(of_scan);
     let shared = How::augment_args(of_scan);

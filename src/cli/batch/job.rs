@@ -12,7 +12,7 @@ use super::scans::FoundScan;
 use crate::cli::{output, subprocess, temp_files};
 
 /// The settings that all scans of a batch share.
-pub struct Job {
+pub(crate) struct Job {
     pub program: PathBuf,
     pub out: PathBuf,
     /// Extensions of the files to write: CAD files, reports.
@@ -29,7 +29,7 @@ pub struct Job {
 
 impl Job {
     /// Converts a scan and records the result.
-    pub fn run(&self, scan: &FoundScan) -> Record {
+    pub(crate) fn run(&self, scan: &FoundScan) -> Record {
         let begun = Instant::now();
         let mut record = Record {
             scan2step: env!("CARGO_PKG_VERSION").into(),

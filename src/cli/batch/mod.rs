@@ -1,6 +1,6 @@
 //! `scan2step batch`: many scans, a CAD file each, and a summary.
 
-pub mod args;
+pub(crate) mod args;
 mod job;
 mod record;
 mod scans;
@@ -22,7 +22,7 @@ use scans::{FoundScan, UnusedFile};
 use summary::{Row, Status};
 
 /// Finds the scans, converts those that need it, and writes the summaries.
-pub fn run(args: &Batch, matches: &ArgMatches) -> Result<Outcome, Failure> {
+pub(crate) fn run(args: &Batch, matches: &ArgMatches) -> Result<Outcome, Failure> {
     let folder = args.out.join(record::FOLDER);
     let (scans, left_out) = scans::find(&args.scans, &args.out)?;
     // The user named the folder that holds it.
@@ -62,7 +62,7 @@ pub fn run(args: &Batch, matches: &ArgMatches) -> Result<Outcome, Failure> {
 }
 
 /// Whether a word of a command line names a file among the records of a batch.
-pub fn is_record(word: &str) -> bool {
+pub(crate) fn is_record(word: &str) -> bool {
     let folder = Path::new(word).parent().and_then(Path::file_name);
     folder.is_some_and(|folder| folder == record::FOLDER)
 }

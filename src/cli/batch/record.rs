@@ -15,11 +15,11 @@ use super::scans::FoundScan;
 use crate::cli::output::{self, Pending};
 
 /// The folder of records in the output folder.
-pub const FOLDER: &str = ".scan2step";
+pub(crate) const FOLDER: &str = ".scan2step";
 
 /// The result of one scan.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Record {
+pub(crate) struct Record {
     pub scan2step: String,
     pub file: String,
     pub input: Stamp,
@@ -37,7 +37,7 @@ pub struct Record {
 
 /// How well a scan was converted. For several components these are the largest values.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub struct Figures {
+pub(crate) struct Figures {
     /// What the scan became: "face", "shell" or "solid".
     pub shape: Option<String>,
     /// The number of faces of solids and shells, or of components that became a face each.
@@ -56,7 +56,7 @@ pub struct Figures {
 
 /// A file that was written, and where in the output folder.
 #[derive(Debug, Clone, Serialize, Deserialize)]
-pub struct Output {
+pub(crate) struct Output {
     pub file: String,
     pub bytes: u64,
     pub sha256: String,
@@ -64,7 +64,7 @@ pub struct Output {
 
 /// What identifies the content of a scan.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
-pub struct Stamp {
+pub(crate) struct Stamp {
     bytes: u64,
     /// The time of the last change, since 1970; `None` if the scan has other files besides.
     modified_ns: Option<u128>,
@@ -161,14 +161,14 @@ impl Figures {
 
 /// The path of a record about a scan. Scans in different folders can have the same name, so a
 /// hash of the whole name distinguishes them.
-pub fn path(out: &Path, scan: &FoundScan, extension: &str) -> PathBuf {
+pub(crate) fn path(out: &Path, scan: &FoundScan, extension: &str) -> PathBuf {
     let key = output::hexadecimal(&Sha256::digest(scan.name.as_os_str().as_encoded_bytes()));
     out.join(FOLDER).join(format!("{}.{extension}", &key[..32]))
 }
 
 impl Record {
     /// The record of an earlier run, if there is one.
-    pub fn read(out: &Path, scan: &FoundScan) -> Option<Record> {
+    pub(crate) fn read(out: &Path, scan: &FoundScan) -> Option<Record> {
         let text = std::fs::read(path(out, scan, "json")).ok()?;
         // If it cannot be read, the scan is converted again.
         serde_json::from_slice(&text).ok()
@@ -185,7 +185,7 @@ impl Record {
 
     /// Whether the scan need not be converted again: the files are there, and scan, options and
     /// program are the same.
-    pub fn holds(&self, out: &Path, scan: &FoundScan, options: &[String]) -> bool {
+    pub(crate) fn holds(&self, out: &Path, scan: &FoundScan, options: &[String]) -> bool {
         let there = |output: &Output| {
             let meta = std::fs::metadata(out.join(&output.file));
             meta.is_ok_and(|meta| meta.is_file() && meta.len() == output.bytes)

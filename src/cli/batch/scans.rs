@@ -13,7 +13,7 @@ use crate::cli::cad::part_name;
 
 /// A scan of a batch.
 #[derive(Debug, Clone)]
-pub struct FoundScan {
+pub(crate) struct FoundScan {
     /// The path as the user would write it.
     pub path: PathBuf,
     /// The name of its outputs in the output folder, without extensions. No other scan of the
@@ -33,7 +33,7 @@ struct ScanSearch {
 
 /// A file that is not converted, and why.
 #[derive(Debug, Clone, Serialize)]
-pub struct UnusedFile {
+pub(crate) struct UnusedFile {
     pub file: String,
     pub reason: &'static str,
 }
@@ -54,7 +54,7 @@ impl ScanSearch {
 
 /// All scans that the arguments name, sorted, and the files that are left out. The names of scans
 /// include the folders below the one that all arguments share.
-pub fn find(
+pub(crate) fn find(
     arguments: &[PathBuf],
     out: &Path,
 ) -> Result<(Vec<FoundScan>, Vec<UnusedFile>), Failure> {

@@ -19,7 +19,7 @@ use crate::cli::streams;
 /// The status of a scan.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "lowercase")]
-pub enum Status {
+pub(crate) enum Status {
     /// Converted.
     Ok,
     /// Converted, but a tolerance that the user named is not met.
@@ -41,7 +41,7 @@ impl Status {
         }
     }
 
-    pub fn name(self) -> &'static str {
+    pub(crate) fn name(self) -> &'static str {
         match self {
             Status::Ok => "ok",
             Status::Missed => "missed",
@@ -53,7 +53,7 @@ impl Status {
 }
 
 /// A scan in the summary.
-pub struct Row {
+pub(crate) struct Row {
     pub scan: FoundScan,
     pub status: Status,
     pub record: Option<Record>,
@@ -198,7 +198,7 @@ fn csv(rows: &[Row], to: &mut dyn Write) -> std::io::Result<()> {
 
 /// The table for people. It has what fits on a terminal of 80 columns beside a short path; the
 /// other figures are in the summaries.
-pub fn table(rows: &[Row]) -> String {
+pub(crate) fn table(rows: &[Row]) -> String {
     let mut table = Builder::default();
     table.push_record(["scan", "status", "seconds", "made", "rms mm", "max mm", "holes"]);
     for row in rows {

@@ -3,22 +3,22 @@
 use crate::geometry::{FEW, Point};
 
 /// The number of a box, and its lowest and highest corner.
-pub type NumberedBox = (u32, [Point; 2]);
+pub(crate) type NumberedBox = (u32, [Point; 2]);
 
 /// Some boxes that are near each other, and the box around them.
-pub struct BoxBlock {
+pub(crate) struct BoxBlock {
     pub extent: [Point; 2],
     pub members: Vec<NumberedBox>,
 }
 
 /// All boxes in blocks. The blocks are sorted by where they begin along `axis`.
-pub struct BoxBlocks {
+pub(crate) struct BoxBlocks {
     pub blocks: Vec<BoxBlock>,
     axis: usize,
 }
 
 impl BoxBlocks {
-    pub fn new(mut boxes: Vec<NumberedBox>) -> Self {
+    pub(crate) fn new(mut boxes: Vec<NumberedBox>) -> Self {
         let axis = widest(around(&boxes));
         let mut blocks = Vec::with_capacity(2 * boxes.len() / FEW + 1);
         divide(&mut boxes, &mut blocks);
@@ -27,7 +27,7 @@ impl BoxBlocks {
     }
 
     /// Calls `found` once for each pair of boxes that overlap.
-    pub fn pairs(&self, mut found: impl FnMut(u32, u32)) {
+    pub(crate) fn pairs(&self, mut found: impl FnMut(u32, u32)) {
         for (k, block) in self.blocks.iter().enumerate() {
             within(&block.members, &mut found);
             for other in &self.blocks[k + 1..] {

@@ -4,7 +4,7 @@ mod box_blocks;
 
 use robust::{Coord3D, orient3d};
 
-pub use box_blocks::{BoxBlock, BoxBlocks, NumberedBox, around, overlap};
+pub(crate) use box_blocks::{BoxBlock, BoxBlocks, NumberedBox, around, overlap};
 
 use super::Mesh;
 use crate::geometry::{Point, VertexId};
@@ -24,7 +24,7 @@ pub fn crossings(mesh: &Mesh) -> Vec<[usize; 2]> {
 }
 
 /// The bounding box of a triangle.
-pub fn extent([a, b, c]: [Point; 3]) -> [Point; 2] {
+pub(crate) fn extent([a, b, c]: [Point; 3]) -> [Point; 2] {
     [a.inf(&b).inf(&c), a.sup(&b).sup(&c)]
 }
 

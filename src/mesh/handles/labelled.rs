@@ -113,7 +113,7 @@ impl<'a> LabelledEdges<'a> {
     }
 
     /// The shortest loop through `first` whose labels do not cancel.
-    pub fn loop_at(&self, first: u32, longest: f64) -> Option<FoundLoop> {
+    pub(crate) fn loop_at(&self, first: u32, longest: f64) -> Option<FoundLoop> {
         let mut reached: HashMap<u32, Reached> = HashMap::new();
         let mut heap = BinaryHeap::new();
         let start = Reached { distance: 0.0, label: 0, parent: first, is_done: false };

@@ -64,7 +64,7 @@ impl Handle {
     }
 
     /// The same with all lengths multiplied by a factor.
-    pub(crate) fn scaled(self, factor: f64) -> Self {
+    pub fn scaled(self, factor: f64) -> Self {
         Handle { at: self.at * factor, length: self.length * factor }
     }
 }

@@ -20,11 +20,11 @@ use super::{Mesh, Neighbours, VertexRings};
 use crate::geometry::{Point, Vector, VertexId};
 
 /// Points beyond this multiple of h are left out. Their weight is below 0.7 %.
-pub const REACH: f64 = 2.25;
+pub(crate) const REACH: f64 = 2.25;
 
 /// Points with normals, indexed for projections onto the surface that they sample.
 #[derive(Debug)]
-pub struct Cloud {
+pub(crate) struct Cloud {
     points: Vec<Point>,
     normals: Vec<Vector>,
     near: Neighbours,
@@ -32,7 +32,7 @@ pub struct Cloud {
 
 /// The result of a projection.
 #[derive(Debug, Clone, Copy)]
-pub struct Projection {
+pub(crate) struct Projection {
     /// The point on the local polynomial.
     pub point: Point,
     /// The unit normal of the local polynomial at this point.
@@ -41,7 +41,7 @@ pub struct Projection {
 
 /// A point that takes part in a fit, or several points that are merged into one.
 #[derive(Debug, Clone, Copy)]
-pub struct Sample {
+pub(crate) struct Sample {
     /// Its position, or the mean position of the merged points.
     pub at: Point,
     /// The number of points that it represents.
@@ -60,7 +60,7 @@ impl From<Point> for Sample {
 impl Sample {
     /// Merges several samples into one. If none has any weight, the result is at the first one's
     /// position.
-    pub fn merged(samples: impl Iterator<Item = Sample> + Clone) -> Sample {
+    pub(crate) fn merged(samples: impl Iterator<Item = Sample> + Clone) -> Sample {
         let first = samples.clone().next().map_or(Point::origin(), |s| s.at);
         let (mut weight, mut sum, mut squares) = (0.0, Vector::zeros(), Matrix3::zeros());
         for s in samples.filter(|s| s.weight > 0.0) {
@@ -99,18 +99,18 @@ impl Cloud {
     }
 
     /// The unit normal of the cloud's `i`-th point.
-    pub fn normal(&self, i: usize) -> Vector {
+    pub(crate) fn normal(&self, i: usize) -> Vector {
         self.normals[i]
     }
 
     /// The distance from `p` to the nearest point of the cloud.
-    pub fn nearest_distance(&self, p: Point) -> f64 {
+    pub(crate) fn nearest_distance(&self, p: Point) -> f64 {
         (self.points[self.near.nearest(p)] - p).norm()
     }
 
     /// Appends the points within `radius` of `r` to `around`. Points whose normal faces the
     /// opposite way lie on another sheet and are left out.
-    pub fn gather(&self, r: Point, normal: Vector, radius: f64, around: &mut Vec<Sample>) {
+    pub(crate) fn gather(&self, r: Point, normal: Vector, radius: f64, around: &mut Vec<Sample>) {
         let mut found = Vec::new();
         self.near.within(r, radius, &mut found);
         let same_sheet = found.iter().filter(|&&i| self.normals[i as usize].dot(&normal) > 0.0);
@@ -120,7 +120,7 @@ impl Cloud {
 
 /// Vertex normals averaged over two rings of neighbours. Noise as large as the distance between
 /// points does not flip such a normal.
-pub fn smoothed_normals(mesh: &Mesh, rings: &VertexRings) -> Vec<Vector> {
+pub(crate) fn smoothed_normals(mesh: &Mesh, rings: &VertexRings) -> Vec<Vector> {
     let mut normals = mesh.vertex_normals();
     for _ in 0..2 {
         let mean = |i: usize| {

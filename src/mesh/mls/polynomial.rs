@@ -66,7 +66,7 @@ impl Polynomial {
     }
 
     /// The point of the polynomial above `p` along the normal of the plane, and its unit normal.
-    pub fn at(&self, p: Point) -> (Point, Vector) {
+    pub(crate) fn at(&self, p: Point) -> (Point, Vector) {
         let n = self.plane.normal;
         let (e1, e2) = self.axes;
         let d = (p - self.plane.origin) / self.h;

@@ -5,7 +5,7 @@ use smallvec::SmallVec;
 use crate::geometry::Point;
 
 /// The triangle to the left of each directed side.
-pub struct Sides {
+pub(crate) struct Sides {
     /// For each vertex, the ends of the sides that start there and the triangles to their left.
     leaving: Vec<SmallVec<[(u32, u32); 8]>>,
 }
@@ -21,14 +21,14 @@ impl Sides {
     }
 
     /// The triangle to the left of the side from `a` to `b`.
-    pub fn get(&self, a: usize, b: usize) -> Option<usize> {
+    pub(crate) fn get(&self, a: usize, b: usize) -> Option<usize> {
         let leaving = &self.leaving[a];
         leaving.iter().find(|side| side.0 as usize == b).map(|side| side.1 as usize)
     }
 
     /// All sides between two triangles, each in one direction, with both triangles. The triangle to
     /// the left comes first.
-    pub fn inner(&self) -> impl Iterator<Item = ([usize; 2], [usize; 2])> + '_ {
+    pub(crate) fn inner(&self) -> impl Iterator<Item = ([usize; 2], [usize; 2])> + '_ {
         let leaving = self.leaving.iter().enumerate();
         let all = leaving.flat_map(|(a, to)| to.iter().map(move |&(b, s)| (a, b as usize, s)));
         all.filter(|&(a, b, _)| a < b)
@@ -59,13 +59,13 @@ impl Sides {
 }
 
 /// The cotangent of the angle at `v` between `p` and `q`.
-pub fn cotangent(v: Point, p: Point, q: Point) -> f64 {
+pub(crate) fn cotangent(v: Point, p: Point, q: Point) -> f64 {
     let (x, y) = (p - v, q - v);
     x.dot(&y) / x.cross(&y).norm().max(f64::MIN_POSITIVE)
 }
 
 /// Two triangles that a flip would replace.
-pub struct EdgeFlip {
+pub(crate) struct EdgeFlip {
     /// The numbers of the triangles.
     pub numbers: [usize; 2],
     /// The triangles before the flip.
@@ -76,7 +76,7 @@ pub struct EdgeFlip {
 
 /// Flips every side whose opposite angles sum to more than π. A flip is made only if `may` accepts
 /// it, and if the ends of the new side are not `joined` outside this triangulation.
-pub fn flip(
+pub(crate) fn flip(
     points: &[Point],
     triangles: &mut [[usize; 3]],
     sides: &mut Sides,

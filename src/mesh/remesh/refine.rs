@@ -28,7 +28,7 @@ pub struct RimTriangulation {
 impl RimTriangulation {
     /// Divides edges, flips them and moves points until all edges are short enough. Corners that
     /// are `joined` outside this triangulation are not joined by a flip.
-    pub fn refine(&mut self, sizes: &Sizes, joined: impl Fn(usize, usize) -> bool) {
+    pub(crate) fn refine(&mut self, sizes: &Sizes, joined: impl Fn(usize, usize) -> bool) {
         for _ in 0..MAX_ROUNDS {
             let divided = self.divide(sizes);
             self.flip(&joined);
@@ -59,7 +59,7 @@ impl RimTriangulation {
 
     /// Divides inner sides until no two sides join the same two vertices. They can if several rim corners are
     /// the same vertex. `vertices` has the vertex of each rim corner.
-    pub fn divide_doubled(&mut self, vertices: &[VertexId]) {
+    pub(crate) fn divide_doubled(&mut self, vertices: &[VertexId]) {
         let joined = |corners: [usize; 2]| {
             let [v, w] = corners.map(|corner| vertices.get(corner).copied().ok_or(corner));
             (v.min(w), v.max(w))
@@ -77,7 +77,7 @@ impl RimTriangulation {
     }
 
     /// Moves points near folded sides until nothing folds or the points stop moving.
-    pub fn unfold(&mut self, joined: impl Fn(usize, usize) -> bool) {
+    pub(crate) fn unfold(&mut self, joined: impl Fn(usize, usize) -> bool) {
         for _ in 0..MAX_ROUNDS {
             let before = self.points.clone();
             self.flip(&joined);

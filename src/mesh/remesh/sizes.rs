@@ -41,14 +41,14 @@ impl Sizes {
     }
 
     /// The wanted length of an edge at `p`.
-    pub fn at(&self, p: Point) -> f64 {
+    pub(crate) fn at(&self, p: Point) -> f64 {
         let nearest = self.near.nearest(p);
         let size = self.sizes[nearest];
         (size + GROWTH * (p - self.rim[nearest]).norm()).min(MAX_GROWTH * size.max(self.mean))
     }
 
     /// The numbers and distances of the rim's vertices within `radius` of `p`.
-    pub fn rim_within<'a>(
+    pub(crate) fn rim_within<'a>(
         &'a self,
         p: Point,
         radius: f64,
@@ -59,7 +59,7 @@ impl Sizes {
     }
 
     /// The distance from `p` to the nearest rim vertex.
-    pub fn depth(&self, p: Point) -> f64 {
+    pub(crate) fn depth(&self, p: Point) -> f64 {
         (p - self.rim[self.near.nearest(p)]).norm()
     }
 }

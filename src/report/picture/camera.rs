@@ -71,7 +71,7 @@ impl Camera {
 
     /// Two cameras in pictures of `size` pixels, to the left and to the right of this one, that have
     /// `extent`. They are turned less where they would see the inner side of the mesh.
-    pub fn asides(&self, mesh: &Mesh, extent: &[Point], size: [usize; 2]) -> [Camera; 2] {
+    pub(crate) fn asides(&self, mesh: &Mesh, extent: &[Point], size: [usize; 2]) -> [Camera; 2] {
         [-1.0, 1.0].map(|side| {
             let turned = |share: f64| self.aside(side * share * TURN, extent, size);
             let outer = |camera: &Camera| {

@@ -60,7 +60,7 @@ fn key() -> Vector {
 
 /// Light on a white sheet of normal `n`: a key light from the upper left, a
 /// weaker one from the right, and some from the eye.
-pub fn brightness(n: &Vector) -> f64 {
+pub(crate) fn brightness(n: &Vector) -> f64 {
     let side = Vector::new(0.85, -0.1, 0.5).normalize();
     // Light that wraps around: Lambert's ends in a line that looks like a
     // crease of the surface.
@@ -86,6 +86,6 @@ pub fn encoded(light: Rgb) -> [u8; 3] {
 }
 
 /// Between `a` (at 0) and `b` (at 1).
-pub fn mix(a: Rgb, b: Rgb, t: f32) -> Rgb {
+pub(crate) fn mix(a: Rgb, b: Rgb, t: f32) -> Rgb {
     std::array::from_fn(|k| a[k] + t * (b[k] - a[k]))
 }

@@ -19,20 +19,20 @@ impl Image {
     }
 
     /// Sets a pixel; one outside is left alone.
-    pub fn set(&mut self, x: usize, y: usize, colour: [u8; 3]) {
+    pub(crate) fn set(&mut self, x: usize, y: usize, colour: [u8; 3]) {
         if x < self.width && y < self.height {
             self.pixels[y * self.width + x] = colour;
         }
     }
 
     /// A pixel; one outside is black.
-    pub fn get(&self, x: usize, y: usize) -> [u8; 3] {
+    pub(crate) fn get(&self, x: usize, y: usize) -> [u8; 3] {
         let inside = x < self.width && y < self.height;
         if inside { self.pixels[y * self.width + x] } else { [0; 3] }
     }
 
     /// Lays a picture over this one with its upper left corner at (x, y).
-    pub fn lay(&mut self, over: &Image, [x, y]: [usize; 2]) {
+    pub(crate) fn lay(&mut self, over: &Image, [x, y]: [usize; 2]) {
         for row in 0..over.height {
             for column in 0..over.width {
                 self.set(x + column, y + row, over.pixels[row * over.width + column]);

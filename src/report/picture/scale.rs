@@ -9,7 +9,7 @@ pub const DISTANCE: [u32; 9] =
 
 /// For distances with a sign: blue below the face, red above it, and a grey that is
 /// neither where the two meet (after Moreland's diverging maps).
-pub const SIGNED: [u32; 9] =
+pub(crate) const SIGNED: [u32; 9] =
     [0x1c3f94, 0x3b6fc4, 0x74a3e0, 0xb4cdee, 0xe6e4e1, 0xf0bfa4, 0xe08a67, 0xc4503f, 0x96162c];
 
 /// The colour of a share of a scale, from 0 to 1.

@@ -58,7 +58,7 @@ impl DerivativeBounds {
     /// A distance below which ‖S − p‖² is convex around a foot point, so that no other foot point
     /// is as near. By the Taylor series at a foot point f at distance d, ‖S(x) − p‖² ≥ d² + (least²
     /// − d · bend) · ‖x − f‖².
-    pub fn reach(&self) -> f64 {
+    pub(crate) fn reach(&self) -> f64 {
         let square = self.least * self.least;
         if self.bend > 0.0 {
             square / self.bend
@@ -96,7 +96,7 @@ impl SurfaceCell {
     }
 
     /// Divides the cell into four quarters, or into two halves if one side is much shorter.
-    pub fn split<S: ParametricSurface + ?Sized>(
+    pub(crate) fn split<S: ParametricSurface + ?Sized>(
         &self,
         surface: &S,
     ) -> impl Iterator<Item = SurfaceCell> {
@@ -118,28 +118,28 @@ impl SurfaceCell {
     }
 
     /// A bound in mm on the distance of the surface from the parallelogram.
-    pub fn spread(&self) -> f64 {
+    pub(crate) fn spread(&self) -> f64 {
         0.5 * (self.bend[0] + self.bend[2]) + self.bend[1]
     }
 
     /// Bounds on the difference of the first derivatives from those at the centre, for half sides.
-    pub fn differ(&self) -> [f64; 2] {
+    pub(crate) fn differ(&self) -> [f64; 2] {
         [self.bend[0] + self.bend[1], self.bend[1] + self.bend[2]]
     }
 
-    pub fn derivative_bounds(&self) -> DerivativeBounds {
+    pub(crate) fn derivative_bounds(&self) -> DerivativeBounds {
         DerivativeBounds::new(&self.sides, self.differ(), self.bend)
     }
 
     /// The lowest and highest corner of a box that contains the surface in the cell.
-    pub fn bounds(&self) -> [Point; 2] {
+    pub(crate) fn bounds(&self) -> [Point; 2] {
         let spread = Vector::from_element(self.spread());
         let reach = self.sides[0].abs() + self.sides[1].abs() + spread;
         [self.centre - reach, self.centre + reach]
     }
 
     /// The point of the parallelogram nearest to `p`, as a parameter point, and its distance.
-    pub fn nearest(&self, p: Point) -> (Uv, f64) {
+    pub(crate) fn nearest(&self, p: Point) -> (Uv, f64) {
         let r = p - self.centre;
         let [a, b] = self.sides;
         let (aa, ab, bb) = (a.norm_squared(), a.dot(&b), b.norm_squared());
@@ -170,7 +170,7 @@ impl SurfaceCell {
 
     /// Whether the gradient of ½‖S − p‖² is proved not to vanish in the cell, so that the cell
     /// contains no foot point of `p`.
-    pub fn has_no_foot(&self, p: Point, derivative_bounds: &DerivativeBounds) -> bool {
+    pub(crate) fn has_no_foot(&self, p: Point, derivative_bounds: &DerivativeBounds) -> bool {
         let r = self.centre - p;
         let [a, b] = self.sides.map(|side| side.norm().max(f64::MIN_POSITIVE));
         let gradient = (r.dot(&self.sides[0]) / a).hypot(r.dot(&self.sides[1]) / b);
@@ -183,7 +183,7 @@ impl SurfaceCell {
 
     /// A lower bound on the distance of `p` from the cell, by the Taylor series at the point `foot`
     /// of the cell.
-    pub fn least_distance(
+    pub(crate) fn least_distance(
         &self,
         p: Point,
         foot: &Foot,

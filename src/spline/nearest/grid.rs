@@ -58,7 +58,7 @@ impl CellGrid {
     }
 
     /// The cell that contains a parameter point.
-    pub fn find(&self, at: Uv) -> usize {
+    pub(crate) fn find(&self, at: Uv) -> usize {
         let of = |k: usize| {
             let inner = &self.lines[k][1..self.lines[k].len() - 1];
             inner.partition_point(|&t| t <= at[k])
@@ -68,14 +68,14 @@ impl CellGrid {
 
     /// Which sides of a cell are creases or ends of the surface, low and high in u and in v. On
     /// such a side the nearest point need not be a foot point.
-    pub fn ends(&self, n: usize) -> [[bool; 2]; 2] {
+    pub(crate) fn ends(&self, n: usize) -> [[bool; 2]; 2] {
         let at = [n / self.rows, n % self.rows];
         [0, 1].map(|k| [self.creases[k][at[k]], self.creases[k][at[k] + 1]])
     }
 
     /// The remaining gradient of ½‖S − p‖² at an approximate foot point, in mm; 0 at an exact one.
     /// Components that lead out of the domain are ignored.
-    pub fn remaining_gradient(&self, p: Point, foot: &Foot) -> f64 {
+    pub(crate) fn remaining_gradient(&self, p: Point, foot: &Foot) -> f64 {
         let r = foot.jet.s - p;
         let along = |k: usize| {
             let derivative = [foot.jet.su, foot.jet.sv][k];

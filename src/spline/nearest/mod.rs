@@ -61,18 +61,18 @@ impl NearestSearch {
     }
 
     /// A lower bound on the distance of `p` from the part.
-    pub fn outside(&self, p: Point) -> f64 {
+    pub(crate) fn outside(&self, p: Point) -> f64 {
         self.tree.outside(p)
     }
 
     /// A start for a descent if none is known: a place in a cell whose box is near `p`.
-    pub fn start(&self, p: Point) -> Uv {
+    pub(crate) fn start(&self, p: Point) -> Uv {
         self.tree.near(p).map_or_else(Uv::origin, |i| self.grid.cells[i].nearest(p).0)
     }
 
     /// Whether it is proved that no foot point except `foot` is nearer than `best` mm. `foot` must
     /// come from a descent on the whole surface.
-    pub fn proves_nearest(&self, p: Point, foot: &Foot, best: f64) -> bool {
+    pub(crate) fn proves_nearest(&self, p: Point, foot: &Foot, best: f64) -> bool {
         let remaining_gradient = self.grid.remaining_gradient(p, foot);
         self.proofs[self.grid.find(foot.at)].proves_nearest(
             foot.distance,
@@ -84,7 +84,7 @@ impl NearestSearch {
 
     /// The nearest of `best` and of all foot points for which `accepts` holds. Creases and ends of
     /// the surface are searched as well.
-    pub fn improve<S: ParametricSurface + ?Sized>(
+    pub(crate) fn improve<S: ParametricSurface + ?Sized>(
         &self,
         surface: &S,
         p: Point,

@@ -25,7 +25,7 @@ impl NearestProof {
     ///
     /// In the cell and its neighbours the Taylor series proves it, as in
     /// [`DerivativeBounds::reach`]. Everything else is farther than `gap` from the foot point.
-    pub fn proves_nearest(
+    pub(crate) fn proves_nearest(
         &self,
         away: f64,
         remaining_gradient: f64,

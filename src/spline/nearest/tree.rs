@@ -17,12 +17,12 @@ pub(super) struct BoxNode {
 
 impl BoxNode {
     /// The distance from `p` to the box.
-    pub fn outside(&self, p: Point) -> f64 {
+    pub(crate) fn outside(&self, p: Point) -> f64 {
         (p.sup(&self.low).inf(&self.high) - p).norm()
     }
 
     /// The distance from another box to this one.
-    pub fn apart(&self, [low, high]: &[Point; 2]) -> f64 {
+    pub(crate) fn apart(&self, [low, high]: &[Point; 2]) -> f64 {
         (self.low - high).sup(&(low - self.high)).map(|x| x.max(0.0)).norm()
     }
 }
@@ -87,12 +87,12 @@ impl BoxTree {
     }
 
     /// The distance from `p` to this box.
-    pub fn outside(&self, p: Point) -> f64 {
+    pub(crate) fn outside(&self, p: Point) -> f64 {
         self.nodes.first().map_or(f64::INFINITY, |root| root.outside(p))
     }
 
     /// A cell whose box is near `p`. The descent takes the nearer child of each node.
-    pub fn near(&self, p: Point) -> Option<usize> {
+    pub(crate) fn near(&self, p: Point) -> Option<usize> {
         let key = |n: usize| {
             let node = &self.nodes[n];
             (node.outside(p), (nalgebra::center(&node.low, &node.high) - p).norm_squared())

@@ -74,11 +74,6 @@ impl SubdivisionSurface {
         Some(SubdivisionSurface { edges, tables, origins, starts, control, spokes })
     }
 
-    /// The corners of the quads.
-    pub fn quads(&self) -> &[[VertexId; 4]] {
-        self.edges.quads()
-    }
-
     /// The numbers of the control points that a quad depends on.
     pub fn control(&self, quad: usize) -> &[u32] {
         &self.control[self.starts[quad]..self.starts[quad + 1]]
@@ -91,7 +86,7 @@ impl SubdivisionSurface {
 
     /// Puts the value and the derivatives in u and v of each basis function at a place into `out`,
     /// in the order of [`SubdivisionSurface::control`].
-    pub fn basis(&self, place: QuadPlace, out: &mut Vec<[f64; 3]>) {
+    pub(crate) fn basis(&self, place: QuadPlace, out: &mut Vec<[f64; 3]>) {
         let (origin, valence) = self.origins[place.quad];
         let (s, t) = (place.at.x, place.at.y);
         let (u, v) = match origin {
@@ -132,7 +127,7 @@ impl SubdivisionSurface {
     }
 
     /// The quad on the other side of side `k` of a quad, and the number of the side there.
-    pub fn across(&self, quad: usize, k: usize) -> (usize, usize) {
+    pub(crate) fn across(&self, quad: usize, k: usize) -> (usize, usize) {
         let twin = self.edges.twin(4 * quad + k);
         (twin / 4, twin % 4)
     }
@@ -147,7 +142,7 @@ impl SubdivisionSurface {
 
     /// The unit normal of the limit surface at corner `k` of a quad. `control` has the control points. It is
     /// zero if the two tangents there are parallel.
-    pub fn limit_normal(&self, quad: usize, k: usize, control: &[Vector]) -> Vector {
+    pub(crate) fn limit_normal(&self, quad: usize, k: usize, control: &[Vector]) -> Vector {
         let tangent = |quad, k| limit_tangent(&self.ring(quad, k), control);
         // The second tangent leaves the corner along the previous side, which ends there.
         let (other, side) = self.across(quad, (k + 3) % 4);
@@ -164,7 +159,7 @@ impl SubdivisionSurface {
 /// The weights of the control points of a ring in the point of the limit surface at its centre
 /// (Halstead, Kass, DeRose, "Efficient, fair interpolation using Catmull-Clark surfaces", 1993).
 /// `length` is the number of points of the ring.
-pub fn limit_weights(length: usize) -> impl Iterator<Item = f64> {
+pub(crate) fn limit_weights(length: usize) -> impl Iterator<Item = f64> {
     let n = (length / 2) as f64;
     let all = n * (n + 5.0);
     (0..length).map(move |k| match k {
@@ -182,7 +177,7 @@ pub fn limit_point(ring: &[u32], control: &[Vector]) -> Point {
 
 /// A tangent of the limit surface at the centre of a ring, in the direction in which the first
 /// spoke of the ring leaves it. Its length has no meaning.
-pub fn limit_tangent(ring: &[u32], control: &[Vector]) -> Vector {
+pub(crate) fn limit_tangent(ring: &[u32], control: &[Vector]) -> Vector {
     let n = ring.len() / 2;
     let turn = 2.0 * PI / n as f64;
     let half = (0.5 * turn).cos();

@@ -28,11 +28,7 @@ impl HalfEdges {
         Some(HalfEdges { quads: quads.to_vec(), twins })
     }
 
-    pub fn quads(&self) -> &[[VertexId; 4]] {
-        &self.quads
-    }
-
-    pub fn twin(&self, h: usize) -> usize {
+    pub(crate) fn twin(&self, h: usize) -> usize {
         self.twins[h] as usize
     }
 
@@ -66,7 +62,7 @@ impl HalfEdges {
     }
 
     /// The number of quads around the vertex that a half-edge leaves.
-    pub fn valence(&self, h: usize) -> usize {
+    pub(crate) fn valence(&self, h: usize) -> usize {
         let mut spoke = self.turned(h);
         let mut count = 1;
         while spoke != h {

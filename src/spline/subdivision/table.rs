@@ -42,7 +42,7 @@ impl Table {
 
     /// Puts the value and the first derivatives in u and v of every basis function at (u, v) into
     /// `out`. The irregular vertex is at (0, 0).
-    pub fn basis(&self, u: f64, v: f64, out: &mut Vec<[f64; 3]>) {
+    pub(crate) fn basis(&self, u: f64, v: f64, out: &mut Vec<[f64; 3]>) {
         out.clear();
         if self.valence == 4 {
             let values = bicubic(u, v, 1.0);

@@ -10,7 +10,7 @@ use crate::stages::knots::Miss;
 
 /// A state, the surface fitted to it, and where on this the vertices' foot points are.
 #[derive(Clone)]
-pub struct Attempt {
+pub(crate) struct Attempt {
     pub state: State,
     pub surface: Surface,
     pub fit: fit::Report,
@@ -26,7 +26,7 @@ impl Attempt {
 
     /// The attempt at a surface that has moved while the samples of a state slid to `uv`. The
     /// vertices follow to their foot points.
-    pub fn moved(
+    pub(crate) fn moved(
         problem: &Problem,
         state: &State,
         surface: Surface,
@@ -46,29 +46,29 @@ impl Attempt {
 
     /// The parameters that the vertices may move to, towards their foot points, while every
     /// triangle keeps the share `least_area` of its area on the map.
-    pub fn corrected(&self, problem: &Problem, least_area: f64) -> Vec<Uv> {
+    pub(crate) fn corrected(&self, problem: &Problem, least_area: f64) -> Vec<Uv> {
         let wanted = self.foot_points.uv.clone();
         problem.corrected(self.state.uv.clone(), wanted, least_area)
     }
 
     /// How many measured vertices are beyond the tolerance, and the largest distance, in mm.
-    pub fn beyond(&self, problem: &Problem) -> (usize, f64) {
+    pub(crate) fn beyond(&self, problem: &Problem) -> (usize, f64) {
         self.foot_points.beyond(problem.goal.tolerance)
     }
 
     /// Whether no more points are beyond the tolerance than may be.
-    pub fn is_met(&self, problem: &Problem) -> bool {
+    pub(crate) fn is_met(&self, problem: &Problem) -> bool {
         self.beyond(problem).0 <= problem.spared()
     }
 
     /// Root mean square of the measured vertices' distances without outliers, in mm.
-    pub fn rms(&self) -> f64 {
+    pub(crate) fn rms(&self) -> f64 {
         self.foot_points.rms_without(&self.state.outliers)
     }
 
     /// The vertices beyond the tolerance: the parameters `uv` that they have in the next fit, and
     /// their distances in tolerances.
-    pub fn misses(&self, uv: &[Uv], tolerance: f64) -> Vec<Miss> {
+    pub(crate) fn misses(&self, uv: &[Uv], tolerance: f64) -> Vec<Miss> {
         let measured = self.foot_points.measured().zip(uv);
         measured.filter(|(d, _)| *d > tolerance).map(|(d, &uv)| (uv, d / tolerance)).collect()
     }
@@ -76,7 +76,7 @@ impl Attempt {
 
 /// The vertices' foot points on a surface.
 #[derive(Clone)]
-pub struct FootPoints {
+pub(crate) struct FootPoints {
     pub uv: Vec<Uv>,
     /// The vertices' distances from them, in mm.
     pub distances: Vec<f64>,
@@ -91,13 +91,13 @@ impl FootPoints {
     }
 
     /// How many measured vertices are farther than `limit`, and the largest distance.
-    pub fn beyond(&self, limit: f64) -> (usize, f64) {
+    pub(crate) fn beyond(&self, limit: f64) -> (usize, f64) {
         let beyond = self.measured().filter(|d| *d > limit).count();
         (beyond, self.measured().fold(0.0, f64::max))
     }
 
     /// Root mean square of the measured vertices' distances without some of them.
-    pub fn rms_without(&self, outliers: &[usize]) -> f64 {
+    pub(crate) fn rms_without(&self, outliers: &[usize]) -> f64 {
         let all: f64 = self.measured().map(|d| d * d).sum();
         let outlying: f64 = outliers.iter().map(|&v| self.distances[v].powi(2)).sum();
         let count = self.measured - outliers.len();

@@ -16,7 +16,7 @@ pub struct Goal {
 impl Goal {
     /// The goal that a `noise` allows, given by its standard deviation in mm: nearly all points of a
     /// surface that follows the shape keep the tolerance.
-    pub fn of_noise(noise: f64) -> Self {
+    pub(crate) fn of_noise(noise: f64) -> Self {
         Goal { tolerance: SIGNIFICANT * noise, named: false, outliers: level() }
     }
 

@@ -20,12 +20,12 @@ const WEIGHT: f64 = 0.5;
 
 /// The share of what a triangle may be left by that is aimed at: raised weights bring a surface
 /// to its aim from above and ever more slowly, so that an aim of 1 is not reached.
-pub const AIM: f64 = 0.85;
+pub(crate) const AIM: f64 = 0.85;
 
 /// A sample in a triangle, on the surface as the normals at the corners bend it and not on the
 /// flat facet.
 #[derive(Clone)]
-pub struct InnerSample {
+pub(crate) struct InnerSample {
     corners: [VertexId; 3],
     /// The corners' shares in it.
     shares: [f64; 3],
@@ -39,7 +39,7 @@ pub struct InnerSample {
 
 impl InnerSample {
     /// Its parameters, with the vertices at `uv`.
-    pub fn uv(&self, uv: &[Uv]) -> Uv {
+    pub(crate) fn uv(&self, uv: &[Uv]) -> Uv {
         let share = |k: usize| self.shares[k] * uv[self.corners[k].index()].coords;
         Uv::from(share(0) + share(1) + share(2))
     }
@@ -47,7 +47,7 @@ impl InnerSample {
 
 /// The samples of some triangles.
 #[derive(Default, Clone)]
-pub struct InnerSamples {
+pub(crate) struct InnerSamples {
     /// All of them.
     pub all: Vec<InnerSample>,
     /// Where among them those of a triangle are.
@@ -61,7 +61,7 @@ impl InnerSamples {
     }
 
     /// The parameters of vertices at `uv` and, after them, those of the samples.
-    pub fn after(&self, mut uv: Vec<Uv>) -> Vec<Uv> {
+    pub(crate) fn after(&self, mut uv: Vec<Uv>) -> Vec<Uv> {
         let between: Vec<Uv> = self.all.iter().map(|sample| sample.uv(&uv)).collect();
         uv.extend(between);
         uv
@@ -70,7 +70,7 @@ impl InnerSamples {
     /// Raises the weights of the samples of triangles that a surface leaves (Lawson's iteration).
     /// A triangle without samples gets them, and so do the triangles beside it that were
     /// `measured` and span a knot cell: the surface would leave those next.
-    pub fn hold(&mut self, left: &[MissedTriangle], maker: &Maker, measured: &[usize]) {
+    pub(crate) fn hold(&mut self, left: &[MissedTriangle], maker: &Maker, measured: &[usize]) {
         let mesh = maker.mesh;
         let mut beside = vec![false; mesh.points.len()];
         for &MissedTriangle { triangle, ratio } in left {
@@ -98,7 +98,7 @@ impl InnerSamples {
 }
 
 /// What makes samples.
-pub struct Maker<'a> {
+pub(crate) struct Maker<'a> {
     mesh: &'a Mesh,
     normals: Vec<Vector>,
     uv: &'a [Uv],
@@ -121,7 +121,7 @@ impl<'a> Maker<'a> {
     }
 
     /// How many of the narrowest cells a triangle spans.
-    pub fn spanned(&self, triangle: usize) -> f64 {
+    pub(crate) fn spanned(&self, triangle: usize) -> f64 {
         spanned(self.mesh.triangles[triangle].map(|v| self.uv[v.index()]), self.cells)
     }
 

@@ -26,7 +26,7 @@ const MAX_NET: usize = 250_000;
 
 impl KnotOptions {
     /// The largest number of control points.
-    pub fn largest_net(&self) -> usize {
+    pub(crate) fn largest_net(&self) -> usize {
         self.max_net.unwrap_or(MAX_NET)
     }
 

@@ -15,7 +15,7 @@ use crate::spline::{Surface, fast_evaluator, foot_point_moving, last_step};
 use crate::stages::fit::TangentDistance;
 
 /// A map to fit a surface to, how, and to which goal.
-pub struct Problem<'a> {
+pub(crate) struct Problem<'a> {
     pub map: &'a Parameterized,
     pub options: &'a Options,
     pub goal: &'a Goal,
@@ -60,32 +60,32 @@ impl<'a> Problem<'a> {
     }
 
     /// How many measured points may be beyond the tolerance.
-    pub fn spared(&self) -> usize {
+    pub(crate) fn spared(&self) -> usize {
         self.share(self.goal.outliers)
     }
 
     /// How many points a share of the measured ones is.
-    pub fn share(&self, share: f64) -> usize {
+    pub(crate) fn share(&self, share: f64) -> usize {
         (share * self.measured() as f64) as usize
     }
 
     /// Whether samples end inside the domain, and the surface goes on beyond them.
-    pub fn is_open(&self) -> bool {
+    pub(crate) fn is_open(&self) -> bool {
         self.map.outline == Outline::Free
     }
 
     /// Whether a vertex is a corner of the domain.
-    pub fn is_corner(&self, v: usize) -> bool {
+    pub(crate) fn is_corner(&self, v: usize) -> bool {
         self.corners.contains(&v)
     }
 
     /// The weights that the vertices have before any is raised.
-    pub fn weights(&self) -> Vec<f64> {
+    pub(crate) fn weights(&self) -> Vec<f64> {
         weights(self.map, |v| self.is_corner(v.index()))
     }
 
     /// Moves the corners of the net to the corners of the patch, which they nearly meet.
-    pub fn pin_corners(&self, surface: &mut Surface) {
+    pub(crate) fn pin_corners(&self, surface: &mut Surface) {
         let [m, n] = surface.shape();
         for &v in &self.corners {
             let uv = self.map.uv[v];
@@ -97,7 +97,7 @@ impl<'a> Problem<'a> {
     /// The vertices' foot points on a surface, found from the parameters `starts`. If the
     /// patch's sides are the outer boundary, corners have theirs in the corner and the other
     /// boundary vertices on their side.
-    pub fn foot_points(&self, surface: &Surface, starts: &[Uv]) -> FootPoints {
+    pub(crate) fn foot_points(&self, surface: &Surface, starts: &[Uv]) -> FootPoints {
         let last = last_step(surface);
         let surface = fast_evaluator(surface);
         let foot_point = |(&uv, &p): (&Uv, &Point)| {
@@ -111,7 +111,7 @@ impl<'a> Problem<'a> {
     /// Takes the parameters `uv` of vertices on loops and beside them as if they were their foot
     /// points. Trim loops run where these vertices may go, and a foot point that a vertex may
     /// not go to can be beyond a loop.
-    pub fn stay_at_loops(&self, surface: &Surface, uv: &[Uv], foot_points: &mut FootPoints) {
+    pub(crate) fn stay_at_loops(&self, surface: &Surface, uv: &[Uv], foot_points: &mut FootPoints) {
         for &v in &self.at_loops {
             foot_points.uv[v] = uv[v];
             let off = surface.point(uv[v]) - self.map.patch.mesh.points[v];
@@ -122,13 +122,13 @@ impl<'a> Problem<'a> {
     /// The parameters that vertices at `now` may move to, towards the `wanted` ones, while every
     /// triangle keeps the share `least_area` of its area on the map. The scaffold's triangles count,
     /// too, because an outer boundary inside the domain might otherwise come to cross itself.
-    pub fn corrected(&self, now: Vec<Uv>, wanted: Vec<Uv>, least_area: f64) -> Vec<Uv> {
+    pub(crate) fn corrected(&self, now: Vec<Uv>, wanted: Vec<Uv>, least_area: f64) -> Vec<Uv> {
         movable(&self.triangles, &self.areas, least_area, now, wanted, &self.map.scaffold.uv)
     }
 
     /// Which vertices at `uv` do not slide: those that are not at their foot points, and those of
     /// an outer boundary inside the domain, along which the face is cut.
-    pub fn stuck(&self, uv: &[Uv], foot_points: &FootPoints) -> Vec<bool> {
+    pub(crate) fn stuck(&self, uv: &[Uv], foot_points: &FootPoints) -> Vec<bool> {
         let at = uv.par_iter().zip(&foot_points.uv);
         let mut stuck: Vec<bool> = at.map(|(at, foot_point)| at != foot_point).collect();
         if self.is_open() {
@@ -140,7 +140,7 @@ impl<'a> Problem<'a> {
 
     /// The measured triangles that a surface leaves by more than such a `share` of the
     /// tolerance and what a flat triangle misses itself, with the vertices at `uv`.
-    pub fn left(&self, surface: &Surface, uv: &[Uv], share: f64) -> Vec<MissedTriangle> {
+    pub(crate) fn left(&self, surface: &Surface, uv: &[Uv], share: f64) -> Vec<MissedTriangle> {
         let mesh = &self.map.patch.mesh;
         let between = SurfaceOverMesh::new(mesh, &self.measured_triangles, uv, surface);
         between.missed(self.goal.tolerance, share)

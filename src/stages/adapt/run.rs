@@ -14,7 +14,7 @@ use crate::stages::fit;
 const MOST_IDLE_STEPS: usize = 2;
 
 /// Makes fits.
-pub struct FitRun<'a> {
+pub(crate) struct FitRun<'a> {
     pub problem: &'a Problem<'a>,
     /// How many fits were made.
     pub fits: usize,

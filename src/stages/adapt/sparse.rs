@@ -24,7 +24,7 @@ const CRUMPLED: f64 = 0.3;
 /// Whether an attempt, with the vertices at `uv`, shows that vertices are missing: it leaves the
 /// mesh between them, or has folds and may leave the mesh when these are taken out. A crumpled
 /// surface gets none.
-pub fn needs_vertices(problem: &Problem, of: &Attempt, uv: &[Uv]) -> bool {
+pub(crate) fn needs_vertices(problem: &Problem, of: &Attempt, uv: &[Uv]) -> bool {
     let surface = &of.surface;
     if problem.options.method == fit::Method::Blend || !are_sparse(problem.map, uv, surface) {
         return false;
@@ -39,7 +39,7 @@ pub fn needs_vertices(problem: &Problem, of: &Attempt, uv: &[Uv]) -> bool {
 }
 
 /// Halves the sides that span more than a knot cell.
-pub fn halve(map: &mut Parameterized, surface: &Surface) {
+pub(crate) fn halve(map: &mut Parameterized, surface: &Surface) {
     let cells = CellWidths::new(surface);
     map.halve(HALVINGS, |a, b| cells.are_exceeded(a, b));
 }

@@ -9,7 +9,7 @@ use crate::spline::{KnotVector, Samples};
 use crate::stages::knots;
 
 /// The map as it is, over the knots of the paper, or over a uniform net if the user named one.
-pub fn start(problem: &Problem) -> Result<(State, Option<knots::Report>)> {
+pub(crate) fn start(problem: &Problem) -> Result<(State, Option<knots::Report>)> {
     let asked = &problem.options.knots;
     let state = State::new(problem);
     if let Some(net) = asked.net {

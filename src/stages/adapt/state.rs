@@ -17,7 +17,7 @@ const OUTLIER_WEIGHT: f64 = 1e-6;
 /// Everything that a fit depends on and that a move may change. Moves do not change a state;
 /// they return another one.
 #[derive(Clone)]
-pub struct State {
+pub(crate) struct State {
     /// The knots along u and v.
     pub knots: [KnotVector; 2],
     /// The parameters of the vertices.
@@ -43,7 +43,7 @@ impl State {
     }
 
     /// The vertices and, after them, the inner samples, as a fit takes them.
-    pub fn samples(&self, problem: &Problem) -> Samples {
+    pub(crate) fn samples(&self, problem: &Problem) -> Samples {
         let mut samples = self.vertices(problem);
         samples.points.extend(self.inner.all.iter().map(|sample| sample.point));
         samples.uv = self.inner.after(samples.uv);
@@ -52,7 +52,7 @@ impl State {
     }
 
     /// The vertices alone.
-    pub fn vertices(&self, problem: &Problem) -> Samples {
+    pub(crate) fn vertices(&self, problem: &Problem) -> Samples {
         let mut weights = self.weights.clone();
         self.outliers.iter().for_each(|&v| weights[v] *= OUTLIER_WEIGHT);
         let points = problem.map.patch.mesh.points.clone();
@@ -61,14 +61,14 @@ impl State {
 
     /// Where the samples may move to while a surface moves, given where they are `now` and where
     /// they are `wanted`: inner samples go where their vertices do.
-    pub fn slid(&self, problem: &Problem, mut now: Vec<Uv>, mut wanted: Vec<Uv>) -> Vec<Uv> {
+    pub(crate) fn slid(&self, problem: &Problem, mut now: Vec<Uv>, mut wanted: Vec<Uv>) -> Vec<Uv> {
         now.truncate(self.uv.len());
         wanted.truncate(self.uv.len());
         self.inner.after(problem.corrected(now, wanted, LEAST_AREA))
     }
 
     /// How the vertices and, after them, the inner samples hold a surface that slides along them.
-    pub fn holds<'a>(&self, problem: &'a Problem) -> Cow<'a, [TangentDistance]> {
+    pub(crate) fn holds<'a>(&self, problem: &'a Problem) -> Cow<'a, [TangentDistance]> {
         if self.inner.all.is_empty() {
             return Cow::Borrowed(&problem.holds);
         }

@@ -32,10 +32,10 @@ const SIDE: f64 = 4.0;
 
 /// Weight of a corner of the domain, as a multiple: so much that the surface all but passes
 /// through it. The corner of the net is then moved into it.
-pub const CORNER: f64 = 1e3;
+pub(crate) const CORNER: f64 = 1e3;
 
 /// The weights of a map's vertices; `is_corner` tells those in the domain's corners.
-pub fn weights(map: &Parameterized, is_corner: impl Fn(VertexId) -> bool) -> Vec<f64> {
+pub(crate) fn weights(map: &Parameterized, is_corner: impl Fn(VertexId) -> bool) -> Vec<f64> {
     let patch = &map.patch;
     let mut weights = patch.counts();
     weights.resize(patch.mesh.points.len(), FILLED);

@@ -21,7 +21,7 @@ pub use network::{closed, open, void};
 type Directed = (Curve<3>, Curve<2>, bool);
 
 /// A closed loop: its pcurves and the edges in space that they trace.
-pub type Arcs<'a> = (&'a [Curve<2>], &'a [Curve<3>]);
+pub(crate) type Arcs<'a> = (&'a [Curve<2>], &'a [Curve<3>]);
 
 /// The loops that bound one face of the surface.
 #[derive(Debug, Clone, Default)]

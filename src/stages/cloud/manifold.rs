@@ -34,7 +34,7 @@ impl ManifoldMesh {
 
     /// Makes the mesh of triangles over all its points. Small loops are closed, but small
     /// components stay.
-    pub fn with_all_pieces(mesh: Mesh) -> Self {
+    pub(crate) fn with_all_pieces(mesh: Mesh) -> Self {
         let mut made = ManifoldMesh { mesh, dust: 0, one_sided: 0 };
         made.make_manifold();
         let reopened = close::small_loops(&mut made.mesh);

@@ -36,7 +36,7 @@ impl NearestLists {
     /// Replaces `found` by the `k` points whose projected places are nearest to that of point `i`,
     /// with the squares of their distances, and returns the largest distance. They are looked for
     /// among the neighbours of neighbours. Point `i` is one of them.
-    pub fn nearest_of_two_rings(
+    pub(crate) fn nearest_of_two_rings(
         &self,
         i: usize,
         surface: &[SurfacePoint],

@@ -39,22 +39,22 @@ impl WorkFrame {
     }
 
     /// The coordinates of the work for a point of the cloud.
-    pub fn inward(&self, p: [f64; 3]) -> Point {
+    pub(crate) fn inward(&self, p: [f64; 3]) -> Point {
         Point::from(Vector::from(p) * self.factor - self.middle)
     }
 
     /// The coordinates of the cloud for a point of the work.
-    pub fn outward(&self, p: &Point) -> [f64; 3] {
+    pub(crate) fn outward(&self, p: &Point) -> [f64; 3] {
         ((p.coords + self.middle) / self.factor).into()
     }
 
     /// A length of the work in the unit of the cloud.
-    pub fn length(&self, of_work: f64) -> f64 {
+    pub(crate) fn length(&self, of_work: f64) -> f64 {
         of_work / self.factor
     }
 
     /// A length in the unit of the cloud as one of the work.
-    pub fn work_length(&self, of_cloud: f64) -> f64 {
+    pub(crate) fn work_length(&self, of_cloud: f64) -> f64 {
         of_cloud * self.factor
     }
 }

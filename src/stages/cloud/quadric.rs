@@ -116,7 +116,7 @@ impl QuadricRows {
 
     /// An estimate without bias of the variance of the points' noise along the normal. `None` if
     /// the points are too few or too uneven for a quadric.
-    pub fn variance(
+    pub(crate) fn variance(
         &mut self,
         origin: Point,
         normal: Vector,

@@ -63,7 +63,7 @@ impl Selection {
     }
 
     /// The triangulation of this part as one of the whole cloud, which has `count` points.
-    pub fn of_whole(&self, part: Triangulation, count: usize) -> Triangulation {
+    pub(crate) fn of_whole(&self, part: Triangulation, count: usize) -> Triangulation {
         let mut vertex_of = vec![LEFT_OUT; count];
         for (&number, vertex) in self.numbers.iter().zip(part.vertex_of) {
             vertex_of[number as usize] = vertex;

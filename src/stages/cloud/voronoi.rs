@@ -64,12 +64,12 @@ impl VoronoiStars {
     }
 
     /// The number of vertices.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.starts.len() - 1
     }
 
     /// The pairs of neighbours that make a triangle with vertex `i`, counter-clockwise.
-    pub fn triangles(&self, i: u32) -> impl Iterator<Item = [u32; 2]> + '_ {
+    pub(crate) fn triangles(&self, i: u32) -> impl Iterator<Item = [u32; 2]> + '_ {
         let star = &self.around[self.starts[i as usize]..self.starts[i as usize + 1]];
         let nexts = star.iter().cycle().skip(1);
         let pairs = star.iter().zip(nexts).filter(|(a, _)| **a & TRIANGLE != 0);
@@ -77,7 +77,7 @@ impl VoronoiStars {
     }
 
     /// Whether vertex `i` makes a triangle with these two.
-    pub fn has(&self, i: u32, [a, b]: [u32; 2]) -> bool {
+    pub(crate) fn has(&self, i: u32, [a, b]: [u32; 2]) -> bool {
         self.triangles(i).any(|pair| pair == [a, b] || pair == [b, a])
     }
 }

@@ -50,7 +50,7 @@ struct Plane {
 
 impl Options {
     /// Whether everything is kept.
-    pub fn keeps_all(&self) -> bool {
+    pub(crate) fn keeps_all(&self) -> bool {
         *self == Options::default()
     }
 

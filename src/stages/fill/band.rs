@@ -10,7 +10,7 @@ use crate::statistics::outlying;
 
 /// The vertices around a hole, in breadth-first order from its rims: those that edges reach
 /// over `wanted` vertices at most `width` from the rims.
-pub fn band(
+pub(crate) fn band(
     OpenHole { around, rims, sizes }: OpenHole,
     width: f64,
     wanted: impl Fn(VertexId) -> bool,
@@ -37,7 +37,7 @@ pub fn width(radius: f64, edge: f64) -> f64 {
 
 /// The points as they were measured. Their errors are independent. Those of smoothed points are
 /// not, and a fit would take them for shape.
-pub struct MeasuredPoints<'a> {
+pub(crate) struct MeasuredPoints<'a> {
     pub points: &'a [Point],
     pub noise: f64,
 }

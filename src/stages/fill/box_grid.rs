@@ -16,7 +16,7 @@ use crate::mesh::crossings::{NumberedBox, overlap};
 const MOST_CELLS: i64 = 1000;
 
 /// Boxes by their lowest and highest corners, in buckets by a hash of their cell.
-pub struct BoxGrid {
+pub(crate) struct BoxGrid {
     width: f64,
     boxes: Vec<[Point; 2]>,
     buckets: Buckets,
@@ -47,7 +47,7 @@ impl BoxGrid {
     }
 
     /// The boxes that overlap a given one.
-    pub fn overlapping(&self, place: [Point; 2]) -> impl Iterator<Item = NumberedBox> + '_ {
+    pub(crate) fn overlapping(&self, place: [Point; 2]) -> impl Iterator<Item = NumberedBox> + '_ {
         let is_large = self.levels.iter().any(|&level| self.reached(level, place).is_none());
         let levels = self.levels.iter().filter(move |_| !is_large);
         let near = levels.flat_map(move |&level| self.near(level, place));

@@ -9,7 +9,7 @@ use crate::mesh::remesh::flips::{self, EdgeFlip, Sides};
 
 /// A triangulated fill. Its first `fixed` vertices are those of the rims.
 #[derive(Debug, Clone)]
-pub struct ChartedFill {
+pub(crate) struct ChartedFill {
     /// The vertices in the chart.
     pub uv: Vec<Uv>,
     /// The vertices in space.
@@ -21,7 +21,7 @@ pub struct ChartedFill {
 
 impl ChartedFill {
     /// The number of triangles that are inverted or have no area in the chart.
-    pub fn inverted(&self) -> usize {
+    pub(crate) fn inverted(&self) -> usize {
         self.triangles.iter().filter(|t| !self.is_upright(**t)).count()
     }
 
@@ -35,7 +35,7 @@ impl ChartedFill {
     }
 
     /// A test whether the fill covers a point of the chart, to within the length `within`.
-    pub fn covered(&self, within: f64) -> impl Fn(Uv) -> bool + use<> {
+    pub(crate) fn covered(&self, within: f64) -> impl Fn(Uv) -> bool + use<> {
         let key = move |p: Uv| [p.x, p.y].map(|x| (x / within).floor() as i64);
         let mut cells = HashSet::new();
         for t in &self.triangles {
@@ -57,7 +57,7 @@ impl ChartedFill {
     /// Flips edges and moves the inner vertices to improve the shape of the triangles.
     /// `surface` maps the chart to space; `joined` says whether two vertices are joined by an
     /// edge outside of this fill.
-    pub fn improve(
+    pub(crate) fn improve(
         &mut self,
         surface: impl Fn(Uv) -> Option<Point>,
         joined: impl Fn(usize, usize) -> bool,

@@ -31,7 +31,7 @@ impl Faults {
 }
 
 /// The measured triangles, which a fill must not intersect.
-pub struct Obstacles(BoxGrid);
+pub(crate) struct Obstacles(BoxGrid);
 
 impl Obstacles {
     pub fn new(mesh: &Mesh) -> Self {
@@ -43,14 +43,14 @@ impl Obstacles {
 }
 
 /// The faults of a fill.
-pub fn find(around: &Surroundings, fill: &Fill) -> Faults {
+pub(crate) fn find(around: &Surroundings, fill: &Fill) -> Faults {
     let at = |v: VertexId| place(around.mesh, &fill.points, v);
     let finder = FaultFinder { around, fill, at: &at };
     Faults { folds: finder.folds(), cuts: finder.cuts() }
 }
 
 /// The position of a vertex of a mesh, or of one of those that are added to it.
-pub fn place(mesh: &Mesh, added: &[Point], v: VertexId) -> Point {
+pub(crate) fn place(mesh: &Mesh, added: &[Point], v: VertexId) -> Point {
     match v.index().checked_sub(mesh.points.len()) {
         None => mesh.point(v),
         Some(new) => added[new],
@@ -59,7 +59,7 @@ pub fn place(mesh: &Mesh, added: &[Point], v: VertexId) -> Point {
 
 /// Whether an edge of a fill exists already, in another of its triangles or in the mesh (but
 /// for the rims). With such an edge the result is not a manifold.
-pub fn joins_twice(around: &Surroundings, fill: &Fill, rims: &[&[VertexId]]) -> bool {
+pub(crate) fn joins_twice(around: &Surroundings, fill: &Fill, rims: &[&[VertexId]]) -> bool {
     // The hole is to the right of its rims.
     let along = |rim: &&[VertexId]| {
         let next = rim.iter().cycle().skip(1);

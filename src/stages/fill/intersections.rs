@@ -16,7 +16,7 @@ use crate::mesh::crossings::{BoxBlocks, NumberedBox, around, cut, extent, overla
 
 /// Replaces the fills that intersect earlier ones. `again` closes holes of a mesh with measured
 /// points. Intersections that remain are added to the faults of the later fill.
-pub fn separate(
+pub(crate) fn separate(
     known: &Surroundings,
     measured: &[Point],
     fills: &mut [ClosedHole],

@@ -5,7 +5,7 @@ use foldhash::HashMap;
 use super::front::{Fill, OpenHole};
 use crate::geometry::{Point, VertexId};
 
-pub struct Numbering<'a> {
+pub(crate) struct Numbering<'a> {
     hole: OpenHole<'a>,
     /// The vertices of the rims.
     pub rim: Vec<VertexId>,
@@ -21,7 +21,7 @@ impl<'a> Numbering<'a> {
     }
 
     /// The number of a vertex of the mesh or of a fill.
-    pub fn local(&self, v: VertexId) -> usize {
+    pub(crate) fn local(&self, v: VertexId) -> usize {
         match v.index().checked_sub(self.hole.around.mesh.points.len()) {
             None => self.places[&v],
             Some(new) => self.rim.len() + new,
@@ -36,7 +36,7 @@ impl<'a> Numbering<'a> {
     }
 
     /// The points and the triangles of a fill with its rims.
-    pub fn numbered(&self, fill: &Fill) -> (Vec<Point>, Vec<[usize; 3]>) {
+    pub(crate) fn numbered(&self, fill: &Fill) -> (Vec<Point>, Vec<[usize; 3]>) {
         let of_rim = self.rim.iter().map(|&v| self.hole.around.mesh.point(v));
         let points = of_rim.chain(fill.points.iter().copied()).collect();
         (points, fill.triangles.iter().map(|t| t.map(|v| self.local(v))).collect())
@@ -52,7 +52,7 @@ impl<'a> Numbering<'a> {
     }
 
     /// Whether the mesh joins two vertices by an edge.
-    pub fn joined(&self, i: usize, j: usize) -> bool {
+    pub(crate) fn joined(&self, i: usize, j: usize) -> bool {
         i.max(j) < self.rim.len() && self.hole.around.joined(self.rim[i], self.rim[j])
     }
 }

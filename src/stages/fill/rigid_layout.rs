@@ -21,7 +21,7 @@ const STEPS: usize = 30;
 /// given. Lengths change little; triangles can be inverted where the surface is far from
 /// developable. Points without triangles can end up anywhere. `None` if the surface has no
 /// boundary, or numbers that are too large or not finite.
-pub fn lay_out(
+pub(crate) fn lay_out(
     points: &[Point],
     triangles: &[[usize; 3]],
     start: Option<Vec<Uv>>,

@@ -3,7 +3,7 @@
 use crate::geometry::{FEW, Uv, UvVector, ray_crosses, uv_bounds};
 
 /// The rims as closed polygons. Their sides are sorted into strips across the longer axis.
-pub struct RimOutlines {
+pub(crate) struct RimOutlines {
     strips: Vec<Vec<(Uv, Uv)>>,
     low: f64,
     width: f64,
@@ -41,7 +41,7 @@ impl RimOutlines {
 
     /// Whether `p` is in the hole, or a rim vertex is in the square of side `width` around
     /// `p`.
-    pub fn is_in_or_near(&self, p: Uv, width: f64) -> bool {
+    pub(crate) fn is_in_or_near(&self, p: Uv, width: f64) -> bool {
         let p = self.turned(p);
         let near = |q: Uv| (q - p).abs() <= UvVector::repeat(0.5 * width);
         let [first, last] = [p.y - 0.5 * width, p.y + 0.5 * width].map(|y| self.strip(y));

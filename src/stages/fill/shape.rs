@@ -45,7 +45,7 @@ const HIDDEN_SHARE: f64 = 0.02;
 const ROUNDS: usize = 4;
 
 /// A hole, and the measured points that give its fill its shape.
-pub struct Shaper<'a> {
+pub(crate) struct Shaper<'a> {
     hole: OpenHole<'a>,
     measured: &'a MeasuredPoints<'a>,
     numbering: Numbering<'a>,
@@ -93,7 +93,7 @@ impl<'a> Shaper<'a> {
     /// The surface over the hole as a height field along the mean normal. It goes through the
     /// points of the band that are visible from there and connected to the rim: the whole band
     /// if all but a few are visible.
-    pub fn height_field(&self) -> Option<HeightField> {
+    pub(crate) fn height_field(&self) -> Option<HeightField> {
         let around = self.hole.around;
         let visible = if self.is_visible {
             self.band.clone()
@@ -132,7 +132,7 @@ impl<'a> Shaper<'a> {
 
     /// Places a fill on the height field if the whole band is visible, and else on a surface over
     /// a layout.
-    pub fn shaped(&self, fill: &Fill) -> Option<Fill> {
+    pub(crate) fn shaped(&self, fill: &Fill) -> Option<Fill> {
         match self.is_visible.then(|| self.height_field()).flatten() {
             Some(field) => self.over_plane(fill, &field),
             None => self.over_layout(fill, Energies::Both),
@@ -141,7 +141,7 @@ impl<'a> Shaper<'a> {
 
     /// Places a fill on a height field. `None` if its triangles overlap in the plane and cannot
     /// be replaced by others that do not.
-    pub fn over_plane(&self, fill: &Fill, field: &HeightField) -> Option<Fill> {
+    pub(crate) fn over_plane(&self, fill: &Fill, field: &HeightField) -> Option<Fill> {
         let mut charted = self.charted(fill);
         charted.uv = charted.points.iter().map(|&p| field.plane.flat(p)).collect();
         if charted.inverted() > 0 {
@@ -153,7 +153,7 @@ impl<'a> Shaper<'a> {
 
     /// Places a fill on a spline over the layout of fill and band in the plane, and repeats this
     /// with the layout of the result. `None` if triangles are inverted in the last layout.
-    pub fn over_layout(&self, fill: &Fill, energies: Energies) -> Option<Fill> {
+    pub(crate) fn over_layout(&self, fill: &Fill, energies: Energies) -> Option<Fill> {
         let mut charted = self.charted(fill);
         let band =
             BandMesh::new(&self.numbering, self.hole.around, &self.band, charted.points.len());
@@ -211,7 +211,7 @@ fn faces(hole: OpenHole, v: VertexId, direction: Vector) -> bool {
 }
 
 /// The surface over a hole as a height field over a plane.
-pub struct HeightField {
+pub(crate) struct HeightField {
     plane: LocalPlane,
     spline: SmoothingSpline<1>,
     /// The rims in the plane.
@@ -224,7 +224,7 @@ impl HeightField {
     }
 
     /// The guide of a front.
-    pub fn guide<'a>(
+    pub(crate) fn guide<'a>(
         &self,
         surface: &'a (dyn Fn(Point) -> Option<(Point, Vector)> + Sync),
     ) -> Guide<'a> {
@@ -232,7 +232,7 @@ impl HeightField {
     }
 
     /// The point above or below `p` and the unit normal there, by differences over `step`.
-    pub fn foot(&self, p: Point, step: f64) -> Option<(Point, Vector)> {
+    pub(crate) fn foot(&self, p: Point, step: f64) -> Option<(Point, Vector)> {
         let uv = self.plane.flat(p);
         let [x, y] = [Uv::new(uv.x + step, uv.y), Uv::new(uv.x, uv.y + step)];
         let at = self.at(uv)?;

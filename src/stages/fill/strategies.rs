@@ -15,7 +15,7 @@ use crate::geometry::{Point, VertexId};
 use crate::mesh::remesh::{RimTriangulation, Sizes};
 
 /// The fill of a hole, and how it was made.
-pub struct ClosedHole {
+pub(crate) struct ClosedHole {
     pub fill: Fill,
     pub strategy: Strategy,
     pub faults: Faults,
@@ -24,7 +24,7 @@ pub struct ClosedHole {
 /// Closes one hole by the first strategy whose fill has no fault, or else by that with the
 /// fewest faults. `None` if every strategy fails, which takes numbers that are too large or not
 /// finite.
-pub fn close(
+pub(crate) fn close(
     around: &Surroundings,
     measured: &MeasuredPoints,
     rims: &[&[VertexId]],

@@ -17,7 +17,7 @@ const GAIN: f64 = 1e-4;
 
 /// Returns the net of the least-squares optimum and the number of steps. `None` if it takes too
 /// many steps.
-pub fn solve(
+pub(crate) fn solve(
     equations: &NormalEquations,
     inverse: &Preconditioner,
     start: Vec<PaddedPoint>,
@@ -28,7 +28,7 @@ pub fn solve(
 
 /// Returns a net nearer to the optimum than `start`, the number of steps, and whether the net is
 /// the optimum. `None` if a number overflows.
-pub fn improve<W: Weight>(
+pub(crate) fn improve<W: Weight>(
     equations: &NormalEquations<W>,
     inverse: &Preconditioner,
     start: Vec<PaddedPoint>,

@@ -31,12 +31,12 @@ const FADE_FROM: f64 = 4.0;
 /// Integrals over a strip of cells: `of[order][j][d]` is the integral of the weight times the
 /// derivatives of order `order` of B_j and B_{j+d} in v. It belongs to the derivatives of order
 /// 2 − `order` in u.
-pub struct Fairing {
+pub(crate) struct Fairing {
     pub of: [Vec<[f64; 4]>; 3],
 }
 
 /// The term of each strip.
-pub fn strips<W: Weight>(strips: &[StripSums<W>], cells: &KnotCells) -> Vec<Fairing> {
+pub(crate) fn strips<W: Weight>(strips: &[StripSums<W>], cells: &KnotCells) -> Vec<Fairing> {
     let metric = Lengths::new(strips, cells);
     let energies: Vec<[[f64; 10]; 3]> = cells.spans[1].all.iter().map(energies).collect();
     (0..strips.len()).into_par_iter().map(|p| strip(p, strips, &metric, &energies)).collect()
@@ -75,7 +75,7 @@ fn strip<W: Weight>(
 
 /// Integrals over a span, with s from −1 to 1, of the products of the [`PAIRS`] of basis functions,
 /// of their first derivatives in s, and of their second derivatives.
-pub fn energies(span: &Span) -> [[f64; 10]; 3] {
+pub(crate) fn energies(span: &Span) -> [[f64; 10]; 3] {
     let mut pieces = span.basis;
     [0; 3].map(|_| {
         let products = products(&pieces);

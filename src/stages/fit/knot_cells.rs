@@ -12,7 +12,7 @@ use crate::spline::spans::KnotSpans;
 use crate::spline::{KnotVector, Samples};
 
 /// The knot cells of a net, and the samples in each.
-pub struct KnotCells<'a> {
+pub(crate) struct KnotCells<'a> {
     /// The samples.
     pub samples: &'a Samples,
     /// The matrices by which the distances from the samples are weighted. Empty if distances in all
@@ -30,7 +30,7 @@ pub struct KnotCells<'a> {
 
 /// A sample in a cell: its position in the cell from (−1, −1) to (1, 1), its weight, and its point
 /// relative to the origin.
-pub struct CellSample<W> {
+pub(crate) struct CellSample<W> {
     pub place: Uv,
     pub weight: W,
     pub point: Vector,
@@ -51,13 +51,13 @@ impl<'a> KnotCells<'a> {
     }
 
     /// The same cells with a weight matrix for each sample.
-    pub fn with_metrics(self, metrics: &'a [Metric]) -> Self {
+    pub(crate) fn with_metrics(self, metrics: &'a [Metric]) -> Self {
         KnotCells { metrics, ..self }
     }
 
     /// The number of cells in u and in v. Inner knots are simple, so a net of n control points has
     /// n − 3 cells.
-    pub fn counts(&self) -> [usize; 2] {
+    pub(crate) fn counts(&self) -> [usize; 2] {
         self.spans.each_ref().map(|s| s.all.len())
     }
 
@@ -67,12 +67,12 @@ impl<'a> KnotCells<'a> {
     }
 
     /// The indices of the samples in cell (p, q).
-    pub fn indices(&self, p: usize, q: usize) -> &[u32] {
+    pub(crate) fn indices(&self, p: usize, q: usize) -> &[u32] {
         self.homes.of(p * self.counts()[1] + q)
     }
 
     /// The samples in cell (p, q).
-    pub fn samples<W: Weight>(
+    pub(crate) fn samples<W: Weight>(
         &self,
         p: usize,
         q: usize,
@@ -89,7 +89,7 @@ impl<'a> KnotCells<'a> {
     }
 
     /// The positions of the samples in cell (p, q), from (−1, −1) to (1, 1).
-    pub fn places(&self, p: usize, q: usize) -> impl Iterator<Item = Uv> + '_ {
+    pub(crate) fn places(&self, p: usize, q: usize) -> impl Iterator<Item = Uv> + '_ {
         let (u, v) = (&self.spans[0].all[p], &self.spans[1].all[q]);
         self.indices(p, q).iter().map(move |&i| {
             let at = self.samples.uv[i as usize];

@@ -9,7 +9,7 @@ use crate::geometry::Vector;
 
 /// The sums of one cell.
 #[derive(Debug, Clone)]
-pub struct Moments<W = f64> {
+pub(crate) struct Moments<W = f64> {
     /// `gram[l][k]` = Σ w sᵏ tˡ. The last column is not used.
     pub gram: [[W; 8]; 7],
     /// `right[axis][l][k]` = Σ w sᵏ tˡ p.
@@ -20,7 +20,7 @@ pub struct Moments<W = f64> {
 
 impl<W: Weight> Moments<W> {
     /// The sums over no samples.
-    pub fn zero() -> Self {
+    pub(crate) fn zero() -> Self {
         Moments { gram: [[W::even(0.0); 8]; 7], right: [[[0.0; 4]; 4]; 3], squares: 0.0 }
     }
 
@@ -37,7 +37,7 @@ impl<W: Weight> Moments<W> {
 
     /// Adds a sample to all sums except `squares`. The arguments are its weight, the powers of its
     /// position, and its point.
-    pub fn add(&mut self, weight: W, s: &[f64; 8], t: &[f64; 8], point: Vector) {
+    pub(crate) fn add(&mut self, weight: W, s: &[f64; 8], t: &[f64; 8], point: Vector) {
         for (row, t) in self.gram.iter_mut().zip(t) {
             let wt = weight * *t;
             row.iter_mut().zip(s).for_each(|(sum, s)| *sum += wt * *s);
@@ -54,7 +54,7 @@ impl<W: Weight> Moments<W> {
 }
 
 /// 1, x, …, x⁷.
-pub fn powers(x: f64) -> [f64; 8] {
+pub(crate) fn powers(x: f64) -> [f64; 8] {
     let x2 = x * x;
     let x4 = x2 * x2;
     [1.0, x, x2, x2 * x, x4, x4 * x, x4 * x2, x4 * x2 * x]

@@ -17,14 +17,14 @@ use crate::solve::cholesky::Cholesky;
 use crate::spline::spans::{PAIRS, Span};
 
 /// A control point in the solvers: its three coordinates and a zero.
-pub type PaddedPoint = Vector4<f64>;
+pub(crate) type PaddedPoint = Vector4<f64>;
 
 /// Least squares plus a fairing term as one sparse symmetric system.
 ///
 /// The basis functions are tensor products. So the product of two of them,
 /// B_i B_i′ (u) · B_j B_j′ (v), is the same for (i, j), (i′, j′) and for (i, j′), (i′, j). Because
 /// of this and of symmetry, 16 of the 49 couplings of a control point are stored.
-pub struct NormalEquations<W = f64> {
+pub(crate) struct NormalEquations<W = f64> {
     /// The numbers of control points in u and v.
     pub shape: [usize; 2],
     /// `bands[(4 i + d) nv + j][e]` couples (i, j) with (i + d, j + e), and (i, j + e)
@@ -102,7 +102,7 @@ impl<W: Weight> NormalEquations<W> {
     }
 
     /// Multiplies the rows of the matrix that belong to row `i` of the net with a net.
-    pub fn row_times(&self, i: usize, net: &[PaddedPoint], out: &mut [PaddedPoint]) {
+    pub(crate) fn row_times(&self, i: usize, net: &[PaddedPoint], out: &mut [PaddedPoint]) {
         let [nu, nv] = self.shape;
         out.fill(PaddedPoint::zeros());
         for other in i.saturating_sub(3)..(i + 4).min(nu) {
@@ -112,7 +112,7 @@ impl<W: Weight> NormalEquations<W> {
     }
 
     /// The equations with the mean over all directions instead of each matrix.
-    pub fn mean(&self) -> NormalEquations {
+    pub(crate) fn mean(&self) -> NormalEquations {
         NormalEquations {
             shape: self.shape,
             bands: self.bands.par_iter().map(|band| band.map(W::mean)).collect(),
@@ -126,7 +126,7 @@ impl<W: Weight> NormalEquations<W> {
 impl NormalEquations {
     /// Equations that hold every control point of a net in place with its own weight. Where the
     /// weight is 0, the fairing term alone determines the control point.
-    pub fn holding(net: &[PaddedPoint], weights: &[f64], cells: &KnotCells) -> Self {
+    pub(crate) fn holding(net: &[PaddedPoint], weights: &[f64], cells: &KnotCells) -> Self {
         let mut equations = NormalEquations::fairing(&strips(cells), cells);
         let nv = equations.shape[1];
         for (at, (p, &w)) in net.iter().zip(weights).enumerate() {
@@ -138,14 +138,14 @@ impl NormalEquations {
     }
 
     /// The solution by sparse Cholesky.
-    pub fn solve_directly(&self) -> Result<Vec<PaddedPoint>> {
+    pub(crate) fn solve_directly(&self) -> Result<Vec<PaddedPoint>> {
         let [nu, nv] = self.shape;
         Ok(self.factor((0..(nu * nv) as u32).collect())?.solve(&self.right))
     }
 
     /// The Cholesky factor of the rows and columns of some control points, which must be in
     /// ascending order.
-    pub fn factor(&self, points: Vec<u32>) -> Result<Factor> {
+    pub(crate) fn factor(&self, points: Vec<u32>) -> Result<Factor> {
         let [nu, nv] = self.shape;
         let mut number = vec![NONE; nu * nv];
         points.iter().zip(0..).for_each(|(&point, n)| number[point as usize] = n);
@@ -182,20 +182,20 @@ impl NormalEquations {
 }
 
 /// A direct solver for a subset of the control points.
-pub struct Factor {
+pub(crate) struct Factor {
     points: Vec<u32>,
     cholesky: Cholesky<u32>,
 }
 
 impl Factor {
     /// The control points in ascending order.
-    pub fn points(&self) -> &[u32] {
+    pub(crate) fn points(&self) -> &[u32] {
         &self.points
     }
 
     /// The solution for these points if all others are zero. `right` has an entry for every control
     /// point.
-    pub fn solve(&self, right: &[PaddedPoint]) -> Vec<PaddedPoint> {
+    pub(crate) fn solve(&self, right: &[PaddedPoint]) -> Vec<PaddedPoint> {
         let of = |n: usize, axis: usize| right[self.points[n] as usize][axis];
         let mut x = faer::Mat::from_fn(self.points.len(), 3, of);
         self.cholesky.solve(&mut x);

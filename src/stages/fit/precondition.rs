@@ -15,7 +15,7 @@ use crate::error::Result;
 use crate::spline::spans::{KnotSpans, PAIRS};
 
 /// The approximate inverse.
-pub struct Preconditioner {
+pub(crate) struct Preconditioner {
     /// The inverse for evenly spread samples.
     even: Option<Even>,
     /// The inverse for the control points that samples determine weakly or not at all.
@@ -69,14 +69,14 @@ impl Preconditioner {
     }
 
     /// The exact inverse of `equations`. It serves as a preconditioner for similar equations.
-    pub fn direct(equations: &NormalEquations) -> Result<Self> {
+    pub(crate) fn direct(equations: &NormalEquations) -> Result<Self> {
         let count = equations.shape[0] * equations.shape[1];
         let all = equations.factor((0..count as u32).collect())?;
         Ok(Preconditioner { even: None, weak: Some(all) })
     }
 
     /// Stores the product of the approximate inverse and `r` in `z`.
-    pub fn apply(&self, r: &[PaddedPoint], z: &mut [PaddedPoint]) {
+    pub(crate) fn apply(&self, r: &[PaddedPoint], z: &mut [PaddedPoint]) {
         match &self.even {
             Some(even) => even.apply(r, z),
             None => z.fill(PaddedPoint::zeros()),

@@ -12,7 +12,7 @@ use crate::geometry::Vector;
 use crate::spline::spans::{PAIRS, Span};
 
 /// The sums of one strip. Entry j of the lists belongs to control points (·, j).
-pub struct StripSums<W> {
+pub(crate) struct StripSums<W> {
     /// `gram[j][k][d]` = Σ w sᵏ B_j(v) B_{j+d}(v).
     pub gram: Vec<[[W; 4]; 7]>,
     /// `right[j][axis][k]` = Σ w sᵏ B_j(v) p.
@@ -25,7 +25,7 @@ pub struct StripSums<W> {
 
 /// Statistics of a cell's samples.
 #[derive(Debug, Clone, Copy)]
-pub struct Census {
+pub(crate) struct Census {
     /// Σ w.
     pub weight: f64,
     /// The number of samples, reduced if they leave parts of the cell empty.

@@ -10,7 +10,7 @@ const TANGENTIAL: f64 = 0.05;
 
 /// The tangent-distance term of a sample.
 #[derive(Debug, Clone, Copy)]
-pub struct TangentDistance {
+pub(crate) struct TangentDistance {
     /// The unit normal of the measured surface at the sample.
     pub normal: Vector,
     /// The matrix of the squared distance to a plane, a line or a point.

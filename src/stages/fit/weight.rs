@@ -10,7 +10,7 @@ use super::normal::PaddedPoint;
 use crate::geometry::Vector;
 
 /// A weight of a sample, or a sum of weights times products of basis functions.
-pub trait Weight: Copy + Send + Sync + AddAssign + Mul<f64, Output = Self> {
+pub(crate) trait Weight: Copy + Send + Sync + AddAssign + Mul<f64, Output = Self> {
     /// A weight that is equal in all directions.
     fn even(weight: f64) -> Self;
 
@@ -60,7 +60,7 @@ impl Weight for f64 {
 
 /// A symmetric matrix with the entries xx, yy, zz, xy, yz, zx.
 #[derive(Debug, Clone, Copy)]
-pub struct Metric([f64; 6]);
+pub(crate) struct Metric([f64; 6]);
 
 impl From<&Matrix3<f64>> for Metric {
     fn from(m: &Matrix3<f64>) -> Self {

@@ -11,7 +11,7 @@ use crate::geometry::{Uv, Vector};
 use crate::spline::{Jet, Surface};
 
 /// The jumps of the third derivatives of a surface across its knot lines.
-pub struct Jumps {
+pub(crate) struct Jumps {
     /// Breakpoints in u and v.
     pub breaks: [Vec<f64>; 2],
     /// `at[axis][line][span]` is the jump across an inner knot line of `axis` in a span of the
@@ -34,7 +34,7 @@ impl Jumps {
 
     /// The largest effect on the surface of inner line `line` of an axis, in mm. Lines are counted
     /// from 0.
-    pub fn of_line(&self, axis: usize, line: usize) -> f64 {
+    pub(crate) fn of_line(&self, axis: usize, line: usize) -> f64 {
         let b = &self.breaks[axis][line..line + 3];
         let length = ((b[1] - b[0]) * (b[2] - b[1])).powf(1.5);
         length * self.at[axis][line].iter().copied().fold(0.0, f64::max)
@@ -42,7 +42,7 @@ impl Jumps {
 
     /// The effect in cell `place` that a line in the middle of span `place[axis]` could have. It is
     /// infinite if the axis has no inner line yet.
-    pub fn of_cell(&self, axis: usize, place: [usize; 2]) -> f64 {
+    pub(crate) fn of_cell(&self, axis: usize, place: [usize; 2]) -> f64 {
         let (span, other) = (place[axis], place[1 - axis]);
         let length = self.breaks[axis][span + 1] - self.breaks[axis][span];
         let lines = span.saturating_sub(1)..(span + 1).min(self.at[axis].len());

@@ -78,25 +78,25 @@ impl Base {
     }
 
     /// The length of side `k` of a triangle.
-    pub fn side_length(&self, t: usize, k: usize) -> f64 {
+    pub(crate) fn side_length(&self, t: usize, k: usize) -> f64 {
         let corners = self.triangles[t];
         (self.point(corners[(k + 1) % 3]) - self.point(corners[k])).norm()
     }
 
     /// The length of the longest side of a triangle as a multiple of the scan's edges at its corners.
-    pub fn scan_edges(&self, t: [u32; 3]) -> f64 {
+    pub(crate) fn scan_edges(&self, t: [u32; 3]) -> f64 {
         let [a, b, c] = t.map(|v| self.point(v));
         let longest = (b - a).norm().max((c - b).norm()).max((a - c).norm());
         3.0 * longest / t.iter().map(|&v| self.edges[v as usize]).sum::<f64>()
     }
 
     /// The number of triangles around a vertex.
-    pub fn valence(&self, v: u32) -> usize {
+    pub(crate) fn valence(&self, v: u32) -> usize {
         self.around[v as usize].len()
     }
 
     /// Adds a vertex that has no triangles yet. `like` is a vertex beside it.
-    pub fn add_vertex(&mut self, point: Point, normal: Vector, like: u32) -> u32 {
+    pub(crate) fn add_vertex(&mut self, point: Point, normal: Vector, like: u32) -> u32 {
         self.points.push(point);
         self.normals.push(normal);
         self.edges.push(self.edges[like as usize]);
@@ -127,7 +127,7 @@ impl Base {
     }
 
     /// The triangle across side `k` of a triangle, and the vertex opposite to the side there.
-    pub fn across(&self, t: usize, k: usize) -> Option<(u32, u32)> {
+    pub(crate) fn across(&self, t: usize, k: usize) -> Option<(u32, u32)> {
         let corners = self.triangles[t];
         let (a, b) = (corners[k], corners[(k + 1) % 3]);
         let other = self.around[a as usize]
@@ -146,7 +146,7 @@ impl Base {
 
     /// Where the vertices in old triangles, and a removed vertex at the origin, lie in new ones.
     /// The result has a list for each new triangle.
-    pub fn moved_members(
+    pub(crate) fn moved_members(
         &self,
         old: &[Flat],
         new: &[Flat],
@@ -168,7 +168,7 @@ impl Base {
 
     /// Replaces triangles. `corners` are those of the new ones, and `new` has their places in the
     /// plane, with any numbers.
-    pub fn replace(
+    pub(crate) fn replace(
         &mut self,
         old: Vec<Flat>,
         mut new: Vec<Flat>,
@@ -197,7 +197,7 @@ impl Base {
     }
 
     /// The place on the scan of a place on the triangulation.
-    pub fn on_scan(&self, mut place: TrianglePlace) -> TrianglePlace {
+    pub(crate) fn on_scan(&self, mut place: TrianglePlace) -> TrianglePlace {
         while let Some(step) = self.steps.get(self.made_by[place.triangle as usize] as usize) {
             let Some((_, corners)) = step.new.iter().find(|(t, _)| *t == place.triangle) else {
                 break;

@@ -25,7 +25,7 @@ pub(super) struct BlockGrid {
 impl BlockGrid {
     /// Takes the places of vertices from an earlier grid. Returns the vertices near those that it did
     /// not have.
-    pub fn keep(&mut self, known: &HashMap<GridName, TrianglePlace>) -> Vec<bool> {
+    pub(crate) fn keep(&mut self, known: &HashMap<GridName, TrianglePlace>) -> Vec<bool> {
         let mut is_new = vec![false; self.names.len()];
         for (v, name) in self.names.iter().enumerate() {
             match known.get(name) {

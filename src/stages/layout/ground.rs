@@ -73,7 +73,7 @@ impl Ground {
     }
 
     /// Smooths the surface in some triangles and in those around them.
-    pub fn smooth_around(&mut self, triangles: &[u32]) {
+    pub(crate) fn smooth_around(&mut self, triangles: &[u32]) {
         let near = self.vertices_around(triangles);
         for step in 0..2 * STEPS {
             let share = if step % 2 == 0 { TOWARDS } else { AWAY };
@@ -117,7 +117,7 @@ impl Ground {
     }
 
     /// The mean length of the sides of a triangle.
-    pub fn edge(&self, triangle: u32) -> f64 {
+    pub(crate) fn edge(&self, triangle: u32) -> f64 {
         let [a, b, c] = self.mesh.corners(self.mesh.triangles[triangle as usize]);
         ((b - a).norm() + (c - b).norm() + (a - c).norm()) / 3.0
     }
@@ -129,7 +129,7 @@ impl Ground {
     }
 
     /// The smoothed unit normal of the scan.
-    pub fn normal(&self, place: &TrianglePlace) -> Vector {
+    pub(crate) fn normal(&self, place: &TrianglePlace) -> Vector {
         let corners = self.mesh.triangles[place.triangle as usize];
         let terms = corners.iter().zip(place.weights).map(|(v, w)| self.normals[v.index()] * w);
         terms.sum::<Vector>().try_normalize(0.0).unwrap_or_default()
@@ -137,7 +137,7 @@ impl Ground {
 
     /// The place that a step along the surface leads to. At each side the direction is turned into
     /// the plane of the next triangle.
-    pub fn walked(&self, start: TrianglePlace, step: Vector) -> TrianglePlace {
+    pub(crate) fn walked(&self, start: TrianglePlace, step: Vector) -> TrianglePlace {
         let mut place = start;
         let mut left = step;
         for _ in 0..MOST_CROSSED {

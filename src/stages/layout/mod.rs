@@ -60,7 +60,7 @@ pub struct Report {
 
 impl Report {
     /// The report with all lengths multiplied by a factor.
-    pub(crate) fn scaled(mut self, factor: f64) -> Self {
+    pub fn scaled(mut self, factor: f64) -> Self {
         self.bad.iter_mut().for_each(|p| *p *= factor);
         self
     }
@@ -123,7 +123,7 @@ pub fn layout_with(mesh: &Mesh, options: &Options, progress: &mut Progress) -> R
 ///
 /// # Errors
 /// Those of [`layout`].
-pub fn base(mesh: &Mesh, options: &Options) -> Result<Mesh> {
+pub(crate) fn base(mesh: &Mesh, options: &Options) -> Result<Mesh> {
     let ground = Ground::new(mesh, &mut progress::ignore)?;
     let base = coarsened(&ground, options.spread, &mut progress::ignore)?;
     let alive = (0..base.triangles.len()).filter(|&t| base.alive[t]);
@@ -185,7 +185,7 @@ impl QuadLayout {
     ///
     /// # Errors
     /// Those of [`layout`], and what `progress` returns.
-    pub fn split(&mut self, blocks: &[usize], progress: &mut Progress) -> Result<bool> {
+    pub(crate) fn split(&mut self, blocks: &[usize], progress: &mut Progress) -> Result<bool> {
         if !repair::split_blocks(&mut self.base, &self.ground, &self.best.grid, blocks) {
             return Ok(false);
         }

@@ -103,7 +103,7 @@ impl Pairs {
     }
 
     /// The side of a triangle on which another one is.
-    pub fn side(&self, t: u32, other: u32) -> usize {
+    pub(crate) fn side(&self, t: u32, other: u32) -> usize {
         self.neighbours[t as usize].iter().position(|&n| n == other).unwrap_or(0)
     }
 

@@ -63,7 +63,7 @@ impl<'a> Relaxed<'a> {
     }
 
     /// Multiplies the weights of some quads.
-    pub fn weigh(&mut self, quads: &[usize], factor: f64) {
+    pub(crate) fn weigh(&mut self, quads: &[usize], factor: f64) {
         for &q in quads {
             self.weights[q] *= factor;
             self.mesh.quads[q].iter().for_each(|v| self.settled[v.index()] = false);
@@ -71,7 +71,7 @@ impl<'a> Relaxed<'a> {
     }
 
     /// Smooths the ground under some quads.
-    pub fn smooth_under(&mut self, quads: &[usize]) {
+    pub(crate) fn smooth_under(&mut self, quads: &[usize]) {
         let corners = quads.iter().flat_map(|&q| self.mesh.quads[q]);
         let mut under: Vec<u32> = corners.map(|v| self.places[v.index()].triangle).collect();
         under.sort_unstable();
@@ -85,7 +85,7 @@ impl<'a> Relaxed<'a> {
     }
 
     /// The mean length of the sides of a quad, as a multiple of the ground's edges under it.
-    pub fn ground_edges(&self, quad: usize) -> f64 {
+    pub(crate) fn ground_edges(&self, quad: usize) -> f64 {
         let quad = self.mesh.quads[quad].map(|v| v.index());
         let side = |k: usize| (self.points[quad[(k + 1) % 4]] - self.points[quad[k]]).norm();
         let edge = |v: usize| self.ground.edge(self.places[v].triangle);
@@ -94,7 +94,7 @@ impl<'a> Relaxed<'a> {
 
     /// Moves all vertices, or those that are `chosen`, once. With the barrier no quad may turn
     /// farther from the scan than the gate allows.
-    pub fn sweep(&mut self, chosen: Option<&[bool]>, barrier: bool) {
+    pub(crate) fn sweep(&mut self, chosen: Option<&[bool]>, barrier: bool) {
         if barrier != self.has_barrier {
             self.settled.fill(false);
             self.has_barrier = barrier;
@@ -187,7 +187,7 @@ impl<'a> Relaxed<'a> {
     }
 
     /// The quads with a corner that faces another side than the scan does.
-    pub fn bad(&self) -> Vec<usize> {
+    pub(crate) fn bad(&self) -> Vec<usize> {
         let is_bad = |&q: &usize| {
             let quad = self.mesh.quads[q].map(|v| v.index());
             (0..4).any(|k| {

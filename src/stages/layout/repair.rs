@@ -42,7 +42,7 @@ pub(super) struct RelaxedGrid {
 
 impl RelaxedGrid {
     /// The blocks that should be smaller.
-    pub fn coarse(&self) -> Vec<usize> {
+    pub(crate) fn coarse(&self) -> Vec<usize> {
         let per_block = self.grid.mesh.side * self.grid.mesh.side;
         let mut blocks: Vec<usize> = self.coarse.iter().map(|q| q / per_block).collect();
         blocks.dedup();

@@ -70,7 +70,7 @@ impl Feet {
     }
 
     /// Searches the foot points from those on a surface before its control points moved.
-    pub fn moved(&self, net: &Net, points: &[Point], normals: &[Vector]) -> Self {
+    pub(crate) fn moved(&self, net: &Net, points: &[Point], normals: &[Vector]) -> Self {
         let control = net.control();
         let each = self.feet.par_iter().zip(points.par_iter().zip(normals));
         type Item<'a> = (&'a Option<QuadFoot>, (&'a Point, &'a Vector));

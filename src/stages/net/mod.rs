@@ -319,7 +319,7 @@ impl<'a> NetFit<'a> {
     ///
     /// # Errors
     /// [`Error::Singular`] if the equations have no solution.
-    pub fn hold(&mut self, places: &[(usize, Point)]) -> Result<()> {
+    pub(crate) fn hold(&mut self, places: &[(usize, Point)]) -> Result<()> {
         let per_block = self.net.mesh.side * self.net.mesh.side;
         let off = |quad: usize, p: Point| {
             let corners = self.net.mesh.quads[quad].map(|v| self.anchors[v.index()].coords);
@@ -339,7 +339,7 @@ impl<'a> NetFit<'a> {
 
 impl Report {
     /// The report with all lengths multiplied by a factor.
-    pub(crate) fn scaled(self, factor: f64) -> Self {
+    pub fn scaled(self, factor: f64) -> Self {
         Report { rms: factor * self.rms, ..self }
     }
 

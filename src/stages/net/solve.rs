@@ -44,7 +44,7 @@ impl NetEquations {
     /// Solves for the control points. The surface is held near the anchors, and where the `firmness` of a
     /// vertex exceeds one, its control point is, too. A net whose control points are the vertices of a
     /// layout without folds hardly folds, and a surface that goes through them may.
-    pub fn control_points(
+    pub(crate) fn control_points(
         &mut self,
         net: &Net,
         target: &FitTarget,

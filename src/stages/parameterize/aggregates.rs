@@ -13,7 +13,7 @@ const JACOBI_DAMPING: f64 = 2.0 / 3.0;
 
 /// The smoothed prolongation from the aggregates to the rows. The second matrix is the same for the
 /// transposed system; its transpose restricts residuals to the aggregates.
-pub fn smoothed_prolongations(
+pub(crate) fn smoothed_prolongations(
     matrix: &Matrix,
     transposed: &Matrix,
     diagonal: &[f64],

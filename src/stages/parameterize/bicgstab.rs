@@ -10,7 +10,7 @@ use super::sparse::{self, Matrix, UvPair};
 use crate::geometry::BLOCK;
 
 /// When to stop.
-pub struct Limits {
+pub(crate) struct Limits {
     /// The residual that is small enough, as a share of the right side. Norms are Euclidean.
     pub residual: f64,
     /// The largest number of steps.
@@ -23,7 +23,7 @@ pub struct Limits {
 ///
 /// The result is what the last step came to. The caller must look at the residual that it
 /// leaves; the numbers are not finite where the method breaks down.
-pub fn solve(
+pub(crate) fn solve(
     matrix: &Matrix,
     mut precondition: impl FnMut(&[UvPair], &mut [UvPair]),
     right: &[UvPair],

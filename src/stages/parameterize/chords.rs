@@ -8,7 +8,7 @@ use rayon::prelude::*;
 use crate::mesh::{EdgeMidpoints, Mesh, Patch};
 
 /// Splits the chords. Returns their number.
-pub fn split_chords(patch: &mut Patch) -> usize {
+pub(crate) fn split_chords(patch: &mut Patch) -> usize {
     let sides = between_outer(patch);
     let chords = chords(patch, &sides);
     if chords.is_empty() {

@@ -13,7 +13,7 @@ use crate::geometry::{NONE, Point, Uv};
 use crate::progress;
 
 /// A coarse version of the patch with renumbered vertices.
-pub struct Coarse {
+pub(crate) struct Coarse {
     points: Vec<Point>,
     rings: OneRings,
     outer: Vec<u32>,
@@ -22,7 +22,7 @@ pub struct Coarse {
 }
 
 /// A map of the coarse version.
-pub struct CoarseLayout {
+pub(crate) struct CoarseLayout {
     /// The position of its corners in the list of corner sets.
     pub set: usize,
     /// The width and the height of the rectangle, in mm.
@@ -49,7 +49,7 @@ const MAX_STRETCHED_SHARE: f64 = 0.1;
 /// The map with the least stretch among those with one of the corner `sets`, on the coarsest mesh
 /// of a hierarchy. It is recomputed with a larger weight of the convex term if strongly stretched
 /// triangles cover much of it. `outer` is the boundary of the finest mesh.
-pub fn least_stretched(
+pub(crate) fn least_stretched(
     points: &[Point],
     outer: &[u32],
     hierarchy: &ProgressiveMesh,

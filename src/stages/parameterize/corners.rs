@@ -48,7 +48,7 @@ const MAX_SETS: usize = 8;
 ///
 /// # Errors
 /// [`Error::TooSmall`] if the boundary has fewer than four candidates.
-pub fn likely(mesh: &Mesh, outer: &[VertexId]) -> Result<Vec<[usize; 4]>> {
+pub(crate) fn likely(mesh: &Mesh, outer: &[VertexId]) -> Result<Vec<[usize; 4]>> {
     let candidates = candidates(mesh, outer);
     let n = candidates.len();
     let mut rated: Vec<(f64, [usize; 4])> = Vec::new();

@@ -18,7 +18,7 @@ const LONG: f64 = 2.0;
 const MOST_ROUNDS: usize = 5;
 
 /// Halves sides that the map stretches. Returns the number of new vertices.
-pub fn insert_vertices(map: &mut Parameterized) -> usize {
+pub(crate) fn insert_vertices(map: &mut Parameterized) -> usize {
     let before = map.patch.mesh.points.len();
     let width = stretch::measure(&map.patch, &map.uv).aspect.sqrt();
     let long = LONG / (map.patch.measured as f64).sqrt();

@@ -9,7 +9,7 @@ use faer::{Conj, Mat, Par};
 
 /// The LU factors of a square matrix, rows exchanged for the largest pivots.
 #[derive(Debug)]
-pub struct Lu {
+pub(crate) struct Lu {
     symbolic: SymbolicLu<u32>,
     numeric: NumericLu<u32, f64>,
 }
@@ -36,7 +36,7 @@ impl Lu {
     }
 
     /// Replaces the right sides, one a column, by their solutions.
-    pub fn solve(&self, right: &mut Mat<f64>) {
+    pub(crate) fn solve(&self, right: &mut Mat<f64>) {
         let room = self.symbolic.solve_in_place_scratch::<f64>(right.ncols(), Par::Seq);
         let mut room = MemBuffer::new(room);
         LuRef::new_unchecked(&self.symbolic, &self.numeric).solve_in_place_with_conj(

@@ -25,7 +25,7 @@ const BALANCING: usize = 10;
 ///
 /// The solver is BiCGStab (van der Vorst 1992), preconditioned by a multigrid cycle. A direct
 /// solver is used for few vertices, or if the iteration does not converge.
-pub fn map(points: &[Point], rings: &OneRings, at: &mut [Uv]) -> Result<()> {
+pub(crate) fn map(points: &[Point], rings: &OneRings, at: &mut [Uv]) -> Result<()> {
     let inner: Vec<u32> = (0..rings.len() as u32)
         .filter(|&v| !rings.on_boundary(v) && !rings.ring(v).is_empty())
         .collect();

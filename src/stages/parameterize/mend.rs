@@ -8,7 +8,7 @@ use crate::geometry::{Uv, orient2d};
 use crate::mesh::one_rings::OneRings;
 
 /// The triangles that do not run counter-clockwise, by an exact predicate.
-pub fn inverted(triangles: impl Iterator<Item = [u32; 3]>, at: &[Uv]) -> Vec<[u32; 3]> {
+pub(crate) fn inverted(triangles: impl Iterator<Item = [u32; 3]>, at: &[Uv]) -> Vec<[u32; 3]> {
     let flipped = |t: &[u32; 3]| {
         let [a, b, c] = t.map(|v| at[v as usize]);
         orient2d(a, b, c) <= 0.0
@@ -19,7 +19,7 @@ pub fn inverted(triangles: impl Iterator<Item = [u32; 3]>, at: &[Uv]) -> Vec<[u3
 /// Remaps the surroundings of inverted triangles with even weights. The surroundings grow until no
 /// triangle is inverted; with all inner vertices this is Tutte's map, which does not fold. Returns
 /// the number of inverted triangles, and those that could not be repaired.
-pub fn mend(
+pub(crate) fn mend(
     rings: &OneRings,
     triangles: impl Iterator<Item = [u32; 3]> + Clone,
     at: &mut [Uv],

@@ -10,14 +10,14 @@ use super::sparse::{self, Matrix, UvPair};
 use crate::geometry::BLOCK;
 
 /// A system with at most this number of unknowns is solved directly.
-pub const DIRECT_SIZE: usize = 500;
+pub(crate) const DIRECT_SIZE: usize = 500;
 
 /// A coarser level is used only if it has at most this share of the unknowns.
 const MAX_COARSENING: f64 = 0.7;
 
 /// A linear system and a sequence of coarser systems that approximate it.
 #[derive(Debug)]
-pub struct Multigrid {
+pub(crate) struct Multigrid {
     levels: Vec<GridLevel>,
     last: Lu,
 }
@@ -25,7 +25,7 @@ pub struct Multigrid {
 /// What a cycle writes on one level: the solution before a sweep or its residual, and both
 /// sides of the next smaller system.
 #[derive(Debug)]
-pub struct Room {
+pub(crate) struct Room {
     x: Vec<UvPair>,
     coarse_b: Vec<UvPair>,
     coarse_x: Vec<UvPair>,
@@ -62,12 +62,12 @@ impl Multigrid {
     }
 
     /// The matrix of the finest system.
-    pub fn matrix(&self) -> &Matrix {
+    pub(crate) fn matrix(&self) -> &Matrix {
         &self.levels[0].matrix
     }
 
     /// Room for [`Multigrid::apply`].
-    pub fn room(&self) -> Vec<Room> {
+    pub(crate) fn room(&self) -> Vec<Room> {
         let zeros = |n: usize| vec![[0.0; 2]; n];
         let of = |level: &GridLevel| {
             let (n, few) = (level.matrix.nrows(), level.prolongation.ncols());
@@ -77,7 +77,7 @@ impl Multigrid {
     }
 
     /// Writes about what solves the largest system for `b` into `x`.
-    pub fn apply(&self, b: &[UvPair], x: &mut [UvPair], room: &mut [Room]) {
+    pub(crate) fn apply(&self, b: &[UvPair], x: &mut [UvPair], room: &mut [Room]) {
         self.cycle(&self.levels, b, x, room);
     }
 

@@ -5,7 +5,7 @@ use crate::geometry::{Point, Uv};
 
 /// A closed loop of vertices, four of which are the corners of a rectangle. The bottom, right, top
 /// and left sides follow each other counter-clockwise.
-pub struct Rectangle {
+pub(crate) struct Rectangle {
     /// The loop, starting at the first corner.
     outer: Vec<u32>,
     /// The positions of the corners in the loop, in ascending order.
@@ -33,7 +33,7 @@ impl Rectangle {
     }
 
     /// The directions in which each of `count` vertices may move.
-    pub fn freedom(&self, count: usize) -> Vec<Freedom> {
+    pub(crate) fn freedom(&self, count: usize) -> Vec<Freedom> {
         let mut freedom = vec![Freedom::Full; count];
         for (side, along) in
             self.sides().into_iter().zip([Freedom::AlongX, Freedom::AlongY].repeat(2))
@@ -47,7 +47,7 @@ impl Rectangle {
     /// Places the boundary by chord length on the sides of a rectangle. The rectangle has the given
     /// area, and its aspect ratio is that of the mean lengths of opposite sides. Returns width and
     /// height.
-    pub fn lay(&self, points: &[Point], area: f64, at: &mut [Uv]) -> [f64; 2] {
+    pub(crate) fn lay(&self, points: &[Point], area: f64, at: &mut [Uv]) -> [f64; 2] {
         let chord = |(a, b): (u32, u32)| (points[b as usize] - points[a as usize]).norm();
         let chords = self.sides().map(|side| {
             let next = side.clone().skip(1);
@@ -75,7 +75,7 @@ impl Rectangle {
 
     /// Scales positions in a rectangle to the unit square. The boundary is placed exactly on its
     /// sides.
-    pub fn to_unit_square(&self, size: [f64; 2], at: &[Uv]) -> Vec<Uv> {
+    pub(crate) fn to_unit_square(&self, size: [f64; 2], at: &[Uv]) -> Vec<Uv> {
         let mut uv: Vec<Uv> = at.iter().map(|p| Uv::new(p.x / size[0], p.y / size[1])).collect();
         for (k, side) in self.sides().into_iter().enumerate() {
             for v in side {

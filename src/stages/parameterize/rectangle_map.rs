@@ -17,7 +17,7 @@ use crate::mesh::progressive_mesh::ProgressiveMesh;
 use crate::progress::Progress;
 
 /// A map to a rectangle with the area of the surface. The boundary is mapped to its sides.
-pub struct RectangleMap<'a> {
+pub(crate) struct RectangleMap<'a> {
     /// Points in space, one for each vertex.
     pub points: &'a [Point],
     /// The weight of the surface around each vertex.
@@ -37,7 +37,7 @@ pub struct RectangleMap<'a> {
 
 /// The weight of the convex energy term, depending on the number of vertices.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ConvexWeight {
+pub(crate) struct ConvexWeight {
     /// On a coarse mesh. Its triangles span bends and are more strongly stretched in one direction
     /// than the surface requires.
     coarse: f64,
@@ -47,11 +47,11 @@ pub struct ConvexWeight {
 
 impl ConvexWeight {
     /// For the maps of most surfaces.
-    pub const USUAL: ConvexWeight = ConvexWeight { coarse: 0.25, fine: 0.1 };
+    pub(crate) const USUAL: ConvexWeight = ConvexWeight { coarse: 0.25, fine: 0.1 };
 
     /// For surfaces that a map to the square stretches far more in one direction than in the other,
     /// such as tubes. With a smaller weight a few triangles would take most of the square.
-    pub const FIRM: ConvexWeight = ConvexWeight { coarse: 0.5, fine: 0.5 };
+    pub(crate) const FIRM: ConvexWeight = ConvexWeight { coarse: 0.5, fine: 0.5 };
 
     fn with(self, vertices: usize) -> f64 {
         if vertices < COARSE_MESH { self.coarse } else { self.fine }
@@ -64,7 +64,7 @@ impl RectangleMap<'_> {
     ///
     /// # Errors
     /// [`Error::Singular`] if this map is folded as well.
-    pub fn solve(&mut self, hierarchy: &ProgressiveMesh) -> Result<()> {
+    pub(crate) fn solve(&mut self, hierarchy: &ProgressiveMesh) -> Result<()> {
         let inner = |v: &u32| self.freedom[*v as usize] == Freedom::Full;
         let inner: Vec<u32> = hierarchy.remaining.iter().copied().filter(inner).collect();
         let rings = &hierarchy.rings;
@@ -79,7 +79,7 @@ impl RectangleMap<'_> {
     }
 
     /// Undoes all collapses and relaxes the vertices to reduce the stretch.
-    pub fn refine(
+    pub(crate) fn refine(
         &mut self,
         hierarchy: &mut ProgressiveMesh,
         progress: &mut Progress,
@@ -250,7 +250,7 @@ fn bisector([a, b]: [UvVector; 2]) -> UvVector {
 }
 
 /// The triangles that are not part of the scaffold.
-pub fn without_scaffold<'a>(
+pub(crate) fn without_scaffold<'a>(
     weights: &'a Weights,
     triangles: impl Iterator<Item = [u32; 3]> + 'a,
 ) -> impl Iterator<Item = [u32; 3]> + 'a {
@@ -258,7 +258,7 @@ pub fn without_scaffold<'a>(
 }
 
 /// The triangles between the remaining vertices.
-pub fn triangles<'a>(
+pub(crate) fn triangles<'a>(
     rings: &'a OneRings,
     remaining: &'a [u32],
 ) -> impl Iterator<Item = [u32; 3]> + 'a {

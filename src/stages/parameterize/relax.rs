@@ -17,7 +17,7 @@ use crate::mesh::one_rings::OneRings;
 
 /// The directions in which a vertex may move.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Freedom {
+pub(crate) enum Freedom {
     /// None: the vertex is a corner.
     None,
     /// Along x: the vertex is on a horizontal side.
@@ -29,7 +29,7 @@ pub enum Freedom {
 }
 
 /// The data of the energy, apart from the map.
-pub struct StretchEnergy<'a> {
+pub(crate) struct StretchEnergy<'a> {
     /// Points in space, one for each vertex.
     pub points: &'a [Point],
     /// The weight of the surface around each vertex.
@@ -53,7 +53,7 @@ const MAX_STEP_SHARE: f64 = 0.8;
 const OVER_RELAXATION: f64 = 1.5;
 
 /// The energy of one triangle as a function of the position of one of its corners.
-pub struct CornerTerm {
+pub(crate) struct CornerTerm {
     /// The squares and the dot product of the two sides at this corner, in space.
     metric: [f64; 3],
     /// The factors of the two terms of the energy.
@@ -195,7 +195,7 @@ const MAX_SHORTENINGS: usize = 4;
 // Without this attribute the function is not inlined, because it has two callers. It then takes a
 // tenth longer.
 #[inline(always)]
-pub fn moved(
+pub(crate) fn moved(
     energy: &StretchEnergy,
     rings: &OneRings,
     v: u32,
@@ -230,7 +230,7 @@ const FAR_MOVE: f64 = 0.05;
 
 /// Divides vertices into groups without neighbours (graph colouring). The vertices of one group can
 /// move at the same time.
-pub fn groups(rings: &OneRings, vertices: impl IntoIterator<Item = u32>) -> Vec<Vec<u32>> {
+pub(crate) fn groups(rings: &OneRings, vertices: impl IntoIterator<Item = u32>) -> Vec<Vec<u32>> {
     let mut group = vec![NONE; rings.len()];
     let mut groups: Vec<Vec<u32>> = Vec::new();
     // For each group, the last vertex that has a neighbour in it.
@@ -254,7 +254,7 @@ pub fn groups(rings: &OneRings, vertices: impl IntoIterator<Item = u32>) -> Vec<
 
 /// Moves every vertex of every group once. Returns the vertices that moved far relative to the size
 /// of their triangles.
-pub fn sweep(
+pub(crate) fn sweep(
     energy: &StretchEnergy,
     rings: &OneRings,
     groups: &[Vec<u32>],

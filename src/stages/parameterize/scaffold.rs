@@ -29,7 +29,7 @@ const RAGGED: f64 = 1.1;
 type Station = SVector<f64, 6>;
 
 /// Whether the outer boundary has teeth, tongues or bays that four smooth sides cannot follow.
-pub fn is_ragged(mesh: &Mesh, outer: &[VertexId]) -> bool {
+pub(crate) fn is_ragged(mesh: &Mesh, outer: &[VertexId]) -> bool {
     let n = outer.len();
     let at = |i: usize| mesh.point(outer[i % n]).coords;
     let mean = |i: usize| (0..9).map(|k| at(i + k)).sum::<Vector>() / 9.0;
@@ -41,7 +41,7 @@ pub fn is_ragged(mesh: &Mesh, outer: &[VertexId]) -> bool {
 
 /// The mesh of the patch with a scaffold, and the new outer boundary. The vertices and triangles of
 /// the scaffold follow those of the patch.
-pub fn surround(patch: &Patch) -> (Mesh, Loop) {
+pub(crate) fn surround(patch: &Patch) -> (Mesh, Loop) {
     let mut mesh = patch.mesh.clone();
     let polyline = BoundaryPolyline::new(patch);
     let (mut rim, mut places) = (patch.outer.clone(), polyline.shares());

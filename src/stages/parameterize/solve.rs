@@ -12,7 +12,7 @@ use crate::mesh::one_rings::OneRings;
 /// The mean value weights of the neighbours `ring` around the point `p`: (tan(α/2) + tan(β/2)) / ‖q
 /// − p‖, where α and β are the angles at p on the two sides of the edge to q. All weights are
 /// positive, so the map is a convex combination.
-pub fn shares(p: Point, ring: &[u32], points: &[Point]) -> Vec<(u32, f64)> {
+pub(crate) fn shares(p: Point, ring: &[u32], points: &[Point]) -> Vec<(u32, f64)> {
     let n = ring.len();
     let away: Vec<_> = ring.iter().map(|&w| points[w as usize] - p).collect();
     let longest = away.iter().map(|d| d.norm()).fold(f64::MIN_POSITIVE, f64::max);
@@ -33,13 +33,18 @@ const SHORTEST: f64 = 1e-6;
 
 /// Moves each of the `inner` vertices to the mean of its neighbours with mean value weights. All
 /// others stay in place.
-pub fn mean_value(points: &[Point], rings: &OneRings, inner: &[u32], at: &mut [Uv]) -> Result<()> {
+pub(crate) fn mean_value(
+    points: &[Point],
+    rings: &OneRings,
+    inner: &[u32],
+    at: &mut [Uv],
+) -> Result<()> {
     solve(rings, inner, at, |v| shares(points[v as usize], rings.ring(v), points))
 }
 
 /// Moves each of the `inner` vertices to the mean of its neighbours with even weights (Tutte). This
 /// does not depend on the shapes of the triangles.
-pub fn even(rings: &OneRings, inner: &[u32], at: &mut [Uv]) -> Result<()> {
+pub(crate) fn even(rings: &OneRings, inner: &[u32], at: &mut [Uv]) -> Result<()> {
     solve(rings, inner, at, |v| rings.ring(v).iter().map(|&w| (w, 1.0)).collect())
 }
 

@@ -8,11 +8,11 @@ use rayon::prelude::*;
 pub type Matrix = SparseRowMat<u32, f64>;
 
 /// Two unknowns, u and v, with the same matrix row.
-pub type UvPair = [f64; 2];
+pub(crate) type UvPair = [f64; 2];
 
 /// Builds a matrix from its rows. `row` fills an empty vector with pairs of column and value,
 /// without repeating a column.
-pub fn from_rows(
+pub(crate) fn from_rows(
     size: [usize; 2],
     row: impl Fn(usize, &mut Vec<(u32, f64)>) + Sync + Send,
 ) -> Matrix {
@@ -48,14 +48,14 @@ pub fn from_rows(
 }
 
 /// The columns and values of a row.
-pub fn row(matrix: &Matrix, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+pub(crate) fn row(matrix: &Matrix, i: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
     let range = matrix.symbolic().row_range(i);
     let columns = matrix.symbolic().col_idx()[range.clone()].iter();
     columns.zip(&matrix.val()[range]).map(|(&j, &a)| (j as usize, a))
 }
 
 /// The product of a row and a vector.
-pub fn product(matrix: &Matrix, i: usize, x: &[UvPair]) -> UvPair {
+pub(crate) fn product(matrix: &Matrix, i: usize, x: &[UvPair]) -> UvPair {
     row(matrix, i).fold([0.0; 2], |sum, (j, a)| [sum[0] + a * x[j][0], sum[1] + a * x[j][1]])
 }
 
@@ -67,7 +67,7 @@ pub fn fill(out: &mut [UvPair], make: impl Fn(usize, UvPair) -> UvPair + Sync + 
 }
 
 /// Computes b − Ax into `out`.
-pub fn residual(matrix: &Matrix, b: &[UvPair], x: &[UvPair], out: &mut [UvPair]) {
+pub(crate) fn residual(matrix: &Matrix, b: &[UvPair], x: &[UvPair], out: &mut [UvPair]) {
     fill(out, |i, _| {
         let ax = product(matrix, i, x);
         [b[i][0] - ax[0], b[i][1] - ax[1]]
@@ -75,6 +75,6 @@ pub fn residual(matrix: &Matrix, b: &[UvPair], x: &[UvPair], out: &mut [UvPair])
 }
 
 /// Adds `factor` times `step` to `x`.
-pub fn add(x: &mut [UvPair], factor: f64, step: &[UvPair]) {
+pub(crate) fn add(x: &mut [UvPair], factor: f64, step: &[UvPair]) {
     fill(x, |i, x| [0, 1].map(|k| x[k] + factor * step[i][k]));
 }

@@ -19,7 +19,7 @@ const WEIGHED: usize = 30_000;
 const COARSE: usize = 400;
 
 /// A disk simplified to a few vertices, with their map.
-pub struct CoarseMap<'a> {
+pub(crate) struct CoarseMap<'a> {
     mesh: &'a Mesh,
     outer: Vec<u32>,
     hierarchy: ProgressiveMesh,
@@ -30,7 +30,7 @@ pub struct CoarseMap<'a> {
 }
 
 /// A map to the unit square.
-pub struct SquareMap {
+pub(crate) struct SquareMap {
     /// One parameter point for each vertex.
     pub uv: Vec<Uv>,
     /// The vertices at the corners. The first is at (0, 0).
@@ -77,12 +77,12 @@ impl<'a> CoarseMap<'a> {
     }
 
     /// The amount by which the L² stretch of the coarse map exceeds 1. The scaffold is ignored.
-    pub fn excess(&self) -> f64 {
+    pub(crate) fn excess(&self) -> f64 {
         self.first.stretch - 1.0
     }
 
     /// The map of all vertices. `margin` is the share of the square that stays free at each side.
-    pub fn map(
+    pub(crate) fn map(
         mut self,
         method: MapMethod,
         margin: f64,

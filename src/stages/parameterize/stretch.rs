@@ -20,7 +20,7 @@ pub struct Stretch {
 }
 
 /// For one triangle: its area in space, its area in the plane, ∂S/∂u and ∂S/∂v.
-pub type Derivatives = (f64, f64, Vector, Vector);
+pub(crate) type Derivatives = (f64, f64, Vector, Vector);
 
 /// The smallest area of a triangle in the plane, as a share of the mean. A triangle that rounding
 /// has flattened then still has a finite stretch.
@@ -28,7 +28,7 @@ const FLATTEST: f64 = 1e-14;
 
 /// The derivatives on one triangle, from the positions of its corners. Twice its area in the plane
 /// is taken to be at least `least`.
-pub fn derivatives([p, q, r]: [Point; 3], [a, b, c]: [Uv; 3], least: f64) -> Derivatives {
+pub(crate) fn derivatives([p, q, r]: [Point; 3], [a, b, c]: [Uv; 3], least: f64) -> Derivatives {
     let (d, e) = (b - a, c - a);
     let twice = (d.x * e.y - d.y * e.x).max(least);
     let su = ((q - p) * e.y - (r - p) * d.y) / twice;
@@ -37,13 +37,13 @@ pub fn derivatives([p, q, r]: [Point; 3], [a, b, c]: [Uv; 3], least: f64) -> Der
 }
 
 /// Divides items into blocks whose sums are computed in parallel.
-pub fn blocks<T: Sync>(all: &[T]) -> impl IndexedParallelIterator<Item = &[T]> {
+pub(crate) fn blocks<T: Sync>(all: &[T]) -> impl IndexedParallelIterator<Item = &[T]> {
     all.par_chunks(BLOCK)
 }
 
 /// The factor by which the width of the parameter plane should grow, with constant area, for the
 /// least stretch. The triangles are given in blocks.
-pub fn best_width(
+pub(crate) fn best_width(
     points: &[Point],
     at: &[Uv],
     blocks: impl IndexedParallelIterator<Item = impl Iterator<Item = [u32; 3]>>,
@@ -57,7 +57,7 @@ pub fn of(points: &[Point], at: &[Uv], triangles: impl Iterator<Item = [u32; 3]>
 }
 
 /// The share of a map's area on which the ratio of the two stretches exceeds `ratio`.
-pub fn drawn_out(
+pub(crate) fn drawn_out(
     points: &[Point],
     at: &[Uv],
     triangles: impl Iterator<Item = [u32; 3]>,
@@ -125,7 +125,7 @@ fn least([area, flat, along_u, along_v]: [f64; 4]) -> (f64, f64) {
 }
 
 /// Measures the stretch of a map.
-pub fn measure(patch: &Patch, uv: &[Uv]) -> Stretch {
+pub(crate) fn measure(patch: &Patch, uv: &[Uv]) -> Stretch {
     let flattest = FLATTEST / uv.len() as f64;
     let of = |t: usize| {
         let corners = patch.mesh.triangles[t];

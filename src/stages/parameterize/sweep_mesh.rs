@@ -13,7 +13,7 @@ use crate::geometry::{Point, Uv};
 use crate::mesh::one_rings::OneRings;
 
 /// The remaining vertices of a mesh, renumbered.
-pub struct SweepMesh<'a> {
+pub(crate) struct SweepMesh<'a> {
     rings: OneRings,
     points: Vec<Point>,
     weights: Vec<f64>,
@@ -69,7 +69,7 @@ impl<'a> SweepMesh<'a> {
 
     /// Moves every vertex once. Returns the numbers, in the whole mesh, of the vertices that moved
     /// far relative to the size of their triangles.
-    pub fn sweep(&self) -> Vec<u32> {
+    pub(crate) fn sweep(&self) -> Vec<u32> {
         let energy = StretchEnergy {
             points: &self.points,
             weights: &self.weights,
@@ -95,7 +95,7 @@ impl<'a> SweepMesh<'a> {
     }
 
     /// Writes the positions into those of the whole mesh.
-    pub fn put_back(&self, at: &mut [Uv]) {
+    pub(crate) fn put_back(&self, at: &mut [Uv]) {
         self.remaining
             .iter()
             .zip(&self.places)

@@ -9,7 +9,7 @@ use crate::mesh::progressive_mesh::{self, ProgressiveMesh};
 
 /// The weights of vertices, as means over the part of the surface that each vertex represents.
 #[derive(Debug, Clone, Default)]
-pub struct Weights {
+pub(crate) struct Weights {
     /// The weight of each vertex.
     pub of: Vec<f64>,
     /// The amount of surface that each vertex represents, in any unit.
@@ -35,24 +35,24 @@ const ROUNDS: usize = 3;
 
 impl Weights {
     /// Equal weights.
-    pub fn even(count: usize) -> Self {
+    pub(crate) fn even(count: usize) -> Self {
         Weights { of: vec![1.0; count], mass: vec![1.0; count] }
     }
 
     /// Gives the vertices from `first` on, which belong to the scaffold, the weight of the
     /// scaffold.
-    pub fn lighten(&mut self, first: usize) {
+    pub(crate) fn lighten(&mut self, first: usize) {
         self.of[first..].fill(SCAFFOLD);
     }
 
     /// Whether a vertex belongs to the scaffold. Weights by curvature are at least one.
-    pub fn is_light(&self, v: u32) -> bool {
+    pub(crate) fn is_light(&self, v: u32) -> bool {
         self.of[v as usize] < 1.0
     }
 
     /// The weights by the curvature of the present mesh of a hierarchy. `area` is that of the
     /// surface, in mm².
-    pub fn by_curvature(points: &[Point], hierarchy: &ProgressiveMesh, area: f64) -> Self {
+    pub(crate) fn by_curvature(points: &[Point], hierarchy: &ProgressiveMesh, area: f64) -> Self {
         let mut weights = Weights::even(points.len());
         let (rings, remaining) = (&hierarchy.rings, &hierarchy.remaining);
         let mut normals = vec![Vector::zeros(); points.len()];
@@ -86,18 +86,18 @@ impl Weights {
     }
 
     /// The weights of the vertices `remaining`, renumbered in their order.
-    pub fn renumbered(&self, remaining: &[u32]) -> Self {
+    pub(crate) fn renumbered(&self, remaining: &[u32]) -> Self {
         let of = remaining.iter().map(|&v| self.of[v as usize]).collect();
         Weights { of, mass: remaining.iter().map(|&v| self.mass[v as usize]).collect() }
     }
 
     /// Adds the surface that a collapsed vertex represents to the apex of its fan.
-    pub fn lump(&mut self, collapse: &HalfEdgeCollapse) {
+    pub(crate) fn lump(&mut self, collapse: &HalfEdgeCollapse) {
         self.shift(collapse, 1.0);
     }
 
     /// Undoes [`Weights::lump`] when the vertex is split off again.
-    pub fn unlump(&mut self, collapse: &HalfEdgeCollapse) {
+    pub(crate) fn unlump(&mut self, collapse: &HalfEdgeCollapse) {
         self.shift(collapse, -1.0);
     }
 
@@ -113,7 +113,7 @@ impl Weights {
 
     /// Gives vertices that were not present when the curvature was measured the mean weight of
     /// their rings. No vertex is in the ring of another one.
-    pub fn follow(&mut self, pass: &[HalfEdgeCollapse]) {
+    pub(crate) fn follow(&mut self, pass: &[HalfEdgeCollapse]) {
         let weigh = |collapse: &HalfEdgeCollapse| {
             if self.is_light(collapse.vertex) {
                 return self.of[collapse.vertex as usize];

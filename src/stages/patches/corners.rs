@@ -112,12 +112,12 @@ fn share(i: usize) -> f64 {
 
 impl CornerFit {
     /// The control points in a patch.
-    pub fn points(&self, patch: &Surface) -> Vec<Vector> {
+    pub(crate) fn points(&self, patch: &Surface) -> Vec<Vector> {
         FREE.iter().map(|&(a, b)| patch.net[self.corner.at(a, b)]).collect()
     }
 
     /// Puts the control points into a patch.
-    pub fn set(&self, patch: &mut Surface, points: Vec<Vector>) {
+    pub(crate) fn set(&self, patch: &mut Surface, points: Vec<Vector>) {
         for (&(a, b), point) in FREE.iter().zip(points) {
             patch.net[self.corner.at(a, b)] = point;
         }
@@ -130,7 +130,7 @@ impl CornerFit {
     }
 
     /// The unit normals of a patch along both spokes.
-    pub fn along_spokes(&self, patch: &Surface) -> [Vec<Vector>; 2] {
+    pub(crate) fn along_spokes(&self, patch: &Surface) -> [Vec<Vector>; 2] {
         let places = [|t| Uv::new(t, 0.0), |t| Uv::new(0.0, t)];
         places.map(|at| (0..=SLOPES).map(|i| self.normal(patch, at(share(i)))).collect())
     }

@@ -43,12 +43,12 @@ const LEAST_SIDE: usize = 4;
 const MORE_THAN_QUADS: usize = 7;
 
 /// The number of control points of the patch of a block of `side` × `side` quads.
-pub fn control_points(side: usize) -> usize {
+pub(crate) fn control_points(side: usize) -> usize {
     (side + MORE_THAN_QUADS).pow(2)
 }
 
 /// The most quads along a side of a block whose patch has no more than so many control points.
-pub fn largest_side(control_points: usize) -> usize {
+pub(crate) fn largest_side(control_points: usize) -> usize {
     control_points.isqrt().saturating_sub(MORE_THAN_QUADS)
 }
 

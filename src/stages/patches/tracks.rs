@@ -57,12 +57,12 @@ impl Spoke {
     }
 
     /// The length of the spoke.
-    pub fn length(&self) -> f64 {
+    pub(crate) fn length(&self) -> f64 {
         self.samples[SAMPLES].1
     }
 
     /// The share of the length up to the parameter `x` of the subdivision surface.
-    pub fn share(&self, x: f64) -> f64 {
+    pub(crate) fn share(&self, x: f64) -> f64 {
         let i = x.max(0.0).sqrt() * SAMPLES as f64;
         let low = (i as usize).min(SAMPLES - 1);
         let [a, b] = [self.samples[low].1, self.samples[low + 1].1];
@@ -70,7 +70,7 @@ impl Spoke {
     }
 
     /// The point and the normal at a distance along the curve from the vertex.
-    pub fn at(&self, s: f64) -> (Vector, Vector) {
+    pub(crate) fn at(&self, s: f64) -> (Vector, Vector) {
         let next = self.samples.partition_point(|sample| sample.1 < s).clamp(1, SAMPLES);
         let (a, b) = (&self.samples[next - 1], &self.samples[next]);
         let share = ((s - a.1) / (b.1 - a.1).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);

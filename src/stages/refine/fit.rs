@@ -59,17 +59,17 @@ impl FaceFit {
     }
 
     /// The number of samples beyond the tolerance among the first ones.
-    pub fn beyond_of(&self, first: usize) -> usize {
+    pub(crate) fn beyond_of(&self, first: usize) -> usize {
         self.beyond.partition_point(|&number| number < first)
     }
 
     /// The number of control points inside, which a fit moves.
-    pub fn inner(&self) -> usize {
+    pub(crate) fn inner(&self) -> usize {
         self.surface.shape().map(|count| count.saturating_sub(2 * FIXED)).iter().product()
     }
 
     /// The face with other control points inside, over finer knots. `None` if they cannot be found.
-    pub fn again(&self, knots: [KnotVector; 2], target: &FaceTarget) -> Option<FaceFit> {
+    pub(crate) fn again(&self, knots: [KnotVector; 2], target: &FaceTarget) -> Option<FaceFit> {
         let mut inside = Inside::new(self.surface.over(knots))?;
         let mut fit = FaceFit::near(inside.fitted(target, &self.feet)?, target, &self.feet);
         for _ in 1..ROUNDS {

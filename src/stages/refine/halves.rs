@@ -14,7 +14,7 @@ pub(super) struct ControlRoom {
 impl ControlRoom {
     /// The knots with halved spans, those with the most points beyond the tolerance first, as long as there is
     /// room. `None` if no span can be halved.
-    pub fn halved(&self, fit: &FaceFit) -> Option<[KnotVector; 2]> {
+    pub(crate) fn halved(&self, fit: &FaceFit) -> Option<[KnotVector; 2]> {
         let knots = [&fit.surface.u, &fit.surface.v];
         let mut functions = knots.map(KnotVector::functions);
         let mut all = knots.map(|knots| knots.knots().to_vec());

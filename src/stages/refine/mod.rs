@@ -112,13 +112,13 @@ impl Refinement<'_> {
     }
 
     /// Fits faces again, and holds them more firmly.
-    pub fn hold(&mut self, faces: &[usize]) {
+    pub(crate) fn hold(&mut self, faces: &[usize]) {
         faces.iter().for_each(|&face| self.firmness[face] *= FIRMER);
         self.fit(faces);
     }
 
     /// Fits faces again that shall be near more points: each has its face and the place there.
-    pub fn follow(&mut self, points: &[(usize, Uv, Point)]) {
+    pub(crate) fn follow(&mut self, points: &[(usize, Uv, Point)]) {
         let mut faces = Vec::new();
         for &(face, at, point) in points {
             let samples = &mut self.samples[face];

@@ -54,7 +54,7 @@ impl FileRounding {
     }
 
     /// The bound of the error of a point of the file, for a part with this diagonal.
-    pub fn error(&self, p: [f64; 3], diagonal: f64) -> f64 {
+    pub(crate) fn error(&self, p: [f64; 3], diagonal: f64) -> f64 {
         let [x, y, z] = p.map(|x| self.half_step(x));
         Point::new(x, y, z).coords.norm() + KERNEL_SHARE * diagonal
     }

@@ -15,7 +15,7 @@ use crate::mesh::mls::{REACH, Sample, smoothed_normals};
 use crate::mesh::{Mesh, VertexRings};
 
 /// One level of the hierarchy.
-pub struct ClusterLevel {
+pub(crate) struct ClusterLevel {
     /// The clusters.
     pub samples: Vec<Sample>,
     /// The mean unit normals of the clusters.
@@ -28,7 +28,7 @@ pub struct ClusterLevel {
 
 /// Working memory for the gathering of one neighbourhood.
 #[derive(Default)]
-pub struct Neighbourhood {
+pub(crate) struct Neighbourhood {
     stamp: u32,
     seen: Vec<u32>,
     found: Vec<u32>,
@@ -38,11 +38,11 @@ pub struct Neighbourhood {
 
 /// A pool of working memory, kept between gatherings because each piece is as large as the level.
 #[derive(Default)]
-pub struct ScratchPool(Mutex<Vec<Neighbourhood>>);
+pub(crate) struct ScratchPool(Mutex<Vec<Neighbourhood>>);
 
 impl ScratchPool {
     /// Runs `work` with working memory that no other thread uses meanwhile.
-    pub fn with<T>(&self, work: impl FnOnce(&mut Neighbourhood) -> T) -> T {
+    pub(crate) fn with<T>(&self, work: impl FnOnce(&mut Neighbourhood) -> T) -> T {
         let free = || self.0.lock().unwrap_or_else(PoisonError::into_inner);
         let taken = free().pop();
         let mut scratch = taken.unwrap_or_default();
@@ -58,7 +58,7 @@ const REMAINDER_SHARE: f64 = 0.25;
 
 impl ClusterLevel {
     /// The level of the vertices themselves. Vertices marked in `left_out` have no weight.
-    pub fn finest(mesh: &Mesh, rings: &VertexRings, left_out: &[bool]) -> Self {
+    pub(crate) fn finest(mesh: &Mesh, rings: &VertexRings, left_out: &[bool]) -> Self {
         let mut samples: Vec<Sample> = mesh.points.iter().map(|&p| p.into()).collect();
         for (sample, _) in samples.iter_mut().zip(left_out).filter(|(_, out)| **out) {
             sample.weight = 0.0;
@@ -72,7 +72,7 @@ impl ClusterLevel {
 
     /// Joins the clusters of this level that lie within `radius` of a seed. Returns the coarser
     /// level, and for each cluster of this level the number of its coarser cluster.
-    pub fn coarser(&self, radius: f64) -> (ClusterLevel, Vec<u32>) {
+    pub(crate) fn coarser(&self, radius: f64) -> (ClusterLevel, Vec<u32>) {
         let mut cluster = vec![NONE; self.samples.len()];
         let mut members: Vec<u32> = Vec::with_capacity(self.samples.len());
         let mut ends = Vec::new();
@@ -136,13 +136,13 @@ impl ClusterLevel {
     }
 
     /// The neighbours of cluster `i`.
-    pub fn near(&self, i: usize) -> &[u32] {
+    pub(crate) fn near(&self, i: usize) -> &[u32] {
         &self.near[self.starts[i] as usize..self.starts[i + 1] as usize]
     }
 
     /// Gathers the samples within reach of cluster `c` that are connected to it through other such
     /// samples. Samples whose normal faces the opposite way lie on another sheet and block the way.
-    pub fn gather(&self, c: usize, h: f64, scratch: &mut Neighbourhood) {
+    pub(crate) fn gather(&self, c: usize, h: f64, scratch: &mut Neighbourhood) {
         let (at, normal) = (self.samples[c].at, self.normals[c]);
         let reach = (REACH * h).powi(2);
         // Stamps left by levels of other sizes are older than every stamp to come.

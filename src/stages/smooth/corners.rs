@@ -13,7 +13,7 @@ const SHORTEST: f64 = 12.0;
 /// The positions of corners in the loop, in ascending order. At a corner the direction turns by
 /// more than 45° between the two arms of length `window` mm on its sides. Noise and stair steps
 /// much shorter than an arm have little influence.
-pub fn find(mesh: &Mesh, ring: &[VertexId], window: f64) -> Vec<usize> {
+pub(crate) fn find(mesh: &Mesh, ring: &[VertexId], window: f64) -> Vec<usize> {
     let points: Vec<Point> = ring.iter().map(|&v| mesh.point(v)).collect();
     let n = points.len();
     let total: f64 = (0..n).map(|i| (points[(i + 1) % n] - points[i]).norm()).sum();

@@ -2,7 +2,7 @@
 
 /// A support with its errors. There is one error for each point: the squared distance between the
 /// point and the fit without it, or `None` if there is no fit.
-pub struct SupportScore {
+pub(crate) struct SupportScore {
     /// The support, in mm.
     pub h: f64,
     /// The squared errors.
@@ -12,7 +12,7 @@ pub struct SupportScore {
 /// Selects the widest support whose mean error exceeds the smallest one by at most the standard
 /// error of their difference. Two supports are compared on the points that both fit. A support that
 /// does not fit most of the points is not selected.
-pub fn chosen(tried: &[SupportScore]) -> Option<f64> {
+pub(crate) fn chosen(tried: &[SupportScore]) -> Option<f64> {
     let fits_most = |t: &&SupportScore| 2 * t.squares.iter().flatten().count() > t.squares.len();
     let usable = || tried.iter().filter(fits_most);
     let best = usable().reduce(|best, next| {

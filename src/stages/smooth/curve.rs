@@ -25,7 +25,7 @@ const SUPPORTS: [f64; 7] = [2.0, 3.0, 4.5, 6.5, 9.5, 14.0, 20.0];
 pub(super) const MIN_POINTS: usize = 8;
 
 /// A loop of points on a surface.
-pub struct RimPoints<'a> {
+pub(crate) struct RimPoints<'a> {
     /// The points, in order.
     pub points: &'a [Point],
     /// The unit normals of the surface at the points.
@@ -45,7 +45,7 @@ struct LoopPart {
 /// Smooths a closed loop with corners at the given positions. The part between two corners is
 /// smoothed separately, with fixed ends. Each corner then moves to the place where the smoothed
 /// parts meet. The support is the one that predicts left-out points best.
-pub fn smooth_loop(rim: &RimPoints, corners: &[usize]) -> Vec<Point> {
+pub(crate) fn smooth_loop(rim: &RimPoints, corners: &[usize]) -> Vec<Point> {
     let n = rim.points.len();
     if n < MIN_POINTS {
         return rim.points.to_vec();

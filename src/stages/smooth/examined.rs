@@ -16,7 +16,7 @@ use crate::statistics::{CALM, absolute_at, outlying, quantile};
 const MOST_REACHED: f64 = 0.5;
 
 /// The noise and the outliers of a scan.
-pub struct Examined {
+pub(crate) struct Examined {
     rings: VertexRings,
     pub noise: NoiseField,
     /// Whether each vertex is an outlier.
@@ -41,7 +41,7 @@ impl Examined {
     }
 
     /// The surface with one support everywhere.
-    pub fn surface_of(&self, mesh: &Mesh, h: f64) -> Result<MlsSurface> {
+    pub(crate) fn surface_of(&self, mesh: &Mesh, h: f64) -> Result<MlsSurface> {
         let finest = SupportLevel::finest(mesh, &self.rings, &self.left_out);
         let level = finest.next(h);
         let place = vec![0.0; mesh.points.len()];

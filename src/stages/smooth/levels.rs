@@ -29,7 +29,7 @@ const MIN_CLUSTER_SIZE: f64 = 4.4;
 
 /// A support with its level of clusters.
 #[derive(Clone)]
-pub struct SupportLevel {
+pub(crate) struct SupportLevel {
     /// The support h, in mm.
     pub h: f64,
     /// The clusters that fits use as points.
@@ -39,7 +39,7 @@ pub struct SupportLevel {
 }
 
 /// The supports for a mesh in ascending order, with their clusters.
-pub fn levels(mesh: &Mesh, rings: &VertexRings, left_out: &[bool]) -> Vec<SupportLevel> {
+pub(crate) fn levels(mesh: &Mesh, rings: &VertexRings, left_out: &[bool]) -> Vec<SupportLevel> {
     let mut levels = vec![SupportLevel::finest(mesh, rings, left_out)];
     let longest = (LONGEST * mesh.diagonal()).max(levels[0].h);
     while let Some(last) = levels.last().filter(|last| last.h * RATIO <= longest) {
@@ -49,13 +49,13 @@ pub fn levels(mesh: &Mesh, rings: &VertexRings, left_out: &[bool]) -> Vec<Suppor
 }
 
 /// The smallest support, in mm.
-pub fn shortest(mesh: &Mesh) -> f64 {
+pub(crate) fn shortest(mesh: &Mesh) -> f64 {
     SHORTEST * mesh.mean_edge()
 }
 
 impl SupportLevel {
     /// The vertices themselves, for the smallest support.
-    pub fn finest(mesh: &Mesh, rings: &VertexRings, left_out: &[bool]) -> SupportLevel {
+    pub(crate) fn finest(mesh: &Mesh, rings: &VertexRings, left_out: &[bool]) -> SupportLevel {
         let cluster = (0..mesh.points.len() as u32).collect();
         SupportLevel {
             h: shortest(mesh),
@@ -66,7 +66,7 @@ impl SupportLevel {
 
     /// The level for support `h`. It keeps the present clusters if coarser ones would hardly
     /// differ.
-    pub fn next(&self, h: f64) -> SupportLevel {
+    pub(crate) fn next(&self, h: f64) -> SupportLevel {
         let is_finest = self.clusters.samples.len() == self.cluster.len();
         if is_finest && self.mean_neighbours(CLUSTER_RADIUS * h) < MIN_CLUSTER_SIZE {
             return SupportLevel {
@@ -105,7 +105,7 @@ impl SupportLevel {
     }
 
     /// The weight of the polynomial of cluster `c` at `p`.
-    pub fn weight(&self, c: usize, p: Point) -> f64 {
+    pub(crate) fn weight(&self, c: usize, p: Point) -> f64 {
         let radius = CLUSTER_RADIUS * self.h;
         (-(self.clusters.samples[c].at - p).norm_squared() / (radius * radius)).exp()
     }

@@ -5,7 +5,7 @@ use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 use crate::geometry::{Point, Vector, plane_axes};
 
 /// A line through the points around a place.
-pub struct ReferenceLine {
+pub(crate) struct ReferenceLine {
     /// A point of the line.
     pub origin: Point,
     /// The unit direction of the line.
@@ -52,7 +52,7 @@ fn energy(r: Point, q: Point, u: Vector, around: &[Point], h: f64) -> LineEnergy
 
 /// Finds the line that minimises the energy, by Gauss–Newton steps with the exact gradient. Each
 /// step is shortened until the energy decreases.
-pub fn reference_line(r: Point, around: &[Point], h: f64) -> Option<ReferenceLine> {
+pub(crate) fn reference_line(r: Point, around: &[Point], h: f64) -> Option<ReferenceLine> {
     if around.len() < 4 {
         return None;
     }
@@ -106,7 +106,7 @@ fn principal_direction(r: Point, around: &[Point], h: f64) -> Vector {
 
 /// The value at u = 0 of the weighted quadratics v(u) and w(u), and the leverage of a point at the
 /// origin.
-pub fn quadratic(line: &ReferenceLine, around: &[Point], h: f64) -> Option<(Point, f64)> {
+pub(crate) fn quadratic(line: &ReferenceLine, around: &[Point], h: f64) -> Option<(Point, f64)> {
     let (e1, e2) = plane_axes(line.along);
     let mut gram = Matrix3::zeros();
     let mut right = [Vector3::zeros(); 2];

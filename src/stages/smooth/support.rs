@@ -34,7 +34,7 @@ type SupportTrial = Vec<(f64, f64)>;
 
 /// Chooses the level of every vertex, and reports progress to `progress`. A fraction means a blend
 /// of two adjacent levels.
-pub fn choose(
+pub(crate) fn choose(
     mesh: &Mesh,
     levels: &[SupportLevel],
     noise: &NoiseField,

@@ -18,7 +18,7 @@ use crate::mesh::mls::{Polynomial, Projection};
 use crate::progress::Progress;
 
 /// The MLS surface of a scan.
-pub struct MlsSurface {
+pub(crate) struct MlsSurface {
     levels: Vec<SupportLevel>,
     /// The vertices of the scan.
     finest: Arc<ClusterLevel>,
@@ -56,7 +56,11 @@ impl MlsSurface {
 
     /// The foot points and normals of all vertices. A vertex with too few neighbours keeps its
     /// position.
-    pub fn feet(&self, mesh: &Mesh, progress: &mut Progress) -> Result<(Vec<Point>, Vec<Vector>)> {
+    pub(crate) fn feet(
+        &self,
+        mesh: &Mesh,
+        progress: &mut Progress,
+    ) -> Result<(Vec<Point>, Vec<Vector>)> {
         let foot = |v: usize| {
             let (p, v) = (mesh.points[v], VertexId::from(v));
             self.project(v, p).map_or((p, self.scan_normal(v)), |foot| (foot.point, foot.normal))
@@ -74,24 +78,24 @@ impl MlsSurface {
     }
 
     /// The number of vertices for which there is a polynomial.
-    pub fn reached(&self, mesh: &Mesh) -> f64 {
+    pub(crate) fn reached(&self, mesh: &Mesh) -> f64 {
         let points = mesh.points.par_iter().enumerate();
         points.filter(|(v, p)| self.project(VertexId::from(*v), **p).is_some()).count() as f64
     }
 
     /// The supports of the vertices, in mm.
-    pub fn supports(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn supports(&self) -> impl Iterator<Item = f64> {
         self.place.iter().map(|&place| self.support(place))
     }
 
     /// The supports of the vertices that move to the surface, in mm, and 0 for others.
-    pub fn smoothed_supports(&self) -> impl Iterator<Item = f64> {
+    pub(crate) fn smoothed_supports(&self) -> impl Iterator<Item = f64> {
         let moves = |(h, stays): (f64, &bool)| if *stays { 0.0 } else { h };
         self.supports().zip(&self.stays).map(moves)
     }
 
     /// The vertices of each level, the lower one where two are blended.
-    pub fn by_level(&self) -> Vec<Vec<usize>> {
+    pub(crate) fn by_level(&self) -> Vec<Vec<usize>> {
         let mut vertices = vec![Vec::new(); self.levels.len()];
         self.place.iter().enumerate().for_each(|(v, &place)| vertices[split(place).0].push(v));
         vertices
@@ -109,7 +113,7 @@ impl MlsSurface {
     }
 
     /// Whether a vertex does not move.
-    pub fn keeps(&self, v: VertexId) -> bool {
+    pub(crate) fn keeps(&self, v: VertexId) -> bool {
         self.stays[v.index()]
     }
 

@@ -12,7 +12,7 @@ const MAX_ROUNDS: usize = 12;
 
 /// Moves the points of `smooth` near each crossing back towards `before`, the unsmoothed loop,
 /// until the loop does not cross itself. `normals` are the normals of the surface at the points.
-pub fn uncross(smooth: &mut [Point], before: &[Point], normals: &[Vector]) {
+pub(crate) fn uncross(smooth: &mut [Point], before: &[Point], normals: &[Vector]) {
     let n = smooth.len();
     for _ in 0..MAX_ROUNDS {
         let mut back = vec![false; n];

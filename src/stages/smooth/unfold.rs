@@ -33,7 +33,7 @@ struct TangentialSmoothing<'a> {
 }
 
 /// The reference for the repair.
-pub struct UnfoldReference<'a> {
+pub(crate) struct UnfoldReference<'a> {
     /// The positions of the vertices after the projection onto the surface.
     pub projected: Vec<Point>,
     /// The unit normals of the surface at these positions.
@@ -48,7 +48,7 @@ pub struct UnfoldReference<'a> {
 /// Unfolds triangles. Inner vertices move towards the middle of their neighbours, and boundary
 /// vertices along their loop. Where a fold persists, boundary vertices move half the way back to
 /// their projected positions, for some rounds.
-pub fn unfold(disk: &mut Disk, surface: &MlsSurface, by: UnfoldReference) {
+pub(crate) fn unfold(disk: &mut Disk, surface: &MlsSurface, by: UnfoldReference) {
     let projected = by.projected;
     let mut smoothing = TangentialSmoothing::new(disk, surface, by.normals, by.corners);
     let stays = |t: u32| disk.mesh.triangles[t as usize].iter().all(|&v| surface.keeps(v));

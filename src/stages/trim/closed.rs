@@ -16,7 +16,7 @@ const MIN_SAMPLES: usize = 6;
 /// A closed polygon over [0, 1]. Corner i has the parameter `parameters[i]`. The first corner is
 /// at 0 and again at 1.
 #[derive(Debug, Clone)]
-pub struct ClosedPolygon {
+pub(crate) struct ClosedPolygon {
     /// Ascending parameters.
     pub parameters: Vec<f64>,
     /// The corners.
@@ -27,7 +27,7 @@ pub struct ClosedPolygon {
 
 impl ClosedPolygon {
     /// The number of corners before parameter `t`.
-    pub fn before(&self, t: f64) -> usize {
+    pub(crate) fn before(&self, t: f64) -> usize {
         self.parameters.partition_point(|&p| p < t)
     }
 
@@ -45,7 +45,7 @@ impl ClosedPolygon {
 
 /// The knots of a closed curve.
 #[derive(Debug, Clone)]
-pub struct ClosedKnots {
+pub(crate) struct ClosedKnots {
     /// Distinct knots in [0, 1), ascending from 0.
     pub breaks: Vec<f64>,
     /// The knots at which the curve has a corner. If there are any, 0 is one of them.
@@ -106,7 +106,7 @@ pub fn fit(polygon: &ClosedPolygon, knots: &ClosedKnots) -> Option<Curve<2>> {
 
 /// Divides the closed curve into clamped arcs from corner to corner. Long arcs are divided again
 /// at knots. There are at least two arcs, because an edge needs two different ends.
-pub fn arcs(curve: &Curve<2>, knots: &ClosedKnots) -> Vec<Curve<2>> {
+pub(crate) fn arcs(curve: &Curve<2>, knots: &ClosedKnots) -> Vec<Curve<2>> {
     let mut ends = if knots.corners.is_empty() { vec![0.0] } else { knots.corners.clone() };
     let least = if ends.len() < 2 { 2 } else { 1 };
     ends.push(1.0);

@@ -22,7 +22,7 @@ const MAX_CORNERS: usize = 4;
 
 /// Returns the positions of the corners of a closed polyline in ascending order. `walked[i]` is the
 /// length from point 0 to point i, and `total` is the length of the whole loop, both in mm.
-pub fn find(points: &[Point], walked: &[f64], total: f64) -> Vec<usize> {
+pub(crate) fn find(points: &[Point], walked: &[f64], total: f64) -> Vec<usize> {
     let n = points.len();
     let arm = (ARM.0 * total / n as f64).max(ARM.1 * total);
     // The arms of a square's corners must not be longer than its sides.

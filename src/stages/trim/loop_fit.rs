@@ -41,7 +41,7 @@ const MAX_SHARP: usize = 32;
 
 /// The current state of a loop.
 #[derive(Debug, Clone)]
-pub struct LoopFit<'a> {
+pub(crate) struct LoopFit<'a> {
     surface: &'a Surface,
     rim: Cow<'a, Rim>,
     pub(super) polygon: ClosedPolygon,
@@ -150,7 +150,7 @@ impl<'a> LoopFit<'a> {
     }
 
     /// The arcs of the loop in the parameter plane.
-    pub fn arcs(&self) -> Vec<Curve<2>> {
+    pub(crate) fn arcs(&self) -> Vec<Curve<2>> {
         arcs(&self.curve, &self.knots)
     }
 
@@ -169,7 +169,7 @@ impl<'a> LoopFit<'a> {
     /// 5. It removes needles from the rim.
     ///
     /// `None` if none of them is possible.
-    pub fn tighten(&mut self, places: &[Option<f64>], options: &Options) -> Option<()> {
+    pub(crate) fn tighten(&mut self, places: &[Option<f64>], options: &Options) -> Option<()> {
         if let Some((knots, curve)) = self.before_removal.take() {
             (self.knots, self.curve) = (knots, curve);
             self.polygon.weights.fill(1.0);

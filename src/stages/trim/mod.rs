@@ -83,7 +83,7 @@ impl Options {
 
     /// The largest distance of a vertex from the surface, in mm, that leaves a trim curve room
     /// around the vertex's foot point within the tolerance.
-    pub fn most_off(tolerance: f64) -> f64 {
+    pub(crate) fn most_off(tolerance: f64) -> f64 {
         tolerance * (1.0 - LEAST_SHARE * LEAST_SHARE).sqrt()
     }
 
@@ -244,7 +244,7 @@ pub fn trace(
 }
 
 /// The median edge length of the given rims, in mm. It is 0 if there are no rims.
-pub fn median_edge<'a>(rims: impl Iterator<Item = &'a [Point]>) -> f64 {
+pub(crate) fn median_edge<'a>(rims: impl Iterator<Item = &'a [Point]>) -> f64 {
     let edges = |rim: &'a [Point]| {
         let next = rim.iter().cycle().skip(1);
         rim.iter().zip(next).map(|(a, b)| (b - a).norm())

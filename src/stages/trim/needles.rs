@@ -11,7 +11,7 @@ const WIDTH: f64 = 0.01;
 
 /// Returns the positions of a closed polygon's corners without the tips of needles. A needle runs
 /// to its tip and straight back, so that it encloses almost no area.
-pub fn without(uv: &[Uv]) -> Vec<usize> {
+pub(crate) fn without(uv: &[Uv]) -> Vec<usize> {
     let mut kept: Vec<usize> = (0..uv.len()).collect();
     let mut first = 0;
     while kept.len() > MIN_SPANS {

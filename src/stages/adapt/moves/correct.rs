@@ -14,18 +14,18 @@ use crate::stages::adapt::state::State;
 
 /// The share of its area that every triangle of the map keeps between fits. Corrections follow
 /// each other, and where they wear the map thin, surfaces fold.
-pub const FIRM_AREA: f64 = 0.2;
+pub(crate) const FIRM_AREA: f64 = 0.2;
 
 /// The same while folds are taken out or a surface is mended, which come last and need more
 /// freedom: just enough that rounding inverts no triangle.
-pub const LEAST_AREA: f64 = 1e-3;
+pub(crate) const LEAST_AREA: f64 = 1e-3;
 
 /// Rounds in which vertices are put back before the old map stays altogether. A round puts back
 /// the neighbours of those before, so that a dozen rounds reach a dozen edges far.
 const ROUNDS: usize = 12;
 
 /// The state of an attempt with the parameters of its foot points and without its outliers.
-pub fn correct(problem: &Problem, of: &Attempt, least_area: f64) -> State {
+pub(crate) fn correct(problem: &Problem, of: &Attempt, least_area: f64) -> State {
     State {
         knots: of.state.knots.clone(),
         uv: of.corrected(problem, least_area),
@@ -42,14 +42,14 @@ pub fn area(at: impl Fn(usize) -> Uv, triangle: [VertexId; 3]) -> f64 {
 }
 
 /// The parameters of vertices, followed by those of the vertices of a scaffold.
-pub fn with_scaffold<'a>(uv: &'a [Uv], scaffold: &'a [Uv]) -> impl Fn(usize) -> Uv + 'a {
+pub(crate) fn with_scaffold<'a>(uv: &'a [Uv], scaffold: &'a [Uv]) -> impl Fn(usize) -> Uv + 'a {
     move |v| uv.get(v).copied().unwrap_or_else(|| scaffold[v - uv.len()])
 }
 
 /// The parameters `uv`, `moved` to their foot points. Vertices of triangles that would keep less
 /// than the share `least` of their [`area`], which are `areas` on the map as it was made, stay
 /// where they were. The vertices of the `scaffold` come after the others, and stay.
-pub fn movable(
+pub(crate) fn movable(
     triangles: &[[VertexId; 3]],
     areas: &[f64],
     least: f64,

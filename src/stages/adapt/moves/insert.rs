@@ -21,7 +21,7 @@ pub fn insert(
 }
 
 /// The knots alone.
-pub fn finer_knots(
+pub(crate) fn finer_knots(
     of: &Attempt,
     misses: &[Miss],
     bounds: &InsertionLimits,

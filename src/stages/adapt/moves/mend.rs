@@ -18,7 +18,7 @@ const AIM_OF_VERTICES: f64 = 0.97;
 
 /// An attempt's surface brought nearer to the vertices that it misses and to the triangles that
 /// it has `left`. `None` if the equations have no solution without more folds.
-pub fn mend(problem: &Problem, of: &Attempt, left: &[MissedTriangle]) -> Option<Attempt> {
+pub(crate) fn mend(problem: &Problem, of: &Attempt, left: &[MissedTriangle]) -> Option<Attempt> {
     let limit = AIM_OF_VERTICES * problem.goal.tolerance;
     let mut state = reweight(problem, of, limit, LEAST_AREA);
     let maker = maker(problem, of);
@@ -41,7 +41,7 @@ pub fn mend(problem: &Problem, of: &Attempt, left: &[MissedTriangle]) -> Option<
 }
 
 /// What makes samples in the triangles over an attempt's surface.
-pub fn maker<'m>(problem: &'m Problem, of: &'m Attempt) -> Maker<'m> {
+pub(crate) fn maker<'m>(problem: &'m Problem, of: &'m Attempt) -> Maker<'m> {
     Maker::new(&problem.map.patch.mesh, &problem.holds, &of.state.uv, &of.surface)
 }
 

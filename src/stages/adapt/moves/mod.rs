@@ -5,14 +5,14 @@
 //! All that go on from an attempt begin with [`correct`](fn@correct::correct): parameters become
 //! those of the foot points, and outliers are rejected anew.
 
-pub mod correct;
+pub(crate) mod correct;
 pub mod insert;
-pub mod mend;
-pub mod reject;
+pub(crate) mod mend;
+pub(crate) mod reject;
 pub mod remove;
-pub mod reweight;
-pub mod tangent;
-pub mod unfold;
+pub(crate) mod reweight;
+pub(crate) mod tangent;
+pub(crate) mod unfold;
 
 #[cfg(test)]
 mod tests;

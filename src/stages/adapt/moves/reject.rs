@@ -13,7 +13,7 @@ use crate::statistics::outlying;
 const ROUNDS: usize = 2;
 
 /// Which vertices are outliers, by their distances from a surface, the farthest first.
-pub fn outliers(problem: &Problem, distances: &[f64]) -> Vec<usize> {
+pub(crate) fn outliers(problem: &Problem, distances: &[f64]) -> Vec<usize> {
     let (limit, most) = limits(problem);
     if most == 0 {
         return Vec::new();
@@ -27,7 +27,7 @@ pub fn outliers(problem: &Problem, distances: &[f64]) -> Vec<usize> {
 
 /// The same before there is a surface: by the vertices' distances from the means of their
 /// neighbours.
-pub fn outliers_before_a_fit(problem: &Problem) -> Vec<usize> {
+pub(crate) fn outliers_before_a_fit(problem: &Problem) -> Vec<usize> {
     if limits(problem).1 == 0 {
         return Vec::new();
     }

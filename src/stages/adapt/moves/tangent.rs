@@ -13,7 +13,7 @@ const IDLE: f64 = 0.93;
 
 /// The better one of an attempt and of the surface after one step, and whether the step was idle.
 /// Both have their outliers rejected.
-pub fn step(problem: &Problem, mut from: Attempt) -> (Attempt, bool) {
+pub(crate) fn step(problem: &Problem, mut from: Attempt) -> (Attempt, bool) {
     from.state.outliers = reject::outliers(problem, &from.foot_points.distances);
     let state = State { uv: from.corrected(problem, FIRM_AREA), ..from.state.clone() };
     let samples = state.samples(problem);

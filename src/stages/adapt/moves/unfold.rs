@@ -7,7 +7,7 @@ use crate::stages::adapt::problem::Problem;
 use crate::stages::fit;
 
 /// What came of it.
-pub struct WithoutFolds {
+pub(crate) struct WithoutFolds {
     /// How many Jacobian samples of the surface are inverted.
     pub before: usize,
     /// Attempts with fewer, each closer to the points than those before it, and how many
@@ -16,7 +16,7 @@ pub struct WithoutFolds {
 }
 
 /// Spreads the control points around folds, with one of the `stiffnesses` after the other.
-pub fn unfold(problem: &Problem, of: &Attempt, stiffnesses: &[f64]) -> WithoutFolds {
+pub(crate) fn unfold(problem: &Problem, of: &Attempt, stiffnesses: &[f64]) -> WithoutFolds {
     let state = correct(problem, of, LEAST_AREA);
     let slide = |now: Vec<Uv>, wanted: Vec<Uv>| state.slid(problem, now, wanted);
     let samples = state.samples(problem);
@@ -32,7 +32,7 @@ pub fn unfold(problem: &Problem, of: &Attempt, stiffnesses: &[f64]) -> WithoutFo
 }
 
 /// How many Jacobian samples of an attempt's surface are inverted.
-pub fn inverted(problem: &Problem, of: &Attempt) -> usize {
+pub(crate) fn inverted(problem: &Problem, of: &Attempt) -> usize {
     let state = correct(problem, of, LEAST_AREA);
     fit::inverted_samples(&of.surface, &state.vertices(problem), &problem.holds)
 }

@@ -24,7 +24,7 @@ struct UnfoldTrial {
 
 /// Takes folds out as far as that does not lose the goal. If a named tolerance would be
 /// lost, knots are inserted where it is. Returns how many Jacobian samples stay inverted, too.
-pub fn take_out(run: &mut FitRun, start: Attempt) -> Result<(Attempt, usize)> {
+pub(crate) fn take_out(run: &mut FitRun, start: Attempt) -> Result<(Attempt, usize)> {
     let problem = run.problem;
     let may_insert = problem.goal.named && problem.options.knots.are_searched();
     let mut finer: Option<Attempt> = None;

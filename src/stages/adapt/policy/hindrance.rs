@@ -13,7 +13,7 @@ use crate::statistics::level;
 /// The standard deviation of the noise if it is all that an attempt misses, and so much that no net
 /// reaches a named tolerance with fewer than half as many control points as there are points. None
 /// that was smoothed away hinders.
-pub fn hindering_noise(problem: &Problem, attempt: &Attempt) -> Option<f64> {
+pub(crate) fn hindering_noise(problem: &Problem, attempt: &Attempt) -> Option<f64> {
     let (goal, noise) = (problem.goal, problem.options.noise);
     if !goal.named || noise == 0.0 {
         return None;

@@ -55,7 +55,7 @@ const MOST_CORRECTIONS: usize = 5;
 const LEAST_GAIN: f64 = 0.97;
 
 /// Looks for knots over which a fit reaches the goal, unless the user named them.
-pub fn search(run: &mut FitRun, state: State) -> Result<Attempt> {
+pub(crate) fn search(run: &mut FitRun, state: State) -> Result<Attempt> {
     let options = run.problem.options;
     let mut best = run.fit(state)?;
     if options.knots.are_searched() {
@@ -71,7 +71,7 @@ pub fn search(run: &mut FitRun, state: State) -> Result<Attempt> {
 }
 
 /// Goes on from an attempt over the map as it was before it got more vertices.
-pub fn go_on(run: &mut FitRun, before: Attempt) -> Result<Attempt> {
+pub(crate) fn go_on(run: &mut FitRun, before: Attempt) -> Result<Attempt> {
     let mut state = State { knots: before.state.knots, ..State::new(run.problem) };
     let weights = state.weights.iter_mut().zip(&before.state.weights);
     weights.for_each(|(weight, before)| *weight = *before);
@@ -84,7 +84,7 @@ pub fn go_on(run: &mut FitRun, before: Attempt) -> Result<Attempt> {
 
 /// The surface without folds as far as the goal allows, and without leaving the mesh between its
 /// points. The folds of blended local fits stay.
-pub fn finish(run: &mut FitRun, best: Attempt) -> Result<(Attempt, Option<Folds>)> {
+pub(crate) fn finish(run: &mut FitRun, best: Attempt) -> Result<(Attempt, Option<Folds>)> {
     if run.problem.options.method == fit::Method::Blend {
         return Ok((best, None));
     }

@@ -23,7 +23,7 @@ const PRICE: f64 = 2.0;
 
 /// The fewest measured points for a control point: smoothing looks at dozens of points at
 /// a time, so that finer nets find nothing left to follow.
-pub const POINTS_A_CONTROL_POINT: usize = 2;
+pub(crate) const POINTS_A_CONTROL_POINT: usize = 2;
 
 /// The rounds in a row without a better score after which there are no more. One worse net may
 /// come before a better one; each takes longer to fit than the best.
@@ -32,7 +32,7 @@ const PATIENCE: usize = 2;
 /// Inserts knots and removes knots as long as the score falls. Where smoothed points are beyond
 /// the tolerance after that, knots are inserted as for a named one; where smoothing is off, such
 /// points may be outliers.
-pub fn search(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
+pub(crate) fn search(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
     let problem = run.problem;
     let best = insert_knots(run, start)?;
     let is_better = |best: &Attempt, next: &Attempt| score(problem, next) < score(problem, best);
@@ -44,7 +44,7 @@ pub fn search(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
 }
 
 /// The most control points if nobody named a tolerance.
-pub fn largest_net(problem: &Problem) -> usize {
+pub(crate) fn largest_net(problem: &Problem) -> usize {
     problem.options.knots.largest_net().min(problem.measured() / POINTS_A_CONTROL_POINT)
 }
 

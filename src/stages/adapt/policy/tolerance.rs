@@ -22,7 +22,7 @@ const MOST_REWEIGHTED: usize = 3;
 const REWEIGHTING_PAYS: f64 = 0.7;
 
 /// Inserts knots until the tolerance is met, and then removes those that it does not need.
-pub fn search(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
+pub(crate) fn search(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
     let problem = run.problem;
     let best = insert_knots(run, start)?;
     match best.is_met(problem) {
@@ -32,7 +32,7 @@ pub fn search(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
 }
 
 /// Inserts knots where points are missed until the tolerance is met or nothing helps.
-pub fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
+pub(crate) fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
     let problem = run.problem;
     let mut best = reweighted(run, start)?;
     let mut last: Option<Attempt> = None;
@@ -63,7 +63,7 @@ pub fn insert_knots(run: &mut FitRun, start: Attempt) -> Result<Attempt> {
 }
 
 /// What bounds the knots that are inserted where points are missed.
-pub fn bounds(problem: &Problem) -> InsertionLimits {
+pub(crate) fn bounds(problem: &Problem) -> InsertionLimits {
     let asked = &problem.options.knots;
     InsertionLimits {
         depth: asked.depth.unwrap_or(rules::MOST_HALVINGS),

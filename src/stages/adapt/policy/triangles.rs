@@ -28,7 +28,7 @@ struct Misses {
 
 /// Mends the surface in triangles that it leaves by more than a named tolerance. Takes and
 /// returns how many of its Jacobian samples are inverted, too.
-pub fn hold(problem: &Problem, start: Attempt, inverted_before: usize) -> (Attempt, usize) {
+pub(crate) fn hold(problem: &Problem, start: Attempt, inverted_before: usize) -> (Attempt, usize) {
     if !problem.goal.named || cells_a_triangle(problem, &start) > MOST_CELLS {
         return (start, inverted_before);
     }

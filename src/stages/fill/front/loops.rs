@@ -22,7 +22,7 @@ struct Node {
 
 /// The closed loops of the front.
 #[derive(Debug)]
-pub struct FrontLoops {
+pub(crate) struct FrontLoops {
     nodes: Vec<Node>,
     alive: usize,
     /// The nodes that were alive at the last call of `renew`, and all newer ones.
@@ -51,7 +51,7 @@ impl FrontLoops {
     }
 
     /// Forgets removed nodes, and fits the grid to the edges that are left.
-    pub fn renew(&mut self) {
+    pub(crate) fn renew(&mut self) {
         self.recent = self.all().collect();
         let lengths = self.recent.iter().map(|&node| {
             let (p, q) = self.edge(node);
@@ -68,7 +68,7 @@ impl FrontLoops {
     }
 
     /// The number of nodes that are alive.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.alive
     }
 
@@ -77,7 +77,7 @@ impl FrontLoops {
         self.recent.iter().copied().filter(|&node| self.nodes[node].alive)
     }
 
-    pub fn is_alive(&self, node: usize) -> bool {
+    pub(crate) fn is_alive(&self, node: usize) -> bool {
         self.nodes[node].alive
     }
 
@@ -85,25 +85,25 @@ impl FrontLoops {
         self.nodes[node].vertex
     }
 
-    pub fn at(&self, node: usize) -> Point {
+    pub(crate) fn at(&self, node: usize) -> Point {
         self.nodes[node].at
     }
 
-    pub fn after(&self, node: usize) -> usize {
+    pub(crate) fn after(&self, node: usize) -> usize {
         self.nodes[node].after
     }
 
-    pub fn before(&self, node: usize) -> usize {
+    pub(crate) fn before(&self, node: usize) -> usize {
         self.nodes[node].before
     }
 
     /// The ends of the edge from a node to the next one.
-    pub fn edge(&self, node: usize) -> (Point, Point) {
+    pub(crate) fn edge(&self, node: usize) -> (Point, Point) {
         (self.at(node), self.at(self.after(node)))
     }
 
     /// The nodes of one loop in order, beginning with `node`.
-    pub fn loop_from(&self, node: usize) -> Vec<usize> {
+    pub(crate) fn loop_from(&self, node: usize) -> Vec<usize> {
         let mut nodes = vec![node];
         while self.after(nodes[nodes.len() - 1]) != node {
             nodes.push(self.after(nodes[nodes.len() - 1]));
@@ -112,12 +112,12 @@ impl FrontLoops {
     }
 
     /// Whether the loop of a node is a triangle.
-    pub fn is_triangle(&self, node: usize) -> bool {
+    pub(crate) fn is_triangle(&self, node: usize) -> bool {
         self.after(self.after(self.after(node))) == node
     }
 
     /// Removes a node and joins its neighbours.
-    pub fn remove_node(&mut self, node: usize) {
+    pub(crate) fn remove_node(&mut self, node: usize) {
         let Node { before, after, .. } = self.nodes[node];
         self.link(before, after);
         self.remove(node);
@@ -125,7 +125,7 @@ impl FrontLoops {
     }
 
     /// Removes all nodes of a loop.
-    pub fn remove_loop(&mut self, node: usize) {
+    pub(crate) fn remove_loop(&mut self, node: usize) {
         for node in self.loop_from(node) {
             self.remove(node);
         }
@@ -144,7 +144,7 @@ impl FrontLoops {
 
     /// Replaces the edge after `node` by two edges, to and from the vertex of `apex`. That
     /// vertex gets one more node. One loop becomes two, or two loops become one.
-    pub fn pinch(&mut self, node: usize, apex: usize) {
+    pub(crate) fn pinch(&mut self, node: usize, apex: usize) {
         let (after, before) = (self.after(node), self.before(apex));
         let new = self.push(self.vertex(apex), self.at(apex));
         self.link(node, apex);
@@ -156,7 +156,7 @@ impl FrontLoops {
     /// Joins two loops along a path from node `from` on one to node `to` on the other.
     /// `path` has the vertices between the two. The joint loop passes the path twice, once
     /// in each direction.
-    pub fn bridge(&mut self, from: usize, to: usize, path: &[(VertexId, Point)]) {
+    pub(crate) fn bridge(&mut self, from: usize, to: usize, path: &[(VertexId, Point)]) {
         // from, path, to, the rest of that loop, to again, path backwards, from again.
         let (after_from, before_to) = (self.after(from), self.before(to));
         let back_to = self.push(self.vertex(to), self.at(to));
@@ -182,7 +182,7 @@ impl FrontLoops {
     }
 
     /// The nodes whose edges can come within `radius` of `centre`, in ascending order.
-    pub fn near(&self, centre: Point, radius: f64) -> Vec<usize> {
+    pub(crate) fn near(&self, centre: Point, radius: f64) -> Vec<usize> {
         // The cells reach farther than this box.
         let place = [-radius, radius].map(|r| centre.map(|x| x + r));
         // `enter` samples an edge every half cell, so it can miss a cell by a quarter.

@@ -34,7 +34,7 @@ use crate::mesh::{self, Mesh};
 use loops::FrontLoops;
 
 /// The mesh around the holes, and what all fronts need to know of it.
-pub struct Surroundings<'a> {
+pub(crate) struct Surroundings<'a> {
     pub mesh: &'a Mesh,
     pub rings: &'a mesh::VertexRings,
     pub cloud: &'a Cloud,
@@ -43,7 +43,7 @@ pub struct Surroundings<'a> {
 
 impl Surroundings<'_> {
     /// Calls `what` with the surroundings of the holes of a mesh.
-    pub fn with<T>(mesh: &Mesh, what: impl FnOnce(&Surroundings) -> T) -> T {
+    pub(crate) fn with<T>(mesh: &Mesh, what: impl FnOnce(&Surroundings) -> T) -> T {
         let rings = mesh::VertexRings::new(mesh);
         let (cloud, obstacles) = rayon::join(|| Cloud::of(mesh, &rings), || Obstacles::new(mesh));
         what(&Surroundings { mesh, rings: &rings, cloud: &cloud, obstacles: &obstacles })
@@ -54,12 +54,12 @@ impl Surroundings<'_> {
     }
 
     /// Whether an edge of the mesh joins two vertices. It never joins new ones.
-    pub fn joined(&self, v: VertexId, w: VertexId) -> bool {
+    pub(crate) fn joined(&self, v: VertexId, w: VertexId) -> bool {
         self.adjacency().joined(v, w)
     }
 
     /// The unit normal of a triangle of the mesh between two vertices.
-    pub fn normal_at(&self, v: VertexId, w: VertexId) -> Option<Vector> {
+    pub(crate) fn normal_at(&self, v: VertexId, w: VertexId) -> Option<Vector> {
         self.adjacency().normal_at(v, w)
     }
 }
@@ -67,7 +67,7 @@ impl Surroundings<'_> {
 /// The triangles and points that close a hole. The numbers of new vertices follow those of the
 /// vertices of the mesh.
 #[derive(Clone)]
-pub struct Fill {
+pub(crate) struct Fill {
     pub points: Vec<Point>,
     pub triangles: Vec<[VertexId; 3]>,
     /// Ears closed although they were wider than φ.
@@ -76,14 +76,14 @@ pub struct Fill {
 
 /// The guide of a front: a plane in which the hole does not overlap, and a surface over it, as a
 /// function from a point to the point of the surface above or below it and the unit normal there.
-pub struct Guide<'a> {
+pub(crate) struct Guide<'a> {
     pub plane: LocalPlane,
     pub surface: &'a (dyn Fn(Point) -> Option<(Point, Vector)> + Sync),
 }
 
 /// A hole and its surroundings.
 #[derive(Clone, Copy)]
-pub struct OpenHole<'a> {
+pub(crate) struct OpenHole<'a> {
     pub around: &'a Surroundings<'a>,
     /// The outer rim, then the rims of islands.
     pub rims: &'a [&'a [VertexId]],
@@ -91,7 +91,7 @@ pub struct OpenHole<'a> {
 }
 
 /// How a front advances.
-pub enum Advance<'a> {
+pub(crate) enum Advance<'a> {
     /// Over local MLS approximations. Crossings are looked for in local planes.
     Mls(FrontSupport),
     /// Over a given surface. Crossings are looked for in one plane, so a guided front ends
@@ -101,7 +101,7 @@ pub enum Advance<'a> {
 
 /// Closes a hole by the front. `None` if the front fails: it grows instead of closing in, or no
 /// triangle can be added.
-pub fn advance(hole: OpenHole, options: &Options, by: Advance) -> Option<Fill> {
+pub(crate) fn advance(hole: OpenHole, options: &Options, by: Advance) -> Option<Fill> {
     let is_guided = matches!(by, Advance::Guided(_));
     let mut front = Front::new(hole, options, by);
     front.bridge_islands(hole.rims);
@@ -123,7 +123,7 @@ pub fn advance(hole: OpenHole, options: &Options, by: Advance) -> Option<Fill> {
 
 /// Closes a hole by the triangulation of least area alone. `None` if that would join two
 /// vertices twice, or a number is not finite.
-pub fn least_area(hole: OpenHole, options: &Options) -> Option<Fill> {
+pub(crate) fn least_area(hole: OpenHole, options: &Options) -> Option<Fill> {
     let mut front = Front::new(hole, options, Advance::Mls(SUPPORTS[0]));
     front.bridge_islands(hole.rims);
     front.close_by_least_area(0)?;
@@ -132,7 +132,7 @@ pub fn least_area(hole: OpenHole, options: &Options) -> Option<Fill> {
 
 /// The MLS approximations of a front.
 #[derive(Debug, Clone, Copy)]
-pub struct FrontSupport {
+pub(crate) struct FrontSupport {
     /// Their support radius, in edge lengths.
     edges: f64,
     /// The number of consecutive edges that share the approximation at the middle one.
@@ -142,7 +142,7 @@ pub struct FrontSupport {
 /// The approximations that are tried until a front comes to an end. A support of two edges has
 /// enough points beside a rim for a plane and its curvature. Rough rims need an approximation
 /// for each edge, or a wider one.
-pub const SUPPORTS: [FrontSupport; 3] = [
+pub(crate) const SUPPORTS: [FrontSupport; 3] = [
     FrontSupport { edges: 2.0, shared: 5 },
     FrontSupport { edges: 2.0, shared: 1 },
     FrontSupport { edges: 3.0, shared: 1 },

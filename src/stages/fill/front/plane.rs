@@ -4,7 +4,7 @@ use crate::geometry::{LocalPlane, Point, Uv, orient2d, segments_cross};
 
 impl LocalPlane {
     /// The counter-clockwise angle from `from − at` to `to − at`, in [0, 2π).
-    pub fn angle(&self, from: Point, at: Point, to: Point) -> f64 {
+    pub(crate) fn angle(&self, from: Point, at: Point, to: Point) -> f64 {
         let at = self.flat(at);
         let (d, e) = (self.flat(from) - at, self.flat(to) - at);
         (e.y.atan2(e.x) - d.y.atan2(d.x)).rem_euclid(std::f64::consts::TAU)
@@ -12,7 +12,7 @@ impl LocalPlane {
 
     /// Whether the triangle `a b c` is counter-clockwise, has no end of `edges` inside, and
     /// crosses none of them. An edge may end at a corner of the triangle.
-    pub fn is_free(&self, corners: [Point; 3], edges: &[(Point, Point)]) -> bool {
+    pub(crate) fn is_free(&self, corners: [Point; 3], edges: &[(Point, Point)]) -> bool {
         let [a, b, c] = corners.map(|p| self.flat(p));
         if orient2d(a, b, c) <= 0.0 {
             return false;

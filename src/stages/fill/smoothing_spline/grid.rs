@@ -6,11 +6,11 @@ use crate::geometry::sets::Sets;
 use crate::geometry::{Uv, UvVector};
 
 /// The degree of the B-splines. The energy of fourth order needs fourth derivatives.
-pub const DEGREE: usize = 4;
+pub(crate) const DEGREE: usize = 4;
 /// The number of B-splines that are not zero on an interval.
-pub const ON_INTERVAL: usize = DEGREE + 1;
+pub(crate) const ON_INTERVAL: usize = DEGREE + 1;
 /// The number of products of two that are not zero on a cell.
-pub const ON_CELL: usize = ON_INTERVAL * ON_INTERVAL;
+pub(crate) const ON_CELL: usize = ON_INTERVAL * ON_INTERVAL;
 
 /// The most cells of a grid, which bounds its memory to some 100 MB. Wider grids get larger
 /// cells.
@@ -23,7 +23,7 @@ const SAMPLE: usize = 700;
 const BLOCK: usize = 12;
 
 /// The live cells, on which the spline is defined, and the functions on each.
-pub struct Grid {
+pub(crate) struct Grid {
     low: Uv,
     cell: f64,
     /// The index in `on_cells` of each cell of the bounding rectangle, in columns of `height`
@@ -110,14 +110,14 @@ impl Grid {
     }
 
     /// The column and row of each function in the lattice.
-    pub fn lattice(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
+    pub(crate) fn lattice(&self) -> impl Iterator<Item = [u32; 2]> + '_ {
         let rows = (self.height + DEGREE) as u32;
         self.places.iter().map(move |place| [place / rows, place % rows])
     }
 
     /// Some blocks of a large grid, spread over it, on which to find the stiffness. `None` for
     /// a small grid.
-    pub fn sample(&self) -> Option<Grid> {
+    pub(crate) fn sample(&self) -> Option<Grid> {
         if self.count <= SAMPLE {
             return None;
         }
@@ -145,7 +145,7 @@ impl Grid {
     }
 
     /// The number of parts of the grid that have no function in common.
-    pub fn parts(&self) -> usize {
+    pub(crate) fn parts(&self) -> usize {
         let mut sets = Sets::new(self.count);
         for functions in &self.on_cells {
             functions.iter().for_each(|&f| sets.join(functions[0] as usize, f as usize));
@@ -154,7 +154,7 @@ impl Grid {
     }
 
     /// The live cell at `uv`, and the place in it from 0 to 1.
-    pub fn cell_of(&self, uv: Uv) -> Option<(usize, [f64; 2])> {
+    pub(crate) fn cell_of(&self, uv: Uv) -> Option<(usize, [f64; 2])> {
         let d = (uv - self.low) / self.cell;
         let inside = d.x >= 0.0 && d.y >= 0.0 && d.y < self.height as f64;
         if !inside {
@@ -166,14 +166,14 @@ impl Grid {
     }
 
     /// The functions that are not zero at `uv`, and their values.
-    pub fn functions(&self, uv: Uv) -> Option<(&[u32; ON_CELL], [f64; ON_CELL])> {
+    pub(crate) fn functions(&self, uv: Uv) -> Option<(&[u32; ON_CELL], [f64; ON_CELL])> {
         let (cell, place) = self.cell_of(uv)?;
         Some((&self.on_cells[cell], values(place)))
     }
 }
 
 /// The values of the functions of a cell at a place in it.
-pub fn values([s, t]: [f64; 2]) -> [f64; ON_CELL] {
+pub(crate) fn values([s, t]: [f64; 2]) -> [f64; ON_CELL] {
     let (a, b) = (basis(s, DEGREE), basis(t, DEGREE));
     std::array::from_fn(|k| a[k / ON_INTERVAL] * b[k % ON_INTERVAL])
 }
@@ -214,7 +214,7 @@ const GAUSS: [(f64, f64); 5] = [
 ];
 
 /// The energy of order `m` of a cell, as a quadratic form in the coefficients of its functions.
-pub fn cell_energy(m: usize) -> [[f64; ON_CELL]; ON_CELL] {
+pub(crate) fn cell_energy(m: usize) -> [[f64; ON_CELL]; ON_CELL] {
     let along = |k: usize| {
         let mut sum = [[0.0; ON_INTERVAL]; ON_INTERVAL];
         for (t, weight) in GAUSS {

@@ -30,7 +30,7 @@ const FREE_OF_GRID: i32 = -8;
 
 /// The energies of a spline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Energies {
+pub(crate) enum Energies {
     /// Those of both orders. The curvature continues across a hole.
     Both,
     /// That of second order. A surface that is known badly does not swing out.
@@ -38,7 +38,7 @@ pub enum Energies {
 }
 
 /// A smoothing spline with `D` components.
-pub struct SmoothingSpline<const D: usize> {
+pub(crate) struct SmoothingSpline<const D: usize> {
     grid: Grid,
     /// The coefficients of the functions of the grid.
     coefficients: Vec<[f64; D]>,
@@ -78,7 +78,7 @@ impl<const D: usize> SmoothingSpline<D> {
     }
 
     /// The value at `uv`, or `None` outside of the grid.
-    pub fn at(&self, uv: Uv) -> Option<[f64; D]> {
+    pub(crate) fn at(&self, uv: Uv) -> Option<[f64; D]> {
         let (functions, values) = self.grid.functions(uv)?;
         let mut sum = [0.0; D];
         for (f, value) in functions.iter().zip(values) {

@@ -17,7 +17,7 @@ const fn step(p: usize, q: usize) -> usize {
 
 /// For each function itself and the later ones with which it shares a cell: the lower
 /// triangle of a symmetric matrix, column by column.
-pub struct Overlaps {
+pub(crate) struct Overlaps {
     /// Where the column of each function starts, and where the last one ends.
     pub starts: Vec<usize>,
     /// The rows of the entries.
@@ -64,7 +64,12 @@ impl Overlaps {
 
     /// The entries of the `q`-th function of a cell and a run of its functions. They are
     /// consecutive, as the functions are in their column of the lattice.
-    pub fn slots(&self, functions: &[u32; ON_CELL], q: usize, run: &Range<usize>) -> Range<usize> {
+    pub(crate) fn slots(
+        &self,
+        functions: &[u32; ON_CELL],
+        q: usize,
+        run: &Range<usize>,
+    ) -> Range<usize> {
         let column = functions[q] as usize;
         let first = self.starts[column] + usize::from(self.places[column][step(run.start, q)]);
         first..first + run.len()
@@ -83,7 +88,7 @@ const SMALL: usize = 48;
 
 /// An order of elimination that keeps factors sparse: nested dissection of the lattice
 /// (George 1973), with separators as wide as the functions.
-pub fn order(grid: &Grid) -> Vec<usize> {
+pub(crate) fn order(grid: &Grid) -> Vec<usize> {
     let mut functions: Vec<([u32; 2], usize)> = grid.lattice().zip(0..).collect();
     dissect(&mut functions);
     functions.into_iter().map(|f| f.1).collect()

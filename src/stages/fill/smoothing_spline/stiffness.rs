@@ -12,16 +12,16 @@ use crate::solve::cholesky::Pattern;
 
 /// λ₂ and λ₄ as exponents of √10, for forms that are scaled to the same trace.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
-pub struct Exponents(pub i32, pub i32);
+pub(crate) struct Exponents(pub i32, pub i32);
 
 impl Exponents {
     /// Where the search begins.
-    pub fn first(energies: Energies) -> Self {
+    pub(crate) fn first(energies: Energies) -> Self {
         Exponents(0, if energies == Energies::Both { 2 } else { LOWEST })
     }
 
     /// The same stiffness on a grid with cells of half the width.
-    pub fn on_half_the_width(self, energies: Energies) -> Self {
+    pub(crate) fn on_half_the_width(self, energies: Energies) -> Self {
         Exponents(self.0 + 2, if energies == Energies::Both { self.1 + 5 } else { LOWEST })
     }
 
@@ -39,7 +39,7 @@ impl Exponents {
 }
 
 /// The normal equations and the energies, all with one sparsity pattern.
-pub struct PenalizedSystem<const D: usize> {
+pub(crate) struct PenalizedSystem<const D: usize> {
     pattern: Pattern,
     /// The entries of three forms: the squared distances to the points, J₂ and J₄.
     entries: [Vec<f64>; 3],
@@ -152,7 +152,11 @@ impl<const D: usize> PenalizedSystem<D> {
 
     /// The exponents of greatest likelihood, by a pattern search that goes on in a direction as
     /// long as the likelihood grows. `None` if no stiffness has a solution.
-    pub fn most_likely(&mut self, start: Exponents, energies: Energies) -> Option<Exponents> {
+    pub(crate) fn most_likely(
+        &mut self,
+        start: Exponents,
+        energies: Energies,
+    ) -> Option<Exponents> {
         let mut best = Exponents(start.0.min(HIGHEST), start.1.min(HIGHEST));
         let mut likelihood = self.likelihood(best);
         let mut step = 4;
@@ -178,7 +182,7 @@ impl<const D: usize> PenalizedSystem<D> {
         (likelihood > f64::NEG_INFINITY).then_some(best)
     }
 
-    pub fn coefficients(&mut self, stiffness: Exponents) -> Option<Vec<[f64; D]>> {
+    pub(crate) fn coefficients(&mut self, stiffness: Exponents) -> Option<Vec<[f64; D]>> {
         let (_, x, _) = self.solve(stiffness)?;
         Some((0..x.nrows()).map(|i| std::array::from_fn(|d| x[(i, d)])).collect())
     }

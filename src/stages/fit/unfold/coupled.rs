@@ -10,7 +10,7 @@ use crate::solve::cholesky::{Pattern, least_degree};
 
 /// A connected component of the free control points. The sparsity pattern of its equations is
 /// analysed once, because rounds change only the entries.
-pub struct CoupledPoints {
+pub(crate) struct CoupledPoints {
     /// The indices of the control points among the free ones, in ascending order.
     pub points: Vec<u32>,
     /// The blocks of each point that are not empty. Those of a point begin at its entry of
@@ -53,7 +53,11 @@ impl CoupledPoints {
     }
 
     /// The steps of the points. `None` if the equations are singular.
-    pub fn solve(&mut self, blocks: &[CouplingBlocks], right: &[Vector]) -> Option<Vec<Vector>> {
+    pub(crate) fn solve(
+        &mut self,
+        blocks: &[CouplingBlocks],
+        right: &[Vector],
+    ) -> Option<Vec<Vector>> {
         self.values.clear();
         for (&a, of) in self.points.iter().zip(self.starts.windows(2)) {
             for x in 0..3 {

@@ -13,7 +13,7 @@ use crate::stages::fit::knot_cells::KnotCells;
 use crate::stages::fit::tangent_distance::TangentDistance;
 
 /// The number of Jacobian samples in a cell along u and along v.
-pub const ACROSS: usize = 6;
+pub(crate) const ACROSS: usize = 6;
 
 /// Finer samples are tested around a sample whose Jacobian determinant is below this share of the
 /// usual one, because a fold may be narrower than the distance of samples.
@@ -27,7 +27,7 @@ const FINEST: usize = (ACROSS - 1) * FINER + 1;
 
 /// The least wanted Jacobian determinant, seen from the side that the samples face, as a share of
 /// the usual one nearby.
-pub const MIN_SPREAD: f64 = 0.1;
+pub(crate) const MIN_SPREAD: f64 = 0.1;
 
 /// A sample is inverted if its Jacobian determinant is below this share of the usual one.
 const INVERTED: f64 = 0.01;
@@ -36,7 +36,7 @@ const INVERTED: f64 = 0.01;
 const SWEEPS: usize = 40;
 
 /// The values and first derivatives of the four basis functions at a parameter of one axis.
-pub type Functions = [[f64; 4]; 2];
+pub(crate) type Functions = [[f64; 4]; 2];
 
 /// The four rows of the net that influence a cell, evaluated at a parameter v: their points and
 /// derivatives in v.
@@ -44,7 +44,7 @@ type Rows = [[Vector; 2]; 4];
 
 /// A sample with a Jacobian determinant that is too small. It is the finer sample with the smallest
 /// one nearby.
-pub struct JacobianSample {
+pub(crate) struct JacobianSample {
     /// The knot cell of the sample.
     pub cell: [usize; 2],
     /// The basis functions in u and in v.
@@ -60,13 +60,13 @@ pub struct JacobianSample {
 
 impl JacobianSample {
     /// Whether the surface is inverted or almost inverted here.
-    pub fn is_inverted(&self) -> bool {
+    pub(crate) fn is_inverted(&self) -> bool {
         self.spread < INVERTED
     }
 }
 
 /// The Jacobian samples of a net.
-pub struct JacobianSamples<'a> {
+pub(crate) struct JacobianSamples<'a> {
     cells: &'a KnotCells<'a>,
     holds: &'a [TangentDistance],
     /// The parameters of the finer samples along u and along v, with the basis functions there.
@@ -99,7 +99,7 @@ impl<'a> JacobianSamples<'a> {
     }
 
     /// The samples in the `chosen` cells whose Jacobian determinant is too small.
-    pub fn flagged(
+    pub(crate) fn flagged(
         &self,
         net: &[Vector],
         chosen: impl Fn(usize, usize) -> bool + Sync,

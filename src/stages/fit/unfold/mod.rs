@@ -45,11 +45,11 @@ const SETTLING: usize = 3;
 /// Weights of the thin-plate energy of a cell, relative to the weight of the samples of a mean cell. They are
 /// used one after the other. The first removes most folds, and the last stays closest to the
 /// samples.
-pub const STIFFNESSES: [f64; 3] = [1e-2, 1e-3, 1e-4];
+pub(crate) const STIFFNESSES: [f64; 3] = [1e-2, 1e-3, 1e-4];
 
 /// The result of [`unfold`].
 #[derive(Debug)]
-pub struct Unfolded {
+pub(crate) struct Unfolded {
     /// The number of inverted Jacobian samples of the original surface. There are 36 samples in
     /// each cell. Around a sample with a small Jacobian determinant, finer samples are tested, too.
     pub before: usize,
@@ -59,7 +59,7 @@ pub struct Unfolded {
 
 /// A surface with fewer folds.
 #[derive(Debug)]
-pub struct UnfoldedSurface {
+pub(crate) struct UnfoldedSurface {
     /// The surface.
     pub surface: Surface,
     /// The parameters of the samples on the surface.
@@ -70,16 +70,24 @@ pub struct UnfoldedSurface {
 
 /// A function that takes the current and the wanted parameters of the samples and returns the
 /// parameters that they may have. It keeps the map of the samples from folding.
-pub type Slide<'a> = dyn Fn(Vec<Uv>, Vec<Uv>) -> Vec<Uv> + 'a;
+pub(crate) type Slide<'a> = dyn Fn(Vec<Uv>, Vec<Uv>) -> Vec<Uv> + 'a;
 
 /// The share of a surface's Jacobian samples that are inverted.
-pub fn inverted_share(surface: &Surface, samples: &Samples, holds: &[TangentDistance]) -> f64 {
+pub(crate) fn inverted_share(
+    surface: &Surface,
+    samples: &Samples,
+    holds: &[TangentDistance],
+) -> f64 {
     let inverted = inverted_samples(surface, samples, holds);
     inverted as f64 / jacobian_samples([&surface.u, &surface.v]) as f64
 }
 
 /// The number of a surface's Jacobian samples that are inverted.
-pub fn inverted_samples(surface: &Surface, samples: &Samples, holds: &[TangentDistance]) -> usize {
+pub(crate) fn inverted_samples(
+    surface: &Surface,
+    samples: &Samples,
+    holds: &[TangentDistance],
+) -> usize {
     let cells = KnotCells::new(samples, [&surface.u, &surface.v]);
     let jacobians = JacobianSamples::new(&cells, holds, &surface.net);
     inverted_among(&jacobians.flagged(&surface.net, |_, _| true))
@@ -88,7 +96,7 @@ pub fn inverted_samples(surface: &Surface, samples: &Samples, holds: &[TangentDi
 /// Removes folds from a surface that was fitted to samples. It uses the `stiffnesses` one after the
 /// other. Samples that `slide` does not let move hold the surface in all directions, unless a fold
 /// remains because of that.
-pub fn unfold(
+pub(crate) fn unfold(
     surface: &Surface,
     samples: &Samples,
     holds: &[TangentDistance],
@@ -109,7 +117,7 @@ pub fn unfold(
 }
 
 /// The input of [`mend`].
-pub struct Mending<'a> {
+pub(crate) struct Mending<'a> {
     /// The surface.
     pub surface: &'a Surface,
     /// The samples that the surface should be nearer to.
@@ -127,7 +135,7 @@ pub struct Mending<'a> {
 /// Brings a surface nearer to its samples around some parameter points. The result has no more
 /// inverted Jacobian samples than before. Only the control points around these points move, and
 /// those around new folds. `None` if this is not possible.
-pub fn mend(of: &Mending, stiffness: f64) -> Option<UnfoldedSurface> {
+pub(crate) fn mend(of: &Mending, stiffness: f64) -> Option<UnfoldedSurface> {
     let knots = [&of.surface.u, &of.surface.v];
     let cells = KnotCells::new(of.samples, knots);
     let seen = KnotCells::new(of.vertices, knots);

@@ -16,10 +16,10 @@ const COUPLED: usize = 28;
 const SELF: usize = 3;
 
 /// The matrices that couple a control point with each of these.
-pub type CouplingBlocks = [Matrix3<f64>; COUPLED];
+pub(crate) type CouplingBlocks = [Matrix3<f64>; COUPLED];
 
 /// Symmetric equations for steps of the control points that are free.
-pub struct BlockSystem {
+pub(crate) struct BlockSystem {
     width: usize,
     /// The free control points in ascending order.
     pub free: Vec<usize>,
@@ -52,7 +52,7 @@ impl BlockSystem {
     }
 
     /// The same equations without terms.
-    pub fn cleared(mut self) -> Self {
+    pub(crate) fn cleared(mut self) -> Self {
         self.blocks.clear();
         self.blocks.resize(self.free.len(), [Matrix3::zeros(); COUPLED]);
         self.right.clear();
@@ -61,7 +61,7 @@ impl BlockSystem {
     }
 
     /// Whether exactly these control points are free.
-    pub fn is_for(&self, is_free: &[bool]) -> bool {
+    pub(crate) fn is_for(&self, is_free: &[bool]) -> bool {
         self.place.iter().zip(is_free).all(|(place, free)| place.is_some() == *free)
     }
 
@@ -77,13 +77,13 @@ impl BlockSystem {
     }
 
     /// Adds a term that keeps each control point in place with a weight.
-    pub fn anchor(&mut self, weight: f64) {
+    pub(crate) fn anchor(&mut self, weight: f64) {
         self.blocks.iter_mut().for_each(|of| of[SELF] += Matrix3::identity() * weight);
     }
 
     /// The equations of every fourth strip of cells, beginning with strip `first`. No two of these
     /// strips influence the same rows of the net, so that they can be filled in parallel.
-    pub fn strips(&mut self, first: usize) -> Vec<StripEquations<'_>> {
+    pub(crate) fn strips(&mut self, first: usize) -> Vec<StripEquations<'_>> {
         let (width, rows) = (self.width, self.place.len() / self.width);
         let begin = |row: usize| self.free.partition_point(|&at| at < row * width);
         let (mut blocks, mut right) = (&mut self.blocks[..], &mut self.right[..]);
@@ -108,7 +108,7 @@ impl BlockSystem {
     }
 
     /// The steps in the order of `free`. `None` if the equations are singular.
-    pub fn solve(&mut self) -> Option<Vec<Vector>> {
+    pub(crate) fn solve(&mut self) -> Option<Vec<Vector>> {
         let (blocks, right) = (&self.blocks, &self.right);
         let solved = self.parts.par_iter_mut().map(|part| part.solve(blocks, right));
         let solved: Vec<Vec<Vector>> = solved.collect::<Option<_>>()?;
@@ -121,7 +121,7 @@ impl BlockSystem {
 }
 
 /// The equations of the four rows of the net that a strip of cells influences.
-pub struct StripEquations<'a> {
+pub(crate) struct StripEquations<'a> {
     /// The number of the strip, counted along u.
     pub number: usize,
     width: usize,
@@ -135,7 +135,7 @@ pub struct StripEquations<'a> {
 
 impl StripEquations<'_> {
     /// The equations of the control points of cell `q`.
-    pub fn cell(&mut self, q: usize) -> CellEquations<'_> {
+    pub(crate) fn cell(&mut self, q: usize) -> CellEquations<'_> {
         let at = |k: usize| self.place[k / 4 * self.width + q + k % 4];
         let indices = std::array::from_fn(|k| at(k).map(|n| n as usize - self.from));
         CellEquations { indices, blocks: self.blocks, right: self.right }
@@ -143,7 +143,7 @@ impl StripEquations<'_> {
 }
 
 /// The equations of a cell's 16 control points, which are numbered row by row.
-pub struct CellEquations<'a> {
+pub(crate) struct CellEquations<'a> {
     indices: [Option<usize>; 16],
     blocks: &'a mut [CouplingBlocks],
     right: &'a mut [Vector],
@@ -151,7 +151,7 @@ pub struct CellEquations<'a> {
 
 impl CellEquations<'_> {
     /// Adds to the right-hand side of control point `k` if it is free.
-    pub fn pull(&mut self, k: usize, force: Vector) {
+    pub(crate) fn pull(&mut self, k: usize, force: Vector) {
         if let Some(n) = self.indices[k] {
             self.right[n] += force;
         }
@@ -159,7 +159,7 @@ impl CellEquations<'_> {
 
     /// Adds a block to row `k` and column `l`, and the transposed block to row `l` and column `k`.
     /// `l` must not be less than `k`.
-    pub fn couple(&mut self, k: usize, l: usize, block: &Matrix3<f64>) {
+    pub(crate) fn couple(&mut self, k: usize, l: usize, block: &Matrix3<f64>) {
         if let (Some(n), Some(_)) = (self.indices[k], self.indices[l]) {
             self.blocks[n][7 * (l / 4 - k / 4) + SELF + l % 4 - k % 4] += block;
         }

@@ -12,7 +12,7 @@ use crate::geometry::Vector;
 const SPREAD: f64 = 3.0;
 
 /// The data that the equations of a round are assembled from.
-pub struct Terms<'a> {
+pub(crate) struct Terms<'a> {
     pub work: &'a Work<'a>,
     /// The weight of the thin-plate energy.
     pub stiffness: f64,
@@ -26,7 +26,7 @@ pub struct Terms<'a> {
 
 impl Terms<'_> {
     /// Adds the terms of a strip.
-    pub fn add(&self, mut strip: StripEquations) {
+    pub(crate) fn add(&self, mut strip: StripEquations) {
         let (p, down) = (strip.number, self.work.cells.counts()[1]);
         let moves = &self.moves[p * down..(p + 1) * down];
         let mut near = self.near[p].chunk_by(|a, b| a.0 == b.0).peekable();

@@ -26,7 +26,7 @@ const ANCHOR: f64 = 1e-6;
 const AROUND: usize = 4;
 
 /// The current state of the surface and its samples.
-pub struct Work<'a> {
+pub(crate) struct Work<'a> {
     /// The current surface.
     pub surface: Surface,
     pub cells: &'a KnotCells<'a>,
@@ -87,12 +87,12 @@ impl<'a> Work<'a> {
     }
 
     /// Frees the control points around Jacobian samples.
-    pub fn widen(&mut self, flagged: &[JacobianSample]) {
+    pub(crate) fn widen(&mut self, flagged: &[JacobianSample]) {
         self.free_cells(flagged.iter().map(|s| s.cell));
     }
 
     /// Frees the control points around parameter points.
-    pub fn free_around(&mut self, at: &[Uv]) {
+    pub(crate) fn free_around(&mut self, at: &[Uv]) {
         let [u, v] = &self.cells.spans;
         self.free_cells(at.iter().map(|at| [u.find(at.x), v.find(at.y)]));
     }
@@ -113,7 +113,7 @@ impl<'a> Work<'a> {
 
     /// Lets stuck samples hold the surface only in the normal direction around samples that remain
     /// inverted.
-    pub fn ease(&mut self, flagged: &[JacobianSample]) {
+    pub(crate) fn ease(&mut self, flagged: &[JacobianSample]) {
         let [across, down] = self.cells.counts();
         for [p, q] in flagged.iter().filter(|s| s.is_inverted()).map(|s| s.cell) {
             for p in p.saturating_sub(1)..(p + 2).min(across) {
@@ -123,12 +123,12 @@ impl<'a> Work<'a> {
     }
 
     /// Whether a control point of cell (p, q) is free.
-    pub fn touches(&self, p: usize, q: usize) -> bool {
+    pub(crate) fn touches(&self, p: usize, q: usize) -> bool {
         (p..p + 4).any(|i| self.free[i * self.width() + q..][..4].iter().any(|&f| f))
     }
 
     /// Takes one step. `None` if the equations have no solution.
-    pub fn round(
+    pub(crate) fn round(
         &mut self,
         stiffness: f64,
         flagged: &[JacobianSample],

@@ -17,7 +17,7 @@ use crate::mesh::remesh::FOLDED;
 const SLIT: f64 = 5.0 / 6.0 * PI;
 
 /// A closed loop that is shortened ear by ear.
-pub struct Ears<'a> {
+pub(crate) struct Ears<'a> {
     mesh: Adjacency<'a>,
     ring: &'a [VertexId],
     /// The loop on the map, if there is a map.
@@ -120,7 +120,7 @@ impl<'a> Ears<'a> {
 
     /// Cuts off ears until the loop turns outwards nowhere more than on average. With a map, it
     /// does so until the loop turns to the right nowhere.
-    pub fn close(&mut self) {
+    pub(crate) fn close(&mut self) {
         let mut heap: BinaryHeap<EarCandidate> =
             (0..self.ring.len()).filter_map(|i| self.candidate(i)).collect();
         let (mut blocked, mut closed) = (Vec::new(), 0);
@@ -220,12 +220,12 @@ impl<'a> Ears<'a> {
     }
 
     /// The ears whose tips lie between two positions.
-    pub fn within(&self, from: usize, to: usize) -> Vec<[usize; 3]> {
+    pub(crate) fn within(&self, from: usize, to: usize) -> Vec<[usize; 3]> {
         self.closed.iter().filter(|ear| self.is_between(ear[1], from, to)).copied().collect()
     }
 
     /// Whether an ear between two positions leans.
-    pub fn lean(&self, from: usize, to: usize) -> bool {
+    pub(crate) fn lean(&self, from: usize, to: usize) -> bool {
         self.leaning.iter().any(|&v| self.is_between(v, from, to))
     }
 
@@ -237,7 +237,7 @@ impl<'a> Ears<'a> {
     }
 
     /// The remaining positions, in the direction of the loop.
-    pub fn left(&self) -> Vec<usize> {
+    pub(crate) fn left(&self) -> Vec<usize> {
         (0..self.ring.len()).filter(|&i| self.alive[i]).collect()
     }
 }

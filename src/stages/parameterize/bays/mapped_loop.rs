@@ -9,7 +9,7 @@ use super::STRAIGHT;
 use crate::geometry::{Uv, VertexId, orient2d};
 
 /// The positions of a closed loop on a map. The surface lies to its left.
-pub struct MappedLoop {
+pub(crate) struct MappedLoop {
     uv: Vec<Uv>,
     tree: ImmutableKdTree<f64, 2>,
 }
@@ -29,18 +29,18 @@ impl MappedLoop {
     }
 
     /// The angle at the tip of an ear, or π if the loop turns to the left there.
-    pub fn tip(&self, [p, v, n]: [usize; 3]) -> f64 {
+    pub(crate) fn tip(&self, [p, v, n]: [usize; 3]) -> f64 {
         let (to, from) = (self.uv[p] - self.uv[v], self.uv[n] - self.uv[v]);
         if self.turn(p, v, n) < 0.0 { to.angle(&from) } else { PI }
     }
 
     /// Whether the loop turns to the right at the tip of an ear.
-    pub fn bends(&self, ear: [usize; 3]) -> bool {
+    pub(crate) fn bends(&self, ear: [usize; 3]) -> bool {
         self.tip(ear) < PI - STRAIGHT
     }
 
     /// Whether no position for which `counts` holds lies in an ear.
-    pub fn is_free(&self, [p, v, n]: [usize; 3], counts: impl Fn(usize) -> bool) -> bool {
+    pub(crate) fn is_free(&self, [p, v, n]: [usize; 3], counts: impl Fn(usize) -> bool) -> bool {
         let middle = center(&center(&self.uv[p], &self.uv[n]), &self.uv[v]);
         let reach = [p, v, n].map(|i| (self.uv[i] - middle).norm_squared());
         let near = self

@@ -49,7 +49,7 @@ pub struct Bays {
 /// vertex, and the bays are found on it. Without a map they are found by the angles of the surface
 /// along the boundary. The map is more reliable for bays that are deep or lie between strongly
 /// curved sides. No bay of the patch may be closed yet.
-pub fn close(mut patch: Patch, map: Option<&[Uv]>) -> (Patch, Bays) {
+pub(crate) fn close(mut patch: Patch, map: Option<&[Uv]>) -> (Patch, Bays) {
     let rings = VertexRings::new(&patch.mesh);
     let closing = closing(Adjacency { mesh: &patch.mesh, rings: &rings }, &patch.outer, map);
     let count = closing.as_ref().map_or(0, |closing| closing.count);

@@ -15,7 +15,7 @@ const MARGIN: f64 = 1e-4;
 
 /// A polygon in the parameter plane of a surface with fixed ends, and the curve that follows it.
 #[derive(Debug, Clone)]
-pub struct OpenPolygon {
+pub(crate) struct OpenPolygon {
     /// The corners.
     uv: Vec<Uv>,
     /// The length of the polygon on the surface up to each corner, as a share of the whole.
@@ -72,13 +72,13 @@ impl OpenPolygon {
     }
 
     /// Makes the room half as wide.
-    pub fn tighten(&mut self) {
+    pub(crate) fn tighten(&mut self) {
         self.room.iter_mut().for_each(|room| *room *= 0.5);
     }
 
     /// The curve with few knots that stays in the room around the corners. Its ends are those of the
     /// polygon.
-    pub fn curve(&self) -> Option<Curve<2>> {
+    pub(crate) fn curve(&self) -> Option<Curve<2>> {
         // A whole loop has at least two edges.
         let is_closed = self.uv.first() == self.uv.last();
         let mut breaks = if is_closed { vec![0.0, 0.5, 1.0] } else { vec![0.0, 1.0] };

@@ -17,7 +17,7 @@ const TRACK_SAMPLES: usize = 64;
 
 /// A part of a rim on one surface.
 #[derive(Debug, Clone)]
-pub struct RimRun {
+pub(crate) struct RimRun {
     /// The surface.
     pub face: usize,
     /// The parameter points of the rim's vertices, and the vertices.
@@ -28,7 +28,7 @@ pub struct RimRun {
 
 /// A place at which a rim crosses a track.
 #[derive(Debug, Clone, Copy)]
-pub struct Crossing {
+pub(crate) struct Crossing {
     /// The track.
     pub track: usize,
     /// The parameter of the track.
@@ -38,7 +38,7 @@ pub struct Crossing {
 }
 
 /// The tracks of a network with the surfaces beside them.
-pub struct NetworkPaths<'a> {
+pub(crate) struct NetworkPaths<'a> {
     network: &'a Network,
     uses: Vec<Vec<SideUse>>,
     places: NetworkPlaces<'a>,
@@ -87,7 +87,7 @@ impl<'a> NetworkPaths<'a> {
     }
 
     /// The surface that is nearest to a point, whichever way it faces.
-    pub fn nearest_surface(&self, p: Point) -> usize {
+    pub(crate) fn nearest_surface(&self, p: Point) -> usize {
         self.places.nearest_surface(p)
     }
 
@@ -221,7 +221,7 @@ impl<'a> NetworkPaths<'a> {
     }
 
     /// Keeps crossings away from the ends of their tracks and from each other.
-    pub fn spread(&self, rims: &mut [Vec<RimRun>]) {
+    pub(crate) fn spread(&self, rims: &mut [Vec<RimRun>]) {
         let least = LEAST_SHARE * self.end;
         let tracks = self.network.tracks.iter();
         let mut of_tracks: Vec<Vec<&mut f64>> = tracks.map(|_| Vec::new()).collect();

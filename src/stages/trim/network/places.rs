@@ -16,7 +16,7 @@ const CANDIDATES: [usize; 2] = [16, 256];
 
 /// A place of a network.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct NetworkPlace {
+pub(crate) struct NetworkPlace {
     /// The surface.
     pub face: usize,
     /// The parameter point.
@@ -24,7 +24,7 @@ pub struct NetworkPlace {
 }
 
 /// A search structure over samples of a network.
-pub struct NetworkPlaces<'a> {
+pub(crate) struct NetworkPlaces<'a> {
     network: &'a Network,
     samples: Vec<(NetworkPlace, Vector)>,
     tree: Neighbours,
@@ -49,12 +49,12 @@ impl<'a> NetworkPlaces<'a> {
 
     /// The place nearest to `p` whose normal does not point against `normal`. `None` if none of the
     /// nearest samples faces that way.
-    pub fn nearest(&self, p: Point, normal: Vector) -> Option<NetworkPlace> {
+    pub(crate) fn nearest(&self, p: Point, normal: Vector) -> Option<NetworkPlace> {
         CANDIDATES.into_iter().find_map(|count| self.nearest_among(count, p, normal))
     }
 
     /// The surface of the nearest sample, whichever way it faces.
-    pub fn nearest_surface(&self, p: Point) -> usize {
+    pub(crate) fn nearest_surface(&self, p: Point) -> usize {
         let mut found = Vec::new();
         self.tree.nearest_n(p, 1, &mut found);
         found.first().map_or(0, |&(k, _)| self.samples[k as usize].0.face)

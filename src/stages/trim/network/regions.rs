@@ -16,7 +16,7 @@ type SidePiece = (usize, usize, [PieceEnd; 2]);
 
 /// Adds the kept faces to a cut that has its nodes and its arcs. Returns a surface on which the arcs do
 /// not bound faces if there is one: they cross each other, or a loop runs the wrong way around.
-pub fn add_faces(network: &Network, cut: &mut NetworkCut) -> Result<(), usize> {
+pub(crate) fn add_faces(network: &Network, cut: &mut NetworkCut) -> Result<(), usize> {
     let ends = cut.piece_ends(network);
     let around = |surface: usize| -> Vec<SidePiece> {
         let sides = network.sides[surface].iter().enumerate();
