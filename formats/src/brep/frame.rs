@@ -14,6 +14,10 @@ pub struct Frame {
 /// direction has such a component, because the smallest one is at most 1/√3 ≈ 0.58.
 const NOT_ALONG: f64 = 0.9;
 
+/// Two directions are parallel if the sine of their angle is below this. Files give directions to ten digits and
+/// more.
+const PARALLEL: f64 = 1e-9;
+
 impl Frame {
     /// The frame of the coordinate system itself.
     pub const WORLD: Frame =
@@ -30,12 +34,16 @@ impl Frame {
         if origin.iter().any(|x| !x.is_finite()) {
             return Err("a frame whose origin is not finite".into());
         }
-        // Two steps remove also what the first one leaves by rounding.
         let across = |a: [f64; 3]| {
             let along = dot(a, z);
-            unit([0, 1, 2].map(|i| a[i] - along * z[i]))
+            [0, 1, 2].map(|i| a[i] - along * z[i])
         };
-        let x = across(towards).and_then(across).ok_or("a frame with parallel axes")?;
+        let rest = across(towards);
+        if dot(rest, rest).sqrt() < PARALLEL {
+            return Err("a frame with parallel axes".into());
+        }
+        // A second step removes what the first one leaves by rounding.
+        let x = unit(rest).map(across).and_then(unit).ok_or("a frame with parallel axes")?;
         Ok(Frame { origin, axes: [x, cross(z, x), z] })
     }
 

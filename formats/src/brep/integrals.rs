@@ -51,19 +51,15 @@ impl Brep {
     /// The area in mm² of the faces of a shell. All numbers of the model must refer to existing
     /// elements. The accuracy is that of [`Brep::face_area`].
     pub fn area(&self, shell: ShellId) -> f64 {
-        let faces = self.shells[shell.0].faces.iter();
-        faces.map(|id| self.unsigned_area(*id)).sum()
+        self.shells[shell.0].faces.iter().map(|id| self.face_area(*id)).sum()
     }
 
     /// The area in mm² of a face. It is exact except for rounding on planes, cylinders, cones,
     /// spheres and tori between lines of the parameter plane. On B-splines the quadrature uses eight
     /// nodes in each span, which is near 1e-9 for spans that turn by less than a right angle.
     pub fn face_area(&self, face: FaceId) -> f64 {
-        self.unsigned_area(face).abs()
-    }
-
-    fn unsigned_area(&self, face: FaceId) -> f64 {
-        self.integral(face, |_, [a, b, c]| a.hypot(b).hypot(c))
+        // The loops of a face whose normal is opposite to its surface's run the other way.
+        self.integral(face, |_, [a, b, c]| a.hypot(b).hypot(c)).abs()
     }
 
     /// The integral over u and v of a density, which is given by the place and S_u × S_v.
