@@ -391,8 +391,7 @@ fn a_refined_face_keeps_its_sides_and_its_tangent_planes_there() {
     let report = refinement.report();
     assert!(!report.faces.is_empty() && report.faces.len() < network.surfaces.len(), "{report:?}");
     let before = (fit.report.beyond * patch.measured as f64).round();
-    assert_eq!((report.measured, report.beyond_before as f64), (patch.measured, before));
-    assert!((report.beyond as f64) < 0.2 * before, "{report:?}");
+    assert!((report.beyond as f64) < 0.2 * before, "{report:?}, and {before} before");
     for (face, old) in network.surfaces.iter().enumerate() {
         let new = &refinement.network.surfaces[face];
         if !report.faces.contains(&face) {
@@ -412,5 +411,8 @@ fn a_refined_face_keeps_its_sides_and_its_tangent_planes_there() {
     brep::closed(&refinement.network, "bump", 1e-7).expect("a solid");
     refinement.put_back(&report.faces);
     assert_eq!(refinement.network.surfaces, network.surfaces);
-    assert!(refinement.report().faces.is_empty());
+    // The share before and the share after are those of the same points.
+    let back = refinement.report();
+    assert!(back.faces.is_empty());
+    assert_eq!((back.measured, back.beyond), (patch.measured, report.beyond_before));
 }

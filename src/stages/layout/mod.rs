@@ -349,19 +349,6 @@ mod tests {
     }
 
     #[test]
-    fn the_triangles_below_the_last_grid_are_not_split() {
-        let mut mesh = torus(60, 30);
-        for (k, p) in mesh.points.iter_mut().enumerate() {
-            let off = (crate::geometry::random::scattered(k as u64) % 1000) as f64 / 1000.0 - 0.5;
-            *p += 6.0 * off * p.coords.normalize();
-        }
-        let made = layout(&mesh, &Options::default()).unwrap();
-        assert!(!made.best.coarse().is_empty(), "no quad is left that a split may mend");
-        let mut triangles = made.best.grid.triangles.iter().flatten();
-        assert!(triangles.all(|&t| made.base.alive[t as usize]));
-    }
-
-    #[test]
     fn the_map_leads_back_to_the_scan() {
         let mesh = torus(40, 24);
         let ground = Ground::new(&mesh, &mut progress::ignore).unwrap();
