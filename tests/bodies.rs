@@ -338,7 +338,11 @@ fn open_bodies_become_shells_with_their_ends_open() {
         assert_eq!(holes.len(), loops, "{name}");
         assert!(holes.iter().all(|hole| hole["trimmed"] == true), "{name}: {holes:?}");
         let count = |of: &str| shape[of].as_i64().expect("a number");
-        assert_eq!(count("vertices") - count("edges") + count("faces"), euler, "{name}");
+        // An end that lies inside of one face is an inner loop of it, so that the face is no disk.
+        let text = std::fs::read_to_string(&step).expect("text");
+        let inner = text.matches("=FACE_BOUND(").count() as i64;
+        let characteristic = count("vertices") - count("edges") + count("faces") - inner;
+        assert_eq!(characteristic, euler, "{name}");
         assert!(count("free_edges") >= 2 * loops as i64, "{name}");
         let rms = number(&report, "/deviation/rms_mm");
         assert!((0.035..0.065).contains(&rms), "{name}: rms {rms}");
