@@ -266,9 +266,7 @@ mod tests {
             let mut samples = samples.clone();
             samples.weights = vec![count; samples.len()];
             // Those in the corners of the domain weigh more.
-            for corner in [0, 39, 1560, 1599] {
-                samples.weights[corner] *= 1e3;
-            }
+            [0, 39, 1560, 1599].map(|corner| samples.weights[corner] *= 1e3);
             unfold(&surface, &samples, &holds, &slide, &STIFFNESSES[..1]).found.swap_remove(0)
         };
         let [one, ten] = [1.0, 10.0].map(of);
