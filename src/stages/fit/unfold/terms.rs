@@ -8,7 +8,7 @@ use super::system::{CellEquations, StripEquations};
 use super::work::Work;
 use crate::geometry::Vector;
 
-/// The weight of a Jacobian determinant that is too small, relative to the weight of the samples of a mean cell.
+/// The weight of a Jacobian determinant that is too small, relative to the samples of a mean cell.
 const SPREAD: f64 = 3.0;
 
 /// The data that the equations of a round are assembled from.

@@ -19,7 +19,7 @@ use crate::stages::fit::tangent_distance::TangentDistance;
 const DAMPING: f64 = 0.5;
 
 /// The weight that keeps control points in place that no other term determines, as a share of the
-/// weight of the samples in a mean cell.
+/// samples in a mean cell.
 const ANCHOR: f64 = 1e-6;
 
 /// The number of rows and columns around cells with folds that move, too.
@@ -73,7 +73,7 @@ impl<'a> Work<'a> {
             free: vec![false; surface.net.len()],
             system: None,
             eased: vec![false; across * down],
-            weight: weight_of(&samples.weights) / (across * down) as f64,
+            weight: samples.weights.len() as f64 / (across * down) as f64,
             area: mean(&halves[0]) * mean(&halves[1]),
             halves,
             energies: cells.spans.each_ref().map(|spans| {
@@ -183,14 +183,6 @@ impl<'a> Work<'a> {
         near.par_iter_mut().for_each(|of| of.sort_unstable());
         near
     }
-}
-
-/// The weight of all samples, if each has the median of their weights. The sum would count those that are raised, as the
-/// corners of the domain are to a thousand times the weight of others.
-fn weight_of(weights: &[f64]) -> f64 {
-    let mut sorted = weights.to_vec();
-    let median = sorted.len() / 2;
-    sorted.select_nth_unstable_by(median, f64::total_cmp).1.to_owned() * weights.len() as f64
 }
 
 /// Converts sums over [`PAIRS`] to a symmetric matrix.
