@@ -41,7 +41,8 @@ pub(crate) struct Work<'a> {
     system: Option<BlockSystem>,
     /// The cells whose stuck samples need not hold the surface in all directions.
     pub eased: Vec<bool>,
-    /// The weight of the samples in a mean cell.
+    /// The number of samples in a mean cell, which weights are relative to. Samples that stand for several points
+    /// count once.
     pub weight: f64,
     /// The half lengths of the spans in u and in v, in mm: parameters times the mean length of the
     /// net.
