@@ -9,7 +9,7 @@ use std::io::{BufWriter, Write};
 use formats::Brep;
 use formats::brep::ShellId;
 use formats::{iges, step};
-use truck_modeling::{Face, ParametricSurface, Point3, Solid, Surface, Vector3, Wire, builder};
+use truck_modeling::{Face, ParametricSurface, Point3, Solid, Vector3, Wire, builder};
 
 /// The corners of the profile of an angle section, in mm.
 const PROFILE: [[f64; 2]; 6] =
@@ -43,8 +43,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // truck evaluates the converted solid.
     let back = brep.truck_solid(&brep.solids[0])?;
     for face in back.face_iter() {
-        let Surface::BSplineSurface(surface) = face.surface() else { continue };
-        let middle = surface.subs(0.0, 0.0);
+        let middle = face.surface().subs(0.0, 0.0);
         println!("a face through ({:.1}, {:.1}, {:.1})", middle.x, middle.y, middle.z);
     }
     Ok(())

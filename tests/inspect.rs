@@ -118,7 +118,7 @@ fn text_says_the_same() {
         "mm (assumed",
         "a disk with 2 holes",
         "becomes     a face, as it is one sheet (--shape to change)",
-        "tolerance   about 0.17",
+        "tolerance   about 0.18",
         "three times the noise of 0.0",
         "outline     the four sides of the face",
         "size        100.3 × 80.2",
