@@ -42,13 +42,15 @@ pub fn json(path: &Path) -> Value {
 /// A file name that would be a program if it were not text.
 pub const PLANTED: &str = "<img src=x onerror=planted=1>&\"'<script>planted=1<.ply";
 
-/// Writes a wavy sheet of 720,000 triangles to a folder.
+/// Writes a wavy sheet of 720,000 triangles with noise to a folder.
 pub fn large_scan(folder: &Path) -> PathBuf {
     let scan = folder.join("large.stl");
     let side = 600_u32;
     let at = |i: u32, j: u32| {
         let (x, y) = (0.1 * i as f32, 0.1 * j as f32);
-        [x, y, (0.3 * x).sin() + (0.2 * y).cos()]
+        // Without noise, smoothing would have nothing to do.
+        let noise = (i * 7919 + j * 104_729) % 997;
+        [x, y, (0.3 * x).sin() + (0.2 * y).cos() + 2e-5 * noise as f32]
     };
     let mut bytes = vec![0; 80];
     bytes.extend((2 * side * side).to_le_bytes());
