@@ -10,7 +10,8 @@ use crate::sheet::{Mesh, Shape};
 fn face(place: Place, tolerance: Option<f64>) -> Body {
     let holes = vec![Star { centre: [0.4, 0.55], radius: 0.15, arms: 3.0 }];
     let damage = Damage { holes, noise: 0.03, ..sound() };
-    let mesh = Mesh::Grid([24, 20], 0.3);
+    // On coarser grids, noise and shape cannot be told apart.
+    let mesh = Mesh::Grid([36, 30], 0.3);
     let scan = Scan { mesh, shape: Shape::Waves, damage, place, seed: 5 };
     let options = Options::builder().tolerance(tolerance.map(|t| t * place.scale));
     let options = options.build().expect("options");
@@ -28,10 +29,12 @@ fn same(place: Place, tolerance: Option<f64>, room: f64) {
         let b = b * 100.0 / place.scale;
         assert!((a - b).abs() <= room * of, "{place:?}: {b} instead of {a}");
     };
-    let figures = |c: &Body| [c.smooth.noise, c.tolerance, c.deviation.p95];
+    // The rounding of numbers is not that of the scan elsewhere.
+    let noise = |c: &Body| if c.smooth.is_noisy { c.smooth.noise } else { 0.0 };
+    let figures = |c: &Body| [noise(c), c.tolerance, c.deviation.p95];
     figures(&here).into_iter().zip(figures(&there)).for_each(|(a, b)| alike(a, b, a));
     let rms = [&here, &there].map(|c| c.fit_deviation.rms);
-    let against = if tolerance.is_none() { here.smooth.noise } else { 0.0 };
+    let against = if tolerance.is_none() { noise(&here) } else { 0.0 };
     alike(rms[0], rms[1], rms[0].max(against));
     for (a, b) in here.one().surface.shape().into_iter().zip(there.one().surface.shape()) {
         assert!(a.abs_diff(b) <= 2, "{place:?}: {b} control points instead of {a}");
