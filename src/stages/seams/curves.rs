@@ -70,7 +70,8 @@ impl Pair<'_> {
         for pair in chain.points.windows(2) {
             size = size.max((pair[1] - chain.points[0]).norm());
             for k in 0..parts {
-                points.push(self.project(pair[0] + (pair[1] - pair[0]) * (k as f64 / parts as f64)));
+                points
+                    .push(self.project(pair[0] + (pair[1] - pair[0]) * (k as f64 / parts as f64)));
             }
         }
         points.push(points[0]);
@@ -200,7 +201,8 @@ fn circle(points: &[Vector2<f64>], tolerance: f64) -> Option<PlaneArc> {
         2 => 1.0,
         _ => 2.0 * points[i][k] / scale,
     });
-    let right = DMatrix::from_fn(points.len(), 1, |i, _| points[i].norm_squared() / (scale * scale));
+    let right =
+        DMatrix::from_fn(points.len(), 1, |i, _| points[i].norm_squared() / (scale * scale));
     let found = rows.svd(true, true).solve(&right, 1e-14).ok()?;
     let centre = Vector2::new(found[0], found[1]);
     let square = found[2] + centre.norm_squared();
@@ -251,7 +253,8 @@ fn arc_through(
         (q.dot(&y) / radii[1]).atan2(q.dot(&x) / radii[0])
     };
     let total = |y: Vector| -> f64 {
-        let turns = points.windows(2).map(|w| super::chart::around(angle(&w[1], y) - angle(&w[0], y)));
+        let turns =
+            points.windows(2).map(|w| super::chart::around(angle(&w[1], y) - angle(&w[0], y)));
         turns.sum()
     };
     let mut turn = total(y);

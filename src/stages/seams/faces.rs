@@ -2,9 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use formats::brep::{
-    Brep, BrepCurve, BrepSurface, EdgeId, EdgeUse, Face, Frame, PCurve, VertexId,
-};
+use formats::brep::{Brep, BrepCurve, BrepSurface, EdgeId, EdgeUse, Face, Frame, PCurve, VertexId};
 
 use super::chart::{Chart, around, array};
 use super::network::{ChainNetwork, ChainUse};
@@ -228,7 +226,8 @@ impl FaceBuilder<'_> {
         };
         v[1] = upper.start()[1];
         let high = self.start_of(upper.uses[0]);
-        if v[0] >= v[1] || v[1] - v[0] > TAU {
+        let laps = chart.surface.periods()[1].is_some_and(|period| v[1] - v[0] > period);
+        if v[0] >= v[1] || laps {
             return Err("a seam that runs backwards".into());
         }
         let curve = self.meridian(chart, v, [low, high])?;
@@ -275,9 +274,7 @@ impl FaceBuilder<'_> {
             BrepSurface::Torus { major, minor, .. } => (frame.point([major, 0.0, 0.0]), minor),
             _ => {
                 let [from, to] = ends.map(|end| self.place(end));
-                let worst = [0, 1].map(|k| {
-                    (chart.point([0.0, v[k]]) - self.place(ends[k])).norm()
-                });
+                let worst = [0, 1].map(|k| (chart.point([0.0, v[k]]) - self.place(ends[k])).norm());
                 self.gap = self.gap.max(worst[0]).max(worst[1]);
                 return BrepCurve::line(array(from), array(to));
             }
@@ -348,11 +345,8 @@ impl FaceBuilder<'_> {
         if let BrepSurface::Torus { major, minor, .. } = chart.surface {
             let corner = self.brep.add_vertex(chart.surface.point(0.0, 0.0));
             let around = BrepCurve::circle(&frame, major + minor)?;
-            let tube = Frame::new(
-                frame.point([major, 0.0, 0.0]),
-                frame.y().map(|e| -e),
-                frame.x(),
-            )?;
+            let tube =
+                Frame::new(frame.point([major, 0.0, 0.0]), frame.y().map(|e| -e), frame.x())?;
             let tube = BrepCurve::circle(&tube, minor)?;
             let range = (0.0, TAU);
             let [a, b] = [around, tube].map(|curve| self.brep.add_edge(curve, [corner; 2]));

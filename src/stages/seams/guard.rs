@@ -56,7 +56,15 @@ impl Work<'_> {
                 size += cone.abs();
                 let area = 0.5 * (b - a).cross(&(c - a)).norm();
                 let middle = Point::from((a.coords + b.coords + c.coords) / 3.0);
-                let places = [middle, (a + b.coords) * 0.5, (b + c.coords) * 0.5, (c + a.coords) * 0.5, a, b, c];
+                let places = [
+                    middle,
+                    (a + b.coords) * 0.5,
+                    (b + c.coords) * 0.5,
+                    (c + a.coords) * 0.5,
+                    a,
+                    b,
+                    c,
+                ];
                 let offs = places.map(|p| patch.side * patch.surface.distance(p).0);
                 // Where the mesh is outside, the solid is smaller.
                 low += area * offs.iter().copied().fold(0.0, f64::max);
