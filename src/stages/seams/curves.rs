@@ -82,7 +82,7 @@ impl Pair<'_> {
         for (i, p) in points.iter().enumerate() {
             let moved = (p - chain.points[i / parts]).norm();
             // A point that leaves the chain by more than its length is on another branch.
-            if !(moved < size) || !p.coords.iter().all(|x| x.is_finite()) {
+            if moved >= size || !p.coords.iter().all(|x| x.is_finite()) {
                 return Err("a border whose points leave it".into());
             }
         }

@@ -70,9 +70,8 @@ fn slopes<const D: usize>(t: &[f64], points: &[[f64; D]]) -> Vec<[f64; D]> {
         }
     }
     for i in (1..n - 1).rev() {
-        for k in 0..D {
-            slopes[i][k] -= share[i] * slopes[i + 1][k];
-        }
+        let next = slopes[i + 1];
+        slopes[i].iter_mut().zip(next).for_each(|(slope, after)| *slope -= share[i] * after);
     }
     slopes
 }

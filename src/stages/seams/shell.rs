@@ -169,7 +169,7 @@ impl Work<'_> {
             for (place, end) in places.iter().zip(ends) {
                 off = off.max((place - network.vertices[end]).norm());
             }
-            if !(off <= LEAVES + LEAVES_ERRORS * chain.error) {
+            if !off.is_finite() || off > LEAVES + LEAVES_ERRORS * chain.error {
                 return Err(fault(format!("an edge is {off:.1e} mm off its faces")));
             }
             worst = worst.max(off);
