@@ -11,6 +11,7 @@ pub mod cloud;
 // The exact surfaces of a mesh that a CAD program made.
 
 pub mod regions;
+pub mod seams;
 
 // A mesh without noise and gaps.
 

@@ -1,0 +1,109 @@
+//! The parameters of points on the surface of a face, in a frame whose x axis is chosen.
+
+use std::f64::consts::TAU;
+
+use formats::brep::{BrepSurface, Frame};
+
+use crate::geometry::{Point, Vector};
+use crate::primitives::Primitive;
+
+/// A surface in a frame.
+#[derive(Debug, Clone)]
+pub(super) struct Chart {
+    pub frame: Frame,
+    pub surface: BrepSurface,
+}
+
+pub(super) fn array(p: Point) -> [f64; 3] {
+    [p.x, p.y, p.z]
+}
+
+pub(super) fn vector(v: Vector) -> [f64; 3] {
+    [v.x, v.y, v.z]
+}
+
+/// An angle in [-π, π].
+pub(super) fn around(angle: f64) -> f64 {
+    angle - TAU * (angle / TAU).round()
+}
+
+impl Chart {
+    /// The surface with its usual frame. A sphere has the given axis.
+    pub fn new(surface: &Primitive, axis: Vector) -> Result<Self, String> {
+        let z = match *surface {
+            Primitive::Plane { normal, .. } => normal,
+            _ => surface.axis().unwrap_or(axis),
+        };
+        let frame = Frame::along(array(surface.origin()), vector(z))?;
+        Ok(Chart::in_frame(surface, frame))
+    }
+
+    fn in_frame(surface: &Primitive, frame: Frame) -> Self {
+        let made = match *surface {
+            Primitive::Plane { .. } => BrepSurface::plane(frame),
+            Primitive::Cylinder { radius, .. } => BrepSurface::cylinder(frame, radius),
+            Primitive::Cone { radius, angle, .. } => BrepSurface::cone(frame, radius, angle),
+            Primitive::Sphere { radius, .. } => BrepSurface::sphere(frame, radius),
+            Primitive::Torus { major, minor, .. } => BrepSurface::torus(frame, major, minor),
+        };
+        Chart { frame, surface: made }
+    }
+
+    /// The same surface with u = 0 where it was `u`.
+    pub fn turned(&self, surface: &Primitive, u: f64) -> Self {
+        Chart::in_frame(surface, if u == 0.0 { self.frame } else { self.frame.turned(u) })
+    }
+
+    /// The parameters of the closest point, and whether u is undefined there. Angles are in [-π, π].
+    pub fn parameters(&self, p: Point) -> ([f64; 2], bool) {
+        let [x, y, h] = self.frame.coordinates(array(p));
+        let rho = x.hypot(y);
+        let u = y.atan2(x);
+        match self.surface {
+            BrepSurface::Cylinder { .. } => ([u, h], false),
+            BrepSurface::Cone { radius, half_angle, .. } => {
+                let (sin, cos) = half_angle.sin_cos();
+                ([u, ((rho - radius) * sin + h * cos) * cos], rho < ON_AXIS)
+            }
+            BrepSurface::Sphere { .. } => ([u, h.atan2(rho)], rho < ON_AXIS),
+            BrepSurface::Torus { major, .. } => ([u, h.atan2(rho - major)], false),
+            _ => ([x, y], false),
+        }
+    }
+
+    pub fn point(&self, [u, v]: [f64; 2]) -> Point {
+        let [x, y, z] = self.surface.point(u, v);
+        Point::new(x, y, z)
+    }
+
+    /// The parameters of points that follow each other, without jumps by a period. The first ones are those closest
+    /// to `near`, if it is given.
+    pub fn unwrapped(&self, points: &[Point], near: Option<[f64; 2]>) -> Vec<[f64; 2]> {
+        let found: Vec<([f64; 2], bool)> = points.iter().map(|&p| self.parameters(p)).collect();
+        let mut out: Vec<[f64; 2]> = found.iter().map(|(uv, _)| *uv).collect();
+        for i in 0..out.len() {
+            if found[i].1 {
+                let good = (0..out.len()).filter(|&k| !found[k].1).min_by_key(|k| k.abs_diff(i));
+                if let Some(k) = good {
+                    out[i][0] = found[k].0[0];
+                }
+            }
+        }
+        let periods = self.surface.periods();
+        let mut last = near;
+        for uv in &mut out {
+            if let Some(before) = last {
+                for k in 0..2 {
+                    if let Some(period) = periods[k] {
+                        uv[k] += period * ((before[k] - uv[k]) / period).round();
+                    }
+                }
+            }
+            last = Some(*uv);
+        }
+        out
+    }
+}
+
+/// A point so close to the axis in mm has no angle about it: the modelling kernel's own precision.
+const ON_AXIS: f64 = 1e-7;

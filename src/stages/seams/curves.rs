@@ -1,0 +1,291 @@
+//! The curves of edges: lines, arcs of circles and ellipses through exact points, else cubic B-splines.
+
+use std::f64::consts::TAU;
+
+use formats::brep::{BrepCurve, Frame};
+use nalgebra::{DMatrix, Matrix2, Vector2};
+
+use super::chart::{array, vector};
+use super::contact::{contact, crossing};
+use super::hermite::through;
+use super::network::Chain;
+use crate::geometry::{Point, Vector};
+use crate::primitives::{Primitive, PrimitiveKind};
+
+/// A conic fits exact points to this share of its size: rounding of the steps of its fit.
+const FITS: f64 = 1e-8;
+
+/// A curve of an elementary kind lies on both surfaces within so many mm, half of what files may state.
+const LIES: f64 = 5e-7;
+
+/// A spline lies on both surfaces within so many mm, a fifth of the kernels' precision.
+const SPLINE: f64 = 2e-8;
+
+/// The most points of a spline.
+const MOST_POINTS: usize = 1500;
+
+/// The fewest exact points of a chain: enough for an ellipse and its check.
+const FEWEST_POINTS: usize = 24;
+
+/// The points that a conic is fitted to. All points are compared with it.
+const FITTED: usize = 48;
+
+/// The surfaces of a chain.
+pub(super) struct Pair<'a> {
+    pub a: &'a Primitive,
+    pub b: &'a Primitive,
+    pub touches: bool,
+}
+
+impl Pair<'_> {
+    fn is_flat(&self) -> bool {
+        [self.a, self.b].iter().all(|s| s.kind() == PrimitiveKind::Plane)
+    }
+
+    pub fn project(&self, p: Point) -> Point {
+        match (self.is_flat(), self.touches) {
+            (true, _) => p,
+            (_, true) => contact(self.a, self.b, p),
+            _ => crossing(self.a, self.b, p),
+        }
+    }
+
+    fn off(&self, p: Point) -> f64 {
+        self.a.distance(p).0.abs().max(self.b.distance(p).0.abs())
+    }
+
+    /// Replaces the points of a chain by more of them on both surfaces. The ends stay if they are vertices.
+    pub fn refine(&self, chain: &mut Chain) -> Result<(), String> {
+        if self.is_flat() {
+            let (Some(first), Some(last)) = (chain.points.first(), chain.points.last()) else {
+                return Err("an empty chain".into());
+            };
+            chain.points = vec![*first, *last];
+            return if chain.ends.is_none() { Err("a ring between planes".into()) } else { Ok(()) };
+        }
+        let n = chain.points.len() - 1;
+        let parts = FEWEST_POINTS.div_ceil(n);
+        let mut points = Vec::with_capacity(n * parts + 1);
+        let mut size: f64 = 0.0;
+        for pair in chain.points.windows(2) {
+            size = size.max((pair[1] - chain.points[0]).norm());
+            for k in 0..parts {
+                points
+                    .push(self.project(pair[0] + (pair[1] - pair[0]) * (k as f64 / parts as f64)));
+            }
+        }
+        points.push(points[0]);
+        if chain.ends.is_some() {
+            points[0] = chain.points[0];
+            points[n * parts] = chain.points[n];
+        }
+        for (i, p) in points.iter().enumerate() {
+            let moved = (p - chain.points[i / parts]).norm();
+            // A point that leaves the chain by more than its length is on another branch.
+            if moved >= size || !p.coords.iter().all(|x| x.is_finite()) {
+                return Err("a border whose points leave it".into());
+            }
+        }
+        chain.points = points;
+        Ok(())
+    }
+
+    /// The curve through the points of a chain, and how far it is from the surfaces.
+    pub fn curve(&self, chain: &Chain) -> Result<(BrepCurve, f64), String> {
+        let points = &chain.points;
+        let (first, last) = (points[0], points[points.len() - 1]);
+        if self.is_flat() {
+            let curve = BrepCurve::line(array(first), array(last))?;
+            let off = self.worst(&curve);
+            return Ok((curve, off));
+        }
+        let off = points.iter().map(|&p| self.off(p)).fold(0.0, f64::max);
+        let lies = LIES.max(3.0 * off);
+        if let Some(curve) = elementary(points, chain.is_closed(), off)
+            && self.worst(&curve) <= lies
+        {
+            let worst = self.worst(&curve);
+            return Ok((curve, worst));
+        }
+        self.spline(points.clone(), chain.is_closed())
+    }
+
+    fn worst(&self, curve: &BrepCurve) -> f64 {
+        let (start, end) = curve.range();
+        let at = |i: usize| curve.point(start + (end - start) * i as f64 / 32.0);
+        (0..=32).map(|i| self.off(Point::from(at(i)))).fold(0.0, f64::max)
+    }
+
+    fn spline(&self, points: Vec<Point>, is_closed: bool) -> Result<(BrepCurve, f64), String> {
+        let size = points.iter().map(|p| (p - points[0]).norm()).fold(0.0, f64::max);
+        let last = points[points.len() - 1];
+        // Points that nearly coincide would make the spline swing.
+        let mut kept = vec![points[0]];
+        for &p in &points[1..points.len() - 1] {
+            let is_apart = |q: &Point| (p - q).norm() > 1e-3 * size;
+            if kept.last().is_none_or(is_apart) && is_apart(&last) {
+                kept.push(p);
+            }
+        }
+        kept.push(last);
+        loop {
+            let mut t = vec![0.0];
+            for pair in kept.windows(2) {
+                t.push(t[t.len() - 1] + (pair[1] - pair[0]).norm());
+            }
+            let places: Vec<[f64; 3]> = kept.iter().map(|&p| array(p)).collect();
+            let spline = through(&t, &places, is_closed)?;
+            let mut worst: f64 = 0.0;
+            let mut finer = vec![kept[0]];
+            for i in 0..t.len() - 1 {
+                let middle = Point::from(spline.point(0.5 * (t[i] + t[i + 1])));
+                let off = self.off(middle);
+                worst = worst.max(off);
+                if off > SPLINE {
+                    finer.push(self.project(middle));
+                }
+                finer.push(kept[i + 1]);
+            }
+            if finer.len() == kept.len() || finer.len() > MOST_POINTS {
+                return Ok((BrepCurve::Spline(spline), worst));
+            }
+            kept = finer;
+        }
+    }
+}
+
+/// The line or the arc through points, if there is one.
+fn elementary(points: &[Point], is_closed: bool, off: f64) -> Option<BrepCurve> {
+    let n = points.len();
+    let step = n.div_ceil(FITTED).max(1);
+    let mut some: Vec<Point> = points.iter().copied().step_by(step).collect();
+    some.push(points[n - 1]);
+    let count = some.len();
+    let centre = some.iter().map(|p| p.coords).sum::<Vector>() / count as f64;
+    let rows = DMatrix::from_fn(count, 3, |i, k| some[i][k] - centre[k]);
+    let svd = rows.svd(false, true);
+    let axes = svd.v_t.as_ref()?;
+    let axis = |k: usize| Vector::new(axes[(k, 0)], axes[(k, 1)], axes[(k, 2)]);
+    let scale = (svd.singular_values[0] / (count as f64).sqrt()).max(1.0);
+    let tolerance = (FITS * scale).max(2.0 * off);
+    let spread = |k: usize| svd.singular_values[k] / (count as f64).sqrt();
+    if spread(1) < tolerance && !is_closed {
+        return BrepCurve::line(array(points[0]), array(points[n - 1])).ok();
+    }
+    if spread(2) > tolerance {
+        return None;
+    }
+    let (x, y) = (axis(0), axis(1));
+    let flat = |p: &Point| {
+        let q = p.coords - centre;
+        Vector2::new(q.dot(&x), q.dot(&y))
+    };
+    let flats: Vec<Vector2<f64>> = some.iter().map(flat).collect();
+    let arc = circle(&flats, tolerance).or_else(|| ellipse(&flats))?;
+    let placed = |v: Vector2<f64>| v.x * x + v.y * y;
+    let middle = Point::from(centre + placed(arc.centre));
+    arc_through(points, is_closed, middle, placed(arc.x), placed(arc.y), arc.radii)
+}
+
+struct PlaneArc {
+    centre: Vector2<f64>,
+    x: Vector2<f64>,
+    y: Vector2<f64>,
+    radii: [f64; 2],
+}
+
+/// The circle through points of a plane (Kåsa's fit, which is exact for exact points).
+fn circle(points: &[Vector2<f64>], tolerance: f64) -> Option<PlaneArc> {
+    let scale = points.iter().map(|p| p.norm()).fold(f64::MIN_POSITIVE, f64::max);
+    let rows = DMatrix::from_fn(points.len(), 3, |i, k| match k {
+        2 => 1.0,
+        _ => 2.0 * points[i][k] / scale,
+    });
+    let right =
+        DMatrix::from_fn(points.len(), 1, |i, _| points[i].norm_squared() / (scale * scale));
+    let found = rows.svd(true, true).solve(&right, 1e-14).ok()?;
+    let centre = Vector2::new(found[0], found[1]);
+    let square = found[2] + centre.norm_squared();
+    let (centre, radius) = (centre * scale, square.max(0.0).sqrt() * scale);
+    let fits = points.iter().all(|p| ((p - centre).norm() - radius).abs() < tolerance);
+    fits.then(|| PlaneArc { centre, x: Vector2::x(), y: Vector2::y(), radii: [radius; 2] })
+}
+
+/// The ellipse through points of a plane (least algebraic distance).
+fn ellipse(points: &[Vector2<f64>]) -> Option<PlaneArc> {
+    let scale = points.iter().map(|p| p.norm()).fold(f64::MIN_POSITIVE, f64::max);
+    let rows = DMatrix::from_fn(points.len(), 6, |i, k| {
+        let p = points[i] / scale;
+        [p.x * p.x, p.x * p.y, p.y * p.y, p.x, p.y, 1.0][k]
+    });
+    let svd = rows.svd(false, true);
+    let v = svd.v_t?;
+    let w: Vec<f64> = (0..6).map(|k| v[(5, k)]).collect();
+    let form = Matrix2::new(w[0], 0.5 * w[1], 0.5 * w[1], w[2]);
+    // Almost parabolic conics have no centre that is known well.
+    if form.determinant() <= 1e-9 * form.norm_squared() {
+        return None;
+    }
+    let centre = (2.0 * form).try_inverse()? * -Vector2::new(w[3], w[4]);
+    let rest = (centre.transpose() * form * centre)[0] + w[3] * centre.x + w[4] * centre.y + w[5];
+    let eigen = form.symmetric_eigen();
+    let squares = eigen.eigenvalues.map(|e| -rest / e);
+    if squares.min() <= 0.0 {
+        return None;
+    }
+    let long = squares.imax();
+    let x: Vector2<f64> = eigen.eigenvectors.column(long).into();
+    let radii = [squares[long].sqrt() * scale, squares[1 - long].sqrt() * scale];
+    Some(PlaneArc { centre: centre * scale, x, y: Vector2::new(-x.y, x.x), radii })
+}
+
+/// The arc from the first to the last point through all of them.
+fn arc_through(
+    points: &[Point],
+    is_closed: bool,
+    centre: Point,
+    x: Vector,
+    mut y: Vector,
+    radii: [f64; 2],
+) -> Option<BrepCurve> {
+    let angle = |p: &Point, y: Vector| {
+        let q = p - centre;
+        (q.dot(&y) / radii[1]).atan2(q.dot(&x) / radii[0])
+    };
+    let total = |y: Vector| -> f64 {
+        let turns =
+            points.windows(2).map(|w| super::chart::around(angle(&w[1], y) - angle(&w[0], y)));
+        turns.sum()
+    };
+    let mut turn = total(y);
+    if turn < 0.0 {
+        y = -y;
+        turn = -turn;
+    }
+    if is_closed {
+        turn = TAU;
+    }
+    if turn > TAU + 1e-9 {
+        return None;
+    }
+    let z = x.cross(&y);
+    let start = angle(&points[0], y);
+    if radii[0] == radii[1] {
+        let towards = start.cos() * x + start.sin() * y;
+        let frame = Frame::new(array(centre), vector(z), vector(towards)).ok()?;
+        return BrepCurve::arc(&frame, radii[0], turn.min(TAU)).ok();
+    }
+    let frame = Frame::new(array(centre), vector(z), vector(x)).ok()?;
+    let mut start = start.rem_euclid(TAU);
+    if start >= TAU || TAU - start < 1e-12 {
+        start = 0.0;
+    }
+    let mut end = start + turn;
+    if end - start > TAU {
+        end = start + TAU;
+        while end - start > TAU {
+            end = end.next_down();
+        }
+    }
+    BrepCurve::ellipse(&frame, radii, (start, end)).ok()
+}

@@ -1,0 +1,177 @@
+//! Chains of mesh edges between two patches, and the loops of each patch.
+
+use super::{Fault, Work};
+use crate::geometry::Point;
+
+/// Mesh edges between the same two patches. The left one is on the left of the direction, seen from outside.
+#[derive(Debug, Clone)]
+pub(super) struct Chain {
+    pub left: usize,
+    pub right: usize,
+    /// The mesh vertices. Of a closed chain the first and the last are the same.
+    pub mesh_vertices: Vec<u32>,
+    /// Points on both surfaces, ends included.
+    pub points: Vec<Point>,
+    /// The vertices at the ends. A closed chain has none until its start is chosen.
+    pub ends: Option<[usize; 2]>,
+    /// Whether the surfaces touch instead of crossing.
+    pub touches: bool,
+    /// The largest error of its mesh vertices.
+    pub error: f64,
+}
+
+impl Chain {
+    /// Whether the first and the last point are the same.
+    pub fn is_closed(&self) -> bool {
+        self.ends.is_none_or(|[a, b]| a == b)
+    }
+}
+
+/// One use of a chain in a loop: its number and whether it runs forward.
+pub(super) type ChainUse = (usize, bool);
+
+/// The chains and loops of all patches.
+#[derive(Debug, Default)]
+pub(super) struct ChainNetwork {
+    pub chains: Vec<Chain>,
+    /// For each patch its loops, with the patch on the left.
+    pub loops: Vec<Vec<Vec<ChainUse>>>,
+    /// The vertices of the solid.
+    pub vertices: Vec<Point>,
+    /// The mesh vertex that each of the first vertices is.
+    pub junctions: Vec<u32>,
+}
+
+impl Work<'_> {
+    fn is_border(&self, side: usize) -> bool {
+        self.across(side) != self.of_triangle[side / 3]
+    }
+
+    /// The patch on the other side of a side of a triangle.
+    fn across(&self, side: usize) -> usize {
+        self.edges.across(side).map_or(usize::MAX, |twin| self.of_triangle[twin / 3])
+    }
+
+    /// The next border side of the same patch.
+    fn next_border(&self, side: usize) -> Option<usize> {
+        let after = |side: usize| 3 * (side / 3) + (side + 1) % 3;
+        let mut next = after(side);
+        // No vertex has more sides than the mesh.
+        for _ in 0..3 * self.mesh.triangles.len() {
+            if self.is_border(next) {
+                return Some(next);
+            }
+            next = after(self.edges.across(next)?);
+        }
+        None
+    }
+
+    /// Finds chains and loops.
+    pub(super) fn network(&self) -> Result<ChainNetwork, Fault> {
+        let count = 3 * self.mesh.triangles.len();
+        let is_junction = self.junctions();
+        let start = |side: usize| self.mesh.side(side).0.index();
+        let end = |side: usize| self.mesh.side(side).1.index();
+        let mut network = ChainNetwork::default();
+        let mut number = vec![usize::MAX; self.mesh.points.len()];
+        for v in (0..is_junction.len()).filter(|&v| is_junction[v]) {
+            number[v] = network.vertices.len();
+            network.vertices.push(self.mesh.points[v]);
+            network.junctions.push(v as u32);
+        }
+        let mut is_done = vec![false; count];
+        // The chain that begins with a side, in one of its directions.
+        let mut begins: Vec<Option<ChainUse>> = vec![None; count];
+        let mut lasts: Vec<[usize; 2]> = Vec::new();
+        let borders: Vec<usize> = (0..count).filter(|&side| self.is_border(side)).collect();
+        let at_junctions = borders.iter().filter(|&&side| is_junction[start(side)]);
+        for &first in at_junctions.chain(&borders) {
+            if is_done[first] {
+                continue;
+            }
+            let mut sides = vec![first];
+            let mut last = first;
+            while !is_junction[end(last)] && end(last) != start(first) {
+                let lost = || Fault::new(&[self.of_triangle[first / 3]], "a border without an end");
+                last = self.next_border(last).ok_or_else(lost)?;
+                sides.push(last);
+            }
+            let twin = |side: usize| self.edges.across(side).unwrap_or(side);
+            for &side in &sides {
+                is_done[side] = true;
+                is_done[twin(side)] = true;
+            }
+            let of = network.chains.len();
+            begins[first] = Some((of, true));
+            begins[twin(last)] = Some((of, false));
+            lasts.push([last, twin(first)]);
+            let mut mesh_vertices: Vec<u32> = sides.iter().map(|&s| start(s) as u32).collect();
+            mesh_vertices.push(end(last) as u32);
+            let ends = is_junction[start(first)].then(|| [number[start(first)], number[end(last)]]);
+            let error = |v: &u32| self.errors[*v as usize];
+            network.chains.push(Chain {
+                left: self.of_triangle[first / 3],
+                right: self.across(first),
+                points: mesh_vertices.iter().map(|&v| self.mesh.points[v as usize]).collect(),
+                error: mesh_vertices.iter().map(error).fold(0.0, f64::max),
+                mesh_vertices,
+                ends,
+                touches: false,
+            });
+        }
+        self.chain_loops(&mut network, &begins, &lasts)?;
+        Ok(network)
+    }
+
+    fn chain_loops(
+        &self,
+        network: &mut ChainNetwork,
+        begins: &[Option<ChainUse>],
+        lasts: &[[usize; 2]],
+    ) -> Result<(), Fault> {
+        network.loops = vec![Vec::new(); self.patches.len()];
+        let mut is_used = vec![[false; 2]; network.chains.len()];
+        for chain in 0..network.chains.len() {
+            for forward in [true, false] {
+                let mut ring = Vec::new();
+                let mut at = (chain, forward);
+                let of = &network.chains[chain];
+                let patch = if forward { of.left } else { of.right };
+                while !is_used[at.0][usize::from(at.1)] {
+                    is_used[at.0][usize::from(at.1)] = true;
+                    ring.push(at);
+                    let last = lasts[at.0][usize::from(!at.1)];
+                    let next = self.next_border(last).and_then(|side| begins[side]);
+                    at = next.ok_or_else(|| Fault::new(&[patch], "a loop that breaks off"))?;
+                }
+                if !ring.is_empty() {
+                    network.loops[patch].push(ring);
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Where chains end: not two borders meet, or a facet has a corner.
+    fn junctions(&self) -> Vec<bool> {
+        let mut borders = vec![0_u32; self.mesh.points.len()];
+        let mut pair = vec![[usize::MAX; 2]; self.mesh.points.len()];
+        let mut is_junction = vec![false; self.mesh.points.len()];
+        for side in 0..3 * self.mesh.triangles.len() {
+            let own = self.of_triangle[side / 3];
+            let v = self.mesh.side(side).0.index();
+            if self.patches[own].is_facet {
+                is_junction[v] = true;
+            }
+            if self.is_border(side) {
+                let other = self.across(side);
+                let key = [own.min(other), own.max(other)];
+                borders[v] += 1;
+                is_junction[v] |= pair[v] != [usize::MAX; 2] && pair[v] != key;
+                pair[v] = key;
+            }
+        }
+        let is_end = |v: usize| is_junction[v] || (borders[v] != 2 && borders[v] != 0);
+        (0..borders.len()).map(|v| is_end(v) && borders[v] > 0).collect()
+    }
+}

@@ -1,0 +1,91 @@
+//! Changes of chains that keep the loops: reversal, splitting, and the choice of a start.
+
+use super::network::{Chain, ChainNetwork, ChainUse};
+use crate::geometry::Point;
+
+/// Points of a chain that are closer than this in mm are one.
+const SAME: f64 = 1e-7;
+
+impl ChainNetwork {
+    /// The points of a chain in the direction of a use.
+    pub fn points_of(&self, (chain, forward): ChainUse) -> Vec<Point> {
+        let mut points = self.chains[chain].points.clone();
+        if !forward {
+            points.reverse();
+        }
+        points
+    }
+
+    /// The points of a loop. The last one is the first one.
+    pub fn ring_points(&self, ring: &[ChainUse]) -> Vec<Point> {
+        let mut points: Vec<Point> = Vec::new();
+        for &of in ring {
+            points.pop();
+            points.extend(self.points_of(of));
+        }
+        if let Some(&first) = points.first() {
+            points.push(first);
+        }
+        points
+    }
+
+    /// Turns a chain round.
+    pub fn reverse(&mut self, chain: usize) {
+        let of = &mut self.chains[chain];
+        of.points.reverse();
+        of.mesh_vertices.reverse();
+        std::mem::swap(&mut of.left, &mut of.right);
+        if let Some(ends) = &mut of.ends {
+            ends.reverse();
+        }
+        let [left, right] = [of.left, of.right];
+        self.change(left, right, |of| match of.0 == chain {
+            true => vec![(chain, !of.1)],
+            false => vec![of],
+        });
+    }
+
+    /// Makes a vertex at a point of a chain after the point with the given number.
+    pub fn cut(&mut self, chain: usize, after: usize, p: Point) {
+        let vertex = self.vertices.len();
+        self.vertices.push(p);
+        let of = &mut self.chains[chain];
+        let apart = |q: &&Point| (*q - p).norm() > SAME;
+        let before: Vec<Point> = of.points[..=after].iter().filter(apart).copied().collect();
+        let behind: Vec<Point> = of.points[after + 1..].iter().filter(apart).copied().collect();
+        let Some(ends) = of.ends else {
+            // The first and the last point of a closed chain are one.
+            let mut points = vec![p];
+            points.extend(behind);
+            points.extend(before.iter().skip(1));
+            points.push(p);
+            of.points = points;
+            of.ends = Some([vertex; 2]);
+            return;
+        };
+        let number = self.chains.len();
+        let of = &mut self.chains[chain];
+        let mut second: Chain = of.clone();
+        second.points = std::iter::once(p).chain(behind).collect();
+        second.ends = Some([vertex, ends[1]]);
+        of.points = before.into_iter().chain([p]).collect();
+        of.ends = Some([ends[0], vertex]);
+        let [left, right] = [of.left, of.right];
+        self.chains.push(second);
+        self.change(left, right, |of| match of {
+            (c, true) if c == chain => vec![(chain, true), (number, true)],
+            (c, false) if c == chain => vec![(number, false), (chain, false)],
+            of => vec![of],
+        });
+    }
+
+    fn change(&mut self, left: usize, right: usize, to: impl Fn(ChainUse) -> Vec<ChainUse>) {
+        let mut patches = vec![left, right];
+        patches.dedup();
+        for patch in patches {
+            for ring in &mut self.loops[patch] {
+                *ring = ring.iter().flat_map(|&of| to(of)).collect();
+            }
+        }
+    }
+}
