@@ -13,7 +13,7 @@ use scan2step::formats::{read_scan, step};
 use scan2step::geometry::Point;
 use scan2step::mesh::from_soup;
 use scan2step::primitives::PrimitiveKind;
-use scan2step::stages::regions::{self, RegionOrigin, Rounding, Tessellation};
+use scan2step::stages::regions::{self, FileRounding, RegionOrigin, Tessellation};
 use scan2step::stages::seams::{self, FacePatch, solid};
 use serde_json::json;
 
@@ -24,7 +24,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let soup = read_scan(Path::new(&from))?;
     let build = from_soup(&soup, 1.0)?;
-    let errors = Rounding::of(&soup.points).errors(&soup, &build, 1.0 / build.mm);
+    let errors = FileRounding::of(&soup.points).errors(&soup, &build, 1.0 / build.mm);
     let options = regions::Options { unit: build.mm, ..Default::default() };
     let found = regions::find(&Tessellation::new(&build.mesh, &errors), &options);
     let patches = found.regions.iter().map(|region| FacePatch {

@@ -8,7 +8,7 @@ use super::chart::{Chart, around, array};
 use super::network::{ChainNetwork, ChainUse};
 use super::pcurves::pcurve;
 use super::winding::{FacePlan, ON_SEAM, Wrap};
-use super::{Fault, Work};
+use super::{SeamFault, Work};
 use crate::geometry::Point;
 
 /// The samples of an edge that follow its parameters around the surface.
@@ -18,13 +18,13 @@ const SAMPLES: usize = 25;
 const NEAR_SEAM: f64 = 100.0;
 
 /// One loop in the natural orientation of the surface, with the parameters of its uses in that direction.
-struct Run {
+struct EdgeRun {
     uses: Vec<ChainUse>,
     /// For each use the parameters along it.
     uv: Vec<Vec<[f64; 2]>>,
 }
 
-impl Run {
+impl EdgeRun {
     fn start(&self) -> [f64; 2] {
         self.uv[0][0]
     }
@@ -62,7 +62,7 @@ pub(super) struct FaceBuilder<'a> {
 
 impl FaceBuilder<'_> {
     /// Adds the face of a patch.
-    pub fn face(&mut self, i: usize, plan: &FacePlan) -> Result<(), Fault> {
+    pub fn face(&mut self, i: usize, plan: &FacePlan) -> Result<(), SeamFault> {
         let side = self.work.patches[i].side;
         let chart = &plan.chart;
         let rings = self.network.loops[i].iter();
@@ -78,7 +78,7 @@ impl FaceBuilder<'_> {
             Wrap::U(pair) => self.wrapped_u(i, chart, &natural, pair),
             Wrap::V(pair, seam) => self.wrapped_v(i, chart, &natural, pair, *seam),
         };
-        let mut loops = made.map_err(|why| Fault::new(&[i], why))?;
+        let mut loops = made.map_err(|why| SeamFault::new(&[i], why))?;
         if side < 0.0 {
             for ring in &mut loops {
                 ring.reverse();
@@ -90,7 +90,7 @@ impl FaceBuilder<'_> {
         Ok(())
     }
 
-    fn run(&self, chart: &Chart, uses: &[ChainUse]) -> Run {
+    fn run(&self, chart: &Chart, uses: &[ChainUse]) -> EdgeRun {
         let mut near = None;
         let mut uv = Vec::new();
         for &(chain, forward) in uses {
@@ -104,10 +104,10 @@ impl FaceBuilder<'_> {
             near = along.last().copied();
             uv.push(along);
         }
-        Run { uses: uses.to_vec(), uv }
+        EdgeRun { uses: uses.to_vec(), uv }
     }
 
-    fn uses(&mut self, chart: &Chart, run: &Run) -> Result<Vec<EdgeUse>, String> {
+    fn uses(&mut self, chart: &Chart, run: &EdgeRun) -> Result<Vec<EdgeUse>, String> {
         let mut made = Vec::with_capacity(run.uses.len());
         for (&(chain, forward), uv) in run.uses.iter().zip(&run.uv) {
             let near = if forward { uv[0] } else { uv[uv.len() - 1] };
@@ -166,7 +166,7 @@ impl FaceBuilder<'_> {
         ring: &[ChainUse],
         k: usize,
         seam: f64,
-    ) -> Result<Run, String> {
+    ) -> Result<EdgeRun, String> {
         for first in 0..ring.len() {
             let p = self.place(self.start_of(ring[first]));
             let uv = chart.parameters(p).0;

@@ -3,7 +3,7 @@
 use formats::Brep;
 use formats::brep::{FaceId, ShellId};
 
-use super::{Fault, Work};
+use super::{SeamFault, Work};
 use crate::geometry::Point;
 use crate::primitives::PrimitiveKind;
 
@@ -17,7 +17,7 @@ const INTEGRALS: f64 = 1e-6;
 
 impl Work<'_> {
     /// Compares areas of faces and the volume with the mesh.
-    pub(super) fn guard(&self, brep: &Brep) -> Result<(), Fault> {
+    pub(super) fn guard(&self, brep: &Brep) -> Result<(), SeamFault> {
         let mut worst: (f64, Vec<usize>) = (0.0, Vec::new());
         for (i, patch) in self.patches.iter().enumerate() {
             if patch.surface.kind() == PrimitiveKind::Plane {
@@ -28,7 +28,7 @@ impl Work<'_> {
             let meshed: f64 = triangles.map(|t| 0.5 * self.mesh.area_vector(t).norm()).sum();
             let ratio = own / meshed.max(f64::MIN_POSITIVE);
             if !(ratio < AREAS && ratio > 1.0 / AREAS) {
-                return Err(Fault::new(&[i], format!("its area is {ratio:.3} of the mesh's")));
+                return Err(SeamFault::new(&[i], format!("its area is {ratio:.3} of the mesh's")));
             }
             if (ratio - 1.0).abs() > worst.0 {
                 worst = ((ratio - 1.0).abs(), vec![i]);
@@ -38,7 +38,7 @@ impl Work<'_> {
         let [low, high] = self.volumes();
         if volume < low || volume > high {
             let why = format!("the volume {volume} is not between {low} and {high}");
-            return Err(Fault::new(&worst.1, why));
+            return Err(SeamFault::new(&worst.1, why));
         }
         Ok(())
     }

@@ -73,15 +73,15 @@ pub struct Report {
 
 /// Why patches do not become faces.
 #[derive(Debug, Clone)]
-pub(crate) struct Fault {
+pub(crate) struct SeamFault {
     /// The patches.
     patches: Vec<usize>,
     why: String,
 }
 
-impl Fault {
+impl SeamFault {
     fn new(patches: &[usize], why: impl Into<String>) -> Self {
-        Fault { patches: patches.to_vec(), why: why.into() }
+        SeamFault { patches: patches.to_vec(), why: why.into() }
     }
 }
 
@@ -133,7 +133,7 @@ impl Work<'_> {
     }
 
     /// Makes facets of the patches that failed. A plane that fails first gives up its curved neighbours.
-    fn give_up(&mut self, fault: &Fault, fallbacks: &mut Vec<Fallback>) -> Result<(), String> {
+    fn give_up(&mut self, fault: &SeamFault, fallbacks: &mut Vec<Fallback>) -> Result<(), String> {
         let is_curved =
             |work: &Self, i: &usize| work.patches[*i].surface.kind() != PrimitiveKind::Plane;
         let is_whole = |work: &Self, i: &usize| work.patches[*i].triangles.len() > 1;

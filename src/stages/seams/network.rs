@@ -1,6 +1,6 @@
 //! Chains of mesh edges between two patches, and the loops of each patch.
 
-use super::{Fault, Work};
+use super::{SeamFault, Work};
 use crate::geometry::Point;
 
 /// Mesh edges between the same two patches. The left one is on the left of the direction, seen from outside.
@@ -67,7 +67,7 @@ impl Work<'_> {
     }
 
     /// Finds chains and loops.
-    pub(super) fn network(&self) -> Result<ChainNetwork, Fault> {
+    pub(super) fn network(&self) -> Result<ChainNetwork, SeamFault> {
         let count = 3 * self.mesh.triangles.len();
         let is_junction = self.junctions();
         let start = |side: usize| self.mesh.side(side).0.index();
@@ -92,7 +92,8 @@ impl Work<'_> {
             let mut sides = vec![first];
             let mut last = first;
             while !is_junction[end(last)] && end(last) != start(first) {
-                let lost = || Fault::new(&[self.of_triangle[first / 3]], "a border without an end");
+                let lost =
+                    || SeamFault::new(&[self.of_triangle[first / 3]], "a border without an end");
                 last = self.next_border(last).ok_or_else(lost)?;
                 sides.push(last);
             }
@@ -128,7 +129,7 @@ impl Work<'_> {
         network: &mut ChainNetwork,
         begins: &[Option<ChainUse>],
         lasts: &[[usize; 2]],
-    ) -> Result<(), Fault> {
+    ) -> Result<(), SeamFault> {
         network.loops = vec![Vec::new(); self.patches.len()];
         let mut is_used = vec![[false; 2]; network.chains.len()];
         for chain in 0..network.chains.len() {
@@ -142,7 +143,7 @@ impl Work<'_> {
                     ring.push(at);
                     let last = lasts[at.0][usize::from(!at.1)];
                     let next = self.next_border(last).and_then(|side| begins[side]);
-                    at = next.ok_or_else(|| Fault::new(&[patch], "a loop that breaks off"))?;
+                    at = next.ok_or_else(|| SeamFault::new(&[patch], "a loop that breaks off"))?;
                 }
                 if !ring.is_empty() {
                     network.loops[patch].push(ring);

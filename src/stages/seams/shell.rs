@@ -8,7 +8,7 @@ use super::curves::Pair;
 use super::faces::FaceBuilder;
 use super::network::ChainNetwork;
 use super::winding::FacePlan;
-use super::{Fault, Work, contact};
+use super::{SeamFault, Work, contact};
 use crate::geometry::{Point, Vector};
 use crate::primitives::{Primitive, PrimitiveKind};
 
@@ -26,7 +26,7 @@ const LEAVES_ERRORS: f64 = 20.0;
 const BETWEEN: f64 = 1.5;
 
 /// Builds the solid of all patches.
-pub(super) fn shell(work: &mut Work, name: &str) -> Result<(Brep, f64), Fault> {
+pub(super) fn shell(work: &mut Work, name: &str) -> Result<(Brep, f64), SeamFault> {
     let mut network = work.network()?;
     work.place_vertices(&mut network)?;
     work.fit_facets(&network)?;
@@ -44,7 +44,7 @@ pub(super) fn shell(work: &mut Work, name: &str) -> Result<(Brep, f64), Fault> {
     let outer = brep.add_shell(Shell { faces, closed: true });
     brep.solids.push(Solid { outer, voids: Vec::new() });
     brep.uncertainty_mm = KERNEL.max(BETWEEN * gap);
-    brep.check().map_err(|fault| Fault::new(&patch_of(&brep, &fault), fault.to_string()))?;
+    brep.check().map_err(|fault| SeamFault::new(&patch_of(&brep, &fault), fault.to_string()))?;
     work.guard(&brep)?;
     Ok((brep, gap))
 }
@@ -71,7 +71,7 @@ fn patch_of(brep: &Brep, fault: &ModelFault) -> Vec<usize> {
 
 impl Work<'_> {
     /// Lays the planes of facets through their vertices.
-    fn fit_facets(&mut self, network: &ChainNetwork) -> Result<(), Fault> {
+    fn fit_facets(&mut self, network: &ChainNetwork) -> Result<(), SeamFault> {
         let mut places = self.mesh.points.clone();
         for (n, &v) in network.junctions.iter().enumerate() {
             places[v as usize] = network.vertices[n];
@@ -98,11 +98,15 @@ impl Work<'_> {
                 bent.push(number);
             }
         }
-        if bent.is_empty() { Ok(()) } else { Err(Fault::new(&bent, "a facet that is not flat")) }
+        if bent.is_empty() {
+            Ok(())
+        } else {
+            Err(SeamFault::new(&bent, "a facet that is not flat"))
+        }
     }
 
     /// Puts the points of chains onto both surfaces.
-    fn refine(&self, network: &mut ChainNetwork) -> Result<(), Fault> {
+    fn refine(&self, network: &mut ChainNetwork) -> Result<(), SeamFault> {
         let vertices = &network.vertices;
         for chain in &mut network.chains {
             let [a, b] = [chain.left, chain.right];
@@ -114,13 +118,13 @@ impl Work<'_> {
             }
             chain.touches |= contact::touch(sa, sb, &chain.points, chain.error);
             let pair = Pair { a: sa, b: sb, touches: chain.touches };
-            pair.refine(chain).map_err(|why| Fault::new(&[a, b], why))?;
+            pair.refine(chain).map_err(|why| SeamFault::new(&[a, b], why))?;
         }
         Ok(())
     }
 
     /// Chooses frames and seams, the largest faces first, and gives all closed chains a vertex.
-    fn plans(&self, network: &mut ChainNetwork) -> Result<Vec<FacePlan>, Fault> {
+    fn plans(&self, network: &mut ChainNetwork) -> Result<Vec<FacePlan>, SeamFault> {
         let area = |i: usize| -> f64 {
             let triangles = self.patches[i].triangles.iter();
             let of = |&t: &u32| self.mesh.area_vector(self.mesh.triangles[t as usize]).norm();
@@ -150,13 +154,13 @@ impl Work<'_> {
         network: &mut ChainNetwork,
         brep: &mut Brep,
         plans: &[FacePlan],
-    ) -> Result<f64, Fault> {
+    ) -> Result<f64, SeamFault> {
         brep.vertices = network.vertices.iter().map(|&p| array(p)).collect();
         let mut worst: f64 = 0.0;
         for number in 0..network.chains.len() {
             let mut chain = network.chains[number].clone();
             let sides = [chain.left, chain.right];
-            let fault = |why: String| Fault::new(&sides, why);
+            let fault = |why: String| SeamFault::new(&sides, why);
             let pair = self.pair(chain.left, chain.right, chain.touches);
             let (mut curve, mut off) = pair.curve(&chain).map_err(fault)?;
             if self.is_clockwise(&curve, sides, plans) {

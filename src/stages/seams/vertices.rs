@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector, Vector3};
 
 use super::contact::{contact, touch};
 use super::network::ChainNetwork;
-use super::{Fault, Work};
+use super::{SeamFault, Work};
 use crate::geometry::{Point, Vector};
 use crate::primitives::{Primitive, PrimitiveKind};
 
@@ -26,7 +26,7 @@ const MOVED_ERRORS: f64 = 100.0;
 
 impl Work<'_> {
     /// Moves the vertices onto the surfaces. Facets do not hold vertices; their planes follow.
-    pub(super) fn place_vertices(&self, network: &mut ChainNetwork) -> Result<(), Fault> {
+    pub(super) fn place_vertices(&self, network: &mut ChainNetwork) -> Result<(), SeamFault> {
         let mut around: Vec<Vec<usize>> = vec![Vec::new(); self.mesh.points.len()];
         for (t, corners) in self.mesh.triangles.iter().enumerate() {
             corners.iter().for_each(|v| around[v.index()].push(self.of_triangle[t]));
@@ -49,7 +49,7 @@ impl Work<'_> {
                     bad = holding;
                 }
                 let why = format!("a vertex is {left:.1e} mm off its surfaces, moved {moved:.1e}");
-                return Err(Fault::new(&bad, why));
+                return Err(SeamFault::new(&bad, why));
             }
             network.vertices[n] = at;
         }

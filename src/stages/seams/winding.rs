@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use super::chart::{Chart, around};
 use super::curves::Pair;
 use super::network::{ChainNetwork, ChainUse};
-use super::{Fault, Work};
+use super::{SeamFault, Work};
 use crate::geometry::{Point, Vector};
 use crate::primitives::{Primitive, PrimitiveKind};
 
@@ -43,13 +43,13 @@ const JUMP: f64 = 1.5;
 
 impl Work<'_> {
     /// Chooses the frame and the seam of a face. Its chains get vertices on the seam.
-    pub(super) fn plan(&self, network: &mut ChainNetwork, i: usize) -> Result<FacePlan, Fault> {
+    pub(super) fn plan(&self, network: &mut ChainNetwork, i: usize) -> Result<FacePlan, SeamFault> {
         let surface = self.patches[i].surface;
         let axis = match surface.kind() {
             PrimitiveKind::Sphere => self.sphere_axis(network, i),
             _ => Vector::z(),
         };
-        let fault = |why: &str| Fault::new(&[i], why);
+        let fault = |why: &str| SeamFault::new(&[i], why);
         let mut chart = Chart::new(&surface, axis).map_err(|why| fault(&why))?;
         if surface.kind() == PrimitiveKind::Plane {
             return Ok(FacePlan { chart, wrap: Wrap::Not });
@@ -212,7 +212,7 @@ impl Work<'_> {
         chart: &Chart,
         winding: &[usize],
         (k, seam): (usize, f64),
-    ) -> Result<(), Fault> {
+    ) -> Result<(), SeamFault> {
         let off = |p: Point| around(chart.parameters(p).0[k] - seam);
         for &number in winding {
             let ring = network.loops[i][number].clone();
@@ -222,7 +222,7 @@ impl Work<'_> {
                 continue;
             }
             let Some((chain, after, p)) = self.on_seam(network, &ring, &off) else {
-                return Err(Fault::new(&[i], "a loop that does not meet its seam"));
+                return Err(SeamFault::new(&[i], "a loop that does not meet its seam"));
             };
             network.cut(chain, after, p);
         }
