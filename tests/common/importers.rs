@@ -20,6 +20,13 @@ pub fn opencascade(file: &Path, points: Option<&[[f64; 3]]>) -> Value {
     answer(command)
 }
 
+/// The properties of a file in OpenCASCADE, which heals it.
+pub fn opencascade_healed(file: &Path) -> Value {
+    let mut command = opencascade_script("check_occ.py");
+    command.arg(file).arg("--healed");
+    answer(command)
+}
+
 /// The properties of a solid's file in OpenCASCADE without healing.
 pub fn opencascade_solid(file: &Path) -> Value {
     let mut command = opencascade_script("check_solid_occ.py");
