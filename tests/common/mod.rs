@@ -49,8 +49,10 @@ pub fn large_scan(folder: &Path) -> PathBuf {
     let at = |i: u32, j: u32| {
         let (x, y) = (0.1 * i as f32, 0.1 * j as f32);
         // Without noise, smoothing would have nothing to do.
-        let noise = (i * 7919 + j * 104_729) % 997;
-        [x, y, (0.3 * x).sin() + (0.2 * y).cos() + 2e-5 * noise as f32]
+        let mixed =
+            (i.wrapping_mul(0x9E37_79B1) ^ j.wrapping_mul(0x85EB_CA77)).wrapping_mul(0x2C1B_3C6D);
+        let noise = ((mixed ^ mixed >> 15).wrapping_mul(0x297A_2D39) >> 20) as f32 / 4096.0;
+        [x, y, (0.3 * x).sin() + (0.2 * y).cos() + 0.02 * noise]
     };
     let mut bytes = vec![0; 80];
     bytes.extend((2 * side * side).to_le_bytes());
