@@ -11,7 +11,7 @@ mod exact;
 #[path = "../formats/tests/write/model.rs"]
 mod model;
 
-use common::importers::{freecad_solid, opencascade, opencascade_solid};
+use common::importers::{freecad_solid, opencascade_healed, opencascade_solid};
 use common::number;
 use formats::Brep;
 use formats::brep::{BrepSurface, Face, ShellId};
@@ -147,7 +147,7 @@ fn opencascade_reads_exact_ones_as_trimmed_surfaces() {
         let path = folder.path().join("trimmed.igs");
         iges::write(&brep, &iges::Options::default(), &mut File::create(&path).expect("a file"))
             .expect("it is sound");
-        let found = common::importers::opencascade_healed(&path);
+        let found = opencascade_healed(&path);
         assert_eq!(found["faces"], brep.faces.len(), "{}: {found}", brep.name);
         assert_eq!(found["valid"], true, "{}: {found}", brep.name);
         let area: f64 = (0..brep.shells.len()).map(|shell| brep.area(ShellId(shell))).sum();
