@@ -71,12 +71,21 @@ impl Claims {
 
     /// Joins neighbours of one kind and side that one surface explains.
     pub(super) fn merge(&mut self, evidence: &ExactFacets) {
+        self.join(evidence, Claims::joint);
+    }
+
+    /// Joins neighbours until no two have a region in `common`.
+    pub(super) fn join(
+        &mut self,
+        evidence: &ExactFacets,
+        common: fn(&Claims, &ExactFacets, usize, usize) -> Option<GrownRegion>,
+    ) {
         let mut at = 0;
         while at < self.regions.len() {
             let found = self
                 .beside(evidence, at)
                 .into_iter()
-                .find_map(|other| Some((other, self.joint(evidence, at, other)?)));
+                .find_map(|other| Some((other, common(self, evidence, at, other)?)));
             match found {
                 Some((other, joint)) => {
                     self.regions[at] = joint;

@@ -15,24 +15,7 @@ impl Claims {
     /// a face with such edges leave pieces that are a little different each.
     pub(super) fn unify(&mut self, evidence: &ExactFacets) {
         self.simplify(evidence);
-        let mut at = 0;
-        while at < self.regions.len() {
-            let found = self
-                .beside(evidence, at)
-                .into_iter()
-                .find_map(|other| Some((other, self.common(evidence, at, other)?)));
-            match found {
-                Some((other, joint)) => {
-                    self.regions[at] = joint;
-                    self.regions[other].units.clear();
-                    self.regions[other].vertices.clear();
-                    let number = at as u32;
-                    self.regions[at].units.iter().for_each(|&f| self.of[f as usize] = number);
-                }
-                None => at += 1,
-            }
-        }
-        self.drop_empty();
+        self.join(evidence, Claims::common);
     }
 
     /// Makes loose regions simpler where loose edges allow it: on the axis of an exact region, or of a simpler kind.
