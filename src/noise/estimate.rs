@@ -109,12 +109,33 @@ impl Estimate {
         // Of overlapping patches only so many degrees of freedom are independent.
         let deviation = (2.0 / (apart * freedom).max(f64::MIN_POSITIVE)).sqrt();
         let share = left / expected.max(f64::MIN_POSITIVE);
-        Estimate { remaining: share * (1.0 - SIGNIFICANT * deviation), ..self }
+        let shape = self.most_shape(kept, apart);
+        Estimate { remaining: share * (1.0 - SIGNIFICANT * deviation) * (1.0 - shape), ..self }
+    }
+
+    /// The largest share of shape in the residuals of independent errors by which neighbours may agree
+    /// as they do. Shape alone is the same at both.
+    fn most_shape(&self, kept: &[&NoisePatch], apart: f64) -> f64 {
+        if self.is_correlated() {
+            return 0.0;
+        }
+        let share = |p: &&NoisePatch| {
+            let Residuals { expected, .. } = p.fits[self.degree];
+            self.agreement(p) / (p.neighbours - expected[1] / expected[0])
+        };
+        let [sum, squares] = sums(kept, |p| [share(&p), share(&p).powi(2)]);
+        let count = kept.len().max(1) as f64;
+        (sum / count + SIGNIFICANT * (squares / apart).sqrt() / count).clamp(0.0, 1.0)
+    }
+
+    /// Whether the errors of neighbours are not independent.
+    fn is_correlated(&self) -> bool {
+        self.covariances[1] != 0.0 || self.covariances[2] != 0.0
     }
 
     /// The mean square of a patch as a multiple of what this noise leaves, and its degrees of freedom.
     pub(crate) fn relative(&self, patch: &NoisePatch) -> (f64, f64) {
-        if self.covariances[1] == 0.0 && self.covariances[2] == 0.0 {
+        if !self.is_correlated() {
             let Residuals { sums, expected } = patch.fits[self.degree];
             return (sums[0] / (self.covariances[0] * expected[0]), expected[0]);
         }
@@ -127,7 +148,7 @@ impl Estimate {
     /// of their mean square.
     pub(crate) fn agreement(&self, patch: &NoisePatch) -> f64 {
         let Residuals { sums, expected } = patch.fits[self.degree];
-        if self.covariances[1] == 0.0 && self.covariances[2] == 0.0 {
+        if !self.is_correlated() {
             return sums[1] / sums[0] - expected[1] / expected[0];
         }
         let mixed = patch.mixing * self.covariances;

@@ -37,6 +37,8 @@ const MOST_VERTICES: usize = 4 * EVEN;
 pub(super) struct NoisePatch {
     /// The vertex in its middle.
     pub middle: VertexId,
+    /// The mean number of neighbours that a vertex has within the patch.
+    pub neighbours: f64,
     /// The matrix A of the quadric.
     pub mixing: Matrix3<f64>,
     /// The sums of products of the quadric's residuals over pairs that are 0, 1 and 2 edges apart.
@@ -155,7 +157,9 @@ impl NoisePatch {
             };
             fitted = count;
         }
-        let patch = NoisePatch { middle, mixing: mixing(&basis, &pairs), moments, fits };
+        let neighbours = pairs[1].len() as f64 / offsets.len() as f64;
+        let mixing = mixing(&basis, &pairs);
+        let patch = NoisePatch { middle, neighbours, mixing, moments, fits };
         // Vertices at one place have no basis.
         patch.mixing.iter().all(|x| x.is_finite()).then_some(patch)
     }

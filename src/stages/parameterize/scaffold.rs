@@ -23,7 +23,7 @@ const WINDOW: f64 = 3.0;
 
 /// A boundary is ragged if its length exceeds that of its mean over nine vertices by this factor.
 /// Square corners give 1.02 to 1.07.
-const RAGGED: f64 = 1.1;
+const RAGGED: f64 = 1.07;
 
 /// A point of the boundary or of its mean, followed by the normal of the surface there.
 type Station = SVector<f64, 6>;
